@@ -315,8 +315,8 @@ class ConfigReference(unittest.TestCase):
 
     def test_a_key_that_nobody_describes_or_reads(self):
         for before, after, complaint in (
-                ("`home_hint`", "`nothing`", "'home_hint' is read by"),
-                ("| `home_hint` |", "| `home_hint`, `no_such_key` |", "'no_such_key' is described")):
+                ("`body_drag_linear_n_s_m`", "`nothing`", "'body_drag_linear_n_s_m' is read by"),
+                ("| `body_drag_linear_n_s_m` |", "| `body_drag_linear_n_s_m`, `no_such_key` |", "'no_such_key' is described")):
             with self.tree() as tree:
                 page = tree / "docs" / "config.md"
                 text = page.read_text()

@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
@@ -52,6 +53,36 @@ INSTANTIATE_TEST_SUITE_P(Programs, Manual,
                          testing::Values("casd", "casctl", "casweb", "hilsim", "fcu_emulator",
                                          "hils", "mavlink_gen"),
                          [](const auto& test) { return std::string(test.param); });
+
+struct KeysOf {
+  std::string program;
+  std::string verb{};
+};
+
+class Keys : public testing::TestWithParam<KeysOf> {};
+
+TEST_P(Keys, AreTheTablesOfTheDocumentation) {
+  const auto& [name, verb] = GetParam();
+  std::vector<std::string> words{cas::test::binary_dir() + "/bin/" + name};
+  if (!verb.empty()) words.push_back(verb);
+  words.emplace_back("--keys");
+  ChildProcess program(words);
+  EXPECT_EQ(program.wait_exit(), 0) << program.output();
+
+  const std::string command = name + (verb.empty() ? "" : " " + verb) + " --keys";
+  const std::string page = TemporaryFolder::read(cas::test::source_dir() + "/docs/config.md");
+  const std::string begin = "<!-- " + command + " -->\n\n";
+  const std::size_t from = page.find(begin);
+  ASSERT_NE(from, page.npos);
+  const std::size_t first = from + begin.size();
+  EXPECT_EQ(page.substr(first, page.find("\n<!-- end -->", first) - first), program.output())
+      << "print it with " << command;
+}
+
+INSTANTIATE_TEST_SUITE_P(Programs, Keys,
+                         testing::Values(KeysOf{"casd"}, KeysOf{"fcu_emulator"}, KeysOf{"hilsim"},
+                                         KeysOf{"hils", "run"}),
+                         [](const auto& test) { return test.param.program; });
 
 }  // namespace
 }  // namespace cas::test

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Holds docs/config.md and docs/plugins.md to the parsers: a key that is read is described in the section of its
-file, and a key that a table or an example there names stands in the sources of that program. The tables of a
-topology are casd's own words (tests/casd/topology/topology_keys_test.cpp).
+file, and a key that a table or an example there names stands in the sources of that program. The tables of
+topologies, simulations, controllers and scenarios are their programs' own words (tests/loopback/manuals_test.cpp).
 
 Usage: config_reference_test.py [SOURCE_TREE]
 """
@@ -17,9 +17,6 @@ ROOT = ROOT if ROOT.is_dir() else ROOT.parents[3]
 # Section of a page -> the files that read its keys.
 SECTIONS = {
     ("config", "Scenario"): ["hils/scenario/*.cpp", "hils/flight/flight_step.cpp"],
-    ("config", "Simulation"): ["libsim/core/load/sim_config.cpp", "base/os/cpu_latency.cpp", "base/os/thread_keys.hpp",
-                                 "base/config/sensor_set.cpp"],
-    ("config", "Controller"): ["fcu/core/fcu_config.cpp", "fcu/line/line_model.cpp"],
     ("config", "Vehicle"): ["base/config/vehicle_file.cpp"],
     ("plugins", "imu"): ["plugins/imu/*.cpp"],
     ("plugins", "gps"): ["plugins/gps/*.cpp"],
@@ -32,8 +29,7 @@ SECTIONS = {
 }
 
 # Whose words a section names besides.
-FURTHER = {("config", "Simulation"): ["plugins/mavlink_interface/*.cpp"],
-           ("config", "Scenario"): ["plugins/fault/*.cpp", "fcu/core/*.cpp", "casd/station/*.cpp"]}
+FURTHER = {("config", "Scenario"): ["plugins/fault/*.cpp", "fcu/core/*.cpp", "casd/station/*.cpp"]}
 
 # Functions that take a key, by the beginning of their names.
 READERS = r"(?:at|find|has|get|require|optional|parse|positive|non_negative|microseconds|ms|kib|handed_on|place|offer|key)"

@@ -5,9 +5,7 @@
 
 #include "base/error.hpp"
 #include "casd/topology/topology.hpp"
-#include "casd/topology/topology_reference.hpp"
 #include "tests/casd/key_changes.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 // Each key that casd reads, taken from the lists that it reads them by.
@@ -84,16 +82,6 @@ TEST_F(TopologyKeys, AreRefusedOutsideOfTheirBounds) {
   EXPECT_THROW(with_lines("cpu_dma_latency_us: 10001\n"), base::ConfigError);
   EXPECT_THROW(with_link("{name: x, type: udp, local: 'h:1', queue: {hil_kib: 0.5}}"),
                base::ConfigError);
-}
-
-TEST(TopologyReference, IsTheOneOfTheDocumentation) {
-  const std::string page = TemporaryFolder::read(cas::test::source_dir() + "/docs/config.md");
-  const std::string begin = "<!-- casd --keys -->\n\n";
-  const std::size_t from = page.find(begin);
-  ASSERT_NE(from, page.npos);
-  const std::size_t first = from + begin.size();
-  const std::string shown = page.substr(first, page.find("\n<!-- end -->", first) - first);
-  EXPECT_EQ(shown, topology_reference()) << "print it with casd --keys";
 }
 
 }  // namespace
