@@ -239,7 +239,7 @@ std::vector<CampaignCell> cells_of(const Campaign& campaign) {
   std::vector<CampaignCell> cells;
   for (std::size_t i = 0; i < campaign.failures.size(); ++i) {
     const CampaignFailure& failure = campaign.failures[i];
-    if (!obstacle(*failure.failure, campaign.is_on_boards()).empty()) continue;
+    if (obstacle(*failure.failure, campaign.is_on_boards())) continue;
     for (std::size_t j = 0; j < campaign.phases.size(); ++j) {
       if (failure.expected.contains(campaign.phases[j].name)) cells.push_back({i, j});
     }

@@ -95,7 +95,8 @@ std::string cell_cause(const CellResult& cell) {
   return cause;
 }
 
-std::string_view obstacle(const CampaignMatrix& matrix, const CampaignFailure& failure) {
+std::optional<std::string_view> obstacle(const CampaignMatrix& matrix,
+                                         const CampaignFailure& failure) {
   return hils::obstacle(*failure.failure, matrix.campaign.is_on_boards());
 }
 
@@ -103,7 +104,7 @@ std::string_view obstacle(const CampaignMatrix& matrix, const CampaignFailure& f
 std::vector<const CampaignFailure*> not_flown(const CampaignMatrix& matrix) {
   std::vector<const CampaignFailure*> failures;
   for (const CampaignFailure& failure : matrix.campaign.failures) {
-    if (!obstacle(matrix, failure).empty()) failures.push_back(&failure);
+    if (obstacle(matrix, failure)) failures.push_back(&failure);
   }
   return failures;
 }
@@ -114,7 +115,7 @@ std::vector<std::string> remarks(const CampaignMatrix& matrix) {
   if (!matrix.stopped.empty()) sentences.push_back("ended early: " + matrix.stopped);
   for (const CampaignFailure* failure : not_flown(matrix)) {
     sentences.push_back(
-        fmt::format("{}: not flown; it {}", failure->name, obstacle(matrix, *failure)));
+        fmt::format("{}: not flown; it {}", failure->name, *obstacle(matrix, *failure)));
   }
   if (const auto& names = matrix.campaign.left_out; !names.empty()) {
     sentences.push_back(fmt::format("left out by --only: {}", fmt::join(names, ", ")));
@@ -174,10 +175,10 @@ void add_matrix(const CampaignMatrix& matrix, const fs::path& again, HtmlPage& h
       if (const CellResult* cell = matrix.find(i, j)) {
         row.push_back(html_cell(*cell, again));
       } else {
-        const std::string_view why = obstacle(matrix, failure);
+        const std::optional<std::string_view> why = obstacle(matrix, failure);
         const bool strikes = failure.expected.contains(matrix.campaign.phases[j].name);
-        row.push_back(strikes && !why.empty()
-                          ? HtmlPage::Cell{.text = "not flown", .detail = std::string(why)}
+        row.push_back(strikes && why
+                          ? HtmlPage::Cell{.text = "not flown", .detail = std::string(*why)}
                           : HtmlPage::Cell{.text = "-"});
       }
     }
@@ -337,7 +338,7 @@ std::string campaign_junit(const CampaignMatrix& matrix) {
         suite, escape_xml(name), why);
   };
   for (const CampaignFailure* failure : not_flown(matrix)) {
-    skip(failure->name, fmt::format("it {}", obstacle(matrix, *failure)));
+    skip(failure->name, fmt::format("it {}", *obstacle(matrix, *failure)));
   }
   for (const std::string& name : matrix.campaign.left_out) skip(name, "left out by --only");
   const std::size_t stopped = matrix.stopped.empty() ? 0 : 1;

@@ -456,18 +456,21 @@ const Failure* find_failure(std::string_view name) {
   return found == failure_catalogue().end() ? nullptr : &*found;
 }
 
-std::string_view obstacle(const Failure& failure, bool on_board) {
+std::optional<std::string_view> obstacle(const Failure& failure, bool on_board) {
   switch (failure.needs) {
     case FailureNeeds::kNothing:
       break;
     case FailureNeeds::kPrograms:
-      return on_board ? "" : "needs casd as a program";
+      if (!on_board) return "needs casd as a program";
+      break;
     case FailureNeeds::kVirtualClock:
-      return on_board ? "needs the virtual clock" : "";
+      if (on_board) return "needs the virtual clock";
+      break;
     case FailureNeeds::kLineModel:
-      return on_board ? "needs the emulated line: a real port cannot play it" : "";
+      if (on_board) return "needs the emulated line: a real port cannot play it";
+      break;
   }
-  return "";
+  return std::nullopt;
 }
 
 std::string faults_of(const Failure& failure, const std::string& title, const std::string& when,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -47,9 +48,9 @@ const std::vector<Failure>& failure_catalogue();
 /// @return nullptr when there is none of that name
 const Failure* find_failure(std::string_view name);
 
-/// Why a campaign cannot fly a failure: "needs casd as a program"; empty: it can.
+/// Why a campaign cannot fly a failure: "needs casd as a program"; nothing: it can.
 /// @param on_board  in real time with a board, else on the virtual clock
-std::string_view obstacle(const Failure& failure, bool on_board);
+std::optional<std::string_view> obstacle(const Failure& failure, bool on_board);
 
 /// The entries of a scenario's `faults` for one failure, as a list in one line of YAML.
 ///
