@@ -20,7 +20,6 @@ using mavlink::common::MavResult;
 using mavlink::common::MavSeverity;
 using mavlink::common::Statustext;
 
-constexpr std::int32_t kMostToken = 1 << 24;  // whole numbers that a float tells apart
 constexpr auto kStretch = std::chrono::minutes(1);
 constexpr int kMostRefusals = 20;  // that leave a line in one stretch
 
@@ -82,6 +81,8 @@ FailureDesk::Verdict FailureDesk::on_packet(const Origin& from, const mav::Packe
   const auto command = mav::services::failure_command(packet);
   if (!command) return Verdict::kNotOurs;
   const mav::Source target = command->target;
+  const Addressee vehicle = addressee(command->target);
+  const std::uint8_t system = vehicle.source.system;
   std::optional<std::uint8_t> asked;
   if (target.system != 0) asked = target.system;
   const auto resolved = commander_.resolve(asked);
@@ -96,28 +97,41 @@ FailureDesk::Verdict FailureDesk::on_packet(const Origin& from, const mav::Packe
   }
   if (order && is_repetition(from, packet, system, *order)) return Verdict::kRefused;
 
-  const mav::Source vehicle{system,
-                            target.component != 0 ? target.component : mav::services::kAutopilot};
-  std::string line = ids(packet.source) + " on link " + hooks_.link_name(from.path.link) +
-                     " MAV_CMD_INJECT_FAILURE" + (order ? " '" + to_words(*order) + "'" : "") +
-                     " vehicle " + std::to_string(system) + ": ";
-  Request request{.order = order.value_or(FailureOrder{}),
-                  .answer = [this, to = from.path, asker = packet.source, vehicle](
-                                const Outcome& outcome) { answer(to, asker, vehicle, outcome); },
-                  .line = std::move(line),
-                  .by = packet.source,
-                  .link = from.path.link};
-  std::optional<Outcome> why = refusal(packet.source, from.path.link);
-  if (!why && !order) {
-    why = refused(MavResult::kDenied, "unit, type or instance is no number");
-  } else if (!why && known == nullptr) {
-    why = refused(MavResult::kDenied, "there is no such vehicle",
-                  std::get<Outcome>(resolved).message);
-  } else if (!why) {
-    why = refusal(system, hooks_.simulator(system));
-  }
+  Request request = request_of(from, packet, order, vehicle.source);
+  auto why = refusal(packet.source, from.path.link);
+  if (!why && !order) why = refused(MavResult::kDenied, "unit, type or instance is no number");
+  if (!why) why = vehicle.unknown;
+  if (!why) why = refusal(system, hooks_.simulator(system));
   if (why) {
     end(request, *why, now);
+FailureDesk::Addressee FailureDesk::addressee(mav::Source target) const {
+  const std::uint8_t component =
+      target.component != 0 ? target.component : mav::services::kAutopilot;
+  std::optional<std::uint8_t> asked;
+  if (target.system != 0) asked = target.system;
+  const auto resolved = commander_.resolve(asked);
+  if (const auto* const system = std::get_if<std::uint8_t>(&resolved)) {
+    return {.source = {*system, component}};
+  }
+  return {.source = {target.system, component},
+          .unknown = refused(MavResult::kDenied, "there is no such vehicle",
+                             std::get<Outcome>(resolved).message)};
+}
+
+FailureDesk::Request FailureDesk::request_of(const Origin& from, const mav::PacketView& packet,
+                                             const std::optional<FailureOrder>& order,
+                                             mav::Source vehicle) {
+  std::string line = ids(packet.source) + " on link " + hooks_.link_name(from.path.link) +
+                     " MAV_CMD_INJECT_FAILURE" + (order ? " '" + to_words(*order) + "'" : "") +
+                     " vehicle " + std::to_string(vehicle.system) + ": ";
+  return {.order = order.value_or(FailureOrder{}),
+          .answer = [this, to = from.path, asker = packet.source,
+                     vehicle](const Outcome& outcome) { answer(to, asker, vehicle, outcome); },
+          .line = std::move(line),
+          .by = packet.source,
+          .link = from.path.link};
+}
+
     return Verdict::kRefused;
   }
   add(system, std::move(request), now);
@@ -201,7 +215,7 @@ void FailureDesk::send_first(std::uint8_t system, base::RunTime now) {
   if (request.link != kNoLink && !why) why = refusal(request.by, request.link);
   if (why) return finish(system, *why, now);
   request.simulator = *simulator;
-  request.token = token_ = token_ % kMostToken + 1;
+  request.token = token_ = token_ % mav::services::kMostToken + 1;
   request.deadline = now + kPatience;
   auto command = mav::services::command_of(request.order, request.simulator.source);
   command.param7 = static_cast<float>(request.token);

@@ -86,6 +86,15 @@ class FailureDesk {
     base::RunTime deadline{};
   };
 
+  /// Whom a command names.
+  struct Addressee {
+    mav::Source source;
+    std::optional<Outcome> unknown{};  ///< why there is no such vehicle
+  };
+
+  Addressee addressee(mav::Source target) const;
+  Request request_of(const Origin& from, const mav::PacketView& packet,
+                     const std::optional<mav::services::FailureOrder>& order, mav::Source vehicle);
   bool is_repetition(const Origin& from, const mav::PacketView& packet, std::uint8_t system,
                      const mav::services::FailureOrder& order) const;
   std::optional<Outcome> refusal(std::uint8_t system,

@@ -69,6 +69,10 @@ enum class FailureRefusal : std::uint8_t {
   kFull = 6,      ///< the run takes no more of them
 };
 
+/// Most that tells an order from the next in parameter 7: the whole numbers that a float tells
+/// apart.
+inline constexpr std::int32_t kMostToken = 1 << 24;
+
 /// Reads MAV_CMD_INJECT_FAILURE, as COMMAND_LONG or COMMAND_INT; nothing for other packets.
 std::optional<FailureCommand> failure_command(const PacketView& packet);
 /// Reads parameters 1 to 3 of the command; nothing as above.

@@ -19,11 +19,11 @@ namespace {
 
 constexpr std::size_t kMostWaiting = 32;  ///< messages of plugins in one step
 constexpr std::size_t kMostAnswers = 16;  ///< commands in one step
-constexpr float kMostToken = 1 << 24;     ///< whole numbers that a float tells apart
 
 /// As a whole number; 0 for what is not one.
 std::int32_t token_of(float number) {
-  return number >= 0 && number <= kMostToken ? static_cast<std::int32_t>(number) : 0;
+  const bool is_one = number >= 0 && number <= static_cast<float>(mav::services::kMostToken);
+  return is_one ? static_cast<std::int32_t>(number) : 0;
 }
 
 /// Packs a payload as an unsigned MAVLink 2 packet, trailing zeros cut. @return bytes written
