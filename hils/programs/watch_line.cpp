@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "base/rpc/local_clients.hpp"
+#include "hils/programs/child_process.hpp"
 
 namespace cas::hils {
 
@@ -22,9 +23,8 @@ bool can_be_run(const std::filesystem::path& program) {
 
 std::string casctl_of_this_machine() {
   std::error_code error;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
   const char* const path = std::getenv("PATH");
-  return casctl_command(program.parent_path(), std::filesystem::current_path(error),
+  return casctl_command(own_program().parent_path(), std::filesystem::current_path(error),
                         path == nullptr ? "" : path);
 }
 

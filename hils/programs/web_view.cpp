@@ -59,8 +59,7 @@ WebView::WebView(const RunPlaces& places, const Supervisor& supervisor) {
 
 bool WebView::start(const RunPlaces& places, const Supervisor& supervisor,
                     const std::string& listen) {
-  const std::filesystem::path programs =
-      std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  const std::filesystem::path programs = own_program().parent_path();
   ChildProcess::Options options;
   options.name = "casweb";
   // A token of this run: a page that stays open must tell the next program at this port none that
