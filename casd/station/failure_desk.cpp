@@ -80,15 +80,9 @@ FailureDesk::Verdict FailureDesk::on_packet(const Origin& from, const mav::Packe
   if (packet.message_id == CommandAck::kId) on_ack(from, packet, now);
   const auto command = mav::services::failure_command(packet);
   if (!command) return Verdict::kNotOurs;
-  const mav::Source target = command->target;
+  const std::optional<FailureOrder>& order = command->order;
   const Addressee vehicle = addressee(command->target);
   const std::uint8_t system = vehicle.source.system;
-  std::optional<std::uint8_t> asked;
-  if (target.system != 0) asked = target.system;
-  const auto resolved = commander_.resolve(asked);
-  const auto* const known = std::get_if<std::uint8_t>(&resolved);
-  const std::uint8_t system = known == nullptr ? target.system : *known;
-  const std::optional<FailureOrder>& order = command->order;
   if (gone_.has(from.path.link)) {
     leave_line(ids(packet.source) + " MAV_CMD_INJECT_FAILURE vehicle " + std::to_string(system) +
                    ": it came in the middle of a reload",
@@ -104,6 +98,12 @@ FailureDesk::Verdict FailureDesk::on_packet(const Origin& from, const mav::Packe
   if (!why) why = refusal(system, hooks_.simulator(system));
   if (why) {
     end(request, *why, now);
+    return Verdict::kRefused;
+  }
+  add(system, std::move(request), now);
+  return Verdict::kTaken;
+}
+
 FailureDesk::Addressee FailureDesk::addressee(mav::Source target) const {
   const std::uint8_t component =
       target.component != 0 ? target.component : mav::services::kAutopilot;
@@ -130,12 +130,6 @@ FailureDesk::Request FailureDesk::request_of(const Origin& from, const mav::Pack
           .line = std::move(line),
           .by = packet.source,
           .link = from.path.link};
-}
-
-    return Verdict::kRefused;
-  }
-  add(system, std::move(request), now);
-  return Verdict::kTaken;
 }
 
 void FailureDesk::inject(std::uint8_t system, const VehicleCommand& command, base::RunTime now,
