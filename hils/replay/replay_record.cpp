@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <array>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -20,11 +19,12 @@
 #include "base/rpc/base64.hpp"
 #include "base/time/clock.hpp"
 #include "hils/measure/check_json.hpp"
-#include "hils/measure/column.hpp"
 #include "hils/measure/csv_row.hpp"
 #include "hils/programs/composition.hpp"
 #include "hils/replay/hop_record.hpp"
 #include "hils/replay/logged_messages.hpp"
+#include "hils/replay/reference_columns.hpp"
+#include "hils/replay/truth_columns.hpp"
 #include "hils/replay/ulog_messages.hpp"
 #include "libsim/core/load/model_loader.hpp"
 #include "libsim/core/load/visuals.hpp"
@@ -36,29 +36,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kFormat = 1;
-constexpr double kTruthPeriod_s = 0.02;
-constexpr double kReferencePeriod_s = 0.05;
-constexpr double kTimeStep_s = 0.001;
-
-/// Columns of truth.csv with their names in the record, and what a pixel can show of them.
-struct TruthColumn {
-  std::string_view name;
-  double step;
-};
-constexpr std::array<TruthColumn, 13> kTruthColumns{{{"t", kTimeStep_s},
-                                                     {"x", 0.001},
-                                                     {"y", 0.001},
-                                                     {"z", 0.001},
-                                                     {"vx", 0.002},
-                                                     {"vy", 0.002},
-                                                     {"vz", 0.002},
-                                                     {"roll", 0.0005},
-                                                     {"pitch", 0.0005},
-                                                     {"yaw", 0.0005},
-                                                     {"p", 0.002},
-                                                     {"q", 0.002},
-                                                     {"r", 0.002}}};
-constexpr double kRotorStep_rad_s = 1;
 
 std::string dump(const Json& json) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
@@ -67,36 +44,20 @@ std::string dump(const Json& json) {
 /// truth.csv at 50 Hz; null where there is none.
 Json truth_json(const std::filesystem::path& file) {
   std::ifstream in(file);
-  std::vector<std::vector<double>> columns;
+  TruthColumns truth;
   std::string line;
   std::getline(in, line);  // header
-  double next_s = 0;
   while (std::getline(in, line)) {
-    const auto row = parse_csv_row(line);
-    if (!row || row->size() < kTruthColumns.size()) continue;  // the last line may be cut
-    if (row->front() < next_s) continue;
-    next_s = row->front() + kTruthPeriod_s - 1e-6;
-    columns.resize(row->size());
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      columns[i].push_back(i < row->size() ? (*row)[i] : 0);
-    }
+    if (const auto row = parse_csv_row(line)) truth.add(*row);  // the last line may be cut
   }
-  if (columns.empty()) return nullptr;
-  Json truth;
-  for (std::size_t i = 0; i < columns.size(); ++i) {
-    const bool is_rotor = i >= kTruthColumns.size();
-    const std::string name = is_rotor ? "rotor" + std::to_string(i - kTruthColumns.size() + 1)
-                                      : std::string(kTruthColumns[i].name);
-    truth[name] = column_json(columns[i], is_rotor ? kRotorStep_rad_s : kTruthColumns[i].step);
-  }
-  return truth;
+  return truth.json();
 }
 
 /// Where the vehicle was to be, in the axes of the truth, from its first climb to its landing.
 Json reference_json(const RunRecord& record) {
   const std::vector<PoseSample> truth = read_truth(record.truth_csv);
   const Pose start = truth.empty() ? Pose{} : truth.front().pose;
-  std::array<std::vector<double>, 5> columns;
+  ReferenceColumns reference;
   bool climbed = false;
   for (const Stage& stage : record.stages) {
     climbed = climbed || stage.step.kind == StepKind::kTakeoff;
@@ -104,19 +65,13 @@ Json reference_json(const RunRecord& record) {
     if (!climbed) continue;
     const double begin = base::to_seconds(stage.begin);
     const double end = base::to_seconds(stage.end);
-    for (double t = begin; t < end; t += kReferencePeriod_s) {
+    for (double t = begin; t < end; t += ReferenceColumns::kPeriod_s) {
       const Pose pose = reference_at(stage, std::llround(t * 1e6));
-      const std::array row{t, pose.x_m + start.x_m, pose.y_m + start.y_m, pose.z_m + start.z_m,
-                           pose.yaw_rad};
-      for (std::size_t i = 0; i < row.size(); ++i) columns[i].push_back(row[i]);
+      reference.add(
+          {t, pose.x_m + start.x_m, pose.y_m + start.y_m, pose.z_m + start.z_m, pose.yaw_rad});
     }
   }
-  if (columns.front().empty()) return nullptr;
-  return {{"t", column_json(columns[0], kTimeStep_s)},
-          {"x", column_json(columns[1], 0.001)},
-          {"y", column_json(columns[2], 0.001)},
-          {"z", column_json(columns[3], 0.001)},
-          {"yaw", column_json(columns[4], 0.0005)}};
+  return reference.json();
 }
 
 Json vector_json(const Eigen::Vector3d& v) {

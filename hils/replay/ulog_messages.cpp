@@ -19,6 +19,7 @@
 #include "base/error.hpp"
 #include "hils/measure/check_json.hpp"
 #include "hils/replay/logged_series.hpp"
+#include "hils/replay/ulog_truth.hpp"
 #include "hils/ulog/read_ulog.hpp"
 
 namespace cas::hils {
@@ -192,6 +193,7 @@ class Contents final : public UlogListener {
     const auto t_s = time_.of(time_us, series.name);
     if (!t_s) return;
     on_state(*t_s, series, bytes);
+    truth_.on_message(*t_s, series, bytes);
     auto logged = messages_.find(series.name);
     if (logged == messages_.end()) {
       const double period_s = kDrawn.contains(series.name) ? kSeriesPeriod_s : period_s_;
@@ -229,10 +231,12 @@ class Contents final : public UlogListener {
              {"states", std::move(states_)},
              {"autopilot", "PX4"},
              {"duration_s", time_.newest_s()}};
-    return {{"system", system()},
-            {"controller", controller_},
-            {"log", std::move(log)},
-            {"events", std::move(events_)}};
+    Json vehicle{{"system", system()},
+                 {"controller", controller_},
+                 {"log", std::move(log)},
+                 {"events", std::move(events_)}};
+    truth_.add_to(vehicle);
+    return vehicle;
   }
 
  private:
@@ -313,6 +317,7 @@ class Contents final : public UlogListener {
   double period_s_;
   UlogTime time_;
   std::string controller_;
+  UlogTruth truth_;
   std::map<std::string, LoggedSeries, std::less<>> messages_;
   std::map<std::string, double, std::less<>> parameters_;
   std::map<std::int64_t, UlogLoss> missing_;  // by second

@@ -27,6 +27,7 @@ struct UlogLoss {
 ///           Where a topic has the attitude `q`, its `roll`, `pitch` and `yaw` are there, too
 ///   events: parameters that changed, and what the log lacks
 ///   system: the vehicle's
+///   truth, reference, origin: the true motion and the setpoints, as UlogTruth has them
 ///   controller: its hardware, "PX4_FMU_V5X"; empty where the log does not say
 ///
 /// Numbers come at 20 Hz. Time counts from the begin of the log.

@@ -185,10 +185,11 @@ INSTANTIATE_TEST_SUITE_P(
                     ":5: steps[1].setgain.loop: there is no loop 'velocty'; loops are rollrate, "},
         BadScenario{"MisspeltLoop", "steps: [arm, {setgain: {loop: velocty, p: 1}}]\n",
                     "; did you mean 'velocity'?"},
-        BadScenario{"MisspeltStep", "steps: [arm, {takof: {altitude_m: 2}}, land]\n",
-                    ":5: steps[1]: there is no step 'takof'; steps are arm, takeoff, goto, "
-                    "hold, trajectory, setgain, setparam, wait_until, land, disarm; did you mean "
-                    "'takeoff'?"},
+        BadScenario{
+            "MisspeltStep", "steps: [arm, {takof: {altitude_m: 2}}, land]\n",
+            ":5: steps[1]: there is no step 'takof'; steps are arm, takeoff, goto, "
+            "hold, trajectory, setgain, setparam, wait_until, mission, rtl, land, disarm; did "
+            "you mean 'takeoff'?"},
         BadScenario{
             "MisspeltArchitecture",
             "architecture: tcsa\nsteps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: "

@@ -43,6 +43,8 @@ interface RecordVehicle {
   responses?: StepResponse[];
   truth?: Record<string, Column> | null;
   reference?: Record<string, Column> | null;
+  /** Of the estimate, in W; without it the first true position. */
+  origin?: Vec3;
   link?: {hops: RecordHop[]; relay: RecordHop[]; loop: [number, number, number, number, number][]; tapes: SnapTape[]} | null;
   log?: RecordLog | null;
 }
@@ -142,7 +144,7 @@ export class VehicleRecord {
   readonly messages: DecodedMessage[];
   /** What its HEARTBEATs say; those of other components of the system say nothing. */
   readonly autopilot: string | undefined;
-  /** Where the vehicle stood at the start, in W: the controller counts from there. */
+  /** Origin of the estimate, in W: where the vehicle stood at the start, unless the record knows better. */
   readonly origin: Vec3 = [0, 0, 0];
   private readonly attitudes: Quat[] = [];
   private readonly cache = new Map<string, Series | undefined>();
@@ -165,6 +167,7 @@ export class VehicleRecord {
       }
       if (t!.length > 0) this.origin = [y![0]!, x![0]!, z![0]!];
     }
+    if (raw.origin) this.origin = raw.origin;
   }
 
   get rotors(): number {
