@@ -23,6 +23,18 @@ export function viewSentence(): string {
   return `Vehicle ${bench.vehicle?.system ?? 1} at ${fixed(n, 1)} m north, ${fixed(e, 1)} m east, ${fixed(u, 1)} m up${off}`;
 }
 
+/** The page has been seen. WebGL begins after that: without a graphics card its shaders hold up all drawing. */
+function painted(): Promise<void> {
+  const kLongest_ms = 500;
+  return new Promise((done) => {
+    new PerformanceObserver((_, observer) => {
+      observer.disconnect();
+      done();
+    }).observe({type: 'paint', buffered: true});
+    setTimeout(done, kLongest_ms);
+  });
+}
+
 /** The 3D view with its cameras and tags; a map from above where there is no WebGL. */
 export class World extends Part {
   view?: View3D;
@@ -45,6 +57,7 @@ export class World extends Part {
 
   private async load(): Promise<void> {
     this.loading = true;
+    await painted();
     const canvas = this.querySelector<HTMLCanvasElement>('canvas.gl')!;
     try {
       const {View3D} = await import('./scene3d.ts');
