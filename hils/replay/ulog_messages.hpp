@@ -36,7 +36,8 @@ struct UlogLoss {
 ///                      come less often
 /// @param loss          of the whole log, if it is asked for
 /// @throws base::ConfigError when it cannot be read, or has no messages
-nlohmann::ordered_json ulog_messages(std::string_view bytes, std::size_t most_numbers = kMostUlogNumbers,
+nlohmann::ordered_json ulog_messages(std::string_view bytes,
+                                     std::size_t most_numbers = kMostUlogNumbers,
                                      UlogLoss* loss = nullptr);
 
 }  // namespace cas::hils

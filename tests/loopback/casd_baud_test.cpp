@@ -69,7 +69,9 @@ TEST(CasdBaud, OfAListTheRateAtWhichPacketsComeIsKeptAndTold) {
   ASSERT_TRUE(wait_until([&] { return vehicle.line() == 57'600U; }));
   ASSERT_TRUE(fixture.collect_until([&] {
     vehicle.speak();
-    if (vehicle.line() == 57'600U) EXPECT_EQ(fixture.at_fcu.packets().size(), 0U);
+    if (vehicle.line() == 57'600U) {
+      EXPECT_EQ(fixture.at_fcu.packets().size(), 0U);
+    }
     return fixture.at_sim.count(kHilControls) > 0;
   })) << casd.output();
   EXPECT_EQ(fixture.at_fcu.garbage(), 0U);

@@ -25,7 +25,7 @@ struct UdpAutopilot {
   using MavResult = mavlink::common::MavResult;
   using RemoteLogBlockStatus = mav::services::RemoteLogBlockStatus;
 
-  explicit UdpAutopilot(MavAutopilot kind) : kind(kind) {}
+  explicit UdpAutopilot(MavAutopilot autopilot) : kind(autopilot) {}
 
   UdpPeer socket;
   PacketStream heard;
