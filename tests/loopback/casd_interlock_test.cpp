@@ -287,18 +287,18 @@ TEST_F(CasdInterlock, InventedSystemsOnOneLinkKeepNoVehicleOfAnotherOut) {
   heartbeat.autopilot = MavAutopilot::kPx4;
   UdpLine net(ports_.at("net"));
   const auto flood = [&] {
-    for (std::uint8_t system = 2; system < 100; ++system) {
-      net.write(mav::Encoder({system, 1})(heartbeat));
+    for (int system = 2; system <= 255; ++system) {  // four more than a link may have
+      net.write(mav::Encoder({static_cast<std::uint8_t>(system), 1})(heartbeat));
     }
   };
   ASSERT_TRUE(wait_until([&] {
     flood();
-    return vehicles().size() == 32;
+    return vehicles().size() == 250;
   }));
   ScriptedVehicle vehicle(line_, in_hil);
   ASSERT_TRUE(wait_until([&] {
     flood();
-    return vehicles().size() == 33;
+    return vehicles().size() == 251;
   }));
   EXPECT_EQ(arm_refusal({{"vehicle", 1}}), "armed");
   EXPECT_GE(arm_commands(vehicle.stop()), 1);

@@ -24,6 +24,8 @@ const std::vector<Verb>& verbs() {
   static const std::vector<Verb> list{
       {"status", {"status"}, 0, "PX4"},
       {"links", {"links"}, 0, "serial"},
+      {"link add", {"link", "add", "udp:127.0.0.1:9"}, 0, "link udp added"},
+      {"link remove", {"link", "remove", "udp"}, 0, "link udp removed"},
       {"routes", {"routes"}, 0, "only HEARTBEAT HIL_SENSOR HIL_GPS"},
       {"drops", {"drops"}, 0, ""},
       {"latency", {"latency"}, 0, "P99 us"},

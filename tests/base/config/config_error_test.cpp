@@ -96,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(
         ErrorCase{"NothingForNumber", "x:", kReadX<double>,
                   "t.yaml:1: x: has no value; expected a number"},
         ErrorCase{"FractionForInteger", "x: 3.5", kReadX<int>,
-                  "t.yaml:1: x: '3.5' is not a whole number in range"},
+                  "t.yaml:1: x: '3.5' must be a whole number"},
         ErrorCase{"IntegerTooLarge", "x: 2147483648", kReadX<int>,
                   "t.yaml:1: x: '2147483648' is not a whole number in range"},
         ErrorCase{"NegativeForUnsigned", "x: -1", kReadX<unsigned>,
