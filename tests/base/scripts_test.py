@@ -68,12 +68,16 @@ class TestScript(Script):
     def test_a_test_fails(self):
         self.assertNotEqual(self.code(fails="tests of release"), 0)
         self.assertNotEqual(self.code("--sanitize", fails="tests of asan"), 0)
-        self.assertNotEqual(self.code("--sanitize", fails="tests of tsan"), 0)
 
     def test_a_build_fails(self):
         self.assertNotEqual(self.code(fails="release"), 0)
         self.assertNotEqual(self.code("--sanitize", fails="asan"), 0)
-        self.assertNotEqual(self.code("--sanitize", fails="tsan"), 0)
+
+    def test_threads_are_a_part_of_full(self):
+        for fails in ("", "tsan", "tests of tsan"):
+            done = self.run_script("test_release_extras", "tsan", FAILS=fails)
+            self.assertEqual(done.returncode == 0, fails == "", done.stdout)
+            self.assertIn("passed" if fails == "" else "FAILED", done.stdout)
 
     def test_nothing_was_tested(self):
         """ctest without a test ends with 0 unless it is told otherwise."""
