@@ -77,8 +77,9 @@ TEST_F(FirmwareResults, HaveACutLinkAfterWhichTheFlightGoesOn) {
 )");
   ASSERT_EQ(fly(), 0) << output();
   EXPECT_GT(gaps_of(folder_.path() / "out/flight.tlog").vehicle_s, 3);
-  ASSERT_EQ(summary().at("faults").size(), 2U);
-  for (const nlohmann::json& fault : summary().at("faults")) EXPECT_FALSE(fault.contains("began"));
+  const nlohmann::json faults = summary().at("faults");
+  ASSERT_EQ(faults.size(), 2U);
+  for (const nlohmann::json& fault : faults) EXPECT_FALSE(fault.contains("began"));
 }
 
 TEST_F(FirmwareResults, MissALimitThatTheFlightDoesNotKeep) {
