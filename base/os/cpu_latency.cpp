@@ -9,7 +9,6 @@
 #include <string>
 #include <system_error>
 
-#include "base/config/config_whole.hpp"
 #include "base/os/log.hpp"
 
 namespace cas::base {
@@ -25,12 +24,6 @@ CpuLatencyRequest::CpuLatencyRequest(std::optional<int> most_us,
     return;
   }
   device_ = std::move(opened);
-}
-
-std::optional<int> parse_cpu_latency(const ConfigNode& node) {
-  const auto key = node.find("cpu_dma_latency_us");
-  if (!key) return std::nullopt;
-  return static_cast<int>(whole_in(*key, 0, CpuLatencyRequest::kLongest_us));
 }
 
 }  // namespace cas::base

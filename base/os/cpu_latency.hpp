@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <optional>
 
-#include "base/config/config.hpp"
 #include "base/export.hpp"
 #include "base/os/descriptor.hpp"
 
@@ -29,8 +28,5 @@ class CAS_BASE_EXPORT CpuLatencyRequest {
  private:
   Descriptor device_;
 };
-
-/// Reads `cpu_dma_latency_us` of `node`: 0 to kLongest_us, or nothing. @throws ConfigError
-CAS_BASE_EXPORT std::optional<int> parse_cpu_latency(const ConfigNode& node);
 
 }  // namespace cas::base

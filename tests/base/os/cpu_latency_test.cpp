@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <fstream>
 
-#include "base/error.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::base {
@@ -41,17 +40,6 @@ TEST(CpuLatencyRequest, AsksForNothingUnlessTold) {
   testing::internal::CaptureStderr();
   EXPECT_FALSE(CpuLatencyRequest(std::nullopt, folder.path() / "none").in_force());
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
-}
-
-TEST(CpuLatencyRequest, ReadsItsKey) {
-  EXPECT_EQ(parse_cpu_latency(ConfigNode::parse("a: 1", "x.yaml")), std::nullopt);
-  EXPECT_EQ(parse_cpu_latency(ConfigNode::parse("cpu_dma_latency_us: 0", "x.yaml")), 0);
-  for (const char* bad : {"-1", "10001", "1.5", "soon"}) {
-    EXPECT_THROW(
-        parse_cpu_latency(ConfigNode::parse("cpu_dma_latency_us: " + std::string(bad), "x.yaml")),
-        ConfigError)
-        << bad;
-  }
 }
 
 }  // namespace
