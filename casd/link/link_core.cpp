@@ -65,7 +65,7 @@ void LinkCore::on_second(base::RunTime now) {
 
 double paced_bytes_s(const LinkConfig& config, unsigned baud) {
   const bool paced = config.type == LinkType::kSerial && config.pace;
-  return paced ? LinePacer::kLineShare * baud / 10.0 : 0;
+  return paced ? LinePacer::rate_of(baud) : 0;
 }
 
 TxPortOptions tx_port_options(const LinkConfig& config, std::shared_ptr<LinkSigning> signing) {

@@ -9,9 +9,9 @@
 
 namespace cas::casd {
 
-/// Knows when a line of limited rate is through with what it was given, so that no more is handed
-/// over than it carries: what waits can then still be chosen, replaced or dropped in our queue
-/// instead of ageing in the kernel's.
+/// Predicts when a line of limited rate has sent its bytes, so that no more is handed over than it
+/// carries: packets wait in our queue, where they can be reordered, replaced or dropped, and not in
+/// the kernel's.
 ///
 /// A serial line carries baud / 10 bytes a second (start and stop bit); it is paced at 98 % of
 /// that, so that a difference between two clocks never accumulates.
@@ -26,10 +26,8 @@ class LinePacer {
   /// @param bytes_per_s  0: no limit
   explicit LinePacer(double bytes_per_s, base::Duration slack = kSlack)
       : bytes_per_s_(bytes_per_s), slack_(slack) {}
-  /// 98 % of a serial line's rate.
-  static LinePacer for_baud(unsigned baud, base::Duration slack = kSlack) {
-    return LinePacer(kLineShare * baud / 10.0, slack);
-  }
+  /// 98 % of what a serial line carries, bytes/s.
+  static double rate_of(unsigned baud) { return kLineShare * baud / 10.0; }
 
   /// Holds the line for this long after each sensor packet: a receiver that stamps sensors on
   /// arrival never gets two of them in a burst.
@@ -52,7 +50,7 @@ class LinePacer {
   }
   /// The line was given a sensor packet.
   void sent_sensor(base::RunTime now) { held_until_ = now + sensor_gap_; }
-  /// The driver still holds so many bytes: the line is busy at least until they are through.
+  /// The driver still holds so many bytes: the line is busy at least until they are sent.
   void holds(std::size_t bytes, base::RunTime now) {
     if (bytes_per_s_ > 0) busy_until_ = std::max(busy_until_, now + time_for(bytes));
   }

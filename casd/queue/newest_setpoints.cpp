@@ -25,7 +25,7 @@ void NewestSetpoints::push(const PacketInfo& info, std::span<const std::uint8_t>
     }
   }
   if (waiting_.size() == kMaxWaiting) make_room(info, on_drop);
-  // Nothing may come out behind what is newer.
+  // An older setpoint must not leave after a newer one.
   if (something_stays || place > waiting_.size()) place = waiting_.size();
   waiting_.insert(waiting_.begin() + static_cast<std::ptrdiff_t>(place),
                   Waiting{info, {bytes.begin(), bytes.end()}});
@@ -37,7 +37,7 @@ QueuedPacket NewestSetpoints::pop() {
   return {popped_.info, popped_.bytes};
 }
 
-// The oldest of the same way goes; of all, when that way has none here.
+// Drops the oldest that came over the same way, or the oldest of all if there is none.
 void NewestSetpoints::make_room(const PacketInfo& info, const OnDrop& on_drop) {
   auto oldest = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& each) {
     return each.info.from == info.from && each.info.from_serial == info.from_serial;

@@ -13,15 +13,15 @@
 
 namespace cas::casd {
 
-/// Setpoints that wait, of each stream only the newest. It keeps the place of the one that it
-/// replaces, so that streams take turns whatever their rates are.
+/// Waiting setpoints, only the newest of each stream. It takes the place of the older one, so
+/// streams take turns at any rates.
 class NewestSetpoints {
  public:
-  /// More would be invented senders: they cost the way that they came over, and no other.
+  /// More are invented senders; they displace only setpoints that came over the same way.
   static constexpr std::size_t kMaxWaiting = 128;
   using OnDrop = std::function<void(const PacketInfo&, DropCause)>;
 
-  /// Copies the packet in, in the place of those that it replaces.
+  /// Copies the packet in; it replaces the older ones of its stream.
   void push(const PacketInfo& info, std::span<const std::uint8_t> bytes, const OnDrop& on_drop);
   /// The packet whose turn it is, taken out; its bytes hold until the next call.
   QueuedPacket pop();

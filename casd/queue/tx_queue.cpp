@@ -10,12 +10,12 @@ using enum TrafficClass;
 
 // Share of the line in bytes while several classes wait; telemetry has none.
 constexpr std::array<double, kTrafficClasses> kWeights{4, 8, 2, 4, 0};
-// Who goes first among equals: the rarer and smaller traffic.
+// Order among equals: rarer and smaller traffic first.
 constexpr std::array kByRank{kSetpoint, kCommand, kGps, kHil};
 
 constexpr std::size_t index(TrafficClass traffic) { return static_cast<std::size_t>(traffic); }
 
-// Part of an age limit that is left to what comes behind us: the driver, the receiver's wake-up.
+// Part of an age limit that is kept for what follows: the driver, the receiver's wake-up.
 constexpr int kGuardDivisor = 8;
 
 }  // namespace

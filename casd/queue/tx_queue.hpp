@@ -46,7 +46,7 @@ struct TxQueueOptions {
 ///   telemetry  goes when nothing else waits; old ones make room for new ones
 ///
 /// Command, hil, gps and setpoint share the line by bytes, 4 : 8 : 2 : 4 while all of them wait
-/// (fair queueing by virtual time): none starves another, and who has waited little goes first.
+/// (fair queueing by virtual time): no class starves another.
 class TxQueue {
  public:
   using OnDrop = std::function<void(const PacketInfo&, DropCause)>;

@@ -41,9 +41,7 @@ bool names(const ForwardRule& rule, std::uint32_t id) {
 }
 
 LinkType type_of(const Topology& topology, const std::string& name) {
-  const auto link = std::find_if(topology.links.begin(), topology.links.end(),
-                                 [&](const LinkConfig& each) { return each.name == name; });
-  return link->type;
+  return find_link(topology.links, name)->type;
 }
 
 // A route without an allow list says nothing of the streams behind it: simulators come over
@@ -70,7 +68,7 @@ double packet_bytes(std::uint32_t id) {
 }
 
 double capacity(const LinkConfig& link) {
-  const double line = LinePacer::kLineShare * lowest_baud(link) / 10.0;
+  const double line = LinePacer::rate_of(lowest_baud(link));
   if (line > 0 && link.max_bytes_s > 0) return std::min(line, link.max_bytes_s);
   return std::max(line, link.max_bytes_s);
 }
@@ -145,7 +143,7 @@ double LineBudget::fitting_sensor_hz() const {
 
 unsigned LineBudget::fitting_baud() const {
   for (const unsigned usual : kUsualBauds) {
-    if (LinePacer::kLineShare * usual / 10.0 >= load_bytes_s()) return usual;
+    if (LinePacer::rate_of(usual) >= load_bytes_s()) return usual;
   }
   return 0;
 }

@@ -316,6 +316,11 @@ void settle_sniffer(const ConfigNode& node, LinkConfig& link) {
 
 }  // namespace
 
+const LinkConfig* find_link(const std::vector<LinkConfig>& links, std::string_view name) {
+  const auto found = std::ranges::find(links, name, &LinkConfig::name);
+  return found == links.end() ? nullptr : &*found;
+}
+
 unsigned lowest_baud(const LinkConfig& link) {
   return link.baud.empty() ? 0 : *std::min_element(link.baud.begin(), link.baud.end());
 }

@@ -26,7 +26,7 @@ namespace cas::casd {
 /// MAVLink 2 signing of a link (`signing`).
 struct SigningConfig {
   std::filesystem::path key_file;
-  std::uint8_t link_id = 0;  ///< tells the links of one key apart
+  std::uint8_t link_id = 0;  ///< distinguishes the links of one key
   bool verify = true;        ///< refuse what is not signed with the key, take signatures off
   bool sign = true;          ///< sign what goes out
   std::vector<std::uint32_t> allow_unsigned;  ///< messages that may come unsigned
@@ -54,8 +54,8 @@ struct LinkConfig {
   bool flow_control = false;    ///< RTS/CTS
   bool pace = true;             ///< hold writes to 98 % of the baud rate
   base::Duration sensor_gap{};  ///< least time between two HIL_SENSOR; 0: none
-  bool pace_pty = false;        ///< also on a pseudo-terminal: said so, or its routes may fill it
-  bool unlocked_pty = false;    ///< takes a pseudo-terminal that holds no lock and is nobody's
+  bool pace_pty = false;      ///< also on a pseudo-terminal: configured, or its routes may fill it
+  bool unlocked_pty = false;  ///< also takes a pseudo-terminal whose owner holds no lock
 
   // tlog
   std::filesystem::path file;
@@ -63,12 +63,12 @@ struct LinkConfig {
   bool repeat = false;  ///< from the start again at its end
 
   // all
-  double max_bytes_s = 0;        ///< cap on what is sent; 0: none
-  bool pass_unknown = false;     ///< let packets with unknown message ids pass
-  std::string group;             ///< redundant paths share a group name
-  bool inject_failures = false;  ///< stations here may have failures strike in the simulator
-  bool sniffer = false;          ///< gets every packet, whatever its target; takes in nothing
-  std::vector<MessageRate> request_rates;  ///< what vehicles heard here are asked for
+  double max_bytes_s = 0;                  ///< cap on what is sent; 0: none
+  bool pass_unknown = false;               ///< let packets with unknown message ids pass
+  std::string group;                       ///< redundant paths share a group name
+  bool inject_failures = false;            ///< stations here may inject failures into the simulator
+  bool sniffer = false;                    ///< gets every packet, for any target; takes in nothing
+  std::vector<MessageRate> request_rates;  ///< requested from vehicles heard here
   AcceptRule accept;
   std::optional<SigningConfig> signing;
   TxQueueOptions queue;
@@ -78,7 +78,10 @@ struct LinkConfig {
   friend bool operator==(const LinkConfig&, const LinkConfig&) = default;
 };
 
-/// The lowest rate that a line may have; 0: it has none, or the link is no line.
+/// The link of that name; nullptr: there is none.
+const LinkConfig* find_link(const std::vector<LinkConfig>& links, std::string_view name);
+
+/// The lowest rate of a line; 0: it has none, or the link is not serial.
 unsigned lowest_baud(const LinkConfig& link);
 
 /// "57600 or 921600".

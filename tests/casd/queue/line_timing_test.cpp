@@ -18,7 +18,7 @@ TEST(LinePacer, WithoutARateIsAlwaysReady) {
 }
 
 TEST(LinePacer, CarriesNinetyEightPercentOfTheLine) {
-  LinePacer line = LinePacer::for_baud(115200);
+  LinePacer line(LinePacer::rate_of(115200));
   std::size_t sent = 0;
   for (base::Duration now{}; now < std::chrono::seconds(10); now += microseconds(50)) {
     while (line.ready(at(now))) {
@@ -30,7 +30,7 @@ TEST(LinePacer, CarriesNinetyEightPercentOfTheLine) {
 }
 
 TEST(LinePacer, GivesTheLineBytesHalfAMillisecondAhead) {
-  LinePacer line = LinePacer::for_baud(921600);
+  LinePacer line(LinePacer::rate_of(921600));
   line.sent(903, at({}));  // 10 ms
   EXPECT_FALSE(line.ready(at(microseconds(9400))));
   EXPECT_TRUE(line.ready(at(microseconds(9600))));
@@ -50,7 +50,7 @@ TEST(LinePacer, KeepsSensorPacketsApart) {
 }
 
 TEST(LinePacer, IdleTimeIsNotSavedUp) {
-  LinePacer line = LinePacer::for_baud(115200);
+  LinePacer line(LinePacer::rate_of(115200));
   line.sent(77, at(std::chrono::seconds(100)));
   EXPECT_FALSE(line.ready(at(std::chrono::seconds(100))));
 }

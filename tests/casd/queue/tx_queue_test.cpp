@@ -50,7 +50,7 @@ TEST(TxQueue, DropsHilPacketsOnlyWhenTheyWouldArriveTooLate) {
 TEST(TxQueue, BurstThatTheLineCarriesInTimeLosesNothing) {
   Drops drops;
   TxQueue queue({}, drops.counter());
-  LinePacer line = LinePacer::for_baud(921600);
+  LinePacer line(LinePacer::rate_of(921600));
   constexpr int kBurst = 20;  // 1540 bytes: 17 ms of this line
   for (int i = 0; i < kBurst; ++i) queue.push(info(kHil, at({})), bytes(kPacket));
   int sent = 0;
@@ -68,7 +68,7 @@ TEST(TxQueue, BurstThatTheLineCarriesInTimeLosesNothing) {
 
 /// Runs a saturated line for ten seconds. @return the greatest age at arrival, by class
 std::map<TrafficClass, base::Duration> saturate(TxQueue& queue, std::map<TrafficClass, int>& sent) {
-  LinePacer line = LinePacer::for_baud(kSlowBaud);
+  LinePacer line(LinePacer::rate_of(kSlowBaud));
   std::map<TrafficClass, base::Duration> oldest;
   for (base::Duration now{}; now < std::chrono::seconds(10); now += microseconds(500)) {
     if (now % milliseconds(2) == base::Duration{}) {
@@ -154,7 +154,7 @@ TEST(TxQueue, TelemetryWaitsForEverythingElse) {
 
 TEST(TxQueue, LineThatIsTooSlowForTheAgeLimitStillGetsTheNewestPacket) {
   TxQueue queue;
-  LinePacer line = LinePacer::for_baud(9600);  // 82 ms for one HIL_SENSOR
+  LinePacer line(LinePacer::rate_of(9600));  // 82 ms for one HIL_SENSOR
   int sent = 0;
   for (base::Duration now{}; now < std::chrono::seconds(5); now += milliseconds(2)) {
     queue.push(info(kHil, at(now)), bytes(kPacket));
