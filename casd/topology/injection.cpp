@@ -34,8 +34,7 @@ bool takes_in_sensors(const LinkConfig& link) {
 }
 
 const LinkConfig& named(const Topology& topology, const std::string& name) {
-  return *std::find_if(topology.links.begin(), topology.links.end(),
-                       [&](const LinkConfig& link) { return link.name == name; });
+  return *find_link(topology.links, name);
 }
 
 /// Links that flight controllers are at.

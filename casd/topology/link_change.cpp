@@ -16,20 +16,17 @@ namespace {
 
 using base::ConfigNode;
 
-bool has_link(const Topology& topology, const std::string& name) {
-  return std::ranges::find(topology.links, name, &LinkConfig::name) != topology.links.end();
-}
-
 /// udp, udp2, udp3: the first that no link has.
 std::string free_name(const Topology& topology, LinkType type) {
   std::string word(to_string(type));
   word = word.substr(0, word.find('_'));
   std::string name = word;
-  for (int nth = 2; has_link(topology, name); ++nth) name = word + std::to_string(nth);
+  for (int nth = 2; find_link(topology.links, name) != nullptr; ++nth)
+    name = word + std::to_string(nth);
   return name;
 }
 
-/// The keys of the entry over those that its endpoint stands for.
+/// The entry, with the keys that its `endpoint` stands for where it does not give them itself.
 ConfigNode with_endpoint(const Topology& topology, const ConfigNode& entry) {
   const auto endpoint = entry.find("endpoint");
   if (!endpoint) return entry;
@@ -44,7 +41,7 @@ ConfigNode with_endpoint(const Topology& topology, const ConfigNode& entry) {
   return entry.merged_over(ConfigNode::parse(link_entry(link).substr(kDash), "endpoint"));
 }
 
-/// What a ground station may say, and not in the name of one of those that casd knows.
+/// Takes in the traffic of ground stations, but nothing with the id of a known vehicle or casd.
 AcceptRule ground_station_alone(const Topology& topology,
                                 const std::vector<std::uint8_t>& vehicles) {
   AcceptRule rule;
@@ -57,8 +54,12 @@ AcceptRule ground_station_alone(const Topology& topology,
 
 LinkConfig parse_new_link(const Topology& topology, const ConfigNode& entry,
                           const std::vector<std::uint8_t>& vehicles) {
+  const auto device = entry.find("device");
+  if (device && device->as<std::string>().find("${") != std::string::npos) {
+    device->fail("variables are for files: clients must not read casd's environment");
+  }
   LinkConfig link = parse_link(entry);
-  if (has_link(topology, link.name)) {
+  if (find_link(topology.links, link.name) != nullptr) {
     entry.at("name").fail("'" + link.name + "' is the name of another link");
   }
   if (topology.links.size() == kMaxLinks) {
@@ -68,7 +69,7 @@ LinkConfig parse_new_link(const Topology& topology, const ConfigNode& entry,
   return link;
 }
 
-/// Both ways to every other link, without what flies a vehicle in HIL.
+/// To and from every other link, without HIL messages, which would fly a vehicle.
 std::vector<RouteConfig> usual_routes(const Topology& topology, const std::string& name) {
   ForwardRule no_hil;
   no_hil.block = hil_messages();
@@ -81,9 +82,10 @@ std::vector<RouteConfig> usual_routes(const Topology& topology, const std::strin
   return routes;
 }
 
-/// Of `any` those that have to do with the link; spelt out, a route of others is refused.
-std::vector<RouteConfig> told_routes(const Topology& topology, const ConfigNode& list,
-                                     const std::string& name) {
+/// The given routes. `any` and lists give those from and to the link; an entry without such a route
+/// is refused.
+std::vector<RouteConfig> given_routes(const Topology& topology, const ConfigNode& list,
+                                      const std::string& name) {
   std::vector<RouteConfig> routes;
   for (const ConfigNode& node : list.items()) {
     const std::size_t before = routes.size();
@@ -109,12 +111,12 @@ Topology with_link(Topology topology, const ConfigNode& request,
   const ConfigNode keys = with_endpoint(topology, request.at("entry"));
   const std::string name =
       topology.links.emplace_back(parse_new_link(topology, keys, vehicles)).name;
-  const auto told = request.find("routes");
+  const auto given = request.find("routes");
   std::vector<RouteConfig> routes =
-      told ? told_routes(topology, *told, name) : usual_routes(topology, name);
+      given ? given_routes(topology, *given, name) : usual_routes(topology, name);
   topology.routes.insert(topology.routes.end(), std::make_move_iterator(routes.begin()),
                          std::make_move_iterator(routes.end()));
-  // The other links stay as they are, or they would be opened anew.
+  // Only the new link may change: a link with another configuration would be reopened.
   Topology paced = topology;
   pace_tight_lines(paced);
   if (paced.pace == Pace::kLockstep) paced.set_lockstep();
@@ -123,7 +125,7 @@ Topology with_link(Topology topology, const ConfigNode& request,
 }
 
 Topology without_link(Topology topology, const std::string& name) {
-  if (!has_link(topology, name)) {
+  if (find_link(topology.links, name) == nullptr) {
     std::string known;
     for (const LinkConfig& link : topology.links) known += (known.empty() ? "" : ", ") + link.name;
     throw base::ConfigError("there is no link '" + name + "'; links: " + known);

@@ -9,7 +9,7 @@ namespace cas::casd {
 
 struct ImportedTopology {
   std::string yaml;                ///< a topology file; its head has the notes as comments
-  std::vector<std::string> notes;  ///< "FILE:LINE: key: what casd does otherwise or not at all"
+  std::vector<std::string> notes;  ///< "FILE:LINE: key: " and how casd differs
 };
 
 /// One file of mavlink-router's configuration.

@@ -12,7 +12,6 @@
 #include "base/os/thread_keys.hpp"
 #include "casd/tlog/tlog_name.hpp"
 #include "casd/topology/line_budget.hpp"
-#include "casd/topology/message_keys.hpp"
 #include "casd/topology/topology_files.hpp"
 
 namespace cas::casd {
@@ -31,9 +30,9 @@ using base::Text;
 using base::Whole;
 using base::Words;
 
-// Kinds that a topology alone has.
+// Kinds of values that only a topology has.
 
-/// As `tcdrain` looks: once a tick, or at the moment itself.
+/// The period of the checks of `tcdrain`; 0: it is woken at once.
 struct DrainTick : Range {
   void read(const ConfigNode& node, base::Duration& tick) const {
     Range::read(node, tick);
@@ -179,7 +178,7 @@ void check_log(const ConfigNode& node, const TlogConfig& log) {
   }
 }
 
-// casd itself. A reload refuses other values of these,
+// A reload refuses other values of these keys:
 
 constexpr Whole kId{1, 255};
 
@@ -213,7 +212,7 @@ constexpr std::tuple kRestartKeys{
     key<&Topology::log>("log", block<TlogConfig>(kLogKeys, check_log), ""),
 };
 
-// and puts those of these in force.
+// and puts new values of these in force:
 
 constexpr std::tuple kReloadKeys{
     key<&Topology::commanding>("commanding", block<CommandingConfig>(kCommandingKeys), ""),
@@ -226,160 +225,13 @@ constexpr std::tuple kReloadKeys{
     key<&Topology::routes>("routes", ReadApart{"list"}, "see below", "all to all"),
 };
 
-/// As it is where the file is silent.
+/// The defaults.
 Topology standard_topology() {
   Topology topology;
   topology.log.folder = default_tlog_folder();
   topology.log.limits.free_space_min_bytes = kFreeSpaceMin;
   return topology;
 }
-
-// Routes
-
-constexpr std::tuple kRateKeys{
-    key<&RateRule::max_hz>("max_hz", Range{0, 1e6}, "packets a second that pass; 0: any"),
-    key<&RateRule::every>("every", Whole{1, 1'000'000}, "each n-th passes"),
-};
-
-/// message -> `max_hz`, or a block.
-struct RatesOf : base::Block<RateRule, decltype(kRateKeys)> {
-  void read(const ConfigNode& node, std::vector<RateRule>& rates) const {
-    for (const auto& [message, entry] : node.entries()) {
-      RateRule& rate = rates.emplace_back(RateRule{.message_id = parse_message(entry, message)});
-      if (entry.is_map()) {
-        Block::read(entry, rate);
-      } else {
-        rate.max_hz = entry.as<double>();
-      }
-      if (rate.max_hz <= 0 && rate.every == 1) {
-        entry.fail("needs max_hz above 0, or every above 1");
-      }
-    }
-  }
-  static std::string text(const std::vector<RateRule>& rates) {
-    return joined(rates, [](const RateRule& rate) { return message_word(rate.message_id); });
-  }
-  static std::string values() { return "message -> `max_hz`, or a block"; }
-  static std::array<std::string, 2> samples() { return {"{HEARTBEAT: 1}", "{HEARTBEAT: 2}"}; }
-};
-
-constexpr ReadApart kLinks{"a link, a list, or `any`"};
-
-constexpr std::tuple kRouteKeys{
-    base::required(key<&RouteConfig::from>("from", kLinks, "where packets come from")),
-    base::required(key<&RouteConfig::to>("to", kLinks, "where they go")),
-};
-
-/// A key with the words that stand before its value in `casd --check`.
-template <class Key>
-struct Told : Key {
-  std::string_view words;
-};
-template <class Key>
-constexpr Told<Key> told(std::string_view words, const Key& key) {
-  return {key, words};
-}
-
-constexpr std::tuple kRuleKeys{
-    told("only", key<&ForwardRule::allow>("allow", Messages{}, "these messages alone", "all")),
-    told("not", key<&ForwardRule::block>("block", Messages{}, "not these messages")),
-    told("only systems", key<&ForwardRule::allow_systems>(
-                             "allow_systems", Ids{}, "these systems (of the sender) alone", "all")),
-    told("not systems",
-         key<&ForwardRule::block_systems>("block_systems", Ids{}, "not these systems")),
-    told("only components",
-         key<&ForwardRule::allow_components>("allow_components", Ids{},
-                                             "these components (of the sender) alone", "all")),
-    told("not components",
-         key<&ForwardRule::block_components>("block_components", Ids{}, "not these components")),
-    told("thinned out",
-         key<&ForwardRule::rates>("rates", RatesOf{{kRateKeys}}, "thins messages out")),
-};
-
-std::string listed(const std::vector<LinkConfig>& links) {
-  std::string names;
-  for (const LinkConfig& link : links) names += (names.empty() ? "" : ", ") + link.name;
-  return names;
-}
-
-std::vector<std::string> parse_link_names(const base::ConfigNode& node,
-                                          const std::vector<LinkConfig>& links) {
-  std::vector<std::string> names;
-  const auto add = [&](const base::ConfigNode& entry, const std::string& name) {
-    if (std::find(names.begin(), names.end(), name) != names.end()) {
-      entry.fail("link '" + name + "' is named twice");
-    }
-    names.push_back(name);
-  };
-  for (const base::ConfigNode& entry : one_or_many(node)) {
-    const auto name = entry.as<std::string>();
-    const auto known = [&](const LinkConfig& link) { return link.name == name; };
-    if (name == "any") {
-      for (const LinkConfig& link : links) add(entry, link.name);
-    } else if (std::any_of(links.begin(), links.end(), known)) {
-      add(entry, name);
-    } else {
-      entry.fail("there is no link '" + name + "'; links are " + listed(links));
-    }
-  }
-  return names;
-}
-
-bool is_of_type(const std::vector<LinkConfig>& links, const std::string& name, LinkType type) {
-  return std::any_of(links.begin(), links.end(), [&](const LinkConfig& link) {
-    return link.name == name && link.type == type;
-  });
-}
-
-bool is_server(const std::vector<LinkConfig>& links, const std::string& name) {
-  return is_of_type(links, name, LinkType::kUdpServer) ||
-         is_of_type(links, name, LinkType::kTcpServer);
-}
-
-/// Why there can be no route between two links; empty: there can.
-std::string needs_no_route(const std::vector<LinkConfig>& links, const std::string& from,
-                           const std::string& to) {
-  if (is_of_type(links, to, LinkType::kTlog)) {
-    return "nothing can be sent to '" + to + "', a log that is played";
-  }
-  for (const LinkConfig& link : links) {
-    if (!link.sniffer || (link.name != from && link.name != to)) continue;
-    return "'" + link.name + "' is a sniffer: it gets every packet without a route, sends none";
-  }
-  return "";
-}
-
-}  // namespace
-
-std::vector<RouteConfig> parse_route(const base::ConfigNode& node,
-                                     const std::vector<LinkConfig>& links) {
-  const auto from = parse_link_names(node.at("from"), links);
-  const auto to = parse_link_names(node.at("to"), links);
-  ForwardRule rule;
-  base::read_keys(node, kRuleKeys, rule);
-  node.reject_unused();
-
-  // `any` and lists leave out the way back to the sender; spelt out, it links a server's peers.
-  const bool single = from.size() == 1 && to.size() == 1;
-  std::vector<RouteConfig> routes;
-  for (const std::string& one : from) {
-    for (const std::string& other : to) {
-      if (const std::string reason = needs_no_route(links, one, other); !reason.empty()) {
-        if (single) node.fail(reason);
-        continue;
-      }
-      if (one != other) {
-        routes.push_back({one, other, rule});
-      } else if (single) {
-        if (!is_server(links, one)) node.fail("only peers of a server can talk on one link");
-        routes.push_back({one, other, rule});
-      }
-    }
-  }
-  return routes;
-}
-
-namespace {
 
 std::vector<LinkConfig> parse_links(const std::vector<ConfigNode>& files, const ConfigNode& root) {
   root.at("links");
@@ -395,21 +247,6 @@ std::vector<LinkConfig> parse_links(const std::vector<ConfigNode>& files, const 
   if (links.empty()) root.at("links").fail("no link");
   return links;
 }
-
-}  // namespace
-
-std::vector<RouteConfig> routes_between_all(const std::vector<LinkConfig>& links) {
-  std::vector<RouteConfig> routes;
-  for (const LinkConfig& from : links) {
-    for (const LinkConfig& to : links) {
-      const bool possible = to.type != LinkType::kTlog && !from.sniffer && !to.sniffer;
-      if (from.name != to.name && possible) routes.push_back({from.name, to.name, {}});
-    }
-  }
-  return routes;
-}
-
-namespace {
 
 std::vector<RouteConfig> parse_routes(const std::vector<ConfigNode>& files, const ConfigNode& root,
                                       const std::vector<LinkConfig>& links) {
@@ -497,23 +334,6 @@ void refuse_restart_keys(const Topology& in_force, const Topology& next,
   root.fail(keys.front() + ": takes a restart");  // the key was taken out
 }
 
-std::string rule_text(const ForwardRule& rule) {
-  std::string text;
-  base::for_each_key(kRuleKeys, [&](const auto& each) {
-    const auto tell = [&](const auto& list) {
-      if (!text.empty()) text += ", ";
-      text += list.empty() ? "nothing" : std::string(each.words) + " " + each.kind.text(list);
-    };
-    const auto& value = each.of(rule);
-    if constexpr (requires { *value; }) {  // an empty `allow` lets nothing pass
-      if (value) tell(*value);
-    } else if (!value.empty()) {
-      tell(value);
-    }
-  });
-  return text.empty() ? "everything" : text;
-}
-
 std::vector<base::KeyRow> restart_rows() {
   std::vector<base::KeyRow> rows;
   base::add_rows(kRestartKeys, standard_topology(), rows);
@@ -523,13 +343,6 @@ std::vector<base::KeyRow> restart_rows() {
 std::vector<base::KeyRow> reload_rows() {
   std::vector<base::KeyRow> rows;
   base::add_rows(kReloadKeys, standard_topology(), rows);
-  return rows;
-}
-
-std::vector<base::KeyRow> route_rows() {
-  std::vector<base::KeyRow> rows;
-  base::add_rows(kRouteKeys, RouteConfig{}, rows);
-  base::add_rows(kRuleKeys, ForwardRule{}, rows);
   return rows;
 }
 

@@ -10,10 +10,12 @@
 
 #include "base/os/thread.hpp"
 #include "base/time/clock.hpp"
+#include "casd/packet/own_station.hpp"
 #include "casd/queue/line_timing.hpp"
 #include "casd/routing/router.hpp"
 #include "casd/tlog/recorder.hpp"
 #include "casd/topology/link_config.hpp"
+#include "casd/topology/route_config.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::base {
@@ -23,15 +25,6 @@ struct KeyRow;
 
 namespace cas::casd {
 
-/// One entry of `routes`, with the names of its links.
-struct RouteConfig {
-  std::string from;
-  std::string to;
-  ForwardRule rule;  ///< its link ids are filled in by make_plan()
-
-  friend bool operator==(const RouteConfig&, const RouteConfig&) = default;
-};
-
 enum class ThreadModel : std::uint8_t {
   kPerLink,   ///< each link has its own thread
   kSingle,    ///< one event loop
@@ -39,16 +32,16 @@ enum class ThreadModel : std::uint8_t {
 };
 std::string_view to_string(ThreadModel model);
 
-/// Whose time casd's own station runs on: heartbeats, retries, ages.
+/// The clock of casd's own station: heartbeats, retries, ages.
 enum class Pace : std::uint8_t {
   kRealtime,  ///< the steady clock
-  kLockstep,  ///< the HIL_SENSOR stream that passes
+  kLockstep,  ///< the time stamps of the HIL_SENSOR stream
 };
 
 struct CommandPortConfig {
   std::string address = "127.0.0.1";
   std::uint16_t port = 5790;
-  /// Nothing: casd.sock in the runtime folder, where the port is not 0. Empty: none.
+  /// Nothing: casd.sock in the runtime folder, unless the port is 0. Empty: none.
   std::optional<std::filesystem::path> unix_path;
   std::string unix_group;            ///< whose members may connect to the Unix socket; empty: none
   std::filesystem::path token_file;  ///< empty: casd.token in the state or runtime folder
@@ -74,7 +67,7 @@ struct CommandingConfig {
 
 /// casd's whole configuration ("TOPOLOGY.yaml", schema 1).
 struct Topology {
-  mav::Source self{254, 190};
+  mav::Source self = kOwnStation;
   ThreadModel threads = ThreadModel::kPerLink;
   base::Duration drain_tick = LineDrain::kDefaultTick;  ///< threads: blocking
   Pace pace = Pace::kRealtime;
@@ -113,25 +106,12 @@ std::vector<std::string> restart_keys(const Topology& in_force, const Topology& 
 void refuse_restart_keys(const Topology& in_force, const Topology& next,
                          const base::ConfigNode& root);
 
-/// The routes of one entry of `routes`: `from` and `to` take a name, a list of names or `any`.
-/// @throws base::ConfigError
-std::vector<RouteConfig> parse_route(const base::ConfigNode& node,
-                                     const std::vector<LinkConfig>& links);
-/// Those of a topology without `routes`: every link talks to every other one.
-std::vector<RouteConfig> routes_between_all(const std::vector<LinkConfig>& links);
-
-/// A pseudo-terminal has no rate of its own. It is held to its baud rate where that makes a
-/// difference to how old data gets: where the routes may send half of it or more.
+/// Paces pseudo-terminals, which have no rate of their own, at their baud rate if the routes may
+/// send half of it or more: only then does the rate change the age of the data.
 void pace_tight_lines(Topology& topology);
-
-/// A route's filters as `casd --check` tells them: "only HIL_SENSOR, not systems 2".
-std::string rule_text(const ForwardRule& rule);
 
 /// Keys of a topology that a restart alone changes.
 std::vector<base::KeyRow> restart_rows();
 /// Keys that a reload puts in force.
 std::vector<base::KeyRow> reload_rows();
-/// Keys of one entry of `routes`.
-std::vector<base::KeyRow> route_rows();
-
 }  // namespace cas::casd

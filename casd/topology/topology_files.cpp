@@ -18,19 +18,24 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostFiles = 100;
 
-/// Whoever can put a file there configures casd: nobody may who could not write FILE itself.
-void refuse_foreign_folder(const fs::path& folder, const fs::path& file) {
-  struct stat of_folder {};
+/// Whoever can write an overlay, or put one into the folder, configures casd: nobody may who cannot
+/// write FILE itself. @param over  the folder, or a file in it
+void refuse_foreign(const fs::path& over, const fs::path& file) {
+  struct stat of_over {};
   struct stat of_file {};
-  if (::stat(folder.c_str(), &of_folder) != 0 || ::stat(file.c_str(), &of_file) != 0) return;
-  const uid_t owner = of_folder.st_uid;
+  if (::stat(over.c_str(), &of_over) != 0 || ::stat(file.c_str(), &of_file) != 0) return;
+  const auto refuse = [&over](const std::string& why) {
+    throw base::ConfigError(over.string() + ": " + why + "; it is not read");
+  };
+  const uid_t owner = of_over.st_uid;
   if (owner != 0 && owner != ::geteuid() && owner != of_file.st_uid) {
-    throw base::ConfigError(folder.string() + ": belongs to another user than " + file.string() +
-                            "; its files are not read");
+    refuse("belongs to another user than " + file.string());
   }
-  if ((of_folder.st_mode & S_IWOTH) != 0) {
-    throw base::ConfigError(folder.string() +
-                            ": everybody may write to it (chmod o-w); its files are not read");
+  if ((of_over.st_mode & S_IWOTH) != 0) refuse("everybody may write to it (chmod o-w)");
+  const bool of_group = (of_over.st_mode & S_IWGRP) != 0 && of_over.st_gid != 0;
+  const bool also_file = (of_file.st_mode & S_IWGRP) != 0 && of_file.st_gid == of_over.st_gid;
+  if (of_group && !also_file) {
+    refuse("its group may write to it, but not to " + file.string() + " (chmod g-w)");
   }
 }
 
@@ -42,7 +47,11 @@ std::vector<fs::path> yaml_files(const fs::path& folder) {
     const fs::path& path = entry->path();
     std::error_code none;
     const bool hidden = path.filename().string().starts_with('.');
-    if (hidden || path.extension() != ".yaml" || !fs::is_regular_file(path, none)) continue;
+    if (hidden || !fs::is_regular_file(path, none)) continue;
+    if (path.extension() == ".yml") {
+      throw base::ConfigError(path.string() + ": the name of a topology's file ends in .yaml");
+    }
+    if (path.extension() != ".yaml") continue;
     files.push_back(path);
     if (files.size() > kMostFiles) {
       throw base::ConfigError(folder.string() + ": has more than " + std::to_string(kMostFiles) +
@@ -64,8 +73,9 @@ std::vector<fs::path> files_of(const fs::path& place) {
   std::vector<fs::path> files{place};
   const fs::path folder = fs::path(place).replace_extension(".d");
   if (!fs::is_directory(folder, none)) return files;
-  refuse_foreign_folder(folder, place);
+  refuse_foreign(folder, place);
   const std::vector<fs::path> over = yaml_files(folder);
+  for (const fs::path& each : over) refuse_foreign(each, place);
   files.insert(files.end(), over.begin(), over.end());
   return files;
 }

@@ -15,14 +15,14 @@ namespace cas::casd {
 ///     casd.d/10-radio.yaml           FILE without its extension, .d: its *.yaml by name
 ///     casd.d/20-station.yaml
 ///
-/// or, where `place` is a folder, its *.yaml alone. Hidden files and others are left alone.
-/// @throws base::ConfigError when one cannot be read; when the folder beside FILE belongs to
-/// somebody else or everybody may write to it; when a folder that is given has no such file
+/// or, if `place` is a folder, its *.yaml. Hidden files and those of other names are ignored.
+/// @throws base::ConfigError when one cannot be read or ends in .yml; when somebody who may not
+/// write FILE may write the folder beside it or a file there; when a given folder has no such file
 std::vector<base::ConfigNode> load_topology_files(const std::filesystem::path& place);
 
 /// All files as one map: a key has the value of the last file that gives it, blocks are merged key
-/// by key. Of lists it has those of the last file; see overlaid_list(). Errors name the file that a
-/// value stands in.
+/// by key. Of lists it has those of the last file; see overlaid_list(). Errors name the file of
+/// the value.
 /// @param files  one at least
 base::ConfigNode overlaid(const std::vector<base::ConfigNode>& files);
 

@@ -7,8 +7,8 @@
 
 namespace cas::casd {
 
-/// What a topology comes to, for people: links, routes with their filters, and whether each line
-/// carries what can be expected on it. `casd --check` prints it. Pure.
+/// A topology in words: links, routes with their filters, and whether each line carries its
+/// expected load. `casd --check` prints it. Pure.
 std::string topology_text(const Topology& topology);
 
 }  // namespace cas::casd

@@ -83,6 +83,15 @@ TEST(LinkChange, AnEndpointStandsForNameTypeAndPlace) {
   EXPECT_EQ(with("entry: {endpoint: 'tcp:5760', name: tools}").links.back().name, "tools");
 }
 
+TEST(LinkChange, ClientsReadNothingOfTheEnvironment) {
+  for (const char* entry :
+       {"{name: l, type: serial, device: '/dev/${HOME}'}", "{endpoint: 'serial:${HOME}'}"}) {
+    EXPECT_NE(fault_of("entry: " + std::string(entry)).find("device: variables are for files"),
+              std::string::npos)
+        << entry << ": " << fault_of("entry: " + std::string(entry));
+  }
+}
+
 TEST(LinkChange, FaultsBearTheirPlace) {
   EXPECT_EQ(fault_of("entry: {name: fcu, type: udp, remote: 'h:1'}"),
             "link.add:1: entry.name: 'fcu' is the name of another link");

@@ -155,11 +155,39 @@ TEST_F(TopologyFiles, AFolderThatAnybodyMayWriteToIsRefused) {
   EXPECT_TRUE(fault().starts_with("t.d: everybody may write to it")) << fault();
   ASSERT_EQ(::chmod((folder_ / "t.d").c_str(), 0755), 0);
   EXPECT_EQ(fault(), "");
+  ASSERT_EQ(::chmod((folder_ / "t.d/a.yaml").c_str(), 0666), 0);
+  EXPECT_TRUE(fault().starts_with("t.d/a.yaml: everybody may write to it")) << fault();
+  ASSERT_EQ(::chmod((folder_ / "t.d/a.yaml").c_str(), 0644), 0);
   constexpr uid_t kNobody = 65534;
   if (::chown((folder_ / "t.d").c_str(), kNobody, static_cast<gid_t>(-1)) != 0) {
     GTEST_SKIP() << "only root gives folders away";
   }
   EXPECT_TRUE(fault().starts_with("t.d: belongs to another user than t.yaml")) << fault();
+  ASSERT_EQ(::chown((folder_ / "t.d").c_str(), 0, static_cast<gid_t>(-1)), 0);
+  ASSERT_EQ(::chown((folder_ / "t.d/a.yaml").c_str(), kNobody, static_cast<gid_t>(-1)), 0);
+  EXPECT_TRUE(fault().starts_with("t.d/a.yaml: belongs to another user than t.yaml")) << fault();
+}
+
+TEST_F(TopologyFiles, AGroupThatMayNotWriteTheFileMayNotOverlayItEither) {
+  overlay("a.yaml", "system_id: 7\n");
+  const fs::path file = folder_.write("t.yaml", kBase);
+  constexpr gid_t kGroup = 4711;
+  const auto give = [](const fs::path& path, mode_t mode) {
+    return ::chown(path.c_str(), static_cast<uid_t>(-1), kGroup) == 0 &&
+           ::chmod(path.c_str(), mode) == 0;
+  };
+  if (!give(folder_ / "t.d", 0775)) GTEST_SKIP() << "only root gives folders to any group";
+  EXPECT_TRUE(fault().starts_with("t.d: its group may write to it, but not to t.yaml")) << fault();
+  ASSERT_TRUE(give(file, 0664));
+  EXPECT_EQ(fault(), "");
+  ASSERT_TRUE(give(file, 0644) && give(folder_ / "t.d", 0755) &&
+              give(folder_ / "t.d/a.yaml", 0664));
+  EXPECT_TRUE(fault().starts_with("t.d/a.yaml: its group may write to it")) << fault();
+}
+
+TEST_F(TopologyFiles, AFileWithAnotherSpellingOfYamlIsNoSilentNothing) {
+  overlay("a.yml", "system_id: 7\n");
+  EXPECT_EQ(fault(), "t.d/a.yml: the name of a topology's file ends in .yaml");
 }
 
 }  // namespace

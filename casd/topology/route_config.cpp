@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/topology/route_config.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <tuple>
+
+#include "base/config/config_keys.hpp"
+#include "casd/topology/link_config.hpp"
+#include "casd/topology/message_keys.hpp"
+
+namespace cas::casd {
+namespace {
+
+using base::ConfigNode;
+using base::key;
+using base::Range;
+using base::ReadApart;
+using base::Whole;
+
+constexpr std::tuple kRateKeys{
+    key<&RateRule::max_hz>("max_hz", Range{0, 1e6}, "packets a second that pass; 0: any"),
+    key<&RateRule::every>("every", Whole{1, 1'000'000}, "each n-th passes"),
+};
+
+/// message -> `max_hz`, or a block.
+struct RatesOf : base::Block<RateRule, decltype(kRateKeys)> {
+  void read(const ConfigNode& node, std::vector<RateRule>& rates) const {
+    for (const auto& [message, entry] : node.entries()) {
+      RateRule& rate = rates.emplace_back(RateRule{.message_id = parse_message(entry, message)});
+      if (entry.is_map()) {
+        Block::read(entry, rate);
+      } else {
+        rate.max_hz = entry.as<double>();
+      }
+      if (rate.max_hz <= 0 && rate.every == 1) {
+        entry.fail("needs max_hz above 0, or every above 1");
+      }
+    }
+  }
+  static std::string text(const std::vector<RateRule>& rates) {
+    return joined(rates, [](const RateRule& rate) { return message_word(rate.message_id); });
+  }
+  static std::string values() { return "message -> `max_hz`, or a block"; }
+  static std::array<std::string, 2> samples() { return {"{HEARTBEAT: 1}", "{HEARTBEAT: 2}"}; }
+};
+
+constexpr ReadApart kLinks{"a link, a list, or `any`"};
+
+constexpr std::tuple kRouteKeys{
+    base::required(key<&RouteConfig::from>("from", kLinks, "where packets come from")),
+    base::required(key<&RouteConfig::to>("to", kLinks, "where they go")),
+};
+
+/// A key with the words that stand before its value in `casd --check`.
+template <class Key>
+struct Worded : Key {
+  std::string_view words;
+};
+template <class Key>
+constexpr Worded<Key> worded(std::string_view words, const Key& key) {
+  return {key, words};
+}
+
+constexpr std::tuple kRuleKeys{
+    worded("only", key<&ForwardRule::allow>("allow", Messages{}, "these messages alone", "all")),
+    worded("not", key<&ForwardRule::block>("block", Messages{}, "not these messages")),
+    worded("only systems",
+           key<&ForwardRule::allow_systems>("allow_systems", Ids{},
+                                            "these systems (of the sender) alone", "all")),
+    worded("not systems",
+           key<&ForwardRule::block_systems>("block_systems", Ids{}, "not these systems")),
+    worded("only components",
+           key<&ForwardRule::allow_components>("allow_components", Ids{},
+                                               "these components (of the sender) alone", "all")),
+    worded("not components",
+           key<&ForwardRule::block_components>("block_components", Ids{}, "not these components")),
+    worded("thinned out",
+           key<&ForwardRule::rates>("rates", RatesOf{{kRateKeys}}, "thins messages out")),
+};
+
+std::string listed(const std::vector<LinkConfig>& links) {
+  std::string names;
+  for (const LinkConfig& link : links) names += (names.empty() ? "" : ", ") + link.name;
+  return names;
+}
+
+std::vector<std::string> parse_link_names(const base::ConfigNode& node,
+                                          const std::vector<LinkConfig>& links) {
+  std::vector<std::string> names;
+  const auto add = [&](const base::ConfigNode& entry, const std::string& name) {
+    if (std::find(names.begin(), names.end(), name) != names.end()) {
+      entry.fail("link '" + name + "' is named twice");
+    }
+    names.push_back(name);
+  };
+  for (const base::ConfigNode& entry : one_or_many(node)) {
+    const auto name = entry.as<std::string>();
+    if (name == "any") {
+      for (const LinkConfig& link : links) add(entry, link.name);
+    } else if (find_link(links, name) != nullptr) {
+      add(entry, name);
+    } else {
+      entry.fail("there is no link '" + name + "'; links are " + listed(links));
+    }
+  }
+  return names;
+}
+
+bool is_server(const LinkConfig& link) {
+  return link.type == LinkType::kUdpServer || link.type == LinkType::kTcpServer;
+}
+
+/// Why there can be no route between two links; nothing: there can.
+std::optional<std::string> why_no_route(const LinkConfig& from, const LinkConfig& to) {
+  if (to.type == LinkType::kTlog) {
+    return "nothing can be sent to '" + to.name + "', a log that is played";
+  }
+  if (!from.sniffer && !to.sniffer) return std::nullopt;
+  return "'" + (from.sniffer ? from : to).name +
+         "' is a sniffer: it gets every packet without a route, sends none";
+}
+
+}  // namespace
+
+std::vector<RouteConfig> parse_route(const base::ConfigNode& node,
+                                     const std::vector<LinkConfig>& links) {
+  const auto from = parse_link_names(node.at("from"), links);
+  const auto to = parse_link_names(node.at("to"), links);
+  ForwardRule rule;
+  base::read_keys(node, kRuleKeys, rule);
+  node.reject_unused();
+
+  // `any` and lists leave out the way back to the sender; spelt out, it links a server's peers.
+  const bool single = from.size() == 1 && to.size() == 1;
+  std::vector<RouteConfig> routes;
+  for (const std::string& one : from) {
+    for (const std::string& other : to) {
+      const LinkConfig& source = *find_link(links, one);
+      if (const auto reason = why_no_route(source, *find_link(links, other))) {
+        if (single) node.fail(*reason);
+        continue;
+      }
+      if (one != other) {
+        routes.push_back({one, other, rule});
+      } else if (single) {
+        if (!is_server(source)) node.fail("only peers of a server can talk on one link");
+        routes.push_back({one, other, rule});
+      }
+    }
+  }
+  return routes;
+}
+
+std::vector<RouteConfig> routes_between_all(const std::vector<LinkConfig>& links) {
+  std::vector<RouteConfig> routes;
+  for (const LinkConfig& from : links) {
+    for (const LinkConfig& to : links) {
+      if (from.name != to.name && !why_no_route(from, to))
+        routes.push_back({from.name, to.name, {}});
+    }
+  }
+  return routes;
+}
+
+std::string rule_text(const ForwardRule& rule) {
+  std::string text;
+  base::for_each_key(kRuleKeys, [&](const auto& each) {
+    const auto tell = [&](const auto& list) {
+      if (!text.empty()) text += ", ";
+      text += list.empty() ? "nothing" : each.words;
+      if (!list.empty()) text.append(" ").append(each.kind.text(list));
+    };
+    const auto& value = each.of(rule);
+    if constexpr (requires { *value; }) {  // an empty `allow` lets nothing pass
+      if (value) tell(*value);
+    } else if (!value.empty()) {
+      tell(value);
+    }
+  });
+  return text.empty() ? "everything" : text;
+}
+
+std::vector<base::KeyRow> route_rows() {
+  std::vector<base::KeyRow> rows;
+  base::add_rows(kRouteKeys, RouteConfig{}, rows);
+  base::add_rows(kRuleKeys, ForwardRule{}, rows);
+  return rows;
+}
+
+}  // namespace cas::casd
