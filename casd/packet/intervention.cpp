@@ -18,7 +18,7 @@ using namespace mavlink::common;  // NOLINT: the file is about its messages
 
 namespace {
 
-/// Messages by which somebody flies a vehicle. Commands are looked at one by one.
+/// Messages that fly a vehicle. Commands are judged one by one.
 constexpr std::array kSteering{SetMode::kId,
                                ManualControl::kId,
                                RcChannelsOverride::kId,

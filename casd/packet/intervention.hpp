@@ -15,31 +15,31 @@
 
 namespace cas::casd {
 
-/// What a packet has a vehicle do.
+/// What a packet makes a vehicle do.
 struct Act {
   std::string what{};    ///< "command 400 (arm)", "MANUAL_CONTROL"
   mav::Source target{};  ///< 0: every system, every component
   bool disarms = false;  ///< disarms or ends the flight, or may do so
 };
 
-/// Reads a command, a stick, a target or a change of the mission; nothing for packets that only ask
-/// for something to be said, and for all others.
+/// Reads a command, sticks, a target or a change of the mission. Nothing: the packet only requests
+/// information, or is of another kind.
 std::optional<Act> act_of(const mav::PacketView& packet);
-/// Reads the vehicle's answer to a command that arms, disarms or ends the flight: who has got an
-/// answer has commanded, perhaps at a link of its own. It does not tell arming from disarming, and
-/// counts as both.
+/// Reads a vehicle's answer to a command that arms, disarms or ends the flight: its addressee has
+/// commanded the vehicle, perhaps over a link that casd does not see. The answer does not tell
+/// arming from disarming and counts as both.
 std::optional<Act> act_of(const mavlink::common::CommandAck& answer);
 /// Whether a parameter says when the autopilot disarms itself on the ground.
 bool is_of_disarming(std::string_view parameter);
-/// Whether a command only asks for something to be said.
+/// Whether a command only requests information.
 bool only_asks(mavlink::common::MavCmd command);
-/// Whether a packet is MAV_CMD_INJECT_FAILURE: it is for the simulator, by way of casd's own
-/// station, and no vehicle gets it.
+/// Whether a packet is MAV_CMD_INJECT_FAILURE: casd's own station gives it to the simulator, and
+/// vehicles never get it.
 bool is_failure(const mav::PacketView& packet);
 /// Whether a message may be an act or the answer to one, by its id alone.
 bool may_be_act(std::uint32_t message_id);
 
-/// What somebody other than casd's own station had a vehicle do; the same again counts up.
+/// An act of somebody other than casd's own station. Repetitions are counted in `times`.
 struct Intervention {
   mav::Source by{};
   LinkId link = kNoLink;
@@ -56,7 +56,7 @@ class Interventions {
 
   void add(Intervention intervention);
   const std::deque<Intervention>& all() const { return all_; }
-  /// How many there were that were not the same again.
+  /// How many there were, repetitions not counted.
   std::uint64_t kinds() const { return kinds_; }
 
  private:

@@ -11,7 +11,8 @@
 namespace cas::casd {
 
 /// A set of links, in words of 64 slots. The first word holds casd's own station and the first 63
-/// links, so that whoever counts the words in use works on one word in a topology of that size.
+/// links, so that code that visits only the words in use visits one word in a topology of that
+/// size.
 class LinkMask {
  public:
   static constexpr std::size_t kWords = 4;

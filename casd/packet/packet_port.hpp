@@ -9,7 +9,7 @@
 
 namespace cas::casd {
 
-/// A packet on its way through, borrowed.
+/// A packet, borrowed from its owner.
 struct PacketRef {
   const PacketInfo* info = nullptr;
   std::span<const std::uint8_t> bytes;
@@ -24,9 +24,9 @@ class PacketPort {
 
 /// What became of an attempt to write packets.
 struct WriteResult {
-  std::size_t packets = 0;       ///< done with: gone as a whole, or unsignable
-  std::size_t part_of_next = 0;  ///< bytes of the next one that are gone too (streams)
-  bool broken = false;           ///< the descriptor is of no more use
+  std::size_t packets = 0;       ///< finished: written completely, or unsignable
+  std::size_t part_of_next = 0;  ///< bytes of the next one that were written, too (streams)
+  bool broken = false;           ///< the descriptor is unusable
   base::RunTime done{};          ///< when the call had returned; zero: it took no time
   /// Those of `packets` that can never be written, as rising indices; good until the next write.
   std::span<const std::size_t> unsignable = {};

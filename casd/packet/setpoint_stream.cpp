@@ -23,7 +23,7 @@ using mavlink::common::SetPositionTargetLocalNed;
 
 constexpr std::uint16_t kLeave = std::numeric_limits<std::uint16_t>::max();
 
-/// Of channel 9 and up 0 leaves a channel, too.
+/// For channel 9 and up, 0 also means "no change".
 bool replaces(const RcChannelsOverride& newer, const RcChannelsOverride& older) {
   const auto named_channels = [](const RcChannelsOverride& rc) {
     constexpr std::size_t kFirstOfLater = 8;
@@ -41,12 +41,12 @@ bool replaces(const RcChannelsOverride& newer, const RcChannelsOverride& older) 
   return (named_channels(older) & ~named_channels(newer)) == 0;
 }
 
-/// A button that was pressed and let go must not vanish.
+/// A short press of a button must not be lost.
 bool replaces(const ManualControl& newer, const ManualControl& older) {
   return newer.buttons == older.buttons && newer.buttons2 == older.buttons2;
 }
 
-/// The bits of a type mask tell what is to be ignored.
+/// The bits of a type mask name the fields to ignore.
 template <class Target>
 bool names_as_much(const Target& newer, const Target& older) {
   return (static_cast<unsigned>(newer.type_mask) & ~static_cast<unsigned>(older.type_mask)) == 0;

@@ -30,7 +30,7 @@ std::optional<std::string> not_in_hil(const VehicleState& state, base::RunTime n
 
 std::optional<Outcome> arm_interlock(const VehicleState& state, const VehicleTable& table,
                                      NotHilConsent consent, base::RunTime now) {
-  // No consent tells which of two is meant.
+  // With two autopilots, consent does not say which one is meant.
   if (const auto rival = rival_words(state, table, now)) {
     return failure(OutcomeKind::kInterlock, *rival);
   }

@@ -20,10 +20,7 @@ using mavlink::common::MavResult;
 using mavlink::common::MavSeverity;
 using mavlink::common::Statustext;
 
-constexpr auto kStretch = std::chrono::minutes(1);
-constexpr int kMostRefusals = 20;  // that leave a line in one stretch
-
-/// A refusal. @param text  for a STATUSTEXT, behind "casd: " @param more  for the audit besides
+/// A refusal. @param text  for a STATUSTEXT, after "casd: " @param more  for the audit only
 Outcome refused(MavResult result, std::string text, const std::string& more = {}) {
   Outcome outcome = failure(OutcomeKind::kRefused, std::move(text));
   outcome.result = result;
@@ -31,7 +28,7 @@ Outcome refused(MavResult result, std::string text, const std::string& more = {}
   return outcome;
 }
 
-/// What the simulator answered.
+/// The simulator's answer.
 Outcome outcome_of(const CommandAck& ack) {
   if (ack.result == MavResult::kAccepted) {
     Outcome outcome;
@@ -150,7 +147,7 @@ void FailureDesk::inject(std::uint8_t system, const VehicleCommand& command, bas
   add(system, {.order = *order, .answer = told}, now);
 }
 
-/// Why a station's order is not taken, whatever it is.
+/// Why this station may not inject failures at all.
 std::optional<Outcome> FailureDesk::refusal(mav::Source by, LinkId link) const {
   if (by == encoder_.source()) {
     return refused(MavResult::kDenied, "the sender has casd's own ids");
@@ -160,7 +157,7 @@ std::optional<Outcome> FailureDesk::refusal(mav::Source by, LinkId link) const {
                  "inject_failures: true of the link permits it");
 }
 
-/// Why a vehicle gets no failure at all.
+/// Why no failure can be injected into this vehicle.
 std::optional<Outcome> FailureDesk::refusal(std::uint8_t system,
                                             const std::optional<Simulator>& simulator) const {
   if (const auto doubt = hooks_.hil_doubt(system)) {
@@ -175,14 +172,14 @@ std::optional<Outcome> FailureDesk::refusal(std::uint8_t system,
   return std::nullopt;
 }
 
-/// Whether these ids are a vehicle's, which gets no failure, whatever it sends.
+/// Whether these ids are a vehicle's: it gets no failure, even if it sends HIL_SENSOR.
 bool FailureDesk::is_autopilot(mav::Source source) const {
   const VehicleState* const vehicle = commander_.find(source.system);
   return source.component == mav::services::kAutopilot ||
          (vehicle != nullptr && vehicle->source() == source);
 }
 
-/// A station that has no answer yet asks again.
+/// Whether it repeats a request that waits for its answer.
 bool FailureDesk::is_repetition(const Origin& from, const mav::PacketView& packet,
                                 std::uint8_t system, const FailureOrder& order) const {
   const auto found = waiting_.find(system);
@@ -202,7 +199,7 @@ void FailureDesk::add(std::uint8_t system, Request request, base::RunTime now) {
 }
 
 void FailureDesk::send_first(std::uint8_t system, base::RunTime now) {
-  // Much can change while it waits.
+  // Permissions and simulator may have changed while it waited.
   Request& request = waiting_.at(system).front();
   const auto simulator = hooks_.simulator(system);
   auto why = refusal(system, simulator);
@@ -296,16 +293,9 @@ void FailureDesk::send_as(mav::Source source, const M& message, const Path& to) 
   hooks_.send({packet.bytes.data(), packet.size}, {&to, 1});
 }
 
-/// Whoever floods with what is refused leaves few lines.
+/// A flood of refused commands leaves few lines.
 void FailureDesk::leave_line(const std::string& line, bool accepted, base::RunTime now) {
-  if (!accepted) {
-    if (now - refusals_since_ > kStretch) {
-      refusals_since_ = now;
-      refusals_ = 0;
-    }
-    if (++refusals_ > kMostRefusals) return;
-  }
-  hooks_.audit(line);
+  if (accepted || refusals_.take(now)) hooks_.audit(line);
 }
 
 }  // namespace cas::casd

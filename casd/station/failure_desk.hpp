@@ -12,6 +12,7 @@
 
 #include "base/time/clock.hpp"
 #include "casd/packet/link_mask.hpp"
+#include "casd/station/notice_limit.hpp"
 #include "casd/station/vehicle_commander.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
@@ -19,7 +20,7 @@
 
 namespace cas::casd {
 
-/// Texts of casd that bear a vehicle's ids begin so: they are not the vehicle's words.
+/// Begins each STATUSTEXT that casd sends with a vehicle's ids.
 inline constexpr std::string_view kDeskPrefix = "casd: ";
 
 /// A simulator whose sensor data goes to a vehicle.
@@ -47,9 +48,9 @@ struct FailureHooks {
 ///
 ///   station --> on_packet --> permitted? in HIL? --> simulator --> COMMAND_ACK --> station
 ///
-/// The answer bears the vehicle's ids, because ground stations wait for it from there; a refusal
-/// says why in a STATUSTEXT besides. One failure of a vehicle is under way at a time, the others
-/// wait. Pure: the time comes in as an argument, that of this machine's clock, also in lockstep.
+/// The answer has the vehicle's ids, because ground stations expect it from there; a refusal also
+/// sends a STATUSTEXT with the reason. Failures of a vehicle are sent one at a time. Pure: the time
+/// comes in as an argument, that of this machine's clock, also in lockstep.
 class FailureDesk {
  public:
   static constexpr base::Duration kPatience = std::chrono::seconds(1);
@@ -58,19 +59,19 @@ class FailureDesk {
   /// @param commander  knows the vehicles; outlives this object
   FailureDesk(mav::Source self, const VehicleCommander& commander, FailureHooks hooks);
 
-  /// What is to be done with a packet that the station hears.
+  /// What became of a packet that the station hears.
   enum class Verdict : std::uint8_t {
     kNotOurs,  ///< it is about something else
-    kRefused,  ///< nothing came of it: the station shall not take it for an act of somebody
-    kTaken     ///< it is on its way to the simulator
+    kRefused,  ///< without effect: the commander must not count it as an intervention
+    kTaken     ///< sent on to the simulator
   };
   Verdict on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now);
   /// The same command from the command port.
   void inject(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done);
   /// Gives up on simulators that do not answer: several times a second.
   void tick(base::RunTime now);
-  /// These links are gone for good: what waits for them is dropped, nobody there is answered any
-  /// more. Until end_reload() all that bears their numbers is refused: it may have come before.
+  /// These links are gone: their waiting requests are dropped and not answered. Until end_reload()
+  /// every packet with the number of such a link is refused, because it may come from the old link.
   void begin_reload(const LinkMask& gone, base::RunTime now);
   void end_reload() { gone_ = {}; }
 
@@ -118,8 +119,7 @@ class FailureDesk {
   LinkMask gone_;                                        ///< while a reload is under way
   std::int32_t token_ = 0;
   std::uint8_t sequence_ = 0;  ///< of packets in a vehicle's name
-  base::RunTime refusals_since_{};
-  int refusals_ = 0;
+  NoticeLimit refusals_{20};   ///< that leave a line
 };
 
 }  // namespace cas::casd

@@ -4,20 +4,14 @@
 #include <vector>
 
 #include "mavlink/common/enums.hpp"
+#include "mavlink_gen/services/station_heartbeat.hpp"
 
 namespace cas::casd {
 namespace {
 
 using namespace mavlink::common;
 
-Heartbeat of_a_station() {
-  Heartbeat message;
-  message.type = MavType::kGcs;
-  message.autopilot = MavAutopilot::kInvalid;
-  message.system_status = MavState::kActive;
-  message.mavlink_version = 3;
-  return message;
-}
+Heartbeat of_a_station() { return mav::services::station_heartbeat(MavType::kGcs); }
 
 void note(KnownVehicle& vehicle, base::RunTime now) {
   vehicle.beat_at = vehicle.state.boot_time().value_or(base::Duration{});
@@ -27,8 +21,7 @@ void note(KnownVehicle& vehicle, base::RunTime now) {
 }  // namespace
 
 void OwnHeartbeat::set_rate(double rate_hz) {
-  if (rate_hz != rate_hz_)
-    next_.reset();  // the one under way may be long in coming at the old rate
+  if (rate_hz != rate_hz_) next_.reset();  // at the old rate the next one may be far away
   rate_hz_ = rate_hz;
 }
 

@@ -12,8 +12,8 @@
 
 namespace cas::casd {
 
-/// When casd sends its own HEARTBEAT as a ground station: without one PX4 counts its ground station
-/// as lost. Pure.
+/// Sends casd's own HEARTBEAT as a ground station; without it PX4 reports a lost ground station.
+/// Pure.
 class OwnHeartbeat {
  public:
   /// To these paths alone, or, without paths, to every link.
@@ -23,11 +23,10 @@ class OwnHeartbeat {
   OwnHeartbeat(double rate_hz, Send send) : rate_hz_(rate_hz), send_(std::move(send)) {}
 
   void set_rate(double rate_hz);
-  /// To everybody, as often as its rate says.
+  /// Sends to every link, at the rate.
   void tick(const VehicleTable::Vehicles& vehicles, base::RunTime now);
-  /// To a vehicle that runs faster than real time, by its own clock. Of one at 20 times real time
-  /// a second of ours is 20 s: PX4 v1.16 took its ground station for lost and returned. At real
-  /// time the ticks keep up with its clock.
+  /// Sends to a vehicle that runs faster than real time, by its own clock: at 20 times real time
+  /// PX4 v1.16 missed its ground station between two ticks and returned home.
   void keep_up(KnownVehicle& vehicle, base::RunTime now);
 
  private:

@@ -11,8 +11,8 @@
 
 namespace cas::casd {
 
-/// PX4's height of a takeoff that names none, MIS_TAKEOFF_ALT: a takeoff of casd's writes it, and
-/// what its owner had there is put back. Pure.
+/// PX4's default height of a takeoff, MIS_TAKEOFF_ALT: casd writes it for a takeoff and afterwards
+/// restores the old value. Pure.
 class TakeoffHeight {
  public:
   static constexpr std::string_view kParameter = "MIS_TAKEOFF_ALT";
@@ -20,9 +20,9 @@ class TakeoffHeight {
   /// @param params  of the vehicle; outlives this
   explicit TakeoffHeight(ParamExchange& params) : params_(params) {}
 
-  /// @param clock  asked now, and when the vehicle has answered
+  /// @param clock  read now, and when the vehicle has answered
   void write(double altitude_m, std::function<base::RunTime()> clock, Done done);
-  /// Nothing where nothing was written, or the value there is newer.
+  /// Restores the old value, unless nothing was written or somebody has set the parameter since.
   void put_back(base::RunTime now);
   /// Somebody sets the parameter: that value stays.
   void keep() { before_.reset(); }
@@ -30,12 +30,12 @@ class TakeoffHeight {
   /// When it was last written.
   base::RunTime written() const { return written_; }
   bool is_putting_back() const { return putting_back_; }
-  /// Called with the outcome once the put-back that is on its way has ended.
+  /// Called with the outcome of the restoration that is under way.
   void after_putting_back(Done then) { then_.push_back(std::move(then)); }
 
  private:
   ParamExchange& params_;
-  std::optional<double> before_;  ///< its owner's
+  std::optional<double> before_;  ///< the value to restore
   base::RunTime written_{};
   bool putting_back_ = false;
   std::vector<Done> then_;

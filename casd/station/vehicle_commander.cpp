@@ -29,6 +29,14 @@ constexpr double kFarthest_m = 100'000;
 
 }  // namespace
 
+/// The rates that a vehicle is asked for after it was met or has restarted.
+struct VehicleCommander::RateRound {
+  base::RunTime asked_at;
+  std::vector<MessageRate> rates;
+  std::size_t next = 0;
+  std::string refused{};  ///< a sentence; empty: nothing was
+};
+
 VehicleCommander::VehicleCommander(CommanderOptions options, SendPacket send)
     : options_(options),
       send_(std::move(send)),
@@ -77,16 +85,16 @@ void VehicleCommander::on_packet(const Origin& from, const mav::PacketView& pack
   heartbeat_.keep_up(*vehicle, now);
 }
 
-/// An ArduPilot that is back from a reboot before anybody missed its HEARTBEAT sends little else:
-/// it has forgotten what it was asked for, and nothing tells its clock.
+/// An ArduPilot that reboots within the silence limit has forgotten its requested streams, and
+/// sends no message with its clock that would show the restart.
 bool VehicleCommander::has_stopped_telling(const KnownVehicle& vehicle, base::RunTime now) {
   const auto& attitude = vehicle.state.attitude();
   return vehicle.state.autopilot() == Autopilot::kArduPilot && attitude &&
          attitude->at > vehicle.asked_at && now - vehicle.told_at > kVehicleTimeout;
 }
 
-/// What commanding needs to know and a vehicle may not stream by itself. On a high latency link
-/// each packet costs: nothing is asked there.
+/// Requests the messages that commanding needs and that a vehicle may not send by itself. Nothing
+/// is requested over a high latency link, where each packet costs.
 void VehicleCommander::ask_on_sight(KnownVehicle& vehicle, base::RunTime now) {
   const std::uint8_t system = vehicle.state.source().system;
   vehicle.asked_at = now;
@@ -103,21 +111,33 @@ void VehicleCommander::ask_on_sight(KnownVehicle& vehicle, base::RunTime now) {
       message_interval(system, id, 1e6 / hz, now, [](const Outcome&) {});
     }
   }
-  ask_for_rates(system, rates, now);
+  now_ = now;
+  ask_for_rates(system, std::make_shared<RateRound>(RateRound{now, rates}));
 }
 
-void VehicleCommander::ask_for_rates(std::uint8_t system, const std::vector<MessageRate>& rates,
-                                     base::RunTime now) {
-  for (const MessageRate& rate : rates) {
-    const double period_us = rate.hz > 0 ? 1e6 / rate.hz : -1;
-    message_interval(system, rate.message_id, period_us, now,
-                     [this, system, rate](const Outcome& outcome) {
-                       if (outcome.ok() || !on_notice_ || find(system) == nullptr) return;
-                       on_notice_("vehicle " + std::to_string(system) + " does not send message " +
-                                  std::to_string(rate.message_id) + " at " + number_text(rate.hz) +
-                                  " Hz: " + outcome.message);
-                     });
+/// Asks for one rate at a time. A restart ends the round: none of its requests wait before those of
+/// the next one.
+void VehicleCommander::ask_for_rates(std::uint8_t system, const std::shared_ptr<RateRound>& round) {
+  const KnownVehicle* const vehicle = table_.find(system);
+  if (vehicle == nullptr || vehicle->asked_at != round->asked_at) return;
+  if (round->next == round->rates.size()) {
+    if (!round->refused.empty()) table_.notice(system, round->refused, now_);
+    return;
   }
+  const MessageRate rate = round->rates[round->next++];
+  const double period_us = rate.hz > 0 ? 1e6 / rate.hz : -1;
+  message_interval(system, rate.message_id, period_us, now_,
+                   [this, system, rate, round](const Outcome& outcome) {
+                     if (!outcome.ok()) {
+                       round->refused +=
+                           round->refused.empty()
+                               ? "vehicle " + std::to_string(system) + " does not send message "
+                               : "; nor message ";
+                       round->refused += std::to_string(rate.message_id) + " at " +
+                                         number_text(rate.hz) + " Hz: " + outcome.message;
+                     }
+                     ask_for_rates(system, round);
+                   });
 }
 
 void VehicleCommander::dispatch(KnownVehicle& vehicle, const mav::PacketView& packet,

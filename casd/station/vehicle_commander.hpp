@@ -15,6 +15,7 @@
 #include "base/time/clock.hpp"
 #include "casd/packet/link_mask.hpp"
 #include "casd/packet/message_rate.hpp"
+#include "casd/packet/own_station.hpp"
 #include "casd/station/gain_map.hpp"
 #include "casd/station/own_heartbeat.hpp"
 #include "casd/station/services.hpp"
@@ -34,9 +35,9 @@ namespace cas::casd {
 using SendPacket =
     std::function<void(std::span<const std::uint8_t> packet, std::span<const Path> to)>;
 
-/// What sits behind casd's own address (254/190 by default): hears every packet that is addressed
-/// to it or to everybody, apart from HIL_* sensor and actuator streams. All calls come on casd's
-/// main io thread; packets cross over from the link threads through a bounded queue.
+/// What sits behind casd's own address (kOwnStation by default): hears every packet that is
+/// addressed to it or to everybody, apart from HIL_* sensor and actuator streams. All calls come on
+/// casd's main io thread; packets cross over from the link threads through a bounded queue.
 class Station {
  public:
   virtual ~Station() = default;
@@ -47,12 +48,12 @@ class Station {
 };
 
 struct CommanderOptions {
-  mav::Source self{254, 190};
+  mav::Source self = kOwnStation;
   double heartbeat_hz = 1;     ///< own HEARTBEAT as a ground station; 0 is silent. A vehicle that
                                ///< runs faster than real time gets it by its own clock
   bool allow_not_hil = false;  ///< consent to arm vehicles that are not in HIL
   bool ask_on_sight = true;    ///< request AUTOPILOT_VERSION and HOME_POSITION of a new vehicle,
-                               ///< and of one that has begun anew
+                               ///< and of one that has restarted
   CommandTiming command_timing{};
   ParamTiming param_timing{};
   std::function<std::string(LinkId)> link_name{};  ///< for sentences; empty: their numbers
@@ -89,7 +90,6 @@ class VehicleCommander final : public Station {
   /// Called with a sentence when a second autopilot with a vehicle's id appears or falls silent,
   /// and when a vehicle does not send what its link asks for.
   void on_notice(std::function<void(const std::string&)> callback) {
-    on_notice_ = callback;
     table_.on_notice(std::move(callback));
   }
   /// These links are gone for good: vehicles that were heard on them alone are forgotten.
@@ -191,7 +191,8 @@ class VehicleCommander final : public Station {
   KnownVehicle* known(std::uint8_t system, const Done& done);
   static bool has_stopped_telling(const KnownVehicle& vehicle, base::RunTime now);
   void ask_on_sight(KnownVehicle& vehicle, base::RunTime now);
-  void ask_for_rates(std::uint8_t system, const std::vector<MessageRate>& rates, base::RunTime now);
+  struct RateRound;
+  void ask_for_rates(std::uint8_t system, const std::shared_ptr<RateRound>& round);
   void on_status_text(KnownVehicle& vehicle);
   void dispatch(KnownVehicle& vehicle, const mav::PacketView& packet, base::RunTime now);
   void start(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done);
@@ -208,7 +209,6 @@ class VehicleCommander final : public Station {
   mav::Encoder encoder_;
   OwnHeartbeat heartbeat_;
   OnText on_text_;
-  std::function<void(const std::string&)> on_notice_;
   std::function<void(std::uint8_t, const VehicleCommand&, Done)> on_failure_;
   VehicleTable table_;
   Takeoff takeoff_;

@@ -48,6 +48,13 @@ std::vector<Path> VehicleState::paths() const {
   return all;
 }
 
+bool VehicleState::hangs_on(LinkId link, base::RunTime now) const {
+  return std::ranges::any_of(ways_, [&](const Way& way) { return way.path.link == link; }) &&
+         std::ranges::none_of(ways_, [&](const Way& way) {
+           return way.path.link != link && now - way.at <= kVehicleTimeout;
+         });
+}
+
 std::optional<Rival> VehicleState::rival(base::RunTime now) const {
   if (!rival_ || now - rival_->at > kVehicleTimeout) return std::nullopt;
   return rival_;

@@ -49,6 +49,8 @@ class VehicleState final : public mav::services::VehicleState {
   Origin origin() const { return {ways_.front().path, group_}; }
   /// All ways to it.
   std::vector<Path> paths() const;
+  /// Whether this link is a way to it, and no other link has heard it lately.
+  bool hangs_on(LinkId link, base::RunTime now) const;
 
   /// Another autopilot uses this vehicle's system id.
   void on_rival(const Rival& rival) { rival_ = rival; }

@@ -17,8 +17,8 @@ constexpr std::size_t kMaxVehiclesPerLink = 250;
 /// Silence after which a disarmed vehicle is forgotten, and an armed one where room is needed.
 constexpr base::Duration kForgetAfter = std::chrono::seconds(60);
 
-/// Whether who sends a HEARTBEAT takes a vehicle's place: component 1 that of any other at once,
-/// else the same component once the vehicle has fallen silent.
+/// Whether the sender of a HEARTBEAT replaces the vehicle: component 1 replaces any other at once,
+/// the same component a vehicle that has fallen silent.
 bool takes_over(const VehicleState& vehicle, mav::Source source, base::Duration silence,
                 base::RunTime now) {
   const std::uint8_t held = vehicle.source().component;
@@ -26,12 +26,12 @@ bool takes_over(const VehicleState& vehicle, mav::Source source, base::Duration 
   return vehicle.heartbeat_age(now) > silence;
 }
 
-/// Silence after which nothing is expected of it any more.
+/// Silence after which a vehicle counts as gone.
 base::Duration patience(const VehicleState& vehicle) {
   return std::max(kForgetAfter, vehicle.silent_after());
 }
 
-/// What a packet says of who is a vehicle; nothing: it does not, or its sender is none.
+/// The HEARTBEAT in a packet of a vehicle, or what HIGH_LATENCY2 has of one; else nothing.
 std::optional<Heartbeat> presence(const mav::PacketView& packet) {
   std::optional<Heartbeat> heartbeat = mav::decode<Heartbeat>(packet);
   if (const auto slow = mav::decode<HighLatency2>(packet)) {
@@ -79,8 +79,8 @@ void VehicleTable::tick(base::RunTime now) {
   expire(now);
 }
 
-/// An autopilot sent a HEARTBEAT, or HIGH_LATENCY2. @return the vehicle of its system id, which may
-/// be another one
+/// An autopilot sent HEARTBEAT or HIGH_LATENCY2. @return the vehicle of its system id; this may be
+/// another autopilot
 KnownVehicle* VehicleTable::meet(const Origin& from, const mav::PacketView& packet,
                                  base::RunTime now) {
   const mav::Source source = packet.source;
@@ -101,7 +101,7 @@ KnownVehicle* VehicleTable::meet(const Origin& from, const mav::PacketView& pack
     displace(vehicle, from, source, now);
     return vehicles_.at(source.system).get();
   }
-  // A vehicle that has a satellite modem besides is no rival of itself.
+  // A vehicle with a satellite modem is not its own rival.
   if (!here && !slow) {
     vehicle.state.on_rival({source, from, now});
     if (!vehicle.contested) tell_of_rivals(now);
@@ -109,7 +109,7 @@ KnownVehicle* VehicleTable::meet(const Origin& from, const mav::PacketView& pack
   return &vehicle;
 }
 
-/// Another autopilot is the vehicle of this id from now on. Nothing that the one before said holds.
+/// Another autopilot is the vehicle of this id from now on; the state of the old one is dropped.
 void VehicleTable::displace(KnownVehicle& vehicle, const Origin& from, mav::Source source,
                             base::RunTime now) {
   const VehicleState& old = vehicle.state;
@@ -127,7 +127,7 @@ void VehicleTable::displace(KnownVehicle& vehicle, const Origin& from, mav::Sour
   tell_of_rivals(now);
 }
 
-/// Whether one more vehicle may be known on this link; the longest forgotten one makes room.
+/// Whether the link may have one more vehicle. The one that was silent longest makes room.
 bool VehicleTable::has_room(LinkId link, base::RunTime now) {
   std::size_t count = 0;
   const VehicleState* oldest = nullptr;
@@ -143,19 +143,28 @@ bool VehicleTable::has_room(LinkId link, base::RunTime now) {
   return true;
 }
 
-/// Once when a rival appears, once when it is gone.
+/// Gives one notice when a rival appears, and one when it is gone.
 void VehicleTable::tell_of_rivals(base::RunTime now) {
   for (const auto& [system, vehicle] : vehicles_) {
     const std::optional<Rival> rival = vehicle->state.rival(now);
     if (rival.has_value() == vehicle->contested) continue;
     vehicle->contested = rival.has_value();
-    if (!on_notice_) continue;
     const std::string who = vehicle_text(vehicle->state);
-    on_notice_(rival ? who + " has a rival: another autopilot with this system id speaks on " +
-                           place(vehicle->state, *rival) +
-                           "; casd arms neither until one of them is silent"
-                     : who + " is alone again under its system id");
+    notice(system,
+           rival ? who + " has a rival: another autopilot with this system id speaks on " +
+                       place(vehicle->state, *rival) +
+                       "; casd arms neither until one of them is silent"
+                 : who + " is alone again under its system id",
+           now);
   }
+}
+
+void VehicleTable::notice(std::uint8_t system, const std::string& sentence, base::RunTime now) {
+  constexpr int kMost = 10;
+  if (!on_notice_) return;
+  NoticeLimit& limit = notice_limits_.try_emplace(system, kMost).first->second;
+  if (!limit.take(now)) return;
+  on_notice_(limit.is_last() ? sentence + "; no more notices of it for a minute" : sentence);
 }
 
 void VehicleTable::expire(base::RunTime now) {

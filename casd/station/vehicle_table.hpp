@@ -15,6 +15,7 @@
 #include "base/time/clock.hpp"
 #include "casd/packet/intervention.hpp"
 #include "casd/packet/link_mask.hpp"
+#include "casd/station/notice_limit.hpp"
 #include "casd/station/services.hpp"
 #include "casd/station/takeoff_height.hpp"
 #include "casd/station/vehicle_state.hpp"
@@ -22,13 +23,13 @@
 
 namespace cas::casd {
 
-/// Who had a hand in a vehicle. It outlives what else is known of it.
+/// Who has commanded a system id. It outlives the vehicle's state.
 struct Hands {
   Interventions interventions;     ///< of others than casd's own station
   std::uint64_t arm_requests = 0;  ///< to arm and to disarm, of all: the newest counts
-  std::uint64_t disarms = 0;       ///< of them all, those that disarm or end the flight
+  std::uint64_t disarms = 0;       ///< requests, of all, that disarm or end the flight
 
-  /// Grows with each request to disarm, and each act of somebody who did not do it before.
+  /// Grows with each request to disarm, and with each new kind of intervention.
   std::uint64_t acts_so_far() const { return disarms + interventions.kinds(); }
 };
 
@@ -49,11 +50,11 @@ struct KnownVehicle {
   ParamExchange params;
   TakeoffHeight takeoff_height{params};
   std::uint64_t texts_seen = 0;
-  base::RunTime asked_at{};   ///< when it was last asked for what it may not stream
-  base::RunTime told_at{};    ///< when it last said something else than HEARTBEAT
+  base::RunTime asked_at{};   ///< when it was last asked for what it may not send by itself
+  base::RunTime told_at{};    ///< when it last sent something else than HEARTBEAT
   base::Duration beat_at{};   ///< its own clock at the newest HEARTBEAT that was sent
   base::RunTime beat_sent{};  ///< the same by this machine's
-  bool contested = false;     ///< a rival was told of
+  bool contested = false;     ///< the newest notice says that it has a rival
 };
 
 /// "vehicle 1".
@@ -61,33 +62,37 @@ std::string vehicle_text(const VehicleState& state);
 
 /// Who is a vehicle: an autopilot (link or group, peer, system, component) that sends HEARTBEAT, or
 /// HIGH_LATENCY2.
-/// A second autopilot with a vehicle's system id is its rival. What is known is bounded by link,
-/// and forgotten after silence. Pure.
+/// A second autopilot with a vehicle's system id is its rival. The number of vehicles of a link is
+/// bounded; silent ones are forgotten. Pure.
 class VehicleTable {
  public:
   using Make = std::function<std::unique_ptr<KnownVehicle>(VehicleState)>;
   using Vehicles = std::map<std::uint8_t, std::unique_ptr<KnownVehicle>>;
 
-  /// @param make       the requests to a new vehicle
+  /// @param make       makes the entry of a new vehicle
   /// @param link_name  for sentences; empty: their numbers
   VehicleTable(Make make, std::function<std::string(LinkId)> link_name)
       : make_(std::move(make)), link_name_(std::move(link_name)) {}
 
-  /// Called with a sentence when a rival appears or falls silent.
+  /// Called with each notice.
   void on_notice(std::function<void(const std::string&)> callback) {
     on_notice_ = std::move(callback);
   }
 
+  /// Tells a person something about a vehicle, for example of its rival. Whoever claims a vehicle's
+  /// id can cause notices: of each id few pass in a minute.
+  void notice(std::uint8_t system, const std::string& sentence, base::RunTime now);
+
   /// Takes in a packet. HEARTBEATs make vehicles, and rivals of them; HIGH_LATENCY2 makes vehicles.
   /// @return the vehicle whose autopilot sent it, from its place; nullptr: none
   KnownVehicle* track(const Origin& from, const mav::PacketView& packet, base::RunTime now);
-  /// Tells of rivals that are gone, and forgets who is silent.
+  /// Gives notice of rivals that are gone, and forgets silent vehicles.
   void tick(base::RunTime now);
   /// These links are gone for good: vehicles that were heard on them alone are forgotten.
   void forget(const LinkMask& links);
 
   KnownVehicle* find(std::uint8_t system) const;
-  /// Who had a hand in the vehicles of this id so far, also in one that is forgotten by now.
+  /// Who has commanded the vehicles of this id so far, also forgotten ones.
   Hands& hands(std::uint8_t system) { return hands_[system]; }
   const Hands& hands(std::uint8_t system) const { return hands_[system]; }
   const Vehicles& all() const { return vehicles_; }
@@ -112,6 +117,7 @@ class VehicleTable {
   std::function<void(const std::string&)> on_notice_;
   Vehicles vehicles_;
   std::array<Hands, 256> hands_;  ///< by system id
+  std::map<std::uint8_t, NoticeLimit> notice_limits_;
 };
 
 }  // namespace cas::casd

@@ -1,4 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <string>
+#include <vector>
+
 #include "tests/casd/station/commander_fixture.hpp"
 
 namespace cas::casd {
@@ -101,6 +105,66 @@ TEST_F(VehicleCommanderTest, AsksANewVehicleForItsVersionAndHome) {
   ASSERT_EQ(vehicle_.commands.size(), 2U);
   EXPECT_EQ(vehicle_.commands[0].param1, 148.0F);
   EXPECT_EQ(vehicle_.commands[1].param1, 242.0F);
+}
+
+/// A vehicle is asked for more rates than half of what may wait for it.
+class RequestedRates : public VehicleCommanderTest {
+ protected:
+  RequestedRates()
+      : VehicleCommanderTest({.request_rates = [](LinkId) {
+          std::vector<MessageRate> rates;
+          for (std::uint32_t id = 1; id <= 40; ++id) rates.push_back({id, 10});
+          return rates;
+        }}) {
+    commander_.on_notice([this](const std::string& notice) { notices_.push_back(notice); });
+  }
+  void tell_time(std::uint32_t ms) {
+    mavlink::common::Attitude attitude;
+    attitude.time_boot_ms = ms;
+    vehicle_.say(attitude, now_);
+    run_for(std::chrono::milliseconds(50));
+  }
+  /// The messages whose rates were asked for, in that order, each once.
+  std::vector<std::uint32_t> asked() const {
+    std::vector<std::uint32_t> ids;
+    for (const auto& command : vehicle_.commands) {
+      if (command.command != mavlink::common::MavCmd::kSetMessageInterval) continue;
+      const auto id = static_cast<std::uint32_t>(command.param1);
+      if (ids.empty() || ids.back() != id) ids.push_back(id);
+    }
+    return ids;
+  }
+  std::vector<std::string> notices_;
+};
+
+TEST_F(RequestedRates, ARestartBeginsThemAnewAndLeavesNothingInTheQueue) {
+  meet();
+  vehicle_.script.answers = 0;
+  tell_time(100'000);
+  for (std::uint32_t restart = 1; restart <= 3; ++restart) {
+    run_for(std::chrono::seconds(4));
+    tell_time(100'000 - 10'000 * restart);
+  }
+  vehicle_.commands.clear();
+  vehicle_.script.answers = 1;
+  run_for(std::chrono::seconds(20));
+  const auto ids = asked();
+  const auto first = std::ranges::find(ids, 1U);
+  ASSERT_NE(first, ids.end());
+  EXPECT_LE(first - ids.begin(), 1) << "one may be under way";
+  EXPECT_EQ(ids.end() - first, 40);
+  EXPECT_EQ(ids.back(), 40U);
+  EXPECT_TRUE(notices_.empty()) << notices_.front();
+}
+
+TEST_F(RequestedRates, WhatIsRefusedIsToldInOneNotice) {
+  vehicle_.script.result = mavlink::common::MavResult::kDenied;
+  meet();
+  run_for(std::chrono::seconds(60));
+  ASSERT_EQ(notices_.size(), 1U);
+  EXPECT_TRUE(notices_[0].starts_with("vehicle 1 does not send message 1 at 10 Hz: "))
+      << notices_[0];
+  EXPECT_NE(notices_[0].find("; nor message 40 at 10 Hz: "), std::string::npos) << notices_[0];
 }
 
 }  // namespace

@@ -105,6 +105,35 @@ TEST_F(Identity, TwoLinksWithOneIdAreTwoAutopilotsWhicheverSpokeFirst) {
   }
 }
 
+TEST_F(Identity, RivalsThatComeAndGoFillNoLogAndHideNoOtherVehicles) {
+  for (int i = 0; i < 100; ++i) {
+    for (int beats = 0; beats < 5; ++beats, pass(50ms)) beat(kLine, kHil, {7, 1});
+    beat(kNet, kHil, {7, 1});
+    for (int beats = 0; beats < 4; ++beats, pass(1s)) beat(kLine, kHil, {7, 1});
+  }
+  EXPECT_LE(notices_.size(), 8U * 10U) << "in seven minutes";
+  EXPECT_NE(notices_.at(9).find("no more notices of it for a minute"), std::string::npos);
+  notices_.clear();
+  beat(kLine, kHil, {1, 1});
+  beat(kNet, kHil, {1, 1});
+  ASSERT_EQ(notices_.size(), 1U);
+  EXPECT_NE(notices_[0].find("vehicle 1 has a rival"), std::string::npos);
+}
+
+TEST_F(Identity, HangsOnALinkThatNoOtherOneHasHeardOfLate) {
+  beat(kGroupA, kHil);
+  beat(kGroupB, kHil);
+  const VehicleState& vehicle = *commander_.find(1);
+  EXPECT_FALSE(vehicle.hangs_on(2, now_));
+  EXPECT_FALSE(vehicle.hangs_on(3, now_));
+  pass(2s);
+  beat(kGroupA, kHil);
+  pass(2s);
+  EXPECT_TRUE(vehicle.hangs_on(2, now_)) << "the other one is silent";
+  EXPECT_FALSE(vehicle.hangs_on(3, now_));
+  EXPECT_FALSE(vehicle.hangs_on(0, now_)) << "it was never there";
+}
+
 TEST_F(Identity, PeersOfOneLinkAreTwoAutopilots) {
   beat(kNet, kNoHil);
   beat(kOtherPeer, kHil);
