@@ -69,15 +69,15 @@ void add_log_method(base::rpc::Server& server, const std::string& name, const Da
   server.add_method(
       name,
       [name, hooks, body](const json& params, const Reply& reply) {
-        const TlogWriter::Done done = [name, hooks, reply](const std::string& fault,
+        const TlogWriter::Done done = [name, hooks, reply](const std::optional<std::string>& fault,
                                                            const TlogStatus&) {
           hooks.post([name, hooks, reply, fault] {
-            if (fault.empty()) {
-              reply.result(log_status(hooks.recorder));
+            if (fault) {
+              reply.error(base::rpc::kRefused, *fault, nullptr);
             } else {
-              reply.error(base::rpc::kRefused, fault, nullptr);
+              reply.result(log_status(hooks.recorder));
             }
-            audit(reply, name, fault.empty() ? "done" : fault);
+            audit(reply, name, fault.value_or("done"));
           });
         };
         const auto fault =

@@ -12,7 +12,7 @@ namespace cas::casd {
 /// last one has disarmed. Pure.
 class ArmedWindow {
  public:
-  /// What follows the disarming is of interest, too: why, and how it came to rest.
+  /// The moments after the disarming show why it came, and how the vehicle came to rest.
   static constexpr base::Duration kAfter = std::chrono::seconds(1);
 
   /// @return whether it is open

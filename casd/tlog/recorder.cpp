@@ -58,13 +58,13 @@ void Recorder::on_vehicles(bool any_armed, base::RunTime now) {
   if (open && !writer_.active()) {
     TlogRecording::Options wanted = options(config_.tlog, config_.rotation);
     wanted.insist = true;
-    writer_.start(std::move(wanted), [](const std::string&, const TlogStatus& status) {
-      if (status.file.empty()) return;  // the pause has been told
+    writer_.start(std::move(wanted), [](const auto&, const TlogStatus& status) {
+      if (status.file.empty()) return;  // it pauses, and the log says so already
       base::log::info("a vehicle is armed: recording into " + status.file.string());
     });
     of_flight_ = true;
   } else if (!open && std::exchange(of_flight_, false)) {
-    writer_.stop([](const std::string&, const TlogStatus& status) {
+    writer_.stop([](const auto&, const TlogStatus& status) {
       base::log::info("no vehicle is armed any more: recorded " + std::to_string(status.recorded) +
                       " packets");
     });

@@ -15,7 +15,7 @@ namespace cas::casd {
 /// Recordings, as the topology has them (`log`).
 struct TlogConfig {
   std::filesystem::path folder{};  ///< empty: the working folder
-  std::string tlog{};              ///< name of what is recorded from the start; empty: nothing is
+  std::string tlog{};              ///< name of the recording from the start; empty: none
   TlogRotation rotation{};
   TlogLimits limits{};
   std::optional<AutopilotLogConfig> autopilot{};  ///< nothing: no log is taken from an autopilot
@@ -33,18 +33,18 @@ class Recorder {
   /// `writer` outlives it.
   Recorder(TlogWriter& writer, TlogConfig config);
 
-  /// What the configuration asks for from the start. @throws base::ConfigError
+  /// Begins the recording that the configuration wants from the start. @throws base::ConfigError
   void begin();
-  /// A recording on request; one under way ends. Waits for no disk.
+  /// Begins a recording and ends the one under way. Does not wait for the disk.
   /// @param name  empty: its date alone. @throws base::ConfigError when it is no name for a file
   void start(const std::string& name, const TlogRotation& rotation, TlogWriter::Done done);
-  /// Ends the recording; the next arming begins another one where the configuration says so. Waits
-  /// for no disk.
+  /// Ends the recording; with `while_armed` the next arming begins another one. Does not wait for
+  /// the disk.
   void stop(TlogWriter::Done done);
   /// The same, and waits until the disk has it.
   void stop();
-  /// Tells whether a vehicle is armed: at each change at the latest, and every now and then. Waits
-  /// for no disk.
+  /// Says whether a vehicle is armed: to be called at each change, and several times a second. Does
+  /// not wait for the disk.
   void on_vehicles(bool any_armed, base::RunTime now);
 
   TlogStatus status(base::RunTime now) const { return writer_.status(now); }
@@ -58,7 +58,7 @@ class Recorder {
   TlogWriter& writer_;
   TlogConfig config_;
   ArmedWindow window_;
-  bool flying_ = false;     ///< the window was open
+  bool flying_ = false;     ///< whether the window was open
   bool of_flight_ = false;  ///< the recording under way ends with the window
 };
 

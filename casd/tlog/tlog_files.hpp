@@ -32,22 +32,22 @@ struct TlogRotation {
 std::size_t count_tlog_records(std::span<const std::uint8_t> records);
 
 /// The files of one recording: NAME.tlog, NAME.1.tlog, NAME.2.tlog ... in one folder. Each is a log
-/// of its own: no record lies across two of them, and none of them was there before.
+/// of its own: no record is split between two, and no older file is continued.
 class TlogFiles {
  public:
   struct Options {
     std::filesystem::path folder;
-    std::string name;  ///< without its extension; tlog_name_fault() has none
+    std::string name;  ///< without its extension; valid by tlog_name_fault()
     TlogRotation rotation;
     int max_files = 0;       ///< of all recordings with a date; 0: any number
-    bool overwrite = false;  ///< NAME.tlog of before is removed; else the next free number is taken
+    bool overwrite = false;  ///< replaces an old NAME.tlog; else it takes the next free number
   };
 
   /// Begins another recording and makes its first file. @return false with errno set
   bool begin(Options options, base::RunTime now);
-  /// Writes whole records: a record that the disk does not take as a whole is taken back. A file as
-  /// large as this file system allows is followed by the next one. Files that were closed because
-  /// of an error are followed by the next one, too.
+  /// Writes whole records: one that the disk takes in part only is removed again. A file that has
+  /// reached the largest size of the file system, or was closed after an error, is followed by the
+  /// next one.
   /// @return how many of the bytes are in the files; fewer than all with errno set
   std::size_t write(std::span<const std::uint8_t> records, base::RunTime now);
   void close();

@@ -11,15 +11,15 @@
 
 namespace cas::casd {
 
-/// What recordings may take. Zeros: as much as they like.
+/// Limits of the recordings' disk space; 0: none.
 struct TlogLimits {
-  std::uint64_t free_space_min_bytes = 0;  ///< what stays free on the file system
+  std::uint64_t free_space_min_bytes = 0;  ///< bytes that stay free on the file system
   std::uint64_t max_bytes = 0;             ///< all recordings in the folder together
 
   friend bool operator==(const TlogLimits&, const TlogLimits&) = default;
 };
 
-/// What a folder's file system has and its recordings take.
+/// Free and used space of a folder of recordings.
 struct TlogSpace {
   std::uint64_t free_bytes = 0;
   std::uint64_t used_bytes = 0;
@@ -28,9 +28,8 @@ struct TlogSpace {
 /// Why `more` bytes must not be recorded, as a clause; empty: they may. Pure.
 std::string lack_of_room(const TlogLimits& limits, const TlogSpace& space, std::uint64_t more);
 
-/// The folder that recordings go into: the part of them that only a file system can answer. Files
-/// are made in it by their names alone, never over another file and never through a symlink. A file
-/// is locked (flock) while it is written.
+/// The folder of recordings: all access to its file system. Files are made by name only; no file is
+/// replaced and no symlink followed. A file is locked (flock) while it is written.
 class TlogFolder {
  public:
   TlogFolder() = default;
@@ -38,16 +37,16 @@ class TlogFolder {
   explicit TlogFolder(std::filesystem::path path);
 
   const std::filesystem::path& path() const { return path_; }
-  /// Makes a file, and the folder where it alone is missing. @return nothing with errno set, EEXIST
-  /// where something has that name
+  /// Makes a file, and the folder if its parent exists. @return nothing with errno set, EEXIST if
+  /// the name is taken
   base::Descriptor make(const std::string& name) const;
   /// Removes a file or symlink of that name. @return false with errno set
   bool remove(const std::string& name) const;
   /// Removes the oldest of casd's recordings (is_dated_tlog()) until `keep` of them are left: only
   /// regular files of this user that nobody writes. `current` stays. @return what is gone
   std::vector<std::string> remove_oldest(std::size_t keep, const std::string& current) const;
-  /// What is free (where nobody can tell, everything); with `scan` what all its .tlog files take,
-  /// too.
+  /// Free space (unlimited if the file system does not say), and with `scan` the space of all its
+  /// .tlog files.
   TlogSpace look(bool scan) const;
 
  private:

@@ -14,15 +14,14 @@
 
 namespace cas::casd {
 
-/// One recording under way. While the disk does not take packets (it is full, a limit is reached,
-/// it is gone) the recording pauses, says so once in the log, and goes on by itself when it does
-/// again. One thread at a time.
+/// A recording. When the disk is full or gone, or a limit is reached, it pauses, says so once in
+/// the log, and goes on by itself once there is room. One thread at a time.
 class TlogRecording {
  public:
   struct Options {
     TlogFiles::Options files;
     TlogLimits limits;
-    /// Whatever keeps the first file from being made is waited out, too; else only want of room.
+    /// Also waits when the first file cannot be made for another reason than lack of room.
     bool insist = false;
   };
 
@@ -36,7 +35,7 @@ class TlogRecording {
   std::size_t write(std::span<const std::uint8_t> records, base::RunTime now);
   void end() { files_.close(); }
 
-  /// Why nothing is written, as a clause; empty: it is. Holds until packets are in a file again.
+  /// Why it pauses, as a clause; empty: it does not. Holds until packets are in a file again.
   const std::string& pause() const { return pause_; }
   /// Since when; meaningful while it is paused.
   base::RunTime paused_since() const { return paused_since_; }

@@ -12,17 +12,16 @@
 namespace cas::casd {
 namespace {
 
-// Written at the latest after this: a log survives a crash but for the last moments.
+// A crash costs a log this much at most.
 constexpr auto kFlushPeriod = std::chrono::milliseconds(200);
-// Who is later than this has another clock: one that was set back, or a simulation begun anew.
+// A larger step back is another clock: it was set back, or a simulation has begun anew.
 constexpr std::uint64_t kClockStep_us = 1'000'000;
 
-/// For what nobody waits for.
-void tell_nobody(const std::string&, const TlogStatus&) {}
+void ignore(const std::optional<std::string>& /*fault*/, const TlogStatus& /*status*/) {}
 
 }  // namespace
 
-TlogWriter::~TlogWriter() { stop(tell_nobody); }
+TlogWriter::~TlogWriter() { stop(ignore); }
 
 void TlogWriter::start(TlogRecording::Options options, Done done) {
   start_thread();
@@ -32,7 +31,7 @@ void TlogWriter::start(TlogRecording::Options options, Done done) {
   }
   {
     const base::MutexLock lock(mutex_);
-    if (active()) order_end(tell_nobody);
+    if (active()) order_end(ignore);
     orders_.push_back({.begin = std::move(options), .rest = {}, .done = std::move(done)});
     set_zero(base::steady_now());
     overflowed_ = 0;
@@ -42,15 +41,13 @@ void TlogWriter::start(TlogRecording::Options options, Done done) {
 }
 
 void TlogWriter::start(TlogRecording::Options options) {
-  std::promise<std::string> answer;
+  std::promise<std::optional<std::string>> answer;
   start(std::move(options),
-        [&answer](const std::string& fault, const TlogStatus&) { answer.set_value(fault); });
-  if (const std::string fault = answer.get_future().get(); !fault.empty()) {
-    throw base::ConfigError(fault);
-  }
+        [&answer](const auto& fault, const TlogStatus&) { answer.set_value(fault); });
+  if (const auto fault = answer.get_future().get()) throw base::ConfigError(*fault);
 }
 
-// Nobody may find out only when a vehicle arms that the machine has no thread left.
+// Made early: a machine without a free thread shall show before a vehicle arms.
 void TlogWriter::start_thread() {
   if (thread_.joinable()) return;
   try {
@@ -77,13 +74,13 @@ void TlogWriter::stop(Done done) {
       done = nullptr;
     }
   }
-  if (done) return done("", status(base::steady_now()));
+  if (done) return done(std::nullopt, status(base::steady_now()));
   more_.notify_one();
 }
 
 void TlogWriter::stop() {
   std::promise<void> answer;
-  stop([&answer](const std::string&, const TlogStatus&) { answer.set_value(); });
+  stop([&answer](const auto&, const TlogStatus&) { answer.set_value(); });
   answer.get_future().wait();
 }
 
@@ -136,8 +133,8 @@ void TlogWriter::record(std::span<const std::uint8_t> packet, base::RunTime now)
   append_tlog_record(stamp_of(now), packet, waiting_);
 }
 
-/// Threads come a moment after they have read, so not in the order of their
-/// times; readers of a log count on times that never go back.
+/// A thread brings its packet a moment after it was read, so packets come out of order; readers of
+/// a log expect times that never go back.
 std::uint64_t TlogWriter::stamp_of(base::RunTime now) {
   const auto us =
       static_cast<std::uint64_t>((now.time_since_epoch().count() + unix_minus_run_ns_) / 1000);
@@ -146,8 +143,8 @@ std::uint64_t TlogWriter::stamp_of(base::RunTime now) {
   return newest_us_;
 }
 
-/// What the stamps are made from. When the wall clock was set back, what was kept
-/// would lie behind what is to come.
+/// Sets the wall clock at run time zero, from which the stamps are made. If the wall clock was set
+/// back, kept packets would have later stamps than those to come: they are dropped.
 void TlogWriter::set_zero(base::RunTime now) {
   const std::int64_t before = unix_minus_run_ns_;
   const auto unix_ns = std::chrono::duration_cast<std::chrono::nanoseconds>(
@@ -186,7 +183,7 @@ TlogStatus TlogWriter::publish() {
   return status_;
 }
 
-/// Orders first: what waits belongs to the recording that was begun last.
+/// Orders first: packets that wait belong to the recording that was begun last.
 void TlogWriter::run(const std::stop_token& stop) {
   for (;;) {
     std::deque<Order> orders;
@@ -224,11 +221,11 @@ void TlogWriter::carry_out(Order order, bool newest, base::RunTime now) {
     recording_.end();
   }
   open_ = false;
-  order.done("", publish());
+  order.done(std::nullopt, publish());
 }
 
 void TlogWriter::begin_recording(Order order, bool newest, base::RunTime now) {
-  std::string fault;
+  std::optional<std::string> fault;
   try {
     recording_.begin(std::move(*order.begin), now);
     recorded_ = 0;
@@ -246,7 +243,7 @@ void TlogWriter::begin_recording(Order order, bool newest, base::RunTime now) {
   order.done(fault, status);
 }
 
-/// Nothing is recorded, unless somebody has ordered another recording or an end meanwhile.
+/// Stops recording, unless main has ordered another recording or an end meanwhile.
 void TlogWriter::begin_failed() {
   const base::MutexLock lock(mutex_);
   if (!orders_.empty() || !active()) return;

@@ -20,23 +20,23 @@
 
 namespace cas::casd {
 
-/// What is said about a recording: of the one under way, or else of the last one.
+/// State of the recording that runs, or else of the last one.
 struct TlogStatus {
   bool active = false;         ///< begun and not ended; a pause does not end it
   std::filesystem::path file;  ///< empty: none yet
   std::string paused;          ///< why nothing is written, as a clause; empty: it is
   base::Duration paused_for{};
   std::uint64_t recorded = 0;  ///< packets in its files
-  std::uint64_t left_out = 0;  ///< packets that are in none of them
+  std::uint64_t left_out = 0;  ///< packets that are missing in them
   std::uint64_t bytes = 0;     ///< in its files
 };
 
 /// Writes packets into a telemetry log as ground stations read it: for each packet the time as an
 /// 8-byte big-endian number of microseconds since 1970, then the packet as it came.
 ///
-/// `record` only copies into memory; a thread of its own makes, writes and closes the files, so
-/// that a disk that hangs keeps nobody else waiting. What the disk does not take (it is full or too
-/// slow) is left out of the log and counted.
+/// `record` only copies into memory; a thread of its own makes, writes and closes the files, so a
+/// disk that hangs delays nobody else. Packets that a full or slow disk does not take are left out
+/// of the log and counted.
 ///
 ///   link threads --record()---> waiting_ --every 200 ms--+
 ///   main ---------begin, end--> orders_ -----at once-----+--> recording_ --> disk
@@ -45,7 +45,7 @@ class TlogWriter {
  public:
   /// Stamp of stream time zero in a log made in lockstep: 2026-01-01T00:00:00Z.
   static constexpr std::chrono::seconds kStreamEpoch{1'767'225'600};
-  /// While it stands by, the packets of at least this long are kept in memory.
+  /// While it stands by, it keeps the packets of at least this time in memory.
   static constexpr base::Duration kKeptBefore = std::chrono::seconds(1);
 
   TlogWriter() = default;
@@ -53,11 +53,12 @@ class TlogWriter {
   TlogWriter(const TlogWriter&) = delete;
   TlogWriter& operator=(const TlogWriter&) = delete;
 
-  /// Told on the thread that writes, once the disk has answered; where there was nothing to do, at
-  /// once.
-  /// @param fault   why the recording has not begun; empty: done
+  /// Called on the thread that writes, once the disk has answered; at once where there was nothing
+  /// to do.
+  /// @param fault   why the recording has not begun; nothing: it has, or it has ended
   /// @param status  of the recording that began or ended
-  using Done = std::function<void(const std::string& fault, const TlogStatus& status)>;
+  using Done =
+      std::function<void(const std::optional<std::string>& fault, const TlogStatus& status)>;
 
   /// Begins a recording and ends the one before, without waiting for the disk. It begins with what
   /// was kept while it stood by. Where its file cannot be made, nothing has changed but that the
@@ -68,10 +69,10 @@ class TlogWriter {
   /// From now on the newest packets are kept while nothing is recorded, for the next start().
   /// @throws base::ConfigError when the machine has no thread for it
   void stand_by();
-  /// The time of day at run time zero of the logs to come, where run time is no clock of this
-  /// machine (lockstep); else the logs have the time of day as it is.
+  /// In lockstep run time is not this machine's clock: sets the time of day at run time zero for
+  /// the next logs. Without it logs have the time of day.
   void set_epoch(std::chrono::nanoseconds since_1970) { epoch_ = since_1970; }
-  /// Ends the recording: writes what is left and closes, without waiting for it.
+  /// Ends the recording: orders the rest to be written, and does not wait.
   void stop(Done done);
   /// The same, and waits until the disk has it.
   void stop();
@@ -85,7 +86,8 @@ class TlogWriter {
 
  private:
   enum class Phase : std::uint8_t { kOff, kStandby, kRecording };
-  /// What waits, what was kept before, and what the ends of recordings wait with stay below this.
+  /// Bound of the waiting packets, of those kept while standing by, and half of the bound of those
+  /// that ends of recordings wait with.
   static constexpr std::size_t kMaxWaitingBytes = 8 * 1024 * 1024;
 
   /// Packets on their way to the disk.
@@ -117,24 +119,24 @@ class TlogWriter {
 
   mutable base::Mutex mutex_;  ///< held for copies only: packets come through it
   std::deque<Order> orders_ CAS_GUARDED_BY(mutex_);
-  std::size_t ordered_bytes_ CAS_GUARDED_BY(mutex_) = 0;  ///< that ends of recordings wait with
+  std::size_t ordered_bytes_ CAS_GUARDED_BY(mutex_) = 0;  ///< of packets in orders_
   bool stands_by_ CAS_GUARDED_BY(mutex_) = false;
   std::condition_variable_any more_;
   std::vector<std::uint8_t> waiting_ CAS_GUARDED_BY(mutex_);
-  /// The stretch before `waiting_`, while it stands by.
+  /// While it stands by: the packets before those in `waiting_`.
   std::vector<std::uint8_t> before_ CAS_GUARDED_BY(mutex_);
   base::RunTime stretch_began_ CAS_GUARDED_BY(mutex_);
   std::uint64_t overflowed_ CAS_GUARDED_BY(mutex_) = 0;
   std::int64_t unix_minus_run_ns_ CAS_GUARDED_BY(mutex_) = 0;  ///< wall clock at run time zero
   std::uint64_t newest_us_ CAS_GUARDED_BY(mutex_) = 0;         ///< since 1970, of the newest record
 
-  // Of the thread that writes.
+  // Only the writing thread uses these.
   TlogRecording recording_;
   bool open_ = false;  ///< a recording has begun and not ended
   std::uint64_t recorded_ = 0;
   std::uint64_t left_out_ = 0;
 
-  mutable base::Mutex status_mutex_;  ///< of a copy that can be read while the disk is slow
+  mutable base::Mutex status_mutex_;  ///< guards a copy that can be read while the disk is slow
   TlogStatus status_ CAS_GUARDED_BY(status_mutex_);
   base::RunTime paused_since_ CAS_GUARDED_BY(status_mutex_);
   /// Recordings that were ordered and have not begun.
@@ -143,7 +145,7 @@ class TlogWriter {
   std::optional<base::RunTime> asked_disk_ CAS_GUARDED_BY(status_mutex_);
 
   std::optional<std::chrono::nanoseconds> epoch_;
-  std::jthread thread_;  ///< the last one: it ends before what it works on
+  std::jthread thread_;  ///< the last member: it ends before those that it uses
 };
 
 }  // namespace cas::casd

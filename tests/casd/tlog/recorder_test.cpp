@@ -47,7 +47,7 @@ class RecorderTest : public testing::Test {
   static void start(Recorder& recorder, const std::string& name) {
     std::promise<std::string> fault;
     recorder.start(name, {},
-                   [&](const std::string& why, const TlogStatus&) { fault.set_value(why); });
+                   [&](const auto& why, const TlogStatus&) { fault.set_value(why.value_or("")); });
     EXPECT_EQ(fault.get_future().get(), "");
   }
   /// When its packets came, since at({}).
@@ -207,7 +207,8 @@ TEST_F(RecorderTest, StandsByAgainAfterARecordingThatCouldNotBegin) {
   TlogRecording::Options nowhere;
   nowhere.files.folder = folder / "none" / "none";
   nowhere.files.name = "x";
-  writer.start(nowhere, [&](const std::string& why, const TlogStatus&) { fault.set_value(why); });
+  writer.start(nowhere,
+               [&](const auto& why, const TlogStatus&) { fault.set_value(why.value_or("")); });
   EXPECT_NE(fault.get_future().get(), "");
   EXPECT_FALSE(recorder.status(at({})).active);
   EXPECT_TRUE(recorder.awaits_arming());
