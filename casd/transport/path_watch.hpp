@@ -9,14 +9,13 @@
 
 namespace cas::casd {
 
-/// Tells when something changes where a device is expected (inotify on the nearest folder that
-/// exists), so that a link reopens the moment its device is back instead of at its next try.
+/// Notices changes at the path of a device (inotify on the nearest folder that exists), so that a
+/// link reopens the moment its device is back and not only at its next try.
 class PathWatch {
  public:
   explicit PathWatch(std::filesystem::path path) : path_(std::move(path)) {}
 
-  /// Watches, then looks: a change that comes while `look` runs in vain is told, too. So nothing is
-  /// missed between a look and the wait for the next change.
+  /// Watches first and then looks, so no change between the look and the wait is missed.
   /// @param look  whether the device is there; then the watch ends
   /// @return what it said
   template <class Look>

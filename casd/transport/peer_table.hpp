@@ -15,8 +15,8 @@
 
 namespace cas::casd {
 
-/// The peers of a UDP server: up to 64 addresses, each with the ids heard from it, forgotten after
-/// a silence. Addressed packets go only to peers that have announced the target.
+/// The peers of a UDP server: up to 64 addresses with the ids heard from each. Silent peers are
+/// forgotten. Addressed packets go only to peers that have announced the target.
 ///
 /// The link's thread changes it; senders read it. `add`, `expire` and `clear` exclude `for_packet`
 /// and `address` by a lock of the caller; the rest needs none.

@@ -14,14 +14,14 @@ struct SerialOptions {
   bool unlocked_pty = false;  ///< a pseudo-terminal needs no lock
 };
 
-/// Opens a serial device: raw, exclusive (flock), its old input and output thrown away, low latency
-/// where the driver knows the word. A pseudo-terminal that is not ours to use is left untouched.
+/// Opens a serial device: raw, exclusive (flock), old input and output dropped, low latency where
+/// the driver supports it. A pseudo-terminal that is not ours to use is left untouched.
 /// @return nothing, with the reason in `error`; of a device that another program has, the reason
 ///         begins with "DEVICE: in use"
 base::Descriptor open_serial(const std::string& device, const SerialOptions& options,
                              std::string& error);
 
-/// Gives an open line another rate; what has come at the old one is thrown away.
+/// Gives an open line another rate and drops what came at the old one.
 /// @return false with errno set
 bool set_baud(int line, unsigned baud);
 

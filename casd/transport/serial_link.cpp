@@ -22,9 +22,9 @@ namespace {
 constexpr std::size_t kReadBytes = 16 * 1024;
 // threads: blocking gives up on the rest of a packet after this silence.
 constexpr int kBlockingPatience_ms = 20;
-// Changes in the folder of a missing device that come faster are looked into together.
+// Faster changes in the folder of a missing device are handled together.
 constexpr base::Duration kBetweenLooks = std::chrono::milliseconds(10);
-// A line that breaks sooner is not looked at again before: it may break each time.
+// A line that breaks sooner is reopened only then: it may break each time.
 constexpr base::Duration kLeastUptime = std::chrono::milliseconds(50);
 
 }  // namespace
@@ -98,7 +98,7 @@ void SerialLink::open(base::RunTime now) {
       config.device + ": listens for MAVLink at " + words_of_rates(config.baud) + " baud", now);
 }
 
-/// Looks for the rate at which packets come.
+/// Searches the rate at which packets come.
 void SerialLink::listen(short events, base::RunTime now) {
   if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) {
     const ssize_t count = ::read(fd_, buffer_.data(), buffer_.size());
@@ -120,7 +120,7 @@ void SerialLink::listen(short events, base::RunTime now) {
   if (!set_baud(fd_, search_.rate())) close(error_text(errno), now);
 }
 
-/// The line is as the other side has it: packets may go both ways.
+/// The rate is known: packets go both ways from now on.
 void SerialLink::begin(base::Descriptor line, base::RunTime now) {
   const LinkConfig& config = core_.config();
   const unsigned baud = search_.rate();
@@ -138,21 +138,31 @@ void SerialLink::read(base::RunTime now) {
   const ssize_t count = ::read(fd_, buffer_.data(), buffer_.size());
   if (count > 0) {
     port_->heard(now);
+    const std::uint64_t before = parser_.stats().packets;
     core_.ingress().take(parser_, {buffer_.data(), static_cast<std::size_t>(count)}, now);
     core_.ingress().deliver(now);
-    return;
+    return check_rate(static_cast<std::size_t>(count), before, now);
   }
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
   close(count == 0 ? "hung up" : error_text(errno), now);
 }
 
-// What has come, byte by byte, and the rest of a packet that has begun, waiting for the line: how
-// programs with one thread read (MAVLink's own C examples among them).
+/// The vehicle may have come back from a restart with another rate.
+void SerialLink::check_rate(std::size_t bytes, std::uint64_t packets_before, base::RunTime now) {
+  if (search_.fits(bytes, parser_.stats().packets - packets_before, now)) return;
+  close("no packets at " + std::to_string(search_.rate()) + " baud any more", now);
+}
+
+// Reads byte by byte and waits for the rest of a packet that has begun, as programs with one thread
+// do (MAVLink's own C examples among them).
 void SerialLink::read_blocking(base::RunTime now) {
   bool waited = false;
+  const std::uint64_t before = parser_.stats().packets;
+  std::size_t bytes = 0;
   do {
     const ssize_t count = ::read(fd_, buffer_.data(), 1);
     if (count > 0) {
+      ++bytes;
       port_->heard(now);
       core_.ingress().take(parser_, {buffer_.data(), 1}, now);
     } else if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
@@ -165,6 +175,7 @@ void SerialLink::read_blocking(base::RunTime now) {
     }
   } while (!waited || parser_.inside_packet());
   core_.ingress().deliver(now);
+  check_rate(bytes, before, now);
 }
 
 void SerialLink::close(const std::string& reason, base::RunTime now) {
@@ -172,7 +183,7 @@ void SerialLink::close(const std::string& reason, base::RunTime now) {
   unattached_.reset();
   port_->detach(now);
   core_.went_down(reason, now);
-  // It may be back before anybody watched.
+  // It may be back already, before its path was watched.
   core_.backoff().look_at(std::max(now, opened_at_ + kLeastUptime));
 }
 

@@ -16,8 +16,8 @@ namespace cas::casd {
 /// A serial line, or a PTY. When the device goes away the link waits for its path to come back, by
 /// back-off and by watching the folder; packets that waited for the old line are dropped.
 ///
-/// Of several baud rates it listens at each in turn and sends nothing until it knows which is the
-/// other side's.
+/// With several baud rates it listens at each in turn and sends nothing until packets come. It does
+/// so again when only unreadable bytes come for five seconds.
 class SerialLink final : public Link {
  public:
   explicit SerialLink(LinkContext context);
@@ -34,13 +34,14 @@ class SerialLink final : public Link {
   void begin(base::Descriptor line, base::RunTime now);
   void read(base::RunTime now);
   void read_blocking(base::RunTime now);
+  void check_rate(std::size_t bytes, std::uint64_t packets_before, base::RunTime now);
   void close(const std::string& reason, base::RunTime now);
 
   LinkCore core_;
   std::shared_ptr<TxPort> port_;
   PathWatch path_watch_;
   BaudSearch search_;
-  base::Descriptor unattached_;  ///< the line while its rate is looked for
+  base::Descriptor unattached_;  ///< the line during the search of its rate
   Parser parser_;
   std::vector<std::uint8_t> buffer_;
   int fd_ = -1;  ///< owned by the port's writer, or `unattached_`

@@ -85,6 +85,22 @@ TEST(CasdBaud, OfAListTheRateAtWhichPacketsComeIsKeptAndTold) {
       << "casd speaks, too";
 }
 
+TEST(CasdBaud, AVehicleThatComesBackWithAnotherRateIsFoundOnTheOpenLine) {
+  CasdFixture fixture;
+  fixture.start(kTopology);
+  const auto up_at = [&](Vehicle& vehicle, std::uint64_t baud) {
+    return fixture.collect_until([&] {
+      vehicle.speak();
+      const casd::LinkStatus link = fixture.status("fcu");
+      return link.state == casd::LinkState::kUp && link.baud == baud;
+    });
+  };
+  Vehicle slow(fixture, 57'600);
+  ASSERT_TRUE(up_at(slow, 57'600));
+  Vehicle fast(fixture, 921'600);
+  EXPECT_TRUE(up_at(fast, 921'600));
+}
+
 TEST(CasdBaud, AfterADeviceHasReturnedItsRateIsLookedForAgain) {
   CasdFixture fixture;
   fixture.start(kTopology);

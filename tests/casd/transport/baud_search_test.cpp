@@ -10,6 +10,7 @@ using std::chrono::milliseconds;
 
 base::RunTime at(base::Duration time) { return base::RunTime(time); }
 constexpr base::Duration kListen = BaudSearch::kListen;
+constexpr base::Duration kDeaf = BaudSearch::kDeaf;
 
 TEST(BaudSearch, OneRateIsKnownAtOnce) {
   for (const std::vector<unsigned>& rates : {std::vector<unsigned>{}, {57600}}) {
@@ -56,6 +57,27 @@ TEST(BaudSearch, BeginsAgainWithTheRateThatWasRight) {
   EXPECT_FALSE(search.found()) << "another device may have another rate";
   EXPECT_EQ(search.rate(), 2U);
   EXPECT_EQ(search.due(), at(6 * kListen));
+}
+
+TEST(BaudSearch, BytesWithoutAPacketForLongMeanAnotherRate) {
+  BaudSearch search({1, 2});
+  search.begin(at({}));
+  ASSERT_TRUE(search.heard(2));
+  EXPECT_TRUE(search.fits(100, 1, at(kDeaf)));
+  EXPECT_TRUE(search.fits(100, 0, at(5 * kDeaf))) << "it was silent, and a packet begins";
+  EXPECT_TRUE(search.fits(100, 1, at(5 * kDeaf + milliseconds(1))));
+  for (base::Duration now = 6 * kDeaf; now <= 7 * kDeaf; now += milliseconds(100)) {
+    EXPECT_TRUE(search.fits(100, 0, at(now)));
+  }
+  EXPECT_FALSE(search.fits(100, 0, at(7 * kDeaf + milliseconds(1))));
+  search.begin(at(8 * kDeaf));
+  EXPECT_TRUE(search.fits(1, 0, at(20 * kDeaf))) << "what came before counts no more";
+}
+
+TEST(BaudSearch, TheOnlyRateFitsWhateverComes) {
+  BaudSearch search({1});
+  search.begin(at({}));
+  for (int i = 0; i < 100; ++i) EXPECT_TRUE(search.fits(1000, 0, at(i * kDeaf)));
 }
 
 }  // namespace
