@@ -56,7 +56,8 @@ using std::chrono::seconds;
 constexpr auto kTick = milliseconds(50);
 constexpr auto kWallTick = milliseconds(500);
 constexpr auto kSettlePoll = milliseconds(5);
-/// READY does not wait longer for links that cannot open (a name server that does not answer).
+/// Neither READY nor link.add waits longer for a link that cannot open (a name server that does not
+/// answer).
 constexpr auto kSettlePatience = seconds(2);
 constexpr auto kSummaryPeriod = seconds(5);
 /// Longest that the stream is held for a turn of casd's own station (lockstep).
@@ -91,8 +92,8 @@ std::shared_ptr<const MessageDecoder> load_decoder(const Topology& topology) {
   return decoder;
 }
 
-/// The main thread also sends the station's packets and shares the processors with the links'
-/// threads: who watches must not keep it busy.
+/// The main thread also sends the station's packets and shares the processors with the link
+/// threads: clients that only watch must not keep it busy.
 base::rpc::ServerLimits server_limits(const Topology& topology) {
   constexpr double kServingShare = 0.03;
   constexpr double kMaxAccepts_s = 200;
@@ -219,13 +220,17 @@ struct App::Impl {
   }
 
   LinkHooks link_hooks() {
-    return {.add = [this](const base::ConfigNode& request) { return add_link(request); },
-            .remove = [this](const std::string& name, bool force) { remove_link(name, force); },
-            .audit =
-                [this](const std::string& client, const std::string& method,
-                       const nlohmann::json& params, const std::optional<std::string>& refusal) {
-                  vehicle_methods.audit_other(client, method, params, refusal);
-                }};
+    return {
+        .add =
+            [this](const base::ConfigNode& request, std::function<void(const std::string&)> tried) {
+              when_tried(add_link(request), base::steady_now() + kSettlePatience, std::move(tried));
+            },
+        .remove = [this](const std::string& name, bool force) { remove_link(name, force); },
+        .audit =
+            [this](const std::string& client, const std::string& method,
+                   const nlohmann::json& params, const std::optional<std::string>& refusal) {
+              vehicle_methods.audit_other(client, method, params, refusal);
+            }};
   }
 
   FailureHooks failure_hooks() {
@@ -233,7 +238,7 @@ struct App::Impl {
                 [this](std::span<const std::uint8_t> packet, std::span<const Path> to) {
                   links.local().send(packet, to, base::steady_now());
                 },
-            .permits = [this](LinkId id) { return may_inject(link_name(id)); },
+            .permits = [this](LinkId id) { return may_inject(id); },
             .link_name = [this](LinkId id) { return link_name(id); },
             .hil_doubt =
                 [this](std::uint8_t system) { return commander.hil_doubt(system, station_now()); },
@@ -242,15 +247,13 @@ struct App::Impl {
   }
 
   std::vector<MessageRate> request_rates(LinkId id) const {
-    const std::vector<LinkConfig>& all = links.topology().links;
-    const auto found = std::ranges::find(all, link_name(id), &LinkConfig::name);
-    return found == all.end() ? std::vector<MessageRate>() : found->request_rates;
+    const LinkConfig* const link = find_link(links.topology().links, link_name(id));
+    return link == nullptr ? std::vector<MessageRate>() : link->request_rates;
   }
 
-  bool may_inject(const std::string& link) const {
-    const std::vector<LinkConfig>& all = links.topology().links;
-    const auto found = std::ranges::find(all, link, &LinkConfig::name);
-    return found != all.end() && found->inject_failures;
+  bool may_inject(LinkId id) const {
+    const LinkConfig* const link = find_link(links.topology().links, link_name(id));
+    return link != nullptr && link->inject_failures;
   }
 
   /// Whose HIL_SENSOR goes to the vehicle's link.
@@ -264,7 +267,7 @@ struct App::Impl {
 
   bool lockstep() const { return links.topology().pace == Pace::kLockstep; }
 
-  /// What a vehicle said on a link before anybody looked at it.
+  /// A vehicle's newest message on a link, for the first look at it.
   std::optional<MessageTaps::Sample> remembered(const MessageTaps::Key& key) const {
     const VehicleState* vehicle = commander.find(key.source.system);
     if (vehicle == nullptr || vehicle->source() != key.source || vehicle->link() != key.link) {
@@ -300,7 +303,7 @@ struct App::Impl {
     station.tick(now);
   }
 
-  /// Gives the station what has come for it.
+  /// Gives the station its packets.
   void hear(base::RunTime now) {
     links.local().dispatch(station, now);
     recorder.on_vehicles(commander.any_armed(now), now);
@@ -416,7 +419,7 @@ struct App::Impl {
   /// The links and routes of a topology, all or, with an exception, none.
   void change_links(Topology topology) {
     const LinkMask gone = links.reload(std::move(topology));
-    // A new link may have the number of one that is gone: its packets are another vehicle's.
+    // A new link may get the number of one that is gone: packets of the old one are heard first.
     failures.begin_reload(gone, base::steady_now());
     hear(station_now());
     failures.end_reload();
@@ -438,10 +441,25 @@ struct App::Impl {
     return name;
   }
 
+  /// Calls `then` once a link has tried to open, at the latest at `until`.
+  void when_tried(const std::string& link, base::RunTime until,
+                  std::function<void(const std::string&)> then) {
+    const auto is_opening = [&link](const LinkStatus& status) {
+      return status.name == link && status.state == LinkState::kOpening;
+    };
+    const bool waits = std::ranges::any_of(links.figures().links(), is_opening);
+    if (!waits || base::steady_now() >= until) return then(link);
+    const auto timer = std::make_shared<asio::steady_timer>(io, kSettlePoll);
+    timer->async_wait(
+        [this, timer, link, until, then = std::move(then)](boost::system::error_code error) {
+          if (!error) when_tried(link, until, then);
+        });
+  }
+
   /// @throws base::ConfigError, and nothing has changed
   void remove_link(const std::string& name, bool force) {
     Topology topology = without_link(links.topology(), name);
-    if (const auto system = armed_on_alone(name); system && !force) {
+    if (const auto system = armed_vehicle_of(name); system && !force) {
       throw base::ConfigError("vehicle " + std::to_string(*system) + " is armed and on link '" +
                               name + "' alone; \"force\" removes it all the same");
     }
@@ -450,7 +468,7 @@ struct App::Impl {
     base::log::info("link " + name + ": removed at run time");
   }
 
-  /// What a reload throws comes as one kind: no descriptors or threads, for one.
+  /// Turns every exception, also for lack of descriptors or threads, into a ConfigError.
   void change_at_run_time(Topology topology) {
     try {
       change_links(std::move(topology));
@@ -460,10 +478,13 @@ struct App::Impl {
   }
 
   /// An armed vehicle that casd hears on no other link.
-  std::optional<std::uint8_t> armed_on_alone(const std::string& link) const {
+  std::optional<std::uint8_t> armed_vehicle_of(const std::string& link) const {
+    const base::RunTime now = station_now();
     for (const VehicleState* vehicle : commander.vehicles()) {
-      const auto here = [&](const Path& path) { return link_name(path.link) == link; };
-      if (vehicle->armed() && std::ranges::all_of(vehicle->paths(), here)) {
+      const auto hangs_here = [&](const Path& path) {
+        return link_name(path.link) == link && vehicle->hangs_on(path.link, now);
+      };
+      if (vehicle->armed() && std::ranges::any_of(vehicle->paths(), hangs_here)) {
         return vehicle->source().system;
       }
     }
@@ -472,16 +493,13 @@ struct App::Impl {
 
   /// The file is the truth: links that were added at run time end unless it has them.
   void forget_added() {
-    const auto in_force = [this](const std::string& name) {
-      return std::ranges::find(links.topology().links, name, &LinkConfig::name) !=
-             links.topology().links.end();
-    };
     for (const std::string& name : std::exchange(added, {})) {
-      if (!in_force(name)) base::log::info("link " + name + ": not in the topology, ended");
+      if (find_link(links.topology().links, name) != nullptr) continue;
+      base::log::info("link " + name + ": not in the topology, ended");
     }
   }
 
-  /// As a whole or, with an exception, not at all: what may fail comes first.
+  /// All or, with an exception, nothing: steps that may fail come first.
   void put_in_force(Topology topology) {
     std::shared_ptr<const MessageDecoder> decoder = load_decoder(topology);
     GainMap gains = load_gains(topology);
@@ -501,7 +519,7 @@ struct App::Impl {
       warn_of_narrow_lines();
       base::log::info("topology reloaded");
       forget_added();
-    } catch (const std::exception& error) {  // no descriptors or threads for it, for one
+    } catch (const std::exception& error) {  // also for lack of descriptors or threads
       trouble = error.what();
       base::log::error("topology not reloaded, the old one stays in force: " + *trouble);
     }
@@ -532,7 +550,7 @@ struct App::Impl {
     });
   }
 
-  /// What waits for a vehicle whose simulator is paused shall not do so for ever.
+  /// Ends requests to a vehicle whose simulator is paused.
   void do_wall_tick() {
     tick_timer.expires_after(kWallTick);
     tick_timer.async_wait([this](boost::system::error_code error) {

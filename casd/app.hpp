@@ -14,7 +14,7 @@ struct AppOptions {
   std::filesystem::path ledger_file;    ///< each HIL packet at each link, at the end; empty: none
   std::filesystem::path stats_file;     ///< written at the end; empty: none
   std::string name;                     ///< of this casd, for people; empty: its topology's file
-  bool lockstep = false;                ///< whatever `pace` the topology has, after a reload too
+  bool lockstep = false;                ///< overrides `pace` of the topology, after a reload too
 };
 
 /// The running program: links, commander and command port around one io thread. Ends on SIGTERM or

@@ -96,7 +96,7 @@ std::vector<LinkConfig> endpoints_of(const Flags& flags) {
   return links;
 }
 
-/// A file or folder, or what the endpoints of the command line come to.
+/// A topology from a file or folder, or made of the command line's endpoints.
 struct TopologySource {
   std::filesystem::path place;  ///< empty: endpoints
   std::string name;             ///< for people

@@ -32,7 +32,7 @@ class LinkSet {
 
   /// Opens everything.
   void start();
-  /// Closes everything; what was begun is not finished.
+  /// Closes all links at once.
   void stop();
   /// Puts another topology in force. Links whose configuration has not changed keep running and
   /// lose nothing. All or nothing: @throws base::ConfigError when it asks for what only a restart
@@ -64,13 +64,13 @@ class LinkSet {
     std::shared_ptr<LinkLoop> loop;
   };
 
-  /// A link that is made but not in force: no other link knows it, and it does nothing yet.
+  /// A link that is made but not in force: it does nothing, and no other link sends to it.
   struct Opening {
     Running running;
     std::shared_ptr<LinkCounters> counters;
     std::unique_ptr<Link> link;
   };
-  /// All that a topology needs beside the links that stay.
+  /// Everything of a new topology except the links that stay.
   struct Change {
     std::vector<Opening> openings;
     std::shared_ptr<const RoutingPlan> plan;
@@ -79,7 +79,7 @@ class LinkSet {
   };
 
   std::set<std::string> unchanged(const Topology& topology) const;
-  /// Makes what is new, beside the links `kept`. What throws leaves everything as it was.
+  /// Makes all new parts. Throws without having changed anything.
   Change prepare(const Topology& topology, const std::set<std::string>& kept);
   Opening make_opening(const Topology& topology, const LinkConfig& config, LinkId id,
                        const SigningKeys& keys);

@@ -224,6 +224,10 @@ std::map<std::string, const LinkLedger*> LinkFigures::ledgers() const {
 
 void LinkFigures::remove_link(LinkId id) {
   links_.erase(id);
+  for (const auto& [other, link] : links_) {
+    const base::MutexLock lock(link->tx.mutex);
+    link->tx.routes.forget(id);
+  }
   std::erase_if(rates_, [id](const auto& entry) { return std::get<0>(entry.first) == id; });
 }
 

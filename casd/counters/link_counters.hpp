@@ -118,6 +118,11 @@ class RouteLatency {
     route->add(time);
   }
 
+  /// The link is gone, and its id may become another link's.
+  void forget(LinkId from) {
+    if (times_[from]) --routes_;
+    times_[from].reset();
+  }
   /// How many links a packet came from.
   std::size_t routes() const { return routes_; }
   /// The times themselves, as many as `copies` has room for: figures are made without the lock.
@@ -149,6 +154,23 @@ struct FutureSignature {
   base::RunTime at;
 };
 
+/// What a link counts of received packets; N is Counter, or a number for a copy.
+template <class N>
+struct RxCounts {
+  N packets{}, bytes{}, crc_errors{}, lost{}, unknown{}, skipped_bytes{}, kernel_drops{}, foreign{};
+  N not_accepted{};                       ///< left out by the link's `accept`
+  N setup_signing{};                      ///< refused: a key never goes on
+  N signing_time{};                       ///< mav::SigningTime of the link's key
+  std::array<N, 8> signatures{};          ///< by mav::SignatureVerdict, on links with `signing`
+  std::array<N, kDecisions> decisions{};  ///< by Route::Decision: where they ended
+};
+/// Likewise of packets to be sent.
+template <class N>
+struct TxCounts {
+  N packets{}, bytes{}, queue_high_water{}, queued{}, write_calls{};
+  std::array<N, kDropCauses> dropped{};  ///< by DropCause
+};
+
 /// What one link counts. `rx` fields are written by the link's thread, `tx` fields under
 /// `tx.mutex`, which is held for the counting only; everybody may read.
 struct LinkCounters {
@@ -165,22 +187,13 @@ struct LinkCounters {
   /// HIL packets one by one; nothing unless asked for.
   std::unique_ptr<LinkLedger> ledger;
 
-  struct {
-    Counter packets, bytes, crc_errors, lost, unknown, skipped_bytes, kernel_drops, foreign;
-    Counter not_accepted;               ///< left out by the link's `accept`
-    Counter setup_signing;              ///< refused: a key never goes on
-    std::array<Counter, 8> signatures;  ///< by mav::SignatureVerdict, on links with `signing`
-    Counter signing_time;               ///< mav::SigningTime of the link's key
-    std::array<Counter, kDecisions>
-        decisions;  ///< by Route::Decision: where received packets ended
+  struct : RxCounts<Counter> {
     std::array<MessageCounters, kDecisions>
         refused;  ///< what was not forwarded, by Route::Decision
     MessageCounters messages;
     MessageCounters not_accepted_messages;  ///< of Counter not_accepted, not in `messages`
   } rx;
-  struct {
-    Counter packets, bytes, queue_high_water, queued, write_calls;
-    std::array<Counter, kDropCauses> dropped;
+  struct : TxCounts<Counter> {
     std::array<MessageCounters, kDropCauses> dropped_messages;
     MessageCounters messages;
     mutable base::Mutex mutex;
@@ -226,19 +239,11 @@ struct LinkStatus {
   std::uint64_t peers = 0;
   std::uint64_t baud = 0;       ///< of a serial line that was open; 0: none
   std::uint64_t uncounted = 0;  ///< packets that no table by message and sender had room for
-  struct {
-    std::uint64_t packets = 0, bytes = 0, crc_errors = 0, lost = 0, unknown = 0, skipped_bytes = 0,
-                  kernel_drops = 0, foreign = 0;
-    std::array<std::uint64_t, kDecisions> decisions{};  ///< by Route::Decision
-    std::uint64_t not_accepted = 0, setup_signing = 0;
-    std::array<std::uint64_t, 8> signatures{};  ///< by mav::SignatureVerdict
-    std::uint64_t signing_time = 0;             ///< mav::SigningTime of the link's key
-    std::string signing_file;                   ///< where it is kept
+  struct : RxCounts<std::uint64_t> {
+    std::string signing_file;  ///< where `signing_time` is kept
     std::optional<FutureSignature> future_signature;
   } rx;
-  struct {
-    std::uint64_t packets = 0, bytes = 0, queue_high_water = 0, queued = 0, write_calls = 0;
-    std::array<std::uint64_t, kDropCauses> dropped{};  ///< by DropCause
+  struct : TxCounts<std::uint64_t> {
     base::Duration forwarding_p50{}, forwarding_p99{}, forwarding_max{}, forwarding_mean{};
     std::vector<base::Histogram::Bin> forwarding;  ///< the whole distribution, by octaves
     std::vector<RouteLatency::Figures> routes;

@@ -23,8 +23,8 @@ class BadParams : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Of a call that changes something, against one that only looks (base::rpc::Server::add_method):
-/// who watches a vehicle must not keep those waiting who fly it.
+/// Weight of a call that changes something; one that only looks has 1 (Server::add_method). Clients
+/// that watch must not delay those that fly.
 inline constexpr double kWeightOfChange = 0.25;
 
 /// A MAVLink message by its name or id. @throws BadParams
@@ -49,7 +49,7 @@ class CallParams {
   /// The value itself, null when absent.
   nlohmann::json value(const std::string& key);
 
-  /// Refuses keys that nobody asked for.
+  /// Refuses keys that were not read.
   void finish() const;
 
  private:

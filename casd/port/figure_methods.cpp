@@ -28,7 +28,7 @@ constexpr std::pair<Refusal, const char*> kRefusals[] = {
 
 double microseconds(base::Duration d) { return base::to_seconds(d) * 1e6; }
 
-/// What became of packets on a link with `signing`, by mav::SignatureVerdict.
+/// Names of mav::SignatureVerdict.
 constexpr const char* kSignatureWords[] = {"accepted", "unsigned_allowed", "unsigned",   "bad",
                                            "replayed", "too_old",          "table_full", "too_new"};
 
@@ -47,7 +47,7 @@ double ahead_s(mav::SigningTime time, mav::SigningTime clock) {
              : static_cast<double>(time - clock) / static_cast<double>(mav::kSigningUnitsPerSecond);
 }
 
-/// The time of a link's key, and who signs with one from the future.
+/// The time of a link's key, and the newest signature from the future.
 json signing_json(const LinkStatus& link, base::RunTime now, mav::SigningTime clock) {
   json entry{{"time_file", link.rx.signing_file},
              {"time_ahead_s", ahead_s(link.rx.signing_time, clock)},
@@ -61,7 +61,6 @@ json signing_json(const LinkStatus& link, base::RunTime now, mav::SigningTime cl
   return entry;
 }
 
-/// What became of the last reload.
 json reload_json(const ReloadReport& reload, base::RunTime now) {
   json entry{{"accepted", !reload.trouble}, {"age_s", base::to_seconds(now - reload.at)}};
   if (reload.trouble) entry["reason"] = *reload.trouble;
@@ -85,14 +84,18 @@ json rx_json(const LinkStatus& link) {
   return rx;
 }
 
+json forwarding_json(const LinkStatus& link) {
+  return {{"p50", microseconds(link.tx.forwarding_p50)},
+          {"p99", microseconds(link.tx.forwarding_p99)},
+          {"max", microseconds(link.tx.forwarding_max)}};
+}
+
 json tx_json(const LinkStatus& link) {
   json tx = counters_json(link, "tx");
   for (std::size_t i = 0; i < link.tx.dropped.size(); ++i) {
     tx["dropped"][std::string(to_string(static_cast<DropCause>(i)))] = link.tx.dropped[i];
   }
-  tx["forwarding_us"] = {{"p50", microseconds(link.tx.forwarding_p50)},
-                         {"p99", microseconds(link.tx.forwarding_p99)},
-                         {"max", microseconds(link.tx.forwarding_max)}};
+  tx["forwarding_us"] = forwarding_json(link);
   return tx;
 }
 
@@ -228,11 +231,10 @@ json FigureMethods::links() const {
                {"tx", tx_json(link)}};
     entry.update(counters_json(link, ""));
     if (source_.is_added && source_.is_added(link.name)) entry["added"] = true;
-    for (const LinkConfig& config : topology.links) {
-      if (config.name != link.name) continue;
-      const std::uint64_t baud = config.baud.size() == 1 ? config.baud.front() : link.baud;
+    if (const LinkConfig* const config = find_link(topology.links, link.name)) {
+      const std::uint64_t baud = config->baud.size() == 1 ? config->baud.front() : link.baud;
       if (baud > 0) entry["baud"] = baud;
-      if (config.signing) {
+      if (config->signing) {
         entry["rx"]["signatures"] = signatures_json(link);
         entry["signing"] = signing_json(link, source_.now(), signing_clock());
       }
@@ -252,7 +254,7 @@ json FigureMethods::messages(const std::string* link) const {
   return all;
 }
 
-/// The newest packet of one message: since somebody looks at it, else what is remembered.
+/// The newest packet of one message: from the tap that the first call opens, or a remembered one.
 json FigureMethods::value(CallParams& params) const {
   MessageTaps::Key key;
   key.link = require_link(params.text("link"));
@@ -297,8 +299,8 @@ json FigureMethods::routes() const {
   return all;
 }
 
-/// Everything that did not go on, by link and cause: `dropped` by message too, `unreadable` what
-/// never became a message.
+/// Packets that were not sent on, by link and cause: `dropped` also by message, `unreadable` those
+/// that never became a message.
 json FigureMethods::drops() const {
   json unreadable = json::array();
   for (const LinkStatus& link : source_.figures->links()) {
@@ -331,29 +333,29 @@ void FigureMethods::publish() {
 }
 
 void FigureMethods::publish_link_changes() {
+  std::map<std::string, std::string> states;
   for (const LinkStatus& link : source_.figures->links()) {
-    const std::string state(to_string(link.state));
-    std::string& last = last_states_[link.name];
-    if (last == state) continue;
+    const std::string& state = states[link.name] = to_string(link.state);
+    if (last_states_[link.name] == state) continue;
     server_.publish("links", json{{"link", link.name},
                                   {"state", state},
                                   {"endpoint", link.endpoint},
                                   {"reconnects", link.reconnects}});
-    last = state;
   }
+  last_states_ = std::move(states);  // without those of links that are gone
 }
 
 json FigureMethods::latency() const {
   json all = json::array();
   for (const LinkStatus& link : source_.figures->links()) {
-    json entry{{"p50", microseconds(link.tx.forwarding_p50)},
-               {"p99", microseconds(link.tx.forwarding_p99)},
-               {"max", microseconds(link.tx.forwarding_max)}};
+    json entry = forwarding_json(link);
     entry["link"] = link.name;
     entry["routes"] = json::array();
     for (const RouteLatency::Figures& route : link.tx.routes) {
+      const std::string name = link_name(route.from);
+      if (name.empty()) continue;  // a packet of a link that is gone was sent only now
       json from = times_json(route);
-      from["from"] = link_name(route.from);
+      from["from"] = name;
       entry["routes"].push_back(std::move(from));
     }
     all.push_back(std::move(entry));
@@ -375,10 +377,9 @@ json FigureMethods::echo() const {
   return all;
 }
 
-/// "casd" is its own station.
+/// "casd" is its own station; empty: there is no such link.
 std::string FigureMethods::link_name(LinkId id) const {
-  const std::string name = source_.figures->name(id);
-  return name.empty() ? "casd" : name;
+  return id == kLocalLink ? "casd" : source_.figures->name(id);
 }
 
 MetricsSource FigureMethods::metrics_source() const {

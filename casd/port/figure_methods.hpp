@@ -31,7 +31,7 @@ struct FiguresSource {
   std::function<const Topology&()> topology;
   std::function<base::RunTime()> now;
   base::RunTime started{};
-  /// What tells this casd from others on the machine: a name, empty where it has none, and its
+  /// Distinguishes this casd from others on the machine: a name, empty where it has none, and its
   /// topology's file.
   std::string name{};
   std::filesystem::path topology_file{};
@@ -63,11 +63,11 @@ class FigureMethods {
 
   /// casd.status, also written to --stats FILE.
   nlohmann::json status() const;
-  /// What Prometheus is told, as a copy.
+  /// A copy of the figures for Prometheus.
   MetricsSource metrics_source() const;
-  /// Another dialect is in force.
+  /// Replaces the dialect.
   void set_decoder(std::shared_ptr<const MessageDecoder> decoder);
-  /// A reload was asked for, by whatever way: casd.status tells of the last one.
+  /// Keeps the outcome of the last reload for casd.status.
   void set_last_reload(ReloadReport reload) { last_reload_ = std::move(reload); }
   /// Where message.value finds packets that came before anybody looked; nothing: none came.
   using Memory = std::function<std::optional<MessageTaps::Sample>(const MessageTaps::Key&)>;

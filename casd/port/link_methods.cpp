@@ -13,20 +13,20 @@ namespace {
 using base::rpc::Reply;
 using nlohmann::json;
 
-/// Adds a method that is audited whatever becomes of it.
+/// Adds a method of which each call is audited, also one that is refused.
 void add_method(base::rpc::Server& server, const std::string& name, const LinkHooks& hooks,
-                std::function<json(CallParams&)> body) {
+                std::function<void(CallParams&, const Reply&)> body) {
   server.add_method(
       name,
       [name, audit = hooks.audit, body = std::move(body)](const json& params, const Reply& reply) {
         const auto refusal =
-            answer_call(params, reply, [&](CallParams& reader) { reply.result(body(reader)); });
+            answer_call(params, reply, [&](CallParams& reader) { body(reader, reply); });
         audit(reply.client, name, params, refusal);
       },
       kWeightOfChange);
 }
 
-/// JSON is YAML: the parameters are read as a topology is.
+/// The parameters as a node of a topology: JSON is YAML.
 base::ConfigNode request_of(CallParams& params) {
   json request{{"entry", params.value("entry")}};
   if (!request["entry"].is_object()) {
@@ -44,16 +44,19 @@ base::ConfigNode request_of(CallParams& params) {
 }  // namespace
 
 void add_link_methods(base::rpc::Server& server, const LinkHooks& hooks) {
-  add_method(server, "link.add", hooks, [add = hooks.add](CallParams& params) {
-    return json{{"link", add(request_of(params))}};
+  add_method(server, "link.add", hooks, [add = hooks.add](CallParams& params, const Reply& reply) {
+    add(request_of(params), [reply](const std::string& name) {
+      reply.result(json{{"link", name}});
+    });
   });
-  add_method(server, "link.remove", hooks, [remove = hooks.remove](CallParams& params) {
-    const std::string name = params.text("link");
-    const bool force = params.flag("force");
-    params.finish();
-    remove(name, force);
-    return json{{"link", name}};
-  });
+  add_method(server, "link.remove", hooks,
+             [remove = hooks.remove](CallParams& params, const Reply& reply) {
+               const std::string name = params.text("link");
+               const bool force = params.flag("force");
+               params.finish();
+               remove(name, force);
+               reply.result(json{{"link", name}});
+             });
 }
 
 }  // namespace cas::casd

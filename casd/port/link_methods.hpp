@@ -14,14 +14,17 @@ class ConfigNode;
 
 namespace cas::casd {
 
-/// What link.add and link.remove act on. The first two throw base::ConfigError, and then nothing
-/// has changed.
+/// What link.add and link.remove act on. If `add` or `remove` throws base::ConfigError, nothing has
+/// changed.
 struct LinkHooks {
-  /// Adds a link, see with_link(). @return its name
-  std::function<std::string(const base::ConfigNode& request)> add;
+  /// Adds a link, see with_link().
+  /// @param tried  called with its name once it has tried to open, or after two seconds
+  std::function<void(const base::ConfigNode& request,
+                     std::function<void(const std::string& name)> tried)>
+      add;
   /// @param force  also the link of an armed vehicle
   std::function<void(const std::string& name, bool force)> remove;
-  /// Takes each call. @param refusal  nothing: it was done
+  /// Called for each call. @param refusal  nothing: it was done
   std::function<void(const std::string& client, const std::string& method,
                      const nlohmann::json& params, const std::optional<std::string>& refusal)>
       audit;

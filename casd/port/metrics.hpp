@@ -12,7 +12,7 @@
 
 namespace cas::casd {
 
-/// What the metrics are made of.
+/// The figures behind the metrics.
 struct MetricsSource {
   double uptime_s = 0;
   std::size_t clients = 0;
@@ -20,7 +20,7 @@ struct MetricsSource {
   std::vector<std::pair<const char*, std::uint64_t>> refused;
   std::vector<LinkStatus> links;
   std::vector<MessageStatus> messages;
-  bool messages_cut = false;  ///< there are more, which have no place on a page
+  bool messages_cut = false;  ///< some are left out: too many for a page
   TlogStatus recording{};
 };
 

@@ -41,7 +41,7 @@ using AskPage = std::function<void(TakePage)>;
 
 constexpr std::size_t kMaxClients = 16;
 constexpr double kMaxClients_s = 20;  // and as many at once
-/// How long a page is answered with: a counter is worth no more work.
+/// How long a page is used again.
 constexpr auto kPageLife = std::chrono::milliseconds(250);
 constexpr std::size_t kMaxHeaderBytes = 8 * 1024;
 constexpr auto kPatience = std::chrono::seconds(10);
@@ -125,7 +125,7 @@ struct MetricsPort::Impl : std::enable_shared_from_this<MetricsPort::Impl> {
     session->start();
   }
 
-  /// From the page there is, or from the one that is being made for all who wait.
+  /// Answers with the current page, or with the next one once it is made.
   void answer(TakePage take) {
     if (base::steady_now() < page_ends) return take(page);
     waiting.push_back(std::move(take));

@@ -10,14 +10,14 @@
 
 namespace cas::casd {
 
-/// A small HTTP server that answers GET /metrics, on a thread of its own that stands behind
-/// others. It holds no lock that packets pass: the figures come as a copy.
+/// A small HTTP server that answers GET /metrics on a low-priority thread of its own. It takes no
+/// lock of a packet's path: it gets a copy of the figures.
 ///
-///   client --GET--> metrics thread --ask, 4 times a second at most--> who has the figures
+///   client --GET--> metrics thread --ask, 4 times a second at most--> main thread
 ///          <--page--              <--copy of them--
 ///
-/// Few clients at a time and in a second, each with a deadline, so that none can hold it; all who
-/// ask within a quarter of a second get the same page.
+/// The number of clients, at once and in a second, is bounded, and each has a deadline. Requests
+/// within a quarter of a second get the same page.
 class MetricsPort {
  public:
   /// Takes the figures, from any thread.

@@ -148,7 +148,7 @@ json battery_status_battery(const Source<BatteryStatus>& from, base::RunTime now
       {"age_s", from.age_s(now)}};
 }
 
-/// SYS_STATUS tells the battery most often; BATTERY_STATUS where it does not.
+/// From SYS_STATUS, which comes more often; from BATTERY_STATUS if that has no battery.
 json battery(const VehicleState& vehicle, base::RunTime now) {
   if (vehicle.is_high_latency()) {
     const Source<HighLatency2> from(vehicle.high_latency());

@@ -9,8 +9,8 @@
 namespace cas::casd {
 
 /// The answer of vehicle.telemetry: what the vehicle measures, by topic, with units in the keys.
-/// Every topic has every key; what the vehicle has not told, or told as unknown, is null. `age_s`
-/// is the age of the message that a topic comes from.
+/// Every topic has every key; a value that the vehicle has not sent, or sent as unknown, is null.
+/// `age_s` is the age of the message that a topic comes from.
 nlohmann::json telemetry_json(const VehicleState& vehicle, base::RunTime now);
 
 }  // namespace cas::casd

@@ -100,7 +100,7 @@ std::string_view checks_word(ArmingChecks checks) {
   return "unknown";
 }
 
-/// What speaks against flying; nothing is an empty list.
+/// Reasons not to fly; empty: none.
 json complaints_json(const VehicleState& vehicle, const LinkName& link_name, base::RunTime now) {
   json all = json::array();
   if (const std::optional<Rival> rival = vehicle.rival(now)) {

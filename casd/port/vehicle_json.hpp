@@ -20,18 +20,18 @@ using LinkName = std::function<std::string(LinkId)>;
 nlohmann::json summary_json(const VehicleState& vehicle, const LinkName& link_name,
                             base::RunTime now);
 
-/// `at_s` of an answer: a moment of the clock by which casd hears vehicles. It says nothing by
-/// itself; what was heard `age_s` before one moment can be compared with another moment.
+/// `at_s` of an answer: its time by the clock that casd stamps received packets with. Only
+/// differences have a meaning, for example to a message that is `age_s` older.
 double moment_s(base::RunTime now);
 
 /// MAV_STATE of the HEARTBEAT in words: "standby", "active".
 std::string_view state_word(mavlink::common::MavState state);
 
-/// The answer of vehicle.state: the summary, and what of attitude, place and home is known.
+/// The answer of vehicle.state: the summary, and attitude, place and home as far as known.
 nlohmann::json state_json(const VehicleState& vehicle, const LinkName& link_name,
                           base::RunTime now);
 
-/// What others had a vehicle do, as vehicle.state lists it.
+/// Acts of others on a vehicle, as vehicle.state lists them.
 nlohmann::json interventions_json(const Interventions& interventions, const LinkName& link_name,
                                   base::RunTime now);
 

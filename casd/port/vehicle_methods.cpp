@@ -77,6 +77,22 @@ std::array<float, 7> command_numbers(const json& list) {
   return numbers;
 }
 
+VehicleCommander::Sticks sticks_of(CallParams& params) {
+  const auto stick = [&params](const std::string& key, double low) {
+    const double value = params.optional_number(key).value_or(0);
+    if (!(value >= low && value <= 1)) {
+      throw BadParams("\"" + key + "\" must be from " + (low < 0 ? "-1" : "0") + " to 1");
+    }
+    return value;
+  };
+  return {.pitch = stick("pitch", -1),
+          .roll = stick("roll", -1),
+          .throttle = stick("throttle", 0),
+          .yaw = stick("yaw", -1),
+          .buttons = static_cast<std::uint16_t>(
+              params.optional_integer("buttons", 0, 0xffff).value_or(0))};
+}
+
 std::string loop_words(const std::vector<GainLoop>& loops) {
   std::string words;
   for (const GainLoop& loop : loops) words += (words.empty() ? "" : " ") + loop.name;
@@ -127,13 +143,6 @@ json gains_json(std::uint8_t system, const GainLoop& loop, const Outcome& outcom
 
 }  // namespace
 
-/// The vehicle acknowledged a command now.
-VehicleMethods::Answer VehicleMethods::accepted() const {
-  return [this](std::uint8_t system, const Outcome&) {
-    return json{{"vehicle", system}, {"result", "ACCEPTED"}, {"at_s", moment_s(hooks_.now())}};
-  };
-}
-
 VehicleMethods::VehicleMethods(base::rpc::Server& server, VehicleCommander& commander,
                                GainMap gains, VehicleHooks hooks)
     : server_(server), commander_(commander), gains_(std::move(gains)), hooks_(std::move(hooks)) {
@@ -155,6 +164,23 @@ void VehicleMethods::add(const std::string& name, bool audited, Parse parse, Ans
       [this, name, audited, parse = std::move(parse), answer = std::move(answer)](
           const json& params, Reply reply) { run(name, audited, parse, answer, params, reply); },
       audited ? kWeightOfChange : 1);
+}
+
+void VehicleMethods::add_command(const std::string& name, Parse parse) {
+  add(name, true, std::move(parse), [this](std::uint8_t system, const Outcome&) {
+    return json{{"vehicle", system}, {"result", "ACCEPTED"}, {"at_s", moment_s(hooks_.now())}};
+  });
+}
+
+void VehicleMethods::add_look(const std::string& name,
+                              std::function<json(const VehicleState&)> look) {
+  add(
+      name, false,
+      [](CallParams&) { return [](std::uint8_t, RunTime, const Done& done) { done(Outcome{}); }; },
+      [this, look = std::move(look)](std::uint8_t system, const Outcome&) {
+        const VehicleState* const vehicle = commander_.find(system);
+        return vehicle == nullptr ? json() : look(*vehicle);
+      });
 }
 
 void VehicleMethods::run(const std::string& name, bool audited, const Parse& parse,
@@ -196,8 +222,8 @@ bool VehicleMethods::is_more_of_sticks(const std::string& name, base::RunTime no
   return before && now - *before < kStretch;
 }
 
-/// "127.0.0.1:40412 vehicle.takeoff {"altitude_m":2.5} vehicle 1: accepted". Who waits until a
-/// vehicle can arm asks again and again: the same refusal leaves one line in a minute.
+/// "127.0.0.1:40412 vehicle.takeoff {"altitude_m":2.5} vehicle 1: accepted". Clients repeat a call
+/// until a vehicle can arm: the same refusal leaves one line a minute.
 void VehicleMethods::audit(const std::string& client, const std::string& name, const json& params,
                            std::uint8_t system, const Outcome& outcome) {
   constexpr auto kStretch = std::chrono::minutes(1);
@@ -238,123 +264,71 @@ void VehicleMethods::publish_text(const VehicleState& vehicle, const StatusText&
                                      {"text", text.text}});
 }
 
+/// Calls a method of the commander with these arguments between vehicle and time.
+template <class... Args>
+VehicleMethods::Action VehicleMethods::calls(auto verb, Args... args) {
+  return [this, verb, args...](std::uint8_t system, RunTime now, Done done) {
+    (commander_.*verb)(system, args..., now, std::move(done));
+  };
+}
+
 void VehicleMethods::add_arming_methods() {
-  add(
-      "vehicle.arm", true,
-      [this](CallParams& params) -> Action {
-        VehicleCommander::ArmOptions options{.force = params.flag("force"),
-                                             .not_hil = params.flag("not_hil")};
-        options.acts_so_far =
-            params.optional_integer("acts_so_far", 0, std::numeric_limits<std::int64_t>::max());
-        return [this, options](std::uint8_t system, RunTime now, Done done) {
-          commander_.arm(system, options, now, std::move(done));
-        };
-      },
-      accepted());
-  add(
-      "vehicle.disarm", true,
-      [this](CallParams& params) -> Action {
-        return [this, force = params.flag("force")](std::uint8_t system, RunTime now, Done done) {
-          commander_.disarm(system, force, now, std::move(done));
-        };
-      },
-      accepted());
+  add_command("vehicle.arm", [this](CallParams& params) {
+    VehicleCommander::ArmOptions options{.force = params.flag("force"),
+                                         .not_hil = params.flag("not_hil")};
+    options.acts_so_far =
+        params.optional_integer("acts_so_far", 0, std::numeric_limits<std::int64_t>::max());
+    return calls(&VehicleCommander::arm, options);
+  });
+  add_command("vehicle.disarm", [this](CallParams& params) {
+    return calls(&VehicleCommander::disarm, params.flag("force"));
+  });
 }
 
 void VehicleMethods::add_flight_methods() {
-  add(
-      "vehicle.takeoff", true,
-      [this](CallParams& params) -> Action {
-        const double altitude_m = params.number("altitude_m");
-        if (!(altitude_m > 0)) throw BadParams("\"altitude_m\" must be above 0");
-        return [this, altitude_m](std::uint8_t system, RunTime now, Done done) {
-          commander_.takeoff(system, altitude_m, now, std::move(done));
-        };
-      },
-      accepted());
-  const auto plain = [this](const std::string& name,
-                            void (VehicleCommander::*verb)(std::uint8_t, RunTime, Done)) {
-    add(
-        name, true,
-        [this, verb](CallParams&) -> Action {
-          return [this, verb](std::uint8_t system, RunTime now, Done done) {
-            (commander_.*verb)(system, now, std::move(done));
-          };
-        },
-        accepted());
+  add_command("vehicle.takeoff", [this](CallParams& params) {
+    const double altitude_m = params.number("altitude_m");
+    if (!(altitude_m > 0)) throw BadParams("\"altitude_m\" must be above 0");
+    return calls(&VehicleCommander::takeoff, altitude_m);
+  });
+  const auto add_plain = [this](const std::string& name, auto verb) {
+    add_command(name, [this, verb](CallParams&) { return calls(verb); });
   };
-  plain("vehicle.land", &VehicleCommander::land);
-  plain("vehicle.hold", &VehicleCommander::hold);
-  plain("vehicle.rtl", &VehicleCommander::return_home);
-  plain("vehicle.reboot", &VehicleCommander::reboot);
-  add(
-      "vehicle.goto", true,
-      [this](CallParams& params) -> Action {
-        const VehicleCommander::Target target{params.number("north_m"), params.number("east_m"),
-                                              params.number("down_m"),
-                                              params.optional_number("yaw_deg")};
-        return [this, target](std::uint8_t system, RunTime now, Done done) {
-          commander_.go_to(system, target, now, std::move(done));
-        };
-      },
-      accepted());
-  add(
-      "vehicle.mode", true,
-      [this](CallParams& params) -> Action {
-        return [this, mode = params.text("mode")](std::uint8_t system, RunTime now, Done done) {
-          commander_.set_mode(system, mode, now, std::move(done));
-        };
-      },
-      accepted());
+  add_plain("vehicle.land", &VehicleCommander::land);
+  add_plain("vehicle.hold", &VehicleCommander::hold);
+  add_plain("vehicle.rtl", &VehicleCommander::return_home);
+  add_plain("vehicle.reboot", &VehicleCommander::reboot);
+  add_command("vehicle.goto", [this](CallParams& params) {
+    const VehicleCommander::Target target{params.number("north_m"), params.number("east_m"),
+                                          params.number("down_m"),
+                                          params.optional_number("yaw_deg")};
+    return calls(&VehicleCommander::go_to, target);
+  });
+  add_command("vehicle.mode", [this](CallParams& params) {
+    return calls(&VehicleCommander::set_mode, params.text("mode"));
+  });
 }
 
 void VehicleMethods::add_raw_methods() {
   add(
       "vehicle.manual_control", true,
-      [this](CallParams& params) -> Action {
-        const auto stick = [&params](const std::string& key, double low) {
-          const double value = params.optional_number(key).value_or(0);
-          if (!(value >= low && value <= 1)) {
-            throw BadParams("\"" + key + "\" must be from " + (low < 0 ? "-1" : "0") + " to 1");
-          }
-          return value;
-        };
-        const VehicleCommander::Sticks sticks{
-            .pitch = stick("pitch", -1),
-            .roll = stick("roll", -1),
-            .throttle = stick("throttle", 0),
-            .yaw = stick("yaw", -1),
-            .buttons = static_cast<std::uint16_t>(
-                params.optional_integer("buttons", 0, 0xffff).value_or(0))};
-        const bool not_hil = params.flag("not_hil");
-        return [this, sticks, not_hil](std::uint8_t system, RunTime now, Done done) {
-          commander_.manual_control(system, sticks, not_hil, now, std::move(done));
-        };
+      [this](CallParams& params) {
+        const VehicleCommander::Sticks sticks = sticks_of(params);
+        return calls(&VehicleCommander::manual_control, sticks, params.flag("not_hil"));
       },
       [](std::uint8_t system, const Outcome&) {
         return json{{"vehicle", system}, {"result", "SENT"}};
       });
-  add(
-      "vehicle.message_interval", true,
-      [this](CallParams& params) -> Action {
-        const std::uint32_t id = message_id(params.value("message"));
-        return [this, id, period = period_us(params)](std::uint8_t system, RunTime now, Done done) {
-          commander_.message_interval(system, id, period, now, std::move(done));
-        };
-      },
-      accepted());
-  add(
-      "vehicle.command", true,
-      [this](CallParams& params) -> Action {
-        VehicleCommand command;
-        command.id = static_cast<mavlink::common::MavCmd>(params.integer("command", 0, 0xffff));
-        command.params = command_numbers(params.value("params"));
-        const bool not_hil = params.flag("not_hil");
-        return [this, command, not_hil](std::uint8_t system, RunTime now, Done done) {
-          commander_.command(system, command, not_hil, now, std::move(done));
-        };
-      },
-      accepted());
+  add_command("vehicle.message_interval", [this](CallParams& params) {
+    const std::uint32_t id = message_id(params.value("message"));
+    return calls(&VehicleCommander::message_interval, id, period_us(params));
+  });
+  add_command("vehicle.command", [this](CallParams& params) {
+    VehicleCommand command;
+    command.id = static_cast<mavlink::common::MavCmd>(params.integer("command", 0, 0xffff));
+    command.params = command_numbers(params.value("params"));
+    return calls(&VehicleCommander::command, command, params.flag("not_hil"));
+  });
 }
 
 json VehicleMethods::vehicles() const {
@@ -366,35 +340,21 @@ json VehicleMethods::vehicles() const {
 }
 
 void VehicleMethods::add_state_methods() {
-  add(
-      "vehicle.state", false,
-      [](CallParams&) -> Action {
-        return [](std::uint8_t, base::RunTime, const Done& done) { done(Outcome{}); };
-      },
-      [this](std::uint8_t system, const Outcome&) {
-        const VehicleState* vehicle = commander_.find(system);
-        if (vehicle == nullptr) return json();
-        const base::RunTime now = hooks_.now();
-        json state = state_json(*vehicle, hooks_.link_name, now);
-        const Hands& hands = commander_.hands(system);
-        state["acts_so_far"] = hands.acts_so_far();
-        json others = interventions_json(hands.interventions, hooks_.link_name, now);
-        if (!others.empty()) state["interventions"] = std::move(others);
-        return state;
-      });
-  add(
-      "vehicle.telemetry", false,
-      [](CallParams&) -> Action {
-        return [](std::uint8_t, base::RunTime, const Done& done) { done(Outcome{}); };
-      },
-      [this](std::uint8_t system, const Outcome&) {
-        const VehicleState* vehicle = commander_.find(system);
-        if (vehicle == nullptr) return json();
-        return telemetry_json(*vehicle, hooks_.now());
-      });
+  add_look("vehicle.state", [this](const VehicleState& vehicle) {
+    const base::RunTime now = hooks_.now();
+    json state = state_json(vehicle, hooks_.link_name, now);
+    const Hands& hands = commander_.hands(vehicle.source().system);
+    state["acts_so_far"] = hands.acts_so_far();
+    json others = interventions_json(hands.interventions, hooks_.link_name, now);
+    if (!others.empty()) state["interventions"] = std::move(others);
+    return state;
+  });
+  add_look("vehicle.telemetry",
+           [this](const VehicleState& vehicle) { return telemetry_json(vehicle, hooks_.now()); });
 }
 
-/// The loop's parameters on this vehicle; otherwise answers `done` with what there is.
+/// The loop's parameters on this vehicle; if there is no such loop, answers `done` with those that
+/// there are.
 const GainLoop* VehicleMethods::find_loop(std::uint8_t system, const std::string& loop,
                                           const Done& done) const {
   const VehicleState* vehicle = commander_.find(system);
@@ -416,22 +376,14 @@ const GainLoop* VehicleMethods::find_loop(std::uint8_t system, const std::string
 void VehicleMethods::add_gain_methods() {
   add_loop_method("gain.set", true, gains_to_set);
   add_loop_method("gain.get", false, [](CallParams&) { return GainValues{}; });
-  add(
-      "gain.list", false,
-      [](CallParams&) -> Action {
-        return [](std::uint8_t, RunTime, const Done& done) { done(Outcome{}); };
-      },
-      [this](std::uint8_t system, const Outcome&) {
-        json loops = json::array();
-        const VehicleState* vehicle = commander_.find(system);
-        for (const GainLoop& loop : gains_.loops(vehicle->autopilot())) {
-          loops.push_back(loop_json(loop));
-        }
-        return json{{"vehicle", system}, {"loops", loops}};
-      });
+  add_look("gain.list", [this](const VehicleState& vehicle) {
+    json loops = json::array();
+    for (const GainLoop& loop : gains_.loops(vehicle.autopilot())) loops.push_back(loop_json(loop));
+    return json{{"vehicle", vehicle.source().system}, {"loops", loops}};
+  });
 }
 
-/// A method on one control loop; the loop that was found travels from the request to the answer.
+/// A method on one control loop. The request passes the loop that it found on to the answer.
 void VehicleMethods::add_loop_method(const std::string& name, bool audited,
                                      std::function<GainValues(CallParams&)> values_of) {
   server_.add_method(
@@ -483,29 +435,19 @@ void VehicleMethods::add_param_methods() {
   };
   add(
       "param.get", false,
-      [this](CallParams& params) -> Action {
-        return [this, param = params.text("name")](std::uint8_t system, RunTime now, Done done) {
-          commander_.read_param(system, param, now, std::move(done));
-        };
+      [this](CallParams& params) {
+        return calls(&VehicleCommander::read_param, params.text("name"));
       },
       one);
   add(
       "param.set", true,
-      [this](CallParams& params) -> Action {
+      [this](CallParams& params) {
         const double value = params.number("value");
-        return [this, value, param = params.text("name")](std::uint8_t system, RunTime now,
-                                                          Done done) {
-          commander_.set_param(system, param, value, now, std::move(done));
-        };
+        return calls(&VehicleCommander::set_param, params.text("name"), value);
       },
       one);
   add(
-      "param.list", false,
-      [this](CallParams&) -> Action {
-        return [this](std::uint8_t system, RunTime now, Done done) {
-          commander_.list_params(system, now, std::move(done));
-        };
-      },
+      "param.list", false, [this](CallParams&) { return calls(&VehicleCommander::list_params); },
       [entry](std::uint8_t system, const Outcome& outcome) {
         json list = json::array();
         for (const auto& [param, value] : outcome.parameters) {

@@ -24,7 +24,7 @@ struct VehicleHooks {
   std::function<base::RunTime()> now;
   /// Name of a link in the topology.
   std::function<std::string(LinkId)> link_name;
-  /// Takes one line of the audit log: who asked what and what came of it.
+  /// Takes one line of the audit log: client, call and outcome.
   std::function<void(const std::string&)> audit;
   /// The moment by the clock of a recording, in microseconds since 1970.
   std::function<std::int64_t()> unix_us{};
@@ -39,26 +39,27 @@ class VehicleMethods {
   VehicleMethods(base::rpc::Server& server, VehicleCommander& commander, GainMap gains,
                  VehicleHooks hooks);
 
-  /// Another gain map is in force; requests under way keep the loop that they found.
+  /// Replaces the gain map; requests under way keep their loop.
   void set_gains(GainMap gains) { gains_ = std::move(gains); }
 
   /// The `vehicles` of casd.status.
   nlohmann::json vehicles() const;
 
-  /// Leaves a line in the audit and the journal for a call that changed something else than a
-  /// vehicle. @param refusal  nothing: it was done
+  /// Writes a line to audit and journal for a call that changed something other than a vehicle.
+  /// @param refusal  nothing: it was done
   void audit_other(const std::string& client, const std::string& name, const nlohmann::json& params,
                    const std::optional<std::string>& refusal);
 
  private:
   /// Starts a request to a vehicle.
   using Action = std::function<void(std::uint8_t system, base::RunTime now, Done done)>;
-  /// Reads a method's parameters; nothing is sent before they have proved right.
+  /// Reads a method's parameters. A wrong one throws before anything is sent.
   using Parse = std::function<Action(CallParams&)>;
   /// Makes the result of an accepted request.
   using Answer = std::function<nlohmann::json(std::uint8_t system, const Outcome&)>;
 
-  Answer accepted() const;
+  template <class... Args>
+  Action calls(auto verb, Args... args);
   void add_arming_methods();
   void add_flight_methods();
   void add_raw_methods();
@@ -72,6 +73,10 @@ class VehicleMethods {
   bool is_more_of_sticks(const std::string& name, base::RunTime now);
   /// Audited methods change the vehicle.
   void add(const std::string& name, bool audited, Parse parse, Answer answer);
+  /// A method that commands the vehicle, answered once the vehicle has accepted it.
+  void add_command(const std::string& name, Parse parse);
+  /// A method that is answered at once, from what is known of the vehicle.
+  void add_look(const std::string& name, std::function<nlohmann::json(const VehicleState&)> look);
   void run(const std::string& name, bool audited, const Parse& parse, const Answer& answer,
            const nlohmann::json& params, const base::rpc::Reply& reply);
   void audit(const std::string& client, const std::string& name, const nlohmann::json& params,

@@ -243,6 +243,53 @@ TEST_F(RunTimeLinks, AReloadEndsThoseThatTheFileDoesNotHave) {
   })) << casd_->output();
 }
 
+TEST_F(RunTimeLinks, IsAnsweredOnceTheLinkHasTriedToOpen) {
+  for (int i = 0; i < 30; ++i) {
+    call("link.add",
+         {{"entry", {{"name", "lan"}, {"type", "udp_server"}, {"local", "127.0.0.1:0"}}}});
+    EXPECT_EQ((*link("lan"))["state"], "up");
+    call("link.remove", {{"link", "lan"}});
+  }
+}
+
+TEST_F(RunTimeLinks, NothingOfALinkThatIsGoneIsToldOfTheNext) {
+  UdpPeer station;
+  call("subscribe", {{"topic", "links"}});
+  std::string topic;
+  json told;
+  const auto hears_of = [&](const std::string& name) {
+    while (client_->next_notification(topic, told, kPatience)) {
+      if (told["link"] == name) return true;
+    }
+    return false;
+  };
+  call("link.add", {{"entry", entry_to(station)}});
+  EXPECT_TRUE(hears_of("gcs"));
+  station.set_remote(port("gcs"));
+  mav::Encoder from_station{{255, 190}};
+  PacketStream at_vehicle;
+  ASSERT_TRUE(wait_until([&] {
+    station.send(from_station(mavlink::common::SystemTime{}));
+    vehicle_.read(at_vehicle);
+    return at_vehicle.count(mavlink::common::SystemTime::kId) > 0;
+  }));
+  const auto routes = [&]() -> std::size_t {
+    for (const json& each : call("link.latency")) {
+      if (each["link"] == "fcu") return each["routes"].size();
+    }
+    return 0;
+  };
+  EXPECT_EQ(routes(), 1U);
+  call("link.remove", {{"link", "gcs"}});
+  EXPECT_EQ(routes(), 0U);
+  UdpPeer other;
+  call("link.add", {{"entry", {{"endpoint", "udp:" + other.endpoint()}}}});
+  EXPECT_EQ(routes(), 0U) << "it has the number of the other";
+  EXPECT_TRUE(hears_of("udp"));
+  call("link.add", {{"entry", entry_to(station)}});
+  EXPECT_TRUE(hears_of("gcs")) << "it came up once more";
+}
+
 TEST_F(RunTimeLinks, TheOnlyLinkOfAnArmedVehicleIsRemovedByForceAlone) {
   UdpPeer station;
   call("link.add", {{"entry", entry_to(station)}});

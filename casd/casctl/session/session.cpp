@@ -115,7 +115,7 @@ void Session::authorise_with_own_token() {
   try {
     if (client_.authorise_by_proof(tokens)) return;
   } catch (const base::rpc::CallError& error) {
-    if (error.code() != base::rpc::kInvalidParams) throw;  // else it is a casd of before
+    if (error.code() != base::rpc::kInvalidParams) throw;  // else it is an older casd
   }
   throw base::rpc::CallError(base::rpc::kNotAuthorised,
                              "what listens at " + address_ +

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 
-#include <chrono>
 #include <memory>
 #include <optional>
-#include <thread>
 
 #include "base/config/config.hpp"
 #include "base/error.hpp"
@@ -17,7 +15,7 @@ namespace {
 using base::ConfigNode;
 using nlohmann::json;
 
-/// The value as T; nothing: it is none.
+/// The value as T; nothing: it is no T.
 template <class T>
 std::optional<json> value_as(const ConfigNode& node) {
   try {
@@ -27,7 +25,7 @@ std::optional<json> value_as(const ConfigNode& node) {
   }
 }
 
-/// YAML as the JSON that says the same.
+/// YAML as JSON.
 json json_of(const ConfigNode& node) {
   if (node.is_map()) {
     json map = json::object();
@@ -53,7 +51,7 @@ struct NewLink {
   std::string routes;
 };
 
-/// @throws base::ConfigError for what is no YAML
+/// @throws base::ConfigError if a value is not YAML
 json request_of(const NewLink& asked) {
   json entry = json::object();
   if (asked.link.starts_with('{')) {
@@ -70,23 +68,17 @@ json request_of(const NewLink& asked) {
   return request;
 }
 
-/// The link as link.list has it once it has tried to open, or after two seconds.
-json settled_link(Session& session, const std::string& name) {
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(2);
-  while (true) {
-    for (const json& link : session.call("link.list")) {
-      if (link.value("name", "") != name) continue;
-      const bool over = std::chrono::steady_clock::now() > deadline;
-      if (link.value("state", "") != "opening" || over) return link;
-    }
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    if (std::chrono::steady_clock::now() > deadline) return json::object();  // removed again
+/// As link.list has it.
+json link_named(Session& session, const std::string& name) {
+  for (const json& link : session.call("link.list")) {
+    if (link.value("name", "") == name) return link;
   }
+  return json::object();  // removed again
 }
 
 int add_link(Session& session, const NewLink& asked) {
   const std::string name = session.call("link.add", request_of(asked)).at("link");
-  const json link = settled_link(session, name);
+  const json link = link_named(session, name);
   const std::string state = link.value("state", "?");
   report(session.options(), link,
          "link " + printable(name) + " added, " + state + ": " +

@@ -96,6 +96,24 @@ TEST(LinkFigures, ShowsLinksWithTheirStateAndForgetsThem) {
   EXPECT_TRUE(figures.links().empty());
 }
 
+TEST(LinkFigures, ForgetsTheTimesOfPacketsFromALinkThatIsGone) {
+  LinkFigures figures;
+  const auto fcu = figures.add_link(3, "fcu", LinkType::kSerial);
+  figures.add_link(4, "gcs", LinkType::kUdp);
+  PacketInfo info;
+  for (const LinkId from : {LinkId{4}, kLocalLink}) {
+    info.from = from;
+    const PacketRef packet{&info, {}};
+    fcu->count_sent({&packet, 1}, at({}), at(milliseconds(1)));
+  }
+  EXPECT_EQ(figures.links()[0].tx.routes.size(), 2U);
+  figures.remove_link(4);
+  figures.add_link(4, "lan", LinkType::kUdp);  // it gets the same id
+  const auto routes = figures.links()[0].tx.routes;
+  ASSERT_EQ(routes.size(), 1U);
+  EXPECT_EQ(routes[0].from, kLocalLink);
+}
+
 TEST(LinkFigures, SaysWhatItsTablesHadNoRoomFor) {
   LinkFigures figures;
   const auto link = figures.add_link(3, "fcu", LinkType::kSerial);
