@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/autopilot_log/autopilot_logs.hpp"
 
+#include <algorithm>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "base/os/log.hpp"
 #include "casd/autopilot_log/dataflash_pull.hpp"
@@ -42,8 +45,9 @@ void AutopilotLogs::on_packet(const Origin& from, const mav::PacketView& packet,
 void AutopilotLogs::tick(base::RunTime now) {
   now_ = now;
   forget_lost(now);
+  if (logs_.size() < kMostLogs) full_ = false;
   for (const VehicleState* vehicle : commander_.vehicles()) {
-    if (Log* const log = log_of(*vehicle)) tick(*log, *vehicle, now);
+    if (Log* const log = log_of(*vehicle, now)) tick(*log, *vehicle, now);
   }
 }
 
@@ -59,17 +63,24 @@ void AutopilotLogs::forget_lost(base::RunTime now) {
   for (auto each = logs_.begin(); each != logs_.end();) {
     const VehicleState* const vehicle = commander_.find(each->first);
     const bool known = vehicle != nullptr && vehicle->source() == each->second->source;
-    if (!known) each->second->pull->restart(now);  // ends the file; nobody is there to be told
+    if (!known) each->second->pull->restart(now);  // closes the file
     each = known ? std::next(each) : logs_.erase(each);
   }
 }
 
-AutopilotLogs::Log* AutopilotLogs::log_of(const VehicleState& vehicle) {
+AutopilotLogs::Log* AutopilotLogs::log_of(const VehicleState& vehicle, base::RunTime now) {
   const std::uint8_t system = vehicle.source().system;
   const auto found = logs_.find(system);
   if (found != logs_.end()) return found->second.get();
   const Autopilot autopilot = vehicle.autopilot();
-  if (autopilot == Autopilot::kOther || logs_.size() >= kMostLogs) return nullptr;
+  if (autopilot == Autopilot::kOther) return nullptr;
+  if (logs_.size() >= kMostLogs && !make_room(vehicle.link(), now)) {
+    if (!std::exchange(full_, true)) {
+      base::log::warn("logs of " + std::to_string(kMostLogs) + " vehicles are taken; vehicle " +
+                      std::to_string(system) + " is not asked for its log");
+    }
+    return nullptr;
+  }
   auto log = std::make_unique<Log>();
   log->source = vehicle.source();
   log->restarted_at = vehicle.restarted_at();
@@ -79,6 +90,23 @@ AutopilotLogs::Log* AutopilotLogs::log_of(const VehicleState& vehicle) {
     log->pull = std::make_unique<DataflashPull>(hooks(system, *log));
   }
   return logs_.emplace(system, std::move(log)).first->second.get();
+}
+
+/// Ends a log of the link that has most of them, if that is at least two more than this link has;
+/// one without a file first.
+bool AutopilotLogs::make_room(LinkId link, base::RunTime now) {
+  std::map<LinkId, std::vector<std::uint8_t>> systems;
+  for (const auto& [system, log] : logs_)
+    systems[commander_.find(system)->link()].push_back(system);
+  const auto size = [](const auto& entry) { return entry.second.size(); };
+  const std::vector<std::uint8_t>& most = std::ranges::max_element(systems, {}, size)->second;
+  if (most.size() < systems[link].size() + 2) return false;
+  const auto is_idle = [this](std::uint8_t system) { return !logs_.at(system)->file; };
+  const auto idle = std::ranges::find_if(most, is_idle);
+  const auto ended = logs_.find(idle == most.end() ? most.back() : *idle);
+  if (ended->second->wanted) ended->second->pull->stop(now);
+  logs_.erase(ended);
+  return true;
 }
 
 void AutopilotLogs::tick(Log& log, const VehicleState& vehicle, base::RunTime now) {

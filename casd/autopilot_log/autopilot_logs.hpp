@@ -16,11 +16,12 @@
 
 namespace cas::casd {
 
-/// The logs of all vehicles: who is asked for one, and when. Only what comes from the vehicle
-/// itself, from its place, reaches its file. On the thread of the commander.
+/// The logs of all vehicles: which vehicle is asked for its log, and when. Only packets of the
+/// vehicle itself, from its place, reach its file. On the thread of the commander.
 class AutopilotLogs {
  public:
-  /// Logs at one time; further vehicles are not asked.
+  /// Logs at one time; further vehicles are not asked. A link with many vehicles gives up one for a
+  /// vehicle of a link with few: a flood of invented ids must not keep others out.
   static constexpr std::size_t kMostLogs = 16;
 
   /// All outlive it.
@@ -29,9 +30,9 @@ class AutopilotLogs {
       : while_armed_(config.while_armed), self_(self), commander_(commander), files_(files) {}
 
   void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now);
-  /// Every now and then.
+  /// Several times a second.
   void tick(base::RunTime now);
-  /// Has all vehicles end their logs.
+  /// Asks all vehicles to end their logs.
   void end(base::RunTime now);
 
  private:
@@ -44,7 +45,8 @@ class AutopilotLogs {
     std::unique_ptr<LogPull> pull;
   };
 
-  Log* log_of(const VehicleState& vehicle);
+  Log* log_of(const VehicleState& vehicle, base::RunTime now);
+  bool make_room(LinkId link, base::RunTime now);
   void tick(Log& log, const VehicleState& vehicle, base::RunTime now);
   LogPullHooks hooks(std::uint8_t system, Log& log);
   void forget_lost(base::RunTime now);
@@ -54,6 +56,7 @@ class AutopilotLogs {
   VehicleCommander& commander_;
   LogFiles& files_;
   base::RunTime now_{};
+  bool full_ = false;  ///< a vehicle was not asked, and the log says so
   std::map<std::uint8_t, std::unique_ptr<Log>> logs_;  ///< by system
 };
 

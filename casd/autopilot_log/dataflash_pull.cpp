@@ -22,7 +22,7 @@ void DataflashPull::take(const RemoteLogDataBlock& block, base::RunTime now) {
   }
   DataflashStream::Part part;
   if (stream_.take(block.seqno, block.data, part, now) == DataflashStream::Verdict::kStale) {
-    // What runs there has no beginning here.
+    // The vehicle sends a log whose beginning casd does not have.
     if (now < next_ask_) return;
     restart(now);
     return ask(now);
@@ -52,16 +52,16 @@ void DataflashPull::tick(base::RunTime now) {
   ask(now);
 }
 
-/// An order to start has no effect on a log that runs.
+/// While a log runs, ArduPilot ignores an order to start another one: it is stopped first.
 void DataflashPull::ask(base::RunTime now) {
-  if (!std::exchange(asked_, true)) say(RemoteLogBlockStatus::kStop, RemoteLogBlockStatus::kAck);
+  if (!std::exchange(ordered_, true)) say(RemoteLogBlockStatus::kStop, RemoteLogBlockStatus::kAck);
   say(RemoteLogBlockStatus::kStart, RemoteLogBlockStatus::kAck);
   next_ask_ = now + retry_;
   retry_ = std::min(2 * retry_, base::Duration(kSilence));
 }
 
 void DataflashPull::stop(base::RunTime now) {
-  if (asked_) say(RemoteLogBlockStatus::kStop, RemoteLogBlockStatus::kAck);
+  if (ordered_) say(RemoteLogBlockStatus::kStop, RemoteLogBlockStatus::kAck);
   restart(now);
   wanted_ = false;
 }
@@ -69,7 +69,7 @@ void DataflashPull::stop(base::RunTime now) {
 void DataflashPull::restart(base::RunTime now) {
   stream_.reset();
   hooks_.end();
-  asked_ = false;
+  ordered_ = false;
   next_ask_ = now;
 }
 

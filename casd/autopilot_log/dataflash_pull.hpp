@@ -6,9 +6,9 @@
 
 namespace cas::casd {
 
-/// ArduPilot's log: REMOTE_LOG_BLOCK_STATUS with the order to start until blocks come, then each is
-/// acknowledged. An order has no answer, and ArduPilot may have nothing to send until it is armed
-/// (LOG_DISARMED).
+/// ArduPilot's log: REMOTE_LOG_BLOCK_STATUS with the order to start until blocks come, then an
+/// acknowledgement of each block. ArduPilot does not answer an order, and unless LOG_DISARMED is
+/// set it sends nothing before it is armed.
 class DataflashPull final : public LogPull {
  public:
   explicit DataflashPull(LogPullHooks hooks) : hooks_(std::move(hooks)) {}
@@ -27,7 +27,7 @@ class DataflashPull final : public LogPull {
   LogPullHooks hooks_;
   DataflashStream stream_;
   bool wanted_ = false;
-  bool asked_ = false;  ///< a log of before has been ended
+  bool ordered_ = false;  ///< since the vehicle's last restart
   base::RunTime next_ask_{};
   base::RunTime next_file_{};
   base::RunTime heard_at_{};

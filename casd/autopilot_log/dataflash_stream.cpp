@@ -37,7 +37,6 @@ std::vector<std::uint32_t> DataflashStream::tick(Part& part, base::RunTime now) 
   std::vector<std::uint32_t> wanted;
   if (early_.empty()) return wanted;
   if (now - missing_since_ >= kGiveUpAfter) {
-    lost_ += early_.begin()->first - next_;
     next_ = early_.begin()->first;
     take_in_order(part, now);
     return wanted;

@@ -20,14 +20,14 @@ namespace cas::casd {
 namespace {
 
 constexpr auto kFlushPeriod = std::chrono::milliseconds(200);
-constexpr base::Duration kScanPeriod = std::chrono::seconds(1);
-constexpr base::Duration kLookPeriod = kFlushPeriod;
-/// What must fit before logs are taken again.
+constexpr base::Duration kUsedPeriod = std::chrono::seconds(1);
+constexpr base::Duration kFreePeriod = kFlushPeriod;
+/// Room that must be free before logs go on.
 constexpr std::uint64_t kRoomToGoOn = 1024 * 1024;
 constexpr int kMostFiles = 10'000;  // names that are tried
 constexpr std::array<std::string_view, 2> kExtensions{".ulg", ".bin"};
 
-/// What the autopilots' logs of a folder take.
+/// Bytes of all autopilot logs in a folder.
 std::uint64_t logged_bytes(const std::filesystem::path& folder) {
   std::uint64_t sum = 0;
   std::error_code error;
@@ -84,7 +84,7 @@ LogFiles::File LogFiles::begin(const std::string& name, std::string_view extensi
     job.file = next_++;
   }
   const File file = job.file;
-  order(std::move(job));
+  enqueue(std::move(job));
   return file;
 }
 
@@ -93,13 +93,13 @@ bool LogFiles::write(File file, LogPart part) {
     const base::MutexLock lock(mutex_);
     if (waiting_bytes_ + part.bytes.size() > kMaxWaitingBytes) return false;
   }
-  order({.kind = Job::Kind::kWrite, .file = file, .part = std::move(part)});
+  enqueue({.kind = Job::Kind::kWrite, .file = file, .part = std::move(part)});
   return true;
 }
 
-void LogFiles::end(File file) { order({.kind = Job::Kind::kEnd, .file = file}); }
+void LogFiles::end(File file) { enqueue({.kind = Job::Kind::kEnd, .file = file}); }
 
-void LogFiles::order(Job job) {
+void LogFiles::enqueue(Job job) {
   const base::MutexLock lock(mutex_);
   waiting_bytes_ += job.part.bytes.size() + sizeof(Job);
   jobs_.push_back(std::move(job));
@@ -143,7 +143,7 @@ void LogFiles::make(const Job& job) {
   open_.emplace(job.file, std::move(file));
 }
 
-/// As a whole, or the file stays as it was and nothing is added to it any more.
+/// Writes all of it. On failure the file gets its old length and is closed.
 void LogFiles::append(File id, const LogPart& part) {
   const auto found = open_.find(id);
   if (found == open_.end()) return;
@@ -195,15 +195,15 @@ void LogFiles::fail(std::string why) {
   why_ = std::move(why);
 }
 
-/// A log that ended goes on in another file, from its beginning.
+/// Logs go on once a test file can be written; each then begins a new file.
 void LogFiles::look_for_room() {
   if (!retry_at_ || base::steady_now() < *retry_at_) return;
   retry_at_ = base::steady_now() + kRetryPeriod;
-  scanned_.reset();
-  looked_.reset();
+  used_counted_at_.reset();
+  free_read_at_.reset();
   const bool full = folder_.look(false).free_bytes < kRoomToGoOn;
   if (full || !lack(kRoomToGoOn).empty()) return;
-  // Whether the disk takes anything again, only a file tells.
+  // Free space does not prove that the disk can be written.
   const std::string probe = ".autopilot-log-" + std::to_string(::getpid());
   folder_.remove(probe);
   {
@@ -222,12 +222,13 @@ void LogFiles::look_for_room() {
 std::string LogFiles::lack(std::uint64_t more) {
   if (config_.limits == TlogLimits{}) return "";
   const base::RunTime now = base::steady_now();
-  if (!looked_ || now - *looked_ >= kLookPeriod) {
-    looked_ = now;
+  if (!free_read_at_ || now - *free_read_at_ >= kFreePeriod) {
+    free_read_at_ = now;
     space_.free_bytes = folder_.look(false).free_bytes;
   }
-  if (config_.limits.max_bytes > 0 && (!scanned_ || now - *scanned_ >= kScanPeriod)) {
-    scanned_ = now;
+  const bool counted = used_counted_at_ && now - *used_counted_at_ < kUsedPeriod;
+  if (config_.limits.max_bytes > 0 && !counted) {
+    used_counted_at_ = now;
     space_.used_bytes = logged_bytes(folder_.path());
   }
   return lack_of_room(config_.limits, space_, more);

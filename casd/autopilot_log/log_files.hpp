@@ -21,28 +21,28 @@
 
 namespace cas::casd {
 
-/// Writes the logs of autopilots. All calls only copy into memory; a thread of its own works on the
-/// files, so that a disk that hangs keeps nobody else waiting.
+/// Writes the logs of autopilots. Calls only copy into memory; a thread of its own writes the
+/// files, so a disk that hangs delays nobody else.
 ///
-/// Files are new ones, DATE-NAME.ulg and .bin (DATE-NAME.1.ulg where that is taken), never over
-/// another file and never through a symlink. Where the disk does not take them, or a limit is
-/// reached, takes() is false until there is room again; the log says so once.
+/// Each file is a new one, DATE-NAME.ulg or .bin (DATE-NAME.1.ulg if that exists): no file is
+/// replaced, no symlink followed. When the disk fails or a limit is reached, takes() is false until
+/// there is room again; casd's log says so once.
 class LogFiles {
  public:
   using File = std::uint32_t;
-  /// How often is looked whether there is room again.
+  /// Time between two tests whether there is room again.
   static constexpr base::Duration kRetryPeriod = std::chrono::seconds(5);
 
   /// @throws base::ConfigError when the machine has no thread for it
   explicit LogFiles(AutopilotLogConfig config);
-  /// Writes what waits.
+  /// Writes what is queued.
   ~LogFiles();
   LogFiles(const LogFiles&) = delete;
   LogFiles& operator=(const LogFiles&) = delete;
 
-  /// @param name  of its vehicle: "v1"
+  /// @param name  stands for the vehicle in the file's name: "v1"
   File begin(const std::string& name, std::string_view extension);
-  /// @return false when too much waits for the disk
+  /// @return false when the queue to the disk is full
   bool write(File file, LogPart part);
   void end(File file);
   bool takes() const { return takes_.load(std::memory_order_relaxed); }
@@ -63,7 +63,7 @@ class LogFiles {
     std::uint64_t size = 0;
   };
 
-  void order(Job job);
+  void enqueue(Job job);
   void run(const std::stop_token& stop);
   void carry_out(Job job);
   void make(const Job& job);
@@ -71,6 +71,7 @@ class LogFiles {
   void close(File file);
   void fail(std::string why);
   void look_for_room();
+  /// Why so many bytes do not fit; empty: they do.
   std::string lack(std::uint64_t more);
 
   AutopilotLogConfig config_;
@@ -82,16 +83,16 @@ class LogFiles {
   std::size_t waiting_bytes_ CAS_GUARDED_BY(mutex_) = 0;
   File next_ CAS_GUARDED_BY(mutex_) = 1;
 
-  // Of the thread that writes.
+  // Only the writing thread uses these.
   TlogFolder folder_;
   std::map<File, Open> open_;
   TlogSpace space_;
-  std::optional<base::RunTime> looked_;   ///< at what is free
-  std::optional<base::RunTime> scanned_;  ///< what the logs take
+  std::optional<base::RunTime> free_read_at_;     ///< when space_.free_bytes was read
+  std::optional<base::RunTime> used_counted_at_;  ///< when space_.used_bytes was counted
   std::optional<base::RunTime> retry_at_;
-  std::string why_;  ///< nothing is taken; empty: it is, and was
+  std::string why_;  ///< why no file is written; empty: files are written
 
-  std::jthread thread_;  ///< the last one: it ends before what it works on
+  std::jthread thread_;  ///< the last member: it ends before those that it uses
 };
 
 }  // namespace cas::casd

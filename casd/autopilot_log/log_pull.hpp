@@ -22,29 +22,29 @@ using mav::services::RemoteLogDataBlock;
 /// Bytes on their way into a log file.
 struct LogPart {
   std::vector<std::uint8_t> bytes;
-  /// Place of the first byte; zeros fill what lies before it. Nothing: at the end.
+  /// Offset of the first byte; zeros fill a gap before it. Nothing: the end of the file.
   std::optional<std::uint64_t> at{};
 };
 
-/// What the log of one vehicle is taken with.
+/// The vehicle and the file of a LogPull.
 struct LogPullHooks {
   std::function<void(const VehicleCommander::LogAnswer&)> send;  ///< to the vehicle
   std::function<void(const VehicleCommand&, Done)> command;
-  std::function<void(std::string_view extension)> begin;  ///< another file
-  /// Nothing without a file. @return false when there is no room for it in memory
+  std::function<void(std::string_view extension)> begin;  ///< begins a new file
+  /// Writes to the file, if there is one. @return false when the queue to the disk is full
   std::function<bool(LogPart)> write;
-  std::function<void()> end;  ///< of the file; nothing without one
+  std::function<void()> end;  ///< closes the file, if there is one
   std::function<void(const std::string& sentence)> warn;
 };
 
-/// Has one vehicle send its log while it is written, and takes it in. Pure.
+/// Asks a vehicle for the log that it is writing, and receives it. Pure.
 class LogPull {
  public:
-  /// Another file of a vehicle begins no sooner after the last one: files are not to be had for
-  /// each packet.
+  /// Least time between the beginnings of two files of a vehicle: a flood of headers must not
+  /// become a flood of files.
   static constexpr base::Duration kFilePeriod = std::chrono::seconds(5);
-  /// After such a silence the vehicle is asked again. An ArduPilot whose blocks nobody acknowledges
-  /// ends the log after 10 s.
+  /// After this silence the vehicle is asked again. ArduPilot ends a log whose blocks are not
+  /// acknowledged for 10 s.
   static constexpr base::Duration kSilence = std::chrono::seconds(10);
   static constexpr base::Duration kFirstRetry = std::chrono::seconds(1);
   static constexpr base::Duration kLongestRetry = std::chrono::seconds(60);
@@ -53,11 +53,11 @@ class LogPull {
 
   /// A packet of this vehicle, from its place, for casd's own station.
   virtual void on_packet(const mav::PacketView& packet, base::RunTime now) = 0;
-  /// While the log is wanted: requests, and repeats them.
+  /// Called while the log is wanted: sends requests and repeats them.
   virtual void tick(base::RunTime now) = 0;
-  /// Has the vehicle end its log, and ends the file. It may be wanted again afterwards.
+  /// Asks the vehicle to end its log, and closes the file. The next tick() begins again.
   virtual void stop(base::RunTime now) = 0;
-  /// The vehicle has begun anew and knows of nothing: the file ends.
+  /// The vehicle has restarted and forgotten all requests: closes the file.
   virtual void restart(base::RunTime now) = 0;
 };
 

@@ -37,9 +37,9 @@ void UlogPull::on_packet(const mav::PacketView& packet, base::RunTime now) {
 
 void UlogPull::take(const UlogStream::Piece& piece, base::RunTime now) {
   if (stream_.begins(piece)) {
-    if (now < next_file_) return end_file();  // silence follows, and another request
+    if (now < next_file_) return end_file();  // after a silence it is asked again
     next_file_ = now + kFilePeriod;
-    told_.clear();
+    last_refusal_.clear();
     hooks_.end();
     hooks_.begin("ulg");
   }
@@ -48,7 +48,7 @@ void UlogPull::take(const UlogStream::Piece& piece, base::RunTime now) {
   heard_at_ = now;
   retry_ = kFirstRetry;
   if (part.bytes.empty() || hooks_.write(std::move(part))) return;
-  stop(now);  // a log with a hole that nothing marks is none: it goes on in another one
+  stop(now);  // readers do not see a gap without a mark: the log goes on in another file
   next_ask_ = now + kSilence;
 }
 
@@ -56,22 +56,22 @@ void UlogPull::tick(base::RunTime now) {
   now_ = now;
   wanted_ = true;
   if (state_ == State::kRunning && now - heard_at_ > kSilence) {
-    if (stream_.began()) hooks_.warn("sends its log no more; it is asked again");
+    if (stream_.began()) hooks_.warn("has stopped sending its log; it is asked again");
     end_file();
     state_ = State::kIdle;
     next_ask_ = now;
   }
   if (state_ != State::kIdle || now < next_ask_) return;
   state_ = State::kAsking;
-  question_ = std::make_shared<int>();
+  request_ = std::make_shared<int>();
   hooks_.command({.id = MavCmd::kLoggingStart},
-                 [this, question = std::weak_ptr<int>(question_)](const Outcome& outcome) {
-                   if (!question.expired()) on_answer(outcome);
+                 [this, request = std::weak_ptr<int>(request_)](const Outcome& outcome) {
+                   if (!request.expired()) on_answer(outcome);
                  });
 }
 
 void UlogPull::on_answer(const Outcome& outcome) {
-  question_.reset();
+  request_.reset();
   if (outcome.ok()) {
     state_ = State::kRunning;
     heard_at_ = now_;
@@ -79,16 +79,16 @@ void UlogPull::on_answer(const Outcome& outcome) {
   }
   state_ = State::kIdle;
   if (outcome.result == MavResult::kTemporarilyRejected) {
-    // The log runs for a casd of before; its beginning cannot be had any more.
+    // A log runs that an earlier casd began: its beginning is lost.
     hooks_.command({.id = MavCmd::kLoggingStop}, ignore);
     return retry(kFirstRetry);
   }
-  if (outcome.message != told_) hooks_.warn("does not send its log: " + outcome.message);
-  told_ = outcome.message;
+  if (outcome.message != last_refusal_) hooks_.warn("does not send its log: " + outcome.message);
+  last_refusal_ = outcome.message;
   retry(outcome.result ? kLongestRetry : kSilence);
 }
 
-/// Waits longer each time, until something has come.
+/// Doubles the wait each time, until data comes.
 void UlogPull::retry(base::Duration at_least) {
   next_ask_ = now_ + std::max(at_least, retry_);
   retry_ = std::min(2 * retry_, base::Duration(kLongestRetry));
@@ -106,7 +106,7 @@ void UlogPull::stop(base::RunTime now) {
 void UlogPull::restart(base::RunTime now) {
   now_ = now;
   end_file();
-  question_.reset();
+  request_.reset();
   state_ = State::kIdle;
   next_ask_ = now;
   retry_ = kFirstRetry;

@@ -39,9 +39,9 @@ class UlogPull final : public LogPull {
   base::RunTime next_file_{};
   base::RunTime heard_at_{};
   base::Duration retry_ = kFirstRetry;
-  std::string told_;  ///< the newest sentence on why nothing comes
-  /// Answers to what was asked before an end or a restart find it gone.
-  std::shared_ptr<int> question_;
+  std::string last_refusal_;  ///< a sentence
+  /// Lives while the request waits for its answer: answers to earlier requests find theirs expired.
+  std::shared_ptr<int> request_;
 };
 
 }  // namespace cas::casd

@@ -8,16 +8,17 @@ namespace cas::casd {
 namespace {
 
 constexpr std::array<std::uint8_t, 7> kMagic{'U', 'L', 'o', 'g', 0x01, 0x12, 0x35};
-constexpr std::size_t kMessageHead = 3;     // length (2 bytes) and type
-constexpr std::uint16_t kOldFrom = 0x8000;  // so far ahead is behind: a piece that comes again
+constexpr std::size_t kMessageHead = 3;  // length (2 bytes) and type
+constexpr std::uint16_t kOldFrom =
+    0x8000;  // a difference of sequences from here on: an old piece, repeated
 
-/// A message of type 'O': for so long nothing was kept.
+/// ULog's dropout message ('O') of that length.
 std::array<std::uint8_t, kMessageHead + 2> dropout(base::Duration lasted) {
   using std::chrono::milliseconds;
   const auto ms = std::chrono::duration_cast<milliseconds>(lasted).count();
-  const auto told = static_cast<std::uint16_t>(std::clamp<std::int64_t>(ms, 0, 0xFFFF));
-  return {2, 0, 'O', static_cast<std::uint8_t>(told & 0xFFU),
-          static_cast<std::uint8_t>(told >> 8U)};
+  const auto field = static_cast<std::uint16_t>(std::clamp<std::int64_t>(ms, 0, 0xFFFF));
+  return {2, 0, 'O', static_cast<std::uint8_t>(field & 0xFFU),
+          static_cast<std::uint8_t>(field >> 8U)};
 }
 
 }  // namespace
@@ -34,7 +35,6 @@ std::vector<std::uint8_t> UlogStream::take(const Piece& piece, base::RunTime now
   } else {
     const auto ahead = static_cast<std::uint16_t>(piece.sequence - next_);
     if (ahead >= kOldFrom) return whole;
-    lost_ += ahead;
     cut_ = cut_ || ahead > 0;
   }
   next_ = static_cast<std::uint16_t>(piece.sequence + 1);

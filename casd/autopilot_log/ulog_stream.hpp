@@ -11,9 +11,8 @@
 
 namespace cas::casd {
 
-/// Puts the pieces of PX4's log (LOGGING_DATA, LOGGING_DATA_ACKED) together. What comes out are
-/// whole messages of ULog (docs.px4.io, "ULog File Format"): where pieces are lost, the message
-/// that they cut is left out, and a dropout stands in its place. Pure.
+/// Joins the pieces of PX4's log (LOGGING_DATA, LOGGING_DATA_ACKED) to whole messages of ULog
+/// (docs.px4.io, "ULog File Format"). A dropout message replaces those that lost pieces cut. Pure.
 class UlogStream {
  public:
   static constexpr std::uint8_t kNoMessage = 255;  ///< no message begins in a piece
@@ -23,15 +22,13 @@ class UlogStream {
     std::uint8_t first_message = kNoMessage;  ///< where in `data` a message begins
     std::span<const std::uint8_t> data;
   };
-  /// Whether it is the first piece of another log. One that comes again is not: it has the header
-  /// that is known, time stamp and all.
+  /// Whether it is the first piece of a new log. A repetition is not: it has the same header, with
+  /// the same time stamp.
   bool begins(const Piece& piece) const;
-  /// @return what goes to the file: whole messages, or nothing
+  /// @return bytes for the file: whole messages, or none
   std::vector<std::uint8_t> take(const Piece& piece, base::RunTime now);
-  /// Whether the beginning of a log has come: before it nothing can be read.
+  /// Whether the header of a log has come: without it the rest cannot be read.
   bool began() const { return began_; }
-  /// Pieces of this log that never came.
-  std::uint64_t lost() const { return lost_; }
   /// Forgets the log; the next one begins with its header.
   void reset() { *this = {}; }
 
@@ -43,11 +40,10 @@ class UlogStream {
 
   bool began_ = false;
   std::array<std::uint8_t, kHeaderBytes> header_{};
-  std::uint16_t next_ = 0;          ///< sequence of the piece that is expected
-  bool cut_ = false;                ///< something is lost: waits for the beginning of a message
-  std::vector<std::uint8_t> rest_;  ///< of a message that has not come whole; below 64 KiB
-  base::RunTime whole_at_{};        ///< when the newest piece before a loss came
-  std::uint64_t lost_ = 0;
+  std::uint16_t next_ = 0;          ///< sequence of the next piece
+  bool cut_ = false;                ///< pieces are lost: waits for the beginning of a message
+  std::vector<std::uint8_t> rest_;  ///< of an incomplete message; below 64 KiB
+  base::RunTime whole_at_{};        ///< time of the newest piece before a loss
 };
 
 }  // namespace cas::casd

@@ -2,11 +2,14 @@
 // The real casd takes the logs of scripted autopilots over UDP.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <csignal>
+#include <deque>
 #include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "tests/hils/ulog/ulog_bytes.hpp"
 #include "tests/loopback/udp_autopilot.hpp"
@@ -38,8 +41,12 @@ class CasdAutopilotLog : public testing::Test {
     casd.emplace(std::vector<std::string>{binary_dir() + "/bin/casd", topology});
     const auto ready = casd->wait_ready();
     ASSERT_TRUE(ready) << casd->output();
-    const std::size_t begin = ready->find(" net ") + 5;
-    port = port_of(ready->substr(begin, ready->find(' ', begin) - begin));
+    status = *ready;
+    port = port_of_link("net");
+  }
+  std::uint16_t port_of_link(const std::string& name) const {
+    const std::size_t begin = status.find(" " + name + " ") + name.size() + 2;
+    return port_of(status.substr(begin, status.find(' ', begin) - begin));
   }
   std::vector<fs::path> files() const {
     std::vector<fs::path> all;
@@ -54,6 +61,7 @@ class CasdAutopilotLog : public testing::Test {
 
   TemporaryFolder folder;
   std::optional<ChildProcess> casd;
+  std::string status;  ///< that it is ready, with the ports
   std::uint16_t port = 0;
 };
 
@@ -134,6 +142,39 @@ TEST_F(CasdAutopilotLog, RunsFromArmingToDisarming) {
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.stops == 1; }));
   EXPECT_TRUE(wait_until(
       [&] { return files().size() == 1 && fs::file_size(files()[0]) == beginning().size(); }));
+}
+
+TEST_F(CasdAutopilotLog, InventedVehiclesOfALinkKeepNoneOfAnotherLinkOut) {
+  start(", free_space_min_mib: 0", "}\n  - {name: line, type: udp_server, local: \"127.0.0.1:0\"");
+  std::deque<UdpAutopilot> flood;
+  for (std::uint8_t system = 101; system <= 118; ++system) {
+    flood.emplace_back(MavAutopilot::kPx4).encoder = mav::Encoder({system, 1});
+    flood.back().socket.set_remote(port);
+  }
+  const auto asked = [&] {
+    return std::count_if(flood.begin(), flood.end(),
+                         [](const auto& px4) { return px4.starts > 0; });
+  };
+  int turn = 0;
+  const auto speak = [&] {
+    const bool beats = turn++ % 50 == 0;
+    for (UdpAutopilot& px4 : flood) {
+      if (beats) px4.beat();
+      px4.pump();
+    }
+  };
+  ASSERT_TRUE(wait_until([&] {
+    speak();
+    return asked() == 16 && casd->output().find("is not asked for its log") != std::string::npos;
+  })) << asked();
+  UdpAutopilot px4(MavAutopilot::kPx4);
+  px4.socket.set_remote(port_of_link("line"));
+  EXPECT_TRUE(speaks_until(
+      px4, [&] { return px4.starts > 0; }, speak));
+  px4.piece<LoggingDataAcked>(0, beginning());
+  EXPECT_TRUE(speaks_until(
+      px4, [&] { return !px4.acks.empty(); }, speak));
+  EXPECT_EQ(px4.stops, 0);
 }
 
 TEST_F(CasdAutopilotLog, PausesAtALimitAndSaysSo) {
