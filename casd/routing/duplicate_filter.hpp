@@ -18,11 +18,10 @@ namespace cas::casd {
 /// A packet that comes again over the same link is not a duplicate: its sender repeated it.
 /// May be called from several threads.
 ///
-/// Each sender has memory of its own, in which a packet's sequence number says where to look, so
-/// that neither other senders nor its own next packets push an entry out: a second copy is found up
-/// to 8 x 256 packets later. Of many senders the one that fell silent first makes room. Two
-/// packets are the same when size and 64 bits of hash over all bytes agree, with a key that nobody
-/// outside knows.
+/// Each sender has memory of its own, indexed by the packet's sequence number, so neither other
+/// senders nor its own next packets push an entry out: a second copy is found up to 8 x 256 packets
+/// later. The sender that has been silent longest makes room for a new one. Two packets are the
+/// same when their size and a 64-bit hash over all bytes agree; the hash has a secret key.
 class DuplicateFilter {
  public:
   static constexpr std::size_t kMaxSenders = 64;

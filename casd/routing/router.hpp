@@ -20,7 +20,7 @@
 
 namespace cas::casd {
 
-/// Everything the router decides by: immutable, replaced as a whole.
+/// All rules of the router: immutable, replaced together.
 struct RoutingPlan {
   ForwardRules rules;
   /// For each link, the links that never get its packets: its group. Without a group that is the
@@ -40,11 +40,11 @@ struct Route {
     kForward,     ///< `to` may still be empty: no link wants it
     kDuplicate,   ///< came over another link of the group already
     kNoRule,      ///< the rules let it go nowhere
-    kNoTarget,    ///< addressed to somebody who was never heard
+    kNoTarget,    ///< addressed to a system that was never heard
     kRateLimited  ///< its turn has not come
   };
   LinkMask to{};
-  LinkMask thinned{};  ///< links that would have got it, had its turn come
+  LinkMask thinned{};  ///< links that a rate limit keeps it from
   Decision decision = Decision::kForward;
   /// Links that get it beside `to`, whatever was decided; of the plan, until the next packet.
   const LinkMask* sniffers = nullptr;
@@ -76,7 +76,7 @@ class Router {
   Route on_addressed(const mav::PacketView& packet, std::span<const Path> to, base::RunTime now);
   /// Once a second for each link: forgets routes that fell silent.
   void tick(LinkId link, base::RunTime now);
-  /// The link is gone for good, and what was heard on it.
+  /// The link is gone: forgets the systems that were heard on it.
   void forget(LinkId link);
   /// Puts new rules in force. Links take them over at their next packet.
   void replace(std::shared_ptr<const RoutingPlan> plan);
@@ -84,7 +84,7 @@ class Router {
   bool passes_unknown(LinkId from);
 
  private:
-  // What one link's thread has for itself.
+  // State of one link's thread.
   struct alignas(64) PerLink {
     std::shared_ptr<const RoutingPlan> plan;
     std::uint64_t generation = 0;

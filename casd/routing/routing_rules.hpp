@@ -15,11 +15,10 @@
 
 namespace cas::casd {
 
-/// What a link takes in at all (`accept` of a link), before any route is asked. Nothing by default
-/// is left out.
+/// The packets that a link takes in (`accept`), before any route is considered. By default all.
 struct AcceptRule {
   bool read_only = false;  ///< takes in nothing: its peers may only listen
-  /// Only what ground stations say (`traffic`), and `messages` besides.
+  /// Only traffic of ground stations (`traffic`), and `messages`.
   bool ground_station = false;
   std::vector<std::uint32_t> messages{};      ///< only these; empty: all
   std::vector<std::uint8_t> systems{};        ///< only of these senders; empty: all

@@ -14,9 +14,9 @@
 namespace cas::casd {
 namespace {
 
-/// Signs packets and hands them to the writer behind it. A packet that was not taken is signed
-/// again at its next turn: its time must not lie behind what was sent meanwhile. One whose checksum
-/// fits no message cannot be signed: it is named in the result and not written.
+/// Signs packets and hands them to the next writer. A packet that was not written is signed again
+/// at its next turn: its time must not be older than that of packets sent meanwhile. A packet whose
+/// checksum fits no message cannot be signed: the result names it, and it is not written.
 class SigningWriter final : public PacketWriter {
  public:
   SigningWriter(std::unique_ptr<PacketWriter> writer, std::shared_ptr<PacketSigner> signer,

@@ -17,8 +17,7 @@
 
 namespace cas::casd {
 
-/// What one link does with signatures: it verifies and takes off those that come in, and signs what
-/// goes out.
+/// The signatures of one link: verifies and removes incoming ones, and signs outgoing packets.
 ///
 ///   peer --signed--> verify --> strip --> router ...        router --> queue --> sign --> peer
 class LinkSigning {
@@ -26,7 +25,7 @@ class LinkSigning {
   LinkSigning(const SigningConfig& config, std::shared_ptr<PacketSigner> signer,
               std::shared_ptr<LinkCounters> counters);
 
-  /// Judges a packet that came in; on the link's thread.
+  /// Verifies an incoming packet; on the link's thread.
   /// @return the packet without signature, valid until the next call; nothing when it is refused
   std::optional<mav::PacketView> admit(const mav::PacketView& packet);
 

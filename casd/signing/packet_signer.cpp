@@ -100,7 +100,7 @@ void PacketSigner::begin() {
   store(signing_.time() + mav::Signing<>::kMaxLag);
 }
 
-/// A clock that was once wrong lasts: the stored time never goes back.
+/// The effect of a wrong clock lasts, because the stored time never goes back.
 void PacketSigner::warn_of_future() const {
   const mav::SigningTime clock = signing_clock();
   if (signing_.time() <= clock + kMaxPlausibleLead) return;

@@ -25,7 +25,7 @@ class SigningTimeFile {
 
   /// The stored bound; 0 when there is none or it cannot be read as one.
   mav::SigningTime load() const;
-  /// Replaces it as a whole. @return false when it cannot be written
+  /// Replaces the file. @return false when it cannot be written
   bool store(mav::SigningTime bound) const;
   const std::filesystem::path& path() const { return path_; }
 
@@ -33,8 +33,8 @@ class SigningTimeFile {
   std::filesystem::path path_;
 };
 
-/// One key with its time and its streams, for all links that name the same key file: what came in
-/// over one of them cannot be played again over another. Any thread.
+/// One key with its time and its streams, shared by all links with the same key file: a packet that
+/// one of them received cannot be replayed over another. Any thread.
 class PacketSigner {
  public:
   /// Starts at the wall clock or at the stored time, whichever is ahead.
@@ -45,8 +45,8 @@ class PacketSigner {
   /// Whether this is the key that it was made with.
   bool has_key(const mav::SigningKey& key) const { return key == key_; }
 
-  /// The key is in force: what an earlier program may have taken in or signed up to now is never
-  /// taken in again by a later one. Until then the stored time stays as it was. From one thread.
+  /// Puts the key in force: packets that an earlier program may have accepted or signed are never
+  /// accepted again. Before this the stored time is not changed. From one thread.
   void begin();
 
   /// @param max_ahead  how far ahead of the clock a packet may be: each accepted packet moves the
