@@ -25,6 +25,21 @@ bool is_ardupilot(const CompanionFlight::Vehicle& vehicle) {
   return vehicle.autopilot == "ArduPilot";
 }
 
+/// From the air straight to a place, north, east, up from home.
+MissionPlan mission_to(const Eigen::Vector3d& place_m, double speed_m_s) {
+  constexpr float kGroundSpeed = 1;
+  MissionPlan plan;
+  plan.items.push_back({.command = mavlink::common::MavCmd::kDoChangeSpeed,
+                        .frame = mavlink::common::MavFrame::kMission,
+                        .params = {kGroundSpeed, static_cast<float>(speed_m_s), -1, 0}});
+  plan.items.push_back({.command = mavlink::common::MavCmd::kNavWaypoint,
+                        .local = true,
+                        .north = place_m.x(),
+                        .east = place_m.y(),
+                        .up_m = place_m.z()});
+  return plan;
+}
+
 /// "127.0.0.1:34567"
 std::uint16_t port_of(const std::string& endpoint) {
   return static_cast<std::uint16_t>(std::stoi(endpoint.substr(endpoint.rfind(':') + 1)));
@@ -34,7 +49,7 @@ std::uint16_t port_of(const std::string& endpoint) {
 
 bool CompanionFlight::gives(StepKind kind) {
   return kind == StepKind::kTrajectory || kind == StepKind::kEndTrajectory ||
-         kind == StepKind::kMission;
+         kind == StepKind::kMission || kind == StepKind::kBreach;
 }
 
 void CompanionFlight::join(const std::string& name) {
@@ -60,25 +75,32 @@ void CompanionFlight::after_look(base::SimTime now) {
 
 CompanionFlight::Answer CompanionFlight::give(const FlightStep& step, const Vehicle& vehicle) {
   if (vehicle.autopilot != "PX4" && !is_ardupilot(vehicle)) {
-    return {.refusal = "only PX4 and ArduPilot fly trajectories and missions", .for_good = true};
+    return {.refusal = "only PX4 and ArduPilot fly trajectories, missions and to a fence",
+            .for_good = true};
   }
   try {
     if (step.kind == StepKind::kTrajectory) return begin_trajectory(step, vehicle);
     if (step.kind == StepKind::kEndTrajectory) return end_trajectory(vehicle);
-    return fly_mission(step, vehicle);
+    if (step.kind == StepKind::kBreach) return begin_breach(step, vehicle);
+    return fly_mission(step.mission, vehicle);
   } catch (const base::rpc::CallError& error) {
     return {.refusal = error.what()};
   }
 }
 
-/// Setpoints come first: PX4 refuses OFFBOARD without them.
-CompanionFlight::Answer CompanionFlight::begin_trajectory(const FlightStep& step,
-                                                          const Vehicle& vehicle) {
+/// Setpoints come first: PX4 refuses OFFBOARD without them. @return why not
+std::string CompanionFlight::enter_stream(const Vehicle& vehicle) {
   ask_for_position();
   link_.with_station(
       [&](auto& station) { station.setpoints().hover(vehicle.hover_N, vehicle.yaw_rad); });
-  if (!streams()) return {.refusal = "the vehicle does not tell its position, nor its time"};
+  if (!streams()) return "the vehicle does not tell its position, nor its time";
   call_("vehicle.mode", {{"mode", is_ardupilot(vehicle) ? "GUIDED" : "OFFBOARD"}});
+  return {};
+}
+
+CompanionFlight::Answer CompanionFlight::begin_trajectory(const FlightStep& step,
+                                                          const Vehicle& vehicle) {
+  if (const std::string why = enter_stream(vehicle); !why.empty()) return {.refusal = why};
   const base::Duration begin = link_.with_station([&](auto& station) {
     station.setpoints().fly(step.trajectory.pattern(), *station.vehicle_time());
     return *station.vehicle_time();
@@ -101,16 +123,38 @@ CompanionFlight::Answer CompanionFlight::end_trajectory(const Vehicle& vehicle) 
   return {};
 }
 
-CompanionFlight::Answer CompanionFlight::fly_mission(const FlightStep& step,
+/// ArduCopter 4.5 takes no setpoint beyond its fence, PX4 no mission.
+CompanionFlight::Answer CompanionFlight::begin_breach(const FlightStep& step,
+                                                      const Vehicle& vehicle) {
+  if (is_ardupilot(vehicle)) {
+    Answer answer = fly_mission(mission_to(step.place_m, step.trajectory.speed_m_s), vehicle);
+    answer.mission.reset();  // its end is no place of the plan
+    return answer;
+  }
+  if (const std::string why = enter_stream(vehicle); !why.empty()) return {.refusal = why};
+  const Eigen::Vector3d place_N =
+      vehicle.armed_at_N + Eigen::Vector3d(step.place_m.x(), step.place_m.y(), -step.place_m.z());
+  link_.with_station([&](auto& station) {
+    station.setpoints().fly_to(place_N, step.trajectory.speed_m_s, *station.vehicle_time());
+  });
+  breaching_ = true;
+  return {};
+}
+
+void CompanionFlight::end_breach() {
+  if (!std::exchange(breaching_, false)) return;
+  link_.with_station([](auto& station) { station.setpoints().stop(); });
+}
+
+CompanionFlight::Answer CompanionFlight::fly_mission(const MissionPlan& plan,
                                                      const Vehicle& vehicle) {
   const Json state = call_("vehicle.state", Json::object());
   const auto home = state.find("home");
   if (home == state.end()) return {.refusal = "the vehicle has not told its home yet"};
   Answer answer;
-  answer.mission =
-      at_home(step.mission,
-              {home->value("lat_deg", 0.0), home->value("lon_deg", 0.0), home->value("alt_m", 0.0)},
-              is_ardupilot(vehicle));
+  answer.mission = at_home(
+      plan, {home->value("lat_deg", 0.0), home->value("lon_deg", 0.0), home->value("alt_m", 0.0)},
+      is_ardupilot(vehicle));
   if (const auto uploaded = upload(*answer.mission); !uploaded.ok()) {
     return {.refusal = "the mission was not taken: " + uploaded.message, .for_good = true};
   }

@@ -18,6 +18,8 @@ namespace cas::hils {
 
 /// Has a stock autopilot fly what takes more than a command of casd: trajectories, streamed as
 /// setpoints, and missions. PX4 flies them in OFFBOARD and MISSION, ArduCopter in GUIDED and AUTO.
+/// Towards their fences PX4 flies in OFFBOARD and ArduCopter in AUTO: a command to go beyond, PX4
+/// also as a mission and ArduCopter as a setpoint, is refused.
 class CompanionFlight {
  public:
   /// Calls a method of casd. @throws base::rpc::CallError for a refusal
@@ -29,6 +31,7 @@ class CompanionFlight {
   struct Vehicle {
     std::string autopilot{};                            ///< "PX4", "ArduPilot"
     Eigen::Vector3d hover_N = Eigen::Vector3d::Zero();  ///< where the plan has it hang, in its N, m
+    Eigen::Vector3d armed_at_N = Eigen::Vector3d::Zero();  ///< where places of a step count from
     double yaw_rad = 0;
     bool not_hil = false;  ///< it may start although it does not say that it is in HIL
   };
@@ -57,6 +60,8 @@ class CompanionFlight {
   void after_look(base::SimTime now);
 
   Answer give(const FlightStep& step, const Vehicle& vehicle);
+  /// No setpoints any more, once the fence has the vehicle.
+  void end_breach();
 
   /// The item of the mission under way that was reached last.
   std::optional<std::uint16_t> reached();
@@ -65,7 +70,9 @@ class CompanionFlight {
  private:
   Answer begin_trajectory(const FlightStep& step, const Vehicle& vehicle);
   Answer end_trajectory(const Vehicle& vehicle);
-  Answer fly_mission(const FlightStep& step, const Vehicle& vehicle);
+  Answer begin_breach(const FlightStep& step, const Vehicle& vehicle);
+  std::string enter_stream(const Vehicle& vehicle);
+  Answer fly_mission(const MissionPlan& plan, const Vehicle& vehicle);
   void ask_for_position();
   bool streams();
   mav::services::Outcome upload(const HomedMission& mission);
@@ -76,6 +83,7 @@ class CompanionFlight {
   VehicleClock clock_;
   std::optional<base::Duration> time_before_look_;
   bool asked_for_position_ = false;
+  bool breaching_ = false;
 };
 
 }  // namespace cas::hils

@@ -72,6 +72,7 @@ void add_estimate(const std::filesystem::path& truth, const std::filesystem::pat
   try {
     const std::vector<PoseSample> estimate = read_estimate(tlog, figures.system, figures.log_clock);
     figures.rms_estimate = estimate_error(figures.stages, read_truth(truth), estimate);
+      if (figures.fence) add_reach(samples, *figures.fence);
   } catch (const base::ConfigError&) {
     figures.rms_estimate.reset();  // a limit on it is missed
   }

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "hils/firmware/fence_verdict.hpp"
 #include "hils/firmware/setpoint_stream.hpp"
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_plan.hpp"
@@ -34,6 +35,7 @@ struct FirmwareFigures {
   std::optional<RmsFigures> rms;
   /// Of the estimate against the truth in it, by what both were on the ground before takeoff.
   std::optional<RmsFigures> rms_estimate;
+  std::optional<FenceFigures> fence;           ///< of a scenario that has one
   SetpointStream::Figures setpoints;           ///< that hils has sent; none: no trajectory
   std::map<std::string, double> rates_hz;      ///< of the vehicle's messages in the hold, simulated
   std::vector<BenchFaultScript::Span> faults;  ///< as they went

@@ -16,6 +16,7 @@
 #include "base/rpc/client.hpp"
 #include "hils/firmware/companion_flight.hpp"
 #include "hils/firmware/disarming.hpp"
+#include "hils/firmware/fence_keeper.hpp"
 #include "hils/firmware/firmware_faults.hpp"
 #include "hils/programs/pilot_calls.hpp"
 #include "hils/programs/progress.hpp"
@@ -34,6 +35,8 @@ constexpr base::Duration kCompanionPatience = std::chrono::seconds(20);
 constexpr base::Duration kVersionPatience = std::chrono::seconds(20);
 constexpr base::Duration kAskAgain = std::chrono::seconds(3);
 constexpr base::Duration kSilencePatience = std::chrono::seconds(30);
+/// For giving back the parameters of the fences of a run that is stopped.
+constexpr base::Duration kFencePatience = std::chrono::seconds(10);
 /// What a vehicle says of its disarming comes with the HEARTBEAT that shows it.
 constexpr base::Duration kWordsPatience = std::chrono::seconds(1);
 /// PX4 disarms 2 s after it has noticed a landing (v1.12.0, v1.16.1), ArduCopter 4.5.6 sooner.
@@ -56,12 +59,14 @@ struct FlightDeck {
       : scenario(flown),
         bench(programs),
         supervisor(programs.supervisor()),
+        run(places.run),
         simulator("unix:" + places.simulator_control().string()),
         casd("unix:" + places.command_port.string()) {}
 
   const FirmwareScenario& scenario;
   FirmwareBench& bench;
   Supervisor& supervisor;
+  std::filesystem::path run;
   base::rpc::Client simulator;
   base::rpc::Client casd;
   CallList own_calls;  ///< of hils, whichever vehicle they mean
@@ -80,13 +85,34 @@ class FirmwarePilot {
         plan_(plan),
         own_calls_(deck.own_calls),
         vehicle_(vehicle) {
-    if (companion != nullptr) companion_.emplace(*companion, companion_calls(), waiting());
-    if (!scenario_.flies_several()) return;
-    asked_ = figures_.system = system_of_instance(vehicle);
+    if (companion != nullptr) companion_.emplace(*companion, own_calls(), waiting());
+    if (scenario_.flies_several()) asked_ = figures_.system = system_of_instance(vehicle);
+    if (!scenario_.fence) return;
+    figures_.fence.emplace();
+    fence_.emplace(own_calls(),
+                   deck.run / fmt::format("fence_before{}.params", scenario_.suffix_of(vehicle)));
   }
 
   /// Whether the firmware is there, and may be flown; else the plan has failed.
   bool is_there() { return is_heard() && is_of_age(); }
+
+  /// Puts the scenario's fence in force, where it has one; else the plan has failed.
+  void set_fence() {
+    if (!fence_) return;
+    supervisor_.linger(kFencePatience);
+    const std::string autopilot = vehicle_report(casd_, asked_).autopilot;
+    const std::string why = fence_->set(fence_params(autopilot, *scenario_.fence));
+    if (!why.empty()) plan_.fail("the fence was not set: " + why);
+  }
+
+  /// Gives back the parameters of the fence.
+  void restore_fence(base::RunTime deadline) {
+    if (!fence_) return;
+    figures_.fence->not_restored = fence_->restore(deadline);
+    if (!figures_.fence->not_restored.empty()) {
+      fmt::print(stderr, "hils: {}\n", figures_.fence->not_restored);
+    }
+  }
 
   /// What is known of the vehicle now.
   VehicleReport report(base::SimTime now) {
@@ -95,6 +121,7 @@ class FirmwarePilot {
     if (!vehicle.heard) return vehicle;
     if (companion_) vehicle.mission_reached = companion_->reached();
     note_arming(now, vehicle);
+    note_breach(vehicle);
     if (figures_.version.empty()) figures_.version = vehicle.firmware;
     return vehicle;
   }
@@ -219,7 +246,7 @@ class FirmwarePilot {
     return true;
   }
 
-  CompanionFlight::Call companion_calls() {
+  CompanionFlight::Call own_calls() {
     return [this](const std::string& method, Json params) {
       if (asked_ && !method.starts_with("link.")) params["vehicle"] = *asked_;
       own_calls_.emplace_back(method, params.dump());
@@ -231,13 +258,26 @@ class FirmwarePilot {
     return [this](base::Duration time) { supervisor_.wait(time); };
   }
 
-  /// A trajectory or a mission.
+  /// Words of before the breach step are not about it.
+  void note_breach(const VehicleReport& vehicle) {
+    const FlightStep* step = plan_.current();
+    const bool under_way = step != nullptr && step->kind == StepKind::kBreach && plan_.begun();
+    if (companion_ && !under_way) companion_->end_breach();
+    if (!fence_) return;
+    if (under_way && !breach_began_) breach_began_ = base::steady_now();
+    if (!breach_began_ || vehicle.fence_words.empty() || !figures_.fence->words.empty()) return;
+    const double ago_s = base::to_seconds(base::steady_now() - *breach_began_);
+    if (vehicle.fence_words_age_s < ago_s) figures_.fence->words = vehicle.fence_words;
+  }
+
+  /// A trajectory, a mission or a breach.
   void give_as_companion(const FlightStep& command) {
     const Eigen::Vector3d& wanted_m = plan_.reference_m();
     const CompanionFlight::Answer answer = companion_->give(
         command,
         {.autopilot = vehicle_report(casd_, asked_).autopilot,
          .hover_N = armed_at_N_ + Eigen::Vector3d(wanted_m.x(), wanted_m.y(), -wanted_m.z()),
+         .armed_at_N = armed_at_N_,
          .yaw_rad = plan_.reference_yaw_rad(),
          .not_hil = scenario_.not_hil});
     if (answer.for_good) return plan_.fail(answer.refusal);
@@ -416,8 +456,10 @@ class FirmwarePilot {
   std::size_t vehicle_;
   AskedVehicle asked_;  ///< how casd is to name it
   std::optional<CompanionFlight> companion_;
-  bool was_armed_ = false;   ///< by HEARTBEAT or because it accepted
-  bool seen_armed_ = false;  ///< by HEARTBEAT, since it last accepted
+  std::optional<FenceKeeper> fence_;
+  std::optional<base::RunTime> breach_began_;  ///< the first step of this kind
+  bool was_armed_ = false;                     ///< by HEARTBEAT or because it accepted
+  bool seen_armed_ = false;                    ///< by HEARTBEAT, since it last accepted
   int armed_again_ = 0;
   std::uint64_t acts_so_far_ = 0;
   std::size_t stages_when_armed_ = 0;  ///< the last time
@@ -466,10 +508,25 @@ class FirmwareFleet {
 
   std::vector<FirmwareFigures> fly() {
     for (const auto& pilot : pilots_) {
-      if (!pilot->is_there()) return finish();
+  /// @throws RunStopped, base::rpc::ConnectionError; the fences are restored even then
+      if (!pilot->is_there()) return;
+    try {
+      fly_steps();
+      restore_fences();
+      return finish();
+    } catch (...) {
+      if (deck_.scenario.fence) go_on_for_a_moment();
+      restore_fences();
+      throw;
+    }
+  }
+
+ private:
+  void fly_steps() {
     }
     for (base::SimTime now = look(); !plan_.ended();) {
       faults_.play(now, reports_, plan_.phase());
+    for (const auto& pilot : pilots_) pilot->set_fence();
       now = look();
       if (waits_for_vehicles()) {
         deck_.supervisor.wait(kPollPeriod);
@@ -485,10 +542,22 @@ class FirmwareFleet {
       if (commands.empty()) deck_.supervisor.wait(kPollPeriod);
     }
     tell_phase();
-    return finish();
   }
 
- private:
+  void restore_fences() {
+    const base::RunTime deadline = base::steady_now() + kFencePatience;
+    for (const auto& pilot : pilots_) pilot->restore_fence(deadline);
+    deck_.supervisor.end_lingering();
+  }
+
+  /// A firmware in lockstep does not answer while a fault has paused the simulator.
+  void go_on_for_a_moment() {
+    try {
+      deck_.simulator.call("sim.resume", Json::object());
+    } catch (const std::exception&) {  // it may be what has ended
+    }
+  }
+
   FirmwareFaults::Reach reach_of_faults(const FirmwarePlaces& places) {
     return {.bench = deck_.bench,
             .simulator = deck_.simulator,

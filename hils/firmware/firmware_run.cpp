@@ -32,6 +32,10 @@ namespace {
 void print_vehicle(const FirmwareFigures& figures) {
   fmt::print("  height error {:.2f} m, drift {:.2f} m\n", figures.height_error_m, figures.drift_m);
   if (const auto& rms = figures.rms) {
+  if (const auto& fence = figures.fence; fence && fence->farthest_m) {
+    fmt::print("  farthest from home {:.2f} m; of its fence the autopilot said '{}'\n",
+               *fence->farthest_m, fence->words);
+  }
     fmt::print("  RMS of the true position about {}: {:.3f}, {:.3f}, {:.3f} m\n",
                measured_about(figures.stages), rms->x_m, rms->y_m, rms->z_m);
   }

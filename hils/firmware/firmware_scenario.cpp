@@ -121,6 +121,33 @@ void refuse_drift(const base::ConfigNode& limits, const std::vector<FlightStep>&
   }
 }
 
+bool is_breach(const FlightStep& step) { return step.kind == StepKind::kBreach; }
+
+/// Whether the fence and its margin leave a place to the vehicle.
+bool allows(const Geofence& fence, const Eigen::Vector3d& place_m) {
+  const bool low = !fence.altitude_m || place_m.z() <= *fence.altitude_m + fence.margin_m;
+  return place_m.head<2>().norm() <= fence.radius_m + fence.margin_m && low;
+}
+
+/// A fence that nothing flies to would never act. @throws base::ConfigError
+void parse_fence(const base::ConfigNode& root, FirmwareScenario& scenario) {
+  const bool flies_there = std::ranges::any_of(scenario.steps, is_breach);
+  if (!root.has("geofence")) {
+    if (flies_there) root.at("steps").fail("a breach step needs the section geofence");
+    return;
+  }
+  const base::ConfigNode node = root.at("geofence");
+  scenario.fence = parse_geofence(node);
+  if (!flies_there) node.fail("no breach step flies to this fence: it would never act");
+  for (FlightStep& step : scenario.steps) {
+    if (!is_breach(step)) continue;
+    step.fence = scenario.fence->action;
+    if (allows(*scenario.fence, step.place_m)) {
+      node.fail("the place of a breach step is not beyond the fence and its margin");
+    }
+  }
+}
+
 std::optional<double> limit(const base::ConfigNode& limits, std::string_view key) {
   if (!limits.has(key)) return std::nullopt;
   return limits.require_in(key, 0, 1000);
@@ -359,6 +386,7 @@ FirmwareScenario FirmwareScenario::load(const std::filesystem::path& file) {
   scenario.vehicles = flown_vehicles(root.at("firmware"), world, scenario.firmware.instances);
   scenario.not_hil = root.get("not_hil", false);
   scenario.steps = parse_flight(root.at("steps"), gains_of(scenario.topology), scenario.vehicles);
+  parse_fence(root, scenario);
   scenario.start_yaw_rad = start_headings(world, scenario.vehicles.size());
   scenario.sensors = root.find("sensors");
   if (scenario.sensors) scenario.sensors->mark_used();

@@ -59,6 +59,7 @@ struct FirmwareScenario {
   std::vector<base::ConfigNode> plugins;    ///< of the flown vehicles, behind their own
   ScenarioFaults faults;
   std::vector<FlightStep> steps;
+  std::optional<Geofence> fence;         ///< of the autopilots, for this flight
   std::optional<double> height_error_m;  ///< most of the true height's mean in measured holds
   std::optional<double> drift_m;         ///< farthest from where the hold began, true, horizontal
   std::map<std::string, double> rms;     ///< by axis: truth about its mean in measured holds
@@ -68,7 +69,7 @@ struct FirmwareScenario {
 
   std::vector<double> start_yaw_rad{};  ///< of the flown vehicles, from north, in the world file
 
-  /// Whether it has steps that hils flies on a link of its own: trajectories and missions.
+  /// Whether it has steps that hils flies on a link of its own: trajectories, missions, breaches.
   bool needs_companion() const;
   bool flies_several() const { return vehicles.size() > 1; }
   /// What the names of a vehicle's files and program end with: "_iris1", nothing for one alone.

@@ -74,6 +74,17 @@ void check_links(const FirmwareScenario& scenario, const FirmwareFigures& figure
 }
 
 /// What is each vehicle's own in a summary.
+/// Of a scenario that has one.
+void check_fence(const FirmwareScenario& scenario, const FirmwareFigures& figures,
+                 std::vector<LimitCheck>& checks) {
+  if (!scenario.fence || !figures.fence) return;
+  std::vector<Stage> flown = figures.stages;
+  if (figures.under_way) flown.push_back(*figures.under_way);
+  for (LimitCheck& check : fence_checks(*scenario.fence, *figures.fence, flown)) {
+    checks.push_back(std::move(check));
+  }
+}
+
 json vehicle_json(const FirmwareFigures& figures) {
   json all{{"firmware", figures.version}, {"height_error_m", figures.height_error_m},
            {"drift_m", figures.drift_m},  {"rates_hz", figures.rates_hz},
@@ -84,6 +95,7 @@ json vehicle_json(const FirmwareFigures& figures) {
                         {"longest_gap_s", figures.setpoints.longest_gap_s}};
   }
   if (figures.rms) all["rms"] = rms_json(*figures.rms);
+  if (figures.fence) all["fence"] = fence_json(*figures.fence);
   if (figures.rms_estimate) all["rms_estimate"] = rms_json(*figures.rms_estimate);
   for (const BenchFaultScript::Span& fault : figures.faults) {
     json& entry = all["faults"].emplace_back();
@@ -130,6 +142,7 @@ Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) 
   check_rms("estimate", figures.rms_estimate, scenario.rms_estimate, held, checks);
   check_links(scenario, figures, checks);
   std::string incidents;
+  check_fence(scenario, figures, checks);
   for (const Incident& incident : figures.incidents) {
     incidents += (incidents.empty() ? "the vehicle " : "; it ") + incident.what;
   }

@@ -22,11 +22,18 @@ void SetpointStream::hover(const Eigen::Vector3d& p_N, double yaw_rad) {
   centre_N_ = p_N;
   yaw_rad_ = yaw_rad;
   pattern_.reset();
+  line_.reset();
 }
 
 void SetpointStream::fly(const fcu::Pattern& pattern, base::Duration vehicle_time) {
   pattern_ = pattern;
-  pattern_begin_ = vehicle_time;
+  begin_ = vehicle_time;
+}
+
+void SetpointStream::fly_to(const Eigen::Vector3d& p_N, double speed_m_s,
+                            base::Duration vehicle_time) {
+  line_ = Line{p_N, speed_m_s};
+  begin_ = vehicle_time;
 }
 
 void SetpointStream::stop() {
@@ -35,10 +42,19 @@ void SetpointStream::stop() {
 }
 
 fcu::TrajectorySetpoint SetpointStream::at(base::Duration vehicle_time) const {
-  if (pattern_) {
-    return pattern_->at(base::to_seconds(vehicle_time - pattern_begin_), centre_N_, yaw_rad_);
-  }
+  const double seconds = base::to_seconds(vehicle_time - begin_);
+  if (pattern_) return pattern_->at(seconds, centre_N_, yaw_rad_);
+  if (line_) return on_line(seconds);
   return {centre_N_, Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), yaw_rad_, 0};
+}
+
+fcu::TrajectorySetpoint SetpointStream::on_line(double seconds) const {
+  const Eigen::Vector3d way_N = line_->end_N - centre_N_;
+  const double gone_m = seconds * line_->speed_m_s;
+  const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+  if (gone_m >= way_N.norm()) return {line_->end_N, zero, zero, yaw_rad_, 0};
+  const Eigen::Vector3d ahead_N = way_N.normalized();
+  return {centre_N_ + gone_m * ahead_N, line_->speed_m_s * ahead_N, zero, yaw_rad_, 0};
 }
 
 std::optional<mavlink::common::SetPositionTargetLocalNed> SetpointStream::update(

@@ -29,6 +29,8 @@ class SetpointStream {
   void hover(const Eigen::Vector3d& p_N, double yaw_rad);
   /// From this moment of the vehicle's clock on a pattern about that place.
   void fly(const fcu::Pattern& pattern, base::Duration vehicle_time);
+  /// The same to another place, straight ahead; there it hovers.
+  void fly_to(const Eigen::Vector3d& p_N, double speed_m_s, base::Duration vehicle_time);
   void stop();
 
   /// The vehicle's clock has gone on. @return the setpoint that is due, without an addressee
@@ -39,13 +41,21 @@ class SetpointStream {
   const Figures& figures() const { return figures_; }
 
  private:
+  /// A flight straight ahead from the centre.
+  struct Line {
+    Eigen::Vector3d end_N;
+    double speed_m_s = 0;
+  };
+
   fcu::TrajectorySetpoint at(base::Duration vehicle_time) const;
+  fcu::TrajectorySetpoint on_line(double seconds) const;
 
   bool on_ = false;
   Eigen::Vector3d centre_N_ = Eigen::Vector3d::Zero();
   double yaw_rad_ = 0;
   std::optional<fcu::Pattern> pattern_;
-  base::Duration pattern_begin_{};
+  std::optional<Line> line_;
+  base::Duration begin_{};  ///< of pattern or line
   base::RateGate gate_{kRate_hz};
   std::optional<base::Duration> began_;
   base::Duration newest_{};

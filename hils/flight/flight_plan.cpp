@@ -112,6 +112,10 @@ std::vector<std::string_view> FlightPlan::modes_of(const FlightStep& step,
     return {px4 ? "OFFBOARD" : "GUIDED"};
   }
   if (step.kind == StepKind::kRtl) return {"RTL", "LAND"};
+  if (step.kind == StepKind::kBreach && step.fence) {
+    // PX4 v1.14 and later hold for COM_FAIL_ACT_T before they return or land.
+    return {px4 ? "OFFBOARD" : "AUTO", fence_mode(vehicle.autopilot, *step.fence), "HOLD"};
+  }
   if (step.kind != StepKind::kMission) return {};
   const std::string_view mission = px4 ? "MISSION" : "AUTO";
   if (!is_at_last_item(vehicle)) return {mission};
@@ -127,7 +131,7 @@ void FlightPlan::check_mode(const FlightStep& step, base::SimTime now,
   const auto modes = modes_of(step, vehicle);
   if (modes.empty()) return;
   if (std::ranges::find(modes, vehicle.mode) != modes.end()) {
-    mode_seen_ = true;
+    mode_seen_ |= step.kind != StepKind::kBreach || vehicle.mode == modes.front();
   } else if (mode_seen_ || now - accepted_ > kHeartbeats) {
     failure_ = words_for(current_, steps_) + (step.name.empty() ? "" : ",") +
                " was broken off: the vehicle left " + std::string(modes.front()) + " for " +
@@ -222,6 +226,8 @@ bool FlightPlan::reached(const FlightStep& step, base::SimTime now, const Vehicl
       return true;
     case StepKind::kMission:
       return has_flown_mission(step, now, vehicle);
+    case StepKind::kBreach:
+      return fence_took_over(step, vehicle);
     case StepKind::kRtl:
       return has_returned(step, now, vehicle);
     case StepKind::kLand:
@@ -273,6 +279,11 @@ bool FlightPlan::has_returned(const FlightStep& step, base::SimTime now,
   const double off_m = (vehicle.p_N - reference_m_).head<2>().norm();
   const bool above = vehicle.has_position && vehicle.in_air && off_m < kNearM;
   return stays(now, now - accepted_ > kReturnBegins && above && vehicle.v_N.norm() < kSlowMS);
+}
+
+/// The vehicle hung in HOLD before, too: it must have flown towards the fence.
+bool FlightPlan::fence_took_over(const FlightStep& step, const VehicleReport& vehicle) const {
+  return mode_seen_ && step.fence && vehicle.mode == fence_mode(vehicle.autopilot, *step.fence);
 }
 
 bool FlightPlan::is_at_last_item(const VehicleReport& vehicle) const {

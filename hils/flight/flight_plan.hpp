@@ -54,6 +54,8 @@ struct VehicleReport {
   std::optional<std::uint16_t> mission_reached{};  ///< of the mission under way, by the wire
 
   /// Motion by the vehicle's own estimate.
+  std::string fence_words{};      ///< with which it announced a breach of its fence last
+  double fence_words_age_s = 0;   ///< by casd's clock
   Motion estimate() const;
 };
 
@@ -154,6 +156,7 @@ class FlightPlan {
                                          const VehicleReport& vehicle) const;
   void check_mode(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle);
   void begin_step(base::SimTime now, const FlightStep& step);
+  bool fence_took_over(const FlightStep& step, const VehicleReport& vehicle) const;
   void end_step(base::SimTime now);
 
   std::vector<FlightStep> steps_;

@@ -19,9 +19,11 @@ namespace {
 constexpr double kMaxStepSeconds = 86'400;
 constexpr double kMaxDistanceM = 10'000;
 constexpr base::Duration kMissionPatience = std::chrono::minutes(5);
+constexpr base::Duration kBreachPatience = std::chrono::minutes(2);
+constexpr double kBreachSpeed_m_s = 2;
 constexpr double kRadiansPerDegree = M_PI / 180.0;
 
-constexpr std::array<std::pair<StepKind, std::string_view>, 14> kWords{{
+constexpr std::array<std::pair<StepKind, std::string_view>, 15> kWords{{
     {StepKind::kArm, "arm"},
     {StepKind::kTakeoff, "takeoff"},
     {StepKind::kGoto, "goto"},
@@ -31,13 +33,14 @@ constexpr std::array<std::pair<StepKind, std::string_view>, 14> kWords{{
     {StepKind::kSetParam, "setparam"},
     {StepKind::kWaitUntil, "wait_until"},
     {StepKind::kMission, "mission"},
+    {StepKind::kBreach, "breach"},
     {StepKind::kRtl, "rtl"},
     {StepKind::kLand, "land"},
     {StepKind::kDisarm, "disarm"},
     {StepKind::kEndTrajectory, "end of trajectory"},  // from here on: no word of a scenario
     {StepKind::kStandBy, "stand by"},
 }};
-constexpr std::size_t kScenarioWords = 12;
+constexpr std::size_t kScenarioWords = 13;
 
 constexpr std::array<std::pair<fcu::PatternShape, std::string_view>, 3> kShapes{{
     {fcu::PatternShape::kCircle, "circle"},
@@ -67,10 +70,14 @@ std::optional<double> optional_number(const base::ConfigNode& node, std::string_
   return child->as<double>();
 }
 
+Eigen::Vector3d parse_place(const base::ConfigNode& body) {
+  return {body.require_in("north_m", -kMaxDistanceM, kMaxDistanceM),
+          body.require_in("east_m", -kMaxDistanceM, kMaxDistanceM),
+          body.require_in("up_m", 0.5, kMaxDistanceM)};
+}
+
 void parse_goto(const base::ConfigNode& body, FlightStep& step) {
-  step.place_m = {body.require_in("north_m", -kMaxDistanceM, kMaxDistanceM),
-                  body.require_in("east_m", -kMaxDistanceM, kMaxDistanceM),
-                  body.require_in("up_m", 0.5, kMaxDistanceM)};
+  step.place_m = parse_place(body);
   step.yaw_rad = body.get_in("yaw_deg", 0, -180, 180) * kRadiansPerDegree;
 }
 
@@ -135,6 +142,14 @@ void parse_rtl(const base::ConfigNode& body, FlightStep& step) {
   step.ends_holding = ends == "holding";
 }
 
+/// A place that the fence keeps the vehicle from.
+void parse_breach(const base::ConfigNode& body, FlightStep& step) {
+  step.place_m = parse_place(body);
+  step.reach_m = step.place_m.norm();
+  step.trajectory.speed_m_s = body.get_in("speed_m_s", kBreachSpeed_m_s, 0.1, 10);
+  step.timeout = kBreachPatience;
+}
+
 void parse_params(const base::ConfigNode& body, FlightStep& step) {
   for (const auto& [name, value] : body.entries()) {
     if (name == "name" || name == "timeout_s" || name == "vehicle") continue;
@@ -145,7 +160,7 @@ void parse_params(const base::ConfigNode& body, FlightStep& step) {
 
 /// Keys without which the step means nothing, where there are several.
 std::vector<std::string_view> needed_keys(const base::ConfigNode& body, StepKind kind) {
-  if (kind == StepKind::kGoto) return {"north_m", "east_m", "up_m"};
+  if (kind == StepKind::kGoto || kind == StepKind::kBreach) return {"north_m", "east_m", "up_m"};
   if (kind != StepKind::kTrajectory) return {};
   const auto shape = body.find("shape");
   const bool is_step = shape && shape->as<std::string>() == "step";
@@ -170,6 +185,7 @@ void parse_body(const base::ConfigNode& body, const VehicleNames& names, FlightS
   if (step.kind == StepKind::kSetParam) parse_params(body, step);
   if (step.kind == StepKind::kTrajectory) parse_trajectory(body, step);
   if (step.kind == StepKind::kRtl) parse_rtl(body, step);
+  if (step.kind == StepKind::kBreach) parse_breach(body, step);
   if (step.kind == StepKind::kMission) {
     step.mission = parse_mission(body);
     step.timeout = kMissionPatience;
@@ -266,6 +282,7 @@ void FlightRehearsal::play(const FlightStep& step, const base::ConfigNode& node)
       return;
     case StepKind::kGoto:
     case StepKind::kTrajectory:
+    case StepKind::kBreach:
     case StepKind::kLand:
       if (!airborne_) refuse(node, word + " needs a takeoff step before it");
       airborne_ = step.kind != StepKind::kLand;
@@ -386,8 +403,11 @@ std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::
 
 void refuse_missions(const base::ConfigNode& steps) {
   for (const base::ConfigNode& node : steps.items()) {
-    if (!node.is_map() || !node.has("mission")) continue;
-    node.at("mission").fail("only a scenario of stock firmware (key firmware) flies a mission");
+    for (const char* const word : {"mission", "breach"}) {
+      if (!node.is_map() || !node.has(word)) continue;
+      node.at(word).fail(
+          fmt::format("only a scenario of stock firmware (key firmware) flies a {}", word));
+    }
   }
 }
 

@@ -14,6 +14,7 @@
 #include "casd/station/gain_map.hpp"
 #include "fcu/flight/trajectory.hpp"
 #include "hils/flight/flight_facts.hpp"
+#include "hils/flight/geofence.hpp"
 #include "hils/flight/mission_plan.hpp"
 
 namespace cas::hils {
@@ -45,6 +46,7 @@ enum class StepKind {
   kSetParam,       ///< done when the vehicle has confirmed the parameters
   kWaitUntil,      ///< done when the condition holds
   kMission,        ///< done when the vehicle has reached the last item, and landed if that says so
+  kBreach,         ///< done when the autopilot's own fence has taken the vehicle over
   kLand,           ///< done when the vehicle says that it stands on the ground
   kRtl,            ///< done when it stands on the ground at home, or hangs still above it
   kDisarm,         ///< done when it says that it is disarmed
@@ -72,18 +74,19 @@ struct FlightStep {
   std::optional<std::size_t> vehicle{};  ///< who does it, by its place; nothing: all of them
   base::Duration timeout = std::chrono::seconds(30);  ///< simulated time until the step has failed
   double altitude_m = 0;                              ///< takeoff
-  Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< goto: north, east, up
+  Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< goto, breach: north, east, up
   double yaw_rad = 0;                                 ///< goto
   base::Duration duration{};                          ///< hold, trajectory
   bool measure = false;                 ///< hold, trajectory: the window of all figures
-  Trajectory trajectory{};              ///< trajectory
+  Trajectory trajectory{};              ///< trajectory; of a breach the speed
   std::string loop{};                   ///< setgain
   std::optional<double> p{}, i{}, d{};  ///< setgain
   std::vector<std::pair<std::string, double>> params{};  ///< setparam, trajectory and its end
   std::optional<Condition> until{};                      ///< wait_until
   MissionPlan mission{};                                 ///< mission
-  double reach_m = 0;         ///< mission: farthest place from home, once home is known
-  bool ends_holding = false;  ///< rtl: the vehicle is set to stay above home
+  std::optional<FenceAction> fence{};                    ///< breach: what the fence does
+  double reach_m = 0;  ///< breach, and mission once home is known: farthest place from home
+  bool ends_holding = false;           ///< rtl: the vehicle is set to stay above home
 };
 
 /// The step's name, or the word for what it is.
@@ -108,7 +111,7 @@ bool is_command(StepKind kind);
 std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::GainMap& gains,
                                      const VehicleNames& names = only_vehicle());
 
-/// Missions are for stock firmware. @throws base::ConfigError at the first
+/// Missions and breaches are for stock firmware. @throws base::ConfigError at the first
 void refuse_missions(const base::ConfigNode& steps);
 
 /// The flight as one vehicle sees it: in the steps of others it stands by.

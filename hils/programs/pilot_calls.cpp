@@ -26,6 +26,16 @@ void add_disarm_words(const Json& state, VehicleReport& report) {
   }
 }
 
+/// The newest of its texts that tells of its fence: ArduCopter's is a notice.
+void add_fence_words(const Json& state, VehicleReport& report) {
+  for (const Json& said : state.value("statustexts", Json::array())) {
+    const std::string text = said.value("text", "");
+    if (!tells_of_breach(text)) continue;
+    report.fence_words = text;
+    report.fence_words_age_s = said.value("age_s", 0.0);
+  }
+}
+
 /// The newest of its texts that is at least a warning: what is older says nothing of now.
 void add_warning(const Json& state, VehicleReport& report) {
   constexpr double kLately_s = 5;
@@ -72,6 +82,7 @@ VehicleReport to_report(const Json& state) {
   add_acts(state, report);
   add_disarm_words(state, report);
   add_warning(state, report);
+  add_fence_words(state, report);
   return report;
 }
 
@@ -123,6 +134,7 @@ std::vector<Call> to_calls(const FlightStep& step) {
     case StepKind::kDisarm:
       return {{"vehicle.disarm", Json::object()}};
     case StepKind::kMission:  // needs more than casd: hils/firmware
+    case StepKind::kBreach:
     case StepKind::kHold:
     case StepKind::kWaitUntil:
     case StepKind::kStandBy:

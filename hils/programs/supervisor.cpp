@@ -6,6 +6,7 @@
 #include <sys/eventfd.h>
 #include <sys/signalfd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 
@@ -135,7 +136,7 @@ void Supervisor::watch(const std::stop_token& stop) {
         fds.push_back({child->notify_fd(), POLLIN, 0});
       }
     }
-    ::poll(fds.data(), fds.size(), -1);
+    ::poll(fds.data(), fds.size(), patience_ms());
     if (fds[0].revents != 0) on_signal();
     std::uint64_t ignored = 0;
     [[maybe_unused]] const auto drained = ::read(wake_.get(), &ignored, sizeof(ignored));
@@ -144,7 +145,36 @@ void Supervisor::watch(const std::stop_token& stop) {
       watched[i]->take_notifications();
       if (fds[2 + 2 * i].revents != 0) on_exit(*watched[i]);
     }
+    if (end_at_ && base::steady_now() >= *end_at_) end_programs();
     changed_.notify_all();
+  }
+}
+
+/// Until the programs of a stopped run end.
+int Supervisor::patience_ms() const {
+  const base::MutexLock lock(mutex_);
+  if (!end_at_) return -1;
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(*end_at_ - base::steady_now());
+  return std::max(0, static_cast<int>(left.count()));
+}
+
+void Supervisor::linger(base::Duration patience) {
+  const base::MutexLock lock(mutex_);
+  linger_ = patience;
+}
+
+void Supervisor::end_lingering() {
+  const base::MutexLock lock(mutex_);
+  linger_ = base::Duration::zero();
+  if (end_at_) end_programs();
+}
+
+void Supervisor::end_programs() {
+  end_at_.reset();
+  linger_ = base::Duration::zero();
+  for (const auto& child : children_) {
+    expected_to_end_.insert(child.get());
+    child->terminate();
   }
 }
 
@@ -175,9 +205,10 @@ void Supervisor::stop_run(const std::string& sentence, bool interrupted) {
     stopped_ = sentence;
     interrupted_ = interrupted;
   }
-  for (const auto& child : children_) {
-    expected_to_end_.insert(child.get());
-    child->terminate();
+  if (linger_ > base::Duration::zero() && !end_at_) {
+    end_at_ = base::steady_now() + linger_;  // a second signal, or another end, does not wait
+  } else {
+    end_programs();
   }
   changed_.notify_all();
 }

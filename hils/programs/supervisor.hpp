@@ -3,6 +3,7 @@
 
 #include <condition_variable>
 #include <memory>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -48,6 +49,12 @@ class Supervisor {
   /// Waits for `time` or until the run is stopped, whichever comes first. @throws RunStopped
   void wait(base::Duration time);
 
+  /// From now on the programs that are left outlive the stop of the run by at most `patience`, for
+  /// what is to be said to them then; a second signal ends them at once. Zero: they end with it.
+  void linger(base::Duration patience);
+  /// Ends the programs of a stopped run.
+  void end_lingering();
+
   /// Ends one program in good order: SIGTERM, then SIGKILL after `patience`. Its end is expected
   /// from now on. @return false when it had to be killed or ended with an error
   bool stop(ChildProcess& child, base::Duration patience);
@@ -64,6 +71,8 @@ class Supervisor {
   void on_signal();
   void on_exit(ChildProcess& child) CAS_REQUIRES(mutex_);
   void stop_run(const std::string& sentence, bool interrupted) CAS_REQUIRES(mutex_);
+  void end_programs() CAS_REQUIRES(mutex_);
+  int patience_ms() const;
 
   mutable base::Mutex mutex_;
   std::condition_variable_any changed_;
@@ -72,6 +81,8 @@ class Supervisor {
   std::set<const ChildProcess*> ended_ CAS_GUARDED_BY(mutex_);  ///< whose end the watcher has seen
   std::string stopped_ CAS_GUARDED_BY(mutex_);                  ///< why; empty while all is well
   bool interrupted_ CAS_GUARDED_BY(mutex_) = false;
+  base::Duration linger_ CAS_GUARDED_BY(mutex_){};
+  std::optional<base::RunTime> end_at_ CAS_GUARDED_BY(mutex_);  ///< of a run that has been stopped
   base::Descriptor signals_;
   base::Descriptor wake_;
   std::jthread watcher_;

@@ -92,6 +92,7 @@ void VirtualPilot::give(const FleetPlan::Command& command, base::RunTime now) {
     case StepKind::kMission:  // no scenario of our controller has one
     case StepKind::kHold:
     case StepKind::kWaitUntil:
+    case StepKind::kBreach:
     case StepKind::kStandBy:
       return done({});
   }

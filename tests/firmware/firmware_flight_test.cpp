@@ -140,5 +140,32 @@ TEST_F(FirmwareFlightOnASerialLine, Px4HitlFliesAfterEachFaultOfTheBenchHasHitIt
   EXPECT_TRUE(said.contains("BARO #0 failed: TIMEOUT!\t")) << "the pause was felt";
 }
 
+/// The shipped flight with a line that loses everything for a while in hover.
+std::string with_a_cut(const std::string& scenario, const char* for_s) {
+  return scenario + "faults:\n  - {name: cut, when: phase == hold, line: " +
+         "{packet_loss: 1}, for_s: " + for_s + "}\n";
+}
+
+TEST_F(FirmwareFlightOnASerialLine, Px4HitlFliesOnAfterALineThatWasCutFor50Ms) {
+  EXPECT_EQ(fly_hitl(with_a_cut(scenario("px4_hitl", kFirmware), "0.05")), 0) << log();
+  const nlohmann::json summary = nlohmann::json::parse(content(folder_ / "out/summary.json"));
+  ASSERT_EQ(summary.at("faults").size(), 1U);
+  EXPECT_FALSE(summary.at("faults").at(0).contains("began"));
+}
+
+/// v1.16.1 goes into TERMINATION after a second without samples.
+TEST_F(FirmwareFlightOnASerialLine, Px4HitlFallsAfterALineThatWasCutFor2S) {
+  EXPECT_EQ(fly_hitl(with_a_cut(scenario("px4_hitl", kFirmware), "2")), 1) << log();
+  bool terminated = false;
+  casd::for_each_tlog_packet(
+      folder_ / "out/flight.tlog", mavlink::common::table(),
+      [&](std::uint64_t, const mav::PacketView& packet) {
+        const auto beat = mav::decode<mavlink::common::Heartbeat>(packet);
+        terminated |= beat && beat->system_status == mavlink::common::MavState::kFlightTermination;
+      });
+  EXPECT_TRUE(terminated);
+  EXPECT_NE(content(folder_ / "out/summary.json").find("\"crash\""), std::string::npos) << log();
+}
+
 }  // namespace
 }  // namespace cas::test

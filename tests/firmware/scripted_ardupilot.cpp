@@ -27,6 +27,7 @@ constexpr std::uint32_t kAuto = 3;
 constexpr std::uint32_t kGuided = 4;
 constexpr std::uint32_t kRtl = 6;
 constexpr std::uint32_t kLand = 9;
+constexpr std::uint32_t kBrake = 17;
 constexpr std::uint16_t kStoppedPwm = 1000;
 constexpr std::uint16_t kArmedPwm = 1100;
 constexpr std::uint32_t kPacketsPerSample = 3;
@@ -37,6 +38,7 @@ fcu::FcuConfig controller_config(const ScriptedArdupilot::Options& options) {
   fcu::FcuConfig config;
   config.vehicle = base::Vehicle::load(std::filesystem::path(cas::test::source_dir()) /
                                        "config/vehicles" / (options.vehicle + ".yaml"));
+  config.system_id = options.system;
   config.sensors = config.vehicle.sensors;
   config.actuators = fcu::ActuatorMessage::kHilActuatorControls;
   return config;
@@ -98,10 +100,11 @@ std::optional<ParsedJson> parse_as_ardupilot(std::string_view text, std::string&
 
 ScriptedArdupilot::ScriptedArdupilot(const Options& options, Channel::Send to_ground)
     : options_(options),
-      ground_(std::move(to_ground)),
+      ground_(std::move(to_ground), options.system),
       controller_(controller_config(options),
                   [this](std::span<const std::uint8_t> packet) { on_controller_packet(packet); }),
-      projection_(kHome) {}
+      projection_(kHome),
+      fence_(FenceStyle::kCopter_4_5, options.fence) {}
 
 std::uint16_t ScriptedArdupilot::pwm_us(int motor) const {
   if (!armed_) return kStoppedPwm;
@@ -188,6 +191,7 @@ void ScriptedArdupilot::on_controller_packet(std::span<const std::uint8_t> bytes
     std::copy_n(controls->controls.begin(), motors_.size(), motors_.begin());
     return;
   }
+  watch_fence(packet);
   if (auto heartbeat = mav::decode<mv::Heartbeat>(packet)) {
     heartbeat->autopilot = mv::MavAutopilot::kArdupilotmega;
     heartbeat->type = mv::MavType::kQuadrotor;
@@ -197,6 +201,11 @@ void ScriptedArdupilot::on_controller_packet(std::span<const std::uint8_t> bytes
     heartbeat->base_mode = static_cast<mv::MavModeFlag>(kCustom | 80 | (armed ? kArmed : 0));
     heartbeat->custom_mode = mode_;
     return ground_.send(*heartbeat);
+  }
+  if (auto version = mav::decode<mv::AutopilotVersion>(packet)) {
+    // Its parameters are numbers, whatever their type.
+    version->capabilities &= ~mv::MavProtocolCapability::kParamEncodeBytewise;
+    return ground_.send(*version);
   }
   if (const auto status = mav::decode<mv::EstimatorStatus>(packet)) return say_ekf_report(*status);
   if (packet.message_id == mv::HomePosition::kId && is_early()) return;
@@ -232,6 +241,8 @@ void ScriptedArdupilot::say_ekf_report(const mv::EstimatorStatus& status) {
 void ScriptedArdupilot::on_ground_bytes(std::span<const std::uint8_t> bytes) {
   from_ground_.feed(bytes, [&](const mav::PacketView& packet) {
     const auto command = mav::decode<mv::CommandLong>(packet);
+    if (command && command->target_system != 0 && command->target_system != options_.system) return;
+    if (fence_.on_packet(packet, ground_)) return;
     if (command && on_command(*command, packet.source)) return;
     if (on_setpoint(packet)) return;
     if (const auto count = mav::decode<mv::MissionCount>(packet)) items_ = count->count;
@@ -254,7 +265,8 @@ void ScriptedArdupilot::acknowledge(const mv::CommandLong& command, mav::Source 
 }
 
 void ScriptedArdupilot::pass_on(mv::CommandLong command) {
-  command.target_system = command.target_component = 1;
+  command.target_system = options_.system;
+  command.target_component = 1;
   controller_.on_bytes(as_ground_(command), clock());
 }
 
@@ -323,9 +335,49 @@ bool ScriptedArdupilot::on_setpoint(const mav::PacketView& packet) {
   return true;
 }
 
-void ScriptedArdupilot::say(const std::string& text) {
+/// Home is where it was armed.
+void ScriptedArdupilot::watch_fence(const mav::PacketView& packet) {
+  const auto position = mav::decode<mv::LocalPositionNed>(packet);
+  if (!position) return;
+  const Eigen::Vector3d p_N(position->x, position->y, position->z);
+  if (!armed_) return home_N_.reset();
+  if (!home_N_) home_N_ = p_N;
+  const ScriptedFence::Action action = fence_.update(p_N - *home_N_, clock());
+  for (auto text = fence_.take_text(); !text.empty(); text = fence_.take_text()) {
+    say(text, mv::MavSeverity::kNotice);
+  }
+  mv::CommandLong command;
+  switch (action) {
+    case ScriptedFence::Action::kNone:
+      return;
+    case ScriptedFence::Action::kHold:
+      mode_ = kBrake;
+      command.command = mv::MavCmd::kDoSetMode;
+      command.param1 = 1;
+      command.param2 = 4;  // our controller's AUTO, and LOITER
+      command.param3 = 3;
+      return pass_on(command);
+    case ScriptedFence::Action::kReturn:
+      mode_ = kRtl;
+      command.command = mv::MavCmd::kNavReturnToLaunch;
+      return pass_on(command);
+    case ScriptedFence::Action::kLand:
+      return land();
+  }
+}
+
+void ScriptedArdupilot::land() {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  mode_ = kLand;
+  mv::CommandLong land;
+  land.command = mv::MavCmd::kNavLand;
+  land.param4 = land.param5 = land.param6 = land.param7 = kNan;
+  pass_on(land);
+}
+
+void ScriptedArdupilot::say(const std::string& text, mv::MavSeverity severity) {
   mv::Statustext message;
-  message.severity = mv::MavSeverity::kCritical;
+  message.severity = severity;
   std::copy_n(text.begin(), std::min(text.size(), message.text.size()), message.text.begin());
   ground_.send(message);
 }
@@ -353,11 +405,7 @@ bool ScriptedArdupilot::on_command(const mv::CommandLong& command, mav::Source f
   }
   if (command.command == mv::MavCmd::kNavLand) {
     acknowledge(command, from, mv::MavResult::kAccepted);
-    mode_ = kLand;
-    mv::CommandLong land;
-    land.command = mv::MavCmd::kNavLand;
-    land.param4 = land.param5 = land.param6 = land.param7 = kNan;
-    pass_on(land);
+    land();
     return true;
   }
   if (command.command == mv::MavCmd::kNavTakeoff) {

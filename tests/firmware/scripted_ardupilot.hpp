@@ -11,6 +11,7 @@
 #include "base/random.hpp"
 #include "fcu/flight_controller.hpp"
 #include "mavlink/common/all.hpp"
+#include "tests/firmware/scripted_fence.hpp"
 #include "tests/firmware/scripted_px4.hpp"
 
 namespace cas::test {
@@ -40,6 +41,9 @@ class ScriptedArdupilot {
     /// Until then it arms, refuses GUIDED and disarms itself after 10 s: ArduCopter 4.5.6 was armed
     /// 25 s after its start and had its position after 45 s.
     base::Duration position_after{};
+    std::uint8_t system = 1;  ///< SYSID_THISMAV, by --sysid
+    /// At its own fence.
+    FenceManner fence = FenceManner::kKeeps;
   };
 
   ScriptedArdupilot(const Options& options, Channel::Send to_ground);
@@ -72,7 +76,10 @@ class ScriptedArdupilot {
   bool may_fly_mission();
   void fly_mission();
   bool on_setpoint(const mav::PacketView& packet);
-  void say(const std::string& text);
+  void watch_fence(const mav::PacketView& packet);
+  void land();
+  void say(const std::string& text,
+           mavlink::common::MavSeverity severity = mavlink::common::MavSeverity::kCritical);
   void acknowledge(const mavlink::common::CommandLong& command, mav::Source to,
                    mavlink::common::MavResult result);
   void pass_on(mavlink::common::CommandLong command);
@@ -84,6 +91,8 @@ class ScriptedArdupilot {
   base::LocalProjection projection_;
   mav::PacketParser from_ground_{mavlink::common::table()};
   mav::Encoder into_controller_{{1, 200}};
+  ScriptedFence fence_;
+  std::optional<Eigen::Vector3d> home_N_;  // where it was armed
   mav::Encoder as_ground_{{254, 190}};
   std::uint32_t frame_count_ = 0;
   base::Duration time_{};

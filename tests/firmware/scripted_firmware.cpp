@@ -8,7 +8,8 @@
 //                                     -i N behind WORD: PORT and LOCAL are lists, '4001,4002', and
 //                                     the N-th from 0 counts
 //   scripted_firmware px4-hitl TTY
-//   scripted_firmware ardupilot PORT REMOTE               simulator's UDP port; ground station's
+//   scripted_firmware ardupilot PORT REMOTE [WORD]        simulator's UDP port, a list with -i N;
+//                                     ground station's
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/in.h>
@@ -78,6 +79,12 @@ std::span<const std::uint8_t> read_from(int fd, Buffer& buffer) {
   return std::span(buffer).first(size > 0 ? static_cast<std::size_t>(size) : 0);
 }
 
+/// Takes its fence's parameters, and never acts at it; acts, and says nothing of it.
+FenceManner fence_manner(const std::string& word) {
+  if (word == "unfenced") return FenceManner::kNeverActs;
+  return word == "mute" ? FenceManner::kSaysNothing : FenceManner::kKeeps;
+}
+
 /// How a PX4 in software is to behave.
 ScriptedPx4::Options px4_options(const std::string& word) {
   using std::chrono::seconds;
@@ -85,6 +92,8 @@ ScriptedPx4::Options px4_options(const std::string& word) {
   constexpr base::Duration kLong = std::chrono::hours(10);
   // Refuses to take off at first, and disarms itself.
   if (word == "early") return {.takes_off_after = base::RunTime(seconds(15))};
+  // See fence_manner().
+  if (word == "unfenced" || word == "mute") return {.fence = fence_manner(word)};
   // Hears no more setpoints 4 s after the first.
   if (word == "deaf") return {.loses_setpoints_after = seconds(4)};
   // Accepts its first takeoff in vain, and disarms itself.
@@ -160,10 +169,11 @@ int px4_hitl(const char* tty) {
   }
 }
 
-int ardupilot(int port, int remote) {
+int ardupilot(int port, int remote, const std::string& word, int instance) {
   const int ground = open_udp(0, remote);
   const int simulator = open_udp(0, port);
-  ScriptedArdupilot firmware({}, to(ground));
+  ScriptedArdupilot firmware(
+      {.system = static_cast<std::uint8_t>(instance + 1), .fence = fence_manner(word)}, to(ground));
   Buffer buffer;
   for (;;) {
     to(simulator)(firmware.servo_packet());
@@ -192,7 +202,9 @@ int main(int argc, char** argv) {
                     argc > 5 ? argv[5] : "", argc > 6 ? number(6) : 0, instance);
   }
   if (kind == "px4-hitl" && argc == 3) return px4_hitl(argv[2]);
-  if (kind == "ardupilot" && argc == 4) return ardupilot(number(2), number(3));
+  if (kind == "ardupilot" && (argc == 4 || argc == 5)) {
+    return ardupilot(nth(argv[2], instance), number(3), argc > 4 ? argv[4] : "", instance);
+  }
   std::fprintf(stderr, "scripted_firmware px4-sitl|px4-hitl|ardupilot ...\n");
   return 2;
 }

@@ -5,6 +5,8 @@
 #include <array>
 #include <bit>
 #include <filesystem>
+#include <limits>
+#include <utility>
 
 #include "base/config/vehicle.hpp"
 #include "mavlink_gen/runtime/crc.hpp"
@@ -87,7 +89,10 @@ ScriptedPx4::ScriptedPx4(const Options& options, Channel::Send to_simulator,
       simulator_(std::move(to_simulator), options.system),
       ground_(std::move(to_ground), options.system),
       controller_(controller_config(options),
-                  [this](std::span<const std::uint8_t> packet) { on_controller_packet(packet); }) {}
+                  [this](std::span<const std::uint8_t> packet) { on_controller_packet(packet); }),
+      as_itself_({options.system, 200}),
+      fence_(options.release == Px4Release::k1_12 ? FenceStyle::kPx4_1_12 : FenceStyle::kPx4_1_16,
+             options.fence) {}
 
 void ScriptedPx4::on_connected() {
   mv::CommandLong interval;
@@ -189,7 +194,9 @@ mv::HilActuatorControls ScriptedPx4::outputs(base::RunTime now) const {
   outputs.mode =
       static_cast<mv::MavModeFlag>((is_sitl ? kSitlMode : kHitlMode) | (armed_ ? kArmed : 0));
   if (is_sitl) outputs.flags = static_cast<decltype(outputs.flags)>(kLockstepBuild);
-  if (armed_) {
+  if (terminated_) {
+    outputs.controls.fill(0);
+  } else if (armed_) {
     std::copy(motors_.begin(), motors_.end(), outputs.controls.begin());
   } else if (!is_sitl && options_.release == Px4Release::k1_12) {
     outputs.controls.fill(-1.2F);
@@ -206,6 +213,7 @@ void ScriptedPx4::tick(base::RunTime now) {
     stream_lost_ = true;
     complain("BARO #0 failed: TIMEOUT!");
   }
+  watch_gap(now);
   if (now - last_answer_ < kActuatorPeriod) return;
   last_answer_ = std::max(last_answer_ + kActuatorPeriod, now - kActuatorPeriod);
   ++answers_;
@@ -221,14 +229,80 @@ void ScriptedPx4::on_controller_packet(std::span<const std::uint8_t> bytes) {
     std::copy_n(controls->controls.begin(), motors_.size(), motors_.begin());
     return;
   }
-  if (auto heartbeat = mav::decode<mv::Heartbeat>(packet);
-      heartbeat && options_.mode == Px4Mode::kSitl) {
-    heartbeat->base_mode = static_cast<mv::MavModeFlag>(
-        static_cast<int>(heartbeat->base_mode) & ~static_cast<int>(mv::MavModeFlag::kHilEnabled));
-    if (armed_early_at_) heartbeat->base_mode |= mv::MavModeFlag::kSafetyArmed;
-    return ground_.send(*heartbeat);
+  watch_fence(packet);
+  if (auto heartbeat = mav::decode<mv::Heartbeat>(packet)) {
+    if (terminated_) heartbeat->system_status = mv::MavState::kFlightTermination;
+    if (options_.mode == Px4Mode::kSitl) return ground_.send(in_software(*heartbeat));
+    if (terminated_) return ground_.send(*heartbeat);
   }
+  // To what it has told itself.
+  const auto ack = mav::decode<mv::CommandAck>(packet);
+  if (ack && ack->target_system == options_.system) return;
   if (!say_v1_12(packet) && !say_who_disarmed(packet)) ground_.forward(bytes);
+}
+
+mv::Heartbeat ScriptedPx4::in_software(mv::Heartbeat heartbeat) const {
+  heartbeat.base_mode = static_cast<mv::MavModeFlag>(
+      static_cast<int>(heartbeat.base_mode) & ~static_cast<int>(mv::MavModeFlag::kHilEnabled));
+  if (armed_early_at_) heartbeat.base_mode |= mv::MavModeFlag::kSafetyArmed;
+  return heartbeat;
+}
+
+/// Home is where it was armed.
+void ScriptedPx4::watch_fence(const mav::PacketView& packet) {
+  if (const auto state = mav::decode<mv::ExtendedSysState>(packet)) {
+    in_air_ = state->landed_state == mv::MavLandedState::kInAir;
+  }
+  const auto position = mav::decode<mv::LocalPositionNed>(packet);
+  if (!position) return;
+  const Eigen::Vector3d p_N(position->x, position->y, position->z);
+  if (!armed_) return home_N_.reset();
+  if (!home_N_) home_N_ = p_N;
+  const ScriptedFence::Action action = fence_.update(p_N - *home_N_, clock_);
+  for (auto text = fence_.take_text(); !text.empty(); text = fence_.take_text()) {
+    say(text, mv::MavSeverity::kCritical);
+  }
+  hold_return_or_land(action);
+}
+
+void ScriptedPx4::hold_return_or_land(ScriptedFence::Action action) {
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  mv::CommandLong command;
+  command.target_system = options_.system;
+  command.target_component = 1;
+  switch (action) {
+    case ScriptedFence::Action::kNone:
+      return;
+    case ScriptedFence::Action::kHold:
+      command.command = mv::MavCmd::kDoSetMode;
+      command.param1 = 1;
+      command.param2 = 4;  // AUTO
+      command.param3 = 3;  // LOITER
+      break;
+    case ScriptedFence::Action::kReturn:
+      command.command = mv::MavCmd::kNavReturnToLaunch;
+      break;
+    case ScriptedFence::Action::kLand:
+      command.command = mv::MavCmd::kNavLand;
+      command.param4 = command.param5 = command.param6 = command.param7 = kNan;
+      break;
+  }
+  controller_.on_bytes(as_itself_(command), clock_);
+}
+
+/// HITL, v1.16.1: in hover a gap of 0.34 s in its samples brings it to the ground, one of 1 s into
+/// TERMINATION.
+void ScriptedPx4::watch_gap(base::RunTime now) {
+  constexpr base::Duration kComesDown = std::chrono::milliseconds(340);
+  constexpr base::Duration kTerminates = std::chrono::seconds(1);
+  const base::Duration gap = now - last_sample_at_;
+  if (options_.release != Px4Release::k1_16 || !armed_ || !in_air_ || gap < kComesDown) return;
+  if (gap >= kTerminates) {
+    if (!std::exchange(terminated_, true)) complain("Flight termination active");
+  } else if (!std::exchange(comes_down_, true)) {
+    complain("angular velocity no longer valid");
+    hold_return_or_land(ScriptedFence::Action::kLand);
+  }
 }
 
 void ScriptedPx4::on_ground_bytes(std::span<const std::uint8_t> bytes, base::RunTime now) {
@@ -236,7 +310,7 @@ void ScriptedPx4::on_ground_bytes(std::span<const std::uint8_t> bytes, base::Run
     if (options_.mode == Px4Mode::kHitl && packet.source == mav::Source{1, 200}) {
       return on_sensor_packet(packet, now);
     }
-    if (loses(packet)) return;
+    if (loses(packet) || fence_.on_packet(packet, ground_)) return;
     if (!answers_its_own_way(packet)) controller_.on_packet(packet, clock_);
   });
 }

@@ -14,6 +14,7 @@
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
+#include "tests/firmware/scripted_fence.hpp"
 
 namespace cas::test {
 
@@ -85,6 +86,8 @@ class ScriptedPx4 {
   /// SITL: what PX4 says right after its connect() has succeeded.
   void on_connected();
   void on_simulator_bytes(std::span<const std::uint8_t> bytes, base::RunTime now);
+    /// At its own fence.
+    FenceManner fence = FenceManner::kKeeps;
   void on_ground_bytes(std::span<const std::uint8_t> bytes, base::RunTime now);
   /// HITL: streams on PX4's own clock.
   void tick(base::RunTime now);
@@ -146,6 +149,10 @@ class ScriptedPx4 {
   mav::Encoder sensors_in_{{1, 200}};
 
   base::RunTime clock_{};
+  void watch_fence(const mav::PacketView& packet);
+  void hold_return_or_land(ScriptedFence::Action action);
+  void watch_gap(base::RunTime now);
+  mavlink::common::Heartbeat in_software(mavlink::common::Heartbeat heartbeat) const;
   std::uint64_t samples_ = 0;
   std::uint64_t answers_ = 0;
   std::uint64_t fixes_ = 0;
@@ -157,6 +164,8 @@ class ScriptedPx4 {
   std::optional<mavlink::common::HilStateQuaternion> truth_;
   std::uint64_t truths_ = 0;
   Staleness mag_;
+  mav::Encoder as_itself_;
+  ScriptedFence fence_;
   Staleness baro_;
   std::array<float, 4> motors_{};
   bool armed_ = false;
@@ -167,3 +176,7 @@ class ScriptedPx4 {
 };
 
 }  // namespace cas::test
+  std::optional<Eigen::Vector3d> home_N_;  // where it was armed
+  bool in_air_ = false;
+  bool comes_down_ = false;  // for a gap in its sensors
+  bool terminated_ = false;

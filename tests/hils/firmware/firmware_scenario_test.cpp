@@ -23,8 +23,9 @@ namespace {
 const std::filesystem::path kScenarios = cas::test::source_dir() + "/config/scenarios";
 
 TEST(FirmwareScenario, TheShippedOnesAreRead) {
-  for (const char* name : {"px4_sitl", "px4_sitl_two", "px4_circle", "px4_mission", "px4_hitl",
-                           "ardupilot", "ardupilot_mission"}) {
+  for (const char* name :
+       {"px4_sitl", "px4_sitl_two", "px4_circle", "px4_mission", "px4_hitl", "px4_geofence",
+        "ardupilot", "ardupilot_two", "ardupilot_mission", "ardupilot_geofence"}) {
     const auto file = kScenarios / (std::string(name) + ".yaml");
     ASSERT_TRUE(FirmwareScenario::is(file)) << name;
     const FirmwareScenario scenario = FirmwareScenario::load(file);
@@ -242,6 +243,35 @@ TEST(FirmwareScenario, RefusesAFaultThatAsksForAnUnknownStep) {
 }
 
 TEST(FirmwareScenario, RefusesARateOfNoMessage) {
+struct BadFence {
+  const char* what;
+  const char* by;
+  const char* sentence;
+};
+
+TEST(FirmwareScenario, RefusesAFenceThatWouldNotAct) {
+  constexpr std::array kBad{
+      BadFence{"geofence: {radius_m: 15, action: hold, margin_m: 5}", "",
+               "steps: a breach step needs the section geofence"},
+      BadFence{"  - breach: {north_m: 40, east_m: 0, up_m: 5, speed_m_s: 3, timeout_s: 60}\n", "",
+               "geofence: no breach step flies to this fence"},
+      BadFence{"north_m: 40", "north_m: 20", "is not beyond the fence and its margin"}};
+  for (const auto& [what, by, sentence] : kBad) {
+    std::ifstream in(kScenarios / "px4_geofence.yaml");
+    std::string text{std::istreambuf_iterator<char>(in), {}};
+    const std::size_t at = text.find(what);
+    ASSERT_NE(at, std::string::npos) << what;
+    const test::TemporaryFolder folder;
+    const auto file = folder.write("changed.yaml", text.replace(at, std::string(what).size(), by));
+    try {
+      FirmwareScenario::load(file);
+      ADD_FAILURE() << sentence;
+    } catch (const base::ConfigError& error) {
+      EXPECT_NE(std::string(error.what()).find(sentence), std::string::npos) << error.what();
+    }
+  }
+}
+
   const test::TemporaryFolder folder;
   const auto file = changed(folder, "drift_m: 1.5}", "drift_m: 1.5, rates_hz: {ATTITUTE: 10}}");
   EXPECT_THROW(FirmwareScenario::load(file), base::ConfigError);

@@ -368,6 +368,33 @@ TEST(FlightPlan, DoesNotTakeAReturnForTheMissionsOwn) {
       << plan.failure();
 }
 
+TEST(FlightPlan, IsAtTheFenceWhenTheAutopilotTakesTheVehicleOver) {
+  FlightPlan plan = flying({.kind = StepKind::kBreach, .fence = FenceAction::kHold});
+  plan.update(at(seconds(1)), in_mode("HOLD"));
+  EXPECT_FALSE(plan.done()) << "it hung there before";
+  plan.update(at(seconds(2)), in_mode("OFFBOARD"));
+  EXPECT_FALSE(plan.done());
+  plan.update(at(seconds(3)), in_mode("HOLD"));
+  EXPECT_TRUE(plan.done()) << plan.failure();
+}
+
+TEST(FlightPlan, WaitsForTheReturnBehindTheHoldOfAFence) {
+  FlightPlan plan = flying({.kind = StepKind::kBreach, .fence = FenceAction::kReturn});
+  plan.update(at(seconds(1)), in_mode("OFFBOARD"));
+  plan.update(at(seconds(2)), in_mode("HOLD"));
+  EXPECT_FALSE(plan.done());
+  plan.update(at(seconds(7)), in_mode("RTL"));
+  EXPECT_TRUE(plan.done()) << plan.failure();
+}
+
+TEST(FlightPlan, FailsWhereAnotherModeThanTheFencesComes) {
+  FlightPlan plan = flying({.kind = StepKind::kBreach, .fence = FenceAction::kHold});
+  plan.update(at(seconds(1)), in_mode("OFFBOARD"));
+  plan.update(at(seconds(2)), in_mode("POSCTL"));
+  EXPECT_NE(plan.failure().find("the vehicle left OFFBOARD for POSCTL"), std::string::npos)
+      << plan.failure();
+}
+
 TEST(FlightPlan, HasReturnedWhenTheVehicleStandsAtHome) {
   FlightPlan plan = flying({.kind = StepKind::kRtl, .timeout = seconds(60)});
   VehicleReport vehicle = in_mode("RTL");

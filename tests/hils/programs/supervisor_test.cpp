@@ -2,6 +2,7 @@
 #include "hils/programs/supervisor.hpp"
 
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -98,6 +99,25 @@ TEST_F(SupervisorTest, AnInterruptEndsEverything) {
   }
   supervisor_.stop(casd, seconds(20));  // returns once it is gone
   SUCCEED();
+}
+
+TEST_F(SupervisorTest, LeavesTheProgramsALastMomentWhereItIsToldTo) {
+  ChildProcess& casd = supervisor_.start(child("casd", "wait"), seconds(20));
+  supervisor_.linger(std::chrono::hours(1));
+  ::kill(::getpid(), SIGINT);
+  EXPECT_THROW(supervisor_.wait(seconds(20)), RunStopped);
+  EXPECT_FALSE(casd.poll_exit());
+  supervisor_.end_lingering();
+  EXPECT_TRUE(supervisor_.stop(casd, seconds(20)));
+}
+
+TEST_F(SupervisorTest, LeavesTheProgramsNoMoreThanTheirLastMoment) {
+  ChildProcess& casd = supervisor_.start(child("casd", "wait"), seconds(20));
+  supervisor_.linger(std::chrono::milliseconds(50));
+  ::kill(::getpid(), SIGINT);
+  EXPECT_THROW(supervisor_.wait(seconds(20)), RunStopped);
+  pollfd end{casd.pidfd(), POLLIN, 0};
+  EXPECT_EQ(::poll(&end, 1, 20'000), 1);
 }
 
 TEST(FreePorts, AreDifferent) {

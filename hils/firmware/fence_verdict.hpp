@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hils/flight/flight_plan.hpp"
+#include "hils/flight/geofence.hpp"
+#include "hils/measure/limit_check.hpp"
+#include "hils/measure/tracking.hpp"
+
+namespace cas::hils {
+
+/// What became of a vehicle at the fence of its autopilot.
+struct FenceFigures {
+  std::string words{};         ///< with which it announced the breach; empty: it did not
+  std::string not_restored{};  ///< parameters that it did not take back, as a sentence; empty: all
+  /// By the truth, from where the vehicle stood; nothing where that was not recorded.
+  std::optional<double> farthest_m{};  ///< horizontal
+  std::optional<double> highest_m{};
+};
+
+/// Takes in how far the true flight went.
+void add_reach(std::span<const PoseSample> truth, FenceFigures& figures);
+
+/// What a flight to the fence is held to: that the vehicle came to it, that the autopilot announced
+/// it, that the truth stays within the fence and its margin, and that the parameters are as before.
+/// @param flown  the steps as they went, with the one under way: a breach that did not begin is not
+///   judged
+std::vector<LimitCheck> fence_checks(const Geofence& fence, const FenceFigures& figures,
+                                     std::span<const Stage> flown);
+
+/// For summary.json.
+nlohmann::json fence_json(const FenceFigures& figures);
+
+}  // namespace cas::hils
