@@ -130,7 +130,7 @@ LAYERS = {
     "fcu/estimation_bound": BASE | PROGRAM | {"fcu/estimation", "Eigen"},
     "fcu/control": BASE | rooms("fcu", "estimation") | {"Eigen"},
     "fcu/params": BASE | rooms("fcu", "estimation control") | {"Eigen"},
-    "fcu/flight": BASE | MAVLINK | rooms("fcu", "estimation control params") | {"Eigen"},
+    "fcu/flight": BASE | MAVLINK | SERVICES | rooms("fcu", "estimation control params") | {"Eigen"},
     "fcu/core":
         BASE | MAVLINK | rooms("fcu", "line estimation control params flight") | {"Eigen"},
     "fcu/protocols":
@@ -161,7 +161,7 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/timing": rooms("hils", "run measure report boards"),
     "hils/virtual": rooms("hils", "flight scenario run measure programs"),
     "hils/firmware": rooms("hils", "flight scenario run measure report replay programs"),
-    "hils/compare": rooms("hils", "run measure report programs virtual"),
+    "hils/compare": rooms("hils", "scenario run measure report programs virtual"),
     "hils/sweep": rooms("hils", "flight scenario run measure report programs boards virtual"),
     "hils/env": rooms("hils", "sweep"),
     "hils/tune": rooms("hils", "flight scenario measure report programs sweep"),

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/cli/parse.hpp"
 
+#include <algorithm>
 #include <iostream>
 #include <string>
 #include <vector>
 
+#include "base/cli/verb.hpp"
 #include "base/suggestion.hpp"
 
 namespace cas::base::cli {
@@ -68,6 +70,12 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv, int usage_code) {
     std::cerr << misspelt << "\nRun with --help for more information.\n";
     return usage_code;
   }
+}
+
+const Verb* find_asked(const std::vector<Verb>& verbs) {
+  const auto found =
+      std::ranges::find_if(verbs, [](const Verb& verb) { return verb.asked->parsed(); });
+  return found == verbs.end() ? nullptr : &*found;
 }
 
 }  // namespace cas::base::cli

@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <sys/eventfd.h>
 #include <sys/prctl.h>
+#include <sys/timerfd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -94,38 +95,50 @@ void LinkLoop::run(const std::stop_token& stop) {
   thread_id_.store(std::this_thread::get_id(), std::memory_order_relaxed);
   base::configure_this_thread("casd:" + name_, scheduling_);
   ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // pacing counts in parts of a millisecond
+  base::RunTime now = base::steady_now();
   while (!stop.stop_requested()) {
     run_tasks();
-    wait(base::steady_now());
-    const base::RunTime now = base::steady_now();
+    now = wait(now);
     last_turn_ns_.store(now.time_since_epoch().count(), std::memory_order_relaxed);
     for (const auto& link : links_) link->serve(poll_set_, now);
     pace_.looked(now, received());
   }
+  has_tasks_ = true;  // those that came with the stop
   run_tasks();
 }
 
-void LinkLoop::wait(base::RunTime now) {
+/// @param now  may be a turn old: it only tells what is near. @return when something was there
+base::RunTime LinkLoop::wait(base::RunTime now) {
   poll_set_.clear();
   poll_set_.add(signal_.descriptor(), POLLIN);
+  poll_set_.add(alarm_.descriptor(), POLLIN);
   for (const auto& link : links_) link->watch(poll_set_, now);
   const base::RunTime due = poll_set_.deadline();
   if (const base::RunTime rested = std::min(pace_.next_look(), due); rested > now) {
-    rest_until(rested, now);
-    now = base::steady_now();
+    rest_until(rested, base::steady_now());
   }
-  const bool forever = due == PollSet::kNever;
-  const timespec timeout = forever ? timespec{} : until(due, now);
-  auto& entries = poll_set_.entries();
-  if (::ppoll(entries.data(), entries.size(), forever ? nullptr : &timeout, nullptr) < 0) {
-    const int error = errno;
-    for (pollfd& entry : entries) entry.revents = 0;
-    if (error != EINTR) wait_in_trouble(error);
-  } else {
-    in_trouble_ = false;
-  }
+  poll_until(due, now);
   // Only what was seen: a signal that is being raised just now is for the next turn.
-  if ((entries.front().revents & POLLIN) != 0) signal_.lower();
+  const auto& entries = poll_set_.entries();
+  if ((entries[kSignalEntry].revents & POLLIN) != 0) {
+    signal_.lower();
+    has_tasks_ = true;
+  }
+  if ((entries[kAlarmEntry].revents & POLLIN) != 0) alarm_.stop();
+  return base::steady_now();
+}
+
+void LinkLoop::poll_until(base::RunTime due, base::RunTime now) {
+  const bool limited = !alarm_.covers(due, now);
+  const timespec limit = limited ? until(due, base::steady_now()) : timespec{};
+  auto& entries = poll_set_.entries();
+  if (::ppoll(entries.data(), entries.size(), limited ? &limit : nullptr, nullptr) >= 0) {
+    in_trouble_ = false;
+    return;
+  }
+  const int error = errno;
+  for (pollfd& entry : entries) entry.revents = 0;
+  if (error != EINTR) wait_in_trouble(error);
 }
 
 // Only the signal ends it early: somebody wants something of this thread.
@@ -152,13 +165,35 @@ void LinkLoop::wait_in_trouble(int error) {
   std::this_thread::sleep_for(kTroublePause);
 }
 
+// Whoever has a task for the thread raises its signal after that.
 void LinkLoop::run_tasks() {
+  if (!std::exchange(has_tasks_, false)) return;
   std::vector<std::function<void()>> tasks;
   {
     const base::MutexLock lock(tasks_mutex_);
     tasks.swap(tasks_);
   }
   for (const auto& task : tasks) task();
+}
+
+DistantAlarm::DistantAlarm()
+    : timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
+  if (!timer_) throw base::ConfigError("no timer descriptor: too many open files");
+}
+
+bool DistantAlarm::covers(base::RunTime due, base::RunTime now) {
+  if (due >= rings_at_) return true;
+  if (due - now < kNear) return false;
+  const itimerspec once{.it_interval = {}, .it_value = until(due, base::RunTime{})};
+  if (::timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &once, nullptr) != 0) return false;
+  rings_at_ = due;
+  return true;
+}
+
+void DistantAlarm::stop() {
+  std::uint64_t times = 0;
+  [[maybe_unused]] const auto taken = ::read(timer_.get(), &times, sizeof times);
+  rings_at_ = PollSet::kNever;
 }
 
 WakeSignal::WakeSignal() : event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {

@@ -70,6 +70,28 @@ class WakeSignal {
   std::atomic<bool> raised_{false};
 };
 
+/// Wakes a poll at a moment that is not near, and stays armed over many turns.
+///
+/// A time limit of poll itself is armed and taken back with each packet, and in a virtual machine
+/// that costs more than a read. So a thread has this instead for what comes once in a while; it may
+/// ring too early, when what was due has moved on.
+class DistantAlarm {
+ public:
+  /// What is due sooner is left to the limit of poll itself, which needs no call to arm it.
+  static constexpr base::Duration kNear = std::chrono::milliseconds(20);
+
+  DistantAlarm();
+  /// @return whether it will ring by then; false: it is too near, poll has to watch the time
+  bool covers(base::RunTime due, base::RunTime now);
+  /// It has rung.
+  void stop();
+  int descriptor() const { return timer_.get(); }
+
+ private:
+  base::Descriptor timer_;
+  base::RunTime rings_at_ = PollSet::kNever;
+};
+
 /// A thread with the links that it serves: one (threads: per_link) or all of them (single,
 /// blocking).
 ///
@@ -102,7 +124,8 @@ class LinkLoop {
 
  private:
   void run(const std::stop_token& stop);
-  void wait(base::RunTime now);
+  base::RunTime wait(base::RunTime now);
+  void poll_until(base::RunTime due, base::RunTime now);
   void rest_until(base::RunTime end, base::RunTime now);
   std::uint64_t received() const;
   void wait_in_trouble(int error);
@@ -115,8 +138,12 @@ class LinkLoop {
   std::atomic<std::int64_t> last_turn_ns_{0};  ///< RunTime; 0 before the first
   base::Mutex tasks_mutex_;
   std::vector<std::function<void()>> tasks_ CAS_GUARDED_BY(tasks_mutex_);
+  bool has_tasks_ = true;  ///< perhaps
   std::vector<std::unique_ptr<Link>> links_;
+  static constexpr std::size_t kSignalEntry = 0;  ///< of the poll set
+  static constexpr std::size_t kAlarmEntry = 1;
   PollSet poll_set_;
+  DistantAlarm alarm_;
   LookPace pace_;
   bool in_trouble_ = false;  ///< waiting failed, and that was said
   std::jthread thread_;

@@ -68,7 +68,6 @@ void ReaderWatch::watch(bool on) {
 }
 
 void ReaderWatch::wrote(base::Duration took) {
-  if (!on_) return;
   take_edge();
   // Terminal and reader take longer to get the bytes, unless we had to wait.
   constexpr base::Duration kAtOnce = std::chrono::microseconds(30);
@@ -184,7 +183,8 @@ bool StreamWriter::flush() {
 // @return bytes gone, 0 when there is no room, -1 when the descriptor is of no more use
 std::ptrdiff_t StreamWriter::write_vector(iovec* parts, std::size_t count) {
   std::ptrdiff_t gone = 0;
-  const base::RunTime begin = reader_ ? base::steady_now() : base::RunTime{};
+  const bool timed = reader_ && reader_->watches();
+  const base::RunTime begin = timed ? base::steady_now() : base::RunTime{};
   if (kind_ == Kind::kSocket) {
     msghdr message{};
     message.msg_iov = parts;
@@ -201,7 +201,7 @@ std::ptrdiff_t StreamWriter::write_vector(iovec* parts, std::size_t count) {
     made_room_ = made_room_ || (full_ && gone > 0);
     full_ = static_cast<std::size_t>(gone) < wanted;
     written_ += static_cast<std::size_t>(gone);
-    if (reader_) reader_->wrote(base::steady_now() - begin);
+    if (timed) reader_->wrote(base::steady_now() - begin);
     return gone;
   }
   full_ = true;

@@ -25,6 +25,7 @@ class ReaderWatch {
   explicit ReaderWatch(int fd);
   /// Looks, or not: each look costs system calls. Beginning it forgets what was before.
   void watch(bool on);
+  bool watches() const { return on_; }
   /// Something was written, in so long a time.
   void wrote(base::Duration took);
   /// Whether something was read since the last call, or is in doubt.

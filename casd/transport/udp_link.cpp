@@ -105,7 +105,9 @@ class UdpServerWriter final : public PacketWriter {
 
  private:
   void send_to_each(const PacketRef& packet, SlotMask peers);
+  void send_to_one(const PacketRef& packet, std::uint8_t peer);
   void send_by_peer(std::span<const PacketRef> packets);
+  void count_lost(const PacketRef& packet);
 
   base::Descriptor descriptor_;
   LinkId own_;
@@ -136,10 +138,14 @@ WriteResult UdpServerWriter::write(std::span<const PacketRef> packets) {
 
 // One packet, many peers: one call for all of them.
 void UdpServerWriter::send_to_each(const PacketRef& packet, SlotMask peers) {
-  std::array<mmsghdr, PeerTable::kMaxPeers> messages{};
+  if (std::has_single_bit(peers)) {
+    return send_to_one(packet, static_cast<std::uint8_t>(std::countr_zero(peers)));
+  }
+  std::array<mmsghdr, PeerTable::kMaxPeers> messages;
   iovec part{const_cast<std::uint8_t*>(packet.bytes.data()), packet.bytes.size()};
   unsigned count = 0;
   for_each_slot(peers, [&](std::uint8_t peer) {
+    messages[count] = {};
     msghdr& header = messages[count++].msg_hdr;
     header.msg_name = const_cast<sockaddr*>(peers_->table.address(peer));
     header.msg_namelen = peers_->table.address_size(peer);
@@ -150,11 +156,20 @@ void UdpServerWriter::send_to_each(const PacketRef& packet, SlotMask peers) {
     const int sent = ::sendmmsg(descriptor_.get(), messages.data() + done, count - done,
                                 MSG_DONTWAIT | MSG_NOSIGNAL);
     // This peer's loss; on with the next.
-    if (sent <= 0) {
-      counters_->count_dropped(*packet.info, DropCause::kQueueFull, base::steady_now());
-    }
+    if (sent <= 0) count_lost(packet);
     done += sent > 0 ? static_cast<unsigned>(sent) : 1;
   }
+}
+
+void UdpServerWriter::send_to_one(const PacketRef& packet, std::uint8_t peer) {
+  const auto sent = ::sendto(descriptor_.get(), packet.bytes.data(), packet.bytes.size(),
+                             MSG_DONTWAIT | MSG_NOSIGNAL, peers_->table.address(peer),
+                             peers_->table.address_size(peer));
+  if (sent < 0) count_lost(packet);
+}
+
+void UdpServerWriter::count_lost(const PacketRef& packet) {
+  counters_->count_dropped(*packet.info, DropCause::kQueueFull, base::steady_now());
 }
 
 // Many packets: one block for each peer.
@@ -173,9 +188,7 @@ void UdpServerWriter::send_by_peer(std::span<const PacketRef> packets) {
     const auto result = sender_.send(descriptor_.get(), of_peer_, peers_->table.address(peer),
                                      peers_->table.address_size(peer));
     if (result.error == 0) return;
-    for (std::size_t i = result.packets; i < of_peer_.size(); ++i) {
-      counters_->count_dropped(*of_peer_[i].info, DropCause::kQueueFull, base::steady_now());
-    }
+    for (std::size_t i = result.packets; i < of_peer_.size(); ++i) count_lost(of_peer_[i]);
   });
 }
 

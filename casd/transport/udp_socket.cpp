@@ -169,32 +169,39 @@ std::ptrdiff_t DatagramSender::send_singly(int fd, std::span<const PacketRef> pa
 }
 
 DatagramReader::DatagramReader() : bytes_(kBatch * kMaxDatagram) {
-  for (std::size_t i = 0; i < kBatch; ++i)
-    parts_[i] = {bytes_.data() + i * kMaxDatagram, kMaxDatagram};
-}
-
-int DatagramReader::read(int fd) {
   for (std::size_t i = 0; i < kBatch; ++i) {
+    parts_[i] = {bytes_.data() + i * kMaxDatagram, kMaxDatagram};
     msghdr& header = messages_[i].msg_hdr;
     header.msg_name = &senders_[i];
-    header.msg_namelen = sizeof senders_[i];
     header.msg_iov = &parts_[i];
     header.msg_iovlen = 1;
     header.msg_control = control_[i].data();
-    header.msg_controllen = kControlBytes;
   }
+}
+
+int DatagramReader::read(int fd) {
+  // The kernel has written the lengths of those that it filled.
+  for (; used_ > 0; --used_) offer(used_ - 1);
   const base::RunTime begin = base::steady_now();
   const int count = ::recvmmsg(fd, messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
   if (count > 0) {
-    note_drops(messages_[static_cast<std::size_t>(count) - 1].msg_hdr);
+    used_ = static_cast<std::size_t>(count);
+    note_drops(messages_[used_ - 1].msg_hdr);
     note_wait();
-    if (static_cast<std::size_t>(count) < kBatch) empty_at_ = begin;  // what comes next is younger
+    if (used_ < kBatch) empty_at_ = begin;  // what comes next is younger
     return count;
   }
+  used_ = 1;
   // A peer that is not there (yet) answers our packets with refusals: no trouble of the socket.
   const bool transient = errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR ||
                          errno == ECONNREFUSED || errno == EHOSTUNREACH || errno == ENETUNREACH;
   return transient ? 0 : -1;
+}
+
+void DatagramReader::offer(std::size_t index) {
+  msghdr& header = messages_[index].msg_hdr;
+  header.msg_namelen = sizeof senders_[index];
+  header.msg_controllen = kControlBytes;
 }
 
 std::span<const std::uint8_t> DatagramReader::datagram(std::size_t index) const {
@@ -206,12 +213,14 @@ void DatagramReader::note_drops(const msghdr& header) {
 }
 
 // The first one has waited longest, but no longer than since the socket was seen empty: a wall
-// clock that steps makes nothing old.
+// clock that steps makes nothing old, and of a stream that comes regularly nobody asks that clock.
 void DatagramReader::note_wait() {
+  longest_ = base::steady_now() - empty_at_;
+  late_ = false;
+  if (longest_ <= kPrompt) return;
   timespec wall{};
   ::clock_gettime(CLOCK_REALTIME, &wall);
   read_at_ = as_duration(wall);
-  longest_ = base::steady_now() - empty_at_;
   late_ = wait_of(0) > kPrompt;
 }
 

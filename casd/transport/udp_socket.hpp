@@ -46,6 +46,7 @@ class DatagramReader {
  private:
   void note_drops(const msghdr& header);
   void note_wait();
+  void offer(std::size_t index);
   base::Duration wait_of(std::size_t index) const;
 
   static constexpr std::size_t kControlBytes =
@@ -55,6 +56,7 @@ class DatagramReader {
   std::array<iovec, kBatch> parts_{};
   std::array<sockaddr_storage, kBatch> senders_{};
   alignas(cmsghdr) std::array<std::array<char, kControlBytes>, kBatch> control_{};
+  std::size_t used_ = kBatch;  ///< messages whose lengths are not what they offer room for
   std::uint32_t kernel_drops_ = 0;
   base::Duration read_at_{};  ///< wall-clock time
   base::RunTime empty_at_{};  ///< the socket was last seen empty after this

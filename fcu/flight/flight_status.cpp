@@ -1,65 +1,56 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/flight/flight_status.hpp"
 
+#include <algorithm>
 #include <array>
+
+#include "base/error.hpp"
+#include "mavlink_gen/services/px4_modes.hpp"
 
 namespace cas::fcu {
 
 namespace {
 
+using namespace mav::services;  // NOLINT: its table of modes
+
 struct ModeEntry {
   FlightMode mode;
-  std::string_view name;
-  std::uint8_t main_mode;
-  std::uint8_t sub_mode;
+  const FlightModeWord& px4;
 };
 
-// PX4's numbers. Termination shows as TERMINATION's own main mode of newer releases would not be
-// understood by older ground stations: they see it in HEARTBEAT.system_status.
 constexpr std::array<ModeEntry, 10> kModes{{
-    {FlightMode::kStabilized, "STABILIZED", 7, 0},
-    {FlightMode::kAltitude, "ALTCTL", 2, 0},
-    {FlightMode::kPosition, "POSCTL", 3, 0},
-    {FlightMode::kOffboard, "OFFBOARD", 6, 0},
-    {FlightMode::kTakeoff, "TAKEOFF", 4, 2},
-    {FlightMode::kHold, "HOLD", 4, 3},
-    {FlightMode::kMission, "MISSION", 4, 4},
-    {FlightMode::kReturn, "RTL", 4, 5},
-    {FlightMode::kLand, "LAND", 4, 6},
-    {FlightMode::kTermination, "TERMINATION", 10, 0},
+    {FlightMode::kStabilized, px4_mode("STABILIZED")},
+    {FlightMode::kAltitude, px4_mode("ALTCTL")},
+    {FlightMode::kPosition, px4_mode("POSCTL")},
+    {FlightMode::kOffboard, px4_mode("OFFBOARD")},
+    {FlightMode::kTakeoff, px4_mode("TAKEOFF")},
+    {FlightMode::kHold, px4_mode("HOLD")},
+    {FlightMode::kMission, px4_mode("MISSION")},
+    {FlightMode::kReturn, px4_mode("RTL")},
+    {FlightMode::kLand, px4_mode("LAND")},
+    {FlightMode::kTermination, px4_mode("TERMINATION")},
 }};
 
-const ModeEntry& entry(FlightMode mode) {
-  for (const ModeEntry& candidate : kModes) {
-    if (candidate.mode == mode) return candidate;
-  }
-  return kModes[5];
+const FlightModeWord& px4_of(FlightMode mode) {
+  const auto found = std::ranges::find(kModes, mode, &ModeEntry::mode);
+  CAS_CHECK(found != kModes.end());
+  return found->px4;
 }
 
 }  // namespace
 
-std::uint32_t px4_custom_mode(FlightMode mode) {
-  const ModeEntry& e = entry(mode);
-  return static_cast<std::uint32_t>(e.main_mode) << 16U | static_cast<std::uint32_t>(e.sub_mode)
-                                                              << 24U;
-}
+std::uint32_t px4_custom_mode(FlightMode mode) { return px4_of(mode).number; }
 
-std::optional<FlightMode> flight_mode_from_px4(std::uint8_t main_mode, std::uint8_t sub_mode) {
-  for (const ModeEntry& candidate : kModes) {
-    if (candidate.mode == FlightMode::kTermination) continue;
-    if (candidate.main_mode == main_mode && (main_mode != 4 || candidate.sub_mode == sub_mode)) {
-      return candidate.mode;
-    }
+std::optional<FlightMode> flight_mode_from_custom(std::uint32_t custom_mode) {
+  const std::uint32_t main = px4_main(custom_mode);
+  for (const auto& [mode, px4] : kModes) {
+    if (mode == FlightMode::kTermination || px4_main(px4.number) != main) continue;
+    if (main != kPx4Auto || px4_sub(px4.number) == px4_sub(custom_mode)) return mode;
   }
   return std::nullopt;
 }
 
-std::optional<FlightMode> flight_mode_from_custom(std::uint32_t custom_mode) {
-  return flight_mode_from_px4(static_cast<std::uint8_t>(custom_mode >> 16U),
-                              static_cast<std::uint8_t>(custom_mode >> 24U));
-}
-
-std::string_view name(FlightMode mode) { return entry(mode).name; }
+std::string_view name(FlightMode mode) { return px4_of(mode).word; }
 
 bool is_manual(FlightMode mode) {
   return mode == FlightMode::kStabilized || mode == FlightMode::kAltitude ||

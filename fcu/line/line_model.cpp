@@ -102,10 +102,43 @@ Duration LineModel::byte_time() const {
   return base::from_seconds(kBitsPerByte / config_.baud * (1 + 1e-6 * config_.clock_drift_ppm));
 }
 
+RunTime LineModel::EvenTimes::at(std::size_t i) const {
+  RunTime t = first + static_cast<Duration::rep>(i) * step;
+  if (batch > Duration{}) {
+    const auto frames = (t.time_since_epoch().count() + batch.count() - 1) / batch.count();
+    t = RunTime(frames * batch);
+  }
+  return std::max(t, earliest);
+}
+
+std::size_t LineModel::EvenTimes::count_by(RunTime t) const {
+  if (t < earliest) return 0;
+  // A moment rounded up is not later than t when it is not later than t rounded down.
+  if (batch > Duration{}) t = RunTime(t.time_since_epoch() / batch * batch);
+  if (t < first) return 0;
+  if (step == Duration{}) return count;
+  return std::min(count, static_cast<std::size_t>((t - first) / step) + 1);
+}
+
+bool LineModel::Stretch::wakes_at(std::size_t i) const {
+  return (trigger != 0 && (i + 1) % trigger == 0) || (wakes && i + 1 == arrivals.count);
+}
+
+std::optional<RunTime> LineModel::Stretch::next_wake() const {
+  const std::size_t last = arrivals.count - 1;
+  const std::size_t next = trigger == 0 ? last : (read / trigger + 1) * trigger - 1;
+  if (next < last) return arrivals.at(next);
+  return wakes_at(last) ? std::optional(arrivals.at(last)) : std::nullopt;
+}
+
 std::size_t LineModel::unsent_at(RunTime now) const {
-  if (sending_.empty() || sending_.back() <= now) return 0;
-  const auto first = std::upper_bound(sending_.begin(), sending_.end(), now);
-  return static_cast<std::size_t>(sending_.end() - first);
+  std::size_t unsent = 0;
+  for (auto bytes = sending_.rbegin(); bytes != sending_.rend(); ++bytes) {
+    const std::size_t done = bytes->count_by(now);
+    unsent += bytes->count - done;
+    if (done > 0) break;
+  }
+  return unsent;
 }
 
 std::size_t LineModel::room(RunTime now) const {
@@ -117,7 +150,10 @@ std::size_t LineModel::room(RunTime now) const {
 
 std::optional<RunTime> LineModel::room_at(RunTime now) const {
   if (hung_up_ || room(now) > 0) return std::nullopt;
-  return sending_[sending_.size() - config_.send_buffer_bytes];
+  std::size_t newer = config_.send_buffer_bytes;  // the byte that many before the end leaves first
+  auto bytes = sending_.rbegin();
+  for (; bytes->count < newer; ++bytes) newer -= bytes->count;
+  return bytes->at(bytes->count - newer);
 }
 
 RunTime LineModel::after_stalls(RunTime t) {
@@ -172,7 +208,9 @@ std::uint8_t LineModel::with_bit_errors(std::uint8_t value) {
 
 std::size_t LineModel::write(std::span<const std::uint8_t> bytes, RunTime now) {
   release_overdue(now);
-  while (!sending_.empty() && sending_.front() <= now) sending_.pop_front();
+  while (!sending_.empty() && sending_.front().count_by(now) == sending_.front().count) {
+    sending_.pop_front();
+  }
   const std::size_t taken = std::min(bytes.size(), room(now));
   stats_.written += taken;
   stats_.refused += bytes.size() - taken;
@@ -209,24 +247,56 @@ void LineModel::release_overdue(RunTime now) {
   if (!held_.empty() && held_until_ <= now) release(held_until_);
 }
 
+/// Whether all bytes of a write arrive, as they are and evenly.
+bool LineModel::is_even() const {
+  const bool stalls = config_.stall_every > Duration{} && config_.stall_length > Duration{};
+  return !stalls && config_.burst_begin <= 0 && config_.bit_error_rate <= 0 &&
+         config_.receiver_baud <= 0;
+}
+
 /// Puts bytes on the line. A second copy may take more room than the send buffer has.
 void LineModel::send(std::span<const std::uint8_t> bytes, RunTime now) {
-  const bool whole_lost = config_.packet_loss > 0 && random_.uniform() < config_.packet_loss;
-  Duration jitter{};
+  const bool lost = config_.packet_loss > 0 && random_.uniform() < config_.packet_loss;
+  Duration delay = config_.extra_delay;
   if (config_.jitter > Duration{}) {
-    jitter = base::from_seconds(random_.uniform() * base::to_seconds(config_.jitter));
+    delay += base::from_seconds(random_.uniform() * base::to_seconds(config_.jitter));
   }
+  is_even() && !lost ? send_evenly(bytes, delay, now) : send_singly(bytes, delay, lost, now);
+  // A lost last byte must not leave the rest of the write waiting for the next one.
+  if (!on_line_.empty()) on_line_.back().wakes = true;
+}
+
+void LineModel::note_sending(const EvenTimes& done) {
+  if (config_.send_buffer_bytes != 0) sending_.push_back(done);
+}
+
+void LineModel::send_evenly(std::span<const std::uint8_t> bytes, Duration delay, RunTime now) {
+  const Duration byte_time = this->byte_time();
+  const RunTime first = std::max(now, done_) + byte_time;
+  const EvenTimes done{.first = first, .step = byte_time, .count = bytes.size()};
+  done_ = done.at(done.count - 1);
+  note_sending(done);
+  EvenTimes arrivals = done;
+  arrivals.first += delay;
+  arrivals.batch = config_.batch;
+  arrivals.earliest = last_arrival_;
+  last_arrival_ = arrivals.at(arrivals.count - 1);
+  on_line_.push_back({.arrivals = arrivals, .trigger = config_.receive_trigger_bytes});
+  values_.insert(values_.end(), bytes.begin(), bytes.end());
+}
+
+/// Byte by byte, each with its own fate.
+void LineModel::send_singly(std::span<const std::uint8_t> bytes, Duration delay, bool lost,
+                            RunTime now) {
   const Duration byte_time = this->byte_time();
   const bool bursts = config_.burst_begin > 0;
   const bool bit_errors = config_.bit_error_rate > 0;
-  std::size_t to_trigger = config_.receive_trigger_bytes;
+  const std::size_t trigger = config_.receive_trigger_bytes;
   const double ratio = config_.receiver_baud > 0 ? config_.baud / config_.receiver_baud : 1;
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     const RunTime sent = clock_byte(now, byte_time);
-    if (config_.send_buffer_bytes != 0) sending_.push_back(sent);
-    const bool triggers = --to_trigger == 0;
-    if (triggers) to_trigger = config_.receive_trigger_bytes;
-    const bool survives = (!bursts || byte_survives()) && !whole_lost;
+    note_sending({.first = sent});
+    const bool survives = (!bursts || byte_survives()) && !lost;
     std::uint8_t value = bit_errors ? with_bit_errors(bytes[i]) : bytes[i];
     const std::optional<std::uint8_t> read =
         config_.receiver_baud > 0 ? read_at_other_rate(value, ratio) : value;
@@ -236,42 +306,69 @@ void LineModel::send(std::span<const std::uint8_t> bytes, RunTime now) {
     }
     if (*read != value) ++stats_.misread;
     value = *read;
-    RunTime arrival = sent + config_.extra_delay + jitter;
-    if (config_.batch > Duration{}) {
-      const auto frames =
-          (arrival.time_since_epoch().count() + config_.batch.count() - 1) / config_.batch.count();
-      arrival = RunTime(Duration(frames * config_.batch.count()));
-    }
-    arrival = std::max(arrival, last_arrival_);
-    last_arrival_ = arrival;
-    on_line_.push_back({arrival, value, triggers || i + 1 == bytes.size()});
+    const EvenTimes arrival{
+        .first = sent + delay, .batch = config_.batch, .earliest = last_arrival_};
+    last_arrival_ = arrival.at(0);
+    const bool triggers = trigger != 0 && (i + 1) % trigger == 0;
+    on_line_.push_back({.arrivals = arrival, .wakes = triggers || i + 1 == bytes.size()});
+    values_.push_back(value);
   }
-  // A lost last byte must not leave the rest of the write waiting for the next one.
-  if (!on_line_.empty()) on_line_.back().wakes = true;
+}
+
+std::size_t LineModel::arrived_by(RunTime now) const {
+  std::size_t arrived = 0;
+  for (const Stretch& stretch : on_line_) {
+    const std::size_t count = stretch.arrivals.count_by(now);
+    arrived += count - std::min(count, stretch.read);
+    if (count < stretch.arrivals.count) break;
+  }
+  return arrived;
+}
+
+/// Gives each byte on the line a stretch of its own.
+void LineModel::part_stretches() {
+  std::deque<Stretch> single;
+  for (const Stretch& stretch : on_line_) {
+    for (std::size_t i = stretch.read; i < stretch.arrivals.count; ++i) {
+      single.push_back(
+          {.arrivals = {.first = stretch.arrivals.at(i)}, .wakes = stretch.wakes_at(i)});
+    }
+  }
+  on_line_ = std::move(single);
 }
 
 void LineModel::drop_overrun(RunTime now) {
-  if (config_.receive_fifo_bytes == 0 || on_line_.size() <= config_.receive_fifo_bytes) return;
-  const auto arrived = static_cast<std::size_t>(
-      std::upper_bound(on_line_.begin(), on_line_.end(), now,
-                       [](RunTime t, const Byte& byte) { return t < byte.arrival; }) -
-      on_line_.begin());
-  if (arrived <= config_.receive_fifo_bytes) return;
+  const std::size_t fifo = config_.receive_fifo_bytes;
+  if (fifo == 0 || values_.size() <= fifo) return;
+  const std::size_t arrived = arrived_by(now);
+  if (arrived <= fifo) return;
   // The FIFO holds the oldest bytes; those that came when it was full are lost.
-  const auto first = on_line_.begin() + static_cast<std::ptrdiff_t>(config_.receive_fifo_bytes);
-  const auto last = on_line_.begin() + static_cast<std::ptrdiff_t>(arrived);
-  stats_.overrun += arrived - config_.receive_fifo_bytes;
-  on_line_.erase(first, last);
+  part_stretches();
+  const auto drop = [fifo, arrived](auto& bytes) {
+    bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(fifo),
+                bytes.begin() + static_cast<std::ptrdiff_t>(arrived));
+  };
+  drop(on_line_);
+  drop(values_);
+  stats_.overrun += arrived - fifo;
 }
 
 std::size_t LineModel::read(std::span<std::uint8_t> out, RunTime now) {
   release_overdue(now);
   drop_overrun(now);
   std::size_t count = 0;
-  while (count < out.size() && !on_line_.empty() && on_line_.front().arrival <= now) {
-    out[count++] = on_line_.front().value;
-    on_line_.pop_front();
+  while (count < out.size() && !on_line_.empty()) {
+    Stretch& front = on_line_.front();
+    const std::size_t arrived = front.arrivals.count_by(now);
+    if (arrived <= front.read) break;
+    const std::size_t taken = std::min(arrived - front.read, out.size() - count);
+    count += taken;
+    front.read += taken;
+    if (front.left() == 0) on_line_.pop_front();
   }
+  const auto end = values_.begin() + static_cast<std::ptrdiff_t>(count);
+  std::copy(values_.begin(), end, out.begin());
+  values_.erase(values_.begin(), end);
   stats_.delivered += count;
   return count;
 }
@@ -279,16 +376,21 @@ std::size_t LineModel::read(std::span<std::uint8_t> out, RunTime now) {
 std::optional<RunTime> LineModel::next_arrival() const {
   std::optional<RunTime> next;
   if (!held_.empty()) next = held_until_;
-  const auto wakes = std::ranges::find(on_line_, true, &Byte::wakes);
-  if (wakes != on_line_.end() && (!next || wakes->arrival < *next)) next = wakes->arrival;
+  for (const Stretch& stretch : on_line_) {
+    const std::optional<RunTime> wake = stretch.next_wake();
+    if (!wake) continue;
+    if (!next || *wake < *next) next = wake;
+    break;
+  }
   return next;
 }
 
 void LineModel::hang_up() {
   hung_up_ = true;
-  stats_.lost += on_line_.size();
+  stats_.lost += values_.size();
   for (const Held& held : held_) stats_.lost += held.bytes.size();
   on_line_.clear();
+  values_.clear();
   held_.clear();
   sending_.clear();
 }

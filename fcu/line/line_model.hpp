@@ -101,10 +101,30 @@ class LineModel {
   const Stats& stats() const { return stats_; }
 
  private:
-  struct Byte {
-    base::RunTime arrival;
-    std::uint8_t value = 0;
-    bool wakes = false;  ///< last byte of a write, or the trigger level within it
+  /// Moments of bytes that follow each other evenly.
+  struct EvenTimes {
+    base::RunTime first;       ///< of the first, before `batch` and `earliest`
+    base::Duration step{};     ///< from one to the next
+    std::size_t count = 1;     ///< how many bytes
+    base::Duration batch{};    ///< rounded up to a multiple of it; 0: not
+    base::RunTime earliest{};  ///< none is before it
+
+    base::RunTime at(std::size_t i) const;
+    /// How many of them are not later than `t`.
+    std::size_t count_by(base::RunTime t) const;
+  };
+
+  /// Bytes of one write on their way.
+  struct Stretch {
+    EvenTimes arrivals;
+    std::size_t trigger = 0;  ///< each so many bytes of it wake the receiver; 0: none do
+    bool wakes = false;       ///< its last byte does
+    std::size_t read = 0;     ///< how many of its bytes have been read
+
+    std::size_t left() const { return arrivals.count - read; }
+    bool wakes_at(std::size_t i) const;
+    /// The next of its bytes that wakes the receiver.
+    std::optional<base::RunTime> next_wake() const;
   };
 
   /// A write that the next one is to pass.
@@ -115,24 +135,32 @@ class LineModel {
   static constexpr base::Duration kLongestHold = std::chrono::milliseconds(50);
 
   void send(std::span<const std::uint8_t> bytes, base::RunTime now);
+  bool is_even() const;
+  void send_evenly(std::span<const std::uint8_t> bytes, base::Duration delay, base::RunTime now);
+  void send_singly(std::span<const std::uint8_t> bytes, base::Duration delay, bool lost,
+                   base::RunTime now);
   void put(std::span<const std::uint8_t> bytes, bool twice, base::RunTime now);
   void release(base::RunTime now);
   void release_overdue(base::RunTime now);
   base::Duration byte_time() const;
+  void note_sending(const EvenTimes& done);
   base::RunTime clock_byte(base::RunTime now, base::Duration byte_time);
   base::RunTime after_stalls(base::RunTime t);
   bool byte_survives();
   std::uint8_t with_bit_errors(std::uint8_t value);
   std::size_t unsent_at(base::RunTime now) const;
+  std::size_t arrived_by(base::RunTime now) const;
+  void part_stretches();
   void drop_overrun(base::RunTime now);
 
   LineConfig config_;
   base::NormalRandom random_;
-  std::deque<Byte> on_line_;
-  std::deque<base::RunTime> sending_;  ///< done times of bytes not yet clocked out
-  std::vector<Held> held_;             ///< oldest first
-  base::RunTime held_until_{};         ///< when the oldest of them has waited long enough
-  base::RunTime done_{};               ///< when the last byte left the sender
+  std::deque<Stretch> on_line_;
+  std::deque<std::uint8_t> values_;  ///< of the bytes on the line
+  std::deque<EvenTimes> sending_;    ///< when bytes are done that are not yet clocked out
+  std::vector<Held> held_;           ///< oldest first
+  base::RunTime held_until_{};       ///< when the oldest of them has waited long enough
+  base::RunTime done_{};             ///< when the last byte left the sender
   base::RunTime last_arrival_{};
   base::RunTime next_stall_{};
   bool stall_planned_ = false;

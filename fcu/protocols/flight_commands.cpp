@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "fcu/core/fcu_core.hpp"
+#include "mavlink_gen/services/px4_modes.hpp"
 
 namespace cas::fcu {
 
@@ -150,10 +151,10 @@ MavResult flight_command(const Command& command, FcuCore& core, RunTime now) {
     case MavCmd::kNavLoiterUnlim:
       return set_flight_mode(FlightMode::kHold, core, now);
     case MavCmd::kDoSetMode:
-      return set_flight_mode(
-          flight_mode_from_px4(static_cast<std::uint8_t>(whole_number(command.param[1], 255)),
-                               static_cast<std::uint8_t>(whole_number(command.param[2], 255))),
-          core, now);
+      return set_flight_mode(flight_mode_from_custom(mav::services::px4_number(
+                                 static_cast<std::uint32_t>(whole_number(command.param[1], 255)),
+                                 static_cast<std::uint32_t>(whole_number(command.param[2], 255)))),
+                             core, now);
     case MavCmd::kDoReposition:
       return reposition(command, core, now);
     case MavCmd::kDoOrbit:

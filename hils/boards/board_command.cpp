@@ -2,17 +2,17 @@
 #include "hils/boards/board_command.hpp"
 
 #include <fmt/format.h>
-#include <poll.h>
-#include <signal.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <chrono>
 #include <exception>
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
-#include <string_view>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -22,10 +22,12 @@
 #include "hils/boards/board_actions.hpp"
 #include "hils/boards/board_device.hpp"
 #include "hils/boards/board_error.hpp"
+#include "hils/boards/board_flags.hpp"
 #include "hils/boards/board_hook.hpp"
 #include "hils/boards/board_list.hpp"
 #include "hils/boards/board_lock.hpp"
 #include "hils/boards/board_log.hpp"
+#include "hils/boards/board_unlock.hpp"
 #include "hils/boards/foreground.hpp"
 #include "hils/report/aligned_table.hpp"
 
@@ -34,20 +36,13 @@ namespace cas::hils {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-struct BoardCommand::Flags {
-  CLI::App* board = nullptr;
-  CLI::App* list = nullptr;
-  CLI::App* lock = nullptr;
-  CLI::App* unlock = nullptr;
-  CLI::App* flash = nullptr;
-  CLI::App* reboot = nullptr;
-  CLI::App* power = nullptr;
-  CLI::App* log = nullptr;
-  CLI::App* console = nullptr;
+namespace {
 
-  std::string boards;
+using base::cli::Verb;
+
+struct Flags {
   std::string name;
-  std::string wait;
+  BoardFlags boards;
   bool json = false;
   bool names = false;
   std::string purpose;
@@ -61,13 +56,8 @@ struct BoardCommand::Flags {
   std::string power_state;
 };
 
-namespace {
-
-constexpr const char* kForever = "forever";
-constexpr double kForever_s = 3e9;
-
-BoardList load_list(const std::string& given) {
-  const fs::path file = find_board_list(given);
+BoardList load_list(const Flags& flags) {
+  const fs::path file = flags.boards.file();
   if (file.empty()) throw base::ConfigError(no_board_list());
   return BoardList::load(file);
 }
@@ -138,72 +128,6 @@ int hold(BoardLock lock, const Board& board, const std::vector<std::string>& com
   return kExitPassed;
 }
 
-/// Behind a sentence: the processes that hold the board, as far as they can be seen.
-std::string seen_holders(const Board& board, const fs::path& folder) {
-  const std::vector<std::string> seen = who_has_locked(board, folder);
-  if (seen.empty()) return ": what holds the board is another user's or another container's";
-  return fmt::format("; what holds the board is {}", fmt::join(seen, ", "));
-}
-
-/// Refuses to end a process that the lock's file names and that does not hold it, as far as can be
-/// seen: others may write to the file, and numbers of processes are used again.
-void refuse_wrong_process(const Board& board, const fs::path& folder, const LockState& state) {
-  if (!state.heirs.empty()) {
-    throw BoardError(kExitBoardBusy,
-                     fmt::format("board '{}': {}; end that", board.name, to_words(state)));
-  }
-  const fs::path file = lock_file(folder, board);
-  if (!descriptors_of(state.holder->pid, file).empty()) return;
-  throw BoardError(
-      kExitBoardBusy,
-      fmt::format("board '{}': process {} does not have {} open, as far as can be seen{}",
-                  board.name, state.holder->pid, file.string(), seen_holders(board, folder)));
-}
-
-/// Waits until this lock has ended. @throws BoardError
-LockState wait_for_end(const Board& board, const fs::path& folder, const LockHolder& holder) {
-  constexpr base::Duration kPatience = std::chrono::seconds(10);
-  constexpr int kLookMs = 20;
-  const base::RunTime begin = base::steady_now();
-  while (true) {
-    LockState state = look_at_lock(board, folder);
-    if (!state.held || (state.holder && state.holder->token != holder.token)) return state;
-    if (!state.holder && state.has_guests) return state;
-    if (base::steady_now() - begin > kPatience) {
-      throw BoardError(kExitBoardBusy, fmt::format("board '{}': process {} was told to end, and "
-                                                   "it or what it started still holds the board",
-                                                   board.name, holder.pid));
-    }
-    ::poll(nullptr, 0, kLookMs);
-  }
-}
-
-/// Ends who holds the board. @throws BoardError
-int release(const Board& board, const fs::path& folder, bool force) {
-  LockState state = look_at_lock(board, folder);
-  if (state.held) {
-    if (!state.holder) {
-      throw BoardError(kExitBoardBusy, fmt::format("board '{}' is at work: {}{}", board.name,
-                                                   to_words(state), seen_holders(board, folder)));
-    }
-    if (!force && !state.holder->in_background && state.heirs.empty()) {
-      throw BoardError(kExitBoardBusy,
-                       fmt::format("board '{}' is at work: {}; --force ends that program",
-                                   board.name, to_words(state)));
-    }
-    const LockHolder holder = *state.holder;
-    refuse_wrong_process(board, folder, state);
-    if (::kill(holder.pid, SIGTERM) != 0) {
-      throw BoardError(kExitBoardBusy, fmt::format("board '{}': process {} is not yours to end: {}",
-                                                   board.name, holder.pid, to_words(state)));
-    }
-    state = wait_for_end(board, folder, holder);
-  }
-  fmt::print("board '{}' is {}\n", board.name,
-             state.has_guests ? "free once the program ends that uses it below the lock" : "free");
-  return kExitPassed;
-}
-
 /// @throws base::ConfigError where a file is named that is none
 fs::path firmware_file(const std::string& given) {
   if (given.empty()) return {};
@@ -213,54 +137,201 @@ fs::path firmware_file(const std::string& given) {
 }
 
 /// @param given  file; empty: named after the board @throws BoardError, base::ConfigError
-void fetch_log(Supervisor& supervisor, const BoardList& list, const Board& board,
-               const std::string& given) {
+void fetch_log(const Board& board, const BoardList& list, const std::string& given) {
   if (!board.log) {
     throw base::ConfigError(
         fmt::format("{}: board '{}' has no `log`, which says where its logs are",
                     list.file.string(), board.name));
   }
   const fs::path file = fs::absolute(given.empty() ? board.name + ".ulg" : given);
+  Supervisor supervisor;
   const FetchedLog fetched = fetch_newest_log(supervisor, board, list.by_id, file);
   if (!fetched.done) throw BoardError(kExitBoardFailed, fetched.sentence);
   fmt::print("{}\n", fetched.sentence);
 }
 
-void power(BoardActions& actions, const std::string& state, bool force) {
-  if (state == "on") actions.power_on();
-  if (state == "off") actions.power_off();
-  if (state == "cycle") actions.power_cycle(force);
+/// A board that a verb holds.
+struct HeldBoard {
+  const BoardList& list;
+  Board board;
+  fs::path locks;  ///< none where an emergency stop has to do without
+  std::optional<BoardLock> lock{};
+};
+
+/// Holds the board of the command line. @param verb  "flash" @param emergency  without a lock where
+/// there is none to be had @throws BoardError, base::ConfigError
+HeldBoard take(const BoardList& list, const Flags& flags, const std::string& verb,
+               bool emergency = false) {
+  HeldBoard held{.list = list, .board = list.board(flags.name), .locks = {}};
+  const std::string command = fmt::format("{}", fmt::join(flags.command, " "));
+  const std::string& purpose = flags.purpose.empty() ? command : flags.purpose;
+  try {
+    held.locks = lock_folder(list);
+    held.lock.emplace(held.board, held.locks,
+                      "hils board " + verb + (purpose.empty() ? "" : ": " + purpose),
+                      flags.boards.patience());
+  } catch (const std::exception& error) {
+    if (!emergency) throw;
+    fmt::print(stderr, "hils: {}; its power is cut all the same\n", error.what());
+  }
+  return held;
+}
+
+int open_console(HeldBoard held) {
+  const fs::path folder = held.list.file.parent_path();
+  const auto device = find_device(held.board, held.list.by_id).value_or(fs::path());
+  const HookCommand hook =
+      hook_command(held.board, HookKind::kConsole, folder, hook_variables(held.board, device, {}));
+  held.lock->leave_to_heirs();
+  return run_in_foreground({.arguments = hook.arguments,
+                            .environment = hook.environment,
+                            .folder = folder,
+                            .kept = held.lock->descriptor()});
+}
+
+/// @throws base::ConfigError where --commit is none
+void expect_given_firmware(const Flags& flags, Board& board) {
+  if (!is_hexadecimal(flags.commit)) {
+    throw base::ConfigError("--commit " + flags.commit + ": is hexadecimal, in small letters");
+  }
+  if (flags.firmware.empty() && flags.commit.empty()) return;
+  board.firmware = flags.firmware;
+  board.commit = flags.commit;
+}
+
+int switch_power(const BoardList& list, const Flags& flags) {
+  const bool off = flags.power_state == "off";
+  if (off && !flags.boards.wait.empty()) {
+    throw base::ConfigError("power off waits for nobody: it takes no --wait");
+  }
+  const HeldBoard held = take(list, flags, "power", off);
+  Supervisor supervisor;
+  BoardActions actions(supervisor, list, held.board, held.locks);
+  if (off) {
+    actions.power_off();
+  } else if (flags.power_state == "on") {
+    actions.power_on();
+  } else {
+    actions.power_cycle(flags.force);
+  }
+  return kExitPassed;
+}
+
+int flash(HeldBoard held, const Flags& flags) {
+  expect_given_firmware(flags, held.board);
+  Supervisor supervisor;
+  BoardActions(supervisor, held.list, held.board, held.locks).flash(firmware_file(flags.file));
+  return kExitPassed;
+}
+
+int reboot(const HeldBoard& held, bool hard) {
+  Supervisor supervisor;
+  BoardActions(supervisor, held.list, held.board, held.locks).reboot(hard);
+  return kExitPassed;
+}
+
+void add_lock_options(CLI::App& lock, Flags& flags) {
+  lock.add_option("COMMAND", flags.command,
+                  "Program and arguments, behind --; without it the board is held in the "
+                  "background, and the line to put into the environment is printed");
+  lock.add_option("--for", flags.purpose, "What for: others are told");
+  lock.add_option("--at-most", flags.at_most_s, "Seconds that it is held in the background (14400)")
+      ->check(base::cli::whole_number)
+      ->check(CLI::Range(1, 7 * 24 * 3600));
+}
+
+void add_flash_options(CLI::App& flash, Flags& flags) {
+  flash.add_option("FILE", flags.file, "Firmware, for the hook");
+  flash.add_option("--firmware", flags.firmware, "Version that must boot, instead of the list's");
+  flash.add_option("--commit", flags.commit,
+                   "Commit that must boot (its beginning), instead of the list's");
+}
+
+void add_power_options(CLI::App& power, Flags& flags) {
+  power.add_option("STATE", flags.power_state, "on, off or cycle")
+      ->required()
+      ->check(CLI::IsMember({"on", "off", "cycle"}));
+  power.add_option("NAME", flags.name, "Board")->required();
+  power.add_flag("--force", flags.force,
+                 "cycle: also a board that is armed, or whose port another program has");
+}
+
+/// The verbs behind `board`.
+std::vector<Verb> add_verbs(CLI::App& above, const std::shared_ptr<Flags>& kept) {
+  Flags& flags = *kept;
+  std::vector<Verb> verbs;
+  using Run = int (*)(const BoardList& list, const Flags& flags);
+  const auto add = [&](const char* name, const char* description, Run run) {
+    CLI::App* verb = above.add_subcommand(name, description);
+    verb->fallthrough();  // --boards may stand behind the verb
+    verbs.push_back({verb, [kept, run] { return run(load_list(*kept), *kept); }});
+    return verb;
+  };
+  const auto add_of_one = [&](const char* name, const char* description, Run run) {
+    CLI::App* verb = add(name, description, run);
+    verb->add_option("NAME", flags.name, "Board")->required();
+    return verb;
+  };
+  CLI::App* list = add("list", "Show the boards, whether they are there, and who holds them",
+                       [](const BoardList& boards, const Flags& f) {
+                         return f.names ? show_names(boards) : show_list(boards, f.json);
+                       });
+  list->add_flag("--json", flags.json, "As JSON");
+  list->add_flag("--names", flags.names, "The names alone, one a line");
+
+  CLI::App* lock = add_of_one("lock", "Hold a board while a command runs, or until it is unlocked",
+                              [](const BoardList& boards, const Flags& f) {
+                                HeldBoard held = take(boards, f, "lock");
+                                return hold(std::move(*held.lock), held.board, f.command,
+                                            std::chrono::seconds(f.at_most_s));
+                              });
+  add_lock_options(*lock, flags);
+  add_wait(*lock, flags.boards.wait);
+
+  add_of_one("unlock", "End a lock of `hils board lock`",
+             [](const BoardList& boards, const Flags& f) {
+               unlock_board(boards.board(f.name), lock_folder(boards), f.force);
+               return static_cast<int>(kExitPassed);
+             })
+      ->add_flag("--force", flags.force, "End whatever program holds the board");
+
+  CLI::App* flash_verb = add_of_one(
+      "flash", "Run the hook `flash`, and wait for the firmware to boot",
+      [](const BoardList& boards, const Flags& f) { return flash(take(boards, f, "flash"), f); });
+  add_flash_options(*flash_verb, flags);
+  add_wait(*flash_verb, flags.boards.wait);
+
+  CLI::App* reboot_verb = add_of_one("reboot", "Restart a board that is not armed, and wait for it",
+                                     [](const BoardList& boards, const Flags& f) {
+                                       return reboot(take(boards, f, "reboot"), f.hard);
+                                     });
+  reboot_verb->add_flag("--hard", flags.hard, "By the hook `reset`, not by a command");
+  add_wait(*reboot_verb, flags.boards.wait);
+
+  CLI::App* power =
+      add("power", "Switch a board on, off, or off and on; on waits for it to boot", switch_power);
+  add_power_options(*power, flags);
+  add_wait(*power, flags.boards.wait);
+
+  CLI::App* log =
+      add_of_one("log", "Fetch the newest log of a board, as key `log` of its entry says",
+                 [](const BoardList& boards, const Flags& f) {
+                   const HeldBoard held = take(boards, f, "log");
+                   fetch_log(held.board, boards, f.file);
+                   return static_cast<int>(kExitPassed);
+                 });
+  log->add_option("FILE", flags.file, "Where to (NAME.ulg)");
+  add_wait(*log, flags.boards.wait);
+
+  CLI::App* console = add_of_one("console", "Run the hook `console` on this terminal",
+                                 [](const BoardList& boards, const Flags& f) {
+                                   return open_console(take(boards, f, "console"));
+                                 });
+  add_wait(*console, flags.boards.wait);
+  return verbs;
 }
 
 }  // namespace
-
-std::optional<base::Duration> parse_wait(const std::string& text) {
-  if (text.empty()) return std::nullopt;
-  if (text == kForever) return base::from_seconds(kForever_s);
-  double seconds = 0;
-  const char* const end = text.data() + text.size();
-  const auto result = std::from_chars(text.data(), end, seconds);
-  if (result.ec != std::errc() || result.ptr != end || !(seconds >= 0 && seconds <= kForever_s)) {
-    throw base::ConfigError("--wait=" + text + ": is no number of seconds");
-  }
-  return base::from_seconds(seconds);
-}
-
-void add_wait(CLI::App& command, std::string& text) {
-  command.add_flag(std::string("--wait{") + kForever + "}", text,
-                   "Stand in the queue for a board that somebody else holds; --wait=SECONDS: no "
-                   "longer than that");
-}
-
-std::optional<std::string> misread_wait(std::span<const std::string_view> words) {
-  for (std::size_t i = 0; i + 1 < words.size() && words[i] != "--"; ++i) {
-    const std::string_view next = words[i + 1];
-    if (words[i] != "--wait" || next.empty()) continue;
-    if (next.find_first_not_of("0123456789.") != std::string_view::npos) continue;
-    return fmt::format("--wait has its seconds behind a '=': --wait={}", next);
-  }
-  return std::nullopt;
-}
 
 base::cli::WordsByCommand board_words() {
   const base::cli::ArgumentWords names{.command = "hils board list --names"};
@@ -273,134 +344,12 @@ base::cli::WordsByCommand board_words() {
           {"board power", {.known = {"on", "off", "cycle"}}}};
 }
 
-BoardCommand::BoardCommand(CLI::App& app) : flags_(std::make_unique<Flags>()) {
-  Flags& flags = *flags_;
-  flags.board = app.add_subcommand("board", "Flight controllers of the bench, by name");
-  flags.board->require_subcommand(1);
-  flags.board->add_option(
-      "--boards", flags.boards,
-      "The list of boards (CAS_BOARDS, ./boards.yaml, ~/.config/cas/boards.yaml, "
-      "/etc/cas/boards.yaml)");
-  const auto verb = [&flags](const char* name, const char* description) {
-    CLI::App* command = flags.board->add_subcommand(name, description);
-    command->fallthrough();  // --boards may stand behind the verb
-    return command;
-  };
-  const auto verb_of_one = [&](const char* name, const char* description) {
-    CLI::App* command = verb(name, description);
-    command->add_option("NAME", flags.name, "Board")->required();
-    return command;
-  };
-  flags.list = verb("list", "Show the boards, whether they are there, and who holds them");
-  flags.list->add_flag("--json", flags.json, "As JSON");
-  flags.list->add_flag("--names", flags.names, "The names alone, one a line");
-
-  flags.lock = verb_of_one("lock", "Hold a board while a command runs, or until it is unlocked");
-  flags.lock->add_option("COMMAND", flags.command,
-                         "Program and arguments, behind --; without it the board is held in the "
-                         "background, and the line to put into the environment is printed");
-  flags.lock->add_option("--for", flags.purpose, "What for: others are told");
-  flags.lock
-      ->add_option("--at-most", flags.at_most_s,
-                   "Seconds that it is held in the background (14400)")
-      ->check(base::cli::whole_number)
-      ->check(CLI::Range(1, 7 * 24 * 3600));
-  add_wait(*flags.lock, flags.wait);
-
-  flags.unlock = verb_of_one("unlock", "End a lock of `hils board lock`");
-  flags.unlock->add_flag("--force", flags.force, "End whatever program holds the board");
-
-  flags.flash = verb_of_one("flash", "Run the hook `flash`, and wait for the firmware to boot");
-  flags.flash->add_option("FILE", flags.file, "Firmware, for the hook");
-  flags.flash->add_option("--firmware", flags.firmware,
-                          "Version that must boot, instead of the list's");
-  flags.flash->add_option("--commit", flags.commit,
-                          "Commit that must boot (its beginning), instead of the list's");
-  add_wait(*flags.flash, flags.wait);
-
-  flags.reboot = verb_of_one("reboot", "Restart a board that is not armed, and wait for it");
-  flags.reboot->add_flag("--hard", flags.hard, "By the hook `reset`, not by a command");
-  add_wait(*flags.reboot, flags.wait);
-
-  flags.power = verb("power", "Switch a board on, off, or off and on; on waits for it to boot");
-  flags.power->add_option("STATE", flags.power_state, "on, off or cycle")
-      ->required()
-      ->check(CLI::IsMember({"on", "off", "cycle"}));
-  flags.power->add_option("NAME", flags.name, "Board")->required();
-  flags.power->add_flag("--force", flags.force,
-                        "cycle: also a board that is armed, or whose port another program has");
-  add_wait(*flags.power, flags.wait);
-
-  flags.log = verb_of_one("log", "Fetch the newest log of a board, as key `log` of its entry says");
-  flags.log->add_option("FILE", flags.file, "Where to (NAME.ulg)");
-  add_wait(*flags.log, flags.wait);
-
-  flags.console = verb_of_one("console", "Run the hook `console` on this terminal");
-  add_wait(*flags.console, flags.wait);
-}
-
-BoardCommand::~BoardCommand() = default;
-
-bool BoardCommand::parsed() const { return flags_->board->parsed(); }
-
-int BoardCommand::run() const {
-  const Flags& flags = *flags_;
-  const BoardList list = load_list(flags.boards);
-  if (flags.list->parsed()) {
-    return flags.names ? show_names(list) : show_list(list, flags.json);
-  }
-  Board board = list.board(flags.name);
-  if (flags.unlock->parsed()) return release(board, lock_folder(list), flags.force);
-
-  const std::string verb = "hils board " + flags.board->get_subcommands().front()->get_name();
-  const std::string command = fmt::format("{}", fmt::join(flags.command, " "));
-  const std::string purpose = flags.purpose.empty() ? command : flags.purpose;
-  const bool emergency = flags.power->parsed() && flags.power_state == "off";
-  if (emergency && !flags.wait.empty()) {
-    throw base::ConfigError("power off waits for nobody: it takes no --wait");
-  }
-  fs::path folder;  // none where the emergency stop has to do without
-  std::optional<BoardLock> lock;
-  try {
-    folder = lock_folder(list);
-    lock.emplace(board, folder, purpose.empty() ? verb : verb + ": " + purpose,
-                 parse_wait(flags.wait));
-  } catch (const std::exception& error) {
-    if (!emergency) throw;
-    fmt::print(stderr, "hils: {}; its power is cut all the same\n", error.what());
-  }
-  if (flags.lock->parsed()) {
-    return hold(std::move(*lock), board, flags.command, std::chrono::seconds(flags.at_most_s));
-  }
-  if (flags.console->parsed()) {
-    const auto device = find_device(board, list.by_id).value_or(fs::path());
-    const HookCommand hook = hook_command(board, HookKind::kConsole, list.file.parent_path(),
-                                          hook_variables(board, device, {}));
-    lock->leave_to_heirs();
-    return run_in_foreground({.arguments = hook.arguments,
-                              .environment = hook.environment,
-                              .folder = list.file.parent_path(),
-                              .kept = lock->descriptor()});
-  }
-  if (!is_hexadecimal(flags.commit)) {
-    throw base::ConfigError("--commit " + flags.commit + ": is hexadecimal, in small letters");
-  }
-  if (!flags.firmware.empty() || !flags.commit.empty()) {
-    board.firmware = flags.firmware;
-    board.commit = flags.commit;
-  }
-  Supervisor supervisor;
-  BoardActions actions(supervisor, list, board, folder);
-  if (flags.flash->parsed()) {
-    actions.flash(firmware_file(flags.file));
-  } else if (flags.log->parsed()) {
-    fetch_log(supervisor, list, board, flags.file);
-  } else if (flags.reboot->parsed()) {
-    actions.reboot(flags.hard);
-  } else {
-    power(actions, flags.power_state, flags.force);
-  }
-  return kExitPassed;
+Verb add_board(CLI::App& app) {
+  const auto kept = std::make_shared<Flags>();
+  CLI::App* board = app.add_subcommand("board", "Flight controllers of the bench, by name");
+  board->require_subcommand(1);
+  add_board_list(*board, kept->boards.list);
+  return {board, [verbs = add_verbs(*board, kept)] { return base::cli::find_asked(verbs)->run(); }};
 }
 
 }  // namespace cas::hils

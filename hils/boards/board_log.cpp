@@ -21,6 +21,7 @@
 #include "base/os/descriptor.hpp"
 #include "base/os/write_file.hpp"
 #include "base/time/clock.hpp"
+#include "casd/packet/own_station.hpp"
 #include "hils/boards/board_device.hpp"
 #include "hils/boards/board_session.hpp"
 #include "mavlink/common/heartbeat.hpp"
@@ -40,7 +41,7 @@ using mav::services::FtpResult;
 using mav::services::FtpTiming;
 using mav::services::Outcome;
 
-constexpr mav::Source kSelf{.system = 254, .component = 190};
+constexpr mav::Source kSelf = casd::kOwnStation;
 constexpr base::Duration kLook = std::chrono::milliseconds(2);
 constexpr base::Duration kHeartbeatPatience = std::chrono::seconds(5);
 constexpr double kBytesOfMib = 1024.0 * 1024.0;

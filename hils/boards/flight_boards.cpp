@@ -147,8 +147,7 @@ const Board* FlightBoards::board_at(const fs::path& port) const {
 
 FcuDevice FlightBoards::device(std::size_t vehicle, std::optional<unsigned> baud) const {
   if (const auto port = ports_.find(vehicle); port != ports_.end()) {
-    const std::string missing = missing_port();
-    if (!missing.empty()) throw BoardError(kExitBoardAbsent, missing);
+    if (const auto missing = missing_port()) throw BoardError(kExitBoardAbsent, *missing);
     return {.path = port->second, .baud = baud.value_or(FcuDevice{}.baud)};
   }
   const Board& board = *boards_.at(vehicle);
@@ -215,12 +214,13 @@ base::Duration FlightBoards::log_time() const {
   return time;
 }
 
-std::string FlightBoards::missing_port() const {
+std::optional<std::string> FlightBoards::missing_port() const {
   const auto found = std::ranges::find_if(ports_, [](const auto& port) {
     std::error_code error;
     return !fs::exists(port.second, error);
   });
-  return found == ports_.end() ? std::string() : found->second + ": there is no such port";
+  if (found == ports_.end()) return std::nullopt;
+  return found->second + ": there is no such port";
 }
 
 std::map<std::size_t, std::string> FlightBoards::absences() const {

@@ -73,8 +73,8 @@ class FlightBoards {
   /// What that may take.
   base::Duration log_time() const;
 
-  /// A sentence on a port, given by its path, that is not there; empty: all are.
-  std::string missing_port() const;
+  /// A sentence on a port, given by its path, that is not there; nothing: all are.
+  std::optional<std::string> missing_port() const;
   /// A sentence for each board that is gone, after a flight; by vehicle.
   std::map<std::size_t, std::string> absences() const;
 

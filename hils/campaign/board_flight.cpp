@@ -58,9 +58,7 @@ RowResult fly_on_board(const RowTask& task, std::function<void()>& fetch_logs) {
       parse_fcu_words(controllers.words, request.scenario.names()), controllers.boards,
       "a flight of hils campaign", std::nullopt);
   const FlightBoards& boards = *own;
-  if (const std::string missing = boards.missing_port(); !missing.empty()) {
-    throw BoardError(kExitBoardAbsent, missing);
-  }
+  if (const auto missing = boards.missing_port()) throw BoardError(kExitBoardAbsent, *missing);
   // A flight of this row that was interrupted may have left the board armed.
   if (task.row > 1 || fs::exists(request.out / "run")) {
     boards.restart(request.out, controllers.baud);
@@ -68,9 +66,7 @@ RowResult fly_on_board(const RowTask& task, std::function<void()>& fetch_logs) {
   request.fcu_devices = boards.prepare(request.out, request.scenario.names(), controllers.baud);
   RunResult run = evaluate(request, run_in_real_time(request));
   std::map<std::size_t, std::string> gone = boards.absences();
-  if (std::string missing = boards.missing_port(); !missing.empty()) {
-    gone[0] = std::move(missing);
-  }
+  if (auto missing = boards.missing_port()) gone[0] = std::move(*missing);
   fail_absent(gone, run);
   write_artefacts(request, run);
   if (!gone.empty()) return row_without_figures(RowOutcome::kDied, gone.begin()->second);

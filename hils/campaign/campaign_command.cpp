@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -15,8 +16,8 @@
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
-#include "hils/boards/board_command.hpp"
 #include "hils/boards/board_error.hpp"
+#include "hils/boards/board_flags.hpp"
 #include "hils/boards/flight_boards.hpp"
 #include "hils/campaign/board_flight.hpp"
 #include "hils/campaign/campaign.hpp"
@@ -34,15 +35,15 @@ namespace cas::hils {
 
 namespace fs = std::filesystem;
 
-struct CampaignCommand::Flags {
-  CLI::App* campaign = nullptr;
+namespace {
+
+struct Flags {
   std::string file;
   std::string out;
   std::optional<std::size_t> jobs;
   std::vector<std::string> fcus;  ///< as parse_fcu_words() takes them
   std::optional<unsigned> fcu_baud;
-  std::string boards;
-  std::string wait;
+  BoardFlags boards;
   std::vector<std::string> only;
   std::string task;  ///< folder of a flight that this process is for
   bool list = false;
@@ -51,8 +52,6 @@ struct CampaignCommand::Flags {
   std::size_t replays = 200;
   bool retry = false;
 };
-
-namespace {
 
 /// A start with boards that were not there has left its plan, and nothing that was flown.
 bool was_never_flown(const fs::path& out) {
@@ -174,50 +173,7 @@ int fly_on_boards(const Campaign& campaign, const CampaignControllers& controlle
   return report({});
 }
 
-}  // namespace
-
-CampaignCommand::CampaignCommand(CLI::App& app) : flags_(std::make_unique<Flags>()) {
-  Flags& flags = *flags_;
-  flags.campaign =
-      app.add_subcommand("campaign", "Let failures strike in a flight and check what must happen");
-  flags.campaign->add_option("CAMPAIGN", flags.file, "Campaign file (docs/campaign.md)");
-  flags.campaign->add_option("--out", flags.out, "Folder for the results (the last, if several)")
-      ->take_last();
-  flags.campaign->add_option("--jobs", flags.jobs, "Flights at once (as many as processors)")
-      ->check(base::cli::whole_number)
-      ->check(CLI::Range(1, 4096));
-  flags.campaign
-      ->add_option("--only", flags.only, "Fly these failures of the campaign alone: NAME,NAME")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  flags.campaign
-      ->add_option("--fcu", flags.fcus,
-                   "Fly in real time, one flight after the other, with a board of boards.yaml or "
-                   "the controller at the path of a serial port, which is held to the end")
-      ->allow_extra_args(false);
-  flags.campaign->add_option("--fcu-baud", flags.fcu_baud,
-                             "Baud rate of that port (the board's, or 921600)");
-  flags.campaign->add_option("--boards", flags.boards, "The list of boards, as of 'hils run'");
-  add_wait(*flags.campaign, flags.wait);
-  flags.campaign->add_option("--fly", flags.task)->group("");  // of the runner, for its processes
-  flags.campaign->add_flag("--plan", flags.plan,
-                           "Write the table of flights and fly nothing: 'hils sweep run' flies it");
-  flags.campaign
-      ->add_option("--replays", flags.replays,
-                   "Most cells that get a report and a replay of one flight; those that are not as "
-                   "expected come first (200)")
-      ->check(base::cli::whole_number);
-  flags.campaign->add_flag("--retry", flags.retry, "Fly what died or hung once more");
-  flags.campaign->add_flag("--list", flags.list, "Print the catalogue of failures, and end");
-  flags.campaign->add_flag("--markdown", flags.markdown, "With --list: as a table in Markdown");
-}
-
-CampaignCommand::~CampaignCommand() = default;
-
-bool CampaignCommand::parsed() const { return flags_->campaign->parsed(); }
-
-int CampaignCommand::run() const {
-  const Flags& flags = *flags_;
+int run(const Flags& flags) {
   if (flags.list) {
     fmt::print("{}", flags.markdown ? catalogue_markdown() : catalogue_text());
     return kExitPassed;
@@ -233,11 +189,10 @@ int CampaignCommand::run() const {
   if (campaign.is_on_boards()) {
     refuse_flags_of_the_virtual_clock(flags.plan, flags.jobs);
     return fly_on_boards(
-        campaign,
-        {.words = flags.fcus, .boards = find_board_list(flags.boards), .baud = flags.fcu_baud},
-        {.file = flags.file, .out = out, .wait = parse_wait(flags.wait), .retry = flags.retry});
+        campaign, {.words = flags.fcus, .boards = flags.boards.file(), .baud = flags.fcu_baud},
+        {.file = flags.file, .out = out, .wait = flags.boards.patience(), .retry = flags.retry});
   }
-  if (flags.fcu_baud || !flags.boards.empty() || !flags.wait.empty()) {
+  if (flags.fcu_baud || flags.boards.are_given()) {
     throw base::ConfigError("--fcu-baud, --boards and --wait belong to --fcu");
   }
   const SweepFolder sweep = announced_plan_of(campaign, out);
@@ -252,6 +207,44 @@ int CampaignCommand::run() const {
   write_results(matrix, sweep);  // with links to the replays
   fmt::print("{}\nResults: {}\n", campaign_text(matrix), flags.out);
   return matrix.exit_code();
+}
+
+}  // namespace
+
+base::cli::Verb add_campaign(CLI::App& app) {
+  const auto kept = std::make_shared<Flags>();
+  Flags& flags = *kept;
+  CLI::App* campaign =
+      app.add_subcommand("campaign", "Let failures strike in a flight and check what must happen");
+  campaign->add_option("CAMPAIGN", flags.file, "Campaign file (docs/campaign.md)");
+  campaign->add_option("--out", flags.out, "Folder for the results (the last, if several)")
+      ->take_last();
+  campaign->add_option("--jobs", flags.jobs, "Flights at once (as many as processors)")
+      ->check(base::cli::whole_number)
+      ->check(CLI::Range(1, 4096));
+  campaign->add_option("--only", flags.only, "Fly these failures of the campaign alone: NAME,NAME")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  campaign
+      ->add_option("--fcu", flags.fcus,
+                   "Fly in real time, one flight after the other, with a board of boards.yaml or "
+                   "the controller at the path of a serial port, which is held to the end")
+      ->allow_extra_args(false);
+  campaign->add_option("--fcu-baud", flags.fcu_baud,
+                       "Baud rate of that port (the board's, or 921600)");
+  add_board_flags(*campaign, flags.boards);
+  campaign->add_option("--fly", flags.task)->group("");  // of the runner, for its processes
+  campaign->add_flag("--plan", flags.plan,
+                     "Write the table of flights and fly nothing: 'hils sweep run' flies it");
+  campaign
+      ->add_option("--replays", flags.replays,
+                   "Most cells that get a report and a replay of one flight; those that are not as "
+                   "expected come first (200)")
+      ->check(base::cli::whole_number);
+  campaign->add_flag("--retry", flags.retry, "Fly what died or hung once more");
+  campaign->add_flag("--list", flags.list, "Print the catalogue of failures, and end");
+  campaign->add_flag("--markdown", flags.markdown, "With --list: as a table in Markdown");
+  return {campaign, [kept] { return run(*kept); }};
 }
 
 }  // namespace cas::hils

@@ -28,11 +28,11 @@ enum class FailureNeeds {
 /// One failure of the catalogue. It acts on physics or bytes; what comes of it is the vehicle's.
 struct Failure {
   std::string_view name;
-  std::string_view part;     ///< of the vehicle or the bench: "GPS"
+  std::string_view part{};   ///< of the vehicle or the bench: "GPS"
   std::string_view meaning;  ///< what has gone wrong
   std::string_view physics;  ///< what that changes in the simulation
   std::string_view source;   ///< where it is known from
-  std::vector<FailureParameter> parameters;
+  std::vector<FailureParameter> parameters{};
   /// Effects of a scenario's `faults`, YAML with $NAME for parameters. All strike together.
   std::vector<std::string_view> effects;
   bool of_bench = false;  ///< its conditions ask the truth by name, and it always has an end

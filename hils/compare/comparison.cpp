@@ -37,11 +37,12 @@ std::string folder_of(const Variant& variant, std::uint64_t seed) {
 }
 
 RunRequest request_of(const Scenario& scenario, const Variant& variant, std::uint64_t seed,
-                      const std::filesystem::path& out) {
+                      const std::filesystem::path& out, bool keep) {
   return {.scenario = scenario,
           .architecture = variant.architecture,
           .seed = seed,
           .line_preset = variant.baud > 0 ? fmt::format("baud_{}", variant.baud) : "ideal",
+          .keeps_sensors = keep,
           .out = out / "runs" / folder_of(variant, seed)};
 }
 
@@ -63,7 +64,6 @@ void run_one(const ComparisonPlan& plan, const RunRequest& request, bool keep,
   result.verdicts.push_back(verdict);
   if (keep) return;
   std::filesystem::remove(record.truth_csv);
-  std::filesystem::remove_all(record.sensors);
   std::filesystem::remove(record.flight_tlog);
 }
 
@@ -123,7 +123,7 @@ std::vector<VariantResult> run_comparison(const ComparisonPlan& plan,
       fmt::print(stderr, "{}; {}, seed {}\n", batch_line("compare", done, all, elapsed),
                  result.variant.name(), seed);
       ++done;
-      run_one(plan, request_of(scenario, result.variant, seed, out), keep, result);
+      run_one(plan, request_of(scenario, result.variant, seed, out, keep), keep, result);
     }
   }
   return results;

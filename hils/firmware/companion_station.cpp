@@ -6,11 +6,11 @@
 #include <variant>
 
 #include "mavlink/common/attitude.hpp"
-#include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/local_position_ned.hpp"
 #include "mavlink/common/mission_item_reached.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/services/address.hpp"
+#include "mavlink_gen/services/station_heartbeat.hpp"
 
 namespace cas::hils {
 namespace {
@@ -19,15 +19,6 @@ namespace mv = mavlink::common;
 
 /// So that casd knows the way for what the vehicle answers.
 constexpr base::Duration kHeartbeatPeriod = std::chrono::seconds(1);
-
-mv::Heartbeat heartbeat() {
-  mv::Heartbeat message;
-  message.type = mv::MavType::kOnboardController;
-  message.autopilot = mv::MavAutopilot::kInvalid;
-  message.system_status = mv::MavState::kActive;
-  message.mavlink_version = 3;
-  return message;
-}
 
 }  // namespace
 
@@ -75,7 +66,7 @@ void CompanionStation::tick(base::RunTime now) {
   mission_.tick(now);
   if (now < next_heartbeat_) return;
   next_heartbeat_ = now + kHeartbeatPeriod;
-  send_(encode_(heartbeat()));
+  send_(encode_(mav::services::station_heartbeat(mv::MavType::kOnboardController)));
 }
 
 void CompanionStation::upload(mav::services::MissionExchange::Items items, base::RunTime now) {

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/firmware/firmware_faults.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <variant>
 
 namespace cas::hils {
@@ -35,7 +37,7 @@ void FirmwareFaults::play(const BenchFault& fault, bool begins) {
   } else if (std::holds_alternative<RestartFault>(fault.kind)) {
     restart(begins);
   } else if (std::holds_alternative<ReloadFault>(fault.kind)) {
-    if (begins && !casd_is_away_) ask_casd("casd.reload", Json::object());
+    if (begins) reload();
   } else if (const auto* stop = std::get_if<PauseFault>(&fault.kind)) {
     if (begins) pause(stop->wall);
   } else if (const auto* link = std::get_if<CutFault>(&fault.kind)) {
@@ -60,14 +62,35 @@ void FirmwareFaults::restart(bool begins) {
   reach_.bench.start_casd();
   reach_.casd = base::rpc::Client(reach_.casd_address);
   reach_.own_calls.clear();
+  remove_cut_links();
 }
 
 /// casd reads its topology again to open the link.
 void FirmwareFaults::cut(const std::string& link, bool begins) {
   note_outage(begins);
-  if (casd_is_away_) return;  // it comes back with all its links
-  if (!begins) return ask_casd("casd.reload", Json::object());
-  reach_.before_forgetting(false);
+  if (!begins) {
+    cut_links_.erase(std::ranges::find(cut_links_, link));
+    return reload();
+  }
+  if (!casd_is_away_) reach_.before_forgetting(false);
+  const bool is_cut = std::ranges::find(cut_links_, link) != cut_links_.end();
+  cut_links_.push_back(link);
+  if (!casd_is_away_ && !is_cut) remove(link);
+}
+
+/// A casd that is away reads it as it comes.
+void FirmwareFaults::reload() {
+  if (casd_is_away_) return;
+  ask_casd("casd.reload", Json::object());
+  remove_cut_links();
+}
+
+/// A casd that has read its topology has opened them all.
+void FirmwareFaults::remove_cut_links() {
+  for (const std::string& link : std::set(cut_links_.begin(), cut_links_.end())) remove(link);
+}
+
+void FirmwareFaults::remove(const std::string& link) {
   ask_casd("link.remove", {{"link", link}, {"force", true}});
 }
 

@@ -53,14 +53,18 @@ class FirmwareFaults {
   void pause(base::Duration wall);
   void restart(bool begins);
   void cut(const std::string& link, bool begins);
+  void reload();
+  void remove_cut_links();
+  void remove(const std::string& link);
   void note_outage(bool begins);
   void ask_casd(const std::string& method, const base::rpc::Json& params);
 
   BenchFaultScript script_;
   Reach reach_;
   bool casd_is_away_ = false;
-  int outages_ = 0;                ///< under way
-  base::RunTime excused_until_{};  ///< once none is
+  std::vector<std::string> cut_links_;  ///< one for each cut under way
+  int outages_ = 0;                     ///< under way
+  base::RunTime excused_until_{};       ///< once none is
 };
 
 }  // namespace cas::hils

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
+#include "hils/firmware/true_steps.hpp"
+#include "hils/measure/record_hole.hpp"
 
 namespace cas::hils {
 namespace {
@@ -45,6 +47,12 @@ std::optional<RmsFigures> rms_of_step(const std::vector<Stage>& stages,
 
 }  // namespace
 
+std::vector<Stage> FirmwareFigures::flown_stages() const {
+  std::vector<Stage> flown = stages;
+  if (under_way) flown.push_back(*under_way);
+  return flown;
+}
+
 std::string_view measured_about(const std::vector<Stage>& stages) {
   const auto step = std::ranges::find_if(stages, [](const Stage& s) { return s.step.measure; });
   const bool moves = step != stages.end() && step->step.kind == StepKind::kTrajectory;
@@ -57,10 +65,14 @@ void add_truth(const std::filesystem::path& truth, FirmwareFigures& figures) {
     if (samples.empty()) {
       figures.unwatched = truth.string() + " is empty";
     } else {
-      std::vector<Stage> flown = figures.stages;
-      if (figures.under_way) flown.push_back(*figures.under_way);
+      const std::vector<Stage> flown = figures.flown_stages();
+      if (const std::string hole = record_hole(flown, samples); !hole.empty()) {
+        figures.unwatched = truth.string() + ": " + hole;
+      }
       figures.incidents = find_incidents(flown, samples);
+      figures.not_flown = steps_not_flown(figures.stages, samples);
       figures.rms = rms_of_step(figures.stages, samples);
+      if (figures.fence) add_reach(samples, *figures.fence);
     }
   } catch (const base::ConfigError& error) {
     figures.unwatched = error.what();
@@ -72,7 +84,6 @@ void add_estimate(const std::filesystem::path& truth, const std::filesystem::pat
   try {
     const std::vector<PoseSample> estimate = read_estimate(tlog, figures.system, figures.log_clock);
     figures.rms_estimate = estimate_error(figures.stages, read_truth(truth), estimate);
-      if (figures.fence) add_reach(samples, *figures.fence);
   } catch (const base::ConfigError&) {
     figures.rms_estimate.reset();  // a limit on it is missed
   }

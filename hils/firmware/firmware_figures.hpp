@@ -49,13 +49,19 @@ struct FirmwareFigures {
   ClockMap log_clock;               ///< clock of the flight log -> simulated time
   std::vector<Incident> incidents;  ///< by the true flight
   std::string unwatched;            ///< why nobody could look for incidents; empty: somebody did
-  std::uint64_t dropped = 0;        ///< packets, by casd at all its links until the flight's end
-  std::uint64_t lost = 0;  ///< packets, by the gaps in the sequence numbers that casd heard
+  /// Steps that count as done, and that the true flight does not show: steps_not_flown().
+  std::vector<std::string> not_flown;
+  std::uint64_t dropped = 0;  ///< packets, by casd at all its links until the flight's end
+  std::uint64_t lost = 0;     ///< packets, by the gaps in the sequence numbers that casd heard
+
+  /// With the one under way.
+  std::vector<Stage> flown_stages() const;
 };
 
 /// What FirmwareFigures::rms is about: "the reference" or "its mean".
 std::string_view measured_about(const std::vector<Stage>& stages);
-/// Looks into the true flight, truth.csv: incidents, and how still the measured hold was.
+/// Looks into the true flight, truth.csv: incidents, whether its steps were flown, and how still
+/// the measured hold was.
 void add_truth(const std::filesystem::path& truth, FirmwareFigures& figures);
 /// Adds the figures of the estimate in the flight log; nothing where there is none to read.
 void add_estimate(const std::filesystem::path& truth, const std::filesystem::path& tlog,

@@ -128,7 +128,7 @@ class FirmwarePilot {
 
   /// The plan fails where the vehicle is silent.
   void check_silence(const VehicleReport& vehicle) {
-    if (const std::string fault = silence_fault(vehicle); !fault.empty()) plan_.fail(fault);
+    if (const auto fault = silence_fault(vehicle)) plan_.fail(*fault);
   }
 
   /// casd is about to forget who had a hand in the flight.
@@ -184,16 +184,16 @@ class FirmwarePilot {
       if (!plan_.failure().empty()) return;
     }
     if (companion_ && CompanionFlight::gives(command.kind)) return give_as_companion(command);
-    const std::string refusal = hils::give(casd_, in_vehicles_frame(command), scenario_.not_hil,
-                                           asked_, &own_calls_, acts_so_far_);
+    const std::optional<Refusal> refusal = hils::give(
+        casd_, in_vehicles_frame(command), scenario_.not_hil, asked_, &own_calls_, acts_so_far_);
     const base::SimTime now = look();
     plan_.on_outcome(now, refusal);
-    if (command.kind == StepKind::kDisarm && refusal.empty()) gave_disarm_ = true;
+    if (command.kind == StepKind::kDisarm && !refusal) gave_disarm_ = true;
     if (command.kind != StepKind::kArm) return;
     // A vehicle that was stopped at its board refuses: asking on and on would start it in the
     // moment in which somebody lets it go.
-    if (again && !refusal.empty()) plan_.fail("the vehicle was disarmed, and refuses: " + refusal);
-    if (!refusal.empty()) return;
+    if (again && refusal) plan_.fail("the vehicle was disarmed, and refuses: " + refusal->why);
+    if (refusal) return;
     if (again) ++armed_again_;
     was_armed_ = true;
     seen_armed_ = false;
@@ -283,7 +283,9 @@ class FirmwarePilot {
     if (answer.for_good) return plan_.fail(answer.refusal);
     if (answer.mission) plan_.aim(*answer.mission);
     const base::SimTime now = look();
-    plan_.on_outcome(answer.begin.value_or(now), answer.refusal);
+    std::optional<Refusal> refusal;
+    if (!answer.refusal.empty()) refusal = Refusal{answer.refusal};
+    plan_.on_outcome(answer.begin.value_or(now), refusal);
   }
 
   /// The plan counts from where the vehicle was armed, casd from the vehicle's origin.
@@ -388,9 +390,9 @@ class FirmwarePilot {
       }
       supervisor_.wait(kPollPeriod);
     }
-    const std::string fault = version_fault(scenario_.firmware, figures_.version);
-    if (!fault.empty()) plan_.fail(fault);
-    return fault.empty();
+    const auto fault = version_fault(scenario_.firmware, figures_.version);
+    if (fault) plan_.fail(*fault);
+    return !fault;
   }
 
   /// A refusal means that it has none to tell, or not yet.
@@ -506,10 +508,8 @@ class FirmwareFleet {
     }
   }
 
-  std::vector<FirmwareFigures> fly() {
-    for (const auto& pilot : pilots_) {
   /// @throws RunStopped, base::rpc::ConnectionError; the fences are restored even then
-      if (!pilot->is_there()) return;
+  std::vector<FirmwareFigures> fly() {
     try {
       fly_steps();
       restore_fences();
@@ -523,10 +523,12 @@ class FirmwareFleet {
 
  private:
   void fly_steps() {
+    for (const auto& pilot : pilots_) {
+      if (!pilot->is_there()) return;
     }
+    for (const auto& pilot : pilots_) pilot->set_fence();
     for (base::SimTime now = look(); !plan_.ended();) {
       faults_.play(now, reports_, plan_.phase());
-    for (const auto& pilot : pilots_) pilot->set_fence();
       now = look();
       if (waits_for_vehicles()) {
         deck_.supervisor.wait(kPollPeriod);
@@ -624,21 +626,23 @@ class FirmwareFleet {
 
 }  // namespace
 
-std::string version_fault(const Firmware& wanted, const std::string& version) {
-  if (wanted.least_version.empty()) return {};
+std::optional<std::string> version_fault(const Firmware& wanted, const std::string& version) {
+  if (wanted.least_version.empty()) return std::nullopt;
   if (version.empty()) {
     return fmt::format(
         "the firmware did not tell its version within {:.0f} s, and the scenario is for v{} and "
         "later",
         base::to_seconds(kVersionPatience), wanted.least_version);
   }
-  if (is_at_least(version, wanted.least_version)) return {};
+  if (is_at_least(version, wanted.least_version)) return std::nullopt;
   return fmt::format("the firmware is v{}, and the scenario is for v{} and later{}{}", version,
                      wanted.least_version, wanted.hint.empty() ? "" : "; ", wanted.hint);
 }
 
-std::string silence_fault(const VehicleReport& vehicle) {
-  if (vehicle.heard && vehicle.heartbeat_age_s <= base::to_seconds(kSilencePatience)) return {};
+std::optional<std::string> silence_fault(const VehicleReport& vehicle) {
+  if (vehicle.heard && vehicle.heartbeat_age_s <= base::to_seconds(kSilencePatience)) {
+    return std::nullopt;
+  }
   return fmt::format(
       "the firmware has sent no HEARTBEAT for {:.0f} s; run/firmware.log in the results has what "
       "it says",

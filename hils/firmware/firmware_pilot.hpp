@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,10 +14,10 @@
 
 namespace cas::hils {
 
-/// Why a firmware of this version is not flown; empty: it may be. @param version  empty: not told
-std::string version_fault(const Firmware& wanted, const std::string& version);
-/// Why a flight does not wait for its vehicle any longer; empty: it speaks.
-std::string silence_fault(const VehicleReport& vehicle);
+/// Why a firmware of this version is not flown; nothing: it may be. @param version  empty: not told
+std::optional<std::string> version_fault(const Firmware& wanted, const std::string& version);
+/// Why a flight does not wait for its vehicle any longer; nothing: it speaks.
+std::optional<std::string> silence_fault(const VehicleReport& vehicle);
 
 /// Flies the steps of a scenario through casd once its programs run, and looks at the true
 /// positions.

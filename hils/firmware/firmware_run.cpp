@@ -19,6 +19,7 @@
 #include "hils/firmware/firmware_pilot.hpp"
 #include "hils/firmware/firmware_report.hpp"
 #include "hils/firmware/firmware_verdict.hpp"
+#include "hils/firmware/own_home.hpp"
 #include "hils/replay/replay_command.hpp"
 #include "hils/replay/replay_page.hpp"
 #include "hils/replay/replay_record.hpp"
@@ -31,11 +32,11 @@ namespace {
 
 void print_vehicle(const FirmwareFigures& figures) {
   fmt::print("  height error {:.2f} m, drift {:.2f} m\n", figures.height_error_m, figures.drift_m);
-  if (const auto& rms = figures.rms) {
   if (const auto& fence = figures.fence; fence && fence->farthest_m) {
     fmt::print("  farthest from home {:.2f} m; of its fence the autopilot said '{}'\n",
                *fence->farthest_m, fence->words);
   }
+  if (const auto& rms = figures.rms) {
     fmt::print("  RMS of the true position about {}: {:.3f}, {:.3f}, {:.3f} m\n",
                measured_about(figures.stages), rms->x_m, rms->y_m, rms->z_m);
   }
@@ -88,7 +89,12 @@ FirmwareResult evaluate(const FirmwareScenario& scenario, const FirmwarePlaces& 
   for (const auto& fault : vehicle_faults(places.simulator_stats(), name)) {
     figures.faults.push_back(fault);
   }
-  figures.never_began = faults_that_never_began(scenario.faults, vehicle, figures.faults);
+  figures.never_began =
+      faults_that_never_began(scenario.faults, vehicle, figures.faults, figures.flown_stages());
+  if (scenario.flies_several()) {
+    const std::string other = home_fault(scenario, vehicle, places.flight_tlog(), figures.system);
+    if (!other.empty()) figures.not_flown.push_back(other);
+  }
   const Verdict verdict = judge(scenario, figures);
   return {.vehicle = name, .figures = std::move(figures), .verdict = verdict};
 }

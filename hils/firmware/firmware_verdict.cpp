@@ -2,6 +2,7 @@
 #include "hils/firmware/firmware_verdict.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -73,7 +74,6 @@ void check_links(const FirmwareScenario& scenario, const FirmwareFigures& figure
   }
 }
 
-/// What is each vehicle's own in a summary.
 /// Of a scenario that has one.
 void check_fence(const FirmwareScenario& scenario, const FirmwareFigures& figures,
                  std::vector<LimitCheck>& checks) {
@@ -85,6 +85,7 @@ void check_fence(const FirmwareScenario& scenario, const FirmwareFigures& figure
   }
 }
 
+/// What is each vehicle's own in a summary.
 json vehicle_json(const FirmwareFigures& figures) {
   json all{{"firmware", figures.version}, {"height_error_m", figures.height_error_m},
            {"drift_m", figures.drift_m},  {"rates_hz", figures.rates_hz},
@@ -94,8 +95,8 @@ json vehicle_json(const FirmwareFigures& figures) {
     all["setpoints"] = {{"count", figures.setpoints.count},
                         {"longest_gap_s", figures.setpoints.longest_gap_s}};
   }
-  if (figures.rms) all["rms"] = rms_json(*figures.rms);
   if (figures.fence) all["fence"] = fence_json(*figures.fence);
+  if (figures.rms) all["rms"] = rms_json(*figures.rms);
   if (figures.rms_estimate) all["rms_estimate"] = rms_json(*figures.rms_estimate);
   for (const BenchFaultScript::Span& fault : figures.faults) {
     json& entry = all["faults"].emplace_back();
@@ -141,8 +142,10 @@ Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) 
   check_rms("true position", figures.rms, scenario.rms, held, checks);
   check_rms("estimate", figures.rms_estimate, scenario.rms_estimate, held, checks);
   check_links(scenario, figures, checks);
-  std::string incidents;
   check_fence(scenario, figures, checks);
+  checks.push_back(check("steps by the true flight", "as the vehicle says",
+                         fmt::format("{}", fmt::join(figures.not_flown, "; "))));
+  std::string incidents;
   for (const Incident& incident : figures.incidents) {
     incidents += (incidents.empty() ? "the vehicle " : "; it ") + incident.what;
   }
@@ -171,6 +174,7 @@ json firmware_summary(const FirmwareScenario& scenario, std::span<const Firmware
   const Verdict together = judge_together(vehicles);
   json all{{"schema", 1},
            {"scenario", scenario.name},
+           {"valid", together.valid},
            {"passed", together.passed},
            {"missed", together.failures},
            {"simulated_s", first.simulated_s},

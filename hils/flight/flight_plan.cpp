@@ -139,11 +139,11 @@ void FlightPlan::check_mode(const FlightStep& step, base::SimTime now,
   }
 }
 
-void FlightPlan::on_outcome(base::SimTime now, const std::string& refusal) {
-  last_refusal_ = refusal;
+void FlightPlan::on_outcome(base::SimTime now, const std::optional<Refusal>& refusal) {
+  last_refusal_ = refusal ? refusal->why : std::string();
   const bool again = std::exchange(rearming_, false);
-  if (again && refusal.empty()) armed_again_ = now;
-  if (refusal.empty() && !again) {
+  if (again && !refusal) armed_again_ = now;
+  if (!refusal && !again) {
     phase_ = Phase::kWaiting;
     accepted_ = now;
     const StepKind kind = steps_[current_].kind;
@@ -306,7 +306,9 @@ bool FlightPlan::has_flown_mission(const FlightStep& step, base::SimTime now,
 void FlightPlan::aim(const HomedMission& mission) {
   reference_m_ = mission.end_m;
   last_item_ = mission.last;
-  if (!done()) steps_[current_].reach_m = mission.reach_m;
+  if (done()) return;
+  steps_[current_].reach_m = mission.reach_m;
+  steps_[current_].places = mission.places;
 }
 
 void FlightPlan::begin_step(base::SimTime now, const FlightStep& step) {

@@ -26,6 +26,11 @@ struct HeardAct {
 /// How the failure of a flight begins whose vehicle is armed no more.
 inline constexpr std::string_view kDisarmedDuring = "the vehicle was disarmed during ";
 
+/// Why a vehicle did not take a command.
+struct Refusal {
+  std::string why;
+};
+
 /// What casd knows of the vehicle.
 struct VehicleReport {
   bool heard = false;          ///< its HEARTBEAT has come
@@ -49,13 +54,13 @@ struct VehicleReport {
   std::uint64_t acts_so_far = 0;  ///< as casd counts them
   std::string disarm_words{};     ///< what it said of its newest disarming: "Disarmed by landing"
   double disarm_words_age_s = 0;  ///< by casd's clock
+  std::string fence_words{};      ///< with which it announced a breach of its fence last
+  double fence_words_age_s = 0;   ///< by casd's clock
   std::string mode{};             ///< by its HEARTBEAT; empty: nobody looks
   std::string warning{};          ///< what it said last, and lately, as a warning or worse
   std::optional<std::uint16_t> mission_reached{};  ///< of the mission under way, by the wire
 
   /// Motion by the vehicle's own estimate.
-  std::string fence_words{};      ///< with which it announced a breach of its fence last
-  double fence_words_age_s = 0;   ///< by casd's clock
   Motion estimate() const;
 };
 
@@ -99,9 +104,9 @@ class FlightPlan {
   /// @param others_through  so many steps the other vehicles are through with: the next one begins
   std::optional<FlightStep> update(base::SimTime now, const VehicleReport& vehicle,
                                    std::size_t others_through = kNobody);
-  /// The vehicle's answer to the last command: `refusal` is empty when it was accepted. A refused
-  /// command is given again each second until the step's time is over.
-  void on_outcome(base::SimTime now, const std::string& refusal);
+  /// The vehicle's answer to the last command; no refusal: it was accepted. A refused command is
+  /// given again each second until the step's time is over.
+  void on_outcome(base::SimTime now, const std::optional<Refusal>& refusal = {});
 
   bool done() const { return current_ == steps_.size(); }
   /// Steps that the vehicle has done, and whether it has begun with the next one.
@@ -116,7 +121,8 @@ class FlightPlan {
   const std::string& failure() const { return failure_; }
   /// The flight cannot go on for a reason that the plan does not see.
   void fail(std::string why) { failure_ = std::move(why); }
-  /// The mission under way, once it is uploaded: where it ends, and the item before its landing.
+  /// The mission under way, once it is uploaded: where it goes and ends, and the item before its
+  /// landing.
   void aim(const HomedMission& mission);
   /// Where the vehicle is to be, north, east, up from where it was armed, and its heading.
   const Eigen::Vector3d& reference_m() const { return reference_m_; }
@@ -150,13 +156,13 @@ class FlightPlan {
   bool stays(base::SimTime now, bool still);
   bool has_landed_there(const VehicleReport& vehicle);
   bool has_returned(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle);
+  bool fence_took_over(const FlightStep& step, const VehicleReport& vehicle) const;
   bool has_flown_mission(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle);
   bool is_at_last_item(const VehicleReport& vehicle) const;
   std::vector<std::string_view> modes_of(const FlightStep& step,
                                          const VehicleReport& vehicle) const;
   void check_mode(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle);
   void begin_step(base::SimTime now, const FlightStep& step);
-  bool fence_took_over(const FlightStep& step, const VehicleReport& vehicle) const;
   void end_step(base::SimTime now);
 
   std::vector<FlightStep> steps_;

@@ -86,6 +86,7 @@ struct FlightStep {
   MissionPlan mission{};                                 ///< mission
   std::optional<FenceAction> fence{};                    ///< breach: what the fence does
   double reach_m = 0;  ///< breach, and mission once home is known: farthest place from home
+  std::vector<MissionPlace> places{};  ///< mission: of its waypoints, once home is known
   bool ends_holding = false;           ///< rtl: the vehicle is set to stay above home
 };
 

@@ -226,6 +226,11 @@ HomedMission at_home(const MissionPlan& plan, const base::Geodetic& home, bool h
     const double up_m = is_relative(item.frame) ? item.up_m : item.up_m - home.alt_m;
     mission.end_m.z() = item.command == MavCmd::kNavLand ? 0 : up_m;
     mission.reach_m = std::max(mission.reach_m, mission.end_m.norm());
+    if (here || item.command != MavCmd::kNavWaypoint) continue;
+    const double radius_m = item.params[1];
+    mission.places.push_back({.number = static_cast<std::size_t>(&item - plan.items.data()) + 1,
+                              .place_m = mission.end_m,
+                              .radius_m = radius_m > 0 ? radius_m : 0});
   }
   if (const auto last = plan.last_before_landing()) {
     mission.last = static_cast<std::uint16_t>(*last + (home_first ? 1 : 0));

@@ -38,12 +38,20 @@ struct MissionPlan {
   std::optional<std::size_t> last_before_landing() const;
 };
 
+/// A waypoint of a mission that the vehicle flies to.
+struct MissionPlace {
+  std::size_t number = 0;                             ///< of its item, in the plan, from 1
+  Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< north, east, up from home
+  double radius_m = 0;  ///< about it, in which it counts as reached, by the plan; 0: the vehicle's
+};
+
 /// A mission for a vehicle whose home is known.
 struct HomedMission {
   mav::services::MissionExchange::Items items{};    ///< as they are uploaded
   std::optional<std::uint16_t> last{};              ///< number on the wire of last_before_landing()
   Eigen::Vector3d end_m = Eigen::Vector3d::Zero();  ///< where it ends: north, east, up from home
   double reach_m = 0;                               ///< farthest place, from home
+  std::vector<MissionPlace> places{};               ///< of its waypoints, in their order
 };
 
 /// Reads `{file: FILE.plan}` (QGroundControl) or `{items: [...]}`. @throws base::ConfigError with

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "casd/packet/intervention.hpp"
+#include "casd/packet/own_station.hpp"
 #include "casd/station/gain_map.hpp"
 #include "casd/station/services.hpp"
 #include "casd/tlog/tlog_packets.hpp"
@@ -87,7 +88,7 @@ class ChangeReader {
       return;
     }
     // What casd's station says was asked at its command port, by hils or by the calls.
-    if (packet.source == mav::Source{kCasdSystem, kCasdComponent}) return;
+    if (packet.source == casd::kOwnStation) return;
     on_other(log_us, packet);
   }
 

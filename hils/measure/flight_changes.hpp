@@ -16,10 +16,6 @@ namespace cas::hils {
 
 struct RunRecord;
 
-/// Ids of casd's own station in the topologies that hils writes.
-inline constexpr std::uint8_t kCasdSystem = 254;
-inline constexpr std::uint8_t kCasdComponent = 190;
-
 /// A call that changed a vehicle or the run, or was to; not one of hils's own.
 struct OutsideCall {
   std::int64_t log_us = 0;  ///< when, by the clock of the flight log

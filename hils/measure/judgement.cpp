@@ -164,6 +164,12 @@ Checks validity_checks(const Measurement& figures) {
                              .found = "none",
                              .wanted = "there"},
                             "there is no record of the true flight"));
+  } else if (!figures.record_hole.empty()) {
+    checks.push_back(missed({.kind = Kind::kValidity,
+                             .what = "record of the true flight",
+                             .found = figures.record_hole,
+                             .wanted = "there"},
+                            "the record of the true flight is not whole: " + figures.record_hole));
   }
   for (const auto& [name, rate] : named_rates(figures.rates)) {
     check_account(name, *rate, checks);

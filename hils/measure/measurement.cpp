@@ -6,6 +6,7 @@
 #include "base/time/clock.hpp"
 #include "casd/station/gain_map.hpp"
 #include "hils/measure/packet_account.hpp"
+#include "hils/measure/record_hole.hpp"
 #include "hils/measure/tracking.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
@@ -139,6 +140,13 @@ void measure_stream(const Scenario& scenario, const RunRecord& record, Measureme
   figures.reading_spread_us = reading_spread_us(figures.paths);
 }
 
+/// With the one under way.
+std::vector<Stage> flown_stages(const RunRecord& record) {
+  std::vector<Stage> flown = record.stages;
+  if (record.under_way) flown.push_back(*record.under_way);
+  return flown;
+}
+
 /// Place of the record's vehicle among the scenario's.
 std::size_t vehicle_number(const Scenario& scenario, const RunRecord& record) {
   const VehicleNames names = scenario.names();
@@ -165,16 +173,15 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.stages = record.stages;
   figures.under_way = record.under_way;
   figures.faults = record.faults;
-  figures.never_began =
-      faults_that_never_began(scenario.faults, vehicle_number(scenario, record), record.faults);
+  figures.never_began = faults_that_never_began(scenario.faults, vehicle_number(scenario, record),
+                                                record.faults, flown_stages(record));
   figures.changes = flight_changes(record, casd::GainMap::shipped(), scenario.ground_station);
   figures.plugins = read_plugin_figures(record.plugin_figures, record.vehicle);
   const std::vector<PoseSample> truth = read_truth(record.truth_csv);
   figures.responses = step_responses(record.stages, truth);
   figures.truth_samples = truth.size();
-  std::vector<Stage> flown = record.stages;
-  if (record.under_way) flown.push_back(*record.under_way);
-  figures.incidents = find_incidents(flown, truth);
+  figures.record_hole = record_hole(flown_stages(record), truth);
+  figures.incidents = find_incidents(flown_stages(record), truth);
   figures.strike = read_strike_response(record, scenario.steps, scenario.faults.vehicle, truth);
   figures.over_hold = record.hold.has_value();
   figures.window = record.hold ? window_of(*record.hold) : whole_stream(record);

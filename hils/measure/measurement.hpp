@@ -51,6 +51,7 @@ struct Measurement {
   std::vector<Stage> stages;
   std::optional<Stage> under_way;  ///< the step that was not done when the flight ended
   std::size_t truth_samples = 0;   ///< of the whole flight
+  std::string record_hole;         ///< what they lack of it: record_hole()
 
   StreamWindow window;     ///< of rates and delays
   bool over_hold = false;  ///< the window is the measured hold, else all that there was

@@ -9,7 +9,7 @@ namespace cas::hils {
 
 std::vector<FaultThatNeverBegan> faults_that_never_began(
     const ScenarioFaults& faults, std::size_t vehicle,
-    const std::vector<BenchFaultScript::Span>& begun) {
+    const std::vector<BenchFaultScript::Span>& begun, const std::vector<Stage>& stages) {
   std::vector<FaultThatNeverBegan> never;
   for (const BenchFault& fault : faults.bench) {
     if (!fault.is_everybodys() && fault.vehicle != vehicle) continue;
@@ -22,7 +22,10 @@ std::vector<FaultThatNeverBegan> faults_that_never_began(
                      .by_time = fault.script.has("at_s")});
   }
   for (const BenchFaultScript::Span& span : begun) {
-    const auto found = std::ranges::find(never, span.name, &FaultThatNeverBegan::name);
+    const bool after = !stages.empty() && span.begin > stages.back().end;
+    const auto found = std::ranges::find_if(never, [&](const FaultThatNeverBegan& fault) {
+      return fault.name == span.name && !(after && fault.by_time);
+    });
     if (found != never.end()) never.erase(found);
   }
   return never;

@@ -16,9 +16,12 @@ struct FaultThatNeverBegan {
 };
 
 /// Faults that a scenario has for one vehicle less those that began. Faults of the same name are
-/// counted.
+/// counted. One with a time did not begin in the flight when it came after the last step: programs
+/// run on for a while.
+///
+/// @param stages  the flight as it went
 std::vector<FaultThatNeverBegan> faults_that_never_began(
     const ScenarioFaults& faults, std::size_t vehicle,
-    const std::vector<BenchFaultScript::Span>& begun);
+    const std::vector<BenchFaultScript::Span>& begun, const std::vector<Stage>& stages);
 
 }  // namespace cas::hils

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <limits>
 #include <string_view>
-#include <unordered_map>
 
 #include "base/enum_words.hpp"
 
@@ -21,18 +21,69 @@ using Direction = base::LedgerEntry::Direction;
 /// drained: more than any queue of the chain keeps a packet.
 constexpr std::uint64_t kDrainUsec = 500'000;
 
-/// First occurrence of each stamp: time_usec -> moment.
-using Moments = std::unordered_map<std::uint64_t, std::int64_t>;
+/// First occurrence of each stamp: time_usec -> moment, in the order of the stamps.
+using Moments = std::vector<std::pair<std::uint64_t, std::int64_t>>;
 
-Moments moments(std::span<const base::LedgerEntry> ledger, Direction direction,
-                std::uint32_t message_id) {
-  Moments found;
-  for (const base::LedgerEntry& entry : ledger) {
-    if (entry.direction == direction && entry.message_id == message_id) {
-      found.try_emplace(entry.time_usec, entry.at_ns);
-    }
+/// Puts moments in the order of their stamps. @return how many were left out, because a stamp came
+/// again
+std::uint64_t put_in_order(Moments& moments) {
+  const auto stamp = &Moments::value_type::first;
+  if (!std::ranges::is_sorted(moments, {}, stamp)) std::ranges::stable_sort(moments, {}, stamp);
+  const auto again = std::ranges::unique(moments, {}, stamp);
+  const std::size_t count = again.size();
+  moments.erase(again.begin(), again.end());
+  return count;
+}
+
+/// Looks for stamps that are asked for in their order.
+class Search {
+ public:
+  explicit Search(const Moments& moments) : at_(moments.begin()), end_(moments.end()) {}
+
+  /// When it was; nullptr when it was not. @param stamp  not before the one asked for last
+  const std::int64_t* find(std::uint64_t stamp) {
+    while (at_ != end_ && at_->first < stamp) ++at_;
+    return at_ != end_ && at_->first == stamp ? &at_->second : nullptr;
   }
-  return found;
+
+ private:
+  Moments::const_iterator at_;
+  Moments::const_iterator end_;
+};
+
+constexpr StreamWindow kWhole{.begin_usec = 0, .end_usec = UINT64_MAX};
+
+/// One point of the way, and how often a stamp came again.
+struct Point {
+  Moments moments;
+  std::uint64_t repeated = 0;
+  std::string name{};
+};
+
+Point point_of(std::span<const base::LedgerEntry> ledger, Direction direction,
+               std::uint32_t message_id, StreamWindow window) {
+  Point point;
+  for (const base::LedgerEntry& entry : ledger) {
+    if (entry.direction != direction || entry.message_id != message_id) continue;
+    if (window.holds(entry.time_usec)) point.moments.emplace_back(entry.time_usec, entry.at_ns);
+  }
+  point.repeated = put_in_order(point.moments);
+  return point;
+}
+
+Point point_of(const casd::LinkLedger::Entries& entries, std::uint32_t message_id,
+               StreamWindow window) {
+  Point point;
+  for (const casd::LinkLedgerEntry& entry : entries) {
+    if (entry.message_id != message_id || !window.holds(entry.time_usec)) continue;
+    point.moments.emplace_back(entry.time_usec, entry.at_ns);
+  }
+  point.repeated = put_in_order(point.moments);
+  return point;
+}
+
+Moments moments_of(const LedgerView& view, StreamWindow window = kWhole) {
+  return point_of(view.ledger, view.direction, view.message_id, window).moments;
 }
 
 /// A stream that begins within the window has its rate from then on: what was not sent before is
@@ -55,54 +106,19 @@ std::uint64_t last_stamp(std::span<const base::LedgerEntry> ledger) {
 }
 
 /// Delays between equal stamps, in the order of the stamps.
-std::vector<std::int64_t> delays(const Moments& from, const Moments& to, StreamWindow window) {
-  std::vector<std::pair<std::uint64_t, std::int64_t>> stamped;
+std::vector<std::int64_t> delays_between(const Moments& from, const Moments& to) {
+  std::vector<std::int64_t> delays;
+  delays.reserve(to.size());
+  Search departures(from);
   for (const auto& [stamp, arrived] : to) {
-    if (!window.holds(stamp)) continue;
-    const auto departed = from.find(stamp);
-    if (departed != from.end()) stamped.emplace_back(stamp, arrived - departed->second);
+    if (const std::int64_t* departed = departures.find(stamp)) {
+      delays.push_back(arrived - *departed);
+    }
   }
-  std::ranges::sort(stamped);
-  std::vector<std::int64_t> result;
-  result.reserve(stamped.size());
-  for (const auto& [stamp, delay] : stamped) result.push_back(delay);
-  return result;
+  return delays;
 }
 
 double microseconds(std::int64_t ns) { return static_cast<double>(ns) / 1000.0; }
-
-using Direction = base::LedgerEntry::Direction;
-
-/// One point of the way: stamp -> moment, and how often a stamp came again.
-struct Point {
-  std::string name;
-  std::map<std::uint64_t, std::int64_t> moments;
-  std::uint64_t repeated = 0;
-
-  void add(std::uint64_t stamp, std::int64_t at_ns, StreamWindow window) {
-    if (!window.holds(stamp)) return;
-    if (!moments.try_emplace(stamp, at_ns).second) ++repeated;
-  }
-};
-
-Point point_of(std::string name, std::span<const base::LedgerEntry> ledger, Direction direction,
-               std::uint32_t message_id, StreamWindow window) {
-  Point point{.name = std::move(name), .moments = {}};
-  for (const base::LedgerEntry& entry : ledger) {
-    if (entry.direction != direction || entry.message_id != message_id) continue;
-    point.add(entry.time_usec, entry.at_ns, window);
-  }
-  return point;
-}
-
-Point point_of(std::string name, const casd::LinkLedger::Entries& entries, std::uint32_t message_id,
-               StreamWindow window) {
-  Point point{.name = std::move(name), .moments = {}};
-  for (const casd::LinkLedgerEntry& entry : entries) {
-    if (entry.message_id == message_id) point.add(entry.time_usec, entry.at_ns, window);
-  }
-  return point;
-}
 
 std::string drop_words(casd::DropCause cause) {
   constexpr base::EnumWords<casd::DropCause::kSuperseded> kWords{
@@ -122,19 +138,10 @@ std::string way_words(bool upwards, std::size_t hop, std::size_t hops) {
 
 std::string hop_name(const Point& from, const Point& to) { return from.name + " -> " + to.name; }
 
-std::vector<std::int64_t> delays_between(const Point& from, const Point& to) {
-  std::vector<std::int64_t> delays;
-  for (const auto& [stamp, arrived] : to.moments) {
-    const auto departed = from.moments.find(stamp);
-    if (departed != from.moments.end()) delays.push_back(arrived - departed->second);
-  }
-  return delays;
-}
-
 HopFigures hop_between(const Point& from, const Point& to) {
   HopFigures hop{.name = hop_name(from, to)};
   hop.in = from.moments.size();
-  std::vector<std::int64_t> delays = delays_between(from, to);
+  std::vector<std::int64_t> delays = delays_between(from.moments, to.moments);
   double change = 0;
   for (std::size_t i = 1; i < delays.size(); ++i) {
     change += std::abs(static_cast<double>(delays[i] - delays[i - 1]));
@@ -150,16 +157,20 @@ std::vector<Point> points_of(const PacketPath& path, std::span<const base::Ledge
                              const RelayLedgers* relay, StreamWindow window) {
   const bool up = path.upwards;
   std::vector<Point> points;
-  points.push_back(point_of(up ? "simulator" : "controller", up ? simulator : controller,
-                            Direction::kSent, path.message_id, window));
+  const auto add = [&points](std::string name, Point point) {
+    points.push_back(std::move(point));
+    points.back().name = std::move(name);
+  };
+  add(up ? "simulator" : "controller",
+      point_of(up ? simulator : controller, Direction::kSent, path.message_id, window));
   if (relay != nullptr) {
     const casd::LinkLedger& in = up ? relay->simulator : relay->controller;
     const casd::LinkLedger& out = up ? relay->controller : relay->simulator;
-    points.push_back(point_of("casd in", in.received(), path.message_id, window));
-    points.push_back(point_of("casd out", out.sent(), path.message_id, window));
+    add("casd in", point_of(in.received(), path.message_id, window));
+    add("casd out", point_of(out.sent(), path.message_id, window));
   }
-  points.push_back(point_of(up ? "controller" : "simulator", up ? controller : simulator,
-                            Direction::kReceived, path.message_id, window));
+  add(up ? "controller" : "simulator",
+      point_of(up ? controller : simulator, Direction::kReceived, path.message_id, window));
   return points;
 }
 
@@ -183,8 +194,9 @@ void check_points(const std::vector<Point>& points, PathAccount& account) {
       account.open = std::to_string(point.repeated) + " packets passed twice at " + point.name;
     }
     if (i == 0) continue;
+    Search before(points[i - 1].moments);
     for (const auto& [stamp, moment] : point.moments) {
-      if (!points[i - 1].moments.contains(stamp)) {
+      if (before.find(stamp) == nullptr) {
         account.open =
             "a packet came to " + point.name + " that had not passed " + points[i - 1].name;
       }
@@ -197,7 +209,7 @@ void check_points(const std::vector<Point>& points, PathAccount& account) {
 RateFigures account(std::span<const base::LedgerEntry> sender,
                     std::span<const base::LedgerEntry> receiver, std::uint32_t message_id,
                     StreamWindow window, double nominal_hz) {
-  const Moments sent = moments(sender, Direction::kSent, message_id);
+  const Moments sent = moments_of({sender, Direction::kSent, message_id});
   RateFigures figures;
   figures.nominal_hz = nominal_hz;
   figures.sent = static_cast<std::uint64_t>(
@@ -205,19 +217,16 @@ RateFigures account(std::span<const base::LedgerEntry> sender,
   figures.drained = last_stamp(sender) >= window.end_usec + kDrainUsec;
   figures.began_late = begins_late(sent, window);
 
-  Moments arrived;
+  const Point arrivals = point_of(receiver, Direction::kReceived, message_id, window);
+  const Moments& arrived = arrivals.moments;
+  figures.duplicated = arrivals.repeated;
   std::int64_t first = std::numeric_limits<std::int64_t>::max();
   std::int64_t last = std::numeric_limits<std::int64_t>::min();
-  for (const base::LedgerEntry& entry : receiver) {
-    if (entry.direction != Direction::kReceived || entry.message_id != message_id) continue;
-    if (!window.holds(entry.time_usec)) continue;
-    if (!arrived.try_emplace(entry.time_usec, entry.at_ns).second) {
-      ++figures.duplicated;
-      continue;
-    }
-    if (!sent.contains(entry.time_usec)) ++figures.unexplained;
-    first = std::min(first, entry.at_ns);
-    last = std::max(last, entry.at_ns);
+  Search departures(sent);
+  for (const auto& [stamp, moment] : arrived) {
+    if (departures.find(stamp) == nullptr) ++figures.unexplained;
+    first = std::min(first, moment);
+    last = std::max(last, moment);
   }
   figures.received = arrived.size() - figures.unexplained;
   figures.lost = figures.sent - figures.received;
@@ -232,38 +241,40 @@ RateFigures account(std::span<const base::LedgerEntry> sender,
 DelayFigures summarise(std::vector<std::int64_t> delays_ns) {
   DelayFigures figures;
   if (delays_ns.empty()) return figures;
-  std::ranges::sort(delays_ns);
-  const auto at = [&](double q) {  // nearest rank
+  auto at = [&, ordered = delays_ns.begin()](double q) mutable {  // nearest rank, q rises
     const auto n = static_cast<double>(delays_ns.size());
-    const auto rank = static_cast<std::size_t>(std::max(1.0, std::ceil(q * n)));
-    return microseconds(delays_ns[rank - 1]);
+    const auto rank = static_cast<std::ptrdiff_t>(std::max(1.0, std::ceil(q * n)));
+    const auto place = delays_ns.begin() + (rank - 1);
+    if (place < ordered) return microseconds(*place);
+    std::nth_element(ordered, place, delays_ns.end());
+    ordered = place + 1;
+    return microseconds(*place);
   };
   figures.count = delays_ns.size();
   figures.p50 = at(0.50);
   figures.p90 = at(0.90);
   figures.p99 = at(0.99);
-  figures.max = microseconds(delays_ns.back());
+  figures.max = at(1);
   return figures;
 }
 
 std::vector<std::int64_t> delays_ns(const LedgerView& from, const LedgerView& to,
                                     StreamWindow window) {
-  return delays(moments(from.ledger, from.direction, from.message_id),
-                moments(to.ledger, to.direction, to.message_id), window);
+  return delays_between(moments_of(from, window), moments_of(to, window));
 }
 
 std::vector<std::int64_t> echo_delays_ns(std::span<const base::LedgerEntry> ledger,
                                          std::uint32_t sensor_id, std::uint32_t controls_id,
                                          StreamWindow window) {
-  return delays(moments(ledger, Direction::kSent, sensor_id),
-                moments(ledger, Direction::kReceived, controls_id), window);
+  return delays_ns({ledger, Direction::kSent, sensor_id},
+                   {ledger, Direction::kReceived, controls_id}, window);
 }
 
 std::vector<std::int64_t> hop_delays_ns(std::span<const base::LedgerEntry> sender,
                                         std::span<const base::LedgerEntry> receiver,
                                         std::uint32_t message_id, StreamWindow window) {
-  return delays(moments(sender, Direction::kSent, message_id),
-                moments(receiver, Direction::kReceived, message_id), window);
+  return delays_ns({sender, Direction::kSent, message_id},
+                   {receiver, Direction::kReceived, message_id}, window);
 }
 
 PaceFigures pace(std::span<const base::LedgerEntry> sender, std::uint32_t message_id,
@@ -317,9 +328,11 @@ PathAccount account_path(const PacketPath& path, std::span<const base::LedgerEnt
     account.hops.push_back(hop_between(points[i], points[i + 1]));
   }
   account.sent = points.front().moments.size();
+  std::vector<Search> next;
+  for (std::size_t i = 1; i <= hops; ++i) next.emplace_back(points[i].moments);
   for (const auto& [stamp, moment] : points.front().moments) {
     std::size_t reached = 0;
-    while (reached < hops && points[reached + 1].moments.contains(stamp)) ++reached;
+    while (reached < hops && next[reached].find(stamp) != nullptr) ++reached;
     const auto drop = drops.find(stamp);
     const bool in_casd = hops == 3 && reached == 1;
     if (reached == hops) {
@@ -341,7 +354,8 @@ std::vector<std::pair<std::string, std::vector<std::int64_t>>> hop_delays(
   const std::vector<Point> points = points_of(path, simulator, controller, relay, window);
   std::vector<std::pair<std::string, std::vector<std::int64_t>>> hops;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    hops.emplace_back(hop_name(points[i], points[i + 1]), delays_between(points[i], points[i + 1]));
+    hops.emplace_back(hop_name(points[i], points[i + 1]),
+                      delays_between(points[i].moments, points[i + 1].moments));
   }
   return hops;
 }

@@ -16,8 +16,8 @@
 #include "base/earth/gravity.hpp"
 #include "base/os/write_file.hpp"
 #include "base/random.hpp"
+#include "casd/packet/own_station.hpp"
 #include "fcu/line/line_model.hpp"
-#include "hils/measure/flight_changes.hpp"
 #include "hils/programs/declared_messages.hpp"
 
 namespace cas::hils {
@@ -117,7 +117,7 @@ YAML::Node ground_link(const RunRequest& request, const std::string& name,
     link["accept"]["block_systems"].push_back(static_cast<int>(vehicle));
   }
   // What casd's own station says is not taken for somebody's act.
-  link["accept"]["block_systems"].push_back(static_cast<int>(kCasdSystem));
+  link["accept"]["block_systems"].push_back(static_cast<int>(casd::kOwnStation.system));
   if (station.inject_failures) link["inject_failures"] = true;
   return link;
 }
@@ -314,7 +314,7 @@ YAML::Node vehicle_plugins(const RunRequest& request, std::size_t vehicle, Trans
   recorder["plugin"] = "recorder";
   recorder["file"] = full_path(places.truth_csv());
   recorder["rate_hz"] = kTruthHz;
-  recorder["sensor_dir"] = full_path(places.sensors());
+  if (request.keeps_sensors) recorder["sensor_dir"] = full_path(places.sensors());
   plugins.push_back(recorder);
   return plugins;
 }
@@ -353,8 +353,8 @@ std::string station_link(const RunPlaces& places) {
 std::string casd_config(const RunRequest& request, const RunPlaces& places) {
   YAML::Node root;
   root["schema"] = 1;
-  root["system_id"] = static_cast<int>(kCasdSystem);
-  root["component_id"] = static_cast<int>(kCasdComponent);
+  root["system_id"] = static_cast<int>(casd::kOwnStation.system);
+  root["component_id"] = static_cast<int>(casd::kOwnStation.component);
   root["pace"] = pace_word(request);
   root["threads"] = std::string(threads(request.architecture));
   root["drain_tick_ms"] = request.scenario.drain_tick_ms;

@@ -13,10 +13,10 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/manual_control.hpp"
 #include "mavlink/common/param_request_list.hpp"
 #include "mavlink/common/table.hpp"
+#include "mavlink_gen/services/station_heartbeat.hpp"
 
 namespace cas::hils {
 
@@ -24,18 +24,8 @@ namespace {
 
 namespace mv = mavlink::common;
 
-constexpr mav::Source kGroundStation{255, 190};  ///< the ids that ground stations use
 constexpr base::Duration kHeartbeatPeriod = std::chrono::seconds(1);
 constexpr base::Duration kSticksPeriod = std::chrono::milliseconds(40);  ///< as QGroundControl
-
-mv::Heartbeat heartbeat() {
-  mv::Heartbeat message;
-  message.type = mv::MavType::kGcs;
-  message.autopilot = mv::MavAutopilot::kInvalid;
-  message.system_status = mv::MavState::kActive;
-  message.mavlink_version = 3;
-  return message;
-}
 
 /// On-screen sticks at rest.
 mv::ManualControl centred_sticks(std::uint8_t vehicle_system) {
@@ -75,7 +65,7 @@ void GroundStation::tick(base::RunTime now) {
   }
   send_flood(std::exchange(last_tick_, now), now);
   if (now >= next_heartbeat_) {
-    send_(encode_(heartbeat()));
+    send_(encode_(mav::services::station_heartbeat(mv::MavType::kGcs)));
     next_heartbeat_ = now + kHeartbeatPeriod;
   }
   for (Vehicle& vehicle : vehicles_) {

@@ -18,6 +18,9 @@
 
 namespace cas::hils {
 
+/// The ids that ground stations use.
+inline constexpr mav::Source kGroundStation{.system = 255, .component = 190};
+
 /// How often the ground station of an experiment loads the parameter list.
 inline constexpr base::Duration kParameterListPeriod = std::chrono::seconds(20);
 

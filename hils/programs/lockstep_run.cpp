@@ -141,13 +141,13 @@ class LockstepPilot {
   }
 
   /// @return why the vehicle refused, or nothing
-  std::string give(const FlightStep& step) {
+  std::optional<Refusal> give(const FlightStep& step) {
     ask_home();
     std::optional<std::uint64_t> acts_so_far;
     if (step.kind == StepKind::kArm) {
       const OutsideHands hands = outside_hands(casd_, own_calls_);
       plan_.fail(arm_fault(hands));
-      if (!plan_.failure().empty()) return plan_.failure();
+      if (!plan_.failure().empty()) return Refusal{plan_.failure()};
       acts_so_far = hands.acts_so_far;
     }
     return hils::give(casd_, step, false, {}, &own_calls_, acts_so_far);

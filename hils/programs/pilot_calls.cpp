@@ -162,8 +162,9 @@ VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle) {
   }
 }
 
-std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
-                 AskedVehicle vehicle, CallList* asked, std::optional<std::uint64_t> acts_so_far) {
+std::optional<Refusal> give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
+                            AskedVehicle vehicle, CallList* asked,
+                            std::optional<std::uint64_t> acts_so_far) {
   try {
     for (auto& [method, params] : to_calls(step)) {
       if (step.kind == StepKind::kArm && not_hil) params["not_hil"] = true;
@@ -172,9 +173,9 @@ std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
       if (asked != nullptr) asked->emplace_back(method, whole.dump());
       casd.call(method, whole, kCommandPatience);
     }
-    return {};
+    return std::nullopt;
   } catch (const base::rpc::CallError& error) {
-    return error.what();
+    return Refusal{error.what()};
   }
 }
 

@@ -25,12 +25,12 @@ using AskedVehicle = std::optional<std::uint8_t>;
 /// What casd knows of the vehicle now; not heard when there is none yet.
 VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle = {});
 
-/// Has casd give a step's commands. @return why one was refused; empty when all were accepted
+/// Has casd give a step's commands. @return why one was refused; nothing: all were accepted
 /// @param asked  the calls are added to it
 /// @param acts_so_far  by VehicleReport: casd does not arm if somebody has commanded since
-std::string give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
-                 AskedVehicle vehicle = {}, CallList* asked = nullptr,
-                 std::optional<std::uint64_t> acts_so_far = {});
+std::optional<Refusal> give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
+                            AskedVehicle vehicle = {}, CallList* asked = nullptr,
+                            std::optional<std::uint64_t> acts_so_far = {});
 
 /// What others than hils have had the vehicle do, for the arming that comes next.
 /// @param own  what hils asked

@@ -101,7 +101,7 @@ class RealtimePilot {
   base::SimTime simulated_time();
   void look();
   OutsideHands hands_at(std::size_t vehicle);
-  std::string give(const FleetPlan::Command& command);
+  std::optional<Refusal> give(const FleetPlan::Command& command);
   void show(base::SimTime now);
   void tell_phase();
   void watch_pause();
@@ -180,7 +180,7 @@ void RealtimePilot::fly(std::vector<RunRecord>& records) {
     show(now);
     for (const FleetPlan::Command& command : commands) {
       if (plan_.ended()) break;
-      const std::string refusal = give(command);
+      const std::optional<Refusal> refusal = give(command);
       plan_.on_outcome(command.vehicle, simulated_time(), refusal);
     }
     if (commands.empty()) supervisor_.wait(kPollPeriod);
@@ -289,15 +289,15 @@ OutsideHands RealtimePilot::hands_at(std::size_t vehicle) {
 }
 
 /// @return why the vehicle refused, or nothing
-std::string RealtimePilot::give(const FleetPlan::Command& command) {
-  if (!casd_) return "casd is away";
+std::optional<Refusal> RealtimePilot::give(const FleetPlan::Command& command) {
+  if (!casd_) return Refusal{"casd is away"};
   const std::size_t i = command.vehicle;
   std::optional<std::uint64_t> acts_so_far;
   if (command.step.kind == StepKind::kArm) {
     const OutsideHands hands = hands_at(i);
     if (const std::string fault = arm_fault(hands); !fault.empty()) {
       plan_.fail(i, fault);
-      return fault;
+      return Refusal{fault};
     }
     acts_so_far = hands.acts_so_far;
   }

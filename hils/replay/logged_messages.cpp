@@ -9,17 +9,19 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/error.hpp"
-#include "casd/port/message_decoder.hpp"
 #include "casd/tlog/tlog_packets.hpp"
 #include "hils/replay/logged_series.hpp"
+#include "mavlink/common/all.hpp"
 #include "mavlink/common/extended_sys_state.hpp"
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/statustext.hpp"
 #include "mavlink/common/table.hpp"
+#include "mavlink_gen/json/message_codec.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "mavlink_gen/services/vehicle_state.hpp"
@@ -74,6 +76,50 @@ class LogTime {
   std::int64_t now_us_ = 0;
 };
 
+using Payload = std::array<std::uint8_t, mav::kMaxPayloadBytes + sizeof(std::uint64_t)>;
+
+template <class Wire>
+double load(const std::uint8_t* bytes) {
+  Wire value{};
+  mav::get<Wire>(bytes, value);
+  return static_cast<double>(value);
+}
+
+/// An element of a field as JSON has it (number_json()); NaN for what is not finite.
+double number_of(const mav::FieldInfo& field, const Payload& payload, std::size_t element) {
+  const auto at = [&](std::size_t size) {
+    return payload.data() + field.wire_offset + element * size;
+  };
+  switch (field.type) {
+    case mav::FieldType::kChar:
+    case mav::FieldType::kUint8:
+      return load<std::uint8_t>(at(1));
+    case mav::FieldType::kInt8:
+      return load<std::int8_t>(at(1));
+    case mav::FieldType::kUint16:
+      return load<std::uint16_t>(at(2));
+    case mav::FieldType::kInt16:
+      return load<std::int16_t>(at(2));
+    case mav::FieldType::kUint32:
+      return load<std::uint32_t>(at(4));
+    case mav::FieldType::kInt32:
+      return load<std::int32_t>(at(4));
+    case mav::FieldType::kUint64:
+      return load<std::uint64_t>(at(8));
+    case mav::FieldType::kInt64:
+      return load<std::int64_t>(at(8));
+    case mav::FieldType::kFloat: {
+      const nlohmann::json number = mav::services::number_json(load<float>(at(4)));
+      return number.is_null() ? std::nan("") : number.get<double>();
+    }
+    case mav::FieldType::kDouble: {
+      const double value = load<double>(at(8));
+      return std::isfinite(value) ? value : std::nan("");
+    }
+  }
+  return std::nan("");
+}
+
 /// Puts together what a vehicle says.
 class Listener {
  public:
@@ -98,20 +144,15 @@ class Listener {
 
  private:
   void add_fields(const mav::PacketView& packet, LoggedSeries& logged) {
-    for (const auto& field : decoder_.fields(packet.message_id, packet.payload)) {
-      const auto name = field["name"].get<std::string>();
-      if (name.starts_with("time_")) continue;
-      const std::string unit = field.value("units", "");
-      const auto& value = field["value"];
-      if (value.is_number()) {
-        logged.add(name, unit, value.get<double>());
-      } else if (value.is_null()) {
-        logged.add(name, unit, std::nan(""));
-      } else if (value.is_array()) {
-        for (std::size_t i = 0; i < std::min(value.size(), kMostElements); ++i) {
-          logged.add(name + "[" + std::to_string(i) + "]", unit,
-                     value[i].is_number() ? value[i].get<double>() : std::nan(""));
-        }
+    Payload payload{};  // bytes that a truncated one lacks are zero
+    std::ranges::copy(packet.payload, payload.begin());
+    for (const mav::FieldInfo& field : mavlink::common::fields_of(packet.message_id)) {
+      const std::string_view name = field.name;
+      if (name.starts_with("time_") || field.type == mav::FieldType::kChar) continue;
+      if (field.array_length == 0) logged.add(name, field.units, number_of(field, payload, 0));
+      for (std::size_t i = 0; i < std::min<std::size_t>(field.array_length, kMostElements); ++i) {
+        logged.add(std::string(name) + "[" + std::to_string(i) + "]", field.units,
+                   number_of(field, payload, i));
       }
     }
   }
@@ -140,7 +181,6 @@ class Listener {
     if (whole) texts_.push_back({t_s, static_cast<int>(whole->severity), whole->text});
   }
 
-  casd::MessageDecoder decoder_;
   std::map<std::string, LoggedSeries> messages_;
   Json texts_ = Json::array();
   Json states_ = Json::array();

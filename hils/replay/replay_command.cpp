@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <memory>
 #include <system_error>
+#include <vector>
 
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
@@ -37,6 +39,26 @@ std::string record_of(const fs::path& source) {
   return *record;
 }
 
+struct Flags {
+  std::vector<std::string> sources;
+  std::string out;
+};
+
+int run(const Flags& flags) {
+  fs::path out = flags.out;
+  if (out.empty()) {
+    if (flags.sources.size() != 1 || !fs::is_directory(flags.sources.front())) {
+      throw base::ConfigError("--out FILE is needed, unless one folder of a run is replayed");
+    }
+    out = fs::path(flags.sources.front()) / "replay.html";
+  }
+  std::vector<std::string> records;
+  for (const std::string& source : flags.sources) records.push_back(record_of(source));
+  base::write_file(out, replay_page(records), base::Durability::kCache);
+  fmt::print("Replay: {}\n", out.string());
+  return 0;
+}
+
 }  // namespace
 
 fs::path write_replay(const RunRequest& request, const RunResult& run) {
@@ -55,34 +77,18 @@ fs::path write_replay(const fs::path& out, const std::string& text) {
   return file;
 }
 
-ReplayCommand::ReplayCommand(CLI::App& app) {
+base::cli::Verb add_replay(CLI::App& app) {
+  const auto flags = std::make_shared<Flags>();
   CLI::App* command = app.add_subcommand(
       "replay", "Make a page that replays a run, or two side by side, without a server");
   command
       ->add_option(
-          "SOURCE", sources_,
+          "SOURCE", flags->sources,
           "Folder of a run or a flight log (.tlog, .ulg); a second one is shown beside the first")
       ->required()
       ->expected(1, 2);
-  command->add_option("--out", out_, "File for the page (of one folder: its replay.html)");
-  command_ = command;
-}
-
-bool ReplayCommand::parsed() const { return command_->parsed(); }
-
-int ReplayCommand::run() const {
-  fs::path out = out_;
-  if (out.empty()) {
-    if (sources_.size() != 1 || !fs::is_directory(sources_.front())) {
-      throw base::ConfigError("--out FILE is needed, unless one folder of a run is replayed");
-    }
-    out = fs::path(sources_.front()) / "replay.html";
-  }
-  std::vector<std::string> records;
-  for (const std::string& source : sources_) records.push_back(record_of(source));
-  base::write_file(out, replay_page(records), base::Durability::kCache);
-  fmt::print("Replay: {}\n", out.string());
-  return 0;
+  command->add_option("--out", flags->out, "File for the page (of one folder: its replay.html)");
+  return {command, [flags] { return run(*flags); }};
 }
 
 }  // namespace cas::hils

@@ -3,14 +3,10 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
+#include "base/cli/verb.hpp"
 #include "hils/measure/run_result.hpp"
 #include "hils/run/run_request.hpp"
-
-namespace CLI {
-class App;
-}
 
 namespace cas::hils {
 
@@ -22,18 +18,8 @@ std::filesystem::path write_replay(const RunRequest& request, const RunResult& r
 /// The same with a record that is there already. @param record  JSON
 std::filesystem::path write_replay(const std::filesystem::path& out, const std::string& record);
 
-/// The verb `hils replay`: makes the page of recorded runs and flight logs.
-class ReplayCommand {
- public:
-  explicit ReplayCommand(CLI::App& app);
-  bool parsed() const;
-  /// @return exit code 0 @throws base::ConfigError
-  int run() const;
-
- private:
-  const CLI::App* command_;
-  std::vector<std::string> sources_;
-  std::string out_;
-};
+/// Adds `hils replay`, which makes the page of recorded runs and flight logs. Its run() throws
+/// base::ConfigError.
+base::cli::Verb add_replay(CLI::App& app);
 
 }  // namespace cas::hils

@@ -21,6 +21,7 @@
 #include "hils/replay/logged_series.hpp"
 #include "hils/replay/ulog_truth.hpp"
 #include "hils/ulog/read_ulog.hpp"
+#include "mavlink_gen/services/px4_modes.hpp"
 
 namespace cas::hils {
 
@@ -34,31 +35,10 @@ const std::set<std::string, std::less<>> kDrawn{"vehicle_local_position", "vehic
 
 /// vehicle_status.nav_state in words.
 std::string mode_word(int nav_state) {
-  constexpr std::array<std::string_view, 23> kWords{"MANUAL",
-                                                    "ALTCTL",
-                                                    "POSCTL",
-                                                    "MISSION",
-                                                    "HOLD",
-                                                    "RTL",
-                                                    "SLOW",
-                                                    "",
-                                                    "",
-                                                    "",
-                                                    "ACRO",
-                                                    "",
-                                                    "DESCEND",
-                                                    "TERMINATION",
-                                                    "OFFBOARD",
-                                                    "STABILIZED",
-                                                    "",
-                                                    "TAKEOFF",
-                                                    "LAND",
-                                                    "FOLLOW",
-                                                    "PRECLAND",
-                                                    "ORBIT",
-                                                    "VTOL_TAKEOFF"};
-  const auto i = static_cast<std::size_t>(nav_state);
-  if (i < kWords.size() && !kWords[i].empty()) return std::string(kWords[i]);
+  if (nav_state >= 0 && nav_state <= 0xFF) {
+    const auto word = mav::services::px4_mode_word(static_cast<std::uint8_t>(nav_state));
+    if (!word.empty()) return std::string(word);
+  }
   return "nav state " + std::to_string(nav_state);
 }
 

@@ -32,6 +32,7 @@ struct RunRequest {
   std::map<std::size_t, FcuDevice> fcu_devices{};
   bool lockstep = false;                     ///< the processes run on the stream's time
   bool announced = false;                    ///< says how to watch it once casd is ready
+  bool keeps_sensors = true;                 ///< leaves each sensor's samples as CSV
   LiveRun* live = nullptr;                   ///< shows it in a browser; nothing: nobody looks
   std::optional<StationEndpoint> station{};  ///< where a ground station may join; nothing: none
   std::filesystem::path

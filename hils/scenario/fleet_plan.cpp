@@ -28,7 +28,8 @@ std::vector<FleetPlan::Command> FleetPlan::update(base::SimTime now,
   return commands;
 }
 
-void FleetPlan::on_outcome(std::size_t vehicle, base::SimTime now, const std::string& refusal) {
+void FleetPlan::on_outcome(std::size_t vehicle, base::SimTime now,
+                           const std::optional<Refusal>& refusal) {
   plans_[vehicle].on_outcome(now, refusal);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -32,7 +33,8 @@ class FleetPlan {
   /// Looks at all vehicles, in the order of the scenario.
   std::vector<Command> update(base::SimTime now, std::span<const VehicleReport> vehicles);
   /// A vehicle's answer to its last command, as FlightPlan takes it.
-  void on_outcome(std::size_t vehicle, base::SimTime now, const std::string& refusal);
+  void on_outcome(std::size_t vehicle, base::SimTime now,
+                  const std::optional<Refusal>& refusal = {});
 
   /// A vehicle's flight cannot go on for a reason that its plan does not see.
   void fail(std::size_t vehicle, std::string why) { plans_[vehicle].fail(std::move(why)); }

@@ -51,6 +51,7 @@ RowResult fly_virtually(const RowTask& task, const fs::path& folder) {
   }
   request.architecture = task.architecture;
   request.seed = task.seed;
+  request.keeps_sensors = false;  // no row needs them
   request.out = folder / "out";
   fs::create_directories(request.out);
   const RunResult run = evaluate(request, run_on_virtual_clock(request));

@@ -55,15 +55,18 @@ struct RowResult {
   std::optional<StrikeResponse> strike{};  ///< of the first vehicle, where a fault struck
 };
 
-/// Names of the figures, the same for every run of a study: first those of the run (`up` and
-/// `crash_s` are the first two), then those of each vehicle, with its name where there are several.
+/// Names of the figures, the same for every run of a study: first those of the run, then those of
+/// each vehicle, with its name where there are several.
 std::vector<std::string> figure_names(const Scenario& scenario);
 
-/// Place of `up` (1: flown to the end without an incident that is not allowed) and of `crash_s`
-/// (simulated time of the first one) among the figures.
-inline constexpr std::size_t kUpFigure = 0;
-inline constexpr std::size_t kCrashFigure = 1;
-inline constexpr std::size_t kMarginFigure = 2;  ///< least margin to a limit, % of the limit
+/// Places of the run's own figures.
+enum RunFigure : std::size_t {
+  kUpFigure,         ///< 1: flown to the end without an incident that is not allowed
+  kCrashFigure,      ///< simulated time of the first such incident
+  kMarginFigure,     ///< least margin to a limit, % of the limit
+  kSimulatedFigure,  ///< simulated time of the run
+  kRunFigures,       ///< how many: those of the vehicles begin here
+};
 
 /// Outcome, cause, incident and figures of a flight; the rest of the row is not set.
 RowResult row_of(const Scenario& scenario, const RunResult& run);

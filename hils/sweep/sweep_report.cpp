@@ -41,7 +41,7 @@ std::string p_text(double p) { return p < 1e-4 ? "< 0.0001" : fixed(p, 4); }
 std::vector<std::pair<std::string, std::string>> shown_figures(const SweepView& view) {
   std::string prefix;
   if (!view.sweep.figures.empty()) {
-    const std::string& last = view.sweep.figures[4];
+    const std::string& last = view.sweep.figures[kRunFigures];
     if (const std::size_t dot = last.find('.'); dot != std::string::npos) {
       prefix = last.substr(0, dot + 1);
     }

@@ -5,10 +5,10 @@
 #include <span>
 
 #include "base/error.hpp"
-#include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/ping.hpp"
 #include "mavlink/common/timesync.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/services/station_heartbeat.hpp"
 
 namespace cas::hils {
 
@@ -83,12 +83,7 @@ void ProbePackets::pad(std::size_t bytes) {
 }
 
 void ProbePackets::heartbeat() {
-  mavlink::common::Heartbeat message;
-  message.type = mavlink::common::MavType::kGeneric;
-  message.autopilot = mavlink::common::MavAutopilot::kInvalid;
-  message.system_status = mavlink::common::MavState::kActive;
-  message.mavlink_version = 3;
-  append(message);
+  append(mav::services::station_heartbeat(mavlink::common::MavType::kGeneric));
 }
 
 void ProbePackets::drop_first(std::size_t count) {

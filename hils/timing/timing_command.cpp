@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <memory>
 #include <optional>
 #include <random>
 #include <string>
@@ -11,26 +12,24 @@
 
 #include "base/os/write_file.hpp"
 #include "casd/transport/serial_device.hpp"
-#include "hils/boards/board_command.hpp"
 #include "hils/boards/board_error.hpp"
+#include "hils/boards/board_flags.hpp"
 #include "hils/boards/flight_boards.hpp"
 #include "hils/timing/timing_line.hpp"
 #include "hils/timing/timing_report.hpp"
 
 namespace cas::hils {
 
-struct TimingCommand::Flags {
-  CLI::App* command = nullptr;
+namespace {
+
+struct Flags {
   std::string fcu;
   std::optional<unsigned> baud;
-  std::string boards;
-  std::string wait;
+  BoardFlags boards;
   std::string json;
   LineDemand demand;
   double seconds = 1.5;
 };
-
-namespace {
 
 constexpr double kMostSeconds = 600;
 constexpr double kMostHz = 2000;
@@ -66,11 +65,30 @@ LineFigures measure(const FcuDevice& device, const ProbePlan& plan) {
   return probe.figures();
 }
 
+/// Measures and reports. @return exit code
+int run(const Flags& flags) {
+  const std::vector<FcuChoice> only{FcuChoice{.vehicle = 0, .controller = flags.fcu}};
+  const FlightBoards boards(only, flags.boards.file(), "hils timing", flags.boards.patience());
+  const FcuDevice device = boards.device(0, flags.baud);
+  const ProbePlan plan{.demand = flags.demand,
+                       .length = base::from_seconds(flags.seconds),
+                       .seed = std::random_device{}()};
+  TimingReport report{.device = device.path, .baud = device.baud, .demand = flags.demand};
+  report.figures = measure(device, plan);
+  report.verdict = judge_line(report.figures, flags.demand);
+  if (!flags.json.empty()) {
+    base::write_file(flags.json, timing_json(report), base::Durability::kCache);
+  }
+  fmt::print("{}", timing_text(report));
+  return report.verdict.code;
+}
+
 }  // namespace
 
-TimingCommand::TimingCommand(CLI::App& app) : flags_(std::make_unique<Flags>()) {
-  Flags& flags = *flags_;
-  CLI::App* command = flags.command = app.add_subcommand(
+base::cli::Verb add_timing(CLI::App& app) {
+  const auto kept = std::make_shared<Flags>();
+  Flags& flags = *kept;
+  CLI::App* command = app.add_subcommand(
       "timing",
       "Measure the line to a controller that does not fly: what it carries, and how fast");
   command
@@ -78,10 +96,7 @@ TimingCommand::TimingCommand(CLI::App& app) : flags_(std::make_unique<Flags>()) 
                    "The controller: a board of boards.yaml, or the path of a serial port")
       ->required();
   command->add_option("--baud", flags.baud, "Baud rate of that port (the board's, or 921600)");
-  command->add_option("--boards", flags.boards,
-                      "The list of boards (CAS_BOARDS, ./boards.yaml, ~/.config/cas/boards.yaml, "
-                      "/etc/cas/boards.yaml)");
-  add_wait(*command, flags.wait);
+  add_board_flags(*command, flags.boards);
   command->add_option("--sensor-hz", flags.demand.sensor_hz, "HIL_SENSOR a second, wanted (500)")
       ->check(CLI::Range(10.0, kMostHz));
   command->add_option("--gps-hz", flags.demand.gps_hz, "HIL_GPS a second (5)")
@@ -95,29 +110,7 @@ TimingCommand::TimingCommand(CLI::App& app) : flags_(std::make_unique<Flags>()) 
                    "Length of each of the 6 to 17 parts of the measurement (1.5)")
       ->check(CLI::Range(0.5, kMostSeconds));
   command->add_option("--json", flags.json, "File for the figures as JSON");
-}
-
-TimingCommand::~TimingCommand() = default;
-
-bool TimingCommand::parsed() const { return flags_->command->parsed(); }
-
-int TimingCommand::run() const {
-  const Flags& flags = *flags_;
-  const std::vector<FcuChoice> only{FcuChoice{.vehicle = 0, .controller = flags.fcu}};
-  const FlightBoards boards(only, find_board_list(flags.boards), "hils timing",
-                            parse_wait(flags.wait));
-  const FcuDevice device = boards.device(0, flags.baud);
-  const ProbePlan plan{.demand = flags.demand,
-                       .length = base::from_seconds(flags.seconds),
-                       .seed = std::random_device{}()};
-  TimingReport report{.device = device.path, .baud = device.baud, .demand = flags.demand};
-  report.figures = measure(device, plan);
-  report.verdict = judge_line(report.figures, flags.demand);
-  if (!flags.json.empty()) {
-    base::write_file(flags.json, timing_json(report), base::Durability::kCache);
-  }
-  fmt::print("{}", timing_text(report));
-  return report.verdict.code;
+  return {command, [kept] { return run(*kept); }};
 }
 
 }  // namespace cas::hils

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <memory>
 #include <numeric>
 #include <string>
 #include <thread>
@@ -25,18 +26,6 @@
 namespace cas::hils {
 
 namespace fs = std::filesystem;
-
-struct TuneCommand::Flags {
-  CLI::App* tune = nullptr;
-  CLI::App* eval = nullptr;
-
-  std::string study;
-  std::string out;
-  std::string scratch;  ///< empty: the system's
-  std::size_t jobs = std::max(1U, std::thread::hardware_concurrency());
-  std::size_t eval_jobs = 1;
-  bool describe = false;
-};
 
 namespace {
 
@@ -99,41 +88,50 @@ int run_tune(const std::string& study_file, const fs::path& out, std::size_t job
 
 }  // namespace
 
-TuneCommand::TuneCommand(CLI::App& app) : flags_(std::make_unique<Flags>()) {
-  Flags& flags = *flags_;
-  flags.tune = app.add_subcommand("tune", "Search gains, or any numbers, for what a study weighs");
-  flags.tune->add_option("STUDY", flags.study, "Study file (docs/tune.md)")->required();
-  flags.tune->add_option("--out", flags.out, "Folder for the results (the last, if several)")
+base::cli::Verb add_tune(CLI::App& app) {
+  struct Flags {
+    std::string study;
+    std::string out;
+    std::size_t jobs = std::max(1U, std::thread::hardware_concurrency());
+  };
+  const auto flags = std::make_shared<Flags>();
+  CLI::App* tune =
+      app.add_subcommand("tune", "Search gains, or any numbers, for what a study weighs");
+  tune->add_option("STUDY", flags->study, "Study file (docs/tune.md)")->required();
+  tune->add_option("--out", flags->out, "Folder for the results (the last, if several)")
       ->required()
       ->take_last();
-  flags.tune->add_option("--jobs", flags.jobs, "Flights at once (as many as processors)")
+  tune->add_option("--jobs", flags->jobs, "Flights at once (as many as processors)")
       ->check(base::cli::whole_number)
       ->check(CLI::Range(1, 4096));
-
-  flags.eval = app.add_subcommand(
-      "eval", "Fly a study for each line of parameters on standard input, for an optimiser");
-  flags.eval->add_option("STUDY", flags.study, "Study file (docs/sweep.md)")->required();
-  flags.eval->add_option("--jobs", flags.eval_jobs, "Flights at once, answered as they end (1)")
-      ->check(base::cli::whole_number)
-      ->check(CLI::Range(1, 4096));
-  flags.eval->add_option("--scratch", flags.scratch,
-                         "Folder for the files of flights under way (that for temporary files)");
-  flags.eval->add_flag("--describe", flags.describe,
-                       "Say on one line which parameters and figures there are, and end");
+  return {tune, [flags] { return run_tune(flags->study, fs::absolute(flags->out), flags->jobs); }};
 }
 
-TuneCommand::~TuneCommand() = default;
-
-bool TuneCommand::parsed() const { return flags_->tune->parsed() || flags_->eval->parsed(); }
-
-int TuneCommand::run() const {
-  const Flags& flags = *flags_;
-  if (flags.tune->parsed()) return run_tune(flags.study, fs::absolute(flags.out), flags.jobs);
-  return eval_lines(
-      {.study = base::find_config(flags.study),
-       .scratch = flags.scratch.empty() ? fs::temp_directory_path() : fs::absolute(flags.scratch),
-       .jobs = flags.eval_jobs,
-       .describe = flags.describe});
+base::cli::Verb add_eval(CLI::App& app) {
+  struct Flags {
+    std::string study;
+    std::string scratch;  ///< empty: the system's
+    std::size_t jobs = 1;
+    bool describe = false;
+  };
+  const auto flags = std::make_shared<Flags>();
+  CLI::App* eval = app.add_subcommand(
+      "eval", "Fly a study for each line of parameters on standard input, for an optimiser");
+  eval->add_option("STUDY", flags->study, "Study file (docs/sweep.md)")->required();
+  eval->add_option("--jobs", flags->jobs, "Flights at once, answered as they end (1)")
+      ->check(base::cli::whole_number)
+      ->check(CLI::Range(1, 4096));
+  eval->add_option("--scratch", flags->scratch,
+                   "Folder for the files of flights under way (that for temporary files)");
+  eval->add_flag("--describe", flags->describe,
+                 "Say on one line which parameters and figures there are, and end");
+  return {eval, [flags] {
+            return eval_lines({.study = base::find_config(flags->study),
+                               .scratch = flags->scratch.empty() ? fs::temp_directory_path()
+                                                                 : fs::absolute(flags->scratch),
+                               .jobs = flags->jobs,
+                               .describe = flags->describe});
+          }};
 }
 
 }  // namespace cas::hils

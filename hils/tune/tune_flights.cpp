@@ -176,15 +176,16 @@ std::vector<RowResult> TuneFlights::fly(const std::vector<TuneFlight>& flights) 
 
 double TuneFlights::figure(std::size_t scenario, const RowResult& result,
                            const std::string& name) const {
-  const auto value = [&](const std::string& column) {
-    const auto found = std::ranges::find(figures_[scenario], column);
-    const auto index = static_cast<std::size_t>(found - figures_[scenario].begin());
+  const auto value = [&](std::size_t index) {
     return index < result.figures.size() ? result.figures[index]
                                          : std::numeric_limits<double>::quiet_NaN();
   };
-  if (name != kDelayMargin) return value(name);
-  const double crash_s = value("crash_s");
-  const double end_s = std::isfinite(crash_s) ? crash_s : value("simulated_s");
+  if (name != kDelayMargin) {
+    const auto found = std::ranges::find(figures_[scenario], name);
+    return value(static_cast<std::size_t>(found - figures_[scenario].begin()));
+  }
+  const double crash_s = value(kCrashFigure);
+  const double end_s = std::isfinite(crash_s) ? crash_s : value(kSimulatedFigure);
   return std::isfinite(end_s) ? scenarios_[scenario].delay_ramp->margin_us(end_s) : end_s;
 }
 

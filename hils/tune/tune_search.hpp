@@ -37,4 +37,11 @@ bool has_search();
 /// @throws base::ConfigError where this build has no library for it, with how to get one
 void search(const SearchPlan& plan, const FlyPoints& fly);
 
+/// What the library that searches is opened for: search() with pagmo. pagmo fills 20 MiB of a
+/// process when it starts, and most processes of hils search nothing.
+extern "C" __attribute__((visibility("default"))) void cas_tune_search(const SearchPlan& plan,
+                                                                       const FlyPoints& fly);
+/// Its name in that library.
+inline constexpr const char* kTuneSearch = "cas_tune_search";
+
 }  // namespace cas::hils

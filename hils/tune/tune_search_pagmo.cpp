@@ -47,9 +47,7 @@ struct UnitProblem {
 
 }  // namespace
 
-bool has_search() { return true; }
-
-void search(const SearchPlan& plan, const FlyPoints& fly) {
+void cas_tune_search(const SearchPlan& plan, const FlyPoints& fly) {
   const std::vector<std::vector<double>> fitness = fly(plan.first);
   if (plan.generations == 0) return;
   const auto seed = static_cast<unsigned>(base::derive_seed(plan.seed, "tune"));

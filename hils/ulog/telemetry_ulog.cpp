@@ -13,6 +13,7 @@
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/message.hpp"
+#include "mavlink_gen/services/px4_modes.hpp"
 
 namespace cas::hils {
 
@@ -48,25 +49,6 @@ void with(const mav::PacketView& packet, const Use& use) {
 }
 
 }  // namespace
-
-std::optional<std::uint8_t> px4_nav_state(std::uint32_t custom_mode) {
-  constexpr std::uint32_t kAuto = 4;
-  struct Mode {
-    std::uint32_t number;
-    std::uint8_t nav_state;
-  };
-  // HEARTBEAT's main modes, and the sub modes of AUTO, with vehicle_status.msg's NAVIGATION_STATE.
-  constexpr std::array kMain{Mode{1, 0},  Mode{2, 1},  Mode{3, 2},  Mode{5, 10},
-                             Mode{6, 14}, Mode{7, 15}, Mode{10, 13}};
-  constexpr std::array kOfAuto{Mode{2, 17}, Mode{3, 4},  Mode{4, 3}, Mode{5, 5},
-                               Mode{6, 18}, Mode{8, 19}, Mode{9, 20}};
-  const std::uint32_t main = custom_mode >> 16U & 0xFFU;
-  const std::uint32_t sub = custom_mode >> 24U;
-  const std::span<const Mode> modes = main == kAuto ? std::span<const Mode>(kOfAuto) : kMain;
-  const auto found = std::ranges::find(modes, main == kAuto ? sub : main, &Mode::number);
-  if (found == modes.end()) return std::nullopt;
-  return found->nav_state;
-}
 
 TelemetryUlog::TelemetryUlog(sim::UlogFile& file, std::uint8_t system,
                              std::span<const sim::UlogParam> params)
@@ -165,7 +147,7 @@ void TelemetryUlog::on_actuators(base::SimTime time, const mav::PacketView& pack
 
 void TelemetryUlog::on_state(base::SimTime time, const mav::PacketView& packet) {
   with<Heartbeat>(packet, [&](const Heartbeat& m) {
-    const auto nav_state = px4_nav_state(m.custom_mode);
+    const auto nav_state = mav::services::px4_nav_state(m.custom_mode);
     if (m.autopilot != MavAutopilot::kPx4 || !nav_state) return;
     constexpr std::uint8_t kDisarmed = 1;  // ARMING_STATE_DISARMED, ARMING_STATE_ARMED
     constexpr std::uint8_t kArmed = 2;

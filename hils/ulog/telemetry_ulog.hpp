@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <span>
 #include <string>
 
@@ -13,10 +12,6 @@
 #include "plugins/common/ulog_file.hpp"
 
 namespace cas::hils {
-
-/// PX4's number of a mode (vehicle_status.nav_state) by HEARTBEAT.custom_mode; nothing for a mode
-/// that has none here.
-std::optional<std::uint8_t> px4_nav_state(std::uint32_t custom_mode);
 
 /// Turns what a vehicle says over MAVLink into the topics that PX4 has for it, each message when it
 /// comes.

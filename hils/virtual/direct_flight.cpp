@@ -14,6 +14,7 @@
 #include "base/config/sensor_set.hpp"
 #include "base/earth/frames.hpp"
 #include "base/earth/geodesy.hpp"
+#include "hils/programs/ground_station.hpp"
 #include "mavlink/common/command_int.hpp"
 #include "mavlink/common/command_long.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
@@ -119,7 +120,7 @@ bool DirectFlight::run_until(const std::function<bool()>& condition, double at_m
 template <class Message>
 void DirectFlight::send(const Message& message) {
   std::array<std::uint8_t, mav::kMaxPacketBytes> buffer{};
-  const std::size_t size = mav::encode(message, {255, 190}, sequence_++, buffer);
+  const std::size_t size = mav::encode(message, kGroundStation, sequence_++, buffer);
   controller_.controller().on_packet(mav::view_packet(std::span(buffer).first(size)), now_);
 }
 

@@ -63,7 +63,9 @@ void VirtualPilot::give(const FleetPlan::Command& command, base::RunTime now) {
   const std::uint8_t system = systems_[command.vehicle];
   // The commander reports on its own ticks and packets.
   casd::Done done = [this, vehicle = command.vehicle](const casd::Outcome& outcome) {
-    plan_.on_outcome(vehicle, to_sim_time(now_), outcome.ok() ? "" : outcome.message);
+    std::optional<Refusal> refusal;
+    if (!outcome.ok()) refusal = Refusal{outcome.message};
+    plan_.on_outcome(vehicle, to_sim_time(now_), refusal);
   };
   switch (step.kind) {
     case StepKind::kArm:
@@ -90,9 +92,9 @@ void VirtualPilot::give(const FleetPlan::Command& command, base::RunTime now) {
     case StepKind::kEndTrajectory:
       return set_params(system, step, 0, now, std::move(done));
     case StepKind::kMission:  // no scenario of our controller has one
+    case StepKind::kBreach:
     case StepKind::kHold:
     case StepKind::kWaitUntil:
-    case StepKind::kBreach:
     case StepKind::kStandBy:
       return done({});
   }

@@ -10,6 +10,7 @@
 
 #include "base/earth/atmosphere.hpp"
 #include "base/earth/frames.hpp"
+#include "mavlink_gen/services/station_heartbeat.hpp"
 
 namespace cas::sim {
 namespace {
@@ -228,12 +229,7 @@ mv::HilStateQuaternion to_hil_state(base::SimTime time, const BodyState& body,
 }
 
 mv::Heartbeat simulator_heartbeat() {
-  mv::Heartbeat packet;
-  packet.type = mv::MavType::kGeneric;
-  packet.autopilot = mv::MavAutopilot::kInvalid;
-  packet.system_status = mv::MavState::kActive;
-  packet.mavlink_version = 3;
-  return packet;
+  return mav::services::station_heartbeat(mv::MavType::kGeneric);
 }
 
 MotorCommand to_motor_command(const mv::HilControls& packet, const base::ControlScales& scales) {

@@ -250,10 +250,10 @@ TEST_F(FlightUlog, HasTheTopicsAndFieldsOfItsPage) {
 }
 
 TEST(Px4NavState, IsThatOfTheModeInAHeartbeat) {
-  EXPECT_EQ(px4_nav_state(3U << 16U), 2);               // POSCTL
-  EXPECT_EQ(px4_nav_state(4U << 16U | 2U << 24U), 17);  // AUTO, TAKEOFF
-  EXPECT_EQ(px4_nav_state(4U << 16U | 7U << 24U), std::nullopt);
-  EXPECT_EQ(px4_nav_state(0), std::nullopt);
+  EXPECT_EQ(mav::services::px4_nav_state(3U << 16U), 2);               // POSCTL
+  EXPECT_EQ(mav::services::px4_nav_state(4U << 16U | 2U << 24U), 17);  // AUTO, TAKEOFF
+  EXPECT_EQ(mav::services::px4_nav_state(4U << 16U | 7U << 24U), std::nullopt);
+  EXPECT_EQ(mav::services::px4_nav_state(0), std::nullopt);
 }
 
 }  // namespace

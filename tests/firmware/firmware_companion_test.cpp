@@ -78,6 +78,54 @@ TEST_F(FirmwareCompanion, FliesAMissionFromTheGroundAndBack) {
   EXPECT_TRUE(was_in(kReturn));
 }
 
+struct Lie {
+  const char* name;
+  const char* word;
+  const char* steps;  ///< with no limit of the scenario that would find it
+  const char* sentence;
+};
+
+class FirmwareLie : public FirmwareCompanion, public testing::WithParamInterface<Lie> {};
+
+TEST_P(FirmwareLie, IsFoundByTheTrueFlight) {
+  const Lie& lie = GetParam();
+  pace_ = kThreeTimesRealTime;
+  start(lie.word, "", lie.steps);
+  EXPECT_EQ(fly(), 1) << output();
+  EXPECT_TRUE(says(lie.sentence)) << output();
+  EXPECT_NE(content(folder_.path() / "out/junit.xml").find("<failure"), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Firmware, FirmwareLie,
+    testing::Values(Lie{"AMissionWithoutItsWaypoints", "skips-waypoints", R"(  - mission:
+      timeout_s: 200
+      items:
+        - takeoff: {up_m: 3}
+        - waypoint: {north_m: 20, east_m: 0, up_m: 4}
+        - waypoint: {north_m: 0, east_m: 5, up_m: 4}
+  - hold: {duration_s: 1, measure: true}
+  - land: {timeout_s: 100}
+  - disarm: {timeout_s: 50}
+)",
+                        "to the place of item 2"},
+                    Lie{"ATrajectoryWithoutMotion", "ignores-setpoints", kCircle,
+                        "step 'trajectory' moved "},
+                    Lie{"ALandingInTheAir", "lands-in-words", R"(  - takeoff: {altitude_m: 3}
+  - hold: {duration_s: 2, measure: true}
+  - land: {timeout_s: 100}
+)",
+                        "its rotors turn as in flight"},
+                    Lie{"AReturnToSomewhereElse", "returns-in-words",
+                        R"(  - takeoff: {altitude_m: 3, timeout_s: 200}
+  - goto: {north_m: 20, east_m: 0, up_m: 3, timeout_s: 100}
+  - hold: {duration_s: 1, measure: true}
+  - rtl: {timeout_s: 200}
+  - disarm: {timeout_s: 50}
+)",
+                        "step 'rtl' ended "}),
+    [](const auto& test) { return test.param.name; });
+
 constexpr const char* kPlan = R"({
     "fileType": "Plan", "groundStation": "QGroundControl", "version": 1,
     "geoFence": {"circles": [], "polygons": [], "version": 2},

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "casd/tlog/tlog_packets.hpp"
 #include "mavlink/common/all.hpp"
@@ -29,6 +30,7 @@ class FirmwareFleet : public testing::Test {
                          const std::string& more = "") {
     folder_.write("world.yaml", ports_.world());
     folder_.write("topology.yaml", ports_.topology());
+    if (swapped_) std::swap(ports_.simulator[0], ports_.simulator[1]);
     const auto scenario = folder_.write(
         "scenario.yaml", R"(schema: 1
 name: fleet
@@ -51,6 +53,7 @@ steps:
 
   TemporaryFolder folder_;
   TwoPx4SitlPorts ports_;
+  bool swapped_ = false;  ///< each instance joins the port of the other's vehicle
   std::optional<ChildProcess> hils_;
 };
 
@@ -102,6 +105,21 @@ TEST_F(FirmwareFleet, FliesItsStepsTogetherAndIsJudgedOneByOne) {
     EXPECT_NE(content(folder_.path() / "out/report.html").find(words), std::string::npos) << words;
   }
   EXPECT_NE(content(folder_.path() / "out/junit.xml").find("hils.fleet.right"), std::string::npos);
+}
+
+TEST_F(FirmwareFleet, FailsWhereEachFliesTheVehicleOfTheOther) {
+  swapped_ = true;
+  EXPECT_EQ(fly("plain", R"(  - arm: {timeout_s: 100}
+  - takeoff: {altitude_m: 2, timeout_s: 200}
+  - hold: {duration_s: 1, measure: true}
+  - land: {timeout_s: 100}
+  - disarm: {timeout_s: 50}
+)"),
+            1)
+      << output();
+  EXPECT_NE(output().find("left: system 1 has its home where vehicle 'right' started"),
+            std::string::npos)
+      << output();
 }
 
 TEST_F(FirmwareFleet, FailsWithTheOneThatCannotGoOn) {

@@ -73,12 +73,13 @@ TEST_F(FirmwareResults, HaveAPauseOfTheSimulatorInWhichTheFirmwaresTimeStandsSti
 TEST_F(FirmwareResults, HaveACutLinkAfterWhichTheFlightGoesOn) {
   start("obedient", R"(faults:
   - {name: cut, when: phase == hold, cut: px4, for_s: 4}
+  - {name: meanwhile, when: phase == hold, reload: casd, for_s: 1}
   - {name: again, when: phase == land, reload: casd, for_s: 1}
 )");
   ASSERT_EQ(fly(), 0) << output();
   EXPECT_GT(gaps_of(folder_.path() / "out/flight.tlog").vehicle_s, 3);
   const nlohmann::json faults = summary().at("faults");
-  ASSERT_EQ(faults.size(), 2U);
+  ASSERT_EQ(faults.size(), 3U);
   for (const nlohmann::json& fault : faults) EXPECT_FALSE(fault.contains("began"));
 }
 

@@ -96,6 +96,11 @@ ScriptedPx4::Options px4_options(const std::string& word) {
   if (word == "unfenced" || word == "mute") return {.fence = fence_manner(word)};
   // Hears no more setpoints 4 s after the first.
   if (word == "deaf") return {.loses_setpoints_after = seconds(4)};
+  // Says that it has flown what it has not.
+  if (word == "skips-waypoints") return {.lie = Px4Lie::kSkipsWaypoints};
+  if (word == "ignores-setpoints") return {.lie = Px4Lie::kIgnoresSetpoints};
+  if (word == "lands-in-words") return {.lie = Px4Lie::kLandsInWords};
+  if (word == "returns-in-words") return {.lie = Px4Lie::kReturnsInWords};
   // Accepts its first takeoff in vain, and disarms itself.
   if (word == "idle") return {.stays_at_first = true};
   // The same, and stays armed until it is disarmed.

@@ -238,7 +238,7 @@ void ScriptedPx4::on_controller_packet(std::span<const std::uint8_t> bytes) {
   // To what it has told itself.
   const auto ack = mav::decode<mv::CommandAck>(packet);
   if (ack && ack->target_system == options_.system) return;
-  if (!say_v1_12(packet) && !say_who_disarmed(packet)) ground_.forward(bytes);
+  if (!lies(packet) && !say_v1_12(packet) && !say_who_disarmed(packet)) ground_.forward(bytes);
 }
 
 mv::Heartbeat ScriptedPx4::in_software(mv::Heartbeat heartbeat) const {
@@ -310,7 +310,7 @@ void ScriptedPx4::on_ground_bytes(std::span<const std::uint8_t> bytes, base::Run
     if (options_.mode == Px4Mode::kHitl && packet.source == mav::Source{1, 200}) {
       return on_sensor_packet(packet, now);
     }
-    if (loses(packet) || fence_.on_packet(packet, ground_)) return;
+    if (loses(packet) || twists(packet) || fence_.on_packet(packet, ground_)) return;
     if (!answers_its_own_way(packet)) controller_.on_packet(packet, clock_);
   });
 }
@@ -350,6 +350,62 @@ bool ScriptedPx4::loses(const mav::PacketView& packet) {
   if (!first_setpoint_at_) first_setpoint_at_ = clock_;
   return options_.loses_setpoints_after &&
          clock_ - *first_setpoint_at_ > *options_.loses_setpoints_after;
+}
+
+/// What it is told, as a liar hears it.
+bool ScriptedPx4::twists(const mav::PacketView& packet) {
+  const auto hear = [&](const auto& message) {
+    mav::Encoder as_sender{packet.source};
+    controller_.on_bytes(as_sender(message), clock_);
+    return true;
+  };
+  if (options_.lie == Px4Lie::kIgnoresSetpoints) {
+    auto setpoint = mav::decode<mv::SetPositionTargetLocalNed>(packet);
+    if (!setpoint) return false;
+    if (!first_setpoint_) first_setpoint_ = *setpoint;
+    setpoint->x = first_setpoint_->x;
+    setpoint->y = first_setpoint_->y;
+    setpoint->vx = setpoint->vy = 0;
+    return hear(*setpoint);
+  }
+  if (options_.lie == Px4Lie::kSkipsWaypoints) {
+    if (const auto count = mav::decode<mv::MissionCount>(packet)) mission_items_ = count->count;
+    auto item = mav::decode<mv::MissionItemInt>(packet);
+    if (!item || item->seq + 1 == mission_items_ || !gps_) return false;
+    item->x = gps_->lat;
+    item->y = gps_->lon;
+    return hear(*item);
+  }
+  auto command = mav::decode<mv::CommandLong>(packet);
+  if (!command) return false;
+  const bool lands =
+      options_.lie == Px4Lie::kLandsInWords && command->command == mv::MavCmd::kNavLand;
+  const bool returns =
+      options_.lie == Px4Lie::kReturnsInWords && command->command == mv::MavCmd::kNavReturnToLaunch;
+  if (!lands && !returns) return false;
+  lies_now_ = true;
+  acknowledge(command->command, packet.source, mv::MavResult::kAccepted);
+  if (lands) return true;
+  command->command = mv::MavCmd::kNavLand;
+  return hear(*command);
+}
+
+/// What it says of itself while it lies.
+bool ScriptedPx4::lies(const mav::PacketView& packet) {
+  if (!lies_now_) return false;
+  if (auto state = mav::decode<mv::ExtendedSysState>(packet);
+      state && options_.lie == Px4Lie::kLandsInWords) {
+    state->landed_state = mv::MavLandedState::kOnGround;
+    ground_.send(*state);
+    return true;
+  }
+  if (auto position = mav::decode<mv::LocalPositionNed>(packet);
+      position && options_.lie == Px4Lie::kReturnsInWords) {
+    position->x = position->y = 0;
+    ground_.send(*position);
+    return true;
+  }
+  return false;
 }
 
 void ScriptedPx4::disarm_in_time() {

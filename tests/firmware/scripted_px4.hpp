@@ -25,6 +25,15 @@ enum class Px4Release { k1_12, k1_16 };
 /// serial line in HITL mode with a clock of its own.
 enum class Px4Mode { kSitl, kHitl };
 
+/// What no firmware does: it says one thing and does another.
+enum class Px4Lie {
+  kNone,
+  kSkipsWaypoints,    ///< takes home for the place of each waypoint of a mission but the last
+  kIgnoresSetpoints,  ///< hangs at the first one in OFFBOARD
+  kLandsInWords,      ///< accepts a landing, says that it is on the ground, and stays in the air
+  kReturnsInWords,    ///< lands where it is instead of at home, and says that it is at home
+};
+
 /// Packets as one channel of PX4 sends them: each with the next sequence number.
 class Channel {
  public:
@@ -73,8 +82,12 @@ class ScriptedPx4 {
     /// Hears no setpoint any more so long after the first (v1.16.1: COM_OF_LOSS_T later OFFBOARD is
     /// over).
     std::optional<base::Duration> loses_setpoints_after{};
+    /// Says that it has flown what it has not.
+    Px4Lie lie = Px4Lie::kNone;
     /// Says who disarmed it ("Disarmed by ..."), as v1.12.0 and v1.16.1 do.
     bool tells_who_disarms = true;
+    /// At its own fence.
+    FenceManner fence = FenceManner::kKeeps;
     std::string vehicle = "iris_px4";
     std::uint8_t system = 1;  ///< of instance N: N + 1
   };
@@ -86,8 +99,6 @@ class ScriptedPx4 {
   /// SITL: what PX4 says right after its connect() has succeeded.
   void on_connected();
   void on_simulator_bytes(std::span<const std::uint8_t> bytes, base::RunTime now);
-    /// At its own fence.
-    FenceManner fence = FenceManner::kKeeps;
   void on_ground_bytes(std::span<const std::uint8_t> bytes, base::RunTime now);
   /// HITL: streams on PX4's own clock.
   void tick(base::RunTime now);
@@ -132,10 +143,16 @@ class ScriptedPx4 {
   bool lacks_position() const;
   bool refuses_takeoff() const;
   bool loses(const mav::PacketView& packet);
+  bool twists(const mav::PacketView& packet);
+  bool lies(const mav::PacketView& packet);
   bool say_v1_12(const mav::PacketView& packet);
   std::string preflight_failure() const;
   void look_for_repeats(Staleness& sensor, std::span<const float> values, int most,
                         const char* complaint);
+  void watch_fence(const mav::PacketView& packet);
+  void hold_return_or_land(ScriptedFence::Action action);
+  void watch_gap(base::RunTime now);
+  mavlink::common::Heartbeat in_software(mavlink::common::Heartbeat heartbeat) const;
   void complain(const std::string& text);
   void say(const std::string& text, mavlink::common::MavSeverity severity);
   mavlink::common::HilActuatorControls outputs(base::RunTime now) const;
@@ -147,12 +164,10 @@ class ScriptedPx4 {
   mav::PacketParser from_simulator_{mavlink::common::table()};
   mav::PacketParser from_ground_{mavlink::common::table()};
   mav::Encoder sensors_in_{{1, 200}};
+  mav::Encoder as_itself_;
+  ScriptedFence fence_;
 
   base::RunTime clock_{};
-  void watch_fence(const mav::PacketView& packet);
-  void hold_return_or_land(ScriptedFence::Action action);
-  void watch_gap(base::RunTime now);
-  mavlink::common::Heartbeat in_software(mavlink::common::Heartbeat heartbeat) const;
   std::uint64_t samples_ = 0;
   std::uint64_t answers_ = 0;
   std::uint64_t fixes_ = 0;
@@ -164,19 +179,20 @@ class ScriptedPx4 {
   std::optional<mavlink::common::HilStateQuaternion> truth_;
   std::uint64_t truths_ = 0;
   Staleness mag_;
-  mav::Encoder as_itself_;
-  ScriptedFence fence_;
   Staleness baro_;
   std::array<float, 4> motors_{};
   bool armed_ = false;
   std::optional<base::RunTime> armed_early_at_;
   std::optional<base::RunTime> first_setpoint_at_;
   bool has_disarmed_itself_ = false;
-  std::vector<std::string> complaints_;
-};
-
-}  // namespace cas::test
   std::optional<Eigen::Vector3d> home_N_;  // where it was armed
   bool in_air_ = false;
   bool comes_down_ = false;  // for a gap in its sensors
   bool terminated_ = false;
+  std::optional<mavlink::common::SetPositionTargetLocalNed> first_setpoint_;
+  int mission_items_ = 0;
+  bool lies_now_ = false;
+  std::vector<std::string> complaints_;
+};
+
+}  // namespace cas::test

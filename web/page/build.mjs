@@ -14,14 +14,14 @@ const here = dirname(fileURLToPath(import.meta.url));
 const out = resolve(process.argv[2] ?? join(here, 'dist'));
 const common = {
   absWorkingDir: here, entryPoints: ['src/main.ts'], bundle: true, minify: true, target: 'es2022', write: false, metafile: true,
-  legalComments: 'none', loader: {'.ts': 'ts'}, outdir: '/', define: {'process.env.NODE_ENV': '"production"'},
+  legalComments: 'none', loader: {'.ts': 'ts'}, outdir: '/', define: {'process.env.NODE_ENV': '"production"', kOneFile: 'false'},
   conditions: ['production'],
 };
 
-/** Names and licence texts of the packages that are in a bundle. */
-function licences(metafile) {
+/** Names and licence texts of the packages that are in bundles. */
+function licences(...metafiles) {
   const packages = new Set();
-  for (const input of Object.keys(metafile.inputs)) {
+  for (const input of metafiles.flatMap(({inputs}) => Object.keys(inputs))) {
     const found = /node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(input);
     if (found) packages.add(found[1]);
   }
@@ -38,22 +38,26 @@ const hashOf = (text) => `'sha256-${createHash('sha256').update(text).digest('ba
 const shortHash = (bytes) => createHash('sha256').update(bytes).digest('hex').slice(0, 12);
 const output = (result, ending) => result.outputFiles.find((file) => file.path.endsWith(ending)).text.trim();
 
-// One file: app and records are compressed in it; a small script unpacks the app, whose hash the policy names.
-const single = await build({...common, format: 'iife'});
-const texts = licences(single.metafile);
-const js = `/*! CAS, BSD-3-Clause; with:\n\n${texts.replaceAll('*/', '* /')}\n*/\n${output(single, '.js')}`;
+// One file: app, 3D view and records are compressed in it; a small script unpacks and runs the app, which does the same
+// with the view after its first frame. The policy names the hashes of all three.
+const single = await build({...common, define: {...common.define, kOneFile: 'true'}, format: 'iife'});
+const view = await build({...common, entryPoints: ['src/scene3d.ts'], format: 'iife', globalName: 'casView'});
+const texts = licences(single.metafile, view.metafile);
+const js = output(single, '.js');
+const viewJs = `/*! CAS, BSD-3-Clause; with:\n\n${texts.replaceAll('*/', '* /')}\n*/\n${output(view, '.js')}`;
 const css = output(single, '.css');
-const boot = "(async()=>{const t=document.getElementById('app').textContent.trim();" +
-  "const b=Uint8Array.from(atob(t),(c)=>c.charCodeAt(0));" +
+const boot = 'async function casRun(id){const t=atob(document.getElementById(id).textContent.trim());' +
+  'const b=new Uint8Array(t.length);for(let i=0;i<b.length;++i)b[i]=t.charCodeAt(i);' +
   "const s=document.createElement('script');" +
   "s.textContent=await new Response(new Blob([b]).stream().pipeThrough(new DecompressionStream('gzip'))).text();" +
-  'document.body.append(s)})()';
-const packed = gzipSync(js, {level: 9});
+  "document.body.append(s)}casRun('app')";
+const [packed, packedView] = [js, viewJs].map((text) => gzipSync(text, {level: 9}));
 const replay = readFileSync(join(here, 'src/replay.html'), 'utf8')
-  .replace('SCRIPT_HASHES', () => `${hashOf(boot)} ${hashOf(js)}`)
+  .replace('SCRIPT_HASHES', () => [boot, js, viewJs].map(hashOf).join(' '))
   .replace('STYLE_HASH', () => hashOf(css))
   .replace('PAGE_CSS', () => css)
   .replace('PAGE_APP', () => packed.toString('base64'))
+  .replace('PAGE_VIEW', () => packedView.toString('base64'))
   .replace('BOOT_JS', () => boot);
 
 // Files for casweb: the 3D view is a part of its own, loaded beside the frame of the page.
@@ -86,8 +90,8 @@ writeFileSync(join(out, 'licences.txt'), texts);
 writeFileSync(join(out, 'replay.html'), replay);
 writeFileSync(join(out, 'index.html'), index);  // last: its presence says that the page is whole
 
-const whole = packed.length + gzipSync(css, {level: 9}).length;
-console.log(`page: ${(js.length / 1000).toFixed(0)} kB, ${(whole / 1000).toFixed(1)} kB compressed (budget ${kBudget / 1000} kB)`);
+const whole = packed.length + packedView.length + gzipSync(css, {level: 9}).length;
+console.log(`page: ${((js.length + viewJs.length) / 1000).toFixed(0)} kB, ${(whole / 1000).toFixed(1)} kB compressed (budget ${kBudget / 1000} kB)`);
 if (whole > kBudget) {
   console.error('page: over its budget');
   process.exit(1);

@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/random.hpp"
 
 namespace cas::fcu {
 namespace {
@@ -319,6 +321,46 @@ TEST(LineModel, SameSeedAndCallsGiveTheSameBytesAtTheSameTimes) {
     ASSERT_EQ(n, b.read(out_b, at));
     ASSERT_TRUE(
         std::equal(out_a.begin(), out_a.begin() + static_cast<std::ptrdiff_t>(n), out_b.begin()));
+  }
+}
+
+/// What a line does over a second of writes and reads, as numbers that tell any difference.
+std::vector<std::int64_t> course(const LineConfig& config) {
+  const auto count = [](std::optional<RunTime> t) { return t ? t->time_since_epoch().count() : -1; };
+  LineModel line(config, 1);
+  base::NormalRandom draw(2);
+  std::vector<std::int64_t> course;
+  std::vector<std::uint8_t> out(300);
+  RunTime now{};
+  for (int i = 0; i < 2000; ++i) {
+    now += Duration(static_cast<Duration::rep>(draw.uniform() * 1e6));
+    if (i % 3 == 0) {
+      const auto size = static_cast<std::size_t>(1 + draw.uniform() * 120);
+      course.push_back(static_cast<std::int64_t>(line.write(bytes(size), now)));
+    } else {
+      const std::size_t size = line.read(out, now);
+      course.insert(course.end(), out.begin(), out.begin() + static_cast<std::ptrdiff_t>(size));
+    }
+    course.push_back(count(line.next_arrival()));
+    course.push_back(static_cast<std::int64_t>(line.room(now)));
+    course.push_back(count(line.room_at(now)));
+  }
+  course.push_back(static_cast<std::int64_t>(line.stats().overrun));
+  return course;
+}
+
+TEST(LineModel, BytesThatGoTogetherGoAsEachWouldAlone) {
+  LineConfig uart = LineConfig::from_preset("baud_115200");
+  uart.send_buffer_bytes = 200;
+  uart.receive_fifo_bytes = 60;
+  uart.receive_trigger_bytes = 16;
+  LineConfig late = LineConfig::from_preset("ideal");
+  late.extra_delay = 700us;
+  late.batch = 250us;
+  for (LineConfig line : {uart, late, LineConfig::from_preset("usb")}) {
+    const std::vector<std::int64_t> together = course(line);
+    line.burst_begin = 1e-300;  // never begins, but is drawn for each byte
+    EXPECT_EQ(course(line), together) << line.preset;
   }
 }
 

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
-#include "hils/boards/board_command.hpp"
+#include "hils/boards/board_flags.hpp"
 
 namespace cas::hils {
 namespace {

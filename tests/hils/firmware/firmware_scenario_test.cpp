@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "base/error.hpp"
 #include "hils/firmware/firmware_figures.hpp"
@@ -242,7 +243,6 @@ TEST(FirmwareScenario, RefusesAFaultThatAsksForAnUnknownStep) {
             std::string::npos);
 }
 
-TEST(FirmwareScenario, RefusesARateOfNoMessage) {
 struct BadFence {
   const char* what;
   const char* by;
@@ -272,6 +272,7 @@ TEST(FirmwareScenario, RefusesAFenceThatWouldNotAct) {
   }
 }
 
+TEST(FirmwareScenario, RefusesARateOfNoMessage) {
   const test::TemporaryFolder folder;
   const auto file = changed(folder, "drift_m: 1.5}", "drift_m: 1.5, rates_hz: {ATTITUTE: 10}}");
   EXPECT_THROW(FirmwareScenario::load(file), base::ConfigError);
@@ -469,9 +470,9 @@ TEST(FirmwareFlight, IsHeldToRatesHopsAndEstimate) {
 
 TEST(FirmwareFlight, IsNotFlownOnAVersionThatIsTooOldOrNotTold) {
   Firmware wanted;
-  EXPECT_EQ(version_fault(wanted, ""), "");
+  EXPECT_EQ(version_fault(wanted, ""), std::nullopt);
   wanted.least_version = "1.12";
-  EXPECT_EQ(version_fault(wanted, "1.12.0"), "");
+  EXPECT_EQ(version_fault(wanted, "1.12.0"), std::nullopt);
   EXPECT_EQ(version_fault(wanted, "1.11.3"),
             "the firmware is v1.11.3, and the scenario is for v1.12 and later");
   EXPECT_EQ(version_fault(wanted, ""),
@@ -480,9 +481,9 @@ TEST(FirmwareFlight, IsNotFlownOnAVersionThatIsTooOldOrNotTold) {
 }
 
 TEST(FirmwareFlight, DoesNotWaitForAVehicleThatHasFallenSilent) {
-  EXPECT_EQ(silence_fault({.heard = true, .heartbeat_age_s = 29}), "");
-  EXPECT_NE(silence_fault({.heard = true, .heartbeat_age_s = 31}), "");
-  EXPECT_NE(silence_fault({}), "");
+  EXPECT_EQ(silence_fault({.heard = true, .heartbeat_age_s = 29}), std::nullopt);
+  EXPECT_TRUE(silence_fault({.heard = true, .heartbeat_age_s = 31}));
+  EXPECT_TRUE(silence_fault({}));
 }
 
 TEST(FirmwareFlight, IsJudgedUnderTheSameNamesWhateverComesOut) {
@@ -497,7 +498,7 @@ TEST(FirmwareFlight, IsJudgedUnderTheSameNamesWhateverComesOut) {
   };
   EXPECT_TRUE(judge(scenario, figures).passed);
   const std::string good = names();
-  EXPECT_EQ(good, "flight drift incidents true flight ");
+  EXPECT_EQ(good, "flight drift steps by the true flight incidents true flight ");
   figures.drift_m = 2;
   figures.flight_failure = "land was not done within 60 s";
   EXPECT_EQ(judge(scenario, figures).exit_code(), kExitLimitsMissed);
@@ -555,6 +556,43 @@ TEST(FirmwareFlight, ThatNobodyRecordedHasFailed) {
     ASSERT_EQ(missed.size(), 1U) << file;
     EXPECT_EQ(missed[0].find("the true flight was not recorded: "), 0U) << missed[0];
   }
+}
+
+TEST(FirmwareFlight, WhoseRecordHasAHoleHasFailed) {
+  struct Case {
+    const char* sentence;
+    double from_s, to_s;  ///< rows that are missing
+  };
+  const test::TemporaryFolder folder;
+  for (const auto& [sentence, from_s, to_s] :
+       {Case{"it ends at 6.99 s, and the flight at 10.00 s", 7, 99},
+        Case{"it has nothing between 5.99 s and 8.00 s", 6, 8},
+        Case{"it begins at 2.00 s, and the flight at 0.00 s", -1, 2}}) {
+    std::string rows;
+    std::istringstream all(truth(99));
+    for (std::string line; std::getline(all, line);) {
+      const double t = line.starts_with("t") ? -2 : std::stod(line);
+      if (t < from_s || t >= to_s) rows += line + "\n";
+    }
+    FirmwareFigures figures = flown();
+    add_truth(folder.write("hole.csv", rows), figures);
+    const std::vector<std::string> missed = failures({}, figures);
+    ASSERT_FALSE(missed.empty()) << sentence;
+    EXPECT_NE(missed.back().find(sentence), std::string::npos) << missed.back();
+  }
+}
+
+TEST(FirmwareFlight, WhoseFaultCameAfterItsEndWasFlownWithoutIt) {
+  const auto faults = parse_scenario_faults(
+      base::ConfigNode::parse("[{at_s: 11, drop: gps, for_s: 1, name: late}]", "test"),
+      base::ConfigNode::empty());
+  const auto never_with_begin = [&](int seconds) {
+    const BenchFaultScript::Span span{
+        .name = "late", .begin = base::SimTime(std::chrono::seconds(seconds)), .end = {}};
+    return faults_that_never_began(faults, 0, {span}, flown().stages).size();
+  };
+  EXPECT_EQ(never_with_begin(9), 0U);
+  EXPECT_EQ(never_with_begin(11), 1U) << "the programs ran on";
 }
 
 TEST(FirmwareFlight, TellsWhatCasdCounted) {

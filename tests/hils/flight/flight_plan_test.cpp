@@ -38,7 +38,7 @@ TEST(FlightPlan, WaitsForTheVehicleToBeHeard) {
 TEST(FlightPlan, GivesARefusedCommandAgainAfterASecond) {
   FlightPlan plan(hover());
   ASSERT_TRUE(plan.update(at(seconds(0)), on_ground()));
-  plan.on_outcome(at(seconds(0)), "estimator not ready");
+  plan.on_outcome(at(seconds(0)), Refusal{"estimator not ready"});
   EXPECT_FALSE(plan.update(at(milliseconds(900)), on_ground()));
   EXPECT_TRUE(plan.update(at(seconds(1)), on_ground()));
 }
@@ -46,7 +46,7 @@ TEST(FlightPlan, GivesARefusedCommandAgainAfterASecond) {
 TEST(FlightPlan, FailsWithTheLastRefusalWhenTheTimeIsOver) {
   FlightPlan plan(hover());
   ASSERT_TRUE(plan.update(at(seconds(0)), on_ground()));
-  plan.on_outcome(at(milliseconds(9500)), "estimator not ready");
+  plan.on_outcome(at(milliseconds(9500)), Refusal{"estimator not ready"});
   plan.update(at(milliseconds(10'100)), on_ground());
   EXPECT_EQ(plan.failure(), "step 1 (arm) was not done within 10 s: estimator not ready");
 }
@@ -54,20 +54,20 @@ TEST(FlightPlan, FailsWithTheLastRefusalWhenTheTimeIsOver) {
 TEST(FlightPlan, TakesTheVehicleThroughAllSteps) {
   FlightPlan plan(hover());
   ASSERT_EQ(plan.update(at(seconds(0)), on_ground())->kind, StepKind::kArm);
-  plan.on_outcome(at(seconds(0)), "");
+  plan.on_outcome(at(seconds(0)));
   VehicleReport vehicle = on_ground();
   vehicle.armed = true;
   ASSERT_EQ(plan.update(at(seconds(1)), vehicle)->kind, StepKind::kTakeoff);
-  plan.on_outcome(at(seconds(1)), "");
+  plan.on_outcome(at(seconds(1)));
   EXPECT_FALSE(plan.update(at(seconds(3)), hovering()));  // still for no time yet
   EXPECT_FALSE(plan.update(at(seconds(4)), hovering()));  // hold begins
   EXPECT_FALSE(plan.update(at(seconds(8)), hovering()));
   ASSERT_EQ(plan.update(at(seconds(9)), hovering())->kind, StepKind::kLand);
-  plan.on_outcome(at(seconds(9)), "");
+  plan.on_outcome(at(seconds(9)));
   vehicle = on_ground();
   vehicle.armed = true;
   ASSERT_EQ(plan.update(at(seconds(12)), vehicle)->kind, StepKind::kDisarm);
-  plan.on_outcome(at(seconds(12)), "");
+  plan.on_outcome(at(seconds(12)));
   EXPECT_FALSE(plan.update(at(seconds(13)), on_ground()));
   EXPECT_TRUE(plan.done());
   const auto hold = plan.measured();
@@ -80,7 +80,7 @@ TEST(FlightPlan, TakesTheVehicleThroughAllSteps) {
 TEST(FlightPlan, StartsTheStillnessAnewWhenTheVehicleMoves) {
   FlightPlan plan({{.kind = StepKind::kTakeoff, .timeout = seconds(10), .altitude_m = 2.5}});
   plan.update(at(seconds(0)), hovering());
-  plan.on_outcome(at(seconds(0)), "");
+  plan.on_outcome(at(seconds(0)));
   plan.update(at(seconds(1)), hovering());
   VehicleReport moving = hovering();
   moving.v_N = {1, 0, 0};
@@ -96,7 +96,7 @@ TEST(FlightPlan, FailsWhenTheVehicleDisarmsInTheAir) {
                    {.kind = StepKind::kHold, .duration = seconds(5)},
                    {.kind = StepKind::kLand}});
   plan.update(at(seconds(0)), hovering());
-  plan.on_outcome(at(seconds(0)), "");
+  plan.on_outcome(at(seconds(0)));
   plan.update(at(seconds(1)), hovering());
   plan.update(at(seconds(2)), hovering());
   plan.update(at(seconds(3)), on_ground());
@@ -130,9 +130,9 @@ TEST(FlightPlan, NamesTheStepThatFailedAsTheScenarioCountsIt) {
                    {.kind = StepKind::kHold},
                    {.kind = StepKind::kGoto, .name = "corner3", .timeout = seconds(1)}});
   plan.update(at(seconds(0)), hovering());
-  plan.on_outcome(at(seconds(0)), "");
+  plan.on_outcome(at(seconds(0)));
   plan.update(at(seconds(0)), hovering());
-  plan.on_outcome(at(seconds(0)), "");
+  plan.on_outcome(at(seconds(0)));
   plan.update(at(seconds(2)), hovering());
   EXPECT_EQ(plan.failure(), "step 2, 'corner3' (goto), was not done within 1 s");
 }
@@ -142,7 +142,7 @@ TEST(FlightPlan, CountsATrajectoryFromTheVehiclesAnswer) {
   step.params = {{"CAS_TRJ_SHAPE", 2}};
   FlightPlan plan({step});
   ASSERT_EQ(plan.update(at(seconds(0)), hovering())->params.size(), 1U);
-  plan.on_outcome(at(seconds(2)), "");
+  plan.on_outcome(at(seconds(2)));
   plan.update(at(seconds(21)), hovering());
   EXPECT_FALSE(plan.done());
   plan.update(at(seconds(22)), hovering());
@@ -189,17 +189,17 @@ TEST(FlightPlan, ArmsStockFirmwareAgainThatDisarmedItselfBeforeTakeoff) {
   FlightPlan plan(hover(), 0, kStock);
   VehicleReport vehicle = on_ground();
   ASSERT_EQ(plan.update(at(seconds(0)), vehicle)->kind, StepKind::kArm);
-  plan.on_outcome(at(seconds(0)), "");
+  plan.on_outcome(at(seconds(0)));
   vehicle.armed = true;
   ASSERT_EQ(plan.update(at(seconds(1)), vehicle)->kind, StepKind::kTakeoff);
-  plan.on_outcome(at(seconds(1)), "temporarily rejected");
+  plan.on_outcome(at(seconds(1)), Refusal{"temporarily rejected"});
   vehicle.armed = false;
   ASSERT_EQ(plan.update(at(seconds(2)), vehicle)->kind, StepKind::kArm);
-  plan.on_outcome(at(seconds(2)), "");
+  plan.on_outcome(at(seconds(2)));
   EXPECT_FALSE(plan.update(at(milliseconds(2500)), vehicle));
   vehicle.armed = true;
   ASSERT_EQ(plan.update(at(seconds(3)), vehicle)->kind, StepKind::kTakeoff);
-  plan.on_outcome(at(seconds(3)), "");
+  plan.on_outcome(at(seconds(3)));
   plan.update(at(seconds(5)), hovering());
   plan.update(at(seconds(6)), hovering());
   EXPECT_EQ(plan.completed(), 2U) << plan.failure();
@@ -208,7 +208,7 @@ TEST(FlightPlan, ArmsStockFirmwareAgainThatDisarmedItselfBeforeTakeoff) {
 TEST(FlightPlan, ArmsStockFirmwareAgainThatWasNeverHeardArmed) {
   FlightPlan plan(hover(), 0, kStock);
   ASSERT_TRUE(plan.update(at(seconds(0)), on_ground()));
-  plan.on_outcome(at(seconds(0)), "");
+  plan.on_outcome(at(seconds(0)));
   EXPECT_FALSE(plan.update(at(seconds(2)), on_ground()));
   const auto again = plan.update(at(seconds(4)), on_ground());
   ASSERT_TRUE(again);
@@ -219,12 +219,12 @@ TEST(FlightPlan, WaitsForTheHeartbeatThatShowsStockFirmwareArmedAgain) {
   FlightPlan plan(hover(), 0, kStock);
   VehicleReport vehicle = on_ground();
   plan.update(at(seconds(0)), vehicle);
-  plan.on_outcome(at(seconds(0)), "");
+  plan.on_outcome(at(seconds(0)));
   vehicle.armed = true;
   plan.update(at(seconds(1)), vehicle);
-  plan.on_outcome(at(seconds(1)), "temporarily rejected");
+  plan.on_outcome(at(seconds(1)), Refusal{"temporarily rejected"});
   ASSERT_EQ(plan.update(at(seconds(2)), on_ground())->kind, StepKind::kArm);
-  plan.on_outcome(at(seconds(2)), "");
+  plan.on_outcome(at(seconds(2)));
   EXPECT_FALSE(plan.update(at(seconds(4)), on_ground())) << "no second arming for one disarming";
   ASSERT_TRUE(plan.update(at(milliseconds(5100)), on_ground()));
 }
@@ -234,10 +234,10 @@ FlightPlan accepted_takeoff() {
   FlightPlan plan(hover(), 0, kStock);
   VehicleReport vehicle = on_ground();
   plan.update(at(seconds(0)), vehicle);
-  plan.on_outcome(at(seconds(0)), "");
+  plan.on_outcome(at(seconds(0)));
   vehicle.armed = true;
   plan.update(at(seconds(1)), vehicle);
-  plan.on_outcome(at(seconds(1)), "");
+  plan.on_outcome(at(seconds(1)));
   return plan;
 }
 
@@ -247,7 +247,7 @@ TEST(FlightPlan, ArmsStockFirmwareAgainThatAcceptedTheTakeoffAndDisarmedItselfOn
   const auto again = plan.update(at(seconds(5)), on_ground());
   ASSERT_TRUE(again) << plan.failure();
   EXPECT_EQ(again->kind, StepKind::kArm);
-  plan.on_outcome(at(seconds(5)), "");
+  plan.on_outcome(at(seconds(5)));
   VehicleReport vehicle = on_ground();
   vehicle.armed = true;
   const auto takeoff = plan.update(at(seconds(7)), vehicle);
@@ -259,7 +259,7 @@ TEST(FlightPlan, ArmsStockFirmwareAgainThatAcceptedTheTakeoffAndDisarmedItselfOn
 TEST(FlightPlan, GivesNoSecondTakeoffToWhatLiftsOffAsSoonAsItIsArmedAgain) {
   FlightPlan plan = accepted_takeoff();
   ASSERT_TRUE(plan.update(at(seconds(5)), on_ground()));
-  plan.on_outcome(at(seconds(5)), "");
+  plan.on_outcome(at(seconds(5)));
   VehicleReport climbing{.heard = true, .armed = true, .has_position = true};
   EXPECT_FALSE(plan.update(at(seconds(7)), climbing));
   EXPECT_FALSE(plan.update(at(seconds(9)), hovering()));
@@ -270,7 +270,7 @@ TEST(FlightPlan, GivesNoSecondTakeoffToWhatLiftsOffAsSoonAsItIsArmedAgain) {
 TEST(FlightPlan, DoesNotArmAgainWhatLiftedOffAndWasDisarmedBetweenTwoLooks) {
   FlightPlan plan = accepted_takeoff();
   ASSERT_TRUE(plan.update(at(seconds(5)), on_ground()));
-  plan.on_outcome(at(seconds(5)), "");
+  plan.on_outcome(at(seconds(5)));
   VehicleReport fallen{.heard = true, .has_position = true};
   for (int s = 6; s < 20; ++s) EXPECT_FALSE(plan.update(at(seconds(s)), fallen));
   EXPECT_EQ(plan.failure(), "the vehicle was disarmed during step 2 (takeoff)");
@@ -315,7 +315,7 @@ FlightPlan flying(FlightStep step) {
   VehicleReport vehicle = hovering();
   vehicle.autopilot = "PX4";
   EXPECT_TRUE(plan.update(at(seconds(0)), vehicle));
-  plan.on_outcome(at(seconds(0)), "");
+  plan.on_outcome(at(seconds(0)));
   return plan;
 }
 

@@ -49,6 +49,9 @@ TEST(MissionPlan, CountsFromTheVehiclesHome) {
   EXPECT_EQ(mission.items[2].x, waypoint.x) << "it lands below its last place";
   EXPECT_NEAR((mission.end_m - Eigen::Vector3d(30, 40, 0)).norm(), 0, 0.02);
   EXPECT_NEAR(mission.reach_m, std::hypot(30, 40, 10), 0.02);
+  ASSERT_EQ(mission.places.size(), 1U) << "neither takeoff nor landing is a place to pass";
+  EXPECT_EQ(mission.places[0].number, 2U);
+  EXPECT_NEAR((mission.places[0].place_m - Eigen::Vector3d(30, 40, 10)).norm(), 0, 0.02);
   EXPECT_EQ(mission.last, 1U) << "what comes after it is the landing";
 }
 

@@ -105,10 +105,10 @@ TEST(ReferenceStage, IsThereFromTheClimbToTheLanding) {
   VehicleReport vehicle{.heard = true, .on_ground = true, .has_position = true};
   plan.update(at(seconds(0)), vehicle);
   EXPECT_FALSE(reference_stage(plan, at(seconds(0))));
-  plan.on_outcome(at(seconds(0)), "");
+  plan.on_outcome(at(seconds(0)));
   vehicle.armed = true;
   ASSERT_TRUE(plan.update(at(seconds(1)), vehicle));
-  plan.on_outcome(at(seconds(1)), "");
+  plan.on_outcome(at(seconds(1)));
   const auto climb = reference_stage(plan, at(seconds(1)));
   ASSERT_TRUE(climb);
   EXPECT_EQ(climb->reference_m.z(), 2);

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "casd/packet/own_station.hpp"
 #include "casd/station/gain_map.hpp"
 #include "casd/tlog/tlog_files.hpp"
 #include "hils/measure/run_record.hpp"
@@ -243,7 +244,7 @@ TEST_F(FlightChangesTest, AWishThatNobodyAnsweredIsForgotten) {
 }
 
 TEST_F(FlightChangesTest, WhatCasdsOwnStationSaysIsKnownFromItsCalls) {
-  mav::Encoder casd(mav::Source{kCasdSystem, kCasdComponent});
+  mav::Encoder casd(casd::kOwnStation);
   CommandLong land;
   land.target_system = 1;
   land.command = MavCmd::kNavLand;

@@ -301,6 +301,17 @@ TEST(Judgement, AFlightThatNobodyRecordedHasNoVerdict) {
   EXPECT_EQ(judge(figures, Limits{}).exit_code(), kExitPassed);
 }
 
+TEST(Judgement, AFlightWhoseRecordHasAHoleHasNoVerdict) {
+  Measurement figures = good();
+  figures.stages.resize(1);
+  figures.truth_samples = 1;
+  figures.record_hole = "it ends at 7.00 s, and the flight at 10.00 s";
+  const Verdict verdict = judge(figures, Limits{});
+  EXPECT_EQ(verdict.exit_code(), kExitInvalid);
+  EXPECT_EQ(verdict.failures.front(),
+            "the record of the true flight is not whole: " + figures.record_hole);
+}
+
 TEST(Judgement, CpuPressureAloneDecidesNothing) {
   Measurement figures = good();
   figures.cpu_pressure = 0.995;

@@ -66,6 +66,20 @@ TEST_P(Composition, AsksForALockWhereItOffersTheTerminalItself) {
   EXPECT_TRUE(link(topology("hover", "/dev/pts/9"), "fcu").unlocked_pty);
 }
 
+TEST(CompositionOfARecorder, WritesNoSensorFileWhereNobodyKeepsIt) {
+  const cas::test::TemporaryFolder folder;
+  RunRequest request;
+  request.scenario = Scenario::load(cas::test::source_dir() + "/config/scenarios/hover.yaml");
+  const RunPlaces places = RunPlaces::of(request.scenario, folder.path(), folder.path());
+  const auto names_a_folder = [&] {
+    return simulator_config(request, Transport::kBus, places).find("sensor_dir") !=
+           std::string::npos;
+  };
+  EXPECT_TRUE(names_a_folder());
+  request.keeps_sensors = false;
+  EXPECT_FALSE(names_a_folder());
+}
+
 TEST(CompositionOfAStation, LetsItInjectFailuresOnlyWhereItIsSaid) {
   const cas::test::TemporaryFolder folder;
   for (const bool may : {false, true}) {

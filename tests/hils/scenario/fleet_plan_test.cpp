@@ -53,8 +53,8 @@ TEST_F(Fleet, BeginsAStepForAllWhenTheLastIsThroughWithTheOneBefore) {
   FleetPlan fleet = plan({{.kind = StepKind::kArm}, hold(seconds(2))});
   vehicles_[kLeft].armed = vehicles_[kRight].armed = false;
   ASSERT_EQ(fleet.update(at(seconds(0)), vehicles_).size(), 2U);
-  fleet.on_outcome(kLeft, at(seconds(0)), "");
-  fleet.on_outcome(kRight, at(seconds(0)), "");
+  fleet.on_outcome(kLeft, at(seconds(0)));
+  fleet.on_outcome(kRight, at(seconds(0)));
   vehicles_[kLeft].armed = true;
   fleet.update(at(seconds(1)), vehicles_);
   EXPECT_EQ(fleet.phase(), "arm");
@@ -79,7 +79,7 @@ TEST_F(Fleet, LetsTheOthersStandByInAStepOfOne) {
   EXPECT_EQ(commands[0].vehicle, kRight);
   EXPECT_EQ(fleet.phase(), "climb");
   EXPECT_EQ(fleet.leader(), kRight);
-  fleet.on_outcome(kRight, at(seconds(0)), "");
+  fleet.on_outcome(kRight, at(seconds(0)));
   vehicles_[kRight] = hovering(5);
   fleet.update(at(seconds(3)), vehicles_);
   fleet.update(at(seconds(4)), vehicles_);
@@ -92,7 +92,7 @@ TEST_F(Fleet, LetsTheOthersStandByInAStepOfOne) {
 TEST_F(Fleet, FliesStepsOfDifferentVehiclesOneAfterTheOther) {
   FleetPlan fleet = plan({climb(kRight, 5), climb(kLeft, 4)});
   ASSERT_EQ(fleet.update(at(seconds(0)), vehicles_).size(), 1U);
-  fleet.on_outcome(kRight, at(seconds(0)), "");
+  fleet.on_outcome(kRight, at(seconds(0)));
   EXPECT_TRUE(fleet.update(at(seconds(1)), vehicles_).empty());
   vehicles_[kRight] = hovering(5);
   fleet.update(at(seconds(2)), vehicles_);
@@ -104,13 +104,13 @@ TEST_F(Fleet, FliesStepsOfDifferentVehiclesOneAfterTheOther) {
 TEST_F(Fleet, DoesNotCountTheTimeOfAVehicleThatWaits) {
   FleetPlan fleet = plan({climb(kRight, 5), climb(kLeft, 4)});
   fleet.update(at(seconds(0)), vehicles_);
-  fleet.on_outcome(kRight, at(seconds(0)), "");
+  fleet.on_outcome(kRight, at(seconds(0)));
   vehicles_[kRight] = hovering(5);
   fleet.update(at(milliseconds(9000)), vehicles_);
   fleet.update(at(milliseconds(9900)), vehicles_);
   fleet.update(at(milliseconds(10'000)), vehicles_);
   ASSERT_EQ(fleet.leader(), kLeft);
-  fleet.on_outcome(kLeft, at(seconds(10)), "");
+  fleet.on_outcome(kLeft, at(seconds(10)));
   fleet.update(at(seconds(19)), vehicles_);
   EXPECT_FALSE(fleet.ended());
   fleet.update(at(milliseconds(20'100)), vehicles_);
@@ -120,7 +120,7 @@ TEST_F(Fleet, DoesNotCountTheTimeOfAVehicleThatWaits) {
 TEST_F(Fleet, EndsForAllWhenOneCannotGoOn) {
   FleetPlan fleet = plan({climb(kRight, 5)});
   fleet.update(at(seconds(0)), vehicles_);
-  fleet.on_outcome(kRight, at(seconds(0)), "");
+  fleet.on_outcome(kRight, at(seconds(0)));
   fleet.update(at(seconds(11)), vehicles_);
   ASSERT_TRUE(fleet.ended());
   EXPECT_EQ(fleet.failure_of(kRight), "step 1, 'climb' (goto), was not done within 10 s");

@@ -3,7 +3,8 @@ import {html, nothing, type TemplateResult} from 'lit';
 import {kStale_s} from './bench.ts';
 import {actions} from './commands.ts';
 import {age, clean, clock, fixed, minutes} from './numbers.ts';
-import {page, Part, setTheme, theme} from './page.ts';
+import {page, Part} from './page.ts';
+import {setTheme, theme} from './theme.ts';
 import {jump, nextSpeed} from './timeline.ts';
 import {shownRows, verdictText} from './verdict.ts';
 import type {World} from './world.ts';
@@ -158,8 +159,8 @@ class App extends Part {
     };
     return html`<div class="tabs" role="tablist" aria-label="Data" @keydown=${keys}>${names.map((name) => html`<button role="tab"
         aria-selected=${name === active} tabindex=${name === active ? 0 : -1} @click=${() => { choose(name); page.redraw(); }}>${name}</button>`)}</div>
-      <div class="tab" role="tabpanel" aria-label=${active}>${
-        active === 'Messages' ? html`<cas-messages></cas-messages>` : active === 'Plots' ? html`<cas-plots></cas-plots>`
+      <div class="tab" role="tabpanel" aria-label=${active}>${!page.seen ? nothing
+        : active === 'Messages' ? html`<cas-messages></cas-messages>` : active === 'Plots' ? html`<cas-plots></cas-plots>`
         : active === 'Gains' ? html`<cas-gains></cas-gains>` : html`<cas-log></cas-log>`}</div>`;
   }
 
@@ -169,9 +170,9 @@ class App extends Part {
   }
 
   help(): void {
-    const dialog = document.querySelector<HTMLDialogElement>('dialog')!;
-    if (dialog.open) dialog.close();
-    else dialog.showModal();
+    const dialog = document.querySelector<HTMLDialogElement>('dialog');
+    if (dialog?.open) dialog.close();
+    else dialog?.showModal();
   }
 
   override connectedCallback(): void {

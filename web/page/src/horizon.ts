@@ -2,7 +2,8 @@
 import {html} from 'lit';
 import {kStale_s} from './bench.ts';
 import {age, fixed} from './numbers.ts';
-import {colour, page, Part, sized, themeListeners} from './page.ts';
+import {page, Part, sized} from './page.ts';
+import {colour, themeListeners} from './theme.ts';
 
 const kPanel = '#0b121b';
 const kDegrees = 180 / Math.PI;
@@ -37,7 +38,7 @@ class Horizon extends Part {
 
   protected override frame(): void {
     const canvas = this.querySelector('canvas');
-    if (!canvas || canvas.clientWidth === 0) return;
+    if (!page.seen || !canvas || canvas.clientWidth === 0) return;
     const g = sized(canvas);
     const [W, H] = [canvas.clientWidth, canvas.clientHeight];
     const shown = page.bench.motion();

@@ -13,10 +13,11 @@ import './timeline.ts';
 import './world.ts';
 import {addHelp} from './keys.ts';
 import {LiveSource} from './live_source.ts';
-import {page, setTheme, theme} from './page.ts';
+import {page} from './page.ts';
 import {unpack, type RunRecord} from './record.ts';
 import {RecordSource} from './record_source.ts';
 import type {Source} from './source.ts';
+import {setTheme, theme, themeListeners} from './theme.ts';
 import type {World} from './world.ts';
 
 const kText_s = 0.1;
@@ -45,6 +46,18 @@ function hook(started_ms: number) {
 
 let firstData_ms: number | undefined;
 
+/** The first frame is on the screen; a hidden page is never painted. */
+function painted(): Promise<void> {
+  const kLongest_ms = 500;
+  return new Promise((done) => {
+    new PerformanceObserver((_, observer) => {
+      observer.disconnect();
+      done();
+    }).observe({type: 'paint', buffered: true});
+    setTimeout(done, kLongest_ms);
+  });
+}
+
 function run(source: Source): void {
   page.source = source;
   source.start(page.bench);
@@ -53,7 +66,12 @@ function run(source: Source): void {
   page.tab = source.player ? 'Plots' : 'Messages';
   page.secondTab = source.player ? 'Messages' : 'Plots';
   document.body.append(document.createElement('cas-app'));
-  addHelp();
+  themeListeners.add(() => page.redraw());
+  void painted().then(() => {
+    page.seen = true;
+    addHelp();
+    page.redraw();
+  });
   let text_s = -1;
   const frame = (now_ms: number) => {
     const now_s = now_ms / 1000;

@@ -31,6 +31,8 @@ export class Page {
   readonly underWay = new Map<string, number>();
   goto: {vehicle?: number; north_m: number; east_m: number; up_m: number} | null = null;
   now_s = 0;
+  /** Its first frame is on the screen: what takes long to draw begins after it. */
+  seen = false;
   readonly frames = new Set<(now_s: number) => void>();
   readonly slows = new Set<() => void>();
 
@@ -94,11 +96,6 @@ export class Part extends LitElement {
   protected frame(_now_s: number): void {}
 }
 
-/** A colour of the theme. */
-export function colour(name: string): string {
-  return getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
-}
-
 /** A canvas in the pixels of the screen; its context draws in CSS pixels. */
 export function sized(canvas: HTMLCanvasElement): CanvasRenderingContext2D {
   const ratio = window.devicePixelRatio || 1;
@@ -110,20 +107,4 @@ export function sized(canvas: HTMLCanvasElement): CanvasRenderingContext2D {
   const g = canvas.getContext('2d')!;
   g.setTransform(ratio, 0, 0, ratio, 0, 0);
   return g;
-}
-
-/** Light or dark: the user's choice, else the system's. */
-export function theme(): 'light' | 'dark' {
-  const chosen = document.documentElement.dataset.theme;
-  if (chosen === 'light' || chosen === 'dark') return chosen;
-  return matchMedia('(prefers-color-scheme: light)').matches ? 'light' : 'dark';
-}
-
-/** Those who draw with colours of the theme look again. */
-export const themeListeners = new Set<() => void>();
-
-export function setTheme(to: 'light' | 'dark'): void {
-  document.documentElement.dataset.theme = to;
-  for (const listener of themeListeners) listener();
-  page.redraw();
 }

@@ -2,8 +2,9 @@
 import {html, nothing} from 'lit';
 import uPlot from 'uplot';
 import {fixed} from './numbers.ts';
-import {colour, page, Part, themeListeners} from './page.ts';
+import {page, Part} from './page.ts';
 import {indexAt, type Series} from './series.ts';
+import {colour, themeListeners} from './theme.ts';
 
 interface Line {
   key: string;

@@ -86,11 +86,33 @@ function decodeAll(columns: Record<string, Column> | null | undefined): Columns 
   return Object.fromEntries(Object.entries(columns).map(([name, column]) => [name, decode(column)]));
 }
 
-interface DecodedMessage {
-  name: string;
-  rates: Map<number, number>;
-  t: Float64Array;
-  fields: Map<string, {unit?: string; values: Float64Array}>;
+/** Decoded when it is first asked for: a record has hundreds, and a page shows few of them. */
+class LazyColumn {
+  private values_?: Float64Array;
+
+  constructor(private readonly column: Column, readonly unit?: string) {}
+
+  get values(): Float64Array {
+    return (this.values_ ??= decode(this.column));
+  }
+}
+
+class RecordMessage {
+  readonly name: string;
+  readonly rates: Map<number, number>;
+  readonly fields: Map<string, LazyColumn>;
+  private readonly times: LazyColumn;
+
+  constructor(raw: RecordLog['messages'][number]) {
+    this.name = raw.name;
+    this.rates = new Map(raw.rates);
+    this.fields = new Map(raw.fields.map(({name, unit, values}) => [name, new LazyColumn(values, unit)]));
+    this.times = new LazyColumn(raw.t);
+  }
+
+  get t(): Float64Array {
+    return this.times.values;
+  }
 }
 
 /** "north" for "RMS error of the true position, x_m". */
@@ -141,32 +163,21 @@ const kLanded = ['', 'on_ground', 'in_air', 'takeoff', 'landing'];
 export class VehicleRecord {
   readonly truth: Columns | undefined;
   readonly reference: Columns | undefined;
-  readonly messages: DecodedMessage[];
+  readonly messages: RecordMessage[];
   /** What its HEARTBEATs say; those of other components of the system say nothing. */
   readonly autopilot: string | undefined;
   /** Origin of the estimate, in W: where the vehicle stood at the start, unless the record knows better. */
   readonly origin: Vec3 = [0, 0, 0];
-  private readonly attitudes: Quat[] = [];
   private readonly cache = new Map<string, Series | undefined>();
 
   constructor(readonly raw: RecordVehicle) {
     this.truth = decodeAll(raw.truth);
     this.reference = decodeAll(raw.reference);
-    this.messages = (raw.log?.messages ?? []).map((message) => ({
-      name: message.name,
-      rates: new Map(message.rates),
-      t: decode(message.t),
-      fields: new Map(message.fields.map((field) => [field.name, {unit: field.unit, values: decode(field.values)}])),
-    }));
+    this.messages = (raw.log?.messages ?? []).map((message) => new RecordMessage(message));
     const autopilots = this.message('HEARTBEAT')?.fields.get('autopilot')?.values ?? [];
     this.autopilot = raw.log?.autopilot ?? kAutopilots[autopilots.find((value) => value in kAutopilots) ?? -1];
-    if (this.truth) {
-      const {t, roll, pitch, yaw, x, y, z} = this.truth as Record<string, Float64Array>;
-      for (let i = 0; i < t!.length; ++i) {
-        this.attitudes.push(quaternionOf({roll: roll![i]!, pitch: pitch![i]!, yaw: yaw![i]!}));
-      }
-      if (t!.length > 0) this.origin = [y![0]!, x![0]!, z![0]!];
-    }
+    const {truth} = this;
+    if (truth && truth.t!.length > 0) this.origin = [truth.y![0]!, truth.x![0]!, truth.z![0]!];
     if (raw.origin) this.origin = raw.origin;
   }
 
@@ -175,18 +186,18 @@ export class VehicleRecord {
     return Object.keys(this.truth).filter((name) => name.startsWith('rotor')).length;
   }
 
-  message(name: string): DecodedMessage | undefined {
+  message(name: string): RecordMessage | undefined {
     return this.messages.find((message) => message.name === name);
   }
 
   /** What the vehicle says of itself, by telemetry or in its own log: fields of one name. */
-  private get status(): DecodedMessage | undefined {
+  private get status(): RecordMessage | undefined {
     return this.message('HEARTBEAT') ?? this.message('vehicle_status');
   }
-  private get position(): DecodedMessage | undefined {
+  private get position(): RecordMessage | undefined {
     return this.message('LOCAL_POSITION_NED') ?? this.message('vehicle_local_position');
   }
-  private get attitude(): DecodedMessage | undefined {
+  private get attitude(): RecordMessage | undefined {
     return this.message('ATTITUDE') ?? this.message('vehicle_attitude');
   }
 
@@ -200,11 +211,12 @@ export class VehicleRecord {
     const span = times[j]! - times[i]!;
     const share = span > 0 ? Math.max(0, Math.min(1, (t - times[i]!) / span)) : 0;
     const mix = (name: string) => truth[name]![i]! + share * (truth[name]![j]! - truth[name]![i]!);
+    const attitude = (k: number): Quat => quaternionOf({roll: truth.roll![k]!, pitch: truth.pitch![k]!, yaw: truth.yaw![k]!});
     const rotors: number[] = [];
     for (let k = 1; k <= this.rotors; ++k) rotors.push(mix(`rotor${k}`));
     return {
       p: [mix('y'), mix('x'), mix('z')],
-      q: slerp(this.attitudes[i]!, this.attitudes[j]!, share),
+      q: slerp(attitude(i), attitude(j), share),
       vel: [mix('vy'), mix('vx'), mix('vz')],
       w: [mix('p'), -mix('q'), -mix('r')],
       rotors,
@@ -239,7 +251,7 @@ export class VehicleRecord {
     const local = this.position;
     const attitude = this.attitude;
     const i = local ? indexAt(local.t, t) : -1;
-    const at = (message: DecodedMessage, name: string) => {
+    const at = (message: RecordMessage, name: string) => {
       const field = message.fields.get(name);
       return field ? (between(message.t, field.values, t) ?? field.values[indexAt(message.t, t)]!) : NaN;
     };
@@ -520,7 +532,9 @@ export class RunRecord {
 
 /** Reads the block of a record out of the page: gzip in base 64. */
 export async function unpack(text: string): Promise<RunRecord> {
-  const bytes = Uint8Array.from(atob(text.trim()), (letter) => letter.charCodeAt(0));
+  const letters = atob(text.trim());
+  const bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < bytes.length; ++i) bytes[i] = letters.charCodeAt(i);
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
   return new RunRecord(JSON.parse(await new Response(stream).text()) as RecordFile);
 }

@@ -14,9 +14,10 @@ import {LineMaterial} from 'three/examples/jsm/lines/LineMaterial.js';
 import {kStale_s, type Bench, type Motion} from './bench.ts';
 import {distance, type Quat, type Vec3} from './frames.ts';
 import {fixed} from './numbers.ts';
-import {colour, type Camera} from './page.ts';
+import type {Camera} from './page.ts';
 import type {Part, SceneVehicle} from './protocol.ts';
 import {between, indexAt, type Series} from './series.ts';
+import {colour} from './theme.ts';
 
 const kThrustScale_m_n = 0.075;
 const kGrid_m = 26;

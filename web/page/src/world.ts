@@ -2,8 +2,9 @@
 import {html, nothing, svg} from 'lit';
 import {refuseGoto} from './commands.ts';
 import {fixed} from './numbers.ts';
-import {colour, page, Part, sized, themeListeners, type Camera} from './page.ts';
+import {page, Part, sized, type Camera} from './page.ts';
 import type {Tag, View3D} from './scene3d.ts';
+import {colour, themeListeners} from './theme.ts';
 
 const kCameras: [Camera, string][] = [['orbit', 'Orbit'], ['follow', 'Follow'], ['chase', 'Chase'], ['top', 'Top']];
 
@@ -23,16 +24,13 @@ export function viewSentence(): string {
   return `Vehicle ${bench.vehicle?.system ?? 1} at ${fixed(n, 1)} m north, ${fixed(e, 1)} m east, ${fixed(u, 1)} m up${off}`;
 }
 
-/** The page has been seen. WebGL begins after that: without a graphics card its shaders hold up all drawing. */
-function painted(): Promise<void> {
-  const kLongest_ms = 500;
-  return new Promise((done) => {
-    new PerformanceObserver((_, observer) => {
-      observer.disconnect();
-      done();
-    }).observe({type: 'paint', buffered: true});
-    setTimeout(done, kLongest_ms);
-  });
+/** The page is one file (build.mjs): its 3D view is a block in it, which casRun() runs, and then is casView. */
+declare const kOneFile: boolean;
+declare const casRun: (id: string) => Promise<void>;
+declare const casView: typeof import('./scene3d.ts');
+
+function loadView(): Promise<typeof import('./scene3d.ts')> {
+  return kOneFile ? casRun('view').then(() => casView) : import('./scene3d.ts');
 }
 
 /** The 3D view with its cameras and tags; a map from above where there is no WebGL. */
@@ -57,10 +55,9 @@ export class World extends Part {
 
   private async load(): Promise<void> {
     this.loading = true;
-    await painted();
     const canvas = this.querySelector<HTMLCanvasElement>('canvas.gl')!;
     try {
-      const {View3D} = await import('./scene3d.ts');
+      const {View3D} = await loadView();
       this.view = new View3D(canvas, (vehicle, key) => page.source.series(vehicle, key));
       this.view.setBeside((vehicle, key) => page.source.beside?.(vehicle, key));
       this.view.setCamera(page.camera);
@@ -134,7 +131,8 @@ export class World extends Part {
 
   protected override frame(now_s: number): void {
     if (!this.hasUpdated || this.clientWidth === 0 || document.hidden) return;
-    if (!this.view && !this.loading) void this.load();
+    // Without a graphics card the shaders hold up all drawing.
+    if (page.seen && !this.view && !this.loading) void this.load();
     if (this.view) {
       this.view.draw(page.bench, now_s, Boolean(page.source.player));
       if (this.view.tags !== this.tags) {

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace cas::base::cli {
+
+/// A verb of a program. What its flags fill lives as long as `run`.
+struct Verb {
+  const CLI::App* asked;     ///< of the program's command line
+  std::function<int()> run;  ///< does what the command line says; @return exit code
+};
+
+/// The one of these that the command line asks for; nullptr: none.
+const Verb* find_asked(const std::vector<Verb>& verbs);
+
+}  // namespace cas::base::cli

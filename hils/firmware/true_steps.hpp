@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "hils/flight/flight_plan.hpp"
+#include "hils/measure/tracking.hpp"
+
+namespace cas::hils {
+
+/// Steps that the vehicle says it has done, and that its true motion does not show: a place where
+/// it was not (goto, takeoff, rtl), a waypoint of a mission that it did not come near, a trajectory
+/// in which it hardly moved, a landing after which its rotors carry it on.
+///
+/// Places count from where the vehicle stood at its last takeoff. They are coarse, so that an
+/// estimate may be a little off; how well a step was flown is what limits are for.
+///
+/// @param stages  those that count as done, in their order
+/// @param truth  in the order of time, to the end of the record
+/// @return a sentence each, without a full stop
+std::vector<std::string> steps_not_flown(const std::vector<Stage>& stages,
+                                         std::span<const PoseSample> truth);
+
+}  // namespace cas::hils

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/run_command.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/cli/keys_flag.hpp"
+#include "base/cli/whole_number.hpp"
+#include "base/config/install_paths.hpp"
+#include "base/error.hpp"
+#include "base/os/write_file.hpp"
+#include "hils/boards/board_error.hpp"
+#include "hils/boards/board_flags.hpp"
+#include "hils/boards/flight_boards.hpp"
+#include "hils/firmware/firmware_run.hpp"
+#include "hils/measure/judgement.hpp"
+#include "hils/measure/run_result.hpp"
+#include "hils/programs/live_run.hpp"
+#include "hils/programs/lockstep_run.hpp"
+#include "hils/programs/realtime_run.hpp"
+#include "hils/replay/replay_command.hpp"
+#include "hils/replay/replay_page.hpp"
+#include "hils/report/report.hpp"
+#include "hils/report/results_folder.hpp"
+#include "hils/run/station_endpoint.hpp"
+#include "hils/scenario/scenario.hpp"
+#include "hils/scenario/scenario_reference.hpp"
+#include "hils/ulog/run_ulog.hpp"
+#include "hils/virtual/virtual_run.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+struct Flags {
+  std::string scenario;
+  std::string architecture;
+  std::optional<std::uint64_t> seed;
+  std::vector<std::string> fcus;  ///< as parse_fcu_words() takes them
+  std::optional<unsigned> fcu_baud;
+  BoardFlags boards;
+  std::string out;
+  std::string ground_station;
+  bool inject_failures = false;
+  std::vector<std::string> plugin_dirs;
+  bool on_virtual_clock = false;
+  bool lockstep = false;
+  bool web = false;
+};
+
+/// Puts folders before those of CAS_PLUGIN_PATH, for this process and those that it starts.
+/// @throws base::ConfigError "FOLDER: no such folder"
+void search_plugins_in(const std::vector<std::string>& folders) {
+  std::string path;
+  for (const std::string& folder : folders) {
+    if (!std::filesystem::is_directory(folder)) {
+      throw base::ConfigError("--plugin-dir " + folder + ": no such folder");
+    }
+    path += std::filesystem::absolute(folder).string() + ":";
+  }
+  if (path.empty()) return;
+  const char* before = std::getenv("CAS_PLUGIN_PATH");
+  ::setenv("CAS_PLUGIN_PATH", (path + (before != nullptr ? before : "")).c_str(), 1);
+}
+
+std::vector<RunRecord> fly(const RunRequest& request, bool on_virtual_clock) {
+  if (on_virtual_clock || request.architecture == Architecture::kDirect) {
+    return run_on_virtual_clock(request);
+  }
+  if (request.lockstep) return run_in_lockstep(request);
+  return run_in_real_time(request);
+}
+
+/// Says of the first flag that means nothing to stock firmware what does instead.
+/// @throws base::ConfigError
+void refuse_flags_of_our_controller(const Flags& flags) {
+  const auto refuse = [&flags](bool given, const char* flag, const char* instead) {
+    if (!given) return;
+    throw base::ConfigError(flags.scenario + ": " + flag +
+                            " has no place in a flight of stock firmware: " + instead);
+  };
+  refuse(flags.seed.has_value(), "--seed", "its world has `seed`");
+  refuse(flags.lockstep, "--lockstep", "its world says whether it is flown in lockstep");
+  refuse(flags.on_virtual_clock, "--virtual", "it has a clock of its own; its world has `speed`");
+  refuse(!flags.architecture.empty(), "--architecture", "its topology says how it is connected");
+  refuse(!flags.fcus.empty(), "--fcu",
+         "it is started as a program; for a board take the scenario pixhawk.yaml");
+  refuse(flags.fcu_baud.has_value(), "--fcu-baud", "its topology has the baud rate");
+  refuse(!flags.ground_station.empty(), "--gcs", "its topology has a link for a ground station");
+  refuse(flags.web, "--web", "start casweb beside it");
+}
+
+/// A run without a replay keeps its verdict.
+void leave_replay(const RunRequest& request, const RunResult& result, const std::string& out) {
+  try {
+    if (write_replay(request, result).empty()) {
+      fmt::print("Replay:  {}\n", why_no_page());
+    } else {
+      fmt::print("Replay:  {}\n", (std::filesystem::path(out) / "replay.html").string());
+    }
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "hils: the replay was not written: {}\n", error.what());
+  }
+}
+
+/// Takes the boards of a run and waits until they have booted; what is wrong with one is the case
+/// of a junit.xml. A run whose boards are not even named rightly leaves no folder.
+/// @throws BoardError, RunStopped, base::ConfigError
+void prepare_boards(const std::vector<FcuChoice>& fcus, const Flags& flags, RunRequest& request,
+                    std::optional<FlightBoards>& boards) {
+  const auto clear_folder = [&request] {
+    make_results_folder(request.out);
+    remove_verdict(request.out);
+  };
+  try {
+    boards.emplace(fcus, flags.boards.file(), "hils run " + flags.scenario,
+                   flags.boards.patience());
+    clear_folder();
+    request.fcu_devices = boards->prepare(request.out, request.scenario.names(), flags.fcu_baud);
+  } catch (const BoardError& error) {
+    clear_folder();
+    const Verdict verdict{.failures = {error.what()}};
+    base::write_file(request.out / "junit.xml",
+                     junit_report("hils." + request.scenario.name, 0, verdict),
+                     base::Durability::kCache);
+    throw;
+  }
+}
+
+int run_firmware(const Flags& flags, const std::filesystem::path& file) {
+  refuse_flags_of_our_controller(flags);
+  const FirmwareScenario scenario = FirmwareScenario::load(file);
+  const std::filesystem::path out = std::filesystem::absolute(flags.out);
+  make_results_folder(out);
+  return fly_firmware(scenario, out);
+}
+
+/// Refuses flags that a run on the virtual clock cannot heed. @throws base::ConfigError
+void refuse_flags_of_real_time(const Flags& flags) {
+  if (flags.lockstep) {
+    throw base::ConfigError(
+        "--lockstep: a run on the virtual clock (" +
+        std::string(flags.on_virtual_clock ? "--virtual" : "architecture direct") +
+        ") has no programs to keep in step");
+  }
+  if (!flags.fcus.empty()) {
+    throw base::ConfigError("a real controller cannot be flown on the virtual clock");
+  }
+  if (!flags.ground_station.empty()) {
+    throw base::ConfigError("--gcs: a ground station cannot join a run on the virtual clock");
+  }
+}
+
+/// @throws base::ConfigError for flags that do not fit each other
+RunRequest read_request(const Flags& flags, const std::filesystem::path& file) {
+  RunRequest request;
+  request.scenario = Scenario::load(file);
+  request.architecture = flags.architecture.empty() ? request.scenario.architecture
+                                                    : parse_architecture(flags.architecture);
+  request.lockstep = flags.lockstep;
+  request.seed = flags.seed.value_or(request.scenario.seed);
+  const bool on_virtual_clock =
+      flags.on_virtual_clock || request.architecture == Architecture::kDirect;
+  if (on_virtual_clock) refuse_flags_of_real_time(flags);
+  if (!flags.fcus.empty() && flags.lockstep) {
+    throw base::ConfigError("a real controller has a clock of its own and no place in lockstep");
+  }
+  if (!flags.ground_station.empty()) {
+    request.station = StationEndpoint::parse(flags.ground_station);
+    request.station->inject_failures = flags.inject_failures;
+  }
+  if (flags.web && (on_virtual_clock || flags.lockstep)) {
+    throw base::ConfigError("--web: only a run in real time is shown in a browser");
+  }
+  request.announced = true;
+  request.out = std::filesystem::absolute(flags.out);
+  return request;
+}
+
+int run(const Flags& flags) {
+  search_plugins_in(flags.plugin_dirs);
+  const std::filesystem::path file = base::find_config(flags.scenario);
+  if (FirmwareScenario::is(file)) return run_firmware(flags, file);
+  RunRequest request = read_request(flags, file);
+  std::optional<LiveRun> live;
+  if (flags.web) request.live = &live.emplace();
+  std::optional<FlightBoards> boards;
+  prepare_boards(parse_fcu_words(flags.fcus, request.scenario.names()), flags, request, boards);
+
+  RunResult result = evaluate(request, fly(request, flags.on_virtual_clock));
+  fail_absent(boards->absences(), result);
+  if (live) live->tell(result);
+  write_results(request, result);
+  for (std::size_t i = 0; i < result.vehicles.size(); ++i) {
+    write_ulog(request, result.vehicles[i].record, i);
+  }
+  fmt::print("{}\nResults: {}\n", text_report(result), flags.out);
+  std::fflush(stdout);
+  leave_replay(request, result, flags.out);
+  boards->fetch_logs(request.out, request.scenario.names());
+  return result.verdict.exit_code();
+}
+
+}  // namespace
+
+base::cli::Verb add_run(CLI::App& app) {
+  const auto kept = std::make_shared<Flags>();
+  Flags& flags = *kept;
+  CLI::App* command = app.add_subcommand("run", "Fly one scenario");
+  base::cli::add_keys_flag(*command, scenario_reference, "a scenario");
+  command->add_option("SCENARIO", flags.scenario, "Scenario file")->required();
+  command->add_option("--architecture", flags.architecture,
+                      "One of direct, sitl, ts, loop or tcas");
+  command->add_flag("--virtual", flags.on_virtual_clock,
+                    "Compute time instead of waiting for it: exact and fast");
+  command->add_flag(
+      "--lockstep", flags.lockstep,
+      "Run the real processes on the stream's time: repeatable to the byte, and fast");
+  command->add_option("--out", flags.out, "Folder for the results (the last, if several)")
+      ->required()
+      ->take_last();
+  command
+      ->add_option("--fcu", flags.fcus,
+                   "A real controller instead of the emulator: a board of boards.yaml, or the path "
+                   "of a serial port; of several vehicles VEHICLE=BOARD, once for each")
+      ->allow_extra_args(false);
+  command->add_option("--fcu-baud", flags.fcu_baud,
+                      "Baud rate of that port (the board's, or 921600)");
+  add_board_flags(*command, flags.boards);
+  CLI::Option* const station =
+      command->add_option("--gcs", flags.ground_station,
+                          "Lets a ground station join: udp:PORT sends to one at 127.0.0.1:PORT and "
+                          "hears it, udp_server:PORT and tcp_server:PORT listen for it; also "
+                          "TYPE:HOST:PORT. In real time only");
+  command
+      ->add_flag("--inject-failures", flags.inject_failures,
+                 "Lets that ground station inject failures (MAV_CMD_INJECT_FAILURE), which strike "
+                 "in the simulator")
+      ->needs(station);
+  command->add_flag("--web", flags.web,
+                    "Show the run in a browser: starts casweb and prints the address");
+  command->add_option("--plugin-dir", flags.plugin_dirs,
+                      "Folder searched for plugins first, before CAS_PLUGIN_PATH");
+  command->add_option("--seed", flags.seed, "Seed instead of the scenario's")
+      ->check(base::cli::whole_number);
+  return {command, [kept] { return run(*kept); }};
+}
+
+}  // namespace cas::hils
