@@ -326,7 +326,9 @@ TEST(LineModel, SameSeedAndCallsGiveTheSameBytesAtTheSameTimes) {
 
 /// What a line does over a second of writes and reads, as numbers that tell any difference.
 std::vector<std::int64_t> course(const LineConfig& config) {
-  const auto count = [](std::optional<RunTime> t) { return t ? t->time_since_epoch().count() : -1; };
+  const auto count = [](std::optional<RunTime> t) {
+    return t ? t->time_since_epoch().count() : -1;
+  };
   LineModel line(config, 1);
   base::NormalRandom draw(2);
   std::vector<std::int64_t> course;
