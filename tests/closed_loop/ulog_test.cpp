@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "hils/measure/tracking.hpp"
-#include "hils/ulog/telemetry_ulog.hpp"
+#include "mavlink_gen/services/px4_modes.hpp"
 #include "tests/closed_loop/flight_fixture.hpp"
 #include "tests/plugins/ulog_reader.hpp"
 #include "tests/support/temporary_folder.hpp"
