@@ -266,8 +266,18 @@ void LineModel::send(std::span<const std::uint8_t> bytes, RunTime now) {
   if (!on_line_.empty()) on_line_.back().wakes = true;
 }
 
+/// Bytes that follow the last ones without a gap join them, however small the writes: what a walk
+/// over the send buffer costs does not grow with their number.
 void LineModel::note_sending(const EvenTimes& done) {
-  if (config_.send_buffer_bytes != 0) sending_.push_back(done);
+  if (config_.send_buffer_bytes == 0) return;
+  if (!sending_.empty()) {
+    EvenTimes& last = sending_.back();
+    if (last.step == done.step && done.first == last.at(last.count)) {
+      last.count += done.count;
+      return;
+    }
+  }
+  sending_.push_back(done);
 }
 
 void LineModel::send_evenly(std::span<const std::uint8_t> bytes, Duration delay, RunTime now) {
@@ -295,7 +305,7 @@ void LineModel::send_singly(std::span<const std::uint8_t> bytes, Duration delay,
   const double ratio = config_.receiver_baud > 0 ? config_.baud / config_.receiver_baud : 1;
   for (std::size_t i = 0; i < bytes.size(); ++i) {
     const RunTime sent = clock_byte(now, byte_time);
-    note_sending({.first = sent});
+    note_sending({.first = sent, .step = byte_time});
     const bool survives = (!bursts || byte_survives()) && !lost;
     std::uint8_t value = bit_errors ? with_bit_errors(bytes[i]) : bytes[i];
     const std::optional<std::uint8_t> read =
