@@ -45,7 +45,11 @@ const char* const kPowerOff = R"SH(#!/bin/sh
 # Draws the plug: nothing is left but what udev takes away.
 cd "$SHELF"
 [ "$(cat "$CAS_BOARD.defect" 2>/dev/null)" = stuck ] && exit 0
-[ -e "$CAS_BOARD.pid" ] && kill -KILL "$(cat "$CAS_BOARD.pid")" 2>/dev/null
+if pid=$(cat "$CAS_BOARD.pid" 2>/dev/null); then
+  kill -KILL "$pid" 2>/dev/null
+  # Until it is gone, its control socket is taken.
+  while [ -e "/proc/$pid/fd/0" ]; do sleep 0.02; done
+fi
 rm -f "$CAS_BOARD.pid" by-id/usb-CAS_Stand-in_"$CAS_BOARD_SERIAL"-if00*
 exit 0
 )SH";
