@@ -365,6 +365,8 @@ void LineModel::drop_overrun(RunTime now) {
 
 std::size_t LineModel::read(std::span<std::uint8_t> out, RunTime now) {
   release_overdue(now);
+  // Mostly nothing has come: bytes come in order, so that the first tells.
+  if (on_line_.empty() || on_line_.front().arrivals.at(on_line_.front().read) > now) return 0;
   drop_overrun(now);
   std::size_t count = 0;
   while (count < out.size() && !on_line_.empty()) {
