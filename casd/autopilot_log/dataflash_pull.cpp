@@ -1,76 +1,55 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/autopilot_log/dataflash_pull.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "mavlink_gen/runtime/codec.hpp"
 
 namespace cas::casd {
 
-void DataflashPull::on_packet(const mav::PacketView& packet, base::RunTime now) {
-  if (!wanted_) return;
-  if (const auto block = mav::decode<RemoteLogDataBlock>(packet)) take(*block, now);
+void DataflashPull::take(const mav::PacketView& packet) {
+  if (const auto block = mav::decode<RemoteLogDataBlock>(packet)) take(*block);
 }
 
-void DataflashPull::take(const RemoteLogDataBlock& block, base::RunTime now) {
-  if (stream_.begins(block.seqno)) {
-    if (now < next_file_) return;
-    next_file_ = now + kFilePeriod;
-    hooks_.end();
-    hooks_.begin("bin");
-  }
+void DataflashPull::take(const RemoteLogDataBlock& block) {
+  if (stream_.begins(block.seqno) && !begin_file("bin")) return;
   DataflashStream::Part part;
-  if (stream_.take(block.seqno, block.data, part, now) == DataflashStream::Verdict::kStale) {
+  if (stream_.take(block.seqno, block.data, part, now_) == DataflashStream::Verdict::kStale) {
     // The vehicle sends a log whose beginning casd does not have.
-    if (now < next_ask_) return;
-    restart(now);
-    return ask(now);
+    if (now_ < next_ask_) return;
+    restart(now_);
+    return order_start();
   }
-  heard_at_ = now;
-  retry_ = kFirstRetry;
+  hear();
   say(block.seqno, RemoteLogBlockStatus::kAck);
-  write(std::move(part), now);
+  write({std::move(part.bytes), part.at});
 }
 
-void DataflashPull::write(DataflashStream::Part part, base::RunTime now) {
-  if (part.bytes.empty()) return;
-  if (hooks_.write({std::move(part.bytes), part.at})) return;
-  stop(now);
-  next_ask_ = now + kSilence;
-}
-
-void DataflashPull::tick(base::RunTime now) {
-  wanted_ = true;
+void DataflashPull::ask() {
   DataflashStream::Part part;
-  for (const std::uint32_t number : stream_.tick(part, now)) {
+  for (const std::uint32_t number : stream_.tick(part, now_)) {
     say(number, RemoteLogBlockStatus::kNack);
   }
-  write(std::move(part), now);
-  if (now < next_ask_ || (stream_.began() && now - heard_at_ <= kSilence)) return;
+  write({std::move(part.bytes), part.at});
+  if (now_ < next_ask_ || (stream_.began() && !is_silent())) return;
   stream_.expect_another();
-  ask(now);
+  order_start();
 }
 
 /// While a log runs, ArduPilot ignores an order to start another one: it is stopped first.
-void DataflashPull::ask(base::RunTime now) {
+void DataflashPull::order_start() {
   if (!std::exchange(ordered_, true)) say(RemoteLogBlockStatus::kStop, RemoteLogBlockStatus::kAck);
   say(RemoteLogBlockStatus::kStart, RemoteLogBlockStatus::kAck);
-  next_ask_ = now + retry_;
-  retry_ = std::min(2 * retry_, base::Duration(kSilence));
+  ask_later(retry_, kSilence);
 }
 
-void DataflashPull::stop(base::RunTime now) {
+void DataflashPull::ask_to_end() {
   if (ordered_) say(RemoteLogBlockStatus::kStop, RemoteLogBlockStatus::kAck);
-  restart(now);
-  wanted_ = false;
 }
 
-void DataflashPull::restart(base::RunTime now) {
+void DataflashPull::forget() {
   stream_.reset();
-  hooks_.end();
   ordered_ = false;
-  next_ask_ = now;
 }
 
 void DataflashPull::say(std::uint32_t number, std::uint8_t status) {

@@ -11,27 +11,19 @@ namespace cas::casd {
 /// set it sends nothing before it is armed.
 class DataflashPull final : public LogPull {
  public:
-  explicit DataflashPull(LogPullHooks hooks) : hooks_(std::move(hooks)) {}
-
-  void on_packet(const mav::PacketView& packet, base::RunTime now) override;
-  void tick(base::RunTime now) override;
-  void stop(base::RunTime now) override;
-  void restart(base::RunTime now) override;
+  using LogPull::LogPull;
 
  private:
-  void take(const RemoteLogDataBlock& block, base::RunTime now);
-  void write(DataflashStream::Part part, base::RunTime now);
-  void ask(base::RunTime now);
+  void take(const mav::PacketView& packet) override;
+  void ask() override;
+  void ask_to_end() override;
+  void forget() override;
+  void take(const RemoteLogDataBlock& block);
+  void order_start();
   void say(std::uint32_t number, std::uint8_t status);
 
-  LogPullHooks hooks_;
   DataflashStream stream_;
-  bool wanted_ = false;
   bool ordered_ = false;  ///< since the vehicle's last restart
-  base::RunTime next_ask_{};
-  base::RunTime next_file_{};
-  base::RunTime heard_at_{};
-  base::Duration retry_ = kFirstRetry;
 };
 
 }  // namespace cas::casd

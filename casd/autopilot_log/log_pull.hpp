@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/time/clock.hpp"
@@ -37,7 +38,8 @@ struct LogPullHooks {
   std::function<void(const std::string& sentence)> warn;
 };
 
-/// Asks a vehicle for the log that it is writing, and receives it. Pure.
+/// Asks a vehicle for the log that it is writing, and receives it: when to ask, when to begin and
+/// end a file. What is sent and how the bytes are joined is the autopilot's. Pure.
 class LogPull {
  public:
   /// Least time between the beginnings of two files of a vehicle: a flood of headers must not
@@ -49,16 +51,46 @@ class LogPull {
   static constexpr base::Duration kFirstRetry = std::chrono::seconds(1);
   static constexpr base::Duration kLongestRetry = std::chrono::seconds(60);
 
+  explicit LogPull(LogPullHooks hooks) : hooks_(std::move(hooks)) {}
   virtual ~LogPull() = default;
 
   /// A packet of this vehicle, from its place, for casd's own station.
-  virtual void on_packet(const mav::PacketView& packet, base::RunTime now) = 0;
+  void on_packet(const mav::PacketView& packet, base::RunTime now);
   /// Called while the log is wanted: sends requests and repeats them.
-  virtual void tick(base::RunTime now) = 0;
+  void tick(base::RunTime now);
   /// Asks the vehicle to end its log, and closes the file. The next tick() begins again.
-  virtual void stop(base::RunTime now) = 0;
+  void stop(base::RunTime now);
   /// The vehicle has restarted and forgotten all requests: closes the file.
-  virtual void restart(base::RunTime now) = 0;
+  void restart(base::RunTime now);
+
+ protected:
+  /// Begins a new file. @return false less than kFilePeriod after the last one
+  bool begin_file(std::string_view extension);
+  /// A silence counts from now: the vehicle has accepted a request.
+  void await_data() { heard_at_ = now_; }
+  /// Data has come: the next request is a first one.
+  void hear();
+  bool is_silent() const { return now_ - heard_at_ > kSilence; }
+  /// Doubles the wait for the next request each time, until data comes.
+  void ask_later(base::Duration at_least, base::Duration longest);
+  /// Writes bytes, if there are any. When the queue to the disk is full, the log ends, and goes on
+  /// in another file: readers do not see a gap without a mark.
+  void write(LogPart part);
+
+  LogPullHooks hooks_;
+  base::RunTime now_{};       ///< of the newest call
+  base::RunTime next_ask_{};  ///< the vehicle is not asked earlier
+  base::Duration retry_ = kFirstRetry;
+
+ private:
+  virtual void take(const mav::PacketView& packet) = 0;
+  virtual void ask() = 0;         ///< for the log, if it is time
+  virtual void ask_to_end() = 0;  ///< if the vehicle may be sending
+  virtual void forget() = 0;      ///< what was received and asked for
+
+  bool wanted_ = false;
+  base::RunTime next_file_{};
+  base::RunTime heard_at_{};
 };
 
 }  // namespace cas::casd

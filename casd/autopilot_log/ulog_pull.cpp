@@ -2,6 +2,7 @@
 #include "casd/autopilot_log/ulog_pull.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "mavlink/common/logging_data.hpp"
 #include "mavlink/common/logging_data_acked.hpp"
@@ -22,46 +23,36 @@ void ignore(const Outcome& /*outcome*/) {}
 
 }  // namespace
 
-void UlogPull::on_packet(const mav::PacketView& packet, base::RunTime now) {
-  now_ = now;
-  if (!wanted_) return;
+void UlogPull::take(const mav::PacketView& packet) {
   if (const auto data = mav::decode<LoggingData>(packet)) {
-    take(piece_of(*data), now);
+    take(piece_of(*data));
   } else if (const auto acked = mav::decode<LoggingDataAcked>(packet)) {
     LoggingAck ack;
     ack.sequence = acked->sequence;
     hooks_.send(ack);
-    take(piece_of(*acked), now);
+    take(piece_of(*acked));
   }
 }
 
-void UlogPull::take(const UlogStream::Piece& piece, base::RunTime now) {
+void UlogPull::take(const UlogStream::Piece& piece) {
   if (stream_.begins(piece)) {
-    if (now < next_file_) return end_file();  // after a silence it is asked again
-    next_file_ = now + kFilePeriod;
+    if (!begin_file("ulg")) return end_file();  // after a silence it is asked again
     last_refusal_.clear();
-    hooks_.end();
-    hooks_.begin("ulg");
   }
-  LogPart part{.bytes = stream_.take(piece, now)};
+  LogPart part{.bytes = stream_.take(piece, now_)};
   if (!stream_.began()) return;
-  heard_at_ = now;
-  retry_ = kFirstRetry;
-  if (part.bytes.empty() || hooks_.write(std::move(part))) return;
-  stop(now);  // readers do not see a gap without a mark: the log goes on in another file
-  next_ask_ = now + kSilence;
+  hear();
+  write(std::move(part));
 }
 
-void UlogPull::tick(base::RunTime now) {
-  now_ = now;
-  wanted_ = true;
-  if (state_ == State::kRunning && now - heard_at_ > kSilence) {
+void UlogPull::ask() {
+  if (state_ == State::kRunning && is_silent()) {
     if (stream_.began()) hooks_.warn("has stopped sending its log; it is asked again");
     end_file();
     state_ = State::kIdle;
-    next_ask_ = now;
+    next_ask_ = now_;
   }
-  if (state_ != State::kIdle || now < next_ask_) return;
+  if (state_ != State::kIdle || now_ < next_ask_) return;
   state_ = State::kAsking;
   request_ = std::make_shared<int>();
   hooks_.command({.id = MavCmd::kLoggingStart},
@@ -74,41 +65,29 @@ void UlogPull::on_answer(const Outcome& outcome) {
   request_.reset();
   if (outcome.ok()) {
     state_ = State::kRunning;
-    heard_at_ = now_;
-    return;
+    return await_data();
   }
   state_ = State::kIdle;
   if (outcome.result == MavResult::kTemporarilyRejected) {
     // A log runs that an earlier casd began: its beginning is lost.
     hooks_.command({.id = MavCmd::kLoggingStop}, ignore);
-    return retry(kFirstRetry);
+    return ask_later(kFirstRetry, kLongestRetry);
   }
   if (outcome.message != last_refusal_) hooks_.warn("does not send its log: " + outcome.message);
   last_refusal_ = outcome.message;
-  retry(outcome.result ? kLongestRetry : kSilence);
+  ask_later(outcome.result ? kLongestRetry : kSilence, kLongestRetry);
 }
 
-/// Doubles the wait each time, until data comes.
-void UlogPull::retry(base::Duration at_least) {
-  next_ask_ = now_ + std::max(at_least, retry_);
-  retry_ = std::min(2 * retry_, base::Duration(kLongestRetry));
-}
-
-void UlogPull::stop(base::RunTime now) {
-  now_ = now;
+void UlogPull::ask_to_end() {
   if (state_ != State::kIdle || stream_.began()) {
     hooks_.command({.id = MavCmd::kLoggingStop}, ignore);
   }
-  restart(now);
-  wanted_ = false;
 }
 
-void UlogPull::restart(base::RunTime now) {
-  now_ = now;
-  end_file();
+void UlogPull::forget() {
+  stream_.reset();
   request_.reset();
   state_ = State::kIdle;
-  next_ask_ = now;
   retry_ = kFirstRetry;
 }
 
