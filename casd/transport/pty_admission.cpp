@@ -70,12 +70,13 @@ std::optional<TerminalUser> find_terminal_user(std::uint64_t device, const fs::p
   return std::nullopt;
 }
 
-std::string pty_refusal(int slave, const std::string& device, bool unlocked, const fs::path& proc) {
+std::optional<std::string> pty_refusal(int slave, const std::string& device, bool unlocked,
+                                       const fs::path& proc) {
   const std::optional<base::PtyIdentity> terminal = base::identify_pty(slave);
   CAS_CHECK(terminal.has_value());
   const std::string where = device + ": " + terminal_name(terminal->device);
   const base::PtyOffer offer = base::pty_offer(device, slave);
-  if (offer == base::PtyOffer::kThis) return {};
+  if (offer == base::PtyOffer::kThis) return std::nullopt;
   if (offer == base::PtyOffer::kOther) {
     return where + " is not the one that the program behind this path offers now";
   }
@@ -95,7 +96,7 @@ std::string pty_refusal(int slave, const std::string& device, bool unlocked, con
            " may be somebody's terminal, and /proc hides the processes of other users: let casd "
            "see them (under systemd ProtectProc=default in a drop-in)";
   }
-  return {};
+  return std::nullopt;
 }
 
 }  // namespace cas::casd

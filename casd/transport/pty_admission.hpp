@@ -21,9 +21,9 @@ std::optional<TerminalUser> find_terminal_user(std::uint64_t device,
                                                const std::filesystem::path& proc = "/proc");
 
 /// Why nothing may be written to the open pseudo-terminal `slave`, nor its settings be changed;
-/// empty when it may. It may if a program that runs offers it under `device` (base::PtyLock), or
+/// nothing when it may. It may if a program that runs offers it under `device` (base::PtyLock), or
 /// with `unlocked` if nobody works at it.
-std::string pty_refusal(int slave, const std::string& device, bool unlocked,
-                        const std::filesystem::path& proc = "/proc");
+std::optional<std::string> pty_refusal(int slave, const std::string& device, bool unlocked,
+                                       const std::filesystem::path& proc = "/proc");
 
 }  // namespace cas::casd

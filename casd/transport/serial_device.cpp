@@ -58,8 +58,10 @@ base::Descriptor open_serial(const std::string& device, const SerialOptions& opt
   base::Descriptor line(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!line) return failed("");
   if (base::identify_pty(line.get())) {
-    error = pty_refusal(line.get(), device, options.unlocked_pty);
-    if (!error.empty()) return {};
+    if (auto refusal = pty_refusal(line.get(), device, options.unlocked_pty)) {
+      error = std::move(*refusal);
+      return {};
+    }
   }
   if (::flock(line.get(), LOCK_EX | LOCK_NB) != 0) return failed("in use: ");
   if (!make_raw(line.get(), options)) return failed("not a terminal: ");

@@ -89,18 +89,18 @@ CompanionFlight::Answer CompanionFlight::give(const FlightStep& step, const Vehi
 }
 
 /// Setpoints come first: PX4 refuses OFFBOARD without them. @return why not
-std::string CompanionFlight::enter_stream(const Vehicle& vehicle) {
+std::optional<std::string> CompanionFlight::enter_stream(const Vehicle& vehicle) {
   ask_for_position();
   link_.with_station(
       [&](auto& station) { station.setpoints().hover(vehicle.hover_N, vehicle.yaw_rad); });
   if (!streams()) return "the vehicle does not tell its position, nor its time";
   call_("vehicle.mode", {{"mode", is_ardupilot(vehicle) ? "GUIDED" : "OFFBOARD"}});
-  return {};
+  return std::nullopt;
 }
 
 CompanionFlight::Answer CompanionFlight::begin_trajectory(const FlightStep& step,
                                                           const Vehicle& vehicle) {
-  if (const std::string why = enter_stream(vehicle); !why.empty()) return {.refusal = why};
+  if (const auto why = enter_stream(vehicle)) return {.refusal = why};
   const base::Duration begin = link_.with_station([&](auto& station) {
     station.setpoints().fly(step.trajectory.pattern(), *station.vehicle_time());
     return *station.vehicle_time();
@@ -131,7 +131,7 @@ CompanionFlight::Answer CompanionFlight::begin_breach(const FlightStep& step,
     answer.mission.reset();  // its end is no place of the plan
     return answer;
   }
-  if (const std::string why = enter_stream(vehicle); !why.empty()) return {.refusal = why};
+  if (const auto why = enter_stream(vehicle)) return {.refusal = why};
   const Eigen::Vector3d place_N =
       vehicle.armed_at_N + Eigen::Vector3d(step.place_m.x(), step.place_m.y(), -step.place_m.z());
   link_.with_station([&](auto& station) {

@@ -38,7 +38,7 @@ class CompanionFlight {
 
   /// How giving a step ended.
   struct Answer {
-    std::string refusal{};                 ///< empty: the vehicle flies it
+    std::optional<std::string> refusal{};  ///< nothing: the vehicle flies it
     bool for_good = false;                 ///< asking again would not help
     std::optional<base::SimTime> begin{};  ///< of a trajectory
     std::optional<HomedMission> mission{};
@@ -71,7 +71,7 @@ class CompanionFlight {
   Answer begin_trajectory(const FlightStep& step, const Vehicle& vehicle);
   Answer end_trajectory(const Vehicle& vehicle);
   Answer begin_breach(const FlightStep& step, const Vehicle& vehicle);
-  std::string enter_stream(const Vehicle& vehicle);
+  std::optional<std::string> enter_stream(const Vehicle& vehicle);
   Answer fly_mission(const MissionPlan& plan, const Vehicle& vehicle);
   void ask_for_position();
   bool streams();

@@ -15,17 +15,17 @@ constexpr double kLate_s = 3;
 
 constexpr const char* kStays = "; hils does not arm it again";
 
-/// How the disarming went by the vehicle itself; empty: it was its own.
-std::string doubt(const Disarming& disarming) {
+/// How the disarming went by the vehicle itself; nothing: it was its own.
+std::optional<std::string> doubt(const Disarming& disarming) {
   if (!disarming.words.empty()) {
-    const bool its_own = disarming.words.ends_with("auto preflight disarming");
-    return its_own ? std::string() : fmt::format("it says \"{}\"", disarming.words);
+    if (disarming.words.ends_with("auto preflight disarming")) return std::nullopt;
+    return fmt::format("it says \"{}\"", disarming.words);
   }
   if (disarming.autopilot != "ArduPilot") return "it does not say that it did so itself";
   if (!disarming.delay_s) return "it does not tell its DISARM_DELAY";
   const double early_s = disarming.armed_s.value_or(0) - *disarming.delay_s;
   if (disarming.armed_s && *disarming.delay_s > 0 && early_s > -kEarly_s && early_s < kLate_s) {
-    return {};
+    return std::nullopt;
   }
   return fmt::format("its own DISARM_DELAY is {:.0f} s, and it was armed for {:.1f} s",
                      *disarming.delay_s, disarming.armed_s.value_or(0));
@@ -41,23 +41,23 @@ bool is_own_end(bool gave_disarm, std::string_view words) {
   return gave_disarm && (words.empty() || by_command);
 }
 
-std::string rearm_fault(const Disarming& disarming) {
-  if (const std::string who = first_hand(disarming.hands); !who.empty()) {
-    return fmt::format("the vehicle was disarmed from outside ({}){}", who, kStays);
+std::optional<std::string> rearm_fault(const Disarming& disarming) {
+  if (const auto who = first_hand(disarming.hands)) {
+    return fmt::format("the vehicle was disarmed from outside ({}){}", *who, kStays);
   }
   if (disarming.hands.forgotten_calls > 0) return forgotten_words(disarming.hands) + kStays;
   if (disarming.highest_m > kOnGround_m) {
     return fmt::format("the vehicle was disarmed after it had been {:.1f} m above the ground{}",
                        disarming.highest_m, kStays);
   }
-  if (const std::string why = doubt(disarming); !why.empty()) {
-    return fmt::format("the vehicle was disarmed, perhaps by a person: {}{}", why, kStays);
+  if (const auto why = doubt(disarming)) {
+    return fmt::format("the vehicle was disarmed, perhaps by a person: {}{}", *why, kStays);
   }
   if (disarming.armed_again >= kMostRearmings) {
     return fmt::format("the vehicle has disarmed itself {} times before it took off{}",
                        disarming.armed_again + 1, kStays);
   }
-  return {};
+  return std::nullopt;
 }
 
 }  // namespace cas::hils

@@ -28,12 +28,12 @@ struct Disarming {
 /// Most times that hils arms a vehicle again.
 inline constexpr int kMostRearmings = 2;
 
-/// Why a vehicle is not armed again; empty: its autopilot has disarmed itself on the ground.
+/// Why a vehicle is not armed again; nothing: its autopilot has disarmed itself on the ground.
 ///
 /// What a person disarms stays disarmed. So it must be known that the autopilot did it: nobody else
 /// had the vehicle do anything, it never left the ground, and PX4 says that this was its
 /// COM_DISARM_PRFLT ("auto preflight disarming"); of ArduPilot, which gives no reason, the time
 /// since the arming must be its DISARM_DELAY. What is not known counts as a person.
-std::string rearm_fault(const Disarming& disarming);
+std::optional<std::string> rearm_fault(const Disarming& disarming);
 
 }  // namespace cas::hils

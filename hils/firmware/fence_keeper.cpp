@@ -25,7 +25,7 @@ std::string file_text(const FenceParams& former) {
 
 }  // namespace
 
-std::string FenceKeeper::set(const FenceParams& wanted) {
+std::optional<std::string> FenceKeeper::set(const FenceParams& wanted) {
   if (wanted.empty()) return "only the fences of PX4 and ArduPilot are known";
   try {
     FenceParams former;
@@ -35,13 +35,13 @@ std::string FenceKeeper::set(const FenceParams& wanted) {
     former_ = std::move(former);
     base::write_file(file_, file_text(former_), base::Durability::kCache);
     for (const auto& [name, value] : wanted) call_("param.set", {{"name", name}, {"value", value}});
-    return {};
+    return std::nullopt;
   } catch (const base::rpc::CallError& error) {
     return error.what();
   }
 }
 
-std::string FenceKeeper::restore(base::RunTime deadline) {
+std::optional<std::string> FenceKeeper::restore(base::RunTime deadline) {
   std::string why;
   while (!former_.empty() && why.empty()) {
     const auto& [name, value] = former_.back();
@@ -56,7 +56,7 @@ std::string FenceKeeper::restore(base::RunTime deadline) {
   if (former_.empty()) {
     std::error_code ignored;
     std::filesystem::remove(file_, ignored);
-    return {};
+    return std::nullopt;
   }
   std::string names;
   for (const auto& [name, value] : former_) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -23,11 +24,11 @@ class FenceKeeper {
   FenceKeeper(Call call, std::filesystem::path file)
       : call_(std::move(call)), file_(std::move(file)) {}
 
-  /// Keeps the former values, then sets these. @return why it is not in force; empty: it is
-  std::string set(const FenceParams& wanted);
+  /// Keeps the former values, then sets these. @return why it is not in force
+  std::optional<std::string> set(const FenceParams& wanted);
   /// Gives back what set() has changed, newest first. Gives up where the vehicle does not answer by
-  /// the deadline. @return what was not given back, as a sentence; empty: all was
-  std::string restore(base::RunTime deadline);
+  /// the deadline. @return what was not given back, as a sentence
+  std::optional<std::string> restore(base::RunTime deadline);
 
  private:
   Call call_;

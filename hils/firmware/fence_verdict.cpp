@@ -75,14 +75,13 @@ std::vector<LimitCheck> fence_checks(const Geofence& fence, const FenceFigures& 
     checks.push_back(
         within("highest above home", *fence.altitude_m + fence.margin_m, figures.highest_m));
   }
-  checks.push_back(fact("parameters of the fence", "as before the flight",
-                        figures.not_restored.empty(), figures.not_restored));
+  checks.push_back(fact("parameters of the fence", "as before the flight", !figures.not_restored,
+                        figures.not_restored.value_or("")));
   return checks;
 }
 
 nlohmann::json fence_json(const FenceFigures& figures) {
-  nlohmann::json all{{"announced", figures.words},
-                     {"parameters_restored", figures.not_restored.empty()}};
+  nlohmann::json all{{"announced", figures.words}, {"parameters_restored", !figures.not_restored}};
   if (figures.farthest_m) all["farthest_m"] = *figures.farthest_m;
   if (figures.highest_m) all["highest_m"] = *figures.highest_m;
   return all;

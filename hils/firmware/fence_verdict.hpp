@@ -16,8 +16,8 @@ namespace cas::hils {
 
 /// What became of a vehicle at the fence of its autopilot.
 struct FenceFigures {
-  std::string words{};         ///< with which it announced the breach; empty: it did not
-  std::string not_restored{};  ///< parameters that it did not take back, as a sentence; empty: all
+  std::string words{};  ///< with which it announced the breach; empty: it did not
+  std::optional<std::string> not_restored{};  ///< parameters that it did not take back
   /// By the truth, from where the vehicle stood; nothing where that was not recorded.
   std::optional<double> farthest_m{};  ///< horizontal
   std::optional<double> highest_m{};

@@ -101,16 +101,17 @@ class FirmwarePilot {
     if (!fence_) return;
     supervisor_.linger(kFencePatience);
     const std::string autopilot = vehicle_report(casd_, asked_).autopilot;
-    const std::string why = fence_->set(fence_params(autopilot, *scenario_.fence));
-    if (!why.empty()) plan_.fail("the fence was not set: " + why);
+    if (const auto why = fence_->set(fence_params(autopilot, *scenario_.fence))) {
+      plan_.fail("the fence was not set: " + *why);
+    }
   }
 
   /// Gives back the parameters of the fence.
   void restore_fence(base::RunTime deadline) {
     if (!fence_) return;
     figures_.fence->not_restored = fence_->restore(deadline);
-    if (!figures_.fence->not_restored.empty()) {
-      fmt::print(stderr, "hils: {}\n", figures_.fence->not_restored);
+    if (const auto& fault = figures_.fence->not_restored) {
+      fmt::print(stderr, "hils: {}\n", *fault);
     }
   }
 
@@ -180,8 +181,8 @@ class FirmwarePilot {
     if (command.kind == StepKind::kArm && was_armed_ && has_ended_flight()) begin_next_flight();
     const bool again = command.kind == StepKind::kArm && was_armed_;
     if (command.kind == StepKind::kArm) {
-      plan_.fail(again ? rearm_fault(disarming()) : arm_fault(outside_hands()));
-      if (!plan_.failure().empty()) return;
+      const auto fault = again ? rearm_fault(disarming()) : arm_fault(outside_hands());
+      if (fault) return plan_.fail(*fault);
     }
     if (companion_ && CompanionFlight::gives(command.kind)) return give_as_companion(command);
     const std::optional<Refusal> refusal = hils::give(
@@ -280,11 +281,11 @@ class FirmwarePilot {
          .armed_at_N = armed_at_N_,
          .yaw_rad = plan_.reference_yaw_rad(),
          .not_hil = scenario_.not_hil});
-    if (answer.for_good) return plan_.fail(answer.refusal);
+    if (answer.for_good) return plan_.fail(*answer.refusal);
     if (answer.mission) plan_.aim(*answer.mission);
     const base::SimTime now = look();
     std::optional<Refusal> refusal;
-    if (!answer.refusal.empty()) refusal = Refusal{answer.refusal};
+    if (answer.refusal) refusal = Refusal{*answer.refusal};
     plan_.on_outcome(answer.begin.value_or(now), refusal);
   }
 

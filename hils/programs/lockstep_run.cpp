@@ -146,8 +146,10 @@ class LockstepPilot {
     std::optional<std::uint64_t> acts_so_far;
     if (step.kind == StepKind::kArm) {
       const OutsideHands hands = outside_hands(casd_, own_calls_);
-      plan_.fail(arm_fault(hands));
-      if (!plan_.failure().empty()) return Refusal{plan_.failure()};
+      if (const auto fault = arm_fault(hands)) {
+        plan_.fail(*fault);
+        return Refusal{*fault};
+      }
       acts_so_far = hands.acts_so_far;
     }
     return hils::give(casd_, step, false, {}, &own_calls_, acts_so_far);

@@ -20,7 +20,7 @@ bool has_vehicle_do(const OutsideCall& call) {
 
 }  // namespace
 
-std::string first_hand(const OutsideHands& hands) {
+std::optional<std::string> first_hand(const OutsideHands& hands) {
   const auto disarm = std::ranges::find_if(hands.calls, may_disarm);
   const auto call =
       disarm != hands.calls.end() ? disarm : std::ranges::find_if(hands.calls, has_vehicle_do);
@@ -29,7 +29,7 @@ std::string first_hand(const OutsideHands& hands) {
     return fmt::format("{} called {}{}", call->client, call->method,
                        is_plain ? "" : " " + call->params);
   }
-  if (hands.acts.empty()) return {};
+  if (hands.acts.empty()) return std::nullopt;
   const auto stop = std::ranges::find_if(hands.acts, &HeardAct::disarms);
   const HeardAct& act = stop == hands.acts.end() ? hands.acts.front() : *stop;
   return fmt::format("{}: {}", act.by, act.what);
@@ -42,21 +42,21 @@ std::string forgotten_words(const OutsideHands& hands) {
       hands.forgotten_calls);
 }
 
-std::string arm_fault(const OutsideHands& hands) {
+std::optional<std::string> arm_fault(const OutsideHands& hands) {
   if (std::ranges::any_of(hands.acts, &HeardAct::disarms) ||
       std::ranges::any_of(hands.calls, may_disarm)) {
     return fmt::format(
         "somebody disarmed the vehicle, or may have, before hils armed it ({}); hils does not arm "
         "it",
-        first_hand(hands));
+        *first_hand(hands));
   }
   if (hands.forgotten_calls > 0) return forgotten_words(hands) + "; hils does not arm it";
-  return {};
+  return std::nullopt;
 }
 
 std::string hands_words(const OutsideHands& hands) {
-  const std::string who = first_hand(hands);
-  return who.empty() ? std::string() : " (" + who + ")";
+  const auto who = first_hand(hands);
+  return who ? " (" + *who + ")" : std::string();
 }
 
 }  // namespace cas::hils

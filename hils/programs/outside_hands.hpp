@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,13 +20,12 @@ struct OutsideHands {
   std::uint64_t acts_so_far = 0;      ///< what comes later than this keeps casd from arming
 };
 
-/// Why a vehicle is not armed: somebody has disarmed it, or tried to, or may have. Empty: nobody
-/// has.
-std::string arm_fault(const OutsideHands& hands);
+/// Why a vehicle is not armed: somebody has disarmed it, or tried to, or may have.
+std::optional<std::string> arm_fault(const OutsideHands& hands);
 
 /// The call or act that counts most, one that disarms before all others: "unix:uid 1000 called
-/// vehicle.disarm". Empty: nobody else had the vehicle do anything.
-std::string first_hand(const OutsideHands& hands);
+/// vehicle.disarm". Nothing: nobody else had the vehicle do anything.
+std::optional<std::string> first_hand(const OutsideHands& hands);
 /// That casd does not know all calls any more, as a sentence.
 std::string forgotten_words(const OutsideHands& hands);
 /// " (255/190 on link gcs: command 400 (disarm))" for the sentence of a flight that failed; empty:

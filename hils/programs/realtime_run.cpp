@@ -295,9 +295,9 @@ std::optional<Refusal> RealtimePilot::give(const FleetPlan::Command& command) {
   std::optional<std::uint64_t> acts_so_far;
   if (command.step.kind == StepKind::kArm) {
     const OutsideHands hands = hands_at(i);
-    if (const std::string fault = arm_fault(hands); !fault.empty()) {
-      plan_.fail(i, fault);
-      return Refusal{fault};
+    if (const auto fault = arm_fault(hands)) {
+      plan_.fail(i, *fault);
+      return Refusal{*fault};
     }
     acts_so_far = hands.acts_so_far;
   }
@@ -320,8 +320,7 @@ void RealtimePilot::watch_pause() {
     fmt::print(stderr, "hils: paused by {}: the run waits for `sim.resume`\n", who);
   }
   if (live_ == nullptr || !live_->page_has_ended()) return;
-  fmt::print(stderr,
-             "hils: casweb has ended, and nobody can resume by the page: the run goes on\n");
+  fmt::print(stderr, "hils: casweb has ended, so the page cannot resume the run: it goes on\n");
   live_->resume(simulator_);
 }
 

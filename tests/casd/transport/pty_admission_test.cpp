@@ -27,7 +27,7 @@ class PtyAdmission : public testing::Test {
   }
   std::string refusal(const PtyPair& pair, const std::string& device, bool unlocked) {
     const base::Descriptor slave(::open(pair.slave().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
-    return pty_refusal(slave.get(), device, unlocked, proc_.path());
+    return pty_refusal(slave.get(), device, unlocked, proc_.path()).value_or("");
   }
   static long long number_of(const PtyPair& pair) {
     struct stat status {};

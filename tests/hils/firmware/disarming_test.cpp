@@ -29,9 +29,9 @@ OutsideCall call(const char* method, const char* params = "{}") {
 }
 
 TEST(Disarming, OfTheAutopilotItselfOnTheGroundIsUndone) {
-  EXPECT_EQ(rearm_fault(auto_disarmed()), "");
-  EXPECT_EQ(rearm_fault(silent_arducopter(9)), "");
-  EXPECT_EQ(rearm_fault(silent_arducopter(12)), "");
+  EXPECT_EQ(rearm_fault(auto_disarmed()), std::nullopt);
+  EXPECT_EQ(rearm_fault(silent_arducopter(9)), std::nullopt);
+  EXPECT_EQ(rearm_fault(silent_arducopter(12)), std::nullopt);
 }
 
 struct Case {
@@ -48,7 +48,7 @@ Disarming with(Disarming all, void (*change)(Disarming&)) {
 class PerhapsByAPerson : public testing::TestWithParam<Case> {};
 
 TEST_P(PerhapsByAPerson, IsNotUndone) {
-  const std::string fault = rearm_fault(GetParam().disarming);
+  const std::string fault = rearm_fault(GetParam().disarming).value_or("");
   EXPECT_NE(fault.find(GetParam().sentence), std::string::npos) << fault;
   EXPECT_TRUE(fault.ends_with("; hils does not arm it again")) << fault;
 }
@@ -112,7 +112,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Disarming, BeforeTheFirstArmingKeepsTheVehicleDisarmed) {
   EXPECT_EQ(arm_fault({.calls = {call("param.set"), call("vehicle.arm")},
                        .acts = {act("another mode", false)}}),
-            "");
+            std::nullopt);
   EXPECT_EQ(
       arm_fault({.calls = {}, .acts = {act("command 400 (disarm)", true)}}),
       "somebody disarmed the vehicle, or may have, before hils armed it (255/190 on link gcs: "
@@ -126,13 +126,14 @@ TEST(Disarming, BeforeTheFirstArmingKeepsTheVehicleDisarmed) {
         call("vehicle.command", R"({"command":218,"params":[153,0]})"),
         call("vehicle.command", R"({"command":218,"params":[31,2]})"),
         call("vehicle.command", "null")}) {
-    EXPECT_NE(arm_fault({.calls = {disarm}, .acts = {}}), "") << disarm.method << disarm.params;
+    EXPECT_NE(arm_fault({.calls = {disarm}, .acts = {}}), std::nullopt)
+        << disarm.method << disarm.params;
   }
   EXPECT_EQ(arm_fault({.calls = {call("vehicle.command", R"({"command":400,"params":[1]})"),
                                  call("vehicle.command", R"({"command":185})")},
                        .acts = {}}),
-            "");
-  EXPECT_NE(arm_fault({.calls = {}, .acts = {}, .forgotten_calls = 1}), "");
+            std::nullopt);
+  EXPECT_NE(arm_fault({.calls = {}, .acts = {}, .forgotten_calls = 1}), std::nullopt);
 }
 
 TEST(Disarming, AfterADisarmStepIsThatSteps) {

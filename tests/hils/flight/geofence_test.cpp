@@ -115,36 +115,37 @@ class FenceKeeping : public testing::Test {
 };
 
 TEST_F(FenceKeeping, GivesBackWhatWasThereTheOtherWayRound) {
-  EXPECT_EQ(keeper_.set({{"A", 7}, {"B", 8}}), "");
+  EXPECT_EQ(keeper_.set({{"A", 7}, {"B", 8}}), std::nullopt);
   EXPECT_EQ(vehicle_.params.at("B"), 8);
   EXPECT_NE(kept().find("B 2.5\nA 1\n"), std::string::npos) << kept();
-  EXPECT_EQ(keeper_.restore(later_), "");
+  EXPECT_EQ(keeper_.restore(later_), std::nullopt);
   EXPECT_EQ(vehicle_.params, (std::map<std::string, double>{{"A", 1}, {"B", 2.5}}));
   EXPECT_EQ(vehicle_.order, (std::vector<std::string>{"A", "B", "B", "A"}));
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "fence.params"));
-  EXPECT_EQ(keeper_.restore(later_), "") << "nothing is left to do";
+  EXPECT_EQ(keeper_.restore(later_), std::nullopt) << "nothing is left to do";
   EXPECT_EQ(vehicle_.order.size(), 4U);
 }
 
 TEST_F(FenceKeeping, NamesWhatTheVehicleDoesNotTakeBack) {
-  EXPECT_EQ(keeper_.set({{"A", 7}, {"B", 8}}), "");
+  EXPECT_EQ(keeper_.set({{"A", 7}, {"B", 8}}), std::nullopt);
   vehicle_.refuses = "A";
-  const std::string said = keeper_.restore(later_);
+  const std::string said = keeper_.restore(later_).value_or("");
   EXPECT_NE(said.find("were not given back (A 1): "), std::string::npos) << said;
   EXPECT_FALSE(kept().empty()) << "for casctl param load";
 }
 
 TEST_F(FenceKeeping, DoesNotWaitForeverForAVehicle) {
-  EXPECT_EQ(keeper_.set({{"A", 7}}), "");
-  const std::string said = keeper_.restore(base::steady_now() - std::chrono::seconds(1));
+  EXPECT_EQ(keeper_.set({{"A", 7}}), std::nullopt);
+  const std::string said =
+      keeper_.restore(base::steady_now() - std::chrono::seconds(1)).value_or("");
   EXPECT_NE(said.find("does not answer"), std::string::npos) << said;
 }
 
 TEST_F(FenceKeeping, GivesBackWhatItSetBeforeARefusal) {
   vehicle_.refuses = "B";
-  EXPECT_NE(keeper_.set({{"A", 7}, {"B", 8}}).find("read only"), std::string::npos);
+  EXPECT_NE(keeper_.set({{"A", 7}, {"B", 8}}).value_or("").find("read only"), std::string::npos);
   vehicle_.refuses.clear();
-  EXPECT_EQ(keeper_.restore(later_), "");
+  EXPECT_EQ(keeper_.restore(later_), std::nullopt);
   EXPECT_EQ(vehicle_.params.at("A"), 1);
 }
 
