@@ -123,7 +123,8 @@ LAYERS = {
     "casd/casctl/verbs": BASE | RPC | {"base/cli", "casd/words", "casd/casctl/session"},
     "casd/casctl/doctor": BASE | RPC | {"casd/words", "casd/casctl/session"},
     "casd/casctl/monitor": BASE | RPC | {"base/cli", "casd/words", "casd/casctl/session", "ncurses"},
-    "casd/casctl": BASE | RPC | PROGRAM | rooms("casd/casctl", "session verbs doctor monitor"),
+    # of services: the tables of flight modes
+    "casd/casctl": BASE | RPC | PROGRAM | SERVICES | rooms("casd/casctl", "session verbs doctor monitor"),
 
     "fcu/line": BASE,
     "fcu/estimation": BASE | {"Eigen"},

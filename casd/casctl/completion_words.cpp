@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/completion_words.hpp"
 
+#include <algorithm>
+#include <string>
+
 #include "casd/casctl/verbs/telemetry.hpp"
+#include "mavlink_gen/services/copter_modes.hpp"
+#include "mavlink_gen/services/px4_modes.hpp"
 
 namespace cas::casctl {
 namespace {
@@ -16,11 +21,14 @@ Words loops() {
 
 /// That PX4 or ArduCopter take.
 Words modes() {
-  return {.known = {"MANUAL",  "ALTCTL",   "POSCTL", "ACRO",         "OFFBOARD",  "STABILIZED",
-                    "READY",   "TAKEOFF",  "HOLD",   "LOITER",       "MISSION",   "RTL",
-                    "LAND",    "PRECLAND", "FOLLOW", "STABILIZE",    "ALT_HOLD",  "AUTO",
-                    "GUIDED",  "CIRCLE",   "DRIFT",  "SPORT",        "FLIP",      "AUTOTUNE",
-                    "POSHOLD", "BRAKE",    "THROW",  "GUIDED_NOGPS", "SMART_RTL", "FLOWHOLD"}};
+  Words words;
+  const auto add = [&words](const mav::services::FlightModeWord& mode) {
+    const std::string word(mode.word);
+    if (mode.asked_for && std::ranges::count(words.known, word) == 0) words.known.push_back(word);
+  };
+  std::ranges::for_each(mav::services::kPx4Modes, add);
+  std::ranges::for_each(mav::services::kCopterModes, add);
+  return words;
 }
 
 Words asked_of_casd(const std::string& kind) {

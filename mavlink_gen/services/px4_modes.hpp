@@ -7,15 +7,9 @@
 #include <optional>
 #include <string_view>
 
-namespace cas::mav::services {
+#include "mavlink_gen/services/flight_mode_word.hpp"
 
-/// A flight mode of an autopilot.
-struct FlightModeWord {
-  std::string_view word;
-  std::uint32_t number;                     ///< HEARTBEAT.custom_mode
-  bool asked_for = true;                    ///< can be set by its word; others are only shown
-  std::optional<std::uint8_t> nav_state{};  ///< PX4's vehicle_status.nav_state; nothing: none
-};
+namespace cas::mav::services {
 
 inline constexpr std::uint32_t kPx4Auto = 4;  ///< main mode whose sub modes are modes of their own
 

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <span>
 
+#include "mavlink_gen/services/copter_modes.hpp"
 #include "mavlink_gen/services/px4_modes.hpp"
 
 namespace cas::mav::services {
@@ -13,13 +14,6 @@ namespace {
 
 using mavlink::common::MavAutopilot;
 using mavlink::common::MavModeFlag;
-
-constexpr FlightModeWord kCopterModes[] = {
-    {"STABILIZE", 0}, {"ACRO", 1},          {"ALT_HOLD", 2},   {"AUTO", 3},      {"GUIDED", 4},
-    {"LOITER", 5},    {"RTL", 6},           {"CIRCLE", 7},     {"LAND", 9},      {"DRIFT", 11},
-    {"SPORT", 13},    {"FLIP", 14},         {"AUTOTUNE", 15},  {"POSHOLD", 16},  {"BRAKE", 17},
-    {"THROW", 18},    {"GUIDED_NOGPS", 20}, {"SMART_RTL", 21}, {"FLOWHOLD", 22}, {"FOLLOW", 23},
-};
 
 std::span<const FlightModeWord> modes(Autopilot autopilot) {
   switch (autopilot) {
