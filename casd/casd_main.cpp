@@ -214,7 +214,7 @@ int main(int argc, char** argv) {
                "Run every protocol timer on the stream's time, as 'pace: lockstep' does");
   cli.add_option("--stats", flags.stats, "Write figures to this file at the end");
   cli.add_option("--name", flags.name,
-                 "What this casd runs, for whoever chooses among several (`casctl --address`)");
+                 "Name of this casd, shown where several run on this machine (`casctl --address`)");
   cli.add_option("--log-level", flags.log_level, "Level: debug, info, warn, error or off");
   base::cli::add_manual(cli, "casd", CAS_VERSION);
   if (const auto ended = base::cli::parse(cli, argc, argv, base::kExitConfig)) return *ended;

@@ -202,7 +202,7 @@ void expect_given_firmware(const Flags& flags, Board& board) {
 int switch_power(const BoardList& list, const Flags& flags) {
   const bool off = flags.power_state == "off";
   if (off && !flags.boards.wait.empty()) {
-    throw base::ConfigError("power off waits for nobody: it takes no --wait");
+    throw base::ConfigError("power off does not wait for a held board: it takes no --wait");
   }
   const HeldBoard held = take(list, flags, "power", off);
   Supervisor supervisor;

@@ -52,8 +52,9 @@ constexpr std::tuple kLimitKeys{
                                  "from HIL_SENSOR sent to its echo received, 99 % of the packets"),
     key<&Limits::rms>("rms", Axes{},
                       "true position against the reference: {x_m, y_m, z_m, yaw_rad}"),
-    key<&Limits::rms_estimate>("rms_estimate", Axes{},
-                               "the controller's own estimate against the reference, likewise"),
+    key<&Limits::rms_estimate>(
+        "rms_estimate", Axes{},
+        "the controller's own estimate against the reference, the same keys"),
     key<&Limits::responses>("responses", ReadApart{"name -> block"},
                             "response to the `trajectory: {shape: step}` of that name", "none"),
 };

@@ -117,7 +117,7 @@ class EvalSession {
   static void print(const std::string& line) {
     if (std::fwrite(line.data(), 1, line.size(), stdout) != line.size() ||
         std::fflush(stdout) != 0) {
-      throw std::runtime_error("nobody reads the answers");
+      throw std::runtime_error("standard output is closed: no program reads the answers");
     }
   }
 

@@ -142,7 +142,7 @@ void PluginHost::configure(const std::vector<VehicleConfig>& vehicles,
     if (sender.has_subscribers()) continue;
     base::log::warn(
         "plugin " + label +
-        ": its MAVLink messages reach nobody, for the vehicle has no mavlink_interface");
+        ": its MAVLink messages are not sent, because the vehicle has no mavlink_interface");
   }
 }
 
