@@ -16,6 +16,8 @@
 #include "hils/programs/progress.hpp"
 #include "hils/programs/supervisor.hpp"
 #include "hils/run/run_places.hpp"
+#include "mavlink/common/enums.hpp"
+#include "mavlink/common/home_position.hpp"
 
 namespace cas::hils {
 
@@ -31,8 +33,6 @@ constexpr base::Duration kCallPatience = seconds(120);
 constexpr base::Duration kLookPeriod = milliseconds(50);
 /// The stream goes on for this long after the flight, so that the pipe is drained.
 constexpr base::Duration kDrain = seconds(1);
-constexpr int kRequestMessage = 512;  ///< MAV_CMD_REQUEST_MESSAGE
-constexpr int kHomePosition = 242;
 
 /// The answer of fcu.status as a report.
 VehicleReport to_report(const Json& status) {
@@ -134,7 +134,9 @@ class LockstepPilot {
   /// vehicle has said: casd knows it by then.
   void ask_home() {
     try {
-      casd_.call("vehicle.command", {{"command", kRequestMessage}, {"params", {kHomePosition}}});
+      casd_.call("vehicle.command",
+                 {{"command", static_cast<int>(mavlink::common::MavCmd::kRequestMessage)},
+                  {"params", {mavlink::common::HomePosition::kId}}});
     } catch (const base::rpc::CallError&) {
       return;  // it has none yet
     }
