@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,7 +21,7 @@ struct EvalRequest {
   std::string id = "null";                                        ///< JSON, given back as it came
   std::vector<std::pair<std::string, std::string>> parameters{};  ///< name, YAML
   std::uint64_t seed = 1;
-  std::string error{};  ///< a sentence where the line is no request; then only `id` means something
+  std::optional<std::string> error{};  ///< why the line is no request; then only `id` is valid
 
   /// @param seed  where the line has none
   static EvalRequest parse(std::string_view line, const std::vector<Parameter>& parameters,

@@ -129,7 +129,7 @@ class EvalSession {
   void take(const std::string& line) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) return;
     EvalRequest request = EvalRequest::parse(line, study_.parameters, seed_);
-    if (!request.error.empty()) return print(eval_error(request, request.error));
+    if (request.error) return print(eval_error(request, *request.error));
     ++row_;
     try {
       pool_->start(task_of(request));

@@ -22,7 +22,7 @@ TEST(EvalRequest, HasParametersBySeedAndGivesItsIdBack) {
   const EvalRequest request = EvalRequest::parse(
       R"({"id": "trial 7", "parameters": {"position_p": 1.25, "sensors": "rtk"}, "seed": 3})",
       parameters(), 1);
-  EXPECT_EQ(request.error, "");
+  EXPECT_EQ(request.error, std::nullopt);
   EXPECT_EQ(request.id, R"("trial 7")");
   EXPECT_EQ(request.seed, 3U);
   ASSERT_EQ(request.parameters.size(), 2U);
@@ -37,7 +37,8 @@ TEST(EvalRequest, AnIdHasNoPartsAndEnds) {
   for (const std::string& id : {std::string("{}"), deep, fmt::format("\"{}\"", long_word)}) {
     const EvalRequest request =
         EvalRequest::parse(fmt::format(R"({{"id": {}}})", id), parameters(), 1);
-    EXPECT_NE(request.error.find("'id' is a number, a word"), std::string::npos) << id.size();
+    EXPECT_NE(request.error.value_or("").find("'id' is a number, a word"), std::string::npos)
+        << id.size();
     EXPECT_EQ(request.id, "null");
   }
 }
@@ -52,7 +53,7 @@ class WrongLines : public testing::TestWithParam<WrongLine> {};
 TEST_P(WrongLines, AreToldInASentence) {
   const EvalRequest request = EvalRequest::parse(GetParam().line, parameters(), 1);
   EXPECT_EQ(request.error, GetParam().sentence);
-  const auto answer = nlohmann::json::parse(eval_error(request, request.error));
+  const auto answer = nlohmann::json::parse(eval_error(request, request.error.value_or("")));
   EXPECT_EQ(answer.at("error"), GetParam().sentence);
 }
 
