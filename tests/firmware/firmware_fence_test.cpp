@@ -61,6 +61,38 @@ class FirmwareFence : public SitlFlight {
     EXPECT_EQ(values.at("GF_ACTION").back(), 2) << "PX4's default";
     EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out/run/fence_before.params"));
   }
+  /// The shipped ArduCopter scenario, with ports of its own.
+  void start_copter() {
+    const std::string json = std::to_string(free_port());
+    const std::string here = std::to_string(free_port());
+    const auto topology = replaced(content(kConfig / "topologies/ardupilot_sitl.yaml"),
+                                   "local: 127.0.0.1:14550", "local: 127.0.0.1:" + here);
+    folder_.write(
+        "world.yaml",
+        with_whole_paths(replaced(content(kConfig / "worlds/ardupilot.yaml"),
+                                  "# local: 127.0.0.1:9002", "local: 127.0.0.1:" + json + "  #")));
+    folder_.write("topology.yaml", with_whole_paths(replaced(topology, "local: 127.0.0.1:14551",
+                                                             "local: 127.0.0.1:0")));
+    const auto scenario = folder_.write(
+        "scenario.yaml",
+        "schema: 1\nname: copter\nworld: world.yaml\ntopology: topology.yaml\n"
+        "not_hil: true\n" +
+            paragraph("ardupilot_geofence", "geofence:") +
+            paragraph("ardupilot_geofence", "steps:") + "firmware: {command: ['" + binary_dir() +
+            "/tests/scripted_firmware', ardupilot, '" + json + "', '" + here + "']}\n");
+    hils_.emplace(std::vector<std::string>{binary_dir() + "/bin/hils", "run", scenario.string(),
+                                           "--out", folder_ / "out"});
+  }
+  std::map<std::string, std::vector<double>> written_so_far() const {
+    return written(folder_.path() / "out/flight.tlog");
+  }
+  void expect_copter_restored() const {
+    const auto values = written_so_far();
+    EXPECT_EQ(values.at("FENCE_ENABLE"), (std::vector<double>{1, 0}));
+    EXPECT_EQ(values.at("FENCE_TYPE"), (std::vector<double>{2, 7}));
+    EXPECT_EQ(values.at("FENCE_RADIUS"), (std::vector<double>{kRadius_m, 300}));
+    EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out/run/fence_before.params"));
+  }
 };
 
 TEST_F(FirmwareFence, HoldsPx4WithinItsMargin) {
@@ -114,30 +146,24 @@ TEST_F(FirmwareFence, IsTakenBackWhenHilsIsStopped) {
 }
 
 TEST_F(FirmwareFence, SendsArducopterHome) {
-  const std::string json = std::to_string(free_port());
-  const std::string here = std::to_string(free_port());
-  folder_.write("world.yaml", with_whole_paths(replaced(content(kConfig / "worlds/ardupilot.yaml"),
-                                                        "# local: 127.0.0.1:9002",
-                                                        "local: 127.0.0.1:" + json + "  #")));
-  folder_.write("topology.yaml", with_whole_paths(replaced(
-                                     replaced(content(kConfig / "topologies/ardupilot_sitl.yaml"),
-                                              "local: 127.0.0.1:14550", "local: 127.0.0.1:" + here),
-                                     "local: 127.0.0.1:14551", "local: 127.0.0.1:0")));
-  const auto scenario = folder_.write(
-      "scenario.yaml",
-      "schema: 1\nname: copter\nworld: world.yaml\ntopology: topology.yaml\n"
-      "not_hil: true\n" +
-          paragraph("ardupilot_geofence", "geofence:") + paragraph("ardupilot_geofence", "steps:") +
-          "firmware: {command: ['" + binary_dir() + "/tests/scripted_firmware', ardupilot, '" +
-          json + "', '" + here + "']}\n");
-  hils_.emplace(std::vector<std::string>{binary_dir() + "/bin/hils", "run", scenario.string(),
-                                         "--out", folder_ / "out"});
+  start_copter();
   ASSERT_EQ(hils_->wait_exit(kFlightPatience), 0) << output();
   EXPECT_EQ(summary().at("fence").at("announced"), "Fence Breached");
-  const auto values = written(folder_.path() / "out/flight.tlog");
-  EXPECT_EQ(values.at("FENCE_ENABLE"), (std::vector<double>{1, 0}));
-  EXPECT_EQ(values.at("FENCE_TYPE"), (std::vector<double>{2, 7}));
-  EXPECT_EQ(values.at("FENCE_RADIUS"), (std::vector<double>{kRadius_m, 300}));
+  expect_copter_restored();
+}
+
+TEST_F(FirmwareFence, OfArducopterIsTakenBackWhenHilsIsStopped) {
+  start_copter();
+  ASSERT_TRUE(wait_until(
+      [&] {
+        return std::filesystem::exists(folder_.path() / "out/flight.tlog") &&
+               written_so_far().contains("FENCE_ENABLE");
+      },
+      kFlightPatience))
+      << output();
+  hils_->signal(SIGINT);
+  EXPECT_EQ(hils_->wait_exit(kFlightPatience), 130) << output();
+  expect_copter_restored();
 }
 
 }  // namespace
