@@ -31,9 +31,9 @@ LimitCheck fact(const char* what, const char* wanted, bool kept, const std::stri
 
 /// Whether the vehicle was where the fence is: a mode changed far inside says nothing of it.
 bool came_to(const Geofence& fence, const FenceFigures& figures) {
-  const bool far = figures.farthest_m && *figures.farthest_m >= fence.radius_m - fence.margin_m;
+  const bool far = figures.farthest_m && *figures.farthest_m >= fence.radius_m - fence.early_m;
   const bool high = fence.altitude_m && figures.highest_m &&
-                    *figures.highest_m >= *fence.altitude_m - fence.margin_m;
+                    *figures.highest_m >= *fence.altitude_m - fence.early_m;
   return far || high;
 }
 
@@ -65,7 +65,7 @@ std::vector<LimitCheck> fence_checks(const Geofence& fence, const FenceFigures& 
         fact("way to the fence", "flown", came_to(fence, figures),
              fmt::format("the vehicle did not come within {:.1f} m of its fence: {} m "
                          "from home at most",
-                         fence.margin_m,
+                         fence.early_m,
                          figures.farthest_m ? fmt::format("{:.2f}", *figures.farthest_m)
                                             : std::string("unknown"))));
   }

@@ -61,7 +61,11 @@ struct FlightDeck {
         supervisor(programs.supervisor()),
         run(places.run),
         simulator("unix:" + places.simulator_control().string()),
-        casd("unix:" + places.command_port.string()) {}
+        casd("unix:" + places.command_port.string()) {
+    // Both end a connection on which nothing is asked; a firmware may take its time until then.
+    simulator.call("sim.status", nlohmann::json::object());
+    casd.call("casd.status", nlohmann::json::object());
+  }
 
   const FirmwareScenario& scenario;
   FirmwareBench& bench;

@@ -54,6 +54,10 @@ Geofence parse_geofence(const base::ConfigNode& node) {
   if (node.has("altitude_m")) fence.altitude_m = node.require_in("altitude_m", kLeast_m, kMost_m);
   fence.action = parse_action(node.at("action"));
   fence.margin_m = node.require_in("margin_m", 0.1, kMost_m);
+  fence.early_m = node.get_in("early_m", std::min(fence.margin_m, fence.radius_m), 0.1, kMost_m);
+  if (node.has("early_m") && fence.early_m >= fence.radius_m) {
+    node.at("early_m").fail("must be less than radius_m, or any turn would do");
+  }
   return fence;
 }
 

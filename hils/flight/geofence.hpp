@@ -19,7 +19,8 @@ struct Geofence {
   double radius_m = 0;
   std::optional<double> altitude_m{};  ///< ceiling above home; nothing: none
   FenceAction action = FenceAction::kReturn;
-  double margin_m = 0;  ///< so far beyond it the vehicle may come by the truth, or turn before it
+  double margin_m = 0;  ///< so far beyond it the vehicle may come by the truth
+  double early_m = 0;   ///< so far inside it the vehicle may turn
 };
 
 /// Reads the section `geofence` of a scenario of stock firmware. @throws base::ConfigError

@@ -22,6 +22,9 @@ namespace {
 
 /// PX4 v1.12.0: GEOFENCE_CHECK_INTERVAL_US. ArduCopter 4.5 checks in its three_hz_loop.
 constexpr base::Duration kPx4Period = std::chrono::milliseconds(200);
+/// PX4 v1.12.0 looks ahead by the way on which it stops at the worst
+/// (computeBrakingDistanceMultirotor): flown at 1 m/s it turned so far inside its fence.
+constexpr double kLooksAhead_m = 8;
 constexpr base::Duration kCopterPeriod = std::chrono::milliseconds(333);
 
 // Bits of FENCE_TYPE.
@@ -84,8 +87,10 @@ bool ScriptedFence::is_outside(const Eigen::Vector3d& p_home_N) const {
   const double high_m = -p_home_N.z();
   if (is_px4()) {
     const double most_far_m = param("GF_MAX_HOR_DIST");
+    const double ahead_m = style_ == FenceStyle::kPx4_1_12 ? kLooksAhead_m : 0;
     const double most_high_m = param("GF_MAX_VER_DIST");
-    return (most_far_m > 0 && far_m > most_far_m) || (most_high_m > 0 && high_m > most_high_m);
+    return (most_far_m > 0 && far_m + ahead_m > most_far_m) ||
+           (most_high_m > 0 && high_m > most_high_m);
   }
   const int type = static_cast<int>(param("FENCE_TYPE"));
   if (param("FENCE_ENABLE") == 0) return false;

@@ -251,9 +251,9 @@ struct BadFence {
 
 TEST(FirmwareScenario, RefusesAFenceThatWouldNotAct) {
   constexpr std::array kBad{
-      BadFence{"geofence: {radius_m: 15, action: hold, margin_m: 5}", "",
+      BadFence{"geofence: {radius_m: 15, action: hold, margin_m: 5, early_m: 10}", "",
                "steps: a breach step needs the section geofence"},
-      BadFence{"  - breach: {north_m: 40, east_m: 0, up_m: 5, speed_m_s: 3, timeout_s: 60}\n", "",
+      BadFence{"  - breach: {north_m: 40, east_m: 0, up_m: 5, speed_m_s: 1, timeout_s: 60}\n", "",
                "geofence: no breach step flies to this fence"},
       BadFence{"north_m: 40", "north_m: 20", "is not beyond the fence and its margin"}};
   for (const auto& [what, by, sentence] : kBad) {

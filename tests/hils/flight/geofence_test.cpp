@@ -33,6 +33,8 @@ TEST(Geofence, IsInEachAutopilotsOwnParameters) {
                                                          {"FENCE_ALT_MAX", 30},
                                                          {"FENCE_ACTION", 4},
                                                          {"FENCE_ENABLE", 1}}));
+  EXPECT_EQ(low.early_m, low.margin_m);
+  EXPECT_EQ(fence("{radius_m: 15, action: hold, margin_m: 5, early_m: 10}").early_m, 10);
   const Geofence open = fence("{radius_m: 15, action: return, margin_m: 5}");
   EXPECT_EQ(fence_params("PX4", open),
             (FenceParams{{"GF_MAX_HOR_DIST", 15}, {"GF_MAX_VER_DIST", 0}, {"GF_ACTION", 3}}));
@@ -64,6 +66,8 @@ TEST_P(GeofenceThatIsNone, IsRefused) {
 INSTANTIATE_TEST_SUITE_P(
     Geofence, GeofenceThatIsNone,
     testing::Values(BadFence{"NoMargin", "{radius_m: 15, action: hold}", "margin_m"},
+                    BadFence{"Early", "{radius_m: 15, action: hold, margin_m: 5, early_m: 15}",
+                             "early_m"},
                     BadFence{"Tiny", "{radius_m: 1, action: hold, margin_m: 5}", "radius_m"},
                     BadFence{"Misspelt", "{radius_m: 15, action: retrun, margin_m: 5}",
                              "did you mean 'return'?"}),
@@ -149,7 +153,8 @@ TEST_F(FenceKeeping, GivesBackWhatItSetBeforeARefusal) {
   EXPECT_EQ(vehicle_.params.at("A"), 1);
 }
 
-constexpr Geofence kFence{.radius_m = 15, .action = FenceAction::kHold, .margin_m = 5};
+constexpr Geofence kFence{
+    .radius_m = 15, .action = FenceAction::kHold, .margin_m = 5, .early_m = 3};
 
 /// What a flight missed, in one line.
 std::string missed(const FenceFigures& figures, bool flew_there = true) {
@@ -171,6 +176,10 @@ TEST(FenceVerdict, FailsAFenceThatDidNotActOrSaidNothing) {
   EXPECT_NE(missed({.farthest_m = 17}).find("did not announce"), std::string::npos);
   EXPECT_NE(missed({.words = "Fence Breached", .farthest_m = 4}).find("did not come within"),
             std::string::npos);
+  EXPECT_EQ(missed({.words = "Fence Breached", .farthest_m = 12.1}), "");
+  EXPECT_NE(
+      missed({.words = "Fence Breached", .farthest_m = 11.9}).find("within 3.0 m of its fence"),
+      std::string::npos);
   EXPECT_EQ(missed({.farthest_m = 4}, false), "") << "the flight ended before: not judged";
 }
 
