@@ -84,6 +84,7 @@ counts what is lost and why, and takes commands. casctl commands and watches
 it from the terminal, casweb shows it in a browser.")
 
 set(CPACK_DEBIAN_SIM_PACKAGE_DEPENDS "cas-common ${exactly}")
+set(CPACK_DEBIAN_SIM_PACKAGE_CONTROL_EXTRA ${debian}/triggers)
 set(CPACK_DEBIAN_SIM_PACKAGE_RECOMMENDS "casd ${exactly}")
 set(CPACK_COMPONENT_SIM_DESCRIPTION "quadrotor simulator with HIL sensors and an emulated autopilot
 hilsim simulates vehicles, sensors and weather as plugins; fcu_emulator is a

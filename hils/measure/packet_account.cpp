@@ -29,9 +29,10 @@ using Moments = std::vector<std::pair<std::uint64_t, std::int64_t>>;
 std::uint64_t put_in_order(Moments& moments) {
   const auto stamp = &Moments::value_type::first;
   if (!std::ranges::is_sorted(moments, {}, stamp)) std::ranges::stable_sort(moments, {}, stamp);
-  const auto again = std::ranges::unique(moments, {}, stamp);
-  const std::size_t count = again.size();
-  moments.erase(again.begin(), again.end());
+  const auto same = [](const auto& a, const auto& b) { return a.first == b.first; };
+  const auto again = std::unique(moments.begin(), moments.end(), same);
+  const auto count = static_cast<std::uint64_t>(moments.end() - again);
+  moments.erase(again, moments.end());
   return count;
 }
 
