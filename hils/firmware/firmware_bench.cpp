@@ -49,6 +49,13 @@ void FirmwareBench::stop() {
   logs_.join();
 }
 
+void FirmwareBench::reboot(std::size_t vehicle) {
+  supervisor_.stop(*firmware_[vehicle], kStopPatience);
+  ChildProcess::Options options = firmware_options(vehicle);
+  options.appends = true;
+  firmware_[vehicle] = &supervisor_.start(std::move(options), kReadyTimeout);
+}
+
 void FirmwareBench::kill_casd() {
   if (casd_ == nullptr) return;
   supervisor_.kill(*casd_);

@@ -24,6 +24,9 @@ class FirmwareBench {
   /// The exit code of the firmware says nothing about the flight.
   void stop();
 
+  /// Ends the firmware of one vehicle, and starts it again in its folder. Its log goes on.
+  void reboot(std::size_t vehicle);
+
   /// A fault: casd is gone at once.
   void kill_casd();
   void start_casd();

@@ -18,6 +18,7 @@
 #include "hils/firmware/disarming.hpp"
 #include "hils/firmware/fence_keeper.hpp"
 #include "hils/firmware/firmware_faults.hpp"
+#include "hils/firmware/firmware_reboot.hpp"
 #include "hils/programs/pilot_calls.hpp"
 #include "hils/programs/progress.hpp"
 #include "hils/scenario/fleet_plan.hpp"
@@ -83,6 +84,7 @@ class FirmwarePilot {
   /// @param companion  for steps that take more than commands; nothing: the flight has none
   FirmwarePilot(FlightDeck& deck, FlightPlan& plan, std::size_t vehicle, CompanionLink* companion)
       : scenario_(deck.scenario),
+        bench_(deck.bench),
         supervisor_(deck.supervisor),
         simulator_(deck.simulator),
         casd_(deck.casd),
@@ -188,6 +190,7 @@ class FirmwarePilot {
       const auto fault = again ? rearm_fault(disarming()) : arm_fault(outside_hands());
       if (fault) return plan_.fail(*fault);
     }
+    if (command.kind == StepKind::kReboot) return reboot(command);
     if (companion_ && CompanionFlight::gives(command.kind)) return give_as_companion(command);
     const std::optional<Refusal> refusal = hils::give(
         casd_, in_vehicles_frame(command), scenario_.not_hil, asked_, &own_calls_, acts_so_far_);
@@ -291,6 +294,26 @@ class FirmwarePilot {
     std::optional<Refusal> refusal;
     if (answer.refusal) refusal = Refusal{*answer.refusal};
     plan_.on_outcome(answer.begin.value_or(now), refusal);
+  }
+
+  /// Other vehicles fly on meanwhile, and their plans wait.
+  void reboot(const FlightStep& step) {
+    if (vehicle_report(casd_, asked_).armed) {
+      return plan_.fail("the vehicle is armed: its firmware is not rebooted");
+    }
+    if (was_armed_ && has_ended_flight()) begin_next_flight();
+    const FirmwareReboot reboot{
+        .restart = [this] { bench_.reboot(vehicle_); },
+        .look = [this] { return look(); },
+        .heartbeats = [this] { return counts()["HEARTBEAT"]; },
+        .wait = waiting(),
+        .parameter = [this](const std::string& name) { return parameter(name.c_str()); }};
+    const base::SimTime written_at =
+        plan_.stages().empty() ? base::SimTime{} : plan_.stages().back().end;
+    const auto fault = reboot.run(written_params(plan_.stages()), written_at, step.timeout);
+    if (fault) return plan_.fail(*fault);
+    if (companion_) companion_->on_reboot();
+    plan_.on_outcome(look());
   }
 
   /// The plan counts from where the vehicle was armed, casd from the vehicle's origin.
@@ -455,6 +478,7 @@ class FirmwarePilot {
   }
 
   const FirmwareScenario& scenario_;
+  FirmwareBench& bench_;
   Supervisor& supervisor_;
   base::rpc::Client& simulator_;
   base::rpc::Client& casd_;

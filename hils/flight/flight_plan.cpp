@@ -223,6 +223,7 @@ bool FlightPlan::reached(const FlightStep& step, base::SimTime now, const Vehicl
     case StepKind::kEndTrajectory:
     case StepKind::kSetGain:
     case StepKind::kSetParam:
+    case StepKind::kReboot:
       return true;
     case StepKind::kMission:
       return has_flown_mission(step, now, vehicle);

@@ -19,11 +19,12 @@ namespace {
 constexpr double kMaxStepSeconds = 86'400;
 constexpr double kMaxDistanceM = 10'000;
 constexpr base::Duration kMissionPatience = std::chrono::minutes(5);
+constexpr base::Duration kRebootPatience = std::chrono::minutes(1);
 constexpr base::Duration kBreachPatience = std::chrono::minutes(2);
 constexpr double kBreachSpeed_m_s = 2;
 constexpr double kRadiansPerDegree = M_PI / 180.0;
 
-constexpr std::array<std::pair<StepKind, std::string_view>, 15> kWords{{
+constexpr std::array<std::pair<StepKind, std::string_view>, 16> kWords{{
     {StepKind::kArm, "arm"},
     {StepKind::kTakeoff, "takeoff"},
     {StepKind::kGoto, "goto"},
@@ -37,10 +38,11 @@ constexpr std::array<std::pair<StepKind, std::string_view>, 15> kWords{{
     {StepKind::kRtl, "rtl"},
     {StepKind::kLand, "land"},
     {StepKind::kDisarm, "disarm"},
+    {StepKind::kReboot, "reboot"},
     {StepKind::kEndTrajectory, "end of trajectory"},  // from here on: no word of a scenario
     {StepKind::kStandBy, "stand by"},
 }};
-constexpr std::size_t kScenarioWords = 13;
+constexpr std::size_t kScenarioWords = 14;
 
 constexpr std::array<std::pair<fcu::PatternShape, std::string_view>, 3> kShapes{{
     {fcu::PatternShape::kCircle, "circle"},
@@ -186,6 +188,7 @@ void parse_body(const base::ConfigNode& body, const VehicleNames& names, FlightS
   if (step.kind == StepKind::kTrajectory) parse_trajectory(body, step);
   if (step.kind == StepKind::kRtl) parse_rtl(body, step);
   if (step.kind == StepKind::kBreach) parse_breach(body, step);
+  if (step.kind == StepKind::kReboot) step.timeout = kRebootPatience;
   if (step.kind == StepKind::kMission) {
     step.mission = parse_mission(body);
     step.timeout = kMissionPatience;
@@ -300,6 +303,9 @@ void FlightRehearsal::play(const FlightStep& step, const base::ConfigNode& node)
       if (airborne_) refuse(node, "disarm in the air would drop the vehicle: land first");
       armed_ = false;
       return;
+    case StepKind::kReboot:
+      if (armed_) refuse(node, "reboot needs a disarmed vehicle: add a disarm step before it");
+      return;
     case StepKind::kEndTrajectory:
     case StepKind::kSetGain:
     case StepKind::kSetParam:
@@ -401,12 +407,14 @@ std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::
   return flight;
 }
 
-void refuse_missions(const base::ConfigNode& steps) {
+void refuse_firmware_steps(const base::ConfigNode& steps) {
   for (const base::ConfigNode& node : steps.items()) {
-    for (const char* const word : {"mission", "breach"}) {
-      if (!node.is_map() || !node.has(word)) continue;
-      node.at(word).fail(
-          fmt::format("only a scenario of stock firmware (key firmware) flies a {}", word));
+    for (const char* const word : {"mission", "breach", "reboot"}) {
+      const bool bare = node.is_scalar() && node.as<std::string>() == word;
+      if (!bare && !(node.is_map() && node.has(word))) continue;
+      (bare ? node : node.at(word))
+          .fail(
+              fmt::format("only a scenario of stock firmware (key firmware) has a step {}", word));
     }
   }
 }

@@ -50,6 +50,7 @@ enum class StepKind {
   kLand,           ///< done when the vehicle says that it stands on the ground
   kRtl,            ///< done when it stands on the ground at home, or hangs still above it
   kDisarm,         ///< done when it says that it is disarmed
+  kReboot,         ///< done when its firmware has started again, and knows its parameters
   kStandBy,        ///< another vehicle's step: done when the others have done it
 };
 
@@ -112,8 +113,8 @@ bool is_command(StepKind kind);
 std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::GainMap& gains,
                                      const VehicleNames& names = only_vehicle());
 
-/// Missions and breaches are for stock firmware. @throws base::ConfigError at the first
-void refuse_missions(const base::ConfigNode& steps);
+/// Missions, breaches and reboots are for stock firmware. @throws base::ConfigError at the first
+void refuse_firmware_steps(const base::ConfigNode& steps);
 
 /// The flight as one vehicle sees it: in the steps of others it stands by.
 std::vector<FlightStep> steps_for(std::size_t vehicle, const std::vector<FlightStep>& flight);

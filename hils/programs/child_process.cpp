@@ -120,8 +120,9 @@ ChildProcess::ChildProcess(Options options) : options_(std::move(options)) {
   ready_ = !notifies || !options_.says_ready;
   const std::vector<char*> argv = exec_words(options_.arguments);
   const std::vector<char*> envp = exec_words(environment);
+  const int from = options_.appends ? 0 : O_TRUNC;
   const base::Descriptor log(
-      ::open(options_.log_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_APPEND, 0644));
+      ::open(options_.log_file.c_str(), O_WRONLY | O_CREAT | from | O_CLOEXEC | O_APPEND, 0644));
   if (!log) fail("cannot write " + options_.log_file.string());
   const pid_t parent = ::getpid();
   pid_ = ::fork();

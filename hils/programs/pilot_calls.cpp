@@ -135,6 +135,7 @@ std::vector<Call> to_calls(const FlightStep& step) {
       return {{"vehicle.disarm", Json::object()}};
     case StepKind::kMission:  // needs more than casd: hils/firmware
     case StepKind::kBreach:
+    case StepKind::kReboot:
     case StepKind::kHold:
     case StepKind::kWaitUntil:
     case StepKind::kStandBy:

@@ -458,7 +458,7 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   if (scenario.world.sdf.empty()) root.at("home");  // says that it is missing
   base::read_keys(root, kKeys, scenario);
   scenario.steps = parse_flight(root.at("steps"), casd::GainMap::shipped(), scenario.names());
-  refuse_missions(root.at("steps"));
+  refuse_firmware_steps(root.at("steps"));
   if (root.has("faults")) {
     scenario.faults = parse_scenario_faults(root.at("faults"), scenario.line, scenario.names());
     refuse_faults(root.at("faults"), std::array<std::string_view, 2>{"pause", "cut"},

@@ -93,6 +93,7 @@ void VirtualPilot::give(const FleetPlan::Command& command, base::RunTime now) {
       return set_params(system, step, 0, now, std::move(done));
     case StepKind::kMission:  // no scenario of our controller has one
     case StepKind::kBreach:
+    case StepKind::kReboot:
     case StepKind::kHold:
     case StepKind::kWaitUntil:
     case StepKind::kStandBy:

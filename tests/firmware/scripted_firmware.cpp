@@ -7,6 +7,8 @@
 //                                     hear: the answers to it go over the other link, too
 //                                     -i N behind WORD: PORT and LOCAL are lists, '4001,4002', and
 //                                     the N-th from 0 counts
+//                                     keeps its parameters in the file `parameters` of its folder,
+//                                     unless WORD is `forgetful`
 //   scripted_firmware px4-hitl TTY
 //   scripted_firmware ardupilot PORT REMOTE [WORD]        simulator's UDP port, a list with -i N;
 //                                     ground station's
@@ -21,7 +23,10 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <sstream>
 #include <string>
+#include <utility>
 
 #include "tests/firmware/scripted_ardupilot.hpp"
 #include "tests/firmware/scripted_px4.hpp"
@@ -132,6 +137,18 @@ int take_instance(int& argc, char** argv) {
   return std::atoi(argv[argc + 1]);
 }
 
+constexpr const char* kParamFile = "parameters";
+
+std::string read_params() {
+  std::stringstream text;
+  text << std::ifstream(kParamFile).rdbuf();
+  return text.str();
+}
+
+void keep_params(const ScriptedPx4& px4) {
+  std::ofstream(kParamFile) << px4.controller().params_text();
+}
+
 /// @param other  UDP port for a second station; 0: none
 int px4_sitl(int port, int local, int remote, const std::string& word, int other, int instance) {
   const int ground = open_udp(local, remote);
@@ -140,6 +157,8 @@ int px4_sitl(int port, int local, int remote, const std::string& word, int other
   ScriptedPx4::Options options = px4_options(word);
   options.system = static_cast<std::uint8_t>(instance + 1);
   ScriptedPx4 px4(options, to(simulator), to(ground));
+  if (word != "forgetful") px4.restore_params(read_params());
+  std::uint64_t kept = px4.controller().params_revision();
   px4.on_connected();
   Buffer buffer;
   for (;;) {
@@ -152,6 +171,7 @@ int px4_sitl(int port, int local, int remote, const std::string& word, int other
     }
     if (ends[1].revents != 0) px4.on_ground_bytes(read_from(ground, buffer), px4.clock());
     if (ends[2].revents != 0) px4.on_ground_bytes(read_from(second, buffer), px4.clock());
+    if (std::exchange(kept, px4.controller().params_revision()) != kept) keep_params(px4);
   }
 }
 

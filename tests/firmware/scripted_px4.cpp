@@ -6,6 +6,7 @@
 #include <bit>
 #include <filesystem>
 #include <limits>
+#include <sstream>
 #include <utility>
 
 #include "base/config/vehicle.hpp"
@@ -93,6 +94,12 @@ ScriptedPx4::ScriptedPx4(const Options& options, Channel::Send to_simulator,
       as_itself_({options.system, 200}),
       fence_(options.release == Px4Release::k1_12 ? FenceStyle::kPx4_1_12 : FenceStyle::kPx4_1_16,
              options.fence) {}
+
+void ScriptedPx4::restore_params(const std::string& lines) {
+  std::istringstream in(lines);
+  std::string name;
+  for (double value = 0; in >> name >> value;) controller_.set_param(name, value);
+}
 
 void ScriptedPx4::on_connected() {
   mv::CommandLong interval;

@@ -111,6 +111,8 @@ class ScriptedPx4 {
   /// What stock PX4 would complain of, in its words.
   const std::vector<std::string>& complaints() const { return complaints_; }
   const fcu::FlightController& controller() const { return controller_; }
+  /// What an earlier program has kept, params_text() of its controller.
+  void restore_params(const std::string& lines);
   const mavlink::common::HilSensor& newest_sample() const { return sensor_; }
   const std::optional<mavlink::common::HilGps>& newest_fix() const { return gps_; }
   /// The true motion that it logs, and how often it has come.

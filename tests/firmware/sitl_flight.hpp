@@ -41,7 +41,7 @@ class SitlFlight : public testing::Test {
 
   /// @param word  how the scripted PX4 is to behave, and what else it is told
   /// @param more  further keys of the scenario
-  /// @param steps  after the arming
+  /// @param steps  after first_step_
   void start(const std::string& word, const std::string& more = "",
              const std::string& steps = kOneFlight) {
     ports_.ground_station = std::to_string(free_port());
@@ -55,8 +55,7 @@ world: world.yaml
 topology: topology.yaml
 not_hil: true
 steps:
-  - arm: {timeout_s: 100}
-)" + steps + more + R"(
+)" + first_step_ + steps + more + R"(
 firmware: {command: [')" + binary_dir() + "/tests/scripted_firmware', px4-sitl, " +
                                            ports_.arguments() + ", " + word + "]}\n");
     hils_.emplace(std::vector<std::string>{binary_dir() + "/bin/hils", "run", scenario.string(),
@@ -115,6 +114,7 @@ firmware: {command: [')" + binary_dir() + "/tests/scripted_firmware', px4-sitl, 
   /// Of the world: as fast as the programs can. What streams setpoints needs a pace: a busy machine
   /// is late by the wall clock, and PX4 waits for a second of its own.
   std::string pace_ = "\n";
+  std::string first_step_ = "  - arm: {timeout_s: 100}\n";
   TemporaryFolder folder_;
   Px4SitlPorts ports_;
   UdpPeer station_;

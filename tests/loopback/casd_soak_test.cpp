@@ -150,7 +150,9 @@ links:
   const long late_kb = resident_kb(casd.pid());
   std::printf("soak: %llu turns, memory %ld kB when warm, %ld kB at the end\n",
               static_cast<unsigned long long>(load.turns()), early_kb, late_kb);
-  constexpr long kNoise_kb = 1024;  // the allocator's
+  // The allocator keeps what a burst took: steps of 1.7 MB up and down were seen, without a trend
+  // in 15 minutes. 16 bytes lost a turn are 4.3 MB in ten.
+  constexpr long kNoise_kb = 4096;
   EXPECT_LE(late_kb, early_kb + kNoise_kb);
   // Clients that have left are noticed when it is their turn to be read.
   EXPECT_TRUE(wait_until([&] { return open_descriptors(casd.pid()) <= early_descriptors + 8; }))

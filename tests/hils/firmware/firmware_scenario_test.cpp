@@ -26,7 +26,7 @@ const std::filesystem::path kScenarios = cas::test::source_dir() + "/config/scen
 TEST(FirmwareScenario, TheShippedOnesAreRead) {
   for (const char* name :
        {"px4_sitl", "px4_sitl_two", "px4_circle", "px4_mission", "px4_hitl", "px4_geofence",
-        "ardupilot", "ardupilot_two", "ardupilot_mission", "ardupilot_geofence"}) {
+        "px4_reboot", "ardupilot", "ardupilot_two", "ardupilot_mission", "ardupilot_geofence"}) {
     const auto file = kScenarios / (std::string(name) + ".yaml");
     ASSERT_TRUE(FirmwareScenario::is(file)) << name;
     const FirmwareScenario scenario = FirmwareScenario::load(file);
@@ -54,6 +54,18 @@ TEST(FirmwareScenario, GivesPx4ItsStartScript) {
   EXPECT_EQ(firmware.command[3], "-s");
   EXPECT_EQ(firmware.command[4], "etc/init.d-posix/rcS");
   EXPECT_NE(firmware.hint.find("PX4_SIM_MODEL"), std::string::npos);
+}
+
+TEST(FirmwareScenario, RebootsNoArmedVehicle) {
+  const test::TemporaryFolder folder;
+  const auto file = changed(folder, "  - land: {timeout_s: 60}", "  - reboot\n  - land");
+  try {
+    FirmwareScenario::load(file);
+    FAIL() << "a reboot in the air";
+  } catch (const base::ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("reboot needs a disarmed vehicle"), std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(FirmwareScenario, HoldsATrajectoryToItsReferenceAlone) {

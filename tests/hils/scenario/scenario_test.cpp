@@ -87,6 +87,13 @@ TEST_F(ScenarioFile, RefusesAMissionOfOurController) {
       << whole;
 }
 
+TEST_F(ScenarioFile, RefusesARebootOfOurController) {
+  const std::string error = error_of(kHead + std::string(kFlight) + "  - disarm\n  - reboot\n");
+  EXPECT_NE(error.find(": only a scenario of stock firmware (key firmware) has a step reboot"),
+            std::string::npos)
+      << error;
+}
+
 TEST_F(ScenarioFile, ReadsStepsInOrder) {
   const Scenario scenario = Scenario::load(write(std::string(kHead) + kFlight));
   ASSERT_EQ(scenario.steps.size(), 4U);
@@ -188,8 +195,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadScenario{
             "MisspeltStep", "steps: [arm, {takof: {altitude_m: 2}}, land]\n",
             ":5: steps[1]: there is no step 'takof'; steps are arm, takeoff, goto, "
-            "hold, trajectory, setgain, setparam, wait_until, mission, breach, rtl, land, disarm; "
-            "did you mean 'takeoff'?"},
+            "hold, trajectory, setgain, setparam, wait_until, mission, breach, rtl, land, disarm, "
+            "reboot; did you mean 'takeoff'?"},
         BadScenario{
             "MisspeltArchitecture",
             "architecture: tcsa\nsteps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: "
