@@ -147,13 +147,12 @@ TEST_F(HilsTiming, TakesTheLockOfABoard) {
           .string();
   std::filesystem::create_directory(folder_ / "locks");
   const ChildProcess holder({"/usr/bin/env", "CAS_BOARDS=" + boards_, binary_dir() + "/bin/hils",
-                             "board", "lock", "a", "--for", "a test", "--", "sleep", "600"});
-  Answer answer;
-  EXPECT_TRUE(wait_until([&] {
-    answer = hils({"--fcu", "a"});
-    // Before, the board is free, and absent, or its holder has not said who it is.
-    return answer.code == 7 && answer.text.find("a test") != std::string::npos;
-  }));
+                             "board", "lock", "a", "--for", "a test", "--", "sh", "-c",
+                             "touch " + (folder_ / "held").string() + "; exec sleep 600"});
+  // Who asks for a free board takes its lock for a moment, and the holder would find it taken.
+  ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(folder_ / "held"); }));
+  const Answer answer = hils({"--fcu", "a"});
+  EXPECT_EQ(answer.code, 7);
   EXPECT_NE(answer.text.find("a test"), std::string::npos) << answer.text;
 }
 
