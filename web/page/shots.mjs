@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // node shots.mjs REPLAY.html FOLDER [TIME_S]: pictures of a replay in light, dark and narrow, for docs/web/.
+// ONLY=replay-1280 takes those of that name, CAMERA=2 presses the key of a camera before.
 import {mkdirSync} from 'node:fs';
 import {join, resolve} from 'node:path';
 import {chromium} from 'playwright-core';
@@ -32,6 +33,7 @@ for (const {name, width, height, colorScheme} of shots) {
     for (let t = 0; t < Math.floor(Number(time) / 10); ++t) await page.keyboard.press('Shift+ArrowRight');
     for (let t = 0; t < Math.round(Number(time) % 10); ++t) await page.keyboard.press('ArrowRight');
   }
+  if (process.env.CAMERA) await page.keyboard.press(process.env.CAMERA);
   await page.waitForTimeout(1500);
   await page.screenshot({path: join(folder, `${name}.png`), fullPage: width < 640});
   await page.close();
