@@ -215,11 +215,12 @@ Json vehicle_json(const RunRequest& request, std::size_t i, const VehicleResult&
   return vehicle;
 }
 
-/// What lies between casd and the controllers: serial lines with their rate, where all have one, or
-/// UDP.
+/// What lies between casd and the controllers: serial lines with their rate, where all have one,
+/// UDP, or in lockstep no line whose speed counts.
 Json line_json(const RunRequest& request) {
   if (request.architecture == Architecture::kDirect) return {{"type", "none"}};
   if (request.architecture == Architecture::kSitl) return {{"type", "udp"}};
+  if (request.lockstep) return {{"type", "lockstep"}};
   std::set<double> bauds;
   for (std::size_t i = 0; i < request.scenario.vehicles.size(); ++i) {
     const FcuDevice* device = request.fcu_device(i);

@@ -52,6 +52,16 @@ class FlightRecord : public testing::Test {
   static inline const json* record_ = nullptr;
 };
 
+TEST_F(FlightRecord, TellsOfALineOnlyWhereItsSpeedCounts) {
+  EXPECT_EQ(record_->at("line"), json({{"type", "serial"}, {"baud", 921600.0}}));
+  RunRequest lockstep;
+  lockstep.scenario = Scenario::load(cas::test::source_dir() + "/config/scenarios/hover.yaml");
+  lockstep.seed = 2;
+  lockstep.out = folder_->path();
+  lockstep.lockstep = true;
+  EXPECT_EQ(json::parse(replay_record(lockstep, *run_)).at("line"), json({{"type", "lockstep"}}));
+}
+
 TEST_F(FlightRecord, HasTheTruthAt50Hz) {
   const std::vector<PoseSample> truth = read_truth(flown().record.truth_csv);
   const json& columns = vehicle().at("truth");
