@@ -414,10 +414,11 @@ export class View3D {
 
   /**
    * Frees scenes that are shown no more, after the new one was drawn: a program that no material uses is deleted, and to
-   * compile them all anew takes a processor without a graphics card many seconds.
+   * compile them all anew takes a processor without a graphics card many seconds. The newest of them stays: what the new
+   * scene does not show yet, such as its trail, takes its program from there.
    */
   private disposePast(): void {
-    for (const scene of this.past.splice(0)) {
+    for (const scene of this.past.splice(0, Math.max(0, this.past.length - 1))) {
       scene.traverse((object) => {
         const mesh = object as Mesh;
         mesh.geometry?.dispose();
