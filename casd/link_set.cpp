@@ -197,11 +197,14 @@ void LinkSet::close(const std::string& name) {
 }
 
 std::shared_ptr<LinkLoop> LinkSet::loop_for(const Topology& topology, const LinkConfig& config) {
+  const bool seek_core = topology.seek_core && topology.pace == Pace::kRealtime;
   if (topology.threads == ThreadModel::kPerLink) {
     const bool own = config.scheduling.fifo_priority || !config.scheduling.cpus.empty();
-    return std::make_shared<LinkLoop>(config.name, own ? config.scheduling : topology.scheduling);
+    return std::make_shared<LinkLoop>(config.name, own ? config.scheduling : topology.scheduling,
+                                      seek_core);
   }
-  if (!common_loop_) common_loop_ = std::make_shared<LinkLoop>("links", topology.scheduling);
+  if (!common_loop_)
+    common_loop_ = std::make_shared<LinkLoop>("links", topology.scheduling, seek_core);
   return common_loop_;
 }
 

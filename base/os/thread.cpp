@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/os/thread.hpp"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
+#include <charconv>
 #include <system_error>
 
 #include "base/os/log.hpp"
@@ -35,10 +40,7 @@ void set_fifo_priority(const std::string& name, int priority) {
 
 void set_affinity(const std::string& name, const std::vector<int>& cpus) {
   static std::atomic<bool> warned{false};
-  cpu_set_t set;
-  CPU_ZERO(&set);
-  for (const int cpu : cpus) CPU_SET(static_cast<std::size_t>(cpu), &set);
-  const int error = ::pthread_setaffinity_np(::pthread_self(), sizeof set, &set);
+  const int error = bind_to_cpus(cpus);
   if (error != 0) warn_once(warned, "thread " + name + " is not bound to its CPUs", error);
 }
 
@@ -63,6 +65,49 @@ bool lower_this_thread(const std::string& name) {
   // 0: this thread, not its process
   return ::sched_setscheduler(0, SCHED_BATCH, &none) == 0 &&
          ::setpriority(PRIO_PROCESS, 0, kNice) == 0;
+}
+
+ThreadTimesReader::ThreadTimesReader()
+    : file_(::open("/proc/thread-self/schedstat", O_RDONLY | O_CLOEXEC)) {}
+
+std::optional<ThreadTimes> ThreadTimesReader::read() const {
+  // Time on a processor and time in a queue, both in nanoseconds, and turns
+  // (Documentation/scheduler/sched-stats).
+  std::array<char, 80> text{};
+  const ssize_t size = ::pread(file_.get(), text.data(), text.size(), 0);
+  if (size <= 0) return std::nullopt;
+  const char* at = text.data();
+  const char* const end = at + size;
+  std::array<std::uint64_t, 3> values{};
+  for (std::uint64_t& value : values) {
+    at = std::find_if(at, end, [](char c) { return c != ' '; });
+    const auto [next, error] = std::from_chars(at, end, value);
+    if (error != std::errc{}) return std::nullopt;
+    at = next;
+  }
+  const auto [ran, queued, turns] = values;
+  if (turns == 0) return std::nullopt;
+  return ThreadTimes{.turns = turns,
+                     .ran = std::chrono::nanoseconds(static_cast<std::int64_t>(ran)),
+                     .queued = std::chrono::nanoseconds(static_cast<std::int64_t>(queued))};
+}
+
+std::vector<int> allowed_cpus() {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  std::vector<int> cpus;
+  if (::pthread_getaffinity_np(::pthread_self(), sizeof set, &set) != 0) return cpus;
+  for (int cpu = 0; cpu < CPU_SETSIZE; ++cpu) {
+    if (CPU_ISSET(static_cast<std::size_t>(cpu), &set)) cpus.push_back(cpu);
+  }
+  return cpus;
+}
+
+int bind_to_cpus(const std::vector<int>& cpus) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  for (const int cpu : cpus) CPU_SET(static_cast<std::size_t>(cpu), &set);
+  return ::pthread_setaffinity_np(::pthread_self(), sizeof set, &set);
 }
 
 bool lock_memory() {

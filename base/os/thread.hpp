@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/config/config.hpp"
 #include "base/export.hpp"
+#include "base/os/descriptor.hpp"
 
 namespace cas::base {
 
@@ -26,6 +29,30 @@ CAS_BASE_EXPORT void configure_this_thread(const std::string& name, const Thread
 /// it has inherited. It still runs: it may hold a lock of the allocator that others wait for.
 /// @return false when the system refuses
 CAS_BASE_EXPORT bool lower_this_thread(const std::string& name);
+
+/// What the scheduler counts of a thread.
+struct ThreadTimes {
+  std::uint64_t turns = 0;  ///< how often it began to run on a processor
+  std::chrono::nanoseconds ran{};
+  std::chrono::nanoseconds queued{};  ///< ready to run, but others ran
+};
+
+/// Reads the times of the thread that made it (/proc/thread-self/schedstat).
+class CAS_BASE_EXPORT ThreadTimesReader {
+ public:
+  ThreadTimesReader();
+  /// Nothing: this kernel does not count them.
+  std::optional<ThreadTimes> read() const;
+
+ private:
+  Descriptor file_;
+};
+
+/// The processors that the calling thread may run on, in rising order.
+CAS_BASE_EXPORT std::vector<int> allowed_cpus();
+/// Binds the calling thread to processors. @return 0, or errno
+CAS_BASE_EXPORT int bind_to_cpus(const std::vector<int>& cpus);
+
 /// mlockall(current and future) and 1 ns timer slack. @return false with a warning when refused
 CAS_BASE_EXPORT bool lock_memory();
 

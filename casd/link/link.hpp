@@ -38,6 +38,13 @@ class PollSet {
   base::RunTime deadline_ = kNever;
 };
 
+/// Packets whose arrival the kernel has stamped, since the link began: how many, and how long they
+/// waited to be read, all together.
+struct Arrivals {
+  std::uint64_t packets = 0;
+  base::Duration waited{};
+};
+
 /// One communication path: opens itself, reads packets into the router, reopens itself after every
 /// trouble. All calls but those of port() come on the thread of its loop and never block.
 class Link {
@@ -49,6 +56,8 @@ class Link {
   virtual void serve(const PollSet& set, base::RunTime now) = 0;
   /// Packets that came and were taken for such, on the thread of the loop.
   virtual std::uint64_t received() const = 0;
+  /// The same of those with a stamp; also on the thread of the loop.
+  virtual Arrivals arrivals() const { return {}; }
   /// Where other links hand over packets for this one; from any thread.
   virtual std::shared_ptr<PacketPort> port() = 0;
 };

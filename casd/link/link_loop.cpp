@@ -11,11 +11,14 @@
 #include <chrono>
 #include <cstdint>
 #include <future>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/os/log.hpp"
+#include "casd/link/core_seeker.hpp"
 
 namespace cas::casd {
 namespace {
@@ -27,10 +30,79 @@ timespec until(base::RunTime end, base::RunTime now) {
   return {static_cast<time_t>(left / 1'000'000'000), left % 1'000'000'000};
 }
 
+/// Puts the calling thread on the core that its CoreSeeker wants.
+class CoreSearch {
+ public:
+  /// @param name  of the thread, for the log
+  CoreSearch(std::string name, bool wanted)
+      : name_(std::move(name)),
+        any_(base::allowed_cpus()),
+        seeker_(wanted && times_.read() ? any_ : std::vector<int>{}) {}
+
+  /// After each turn of the thread's loop. @param arrivals  called once in a while
+  template <class ReadArrivals>
+  void turned(base::RunTime now, bool flooded, ReadArrivals&& arrivals) {
+    if (!seeker_.seeks()) return;
+    if (flooded) {
+      seeker_.release(now);
+      return bind();
+    }
+    if (++turns_ < seeker_.sample_turns()) return;
+    turns_ = 0;
+    const std::optional<base::ThreadTimes> times = times_.read();
+    if (!times) return;
+    const Arrivals arrived = arrivals();
+    // A link that was taken away takes its packets along.
+    if (arrived.packets < arrived_before_.packets) arrived_before_ = arrived;
+    seeker_.take({.turns = times->turns - times_before_.turns,
+                  .elapsed = now - taken_at_,
+                  .ran = times->ran - times_before_.ran,
+                  .queued = times->queued - times_before_.queued,
+                  .stamped = arrived.packets - arrived_before_.packets,
+                  .arrival = arrived.waited - arrived_before_.waited},
+                 now);
+    taken_at_ = now;
+    times_before_ = *times;
+    arrived_before_ = arrived;
+    bind();
+  }
+
+ private:
+  void bind() {
+    const bool settled = seeker_.settled();
+    if (settled != std::exchange(settled_, settled)) tell(settled);
+    const std::optional<int> core = seeker_.core();
+    if (core == bound_) return;
+    bound_ = core;
+    base::bind_to_cpus(core ? std::vector<int>{*core} : any_);
+  }
+
+  void tell(bool settled) const {
+    const auto us = [](base::Duration time) {
+      return std::to_string(time / std::chrono::microseconds(1));
+    };
+    base::log::debug(settled ? "thread " + name_ + ": a packet costs " + us(seeker_.cost()) +
+                                   " us on core " + std::to_string(*seeker_.core()) + ", " +
+                                   us(seeker_.free_cost()) + " us before"
+                             : "thread " + name_ + ": runs on any core");
+  }
+
+  const std::string name_;
+  const std::vector<int> any_;
+  const base::ThreadTimesReader times_;
+  CoreSeeker seeker_;
+  std::optional<int> bound_;
+  bool settled_ = false;
+  std::uint64_t turns_ = 0;
+  base::RunTime taken_at_{};
+  base::ThreadTimes times_before_;
+  Arrivals arrived_before_;
+};
+
 }  // namespace
 
-LinkLoop::LinkLoop(std::string name, base::ThreadOptions scheduling)
-    : name_(std::move(name)), scheduling_(std::move(scheduling)) {}
+LinkLoop::LinkLoop(std::string name, base::ThreadOptions scheduling, bool seek_core)
+    : name_(std::move(name)), scheduling_(std::move(scheduling)), seek_core_(seek_core) {}
 
 LinkLoop::~LinkLoop() { stop(); }
 
@@ -95,6 +167,7 @@ void LinkLoop::run(const std::stop_token& stop) {
   thread_id_.store(std::this_thread::get_id(), std::memory_order_relaxed);
   base::configure_this_thread("casd:" + name_, scheduling_);
   ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // pacing counts in parts of a millisecond
+  CoreSearch core_search(name_, seek_core_);
   base::RunTime now = base::steady_now();
   while (!stop.stop_requested()) {
     run_tasks();
@@ -102,6 +175,7 @@ void LinkLoop::run(const std::stop_token& stop) {
     last_turn_ns_.store(now.time_since_epoch().count(), std::memory_order_relaxed);
     for (const auto& link : links_) link->serve(poll_set_, now);
     pace_.looked(now, received());
+    core_search.turned(now, pace_.busy(), [this] { return arrivals(); });
   }
   has_tasks_ = true;  // those that came with the stop
   run_tasks();
@@ -151,6 +225,16 @@ void LinkLoop::rest_until(base::RunTime end, base::RunTime now) {
 std::uint64_t LinkLoop::received() const {
   std::uint64_t sum = 0;
   for (const auto& link : links_) sum += link->received();
+  return sum;
+}
+
+Arrivals LinkLoop::arrivals() const {
+  Arrivals sum;
+  for (const auto& link : links_) {
+    const Arrivals of_link = link->arrivals();
+    sum.packets += of_link.packets;
+    sum.waited += of_link.waited;
+  }
   return sum;
 }
 

@@ -47,6 +47,7 @@ class LookPace {
 
   /// Not before this: in the past, or not long ago, unless there is a flood.
   base::RunTime next_look() const { return busy_ ? last_look_ + kPause : last_look_; }
+  bool busy() const { return busy_; }
 
  private:
   base::RunTime span_begin_{};
@@ -101,7 +102,8 @@ class DistantAlarm {
 /// LookPace: a moment's rest in a flood; it ends when something is due or the signal is raised.
 class LinkLoop {
  public:
-  LinkLoop(std::string name, base::ThreadOptions scheduling);
+  /// @param seek_core  the thread may choose its processor core, see CoreSeeker
+  LinkLoop(std::string name, base::ThreadOptions scheduling, bool seek_core = false);
   ~LinkLoop();
   LinkLoop(const LinkLoop&) = delete;
   LinkLoop& operator=(const LinkLoop&) = delete;
@@ -128,11 +130,13 @@ class LinkLoop {
   void poll_until(base::RunTime due, base::RunTime now);
   void rest_until(base::RunTime end, base::RunTime now);
   std::uint64_t received() const;
+  Arrivals arrivals() const;
   void wait_in_trouble(int error);
   void run_tasks();
 
   const std::string name_;
   const base::ThreadOptions scheduling_;
+  const bool seek_core_;
   WakeSignal signal_;
   std::atomic<std::thread::id> thread_id_{};
   std::atomic<std::int64_t> last_turn_ns_{0};  ///< RunTime; 0 before the first

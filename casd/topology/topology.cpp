@@ -197,6 +197,10 @@ constexpr std::tuple kRestartKeys{
                          "([simulator.md](simulator.md#lockstep)); `--lockstep` does the same"),
     key<&Topology::scheduling>("scheduling", block<base::ThreadOptions>(base::kThreadKeys),
                                "of the link threads"),
+    key<&Topology::seek_core>(
+        "seek_core", Flag{},
+        "a link thread of 100 to 5000 packets a second tries its processors and stays on the one "
+        "where a packet costs least ([operations.md](operations.md#real-time))"),
     key<&Topology::lock_memory>("lock_memory", Flag{}, "keeps casd's memory from being paged out"),
     key<&Topology::cpu_dma_latency_us>(
         "cpu_dma_latency_us", Whole{0, base::CpuLatencyRequest::kLongest_us},

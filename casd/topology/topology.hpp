@@ -72,6 +72,7 @@ struct Topology {
   base::Duration drain_tick = LineDrain::kDefaultTick;  ///< threads: blocking
   Pace pace = Pace::kRealtime;
   base::ThreadOptions scheduling;  ///< of all link threads, unless a link has its own
+  bool seek_core = true;           ///< CoreSeeker
   bool lock_memory = false;
   std::optional<int> cpu_dma_latency_us;  ///< base::CpuLatencyRequest
   base::Duration route_lifetime = Router::kRouteLifetime;

@@ -276,7 +276,7 @@ void UdpLink::read(base::RunTime now) {
   // than these.
   constexpr int kMaxRounds = 4;
   for (int round = 0; round < kMaxRounds; ++round) {
-    const int count = reader_.read(fd_);
+    const int count = reader_.read(fd_, now);
     if (count < 0) return close(error_text(errno), now);
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
       if (is_own(i)) continue;
@@ -351,7 +351,7 @@ void UdpServerLink::open(base::RunTime now) {
 void UdpServerLink::read(base::RunTime now) {
   constexpr int kMaxRounds = 4;
   for (int round = 0; round < kMaxRounds; ++round) {
-    const int count = reader_.read(fd_);
+    const int count = reader_.read(fd_, now);
     if (count < 0) return close(error_text(errno), now);
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) take_datagram(i, now);
     core_.ingress().deliver(now);

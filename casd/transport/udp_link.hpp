@@ -23,6 +23,7 @@ class UdpLink final : public Link {
   void watch(PollSet& set, base::RunTime now) override;
   void serve(const PollSet& set, base::RunTime now) override;
   std::uint64_t received() const override { return core_.received(); }
+  Arrivals arrivals() const override { return reader_.arrivals(); }
   std::shared_ptr<PacketPort> port() override { return port_; }
 
  private:
@@ -64,6 +65,7 @@ class UdpServerLink final : public Link {
   void watch(PollSet& set, base::RunTime now) override;
   void serve(const PollSet& set, base::RunTime now) override;
   std::uint64_t received() const override { return core_.received(); }
+  Arrivals arrivals() const override { return reader_.arrivals(); }
   std::shared_ptr<PacketPort> port() override { return port_; }
 
  private:

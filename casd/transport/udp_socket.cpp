@@ -63,6 +63,9 @@ iovec part_of(const PacketRef& packet) {
 // emptied faster than any sender fills it, so nothing in it grows old.
 constexpr int kReceiveBuffer_bytes = 2 * 1024 * 1024;
 
+// More is not counted as arrival time: one late packet says nothing of a core.
+constexpr base::Duration kMostArrival = std::chrono::microseconds(100);
+
 base::Duration as_duration(const timespec& time) {
   return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
@@ -179,16 +182,15 @@ DatagramReader::DatagramReader() : bytes_(kBatch * kMaxDatagram) {
   }
 }
 
-int DatagramReader::read(int fd) {
+int DatagramReader::read(int fd, base::RunTime now) {
   // The kernel has written the lengths of those that it filled.
   for (; used_ > 0; --used_) offer(used_ - 1);
-  const base::RunTime begin = base::steady_now();
   const int count = ::recvmmsg(fd, messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
   if (count > 0) {
     used_ = static_cast<std::size_t>(count);
     note_drops(messages_[used_ - 1].msg_hdr);
-    note_wait();
-    if (used_ < kBatch) empty_at_ = begin;  // what comes next is younger
+    note_wait(now);
+    if (used_ < kBatch) empty_at_ = now;  // what comes next is younger
     return count;
   }
   used_ = 1;
@@ -213,15 +215,16 @@ void DatagramReader::note_drops(const msghdr& header) {
 }
 
 // The first one has waited longest, but no longer than since the socket was seen empty: a wall
-// clock that steps makes nothing old, and of a stream that comes regularly nobody asks that clock.
-void DatagramReader::note_wait() {
-  longest_ = base::steady_now() - empty_at_;
-  late_ = false;
-  if (longest_ <= kPrompt) return;
+// clock that steps makes nothing old.
+void DatagramReader::note_wait(base::RunTime now) {
+  longest_ = now - empty_at_;
   timespec wall{};
   ::clock_gettime(CLOCK_REALTIME, &wall);
   read_at_ = as_duration(wall);
-  late_ = wait_of(0) > kPrompt;
+  const base::Duration wait = wait_of(0);
+  late_ = wait > kPrompt;
+  ++arrivals_.packets;
+  arrivals_.waited += std::min(wait, kMostArrival);
 }
 
 base::Duration DatagramReader::wait_of(std::size_t index) const {

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/time/clock.hpp"
+#include "casd/link/link.hpp"
 #include "casd/packet/packet_port.hpp"
 
 namespace cas::casd {
@@ -28,8 +29,9 @@ class DatagramReader {
   static constexpr base::Duration kPrompt = std::chrono::milliseconds(5);
 
   DatagramReader();
+  /// @param now  not later than this call
   /// @return how many came; 0: none waits; -1 with errno: the socket is of no more use
-  int read(int fd);
+  int read(int fd, base::RunTime now);
   std::span<const std::uint8_t> datagram(std::size_t index) const;
   const sockaddr_storage& sender(std::size_t index) const { return senders_[index]; }
   socklen_t sender_size(std::size_t index) const { return messages_[index].msg_hdr.msg_namelen; }
@@ -42,10 +44,12 @@ class DatagramReader {
   /// Datagrams that the kernel has thrown away for lack of room since the socket was opened.
   std::uint32_t kernel_drops() const { return kernel_drops_; }
   void reset() { kernel_drops_ = 0; }
+  /// Counts the first datagram of each read.
+  Arrivals arrivals() const { return arrivals_; }
 
  private:
   void note_drops(const msghdr& header);
-  void note_wait();
+  void note_wait(base::RunTime now);
   void offer(std::size_t index);
   base::Duration wait_of(std::size_t index) const;
 
@@ -62,6 +66,7 @@ class DatagramReader {
   base::RunTime empty_at_{};  ///< the socket was last seen empty after this
   base::Duration longest_{};  ///< what the newest read found cannot have waited longer
   bool late_ = false;         ///< the oldest one had waited
+  Arrivals arrivals_;
 };
 
 /// Opens a UDP socket for `family`: non-blocking, close-on-exec, a receive buffer for some 40 ms of

@@ -6,8 +6,10 @@
 #include <sched.h>
 
 #include <array>
+#include <chrono>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace cas::base {
 namespace {
@@ -79,6 +81,31 @@ TEST(IdleThisThread, LowersTheCallingThreadAlone) {
   EXPECT_EQ(policy, SCHED_BATCH);
   EXPECT_STREQ(name.data(), "quiet");
   EXPECT_EQ(::sched_getscheduler(0), before);
+}
+
+TEST(ThreadTimes, GrowWithTheWorkOfTheThread) {
+  const ThreadTimesReader reader;
+  const auto before = reader.read();
+  if (!before) GTEST_SKIP() << "this kernel counts no turns of threads";
+  // Work until it shows: the kernel adds up at its ticks and when it changes threads.
+  ThreadTimes after = *before;
+  for (const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+       std::chrono::steady_clock::now() < end;) {
+    after = reader.read().value();
+    if (after.ran > before->ran + std::chrono::milliseconds(10)) break;
+  }
+  EXPECT_GT(after.ran, before->ran + std::chrono::milliseconds(10));
+  EXPECT_GE(after.turns, before->turns);
+  EXPECT_GE(after.queued, before->queued);
+}
+
+TEST(ThreadTimes, BindsToOneCpuAndBack) {
+  const std::vector<int> any = allowed_cpus();
+  ASSERT_FALSE(any.empty());
+  EXPECT_EQ(bind_to_cpus({any.back()}), 0);
+  EXPECT_EQ(allowed_cpus(), std::vector<int>{any.back()});
+  EXPECT_EQ(bind_to_cpus(any), 0);
+  EXPECT_EQ(allowed_cpus(), any);
 }
 
 }  // namespace

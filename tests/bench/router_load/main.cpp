@@ -17,6 +17,7 @@
 // Use (the router command, if any, follows "--"; otherwise give --router-pid or neither):
 //   router_load --direct                      no router: UDP->UDP sink and PTY master->slave
 //   router_load --pump                        trivial in-house byte pump as router (floor)
+//   router_load --relay                       two threads that block in read(2) (lower floor)
 //   router_load --fc-link ./fc0 --sim-router-port 14560 -- ./casd --config x.toml
 //
 // Profiles (--profile):
@@ -151,7 +152,7 @@ std::string open_endpoints() {
     g_sim_dst = lo_addr(udp_port(sink));
     return slave;
   }
-  if (o.pump && !o.sim_router) o.sim_router = 14599;
+  if ((o.pump || o.relay) && !o.sim_router) o.sim_router = 14599;
   add_link("fc", master, true);
   add_link("sim", g_sim_fd, false);
   if (o.sim_router) g_sim_dst = lo_addr(o.sim_router);
@@ -200,7 +201,7 @@ std::string run_profile() {
 
 // The whole answer; `body` is what was measured.
 std::string answer(const std::string& body) {
-  std::string cmd = o.direct ? "(direct)" : o.pump ? "(pump)" : "";
+  std::string cmd = o.direct ? "(direct)" : o.pump ? "(pump)" : o.relay ? "(relay)" : "";
   for (char* c : o.cmd)
     if (c) cmd += (cmd.empty() ? "" : " ") + std::string(c);
   double load[3] = {0, 0, 0};

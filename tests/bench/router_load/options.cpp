@@ -81,6 +81,8 @@ bool parse_options(int argc, char** argv) {
       o.direct = true;
     else if (a == "--pump")
       o.pump = true;
+    else if (a == "--relay")
+      o.relay = true;
     else if (a == "--rt")
       o.rt = true;
     else if (a == "--no-prime-check")

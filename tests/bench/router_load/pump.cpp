@@ -7,6 +7,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdint>
+#include <thread>
 #include <vector>
 
 #include "tests/bench/router_load/state.hpp"
@@ -65,6 +70,39 @@ namespace router_load {
         keep.erase(keep.begin(), keep.begin() + long(i));
       }
     }
+  }
+}
+
+[[noreturn]] void relay_main(const std::string& slave, int port) {
+  const int line = open(slave.c_str(), O_RDWR | O_NOCTTY);
+  const int socket = udp_socket(port);
+  fcntl(socket, F_SETFL, fcntl(socket, F_GETFL) & ~O_NONBLOCK);
+  // Down knows the simulator after its first datagram and connects the socket for up.
+  std::thread([=] {
+    std::array<std::uint8_t, 65536> bytes;
+    bool connected = false;
+    for (;;) {
+      sockaddr_in from{};
+      socklen_t size = sizeof from;
+      const ssize_t count = recvfrom(socket, bytes.data(), bytes.size(), 0,
+                                     reinterpret_cast<sockaddr*>(&from), &size);
+      if (count <= 0) continue;
+      if (!connected) {
+        connected = connect(socket, reinterpret_cast<const sockaddr*>(&from), size) == 0;
+      }
+      for (ssize_t gone = 0; gone < count;) {
+        const ssize_t now =
+            write(line, bytes.data() + gone, static_cast<std::size_t>(count - gone));
+        if (now < 0 && errno != EINTR) _exit(1);
+        gone += std::max<ssize_t>(now, 0);
+      }
+    }
+  }).detach();
+  std::array<std::uint8_t, 1400> bytes;
+  for (;;) {
+    const ssize_t count = read(line, bytes.data(), bytes.size());
+    if (count <= 0 && errno != EINTR) _exit(1);
+    if (count > 0) send(socket, bytes.data(), static_cast<std::size_t>(count), MSG_NOSIGNAL);
   }
 }
 

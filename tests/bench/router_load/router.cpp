@@ -25,6 +25,7 @@ namespace {
     prctl(PR_SET_TIMERSLACK, 1);
     pump_main(slave, o.sim_router);
   }
+  if (o.relay) relay_main(slave, o.sim_router);
   int lf = open(o.router_log.empty() ? "/dev/null" : o.router_log.c_str(),
                 O_WRONLY | O_CREAT | O_TRUNC, 0644);
   int nul = open("/dev/null", O_RDONLY);
@@ -39,7 +40,7 @@ namespace {
 }  // namespace
 
 void start_router(const std::string& slave) {
-  if (!o.pump && o.cmd.empty()) return;
+  if (!o.pump && !o.relay && o.cmd.empty()) return;
   g_child = fork();
   if (g_child == 0) become_router(slave);
   o.pid = g_child;

@@ -5,8 +5,8 @@
 
 namespace router_load {
 
-/// Starts the command after "--", or with --pump the byte pump; without either there is none, or
-/// --router-pid names it. @param slave  the PTY that the pump opens
+/// Starts the command after "--", or with --pump or --relay our own; without either there
+/// is none, or --router-pid names it. @param slave  the PTY that our own opens
 void start_router(const std::string& slave);
 /// Waits until it has opened the PTY, and for --settle-ms besides.
 void wait_for_router(const std::string& slave);

@@ -24,7 +24,7 @@ struct Opt {
   int drain_ms = 500, sim_local = 0, sim_router = 0, gcs = 0, gcs_base = 15000, gcs_router = 0;
   int tcp = 0, tcp_stall = 0, tcp_port = 5760, window = 0, fc_baud = 0, hangup_ms = 1000,
       settle_ms = 0;
-  bool direct = false, pump = false, prime_check = true, rt = false;
+  bool direct = false, pump = false, relay = false, prime_check = true, rt = false;
   pid_t pid = 0;
   std::vector<char*> cmd;
 };

@@ -29,9 +29,10 @@ TEST(DatagramReader, TellsWhatTheKernelDropped) {
 
   DatagramReader reader;
   unsigned received = 0;
-  while (const int count = reader.read(in.get())) received += static_cast<unsigned>(count);
+  while (const int count = reader.read(in.get(), base::steady_now()))
+    received += static_cast<unsigned>(count);
   send();  // the count comes with the next datagram
-  received += static_cast<unsigned>(reader.read(in.get()));
+  received += static_cast<unsigned>(reader.read(in.get(), base::steady_now()));
   EXPECT_LT(received, kSent);
   EXPECT_EQ(received + reader.kernel_drops(), kSent + 1);
 }
@@ -53,14 +54,14 @@ TEST(DatagramReader, TellsHowLongADatagramLayInTheSocket) {
     ::sendto(out.get(), &packet, 1, 0, to.get(), to.size);
     wait_for(2 * DatagramReader::kPrompt);
     DatagramReader stamped;
-    return stamped.read(in.get()) == 1 && stamped.waited(0) > base::Duration{};
+    return stamped.read(in.get(), base::steady_now()) == 1 && stamped.waited(0) > base::Duration{};
   }));
   begin = base::steady_now();
   ASSERT_EQ(::sendto(out.get(), &packet, 1, 0, to.get(), to.size), 1);
   wait_for(std::chrono::milliseconds(50));
   ASSERT_EQ(::sendto(out.get(), &packet, 1, 0, to.get(), to.size), 1);
   DatagramReader reader;
-  ASSERT_EQ(reader.read(in.get()), 2);
+  ASSERT_EQ(reader.read(in.get(), base::steady_now()), 2);
   const base::Duration most = base::steady_now() - begin;
   EXPECT_GE(reader.waited(0), std::chrono::milliseconds(40));
   EXPECT_LE(reader.waited(0), most + std::chrono::milliseconds(10));
