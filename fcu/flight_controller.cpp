@@ -133,7 +133,8 @@ double FlightController::Impl::time_step(std::uint64_t time_usec) {
 
 void FlightController::Impl::settle_frame() {
   // While disarmed, every fix improves the estimate of the place that becomes home.
-  if (!core.commander.armed() && core.estimator.origin_final()) core.set_home_here();
+  if (!core.commander.armed() && core.estimator.origin_final())
+    core.home.set_here(core.estimator.state());
   // When the estimate jumps, the references jump with it: the vehicle stays where it is.
   if (core.estimator.position_resets() == core.position_resets_seen) return;
   core.position_resets_seen = core.estimator.position_resets();
@@ -168,12 +169,31 @@ bool answers_by_motor(const FcuConfig& config) {
   return config.actuators == ActuatorMessage::kHilActuatorControls;
 }
 
+GroundProtocols::View ground_view(FcuCore& core) {
+  return {.core = core,
+          .target = {.commander = core.commander,
+                     .estimator = core.estimator,
+                     .home = core.home,
+                     .params = core.params,
+                     .flight = core.flight,
+                     .reboot_wanted = core.reboot_wanted,
+                     .context = [&core](RunTime now) { return core.context(now, 0); },
+                     .arming_input = [&core](RunTime now) { return core.arming_input(now); },
+                     .reset_control = [&core] { core.cascade.reset(); },
+                     .restart_estimate = [&core] { core.restart_estimate(); }},
+          .outbox = core.outbox,
+          .texts = core.texts,
+          .pilot = core.pilot,
+          .ground_station_heard = core.ground_station_heard,
+          .apply_params = [&core] { core.apply_params(); }};
+}
+
 }  // namespace
 
 FlightController::Impl::Impl(const FcuConfig& config, PacketSink send)
     : core(config, std::move(send)),
       sensors({core.estimator, core.cascade, core.readings, core.hil, core.start}),
-      ground(core),
+      ground(ground_view(core)),
       parser(table()) {
   for (const auto& [name, value] : config.params) {
     const ParamSetResult result = core.params.set(name, value);

@@ -2,32 +2,21 @@
 #include "fcu/core/fcu_core.hpp"
 
 #include "base/earth/frames.hpp"
+#include "fcu/params/param_table.hpp"
 
 namespace cas::fcu {
 
 void FcuCore::apply_params() {
   if (params_applied == params.revision()) return;
   params_applied = params.revision();
-  flight = flight_params(params);
-  hil = hil_params(params);
-  estimator.set_params(estimator_params(params));
-  const ControlParams control = control_params(params);
-  if (!cascade.set_params(control)) {
+  const Settings settings = read_settings(params);
+  flight = settings.flight;
+  hil = settings.hil;
+  estimator.set_params(settings.estimator);
+  if (!cascade.set_params(settings.control)) {
     texts.warn("CAS_ROT_LOST: the other rotors cannot carry the vehicle");
   }
-  battery.set_params({params.get("SIM_BAT_DRAIN"), params.get("SIM_BAT_MIN_PCT") / 100,
-                      params.get_int("BAT1_N_CELLS")});
-}
-
-std::optional<Sticks> PilotInput::sticks(const FlightParams& params, base::RunTime now) const {
-  // COM_RC_IN_MODE: 0 radio only, 1 MANUAL_CONTROL only, 2 and 3 either, 4 none.
-  const int mode = params.manual_input;
-  const auto fresh = [&](const Heard& heard) {
-    return heard.at && base::to_seconds(now - *heard.at) < params.manual_timeout_s;
-  };
-  if (mode != 0 && mode != 4 && fresh(manual_control)) return manual_control.sticks;
-  if (mode != 1 && mode != 4 && fresh(radio)) return radio.sticks;
-  return std::nullopt;
+  battery.set_params(settings.battery);
 }
 
 TaskContext FcuCore::context(base::RunTime now, double dt) const {
@@ -65,18 +54,14 @@ FailsafeInput FcuCore::failsafe_input(base::RunTime now) const {
   in.roll_rad = rpy.x();
   in.pitch_rad = rpy.y();
   in.position_valid = estimator.position_valid() && estimator.heading_valid();
-  in.height_valid = estimator.height_valid();
-  in.imu_alive = readings.health.alive(SensorHealth::kImu, now);
   in.mag_alive = readings.health.alive(SensorHealth::kMag, now);
   in.baro_alive = readings.health.alive(SensorHealth::kBaro, now);
-  in.gps_alive = readings.health.alive(SensorHealth::kGps, now);
   in.gps_frozen = readings.health.gps_frozen();
   in.gps_contradicts_itself = estimator.gps_contradicts_itself();
   in.position_resets = estimator.position_resets();
   in.ground_station_seen = ground_station_heard.has_value();
   in.ground_station_alive = ground_station_heard && base::to_seconds(now - *ground_station_heard) <
                                                         flight.ground_station_timeout_s;
-  in.sticks_seen = pilot.seen();
   in.sticks_alive = pilot.sticks(flight, now).has_value();
   in.battery = battery.remaining();
   return in;
@@ -88,14 +73,6 @@ void FcuCore::restart_estimate() {
   last_control.reset();
   home.set = false;
   position_resets_seen = 0;
-}
-
-void FcuCore::set_home_here() {
-  const EstimatorState& state = estimator.state();
-  home = {.set = true,
-          .p_N = state.p_N,
-          .yaw_rad = base::euler_rpy(state.q_ND).z(),
-          .ground_z = state.p_N.z()};
 }
 
 }  // namespace cas::fcu

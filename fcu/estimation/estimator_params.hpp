@@ -35,7 +35,7 @@ struct EstimatorParams {
   double gps_position_gate = 5;
   double gps_velocity_gate = 5;
   double baro_gate = 5;
-  double mag_gate = 3;
+  double mag_gate = 5;
   /// Age that a position fix is taken to have when its own stamp says nothing.
   double gps_delay_s = 0;
   double gravity_m_s2 = base::kStandardGravity_m_s2;

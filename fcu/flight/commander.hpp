@@ -14,7 +14,7 @@
 #include "fcu/flight/flight_tasks.hpp"
 #include "fcu/flight/mission_task.hpp"
 #include "fcu/flight/status_texts.hpp"
-#include "fcu/params/param_binding.hpp"
+#include "fcu/params/settings.hpp"
 #include "mavlink/common/enums.hpp"
 
 namespace cas::fcu {

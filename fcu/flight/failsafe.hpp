@@ -6,7 +6,7 @@
 #include <string>
 
 #include "fcu/flight/flight_status.hpp"
-#include "fcu/params/param_binding.hpp"
+#include "fcu/params/settings.hpp"
 
 namespace cas::fcu {
 
@@ -15,17 +15,13 @@ struct FailsafeInput {
   double roll_rad = 0;
   double pitch_rad = 0;
   bool position_valid = false;
-  bool height_valid = false;
-  bool imu_alive = true;
   bool mag_alive = true;
   bool baro_alive = true;
-  bool gps_alive = true;
   bool gps_frozen = false;              ///< its last fix comes again and again
   bool gps_contradicts_itself = false;  ///< its velocity is not that of its positions
   std::uint64_t position_resets = 0;    ///< times that fixes were rejected until they were believed
   bool ground_station_seen = false;     ///< ever
   bool ground_station_alive = false;    ///< now
-  bool sticks_seen = false;
   bool sticks_alive = false;
   bool offboard_alive = false;
   std::optional<double> battery = 1;  ///< 0..1 of full; nothing: unknown

@@ -10,7 +10,7 @@
 #include "fcu/estimation/estimator.hpp"
 #include "fcu/flight/flight_status.hpp"
 #include "fcu/flight/trajectory.hpp"
-#include "fcu/params/param_binding.hpp"
+#include "fcu/params/settings.hpp"
 
 namespace cas::fcu {
 

@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "base/angles.hpp"
 
 namespace cas::fcu {
 
@@ -118,7 +121,7 @@ void MissionTask::start_item(const TaskContext& context) {
   const Vector3d way = target - context.estimate.p_N;
   const double yaw = item.param[3];
   if (std::isfinite(yaw) && yaw != 0) {
-    mover_.set_yaw(yaw * M_PI / 180);
+    mover_.set_yaw(base::radians(yaw));
   } else if (item.command == MavCmd::kNavWaypoint && way.head<2>().norm() > 2) {
     mover_.set_yaw(std::atan2(way.y(), way.x()));
   }

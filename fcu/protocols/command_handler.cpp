@@ -5,7 +5,6 @@
 #include <bit>
 #include <limits>
 
-#include "fcu/core/fcu_core.hpp"
 #include "fcu/protocols/flight_commands.hpp"
 #include "mavlink/common/autopilot_version.hpp"
 #include "mavlink/common/command_ack.hpp"
@@ -29,13 +28,16 @@ bool same(double a, double b) {
 
 }  // namespace
 
-CommandHandler::CommandHandler(FcuCore& core, Telemetry& telemetry)
-    : core_(core),
+CommandHandler::CommandHandler(const CommandTarget& target, Outbox& outbox, StatusTexts& texts,
+                               Telemetry& telemetry)
+    : target_(target),
+      outbox_(outbox),
+      texts_(texts),
       telemetry_(telemetry),
-      calibration_({.commander = core.commander,
-                    .estimator = core.estimator,
-                    .texts = core.texts,
-                    .restart_estimate = [&core] { core.restart_estimate(); }}) {}
+      calibration_({.commander = target.commander,
+                    .estimator = target.estimator,
+                    .texts = texts,
+                    .restart_estimate = target.restart_estimate}) {}
 
 void CommandHandler::acknowledge(const Command& command, Result result, int percent) {
   CommandAck ack;
@@ -44,7 +46,7 @@ void CommandHandler::acknowledge(const Command& command, Result result, int perc
   ack.progress = static_cast<std::uint8_t>(percent);
   ack.target_system = command.from.system;
   ack.target_component = command.from.component;
-  core_.outbox.reply(ack, command.version);
+  outbox_.reply(ack, command.version);
 }
 
 bool CommandHandler::was_answered(const Command& command, RunTime now) const {
@@ -100,7 +102,7 @@ void CommandHandler::on_set_mode(const SetMode& m, mav::Source from, int version
   command.version = version;
   const MavResult result =
       has(static_cast<MavModeFlag>(m.base_mode), MavModeFlag::kCustomModeEnabled)
-          ? set_flight_mode(flight_mode_from_custom(m.custom_mode), core_, now)
+          ? set_flight_mode(flight_mode_from_custom(m.custom_mode), target_, now)
           : MavResult::kUnsupported;
   acknowledge(command, result);
 }
@@ -113,7 +115,7 @@ void CommandHandler::update(RunTime now) {
 }
 
 MavResult CommandHandler::execute(const Command& command, RunTime now) {
-  const MavResult result = flight_command(command, core_, now);
+  const MavResult result = flight_command(command, target_, now);
   if (result != MavResult::kUnsupported) {
     telemetry_.hurry();
     return result;
@@ -143,9 +145,8 @@ MavResult CommandHandler::information_command(const Command& command, RunTime no
       return telemetry_.set_interval(id, command.param[1]) ? MavResult::kAccepted
                                                            : MavResult::kUnsupported;
     case MavCmd::kGetMessageInterval:
-      core_.outbox.reply(
-          MessageInterval{static_cast<std::uint16_t>(id), telemetry_.interval_us(id)},
-          command.version);
+      outbox_.reply(MessageInterval{static_cast<std::uint16_t>(id), telemetry_.interval_us(id)},
+                    command.version);
       return MavResult::kAccepted;
     case MavCmd::kRequestAutopilotCapabilities:
       telemetry_.send_now(AutopilotVersion::kId, now, command.version);
@@ -155,20 +156,20 @@ MavResult CommandHandler::information_command(const Command& command, RunTime no
       return MavResult::kAccepted;
     case MavCmd::kGetHomePosition:
       telemetry_.send_now(HomePosition::kId, now, command.version);
-      return core_.home.set ? MavResult::kAccepted : MavResult::kTemporarilyRejected;
+      return target_.home.set ? MavResult::kAccepted : MavResult::kTemporarilyRejected;
     case MavCmd::kRunPrearmChecks:
-      if (const auto reason = reason_not_to_arm(core_.arming_input(now))) {
-        core_.texts.critical("Preflight Fail: " + *reason);
+      if (const auto reason = reason_not_to_arm(target_.arming_input(now))) {
+        texts_.critical("Preflight Fail: " + *reason);
       } else {
-        core_.texts.info("Preflight checks passed");
+        texts_.info("Preflight checks passed");
       }
       return MavResult::kAccepted;
     case MavCmd::kPreflightCalibration:
       return calibration_.on_command(command, now);
     case MavCmd::kPreflightStorage:
       // Parameters are saved as they change; 2 resets them.
-      if (core_.commander.armed()) return MavResult::kTemporarilyRejected;
-      if (command.param[0] == 2) core_.params.reset_to_defaults();
+      if (target_.commander.armed()) return MavResult::kTemporarilyRejected;
+      if (command.param[0] == 2) target_.params.reset_to_defaults();
       return MavResult::kAccepted;
     default:
       return MavResult::kUnsupported;

@@ -4,6 +4,8 @@
 #include <optional>
 
 #include "base/time/clock.hpp"
+#include "fcu/core/outbox.hpp"
+#include "fcu/flight/status_texts.hpp"
 #include "fcu/protocols/flight_commands.hpp"
 #include "fcu/protocols/gyro_calibration.hpp"
 #include "fcu/protocols/telemetry.hpp"
@@ -14,13 +16,13 @@
 
 namespace cas::fcu {
 
-struct FcuCore;
-
 /// Carries out commands and acknowledges each one. A repetition of a command whose answer was lost
 /// (`confirmation` above 0) gets the same answer again and does nothing twice.
 class CommandHandler {
  public:
-  CommandHandler(FcuCore& core, Telemetry& telemetry);
+  /// All outlive it.
+  CommandHandler(const CommandTarget& target, Outbox& outbox, StatusTexts& texts,
+                 Telemetry& telemetry);
 
   void on_long(const mavlink::common::CommandLong& m, mav::Source from, int version,
                base::RunTime now);
@@ -45,7 +47,9 @@ class CommandHandler {
   Result information_command(const Command& command, base::RunTime now);
   Result request_message(const Command& command, base::RunTime now);
 
-  FcuCore& core_;
+  CommandTarget target_;
+  Outbox& outbox_;
+  StatusTexts& texts_;
   Telemetry& telemetry_;
   GyroCalibration calibration_;
   std::optional<Answered> last_;

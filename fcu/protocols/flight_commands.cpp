@@ -4,7 +4,7 @@
 #include <cmath>
 #include <optional>
 
-#include "fcu/core/fcu_core.hpp"
+#include "base/angles.hpp"
 #include "mavlink_gen/services/px4_modes.hpp"
 
 namespace cas::fcu {
@@ -21,16 +21,14 @@ constexpr double kForceMagic = 21196;  // MAV_CMD_COMPONENT_ARM_DISARM param2
 constexpr std::uint32_t kMostFlags = 0xFFFF;
 constexpr std::uint32_t kNoItem = 0xFFFF;  ///< no mission is that long
 
-TaskContext context_of(const FcuCore& core, RunTime now) { return core.context(now, 0); }
-
 bool is_relative(MavFrame frame) {
   return frame == MavFrame::kGlobalRelativeAlt || frame == MavFrame::kGlobalRelativeAltInt;
 }
 
 /// The place a command names, in N; what it leaves out is NaN.
-Vector3d place_of(const Command& command, const FcuCore& core) {
+Vector3d place_of(const Command& command, const CommandTarget& target) {
   Vector3d p_N = unset3();
-  const auto& projection = core.estimator.projection();
+  const auto& projection = target.estimator.projection();
   if (!projection) return p_N;
   if (command.frame == MavFrame::kLocalNed) {
     return {command.param[4], command.param[5], command.param[6]};
@@ -42,24 +40,25 @@ Vector3d place_of(const Command& command, const FcuCore& core) {
             .head<2>();
   }
   if (std::isfinite(alt)) {
-    p_N.z() = is_relative(command.frame) ? core.home.p_N.z() - alt : projection->home().alt_m - alt;
+    p_N.z() =
+        is_relative(command.frame) ? target.home.p_N.z() - alt : projection->home().alt_m - alt;
   }
   return p_N;
 }
 
-MavResult arm_or_disarm(const Command& command, FcuCore& core, RunTime now) {
+MavResult arm_or_disarm(const Command& command, const CommandTarget& target, RunTime now) {
   const bool force = command.param[1] == kForceMagic;
   if (command.param[0] == 1) {
-    const bool was_armed = core.commander.armed();
+    const bool was_armed = target.commander.armed();
     const MavResult result =
-        core.commander.arm(core.arming_input(now), context_of(core, now), force);
+        target.commander.arm(target.arming_input(now), target.context(now), force);
     if (result == MavResult::kAccepted && !was_armed) {
-      core.set_home_here();
-      core.cascade.reset();
+      target.home.set_here(target.estimator.state());
+      target.reset_control();
     }
     return result;
   }
-  if (command.param[0] == 0) return core.commander.disarm(force);
+  if (command.param[0] == 0) return target.commander.disarm(force);
   return MavResult::kDenied;
 }
 
@@ -73,110 +72,112 @@ bool names_a_place(MavCmd id) {
   return id == MavCmd::kNavTakeoff || id == MavCmd::kDoReposition || id == MavCmd::kDoSetHome;
 }
 
-MavResult take_off(const Command& command, FcuCore& core, RunTime now) {
+MavResult take_off(const Command& command, const CommandTarget& target, RunTime now) {
   std::optional<double> z;
-  const Vector3d place = place_of(command, core);
+  const Vector3d place = place_of(command, target);
   if (std::isfinite(place.z())) z = place.z();
   const double yaw = command.param[3];  // degrees; 0 is what senders leave in it
   const bool has_yaw = std::isfinite(yaw) && yaw != 0;
-  return core.commander.take_off(z, has_yaw ? yaw * M_PI / 180 : kUnset, context_of(core, now));
+  return target.commander.take_off(z, has_yaw ? base::radians(yaw) : kUnset, target.context(now));
 }
 
-MavResult reposition(const Command& command, FcuCore& core, RunTime now) {
+MavResult reposition(const Command& command, const CommandTarget& target, RunTime now) {
   const bool change_mode = (whole_number(command.param[1], kMostFlags) & 1) != 0;
-  return core.commander.reposition(place_of(command, core), command.param[3], command.param[0],
-                                   change_mode || core.commander.mode() == FlightMode::kHold,
-                                   context_of(core, now));
+  return target.commander.reposition(place_of(command, target), command.param[3], command.param[0],
+                                     change_mode || target.commander.mode() == FlightMode::kHold,
+                                     target.context(now));
 }
 
-MavResult orbit(const Command& command, FcuCore& core, RunTime now) {
+MavResult orbit(const Command& command, const CommandTarget& target, RunTime now) {
   const double radius = std::isfinite(command.param[0]) ? std::abs(command.param[0]) : 0;
   const double speed = std::isfinite(command.param[1]) ? std::abs(command.param[1]) : 2;
   if (radius < 0.5 || speed <= 0) return MavResult::kDenied;
-  if (speed * speed / radius > core.flight.acceleration_m_s2 * 1.5) return MavResult::kDenied;
-  return core.commander.fly_pattern(PatternShape::kCircle, radius, speed, 0, context_of(core, now));
+  if (speed * speed / radius > target.flight.acceleration_m_s2 * 1.5) return MavResult::kDenied;
+  return target.commander.fly_pattern(PatternShape::kCircle, radius, speed, 0, target.context(now));
 }
 
-MavResult change_speed(const Command& command, FcuCore& core) {
+MavResult change_speed(const Command& command, const CommandTarget& target) {
   if (command.param[1] <= 0) return MavResult::kAccepted;  // -1: no change
-  return core.params.set("MPC_XY_CRUISE", command.param[1]) == ParamSetResult::kOk
+  return target.params.set("MPC_XY_CRUISE", command.param[1]) == ParamSetResult::kOk
              ? MavResult::kAccepted
              : MavResult::kDenied;
 }
 
-MavResult set_home(const Command& command, FcuCore& core) {
+MavResult set_home(const Command& command, const CommandTarget& target) {
   if (command.param[0] == 1) {
-    if (!core.estimator.position_valid()) return MavResult::kTemporarilyRejected;
-    const double ground = core.home.ground_z;
-    core.set_home_here();
-    if (core.commander.flying()) core.home.ground_z = ground;
+    if (!target.estimator.position_valid()) return MavResult::kTemporarilyRejected;
+    const double ground = target.home.ground_z;
+    target.home.set_here(target.estimator.state());
+    if (target.commander.flying()) target.home.ground_z = ground;
     return MavResult::kAccepted;
   }
-  const Vector3d place = place_of(command, core);
+  const Vector3d place = place_of(command, target);
   if (!place.allFinite()) return MavResult::kDenied;
-  core.home.p_N = place;
-  core.home.set = true;
+  target.home.p_N = place;
+  target.home.set = true;
   return MavResult::kAccepted;
 }
 
-MavResult reboot(const Command& command, FcuCore& core) {
+MavResult reboot(const Command& command, const CommandTarget& target) {
   if (command.param[0] != 1) return MavResult::kDenied;
-  if (core.commander.armed()) return MavResult::kTemporarilyRejected;
-  core.reboot_wanted = true;
+  if (target.commander.armed()) return MavResult::kTemporarilyRejected;
+  target.reboot_wanted = true;
   return MavResult::kAccepted;
 }
 
 }  // namespace
 
-MavResult set_flight_mode(std::optional<FlightMode> mode, FcuCore& core, RunTime now) {
+MavResult set_flight_mode(std::optional<FlightMode> mode, const CommandTarget& target,
+                          RunTime now) {
   if (!mode) return MavResult::kUnsupported;
-  const TaskContext context = context_of(core, now);
-  if (*mode == FlightMode::kTakeoff) return core.commander.take_off(std::nullopt, kUnset, context);
-  return core.commander.set_mode(*mode, context, Initiator::kCommand);
+  const TaskContext context = target.context(now);
+  if (*mode == FlightMode::kTakeoff)
+    return target.commander.take_off(std::nullopt, kUnset, context);
+  return target.commander.set_mode(*mode, context, Initiator::kCommand);
 }
 
-MavResult flight_command(const Command& command, FcuCore& core, RunTime now) {
+MavResult flight_command(const Command& command, const CommandTarget& target, RunTime now) {
   if (names_a_place(command.id) && !is_known(command.frame)) {
     return MavResult::kCommandUnsupportedMavFrame;
   }
   switch (command.id) {
     case MavCmd::kComponentArmDisarm:
-      return arm_or_disarm(command, core, now);
+      return arm_or_disarm(command, target, now);
     case MavCmd::kNavTakeoff:
-      return take_off(command, core, now);
+      return take_off(command, target, now);
     case MavCmd::kNavLand:
-      return set_flight_mode(FlightMode::kLand, core, now);
+      return set_flight_mode(FlightMode::kLand, target, now);
     case MavCmd::kNavReturnToLaunch:
-      return set_flight_mode(FlightMode::kReturn, core, now);
+      return set_flight_mode(FlightMode::kReturn, target, now);
     case MavCmd::kNavLoiterUnlim:
-      return set_flight_mode(FlightMode::kHold, core, now);
+      return set_flight_mode(FlightMode::kHold, target, now);
     case MavCmd::kDoSetMode:
       return set_flight_mode(flight_mode_from_custom(mav::services::px4_number(
                                  static_cast<std::uint32_t>(whole_number(command.param[1], 255)),
                                  static_cast<std::uint32_t>(whole_number(command.param[2], 255)))),
-                             core, now);
+                             target, now);
     case MavCmd::kDoReposition:
-      return reposition(command, core, now);
+      return reposition(command, target, now);
     case MavCmd::kDoOrbit:
-      return orbit(command, core, now);
+      return orbit(command, target, now);
     case MavCmd::kDoChangeSpeed:
-      return change_speed(command, core);
+      return change_speed(command, target);
     case MavCmd::kDoSetHome:
-      return set_home(command, core);
+      return set_home(command, target);
     case MavCmd::kDoPauseContinue:
-      return set_flight_mode(command.param[0] == 0 ? FlightMode::kHold : FlightMode::kMission, core,
-                             now);
+      return set_flight_mode(command.param[0] == 0 ? FlightMode::kHold : FlightMode::kMission,
+                             target, now);
     case MavCmd::kMissionStart: {
       const std::size_t first = whole_number(command.param[0], kNoItem);
-      if (!core.commander.mission().set_current(first)) return MavResult::kDenied;
-      return set_flight_mode(FlightMode::kMission, core, now);
+      if (!target.commander.mission().set_current(first)) return MavResult::kDenied;
+      return set_flight_mode(FlightMode::kMission, target, now);
     }
     case MavCmd::kDoFlighttermination:
       if (!(command.param[0] >= 0.5)) return MavResult::kDenied;  // NaN too
-      core.commander.terminate("Flight terminated by command");
+      target.commander.terminate("Flight terminated by command");
       return MavResult::kAccepted;
     case MavCmd::kPreflightRebootShutdown:
-      return reboot(command, core);
+      return reboot(command, target);
     default:
       return MavResult::kUnsupported;
   }

@@ -4,16 +4,21 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 
 #include "base/time/clock.hpp"
+#include "fcu/core/home.hpp"
+#include "fcu/estimation/estimator.hpp"
+#include "fcu/flight/commander.hpp"
 #include "fcu/flight/flight_status.hpp"
+#include "fcu/flight/flight_tasks.hpp"
+#include "fcu/params/params.hpp"
+#include "fcu/params/settings.hpp"
 #include "mavlink/common/enums.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::fcu {
-
-struct FcuCore;
 
 /// A command from COMMAND_LONG or COMMAND_INT in one form. Latitude and longitude are in degrees.
 struct Command {
@@ -24,6 +29,20 @@ struct Command {
   int version = 2;
 };
 
+/// What commands act on. All outlive it.
+struct CommandTarget {
+  Commander& commander;
+  const Estimator& estimator;
+  Home& home;
+  ParamStore& params;
+  const FlightParams& flight;
+  bool& reboot_wanted;
+  std::function<TaskContext(base::RunTime now)> context;  ///< what a flight mode sees
+  std::function<ArmingInput(base::RunTime now)> arming_input;
+  std::function<void()> reset_control;     ///< forgets what the control loops have integrated
+  std::function<void()> restart_estimate;  ///< forgets the estimate and begins anew, as at start
+};
+
 /// A parameter that carries a whole number, within 0..`highest`; 0 for NaN and below.
 inline std::uint32_t whole_number(double param, std::uint32_t highest) {
   if (!(param > 0)) return 0;
@@ -32,10 +51,11 @@ inline std::uint32_t whole_number(double param, std::uint32_t highest) {
 
 /// Carries out a command about the flight: arming, modes, places, speeds, home, reboot.
 /// @return UNSUPPORTED when it is not one of these
-mavlink::common::MavResult flight_command(const Command& command, FcuCore& core, base::RunTime now);
+mavlink::common::MavResult flight_command(const Command& command, const CommandTarget& target,
+                                          base::RunTime now);
 
 /// Changes the mode on a request; nothing: UNSUPPORTED.
-mavlink::common::MavResult set_flight_mode(std::optional<FlightMode> mode, FcuCore& core,
-                                           base::RunTime now);
+mavlink::common::MavResult set_flight_mode(std::optional<FlightMode> mode,
+                                           const CommandTarget& target, base::RunTime now);
 
 }  // namespace cas::fcu

@@ -173,21 +173,22 @@ mav::services::FtpServerLimits file_limits(const LineConfig& line) {
 
 }  // namespace
 
-GroundProtocols::GroundProtocols(FcuCore& core)
-    : core_(core),
-      telemetry_(core, core.outbox),
-      params_(core.params, core.outbox, core.texts, param_interval(core.config.line)),
-      commands_(core, telemetry_),
-      missions_(core.commander, core.outbox, core.texts),
-      files_(core.params),
+GroundProtocols::GroundProtocols(View view)
+    : view_(std::move(view)),
+      telemetry_(view_.core, view_.outbox),
+      params_(view_.target.params, view_.outbox, view_.texts,
+              param_interval(view_.core.config.line)),
+      commands_(view_.target, view_.outbox, view_.texts, telemetry_),
+      missions_(view_.target.commander, view_.outbox, view_.texts),
+      files_(view_.target.params),
       file_server_(
           // In MAVLink 2 as the telemetry, whatever was asked in: it leaves out zeros at the end.
           files_,
           [this](const auto& message) {
-            core_.outbox.send(message);
+            view_.outbox.send(message);
             return packet_bytes(message);
           },
-          file_limits(core.config.line)) {}
+          file_limits(view_.core.config.line)) {}
 
 void GroundProtocols::on_packet(const PacketView& packet, RunTime now) {
   if (on_link_packet(packet, now)) return;
@@ -200,15 +201,15 @@ void GroundProtocols::on_packet(const PacketView& packet, RunTime now) {
 
 bool GroundProtocols::on_link_packet(const PacketView& packet, RunTime now) {
   const auto reply = [&](const auto& answer) {
-    if (answer) core_.outbox.reply(*answer, packet.version);
+    if (answer) view_.outbox.reply(*answer, packet.version);
   };
   return take<Heartbeat>(packet,
                          [&](const auto& m) {
-                           if (m.type == MavType::kGcs) core_.ground_station_heard = now;
+                           if (m.type == MavType::kGcs) view_.ground_station_heard = now;
                          }) ||
          take<Timesync>(packet,
                         [&](const auto& m) {
-                          reply(mav::services::answer(m, packet.source, now - core_.start));
+                          reply(mav::services::answer(m, packet.source, now - view_.core.start));
                         }) ||
          take<Ping>(packet, [&](const auto& m) { reply(mav::services::answer(m, packet.source)); });
 }
@@ -230,7 +231,7 @@ bool GroundProtocols::on_param_packet(const PacketView& packet) {
          take<ParamRequestRead>(packet, [&](const auto& m) { params_.on_read(m, version); }) ||
          take<ParamSet>(packet, [&](const auto& m) {
            params_.on_set(m, version);
-           core_.apply_params();
+           view_.apply_params();
          });
 }
 
@@ -240,26 +241,27 @@ bool GroundProtocols::on_file_packet(const PacketView& packet, RunTime now) {
 }
 
 bool GroundProtocols::on_setpoint_packet(const PacketView& packet, RunTime now) {
-  OffboardTask& offboard = core_.commander.offboard();
-  const Estimator& estimator = core_.estimator;
-  const auto on_radio = [&](const auto& m) { core_.pilot.radio = {from_channels(m), now}; };
+  OffboardTask& offboard = view_.target.commander.offboard();
+  const Estimator& estimator = view_.target.estimator;
+  const auto on_radio = [&](const auto& m) { view_.pilot.radio = {from_channels(m), now}; };
   return take<SetPositionTargetLocalNed>(
              packet,
              [&](const auto& m) { on_position_target(m, estimator.state(), offboard, now); }) ||
          take<SetPositionTargetGlobalInt>(packet,
                                           [&](const auto& m) {
                                             on_global_target(m, estimator.projection(),
-                                                             core_.home.p_N.z(), offboard, now);
+                                                             view_.target.home.p_N.z(), offboard,
+                                                             now);
                                           }) ||
          take<SetAttitudeTarget>(packet,
                                  [&](const auto& m) {
-                                   on_attitude_target(m, core_.config.vehicle.scales.u1_max_n,
+                                   on_attitude_target(m, view_.core.config.vehicle.scales.u1_max_n,
                                                       offboard, now);
                                  }) ||
          take<ManualControl>(packet,
                              [&](const auto& m) {
-                               if (m.target != 0 && m.target != core_.config.system_id) return;
-                               core_.pilot.manual_control = {from_manual_control(m), now};
+                               if (m.target != 0 && m.target != view_.core.config.system_id) return;
+                               view_.pilot.manual_control = {from_manual_control(m), now};
                              }) ||
          take<HilRcInputsRaw>(packet, on_radio) || take<RcChannelsOverride>(packet, on_radio);
 }
@@ -283,7 +285,7 @@ bool GroundProtocols::on_mission_packet(const PacketView& packet, RunTime now) {
 
 /// A text that is longer than one message goes out in numbered pieces.
 void GroundProtocols::send_texts() {
-  for (const StatusTexts::Line& line : core_.texts.take()) {
+  for (const StatusTexts::Line& line : view_.texts.take()) {
     Statustext m;
     m.severity = line.severity;
     const std::size_t piece = m.text.size();
@@ -292,7 +294,7 @@ void GroundProtocols::send_texts() {
     // A last piece that is exactly full is followed by an empty one: the NUL ends the text.
     for (std::size_t at = 0; at <= line.text.size(); at += piece) {
       mav::set_text(m.text, std::string_view(line.text).substr(at, piece));
-      core_.outbox.send(m);
+      view_.outbox.send(m);
       ++m.chunk_seq;
       if (!long_text) break;
     }
@@ -300,7 +302,7 @@ void GroundProtocols::send_texts() {
 }
 
 void GroundProtocols::hurry_after_a_change() {
-  const Commander& commander = core_.commander;
+  const Commander& commander = view_.target.commander;
   const bool changed = commander.armed() != was_armed_ || commander.mode() != was_mode_ ||
                        commander.landed() != was_landed_;
   if (!changed) return;
@@ -312,8 +314,8 @@ void GroundProtocols::hurry_after_a_change() {
 
 void GroundProtocols::update(RunTime now) {
   hurry_after_a_change();
-  core_.apply_params();
-  if (!core_.texts.empty()) send_texts();
+  view_.apply_params();
+  if (!view_.texts.empty()) send_texts();
   telemetry_.update(now);
   commands_.update(now);
   params_.update(now);

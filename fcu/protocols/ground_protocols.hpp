@@ -1,8 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
+#include <optional>
+
 #include "base/time/clock.hpp"
+#include "fcu/core/outbox.hpp"
+#include "fcu/core/pilot_input.hpp"
 #include "fcu/flight/flight_status.hpp"
+#include "fcu/flight/status_texts.hpp"
 #include "fcu/protocols/command_handler.hpp"
 #include "fcu/protocols/mission_protocol.hpp"
 #include "fcu/protocols/param_protocol.hpp"
@@ -21,7 +27,17 @@ struct FcuCore;
 /// missions, setpoints, sticks, telemetry, files. The HIL stream is not among it.
 class GroundProtocols {
  public:
-  explicit GroundProtocols(FcuCore& core);
+  /// What it works with. All outlive it.
+  struct View {
+    const FcuCore& core;  ///< for telemetry
+    CommandTarget target;
+    Outbox& outbox;
+    StatusTexts& texts;
+    PilotInput& pilot;
+    std::optional<base::RunTime>& ground_station_heard;
+    std::function<void()> apply_params;  ///< passes changed parameters on
+  };
+  explicit GroundProtocols(View view);
 
   /// One packet that is meant for us.
   void on_packet(const mav::PacketView& packet, base::RunTime now);
@@ -39,7 +55,7 @@ class GroundProtocols {
   void send_texts();
   void hurry_after_a_change();
 
-  FcuCore& core_;
+  View view_;
   Telemetry telemetry_;
   ParamProtocol params_;
   CommandHandler commands_;

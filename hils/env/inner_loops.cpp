@@ -5,7 +5,7 @@
 
 #include "base/earth/frames.hpp"
 #include "base/error.hpp"
-#include "fcu/params/param_binding.hpp"
+#include "fcu/params/param_table.hpp"
 #include "fcu/params/params.hpp"
 
 namespace cas::hils {
@@ -26,8 +26,9 @@ InnerLoops::InnerLoops(Stand stand, const base::Vehicle& vehicle,
   }
   // As the emulated controller answers: per motor where Eq. (3) is not the vehicle's.
   store.set("CAS_HIL_ACT", fcu::Mixer::is_eq3(vehicle) ? 0 : 1);
-  cascade_.set_params(fcu::control_params(store));
-  rates_.set_params(fcu::control_params(store));
+  const fcu::ControlParams control = fcu::read_settings(store).control;
+  cascade_.set_params(control);
+  rates_.set_params(control);
 }
 
 sim::MotorCommand InnerLoops::update(std::span<const double> action,

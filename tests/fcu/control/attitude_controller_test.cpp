@@ -27,8 +27,8 @@ TEST(AttitudeController, TurnsTowardsSmallErrorsInProportion) {
   AttitudeSetpoint setpoint;
   setpoint.q_ND = base::quaternion_rpy(0.01, -0.02, 0);
   const Vector3d tilt = controller().update(setpoint, Quaterniond::Identity());
-  EXPECT_NEAR(tilt.x(), 6.5 * 0.01, 1e-3);
-  EXPECT_NEAR(tilt.y(), 6.5 * -0.02, 1e-3);
+  EXPECT_NEAR(tilt.x(), ControlParams{}.roll_p * 0.01, 1e-3);
+  EXPECT_NEAR(tilt.y(), ControlParams{}.pitch_p * -0.02, 1e-3);
   setpoint.q_ND = base::quaternion_rpy(0, 0, 0.03);
   EXPECT_NEAR(controller().update(setpoint, Quaterniond::Identity()).z(), 2.8 * 0.03, 1e-3);
 }

@@ -11,8 +11,8 @@
 #include <set>
 
 #include "base/error.hpp"
-#include "fcu/params/param_binding.hpp"
 #include "fcu/params/param_file.hpp"
+#include "fcu/params/param_table.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::fcu {
@@ -87,9 +87,40 @@ TEST(Params, ReachTheGainsTheyName) {
   store.set("MC_PITCHRATE_D", 0.004);
   store.set("MC_PITCHRATE_K", 2);
   store.set("MPC_Z_VEL_I_ACC", 1.5);
-  const ControlParams p = control_params(store);
+  const ControlParams p = read_settings(store).control;
   EXPECT_NEAR(p.rate_pitch.d, 0.008, 1e-6);
   EXPECT_NEAR(p.z_velocity.i, 1.5, 1e-6);
+}
+
+TEST(Params, HaveTheDefaultsOfTheSettings) {
+  const Settings defaults;
+  const Settings settings = read_settings(ParamStore(iris()));
+  EXPECT_FLOAT_EQ(static_cast<float>(settings.flight.land_tilt_rad),
+                  static_cast<float>(defaults.flight.land_tilt_rad));
+  EXPECT_EQ(settings.flight.battery_action, defaults.flight.battery_action);
+  EXPECT_TRUE(settings.flight.termination_enabled);
+  EXPECT_EQ(settings.battery.drain_s, defaults.battery.drain_s);
+  EXPECT_EQ(settings.estimator.mag_gate, defaults.estimator.mag_gate);
+}
+
+TEST(Params, AreReadInTheUnitsOfTheSettings) {
+  ParamStore store(iris());
+  store.set("MPC_TILTMAX_AIR", 30);
+  store.set("EKF2_GPS_DELAY", 120);
+  store.set("CBRK_FLIGHTTERM", 121212);
+  const Settings settings = read_settings(store);
+  EXPECT_DOUBLE_EQ(settings.control.tilt_limit_rad, M_PI / 6);
+  EXPECT_DOUBLE_EQ(settings.estimator.gps_delay_s, 0.12);
+  EXPECT_FALSE(settings.flight.termination_enabled);
+}
+
+TEST(Params, OfRotorsCountWhereTheAnswerIsByMotor) {
+  ParamStore store(base::Vehicle::load(cas::test::source_dir() + "/config/vehicles/hexa_x.yaml"));
+  ASSERT_EQ(store.set("CAS_ROT_LOST", 4), ParamSetResult::kOk);
+  EXPECT_EQ(read_settings(store).control.rotors_lost, 0U);
+  store.set("CAS_HIL_ACT", 1);
+  EXPECT_EQ(read_settings(store).control.rotors_lost, 4U);
+  EXPECT_TRUE(read_settings(store).control.detect_rotor_loss);
 }
 
 // The file.

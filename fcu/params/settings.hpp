@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "base/angles.hpp"
 #include "fcu/control/control_params.hpp"
 #include "fcu/estimation/estimator_params.hpp"
-#include "fcu/params/params.hpp"
 
 namespace cas::fcu {
 
@@ -15,19 +15,19 @@ struct FlightParams {
   double spool_up_s = 1;
   double land_speed_m_s = 0.6;
   double land_slow_altitude_m = 3;
-  double land_tilt_rad = 0.21;
+  double land_tilt_rad = 12 * base::kRadPerDeg;
   double climb_speed_m_s = 2;
   double descent_speed_m_s = 1.2;
   double cruise_speed_m_s = 5;
   double manual_speed_m_s = 5;
-  double manual_tilt_rad = 0.6;
-  double manual_yaw_rate_rad_s = 2;
+  double manual_tilt_rad = 35 * base::kRadPerDeg;
+  double manual_yaw_rate_rad_s = 120 * base::kRadPerDeg;
   double stick_deadzone = 0.1;
   double acceleration_m_s2 = 3;
   double acceleration_up_m_s2 = 3;
   double acceleration_down_m_s2 = 2;
   double jerk_m_s3 = 8;
-  double yaw_rate_limit_rad_s = 1;
+  double yaw_rate_limit_rad_s = 60 * base::kRadPerDeg;
   double hover_thrust = 0.5;
   double thrust_min = 0.08;
   double disarm_after_landing_s = 2;
@@ -40,8 +40,8 @@ struct FlightParams {
   int ground_station_loss_action = 0;
   int manual_loss_action = 2;
   int battery_action = 3;
-  double tilt_failure_roll_rad = 1.2;
-  double tilt_failure_pitch_rad = 1.2;
+  double tilt_failure_roll_rad = 70 * base::kRadPerDeg;
+  double tilt_failure_pitch_rad = 70 * base::kRadPerDeg;
   double tilt_failure_time_s = 0.3;
   bool termination_enabled = true;
   bool arm_without_gps = false;
@@ -59,13 +59,24 @@ struct FlightParams {
 
 /// How HIL messages are read and answered.
 struct HilParams {
-  bool stamp_by_arrival = false;  ///< CAS_STAMP_MODE
-  bool answer_by_motor = false;   ///< CAS_HIL_ACT
+  bool stamp_by_arrival = false;  ///< else by the message's own stamp
+  bool answer_by_motor = false;   ///< HIL_ACTUATOR_CONTROLS, else HIL_CONTROLS
 };
 
-ControlParams control_params(const ParamStore& store);
-EstimatorParams estimator_params(const ParamStore& store);
-FlightParams flight_params(const ParamStore& store);
-HilParams hil_params(const ParamStore& store);
+/// The battery that the controller makes up.
+struct BatteryParams {
+  double drain_s = 900;       ///< from full to empty while armed
+  double floor_percent = 50;  ///< of full, where it stops
+  int cells = 4;
+};
+
+/// What the parameters set, each with its default. Defaults of an airframe are in default_params().
+struct Settings {
+  ControlParams control;
+  EstimatorParams estimator;
+  FlightParams flight;
+  HilParams hil;
+  BatteryParams battery;
+};
 
 }  // namespace cas::fcu
