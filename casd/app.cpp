@@ -41,6 +41,7 @@
 #include "casd/station/failure_desk.hpp"
 #include "casd/station/gain_map.hpp"
 #include "casd/station/vehicle_commander.hpp"
+#include "casd/station_options.hpp"
 #include "casd/topology/line_budget.hpp"
 #include "casd/topology/link_change.hpp"
 #include "casd/topology/topology_files.hpp"
@@ -53,7 +54,6 @@ namespace asio = boost::asio;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr auto kTick = milliseconds(50);
 constexpr auto kWallTick = milliseconds(500);
 constexpr auto kSettlePoll = milliseconds(5);
 /// Neither READY nor link.add waits longer for a link that cannot open (a name server that does not
@@ -70,18 +70,9 @@ GainMap load_gains(const Topology& topology) {
 CommanderOptions commander_options(const Topology& topology,
                                    std::function<std::string(LinkId)> link_name,
                                    std::function<std::vector<MessageRate>(LinkId)> request_rates) {
-  CommanderOptions options;
+  CommanderOptions options = commander_options(topology);
   options.link_name = std::move(link_name);
   options.request_rates = std::move(request_rates);
-  options.self = topology.self;
-  options.heartbeat_hz = topology.commanding.heartbeat_hz;
-  options.allow_not_hil = topology.commanding.allow_not_hil;
-  if (topology.pace == Pace::kLockstep) {
-    // Asking on first sight would depend on thread timing and break same-seed, same-bytes.
-    options.ask_on_sight = false;
-    // Simulated time stands still between two steps, so a grace period would never end.
-    options.command_timing.text_grace = {};
-  }
   return options;
 }
 
@@ -539,7 +530,7 @@ struct App::Impl {
   }
 
   void do_tick() {
-    tick_timer.expires_after(kTick);
+    tick_timer.expires_after(kStationTick);
     tick_timer.async_wait([this](boost::system::error_code error) {
       if (error) return;
       const base::RunTime now = base::steady_now();

@@ -3,7 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "base/angles.hpp"
 
 namespace cas::base {
 namespace {
@@ -45,8 +46,7 @@ bool Frame::fits(const Vehicle& vehicle) const {
     if (at == vehicle.rotors.end()) return false;
     const Rotor& rotor = *at;
     if (rotor.axis_B.z() <= 0) return false;  // the tables tell places and spins from above
-    const double angle_deg =
-        std::atan2(-rotor.position_B_m.y(), rotor.position_B_m.x()) * 180 / std::numbers::pi;
+    const double angle_deg = degrees(std::atan2(-rotor.position_B_m.y(), rotor.position_B_m.x()));
     if (std::abs(std::remainder(angle_deg - rotors[i].angle_deg, 360)) > kSameDirection_deg) {
       return false;
     }

@@ -5,8 +5,8 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <numbers>
 
+#include "base/angles.hpp"
 #include "base/error.hpp"
 
 namespace cas::base {
@@ -104,9 +104,8 @@ Eigen::Isometry3d SdfModel::pose(const XmlElement& element, std::string_view par
     if (!own->attribute("relative_to").empty()) parent = own->attribute("relative_to");
     const std::string_view format = own->attribute("rotation_format");
     if (!format.empty() && format != "euler_rpy") fail(*own, "a <pose> must be in Euler angles");
-    const double unit = own->attribute("degrees") == "true" || own->attribute("degrees") == "1"
-                            ? std::numbers::pi / 180
-                            : 1.0;
+    const double unit =
+        own->attribute("degrees") == "true" || own->attribute("degrees") == "1" ? kRadPerDeg : 1.0;
     const bool empty = own->text.find_first_not_of(" \t\r\n") == std::string::npos;
     const std::vector<double> v = empty ? std::vector<double>(6, 0.0) : numbers(*own, 6);
     X.translation() = Eigen::Vector3d(v[0], v[1], v[2]);

@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
+#include "base/angles.hpp"
 #include "base/config/model_body.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/config/vehicle.hpp"
@@ -47,7 +47,7 @@ double positive(const ConfigNode& node, std::string_view key) {
 }
 
 double degrees(const ConfigNode& node, std::string_view key, double low, double high) {
-  return node.require_in(key, low, high) * std::numbers::pi / 180.0;
+  return radians(node.require_in(key, low, high));
 }
 
 Eigen::Vector3d unit_vector(const ConfigNode& node) {

@@ -4,18 +4,17 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/angles.hpp"
+#include "base/earth/wgs84.hpp"
+
 namespace cas::base {
 namespace {
 
-constexpr double kRadPerDeg = M_PI / 180.0;
-constexpr double kDegPerRad = 180.0 / M_PI;
+using wgs84::kEccentricity2;
+using wgs84::kFlattening;
+using wgs84::kSemiMajor_m;
 
 constexpr double kSphereRadius = 6'371'000.0;  // m, mean radius, as PX4's projection uses
-
-// WGS 84 (NIMA TR8350.2, table 3.1).
-constexpr double kSemiMajor = 6'378'137.0;  // m
-constexpr double kFlattening = 1.0 / 298.257223563;
-constexpr double kEccentricity2 = kFlattening * (2.0 - kFlattening);
 
 double wrap_lon_deg(double lon_deg) { return std::remainder(lon_deg, 360.0); }
 
@@ -55,7 +54,7 @@ Eigen::Vector3d sphere_to_local(const Geodetic& home, const Geodetic& place) {
 }
 
 double prime_vertical_radius(double sin_lat) {
-  return kSemiMajor / std::sqrt(1.0 - kEccentricity2 * sin_lat * sin_lat);
+  return kSemiMajor_m / std::sqrt(1.0 - kEccentricity2 * sin_lat * sin_lat);
 }
 
 /// Earth-centred, earth-fixed coordinates, m.
@@ -71,7 +70,7 @@ Eigen::Vector3d to_ecef(const Geodetic& place) {
 // Bowring's method (1976, 1985): the parametric latitude iterated; two rounds reach the nanometre
 // near the ground.
 Geodetic from_ecef(const Eigen::Vector3d& p_E) {
-  const double b = kSemiMajor * (1.0 - kFlattening);
+  const double b = kSemiMajor_m * (1.0 - kFlattening);
   const double second_eccentricity2 = kEccentricity2 / (1.0 - kEccentricity2);
   const double r = std::hypot(p_E.x(), p_E.y());
   double beta = std::atan2(p_E.z(), (1.0 - kFlattening) * r);
@@ -80,12 +79,12 @@ Geodetic from_ecef(const Eigen::Vector3d& p_E) {
     const double s = std::sin(beta);
     const double c = std::cos(beta);
     lat = std::atan2(p_E.z() + second_eccentricity2 * b * s * s * s,
-                     r - kEccentricity2 * kSemiMajor * c * c * c);
+                     r - kEccentricity2 * kSemiMajor_m * c * c * c);
     beta = std::atan2((1.0 - kFlattening) * std::sin(lat), std::cos(lat));
   }
   const double sin_lat = std::sin(lat);
   const double n = prime_vertical_radius(sin_lat);
-  const double alt_m = r * std::cos(lat) + p_E.z() * sin_lat - kSemiMajor * kSemiMajor / n;
+  const double alt_m = r * std::cos(lat) + p_E.z() * sin_lat - kSemiMajor_m * kSemiMajor_m / n;
   return {lat * kDegPerRad, std::atan2(p_E.y(), p_E.x()) * kDegPerRad, alt_m};
 }
 

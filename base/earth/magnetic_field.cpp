@@ -5,19 +5,19 @@
 #include <array>
 #include <cmath>
 
+#include "base/angles.hpp"
+#include "base/earth/wgs84.hpp"
 #include "base/earth/wmm2025.hpp"
 
 namespace cas::base {
 namespace {
 
+using wgs84::kEccentricity2;
+using wgs84::kSemiMajor_m;
 using wmm2025::kDegree;
 
-constexpr double kRadPerDeg = M_PI / 180.0;
 constexpr double kGaussPerNanotesla = 1e-5;
 constexpr double kReferenceRadius = 6'371'200.0;  // m, geomagnetic reference sphere of the model
-constexpr double kSemiMajor = 6'378'137.0;        // m, WGS 84
-constexpr double kFlattening = 1.0 / 298.257223563;
-constexpr double kEccentricity2 = kFlattening * (2.0 - kFlattening);
 constexpr double kSmallestSine = 1e-9;  // keeps the east component's quotient finite at the poles
 
 constexpr std::size_t kSize = kDegree + 1;
@@ -59,7 +59,7 @@ struct Geocentric {
 
 Geocentric to_geocentric(double lat, double height) {
   const double sin_lat = std::sin(lat);
-  const double n = kSemiMajor / std::sqrt(1.0 - kEccentricity2 * sin_lat * sin_lat);
+  const double n = kSemiMajor_m / std::sqrt(1.0 - kEccentricity2 * sin_lat * sin_lat);
   const double p = (n + height) * std::cos(lat);
   const double z = (n * (1.0 - kEccentricity2) + height) * sin_lat;
   return {std::atan2(z, p), std::hypot(p, z)};

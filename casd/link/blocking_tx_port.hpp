@@ -9,6 +9,9 @@
 
 namespace cas::casd {
 
+/// The thread of `threads: blocking` gives up on the rest of a packet after this silence.
+inline constexpr base::Duration kBlockingPatience = std::chrono::milliseconds(20);
+
 /// How the thread of `threads: blocking` waits, and the time that it has: the steady clock's, or
 /// that of a simulation.
 class LineWait {

@@ -12,8 +12,7 @@
 namespace cas::casd {
 namespace {
 
-constexpr std::uint32_t kTabled = 512;
-using ClassTable = std::array<TrafficClass, kTabled>;
+using ClassTable = std::array<TrafficClass, kTabledIds>;
 
 constexpr void mark(ClassTable& table, std::uint32_t first, std::uint32_t last,
                     TrafficClass traffic) {
@@ -62,7 +61,7 @@ constexpr ClassTable kClasses = make_class_table();
 }  // namespace
 
 TrafficClass classify(std::uint32_t message_id) {
-  return message_id < kTabled ? kClasses[message_id] : TrafficClass::kTelemetry;
+  return message_id < kTabledIds ? kClasses[message_id] : TrafficClass::kTelemetry;
 }
 
 std::string_view to_string(TrafficClass traffic) {

@@ -22,6 +22,9 @@ enum class TrafficClass : std::uint8_t {
 };
 inline constexpr int kTrafficClasses = 5;
 
+/// Message ids below this are looked up in tables: nearly all that public dialects send.
+inline constexpr std::uint32_t kTabledIds = 512;
+
 /// The class of a message by its id; ids that no public dialect knows are telemetry.
 TrafficClass classify(std::uint32_t message_id);
 

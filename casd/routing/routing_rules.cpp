@@ -52,7 +52,7 @@ void ForwardWord::add(const ForwardRule& rule, std::uint8_t slot) {
 }
 
 SlotMask& ForwardWord::message_entry(std::uint32_t message_id) {
-  if (message_id < kTabled) return by_message_[message_id];
+  if (message_id < kTabledIds) return by_message_[message_id];
   return by_other_message_.try_emplace(message_id, by_default_).first->second;
 }
 

@@ -11,6 +11,7 @@
 
 #include "base/time/clock.hpp"
 #include "casd/packet/link_mask.hpp"
+#include "casd/packet/packet_info.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::casd {
@@ -75,16 +76,14 @@ class ForwardWord {
   }
 
  private:
-  static constexpr std::uint32_t kTabled = 512;
-
   SlotMask by_message(std::uint32_t message_id) const {
-    if (message_id < kTabled) return by_message_[message_id];
+    if (message_id < kTabledIds) return by_message_[message_id];
     const auto found = by_other_message_.find(message_id);
     return found == by_other_message_.end() ? by_default_ : found->second;
   }
   SlotMask& message_entry(std::uint32_t message_id);
 
-  std::array<SlotMask, kTabled> by_message_{};
+  std::array<SlotMask, kTabledIds> by_message_{};
   std::unordered_map<std::uint32_t, SlotMask> by_other_message_;
   SlotMask by_default_ = 0;  ///< for ids above the table that no rule names
   std::array<SlotMask, 256> by_system_;

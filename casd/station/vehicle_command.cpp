@@ -3,8 +3,8 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
 
+#include "base/angles.hpp"
 #include "base/earth/geodesy.hpp"
 
 namespace cas::casd {
@@ -21,7 +21,7 @@ VehicleCommand reposition_command(const HomeAmsl& home, double north_m, double e
   const base::LocalProjection projection({home.lat_deg, home.lon_deg, home.alt_m});
   const base::Geodetic place = projection.to_geodetic({north_m, east_m, down_m});
   VehicleCommand command{.id = mavlink::common::MavCmd::kDoReposition};
-  const double yaw_rad = yaw_deg.value_or(0) * std::numbers::pi / 180;
+  const double yaw_rad = base::radians(yaw_deg.value_or(0));
   command.params = {-1, kChangeMode, 0, yaw_deg ? static_cast<float>(yaw_rad) : kNan, 0, 0, 0};
   command.place = VehicleCommand::Place{static_cast<std::int32_t>(std::lround(place.lat_deg * 1e7)),
                                         static_cast<std::int32_t>(std::lround(place.lon_deg * 1e7)),

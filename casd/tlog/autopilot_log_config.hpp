@@ -11,11 +11,10 @@ namespace cas::casd {
 struct AutopilotLogConfig {
   /// They come from peers that anybody may be: bounded unless the topology says otherwise.
   static constexpr std::uint64_t kMaxBytes = std::uint64_t{4} * 1024 * 1024 * 1024;
-  static constexpr std::uint64_t kFreeSpaceMin = 64 * 1024 * 1024;
 
   std::filesystem::path folder{};  ///< empty: that of the telemetry logs
   bool while_armed = false;        ///< of each vehicle while it is armed; false: while it is heard
-  TlogLimits limits{.free_space_min_bytes = kFreeSpaceMin, .max_bytes = kMaxBytes};
+  TlogLimits limits{.free_space_min_bytes = TlogLimits::kFreeSpaceMin, .max_bytes = kMaxBytes};
 
   friend bool operator==(const AutopilotLogConfig&, const AutopilotLogConfig&) = default;
 };

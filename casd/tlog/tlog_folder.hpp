@@ -13,6 +13,9 @@ namespace cas::casd {
 
 /// Limits of the recordings' disk space; 0: none.
 struct TlogLimits {
+  /// A recording stops before the disk is full, where it would take others with it.
+  static constexpr std::uint64_t kFreeSpaceMin = 64 * 1024 * 1024;
+
   std::uint64_t free_space_min_bytes = 0;  ///< bytes that stay free on the file system
   std::uint64_t max_bytes = 0;             ///< all recordings in the folder together
 

@@ -120,8 +120,6 @@ constexpr std::tuple kCommandingKeys{
 };
 
 constexpr double kMib = 1024 * 1024;
-/// A recording stops before the disk is full, where it would take others with it.
-constexpr std::uint64_t kFreeSpaceMin = 64 * 1024 * 1024;
 
 constexpr std::tuple kAutopilotLogKeys{
     key<&AutopilotLogConfig::folder>("folder", Folder{},
@@ -233,7 +231,7 @@ constexpr std::tuple kReloadKeys{
 Topology standard_topology() {
   Topology topology;
   topology.log.folder = default_tlog_folder();
-  topology.log.limits.free_space_min_bytes = kFreeSpaceMin;
+  topology.log.limits.free_space_min_bytes = TlogLimits::kFreeSpaceMin;
   return topology;
 }
 

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "base/os/pty_lock.hpp"
+#include "casd/link/blocking_tx_port.hpp"
 #include "casd/transport/serial_device.hpp"
 #include "casd/transport/stream_writer.hpp"
 
@@ -20,8 +21,7 @@ namespace cas::casd {
 namespace {
 
 constexpr std::size_t kReadBytes = 16 * 1024;
-// threads: blocking gives up on the rest of a packet after this silence.
-constexpr int kBlockingPatience_ms = 20;
+constexpr int kBlockingPatience_ms = kBlockingPatience / std::chrono::milliseconds(1);
 // Faster changes in the folder of a missing device are handled together.
 constexpr base::Duration kBetweenLooks = std::chrono::milliseconds(10);
 // A line that breaks sooner is reopened only then: it may break each time.

@@ -23,7 +23,6 @@ constexpr double kRejectionTimeout_s = 4.0;  // then the measurements are believ
 constexpr double kRestRate_rad_s = 0.15;     // larger rates are not rest
 constexpr double kRestForce_m_s2 = 1.0;      // larger deviations from gravity are not rest
 constexpr int kRestSamples = 10;             // IMU samples per rest measurement
-constexpr double kRestVelocity_m_s = 0.01;
 constexpr double kFlightForce_g = 2.5;       // specific force of the hardest manoeuvre
 constexpr double kVelocityUsable_m_s = 1.0;  // larger deviations: no velocity
 constexpr double kPositionUsable_m = 10.0;   // larger deviations: no position

@@ -7,6 +7,9 @@
 
 namespace cas::fcu {
 
+/// Deviation of the velocity of a vehicle at rest, which counts as a measurement of zero.
+inline constexpr double kRestVelocity_m_s = 0.01;
+
 /// The estimator's assumptions about its sensors. Deviations are 1 sigma.
 struct EstimatorParams {
   // Noise of one IMU sample, axes of D.

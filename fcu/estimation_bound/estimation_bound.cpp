@@ -20,7 +20,6 @@ constexpr int kStates = 22;
 using Matrix = Eigen::Matrix<double, kStates, kStates>;
 
 constexpr double kGravity_m_s2 = base::kStandardGravity_m_s2;
-constexpr double kRestVelocity_m_s = 0.01;
 
 Matrix3d cross(const Vector3d& v) {
   Matrix3d m;

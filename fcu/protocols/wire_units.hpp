@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "base/angles.hpp"
+
 namespace cas::fcu {
 
 // Values in the units that MAVLink fields have. A field of whole numbers cannot say that something
@@ -49,7 +51,7 @@ inline std::int32_t deg_e7(double degrees) { return to_whole<std::int32_t>(1e7 *
 
 /// Hundredths of a degree from north, 0 to 35999; 0 for what is no angle.
 inline std::uint16_t heading_cdeg(double yaw_rad) {
-  const double degrees = std::fmod(yaw_rad * 180 / M_PI + 360, 360);
+  const double degrees = std::fmod(base::degrees(yaw_rad) + 360, 360);
   return static_cast<std::uint16_t>(to_whole<std::uint16_t>(degrees * 100) % 36000);
 }
 

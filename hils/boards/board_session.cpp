@@ -24,7 +24,6 @@ using base::rpc::Json;
 
 constexpr const char* kLink = "fcu";
 constexpr double kFreshHeartbeat_s = 3;
-constexpr base::Duration kReadyTimeout = std::chrono::seconds(20);
 constexpr base::Duration kStopPatience = std::chrono::seconds(5);
 
 /// JSON is YAML, too.
@@ -72,7 +71,7 @@ struct BoardSession::Impl {
                                             config.string(), "--name", board.name},
                               .log_file = folder.path() / "casd.log",
                               .notify_socket = folder.path() / "casd.notify"},
-                             kReadyTimeout);
+                             Supervisor::kReadyTimeout);
     client.emplace("unix:" + folder.command_socket().string());
   }
   ~Impl() {

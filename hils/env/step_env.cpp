@@ -15,6 +15,7 @@
 #include "base/config/config.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/earth/frames.hpp"
+#include "base/earth/gravity.hpp"
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
 #include "hils/env/inner_loops.hpp"
@@ -114,7 +115,7 @@ Study one_of(Study study, std::uint64_t number) {
 
 /// The simulation that a setup describes.
 std::string simulation_text(const base::ConfigNode& setup, std::uint64_t seed) {
-  const auto key = [&setup](const char* name, const char* fallback) {
+  const auto key = [&setup](const char* name, const std::string& fallback) {
     const auto node = setup.find(name);
     return node ? node->dump() : fallback;
   };
@@ -126,7 +127,9 @@ std::string simulation_text(const base::ConfigNode& setup, std::uint64_t seed) {
   std::string text = fmt::format(
       "schema: 1\nworld:{}\nhome:{}\ndecimal_year: 2026.5\nstep_us: {}\npace: free_run\n"
       "seed: {}\nvehicles:\n  - name: {}\n    vehicle: \"{}\"\n    pose:{}\n",
-      indented(key("world", "{gravity_m_s2: 9.80665, ground: true}"), "  "),
+      indented(key("world",
+                   fmt::format("{{gravity_m_s2: {}, ground: true}}", base::kStandardGravity_m_s2)),
+               "  "),
       indented(key("home", "{lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}"), "  "),
       setup.get("step_us", 1000), seed, kVehicle, base::find_config(setup.at("vehicle")).string(),
       indented(key("pose", "{x_m: 0, y_m: 0, z_m: 0, yaw_deg: 0}"), "      "));

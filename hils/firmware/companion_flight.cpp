@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/angles.hpp"
 #include "base/error.hpp"
 #include "base/rpc/client.hpp"
 #include "mavlink/common/enums.hpp"
@@ -19,7 +20,6 @@ constexpr base::Duration kLead = std::chrono::seconds(1);
 /// In real time, of a simulation that may run slower than that.
 constexpr base::Duration kLeadPatience = std::chrono::seconds(30);
 constexpr base::Duration kGlance = std::chrono::milliseconds(5);
-constexpr double kDegreesPerRadian = 180 / M_PI;
 
 bool is_ardupilot(const CompanionFlight::Vehicle& vehicle) {
   return vehicle.autopilot == "ArduPilot";
@@ -118,7 +118,7 @@ CompanionFlight::Answer CompanionFlight::end_trajectory(const Vehicle& vehicle) 
   call_("vehicle.goto", {{"north_m", vehicle.hover_N.x()},
                          {"east_m", vehicle.hover_N.y()},
                          {"down_m", vehicle.hover_N.z()},
-                         {"yaw_deg", vehicle.yaw_rad * kDegreesPerRadian}});
+                         {"yaw_deg", vehicle.yaw_rad * base::kDegPerRad}});
   link_.with_station([](auto& station) { station.setpoints().stop(); });
   return {};
 }

@@ -12,7 +12,6 @@
 namespace cas::hils {
 namespace {
 
-constexpr base::Duration kReadyTimeout = std::chrono::seconds(20);
 constexpr base::Duration kStopPatience = std::chrono::seconds(5);
 
 std::filesystem::path program(const std::string& name) {
@@ -36,9 +35,9 @@ void FirmwareBench::start() {
   for (const std::filesystem::path& folder : base::plugin_dirs()) {
     hilsim.insert(hilsim.end(), {"--plugin-dir", folder});
   }
-  hilsim_ = &supervisor_.start(options("hilsim", hilsim), kReadyTimeout);
+  hilsim_ = &supervisor_.start(options("hilsim", hilsim), Supervisor::kReadyTimeout);
   for (std::size_t i = 0; i < scenario_.vehicles.size(); ++i) {
-    firmware_.push_back(&supervisor_.start(firmware_options(i), kReadyTimeout));
+    firmware_.push_back(&supervisor_.start(firmware_options(i), Supervisor::kReadyTimeout));
   }
 }
 
@@ -53,7 +52,7 @@ void FirmwareBench::reboot(std::size_t vehicle) {
   supervisor_.stop(*firmware_[vehicle], kStopPatience);
   ChildProcess::Options options = firmware_options(vehicle);
   options.appends = true;
-  firmware_[vehicle] = &supervisor_.start(std::move(options), kReadyTimeout);
+  firmware_[vehicle] = &supervisor_.start(std::move(options), Supervisor::kReadyTimeout);
 }
 
 void FirmwareBench::kill_casd() {
@@ -67,7 +66,7 @@ void FirmwareBench::start_casd() {
   if (casd_ != nullptr) return;
   casd_ = &supervisor_.start(
       options("casd", {program("casd"), places_.casd_config(), "--name", scenario_.name}),
-      kReadyTimeout);
+      Supervisor::kReadyTimeout);
 }
 
 ChildProcess::Options FirmwareBench::options(const std::string& name,

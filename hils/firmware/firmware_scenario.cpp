@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/angles.hpp"
 #include "base/config/config.hpp"
 #include "base/config/config_origin.hpp"
 #include "base/config/config_whole.hpp"
@@ -22,6 +23,7 @@
 #include "base/suggestion.hpp"
 #include "hils/firmware/companion_flight.hpp"
 #include "hils/flight/phase_check.hpp"
+#include "hils/programs/composition.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
@@ -98,13 +100,12 @@ Firmware parse_firmware(const base::ConfigNode& node) {
 /// Heading of each vehicle in the world file, where yaw counts from east, counter-clockwise.
 std::vector<double> start_headings(const base::ConfigNode& world, std::size_t count) {
   constexpr double kNorth_deg = 90;
-  constexpr double kRadiansPerDegree = M_PI / 180;
   std::vector<double> headings;
   const auto vehicles = world.at("vehicles").items();
   for (std::size_t i = 0; i < count; ++i) {
     const auto pose = vehicles[i].find("pose");
     const double yaw_deg = pose ? pose->get("yaw_deg", 0.0) : 0.0;
-    headings.push_back(base::wrap_angle((kNorth_deg - yaw_deg) * kRadiansPerDegree));
+    headings.push_back(base::wrap_angle((kNorth_deg - yaw_deg) * base::kRadPerDeg));
   }
   return headings;
 }
@@ -158,8 +159,6 @@ casd::GainMap gains_of(const std::filesystem::path& topology) {
   const auto gains = base::ConfigNode::load(topology).find("gains");
   return gains ? casd::GainMap::load(base::find_config(*gains)) : casd::GainMap::shipped();
 }
-
-constexpr double kTruthHz = 100;
 
 std::string to_text(const YAML::Node& node) {
   YAML::Emitter emitter;

@@ -5,11 +5,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/angles.hpp"
+
 namespace cas::hils {
 
 sim::Facts facts_of(base::SimTime now, const Motion& motion, bool armed, std::string_view phase) {
   using sim::Fact;
-  constexpr double kDegPerRad = 180.0 / M_PI;
   sim::Facts facts;
   facts[Fact::kTime] = base::to_seconds(now);
   facts[Fact::kNorth] = motion.p_m.x();
@@ -18,9 +19,9 @@ sim::Facts facts_of(base::SimTime now, const Motion& motion, bool armed, std::st
   facts[Fact::kHeight] = motion.p_m.z();  // level ground
   facts[Fact::kSpeed] = motion.v_m_s.norm();
   facts[Fact::kClimb] = motion.v_m_s.z();
-  facts[Fact::kRoll] = motion.rpy_rad.x() * kDegPerRad;
-  facts[Fact::kPitch] = motion.rpy_rad.y() * kDegPerRad;
-  facts[Fact::kYaw] = motion.rpy_rad.z() * kDegPerRad;
+  facts[Fact::kRoll] = motion.rpy_rad.x() * base::kDegPerRad;
+  facts[Fact::kPitch] = motion.rpy_rad.y() * base::kDegPerRad;
+  facts[Fact::kYaw] = motion.rpy_rad.z() * base::kDegPerRad;
   facts[Fact::kArmed] = armed ? 1 : 0;
   facts.phase = phase;
   return facts;

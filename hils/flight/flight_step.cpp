@@ -9,6 +9,7 @@
 #include <cmath>
 #include <span>
 
+#include "base/angles.hpp"
 #include "base/suggestion.hpp"
 #include "hils/flight/phase_check.hpp"
 
@@ -22,7 +23,6 @@ constexpr base::Duration kMissionPatience = std::chrono::minutes(5);
 constexpr base::Duration kRebootPatience = std::chrono::minutes(1);
 constexpr base::Duration kBreachPatience = std::chrono::minutes(2);
 constexpr double kBreachSpeed_m_s = 2;
-constexpr double kRadiansPerDegree = M_PI / 180.0;
 
 constexpr std::array<std::pair<StepKind, std::string_view>, 16> kWords{{
     {StepKind::kArm, "arm"},
@@ -80,7 +80,7 @@ Eigen::Vector3d parse_place(const base::ConfigNode& body) {
 
 void parse_goto(const base::ConfigNode& body, FlightStep& step) {
   step.place_m = parse_place(body);
-  step.yaw_rad = body.get_in("yaw_deg", 0, -180, 180) * kRadiansPerDegree;
+  step.yaw_rad = body.get_in("yaw_deg", 0, -180, 180) * base::kRadPerDeg;
 }
 
 void parse_gain(const base::ConfigNode& body, FlightStep& step) {

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/angles.hpp"
 #include "base/time/clock.hpp"
 
 namespace cas::hils {
@@ -145,7 +146,7 @@ Place place_in(const FlightStep& step, Place before) {
 
 double tilt_deg(const Pose& pose) {
   const double upright = std::cos(pose.roll_rad) * std::cos(pose.pitch_rad);
-  return std::acos(std::clamp(upright, -1.0, 1.0)) * 180 / M_PI;
+  return base::degrees(std::acos(std::clamp(upright, -1.0, 1.0)));
 }
 
 std::vector<Incident> find_incidents(const std::vector<Stage>& stages,

@@ -6,6 +6,9 @@
 
 namespace cas::hils {
 
+/// Two-sided 95 % quantile of the standard normal distribution.
+inline constexpr double kNormal95 = 1.959964;
+
 /// Mean of a set of runs with its 95 % confidence interval.
 struct Mean {
   double mean = 0;

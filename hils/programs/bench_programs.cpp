@@ -15,7 +15,6 @@ namespace cas::hils {
 
 namespace {
 
-constexpr base::Duration kReadyTimeout = std::chrono::seconds(20);
 constexpr base::Duration kStopPatience = std::chrono::seconds(10);
 
 std::filesystem::path program_folder() { return own_program().parent_path(); }
@@ -36,7 +35,7 @@ void BenchPrograms::start(bool paused) {
     arguments.insert(arguments.end(), {"--plugin-dir", folder});
   }
   hilsim_ = &supervisor_.start(options("hilsim", "hilsim", places_.simulator_config(), arguments),
-                               kReadyTimeout);
+                               Supervisor::kReadyTimeout);
 }
 
 void BenchPrograms::refuse_closed_station() const {
@@ -55,8 +54,9 @@ void BenchPrograms::start_emulator(const VehiclePlaces& places) {
   const std::vector<std::string> arguments{"--link",    places.fcu_link(),
                                            "--ledger",  places.controller_ledger(),
                                            "--control", places.fcu_control()};
-  emulators_.push_back(&supervisor_.start(
-      options(places.emulator(), "fcu_emulator", places.fcu_config(), arguments), kReadyTimeout));
+  emulators_.push_back(
+      &supervisor_.start(options(places.emulator(), "fcu_emulator", places.fcu_config(), arguments),
+                         Supervisor::kReadyTimeout));
 }
 
 void BenchPrograms::stop() {
@@ -83,7 +83,7 @@ void BenchPrograms::start_casd() {
   casd_ = &supervisor_.start(
       options("casd", "casd", places_.casd_config(),
               {"--ledger", places_.casd_ledger(), "--name", request_.scenario.name}),
-      kReadyTimeout);
+      Supervisor::kReadyTimeout);
 }
 
 ChildProcess::Options BenchPrograms::options(const std::string& name, const std::string& program,

@@ -200,7 +200,6 @@ void add_world(const Scenario& scenario, YAML::Node& root) {
   root["home"]["alt_m"] = scenario.home->alt_m;
 }
 
-constexpr double kTruthHz = 100;
 constexpr int kLockstepTimeoutMs = 10'000;  ///< a controller that died, not a machine that is busy
 constexpr int kSimulatorComponent = 200;    ///< the simulator beside autopilot 1 of its system
 

@@ -10,6 +10,9 @@
 
 namespace cas::hils {
 
+/// Rate of the simulator's record of the truth.
+inline constexpr double kTruthHz = 100;
+
 /// How the simulator's interface plugin hands over its packets.
 enum class Transport { kUdp, kBus };
 

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/angles.hpp"
+
 namespace cas::hils {
 
 namespace {
@@ -110,7 +112,7 @@ std::vector<Call> to_calls(const FlightStep& step) {
                {{"north_m", step.place_m.x()},
                 {"east_m", step.place_m.y()},
                 {"down_m", -step.place_m.z()},
-                {"yaw_deg", step.yaw_rad * 180.0 / M_PI}}}};
+                {"yaw_deg", base::degrees(step.yaw_rad)}}}};
     case StepKind::kSetGain: {
       Json params{{"loop", step.loop}};
       if (step.p) params["p"] = *step.p;

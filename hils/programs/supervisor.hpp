@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 
 #include "base/os/descriptor.hpp"
 #include "base/os/mutex.hpp"
+#include "base/time/clock.hpp"
 #include "hils/programs/child_process.hpp"
 
 namespace cas::hils {
@@ -34,6 +36,9 @@ class RunStopped : public std::runtime_error {
 /// `check()` says why.
 class Supervisor {
  public:
+  /// How long a program may take until it is ready.
+  static constexpr base::Duration kReadyTimeout = std::chrono::seconds(20);
+
   /// Blocks SIGINT, SIGTERM and SIGHUP for the process: construct before other threads start.
   Supervisor();
   /// Ends whatever still runs.

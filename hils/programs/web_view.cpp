@@ -19,7 +19,6 @@ namespace cas::hils {
 
 namespace {
 
-constexpr base::Duration kReadyTimeout = std::chrono::seconds(20);
 constexpr int kPoll_ms = 50;
 
 std::filesystem::path address_file(const RunPlaces& places) {
@@ -80,7 +79,7 @@ bool WebView::start(const RunPlaces& places, const Supervisor& supervisor,
   options.log_file = places.run / "casweb.log";
   options.notify_socket = places.sockets / "casweb.notify";
   casweb_ = std::make_unique<ChildProcess>(std::move(options));
-  const base::RunTime deadline = base::steady_now() + kReadyTimeout;
+  const base::RunTime deadline = base::steady_now() + Supervisor::kReadyTimeout;
   while (!casweb_->take_notifications()) {
     supervisor.check();
     if (casweb_->poll_exit() || base::steady_now() > deadline) return false;

@@ -11,6 +11,7 @@
 #include <numbers>
 #include <span>
 
+#include "base/angles.hpp"
 #include "base/time/clock.hpp"
 #include "hils/measure/gyro_record.hpp"
 #include "hils/measure/tracking.hpp"
@@ -34,7 +35,6 @@ std::int64_t microseconds(base::SimTime t) {
 
 using Direction = base::LedgerEntry::Direction;
 
-constexpr double kDegreesPerRadian = 180.0 / M_PI;
 constexpr int kBucketsPerDecade = 20;
 
 double seconds(std::uint64_t usec) { return static_cast<double>(usec) * 1e-6; }
@@ -241,7 +241,7 @@ void add_spectra(const RunRecord& record, const std::vector<PoseSample>& truth, 
   }
   add("gyro_spectrum", "gyro", "amplitude, deg/s",
       spectra(gyro_of(record), window, {"about forward", "about right", "about down"},
-              kDegreesPerRadian,
+              base::kDegPerRad,
               [](const GyroSample& sample, std::size_t axis) { return sample.rate_rad_s[axis]; }),
       std::move(marks));
   add("motors_spectrum", "rotor speeds", "amplitude, rad/s",
@@ -313,9 +313,9 @@ void add_motion_plots(const RunRecord& record, StreamWindow window, NamedPlots& 
       Plot{.title = "Attitude (true)",
            .x_label = kTimeLabel,
            .y_label = "deg",
-           .series = {pose_series("roll", truth, &Pose::roll_rad, 0, kDegreesPerRadian),
-                      pose_series("pitch", truth, &Pose::pitch_rad, 0, kDegreesPerRadian),
-                      pose_series("yaw", truth, &Pose::yaw_rad, 0, kDegreesPerRadian)}});
+           .series = {pose_series("roll", truth, &Pose::roll_rad, 0, base::kDegPerRad),
+                      pose_series("pitch", truth, &Pose::pitch_rad, 0, base::kDegPerRad),
+                      pose_series("yaw", truth, &Pose::yaw_rad, 0, base::kDegPerRad)}});
   plots.emplace_back("motors",
                      Plot{.title = "Rotor speeds",
                           .x_label = kTimeLabel,

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <tuple>
 
+#include "base/angles.hpp"
 #include "base/config/geodetic_keys.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/config/key_table.hpp"
@@ -381,7 +382,7 @@ void check_gusts(const std::vector<base::ConfigNode>& plugins, const ScenarioFau
 
 double ScenarioVehicle::start_yaw_rad() const {
   constexpr double kNorthDeg = 90;
-  return std::remainder((kNorthDeg - pose.yaw_deg) * M_PI / 180.0, 2 * M_PI);
+  return std::remainder(base::radians(kNorthDeg - pose.yaw_deg), 2 * M_PI);
 }
 
 std::string_view to_string(Architecture architecture) {

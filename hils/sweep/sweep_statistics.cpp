@@ -7,6 +7,8 @@
 #include <numeric>
 #include <vector>
 
+#include "hils/measure/statistics.hpp"
+
 namespace cas::hils {
 
 namespace {
@@ -83,7 +85,6 @@ double fisher_exact(std::size_t a, std::size_t a_trials, std::size_t b, std::siz
 }
 
 bool RankCorrelation::is_significant() const {
-  constexpr double kNormal95 = 1.959964;
   return std::abs(rho) * std::sqrt(static_cast<double>(pairs) - 1) > kNormal95;
 }
 

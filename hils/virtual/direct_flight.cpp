@@ -9,11 +9,13 @@
 #include <limits>
 #include <string>
 
+#include "base/angles.hpp"
 #include "base/config/config.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/earth/frames.hpp"
 #include "base/earth/geodesy.hpp"
+#include "base/earth/gravity.hpp"
 #include "hils/programs/ground_station.hpp"
 #include "mavlink/common/command_int.hpp"
 #include "mavlink/common/command_long.hpp"
@@ -46,10 +48,10 @@ fcu::FcuConfig controller_config(const DirectFlightOptions& options) {
 }
 
 sim::SimConfig simulator_config(const DirectFlightOptions& options) {
-  const double yaw_W_deg = 90 - options.yaw_rad * 180 / M_PI;
+  const double yaw_W_deg = 90 - base::degrees(options.yaw_rad);
   std::string text = fmt::format(
       "schema: 1\n"
-      "world: {{gravity_m_s2: 9.80665, ground: true}}\n"
+      "world: {{gravity_m_s2: {}, ground: true}}\n"
       "home: {{lat_deg: {}, lon_deg: {}, alt_m: {}}}\n"
       "decimal_year: {}\n"
       "step_us: 1000\n"
@@ -61,8 +63,8 @@ sim::SimConfig simulator_config(const DirectFlightOptions& options) {
       "    sensors: {}\n"
       "    pose: {{x_m: 0, y_m: 0, z_m: 0, yaw_deg: {}}}\n"
       "    plugins:\n",
-      kHome.lat_deg, kHome.lon_deg, kHome.alt_m, kYear, options.seed, kVehicle,
-      base::find_config(options.vehicle).string(), options.sensors, yaw_W_deg);
+      base::kStandardGravity_m_s2, kHome.lat_deg, kHome.lon_deg, kHome.alt_m, kYear, options.seed,
+      kVehicle, base::find_config(options.vehicle).string(), options.sensors, yaw_W_deg);
   for (const char* plugin : {"motor", "imu", "gps", "magnetometer", "barometer"}) {
     text += fmt::format("      - {{plugin: {}}}\n", plugin);
   }

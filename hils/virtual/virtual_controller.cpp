@@ -5,6 +5,8 @@
 #include <chrono>
 #include <optional>
 
+#include "hils/virtual/flight_ledger.hpp"
+
 namespace cas::hils {
 
 namespace {
@@ -12,7 +14,6 @@ namespace {
 /// As fcu_emulator has it.
 constexpr base::Duration kTickPeriod = std::chrono::milliseconds(5);
 constexpr std::size_t kBufferBytes = 4096;
-constexpr std::size_t kLedgerEntries = 1 << 17;  ///< about two minutes of flight
 
 }  // namespace
 

@@ -5,12 +5,13 @@
 #include <cmath>
 #include <utility>
 
+#include "base/angles.hpp"
+
 namespace cas::hils {
 
 namespace {
 
 constexpr base::Duration kLookPeriod = std::chrono::milliseconds(50);
-constexpr double kDegreesPerRadian = 180.0 / M_PI;
 
 base::SimTime to_sim_time(base::RunTime t) { return base::SimTime(t.time_since_epoch()); }
 
@@ -77,7 +78,7 @@ void VirtualPilot::give(const FleetPlan::Command& command, base::RunTime now) {
                               {.north_m = step.place_m.x(),
                                .east_m = step.place_m.y(),
                                .down_m = -step.place_m.z(),
-                               .yaw_deg = step.yaw_rad * kDegreesPerRadian},
+                               .yaw_deg = step.yaw_rad * base::kDegPerRad},
                               now, std::move(done));
     case StepKind::kSetGain:
       return set_gain(system, step, now, std::move(done));

@@ -8,16 +8,14 @@
 #include "base/error.hpp"
 #include "casd/link/direct_tx_port.hpp"
 #include "casd/link/link_core.hpp"
+#include "casd/station_options.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::hils {
 
 namespace {
 
-constexpr base::Duration kTickPeriod = std::chrono::milliseconds(50);
 constexpr base::Duration kSecond = std::chrono::seconds(1);
-/// As casd: silence after which the rest of a packet is given up (threads: blocking).
-constexpr base::Duration kBlockingPatience = std::chrono::milliseconds(20);
 /// A thread that waits for room on a line looks this often.
 constexpr base::Duration kLook = std::chrono::milliseconds(1);
 
@@ -55,14 +53,6 @@ class BenchWriter final : public casd::PacketWriter {
   const base::RunTime& now_;
 };
 
-casd::CommanderOptions commander_options(const casd::Topology& topology) {
-  casd::CommanderOptions options;
-  options.self = topology.self;
-  options.heartbeat_hz = topology.commanding.heartbeat_hz;
-  options.allow_not_hil = topology.commanding.allow_not_hil;
-  return options;
-}
-
 }  // namespace
 
 WakeUp::WakeUp(const WakeUpFigures& figures, std::uint64_t seed)
@@ -91,7 +81,7 @@ VirtualRelay::VirtualRelay(const casd::Topology& topology, WakeUp wake_up)
       wake_up_(wake_up),
       slots_(casd::slots_in_order(topology)),
       router_(casd::make_plan(topology, slots_), mav::public_table(), topology.route_lifetime),
-      commander_(commander_options(topology),
+      commander_(casd::commander_options(topology),
                  [this](std::span<const std::uint8_t> bytes, std::span<const casd::Path> to) {
                    send_own(bytes, to);
                  }),
@@ -150,12 +140,12 @@ void VirtualRelay::receive(casd::LinkId from, std::span<const std::uint8_t> byte
 void VirtualRelay::run(base::RunTime now) {
   now_ = now;
   if (!running_) {
-    next_tick_ = next_second_ = now + kTickPeriod;
+    next_tick_ = next_second_ = now + casd::kStationTick;
     return;
   }
   if (now >= next_tick_) {
     commander_.tick(now);
-    next_tick_ = now + kTickPeriod;
+    next_tick_ = now + casd::kStationTick;
   }
   if (now >= next_second_) {
     for (const auto& [name, link] : slots_) router_.tick(link, now);
@@ -324,7 +314,7 @@ bool VirtualRelay::read_lines(base::RunTime now) {
     if (!port.inbox.empty()) give_up_at_.reset();
     while (!port.inbox.empty() || port.parser.inside_packet()) {
       if (port.inbox.empty()) {
-        if (!give_up_at_) give_up_at_ = now + kBlockingPatience;
+        if (!give_up_at_) give_up_at_ = now + casd::kBlockingPatience;
         port.waited = true;
         if (now < *give_up_at_) return false;
         break;

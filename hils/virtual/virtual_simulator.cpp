@@ -7,15 +7,10 @@
 
 #include "base/earth/frames.hpp"
 #include "casd/packet/packet_info.hpp"
+#include "hils/virtual/flight_ledger.hpp"
 #include "mavlink/common/table.hpp"
 
 namespace cas::hils {
-
-namespace {
-
-constexpr std::size_t kLedgerEntries = 1 << 17;  ///< about two minutes of flight
-
-}  // namespace
 
 VirtualWire::VirtualWire(sim::TopicBus& bus, const std::string& name, sim::VehicleId id,
                          OnBytes on_bytes)

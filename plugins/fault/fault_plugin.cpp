@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/angles.hpp"
 #include "base/earth/frames.hpp"
 #include "base/earth/gravity.hpp"
 #include "base/os/log.hpp"
@@ -21,7 +22,6 @@
 namespace cas::sim {
 namespace {
 
-constexpr double kDegPerRad = 180.0 / M_PI;
 constexpr std::size_t kMostByHand = 200;  // faults that are ordered in one run
 
 /// Breaks sensors, rotors, battery and balance by script, and starts gusts.
@@ -213,7 +213,8 @@ class FaultPlugin final : public Plugin {
 
   Facts facts(base::SimTime now, const World& world) const {
     const BodyState& state = world.state(vehicle_);
-    const Eigen::Vector3d rpy = base::euler_rpy(base::q_ND_from_q_WB(state.q_WB)) * kDegPerRad;
+    const Eigen::Vector3d rpy =
+        base::euler_rpy(base::q_ND_from_q_WB(state.q_WB)) * base::kDegPerRad;
     Facts facts;
     facts[Fact::kTime] = base::to_seconds(now);
     facts[Fact::kAltitude] = state.p_WB.z();

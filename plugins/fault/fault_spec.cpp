@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/angles.hpp"
 #include "base/config/config_whole.hpp"
 #include "base/earth/frames.hpp"
 #include "base/suggestion.hpp"
@@ -31,7 +32,7 @@ struct FieldName {
 
 constexpr std::array<FieldName, 8> kFields{
     {{SensorTopic::kImu, "specific_force", "m_s2", 1.0, SampleField::kSpecificForce},
-     {SensorTopic::kImu, "angular_rate", "deg_s", M_PI / 180.0, SampleField::kAngularRate},
+     {SensorTopic::kImu, "angular_rate", "deg_s", base::kRadPerDeg, SampleField::kAngularRate},
      {SensorTopic::kGps, "position", "m", 1.0, SampleField::kPosition},
      {SensorTopic::kGps, "velocity", "m_s", 1.0, SampleField::kVelocity},
      {SensorTopic::kMagnetometer, "field", "gauss", 1.0, SampleField::kField},
@@ -158,7 +159,7 @@ SensorFault parse_turn(const ConfigNode& node) {
   SensorFault fault;
   fault.effect = SensorEffect::kTurn;
   fault.topic = parse_vector_sensor(node.at("sensor"));
-  const Eigen::Vector3d rpy = node.require<Eigen::Vector3d>("rpy_deg") * M_PI / 180.0;
+  const Eigen::Vector3d rpy = node.require<Eigen::Vector3d>("rpy_deg").unaryExpr(&base::radians);
   const Eigen::Matrix3d R_DS = base::quaternion_rpy(rpy.x(), rpy.y(), rpy.z()).toRotationMatrix();
   const Eigen::Vector3d flip(1, -1, -1);
   fault.turn = flip.asDiagonal() * R_DS.transpose() * flip.asDiagonal();

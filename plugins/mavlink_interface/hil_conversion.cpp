@@ -8,8 +8,10 @@
 #include <limits>
 #include <type_traits>
 
+#include "base/angles.hpp"
 #include "base/earth/atmosphere.hpp"
 #include "base/earth/frames.hpp"
+#include "base/earth/gravity.hpp"
 #include "mavlink_gen/services/station_heartbeat.hpp"
 
 namespace cas::sim {
@@ -22,7 +24,6 @@ constexpr std::uint16_t kUnknown16 = 0xFFFF;  // "unknown" of HIL_GPS
 constexpr std::uint8_t kNoFix = 1;            // GPS_FIX_TYPE_NO_FIX
 constexpr std::uint8_t kFix2d = 2;            // GPS_FIX_TYPE_2D_FIX
 constexpr double kPascalPerHectopascal = 100.0;
-constexpr double kStandardGravity = 9.80665;  // m/s^2, by definition (3rd CGPM, 1901)
 
 float to_float(double value) { return static_cast<float>(value); }
 
@@ -49,7 +50,7 @@ void flag(mv::HilSensor& packet, std::uint32_t bits) {
 
 /// Course over ground in 0..35999 centidegrees.
 std::uint16_t course(const Eigen::Vector3d& velocity_N) {
-  const double degrees = std::atan2(velocity_N.y(), velocity_N.x()) * 180.0 / M_PI;
+  const double degrees = base::degrees(std::atan2(velocity_N.y(), velocity_N.x()));
   const long centidegrees = std::lround(degrees * 100.0);
   return static_cast<std::uint16_t>((centidegrees + 36000) % 36000);
 }
@@ -222,9 +223,9 @@ mv::HilStateQuaternion to_hil_state(base::SimTime time, const BodyState& body,
   packet.ind_airspeed = to_wire<std::uint16_t>(indicated * 100.0);
   packet.true_airspeed = to_wire<std::uint16_t>(airspeed * 100.0);
   const Eigen::Vector3d a_D = base::swap_BD(body.q_WB.conjugate() * body.a_WB);
-  packet.xacc = to_wire<std::int16_t>(a_D.x() / kStandardGravity * 1e3);
-  packet.yacc = to_wire<std::int16_t>(a_D.y() / kStandardGravity * 1e3);
-  packet.zacc = to_wire<std::int16_t>(a_D.z() / kStandardGravity * 1e3);
+  packet.xacc = to_wire<std::int16_t>(a_D.x() / base::kStandardGravity_m_s2 * 1e3);
+  packet.yacc = to_wire<std::int16_t>(a_D.y() / base::kStandardGravity_m_s2 * 1e3);
+  packet.zacc = to_wire<std::int16_t>(a_D.z() / base::kStandardGravity_m_s2 * 1e3);
   return packet;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "base/angles.hpp"
 #include "base/os/log.hpp"
 
 namespace cas::sim {
@@ -82,7 +83,7 @@ WindParams parse_wind_params(const base::ConfigNode& node) {
   const double speed = node.get_in("mean_m_s", 0, 0, 100);
   const double from_deg =
       speed > 0 ? node.require_in("from_deg", 0, 360) : node.get("from_deg", 0.0);
-  const double from = from_deg * M_PI / 180.0;
+  const double from = base::radians(from_deg);
   params.mean_N_m_s = {-speed * std::cos(from), -speed * std::sin(from), 0};
   if (const auto profile = node.find("profile")) params.profile = parse_profile(*profile);
   if (const auto word = node.find("turbulence"))

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 
+#include "base/angles.hpp"
 #include "casd/casctl/monitor/dot_canvas.hpp"
 #include "casd/casctl/monitor/plot.hpp"
 #include "casd/casctl/session/table.hpp"
@@ -80,7 +80,7 @@ double degrees_a_line(std::size_t rows) {
 }
 
 Block horizon(const Attitude& attitude, std::size_t width, std::size_t rows, bool unicode) {
-  const double roll = attitude.roll_deg * std::numbers::pi / 180;
+  const double roll = base::radians(attitude.roll_deg);
   const double line_deg = degrees_a_line(rows);
   const std::size_t middle_column = width / 2;
   const std::size_t middle_row = rows / 2;

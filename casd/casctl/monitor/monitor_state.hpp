@@ -11,6 +11,7 @@
 
 #include "casd/casctl/monitor/attitude_view.hpp"
 #include "casd/casctl/monitor/plot.hpp"
+#include "casd/casctl/session/stale.hpp"
 
 namespace cas::casctl {
 
@@ -95,9 +96,6 @@ struct Presence {
 /// A vehicle is lost 3 s after its last HEARTBEAT, as casd's interlock counts, or when nothing of
 /// it came for 3 s; it is unknown while casd does not answer.
 Presence presence(const MonitorState& state, double now_s);
-
-/// Older values are shown as old, or not at all.
-inline constexpr double kStale_s = 3;
 
 /// For how long, s, an answer is older than it need be: by more than the time between two looks.
 double overdue_s(const MonitorState& state, double at_s, double now_s);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "casd/casctl/session/stale.hpp"
 #include "casd/casctl/session/table.hpp"
 
 namespace cas::casctl {
@@ -11,9 +12,6 @@ namespace {
 
 using nlohmann::json;
 using nlohmann::ordered_json;
-
-/// Older values are marked: vehicles send the slowest of these messages every other second.
-constexpr double kStale_s = 3;
 
 struct Unit {
   std::string_view ending;  ///< of a key

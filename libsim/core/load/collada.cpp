@@ -6,6 +6,7 @@
 #include <map>
 #include <utility>
 
+#include "base/angles.hpp"
 #include "base/config/xml_tree.hpp"
 #include "base/error.hpp"
 
@@ -37,7 +38,7 @@ std::vector<Number> numbers(std::string_view text) {
 
 Eigen::Affine3d axis_rotation(const std::vector<double>& v) {
   return Eigen::Affine3d(
-      Eigen::AngleAxisd(v[3] * M_PI / 180, Eigen::Vector3d(v[0], v[1], v[2]).normalized()));
+      Eigen::AngleAxisd(base::radians(v[3]), Eigen::Vector3d(v[0], v[1], v[2]).normalized()));
 }
 
 /// One of the transformations of a <node>, or nothing for its other children.

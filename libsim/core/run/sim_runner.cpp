@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "base/angles.hpp"
 #include "base/earth/frames.hpp"
 #include "base/earth/magnetic_field.hpp"
 #include "base/error.hpp"
@@ -54,12 +55,10 @@ void compare_mass(const VehicleConfig& vehicle, const VehicleModel& model) {
 void compare_field(const WorldModel& model, const base::Geodetic& home, double decimal_year) {
   if (!model.magnetic_field_W) return;
   constexpr double kNoticeable_deg = 3;
-  constexpr double kDegreesPerRadian = 180 / M_PI;
   const Eigen::Vector3d own_N = base::swap_WN(*model.magnetic_field_W);
   const Eigen::Vector3d earth_N = base::magnetic_field_N(home, decimal_year);
-  const double east_deg =
-      kDegreesPerRadian *
-      base::wrap_angle(std::atan2(own_N.y(), own_N.x()) - std::atan2(earth_N.y(), earth_N.x()));
+  const double east_deg = base::kDegPerRad * base::wrap_angle(std::atan2(own_N.y(), own_N.x()) -
+                                                              std::atan2(earth_N.y(), earth_N.x()));
   if (std::abs(east_deg) < kNoticeable_deg) return;
   char degrees[16];
   std::snprintf(degrees, sizeof(degrees), "%.1f", std::abs(east_deg));

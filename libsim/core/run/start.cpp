@@ -9,6 +9,7 @@
 #include <string>
 #include <variant>
 
+#include "base/angles.hpp"
 #include "base/error.hpp"
 #include "libsim/core/ode/contact_solver.hpp"
 
@@ -83,7 +84,7 @@ std::optional<double> surface_at(const WorldModel& world, double x_m, double y_m
 
 BodyState start_state(const VehicleModel& model, const StartPose& pose) {
   BodyState state;
-  const double yaw = pose.yaw_deg * M_PI / 180.0;
+  const double yaw = base::radians(pose.yaw_deg);
   state.q_WB = Eigen::Quaterniond(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()));
   double lowest = std::numeric_limits<double>::infinity();
   for (const Shape& shape : model.shapes) {

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/time/clock.hpp"
+#include "casd/station/vehicle_commander.hpp"
+#include "casd/topology/topology.hpp"
+
+/// How casd's own station runs, here and on a virtual clock.
+namespace cas::casd {
+
+/// How often it does what time makes due.
+inline constexpr base::Duration kStationTick = std::chrono::milliseconds(50);
+
+/// What the topology says of it; names and rates of links are left to the caller.
+CommanderOptions commander_options(const Topology& topology);
+
+}  // namespace cas::casd
