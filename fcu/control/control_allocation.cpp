@@ -54,11 +54,6 @@ base::Effectiveness in_D(const base::Effectiveness& wrench_B) {
   return rows;
 }
 
-Saturation saturation(double wanted, double achieved, double scale) {
-  const double tolerance = 1e-6 * scale;
-  return {achieved<wanted - tolerance, achieved> wanted + tolerance};
-}
-
 }  // namespace
 
 // Setup.
@@ -189,10 +184,10 @@ MixerResult ControlAllocation::allocate(const ControlDemand& demand, bool may_li
 
   MixerResult result;
   hold_limits(x, result);
-  result.thrust = saturation(demand.u[0], result.u[0], std::abs(level_.to));
+  result.thrust = saturation_of(demand.u[0], result.u[0], std::abs(level_.to));
   for (int axis = 0; axis < 3; ++axis) {
     result.torque[static_cast<std::size_t>(axis)] =
-        saturation(demand.u[axis + 1], result.u[axis + 1], 1.0);
+        saturation_of(demand.u[axis + 1], result.u[axis + 1], 1.0);
   }
   return result;
 }

@@ -43,11 +43,6 @@ double largest_part(const Vector4d& base, const Vector4d& step, double low, doub
   return std::clamp(part, 0.0, 1.0);
 }
 
-Saturation saturation(double wanted, double achieved, double scale) {
-  const double tolerance = 1e-6 * scale;
-  return {achieved<wanted - tolerance, achieved> wanted + tolerance};
-}
-
 }  // namespace
 
 bool Mixer::is_eq3(const base::Vehicle& vehicle) {
@@ -117,10 +112,10 @@ MixerResult Mixer::mix_eq3(const Vector4d& demand, bool may_lift) const {
   const Vector4d within = omega_sq.cwiseMax(low_).cwiseMin(high_);
   result.omega_sq = within;
   result.u = u_from_omega_sq_ * within;
-  result.thrust = saturation(demand[0], result.u[0], max_thrust_n());
+  result.thrust = saturation_of(demand[0], result.u[0], max_thrust_n());
   for (int axis = 0; axis < 3; ++axis) {
     result.torque[static_cast<std::size_t>(axis)] =
-        saturation(demand[axis + 1], result.u[axis + 1], 1.0);
+        saturation_of(demand[axis + 1], result.u[axis + 1], 1.0);
   }
   return result;
 }

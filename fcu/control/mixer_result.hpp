@@ -5,7 +5,7 @@
 #include <array>
 
 #include "base/config/vehicle.hpp"
-#include "fcu/control/pid.hpp"
+#include "fcu/control/saturation.hpp"
 
 namespace cas::fcu {
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "fcu/control/saturation.hpp"
+
 namespace cas::fcu {
 
 /// Gains of one loop, in units of its output (u) and of its error (e).
@@ -13,12 +15,6 @@ struct PidGains {
   double i_limit = 1e9;  ///< largest part of the integrator in u
 
   friend bool operator==(const PidGains&, const PidGains&) = default;
-};
-
-/// Whether an actuator further down can follow no more in a direction.
-struct Saturation {
-  bool up = false;
-  bool down = false;
 };
 
 /// u = p e + integral(i e) - d dm/dt. The derivative is that of the measurement, so that a step of

@@ -61,11 +61,6 @@ void HoldTask::settle(const Vector3d& p_N, double yaw_rad) {
   mover_.reset(p_N, Vector3d::Zero(), yaw_rad);
 }
 
-void HoldTask::shift(const Vector3d& by_N) {
-  mover_.shift(by_N);
-  pattern_centre_N_ += by_N;
-}
-
 ControlSetpoint HoldTask::update(const TaskContext& context) {
   const FlightParams& p = context.params;
   if (p.pattern_shape != pattern_param_) {
@@ -163,11 +158,6 @@ ControlSetpoint LandTask::update(const TaskContext& context) {
 void ReturnTask::activate(const TaskContext& context) {
   mover_.reset(context.estimate.p_N, context.estimate.v_N, context.yaw_rad);
   enter(Stage::kClimb, context);
-}
-
-void ReturnTask::shift(const Vector3d& by_N) {
-  mover_.shift(by_N);
-  land_.shift(by_N);
 }
 
 void ReturnTask::enter(Stage stage, const TaskContext& context) {

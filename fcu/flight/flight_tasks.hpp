@@ -59,12 +59,29 @@ class FlightTask {
 /// The limits of the automatic modes.
 MoverLimits mover_limits(const FlightParams& params);
 
+/// A task that leads its setpoint from one target to the next.
+class MovingTask : public FlightTask {
+ public:
+  void shift(const Eigen::Vector3d& by_N) final {
+    mover_.shift(by_N);
+    shift_more(by_N);
+  }
+  const Eigen::Vector3d& target() const { return mover_.target(); }
+  double yaw() const { return mover_.target_yaw(); }
+
+ protected:
+  Mover mover_;
+
+ private:
+  /// The places that the task keeps beside the mover's.
+  virtual void shift_more(const Eigen::Vector3d& by_N) { static_cast<void>(by_N); }
+};
+
 /// Stays, or goes to a place and stays there; flies a built-in pattern about it.
-class HoldTask final : public FlightTask {
+class HoldTask final : public MovingTask {
  public:
   void activate(const TaskContext& context) override;
   ControlSetpoint update(const TaskContext& context) override;
-  void shift(const Eigen::Vector3d& by_N) override;
   bool done(const TaskContext&) const override { return mover_.arrived(); }
 
   /// Goes to a place; components that are NaN stay as they are.
@@ -73,10 +90,10 @@ class HoldTask final : public FlightTask {
   void fly_pattern(PatternShape shape, double size_m, double speed_m_s, double period_s);
   /// Stays at a place that the vehicle is at (the end of what another task did).
   void settle(const Eigen::Vector3d& p_N, double yaw_rad);
-  const Eigen::Vector3d& target() const { return mover_.target(); }
 
  private:
-  Mover mover_;
+  void shift_more(const Eigen::Vector3d& by_N) override { pattern_centre_N_ += by_N; }
+
   double speed_m_s_ = -1;  ///< below zero: cruise speed
   std::optional<Pattern> pattern_;
   double pattern_time_s_ = 0;
@@ -85,56 +102,49 @@ class HoldTask final : public FlightTask {
 };
 
 /// Climbs straight up from the ground.
-class TakeoffTask final : public FlightTask {
+class TakeoffTask final : public MovingTask {
  public:
   void activate(const TaskContext& context) override;
   ControlSetpoint update(const TaskContext& context) override;
-  void shift(const Eigen::Vector3d& by_N) override { mover_.shift(by_N); }
   bool done(const TaskContext& context) const override;
   bool wants_takeoff(const TaskContext&) const override { return true; }
 
   /// Height to climb to: z (down) in N. Without one, MIS_TAKEOFF_ALT above the ground.
   void set_target_z(std::optional<double> z) { wanted_z_ = z; }
   void set_yaw(double yaw_rad) { wanted_yaw_ = yaw_rad; }
-  const Eigen::Vector3d& target() const { return mover_.target(); }
-  double yaw() const { return mover_.target_yaw(); }
 
  private:
   void aim(const TaskContext& context);
 
-  Mover mover_;
   std::optional<double> wanted_z_;
   double wanted_yaw_ = kUnset;
   bool clear_ = false;  ///< of the ground
 };
 
 /// Descends on the spot until the ground is there; level when there is no position.
-class LandTask final : public FlightTask {
+class LandTask final : public MovingTask {
  public:
   void activate(const TaskContext& context) override;
   ControlSetpoint update(const TaskContext& context) override;
-  void shift(const Eigen::Vector3d& by_N) override { mover_.shift(by_N); }
   bool descending(const TaskContext&) const override { return true; }
 
  private:
-  Mover mover_;
   double speed_m_s_ = 0;
 };
 
 /// Climbs to the return height, flies home, descends, lands.
-class ReturnTask final : public FlightTask {
+class ReturnTask final : public MovingTask {
  public:
   void activate(const TaskContext& context) override;
   ControlSetpoint update(const TaskContext& context) override;
-  void shift(const Eigen::Vector3d& by_N) override;
   bool descending(const TaskContext&) const override { return stage_ == Stage::kLand; }
 
  private:
   enum class Stage { kClimb, kCruise, kDescend, kWait, kLand };
+  void shift_more(const Eigen::Vector3d& by_N) override { land_.shift(by_N); }
   void enter(Stage stage, const TaskContext& context);
 
   Stage stage_ = Stage::kClimb;
-  Mover mover_;
   LandTask land_;
   double waited_s_ = 0;
 };

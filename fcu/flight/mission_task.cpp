@@ -86,11 +86,6 @@ void MissionTask::activate(const TaskContext& context) {
   wanted_mode_.reset();
 }
 
-void MissionTask::shift(const Vector3d& by_N) {
-  mover_.shift(by_N);
-  land_.shift(by_N);
-}
-
 Vector3d MissionTask::place(const MissionItem& item, const TaskContext& context) const {
   Vector3d p_N = mover_.target();
   if (!context.projection) return p_N;

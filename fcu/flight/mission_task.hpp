@@ -25,7 +25,7 @@ struct MissionItem {
 };
 
 /// Flies the items one after the other: take-off, way-point, loiter, return, land, delay, speed.
-class MissionTask final : public FlightTask {
+class MissionTask final : public MovingTask {
  public:
   /// Whether an item can be flown. @return MAV_MISSION_ACCEPTED or what is wrong with it
   static mavlink::common::MavMissionResult check(const MissionItem& item);
@@ -38,19 +38,17 @@ class MissionTask final : public FlightTask {
   bool finished() const { return finished_; }
   /// Number of the item reached since the last call.
   std::optional<std::uint16_t> take_reached();
-  const Eigen::Vector3d& target() const { return mover_.target(); }
-  double yaw() const { return mover_.target_yaw(); }
   /// The mode that the present item hands over to (return, land at the end).
   std::optional<FlightMode> wanted_mode() const { return wanted_mode_; }
 
   void activate(const TaskContext& context) override;
   ControlSetpoint update(const TaskContext& context) override;
-  void shift(const Eigen::Vector3d& by_N) override;
   bool done(const TaskContext&) const override { return finished_; }
   bool wants_takeoff(const TaskContext&) const override { return !items_.empty() && !finished_; }
   bool descending(const TaskContext&) const override { return landing_; }
 
  private:
+  void shift_more(const Eigen::Vector3d& by_N) override { land_.shift(by_N); }
   void start_item(const TaskContext& context);
   void continue_item(const TaskContext& context);
   void next(const TaskContext& context);
@@ -68,7 +66,6 @@ class MissionTask final : public FlightTask {
   double speed_m_s_ = -1;
   std::optional<std::uint16_t> reached_;
   std::optional<FlightMode> wanted_mode_;
-  Mover mover_;
   LandTask land_;
 };
 
