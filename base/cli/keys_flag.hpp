@@ -11,9 +11,11 @@ namespace cas::base::cli {
 /// ends.
 /// @param reference  makes the tables
 /// @param file  what the file is: "a topology"
-inline void add_keys_flag(CLI::App& app, std::string (*reference)(), const std::string& file) {
+/// @param flag  its name, for a further kind of file
+inline void add_keys_flag(CLI::App& app, std::string (*reference)(), const std::string& file,
+                          const std::string& flag = "--keys") {
   app.add_flag_callback(
-      "--keys",
+      flag,
       [reference] {
         std::fputs(reference().c_str(), stdout);
         throw CLI::Success();

@@ -29,6 +29,7 @@ struct SensorFigures {
 
 /// @param sensors  a map by plugin name, see base::sensor_set(); a missing sensor keeps the
 /// defaults
+/// @throws base::ConfigError for a block that its plugin would refuse, too
 SensorFigures sensor_figures(const base::ConfigNode& sensors);
 
 }  // namespace cas::fcu

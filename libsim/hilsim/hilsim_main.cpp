@@ -15,6 +15,7 @@
 #include "base/cli/parse.hpp"
 #include "base/config/frame_table.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/config/sensor_sheets.hpp"
 #include "base/error.hpp"
 #include "base/os/command_port.hpp"
 #include "base/os/cpu_latency.hpp"
@@ -56,6 +57,7 @@ void add_flags(CLI::App& app, Flags& flags) {
   CLI::Option* const config =
       app.add_option("config", flags.config, "Simulation to run (YAML); needed to run one");
   base::cli::add_keys_flag(app, sim::simulation_reference, "a simulation");
+  base::cli::add_keys_flag(app, base::sensor_reference, "a sensor set", "--sensor-keys");
   CLI::Option* const describe = app.add_option(
       "--describe", flags.describe,
       "Print mass, rotors, hover, effectiveness matrix and frame of a vehicle (a name of "

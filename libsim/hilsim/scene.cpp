@@ -8,7 +8,7 @@
 #include <utility>
 #include <variant>
 
-#include "base/config/axes.hpp"
+#include "base/config/sensor_sheets.hpp"
 #include "libsim/core/body/world_model.hpp"
 #include "libsim/core/load/model_loader.hpp"
 #include "libsim/core/load/visuals.hpp"
@@ -102,18 +102,16 @@ Json rotors_json(const base::Vehicle& vehicle) {
   return rotors;
 }
 
-/// The beams of the vehicle's rangefinder plugins, which have read the same keys.
+/// The beams of the vehicle's rangefinder plugins, which have read the same sheets.
 Json rays_json(const VehicleConfig& vehicle) {
   Json rays = Json::array();
   for (const PluginConfig& plugin : vehicle.plugins) {
     if (plugin.plugin != kRangefinder) continue;
-    const auto given = plugin.params.find("direction_B");
-    const Eigen::Vector3d direction =
-        given ? given->as<Eigen::Vector3d>() : Eigen::Vector3d(-Eigen::Vector3d::UnitZ());
+    const base::RangefinderSheet sheet = base::read_rangefinder_sheet(plugin.params);
     rays.push_back({{"name", plugin.plugin},
-                    {"p_B", rounded(base::get_axes(plugin.params, "position_B_m"), kLength)},
-                    {"dir_B", rounded(direction.normalized(), kTurn)},
-                    {"max_m", plugin.params.require<double>("max_m")}});
+                    {"p_B", rounded(sheet.position_B_m, kLength)},
+                    {"dir_B", rounded(sheet.direction_B, kTurn)},
+                    {"max_m", sheet.max_m}});
   }
   return rays;
 }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/config/sensor_sheets.hpp"
 #include "plugins/common/noise_params.hpp"
 
 namespace cas::sim {
@@ -11,24 +12,20 @@ namespace {
 constexpr double kStandardQnh = 1013.25;  // hPa, ISO 2533
 constexpr double kZeroCelsius = 273.15;   // K
 
-GaussMarkovParams<1> parse_pressure_drift(const base::ConfigNode& node) {
-  const GaussMarkovParams<3> axes = parse_drift(node, {"", "pa", 1.0});
-  return {axes.walk.head<1>(), axes.time_constant_s};
-}
-
 }  // namespace
 
 BarometerParams parse_barometer_params(const base::ConfigNode& node, double step_s) {
-  BarometerParams params;
-  params.rate_hz = parse_rate(node, step_s);
-  params.stddev_pa = parse_white_noise(node, {"", "pa", 1.0}, params.rate_hz).x();
-  params.drift = parse_pressure_drift(node);
-  params.qnh_hpa = node.get_in("qnh_hpa", kStandardQnh, 850.0, 1100.0);
-  params.temperature_offset_degc = node.get_in("temperature_offset_degc", 0.0, -80.0, 80.0);
-  params.self_heating_degc = node.get_in("self_heating_degc", 0.0, -50.0, 100.0);
-  params.wind_pressure_coefficient = node.get_in("wind_pressure_coefficient", 0.0, -2.0, 2.0);
-  params.lsb_pa = node.get_in("lsb_pa", 0.0, 0.0, 1000.0);
-  return params;
+  const base::BarometerSheet sheet = base::read_barometer_sheet(node);
+  check_rate(node, sheet.rate_hz, step_s);
+  const GaussMarkovParams<3> drift = drift_of(sheet.drift, 1.0);
+  return {.rate_hz = sheet.rate_hz,
+          .stddev_pa = white_noise(sheet.noise, 1.0, sheet.rate_hz).x(),
+          .drift = {drift.walk.head<1>(), drift.time_constant_s},
+          .qnh_hpa = sheet.qnh_hpa,
+          .temperature_offset_degc = sheet.temperature_offset_degc,
+          .self_heating_degc = sheet.self_heating_degc,
+          .wind_pressure_coefficient = sheet.wind_pressure_coefficient,
+          .lsb_pa = sheet.lsb_pa};
 }
 
 BarometerModel::BarometerModel(const BarometerParams& params, std::uint64_t seed)

@@ -23,7 +23,7 @@ struct BarometerParams {
   double lsb_pa = 0;
 };
 
-/// Reads the block `barometer`: keys are described in docs/plugins.md.
+/// Reads the block `barometer`: its keys are those of its sheet (base/config/sensor_sheets.hpp).
 BarometerParams parse_barometer_params(const base::ConfigNode& node, double step_s);
 
 /// Static pressure of the world's air (where it says nothing, of the standard atmosphere, ISO 2533)

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "base/angles.hpp"
+#include "base/config/axes.hpp"
 #include "base/config/config_whole.hpp"
 #include "base/earth/frames.hpp"
 #include "base/suggestion.hpp"
-#include "plugins/common/noise_params.hpp"
 
 namespace cas::sim {
 

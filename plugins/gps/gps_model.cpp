@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "base/config/config_whole.hpp"
+#include "base/config/sensor_sheets.hpp"
 #include "plugins/common/gauss_markov.hpp"
 #include "plugins/common/noise_params.hpp"
 
@@ -13,27 +13,8 @@ namespace {
 constexpr std::uint8_t kNoFix = 1;          // GPS_FIX_TYPE_NO_FIX
 constexpr std::uint8_t kFix3d = 3;          // GPS_FIX_TYPE_3D_FIX
 constexpr double kAccuracyWithoutFix = 99;  // m, what receivers claim while they search
-constexpr double kMostSeconds = 1e6;
 
 base::SimTime moment(double seconds) { return base::SimTime(base::from_seconds(seconds)); }
-
-std::vector<FixLoss> parse_fix_losses(const base::ConfigNode& node) {
-  std::vector<FixLoss> losses;
-  for (const base::ConfigNode& item : node.items()) {
-    const double from_s = item.require_in("from_s", 0.0, kMostSeconds);
-    losses.push_back({moment(from_s), moment(item.require_in("to_s", from_s, kMostSeconds))});
-  }
-  return losses;
-}
-
-std::optional<base::EarthModel> parse_earth_model(const base::ConfigNode& node) {
-  const auto child = node.find("earth_model");
-  if (!child) return std::nullopt;
-  const auto word = child->as<std::string>();
-  if (word == "sphere") return base::EarthModel::kSphere;
-  if (word == "wgs84") return base::EarthModel::kWgs84;
-  child->fail("must be sphere or wgs84");
-}
 
 base::LocalProjection choose_projection(const GpsParams& params,
                                         const base::LocalProjection& world) {
@@ -44,21 +25,23 @@ base::LocalProjection choose_projection(const GpsParams& params,
 }  // namespace
 
 GpsParams parse_gps_params(const base::ConfigNode& node, double step_s) {
-  constexpr double kMostDelay = 10.0;
-  constexpr double kMostMetres = 600.0;  // the wire's 16 bits of centimetres
+  const base::GpsSheet sheet = base::read_gps_sheet(node);
+  check_rate(node, sheet.rate_hz, step_s);
   GpsParams params;
-  params.rate_hz = parse_rate(node, step_s);
-  params.delay = base::from_seconds(node.get_in("delay_s", 0.0, 0.0, kMostDelay));
-  params.position_stddev_m = parse_white_noise(node, {"position_", "m", 1.0}, params.rate_hz);
-  params.position_drift = parse_drift(node, {"position_", "m", 1.0});
-  params.velocity_stddev_m_s = parse_white_noise(node, {"velocity_", "m_s", 1.0}, params.rate_hz);
-  params.antenna_B_m = get_axes(node, "antenna_B_m");
-  params.eph_m = node.require_in("eph_m", 0.0, kMostMetres);
-  params.epv_m = node.require_in("epv_m", 0.0, kMostMetres);
-  params.satellites = base::require_whole_in<std::uint8_t>(node, "satellites", 0, 64);
-  params.first_fix = moment(node.get_in("first_fix_s", 0.0, 0.0, kMostSeconds));
-  if (const auto losses = node.find("fix_losses")) params.fix_losses = parse_fix_losses(*losses);
-  params.earth_model = parse_earth_model(node);
+  params.rate_hz = sheet.rate_hz;
+  params.delay = base::from_seconds(sheet.delay_s);
+  params.position_stddev_m = white_noise(sheet.position, 1.0, sheet.rate_hz);
+  params.position_drift = drift_of(sheet.position_drift, 1.0);
+  params.velocity_stddev_m_s = white_noise(sheet.velocity, 1.0, sheet.rate_hz);
+  params.antenna_B_m = sheet.antenna_B_m;
+  params.eph_m = sheet.eph_m;
+  params.epv_m = sheet.epv_m;
+  params.satellites = static_cast<std::uint8_t>(sheet.satellites);
+  params.first_fix = moment(sheet.first_fix_s);
+  for (const auto& loss : sheet.fix_losses) {
+    params.fix_losses.push_back({moment(loss.from_s), moment(loss.to_s)});
+  }
+  params.earth_model = sheet.earth_model;
   return params;
 }
 

@@ -37,7 +37,7 @@ struct GpsParams {
   std::optional<base::EarthModel> earth_model;  ///< nothing: the world's own projection
 };
 
-/// Reads the block `gps`: keys are described in docs/plugins.md.
+/// Reads the block `gps`: its keys are those of its sheet (base/config/sensor_sheets.hpp).
 GpsParams parse_gps_params(const base::ConfigNode& node, double step_s);
 
 /// A satellite receiver: place by [HILS] Eq. (5) (or WGS-84) with white and slowly drifting

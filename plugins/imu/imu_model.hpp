@@ -38,7 +38,7 @@ struct ImuParams {
   double vibration_reference_rad_s = 0;
 };
 
-/// Reads the block `imu`: keys are described in docs/plugins.md.
+/// Reads the block `imu`: its keys are those of its sheet (base/config/sensor_sheets.hpp).
 /// @param step_s  the simulation's step
 ImuParams parse_imu_params(const base::ConfigNode& node, double step_s);
 

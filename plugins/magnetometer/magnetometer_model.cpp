@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/magnetometer/magnetometer_model.hpp"
 
+#include "base/config/sensor_sheets.hpp"
 #include "base/earth/frames.hpp"
 #include "base/earth/magnetic_field.hpp"
 #include "plugins/common/gauss_markov.hpp"
@@ -11,23 +12,17 @@ namespace {
 
 constexpr double kReevaluateAfter = 1000.0;  // m
 
-Eigen::Matrix3d parse_soft_iron(const base::ConfigNode& node) {
-  const auto rows = node.as<std::vector<double>>();
-  if (rows.size() != 9) node.fail("must list the 9 numbers of a 3x3 matrix, row by row");
-  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
-}
-
 }  // namespace
 
 MagnetometerParams parse_magnetometer_params(const base::ConfigNode& node, double step_s) {
-  MagnetometerParams params;
-  params.rate_hz = parse_rate(node, step_s);
-  params.stddev_gauss = parse_white_noise(node, {"", "gauss", 1.0}, params.rate_hz);
-  params.bias_walk = parse_drift(node, {"", "gauss", 1.0});
-  params.hard_iron_gauss = get_axes(node, "hard_iron_gauss");
-  if (const auto matrix = node.find("soft_iron")) params.soft_iron = parse_soft_iron(*matrix);
-  params.lsb_gauss = node.get_in("lsb_gauss", 0.0, 0.0, 1.0);
-  return params;
+  const base::MagnetometerSheet sheet = base::read_magnetometer_sheet(node);
+  check_rate(node, sheet.rate_hz, step_s);
+  return {.rate_hz = sheet.rate_hz,
+          .stddev_gauss = white_noise(sheet.noise, 1.0, sheet.rate_hz),
+          .bias_walk = drift_of(sheet.drift, 1.0),
+          .hard_iron_gauss = sheet.hard_iron_gauss,
+          .soft_iron = sheet.soft_iron,
+          .lsb_gauss = sheet.lsb_gauss};
 }
 
 MagnetometerModel::MagnetometerModel(const MagnetometerParams& params,

@@ -24,7 +24,7 @@ struct MagnetometerParams {
   double lsb_gauss = 0;
 };
 
-/// Reads the block `magnetometer`: keys are described in docs/plugins.md.
+/// Reads the block `magnetometer`: its keys are those of its sheet (base/config/sensor_sheets.hpp).
 MagnetometerParams parse_magnetometer_params(const base::ConfigNode& node, double step_s);
 
 /// Earth's field (World Magnetic Model) or the world's own in the axes of B, bent by soft iron,

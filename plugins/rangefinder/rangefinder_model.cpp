@@ -3,25 +3,21 @@
 
 #include <cmath>
 
+#include "base/config/sensor_sheets.hpp"
 #include "plugins/common/noise_params.hpp"
 
 namespace cas::sim {
 
 RangefinderParams parse_rangefinder_params(const base::ConfigNode& node, double step_s) {
-  constexpr double kFarthest = 10'000;
-  RangefinderParams params;
-  params.rate_hz = parse_rate(node, step_s);
-  params.stddev_m = parse_white_noise(node, {"", "m", 1.0}, params.rate_hz).x();
-  params.min_m = node.require_in("min_m", 0, kFarthest);
-  params.max_m = node.require_in("max_m", params.min_m, kFarthest);
-  params.lsb_m = node.get_in("lsb_m", 0, 0, 10);
-  params.position_B_m = get_axes(node, "position_B_m");
-  if (const auto direction = node.find("direction_B")) {
-    params.direction_B = direction->as<Eigen::Vector3d>();
-    if (params.direction_B.norm() < 1e-6) direction->fail("must not be zero");
-    params.direction_B.normalize();
-  }
-  return params;
+  const base::RangefinderSheet sheet = base::read_rangefinder_sheet(node);
+  check_rate(node, sheet.rate_hz, step_s);
+  return {.rate_hz = sheet.rate_hz,
+          .stddev_m = white_noise(sheet.noise, 1.0, sheet.rate_hz).x(),
+          .min_m = sheet.min_m,
+          .max_m = sheet.max_m,
+          .lsb_m = sheet.lsb_m,
+          .position_B_m = sheet.position_B_m,
+          .direction_B = sheet.direction_B};
 }
 
 RangeSample RangefinderModel::sample(base::SimTime time, std::optional<double> distance_m) {

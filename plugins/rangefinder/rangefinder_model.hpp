@@ -23,7 +23,7 @@ struct RangefinderParams {
   Eigen::Vector3d direction_B{0, 0, -1};  ///< unit vector
 };
 
-/// Reads the block `rangefinder`: keys are described in docs/plugins.md.
+/// Reads the block `rangefinder`: its keys are those of its sheet (base/config/sensor_sheets.hpp).
 RangefinderParams parse_rangefinder_params(const base::ConfigNode& node, double step_s);
 
 /// One ray into the world. Beam width and reflectivity are not modelled.

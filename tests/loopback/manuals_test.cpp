@@ -57,20 +57,22 @@ INSTANTIATE_TEST_SUITE_P(Programs, Manual,
 struct KeysOf {
   std::string program;
   std::string verb{};
+  std::string flag = "--keys";
+  std::string page = "config.md";
 };
 
 class Keys : public testing::TestWithParam<KeysOf> {};
 
 TEST_P(Keys, AreTheTablesOfTheDocumentation) {
-  const auto& [name, verb] = GetParam();
+  const auto& [name, verb, flag, file] = GetParam();
   std::vector<std::string> words{cas::test::binary_dir() + "/bin/" + name};
   if (!verb.empty()) words.push_back(verb);
-  words.emplace_back("--keys");
+  words.push_back(flag);
   ChildProcess program(words);
   EXPECT_EQ(program.wait_exit(), 0) << program.output();
 
-  const std::string command = name + (verb.empty() ? "" : " " + verb) + " --keys";
-  const std::string page = TemporaryFolder::read(cas::test::source_dir() + "/docs/config.md");
+  const std::string command = name + (verb.empty() ? "" : " " + verb) + " " + flag;
+  const std::string page = TemporaryFolder::read(cas::test::source_dir() + "/docs/" + file);
   const std::string begin = "<!-- " + command + " -->\n\n";
   const std::size_t from = page.find(begin);
   ASSERT_NE(from, page.npos);
@@ -81,8 +83,12 @@ TEST_P(Keys, AreTheTablesOfTheDocumentation) {
 
 INSTANTIATE_TEST_SUITE_P(Programs, Keys,
                          testing::Values(KeysOf{"casd"}, KeysOf{"fcu_emulator"}, KeysOf{"hilsim"},
+                                         KeysOf{"hilsim", "", "--sensor-keys", "plugins.md"},
                                          KeysOf{"hils", "run"}),
-                         [](const auto& test) { return test.param.program; });
+                         [](const auto& test) {
+                           return test.param.program +
+                                  (test.param.flag == "--keys" ? "" : "OfSensors");
+                         });
 
 }  // namespace
 }  // namespace cas::test

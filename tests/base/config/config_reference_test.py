@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Holds docs/config.md and docs/plugins.md to the parsers: a key that is read is described in the section of its
 file, and a key that a table or an example there names stands in the sources of that program. The tables of
-topologies, simulations, controllers and scenarios are their programs' own words (tests/loopback/manuals_test.cpp).
+topologies, simulations, controllers, scenarios and sensors are their programs' own words (tests/loopback/manuals_test.cpp).
 
 Usage: config_reference_test.py [SOURCE_TREE]
 """
@@ -18,10 +18,6 @@ ROOT = ROOT if ROOT.is_dir() else ROOT.parents[3]
 SECTIONS = {
     ("config", "Scenario"): ["hils/scenario/*.cpp", "hils/flight/flight_step.cpp"],
     ("config", "Vehicle"): ["base/config/vehicle_file.cpp"],
-    ("plugins", "imu"): ["plugins/imu/*.cpp"],
-    ("plugins", "gps"): ["plugins/gps/*.cpp"],
-    ("plugins", "magnetometer, barometer, rangefinder"): [
-        "plugins/magnetometer/*.cpp", "plugins/barometer/*.cpp", "plugins/rangefinder/*.cpp"],
     ("plugins", "wind"): ["plugins/wind/*.cpp"],
     ("plugins", "fault"): ["plugins/fault/fault_spec.cpp"],
     ("plugins", "recorder"): ["plugins/recorder/recorder_plugin.cpp"],
@@ -39,9 +35,7 @@ WORD = re.compile(r"[A-Za-z]\w*")
 # In every file, so described once.
 EVERYWHERE = {"schema", "preset", "description", "rate_hz"}
 # Made up of pieces in the source: read, but not found there as a whole.
-COMPOSED = re.compile(r"^(gyro_|accel_|position_|velocity_)?(stddev|density|drift|bias|turn_on_bias|scale|misalignment|range|"
-                      r"lsb|vibration)_\w+|^(specific_force|angular_rate|position|velocity|field|pressure|temperature|"
-                      r"distance)(_\w+)?$")
+COMPOSED = re.compile(r"^(specific_force|angular_rate|position|velocity|field|pressure|temperature|distance)(_\w+)?$")
 # Quantities, words and file names that stand in the tables beside keys.
 VALUES = {
     "config": {"hold", "arm", "takeoff", "land", "disarm", "goto", "setgain", "x_m", "y_m", "z_m", "yaw_rad", "p", "i",

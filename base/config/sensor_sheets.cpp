@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/config/sensor_sheets.hpp"
+
+#include <array>
+#include <string_view>
+#include <tuple>
+
+#include "base/config/axes.hpp"
+#include "base/config/config_keys.hpp"
+#include "base/config/key_table.hpp"
+
+namespace cas::base {
+namespace {
+
+using Eigen::Vector3d;
+
+// Kinds of keys.
+
+/// One number for all axes, or three.
+struct Axes {
+  static void read(const ConfigNode& node, Vector3d& value) { value = parse_axes(node); }
+  static std::string text(const Vector3d& value) {
+    if (value.isConstant(value.x(), 0)) return number_text(value.x());
+    return "[" + number_text(value.x()) + ", " + number_text(value.y()) + ", " +
+           number_text(value.z()) + "]";
+  }
+  static std::string values() { return "one number or three"; }
+  static std::array<std::string, 2> samples() { return {"1", "[1, 2, 3]"}; }
+};
+
+/// Deviations.
+struct Deviations : Axes {
+  static void read(const ConfigNode& node, Vector3d& value) {
+    Axes::read(node, value);
+    if ((value.array() < 0.0).any()) node.fail("must not be negative");
+  }
+  static std::string values() { return "from 0, one number or three"; }
+};
+
+struct NoiseFigure : Axes {
+  static void read(const ConfigNode& node, Vector3d& value) {
+    Deviations::read(node, value);
+    if ((value.array() == 0.0).any()) {
+      node.fail("must be above zero: a flight controller takes values that repeat for stale");
+    }
+  }
+  static std::string values() { return "above 0, one number or three"; }
+};
+
+struct ScaleError : Axes {
+  static void read(const ConfigNode& node, Vector3d& value) {
+    constexpr double kLargest = 0.5;
+    Axes::read(node, value);
+    if ((value.array().abs() > kLargest).any()) node.fail("is a fraction, at most 0.5");
+  }
+  static std::string values() { return "-0.5 to 0.5, one number or three"; }
+};
+
+struct Direction : Axes {
+  static void read(const ConfigNode& node, Vector3d& value) {
+    value = node.as<Vector3d>();
+    if (value.norm() < 1e-6) node.fail("must not be zero");
+    value.normalize();
+  }
+  static std::string values() { return "three numbers"; }
+};
+
+struct AboveZero : Number {
+  static void read(const ConfigNode& node, double& value) {
+    Number::read(node, value);
+    if (value <= 0.0) node.fail("must be above zero");
+  }
+  static std::string values() { return "above 0"; }
+};
+
+/// Switched off by zero.
+struct PositiveOrOff : Number {
+  static void read(const ConfigNode& node, double& value) {
+    Number::read(node, value);
+    if (value < 0.0) node.fail("must not be negative (0 switches it off)");
+  }
+  static std::string values() { return "from 0"; }
+};
+
+constexpr double kMostSeconds = 1e6;
+
+std::vector<GpsSheet::FixLoss> parse_fix_losses(const ConfigNode& node) {
+  std::vector<GpsSheet::FixLoss> losses;
+  for (const ConfigNode& item : node.items()) {
+    const double from_s = item.require_in("from_s", 0.0, kMostSeconds);
+    losses.push_back({from_s, item.require_in("to_s", from_s, kMostSeconds)});
+  }
+  return losses;
+}
+
+Eigen::Matrix3d parse_soft_iron(const ConfigNode& node) {
+  const auto rows = node.as<std::vector<double>>();
+  if (rows.size() != 9) node.fail("must list the 9 numbers of a 3x3 matrix, row by row");
+  return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rows.data());
+}
+
+// Figures that each have a few keys.
+
+constexpr std::string_view kOff = "off";
+
+struct NoiseNames {
+  std::string_view stddev;
+  std::string_view density;
+};
+
+template <auto... Steps>
+constexpr auto noise_keys(const NoiseNames& names) {
+  constexpr std::string_view kEither = "one of the two";
+  return std::tuple{
+      key<Steps..., &WhiteNoise::stddev>(names.stddev, NoiseFigure{},
+                                         "white noise: deviation of one sample", kEither),
+      key<Steps..., &WhiteNoise::density>(names.density, NoiseFigure{}, "or its density", kEither)};
+}
+
+void check_noise(const ConfigNode& node, const NoiseNames& names, const WhiteNoise& noise) {
+  const std::string stddev(names.stddev);
+  if (noise.stddev && noise.density) {
+    node.at(names.density).fail("is given beside " + stddev + "; white noise has one figure");
+  }
+  if (!noise.stddev && !noise.density) {
+    node.fail("needs " + stddev + " or " + std::string(names.density));
+  }
+}
+
+struct DriftNames {
+  std::string_view walk;
+  std::string_view walk_time;
+  std::string_view stddev;
+  std::string_view time;
+};
+
+template <auto... Steps>
+constexpr auto drift_keys(const DriftNames& names) {
+  return std::tuple{key<Steps..., &Drift::stddev>(names.stddev, Deviations{},
+                                                  "drift: its standing deviation", kOff),
+                    key<Steps..., &Drift::time_constant_s>(names.time, AboveZero{},
+                                                           "and its time constant", "with a drift"),
+                    key<Steps..., &Drift::bias_walk>(names.walk, Deviations{},
+                                                     "or the drift as a random walk", kOff),
+                    key<Steps..., &Drift::bias_time_constant_s>(
+                        names.walk_time, PositiveOrOff{},
+                        "and its time constant; 0: it never decays", "with a walk")};
+}
+
+void check_drift(const ConfigNode& node, const DriftNames& names, const Drift& drift) {
+  if (drift.bias_walk && drift.stddev) {
+    node.at(names.stddev)
+        .fail("is given beside " + std::string(names.walk) + "; drift has one figure");
+  }
+  const auto check_pair = [&node](bool figure, std::string_view name, std::string_view time) {
+    if (figure) node.at(time);  // says that it is missing
+    const auto given = node.find(time);
+    if (given && !figure) given->fail("has no meaning without " + std::string(name));
+  };
+  check_pair(drift.bias_walk.has_value(), names.walk, names.walk_time);
+  check_pair(drift.stddev.has_value(), names.stddev, names.time);
+}
+
+/// A value of every sheet.
+template <auto Rate>
+constexpr auto rate_key() {
+  return required(key<Rate>("rate_hz", AboveZero{}, "at most the simulation's own rate"));
+}
+
+// imu
+
+struct TriadNames {
+  NoiseNames noise;
+  DriftNames drift;
+  std::string_view bias, turn_on_bias_stddev, scale_error, misalignment, range, lsb, vibration;
+};
+
+constexpr TriadNames kGyro{.noise = {"gyro_stddev_deg_s", "gyro_density_deg_s_per_sqrt_hz"},
+                           .drift = {"gyro_bias_walk_deg_s_per_sqrt_s", "gyro_bias_time_constant_s",
+                                     "gyro_drift_stddev_deg_s", "gyro_drift_time_constant_s"},
+                           .bias = "gyro_bias_deg_s",
+                           .turn_on_bias_stddev = "gyro_turn_on_bias_stddev_deg_s",
+                           .scale_error = "gyro_scale_error",
+                           .misalignment = "gyro_misalignment_deg",
+                           .range = "gyro_range_deg_s",
+                           .lsb = "gyro_lsb_deg_s",
+                           .vibration = "gyro_vibration_deg_s"};
+constexpr TriadNames kAccel{
+    .noise = {"accel_stddev_m_s2", "accel_density_m_s2_per_sqrt_hz"},
+    .drift = {"accel_bias_walk_m_s2_per_sqrt_s", "accel_bias_time_constant_s",
+              "accel_drift_stddev_m_s2", "accel_drift_time_constant_s"},
+    .bias = "accel_bias_m_s2",
+    .turn_on_bias_stddev = "accel_turn_on_bias_stddev_m_s2",
+    .scale_error = "accel_scale_error",
+    .misalignment = "accel_misalignment_deg",
+    .range = "accel_range_m_s2",
+    .lsb = "accel_lsb_m_s2",
+    .vibration = "accel_vibration_m_s2"};
+
+template <auto Triad>
+constexpr auto triad_keys(const TriadNames& names) {
+  return std::tuple_cat(
+      noise_keys<Triad, &TriadSheet::noise>(names.noise),
+      std::tuple{key<Triad, &TriadSheet::bias>(names.bias, Axes{}, "the same in each run", kOff),
+                 key<Triad, &TriadSheet::turn_on_bias_stddev>(
+                     names.turn_on_bias_stddev, Deviations{},
+                     "deviation of a bias that is drawn at the start of each run", kOff)},
+      drift_keys<Triad, &TriadSheet::drift>(names.drift),
+      std::tuple{
+          key<Triad, &TriadSheet::scale_error>(names.scale_error, ScaleError{},
+                                               "fraction of the measured value", kOff),
+          key<Triad, &TriadSheet::misalignment_deg>(
+              names.misalignment, Axes{}, "roll, pitch, yaw of the axes in the case", kOff),
+          key<Triad, &TriadSheet::range>(names.range, PositiveOrOff{}, "clips beyond", kOff),
+          key<Triad, &TriadSheet::lsb>(names.lsb, PositiveOrOff{}, "rounds to multiples", kOff),
+          key<Triad, &TriadSheet::vibration>(names.vibration, Axes{},
+                                             "amplitude per rotor at the reference speed", kOff)});
+}
+
+constexpr auto kImuKeys = std::tuple_cat(
+    std::tuple{rate_key<&ImuSheet::rate_hz>()}, triad_keys<&ImuSheet::gyro>(kGyro),
+    triad_keys<&ImuSheet::accel>(kAccel),
+    std::tuple{key<&ImuSheet::vibration_reference_rad_s>(
+                   "vibration_reference_rad_s", PositiveOrOff{},
+                   "rotor speed of the vibration's amplitudes", "with a vibration"),
+               key<&ImuSheet::position_B_m>("position_B_m", Axes{}, "from the centre of gravity"),
+               key<&ImuSheet::mounting_rpy_deg>("mounting_rpy_deg", Axes{},
+                                                "roll, pitch, yaw of the case")});
+
+// gps
+
+constexpr NoiseNames kPosition{"position_stddev_m", "position_density_m_per_sqrt_hz"};
+constexpr NoiseNames kVelocity{"velocity_stddev_m_s", "velocity_density_m_s_per_sqrt_hz"};
+constexpr DriftNames kPositionDrift{"position_bias_walk_m_per_sqrt_s",
+                                    "position_bias_time_constant_s", "position_drift_stddev_m",
+                                    "position_drift_time_constant_s"};
+constexpr double kMostMetres = 600;  // the wire's 16 bits of centimetres
+
+constexpr auto kGpsKeys = std::tuple_cat(
+    std::tuple{
+        rate_key<&GpsSheet::rate_hz>(),
+        key<&GpsSheet::delay_s>("delay_s", Range{0, 10},
+                                "from measurement to publication; the stamp is the measurement's")},
+    noise_keys<&GpsSheet::position>(kPosition),
+    drift_keys<&GpsSheet::position_drift>(kPositionDrift),
+    noise_keys<&GpsSheet::velocity>(kVelocity),
+    std::tuple{
+        required(key<&GpsSheet::eph_m>("eph_m", Range{0, kMostMetres},
+                                       "reported accuracy of the horizontal position, 1 sigma")),
+        required(key<&GpsSheet::epv_m>("epv_m", Range{0, kMostMetres}, "that of the altitude")),
+        required(key<&GpsSheet::satellites>("satellites", Whole{0, 64}, "reported")),
+        key<&GpsSheet::first_fix_s>("first_fix_s", Range{0, kMostSeconds}, "no fix before"),
+        key<&GpsSheet::fix_losses>("fix_losses", Parsed<parse_fix_losses>{},
+                                   "list of `{from_s, to_s}`: no fix between"),
+        key<&GpsSheet::antenna_B_m>("antenna_B_m", Axes{}, "from the centre of gravity"),
+        key<&GpsSheet::earth_model>(
+            "earth_model",
+            Words<EarthModel, 2>{{{{"sphere", EarthModel::kSphere}, {"wgs84", EarthModel::kWgs84}}},
+                                 "must be sphere or wgs84"},
+            "`sphere`: Eq. (5)", "the world's")});
+
+// magnetometer, barometer, rangefinder
+
+constexpr NoiseNames kField{"stddev_gauss", "density_gauss_per_sqrt_hz"};
+constexpr DriftNames kFieldDrift{"bias_walk_gauss_per_sqrt_s", "bias_time_constant_s",
+                                 "drift_stddev_gauss", "drift_time_constant_s"};
+
+constexpr auto kMagnetometerKeys = std::tuple_cat(
+    std::tuple{rate_key<&MagnetometerSheet::rate_hz>()},
+    noise_keys<&MagnetometerSheet::noise>(kField),
+    drift_keys<&MagnetometerSheet::drift>(kFieldDrift),
+    std::tuple{
+        key<&MagnetometerSheet::hard_iron_gauss>("hard_iron_gauss", Axes{},
+                                                 "field of the vehicle itself", kOff),
+        key<&MagnetometerSheet::soft_iron>("soft_iron", Parsed<parse_soft_iron>{},
+                                           "matrix on the field, 9 numbers row by row"),
+        key<&MagnetometerSheet::lsb_gauss>("lsb_gauss", Range{0, 1}, "rounds to multiples", kOff)});
+
+constexpr NoiseNames kPressure{"stddev_pa", "density_pa_per_sqrt_hz"};
+constexpr DriftNames kPressureDrift{"bias_walk_pa_per_sqrt_s", "bias_time_constant_s",
+                                    "drift_stddev_pa", "drift_time_constant_s"};
+
+constexpr auto kBarometerKeys = std::tuple_cat(
+    std::tuple{rate_key<&BarometerSheet::rate_hz>()}, noise_keys<&BarometerSheet::noise>(kPressure),
+    drift_keys<&BarometerSheet::drift>(kPressureDrift),
+    std::tuple{
+        key<&BarometerSheet::qnh_hpa>("qnh_hpa", Range{850, 1100},
+                                      "pressure of the day at sea level"),
+        key<&BarometerSheet::temperature_offset_degc>("temperature_offset_degc", Range{-80, 80},
+                                                      "of the day against the standard atmosphere"),
+        key<&BarometerSheet::self_heating_degc>("self_heating_degc", Range{-50, 100},
+                                                "of the sensor against the air"),
+        key<&BarometerSheet::wind_pressure_coefficient>(
+            "wind_pressure_coefficient", Range{-2, 2},
+            "share of the dynamic pressure in the reading"),
+        key<&BarometerSheet::lsb_pa>("lsb_pa", Range{0, 1000}, "rounds to multiples", kOff)});
+
+constexpr NoiseNames kDistance{"stddev_m", "density_m_per_sqrt_hz"};
+constexpr double kFarthest_m = 10'000;
+
+constexpr auto kRangefinderKeys = std::tuple_cat(
+    std::tuple{rate_key<&RangefinderSheet::rate_hz>()},
+    noise_keys<&RangefinderSheet::noise>(kDistance),
+    std::tuple{
+        required(key<&RangefinderSheet::min_m>("min_m", Range{0, kFarthest_m},
+                                               "a nearer reading is invalid")),
+        required(key<&RangefinderSheet::max_m>("max_m", Range{0, kFarthest_m},
+                                               "a farther one; not below `min_m`")),
+        key<&RangefinderSheet::lsb_m>("lsb_m", Range{0, 10}, "rounds to multiples", kOff),
+        key<&RangefinderSheet::position_B_m>("position_B_m", Axes{}, "from the centre of gravity"),
+        key<&RangefinderSheet::direction_B>("direction_B", Direction{}, "of its ray")});
+
+template <class Sheet, class Keys>
+Sheet read_sheet(const ConfigNode& node, const Keys& keys) {
+  Sheet sheet;
+  read_keys(node, keys, sheet);
+  return sheet;
+}
+
+/// @param truth  what it measures
+template <class Sheet, class Keys>
+std::string section(const std::string& sensor, const std::string& truth, const Keys& keys) {
+  return "### " + sensor + "\n\n" + truth + "\n\n" + key_table(keys, Sheet{});
+}
+
+}  // namespace
+
+ImuSheet read_imu_sheet(const ConfigNode& node) {
+  const auto sheet = read_sheet<ImuSheet>(node, kImuKeys);
+  check_noise(node, kGyro.noise, sheet.gyro.noise);
+  check_drift(node, kGyro.drift, sheet.gyro.drift);
+  check_noise(node, kAccel.noise, sheet.accel.noise);
+  check_drift(node, kAccel.drift, sheet.accel.drift);
+  const bool vibrates = !sheet.gyro.vibration.isZero(0.0) || !sheet.accel.vibration.isZero(0.0);
+  if (vibrates && sheet.vibration_reference_rad_s <= 0.0) {
+    node.fail("gives a vibration amplitude without vibration_reference_rad_s");
+  }
+  return sheet;
+}
+
+GpsSheet read_gps_sheet(const ConfigNode& node) {
+  const auto sheet = read_sheet<GpsSheet>(node, kGpsKeys);
+  check_noise(node, kPosition, sheet.position);
+  check_drift(node, kPositionDrift, sheet.position_drift);
+  check_noise(node, kVelocity, sheet.velocity);
+  return sheet;
+}
+
+MagnetometerSheet read_magnetometer_sheet(const ConfigNode& node) {
+  const auto sheet = read_sheet<MagnetometerSheet>(node, kMagnetometerKeys);
+  check_noise(node, kField, sheet.noise);
+  check_drift(node, kFieldDrift, sheet.drift);
+  return sheet;
+}
+
+BarometerSheet read_barometer_sheet(const ConfigNode& node) {
+  const auto sheet = read_sheet<BarometerSheet>(node, kBarometerKeys);
+  check_noise(node, kPressure, sheet.noise);
+  check_drift(node, kPressureDrift, sheet.drift);
+  return sheet;
+}
+
+RangefinderSheet read_rangefinder_sheet(const ConfigNode& node) {
+  const auto sheet = read_sheet<RangefinderSheet>(node, kRangefinderKeys);
+  check_noise(node, kDistance, sheet.noise);
+  if (sheet.max_m < sheet.min_m) node.at("max_m").fail("must not be below min_m");
+  return sheet;
+}
+
+std::string sensor_reference() {
+  return section<ImuSheet>("imu",
+                           "Truth is the mean over the sample period. At rest and level, the "
+                           "accelerometer reads +g along Bz: (0, 0, -g) on the wire.",
+                           kImuKeys) +
+         "\n" +
+         section<GpsSheet>("gps",
+                           "Truth is the antenna's place and velocity; axes are north, east, down.",
+                           kGpsKeys) +
+         "\n" +
+         section<MagnetometerSheet>(
+             "magnetometer",
+             "Truth is the World Magnetic Model's field at place and date, or "
+             "the world's [`<magnetic_field>`](simulator.md#worlds).",
+             kMagnetometerKeys) +
+         "\n" +
+         section<BarometerSheet>("barometer",
+                                 "Truth is the standard atmosphere, or the world's "
+                                 "[`<atmosphere>`](simulator.md#worlds).",
+                                 kBarometerKeys) +
+         "\n" +
+         section<RangefinderSheet>("rangefinder", "Truth is the length of a ray into the world.",
+                                   kRangefinderKeys);
+}
+
+}  // namespace cas::base

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/config/config.hpp"
+#include "base/earth/geodesy.hpp"
+#include "base/export.hpp"
+
+/// The data sheet of each sensor: one block of a sensor set (sensor_set.hpp), in the units of its
+/// keys. The sensor's plugin simulates by it and the controller's estimator assumes it, so both
+/// read it here.
+namespace cas::base {
+
+/// White noise by axis: one of the two.
+struct WhiteNoise {
+  std::optional<Eigen::Vector3d> stddev;   ///< of one sample
+  std::optional<Eigen::Vector3d> density;  ///< per square root of a hertz
+
+  const Eigen::Vector3d& figure() const { return stddev ? *stddev : *density; }
+  /// The deviation of one sample is figure() times this.
+  double per_sample(double rate_hz) const { return stddev ? 1.0 : std::sqrt(rate_hz); }
+};
+
+/// Slow drift by axis: a walk, a standing deviation, or none.
+struct Drift {
+  std::optional<Eigen::Vector3d> bias_walk;  ///< per square root of a second
+  double bias_time_constant_s = 0;           ///< 0: a pure random walk
+  std::optional<Eigen::Vector3d> stddev;     ///< standing
+  double time_constant_s = 0;
+};
+
+/// Errors of a gyroscope (deg/s) or an accelerometer (m/s^2). Zero: none.
+struct TriadSheet {
+  WhiteNoise noise;
+  Eigen::Vector3d bias = Eigen::Vector3d::Zero();
+  Eigen::Vector3d turn_on_bias_stddev = Eigen::Vector3d::Zero();
+  Drift drift;
+  Eigen::Vector3d scale_error = Eigen::Vector3d::Zero();  ///< fraction
+  Eigen::Vector3d misalignment_deg = Eigen::Vector3d::Zero();
+  double range = 0;
+  double lsb = 0;
+  Eigen::Vector3d vibration = Eigen::Vector3d::Zero();
+};
+
+struct ImuSheet {
+  double rate_hz = 0;
+  TriadSheet gyro;
+  TriadSheet accel;
+  double vibration_reference_rad_s = 0;
+  Eigen::Vector3d position_B_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mounting_rpy_deg = Eigen::Vector3d::Zero();
+};
+
+struct GpsSheet {
+  /// A stretch of time without a fix.
+  struct FixLoss {
+    double from_s = 0;
+    double to_s = 0;
+  };
+  double rate_hz = 0;
+  double delay_s = 0;
+  WhiteNoise position;  ///< north, east, down, m
+  Drift position_drift;
+  WhiteNoise velocity;  ///< m/s
+  double eph_m = 0;
+  double epv_m = 0;
+  int satellites = 0;
+  double first_fix_s = 0;
+  std::vector<FixLoss> fix_losses;
+  Eigen::Vector3d antenna_B_m = Eigen::Vector3d::Zero();
+  std::optional<EarthModel> earth_model;  ///< nothing: the world's own projection
+};
+
+struct MagnetometerSheet {
+  double rate_hz = 0;
+  WhiteNoise noise;  ///< gauss
+  Drift drift;
+  Eigen::Vector3d hard_iron_gauss = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d soft_iron = Eigen::Matrix3d::Identity();
+  double lsb_gauss = 0;
+};
+
+struct BarometerSheet {
+  double rate_hz = 0;
+  WhiteNoise noise;  ///< Pa
+  Drift drift;
+  double qnh_hpa = 1013.25;  ///< ISO 2533
+  double temperature_offset_degc = 0;
+  double self_heating_degc = 0;
+  double wind_pressure_coefficient = 0;
+  double lsb_pa = 0;
+};
+
+struct RangefinderSheet {
+  double rate_hz = 0;
+  WhiteNoise noise;  ///< m
+  double min_m = 0;
+  double max_m = 0;
+  double lsb_m = 0;
+  Eigen::Vector3d position_B_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d direction_B{0, 0, -1};  ///< unit vector
+};
+
+// Each reads one block. @throws ConfigError "FILE:LINE: key.path: sentence"
+CAS_BASE_EXPORT ImuSheet read_imu_sheet(const ConfigNode& node);
+CAS_BASE_EXPORT GpsSheet read_gps_sheet(const ConfigNode& node);
+CAS_BASE_EXPORT MagnetometerSheet read_magnetometer_sheet(const ConfigNode& node);
+CAS_BASE_EXPORT BarometerSheet read_barometer_sheet(const ConfigNode& node);
+CAS_BASE_EXPORT RangefinderSheet read_rangefinder_sheet(const ConfigNode& node);
+
+/// Every key of these sheets with its default and meaning, as tables in Markdown: what
+/// `hilsim --sensor-keys` prints and docs/plugins.md shows.
+CAS_BASE_EXPORT std::string sensor_reference();
+
+}  // namespace cas::base
