@@ -270,14 +270,15 @@ bool GroundProtocols::on_mission_packet(const PacketView& packet, RunTime now) {
   const mav::Source from = packet.source;
   const int version = packet.version;
   const auto request = [&](const auto& m) {
-    missions_.on_request(m.seq, m.mission_type, from, version);
+    missions_.on_request(m.seq, m.mission_type, from, version, now);
   };
   return take<MissionCount>(packet,
                             [&](const auto& m) { missions_.on_count(m, from, version, now); }) ||
          take<MissionItemInt>(packet, [&](const auto& m) { missions_.on_item(m, from, now); }) ||
          take<MissionRequestList>(
-             packet, [&](const auto& m) { missions_.on_request_list(m, from, version); }) ||
+             packet, [&](const auto& m) { missions_.on_request_list(m, from, version, now); }) ||
          take<MissionRequestInt>(packet, request) || take<MissionRequest>(packet, request) ||
+         take<MissionAck>(packet, [&](const auto& m) { missions_.on_ack(m, from); }) ||
          take<MissionClearAll>(packet,
                                [&](const auto& m) { missions_.on_clear(m, from, version); }) ||
          take<MissionSetCurrent>(packet, [&](const auto& m) { missions_.on_set_current(m); });

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/protocols/mission_protocol.hpp"
 
-#include "mavlink/common/mission_ack.hpp"
+#include <algorithm>
+
 #include "mavlink/common/mission_current.hpp"
 #include "mavlink/common/mission_item_reached.hpp"
 #include "mavlink/common/mission_request_int.hpp"
@@ -16,6 +17,8 @@ namespace {
 
 constexpr base::Duration kRetry = std::chrono::milliseconds(250);
 constexpr int kMostTries = 10;
+constexpr std::size_t kMostDownloads = 8;                        // at once,
+constexpr base::Duration kForgotten = std::chrono::seconds(10);  // those that ask for nothing end
 
 MissionItem from_wire(const MissionItemInt& m) {
   MissionItem item;
@@ -56,7 +59,10 @@ void MissionProtocol::on_count(const MissionCount& m, Source from, int version, 
   if (m.count > kMaxItems) {
     return acknowledge(from, version, m.mission_type, MavMissionResult::kNoSpace);
   }
-  if (is_flown()) return acknowledge(from, version, m.mission_type, MavMissionResult::kDenied);
+  const bool others_turn = upload_ && !(upload_->from == from);
+  if (is_flown() || others_turn) {
+    return acknowledge(from, version, m.mission_type, MavMissionResult::kDenied);
+  }
   upload_ = Upload{from, version, m.count, {}, now, 0};
   if (m.count == 0) return finish(MavMissionResult::kAccepted);
   request_next(now);
@@ -93,19 +99,45 @@ void MissionProtocol::on_item(const MissionItemInt& m, Source from, RunTime now)
   request_next(now);
 }
 
-void MissionProtocol::on_request_list(const MissionRequestList& m, Source from, int version) {
+void MissionProtocol::on_request_list(const MissionRequestList& m, Source from, int version,
+                                      RunTime now) {
   MissionCount count;
   count.target_system = from.system;
   count.target_component = from.component;
   count.mission_type = m.mission_type;
   if (m.mission_type == MavMissionType::kMission) {
-    count.count = static_cast<std::uint16_t>(commander_.mission().items().size());
+    const std::vector<MissionItem>& items = commander_.mission().items();
+    count.count = static_cast<std::uint16_t>(items.size());
+    std::erase_if(downloads_, [&](const Download& each) {
+      return each.from == from || now - each.used > kForgotten;
+    });
+    if (downloads_.size() == kMostDownloads) downloads_.pop_front();
+    downloads_.push_back({from, items, now});
   }
   outbox_.reply(count, version);
 }
 
-void MissionProtocol::on_request(std::uint16_t seq, MavMissionType type, Source from, int version) {
-  const auto& items = commander_.mission().items();
+/// The mission that a station downloads; else the present one.
+const std::vector<MissionItem>& MissionProtocol::items_for(Source from, RunTime now) {
+  const auto found =
+      std::ranges::find_if(downloads_, [&](const Download& each) { return each.from == from; });
+  if (found == downloads_.end() || now - found->used > kForgotten) {
+    return commander_.mission().items();
+  }
+  found->used = now;
+  return found->items;
+}
+
+void MissionProtocol::on_ack(const MissionAck& m, Source from) {
+  if (m.mission_type != MavMissionType::kMission) return;
+  std::erase_if(downloads_, [&](const Download& each) { return each.from == from; });
+  const bool cancelled = m.type == MavMissionResult::kOperationCancelled;
+  if (cancelled && upload_ && upload_->from == from) upload_.reset();
+}
+
+void MissionProtocol::on_request(std::uint16_t seq, MavMissionType type, Source from, int version,
+                                 RunTime now) {
+  const std::vector<MissionItem>& items = items_for(from, now);
   if (type != MavMissionType::kMission || seq >= items.size()) {
     return acknowledge(from, version, type, MavMissionResult::kInvalidSequence);
   }

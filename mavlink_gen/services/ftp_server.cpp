@@ -14,7 +14,8 @@ using Opcode = mavlink::common::MavFtpOpcode;
 
 namespace {
 
-constexpr std::size_t kMaxWaiting = 16;
+constexpr std::size_t kMaxWaiting = 16;                // requests,
+constexpr std::size_t kMaxSums = 4;                    // of them for checksums
 constexpr std::size_t kMaxAnswers = 32;                // that are kept,
 constexpr std::size_t kMaxAnswersOfOne = 4;            // of one client,
 constexpr Duration kForget = std::chrono::seconds(5);  // and for so long
@@ -53,12 +54,19 @@ std::optional<std::string> ftp_path(std::string_view text) {
   return path;
 }
 
+bool FtpServer::is_for_sum(const Request& request) {
+  return request.payload.opcode == Opcode::kCalcfilecrc;
+}
+
 void FtpServer::on_request(const Message& message, Source from, Time now) {
   const Request request{from, ftp_payload(message)};
   if (request.payload.is_answer()) return;  // of another server
   const bool under_way = std::ranges::find(waiting_, request) != waiting_.end() ||
                          (checksum_ && checksum_->request == request);
-  if (!under_way && waiting_.size() < kMaxWaiting) {
+  const auto sums = std::ranges::count_if(waiting_, is_for_sum);
+  const bool full = waiting_.size() == kMaxWaiting ||
+                    (is_for_sum(request) && sums == static_cast<std::ptrdiff_t>(kMaxSums));
+  if (!under_way && !full) {
     waiting_.push_back(request);
   } else if (!under_way) {
     ++dropped_;
@@ -68,9 +76,13 @@ void FtpServer::on_request(const Message& message, Source from, Time now) {
 
 void FtpServer::update(Time now) {
   if (checksum_) step_checksum(now);
-  while (now >= due_ && !waiting_.empty()) {
-    const Request request = waiting_.front();
-    waiting_.pop_front();
+  while (now >= due_) {
+    // One checksum at a time: requests for others wait, the rest passes them.
+    const auto next = std::ranges::find_if(
+        waiting_, [&](const Request& each) { return !checksum_ || !is_for_sum(each); });
+    if (next == waiting_.end()) break;
+    const Request request = *next;
+    waiting_.erase(next);
     answer(request, now);
   }
   if (now >= due_) send_burst(now);
@@ -100,6 +112,9 @@ FtpFailure FtpServer::perform(const Request& request, FtpPayload& reply, Time no
     case Opcode::kResetsession:
       close(request.from, std::nullopt);
       if (checksum_ && checksum_->request.from == request.from) checksum_.reset();
+      std::erase_if(waiting_, [&](const Request& each) {
+        return each.from == request.from && is_for_sum(each);
+      });
       return kOk;
     case Opcode::kListdirectory:
       return list(asked, reply);
@@ -234,7 +249,6 @@ void FtpServer::send_burst(Time now) {
 FtpFailure FtpServer::begin_checksum(const Request& request, Time now) {
   const auto path = ftp_path(request.payload.text());
   if (!path) return fail(MavFtpErr::kFilenotfound);
-  if (checksum_) return fail(MavFtpErr::kFail);  // one at a time
   std::uint32_t length = 0;
   if (const FtpFailure failure = store_.length(*path, length); failure.failed()) return failure;
   checksum_ = {.request = request, .path = *path, .length = length};

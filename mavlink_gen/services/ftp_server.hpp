@@ -66,9 +66,9 @@ struct FtpServerLimits {
 
 /// The vehicle's side of the file transfer protocol (https://mavlink.io/en/services/ftp.html):
 /// lists, reads, writes and removes files of a store. Answers and bursts share one pace, answers
-/// first; checksums of large files are computed in parts. Clients have their own sessions; a
-/// request that comes again within 5 s gets the same answer again. Folders are not made, files are
-/// not renamed or cut.
+/// first; checksums of large files are computed in parts, one file after the other. Clients have
+/// their own sessions; a request that comes again within 5 s gets the same answer again. Folders
+/// are not made, files are not renamed or cut.
 class FtpServer {
  public:
   using Message = mavlink::common::FileTransferProtocol;
@@ -117,6 +117,7 @@ class FtpServer {
     std::vector<FtpEntry> entries;
   };
 
+  static bool is_for_sum(const Request& request);
   void send_burst(Time now);
   void answer(const Request& request, Time now);
   FtpFailure perform(const Request& request, FtpPayload& reply, Time now);

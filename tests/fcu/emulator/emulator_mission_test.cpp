@@ -147,6 +147,71 @@ TEST_F(Mission, AStrangersItemIsNotTaken) {
   EXPECT_EQ(ack(), MavMissionResult::kAccepted);
 }
 
+TEST_F(Mission, AnotherStationIsDeniedUntilAnUploadHasEnded) {
+  count(1);
+  ASSERT_EQ(requested(), 0);
+  MissionCount other;
+  other.target_system = 1;
+  other.target_component = 1;
+  other.count = 3;
+  emulator_.send(other, 2, {77, 1});
+  const auto denial = emulator_.next<MissionAck>();
+  ASSERT_TRUE(denial);
+  EXPECT_EQ(denial->type, MavMissionResult::kDenied);
+  EXPECT_EQ(denial->target_system, 77);
+  emulator_.send(item(0));
+  EXPECT_EQ(ack(), MavMissionResult::kAccepted);
+  EXPECT_EQ(download_count()->count, 1);
+  emulator_.send(other, 2, {77, 1});
+  EXPECT_EQ(requested(), 0);
+}
+
+TEST_F(Mission, AStationThatVanishesKeepsOthersOutForSecondsOnly) {
+  count(1);
+  ASSERT_EQ(ack(), MavMissionResult::kOperationCancelled);  // ten requests later
+  upload(2);
+}
+
+TEST_F(Mission, AStationMayCancelItsUpload) {
+  count(2);
+  ASSERT_EQ(requested(), 0);
+  MissionAck cancel;
+  cancel.target_system = 1;
+  cancel.target_component = 1;
+  cancel.type = MavMissionResult::kOperationCancelled;
+  emulator_.send(cancel, 2, {77, 1});  // another's is not heeded
+  emulator_.send(item(0));
+  ASSERT_EQ(requested(), 1);
+  emulator_.send(cancel);
+  emulator_.send(item(1));
+  EXPECT_EQ(download_count()->count, 0);
+}
+
+TEST_F(Mission, ADownloadIsOfTheMissionThatWasAskedFor) {
+  upload(3);
+  ASSERT_EQ(download_count()->count, 3);
+  MissionCount other;
+  other.target_system = 1;
+  other.target_component = 1;
+  other.count = 1;
+  emulator_.send(other, 2, {77, 1});
+  ASSERT_EQ(requested(), 0);
+  MissionItemInt replacement = item(0);
+  replacement.x = 1;
+  emulator_.send(replacement, 2, {77, 1});
+  ASSERT_EQ(ack(), MavMissionResult::kAccepted);
+  for (std::uint16_t seq = 0; seq < 3; ++seq) {
+    const auto m = download<MissionRequestInt>(seq);
+    ASSERT_TRUE(m);
+    EXPECT_EQ(m->x, item(seq).x);
+  }
+  MissionAck whole;  // ends the download
+  whole.target_system = 1;
+  whole.target_component = 1;
+  emulator_.send(whole);
+  EXPECT_EQ(download<MissionRequestInt>(0)->x, 1);
+}
+
 TEST_F(Mission, AnItemThatIsNotThereIsAnInvalidSequence) {
   upload(1);
   MissionRequestInt m;

@@ -39,6 +39,12 @@ class FtpServerTest : public testing::Test {
     request.set_text(path);
     return ask(request, from);
   }
+  /// Asks for a checksum with a number of the caller's.
+  void request_sum(const std::string& path, int seq, Source from) {
+    FtpPayload request{.seq = static_cast<std::uint16_t>(seq), .opcode = Opcode::kCalcfilecrc};
+    request.set_text(path);
+    server_.on_request(ftp_message(request), from, now_);
+  }
   /// What a refusal says.
   static MavFtpErr error(const FtpPayload& answer) {
     EXPECT_EQ(answer.opcode, Opcode::kNak);
@@ -275,12 +281,35 @@ TEST_F(FtpServerTest, SumsLongFilesInParts) {
   ask_again(request);
   ask_again(request);  // again meanwhile: no second sum
   EXPECT_TRUE(sent_.empty());
-  EXPECT_EQ(error(ask(Opcode::kCalcfilecrc, "a", kOther)), MavFtpErr::kFail);
-  sent_.clear();
   for (int i = 0; i < 4; ++i) server_.update(now_);
   ASSERT_EQ(sent_.size(), 1U);
   EXPECT_EQ(sent_[0].number(), ftp_crc32(store_.files["long"]));
   EXPECT_EQ(sent_[0].seq, 6);
+}
+
+TEST_F(FtpServerTest, ASumWaitsForAnothersAndLetsOtherRequestsPass) {
+  store_.files["long"].assign(2'000'000, 7);
+  request_sum("long", 5, kStation);
+  request_sum("a", 7, kOther);
+  request_sum("a", 7, kOther);  // again meanwhile: it waits once
+  EXPECT_TRUE(sent_.empty());
+  EXPECT_EQ(ask(Opcode::kOpenfilero, "a", kOther).opcode, Opcode::kAck);
+  sent_.clear();
+  to_.clear();
+  for (int i = 0; i < 40; ++i) server_.update(now_);
+  ASSERT_EQ(sent_.size(), 2U);
+  EXPECT_EQ(to_[0], kStation);
+  EXPECT_EQ(sent_[0].number(), ftp_crc32(store_.files["long"]));
+  EXPECT_EQ(to_[1], kOther);
+  EXPECT_EQ(sent_[1].number(), ftp_crc32(store_.files["a"]));
+}
+
+TEST_F(FtpServerTest, FourSumsMayWaitAndTheNextOneIsDropped) {
+  store_.files["long"].assign(2'000'000, 7);
+  for (int i = 0; i < 6; ++i) request_sum("long", 2 * i, kOther);
+  EXPECT_EQ(server_.dropped(), 1U);
+  for (int i = 0; i < 200; ++i) server_.update(now_);
+  EXPECT_EQ(sent_.size(), 5U);
 }
 
 TEST_F(FtpServerTest, SumEndsWhereTheFileEndedAtFirst) {
@@ -296,10 +325,15 @@ TEST_F(FtpServerTest, SumEndsWhereTheFileEndedAtFirst) {
 TEST_F(FtpServerTest, ResetEndsASumOfItsSender) {
   store_.files["long"].assign(2'000'000, 7);
   ask(Opcode::kCalcfilecrc, "long");
+  request_sum("long", 100, kStation);  // one more, which waits
   ask({.opcode = Opcode::kResetsession}, kOther);
-  EXPECT_EQ(error(ask(Opcode::kCalcfilecrc, "a", kOther)), MavFtpErr::kFail);
+  request_sum("a", 7, kOther);
+  sent_.clear();
   ask({.opcode = Opcode::kResetsession});
-  EXPECT_EQ(ask(Opcode::kCalcfilecrc, "a", kOther).number(), ftp_crc32(store_.files["a"]));
+  ASSERT_EQ(sent_.size(), 2U) << "the reset, and the other's sum without a wait";
+  EXPECT_EQ(sent_[1].number(), ftp_crc32(store_.files["a"]));
+  for (int i = 0; i < 40; ++i) server_.update(now_);
+  EXPECT_EQ(sent_.size(), 2U);
 }
 
 TEST_F(FtpServerTest, SessionsBelongToWhoOpenedThem) {
