@@ -239,7 +239,13 @@ class Import {
     const Value* mode = find(section, "LogMode");
     const Value* space = find(section, "MinFreeSpace");
     const Value* files = find(section, "MaxLogFiles");
-    if (folder == nullptr) return;
+    if (folder == nullptr) {
+      for (const char* key : {"LogTelemetry", "LogMode", "MinFreeSpace", "MaxLogFiles"}) {
+        const Value* value = find(section, key);
+        if (value != nullptr) note(value->place, value->key + ": nothing is recorded without Log");
+      }
+      return;
+    }
     log_ = "log:\n  folder: " + yaml_string(folder->text) + "\n";
     const bool armed = mode != nullptr && lower(mode->text) == "while-armed";
     std::string autopilot = armed ? "while_armed: true" : "while_armed: false";
@@ -288,8 +294,7 @@ class Import {
       endpoint.link.type = LinkType::kUdpServer;
       endpoint.link.local = bracketed(address) + ":" + std::to_string(*given);
     } else if (mode == "normal" || mode == "client") {
-      // Without ports the first at an address gets the usual one, the next the one behind it.
-      if (!given) given = kDefaultUdpPort + ports_taken_[address]++;
+      if (!given) given = next_udp_port(address);
       endpoint.link.type = LinkType::kUdp;
       endpoint.link.remote = bracketed(address) + ":" + std::to_string(*given);
     } else {
@@ -298,13 +303,32 @@ class Import {
     add(section, std::move(endpoint));
   }
 
+  /// The first port from the usual one on that no endpoint before has at this address.
+  unsigned next_udp_port(const std::string& address) const {
+    const auto is_taken = [&](unsigned number) {
+      const std::string place = bracketed(address) + ":" + std::to_string(number);
+      return std::ranges::any_of(endpoints_, [&](const Endpoint& each) {
+        const LinkConfig& link = each.link;
+        return (link.type == LinkType::kUdp && link.remote == place) ||
+               (link.type == LinkType::kUdpServer && link.local == place);
+      });
+    };
+    unsigned number = kDefaultUdpPort;
+    while (is_taken(number)) ++number;
+    return number;
+  }
+
   void take_tcp(Section& section) {
     Endpoint endpoint;
     endpoint.link.type = LinkType::kTcp;
     required(section, "Port");
     endpoint.link.remote =
         bracketed(required(section, "Address")) + ":" + std::to_string(*port(section, "Port"));
-    find(section, "RetryTimeout");  // casd tries again by itself
+    if (const Value* retry = find(section, "RetryTimeout")) {
+      const bool never = retry->text == "0" || retry->text.starts_with('-');
+      note(retry->place, never ? "RetryTimeout: casd connects again, where mavlink-router would not"
+                               : "RetryTimeout: casd tries again after 0.05 to 1 s");
+    }
     add(section, std::move(endpoint));
   }
 
@@ -499,7 +523,6 @@ class Import {
   Section* section_ = nullptr;  ///< the one being read
   std::vector<Endpoint> endpoints_;
   std::vector<std::string> notes_;
-  std::map<std::string, unsigned> ports_taken_;  ///< by address
   std::string log_;
   unsigned tcp_server_port_ = kDefaultTcpServerPort;
   unsigned sniffer_ = 0;  ///< system id; 0: none

@@ -4,10 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
+#include <regex>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/config/config.hpp"
 #include "base/error.hpp"
 #include "casd/topology/topology.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::casd {
 namespace {
@@ -110,7 +117,8 @@ TEST(RouterImport, SaysWhatBecameOfEachKeyThatCasdHasNot) {
   EXPECT_TRUE(told("main.conf:4: ReportStats:")) << imported.yaml;
   EXPECT_TRUE(told("main.conf:8: MinFreeSpace:"));
   EXPECT_TRUE(told("main.conf:9: MaxLogFiles:"));
-  EXPECT_EQ(imported.notes.size(), 3U);
+  EXPECT_TRUE(told("main.conf:34: RetryTimeout: casd tries again"));
+  EXPECT_EQ(imported.notes.size(), 4U);
   for (const std::string& note : imported.notes) {
     EXPECT_NE(imported.yaml.find("# " + note), std::string::npos);
   }
@@ -146,6 +154,124 @@ TEST(RouterImport, ClientsWithoutAPortCountUp) {
   EXPECT_EQ(topology.links[0].remote, "h:14550");
   EXPECT_EQ(topology.links[1].remote, "h:14551");
 }
+
+TEST(RouterImport, ClientsWithoutAPortKeepClearOfTheOnesThatHaveOne) {
+  const Topology topology =
+      parsed(import_text("[General]\nTcpServerPort=0\n"
+                         "[UdpEndpoint a]\nMode=Normal\nAddress=h\nPort=14550\n"
+                         "[UdpEndpoint b]\nMode=Normal\nAddress=h\n"
+                         "[UdpEndpoint c]\nMode=Server\nAddress=h\nPort=14552\n"
+                         "[UdpEndpoint d]\nMode=Normal\nAddress=h\n"
+                         "[UdpEndpoint e]\nMode=Normal\nAddress=::1\n",
+                         "f"));
+  EXPECT_EQ(topology.links[1].remote, "h:14551");
+  EXPECT_EQ(topology.links[3].remote, "h:14553");
+  EXPECT_EQ(topology.links[4].remote, "[::1]:14550");
+}
+
+TEST(RouterImport, SaysThatItConnectsAgainWhereMavlinkRouterWouldNot) {
+  for (const char* never : {"0", "-1"}) {
+    const ImportedTopology imported = import_text(
+        "[TcpEndpoint a]\nAddress=h\nPort=1\nRetryTimeout=" + std::string(never) + "\n", "f");
+    EXPECT_EQ(imported.notes,
+              std::vector<std::string>{
+                  "f:4: RetryTimeout: casd connects again, where mavlink-router would not"});
+  }
+}
+
+TEST(RouterImport, SaysThatNothingIsRecordedWithoutAFolder) {
+  const ImportedTopology imported =
+      import_text("[General]\nLogMode=always\n[UartEndpoint a]\nDevice=/dev/a\n", "f");
+  EXPECT_EQ(imported.notes,
+            std::vector<std::string>{"f:2: LogMode: nothing is recorded without Log"});
+}
+
+/// A key of mavlink-router's configuration with a value that is not its default.
+struct RouterKey {
+  std::string section;
+  std::string key;
+  std::string value;
+  std::string others;  ///< lines that it needs beside it
+
+  std::string name() const { return section + key; }
+};
+
+std::vector<RouterKey> router_keys() {
+  const std::string log = "Log=/var/log/x\n";
+  std::vector<RouterKey> keys{{"General", "TcpServerPort", "5790", ""},
+                              {"General", "ReportStats", "true", ""},
+                              {"General", "DebugLogLevel", "debug", ""},
+                              {"General", "DeduplicationPeriod", "100", ""},
+                              {"General", "SnifferSysid", "250", ""},
+                              {"General", "Log", "/var/log/x", ""},
+                              {"General", "LogMode", "while-armed", log},
+                              {"General", "MavlinkDialect", "common", log},
+                              {"General", "MinFreeSpace", "1000000", log},
+                              {"General", "MaxLogFiles", "20", log},
+                              {"General", "LogSystemId", "1", log},
+                              {"General", "LogTelemetry", "true", log},
+                              {"UartEndpoint", "Device", "/dev/b", ""},
+                              {"UartEndpoint", "Baud", "9600", "Device=/dev/b\n"},
+                              {"UartEndpoint", "FlowControl", "true", "Device=/dev/b\n"},
+                              {"UdpEndpoint", "Address", "10.0.0.1", "Mode=Normal\n"},
+                              {"UdpEndpoint", "Mode", "Server", "Address=10.0.0.1\nPort=14555\n"},
+                              {"UdpEndpoint", "Port", "14555", "Address=10.0.0.1\nMode=Normal\n"},
+                              {"UdpEndpoint", "Filter", "0,30", "Address=10.0.0.1\nMode=Normal\n"},
+                              {"TcpEndpoint", "Address", "10.0.0.1", "Port=1\n"},
+                              {"TcpEndpoint", "Port", "5761", "Address=10.0.0.1\n"},
+                              {"TcpEndpoint", "RetryTimeout", "7", "Address=10.0.0.1\nPort=1\n"}};
+  const std::vector<std::pair<std::string, std::string>> sections{
+      {"UartEndpoint", "Device=/dev/b\n"},
+      {"UdpEndpoint", "Address=10.0.0.1\nMode=Normal\n"},
+      {"TcpEndpoint", "Address=10.0.0.1\nPort=1\n"}};
+  for (const auto& [section, others] : sections) {
+    for (const char* key : {"AllowMsgIdOut", "BlockMsgIdOut", "AllowSrcCompOut", "BlockSrcCompOut",
+                            "AllowSrcSysOut", "BlockSrcSysOut", "AllowMsgIdIn", "BlockMsgIdIn",
+                            "AllowSrcCompIn", "BlockSrcCompIn", "AllowSrcSysIn", "BlockSrcSysIn"}) {
+      keys.push_back({section, key, "3", others});
+    }
+    keys.push_back({section, "Group", "wing", others});
+  }
+  return keys;
+}
+
+class RouterImportKeys : public testing::TestWithParam<RouterKey> {};
+
+TEST_P(RouterImportKeys, AreTakenOrExplained) {
+  const RouterKey& each = GetParam();
+  const std::string head = each.section == "General" ? "[General]\n" : "[" + each.section + " x]\n";
+  const auto import_with = [&](const std::string& line) {
+    return import_text("[UartEndpoint first]\nDevice=/dev/a\n" + head + each.others + line, "f");
+  };
+  const auto is_told = [&](const ImportedTopology& imported) {
+    return std::ranges::any_of(imported.notes, [&](const std::string& note) {
+      return note.find(": " + each.key + ": ") != note.npos;
+    });
+  };
+  const ImportedTopology with = import_with(each.key + "=" + each.value + "\n");
+  EXPECT_EQ(std::ranges::count_if(
+                with.notes, [](const std::string& note) { return note.ends_with("is unknown"); }),
+            0)
+      << with.yaml;
+  if (is_told(with)) return;
+  try {
+    EXPECT_NE(with.yaml, import_with("").yaml);
+  } catch (const base::ConfigError&) {
+    // A key without which there is no endpoint.
+    const std::map<std::string, std::string> other{
+        {"Mode", "Normal"}, {"Port", "5762"}, {"Address", "10.0.0.2"}, {"Device", "/dev/c"}};
+    EXPECT_NE(with.yaml, import_with(each.key + "=" + other.at(each.key) + "\n").yaml);
+  }
+}
+
+TEST_P(RouterImportKeys, AreOnThePageAboutMavlinkRouter) {
+  const std::string page =
+      test::TemporaryFolder::read(test::source_dir() + "/docs/from_mavlink_router.md");
+  EXPECT_TRUE(std::regex_search(page, std::regex("`" + GetParam().key + "\\b"))) << GetParam().key;
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryOne, RouterImportKeys, testing::ValuesIn(router_keys()),
+                         [](const auto& test) { return test.param.name(); });
 
 TEST(RouterImport, WhatTheFileHoldsGivesNoTerminalOrders) {
   const ImportedTopology imported =
