@@ -190,6 +190,39 @@ TEST_F(CasdAutopilotLog, PausesAtALimitAndSaysSo) {
   EXPECT_TRUE(wait_until([&] { return files().empty(); }));
 }
 
+TEST_F(CasdAutopilotLog, PausesBeforeAllLogsTakeMoreThanTheyMay) {
+  constexpr std::uintmax_t kMost = 1024 * 1024;
+  folder.write("rec/old.ulg", std::string(kMost - 500, 'x'));
+  start(", free_space_min_mib: 0, max_mib: 1");
+  const auto taken = [&] {
+    std::uintmax_t sum = 0;
+    for (const fs::path& file : files()) sum += fs::file_size(file);
+    return sum;
+  };
+  UdpAutopilot px4(MavAutopilot::kPx4);
+  px4.socket.set_remote(port);
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts == 1; }));
+  px4.piece<LoggingDataAcked>(0, beginning());
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.acks.size() == 1; }));
+  std::uint16_t number = 0;
+  EXPECT_TRUE(speaks_until(
+      px4, [&] { return px4.stops >= 1; },
+      [&] {
+        ++number;
+        px4.piece(number, message(number));
+      }))
+      << "nobody takes it";
+  EXPECT_NE(casd->output().find("pause: the recordings have the 1 MiB that they may take"),
+            std::string::npos)
+      << casd->output();
+  ASSERT_TRUE(wait_until([&] { return files().size() == 2; }));
+  EXPECT_LE(taken(), kMost);
+  EXPECT_GT(taken(), kMost - 500 + beginning().size()) << "it was used first";
+
+  for (const fs::path& file : files()) fs::remove(file);
+  EXPECT_TRUE(speaks_until(px4, [&] { return px4.starts >= 2; })) << casd->output();
+}
+
 TEST_F(CasdAutopilotLog, GoesOnInAnotherFileWhenFilesMayGrowAgain) {
   start(", free_space_min_mib: 0");
   UdpAutopilot px4(MavAutopilot::kPx4);

@@ -2,9 +2,16 @@
 // What the real casd asks a vehicle to send, by `request_rates` of its link.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "tests/loopback/udp_autopilot.hpp"
 #include "tests/support/child_process.hpp"
@@ -15,6 +22,8 @@ namespace cas::test {
 namespace {
 
 using namespace mavlink::common;
+
+constexpr base::Duration kSilence = std::chrono::milliseconds(3500);  // more than the 3 s of casd
 
 class CasdRequestRates : public testing::Test {
  protected:
@@ -97,6 +106,122 @@ TEST_F(CasdRequestRates, TakeThePlaceOfWhatAnArduPilotIsAskedForAnyway) {
   EXPECT_EQ(period_us(Attitude::kId), 20'000);
   EXPECT_EQ(asked(Attitude::kId), 1U);
   EXPECT_EQ(asked(SysStatus::kId), 1U);
+}
+
+TEST_F(CasdRequestRates, AreAskedForAgainOfAVehicleThatWasSilentForThreeSeconds) {
+  start("{ATTITUDE: 50}");
+  ASSERT_TRUE(speaks_until(vehicle, [&] { return asked(Attitude::kId) == 1; }));
+  const base::RunTime fell_silent = base::steady_now();
+  ASSERT_TRUE(wait_until([&] { return base::steady_now() > fell_silent + kSilence; }));
+  EXPECT_EQ(asked(Attitude::kId), 1U);
+  EXPECT_TRUE(speaks_until(vehicle, [&] { return asked(Attitude::kId) == 2; }));
+}
+
+// It forgets its streams, and no message with its clock tells of the restart.
+TEST_F(CasdRequestRates, AreAskedForAgainOfAnArduPilotThatOnlyBeatsAnyMore) {
+  vehicle.kind = MavAutopilot::kArdupilotmega;
+  start("{VFR_HUD: 5}");
+  std::uint32_t time_ms = 60'000;
+  const auto tell = [&] { tell_time(time_ms += 10); };
+  ASSERT_TRUE(speaks_until(
+      vehicle, [&] { return asked(VfrHud::kId) == 1; }, tell));
+  const base::RunTime asked_at = base::steady_now();
+  ASSERT_TRUE(speaks_until(
+      vehicle, [&] { return base::steady_now() > asked_at + kSilence; }, tell));
+  EXPECT_EQ(asked(VfrHud::kId), 1U) << "while it tells of itself";
+  EXPECT_TRUE(speaks_until(vehicle, [&] { return asked(VfrHud::kId) == 2; }));
+  EXPECT_EQ(asked(Attitude::kId), 2U) << "what it is asked for anyway, too";
+}
+
+/// fcu_emulator behind the real casd, and a ground station that sees what comes of it.
+class CasdRequestRatesOfTheEmulator : public testing::Test {
+ protected:
+  CasdRequestRatesOfTheEmulator() {
+    const std::string device = (folder / "fcu0").string();
+    const std::string controller =
+        folder.write("fcu.yaml", "schema: 1\nvehicle: " + source_dir() +
+                                     "/config/vehicles/iris_paper.yaml\nline: {preset: ideal}\n");
+    fcu.emplace(
+        std::vector<std::string>{binary_dir() + "/bin/fcu_emulator", controller, "--link", device});
+    if (!fcu->wait_ready()) throw std::runtime_error(fcu->output());
+    const std::string topology =
+        folder.write("casd.yaml",
+                     "schema: 1\ncommand_port: {port: 0, loopback_without_token: true}\nlinks:\n"
+                     "  - {name: fcu, type: serial, device: '" +
+                         device +
+                         "', baud: 0, request_rates: {ATTITUDE: 10, SYSTEM_TIME: 20}}\n"
+                         "  - {name: gcs, type: udp_server, local: '127.0.0.1:0'}\n");
+    casd.emplace(std::vector<std::string>{binary_dir() + "/bin/casd", topology});
+    const auto ready = casd->wait_ready();
+    if (!ready) throw std::runtime_error(casd->output());
+    const std::size_t begin = ready->find(" gcs ") + 5;
+    station.set_remote(port_of(ready->substr(begin, ready->find(' ', begin) - begin)));
+  }
+
+  /// Notes the vehicle's clock in each message of these two kinds.
+  template <class Message>
+  void note(const mav::PacketView& packet, std::vector<std::uint32_t>& times) {
+    const auto message = mav::decode<Message>(packet);
+    if (!message) return;
+    if (!times.empty() && message->time_boot_ms < times.back()) {
+      rebooted = true;
+      attitudes.clear();
+      system_times.clear();
+    }
+    times.push_back(message->time_boot_ms);
+  }
+  bool watch_until(const std::function<bool()>& condition) {
+    return wait_until([&] {
+      if (base::steady_now() >= next_beat) {
+        next_beat = base::steady_now() + std::chrono::milliseconds(500);
+        station.send(
+            encoder(Heartbeat{.type = MavType::kGcs, .autopilot = MavAutopilot::kInvalid}));
+      }
+      station.read(heard);
+      for (; !heard.packets().empty(); heard.packets().pop_front()) {
+        const mav::PacketView packet = heard.packets().front().view();
+        note<Attitude>(packet, attitudes);
+        note<SystemTime>(packet, system_times);
+      }
+      return condition();
+    });
+  }
+  /// The mean time between the newest of them, by the vehicle's clock; 0: there are too few.
+  static double period_ms(const std::vector<std::uint32_t>& times) {
+    constexpr std::size_t kSteps = 10;
+    if (times.size() <= kSteps) return 0;
+    return static_cast<double>(times.back() - times[times.size() - 1 - kSteps]) / kSteps;
+  }
+  bool at_the_rates() const {
+    const double attitude = period_ms(attitudes);
+    const double time = period_ms(system_times);
+    return std::abs(attitude - 100) <= 2 && std::abs(time - 50) <= 2;
+  }
+
+  TemporaryFolder folder;
+  std::optional<ChildProcess> fcu;
+  std::optional<ChildProcess> casd;
+  UdpPeer station;
+  mav::Encoder encoder{{255, 190}};
+  PacketStream heard;
+  base::RunTime next_beat{};
+  std::vector<std::uint32_t> attitudes;
+  std::vector<std::uint32_t> system_times;
+  bool rebooted = false;
+};
+
+TEST_F(CasdRequestRatesOfTheEmulator, ComeAgainAfterAReboot) {
+  ASSERT_TRUE(watch_until([&] { return at_the_rates(); }))
+      << period_ms(attitudes) << " " << period_ms(system_times) << casd->output();
+  CommandLong reboot;
+  reboot.target_system = 1;
+  reboot.target_component = 1;
+  reboot.command = MavCmd::kPreflightRebootShutdown;
+  reboot.param1 = 1;
+  station.send(encoder(reboot));
+  ASSERT_TRUE(watch_until([&] { return rebooted; })) << fcu->output();
+  EXPECT_TRUE(watch_until([&] { return at_the_rates(); }))
+      << period_ms(attitudes) << " " << period_ms(system_times) << casd->output();
 }
 
 TEST_F(CasdRequestRates, OfAMessageThatIsNoneAreRefusedWithTheirPlace) {
