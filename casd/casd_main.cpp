@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
@@ -56,6 +57,8 @@ struct Flags {
   std::vector<std::string> outs;
   std::vector<std::string> tcp_peers;
   std::vector<int> tcp_ports;
+  unsigned baud = 0;  ///< of serial endpoints without a rate; 0: none
+  EndpointLog log;
   int command_port = -1;
   bool as_topology = false;
   std::string import_file;
@@ -86,12 +89,16 @@ std::vector<LinkConfig> endpoints_of(const Flags& flags) {
     links.push_back(parse_endpoint(text, EndpointUse::kMaster));
   }
   for (const std::string& text : flags.outs) {
-    links.push_back(parse_endpoint(text, EndpointUse::kOut));
+    links.push_back(parse_endpoint(text, EndpointUse::kOut, links));
   }
   for (const std::string& text : flags.tcp_peers) links.push_back(parse_endpoint("tcpout:" + text));
   for (const int port : flags.tcp_ports) {
     if (port == 0) continue;
     links.push_back(parse_endpoint("tcpin:" + std::to_string(port)));
+  }
+  for (LinkConfig& link : links) {
+    const bool takes_rate = link.type == LinkType::kSerial && link.baud.empty();
+    if (takes_rate && flags.baud != 0) link.baud = {flags.baud};
   }
   return links;
 }
@@ -106,8 +113,12 @@ struct TopologySource {
 
 /// @throws base::ConfigError
 TopologySource read_topology(const Flags& flags) {
+  if (flags.log.telemetry && flags.log.folder.empty()) {
+    throw base::ConfigError("--telemetry-log needs --log FOLDER");
+  }
   const bool has_options = !flags.masters.empty() || !flags.outs.empty() ||
-                           !flags.tcp_peers.empty() || !flags.tcp_ports.empty();
+                           !flags.tcp_peers.empty() || !flags.tcp_ports.empty() ||
+                           !flags.log.folder.empty() || flags.baud != 0;
   if (flags.places.size() == 1 && is_topology(flags.places[0]) && !has_options) {
     if (flags.as_topology || flags.command_port >= 0) {
       throw base::ConfigError("--as-topology and --command-port go with endpoints; '" +
@@ -123,7 +134,7 @@ TopologySource read_topology(const Flags& flags) {
     throw base::ConfigError(
         "no topology: give a file, or endpoints such as serial:/dev/ttyACM0:921600 udp:14550");
   }
-  const std::string text = topology_of_endpoints(links, flags.command_port);
+  const std::string text = topology_of_endpoints(links, flags.command_port, flags.log);
   if (flags.as_topology) std::fputs(text.c_str(), stdout);
   const std::string name = "the command line";
   return {{}, name, {}, Topology::parse(base::ConfigNode::parse(text, name))};
@@ -172,6 +183,39 @@ int run(const Flags& flags) {
   return base::kExitOk;
 }
 
+/// An option of mavlink-router's that casd does not take.
+struct Refused {
+  const char* names;
+  bool has_value;
+  const char* sentence;  ///< what takes its place
+};
+
+constexpr std::array kRefused{
+    Refused{"-c,--conf-file", true,
+            "'casd --import FILE > topology.yaml' reads mavlink-router's file, and "
+            "'casd topology.yaml' runs it"},
+    Refused{"-d,--conf-dir", true,
+            "'casd --import FILE' reads the folder config.d beside the file, too"},
+    Refused{"-r,--report_msg_statistics", false,
+            "'casctl status' and 'casctl monitor' show figures at any time"},
+    Refused{"-s,--sniffer-sysid", true,
+            "a link of a topology with 'sniffer: true' gets every packet"},
+    Refused{"-y,--syslog", false, "casd writes to standard error, which systemd's journal keeps"}};
+
+/// @throws CLI::ParseError when one of them is given
+void add_refused_options(CLI::App& cli) {
+  for (const Refused& each : kRefused) {
+    const auto refuse = [&each] {
+      throw CLI::ValidationError(each.names, std::string("is not casd's: ") + each.sentence);
+    };
+    CLI::Option* option = each.has_value
+                              ? cli.add_option_function<std::string>(
+                                    each.names, [refuse](const std::string&) { refuse(); })
+                              : cli.add_flag_callback(each.names, refuse);
+    option->group("");  // neither in the help nor in the manual
+  }
+}
+
 }  // namespace
 }  // namespace cas::casd
 
@@ -179,24 +223,32 @@ int main(int argc, char** argv) {
   using namespace cas;
   casd::Flags flags;
   CLI::App cli("Routes MAVLink between simulator, flight controller and ground stations.", "casd");
-  cli.set_version_flag("--version", std::string("casd ") + CAS_VERSION);
+  cli.set_version_flag("-V,--version", std::string("casd ") + CAS_VERSION);
   cli.add_option("topology", flags.places,
                  "A file with links and routes (YAML; FILE.d/*.yaml overlay it), a folder of such "
                  "files, or endpoints: serial:DEVICE:BAUD, udp:PORT, udp:HOST:PORT, tcp:PORT, "
-                 "tcp:HOST:PORT")
+                 "tcp:HOST:PORT, mcast:")
       ->type_name("TOPOLOGY|ENDPOINT...");
   // One value each: mavlink-router's and MAVProxy's users write options before their endpoints.
   const auto one_each = [](CLI::Option* option) { return option->allow_extra_args(false); };
   one_each(cli.add_option("--master", flags.masters, "A vehicle's endpoint, as MAVProxy writes it"))
       ->type_name("ENDPOINT");
-  one_each(cli.add_option("--out,-e", flags.outs,
-                          "Send by UDP to HOST:PORT, as MAVProxy and mavlink-router do"))
-      ->type_name("HOST:PORT");
+  one_each(cli.add_option("--out,-e,--endpoints", flags.outs,
+                          "Send by UDP to HOST:PORT, as MAVProxy and mavlink-router do; without a "
+                          "port to 14550 or the next one"))
+      ->type_name("HOST[:PORT]");
   one_each(cli.add_option("-p,--tcp-endpoint", flags.tcp_peers, "Connect by TCP to HOST:PORT"))
       ->type_name("HOST:PORT");
   one_each(cli.add_option("-t,--tcp-port", flags.tcp_ports,
                           "Listen for TCP clients of this machine; 0: no"))
       ->type_name("PORT");
+  cli.add_option("--baudrate", flags.baud, "Rate of serial endpoints that name none")
+      ->check(CLI::Range(300U, 12'000'000U))
+      ->type_name("BAUD");
+  cli.add_option("-l,--log", flags.log.folder,
+                 "With endpoints: record the autopilots' logs into this folder")
+      ->type_name("FOLDER");
+  cli.add_flag("-T,--telemetry-log", flags.log.telemetry, "With --log: record telemetry, too");
   cli.add_option("--command-port", flags.command_port,
                  "TCP port for casctl, with endpoints; 0: a free one")
       ->check(CLI::Range(0, 65535));
@@ -215,7 +267,14 @@ int main(int argc, char** argv) {
   cli.add_option("--stats", flags.stats, "Write figures to this file at the end");
   cli.add_option("--name", flags.name,
                  "Name of this casd, shown where several run on this machine (`casctl --address`)");
-  cli.add_option("--log-level", flags.log_level, "Level: debug, info, warn, error or off");
+  cli.add_option("-g,--log-level,--debug-log-level", flags.log_level,
+                 "Level: debug, info, warn, error or off")
+      ->transform([](const std::string& level) {  // mavlink-router's words
+        return level == "warning" ? "warn" : level == "trace" ? "debug" : level;
+      });
+  cli.add_flag_callback(
+      "-v,--verbose", [&flags] { flags.log_level = "debug"; }, "As --log-level debug");
+  casd::add_refused_options(cli);
   base::cli::add_manual(cli, "casd", CAS_VERSION);
   if (const auto ended = base::cli::parse(cli, argc, argv, base::kExitConfig)) return *ended;
   return base::run_program("casd", flags.log_level, [&] { return casd::run(flags); });

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <map>
 #include <optional>
+#include <span>
 
 #include "base/error.hpp"
 #include "base/os/host_port.hpp"
@@ -21,6 +22,9 @@ struct Scheme {
   Direction direction;
 };
 
+constexpr std::string_view kMulticast = "mcast";
+constexpr unsigned kUsualPort = 14550;  // of a ground station's UDP
+
 constexpr std::array kSchemes{
     Scheme{"serial", LinkType::kSerial, Direction::kByHost},
     Scheme{"udp", LinkType::kUdp, Direction::kByHost},
@@ -30,6 +34,8 @@ constexpr std::array kSchemes{
     Scheme{"udpc", LinkType::kUdp, Direction::kSend},
     Scheme{"udpb", LinkType::kUdp, Direction::kSend},
     Scheme{"udpbcast", LinkType::kUdp, Direction::kSend},
+    Scheme{"udpcast", LinkType::kUdp, Direction::kSend},
+    Scheme{kMulticast, LinkType::kUdp, Direction::kSend},
     Scheme{"tcp", LinkType::kTcp, Direction::kByHost},
     Scheme{"tcpin", LinkType::kTcp, Direction::kListen},
     Scheme{"tcps", LinkType::kTcp, Direction::kListen},
@@ -116,6 +122,38 @@ LinkConfig socket_link(const std::string& text, const Scheme& scheme, std::strin
   return link;
 }
 
+/// HOST without a port, as mavlink-router's -e takes it.
+bool is_bare_host(std::string_view text) {
+  if (text.empty() || text.find('/') != text.npos) return false;
+  if (text.front() == '[') return text.back() == ']';
+  return text.find(':') == text.npos && !number(text);
+}
+
+/// The first port from the usual one on that none of these links sends to at this host.
+unsigned next_port(std::string_view host, std::span<const LinkConfig> before) {
+  unsigned port = kUsualPort;
+  const auto is_taken = [&] {
+    const std::string place = std::string(host) + ":" + std::to_string(port);
+    return std::ranges::any_of(before, [&](const LinkConfig& link) {
+      return link.type == LinkType::kUdp && link.remote == place;
+    });
+  };
+  while (is_taken()) ++port;
+  return port;
+}
+
+/// Nothing, GROUP, :PORT or GROUP:PORT: sends to the group and receives from it.
+LinkConfig multicast_link(const std::string& text, std::string_view rest) {
+  std::string place(rest);
+  if (rest.empty() || rest.front() == ':') place = "239.255.145.50" + place;  // MAVLink's group
+  if (is_bare_host(place)) place += ":" + std::to_string(kUsualPort);
+  LinkConfig link =
+      socket_link(text, {kMulticast, LinkType::kUdp, Direction::kSend}, place, EndpointUse::kOut);
+  const bool v6 = link.remote.starts_with('[');
+  link.local = (v6 ? "[::]" : "0.0.0.0") + link.remote.substr(link.remote.rfind(':'));
+  return link;
+}
+
 /// udp, udp2, udp3: by type, servers and clients alike.
 void name_links(std::vector<LinkConfig>& links) {
   std::map<std::string, int> count;
@@ -130,18 +168,22 @@ void name_links(std::vector<LinkConfig>& links) {
 
 }  // namespace
 
-LinkConfig parse_endpoint(const std::string& text, EndpointUse use) {
+LinkConfig parse_endpoint(const std::string& text, EndpointUse use,
+                          std::span<const LinkConfig> before) {
   std::string_view rest = text;
   const Scheme* scheme = scheme_of(text);
   if (scheme != nullptr) {
     rest.remove_prefix(scheme->word.size() + 1);
     if (rest.starts_with("//")) rest.remove_prefix(2);  // MAVSDK's URLs
     if (scheme->type == LinkType::kSerial) return serial_link(text, rest);
+    if (scheme->word == kMulticast) return multicast_link(text, rest);
     return socket_link(text, *scheme, rest, use);
   }
   if (text.starts_with('/')) return serial_link(text, rest);
+  const bool completed = use == EndpointUse::kOut && is_bare_host(text);
+  const std::string place = completed ? text + ":" + std::to_string(next_port(text, before)) : text;
   const Direction direction = use == EndpointUse::kOut ? Direction::kSend : Direction::kListen;
-  return socket_link(text, {"udp", LinkType::kUdp, direction}, rest, use);
+  return socket_link(text, {"udp", LinkType::kUdp, direction}, place, use);
 }
 
 bool is_endpoint(std::string_view text) {
@@ -184,11 +226,17 @@ std::string link_entry(const LinkConfig& link) {
   return entry + "}";
 }
 
-std::string topology_of_endpoints(std::vector<LinkConfig> links, int command_port) {
+std::string topology_of_endpoints(std::vector<LinkConfig> links, int command_port,
+                                  const EndpointLog& log) {
   name_links(links);
   std::string text = "schema: 1\n";
   if (command_port >= 0) {
     text += "command_port: {port: " + std::to_string(command_port) + "}\n";
+  }
+  if (!log.folder.empty()) {
+    text += "log:\n  folder: " + yaml_string(log.folder) + "\n";
+    if (log.telemetry) text += "  tlog: flight\n";
+    text += "  autopilot: {}\n";
   }
   text += "links:\n";
   for (const LinkConfig& link : links) text += "  " + link_entry(link) + "\n";

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,20 +24,31 @@ enum class EndpointUse : std::uint8_t {
 ///     serial:/dev/ttyACM0:921600   /dev/ttyACM0,921600   serial:///dev/ttyACM0:921600
 ///     udp:14550  udpin:HOST:PORT  udps:HOST:PORT         listens; without a host on 127.0.0.1
 ///     udp:HOST:PORT  udpout:HOST:PORT  udpc:HOST:PORT    sends there
+///     mcast:  mcast:GROUP:PORT                           sends to the group, receives from it
 ///     tcp:5760  tcpin:HOST:PORT  tcps:HOST:PORT          listens
 ///     tcp:HOST:PORT  tcpout:HOST:PORT  tcpc:HOST:PORT    connects
 ///
 /// `udp` and `tcp` listen on a wildcard host (0.0.0.0, [::]). Serial lines pass unknown messages.
+/// @param before  other links of the command line: with kOut, HOST without a port gets the first
+///                one from 14550 on to which none of them sends at that host
 /// @throws base::ConfigError
-LinkConfig parse_endpoint(const std::string& text, EndpointUse use = EndpointUse::kPlain);
+LinkConfig parse_endpoint(const std::string& text, EndpointUse use = EndpointUse::kPlain,
+                          std::span<const LinkConfig> before = {});
 
 /// Whether a word of the command line is meant as an endpoint and not as a file.
 bool is_endpoint(std::string_view text);
 
+/// What a command line has casd record.
+struct EndpointLog {
+  std::string folder;      ///< of the autopilots' logs; empty: none
+  bool telemetry = false;  ///< a telemetry log, too
+};
+
 /// A topology of these links, as a file's text: all to all, but no simulator's sensor data, which
 /// would fly a vehicle in HIL; a bench has a topology of its own. Links without a name get one of
 /// their type. `command_port` < 0: the usual one.
-std::string topology_of_endpoints(std::vector<LinkConfig> links, int command_port = -1);
+std::string topology_of_endpoints(std::vector<LinkConfig> links, int command_port = -1,
+                                  const EndpointLog& log = {});
 
 /// What only a simulator says to a vehicle in HIL.
 inline constexpr std::array<std::string_view, 6> kSimulatorMessages{

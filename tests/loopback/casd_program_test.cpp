@@ -1,13 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <signal.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "base/rpc/client.hpp"
 #include "tests/loopback/casd_fixture.hpp"
+#include "tests/loopback/tcp_peer.hpp"
 #include "tests/support/child_process.hpp"
+#include "tests/support/free_port.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::test {
@@ -106,6 +115,165 @@ TEST_F(CasdProgram, RoutesBetweenEndpointsOfTheCommandLineButNoSensorsOfASimulat
   casd.signal(SIGTERM);
   EXPECT_EQ(casd.wait_exit(), 0) << casd.output();
 }
+
+/// Who is at the other end of an endpoint of the command line.
+enum class OtherEnd {
+  kUdpSentTo,   ///< casd sends to its socket ($SIM)
+  kUdpClient,   ///< sends to casd's socket
+  kTcpClient,   ///< connects to casd
+  kTcpListener  ///< casd connects to it ($TCP)
+};
+
+struct CommandLine {
+  const char* name;
+  std::vector<std::string> arguments;  ///< with $FCU, $SIM, $TCP and a free port, $PORT
+  OtherEnd other_end;
+};
+
+class CasdCommandLine : public CasdProgram, public testing::WithParamInterface<CommandLine> {
+ protected:
+  CasdCommandLine() {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address;
+    auto* const any = reinterpret_cast<sockaddr*>(&address);
+    listener_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+    EXPECT_EQ(::bind(listener_, any, size), 0);
+    EXPECT_EQ(::listen(listener_, 4), 0);
+    ::getsockname(listener_, any, &size);
+    tcp_place_ = "127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+  }
+  ~CasdCommandLine() override { ::close(listener_); }
+
+  std::vector<std::string> command() {
+    const std::string port = std::to_string(free_port());
+    std::vector<std::string> all{kCasd, "--command-port", "0"};
+    for (std::string argument : GetParam().arguments) {
+      for (const auto& [word, by] :
+           {std::pair{std::string("$TCP"), tcp_place_}, std::pair{std::string("$PORT"), port}}) {
+        const std::size_t at = argument.find(word);
+        if (at != argument.npos) argument.replace(at, word.size(), by);
+      }
+      all.push_back(fixture.expand(argument));
+    }
+    return all;
+  }
+  /// Connects to casd, or takes its connection.
+  void connect(const std::string& status) {
+    if (GetParam().other_end == OtherEnd::kUdpClient ||
+        GetParam().other_end == OtherEnd::kUdpSentTo) {
+      fixture.sim.set_remote(port_of(endpoint_in(status, "udp")));
+    } else if (GetParam().other_end == OtherEnd::kTcpClient) {
+      tcp_.emplace(port_of(endpoint_in(status, "tcp")));
+    } else if (GetParam().other_end == OtherEnd::kTcpListener) {
+      int accepted = -1;
+      ASSERT_TRUE(wait_until([&] {
+        accepted = ::accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
+        return accepted >= 0;
+      }));
+      tcp_.emplace(accepted, true);
+    }
+  }
+  void say(std::span<const std::uint8_t> bytes) {
+    tcp_ ? tcp_->send(bytes) : fixture.sim.send(bytes);
+  }
+
+  int listener_ = -1;
+  std::string tcp_place_;
+  std::optional<TcpPeer> tcp_;
+};
+
+TEST_P(CasdCommandLine, ConnectsALineWithTheOtherEnd) {
+  ChildProcess casd(command());
+  const auto status = casd.wait_ready();
+  ASSERT_TRUE(status) << casd.output();
+  ASSERT_NO_FATAL_FAILURE(connect(*status)) << casd.output();
+  using mavlink::common::ParamRequestList;
+  // Again and again: who has not been heard yet gets nothing.
+  EXPECT_TRUE(fixture.collect_until([&] {
+    say(fixture.from_sim(ParamRequestList{}));
+    fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
+    if (tcp_) tcp_->read(fixture.at_sim);
+    return fixture.at_sim.count(kHilControls) > 0 &&
+           fixture.at_fcu.count(ParamRequestList::kId) > 0;
+  })) << *status
+      << casd.output();
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Notations, CasdCommandLine,
+    testing::Values(
+        CommandLine{"UdpHostAndPort", {"serial:$FCU:921600", "udp:$SIM"}, OtherEnd::kUdpSentTo},
+        CommandLine{"UdpPort", {"serial:$FCU", "udp:0"}, OtherEnd::kUdpClient},
+        CommandLine{"TcpPort", {"serial:$FCU", "tcp:0"}, OtherEnd::kTcpClient},
+        CommandLine{"TcpHostAndPort", {"serial:$FCU", "tcp:$TCP"}, OtherEnd::kTcpListener},
+        CommandLine{
+            "MavproxysOut", {"--master", "$FCU,921600", "--out", "$SIM"}, OtherEnd::kUdpSentTo},
+        CommandLine{"MavproxysOutTcpin",
+                    {"--master", "$FCU", "--baudrate", "921600", "--out", "tcpin:127.0.0.1:0"},
+                    OtherEnd::kTcpClient},
+        CommandLine{"MavproxysMasterUdp",
+                    {"--master", "udp:127.0.0.1:0", "--out", "$FCU"},
+                    OtherEnd::kUdpClient},
+        CommandLine{
+            "MavproxysMasterTcp", {"--master", "tcp:$TCP", "serial:$FCU"}, OtherEnd::kTcpListener},
+        CommandLine{"MavlinkRoutersE", {"-e", "$SIM", "serial:$FCU:921600"}, OtherEnd::kUdpSentTo},
+        CommandLine{
+            "MavlinkRoutersServer", {"serial:$FCU:921600", "127.0.0.1:0"}, OtherEnd::kUdpClient},
+        CommandLine{
+            "MavlinkRoutersP", {"-p", "$TCP", "serial:$FCU:921600"}, OtherEnd::kTcpListener},
+        CommandLine{
+            "MavlinkRoutersT", {"-t", "$PORT", "serial:$FCU:921600"}, OtherEnd::kTcpClient}),
+    [](const auto& test) { return std::string(test.param.name); });
+
+TEST_F(CasdProgram, RecordsWhereMavlinkRoutersOptionsSay) {
+  const auto printed = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {kCasd, "--as-topology"});
+    ChildProcess casd(arguments);
+    EXPECT_EQ(casd.wait_exit(), 0) << casd.output();
+    return casd.output();
+  };
+  const std::string text = printed({"-l", "/var/log/x", "-T", "-g", "warning", "-e", "10.0.0.1",
+                                    "-e", "10.0.0.1", "/dev/ttyS1"});
+  EXPECT_NE(text.find("folder: \"/var/log/x\""), text.npos) << text;
+  EXPECT_NE(text.find("tlog: flight"), text.npos) << text;
+  EXPECT_NE(text.find("autopilot: {}"), text.npos) << text;
+  EXPECT_NE(text.find("10.0.0.1:14550"), text.npos) << text;
+  EXPECT_NE(text.find("10.0.0.1:14551"), text.npos) << text;
+  EXPECT_NE(printed({"--master", "/dev/ttyS1", "--baudrate", "57600"}).find("baud: 57600"),
+            text.npos);
+  ChildProcess alone({kCasd, "-T", "udp:0"});
+  EXPECT_EQ(alone.wait_exit(), 78);
+  EXPECT_NE(alone.output().find("--telemetry-log needs --log"), text.npos) << alone.output();
+}
+
+struct RefusedOption {
+  const char* name;
+  std::vector<std::string> arguments;
+  const char* sentence;
+};
+
+class CasdRefuses : public testing::TestWithParam<RefusedOption> {};
+
+TEST_P(CasdRefuses, AnOptionOfMavlinkRoutersAndSaysWhatTakesItsPlace) {
+  std::vector<std::string> command{kCasd, "udp:0"};
+  const auto& arguments = GetParam().arguments;
+  command.insert(command.end(), arguments.begin(), arguments.end());
+  ChildProcess casd(command);
+  EXPECT_EQ(casd.wait_exit(), 78);
+  EXPECT_NE(casd.output().find(GetParam().sentence), std::string::npos) << casd.output();
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Options, CasdRefuses,
+    testing::Values(RefusedOption{"ConfFile", {"-c", "main.conf"}, "casd --import FILE"},
+                    RefusedOption{"ConfFileLong", {"--conf-file", "main.conf"}, "--import"},
+                    RefusedOption{"ConfDir", {"-d", "/etc/x"}, "config.d"},
+                    RefusedOption{"Statistics", {"-r"}, "casctl status"},
+                    RefusedOption{"Sniffer", {"-s", "250"}, "sniffer: true"},
+                    RefusedOption{"Syslog", {"-y"}, "standard error"}),
+    [](const auto& test) { return std::string(test.param.name); });
 
 TEST_F(CasdProgram, PrintsEndpointsAndMavlinkRoutersFileAsATopologyThatItTakes) {
   const auto conf = fixture.folder.write(

@@ -49,7 +49,18 @@ INSTANTIATE_TEST_SUITE_P(
         Notation{"udpbcast:192.168.1.255:14550", kOut, "udp, remote: \"192.168.1.255:14550\""},
         Notation{"tcpin:0.0.0.0:5762", kOut, "tcp_server, local: \"0.0.0.0:5762\""},
         Notation{"tcp:127.0.0.1:5760", kMaster, "tcp, remote: \"127.0.0.1:5760\""},
+        Notation{"udpcast:192.168.1.255:14550", kOut, "udp, remote: \"192.168.1.255:14550\""},
+        Notation{"mcast:", kMaster,
+                 "udp, local: \"0.0.0.0:14550\", remote: \"239.255.145.50:14550\""},
+        Notation{"mcast::14560", kPlain,
+                 "udp, local: \"0.0.0.0:14560\", remote: \"239.255.145.50:14560\""},
+        Notation{"mcast:239.1.2.3", kPlain,
+                 "udp, local: \"0.0.0.0:14550\", remote: \"239.1.2.3:14550\""},
+        Notation{"mcast:[ff02::7]:14560", kOut,
+                 "udp, local: \"[::]:14560\", remote: \"[ff02::7]:14560\""},
         // mavlink-router
+        Notation{"192.168.1.2", kOut, "udp, remote: \"192.168.1.2:14550\""},
+        Notation{"[::1]", kOut, "udp, remote: \"[::1]:14550\""},
         Notation{"/dev/ttyS1:1500000", kPlain,
                  "serial, device: \"/dev/ttyS1\", unknown_messages: pass, baud: 1500000"},
         Notation{"0.0.0.0:24550", kPlain, "udp_server, local: \"0.0.0.0:24550\""},
@@ -73,6 +84,33 @@ TEST(EndpointNotation, RefusesWhatIsNoPlace) {
                            "/dev/ttyACM0,fast", "nonsense", "tcp:[::1:5760"}) {
     EXPECT_THROW(parse_endpoint(text), base::ConfigError) << text;
   }
+}
+
+TEST(EndpointNotation, HostsWithoutAPortGetTheNextOneThatIsFree) {
+  std::vector<LinkConfig> links{parse_endpoint("udp:h:14550"), parse_endpoint("udp:14551")};
+  const auto next = [&](const std::string& host) {
+    links.push_back(parse_endpoint(host, EndpointUse::kOut, links));
+    return links.back().remote;
+  };
+  EXPECT_EQ(next("h"), "h:14551") << "a server of this machine's takes no port of h";
+  EXPECT_EQ(next("h"), "h:14552");
+  EXPECT_EQ(next("other"), "other:14550");
+  for (const char* text : {"14550", "a/b", "::1"}) {
+    EXPECT_THROW(parse_endpoint(text, EndpointUse::kOut), base::ConfigError) << text;
+  }
+}
+
+TEST(EndpointNotation, TopologyRecordsWhereItIsTold) {
+  const std::vector<LinkConfig> links{parse_endpoint("udp:14550")};
+  const auto parsed = [&](const EndpointLog& log) {
+    return Topology::parse(base::ConfigNode::parse(topology_of_endpoints(links, 0, log)));
+  };
+  EXPECT_FALSE(parsed({}).log.autopilot);
+  const Topology logs = parsed({.folder = "/var/log/a: b"});
+  EXPECT_EQ(logs.log.folder, "/var/log/a: b");
+  EXPECT_TRUE(logs.log.autopilot);
+  EXPECT_TRUE(logs.log.tlog.empty());
+  EXPECT_EQ(parsed({.folder = "/x", .telemetry = true}).log.tlog, "flight");
 }
 
 TEST(EndpointNotation, TellsEndpointsFromFiles) {
