@@ -260,6 +260,16 @@ class ChangeReader {
 
 }  // namespace
 
+std::optional<OutsideCall> forgotten_calls(const json& journal, const std::string& port) {
+  const std::uint64_t number = journal.at("forgotten").get<std::uint64_t>();
+  if (number == 0) return std::nullopt;
+  return OutsideCall{.client = "somebody",
+                     .method = fmt::format("calls that are no longer listed: {}", number),
+                     .params = "{}",
+                     .port = port,
+                     .sim_s = 0};
+}
+
 std::vector<OutsideCall> outside_calls(const json& journal, CallList own, const std::string& port) {
   std::vector<OutsideCall> calls;
   for (const json& call : journal.at("calls")) {

@@ -36,6 +36,10 @@ using CallList = std::vector<std::pair<std::string, std::string>>;
 std::vector<OutsideCall> outside_calls(const nlohmann::json& journal, CallList own,
                                        const std::string& port = "casd's command port");
 
+/// What a journal that forgets its oldest calls says of them: nobody knows what they did, so they
+/// count as a call from outside. Nothing: it has them all. @param journal  as above
+std::optional<OutsideCall> forgotten_calls(const nlohmann::json& journal, const std::string& port);
+
 /// Whether the call does something, and asks no mere question.
 bool is_act(const OutsideCall& call);
 

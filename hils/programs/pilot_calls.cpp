@@ -202,8 +202,11 @@ std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd, const CallL
 }
 
 std::vector<OutsideCall> read_simulator_calls(base::rpc::Client& simulator, const CallList& own) {
-  return outside_calls(simulator.call("sim.journal", Json::object()), own,
-                       "hilsim's control socket");
+  constexpr const char* kPort = "hilsim's control socket";
+  const Json journal = simulator.call("sim.journal", Json::object());
+  std::vector<OutsideCall> calls = outside_calls(journal, own, kPort);
+  if (auto older = forgotten_calls(journal, kPort)) calls.insert(calls.begin(), std::move(*older));
+  return calls;
 }
 
 }  // namespace cas::hils

@@ -9,7 +9,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <deque>
 #include <exception>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -19,6 +18,7 @@
 #include <vector>
 
 #include "base/os/log.hpp"
+#include "base/os/mutex.hpp"
 #include "base/os/thread.hpp"
 #include "base/rpc/base64.hpp"
 #include "base/rpc/server.hpp"
@@ -26,6 +26,7 @@
 #include "libsim/hilsim/fault_desk.hpp"
 #include "libsim/hilsim/motion_watch.hpp"
 #include "libsim/hilsim/pace_watch.hpp"
+#include "libsim/hilsim/run_journal.hpp"
 #include "libsim/hilsim/scene.hpp"
 #include "libsim/hilsim/sim_report.hpp"
 
@@ -43,7 +44,6 @@ constexpr auto kPacePeriod = std::chrono::seconds(5);
 /// gets 60.
 constexpr auto kWatchPeriod = std::chrono::milliseconds(16);
 constexpr std::size_t kMeshPiece = 256 * 1024;  // bytes of one answer
-constexpr std::size_t kMostNoted = 1000;        // calls of the journal
 
 /// Asks for a line with the state of the run. Not a constant: the C library keeps some for itself.
 int status_signal() { return SIGRTMIN; }
@@ -87,17 +87,18 @@ struct ControlServer::Impl {
   /// On the loop's thread: keeps for sim.journal what somebody does to the run.
   void note(const std::string& client, const std::string& method,
             const Json& params = Json::object()) {
-    Json call{{"unix_us", unix_us()},
-              {"time_s", base::to_seconds(loop.figures().time)},
-              {"client", client},
-              {"method", method},
-              {"params", params.is_null() ? Json::object() : params}};
-    asio::post(io, [this, call = std::move(call)] {
-      journal.push_back(call);
-      if (journal.size() <= kMostNoted) return;
-      journal.pop_front();
-      ++forgotten;
-    });
+    NotedCall call{.unix_us = unix_us(),
+                   .time_s = base::to_seconds(loop.figures().time),
+                   .client = client,
+                   .method = method,
+                   .params = params.is_null() ? "{}" : params.dump()};
+    const base::MutexLock lock(journal_mutex);
+    journal.note(std::move(call));
+  }
+
+  Json noted() {
+    const base::MutexLock lock(journal_mutex);
+    return journal.json();
   }
 
   /// A method that is done at once.
@@ -129,9 +130,8 @@ struct ControlServer::Impl {
     add_act("sim.reset", [this] { loop.reset(); });
     add_act("sim.quit", [this] { loop.stop(); });
     add_fault_method();
-    server.add_method("sim.journal", [this](const Json&, const Reply& reply) {
-      reply.result({{"calls", journal}, {"forgotten", forgotten}});
-    });
+    server.add_method("sim.journal",
+                      [this](const Json&, const Reply& reply) { reply.result(noted()); });
     server.add_method("sim.stats", [this](const Json&, Reply reply) {
       loop.post([this, reply = std::move(reply)] { answer(reply, stats_report(loop)); });
     });
@@ -308,8 +308,8 @@ struct ControlServer::Impl {
   SimLoop& loop;
   MotionWatch motion{loop};
   FaultDesk faults{loop.runner()};
-  std::deque<Json> journal;  // what somebody did to the run, the oldest first
-  std::uint64_t forgotten = 0;
+  base::Mutex journal_mutex;
+  RunJournal journal CAS_GUARDED_BY(journal_mutex);
   std::unique_ptr<const Scene> scene;  // once somebody has asked
   Json sample;                         // newest of `motion`
   base::RunTime sample_ends{};         // until then nobody needs another

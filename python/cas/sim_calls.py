@@ -24,6 +24,7 @@ NotedCall = TypedDict("NotedCall", {
     "method": str,  # or a signal's name
     "params": Any,
     "time_s": float,  # simulated
+    "times": NotRequired[int],  # so many of sim.run_until, or of the same sim.step, in a row; params of the last
     "unix_us": int,
 })
 SimJournal = TypedDict("SimJournal", {

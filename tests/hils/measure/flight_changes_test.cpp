@@ -292,6 +292,20 @@ TEST_F(FlightChangesTest, WhatWasDoneToTheSimulatorTouchesEveryVehicleWheneverIt
   EXPECT_TRUE(changes.from_outside());
 }
 
+TEST_F(FlightChangesTest, CallsThatTheSimulatorHasForgottenTouchTheRun) {
+  const json all{{"calls", json::array()}, {"forgotten", 0}};
+  EXPECT_FALSE(forgotten_calls(all, "hilsim's control socket"));
+  const json some{{"calls", json::array()}, {"forgotten", 7}};
+  const auto older = forgotten_calls(some, "hilsim's control socket");
+  ASSERT_TRUE(older);
+  record_.outside_calls = {*older};
+  const FlightChanges changes = read();
+  ASSERT_EQ(changes.acts.size(), 1U);
+  EXPECT_EQ(changes.acts[0].by, "hilsim's control socket (somebody)");
+  EXPECT_EQ(changes.acts[0].what, "calls that are no longer listed: 7");
+  EXPECT_TRUE(changes.from_outside());
+}
+
 TEST(OutsideCalls, AreThoseThatHilsDidNotMake) {
   const auto call = [](const std::string& method, const json& params) {
     return json{{"unix_us", 5},
