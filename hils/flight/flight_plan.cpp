@@ -88,6 +88,24 @@ std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleRep
   return std::nullopt;
 }
 
+base::SimTime FlightPlan::next_look(base::SimTime now) const {
+  const std::optional<base::SimTime> next = only_time_until();
+  if (!next || *next <= now) return now + kLookPeriod;
+  return std::min(*next, now + kLongestLook);
+}
+
+/// Until when nothing that the vehicle does takes the step further: the end of one that only takes
+/// its time, or the moment at which a refused command is given again.
+std::optional<base::SimTime> FlightPlan::only_time_until() const {
+  if (done() || !begun_) return std::nullopt;
+  if (phase_ == Phase::kBegin) return retry_at_;
+  if (phase_ != Phase::kWaiting) return std::nullopt;
+  const FlightStep& step = steps_[current_];
+  if (step.kind == StepKind::kHold) return step_begin_ + step.duration;
+  if (step.kind == StepKind::kTrajectory) return accepted_ + step.duration;
+  return std::nullopt;
+}
+
 /// A step that only takes its time, or that others do, has none to be done within.
 void FlightPlan::check_time(const FlightStep& step, base::SimTime now,
                             const VehicleReport& vehicle) {

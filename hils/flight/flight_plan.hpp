@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -93,6 +94,9 @@ struct FirmwareHabits {
 ///   update() -> command -> on_outcome() -> update() until the step's condition holds -> next step
 class FlightPlan {
  public:
+  static constexpr base::Duration kLookPeriod = std::chrono::milliseconds(50);
+  /// A vehicle that is disarmed in the air is noticed within this long.
+  static constexpr base::Duration kLongestLook = std::chrono::milliseconds(500);
   /// `others_through` of a vehicle that flies alone.
   static constexpr std::size_t kNobody = std::numeric_limits<std::size_t>::max();
 
@@ -124,6 +128,11 @@ class FlightPlan {
   /// The mission under way, once it is uploaded: where it goes and ends, and the item before its
   /// landing.
   void aim(const HomedMission& mission);
+  /// When the vehicle is to be looked at next, by who can choose. After kLookPeriod if what the
+  /// vehicle does may take the step further; where it only takes its time (hold, trajectory, the
+  /// pause before a refused command is repeated) when that is over, at the latest after
+  /// kLongestLook.
+  base::SimTime next_look(base::SimTime now) const;
   /// Where the vehicle is to be, north, east, up from where it was armed, and its heading.
   const Eigen::Vector3d& reference_m() const { return reference_m_; }
   double reference_yaw_rad() const { return reference_yaw_rad_; }
@@ -143,6 +152,7 @@ class FlightPlan {
  private:
   enum class Phase { kBegin, kCommanding, kWaiting };
 
+  std::optional<base::SimTime> only_time_until() const;
   bool needs_command(const FlightStep& step, const VehicleReport& vehicle) const;
   bool lost_its_arming(const FlightStep& step, base::SimTime now,
                        const VehicleReport& vehicle) const;

@@ -29,8 +29,6 @@ using std::chrono::seconds;
 
 /// For a stretch of the stream, on a machine that may be very busy.
 constexpr base::Duration kCallPatience = seconds(120);
-/// Stream time between two looks at the vehicle.
-constexpr base::Duration kLookPeriod = milliseconds(50);
 /// The stream goes on for this long after the flight, so that the pipe is drained.
 constexpr base::Duration kDrain = seconds(1);
 
@@ -81,7 +79,7 @@ class LockstepPilot {
       if (plan_.done() || !plan_.failure().empty()) break;
       progress_.show(now_, plan_, vehicle, pace_words(factor_));
       if (command) plan_.on_outcome(now_, give(*command));
-      advance(now_ + kLookPeriod);
+      advance(plan_.next_look(now_));
     }
     advance(now_ + kDrain);
     progress_.clear();
@@ -116,7 +114,7 @@ class LockstepPilot {
 
   /// Lets the vehicle say its first words.
   void meet() {
-    advance(base::SimTime(kLookPeriod));
+    advance(base::SimTime(FlightPlan::kLookPeriod));
     const base::RunTime deadline = base::steady_now() + kCallPatience;
     while (!vehicle_report(casd_).heard) {
       if (base::steady_now() > deadline) throw RunStopped("casd never heard the controller", false);

@@ -43,6 +43,31 @@ TEST(FlightPlan, GivesARefusedCommandAgainAfterASecond) {
   EXPECT_TRUE(plan.update(at(seconds(1)), on_ground()));
 }
 
+TEST(FlightPlan, WantsToBeLookedAtWhenTimeAloneTakesItFurther) {
+  FlightPlan plan({{.kind = StepKind::kArm, .timeout = seconds(10)},
+                   {.kind = StepKind::kHold, .duration = milliseconds(1200)},
+                   {.kind = StepKind::kTrajectory, .duration = milliseconds(700)},
+                   {.kind = StepKind::kLand, .timeout = seconds(10)}});
+  EXPECT_EQ(plan.next_look(at({})), at(milliseconds(50))) << "before anything has begun";
+  ASSERT_TRUE(plan.update(at({}), on_ground()));
+  plan.on_outcome(at({}), Refusal{"estimator not ready"});
+  EXPECT_EQ(plan.next_look(at({})), at(milliseconds(500)));
+  EXPECT_EQ(plan.next_look(at(milliseconds(600))), at(seconds(1))) << "the arming again";
+  ASSERT_TRUE(plan.update(at(seconds(1)), on_ground()));
+  plan.on_outcome(at(seconds(1)));
+  EXPECT_EQ(plan.next_look(at(seconds(1))), at(milliseconds(1050))) << "until it is armed";
+
+  EXPECT_FALSE(plan.update(at(seconds(2)), hovering()));
+  EXPECT_EQ(plan.next_look(at(seconds(2))), at(milliseconds(2500)));
+  EXPECT_EQ(plan.next_look(at(seconds(3))), at(milliseconds(3200))) << "the end of the hold";
+  ASSERT_EQ(plan.update(at(milliseconds(3202)), hovering())->kind, StepKind::kTrajectory);
+  plan.on_outcome(at(milliseconds(3202)));
+  EXPECT_EQ(plan.next_look(at(milliseconds(3702))), at(milliseconds(3902)));
+  ASSERT_EQ(plan.update(at(milliseconds(3902)), hovering())->kind, StepKind::kLand);
+  plan.on_outcome(at(milliseconds(3902)));
+  EXPECT_EQ(plan.next_look(at(milliseconds(3902))), at(milliseconds(3952)));
+}
+
 TEST(FlightPlan, FailsWithTheLastRefusalWhenTheTimeIsOver) {
   FlightPlan plan(hover());
   ASSERT_TRUE(plan.update(at(seconds(0)), on_ground()));
