@@ -100,7 +100,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   void pre_step(const StepInfo& step, World&) override {
     now_ = step.time;
     port_->set_sim_time(step.time);
-    interface_->receive();
+    if (!std::exchange(has_all_, false)) interface_->receive();
     if (const auto command = interface_->take_command(step.time)) command_.publish(*command);
   }
 
@@ -112,9 +112,13 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   }
 
   bool wait_for_controls(base::SimTime, base::Duration timeout) override {
-    if (interface_->answered()) return true;
+    if (interface_->answered()) {
+      has_all_ = has_all_ || interface_->settled();  // nothing is on its way
+      return true;
+    }
     const base::RunTime deadline = base::steady_now() + timeout;
     interface_->receive();
+    has_all_ = true;
     while (interface_->in_step() && !interface_->answered()) {
       const base::Duration left = deadline - base::steady_now();
       if (left <= base::Duration::zero() || !port_->wait(left)) return false;
@@ -136,6 +140,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     messages_.reset();
     too_many_ = 0;
     now_ = {};
+    has_all_ = false;
     begin();
   }
   bool settled() const override { return interface_->settled(); }
@@ -268,6 +273,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   Publisher<FaultOrder> faults_;
   int rotors_ = 0;
   base::SimTime now_{};
+  bool has_all_ = false;  ///< lockstep: what the step is to know was read while it waited
   PluginMessages messages_;
   std::vector<Subscription> plugins_;  ///< to what they send of their own accord
   std::uint64_t too_many_ = 0;         ///< messages of plugins that one step had no room for

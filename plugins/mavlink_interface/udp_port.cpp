@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/mavlink_interface/udp_port.hpp"
 
+#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -8,7 +9,6 @@
 #include <cstring>
 #include <ctime>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "base/os/command_port.hpp"
 
@@ -31,6 +31,12 @@ std::int64_t monotonic_minus_realtime() {
   timespec realtime{};
   clock_gettime(CLOCK_REALTIME, &realtime);
   return base::steady_now().time_since_epoch().count() - nanoseconds(realtime);
+}
+
+/// That this thread may run on: where there is one, the answer is made on it too.
+int processors() {
+  cpu_set_t set;
+  return sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
 }
 
 void set_option(int socket, int name, int value) {
@@ -154,14 +160,20 @@ bool UdpPort::is_from_peer(const InetAddress& source) {
 }
 
 bool UdpPort::wait(base::Duration timeout) {
-  static const bool alone = std::thread::hardware_concurrency() < 2;
-  if (!alone) {
+  static const bool spins = processors() > 1;
+  if (spins) {
     const base::RunTime until = base::steady_now() + std::min(timeout, kSpin);
-    while (base::steady_now() < until) {
-      if (wait_readable(socket_, -1, base::Duration(0))) return true;
-    }
+    do {
+      if (has_datagram()) return true;
+      sched_yield();  // a thread that is to bring the answer may wait for this processor
+    } while (base::steady_now() < until);
   }
   return wait_readable(socket_, -1, timeout);
+}
+
+/// Also when the next read would fail: it clears the error.
+bool UdpPort::has_datagram() const {
+  return recv(socket_, nullptr, 0, MSG_PEEK | MSG_DONTWAIT) >= 0 || errno != EAGAIN;
 }
 
 std::string UdpPort::endpoint() const { return "udp " + bound_address(socket_); }

@@ -36,6 +36,7 @@ class UdpPort final : public HilPort {
 
   /// @return datagrams read
   int read_batch(const OnBytes& on_bytes);
+  bool has_datagram() const;
   bool is_from_peer(const InetAddress& source);
 
   int socket_ = -1;
