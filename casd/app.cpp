@@ -197,6 +197,8 @@ struct App::Impl {
     if (lockstep()) {
       links.stream_time().enable([this](base::RunTime now) { hold_for_turn(now); });
       links.tlog().set_epoch(TlogWriter::kStreamEpoch);
+      links.local().wake_for_all(false);
+      server.before_calls([this] { listen_closely(); });
     }
     figures.set_memory([this](const MessageTaps::Key& key) { return remembered(key); });
     commander.on_notice([](const std::string& notice) { base::log::warn(notice); });
@@ -290,8 +292,17 @@ struct App::Impl {
   }
 
   void take_turn(base::RunTime now) {
+    links.local().wake_for_all(false);
     hear(now);
     station.tick(now);
+  }
+
+  /// Lockstep: telemetry wakes the main thread, which would share a processor with the stream, only
+  /// from a client's call to the next turn of the station. Then what the client asks for is new,
+  /// and answers come at once also while the simulation stands.
+  void listen_closely() {
+    links.local().wake_for_all(true);
+    hear(station_now());
   }
 
   /// Gives the station its packets.
@@ -541,11 +552,12 @@ struct App::Impl {
     });
   }
 
-  /// Ends requests to a vehicle whose simulator is paused.
+  /// Ends requests to a vehicle whose simulator is paused, and hears what came after the last turn.
   void do_wall_tick() {
     tick_timer.expires_after(kWallTick);
     tick_timer.async_wait([this](boost::system::error_code error) {
       if (error) return;
+      hear(station_now());
       commander.wall_tick(base::steady_now());
       failures.tick(base::steady_now());
       do_wall_tick();

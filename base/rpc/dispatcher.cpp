@@ -174,6 +174,7 @@ void Dispatcher::add_topic(const std::string& topic) { topics_.insert(topic); }
 
 bool Dispatcher::handle(std::string_view line, const std::shared_ptr<Peer>& peer) {
   if (line.find_first_not_of(" \t\r\n") == std::string_view::npos) return false;
+  if (before_calls_) before_calls_();
   handle_text(line, peer);
   if (peer->refusal == Refusal::kNone) return true;
   peer->on_refused();

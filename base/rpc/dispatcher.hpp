@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -49,6 +50,8 @@ class CAS_BASE_EXPORT Dispatcher {
   void add_topic(const std::string& topic);
   /// What `rpc.discover` tells of the methods beside their names.
   void describe(Description description) { description_ = std::move(description); }
+  /// Called before each line with requests is handled.
+  void before_calls(std::function<void()> callback) { before_calls_ = std::move(callback); }
   /// Peers that are not authorised must first call `authorise`: {"token": ...}, or {"nonce": ...}
   /// and then {"proof": ...} (token_proof()), so that the token itself is not told.
   void set_token(std::string token) { token_ = std::move(token); }
@@ -94,6 +97,7 @@ class CAS_BASE_EXPORT Dispatcher {
   std::map<std::string, Weighed> methods_;
   std::map<std::string, SessionMethod> session_methods_;
   std::set<std::string> topics_;
+  std::function<void()> before_calls_;
   Description description_;
   std::optional<std::string> token_;
 };

@@ -120,6 +120,10 @@ void Server::describe(Description description) {
   impl_->dispatcher->describe(std::move(description));
 }
 
+void Server::before_calls(std::function<void()> callback) {
+  impl_->dispatcher->before_calls(std::move(callback));
+}
+
 void Server::add_topic(const std::string& topic) { impl_->dispatcher->add_topic(topic); }
 
 void Server::publish(const std::string& topic, const Json& params) {

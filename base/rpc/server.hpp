@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -56,6 +57,8 @@ class CAS_BASE_EXPORT Server {
   void add_method(const std::string& name, Method method, double weight = 1);
   /// What `rpc.discover` tells of the methods beside their names.
   void describe(Description description);
+  /// Called before the requests of a line are served: what they ask for can be brought up to date.
+  void before_calls(std::function<void()> callback);
   /// Sends {"method": name, "params": params} to each client that subscribed to `topic`.
   void publish(const std::string& topic, const Json& params);
   /// Whether anybody hears a topic: what nobody hears need not be put together.

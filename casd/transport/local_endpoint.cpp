@@ -17,16 +17,21 @@ LocalEndpoint::LocalEndpoint(Switchboard& switchboard, mav::Source self)
       dispatching_(kQueueBytes) {}
 
 void LocalEndpoint::deliver(std::span<const PacketRef> packets, base::RunTime) {
-  bool any = false;
+  bool wakes = false;
   {
     const base::MutexLock lock(mutex_);
     for (const PacketRef& packet : packets) {
       if (!concerns_us(*packet.info)) continue;
-      any = true;
+      wakes = wakes || wakes_for_all_ || packet.info->target.system != 0;
       waiting_.push(*packet.info, packet.bytes);  // full: lost, as on a line
     }
   }
-  if (any) signal_.raise();
+  if (wakes) signal_.raise();
+}
+
+void LocalEndpoint::wake_for_all(bool all) {
+  const base::MutexLock lock(mutex_);
+  wakes_for_all_ = all;
 }
 
 void LocalEndpoint::dispatch(Station& station, base::RunTime now) {

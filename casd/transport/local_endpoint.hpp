@@ -27,6 +27,10 @@ class LocalEndpoint final : public PacketPort {
 
   // casd's main thread:
 
+  /// Whether every packet wakes the main thread (as at first), or only those that are addressed to
+  /// casd itself; the others wait until it dispatches.
+  void wake_for_all(bool all);
+
   /// Becomes readable when packets wait.
   int descriptor() const { return signal_.descriptor(); }
   /// Gives the station what waits.
@@ -50,6 +54,7 @@ class LocalEndpoint final : public PacketPort {
   WakeSignal signal_;
   base::Mutex mutex_;
   PacketRing waiting_ CAS_GUARDED_BY(mutex_);
+  bool wakes_for_all_ CAS_GUARDED_BY(mutex_) = true;
   PacketRing dispatching_;
 };
 

@@ -67,6 +67,19 @@ class DispatcherTest : public testing::Test {
   std::shared_ptr<FakePeer> peer_ = std::make_shared<FakePeer>();
 };
 
+TEST_F(DispatcherTest, AnnouncesEachLineBeforeItsCalls) {
+  int announced = 0;
+  dispatcher_.before_calls([&] {
+    EXPECT_EQ(counted_, announced);
+    ++announced;
+  });
+  handle(R"({"jsonrpc":"2.0","id":1,"method":"count"})");
+  handle(R"({"jsonrpc":"2.0","id":2,"method":"count"})");
+  handle("  ");
+  EXPECT_EQ(announced, 2);
+  EXPECT_EQ(counted_, 2);
+}
+
 TEST_F(DispatcherTest, WeighsALineByTheHeaviestOfItsCalls) {
   EXPECT_EQ(weight_of(R"({"jsonrpc":"2.0","id":1,"method":"light"})"), 0.25);
   EXPECT_EQ(weight_of(R"({"jsonrpc":"2.0","id":1,"method":"echo"})"), 1);

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/transport/local_endpoint.hpp"
+
+#include <gtest/gtest.h>
+#include <poll.h>
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "casd/station/vehicle_commander.hpp"
+#include "mavlink/common/command_ack.hpp"
+#include "mavlink/common/heartbeat.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
+#include "tests/casd/packets.hpp"
+
+namespace cas::casd::test {
+namespace {
+
+constexpr mav::Source kVehicle{1, 1};
+constexpr mav::Source kSelf{254, 190};
+
+/// Keeps the ids of what it hears.
+class Listener final : public Station {
+ public:
+  void on_packet(const Origin&, const mav::PacketView& packet, base::RunTime) override {
+    heard.push_back(packet.message_id);
+  }
+  void tick(base::RunTime) override {}
+
+  std::vector<std::uint32_t> heard;
+};
+
+class LocalEndpointTest : public testing::Test {
+ protected:
+  template <class Message>
+  void deliver(const Message& message) {
+    const mav::PacketBuffer buffer = packet(message, kVehicle);
+    const PacketInfo info = inspect(view(buffer), mav::public_table());
+    const PacketRef reference{&info, buffer.view()};
+    endpoint_.deliver({&reference, 1}, at(milliseconds(0)));
+  }
+  void deliver_telemetry() { deliver(mavlink::common::Heartbeat{}); }
+  void deliver_answer() {
+    mavlink::common::CommandAck answer;
+    answer.target_system = kSelf.system;
+    answer.target_component = kSelf.component;
+    deliver(answer);
+  }
+  bool wakes() const {
+    pollfd entry{endpoint_.descriptor(), POLLIN, 0};
+    return ::poll(&entry, 1, 0) == 1;
+  }
+  std::size_t dispatch() {
+    Listener listener;
+    endpoint_.dispatch(listener, at(milliseconds(0)));
+    return listener.heard.size();
+  }
+
+  Switchboard switchboard_{std::make_shared<RoutingPlan>(), std::chrono::seconds(60)};
+  LocalEndpoint endpoint_{switchboard_, kSelf};
+};
+
+TEST_F(LocalEndpointTest, EveryPacketWakesItsReaderAtFirst) {
+  EXPECT_FALSE(wakes());
+  deliver_telemetry();
+  EXPECT_TRUE(wakes());
+  EXPECT_EQ(dispatch(), 1U);
+  EXPECT_FALSE(wakes());
+}
+
+TEST_F(LocalEndpointTest, TelemetryThatIsToWakeNobodyIsHeardWithTheNextAnswer) {
+  endpoint_.wake_for_all(false);
+  deliver_telemetry();
+  deliver_telemetry();
+  EXPECT_FALSE(wakes());
+  deliver_answer();
+  EXPECT_TRUE(wakes());
+  EXPECT_EQ(dispatch(), 3U);
+}
+
+TEST_F(LocalEndpointTest, WhatWaitsIsDispatchedWithoutAWakeUp) {
+  endpoint_.wake_for_all(false);
+  deliver_telemetry();
+  EXPECT_EQ(dispatch(), 1U);
+  endpoint_.wake_for_all(true);
+  deliver_telemetry();
+  EXPECT_TRUE(wakes());
+}
+
+}  // namespace
+}  // namespace cas::casd::test
