@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/counters/link_ledger.hpp"
 
+#include <array>
 #include <charconv>
 #include <fstream>
 #include <optional>
-#include <sstream>
 #include <string_view>
 
 #include "base/error.hpp"
@@ -16,12 +16,25 @@ namespace {
 constexpr std::string_view kHeader = "link,event,message_id,time_usec,at_ns";
 constexpr std::string_view kDropped = "dropped.";
 
-void write_entries(std::ostream& out, const std::string& link, const std::string& event,
-                   const LinkLedger::Entries& entries, bool with_cause) {
+constexpr std::size_t kUsualRow = 64;  // bytes
+
+template <class Number>
+void add_cell(std::string& text, Number number) {
+  std::array<char, 24> digits;  // more than any number has
+  const auto [end, error] = std::to_chars(digits.data(), digits.data() + digits.size(), number);
+  text += ',';
+  text.append(digits.data(), end);
+}
+
+void add_rows(std::string& text, const std::string& link, std::string_view event,
+              const LinkLedger::Entries& entries, bool with_cause) {
   for (const LinkLedgerEntry& entry : entries) {
-    out << link << ',' << event;
-    if (with_cause) out << to_string(entry.cause);
-    out << ',' << entry.message_id << ',' << entry.time_usec << ',' << entry.at_ns << '\n';
+    text.append(link).append(",").append(event);
+    if (with_cause) text.append(to_string(entry.cause));
+    add_cell(text, entry.message_id);
+    add_cell(text, entry.time_usec);
+    add_cell(text, entry.at_ns);
+    text += '\n';
   }
 }
 
@@ -43,14 +56,19 @@ bool take_number(std::string_view& line, Number& number) {
 
 void write_link_ledgers(const std::filesystem::path& file,
                         const std::map<std::string, const LinkLedger*>& ledgers) {
-  std::ostringstream out;
-  out << kHeader << '\n';
+  std::size_t rows = 1;
   for (const auto& [name, ledger] : ledgers) {
-    write_entries(out, name, "received", ledger->received(), false);
-    write_entries(out, name, "sent", ledger->sent(), false);
-    write_entries(out, name, std::string(kDropped), ledger->dropped(), true);
+    rows += ledger->received().size() + ledger->sent().size() + ledger->dropped().size();
   }
-  base::write_file(file, out.view(), base::Durability::kCache);
+  std::string text;
+  text.reserve(rows * kUsualRow);
+  text.append(kHeader) += '\n';
+  for (const auto& [name, ledger] : ledgers) {
+    add_rows(text, name, "received", ledger->received(), false);
+    add_rows(text, name, "sent", ledger->sent(), false);
+    add_rows(text, name, kDropped, ledger->dropped(), true);
+  }
+  base::write_file(file, text, base::Durability::kCache);
 }
 
 std::map<std::string, LinkLedger> read_link_ledgers(const std::filesystem::path& file) {
