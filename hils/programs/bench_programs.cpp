@@ -23,19 +23,26 @@ std::filesystem::path program_folder() { return own_program().parent_path(); }
 
 void BenchPrograms::start(bool paused) {
   for (std::size_t i = 0; i < places_.vehicles.size(); ++i) {
-    if (request_.fcu_device(i) == nullptr) start_emulator(places_.vehicles[i]);
+    if (request_.fcu_device(i) == nullptr) launch_emulator(places_.vehicles[i]);
   }
+  if (paused) launch_hilsim(true);  // it sends nothing yet, so it may load while others do
+  for (const ChildProcess* emulator : emulators_)
+    supervisor_.wait_ready(*emulator, Supervisor::kReadyTimeout);
   start_casd();
   refuse_closed_station();
   if (request_.announced) tell_how_to_watch(places_.command_port, request_.station);
+  if (!paused) launch_hilsim(false);
+  supervisor_.wait_ready(*hilsim_, Supervisor::kReadyTimeout);
+}
+
+void BenchPrograms::launch_hilsim(bool paused) {
   std::vector<std::string> arguments{"--control", places_.simulator_control(), "--output",
                                      places_.out};
   if (paused) arguments.push_back("--paused");
   for (const std::filesystem::path& folder : base::plugin_dirs()) {
     arguments.insert(arguments.end(), {"--plugin-dir", folder});
   }
-  hilsim_ = &supervisor_.start(options("hilsim", "hilsim", places_.simulator_config(), arguments),
-                               Supervisor::kReadyTimeout);
+  hilsim_ = &supervisor_.launch(options("hilsim", "hilsim", places_.simulator_config(), arguments));
 }
 
 void BenchPrograms::refuse_closed_station() const {
@@ -50,24 +57,25 @@ void BenchPrograms::refuse_closed_station() const {
   }
 }
 
-void BenchPrograms::start_emulator(const VehiclePlaces& places) {
+void BenchPrograms::launch_emulator(const VehiclePlaces& places) {
   const std::vector<std::string> arguments{"--link",    places.fcu_link(),
                                            "--ledger",  places.controller_ledger(),
                                            "--control", places.fcu_control()};
-  emulators_.push_back(
-      &supervisor_.start(options(places.emulator(), "fcu_emulator", places.fcu_config(), arguments),
-                         Supervisor::kReadyTimeout));
+  emulators_.push_back(&supervisor_.launch(
+      options(places.emulator(), "fcu_emulator", places.fcu_config(), arguments)));
 }
 
-void BenchPrograms::stop() {
-  std::vector<ChildProcess*> programs{hilsim_, casd_};
-  programs.insert(programs.end(), emulators_.begin(), emulators_.end());
-  for (ChildProcess* child : programs) {
-    if (child == nullptr) continue;
-    if (!supervisor_.stop(*child, kStopPatience)) {
-      throw RunStopped(
-          child->name() + " did not end in good order; its last lines:" + child->log_tail(), false);
-    }
+void BenchPrograms::stop(bool nothing_under_way) {
+  using Turn = std::vector<ChildProcess*>;
+  const std::vector<Turn> turns = nothing_under_way
+                                      ? std::vector<Turn>{{hilsim_, casd_}, emulators_}
+                                      : std::vector<Turn>{{hilsim_}, {casd_}, emulators_};
+  for (Turn turn : turns) {
+    std::erase(turn, nullptr);
+    const ChildProcess* bad = supervisor_.stop(turn, kStopPatience);
+    if (bad == nullptr) continue;
+    throw RunStopped(bad->name() + " did not end in good order; its last lines:" + bad->log_tail(),
+                     false);
   }
   logs_.join();
 }

@@ -21,18 +21,21 @@ class BenchPrograms {
         logs_(places.flight_tlog(), places.run) {}
 
   /// The controllers first (they make the PTYs), then casd, then the simulator, which starts the
-  /// stream. @throws RunStopped, base::ConfigError
+  /// stream; one that is paused loads at the same time as the controllers. @throws RunStopped,
+  /// base::ConfigError
   /// @param paused  the simulator waits at time zero
   void start(bool paused = false);
   /// The simulator first, so that what it sent still arrives. @throws RunStopped on bad ends
-  void stop();
+  /// @param nothing_under_way  as at the end of lockstep: casd ends at the same time
+  void stop(bool nothing_under_way = false);
 
   /// A fault: casd is gone at once.
   void kill_casd();
   void start_casd();
 
  private:
-  void start_emulator(const VehiclePlaces& places);
+  void launch_emulator(const VehiclePlaces& places);
+  void launch_hilsim(bool paused);
   /// @throws base::ConfigError when casd cannot open the link for a ground station
   void refuse_closed_station() const;
   ChildProcess::Options options(const std::string& name, const std::string& program,

@@ -226,7 +226,7 @@ std::vector<RunRecord> run_in_lockstep(const RunRequest& request) {
     throw RunStopped(std::string("a control connection failed: ") + error.what(), false);
   }
   record.wall_s = base::to_seconds(base::steady_now() - begin);
-  programs.stop();
+  programs.stop(true);
   record.cpu_s = supervisor.cpu_s();
   record.simulator = on_stream_time(base::PacketLedger::read(vehicle.simulator_ledger()));
   record.controller = on_stream_time(base::PacketLedger::read(vehicle.controller_ledger()));

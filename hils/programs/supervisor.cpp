@@ -58,6 +58,12 @@ Supervisor::~Supervisor() {
 }
 
 ChildProcess& Supervisor::start(ChildProcess::Options options, base::Duration timeout) {
+  ChildProcess& child = launch(std::move(options));
+  wait_ready(child, timeout);
+  return child;
+}
+
+ChildProcess& Supervisor::launch(ChildProcess::Options options) {
   check();
   // PR_SET_PDEATHSIG kills the child when the forking thread exits, so fork here, not on the
   // watcher.
@@ -68,6 +74,10 @@ ChildProcess& Supervisor::start(ChildProcess::Options options, base::Duration ti
     children_.push_back(std::move(owned));
   }
   wake();
+  return child;
+}
+
+void Supervisor::wait_ready(const ChildProcess& child, base::Duration timeout) {
   base::MutexLock lock(mutex_);
   const bool in_time = changed_.wait_for(
       lock, timeout, [&]() CAS_REQUIRES(mutex_) { return child.ready() || !stopped_.empty(); });
@@ -78,7 +88,6 @@ ChildProcess& Supervisor::start(ChildProcess::Options options, base::Duration ti
                          " s; its last lines:" + child.log_tail(),
                      false);
   }
-  return child;
 }
 
 void Supervisor::check() const {
@@ -93,16 +102,31 @@ void Supervisor::wait(base::Duration time) {
 }
 
 bool Supervisor::stop(ChildProcess& child, base::Duration patience) {
+  return stop(std::vector{&child}, patience) == nullptr;
+}
+
+ChildProcess* Supervisor::stop(const std::vector<ChildProcess*>& children,
+                               base::Duration patience) {
   base::MutexLock lock(mutex_);
-  expected_to_end_.insert(&child);
-  child.terminate();
-  const auto ended = [&] { return child.poll_exit().has_value(); };
-  if (!changed_.wait_for(lock, patience, ended)) {
-    child.kill();
-    changed_.wait(lock, ended);
-    return false;
+  for (ChildProcess* child : children) {
+    expected_to_end_.insert(child);
+    child->terminate();
   }
-  return child.poll_exit()->code == 0;
+  const auto has_ended = [](ChildProcess* child) { return child->poll_exit().has_value(); };
+  const auto all_ended = [&] { return std::ranges::all_of(children, has_ended); };
+  std::set<ChildProcess*> late;
+  if (!changed_.wait_for(lock, patience, all_ended)) {
+    for (ChildProcess* child : children) {
+      if (has_ended(child)) continue;
+      late.insert(child);
+      child->kill();
+    }
+    changed_.wait(lock, all_ended);
+  }
+  const auto bad = std::ranges::find_if(children, [&](ChildProcess* child) {
+    return late.contains(child) || child->poll_exit()->code != 0;
+  });
+  return bad == children.end() ? nullptr : *bad;
 }
 
 void Supervisor::kill(ChildProcess& child) {

@@ -48,6 +48,10 @@ class Supervisor {
 
   /// Starts a program and waits until it is ready. @throws RunStopped, base::ConfigError
   ChildProcess& start(ChildProcess::Options options, base::Duration timeout);
+  /// Starts a program; several get ready at the same time. @throws RunStopped, base::ConfigError
+  ChildProcess& launch(ChildProcess::Options options);
+  /// Waits until a launched program is ready. @throws RunStopped
+  void wait_ready(const ChildProcess& child, base::Duration timeout);
 
   /// Throws RunStopped when the run has been stopped.
   void check() const;
@@ -63,6 +67,8 @@ class Supervisor {
   /// Ends one program in good order: SIGTERM, then SIGKILL after `patience`. Its end is expected
   /// from now on. @return false when it had to be killed or ended with an error
   bool stop(ChildProcess& child, base::Duration patience);
+  /// The same for several at once. @return one that did not end in good order, or null
+  ChildProcess* stop(const std::vector<ChildProcess*>& children, base::Duration patience);
 
   /// Ends one program at once, as a crash would. Its end is expected.
   void kill(ChildProcess& child);

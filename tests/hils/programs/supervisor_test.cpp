@@ -53,6 +53,20 @@ TEST_F(SupervisorTest, KillsAProgramThatDoesNotEnd) {
   EXPECT_FALSE(supervisor_.stop(deaf, std::chrono::milliseconds(100)));
 }
 
+TEST_F(SupervisorTest, EndsSeveralAtOnceAndNamesTheOneThatDoesNot) {
+  ChildProcess& first = supervisor_.launch(child("first", "wait"));
+  ChildProcess& second = supervisor_.launch(child("second", "wait"));
+  ChildProcess& deaf = supervisor_.launch(child("deaf", "deaf"));
+  for (const ChildProcess* launched : {&second, &first, &deaf}) {
+    supervisor_.wait_ready(*launched, seconds(20));
+  }
+  EXPECT_EQ(supervisor_.stop({&first, &second}, seconds(20)), nullptr);
+  EXPECT_EQ(supervisor_.cpu_s().size(), 2U);
+  ChildProcess& third = supervisor_.start(child("third", "wait"), seconds(20));
+  EXPECT_EQ(supervisor_.stop({&third, &deaf}, std::chrono::milliseconds(100)), &deaf);
+  EXPECT_NO_THROW(supervisor_.check()) << "each was expected to end";
+}
+
 TEST_F(SupervisorTest, ReportsAnEarlyDeathWithTheLastLines) {
   try {
     supervisor_.start(script("casd", "echo no such device >&2; exit 78"), seconds(20));
