@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -187,6 +188,12 @@ RunRequest read_request(const Flags& flags, const std::filesystem::path& file) {
   return request;
 }
 
+void write_ulogs(const RunRequest& request, const RunResult& result) {
+  for (std::size_t i = 0; i < result.vehicles.size(); ++i) {
+    write_ulog(request, result.vehicles[i].record, i);
+  }
+}
+
 int run(const Flags& flags) {
   search_plugins_in(flags.plugin_dirs);
   const std::filesystem::path file = base::find_config(flags.scenario);
@@ -200,13 +207,15 @@ int run(const Flags& flags) {
   RunResult result = evaluate(request, fly(request, flags.on_virtual_clock));
   fail_absent(boards->absences(), result);
   if (live) live->tell(result);
-  write_results(request, result);
-  for (std::size_t i = 0; i < result.vehicles.size(); ++i) {
-    write_ulog(request, result.vehicles[i].record, i);
-  }
-  fmt::print("{}\nResults: {}\n", text_report(result), flags.out);
+  // Each reads the same records and writes files of its own.
+  auto results = std::async(std::launch::async, [&] { write_results(request, result); });
+  auto logs = std::async(std::launch::async, [&] { write_ulogs(request, result); });
+  const std::string report = text_report(result);
+  results.get();
+  fmt::print("{}\nResults: {}\n", report, flags.out);
   std::fflush(stdout);
   leave_replay(request, result, flags.out);
+  logs.get();
   boards->fetch_logs(request.out, request.scenario.names());
   return result.verdict.exit_code();
 }
