@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/programs/lockstep_run.hpp"
 
+#include <unistd.h>
+
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 
+#include "base/os/cpu_latency.hpp"
 #include "base/rpc/client.hpp"
 #include "base/time/clock.hpp"
 #include "casd/tlog/tlog_writer.hpp"
@@ -185,6 +188,13 @@ std::vector<base::LedgerEntry> on_stream_time(std::vector<base::LedgerEntry> ent
   return entries;
 }
 
+/// The programs wake each other all the time; an idle processor that sleeps answers late. Where
+/// this user may ask for it, processors stay awake during the flight.
+base::CpuLatencyRequest keep_processors_awake() {
+  const bool may_ask = ::access(base::CpuLatencyRequest::kDevice, W_OK) == 0;
+  return base::CpuLatencyRequest(may_ask ? std::optional(0) : std::nullopt);
+}
+
 /// Lockstep allows nothing that runs by a clock of its own. @throws base::ConfigError
 void refuse_other_clocks(const RunRequest& request) {
   if (request.scenario.flies_several()) {
@@ -216,6 +226,7 @@ std::vector<RunRecord> run_in_lockstep(const RunRequest& request) {
   RunRecord& record = records.front();
   record.virtual_clock = true;
   record.log_clock.add(std::chrono::microseconds(casd::TlogWriter::kStreamEpoch).count(), 0);
+  const base::CpuLatencyRequest awake = keep_processors_awake();
   BenchPrograms programs(supervisor, places, request);
   programs.start(true);
   const base::RunTime begin = base::steady_now();
