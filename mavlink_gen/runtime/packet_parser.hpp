@@ -30,7 +30,8 @@ enum class UnknownPolicy : std::uint8_t {
 /// - A packet of an unknown id is only probably one, so the search goes on inside it at once; it is
 ///   reported when it is complete.
 /// - A MAVLink 1 candidate whose length its message cannot have is none.
-/// - A packet with an incompatibility flag that we do not know is dropped as a whole.
+/// - A packet with an incompatibility flag that we do not know is dropped as a whole; one of an
+///   unknown id is none.
 ///
 /// A packet comes out with its last byte. The one exception: a packet that lies within an
 /// incomplete candidate of a known id waits until that one is decided (it may be its payload), or
@@ -147,7 +148,10 @@ class PacketParser {
     const auto id = bytes[7] | static_cast<std::uint32_t>(bytes[8]) << 8U |
                     static_cast<std::uint32_t>(bytes[9]) << 16U;
     const auto* info = table_.find(id);
-    if (info == nullptr) return unknown(packet_size(bytes));
+    if (info == nullptr) {
+      if (has_unknown_flag(bytes[2])) return {Kind::kNone, 1, nullptr};  // before any checksum
+      return unknown(packet_size(bytes));
+    }
     return {Kind::kPacket, packet_size(bytes), info};
   }
 
@@ -234,7 +238,7 @@ class PacketParser {
   template <class OnPacket>
   void deliver(std::span<const std::uint8_t> bytes, OnPacket& on_packet) {
     const auto packet = view_packet(bytes);
-    if (has_unknown_flag(packet)) {
+    if (has_unknown_flag(packet.incompat_flags)) {
       ++stats_.incompatible;
       stats_.skipped_bytes += bytes.size();
     } else {
@@ -245,15 +249,13 @@ class PacketParser {
 
   template <class OnUnknown>
   void judge_unknown(std::span<const std::uint8_t> bytes, Crc16 sum, OnUnknown& on_unknown) {
-    const auto packet = view_packet(bytes);
-    if (has_unknown_flag(packet)) return;
     if (!has_fitting_crc_extra(sum.value(), received_crc(bytes))) return;
     ++stats_.unknown_ids;
-    on_unknown(packet);
+    on_unknown(view_packet(bytes));
   }
 
-  static bool has_unknown_flag(const PacketView& packet) {
-    return (packet.incompat_flags & ~unsigned{kIncompatSigned}) != 0;
+  static bool has_unknown_flag(std::uint8_t incompat_flags) {
+    return (incompat_flags & ~unsigned{kIncompatSigned}) != 0;
   }
 
   // --- candidates that wait for more bytes or overlap --------------------------------------------
