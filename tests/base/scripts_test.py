@@ -163,7 +163,9 @@ class BenchMavlink(Script):
         self.write("bin/compiler", "#!/bin/sh\n")
         self.write("build/bench/bench/bench_mavlink", f"#!/bin/sh\ncat {self.tree}/figures.json\n")
         self.write("build/bench/bin/mavlink_gen", "#!/bin/sh\n")
-        return self.run_script("bench_mavlink", CXX=str(self.tree / "bin" / "compiler")).returncode
+        done = self.run_script("bench_mavlink", CXX=str(self.tree / "bin" / "compiler"))
+        self.output = done.stdout
+        return done.returncode
 
     def test_within_its_limits(self):
         self.assertEqual(self.code(), 0)
@@ -174,6 +176,22 @@ class BenchMavlink(Script):
 
     def test_it_allocates(self):
         self.assertEqual(self.code(allocations=1), 1)
+
+    def test_hostile_bytes_and_the_dearest_of_the_corpus_have_a_limit(self):
+        self.assertEqual(self.code(**{"refuse_FE/1": 14.9, "corpus/a/0": 3.0, "corpus/b/1": 14.9}), 0)
+        self.assertEqual(self.code(**{"refuse_FE/1": 15.1}), 1)
+        self.assertEqual(self.code(**{"corpus/a/0": 3.0, "corpus/b/1": 15.1}), 1)
+
+    def test_the_race_with_the_c_codec_is_judged_byte_by_byte(self):
+        ours = "receive_mixed_in_pieces/1"
+        self.assertEqual(self.code(**{ours: 69.0, f"c_{ours}": 100.0}), 0)
+        self.assertEqual(self.code(**{ours: 71.0, f"c_{ours}": 100.0}), 1)
+        hostile = {"refuse_FE/1": 9.0, "c_refuse_FE/1": 1.0}
+        self.assertEqual(self.code(**hostile), 0)
+
+    def test_a_race_that_did_not_take_place_is_said(self):
+        self.code()
+        self.assertIn("C codec: LEFT OUT", self.output)
 
 
 class BenchCommandPort(unittest.TestCase):

@@ -1,25 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <benchmark/benchmark.h>
-
-#include <atomic>
+#include <array>
+#include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <new>
+#include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
 #include "mavlink_gen/runtime/signing.hpp"
-
-namespace {
-
-std::atomic<std::uint64_t> allocations{0};
-
-}  // namespace
+#include "tests/bench/bench_codec.hpp"
 
 // Every allocation of the program is counted: the codec must make none. Not inlined, lest GCC take
 // malloc and delete for a mismatched pair.
 [[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
+  ++cas::bench::allocations;
   if (void* memory = std::malloc(size)) return memory;
   throw std::bad_alloc();
 }
@@ -29,6 +30,9 @@ std::atomic<std::uint64_t> allocations{0};
 namespace {
 
 using namespace cas::mav;
+using cas::bench::in_pieces;
+using cas::bench::kStreamMessages;
+using cas::bench::measure;
 namespace common = mavlink::common;
 
 constexpr Source kSender{1, 200};
@@ -50,20 +54,6 @@ common::HilSensor hil_sensor(std::uint64_t time_us) {
           .temperature = 21.5F,
           .fields_updated = static_cast<common::HilSensorUpdatedFlags>(0x1FFF),
           .id = 1};
-}
-
-/// Runs the loop and reports time and allocations for each message.
-template <class Body>
-void measure(benchmark::State& state, std::size_t messages, Body body) {
-  const auto before = allocations.load();
-  for (auto _ : state) body();
-  const auto made = static_cast<double>(allocations.load() - before);
-  const auto total = static_cast<double>(state.iterations()) * static_cast<double>(messages);
-  state.SetItemsProcessed(static_cast<std::int64_t>(total));
-  // An inverted rate: seconds for each message.
-  state.counters["per_message"] =
-      benchmark::Counter(total, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
-  state.counters["allocations"] = made;
 }
 
 void encode_hil_sensor(benchmark::State& state) {
@@ -114,8 +104,6 @@ std::vector<std::uint8_t> stream_of(std::size_t count, auto&& message_at) {
   return stream;
 }
 
-constexpr std::size_t kStreamMessages = 1000;
-
 void receive_hil_sensor(benchmark::State& state) {
   const auto stream = stream_of(
       kStreamMessages, [](std::size_t i, Encoder& encoder) { return encoder(hil_sensor(i)); });
@@ -131,7 +119,6 @@ void receive_hil_sensor(benchmark::State& state) {
   });
 }
 
-/// The simulator's traffic in miniature: sensors, controls, GPS and telemetry, 64 bytes on average.
 std::span<const std::uint8_t> mixed(std::size_t i, Encoder& encoder) {
   constexpr float kValue = 0.37F;
   switch (i % 10) {
@@ -162,7 +149,7 @@ std::span<const std::uint8_t> mixed(std::size_t i, Encoder& encoder) {
 }
 
 void receive_mixed(benchmark::State& state) {
-  const auto stream = stream_of(kStreamMessages, mixed);
+  const auto stream = cas::bench::mixed_stream();
   PacketParser parser(common::table());
   state.counters["bytes_each"] = static_cast<double>(stream.size()) / kStreamMessages;
   measure(state, kStreamMessages, [&] {
@@ -176,7 +163,7 @@ void receive_mixed(benchmark::State& state) {
 }
 
 void receive_and_dispatch_mixed(benchmark::State& state) {
-  const auto stream = stream_of(kStreamMessages, mixed);
+  const auto stream = cas::bench::mixed_stream();
   PacketParser parser(common::table());
   measure(state, kStreamMessages, [&] {
     parser.feed(stream, [&](const PacketView& packet) {
@@ -185,34 +172,68 @@ void receive_and_dispatch_mixed(benchmark::State& state) {
   });
 }
 
-/// Feeds pieces of a size, as a slow UART gives them.
-void feed_pieces(PacketParser& parser, std::span<const std::uint8_t> stream, std::size_t piece) {
-  for (std::size_t i = 0; i < stream.size(); i += piece) {
-    const auto size = piece < stream.size() - i ? piece : stream.size() - i;
-    parser.feed(stream.subspan(i, size),
-                [](const PacketView& packet) { benchmark::DoNotOptimize(packet.payload.data()); });
+void receive_in_pieces(benchmark::State& state, const MessageTable& table) {
+  const auto stream = cas::bench::mixed_stream();
+  PacketParser parser(table);
+  const auto piece = static_cast<std::size_t>(state.range(0));
+  measure(state, kStreamMessages, [&] {
+    const auto before = parser.stats().packets;
+    in_pieces(stream, piece, [&](auto bytes) {
+      parser.feed(
+          bytes, [](const PacketView& packet) { benchmark::DoNotOptimize(packet.payload.data()); });
+    });
+    if (parser.stats().packets != before + kStreamMessages) {
+      state.SkipWithError("packets were lost");
+    }
+  });
+}
+
+void receive_mixed_in_pieces(benchmark::State& state) { receive_in_pieces(state, common::table()); }
+void receive_mixed_public(benchmark::State& state) { receive_in_pieces(state, public_table()); }
+
+/// Bytes in which there is little to find, or nothing: a "message" is a byte.
+void add_bytes(const std::string& name, const std::vector<std::uint8_t>& bytes,
+               const MessageTable& table, double seconds = 0) {
+  for (const std::size_t piece : cas::bench::kPieces) {
+    auto* run = benchmark::RegisterBenchmark(
+        (name + "/" + std::to_string(piece)).c_str(), [=](benchmark::State& state) {
+          PacketParser parser(table);
+          measure(state, bytes.size(), [&] {
+            in_pieces(bytes, piece, [&](auto part) {
+              parser.feed(part, [](const PacketView& packet) {
+                benchmark::DoNotOptimize(packet.payload.data());
+              });
+            });
+          });
+        });
+    if (seconds > 0) run->MinTime(seconds);
   }
 }
 
-void receive_mixed_in_pieces(benchmark::State& state) {
-  const auto stream = stream_of(kStreamMessages, mixed);
-  PacketParser parser(common::table());
-  measure(state, kStreamMessages,
-          [&] { feed_pieces(parser, stream, static_cast<std::size_t>(state.range(0))); });
+void add_hostile() {
+  for (const auto& hostile : cas::bench::hostile_streams()) {
+    add_bytes("refuse_" + hostile.name, hostile.bytes, common::table());
+    add_bytes("refuse_public_" + hostile.name, hostile.bytes, public_table());
+  }
 }
 
-/// Patterns of starts of packets that never end well, one after the other: a "message" is a byte.
-template <std::uint8_t... pattern>
-void refuse(benchmark::State& state) {
-  constexpr std::size_t kRepetitions = 1000;
-  constexpr std::array<std::uint8_t, sizeof...(pattern)> kPattern{pattern...};
-  std::vector<std::uint8_t> stream;
-  for (std::size_t i = 0; i < kRepetitions; ++i) {
-    stream.insert(stream.end(), kPattern.begin(), kPattern.end());
+/// Each file of a folder, repeated until it is as long as a read of a socket.
+/// @return how many there are
+std::size_t add_corpus(const std::filesystem::path& folder) {
+  constexpr std::size_t kLeastBytes = 1500;
+  constexpr double kSeconds = 0.02;  // there may be thousands
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    std::ifstream file(entry.path(), std::ios::binary);
+    const std::vector<std::uint8_t> once{std::istreambuf_iterator<char>(file), {}};
+    if (once.empty()) continue;
+    std::vector<std::uint8_t> bytes;
+    while (bytes.size() < kLeastBytes) bytes.insert(bytes.end(), once.begin(), once.end());
+    add_bytes("corpus/" + entry.path().filename().string(), bytes, common::table(), kSeconds);
+    ++files;
   }
-  const auto piece = state.range(0) == 0 ? stream.size() : static_cast<std::size_t>(state.range(0));
-  PacketParser parser(common::table());
-  measure(state, stream.size(), [&] { feed_pieces(parser, stream, piece); });
+  return files;
 }
 
 void checksum_280_bytes(benchmark::State& state) {
@@ -231,13 +252,59 @@ BENCHMARK(receive_hil_sensor);
 BENCHMARK(receive_mixed);
 BENCHMARK(receive_and_dispatch_mixed);
 BENCHMARK(receive_mixed_in_pieces)->Arg(1)->Arg(8)->Arg(256);
-BENCHMARK(refuse<0xFE, 0xFF>)->Arg(0)->Arg(1);
-BENCHMARK(refuse<0xFE, 0xFE, 0x0A>)->Arg(0)->Arg(1);
-BENCHMARK(refuse<0xFE, 0x03>)->Arg(0)->Arg(1);
-BENCHMARK(refuse<0xFD, 0xFF, 0x00>)->Arg(0)->Arg(1);
-BENCHMARK(refuse<0xFD, 0xFD, 0x00, 0x00>)->Arg(0)->Arg(1);
+BENCHMARK(receive_mixed_public)->Arg(0)->Arg(1)->Arg(8)->Arg(256);
 BENCHMARK(checksum_280_bytes);
 
 }  // namespace
 
-BENCHMARK_MAIN();
+namespace cas::bench {
+
+std::vector<std::uint8_t> mixed_stream() { return stream_of(kStreamMessages, mixed); }
+
+std::vector<Hostile> hostile_streams() {
+  constexpr std::size_t kRepetitions = 1000;
+  const std::vector<std::pair<std::string, std::vector<std::uint8_t>>> patterns{
+      {"FE_FF", {0xFE, 0xFF}},
+      {"FE_FE_0A", {0xFE, 0xFE, 0x0A}},
+      {"FE_03", {0xFE, 0x03}},
+      {"FD_FF_00", {0xFD, 0xFF, 0x00}},
+      {"FE", {0xFE, 0xFE}},
+      {"FD_FD_00_00", {0xFD, 0xFD, 0x00, 0x00}},
+      {"FD", {0xFD, 0xFD}},
+      {"FD_FF_01", {0xFD, 0xFF, 0x01}},
+      {"FD_FF_02", {0xFD, 0xFF, 0x02}}};
+  std::vector<Hostile> streams;
+  for (const auto& [name, pattern] : patterns) {
+    Hostile& stream = streams.emplace_back(Hostile{name, {}});
+    for (std::size_t i = 0; i < kRepetitions; ++i) {
+      stream.bytes.insert(stream.bytes.end(), pattern.begin(), pattern.end());
+    }
+  }
+  return streams;
+}
+
+}  // namespace cas::bench
+
+/// Beside Google Benchmark's flags: --corpus FOLDER measures each of its files, too.
+int main(int argc, char** argv) {
+  std::vector<char*> arguments;
+  for (int i = 0; i < argc; ++i) {
+    if (std::string_view(argv[i]) != "--corpus") {
+      arguments.push_back(argv[i]);
+      continue;
+    }
+    if (++i == argc || add_corpus(argv[i]) == 0) {
+      std::fputs("bench_mavlink: --corpus wants a folder with files\n", stderr);
+      return 2;
+    }
+  }
+  add_hostile();
+#ifdef CAS_BENCH_C_CODEC
+  cas::bench::add_c_codec();
+#endif
+  int count = static_cast<int>(arguments.size());
+  benchmark::Initialize(&count, arguments.data());
+  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}
