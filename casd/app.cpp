@@ -29,6 +29,8 @@
 #include "base/os/thread.hpp"
 #include "base/os/write_file.hpp"
 #include "base/rpc/server.hpp"
+#include "base/text.hpp"
+#include "base/time/unix_time.hpp"
 #include "casd/autopilot_log/autopilot_logs.hpp"
 #include "casd/autopilot_log/log_files.hpp"
 #include "casd/link_set.hpp"
@@ -90,7 +92,7 @@ base::rpc::ServerLimits server_limits(const Topology& topology) {
   constexpr double kMaxAccepts_s = 200;
   base::rpc::ServerLimits limits;
   limits.max_accepts_s = kMaxAccepts_s;
-  // In lockstep the vehicles wait for whoever flies them, not the other way round.
+  // In lockstep the vehicles wait for the program that flies them, not the other way round.
   if (topology.pace != Pace::kLockstep) limits.max_cpu_share = kServingShare;
   return limits;
 }
@@ -282,12 +284,9 @@ struct App::Impl {
 
   /// The clock of a recording's stamps, as TlogWriter makes them.
   std::int64_t log_clock_us() const {
-    using std::chrono::duration_cast;
-    using std::chrono::microseconds;
-    const auto now = std::chrono::system_clock::now().time_since_epoch();
-    if (!lockstep()) return duration_cast<microseconds>(now).count();
-    return duration_cast<microseconds>(TlogWriter::kStreamEpoch +
-                                       links.stream_time().now().time_since_epoch())
+    if (!lockstep()) return base::unix_us();
+    return std::chrono::duration_cast<std::chrono::microseconds>(
+               TlogWriter::kStreamEpoch + links.stream_time().now().time_since_epoch())
         .count();
   }
 
@@ -590,12 +589,10 @@ struct App::Impl {
 
   void summarise(base::RunTime now) {
     next_summary = now + kSummaryPeriod;
-    std::string line;
-    for (const LinkStatus& link : links.figures().links()) {
-      line += (line.empty() ? "" : "; ") + link.name + " " + std::string(to_string(link.state)) +
-              " rx " + std::to_string(link.rx.packets) + " tx " + std::to_string(link.tx.packets);
-    }
-    base::log::debug(line);
+    base::log::debug(base::joined(links.figures().links(), "; ", [](const LinkStatus& link) {
+      return link.name + " " + std::string(to_string(link.state)) + " rx " +
+             std::to_string(link.rx.packets) + " tx " + std::to_string(link.tx.packets);
+    }));
   }
 
   /// READY once every link has tried to open, so that STATUS has the bound ports.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "casd/topology/routing_plan.hpp"
 #include "casd/transport/serial_link.hpp"
 #include "casd/transport/tcp_link.hpp"
@@ -100,13 +101,10 @@ bool LinkSet::alive(base::RunTime now) {
 }
 
 std::string LinkSet::endpoints() const {
-  std::string text;
-  for (const LinkStatus& link : figures_.links()) {
-    const std::string where =
-        link.state == LinkState::kUp ? link.endpoint : std::string(to_string(link.state));
-    text += (text.empty() ? "" : " ") + link.name + " " + where;
-  }
-  return text;
+  return base::joined(figures_.links(), " ", [](const LinkStatus& link) {
+    return link.name + " " +
+           (link.state == LinkState::kUp ? link.endpoint : std::string(to_string(link.state)));
+  });
 }
 
 std::set<std::string> LinkSet::unchanged(const Topology& topology) const {

@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include "base/text.hpp"
+
 namespace cas::base::cli {
 
 namespace {
@@ -52,11 +54,7 @@ Command describe(const CLI::App& app, std::vector<std::string> path, const Words
 
 }  // namespace
 
-std::string Command::words() const {
-  std::string text;
-  for (const std::string& word : path) text += (text.empty() ? "" : " ") + word;
-  return text;
-}
+std::string Command::words() const { return joined(path, " "); }
 
 Command describe(const CLI::App& app, const WordsByCommand& offers) {
   return describe(app, {}, offers);

@@ -5,6 +5,8 @@
 #include <array>
 #include <cctype>
 
+#include "base/text.hpp"
+
 namespace cas::base::cli {
 
 namespace {
@@ -27,12 +29,6 @@ std::string escaped(const std::string& text) {
     }
   }
   return result;
-}
-
-std::string upper(std::string text) {
-  std::ranges::transform(text, text.begin(),
-                         [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return text;
 }
 
 /// With one full stop at its end.

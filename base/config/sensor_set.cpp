@@ -7,6 +7,7 @@
 
 #include "base/config/install_paths.hpp"
 #include "base/suggestion.hpp"
+#include "base/text.hpp"
 
 namespace cas::base {
 
@@ -49,13 +50,10 @@ std::filesystem::path shipped_set(const ConfigNode& node) {
   const auto word = node.as<std::string>();
   const auto found = sets.find(word);
   if (found != sets.end()) return found->second;
-  std::string known;
   std::vector<std::string_view> names;
-  for (const auto& [name, file] : sets) {
-    known += (known.empty() ? "" : ", ") + name;
-    names.push_back(name);
-  }
-  node.fail("there is no sensor set '" + word + "'; sets are " + known + did_you_mean(word, names));
+  for (const auto& [name, file] : sets) names.push_back(name);
+  node.fail("there is no sensor set '" + word + "'; sets are " + joined(names, ", ") +
+            did_you_mean(word, names));
 }
 
 /// The set that the word names, of the shipped ones or a file.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/port/metrics_port.hpp"
 
-#include <boost/asio/executor_work_guard.hpp>
-#include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/beast/core/basic_stream.hpp>
@@ -17,11 +15,11 @@
 #include <chrono>
 #include <memory>
 #include <set>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "base/os/thread.hpp"
+#include "base/rpc/io_thread.hpp"
 #include "base/rpc/listener.hpp"
 #include "base/time/clock.hpp"
 
@@ -133,7 +131,7 @@ struct MetricsPort::Impl : std::enable_shared_from_this<MetricsPort::Impl> {
     ask([weak = weak_from_this()](MetricsSource figures) {
       const auto self = weak.lock();
       if (!self) return;
-      asio::post(self->io, [weak, figures = std::move(figures)] {
+      asio::post(self->io.context(), [weak, figures = std::move(figures)] {
         if (const auto port = weak.lock()) port->make_page(figures);
       });
     });
@@ -145,20 +143,13 @@ struct MetricsPort::Impl : std::enable_shared_from_this<MetricsPort::Impl> {
     for (const TakePage& take : std::exchange(waiting, {})) take(page);
   }
 
-  void run() {
-    base::lower_this_thread("metrics");
-    io.run();
-  }
-
   Ask ask;
-  asio::io_context io;
-  asio::executor_work_guard<asio::io_context::executor_type> work{io.get_executor()};
+  base::rpc::IoThread io;
   std::shared_ptr<Listener> listener;
   std::set<HttpSession*> sessions;
   std::string page;
   base::RunTime page_ends{};
   std::vector<TakePage> waiting;
-  std::thread thread;
 };
 
 MetricsPort::MetricsPort(Ask ask) : impl_(std::make_shared<Impl>(std::move(ask))) {}
@@ -169,23 +160,22 @@ std::uint16_t MetricsPort::listen(const std::string& address, std::uint16_t port
   base::rpc::ListeningSocket socket = base::rpc::open_tcp(address, port);
   const std::uint16_t bound = socket.port;
   impl_->listener = std::make_shared<Listener>(
-      impl_->io, std::move(socket),
+      impl_->io.context(), std::move(socket),
       [impl = impl_.get()](Listener::StreamSocket client) { impl->on_client(std::move(client)); },
       kMaxClients_s);
   impl_->listener->start();
-  impl_->thread = std::thread([impl = impl_.get()] { impl->run(); });
+  impl_->io.start([] { base::lower_this_thread("metrics"); });
   return bound;
 }
 
 void MetricsPort::close() {
-  if (!impl_->thread.joinable()) return;
-  asio::post(impl_->io, [impl = impl_.get()] {
+  if (!impl_->io.started()) return;
+  impl_->io.finish([impl = impl_.get()] {
     impl->listener->close();
     for (HttpSession* session : impl->sessions) session->close();
     impl->waiting.clear();
-    impl->io.stop();
+    impl->io.context().stop();
   });
-  impl_->thread.join();
 }
 
 }  // namespace cas::casd

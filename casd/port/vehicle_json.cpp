@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/enum_words.hpp"
 #include "casd/port/call_json.hpp"
 
 namespace cas::casd {
@@ -89,15 +90,8 @@ json texts_json(const VehicleState& vehicle, base::RunTime now) {
 }
 
 std::string_view checks_word(ArmingChecks checks) {
-  switch (checks) {
-    case ArmingChecks::kPass:
-      return "pass";
-    case ArmingChecks::kFail:
-      return "fail";
-    case ArmingChecks::kUnknown:
-      break;
-  }
-  return "unknown";
+  static constexpr base::EnumWords<ArmingChecks::kFail> kWords{"unknown", "pass", "fail"};
+  return kWords[checks];
 }
 
 /// Reasons not to fly; empty: none.

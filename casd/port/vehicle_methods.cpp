@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/suggestion.hpp"
+#include "base/text.hpp"
 #include "casd/port/call_json.hpp"
 #include "casd/port/telemetry_json.hpp"
 #include "casd/port/vehicle_json.hpp"
@@ -58,7 +59,7 @@ double period_us(CallParams& params) {
   return *hz == 0 ? -1 : 1e6 / *hz;
 }
 
-/// Seven numbers; null stands for NaN.
+/// Seven numbers; null is NaN.
 std::array<float, 7> command_numbers(const json& list) {
   std::array<float, 7> numbers{};
   if (list.is_null()) return numbers;
@@ -94,9 +95,7 @@ VehicleCommander::Sticks sticks_of(CallParams& params) {
 }
 
 std::string loop_words(const std::vector<GainLoop>& loops) {
-  std::string words;
-  for (const GainLoop& loop : loops) words += (words.empty() ? "" : " ") + loop.name;
-  return words;
+  return base::joined(loops, " ", &GainLoop::name);
 }
 
 std::vector<std::string_view> loop_names(const std::vector<GainLoop>& loops) {

@@ -3,24 +3,15 @@
 
 #include <utility>
 
+#include "base/enum_words.hpp"
 #include "mavlink/common/setup_signing.hpp"
 
 namespace cas::casd {
 
 std::string_view to_string(Route::Decision decision) {
-  switch (decision) {
-    case Route::Decision::kForward:
-      return "forwarded";
-    case Route::Decision::kDuplicate:
-      return "duplicate";
-    case Route::Decision::kNoRule:
-      return "no_rule";
-    case Route::Decision::kNoTarget:
-      return "no_target";
-    case Route::Decision::kRateLimited:
-      return "rate_limited";
-  }
-  return "?";
+  static constexpr base::EnumWords<Route::Decision::kRateLimited> kWords{
+      "forwarded", "duplicate", "no_rule", "no_target", "rate_limited"};
+  return kWords[decision];
 }
 
 Router::Router(std::shared_ptr<const RoutingPlan> plan, const mav::MessageTable& table,

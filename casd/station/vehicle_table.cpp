@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/text.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/services/vehicle_heartbeat.hpp"
 
@@ -206,10 +207,8 @@ std::variant<std::uint8_t, Outcome> VehicleTable::resolve(std::optional<std::uin
     return failure(OutcomeKind::kNoSuchVehicle,
                    "no vehicle has been heard yet; is its link up and does it send HEARTBEAT?");
   }
-  std::string known;
-  for (const auto& [system, vehicle] : vehicles_) {
-    known += (known.empty() ? "" : ", ") + std::to_string(system);
-  }
+  const std::string known = base::joined(
+      vehicles_, ", ", [](const auto& vehicle) { return std::to_string(vehicle.first); });
   if (asked && !vehicles_.contains(*asked)) {
     return failure(OutcomeKind::kNoSuchVehicle,
                    "no vehicle " + std::to_string(*asked) + " has been heard; known: " + known);

@@ -7,6 +7,7 @@
 
 #include "base/config/config.hpp"
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "casd/packet/link_id.hpp"
 #include "casd/topology/endpoint_notation.hpp"
 #include "casd/topology/message_keys.hpp"
@@ -126,9 +127,8 @@ Topology with_link(Topology topology, const ConfigNode& request,
 
 Topology without_link(Topology topology, const std::string& name) {
   if (find_link(topology.links, name) == nullptr) {
-    std::string known;
-    for (const LinkConfig& link : topology.links) known += (known.empty() ? "" : ", ") + link.name;
-    throw base::ConfigError("there is no link '" + name + "'; links: " + known);
+    throw base::ConfigError("there is no link '" + name +
+                            "'; links: " + base::joined(topology.links, ", ", &LinkConfig::name));
   }
   if (topology.links.size() == 1) {
     throw base::ConfigError("'" + name + "' is the only link; casd needs one");

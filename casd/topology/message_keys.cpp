@@ -3,16 +3,14 @@
 
 #include <string_view>
 
+#include "base/text.hpp"
 #include "mavlink_gen/parser/diagnostics.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
 namespace {
 
-bool is_number(const std::string& text) {
-  return !text.empty() && text.size() <= 8 &&
-         text.find_first_not_of("0123456789") == std::string::npos;
-}
+bool is_number(const std::string& text) { return text.size() <= 8 && base::is_number(text); }
 
 [[noreturn]] void refuse_message(const base::ConfigNode& node, const std::string& text) {
   std::vector<std::string_view> names;

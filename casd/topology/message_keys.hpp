@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/config/config.hpp"
+#include "base/text.hpp"
 
 namespace cas::casd {
 
@@ -25,9 +26,7 @@ std::vector<std::uint32_t> hil_messages();
 /// The words of a list, "none" for an empty one.
 template <class List, class Word>
 std::string joined(const List& list, Word word) {
-  std::string text;
-  for (const auto& each : list) text.append(text.empty() ? "" : " ").append(word(each));
-  return text.empty() ? "none" : text;
+  return list.empty() ? "none" : base::joined(list, " ", word);
 }
 
 /// Kind of a key: one message or a list of them, by name or by number.

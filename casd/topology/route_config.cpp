@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "base/config/config_keys.hpp"
+#include "base/text.hpp"
 #include "casd/topology/link_config.hpp"
 #include "casd/topology/message_keys.hpp"
 
@@ -81,9 +82,7 @@ constexpr std::tuple kRuleKeys{
 };
 
 std::string listed(const std::vector<LinkConfig>& links) {
-  std::string names;
-  for (const LinkConfig& link : links) names += (names.empty() ? "" : ", ") + link.name;
-  return names;
+  return base::joined(links, ", ", &LinkConfig::name);
 }
 
 std::vector<std::string> parse_link_names(const base::ConfigNode& node,

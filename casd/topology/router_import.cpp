@@ -2,7 +2,6 @@
 #include "casd/topology/router_import.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <filesystem>
 #include <list>
@@ -13,6 +12,7 @@
 
 #include "base/error.hpp"
 #include "base/read_file.hpp"
+#include "base/text.hpp"
 #include "casd/topology/endpoint_notation.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
@@ -23,18 +23,8 @@ constexpr unsigned kDefaultTcpServerPort = 5760;
 constexpr unsigned kDefaultUdpPort = 14550;
 constexpr unsigned kDefaultBaud = 115200;
 
-std::string lower(std::string_view text) {
-  std::string small(text);
-  for (char& c : small) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return small;
-}
-
-std::string_view trimmed(std::string_view text) {
-  constexpr std::string_view kBlank = " \t\r";
-  const std::size_t first = text.find_first_not_of(kBlank);
-  if (first == text.npos) return {};
-  return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
+using base::lower;
+using base::trimmed;
 
 /// An IPv6 address needs brackets before its port; mavlink-router's files have them or not.
 std::string bracketed(const std::string& host) {
@@ -102,7 +92,7 @@ class Import {
     throw base::ConfigError(words(place) + sentence);
   }
 
-  /// What stands in the file must not give a terminal orders, nor end a comment.
+  /// Text of the file must not control a terminal or end a comment.
   void note(Place place, const std::string& sentence) {
     notes_.push_back(printable(words(place) + sentence));
   }
@@ -427,9 +417,8 @@ class Import {
   }
 
   static std::string listed(const char* key, const Ids& list, bool messages) {
-    std::string text;
-    for (const std::uint32_t id : list) text += (text.empty() ? "" : ", ") + word(id, messages);
-    return std::string(key) + ": [" + text + "]";
+    const auto word_of = [messages](std::uint32_t id) { return word(id, messages); };
+    return std::string(key) + ": [" + base::joined(list, ", ", word_of) + "]";
   }
 
   /// Both ends have their say: what both allow, and nothing that one of them blocks.

@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/os/pty_lock.hpp"
 #include "base/read_file.hpp"
+#include "base/text.hpp"
 
 namespace cas::casd {
 namespace {
@@ -43,9 +44,7 @@ std::optional<ProcessLine> read_process(const fs::path& folder) {
   return line;
 }
 
-bool is_number(const std::string& name) {
-  return !name.empty() && name.find_first_not_of("0123456789") == name.npos;
-}
+using base::is_number;
 
 /// Whether processes of all users are to be seen: the first one is root's.
 bool shows_everybody(const fs::path& proc) { return read_process(proc / "1").has_value(); }

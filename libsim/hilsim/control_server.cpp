@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/hilsim/control_server.hpp"
 
-#include <boost/asio/executor_work_guard.hpp>
-#include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -13,7 +11,6 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string_view>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -21,7 +18,9 @@
 #include "base/os/mutex.hpp"
 #include "base/os/thread.hpp"
 #include "base/rpc/base64.hpp"
+#include "base/rpc/io_thread.hpp"
 #include "base/rpc/server.hpp"
+#include "base/time/unix_time.hpp"
 #include "libsim/hilsim/control_description.hpp"
 #include "libsim/hilsim/fault_desk.hpp"
 #include "libsim/hilsim/motion_watch.hpp"
@@ -56,12 +55,6 @@ std::string status_line(const LoopFigures& f) {
   return line;
 }
 
-std::int64_t unix_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
 /// A named parameter, or nothing when it is missing or of another kind.
 std::optional<double> number_of(const Json& params, const char* key) {
   if (!params.is_object() || !params.contains(key) || !params[key].is_number()) return std::nullopt;
@@ -73,7 +66,7 @@ std::optional<double> number_of(const Json& params, const char* key) {
 struct ControlServer::Impl {
   explicit Impl(SimLoop& loop_in) : loop(loop_in) {}
 
-  /// Carries `order` to the loop's thread, and what it answers back to this one.
+  /// Carries `order` to the loop's thread, and its answer back to this one.
   void carry(Reply reply, std::function<void(std::function<void()> done)> order) {
     loop.post([this, reply = std::move(reply), order = std::move(order)] {
       order([this, reply] { answer(reply, status_report(loop)); });
@@ -81,13 +74,13 @@ struct ControlServer::Impl {
   }
 
   void answer(const Reply& reply, Json result) {
-    asio::post(io, [reply, result = std::move(result)] { reply.result(result); });
+    asio::post(io.context(), [reply, result = std::move(result)] { reply.result(result); });
   }
 
-  /// On the loop's thread: keeps for sim.journal what somebody does to the run.
+  /// On the loop's thread: notes a client's call for sim.journal.
   void note(const std::string& client, const std::string& method,
             const Json& params = Json::object()) {
-    NotedCall call{.unix_us = unix_us(),
+    NotedCall call{.unix_us = base::unix_us(),
                    .time_s = base::to_seconds(loop.figures().time),
                    .client = client,
                    .method = method,
@@ -185,7 +178,7 @@ struct ControlServer::Impl {
         } catch (const base::ConfigError& error) {
           refusal = error.what();
         }
-        asio::post(io, [reply, refusal] {
+        asio::post(io.context(), [reply, refusal] {
           if (refusal.empty()) return reply.result(true);
           reply.error(base::rpc::kRefused, refusal, nullptr);
         });
@@ -216,11 +209,11 @@ struct ControlServer::Impl {
     });
   }
 
-  /// Made once the runner has started, which the loop's first order tells.
+  /// Made once the runner has started: by the loop's first order.
   void with_scene(const Reply& reply, std::function<void(const Scene&)> use) {
     if (scene) return use(*scene);
     loop.post([this, reply, use = std::move(use)] {
-      asio::post(io, [this, reply, use] {
+      asio::post(io.context(), [this, reply, use] {
         guarded({reply}, [&] {
           if (!scene) scene = std::make_unique<Scene>(std::as_const(loop).runner());
           use(*scene);
@@ -247,7 +240,7 @@ struct ControlServer::Impl {
     watchers.push_back(std::move(reply));
     if (watchers.size() > 1) return;
     loop.post([this] {
-      asio::post(io, [this, taken = motion.take()] {
+      asio::post(io.context(), [this, taken = motion.take()] {
         const std::vector<Reply> waiting = std::exchange(watchers, {});
         guarded(waiting, [&] {
           sample = motion.json(*taken);
@@ -297,7 +290,7 @@ struct ControlServer::Impl {
     pace_timer.async_wait([this](const boost::system::error_code& error) {
       if (error || closing) return;
       loop.post([this] {
-        asio::post(io, [this, figures = loop.figures()] {
+        asio::post(io.context(), [this, figures = loop.figures()] {
           if (const auto trouble = pace.look(figures)) base::log::warn(*trouble);
         });
       });
@@ -312,16 +305,14 @@ struct ControlServer::Impl {
   RunJournal journal CAS_GUARDED_BY(journal_mutex);
   std::unique_ptr<const Scene> scene;  // once somebody has asked
   Json sample;                         // newest of `motion`
-  base::RunTime sample_ends{};         // until then nobody needs another
+  base::RunTime sample_ends{};         // until then it is new enough
   std::vector<Reply> watchers;         // wait for the next
   PaceWatch pace{loop.runner().config().pace.speed};
-  asio::io_context io{1};
-  asio::executor_work_guard<asio::io_context::executor_type> work{io.get_executor()};
-  asio::signal_set signals{io};
-  asio::steady_timer pace_timer{io};
+  base::rpc::IoThread io;
+  asio::signal_set signals{io.context()};
+  asio::steady_timer pace_timer{io.context()};
   bool closing = false;  // a timer that was due before its cancel is not armed again
-  base::rpc::Server server{io};
-  std::thread thread;
+  base::rpc::Server server{io.context()};
 };
 
 ControlServer::ControlServer(SimLoop& loop, const std::optional<std::filesystem::path>& unix_path)
@@ -334,21 +325,16 @@ ControlServer::ControlServer(SimLoop& loop, const std::optional<std::filesystem:
   impl_->add_methods();
   impl_->add_picture_methods();
   if (unix_path) impl_->server.listen_unix(*unix_path);
-  impl_->thread = std::thread([this] {
-    base::configure_this_thread("control", {});
-    impl_->io.run();
-  });
+  impl_->io.start([] { base::configure_this_thread("control", {}); });
 }
 
 ControlServer::~ControlServer() {
-  asio::post(impl_->io, [this] {
+  impl_->io.finish([this] {
     impl_->closing = true;
     impl_->signals.cancel();
     impl_->pace_timer.cancel();
     impl_->server.close();
-    impl_->work.reset();
   });
-  impl_->thread.join();
 }
 
 }  // namespace cas::sim

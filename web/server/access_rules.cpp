@@ -3,18 +3,14 @@
 
 #include <algorithm>
 
+#include "base/text.hpp"
+
 namespace cas::web {
 namespace {
 
 constexpr std::uint16_t kHttpPort = 80;  // browsers leave it out
 
-std::string lower(std::string_view text) {
-  std::string small(text);
-  std::transform(small.begin(), small.end(), small.begin(), [](char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 'a' - 'A') : c;
-  });
-  return small;
-}
+using base::lower;
 
 }  // namespace
 

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "base/text.hpp"
 #include "casd/casctl/session/link_counter.hpp"
 #include "casd/casctl/session/table.hpp"
 
@@ -74,7 +75,7 @@ double rate_of(const DoctorFacts& facts, const std::string& link, const std::str
   return hz;
 }
 
-/// What helps a link that is not up; its reason stands in the endpoint.
+/// Advice for a link that is not up; its endpoint has the reason.
 std::string remedy_for_down(const json& link) {
   if (link.value("type", "") != "serial") {
     return "start the program at the other end, and compare both ends' addresses";
@@ -151,7 +152,7 @@ double signature_growth(const DoctorFacts& facts, const json& link, const char* 
   return count(link) - count(link_named(facts.before, link.value("name", "")));
 }
 
-/// Timestamps of signatures must rise, so that one from the future shuts out what comes after it.
+/// Timestamps of signatures must rise, so one from the future shuts out all later packets.
 void check_signing(const DoctorFacts& facts, Findings& all) {
   for (const json& link : facts.after.value("links", json::array())) {
     const auto signing = link.find("signing");
@@ -316,8 +317,33 @@ void check_vehicles(const DoctorFacts& facts, Findings& all) {
   }
 }
 
-/// Whether a vehicle that is heard would arm: its state, its own arming checks, and what it
-/// complains of.
+/// The arming checks of a disarmed vehicle.
+void check_arming_checks(const DoctorFacts& facts, const json& vehicle, Findings& all) {
+  const std::string who = "vehicle " + vehicle.at("system").dump();
+  const std::string checks = vehicle.value("arming_checks", "unknown");
+  if (checks == "fail") {
+    bad(all, who + " says that its arming checks fail",
+        "casctl arm tells what it lacks; a ground station's messages do, too");
+  } else if (checks == "unknown") {
+    const std::string autopilot = vehicle.value("autopilot", "");
+    const bool tells = autopilot == "PX4" || autopilot == "ArduPilot";
+    if (rate_of(facts, vehicle.value("link", ""), "rx", {"SYS_STATUS"},
+                vehicle.value("system", 0)) > 0) {
+      warn(all, who + " does not tell whether its arming checks pass",
+           std::string(autopilot == "PX4" ? "PX4 tells it from v1.13 on; " : "") +
+               "casctl arm tells what it lacks");
+    } else {
+      all.push_back({tells ? Health::kBad : Health::kWarning,
+                     who + " has not told whether its arming checks pass",
+                     "wait until it has sent SYS_STATUS, or ask: casctl message-interval "
+                     "SYS_STATUS 1; casctl arm tells what it lacks"});
+    }
+  } else {
+    good(all, who + " says that its arming checks pass");
+  }
+}
+
+/// Whether a vehicle that is heard would arm: its state, its own arming checks and its complaints.
 void check_readiness(const DoctorFacts& facts, Findings& all) {
   static const std::set<std::string> kFit = {"standby", "active"};
   for (const json& vehicle : facts.after.value("vehicles", json::array())) {
@@ -344,26 +370,7 @@ void check_readiness(const DoctorFacts& facts, Findings& all) {
       good(all, who + " is armed");
       continue;
     }
-    if (checks == "fail") {
-      bad(all, who + " says that its arming checks fail",
-          "casctl arm tells what it lacks; a ground station's messages do, too");
-    } else if (checks == "unknown") {
-      const std::string autopilot = vehicle.value("autopilot", "");
-      const bool tells = autopilot == "PX4" || autopilot == "ArduPilot";
-      if (rate_of(facts, vehicle.value("link", ""), "rx", {"SYS_STATUS"},
-                  vehicle.value("system", 0)) > 0) {
-        warn(all, who + " does not tell whether its arming checks pass",
-             std::string(autopilot == "PX4" ? "PX4 tells it from v1.13 on; " : "") +
-                 "casctl arm tells what it lacks");
-      } else {
-        all.push_back({tells ? Health::kBad : Health::kWarning,
-                       who + " has not told whether its arming checks pass",
-                       "wait until it has sent SYS_STATUS, or ask: casctl message-interval "
-                       "SYS_STATUS 1; casctl arm tells what it lacks"});
-      }
-    } else {
-      good(all, who + " says that its arming checks pass");
-    }
+    check_arming_checks(facts, vehicle, all);
   }
 }
 
@@ -420,10 +427,9 @@ void check_ground_stations(const DoctorFacts& facts, Findings& all) {
         "give one of them another system_id (a second casd on this network?)");
   }
   if (stations.size() > 1) {
-    std::string ids;
-    for (const auto& [system, component] : stations) {
-      ids += (ids.empty() ? "" : ", ") + std::to_string(system) + "/" + std::to_string(component);
-    }
+    const std::string ids = base::joined(stations, ", ", [](const auto& station) {
+      return std::to_string(station.first) + "/" + std::to_string(station.second);
+    });
     warn(all, "several ground stations are connected: " + ids,
          "let one command; two that set modes and parameters fight each other");
   } else if (!twin) {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "base/text.hpp"
 #include "casd/casctl/session/session.hpp"
 #include "casd/casctl/session/table.hpp"
 
@@ -44,11 +45,9 @@ std::string clock_text(double since_1970_s) {
 }
 
 std::string vehicles_text(const json& daemon) {
-  std::string text;
-  for (const json& system : daemon.value("vehicles", json::array())) {
-    text += (text.empty() ? "" : ", ") + system.dump();
-  }
-  return text.empty() ? "none" : text;
+  const json vehicles = daemon.value("vehicles", json::array());
+  if (vehicles.empty()) return "none";
+  return base::joined(vehicles, ", ", [](const json& system) { return system.dump(); });
 }
 
 }  // namespace

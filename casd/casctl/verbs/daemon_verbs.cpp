@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "base/rpc/client.hpp"
+#include "base/text.hpp"
 #include "casd/casctl/session/link_counter.hpp"
 #include "casd/casctl/session/printable.hpp"
 #include "casd/casctl/session/table.hpp"
@@ -119,11 +120,9 @@ void print_status(const json& status) {
 }
 
 std::string joined(const json& list) {
-  std::string text;
-  for (const json& item : list) {
-    text += (text.empty() ? "" : " ") + (item.is_string() ? item.get<std::string>() : item.dump());
-  }
-  return text;
+  return base::joined(list, " ", [](const json& item) {
+    return item.is_string() ? item.get<std::string>() : item.dump();
+  });
 }
 
 /// "only HIL_SENSOR HIL_GPS; at most ATTITUDE 10 Hz".
@@ -280,28 +279,51 @@ int show_budget(Session& session) {
   return fits ? kDone : kRefused;
 }
 
+/// Flags of `log start`.
+struct Recording {
+  std::string file;
+  double rotate_mib = 0;
+  double rotate_minutes = 0;
+  int keep = 0;
+};
+
+int start_log(Session& session, const Recording& recording) {
+  json params = json::object();
+  if (!recording.file.empty()) params["file"] = recording.file;
+  if (recording.rotate_mib > 0) params["rotate_mib"] = recording.rotate_mib;
+  if (recording.rotate_minutes > 0) params["rotate_minutes"] = recording.rotate_minutes;
+  if (recording.keep > 0) params["keep"] = recording.keep;
+  const json result = session.call("log.start", params);
+  report(session.options(), result, recording_text(result));
+  return kDone;
+}
+
+int stop_log(Session& session) {
+  const json result = session.call("log.stop");
+  report(
+      session.options(), result,
+      "recorded " + result.at("recorded").dump() + " packets into " + result.value("file", "?") +
+          (result.value("left_out", 0) > 0 ? "; the disk did not take " + result["left_out"].dump()
+                                           : ""));
+  return kDone;
+}
+
+int show_log(Session& session) {
+  const json result = session.call("log.status");
+  const std::string text = recording_text(result);
+  const bool awaits = result.value("awaits_arming", false);
+  report(
+      session.options(), result,
+      !text.empty() ? text : (awaits ? "not recording until a vehicle is armed" : "not recording"));
+  return kDone;
+}
+
 void add_log(CommandLine& line) {
-  struct Recording {
-    std::string file;
-    double rotate_mib = 0;
-    double rotate_minutes = 0;
-    int keep = 0;
-  };
   const auto recording = std::make_shared<Recording>();
   const Verb log = line.add_group("log", "Record all packets into a .tlog file");
-  const Verb start = line.add_verb(log, "start", "Start a new file (on casd's machine)",
-                                   "casctl log start flight", [recording](Session& session) {
-                                     json params = json::object();
-                                     if (!recording->file.empty()) params["file"] = recording->file;
-                                     if (recording->rotate_mib > 0)
-                                       params["rotate_mib"] = recording->rotate_mib;
-                                     if (recording->rotate_minutes > 0)
-                                       params["rotate_minutes"] = recording->rotate_minutes;
-                                     if (recording->keep > 0) params["keep"] = recording->keep;
-                                     const json result = session.call("log.start", params);
-                                     report(session.options(), result, recording_text(result));
-                                     return kDone;
-                                   });
+  const Verb start =
+      line.add_verb(log, "start", "Start a new file (on casd's machine)", "casctl log start flight",
+                    [recording](Session& session) { return start_log(session, *recording); });
   start.add_option("NAME", recording->file,
                    "Of the new file, after its date, in casd's folder for recordings");
   start.add_option("--rotate-mib", recording->rotate_mib, "Go on in the next file at this size")
@@ -312,28 +334,11 @@ void add_log(CommandLine& line) {
       .not_negative();
   start.add_option("--keep", recording->keep, "Files of this recording that stay; 0: all")
       .not_negative();
-  line.add_verb(log, "stop", "Stop recording", "casctl log stop", [](Session& session) {
-    const json result = session.call("log.stop");
-    report(session.options(), result,
-           "recorded " + result.at("recorded").dump() + " packets into " +
-               result.value("file", "?") +
-               (result.value("left_out", 0) > 0
-                    ? "; the disk did not take " + result["left_out"].dump()
-                    : ""));
-    return kDone;
-  });
-  line.add_verb(log, "status", "Show what is recorded", "casctl log status", [](Session& session) {
-    const json result = session.call("log.status");
-    const std::string text = recording_text(result);
-    const bool awaits = result.value("awaits_arming", false);
-    report(session.options(), result,
-           !text.empty() ? text
-                         : (awaits ? "not recording until a vehicle is armed" : "not recording"));
-    return kDone;
-  });
+  line.add_verb(log, "stop", "Stop recording", "casctl log stop", stop_log);
+  line.add_verb(log, "status", "Show what is recorded", "casctl log status", show_log);
 }
 
-/// What each vehicle measures, beside what casd.status says of it.
+/// The sensors of each vehicle, beside its entry in casd.status.
 void add_telemetry(Session& session, json& status) {
   for (json& vehicle : status.at("vehicles")) {
     try {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
@@ -11,6 +10,7 @@
 #include <thread>
 
 #include "base/rpc/client.hpp"
+#include "base/text.hpp"
 #include "casd/casctl/session/table.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
@@ -19,11 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
+using base::lower;
 
 /// "vehicle 1 armed".
 std::string sentence(const json& result, const std::string& what) {
@@ -76,7 +72,7 @@ class SaidSince {
 
 using Reached = std::function<bool(const SaidSince&)>;
 
-/// Waits where asked, and says in words what is so now.
+/// Waits if asked to, and reports the state reached in words.
 int tell(Session& session, json result, const std::string& did, const std::string& state_word,
          const Reached& reached) {
   std::string words = did;

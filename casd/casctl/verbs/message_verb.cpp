@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <iostream>
 #include <memory>
@@ -9,6 +8,7 @@
 
 #include "base/rpc/message.hpp"
 #include "base/suggestion.hpp"
+#include "base/text.hpp"
 #include "casd/casctl/session/table.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
@@ -28,15 +28,8 @@ struct MessageWish {
   int system = 0;    ///< 0: any, or that of --vehicle
 };
 
-std::string upper(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  return text;
-}
-
-bool is_number(const std::string& text) {
-  return !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-}
+using base::is_number;
+using base::upper;
 
 /// As casd takes it: a name in capitals, or an id.
 json asked_message(const MessageWish& wish) {
