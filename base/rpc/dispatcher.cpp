@@ -47,8 +47,8 @@ bool too_deep(std::string_view text) {
   return false;
 }
 
-/// What is wrong with a request object, empty when nothing is.
-std::string request_fault(const Json& request) {
+/// Why a request object is invalid; nullopt if it is valid.
+std::optional<std::string> request_fault(const Json& request) {
   if (!request.is_object()) return "a request must be an object";
   const auto version = request.find("jsonrpc");
   if (version == request.end() || *version != "2.0") return "\"jsonrpc\" must be \"2.0\"";
@@ -62,7 +62,7 @@ std::string request_fault(const Json& request) {
   if (id != request.end() && (id->is_structured() || id->is_boolean())) {
     return "\"id\" must be a string or a number";
   }
-  return "";
+  return std::nullopt;
 }
 
 /// The id to answer a faulty request with: its own where it has a usable one.
@@ -203,12 +203,11 @@ void Dispatcher::handle_batch(const Json& requests, const std::shared_ptr<Peer>&
 
 void Dispatcher::handle_request(const Json& request, const std::shared_ptr<Peer>& peer,
                                 std::shared_ptr<Batch> batch) {
-  const std::string fault = request_fault(request);
-  if (!fault.empty()) {
+  if (const auto fault = request_fault(request)) {
     // A wrong token of the same batch stays the reason, so that no second one is tried.
     if (peer->refusal == Refusal::kNone) peer->refusal = Refusal::kNotJsonRpc;
     const Json stand_in{{"id", id_of(request)}};  // a faulty request is answered, id or not
-    Call(peer, stand_in, std::move(batch)).fail(kInvalidRequest, fault, nullptr);
+    Call(peer, stand_in, std::move(batch)).fail(kInvalidRequest, *fault, nullptr);
     return;
   }
   const auto call = std::make_shared<Call>(peer, request, std::move(batch));

@@ -133,7 +133,7 @@ void LogFiles::carry_out(Job job) {
 }
 
 void LogFiles::make(const Job& job) {
-  if (!why_.empty()) return;
+  if (paused_) return;
   Open file;
   for (int number = 0; !file.fd; ++number) {
     file.name = job.name + (number > 0 ? "." + std::to_string(number) : "") + job.extension;
@@ -148,9 +148,9 @@ void LogFiles::append(File id, const LogPart& part) {
   const auto found = open_.find(id);
   if (found == open_.end()) return;
   Open& file = found->second;
-  if (std::string why = lack(part.bytes.size()); !why.empty()) {
+  if (const auto why = lack(part.bytes.size())) {
     close(id);
-    return fail(std::move(why));
+    return fail(*why);
   }
   if (file.size == 0) {
     base::log::info("recording the autopilot's log in " + (folder_.path() / file.name).string());
@@ -185,14 +185,13 @@ void LogFiles::close(File id) {
   open_.erase(found);
 }
 
-void LogFiles::fail(std::string why) {
+void LogFiles::fail(const std::string& why) {
   retry_at_ = base::steady_now() + kRetryPeriod;
   takes_.store(false, std::memory_order_relaxed);
-  if (why_.empty()) {
+  if (!std::exchange(paused_, true)) {
     base::log::error("logs of autopilots in " + folder_.path().string() + " pause: " + why +
                      "; they go on when they can");
   }
-  why_ = std::move(why);
 }
 
 /// Logs go on once a test file can be written; each then begins a new file.
@@ -202,7 +201,7 @@ void LogFiles::look_for_room() {
   used_counted_at_.reset();
   free_read_at_.reset();
   const bool full = folder_.look(false).free_bytes < kRoomToGoOn;
-  if (full || !lack(kRoomToGoOn).empty()) return;
+  if (full || lack(kRoomToGoOn)) return;
   // Free space does not prove that the disk can be written.
   const std::string probe = ".autopilot-log-" + std::to_string(::getpid());
   folder_.remove(probe);
@@ -214,13 +213,13 @@ void LogFiles::look_for_room() {
     if (!taken) return;
   }
   retry_at_.reset();
-  why_.clear();
+  paused_ = false;
   takes_.store(true, std::memory_order_relaxed);
   base::log::info("logs of autopilots go on in " + folder_.path().string());
 }
 
-std::string LogFiles::lack(std::uint64_t more) {
-  if (config_.limits == TlogLimits{}) return "";
+std::optional<std::string> LogFiles::lack(std::uint64_t more) {
+  if (config_.limits == TlogLimits{}) return std::nullopt;
   const base::RunTime now = base::steady_now();
   if (!free_read_at_ || now - *free_read_at_ >= kFreePeriod) {
     free_read_at_ = now;

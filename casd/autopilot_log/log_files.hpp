@@ -22,7 +22,7 @@
 namespace cas::casd {
 
 /// Writes the logs of autopilots. Calls only copy into memory; a thread of its own writes the
-/// files, so a disk that hangs delays nobody else.
+/// files, so a disk that hangs delays no other thread.
 ///
 /// Each file is a new one, DATE-NAME.ulg or .bin (DATE-NAME.1.ulg if that exists): no file is
 /// replaced, no symlink followed. When the disk fails or a limit is reached, takes() is false until
@@ -40,7 +40,7 @@ class LogFiles {
   LogFiles(const LogFiles&) = delete;
   LogFiles& operator=(const LogFiles&) = delete;
 
-  /// @param name  stands for the vehicle in the file's name: "v1"
+  /// @param name  of the vehicle in the file's name: "v1"
   File begin(const std::string& name, std::string_view extension);
   /// @return false when the queue to the disk is full
   bool write(File file, LogPart part);
@@ -69,10 +69,10 @@ class LogFiles {
   void make(const Job& job);
   void append(File file, const LogPart& part);
   void close(File file);
-  void fail(std::string why);
+  void fail(const std::string& why);
   void look_for_room();
-  /// Why so many bytes do not fit; empty: they do.
-  std::string lack(std::uint64_t more);
+  /// Why so many bytes do not fit; nullopt: they do.
+  std::optional<std::string> lack(std::uint64_t more);
 
   AutopilotLogConfig config_;
   std::atomic<bool> takes_{true};
@@ -90,7 +90,7 @@ class LogFiles {
   std::optional<base::RunTime> free_read_at_;     ///< when space_.free_bytes was read
   std::optional<base::RunTime> used_counted_at_;  ///< when space_.used_bytes was counted
   std::optional<base::RunTime> retry_at_;
-  std::string why_;  ///< why no file is written; empty: files are written
+  bool paused_ = false;  ///< no file is written
 
   std::jthread thread_;  ///< the last member: it ends before those that it uses
 };

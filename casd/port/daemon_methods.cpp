@@ -95,8 +95,8 @@ json recording_json(const TlogStatus& status) {
                  {"recorded", status.recorded},
                  {"left_out", status.left_out},
                  {"bytes", status.bytes}};
-  if (!status.paused.empty()) {
-    recording["paused"] = status.paused;
+  if (status.paused) {
+    recording["paused"] = *status.paused;
     recording["paused_s"] = base::to_seconds(status.paused_for);
   }
   return recording;

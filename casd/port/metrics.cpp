@@ -121,7 +121,7 @@ void add_recording(std::string& out, const TlogStatus& recording) {
   };
   gauge("casd_recording_active", "1 while a telemetry log is recorded.", recording.active ? 1 : 0);
   gauge("casd_recording_paused", "1 while the disk does not take what is recorded.",
-        recording.paused.empty() ? 0 : 1);
+        recording.paused ? 1 : 0);
   gauge("casd_recording_packets", "Packets in the files of the recording.", recording.recorded);
   gauge("casd_recording_left_out", "Packets that are missing in the recording.",
         recording.left_out);

@@ -46,7 +46,7 @@ void for_each_tlog(const std::filesystem::path& path, Visit&& visit) {
   }
 }
 
-/// What the .tlog files of a folder take.
+/// Bytes of the .tlog files of a folder.
 std::uint64_t recorded_bytes(const std::filesystem::path& path) {
   std::uint64_t sum = 0;
   for_each_tlog(path, [&](std::string_view, const struct stat& status) {
@@ -64,14 +64,15 @@ bool is_written(int folder, const std::string& name) {
 
 }  // namespace
 
-std::string lack_of_room(const TlogLimits& limits, const TlogSpace& space, std::uint64_t more) {
+std::optional<std::string> lack_of_room(const TlogLimits& limits, const TlogSpace& space,
+                                        std::uint64_t more) {
   if (limits.free_space_min_bytes > 0 && space.free_bytes < limits.free_space_min_bytes + more) {
     return "less than " + mib(limits.free_space_min_bytes) + " would stay free";
   }
   if (limits.max_bytes > 0 && space.used_bytes + more > limits.max_bytes) {
     return "the recordings have the " + mib(limits.max_bytes) + " that they may take";
   }
-  return "";
+  return std::nullopt;
 }
 
 TlogFolder::TlogFolder(std::filesystem::path path) : path_(std::move(path)) {

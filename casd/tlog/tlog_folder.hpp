@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,8 +29,9 @@ struct TlogSpace {
   std::uint64_t used_bytes = 0;
 };
 
-/// Why `more` bytes must not be recorded, as a clause; empty: they may. Pure.
-std::string lack_of_room(const TlogLimits& limits, const TlogSpace& space, std::uint64_t more);
+/// Why `more` bytes must not be recorded, as a clause; nullopt: they may. Pure.
+std::optional<std::string> lack_of_room(const TlogLimits& limits, const TlogSpace& space,
+                                        std::uint64_t more);
 
 /// The folder of recordings: all access to its file system. Files are made by name only; no file is
 /// replaced and no symlink followed. A file is locked (flock) while it is written.
@@ -46,7 +48,7 @@ class TlogFolder {
   /// Removes a file or symlink of that name. @return false with errno set
   bool remove(const std::string& name) const;
   /// Removes the oldest of casd's recordings (is_dated_tlog()) until `keep` of them are left: only
-  /// regular files of this user that nobody writes. `current` stays. @return what is gone
+  /// regular files of this user that no program writes. `current` stays. @return removed files
   std::vector<std::string> remove_oldest(std::size_t keep, const std::string& current) const;
   /// Free space (unlimited if the file system does not say), and with `scan` the space of all its
   /// .tlog files.

@@ -25,7 +25,7 @@ bool lacks_room(int error) { return error == ENOSPC || error == EDQUOT || error 
 
 void TlogRecording::begin(Options options, base::RunTime now) {
   options_ = std::move(options);
-  pause_.clear();
+  pause_.reset();
   retry_at_.reset();
   scanned_.reset();
   bytes_ = 0;
@@ -62,17 +62,17 @@ std::size_t TlogRecording::write(std::span<const std::uint8_t> records, base::Ru
 bool TlogRecording::may_write(std::size_t more, base::RunTime now) {
   if (retry_at_ && now < *retry_at_) return false;
   const std::size_t wanted = retry_at_ ? std::max(more, kRoomToGoOn) : more;
-  if (std::string why = lack(wanted, now); !why.empty()) {
-    pause(std::move(why), now);
+  if (const auto why = lack(wanted, now)) {
+    pause(*why, now);
     return false;
   }
   retry_at_.reset();
   return true;
 }
 
-std::string TlogRecording::lack(std::size_t more, base::RunTime now) {
+std::optional<std::string> TlogRecording::lack(std::size_t more, base::RunTime now) {
   const TlogLimits& limits = options_.limits;
-  if (limits == TlogLimits{}) return "";
+  if (limits == TlogLimits{}) return std::nullopt;
   const bool scan = limits.max_bytes > 0 && (!scanned_ || now - *scanned_ >= kScanPeriod);
   const std::uint64_t used = space_.used_bytes;
   space_ = files_.folder().look(scan);
@@ -86,21 +86,21 @@ std::string TlogRecording::lack(std::size_t more, base::RunTime now) {
 
 void TlogRecording::pause(std::string why, base::RunTime now) {
   retry_at_ = now + kRetryPeriod;
-  const bool begins = pause_.empty();
+  const bool begins = !pause_;
   if (begins) {
     paused_since_ = now;
     lost_ = 0;
   }
   pause_ = std::move(why);
   if (begins) {
-    base::log::error("recording in " + files_.folder().path().string() + " pauses: " + pause_ +
+    base::log::error("recording in " + files_.folder().path().string() + " pauses: " + *pause_ +
                      "; it goes on when it can");
   }
 }
 
 void TlogRecording::go_on() {
-  if (pause_.empty()) return;
-  pause_.clear();
+  if (!pause_) return;
+  pause_.reset();
   base::log::info("recording goes on in " + file().string() + "; " + std::to_string(lost_) +
                   " packets are not in it");
 }

@@ -30,13 +30,13 @@ class TlogRecording {
 
   /// @throws base::ConfigError when the first file cannot be made
   void begin(Options options, base::RunTime now);
-  /// Writes what the disk takes of these whole records.
+  /// Writes as many of these whole records as the disk takes.
   /// @return how many packets are in the files now; those that are not are lost
   std::size_t write(std::span<const std::uint8_t> records, base::RunTime now);
   void end() { files_.close(); }
 
-  /// Why it pauses, as a clause; empty: it does not. Holds until packets are in a file again.
-  const std::string& pause() const { return pause_; }
+  /// Why it pauses, as a clause; nullopt: it does not. Holds until packets are in a file again.
+  const std::optional<std::string>& pause() const { return pause_; }
   /// Since when; meaningful while it is paused.
   base::RunTime paused_since() const { return paused_since_; }
   std::filesystem::path file() const { return files_.current(); }
@@ -46,11 +46,11 @@ class TlogRecording {
   bool may_write(std::size_t more, base::RunTime now);
   void pause(std::string why, base::RunTime now);
   void go_on();
-  std::string lack(std::size_t more, base::RunTime now);
+  std::optional<std::string> lack(std::size_t more, base::RunTime now);
 
   Options options_;
   TlogFiles files_;
-  std::string pause_;
+  std::optional<std::string> pause_;
   base::RunTime paused_since_{};
   std::optional<base::RunTime> retry_at_;
   std::uint64_t bytes_ = 0;

@@ -104,7 +104,7 @@ TlogStatus TlogWriter::status(base::RunTime now) const {
   TlogStatus status;
   status.active = true;
   if (beginning_ == 0) status = status_;
-  if (!status.paused.empty()) status.paused_for = now - paused_since_;
+  if (status.paused) status.paused_for = now - paused_since_;
   const base::Duration hangs =
       asked_disk_ ? base::steady_now() - *asked_disk_ : base::Duration::zero();
   if (status.active && hangs > kPatience) {
@@ -175,7 +175,7 @@ TlogStatus TlogWriter::publish() {
   const base::MutexLock lock(status_mutex_);
   status_.active = open_;
   status_.file = recording_.file();
-  status_.paused = open_ ? recording_.pause() : "";
+  status_.paused = open_ ? recording_.pause() : std::nullopt;
   status_.recorded = recorded_;
   status_.left_out = left_out_;
   status_.bytes = recording_.bytes();

@@ -22,9 +22,9 @@ namespace cas::casd {
 
 /// State of the recording that runs, or else of the last one.
 struct TlogStatus {
-  bool active = false;         ///< begun and not ended; a pause does not end it
-  std::filesystem::path file;  ///< empty: none yet
-  std::string paused;          ///< why nothing is written, as a clause; empty: it is
+  bool active = false;                ///< begun and not ended; a pause does not end it
+  std::filesystem::path file;         ///< empty: none yet
+  std::optional<std::string> paused;  ///< why nothing is written, as a clause; nullopt: it is
   base::Duration paused_for{};
   std::uint64_t recorded = 0;  ///< packets in its files
   std::uint64_t left_out = 0;  ///< packets that are missing in them
@@ -35,8 +35,8 @@ struct TlogStatus {
 /// 8-byte big-endian number of microseconds since 1970, then the packet as it came.
 ///
 /// `record` only copies into memory; a thread of its own makes, writes and closes the files, so a
-/// disk that hangs delays nobody else. Packets that a full or slow disk does not take are left out
-/// of the log and counted.
+/// disk that hangs delays no other thread. Packets that a full or slow disk does not take are left
+/// out of the log and counted.
 ///
 ///   link threads --record()---> waiting_ --every 200 ms--+
 ///   main ---------begin, end--> orders_ -----at once-----+--> recording_ --> disk
@@ -77,7 +77,7 @@ class TlogWriter {
   /// The same, and waits until the disk has it.
   void stop();
   bool active() const { return phase_.load(std::memory_order_relaxed) == Phase::kRecording; }
-  /// Whether record() does anything; what it does not want need not be brought to it.
+  /// Whether record() does anything; if not, it need not be called.
   bool listens() const { return phase_.load(std::memory_order_relaxed) != Phase::kOff; }
   TlogStatus status(base::RunTime now) const;
 

@@ -104,13 +104,13 @@ std::optional<std::string> text_of(const Json& params, const char* key) {
   return found->get<std::string>();
 }
 
-/// What is wrong with the names of parameters; empty: nothing.
-std::string unknown_key(const Json& params, const std::set<std::string>& known) {
+/// Why the names of parameters are wrong; nullopt if they are right.
+std::optional<std::string> unknown_key(const Json& params, const std::set<std::string>& known) {
   if (!params.is_object()) return "parameters are named";
   for (const auto& [key, value] : params.items()) {
     if (!known.contains(key)) return "there is no parameter '" + key + "'";
   }
-  return {};
+  return std::nullopt;
 }
 
 }  // namespace
@@ -143,7 +143,7 @@ void PageClient::on_text(std::string_view text) {
          {{"code", base::rpc::kNotAuthorised}, {"message", "call hello {\"nonce\": ...} first"}});
 }
 
-/// Before `hello` nothing of what a stranger sends is given to the dispatcher.
+/// Before `hello` no text of a client reaches the dispatcher.
 void PageClient::answer(const Json& request, const char* key, Json value) {
   Json id = request.is_object() ? request.value("id", Json()) : Json();
   if (id.is_structured()) id = nullptr;
@@ -294,8 +294,8 @@ void PageClient::pass(const std::string& method, Upstream& to, const Json& param
 }
 
 void PageClient::watch(const Json& params, const Reply& reply) {
-  if (const std::string fault = unknown_key(params, {"topics"}); !fault.empty()) {
-    return reply.error(base::rpc::kInvalidParams, fault, nullptr);
+  if (const auto fault = unknown_key(params, {"topics"})) {
+    return reply.error(base::rpc::kInvalidParams, *fault, nullptr);
   }
   std::map<std::string, SnapshotFlow, std::less<>> flows;
   for (const auto& [topic, hz] : params.at("topics").get_ref<const Json::object_t&>()) {
@@ -324,10 +324,9 @@ void PageClient::on_ack(const Json& params, const Reply& reply) {
 }
 
 void PageClient::watch_message(const Json& params, const Reply& reply) {
-  if (const std::string fault =
-          unknown_key(params, {"link", "message", "system", "component", "fields", "hz"});
-      !fault.empty()) {
-    return reply.error(base::rpc::kInvalidParams, fault, nullptr);
+  if (const auto fault =
+          unknown_key(params, {"link", "message", "system", "component", "fields", "hz"})) {
+    return reply.error(base::rpc::kInvalidParams, *fault, nullptr);
   }
   ValueWatch watch{.link = params.at("link"),
                    .message = params.at("message"),

@@ -15,17 +15,17 @@
 namespace cas::casctl {
 
 // What the monitor asks casd, each function over a connection of its own, so that it may run beside
-// the screen. None throws: what goes wrong is in the answer.
+// the screen. None throws: the answer holds the error.
 
 /// Seconds of the steady clock.
 double now_s();
 
-/// What one look asks casd for, and what it answered.
+/// One query of casd, and its answers.
 struct Look {
   std::optional<int> vehicle;      ///< system id; nothing: the first one
   std::optional<MessageKey> open;  ///< whose values are wanted
   nlohmann::json status, messages, state, telemetry, value;
-  std::string fault;  ///< why casd did not answer
+  std::optional<std::string> fault;  ///< why casd did not answer; nullopt: it did
   double time_s = 0;
 };
 
@@ -35,15 +35,15 @@ Look take_look(std::unique_ptr<Session>& session, const Options& options, Look l
 /// The gains of all loops, or a sentence.
 struct GainsAnswer {
   nlohmann::json gains = nlohmann::json::array();
-  std::string fault;
+  std::optional<std::string> fault;
 };
 
 GainsAnswer ask_gains(const Options& options);
 
-/// Names of all parameters; none where the vehicle does not tell them.
+/// Names of all parameters; none if the vehicle does not list them.
 std::vector<std::string> ask_parameters(const Options& options);
 
-/// What came of a command, and whether it was done.
+/// The answer to a command, and whether it was done.
 using CommandAnswer = std::pair<std::string, bool>;
 
 /// @param line  as it was typed; the answer begins with it

@@ -39,8 +39,8 @@ Block gain_section(const MonitorState& state, double now_s, std::size_t width, s
                           : lines.empty() ? "The vehicle does not answer: its gains are unknown."
                                           : "The vehicle does not answer: these are the last ones.",
                           width, Style::kBad));
-  } else if (!state.gains_fault.empty()) {
-    append(block, wrapped(state.gains_fault, width, Style::kBad));
+  } else if (state.gains_fault) {
+    append(block, wrapped(*state.gains_fault, width, Style::kBad));
   } else if (state.gains_asked_s) {
     block.emplace_back("asked for " + age_text(now_s - *state.gains_asked_s) + " ago", Style::kDim);
   }

@@ -124,7 +124,7 @@ void MonitorModel::forget_vehicle() {
   state_.telemetry = json::object();
   state_.trail.clear();
   state_.gains = json::array();
-  state_.gains_fault.clear();
+  state_.gains_fault.reset();
   state_.gains_asked_s.reset();
 }
 
@@ -140,10 +140,11 @@ void MonitorModel::choose_a_field() {
   }
 }
 
-void MonitorModel::update_gains(const json& gains, const std::string& fault, double time_s) {
+void MonitorModel::update_gains(const json& gains, const std::optional<std::string>& fault,
+                                double time_s) {
   state_.gains_asked_s.reset();
   state_.gains_fault = fault;
-  if (!fault.empty()) return;
+  if (fault) return;
   state_.gains = gains;
   state_.gains_at_s = time_s;
 }

@@ -25,10 +25,11 @@ class MonitorModel {
   /// Takes in message.value of the open message.
   void update_value(const nlohmann::json& value, double time_s);
   /// Takes in gain.get of each loop, or why there is none.
-  void update_gains(const nlohmann::json& gains, const std::string& fault, double time_s);
+  void update_gains(const nlohmann::json& gains, const std::optional<std::string>& fault,
+                    double time_s);
   void set_gains_asked(double time_s) { state_.gains_asked_s = time_s; }
-  /// casd does not answer; empty: it does again.
-  void set_casd_fault(const std::string& fault) { state_.casd_fault = fault; }
+  /// Why casd does not answer; nullopt: it does.
+  void set_casd_fault(const std::optional<std::string>& fault) { state_.casd_fault = fault; }
 
   // Where the user is.
   void move(int steps);
@@ -47,7 +48,7 @@ class MonitorModel {
   void show(Page page);
   void set_note(const std::string& note, bool bad);
   void set_answer(const std::string& answer, bool bad, double time_s);
-  /// The line under edit with what is said about it; nothing: the keys are shown.
+  /// The line under edit with a hint; nullopt: the keys are shown.
   void set_prompt(std::optional<std::string> prompt, const std::string& hint = "");
   void set_interval(double interval_s) { state_.interval_s = interval_s; }
   void use_unicode(bool unicode) { state_.unicode = unicode; }

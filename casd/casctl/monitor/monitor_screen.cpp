@@ -134,7 +134,7 @@ class MonitorScreen {
 
   void take_in(const Look& look) {
     model_.set_casd_fault(look.fault);
-    if (!look.fault.empty()) {
+    if (look.fault) {
       next_look_ = Clock::now() + std::chrono::seconds(1);
       return;
     }
@@ -357,7 +357,7 @@ int run_monitor(const Options& options, double interval_s, const base::cli::Word
   return kDone;
 }
 
-/// What the monitor shows, once, as plain tables.
+/// The monitor's figures, once, as plain tables.
 int print_monitor(Session& session) {
   const json status = session.call("casd.status");
   const json messages = session.call("message.list");

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/text.hpp"
+
 namespace cas::casctl {
 namespace {
 
@@ -35,16 +37,16 @@ double overdue_s(const MonitorState& state, double at_s, double now_s) {
 }
 
 bool is_stale(const MonitorState& state, double now_s) {
-  return !state.casd_fault.empty() || overdue_s(state, state.status_at_s, now_s) > kStale_s;
+  return state.casd_fault || overdue_s(state, state.status_at_s, now_s) > kStale_s;
 }
 
 std::vector<MessageRow> visible_rows(const MonitorState& state) {
   std::vector<MessageRow> shown;
-  const std::string wanted = lower(state.filter);
+  const std::string wanted = base::lower(state.filter);
   for (const MessageRow& row : state.rows) {
     if (!state.link.empty() && row.key.link != state.link) continue;
     if (!state.direction.empty() && row.key.direction.rfind(state.direction, 0) != 0) continue;
-    if (lower(row.key.name).find(wanted) == std::string::npos) continue;
+    if (base::lower(row.key.name).find(wanted) == std::string::npos) continue;
     shown.push_back(row);
   }
   using Sort = MonitorState::Sort;

@@ -34,7 +34,7 @@ struct LinkRate {
 };
 
 /// When something of a vehicle was last seen to come, by the count of its messages. In lockstep
-/// casd's time stands still with the stream, and so do the ages that it tells.
+/// casd's time stops with the stream, and so do the ages in its answers.
 struct VehicleWatch {
   std::uint64_t count = 0;
   double changed_at_s = 0;
@@ -53,10 +53,10 @@ struct MonitorState {
   nlohmann::json value = nlohmann::json::object();      ///< message.value of the open message
   nlohmann::json gains = nlohmann::json::array();       ///< gain.get of each loop
   double status_at_s = 0, vehicle_at_s = 0, rows_at_s = 0, value_at_s = 0, gains_at_s = 0;
-  double interval_s = 0.5;              ///< between two looks at casd
-  std::string casd_fault;               ///< why casd does not answer; empty: it does
-  std::string gains_fault;              ///< why there are no gains
-  std::optional<double> gains_asked_s;  ///< since when they are being asked for
+  double interval_s = 0.5;                 ///< between two looks at casd
+  std::optional<std::string> casd_fault;   ///< why casd does not answer; nullopt: it does
+  std::optional<std::string> gains_fault;  ///< why there are no gains
+  std::optional<double> gains_asked_s;     ///< since when they are being asked for
   std::vector<MessageRow> rows;
   std::map<std::string, LinkRate> link_rates;
   std::map<std::string, std::deque<Sample>> history;  ///< of the open message's numbers

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "base/suggestion.hpp"
+#include "base/text.hpp"
 #include "casd/casctl/monitor/screen_text.hpp"
 #include "casd/casctl/session/gains_text.hpp"
 
@@ -144,8 +145,7 @@ std::variant<PromptCall, std::string> parse_prompt(const std::string& line) {
   const PromptVerb* verb = find_verb(given);
   if (verb == nullptr) {
     const std::string word = given.empty() ? "" : given.front();
-    std::string next;
-    for (const std::string& other : next_words({word})) next += (next.empty() ? "" : ", ") + other;
+    const std::string next = base::joined(next_words({word}), ", ");
     if (!next.empty()) return "behind '" + word + "' stands one of " + next;
     const std::string meant = base::did_you_mean(word, next_words({}));
     return "there is no command '" + word + "'" + (meant.empty() ? "; ? lists them" : meant);
@@ -202,7 +202,7 @@ Completion complete(const std::string& line, const PromptWords& words) {
     }
   }
   for (const std::string& word : possible) {
-    if (lower(word).starts_with(lower(begun))) completion.offers.push_back(word);
+    if (base::lower(word).starts_with(base::lower(begun))) completion.offers.push_back(word);
   }
   if (completion.offers.empty()) return completion;
   const std::string common = common_beginning(completion.offers);

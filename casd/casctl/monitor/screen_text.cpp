@@ -2,7 +2,6 @@
 #include "casd/casctl/monitor/screen_text.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <sstream>
 #include <utility>
 
@@ -37,12 +36,6 @@ std::string ScreenLine::text() const {
   std::string all;
   for (const Span& span : spans) all += span.text;
   return all;
-}
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
 }
 
 std::size_t columns(const std::string& text) {

@@ -37,8 +37,6 @@ struct Segment {
   int rank = 0;  ///< the highest goes first
 };
 
-/// In lower case; only ASCII letters change.
-std::string lower(std::string text);
 /// Columns that a text takes on a terminal (one per character).
 std::size_t columns(const std::string& text);
 std::size_t columns(const ScreenLine& line);

@@ -94,8 +94,7 @@ std::string absence_text(const MonitorState& state, const Presence& vehicle) {
   switch (vehicle.kind) {
     case Presence::Kind::kUnknown:
       return "casd does not answer since " + age_text(vehicle.age_s) +
-             (state.casd_fault.empty() ? "" : ": " + state.casd_fault) +
-             "; trying again every second";
+             (state.casd_fault ? ": " + *state.casd_fault : "") + "; trying again every second";
     case Presence::Kind::kLost:
       return "Vehicle " + std::to_string(vehicle.summary.value("system", 0)) +
              " is lost: no HEARTBEAT since " + age_text(vehicle.age_s) +

@@ -3,15 +3,17 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <optional>
 
 #include "base/suggestion.hpp"
 
 namespace cas::casctl {
 namespace {
 
-/// What is wrong with a word; empty when nothing is.
-std::string fault_of(const std::string& word, const std::vector<std::string>& known) {
-  if (std::find(known.begin(), known.end(), word) != known.end()) return {};
+/// Why a word is wrong; nullopt if it is known.
+std::optional<std::string> fault_of(const std::string& word,
+                                    const std::vector<std::string>& known) {
+  if (std::find(known.begin(), known.end(), word) != known.end()) return std::nullopt;
   const std::string meant = base::did_you_mean(word, known);
   if (!meant.empty()) return "there is no '" + word + "'" + meant;
   std::string words;
@@ -26,7 +28,7 @@ Argument add_words(CommandLine& line, const WordArguments& arguments,
   CLI::App* verb = line.app().get_subcommand(arguments.verb);
   return Argument(verb->add_option(arguments.name, words, arguments.help)
                       ->check([known = arguments.known](const std::string& word) {
-                        return fault_of(word, known);
+                        return fault_of(word, known).value_or("");  // CLI11: empty is no error
                       }));
 }
 

@@ -165,7 +165,7 @@ TEST_F(RecorderTest, CountsWhatTheDiskDidNotTakeAndOnlyWhatItTook) {
   ASSERT_TRUE(cas::test::wait_until([&] {
     say(seconds(3));
     ++said;
-    return recorder.status(at({})).paused.empty();
+    return !recorder.status(at({})).paused;
   }));
   recorder.stop();
   const TlogStatus status = recorder.status(at({}));

@@ -27,7 +27,7 @@ struct RoomCase {
   TlogLimits limits;
   TlogSpace space;
   std::uint64_t more;
-  const char* why;
+  std::optional<std::string> why;
 };
 
 class LackOfRoom : public testing::TestWithParam<RoomCase> {};
@@ -39,8 +39,8 @@ TEST_P(LackOfRoom, IsWhatTheLimitsSay) {
 
 INSTANTIATE_TEST_SUITE_P(
     Cases, LackOfRoom,
-    testing::Values(RoomCase{"NoLimits", {}, {0, kGib}, kGib, ""},
-                    RoomCase{"JustEnoughFree", {64 * kMib, 0}, {65 * kMib, 0}, kMib, ""},
+    testing::Values(RoomCase{"NoLimits", {}, {0, kGib}, kGib, {}},
+                    RoomCase{"JustEnoughFree", {64 * kMib, 0}, {65 * kMib, 0}, kMib, {}},
                     RoomCase{"TooLittleFree",
                              {64 * kMib, 0},
                              {65 * kMib - 1, 0},
@@ -50,8 +50,8 @@ INSTANTIATE_TEST_SUITE_P(
                              {64 * kMib, 0},
                              {std::numeric_limits<std::uint64_t>::max(), 0},
                              kMib,
-                             ""},
-                    RoomCase{"JustBelowTheMost", {0, 10 * kMib}, {kGib, 9 * kMib}, kMib, ""},
+                             {}},
+                    RoomCase{"JustBelowTheMost", {0, 10 * kMib}, {kGib, 9 * kMib}, kMib, {}},
                     RoomCase{"BeyondTheMost",
                              {0, 10 * kMib},
                              {kGib, 9 * kMib + 1},
@@ -106,9 +106,9 @@ TEST_F(Recording, PausesWhileTheDiskTakesNothingAndGoesOnByItself) {
   }
   const base::Duration later = TlogRecording::kRetryPeriod + milliseconds(999);
   EXPECT_EQ(recording.write(records(2), at(later)), 0U) << "it is not tried again and again";
-  EXPECT_NE(recording.pause(), "");
+  EXPECT_TRUE(recording.pause());
   EXPECT_EQ(recording.write(records(3), at(2 * TlogRecording::kRetryPeriod)), 3U);
-  EXPECT_EQ(recording.pause(), "");
+  EXPECT_FALSE(recording.pause());
   recording.end();
   EXPECT_EQ(packets_in(folder.path()), 13U);
   EXPECT_EQ(recording.bytes(), records(13).size());
@@ -149,13 +149,13 @@ TEST_F(Recording, PausesAtTheSizeOfTheFolderUntilSomethingIsRemoved) {
   EXPECT_EQ(recording.pause(), "the recordings have the 1 MiB that they may take");
   fs::remove(folder / "old.tlog");
   EXPECT_GT(recording.write(batch, at(TlogRecording::kRetryPeriod)), 0U);
-  EXPECT_EQ(recording.pause(), "");
+  EXPECT_FALSE(recording.pause());
 }
 
 TEST_F(Recording, IsRefusedWhereNoFileCanBeMade) {
   EXPECT_THROW(recording.begin(options(folder / "none" / "deep"), at({})), base::ConfigError);
   recording.begin(options(folder / "made"), at({}));
-  EXPECT_EQ(recording.pause(), "");
+  EXPECT_FALSE(recording.pause());
   EXPECT_TRUE(fs::exists(folder / "made" / "a.tlog"));
 }
 
