@@ -20,15 +20,10 @@
 #include "hils/boards/board_command.hpp"
 #include "hils/boards/board_error.hpp"
 #include "hils/boards/board_flags.hpp"
-#include "hils/campaign/campaign_command.hpp"
-#include "hils/compare/compare_command.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/programs/supervisor.hpp"
-#include "hils/replay/replay_command.hpp"
+#include "hils/run/verbs.hpp"
 #include "hils/run_command.hpp"
-#include "hils/sweep/sweep_command.hpp"
-#include "hils/timing/timing_command.hpp"
-#include "hils/tune/tune_command.hpp"
 
 namespace {
 
@@ -43,7 +38,7 @@ void tell(const std::exception& error) {
   fmt::print(stderr, "hils: {}\n", sentence);
 }
 
-/// Runs a command and turns what it throws into a sentence and an exit code.
+/// Runs a command and turns its exception into a sentence and an exit code.
 int guarded(const std::function<int()>& command) {
   try {
     return command();

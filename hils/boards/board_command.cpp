@@ -256,79 +256,101 @@ void add_power_options(CLI::App& power, Flags& flags) {
                  "cycle: also a board that is armed, or whose port another program has");
 }
 
-/// The verbs behind `board`.
-std::vector<Verb> add_verbs(CLI::App& above, const std::shared_ptr<Flags>& kept) {
-  Flags& flags = *kept;
-  std::vector<Verb> verbs;
+/// The verbs of `board`, as they are added.
+class BoardVerbs {
+ public:
   using Run = int (*)(const BoardList& list, const Flags& flags);
-  const auto add = [&](const char* name, const char* description, Run run) {
-    CLI::App* verb = above.add_subcommand(name, description);
-    verb->fallthrough();  // --boards may stand behind the verb
-    verbs.push_back({verb, [kept, run] { return run(load_list(*kept), *kept); }});
+
+  BoardVerbs(CLI::App& above, std::shared_ptr<Flags> kept)
+      : above_(above), kept_(std::move(kept)) {}
+
+  CLI::App* add(const char* name, const char* description, Run run) {
+    CLI::App* verb = above_.add_subcommand(name, description);
+    verb->fallthrough();  // --boards may follow the verb
+    verbs_.push_back({verb, [kept = kept_, run] { return run(load_list(*kept), *kept); }});
     return verb;
-  };
-  const auto add_of_one = [&](const char* name, const char* description, Run run) {
+  }
+  /// A verb with the name of a board.
+  CLI::App* add_of_one(const char* name, const char* description, Run run) {
     CLI::App* verb = add(name, description, run);
-    verb->add_option("NAME", flags.name, "Board")->required();
+    verb->add_option("NAME", flags().name, "Board")->required();
     return verb;
-  };
-  CLI::App* list = add("list", "Show the boards, whether they are there, and who holds them",
+  }
+  Flags& flags() { return *kept_; }
+  const std::vector<Verb>& all() const { return verbs_; }
+
+ private:
+  CLI::App& above_;
+  std::shared_ptr<Flags> kept_;
+  std::vector<Verb> verbs_;
+};
+
+void add_list(BoardVerbs& verbs) {
+  CLI::App* list = verbs.add("list", "Show the boards, whether they are there, and who holds them",
+                             [](const BoardList& boards, const Flags& f) {
+                               return f.names ? show_names(boards) : show_list(boards, f.json);
+                             });
+  list->add_flag("--json", verbs.flags().json, "As JSON");
+  list->add_flag("--names", verbs.flags().names, "The names alone, one a line");
+}
+
+void add_locks(BoardVerbs& verbs) {
+  CLI::App* lock =
+      verbs.add_of_one("lock", "Hold a board while a command runs, or until it is unlocked",
                        [](const BoardList& boards, const Flags& f) {
-                         return f.names ? show_names(boards) : show_list(boards, f.json);
+                         HeldBoard held = take(boards, f, "lock");
+                         return hold(std::move(*held.lock), held.board, f.command,
+                                     std::chrono::seconds(f.at_most_s));
                        });
-  list->add_flag("--json", flags.json, "As JSON");
-  list->add_flag("--names", flags.names, "The names alone, one a line");
+  add_lock_options(*lock, verbs.flags());
+  add_wait(*lock, verbs.flags().boards.wait);
+  verbs
+      .add_of_one("unlock", "End a lock of `hils board lock`",
+                  [](const BoardList& boards, const Flags& f) {
+                    unlock_board(boards.board(f.name), lock_folder(boards), f.force);
+                    return static_cast<int>(kExitPassed);
+                  })
+      ->add_flag("--force", verbs.flags().force, "End whatever program holds the board");
+}
 
-  CLI::App* lock = add_of_one("lock", "Hold a board while a command runs, or until it is unlocked",
-                              [](const BoardList& boards, const Flags& f) {
-                                HeldBoard held = take(boards, f, "lock");
-                                return hold(std::move(*held.lock), held.board, f.command,
-                                            std::chrono::seconds(f.at_most_s));
-                              });
-  add_lock_options(*lock, flags);
-  add_wait(*lock, flags.boards.wait);
-
-  add_of_one("unlock", "End a lock of `hils board lock`",
-             [](const BoardList& boards, const Flags& f) {
-               unlock_board(boards.board(f.name), lock_folder(boards), f.force);
-               return static_cast<int>(kExitPassed);
-             })
-      ->add_flag("--force", flags.force, "End whatever program holds the board");
-
-  CLI::App* flash_verb = add_of_one(
+void add_restarts(BoardVerbs& verbs) {
+  Flags& flags = verbs.flags();
+  CLI::App* flash_verb = verbs.add_of_one(
       "flash", "Run the hook `flash`, and wait for the firmware to boot",
       [](const BoardList& boards, const Flags& f) { return flash(take(boards, f, "flash"), f); });
   add_flash_options(*flash_verb, flags);
   add_wait(*flash_verb, flags.boards.wait);
 
-  CLI::App* reboot_verb = add_of_one("reboot", "Restart a board that is not armed, and wait for it",
-                                     [](const BoardList& boards, const Flags& f) {
-                                       return reboot(take(boards, f, "reboot"), f.hard);
-                                     });
+  CLI::App* reboot_verb =
+      verbs.add_of_one("reboot", "Restart a board that is not armed, and wait for it",
+                       [](const BoardList& boards, const Flags& f) {
+                         return reboot(take(boards, f, "reboot"), f.hard);
+                       });
   reboot_verb->add_flag("--hard", flags.hard, "By the hook `reset`, not by a command");
   add_wait(*reboot_verb, flags.boards.wait);
 
-  CLI::App* power =
-      add("power", "Switch a board on, off, or off and on; on waits for it to boot", switch_power);
+  CLI::App* power = verbs.add(
+      "power", "Switch a board on, off, or off and on; on waits for it to boot", switch_power);
   add_power_options(*power, flags);
   add_wait(*power, flags.boards.wait);
+}
 
+void add_log_and_console(BoardVerbs& verbs) {
   CLI::App* log =
-      add_of_one("log", "Fetch the newest log of a board, as key `log` of its entry says",
-                 [](const BoardList& boards, const Flags& f) {
-                   const HeldBoard held = take(boards, f, "log");
-                   fetch_log(held.board, boards, f.file);
-                   return static_cast<int>(kExitPassed);
-                 });
-  log->add_option("FILE", flags.file, "Where to (NAME.ulg)");
-  add_wait(*log, flags.boards.wait);
+      verbs.add_of_one("log", "Fetch the newest log of a board, as key `log` of its entry says",
+                       [](const BoardList& boards, const Flags& f) {
+                         const HeldBoard held = take(boards, f, "log");
+                         fetch_log(held.board, boards, f.file);
+                         return static_cast<int>(kExitPassed);
+                       });
+  log->add_option("FILE", verbs.flags().file, "Where to (NAME.ulg)");
+  add_wait(*log, verbs.flags().boards.wait);
 
-  CLI::App* console = add_of_one("console", "Run the hook `console` on this terminal",
-                                 [](const BoardList& boards, const Flags& f) {
-                                   return open_console(take(boards, f, "console"));
-                                 });
-  add_wait(*console, flags.boards.wait);
-  return verbs;
+  CLI::App* console = verbs.add_of_one("console", "Run the hook `console` on this terminal",
+                                       [](const BoardList& boards, const Flags& f) {
+                                         return open_console(take(boards, f, "console"));
+                                       });
+  add_wait(*console, verbs.flags().boards.wait);
 }
 
 }  // namespace
@@ -349,7 +371,12 @@ Verb add_board(CLI::App& app) {
   CLI::App* board = app.add_subcommand("board", "Flight controllers of the bench, by name");
   board->require_subcommand(1);
   add_board_list(*board, kept->boards.list);
-  return {board, [verbs = add_verbs(*board, kept)] { return base::cli::find_asked(verbs)->run(); }};
+  BoardVerbs verbs(*board, kept);
+  add_list(verbs);
+  add_locks(verbs);
+  add_restarts(verbs);
+  add_log_and_console(verbs);
+  return {board, [verbs = verbs.all()] { return base::cli::find_asked(verbs)->run(); }};
 }
 
 }  // namespace cas::hils

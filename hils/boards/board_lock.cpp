@@ -16,7 +16,6 @@
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
-#include <iterator>
 #include <random>
 #include <system_error>
 #include <utility>
@@ -24,6 +23,7 @@
 
 #include "base/error.hpp"
 #include "base/os/file_lock.hpp"
+#include "base/read_file.hpp"
 #include "hils/boards/board_error.hpp"
 
 namespace cas::hils {
@@ -64,8 +64,7 @@ base::Descriptor open_for_lock(const fs::path& file) {
 }
 
 std::optional<LockHolder> read_holder(const fs::path& file) {
-  std::ifstream in(file);
-  return LockHolder::parse(std::string{std::istreambuf_iterator<char>(in), {}});
+  return LockHolder::parse(base::read_file(file).value_or(""));
 }
 
 std::string user_name() {
@@ -103,7 +102,7 @@ bool is_shared(const fs::path& guests) {
   return file && ::fcntl(file.get(), F_OFD_GETLK, &lock) == 0 && lock.l_type == F_RDLCK;
 }
 
-/// Takes a board that nobody holds and no guest uses.
+/// Takes a board that is free: no holder, no guest.
 bool take_both(int lock, int guests) {
   if (!base::take_file_lock(lock)) return false;
   if (base::take_file_lock(guests)) return true;
@@ -196,9 +195,8 @@ void wait_for(int lock, int guests, const Board& board, const fs::path& folder,
 /// waits for the lock has it open, too.
 bool has_locked(pid_t process, const fs::path& file) {
   return std::ranges::any_of(descriptors_of(process, file), [process](int fd) {
-    std::ifstream in(fmt::format("/proc/{}/fdinfo/{}", process, fd));
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
-    return text.find("\nlock:") != std::string::npos;
+    const auto text = base::read_file(fmt::format("/proc/{}/fdinfo/{}", process, fd));
+    return text && text->find("\nlock:") != std::string::npos;
   });
 }
 
@@ -331,7 +329,7 @@ BoardLock::BoardLock(const Board& board, const fs::path& folder, const std::stri
            (any ? std::string(others) + "," + holder_.token : holder_.token).c_str(), 1);
 }
 
-/// What a guest starts does not hold the board: a hook may leave a program behind.
+/// Programs that a guest starts do not hold the board: a hook may leave one behind.
 bool BoardLock::become_guest(const Board& board, const fs::path& folder) {
   const fs::path file = lock_file(folder, board);
   const auto is_invited = [&] {
@@ -340,7 +338,7 @@ bool BoardLock::become_guest(const Board& board, const fs::path& folder) {
   };
   if (!is_invited()) return false;
   guest_ = open_for_lock(guests_file(folder, board));
-  // The holder may have ended meanwhile; nobody takes the board once the second lock is there.
+  // The holder may have ended meanwhile; the second lock keeps others from taking the board.
   if (!take_shared_lock(guest_.get()) || !is_invited()) {
     guest_.reset();
     return false;
@@ -353,7 +351,7 @@ bool BoardLock::become_guest(const Board& board, const fs::path& folder) {
 
 BoardLock::~BoardLock() {
   if (!lock_ || handed_over_) return;
-  // Should it fail, the text does no harm: without the lock nobody believes it.
+  // If it fails, the text does no harm: without the lock it is not believed.
   [[maybe_unused]] const int result = ::ftruncate(lock_.get(), 0);
 }
 

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/boards/board_log.hpp"
 
-#include <arpa/inet.h>
 #include <fmt/format.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <chrono>
 #include <cstdint>
@@ -18,12 +14,12 @@
 #include <string_view>
 #include <utility>
 
-#include "base/os/descriptor.hpp"
 #include "base/os/write_file.hpp"
 #include "base/time/clock.hpp"
 #include "casd/packet/own_station.hpp"
 #include "hils/boards/board_device.hpp"
 #include "hils/boards/board_session.hpp"
+#include "hils/run/loopback_udp.hpp"
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
@@ -48,49 +44,8 @@ constexpr double kBytesOfMib = 1024.0 * 1024.0;
 constexpr std::size_t kMostFolders = 3;  ///< that are looked into until one has a log
 constexpr int kDepth = 2;                ///< of folders below that of the logs
 
-sockaddr* generic(sockaddr_in& address) { return reinterpret_cast<sockaddr*>(&address); }
-
-/// What goes wrong is a sentence; it ends nothing but the transfer.
+/// An error ends only the transfer.
 [[noreturn]] void fail(const std::string& why) { throw std::runtime_error(why); }
-
-/// A UDP port of this machine for a link of casd, which writes first.
-class FilesPort {
- public:
-  FilesPort() : socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof(address);
-    if (!socket_ || ::bind(socket_.get(), generic(address), size) != 0 ||
-        ::getsockname(socket_.get(), generic(address), &size) != 0) {
-      fail("no UDP port can be opened");
-    }
-    port_ = ntohs(address.sin_port);
-  }
-
-  std::uint16_t port() const { return port_; }
-  void send(std::span<const std::uint8_t> bytes) {
-    if (peer_.sin_port == 0) return;  // asked for again later
-    [[maybe_unused]] const auto sent =
-        ::sendto(socket_.get(), bytes.data(), bytes.size(), 0, generic(peer_), sizeof(peer_));
-  }
-  /// One datagram; empty: none is there.
-  std::span<const std::uint8_t> read() {
-    sockaddr_in from{};
-    socklen_t size = sizeof(from);
-    const ssize_t got =
-        ::recvfrom(socket_.get(), buffer_.data(), buffer_.size(), 0, generic(from), &size);
-    if (got <= 0) return {};
-    peer_ = from;
-    return std::span(buffer_).first(static_cast<std::size_t>(got));
-  }
-
- private:
-  base::Descriptor socket_;
-  std::uint16_t port_ = 0;
-  sockaddr_in peer_{};
-  std::array<std::uint8_t, 65536> buffer_{};
-};
 
 /// The files of a board, one transfer after the other, until a deadline.
 class BoardFiles {
@@ -170,7 +125,7 @@ class BoardFiles {
 
   Supervisor& supervisor_;
   base::RunTime deadline_;
-  FilesPort port_;
+  LoopbackUdp port_{"no UDP port can be opened"};
   mav::PacketParser parser_;
   mav::Encoder encode_;
   FtpExchange exchange_;
@@ -208,7 +163,7 @@ std::optional<FoundLog> find_log(BoardFiles& files, const std::string& folder, i
   return std::nullopt;
 }
 
-/// @return what it got @throws std::runtime_error, RunStopped
+/// @return the bytes @throws std::runtime_error, RunStopped
 std::string fetch(Supervisor& supervisor, const Board& board, const std::filesystem::path& by_id,
                   const std::filesystem::path& file) {
   const auto device = find_device(board, by_id);

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/campaign/campaign_command.hpp"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -27,6 +25,7 @@
 #include "hils/measure/judgement.hpp"
 #include "hils/report/report.hpp"
 #include "hils/report/results_folder.hpp"
+#include "hils/run/verbs.hpp"
 #include "hils/sweep/row_again.hpp"
 #include "hils/sweep/sweep_folder.hpp"
 #include "hils/sweep/sweep_runner.hpp"
@@ -65,7 +64,7 @@ bool was_never_flown(const fs::path& out) {
 }
 
 /// The sweep's folder of a campaign: planned, or as it was planned before.
-/// @param controllers  noted first, so that nobody flies the plan without them; nullptr: none
+/// @param controllers  noted first, so that the plan is not flown without them; nullptr: none
 SweepFolder plan_of(const Campaign& campaign, const fs::path& out,
                     const CampaignControllers* controllers) {
   const fs::path study = out / "campaign" / "study.yaml";

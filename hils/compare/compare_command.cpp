@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/compare/compare_command.hpp"
-
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -19,6 +17,7 @@
 #include "hils/compare/comparison.hpp"
 #include "hils/compare/comparison_report.hpp"
 #include "hils/report/results_folder.hpp"
+#include "hils/run/verbs.hpp"
 
 namespace cas::hils {
 

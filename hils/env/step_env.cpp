@@ -2,7 +2,6 @@
 #include "hils/env/step_env.hpp"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <array>
@@ -19,6 +18,7 @@
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
 #include "hils/env/inner_loops.hpp"
+#include "hils/run/scratch_folder.hpp"
 #include "hils/sweep/key_path.hpp"
 #include "hils/sweep/run_table.hpp"
 #include "libsim/api/messages.hpp"
@@ -43,30 +43,7 @@ constexpr std::array<std::pair<std::string_view, Stand>, 4> kStands{
      {"attitude", Stand::kAttitude},
      {"velocity", Stand::kVelocity}}};
 
-/// A folder of its own for the files of a varied vehicle, until it goes.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    std::string pattern = (std::filesystem::temp_directory_path() / "cas-env-XXXXXX").string();
-    if (::mkdtemp(pattern.data()) == nullptr) {
-      throw base::ConfigError("cannot make a folder in " +
-                              std::filesystem::temp_directory_path().string());
-    }
-    path_ = pattern;
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
-/// Whether an EpisodePlace stands.
+/// Whether an EpisodePlace exists.
 std::atomic<bool> episode_place_taken = false;
 
 /// The place of the one episode that a process has: the simulator's collision engine is global.
@@ -86,7 +63,7 @@ class EpisodePlace {
 /// The study of one random point that varies what `vary` says.
 Study study_of(const std::string& vary) {
   if (vary.empty()) return {};
-  const ScratchFolder folder;
+  const ScratchFolder folder(std::filesystem::temp_directory_path(), "cas-env");
   const std::filesystem::path file = folder.path() / "vary";
   const base::ConfigNode list = base::ConfigNode::parse("vary: " + vary, "vary");
   const std::vector<base::ConfigNode> items = list.at("vary").items();
@@ -178,6 +155,26 @@ std::vector<std::string> with_axes(const char* quantity, std::array<const char*,
 
 void append(std::vector<std::string>& names, const std::vector<std::string>& more) {
   names.insert(names.end(), more.begin(), more.end());
+}
+
+std::vector<std::string> names_in_view(View view, int rotors) {
+  std::vector<std::string> seen;
+  if (view == View::kTruth) {
+    append(seen, with_axes("position", {"north", "east", "down"}, "m"));
+    append(seen, with_axes("velocity", {"north", "east", "down"}, "m_s"));
+    append(seen, {"q_ND_w", "q_ND_x", "q_ND_y", "q_ND_z"});
+    append(seen, with_axes("rate", {"x", "y", "z"}, "rad_s"));
+    for (int i = 1; i <= rotors; ++i) seen.push_back(fmt::format("rotor{}_rad_s", i));
+  } else {
+    append(seen, with_axes("force", {"x", "y", "z"}, "m_s2"));
+    append(seen, with_axes("rate", {"x", "y", "z"}, "rad_s"));
+    append(seen, with_axes("field", {"x", "y", "z"}, "gauss"));
+    append(seen, {"pressure_pa"});
+    append(seen, with_axes("gps", {"north", "east", "down"}, "m"));
+    append(seen, with_axes("gps_velocity", {"north", "east", "down"}, "m_s"));
+    append(seen, {"gps_age_s"});
+  }
+  return seen;
 }
 
 /// Writes numbers one after the other.
@@ -315,7 +312,7 @@ class StepEnv::Episode {
 
 StepEnv::StepEnv(StepEnvOptions options)
     : options_(std::move(options)), study_(study_of(options_.vary)) {
-  episode_ = begin(1);  // says now what is wrong with the setup
+  episode_ = begin(1);  // a wrong setup fails here
   name_numbers();
   episode_.reset();
   drawn_.clear();
@@ -339,7 +336,7 @@ std::unique_ptr<StepEnv::Episode> StepEnv::begin(std::uint64_t seed) {
     drawn_.emplace_back(parameter.name, row.values[i]);
     for (const std::string& key : parameter.keys) values.emplace_back(key, row.values[i]);
   }
-  const ScratchFolder folder;
+  const ScratchFolder folder(std::filesystem::temp_directory_path(), "cas-env");
   const std::filesystem::path file = folder.path() / "setup.yaml";
   base::write_file(file, options_.setup, base::Durability::kCache);
   write_scenario(file, values, std::filesystem::current_path(), folder.path());
@@ -373,55 +370,39 @@ double StepEnv::time_s() const { return episode_ ? episode_->time_s() : 0; }
 bool StepEnv::in_contact() const { return episode_ && episode_->in_contact(); }
 
 void StepEnv::name_numbers() {
+  name_actions();
+  observation_names_ = names_in_view(options_.view, episode_->vehicle().rotor_count());
+}
+
+void StepEnv::name_actions() {
   const base::Vehicle& vehicle = episode_->vehicle();
-  const auto add_action = [this](const std::string& name, double least, double most) {
+  const auto add = [this](const std::string& name, double least, double most) {
     action_names_.push_back(name);
     action_limits_.emplace_back(least, most);
   };
   const auto add_free = [&](const std::vector<std::string>& names) {
-    for (const std::string& name : names) add_action(name, -kInfinite, kInfinite);
+    for (const std::string& name : names) add(name, -kInfinite, kInfinite);
   };
-  std::vector<std::string> speeds;
-  for (int i = 1; i <= vehicle.rotor_count(); ++i) {
-    speeds.push_back(fmt::format("rotor{}_rad_s", i));
-    if (options_.stand == Stand::kMotors) add_action(fmt::format("motor{}", i), 0, 1);
-  }
   switch (options_.stand) {
     case Stand::kMotors:
+      for (int i = 1; i <= vehicle.rotor_count(); ++i) add(fmt::format("motor{}", i), 0, 1);
       for (int i = 1; i <= vehicle.rotor_count(); ++i) {
-        if (vehicle.rotors[static_cast<std::size_t>(i - 1)].tilt) {
-          add_action(fmt::format("servo{}", i), -1, 1);
-        }
+        const bool tilts = vehicle.rotors[static_cast<std::size_t>(i - 1)].tilt.has_value();
+        if (tilts) add(fmt::format("servo{}", i), -1, 1);
       }
       break;
     case Stand::kRates:
       add_free(with_axes("rate", {"x", "y", "z"}, "rad_s"));
-      add_action("thrust", 0, 1);
+      add("thrust", 0, 1);
       break;
     case Stand::kAttitude:
       add_free({"roll_rad", "pitch_rad", "yaw_rad"});
-      add_action("thrust", 0, 1);
+      add("thrust", 0, 1);
       break;
     case Stand::kVelocity:
       add_free(with_axes("velocity", {"north", "east", "down"}, "m_s"));
       add_free({"yaw_rate_rad_s"});
       break;
-  }
-  std::vector<std::string>& seen = observation_names_;
-  if (options_.view == View::kTruth) {
-    append(seen, with_axes("position", {"north", "east", "down"}, "m"));
-    append(seen, with_axes("velocity", {"north", "east", "down"}, "m_s"));
-    append(seen, {"q_ND_w", "q_ND_x", "q_ND_y", "q_ND_z"});
-    append(seen, with_axes("rate", {"x", "y", "z"}, "rad_s"));
-    append(seen, speeds);
-  } else {
-    append(seen, with_axes("force", {"x", "y", "z"}, "m_s2"));
-    append(seen, with_axes("rate", {"x", "y", "z"}, "rad_s"));
-    append(seen, with_axes("field", {"x", "y", "z"}, "gauss"));
-    append(seen, {"pressure_pa"});
-    append(seen, with_axes("gps", {"north", "east", "down"}, "m"));
-    append(seen, with_axes("gps_velocity", {"north", "east", "down"}, "m_s"));
-    append(seen, {"gps_age_s"});
   }
 }
 

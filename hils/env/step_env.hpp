@@ -14,7 +14,7 @@
 
 namespace cas::hils {
 
-/// Where the user stands in the controller of [HILS] Fig. 8: what an action is.
+/// Meaning of an action: the stage of the controller of [HILS] Fig. 8 that the user replaces.
 enum class Stand {
   kMotors,    ///< in its place: outputs of motors (0..1) and servos (-1..1)
   kRates,     ///< above the rate loop: body rates in D, rad/s, and thrust, a share of full
@@ -87,6 +87,7 @@ class StepEnv {
   class Episode;
 
   void name_numbers();
+  void name_actions();
   std::unique_ptr<Episode> begin(std::uint64_t seed);
 
   StepEnvOptions options_;

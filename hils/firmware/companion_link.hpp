@@ -3,11 +3,11 @@
 
 #include <cstdint>
 #include <optional>
-#include <thread>
 
-#include "base/os/descriptor.hpp"
 #include "base/os/mutex.hpp"
 #include "hils/firmware/companion_station.hpp"
+#include "hils/run/loopback_udp.hpp"
+#include "hils/run/ticking_thread.hpp"
 
 namespace cas::hils {
 
@@ -17,18 +17,17 @@ class CompanionLink {
  public:
   /// Binds 127.0.0.1 with a free port, and is silent. @throws base::ConfigError
   CompanionLink();
-  ~CompanionLink();
   CompanionLink(const CompanionLink&) = delete;
   CompanionLink& operator=(const CompanionLink&) = delete;
 
-  /// Where casd's link sends to.
-  std::uint16_t port() const { return port_; }
-  /// Begins to talk with a vehicle by casd's port; what others send is not heard.
+  /// The port that casd's link sends to.
+  std::uint16_t port() const { return socket_.port(); }
+  /// Connects to a vehicle through casd's port; packets of other senders are ignored.
   /// @throws base::ConfigError
   void connect(std::uint16_t casd_port, mav::Source vehicle);
-  bool connected() const { return thread_.joinable(); }
+  bool connected() const { return thread_.has_value(); }
 
-  /// Asks the station, or tells it something, between two of its packets. Only when connected.
+  /// Calls `ask` with the station between two of its packets. Only when connected.
   template <class Ask>
   auto with_station(Ask&& ask) {
     base::MutexLock lock(mutex_);
@@ -36,14 +35,12 @@ class CompanionLink {
   }
 
  private:
-  void run();
+  void look();
 
-  base::Descriptor socket_;
-  base::Descriptor stop_;
-  std::uint16_t port_ = 0;
   base::Mutex mutex_;
+  LoopbackUdp socket_;  ///< once connected, used under the mutex
   std::optional<CompanionStation> station_ CAS_GUARDED_BY(mutex_);
-  std::thread thread_;
+  std::optional<TickingThread> thread_;
 };
 
 }  // namespace cas::hils

@@ -38,13 +38,12 @@ PtyCable::PtyCable(std::filesystem::path first, std::filesystem::path second)
       second_(std::move(second)),
       wake_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (!wake_) throw base::ConfigError("cannot open an eventfd");
-  thread_ = std::thread([this] { carry(); });
+  thread_ = std::jthread([this](const std::stop_token& stop) { carry(stop); });
 }
 
 PtyCable::~PtyCable() {
-  stopping_ = true;
+  thread_.request_stop();
   wake();
-  thread_.join();
 }
 
 void PtyCable::set_plugged(bool plugged) {
@@ -65,10 +64,10 @@ void PtyCable::set_line(const fcu::LineConfig& line) {
 
 void PtyCable::wake() { ::eventfd_write(wake_.get(), 1); }
 
-void PtyCable::carry() {
+void PtyCable::carry(const std::stop_token& stop) {
   Wire there(first_, second_, kSeedThere);
   Wire back(second_, first_, kSeedBack);
-  while (!stopping_) {
+  while (!stop.stop_requested()) {
     take_orders(there, back);
     wait(there, back);
   }
@@ -149,7 +148,7 @@ void PtyCable::Wire::give() {
   if (size > 0) bytes_.erase(bytes_.begin(), bytes_.begin() + size);
 }
 
-/// What is on its way is lost.
+/// Bytes on their way are lost.
 void PtyCable::Wire::cut() {
   bytes_.clear();
   if (!line_) return;

@@ -54,7 +54,7 @@ class PtyCable {
     void set_line(const fcu::LineConfig& line);
     /// @return bytes that found no place
     std::size_t take(base::RunTime now);
-    /// What the line model has ready. @return bytes that found no place
+    /// Takes the bytes that the line model has ready. @return bytes lost for lack of room
     std::size_t arrive(base::RunTime now);
     void give();
     void cut();
@@ -72,7 +72,7 @@ class PtyCable {
     std::vector<std::uint8_t> bytes_;     // not yet written
   };
 
-  void carry();
+  void carry(const std::stop_token& stop);
   void wait(Wire& there, Wire& back);
   void take_orders(Wire& there, Wire& back);
   void wake();
@@ -83,9 +83,8 @@ class PtyCable {
   base::Mutex mutex_;
   bool plugged_ CAS_GUARDED_BY(mutex_) = true;
   std::optional<fcu::LineConfig> line_ CAS_GUARDED_BY(mutex_);  // not yet in force
-  std::atomic<bool> stopping_{false};
   std::atomic<std::uint64_t> lost_{0};
-  std::thread thread_;
+  std::jthread thread_;
 };
 
 }  // namespace cas::hils

@@ -7,12 +7,12 @@
 #include <functional>
 #include <optional>
 #include <span>
-#include <thread>
 #include <vector>
 
-#include "base/os/descriptor.hpp"
 #include "base/time/clock.hpp"
 #include "base/time/rate_gate.hpp"
+#include "hils/run/loopback_udp.hpp"
+#include "hils/run/ticking_thread.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 
@@ -72,24 +72,21 @@ class GroundStation {
 class GroundStationThread {
  public:
   /// Binds 127.0.0.1 with a free port; sends to the peer that wrote last. @throws base::ConfigError
-  explicit GroundStationThread(std::vector<std::uint8_t> systems);
-  ~GroundStationThread();
+  explicit GroundStationThread(const std::vector<std::uint8_t>& systems);
   GroundStationThread(const GroundStationThread&) = delete;
   GroundStationThread& operator=(const GroundStationThread&) = delete;
 
   /// Sends so many packets a second besides, as GroundStation does; 0: none.
   void flood(double packets_hz) { flood_hz_ = packets_hz; }
-  std::uint16_t port() const { return port_; }
+  std::uint16_t port() const { return socket_.port(); }
 
  private:
-  void run();
+  void look();
 
-  base::Descriptor socket_;
-  base::Descriptor stop_;
-  std::uint16_t port_ = 0;
-  std::vector<std::uint8_t> systems_;
+  LoopbackUdp socket_;
   std::atomic<double> flood_hz_{0};
-  std::thread thread_;
+  GroundStation station_;  ///< of the thread
+  TickingThread thread_;
 };
 
 }  // namespace cas::hils

@@ -14,6 +14,7 @@
 
 #include "base/error.hpp"
 #include "base/os/log.hpp"
+#include "base/time/unix_time.hpp"
 #include "hils/measure/check_json.hpp"
 #include "hils/programs/hand_fault.hpp"
 
@@ -28,12 +29,6 @@ constexpr base::Duration kCallsPeriod = std::chrono::seconds(1);
 constexpr double kShortestFault_s = 0.05;
 constexpr double kLongestFault_s = 30;
 constexpr std::size_t kMostTouched = 20;  // acts that are listed
-
-std::int64_t unix_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 /// In W: x east, y north, z up.
 Json in_W(const Pose& pose, const Eigen::Vector3d& start_m) {
@@ -194,7 +189,7 @@ void LiveRun::play_faults(base::SimTime now, std::span<const VehicleReport> vehi
     }
     base::log::info(fmt::format("fault.inject {} by {}: {}", call.params, call.reply.client,
                                 refusal ? refusal->sentence : "done"));
-    calls_.push_back({.log_us = unix_us(),
+    calls_.push_back({.log_us = base::unix_us(),
                       .client = call.reply.client,
                       .method = "fault.inject",
                       .params = call.params,

@@ -1,19 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/programs/run_port.hpp"
 
-#include <boost/asio/executor_work_guard.hpp>
-#include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <chrono>
 #include <condition_variable>
 #include <map>
-#include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <thread>
 #include <utility>
 
+#include "base/os/mutex.hpp"
 #include "base/os/thread.hpp"
+#include "base/rpc/io_thread.hpp"
 #include "base/rpc/server.hpp"
 #include "base/time/clock.hpp"
 
@@ -47,7 +45,7 @@ struct RunPort::Impl {
       end_tell();
     });
     server.add_method("fault.inject", [this](const Json& params, const Reply& reply) {
-      const std::scoped_lock lock(mutex);
+      const base::MutexLock lock(mutex);
       if (!takes_faults) return reply.error(base::rpc::kRefused, kOver, nullptr);
       if (faults.size() >= kMostFaults) {
         return reply.error(base::rpc::kRefused, "16 faults wait already", nullptr);
@@ -59,92 +57,86 @@ struct RunPort::Impl {
 
   /// While it flies it shows its status twice a second.
   bool hangs() {
-    const std::scoped_lock lock(mutex);
+    const base::MutexLock lock(mutex);
     return takes_faults && shown_at && base::steady_now() - *shown_at > kHangs;
   }
 
   void end_tell() {
-    const std::scoped_lock lock(mutex);
+    const base::MutexLock lock(mutex);
     told = true;
     wake.notify_all();
   }
 
-  asio::io_context io{1};
-  asio::executor_work_guard<asio::io_context::executor_type> work{io.get_executor()};
-  base::rpc::Server server{io};
-  std::map<std::string, Json, std::less<>> answers;  // by method; on the thread of `io`
-  std::optional<base::RunTime> shown_at;  // when the run showed its status last; there, too
+  base::rpc::IoThread io;
+  base::rpc::Server server{io.context()};
+  // Of the thread of `io`:
+  std::map<std::string, Json, std::less<>> answers;  // by method
+  std::optional<base::RunTime> shown_at;             // when the run last showed its status
 
-  std::mutex mutex;
-  std::condition_variable wake;
-  std::vector<FaultCall> faults;  // these three are guarded by mutex
-  bool takes_faults = true;
-  bool told = false;
-
-  std::thread thread;
+  base::Mutex mutex;
+  std::condition_variable_any wake;
+  std::vector<FaultCall> faults CAS_GUARDED_BY(mutex);
+  bool takes_faults CAS_GUARDED_BY(mutex) = true;
+  bool told CAS_GUARDED_BY(mutex) = false;  // the verdict has been passed on
 };
 
 RunPort::RunPort(const std::filesystem::path& socket) : impl_(std::make_unique<Impl>()) {
   impl_->add_methods();
   impl_->server.listen_unix(socket);
-  impl_->thread = std::thread([this] {
-    base::configure_this_thread("run port", {});
-    impl_->io.run();
-  });
+  impl_->io.start([] { base::configure_this_thread("run port", {}); });
 }
 
 RunPort::~RunPort() {
-  asio::post(impl_->io, [this] {
-    impl_->server.close();
-    impl_->work.reset();
-  });
-  impl_->thread.join();
+  impl_->io.finish([this] { impl_->server.close(); });
 }
 
 void RunPort::show(const std::string& method, Json answer) {
-  asio::post(impl_->io, [this, method, answer = std::move(answer)] {
+  asio::post(impl_->io.context(), [this, method, answer = std::move(answer)] {
     impl_->answers.insert_or_assign(method, answer);
     if (method == "run.status") impl_->shown_at = base::steady_now();
   });
 }
 
 void RunPort::publish(const std::string& topic, Json params) {
-  asio::post(impl_->io,
+  asio::post(impl_->io.context(),
              [this, topic, params = std::move(params)] { impl_->server.publish(topic, params); });
 }
 
 std::vector<RunPort::FaultCall> RunPort::take_faults() {
-  const std::scoped_lock lock(impl_->mutex);
+  const base::MutexLock lock(impl_->mutex);
   return std::exchange(impl_->faults, {});
 }
 
 void RunPort::answer(const FaultCall& call, Json result) {
-  asio::post(impl_->io, [reply = call.reply, result = std::move(result)] { reply.result(result); });
+  asio::post(impl_->io.context(),
+             [reply = call.reply, result = std::move(result)] { reply.result(result); });
 }
 
 void RunPort::refuse(const FaultCall& call, int code, std::string sentence) {
-  asio::post(impl_->io, [reply = call.reply, code, sentence = std::move(sentence)] {
+  asio::post(impl_->io.context(), [reply = call.reply, code, sentence = std::move(sentence)] {
     reply.error(code, sentence, nullptr);
   });
 }
 
 void RunPort::end_faults() {
   {
-    const std::scoped_lock lock(impl_->mutex);
+    const base::MutexLock lock(impl_->mutex);
     impl_->takes_faults = false;
   }
   for (const FaultCall& call : take_faults()) refuse(call, base::rpc::kRefused, kOver);
 }
 
 void RunPort::tell_verdict(Json verdict) {
-  asio::post(impl_->io, [this, verdict = std::move(verdict)] {
+  asio::post(impl_->io.context(), [this, verdict = std::move(verdict)] {
     impl_->answers.insert_or_assign("run.status", verdict);
     impl_->shown_at.reset();
     if (!impl_->server.has_subscribers("verdict")) return impl_->end_tell();
     impl_->server.publish("verdict", verdict);
   });
-  std::unique_lock lock(impl_->mutex);
-  impl_->wake.wait_for(lock, kTellTime, [this] { return impl_->told; });
+  const auto deadline = std::chrono::steady_clock::now() + kTellTime;
+  base::MutexLock lock(impl_->mutex);
+  while (!impl_->told && impl_->wake.wait_until(lock, deadline) == std::cv_status::no_timeout) {
+  }
 }
 
 }  // namespace cas::hils

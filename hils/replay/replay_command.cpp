@@ -13,6 +13,7 @@
 #include "base/read_file.hpp"
 #include "hils/replay/replay_page.hpp"
 #include "hils/replay/replay_record.hpp"
+#include "hils/run/verbs.hpp"
 
 namespace cas::hils {
 

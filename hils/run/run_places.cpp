@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/run/run_places.hpp"
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <stdlib.h>
-#include <sys/socket.h>
 #include <sys/un.h>
 
 #include <cstdlib>
@@ -12,8 +8,8 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "base/os/descriptor.hpp"
 #include "base/rpc/local_port.hpp"
+#include "hils/run/loopback_udp.hpp"
 
 namespace cas::hils {
 
@@ -39,37 +35,20 @@ std::optional<std::filesystem::path> socket_in_runtime_folder(const std::filesys
 
 }  // namespace
 
-RunDirectory::RunDirectory() {
-  std::string name = (parent_folder() / "hils-XXXXXX").string();
-  if (::mkdtemp(name.data()) == nullptr) {
-    throw base::ConfigError("cannot make a folder for the run's sockets: " + name);
-  }
-  path_ = name;
-  command_socket_ = socket_in_runtime_folder(path_).value_or(path_ / "casd");
-}
+RunDirectory::RunDirectory()
+    : folder_(parent_folder(), "hils"),
+      command_socket_(socket_in_runtime_folder(path()).value_or(path() / "casd")) {}
 
 RunDirectory::~RunDirectory() {
   std::error_code ignored;
   std::filesystem::remove(command_socket_, ignored);  // of a casd that was killed
-  std::filesystem::remove_all(path_, ignored);
 }
 
 std::vector<std::uint16_t> free_udp_ports(std::size_t count) {
-  std::vector<base::Descriptor> sockets;  // all open at once, so that the ports differ
+  std::vector<LoopbackUdp> sockets;  // all open at once, so that the ports differ
   std::vector<std::uint16_t> ports;
   for (std::size_t i = 0; i < count; ++i) {
-    base::Descriptor fd(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof(address);
-    auto* generic = reinterpret_cast<sockaddr*>(&address);
-    if (!fd || ::bind(fd.get(), generic, size) != 0 ||
-        ::getsockname(fd.get(), generic, &size) != 0) {
-      throw base::ConfigError("there is no free UDP port");
-    }
-    ports.push_back(ntohs(address.sin_port));
-    sockets.push_back(std::move(fd));
+    ports.push_back(sockets.emplace_back("there is no free UDP port").port());
   }
   return ports;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "hils/run/scratch_folder.hpp"
 #include "hils/scenario/scenario.hpp"
 
 namespace cas::hils {
@@ -20,13 +21,13 @@ class RunDirectory {
   ~RunDirectory();
   RunDirectory(const RunDirectory&) = delete;
   RunDirectory& operator=(const RunDirectory&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-  /// Where the run's casd puts its Unix socket: in the user's runtime folder, where casctl looks
-  /// for it; without such a folder, or where its path is too long for a socket, in this one.
+  const std::filesystem::path& path() const { return folder_.path(); }
+  /// Path of the Unix socket of the run's casd: in the user's runtime folder, where casctl looks
+  /// for it; in this one if there is no such folder or its path is too long for a socket.
   const std::filesystem::path& command_socket() const { return command_socket_; }
 
  private:
-  std::filesystem::path path_;
+  ScratchFolder folder_;
   std::filesystem::path command_socket_;
 };
 

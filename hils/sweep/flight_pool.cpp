@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// As a shell tells it: ended by SIGTERM, which a job's end sends to all of its processes.
+/// A shell's exit code for SIGTERM, which a job's end sends to all of its processes.
 constexpr int kExitTerminated = 128 + SIGTERM;
 
 volatile sig_atomic_t stop_raised = 0;
@@ -154,16 +154,6 @@ std::optional<RowResult> FlightPool::written_result(const Flight& flight) {
     // it is not there
   }
   return std::nullopt;
-}
-
-fs::path fresh_folder(const fs::path& parent, const std::string& prefix) {
-  std::error_code exists;
-  fs::create_directories(parent, exists);
-  std::string name = (parent / (prefix + "-XXXXXX")).string();
-  if (::mkdtemp(name.data()) == nullptr) {
-    throw base::ConfigError(name + ": cannot be made: " + std::strerror(errno));
-  }
-  return name;
 }
 
 struct StopRequest::Actions {

@@ -24,7 +24,7 @@ class FlightPool {
   /// @param flown_by    words of this program that fly the task of a folder, which comes last
   FlightPool(std::filesystem::path folder, double deadline_s,
              std::vector<std::string> flown_by = {"sweep", "fly"});
-  /// Ends what is under way.
+  /// Ends the flights under way.
   ~FlightPool();
   FlightPool(const FlightPool&) = delete;
   FlightPool& operator=(const FlightPool&) = delete;
@@ -55,9 +55,6 @@ class FlightPool {
   std::string host_;
   std::list<Flight> flights_;
 };
-
-/// A new folder in `parent` under a name that nobody can know before. @throws base::ConfigError
-std::filesystem::path fresh_folder(const std::filesystem::path& parent, const std::string& prefix);
 
 /// Notes SIGINT and SIGTERM while it lives.
 class StopRequest {

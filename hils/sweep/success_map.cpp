@@ -72,6 +72,103 @@ std::string text_at(double x, double y, const std::string& anchor, const std::st
                      anchor, fill, escape_xml(text));
 }
 
+/// The parts of a map, as SVG.
+class MapDrawing {
+ public:
+  MapDrawing(const Bins& x, const Bins& y, const std::vector<ShareCell>& cells)
+      : x_(x), y_(y), cells_(cells) {
+    for (const std::string& label : x.labels) {
+      cell_width_ = std::max(cell_width_, kCharacter * static_cast<double>(label.size() + 1));
+    }
+  }
+
+  std::string head() const {
+    const double width = left_of(x_.labels.size()) + 20;
+    return fmt::format(
+               "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" font-size=\"11\" "
+               "font-family=\"system-ui,sans-serif\" style=\"max-width:{}px\">\n",
+               width, bottom() + kBottom, 1.4 * width) +
+           text_at(kLeft, 18, "start", "Stays up, %");
+  }
+
+  /// A coloured rectangle for each cell, with its share.
+  std::string shares() const {
+    std::string svg;
+    for (std::size_t j = 0; j < y_.labels.size(); ++j) {
+      for (std::size_t i = 0; i < x_.labels.size(); ++i) svg += share(i, j);
+      svg += "\n";
+    }
+    return svg;
+  }
+
+  /// Lines between the cells that stay up and the others.
+  std::string border() const {
+    std::string svg;
+    for (std::size_t j = 0; j < y_.labels.size(); ++j) {
+      for (std::size_t i = 0; i < x_.labels.size(); ++i) {
+        if (i + 1 < x_.labels.size() && ends_between(cell(i, j), cell(i + 1, j))) {
+          svg += line(left_of(i + 1), top_of(j), left_of(i + 1), top_of(j) + kCellHeight);
+        }
+        if (j + 1 < y_.labels.size() && ends_between(cell(i, j), cell(i, j + 1))) {
+          svg += line(left_of(i), top_of(j), left_of(i) + cell_width_, top_of(j));
+        }
+      }
+    }
+    return svg;
+  }
+
+  std::string labels() const {
+    std::string svg;
+    for (std::size_t i = 0; i < x_.labels.size(); ++i) {
+      svg += text_at(left_of(i) + cell_width_ / 2, bottom() + 15, "middle", x_.labels[i]);
+    }
+    for (std::size_t j = 0; j < y_.labels.size(); ++j) {
+      svg += text_at(kLeft - 6, top_of(j) + kCellHeight / 2 + 4, "end", y_.labels[j]);
+    }
+    return svg + text_at(left_of(0), bottom() + 36, "start", x_.name) +
+           text_at(kLeft - 6, 18, "end", y_.name);
+  }
+
+ private:
+  static bool ends_between(const ShareCell& a, const ShareCell& b) {
+    return a.trials > 0 && b.trials > 0 && (a.side() == 1) != (b.side() == 1);
+  }
+
+  std::string share(std::size_t i, std::size_t j) const {
+    const ShareCell& here = cell(i, j);
+    const ShareInterval range = here.interval();
+    const std::string fill = here.trials > 0 ? colour(here.share()) : "none";
+    const std::string rect = fmt::format(
+        "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\" "
+        "stroke=\"#868e96\" stroke-width=\"0.5\"><title>{}</title></rect>",
+        left_of(i), top_of(j), cell_width_, kCellHeight, fill,
+        escape_xml(fmt::format("{} {}, {} {}: {} of {} stay up, 95 % interval "
+                               "{:.1f} to {:.1f} %",
+                               x_.name, x_.labels[i], y_.name, y_.labels[j], here.successes,
+                               here.trials, range.low * 100, range.high * 100)));
+    if (here.trials == 0) return rect;
+    const bool dark = here.share() < 0.2 || here.share() > 0.75;
+    return rect + text_at(left_of(i) + cell_width_ / 2, top_of(j) + kCellHeight / 2 + 4, "middle",
+                          fmt::format("{:.0f}{}", here.share() * 100, here.side() == 0 ? " ?" : ""),
+                          dark ? "#fff" : "#212529");
+  }
+
+  const ShareCell& cell(std::size_t i, std::size_t j) const {
+    return cells_[j * x_.labels.size() + i];
+  }
+  double left_of(std::size_t i) const { return kLeft + cell_width_ * static_cast<double>(i); }
+  /// The first bin of y is at the bottom, as in a plot.
+  double top_of(std::size_t j) const {
+    return kTop + kCellHeight * static_cast<double>(y_.labels.size() - 1 - j);
+  }
+  double bottom() const { return kTop + kCellHeight * static_cast<double>(y_.labels.size()); }
+
+  const Bins& x_;
+  const Bins& y_;
+  const std::vector<ShareCell>& cells_;
+  double cell_width_ = kLeastCellWidth;
+};
+
 }  // namespace
 
 Bins Bins::of(const std::string& name, const std::vector<std::string>& values, bool log,
@@ -137,73 +234,8 @@ std::vector<ShareCell> count_by(const Bins& x, const Bins& y,
 }
 
 std::string success_map(const Bins& x, const Bins& y, const std::vector<ShareCell>& cells) {
-  const std::size_t columns = x.labels.size();
-  const std::size_t rows = y.labels.size();
-  double cell_width = kLeastCellWidth;
-  for (const std::string& label : x.labels) {
-    cell_width = std::max(cell_width, kCharacter * static_cast<double>(label.size() + 1));
-  }
-  const double width = kLeft + cell_width * static_cast<double>(columns) + 20;
-  const double bottom = kTop + kCellHeight * static_cast<double>(rows);
-  const auto left_of = [cell_width](std::size_t i) {
-    return kLeft + cell_width * static_cast<double>(i);
-  };
-  // The first bin of y is at the bottom, as in a plot.
-  const auto top_of = [&](std::size_t j) {
-    return kTop + kCellHeight * static_cast<double>(rows - 1 - j);
-  };
-  const auto cell = [&](std::size_t i, std::size_t j) -> const ShareCell& {
-    return cells[j * columns + i];
-  };
-
-  std::string svg = fmt::format(
-      "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" font-size=\"11\" "
-      "font-family=\"system-ui,sans-serif\" style=\"max-width:{}px\">\n",
-      width, bottom + kBottom, 1.4 * width);
-  svg += text_at(kLeft, 18, "start", "Stays up, %");
-  for (std::size_t j = 0; j < rows; ++j) {
-    for (std::size_t i = 0; i < columns; ++i) {
-      const ShareCell& here = cell(i, j);
-      const ShareInterval range = here.interval();
-      const std::string fill = here.trials > 0 ? colour(here.share()) : "none";
-      svg += fmt::format(
-          "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\" "
-          "stroke=\"#868e96\" stroke-width=\"0.5\"><title>{}</title></rect>",
-          left_of(i), top_of(j), cell_width, kCellHeight, fill,
-          escape_xml(fmt::format("{} {}, {} {}: {} of {} stay up, 95 % interval "
-                                 "{:.1f} to {:.1f} %",
-                                 x.name, x.labels[i], y.name, y.labels[j], here.successes,
-                                 here.trials, range.low * 100, range.high * 100)));
-      if (here.trials == 0) continue;
-      const bool dark = here.share() < 0.2 || here.share() > 0.75;
-      svg += text_at(left_of(i) + cell_width / 2, top_of(j) + kCellHeight / 2 + 4, "middle",
-                     fmt::format("{:.0f}{}", here.share() * 100, here.side() == 0 ? " ?" : ""),
-                     dark ? "#fff" : "#212529");
-    }
-    svg += "\n";
-  }
-  const auto ends_between = [](const ShareCell& a, const ShareCell& b) {
-    return a.trials > 0 && b.trials > 0 && (a.side() == 1) != (b.side() == 1);
-  };
-  for (std::size_t j = 0; j < rows; ++j) {
-    for (std::size_t i = 0; i < columns; ++i) {
-      if (i + 1 < columns && ends_between(cell(i, j), cell(i + 1, j))) {
-        svg += line(left_of(i + 1), top_of(j), left_of(i + 1), top_of(j) + kCellHeight);
-      }
-      if (j + 1 < rows && ends_between(cell(i, j), cell(i, j + 1))) {
-        svg += line(left_of(i), top_of(j), left_of(i) + cell_width, top_of(j));
-      }
-    }
-  }
-  for (std::size_t i = 0; i < columns; ++i) {
-    svg += text_at(left_of(i) + cell_width / 2, bottom + 15, "middle", x.labels[i]);
-  }
-  for (std::size_t j = 0; j < rows; ++j) {
-    svg += text_at(kLeft - 6, top_of(j) + kCellHeight / 2 + 4, "end", y.labels[j]);
-  }
-  svg += text_at(left_of(0), bottom + 36, "start", x.name);
-  svg += text_at(kLeft - 6, 18, "end", y.name);
-  return svg + "</svg>";
+  const MapDrawing map(x, y, cells);
+  return map.head() + map.shares() + map.border() + map.labels() + "</svg>";
 }
 
 }  // namespace cas::hils

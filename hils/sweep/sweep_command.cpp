@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/sweep/sweep_command.hpp"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -20,7 +18,9 @@
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
+#include "base/text.hpp"
 #include "hils/measure/judgement.hpp"
+#include "hils/run/verbs.hpp"
 #include "hils/sweep/job_array.hpp"
 #include "hils/sweep/row_again.hpp"
 #include "hils/sweep/row_flight.hpp"
@@ -107,11 +107,8 @@ void print_row(const SweepFolder& sweep, std::size_t number) {
     }
   }
   write_row_again(sweep, number);
-  std::string line;
-  for (const std::string& word : command_again(sweep, number)) {
-    line += (line.empty() ? "" : " ") + shell_word(word);
-  }
-  fmt::print("Again, with its report:\n  {}\n", line);
+  fmt::print("Again, with its report:\n  {}\n",
+             base::joined(command_again(sweep, number), " ", shell_word));
   if (result.truth_sha256.empty()) return;
   const Scenario scenario = Scenario::load(sweep.again(number) / "scenario.yaml");
   std::string files;

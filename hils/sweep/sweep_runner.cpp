@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
 #include "hils/programs/supervisor.hpp"
+#include "hils/run/scratch_folder.hpp"
 #include "hils/sweep/flight_pool.hpp"
 #include "hils/sweep/journal.hpp"
 #include "hils/sweep/sweep_progress.hpp"

@@ -19,6 +19,7 @@
 #include "base/error.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/programs/supervisor.hpp"
+#include "hils/run/scratch_folder.hpp"
 #include "hils/sweep/flight_pool.hpp"
 #include "hils/tune/eval_line.hpp"
 
@@ -64,18 +65,6 @@ class InputLines {
   int fd_;
   std::string text_;
   bool ended_ = false;
-};
-
-/// Takes a folder away in the end.
-struct FolderGuard {
-  explicit FolderGuard(fs::path folder) : path(std::move(folder)) {}
-  ~FolderGuard() {
-    std::error_code ignored;
-    fs::remove_all(path, ignored);
-  }
-  FolderGuard(const FolderGuard&) = delete;
-  FolderGuard& operator=(const FolderGuard&) = delete;
-  fs::path path;
 };
 
 class EvalSession {
@@ -182,8 +171,8 @@ class EvalSession {
 }  // namespace
 
 int eval_lines(const EvalOptions& options) {
-  const FolderGuard folder(fresh_folder(options.scratch, "hils-eval"));
-  EvalSession session(options, folder.path);
+  const ScratchFolder folder(options.scratch, "hils-eval");
+  EvalSession session(options, folder.path());
   if (options.describe) {
     session.describe();
   } else {

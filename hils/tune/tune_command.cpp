@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/tune/tune_command.hpp"
-
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -18,6 +16,7 @@
 #include "base/os/write_file.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/programs/child_process.hpp"
+#include "hils/run/verbs.hpp"
 #include "hils/tune/eval_session.hpp"
 #include "hils/tune/step_plots.hpp"
 #include "hils/tune/tune_report.hpp"

@@ -14,6 +14,7 @@
 #include "base/os/write_file.hpp"
 #include "hils/programs/supervisor.hpp"
 #include "hils/report/results_folder.hpp"
+#include "hils/run/scratch_folder.hpp"
 
 namespace cas::hils {
 
@@ -85,16 +86,15 @@ void TuneFlights::prepare(const fs::path& study_file) {
       write_scenario(own.scenario, own.settings, study_folder_, scenario(i).parent_path(),
                      {"vehicle"});
     }
-    const fs::path trial = fresh_folder(fs::temp_directory_path(), "hils-tune");
+    const ScratchFolder scratch(fs::temp_directory_path(), "hils-tune");
+    const fs::path& trial = scratch.path();
     try {
       write_scenario(scenario(i), study_.values_of(study_.before()), study_folder_, trial);
       figures_.push_back(figure_names(Scenario::load(trial / "scenario.yaml")));
     } catch (const base::ConfigError& error) {
-      fs::remove_all(trial);
       throw base::ConfigError("scenario '" + own.name +
                               "': " + without_folder(error.what(), trial));
     }
-    fs::remove_all(trial);
   }
   base::write_file(frozen, text);
 }

@@ -48,6 +48,25 @@ void with(const mav::PacketView& packet, const Use& use) {
   if (const auto message = mav::decode<Message>(packet)) use(*message);
 }
 
+void write_battery(sim::UlogFile& file, base::SimTime time, const BatteryStatus& m) {
+  constexpr std::uint16_t kNoCell = 0xFFFF;
+  double voltage_mv = 0;
+  std::uint8_t cells = 0;
+  for (const std::uint16_t cell : m.voltages) {
+    if (cell == kNoCell) continue;
+    voltage_mv += cell;
+    ++cells;
+  }
+  const auto known = [](double value, bool is_known) { return is_known ? value : kNone; };
+  write(file, Topic::kBattery,
+        UlogRecord(time)
+            .put_float(known(voltage_mv * 1e-3, cells > 0))
+            .put_float(known(m.current_battery * 1e-2, m.current_battery >= 0))
+            .put_float(known(m.current_consumed, m.current_consumed >= 0))
+            .put_float(known(m.battery_remaining * 1e-2, m.battery_remaining >= 0))
+            .put(cells));
+}
+
 }  // namespace
 
 TelemetryUlog::TelemetryUlog(sim::UlogFile& file, std::uint8_t system,
@@ -165,24 +184,7 @@ void TelemetryUlog::on_state(base::SimTime time, const mav::PacketView& packet) 
     write(file_, Topic::kLandDetected,
           UlogRecord(time).put(m.landed_state == MavLandedState::kOnGround));
   });
-  with<BatteryStatus>(packet, [&](const BatteryStatus& m) {
-    constexpr std::uint16_t kNoCell = 0xFFFF;
-    double voltage_mv = 0;
-    std::uint8_t cells = 0;
-    for (const std::uint16_t cell : m.voltages) {
-      if (cell == kNoCell) continue;
-      voltage_mv += cell;
-      ++cells;
-    }
-    const auto known = [](double value, bool is_known) { return is_known ? value : kNone; };
-    write(file_, Topic::kBattery,
-          UlogRecord(time)
-              .put_float(known(voltage_mv * 1e-3, cells > 0))
-              .put_float(known(m.current_battery * 1e-2, m.current_battery >= 0))
-              .put_float(known(m.current_consumed, m.current_consumed >= 0))
-              .put_float(known(m.battery_remaining * 1e-2, m.battery_remaining >= 0))
-              .put(cells));
-  });
+  with<BatteryStatus>(packet, [&](const BatteryStatus& m) { write_battery(file_, time, m); });
   with<Statustext>(packet, [&](const Statustext& m) {
     const std::string_view part = mav::text(m.text);
     if (m.id == 0 || m.chunk_seq == 0) sentence_.clear();
