@@ -4,16 +4,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
+#include "base/enum_words.hpp"
+#include "base/text.hpp"
+#include "hils/measure/check_json.hpp"
+#include "hils/measure/strike_fields.hpp"
 #include "hils/report/aligned_table.hpp"
 #include "hils/report/html_page.hpp"
+#include "hils/report/junit.hpp"
 #include "hils/report/number_text.hpp"
-#include "hils/report/plot.hpp"
 #include "hils/sweep/run_table.hpp"
 
 namespace cas::hils {
@@ -23,17 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-std::string_view word_of(CellState state) {
-  switch (state) {
-    case CellState::kAsExpected:
-      return "as expected";
-    case CellState::kMissed:
-      return "missed";
-    case CellState::kNoVerdict:
-      break;
-  }
-  return "no verdict";
-}
+constexpr base::EnumWords<CellState::kNoVerdict> kCellWords{"as expected", "missed", "no verdict"};
 
 const std::string& phase_name(const CampaignMatrix& matrix, const CellResult& cell) {
   return matrix.campaign.phases[cell.cell.phase].name;
@@ -44,11 +37,8 @@ const CampaignFailure& failure_of(const CampaignMatrix& matrix, const CellResult
 }
 
 std::string expected_words(const CampaignMatrix& matrix, const CellResult& cell) {
-  std::string words;
-  for (const Expectation& each : failure_of(matrix, cell).expected.at(phase_name(matrix, cell))) {
-    words += (words.empty() ? "" : ", ") + to_string(each);
-  }
-  return words;
+  return base::joined(failure_of(matrix, cell).expected.at(phase_name(matrix, cell)), ", ",
+                      [](const Expectation& each) { return to_string(each); });
 }
 
 std::string seconds(const std::optional<double>& time_s) {
@@ -87,12 +77,8 @@ std::string cell_word(const CellResult& cell) {
 /// Why a cell is not as expected: of the flight that is shown.
 std::string cell_cause(const CellResult& cell) {
   const CampaignFlight& flight = cell.shown();
-  std::string cause = fmt::format("seed {}: ", flight.seed);
-  if (!flight.response) return cause + flight.no_verdict;
-  for (std::size_t i = 0; i < flight.misses.size(); ++i) {
-    cause += (i == 0 ? "" : "; ") + flight.misses[i];
-  }
-  return cause;
+  if (!flight.response) return fmt::format("seed {}: {}", flight.seed, flight.no_verdict);
+  return fmt::format("seed {}: {}", flight.seed, fmt::join(flight.misses, "; "));
 }
 
 std::optional<std::string_view> obstacle(const CampaignMatrix& matrix,
@@ -109,7 +95,7 @@ std::vector<const CampaignFailure*> not_flown(const CampaignMatrix& matrix) {
   return failures;
 }
 
-/// What is to be said beside the matrix.
+/// Remarks on the campaign as a whole.
 std::vector<std::string> remarks(const CampaignMatrix& matrix) {
   std::vector<std::string> sentences;
   if (!matrix.stopped.empty()) sentences.push_back("ended early: " + matrix.stopped);
@@ -235,13 +221,17 @@ void add_flights(const CampaignMatrix& matrix, HtmlPage& html) {
   html.table("Times count from the moment at which the failure struck", rows, looks);
 }
 
-Json optional_json(const std::optional<double>& value) {
-  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
-}
-
 /// A figure of a cell; null where no flight has it.
 Json cell_json(const CellResult& cell, double value) {
-  return has_figures(cell) ? optional_json(value) : Json(nullptr);
+  return has_figures(cell) ? number_or_null(value) : Json(nullptr);
+}
+
+/// Null is an empty cell, a truth value 1 or 0.
+std::string csv_cell(const Json& value) {
+  if (value.is_null()) return "";
+  if (value.is_boolean()) return value.get<bool>() ? "1" : "0";
+  if (value.is_number()) return fmt::format("{:.6g}", value.get<double>());
+  return csv_field(value.get<std::string>());
 }
 
 Json flight_json(const CampaignFlight& flight) {
@@ -253,21 +243,9 @@ Json flight_json(const CampaignFlight& flight) {
     json["no_verdict"] = flight.no_verdict;
     return json;
   }
-  const StrikeResponse& got = *flight.response;
-  json["strike_s"] = got.strike_s;
-  json["detected_s"] = optional_json(got.detected_s);
-  json["detected_by"] = got.detected_by;
-  json["reacted_s"] = optional_json(got.reacted_s);
-  json["reaction"] = got.reaction;
-  json["farthest_m"] = optional_json(got.farthest_m);
-  json["peak_tilt_deg"] = optional_json(got.peak_tilt_deg);
-  json["incident"] = got.incident ? Json(to_string(*got.incident)) : Json(nullptr);
-  json["crashed"] = got.crashed;
-  json["terminated"] = got.terminated;
-  json["completed"] = got.completed;
-  json["at_rest"] = got.at_rest;
-  json["rest_m"] = optional_json(got.rest_m);
-  json["armed_after"] = got.armed_after;
+  for_each_strike_field(StrikeOutput::kJson, [&](const auto& field) {
+    json[field.key] = field_json<Json>(*flight.response, field);
+  });
   return json;
 }
 
@@ -291,7 +269,7 @@ std::string campaign_text(const CampaignMatrix& matrix) {
   for (const CellResult& cell : matrix.cells) {
     if (cell.state() == CellState::kAsExpected) continue;
     text += fmt::format("{} in {}: {}; {}\n", failure_of(matrix, cell).name,
-                        phase_name(matrix, cell), word_of(cell.state()), cell_cause(cell));
+                        phase_name(matrix, cell), kCellWords[cell.state()], cell_cause(cell));
   }
   for (const std::string& sentence : remarks(matrix)) text += sentence + "\n";
   return text;
@@ -315,44 +293,26 @@ std::string campaign_html(const CampaignMatrix& matrix, const fs::path& again) {
 }
 
 std::string campaign_junit(const CampaignMatrix& matrix) {
-  const std::string suite = escape_xml("hils.campaign." + matrix.campaign.name);
-  std::string cases;
+  using Outcome = JunitSuite::Outcome;
+  JunitSuite suite("hils.campaign." + matrix.campaign.name);
   for (const CellResult& cell : matrix.cells) {
-    cases += fmt::format("  <testcase classname=\"{}.{}\" name=\"{}\" time=\"0\"", suite,
-                         escape_xml(failure_of(matrix, cell).name),
-                         escape_xml(phase_name(matrix, cell)));
     const CellState state = cell.state();
-    if (state == CellState::kAsExpected) {
-      cases += "/>\n";
-      continue;
-    }
-    const char* tag = state == CellState::kMissed ? "failure" : "error";
-    cases += fmt::format("><{} message=\"{}\"/></testcase>\n", tag, escape_xml(cell_cause(cell)));
+    const bool as_expected = state == CellState::kAsExpected;
+    suite.add(phase_name(matrix, cell),
+              as_expected                   ? Outcome::kPassed
+              : state == CellState::kMissed ? Outcome::kFailed
+                                            : Outcome::kError,
+              as_expected ? "" : cell_cause(cell), {}, failure_of(matrix, cell).name);
   }
-  std::size_t skipped = 0;
-  const auto skip = [&](const std::string& name, const std::string& why) {
-    ++skipped;
-    cases += fmt::format(
-        "  <testcase classname=\"{}.{}\" name=\"all phases\" time=\"0\"><skipped "
-        "message=\"{}\"/></testcase>\n",
-        suite, escape_xml(name), why);
+  const auto skip = [&suite](const std::string& name, const std::string& why) {
+    suite.add("all phases", Outcome::kSkipped, why, {}, name);
   };
   for (const CampaignFailure* failure : not_flown(matrix)) {
     skip(failure->name, fmt::format("it {}", *obstacle(matrix, *failure)));
   }
   for (const std::string& name : matrix.campaign.left_out) skip(name, "left out by --only");
-  const std::size_t stopped = matrix.stopped.empty() ? 0 : 1;
-  if (stopped > 0) {
-    cases += fmt::format(
-        "  <testcase classname=\"{}\" name=\"board\" time=\"0\"><error "
-        "message=\"{}\"/></testcase>\n",
-        suite, escape_xml(matrix.stopped));
-  }
-  return fmt::format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"{}\" tests=\"{}\" "
-      "failures=\"{}\" errors=\"{}\" skipped=\"{}\">\n{}</testsuite>\n",
-      suite, matrix.cells.size() + skipped + stopped, matrix.count(CellState::kMissed),
-      matrix.count(CellState::kNoVerdict) + stopped, skipped, cases);
+  if (!matrix.stopped.empty()) suite.add("board", Outcome::kError, matrix.stopped);
+  return suite.report();
 }
 
 std::string campaign_json(const CampaignMatrix& matrix) {
@@ -375,10 +335,10 @@ std::string campaign_json(const CampaignMatrix& matrix) {
     Json own{{"failure", failure_of(matrix, cell).name},
              {"kind", failure_of(matrix, cell).failure->name},
              {"phase", phase_name(matrix, cell)},
-             {"verdict", word_of(cell.state())},
+             {"verdict", kCellWords[cell.state()]},
              {"expected", expected_words(matrix, cell)},
-             {"detected_s", optional_json(cell.detected_s())},
-             {"reacted_s", optional_json(cell.reacted_s())},
+             {"detected_s", number_or_null(cell.detected_s())},
+             {"reacted_s", number_or_null(cell.reacted_s())},
              {"farthest_m", cell_json(cell, cell.farthest_m())},
              {"peak_tilt_deg", cell_json(cell, cell.peak_tilt_deg())},
              {"shown", fmt::format("again/row_{}", cell.shown().row)},
@@ -390,12 +350,13 @@ std::string campaign_json(const CampaignMatrix& matrix) {
 }
 
 std::string campaign_csv(const CampaignMatrix& matrix) {
-  std::string text =
-      "row,failure,phase,seed,verdict,strike_s,detected_s,detected_by,reacted_s,reaction,"
-      "farthest_m,peak_tilt_deg,incident,crashed,completed,at_rest,rest_m,missed\n";
-  const auto number = [](const std::optional<double>& value) {
-    return value && std::isfinite(*value) ? fmt::format("{:.6g}", *value) : std::string();
-  };
+  std::string text = "row,failure,phase,seed,verdict";
+  std::string no_figures;
+  for_each_strike_field(StrikeOutput::kCsv, [&](const auto& field) {
+    text += fmt::format(",{}", field.key);
+    no_figures += ",";
+  });
+  text += ",missed\n";
   for (const CellResult& cell : matrix.cells) {
     for (const CampaignFlight& flight : cell.flights) {
       const bool good = flight.response && flight.misses.empty();
@@ -405,19 +366,13 @@ std::string campaign_csv(const CampaignMatrix& matrix) {
                           : flight.response ? "missed"
                                             : "no verdict");
       if (!flight.response) {
-        constexpr int kFigures = 12;  // columns between verdict and missed
-        text += std::string(kFigures + 1, ',') + csv_field(flight.no_verdict) + "\n";
+        text += no_figures + "," + csv_field(flight.no_verdict) + "\n";
         continue;
       }
-      const StrikeResponse& got = *flight.response;
-      std::string missed;
-      for (const std::string& each : flight.misses) missed += (missed.empty() ? "" : "; ") + each;
-      text += fmt::format(",{},{},{},{},{},{},{},{},{},{},{},{},{}\n", number(got.strike_s),
-                          number(got.detected_s), csv_field(got.detected_by), number(got.reacted_s),
-                          csv_field(got.reaction), number(got.farthest_m),
-                          number(got.peak_tilt_deg), got.incident ? to_string(*got.incident) : "",
-                          got.crashed ? 1 : 0, got.completed ? 1 : 0, got.at_rest ? 1 : 0,
-                          number(got.rest_m), csv_field(missed));
+      for_each_strike_field(StrikeOutput::kCsv, [&](const auto& field) {
+        text += "," + csv_cell(field_json<Json>(*flight.response, field));
+      });
+      text += "," + csv_field(fmt::format("{}", fmt::join(flight.misses, "; "))) + "\n";
     }
   }
   return text;

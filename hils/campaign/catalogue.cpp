@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/text.hpp"
+
 namespace cas::hils {
 
 namespace {
@@ -360,12 +362,9 @@ std::string filled(std::string_view effect, const Failure& failure,
 }
 
 std::string parameter_words(const Failure& failure) {
-  std::string words;
-  for (const FailureParameter& each : failure.parameters) {
-    words += fmt::format("{}{} {:g} ({:g} to {:g})", words.empty() ? "" : ", ", each.name,
-                         each.usual, each.least, each.most);
-  }
-  return words;
+  return base::joined(failure.parameters, ", ", [](const FailureParameter& each) {
+    return fmt::format("{} {:g} ({:g} to {:g})", each.name, each.usual, each.least, each.most);
+  });
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/suggestion.hpp"
+#include "base/text.hpp"
 #include "mavlink_gen/services/vehicle_modes.hpp"
 
 namespace cas::hils {
@@ -40,9 +41,7 @@ constexpr double kMost = 1e6;
   std::vector<std::string_view> known{kFailsafe};
   for (const auto& [each, kind] : kWords) known.push_back(each);
   for (const auto& [each, kind] : kKeys) known.push_back(each);
-  std::string list;
-  for (const std::string_view each : known) list += (list.empty() ? "" : ", ") + std::string(each);
-  node.fail("there is no expectation '" + word + "'; there are " + list +
+  node.fail("there is no expectation '" + word + "'; there are " + base::joined(known, ", ") +
             base::did_you_mean(word, known));
 }
 

@@ -25,8 +25,8 @@ CampaignFlight judge_flight(const std::vector<Expectation>& expected, const RowR
         flown ? "never acted: " +
                     (result.cause.empty() ? "its condition never came true" : result.cause)
               : fmt::format("{}: {}", to_string(result.outcome), result.cause);
-  } else if (!result.strike->no_verdict.empty()) {
-    flight.no_verdict = result.strike->no_verdict;
+  } else if (result.strike->no_verdict) {
+    flight.no_verdict = *result.strike->no_verdict;
     flight.response.reset();
   } else if (reference != nullptr && reference->run_sha256.empty()) {
     flight.no_verdict =

@@ -96,7 +96,7 @@ std::string validity_words(const VariantResult& result) {
   std::string reason;
   for (std::size_t i = 0; i < result.runs.size(); ++i) {
     valid += result.verdicts[i].valid ? 1 : 0;
-    flown += result.runs[i].flight_failure.empty() ? 1 : 0;
+    flown += result.runs[i].flight_failure ? 0 : 1;
     if (reason.empty() && !result.verdicts[i].failures.empty()) {
       reason = result.verdicts[i].failures.front();
     }

@@ -66,12 +66,13 @@ ColumnGroup rates() {
 }
 
 ColumnGroup rms_errors() {
-  return {"rms",
-          "Table 5. RMS error while measured, true position against the reference",
-          {{"x_m", "X m", 4, rms(&RmsFigures::x_m)},
-           {"y_m", "Y m", 4, rms(&RmsFigures::y_m)},
-           {"z_m", "Z m", 4, rms(&RmsFigures::z_m)},
-           {"yaw_rad", "yaw rad", 4, rms(&RmsFigures::yaw_rad)}}};
+  ColumnGroup group{
+      "rms", "Table 5. RMS error while measured, true position against the reference", {}};
+  for (const RmsAxis& axis : kRmsAxes) {
+    group.columns.push_back(
+        {std::string(axis.key), fmt::format("{} {}", axis.name, axis.unit), 4, rms(axis.member)});
+  }
+  return group;
 }
 
 ColumnGroup delivery() {

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -76,7 +77,7 @@ class Job {
     if (pid_ < 0) fail("cannot start a process for flights");
     if (pid_ == 0) ::_exit(fly_share(batch, first, fly, result_bytes, out.get()));
   }
-  /// Ends the process when nobody has waited for it.
+  /// Ends the process unless wait() was called.
   ~Job() {
     if (pid_ <= 0) return;
     ::kill(pid_, SIGKILL);
@@ -89,8 +90,8 @@ class Job {
   /// The next result of its share. @return false when there is none
   bool read(std::span<std::byte> result) { return read_all(results_.get(), result); }
 
-  /// Waits for its end. @return how it ended, in words; empty when in good order
-  std::string wait() {
+  /// Waits for its end. @return how it failed, in words; nullopt if it ended with exit code 0
+  std::optional<std::string> wait() {
     int status = 0;
     const pid_t waited = ::waitpid(std::exchange(pid_, -1), &status, 0);
     if (waited < 0) return std::string("was lost: ") + std::strerror(errno);
@@ -99,7 +100,8 @@ class Job {
              ::strsignal(WTERMSIG(status)) + ")";
     }
     const int code = WEXITSTATUS(status);
-    return code == 0 ? "" : "ended with exit code " + std::to_string(code);
+    if (code == 0) return std::nullopt;
+    return "ended with exit code " + std::to_string(code);
   }
 
  private:
@@ -123,16 +125,16 @@ void fly_in_processes(const FlightBatch& batch, const FlyInto& fly, std::span<st
     if (job.read(results.subspan(static_cast<std::size_t>(i) * result_bytes, result_bytes))) {
       continue;
     }
-    const std::string end = job.wait();
-    throw std::runtime_error(
-        "the flight with seed " + std::to_string(batch.first_seed + static_cast<std::uint64_t>(i)) +
-        " has no result: its process " + (end.empty() ? "ended too early" : end));
+    const std::string end = job.wait().value_or("ended too early");
+    throw std::runtime_error("the flight with seed " +
+                             std::to_string(batch.first_seed + static_cast<std::uint64_t>(i)) +
+                             " has no result: its process " + end);
   }
   for (std::size_t first = 0; first < jobs.size(); ++first) {
-    const std::string end = jobs[first].wait();
-    if (end.empty()) continue;
+    const auto end = jobs[first].wait();
+    if (!end) continue;
     throw std::runtime_error("the process of the flights from seed " +
-                             std::to_string(batch.first_seed + first) + " on " + end);
+                             std::to_string(batch.first_seed + first) + " on " + *end);
   }
 }
 

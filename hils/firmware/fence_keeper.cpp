@@ -8,6 +8,7 @@
 
 #include "base/os/write_file.hpp"
 #include "base/rpc/client.hpp"
+#include "base/text.hpp"
 
 namespace cas::hils {
 namespace {
@@ -58,10 +59,9 @@ std::optional<std::string> FenceKeeper::restore(base::RunTime deadline) {
     std::filesystem::remove(file_, ignored);
     return std::nullopt;
   }
-  std::string names;
-  for (const auto& [name, value] : former_) {
-    names += fmt::format("{}{} {}", names.empty() ? "" : ", ", name, value);
-  }
+  const std::string names = base::joined(former_, ", ", [](const auto& parameter) {
+    return fmt::format("{} {}", parameter.first, parameter.second);
+  });
   return fmt::format("the fence's parameters were not given back ({}): {}; {} has them", names, why,
                      file_.string());
 }

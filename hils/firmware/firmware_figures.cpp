@@ -14,16 +14,12 @@ namespace {
 
 using nlohmann::json;
 
-std::int64_t microseconds(base::SimTime t) {
-  return std::chrono::duration_cast<std::chrono::microseconds>(t.time_since_epoch()).count();
-}
-
 /// In a hold about the mean: where a stock estimator's origin lies is not known so well.
 std::optional<RmsFigures> rms_of_step(const std::vector<Stage>& stages,
                                       std::span<const PoseSample> truth) {
   for (const Stage& stage : stages) {
     if (!stage.step.measure) continue;
-    const auto held = between(truth, microseconds(stage.begin), microseconds(stage.end));
+    const auto held = between(truth, to_microseconds(stage.begin), to_microseconds(stage.end));
     if (held.empty()) return std::nullopt;
     if (stage.step.kind == StepKind::kTrajectory) {
       return rms_about(held, reference_in_truth(stage, truth));
@@ -66,8 +62,8 @@ void add_truth(const std::filesystem::path& truth, FirmwareFigures& figures) {
       figures.unwatched = truth.string() + " is empty";
     } else {
       const std::vector<Stage> flown = figures.flown_stages();
-      if (const std::string hole = record_hole(flown, samples); !hole.empty()) {
-        figures.unwatched = truth.string() + ": " + hole;
+      if (const auto hole = record_hole(flown, samples)) {
+        figures.unwatched = truth.string() + ": " + *hole;
       }
       figures.incidents = find_incidents(flown, samples);
       figures.not_flown = steps_not_flown(figures.stages, samples);
@@ -100,9 +96,9 @@ std::optional<RmsFigures> estimate_error(const std::vector<Stage>& stages,
     const auto next = std::ranges::lower_bound(truth, time_us, {}, &PoseSample::time_us);
     return next == truth.end() ? truth.back().pose : next->pose;
   };
-  const std::int64_t off_us = microseconds(takeoff->begin);
+  const std::int64_t off_us = to_microseconds(takeoff->begin);
   const auto standing = between(estimate, off_us - 1'000'000, off_us);
-  const auto held = between(estimate, microseconds(hold->begin), microseconds(hold->end));
+  const auto held = between(estimate, to_microseconds(hold->begin), to_microseconds(hold->end));
   if (standing.empty() || held.empty()) return std::nullopt;
   Pose origin;
   const auto count = static_cast<double>(standing.size());

@@ -24,12 +24,12 @@ namespace cas::hils {
 /// Figures of a flight of stock firmware.
 struct FirmwareFigures {
   std::vector<Stage> stages;
-  std::optional<Stage> under_way;  ///< the step that was not done when the flight ended
-  std::string flight_failure;      ///< a sentence; empty when every step was done
-  std::string version;             ///< of the firmware; empty: it did not tell
-  int looks = 0;                   ///< at the true position during the measured hold
-  double height_error_m = 0;       ///< of its mean
-  double drift_m = 0;              ///< farthest from where the hold began, horizontal
+  std::optional<Stage> under_way;             ///< the step that was not done when the flight ended
+  std::optional<std::string> flight_failure;  ///< a sentence; nullopt when every step was done
+  std::string version;                        ///< of the firmware; empty: unknown
+  int looks = 0;                              ///< at the true position during the measured hold
+  double height_error_m = 0;                  ///< of its mean
+  double drift_m = 0;                         ///< farthest from where the hold began, horizontal
   /// Of the true position in the measured step: in a hold about its mean, in a trajectory about the
   /// reference.
   std::optional<RmsFigures> rms;
@@ -45,11 +45,11 @@ struct FirmwareFigures {
   std::string hops = "[]";      ///< link.latency of casd: from one link's read to another's write
   double simulated_s = 0;
   double real_time_factor = 0;
-  std::uint8_t system = 1;          ///< the vehicle's
-  ClockMap log_clock;               ///< clock of the flight log -> simulated time
-  std::vector<Incident> incidents;  ///< by the true flight
-  std::string unwatched;            ///< why nobody could look for incidents; empty: somebody did
-  /// Steps that count as done, and that the true flight does not show: steps_not_flown().
+  std::uint8_t system = 1;               ///< the vehicle's
+  ClockMap log_clock;                    ///< clock of the flight log -> simulated time
+  std::vector<Incident> incidents;       ///< by the true flight
+  std::optional<std::string> unwatched;  ///< why incidents could not be looked for
+  /// Steps reported as done that the true flight does not show: steps_not_flown().
   std::vector<std::string> not_flown;
   std::uint64_t dropped = 0;  ///< packets, by casd at all its links until the flight's end
   std::uint64_t lost = 0;     ///< packets, by the gaps in the sequence numbers that casd heard
@@ -75,7 +75,7 @@ std::optional<RmsFigures> estimate_error(const std::vector<Stage>& stages,
 /// The slowest way through casd for 99 % of its packets (link.latency), us; nothing: none was
 /// timed.
 std::optional<double> slowest_hop_us(const nlohmann::json& hops);
-/// Takes over what casd's counters say (link.list).
+/// Adds the losses by casd's counters (link.list).
 void add_losses(const nlohmann::json& links, FirmwareFigures& figures);
 
 }  // namespace cas::hils

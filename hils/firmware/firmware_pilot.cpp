@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/rpc/client.hpp"
+#include "base/time/unix_time.hpp"
 #include "hils/firmware/companion_flight.hpp"
 #include "hils/firmware/disarming.hpp"
 #include "hils/firmware/fence_keeper.hpp"
@@ -38,21 +39,11 @@ constexpr base::Duration kAskAgain = std::chrono::seconds(3);
 constexpr base::Duration kSilencePatience = std::chrono::seconds(30);
 /// For giving back the parameters of the fences of a run that is stopped.
 constexpr base::Duration kFencePatience = std::chrono::seconds(10);
-/// What a vehicle says of its disarming comes with the HEARTBEAT that shows it.
+/// A vehicle's text about its disarming comes with the HEARTBEAT that shows it.
 constexpr base::Duration kWordsPatience = std::chrono::seconds(1);
 /// PX4 disarms 2 s after it has noticed a landing (v1.12.0, v1.16.1), ArduCopter 4.5.6 sooner.
 constexpr FirmwareHabits kHabits{
     .arms_early = true, .disarms_itself = std::chrono::seconds(5), .flies_setpoints = true};
-
-std::int64_t microseconds(base::SimTime t) {
-  return std::chrono::duration_cast<std::chrono::microseconds>(t.time_since_epoch()).count();
-}
-
-std::int64_t log_clock_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 /// What all vehicles of a flight share.
 struct FlightDeck {
@@ -121,7 +112,7 @@ class FirmwarePilot {
     }
   }
 
-  /// What is known of the vehicle now.
+  /// The present state of the vehicle.
   VehicleReport report(base::SimTime now) {
     VehicleReport vehicle = relative_report();
     vehicle.truth = truth_;
@@ -165,12 +156,12 @@ class FirmwarePilot {
     figures_.real_time_factor = status.value("real_time_factor", 0.0);
     figures_.simulated_s = status.at("time_s").get<double>();
     const base::SimTime now(base::from_seconds(figures_.simulated_s));
-    figures_.log_clock.add(log_clock_us(), microseconds(now));
+    figures_.log_clock.add(base::unix_us(), to_microseconds(now));
     if (companion_) companion_->after_look(now);
     return now;
   }
 
-  /// What the newest look says of the step under way.
+  /// Figures of the step under way from the newest look.
   void measure() {
     const FlightStep* step = plan_.current();
     measure_rates(step != nullptr && step->measure);
@@ -212,13 +203,13 @@ class FirmwarePilot {
     stages_when_armed_ = plan_.stages().size();
   }
 
-  /// @param failure  of the flight; empty: there is none
-  FirmwareFigures finish(const std::string& failure) {
+  /// @param failure  of the flight, if it failed
+  FirmwareFigures finish(const std::optional<std::string>& failure) {
     figures_.under_way = plan_.under_way(look());
     figures_.stages = plan_.stages();
     figures_.flight_failure = failure;
-    if (failure.starts_with(kDisarmedDuring)) {
-      figures_.flight_failure += hands_words(outside_hands());
+    if (failure && failure->starts_with(kDisarmedDuring)) {
+      *figures_.flight_failure += hands_words(outside_hands());
     }
     if (companion_) figures_.setpoints = companion_->setpoints();
     add_losses(casd_.call("link.list", Json::object()), figures_);
@@ -381,7 +372,7 @@ class FirmwarePilot {
     return all;
   }
 
-  /// What the vehicle has said of its disarming since it was armed; waits for it.
+  /// The vehicle's text about its disarming since it was armed; waits for it.
   std::string disarm_words() {
     for (const base::RunTime deadline = base::steady_now() + kWordsPatience;;) {
       const VehicleReport vehicle = vehicle_report(casd_, asked_);
@@ -564,7 +555,7 @@ class FirmwareFleet {
         continue;
       }
       const std::vector<FleetPlan::Command> commands = plan_.update(now, reports_);
-      tell_phase();
+      send_phase(deck_.simulator, plan_.phase(), phase_);
       for (const auto& pilot : pilots_) pilot->measure();
       show(now);
       for (const FleetPlan::Command& command : commands) {
@@ -572,7 +563,7 @@ class FirmwareFleet {
       }
       if (commands.empty()) deck_.supervisor.wait(kPollPeriod);
     }
-    tell_phase();
+    send_phase(deck_.simulator, plan_.phase(), phase_);
   }
 
   void restore_fences() {
@@ -626,13 +617,6 @@ class FirmwareFleet {
     const std::size_t leader = plan_.leader();
     progress_.show(now, plan_.plan(leader), reports_[leader],
                    pace_words(pilots_[leader]->real_time_factor()));
-  }
-
-  /// The simulator's fault scripts ask for it.
-  void tell_phase() {
-    if (plan_.phase() == phase_) return;
-    phase_ = plan_.phase();
-    deck_.simulator.call("sim.phase", {{"name", phase_}});
   }
 
   std::vector<FirmwareFigures> finish() {

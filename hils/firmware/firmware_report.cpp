@@ -4,13 +4,12 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
+#include "base/read_file.hpp"
+#include "hils/report/figure_rows.hpp"
 #include "hils/report/html_page.hpp"
-#include "hils/report/report.hpp"
 #include "hils/report/run_plots.hpp"
 #include "hils/report/verdict_section.hpp"
 
@@ -18,7 +17,6 @@ namespace cas::hils {
 namespace {
 
 using nlohmann::json;
-using Rows = std::vector<std::vector<std::string>>;
 
 void add_verdicts(HtmlPage& page, const FirmwareScenario& scenario,
                   std::span<const FirmwareResult> vehicles) {
@@ -35,8 +33,9 @@ void add_verdicts(HtmlPage& page, const FirmwareScenario& scenario,
 }
 
 std::vector<std::string> rms_row(const std::string& name, const std::optional<RmsFigures>& rms) {
-  return {name, rms_text(rms, &RmsFigures::x_m), rms_text(rms, &RmsFigures::y_m),
-          rms_text(rms, &RmsFigures::z_m), rms_text(rms, &RmsFigures::yaw_rad)};
+  std::vector<std::string> row = rms_cells(rms);
+  row.insert(row.begin(), name);
+  return row;
 }
 
 /// @param who  "iris1: ", or nothing
@@ -149,8 +148,7 @@ std::string firmware_report(const FirmwareScenario& scenario, const FirmwarePlac
   add_links(page, vehicles.front().figures);
   page.heading("Configuration");
   for (const auto& file : {scenario.file, places.simulator_config(), places.casd_config()}) {
-    std::ifstream in(file);
-    page.folded(file.filename().string(), {std::istreambuf_iterator<char>(in), {}});
+    page.folded(file.filename().string(), base::read_file(file).value_or(""));
   }
   return page.finish();
 }

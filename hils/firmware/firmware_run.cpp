@@ -92,8 +92,8 @@ FirmwareResult evaluate(const FirmwareScenario& scenario, const FirmwarePlaces& 
   figures.never_began =
       faults_that_never_began(scenario.faults, vehicle, figures.faults, figures.flown_stages());
   if (scenario.flies_several()) {
-    const std::string other = home_fault(scenario, vehicle, places.flight_tlog(), figures.system);
-    if (!other.empty()) figures.not_flown.push_back(other);
+    const auto other = home_fault(scenario, vehicle, places.flight_tlog(), figures.system);
+    if (other) figures.not_flown.push_back(*other);
   }
   const Verdict verdict = judge(scenario, figures);
   return {.vehicle = name, .figures = std::move(figures), .verdict = verdict};

@@ -17,28 +17,31 @@ namespace {
 using nlohmann::json;
 
 json rms_json(const RmsFigures& rms) {
-  return {{"x_m", rms.x_m}, {"y_m", rms.y_m}, {"z_m", rms.z_m}, {"yaw_rad", rms.yaw_rad}};
+  json all;
+  for (const RmsAxis& axis : kRmsAxes) all[std::string(axis.key)] = rms.*axis.member;
+  return all;
 }
 
-json stage_json(const Stage& stage) {
-  return {{"step", to_string(stage.step.kind)},
-          {"begin_s", base::to_seconds(stage.begin)},
-          {"end_s", base::to_seconds(stage.end)}};
-}
-
-LimitCheck check(const char* what, const std::string& wanted, const std::string& missed) {
+LimitCheck check(const char* what, const std::string& wanted,
+                 const std::optional<std::string>& missed) {
   return {.what = what,
-          .found = missed.empty() ? wanted : missed,
+          .found = missed.value_or(wanted),
           .wanted = wanted,
-          .kept = missed.empty(),
-          .sentence = missed};
+          .kept = !missed,
+          .sentence = missed.value_or("")};
+}
+
+/// Sentences in one; nullopt where there is none.
+std::optional<std::string> joined(const std::vector<std::string>& sentences) {
+  if (sentences.empty()) return std::nullopt;
+  return fmt::format("{}", fmt::join(sentences, "; "));
 }
 
 /// A figure of the flight. One that a flight broke off before is not judged.
 /// @param bounded  its name, unit, digits, sense and bound
 LimitCheck check(LimitCheck bounded, std::optional<double> value, const FirmwareFigures& figures) {
   bounded.value = value;
-  bounded.judged = value || figures.flight_failure.empty();
+  bounded.judged = value || !figures.flight_failure;
   const std::optional<double> margin = bounded.margin();
   bounded.kept = !bounded.judged || (margin && *margin >= 0);
   if (!margin) bounded.found = bounded.judged ? "not measured" : "not reached";
@@ -49,7 +52,7 @@ LimitCheck check(LimitCheck bounded, std::optional<double> value, const Firmware
   return bounded;
 }
 
-/// What a scenario asks of links and messages.
+/// Checks of links and messages.
 void check_links(const FirmwareScenario& scenario, const FirmwareFigures& figures,
                  std::vector<LimitCheck>& checks) {
   if (scenario.hop_p99_us) {
@@ -78,14 +81,12 @@ void check_links(const FirmwareScenario& scenario, const FirmwareFigures& figure
 void check_fence(const FirmwareScenario& scenario, const FirmwareFigures& figures,
                  std::vector<LimitCheck>& checks) {
   if (!scenario.fence || !figures.fence) return;
-  std::vector<Stage> flown = figures.stages;
-  if (figures.under_way) flown.push_back(*figures.under_way);
-  for (LimitCheck& check : fence_checks(*scenario.fence, *figures.fence, flown)) {
+  for (LimitCheck& check : fence_checks(*scenario.fence, *figures.fence, figures.flown_stages())) {
     checks.push_back(std::move(check));
   }
 }
 
-/// What is each vehicle's own in a summary.
+/// The fields of one vehicle in a summary.
 json vehicle_json(const FirmwareFigures& figures) {
   json all{{"firmware", figures.version}, {"height_error_m", figures.height_error_m},
            {"drift_m", figures.drift_m},  {"rates_hz", figures.rates_hz},
@@ -111,11 +112,12 @@ json vehicle_json(const FirmwareFigures& figures) {
     all["incidents"].push_back(
         {{"kind", to_string(incident.kind)}, {"time_s", incident.time_s}, {"what", incident.what}});
   }
-  for (const Stage& stage : figures.stages) all["stages"].push_back(stage_json(stage));
-  if (figures.under_way) {
-    all["stages"].push_back(stage_json(*figures.under_way));
-    all["stages"].back()["finished"] = false;
+  for (const Stage& stage : figures.flown_stages()) {
+    all["stages"].push_back({{"step", to_string(stage.step.kind)},
+                             {"begin_s", base::to_seconds(stage.begin)},
+                             {"end_s", base::to_seconds(stage.end)}});
   }
+  if (figures.under_way) all["stages"].back()["finished"] = false;
   return all;
 }
 
@@ -127,7 +129,7 @@ Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) 
     return figures.looks > 0 ? std::optional(value) : std::nullopt;
   };
   const bool held =
-      figures.flight_failure.empty() ||
+      !figures.flight_failure ||
       std::ranges::any_of(figures.stages, [](const Stage& stage) { return stage.step.measure; });
   checks.push_back(check("flight", "every step was done", figures.flight_failure));
   if (scenario.height_error_m) {
@@ -143,16 +145,16 @@ Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) 
   check_rms("estimate", figures.rms_estimate, scenario.rms_estimate, held, checks);
   check_links(scenario, figures, checks);
   check_fence(scenario, figures, checks);
-  checks.push_back(check("steps by the true flight", "as the vehicle says",
-                         fmt::format("{}", fmt::join(figures.not_flown, "; "))));
-  std::string incidents;
+  checks.push_back(
+      check("steps by the true flight", "as the vehicle says", joined(figures.not_flown)));
+  std::vector<std::string> incidents;
   for (const Incident& incident : figures.incidents) {
-    incidents += (incidents.empty() ? "the vehicle " : "; it ") + incident.what;
+    incidents.push_back((incidents.empty() ? "the vehicle " : "it ") + incident.what);
   }
-  checks.push_back(check("incidents", "none", incidents));
-  checks.push_back(check(
-      "true flight", "recorded",
-      figures.unwatched.empty() ? "" : "the true flight was not recorded: " + figures.unwatched));
+  checks.push_back(check("incidents", "none", joined(incidents)));
+  std::optional<std::string> unrecorded = figures.unwatched;
+  if (unrecorded) unrecorded->insert(0, "the true flight was not recorded: ");
+  checks.push_back(check("true flight", "recorded", unrecorded));
   return verdict_on({}, std::move(checks), figures.never_began);
 }
 
@@ -160,11 +162,7 @@ Verdict judge_together(std::span<const FirmwareResult> vehicles) {
   if (vehicles.size() == 1) return vehicles.front().verdict;
   Verdict together{.valid = true, .passed = true, .failures = {}};
   for (const FirmwareResult& vehicle : vehicles) {
-    together.valid &= vehicle.verdict.valid;
-    together.passed &= vehicle.verdict.passed;
-    for (const std::string& sentence : vehicle.verdict.failures) {
-      together.failures.push_back(vehicle.vehicle + ": " + sentence);
-    }
+    merge_verdict(vehicle.vehicle, vehicle.verdict, together);
   }
   return together;
 }

@@ -55,11 +55,11 @@ std::optional<base::Geodetic> first_home(const std::filesystem::path& tlog, std:
 
 }  // namespace
 
-std::string home_fault(const FirmwareScenario& scenario, std::size_t vehicle,
-                       const std::filesystem::path& tlog, std::uint8_t system) {
+std::optional<std::string> home_fault(const FirmwareScenario& scenario, std::size_t vehicle,
+                                      const std::filesystem::path& tlog, std::uint8_t system) {
   const auto home = first_home(tlog, system);
   const base::ConfigNode world = base::ConfigNode::load(scenario.world);
-  if (!home || !world.has("home")) return {};
+  if (!home || !world.has("home")) return std::nullopt;
   const base::Geodetic origin = origin_of(world);
   const Eigen::Vector2d home_m = base::LocalProjection(origin)
                                      .to_local({home->lat_deg, home->lon_deg, origin.alt_m})
@@ -67,7 +67,7 @@ std::string home_fault(const FirmwareScenario& scenario, std::size_t vehicle,
   const auto starts = starts_m(world, scenario.vehicles.size());
   const auto off_m = [&home_m](const Eigen::Vector2d& start) { return (home_m - start).norm(); };
   const auto nearest = std::ranges::min_element(starts, {}, off_m);
-  if (off_m(starts.at(vehicle)) <= off_m(*nearest) + kOff_m) return {};
+  if (off_m(starts.at(vehicle)) <= off_m(*nearest) + kOff_m) return std::nullopt;
   return fmt::format("system {} has its home where vehicle '{}' started, and not '{}'", system,
                      scenario.vehicles.at(static_cast<std::size_t>(nearest - starts.begin())),
                      scenario.vehicles.at(vehicle));

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "hils/firmware/firmware_scenario.hpp"
@@ -11,13 +12,13 @@
 namespace cas::hils {
 
 /// Whether an instance flew another vehicle of the world than the one whose true motion it is
-/// judged by: the home that it told first (HOME_POSITION) is where another one started.
+/// judged by: its first HOME_POSITION is where another vehicle started.
 ///
-/// @param tlog  the flight log. An instance that told no home there is taken for the right one
+/// @param tlog  the flight log. An instance without a HOME_POSITION in it counts as the right one
 /// @param system  of the instance
-/// @return a sentence without a full stop; empty: it is the right one
+/// @return a sentence without a full stop; nullopt: it is the right one
 /// @throws base::ConfigError when the world cannot be read
-std::string home_fault(const FirmwareScenario& scenario, std::size_t vehicle,
-                       const std::filesystem::path& tlog, std::uint8_t system);
+std::optional<std::string> home_fault(const FirmwareScenario& scenario, std::size_t vehicle,
+                                      const std::filesystem::path& tlog, std::uint8_t system);
 
 }  // namespace cas::hils

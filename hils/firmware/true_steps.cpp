@@ -8,35 +8,33 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 
 #include "base/time/clock.hpp"
 
 namespace cas::hils {
 namespace {
 
-/// What the estimate of a stock autopilot is off by at most (2 m), and the radius about a place in
-/// which it counts as reached: 2 m for multicopters (PX4 NAV_ACC_RAD, ArduCopter WPNAV_RADIUS).
+/// Largest error of a stock autopilot's estimate (2 m) plus the radius within which a place counts
+/// as reached: 2 m for multicopters (PX4 NAV_ACC_RAD, ArduCopter WPNAV_RADIUS).
 constexpr double kOff_m = 4;
 /// Of the distance from home: projections of the autopilot and of the simulator differ.
 constexpr double kOffShare = 0.01;
-/// Of a trajectory's extent: who lags behind or flies round corners goes farther than that.
+/// Of a trajectory's extent: a vehicle that lags behind or rounds corners still covers more.
 constexpr double kLeastOfExtent = 0.5;
-/// Of the mean square of the rotors' speeds in flight, which is to the thrust as it is to the
-/// weight: what has less of it stands on the ground.
+/// Share of the mean square of the rotors' speeds in flight, which is proportional to thrust: a
+/// vehicle with less is on the ground.
 constexpr double kCarries = 0.7;
-/// The last of the record, in which rotors are looked at.
+/// Length of the end of the record in which the rotors' speeds are checked.
 constexpr std::int64_t kTail_us = 200'000;
-
-std::int64_t microseconds(base::SimTime time) {
-  return static_cast<std::int64_t>(base::to_time_usec(time));
-}
 
 Eigen::Vector3d place_of(const PoseSample& sample) {
   return {sample.pose.x_m, sample.pose.y_m, sample.pose.z_m};
 }
 
 const PoseSample& sample_at(std::span<const PoseSample> truth, base::SimTime time) {
-  const auto next = std::ranges::lower_bound(truth, microseconds(time), {}, &PoseSample::time_us);
+  const auto next =
+      std::ranges::lower_bound(truth, to_microseconds(time), {}, &PoseSample::time_us);
   return next == truth.end() ? truth.back() : *next;
 }
 
@@ -58,19 +56,19 @@ bool ends_at_a_place(const FlightStep& step) {
 }
 
 /// @param origin_m  where the vehicle took off
-std::string not_there(const Stage& stage, const Eigen::Vector3d& origin_m,
-                      std::span<const PoseSample> truth) {
-  if (!ends_at_a_place(stage.step)) return {};
+std::optional<std::string> not_there(const Stage& stage, const Eigen::Vector3d& origin_m,
+                                     std::span<const PoseSample> truth) {
+  if (!ends_at_a_place(stage.step)) return std::nullopt;
   Eigen::Vector3d off_m = place_of(sample_at(truth, stage.end)) - origin_m - stage.reference_m;
   const bool any_height = lands(stage.step) || stage.step.kind == StepKind::kRtl;
   if (any_height) off_m.z() = 0;  // the ground there may be higher or lower
-  if (is_near(off_m.norm(), stage.reference_m.norm())) return {};
+  if (is_near(off_m.norm(), stage.reference_m.norm())) return std::nullopt;
   return fmt::format("step '{}' ended {:.1f} m from its place", phase_of(stage.step), off_m.norm());
 }
 
 /// The first waypoint that the vehicle did not come near, after those before it.
-std::string skipped(const Stage& stage, const Eigen::Vector3d& origin_m,
-                    std::span<const PoseSample> flown) {
+std::optional<std::string> skipped(const Stage& stage, const Eigen::Vector3d& origin_m,
+                                   std::span<const PoseSample> flown) {
   auto from = flown.begin();
   for (const MissionPlace& place : stage.step.places) {
     double nearest_m = std::numeric_limits<double>::infinity();
@@ -85,7 +83,7 @@ std::string skipped(const Stage& stage, const Eigen::Vector3d& origin_m,
     }
     from = passed;
   }
-  return {};
+  return std::nullopt;
 }
 
 /// Least and greatest coordinates of a path.
@@ -100,7 +98,7 @@ struct Box {
   Eigen::Vector3d extent_m() const { return most_m - least_m; }
 };
 
-std::string hardly_moved(const Stage& stage, std::span<const PoseSample> flown) {
+std::optional<std::string> hardly_moved(const Stage& stage, std::span<const PoseSample> flown) {
   Box wanted;
   Box found;
   for (const PoseSample& sample : flown) {
@@ -119,7 +117,7 @@ std::string hardly_moved(const Stage& stage, std::span<const PoseSample> flown) 
                                    : "up and down",
                        wanted_m);
   }
-  return {};
+  return std::nullopt;
 }
 
 double mean_square(const PoseSample& sample) {
@@ -144,14 +142,14 @@ std::vector<double> mean_squares(std::span<const PoseSample> samples) {
 
 /// @param took_off  begin of the last takeoff
 /// @param landing  the last step that lands
-std::string flies_on(base::SimTime took_off, const Stage& landing,
-                     std::span<const PoseSample> truth) {
-  const auto flight = between(truth, microseconds(took_off), microseconds(landing.end));
+std::optional<std::string> flies_on(base::SimTime took_off, const Stage& landing,
+                                    std::span<const PoseSample> truth) {
+  const auto flight = between(truth, to_microseconds(took_off), to_microseconds(landing.end));
   const std::int64_t last_us = truth.back().time_us;
   const auto tail = between(truth, last_us - kTail_us, last_us + 1);
-  if (flight.empty() || tail.empty()) return {};
+  if (flight.empty() || tail.empty()) return std::nullopt;
   const double hover = median(mean_squares(flight));
-  if (!(hover > 0) || median(mean_squares(tail)) < kCarries * hover) return {};
+  if (!(hover > 0) || median(mean_squares(tail)) < kCarries * hover) return std::nullopt;
   return fmt::format(
       "step '{}' ended on the ground by the vehicle's word, and its rotors turn as "
       "in flight to the end of the record",
@@ -164,8 +162,8 @@ std::vector<std::string> steps_not_flown(const std::vector<Stage>& stages,
                                          std::span<const PoseSample> truth) {
   std::vector<std::string> missing;
   if (truth.empty()) return missing;
-  const auto note = [&missing](std::string sentence) {
-    if (!sentence.empty()) missing.push_back(std::move(sentence));
+  const auto note = [&missing](const std::optional<std::string>& sentence) {
+    if (sentence) missing.push_back(*sentence);
   };
   const Stage* takeoff = nullptr;
   const Stage* landing = nullptr;
@@ -177,7 +175,7 @@ std::vector<std::string> steps_not_flown(const std::vector<Stage>& stages,
     if (takeoff == nullptr) continue;
     if (lands(stage.step)) landing = &stage;
     const Eigen::Vector3d origin_m = place_of(sample_at(truth, takeoff->begin));
-    const auto flown = between(truth, microseconds(stage.accepted), microseconds(stage.end));
+    const auto flown = between(truth, to_microseconds(stage.accepted), to_microseconds(stage.end));
     note(not_there(stage, origin_m, truth));
     note(skipped(stage, origin_m, flown));
     if (stage.step.kind == StepKind::kTrajectory) note(hardly_moved(stage, flown));

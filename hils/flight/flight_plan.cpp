@@ -53,7 +53,7 @@ FlightPlan::FlightPlan(std::vector<FlightStep> steps, double start_yaw_rad, Firm
 
 std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleReport& vehicle,
                                              std::size_t others_through) {
-  while (!done() && failure_.empty()) {
+  while (!done() && !failure_) {
     const FlightStep& step = steps_[current_];
     if (!begun_ && others_through >= current_) begin_step(now, step);
     // A takeoff that was accepted has begun once the vehicle does not say that it is on the ground.
@@ -113,13 +113,14 @@ void FlightPlan::check_time(const FlightStep& step, base::SimTime now,
                      step.kind == StepKind::kStandBy;
   const bool flying_it = timed && phase_ == Phase::kWaiting;
   if (phase_ == Phase::kCommanding || flying_it || now - step_begin_ <= step.timeout) return;
-  if (!failure_.empty()) return;
-  failure_ = words_for(current_, steps_) + (step.name.empty() ? "" : ",") +
-             " was not done within " +
-             std::to_string(static_cast<int>(base::to_seconds(step.timeout))) + " s";
-  if (!vehicle.heard) failure_ += ": the vehicle was not heard";
-  if (!last_refusal_.empty()) failure_ += ": " + last_refusal_;
-  if (habits_.flies_setpoints && last_refusal_.empty()) failure_ += said(vehicle);
+  if (failure_) return;
+  std::string why = words_for(current_, steps_) + (step.name.empty() ? "" : ",") +
+                    " was not done within " +
+                    std::to_string(static_cast<int>(base::to_seconds(step.timeout))) + " s";
+  if (!vehicle.heard) why += ": the vehicle was not heard";
+  if (!last_refusal_.empty()) why += ": " + last_refusal_;
+  if (habits_.flies_setpoints && last_refusal_.empty()) why += said(vehicle);
+  failure_ = std::move(why);
 }
 
 /// The modes in which a stock autopilot flies a step; none where any will do.
@@ -216,8 +217,8 @@ bool FlightPlan::bides(const FlightStep& step, base::SimTime now, const VehicleR
     const bool arms = step.kind == StepKind::kArm || takes_off(step);
     if (!habits_.arms_early || !arms) return false;
     if (armed_again_ && now - *armed_again_ <= kHeartbeats) return true;
-    if (vehicle.position_lack.empty()) return false;
-    last_refusal_ = vehicle.position_lack;
+    if (!vehicle.position_lack) return false;
+    last_refusal_ = *vehicle.position_lack;
     return true;
   }
   return step.kind == StepKind::kDisarm &&

@@ -17,14 +17,14 @@
 
 namespace cas::hils {
 
-/// What somebody beside hils had the vehicle do, as casd heard it.
+/// A command to the vehicle from a sender other than hils, as casd heard it.
 struct HeardAct {
   std::string by;    ///< "255/190 on link gcs"
   std::string what;  ///< "command 400 (disarm)"
   bool disarms = false;
 };
 
-/// How the failure of a flight begins whose vehicle is armed no more.
+/// First words of the failure of a flight whose vehicle was disarmed.
 inline constexpr std::string_view kDisarmedDuring = "the vehicle was disarmed during ";
 
 /// Why a vehicle did not take a command.
@@ -32,33 +32,33 @@ struct Refusal {
   std::string why;
 };
 
-/// What casd knows of the vehicle.
+/// State of the vehicle as casd knows it.
 struct VehicleReport {
   bool heard = false;          ///< its HEARTBEAT has come
   double heartbeat_age_s = 0;  ///< of the newest, by casd's clock
-  std::string firmware{};      ///< its version; empty: it has not told it
+  std::string firmware{};      ///< its version; empty until it is known
   std::string autopilot{};     ///< "PX4", "ArduPilot", "other"
   bool hil = false;            ///< its HEARTBEAT says that it is in HIL
   bool armed = false;
   bool in_air = false;
   bool on_ground = false;
   bool has_position = false;
-  double position_age_s = 0;    ///< of p_N and v_N, by casd's clock
-  std::string position_lack{};  ///< what takeoff by position still needs; empty: nothing
+  double position_age_s = 0;                      ///< of p_N and v_N, by casd's clock
+  std::optional<std::string> position_lack{};     ///< what takeoff by position still needs
   Eigen::Vector3d p_N = Eigen::Vector3d::Zero();  ///< m, from where it was armed
   Eigen::Vector3d v_N = Eigen::Vector3d::Zero();  ///< m/s
   double roll_rad = 0;
   double pitch_rad = 0;
   double yaw_rad = 0;
-  std::optional<Motion> truth{};  ///< what the simulator knows, where it is at hand
+  std::optional<Motion> truth{};  ///< the simulator's, where it is at hand
   std::vector<HeardAct> acts{};   ///< of others than casd's own station, oldest first
   std::uint64_t acts_so_far = 0;  ///< as casd counts them
-  std::string disarm_words{};     ///< what it said of its newest disarming: "Disarmed by landing"
+  std::string disarm_words{};     ///< its text about its newest disarming: "Disarmed by landing"
   double disarm_words_age_s = 0;  ///< by casd's clock
-  std::string fence_words{};      ///< with which it announced a breach of its fence last
+  std::string fence_words{};      ///< its newest text about a breach of its fence
   double fence_words_age_s = 0;   ///< by casd's clock
-  std::string mode{};             ///< by its HEARTBEAT; empty: nobody looks
-  std::string warning{};          ///< what it said last, and lately, as a warning or worse
+  std::string mode{};             ///< by its HEARTBEAT; empty: not asked for
+  std::string warning{};          ///< its newest recent text of severity warning or worse
   std::optional<std::uint16_t> mission_reached{};  ///< of the mission under way, by the wire
 
   /// Motion by the vehicle's own estimate.
@@ -75,12 +75,12 @@ struct Stage {
   double reference_yaw_rad = 0;
 };
 
-/// What stock firmware does and our controller does not.
+/// Differences of stock firmware from our controller.
 struct FirmwareHabits {
   /// It accepts arming before it can take off, and disarms itself on the ground (PX4 v1.12.0 after
   /// 8 s, ArduCopter 4.5.6 after 10 s), whether it has refused the takeoff or accepted it a moment
-  /// before. So it is armed once it has its position, and again where it is armed no more and has
-  /// not lifted off: whoever gives the command asks first who disarmed it (rearm_fault()).
+  /// before. So it is armed once it has its position, and again if it is disarmed before it has
+  /// lifted off: the caller first checks who disarmed it (rearm_fault()).
   bool arms_early = false;
   /// A landed vehicle disarms itself within this long; a disarm step leaves it the time.
   base::Duration disarms_itself{};
@@ -121,8 +121,8 @@ class FlightPlan {
   /// Steps that other vehicles need not wait for: those done, and one in which it stands by.
   std::size_t through() const { return current_ + (stands_by() ? 1 : 0); }
   bool stands_by() const { return !done() && steps_[current_].kind == StepKind::kStandBy; }
-  /// Why the flight cannot go on; empty as long as it can.
-  const std::string& failure() const { return failure_; }
+  /// Why the flight cannot go on; nullopt as long as it can.
+  const std::optional<std::string>& failure() const { return failure_; }
   /// The flight cannot go on for a reason that the plan does not see.
   void fail(std::string why) { failure_ = std::move(why); }
   /// The mission under way, once it is uploaded: where it goes and ends, and the item before its
@@ -194,7 +194,7 @@ class FlightPlan {
   Eigen::Vector3d reference_m_ = Eigen::Vector3d::Zero();
   double reference_yaw_rad_ = 0;
   std::string last_refusal_;
-  std::string failure_;
+  std::optional<std::string> failure_;
   std::vector<Stage> stages_;
 };
 

@@ -10,6 +10,7 @@
 #include <span>
 
 #include "base/angles.hpp"
+#include "base/enum_words.hpp"
 #include "base/suggestion.hpp"
 #include "hils/flight/phase_check.hpp"
 
@@ -24,25 +25,14 @@ constexpr base::Duration kRebootPatience = std::chrono::minutes(1);
 constexpr base::Duration kBreachPatience = std::chrono::minutes(2);
 constexpr double kBreachSpeed_m_s = 2;
 
-constexpr std::array<std::pair<StepKind, std::string_view>, 16> kWords{{
-    {StepKind::kArm, "arm"},
-    {StepKind::kTakeoff, "takeoff"},
-    {StepKind::kGoto, "goto"},
-    {StepKind::kHold, "hold"},
-    {StepKind::kTrajectory, "trajectory"},
-    {StepKind::kSetGain, "setgain"},
-    {StepKind::kSetParam, "setparam"},
-    {StepKind::kWaitUntil, "wait_until"},
-    {StepKind::kMission, "mission"},
-    {StepKind::kBreach, "breach"},
-    {StepKind::kRtl, "rtl"},
-    {StepKind::kLand, "land"},
-    {StepKind::kDisarm, "disarm"},
-    {StepKind::kReboot, "reboot"},
-    {StepKind::kEndTrajectory, "end of trajectory"},  // from here on: no word of a scenario
-    {StepKind::kStandBy, "stand by"},
-}};
-constexpr std::size_t kScenarioWords = 14;
+constexpr base::EnumWords<StepKind::kStandBy> kWords{
+    "arm",     "takeoff",  "goto",       "hold",    "trajectory",
+    "setgain", "setparam", "wait_until", "mission", "breach",
+    "rtl",     "land",     "disarm",     "reboot",  "end of trajectory",
+    "stand by"};
+/// The words of scenarios.
+constexpr auto kScenarioWords =
+    std::span(kWords.words).first<static_cast<std::size_t>(StepKind::kEndTrajectory)>();
 
 constexpr std::array<std::pair<fcu::PatternShape, std::string_view>, 3> kShapes{{
     {fcu::PatternShape::kCircle, "circle"},
@@ -58,12 +48,9 @@ std::string or_these(std::string_view kinds, std::string_view word, const Words&
 }
 
 StepKind parse_kind(const base::ConfigNode& node, std::string_view word) {
-  std::vector<std::string_view> known;
-  for (const auto& [kind, name] : std::span(kWords).first(kScenarioWords)) {
-    if (name == word) return kind;
-    known.push_back(name);
-  }
-  node.fail(fmt::format("there is no step '{}'{}", word, or_these("steps", word, known)));
+  const auto kind = kWords.find(word);
+  if (kind && *kind < StepKind::kEndTrajectory) return *kind;
+  node.fail(fmt::format("there is no step '{}'{}", word, or_these("steps", word, kScenarioWords)));
 }
 
 std::optional<double> optional_number(const base::ConfigNode& node, std::string_view key) {
@@ -359,12 +346,7 @@ std::optional<std::size_t> parse_vehicle_key(const base::ConfigNode& node,
   return static_cast<std::size_t>(found - names.begin());
 }
 
-std::string_view to_string(StepKind kind) {
-  for (const auto& [candidate, name] : kWords) {
-    if (candidate == kind) return name;
-  }
-  return "?";
-}
+std::string_view to_string(StepKind kind) { return kWords[kind]; }
 
 std::string_view phase_of(const FlightStep& step) {
   return step.name.empty() ? to_string(step.kind) : std::string_view(step.name);

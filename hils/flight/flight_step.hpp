@@ -36,21 +36,22 @@ std::optional<std::size_t> parse_vehicle_key(const base::ConfigNode& node,
 
 /// Kinds of steps of a flight.
 enum class StepKind {
-  kArm,            ///< done when the vehicle says that it is armed
-  kTakeoff,        ///< done when it hangs still at the height
-  kGoto,           ///< done when it hangs still at the place
-  kHold,           ///< done when `duration` of simulated time has passed
-  kTrajectory,     ///< done when it has been flown for `duration`
+  kArm,         ///< done when the vehicle says that it is armed
+  kTakeoff,     ///< done when it hangs still at the height
+  kGoto,        ///< done when it hangs still at the place
+  kHold,        ///< done when `duration` of simulated time has passed
+  kTrajectory,  ///< done when it has been flown for `duration`
+  kSetGain,     ///< done when the vehicle has confirmed the gains
+  kSetParam,    ///< done when the vehicle has confirmed the parameters
+  kWaitUntil,   ///< done when the condition holds
+  kMission,     ///< done when the vehicle has reached the last item, and landed if that says so
+  kBreach,      ///< done when the autopilot's own fence has taken the vehicle over
+  kRtl,         ///< done when it is on the ground at home, or hangs still above it
+  kLand,        ///< done when the vehicle reports that it is on the ground
+  kDisarm,      ///< done when it says that it is disarmed
+  kReboot,      ///< done when its firmware has started again, and knows its parameters
+  // From here on: no word of a scenario.
   kEndTrajectory,  ///< done when the vehicle has confirmed; follows each trajectory by itself
-  kSetGain,        ///< done when the vehicle has confirmed the gains
-  kSetParam,       ///< done when the vehicle has confirmed the parameters
-  kWaitUntil,      ///< done when the condition holds
-  kMission,        ///< done when the vehicle has reached the last item, and landed if that says so
-  kBreach,         ///< done when the autopilot's own fence has taken the vehicle over
-  kLand,           ///< done when the vehicle says that it stands on the ground
-  kRtl,            ///< done when it stands on the ground at home, or hangs still above it
-  kDisarm,         ///< done when it says that it is disarmed
-  kReboot,         ///< done when its firmware has started again, and knows its parameters
   kStandBy,        ///< another vehicle's step: done when the others have done it
 };
 
@@ -72,7 +73,7 @@ struct FlightStep {
   StepKind kind = StepKind::kHold;
   std::string
       name{};  ///< for reports, and `phase` in conditions; the step's word where none is given
-  std::optional<std::size_t> vehicle{};  ///< who does it, by its place; nothing: all of them
+  std::optional<std::size_t> vehicle{};  ///< index of the vehicle that flies it; nullopt: all do
   base::Duration timeout = std::chrono::seconds(30);  ///< simulated time until the step has failed
   double altitude_m = 0;                              ///< takeoff
   Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< goto, breach: north, east, up
@@ -85,17 +86,17 @@ struct FlightStep {
   std::vector<std::pair<std::string, double>> params{};  ///< setparam, trajectory and its end
   std::optional<Condition> until{};                      ///< wait_until
   MissionPlan mission{};                                 ///< mission
-  std::optional<FenceAction> fence{};                    ///< breach: what the fence does
+  std::optional<FenceAction> fence{};                    ///< breach: action of the fence
   double reach_m = 0;  ///< breach, and mission once home is known: farthest place from home
   std::vector<MissionPlace> places{};  ///< mission: of its waypoints, once home is known
   bool ends_holding = false;           ///< rtl: the vehicle is set to stay above home
 };
 
-/// The step's name, or the word for what it is.
+/// The step's name, or the word of its kind.
 std::string_view phase_of(const FlightStep& step);
 /// Whether the vehicle is in the air after the step that was on the ground before it.
 bool takes_off(const FlightStep& step);
-/// Whether the vehicle may stand on the ground, disarmed, at the end of the step.
+/// Whether the vehicle may be on the ground, disarmed, at the end of the step.
 bool lands(const FlightStep& step);
 /// Whether the step sends the vehicle a command.
 bool is_command(StepKind kind);
@@ -116,7 +117,7 @@ std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::
 /// Missions, breaches and reboots are for stock firmware. @throws base::ConfigError at the first
 void refuse_firmware_steps(const base::ConfigNode& steps);
 
-/// The flight as one vehicle sees it: in the steps of others it stands by.
+/// The steps of one vehicle: those of others are replaced by kStandBy.
 std::vector<FlightStep> steps_for(std::size_t vehicle, const std::vector<FlightStep>& flight);
 
 }  // namespace cas::hils

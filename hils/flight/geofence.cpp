@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
 #include "base/suggestion.hpp"
+#include "base/text.hpp"
 
 namespace cas::hils {
 namespace {
@@ -85,8 +85,7 @@ std::string_view fence_mode(std::string_view autopilot, FenceAction action) {
 // "Geofence: exceeding maximum distance to Home". ArduCopter 4.5: "Fence Breached"; later: "Circle
 // fence breached".
 bool tells_of_breach(std::string_view text) {
-  std::string low(text);
-  std::ranges::transform(low, low.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string low = base::lower(text);
   const auto has = [&low](std::string_view word) { return low.find(word) != std::string::npos; };
   if (has("cleared")) return false;
   if (has("fence")) return has("breach") || has("violat") || has("exceed") || has("approach");

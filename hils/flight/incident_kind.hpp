@@ -8,7 +8,7 @@
 
 namespace cas::hils {
 
-/// What no flight may do, whatever its limits.
+/// Incidents that fail any flight, whatever its limits.
 enum class IncidentKind {
   kGround,    ///< touched the ground in a step that is flown in the air
   kCrash,     ///< hit something faster than a landing
@@ -20,11 +20,9 @@ inline constexpr std::array kIncidentKinds{IncidentKind::kGround, IncidentKind::
                                            IncidentKind::kAttitude, IncidentKind::kFlyaway,
                                            IncidentKind::kStrike};
 
-/// The word in a scenario's `allow` and in summary.json.
-constexpr std::string_view to_string(IncidentKind kind) {
-  constexpr base::EnumWords<IncidentKind::kStrike> kWords{"ground", "crash", "attitude", "flyaway",
-                                                          "strike"};
-  return kWords[kind];
-}
+/// The words in a scenario's `allow` and in summary.json.
+inline constexpr base::EnumWords<IncidentKind::kStrike> kIncidentWords{
+    "ground", "crash", "attitude", "flyaway", "strike"};
+constexpr std::string_view to_string(IncidentKind kind) { return kIncidentWords[kind]; }
 
 }  // namespace cas::hils

@@ -76,7 +76,7 @@ bool is_failure(const OutsideCall& call) {
          static_cast<MavCmd>(params.value("command", 0)) == MavCmd::kInjectFailure;
 }
 
-/// Goes through a flight log and what was asked at the command port.
+/// Goes through a flight log and the calls of the command port.
 class ChangeReader {
  public:
   ChangeReader(const RunRecord& record, const casd::GainMap& gains, bool own_station)
@@ -166,7 +166,7 @@ class ChangeReader {
     changes_.parameters.push_back(std::move(change));
   }
 
-  /// What somebody had casd set at about this time.
+  /// A value that a call had casd set at about this time.
   const OutsideCall* call_for(std::int64_t log_us, const std::string& name, double value) const {
     for (const OutsideCall& call : record_.outside_calls) {
       if (call.system != record_.system || std::abs(call.log_us - log_us) > kLongest_us) continue;
@@ -227,8 +227,8 @@ class ChangeReader {
   void add_act(std::int64_t log_us, const std::string& by, const std::string& what) {
     const double time_s = seconds(log_us);
     if (record_.stages.empty() || time_s < base::to_seconds(record_.stages.front().begin)) return;
-    // The step that failed is no stage: perhaps it failed for what somebody did meanwhile.
-    const bool completed = record_.flight_failure.empty();
+    // The step that failed is no stage: a command from outside during it may be the cause.
+    const bool completed = !record_.flight_failure;
     if (completed && time_s > base::to_seconds(record_.stages.back().end)) return;
     keep_act(time_s, by, what);
   }
@@ -252,7 +252,7 @@ class ChangeReader {
   const casd::GainMap& gains_;
   bool own_station_;
   casd::Autopilot autopilot_ = casd::Autopilot::kPx4;
-  std::map<std::string, double> values_;  ///< as last told
+  std::map<std::string, double> values_;  ///< newest received
   /// Parameters that stations set: who did, when.
   std::map<std::string, std::pair<std::string, std::int64_t>> wishes_;
   FlightChanges changes_;

@@ -21,7 +21,7 @@ namespace {
 
 /// Lower than this above where it stood, a vehicle touches the ground.
 constexpr double kTouch_m = 0.02;
-/// What is hit lower than this is the ground: a vehicle that falls on its arm is that high.
+/// An impact below this height is on the ground: a vehicle that falls on its arm is that high.
 constexpr double kNear_m = 0.5;
 /// More than rotors or gusts can do: what slows a vehicle like this is solid. 6 g.
 constexpr double kImpact_m_s2 = 60.0;
@@ -37,10 +37,6 @@ double extent_m(const std::vector<Stage>& stages) {
         {extent, stage.reference_m.norm() + stage.step.trajectory.size_m, stage.step.reach_m});
   }
   return extent;
-}
-
-std::int64_t microseconds(base::SimTime time) {
-  return static_cast<std::int64_t>(base::to_time_usec(time));
 }
 
 /// How a step is flown.
@@ -85,7 +81,7 @@ class Watch {
     }
   }
 
-  /// What falls when the record ends hits the ground where nobody looks any more.
+  /// A vehicle that falls when the record ends hits the ground after it.
   void look_at_end(const PoseSample& last, std::string_view step) {
     const double sink_m_s = -last.v_m_s[2];
     if (sink_m_s <= kCrashSpeed_m_s) return;
@@ -158,10 +154,10 @@ std::vector<Incident> find_incidents(const std::vector<Stage>& stages,
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const Stage& stage = stages[i];
     place = place_in(stage.step, place);
-    // What comes between two steps, and after the last one, belongs to the one before.
-    const std::int64_t until = i + 1 < stages.size() ? microseconds(stages[i + 1].begin)
+    // Time between two steps, and after the last one, belongs to the step before.
+    const std::int64_t until = i + 1 < stages.size() ? to_microseconds(stages[i + 1].begin)
                                                      : std::numeric_limits<std::int64_t>::max();
-    for (const PoseSample& sample : between(truth, microseconds(stage.begin), until)) {
+    for (const PoseSample& sample : between(truth, to_microseconds(stage.begin), until)) {
       watch.look(*before, sample, place, phase_of(stage.step));
       before = &sample;
     }

@@ -19,9 +19,14 @@ using Kind = LimitCheck::Kind;
 using Sense = LimitCheck::Sense;
 using NamedRate = std::pair<std::string_view, const RateFigures*>;
 
+/// @param key  of one of them: scenarios take no other
+const RmsAxis& axis_of(std::string_view key) {
+  return *std::ranges::find(kRmsAxes, key, &RmsAxis::key);
+}
+
 LimitCheck rms_check(std::string_view what, std::string_view axis) {
   return {.what = fmt::format("RMS error of the {}, {}", what, axis),
-          .unit = axis == "yaw_rad" ? "rad" : "m"};
+          .unit = std::string(axis_of(axis).unit)};
 }
 
 /// Marks the check as missed, for the reason that the sentence gives.
@@ -164,12 +169,12 @@ Checks validity_checks(const Measurement& figures) {
                              .found = "none",
                              .wanted = "there"},
                             "there is no record of the true flight"));
-  } else if (!figures.record_hole.empty()) {
+  } else if (figures.record_hole) {
     checks.push_back(missed({.kind = Kind::kValidity,
                              .what = "record of the true flight",
-                             .found = figures.record_hole,
+                             .found = *figures.record_hole,
                              .wanted = "there"},
-                            "the record of the true flight is not whole: " + figures.record_hole));
+                            "the record of the true flight is not whole: " + *figures.record_hole));
   }
   for (const auto& [name, rate] : named_rates(figures.rates)) {
     check_account(name, *rate, checks);
@@ -278,11 +283,11 @@ void check_responses(const std::vector<StepResponse>& responses,
 
 void check_flown(const Measurement& figures, Checks& checks) {
   const LimitCheck check{.what = "flight",
-                         .found = figures.flight_failure.empty() ? "completed" : "not completed",
+                         .found = figures.flight_failure ? "not completed" : "completed",
                          .wanted = "completed"};
-  checks.push_back(figures.flight_failure.empty()
-                       ? check
-                       : missed(check, "the flight was not completed: " + figures.flight_failure));
+  checks.push_back(figures.flight_failure
+                       ? missed(check, "the flight was not completed: " + *figures.flight_failure)
+                       : check);
 }
 
 /// Those that happened in the order of time, then the kinds that did not happen.
@@ -390,10 +395,8 @@ void check_rms(std::string_view what, const std::optional<RmsFigures>& rms,
                             fmt::format("there is no {} to compare with the reference", what)));
     return;
   }
-  const std::map<std::string, double> values{
-      {"x_m", rms->x_m}, {"y_m", rms->y_m}, {"z_m", rms->z_m}, {"yaw_rad", rms->yaw_rad}};
   for (const auto& [axis, limit] : limits) {
-    const double value = values.at(axis);
+    const double value = *rms.*axis_of(axis).member;
     LimitCheck check = rms_check(what, axis);
     check.value = value;
     check.bound = limit;
@@ -431,6 +434,14 @@ Verdict verdict_on(Checks validity, Checks flight,
     verdict.checks.push_back(std::move(check));
   }
   return verdict;
+}
+
+void merge_verdict(const std::string& vehicle, const Verdict& own, Verdict& together) {
+  together.valid &= own.valid;
+  together.passed &= own.passed;
+  for (const std::string& sentence : own.failures) {
+    together.failures.push_back(vehicle + ": " + sentence);
+  }
 }
 
 Verdict judge(const Measurement& figures, const Limits& limits) {

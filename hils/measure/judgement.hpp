@@ -30,7 +30,7 @@ enum ExitCode : int {
 struct Verdict {
   bool valid = false;   ///< the machine kept up and the accounts close: the figures mean something
   bool passed = false;  ///< valid, flown to the end, and every limit kept
-  std::vector<std::string> failures;  ///< sentences: why it is not valid, else what was missed
+  std::vector<std::string> failures;  ///< sentences: why it is not valid, else the missed limits
   std::vector<LimitCheck> checks{};   ///< all that it was held to, kept or not; of one vehicle
 
   ExitCode exit_code() const {
@@ -41,7 +41,7 @@ struct Verdict {
 
 /// Least simulated over elapsed time of a valid run in real time.
 inline constexpr double kLeastRealTimeFactor = 0.99;
-/// Longest that the stream of a valid run stands still: ten periods of a 200 Hz stream; a
+/// Longest pause in the stream of a valid run: ten periods of a 200 Hz stream; a
 /// controller takes its sensors for dead after 300 (PX4).
 inline constexpr double kMostStallMs = 50.0;
 /// Most by which 99 % of a valid run's HIL_SENSOR may be late, and most that one hop between two
@@ -61,6 +61,9 @@ void check_rms(std::string_view what, const std::optional<RmsFigures>& rms,
 /// @param validity  whether the run counts; the flight of one that does not is not judged
 Verdict verdict_on(std::vector<LimitCheck> validity, std::vector<LimitCheck> flight,
                    const std::vector<FaultThatNeverBegan>& never_began);
+
+/// Adds one vehicle's verdict to that on several, which begins as valid and passed.
+void merge_verdict(const std::string& vehicle, const Verdict& own, Verdict& together);
 
 /// Judges a run: first whether it is valid, then the flight and the limits.
 Verdict judge(const Measurement& figures, const Limits& limits);

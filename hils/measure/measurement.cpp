@@ -32,15 +32,11 @@ StreamWindow window_of(const Stage& hold) {
   return {.begin_usec = base::to_time_usec(hold.begin), .end_usec = base::to_time_usec(hold.end)};
 }
 
-std::int64_t microseconds(base::SimTime t) {
-  return static_cast<std::int64_t>(base::to_time_usec(t));
-}
-
 void measure_hold(const RunRecord& record, const std::vector<PoseSample>& truth,
                   Measurement& figures) {
   const Stage& hold = *record.hold;
-  const std::int64_t begin = microseconds(hold.begin);
-  const std::int64_t end = microseconds(hold.end);
+  const std::int64_t begin = to_microseconds(hold.begin);
+  const std::int64_t end = to_microseconds(hold.end);
   const auto flown = between(truth, begin, end);
   const ReferenceAt reference = reference_in_truth(hold, truth);
   figures.rms = rms_about(flown, reference);

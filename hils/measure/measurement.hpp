@@ -44,14 +44,14 @@ struct Measurement {
   bool virtual_clock = false;
   bool from_device = false;            ///< of a real controller: packets are followed to its port
   std::uint64_t lost_by_sequence = 0;  ///< then: gaps in the sequence from the controller
-  std::string flight_failure;
+  std::optional<std::string> flight_failure;
   double simulated_s = 0;
   double wall_s = 0;
   std::vector<std::pair<std::string, double>> cpu_s;
   std::vector<Stage> stages;
-  std::optional<Stage> under_way;  ///< the step that was not done when the flight ended
-  std::size_t truth_samples = 0;   ///< of the whole flight
-  std::string record_hole;         ///< what they lack of it: record_hole()
+  std::optional<Stage> under_way;          ///< the step that was not done when the flight ended
+  std::size_t truth_samples = 0;           ///< of the whole flight
+  std::optional<std::string> record_hole;  ///< see record_hole()
 
   StreamWindow window;     ///< of rates and delays
   bool over_hold = false;  ///< the window is the measured hold, else all that there was
@@ -71,13 +71,13 @@ struct Measurement {
   std::vector<FaultThatNeverBegan> never_began;
   std::optional<StrikeResponse> strike;         ///< how the vehicle took the first fault
   std::vector<Incident> incidents;              ///< crashes and their kin, in the order of time
-  FlightChanges changes;                        ///< parameters, and who acted from outside
+  FlightChanges changes;                        ///< of parameters, and commands from outside
   std::vector<StepResponse> responses;          ///< to the steps of the flight
   std::optional<RmsFigures> rms;                ///< truth against reference during the hold
   std::optional<RmsFigures> rms_estimate;       ///< estimate against reference during the hold
   std::optional<double> peak_error_m;           ///< farthest from the reference during the hold
   std::optional<double> rotor_activity_rad_s2;  ///< see rotor_activity_rad_s2(), during the hold
-  std::vector<PluginFigure> plugins;            ///< what the vehicle's plugins report
+  std::vector<PluginFigure> plugins;            ///< reported by the vehicle's plugins
 };
 
 /// Works out the figures of a vehicle. @throws base::ConfigError when its files cannot be read

@@ -10,22 +10,19 @@
 namespace cas::hils {
 namespace {
 
-/// 50 samples of the recorder. What falls for this long is faster than kCrashSpeed_m_s.
+/// 50 samples of the recorder. A vehicle that falls for this long exceeds kCrashSpeed_m_s.
 constexpr std::int64_t kHole_us = 500'000;
-
-std::int64_t microseconds(base::SimTime time) {
-  return static_cast<std::int64_t>(base::to_time_usec(time));
-}
 
 double seconds(std::int64_t time_us) { return 1e-6 * static_cast<double>(time_us); }
 
 }  // namespace
 
-std::string record_hole(const std::vector<Stage>& stages, std::span<const PoseSample> truth) {
-  if (stages.empty()) return {};
+std::optional<std::string> record_hole(const std::vector<Stage>& stages,
+                                       std::span<const PoseSample> truth) {
+  if (stages.empty()) return std::nullopt;
   if (truth.empty()) return "it is empty";
-  const std::int64_t begin_us = microseconds(stages.front().begin);
-  const std::int64_t end_us = microseconds(stages.back().end);
+  const std::int64_t begin_us = to_microseconds(stages.front().begin);
+  const std::int64_t end_us = to_microseconds(stages.back().end);
   if (truth.front().time_us - begin_us >= kHole_us) {
     return fmt::format("it begins at {:.2f} s, and the flight at {:.2f} s",
                        seconds(truth.front().time_us), seconds(begin_us));
@@ -43,7 +40,7 @@ std::string record_hole(const std::vector<Stage>& stages, std::span<const PoseSa
     }
     before_us = sample.time_us;
   }
-  if (end_us - before_us < kHole_us) return {};
+  if (end_us - before_us < kHole_us) return std::nullopt;
   return fmt::format("it ends at {:.2f} s, and the flight at {:.2f} s", seconds(before_us),
                      seconds(end_us));
 }

@@ -38,7 +38,7 @@ struct RunRecord {
   std::vector<BenchFaultScript::Span> faults;  ///< of the bench, as they went
   std::vector<OutsideCall> outside_calls;      ///< of casd's command port, by others than hils
   ClockMap log_clock;                          ///< clock of the flight log -> simulated time
-  std::string flight_failure;                  ///< a sentence; empty when every step was done
+  std::optional<std::string> flight_failure;   ///< a sentence; nullopt when every step was done
   bool virtual_clock = false;                  ///< time was computed, not waited for
   double simulated_s = 0;                      ///< length of the whole run
   double wall_s = 0;

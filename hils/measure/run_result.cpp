@@ -34,11 +34,7 @@ RunResult evaluate(const RunRequest& request, std::vector<RunRecord> records) {
 Verdict judge_together(const std::vector<VehicleResult>& vehicles) {
   Verdict together{.valid = true, .passed = true, .failures = {}};
   for (const VehicleResult& vehicle : vehicles) {
-    together.valid &= vehicle.verdict.valid;
-    together.passed &= vehicle.verdict.passed;
-    for (const std::string& sentence : vehicle.verdict.failures) {
-      together.failures.push_back(vehicle.figures.vehicle + ": " + sentence);
-    }
+    merge_verdict(vehicle.figures.vehicle, vehicle.verdict, together);
   }
   return together;
 }

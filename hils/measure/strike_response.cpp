@@ -34,7 +34,7 @@ namespace {
 constexpr double kInAir_m = 0.5;
 constexpr double kDown_m = 0.3;
 constexpr double kStill_m_s = 0.2;
-/// A HEARTBEAT tells of what happened since the one before.
+/// A HEARTBEAT shows a change since the previous one.
 constexpr double kHeartbeat_s = 1.0;
 
 struct HealthFlag {
@@ -55,13 +55,13 @@ constexpr std::array<HealthFlag, 12> kHealthFlags{
      {MavSysStatusSensor::kBattery, "battery"},
      {MavSysStatusSensor::kPrearmCheck, "arming checks"}}};
 
-/// Whether a text answers a command, and tells nothing of a fault by itself.
+/// Whether a text answers a command, and is no sign of a fault by itself.
 bool refuses_command(std::string_view text) {
   return text.starts_with("Arm: ") || text.find(" denied") != std::string_view::npos ||
          text.find(" refused") != std::string_view::npos;
 }
 
-/// Goes through a flight log and notes what the vehicle told.
+/// Goes through a flight log and notes the vehicle's signs.
 class TaleReader {
  public:
   explicit TaleReader(const RunRecord& record) : record_(record) {}
@@ -306,8 +306,8 @@ bool flight_was_over(const StrikeEvidence& evidence) {
   return flew && !is_in_air(evidence, evidence.strike_s);
 }
 
-/// Why a flight says nothing of its fault; empty when it does.
-std::string why_no_verdict(const StrikeEvidence& evidence) {
+/// Why a flight has no verdict on its fault; nullopt when it has one.
+std::optional<std::string> why_no_verdict(const StrikeEvidence& evidence) {
   if (evidence.stages.empty()) return "struck before the flight, which did not begin";
   if (evidence.strike_s >= base::to_seconds(evidence.stages.back().end) ||
       flight_was_over(evidence)) {
@@ -316,7 +316,7 @@ std::string why_no_verdict(const StrikeEvidence& evidence) {
   if (evidence.truth.empty() || seconds(evidence.truth.back()) < evidence.strike_s) {
     return "no true motion was recorded after the strike";
   }
-  return {};
+  return std::nullopt;
 }
 
 /// Arming is asked for each second: a step that was under way may have been answered before.
@@ -414,7 +414,7 @@ std::optional<StrikeResponse> read_strike_response(const RunRecord& record,
                           .stops_rotors = stops_rotors(faults, first->name),
                           .stages = stages,
                           .steps = steps,
-                          .completed = record.flight_failure.empty(),
+                          .completed = !record.flight_failure,
                           .truth = truth,
                           .tale = read_vehicle_tale(record)});
 }

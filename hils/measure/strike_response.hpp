@@ -16,7 +16,7 @@ namespace cas::hils {
 
 struct RunRecord;
 
-/// Something that a vehicle told by which it showed that a fault was noticed, or acted on.
+/// A message of a vehicle that shows that it noticed a fault or reacted to it.
 struct VehicleSign {
   double time_s = 0;  ///< simulated
   std::string what;   ///< "STATUSTEXT 'Position lost: descending'", "health: GPS", "LAND"
@@ -25,15 +25,15 @@ struct VehicleSign {
 
 /// How a vehicle took the first fault of a flight. Times behind strike_s count from it.
 struct StrikeResponse {
-  double strike_s = 0;                 ///< simulated
-  std::string fault{};                 ///< its name
-  std::string no_verdict{};            ///< why nothing can be said of it; empty: it can be judged
-  bool armed_before = false;           ///< when it struck
-  bool armed_after = false;            ///< at some moment from then on
-  bool tried_to_arm = false;           ///< by a step of the plan, from then on
-  bool in_air = false;                 ///< at some moment from then on
-  bool left_world = false;             ///< its true motion was no number any more
-  std::optional<double> detected_s{};  ///< first sign in what the vehicle tells
+  double strike_s = 0;                      ///< simulated
+  std::string fault{};                      ///< its name
+  std::optional<std::string> no_verdict{};  ///< why it cannot be judged; nullopt: it can
+  bool armed_before = false;                ///< when it struck
+  bool armed_after = false;                 ///< at some moment from then on
+  bool tried_to_arm = false;                ///< by a step of the plan, from then on
+  bool in_air = false;                      ///< at some moment from then on
+  bool left_world = false;                  ///< its true motion was no number any more
+  std::optional<double> detected_s{};       ///< first sign in the vehicle's messages
   std::string detected_by{};
   std::optional<double> reacted_s{};       ///< first mode that a failsafe chose, or rotors stopped
   std::string reaction{};                  ///< that mode: "LAND", "RTL", "terminated"
@@ -56,7 +56,7 @@ struct ArmedChange {
   bool armed = false;
 };
 
-/// What a vehicle told in a flight, in the order of time.
+/// Signs and armed states in a vehicle's messages, in the order of time.
 struct VehicleTale {
   /// STATUSTEXTs of warnings and worse that refuse no command; a health flag of SYS_STATUS that
   /// falls (that of the arming checks on the ground alone); MAV_STATE critical or worse. HEARTBEATs
@@ -67,7 +67,7 @@ struct VehicleTale {
 /// Reads the flight log of a run.
 VehicleTale read_vehicle_tale(const RunRecord& record);
 
-/// What the response is made of.
+/// Evidence that the response is derived from.
 struct StrikeEvidence {
   double strike_s = 0;
   std::optional<double> end_s{};  ///< of the fault; nothing: it lasts to the end

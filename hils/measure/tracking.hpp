@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "base/config/vehicle.hpp"
+#include "base/time/clock.hpp"
 #include "hils/flight/flight_plan.hpp"
+#include "hils/flight/rms_figures.hpp"
 
 namespace cas::hils {
 
@@ -48,14 +50,10 @@ struct PoseSample {
   std::array<double, base::kMaxRotors> omega_rad_s{};
 };
 
-/// Root mean squares of the distance from a reference, per axis.
-struct RmsFigures {
-  double x_m = 0;
-  double y_m = 0;
-  double z_m = 0;
-  double yaw_rad = 0;
-  std::uint64_t samples = 0;
-};
+/// Simulated time as PoseSample has it, rounded down.
+constexpr std::int64_t to_microseconds(base::SimTime time) {
+  return static_cast<std::int64_t>(base::to_time_usec(time));
+}
 
 /// Adds up distances from a reference, sample by sample.
 class RmsSums {
@@ -81,7 +79,7 @@ std::vector<PoseSample> read_estimate(const std::filesystem::path& tlog, std::ui
 std::span<const PoseSample> between(std::span<const PoseSample> samples, std::int64_t begin_us,
                                     std::int64_t end_us);
 
-/// Where the vehicle shall be at a moment, microseconds.
+/// Reference pose of the vehicle at a moment, microseconds.
 using ReferenceAt = std::function<Pose(std::int64_t time_us)>;
 /// Deviations of the samples from a reference, which may move.
 RmsFigures rms_about(std::span<const PoseSample> samples, const ReferenceAt& reference_at);
@@ -92,12 +90,12 @@ double peak_error_m(std::span<const PoseSample> samples, const ReferenceAt& refe
 /// sample, over all of them, rad/s^2. A hover without noise has 0.
 double rotor_activity_rad_s2(std::span<const PoseSample> samples);
 
-/// Where the vehicle shall be at a moment of a step: the place of the last takeoff or goto, or the
+/// Reference pose at a moment of a step: the place of the last takeoff or goto, or the
 /// point of the trajectory under way. North, east, up from the start; a trajectory is taken to have
 /// begun when the vehicle confirmed it.
 Pose reference_at(const Stage& stage, std::int64_t time_us);
 /// The same in the axes of the truth: the plan's places count from where the vehicle stood.
-/// @param stage  must outlive what is returned
+/// @param stage  must outlive the returned function
 ReferenceAt reference_in_truth(const Stage& stage, std::span<const PoseSample> truth);
 
 }  // namespace cas::hils

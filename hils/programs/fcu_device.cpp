@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
@@ -12,6 +11,7 @@
 #include <variant>
 
 #include "base/rpc/client.hpp"
+#include "base/text.hpp"
 #include "base/time/clock.hpp"
 #include "hils/programs/fcu_check.hpp"
 #include "hils/programs/pilot_calls.hpp"
@@ -90,10 +90,7 @@ void read_vehicle(base::rpc::Client& casd, const ProbedFcu& fcu, FcuFacts& facts
     facts.elsewhere = link == fcu.link ? "" : link;
     facts.hil = state.value("hil", false);
     facts.armed = state.value("armed", false);
-    facts.autopilot = state.value("autopilot", "");
-    for (char& c : facts.autopilot) {
-      c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    }
+    facts.autopilot = base::lower(state.value("autopilot", ""));
   } catch (const base::rpc::CallError& error) {
     if (error.code() != base::rpc::kNoSuchVehicle) throw;
   }

@@ -79,7 +79,7 @@ class LockstepPilot {
       const VehicleReport vehicle = look();
       const std::optional<FlightStep> command = plan_.update(now_, vehicle);
       tell_phase();
-      if (plan_.done() || !plan_.failure().empty()) break;
+      if (plan_.done() || plan_.failure()) break;
       progress_.show(now_, plan_, vehicle, pace_words(factor_));
       if (command) plan_.on_outcome(now_, give(*command));
       advance(plan_.next_look(now_));

@@ -18,7 +18,7 @@ Eigen::Vector3d vector_of(const Json& list) {
   return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
 }
 
-/// The newest of the vehicle's texts that tells of a disarming: PX4 v1.11 says DISARMED.
+/// The vehicle's newest text about a disarming: PX4 v1.11 says DISARMED.
 void add_disarm_words(const Json& state, VehicleReport& report) {
   for (const Json& said : state.value("statustexts", Json::array())) {
     const std::string text = said.value("text", "");
@@ -28,7 +28,7 @@ void add_disarm_words(const Json& state, VehicleReport& report) {
   }
 }
 
-/// The newest of its texts that tells of its fence: ArduCopter's is a notice.
+/// Its newest text about its fence: ArduCopter's is a notice.
 void add_fence_words(const Json& state, VehicleReport& report) {
   for (const Json& said : state.value("statustexts", Json::array())) {
     const std::string text = said.value("text", "");
@@ -38,7 +38,7 @@ void add_fence_words(const Json& state, VehicleReport& report) {
   }
 }
 
-/// The newest of its texts that is at least a warning: what is older says nothing of now.
+/// Its newest text that is at least a warning; old ones do not count.
 void add_warning(const Json& state, VehicleReport& report) {
   constexpr double kLately_s = 5;
   for (const Json& said : state.value("statustexts", Json::array())) {
@@ -69,7 +69,9 @@ VehicleReport to_report(const Json& state) {
   const std::string landed = state.value("landed", "");
   report.in_air = landed == "in_air";
   report.on_ground = landed == "on_ground";
-  report.position_lack = state.value("position_lacks", "");
+  if (const auto lack = state.find("position_lacks"); lack != state.end()) {
+    report.position_lack = lack->get<std::string>();
+  }
   if (const auto p = state.find("position_N"); p != state.end() && p->is_object()) {
     report.has_position = true;
     report.position_age_s = p->value("age_s", 0.0);
@@ -100,7 +102,7 @@ Json to(AskedVehicle vehicle, Json params) {
 /// A method of casd's command port and its parameters.
 using Call = std::pair<std::string, Json>;
 
-/// What casd is asked for a step of the flight, one after the other.
+/// Calls to casd for a step of the flight, one after the other.
 std::vector<Call> to_calls(const FlightStep& step) {
   switch (step.kind) {
     case StepKind::kArm:
@@ -180,6 +182,12 @@ std::optional<Refusal> give(base::rpc::Client& casd, const FlightStep& step, boo
   } catch (const base::rpc::CallError& error) {
     return Refusal{error.what()};
   }
+}
+
+void send_phase(base::rpc::Client& simulator, std::string_view phase, std::string& sent) {
+  if (phase == sent) return;
+  sent = phase;
+  simulator.call("sim.phase", {{"name", sent}});
 }
 
 // The state first: what comes after it keeps casd from arming, and what waits for an answer does,

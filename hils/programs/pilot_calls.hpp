@@ -5,6 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/rpc/client.hpp"
@@ -22,7 +23,7 @@ Motion to_motion(const nlohmann::json& vehicle);
 /// The vehicle that casd is asked about, by its MAVLink system; nothing: the only one there is.
 using AskedVehicle = std::optional<std::uint8_t>;
 
-/// What casd knows of the vehicle now; not heard when there is none yet.
+/// State of the vehicle as casd knows it now; `heard` is false if casd has not heard it yet.
 VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle = {});
 
 /// Has casd give a step's commands. @return why one was refused; nothing: all were accepted
@@ -32,13 +33,17 @@ std::optional<Refusal> give(base::rpc::Client& casd, const FlightStep& step, boo
                             AskedVehicle vehicle = {}, CallList* asked = nullptr,
                             std::optional<std::uint64_t> acts_so_far = {});
 
-/// What others than hils have had the vehicle do, for the arming that comes next.
+/// Sends the simulator the phase of the flight, for conditions of its fault scripts, if it has
+/// changed. @param sent  the newest phase sent
+void send_phase(base::rpc::Client& simulator, std::string_view phase, std::string& sent);
+
+/// Commands of others than hils to the vehicle, checked before it is armed.
 /// @param own  what hils asked
 OutsideHands outside_hands(base::rpc::Client& casd, const CallList& own, AskedVehicle vehicle = {});
 
-/// What others than hils had casd do (casd.journal). @param own  what hils asked
+/// Calls to casd by others than hils (casd.journal). @param own  the calls of hils
 std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd, const CallList& own);
-/// What others than hils did to the simulator (sim.journal). @param own  what hils asked
+/// Calls to the simulator by others than hils (sim.journal). @param own  the calls of hils
 std::vector<OutsideCall> read_simulator_calls(base::rpc::Client& simulator, const CallList& own);
 
 }  // namespace cas::hils

@@ -17,6 +17,7 @@
 #include "base/config/config_keys.hpp"
 #include "base/rpc/client.hpp"
 #include "base/time/clock.hpp"
+#include "base/time/unix_time.hpp"
 #include "fcu/line/line_keys.hpp"
 #include "hils/flight/bench_fault.hpp"
 #include "hils/measure/run_record.hpp"
@@ -44,12 +45,6 @@ constexpr base::Duration kPollPeriod = milliseconds(50);
 constexpr base::Duration kStreamLook = seconds(1);
 /// The stream goes on for this long after the flight, so that the pipe is drained.
 constexpr base::Duration kDrain = seconds(1);
-
-std::int64_t log_clock_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 Json to_json(const fcu::LineConfig& line) {
   Json json;
@@ -103,7 +98,6 @@ class RealtimePilot {
   OutsideHands hands_at(std::size_t vehicle);
   std::optional<Refusal> give(const FleetPlan::Command& command);
   void show(base::SimTime now);
-  void tell_phase();
   void watch_pause();
   void play_faults(base::SimTime now);
   void play(const BenchFault& fault, bool begins);
@@ -118,15 +112,16 @@ class RealtimePilot {
   BenchPrograms& programs_;
   const RunPlaces& places_;
   GroundStationThread* ground_station_;
-  LiveRun* live_;  ///< nothing where nobody looks
+  LiveRun* live_;  ///< nullptr without a page
   base::rpc::Client simulator_;
   std::optional<base::rpc::Client> casd_;  ///< nothing while casd is away
   fcu::LineConfig line_;                   ///< as it is without faults
   std::vector<std::uint8_t> systems_;      ///< of the vehicles
   std::vector<AskedVehicle> asked_;        ///< how casd is to name each vehicle
   CallList own_calls_;
-  std::vector<OutsideCall> outside_calls_;          ///< what others asked of a casd that was ended
-  std::vector<std::vector<HeardAct>> acts_before_;  ///< of each vehicle, likewise
+  std::vector<OutsideCall> outside_calls_;  ///< by others, to casds that have ended
+  std::vector<std::vector<HeardAct>>
+      acts_before_;  ///< by others, of each vehicle, as those casds heard them
   FleetPlan plan_;
   BenchFaultScript faults_;
   Progress progress_;
@@ -168,11 +163,11 @@ void RealtimePilot::fly(std::vector<RunRecord>& records) {
   ClockMap log_clock;
   while (true) {
     const base::SimTime now = simulated_time();
-    log_clock.add(log_clock_us(), static_cast<std::int64_t>(base::to_time_usec(now)));
+    log_clock.add(base::unix_us(), to_microseconds(now));
     look();
     watch_pause();
     const std::vector<FleetPlan::Command> commands = plan_.update(now, vehicles_);
-    tell_phase();
+    send_phase(simulator_, plan_.phase(), phase_);
     show_page(now);
     play_faults(now);
     watch_machine();
@@ -213,7 +208,7 @@ std::vector<OutsideCall> RealtimePilot::calls_of_others() {
   return calls;
 }
 
-/// Where somebody looks: tells what the page shows, and takes the faults that it orders.
+/// With a page: sends the figures that it shows, and takes the faults that it orders.
 void RealtimePilot::show_page(base::SimTime now) {
   if (live_ == nullptr || plan_.ended()) return;
   if (live_->wants_calls()) live_->show_calls(calls_of_others());
@@ -268,13 +263,6 @@ void RealtimePilot::show(base::SimTime now) {
   const std::size_t leader = plan_.leader();
   progress_.show(now, plan_.plan(leader), vehicles_[leader],
                  pace_words(real_time_factor_, late_steps_), stream_);
-}
-
-/// The simulator's fault scripts ask for it.
-void RealtimePilot::tell_phase() {
-  if (plan_.phase() == phase_) return;
-  phase_ = plan_.phase();
-  simulator_.call("sim.phase", {{"name", phase_}});
 }
 
 /// Since the run began, also by a casd that a fault has ended.

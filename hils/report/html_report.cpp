@@ -4,7 +4,8 @@
 #include <fmt/format.h>
 #include <sys/utsname.h>
 
-#include <optional>
+#include <algorithm>
+#include <iterator>
 #include <thread>
 
 #include "base/read_file.hpp"
@@ -12,18 +13,16 @@
 #include "hils/report/change_table.hpp"
 #include "hils/report/delay_note.hpp"
 #include "hils/report/experiment.hpp"
+#include "hils/report/figure_rows.hpp"
 #include "hils/report/html_page.hpp"
 #include "hils/report/number_text.hpp"
 #include "hils/report/paper_figures.hpp"
 #include "hils/report/plugin_section.hpp"
-#include "hils/report/report.hpp"
 #include "hils/report/verdict_section.hpp"
 
 namespace cas::hils {
 
 namespace {
-
-using Rows = std::vector<std::vector<std::string>>;
 
 void add_verdict(HtmlPage& page, const Measurement& figures, const Verdict& verdict) {
   const std::string pace =
@@ -39,7 +38,7 @@ void add_verdict(HtmlPage& page, const Measurement& figures, const Verdict& verd
                           figures.seed, pace));
 }
 
-/// What the run was held to, in front of all figures.
+/// The limits and validity checks of a vehicle, before all figures.
 void add_limits(HtmlPage& page, const std::string& who, const VehicleResult& vehicle) {
   add_limits(page, who + "Limits", vehicle.verdict);
   if (vehicle.figures.virtual_clock) {
@@ -47,34 +46,19 @@ void add_limits(HtmlPage& page, const std::string& who, const VehicleResult& veh
   }
 }
 
-std::vector<std::string> rate_cells(const RateFigures& rate) {
-  return {fmt::format("{:g}", rate.nominal_hz), fmt::format("{}", rate.sent),
-          fmt::format("{}", rate.received),     fmt::format("{}", rate.lost),
-          fixed(rate.received_hz, 4),           fixed(rate.error_pct, 4)};
-}
-
 void add_rates(HtmlPage& page, const Measurement& figures) {
   Rows rows{{"Message", "nominal Hz", "sent", "received", "lost", "received Hz", "error %"}};
   for (const auto& [name, rate] :
        {std::pair{"HIL_SENSOR", &figures.rates.sensor}, std::pair{"HIL_GPS", &figures.rates.gps},
         std::pair{"controls", &figures.rates.controls}}) {
-    rows.push_back({name});
-    for (std::string& cell : rate_cells(*rate)) rows.back().push_back(std::move(cell));
+    rows.push_back({name, fmt::format("{:g}", rate->nominal_hz), fmt::format("{}", rate->sent),
+                    fmt::format("{}", rate->received), fmt::format("{}", rate->lost),
+                    fixed(rate->received_hz, 4), fixed(rate->error_pct, 4)});
   }
   page.table("Every packet followed by message and stamp, from sender to receiver", rows);
 
   Rows paper{{"Name", "IMU Hz", "error %", "GPS Hz", "error %", "control Hz", "error %"}};
-  const StreamFigures& rates = figures.rates;
-  paper.push_back({title_of(figures.architecture), fixed(rates.sensor.received_hz, 4),
-                   fixed(rates.sensor.error_pct, 4), fixed(rates.gps.received_hz, 4),
-                   fixed(rates.gps.error_pct, 4), fixed(rates.controls.received_hz, 4),
-                   fixed(rates.controls.error_pct, 4)});
-  for (const PaperRates& row : kPaperTable4) {
-    paper.push_back({fmt::format("[HILS] {}", row.name), fixed(row.sensor_hz, 4),
-                     fixed(row.sensor_error_pct, 4), fixed(row.gps_hz, 4),
-                     fixed(row.gps_error_pct, 4), fixed(row.controls_hz, 4),
-                     fixed(row.controls_error_pct, 4)});
-  }
+  std::ranges::move(rate_rows(figures), std::back_inserter(paper));
   const std::vector<HtmlPage::Row> looks{HtmlPage::Row::kPlain, HtmlPage::Row::kQuiet,
                                          HtmlPage::Row::kQuiet, HtmlPage::Row::kQuiet};
   page.table(
@@ -85,40 +69,23 @@ void add_rates(HtmlPage& page, const Measurement& figures) {
 
 void add_rms(HtmlPage& page, const Measurement& figures) {
   if (!figures.rms) return;
-  Rows rows{{"Name", "X m", "Y m", "Z m", "yaw rad"}};
-  const auto add = [&rows](const std::string& name, double x, double y, double z, double yaw) {
-    rows.push_back({name, fixed(x, 4), fixed(y, 4), fixed(z, 4), fixed(yaw, 4)});
-  };
   const std::string name = title_of(figures.architecture);
-  const RmsFigures& rms = *figures.rms;
-  add(name + ", true", rms.x_m, rms.y_m, rms.z_m, rms.yaw_rad);
-  if (figures.rms_estimate) {
-    const RmsFigures& own = *figures.rms_estimate;
-    add(name + ", its own estimate", own.x_m, own.y_m, own.z_m, own.yaw_rad);
-  }
+  Rows rows{{"Name", "X m", "Y m", "Z m", "yaw rad"}};
+  std::ranges::move(rms_rows(figures, {name + ", true", name + ", its own estimate"}),
+                    std::back_inserter(rows));
   const std::string title = fmt::format("RMS error of the {}", measured_part(figures));
-  if (!measures_station_keeping(figures)) {
-    page.table(title, rows);
-    return;
-  }
+  if (!measures_station_keeping(figures)) return page.table(title, rows);
   std::vector<HtmlPage::Row> looks(rows.size() - 1, HtmlPage::Row::kPlain);
-  for (const PaperRms& row : kPaperTable5) {
-    looks.push_back(HtmlPage::Row::kQuiet);
-    add(fmt::format("[HILS] {}", row.name), row.x_m, row.y_m, row.z_m, row.yaw_rad);
-  }
+  std::fill_n(looks.rbegin(), kPaperTable5.size(), HtmlPage::Row::kQuiet);
   page.table(title + ", beside Table 5 of [HILS]", rows, looks);
 }
 
 void add_delays(HtmlPage& page, const Measurement& figures) {
   Rows rows{{"Delay, us", "packets", "median", "99 %", "longest"}};
-  for (const auto& [name, delay] :
-       {std::pair{"sensor out to control back", &figures.sensor_to_control},
-        std::pair{"sensor to the controller", &figures.sensor_uplink},
-        std::pair{"control to the simulator", &figures.controls_downlink},
-        std::pair{"age of the sample at use, since it was made", &figures.age_by_stamp},
-        std::pair{"age of the sample at use, since it arrived", &figures.age_by_arrival}}) {
-    rows.push_back({name, fmt::format("{}", delay->count), fixed(delay->p50, 0),
-                    fixed(delay->p99, 0), fixed(delay->max, 0)});
+  for (const auto& [which, _, name] : kDelayRows) {
+    const DelayFigures& delay = figures.*which;
+    rows.push_back({name, fmt::format("{}", delay.count), fixed(delay.p50, 0), fixed(delay.p99, 0),
+                    fixed(delay.max, 0)});
   }
   page.table("Delays", rows);
 }
@@ -176,11 +143,7 @@ void add_changes(HtmlPage& page, const std::string& who, const FlightChanges& ch
 void add_responses(HtmlPage& page, const Measurement& figures) {
   if (figures.responses.empty()) return;
   Rows rows{{"Step", "size m", "rise s", "overshoot %", "settling s", "integrated error m s"}};
-  for (const StepResponse& response : figures.responses) {
-    rows.push_back({response.name, fixed(response.size, 2), fixed(response.rise_s, 2),
-                    fixed(response.overshoot_pct, 1), fixed(response.settling_s, 2),
-                    fixed(response.integrated_error, 3)});
-  }
+  std::ranges::move(response_rows(figures), std::back_inserter(rows));
   page.table("Responses to steps of the reference", rows);
 }
 
@@ -205,12 +168,11 @@ void add_overview(HtmlPage& page, const RunResult& run) {
   Rows rows{{"Vehicle", "verdict", "HIL_SENSOR lost", "HIL_GPS lost", "controls lost", "RMS X m",
              "Y m", "Z m"}};
   for (const VehicleResult& vehicle : run.vehicles) {
-    const StreamFigures& rates = vehicle.figures.rates;
-    const std::optional<RmsFigures>& rms = vehicle.figures.rms;
+    const auto& [sensor, gps, controls] = vehicle.figures.rates;
+    const std::vector<std::string> rms = rms_cells(vehicle.figures.rms);
     rows.push_back({vehicle.figures.vehicle, title_of(vehicle.verdict),
-                    fmt::format("{}", rates.sensor.lost), fmt::format("{}", rates.gps.lost),
-                    fmt::format("{}", rates.controls.lost), rms_text(rms, &RmsFigures::x_m),
-                    rms_text(rms, &RmsFigures::y_m), rms_text(rms, &RmsFigures::z_m)});
+                    fmt::format("{}", sensor.lost), fmt::format("{}", gps.lost),
+                    fmt::format("{}", controls.lost), rms[0], rms[1], rms[2]});
   }
   page.table("Vehicles", rows);
 }

@@ -3,17 +3,20 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <array>
 #include <cstddef>
 #include <nlohmann/json.hpp>
+#include <span>
 
+#include "base/text.hpp"
 #include "base/time/clock.hpp"
+#include "hils/measure/check_json.hpp"
 #include "hils/report/change_table.hpp"
 #include "hils/report/delay_note.hpp"
 #include "hils/report/experiment.hpp"
+#include "hils/report/figure_rows.hpp"
+#include "hils/report/junit.hpp"
 #include "hils/report/number_text.hpp"
-#include "hils/report/paper_figures.hpp"
-#include "hils/report/plot.hpp"
 #include "hils/report/plugin_section.hpp"
 
 namespace cas::hils {
@@ -36,80 +39,60 @@ std::string verdict_text(const Measurement& figures, const Verdict& verdict) {
   return text;
 }
 
-/// A rate at the receiver and how far it falls short of the nominal one.
-struct RateCells {
-  double hz;
-  double error_pct;
-};
-
-RateCells cells_of(const RateFigures& rate) { return {rate.received_hz, rate.error_pct}; }
-
-std::string rate_row(std::string_view name, RateCells sensor, RateCells gps, RateCells controls) {
-  return fmt::format("{:<16} {:>10} {:>9} {:>9} {:>9} {:>11} {:>9}\n", name, fixed(sensor.hz, 4),
-                     fixed(sensor.error_pct, 4), fixed(gps.hz, 4), fixed(gps.error_pct, 4),
-                     fixed(controls.hz, 4), fixed(controls.error_pct, 4));
-}
-
-std::string rate_table(const Measurement& figures) {
-  const StreamFigures& rates = figures.rates;
-  std::string text = fmt::format(
-      "\nTable 4. Rates at the receiver over {:.1f} s of {}\n",
-      static_cast<double>(figures.window.end_usec - figures.window.begin_usec) * 1e-6,
-      figures.over_hold ? measured_part(figures) : "flight (the measured step was not reached)");
-  text += fmt::format("{:<16} {:>20} {:>19} {:>21}\n", "",
-                      fmt::format("IMU {:g} Hz", rates.sensor.nominal_hz),
-                      fmt::format("GPS {:g} Hz", rates.gps.nominal_hz),
-                      fmt::format("Control {:g} Hz", rates.controls.nominal_hz));
-  text += fmt::format("{:<16} {:>10} {:>9} {:>9} {:>9} {:>11} {:>9}\n", "Name", "Hz", "error %",
-                      "Hz", "error %", "Hz", "error %");
-  text += rate_row(title_of(figures.architecture), cells_of(rates.sensor), cells_of(rates.gps),
-                   cells_of(rates.controls));
-  for (const PaperRates& row : kPaperTable4) {
-    text += rate_row(fmt::format("[HILS] {}", row.name), {row.sensor_hz, row.sensor_error_pct},
-                     {row.gps_hz, row.gps_error_pct}, {row.controls_hz, row.controls_error_pct});
+/// A table of fixed widths: the first column left-aligned, the others right-aligned.
+std::string lines(const Rows& rows, std::span<const int> widths) {
+  std::string text;
+  for (const std::vector<std::string>& row : rows) {
+    text += fmt::format("{:<{}}", row.front(), widths.front());
+    for (std::size_t i = 1; i < row.size(); ++i) {
+      text += fmt::format(" {:>{}}", row[i], widths[i]);
+    }
+    text += "\n";
   }
-  text += fmt::format("{:<16} {:>20} {:>19} {:>21}\n", "sent / lost",
-                      fmt::format("{} / {}", rates.sensor.sent, rates.sensor.lost),
-                      fmt::format("{} / {}", rates.gps.sent, rates.gps.lost),
-                      fmt::format("{} / {}", rates.controls.sent, rates.controls.lost));
   return text;
 }
 
-std::string rms_row(std::string_view name, const RmsFigures& rms) {
-  return fmt::format("{:<16} {:>8} {:>8} {:>8} {:>10}\n", name, fixed(rms.x_m, 4),
-                     fixed(rms.y_m, 4), fixed(rms.z_m, 4), fixed(rms.yaw_rad, 4));
+std::string rate_table(const Measurement& figures) {
+  constexpr std::array kColumns{16, 10, 9, 9, 9, 11, 9};
+  constexpr std::array kPairs{16, 20, 19, 21};
+  const StreamFigures& rates = figures.rates;
+  const auto over = [](const char* name, const RateFigures& rate) {
+    return fmt::format("{} {:g} Hz", name, rate.nominal_hz);
+  };
+  const auto losses = [](const RateFigures& rate) {
+    return fmt::format("{} / {}", rate.sent, rate.lost);
+  };
+  return fmt::format(
+             "\nTable 4. Rates at the receiver over {:.1f} s of {}\n",
+             static_cast<double>(figures.window.end_usec - figures.window.begin_usec) * 1e-6,
+             figures.over_hold ? measured_part(figures)
+                               : "flight (the measured step was not reached)") +
+         lines({{"", over("IMU", rates.sensor), over("GPS", rates.gps),
+                 over("Control", rates.controls)}},
+               kPairs) +
+         lines({{"Name", "Hz", "error %", "Hz", "error %", "Hz", "error %"}}, kColumns) +
+         lines(rate_rows(figures), kColumns) +
+         lines({{"sent / lost", losses(rates.sensor), losses(rates.gps), losses(rates.controls)}},
+               kPairs);
 }
 
 std::string rms_table(const Measurement& figures) {
   if (!figures.rms) return {};
-  const bool as_table_5 = measures_station_keeping(figures);
-  std::string text = fmt::format("\n{}RMS error of the {}\n", as_table_5 ? "Table 5. " : "",
-                                 measured_part(figures));
-  text += fmt::format("{:<16} {:>8} {:>8} {:>8} {:>10}\n", "Name", "X m", "Y m", "Z m", "Yaw rad");
+  constexpr std::array kColumns{16, 8, 8, 8, 10};
   const std::string name = title_of(figures.architecture);
-  text += rms_row(name + " true", *figures.rms);
-  if (figures.rms_estimate) text += rms_row(name + " estimate", *figures.rms_estimate);
-  if (!as_table_5) return text;
-  for (const PaperRms& row : kPaperTable5) {
-    text += rms_row(fmt::format("[HILS] {}", row.name),
-                    {.x_m = row.x_m, .y_m = row.y_m, .z_m = row.z_m, .yaw_rad = row.yaw_rad});
-  }
-  return text;
-}
-
-std::string delay_row(std::string_view name, const DelayFigures& delay) {
-  return fmt::format("{:<34} {:>9} {:>9} {:>9}\n", name, fixed(delay.p50, 0), fixed(delay.p99, 0),
-                     fixed(delay.max, 0));
+  return fmt::format("\n{}RMS error of the {}\n",
+                     measures_station_keeping(figures) ? "Table 5. " : "", measured_part(figures)) +
+         lines({{"Name", "X m", "Y m", "Z m", "Yaw rad"}}, kColumns) +
+         lines(rms_rows(figures, {name + " true", name + " estimate"}), kColumns);
 }
 
 std::string delay_table(const Measurement& figures) {
-  std::string text =
-      fmt::format("\n{:<34} {:>9} {:>9} {:>9}\n", "Delay, us", "median", "99 %", "longest");
-  text += delay_row("HIL_SENSOR out -> control back", figures.sensor_to_control);
-  text += delay_row("HIL_SENSOR to the controller", figures.sensor_uplink);
-  text += delay_row("control to the simulator", figures.controls_downlink);
-  text += delay_row("age of the sample at use (made)", figures.age_by_stamp);
-  text += delay_row("age of the sample at use (arrived)", figures.age_by_arrival);
+  Rows rows{{"Delay, us", "median", "99 %", "longest"}};
+  for (const auto& [which, name, _] : kDelayRows) {
+    const DelayFigures& delay = figures.*which;
+    rows.push_back({name, fixed(delay.p50, 0), fixed(delay.p99, 0), fixed(delay.max, 0)});
+  }
+  std::string text = "\n" + lines(rows, std::array{34, 9, 9, 9});
   if (has_negative_delay(figures)) text += fmt::format("{}\n", kNegativeDelayNote);
   return text;
 }
@@ -132,26 +115,22 @@ std::string loss_lines(const Measurement& figures) {
 
 std::string response_table(const Measurement& figures) {
   if (figures.responses.empty()) return {};
-  std::string text = fmt::format("\n{:<16} {:>8} {:>8} {:>12} {:>12} {:>16}\n", "Step", "size m",
-                                 "rise s", "overshoot %", "settling s", "int. error m s");
-  for (const StepResponse& response : figures.responses) {
-    text += fmt::format("{:<16} {:>8} {:>8} {:>12} {:>12} {:>16}\n", response.name,
-                        fixed(response.size, 2), fixed(response.rise_s, 2),
-                        fixed(response.overshoot_pct, 1), fixed(response.settling_s, 2),
-                        fixed(response.integrated_error, 3));
-  }
-  return text;
+  constexpr std::array kColumns{16, 8, 8, 12, 12, 16};
+  return "\n" +
+         lines({{"Step", "size m", "rise s", "overshoot %", "settling s", "int. error m s"}},
+               kColumns) +
+         lines(response_rows(figures), kColumns);
 }
 
-/// What plugins report: the value, or the range of a series.
+/// Figures of the plugins: the value, or the range of a series.
 std::string plugin_table(const Measurement& figures) {
   if (figures.plugins.empty()) return {};
-  std::string text = fmt::format("\n{:<48} {}\n", "Plugin", "reports");
+  Rows rows{{"Plugin", "reports"}};
   for (const PluginFigure& figure : figures.plugins) {
-    text += fmt::format("{:<48} {}{}{}\n", figure.plugin + ": " + figure.name, value_text(figure),
-                        figure.unit.empty() ? "" : " ", figure.unit);
+    rows.push_back({figure.plugin + ": " + figure.name,
+                    value_text(figure) + (figure.unit.empty() ? "" : " ") + figure.unit});
   }
-  return text;
+  return "\n" + lines(rows, std::array{48, 0});
 }
 
 std::string figures_text(const Measurement& figures) {
@@ -161,19 +140,15 @@ std::string figures_text(const Measurement& figures) {
 
 /// One line for each vehicle.
 std::string overview_table(const RunResult& run) {
-  std::string text = fmt::format("\n{:<24} {:>8} {:>20} {:>8} {:>8} {:>8}\n", "Vehicle", "verdict",
-                                 "lost IMU/GPS/control", "RMS X m", "Y m", "Z m");
+  Rows rows{{"Vehicle", "verdict", "lost IMU/GPS/control", "RMS X m", "Y m", "Z m"}};
   for (const VehicleResult& vehicle : run.vehicles) {
-    const StreamFigures& rates = vehicle.figures.rates;
-    const std::optional<RmsFigures>& rms = vehicle.figures.rms;
-    text += fmt::format(
-        "{:<24} {:>8} {:>20} {:>8} {:>8} {:>8}\n", vehicle.figures.vehicle,
-        verdict_word(vehicle.verdict),
-        fmt::format("{} / {} / {}", rates.sensor.lost, rates.gps.lost, rates.controls.lost),
-        rms_text(rms, &RmsFigures::x_m), rms_text(rms, &RmsFigures::y_m),
-        rms_text(rms, &RmsFigures::z_m));
+    const auto& [sensor, gps, controls] = vehicle.figures.rates;
+    const std::vector<std::string> rms = rms_cells(vehicle.figures.rms);
+    rows.push_back({vehicle.figures.vehicle, std::string(verdict_word(vehicle.verdict)),
+                    fmt::format("{} / {} / {}", sensor.lost, gps.lost, controls.lost), rms[0],
+                    rms[1], rms[2]});
   }
-  return text;
+  return "\n" + lines(rows, std::array{24, 8, 20, 8, 8, 8});
 }
 
 using Json = nlohmann::ordered_json;
@@ -193,12 +168,9 @@ Json delay_json(const DelayFigures& delay) {
 
 Json rms_json(const std::optional<RmsFigures>& rms) {
   if (!rms) return nullptr;
-  return {{"x_m", rms->x_m}, {"y_m", rms->y_m}, {"z_m", rms->z_m}, {"yaw_rad", rms->yaw_rad}};
-}
-
-template <class Number>
-Json optional_json(const std::optional<Number>& value) {
-  return value ? Json(*value) : Json(nullptr);
+  Json all;
+  for (const RmsAxis& axis : kRmsAxes) all[std::string(axis.key)] = *rms.*axis.member;
+  return all;
 }
 
 Json path_json(const PathAccount& path) {
@@ -223,9 +195,9 @@ Json fault_json(const BenchFaultScript::Span& fault) {
 Json response_json(const StepResponse& response) {
   return {{"step", response.name},
           {"size_m", response.size},
-          {"rise_s", optional_json(response.rise_s)},
+          {"rise_s", number_or_null(response.rise_s)},
           {"overshoot_pct", response.overshoot_pct},
-          {"settling_s", optional_json(response.settling_s)},
+          {"settling_s", number_or_null(response.settling_s)},
           {"integrated_error_m_s", response.integrated_error}};
 }
 
@@ -255,12 +227,12 @@ Json plugins_json(const std::vector<PluginFigure>& figures) {
     own["unit"] = figure.unit;
     if (figure.series) {
       own["samples"] = figure.samples;
-      own["min"] = optional_json(figure.least);
-      own["max"] = optional_json(figure.greatest);
-      own["mean"] = optional_json(figure.mean);
-      own["last"] = optional_json(figure.last);
+      own["min"] = number_or_null(figure.least);
+      own["max"] = number_or_null(figure.greatest);
+      own["mean"] = number_or_null(figure.mean);
+      own["last"] = number_or_null(figure.last);
     } else {
-      own["value"] = optional_json(figure.last);
+      own["value"] = number_or_null(figure.last);
     }
     if (figure.not_finite > 0) own["not_finite"] = figure.not_finite;
   }
@@ -338,55 +310,29 @@ Json vehicle_json(const Measurement& figures, const Verdict& verdict) {
   return summary;
 }
 
-/// Counts of a suite, and its cases.
-struct JunitCases {
-  std::string suite;
-  std::string text{};
-  std::size_t tests = 0, failures = 0, errors = 0, skipped = 0;
-
-  /// @param outcome  an element within the case; empty: it passed
-  void add(const std::string& name, double time_s, const std::string& outcome) {
-    ++tests;
-    text += fmt::format("  <testcase classname=\"{}\" name=\"{}\" time=\"{:.3f}\"", suite,
-                        escape_xml(name), time_s);
-    text += outcome.empty() ? "/>\n" : ">" + outcome + "</testcase>\n";
-  }
-  /// @param invalid  the run does not count: an error, no failure
-  void add_missed(const std::string& name, double time_s, bool invalid,
-                  const std::string& sentence) {
-    ++(invalid ? errors : failures);
-    add(name, time_s,
-        fmt::format("<{} message=\"{}\"/>", invalid ? "error" : "failure", escape_xml(sentence)));
-  }
-};
-
-/// A case for the verdict and one for each thing that a run is held to, under the same names
-/// whatever comes out.
+/// A case for the verdict and one for each limit and validity check, under the same names whatever
+/// the result.
 std::string junit_suite(const std::string& name, double wall_s, const Verdict& verdict) {
-  JunitCases cases{.suite = escape_xml(name)};
-  if (verdict.passed) {
-    cases.add("verdict", wall_s, "");
-  } else {
-    cases.add_missed("verdict", wall_s, !verdict.valid,
-                     fmt::format("{}", fmt::join(verdict.failures, "; ")));
-  }
+  using Outcome = JunitSuite::Outcome;
+  JunitSuite suite(name);
+  suite.add("verdict",
+            verdict.passed  ? Outcome::kPassed
+            : verdict.valid ? Outcome::kFailed
+                            : Outcome::kError,
+            base::joined(verdict.failures, "; "), wall_s);
   for (const LimitCheck& check : verdict.checks) {
-    if (!check.judged) {
-      ++cases.skipped;
-      cases.add(check.what, 0, "<skipped/>");
-    } else if (check.kept) {
-      cases.add(check.what, 0, "");
-    } else {
-      cases.add_missed(check.what, 0, check.kind == LimitCheck::Kind::kValidity, check.sentence);
-    }
+    const bool decides_validity = check.kind == LimitCheck::Kind::kValidity;
+    suite.add(check.what,
+              !check.judged      ? Outcome::kSkipped
+              : check.kept       ? Outcome::kPassed
+              : decides_validity ? Outcome::kError
+                                 : Outcome::kFailed,
+              check.judged ? check.sentence : "", 0);
   }
-  return fmt::format(
-      "<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" "
-      "time=\"{:.3f}\">\n{}</testsuite>\n",
-      cases.suite, cases.tests, cases.failures, cases.errors, cases.skipped, wall_s, cases.text);
+  return suite.element(wall_s);
 }
 
-/// @param who  behind the name of the suite: ".left", or nothing
+/// @param who  appended to the name of the suite: ".left", or nothing
 std::string junit_suite(const Measurement& figures, const Verdict& verdict,
                         const std::string& who) {
   return junit_suite(
@@ -394,17 +340,11 @@ std::string junit_suite(const Measurement& figures, const Verdict& verdict,
       figures.wall_s, verdict);
 }
 
-constexpr const char* kXmlHead = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
-
 }  // namespace
 
 std::string_view verdict_word(const Verdict& verdict) {
   if (!verdict.valid) return "INVALID";
   return verdict.passed ? "PASSED" : "FAILED";
-}
-
-std::string rms_text(const std::optional<RmsFigures>& rms, double RmsFigures::*axis) {
-  return rms ? fixed((*rms).*axis, 4) : "-";
 }
 
 std::string text_report(const Measurement& figures, const Verdict& verdict) {

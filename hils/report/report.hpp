@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -11,7 +10,6 @@
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/measurement.hpp"
 #include "hils/measure/run_result.hpp"
-#include "hils/measure/tracking.hpp"
 
 namespace cas::hils {
 
@@ -27,16 +25,14 @@ std::string summary_json(const RunResult& run);
 
 /// PASSED, FAILED or INVALID.
 std::string_view verdict_word(const Verdict& verdict);
-/// One RMS error, such as &RmsFigures::x_m; a dash where the measured step was not reached.
-std::string rms_text(const std::optional<RmsFigures>& rms, double RmsFigures::*axis);
 
 /// The verdict for continuous integration, as JUnit XML: one case when every limit was kept, else
 /// one for each that was missed, or for each reason why the run is not valid. Several vehicles have
 /// a suite each.
 std::string junit_report(const RunResult& run);
-/// Of a run that has a verdict and no Measurement. @param name  of the suite: "hils.px4_sitl"
+/// Report of a verdict without a Measurement. @param name  of the suite: "hils.px4_sitl"
 std::string junit_report(const std::string& name, double wall_s, const Verdict& verdict);
-/// Likewise of several vehicles, each with the name of its suite.
+/// Report of several vehicles, each with the name of its suite.
 std::string junit_report(const std::vector<std::pair<std::string, Verdict>>& suites, double wall_s);
 
 }  // namespace cas::hils

@@ -29,10 +29,6 @@ using mavlink::common::HilSensor;
 
 constexpr std::int64_t kReferencePeriodUs = 50'000;  ///< of a moving reference
 
-std::int64_t microseconds(base::SimTime t) {
-  return static_cast<std::int64_t>(base::to_time_usec(t));
-}
-
 using Direction = base::LedgerEntry::Direction;
 
 constexpr int kBucketsPerDecade = 20;
@@ -84,30 +80,29 @@ std::vector<Mark> stage_marks(const std::vector<Stage>& stages) {
   return marks;
 }
 
+void add_over_time(const char* name, const char* title, const char* y_label,
+                   std::vector<Series> series, NamedPlots& plots, bool from_zero = false) {
+  plots.emplace_back(name, Plot{.title = title,
+                                .x_label = kTimeLabel,
+                                .y_label = y_label,
+                                .series = std::move(series),
+                                .from_zero = from_zero});
+}
+
 void add_stream_plots(const Scenario& scenario, const RunRecord& record, const Measurement& figures,
                       NamedPlots& plots) {
   const std::uint32_t controls = controls_message_id(record);
-  plots.emplace_back(
-      "rates",
-      Plot{.title = "Received per second, share of nominal",
-           .x_label = kTimeLabel,
-           .y_label = "%",
-           .series = {rate_series("HIL_SENSOR", record.controller, HilSensor::kId,
-                                  scenario.rates.sensor_hz),
-                      rate_series("HIL_GPS", record.controller, HilGps::kId, scenario.rates.gps_hz),
-                      rate_series("controls", record.simulator, controls,
-                                  scenario.rates.controls_hz)},
-           .from_zero = true});
-  plots.emplace_back(
-      "losses",
-      Plot{
-          .title = "Lost per second",
-          .x_label = kTimeLabel,
-          .y_label = "packets",
-          .series = {loss_series("HIL_SENSOR", record.simulator, record.controller, HilSensor::kId),
-                     loss_series("HIL_GPS", record.simulator, record.controller, HilGps::kId),
-                     loss_series("controls", record.controller, record.simulator, controls)},
-          .from_zero = true});
+  add_over_time(
+      "rates", "Received per second, share of nominal", "%",
+      {rate_series("HIL_SENSOR", record.controller, HilSensor::kId, scenario.rates.sensor_hz),
+       rate_series("HIL_GPS", record.controller, HilGps::kId, scenario.rates.gps_hz),
+       rate_series("controls", record.simulator, controls, scenario.rates.controls_hz)},
+      plots, true);
+  add_over_time("losses", "Lost per second", "packets",
+                {loss_series("HIL_SENSOR", record.simulator, record.controller, HilSensor::kId),
+                 loss_series("HIL_GPS", record.simulator, record.controller, HilGps::kId),
+                 loss_series("controls", record.controller, record.simulator, controls)},
+                plots, true);
   const StreamWindow window = figures.window;
   const RelayLedgers* relay = record.relay ? &*record.relay : nullptr;
   const auto add_hops = [&](const char* name, const char* title, const PacketPath& path,
@@ -278,52 +273,48 @@ std::vector<Series> time_series(const std::vector<PoseSample>& samples,
   return curves;
 }
 
-void add_motion_plots(const RunRecord& record, StreamWindow window, NamedPlots& plots) {
-  const std::vector<PoseSample> truth = read_truth(record.truth_csv);
-  const std::vector<PoseSample> estimate =
-      read_estimate(record.flight_tlog, record.system, record.log_clock);
-  const Pose start = truth.empty() ? Pose{} : truth.front().pose;
+/// Position of truth, estimate and reference, an axis each.
+void add_positions(const RunRecord& record, const std::vector<PoseSample>& truth,
+                   const std::vector<PoseSample>& estimate, const Pose& start, NamedPlots& plots) {
   struct Axis {
     const char* name;
     const char* title;
     double Pose::*member;
   };
-  for (const Axis& axis :
+  for (const auto& [name, title, member] :
        {Axis{"position_x", "North", &Pose::x_m}, Axis{"position_y", "East", &Pose::y_m},
         Axis{"position_z", "Height", &Pose::z_m}}) {
-    plots.emplace_back(axis.name,
-                       Plot{.title = axis.title,
-                            .x_label = kTimeLabel,
-                            .y_label = "m from the start",
-                            .series = {pose_series("truth", truth, axis.member, start.*axis.member),
-                                       pose_series("estimate", estimate, axis.member, 0),
-                                       reference_series(record.stages, axis.member)}});
+    add_over_time(
+        name, title, "m from the start",
+        {pose_series("truth", truth, member, start.*member),
+         pose_series("estimate", estimate, member, 0), reference_series(record.stages, member)},
+        plots);
   }
+}
+
+void add_motion_plots(const RunRecord& record, StreamWindow window, NamedPlots& plots) {
+  const std::vector<PoseSample> truth = read_truth(record.truth_csv);
+  const std::vector<PoseSample> estimate =
+      read_estimate(record.flight_tlog, record.system, record.log_clock);
+  const Pose start = truth.empty() ? Pose{} : truth.front().pose;
+  add_positions(record, truth, estimate, start, plots);
   add_track(record, truth, estimate, start, plots);
-  plots.emplace_back("velocity",
-                     Plot{.title = "Velocity (true)",
-                          .x_label = kTimeLabel,
-                          .y_label = "m/s",
-                          .series = time_series(truth, {"north", "east", "up"},
-                                                [](const PoseSample& sample, std::size_t axis) {
-                                                  return sample.v_m_s[axis];
-                                                })});
-  plots.emplace_back(
-      "attitude",
-      Plot{.title = "Attitude (true)",
-           .x_label = kTimeLabel,
-           .y_label = "deg",
-           .series = {pose_series("roll", truth, &Pose::roll_rad, 0, base::kDegPerRad),
-                      pose_series("pitch", truth, &Pose::pitch_rad, 0, base::kDegPerRad),
-                      pose_series("yaw", truth, &Pose::yaw_rad, 0, base::kDegPerRad)}});
-  plots.emplace_back("motors",
-                     Plot{.title = "Rotor speeds",
-                          .x_label = kTimeLabel,
-                          .y_label = "rad/s",
-                          .series = time_series(truth, rotor_names(truth),
-                                                [](const PoseSample& sample, std::size_t rotor) {
-                                                  return sample.omega_rad_s[rotor];
-                                                })});
+  add_over_time(
+      "velocity", "Velocity (true)", "m/s",
+      time_series(truth, {"north", "east", "up"},
+                  [](const PoseSample& sample, std::size_t axis) { return sample.v_m_s[axis]; }),
+      plots);
+  add_over_time("attitude", "Attitude (true)", "deg",
+                {pose_series("roll", truth, &Pose::roll_rad, 0, base::kDegPerRad),
+                 pose_series("pitch", truth, &Pose::pitch_rad, 0, base::kDegPerRad),
+                 pose_series("yaw", truth, &Pose::yaw_rad, 0, base::kDegPerRad)},
+                plots);
+  add_over_time("motors", "Rotor speeds", "rad/s",
+                time_series(truth, rotor_names(truth),
+                            [](const PoseSample& sample, std::size_t rotor) {
+                              return sample.omega_rad_s[rotor];
+                            }),
+                plots);
   add_spectra(record, truth, window, plots);
 }
 
@@ -370,8 +361,8 @@ Series reference_series(const std::vector<Stage>& stages, double Pose::*member) 
                                reference_at(stage, time_us).*member);
   };
   for (const Stage& stage : stages) {
-    const std::int64_t begin = microseconds(stage.begin);
-    const std::int64_t end = microseconds(stage.end);
+    const std::int64_t begin = to_microseconds(stage.begin);
+    const std::int64_t end = to_microseconds(stage.end);
     add(stage, begin);
     if (stage.step.kind == StepKind::kTrajectory) {
       for (std::int64_t t = begin + kReferencePeriodUs; t < end; t += kReferencePeriodUs) {

@@ -35,7 +35,7 @@ void FleetPlan::on_outcome(std::size_t vehicle, base::SimTime now,
 
 bool FleetPlan::ended() const {
   return std::ranges::all_of(plans_, &FlightPlan::done) ||
-         std::ranges::any_of(plans_, [](const auto& plan) { return !plan.failure().empty(); });
+         std::ranges::any_of(plans_, [](const auto& plan) { return plan.failure().has_value(); });
 }
 
 std::size_t FleetPlan::leader() const {
@@ -46,11 +46,11 @@ std::size_t FleetPlan::leader() const {
   return 0;
 }
 
-std::string FleetPlan::failure_of(std::size_t vehicle) const {
-  if (!plans_[vehicle].failure().empty()) return plans_[vehicle].failure();
-  const auto failed =
-      std::ranges::find_if(plans_, [](const FlightPlan& plan) { return !plan.failure().empty(); });
-  if (failed == plans_.end()) return {};
+std::optional<std::string> FleetPlan::failure_of(std::size_t vehicle) const {
+  if (plans_[vehicle].failure()) return plans_[vehicle].failure();
+  const auto failed = std::ranges::find_if(
+      plans_, [](const FlightPlan& plan) { return plan.failure().has_value(); });
+  if (failed == plans_.end()) return std::nullopt;
   return "it ended with that of " + names_[static_cast<std::size_t>(failed - plans_.begin())];
 }
 

@@ -49,7 +49,7 @@ class FleetPlan {
   FlightPlan& plan(std::size_t vehicle) { return plans_[vehicle]; }
   /// Why a vehicle's flight is not complete, be it another's fault; empty when it is, or while it
   /// goes on.
-  std::string failure_of(std::size_t vehicle) const;
+  std::optional<std::string> failure_of(std::size_t vehicle) const;
 
  private:
   std::size_t slowest() const;

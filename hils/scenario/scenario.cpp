@@ -15,7 +15,9 @@
 #include "base/config/sensor_set.hpp"
 #include "base/config/vehicle.hpp"
 #include "base/suggestion.hpp"
+#include "base/text.hpp"
 #include "hils/flight/phase_check.hpp"
+#include "hils/flight/rms_figures.hpp"
 #include "hils/scenario/scenario_reference.hpp"
 
 namespace cas::hils {
@@ -37,8 +39,8 @@ constexpr Range kShare_pct{0, 100};
 /// A bound for each axis that is there.
 struct Axes {
   static void read(const base::ConfigNode& node, std::map<std::string, double>& axes) {
-    for (const std::string_view axis : {"x_m", "y_m", "z_m", "yaw_rad"}) {
-      if (node.has(axis)) axes[std::string(axis)] = node.require_in(axis, 0, 1e6);
+    for (const RmsAxis& axis : kRmsAxes) {
+      if (node.has(axis.key)) axes[std::string(axis.key)] = node.require_in(axis.key, 0, 1e6);
     }
   }
 };
@@ -101,9 +103,8 @@ std::set<IncidentKind> parse_allow(const base::ConfigNode& root) {
   if (!list) return allowed;
   for (const base::ConfigNode& node : list->items()) {
     const auto word = node.as<std::string>();
-    const auto kind =
-        std::ranges::find(kIncidentKinds, word, [](IncidentKind each) { return to_string(each); });
-    if (kind == kIncidentKinds.end()) {
+    const auto kind = kIncidentWords.find(word);
+    if (!kind) {
       node.fail("'" + word +
                 "' is no incident; there are ground, crash, attitude, flyaway and strike");
     }
@@ -385,38 +386,13 @@ double ScenarioVehicle::start_yaw_rad() const {
   return std::remainder(base::radians(kNorthDeg - pose.yaw_deg), 2 * M_PI);
 }
 
-std::string_view to_string(Architecture architecture) {
-  switch (architecture) {
-    case Architecture::kDirect:
-      return "direct";
-    case Architecture::kSitl:
-      return "sitl";
-    case Architecture::kTs:
-      return "ts";
-    case Architecture::kLoop:
-      return "loop";
-    case Architecture::kTcas:
-      return "tcas";
-  }
-  return "?";
-}
-
-std::string title_of(Architecture architecture) {
-  std::string title(to_string(architecture));
-  for (char& c : title) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return title;
-}
+std::string title_of(Architecture architecture) { return base::upper(to_string(architecture)); }
 
 Architecture parse_architecture(std::string_view word) {
-  for (const Architecture architecture : kArchitectures) {
-    if (to_string(architecture) == word) return architecture;
-  }
-  std::vector<std::string_view> known;
-  known.reserve(kArchitectures.size());
-  for (const Architecture architecture : kArchitectures) known.push_back(to_string(architecture));
+  if (const auto architecture = kArchitectureWords.find(word)) return *architecture;
   throw base::ConfigError("there is no architecture '" + std::string(word) +
                           "'; there are direct, sitl, ts, loop and tcas" +
-                          base::did_you_mean(word, known));
+                          base::did_you_mean(word, kArchitectureWords.words));
 }
 
 VehicleNames Scenario::names() const {

@@ -13,6 +13,7 @@
 
 #include "base/config/config.hpp"
 #include "base/earth/geodesy.hpp"
+#include "base/enum_words.hpp"
 #include "base/time/clock.hpp"
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_step.hpp"
@@ -49,7 +50,7 @@ struct ScenarioWorld {
   bool ignore_missing = false;
 };
 
-/// Where a vehicle stands when a run begins, as in a world: x east and y north of home, z of its
+/// Start pose of a vehicle, as in a world: x east and y north of home, z of its
 /// lowest point.
 struct VehiclePose {
   double x_m = 0;
@@ -84,7 +85,12 @@ inline constexpr std::array kArchitectures{Architecture::kDirect, Architecture::
                                            Architecture::kTs, Architecture::kLoop,
                                            Architecture::kTcas};
 
-std::string_view to_string(Architecture architecture);
+/// The words in files and flags.
+inline constexpr base::EnumWords<Architecture::kTcas> kArchitectureWords{"direct", "sitl", "ts",
+                                                                         "loop", "tcas"};
+constexpr std::string_view to_string(Architecture architecture) {
+  return kArchitectureWords[architecture];
+}
 /// For people: "TCAS".
 std::string title_of(Architecture architecture);
 /// @throws base::ConfigError for another word
@@ -106,7 +112,7 @@ struct Scenario {
   std::string name;
   std::string description;
   std::filesystem::path file;
-  std::vector<ScenarioVehicle> vehicles;  ///< key `vehicle` stands for a list of one
+  std::vector<ScenarioVehicle> vehicles;  ///< key `vehicle` is a list of one
   ScenarioWorld world;
   std::optional<base::Geodetic> home;  ///< nothing: that of the world
   double decimal_year = 2026.5;

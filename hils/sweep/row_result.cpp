@@ -4,13 +4,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "base/text.hpp"
 #include "hils/flight/flight_step.hpp"
+#include "hils/measure/strike_fields.hpp"
 #include "hils/sweep/run_table.hpp"
 
 namespace cas::hils {
@@ -20,10 +21,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr double kEndless = std::numeric_limits<double>::infinity();
-constexpr std::array kOutcomes{RowOutcome::kPassed,  RowOutcome::kFailed,  RowOutcome::kInvalid,
-                               RowOutcome::kStopped, RowOutcome::kRefused, RowOutcome::kDied,
-                               RowOutcome::kHung};
 
 /// Collects figures under their names, so that both stand in one place.
 struct Figures {
@@ -56,10 +53,9 @@ void add_delay(const std::string& name, const DelayFigures& delay, Figures& figu
 }
 
 void add_rms(const std::string& name, const std::optional<RmsFigures>& rms, Figures& figures) {
-  figures.add(name + "_x_m", rms ? rms->x_m : kNone);
-  figures.add(name + "_y_m", rms ? rms->y_m : kNone);
-  figures.add(name + "_z_m", rms ? rms->z_m : kNone);
-  figures.add(name + "_yaw_rad", rms ? rms->yaw_rad : kNone);
+  for (const RmsAxis& axis : kRmsAxes) {
+    figures.add(fmt::format("{}_{}", name, axis.key), rms ? *rms.*axis.member : kNone);
+  }
 }
 
 /// Smallest margin over all limits of the flight, % of the limit; negative beyond it.
@@ -86,9 +82,8 @@ std::optional<Incident> first_incident(const Scenario& scenario, const RunResult
 }
 
 bool was_completed(const RunResult& run) {
-  return std::ranges::all_of(run.vehicles, [](const VehicleResult& vehicle) {
-    return vehicle.figures.flight_failure.empty();
-  });
+  return std::ranges::all_of(
+      run.vehicles, [](const VehicleResult& vehicle) { return !vehicle.figures.flight_failure; });
 }
 
 /// Names of the steps whose response a vehicle's flight measures.
@@ -152,63 +147,18 @@ std::string number_field(double value) {
   return std::isfinite(value) ? fmt::format("{}", value == 0 ? 0.0 : value) : std::string();
 }
 
-/// What is no number is null, so that the line is read again.
-Json number_json(const std::optional<double>& value) {
-  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
-}
-
 Json strike_json(const StrikeResponse& strike) {
-  return {{"strike_s", strike.strike_s},
-          {"fault", strike.fault},
-          {"no_verdict", strike.no_verdict},
-          {"armed_before", strike.armed_before},
-          {"armed_after", strike.armed_after},
-          {"tried_to_arm", strike.tried_to_arm},
-          {"in_air", strike.in_air},
-          {"left_world", strike.left_world},
-          {"detected_s", number_json(strike.detected_s)},
-          {"detected_by", strike.detected_by},
-          {"reacted_s", number_json(strike.reacted_s)},
-          {"reaction", strike.reaction},
-          {"terminated", strike.terminated},
-          {"completed", strike.completed},
-          {"incident", strike.incident ? Json(to_string(*strike.incident)) : Json(nullptr)},
-          {"crashed", strike.crashed},
-          {"at_rest", strike.at_rest},
-          {"rest_m", number_json(strike.rest_m)},
-          {"farthest_m", number_json(strike.farthest_m)},
-          {"peak_tilt_deg", number_json(strike.peak_tilt_deg)}};
+  Json json;
+  for_each_strike_field(StrikeOutput::kJournal, [&](const auto& field) {
+    json[field.key] = field_json<Json>(strike, field);
+  });
+  return json;
 }
 
 StrikeResponse parse_strike(const Json& json) {
-  const auto optional = [&json](const char* key) {
-    const Json& value = json.at(key);
-    return value.is_null() ? std::optional<double>() : value.get<double>();
-  };
-  StrikeResponse strike{.strike_s = json.at("strike_s").get<double>(),
-                        .fault = json.at("fault").get<std::string>(),
-                        .no_verdict = json.at("no_verdict").get<std::string>(),
-                        .armed_before = json.at("armed_before").get<bool>(),
-                        .armed_after = json.at("armed_after").get<bool>(),
-                        .tried_to_arm = json.at("tried_to_arm").get<bool>(),
-                        .in_air = json.at("in_air").get<bool>(),
-                        .left_world = json.at("left_world").get<bool>(),
-                        .detected_s = optional("detected_s"),
-                        .detected_by = json.at("detected_by").get<std::string>(),
-                        .reacted_s = optional("reacted_s"),
-                        .reaction = json.at("reaction").get<std::string>(),
-                        .terminated = json.at("terminated").get<bool>(),
-                        .completed = json.at("completed").get<bool>()};
-  if (const Json& word = json.at("incident"); !word.is_null()) {
-    for (const IncidentKind kind : kIncidentKinds) {
-      if (to_string(kind) == word.get<std::string>()) strike.incident = kind;
-    }
-  }
-  strike.crashed = json.at("crashed").get<bool>();
-  strike.at_rest = json.at("at_rest").get<bool>();
-  strike.rest_m = optional("rest_m").value_or(kNone);
-  strike.farthest_m = optional("farthest_m").value_or(kEndless);
-  strike.peak_tilt_deg = optional("peak_tilt_deg").value_or(kEndless);
+  StrikeResponse strike;
+  for_each_strike_field(StrikeOutput::kJournal,
+                        [&](const auto& field) { read_field(json.at(field.key), field, strike); });
   return strike;
 }
 
@@ -220,33 +170,6 @@ std::string one_line(std::string text) {
 }
 
 }  // namespace
-
-std::string_view to_string(RowOutcome outcome) {
-  switch (outcome) {
-    case RowOutcome::kPassed:
-      return "passed";
-    case RowOutcome::kFailed:
-      return "failed";
-    case RowOutcome::kInvalid:
-      return "invalid";
-    case RowOutcome::kStopped:
-      return "stopped";
-    case RowOutcome::kRefused:
-      return "refused";
-    case RowOutcome::kDied:
-      return "died";
-    case RowOutcome::kHung:
-      return "hung";
-  }
-  return "?";
-}
-
-std::optional<RowOutcome> parse_row_outcome(std::string_view word) {
-  for (const RowOutcome outcome : kOutcomes) {
-    if (to_string(outcome) == word) return outcome;
-  }
-  return std::nullopt;
-}
 
 bool is_judged(RowOutcome outcome) {
   return outcome == RowOutcome::kPassed || outcome == RowOutcome::kFailed ||
@@ -262,9 +185,7 @@ RowResult row_of(const Scenario& scenario, const RunResult& run) {
   result.outcome = !run.verdict.valid   ? RowOutcome::kInvalid
                    : run.verdict.passed ? RowOutcome::kPassed
                                         : RowOutcome::kFailed;
-  for (const std::string& sentence : run.verdict.failures) {
-    result.cause += (result.cause.empty() ? "" : "; ") + one_line(sentence);
-  }
+  result.cause = base::joined(run.verdict.failures, "; ", one_line);
   if (const auto incident = first_incident(scenario, run)) {
     result.incident = to_string(incident->kind);
   }
@@ -307,7 +228,7 @@ std::optional<RowResult> parse_journal_line(std::string_view line) {
   try {
     RowResult result;
     result.row = json.at("row").get<std::size_t>();
-    const auto outcome = parse_row_outcome(json.at("outcome").get<std::string>());
+    const auto outcome = kRowOutcomes.find(json.at("outcome").get<std::string>());
     if (!outcome || result.row == 0) return std::nullopt;
     result.outcome = *outcome;
     result.cause = json.at("cause").get<std::string>();

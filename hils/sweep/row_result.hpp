@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/enum_words.hpp"
 #include "hils/measure/run_result.hpp"
 #include "hils/measure/strike_response.hpp"
 #include "hils/scenario/scenario.hpp"
@@ -23,8 +24,10 @@ enum class RowOutcome {
   kDied,     ///< the process of the run was ended by a signal or ended without a result
   kHung,     ///< the process of the run had no result at its deadline
 };
-std::string_view to_string(RowOutcome outcome);
-std::optional<RowOutcome> parse_row_outcome(std::string_view word);
+/// The words in tables and journals.
+inline constexpr base::EnumWords<RowOutcome::kHung> kRowOutcomes{
+    "passed", "failed", "invalid", "stopped", "refused", "died", "hung"};
+constexpr std::string_view to_string(RowOutcome outcome) { return kRowOutcomes[outcome]; }
 /// Whether the vehicle was judged: the run itself did not break.
 bool is_judged(RowOutcome outcome);
 /// Whether the process of the run broke: such a row gives way to any other result of it.
@@ -32,7 +35,7 @@ inline bool is_broken(RowOutcome outcome) {
   return outcome == RowOutcome::kDied || outcome == RowOutcome::kHung;
 }
 
-/// What a run cost, and where: outside every comparison.
+/// Cost and host of a run; no comparison looks at them.
 struct MachineFigures {
   double wall_s = 0;
   double cpu_s = 0;
@@ -44,14 +47,14 @@ struct MachineFigures {
 struct RowResult {
   std::size_t row = 0;
   RowOutcome outcome = RowOutcome::kInvalid;
-  std::string cause{};            ///< sentences: what was missed, or why there is no verdict
+  std::string cause{};            ///< sentences: missed limits, or why there is no verdict
   std::string incident{};         ///< the first of the flight: ground, crash, ...
   std::string version{};          ///< of CAS
   std::string truth_sha256{};     ///< of truth.csv; of several vehicles, one file after the other
   std::string run_sha256{};       ///< see run_sha256(); where the study varies `faults`
   std::vector<double> figures{};  ///< in the order of figure_names()
   MachineFigures machine{};
-  std::string key{};  ///< what was flown, where no table says it by the row's number
+  std::string key{};                       ///< identifies the flight where no table of runs does
   std::optional<StrikeResponse> strike{};  ///< of the first vehicle, where a fault struck
 };
 

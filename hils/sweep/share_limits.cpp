@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "hils/report/plot.hpp"
+#include "hils/report/junit.hpp"
 #include "hils/sweep/sweep_statistics.hpp"
 
 namespace cas::hils {
@@ -57,38 +57,22 @@ std::vector<ShareCheck> check_shares(const std::vector<ShareLimit>& limits,
 
 std::string sweep_junit(const std::string& name, const SweepCounts& counts,
                         const std::vector<ShareCheck>& checks) {
-  const std::string suite = escape_xml("hils.sweep." + name);
-  std::string cases;
-  std::size_t failures = 0;
-  std::size_t errors = 0;
-  const auto open = [&suite](const std::string& title) {
-    return fmt::format("  <testcase classname=\"{}\" name=\"{}\" time=\"0\"", suite,
-                       escape_xml(title));
-  };
-  cases += open("all runs flown");
-  if (counts.flown < counts.rows) {
-    ++errors;
-    cases += fmt::format("><error message=\"{} of {} runs are missing\"/></testcase>\n",
-                         counts.rows - counts.flown, counts.rows);
-  } else {
-    cases += "/>\n";
-  }
+  using Outcome = JunitSuite::Outcome;
+  JunitSuite suite("hils.sweep." + name);
+  const bool all_flown = counts.flown >= counts.rows;
+  suite.add("all runs flown", all_flown ? Outcome::kPassed : Outcome::kError,
+            all_flown ? ""
+                      : fmt::format("{} of {} runs are missing", counts.rows - counts.flown,
+                                    counts.rows));
   for (const ShareCheck& check : checks) {
-    cases +=
-        open(fmt::format("{} at least {:g} % at {:g} % confidence", to_string(check.limit.share),
-                         check.limit.at_least * 100, check.limit.confidence * 100));
-    if (check.kept) {
-      cases += "/>\n";
-      continue;
-    }
-    ++(check.trials > 0 ? failures : errors);
-    cases += fmt::format("><{} message=\"{}\"/></testcase>\n",
-                         check.trials > 0 ? "failure" : "error", escape_xml(check.sentence()));
+    suite.add(fmt::format("{} at least {:g} % at {:g} % confidence", to_string(check.limit.share),
+                          check.limit.at_least * 100, check.limit.confidence * 100),
+              check.kept         ? Outcome::kPassed
+              : check.trials > 0 ? Outcome::kFailed
+                                 : Outcome::kError,
+              check.kept ? "" : check.sentence());
   }
-  return fmt::format(
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"{}\" tests=\"{}\" "
-      "failures=\"{}\" errors=\"{}\">\n{}</testsuite>\n",
-      suite, checks.size() + 1, failures, errors, cases);
+  return suite.report();
 }
 
 }  // namespace cas::hils

@@ -13,6 +13,8 @@
 
 #include "base/config/config_whole.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/enum_words.hpp"
+#include "base/text.hpp"
 #include "hils/sweep/key_path.hpp"
 #include "hils/sweep/run_table.hpp"
 
@@ -131,10 +133,8 @@ Parameter parse_parameter(const base::ConfigNode& node) {
   return parameter;
 }
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
+constexpr base::EnumWords<Sampling::kSobol> kSamplings{"none", "random", "latin_hypercube",
+                                                       "sobol"};
 
 Sampling parse_sampling(const base::ConfigNode& root, const std::vector<Parameter>& parameters) {
   const bool drawn = std::ranges::any_of(
@@ -149,10 +149,8 @@ Sampling parse_sampling(const base::ConfigNode& root, const std::vector<Paramete
     return Sampling::kNone;
   }
   if (!drawn) node->fail("is for parameters with a distribution, and there is none");
-  const auto word = node->as<std::string>();
-  if (word == "random") return Sampling::kRandom;
-  if (word == "latin_hypercube") return Sampling::kLatinHypercube;
-  if (word == "sobol") return Sampling::kSobol;
+  const auto sampling = kSamplings.find(node->as<std::string>());
+  if (sampling && *sampling != Sampling::kNone) return *sampling;
   node->fail("is random, latin_hypercube or sobol");
 }
 
@@ -202,7 +200,7 @@ std::vector<Parameter> parse_parameters(const base::ConfigNode& root) {
   std::set<std::string> names{"row", "point", "seed"};
   for (const base::ConfigNode& node : root.at("vary").items()) {
     parameters.push_back(parse_parameter(node));
-    if (!names.insert(lower(parameters.back().name)).second) {
+    if (!names.insert(base::lower(parameters.back().name)).second) {
       node.fail("the name '" + parameters.back().name + "' is taken; give it another 'name'");
     }
   }
@@ -243,15 +241,8 @@ std::vector<std::uint64_t> parse_seed_list(const base::ConfigNode& node) {
 }
 
 std::string_view to_string(Share share) {
-  switch (share) {
-    case Share::kUp:
-      return "up";
-    case Share::kPassed:
-      return "passed";
-    case Share::kJudged:
-      return "judged";
-  }
-  return "?";
+  static constexpr base::EnumWords<Share::kJudged> kWords{"up", "passed", "judged"};
+  return kWords[share];
 }
 
 double Distribution::quantile(double u) const {

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <fstream>
 #include <iterator>
@@ -13,6 +12,7 @@
 
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
+#include "base/text.hpp"
 #include "hils/report/results_folder.hpp"
 #include "hils/scenario/scenario.hpp"
 
@@ -28,20 +28,16 @@ constexpr std::size_t kMostChecked = 64;
 
 /// Headings of the results' table, of which SQL knows no capitals.
 void check_headings(const Study& study, const std::vector<std::string>& figures) {
-  const auto lower = [](std::string text) {
-    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return text;
-  };
   std::set<std::string> taken{"row",      "point", "seed",    "outcome",
                               "incident", "cause", "version", "truth_sha256"};
   for (const std::string& figure : figures) {
-    if (!taken.insert(lower(figure)).second) {
+    if (!taken.insert(base::lower(figure)).second) {
       throw base::ConfigError("two columns of the results would be called '" + figure +
                               "': give the scenario's steps different names");
     }
   }
   for (const Parameter& parameter : study.parameters) {
-    if (taken.contains(lower(parameter.name))) {
+    if (taken.contains(base::lower(parameter.name))) {
       throw base::ConfigError("the parameter '" + parameter.name +
                               "' is called as a column of the results; give it another 'name'");
     }
@@ -70,7 +66,7 @@ std::vector<std::size_t> rows_to_check(const RunTable& table) {
   return rows;
 }
 
-/// Reads the scenarios of some rows, for what is wrong with all of them. @throws base::ConfigError
+/// Reads the scenarios of some rows, to find faults of all rows. @throws base::ConfigError
 void check_rows(const SweepFolder& folder) {
   const fs::path scratch = folder.path / "work" / "check";
   for (const std::size_t number : rows_to_check(folder.table)) {

@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "hils/report/html_page.hpp"
 #include "hils/report/number_text.hpp"
 #include "hils/report/plot.hpp"
@@ -100,9 +101,8 @@ std::size_t parameter_named(const SweepView& view, const std::string& name) {
   const std::vector<std::string>& names = view.sweep.table.names;
   const auto found = std::ranges::find(names, name);
   if (found == names.end()) {
-    std::string known;
-    for (const std::string& each : names) known += (known.empty() ? "" : ", ") + each;
-    throw base::ConfigError("--map: there is no parameter '" + name + "'; there are " + known);
+    throw base::ConfigError("--map: there is no parameter '" + name + "'; there are " +
+                            base::joined(names, ", "));
   }
   return static_cast<std::size_t>(found - names.begin());
 }

@@ -528,7 +528,7 @@ TEST(FirmwareFlight, ThatBrokeOffDoesNotJudgeTheLimitsItDidNotReach) {
   figures.flight_failure = "step 2 (takeoff) was not done within 60 s";
   figures.under_way = figures.stages.back();
   const Verdict verdict = judge(scenario, figures);
-  EXPECT_EQ(verdict.failures, std::vector<std::string>{figures.flight_failure});
+  EXPECT_EQ(verdict.failures, std::vector<std::string>{*figures.flight_failure});
   EXPECT_EQ(verdict.exit_code(), kExitLimitsMissed);
   int not_reached = 0;
   for (const LimitCheck& each : verdict.checks) {

@@ -309,7 +309,7 @@ TEST(Judgement, AFlightWhoseRecordHasAHoleHasNoVerdict) {
   const Verdict verdict = judge(figures, Limits{});
   EXPECT_EQ(verdict.exit_code(), kExitInvalid);
   EXPECT_EQ(verdict.failures.front(),
-            "the record of the true flight is not whole: " + figures.record_hole);
+            "the record of the true flight is not whole: " + *figures.record_hole);
 }
 
 TEST(Judgement, CpuPressureAloneDecidesNothing) {

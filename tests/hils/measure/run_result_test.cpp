@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "hils/report/figure_rows.hpp"
 #include "hils/report/html_report.hpp"
 #include "hils/report/report.hpp"
 
@@ -67,8 +68,9 @@ TEST(SeveralResults, ShowEachVehicleUnderItsName) {
 }
 
 TEST(SeveralResults, ShowADashForAnRmsThatWasNotMeasured) {
-  EXPECT_EQ(rms_text(std::nullopt, &RmsFigures::x_m), "-");
-  EXPECT_EQ(rms_text(RmsFigures{.x_m = 0.25}, &RmsFigures::x_m), "0.2500");
+  using Cells = std::vector<std::string>;
+  EXPECT_EQ(rms_cells(std::nullopt), (Cells{"-", "-", "-", "-"}));
+  EXPECT_EQ(rms_cells(RmsFigures{.x_m = 0.25}), (Cells{"0.2500", "0.0000", "0.0000", "0.0000"}));
 }
 
 TEST(SeveralResults, AreASuiteEachForContinuousIntegration) {

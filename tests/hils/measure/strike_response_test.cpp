@@ -176,7 +176,7 @@ TEST_F(Struck, DisarmingIsAReactionInTheAirAlone) {
 }
 
 TEST_F(Struck, AfterTheFlightThereIsNoVerdict) {
-  EXPECT_TRUE(response([](double, PoseSample&) {}).no_verdict.empty());
+  EXPECT_FALSE(response([](double, PoseSample&) {}).no_verdict);
   strike_s_ = 25;
   EXPECT_EQ(response([](double, PoseSample&) {}).no_verdict,
             "never acted: it struck after the flight");
@@ -190,7 +190,7 @@ TEST_F(Struck, AfterTheFlightThereIsNoVerdict) {
   EXPECT_EQ(response([](double, PoseSample&) {}, 30, disarmed).no_verdict,
             "never acted: it struck after the flight");
   add(StepKind::kArm, 30, 31);  // a second flight follows
-  EXPECT_EQ(response([](double, PoseSample&) {}, 35, disarmed).no_verdict, "");
+  EXPECT_FALSE(response([](double, PoseSample&) {}, 35, disarmed).no_verdict);
 }
 
 TEST_F(Struck, KnowsWhetherItFlewAndWhetherItWasToBeArmed) {
