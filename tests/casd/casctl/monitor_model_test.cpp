@@ -126,7 +126,7 @@ TEST_F(MonitorModelTest, ShowsAndSelectsGains) {
   model_.show(MonitorModel::Page::kGains);
   model_.update_gains(json::array({{{"loop", "rollrate"}, {"p", 0.15}, {"i", 0.2}, {"d", 0.003}},
                                    {{"loop", "roll"}, {"p", 6.5}}}),
-                      "", 1);
+                      std::nullopt, 1);
   model_.move(5);
   ASSERT_TRUE(model_.selected_gain().has_value());
   EXPECT_EQ(model_.selected_gain()->at("loop"), "roll");

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <optional>
 #include <set>
 #include <sstream>
 
@@ -55,7 +56,7 @@ MonitorModel busy_bench() {
   }
   model.update_gains(json::array({{{"loop", "rollrate"}, {"p", 0.15}, {"i", 0.2}, {"d", 0.003}},
                                   {{"loop", "position"}, {"p", 6.5}}}),
-                     "", kNow_s);
+                     std::nullopt, kNow_s);
   return model;
 }
 
