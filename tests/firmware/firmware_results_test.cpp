@@ -77,7 +77,9 @@ TEST_F(FirmwareResults, HaveACutLinkAfterWhichTheFlightGoesOn) {
   - {name: again, when: phase == land, reload: casd, for_s: 1}
 )");
   ASSERT_EQ(fly(), 0) << output();
-  EXPECT_GT(gaps_of(folder_.path() / "out/flight.tlog").vehicle_s, 3);
+  // The scripted vehicle's time flies: a busy machine begins the cut a second or two of it late.
+  // Without a cut the messages are a tenth of a second apart.
+  EXPECT_GT(gaps_of(folder_.path() / "out/flight.tlog").vehicle_s, 1);
   const nlohmann::json faults = summary().at("faults");
   ASSERT_EQ(faults.size(), 3U);
   for (const nlohmann::json& fault : faults) EXPECT_FALSE(fault.contains("began"));
