@@ -51,6 +51,9 @@ void ErrorCovariance::predict(const Eigen::Matrix3d& R_ND, const Eigen::Vector3d
   p_.block<3, 3>(kTheta, kTheta).noalias() += R_ND * q_theta.asDiagonal() * R_ND.transpose();
   p_.block<3, 3>(kVelocity, kVelocity).noalias() +=
       R_ND * q_velocity.asDiagonal() * R_ND.transpose();
+  // No update shrinks a difference between the halves that rounding has made, and each step carries
+  // it on: within two hours it would outgrow P.
+  p_.triangularView<Eigen::StrictlyLower>() = p_.transpose();
 }
 
 void ErrorCovariance::subtract_rows(int to, const Eigen::Matrix3d& factor, int from) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
 
@@ -138,6 +139,42 @@ TEST(Estimator, HoverStaysWithinItsMultiplesOfTheBound) {
       rms.tracking_m[0], rms.tracking_m[1], rms.tracking_m[2], rms.yaw_rad, rms.estimate_m[0],
       rms.estimate_m[1], rms.estimate_m[2], bound.position_m.x(), bound.position_m.y(),
       bound.position_m.z());
+}
+
+// What rounding makes of the two halves of P no update takes back, and it grows with the sixth power
+// of time where nothing keeps them alike: gyro bias to position over three integrals, on both sides.
+TEST(ErrorCovariance, StaysSymmetricOverAnHour) {
+  using C = ErrorCovariance;
+  constexpr double kStep_s = 0.004;
+  C covariance;
+  covariance.set_block(C::kTheta, Vector3d::Constant(1e-2));
+  covariance.set_block(C::kVelocity, Vector3d::Constant(1e-1));
+  covariance.set_block(C::kPosition, Vector3d::Constant(1));
+  covariance.set_block(C::kGyroBias, Vector3d::Constant(1e-4));
+  covariance.set_block(C::kAccelBias, Vector3d::Constant(1e-2));
+  C::Vector ph;
+  for (int step = 0; step < 900'000; ++step) {
+    const double tilt = 0.1 * std::sin(0.3 * kStep_s * step);
+    const Eigen::Matrix3d attitude =
+        Eigen::AngleAxisd(tilt, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+    covariance.predict(attitude, {0.5 * tilt, tilt, -9.8}, kStep_s, Vector3d::Constant(1e-9),
+                       Vector3d::Constant(1e-6));
+    if (step % 50 != 0) continue;
+    for (int axis = 0; axis < 3; ++axis) {
+      C::Vector h = C::Vector::Zero();
+      h[C::kPosition + axis] = 1;
+      const double variance = covariance.innovation_variance(h, 1, ph);
+      covariance.update(ph, variance);
+    }
+  }
+  const C::Matrix& p = covariance.matrix();
+  for (int row = 0; row < C::kStates; ++row) {
+    for (int column = 0; column < row; ++column) {
+      // A few roundings of the last step, of elements no larger than the two variances allow.
+      const double scale = std::sqrt(p(row, row) * p(column, column));
+      EXPECT_NEAR(p(row, column), p(column, row), 1e-12 * scale) << row << ' ' << column;
+    }
+  }
 }
 
 TEST(EstimationBound, OfAnAxisWithPositionAndVelocityMeetsTheAlgebraicSolution) {
