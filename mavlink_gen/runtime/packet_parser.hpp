@@ -67,6 +67,12 @@ class PacketParser {
   /// Likewise, with on_unknown(const PacketView&) for ids that the table does not hold.
   template <class OnPacket, class OnUnknown>
   void feed(std::span<const std::uint8_t> bytes, OnPacket&& on_packet, OnUnknown&& on_unknown) {
+    // A single byte inside a candidate, as a slow UART gives most of them, decides nothing.
+    if (bytes.size() == 1 && end_ + 1 < decision_at_) {
+      held_[end_++] = bytes.front();
+      unread_ = 0;
+      return;
+    }
     unread_ = bytes.size();
     if (was_left()) decide_held(on_packet, on_unknown);
     while (!bytes.empty()) {
@@ -273,7 +279,7 @@ class PacketParser {
   }
 
   void forget_held() {
-    begin_ = scan_ = end_ = 0;
+    begin_ = scan_ = end_ = decision_at_ = 0;
     read_end_ = running_end_ = 0;
   }
 
@@ -290,11 +296,7 @@ class PacketParser {
                                        OnUnknown& on_unknown) {
     const auto missing = decision_at_ - end_;
     const auto taken = missing < bytes.size() ? missing : bytes.size();
-    if (taken == 1) {
-      held_[end_] = bytes[0];  // a call of memcpy costs more than all else of a byte
-    } else {
-      std::memcpy(held_.data() + end_, bytes.data(), taken);
-    }
+    std::memcpy(held_.data() + end_, bytes.data(), taken);
     end_ += taken;
     bytes = bytes.subspan(taken);
     unread_ = bytes.size();
@@ -415,7 +417,7 @@ class PacketParser {
   Stats stats_;
   std::size_t begin_{}, scan_{}, end_{};
   std::size_t unread_{};
-  std::size_t decision_at_{};  ///< end_ at which something can be decided
+  std::size_t decision_at_{};  ///< end_ at which something can be decided; 0 when none is held
   std::size_t read_end_{};     ///< bytes behind it were read for no checksum
   std::size_t running_end_{};  ///< last element of running_ that is computed
   std::array<std::uint8_t, 2 * kMaxPacketBytes> held_{};
