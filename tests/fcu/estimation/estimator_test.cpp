@@ -141,8 +141,8 @@ TEST(Estimator, HoverStaysWithinItsMultiplesOfTheBound) {
       bound.position_m.z());
 }
 
-// What rounding makes of the two halves of P no update takes back, and it grows with the sixth power
-// of time where nothing keeps them alike: gyro bias to position over three integrals, on both sides.
+// Rounding makes the two halves of P differ. No update takes the difference back, and it grows with
+// the sixth power of time: from gyro bias to position over three integrals, on both sides.
 TEST(ErrorCovariance, StaysSymmetricOverAnHour) {
   using C = ErrorCovariance;
   constexpr double kStep_s = 0.004;
