@@ -22,9 +22,10 @@ class Matrix;
 
 namespace cas::base {
 
-/// One node of a YAML file that knows where it stands. Every error is a ConfigError that reads
-/// "FILE:LINE: key.path: sentence". Duplicate keys are refused when the file is read; keys that
-/// nobody asked for are refused by `reject_unused()`, with the nearest known key as a suggestion.
+/// One node of a YAML file, with its file, line and key path. Every error is a ConfigError that
+/// reads "FILE:LINE: key.path: sentence". Duplicate keys are refused when the file is read; keys
+/// that were never read are refused by `reject_unused()`, with the nearest known key as a
+/// suggestion.
 ///
 /// Copies are cheap and share the document. Not for use from several threads at once.
 class CAS_BASE_EXPORT ConfigNode {
@@ -66,7 +67,7 @@ class CAS_BASE_EXPORT ConfigNode {
   }
   /// A number that must lie in [low, high]. @throws ConfigError when it does not, or is missing
   double require_in(std::string_view key, double low, double high) const;
-  /// Likewise, of an optional key.
+  /// The same for an optional key.
   double get_in(std::string_view key, double fallback, double low, double high) const;
 
   /// This node's own value. @throws ConfigError when it is of another kind
@@ -83,7 +84,7 @@ class CAS_BASE_EXPORT ConfigNode {
   /// the file that the value stands in.
   ConfigNode merged_over(const ConfigNode& defaults) const;
 
-  /// @throws ConfigError for the first key below this node that nobody asked for
+  /// @throws ConfigError for the first key below this node that was never read
   void reject_unused() const;
   /// For a block that another program or plugin reads: reject_unused() of the nodes above passes
   /// it by; its own reader's reject_unused() still checks it.

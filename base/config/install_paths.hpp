@@ -29,9 +29,9 @@ CAS_BASE_EXPORT std::optional<std::filesystem::path> web_dir();
 /// nowhere
 CAS_BASE_EXPORT std::filesystem::path find_config(const std::filesystem::path& name);
 
-/// The file that the value of a key names: from the folder of the file that has the key, else below
-/// one of config_dirs(). Steps up at the beginning are left out there, so that a copy of a shipped
-/// file ("../vehicles/iris_paper.yaml") still finds what it names. @throws ConfigError
+/// The file that the value of a key names: relative to the file that has the key, else below one of
+/// config_dirs(). In the latter case leading "../" are dropped, so that a copy of a shipped file
+/// ("../vehicles/iris_paper.yaml") still finds the files that it names. @throws ConfigError
 /// "FILE:LINE: key: ..." with the folders searched when it is nowhere
 CAS_BASE_EXPORT std::filesystem::path find_config(const ConfigNode& node);
 

@@ -120,7 +120,7 @@ struct CAS_BASE_EXPORT Vehicle {
   std::uint8_t system_id = 1;            ///< MAVLink system
   ConfigNode sensors = ConfigNode::empty();  ///< parameters by plugin name, see sensor_set()
 
-  /// Reads a vehicle file and, for what it leaves out, the model. What both say must agree.
+  /// Reads a vehicle file and takes missing values from the model. Values in both must agree.
   /// @throws ConfigError when keys are missing (all of them in one sentence), unknown or out of
   ///         range, and when file and model differ (both values, both lines)
   static Vehicle load(const std::filesystem::path& file);

@@ -193,7 +193,7 @@ void check_outputs(const ConfigNode& node, const std::vector<Rotor>& rotors) {
   }
 }
 
-// What the model says, too.
+// Values that the model file gives as well.
 
 /// Holds the file's word against the model's, or takes the model's.
 class Description {

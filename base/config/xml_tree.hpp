@@ -30,7 +30,7 @@ struct CAS_BASE_EXPORT XmlElement {
 /// other templates; nothing for any other. Comments do not count.
 CAS_BASE_EXPORT std::optional<std::string> template_language(std::string_view text);
 
-/// Reads a whole XML text. @throws ConfigError "FILE:LINE: what is wrong"
+/// Reads a whole XML text. @throws ConfigError "FILE:LINE: sentence"
 CAS_BASE_EXPORT XmlElement parse_xml(std::string_view text, const std::string& file);
 
 }  // namespace cas::base

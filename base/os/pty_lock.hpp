@@ -48,16 +48,16 @@ class CAS_BASE_EXPORT PtyLock {
   PtyIdentity named_;
 };
 
-/// What is offered under a path.
+/// The program lock found at a path.
 enum class PtyOffer : std::uint8_t {
   kNone,   ///< no running program holds a lock there
   kOther,  ///< one does, and names another terminal
   kThis    ///< one does, and names this one
 };
 
-/// Whether `slave`, opened by way of `path`, is what a running program offers there. Where `path`
-/// leads over several symlinks, the lock beside any of them counts. A lock counts only from root,
-/// from the owner of the terminal or from the caller's own user.
+/// Whether `slave`, opened by way of `path`, is the terminal that a running program offers there.
+/// Where `path` leads over several symlinks, the lock beside any of them counts. A lock counts only
+/// from root, from the owner of the terminal or from the caller's own user.
 CAS_BASE_EXPORT PtyOffer pty_offer(std::filesystem::path path, int slave);
 
 }  // namespace cas::base

@@ -30,7 +30,7 @@ CAS_BASE_EXPORT void configure_this_thread(const std::string& name, const Thread
 /// @return false when the system refuses
 CAS_BASE_EXPORT bool lower_this_thread(const std::string& name);
 
-/// What the scheduler counts of a thread.
+/// The scheduler's counters of a thread.
 struct ThreadTimes {
   std::uint64_t turns = 0;  ///< how often it began to run on a processor
   std::chrono::nanoseconds ran{};

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr mode_t kNewFile = 0666;  // less what the process's umask takes away
+constexpr mode_t kNewFile = 0666;  // masked by the process's umask
 
 /// @return errno, 0 when all is written
 int write_all(int fd, std::string_view text) {
@@ -109,7 +109,7 @@ void write_file(const fs::path& file, std::string_view text, Durability durabili
   } else if (!S_ISREG(old.st_mode)) {
     error = write_in_place(file, text);
   } else {
-    // A symlink stays one. What was no symlink is not looked at again: it may be one by now.
+    // A symlink stays one. A file that was no symlink is not checked again: it may have become one.
     std::error_code unresolved;
     const fs::path behind = is_link ? fs::canonical(file, unresolved) : file;
     error = replace(unresolved ? file : behind, &old, text, durability);

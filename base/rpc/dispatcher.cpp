@@ -231,7 +231,7 @@ void Dispatcher::invoke(const std::string& method, const Json& params,
   // Whatever a client sends ends in an answer, never in an exception that ends the server.
   try {
     call(method, params, *peer, reply);
-  } catch (const Json::exception& error) {  // params.at("x").get<T>() on what the client sent
+  } catch (const Json::exception& error) {  // from params.at("x").get<T>()
     reply.error(kInvalidParams, error.what(), nullptr);
   } catch (const std::exception& error) {
     reply.error(kInternalError, error.what(), nullptr);

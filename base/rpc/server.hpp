@@ -33,8 +33,9 @@ struct ServerLimits {
   std::size_t max_queued_bytes = 4 * 1024 * 1024;
   /// Lines of one client; what comes faster waits in its socket. As many may come at once.
   double max_lines_s = 1000;
-  /// What the requests of all clients together may take of one processor's time; 1: all of it. What
-  /// comes faster is read later, from each client in turn, and new clients wait up to a second.
+  /// Share of one processor that the requests of all clients together may use; 1: all of it.
+  /// Requests above it are read later, from each client in turn, and new clients wait up to a
+  /// second.
   double max_cpu_share = 1;
   /// Connections that are accepted in a second, and as many at once; the next ones wait. 0: any.
   double max_accepts_s = 0;
@@ -61,7 +62,7 @@ class CAS_BASE_EXPORT Server {
   void before_calls(std::function<void()> callback);
   /// Sends {"method": name, "params": params} to each client that subscribed to `topic`.
   void publish(const std::string& topic, const Json& params);
-  /// Whether anybody hears a topic: what nobody hears need not be put together.
+  /// Whether a topic has subscribers; without them its message need not be built.
   bool has_subscribers(const std::string& topic) const;
   /// Methods `subscribe` {"topic": ...} and `unsubscribe` are answered by the server for these
   /// topics.
