@@ -14,7 +14,7 @@ enum class FigureKind : std::uint8_t {
   kScalar   ///< the last value alone
 };
 
-/// A value of a figure. What is not finite is counted and left out.
+/// A value of a figure. Non-finite values are counted and left out.
 struct FigureSample {
   static constexpr std::string_view kTypeName = "cas.FigureSample";
   static constexpr unsigned kTypeVersion = 1;

@@ -134,7 +134,7 @@ struct PropulsionHealth {
   double voltage_share = 1;  ///< of the battery's voltage
   /// Rotors that keep the speed they were last driven to, whatever is asked of them.
   std::array<bool, base::kMaxRotors> stuck{};
-  /// The rotor that is meant by what a rotor is asked for: itself, unless wires were swapped.
+  /// Index of the command that drives each rotor: its own, unless wires were swapped.
   std::array<std::uint8_t, base::kMaxRotors> wired_as = [] {
     std::array<std::uint8_t, base::kMaxRotors> own{};
     for (std::size_t i = 0; i < own.size(); ++i) own[i] = static_cast<std::uint8_t>(i);

@@ -36,15 +36,14 @@ class LockstepPeer {
   /// Whether there is somebody to wait for. While there is not (a flight controller that boots on
   /// the simulator's clock, or has gone), the simulation goes by the wall clock.
   virtual bool in_step() const { return true; }
-  /// The wait has lasted too long and the simulation steps on: what was due is due no more.
+  /// The wait timed out and the simulation steps on: forget the answers that were due.
   virtual void give_up() {}
-  /// Whether the newest of what was sent has been answered: nothing is on its way. A pause in
-  /// lockstep is taken at such a moment.
+  /// Whether the newest sent data has been answered: nothing is in flight. Lockstep pauses at such
+  /// a moment.
   virtual bool settled() const { return true; }
 };
 
-/// What a plugin is given in `configure`; valid during that call only, apart from what it returns
-/// by value.
+/// Argument of `configure`. It is valid during that call only; values that it returns stay valid.
 class PluginContext {
  public:
   virtual ~PluginContext() = default;
@@ -108,13 +107,13 @@ class Plugin {
   virtual void post_step(const StepInfo&, const World&) {}
   /// Back to time zero with the same seed.
   virtual void reset() = 0;
-  /// The run has ended in good order: write what is to be written.
+  /// The run has ended normally: write pending output.
   virtual void finish() {}
   /// Figures for `--stats` and `sim.stats`: one JSON object as text, or nothing.
   virtual std::string stats_json() const { return {}; }
 };
 
-/// What the entry point of a plugin library returns. Plain data, so that any build can read it.
+/// Result of a plugin library's entry point. Plain data, so that any build can read it.
 struct PluginDescriptor {
   std::size_t struct_size;   ///< sizeof(PluginDescriptor) in the plugin's build
   const char* name;          ///< as in CAS_PLUGIN, and lib<name>.so

@@ -18,13 +18,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-// What a picture may be off by.
+// Tolerances of a picture.
 constexpr double kLength = 1e-4;  // m
 constexpr double kTurn = 1e-5;
 constexpr double kSpeed = 1e-3;  // m/s, rad/s
 constexpr double kRotor = 1e-1;  // rad/s
 
-/// What the plugins of one vehicle published last. Written and read on the simulation thread.
+/// Latest values that the plugins of one vehicle published. Written and read on the simulation
+/// thread.
 struct Newest {
   base::RotorVector omega_rad_s;
   std::optional<RangeSample> range;

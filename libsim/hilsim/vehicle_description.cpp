@@ -24,7 +24,7 @@ constexpr double kThousand_rad2_s2 = 1e6;  // effectiveness is shown at 1000 rad
   text += '\n';
 }
 
-/// 0 for what is no more than a rounding error of figures near `scale`.
+/// 0 for a value within the rounding error of numbers near `scale`.
 double tidy(double value, double scale) {
   constexpr double kRounding = 1e-8;
   return std::abs(value) < kRounding * scale ? 0.0 : value;
@@ -105,7 +105,7 @@ Eigen::Index rank_of(Eigen::MatrixXd columns) {
   return qr.rank();
 }
 
-/// The effectiveness matrix with a column for each servo: what a radian of tilt adds.
+/// The effectiveness matrix with a column for each servo: its effect per radian of tilt.
 Eigen::MatrixXd with_servos(const base::Vehicle& vehicle) {
   constexpr double kSmall_rad = 1e-3;
   const base::Effectiveness still = vehicle.effectiveness();

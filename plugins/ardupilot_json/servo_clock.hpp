@@ -17,7 +17,7 @@ class ServoClock {
   enum class Kind {
     kNew,       ///< asks for the next period
     kRepeated,  ///< the last answer did not arrive: it is wanted again, without a step
-    kPending,   ///< repeats what is under way
+    kPending,   ///< repeats the request in progress
     kRestart,   ///< counts from the beginning: a firmware that started anew
   };
 

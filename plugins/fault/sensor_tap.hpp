@@ -101,7 +101,7 @@ class SensorTap {
   void end(const SensorFault& fault) {
     std::erase_if(active_, [&fault](const Active& each) { return each.fault == &fault; });
   }
-  /// Lets go what has been held back long enough.
+  /// Delivers samples whose delay has passed.
   void release() {
     while (const auto sample = held_.pop(now_)) interceptor_.deliver(*sample);
   }

@@ -273,7 +273,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   Publisher<FaultOrder> faults_;
   int rotors_ = 0;
   base::SimTime now_{};
-  bool has_all_ = false;  ///< lockstep: what the step is to know was read while it waited
+  bool has_all_ = false;  ///< lockstep: the wait has read all input of this step
   PluginMessages messages_;
   std::vector<Subscription> plugins_;  ///< to what they send of their own accord
   std::uint64_t too_many_ = 0;         ///< messages of plugins that one step had no room for

@@ -29,7 +29,7 @@ class TruthViewer {
   TruthViewer& operator=(const TruthViewer&) = delete;
 
   bool due(base::SimTime now) { return rate_.due(now); }
-  /// Never blocks; what the socket does not take is dropped.
+  /// Never blocks: drops the packet if the socket is full.
   void show(const mavlink::common::HilStateQuaternion& truth);
   /// Back to time zero.
   void reset() { rate_.reset(); }

@@ -33,7 +33,7 @@ class RestDetector {
            (wrench.torque_B - reference_.torque_B).squaredNorm() <= torque_change_ * torque_change_;
   }
   void wake() { quiet_s_ = 0; }
-  /// At rest but for one step: what it touches still moves.
+  /// One step short of rest, because a touching body still moves.
   void almost() { quiet_s_ = std::min(quiet_s_, 0.99 * kQuiet); }
 
  private:

@@ -40,7 +40,7 @@ struct Plane {};
 struct Mesh {
   std::shared_ptr<const TriangleMesh> triangles;
 };
-/// What a shape may be.
+/// Geometry of a shape.
 using Geometry = std::variant<Box, Sphere, Cylinder, Plane, Mesh>;
 
 /// How a shape feels to what touches it; a contact takes the smaller friction of the two.

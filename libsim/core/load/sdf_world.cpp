@@ -99,7 +99,7 @@ std::string uri_in(const std::string& message) {
   return message.substr(begin + 4, end - begin - 4);
 }
 
-/// Turns the DOM into a WorldModel; names what it leaves out.
+/// Turns the DOM into a WorldModel; names omitted parts.
 class Translator {
  public:
   Translator(const fs::path& file, const std::vector<fs::path>& model_path)
@@ -511,7 +511,7 @@ void cas_load_sdf_world(const fs::path& file, const std::vector<fs::path>& given
   model_path.push_back(file.parent_path() / "models");
   for (const fs::path& dir : base::config_dirs()) model_path.push_back(dir / "worlds/models");
   if (!fs::exists(file, error)) throw base::ConfigError(file.string() + ": world cannot be read");
-  sdf::Console::Instance()->SetQuiet(true);  // what it would print comes back as errors
+  sdf::Console::Instance()->SetQuiet(true);  // it returns the same messages as errors
   sdf::ParserConfig parser;
   parser.SetFindCallback([&](const std::string& uri) {
     const auto found = find_model_file(uri, file.parent_path(), model_path);

@@ -16,7 +16,7 @@
 
 namespace cas::sim {
 
-/// What the simulation waits for before a step.
+/// Condition for which the simulation waits before a step.
 enum class PaceMode {
   kRealtime,  ///< the wall clock
   kLockstep,  ///< the controls that are due
@@ -79,7 +79,7 @@ struct VehicleConfig {
   std::vector<PluginConfig> plugins;
 };
 
-/// Everything that makes one run what it is, read from a hilsim configuration file.
+/// Complete configuration of one run, read from a hilsim configuration file.
 struct CAS_SIM_EXPORT SimConfig {
   static constexpr int kSchema = 1;
 
@@ -97,7 +97,7 @@ struct CAS_SIM_EXPORT SimConfig {
   static SimConfig parse(const base::ConfigNode& root);
 };
 
-/// What is not part of the world: set by flags.
+/// Options outside the world's configuration, set by flags.
 struct SimOptions {
   std::filesystem::path output_dir = ".";
   std::vector<std::filesystem::path>

@@ -31,7 +31,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostFound = 512;  // contacts of one pair of shapes that are looked at
 constexpr double kDeepestPush = 5.0;     // m/s: speed at which overlapping bodies are parted
 constexpr double kNoSlip = 1e-9;         // m/s: below, slip has no direction
-constexpr double kStill = 2e-5;          // m: a body that moved less touches what it touched
+constexpr double kStill = 2e-5;          // m: below, a body keeps its contacts
 constexpr double kSlide = 0.1;           // m: the same on a flat mesh, along it
 constexpr double kOnFace = 1 - 1e-6;     // cosine of 0.08 degree: normal of a contact and face
 constexpr unsigned long kOdeSeed = 1;
@@ -92,7 +92,7 @@ class OdeLibrary {
   static inline int users_ = 0;
 };
 
-/// What a geom belongs to; pointed to by the geom.
+/// Body and surface that own a geom; the geom points to it.
 struct Owner {
   std::ptrdiff_t body = -1;  // -1: the world
   std::size_t surface = 0;   // its number
@@ -259,8 +259,8 @@ struct ContactSolver::Impl {
     }
   }
 
-  /// Whether the body touches what it touched when its contacts were looked for: no point of it
-  /// has moved, or on a flat mesh none but along that.
+  /// Whether the body's last contacts still hold: it has not moved since, or on a flat mesh only
+  /// along it.
   static bool touches_the_same(const Body& body) {
     const Eigen::Vector3d moved = from_ode(dBodyGetPosition(body.id)) - body.p_WB;
     const Eigen::Vector3d turned = 2.0 * (attitude(body.id) * body.q_WB.conjugate()).vec();

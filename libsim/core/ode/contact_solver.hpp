@@ -100,7 +100,7 @@ class CAS_SIM_EXPORT ContactSolver {
   /// Messages of ODE since the program started, those of contacts that contradict each other.
   static std::uint64_t complaints();
 
-  /// Seeds ODE's process-wide random numbers and forgets the contacts of before.
+  /// Seeds ODE's process-wide random numbers and forgets earlier contacts.
   void reset();
 
  private:

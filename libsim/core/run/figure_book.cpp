@@ -54,7 +54,8 @@ std::string quoted(std::string_view text) {
   return result + '"';
 }
 
-/// The shortest text that is read as the same number; JSON has none for what is not finite.
+/// The shortest text that is read as the same number; "null" for a non-finite value, which JSON
+/// lacks.
 std::string number(double value) {
   if (!std::isfinite(value)) return "null";
   std::array<char, 32> text{};
