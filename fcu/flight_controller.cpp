@@ -99,10 +99,10 @@ void FlightController::Impl::control(std::uint64_t time_usec, RunTime now) {
   const double dt = time_step(time_usec);
   settle_frame();
 
-  // Where to: the trajectory of the flight mode, or what a failsafe wants instead.
+  // Where to: the trajectory of the flight mode, or that of a failsafe.
   const ControlSetpoint setpoint = next_setpoint(dt, now);
 
-  // How: position and altitude --> attitude --> rates --> what the rotors can give of it.
+  // How: position and altitude --> attitude --> rates --> rotor speeds within limits.
   const MixerResult& output = core.cascade.update(setpoint, core.estimator.state(), dt);
   tell_of_losses();
 

@@ -123,7 +123,7 @@ ControlAllocation::ControlAllocation(const AllocationSetup& setup, RotorSet lost
 void ControlAllocation::invert(const RotorVector& scale) {
   const Index columns = wrench_D_.cols();
   const Index rotors = low_.size();
-  // Servos are for yaw and the sides: what is asked of a tail each moment wears it out.
+  // Servos serve yaw and side force only: constant commands would wear out a tail.
   RotorVector upright = scale;
   upright.tail(columns - rotors).setZero();
   const Inversion lift = pseudo_inverse(wrench_D_.topRows(3), upright);
@@ -352,7 +352,7 @@ MixerResult ControlAllocation::idle() const {
   return result;
 }
 
-// What the rotors can do.
+// Capability of the rotors.
 
 bool ControlAllocation::carries(double thrust_n) const {
   constexpr double kMargin = 0.02;  // of a rotor's full range, to either limit

@@ -37,7 +37,7 @@ RotorLossDetector::RotorLossDetector(const base::Vehicle& vehicle)
     rotor.wake.reset();
     has_servos_ = has_servos_ || rotor.tilt;
   }
-  // What a moment is large against: all that the rotors give, with servos wherever they may stand.
+  // Scale for moments: the largest that the rotors give at any tilt of the servos.
   for (const double end : {-M_PI, M_PI, 0.0}) {
     for (std::size_t i = 0; i < tilt_rad_.size(); ++i)
       tilt_rad_[i] = within(vehicle.rotors[i], end);

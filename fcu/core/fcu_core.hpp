@@ -35,7 +35,7 @@ struct FcuCore {
 
   /// Passes changed parameters on to the parts that use them.
   void apply_params();
-  /// What a flight mode sees now.
+  /// Input of a flight mode at this step.
   TaskContext context(base::RunTime now, double dt) const;
   ArmingInput arming_input(base::RunTime now) const;
   FailsafeInput failsafe_input(base::RunTime now) const;

@@ -22,7 +22,7 @@ struct Sticks {
   double throttle = 0.5;
 };
 
-/// What a flight mode sees at one control step.
+/// Input of a flight mode at one control step.
 struct TaskContext {
   EstimatorState estimate;
   double yaw_rad = 0;  ///< estimated heading
@@ -172,8 +172,8 @@ class ManualTask final : public FlightTask {
   double yaw_rad_ = 0;
 };
 
-/// Follows what a companion streams: trajectory setpoints or attitudes. A stream that falls silent
-/// is a failsafe; the last setpoint is held until then.
+/// Follows a companion's stream of trajectory setpoints or attitudes. A silent stream triggers a
+/// failsafe; until then the last setpoint is held.
 class OffboardTask final : public FlightTask {
  public:
   /// Takes a setpoint; given again and again, before the mode can be entered and while it lasts.

@@ -25,7 +25,7 @@ bool is_relative(MavFrame frame) {
   return frame == MavFrame::kGlobalRelativeAlt || frame == MavFrame::kGlobalRelativeAltInt;
 }
 
-/// The place a command names, in N; what it leaves out is NaN.
+/// The position of a command, in N; omitted components are NaN.
 Vector3d place_of(const Command& command, const CommandTarget& target) {
   Vector3d p_N = unset3();
   const auto& projection = target.estimator.projection();

@@ -37,9 +37,9 @@ struct CommandTarget {
   ParamStore& params;
   const FlightParams& flight;
   bool& reboot_wanted;
-  std::function<TaskContext(base::RunTime now)> context;  ///< what a flight mode sees
+  std::function<TaskContext(base::RunTime now)> context;  ///< input of a flight mode
   std::function<ArmingInput(base::RunTime now)> arming_input;
-  std::function<void()> reset_control;     ///< forgets what the control loops have integrated
+  std::function<void()> reset_control;     ///< clears the integrators of the control loops
   std::function<void()> restart_estimate;  ///< forgets the estimate and begins anew, as at start
 };
 

@@ -154,7 +154,7 @@ base::Duration param_interval(const LineConfig& line) {
   return base::from_seconds(kParamValueBytes / bulk_rate(line, kParamValueBytes));
 }
 
-/// What a message takes of the line.
+/// Size of a message on the line.
 std::size_t packet_bytes(const FileTransferProtocol& message) {
   std::array<std::uint8_t, mav::kMaxPacketBytes> packet{};
   return mav::encode(message, {}, 0, packet);

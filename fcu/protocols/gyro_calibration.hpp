@@ -22,7 +22,7 @@ class GyroCalibration {
  public:
   using Result = mavlink::common::MavResult;
 
-  /// What it works with.
+  /// Its collaborators.
   struct Parts {
     const Commander& commander;
     const Estimator& estimator;

@@ -17,7 +17,7 @@ namespace cas::fcu {
 /// From HIL_SENSOR and HIL_GPS to the estimator; says when a control step is due.
 class SensorInput {
  public:
-  /// What it feeds, and what it goes by. All outlive it.
+  /// Its inputs and outputs. All outlive it.
   struct View {
     Estimator& estimator;
     ControlCascade& cascade;
