@@ -114,8 +114,8 @@ void leave_replay(const RunRequest& request, const RunResult& result, const std:
   }
 }
 
-/// Takes the boards of a run and waits until they have booted; what is wrong with one is the case
-/// of a junit.xml. A run whose boards are not even named rightly leaves no folder.
+/// Takes the boards of a run and waits until they have booted; a board's error becomes the case of
+/// a junit.xml. A run whose boards are not even named rightly leaves no folder.
 /// @throws BoardError, RunStopped, base::ConfigError
 void prepare_boards(const std::vector<FcuChoice>& fcus, const Flags& flags, RunRequest& request,
                     std::optional<FlightBoards>& boards) {

@@ -15,7 +15,7 @@ namespace cas::hils {
 /// Whether a board that is not there is waited for: it is, after something that makes it come back.
 enum class Absence { kFails, kWaits };
 
-/// What is done to a board by whoever holds it.
+/// Actions on a board for the holder of its lock.
 class BoardActions {
  public:
   /// @param logs  folder for the output of hooks; where it is empty or cannot be written to, their
@@ -24,8 +24,8 @@ class BoardActions {
                std::filesystem::path logs)
       : supervisor_(supervisor), list_(list), board_(board), logs_(std::move(logs)) {}
 
-  /// Waits until the board says HEARTBEAT and its version, as long as it may take.
-  /// @return what it said @throws BoardError (kExitBoardAbsent, kExitNoBoot), RunStopped
+  /// Waits for the board's HEARTBEAT and version, at most for its boot time.
+  /// @return its facts @throws BoardError (kExitBoardAbsent, kExitNoBoot), RunStopped
   BoardFacts boot(Absence absence);
 
   /// Each of these waits for the boot that comes of it.

@@ -41,7 +41,7 @@ struct LockState {
   bool held = false;
   bool has_guests = false;             ///< a program uses it below a lock
   std::optional<LockHolder> holder{};  ///< nothing where it has not said so yet
-  std::vector<std::string> heirs{};    ///< the holder has ended: what has its lock
+  std::vector<std::string> heirs{};    ///< once the holder has ended: who has its lock
   std::size_t waiting = 0;             ///< programs in the queue
 };
 LockState look_at_lock(const Board& board, const std::filesystem::path& folder);
@@ -61,7 +61,7 @@ std::string to_words(const LockState& state);
 /// is the first to get the board.
 class BoardLock {
  public:
-  /// @param wait  how long to stand in the queue; nothing: not at all
+  /// @param wait  longest time in the queue; nullopt: does not queue
   /// @throws BoardError (kExitBoardBusy), base::ConfigError
   BoardLock(const Board& board, const std::filesystem::path& folder, const std::string& purpose,
             std::optional<base::Duration> wait);
@@ -71,7 +71,7 @@ class BoardLock {
 
   /// Used below a lock that CAS_BOARD_HOLDER names.
   bool is_guest() const { return !lock_; }
-  /// What a child inherits that shall hold the board, too; -1 of a guest.
+  /// Descriptor for a child that shall hold the board, too; -1 for a guest.
   int descriptor() const { return lock_.get(); }
   /// A child in the background that has inherited the descriptor holds the board from now on.
   void hand_over(pid_t child);

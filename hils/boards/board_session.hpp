@@ -26,7 +26,7 @@ class BoardSession {
   BoardSession& operator=(const BoardSession&) = delete;
 
   const std::filesystem::path& device() const;
-  /// What is known now. @throws base::rpc::ConnectionError, base::rpc::CallError
+  /// The facts known now. @throws base::rpc::ConnectionError, base::rpc::CallError
   BoardFacts look();
   /// Has it say its version again: at first it may not have been ready to.
   void ask_version();

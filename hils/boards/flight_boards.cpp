@@ -30,7 +30,7 @@ std::size_t place_of(const std::string& name, const VehicleNames& vehicles) {
                                       fmt::join(vehicles, ", ")));
 }
 
-/// Looks at what is there without opening it, which a board may take for a restart.
+/// Checks the file without opening it, because opening may restart a board.
 /// @throws base::ConfigError
 void refuse_what_is_no_terminal(const std::string& path) {
   constexpr unsigned kMemoryDevices = 1;  // major number of /dev/null, /dev/zero. Source: [Linux]

@@ -67,10 +67,10 @@ class FlightBoards {
                                            std::optional<unsigned> baud) const;
 
   /// Fetches the newest log of each board whose `log` says so into `out`: board.ulg or, of several
-  /// vehicles, VEHICLE/board.ulg. What came of it is said on standard error.
+  /// vehicles, VEHICLE/board.ulg. Prints the result on standard error.
   /// @throws RunStopped when the user interrupts
   void fetch_logs(const std::filesystem::path& out, const VehicleNames& vehicles) const;
-  /// What that may take.
+  /// Longest time that it may take.
   base::Duration log_time() const;
 
   /// A sentence on a port, given by its path, that is not there; nothing: all are.

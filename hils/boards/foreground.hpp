@@ -14,7 +14,7 @@ struct ForegroundCommand {
   std::vector<std::string> arguments;      ///< a program without a slash is looked for in PATH
   std::vector<std::string> environment{};  ///< "NAME=VALUE", over this program's
   std::filesystem::path folder{};          ///< working folder; empty: this program's
-  int kept = -1;                           ///< descriptor that it and what it starts inherit
+  int kept = -1;                           ///< descriptor that it and its children inherit
 };
 
 /// Runs a command on this program's terminal, where it has one, in a process group of its own, and

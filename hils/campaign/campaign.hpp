@@ -35,7 +35,7 @@ struct CampaignChoice {
   std::vector<std::string> only{};         ///< names of failures; empty: all
 };
 
-/// What a campaign file (config/campaigns/*.yaml) says. Keys are the members' names.
+/// Contents of a campaign file (config/campaigns/*.yaml). Keys are the members' names.
 struct Campaign {
   std::string name;
   std::string description;

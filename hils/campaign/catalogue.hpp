@@ -17,7 +17,7 @@ struct FailureParameter {
   double most = 0;
 };
 
-/// What a failure needs that not every bench has.
+/// Requirement of a failure that not every bench meets.
 enum class FailureNeeds {
   kNothing,
   kPrograms,      ///< casd as a program, which the virtual clock has not
@@ -29,8 +29,8 @@ enum class FailureNeeds {
 struct Failure {
   std::string_view name;
   std::string_view part{};   ///< of the vehicle or the bench: "GPS"
-  std::string_view meaning;  ///< what has gone wrong
-  std::string_view physics;  ///< what that changes in the simulation
+  std::string_view meaning;  ///< the real-world failure
+  std::string_view physics;  ///< its effect in the simulation
   std::string_view source;   ///< where it is known from
   std::vector<FailureParameter> parameters{};
   /// Effects of a scenario's `faults`, YAML with $NAME for parameters. All strike together.

@@ -37,7 +37,7 @@ std::vector<Expectation> parse_expectations(const base::ConfigNode& list);
 /// "lands within 10 m".
 std::string to_string(const Expectation& expectation);
 
-/// What was not as expected, in a sentence; nothing when it was.
+/// The missed expectation, as a sentence; nullopt if it was met.
 std::optional<std::string> miss_of(const Expectation& expectation, const StrikeResponse& response);
 
 }  // namespace cas::hils

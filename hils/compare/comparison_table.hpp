@@ -31,7 +31,7 @@ struct ColumnGroup {
   std::vector<Column> columns;
 };
 
-/// All tables of a comparison: Tables 4 and 5 of [HILS] first, then what it left out.
+/// All tables of a comparison: Tables 4 and 5 of [HILS] first, then figures beyond the paper.
 const std::vector<ColumnGroup>& comparison_groups();
 
 /// Mean and interval over the valid runs that have the figure.

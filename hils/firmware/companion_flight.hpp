@@ -60,7 +60,7 @@ class CompanionFlight {
   void after_look(base::SimTime now);
 
   Answer give(const FlightStep& step, const Vehicle& vehicle);
-  /// Its firmware has started anew: it has forgotten what it was asked for.
+  /// Its firmware has rebooted and forgotten all requests.
   void on_reboot() { asked_for_position_ = false; }
   /// No setpoints any more, once the fence has the vehicle.
   void end_breach();

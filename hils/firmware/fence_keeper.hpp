@@ -26,8 +26,8 @@ class FenceKeeper {
 
   /// Keeps the former values, then sets these. @return why it is not in force
   std::optional<std::string> set(const FenceParams& wanted);
-  /// Gives back what set() has changed, newest first. Gives up where the vehicle does not answer by
-  /// the deadline. @return what was not given back, as a sentence
+  /// Restores the parameters that set() has changed, newest first. Gives up at the deadline if the
+  /// vehicle does not answer. @return a sentence on parameters not restored
   std::optional<std::string> restore(base::RunTime deadline);
 
  private:

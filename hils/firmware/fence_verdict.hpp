@@ -26,8 +26,8 @@ struct FenceFigures {
 /// Takes in how far the true flight went.
 void add_reach(std::span<const PoseSample> truth, FenceFigures& figures);
 
-/// What a flight to the fence is held to: that the vehicle came to it, that the autopilot announced
-/// it, that the truth stays within the fence and its margin, and that the parameters are as before.
+/// Checks of a flight to the fence: the vehicle came to it, the autopilot announced it, the truth
+/// stays within the fence and its margin, and the parameters are restored.
 /// @param flown  the steps as they went, with the one under way: a breach that did not begin is not
 ///   judged
 std::vector<LimitCheck> fence_checks(const Geofence& fence, const FenceFigures& figures,

@@ -20,7 +20,7 @@ namespace cas::hils {
 /// silent because of one.
 class FirmwareFaults {
  public:
-  /// What the faults reach; all outlive them.
+  /// Targets of the faults; all outlive them.
   struct Reach {
     FirmwareBench& bench;
     base::rpc::Client& simulator;
@@ -28,7 +28,7 @@ class FirmwareFaults {
     std::string casd_address;  ///< to connect to it again
     CallList& own_calls;
     /// Called before casd forgets the vehicles.
-    /// @param ends  casd ends, and what it was asked is forgotten, too
+    /// @param ends  casd ends, and forgets its calls, too
     std::function<void(bool ends)> before_forgetting;
   };
 

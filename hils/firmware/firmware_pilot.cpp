@@ -129,8 +129,8 @@ class FirmwarePilot {
     if (const auto fault = silence_fault(vehicle)) plan_.fail(*fault);
   }
 
-  /// casd is about to forget who had a hand in the flight.
-  /// @param ends  also what it was asked
+  /// Keeps casd's list of outside operators, which it is about to forget.
+  /// @param ends  casd ends, and forgets its calls, too
   void keep_hands(bool ends) {
     OutsideHands hands = hands_at_casd();
     if (!ends) {
@@ -257,7 +257,7 @@ class FirmwarePilot {
     return [this](base::Duration time) { supervisor_.wait(time); };
   }
 
-  /// Words of before the breach step are not about it.
+  /// Texts before the breach step are not about the breach.
   void note_breach(const VehicleReport& vehicle) {
     const FlightStep* step = plan_.current();
     const bool under_way = step != nullptr && step->kind == StepKind::kBreach && plan_.begun();
@@ -576,7 +576,7 @@ class FirmwareFleet {
   void go_on_for_a_moment() {
     try {
       deck_.simulator.call("sim.resume", Json::object());
-    } catch (const std::exception&) {  // it may be what has ended
+    } catch (const std::exception&) {  // the simulator itself may have ended
     }
   }
 

@@ -22,7 +22,7 @@ std::optional<std::string> silence_fault(const VehicleReport& vehicle);
 /// Flies the steps of a scenario through casd once its programs run, and looks at the true
 /// positions.
 /// @param links  of each vehicle, where the scenario needs_companion(); else none
-/// @return what is known of each vehicle's flight before its recordings are read
+/// @return figures of each vehicle's flight, without those from its recordings
 std::vector<FirmwareFigures> pilot_firmware(const FirmwareScenario& scenario,
                                             const FirmwarePlaces& places, FirmwareBench& bench,
                                             std::span<const std::unique_ptr<CompanionLink>> links);

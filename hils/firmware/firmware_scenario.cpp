@@ -223,7 +223,7 @@ std::vector<VehicleFault> faults_of(const FirmwareScenario& scenario, std::size_
   return faults;
 }
 
-/// What a scenario adds to the plugins of a vehicle of the world.
+/// Adds the scenario's plugins to those of a vehicle in the world.
 void add_plugins(const FirmwareScenario& scenario, const FirmwarePlaces& places,
                  std::size_t vehicle, YAML::Node plugins) {
   for (const base::ConfigNode& plugin : scenario.plugins) {

@@ -11,8 +11,8 @@
 
 namespace cas::hils {
 
-/// What the flight was held to: that it was completed and recorded, without incidents, and within
-/// each limit of the scenario.
+/// Checks that the flight was completed and recorded, without incidents and within each limit of
+/// the scenario.
 Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures);
 /// One vehicle of a flight.
 struct FirmwareResult {

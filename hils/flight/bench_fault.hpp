@@ -18,8 +18,8 @@
 
 namespace cas::hils {
 
-/// How late a thread goes on after what it waited for, on a machine of the virtual clock:
-/// log-normal, given by its median and its 99th percentile. Both zero: at once.
+/// Delay of a thread's wake-up after its event, on a machine of the virtual clock: log-normal,
+/// given by its median and its 99th percentile. Both zero: at once.
 struct WakeUpFigures {
   double p50_us = 0;
   double p99_us = 0;
@@ -60,7 +60,7 @@ struct CutFault {
 using BenchFaultKind = std::variant<LineFault, UnplugFault, RestartFault, FloodFault, SilenceFault,
                                     StarveFault, ReloadFault, PauseFault, CutFault>;
 
-/// A fault of the bench, not of the vehicle: when it begins, how long it lasts, what it does.
+/// A fault of the bench, not of the vehicle: its begin, duration and effect.
 struct BenchFault {
   std::string name;
   std::size_t vehicle = 0;  ///< whom its condition asks, and whose line it is
@@ -69,7 +69,7 @@ struct BenchFault {
   base::Duration lasting{};
   BenchFaultKind kind;
 
-  /// What is wrong with casd or on the ground hits every vehicle.
+  /// Whether it hits every vehicle: a fault of casd or on the ground.
   bool is_everybodys() const;
 };
 

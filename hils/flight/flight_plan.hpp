@@ -128,10 +128,9 @@ class FlightPlan {
   /// The mission under way, once it is uploaded: where it goes and ends, and the item before its
   /// landing.
   void aim(const HomedMission& mission);
-  /// When the vehicle is to be looked at next, by who can choose. After kLookPeriod if what the
-  /// vehicle does may take the step further; where it only takes its time (hold, trajectory, the
-  /// pause before a refused command is repeated) when that is over, at the latest after
-  /// kLongestLook.
+  /// Time of the next look at the vehicle, for callers who can choose it. After kLookPeriod if the
+  /// vehicle's motion may complete the step; if only time completes it (hold, trajectory, the pause
+  /// before a refused command is repeated) at its end, at the latest after kLongestLook.
   base::SimTime next_look(base::SimTime now) const;
   /// Where the vehicle is to be, north, east, up from where it was armed, and its heading.
   const Eigen::Vector3d& reference_m() const { return reference_m_; }

@@ -59,8 +59,8 @@ struct HomedMission {
 MissionPlan parse_mission(const base::ConfigNode& body);
 
 /// The items as the vehicle takes them.
-/// @param home  its own, as it tells it
-/// @param home_first  ArduPilot: item 0 is home, and nobody flies it
+/// @param home  as the vehicle reports it
+/// @param home_first  ArduPilot: item 0 is home and is not flown
 HomedMission at_home(const MissionPlan& plan, const base::Geodetic& home, bool home_first);
 
 }  // namespace cas::hils

@@ -68,7 +68,7 @@ std::string name_of(const std::array<char, n>& id) {
   return name;
 }
 
-/// Whether a call injects a failure, by what is kept of its parameters.
+/// Whether a call injects a failure, by the kept part of its parameters.
 bool is_failure(const OutsideCall& call) {
   if (call.method != "vehicle.command") return false;
   const json params = json::parse(call.params, nullptr, false);
@@ -99,7 +99,7 @@ class ChangeReader {
       if (tunes && call.accepted) continue;  // where it changed a value, the log has it
       const std::string params = call.params == "{}" ? "" : " " + call.params;
       const std::string what = call.method + params + (call.accepted ? "" : ", refused");
-      // What was done to the simulator counts whenever it was: after a reset it is early again.
+      // Calls to the simulator count at any time: after a reset simulated time is early again.
       if (call.sim_s || is_failure(call)) {
         keep_act(call.sim_s.value_or(seconds(call.log_us)), port_words(call), what);
       } else {

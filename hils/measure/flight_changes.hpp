@@ -36,8 +36,8 @@ using CallList = std::vector<std::pair<std::string, std::string>>;
 std::vector<OutsideCall> outside_calls(const nlohmann::json& journal, CallList own,
                                        const std::string& port = "casd's command port");
 
-/// What a journal that forgets its oldest calls says of them: nobody knows what they did, so they
-/// count as a call from outside. Nothing: it has them all. @param journal  as above
+/// Stands for the calls that a full journal has dropped: their effect is unknown, so they count as
+/// a call from outside. nullopt: the journal is complete. @param journal  as above
 std::optional<OutsideCall> forgotten_calls(const nlohmann::json& journal, const std::string& port);
 
 /// Whether the call does something, and asks no mere question.
@@ -65,7 +65,7 @@ struct OutsideAct {
   std::uint64_t times = 1;
 };
 
-/// What the plan of a flight does not say.
+/// Changes to a flight beside its plan.
 struct FlightChanges {
   std::vector<ParameterChange> parameters;
   std::vector<OutsideAct> acts;

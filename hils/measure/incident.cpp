@@ -96,8 +96,8 @@ class Watch {
   static double seconds(const PoseSample& sample) {
     return static_cast<double>(sample.time_us) * 1e-6;
   }
-  /// A rotor that turned stands still from one sample to the next while others turn: its lag leaves
-  /// one that is switched off turning for longer, and what is disarmed stops as a whole.
+  /// A struck rotor stops from one sample to the next while others turn. A rotor that is switched
+  /// off turns on for its lag, and disarming stops all rotors.
   static std::optional<std::size_t> struck_rotor(const PoseSample& before, const PoseSample& now) {
     const auto turns = [](double omega_rad_s) { return omega_rad_s > 0; };
     if (std::ranges::none_of(now.omega_rad_s, turns)) return std::nullopt;

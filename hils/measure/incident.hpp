@@ -31,11 +31,11 @@ struct Incident {
 };
 
 /// The first incident of each kind in a flight, from its first step to the end of the record.
-/// Ground is where the vehicle stood at the start: over terrain only kCrash tells of a touch.
+/// Ground is the height of the vehicle at the start: over terrain only kCrash detects a touch.
 ///
 /// @param stages  the flight as it went
 /// @param truth   in the order of time
-/// @param from_s  what came earlier is left out
+/// @param from_s  earlier samples are left out
 std::vector<Incident> find_incidents(const std::vector<Stage>& stages,
                                      std::span<const PoseSample> truth, double from_s = 0);
 

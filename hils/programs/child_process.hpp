@@ -32,7 +32,7 @@ class ChildProcess {
     std::string name;                        ///< for messages: "casd"
     std::vector<std::string> arguments;      ///< argv, the program's path first
     std::filesystem::path log_file;          ///< standard output and error
-    bool appends = false;                    ///< to what is in the log file, else it begins anew
+    bool appends = false;                    ///< to the log file, else truncates it
     std::filesystem::path notify_socket{};   ///< empty: it has none, and is ready at once
     bool says_ready = true;                  ///< else it is taken to be ready at once
     std::filesystem::path cwd{};             ///< empty: this process's

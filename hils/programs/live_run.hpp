@@ -67,7 +67,7 @@ class LiveRun {
 
   /// Faults by hand, as acts of others.
   const std::vector<OutsideCall>& calls() const { return calls_; }
-  /// What it asked of the simulator for them.
+  /// Its own calls to the simulator for them.
   const CallList& simulator_calls() const { return simulator_calls_; }
 
  private:

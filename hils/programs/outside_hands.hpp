@@ -24,12 +24,12 @@ struct OutsideHands {
 std::optional<std::string> arm_fault(const OutsideHands& hands);
 
 /// The call or act that counts most, one that disarms before all others: "unix:uid 1000 called
-/// vehicle.disarm". Nothing: nobody else had the vehicle do anything.
+/// vehicle.disarm". nullopt: there was no outside call or act.
 std::optional<std::string> first_hand(const OutsideHands& hands);
 /// That casd does not know all calls any more, as a sentence.
 std::string forgotten_words(const OutsideHands& hands);
 /// " (255/190 on link gcs: command 400 (disarm))" for the sentence of a flight that failed; empty:
-/// nobody else had a hand in it.
+/// there was no outside call or act.
 std::string hands_words(const OutsideHands& hands);
 
 }  // namespace cas::hils

@@ -244,7 +244,7 @@ std::string controllers(const RunRequest& request) {
   return all;
 }
 
-/// The record of a log alone. @param vehicle  what the log has of it
+/// The record of a log alone. @param vehicle  its data from the log
 std::string log_record(const std::filesystem::path& file, const Json& vehicle) {
   Json named{{"name", file.stem().string()}};
   named.update(vehicle);

@@ -18,7 +18,7 @@ std::string replay_record(const RunRequest& request, const RunResult& run);
 /// The record of a flight log alone: no truth, no hops, no verdict. @throws base::ConfigError when
 /// it cannot be read, or no autopilot is in it
 std::string tlog_record(const std::filesystem::path& tlog);
-/// The same of a vehicle's own log, in PX4's ULog format; what it lacks is a line on standard
+/// The same of a vehicle's own log, in PX4's ULog format; losses are named in a line on standard
 /// error. @throws base::ConfigError
 std::string ulog_record(const std::filesystem::path& ulog);
 

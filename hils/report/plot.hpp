@@ -31,7 +31,7 @@ struct Plot {
   std::vector<Series> series{};
   std::vector<Mark> marks{};
   bool log_x = false;                      ///< decades; x must be positive
-  bool log_y = false;                      ///< the same; what is not positive is left out
+  bool log_y = false;                      ///< the same; other values are left out
   bool from_zero = false;                  ///< y axis starts at 0
   bool equal_scales = false;               ///< a unit is as long in x as in y: a map
   std::pair<double, double> shaded{0, 0};  ///< x range with a tint (the measured stretch)

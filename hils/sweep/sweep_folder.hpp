@@ -24,10 +24,10 @@ struct Chunk {
   std::string name() const;  ///< "chunk_2_of_3"
 };
 
-/// The folder of a sweep: the study as it was planned, its table, what has been flown.
+/// The folder of a sweep: the study as planned, its table and the flown runs.
 ///
 ///   study.yaml, scenario.yaml, vehicle_*.yaml   frozen when it was planned
-///   table.csv, plan.json                        the runs; what the folder is
+///   table.csv, plan.json                        the runs; the plan's identity
 ///   journal/chunk_K_of_N.jsonl                  a line for each run, on the disk before the next
 ///   chunks/chunk_K_of_N.csv                     a finished chunk; .machine.csv beside it
 ///   again/row_N/                                runs that were flown once more

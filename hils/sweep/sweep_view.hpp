@@ -13,7 +13,7 @@
 
 namespace cas::hils {
 
-/// A sweep with what has been flown of it, as tables and pages look at it.
+/// A sweep and its results so far, as tables and pages see it.
 struct SweepView {
   SweepFolder sweep;
   std::vector<RowResult> results;  ///< results[i] is row i + 1; row 0 where it has not been flown

@@ -9,7 +9,7 @@
 
 namespace cas::hils {
 
-/// What came of a number of questions. Times in ms; 0 where none was answered.
+/// Round-trip figures of a number of questions. Times in ms; 0 if none was answered.
 struct EchoFigures {
   std::size_t asked = 0;
   std::size_t answered = 0;

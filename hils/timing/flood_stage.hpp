@@ -11,8 +11,8 @@
 
 namespace cas::hils {
 
-/// How many bytes a second the line carries. Never more than a few kilobytes are on their way, so
-/// nothing overflows, whatever the line and its buffers: what is sent is released by answers.
+/// How many bytes a second the line carries. At most a few kilobytes are in flight, and answers
+/// release the next ones, so no line or buffer overflows.
 ///
 ///   to the board:   padding and a question in turn; the answer says that the padding is through
 ///   from the board: questions alone, so that answers and telemetry fill the way back

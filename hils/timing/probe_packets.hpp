@@ -25,7 +25,7 @@ struct EchoedNumber {
 /// The packets of a measurement, collected in the order in which they are to be sent.
 ///
 /// Padding is V2_EXTENSION of a private type, addressed to the autopilot: neither PX4 nor ArduPilot
-/// has a handler for it, and what is addressed to a board it passes on to no other link.
+/// has a handler for it, and a board passes packets addressed to itself on to no other link.
 class ProbePackets {
  public:
   /// Of a system and component that no autopilot, simulator or ground station of CAS has.
@@ -44,7 +44,7 @@ class ProbePackets {
   /// GENERIC: one of a ground station would be missed when it ends.
   void heartbeat();
 
-  /// What is to be sent.
+  /// Bytes to send.
   const std::vector<std::uint8_t>& bytes() const { return bytes_; }
   void drop_first(std::size_t count);
 

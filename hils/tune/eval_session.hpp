@@ -17,7 +17,7 @@ struct EvalOptions {
 /// Reads requests from standard input, a line each, and answers each with one line on standard
 /// output, until the input ends and all has been answered.
 /// @return exit code @throws base::ConfigError where the study is wrong, RunStopped on SIGINT and
-/// SIGTERM, std::runtime_error when nobody reads the answers
+/// SIGTERM, std::runtime_error when standard output is closed
 int eval_lines(const EvalOptions& options);
 
 }  // namespace cas::hils

@@ -45,7 +45,8 @@ class TuneFlights {
   std::filesystem::path scenario(std::size_t index) const;
   bool has_figure(std::size_t scenario, const std::string& name) const;
 
-  /// Flies what has not been flown, several at once. @return results in the order of the flights
+  /// Flies those of the flights that are new, several at once. @return results in the order of the
+  /// flights
   /// @throws RunStopped, base::ConfigError
   std::vector<RowResult> fly(const std::vector<TuneFlight>& flights);
   /// A figure of a flight; not a number where it has none.

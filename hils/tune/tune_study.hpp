@@ -38,8 +38,8 @@ struct TuneParameter {
   double place() const;
 };
 
-/// What is measured over some scenarios: the mean over the seeds of each, of several figures the
-/// root of the sum of their squares; then the worst of the scenarios.
+/// A figure over some scenarios. For each scenario: the mean over the seeds, of several figures the
+/// root of the sum of their squares. Then the worst of the scenarios.
 struct TuneFigure {
   std::string name;
   std::vector<std::string> figures;
@@ -60,7 +60,7 @@ struct Guard {
   std::optional<double> bound{};  ///< nothing: the value before
 };
 
-/// What a study of `hils tune` says (config/studies/tune_*.yaml). Keys are the members' names.
+/// Contents of a study of `hils tune` (config/studies/tune_*.yaml). Keys are the members' names.
 struct TuneStudy {
   std::string name;
   std::string description;

@@ -27,7 +27,7 @@ constexpr std::size_t kHeaderSize = 16;        // magic, version, moment
 constexpr std::size_t kMessageHeaderSize = 3;  // size, type
 constexpr std::size_t kTimestampSize = 8;
 constexpr std::size_t kMostBytes = 65535;  // of a message
-// No log of a vehicle comes near these; they bound what a made-up one can ask for.
+// No log of a vehicle comes near these; they bound the memory for a malicious one.
 constexpr std::size_t kMostFields = 100'000;  // of all subscriptions
 constexpr std::size_t kMostSteps = 100'000;   // to spread topics out: padding counts, too
 constexpr std::size_t kMostNameBytes = 255;
@@ -201,7 +201,7 @@ class Reader {
  private:
   static constexpr std::string_view kSync{"\x08\x00S\x2F\x73\x13\x20\x25\x0C\xBB\x12", 11};
 
-  /// Where what was written in one go ends: data is appended after a crash, say.
+  /// End of the current part of the file: PX4 appends a further part after a crash.
   std::size_t end_of_part() const {
     for (const std::uint64_t offset : appended_) {
       if (offset > at_ && offset < bytes_.size()) return static_cast<std::size_t>(offset);

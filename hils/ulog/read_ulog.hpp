@@ -44,7 +44,7 @@ struct UlogValue {
   double value = 0;
 };
 
-/// What a log says, in the order in which it says it.
+/// Receives the contents of a log in their order.
 class UlogListener {
  public:
   virtual ~UlogListener() = default;

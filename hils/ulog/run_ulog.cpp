@@ -91,7 +91,7 @@ class CsvTrack final : public Track {
   std::optional<SimTime> time_;
 };
 
-/// The flight log: what the vehicle said, at the simulated time at which casd heard it.
+/// The flight log: the vehicle's messages, at the simulated time of their arrival at casd.
 class TlogTrack final : public Track {
  public:
   TlogTrack(const RunRecord& record, sim::UlogFile& file, std::span<const sim::UlogParam> params)
@@ -214,7 +214,7 @@ void write_rangefinder(sim::UlogFile& file, SimTime time, const Row& row) {
         UlogRecord(time).put_float(row[1]).put(row[2] > 0 ? kUnknown : std::int8_t{0}));
 }
 
-/// What the emulated controller began with; empty for a real one, whose file nobody has.
+/// The emulated controller's initial parameters; empty for a real one, whose file is not available.
 std::vector<sim::UlogParam> initial_params(const RunRequest& request, std::size_t vehicle,
                                            const VehiclePlaces& places) {
   std::vector<sim::UlogParam> params;

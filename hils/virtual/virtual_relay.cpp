@@ -23,7 +23,7 @@ constexpr base::Duration kLook = std::chrono::milliseconds(1);
 constexpr std::size_t kTtyBytes = 16'384;
 constexpr std::size_t kSocketBytes = 212'992;
 
-/// A link of the bench, as casd's ports see it. One that nobody has connected takes everything.
+/// A link of the bench, as casd's ports see it. An unconnected link takes everything.
 class BenchWriter final : public casd::PacketWriter {
  public:
   BenchWriter(const VirtualRelay::Write& write, const base::RunTime& now)

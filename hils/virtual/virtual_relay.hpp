@@ -38,18 +38,18 @@ class WakeUp {
 };
 
 /// casd without sockets and threads, moved by the virtual clock. It routes with casd's Router and
-/// VehicleCommander and sends with casd's TxPorts; what it models are the threads, and what they
-/// read. Computing takes no time; lines do.
+/// VehicleCommander and sends with casd's TxPorts; it models the threads and their reads. Computing
+/// takes no time; lines do.
 ///
 ///   receive() --> parser --> Router --> TxPort of each destination --> write
 ///                              +--> own station (VehicleCommander)
 ///
 /// threads: per_link and single are the same here: neither waits for a line. With threads: blocking
 /// the one thread takes, in each turn, all waiting datagrams, reads each line (waiting for the rest
-/// of a packet that has begun) and lets each paced port write a packet and wait for its line; what
-/// arrives meanwhile stays in the kernel's buffers.
+/// of a packet that has begun) and lets each paced port write a packet and wait for its line; bytes
+/// that arrive meanwhile stay in the kernel's buffers.
 ///
-/// A thread that waited goes on a little after what it waited for: the machine's scheduler.
+/// A waiting thread goes on a little after its event: the delay of the machine's scheduler.
 class VirtualRelay final : private casd::LineWait {
  public:
   /// Hands bytes to a link. @return how many it took

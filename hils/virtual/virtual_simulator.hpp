@@ -76,7 +76,7 @@ class VirtualSimulator {
  public:
   using OnBytes = VirtualWire::OnBytes;
 
-  /// @param on_bytes  for each vehicle of the configuration, in its order: hears what it sends
+  /// @param on_bytes  for each vehicle of the configuration, in its order: receives its bytes
   /// @throws base::ConfigError
   VirtualSimulator(sim::SimConfig config, sim::SimOptions options, std::vector<OnBytes> on_bytes);
   VirtualSimulator(const VirtualSimulator&) = delete;
