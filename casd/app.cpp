@@ -297,8 +297,8 @@ struct App::Impl {
   }
 
   /// Lockstep: telemetry wakes the main thread, which would share a processor with the stream, only
-  /// from a client's call to the next turn of the station. Then what the client asks for is new,
-  /// and answers come at once also while the simulation stands.
+  /// from a client's call to the next turn of the station. So the client gets new values, and
+  /// immediate answers even while the simulation is paused.
   void listen_closely() {
     links.local().wake_for_all(true);
     hear(station_now());
@@ -551,7 +551,8 @@ struct App::Impl {
     });
   }
 
-  /// Ends requests to a vehicle whose simulator is paused, and hears what came after the last turn.
+  /// Ends requests to a vehicle whose simulator is paused, and takes packets that arrived after the
+  /// last turn.
   void do_wall_tick() {
     tick_timer.expires_after(kWallTick);
     tick_timer.async_wait([this](boost::system::error_code error) {

@@ -11,7 +11,7 @@ namespace cas::casd {
 /// How often it does what time makes due.
 inline constexpr base::Duration kStationTick = std::chrono::milliseconds(50);
 
-/// What the topology says of it; names and rates of links are left to the caller.
+/// The station's options from the topology; the caller adds names and rates of links.
 CommanderOptions commander_options(const Topology& topology);
 
 }  // namespace cas::casd

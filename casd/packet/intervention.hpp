@@ -15,7 +15,7 @@
 
 namespace cas::casd {
 
-/// What a packet makes a vehicle do.
+/// Effect of a packet on a vehicle.
 struct Act {
   std::string what{};    ///< "command 400 (arm)", "MANUAL_CONTROL"
   mav::Source target{};  ///< 0: every system, every component

@@ -12,7 +12,7 @@
 
 namespace cas::casd {
 
-/// What a packet is to a link that cannot carry everything.
+/// Priority class of a packet on a link that cannot carry everything.
 enum class TrafficClass : std::uint8_t {
   kCommand,    ///< commands, parameters, missions, file transfer, heartbeats, time: never lost
   kHil,        ///< the HIL loop's sensor and actuator packets: worthless when late
@@ -53,7 +53,7 @@ struct Origin {
   std::int16_t group = -1;  ///< of the link; -1: none
 };
 
-/// What the router and the queues need to know of a packet, without its bytes.
+/// Properties of a packet for the router and the queues, without its bytes.
 struct PacketInfo {
   std::uint32_t message_id = 0;
   mav::Source source;

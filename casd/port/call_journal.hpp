@@ -30,8 +30,8 @@ class CallJournal {
     std::uint64_t times = 1;
   };
 
-  /// Parameters longer than kMostParamsBytes are not kept, nor is the rest of a longer refusal: an
-  /// answer of kMost calls stays below what a client may have queued.
+  /// Parameters longer than kMostParamsBytes are dropped and longer refusals cut, so that an answer
+  /// of kMost calls stays below the limit of a client's queue.
   void add(Call call);
 
   /// The newest call came again, with the same end.

@@ -11,7 +11,7 @@
 
 namespace cas::casd {
 
-/// What the methods of the daemon act on.
+/// Objects that the daemon's methods act on.
 struct DaemonHooks {
   /// Reads the topology again. @return why not; nothing when it is in force
   std::function<std::optional<std::string>()> reload;

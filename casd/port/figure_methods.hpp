@@ -24,7 +24,7 @@ namespace cas::casd {
 
 class CallParams;
 
-/// What the figures are taken from.
+/// Sources of the figures.
 struct FiguresSource {
   const LinkFigures* figures = nullptr;
   /// The topology in force; it changes on a reload.

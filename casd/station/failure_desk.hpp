@@ -29,7 +29,7 @@ struct Simulator {
   Path path;
 };
 
-/// What a FailureDesk asks of the rest of casd.
+/// Callbacks of a FailureDesk into the rest of casd.
 struct FailureHooks {
   SendPacket send{};
   /// Whether the topology lets stations on this link inject failures.

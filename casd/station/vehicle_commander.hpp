@@ -57,7 +57,7 @@ struct CommanderOptions {
   CommandTiming command_timing{};
   ParamTiming param_timing{};
   std::function<std::string(LinkId)> link_name{};  ///< for sentences; empty: their numbers
-  /// What the vehicles of a link are asked to send, with `ask_on_sight`; empty: nothing.
+  /// Message rates requested from the vehicles of a link, with `ask_on_sight`; empty: none.
   std::function<std::vector<MessageRate>(LinkId)> request_rates{};
 };
 
@@ -79,8 +79,8 @@ class VehicleCommander final : public Station {
     on_packet(Origin{{link}}, packet, now);
   }
   void tick(base::RunTime now) override;
-  /// Where `now` is simulated and may stand still: now and then by this machine's clock, so that
-  /// what was accepted and does not show ends all the same.
+  /// For a simulated `now`, which may stand still: call it regularly with this machine's clock, so
+  /// that an accepted command without effect still times out.
   void wall_tick(base::RunTime wall);
   void on_text(OnText callback) { on_text_ = std::move(callback); }
   /// Takes MAV_CMD_INJECT_FAILURE that command() is to send: no vehicle gets it.

@@ -50,7 +50,7 @@ struct KnownVehicle {
   ParamExchange params;
   TakeoffHeight takeoff_height{params};
   std::uint64_t texts_seen = 0;
-  base::RunTime asked_at{};   ///< when it was last asked for what it may not send by itself
+  base::RunTime asked_at{};   ///< when missing messages were last requested
   base::RunTime told_at{};    ///< when it last sent something else than HEARTBEAT
   base::Duration beat_at{};   ///< its own clock at the newest HEARTBEAT that was sent
   base::RunTime beat_sent{};  ///< the same by this machine's

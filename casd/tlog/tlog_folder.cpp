@@ -21,7 +21,7 @@
 namespace cas::casd {
 namespace {
 
-constexpr mode_t kNewFolder = 0777;  // less what the process's umask takes away
+constexpr mode_t kNewFolder = 0777;  // masked by the process's umask
 constexpr mode_t kNewFile = 0644;
 
 base::Descriptor open_folder(const std::filesystem::path& path) {

@@ -60,9 +60,9 @@ class TlogWriter {
   using Done =
       std::function<void(const std::optional<std::string>& fault, const TlogStatus& status)>;
 
-  /// Begins a recording and ends the one before, without waiting for the disk. It begins with what
-  /// was kept while it stood by. Where its file cannot be made, nothing has changed but that the
-  /// recording before has ended. @throws base::ConfigError when no thread to write it can be made
+  /// Begins a recording and ends the one before, without waiting for the disk. It begins with the
+  /// packets kept in standby. If its file cannot be made, only the previous recording has ended.
+  /// @throws base::ConfigError when no thread to write it can be made
   void start(TlogRecording::Options options, Done done);
   /// The same, and waits for the disk. @throws base::ConfigError also when its file cannot be made
   void start(TlogRecording::Options options);

@@ -19,7 +19,7 @@ struct CounterWords {
   std::string_view narrow{};   ///< column of the monitor; empty: not shown there
   int rank = 0;                ///< of that column: those of a higher rank go first for lack of room
   std::string_view cause{};    ///< in link.drops; empty: packets that count here are not dropped
-  std::string_view trouble{};  ///< what the doctor says when it grows; empty: nothing
+  std::string_view trouble{};  ///< the doctor's text when it grows; empty: none
   std::string_view remedy{};
   bool bad = false;  ///< trouble that stops a run, not only a warning
 };

@@ -14,8 +14,8 @@
 
 namespace cas::casctl {
 
-// What the monitor asks casd, each function over a connection of its own, so that it may run beside
-// the screen. None throws: the answer holds the error.
+// The monitor's queries of casd, each function over a connection of its own, so that it may run
+// beside the screen. None throws: the answer holds the error.
 
 /// Seconds of the steady clock.
 double now_s();

@@ -11,12 +11,12 @@
 namespace cas::casctl {
 
 /// The line that is typed at the bottom of the screen: a filter, a command, or the gains of a loop.
-/// Pure: keys and words come in, what is to be done goes out.
+/// Pure: keys and words come in, a Result goes out.
 class EntryLine {
  public:
   enum class Kind { kNone, kFilter, kCommand, kGain };
 
-  /// What a key led to.
+  /// Effect of a key.
   struct Result {
     bool ended = false;                    ///< the line is closed
     std::optional<std::string> filter{};   ///< to be shown from now on

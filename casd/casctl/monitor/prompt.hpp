@@ -16,10 +16,10 @@ struct PromptCall {
   nlohmann::json params = nlohmann::json::object();
   bool of_vehicle = true;  ///< else of casd itself
 };
-/// @return the call, or a sentence that says what is wrong
+/// @return the call, or an error sentence
 std::variant<PromptCall, std::string> parse_prompt(const std::string& line);
 
-/// What came of a call, in a few words: "roll: P 6.4 -> 6.5", "done".
+/// Result of a call, in a few words: "roll: P 6.4 -> 6.5", "done".
 std::string answer_text(const PromptCall& call, const nlohmann::json& result);
 
 /// The words that completion offers as a verb's first argument.

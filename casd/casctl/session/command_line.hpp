@@ -48,7 +48,7 @@ class Verb {
                       const std::string& help) const;
   Argument add_option(const std::string& name, std::vector<double>& value,
                       const std::string& help) const;
-  /// Looks at the values together. @param fault  returns what is wrong with them; empty: nothing
+  /// Checks the values together. @param fault  returns an error text; empty: they are valid
   void add_check(std::function<std::string()> fault) const;
 
  private:

@@ -154,7 +154,7 @@ json Session::vehicle_call(const std::string& method, json params) {
 
 namespace {
 
-/// What a person may do about a state that does not come.
+/// Advice on a state that does not come.
 std::string advice(const std::string& what, const json& state) {
   const double age_s = state.value("heartbeat_age_s", 0.0);
   if (age_s > state.value("silent_after_s", 3.0)) {
