@@ -83,7 +83,7 @@ class Loader final {
     return std::move(dialect_);
   }
 
-  /// Depth first: what a file includes is merged before the file itself.
+  /// Depth first: the includes of a file are merged before the file itself.
   void load_file(const fs::path& path, std::uint32_t file) {
     std::string why;
     const auto text = read_file(path, why);

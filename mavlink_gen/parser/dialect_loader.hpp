@@ -20,7 +20,7 @@ inline constexpr std::size_t kMaxFileBytes = 64U << 20U;
 /// @return nothing when an error was reported
 std::optional<Dialect> load_dialect(const std::filesystem::path& file, Diagnostics& diagnostics);
 
-/// Likewise, from text in memory; an <include> is an error.
+/// The same from text in memory; an <include> is an error.
 std::optional<Dialect> parse_dialect(std::string_view text, std::string_view name,
                                      Diagnostics& diagnostics);
 

@@ -24,7 +24,7 @@ struct ParsedFile {
   std::vector<Message> messages;
 };
 
-/// Turns the tree of one file into enums and messages and reports what the schema does not allow.
+/// Turns the tree of one file into enums and messages and reports violations of the schema.
 ParsedFile parse_file(const Element& root, Diagnostics& diagnostics);
 
 }  // namespace cas::mav::xml

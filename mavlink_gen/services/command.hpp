@@ -45,7 +45,7 @@ VehicleCommand interval_command(std::uint32_t message_id, double period_us);
 
 /// Whether a command may start motors.
 bool spins(const VehicleCommand& command);
-/// Whether a command disarms or ends the flight, or may do so: PX4 rounds what is to be 0 or 1.
+/// Whether a command disarms or ends the flight, or may do so: PX4 rounds the parameter to 0 or 1.
 bool stops(const VehicleCommand& command);
 
 }  // namespace cas::mav::services

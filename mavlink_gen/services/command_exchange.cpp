@@ -84,7 +84,7 @@ void CommandExchange::start(const VehicleCommand& command, Time now, Done done, 
   transmit(active_.back(), now);
 }
 
-/// Ends what is under way or waits under this id.
+/// Ends the active or waiting command of this id.
 void CommandExchange::replace(MavCmd id, Time now) {
   const auto found = find(id);
   if (found == active_.end()) return;
@@ -156,7 +156,7 @@ void CommandExchange::on_heartbeat(Time now) {
 /// none until the deadline.
 void CommandExchange::end_doubt(std::list<Request>::iterator request, Time now,
                                 const std::string& within) {
-  // What it showed before the acknowledgement is no answer.
+  // A state from before the acknowledgement is no answer.
   const std::optional<std::string> instead = request->heard ? request->doubt() : std::nullopt;
   const std::string what = describe(request->command.id) + " was accepted";
   Outcome outcome;

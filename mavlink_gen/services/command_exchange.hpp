@@ -47,8 +47,8 @@ class CommandExchange {
   using Send = std::function<void(const Message&)>;
   /// Asked before each transmission. @return why the command may not be sent, if so
   using Objection = std::function<std::optional<Outcome>(Time)>;
-  /// Asked at each HEARTBEAT after the acknowledgement. @return what the vehicle shows instead
-  /// ("it is in HOLD"); nothing once the command has taken effect
+  /// Asked at each HEARTBEAT after the acknowledgement. @return the vehicle's other state ("it is
+  /// in HOLD"); nullopt once the command has taken effect
   using Doubt = std::function<std::optional<std::string>()>;
 
   explicit CommandExchange(Send send, CommandTiming timing = {})

@@ -222,7 +222,7 @@ void FtpExchange::on_open(const FtpPayload& answer, Time now) {
   read_on(now);
 }
 
-/// Asks for what is missing: the rest of the file by a burst, a gap before it by a read.
+/// Asks for missing bytes: the rest of the file by a burst, a gap before it by a read.
 void FtpExchange::read_on(Time now) {
   Transfer& transfer = *transfer_;
   if (transfer.gaps.empty()) return ask(Opcode::kTerminatesession, now);
@@ -259,7 +259,7 @@ void FtpExchange::on_burst(const FtpPayload& answer, Time now) {
   const bool waiting = transfer.last.opcode == Opcode::kBurstreadfile;
   if (nak) {
     if (!waiting) return;
-    // Of an older burst the end may be late: what is missing is asked for, whichever it was.
+    // The end may belong to an older burst and be late: ask for missing bytes in either case.
     if (failure_of(answer).code == MavFtpErr::kEof) return read_on(now);
     return on_nak(answer, now);
   }
