@@ -122,7 +122,7 @@ std::filesystem::path token_file(const Flags& flags, const Address& address) {
   return base::rpc::make_runtime_folder() / kTokenFile;
 }
 
-/// The token is shown on a terminal alone: a journal keeps what it is told.
+/// The token is shown only on a terminal: a journal would keep it.
 void tell_address(const std::string& url, const std::string& token,
                   const std::filesystem::path& file, const std::string& address_file) {
   const std::string whole = url + "#k=" + token;

@@ -25,7 +25,7 @@ struct PageAccess {
   bool read_only = false;
 };
 
-/// One watched message: what was asked for, and the samples that have not been sent.
+/// One watched message: the request, and the samples that have not been sent.
 struct ValueWatch {
   std::string link;
   std::string message;
@@ -38,7 +38,7 @@ struct ValueWatch {
   std::uint64_t seen = 0;              ///< count of the packet sampled last
 };
 
-/// One page behind its socket: its calls, what it watches, and what it may do. No socket in it.
+/// One page behind its socket: its calls, watches and rights. No socket in it.
 class PageClient final : public base::rpc::Peer, public std::enable_shared_from_this<PageClient> {
  public:
   using Text = std::shared_ptr<const std::string>;

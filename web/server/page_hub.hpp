@@ -47,14 +47,14 @@ class PageHub {
   /// The run of hils that is shown; nullptr where none is.
   Upstream* hils();
 
-  /// A page that has said hello gets events and what it waits for, until it is gone.
+  /// A page that has said hello gets events and the topics it waits for, until it is gone.
   void add(const std::shared_ptr<PageClient>& client);
   /// Highest rate of a topic, Hz; nothing for one that there is not.
   std::optional<double> rate_of(const std::string& topic) const;
   /// Some page waits for this topic.
   void on_wanted(const std::string& topic);
 
-  /// Answer to `hello`, but for what is the page's own.
+  /// Answer to `hello`, without the page's own part.
   base::rpc::Json greeting() const;
   /// Answer to `bench.status`.
   base::rpc::Json bench_status() const;

@@ -17,7 +17,7 @@ class SnapshotFlow {
  public:
   explicit SnapshotFlow(double hz) { set_rate(hz); }
 
-  /// What is in flight stays so.
+  /// Keeps snapshots in flight.
   void set_rate(double hz) { period_ = base::from_seconds(1 / hz); }
 
   /// Whether a snapshot that is there now is to be sent. A little early counts as on time, so that
