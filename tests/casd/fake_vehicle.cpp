@@ -55,7 +55,7 @@ void FakeVehicle::take_mode(const CommandLong& command) {
   custom_mode = autopilot == MavAutopilot::kPx4 ? main << 16 | sub << 24 : main;
 }
 
-/// What it would have said by itself is not said.
+/// Drops queued messages, too.
 void FakeVehicle::fall_silent(MavCmd command) {
   if (command != script.silent_from) return;
   silent_ = true;

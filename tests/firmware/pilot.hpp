@@ -47,7 +47,7 @@ class Pilot {
   /// The height above home at the end of the hover.
   double hover_altitude_m() const { return hover_altitude_m_; }
   const std::string& failure() const { return failure_; }
-  /// How far it got, and what it was told, for a test that failed.
+  /// Its stage and the last refusal, for a failed test.
   std::string story() const {
     return "stage " + std::to_string(static_cast<int>(stage_)) + "; " + failure_ +
            (refusals_.empty() ? "" : "; last refusal: " + refusals_.back().message);

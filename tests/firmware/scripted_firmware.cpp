@@ -101,7 +101,7 @@ ScriptedPx4::Options px4_options(const std::string& word) {
   if (word == "unfenced" || word == "mute") return {.fence = fence_manner(word)};
   // Hears no more setpoints 4 s after the first.
   if (word == "deaf") return {.loses_setpoints_after = seconds(4)};
-  // Says that it has flown what it has not.
+  // Reports flights that it has not flown.
   if (word == "skips-waypoints") return {.lie = Px4Lie::kSkipsWaypoints};
   if (word == "ignores-setpoints") return {.lie = Px4Lie::kIgnoresSetpoints};
   if (word == "lands-in-words") return {.lie = Px4Lie::kLandsInWords};

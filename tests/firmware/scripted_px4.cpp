@@ -242,7 +242,7 @@ void ScriptedPx4::on_controller_packet(std::span<const std::uint8_t> bytes) {
     if (options_.mode == Px4Mode::kSitl) return ground_.send(in_software(*heartbeat));
     if (terminated_) return ground_.send(*heartbeat);
   }
-  // To what it has told itself.
+  // An answer to its own command.
   const auto ack = mav::decode<mv::CommandAck>(packet);
   if (ack && ack->target_system == options_.system) return;
   if (!lies(packet) && !say_v1_12(packet) && !say_who_disarmed(packet)) ground_.forward(bytes);
@@ -359,7 +359,7 @@ bool ScriptedPx4::loses(const mav::PacketView& packet) {
          clock_ - *first_setpoint_at_ > *options_.loses_setpoints_after;
 }
 
-/// What it is told, as a liar hears it.
+/// Falsifies messages to a lying vehicle.
 bool ScriptedPx4::twists(const mav::PacketView& packet) {
   const auto hear = [&](const auto& message) {
     mav::Encoder as_sender{packet.source};
@@ -397,7 +397,7 @@ bool ScriptedPx4::twists(const mav::PacketView& packet) {
   return hear(*command);
 }
 
-/// What it says of itself while it lies.
+/// Falsifies a lying vehicle's own messages.
 bool ScriptedPx4::lies(const mav::PacketView& packet) {
   if (!lies_now_) return false;
   if (auto state = mav::decode<mv::ExtendedSysState>(packet);

@@ -74,7 +74,7 @@ class ScriptedPx4 {
     base::RunTime takes_off_after{};
     /// SITL: accepts arming and takeoff, and stays on the ground until it has disarmed itself once.
     bool stays_at_first = false;
-    /// SITL: what is armed and does not take off disarms itself after this long (v1.12.0).
+    /// SITL: an armed vehicle that does not take off disarms itself after this time (v1.12.0).
     base::Duration disarms_itself_after = std::chrono::seconds(8);
     /// SITL: somebody stops it at its board so long after it was armed, while it refuses to take
     /// off. Nothing but the HEARTBEAT shows it.
@@ -82,7 +82,7 @@ class ScriptedPx4 {
     /// Hears no setpoint any more so long after the first (v1.16.1: COM_OF_LOSS_T later OFFBOARD is
     /// over).
     std::optional<base::Duration> loses_setpoints_after{};
-    /// Says that it has flown what it has not.
+    /// Reports flights that it has not flown.
     Px4Lie lie = Px4Lie::kNone;
     /// Says who disarmed it ("Disarmed by ..."), as v1.12.0 and v1.16.1 do.
     bool tells_who_disarms = true;

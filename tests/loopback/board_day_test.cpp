@@ -101,7 +101,7 @@ TEST(BoardDay, LockFlashBootFlyCrashPowerCycleFlyAgain) {
   EXPECT_NE(shelf.said("first/junit.xml").find("<failure message=\"board &apos;a&apos; is not"),
             std::string::npos);
 
-  // Nobody can fly it.
+  // It cannot be flown.
   const ShelfAnswer gone =
       shelf.hils({"run", hop, "--fcu", "a", "--out", (shelf.folder / "gone").string()}, {ticket});
   EXPECT_EQ(gone.code, kAbsent) << gone.text;

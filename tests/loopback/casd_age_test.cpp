@@ -28,7 +28,7 @@ constexpr std::uint32_t kCommandLong = mavlink::common::CommandLong::kId;
 constexpr base::Duration kSensorAge = milliseconds(25);  // the defaults of `queue`
 constexpr base::Duration kStickAge = milliseconds(500);
 constexpr base::Duration kStall = milliseconds(2000);
-/// What a busy machine may add to any time.
+/// Most that a busy machine may add to any time.
 constexpr base::Duration kBusy = milliseconds(300);
 
 mavlink::common::ManualControl stick(std::uint64_t number) {
@@ -90,7 +90,7 @@ class Streams {
   std::thread thread_;
 };
 
-/// What the controller read, and when.
+/// Packets that the controller read, with their times.
 class Controller {
  public:
   struct Arrival {

@@ -40,7 +40,7 @@ using nlohmann::json;
 constexpr const char* kStatus = R"({"jsonrpc":"2.0","id":1,"method":"casd.status"})";
 constexpr const char* kLinks = "links:\n  - {name: a, type: udp, local: '127.0.0.1:0'}\n";
 
-/// casd and casctl in a session of their own, with a runtime folder that nobody else uses.
+/// casd and casctl in a session of their own, with a runtime folder of their own.
 class CommandPort : public testing::Test {
  protected:
   static std::vector<std::string> in_session(const fs::path& session, const std::string& program,
@@ -285,7 +285,7 @@ class Impostor {
   ~Impostor() { end(); }
 
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
-  /// Ends. @return what it was told
+  /// Ends. @return the text that it received
   std::string end() {
     ::shutdown(fd_, SHUT_RDWR);
     if (thread_.joinable()) {
@@ -367,7 +367,7 @@ TEST_F(CommandPort, CasctlTellsACasdOfBeforeNothingEither) {
 
 TEST_F(CommandPort, AnImpostorCannotPassTheProofOn) {
   start("{port: 0}");
-  // It asks the real casd, at another port, for what it is to answer.
+  // It passes requests to the real casd, at another port, and returns its answers.
   std::optional<RawClient> real;  // casd waits 10 s for the token: no sooner than it must
   Impostor impostor([&](const json& request) -> json {
     if (!real) real.emplace(port());

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Garbage and half packets on every kind of link: what is whole goes on, nothing else does, and the
-// link stays up.
+// Garbage and half packets on every kind of link: only whole packets go on, and the link stays up.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -14,8 +13,8 @@ namespace {
 
 constexpr std::uint64_t kPackets = 200;
 
-/// Packets in datagrams that are sent before the simulator must have them all: with what is between
-/// them fewer than the buffer of a socket holds, so that a casd that runs late loses none.
+/// Packets in datagrams that are sent before the simulator must have them all. With the garbage
+/// between them they fit into a socket's buffer, so that a late casd loses none.
 constexpr std::uint64_t kAtOnce = 20;
 
 /// Sends whole packets with random bytes and packets cut short between them, and looks at what

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The shipped topologies, in the real casd: what a ground station may say, and what it may not.
+// The shipped topologies, in the real casd: messages that a ground station may and may not send.
 #include <gtest/gtest.h>
 
 #include <array>

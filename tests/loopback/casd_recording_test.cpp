@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Recordings of the real casd: where they may lie, and what a full disk does to them.
+// Recordings of the real casd: their folders, and the effect of a full disk.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the real casd asks a vehicle to send, by `request_rates` of its link.
+// Message rates that the real casd requests from a vehicle, by `request_rates` of its link.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -184,7 +184,7 @@ MissionExchange::Items mission(std::int32_t first_x) {
   return items;
 }
 
-/// What a vehicle keeps of items.
+/// The parts of items that a vehicle keeps.
 std::vector<std::array<double, 4>> places(const MissionExchange::Items& items) {
   std::vector<std::array<double, 4>> all;
   for (const MissionItemInt& item : items) {
@@ -425,7 +425,7 @@ TEST_P(CasdServices, ASecondUploadIsDeniedUntilTheFirstHasEnded) {
   expect_nobody_heard_others();
 }
 
-/// MAVLink cannot tell them apart: both get what is for either, and each finds its own in it.
+/// MAVLink cannot tell them apart: both get the packets for either, and each finds its own.
 TEST_P(CasdServices, TwoStationsWithTheSameIdsBothReadFilesAndMissions) {
   Station& one = add_udp({255, 190}, 0);
   Station& other = add_udp({255, 190}, 30'000);

@@ -67,7 +67,7 @@ class Station {
   std::uint16_t port() const { return port_; }
   void send_to(std::uint16_t port) { peer_ = loopback(port); }
 
-  /// Says that it is there, asks the vehicle for its parameters, and reads what has come.
+  /// Sends a HEARTBEAT, requests the vehicle's parameters, and reads all waiting packets.
   void speak_and_hear() {
     mv::Heartbeat heartbeat;
     heartbeat.type = mv::MavType::kGcs;
@@ -120,7 +120,7 @@ class Station {
   PacketStream stream_;
 };
 
-/// Programs in a session of their own, with a runtime folder that nobody else uses.
+/// Programs in a session of their own, with a runtime folder of their own.
 class HilsWatch : public testing::Test {
  protected:
   std::vector<std::string> in_session(const std::string& program,
@@ -271,7 +271,7 @@ TEST_F(HilsWatch, APageShowsTheRunAtTheAddressInTheFileThatItNames) {
            page.call("casd.status", nlohmann::json::object()).contains("result");
   })) << page.call("bench.status", nlohmann::json::object());
 
-  // What a person does: a pause, and a fault that is too short to hurt.
+  // Actions of a person: a pause, and a fault that is too short to hurt.
   EXPECT_TRUE(page.call("sim.pause", nlohmann::json::object()).contains("result"));
   EXPECT_TRUE(page.call("sim.resume", nlohmann::json::object()).contains("result"));
   const nlohmann::json fault{{"name", "no fix"}, {"drop", "gps"}, {"for_s", 0.05}};

@@ -89,7 +89,7 @@ class ShortGap : public testing::Test {
     }
     return std::nullopt;
   }
-  /// What has come so far is of before.
+  /// Drops packets from before the gap.
   void forget() {
     PacketStream old;
     line_.read(old);
@@ -108,8 +108,8 @@ class ShortGap : public testing::Test {
     });
   }
 
-  /// Makes a gap several times. On a busy machine the quickest return counts: what is slow by
-  /// itself, a back-off or a time-out, is slow each time.
+  /// Makes a gap several times. On a busy machine the quickest return counts: a cause in casd, a
+  /// back-off or a time-out, is slow each time.
   template <class Gap>
   void expect_quick_return(Gap&& gap) {
     std::vector<base::Duration> times;

@@ -53,7 +53,7 @@ class WebPage {
   void ack(const std::string& topic, const nlohmann::json& params);
   /// Waits until the other end closes. @return its code
   std::optional<int> wait_closed();
-  /// Frames that have come and that nobody waited for.
+  /// Received frames that no call waited for.
   const std::vector<nlohmann::json>& kept() const { return kept_; }
 
  private:

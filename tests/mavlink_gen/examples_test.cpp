@@ -34,7 +34,7 @@ class Recording {
     const auto packet = encode_packet_(message);
     text_.append(packet.begin(), packet.end());
   }
-  /// Likewise, as a record of a telemetry log.
+  /// The same, as a record of a telemetry log.
   template <class Message>
   void add_at(std::uint64_t time_us, const Message& message) {
     std::vector<std::uint8_t> record;

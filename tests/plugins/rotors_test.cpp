@@ -204,7 +204,7 @@ TEST(AxialThrust, IsWhatBladeAndMomentumAgreeOn) {
     const double s = (-kSlope + std::sqrt(kSlope * kSlope + 4 * right)) / 2;
     EXPECT_NEAR(thrust.share(climb), s * s - climb * climb / 4, kTable) << climb;
   }
-  // In descent: what it says fits the book's induced velocity for that thrust.
+  // In descent: the model fits the book's induced velocity for that thrust.
   for (const double climb : {-0.3, -0.8, -1.2, -2.0, -4.0}) {
     const double t = thrust.share(climb);
     const double root = std::sqrt(t);

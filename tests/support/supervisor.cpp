@@ -165,7 +165,7 @@ void Supervisor::start() {
   state_ = State::kStarting;
 }
 
-/// What the program tells: READY=1 with its STATUS, WATCHDOG=1.
+/// Reads the program's notifications: READY=1 with its STATUS, WATCHDOG=1.
 void Supervisor::listen() {
   std::array<char, 4096> text;
   for (;;) {

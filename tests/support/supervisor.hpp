@@ -22,8 +22,8 @@ namespace cas::test {
 
 /// Keeps one program running as systemd does with a unit of Type=notify: it waits for READY=1,
 /// starts the program again after a failure, RestartSec later, ends it when its watchdog is not
-/// fed, and gives up at the start limit. Its times are those of the unit file. What it does not
-/// have: sandbox, user and dependencies.
+/// fed, and gives up at the start limit. Its times are those of the unit file. It lacks sandbox,
+/// user and dependencies.
 class Supervisor {
  public:
   enum class State { kStarting, kRunning, kWaiting, kStopped, kFailed };

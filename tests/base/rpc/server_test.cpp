@@ -140,7 +140,7 @@ TEST(Server, ClosingEndsAllConnections) {
   EXPECT_TRUE(server.wait_for_kept(1));
   server.run([&] { server.server().close(); });
   EXPECT_TRUE(client.closed_by_server());
-  server.answer_kept();  // to nobody
+  server.answer_kept();  // its client has left
 }
 
 TEST(Server, AMethodMayCloseTheServer) {

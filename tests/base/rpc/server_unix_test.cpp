@@ -26,7 +26,7 @@ void listen_unix(RunningServer& server, const fs::path& path) {
   server.run([&] { server.server().listen_unix(path); });
 }
 
-/// Leaves a socket file behind that nobody listens on.
+/// Leaves a socket file without a listener behind.
 void leave_stale_socket(const fs::path& path) {
   const int fd = ::socket(AF_UNIX, SOCK_STREAM, 0);
   sockaddr_un address{};

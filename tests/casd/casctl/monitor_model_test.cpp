@@ -244,7 +244,7 @@ TEST_F(MonitorModelTest, ShowsTheNextOfSeveralVehicles) {
   model_.cycle_vehicle();
   EXPECT_EQ(model_.state().chosen_vehicle, 2);
   EXPECT_TRUE(shows("LAND"));
-  EXPECT_FALSE(shows("2.52 m"));  // what is known of the other one
+  EXPECT_FALSE(shows("2.52 m"));  // the other one's altitude
   model_.cycle_vehicle();
   EXPECT_EQ(model_.state().chosen_vehicle, 1);
 }

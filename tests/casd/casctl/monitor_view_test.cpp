@@ -67,7 +67,7 @@ void open_attitude(MonitorModel& model) {
   }
 }
 
-/// A state of the monitor, by what was done to the busy bench.
+/// A state of the monitor, by its change from the busy bench.
 struct ViewCase {
   const char* name;
   std::function<void(MonitorModel&)> change;
@@ -154,7 +154,7 @@ TEST_P(MonitorView, HasATitleBarAcrossTheWholeWidth) {
   }
 }
 
-/// What is said only where something has no room.
+/// Words that appear only where something has no room.
 const std::set<std::string> kOfLittleRoom{"complaint", "complaints", "more", "(key", "a)",
                                           "show",      "the",        "rest", "and",  "lines"};
 

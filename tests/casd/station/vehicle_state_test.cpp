@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a vehicle that will not arm is told to lack, and how stock firmware is armed.
+// Complaints of a vehicle that will not arm, and arming of stock firmware.
 #include "casd/station/vehicle_state.hpp"
 
 #include <gtest/gtest.h>

@@ -177,7 +177,7 @@ TEST_F(RecorderTest, CountsWhatTheDiskDidNotTakeAndOnlyWhatItTook) {
   EXPECT_EQ(status.recorded, in_files);
 }
 
-/// What is ordered one after the other without waiting lands where it belongs.
+/// Orders that do not wait for each other land in the right files.
 TEST_F(RecorderTest, KeepsFlightsApartThatTheDiskHasNotSeenYet) {
   Recorder recorder = make({.tlog = "wing", .while_armed = true});
   recorder.begin();

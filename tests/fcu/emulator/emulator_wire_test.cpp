@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a ground station hears from fcu_emulator when it does nothing but listen, ask and ping.
+// fcu_emulator's messages to a ground station that only listens, requests and pings.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -51,10 +51,9 @@ class EmulatorFixture {
   /// Stands still until the controller may be armed.
   void settle();
 
-  // From the controller.
-  /// Reads what has come. @return whether there was anything
+  /// From the controller. Reads all waiting input. @return whether there was any
   bool read();
-  /// The next packet of this message that meets the condition; what comes before it is dropped.
+  /// The next packet of this message that meets the condition; earlier ones are dropped.
   template <class Message>
   std::optional<Message> next(const std::function<bool(const Message&)>& condition = {},
                               const std::function<void(const mav::PacketView&)>& dropped = {},
@@ -99,7 +98,7 @@ class EmulatorFixture {
                                 });
     return out;
   }
-  /// Drops what has come so far.
+  /// Drops all packets so far.
   void forget();
 
   /// Calls a method of the control socket.

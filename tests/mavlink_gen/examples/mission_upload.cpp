@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Uploads way-points, LATITUDE LONGITUDE HEIGHT in each line of standard input, to the autopilot
-// 1/1 at the other end of a serial line, then prints what it has:
+// 1/1 at the other end of a serial line, then prints the autopilot's mission:
 //
 //   echo 47.3977420 8.5455940 10 | mavlink_mission_upload /dev/ttyACM0
 //   0: 47.3977420 8.5455940 10.0
