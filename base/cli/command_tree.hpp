@@ -14,7 +14,7 @@ struct Argument {
   std::string value;               ///< its value's type, "TEXT"; empty for a flag
   std::string description;
   std::string fallback;     ///< default, as printed in the help
-  std::string environment;  ///< variable that stands in for it
+  std::string environment;  ///< environment variable in its place
   bool positional = false;
   bool required = false;
 };

@@ -10,7 +10,7 @@ class App;
 
 namespace cas::base::cli {
 
-/// A verb of a program. What its flags fill lives as long as `run`.
+/// A verb of a program. The variables of its flags live as long as `run`.
 struct Verb {
   const CLI::App* asked;     ///< of the program's command line
   std::function<int()> run;  ///< runs the verb; @return exit code

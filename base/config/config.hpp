@@ -32,7 +32,7 @@ class CAS_BASE_EXPORT ConfigNode {
  public:
   /// Reads a file. @throws ConfigError when it cannot be read, parsed, or repeats a key
   static ConfigNode load(const std::filesystem::path& file);
-  /// Parses a text; `name` stands for the file in errors. @throws ConfigError as load()
+  /// Parses a text; `name` replaces the file's name in errors. @throws ConfigError as load()
   static ConfigNode parse(std::string_view text, const std::string& name = "<text>");
   /// An empty map, so that optional blocks read like present ones.
   static ConfigNode empty(const std::string& name = "<none>");
@@ -80,8 +80,8 @@ class CAS_BASE_EXPORT ConfigNode {
   /// @throws ConfigError when it is none
   std::vector<std::pair<std::string, ConfigNode>> entries() const;
 
-  /// This map with the keys of `defaults` that it lacks; a key of both is this map's. Errors name
-  /// the file that the value stands in.
+  /// This map with the keys of `defaults` that it lacks; for a key in both, this map's value
+  /// counts. Errors name the file of the value.
   ConfigNode merged_over(const ConfigNode& defaults) const;
 
   /// @throws ConfigError for the first key below this node that was never read

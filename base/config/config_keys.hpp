@@ -150,7 +150,7 @@ struct Count {
 template <class T>
 concept RangeValue = std::is_arithmetic_v<T> || std::is_same_v<T, Duration>;
 
-/// A number in [low, high]; its value is double, or what `unit` of it make: a Duration (unit in
+/// A number in [low, high]. Its value is a double, or the number times `unit`: a Duration (unit in
 /// seconds) or bytes.
 struct Range {
   double low;

@@ -13,8 +13,7 @@
 
 namespace cas::base {
 
-/// A link of a model as it stands in the model's frame R: that of a URDF's root link, or of an
-/// SDF's <model>.
+/// A link of a model in the model's frame R: that of a URDF's root link, or of an SDF's <model>.
 struct ModelLink {
   std::string name;
   int line = 0;                           ///< of its joint, or of the root link

@@ -113,8 +113,8 @@ CAS_BASE_EXPORT MagnetometerSheet read_magnetometer_sheet(const ConfigNode& node
 CAS_BASE_EXPORT BarometerSheet read_barometer_sheet(const ConfigNode& node);
 CAS_BASE_EXPORT RangefinderSheet read_rangefinder_sheet(const ConfigNode& node);
 
-/// Every key of these sheets with its default and meaning, as tables in Markdown: what
-/// `hilsim --sensor-keys` prints and docs/plugins.md shows.
+/// Every key of these sheets with its default and meaning, as tables in Markdown: for `hilsim
+/// --sensor-keys` and docs/plugins.md.
 CAS_BASE_EXPORT std::string sensor_reference();
 
 }  // namespace cas::base

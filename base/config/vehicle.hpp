@@ -76,7 +76,7 @@ struct CAS_BASE_EXPORT Rotor {
   int output = 0;  ///< of the autopilot, 0..15, 0..1 on it; in the file 1..16: its number if none
   RotorParams params;
   std::optional<Wake> wake;       ///< the lower rotor of a coaxial pair
-  std::optional<TiltServo> tilt;  ///< nothing: the axis stands still
+  std::optional<TiltServo> tilt;  ///< nullopt: the axis is fixed
 
   /// Direction of thrust with the servo at `tilt_rad`; axis_B without a servo.
   Eigen::Vector3d tilted_axis_B(double tilt_rad) const;
@@ -88,7 +88,7 @@ using RotorVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kM
 /// Force and moment about the centre of gravity (FLU) of each rotor's omega^2: N s^2, N m s^2.
 using Effectiveness = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxRotors>;
 
-/// Full scales of HIL_CONTROLS: what +-1 (roll, pitch, yaw) and 1 (throttle) stand for.
+/// Full scales of HIL_CONTROLS: values of +-1 (roll, pitch, yaw) and 1 (throttle).
 struct ControlScales {
   double u1_max_n = 0;   ///< thrust at throttle 1
   double u2_max_nm = 0;  ///< roll moment at roll_ailerons 1
@@ -128,10 +128,10 @@ struct CAS_BASE_EXPORT Vehicle {
   /// Number of rotors, 1 to kMaxRotors.
   int rotor_count() const { return static_cast<int>(rotors.size()); }
 
-  /// Column i: what rotor i gives per omega_i^2 (force along its axis, its moment about the centre
+  /// Column i: wrench of rotor i per omega_i^2 (force along its axis, its moment about the centre
   /// of gravity and its reaction torque), coaxial pairs turning equally fast, air at the reference
   /// density. Thrust fading and ground effect are left out.
-  /// @param tilt_rad  one for each rotor, those without a servo ignore theirs; empty: no tilt
+  /// @param tilt_rad  one for each rotor, ignored for rotors without a servo; empty: no tilt
   Effectiveness effectiveness(std::span<const double> tilt_rad = {}) const;
 
   /// The most that the rotors give on each axis of (U1, U2, U3, U4) alone, from effectiveness().

@@ -14,7 +14,7 @@ inline struct flock whole_file(short type) {
   return lock;
 }
 
-/// Takes the lock of a file that is open for writing. @return false when somebody has it
+/// Takes the lock of a file that is open for writing. @return false if another holds it
 inline bool take_file_lock(int fd) {
   struct flock lock = whole_file(F_WRLCK);
   return ::fcntl(fd, F_OFD_SETLK, &lock) == 0;

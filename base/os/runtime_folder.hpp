@@ -12,7 +12,7 @@ namespace cas::base {
 /// Runtime folder of casd as a service: the unit's RuntimeDirectory.
 inline constexpr const char* kServiceFolder = "/run/cas";
 
-/// Where the programs of one user find each other: links of emulated lines, sockets. The first of
+/// Folder of one user's links of emulated lines and sockets. The first of
 ///   $CAS_RUNTIME_DIR
 ///   $XDG_RUNTIME_DIR/cas      where that folder is there and may be written to
 ///   `service_folder`          where it may be written to: that of casd.service

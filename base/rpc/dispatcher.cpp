@@ -110,8 +110,8 @@ struct Dispatcher::Batch {
   }
 };
 
-/// One request under way. Whoever holds a copy of its Reply holds it; when the last copy goes
-/// unanswered, the client is told so.
+/// One request in progress. Copies of its Reply keep it alive; when the last one goes unanswered,
+/// the client gets an error.
 class Dispatcher::Call {
  public:
   Call(const std::shared_ptr<Peer>& peer, const Json& request, std::shared_ptr<Batch> batch)
@@ -278,10 +278,10 @@ std::vector<std::string> Dispatcher::method_names() const {
   return names;
 }
 
-/// What may be called, by name.
+/// Names of all methods.
 void Dispatcher::methods(const Json&, Peer&, const Reply& reply) { reply.result(method_names()); }
 
-/// What may be called, with parameters and results.
+/// All methods, with parameters and results.
 void Dispatcher::discover(const Json&, Peer&, const Reply& reply) {
   reply.result(description_.document(method_names()));
 }

@@ -107,7 +107,7 @@ void remove_stale(const std::filesystem::path& path, const sockaddr_un& address)
 }
 
 /// Locks a socket's folder from the check for a stale file until listen(): a socket that is bound
-/// and does not listen yet looks stale. Gives up after kFolderPatience: in /tmp anybody may lock
+/// and does not listen yet looks stale. Gives up after kFolderPatience: in /tmp any user may lock
 /// the folder.
 class FolderLock {
  public:
@@ -240,7 +240,7 @@ void Listener::do_wait() {
 
 void Listener::accept_waiting() {
   for (int i = 0; i < kAcceptsPerRound && descriptor_.is_open(); ++i) {
-    const bool waited = std::exchange(waited_, false);  // whoever has waited gets in
+    const bool waited = std::exchange(waited_, false);  // a client that has waited gets in
     const Duration patience = patience_ && !waited ? patience_() : Duration::zero();
     if (patience > Duration::zero()) {
       waited_ = true;

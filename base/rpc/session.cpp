@@ -26,7 +26,7 @@ constexpr std::size_t kLinesPerWrite = 32;            // gathered into one syste
 constexpr auto kFlushTime = std::chrono::seconds(5);  // for a client that ends without reading
 constexpr auto kDrainTime = std::chrono::seconds(1);
 
-/// What reading a line and writing its answer take beside the call itself.
+/// Cost of reading a line and writing its answer, beside the call itself.
 constexpr Duration kSocketCost = std::chrono::microseconds(30);
 
 /// Of this thread.

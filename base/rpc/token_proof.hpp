@@ -8,7 +8,7 @@
 
 namespace cas::base::rpc {
 
-/// Whose knowledge of the token is proved: what one end has said is of no use to the other.
+/// End that proves its knowledge of the token: the proof of one is of no use to the other.
 enum class Prover { kServer, kClient };
 
 /// The values that a proof is bound to. Both nonces are fresh in each connection.
