@@ -8,7 +8,7 @@
 
 namespace cas::sim {
 
-/// What becomes of a figure that a plugin publishes.
+/// Presentation of a figure that a plugin publishes.
 enum class FigureKind : std::uint8_t {
   kSeries,  ///< a curve over time, with its least, mean, greatest and last value
   kScalar   ///< the last value alone

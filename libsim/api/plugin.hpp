@@ -33,8 +33,8 @@ class LockstepPeer {
   /// Blocks until every control that is due for sensors sent up to `time` has arrived.
   /// @return false on timeout or when interrupted: the runner then steps on and counts it
   virtual bool wait_for_controls(base::SimTime time, base::Duration timeout) = 0;
-  /// Whether there is somebody to wait for. While there is not (a flight controller that boots on
-  /// the simulator's clock, or has gone), the simulation goes by the wall clock.
+  /// Whether there is a peer to wait for. Without one (a flight controller that boots on the
+  /// simulator's clock, or has gone), the simulation follows the wall clock.
   virtual bool in_step() const { return true; }
   /// The wait timed out and the simulation steps on: forget the answers that were due.
   virtual void give_up() {}
@@ -119,11 +119,11 @@ struct PluginDescriptor {
   const char* name;          ///< as in CAS_PLUGIN, and lib<name>.so
   const char* abi_tag;       ///< CAS_ABI_TAG of the plugin's build
   Plugin* (*create)();       ///< a new plugin, owned by the caller
-  void (*destroy)(Plugin*);  ///< ends what create() made
+  void (*destroy)(Plugin*);  ///< destroys a plugin of create()
 };
 
 /// Compiler, C++ ABI, Eigen alignment and sanitizer, which must agree between host and plugin, and
-/// the version of what plugins see: a host takes plugins of its own version.
+/// the version of the plugin interface: a host takes plugins of its own version.
 #define CAS_STRINGIZE_(x) #x
 #define CAS_STRINGIZE(x) CAS_STRINGIZE_(x)
 #if defined(__clang__)

@@ -21,7 +21,7 @@ struct Topic {
   std::string type;
   unsigned version = 0;
   bool advertised = false;
-  bool needed = false;  ///< somebody cannot do without it
+  bool needed = false;  ///< some subscriber requires it
   std::vector<std::pair<std::uint64_t, std::function<void(const void*)>>> subscribers;
   std::uint64_t next_id = 0;
   std::function<void(const void*)> interceptor;  ///< if set, gets all messages
@@ -55,7 +55,7 @@ class Publisher {
   std::shared_ptr<detail::Topic> topic_;
 };
 
-/// Stands between the publisher of one topic and its subscribers (faults, recorded data): published
+/// Sits between the publisher of one topic and its subscribers (faults, recorded data): published
 /// messages reach only the interceptor, which decides which to deliver, and when.
 template <class T>
 class Interceptor {

@@ -62,7 +62,8 @@ class ForceModel {
   virtual void limit(std::span<double>) const {}
 };
 
-/// What plugins may see and touch. `pre_step` gets it mutable, `post_step` const.
+/// The part of the simulation that plugins may read and change. `pre_step` gets it mutable,
+/// `post_step` const.
 class World {
  public:
   virtual ~World() = default;

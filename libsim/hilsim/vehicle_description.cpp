@@ -93,7 +93,8 @@ void print_lift(std::string& text, const base::Vehicle& vehicle) {
         scales.u1_max_n, scales.u2_max_nm, scales.u3_max_nm, scales.u4_max_nm);
 }
 
-/// Rank of what rotors (and servos, at hover) do; forces and moments are brought to one size first.
+/// Rank of the effectiveness of rotors (and servos, at hover); forces and moments are scaled to one
+/// size first.
 Eigen::Index rank_of(Eigen::MatrixXd columns) {
   for (Eigen::Index row = 0; row < columns.rows(); ++row) {
     const double most = columns.row(row).cwiseAbs().maxCoeff();

@@ -12,7 +12,7 @@
 
 namespace cas::sim {
 
-/// What ArduPilot's SITL sends to a JSON simulator to be answered with the motion.
+/// Servo packet of ArduPilot's SITL to a JSON simulator, which answers with the motion.
 struct ServoPacket {
   static constexpr std::size_t kMostChannels = 32;
 

@@ -18,7 +18,7 @@ class ServoClock {
     kNew,       ///< asks for the next period
     kRepeated,  ///< the last answer did not arrive: it is wanted again, without a step
     kPending,   ///< repeats the request in progress
-    kRestart,   ///< counts from the beginning: a firmware that started anew
+    kRestart,   ///< counts from the beginning: a restarted firmware
   };
 
   struct Counts {

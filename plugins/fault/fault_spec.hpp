@@ -41,7 +41,7 @@ enum class SensorEffect : std::uint8_t {
   kFix,   ///< the receiver's report of its fix
 };
 
-/// What a bias is multiplied by.
+/// Factor of a bias.
 enum class BiasDriver : std::uint8_t {
   kOne,
   kTime,             ///< seconds since the fault began: a drift

@@ -12,7 +12,7 @@ using mav::services::FailureOrder;
 using Unit = mav::services::FailureUnit;
 using Type = mav::services::FailureType;
 
-/// How one unit fails in one way. `$rotor` stands for the number of a rotor.
+/// How one unit fails in one way. `$rotor` is replaced by a rotor's number.
 struct Failure {
   Unit unit;
   Type type;

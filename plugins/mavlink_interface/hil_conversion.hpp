@@ -38,9 +38,9 @@ void fill(mavlink::common::HilSensor& packet, const BarometerSample& sample);
 /// Differential pressure (hPa), flagged as updated.
 void fill(mavlink::common::HilSensor& packet, const AirspeedSample& sample);
 
-/// Degrees * 1e7, mm, cm/s, cm (eph, epv: what PX4 reads, [HILS] has no such fields), centidegrees.
-/// Without a fix, place and velocity are zero and speed and course unknown (65535). A place or
-/// velocity that is not finite is no fix.
+/// Degrees * 1e7, mm, cm/s, cm (eph, epv: as PX4 reads them, [HILS] has no such fields),
+/// centidegrees. Without a fix, place and velocity are zero and speed and course unknown (65535). A
+/// place or velocity that is not finite is no fix.
 mavlink::common::HilGps to_hil_gps(const GpsSample& sample);
 
 /// Centimetres; a reading without a surface, or one that is not a number, says so by its quality.

@@ -32,7 +32,7 @@ class PluginMessages {
 
   /// The message's entry in the table; null when it is refused.
   /// @param sender  index in `senders`
-  /// @param refusal  told once for each plugin and reason: a sentence; else left alone
+  /// @param refusal  set to a sentence once for each plugin and reason; else unchanged
   const mav::MessageInfo* admit(std::size_t sender, const MavlinkMessage& message,
                                 base::SimTime now, std::string& refusal);
 

@@ -21,7 +21,8 @@
 namespace cas::sim {
 namespace {
 
-/// Slower, a rotor that was switched off stands: its speed fades and is never quite 0.
+/// Below this speed a rotor that was switched off counts as stopped: its speed decays and is never
+/// quite 0.
 constexpr double kTurning_rad_s = 1.0;
 /// Samples of the battery: often enough for a failsafe, and little on a serial line.
 constexpr double kBattery_hz = 2.0;

@@ -45,7 +45,7 @@ class CAS_SIM_EXPORT ForceSet {
   /// Adds every model's wrench for the states `x` and writes their derivatives.
   void evaluate(const BodyState& body, const Environment& environment, const States& x,
                 States& x_dot, Wrench& wrench) const;
-  /// Holds the states within what their models allow; after each integration step.
+  /// Clamps the states to the limits of their models; after each integration step.
   void limit();
 
   std::size_t state_count() const { return state_count_; }

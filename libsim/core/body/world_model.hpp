@@ -14,7 +14,7 @@
 
 namespace cas::sim {
 
-/// A world without its vehicles: what stands in it and what acts in it.
+/// A world without its vehicles: its objects and its environment.
 struct WorldModel {
   std::string name;
   Eigen::Vector3d gravity_W = Eigen::Vector3d::Zero();

@@ -23,7 +23,7 @@ enum class PaceMode {
   kFreeRun,   ///< nothing
 };
 
-/// Who integrates free flight.
+/// Integrator of free flight.
 enum class Integrator {
   kRk4,  ///< ours, fourth order; ODE only while in contact
   kOde,  ///< ODE's first-order stepper throughout, for comparison
@@ -44,7 +44,7 @@ struct PaceConfig {
   std::optional<int> cpu_dma_latency_us{};  ///< base::CpuLatencyRequest
 };
 
-/// What becomes of a world that names a model or mesh which is nowhere to be found.
+/// Handling of a world that names a missing model or mesh.
 enum class Missing {
   kError,   ///< it is refused
   kIgnore,  ///< it is flown in without them, with a warning for each
@@ -58,7 +58,7 @@ struct WorldConfig {
   bool ground = true;  ///< a horizontal plane at z = 0
 };
 
-/// Where a vehicle starts, in W: its lowest point stands z_m above z = 0.
+/// Where a vehicle starts, in W: its lowest point is z_m above z = 0.
 struct StartPose {
   double x_m = 0;
   double y_m = 0;

@@ -272,9 +272,9 @@ struct ContactSolver::Impl {
     return off_plane + tilted * body.radius <= kStill;
   }
 
-  /// Whether the body stands on a flat mesh and will meet nothing else when it slides on. Its
-  /// contacts then push along the face: of a body that leans a little, ODE has some along the
-  /// body's own axis.
+  /// Whether the body is on a flat mesh and will meet nothing else when it slides on. Its contacts
+  /// then push along the face: of a body that leans a little, ODE has some along the body's own
+  /// axis.
   bool settle_on_flat_mesh(Body& body) {
     if (body.world_contacts.empty()) return false;
     const Eigen::Vector3d face_W = body.world_contacts.front().point.face_W;
@@ -375,7 +375,7 @@ struct ContactSolver::Impl {
     }
   }
 
-  /// @param stop  m/s: what friction can take from the body's speed in this step
+  /// @param stop  m/s: speed that friction can remove in this step
   void make_joint(const Contact& contact, const ContactSpring& spring, double friction,
                   double stop) {
     const ContactPoint& point = contact.point;
@@ -402,7 +402,7 @@ struct ContactSolver::Impl {
     dJointAttach(dJointCreateContact(world, joints, &joint), at(contact.body).id, other);
   }
 
-  /// What gives way at a contact, kg; 0 for the world and for obstacles.
+  /// Mass that moves at a contact, kg; 0 for the world and for obstacles.
   double mass_of(std::ptrdiff_t body) {
     return body < 0 || at(body).driven ? 0.0 : at(body).mass.mass_kg();
   }

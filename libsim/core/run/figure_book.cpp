@@ -44,7 +44,7 @@ bool is_shown(std::string_view text) {
   return true;
 }
 
-/// Only what is_shown() gets here.
+/// Only text that is_shown() accepts gets here.
 std::string quoted(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {

@@ -24,7 +24,7 @@ class CAS_SIM_EXPORT Pacer {
 
   /// Ties simulated time `t` to `now`: at the start and after each pause.
   void restart(base::RunTime now, base::SimTime t);
-  /// Lockstep: whether everybody who is waited for answers. Call before start_of().
+  /// Lockstep: whether all peers answer. Call before start_of().
   void set_peers_in_step(bool in_step, base::RunTime now, base::SimTime t);
   /// Moment at which the step from simulated time `t` may start; not after `now` means at once.
   base::RunTime start_of(base::SimTime t) const;
