@@ -199,7 +199,7 @@ RotorVector ControlAllocation::level_flight(const Vector4d& u, bool may_lift) co
   RotorVector freed;
   if (!fits && may_lift && lift_turns_ && with_any_yaw(tilt, u, freed)) return freed;
   if (!may_lift && range.from > u[0]) {
-    // On the ground: only what fits around the thrust that is asked for.
+    // On the ground: only the part that fits around the demanded thrust.
     const RotorVector level = lift_.col(0) * std::max(u[0], level_.from);
     tilt *= largest_part(level, tilt);
     range = thrust_range(tilt);
@@ -320,7 +320,7 @@ double ControlAllocation::largest_part(const RotorVector& base, const RotorVecto
   return std::clamp(part, 0.0, 1.0);
 }
 
-/// Speeds and tilts within the limits, and what they give.
+/// Speeds and tilts within the limits, and their wrench.
 void ControlAllocation::hold_limits(RotorVector& x, MixerResult& result) const {
   const Index rotors = low_.size();
   result.omega_sq = x.head(rotors).cwiseMax(low_).cwiseMin(high_);

@@ -38,7 +38,7 @@ struct AllocationSetup {
   base::RotorVector high;    ///< fastest of each rotor, omega^2
   base::RotorVector weight;  ///< price of each rotor's share of `high`; equal: shared evenly
   std::vector<Servo> servos;
-  base::Effectiveness hinge_B;  ///< of each servo: what omega^2 gives along the hinge at any tilt
+  base::Effectiveness hinge_B;  ///< of each servo: per omega^2 along the hinge, at any tilt
 
   /// Of a vehicle; all rotors have the same weight.
   /// @param lost  rotors that leave no wake to the one below

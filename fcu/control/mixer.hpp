@@ -12,7 +12,7 @@
 
 namespace cas::fcu {
 
-/// What an output of the autopilot drives.
+/// Actuator at an output of the autopilot.
 enum class OutputKind : std::uint8_t { kNothing, kMotor, kServo };
 
 /// Brings U1..U4 within the limits of the rotors: roll and pitch first, then thrust, yaw last.

@@ -16,7 +16,7 @@ class Battery {
   /// Measurement of a power module.
   struct Reading {
     double voltage_v = 0;
-    int cells = 1;            ///< that the voltage is told of; 1: the pack as a whole
+    int cells = 1;            ///< cells of the voltage; 1: the pack as a whole
     double current_a = 0;     ///< negative: unknown
     double remaining = 0;     ///< 0..1 of full
     double consumed_mah = 0;  ///< negative: unknown

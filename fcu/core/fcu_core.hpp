@@ -39,7 +39,7 @@ struct FcuCore {
   TaskContext context(base::RunTime now, double dt) const;
   ArmingInput arming_input(base::RunTime now) const;
   FailsafeInput failsafe_input(base::RunTime now) const;
-  /// Forgets the estimate and begins anew, as at start.
+  /// Restarts the estimator, as at start.
   void restart_estimate();
   /// Time since the start, as MAVLink's time_boot_ms has it.
   std::uint32_t time_boot_ms(base::RunTime now) const {

@@ -78,7 +78,7 @@ class LandDetector {
   double landed_s_ = 0;
 };
 
-/// Who asked for a change of mode.
+/// Originator of a change of mode.
 enum class Initiator { kCommand, kFailsafe };
 
 /// Arms and disarms, holds the mode, decides which task flies, takes off and lands, and acts when

@@ -37,7 +37,7 @@ struct FailsafeDecision {
 };
 
 /// Watches for lost sensors, position, pilot, ground station, companion, battery and attitude while
-/// armed, and says once per event what to do. Actions are chosen by PX4's parameters.
+/// armed, and returns one action per event. Actions are chosen by PX4's parameters.
 class Failsafe {
  public:
   /// @param dt  s since the last call

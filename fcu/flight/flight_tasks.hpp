@@ -44,7 +44,7 @@ class FlightTask {
   virtual ~FlightTask() = default;
   /// Takes over from whatever flew before.
   virtual void activate(const TaskContext& context) = 0;
-  /// What to follow in this control step.
+  /// Setpoint of this control step.
   virtual ControlSetpoint update(const TaskContext& context) = 0;
   /// The estimate was moved by this much, m.
   virtual void shift(const Eigen::Vector3d& by_N) { static_cast<void>(by_N); }
@@ -88,7 +88,7 @@ class HoldTask final : public MovingTask {
   void go_to(const Eigen::Vector3d& p_N, double yaw_rad, double speed_m_s);
   /// Flies a pattern about the present target until the next go_to.
   void fly_pattern(PatternShape shape, double size_m, double speed_m_s, double period_s);
-  /// Stays at a place that the vehicle is at (the end of what another task did).
+  /// Holds the vehicle's present place (the end of another task).
   void settle(const Eigen::Vector3d& p_N, double yaw_rad);
 
  private:

@@ -188,7 +188,7 @@ class EmulatorLine {
   /// The reader has stopped: further packets are dropped while `held`.
   void hold(bool held) { held_ = held; }
 
-  /// When something arrives at either end, or room appears for what waits to come up.
+  /// When something arrives at either end, or room appears for waiting bytes.
   std::optional<base::RunTime> next_event(base::RunTime now) const;
 
   void configure(const LineConfig& config);

@@ -29,7 +29,7 @@ struct Command {
   int version = 2;
 };
 
-/// What commands act on. All outlive it.
+/// Objects that commands act on. All outlive it.
 struct CommandTarget {
   Commander& commander;
   const Estimator& estimator;
@@ -40,7 +40,7 @@ struct CommandTarget {
   std::function<TaskContext(base::RunTime now)> context;  ///< input of a flight mode
   std::function<ArmingInput(base::RunTime now)> arming_input;
   std::function<void()> reset_control;     ///< clears the integrators of the control loops
-  std::function<void()> restart_estimate;  ///< forgets the estimate and begins anew, as at start
+  std::function<void()> restart_estimate;  ///< restarts the estimator, as at start
 };
 
 /// A parameter that carries a whole number, within 0..`highest`; 0 for NaN and below.

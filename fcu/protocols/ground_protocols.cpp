@@ -136,9 +136,8 @@ void on_attitude_target(const SetAttitudeTarget& m, double full_n, OffboardTask&
   offboard.on_attitude(setpoint, now);
 }
 
-// What comes in bulk goes by half of the bandwidth that the HIL stream leaves, and files in bursts
-// of pieces that hold up a packet of the HIL stream for a millisecond at most, down to pieces that
-// are worth their headers.
+// Bulk data gets half of the bandwidth that the HIL stream leaves. Files go in bursts of pieces
+// that delay a HIL packet by a millisecond at most, but are not so short that headers dominate.
 
 constexpr double kFileHeaderBytes = 27;
 
