@@ -82,8 +82,8 @@ std::vector<RunRecord> fly(const RunRequest& request, bool on_virtual_clock) {
   return run_in_real_time(request);
 }
 
-/// Says of the first flag that means nothing to stock firmware what does instead.
-/// @throws base::ConfigError
+/// @throws base::ConfigError for the first flag that means nothing to stock firmware, with the
+/// setting that replaces it
 void refuse_flags_of_our_controller(const Flags& flags) {
   const auto refuse = [&flags](bool given, const char* flag, const char* instead) {
     if (!given) return;

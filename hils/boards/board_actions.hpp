@@ -33,9 +33,9 @@ class BoardActions {
   BoardFacts flash(const std::filesystem::path& file);
   /// By its own command; by the hook `reset` where it is silent, or `hard` is set.
   BoardFacts reboot(bool hard);
-  /// Begins a flight anew, whatever the one before has left: by its power where hooks switch it, by
-  /// hook `reset`, else by its command; an armed one that is in HIL is disarmed for that. One that
-  /// says that it is not in HIL is left alone: BoardError.
+  /// Restarts the board for a new flight: by its power if hooks switch it, by hook `reset`, else by
+  /// its command; an armed one in HIL is disarmed for that. One that reports not to be in HIL is
+  /// left alone: BoardError.
   BoardFacts restart();
   BoardFacts power_on();
   /// @param force  also of a board that is armed, or whose port another program has

@@ -24,7 +24,7 @@ std::string_view to_string(HookKind kind);
 
 /// A command of the user.
 struct BoardHook {
-  std::vector<std::string> command;  ///< argv; ${NAME} stands for a variable of the hook
+  std::vector<std::string> command;  ///< argv; ${NAME} is a variable of the hook
   base::Duration timeout{};          ///< then it is ended; not of `console`
 };
 

@@ -12,7 +12,7 @@
 
 namespace cas::hils {
 
-/// What can be seen of a board through casd.
+/// State of a board as seen through casd.
 struct BoardFacts {
   std::filesystem::path device{};  ///< empty: the board is not there
   bool link_up = false;

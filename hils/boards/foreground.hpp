@@ -28,7 +28,7 @@ int run_in_foreground(const ForegroundCommand& command);
 /// the child @throws base::ConfigError
 int go_to_background();
 
-/// Waits until this process is told to end (SIGTERM, SIGINT, SIGHUP), or until the time is over.
+/// Waits for SIGTERM, SIGINT or SIGHUP, or until the time is over.
 void wait_to_be_ended(base::Duration most);
 
 }  // namespace cas::hils

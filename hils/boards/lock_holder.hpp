@@ -12,7 +12,7 @@
 
 namespace cas::hils {
 
-/// Who holds a board, as the lock's file tells.
+/// Holder of a board according to the lock's file.
 struct LockHolder {
   pid_t pid = 0;
   std::string user;

@@ -25,7 +25,7 @@ enum class FailureNeeds {
   kLineModel,     ///< the emulated serial line: on the virtual clock, or an emulator's
 };
 
-/// One failure of the catalogue. It acts on physics or bytes; what comes of it is the vehicle's.
+/// One failure of the catalogue. It acts on physics or bytes; the vehicle's reaction is its own.
 struct Failure {
   std::string_view name;
   std::string_view part{};   ///< of the vehicle or the bench: "GPS"

@@ -12,7 +12,7 @@
 
 namespace cas::hils {
 
-/// One flight of a campaign, held against what must happen.
+/// One flight of a campaign, judged by its expectation.
 struct CampaignFlight {
   std::size_t row = 0;  ///< of the sweep, from 1
   std::uint64_t seed = 1;

@@ -14,12 +14,12 @@ struct FlightFigure {
   double value = 0;
   std::optional<double> bound;  ///< largest value that passes; nothing: shown, not judged
   std::string unit;
-  std::string note;  ///< where the bound comes from, or what to compare with
+  std::string note;  ///< source of the bound, or a value for comparison
 
   bool missed() const { return bound && !(value <= *bound); }
 };
 
-/// What flight_figures ends with: kExitPassed, or kExitLimitsMissed where a bound is missed.
+/// Exit code of flight_figures: kExitPassed, or kExitLimitsMissed if a bound is missed.
 int exit_code(const std::vector<FlightFigure>& figures);
 
 /// How many flights, with which seeds, on how many processors.

@@ -16,10 +16,10 @@
 
 namespace cas::hils {
 
-/// Has a stock autopilot fly what takes more than a command of casd: trajectories, streamed as
-/// setpoints, and missions. PX4 flies them in OFFBOARD and MISSION, ArduCopter in GUIDED and AUTO.
-/// Towards their fences PX4 flies in OFFBOARD and ArduCopter in AUTO: a command to go beyond, PX4
-/// also as a mission and ArduCopter as a setpoint, is refused.
+/// Makes a stock autopilot fly tasks beyond casd's commands: trajectories, streamed as setpoints,
+/// and missions. PX4 flies them in OFFBOARD and MISSION, ArduCopter in GUIDED and AUTO. Towards
+/// their fences PX4 flies in OFFBOARD and ArduCopter in AUTO: a command to go beyond, PX4 also as a
+/// mission and ArduCopter as a setpoint, is refused.
 class CompanionFlight {
  public:
   /// Calls a method of casd. @throws base::rpc::CallError for a refusal

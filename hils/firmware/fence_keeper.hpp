@@ -13,9 +13,9 @@
 
 namespace cas::hils {
 
-/// Puts an autopilot's own fence in force for a flight, and afterwards gives back what its
-/// parameters were. What they were stays in a file until then: if hils is killed, or the vehicle
-/// does not answer, `casctl param load FILE` gives it back.
+/// Puts an autopilot's own fence in force for a flight, and afterwards restores its parameters. The
+/// old values stay in a file until then: if hils is killed, or the vehicle does not answer, `casctl
+/// param load FILE` restores them.
 class FenceKeeper {
  public:
   /// Calls a method of casd. @throws base::rpc::CallError for a refusal

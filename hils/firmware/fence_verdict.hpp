@@ -14,7 +14,7 @@
 
 namespace cas::hils {
 
-/// What became of a vehicle at the fence of its autopilot.
+/// Figures of a vehicle at the fence of its autopilot.
 struct FenceFigures {
   std::string words{};  ///< with which it announced the breach; empty: it did not
   std::optional<std::string> not_restored{};  ///< parameters that it did not take back

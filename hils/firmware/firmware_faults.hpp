@@ -35,7 +35,7 @@ class FirmwareFaults {
   FirmwareFaults(std::vector<BenchFault> faults, Reach reach)
       : script_(std::move(faults)), reach_(std::move(reach)) {}
 
-  /// Plays what begins or ends now. A pause is over when it returns.
+  /// Applies faults that begin or end now. A pause is over when it returns.
   /// @throws RunStopped, base::rpc::CallError
   void play(base::SimTime now, std::span<const VehicleReport> vehicles, std::string_view phase);
 

@@ -33,7 +33,8 @@ struct FirmwareFigures {
   /// Of the true position in the measured step: in a hold about its mean, in a trajectory about the
   /// reference.
   std::optional<RmsFigures> rms;
-  /// Of the estimate against the truth in it, by what both were on the ground before takeoff.
+  /// Of the estimate against the truth in the measured step, each relative to its value on the
+  /// ground before takeoff.
   std::optional<RmsFigures> rms_estimate;
   std::optional<FenceFigures> fence;           ///< of a scenario that has one
   SetpointStream::Figures setpoints;           ///< that hils has sent; none: no trajectory
@@ -58,7 +59,7 @@ struct FirmwareFigures {
   std::vector<Stage> flown_stages() const;
 };
 
-/// What FirmwareFigures::rms is about: "the reference" or "its mean".
+/// Reference of FirmwareFigures::rms: "the reference" or "its mean".
 std::string_view measured_about(const std::vector<Stage>& stages);
 /// Looks into the true flight, truth.csv: incidents, whether its steps were flown, and how still
 /// the measured hold was.

@@ -14,7 +14,7 @@
 
 namespace cas::hils {
 
-/// Why a firmware of this version is not flown; nothing: it may be. @param version  empty: not told
+/// Why a firmware of this version is not flown; nullopt: it may be. @param version  empty: unknown
 std::optional<std::string> version_fault(const Firmware& wanted, const std::string& version);
 /// Why a flight does not wait for its vehicle any longer; nothing: it speaks.
 std::optional<std::string> silence_fault(const VehicleReport& vehicle);

@@ -88,7 +88,7 @@ struct FirmwareScenario {
 /// @throws base::ConfigError that names the missing variable
 std::string with_variables(const std::string& text, const std::map<std::string, std::string>& more);
 
-/// Name of casd's link for what hils sends to a vehicle.
+/// Name of casd's link for hils's own packets to a vehicle.
 std::string companion_link_name(std::size_t vehicle);
 
 /// Where the pieces of a flight of stock firmware are.

@@ -48,8 +48,8 @@ struct StarveFault {
 };
 /// casd reads its topology again. Needs casd as a program.
 struct ReloadFault {};
-/// hilsim stands still for so long by the wall clock; simulated time stands still with it, so the
-/// fault is over by it as soon as it has begun. With stock firmware.
+/// hilsim pauses for this time by the wall clock. Simulated time pauses with it, so by simulated
+/// time the fault ends as it begins. With stock firmware.
 struct PauseFault {
   base::Duration wall{};
 };
@@ -115,7 +115,7 @@ class BenchFaultScript {
   void add(BenchFault fault);
   /// One more, which has been begun by hand.
   void add_begun(BenchFault fault, base::SimTime now);
-  /// What begins or ends now. The faults that it points to stay until the next add().
+  /// Faults that begin or end now. Its pointers to faults stay valid until the next add().
   std::vector<Event> update(base::SimTime now, std::span<const VehicleReport> vehicles,
                             std::string_view phase);
 

@@ -142,7 +142,8 @@ std::vector<std::string_view> FlightPlan::modes_of(const FlightStep& step,
   return {mission, "RTL", "LAND"};
 }
 
-/// An autopilot that leaves the mode of a step flies something else: a failsafe, a fence, somebody.
+/// An autopilot that leaves the mode of a step flies something else: a failsafe, a fence, another
+/// operator.
 void FlightPlan::check_mode(const FlightStep& step, base::SimTime now,
                             const VehicleReport& vehicle) {
   const bool flown = phase_ == Phase::kWaiting && vehicle.heard && vehicle.armed;

@@ -44,7 +44,7 @@ struct VehicleReport {
   bool on_ground = false;
   bool has_position = false;
   double position_age_s = 0;                      ///< of p_N and v_N, by casd's clock
-  std::optional<std::string> position_lack{};     ///< what takeoff by position still needs
+  std::optional<std::string> position_lack{};     ///< missing for a takeoff by position
   Eigen::Vector3d p_N = Eigen::Vector3d::Zero();  ///< m, from where it was armed
   Eigen::Vector3d v_N = Eigen::Vector3d::Zero();  ///< m/s
   double roll_rad = 0;
@@ -80,7 +80,7 @@ struct FirmwareHabits {
   /// It accepts arming before it can take off, and disarms itself on the ground (PX4 v1.12.0 after
   /// 8 s, ArduCopter 4.5.6 after 10 s), whether it has refused the takeoff or accepted it a moment
   /// before. So it is armed once it has its position, and again if it is disarmed before it has
-  /// lifted off: the caller first checks who disarmed it (rearm_fault()).
+  /// lifted off: the caller first checks the cause of the disarming (rearm_fault()).
   bool arms_early = false;
   /// A landed vehicle disarms itself within this long; a disarm step leaves it the time.
   base::Duration disarms_itself{};
@@ -118,7 +118,7 @@ class FlightPlan {
   /// Steps that it has in all.
   std::size_t size() const { return steps_.size(); }
   bool begun() const { return begun_; }
-  /// Steps that other vehicles need not wait for: those done, and one in which it stands by.
+  /// Steps that other vehicles need not wait for: those done, and a standby step under way.
   std::size_t through() const { return current_ + (stands_by() ? 1 : 0); }
   bool stands_by() const { return !done() && steps_[current_].kind == StepKind::kStandBy; }
   /// Why the flight cannot go on; nullopt as long as it can.

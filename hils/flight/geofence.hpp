@@ -11,7 +11,7 @@
 
 namespace cas::hils {
 
-/// What an autopilot does at its own fence.
+/// Action of an autopilot at its own fence.
 enum class FenceAction { kHold, kReturn, kLand };
 
 /// A fence that a stock autopilot keeps by itself: an upright cylinder about its home.

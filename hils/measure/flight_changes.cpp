@@ -87,7 +87,7 @@ class ChangeReader {
       if (packet.source.component == kAutopilot) on_vehicle(log_us, packet);
       return;
     }
-    // What casd's station says was asked at its command port, by hils or by the calls.
+    // Commands of casd's station come from its command port: from hils or from the listed calls.
     if (packet.source == casd::kOwnStation) return;
     on_other(log_us, packet);
   }
@@ -223,7 +223,7 @@ class ChangeReader {
                              : add_act(log_us, by, act->what);
   }
 
-  /// Only what falls into the flight counts: before it a ground station greets the vehicle.
+  /// Only acts in the flight count: before it a ground station greets the vehicle.
   void add_act(std::int64_t log_us, const std::string& by, const std::string& what) {
     const double time_s = seconds(log_us);
     if (record_.stages.empty() || time_s < base::to_seconds(record_.stages.front().begin)) return;
@@ -253,7 +253,7 @@ class ChangeReader {
   bool own_station_;
   casd::Autopilot autopilot_ = casd::Autopilot::kPx4;
   std::map<std::string, double> values_;  ///< newest received
-  /// Parameters that stations set: who did, when.
+  /// Parameters that stations set: station and time.
   std::map<std::string, std::pair<std::string, std::int64_t>> wishes_;
   FlightChanges changes_;
 };

@@ -23,7 +23,7 @@ namespace {
 constexpr double kTouch_m = 0.02;
 /// An impact below this height is on the ground: a vehicle that falls on its arm is that high.
 constexpr double kNear_m = 0.5;
-/// More than rotors or gusts can do: what slows a vehicle like this is solid. 6 g.
+/// More than rotors or gusts can do: only a solid object slows a vehicle like this. 6 g.
 constexpr double kImpact_m_s2 = 60.0;
 constexpr double kLeastExtent_m = 1.0;
 

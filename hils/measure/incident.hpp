@@ -18,7 +18,7 @@ inline constexpr double kCrashSpeed_m_s = 3.0;
 inline constexpr double kMostTilt_deg = 75.0;
 /// The extent is the farthest place of the plan from the start, at least 1 m.
 inline constexpr double kFarthestExtents = 10.0;
-/// A rotor that is faster turns: half of what idling rotors have.
+/// A faster rotor counts as turning: half the speed of idling rotors.
 inline constexpr double kTurning_rad_s = 50.0;
 
 /// Angle between the vehicle's axis and the vertical.

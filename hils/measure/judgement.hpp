@@ -22,7 +22,7 @@ enum ExitCode : int {
   kExitBoardAbsent = 4,  ///< a board's device is not there
   kExitNoBoot = 5,       ///< a board does not boot, or boots another firmware
   kExitBoardFailed = 6,  ///< a board's hook failed, or the board refused
-  kExitBoardBusy = 7,    ///< somebody else holds the board
+  kExitBoardBusy = 7,    ///< another holds the board
   kExitInterrupted = 130,
 };
 

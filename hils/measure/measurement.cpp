@@ -94,7 +94,7 @@ double handover_p99_us(const std::vector<PathAccount>& paths) {
   return slowest;
 }
 
-/// How much later than the median the controller reads what casd wrote to the line.
+/// How much later than the median the controller reads casd's packets from the line.
 double reading_spread_us(const std::vector<PathAccount>& paths) {
   for (const PathAccount& path : paths) {
     for (const HopFigures& hop : path.hops) {

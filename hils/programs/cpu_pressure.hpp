@@ -12,7 +12,7 @@ namespace cas::hils {
 /// of /proc/pressure/cpu. Nothing when the text is another.
 std::optional<base::Duration> parse_cpu_pressure(std::string_view text);
 
-/// Measures what share of the time something on this machine waited for a processor: near zero on
+/// Measures the share of time in which a task on this machine waited for a processor: near zero on
 /// a quiet machine, near one on a busy one.
 class CpuPressure {
  public:

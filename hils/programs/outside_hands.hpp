@@ -11,16 +11,16 @@
 
 namespace cas::hils {
 
-/// What others than hils had the vehicle do: calls of casd's command port, and what casd heard of
-/// ground stations.
+/// Commands of others than hils to the vehicle: calls of casd's command port, and packets of ground
+/// stations that casd saw.
 struct OutsideHands {
   std::vector<OutsideCall> calls{};
   std::vector<HeardAct> acts{};
   std::uint64_t forgotten_calls = 0;  ///< older ones, which casd does not know any more
-  std::uint64_t acts_so_far = 0;      ///< what comes later than this keeps casd from arming
+  std::uint64_t acts_so_far = 0;      ///< later acts keep casd from arming
 };
 
-/// Why a vehicle is not armed: somebody has disarmed it, or tried to, or may have.
+/// Why a vehicle is not armed: another operator has disarmed it, or tried to, or may have.
 std::optional<std::string> arm_fault(const OutsideHands& hands);
 
 /// The call or act that counts most, one that disarms before all others: "unix:uid 1000 called

@@ -42,7 +42,8 @@ class RunPort {
   void refuse(const FaultCall& call, int code, std::string sentence);
   /// From now on no fault is taken: those asked for are refused.
   void end_faults();
-  /// Publishes the verdict and waits until who hears it has passed it on, for two seconds at most.
+  /// Publishes the verdict and waits until its subscriber has passed it on, for two seconds at
+  /// most.
   void tell_verdict(Json verdict);
 
  private:

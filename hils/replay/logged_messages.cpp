@@ -45,7 +45,7 @@ void for_each_packet(const std::filesystem::path& tlog,
 }
 
 /// Time of a log since its begin, or of the simulation where its clock is known. It never goes
-/// back, and stands still where a stamp is wrong: over a day from the one before it.
+/// back, and ignores a wrong stamp: one over a day from the last.
 class LogTime {
  public:
   explicit LogTime(const ClockMap& clock) : clock_(clock) {}

@@ -77,7 +77,7 @@ class UlogTime {
   std::string leap_of_;
 };
 
-/// A sentence without the colours of a terminal, and without what may stand at its end.
+/// A sentence without the colours of a terminal, and without blanks and zeros at its end.
 std::string plain(std::string_view text) {
   std::string kept;
   while (!text.empty()) {

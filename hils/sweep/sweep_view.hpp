@@ -48,8 +48,8 @@ struct ShareChange {
   double change() const { return after.share() - before.share(); }
 };
 
-/// What changed from one sweep to another: the shares of all runs (stays up, passed), then of each
-/// bin of each parameter that both have, the most certain change first.
+/// Changes from one sweep to another: the shares of all runs (stays up, passed), then of each bin
+/// of each parameter that both have, the most certain change first.
 std::vector<ShareChange> compare_sweeps(const SweepView& before, const SweepView& after);
 
 /// Rows that stayed up before and do not now, and the other way round; empty where the tables are

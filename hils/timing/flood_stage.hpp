@@ -36,8 +36,8 @@ class FloodStage final : public ProbeStage {
   double bytes_s() const { return rate_.bytes_s(); }
 
  private:
-  /// On their way at once: what 44 ms of 921600 baud carry. Less would not fill a line whose ends
-  /// take a few milliseconds each; more only waits longer.
+  /// Bytes in flight: 44 ms at 921600 baud. Less would not fill a line whose ends take a few
+  /// milliseconds each; more only waits longer.
   static constexpr std::size_t kWindowBytes = 4096;
   static constexpr std::size_t kPaddingBytes = 230;
 

@@ -43,8 +43,8 @@ struct LineFigures {
   std::uint64_t crc_errors = 0;
 };
 
-/// Measures a line to an autopilot: what to send when, and the figures of what comes. Pure: bytes
-/// and time in, bytes out.
+/// Measures a line to an autopilot: when to send which packet, and figures of the answers. Pure:
+/// bytes and time in, bytes out.
 ///
 ///   listen --> PING --> TIMESYNC --> flood to the board, from it --> load 25, 50 ... 150 %
 ///                                                      `--> slower rates, where 100 % is too much

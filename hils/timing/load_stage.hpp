@@ -44,7 +44,7 @@ class LoadStage final : public ProbeStage {
   LoadFigures figures() const;
 
  private:
-  /// Ten times what casd lets HIL packets age.
+  /// Ten times casd's age limit of HIL packets.
   static constexpr base::Duration kHopeless = std::chrono::milliseconds(250);
   /// Samples that are sent at once after a pause of this machine.
   static constexpr int kMostAtOnce = 20;

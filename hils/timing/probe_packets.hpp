@@ -12,7 +12,7 @@
 
 namespace cas::hils {
 
-/// What autopilots answer at once, and do not act on.
+/// Messages that autopilots answer at once and do not act on.
 enum class QuestionKind : std::uint8_t { kPing, kTimesync };
 std::string_view to_string(QuestionKind kind);
 

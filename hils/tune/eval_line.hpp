@@ -13,7 +13,7 @@
 
 namespace cas::hils {
 
-/// Schema of the lines of `hils eval`, told by --describe.
+/// Schema of the lines of `hils eval`, printed by --describe.
 inline constexpr int kEvalSchema = 1;
 
 /// One line that comes in: {"id": any, "parameters": {NAME: value, ...}, "seed": 1}.

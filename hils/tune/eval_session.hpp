@@ -11,7 +11,7 @@ struct EvalOptions {
   std::filesystem::path study;
   std::filesystem::path scratch;  ///< folder for the files of runs under way
   std::size_t jobs = 1;           ///< flights at once; with several, answers come as they are ready
-  bool describe = false;          ///< says what may be asked, and ends
+  bool describe = false;          ///< describes requests, and ends
 };
 
 /// Reads requests from standard input, a line each, and answers each with one line on standard

@@ -24,8 +24,8 @@ struct TuneFlight {
   std::vector<std::string> values{};
 };
 
-/// The folder of a tuning and its flights. Each is flown once: a line of the journal says which
-/// flight it is of, and after any end stands for that one alone.
+/// The folder of a tuning and its flights. Each is flown once: a line of the journal names its
+/// flight, and after any end counts for that one alone.
 ///
 ///   study.yaml               frozen when it began
 ///   scenarios/NAME/          scenario.yaml with the study's `set`, and its vehicle

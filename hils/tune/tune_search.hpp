@@ -32,8 +32,8 @@ using FlyPoints = std::function<std::vector<std::vector<double>>(const UnitPoint
 /// Whether this build has a library that searches.
 bool has_search();
 
-/// Makes points and has them flown: with NSGA-II a generation at once, with CMA-ES one after the
-/// other. The same plan and fitness give the same points. What `fly` throws comes out.
+/// Makes points and flies them: with NSGA-II a generation at once, with CMA-ES one after the other.
+/// The same plan and fitness give the same points. Passes exceptions of `fly` on.
 /// @throws base::ConfigError where this build has no library for it, with how to get one
 void search(const SearchPlan& plan, const FlyPoints& fly);
 

@@ -46,14 +46,14 @@ struct TuneFigure {
   std::vector<std::size_t> in;  ///< indices of the scenarios
 };
 
-/// What shall become small.
+/// Figure to minimise.
 struct Objective {
   TuneFigure figure;
   double weight =
       1;  ///< in the sum by which one candidate is chosen, of shares of the value before
 };
 
-/// What must hold. Exactly one bound; `before` stands for the value of the flights before.
+/// Constraint on a figure. Exactly one bound; `before` is the value before the tuning.
 struct Guard {
   TuneFigure figure;
   bool at_least = true;           ///< else at most

@@ -93,7 +93,7 @@ class Formats {
   /// @param text  "name:type field;type field;"
   void add(std::string_view text) {
     const std::size_t colon = text.find(':');
-    if (colon == std::string_view::npos) return;  // whoever needs the type will miss it
+    if (colon == std::string_view::npos) return;  // a user of the type reports it missing
     std::vector<Declaration> fields;
     for (std::string_view rest = text.substr(colon + 1); !rest.empty();) {
       const std::size_t end = std::min(rest.find(';'), rest.size());
@@ -156,7 +156,7 @@ class Formats {
   std::size_t steps_ = 0;                                 // taken for all of them
 };
 
-/// A topic of the log with what its messages need to have.
+/// A topic of the log with the least size of its messages.
 struct Subscription {
   UlogSeries series;
   UlogField timestamp;

@@ -42,7 +42,7 @@ using Row = std::vector<double>;
 class Track {
  public:
   virtual ~Track() = default;
-  /// Time of what comes next; nothing at the end.
+  /// Time of the next entry; nullopt at the end.
   virtual std::optional<SimTime> next() const = 0;
   /// Writes it and goes on.
   virtual void write_next() = 0;

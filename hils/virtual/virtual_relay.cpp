@@ -196,8 +196,8 @@ void VirtualRelay::handle_arrivals(base::RunTime now) {
   }
 }
 
-/// The threads of the destinations, where packets wait for the pacer. What waits for room is looked
-/// after whenever run() is called: the link's owner does so when it has room again.
+/// The threads of the destinations, where packets wait for the pacer. Ports that wait for room are
+/// served whenever run() is called: the link's owner calls it when there is room again.
 void VirtualRelay::carry_on(base::RunTime now) {
   for (Port& port : ports_) {
     if (!port.tx->wants_room() && !(port.carry_on_at && now >= *port.carry_on_at)) continue;

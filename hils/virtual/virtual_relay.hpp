@@ -68,7 +68,7 @@ class VirtualRelay final : private casd::LineWait {
 
   /// Bytes that came in on a link.
   void receive(casd::LinkId from, std::span<const std::uint8_t> bytes, base::RunTime now);
-  /// Does what time alone makes due.
+  /// Does the work that time alone makes due.
   void run(base::RunTime now);
   /// The next moment at which `run` has something to do.
   base::RunTime next_event() const;
