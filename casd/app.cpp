@@ -403,7 +403,7 @@ struct App::Impl {
     io.stop();
   }
 
-  /// @throws base::ConfigError also for what only a restart can change
+  /// @throws base::ConfigError also for keys that only a restart can change
   Topology load_again() const {
     if (options.topology_file.empty()) {
       throw base::ConfigError(

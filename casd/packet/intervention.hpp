@@ -39,7 +39,7 @@ bool is_failure(const mav::PacketView& packet);
 /// Whether a message may be an act or the answer to one, by its id alone.
 bool may_be_act(std::uint32_t message_id);
 
-/// An act of somebody other than casd's own station. Repetitions are counted in `times`.
+/// An act of a station other than casd's own. Repetitions are counted in `times`.
 struct Intervention {
   mav::Source by{};
   LinkId link = kNoLink;

@@ -57,7 +57,7 @@ struct Origin {
 struct PacketInfo {
   std::uint32_t message_id = 0;
   mav::Source source;
-  mav::Source target;  ///< system 0: everybody; component 0: every component of the system
+  mav::Source target;  ///< system 0: broadcast; component 0: every component of the system
   TrafficClass traffic = TrafficClass::kTelemetry;
   LinkId from = kNoLink;
   std::int16_t from_group = -1;      ///< group of the link; -1: none

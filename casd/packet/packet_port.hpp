@@ -22,7 +22,7 @@ class PacketPort {
   virtual void deliver(std::span<const PacketRef> packets, base::RunTime now) = 0;
 };
 
-/// What became of an attempt to write packets.
+/// Result of an attempt to write packets.
 struct WriteResult {
   std::size_t packets = 0;       ///< finished: written completely, or unsignable
   std::size_t part_of_next = 0;  ///< bytes of the next one that were written, too (streams)

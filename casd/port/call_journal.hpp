@@ -12,7 +12,7 @@
 
 namespace cas::casd {
 
-/// The calls of the audit log, kept for who asks later (casd.journal): the newest kMost of them.
+/// The calls of the audit log, kept for casd.journal: the newest kMost of them.
 class CallJournal {
  public:
   static constexpr std::size_t kMost = 1000;

@@ -49,7 +49,7 @@ struct FiguresSource {
   std::shared_ptr<const MessageDecoder> decoder = std::make_shared<const MessageDecoder>();
 };
 
-/// What became of a reload.
+/// Result of a reload.
 struct ReloadReport {
   base::RunTime at{};
   std::optional<std::string> trouble;  ///< why it was refused; nothing: it is in force
@@ -69,7 +69,7 @@ class FigureMethods {
   void set_decoder(std::shared_ptr<const MessageDecoder> decoder);
   /// Keeps the outcome of the last reload for casd.status.
   void set_last_reload(ReloadReport reload) { last_reload_ = std::move(reload); }
-  /// Where message.value finds packets that came before anybody looked; nothing: none came.
+  /// Source of message.value for packets that came before the first look; nullopt: none came.
   using Memory = std::function<std::optional<MessageTaps::Sample>(const MessageTaps::Key&)>;
   void set_memory(Memory memory) { memory_ = std::move(memory); }
   /// After each LinkFigures::sample: tells subscribers.

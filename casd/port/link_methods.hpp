@@ -14,8 +14,8 @@ class ConfigNode;
 
 namespace cas::casd {
 
-/// What link.add and link.remove act on. If `add` or `remove` throws base::ConfigError, nothing has
-/// changed.
+/// Callbacks of link.add and link.remove. If `add` or `remove` throws base::ConfigError, nothing
+/// has changed.
 struct LinkHooks {
   /// Adds a link, see with_link().
   /// @param tried  called with its name once it has tried to open, or after two seconds

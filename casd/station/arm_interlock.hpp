@@ -17,7 +17,7 @@ std::optional<std::string> rival_words(const VehicleState& state, const VehicleT
 /// Why its HEARTBEATs do not say that the vehicle flies a simulation; nothing: they do.
 std::optional<std::string> not_in_hil(const VehicleState& state, base::RunTime now);
 
-/// Who consents to arm a vehicle that does not say that it is in HIL. It takes both.
+/// Consents to arm a vehicle without the HIL flag. Both are required.
 struct NotHilConsent {
   bool request = false;
   bool configuration = false;

@@ -43,8 +43,8 @@ struct FailureHooks {
   std::function<void(const std::string&)> audit{};
 };
 
-/// Takes MAV_CMD_INJECT_FAILURE out of what stations say to vehicles, and has the failure strike in
-/// the vehicle's simulator. Vehicles never get the command.
+/// Intercepts MAV_CMD_INJECT_FAILURE from stations to vehicles, and passes it to the vehicle's
+/// simulator. Vehicles never get the command.
 ///
 ///   station --> on_packet --> permitted? in HIL? --> simulator --> COMMAND_ACK --> station
 ///
@@ -59,7 +59,7 @@ class FailureDesk {
   /// @param commander  knows the vehicles; outlives this object
   FailureDesk(mav::Source self, const VehicleCommander& commander, FailureHooks hooks);
 
-  /// What became of a packet that the station hears.
+  /// Result for a packet that the station hears.
   enum class Verdict : std::uint8_t {
     kNotOurs,  ///< it is about something else
     kRefused,  ///< without effect: the commander must not count it as an intervention
@@ -80,7 +80,7 @@ class FailureDesk {
     mav::services::FailureOrder order;
     Done answer;
     std::string line{};      ///< of the audit, without the outcome; empty: the port leaves its own
-    mav::Source by{};        ///< who asked; system 0: the command port
+    mav::Source by{};        ///< requester; system 0: the command port
     LinkId link = kNoLink;   ///< where it is
     Simulator simulator{};   ///< of the one that is under way
     std::int32_t token = 0;  ///< the same; 0: not sent yet

@@ -35,9 +35,9 @@ namespace cas::casd {
 using SendPacket =
     std::function<void(std::span<const std::uint8_t> packet, std::span<const Path> to)>;
 
-/// What sits behind casd's own address (kOwnStation by default): hears every packet that is
-/// addressed to it or to everybody, apart from HIL_* sensor and actuator streams. All calls come on
-/// casd's main io thread; packets cross over from the link threads through a bounded queue.
+/// The station at casd's own address (kOwnStation by default): hears every packet that is addressed
+/// to it or broadcast, apart from HIL_* sensor and actuator streams. All calls come on casd's main
+/// io thread; packets cross over from the link threads through a bounded queue.
 class Station {
  public:
   virtual ~Station() = default;
@@ -88,7 +88,7 @@ class VehicleCommander final : public Station {
     on_failure_ = std::move(callback);
   }
   /// Called with a sentence when a second autopilot with a vehicle's id appears or falls silent,
-  /// and when a vehicle does not send what its link asks for.
+  /// and when a vehicle does not send messages that its link requests.
   void on_notice(std::function<void(const std::string&)> callback) {
     table_.on_notice(std::move(callback));
   }
@@ -100,7 +100,7 @@ class VehicleCommander final : public Station {
   void set_commanding(double heartbeat_hz, bool allow_not_hil);
 
   const VehicleState* find(std::uint8_t system) const;
-  /// Who had a hand in the vehicles of this id, as far as casd has heard of it.
+  /// Commanders of the vehicles of this id, as far as casd knows.
   const Hands& hands(std::uint8_t system) const;
   std::vector<const VehicleState*> vehicles() const;
   /// Whether a vehicle was armed when it was last heard, within the last minute.
@@ -164,7 +164,8 @@ class VehicleCommander final : public Station {
   void manual_control(std::uint8_t system, const Sticks& sticks, bool not_hil, base::RunTime now,
                       Done done);
   void reboot(std::uint8_t system, base::RunTime now, Done done);
-  /// What keeps a log coming that the vehicle sends; nothing where it is not known.
+  /// Acknowledges a part of a vehicle's log, so that it sends on; does nothing for an unknown
+  /// vehicle.
   using LogAnswer = std::variant<mavlink::common::LoggingAck, mav::services::RemoteLogBlockStatus>;
   void answer_log(std::uint8_t system, const LogAnswer& answer);
   /// Any other command; arming goes through the interlock here too.

@@ -89,7 +89,7 @@ base::Descriptor TlogFolder::make(const std::string& name) const {
     }
   }
   if (!folder) return {};
-  // Appending: what follows a record that was cut off begins where that one began.
+  // O_APPEND: after a torn record is cut off, the next one begins in its place.
   constexpr int kHow = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_APPEND | O_CLOEXEC;
   base::Descriptor file(::openat(folder.get(), name.c_str(), kHow, kNewFile));
   if (file) ::flock(file.get(), LOCK_EX | LOCK_NB);  // some file systems have no locks

@@ -45,7 +45,7 @@ class TlogWriter {
  public:
   /// Stamp of stream time zero in a log made in lockstep: 2026-01-01T00:00:00Z.
   static constexpr std::chrono::seconds kStreamEpoch{1'767'225'600};
-  /// While it stands by, it keeps the packets of at least this time in memory.
+  /// In standby it keeps the packets of at least this time in memory.
   static constexpr base::Duration kKeptBefore = std::chrono::seconds(1);
 
   TlogWriter() = default;
@@ -123,7 +123,7 @@ class TlogWriter {
   bool stands_by_ CAS_GUARDED_BY(mutex_) = false;
   std::condition_variable_any more_;
   std::vector<std::uint8_t> waiting_ CAS_GUARDED_BY(mutex_);
-  /// While it stands by: the packets before those in `waiting_`.
+  /// In standby: the packets before those in `waiting_`.
   std::vector<std::uint8_t> before_ CAS_GUARDED_BY(mutex_);
   base::RunTime stretch_began_ CAS_GUARDED_BY(mutex_);
   std::uint64_t overflowed_ CAS_GUARDED_BY(mutex_) = 0;

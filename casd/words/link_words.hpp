@@ -6,7 +6,7 @@
 
 namespace cas::casd {
 
-/// A counter of a link as it is told everywhere: in JSON, to Prometheus, and by `casctl status`,
+/// A counter of a link as shown everywhere: in JSON, to Prometheus, and by `casctl status`,
 /// `monitor`, `drops` and `doctor`.
 struct CounterWords {
   enum class Kind { kTotal, kGauge, kByCause };
@@ -85,7 +85,7 @@ consteval const CounterWords& counter_words(std::string_view group, std::string_
 /// Why a packet did not go on, as link.drops says it.
 struct CauseWords {
   std::string_view cause;
-  std::string_view meaning;  ///< and what to do
+  std::string_view meaning;  ///< and the remedy
   bool trouble = false;      ///< the doctor warns of packets that a link drops for it
 };
 

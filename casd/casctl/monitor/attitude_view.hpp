@@ -20,7 +20,7 @@ struct Place {
   double north_m = 0, east_m = 0;
 };
 
-/// Degrees of elevation that one line of horizon() stands for.
+/// Degrees of elevation for one line of horizon().
 double degrees_a_line(std::size_t rows);
 
 /// View of a camera in the nose: sky above, ground below, the aircraft's mark in the middle. A roll

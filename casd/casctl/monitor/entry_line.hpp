@@ -38,10 +38,10 @@ class EntryLine {
   bool is_open() const { return kind_ != Kind::kNone; }
 
   /// "filter: HIL", "vehicle 2 : takeoff 3", "gains of roll (P I D): 6.5".
-  /// @param addressee  who gets a command, where casd hears several
+  /// @param addressee  target of a command, if casd hears several
   std::string text(const std::string& addressee) const;
-  /// What may stand here, as many words as `width` has room for.
-  /// @param asking  the parameters' names are under way
+  /// Words that may follow, as many as fit into `width`.
+  /// @param asking  the parameters' names are being fetched
   std::string hint(const PromptWords& words, bool asking, std::size_t width) const;
 
  private:

@@ -284,7 +284,7 @@ class MonitorScreen {
     return words_;
   }
 
-  /// Who gets the command, where casd hears several.
+  /// Target of the command, if casd hears several vehicles.
   std::string addressee() const {
     const std::size_t heard = model_.state().status.value("vehicles", json::array()).size();
     const auto vehicle = shown_vehicle();

@@ -86,7 +86,7 @@ ScreenLine title(const MonitorState& state, std::size_t width, double now_s) {
   return fit_line(first, width, Style::kTitle);
 }
 
-/// The lines at the bottom: what happened last, and the prompt or the keys.
+/// The lines at the bottom: the last event, and the prompt or the keys.
 Block bottom(const MonitorState& state, std::size_t width, double now_s) {
   Block block;
   if (state.prompt) {

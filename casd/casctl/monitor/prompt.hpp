@@ -10,7 +10,7 @@
 
 namespace cas::casctl {
 
-/// A method call that a line of the prompt stands for: "takeoff 3", "setgain roll 6.5".
+/// The method call of a line of the prompt: "takeoff 3", "setgain roll 6.5".
 struct PromptCall {
   std::string method;
   nlohmann::json params = nlohmann::json::object();
@@ -30,8 +30,8 @@ struct PromptWords {
 };
 
 struct Completion {
-  std::string line;                   ///< with what all offers have in common
-  std::vector<std::string> offers{};  ///< words that may stand where the line ends
+  std::string line;                   ///< with the common prefix of all offers
+  std::vector<std::string> offers{};  ///< words that may end the line
   std::string usage{};                ///< of the verb, once there is one: "takeoff ALT"
   bool wants_parameters = false;      ///< their names are not known yet
 };

@@ -9,7 +9,7 @@
 
 namespace cas::casctl {
 
-/// Several casds as a table: address, what each runs, its vehicles, since when.
+/// Several casds as a table: address, topology, vehicles and start of each.
 /// @param daemons  as SeveralDaemons has them
 /// @param now_s  the system's clock, s since 1970
 std::string daemon_table(const nlohmann::json& daemons, double now_s);
