@@ -19,7 +19,7 @@ struct Scale {
 /// multiplier; nothing for all others.
 std::optional<Scale> scale_of(const xml::Field& field);
 
-/// What `invalid` says.
+/// The XML attribute `invalid`.
 struct Sentinel {
   enum class Extent { kScalar, kFirstElement, kAllElements };
   Extent extent{};
@@ -27,7 +27,7 @@ struct Sentinel {
   std::string literal;  ///< C++ literal of the value, empty for NaN
 };
 
-/// The value that stands for unknown, where the XML names one that the field's type can hold.
+/// The value for unknown, if the XML names one that the field's type can hold.
 std::optional<Sentinel> sentinel_of(const xml::Field& field, const xml::Dialect& dialect);
 
 }  // namespace cas::mav::gen

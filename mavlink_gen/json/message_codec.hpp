@@ -36,8 +36,8 @@ class MessageCodec {
   /// '|', numbers without a name as they are, NaN and infinity as null: the form of write_json().
   /// Null for an unknown message.
   nlohmann::ordered_json to_json(const PacketView& packet) const;
-  /// The packet that such an object stands for, MAVLink 2 and unsigned. Fields that it leaves out
-  /// are zero, the dialect's version is filled in, null is NaN; an enum may be a number, too.
+  /// The packet of such an object, MAVLink 2 and unsigned. Fields that it leaves out are zero, the
+  /// dialect's version is filled in, null is NaN; an enum may be a number, too.
   /// @throws std::invalid_argument with an error sentence
   PacketBuffer from_json(const nlohmann::ordered_json& object, Source source,
                          std::uint8_t sequence) const;

@@ -272,8 +272,8 @@ class Loader final {
                                              ", but " + why + ": it stays a number");
   }
 
-  /// The narrowest type that holds all values, and all that the fields can bring. Nothing holds
-  /// both what 64 bits with and without a sign do.
+  /// Finds the narrowest type for all values and for the types of all fields. No type covers both
+  /// signed and unsigned 64 bits.
   void find_type(Enum& item, const std::vector<Field*>& fields) {
     int with_sign = 0;
     int without_sign = 0;

@@ -16,7 +16,7 @@ struct Include {
   Position position;
 };
 
-/// One dialect file as it stands, before includes are merged.
+/// One dialect file before includes are merged.
 struct ParsedFile {
   std::vector<Include> includes;
   std::optional<int> version, dialect;

@@ -26,7 +26,7 @@ struct VehicleCommand {
   std::optional<Place> place{};
 };
 
-/// "MAV_CMD 400 (arm or disarm)": what people call a command.
+/// A command's name for people: "MAV_CMD 400 (arm or disarm)".
 std::string describe(mavlink::common::MavCmd id);
 /// "denied", "temporarily rejected", ...
 std::string describe(mavlink::common::MavResult result);

@@ -10,7 +10,7 @@
 
 namespace cas::mav::services {
 
-/// What fails, by its number on the wire. Source: [MAVLink] FAILURE_UNIT.
+/// Unit that fails, by its number on the wire. Source: [MAVLink] FAILURE_UNIT.
 enum class FailureUnit : std::uint8_t {
   kGyro = 0,
   kAccel = 1,

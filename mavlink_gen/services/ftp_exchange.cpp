@@ -19,7 +19,7 @@ namespace {
 constexpr int kMaxOpenings = 4;
 /// Pieces that would tear the file into more parts are left out.
 constexpr std::size_t kMaxGaps = 4096;
-/// Numbers that a new transfer skips: what still comes of an older burst is behind them.
+/// Numbers that a new transfer skips: late packets of an older burst have lower numbers.
 constexpr std::uint16_t kSkippedNumbers = 1024;
 
 FtpFailure failure_of(const FtpPayload& nak) {
@@ -36,7 +36,7 @@ std::optional<FtpEntry> parse_entry(std::string_view text) {
   if (tab < text.size()) {
     std::from_chars(text.data() + tab + 1, text.data() + text.size(), entry.size);
   }
-  // Who writes files under these names must stay in his folder.
+  // A caller that writes files under these names must stay in its folder.
   const bool leads_out = entry.name.empty() || entry.name == "." || entry.name == ".." ||
                          entry.name.find('/') != std::string::npos;
   return leads_out ? std::nullopt : std::optional(std::move(entry));

@@ -38,7 +38,7 @@ struct FtpResult {
 
 /// Answers that were left out.
 struct FtpOddities {
-  std::uint64_t malformed = 0;  ///< of no possible size, or without what they must have
+  std::uint64_t malformed = 0;  ///< of impossible size, or without a required part
   std::uint64_t stray = 0;      ///< to no request: another number, session or operation
   std::uint64_t outside = 0;    ///< pieces beyond the end of the file
 };
@@ -46,7 +46,7 @@ struct FtpOddities {
 /// The file transfer protocol (https://mavlink.io/en/services/ftp.html) with one vehicle, from the
 /// ground station's side. One transfer at a time. Every wait has a deadline and a bound on tries.
 ///
-/// A download is OpenFileRO, then bursts; what got lost is asked for by ReadFile. A server without
+/// A download is OpenFileRO, then bursts; lost pieces are requested by ReadFile. A server without
 /// bursts is read piece by piece; one that has restarted meanwhile has the file opened again. At
 /// the end the file is closed and its checksum compared, where the server can compute one.
 class FtpExchange {

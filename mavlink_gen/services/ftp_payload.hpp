@@ -12,7 +12,7 @@
 #include "mavlink/common/enums.hpp"
 #include "mavlink/common/file_transfer_protocol.hpp"
 
-// What FILE_TRANSFER_PROTOCOL carries (https://mavlink.io/en/services/ftp.html).
+// Payload of FILE_TRANSFER_PROTOCOL (https://mavlink.io/en/services/ftp.html).
 namespace cas::mav::services {
 
 inline constexpr std::size_t kFtpDataBytes = 239;

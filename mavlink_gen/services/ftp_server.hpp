@@ -27,7 +27,7 @@ class FtpStore {
   virtual FtpFailure list(const std::string& folder, std::vector<FtpEntry>& entries) = 0;
   /// The length of a file.
   virtual FtpFailure length(const std::string& path, std::uint32_t& bytes) = 0;
-  /// @param out  where to; shortened to what there is, at the file's end to nothing
+  /// @param out  destination; shortened to the bytes read, at the file's end to nothing
   virtual FtpFailure read(const std::string& path, std::uint32_t offset,
                           std::span<std::uint8_t>& out) = 0;
   /// Makes a file of length 0; truncates an existing one.
@@ -78,7 +78,7 @@ class FtpServer {
   FtpServer(FtpStore& store, Send send, FtpServerLimits limits = {})
       : store_(store), send_(std::move(send)), limits_(limits) {}
 
-  /// @param from  who asks
+  /// @param from  the client
   void on_request(const Message& message, Source from, Time now);
   /// Sends due packets; call it every few milliseconds.
   void update(Time now);

@@ -22,9 +22,9 @@ inline bool is_vehicle(Source source, const mavlink::common::Heartbeat& heartbea
   return heartbeat.autopilot != MavAutopilot::kGeneric || source.component == kAutopilot;
 }
 
-/// The HEARTBEAT that a HIGH_LATENCY2 stands for. It has two bytes of the mode, of PX4 the upper
-/// ones. ArduPilot has its base mode in `custom0`; for others the last armed state stays. The HIL
-/// flag is never set: arming needs it in a HEARTBEAT.
+/// The HEARTBEAT made from a HIGH_LATENCY2. It has two bytes of the mode, of PX4 the upper ones.
+/// ArduPilot has its base mode in `custom0`; for others the last armed state stays. The HIL flag is
+/// never set: arming needs it in a HEARTBEAT.
 /// @param last  the previous HEARTBEAT
 inline mavlink::common::Heartbeat heartbeat_of(const mavlink::common::HighLatency2& message,
                                                const mavlink::common::Heartbeat& last) {

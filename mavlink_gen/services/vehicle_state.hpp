@@ -65,13 +65,13 @@ inline constexpr Duration kHighLatencyTimeout = std::chrono::seconds(200);
 /// EKF_STATUS_REPORT, a message of ArduPilot's dialect.
 inline constexpr std::uint32_t kEkfStatusReport = 193;
 
-/// What one vehicle has said about itself. Pure: packets and times come in as arguments.
-/// Packets of other senders must be left out, and which HEARTBEATs are a vehicle's says
-/// is_vehicle().
+/// State of one vehicle, from its own messages. Pure: packets and times come in as arguments. The
+/// caller leaves out packets of other senders; is_vehicle() tells whether a HEARTBEAT is a
+/// vehicle's.
 ///
 /// On a high latency link HIGH_LATENCY2 takes the place of the HEARTBEAT once none of those has
 /// come for kVehicleTimeout. It never says that the vehicle is in HIL, and PX4's does not say
-/// whether it is armed: the last word on that stays.
+/// whether it is armed: the last known state stays.
 class VehicleState {
  public:
   VehicleState(Source source, Time now) : source_(source), heard_at_(now) {}
@@ -89,7 +89,7 @@ class VehicleState {
   /// on one group of links, each is heard here.
   bool denied_hil(Time now) const;
   std::string mode() const;
-  /// Whether it is a PX4 in a mode that flies by somebody's sticks.
+  /// Whether it is a PX4 in a mode that needs a pilot's sticks.
   bool waits_for_sticks() const;
   const Heard<mavlink::common::Heartbeat>& heartbeat() const { return heartbeat_; }
   /// Of the newest HEARTBEAT, or of the HIGH_LATENCY2 in its place.
@@ -142,12 +142,12 @@ class VehicleState {
   /// Height above home in m from the vehicle's newest message, with its time.
   std::optional<Heard<double>> altitude() const;
   ParamEncoding param_encoding() const;
-  /// "1.12.0", by AUTOPILOT_VERSION; empty while the vehicle has not told it.
+  /// "1.12.0", by AUTOPILOT_VERSION; empty until the vehicle reports it.
   std::string firmware_version() const;
 
   /// The newest whole status texts, oldest first, at most ten.
   const std::deque<StatusText>& status_texts() const { return status_texts_; }
-  /// Counts every whole status text: who compares two values knows whether one came.
+  /// Counts every whole status text: a change of the value shows that one came.
   std::uint64_t status_text_count() const { return status_text_count_; }
 
  private:
@@ -190,9 +190,9 @@ enum class ArmingChecks { kUnknown, kPass, kFail };
 /// kUnknown while no fresh SYS_STATUS tells of them.
 ArmingChecks arming_checks(const VehicleState& vehicle, Time now);
 
-/// What a vehicle still lacks for a takeoff with position control, in words; empty: nothing, or its
-/// kind of autopilot does not report it. Without it stock firmware accepts arming, refuses to take
-/// off and disarms itself after 8 to 10 s (PX4 v1.12.0, ArduCopter 4.5.6).
+/// Missing preconditions of a takeoff with position control, in words; empty: nothing, or its kind
+/// of autopilot does not report it. Without it stock firmware accepts arming, refuses to take off
+/// and disarms itself after 8 to 10 s (PX4 v1.12.0, ArduCopter 4.5.6).
 ///
 /// The estimator's own report counts: ESTIMATOR_STATUS of PX4, EKF_STATUS_REPORT of ArduPilot;
 /// where neither comes, a fix of the GPS. HOME_POSITION is required, too. Old reports do not count.
