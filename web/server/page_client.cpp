@@ -353,7 +353,8 @@ void PageClient::unwatch_message(const Json& params, const Reply& reply) {
   reply.result(values_.erase(params.at("key").get<std::string>()) > 0);
 }
 
-/// Sticks are repeated: they count as no change, and who lets go of them is no pilot any longer.
+/// Sticks are repeated: they count as no change, and a page that stops sending them is no longer
+/// the pilot.
 void PageClient::move_sticks(const Json& params, const Reply& reply) {
   if (!hub_.is_pilot(number_, params.at("vehicle").get<int>(), base::steady_now())) {
     return reply.error(base::rpc::kRefused, "call pilot.take {\"vehicle\": ...} first", nullptr);

@@ -16,7 +16,7 @@ namespace cas::web {
 
 class PageClient;
 
-/// What all pages share: the connections to casd, hilsim and the run of hils, samples of each
+/// State shared by all pages: the connections to casd, hilsim and the run of hils, samples of each
 /// topic, events.
 ///
 ///   page waits for a topic --> timer of its rate --> one question --> snapshot to all that wait
@@ -58,8 +58,8 @@ class PageHub {
   base::rpc::Json greeting() const;
   /// Answer to `bench.status`.
   base::rpc::Json bench_status() const;
-  /// A mesh of hilsim's scene: its bytes, or nothing where there is none or it has over 64 MiB.
-  /// Who asks for one that is under way waits for it as well.
+  /// A mesh of hilsim's scene: its bytes, or nothing if there is none or it has over 64 MiB.
+  /// Requests for a pending mesh share its answer.
   void fetch_mesh(const std::string& hash, TakeMesh take);
   /// Whether a further page may be greeted.
   bool has_place() const;
