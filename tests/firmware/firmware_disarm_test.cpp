@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who has disarmed a vehicle that hils armed.
+// Causes of the disarming of a vehicle that hils armed.
 #include "tests/firmware/sitl_flight.hpp"
 
 namespace cas::test {

@@ -16,7 +16,7 @@
 
 namespace cas::test {
 
-/// What ArduPilot's parser takes out of a simulator's line.
+/// Values that ArduPilot's parser reads from a simulator's line.
 struct ParsedJson {
   double timestamp = 0;
   std::array<double, 3> gyro{};

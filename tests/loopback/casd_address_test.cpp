@@ -71,7 +71,7 @@ TEST(CasdAddress, JoinsAMulticastGroupOnADeviceAndHearsNoEchoOfItself) {
     peer.read(heard);
     return heard.count(kHilControls) >= 3 && fixture.at_fcu.count(kHeartbeat) >= 3;
   }));
-  EXPECT_EQ(fixture.at_fcu.count(kHilControls), 0U);  // our own packets came back and were told
+  EXPECT_EQ(fixture.at_fcu.count(kHilControls), 0U);  // recognised our own packets
   EXPECT_EQ(fixture.status("net").rx.lost, 0U);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who reaches the command port of the real casd, and how casctl finds it.
+// Access to the command port of the real casd, and casctl's search for it.
 #include <grp.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -57,7 +57,7 @@ class CommandPort : public testing::Test {
     command.insert(command.end(), arguments.begin(), arguments.end());
     return command;
   }
-  /// @param port  the block `command_port`; "$DIR" stands for the test's folder
+  /// @param port  the block `command_port`; "$DIR" is the test's folder
   fs::path topology(std::string port, const std::string& links = kLinks) const {
     for (auto at = port.find("$DIR"); at != std::string::npos; at = port.find("$DIR")) {
       port.replace(at, 4, folder_.path().string());
@@ -266,7 +266,7 @@ TEST_F(CommandPort, CasctlFindsTheTokenByItself) {
       << wrong.output;
 }
 
-/// A program that listens where casd would, on a thread; it keeps every byte that it is told.
+/// A program that listens where casd would, on a thread; it keeps every received byte.
 class Impostor {
  public:
   /// @param answer  to the request in each line
@@ -357,7 +357,7 @@ TEST_F(CommandPort, CasctlTellsACasdOfBeforeNothingEither) {
   const Ended ended = casctl({"--address", before.address(), "status"});
   EXPECT_EQ(ended.code, 1) << ended.output;
   EXPECT_NE(ended.output.find("--token-file"), std::string::npos) << ended.output;
-  // Whoever names the token's file says whom it may be told.
+  // A user who names the token's file allows casctl to send it.
   casctl({"--address", before.address(), "--token-file", (runtime() / "casd.token").string(),
           "status"});
   const std::string told = before.end();

@@ -71,7 +71,7 @@ TEST(CasdCrash, AVehicleFliesOnThroughKillRestartAndReload) {
   EXPECT_TRUE(fixture.land());
 }
 
-/// WatchdogSec and TimeoutStopSec of the unit: a casd that stands still is ended and started again.
+/// WatchdogSec and TimeoutStopSec of the unit: a hung casd is ended and started again.
 TEST(CasdCrash, ACasdThatStandsStillIsReplaced) {
   FlightFixture fixture;
   fixture.start_casd();

@@ -194,7 +194,7 @@ TEST_F(CasdObserve, GivesAllWhoAskWithoutAPauseAShareOfAProcessor) {
       }
     });
   }
-  // Somebody else is answered meanwhile, and packets pass.
+  // Another client is answered meanwhile, and packets pass.
   for (int i = 1; i <= 20; ++i) {
     EXPECT_EQ(call("link.list").size(), 2U);
     fixture.sim.send(fixture.from_sim(hil_sensor(static_cast<std::uint64_t>(i))));

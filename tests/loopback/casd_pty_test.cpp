@@ -113,7 +113,7 @@ class Session {
   pid_t leader_ = -1;
 };
 
-/// The real casd between a simulator and what lies under a path.
+/// The real casd between a simulator and the device at a path.
 class CasdPty : public testing::Test {
  protected:
   void start_casd(const std::string& device, const std::string& keys = "") {

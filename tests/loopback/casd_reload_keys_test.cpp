@@ -211,7 +211,7 @@ INSTANTIATE_TEST_SUITE_P(Casd, InForceKey, testing::ValuesIn(kInForce), [](const
   return test_name(test.param.key) + "_" + std::to_string(test.index);
 });
 
-// Keys of a link: the link is made anew from them, and no other is touched.
+// Keys of a link: the link is remade from them, and no other is touched.
 
 constexpr const char* kSignedLink =
     "{name: x, type: udp, local: '127.0.0.1:0', signing: {key_file: $DIR/a.key}}";

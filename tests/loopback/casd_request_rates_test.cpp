@@ -133,7 +133,7 @@ TEST_F(CasdRequestRates, AreAskedForAgainOfAnArduPilotThatOnlyBeatsAnyMore) {
   EXPECT_EQ(asked(Attitude::kId), 2U) << "what it is asked for anyway, too";
 }
 
-/// fcu_emulator behind the real casd, and a ground station that sees what comes of it.
+/// fcu_emulator behind the real casd, and a ground station that sees the resulting rates.
 class CasdRequestRatesOfTheEmulator : public testing::Test {
  protected:
   CasdRequestRatesOfTheEmulator() {

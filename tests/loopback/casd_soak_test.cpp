@@ -50,7 +50,7 @@ std::uint16_t port_in(const std::string& status, const std::string& name) {
 }
 
 /// Everything that wears on casd, turn by turn: both HIL streams, a flood of unknown senders,
-/// garbage, subscribers who read and who do not, clients that come and go, endless lines.
+/// garbage, subscribers that read and that do not, clients that come and go, endless lines.
 class Load {
  public:
   Load(CasdFixture& fixture, const std::string& status)

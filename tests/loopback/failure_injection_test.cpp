@@ -96,7 +96,7 @@ vehicles:
     if (!hilsim_->wait_ready()) throw std::runtime_error(hilsim_->output());
   }
 
-  /// HEARTBEATs of all, and what they have heard since.
+  /// Sends all HEARTBEATs, and reads waiting packets.
   void turn() {
     if (base::steady_now() > beat_at_) {
       Heartbeat vehicle;

@@ -39,8 +39,7 @@ namespace mv = mavlink::common;
 constexpr int kExitUsage = 2;
 constexpr int kExitInterrupted = 130;
 
-/// Stands on the ground for so long, for longer than any test where nothing is said: whoever
-/// started it ends it.
+/// Rests on the ground for this time, by default longer than any test: the caller ends it.
 std::string scenario_text(int seconds = 3600) {
   return "schema: 1\nname: long look\nvehicle: " + source_dir() +
          "/config/vehicles/iris_paper.yaml\n"
@@ -54,7 +53,7 @@ std::string scenario_text(int seconds = 3600) {
 
 sockaddr* generic(sockaddr_in& address) { return reinterpret_cast<sockaddr*>(&address); }
 
-/// QGroundControl, as far as a vehicle sees it: it answers whoever sent to it last.
+/// QGroundControl, as far as a vehicle sees it: it answers the last sender.
 class Station {
  public:
   Station() : fd_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
@@ -140,8 +139,8 @@ class HilsWatch : public testing::Test {
         in_session("hils", {"run", folder_.write("long.yaml", scenario_text()).string(), "--gcs",
                             endpoint, "--out", folder_ / "out"}));
   }
-  /// The line that tells how to watch a run; empty when none comes. The casctl that it names is
-  /// there, and stands in it as "casctl".
+  /// The line with the command to watch a run; empty if none comes. Checks that its casctl exists,
+  /// and replaces it by "casctl".
   static std::string watch_line(const ChildProcess& hils) {
     std::string line;
     wait_until([&] {

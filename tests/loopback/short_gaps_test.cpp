@@ -25,7 +25,7 @@ namespace {
 using namespace std::chrono_literals;
 using mavlink::common::HilSensor;
 
-/// Our part of a gap: less than a third of what brings stock firmware down.
+/// Our part of a gap: less than a third of a gap that brings stock firmware down.
 constexpr base::Duration kOurPart = 100ms;
 constexpr int kTries = 5;
 

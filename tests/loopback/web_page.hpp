@@ -23,7 +23,7 @@ struct HttpAnswer {
 HttpAnswer http_request(std::uint16_t port, const std::string& method, const std::string& target,
                         const std::string& host);
 
-/// A page of casweb: a WebSocket that keeps what comes. Each wait ends after kPatience.
+/// A page of casweb: a WebSocket that keeps received frames. Each wait ends after kPatience.
 class WebPage {
  public:
   /// @param origin  empty: none is sent

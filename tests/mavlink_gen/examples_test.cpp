@@ -41,7 +41,7 @@ class Recording {
     services::append_tlog_record(time_us, encode_packet_(message), record);
     text_.append(record.begin(), record.end());
   }
-  /// What an example program prints of it.
+  /// Output of an example program on it.
   std::string printed_by(const std::string& program, int exit_code = 0) const {
     return printed_by(program, text_, exit_code);
   }

@@ -75,7 +75,7 @@ void Supervisor::restart() {
   {
     const std::lock_guard lock(mutex_);
     restart_wanted_ = true;
-    state_ = State::kStarting;  // whoever waits for READY now means the next process
+    state_ = State::kStarting;  // from now on READY means the next process
   }
   signal(SIGTERM);
 }

@@ -28,8 +28,8 @@ class Supervisor {
  public:
   enum class State { kStarting, kRunning, kWaiting, kStopped, kFailed };
 
-  /// @param words  what to put in the place of words of the unit's commands, because the program is
-  ///               not installed: {"/usr/bin/casd", the program built here}
+  /// @param words  substitutes for words of the unit's commands, because the program is not
+  ///               installed: {"/usr/bin/casd", the program built here}
   Supervisor(const UnitFile& unit, std::map<std::string, std::string> words);
   ~Supervisor();
   Supervisor(const Supervisor&) = delete;
@@ -79,7 +79,7 @@ class Supervisor {
   std::deque<base::RunTime> recent_starts_;
   std::atomic<bool> ending_{false};
 
-  mutable std::mutex mutex_;  ///< what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   State state_ = State::kStopped;
   bool restart_wanted_ = false;
   pid_t pid_ = -1;

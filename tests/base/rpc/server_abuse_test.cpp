@@ -180,7 +180,7 @@ TEST_F(UnixAbuse, SilentClientsLoseTheirPlaces) {
   EXPECT_TRUE(server_->wait_for_refused(Refusal::kNoRequest, 8));
 }
 
-// Those who are turned away take no places while they are told why.
+// Refused clients take no places while they get the reason.
 TEST_F(UnixAbuse, ACrowdOfOneAddressLeavesTheOtherPlaces) {
   start();
   std::vector<RawClient> crowd;

@@ -96,8 +96,8 @@ TEST(UnixServer, ASocketOfAnotherUserIsNotReplaced) {
   EXPECT_TRUE(fs::exists(path));
 }
 
-// A program that has bound its socket and does not listen yet would look stale. In /tmp anybody may
-// hold the folder: the wait ends.
+// A program that has bound its socket and does not listen yet would look stale. In /tmp any user
+// may lock the folder, so the wait is bounded.
 TEST(UnixServer, WaitsForAnotherProgramThatIsBindingInTheFolder) {
   const test::TemporaryFolder folder;
   const fs::path path = folder.path() / "rpc";

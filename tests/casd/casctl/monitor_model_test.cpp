@@ -159,7 +159,7 @@ TEST_F(MonitorModelTest, TakesAVehicleForLostAfterThreeSecondsOfSilence) {
   EXPECT_TRUE(shows("Last heard: HIL ARMED HOLD in_air"));
 }
 
-// In lockstep casd's clock stands still with the stream: a HEARTBEAT does not age.
+// In lockstep casd's clock stops with the stream: a HEARTBEAT does not age.
 TEST_F(MonitorModelTest, TakesAVehicleForLostWhoseTimeStandsStill) {
   look(3);
   EXPECT_TRUE(shows("in_air  2.52 m"));

@@ -158,7 +158,7 @@ TEST_P(MonitorView, HasATitleBarAcrossTheWholeWidth) {
 const std::set<std::string> kOfLittleRoom{"complaint", "complaints", "more", "(key", "a)",
                                           "show",      "the",        "rest", "and",  "lines"};
 
-/// Whatever is on a screen of any size stands, as a whole, on a screen that has room for all.
+/// Each text on a screen of any size is found, whole, on a screen that has room for all.
 TEST_P(MonitorView, CutsNoWord) {
   std::set<std::string> whole;
   for (const auto& [rows, width] : {std::pair{200U, 159U}, {200U, 219U}, {200U, 600U}}) {

@@ -71,7 +71,7 @@ TEST_F(RecorderTest, TimesNeverGoBackButWithTheClock) {
   recorder.begin();
   for (const int ms : {10, 12, 11, 13}) say(milliseconds(ms));
   say(milliseconds(5000));
-  say(milliseconds(1));  // a simulation that began anew
+  say(milliseconds(1));  // a restarted simulation
   recorder.stop();
   EXPECT_EQ(times(folder / "flight.tlog"),
             (std::vector<base::Duration>{milliseconds(10), milliseconds(12), milliseconds(12),

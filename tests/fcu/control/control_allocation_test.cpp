@@ -349,8 +349,8 @@ TEST_P(HexaWithoutOne, HoversOnFourWithTheOppositeOneIdle) {
   EXPECT_LT(yaw(0.2 * spin) * spin, 0.01);
 }
 
-/// Why the heading goes: level flight wants the opposite rotor at rest, and of the four that are
-/// left pitch and roll take what yaw would need.
+/// Why yaw is lost: level flight needs the opposite rotor at rest, and roll and pitch use up the
+/// remaining four rotors.
 TEST_P(HexaWithoutOne, LeavesFourRotorsWhoseMatrixHasRankThree) {
   const base::Vehicle vehicle = test::hexa_x();
   const int lost = GetParam();

@@ -339,7 +339,7 @@ TEST_F(Sweep, AJobArrayGivesTheSameTable) {
     command.insert(command.end(), own.begin(), own.end());
     return command;
   };
-  // What Slurm refuses has no chunks that a later one must keep to.
+  // An array that Slurm refuses fixes no chunks for a later one.
   const fs::path refusing =
       folder_.write("refusing/sbatch", "#!/bin/sh\necho No account; exit 1\n");
   fs::permissions(refusing, fs::perms::owner_all);

@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
     parser.feed(line.read(), [&](const PacketView& packet) {
       if (packet.source.system == 1) mission.on_packet(packet, kSelf, Clock::now());
     });
-    mission.tick(Clock::now());  // says again what got no answer
+    mission.tick(Clock::now());  // repeats unanswered messages
   }
   return ok ? 0 : 1;
 }
