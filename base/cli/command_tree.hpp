@@ -10,7 +10,7 @@ namespace cas::base::cli {
 
 /// One option, flag or argument.
 struct Argument {
-  std::vector<std::string> names;  ///< "-h", "--help"; a positional has its word alone
+  std::vector<std::string> names;  ///< "-h", "--help"; for a positional only its word
   std::string value;               ///< its value's type, "TEXT"; empty for a flag
   std::string description;
   std::string fallback;     ///< default, as printed in the help

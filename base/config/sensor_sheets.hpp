@@ -73,7 +73,7 @@ struct GpsSheet {
   double first_fix_s = 0;
   std::vector<FixLoss> fix_losses;
   Eigen::Vector3d antenna_B_m = Eigen::Vector3d::Zero();
-  std::optional<EarthModel> earth_model;  ///< nothing: the world's own projection
+  std::optional<EarthModel> earth_model;  ///< nullopt: the world's own projection
 };
 
 struct MagnetometerSheet {

@@ -116,7 +116,7 @@ struct CAS_BASE_EXPORT Vehicle {
   std::vector<Rotor> rotors;             ///< 1 to kMaxRotors
   ControlScales scales;                  ///< computed by control_scales() where the file has none
   double body_drag_linear_n_s_m = 0;     ///< fuselage drag, N per m/s of airspeed
-  std::optional<BatteryParams> battery;  ///< nothing: the voltage never changes
+  std::optional<BatteryParams> battery;  ///< nullopt: the voltage never changes
   std::uint8_t system_id = 1;            ///< MAVLink system
   ConfigNode sensors = ConfigNode::empty();  ///< parameters by plugin name, see sensor_set()
 
@@ -138,7 +138,7 @@ struct CAS_BASE_EXPORT Vehicle {
   ControlScales control_scales() const;
 
   /// Output u, the same for all rotors, 0..1, at which their upward thrust carries the weight;
-  /// a rotor turns at idle + u (max - idle). Nothing where they cannot carry it.
+  /// a rotor turns at idle + u (max - idle). nullopt where they cannot carry it.
   std::optional<double> hover_output(double gravity_m_s2) const;
 
   /// M of (U1, U2, U3, U4) = M * omega^2 (rad^2/s^2; N, N m) in the axes of D, from rotor positions

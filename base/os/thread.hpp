@@ -41,7 +41,7 @@ struct ThreadTimes {
 class CAS_BASE_EXPORT ThreadTimesReader {
  public:
   ThreadTimesReader();
-  /// Nothing: this kernel does not count them.
+  /// nullopt: this kernel does not count them.
   std::optional<ThreadTimes> read() const;
 
  private:

@@ -36,7 +36,7 @@ struct PlaceHolder {
 
 /// Decision on a new client.
 struct PlaceDecision {
-  std::optional<std::string> refusal{};    ///< why it gets no place; nothing: it gets one
+  std::optional<std::string> refusal{};    ///< why it gets no place; nullopt: it gets one
   std::optional<std::size_t> displaced{};  ///< the holder that must go for it
 };
 

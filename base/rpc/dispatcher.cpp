@@ -72,13 +72,13 @@ Json id_of(const Json& request) {
   return id == request.end() || id->is_structured() || id->is_boolean() ? Json(nullptr) : *id;
 }
 
-/// Answers a line that is not JSON-RPC; no further line of the peer is to be read.
+/// Answers a line that is not JSON-RPC; no further line of the peer is read.
 void refuse_line(Peer& peer, int code, const std::string& message) {
   peer.refusal = Refusal::kNotJsonRpc;
   peer.deliver(Dispatcher::error_line(code, message));
 }
 
-/// The string of that key; nothing where there is none.
+/// The string of that key; nullopt where there is none.
 std::optional<std::string> text_of(const Json& params, const char* key) {
   if (!params.is_object()) return std::nullopt;
   const auto found = params.find(key);

@@ -27,7 +27,7 @@ class CAS_BASE_EXPORT Peer {
   virtual void deliver(std::string line) = 0;
   /// A call has ended; `calls` is already lower by one.
   virtual void on_call_ended() {}
-  /// `refusal` was set by a line that has been answered: no further line is to be read.
+  /// `refusal` was set by a line that has been answered: no further line is read.
   virtual void on_refused() {}
 
   std::string name;              ///< for an audit: "127.0.0.1:40412", "unix:uid 1000"

@@ -65,7 +65,7 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
   }
 
   /// Clients that are being turned away hold no place.
-  /// @return why there is no place for a client; nothing when there is one now
+  /// @return why there is no place for a client; nullopt when there is one now
   std::optional<std::string> make_place(const Session& client) {
     std::vector<std::shared_ptr<Session>> held;
     std::vector<PlaceHolder> holders;
