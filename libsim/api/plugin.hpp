@@ -72,7 +72,7 @@ class PluginContext {
   /// Makes the runner wait for this peer in lockstep. The plugin owns it.
   virtual void set_lockstep_peer(LockstepPeer& peer) = 0;
   /// Where the plugin publishes the MAVLink messages that its CAS_PLUGIN_SENDS declares; they leave
-  /// by the vehicle's mavlink_interface. Once. A host without one hears nothing.
+  /// by the vehicle's mavlink_interface. Once. A host without one drops them.
   /// @throws base::ConfigError when it declares none
   virtual Publisher<MavlinkMessage> mavlink() {
     return Publisher<MavlinkMessage>(std::make_shared<detail::Topic>());
@@ -80,7 +80,7 @@ class PluginContext {
   /// The vehicle's plugins that declare MAVLink messages: for a plugin that sends them.
   virtual std::vector<MavlinkSender> mavlink_senders() const { return {}; }
   /// A figure of the plugin for the summary and the report of a run. Its name is unique within the
-  /// plugin. A host without a report hears nothing.
+  /// plugin. A host without a report drops it.
   /// @param name  1 to 48 bytes of UTF-8 without control characters: "voltage"
   /// @param unit  0 to 48 of them: "V"
   /// @throws base::ConfigError for another name or unit, and beyond 64 figures

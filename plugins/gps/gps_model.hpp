@@ -34,7 +34,7 @@ struct GpsParams {
   std::uint8_t satellites = 0;
   base::SimTime first_fix;  ///< no fix before this moment
   std::vector<FixLoss> fix_losses;
-  std::optional<base::EarthModel> earth_model;  ///< nothing: the world's own projection
+  std::optional<base::EarthModel> earth_model;  ///< nullopt: the world's own projection
 };
 
 /// Reads the block `gps`: its keys are those of its sheet (base/config/sensor_sheets.hpp).

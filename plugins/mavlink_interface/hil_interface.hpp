@@ -198,7 +198,7 @@ class HilInterface {
   mav::PacketParser parser_;
   mav::SequenceTracker sequences_;
   std::optional<MotorCommand> command_;
-  std::optional<base::SimTime> last_command_;  // nothing: silent, rotors stopped
+  std::optional<base::SimTime> last_command_;  // nullopt: silent, rotors stopped
   std::uint64_t overwritten_commands_ = 0;
   std::uint64_t actuator_timeouts_ = 0;
 

@@ -32,7 +32,7 @@ enum class Integrator {
 struct PaceConfig {
   PaceMode mode = PaceMode::kRealtime;
   bool speed_given = false;  ///< else an SDF world's real-time factor holds
-  /// Simulated seconds per second of wall clock. lockstep goes by it only when it is given.
+  /// Simulated seconds per second of wall clock. lockstep uses it only when it is given.
   double speed = 1.0;
   double catch_up_rate = 1.25;  ///< fastest pace, as a multiple of `speed`, after a late step
   base::Duration max_lag = std::chrono::milliseconds(250);  ///< lag beyond this is given up

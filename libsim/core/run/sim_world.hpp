@@ -23,7 +23,7 @@ namespace cas::sim {
 
 /// The world that plugins see: bodies, objects around them, and the step.
 ///
-/// A vehicle is in one of three modes, chosen anew each step from geometry alone:
+/// A vehicle is in one of three modes, chosen in each step from geometry alone:
 ///   free     nothing within reach: our RK4; ODE is not asked
 ///   contact  touching the world or another vehicle: ODE's stepper with contact joints
 ///   held     at rest under unchanged forces: stands still
