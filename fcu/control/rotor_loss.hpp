@@ -56,7 +56,7 @@ class RotorLossDetector {
   bool has_servos_ = false;
   using Moments = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, base::kMaxRotors>;
   Moments moment_D_;        // with the axes as they are tilted
-  Moments loss_D_;          // what goes with a rotor: the one below it gains what its wake took
+  Moments loss_D_;          // lost with a rotor; the one below it regains its wake loss
   Eigen::Vector3d weight_;  // makes the axes comparable
   base::RotorVector up_s_, down_s_, high_;
   base::RotorVector omega_;       // as the rotors should turn, rad/s

@@ -50,7 +50,7 @@ class Battery {
                    .remaining = remaining_,
                    .consumed_mah = consumed_mah_};
   }
-  /// 0..1 of full; nothing while it is unknown.
+  /// 0..1 of full; nullopt while it is unknown.
   std::optional<double> remaining() const {
     if (unknown()) return std::nullopt;
     return measured_ ? measured_->remaining : remaining_;

@@ -9,7 +9,7 @@
 
 namespace cas::fcu {
 
-/// Whom the vehicle may be flown by.
+/// Sources of sticks for the vehicle.
 struct PilotInput {
   struct Heard {
     Sticks sticks;

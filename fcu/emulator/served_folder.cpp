@@ -73,7 +73,7 @@ ServedFolder::ServedFolder(const fs::path& folder) {
   }
 }
 
-/// Where a path leads. @return nothing when that is not inside the folder, or not there
+/// Where a path leads. @return nullopt when that is not inside the folder, or not there
 std::optional<fs::path> ServedFolder::inside(const fs::path& path) const {
   std::error_code error;
   fs::path real = fs::canonical(folder_ / path, error);

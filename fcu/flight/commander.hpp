@@ -27,11 +27,11 @@ struct ArmingInput {
   FlightMode mode;
   bool has_sticks = false;
   double sticks_throttle = 0;         ///< 0..1
-  std::optional<double> battery = 1;  ///< 0..1 of full; nothing: unknown
+  std::optional<double> battery = 1;  ///< 0..1 of full; nullopt: unknown
   base::RunTime now;
 };
 
-/// The first failed arming check, in words; nothing when all pass.
+/// The first failed arming check, in words; nullopt when all pass.
 std::optional<std::string> reason_not_to_arm(const ArmingInput& in);
 
 /// Detects that the vehicle is on the ground, in two steps.

@@ -24,7 +24,7 @@ struct FailsafeInput {
   bool ground_station_alive = false;    ///< now
   bool sticks_alive = false;
   bool offboard_alive = false;
-  std::optional<double> battery = 1;  ///< 0..1 of full; nothing: unknown
+  std::optional<double> battery = 1;  ///< 0..1 of full; nullopt: unknown
 };
 
 /// The action of a failsafe.

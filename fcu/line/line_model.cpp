@@ -365,7 +365,7 @@ void LineModel::drop_overrun(RunTime now) {
 
 std::size_t LineModel::read(std::span<std::uint8_t> out, RunTime now) {
   release_overdue(now);
-  // Mostly nothing has come: bytes come in order, so that the first tells.
+  // Mostly nothing has arrived: bytes arrive in order, so the first decides.
   if (on_line_.empty() || on_line_.front().arrivals.at(on_line_.front().read) > now) return 0;
   drop_overrun(now);
   std::size_t count = 0;

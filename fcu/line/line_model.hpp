@@ -81,13 +81,13 @@ class LineModel {
   std::size_t write(std::span<const std::uint8_t> bytes, base::RunTime now);
   /// Bytes that write() would take now.
   std::size_t room(base::RunTime now) const;
-  /// Moment at which room for one byte appears; nothing when there is room or never will be.
+  /// Moment at which room for one byte appears; nullopt when there is room or never will be.
   std::optional<base::RunTime> room_at(base::RunTime now) const;
 
   /// Moves bytes that have arrived by `now` into `out`. @return how many
   std::size_t read(std::span<std::uint8_t> out, base::RunTime now);
   /// When to read next: a write's last byte, or `receive_trigger_bytes` of it, has arrived, or one
-  /// that waits goes on the line. Nothing while the line is empty.
+  /// that waits goes on the line. nullopt while the line is empty.
   std::optional<base::RunTime> next_arrival() const;
 
   /// New settings for bytes written from now on.

@@ -54,7 +54,7 @@ inline std::uint32_t whole_number(double param, std::uint32_t highest) {
 mavlink::common::MavResult flight_command(const Command& command, const CommandTarget& target,
                                           base::RunTime now);
 
-/// Changes the mode on a request; nothing: UNSUPPORTED.
+/// Changes the mode on a request; nullopt: UNSUPPORTED.
 mavlink::common::MavResult set_flight_mode(std::optional<FlightMode> mode,
                                            const CommandTarget& target, base::RunTime now);
 
