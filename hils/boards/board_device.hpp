@@ -18,7 +18,7 @@ bool is_link_of(std::string_view link, std::string_view serial, unsigned interfa
 
 /// Where the board's serial port is now: its `device`, or the port of the USB device with its
 /// serial number, by udev's links (`by_id`), else by /sys (without udev, in a container).
-/// @return nothing when the board is not there
+/// @return nullopt when the board is not there
 std::optional<std::filesystem::path> find_device(
     const Board& board, const std::filesystem::path& by_id,
     const std::filesystem::path& sys_class_tty = "/sys/class/tty");

@@ -53,7 +53,7 @@ struct Board {
   Calibration calibration = Calibration::kUnknown;
   base::Duration boot_timeout = std::chrono::seconds(30);
   base::Duration off_time = std::chrono::seconds(2);  ///< without power in a power cycle
-  std::optional<BoardLog> log{};                      ///< nothing: it is not fetched
+  std::optional<BoardLog> log{};                      ///< nullopt: it is not fetched
   std::map<HookKind, BoardHook> hooks{};
 
   /// Its identity in any list: its serial number, else its path.

@@ -73,7 +73,7 @@ class FlightBoards {
   /// Longest time that it may take.
   base::Duration log_time() const;
 
-  /// A sentence on a port, given by its path, that is not there; nothing: all are.
+  /// A sentence on a port, given by its path, that is not there; nullopt: all are.
   std::optional<std::string> missing_port() const;
   /// A sentence for each board that is gone, after a flight; by vehicle.
   std::map<std::size_t, std::string> absences() const;

@@ -48,7 +48,7 @@ const std::vector<Failure>& failure_catalogue();
 /// @return nullptr when there is none of that name
 const Failure* find_failure(std::string_view name);
 
-/// Why a campaign cannot fly a failure: "needs casd as a program"; nothing: it can.
+/// Why a campaign cannot fly a failure: "needs casd as a program"; nullopt: it can.
 /// @param on_board  in real time with a board, else on the virtual clock
 std::optional<std::string_view> obstacle(const Failure& failure, bool on_board);
 

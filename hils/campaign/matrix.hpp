@@ -16,7 +16,7 @@ namespace cas::hils {
 struct CampaignFlight {
   std::size_t row = 0;  ///< of the sweep, from 1
   std::uint64_t seed = 1;
-  std::optional<StrikeResponse> response{};  ///< nothing: no verdict
+  std::optional<StrikeResponse> response{};  ///< nullopt: no verdict
   std::vector<std::string> misses{};         ///< sentences; none: all as expected
   std::string no_verdict{};                  ///< why
 };

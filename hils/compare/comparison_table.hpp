@@ -13,7 +13,7 @@
 
 namespace cas::hils {
 
-/// A figure of one run; nothing where the run has none.
+/// A figure of one run; nullopt where the run has none.
 using Figure = std::function<std::optional<double>(const Measurement&)>;
 
 /// One column of a table: a figure and how it is written.

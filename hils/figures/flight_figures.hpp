@@ -12,7 +12,7 @@ namespace cas::hils {
 struct FlightFigure {
   std::string name;  ///< "hover, table1: true x"
   double value = 0;
-  std::optional<double> bound;  ///< largest value that passes; nothing: shown, not judged
+  std::optional<double> bound;  ///< largest value that passes; nullopt: shown, not judged
   std::string unit;
   std::string note;  ///< source of the bound, or a value for comparison
 

@@ -38,7 +38,7 @@ class CompanionFlight {
 
   /// How giving a step ended.
   struct Answer {
-    std::optional<std::string> refusal{};  ///< nothing: the vehicle flies it
+    std::optional<std::string> refusal{};  ///< nullopt: the vehicle flies it
     bool for_good = false;                 ///< asking again would not help
     std::optional<base::SimTime> begin{};  ///< of a trajectory
     std::optional<HomedMission> mission{};

@@ -18,7 +18,7 @@ namespace cas::hils {
 struct FenceFigures {
   std::string words{};  ///< with which it announced the breach; empty: it did not
   std::optional<std::string> not_restored{};  ///< parameters that it did not take back
-  /// By the truth, from where the vehicle stood; nothing where that was not recorded.
+  /// By the truth, from where the vehicle stood; nullopt where that was not recorded.
   std::optional<double> farthest_m{};  ///< horizontal
   std::optional<double> highest_m{};
 };

@@ -67,13 +67,13 @@ void add_truth(const std::filesystem::path& truth, FirmwareFigures& figures);
 /// Adds the figures of the estimate in the flight log; nothing where there is none to read.
 void add_estimate(const std::filesystem::path& truth, const std::filesystem::path& tlog,
                   FirmwareFigures& figures);
-/// How far the estimate was from the truth in the measured hold; nothing without one of the two.
+/// How far the estimate was from the truth in the measured hold; nullopt without one of the two.
 /// Places and height count from the last second before takeoff, because a stock estimator's origin
 /// lies a little off; the heading counts as it is.
 std::optional<RmsFigures> estimate_error(const std::vector<Stage>& stages,
                                          std::span<const PoseSample> truth,
                                          std::span<const PoseSample> estimate);
-/// The slowest way through casd for 99 % of its packets (link.latency), us; nothing: none was
+/// The slowest way through casd for 99 % of its packets (link.latency), us; nullopt: none was
 /// timed.
 std::optional<double> slowest_hop_us(const nlohmann::json& hops);
 /// Adds the losses by casd's counters (link.list).

@@ -497,7 +497,7 @@ class FirmwarePilot {
   Eigen::Vector3d hold_begin_W_ = Eigen::Vector3d::Zero();
   bool holding_ = false;
   double hold_begin_s_ = 0;
-  /// When the measured hold began; nothing: casd has ended since.
+  /// When the measured hold began; nullopt: casd has ended since.
   std::optional<std::map<std::string, double>> counts_before_;
   OutsideHands hands_before_;  ///< that casd does not know any more
   Motion truth_;

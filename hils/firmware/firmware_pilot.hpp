@@ -16,7 +16,7 @@ namespace cas::hils {
 
 /// Why a firmware of this version is not flown; nullopt: it may be. @param version  empty: unknown
 std::optional<std::string> version_fault(const Firmware& wanted, const std::string& version);
-/// Why a flight does not wait for its vehicle any longer; nothing: it speaks.
+/// Why a flight does not wait for its vehicle any longer; nullopt: it sends.
 std::optional<std::string> silence_fault(const VehicleReport& vehicle);
 
 /// Flies the steps of a scenario through casd once its programs run, and looks at the true

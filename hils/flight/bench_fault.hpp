@@ -76,7 +76,7 @@ struct BenchFault {
 /// A fault that plugin `fault` plays, as it reads it.
 struct VehicleFault {
   base::ConfigNode script;
-  std::optional<std::size_t> vehicle{};  ///< nothing: each of them has it
+  std::optional<std::size_t> vehicle{};  ///< nullopt: each of them has it
 };
 
 /// The faults of a scenario: those of the bench, and those of the vehicles.
@@ -130,7 +130,7 @@ class BenchFaultScript {
     std::string name;
     base::SimTime begin;
     std::optional<base::SimTime> end;
-    std::optional<std::size_t> vehicle{};  ///< nothing: it hit all of them
+    std::optional<std::size_t> vehicle{};  ///< nullopt: it hit all of them
   };
   /// Faults that hit one vehicle.
   std::vector<Span> history_of(std::size_t vehicle) const;

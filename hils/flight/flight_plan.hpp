@@ -88,8 +88,8 @@ struct FirmwareHabits {
   bool flies_setpoints = false;
 };
 
-/// Takes a vehicle through the steps of a scenario. It says which command is to be given and when
-/// a step is done; it gives none itself and reads no clock. FleetPlan keeps several in step.
+/// Takes a vehicle through the steps of a scenario. It decides the next command and when a step is
+/// done; it sends none itself and reads no clock. FleetPlan keeps several in step.
 ///
 ///   update() -> command -> on_outcome() -> update() until the step's condition holds -> next step
 class FlightPlan {
@@ -104,8 +104,9 @@ class FlightPlan {
   explicit FlightPlan(std::vector<FlightStep> steps, double start_yaw_rad = 0,
                       FirmwareHabits habits = {});
 
-  /// Looks at the vehicle. @return the step whose command is to be given now, if any
-  /// @param others_through  so many steps the other vehicles are through with: the next one begins
+  /// Looks at the vehicle. @return the step whose command is due now, if any
+  /// @param others_through  number of steps that the other vehicles have finished: the next one
+  ///     begins
   std::optional<FlightStep> update(base::SimTime now, const VehicleReport& vehicle,
                                    std::size_t others_through = kNobody);
   /// The vehicle's answer to the last command; no refusal: it was accepted. A refused command is
@@ -132,7 +133,7 @@ class FlightPlan {
   /// vehicle's motion may complete the step; if only time completes it (hold, trajectory, the pause
   /// before a refused command is repeated) at its end, at the latest after kLongestLook.
   base::SimTime next_look(base::SimTime now) const;
-  /// Where the vehicle is to be, north, east, up from where it was armed, and its heading.
+  /// Reference position, north, east, up from the place of arming, and heading.
   const Eigen::Vector3d& reference_m() const { return reference_m_; }
   double reference_yaw_rad() const { return reference_yaw_rad_; }
   const std::vector<Stage>& stages() const { return stages_; }

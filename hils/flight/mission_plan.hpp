@@ -34,7 +34,7 @@ struct MissionPlan {
   /// The last item that flies anywhere lands, or returns and lands.
   bool lands() const;
   /// Place among `items` of the item whose MISSION_ITEM_REACHED says that all but the landing was
-  /// flown; nothing where a mission only lands.
+  /// flown; nullopt where a mission only lands.
   std::optional<std::size_t> last_before_landing() const;
 };
 

@@ -34,7 +34,7 @@ struct RunRecord {
   std::filesystem::path plugin_figures;  ///< figures of plugins; the file may be missing
   std::vector<Stage> stages;
   std::optional<Stage> under_way;  ///< the step that was not done when the flight ended
-  std::optional<Stage> hold;       ///< the measured one; nothing when the flight did not get there
+  std::optional<Stage> hold;       ///< the measured one; nullopt when the flight did not get there
   std::vector<BenchFaultScript::Span> faults;  ///< of the bench, as they went
   std::vector<OutsideCall> outside_calls;      ///< of casd's command port, by others than hils
   ClockMap log_clock;                          ///< clock of the flight log -> simulated time

@@ -57,7 +57,7 @@ class ChildProcess {
 
   /// Collects the end of the process if it has ended.
   const std::optional<ExitStatus>& poll_exit();
-  /// Waits for its end until `patience` after its begin. @return nothing when it still runs then
+  /// Waits for its end until `patience` after its begin. @return nullopt when it still runs then
   const std::optional<ExitStatus>& wait_exit(base::Duration patience);
   void terminate();  ///< SIGTERM to the group
   void kill();       ///< SIGKILL to the group

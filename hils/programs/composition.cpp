@@ -256,7 +256,7 @@ YAML::Node further_plugin(const base::ConfigNode& entry) {
   return node;
 }
 
-/// Entry of plugin `fault` for this vehicle; nothing when it has no faults.
+/// Entry of plugin `fault` for this vehicle; nullopt when it has no faults.
 /// @param by_hand  it takes further ones in flight
 std::optional<YAML::Node> fault_plugin(const Scenario& scenario, std::size_t vehicle,
                                        bool by_hand) {

@@ -14,7 +14,7 @@ namespace cas::hils {
 /// State of a flight controller on a serial port before its flight.
 struct FcuFacts {
   std::string device{};
-  std::optional<std::uint8_t> system{};  ///< that it must have; nothing: any
+  std::optional<std::uint8_t> system{};  ///< that it must have; nullopt: any
   bool link_up = false;
   std::string link_words{};  ///< where it is, or why it is not up
   bool heard = false;        ///< its HEARTBEAT has come

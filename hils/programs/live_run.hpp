@@ -62,7 +62,7 @@ class LiveRun {
 
   /// casweb was there and has ended: no page can resume a paused run.
   bool page_has_ended() const;
-  /// Has the simulation go on.
+  /// Resumes the simulation.
   void resume(base::rpc::Client& simulator);
 
   /// Faults by hand, as acts of others.

@@ -20,7 +20,7 @@ namespace cas::hils {
 /// Motion of a vehicle in sim.status, whose axes are W's: x east, y north.
 Motion to_motion(const nlohmann::json& vehicle);
 
-/// The vehicle that casd is asked about, by its MAVLink system; nothing: the only one there is.
+/// The vehicle that casd is asked about, by its MAVLink system; nullopt: the only one there is.
 using AskedVehicle = std::optional<std::uint8_t>;
 
 /// State of the vehicle as casd knows it now; `heard` is false if casd has not heard it yet.

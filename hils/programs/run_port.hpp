@@ -36,7 +36,7 @@ class RunPort {
   /// The answer of a method from now on.
   void show(const std::string& method, Json answer);
   void publish(const std::string& topic, Json params);
-  /// Faults that were asked for since the last look; each is to be answered.
+  /// Faults requested since the last look; each needs an answer.
   std::vector<FaultCall> take_faults();
   void answer(const FaultCall& call, Json result);
   void refuse(const FaultCall& call, int code, std::string sentence);

@@ -21,7 +21,7 @@ struct SweepView {
   static SweepView of(SweepFolder folder);
 
   SweepCounts counts() const;
-  /// Whether each row stayed up; nothing where it has no verdict.
+  /// Whether each row stayed up; nullopt where it has no verdict.
   std::vector<std::optional<bool>> up() const;
   /// Values of one parameter by row, and in bins.
   std::vector<std::string> values(std::size_t parameter) const;

@@ -22,7 +22,7 @@ struct EchoedNumber {
   std::uint32_t number = 0;
 };
 
-/// The packets of a measurement, collected in the order in which they are to be sent.
+/// The packets of a measurement, collected in the order of sending.
 ///
 /// Padding is V2_EXTENSION of a private type, addressed to the autopilot: neither PX4 nor ArduPilot
 /// has a handler for it, and a board passes packets addressed to itself on to no other link.
@@ -57,7 +57,7 @@ class ProbePackets {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// The question that a packet answers; nothing for every other one.
+/// The question that a packet answers; nullopt for every other one.
 std::optional<EchoedNumber> read_answer(const mav::PacketView& packet);
 
 }  // namespace cas::hils

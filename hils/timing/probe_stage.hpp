@@ -23,7 +23,7 @@ class ProbeLine {
     return last_;
   }
   /// Closes a question, and those before it: a line keeps the order, so they are lost.
-  /// @return its round trip; nothing for one that is not open
+  /// @return its round trip; nullopt for one that is not open
   std::optional<base::Duration> answered(std::uint32_t number, base::RunTime now) {
     const auto found = open_.find(number);
     if (found == open_.end()) return std::nullopt;
@@ -32,7 +32,7 @@ class ProbeLine {
     return time;
   }
   std::size_t open() const { return open_.size(); }
-  /// When the oldest open question was asked; nothing: none is open.
+  /// When the oldest open question was asked; nullopt: none is open.
   std::optional<base::RunTime> oldest() const {
     return open_.empty() ? std::nullopt : std::optional(open_.begin()->second);
   }

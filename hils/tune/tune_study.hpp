@@ -57,7 +57,7 @@ struct Objective {
 struct Guard {
   TuneFigure figure;
   bool at_least = true;           ///< else at most
-  std::optional<double> bound{};  ///< nothing: the value before
+  std::optional<double> bound{};  ///< nullopt: the value before
 };
 
 /// Contents of a study of `hils tune` (config/studies/tune_*.yaml). Keys are the members' names.

@@ -151,7 +151,7 @@ std::size_t rotor_columns(const std::filesystem::path& truth_csv) {
 
 /// A row of truth.csv: z up there, down here.
 ///
-/// @param home  the origin's place on earth; nothing: the run has none
+/// @param home  the origin's place on earth; nullopt: the run has none
 void write_truth(sim::UlogFile& file, const std::optional<base::Geodetic>& home, SimTime time,
                  const Row& row) {
   const Eigen::Vector3d p_N(row[1], row[2], -row[3]);

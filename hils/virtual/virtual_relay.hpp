@@ -54,7 +54,7 @@ class VirtualRelay final : private casd::LineWait {
  public:
   /// Hands bytes to a link. @return how many it took
   using Write = std::function<std::size_t(std::span<const std::uint8_t>, base::RunTime)>;
-  /// Hears each packet when it is read from a link.
+  /// Called for each packet that is read from a link.
   using OnPacket = std::function<void(casd::LinkId from, const mav::PacketView&, base::RunTime)>;
 
   VirtualRelay(const casd::Topology& topology, WakeUp wake_up);

@@ -31,7 +31,7 @@ class VirtualWire {
   /// Before the bus is frozen.
   ///
   /// @param name  of the vehicle, the folder of its topics
-  /// @param on_bytes  hears each packet that the simulator sends
+  /// @param on_bytes  receives each packet of the simulator
   VirtualWire(sim::TopicBus& bus, const std::string& name, sim::VehicleId id, OnBytes on_bytes);
   VirtualWire(const VirtualWire&) = delete;
   VirtualWire& operator=(const VirtualWire&) = delete;
