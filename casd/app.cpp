@@ -251,7 +251,7 @@ struct App::Impl {
     return link != nullptr && link->inject_failures;
   }
 
-  /// Whose HIL_SENSOR goes to the vehicle's link.
+  /// The simulator whose HIL_SENSOR goes to the vehicle's link.
   std::optional<Simulator> simulator_of(std::uint8_t system) const {
     const VehicleState* const vehicle = commander.find(system);
     if (vehicle == nullptr) return std::nullopt;
@@ -511,7 +511,7 @@ struct App::Impl {
     figures.set_decoder(std::move(decoder));
   }
 
-  /// @return why not; nothing when the new topology is in force
+  /// @return why not; nullopt when the new topology is in force
   std::optional<std::string> reload() {
     base::notify("RELOADING=1");
     std::optional<std::string> trouble;

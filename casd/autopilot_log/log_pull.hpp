@@ -23,7 +23,7 @@ using mav::services::RemoteLogDataBlock;
 /// Bytes on their way into a log file.
 struct LogPart {
   std::vector<std::uint8_t> bytes;
-  /// Offset of the first byte; zeros fill a gap before it. Nothing: the end of the file.
+  /// Offset of the first byte; zeros fill a gap before it. nullopt: the end of the file.
   std::optional<std::uint64_t> at{};
 };
 

@@ -22,7 +22,7 @@ struct Act {
   bool disarms = false;  ///< disarms or ends the flight, or may do so
 };
 
-/// Reads a command, sticks, a target or a change of the mission. Nothing: the packet only requests
+/// Reads a command, sticks, a target or a change of the mission. nullopt: the packet only requests
 /// information, or is of another kind.
 std::optional<Act> act_of(const mav::PacketView& packet);
 /// Reads a vehicle's answer to a command that arms, disarms or ends the flight: its addressee has

@@ -71,7 +71,7 @@ struct PacketInfo {
 };
 
 /// The stamp (microseconds) that, with the message id, is a HIL packet's identity in every ledger:
-/// time_usec of HIL_SENSOR, HIL_GPS and the two controls; nothing for other packets.
+/// time_usec of HIL_SENSOR, HIL_GPS and the two controls; nullopt for other packets.
 std::optional<std::uint64_t> hil_time_usec(const mav::PacketView& packet);
 
 /// Reads the addresses from the payload as it came (a field cut off with trailing zeros is 0).

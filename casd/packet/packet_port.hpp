@@ -40,7 +40,7 @@ class PacketWriter {
   virtual WriteResult write(std::span<const PacketRef> packets) = 0;
   /// Writes the rest of a packet that was begun (streams). @return how many bytes, in part_of_next
   virtual WriteResult write_rest(std::span<const std::uint8_t>) { return {}; }
-  /// Makes the check wrong of a packet that was begun and whose rest it keeps itself.
+  /// Spoils the checksum of a begun packet whose rest it keeps itself.
   virtual void spoil_rest() {}
   /// Bytes that it adds to each packet.
   virtual std::size_t added_bytes() const { return 0; }

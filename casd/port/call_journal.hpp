@@ -26,7 +26,7 @@ class CallJournal {
     std::string method{};
     std::string params{};  ///< JSON
     std::uint8_t system = 0;
-    std::optional<std::string> refusal{};  ///< nothing: it was done
+    std::optional<std::string> refusal{};  ///< nullopt: it was done
     std::uint64_t times = 1;
   };
 

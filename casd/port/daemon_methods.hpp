@@ -13,7 +13,7 @@ namespace cas::casd {
 
 /// Objects that the daemon's methods act on.
 struct DaemonHooks {
-  /// Reads the topology again. @return why not; nothing when it is in force
+  /// Reads the topology again. @return why not; nullopt when it is in force
   std::function<std::optional<std::string>()> reload;
   Recorder& recorder;
   /// Runs work on the server's thread; from any thread.

@@ -52,7 +52,7 @@ struct FiguresSource {
 /// Result of a reload.
 struct ReloadReport {
   base::RunTime at{};
-  std::optional<std::string> trouble;  ///< why it was refused; nothing: it is in force
+  std::optional<std::string> trouble;  ///< why it was refused; nullopt: it is in force
 };
 
 /// The methods of the command port about casd itself: casd.status, link.*, message.* and
@@ -93,7 +93,7 @@ class FigureMethods {
   FiguresSource source_;
   std::map<std::string, std::string> last_states_;
   std::uint64_t last_dropped_ = 0;
-  std::optional<ReloadReport> last_reload_;  ///< nothing: none yet
+  std::optional<ReloadReport> last_reload_;  ///< nullopt: none yet
   Memory memory_;
 };
 

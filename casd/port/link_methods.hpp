@@ -24,7 +24,7 @@ struct LinkHooks {
       add;
   /// @param force  also the link of an armed vehicle
   std::function<void(const std::string& name, bool force)> remove;
-  /// Called for each call. @param refusal  nothing: it was done
+  /// Called for each call. @param refusal  nullopt: it was done
   std::function<void(const std::string& client, const std::string& method,
                      const nlohmann::json& params, const std::optional<std::string>& refusal)>
       audit;

@@ -46,7 +46,7 @@ class VehicleMethods {
   nlohmann::json vehicles() const;
 
   /// Writes a line to audit and journal for a call that changed something other than a vehicle.
-  /// @param refusal  nothing: it was done
+  /// @param refusal  nullopt: it was done
   void audit_other(const std::string& client, const std::string& name, const nlohmann::json& params,
                    const std::optional<std::string>& refusal);
 

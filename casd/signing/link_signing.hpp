@@ -26,7 +26,7 @@ class LinkSigning {
               std::shared_ptr<LinkCounters> counters);
 
   /// Verifies an incoming packet; on the link's thread.
-  /// @return the packet without signature, valid until the next call; nothing when it is refused
+  /// @return the packet without signature, valid until the next call; nullopt when it is refused
   std::optional<mav::PacketView> admit(const mav::PacketView& packet);
 
   /// Signs packets of `writer` at the last moment: queues reorder packets, and signatures must have

@@ -35,9 +35,9 @@ struct FailureHooks {
   /// Whether the topology lets stations on this link inject failures.
   std::function<bool(LinkId)> permits{};
   std::function<std::string(LinkId)> link_name{};
-  /// Why a vehicle is not known to be in HIL; nothing: it is.
+  /// Why a vehicle is not known to be in HIL; nullopt: it is.
   std::function<std::optional<std::string>(std::uint8_t system)> hil_doubt{};
-  /// The simulator that feeds a vehicle; nothing: none does through casd.
+  /// The simulator that feeds a vehicle; nullopt: none does through casd.
   std::function<std::optional<Simulator>(std::uint8_t system)> simulator{};
   /// Takes one line of the audit log.
   std::function<void(const std::string&)> audit{};
@@ -59,7 +59,7 @@ class FailureDesk {
   /// @param commander  knows the vehicles; outlives this object
   FailureDesk(mav::Source self, const VehicleCommander& commander, FailureHooks hooks);
 
-  /// Result for a packet that the station hears.
+  /// Result for a packet.
   enum class Verdict : std::uint8_t {
     kNotOurs,  ///< it is about something else
     kRefused,  ///< without effect: the commander must not count it as an intervention
@@ -87,7 +87,7 @@ class FailureDesk {
     base::RunTime deadline{};
   };
 
-  /// Whom a command names.
+  /// Target of a command.
   struct Addressee {
     mav::Source source;
     std::optional<Outcome> unknown{};  ///< why there is no such vehicle

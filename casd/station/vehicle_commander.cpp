@@ -160,7 +160,7 @@ void VehicleCommander::dispatch(KnownVehicle& vehicle, const mav::PacketView& pa
       break;
     case ExtendedSysState::kId:
       // The navigator reads the parameter when it begins to climb: not before it is in the air,
-      // unless nothing comes of the takeoff.
+      // unless the takeoff fails.
       if (vehicle.state.landed() == MavLandedState::kTakeoff ||
           vehicle.state.landed() == MavLandedState::kInAir) {
         vehicle.takeoff_height.put_back(now);

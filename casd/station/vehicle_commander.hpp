@@ -111,7 +111,7 @@ class VehicleCommander final : public Station {
     return table_.resolve(asked);
   }
 
-  /// Why a vehicle is not known to be in HIL, in a sentence; nothing: its HEARTBEATs, and only its,
+  /// Why a vehicle is not known to be in HIL, in a sentence; nullopt: its HEARTBEATs, and only its,
   /// say so.
   std::optional<std::string> hil_doubt(std::uint8_t system, base::RunTime now) const;
 
@@ -131,7 +131,7 @@ class VehicleCommander final : public Station {
   void disarm(std::uint8_t system, bool force, base::RunTime now, Done done);
   /// Climbs to `altitude_m` above home. Of a PX4 whose home is unknown it writes MIS_TAKEOFF_ALT,
   /// and puts it back once the vehicle is in the air or disarmed, or has not accepted; a value that
-  /// is set meanwhile stays. A disarm, by whomever, ends it.
+  /// is set meanwhile stays. Any disarm ends it.
   void takeoff(std::uint8_t system, double altitude_m, base::RunTime now, Done done);
   void land(std::uint8_t system, base::RunTime now, Done done);
   void hold(std::uint8_t system, base::RunTime now, Done done);

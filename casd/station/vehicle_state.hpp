@@ -44,7 +44,7 @@ class VehicleState final : public mav::services::VehicleState {
   /// Forgets the ways over these links. @return whether any way is left
   bool forget(const LinkMask& links);
 
-  /// The link that it is heard on: with redundant links the first, while that one speaks.
+  /// The link that it is heard on: with redundant links the first, while it carries packets.
   LinkId link() const { return ways_.front().path.link; }
   Origin origin() const { return {ways_.front().path, group_}; }
   /// All ways to it.

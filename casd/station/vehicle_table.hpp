@@ -100,7 +100,7 @@ class VehicleTable {
   /// The vehicle a request means: the one named, or the only one there is.
   /// @return its system id, or why there is none
   std::variant<std::uint8_t, Outcome> resolve(std::optional<std::uint8_t> asked) const;
-  /// Where a rival speaks: "link sitl", "another peer of link net".
+  /// Place of a rival: "link sitl", "another peer of link net".
   std::string place(const VehicleState& state, const Rival& rival) const;
 
  private:

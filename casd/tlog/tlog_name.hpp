@@ -10,7 +10,7 @@ namespace cas::casd {
 
 inline constexpr std::string_view kTlogExtension = ".tlog";
 
-/// Why a word cannot name a recording, as the end of a sentence; nothing: it can. A name is a file
+/// Why a word cannot name a recording, as the end of a sentence; nullopt: it can. A name is a file
 /// in one folder, so it must not lead elsewhere: no slash, no leading dot, nothing unprintable.
 std::optional<std::string> tlog_name_fault(std::string_view name);
 

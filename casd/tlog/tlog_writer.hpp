@@ -55,7 +55,7 @@ class TlogWriter {
 
   /// Called on the thread that writes, once the disk has answered; at once where there was nothing
   /// to do.
-  /// @param fault   why the recording has not begun; nothing: it has, or it has ended
+  /// @param fault   why the recording has not begun; nullopt: it has, or it has ended
   /// @param status  of the recording that began or ended
   using Done =
       std::function<void(const std::optional<std::string>& fault, const TlogStatus& status)>;

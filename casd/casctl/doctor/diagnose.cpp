@@ -60,7 +60,7 @@ double drop_growth(const DoctorFacts& facts, const json& link, const std::string
   return drops(link) - drops(link_named(facts.before, link.value("name", "")));
 }
 
-/// Rate of messages of these names on a link in one direction. @param system  nothing: of all
+/// Rate of messages of these names on a link in one direction. @param system  nullopt: of all
 double rate_of(const DoctorFacts& facts, const std::string& link, const std::string& direction,
                const std::set<std::string>& names, std::optional<int> system = std::nullopt) {
   double hz = 0;
@@ -378,7 +378,7 @@ void check_streams(const DoctorFacts& facts, Findings& all) {
   for (const json& vehicle : facts.after.value("vehicles", json::array())) {
     const std::string link = vehicle.value("link", "");
     const std::string who = "vehicle " + vehicle.at("system").dump();
-    // Of these the vehicle's own line says all.
+    // The vehicle's own line covers these.
     if (is_silent(vehicle) || is_in_software(facts, vehicle)) continue;
     const double sensor_hz = rate_of(facts, link, "tx", {"HIL_SENSOR"});
     const double control_hz = rate_of(facts, link, "rx", {"HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});

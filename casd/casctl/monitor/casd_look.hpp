@@ -22,7 +22,7 @@ double now_s();
 
 /// One query of casd, and its answers.
 struct Look {
-  std::optional<int> vehicle;      ///< system id; nothing: the first one
+  std::optional<int> vehicle;      ///< system id; nullopt: the first one
   std::optional<MessageKey> open;  ///< whose values are wanted
   nlohmann::json status, messages, state, telemetry, value;
   std::optional<std::string> fault;  ///< why casd did not answer; nullopt: it did

@@ -63,7 +63,7 @@ struct MonitorState {
   std::deque<Place> trail;
   std::map<int, VehicleWatch> watches;  ///< by system id
 
-  std::optional<int> chosen_vehicle;  ///< system id; nothing: the first one
+  std::optional<int> chosen_vehicle;  ///< system id; nullopt: the first one
   std::optional<MessageKey> selected;
   std::optional<MessageKey> open;
   std::size_t selected_gain = 0;

@@ -229,7 +229,7 @@ void add_mode(CommandLine& line) {
       .required();
 }
 
-/// Sends the sticks again and again, then lets go of them.
+/// Repeats the sticks, then releases them.
 int hold_sticks(Session& session, const json& sticks, double duration_s) {
   using Clock = std::chrono::steady_clock;
   constexpr auto kPeriod = std::chrono::milliseconds(50);  // 20 Hz, as ground stations do
