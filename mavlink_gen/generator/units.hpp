@@ -16,7 +16,7 @@ struct Scale {
 };
 
 /// The scale of a scalar number field whose unit is not plain (`cm/s`, `degE7`, ...) or that has a
-/// multiplier; nothing for all others.
+/// multiplier; nullopt for all others.
 std::optional<Scale> scale_of(const xml::Field& field);
 
 /// The XML attribute `invalid`.

@@ -28,7 +28,7 @@ FtpFailure failure_of(const FtpPayload& nak) {
           .error_number = nak.size > 1 ? nak.data[1] : std::uint8_t{0}};
 }
 
-/// "F", the name, and of a file a tab and its size. @return nothing when it is to be skipped
+/// "F", the name, and of a file a tab and its size. @return nullopt when it is to be skipped
 std::optional<FtpEntry> parse_entry(std::string_view text) {
   if (text.empty() || (text[0] != 'F' && text[0] != 'D')) return std::nullopt;
   const std::size_t tab = std::min(text.find('\t'), text.size());

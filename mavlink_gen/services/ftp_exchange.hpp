@@ -76,7 +76,7 @@ class FtpExchange {
   /// Takes in a packet of the vehicle. @param self  packets for others are left out
   void on_packet(const PacketView& packet, Source self, Time now);
   void tick(Time now);
-  /// When tick() has something to do; nothing while nothing is under way.
+  /// When tick() has something to do; nullopt while nothing is under way.
   std::optional<Time> deadline() const;
   /// Ends the transfer with this outcome.
   void give_up(const Outcome& outcome);

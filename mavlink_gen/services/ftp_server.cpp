@@ -280,7 +280,7 @@ FtpServer::Session* FtpServer::find(const Request& request, Time now) {
   return nullptr;
 }
 
-/// @param id  of the session; nothing: all of this owner
+/// @param id  of the session; nullopt: all of this owner
 void FtpServer::close(Source owner, std::optional<std::uint8_t> id) {
   std::erase_if(sessions_, [&](const Session& session) {
     return session.owner == owner && (!id || session.id == *id);

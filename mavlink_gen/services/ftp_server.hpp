@@ -148,7 +148,7 @@ class FtpServer {
   std::uint64_t dropped_ = 0;
 };
 
-/// A request's path below the top; empty for the top itself. @return nothing when it leads out of
+/// A request's path below the top; empty for the top itself. @return nullopt when it leads out of
 /// it
 std::optional<std::string> ftp_path(std::string_view text);
 

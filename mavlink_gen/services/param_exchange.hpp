@@ -30,7 +30,7 @@ enum class ParamEncoding {
 /// The number that a PARAM_VALUE carries.
 double from_wire(ParamEncoding encoding, mavlink::common::MavParamType type, float wire);
 
-/// The field of PARAM_SET for a number; nothing when the type cannot hold it (a fraction in an
+/// The field of PARAM_SET for a number; nullopt when the type cannot hold it (a fraction in an
 /// integer, out of range, not finite).
 std::optional<float> to_wire(ParamEncoding encoding, mavlink::common::MavParamType type,
                              double value);

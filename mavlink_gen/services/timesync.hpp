@@ -27,7 +27,7 @@ inline std::optional<mavlink::common::Timesync> answer(const mavlink::common::Ti
   return reply;
 }
 
-/// The answer to a PING; nothing where the message is an answer itself.
+/// The answer to a PING; nullopt where the message is an answer itself.
 inline std::optional<mavlink::common::Ping> answer(const mavlink::common::Ping& request,
                                                    Source from) {
   if (request.target_system != 0 || request.target_component != 0) return std::nullopt;
@@ -58,12 +58,12 @@ class ClockEstimate {
     return true;
   }
 
-  /// Their clock less ours; nothing while no answer has come.
+  /// Their clock less ours; nullopt while no answer has come.
   std::optional<Duration> offset() const {
     const Answer* best = quickest();
     return best == nullptr ? std::nullopt : std::optional(best->offset);
   }
-  /// Of the answer that offset() goes by.
+  /// Of the answer behind offset().
   std::optional<Duration> round_trip() const {
     const Answer* best = quickest();
     return best == nullptr ? std::nullopt : std::optional(best->round_trip);

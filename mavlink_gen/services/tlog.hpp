@@ -63,7 +63,7 @@ class TlogSplitter {
   }
   /// The next record.
   /// @param whole  nothing more will be fed: a record that is not whole is damage, too
-  /// @return nothing when more must be fed, or at the end
+  /// @return nullopt when more must be fed, or at the end
   std::optional<TlogRecord> next(bool whole = false) {
     for (;; ++at_, ++skipped_) {
       const auto rest = std::span<const std::uint8_t>(buffer_).subspan(at_);
