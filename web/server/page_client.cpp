@@ -96,7 +96,7 @@ Upstream* upstream_of(PageHub& hub, Program program) {
   return program == Program::kHilsim ? &hub.hilsim() : hub.hils();
 }
 
-/// The text of that key; nothing where there is none.
+/// The text of that key; nullopt where there is none.
 std::optional<std::string> text_of(const Json& params, const char* key) {
   if (!params.is_object()) return std::nullopt;
   const auto found = params.find(key);

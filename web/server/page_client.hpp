@@ -33,7 +33,7 @@ struct ValueWatch {
   int component = 0;
   std::vector<std::string> fields{};
   base::Duration period{};
-  base::RunTime next{};                ///< when it is to be asked for again
+  base::RunTime next{};                ///< time of the next request
   std::vector<std::string> samples{};  ///< as JSON, the oldest first
   std::uint64_t seen = 0;              ///< count of the packet sampled last
 };
@@ -63,7 +63,7 @@ class PageClient final : public base::rpc::Peer, public std::enable_shared_from_
   /// Sends a frame that several pages get.
   void send(const Text& text) { socket_.send(text); }
 
-  /// Whether a snapshot of the topic that is there now is to be sent to this page.
+  /// Whether to send a present snapshot of the topic to this page.
   bool wants(const std::string& topic, base::RunTime now) const;
   /// Whether the page waits for one, now or soon.
   bool waits(const std::string& topic) const;

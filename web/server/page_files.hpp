@@ -20,7 +20,7 @@ struct PageFile {
 /// The built page, read once: requests find a file by its name in memory, never by a path.
 class PageFiles {
  public:
-  /// @param folder  nothing: a page that says that none was built
+  /// @param folder  nullopt: a page that says that none was built
   /// @throws base::ConfigError when the folder has no index.html, or a file cannot be read
   explicit PageFiles(const std::optional<std::filesystem::path>& folder);
 

@@ -49,7 +49,7 @@ class PageHub {
 
   /// A page that has said hello gets events and the topics it waits for, until it is gone.
   void add(const std::shared_ptr<PageClient>& client);
-  /// Highest rate of a topic, Hz; nothing for one that there is not.
+  /// Highest rate of a topic, Hz; nullopt for one that there is not.
   std::optional<double> rate_of(const std::string& topic) const;
   /// Some page waits for this topic.
   void on_wanted(const std::string& topic);
