@@ -25,7 +25,7 @@ class Pilot {
   };
   enum class Stage { kWait, kArm, kTakeoff, kClimb, kHover, kLand, kDescend, kDone, kFailed };
 
-  /// @param to_vehicle  hears each packet during tick(), never inside on_bytes()
+  /// @param to_vehicle  called with each packet during tick(), never inside on_bytes()
   Pilot(const Plan& plan, casd::SendPacket to_vehicle)
       : plan_(plan),
         to_vehicle_(std::move(to_vehicle)),

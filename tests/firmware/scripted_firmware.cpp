@@ -99,7 +99,7 @@ ScriptedPx4::Options px4_options(const std::string& word) {
   if (word == "early") return {.takes_off_after = base::RunTime(seconds(15))};
   // See fence_manner().
   if (word == "unfenced" || word == "mute") return {.fence = fence_manner(word)};
-  // Hears no more setpoints 4 s after the first.
+  // Ignores setpoints from 4 s after the first on.
   if (word == "deaf") return {.loses_setpoints_after = seconds(4)};
   // Reports flights that it has not flown.
   if (word == "skips-waypoints") return {.lie = Px4Lie::kSkipsWaypoints};

@@ -79,8 +79,8 @@ class ScriptedPx4 {
     /// SITL: a person stops it at its board this long after arming, while it refuses to take off.
     /// Only the HEARTBEAT shows it.
     std::optional<base::Duration> stopped_after{};
-    /// Hears no setpoint any more so long after the first (v1.16.1: COM_OF_LOSS_T later OFFBOARD is
-    /// over).
+    /// Ignores setpoints from this long after the first on (v1.16.1: COM_OF_LOSS_T later OFFBOARD
+    /// is over).
     std::optional<base::Duration> loses_setpoints_after{};
     /// Reports flights that it has not flown.
     Px4Lie lie = Px4Lie::kNone;

@@ -61,7 +61,7 @@ class RunTimeLinks : public testing::Test {
     }
     return "";
   }
-  /// As link.list has it; nothing: there is none.
+  /// As link.list has it; nullopt: there is none.
   std::optional<json> link(const std::string& name) {
     for (const json& each : call("link.list")) {
       if (each["name"] == name) return each;

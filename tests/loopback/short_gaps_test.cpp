@@ -78,7 +78,7 @@ class ShortGap : public testing::Test {
     EXPECT_TRUE(hilsim_->wait_ready()) << hilsim_->output();
   }
 
-  /// Time from `from` to the next HIL_SENSOR on the line; nothing at the deadline.
+  /// Time from `from` to the next HIL_SENSOR on the line; nullopt at the deadline.
   std::optional<base::Duration> first_sensor(base::RunTime from) {
     PacketStream stream;
     while (base::steady_now() - from < kPatience) {

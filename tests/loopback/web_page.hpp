@@ -44,7 +44,7 @@ class WebPage {
   std::string proof(const std::string& token, const std::string& place = {}) const;
   /// Sends a text as it is.
   void send(const std::string& text);
-  /// The next frame that is wanted, others are kept for later waits; nothing at the deadline or
+  /// The next frame that is wanted, others are kept for later waits; nullopt at the deadline or
   /// when the connection has ended.
   std::optional<nlohmann::json> wait_for(const std::function<bool(const nlohmann::json&)>& wanted);
   /// The next `snap.TOPIC` or event's parameters.

@@ -35,7 +35,7 @@ class Supervisor {
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
-  /// Waits for READY=1 of the present process. @return its STATUS; nothing at the deadline
+  /// Waits for READY=1 of the present process. @return its STATUS; nullopt at the deadline
   std::optional<std::string> wait_ready(base::Duration patience = kPatience);
   /// `systemctl restart`: SIGTERM, and once it has ended a new one at once.
   void restart();

@@ -43,7 +43,7 @@ TEST(Server, ManyLinesMayComeInOnePiece) {
   for (int i = 0; i < 200; ++i) EXPECT_EQ(client.json()["id"], i);
 }
 
-// It speaks another protocol: nothing that follows is meant for this server.
+// It uses another protocol: no later data is meant for this server.
 TEST(Server, EndsAConnectionAtALineThatIsNoRequest) {
   RunningServer server;
   for (const char* line : {"nonsense", "{\"jsonrpc\":", "42", "[]", "{}",

@@ -52,7 +52,7 @@ struct LoopOptions {
   LineConfig line;         ///< both directions
   double sensor_loss = 0;  ///< share of HIL_SENSOR packets that never arrive
   std::function<void(FcuConfig&)> configure;
-  /// Hears all that the controller is given, in order.
+  /// Called with all input of the controller, in order.
   std::function<void(std::span<const std::uint8_t>, base::RunTime)> tap;
 };
 
