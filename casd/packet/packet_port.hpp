@@ -57,7 +57,7 @@ class PacketWriter {
   virtual void watch(bool /*on*/) {}
   /// Makes a line move again that only seems to stand still: at the end of a packet.
   virtual void nudge() {}
-  /// Discards the bytes that the driver still holds. @return false if it cannot
+  /// Discards the bytes that the driver still holds. @return false: it still holds them
   virtual bool flush() { return false; }
   /// Descriptor to poll when it takes no more.
   virtual int descriptor() const = 0;

@@ -62,10 +62,10 @@ struct ParamTiming {
 
 /// The parameter protocol (https://mavlink.io/en/services/parameter.html) with one vehicle.
 ///
-/// Every wait has a deadline and a bound on tries, and the number of parameters is bounded above
-/// that of any autopilot: a faulty or endless stream costs bounded time and memory. An answered
-/// value is compared with the requested one: a vehicle that clamps or refuses answers with the
-/// value in force.
+/// Every wait has a deadline and a bound on tries, and the number of parameters has a limit that no
+/// autopilot reaches: a faulty or endless stream costs bounded time and memory. An answered value
+/// is compared with the requested one: a vehicle that clamps or refuses answers with the value in
+/// force.
 class ParamExchange {
  public:
   using Message = std::variant<mavlink::common::ParamSet, mavlink::common::ParamRequestRead,

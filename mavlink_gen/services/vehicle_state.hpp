@@ -191,7 +191,7 @@ enum class ArmingChecks { kUnknown, kPass, kFail };
 ArmingChecks arming_checks(const VehicleState& vehicle, Time now);
 
 /// Missing preconditions of a takeoff with position control, in words; empty: nothing, or its kind
-/// of autopilot does not report it. Without it stock firmware accepts arming, refuses to take off
+/// of autopilot does not report it. Before that stock firmware accepts arming, refuses to take off
 /// and disarms itself after 8 to 10 s (PX4 v1.12.0, ArduCopter 4.5.6).
 ///
 /// The estimator's own report counts: ESTIMATOR_STATUS of PX4, EKF_STATUS_REPORT of ArduPilot;

@@ -26,8 +26,8 @@ std::string sentence(const json& result, const std::string& what) {
   return "vehicle " + result.at("vehicle").dump() + " " + what;
 }
 
-/// A vehicle's state, of which only packets after its acknowledgement count: an older one shows the
-/// vehicle before the command.
+/// A vehicle's state, of which only packets after the command's acknowledgement count: an older one
+/// shows the vehicle before the command.
 class SaidSince {
  public:
   /// @param acknowledged_s  `at_s` of the acknowledgement

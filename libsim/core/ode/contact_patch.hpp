@@ -43,8 +43,8 @@ CAS_SIM_EXPORT void drop_inner_edges(std::vector<ContactPoint>& points);
 /// in its plane, the point farthest from its middle, the one farthest from that, and on each side
 /// of the line between them the one farthest from it: the support of the body. It also keeps the
 /// deepest point if that lies more than 0.1 mm deeper than all of these. So a flat surface of any
-/// number of triangles has the same contacts as a plane. A pure function of the points; of two
-/// equal points it takes the first in their order.
+/// number of triangles has the same contacts as a plane. A pure function of the points; their order
+/// decides between equal points.
 ///
 /// @param kept  overwritten; at most kMostContacts
 CAS_SIM_EXPORT void keep_outermost(std::span<const ContactPoint> points,
