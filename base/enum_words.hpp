@@ -18,7 +18,7 @@ struct EnumWords {
   requires(sizeof...(Words) == kCount) explicit constexpr EnumWords(Words... in_order)
       : words{in_order...} {}
 
-  /// "?" for what is no enumerator.
+  /// "?" for a value that is no enumerator.
   constexpr std::string_view operator[](Enum value) const {
     const auto index = static_cast<std::size_t>(value);
     return index < kCount ? words[index] : "?";

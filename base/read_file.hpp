@@ -9,7 +9,7 @@
 
 namespace cas::base {
 
-/// Everything that a file holds; nothing when it cannot be opened or read to its end: a folder, a
+/// Everything that a file holds; nullopt when it cannot be opened or read to its end: a folder, a
 /// broken disk, the /proc file of a process that has just ended (for which a stream's iterator
 /// would throw).
 CAS_BASE_EXPORT std::optional<std::string> read_file(const std::filesystem::path& file);

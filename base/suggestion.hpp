@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-// Which known word a misspelt one was meant to be. The whole is in this header: what reads dialects
-// is built before the libraries.
+// Finds the known word nearest to a misspelt one. Header only: the reader of dialects is built
+// before the libraries.
 
 namespace cas::base {
 

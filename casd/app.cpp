@@ -251,7 +251,7 @@ struct App::Impl {
     return link != nullptr && link->inject_failures;
   }
 
-  /// Whose HIL_SENSOR goes to the vehicle's link.
+  /// The simulator whose HIL_SENSOR goes to the vehicle's link.
   std::optional<Simulator> simulator_of(std::uint8_t system) const {
     const VehicleState* const vehicle = commander.find(system);
     if (vehicle == nullptr) return std::nullopt;
@@ -297,8 +297,8 @@ struct App::Impl {
   }
 
   /// Lockstep: telemetry wakes the main thread, which would share a processor with the stream, only
-  /// from a client's call to the next turn of the station. Then what the client asks for is new,
-  /// and answers come at once also while the simulation stands.
+  /// from a client's call to the next turn of the station. So the client gets new values, and
+  /// immediate answers even while the simulation is paused.
   void listen_closely() {
     links.local().wake_for_all(true);
     hear(station_now());
@@ -403,7 +403,7 @@ struct App::Impl {
     io.stop();
   }
 
-  /// @throws base::ConfigError also for what only a restart can change
+  /// @throws base::ConfigError also for keys that only a restart can change
   Topology load_again() const {
     if (options.topology_file.empty()) {
       throw base::ConfigError(
@@ -511,7 +511,7 @@ struct App::Impl {
     figures.set_decoder(std::move(decoder));
   }
 
-  /// @return why not; nothing when the new topology is in force
+  /// @return why not; nullopt when the new topology is in force
   std::optional<std::string> reload() {
     base::notify("RELOADING=1");
     std::optional<std::string> trouble;
@@ -551,7 +551,8 @@ struct App::Impl {
     });
   }
 
-  /// Ends requests to a vehicle whose simulator is paused, and hears what came after the last turn.
+  /// Ends requests to a vehicle whose simulator is paused, and takes packets that arrived after the
+  /// last turn.
   void do_wall_tick() {
     tick_timer.expires_after(kWallTick);
     tick_timer.async_wait([this](boost::system::error_code error) {

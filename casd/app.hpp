@@ -27,7 +27,7 @@ class App {
 
   /// Opens the command port. @throws base::ConfigError
   void listen();
-  /// Runs until told to end.
+  /// Runs until a signal ends it.
   void run();
 
  private:

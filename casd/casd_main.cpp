@@ -140,7 +140,7 @@ TopologySource read_topology(const Flags& flags) {
   return {{}, name, {}, Topology::parse(base::ConfigNode::parse(text, name))};
 }
 
-/// Prints casd's topology of mavlink-router's file; what becomes of its keys goes to stderr, too.
+/// Prints casd's topology for mavlink-router's file, and notes on its keys also to stderr.
 /// @throws base::ConfigError
 int print_import(const std::string& file) {
   const ImportedTopology imported = import_mavlink_router(read_router_files(file));
@@ -187,7 +187,7 @@ int run(const Flags& flags) {
 struct Refused {
   const char* names;
   bool has_value;
-  const char* sentence;  ///< what takes its place
+  const char* sentence;  ///< its replacement
 };
 
 constexpr std::array kRefused{

@@ -68,7 +68,7 @@ void LinkSet::stop() {
 LinkMask LinkSet::reload(Topology topology) {
   const std::vector<std::string> restart = restart_keys(topology_, topology);
   if (!restart.empty()) throw base::ConfigError(restart.front() + ": takes a restart");
-  // All that may fail comes first and touches nothing; what follows only hands over.
+  // All steps that may fail come first and change nothing; the rest only swaps.
   const std::set<std::string> kept = unchanged(topology);
   Change change = prepare(topology, kept);
   std::vector<std::string> gone;

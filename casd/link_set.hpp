@@ -35,9 +35,9 @@ class LinkSet {
   /// Closes all links at once.
   void stop();
   /// Puts another topology in force. Links whose configuration has not changed keep running and
-  /// lose nothing. All or nothing: @throws base::ConfigError when it asks for what only a restart
-  /// can change, std::exception when its links cannot be made (no descriptors, no threads); then
-  /// the old topology stays in force with all its links
+  /// lose nothing. All or nothing: @throws base::ConfigError for a change that needs a restart,
+  /// std::exception when its links cannot be made (no descriptors, no threads); then the old
+  /// topology stays in force with all its links
   /// @return the links that are gone; new ones may have their numbers
   LinkMask reload(Topology topology);
 

@@ -11,7 +11,7 @@ CommanderOptions commander_options(const Topology& topology) {
   if (topology.pace == Pace::kLockstep) {
     // Asking on first sight would depend on thread timing and break same-seed, same-bytes.
     options.ask_on_sight = false;
-    // Simulated time stands still between two steps, so a grace period would never end.
+    // Simulated time is stopped between two steps, so a grace period would never end.
     options.command_timing.text_grace = {};
   }
   return options;

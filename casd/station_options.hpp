@@ -8,10 +8,10 @@
 /// How casd's own station runs, here and on a virtual clock.
 namespace cas::casd {
 
-/// How often it does what time makes due.
+/// Period of its work that time makes due.
 inline constexpr base::Duration kStationTick = std::chrono::milliseconds(50);
 
-/// What the topology says of it; names and rates of links are left to the caller.
+/// The station's options from the topology; the caller adds names and rates of links.
 CommanderOptions commander_options(const Topology& topology);
 
 }  // namespace cas::casd

@@ -31,7 +31,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/mavlink_gen/dialects DESTINATION ${pytho
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/python/examples DESTINATION /usr/share/doc/python3-cas COMPONENT python
         FILES_MATCHING PATTERN "*.py" PATTERN "__pycache__" EXCLUDE)
 
-# What each package has in /usr/share/doc.
+# Files of each package in /usr/share/doc.
 set(changelog ${PROJECT_BINARY_DIR}/changelog.gz)
 execute_process(COMMAND gzip -9nc ${debian}/changelog OUTPUT_FILE ${changelog} COMMAND_ERROR_IS_FATAL ANY)
 foreach(pair common:cas-common casd:casd sim:cas-sim dev:cas-dev mavlink:cas-mavlink-dev python:python3-cas)
@@ -59,7 +59,7 @@ set(CPACK_COMPONENTS_GROUPING IGNORE)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_PACKAGE_NAME cas)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
-# Each package has a first line of its own: nothing is put ahead of it when this is what CPack would say by itself.
+# Each package has a first line of its own: CPack puts nothing ahead of it if this equals its default.
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${CMAKE_PROJECT_NAME} built using CMake")
 set(CPACK_PACKAGE_CONTACT "The CAS authors <cas@packages.debian.org>")
 set(CPACK_DEBIAN_PACKAGE_SECTION science)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Install rules of what a companion computer does without: simulator, hils and page, and the exported package for plugins:
+# Install rules of parts that a companion computer does not need: simulator, hils and page, and the exported package for plugins:
 # find_package(cas) gives cas::base, cas::sim_api, cas::sim, cas_add_plugin() and all of find_package(cas_mavlink).
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/cas)
 

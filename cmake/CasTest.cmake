@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # cas_add_test(<name> [LABEL unit|loopback|closed_loop|many_flights|realtime|long] [TIMEOUT s]
 #              SOURCES ... LIBRARIES ... PROGRAMS ... SUITES ...)
-# One GoogleTest program, registered test by test with its label; SUITES are registered as one test each, because what
-# they set up once (a flight) would be done again for every test. PROGRAMS are targets that the test runs. Real-time
-# tests run alone. Tests whose name begins with casd, rpc or loopback also make up the target tsan_tests: what runs
+# One GoogleTest program, registered test by test with its label; SUITES are registered as one test each, because
+# their shared setup (a flight) would be repeated for every test. PROGRAMS are targets that the test runs. Real-time
+# tests run alone. Tests whose name begins with casd, rpc or loopback also make up the target tsan_tests, which runs
 # under ThreadSanitizer.
 add_custom_target(tsan_tests)
 

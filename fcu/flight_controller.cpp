@@ -79,14 +79,15 @@ void FlightController::Impl::on_gps(const HilGps& m, RunTime now) {
   sensors.on_gps(m, now);
 }
 
-/// The vehicle's own battery is told by another component of its system, as with PX4.
+/// BATTERY_STATUS of the vehicle's own battery comes from another component of its system, as with
+/// PX4.
 void FlightController::Impl::on_battery(const BatteryStatus& m, mav::Source from) {
   const FcuConfig& own = core.config;
   if (from.system != own.system_id || from.component == own.component_id) return;
   if (const auto reading = battery_reading(m)) core.battery.measure(*reading);
 }
 
-/// A new simulation: the estimate begins anew and the rotors stop.
+/// A new simulation: the estimator restarts and the rotors stop.
 void FlightController::Impl::begin_new_run() {
   core.texts.warn("Sensor time went back: estimator restarted");
   core.commander.disarm(true);
@@ -99,10 +100,10 @@ void FlightController::Impl::control(std::uint64_t time_usec, RunTime now) {
   const double dt = time_step(time_usec);
   settle_frame();
 
-  // Where to: the trajectory of the flight mode, or what a failsafe wants instead.
+  // Where to: the trajectory of the flight mode, or that of a failsafe.
   const ControlSetpoint setpoint = next_setpoint(dt, now);
 
-  // How: position and altitude --> attitude --> rates --> what the rotors can give of it.
+  // How: position and altitude --> attitude --> rates --> rotor speeds within limits.
   const MixerResult& output = core.cascade.update(setpoint, core.estimator.state(), dt);
   tell_of_losses();
 

@@ -82,8 +82,8 @@ std::vector<RunRecord> fly(const RunRequest& request, bool on_virtual_clock) {
   return run_in_real_time(request);
 }
 
-/// Says of the first flag that means nothing to stock firmware what does instead.
-/// @throws base::ConfigError
+/// @throws base::ConfigError for the first flag that means nothing to stock firmware, with the
+/// setting that replaces it
 void refuse_flags_of_our_controller(const Flags& flags) {
   const auto refuse = [&flags](bool given, const char* flag, const char* instead) {
     if (!given) return;
@@ -114,8 +114,8 @@ void leave_replay(const RunRequest& request, const RunResult& result, const std:
   }
 }
 
-/// Takes the boards of a run and waits until they have booted; what is wrong with one is the case
-/// of a junit.xml. A run whose boards are not even named rightly leaves no folder.
+/// Takes the boards of a run and waits until they have booted; a board's error becomes the case of
+/// a junit.xml. A run whose boards are not even named rightly leaves no folder.
 /// @throws BoardError, RunStopped, base::ConfigError
 void prepare_boards(const std::vector<FcuChoice>& fcus, const Flags& flags, RunRequest& request,
                     std::optional<FlightBoards>& boards) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes cas/casd_calls.py and cas/sim_calls.py: the typed calls, from what casd and hilsim say of themselves.
+"""Writes cas/casd_calls.py and cas/sim_calls.py: the typed calls, from the descriptions of casd and hilsim.
 
 Usage: generate_calls.py BIN [--check]     BIN is the folder with the programs
     --check  writes nothing; exit 1 where a file is not what the programs say
@@ -79,7 +79,7 @@ class Writer:
         return head + "\n\n" + "\n".join(self.types) + "\n\n" + "\n\n\n".join(classes) + "\n"
 
     def groups(self) -> dict[str, list[dict[str, Any]]]:
-        """The methods by what stands before their dot."""
+        """The methods by the part before their dot."""
         groups: dict[str, list[dict[str, Any]]] = {}
         for method in self.document["methods"]:
             group, dot, _ = method["name"].partition(".")

@@ -66,7 +66,7 @@ def allan_deviation(samples, taus):
 
 
 def figures_of(preset, name, unit):
-    """Density (with what rounding adds), drift deviation and its time constant, by the preset file."""
+    """Density (with the share of rounding), drift deviation and its time constant, by the preset file."""
     text = (PROJECT / "config" / "sensors" / f"{preset}.yaml").read_text(encoding="utf-8")
 
     def number(key):

@@ -50,19 +50,19 @@ BASE = SYSTEM | {"base"} | rooms("base", "config earth measure os time")
 RPC = {"base/rpc", "nlohmann"}  # who calls or offers methods handles their JSON
 MAVLINK = {"mavlink_gen/runtime", "dialect"}
 SERVICES = {"mavlink_gen/services"}
-PROGRAM = {"base/cli", "CLI11"}  # what reads a command line
+PROGRAM = {"base/cli", "CLI11"}  # readers of a command line
 API = BASE | {"libsim/api", "Eigen"}
 PLUGIN = API | {"plugins/common", "nlohmann"}
 EVERYTHING = None
 
-# Rooms of a program, from the ground floor up: a folder includes what its row allows, and no row allows
-# what stands above it (tests/base/check_layers_test.py).
+# Rooms of a program, from the ground floor up: a folder includes the entries of its row, and no row has
+# a room above it (tests/base/check_layers_test.py).
 LAYERS = {
     # the runtime can be lifted into firmware
     "mavlink_gen/runtime": {"std", "intrinsics"},
     # of base: suggestion.hpp, which is whole in itself
     "mavlink_gen/parser": SYSTEM | {"mavlink_gen/runtime", "base", "expat"},
-    # of base: suggestion.hpp, likewise
+    # of base: suggestion.hpp, too
     "mavlink_gen/services": {"std", "base"} | MAVLINK,
     "mavlink_gen/json":
         {"std", "base", "nlohmann"} | MAVLINK | SERVICES | {"mavlink_gen/parser"},
@@ -214,7 +214,7 @@ def what_is(bracket, target):
 
 
 def fault_of(name, bracket, target):
-    """What is wrong with one include of file `name`, None when nothing is."""
+    """The fault of one include of file `name`, None if it is allowed."""
     layer = layer_of(name)
     word = what_is(bracket, target)
     if word is None:

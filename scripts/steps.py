@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Progress of a measurement's parts on standard error: what is done, of how much, how long yet, for scripts in Python.
+"""Progress of a measurement's parts on standard error: parts done, of all, time left, for scripts in Python.
 
     steps = Steps("bench", 12)
     steps.next("hover, seed 1")     bench: 0 of 12, 0:00; hover, seed 1
@@ -11,7 +11,7 @@ import time
 
 
 def line(name, done, total, elapsed, what):
-    """What is left is told from the first finished part on."""
+    """The time left appears from the first finished part on."""
     text = f"{name}: {done} of {total}, {clock(elapsed)}"
     if 0 < done < total:
         text += f", about {clock(elapsed * (total - done) / done)} left"

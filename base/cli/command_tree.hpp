@@ -10,16 +10,16 @@ namespace cas::base::cli {
 
 /// One option, flag or argument.
 struct Argument {
-  std::vector<std::string> names;  ///< "-h", "--help"; a positional has its word alone
-  std::string value;               ///< what it takes, "TEXT"; empty for a flag
+  std::vector<std::string> names;  ///< "-h", "--help"; for a positional only its word
+  std::string value;               ///< its value's type, "TEXT"; empty for a flag
   std::string description;
   std::string fallback;     ///< default, as printed in the help
-  std::string environment;  ///< variable that stands in for it
+  std::string environment;  ///< environment variable in its place
   bool positional = false;
   bool required = false;
 };
 
-/// What a shell offers where a verb's arguments stand, instead of files.
+/// Words that shell completion offers for a verb's arguments instead of files.
 struct ArgumentWords {
   std::vector<std::string> known{};
   std::string command{};  ///< prints further words, one a line; empty: there are none
@@ -38,13 +38,13 @@ struct Command {
   std::string footer;
   std::vector<Argument> arguments;
   std::vector<Command> commands;
-  ArgumentWords offers{};  ///< what a shell offers as arguments
+  ArgumentWords offers{};  ///< shell completion of its arguments
 
   std::string words() const;  ///< the path with spaces
 };
 
-/// What a command line has to offer, without what is hidden from its help.
-/// @param offers  to shells, by verb
+/// The commands and options of a command line, except those hidden from its help.
+/// @param offers  words for shell completion, by verb
 Command describe(const CLI::App& app, const WordsByCommand& offers = {});
 
 /// Calls visit(command) for the command and all below it, outer ones first.

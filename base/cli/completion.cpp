@@ -34,7 +34,8 @@ std::string function_name(const std::string& program) {
   return "_" + replaced(program, "-", "_") + "_completion";
 }
 
-/// Patterns "status|param|param get" of every verb: how a script finds out where the cursor stands.
+/// Patterns "status|param|param get" of every verb, from which a script finds the verb at the
+/// cursor.
 std::string verb_patterns(const Command& command) {
   std::string patterns;
   for_each_command(command, [&patterns](const Command& c) {

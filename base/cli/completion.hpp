@@ -7,8 +7,8 @@
 
 namespace cas::base::cli {
 
-/// Completion scripts: verbs, options and the words that a verb takes by where the cursor stands,
-/// files elsewhere.
+/// Completion scripts: they offer verbs, options and a verb's words by the cursor's position, else
+/// files.
 std::string bash_completion(const std::string& program, const Command& command);
 std::string zsh_completion(const std::string& program, const Command& command);
 std::string fish_completion(const std::string& program, const Command& command);

@@ -10,8 +10,8 @@ namespace cas::base::cli {
 /// Gives a program or a verb the flag `--keys`: it prints every key of its configuration file, and
 /// ends.
 /// @param reference  makes the tables
-/// @param file  what the file is: "a topology"
-/// @param flag  its name, for a further kind of file
+/// @param file  kind of the file: "a topology"
+/// @param flag  name of the flag, for a second kind of file
 inline void add_keys_flag(CLI::App& app, std::string (*reference)(), const std::string& file,
                           const std::string& flag = "--keys") {
   app.add_flag_callback(

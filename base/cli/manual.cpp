@@ -12,7 +12,7 @@
 namespace cas::base::cli {
 namespace {
 
-/// Today, or what SOURCE_DATE_EPOCH says (builds of the same text make the same pages).
+/// Today, or the date in SOURCE_DATE_EPOCH (builds of the same text make the same pages).
 std::string page_date() {
   std::time_t now = std::time(nullptr);
   if (const char* fixed = std::getenv("SOURCE_DATE_EPOCH")) now = std::strtoll(fixed, nullptr, 10);

@@ -40,8 +40,7 @@ std::vector<std::string> option_names(const CLI::App* app) {
   return names;
 }
 
-/// What is said of a word that the command line does not know, instead of CLI11's sentence; empty
-/// where something else is wrong.
+/// The error text for an unknown word, which replaces CLI11's; empty for any other error.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
   const auto code = static_cast<CLI::ExitCodes>(error.get_exit_code());
   const bool may_be_unknown =

@@ -6,10 +6,10 @@
 
 namespace cas::base::cli {
 
-/// Reads a program's command line. Help, version and what is wrong with it are printed here; of a
-/// misspelt command or option, the one that may have been meant.
-/// @param usage_code  exit code of a command line that is wrong
-/// @return the exit code to end with; nothing when the program goes on
+/// Reads a program's command line. Prints help, version and errors; for a misspelt command or
+/// option it suggests the nearest one.
+/// @param usage_code  exit code for a bad command line
+/// @return the exit code to end with; nullopt when the program goes on
 std::optional<int> parse(CLI::App& app, int argc, char** argv, int usage_code);
 
 }  // namespace cas::base::cli

@@ -10,10 +10,10 @@ class App;
 
 namespace cas::base::cli {
 
-/// A verb of a program. What its flags fill lives as long as `run`.
+/// A verb of a program. The variables of its flags live as long as `run`.
 struct Verb {
   const CLI::App* asked;     ///< of the program's command line
-  std::function<int()> run;  ///< does what the command line says; @return exit code
+  std::function<int()> run;  ///< runs the verb; @return exit code
 };
 
 /// The one of these that the command line asks for; nullptr: none.

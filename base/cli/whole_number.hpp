@@ -10,7 +10,7 @@ namespace cas::base::cli {
 
 /// For CLI::Option::check() of an unsigned number. CLI11 alone reads -1 as 2^64 - 1, anything above
 /// that as well, and 010 as 8.
-/// @return what is wrong; empty when nothing is
+/// @return an error text; empty if the number is valid
 inline std::string whole_number(const std::string& text) {
   std::uint64_t value = 0;
   const char* const end = text.data() + text.size();

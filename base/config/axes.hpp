@@ -8,7 +8,7 @@
 
 namespace cas::base {
 
-/// Three numbers, or one that stands for all three axes.
+/// Three numbers, or one for all three axes.
 inline Eigen::Vector3d parse_axes(const ConfigNode& node) {
   if (node.is_scalar()) return Eigen::Vector3d::Constant(node.as<double>());
   return node.as<Eigen::Vector3d>();

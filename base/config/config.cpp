@@ -47,7 +47,7 @@ bool ConfigNode::is_null() const { return impl_->tree->kind == ConfigTree::Kind:
 
 ConfigNode ConfigNode::at(std::string_view key) const {
   if (const std::optional<ConfigNode> child = find(key)) return *child;
-  std::vector<std::string> unknown;  // a key that nobody asked for may be this one, mistyped
+  std::vector<std::string> unknown;  // an unread key may be this one, mistyped
   for (const auto& [name, child] : impl_->tree->entries) {
     if (!child->used) unknown.push_back(name);
   }

@@ -22,16 +22,17 @@ class Matrix;
 
 namespace cas::base {
 
-/// One node of a YAML file that knows where it stands. Every error is a ConfigError that reads
-/// "FILE:LINE: key.path: sentence". Duplicate keys are refused when the file is read; keys that
-/// nobody asked for are refused by `reject_unused()`, with the nearest known key as a suggestion.
+/// One node of a YAML file, with its file, line and key path. Every error is a ConfigError that
+/// reads "FILE:LINE: key.path: sentence". Duplicate keys are refused when the file is read; keys
+/// that were never read are refused by `reject_unused()`, with the nearest known key as a
+/// suggestion.
 ///
 /// Copies are cheap and share the document. Not for use from several threads at once.
 class CAS_BASE_EXPORT ConfigNode {
  public:
   /// Reads a file. @throws ConfigError when it cannot be read, parsed, or repeats a key
   static ConfigNode load(const std::filesystem::path& file);
-  /// Parses a text; `name` stands for the file in errors. @throws ConfigError as load()
+  /// Parses a text; `name` replaces the file's name in errors. @throws ConfigError as load()
   static ConfigNode parse(std::string_view text, const std::string& name = "<text>");
   /// An empty map, so that optional blocks read like present ones.
   static ConfigNode empty(const std::string& name = "<none>");
@@ -66,7 +67,7 @@ class CAS_BASE_EXPORT ConfigNode {
   }
   /// A number that must lie in [low, high]. @throws ConfigError when it does not, or is missing
   double require_in(std::string_view key, double low, double high) const;
-  /// Likewise, of an optional key.
+  /// The same for an optional key.
   double get_in(std::string_view key, double fallback, double low, double high) const;
 
   /// This node's own value. @throws ConfigError when it is of another kind
@@ -79,11 +80,11 @@ class CAS_BASE_EXPORT ConfigNode {
   /// @throws ConfigError when it is none
   std::vector<std::pair<std::string, ConfigNode>> entries() const;
 
-  /// This map with the keys of `defaults` that it lacks; a key of both is this map's. Errors name
-  /// the file that the value stands in.
+  /// This map with the keys of `defaults` that it lacks; for a key in both, this map's value
+  /// counts. Errors name the file of the value.
   ConfigNode merged_over(const ConfigNode& defaults) const;
 
-  /// @throws ConfigError for the first key below this node that nobody asked for
+  /// @throws ConfigError for the first key below this node that was never read
   void reject_unused() const;
   /// For a block that another program or plugin reads: reject_unused() of the nodes above passes
   /// it by; its own reader's reject_unused() still checks it.

@@ -16,7 +16,7 @@ constexpr int kMaxNodes = 100'000;
 
 int line_of(const YAML::Mark& mark) { return mark.is_null() ? 0 : mark.line + 1; }
 
-/// Copies yaml-cpp's graph into a tree and checks what yaml-cpp lets pass.
+/// Copies yaml-cpp's graph into a tree and refuses errors that yaml-cpp accepts.
 class TreeBuilder {
  public:
   explicit TreeBuilder(std::string name) : name_(std::move(name)) {}

@@ -12,7 +12,7 @@
 
 namespace cas::base {
 
-/// One node of a parsed YAML document: what ConfigNode looks at.
+/// One node of a parsed YAML document: the data behind ConfigNode.
 struct ConfigTree {
   enum class Kind { kNull, kScalar, kList, kMap };
 
@@ -23,10 +23,10 @@ struct ConfigTree {
   std::vector<std::unique_ptr<ConfigTree>> items;  // kList
   std::vector<std::pair<std::string, std::unique_ptr<ConfigTree>>> entries;  // kMap, file order
 
-  // What readers did with the node; reading is const, this is not part of its value.
-  mutable bool used = false;                // somebody asked for it
+  // Marks of readers: reading is const, and marks are not part of the value.
+  mutable bool used = false;                // it was read
   mutable bool opaque = false;              // another program's block: checked by its own reader
-  mutable std::vector<std::string> wanted;  // kMap: keys that somebody asked for
+  mutable std::vector<std::string> wanted;  // kMap: keys that were read
 
   const ConfigTree* find(std::string_view key) const;
 };

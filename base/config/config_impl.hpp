@@ -26,7 +26,7 @@ struct ConfigNode::Impl {
   ConfigNode entry(std::string_view key, const ConfigTree& below) const {
     return child(below, path.empty() ? std::string(key) : path + "." + std::string(key));
   }
-  /// The value of `key`: `below` alone, or with what stands behind it.
+  /// The value of `key`: `below` alone, or merged over `behind`.
   ConfigNode over(std::string_view key, const ConfigTree& below,
                   const std::optional<ConfigNode>& behind) const {
     const ConfigNode node = entry(key, below);
@@ -39,7 +39,7 @@ struct ConfigNode::Impl {
     return child(*tree->items[index], path + "[" + std::to_string(index) + "]");
   }
 
-  /// Notes that somebody knows `key`, whether the file has it or not.
+  /// Notes that a reader knows `key`, whether the file has it or not.
   void want(std::string_view key) const {
     auto& wanted = tree->wanted;
     if (std::find(wanted.begin(), wanted.end(), key) == wanted.end()) wanted.emplace_back(key);

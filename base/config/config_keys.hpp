@@ -20,7 +20,7 @@
 #include "base/time/clock.hpp"
 
 /// Each key of a configuration struct stated once, in a tuple of Key: its name, the member that it
-/// sets, what it may be, and what it means. From that one list a file is read (read_keys), values
+/// sets, its allowed values and its meaning. From that one list a file is read (read_keys), values
 /// are compared key by key (for_each_key), and the reference is written (add_rows).
 namespace cas::base {
 
@@ -29,7 +29,7 @@ struct KeyRow {
   std::string key;                     ///< path from the struct: "queue.hil_kib"
   std::string standard;                ///< its default; empty for a key that must be given
   std::string values;                  ///< "0.1 to 60000"; empty: any text
-  std::string help;                    ///< what it means
+  std::string help;                    ///< its meaning
   std::array<std::string, 2> samples;  ///< two values, as YAML; empty for a whole block
   bool required = false;
 };
@@ -110,7 +110,7 @@ struct PathBeside {
   static std::array<std::string, 2> samples() { return Text::samples(); }
 };
 
-/// What a function of its own reads: T parse(const ConfigNode&).
+/// A value read by its own function: T parse(const ConfigNode&).
 template <auto Parse>
 struct Parsed {
   using Value = decltype(Parse(std::declval<const ConfigNode&>()));
@@ -146,11 +146,11 @@ struct Count {
   static std::array<std::string, 2> samples() { return {"1", "2"}; }
 };
 
-/// What a Range can be of.
+/// Value types that a Range accepts.
 template <class T>
 concept RangeValue = std::is_arithmetic_v<T> || std::is_same_v<T, Duration>;
 
-/// A number in [low, high]; its value is double, or what `unit` of it make: a Duration (unit in
+/// A number in [low, high]. Its value is a double, or the number times `unit`: a Duration (unit in
 /// seconds) or bytes.
 struct Range {
   double low;

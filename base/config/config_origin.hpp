@@ -30,7 +30,7 @@ struct ConfigOrigin {
   std::string text() const;
 };
 
-/// What the notes at the end of a generated file say.
+/// The notes at the end of a generated file: where each value came from.
 class ConfigOrigins {
  public:
   /// Lines of `text` that are no notes are passed by.

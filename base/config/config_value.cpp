@@ -23,7 +23,7 @@ bool parse_whole(std::string_view text, T& value) {
   return result.ec == std::errc() && result.ptr == end;
 }
 
-/// A plain (unquoted) scalar's text, or a failure that says what was expected.
+/// A plain (unquoted) scalar's text, or a failure that names the expected kind.
 const std::string& plain_scalar(const ConfigNode& node, const ConfigTree& tree,
                                 const char* expected) {
   if (tree.kind == ConfigTree::Kind::kNull)

@@ -14,13 +14,13 @@ namespace cas::base {
 
 /// A node's own number, which must lie in [low, high]. @throws ConfigError
 CAS_BASE_EXPORT double number_in(const ConfigNode& node, double low, double high);
-/// Likewise a whole number. @throws ConfigError for a fraction too
+/// The same for a whole number. @throws ConfigError for a fraction too
 CAS_BASE_EXPORT std::int64_t whole_in(const ConfigNode& node, std::int64_t low, std::int64_t high);
 /// The shortest text that is read as the same number.
 CAS_BASE_EXPORT std::string number_text(double value);
 
-/// The whole number under a mandatory key, in [low, high]: what ConfigNode::require_in() is for
-/// numbers. @throws ConfigError with file, line and key path for a fraction too
+/// The whole number under a mandatory key, in [low, high]: the counterpart of
+/// ConfigNode::require_in(). @throws ConfigError with file, line and key path for a fraction too
 template <std::integral T>
 T require_whole_in(const ConfigNode& node, std::string_view key, std::type_identity_t<T> low,
                    std::type_identity_t<T> high) {
@@ -28,7 +28,7 @@ T require_whole_in(const ConfigNode& node, std::string_view key, std::type_ident
       whole_in(node.at(key), static_cast<std::int64_t>(low), static_cast<std::int64_t>(high)));
 }
 
-/// Likewise, of an optional key.
+/// The same for an optional key.
 template <std::integral T>
 T get_whole_in(const ConfigNode& node, std::string_view key, std::type_identity_t<T> fallback,
                std::type_identity_t<T> low, std::type_identity_t<T> high) {

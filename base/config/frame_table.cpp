@@ -28,7 +28,7 @@ Frame parse_frame(const ConfigNode& node) {
   return frame;
 }
 
-/// 1 for the upper rotor of a pair, -1 for the lower, 0 for one that stands alone.
+/// 1 for the upper rotor of a pair, -1 for the lower, 0 for a single rotor.
 int level_of(const Vehicle& vehicle, std::size_t index) {
   if (vehicle.rotors[index].wake) return -1;
   for (const Rotor& rotor : vehicle.rotors) {

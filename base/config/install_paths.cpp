@@ -55,7 +55,7 @@ bool is_there(const fs::path& file) {
   return fs::exists(file, error) && !fs::is_directory(file, error);
 }
 
-/// "../../vehicles/x.yaml" as it stands below a folder with configuration: "vehicles/x.yaml".
+/// "../../vehicles/x.yaml" relative to a folder with configuration: "vehicles/x.yaml".
 fs::path without_steps_up(const fs::path& name) {
   fs::path below;
   for (const fs::path& part : name.lexically_normal()) {

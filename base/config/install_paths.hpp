@@ -20,18 +20,17 @@ CAS_BASE_EXPORT std::vector<std::filesystem::path> config_dirs();
 /// running program or this library. Only folders that exist.
 CAS_BASE_EXPORT std::vector<std::filesystem::path> plugin_dirs();
 
-/// Folder of the built page (index.html, replay.html and what they load): CAS_WEB_PATH, else the
-/// one that belongs to the running program or this library. Nothing where the page was not built.
+/// Folder of the built page (index.html, replay.html and their files): CAS_WEB_PATH, else the one
+/// that belongs to the running program or this library. nullopt if the page was not built.
 CAS_BASE_EXPORT std::optional<std::filesystem::path> web_dir();
 
-/// A file given by the user: as it stands when it exists (absolute or from the working folder),
-/// else below one of config_dirs(), "vehicles/iris_paper.yaml". @throws ConfigError when it is
-/// nowhere
+/// A file given by the user: unchanged if it exists (absolute or from the working folder), else
+/// below one of config_dirs(), "vehicles/iris_paper.yaml". @throws ConfigError when it is nowhere
 CAS_BASE_EXPORT std::filesystem::path find_config(const std::filesystem::path& name);
 
-/// The file that the value of a key names: from the folder of the file that has the key, else below
-/// one of config_dirs(). Steps up at the beginning are left out there, so that a copy of a shipped
-/// file ("../vehicles/iris_paper.yaml") still finds what it names. @throws ConfigError
+/// The file that the value of a key names: relative to the file that has the key, else below one of
+/// config_dirs(). In the latter case leading "../" are dropped, so that a copy of a shipped file
+/// ("../vehicles/iris_paper.yaml") still finds the files that it names. @throws ConfigError
 /// "FILE:LINE: key: ..." with the folders searched when it is nowhere
 CAS_BASE_EXPORT std::filesystem::path find_config(const ConfigNode& node);
 

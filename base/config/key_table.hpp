@@ -11,7 +11,7 @@
 namespace cas::base {
 
 /// Lines of a table in Markdown: key, default, values and meaning.
-/// @param first  what stands before each: a column of its own, "restart | "
+/// @param first  text before each: a column of its own, "restart | "
 CAS_BASE_EXPORT std::string key_lines(const std::vector<KeyRow>& rows, std::string_view first = "");
 
 /// A whole table of the keys of a list, as a program's --keys prints it and docs/config.md shows

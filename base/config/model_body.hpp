@@ -13,8 +13,7 @@
 
 namespace cas::base {
 
-/// A link of a model as it stands in the model's frame R: that of a URDF's root link, or of an
-/// SDF's <model>.
+/// A link of a model in the model's frame R: that of a URDF's root link, or of an SDF's <model>.
 struct ModelLink {
   std::string name;
   int line = 0;                           ///< of its joint, or of the root link
@@ -22,7 +21,7 @@ struct ModelLink {
   std::optional<Eigen::Vector3d> axis_R;  ///< of the joint that it turns about without end, unit
 };
 
-/// What a model file says of the whole vehicle, its rotors at rest.
+/// The whole vehicle according to a model file, with its rotors at rest.
 struct CAS_BASE_EXPORT ModelBody {
   std::filesystem::path file;
   double mass_kg = 0;     ///< 0 where no link has any
@@ -62,7 +61,8 @@ class BodySum {
 };
 
 /// Reads mass, inertia and places from a URDF or SDF file, whichever it is.
-/// @return nothing for a file that is missing or neither: who loads the shapes says what is wrong
+/// @return nullopt for a file that is missing or neither: the loader of the shapes reports the
+///     error
 /// @throws ConfigError for an SDF file that describes no single vehicle
 CAS_BASE_EXPORT std::optional<ModelBody> read_model_body(const std::filesystem::path& file);
 

@@ -94,7 +94,7 @@ Eigen::Vector3d SdfModel::vector(const XmlElement& element) const {
 
 // Poses.
 
-/// An element's own pose in the model's frame. @param parent  what it is told in without
+/// An element's own pose in the model's frame. @param parent  frame of the pose when it has no
 /// relative_to
 Eigen::Isometry3d SdfModel::pose(const XmlElement& element, std::string_view parent,
                                  int depth) const {

@@ -20,10 +20,10 @@ struct SdfLink {
   const XmlElement* element = nullptr;
 };
 
-/// An SDF file of one model, read as a vehicle: where its links stand, its mass, what turns.
+/// An SDF file of one model, read as a vehicle: poses of its links, its mass, its turning joints.
 ///
 /// Poses are resolved as SDF 1.4 to 1.11 say: in Euler angles, `relative_to` a link, joint or
-/// frame. A joint of type continuous, or revolute without limits that a turn would meet, turns;
+/// frame. A continuous joint turns, and so does a revolute one whose limits allow a full turn;
 /// others count as fixed. Of two files that a merge joins, the one with the links is the vehicle's
 /// model: <include> and nested models are refused.
 class CAS_BASE_EXPORT SdfModel {

@@ -31,7 +31,8 @@ void check_blocks(const ConfigNode& presets) {
   }
 }
 
-/// Files of the shipped sets by their names. The best folder's file stands for a name.
+/// Files of the shipped sets by their names. For a name in several folders the first folder's file
+/// counts.
 std::map<std::string, std::filesystem::path> shipped_sets() {
   std::map<std::string, std::filesystem::path> sets;
   for (const std::filesystem::path& folder : config_dirs()) {

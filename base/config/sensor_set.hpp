@@ -8,8 +8,8 @@ namespace cas::base {
 
 /// Parameters of the sensor plugins, a map by plugin name. `node` is the name of a shipped set
 /// ("rtk": sensors/rtk.yaml), a file of that form, or a map of the keys that differ from the set
-/// that it names in `preset`, or else from `behind`. The same form stands under `sensors` in
-/// vehicle files, simulations, controller files and scenarios.
+/// that it names in `preset`, or else from `behind`. Key `sensors` has the same form in vehicle
+/// files, simulations, controller files and scenarios.
 /// @throws ConfigError when there is no such set
 CAS_BASE_EXPORT ConfigNode sensor_set(const ConfigNode& node,
                                       const ConfigNode& behind = ConfigNode::empty());

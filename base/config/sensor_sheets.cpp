@@ -317,7 +317,7 @@ Sheet read_sheet(const ConfigNode& node, const Keys& keys) {
   return sheet;
 }
 
-/// @param truth  what it measures
+/// @param truth  description of the measured quantity
 template <class Sheet, class Keys>
 std::string section(const std::string& sensor, const std::string& truth, const Keys& keys) {
   return "### " + sensor + "\n\n" + truth + "\n\n" + key_table(keys, Sheet{});

@@ -73,7 +73,7 @@ struct GpsSheet {
   double first_fix_s = 0;
   std::vector<FixLoss> fix_losses;
   Eigen::Vector3d antenna_B_m = Eigen::Vector3d::Zero();
-  std::optional<EarthModel> earth_model;  ///< nothing: the world's own projection
+  std::optional<EarthModel> earth_model;  ///< nullopt: the world's own projection
 };
 
 struct MagnetometerSheet {
@@ -113,8 +113,8 @@ CAS_BASE_EXPORT MagnetometerSheet read_magnetometer_sheet(const ConfigNode& node
 CAS_BASE_EXPORT BarometerSheet read_barometer_sheet(const ConfigNode& node);
 CAS_BASE_EXPORT RangefinderSheet read_rangefinder_sheet(const ConfigNode& node);
 
-/// Every key of these sheets with its default and meaning, as tables in Markdown: what
-/// `hilsim --sensor-keys` prints and docs/plugins.md shows.
+/// Every key of these sheets with its default and meaning, as tables in Markdown: for `hilsim
+/// --sensor-keys` and docs/plugins.md.
 CAS_BASE_EXPORT std::string sensor_reference();
 
 }  // namespace cas::base

@@ -9,7 +9,7 @@
 namespace cas::base {
 
 /// Reads a URDF's text. Joints other than continuous ones count as fixed.
-/// @return nothing for what is no URDF
+/// @return nullopt if the text is not a URDF
 std::optional<ModelBody> read_urdf_body(const std::string& xml);
 
 }  // namespace cas::base

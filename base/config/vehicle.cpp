@@ -55,7 +55,7 @@ ControlScales Vehicle::control_scales() const {
   Eigen::Vector4d negative = Eigen::Vector4d::Zero();
   for (const Rotor& rotor : rotors) {
     const double omega_sq = std::pow(rotor.params.omega_max_rad_s, 2);
-    Eigen::Vector4d most = Eigen::Vector4d::Zero();   // of what this rotor adds
+    Eigen::Vector4d most = Eigen::Vector4d::Zero();   // of this rotor's contribution
     Eigen::Vector4d least = Eigen::Vector4d::Zero();  // and takes away
     const auto consider = [&](double tilt) {
       const Eigen::Vector4d u =
@@ -92,7 +92,7 @@ std::optional<double> Vehicle::hover_output(double gravity_m_s2) const {
   }
   const double missing = mass_kg * gravity_m_s2 - constant;
   if (missing < 0 || missing > linear + square) return std::nullopt;
-  // square u^2 + linear u = missing, in the form that stands square = 0
+  // square u^2 + linear u = missing, in the form that allows square = 0
   const double root = std::sqrt(linear * linear + 4 * square * missing);
   return missing > 0 ? 2 * missing / (linear + root) : 0.0;
 }

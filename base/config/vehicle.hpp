@@ -76,7 +76,7 @@ struct CAS_BASE_EXPORT Rotor {
   int output = 0;  ///< of the autopilot, 0..15, 0..1 on it; in the file 1..16: its number if none
   RotorParams params;
   std::optional<Wake> wake;       ///< the lower rotor of a coaxial pair
-  std::optional<TiltServo> tilt;  ///< nothing: the axis stands still
+  std::optional<TiltServo> tilt;  ///< nullopt: the axis is fixed
 
   /// Direction of thrust with the servo at `tilt_rad`; axis_B without a servo.
   Eigen::Vector3d tilted_axis_B(double tilt_rad) const;
@@ -88,7 +88,7 @@ using RotorVector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kM
 /// Force and moment about the centre of gravity (FLU) of each rotor's omega^2: N s^2, N m s^2.
 using Effectiveness = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxRotors>;
 
-/// Full scales of HIL_CONTROLS: what +-1 (roll, pitch, yaw) and 1 (throttle) stand for.
+/// Full scales of HIL_CONTROLS: values of +-1 (roll, pitch, yaw) and 1 (throttle).
 struct ControlScales {
   double u1_max_n = 0;   ///< thrust at throttle 1
   double u2_max_nm = 0;  ///< roll moment at roll_ailerons 1
@@ -116,11 +116,11 @@ struct CAS_BASE_EXPORT Vehicle {
   std::vector<Rotor> rotors;             ///< 1 to kMaxRotors
   ControlScales scales;                  ///< computed by control_scales() where the file has none
   double body_drag_linear_n_s_m = 0;     ///< fuselage drag, N per m/s of airspeed
-  std::optional<BatteryParams> battery;  ///< nothing: the voltage never changes
+  std::optional<BatteryParams> battery;  ///< nullopt: the voltage never changes
   std::uint8_t system_id = 1;            ///< MAVLink system
   ConfigNode sensors = ConfigNode::empty();  ///< parameters by plugin name, see sensor_set()
 
-  /// Reads a vehicle file and, for what it leaves out, the model. What both say must agree.
+  /// Reads a vehicle file and takes missing values from the model. Values in both must agree.
   /// @throws ConfigError when keys are missing (all of them in one sentence), unknown or out of
   ///         range, and when file and model differ (both values, both lines)
   static Vehicle load(const std::filesystem::path& file);
@@ -128,17 +128,17 @@ struct CAS_BASE_EXPORT Vehicle {
   /// Number of rotors, 1 to kMaxRotors.
   int rotor_count() const { return static_cast<int>(rotors.size()); }
 
-  /// Column i: what rotor i gives per omega_i^2 (force along its axis, its moment about the centre
+  /// Column i: wrench of rotor i per omega_i^2 (force along its axis, its moment about the centre
   /// of gravity and its reaction torque), coaxial pairs turning equally fast, air at the reference
   /// density. Thrust fading and ground effect are left out.
-  /// @param tilt_rad  one for each rotor, those without a servo ignore theirs; empty: no tilt
+  /// @param tilt_rad  one for each rotor, ignored for rotors without a servo; empty: no tilt
   Effectiveness effectiveness(std::span<const double> tilt_rad = {}) const;
 
   /// The most that the rotors give on each axis of (U1, U2, U3, U4) alone, from effectiveness().
   ControlScales control_scales() const;
 
   /// Output u, the same for all rotors, 0..1, at which their upward thrust carries the weight;
-  /// a rotor turns at idle + u (max - idle). Nothing where they cannot carry it.
+  /// a rotor turns at idle + u (max - idle). nullopt where they cannot carry it.
   std::optional<double> hover_output(double gravity_m_s2) const;
 
   /// M of (U1, U2, U3, U4) = M * omega^2 (rad^2/s^2; N, N m) in the axes of D, from rotor positions

@@ -18,7 +18,7 @@ namespace {
 constexpr int kSchema = 1;
 constexpr double kHuge = 1e9;  // upper end where only the sign is checked
 
-// Two descriptions agree within what files round.
+// Two descriptions agree within the rounding of files.
 constexpr double kSameMass = 1e-3;     // of it
 constexpr double kSameInertia = 5e-3;  // of the largest moment
 constexpr double kSamePlace_m = 5e-4;
@@ -153,7 +153,7 @@ Wake parse_wake(const ConfigNode& node, int lower, int count) {
   return {.upper = upper, .thrust_share = node.require_in("wake_thrust_share", 0, 1)};
 }
 
-/// A rotor's item in the list, what stands in it alone; place and axis come later.
+/// A rotor's item in the list; place and axis come later.
 Rotor parse_rotor(const ConfigNode& item, const ConfigNode& common, int index, int count) {
   Rotor rotor;
   rotor.params = parse_rotor_params(item.merged_over(common));
@@ -193,7 +193,7 @@ void check_outputs(const ConfigNode& node, const std::vector<Rotor>& rotors) {
   }
 }
 
-// What the model says, too.
+// Values that the model file gives as well.
 
 /// Holds the file's word against the model's, or takes the model's.
 class Description {

@@ -39,7 +39,7 @@ struct Builder {
   }
 };
 
-/// What a program has filled in may still have the template's lines in comments.
+/// Generated files may still hold the template's lines in comments.
 std::string without_comments(std::string_view text) {
   constexpr std::string_view kBegin = "<!--";
   constexpr std::string_view kEnd = "-->";

@@ -27,10 +27,10 @@ struct CAS_BASE_EXPORT XmlElement {
 };
 
 /// A sentence for a text that a program has to fill in before it is a model: xacro, or ERB and
-/// other templates; nothing for any other. Comments do not count.
+/// other templates; nullopt for any other. Comments do not count.
 CAS_BASE_EXPORT std::optional<std::string> template_language(std::string_view text);
 
-/// Reads a whole XML text. @throws ConfigError "FILE:LINE: what is wrong"
+/// Reads a whole XML text. @throws ConfigError "FILE:LINE: sentence"
 CAS_BASE_EXPORT XmlElement parse_xml(std::string_view text, const std::string& file);
 
 }  // namespace cas::base

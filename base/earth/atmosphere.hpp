@@ -6,8 +6,8 @@
 namespace cas::base {
 
 /// Dry air in hydrostatic balance whose temperature changes evenly with altitude; the defaults are
-/// the International Standard Atmosphere's troposphere, [ISO 2533]. It is what `<atmosphere
-/// type="adiabatic">` of SDF 1.10 means. Altitudes in m above mean sea level, taken as
+/// the International Standard Atmosphere's troposphere, [ISO 2533]. This is the model of
+/// `<atmosphere type="adiabatic">` in SDF 1.10. Altitudes in m above mean sea level, taken as
 /// geopotential; the standard one is not valid above 11 km. Humidity is not modelled.
 struct CAS_BASE_EXPORT Atmosphere {
   double temperature_K = 288.15;              ///< at sea level

@@ -35,7 +35,7 @@ class CAS_BASE_EXPORT PacketLedger {
   /// CSV with header "direction,message_id,time_usec,at_ns", written beside and renamed.
   /// @throws ConfigError when it cannot be written
   void write(const std::filesystem::path& file) const;
-  /// What write() wrote. @throws ConfigError when it cannot be read
+  /// Reads a file of write(). @throws ConfigError when it cannot be read
   static std::vector<LedgerEntry> read(const std::filesystem::path& file);
 
  private:

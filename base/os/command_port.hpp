@@ -15,7 +15,7 @@ class CAS_BASE_EXPORT CommandPortError final : public ConfigError {
   using ConfigError::ConfigError;
 };
 
-/// Runs what binds a port of the program's own. @return what `bind` returns
+/// Calls `bind`, which binds the program's own port. @return its result
 /// @throws CommandPortError with the sentence of a ConfigError
 template <class Bind>
 decltype(auto) bind_command_port(Bind&& bind) {

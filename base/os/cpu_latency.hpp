@@ -18,7 +18,7 @@ class CAS_BASE_EXPORT CpuLatencyRequest {
   static constexpr int kLongest_us = 10'000;
 
   /// @param most_us  longest time to wake, microseconds; 0: the lightest idle state, which is to
-  ///                 poll where the processor's driver has that (x86); nothing: no request
+  ///                 poll where the processor's driver has that (x86); nullopt: no request
   /// Without the right to the device there is a warning, and the request is not in force.
   explicit CpuLatencyRequest(std::optional<int> most_us,
                              const std::filesystem::path& device = kDevice);

@@ -25,7 +25,7 @@ class Descriptor {
     if (fd_ >= 0) ::close(fd_);
     fd_ = -1;
   }
-  /// Lets go of it: somebody else closes it.
+  /// Releases it: its new owner closes it.
   int release() { return std::exchange(fd_, -1); }
 
  private:

@@ -14,13 +14,13 @@ inline struct flock whole_file(short type) {
   return lock;
 }
 
-/// Takes the lock of a file that is open for writing. @return false when somebody has it
+/// Takes the lock of a file that is open for writing. @return false if another holds it
 inline bool take_file_lock(int fd) {
   struct flock lock = whole_file(F_WRLCK);
   return ::fcntl(fd, F_OFD_SETLK, &lock) == 0;
 }
 
-/// Whether somebody else has it; takes nothing, so it is in nobody's way.
+/// Whether another open file description holds the lock. Only asks, so it blocks no one.
 inline bool is_file_locked(int fd) {
   struct flock lock = whole_file(F_RDLCK);
   return ::fcntl(fd, F_OFD_GETLK, &lock) == 0 && lock.l_type == F_WRLCK;

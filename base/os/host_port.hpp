@@ -14,7 +14,7 @@ struct HostPort {
 };
 
 /// Takes "127.0.0.1:14560", "host:14560" or "[::1]:14560" apart; neither half is looked up.
-/// @return nothing when a half or a bracket is missing
+/// @return nullopt when a half or a bracket is missing
 inline std::optional<HostPort> parse_host_port(std::string_view text) {
   const std::size_t colon = text.rfind(':');
   if (colon == std::string_view::npos || colon + 1 == text.size()) return std::nullopt;

@@ -3,7 +3,8 @@
 
 #include <mutex>
 
-// Says which lock guards what. Clang checks it (-Wthread-safety); other compilers ignore it.
+// Annotations that name the lock of each member. Clang checks it (-Wthread-safety); other compilers
+// ignore it.
 #ifdef __clang__
 #define CAS_THREAD_SAFETY(attribute) __attribute__((attribute))
 #else

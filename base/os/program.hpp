@@ -11,9 +11,9 @@
 
 namespace cas::base {
 
-/// Starts the log at `log_level` (a word of log::parse_level), runs a program's body and turns what
-/// either throws into one line on standard error and an exit code.
-/// @return what `body` returns, kExitCommandPort, kExitConfig or kExitInternal
+/// Starts the log at `log_level` (a word of log::parse_level), runs a program's body and turns an
+/// exception of either into one line on standard error and an exit code.
+/// @return the result of `body`, kExitCommandPort, kExitConfig or kExitInternal
 template <class Body>
 int run_program(const char* name, std::string_view log_level, Body&& body) {
   try {

@@ -19,7 +19,7 @@ struct PtyIdentity {
   friend bool operator==(const PtyIdentity&, const PtyIdentity&) = default;
 };
 
-/// Of an open slave; nothing when `fd` is no pseudo-terminal's slave.
+/// Of an open slave; nullopt when `fd` is no pseudo-terminal's slave.
 CAS_BASE_EXPORT std::optional<PtyIdentity> identify_pty(int fd);
 
 /// The lock file LINK.lock beside the symlink LINK of an offered pseudo-terminal. The program holds
@@ -48,16 +48,16 @@ class CAS_BASE_EXPORT PtyLock {
   PtyIdentity named_;
 };
 
-/// What is offered under a path.
+/// The program lock found at a path.
 enum class PtyOffer : std::uint8_t {
   kNone,   ///< no running program holds a lock there
   kOther,  ///< one does, and names another terminal
   kThis    ///< one does, and names this one
 };
 
-/// Whether `slave`, opened by way of `path`, is what a running program offers there. Where `path`
-/// leads over several symlinks, the lock beside any of them counts. A lock counts only from root,
-/// from the owner of the terminal or from the caller's own user.
+/// Whether `slave`, opened by way of `path`, is the terminal that a running program offers there.
+/// Where `path` leads over several symlinks, the lock beside any of them counts. A lock counts only
+/// from root, from the owner of the terminal or from the caller's own user.
 CAS_BASE_EXPORT PtyOffer pty_offer(std::filesystem::path path, int slave);
 
 }  // namespace cas::base

@@ -26,7 +26,7 @@ bool is_writable_folder(const std::filesystem::path& folder) {
   return std::filesystem::is_directory(folder, ignored) && ::access(folder.c_str(), W_OK) == 0;
 }
 
-/// Anybody may make a folder in /tmp: one that is not ours alone is refused.
+/// Any user may make a folder in /tmp: one that is not ours alone is refused.
 std::filesystem::path private_folder() {
   const std::filesystem::path folder =
       std::filesystem::temp_directory_path() / ("cas-" + std::to_string(::getuid()));

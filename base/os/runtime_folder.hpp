@@ -12,11 +12,11 @@ namespace cas::base {
 /// Runtime folder of casd as a service: the unit's RuntimeDirectory.
 inline constexpr const char* kServiceFolder = "/run/cas";
 
-/// Where the programs of one user find each other: links of emulated lines, sockets. The first of
+/// Folder of one user's links of emulated lines and sockets. The first of
 ///   $CAS_RUNTIME_DIR
 ///   $XDG_RUNTIME_DIR/cas      where that folder is there and may be written to
 ///   `service_folder`          where it may be written to: that of casd.service
-///   /tmp/cas-UID              made, mode 0700; a folder of somebody else is refused
+///   /tmp/cas-UID              made, mode 0700; a folder of another user is refused
 /// It need not be there yet. @throws ConfigError
 CAS_BASE_EXPORT std::filesystem::path runtime_folder(
     const std::filesystem::path& service_folder = kServiceFolder);

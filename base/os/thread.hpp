@@ -30,7 +30,7 @@ CAS_BASE_EXPORT void configure_this_thread(const std::string& name, const Thread
 /// @return false when the system refuses
 CAS_BASE_EXPORT bool lower_this_thread(const std::string& name);
 
-/// What the scheduler counts of a thread.
+/// The scheduler's counters of a thread.
 struct ThreadTimes {
   std::uint64_t turns = 0;  ///< how often it began to run on a processor
   std::chrono::nanoseconds ran{};
@@ -41,7 +41,7 @@ struct ThreadTimes {
 class CAS_BASE_EXPORT ThreadTimesReader {
  public:
   ThreadTimesReader();
-  /// Nothing: this kernel does not count them.
+  /// nullopt: this kernel does not count them.
   std::optional<ThreadTimes> read() const;
 
  private:

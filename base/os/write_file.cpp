@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr mode_t kNewFile = 0666;  // less what the process's umask takes away
+constexpr mode_t kNewFile = 0666;  // masked by the process's umask
 
 /// @return errno, 0 when all is written
 int write_all(int fd, std::string_view text) {
@@ -33,9 +33,9 @@ int write_all(int fd, std::string_view text) {
 
 constexpr int kMostNames = 16;  // of files beside the one that is written
 
-/// A new file "FILE.PID.new" beside another one, or "FILE.PID.N.new" where that name is taken: what
-/// lies there, a symlink above all, is not ours. @param beside  its name
-/// @return nothing with errno set
+/// A new file "FILE.PID.new" beside another one, or "FILE.PID.N.new" if that name is taken: an
+/// existing entry, above all a symlink, is not ours. @param beside  its name
+/// @return empty, with errno set
 Descriptor make_beside(const fs::path& file, fs::path& beside) {
   const std::string stem = file.string() + "." + std::to_string(::getpid());
   Descriptor out;
@@ -71,8 +71,8 @@ int write_in_place(const fs::path& file, std::string_view text) {
   return write_all(out.get(), text);
 }
 
-/// Whether a file may be written where this symlink leads: to something, and as the user who writes
-/// or root laid it. In a folder that several may write to, anybody may lay one.
+/// Whether a file may be written through this symlink: it leads to something, and the writing user
+/// or root made it. In a shared folder any user may make one.
 bool is_own_symlink(const struct stat& link, bool leads_somewhere) {
   return leads_somewhere && (link.st_uid == ::geteuid() || link.st_uid == 0);
 }
@@ -109,7 +109,7 @@ void write_file(const fs::path& file, std::string_view text, Durability durabili
   } else if (!S_ISREG(old.st_mode)) {
     error = write_in_place(file, text);
   } else {
-    // A symlink stays one. What was no symlink is not looked at again: it may be one by now.
+    // A symlink stays one. A file that was no symlink is not checked again: it may have become one.
     std::error_code unresolved;
     const fs::path behind = is_link ? fs::canonical(file, unresolved) : file;
     error = replace(unresolved ? file : behind, &old, text, durability);

@@ -45,9 +45,9 @@ class CAS_BASE_EXPORT Client {
   Client(Client&&) noexcept;
   Client& operator=(Client&&) noexcept;
 
-  /// Authorises over TCP without telling the token: the server must prove first that it knows one
-  /// of these, and is answered with a proof (token_proof()).
-  /// @return whether it proved it; else it was told nothing @throws CallError, ConnectionError
+  /// Authorises over TCP without sending the token: the server must prove first that it knows one
+  /// of these, and gets a proof in return (token_proof()).
+  /// @return whether it proved it; if not, no proof was sent @throws CallError, ConnectionError
   bool authorise_by_proof(const std::vector<std::string>& tokens);
 
   /// @throws CallError, ConnectionError

@@ -34,15 +34,15 @@ struct PlaceHolder {
   bool asked = false;  ///< it has made a request, authorised where that is asked for
 };
 
-/// What becomes of a new client.
+/// Decision on a new client.
 struct PlaceDecision {
-  std::optional<std::string> refusal{};    ///< why it gets no place; nothing: it gets one
+  std::optional<std::string> refusal{};    ///< why it gets no place; nullopt: it gets one
   std::optional<std::size_t> displaced{};  ///< the holder that must go for it
 };
 
-/// Shares out `places`. A share takes at most half of them, and where `keep_one` says so the last
-/// place is for an operator, who is held to no share. When all are taken, an operator displaces the
-/// client that has been silent since it came, the oldest first. Pure.
+/// Shares out `places`. A share takes at most half of them. With `keep_one` the last place is for
+/// an operator, who has no such limit. When all are taken, an operator displaces the client that
+/// has been silent since it came, the oldest first. Pure.
 /// @param holders  in the order in which they came
 PlaceDecision find_place(const ClientOrigin& client, std::span<const PlaceHolder> holders,
                          std::size_t places, bool keep_one);

@@ -14,7 +14,7 @@ using OrderedJson = nlohmann::ordered_json;
 
 constexpr const char* kOpenRpc = "1.2.6";
 
-/// What every server answers by itself.
+/// Methods that every server answers itself.
 constexpr const char* kSessionMethods = R"json({
   "methods": {"summary": "Names everything that can be called.", "params": {}, "result": ["string"]},
   "rpc.discover": {"summary": "Describes every method: this document.", "params": {}, "result": "any"},

@@ -12,7 +12,7 @@
 
 namespace cas::base::rpc {
 
-/// What a port says of its methods, from the short form that a program writes:
+/// Description of a port's methods, from the short form that a program writes:
 ///
 ///   {"title": "...",
 ///    "shapes":  {"Link": {"name": "string", "baud?": "integer"}},

@@ -72,13 +72,13 @@ Json id_of(const Json& request) {
   return id == request.end() || id->is_structured() || id->is_boolean() ? Json(nullptr) : *id;
 }
 
-/// Answers a line that is not JSON-RPC; no further line of the peer is to be read.
+/// Answers a line that is not JSON-RPC; no further line of the peer is read.
 void refuse_line(Peer& peer, int code, const std::string& message) {
   peer.refusal = Refusal::kNotJsonRpc;
   peer.deliver(Dispatcher::error_line(code, message));
 }
 
-/// The string of that key; nothing where there is none.
+/// The string of that key; nullopt where there is none.
 std::optional<std::string> text_of(const Json& params, const char* key) {
   if (!params.is_object()) return std::nullopt;
   const auto found = params.find(key);
@@ -110,8 +110,8 @@ struct Dispatcher::Batch {
   }
 };
 
-/// One request under way. Whoever holds a copy of its Reply holds it; when the last copy goes
-/// unanswered, the client is told so.
+/// One request in progress. Copies of its Reply keep it alive; when the last one goes unanswered,
+/// the client gets an error.
 class Dispatcher::Call {
  public:
   Call(const std::shared_ptr<Peer>& peer, const Json& request, std::shared_ptr<Batch> batch)
@@ -231,7 +231,7 @@ void Dispatcher::invoke(const std::string& method, const Json& params,
   // Whatever a client sends ends in an answer, never in an exception that ends the server.
   try {
     call(method, params, *peer, reply);
-  } catch (const Json::exception& error) {  // params.at("x").get<T>() on what the client sent
+  } catch (const Json::exception& error) {  // from params.at("x").get<T>()
     reply.error(kInvalidParams, error.what(), nullptr);
   } catch (const std::exception& error) {
     reply.error(kInternalError, error.what(), nullptr);
@@ -278,10 +278,10 @@ std::vector<std::string> Dispatcher::method_names() const {
   return names;
 }
 
-/// What may be called, by name.
+/// Names of all methods.
 void Dispatcher::methods(const Json&, Peer&, const Reply& reply) { reply.result(method_names()); }
 
-/// What may be called, with parameters and results.
+/// All methods, with parameters and results.
 void Dispatcher::discover(const Json&, Peer&, const Reply& reply) {
   reply.result(description_.document(method_names()));
 }

@@ -27,7 +27,7 @@ class CAS_BASE_EXPORT Peer {
   virtual void deliver(std::string line) = 0;
   /// A call has ended; `calls` is already lower by one.
   virtual void on_call_ended() {}
-  /// `refusal` was set by a line that has been answered: no further line is to be read.
+  /// `refusal` was set by a line that has been answered: no further line is read.
   virtual void on_refused() {}
 
   std::string name;              ///< for an audit: "127.0.0.1:40412", "unix:uid 1000"
@@ -36,7 +36,7 @@ class CAS_BASE_EXPORT Peer {
   bool authorised = true;
   Refusal refusal = Refusal::kNone;
   std::size_t calls = 0;  ///< under way
-  double weight = 0;  ///< the greatest among the calls of a line; who hands lines in sets it to 0
+  double weight = 0;      ///< greatest of a line's calls; the caller of handle() resets it
 };
 
 /// JSON-RPC 2.0 without a socket: takes a line, calls methods, delivers answers. Not for several
@@ -48,12 +48,12 @@ class CAS_BASE_EXPORT Dispatcher {
   /// @param weight  share of a call's processor time that its client pays for (1: all of it)
   void add_method(const std::string& name, Method method, double weight = 1);
   void add_topic(const std::string& topic);
-  /// What `rpc.discover` tells of the methods beside their names.
+  /// Description of the methods for `rpc.discover`, beside their names.
   void describe(Description description) { description_ = std::move(description); }
   /// Called before each line with requests is handled.
   void before_calls(std::function<void()> callback) { before_calls_ = std::move(callback); }
   /// Peers that are not authorised must first call `authorise`: {"token": ...}, or {"nonce": ...}
-  /// and then {"proof": ...} (token_proof()), so that the token itself is not told.
+  /// and then {"proof": ...} (token_proof()), so that the token itself is not sent.
   void set_token(std::string token) { token_ = std::move(token); }
   bool has_token() const { return token_.has_value(); }
 

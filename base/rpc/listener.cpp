@@ -83,7 +83,7 @@ sockaddr_un unix_address(const std::filesystem::path& path) {
   return address;
 }
 
-/// Whether nobody listens on a socket file. Asks by connecting.
+/// Whether a socket file has no listener. Tries to connect.
 bool is_abandoned(const sockaddr_un& address) {
   const Descriptor probe(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   return probe &&
@@ -91,7 +91,7 @@ bool is_abandoned(const sockaddr_un& address) {
          errno == ECONNREFUSED;
 }
 
-/// Removes a socket file of ours that nobody listens on; refuses anything else in its place.
+/// Removes a socket file of ours without a listener; refuses anything else in its place.
 void remove_stale(const std::filesystem::path& path, const sockaddr_un& address) {
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0) return;
@@ -107,7 +107,7 @@ void remove_stale(const std::filesystem::path& path, const sockaddr_un& address)
 }
 
 /// Locks a socket's folder from the check for a stale file until listen(): a socket that is bound
-/// and does not listen yet looks stale. Gives up after kFolderPatience: in /tmp anybody may lock
+/// and does not listen yet looks stale. Gives up after kFolderPatience: in /tmp any user may lock
 /// the folder.
 class FolderLock {
  public:
@@ -240,7 +240,7 @@ void Listener::do_wait() {
 
 void Listener::accept_waiting() {
   for (int i = 0; i < kAcceptsPerRound && descriptor_.is_open(); ++i) {
-    const bool waited = std::exchange(waited_, false);  // whoever has waited gets in
+    const bool waited = std::exchange(waited_, false);  // a client that has waited gets in
     const Duration patience = patience_ && !waited ? patience_() : Duration::zero();
     if (patience > Duration::zero()) {
       waited_ = true;
@@ -254,7 +254,7 @@ void Listener::accept_waiting() {
       if (errno == EMFILE || errno == ENFILE || errno == ENOBUFS || errno == ENOMEM) {
         return retry_later();
       }
-      break;  // nobody waits, or one went away before it was its turn
+      break;  // no client waits, or it left before accept
     }
     const int on = 1;
     if (peer.ss_family != AF_UNIX) {

@@ -36,13 +36,13 @@ struct ListeningSocket {
 
 /// @throws ConfigError
 ListeningSocket open_tcp(const std::string& address, std::uint16_t port);
-/// A socket file of this user that nobody listens on is replaced; anything else in its place is
-/// refused. @param group  whose members may connect as well (0660); empty: none (0600)
+/// Replaces a socket file of this user that has no listener; anything else in its place is refused.
+/// @param group  group whose members may connect as well (0660); empty: none (0600)
 /// @throws ConfigError
 ListeningSocket open_unix(const std::filesystem::path& path, const std::string& group = {});
 
-/// Removes the socket files of earlier casds in their runtime folder: this user's, by their names,
-/// that nobody listens on.
+/// Removes the socket files of earlier casds in their runtime folder: those of this user, with a
+/// casd name and without a listener.
 void remove_stale_sockets(const std::filesystem::path& folder);
 
 /// Accepts clients with SOCK_CLOEXEC, which Asio's own acceptor leaves out.

@@ -15,8 +15,8 @@ struct LocalClient {
 };
 
 /// Connects to each casd that has a socket in this user's runtime folder or the service's, in the
-/// order of local_command_sockets(). Sockets that nobody listens on, and those that this user may
-/// not use, are left out.
+/// order of local_command_sockets(). Leaves out sockets without a listener and those that this user
+/// may not use.
 std::vector<LocalClient> connect_local();
 
 }  // namespace cas::base::rpc

@@ -35,7 +35,7 @@ std::vector<fs::path> runtime_folders() {
     const bool there = ::lstat(own.c_str(), &status) == 0;
     if (own != kServiceFolder && there && is_trusted(status)) folders.push_back(own);
   } catch (const ConfigError&) {
-    // Somebody else's folder stands where this user's should be.
+    // Another user's folder is at this user's path.
   }
   folders.emplace_back(kServiceFolder);  // only root can have made it
   return folders;
@@ -74,7 +74,7 @@ fs::path make_runtime_folder() {
   struct stat status {};
   const bool there = ::lstat(folder.c_str(), &status) == 0;
   if (there && S_ISDIR(status.st_mode) && status.st_uid == ::geteuid()) {
-    if (folder == kServiceFolder) return folder;  // the unit says who may write into it
+    if (folder == kServiceFolder) return folder;  // the unit sets its permissions
     status.st_mode &= ~static_cast<mode_t>(S_IWGRP | S_IWOTH);
     ::chmod(folder.c_str(), status.st_mode & 07777U);
   }

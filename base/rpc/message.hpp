@@ -37,7 +37,7 @@ enum class Refusal {
 struct Reply {
   std::function<void(Json result)> result;
   std::function<void(int code, std::string message, Json data)> error;
-  std::string client{};  ///< who asks, for an audit: "127.0.0.1:40412", "unix:uid 1000"
+  std::string client{};  ///< the caller, for an audit: "127.0.0.1:40412", "unix:uid 1000"
 };
 
 /// A method. Called on the server's io thread with the parameters (object or array, null when

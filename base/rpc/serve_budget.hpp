@@ -8,13 +8,13 @@
 
 namespace cas::base::rpc {
 
-/// Share of a processor that all clients of a server may take together, with a burst of one
-/// second's share. Above it each client waits, after a line, for (what the line cost) x (clients
-/// that wait) / share; so one that asks for little hardly waits for others that ask for much. New
-/// clients are let in when the debt of all is earned back, or after a second. For one thread.
+/// Share of a processor that all clients of a server may use together, with a burst of one second's
+/// share. Above it each client waits, after a line, for (cost of the line) x (waiting clients) /
+/// share, so a client with few requests hardly waits for busy ones. New clients are let in when the
+/// total debt is earned back, or after a second. For one thread.
 class ServeBudget {
  public:
-  /// Nobody waits longer, whatever a line has cost: who waits keeps a place.
+  /// Longest wait, whatever a line has cost: a waiting client occupies a place.
   static constexpr Duration kLongestTurn = std::chrono::seconds(10);
 
   /// @param share  of one processor's time, above 0; 1 or more: all of it
@@ -48,7 +48,7 @@ class ServeBudget {
   }
 
   double share_;
-  double credit_s_;  ///< never below what a second earns
+  double credit_s_;  ///< at least -share_: a debt of one second
   RunTime credited_;
   std::size_t waiting_ = 0;
 };

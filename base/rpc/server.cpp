@@ -19,7 +19,7 @@
 namespace cas::base::rpc {
 namespace {
 
-constexpr std::size_t kRefusedAtOnce = 16;  // clients without a place that are still told why
+constexpr std::size_t kRefusedAtOnce = 16;  // clients without a place that still get the reason
 
 }  // namespace
 
@@ -65,7 +65,7 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
   }
 
   /// Clients that are being turned away hold no place.
-  /// @return why there is no place for a client; nothing when there is one now
+  /// @return why there is no place for a client; nullopt when there is one now
   std::optional<std::string> make_place(const Session& client) {
     std::vector<std::shared_ptr<Session>> held;
     std::vector<PlaceHolder> holders;
@@ -83,7 +83,7 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
     return decision.refusal;
   }
 
-  /// Clients that are being told that there is no place for them.
+  /// Clients that are being refused for lack of a place.
   std::size_t without_place() const {
     return static_cast<std::size_t>(
         std::count_if(sessions.begin(), sessions.end(),

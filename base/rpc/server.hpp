@@ -26,15 +26,16 @@ inline constexpr Duration kFirstRequestTime = std::chrono::seconds(10);
 struct ServerLimits {
   std::size_t max_line_bytes = 64 * 1024;
   /// The clients of one address (all of loopback is one, an IPv6 network of 64 bits too) or of one
-  /// user on Unix sockets take at most half of these places. Where the server listens on a Unix
-  /// socket one is kept for its own user and root, who displace silent clients when all are taken.
+  /// user on Unix sockets take at most half of these places. On a Unix socket one place is kept for
+  /// the server's own user and root, who displace silent clients when all are taken.
   std::size_t max_clients = 64;
   std::size_t max_queued_replies = 256;  ///< a client that never reads is closed
   std::size_t max_queued_bytes = 4 * 1024 * 1024;
-  /// Lines of one client; what comes faster waits in its socket. As many may come at once.
+  /// Lines of one client in a second, and as many at once; faster ones wait in its socket.
   double max_lines_s = 1000;
-  /// What the requests of all clients together may take of one processor's time; 1: all of it. What
-  /// comes faster is read later, from each client in turn, and new clients wait up to a second.
+  /// Share of one processor that the requests of all clients together may use; 1: all of it.
+  /// Requests above it are read later, from each client in turn, and new clients wait up to a
+  /// second.
   double max_cpu_share = 1;
   /// Connections that are accepted in a second, and as many at once; the next ones wait. 0: any.
   double max_accepts_s = 0;
@@ -52,16 +53,16 @@ class CAS_BASE_EXPORT Server {
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
 
-  /// @param weight  what its time counts for against ServerLimits::max_cpu_share: less than 1 for
-  /// calls that those of others must not keep waiting
+  /// @param weight  factor on its time for ServerLimits::max_cpu_share: less than 1 for calls that
+  /// must not wait for those of others
   void add_method(const std::string& name, Method method, double weight = 1);
-  /// What `rpc.discover` tells of the methods beside their names.
+  /// Description of the methods for `rpc.discover`, beside their names.
   void describe(Description description);
-  /// Called before the requests of a line are served: what they ask for can be brought up to date.
+  /// Called before the requests of a line are served, to bring their data up to date.
   void before_calls(std::function<void()> callback);
   /// Sends {"method": name, "params": params} to each client that subscribed to `topic`.
   void publish(const std::string& topic, const Json& params);
-  /// Whether anybody hears a topic: what nobody hears need not be put together.
+  /// Whether a topic has subscribers; without them its message need not be built.
   bool has_subscribers(const std::string& topic) const;
   /// Methods `subscribe` {"topic": ...} and `unsubscribe` are answered by the server for these
   /// topics.

@@ -26,7 +26,7 @@ constexpr std::size_t kLinesPerWrite = 32;            // gathered into one syste
 constexpr auto kFlushTime = std::chrono::seconds(5);  // for a client that ends without reading
 constexpr auto kDrainTime = std::chrono::seconds(1);
 
-/// What reading a line and writing its answer take beside the call itself.
+/// Cost of reading a line and writing its answer, beside the call itself.
 constexpr Duration kSocketCost = std::chrono::microseconds(30);
 
 /// Of this thread.
@@ -122,8 +122,8 @@ void Session::do_read() {
                          });
 }
 
-// Whoever sends faster than it may is read more slowly, and slows down nobody else. While all
-// together ask for more than their share, each waits for its turn.
+// A client above its rate is read more slowly and slows down no other. While all together exceed
+// their share, each waits for its turn.
 void Session::read_at_rate() {
   const RunTime now = steady_now();
   const Duration wait = std::max(rate_.take(now), budget_->spend(cost_, now));

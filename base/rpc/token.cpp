@@ -69,8 +69,8 @@ std::string read_token(const std::filesystem::path& file) {
 bool make_token(const std::filesystem::path& file) {
   struct stat status {};
   if (::lstat(file.c_str(), &status) == 0) return false;
-  // Written beside it and linked: another program never reads half of it, and link() takes nobody's
-  // place.
+  // Written beside it and linked: another program never reads half of it, and link() replaces no
+  // existing file.
   const std::string beside = file.string() + "." + std::to_string(::getpid()) + ".new";
   ::unlink(beside.c_str());  // of a program with this number that was killed here
   Descriptor out(

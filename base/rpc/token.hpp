@@ -14,7 +14,7 @@ namespace cas::base::rpc {
 CAS_BASE_EXPORT std::string read_token(const std::filesystem::path& file);
 
 /// Makes a secret's file with 256 random bits of the kernel as 64 hexadecimal digits, mode 0600, if
-/// nothing is at its place. What is there already stays, a symlink that leads nowhere too.
+/// the path is free. An existing entry stays, even a dangling symlink.
 /// @return whether it was made @throws ConfigError when it cannot be made
 CAS_BASE_EXPORT bool make_token(const std::filesystem::path& file);
 

@@ -8,10 +8,10 @@
 
 namespace cas::base::rpc {
 
-/// Whose knowledge of the token is proved: what one end has said is of no use to the other.
+/// End that proves its knowledge of the token: the proof of one is of no use to the other.
 enum class Prover { kServer, kClient };
 
-/// What a proof is bound to. Both nonces are fresh in each connection.
+/// The values that a proof is bound to. Both nonces are fresh in each connection.
 struct ProofContext {
   /// The server's end of the connection as both ends see it (server_endpoint()): a program at
   /// another address cannot pass the proofs on.

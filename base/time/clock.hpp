@@ -60,7 +60,7 @@ constexpr std::uint64_t to_time_usec(SimTime t) {
 inline constexpr std::uint64_t kLatestTimeUsec = 4'000'000'000'000'000;
 
 /// Inverse of to_time_usec(); later stamps than kLatestTimeUsec count as that, so that differences
-/// of what comes from the wire do not overflow.
+/// of received stamps do not overflow.
 constexpr SimTime from_time_usec(std::uint64_t usec) {
   return SimTime(Duration(static_cast<Duration::rep>(std::min(usec, kLatestTimeUsec) * 1000)));
 }

@@ -20,7 +20,7 @@ class RateGate {
 
   /// True once per period; a gap of several periods counts as one.
   bool due(SimTime t) { return due(t.time_since_epoch()); }
-  /// Likewise, for a time that counts from the start of the run.
+  /// The same for a time since the start of the run.
   bool due(Duration since_start) {
     const std::int64_t index = index_at(since_start);
     if (index <= last_) return false;

@@ -10,11 +10,11 @@ namespace cas::base {
 
 /// The clock of a program in lockstep: the time of the sensor stream that it sees, in place of the
 /// steady clock. It stands still while the simulation does, and it never goes back: when the
-/// simulation starts anew, the clock goes on from where it was.
+/// simulation restarts, the clock goes on from its last value.
 ///
 /// Any stamp will do, also microseconds or nanoseconds since 1970: only differences are counted. A
-/// stream that begins with a stamp of less than an hour counts it in full; of a later one only what
-/// is beyond its last full second, and only when the next stamp confirms that it was no damage.
+/// first stamp below one hour counts in full; of a later one only the part beyond its last full
+/// second counts, and only once the next stamp confirms that it was not corrupt.
 class StreamClock {
  public:
   /// A HIL_SENSOR with this stamp has come.

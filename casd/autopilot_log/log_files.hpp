@@ -35,7 +35,7 @@ class LogFiles {
 
   /// @throws base::ConfigError when the machine has no thread for it
   explicit LogFiles(AutopilotLogConfig config);
-  /// Writes what is queued.
+  /// Writes the rest of the queue.
   ~LogFiles();
   LogFiles(const LogFiles&) = delete;
   LogFiles& operator=(const LogFiles&) = delete;

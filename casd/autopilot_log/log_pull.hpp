@@ -23,7 +23,7 @@ using mav::services::RemoteLogDataBlock;
 /// Bytes on their way into a log file.
 struct LogPart {
   std::vector<std::uint8_t> bytes;
-  /// Offset of the first byte; zeros fill a gap before it. Nothing: the end of the file.
+  /// Offset of the first byte; zeros fill a gap before it. nullopt: the end of the file.
   std::optional<std::uint64_t> at{};
 };
 
@@ -38,8 +38,9 @@ struct LogPullHooks {
   std::function<void(const std::string& sentence)> warn;
 };
 
-/// Asks a vehicle for the log that it is writing, and receives it: when to ask, when to begin and
-/// end a file. What is sent and how the bytes are joined is the autopilot's. Pure.
+/// Asks a vehicle for the log that it is writing, and receives it. Decides when to ask and when to
+/// begin and end a file; the subclass of each autopilot knows the messages and joins the bytes.
+/// Pure.
 class LogPull {
  public:
   /// Least time between the beginnings of two files of a vehicle: a flood of headers must not
@@ -86,7 +87,7 @@ class LogPull {
   virtual void take(const mav::PacketView& packet) = 0;
   virtual void ask() = 0;         ///< for the log, if it is time
   virtual void ask_to_end() = 0;  ///< if the vehicle may be sending
-  virtual void forget() = 0;      ///< what was received and asked for
+  virtual void forget() = 0;      ///< clears received data and requests
 
   bool wanted_ = false;
   base::RunTime next_file_{};

@@ -5,8 +5,8 @@
 
 namespace cas::casctl {
 
-/// What shells offer as arguments of verbs: loops, modes and topics are known, messages and
-/// parameters are asked of the casd that runs (`casctl words`).
+/// Shell completion for arguments of verbs: loops, modes and topics are known, messages and
+/// parameters come from the running casd (`casctl words`).
 base::cli::WordsByCommand completion_words();
 
 }  // namespace cas::casctl

@@ -75,7 +75,7 @@ std::string unusable_sockets() {
   return text;
 }
 
-/// What to do next, where casd's own sentence does not say.
+/// Advice where casd's own sentence has none.
 std::string hint(int code) {
   switch (code) {
     case base::rpc::kNotAuthorised:

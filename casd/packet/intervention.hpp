@@ -15,14 +15,14 @@
 
 namespace cas::casd {
 
-/// What a packet makes a vehicle do.
+/// Effect of a packet on a vehicle.
 struct Act {
   std::string what{};    ///< "command 400 (arm)", "MANUAL_CONTROL"
   mav::Source target{};  ///< 0: every system, every component
   bool disarms = false;  ///< disarms or ends the flight, or may do so
 };
 
-/// Reads a command, sticks, a target or a change of the mission. Nothing: the packet only requests
+/// Reads a command, sticks, a target or a change of the mission. nullopt: the packet only requests
 /// information, or is of another kind.
 std::optional<Act> act_of(const mav::PacketView& packet);
 /// Reads a vehicle's answer to a command that arms, disarms or ends the flight: its addressee has
@@ -39,7 +39,7 @@ bool is_failure(const mav::PacketView& packet);
 /// Whether a message may be an act or the answer to one, by its id alone.
 bool may_be_act(std::uint32_t message_id);
 
-/// An act of somebody other than casd's own station. Repetitions are counted in `times`.
+/// An act of a station other than casd's own. Repetitions are counted in `times`.
 struct Intervention {
   mav::Source by{};
   LinkId link = kNoLink;

@@ -12,7 +12,7 @@
 
 namespace cas::casd {
 
-/// What a packet is to a link that cannot carry everything.
+/// Priority class of a packet on a link that cannot carry everything.
 enum class TrafficClass : std::uint8_t {
   kCommand,    ///< commands, parameters, missions, file transfer, heartbeats, time: never lost
   kHil,        ///< the HIL loop's sensor and actuator packets: worthless when late
@@ -53,11 +53,11 @@ struct Origin {
   std::int16_t group = -1;  ///< of the link; -1: none
 };
 
-/// What the router and the queues need to know of a packet, without its bytes.
+/// Properties of a packet for the router and the queues, without its bytes.
 struct PacketInfo {
   std::uint32_t message_id = 0;
   mav::Source source;
-  mav::Source target;  ///< system 0: everybody; component 0: every component of the system
+  mav::Source target;  ///< system 0: broadcast; component 0: every component of the system
   TrafficClass traffic = TrafficClass::kTelemetry;
   LinkId from = kNoLink;
   std::int16_t from_group = -1;      ///< group of the link; -1: none
@@ -71,7 +71,7 @@ struct PacketInfo {
 };
 
 /// The stamp (microseconds) that, with the message id, is a HIL packet's identity in every ledger:
-/// time_usec of HIL_SENSOR, HIL_GPS and the two controls; nothing for other packets.
+/// time_usec of HIL_SENSOR, HIL_GPS and the two controls; nullopt for other packets.
 std::optional<std::uint64_t> hil_time_usec(const mav::PacketView& packet);
 
 /// Reads the addresses from the payload as it came (a field cut off with trailing zeros is 0).

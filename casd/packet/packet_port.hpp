@@ -22,7 +22,7 @@ class PacketPort {
   virtual void deliver(std::span<const PacketRef> packets, base::RunTime now) = 0;
 };
 
-/// What became of an attempt to write packets.
+/// Result of an attempt to write packets.
 struct WriteResult {
   std::size_t packets = 0;       ///< finished: written completely, or unsignable
   std::size_t part_of_next = 0;  ///< bytes of the next one that were written, too (streams)
@@ -40,26 +40,26 @@ class PacketWriter {
   virtual WriteResult write(std::span<const PacketRef> packets) = 0;
   /// Writes the rest of a packet that was begun (streams). @return how many bytes, in part_of_next
   virtual WriteResult write_rest(std::span<const std::uint8_t>) { return {}; }
-  /// Makes the check wrong of a packet that was begun and whose rest it keeps itself.
+  /// Spoils the checksum of a begun packet whose rest it keeps itself.
   virtual void spoil_rest() {}
   /// Bytes that it adds to each packet.
   virtual std::size_t added_bytes() const { return 0; }
   /// Bytes that were written and have not left this machine; 0 where the driver cannot tell.
   virtual std::size_t unsent() const { return 0; }
-  /// Whether the other side has made way since the last call: it has read what was written, or some
-  /// of it has left this machine. True where nobody can tell.
+  /// Whether the other side has made progress since the last call: it has read written bytes, or
+  /// some have left this machine. True where the driver cannot tell.
   virtual bool moved() { return true; }
   /// Whether moved() counts bytes and so misses nothing; else a read of the other side may go
   /// unseen.
   virtual bool counts_moves() const { return false; }
-  /// Whether moved() is asked next; while it is not, what it would look at may be left alone. At
-  /// first it is; what was read before a look begins does not count.
+  /// Switches moved() on or off, at first on. While off, the port need not track reads; reads while
+  /// off do not count later.
   virtual void watch(bool /*on*/) {}
   /// Makes a line move again that only seems to stand still: at the end of a packet.
   virtual void nudge() {}
-  /// Throws away what the driver still holds. @return false: it holds it still
+  /// Discards the bytes that the driver still holds. @return false: it still holds them
   virtual bool flush() { return false; }
-  /// What to wait on when it takes no more.
+  /// Descriptor to poll when it takes no more.
   virtual int descriptor() const = 0;
 };
 

@@ -10,7 +10,7 @@
 
 namespace cas::casd {
 
-/// A packet that waits, with what is known of it.
+/// A waiting packet with its properties.
 struct QueuedPacket {
   PacketInfo info;
   std::span<const std::uint8_t> bytes;

@@ -12,7 +12,7 @@
 
 namespace cas::casd {
 
-/// The calls of the audit log, kept for who asks later (casd.journal): the newest kMost of them.
+/// The calls of the audit log, kept for casd.journal: the newest kMost of them.
 class CallJournal {
  public:
   static constexpr std::size_t kMost = 1000;
@@ -26,12 +26,12 @@ class CallJournal {
     std::string method{};
     std::string params{};  ///< JSON
     std::uint8_t system = 0;
-    std::optional<std::string> refusal{};  ///< nothing: it was done
+    std::optional<std::string> refusal{};  ///< nullopt: it was done
     std::uint64_t times = 1;
   };
 
-  /// Parameters longer than kMostParamsBytes are not kept, nor is the rest of a longer refusal: an
-  /// answer of kMost calls stays below what a client may have queued.
+  /// Parameters longer than kMostParamsBytes are dropped and longer refusals cut, so that an answer
+  /// of kMost calls stays below the limit of a client's queue.
   void add(Call call);
 
   /// The newest call came again, with the same end.

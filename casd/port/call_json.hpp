@@ -59,9 +59,9 @@ class CallParams {
   std::set<std::string> asked_;
 };
 
-/// Reads the parameters of a call for `body`, which answers it. What is wrong with them, or refused
-/// by a base::ConfigError, is answered as an error.
-/// @return that sentence; nothing: `body` came to its end
+/// Reads the parameters of a call for `body`, which answers it. Wrong parameters and a
+/// base::ConfigError are answered as errors.
+/// @return the error's sentence; nullopt: `body` succeeded
 std::optional<std::string> answer_call(const nlohmann::json& params, const base::rpc::Reply& reply,
                                        const std::function<void(CallParams&)>& body);
 

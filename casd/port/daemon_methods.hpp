@@ -11,9 +11,9 @@
 
 namespace cas::casd {
 
-/// What the methods of the daemon act on.
+/// Objects that the daemon's methods act on.
 struct DaemonHooks {
-  /// Reads the topology again. @return why not; nothing when it is in force
+  /// Reads the topology again. @return why not; nullopt when it is in force
   std::function<std::optional<std::string>()> reload;
   Recorder& recorder;
   /// Runs work on the server's thread; from any thread.

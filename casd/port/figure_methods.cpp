@@ -142,7 +142,7 @@ json rule_json(const RouteConfig& route) {
   return entry;
 }
 
-/// Reads the parameters, answers, and turns what is wrong with them into an error.
+/// Reads the parameters, answers, and turns wrong ones into an error.
 template <class Answer>
 base::rpc::Method method(Answer answer) {
   return [answer](const json& params, const Reply& reply) {

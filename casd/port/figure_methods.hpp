@@ -24,7 +24,7 @@ namespace cas::casd {
 
 class CallParams;
 
-/// What the figures are taken from.
+/// Sources of the figures.
 struct FiguresSource {
   const LinkFigures* figures = nullptr;
   /// The topology in force; it changes on a reload.
@@ -49,10 +49,10 @@ struct FiguresSource {
   std::shared_ptr<const MessageDecoder> decoder = std::make_shared<const MessageDecoder>();
 };
 
-/// What became of a reload.
+/// Result of a reload.
 struct ReloadReport {
   base::RunTime at{};
-  std::optional<std::string> trouble;  ///< why it was refused; nothing: it is in force
+  std::optional<std::string> trouble;  ///< why it was refused; nullopt: it is in force
 };
 
 /// The methods of the command port about casd itself: casd.status, link.*, message.* and
@@ -69,7 +69,7 @@ class FigureMethods {
   void set_decoder(std::shared_ptr<const MessageDecoder> decoder);
   /// Keeps the outcome of the last reload for casd.status.
   void set_last_reload(ReloadReport reload) { last_reload_ = std::move(reload); }
-  /// Where message.value finds packets that came before anybody looked; nothing: none came.
+  /// Source of message.value for packets that came before the first look; nullopt: none came.
   using Memory = std::function<std::optional<MessageTaps::Sample>(const MessageTaps::Key&)>;
   void set_memory(Memory memory) { memory_ = std::move(memory); }
   /// After each LinkFigures::sample: tells subscribers.
@@ -93,7 +93,7 @@ class FigureMethods {
   FiguresSource source_;
   std::map<std::string, std::string> last_states_;
   std::uint64_t last_dropped_ = 0;
-  std::optional<ReloadReport> last_reload_;  ///< nothing: none yet
+  std::optional<ReloadReport> last_reload_;  ///< nullopt: none yet
   Memory memory_;
 };
 

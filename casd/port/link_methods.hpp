@@ -14,8 +14,8 @@ class ConfigNode;
 
 namespace cas::casd {
 
-/// What link.add and link.remove act on. If `add` or `remove` throws base::ConfigError, nothing has
-/// changed.
+/// Callbacks of link.add and link.remove. If `add` or `remove` throws base::ConfigError, nothing
+/// has changed.
 struct LinkHooks {
   /// Adds a link, see with_link().
   /// @param tried  called with its name once it has tried to open, or after two seconds
@@ -24,7 +24,7 @@ struct LinkHooks {
       add;
   /// @param force  also the link of an armed vehicle
   std::function<void(const std::string& name, bool force)> remove;
-  /// Called for each call. @param refusal  nothing: it was done
+  /// Called for each call. @param refusal  nullopt: it was done
   std::function<void(const std::string& client, const std::string& method,
                      const nlohmann::json& params, const std::optional<std::string>& refusal)>
       audit;

@@ -7,8 +7,8 @@
 
 namespace cas::casd {
 
-/// What casd's methods and topics are, for `rpc.discover`. tests/python compares it with
-/// docs/protocol.md and with what a running casd takes and answers.
+/// Description of casd's methods and topics, for `rpc.discover`. tests/python compares it with
+/// docs/protocol.md and with the calls and answers of a running casd.
 ///
 /// @param version  of casd
 base::rpc::Description port_description(std::string version);

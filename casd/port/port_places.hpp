@@ -29,8 +29,8 @@ std::vector<CommandSocket> command_sockets(const CommandPortConfig& port, std::u
 void warn_not_found(const std::string& reason);
 
 /// The token that TCP clients must give: the file as configured, in systemd's $STATE_DIRECTORY
-/// where there is one, or in the runtime folder; made where it is missing. @return empty when
-/// nobody needs one @throws base::ConfigError
+/// where there is one, or in the runtime folder; made where it is missing. @return empty if none is
+/// required @throws base::ConfigError
 std::filesystem::path command_token(const CommandPortConfig& port);
 
 }  // namespace cas::casd

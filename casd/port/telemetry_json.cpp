@@ -125,7 +125,7 @@ json sys_status_battery(const Source<SysStatus>& from, base::RunTime now) {
       {"age_s", from.age_s(now)}};
 }
 
-/// Sum of the cells that are measured; nothing where none is.
+/// Sum of the cells that are measured; nullopt where none is.
 std::optional<double> pack_voltage_v(const BatteryStatus& status) {
   int sum_mv = 0;
   bool any = false;

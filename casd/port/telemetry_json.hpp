@@ -8,7 +8,7 @@
 
 namespace cas::casd {
 
-/// The answer of vehicle.telemetry: what the vehicle measures, by topic, with units in the keys.
+/// The answer of vehicle.telemetry: the vehicle's measurements, by topic, with units in the keys.
 /// Every topic has every key; a value that the vehicle has not sent, or sent as unknown, is null.
 /// `age_s` is the age of the message that a topic comes from.
 nlohmann::json telemetry_json(const VehicleState& vehicle, base::RunTime now);

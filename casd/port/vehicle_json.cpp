@@ -25,7 +25,7 @@ bool all_finite(std::initializer_list<float> values) {
                      [](float value) { return std::isfinite(value); });
 }
 
-/// A vehicle that does not know its attitude or place says NaN, which no client can count with.
+/// A vehicle that does not know its attitude or place sends NaN, which is no JSON number.
 bool is_known(const mavlink::common::Attitude& a) {
   return all_finite({a.roll, a.pitch, a.yaw, a.rollspeed, a.pitchspeed, a.yawspeed});
 }

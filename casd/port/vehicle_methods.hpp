@@ -19,7 +19,7 @@ namespace cas::casd {
 
 class CallParams;
 
-/// What the command port needs from the rest of casd.
+/// Callbacks of the command port into the rest of casd.
 struct VehicleHooks {
   std::function<base::RunTime()> now;
   /// Name of a link in the topology.
@@ -46,7 +46,7 @@ class VehicleMethods {
   nlohmann::json vehicles() const;
 
   /// Writes a line to audit and journal for a call that changed something other than a vehicle.
-  /// @param refusal  nothing: it was done
+  /// @param refusal  nullopt: it was done
   void audit_other(const std::string& client, const std::string& name, const nlohmann::json& params,
                    const std::optional<std::string>& refusal);
 
@@ -75,7 +75,7 @@ class VehicleMethods {
   void add(const std::string& name, bool audited, Parse parse, Answer answer);
   /// A method that commands the vehicle, answered once the vehicle has accepted it.
   void add_command(const std::string& name, Parse parse);
-  /// A method that is answered at once, from what is known of the vehicle.
+  /// A method that is answered at once, from the vehicle's stored state.
   void add_look(const std::string& name, std::function<nlohmann::json(const VehicleState&)> look);
   void run(const std::string& name, bool audited, const Parse& parse, const Answer& answer,
            const nlohmann::json& params, const base::rpc::Reply& reply);

@@ -13,7 +13,7 @@ enum class DropCause : std::uint8_t {
   kAge,         ///< would have arrived too late to be worth anything
   kBandwidth,   ///< too late as well, because of the cap that the topology sets
   kQueueFull,   ///< its class, or the socket, had no room left
-  kClosed,      ///< the link was away, or came back and what waited was stale
+  kClosed,      ///< the link was away, or came back and the packet was stale
   kStalled,     ///< the peer stopped reading and was closed
   kUnsignable,  ///< its checksum fits no message, so that it cannot be signed
   kSuperseded,  ///< a newer setpoint of its stream took its place

@@ -26,7 +26,7 @@ class LinePacer {
   /// @param bytes_per_s  0: no limit
   explicit LinePacer(double bytes_per_s, base::Duration slack = kSlack)
       : bytes_per_s_(bytes_per_s), slack_(slack) {}
-  /// 98 % of what a serial line carries, bytes/s.
+  /// 98 % of a serial line's rate, bytes/s.
   static double rate_of(unsigned baud) { return kLineShare * baud / 10.0; }
 
   /// Holds the line for this long after each sensor packet: a receiver that stamps sensors on

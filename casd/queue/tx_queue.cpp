@@ -15,7 +15,7 @@ constexpr std::array kByRank{kSetpoint, kCommand, kGps, kHil};
 
 constexpr std::size_t index(TrafficClass traffic) { return static_cast<std::size_t>(traffic); }
 
-// Part of an age limit that is kept for what follows: the driver, the receiver's wake-up.
+// Part of an age limit that is reserved for later delays: the driver, the receiver's wake-up.
 constexpr int kGuardDivisor = 8;
 
 }  // namespace

@@ -23,7 +23,7 @@ class SigningWriter final : public PacketWriter {
                 std::uint8_t link_id);
 
   WriteResult write(std::span<const PacketRef> packets) override;
-  /// The caller's rest has no signature; what is written is the rest of the signed packet.
+  /// The caller's rest has no signature; this writes the rest of the signed packet.
   WriteResult write_rest(std::span<const std::uint8_t> bytes) override;
   void spoil_rest() override {
     if (!rest_.empty()) rest_.back() ^= 0xFFU;  // of the signature

@@ -26,11 +26,11 @@ class LinkSigning {
               std::shared_ptr<LinkCounters> counters);
 
   /// Verifies an incoming packet; on the link's thread.
-  /// @return the packet without signature, valid until the next call; nothing when it is refused
+  /// @return the packet without signature, valid until the next call; nullopt when it is refused
   std::optional<mav::PacketView> admit(const mav::PacketView& packet);
 
-  /// Signs what `writer` will write, at the last moment: queues put packets in another order, and
-  /// signatures must have rising times. Without signing it is given back as it is.
+  /// Signs packets of `writer` at the last moment: queues reorder packets, and signatures must have
+  /// rising times. Without signing it returns `writer`.
   std::unique_ptr<PacketWriter> wrap(std::unique_ptr<PacketWriter> writer) const;
 
  private:

@@ -11,13 +11,13 @@
 
 namespace cas::casd {
 
-/// A sentence that another autopilot has the vehicle's system id; nothing: it is alone.
+/// A sentence that another autopilot has the vehicle's system id; nullopt: it is alone.
 std::optional<std::string> rival_words(const VehicleState& state, const VehicleTable& table,
                                        base::RunTime now);
-/// Why its HEARTBEATs do not say that the vehicle flies a simulation; nothing: they do.
+/// Why its HEARTBEATs do not say that the vehicle flies a simulation; nullopt: they do.
 std::optional<std::string> not_in_hil(const VehicleState& state, base::RunTime now);
 
-/// Who consents to arm a vehicle that does not say that it is in HIL. It takes both.
+/// Consents to arm a vehicle without the HIL flag. Both are required.
 struct NotHilConsent {
   bool request = false;
   bool configuration = false;
@@ -25,7 +25,7 @@ struct NotHilConsent {
 
 /// Real propellers may spin: why the vehicle may not be armed, unless its HEARTBEATs, and only
 /// its, say that it flies a simulation, or request and configuration consent to one that does not.
-/// @return nothing: it may be armed
+/// @return nullopt: it may be armed
 std::optional<Outcome> arm_interlock(const VehicleState& state, const VehicleTable& table,
                                      NotHilConsent consent, base::RunTime now);
 

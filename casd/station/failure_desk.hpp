@@ -29,22 +29,22 @@ struct Simulator {
   Path path;
 };
 
-/// What a FailureDesk asks of the rest of casd.
+/// Callbacks of a FailureDesk into the rest of casd.
 struct FailureHooks {
   SendPacket send{};
   /// Whether the topology lets stations on this link inject failures.
   std::function<bool(LinkId)> permits{};
   std::function<std::string(LinkId)> link_name{};
-  /// Why a vehicle is not known to be in HIL; nothing: it is.
+  /// Why a vehicle is not known to be in HIL; nullopt: it is.
   std::function<std::optional<std::string>(std::uint8_t system)> hil_doubt{};
-  /// The simulator that feeds a vehicle; nothing: none does through casd.
+  /// The simulator that feeds a vehicle; nullopt: none does through casd.
   std::function<std::optional<Simulator>(std::uint8_t system)> simulator{};
   /// Takes one line of the audit log.
   std::function<void(const std::string&)> audit{};
 };
 
-/// Takes MAV_CMD_INJECT_FAILURE out of what stations say to vehicles, and has the failure strike in
-/// the vehicle's simulator. Vehicles never get the command.
+/// Intercepts MAV_CMD_INJECT_FAILURE from stations to vehicles, and passes it to the vehicle's
+/// simulator. Vehicles never get the command.
 ///
 ///   station --> on_packet --> permitted? in HIL? --> simulator --> COMMAND_ACK --> station
 ///
@@ -59,7 +59,7 @@ class FailureDesk {
   /// @param commander  knows the vehicles; outlives this object
   FailureDesk(mav::Source self, const VehicleCommander& commander, FailureHooks hooks);
 
-  /// What became of a packet that the station hears.
+  /// Result for a packet.
   enum class Verdict : std::uint8_t {
     kNotOurs,  ///< it is about something else
     kRefused,  ///< without effect: the commander must not count it as an intervention
@@ -80,14 +80,14 @@ class FailureDesk {
     mav::services::FailureOrder order;
     Done answer;
     std::string line{};      ///< of the audit, without the outcome; empty: the port leaves its own
-    mav::Source by{};        ///< who asked; system 0: the command port
+    mav::Source by{};        ///< requester; system 0: the command port
     LinkId link = kNoLink;   ///< where it is
     Simulator simulator{};   ///< of the one that is under way
     std::int32_t token = 0;  ///< the same; 0: not sent yet
     base::RunTime deadline{};
   };
 
-  /// Whom a command names.
+  /// Target of a command.
   struct Addressee {
     mav::Source source;
     std::optional<Outcome> unknown{};  ///< why there is no such vehicle

@@ -8,8 +8,8 @@
 
 namespace cas::casd {
 
-/// Notes in the vehicles' Hands that somebody else commands them: through casd, or, by a vehicle's
-/// answer, at another link. A disarm ends what may start motors.
+/// Notes in the vehicles' Hands commands of other stations: through casd, or, seen by a vehicle's
+/// answer, at another link. A disarm ends commands that may start motors.
 ///
 /// @param self  casd's own station
 void overhear(VehicleTable& table, mav::Source self, const Origin& from,

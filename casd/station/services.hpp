@@ -10,7 +10,7 @@
 
 namespace cas::casd {
 
-// What the station is made of, by its names alone.
+// Names of mav::services that the station uses.
 using mav::services::arm_command;
 using mav::services::arming_checks;
 using mav::services::ArmingChecks;

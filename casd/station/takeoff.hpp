@@ -12,9 +12,8 @@
 
 namespace cas::casd {
 
-/// The requests of a takeoff to a height above home, one after the other. A disarm, by whomever,
-/// ends it: a vehicle that was told to take off after a disarm would do so as soon as somebody arms
-/// it.
+/// The requests of a takeoff to a height above home, one after the other. Any disarm ends it: a
+/// vehicle that gets the takeoff command after a disarm would take off as soon as it is armed.
 class Takeoff {
  public:
   using Clock = std::function<base::RunTime()>;

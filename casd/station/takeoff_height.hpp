@@ -22,9 +22,9 @@ class TakeoffHeight {
 
   /// @param clock  read now, and when the vehicle has answered
   void write(double altitude_m, std::function<base::RunTime()> clock, Done done);
-  /// Restores the old value, unless nothing was written or somebody has set the parameter since.
+  /// Restores the old value, unless nothing was written or another has set the parameter since.
   void put_back(base::RunTime now);
-  /// Somebody sets the parameter: that value stays.
+  /// Another has set the parameter: that value stays.
   void keep() { before_.reset(); }
 
   /// When it was last written.

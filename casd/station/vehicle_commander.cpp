@@ -160,7 +160,7 @@ void VehicleCommander::dispatch(KnownVehicle& vehicle, const mav::PacketView& pa
       break;
     case ExtendedSysState::kId:
       // The navigator reads the parameter when it begins to climb: not before it is in the air,
-      // unless nothing comes of the takeoff.
+      // unless the takeoff fails.
       if (vehicle.state.landed() == MavLandedState::kTakeoff ||
           vehicle.state.landed() == MavLandedState::kInAir) {
         vehicle.takeoff_height.put_back(now);
@@ -337,8 +337,8 @@ void VehicleCommander::arm(std::uint8_t system, ArmOptions options, base::RunTim
                  });
 }
 
-/// Adds to a refusal what the vehicle is known to lack. What it said before it was asked may be
-/// over.
+/// Adds the vehicle's known complaints to a refusal. Texts from before the request do not count:
+/// their reasons may be over.
 Done VehicleCommander::explained(const KnownVehicle& vehicle, Done done) {
   const std::uint8_t system = vehicle.state.source().system;
   const std::uint64_t texts_before = vehicle.state.status_text_count();

@@ -35,9 +35,9 @@ namespace cas::casd {
 using SendPacket =
     std::function<void(std::span<const std::uint8_t> packet, std::span<const Path> to)>;
 
-/// What sits behind casd's own address (kOwnStation by default): hears every packet that is
-/// addressed to it or to everybody, apart from HIL_* sensor and actuator streams. All calls come on
-/// casd's main io thread; packets cross over from the link threads through a bounded queue.
+/// The station at casd's own address (kOwnStation by default): hears every packet that is addressed
+/// to it or broadcast, apart from HIL_* sensor and actuator streams. All calls come on casd's main
+/// io thread; packets cross over from the link threads through a bounded queue.
 class Station {
  public:
   virtual ~Station() = default;
@@ -57,7 +57,7 @@ struct CommanderOptions {
   CommandTiming command_timing{};
   ParamTiming param_timing{};
   std::function<std::string(LinkId)> link_name{};  ///< for sentences; empty: their numbers
-  /// What the vehicles of a link are asked to send, with `ask_on_sight`; empty: nothing.
+  /// Message rates requested from the vehicles of a link, with `ask_on_sight`; empty: none.
   std::function<std::vector<MessageRate>(LinkId)> request_rates{};
 };
 
@@ -79,8 +79,8 @@ class VehicleCommander final : public Station {
     on_packet(Origin{{link}}, packet, now);
   }
   void tick(base::RunTime now) override;
-  /// Where `now` is simulated and may stand still: now and then by this machine's clock, so that
-  /// what was accepted and does not show ends all the same.
+  /// For a simulated `now`, which may stand still: call it regularly with this machine's clock, so
+  /// that an accepted command without effect still times out.
   void wall_tick(base::RunTime wall);
   void on_text(OnText callback) { on_text_ = std::move(callback); }
   /// Takes MAV_CMD_INJECT_FAILURE that command() is to send: no vehicle gets it.
@@ -88,7 +88,7 @@ class VehicleCommander final : public Station {
     on_failure_ = std::move(callback);
   }
   /// Called with a sentence when a second autopilot with a vehicle's id appears or falls silent,
-  /// and when a vehicle does not send what its link asks for.
+  /// and when a vehicle does not send messages that its link requests.
   void on_notice(std::function<void(const std::string&)> callback) {
     table_.on_notice(std::move(callback));
   }
@@ -100,7 +100,7 @@ class VehicleCommander final : public Station {
   void set_commanding(double heartbeat_hz, bool allow_not_hil);
 
   const VehicleState* find(std::uint8_t system) const;
-  /// Who had a hand in the vehicles of this id, as far as casd has heard of it.
+  /// Commanders of the vehicles of this id, as far as casd knows.
   const Hands& hands(std::uint8_t system) const;
   std::vector<const VehicleState*> vehicles() const;
   /// Whether a vehicle was armed when it was last heard, within the last minute.
@@ -111,7 +111,7 @@ class VehicleCommander final : public Station {
     return table_.resolve(asked);
   }
 
-  /// Why a vehicle is not known to be in HIL, in a sentence; nothing: its HEARTBEATs, and only its,
+  /// Why a vehicle is not known to be in HIL, in a sentence; nullopt: its HEARTBEATs, and only its,
   /// say so.
   std::optional<std::string> hil_doubt(std::uint8_t system, base::RunTime now) const;
 
@@ -131,7 +131,7 @@ class VehicleCommander final : public Station {
   void disarm(std::uint8_t system, bool force, base::RunTime now, Done done);
   /// Climbs to `altitude_m` above home. Of a PX4 whose home is unknown it writes MIS_TAKEOFF_ALT,
   /// and puts it back once the vehicle is in the air or disarmed, or has not accepted; a value that
-  /// is set meanwhile stays. A disarm, by whomever, ends it.
+  /// is set meanwhile stays. Any disarm ends it.
   void takeoff(std::uint8_t system, double altitude_m, base::RunTime now, Done done);
   void land(std::uint8_t system, base::RunTime now, Done done);
   void hold(std::uint8_t system, base::RunTime now, Done done);
@@ -164,7 +164,8 @@ class VehicleCommander final : public Station {
   void manual_control(std::uint8_t system, const Sticks& sticks, bool not_hil, base::RunTime now,
                       Done done);
   void reboot(std::uint8_t system, base::RunTime now, Done done);
-  /// What keeps a log coming that the vehicle sends; nothing where it is not known.
+  /// Acknowledges a part of a vehicle's log, so that it sends on; does nothing for an unknown
+  /// vehicle.
   using LogAnswer = std::variant<mavlink::common::LoggingAck, mav::services::RemoteLogBlockStatus>;
   void answer_log(std::uint8_t system, const LogAnswer& answer);
   /// Any other command; arming goes through the interlock here too.

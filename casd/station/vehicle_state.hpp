@@ -28,7 +28,7 @@ struct Rival {
   base::RunTime at{};  ///< of its newest HEARTBEAT
 };
 
-/// What one vehicle has said about itself, and over which ways. Pure.
+/// State of one vehicle, from its own messages, and its paths. Pure.
 ///
 /// A vehicle is an autopilot at one place: a link, and on a server link one peer of it. The links
 /// of a group are one place, with at most one peer on each link.
@@ -44,7 +44,7 @@ class VehicleState final : public mav::services::VehicleState {
   /// Forgets the ways over these links. @return whether any way is left
   bool forget(const LinkMask& links);
 
-  /// The link that it is heard on: with redundant links the first, while that one speaks.
+  /// The link that it is heard on: with redundant links the first, while it carries packets.
   LinkId link() const { return ways_.front().path.link; }
   Origin origin() const { return {ways_.front().path, group_}; }
   /// All ways to it.
@@ -57,7 +57,7 @@ class VehicleState final : public mav::services::VehicleState {
   /// The rival that spoke last, unless it is silent by now.
   std::optional<Rival> rival(base::RunTime now) const;
 
-  /// HOME_POSITION, or what GLOBAL_POSITION_INT and LOCAL_POSITION_NED together imply.
+  /// From HOME_POSITION, or from GLOBAL_POSITION_INT and LOCAL_POSITION_NED together.
   std::optional<HomeAmsl> home() const;
 
  private:

@@ -32,7 +32,7 @@ base::Duration patience(const VehicleState& vehicle) {
   return std::max(kForgetAfter, vehicle.silent_after());
 }
 
-/// The HEARTBEAT in a packet of a vehicle, or what HIGH_LATENCY2 has of one; else nothing.
+/// The HEARTBEAT in a packet of a vehicle, or the one made from HIGH_LATENCY2; else nullopt.
 std::optional<Heartbeat> presence(const mav::PacketView& packet) {
   std::optional<Heartbeat> heartbeat = mav::decode<Heartbeat>(packet);
   if (const auto slow = mav::decode<HighLatency2>(packet)) {

@@ -23,7 +23,7 @@
 
 namespace cas::casd {
 
-/// Who has commanded a system id. It outlives the vehicle's state.
+/// Commanders of a system id. It outlives the vehicle's state.
 struct Hands {
   Interventions interventions;     ///< of others than casd's own station
   std::uint64_t arm_requests = 0;  ///< to arm and to disarm, of all: the newest counts
@@ -50,7 +50,7 @@ struct KnownVehicle {
   ParamExchange params;
   TakeoffHeight takeoff_height{params};
   std::uint64_t texts_seen = 0;
-  base::RunTime asked_at{};   ///< when it was last asked for what it may not send by itself
+  base::RunTime asked_at{};   ///< when missing messages were last requested
   base::RunTime told_at{};    ///< when it last sent something else than HEARTBEAT
   base::Duration beat_at{};   ///< its own clock at the newest HEARTBEAT that was sent
   base::RunTime beat_sent{};  ///< the same by this machine's
@@ -60,10 +60,9 @@ struct KnownVehicle {
 /// "vehicle 1".
 std::string vehicle_text(const VehicleState& state);
 
-/// Who is a vehicle: an autopilot (link or group, peer, system, component) that sends HEARTBEAT, or
-/// HIGH_LATENCY2.
-/// A second autopilot with a vehicle's system id is its rival. The number of vehicles of a link is
-/// bounded; silent ones are forgotten. Pure.
+/// Table of vehicles. A vehicle is an autopilot (link or group, peer, system, component) that sends
+/// HEARTBEAT, or HIGH_LATENCY2. A second autopilot with a vehicle's system id is its rival. The
+/// number of vehicles of a link is bounded; silent ones are forgotten. Pure.
 class VehicleTable {
  public:
   using Make = std::function<std::unique_ptr<KnownVehicle>(VehicleState)>;
@@ -79,8 +78,8 @@ class VehicleTable {
     on_notice_ = std::move(callback);
   }
 
-  /// Tells a person something about a vehicle, for example of its rival. Whoever claims a vehicle's
-  /// id can cause notices: of each id few pass in a minute.
+  /// Gives a person a notice on a vehicle, for example on its rival. Any sender with a vehicle's id
+  /// can cause notices, so only a few of each id pass in a minute.
   void notice(std::uint8_t system, const std::string& sentence, base::RunTime now);
 
   /// Takes in a packet. HEARTBEATs make vehicles, and rivals of them; HIGH_LATENCY2 makes vehicles.
@@ -92,7 +91,7 @@ class VehicleTable {
   void forget(const LinkMask& links);
 
   KnownVehicle* find(std::uint8_t system) const;
-  /// Who has commanded the vehicles of this id so far, also forgotten ones.
+  /// Commanders of the vehicles of this id so far, also of forgotten ones.
   Hands& hands(std::uint8_t system) { return hands_[system]; }
   const Hands& hands(std::uint8_t system) const { return hands_[system]; }
   const Vehicles& all() const { return vehicles_; }
@@ -101,7 +100,7 @@ class VehicleTable {
   /// The vehicle a request means: the one named, or the only one there is.
   /// @return its system id, or why there is none
   std::variant<std::uint8_t, Outcome> resolve(std::optional<std::uint8_t> asked) const;
-  /// Where a rival speaks: "link sitl", "another peer of link net".
+  /// Place of a rival: "link sitl", "another peer of link net".
   std::string place(const VehicleState& state, const Rival& rival) const;
 
  private:

@@ -9,7 +9,7 @@ namespace cas::casd {
 
 /// Logs that autopilots send while they write them (`log.autopilot`).
 struct AutopilotLogConfig {
-  /// They come from peers that anybody may be: bounded unless the topology says otherwise.
+  /// Any peer can send logs: their size is bounded unless the topology says otherwise.
   static constexpr std::uint64_t kMaxBytes = std::uint64_t{4} * 1024 * 1024 * 1024;
 
   std::filesystem::path folder{};  ///< empty: that of the telemetry logs

@@ -18,10 +18,10 @@ struct TlogConfig {
   std::string tlog{};              ///< name of the recording from the start; empty: none
   TlogRotation rotation{};
   TlogLimits limits{};
-  std::optional<AutopilotLogConfig> autopilot{};  ///< nothing: no log is taken from an autopilot
+  std::optional<AutopilotLogConfig> autopilot{};  ///< nullopt: no log is taken from an autopilot
   int max_files = 0;         ///< recorded files with a date that stay in the folder; 0: all
   bool while_armed = false;  ///< not from the start, but while any vehicle is armed
-  bool overwrite = false;    ///< NAME.tlog anew; false: each recording has its own dated name
+  bool overwrite = false;    ///< replaces NAME.tlog; false: each recording has its own dated name
 
   friend bool operator==(const TlogConfig&, const TlogConfig&) = default;
 };

@@ -103,7 +103,7 @@ std::size_t TlogFiles::append(std::span<const std::uint8_t> records) {
   const int error = errno;
   const std::size_t whole = whole_records(records, gone);
   const bool torn = whole < gone && ::ftruncate(fd_.get(), static_cast<off_t>(size_ + whole)) != 0;
-  if (torn) fd_.reset();  // readers skip what was cut off; nothing comes after it
+  if (torn) fd_.reset();  // readers skip the torn record; nothing follows it
   errno = error;
   return whole;
 }

@@ -21,7 +21,7 @@
 namespace cas::casd {
 namespace {
 
-constexpr mode_t kNewFolder = 0777;  // less what the process's umask takes away
+constexpr mode_t kNewFolder = 0777;  // masked by the process's umask
 constexpr mode_t kNewFile = 0644;
 
 base::Descriptor open_folder(const std::filesystem::path& path) {
@@ -89,7 +89,7 @@ base::Descriptor TlogFolder::make(const std::string& name) const {
     }
   }
   if (!folder) return {};
-  // Appending: what follows a record that was cut off begins where that one began.
+  // O_APPEND: after a torn record is cut off, the next one begins in its place.
   constexpr int kHow = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_APPEND | O_CLOEXEC;
   base::Descriptor file(::openat(folder.get(), name.c_str(), kHow, kNewFile));
   if (file) ::flock(file.get(), LOCK_EX | LOCK_NB);  // some file systems have no locks

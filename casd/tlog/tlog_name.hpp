@@ -10,8 +10,8 @@ namespace cas::casd {
 
 inline constexpr std::string_view kTlogExtension = ".tlog";
 
-/// Why a word cannot name a recording, as the end of a sentence; nothing: it can. A name stands for
-/// a file in one folder, so it leads nowhere else: no slash, no leading dot, nothing unprintable.
+/// Why a word cannot name a recording, as the end of a sentence; nullopt: it can. A name is a file
+/// in one folder, so it must not lead elsewhere: no slash, no leading dot, nothing unprintable.
 std::optional<std::string> tlog_name_fault(std::string_view name);
 
 /// "NAME" for "NAME" and "NAME.tlog".

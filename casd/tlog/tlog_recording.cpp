@@ -12,8 +12,8 @@
 namespace cas::casd {
 namespace {
 
-/// What must fit below a limit before a paused recording goes on, so that it does not stop again
-/// with the next packet.
+/// Least room below a limit before a paused recording goes on, so that it does not stop again with
+/// the next packet.
 constexpr std::size_t kRoomToGoOn = 256 * 1024;
 constexpr base::Duration kScanPeriod = std::chrono::seconds(1);
 

@@ -14,7 +14,7 @@ namespace {
 
 // A crash costs a log this much at most.
 constexpr auto kFlushPeriod = std::chrono::milliseconds(200);
-// A larger step back is another clock: it was set back, or a simulation has begun anew.
+// A larger step back is another clock: it was set back, or a simulation has restarted.
 constexpr std::uint64_t kClockStep_us = 1'000'000;
 
 void ignore(const std::optional<std::string>& /*fault*/, const TlogStatus& /*status*/) {}

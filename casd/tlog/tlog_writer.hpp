@@ -45,7 +45,7 @@ class TlogWriter {
  public:
   /// Stamp of stream time zero in a log made in lockstep: 2026-01-01T00:00:00Z.
   static constexpr std::chrono::seconds kStreamEpoch{1'767'225'600};
-  /// While it stands by, it keeps the packets of at least this time in memory.
+  /// In standby it keeps the packets of at least this time in memory.
   static constexpr base::Duration kKeptBefore = std::chrono::seconds(1);
 
   TlogWriter() = default;
@@ -55,14 +55,14 @@ class TlogWriter {
 
   /// Called on the thread that writes, once the disk has answered; at once where there was nothing
   /// to do.
-  /// @param fault   why the recording has not begun; nothing: it has, or it has ended
+  /// @param fault   why the recording has not begun; nullopt: it has, or it has ended
   /// @param status  of the recording that began or ended
   using Done =
       std::function<void(const std::optional<std::string>& fault, const TlogStatus& status)>;
 
-  /// Begins a recording and ends the one before, without waiting for the disk. It begins with what
-  /// was kept while it stood by. Where its file cannot be made, nothing has changed but that the
-  /// recording before has ended. @throws base::ConfigError when no thread to write it can be made
+  /// Begins a recording and ends the one before, without waiting for the disk. It begins with the
+  /// packets kept in standby. If its file cannot be made, only the previous recording has ended.
+  /// @throws base::ConfigError when no thread to write it can be made
   void start(TlogRecording::Options options, Done done);
   /// The same, and waits for the disk. @throws base::ConfigError also when its file cannot be made
   void start(TlogRecording::Options options);
@@ -123,7 +123,7 @@ class TlogWriter {
   bool stands_by_ CAS_GUARDED_BY(mutex_) = false;
   std::condition_variable_any more_;
   std::vector<std::uint8_t> waiting_ CAS_GUARDED_BY(mutex_);
-  /// While it stands by: the packets before those in `waiting_`.
+  /// In standby: the packets before those in `waiting_`.
   std::vector<std::uint8_t> before_ CAS_GUARDED_BY(mutex_);
   base::RunTime stretch_began_ CAS_GUARDED_BY(mutex_);
   std::uint64_t overflowed_ CAS_GUARDED_BY(mutex_) = 0;

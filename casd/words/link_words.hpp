@@ -6,7 +6,7 @@
 
 namespace cas::casd {
 
-/// A counter of a link as it is told everywhere: in JSON, to Prometheus, and by `casctl status`,
+/// A counter of a link as shown everywhere: in JSON, to Prometheus, and by `casctl status`,
 /// `monitor`, `drops` and `doctor`.
 struct CounterWords {
   enum class Kind { kTotal, kGauge, kByCause };
@@ -19,7 +19,7 @@ struct CounterWords {
   std::string_view narrow{};   ///< column of the monitor; empty: not shown there
   int rank = 0;                ///< of that column: those of a higher rank go first for lack of room
   std::string_view cause{};    ///< in link.drops; empty: packets that count here are not dropped
-  std::string_view trouble{};  ///< what the doctor says when it grows; empty: nothing
+  std::string_view trouble{};  ///< the doctor's text when it grows; empty: none
   std::string_view remedy{};
   bool bad = false;  ///< trouble that stops a run, not only a warning
 };
@@ -85,7 +85,7 @@ consteval const CounterWords& counter_words(std::string_view group, std::string_
 /// Why a packet did not go on, as link.drops says it.
 struct CauseWords {
   std::string_view cause;
-  std::string_view meaning;  ///< and what to do
+  std::string_view meaning;  ///< and the remedy
   bool trouble = false;      ///< the doctor warns of packets that a link drops for it
 };
 

@@ -24,7 +24,7 @@ Vector3d AttitudeController::update(const AttitudeSetpoint& setpoint,
   const Quaterniond q_tilt_N = Quaterniond::FromTwoVectors(z_now, z_wanted);
   const Quaterniond q_reduced = q_tilt_N * q_ND;
 
-  // What remains is a turn about Dz; a part of it is asked for at once.
+  // The rest is a turn about Dz; a part of it is demanded at once.
   Quaterniond q_turn = q_reduced.inverse() * setpoint.q_ND;
   if (q_turn.w() < 0) q_turn.coeffs() = -q_turn.coeffs();
   const double half_turn = std::atan2(q_turn.z(), q_turn.w());

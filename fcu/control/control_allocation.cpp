@@ -123,7 +123,7 @@ ControlAllocation::ControlAllocation(const AllocationSetup& setup, RotorSet lost
 void ControlAllocation::invert(const RotorVector& scale) {
   const Index columns = wrench_D_.cols();
   const Index rotors = low_.size();
-  // Servos are for yaw and the sides: what is asked of a tail each moment wears it out.
+  // Servos serve yaw and side force only: constant commands would wear out a tail.
   RotorVector upright = scale;
   upright.tail(columns - rotors).setZero();
   const Inversion lift = pseudo_inverse(wrench_D_.topRows(3), upright);
@@ -199,7 +199,7 @@ RotorVector ControlAllocation::level_flight(const Vector4d& u, bool may_lift) co
   RotorVector freed;
   if (!fits && may_lift && lift_turns_ && with_any_yaw(tilt, u, freed)) return freed;
   if (!may_lift && range.from > u[0]) {
-    // On the ground: only what fits around the thrust that is asked for.
+    // On the ground: only the part that fits around the demanded thrust.
     const RotorVector level = lift_.col(0) * std::max(u[0], level_.from);
     tilt *= largest_part(level, tilt);
     range = thrust_range(tilt);
@@ -320,7 +320,7 @@ double ControlAllocation::largest_part(const RotorVector& base, const RotorVecto
   return std::clamp(part, 0.0, 1.0);
 }
 
-/// Speeds and tilts within the limits, and what they give.
+/// Speeds and tilts within the limits, and their wrench.
 void ControlAllocation::hold_limits(RotorVector& x, MixerResult& result) const {
   const Index rotors = low_.size();
   result.omega_sq = x.head(rotors).cwiseMax(low_).cwiseMin(high_);
@@ -352,7 +352,7 @@ MixerResult ControlAllocation::idle() const {
   return result;
 }
 
-// What the rotors can do.
+// Capability of the rotors.
 
 bool ControlAllocation::carries(double thrust_n) const {
   constexpr double kMargin = 0.02;  // of a rotor's full range, to either limit

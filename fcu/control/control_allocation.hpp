@@ -14,13 +14,13 @@ namespace cas::fcu {
 using RotorSet = std::uint32_t;
 inline bool has(RotorSet set, int rotor) { return (set >> static_cast<unsigned>(rotor) & 1U) != 0; }
 
-/// What the controller wants of the rotors.
+/// The controller's demand on the rotors.
 struct ControlDemand {
   Eigen::Vector4d u = Eigen::Vector4d::Zero();         ///< U1 (N), U2, U3, U4 (N m)
   Eigen::Vector2d side_D_n = Eigen::Vector2d::Zero();  ///< force along Dx and Dy, N
 };
 
-/// What ControlAllocation computes its matrices from.
+/// Input from which ControlAllocation computes its matrices.
 struct AllocationSetup {
   /// A servo that turns a rotor's axis. The rotor's omega^2 then has two parts, both of which act
   /// linearly: omega^2 cos(tilt) in the column of the rotor, omega^2 sin(tilt) in a further one.
@@ -38,7 +38,7 @@ struct AllocationSetup {
   base::RotorVector high;    ///< fastest of each rotor, omega^2
   base::RotorVector weight;  ///< price of each rotor's share of `high`; equal: shared evenly
   std::vector<Servo> servos;
-  base::Effectiveness hinge_B;  ///< of each servo: what omega^2 gives along the hinge at any tilt
+  base::Effectiveness hinge_B;  ///< of each servo: per omega^2 along the hinge, at any tilt
 
   /// Of a vehicle; all rotors have the same weight.
   /// @param lost  rotors that leave no wake to the one below
@@ -50,28 +50,27 @@ struct AllocationSetup {
 /// Three nested weighted pseudo-inverses, each computed once: of (U1, U2, U3); with U4; with the
 /// forces along Dx and Dy, as far as the rotors give them independently. A pseudo-inverse minimises
 /// the sum of weight (omega^2 / omega_max^2)^2 (T. A. Johansen and T. I. Fossen, "Control
-/// allocation - A survey", Automatica 49, 2013, Sect. 2.2). A step takes them in order of priority,
-/// and of each only the part that the limits still leave room for:
+/// allocation - A survey", Automatica 49, 2013, Sect. 2.2). A step applies them in order of
+/// priority, each only as far as the limits allow:
 ///
 ///   1. roll and pitch, scaled together; thrust moves as far as they need, on the ground only down;
 ///   2. thrust, as near to the demand as the limits allow;
-///   3. yaw, from what 1 and 2 happen to give towards what is wanted: it may be given up wholly,
-///      even where that means turning against the demand, and where another yaw leaves 1 and 2 more
-///      room it is that one;
+///   3. yaw, from the value that 1 and 2 happen to give towards the demand: it may be given up
+///      wholly, even if the vehicle then turns against the demand; if another yaw leaves 1 and 2
+///      more room, that one is taken;
 ///   4. force sideways.
 ///
-/// Scaling keeps directions and the order of importance, as W. C. Durham ("Constrained control
+/// Scaling keeps directions and the order of priority, as W. C. Durham ("Constrained control
 /// allocation", Journal of Guidance, Control, and Dynamics 16(4), 1993) asks for, but the set of
-/// moments that a pseudo-inverse reaches is smaller than what the rotors could do at the very
-/// limit (M. Bodson, "Evaluation of optimization methods for control allocation", same journal
-/// 25(4), 2002). Speeds within the limits reach the demand exactly.
+/// moments that a pseudo-inverse reaches is smaller than the set that the rotors can reach (M.
+/// Bodson, "Evaluation of optimization methods for control allocation", same journal 25(4), 2002).
+/// Speeds within the limits reach the demand exactly.
 ///
-/// A rotor that is lost is left out. A hexarotor whose rotors turn in alternate directions cannot
-/// then hover with yaw under control in both directions (G.-X. Du, Q. Quan, K.-Y. Cai,
-/// "Controllability analysis and degraded control for a class of hexacopters subject to rotor
-/// failures", Journal of Intelligent & Robotic Systems 78, 2015): the opposite rotor would have to
-/// push downwards. Priority 3 is what flies it: thrust, roll and pitch whole, yaw as it comes.
-/// No heap in allocate().
+/// A lost rotor is left out. A hexarotor whose rotors turn in alternate directions cannot then
+/// hover with yaw under control in both directions (G.-X. Du, Q. Quan, K.-Y. Cai, "Controllability
+/// analysis and degraded control for a class of hexacopters subject to rotor failures", Journal of
+/// Intelligent & Robotic Systems 78, 2015): the opposite rotor would have to push downwards.
+/// Priority 3 makes it fly: full thrust, roll and pitch, yaw uncontrolled. No heap in allocate().
 class ControlAllocation {
  public:
   /// @param lost  rotors to leave out

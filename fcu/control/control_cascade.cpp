@@ -85,7 +85,8 @@ void ControlCascade::follow_trajectory(const TrajectorySetpoint& setpoint, doubl
     yaw_hold_rad_ = base::wrap_angle(yaw_hold_rad_ + setpoint.yaw_rate_rad_s * dt);
   }
 
-  // The mass that the hover thrust tells, not that of the data sheet: a parameter can correct it.
+  // The mass that follows from the hover thrust, not that of the data sheet: a parameter can
+  // correct it.
   const double mass = params_.hover_thrust * u1_max_ / kGravity_m_s2;
   side_N_n_ = side_force(a_xy, mass);
   const Eigen::Vector2d by_tilt = a_xy - side_N_n_ / mass;

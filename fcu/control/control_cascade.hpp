@@ -53,7 +53,7 @@ class ControlCascade {
   const Eigen::Vector3d& rate_setpoint() const { return rate_setpoint_; }
   const Mixer& mixer() const { return mixer_; }
   /// The rotor that was found to be lost since the last call, if any. While the rotors are stopped
-  /// nothing is known to be lost but what ControlParams::rotors_lost says.
+  /// only those in ControlParams::rotors_lost are known to be lost.
   std::optional<RotorLoss> take_loss() { return std::exchange(loss_, std::nullopt); }
   /// Thrust that carries the vehicle, N, as the gains' hover thrust says.
   double hover_thrust_n() const { return params_.hover_thrust * u1_max_; }
@@ -75,7 +75,7 @@ class ControlCascade {
   Mixer mixer_;
   RotorLossDetector detector_;
   RotorSet found_lost_ = 0;
-  RotorSet told_lost_ = 0;  // found, left out or not: each is told once
+  RotorSet told_lost_ = 0;  // found, left out or not: each is reported once
   std::optional<RotorLoss> loss_;
   Eigen::Vector2d side_N_n_ = Eigen::Vector2d::Zero();  // wanted of the rotors, horizontal
   MixerResult output_;

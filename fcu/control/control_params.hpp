@@ -35,7 +35,7 @@ struct ControlParams {
   double thrust_min = 0.08;
   double thrust_max = 1.0;
   // Rotors.
-  std::uint32_t rotors_lost = 0;   ///< bit i: rotor i + 1 is to be left out
+  std::uint32_t rotors_lost = 0;   ///< bit i: leave out rotor i + 1
   bool detect_rotor_loss = false;  ///< look for rotors that give nothing
   double side_share = 0;           ///< 0..1 of the force sideways that may be used before tilting
 };

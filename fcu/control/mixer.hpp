@@ -12,16 +12,16 @@
 
 namespace cas::fcu {
 
-/// What an output of the autopilot drives.
+/// Actuator at an output of the autopilot.
 enum class OutputKind : std::uint8_t { kNothing, kMotor, kServo };
 
-/// Brings U1..U4 within what the rotors can do: roll and pitch first, then thrust, yaw last.
+/// Brings U1..U4 within the limits of the rotors: roll and pitch first, then thrust, yaw last.
 ///
 /// Roll and pitch are kept whole as long as the span between slowest and fastest rotor suffices;
 /// thrust moves as far as they need (on the ground only downwards); yaw gets the rest.
 ///
 /// Four upright equal rotors are the quadrotor of [HILS]: the inverse of its Eq. (3), 4 x 4, as the
-/// paper has it; there is one answer only, and nothing to weigh. Any other vehicle is flown by
+/// paper has it; the solution is unique and needs no weights. Any other vehicle is flown by
 /// ControlAllocation, which gives the same for such four rotors up to rounding.
 class Mixer {
  public:
@@ -48,8 +48,8 @@ class Mixer {
   /// way.
   double side_force_n() const { return side_force_n_; }
 
-  /// Leaves out rotors that are lost, those left out before included: what is not in `lost` is
-  /// used again. @return false where the others cannot carry the vehicle: nothing has changed then
+  /// Sets all rotors to leave out; a rotor that is not in `lost` is used again. @return false if
+  /// the others cannot carry the vehicle: then nothing changes
   bool set_lost(RotorSet lost);
   RotorSet lost() const { return lost_; }
 

@@ -18,8 +18,8 @@ struct PidGains {
 };
 
 /// u = p e + integral(i e) - d dm/dt. The derivative is that of the measurement, so that a step of
-/// the setpoint gives no kick. The integrator stops where the actuator has stopped, and takes up
-/// what a change of the other gains would make the output jump by.
+/// the setpoint gives no kick. The integrator stops while the actuator is saturated, and absorbs
+/// the jump of the output that a change of the other gains would cause.
 class Pid {
  public:
   /// Gains for the next update().

@@ -100,7 +100,8 @@ ThrustSetpoint thrust_for_acceleration(const Vector3d& a_N, double mass_kg, doub
   const double up_wanted = mass_kg * (gravity - a_N.z());
   const Vector2d side_wanted = mass_kg * a_N.head<2>();
 
-  // Height first: the vertical force within the limits, then what tilt and thrust leave.
+  // Height first: the vertical force within the limits, then the horizontal force that tilt and
+  // thrust allow.
   const double up = std::clamp(up_wanted, limits.min_n, limits.max_n);
   result.thrust_at_max = up_wanted > limits.max_n;
   result.thrust_at_min = up_wanted < limits.min_n;

@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 namespace {
 
 constexpr double kObserver_per_s = 20;  // K: 50 ms, some times the rotors' lag
-constexpr double kLong_s = 1e3;         // after so long a servo stands where it was asked to
+constexpr double kLong_s = 1e3;         // after this time a servo has reached its command
 constexpr double kSlow_s = 4;           // of wind and centre of gravity
 constexpr double kSettle_s = 0.5;       // after a start, before anything is believed
 constexpr double kHold_s = 0.15;        // for so long it must look lost
@@ -37,7 +37,7 @@ RotorLossDetector::RotorLossDetector(const base::Vehicle& vehicle)
     rotor.wake.reset();
     has_servos_ = has_servos_ || rotor.tilt;
   }
-  // What a moment is large against: all that the rotors give, with servos wherever they may stand.
+  // Scale for moments: the largest that the rotors give at any tilt of the servos.
   for (const double end : {-M_PI, M_PI, 0.0}) {
     for (std::size_t i = 0; i < tilt_rad_.size(); ++i)
       tilt_rad_[i] = within(vehicle.rotors[i], end);

@@ -11,27 +11,25 @@
 
 namespace cas::fcu {
 
-/// Finds a rotor that gives nothing any more, from the moments that are missing.
+/// Finds a rotor that has lost its thrust, from the missing moments.
 ///
-/// Nothing tells the controller how fast the rotors turn. What it knows are the speeds it asked
-/// for, which the rotors follow with their time constants, and the body rates. A momentum observer
-/// (A. De Luca and R. Mattone, "Sensorless robot collision detection and hybrid force/motion
-/// control", IEEE ICRA 2005) estimates from them the moment that nobody asked for, without
-/// differentiating the rates:
+/// The controller does not measure rotor speeds. It knows the commanded speeds, which the rotors
+/// follow with their time constants, and the body rates. A momentum observer (A. De Luca and R.
+/// Mattone, "Sensorless robot collision detection and hybrid force/motion control", IEEE ICRA 2005)
+/// estimates from them the uncommanded moment, without differentiating the rates:
 ///
 ///   r = K (I w - integral(M omega^2 - w x I w + r)),   r -> that moment, lagged by 1/K
 ///
-/// Its slow part is the wind's and the centre of gravity's, and is taken off. If what is left looks
-/// like the missing moment of one rotor, and of none other as much, in direction and in size, for
-/// long enough, that rotor is lost. Servos are taken to follow the tilts asked of them with their
-/// lag and their fastest rate. Rotors that turn slowly are not looked at, a rotor that has
-/// lost less than most of its thrust is not found, and the roll moments of the upper and lower
-/// rotor of a coaxial pair differ by their yaw alone.
+/// Its slow part comes from wind and centre of gravity and is subtracted. If the rest matches the
+/// missing moment of one rotor best, in direction and size, for long enough, that rotor is lost.
+/// Servos are assumed to follow commanded tilts with their lag and their fastest rate. Slow rotors
+/// are not checked, a rotor that keeps a good part of its thrust is not found, and the roll moments
+/// of the upper and lower rotor of a coaxial pair differ by their yaw alone.
 class RotorLossDetector {
  public:
   explicit RotorLossDetector(const base::Vehicle& vehicle);
 
-  /// Forgets what it has seen: on the ground, or once the allocation has changed.
+  /// Restarts detection: on the ground, or after a change of the allocation.
   void reset() { started_ = false; }
 
   /// One control step in free flight.
@@ -43,7 +41,7 @@ class RotorLossDetector {
   std::optional<int> update(const Eigen::Vector3d& w_D, const MixerResult& asked, RotorSet lost,
                             double dt);
 
-  /// Moment that nobody asked for, without its slow part, axes of D, N m.
+  /// Uncommanded moment without its slow part, axes of D, N m.
   Eigen::Vector3d residual_D() const { return residual_D_ - slow_D_; }
 
  private:
@@ -58,7 +56,7 @@ class RotorLossDetector {
   bool has_servos_ = false;
   using Moments = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, base::kMaxRotors>;
   Moments moment_D_;        // with the axes as they are tilted
-  Moments loss_D_;          // what goes with a rotor: the one below it gains what its wake took
+  Moments loss_D_;          // lost with a rotor; the one below it regains its wake loss
   Eigen::Vector3d weight_;  // makes the axes comparable
   base::RotorVector up_s_, down_s_, high_;
   base::RotorVector omega_;       // as the rotors should turn, rad/s

@@ -9,7 +9,7 @@ struct Saturation {
   bool down = false;
 };
 
-/// Of what was wanted and what an allocation achieved.
+/// Compares the demand with the value that an allocation achieved.
 /// @param scale  full scale: a millionth of it counts as achieved
 inline Saturation saturation_of(double wanted, double achieved, double scale) {
   const double tolerance = 1e-6 * scale;

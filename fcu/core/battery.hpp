@@ -8,15 +8,15 @@
 
 namespace cas::fcu {
 
-/// The battery that the controller flies by: what a BATTERY_STATUS of its simulator says. Until one
-/// comes it makes one up, as PX4 does in HIL: full at start, falling linearly while armed, never
-/// below a floor. One that has been measured and is no longer told of is unknown.
+/// The controller's battery state, from the simulator's BATTERY_STATUS. Until the first one it is
+/// made up, as PX4 does in HIL: full at start, falling linearly while armed, never below a floor.
+/// If BATTERY_STATUS stops, the state is unknown.
 class Battery {
  public:
-  /// What a power module measures.
+  /// Measurement of a power module.
   struct Reading {
     double voltage_v = 0;
-    int cells = 1;            ///< that the voltage is told of; 1: the pack as a whole
+    int cells = 1;            ///< cells of the voltage; 1: the pack as a whole
     double current_a = 0;     ///< negative: unknown
     double remaining = 0;     ///< 0..1 of full
     double consumed_mah = 0;  ///< negative: unknown
@@ -50,7 +50,7 @@ class Battery {
                    .remaining = remaining_,
                    .consumed_mah = consumed_mah_};
   }
-  /// 0..1 of full; nothing while it is unknown.
+  /// 0..1 of full; nullopt while it is unknown.
   std::optional<double> remaining() const {
     if (unknown()) return std::nullopt;
     return measured_ ? measured_->remaining : remaining_;

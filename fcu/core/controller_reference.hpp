@@ -6,7 +6,7 @@
 namespace cas::fcu {
 
 /// Every key of FcuConfig with its default and meaning, and those of its line, as tables in
-/// Markdown: what `fcu_emulator --keys` prints and docs/config.md shows.
+/// Markdown: for `fcu_emulator --keys` and docs/config.md.
 std::string controller_reference();
 
 }  // namespace cas::fcu

@@ -19,7 +19,7 @@ namespace cas::fcu {
 /// does in HITL).
 enum class StampMode { kMessage, kArrival };
 
-/// Whose time runs timers, telemetry and failsafes of fcu_emulator.
+/// Clock of timers, telemetry and failsafes of fcu_emulator.
 enum class Pace {
   kRealtime,  ///< the steady clock
   kLockstep,  ///< the stream of HIL_SENSOR
@@ -45,7 +45,7 @@ struct FcuConfig {
   ActuatorMessage actuators = ActuatorMessage::kAuto;
   double control_rate_hz = 400;
   double decimal_year = 2026.5;  ///< for the magnetic field model
-  /// Origin of the local frame. Nothing: the first position fixes, averaged at rest.
+  /// Origin of the local frame. nullopt: the first position fixes, averaged at rest.
   std::optional<base::Geodetic> home_hint;
   std::uint64_t seed = 1;                              ///< of the line model
   std::vector<std::pair<std::string, double>> params;  ///< values that differ from the defaults

@@ -35,11 +35,11 @@ struct FcuCore {
 
   /// Passes changed parameters on to the parts that use them.
   void apply_params();
-  /// What a flight mode sees now.
+  /// Input of a flight mode at this step.
   TaskContext context(base::RunTime now, double dt) const;
   ArmingInput arming_input(base::RunTime now) const;
   FailsafeInput failsafe_input(base::RunTime now) const;
-  /// Forgets the estimate and begins anew, as at start.
+  /// Restarts the estimator, as at start.
   void restart_estimate();
   /// Time since the start, as MAVLink's time_boot_ms has it.
   std::uint32_t time_boot_ms(base::RunTime now) const {

@@ -9,7 +9,7 @@
 
 namespace cas::fcu {
 
-/// Whom the vehicle may be flown by.
+/// Sources of sticks for the vehicle.
 struct PilotInput {
   struct Heard {
     Sticks sticks;
@@ -18,7 +18,7 @@ struct PilotInput {
   Heard manual_control;  ///< MANUAL_CONTROL
   Heard radio;           ///< HIL_RC_INPUTS_RAW, RC_CHANNELS_OVERRIDE
 
-  /// Of the pilot who is heard now; nothing when there is none.
+  /// Sticks of the present pilot; nullopt if there is none.
   std::optional<Sticks> sticks(const FlightParams& params, base::RunTime now) const;
 };
 

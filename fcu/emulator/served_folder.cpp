@@ -39,7 +39,7 @@ class OpenFile {
  public:
   explicit OpenFile(const std::optional<fs::path>& file) {
     if (!file) return;
-    // What has taken the file's place meanwhile is not followed, and not waited for.
+    // If a symlink or FIFO has replaced the file meanwhile, do not follow it or block on it.
     fd_ = ::open(file->c_str(), O_RDONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
     if (fd_ < 0 || ::fstat(fd_, &status_) != 0) {
       failure_ = failed(errno);
@@ -73,7 +73,7 @@ ServedFolder::ServedFolder(const fs::path& folder) {
   }
 }
 
-/// Where a path leads. @return nothing when that is not inside the folder, or not there
+/// Where a path leads. @return nullopt when that is not inside the folder, or not there
 std::optional<fs::path> ServedFolder::inside(const fs::path& path) const {
   std::error_code error;
   fs::path real = fs::canonical(folder_ / path, error);

@@ -27,11 +27,11 @@ struct ArmingInput {
   FlightMode mode;
   bool has_sticks = false;
   double sticks_throttle = 0;         ///< 0..1
-  std::optional<double> battery = 1;  ///< 0..1 of full; nothing: unknown
+  std::optional<double> battery = 1;  ///< 0..1 of full; nullopt: unknown
   base::RunTime now;
 };
 
-/// The first failed arming check, in words; nothing when all pass.
+/// The first failed arming check, in words; nullopt when all pass.
 std::optional<std::string> reason_not_to_arm(const ArmingInput& in);
 
 /// Detects that the vehicle is on the ground, in two steps.
@@ -78,7 +78,7 @@ class LandDetector {
   double landed_s_ = 0;
 };
 
-/// Who asked for a change of mode.
+/// Originator of a change of mode.
 enum class Initiator { kCommand, kFailsafe };
 
 /// Arms and disarms, holds the mode, decides which task flies, takes off and lands, and acts when

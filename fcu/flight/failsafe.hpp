@@ -24,7 +24,7 @@ struct FailsafeInput {
   bool ground_station_alive = false;    ///< now
   bool sticks_alive = false;
   bool offboard_alive = false;
-  std::optional<double> battery = 1;  ///< 0..1 of full; nothing: unknown
+  std::optional<double> battery = 1;  ///< 0..1 of full; nullopt: unknown
 };
 
 /// The action of a failsafe.
@@ -37,7 +37,7 @@ struct FailsafeDecision {
 };
 
 /// Watches for lost sensors, position, pilot, ground station, companion, battery and attitude while
-/// armed, and says once per event what to do. Actions are chosen by PX4's parameters.
+/// armed, and returns one action per event. Actions are chosen by PX4's parameters.
 class Failsafe {
  public:
   /// @param dt  s since the last call

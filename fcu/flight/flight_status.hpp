@@ -25,7 +25,7 @@ enum class FlightMode : std::uint8_t {
 
 /// HEARTBEAT.custom_mode: main mode in bits 16-23, sub mode in bits 24-31.
 std::uint32_t px4_custom_mode(FlightMode mode);
-/// The same the other way round; nothing where this controller has no such mode. Of the main modes
+/// The same the other way round; nullopt where this controller has no such mode. Of the main modes
 /// but AUTO the sub mode does not count.
 std::optional<FlightMode> flight_mode_from_custom(std::uint32_t custom_mode);
 /// "HOLD", "TAKEOFF" ...

@@ -148,7 +148,7 @@ ControlSetpoint LandTask::update(const TaskContext& context) {
   }
   ControlSetpoint out;
   out.trajectory = setpoint;
-  // At any height: an estimate that is wrong by metres must not tip what stands already.
+  // At any height: an estimate that is wrong by metres must not tip over a vehicle on the ground.
   out.tilt_limit_rad = p.land_tilt_rad;
   return out;
 }

@@ -22,7 +22,7 @@ struct Sticks {
   double throttle = 0.5;
 };
 
-/// What a flight mode sees at one control step.
+/// Input of a flight mode at one control step.
 struct TaskContext {
   EstimatorState estimate;
   double yaw_rad = 0;  ///< estimated heading
@@ -44,7 +44,7 @@ class FlightTask {
   virtual ~FlightTask() = default;
   /// Takes over from whatever flew before.
   virtual void activate(const TaskContext& context) = 0;
-  /// What to follow in this control step.
+  /// Setpoint of this control step.
   virtual ControlSetpoint update(const TaskContext& context) = 0;
   /// The estimate was moved by this much, m.
   virtual void shift(const Eigen::Vector3d& by_N) { static_cast<void>(by_N); }
@@ -88,7 +88,7 @@ class HoldTask final : public MovingTask {
   void go_to(const Eigen::Vector3d& p_N, double yaw_rad, double speed_m_s);
   /// Flies a pattern about the present target until the next go_to.
   void fly_pattern(PatternShape shape, double size_m, double speed_m_s, double period_s);
-  /// Stays at a place that the vehicle is at (the end of what another task did).
+  /// Holds the vehicle's present place (the end of another task).
   void settle(const Eigen::Vector3d& p_N, double yaw_rad);
 
  private:
@@ -172,8 +172,8 @@ class ManualTask final : public FlightTask {
   double yaw_rad_ = 0;
 };
 
-/// Follows what a companion streams: trajectory setpoints or attitudes. A stream that falls silent
-/// is a failsafe; the last setpoint is held until then.
+/// Follows a companion's stream of trajectory setpoints or attitudes. A silent stream triggers a
+/// failsafe; until then the last setpoint is held.
 class OffboardTask final : public FlightTask {
  public:
   /// Takes a setpoint; given again and again, before the mode can be entered and while it lasts.

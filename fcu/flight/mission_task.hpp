@@ -27,7 +27,7 @@ struct MissionItem {
 /// Flies the items one after the other: take-off, way-point, loiter, return, land, delay, speed.
 class MissionTask final : public MovingTask {
  public:
-  /// Whether an item can be flown. @return MAV_MISSION_ACCEPTED or what is wrong with it
+  /// Whether an item can be flown. @return MAV_MISSION_ACCEPTED or the error
   static mavlink::common::MavMissionResult check(const MissionItem& item);
 
   void set_items(std::vector<MissionItem> items);

@@ -45,7 +45,7 @@ class Mover {
   const Eigen::Vector3d& position() const { return p_N_; }
   /// Of the setpoint now, rad.
   double yaw() const { return yaw_; }
-  /// The setpoint stands at the target.
+  /// Whether the setpoint has reached the target.
   bool arrived() const;
 
  private:

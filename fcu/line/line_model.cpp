@@ -266,8 +266,8 @@ void LineModel::send(std::span<const std::uint8_t> bytes, RunTime now) {
   if (!on_line_.empty()) on_line_.back().wakes = true;
 }
 
-/// Bytes that follow the last ones without a gap join them, however small the writes: what a walk
-/// over the send buffer costs does not grow with their number.
+/// Bytes that follow the last ones without a gap join their entry, so the cost of a walk over the
+/// send buffer does not grow with the number of small writes.
 void LineModel::note_sending(const EvenTimes& done) {
   if (config_.send_buffer_bytes == 0) return;
   if (!sending_.empty()) {
@@ -365,7 +365,7 @@ void LineModel::drop_overrun(RunTime now) {
 
 std::size_t LineModel::read(std::span<std::uint8_t> out, RunTime now) {
   release_overdue(now);
-  // Mostly nothing has come: bytes come in order, so that the first tells.
+  // Mostly nothing has arrived: bytes arrive in order, so the first decides.
   if (on_line_.empty() || on_line_.front().arrivals.at(on_line_.front().read) > now) return 0;
   drop_overrun(now);
   std::size_t count = 0;

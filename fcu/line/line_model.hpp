@@ -46,11 +46,11 @@ struct LineConfig {
   static LineConfig parse(const base::ConfigNode& node);
 };
 
-/// What a UART with another bit time makes of a byte (8N1): it looks at the middle of each of its
-/// own bits, counted from the start bit's edge. The line is taken to be idle behind the byte.
+/// The byte that a UART with another bit time reads (8N1): it samples the middle of each of its own
+/// bits, counted from the start bit's edge. The line is assumed idle after the byte.
 ///
 /// @param ratio  receiver's bit time over the sender's
-/// @return nothing when its stop bit is not one: a framing error, by which the byte is lost
+/// @return nullopt if the stop bit reads 0: a framing error, which loses the byte
 std::optional<std::uint8_t> read_at_other_rate(std::uint8_t sent, double ratio);
 
 /// One direction of a serial line as a function of time: it never reads a clock.
@@ -69,7 +69,7 @@ class LineModel {
     std::uint64_t refused = 0;     ///< bytes the writer had to keep: send buffer full
     std::uint64_t delivered = 0;   ///< bytes read
     std::uint64_t lost = 0;        ///< bytes lost on the line
-    std::uint64_t overrun = 0;     ///< bytes lost because nobody read in time
+    std::uint64_t overrun = 0;     ///< bytes lost because the reader was late
     std::uint64_t flipped = 0;     ///< bits flipped
     std::uint64_t misread = 0;     ///< bytes that the receiver took for others, at another rate
   };
@@ -81,13 +81,13 @@ class LineModel {
   std::size_t write(std::span<const std::uint8_t> bytes, base::RunTime now);
   /// Bytes that write() would take now.
   std::size_t room(base::RunTime now) const;
-  /// Moment at which room for one byte appears; nothing when there is room or never will be.
+  /// Moment at which room for one byte appears; nullopt when there is room or never will be.
   std::optional<base::RunTime> room_at(base::RunTime now) const;
 
   /// Moves bytes that have arrived by `now` into `out`. @return how many
   std::size_t read(std::span<std::uint8_t> out, base::RunTime now);
   /// When to read next: a write's last byte, or `receive_trigger_bytes` of it, has arrived, or one
-  /// that waits goes on the line. Nothing while the line is empty.
+  /// that waits goes on the line. nullopt while the line is empty.
   std::optional<base::RunTime> next_arrival() const;
 
   /// New settings for bytes written from now on.
@@ -188,7 +188,7 @@ class EmulatorLine {
   /// The reader has stopped: further packets are dropped while `held`.
   void hold(bool held) { held_ = held; }
 
-  /// When something arrives at either end, or room appears for what waits to come up.
+  /// When something arrives at either end, or room appears for waiting bytes.
   std::optional<base::RunTime> next_event(base::RunTime now) const;
 
   void configure(const LineConfig& config);

@@ -49,7 +49,7 @@ void Pty::open() {
   if (master_ >= 0) return;
   try {
     open_pair();
-    lock_.name(slave_);  // whoever finds the symlink finds it named
+    lock_.name(slave_);  // before the symlink exists: a finder reads the name
     place_link();
   } catch (...) {
     close_pair();

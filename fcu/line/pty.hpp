@@ -8,12 +8,12 @@
 
 namespace cas::fcu {
 
-/// A pseudo-terminal that stands for a serial port, offered under a symlink that stays the same.
+/// A pseudo-terminal in place of a serial port, offered under a constant symlink.
 ///
 /// Raw from birth, so that nothing is echoed to the peer; one slave is kept open, so that the
 /// master never reads EIO when the peer goes; the symlink is replaced by rename, so that it always
-/// points to something; a lock beside it keeps a second program off the same name, and tells who
-/// opens the symlink that it still stands for this pseudo-terminal (base::PtyLock).
+/// points to something; a lock beside it keeps a second program off the same name, and confirms to
+/// openers of the symlink that it still names this pseudo-terminal (base::PtyLock).
 class Pty {
  public:
   /// @param link  symlink to offer the slave under; its folder is made

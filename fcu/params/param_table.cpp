@@ -51,7 +51,7 @@ class Visitor {
   const ParamStore* store_;
 };
 
-/// What of the vehicle ground stations see, and which parameters it has.
+/// Properties of the vehicle that ground stations see and that select its parameters.
 struct Airframe {
   int system_id = 1;
   int mav_type = 2;
@@ -107,7 +107,7 @@ void visit_position(Visitor& v, ControlParams& c) {
   v.real("MPC_THR_MAX", c.thrust_max, 0.3, 1);
 }
 
-/// What only vehicles with more than four rotors, or tilted ones, have.
+/// Parameters that only vehicles with more than four rotors, or tilted ones, have.
 void visit_rotors(Visitor& v, const Airframe& airframe, ControlParams& c) {
   if (airframe.spare_rotors) {
     // Rotors to leave out, 1 for the first, 2 for the second, 4 for the third ...

@@ -21,7 +21,7 @@ struct Param {
   ParamType type = ParamType::kReal32;
   double value = 0;    ///< representable in its wire type
   double initial = 0;  ///< default
-  double start = 0;    ///< what the configuration begins with
+  double start = 0;    ///< initial value from the configuration
   double low = 0;
   double high = 0;
 };

@@ -70,7 +70,8 @@ struct BatteryParams {
   int cells = 4;
 };
 
-/// What the parameters set, each with its default. Defaults of an airframe are in default_params().
+/// Settings that the parameters control, each with its default. Defaults of an airframe are in
+/// default_params().
 struct Settings {
   ControlParams control;
   EstimatorParams estimator;

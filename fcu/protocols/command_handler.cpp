@@ -69,7 +69,7 @@ void CommandHandler::on_long(const CommandLong& m, mav::Source from, int version
   command.id = m.command;
   const float values[] = {m.param1, m.param2, m.param3, m.param4, m.param5, m.param6, m.param7};
   for (std::size_t i = 0; i < 7; ++i) command.param[i] = static_cast<double>(values[i]);
-  // A whole planet in a float is good to a metre; 0, 0 is what senders leave in it.
+  // A float resolves latitude and longitude to a metre; senders leave unset ones 0, 0.
   if (command.param[4] == 0 && command.param[5] == 0) command.param[4] = command.param[5] = kUnset;
   command.from = from;
   command.version = version;

@@ -25,7 +25,7 @@ bool is_relative(MavFrame frame) {
   return frame == MavFrame::kGlobalRelativeAlt || frame == MavFrame::kGlobalRelativeAltInt;
 }
 
-/// The place a command names, in N; what it leaves out is NaN.
+/// The position of a command, in N; omitted components are NaN.
 Vector3d place_of(const Command& command, const CommandTarget& target) {
   Vector3d p_N = unset3();
   const auto& projection = target.estimator.projection();
@@ -76,7 +76,7 @@ MavResult take_off(const Command& command, const CommandTarget& target, RunTime 
   std::optional<double> z;
   const Vector3d place = place_of(command, target);
   if (std::isfinite(place.z())) z = place.z();
-  const double yaw = command.param[3];  // degrees; 0 is what senders leave in it
+  const double yaw = command.param[3];  // degrees; senders leave 0 if unset
   const bool has_yaw = std::isfinite(yaw) && yaw != 0;
   return target.commander.take_off(z, has_yaw ? base::radians(yaw) : kUnset, target.context(now));
 }

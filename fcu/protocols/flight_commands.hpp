@@ -29,7 +29,7 @@ struct Command {
   int version = 2;
 };
 
-/// What commands act on. All outlive it.
+/// Objects that commands act on. All outlive it.
 struct CommandTarget {
   Commander& commander;
   const Estimator& estimator;
@@ -37,10 +37,10 @@ struct CommandTarget {
   ParamStore& params;
   const FlightParams& flight;
   bool& reboot_wanted;
-  std::function<TaskContext(base::RunTime now)> context;  ///< what a flight mode sees
+  std::function<TaskContext(base::RunTime now)> context;  ///< input of a flight mode
   std::function<ArmingInput(base::RunTime now)> arming_input;
-  std::function<void()> reset_control;     ///< forgets what the control loops have integrated
-  std::function<void()> restart_estimate;  ///< forgets the estimate and begins anew, as at start
+  std::function<void()> reset_control;     ///< clears the integrators of the control loops
+  std::function<void()> restart_estimate;  ///< restarts the estimator, as at start
 };
 
 /// A parameter that carries a whole number, within 0..`highest`; 0 for NaN and below.
@@ -54,7 +54,7 @@ inline std::uint32_t whole_number(double param, std::uint32_t highest) {
 mavlink::common::MavResult flight_command(const Command& command, const CommandTarget& target,
                                           base::RunTime now);
 
-/// Changes the mode on a request; nothing: UNSUPPORTED.
+/// Changes the mode on a request; nullopt: UNSUPPORTED.
 mavlink::common::MavResult set_flight_mode(std::optional<FlightMode> mode,
                                            const CommandTarget& target, base::RunTime now);
 

@@ -136,9 +136,8 @@ void on_attitude_target(const SetAttitudeTarget& m, double full_n, OffboardTask&
   offboard.on_attitude(setpoint, now);
 }
 
-// What comes in bulk goes by half of the bandwidth that the HIL stream leaves, and files in bursts
-// of pieces that hold up a packet of the HIL stream for a millisecond at most, down to pieces that
-// are worth their headers.
+// Bulk data gets half of the bandwidth that the HIL stream leaves. Files go in bursts of pieces
+// that delay a HIL packet by a millisecond at most, but are not so short that headers dominate.
 
 constexpr double kFileHeaderBytes = 27;
 
@@ -154,7 +153,7 @@ base::Duration param_interval(const LineConfig& line) {
   return base::from_seconds(kParamValueBytes / bulk_rate(line, kParamValueBytes));
 }
 
-/// What a message takes of the line.
+/// Size of a message on the line.
 std::size_t packet_bytes(const FileTransferProtocol& message) {
   std::array<std::uint8_t, mav::kMaxPacketBytes> packet{};
   return mav::encode(message, {}, 0, packet);

@@ -27,7 +27,7 @@ struct FcuCore;
 /// missions, setpoints, sticks, telemetry, files. The HIL stream is not among it.
 class GroundProtocols {
  public:
-  /// What it works with. All outlive it.
+  /// Its collaborators. All outlive it.
   struct View {
     const FcuCore& core;  ///< for telemetry
     CommandTarget target;

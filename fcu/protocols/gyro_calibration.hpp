@@ -15,19 +15,18 @@ class Commander;
 class Estimator;
 class StatusTexts;
 
-/// MAV_CMD_PREFLIGHT_CALIBRATION for the gyro: the estimate begins anew at rest, and its biases
-/// with it. It takes seconds, so it is answered IN_PROGRESS until it has succeeded, failed or been
-/// cancelled.
+/// MAV_CMD_PREFLIGHT_CALIBRATION for the gyro: the estimator and its biases restart at rest. It
+/// takes seconds, so it is answered IN_PROGRESS until it has succeeded, failed or been cancelled.
 class GyroCalibration {
  public:
   using Result = mavlink::common::MavResult;
 
-  /// What it works with.
+  /// Its collaborators.
   struct Parts {
     const Commander& commander;
     const Estimator& estimator;
     StatusTexts& texts;
-    std::function<void()> restart_estimate;  ///< forgets the estimate and begins anew, as at start
+    std::function<void()> restart_estimate;  ///< restarts the estimator, as at start
   };
   explicit GyroCalibration(Parts parts) : parts_(std::move(parts)) {}
 

@@ -103,7 +103,7 @@ bool SensorInput::control_due(std::uint64_t time_usec, double rate_hz) {
   return true;
 }
 
-/// Whether a fix is a measurement, not the one before once more.
+/// Whether a fix is a new measurement, not a repetition.
 bool SensorInput::is_new(const HilGps& m, const GpsInput& fix, RunTime now) {
   constexpr double kMoving_m_s = 1.0;  // in 20 ms farther than the digits of a fix
   const double rest_s = to_.estimator.rest_s();
@@ -118,7 +118,8 @@ bool SensorInput::is_new(const HilGps& m, const GpsInput& fix, RunTime now) {
 void SensorInput::on_gps(const HilGps& m, RunTime now) {
   to_.readings.gps = m;
   GpsInput fix;
-  // By arrival only the receiver's usual delay is known; by the message its own stamp tells it.
+  // Stamped by arrival only the receiver's usual delay is known; stamped by the message its stamp
+  // gives the delay.
   fix.time = to_.params.stamp_by_arrival
                  ? SimTime(now - to_.start) - base::from_seconds(to_.estimator.params().gps_delay_s)
                  : base::from_time_usec(m.time_usec);

@@ -17,7 +17,7 @@ namespace cas::fcu {
 /// From HIL_SENSOR and HIL_GPS to the estimator; says when a control step is due.
 class SensorInput {
  public:
-  /// What it feeds, and what it goes by. All outlive it.
+  /// Its inputs and outputs. All outlive it.
   struct View {
     Estimator& estimator;
     ControlCascade& cascade;
@@ -30,7 +30,7 @@ class SensorInput {
   enum class Sample {
     kStale,  ///< its time stood still or went back a little, or is none: to be left out
     kNext,
-    kNewRun,  ///< its time went back so far that the simulation has begun anew
+    kNewRun,  ///< its time went back far: the simulation restarted
   };
   /// Judges a sample by its stamp, and counts it.
   Sample accept(std::uint64_t time_usec, base::RunTime now);
@@ -64,8 +64,8 @@ class SensorInput {
   base::Histogram age_;
 };
 
-/// What BATTERY_STATUS says of battery 0; nothing for another battery, and without a voltage or the
-/// charge that is left.
+/// Reading of battery 0; nullopt for another battery, and without a voltage or the remaining
+/// charge.
 std::optional<Battery::Reading> battery_reading(const mavlink::common::BatteryStatus& m);
 
 /// An answer to the simulator.

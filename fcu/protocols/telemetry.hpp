@@ -16,11 +16,11 @@ class Telemetry {
   /// Both outlive it.
   Telemetry(const FcuCore& core, Outbox& outbox);
 
-  /// Sends what is due.
+  /// Sends the messages that are due.
   void update(base::RunTime now);
   enum class Sent {
     kSent,
-    kNothingYet,  ///< one of ours, but what it tells is not known yet
+    kNothingYet,  ///< one of ours, but its content is not known yet
     kUnknown,     ///< not one of ours
   };
   /// Sends one message at once.

@@ -176,7 +176,7 @@ void send_heartbeat(const Report& r) {
   r.send(m);
 }
 
-/// The highest value of the field stands for unknown.
+/// The highest value of the field means unknown.
 std::uint16_t millivolts(double voltage_v) {
   return static_cast<std::uint16_t>(std::clamp(1000 * voltage_v, 0.0, 65534.0));
 }

@@ -12,8 +12,8 @@
 
 namespace cas::fcu {
 
-/// The files that the controller serves, read only: `params.txt`, which has all parameters as
-/// "NAME VALUE" lines, and what the shell adds as the folder `files`.
+/// The files that the controller serves, read only: `params.txt`, which has all parameters as "NAME
+/// VALUE" lines, and the files that the shell adds as folder `files`.
 class VehicleFiles final : public mav::services::ReadOnlyFtpStore {
  public:
   using Failure = mav::services::FtpFailure;

@@ -49,7 +49,7 @@ inline std::int32_t milli(double value) { return to_whole<std::int32_t>(1000 * v
 /// 1e-7 degrees.
 inline std::int32_t deg_e7(double degrees) { return to_whole<std::int32_t>(1e7 * degrees); }
 
-/// Hundredths of a degree from north, 0 to 35999; 0 for what is no angle.
+/// Hundredths of a degree from north, 0 to 35999; 0 for a non-finite angle.
 inline std::uint16_t heading_cdeg(double yaw_rad) {
   const double degrees = std::fmod(base::degrees(yaw_rad) + 360, 360);
   return static_cast<std::uint16_t>(to_whole<std::uint16_t>(degrees * 100) % 36000);

@@ -31,10 +31,10 @@ constexpr base::Duration kHeartbeatPatience = seconds(4);
 constexpr double kTellingUptime_s = 2;
 /// From the acknowledged command to the restart, and to a SYSTEM_TIME that shows it.
 constexpr base::Duration kRestartPatience = seconds(15);
-/// From the end of a hook to what it has done to the board; longer than two silences.
+/// From the end of a hook to its effect on the board; longer than two silences.
 constexpr base::Duration kHookPatience = seconds(9);
 
-/// What a board says within a few seconds.
+/// The facts that a board reports within a few seconds.
 BoardFacts hear(Supervisor& supervisor, BoardSession& session) {
   const base::RunTime begin = base::steady_now();
   BoardFacts facts = session.look();
@@ -149,8 +149,8 @@ void BoardActions::refuse_armed(const BoardFacts& facts) const {
                                board_.name, board_.name));
 }
 
-/// What a board that runs says; a dead one is there, and not heard. Nothing is done to one whose
-/// port somebody else has: it may fly.
+/// Facts of a running board; a dead board is present but not heard. A board whose port another
+/// program has is left alone: it may be flying.
 BoardFacts BoardActions::first_look() {
   const auto device = find_device(board_, list_.by_id);
   if (!device) return {};

@@ -15,7 +15,7 @@ namespace cas::hils {
 /// Whether a board that is not there is waited for: it is, after something that makes it come back.
 enum class Absence { kFails, kWaits };
 
-/// What is done to a board by whoever holds it.
+/// Actions on a board for the holder of its lock.
 class BoardActions {
  public:
   /// @param logs  folder for the output of hooks; where it is empty or cannot be written to, their
@@ -24,8 +24,8 @@ class BoardActions {
                std::filesystem::path logs)
       : supervisor_(supervisor), list_(list), board_(board), logs_(std::move(logs)) {}
 
-  /// Waits until the board says HEARTBEAT and its version, as long as it may take.
-  /// @return what it said @throws BoardError (kExitBoardAbsent, kExitNoBoot), RunStopped
+  /// Waits for the board's HEARTBEAT and version, at most for its boot time.
+  /// @return its facts @throws BoardError (kExitBoardAbsent, kExitNoBoot), RunStopped
   BoardFacts boot(Absence absence);
 
   /// Each of these waits for the boot that comes of it.
@@ -33,9 +33,9 @@ class BoardActions {
   BoardFacts flash(const std::filesystem::path& file);
   /// By its own command; by the hook `reset` where it is silent, or `hard` is set.
   BoardFacts reboot(bool hard);
-  /// Begins a flight anew, whatever the one before has left: by its power where hooks switch it, by
-  /// hook `reset`, else by its command; an armed one that is in HIL is disarmed for that. One that
-  /// says that it is not in HIL is left alone: BoardError.
+  /// Restarts the board for a new flight: by its power if hooks switch it, by hook `reset`, else by
+  /// its command; an armed one in HIL is disarmed for that. One that reports not to be in HIL is
+  /// left alone: BoardError.
   BoardFacts restart();
   BoardFacts power_on();
   /// @param force  also of a board that is armed, or whose port another program has

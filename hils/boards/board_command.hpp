@@ -6,7 +6,7 @@
 
 namespace cas::hils {
 
-/// What a shell offers as arguments of the verbs of `hils board`.
+/// Shell completion for arguments of the verbs of `hils board`.
 base::cli::WordsByCommand board_words();
 
 /// Adds `hils board` with its own verbs. Its run() throws BoardError, RunStopped,

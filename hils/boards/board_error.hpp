@@ -8,8 +8,8 @@
 
 namespace cas::hils {
 
-/// A board that is not there, does not boot, failed or is held by somebody else: one sentence, and
-/// the exit code that tells which.
+/// A board that is not there, does not boot, failed or is held by another: one sentence, and the
+/// exit code of the case.
 class BoardError : public std::runtime_error {
  public:
   BoardError(ExitCode code, const std::string& sentence)

@@ -20,7 +20,7 @@ namespace cas::hils {
 std::optional<base::Duration> parse_wait(const std::string& text);
 
 /// A sentence for a command line that has a bare number behind `--wait`, which would be taken for
-/// another argument; nothing: it has none. Pure.
+/// another argument; nullopt: it has none. Pure.
 std::optional<std::string> misread_wait(std::span<const std::string_view> words);
 
 /// Flags of a command that uses boards of the bench.
@@ -31,7 +31,7 @@ struct BoardFlags {
   bool are_given() const { return !list.empty() || !wait.empty(); }
   /// boards.yaml; empty: there is none. @throws base::ConfigError
   std::filesystem::path file() const;
-  /// How long to wait for boards that others hold; nothing: not at all. @throws base::ConfigError
+  /// How long to wait for boards that others hold; nullopt: not at all. @throws base::ConfigError
   std::optional<base::Duration> patience() const { return parse_wait(wait); }
 };
 

@@ -14,7 +14,7 @@ namespace cas::hils {
 /// Names and values.
 using HookVariables = std::vector<std::pair<std::string, std::string>>;
 
-/// What a hook is told: CAS_BOARD, CAS_BOARD_SERIAL, CAS_BOARD_DEVICE (empty while the board is not
+/// Variables of a hook: CAS_BOARD, CAS_BOARD_SERIAL, CAS_BOARD_DEVICE (empty while the board is not
 /// there), CAS_BOARD_BAUD, CAS_BOARD_KIND, CAS_BOARD_FIRMWARE, CAS_BOARD_FILE. Pure.
 /// @param file  of `hils board flash`; else empty
 HookVariables hook_variables(const Board& board, const std::filesystem::path& device,
@@ -39,8 +39,8 @@ struct HookCommand {
 HookCommand hook_command(const Board& board, HookKind kind, const std::filesystem::path& folder,
                          const HookVariables& variables);
 
-/// Runs a hook in the folder of boards.yaml; its output goes to a file. One that takes longer than
-/// its time-out is ended, with what it started in its process group.
+/// Runs a hook in the folder of boards.yaml; its output goes to a file. After its time-out it is
+/// ended with its whole process group.
 /// @throws BoardError (kExitBoardFailed), RunStopped when interrupted
 void run_hook(Supervisor& supervisor, const HookCommand& command,
               const std::filesystem::path& folder, const std::filesystem::path& log_file);

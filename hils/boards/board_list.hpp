@@ -14,7 +14,7 @@
 
 namespace cas::hils {
 
-/// What a hook is for.
+/// Purpose of a hook.
 enum class HookKind { kFlash, kPowerOn, kPowerOff, kReset, kConsole };
 inline constexpr std::array kHookKinds{HookKind::kFlash, HookKind::kPowerOn, HookKind::kPowerOff,
                                        HookKind::kReset, HookKind::kConsole};
@@ -24,12 +24,12 @@ std::string_view to_string(HookKind kind);
 
 /// A command of the user.
 struct BoardHook {
-  std::vector<std::string> command;  ///< argv; ${NAME} stands for a variable of the hook
+  std::vector<std::string> command;  ///< argv; ${NAME} is a variable of the hook
   base::Duration timeout{};          ///< then it is ended; not of `console`
 };
 
-/// What is known of the sensors' calibration. In HIL the sensors are simulated, and a stock
-/// firmware still may refuse to arm without.
+/// State of the sensors' calibration. In HIL the sensors are simulated, but stock firmware may
+/// still refuse to arm without it.
 enum class Calibration { kUnknown, kDone, kMissing };
 std::string_view to_string(Calibration state);
 
@@ -53,10 +53,10 @@ struct Board {
   Calibration calibration = Calibration::kUnknown;
   base::Duration boot_timeout = std::chrono::seconds(30);
   base::Duration off_time = std::chrono::seconds(2);  ///< without power in a power cycle
-  std::optional<BoardLog> log{};                      ///< nothing: it is not fetched
+  std::optional<BoardLog> log{};                      ///< nullopt: it is not fetched
   std::map<HookKind, BoardHook> hooks{};
 
-  /// What it is known by on any list: its serial number, else its path.
+  /// Its identity in any list: its serial number, else its path.
   std::string identity() const { return serial.empty() ? device.string() : serial; }
 };
 

@@ -59,7 +59,7 @@ base::Descriptor open_for_lock(const fs::path& file) {
   base::Descriptor fd(
       ::open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NOCTTY | O_CLOEXEC, kOfTheGroup));
   if (!fd) fail(file);
-  ::fchmod(fd.get(), kOfTheGroup);  // refused where somebody else made it
+  ::fchmod(fd.get(), kOfTheGroup);  // fails if another user made it
   return fd;
 }
 
@@ -87,7 +87,7 @@ void free_file_lock(int fd) {
   ::fcntl(fd, F_OFD_SETLK, &lock);
 }
 
-/// Whether a file is still what its path names: its folder may be cleared away while one waits.
+/// Whether the path still names this file: the folder may be deleted during the wait.
 bool is_in_place(int fd, const fs::path& file) {
   struct stat own {};
   struct stat there {};
@@ -172,7 +172,7 @@ class Ticket {
                                                to_words(state)));
 }
 
-/// Stands in the queue until the lock is taken. @throws BoardError
+/// Waits in the queue until it has the lock. @throws BoardError
 void wait_for(int lock, int guests, const Board& board, const fs::path& folder,
               base::Duration patience) {
   const base::RunTime begin = base::steady_now();
@@ -200,7 +200,7 @@ bool has_locked(pid_t process, const fs::path& file) {
   });
 }
 
-/// As the kernel knows it, without what would disturb a terminal.
+/// The kernel's name of it, without control characters.
 std::string name_of(pid_t process) {
   std::string name;
   std::ifstream in(fmt::format("/proc/{}/comm", process));

@@ -15,14 +15,15 @@
 namespace cas::hils {
 
 /// The user's own folder for locks in another one, made with mode 0700 where it is missing.
-/// @throws base::ConfigError where it is somebody else's, or others may look into it
+/// @throws base::ConfigError if it is another user's, or others have access to it
 std::filesystem::path own_lock_folder(const std::filesystem::path& parent);
 
 /// Where the locks are: the list's `lock_folder`, else the user's own in /var/tmp, which no
 /// environment moves and no logout clears; made where it is missing. @throws base::ConfigError
 std::filesystem::path lock_folder(const BoardList& list);
 
-/// "CAS_BOARD_HOLDER=TOKENS": for programs that may use what this one holds, or may use itself.
+/// "CAS_BOARD_HOLDER=TOKENS": for programs that may use the boards that this one holds or uses as a
+/// guest.
 std::string holder_setting();
 
 /// The file that is locked.
@@ -36,12 +37,12 @@ std::vector<int> descriptors_of(pid_t process, const std::filesystem::path& file
 /// "process 12 (make)".
 std::vector<std::string> who_has_locked(const Board& board, const std::filesystem::path& folder);
 
-/// Who has a board, at this moment.
+/// Present holder of a board.
 struct LockState {
   bool held = false;
   bool has_guests = false;             ///< a program uses it below a lock
   std::optional<LockHolder> holder{};  ///< nothing where it has not said so yet
-  std::vector<std::string> heirs{};    ///< the holder has ended: what has its lock
+  std::vector<std::string> heirs{};    ///< after the holder's end: owners of its lock
   std::size_t waiting = 0;             ///< programs in the queue
 };
 LockState look_at_lock(const Board& board, const std::filesystem::path& folder);
@@ -50,18 +51,19 @@ LockState look_at_lock(const Board& board, const std::filesystem::path& folder);
 std::string to_words(const LockState& state);
 
 /// The lock of one board: that of a file, which the kernel frees when the holder ends, however it
-/// ends. The file says who holds it; its token is put into this program's environment, in
-/// CAS_BOARD_HOLDER, so that what it starts may use the board. Such a guest holds a shared lock on
-/// a second file: nobody takes the board while one is at work, even where the lock around it ended.
+/// ends. The file says who holds it; its token goes into this program's environment, as
+/// CAS_BOARD_HOLDER, so that its children may use the board. Such a guest holds a shared lock on a
+/// second file: while one works, no other program takes the board, even if the lock above it has
+/// ended.
 ///
-///   NAME.lock    exclusive: the holder, with what it gave the descriptor to
+///   NAME.lock    exclusive: the holder, and heirs of its descriptor
 ///   NAME.guests  shared: guests; exclusive, for a moment: who takes NAME.lock
 ///
-/// A waiter has a ticket in a queue; the kernel frees it when the waiter ends. The first who came
-/// is the first to get the board.
+/// A waiter has a ticket in a queue; the kernel frees it when the waiter ends. First come, first
+/// served.
 class BoardLock {
  public:
-  /// @param wait  how long to stand in the queue; nothing: not at all
+  /// @param wait  longest time in the queue; nullopt: does not queue
   /// @throws BoardError (kExitBoardBusy), base::ConfigError
   BoardLock(const Board& board, const std::filesystem::path& folder, const std::string& purpose,
             std::optional<base::Duration> wait);
@@ -71,11 +73,11 @@ class BoardLock {
 
   /// Used below a lock that CAS_BOARD_HOLDER names.
   bool is_guest() const { return !lock_; }
-  /// What a child inherits that shall hold the board, too; -1 of a guest.
+  /// Descriptor for a child that shall hold the board, too; -1 for a guest.
   int descriptor() const { return lock_.get(); }
   /// A child in the background that has inherited the descriptor holds the board from now on.
   void hand_over(pid_t child);
-  /// Whoever has inherited the descriptor holds the board until it ends; the file goes on to name
+  /// A child that has inherited the descriptor holds the board until it ends; the file still names
   /// this process.
   void leave_to_heirs() { handed_over_ = true; }
 

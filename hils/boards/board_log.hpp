@@ -16,10 +16,10 @@ namespace cas::hils {
 /// are left out. Pure.
 std::vector<mav::services::FtpEntry> newest_first(std::vector<mav::services::FtpEntry> entries);
 
-/// What came of fetching a log.
+/// Result of fetching a log.
 struct FetchedLog {
   bool done = false;
-  std::string sentence;  ///< what it got, or why nothing
+  std::string sentence;  ///< the fetched log, or the error
 };
 
 /// Fetches a board's newest log by MAVLink FTP into `file`, within the size and the time that its

@@ -141,7 +141,7 @@ void BoardSession::ask_version() {
     impl_->client->call("vehicle.command", {{"command", static_cast<int>(MavCmd::kRequestMessage)},
                                             {"params", Json::array({AutopilotVersion::kId})}});
   } catch (const base::rpc::CallError&) {
-    // Whether it comes is what is waited for.
+    // The caller waits for the message itself.
   }
 }
 

@@ -26,11 +26,11 @@ class BoardSession {
   BoardSession& operator=(const BoardSession&) = delete;
 
   const std::filesystem::path& device() const;
-  /// What is known now. @throws base::rpc::ConnectionError, base::rpc::CallError
+  /// The facts known now. @throws base::rpc::ConnectionError, base::rpc::CallError
   BoardFacts look();
   /// Has it say its version again: at first it may not have been ready to.
   void ask_version();
-  /// Time since the board began, s, as SYSTEM_TIME says; nothing while none has come. The first
+  /// Time since the board began, s, as SYSTEM_TIME says; nullopt while none has come. The first
   /// call begins to look.
   std::optional<double> uptime_s();
   /// Has it disarm, in the air, too. @throws BoardError (kExitBoardFailed) when it refuses

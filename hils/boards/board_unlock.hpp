@@ -7,7 +7,8 @@
 
 namespace cas::hils {
 
-/// Ends what holds a board, waits for that, and says on standard output that the board is free.
+/// Ends the holders of a board, waits for their end, and says on standard output that the board is
+/// free.
 /// @param folder  of the locks
 /// @param force  ends also a program at work, not only a lock in the background
 /// @throws BoardError (kExitBoardBusy)

@@ -12,7 +12,7 @@
 
 namespace cas::hils {
 
-/// What can be seen of a board through casd.
+/// State of a board as seen through casd.
 struct BoardFacts {
   std::filesystem::path device{};  ///< empty: the board is not there
   bool link_up = false;
@@ -40,7 +40,7 @@ bool is_commit(std::string_view said, std::string_view wanted);
 /// Whether there is nothing more to wait for: it has been heard, and has said its version. Pure.
 bool has_booted(const BoardFacts& facts);
 
-/// What is said of a boot.
+/// Verdict on a boot.
 struct BootVerdict {
   ExitCode code = kExitPassed;  ///< or kExitBoardAbsent, kExitNoBoot
   std::string sentence;

@@ -30,13 +30,13 @@ std::size_t place_of(const std::string& name, const VehicleNames& vehicles) {
                                       fmt::join(vehicles, ", ")));
 }
 
-/// Looks at what is there without opening it, which a board may take for a restart.
+/// Checks the file without opening it, because opening may restart a board.
 /// @throws base::ConfigError
 void refuse_what_is_no_terminal(const std::string& path) {
   constexpr unsigned kMemoryDevices = 1;  // major number of /dev/null, /dev/zero. Source: [Linux]
                                           // admin-guide/devices.txt
   struct stat is {};
-  if (::stat(path.c_str(), &is) != 0) return;  // absent: told of when it is opened
+  if (::stat(path.c_str(), &is) != 0) return;  // absent: opening reports it
   if (S_ISCHR(is.st_mode) && major(is.st_rdev) != kMemoryDevices) return;
   throw base::ConfigError("--fcu " + path + ": " + path + " is not a terminal");
 }
@@ -92,7 +92,7 @@ bool is_board(const std::string& controller, const BoardList* list, bool is_path
                             no_board_list());
   }
   if (list->find(controller) != nullptr) return true;
-  if (!is_path) list->board(controller);  // says what there is
+  if (!is_path) list->board(controller);  // its error names the boards
   return false;
 }
 

@@ -17,7 +17,7 @@
 
 namespace cas::hils {
 
-/// What `--fcu` says of one vehicle.
+/// Choice of `--fcu` for one vehicle.
 struct FcuChoice {
   std::size_t vehicle = 0;  ///< its place in the scenario
   std::string controller;   ///< a board's name, or the path of a serial port
@@ -40,11 +40,11 @@ void fail_absent(const std::map<std::size_t, std::string>& gone, RunResult& run)
 /// The real controllers of one run: boards that it holds until it ends, and ports by their path.
 class FlightBoards {
  public:
-  /// Takes the boards, those that are named by their port, too, in an order that is everybody's, so
-  /// that two runs do not wait for each other.
+  /// Locks the boards, also those named by their port, in an order common to all runs, so that two
+  /// runs do not deadlock.
   ///
   /// @param file  boards.yaml (find_board_list()); empty: there is none
-  /// @param wait  how long to wait for boards that others hold; nothing: not at all
+  /// @param wait  longest wait for boards that others hold; nullopt: no wait
   /// @throws BoardError (kExitBoardBusy), base::ConfigError
   FlightBoards(const std::vector<FcuChoice>& choices, const std::filesystem::path& file,
                const std::string& purpose, std::optional<base::Duration> wait);
@@ -56,7 +56,7 @@ class FlightBoards {
   /// @throws BoardError (kExitBoardAbsent)
   FcuDevice device(std::size_t vehicle, std::optional<unsigned> baud) const;
 
-  /// Has each controller begin anew, before another flight. @throws BoardError, RunStopped
+  /// Restarts each controller before another flight. @throws BoardError, RunStopped
   void restart(const std::filesystem::path& logs, std::optional<unsigned> baud) const;
 
   /// Waits until each board has booted the firmware that is expected, and notes in
@@ -67,13 +67,13 @@ class FlightBoards {
                                            std::optional<unsigned> baud) const;
 
   /// Fetches the newest log of each board whose `log` says so into `out`: board.ulg or, of several
-  /// vehicles, VEHICLE/board.ulg. What came of it is said on standard error.
+  /// vehicles, VEHICLE/board.ulg. Prints the result on standard error.
   /// @throws RunStopped when the user interrupts
   void fetch_logs(const std::filesystem::path& out, const VehicleNames& vehicles) const;
-  /// What that may take.
+  /// Longest time that it may take.
   base::Duration log_time() const;
 
-  /// A sentence on a port, given by its path, that is not there; nothing: all are.
+  /// A sentence on a port, given by its path, that is not there; nullopt: all are.
   std::optional<std::string> missing_port() const;
   /// A sentence for each board that is gone, after a flight; by vehicle.
   std::map<std::size_t, std::string> absences() const;

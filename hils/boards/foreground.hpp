@@ -14,7 +14,7 @@ struct ForegroundCommand {
   std::vector<std::string> arguments;      ///< a program without a slash is looked for in PATH
   std::vector<std::string> environment{};  ///< "NAME=VALUE", over this program's
   std::filesystem::path folder{};          ///< working folder; empty: this program's
-  int kept = -1;                           ///< descriptor that it and what it starts inherit
+  int kept = -1;                           ///< descriptor that it and its children inherit
 };
 
 /// Runs a command on this program's terminal, where it has one, in a process group of its own, and
@@ -28,7 +28,7 @@ int run_in_foreground(const ForegroundCommand& command);
 /// the child @throws base::ConfigError
 int go_to_background();
 
-/// Waits until this process is told to end (SIGTERM, SIGINT, SIGHUP), or until the time is over.
+/// Waits for SIGTERM, SIGINT or SIGHUP, or until the time is over.
 void wait_to_be_ended(base::Duration most);
 
 }  // namespace cas::hils

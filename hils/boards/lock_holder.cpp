@@ -20,7 +20,7 @@ std::optional<pid_t> process_number(std::string_view text) {
   return pid;
 }
 
-/// Without what would begin another line of the file.
+/// Without characters that would begin another line of the file.
 std::string in_one_line(std::string text) {
   std::ranges::replace_if(
       text, [](unsigned char c) { return c < ' '; }, ' ');

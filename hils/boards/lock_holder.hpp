@@ -12,7 +12,7 @@
 
 namespace cas::hils {
 
-/// Who holds a board, as the lock's file tells.
+/// Holder of a board according to the lock's file.
 struct LockHolder {
   pid_t pid = 0;
   std::string user;
@@ -23,7 +23,7 @@ struct LockHolder {
 
   /// A line for each key.
   std::string text() const;
-  /// @return nothing where the text is no holder's: one that is just being written
+  /// @return nullopt where the text is no holder's: one that is just being written
   static std::optional<LockHolder> parse(std::string_view text);
 };
 

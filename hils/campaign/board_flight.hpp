@@ -22,10 +22,10 @@ struct CampaignControllers {
 
 /// Flies the task of `folder`/task.json in real time with the boards of its campaign, which the
 /// process above holds. Report, replay and logs are left in the row's folder of again/. A board
-/// that has flown before begins anew.
+/// that has flown before is restarted.
 ///
-/// @return exit code, as fly_row(); of a board that stops it that of hils, with the sentence in
-/// kBoardSentence
+/// @return exit code, as fly_row(); if a board stops it, the exit code of hils, with the sentence
+/// in kBoardSentence
 int fly_board_row(const std::filesystem::path& folder);
 
 }  // namespace cas::hils

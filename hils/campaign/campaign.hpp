@@ -21,7 +21,7 @@ struct CampaignPhase {
   std::string when;
 };
 
-/// One failure of a campaign, and what must happen in each phase.
+/// One failure of a campaign, and its expectation in each phase.
 struct CampaignFailure {
   std::string name;                  ///< of the row: the failure's where none is given
   const Failure* failure = nullptr;  ///< of the catalogue
@@ -29,13 +29,13 @@ struct CampaignFailure {
   std::map<std::string, std::vector<Expectation>> expected{};  ///< by phase; none: it is not flown
 };
 
-/// What of a campaign is flown, and by whom.
+/// Part of a campaign to fly, and its controllers.
 struct CampaignChoice {
   std::vector<std::string> controllers{};  ///< of `--fcu`: flown in real time with these
   std::vector<std::string> only{};         ///< names of failures; empty: all
 };
 
-/// What a campaign file (config/campaigns/*.yaml) says. Keys are the members' names.
+/// Contents of a campaign file (config/campaigns/*.yaml). Keys are the members' names.
 struct Campaign {
   std::string name;
   std::string description;

@@ -145,8 +145,8 @@ void hold_boards(const Campaign& campaign, const CampaignControllers& controller
   }
 }
 
-/// Holds the boards until the last flight has ended. What one of them stops is reported as far as
-/// it has come. @throws BoardError, RunStopped, base::ConfigError
+/// Holds the boards until the last flight has ended. If one of them stops the campaign, the flights
+/// so far are reported. @throws BoardError, RunStopped, base::ConfigError
 int fly_on_boards(const Campaign& campaign, const CampaignControllers& controllers,
                   const BoardCampaignOptions& options) {
   std::optional<FlightBoards> held;

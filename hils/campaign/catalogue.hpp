@@ -17,7 +17,7 @@ struct FailureParameter {
   double most = 0;
 };
 
-/// What a failure needs that not every bench has.
+/// Requirement of a failure that not every bench meets.
 enum class FailureNeeds {
   kNothing,
   kPrograms,      ///< casd as a program, which the virtual clock has not
@@ -25,12 +25,12 @@ enum class FailureNeeds {
   kLineModel,     ///< the emulated serial line: on the virtual clock, or an emulator's
 };
 
-/// One failure of the catalogue. It acts on physics or bytes; what comes of it is the vehicle's.
+/// One failure of the catalogue. It acts on physics or bytes; the vehicle's reaction is its own.
 struct Failure {
   std::string_view name;
   std::string_view part{};   ///< of the vehicle or the bench: "GPS"
-  std::string_view meaning;  ///< what has gone wrong
-  std::string_view physics;  ///< what that changes in the simulation
+  std::string_view meaning;  ///< the real-world failure
+  std::string_view physics;  ///< its effect in the simulation
   std::string_view source;   ///< where it is known from
   std::vector<FailureParameter> parameters{};
   /// Effects of a scenario's `faults`, YAML with $NAME for parameters. All strike together.
@@ -48,7 +48,7 @@ const std::vector<Failure>& failure_catalogue();
 /// @return nullptr when there is none of that name
 const Failure* find_failure(std::string_view name);
 
-/// Why a campaign cannot fly a failure: "needs casd as a program"; nothing: it can.
+/// Why a campaign cannot fly a failure: "needs casd as a program"; nullopt: it can.
 /// @param on_board  in real time with a board, else on the virtual clock
 std::optional<std::string_view> obstacle(const Failure& failure, bool on_board);
 

@@ -56,7 +56,7 @@ std::vector<std::string> parse_modes(const std::string& text) {
   return modes;
 }
 
-/// What casd calls the modes of PX4 and ArduPilot, those that nobody can ask for besides.
+/// casd's words for the modes of PX4 and ArduPilot, and for those that cannot be commanded.
 std::vector<std::string> failsafe_modes() {
   using mav::services::Autopilot;
   std::vector<std::string> modes{"TERMINATION"};

@@ -15,7 +15,7 @@ struct Expectation {
   enum class Kind {
     kStaysUp,     ///< `stays_up`: flown to the end as planned, without an incident
     kNoCrash,     ///< `no_crash`: it may land early, but hits nothing, turns over nowhere
-    kCrashes,     ///< `crashes`: what cannot be flown is not
+    kCrashes,     ///< `crashes`: the vehicle cannot be flown
     kNoArming,    ///< `no_arming`: the vehicle does not arm
     kTerminates,  ///< `terminates`: the vehicle stops its rotors itself
     kDetected,    ///< `detected`, `{detected_within_s: 2}`
@@ -37,7 +37,7 @@ std::vector<Expectation> parse_expectations(const base::ConfigNode& list);
 /// "lands within 10 m".
 std::string to_string(const Expectation& expectation);
 
-/// What was not as expected, in a sentence; nothing when it was.
+/// The missed expectation, as a sentence; nullopt if it was met.
 std::optional<std::string> miss_of(const Expectation& expectation, const StrikeResponse& response);
 
 }  // namespace cas::hils

@@ -12,11 +12,11 @@
 
 namespace cas::hils {
 
-/// One flight of a campaign, held against what must happen.
+/// One flight of a campaign, judged by its expectation.
 struct CampaignFlight {
   std::size_t row = 0;  ///< of the sweep, from 1
   std::uint64_t seed = 1;
-  std::optional<StrikeResponse> response{};  ///< nothing: no verdict
+  std::optional<StrikeResponse> response{};  ///< nullopt: no verdict
   std::vector<std::string> misses{};         ///< sentences; none: all as expected
   std::string no_verdict{};                  ///< why
 };
@@ -43,13 +43,13 @@ struct CellResult {
   double peak_tilt_deg() const;
 };
 
-/// A campaign and what came of it.
+/// A campaign and its results.
 struct CampaignMatrix {
   Campaign campaign;
   std::vector<CellResult> cells;
   std::vector<std::string> without_failure{};  ///< sentences on those that did not pass
   std::set<std::size_t> flown_otherwise{};     ///< rows that were another flight when flown again
-  std::string stopped{};  ///< what was wrong with a board, so that the rest was not flown
+  std::string stopped{};                       ///< fault of a board that stopped the campaign
 
   /// @param results  of rows 1 to the last; row 0 where one was not flown. After the cells' come
   ///                 those without a failure: a flight that is the same has seen none, and one that

@@ -38,8 +38,8 @@ std::vector<Variant> make_variants(const std::vector<Architecture>& architecture
 /// ground station. @throws base::ConfigError when no hold precedes the measured one
 Scenario comparison_scenario(const Scenario& scenario, const ComparisonPlan& plan);
 
-/// How late threads wake on the virtual clock where the scenario does not say: what
-/// clock_nanosleep showed on a shared two-core machine.
+/// Wake-up delay of threads on the virtual clock by default: measured with clock_nanosleep on a
+/// shared two-core machine.
 inline constexpr WakeUpFigures kUsualWakeUp{.p50_us = 100, .p99_us = 1000};
 
 /// Figures and verdicts of a variant, run by run in the order of the seeds.
@@ -56,8 +56,7 @@ struct VariantResult {
 std::vector<VariantResult> run_comparison(const ComparisonPlan& plan,
                                           const std::filesystem::path& out, bool keep);
 
-/// What `hils compare` ends with: kExitPassed where each variant has a valid run, else
-/// kExitInvalid.
+/// Exit code of `hils compare`: kExitPassed if each variant has a valid run, else kExitInvalid.
 int exit_code(const std::vector<VariantResult>& results);
 
 }  // namespace cas::hils

@@ -16,7 +16,7 @@ std::string comparison_headline(const ComparisonPlan& plan);
 /// others are not.
 std::string validity_words(const VariantResult& result);
 
-/// What tables look like: those of a page, or aligned columns for a terminal.
+/// Style of tables: Markdown for a page, or aligned columns for a terminal.
 enum class TableStyle { kMarkdown, kAligned };
 
 /// For files, docs and the terminal: each table with the rows of [HILS] beside ours where it has

@@ -13,7 +13,7 @@
 
 namespace cas::hils {
 
-/// A figure of one run; nothing where the run has none.
+/// A figure of one run; nullopt where the run has none.
 using Figure = std::function<std::optional<double>(const Measurement&)>;
 
 /// One column of a table: a figure and how it is written.
@@ -31,7 +31,7 @@ struct ColumnGroup {
   std::vector<Column> columns;
 };
 
-/// All tables of a comparison: Tables 4 and 5 of [HILS] first, then what it left out.
+/// All tables of a comparison: Tables 4 and 5 of [HILS] first, then figures beyond the paper.
 const std::vector<ColumnGroup>& comparison_groups();
 
 /// Mean and interval over the valid runs that have the figure.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Python module _cas_env: StepEnv with the buffers of its caller. What users see is cas.env.
+// Python module _cas_env: StepEnv with the buffers of its caller. Users see cas.env.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 

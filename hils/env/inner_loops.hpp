@@ -25,7 +25,8 @@ class InnerLoops {
 
   /// One control period.
   /// @param gyro_D      rates that the loops read, rad/s
-  /// @param in_contact  whether the vehicle touches anything: what turns it is then no lost rotor
+  /// @param in_contact  whether the vehicle touches anything: then a moment does not mean a lost
+  ///     rotor
   sim::MotorCommand update(std::span<const double> action, const fcu::EstimatorState& state,
                            const Eigen::Vector3d& gyro_D, bool in_contact, double dt);
 

@@ -60,7 +60,7 @@ class EpisodePlace {
   EpisodePlace& operator=(const EpisodePlace&) = delete;
 };
 
-/// The study of one random point that varies what `vary` says.
+/// The study of one random point that varies the parameters in `vary`.
 Study study_of(const std::string& vary) {
   if (vary.empty()) return {};
   const ScratchFolder folder(std::filesystem::temp_directory_path(), "cas-env");

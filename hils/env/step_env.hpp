@@ -22,7 +22,7 @@ enum class Stand {
   kVelocity   ///< above the velocity loop: north, east, down, m/s, and yaw rate, rad/s
 };
 
-/// What an observation is made of.
+/// Contents of an observation.
 enum class View {
   kTruth,   ///< motion and rotor speeds as they are
   kSensors  ///< the newest sample of each sensor, with its noise and delay
@@ -80,7 +80,7 @@ class StepEnv {
 
   double time_s() const;
   bool in_contact() const;  ///< with the ground, or with anything
-  /// What this episode's seed has drawn, by the names of the parameters.
+  /// Values drawn by this episode's seed, by the names of the parameters.
   const std::vector<std::pair<std::string, std::string>>& drawn() const { return drawn_; }
 
  private:
@@ -91,7 +91,7 @@ class StepEnv {
   std::unique_ptr<Episode> begin(std::uint64_t seed);
 
   StepEnvOptions options_;
-  Study study_;  ///< what an episode draws
+  Study study_;  ///< parameters that an episode draws
   std::vector<std::string> action_names_;
   std::vector<std::pair<double, double>> action_limits_;
   std::vector<std::string> observation_names_;

@@ -23,7 +23,8 @@ using FlyInto = std::function<void(std::uint64_t seed, std::span<std::byte> resu
 /// @throws std::runtime_error that names the flight without a result and how its process ended
 void fly_in_processes(const FlightBatch& batch, const FlyInto& fly, std::span<std::byte> results);
 
-/// Flies seeds first_seed, first_seed + 1, ... and returns what `fly(seed)` gave, in their order.
+/// Flies seeds first_seed, first_seed + 1, ... and returns the results of `fly(seed)` in their
+/// order.
 /// @throws std::runtime_error as fly_in_processes()
 template <class Result, class Fly>
 std::vector<Result> fly_batch(const FlightBatch& batch, Fly&& fly) {

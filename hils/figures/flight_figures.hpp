@@ -12,14 +12,14 @@ namespace cas::hils {
 struct FlightFigure {
   std::string name;  ///< "hover, table1: true x"
   double value = 0;
-  std::optional<double> bound;  ///< largest value that passes; nothing: shown, not judged
+  std::optional<double> bound;  ///< largest value that passes; nullopt: shown, not judged
   std::string unit;
-  std::string note;  ///< where the bound comes from, or what to compare with
+  std::string note;  ///< source of the bound, or a value for comparison
 
   bool missed() const { return bound && !(value <= *bound); }
 };
 
-/// What flight_figures ends with: kExitPassed, or kExitLimitsMissed where a bound is missed.
+/// Exit code of flight_figures: kExitPassed, or kExitLimitsMissed if a bound is missed.
 int exit_code(const std::vector<FlightFigure>& figures);
 
 /// How many flights, with which seeds, on how many processors.
@@ -32,7 +32,7 @@ struct FlightBatch {
 /// Hover at (0, 0, 2.5) m, 60 s a flight of which the last 40 count, pooled; beside the best
 /// possible errors of the sensor set (fcu/estimation_bound/estimation_bound.hpp).
 ///
-/// @param estimate_factor, tracking_factor  what the bound is multiplied by; 0: not judged
+/// @param estimate_factor, tracking_factor  factors on the bound; 0: not judged
 std::vector<FlightFigure> hover_figures(const std::string& sensors, double estimate_factor,
                                         double tracking_factor, const FlightBatch& batch);
 /// The hover with the RTK set against figures in metres.

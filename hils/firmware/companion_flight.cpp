@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// PX4 v1.12 and v1.16 enter OFFBOARD while setpoints come; this is twice what they look back.
+/// PX4 v1.12 and v1.16 enter OFFBOARD while setpoints come; this is twice their window.
 constexpr base::Duration kLead = std::chrono::seconds(1);
 /// In real time, of a simulation that may run slower than that.
 constexpr base::Duration kLeadPatience = std::chrono::seconds(30);

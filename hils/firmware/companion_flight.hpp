@@ -16,10 +16,10 @@
 
 namespace cas::hils {
 
-/// Has a stock autopilot fly what takes more than a command of casd: trajectories, streamed as
-/// setpoints, and missions. PX4 flies them in OFFBOARD and MISSION, ArduCopter in GUIDED and AUTO.
-/// Towards their fences PX4 flies in OFFBOARD and ArduCopter in AUTO: a command to go beyond, PX4
-/// also as a mission and ArduCopter as a setpoint, is refused.
+/// Makes a stock autopilot fly tasks beyond casd's commands: trajectories, streamed as setpoints,
+/// and missions. PX4 flies them in OFFBOARD and MISSION, ArduCopter in GUIDED and AUTO. Towards
+/// their fences PX4 flies in OFFBOARD and ArduCopter in AUTO: a command to go beyond, PX4 also as a
+/// mission and ArduCopter as a setpoint, is refused.
 class CompanionFlight {
  public:
   /// Calls a method of casd. @throws base::rpc::CallError for a refusal
@@ -38,7 +38,7 @@ class CompanionFlight {
 
   /// How giving a step ended.
   struct Answer {
-    std::optional<std::string> refusal{};  ///< nothing: the vehicle flies it
+    std::optional<std::string> refusal{};  ///< nullopt: the vehicle flies it
     bool for_good = false;                 ///< asking again would not help
     std::optional<base::SimTime> begin{};  ///< of a trajectory
     std::optional<HomedMission> mission{};
@@ -60,7 +60,7 @@ class CompanionFlight {
   void after_look(base::SimTime now);
 
   Answer give(const FlightStep& step, const Vehicle& vehicle);
-  /// Its firmware has started anew: it has forgotten what it was asked for.
+  /// Its firmware has rebooted and forgotten all requests.
   void on_reboot() { asked_for_position_ = false; }
   /// No setpoints any more, once the fence has the vehicle.
   void end_breach();

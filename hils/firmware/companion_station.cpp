@@ -17,7 +17,7 @@ namespace {
 
 namespace mv = mavlink::common;
 
-/// So that casd knows the way for what the vehicle answers.
+/// HEARTBEATs let casd route the vehicle's answers to this station.
 constexpr base::Duration kHeartbeatPeriod = std::chrono::seconds(1);
 
 }  // namespace
@@ -75,7 +75,7 @@ void CompanionStation::upload(mav::services::MissionExchange::Items items, base:
   mission_.upload(std::move(items), now,
                   [this](const mav::services::Outcome& outcome, const auto&) {
                     uploaded_ = outcome;
-                    reached_.reset();  // what came until now was of the mission before
+                    reached_.reset();  // earlier items belong to the old mission
                   });
 }
 

@@ -33,7 +33,7 @@ class CompanionStation {
   void on_bytes(std::span<const std::uint8_t> bytes, base::RunTime now);
   void tick(base::RunTime now);
 
-  /// The vehicle's clock (time_boot_ms of its position); nothing until it was heard.
+  /// The vehicle's clock (time_boot_ms of its position); nullopt until it was heard.
   std::optional<base::Duration> vehicle_time() const { return vehicle_time_; }
   SetpointStream& setpoints() { return setpoints_; }
   const SetpointStream& setpoints() const { return setpoints_; }

@@ -15,7 +15,7 @@ constexpr double kLate_s = 3;
 
 constexpr const char* kStays = "; hils does not arm it again";
 
-/// How the disarming went by the vehicle itself; nothing: it was its own.
+/// How the disarming went by the vehicle itself; nullopt: it was its own.
 std::optional<std::string> doubt(const Disarming& disarming) {
   if (!disarming.words.empty()) {
     if (disarming.words.ends_with("auto preflight disarming")) return std::nullopt;

@@ -13,9 +13,9 @@
 
 namespace cas::hils {
 
-/// Puts an autopilot's own fence in force for a flight, and afterwards gives back what its
-/// parameters were. What they were stays in a file until then: if hils is killed, or the vehicle
-/// does not answer, `casctl param load FILE` gives it back.
+/// Puts an autopilot's own fence in force for a flight, and afterwards restores its parameters. The
+/// old values stay in a file until then: if hils is killed, or the vehicle does not answer, `casctl
+/// param load FILE` restores them.
 class FenceKeeper {
  public:
   /// Calls a method of casd. @throws base::rpc::CallError for a refusal
@@ -26,8 +26,8 @@ class FenceKeeper {
 
   /// Keeps the former values, then sets these. @return why it is not in force
   std::optional<std::string> set(const FenceParams& wanted);
-  /// Gives back what set() has changed, newest first. Gives up where the vehicle does not answer by
-  /// the deadline. @return what was not given back, as a sentence
+  /// Restores the parameters that set() has changed, newest first. Gives up at the deadline if the
+  /// vehicle does not answer. @return a sentence on parameters not restored
   std::optional<std::string> restore(base::RunTime deadline);
 
  private:

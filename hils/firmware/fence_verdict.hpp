@@ -14,11 +14,11 @@
 
 namespace cas::hils {
 
-/// What became of a vehicle at the fence of its autopilot.
+/// Figures of a vehicle at the fence of its autopilot.
 struct FenceFigures {
   std::string words{};  ///< with which it announced the breach; empty: it did not
   std::optional<std::string> not_restored{};  ///< parameters that it did not take back
-  /// By the truth, from where the vehicle stood; nothing where that was not recorded.
+  /// By the truth, from where the vehicle stood; nullopt where that was not recorded.
   std::optional<double> farthest_m{};  ///< horizontal
   std::optional<double> highest_m{};
 };
@@ -26,8 +26,8 @@ struct FenceFigures {
 /// Takes in how far the true flight went.
 void add_reach(std::span<const PoseSample> truth, FenceFigures& figures);
 
-/// What a flight to the fence is held to: that the vehicle came to it, that the autopilot announced
-/// it, that the truth stays within the fence and its margin, and that the parameters are as before.
+/// Checks of a flight to the fence: the vehicle came to it, the autopilot announced it, the truth
+/// stays within the fence and its margin, and the parameters are restored.
 /// @param flown  the steps as they went, with the one under way: a breach that did not begin is not
 ///   judged
 std::vector<LimitCheck> fence_checks(const Geofence& fence, const FenceFigures& figures,

@@ -12,7 +12,7 @@ namespace {
 
 using base::rpc::Json;
 
-/// A link that is there again, or a casd, hears the next HEARTBEAT within a second; a USB port may
+/// A restored link, or a restarted casd, gets the next HEARTBEAT within a second; a USB port may
 /// take a while to open.
 constexpr base::Duration kHeardAgain = std::chrono::seconds(30);
 

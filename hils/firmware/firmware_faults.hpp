@@ -20,7 +20,7 @@ namespace cas::hils {
 /// silent because of one.
 class FirmwareFaults {
  public:
-  /// What the faults reach; all outlive them.
+  /// Targets of the faults; all outlive them.
   struct Reach {
     FirmwareBench& bench;
     base::rpc::Client& simulator;
@@ -28,14 +28,14 @@ class FirmwareFaults {
     std::string casd_address;  ///< to connect to it again
     CallList& own_calls;
     /// Called before casd forgets the vehicles.
-    /// @param ends  casd ends, and what it was asked is forgotten, too
+    /// @param ends  casd ends, and forgets its calls, too
     std::function<void(bool ends)> before_forgetting;
   };
 
   FirmwareFaults(std::vector<BenchFault> faults, Reach reach)
       : script_(std::move(faults)), reach_(std::move(reach)) {}
 
-  /// Plays what begins or ends now. A pause is over when it returns.
+  /// Applies faults that begin or end now. A pause is over when it returns.
   /// @throws RunStopped, base::rpc::CallError
   void play(base::SimTime now, std::span<const VehicleReport> vehicles, std::string_view phase);
 

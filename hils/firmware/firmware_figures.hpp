@@ -33,7 +33,8 @@ struct FirmwareFigures {
   /// Of the true position in the measured step: in a hold about its mean, in a trajectory about the
   /// reference.
   std::optional<RmsFigures> rms;
-  /// Of the estimate against the truth in it, by what both were on the ground before takeoff.
+  /// Of the estimate against the truth in the measured step, each relative to its value on the
+  /// ground before takeoff.
   std::optional<RmsFigures> rms_estimate;
   std::optional<FenceFigures> fence;           ///< of a scenario that has one
   SetpointStream::Figures setpoints;           ///< that hils has sent; none: no trajectory
@@ -58,7 +59,7 @@ struct FirmwareFigures {
   std::vector<Stage> flown_stages() const;
 };
 
-/// What FirmwareFigures::rms is about: "the reference" or "its mean".
+/// Reference of FirmwareFigures::rms: "the reference" or "its mean".
 std::string_view measured_about(const std::vector<Stage>& stages);
 /// Looks into the true flight, truth.csv: incidents, whether its steps were flown, and how still
 /// the measured hold was.
@@ -66,13 +67,13 @@ void add_truth(const std::filesystem::path& truth, FirmwareFigures& figures);
 /// Adds the figures of the estimate in the flight log; nothing where there is none to read.
 void add_estimate(const std::filesystem::path& truth, const std::filesystem::path& tlog,
                   FirmwareFigures& figures);
-/// How far the estimate was from the truth in the measured hold; nothing without one of the two.
+/// How far the estimate was from the truth in the measured hold; nullopt without one of the two.
 /// Places and height count from the last second before takeoff, because a stock estimator's origin
 /// lies a little off; the heading counts as it is.
 std::optional<RmsFigures> estimate_error(const std::vector<Stage>& stages,
                                          std::span<const PoseSample> truth,
                                          std::span<const PoseSample> estimate);
-/// The slowest way through casd for 99 % of its packets (link.latency), us; nothing: none was
+/// The slowest way through casd for 99 % of its packets (link.latency), us; nullopt: none was
 /// timed.
 std::optional<double> slowest_hop_us(const nlohmann::json& hops);
 /// Adds the losses by casd's counters (link.list).

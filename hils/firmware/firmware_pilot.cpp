@@ -45,7 +45,7 @@ constexpr base::Duration kWordsPatience = std::chrono::seconds(1);
 constexpr FirmwareHabits kHabits{
     .arms_early = true, .disarms_itself = std::chrono::seconds(5), .flies_setpoints = true};
 
-/// What all vehicles of a flight share.
+/// State shared by all vehicles of a flight.
 struct FlightDeck {
   FlightDeck(const FirmwareScenario& flown, const FirmwarePlaces& places, FirmwareBench& programs)
       : scenario(flown),
@@ -129,8 +129,8 @@ class FirmwarePilot {
     if (const auto fault = silence_fault(vehicle)) plan_.fail(*fault);
   }
 
-  /// casd is about to forget who had a hand in the flight.
-  /// @param ends  also what it was asked
+  /// Keeps casd's list of outside operators, which it is about to forget.
+  /// @param ends  casd ends, and forgets its calls, too
   void keep_hands(bool ends) {
     OutsideHands hands = hands_at_casd();
     if (!ends) {
@@ -138,7 +138,7 @@ class FirmwarePilot {
       hands.forgotten_calls = 0;
     }
     add_hands(hands, hands_before_);
-    if (ends) counts_before_.reset();  // casd counts anew: the rates of this hold are not known
+    if (ends) counts_before_.reset();  // casd's counters restart: no rates for this hold
   }
 
   /// At the true motion. @return simulated time
@@ -189,8 +189,8 @@ class FirmwarePilot {
     plan_.on_outcome(now, refusal);
     if (command.kind == StepKind::kDisarm && !refusal) gave_disarm_ = true;
     if (command.kind != StepKind::kArm) return;
-    // A vehicle that was stopped at its board refuses: asking on and on would start it in the
-    // moment in which somebody lets it go.
+    // A vehicle that was stopped at its board refuses: repeated requests would arm it in the moment
+    // of its release.
     if (again && refusal) plan_.fail("the vehicle was disarmed, and refuses: " + refusal->why);
     if (refusal) return;
     if (again) ++armed_again_;
@@ -257,7 +257,7 @@ class FirmwarePilot {
     return [this](base::Duration time) { supervisor_.wait(time); };
   }
 
-  /// Words of before the breach step are not about it.
+  /// Texts before the breach step are not about the breach.
   void note_breach(const VehicleReport& vehicle) {
     const FlightStep* step = plan_.current();
     const bool under_way = step != nullptr && step->kind == StepKind::kBreach && plan_.begun();
@@ -317,7 +317,7 @@ class FirmwarePilot {
 
   void note_arming(base::SimTime now, const VehicleReport& vehicle) {
     if (vehicle.armed) disarmed_at_.reset();
-    if (vehicle.armed && !armed_before_) gave_disarm_ = false;  // somebody has armed it since
+    if (vehicle.armed && !armed_before_) gave_disarm_ = false;  // it was armed since
     armed_before_ = vehicle.armed;
     if (vehicle.armed && !was_armed_) armed_at_ = now;
     if (was_armed_ && seen_armed_ && !vehicle.armed && !disarmed_at_) disarmed_at_ = now;
@@ -341,7 +341,7 @@ class FirmwarePilot {
     highest_m_ = 0;
   }
 
-  /// What comes later than this look keeps casd from arming.
+  /// Acts later than this look keep casd from arming.
   OutsideHands outside_hands() {
     OutsideHands hands = hands_at_casd();
     acts_so_far_ = hands.acts_so_far;
@@ -395,8 +395,8 @@ class FirmwarePilot {
     }
   }
 
-  /// Waits until the firmware has told the version that the scenario wants, and asks for it now and
-  /// then: what casd asked upon the first HEARTBEAT may have come too early.
+  /// Waits until the firmware reports the version that the scenario wants, and repeats the request:
+  /// casd's own, upon the first HEARTBEAT, may have come too early.
   bool is_of_age() {
     const base::RunTime deadline = base::steady_now() + kVersionPatience;
     for (base::RunTime ask_at = base::steady_now() + kAskAgain;;) {
@@ -497,7 +497,7 @@ class FirmwarePilot {
   Eigen::Vector3d hold_begin_W_ = Eigen::Vector3d::Zero();
   bool holding_ = false;
   double hold_begin_s_ = 0;
-  /// When the measured hold began; nothing: casd has ended since.
+  /// When the measured hold began; nullopt: casd has ended since.
   std::optional<std::map<std::string, double>> counts_before_;
   OutsideHands hands_before_;  ///< that casd does not know any more
   Motion truth_;
@@ -576,7 +576,7 @@ class FirmwareFleet {
   void go_on_for_a_moment() {
     try {
       deck_.simulator.call("sim.resume", Json::object());
-    } catch (const std::exception&) {  // it may be what has ended
+    } catch (const std::exception&) {  // the simulator itself may have ended
     }
   }
 

@@ -47,7 +47,7 @@ std::optional<std::string> FirmwareReboot::run(const WrittenParams& written,
 }
 
 std::optional<std::string> FirmwareReboot::wait_until_heard(base::RunTime deadline) const {
-  wait(kPollPeriod);  // what the old program sent last is counted by then
+  wait(kPollPeriod);  // now all HEARTBEATs of the old program are counted
   for (const double before = heartbeats(); heartbeats() <= before; wait(kPollPeriod)) {
     if (base::steady_now() > deadline) {
       return "the firmware was not heard again after its reboot; its log in the run folder of the "

@@ -17,8 +17,7 @@ namespace cas::hils {
 /// Parameters by name, in the order of their writing.
 using WrittenParams = std::vector<std::pair<std::string, double>>;
 
-/// What the setparam steps of a flight have written so far, each parameter once, with its newest
-/// value.
+/// Parameters that the setparam steps of a flight have written so far, each with its newest value.
 WrittenParams written_params(std::span<const Stage> stages);
 
 /// Takes the firmware of one vehicle through a reboot: its program ends, as with a power cycle, and
@@ -28,13 +27,13 @@ struct FirmwareReboot {
   std::function<base::SimTime()> look;       ///< at simulated time
   std::function<double()> heartbeats;        ///< heard of the vehicle so far
   std::function<void(base::Duration)> wait;  ///< notices programs that died
-  /// What the vehicle says now; nothing: it does not answer.
+  /// The vehicle's present value; nullopt: it does not answer.
   std::function<std::optional<double>(const std::string&)> parameter;
 
-  /// @param written  what it must still know afterwards
+  /// @param written  values that it must still have afterwards
   /// @param written_at  of the newest of them: it is given the time to store them
-  /// @param patience  real time: until its HEARTBEAT comes, the simulator's says nothing of how
-  ///                  long the firmware takes
+  /// @param patience  real time: until its HEARTBEAT comes, simulated time does not measure the
+  ///                  firmware's boot
   /// @return why the reboot has failed
   std::optional<std::string> run(const WrittenParams& written, base::SimTime written_at,
                                  base::Duration patience) const;

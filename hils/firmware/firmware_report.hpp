@@ -9,9 +9,9 @@
 
 namespace cas::hils {
 
-/// The report of a flight of stock firmware as a self-contained HTML file: the verdict, what it was
-/// held to, truth and estimate over time, rates and delays that casd saw, the configuration.
-/// Several vehicles have a section each.
+/// The report of a flight of stock firmware as a self-contained HTML file: the verdict, its limits,
+/// truth and estimate over time, rates and delays that casd saw, the configuration. Several
+/// vehicles have a section each.
 std::string firmware_report(const FirmwareScenario& scenario, const FirmwarePlaces& places,
                             std::span<const FirmwareResult> vehicles);
 

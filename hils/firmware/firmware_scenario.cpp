@@ -110,7 +110,8 @@ std::vector<double> start_headings(const base::ConfigNode& world, std::size_t co
   return headings;
 }
 
-/// What follows a trajectory goes away from where it began. @throws base::ConfigError
+/// A vehicle on a trajectory leaves its start, so a limit on drift is refused.
+/// @throws base::ConfigError
 void refuse_drift(const base::ConfigNode& limits, const std::vector<FlightStep>& flight) {
   const bool moves = std::ranges::any_of(flight, [](const FlightStep& step) {
     return step.measure && step.kind == StepKind::kTrajectory;
@@ -223,7 +224,7 @@ std::vector<VehicleFault> faults_of(const FirmwareScenario& scenario, std::size_
   return faults;
 }
 
-/// What a scenario adds to the plugins of a vehicle of the world.
+/// Adds the scenario's plugins to those of a vehicle in the world.
 void add_plugins(const FirmwareScenario& scenario, const FirmwarePlaces& places,
                  std::size_t vehicle, YAML::Node plugins) {
   for (const base::ConfigNode& plugin : scenario.plugins) {
@@ -246,7 +247,7 @@ void add_plugins(const FirmwareScenario& scenario, const FirmwarePlaces& places,
   plugins.push_back(recorder);
 }
 
-/// Where what add_plugins() has added was written.
+/// Notes on the origin of the plugins that add_plugins() has added.
 std::string plugin_notes(const FirmwareScenario& scenario, std::size_t vehicle,
                          std::size_t number_of_own) {
   const auto path = [vehicle](std::size_t plugin) {

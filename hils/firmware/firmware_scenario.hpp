@@ -23,8 +23,8 @@ struct Firmware {
   /// PX4's start script, behind the command as `-s FILE`: without one v1.12 runs the board's own
   /// script, which mounts and formats, and ends with 255. Empty: none.
   std::string start;
-  std::string least_version;  ///< "1.12": what is older is not flown; empty: any
-  std::string hint;           ///< what helps where it is too old or ends by itself
+  std::string least_version;  ///< "1.12": oldest version that is flown; empty: any
+  std::string hint;           ///< remedy if it is too old or exits
   std::string cwd;            ///< where it runs; empty: a folder in the results
   std::map<std::string, std::string> environment;
   int instances = 1;  ///< of the program: one for each of the world's first vehicles
@@ -72,7 +72,7 @@ struct FirmwareScenario {
   /// Whether it has steps that hils flies on a link of its own: trajectories, missions, breaches.
   bool needs_companion() const;
   bool flies_several() const { return vehicles.size() > 1; }
-  /// What the names of a vehicle's files and program end with: "_iris1", nothing for one alone.
+  /// Suffix of the names of a vehicle's files and program: "_iris1"; empty for a single vehicle.
   std::string suffix_of(std::size_t vehicle) const {
     return flies_several() ? "_" + vehicles[vehicle] : "";
   }
@@ -88,7 +88,7 @@ struct FirmwareScenario {
 /// @throws base::ConfigError that names the missing variable
 std::string with_variables(const std::string& text, const std::map<std::string, std::string>& more);
 
-/// Name of casd's link for what hils sends to a vehicle.
+/// Name of casd's link for hils's own packets to a vehicle.
 std::string companion_link_name(std::size_t vehicle);
 
 /// Where the pieces of a flight of stock firmware are.

@@ -11,8 +11,8 @@
 
 namespace cas::hils {
 
-/// What the flight was held to: that it was completed and recorded, without incidents, and within
-/// each limit of the scenario.
+/// Checks that the flight was completed and recorded, without incidents and within each limit of
+/// the scenario.
 Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures);
 /// One vehicle of a flight.
 struct FirmwareResult {
@@ -22,7 +22,7 @@ struct FirmwareResult {
 };
 /// The verdict on all of them: passed when each has.
 Verdict judge_together(std::span<const FirmwareResult> vehicles);
-/// summary.json of a flight of stock firmware; of several vehicles what they share, and a list.
+/// summary.json of a flight of stock firmware; of several vehicles the shared part, and a list.
 nlohmann::json firmware_summary(const FirmwareScenario& scenario,
                                 std::span<const FirmwareResult> vehicles);
 

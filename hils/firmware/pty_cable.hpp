@@ -34,11 +34,11 @@ class PtyCable {
 
   // From any thread; they take effect at once, not before they return.
 
-  /// Pulls the plug at the first end: its port is gone, and what comes from the second is lost
-  /// without being counted, until it is put back.
+  /// Pulls the plug at the first end: its port is gone, and bytes from the second are lost,
+  /// uncounted, until it is plugged in again.
   void set_plugged(bool plugged);
-  /// What the cable does to the bytes of both directions from now on; of the model a write is what
-  /// the cable reads at once, for a program that writes packet by packet mostly one of these.
+  /// Sets the line model for both directions from now on. The cable takes the bytes of one read for
+  /// one write of the model: mostly one packet of a program that writes packet by packet.
   void set_line(const fcu::LineConfig& line);
 
   /// Bytes that were thrown away so far, of both directions. From any thread.

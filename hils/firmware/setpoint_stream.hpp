@@ -19,7 +19,7 @@ class SetpointStream {
   /// PX4 takes 2 Hz for a stream that lives; a position loop follows 50 Hz without steps.
   static constexpr double kRate_hz = 50;
 
-  /// What was sent since the first hover().
+  /// Setpoints sent since the first hover().
   struct Figures {
     std::uint64_t count = 0;
     double longest_gap_s = 0;  ///< between two setpoints of one stream, by the vehicle's clock

@@ -10,12 +10,12 @@
 
 namespace cas::hils {
 
-/// Steps that the vehicle says it has done, and that its true motion does not show: a place where
-/// it was not (goto, takeoff, rtl), a waypoint of a mission that it did not come near, a trajectory
-/// in which it hardly moved, a landing after which its rotors carry it on.
+/// Steps that the vehicle reports as done but that its true motion does not show: a place where it
+/// was not (goto, takeoff, rtl), a waypoint of a mission that it did not come near, a trajectory in
+/// which it hardly moved, a landing after which its rotors carry it on.
 ///
-/// Places count from where the vehicle stood at its last takeoff. They are coarse, so that an
-/// estimate may be a little off; how well a step was flown is what limits are for.
+/// Places count from the vehicle's place at its last takeoff. The checks are coarse, so that an
+/// estimate may be a little off; limits judge how well a step was flown.
 ///
 /// @param stages  those that count as done, in their order
 /// @param truth  in the order of time, to the end of the record

@@ -9,8 +9,8 @@
 
 namespace cas::hils {
 
-/// Maps the vehicle's clock to simulated time: both run alike, from different zeros. What is known
-/// of the vehicle's clock is always a little old, so the least difference of late is the true one.
+/// Maps the vehicle's clock to simulated time: both run alike, from different zeros. A reading of
+/// the vehicle's clock is always a little old, so the smallest recent difference is the true one.
 class VehicleClock {
  public:
   /// @param vehicle  its newest time when simulated time was asked for

@@ -78,8 +78,8 @@ std::optional<std::string_view> bench_key(const ConfigNode& node) {
   return std::nullopt;
 }
 
-/// The plugin's own reading, for its errors. What it does not know may be a fault of the bench,
-/// misspelt.
+/// Parses as the plugin does, for its errors. A kind unknown to it may be a misspelt fault of the
+/// bench.
 void read_as_plugin(const ConfigNode& node, std::size_t number) {
   try {
     sim::parse_fault(node, number);

@@ -18,8 +18,8 @@
 
 namespace cas::hils {
 
-/// How late a thread goes on after what it waited for, on a machine of the virtual clock:
-/// log-normal, given by its median and its 99th percentile. Both zero: at once.
+/// Delay of a thread's wake-up after its event, on a machine of the virtual clock: log-normal,
+/// given by its median and its 99th percentile. Both zero: at once.
 struct WakeUpFigures {
   double p50_us = 0;
   double p99_us = 0;
@@ -48,8 +48,8 @@ struct StarveFault {
 };
 /// casd reads its topology again. Needs casd as a program.
 struct ReloadFault {};
-/// hilsim stands still for so long by the wall clock; simulated time stands still with it, so the
-/// fault is over by it as soon as it has begun. With stock firmware.
+/// hilsim pauses for this time by the wall clock. Simulated time pauses with it, so by simulated
+/// time the fault ends as it begins. With stock firmware.
 struct PauseFault {
   base::Duration wall{};
 };
@@ -60,7 +60,7 @@ struct CutFault {
 using BenchFaultKind = std::variant<LineFault, UnplugFault, RestartFault, FloodFault, SilenceFault,
                                     StarveFault, ReloadFault, PauseFault, CutFault>;
 
-/// A fault of the bench, not of the vehicle: when it begins, how long it lasts, what it does.
+/// A fault of the bench, not of the vehicle: its begin, duration and effect.
 struct BenchFault {
   std::string name;
   std::size_t vehicle = 0;  ///< whom its condition asks, and whose line it is
@@ -69,14 +69,14 @@ struct BenchFault {
   base::Duration lasting{};
   BenchFaultKind kind;
 
-  /// What is wrong with casd or on the ground hits every vehicle.
+  /// Whether it hits every vehicle: a fault of casd or on the ground.
   bool is_everybodys() const;
 };
 
 /// A fault that plugin `fault` plays, as it reads it.
 struct VehicleFault {
   base::ConfigNode script;
-  std::optional<std::size_t> vehicle{};  ///< nothing: each of them has it
+  std::optional<std::size_t> vehicle{};  ///< nullopt: each of them has it
 };
 
 /// The faults of a scenario: those of the bench, and those of the vehicles.
@@ -115,7 +115,7 @@ class BenchFaultScript {
   void add(BenchFault fault);
   /// One more, which has been begun by hand.
   void add_begun(BenchFault fault, base::SimTime now);
-  /// What begins or ends now. The faults that it points to stay until the next add().
+  /// Faults that begin or end now. Its pointers to faults stay valid until the next add().
   std::vector<Event> update(base::SimTime now, std::span<const VehicleReport> vehicles,
                             std::string_view phase);
 
@@ -130,7 +130,7 @@ class BenchFaultScript {
     std::string name;
     base::SimTime begin;
     std::optional<base::SimTime> end;
-    std::optional<std::size_t> vehicle{};  ///< nothing: it hit all of them
+    std::optional<std::size_t> vehicle{};  ///< nullopt: it hit all of them
   };
   /// Faults that hit one vehicle.
   std::vector<Span> history_of(std::size_t vehicle) const;

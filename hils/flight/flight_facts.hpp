@@ -28,7 +28,7 @@ struct Condition {
 };
 
 /// Reads `key` ("altitude > 2 and phase == hold") and `of: estimate | truth` of a map.
-/// @return nothing when the key is not there. @throws base::ConfigError
+/// @return nullopt when the key is not there. @throws base::ConfigError
 std::optional<Condition> parse_condition(const base::ConfigNode& node, std::string_view key);
 
 }  // namespace cas::hils

@@ -20,7 +20,7 @@ constexpr base::Duration kHeartbeats = seconds(3);
 constexpr double kNearM = 0.5;
 constexpr double kSlowMS = 0.4;
 constexpr base::Duration kStillFor = seconds(1);
-/// A landing by position is this near: what a stock estimator drifts by, and half a vehicle.
+/// A landing by position is this near: drift of a stock estimator, and half a vehicle.
 constexpr double kLandedNearM = 2;
 /// A vehicle that is to stay above its home has begun to return after this long.
 constexpr base::Duration kReturnBegins = seconds(5);
@@ -142,7 +142,8 @@ std::vector<std::string_view> FlightPlan::modes_of(const FlightStep& step,
   return {mission, "RTL", "LAND"};
 }
 
-/// An autopilot that leaves the mode of a step flies something else: a failsafe, a fence, somebody.
+/// An autopilot that leaves the mode of a step flies something else: a failsafe, a fence, another
+/// operator.
 void FlightPlan::check_mode(const FlightStep& step, base::SimTime now,
                             const VehicleReport& vehicle) {
   const bool flown = phase_ == Phase::kWaiting && vehicle.heard && vehicle.armed;

@@ -44,7 +44,7 @@ struct VehicleReport {
   bool on_ground = false;
   bool has_position = false;
   double position_age_s = 0;                      ///< of p_N and v_N, by casd's clock
-  std::optional<std::string> position_lack{};     ///< what takeoff by position still needs
+  std::optional<std::string> position_lack{};     ///< missing for a takeoff by position
   Eigen::Vector3d p_N = Eigen::Vector3d::Zero();  ///< m, from where it was armed
   Eigen::Vector3d v_N = Eigen::Vector3d::Zero();  ///< m/s
   double roll_rad = 0;
@@ -80,7 +80,7 @@ struct FirmwareHabits {
   /// It accepts arming before it can take off, and disarms itself on the ground (PX4 v1.12.0 after
   /// 8 s, ArduCopter 4.5.6 after 10 s), whether it has refused the takeoff or accepted it a moment
   /// before. So it is armed once it has its position, and again if it is disarmed before it has
-  /// lifted off: the caller first checks who disarmed it (rearm_fault()).
+  /// lifted off: the caller first checks the cause of the disarming (rearm_fault()).
   bool arms_early = false;
   /// A landed vehicle disarms itself within this long; a disarm step leaves it the time.
   base::Duration disarms_itself{};
@@ -88,8 +88,8 @@ struct FirmwareHabits {
   bool flies_setpoints = false;
 };
 
-/// Takes a vehicle through the steps of a scenario. It says which command is to be given and when
-/// a step is done; it gives none itself and reads no clock. FleetPlan keeps several in step.
+/// Takes a vehicle through the steps of a scenario. It decides the next command and when a step is
+/// done; it sends none itself and reads no clock. FleetPlan keeps several in step.
 ///
 ///   update() -> command -> on_outcome() -> update() until the step's condition holds -> next step
 class FlightPlan {
@@ -104,8 +104,9 @@ class FlightPlan {
   explicit FlightPlan(std::vector<FlightStep> steps, double start_yaw_rad = 0,
                       FirmwareHabits habits = {});
 
-  /// Looks at the vehicle. @return the step whose command is to be given now, if any
-  /// @param others_through  so many steps the other vehicles are through with: the next one begins
+  /// Looks at the vehicle. @return the step whose command is due now, if any
+  /// @param others_through  number of steps that the other vehicles have finished: the next one
+  ///     begins
   std::optional<FlightStep> update(base::SimTime now, const VehicleReport& vehicle,
                                    std::size_t others_through = kNobody);
   /// The vehicle's answer to the last command; no refusal: it was accepted. A refused command is
@@ -118,7 +119,7 @@ class FlightPlan {
   /// Steps that it has in all.
   std::size_t size() const { return steps_.size(); }
   bool begun() const { return begun_; }
-  /// Steps that other vehicles need not wait for: those done, and one in which it stands by.
+  /// Steps that other vehicles need not wait for: those done, and a standby step under way.
   std::size_t through() const { return current_ + (stands_by() ? 1 : 0); }
   bool stands_by() const { return !done() && steps_[current_].kind == StepKind::kStandBy; }
   /// Why the flight cannot go on; nullopt as long as it can.
@@ -128,12 +129,11 @@ class FlightPlan {
   /// The mission under way, once it is uploaded: where it goes and ends, and the item before its
   /// landing.
   void aim(const HomedMission& mission);
-  /// When the vehicle is to be looked at next, by who can choose. After kLookPeriod if what the
-  /// vehicle does may take the step further; where it only takes its time (hold, trajectory, the
-  /// pause before a refused command is repeated) when that is over, at the latest after
-  /// kLongestLook.
+  /// Time of the next look at the vehicle, for callers who can choose it. After kLookPeriod if the
+  /// vehicle's motion may complete the step; if only time completes it (hold, trajectory, the pause
+  /// before a refused command is repeated) at its end, at the latest after kLongestLook.
   base::SimTime next_look(base::SimTime now) const;
-  /// Where the vehicle is to be, north, east, up from where it was armed, and its heading.
+  /// Reference position, north, east, up from the place of arming, and heading.
   const Eigen::Vector3d& reference_m() const { return reference_m_; }
   double reference_yaw_rad() const { return reference_yaw_rad_; }
   const std::vector<Stage>& stages() const { return stages_; }

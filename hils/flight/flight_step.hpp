@@ -29,7 +29,7 @@ inline VehicleNames only_vehicle() { return {std::string(kVehicleName)}; }
 
 /// Reads the optional key `vehicle` of a step or a fault.
 ///
-/// @return its place among `names`; nothing when the key is not there
+/// @return its place among `names`; nullopt when the key is not there
 /// @throws base::ConfigError for a name that is not among them, with those that are
 std::optional<std::size_t> parse_vehicle_key(const base::ConfigNode& node,
                                              const VehicleNames& names);

@@ -11,13 +11,13 @@
 
 namespace cas::hils {
 
-/// What an autopilot does at its own fence.
+/// Action of an autopilot at its own fence.
 enum class FenceAction { kHold, kReturn, kLand };
 
 /// A fence that a stock autopilot keeps by itself: an upright cylinder about its home.
 struct Geofence {
   double radius_m = 0;
-  std::optional<double> altitude_m{};  ///< ceiling above home; nothing: none
+  std::optional<double> altitude_m{};  ///< ceiling above home; nullopt: none
   FenceAction action = FenceAction::kReturn;
   double margin_m = 0;  ///< so far beyond it the vehicle may come by the truth
   double early_m = 0;   ///< so far inside it the vehicle may turn

@@ -123,7 +123,7 @@ PlannedItem parse_plan_item(const base::ConfigNode& node) {
   return item;
 }
 
-/// What no flight would come to the end of is refused as it is read.
+/// Refuses missions that no flight can complete.
 void check(const MissionPlan& plan, const base::ConfigNode& node) {
   const auto goes_on = [](const PlannedItem& item) {
     return item.command == MavCmd::kNavLoiterUnlim || item.command == MavCmd::kDoJump;

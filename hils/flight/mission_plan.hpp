@@ -34,7 +34,7 @@ struct MissionPlan {
   /// The last item that flies anywhere lands, or returns and lands.
   bool lands() const;
   /// Place among `items` of the item whose MISSION_ITEM_REACHED says that all but the landing was
-  /// flown; nothing where a mission only lands.
+  /// flown; nullopt where a mission only lands.
   std::optional<std::size_t> last_before_landing() const;
 };
 
@@ -59,8 +59,8 @@ struct HomedMission {
 MissionPlan parse_mission(const base::ConfigNode& body);
 
 /// The items as the vehicle takes them.
-/// @param home  its own, as it tells it
-/// @param home_first  ArduPilot: item 0 is home, and nobody flies it
+/// @param home  as the vehicle reports it
+/// @param home_first  ArduPilot: item 0 is home and is not flown
 HomedMission at_home(const MissionPlan& plan, const base::Geodetic& home, bool home_first);
 
 }  // namespace cas::hils

@@ -7,7 +7,7 @@
 
 namespace cas::hils {
 
-/// Numbers between commas; nothing where anything else is in the line.
+/// Numbers between commas; nullopt where anything else is in the line.
 std::optional<std::vector<double>> parse_csv_row(std::string_view line);
 
 }  // namespace cas::hils

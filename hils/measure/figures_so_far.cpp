@@ -42,7 +42,7 @@ Measurement flawless(const Limits& limits) {
 }  // namespace
 
 void FiguresSoFar::add(const Stage& stage, base::SimTime now, const VehicleReport& vehicle) {
-  if (newest_ && now < *newest_) *this = {};  // the simulation began anew
+  if (newest_ && now < *newest_) *this = {};  // the simulation restarted
   if (!stage.step.measure || newest_ == now) return;
   newest_ = now;
   const Pose reference = reference_at(stage, static_cast<std::int64_t>(base::to_time_usec(now)));
@@ -58,7 +58,7 @@ std::vector<LimitCheck> FiguresSoFar::checks(const Limits& limits) const {
   figures.rms = truth_.figures();
   figures.rms_estimate = estimate_.figures();
   const bool flown = figures.rms->samples > 0 && figures.rms_estimate->samples > 0;
-  if (!flown) figures.rms->samples = figures.rms_estimate->samples = 1;  // else no bound is told
+  if (!flown) figures.rms->samples = figures.rms_estimate->samples = 1;  // else there are no bounds
   Verdict verdict = judge(figures, limits);
   std::erase_if(verdict.checks, [](const LimitCheck& check) {
     return check.kind == LimitCheck::Kind::kValidity || !check.bound;

@@ -14,18 +14,18 @@
 
 namespace cas::hils {
 
-/// What can be said of a vehicle's limits while it flies: its errors from the reference over the
-/// measured step, up to now. Packets and delays are known when the programs have written their
-/// ledgers, responses and incidents when the flight is over.
+/// A vehicle's limits in flight: its errors from the reference over the measured step, up to now.
+/// Packets and delays are known when the programs have written their ledgers, responses and
+/// incidents when the flight is over.
 class FiguresSoFar {
  public:
   /// One look at the vehicle; only those in the measured step count, each moment once, and each
-  /// estimate once while it is fresh. All begins anew where simulated time goes back.
+  /// estimate once while it is fresh. Everything restarts when simulated time goes back.
   /// @param stage  the step under way
   void add(const Stage& stage, base::SimTime now, const VehicleReport& vehicle);
 
-  /// The limits on the flight as judge() has them, in its order and by its names; those that cannot
-  /// be told yet have a bound and no value. What bounds no figure is left out.
+  /// The limits on the flight as judge() has them, in its order and by its names; those not known
+  /// yet have a bound and no value. Entries without a bound are left out.
   std::vector<LimitCheck> checks(const Limits& limits) const;
 
  private:

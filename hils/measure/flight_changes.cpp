@@ -68,7 +68,7 @@ std::string name_of(const std::array<char, n>& id) {
   return name;
 }
 
-/// Whether a call injects a failure, by what is kept of its parameters.
+/// Whether a call injects a failure, by the kept part of its parameters.
 bool is_failure(const OutsideCall& call) {
   if (call.method != "vehicle.command") return false;
   const json params = json::parse(call.params, nullptr, false);
@@ -87,7 +87,7 @@ class ChangeReader {
       if (packet.source.component == kAutopilot) on_vehicle(log_us, packet);
       return;
     }
-    // What casd's station says was asked at its command port, by hils or by the calls.
+    // Commands of casd's station come from its command port: from hils or from the listed calls.
     if (packet.source == casd::kOwnStation) return;
     on_other(log_us, packet);
   }
@@ -99,7 +99,7 @@ class ChangeReader {
       if (tunes && call.accepted) continue;  // where it changed a value, the log has it
       const std::string params = call.params == "{}" ? "" : " " + call.params;
       const std::string what = call.method + params + (call.accepted ? "" : ", refused");
-      // What was done to the simulator counts whenever it was: after a reset it is early again.
+      // Calls to the simulator count at any time: after a reset simulated time is early again.
       if (call.sim_s || is_failure(call)) {
         keep_act(call.sim_s.value_or(seconds(call.log_us)), port_words(call), what);
       } else {
@@ -223,7 +223,7 @@ class ChangeReader {
                              : add_act(log_us, by, act->what);
   }
 
-  /// Only what falls into the flight counts: before it a ground station greets the vehicle.
+  /// Only acts in the flight count: before it a ground station greets the vehicle.
   void add_act(std::int64_t log_us, const std::string& by, const std::string& what) {
     const double time_s = seconds(log_us);
     if (record_.stages.empty() || time_s < base::to_seconds(record_.stages.front().begin)) return;
@@ -253,7 +253,7 @@ class ChangeReader {
   bool own_station_;
   casd::Autopilot autopilot_ = casd::Autopilot::kPx4;
   std::map<std::string, double> values_;  ///< newest received
-  /// Parameters that stations set: who did, when.
+  /// Parameters that stations set: station and time.
   std::map<std::string, std::pair<std::string, std::int64_t>> wishes_;
   FlightChanges changes_;
 };

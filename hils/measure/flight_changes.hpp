@@ -19,7 +19,7 @@ struct RunRecord;
 /// A call that changed a vehicle or the run, or was to; not one of hils's own.
 struct OutsideCall {
   std::int64_t log_us = 0;  ///< when, by the clock of the flight log
-  std::string client;       ///< who asked: "unix:uid 1000"
+  std::string client;       ///< caller: "unix:uid 1000"
   std::string method;
   std::string params;       ///< JSON
   std::uint8_t system = 0;  ///< 0: the run as a whole
@@ -31,13 +31,13 @@ struct OutsideCall {
 /// Methods of casd's command port that were called, with their parameters as JSON.
 using CallList = std::vector<std::pair<std::string, std::string>>;
 
-/// The calls in an answer of casd.journal or sim.journal that are not in `own`, what hils asked.
-/// Each of its own takes out one call. @param port  where they were asked, for people
+/// The calls in an answer of casd.journal or sim.journal without `own`, the calls of hils. Each of
+/// `own` removes one call. @param port  of the calls, for people
 std::vector<OutsideCall> outside_calls(const nlohmann::json& journal, CallList own,
                                        const std::string& port = "casd's command port");
 
-/// What a journal that forgets its oldest calls says of them: nobody knows what they did, so they
-/// count as a call from outside. Nothing: it has them all. @param journal  as above
+/// Stands for the calls that a full journal has dropped: their effect is unknown, so they count as
+/// a call from outside. nullopt: the journal is complete. @param journal  as above
 std::optional<OutsideCall> forgotten_calls(const nlohmann::json& journal, const std::string& port);
 
 /// Whether the call does something, and asks no mere question.
@@ -52,7 +52,7 @@ struct ParameterChange {
   std::string by;     ///< "scenario, step 'setgain'", "casd's command port (unix:uid 1000)"
   std::string parameter;
   std::string loop;              ///< "velocity P"; empty: no gain of a loop
-  std::optional<double> before;  ///< nothing: it was never told
+  std::optional<double> before;  ///< nullopt: never reported
   double after = 0;
   bool from_outside = false;  ///< neither the scenario nor the vehicle itself did it
 };
@@ -65,12 +65,12 @@ struct OutsideAct {
   std::uint64_t times = 1;
 };
 
-/// What the plan of a flight does not say.
+/// Changes to a flight beside its plan.
 struct FlightChanges {
   std::vector<ParameterChange> parameters;
   std::vector<OutsideAct> acts;
 
-  /// Whether somebody beside the scenario had a hand in the flight.
+  /// Whether anyone beside the scenario acted on the flight.
   bool from_outside() const;
 };
 

@@ -8,7 +8,7 @@
 
 namespace cas::hils {
 
-/// What the simulated gyro measured: rates about forward, right and down.
+/// Sample of the simulated gyro: rates about forward, right and down.
 struct GyroSample {
   std::int64_t time_us = 0;
   std::array<double, 3> rate_rad_s{};

@@ -23,7 +23,7 @@ namespace {
 constexpr double kTouch_m = 0.02;
 /// An impact below this height is on the ground: a vehicle that falls on its arm is that high.
 constexpr double kNear_m = 0.5;
-/// More than rotors or gusts can do: what slows a vehicle like this is solid. 6 g.
+/// More than rotors or gusts can do: only a solid object slows a vehicle like this. 6 g.
 constexpr double kImpact_m_s2 = 60.0;
 constexpr double kLeastExtent_m = 1.0;
 
@@ -96,8 +96,8 @@ class Watch {
   static double seconds(const PoseSample& sample) {
     return static_cast<double>(sample.time_us) * 1e-6;
   }
-  /// A rotor that turned stands still from one sample to the next while others turn: its lag leaves
-  /// one that is switched off turning for longer, and what is disarmed stops as a whole.
+  /// A struck rotor stops from one sample to the next while others turn. A rotor that is switched
+  /// off turns on for its lag, and disarming stops all rotors.
   static std::optional<std::size_t> struck_rotor(const PoseSample& before, const PoseSample& now) {
     const auto turns = [](double omega_rad_s) { return omega_rad_s > 0; };
     if (std::ranges::none_of(now.omega_rad_s, turns)) return std::nullopt;

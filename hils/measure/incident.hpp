@@ -18,7 +18,7 @@ inline constexpr double kCrashSpeed_m_s = 3.0;
 inline constexpr double kMostTilt_deg = 75.0;
 /// The extent is the farthest place of the plan from the start, at least 1 m.
 inline constexpr double kFarthestExtents = 10.0;
-/// A rotor that is faster turns: half of what idling rotors have.
+/// A faster rotor counts as turning: half the speed of idling rotors.
 inline constexpr double kTurning_rad_s = 50.0;
 
 /// Angle between the vehicle's axis and the vertical.
@@ -31,11 +31,11 @@ struct Incident {
 };
 
 /// The first incident of each kind in a flight, from its first step to the end of the record.
-/// Ground is where the vehicle stood at the start: over terrain only kCrash tells of a touch.
+/// Ground is the height of the vehicle at the start: over terrain only kCrash detects a touch.
 ///
 /// @param stages  the flight as it went
 /// @param truth   in the order of time
-/// @param from_s  what came earlier is left out
+/// @param from_s  earlier samples are left out
 std::vector<Incident> find_incidents(const std::vector<Stage>& stages,
                                      std::span<const PoseSample> truth, double from_s = 0);
 

@@ -126,8 +126,8 @@ void check_machine(const Measurement& figures, Checks& checks) {
                           1e-3 * figures.handover_p99_us, most_ms));
 }
 
-/// What is late in the emulated controller is the machine's, too: it answers a sample at once, or
-/// with the next control that is due.
+/// Lateness in the emulated controller is also the machine's: it answers a sample at once, or with
+/// the next control that is due.
 void check_controller(const Measurement& figures, Checks& checks) {
   if (figures.from_device) return;
   // It stamps a sample when it reads it: later than others, when it had no processor.

@@ -22,7 +22,7 @@ enum ExitCode : int {
   kExitBoardAbsent = 4,  ///< a board's device is not there
   kExitNoBoot = 5,       ///< a board does not boot, or boots another firmware
   kExitBoardFailed = 6,  ///< a board's hook failed, or the board refused
-  kExitBoardBusy = 7,    ///< somebody else holds the board
+  kExitBoardBusy = 7,    ///< another holds the board
   kExitInterrupted = 130,
 };
 
@@ -44,8 +44,8 @@ inline constexpr double kLeastRealTimeFactor = 0.99;
 /// Longest pause in the stream of a valid run: ten periods of a 200 Hz stream; a
 /// controller takes its sensors for dead after 300 (PX4).
 inline constexpr double kMostStallMs = 50.0;
-/// Most by which 99 % of a valid run's HIL_SENSOR may be late, and most that one hop between two
-/// programs may take for 99 %: one period of the stream. What is later comes after its successor
+/// Limit for the lateness of 99 % of a valid run's HIL_SENSOR, and for 99 % of the delays of one
+/// hop between two programs: one period of the stream. A later sample arrives after its successor
 /// was due. At 500 Hz these 2 ms cost a rate loop that crosses over at 40 rad/s 5 degrees of phase.
 double most_late_ms(const Measurement& figures);
 

@@ -94,7 +94,7 @@ double handover_p99_us(const std::vector<PathAccount>& paths) {
   return slowest;
 }
 
-/// How much later than the median the controller reads what casd wrote to the line.
+/// How much later than the median the controller reads casd's packets from the line.
 double reading_spread_us(const std::vector<PathAccount>& paths) {
   for (const PathAccount& path : paths) {
     for (const HopFigures& hop : path.hops) {
@@ -129,8 +129,8 @@ void measure_stream(const Scenario& scenario, const RunRecord& record, Measureme
         account_path(path, simulator, controller, record.from_device ? nullptr : relay, window));
   }
   figures.pace = pace(simulator, HilSensor::kId, window);
-  // With one blocking thread casd reads when the line has taken what came before: that is the
-  // architecture's delay, not the machine's.
+  // With one blocking thread casd reads only after the line has taken the previous bytes: this
+  // delay belongs to the architecture, not to the machine.
   if (figures.architecture == Architecture::kTs) return;
   figures.handover_p99_us = handover_p99_us(figures.paths);
   figures.reading_spread_us = reading_spread_us(figures.paths);

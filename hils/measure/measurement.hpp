@@ -28,7 +28,7 @@ struct StreamFigures {
   RateFigures controls;
 };
 
-/// What QGroundControl's averaging meter would have shown at the end of the window, Hz.
+/// Readings of QGroundControl's averaging meter at the end of the window, Hz.
 struct MeterReadings {
   double sensor_hz = 0;
   double gps_hz = 0;

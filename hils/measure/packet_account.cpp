@@ -87,8 +87,8 @@ Moments moments_of(const LedgerView& view, StreamWindow window = kWhole) {
   return point_of(view.ledger, view.direction, view.message_id, window).moments;
 }
 
-/// A stream that begins within the window has its rate from then on: what was not sent before is
-/// not missed. GPS begins up to a fifth of a second late by its own rate.
+/// The rate of a stream that begins within the window counts from its begin: no earlier message is
+/// missed. GPS begins up to a fifth of a second late by its own rate.
 constexpr std::uint64_t kLatestBeginUsec = 500'000;
 
 bool begins_late(const Moments& sent, StreamWindow window) {

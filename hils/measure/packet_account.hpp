@@ -86,15 +86,15 @@ struct PaceFigures {
 PaceFigures pace(std::span<const base::LedgerEntry> sender, std::uint32_t message_id,
                  StreamWindow window);
 
-/// What the message inspector of QGroundControl 3, the instrument of [HILS] Table 4, would have
-/// shown: it counts in periods of one second and shows an exponential mean with gain 0.2 that
-/// starts at zero; the first message is not counted. A true 500 Hz reads 446 after 10 s.
+/// Reading of the message inspector of QGroundControl 3, the instrument of [HILS] Table 4: it
+/// counts in periods of one second and shows an exponential mean with gain 0.2 that starts at zero;
+/// the first message is not counted. A true 500 Hz reads 446 after 10 s.
 ///
 /// @param arrivals_ns  moments of arrival, in order
 /// @param until_ns     moment of reading
 double averaging_meter_hz(std::span<const std::int64_t> arrivals_ns, std::int64_t until_ns);
 
-/// What casd noted of the HIL packets at its two links.
+/// casd's ledgers of the HIL packets at its two links.
 struct RelayLedgers {
   casd::LinkLedger simulator;   ///< link "sim"
   casd::LinkLedger controller;  ///< link "fcu"

@@ -26,7 +26,7 @@ struct PluginFigure {
 };
 
 /// The figures of one vehicle from plugin_figures.json of a run; empty when there is no such file.
-/// @throws base::ConfigError when the file is not what the simulator writes
+/// @throws base::ConfigError when the file has another format than the simulator's
 std::vector<PluginFigure> read_plugin_figures(const std::filesystem::path& file,
                                               const std::string& vehicle);
 

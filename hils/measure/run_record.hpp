@@ -31,10 +31,10 @@ struct RunRecord {
   std::filesystem::path truth_csv;
   std::filesystem::path sensors;  ///< folder with a CSV file of each sensor
   std::filesystem::path flight_tlog;
-  std::filesystem::path plugin_figures;  ///< what plugins report; there may be no such file
+  std::filesystem::path plugin_figures;  ///< figures of plugins; the file may be missing
   std::vector<Stage> stages;
   std::optional<Stage> under_way;  ///< the step that was not done when the flight ended
-  std::optional<Stage> hold;       ///< the measured one; nothing when the flight did not get there
+  std::optional<Stage> hold;       ///< the measured one; nullopt when the flight did not get there
   std::vector<BenchFaultScript::Span> faults;  ///< of the bench, as they went
   std::vector<OutsideCall> outside_calls;      ///< of casd's command port, by others than hils
   ClockMap log_clock;                          ///< clock of the flight log -> simulated time

@@ -21,7 +21,7 @@ std::optional<double> reached_s(std::span<const ResponseSample> samples, double 
   return std::nullopt;
 }
 
-/// Moment after the last sample outside of the band; nothing when that is the last of all.
+/// Moment after the last sample outside of the band; nullopt when that is the last of all.
 std::optional<double> settled_s(std::span<const ResponseSample> samples, double to, double band) {
   std::size_t first_inside = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {

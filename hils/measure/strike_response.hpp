@@ -70,7 +70,7 @@ VehicleTale read_vehicle_tale(const RunRecord& record);
 /// Evidence that the response is derived from.
 struct StrikeEvidence {
   double strike_s = 0;
-  std::optional<double> end_s{};  ///< of the fault; nothing: it lasts to the end
+  std::optional<double> end_s{};  ///< of the fault; nullopt: it lasts to the end
   std::string fault{};
   bool stops_rotors = false;  ///< the fault does, by physics: standing rotors are no answer to it
   std::span<const Stage> stages{};  ///< with the one that was under way at the end
@@ -83,7 +83,7 @@ struct StrikeEvidence {
 /// flight: of its last step, or disarmed on the ground; of a strike on the ground after that, too.
 StrikeResponse strike_response(const StrikeEvidence& evidence);
 
-/// The response to the first fault of a flight; nothing when none struck.
+/// The response to the first fault of a flight; nullopt when none struck.
 /// @param steps   of the vehicle
 /// @param faults  that its plugin plays
 std::optional<StrikeResponse> read_strike_response(const RunRecord& record,

@@ -13,8 +13,8 @@
 
 namespace cas::hils {
 
-/// "compare: 3 of 20, 0:12, about 1:08 left": what is done, of how much, how long it took and will
-/// take. What is left is told from a twentieth on.
+/// "compare: 3 of 20, 0:12, about 1:08 left": runs done, of all, time passed and left. The time
+/// left appears once a twentieth is done.
 inline std::string batch_line(std::string_view name, std::size_t done, std::size_t all,
                               std::chrono::seconds elapsed) {
   const auto clock = [](long seconds) {

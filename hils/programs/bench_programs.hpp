@@ -25,7 +25,8 @@ class BenchPrograms {
   /// base::ConfigError
   /// @param paused  the simulator waits at time zero
   void start(bool paused = false);
-  /// The simulator first, so that what it sent still arrives. @throws RunStopped on bad ends
+  /// Stops the simulator first, so that its last packets still arrive. @throws RunStopped on bad
+  /// ends
   /// @param nothing_under_way  as at the end of lockstep: casd ends at the same time
   void stop(bool nothing_under_way = false);
 

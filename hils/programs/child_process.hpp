@@ -32,7 +32,7 @@ class ChildProcess {
     std::string name;                        ///< for messages: "casd"
     std::vector<std::string> arguments;      ///< argv, the program's path first
     std::filesystem::path log_file;          ///< standard output and error
-    bool appends = false;                    ///< to what is in the log file, else it begins anew
+    bool appends = false;                    ///< to the log file, else truncates it
     std::filesystem::path notify_socket{};   ///< empty: it has none, and is ready at once
     bool says_ready = true;                  ///< else it is taken to be ready at once
     std::filesystem::path cwd{};             ///< empty: this process's
@@ -57,7 +57,7 @@ class ChildProcess {
 
   /// Collects the end of the process if it has ended.
   const std::optional<ExitStatus>& poll_exit();
-  /// Waits for its end until `patience` after its begin. @return nothing when it still runs then
+  /// Waits for its end until `patience` after its begin. @return nullopt when it still runs then
   const std::optional<ExitStatus>& wait_exit(base::Duration patience);
   void terminate();  ///< SIGTERM to the group
   void kill();       ///< SIGKILL to the group

@@ -100,12 +100,12 @@ void add_vehicle_links(const RunRequest& request, std::size_t vehicle, const Veh
   const FcuDevice* device = request.fcu_device(vehicle);
   controller["device"] = device == nullptr ? places.fcu_link().string() : device->path;
   controller["baud"] = serial_baud(request, device);
-  // Whoever names a device means it; casd still keeps off the terminal of a session.
+  // A device named by the user is meant; casd still refuses the terminal of a session.
   if (device != nullptr) controller["unlocked_pty"] = true;
   links.push_back(controller);
 }
 
-/// A link that takes in what ground stations say, and nothing in the name of a vehicle.
+/// A link that accepts packets of ground stations, and none in the name of a vehicle.
 YAML::Node ground_link(const RunRequest& request, const std::string& name,
                        const StationEndpoint& station) {
   YAML::Node link;
@@ -116,7 +116,7 @@ YAML::Node ground_link(const RunRequest& request, const std::string& name,
   for (const std::uint8_t vehicle : request.scenario.systems()) {
     link["accept"]["block_systems"].push_back(static_cast<int>(vehicle));
   }
-  // What casd's own station says is not taken for somebody's act.
+  // Packets of casd's own station are not taken for an outside act.
   link["accept"]["block_systems"].push_back(static_cast<int>(casd::kOwnStation.system));
   if (station.inject_failures) link["inject_failures"] = true;
   return link;
@@ -256,7 +256,7 @@ YAML::Node further_plugin(const base::ConfigNode& entry) {
   return node;
 }
 
-/// Entry of plugin `fault` for this vehicle; nothing when it has no faults.
+/// Entry of plugin `fault` for this vehicle; nullopt when it has no faults.
 /// @param by_hand  it takes further ones in flight
 std::optional<YAML::Node> fault_plugin(const Scenario& scenario, std::size_t vehicle,
                                        bool by_hand) {

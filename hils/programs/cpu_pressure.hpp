@@ -9,16 +9,16 @@
 namespace cas::hils {
 
 /// Time for which some task of the machine has waited for a processor, since boot, out of the text
-/// of /proc/pressure/cpu. Nothing when the text is another.
+/// of /proc/pressure/cpu. nullopt when the text is another.
 std::optional<base::Duration> parse_cpu_pressure(std::string_view text);
 
-/// Measures what share of the time something on this machine waited for a processor: near zero on
+/// Measures the share of time in which a task on this machine waited for a processor: near zero on
 /// a quiet machine, near one on a busy one.
 class CpuPressure {
  public:
   void start();
   void stop();
-  /// Between start() and stop(); nothing where the kernel does not tell.
+  /// Between start() and stop(); nullopt where the kernel does not tell.
   std::optional<double> share() const { return share_; }
 
  private:

@@ -10,11 +10,11 @@
 namespace cas::hils {
 
 /// Names of the MAVLink messages that a vehicle's simulator sends beside those of every run, each
-/// once: BATTERY_STATUS where its file has a battery, then what the scenario's further plugins
-/// declare (CAS_PLUGIN_SENDS), in their order. Opens their libraries, where the simulator will find
-/// them.
-/// @throws base::ConfigError with file and line, for a plugin that is not there or that declares
-/// what it may not send
+/// once: BATTERY_STATUS where its file has a battery, then the declarations of the scenario's
+/// further plugins (CAS_PLUGIN_SENDS), in their order. Opens their libraries, where the simulator
+/// will find them.
+/// @throws base::ConfigError with file and line, for a plugin that is not there or that declares a
+/// message it may not send
 std::vector<std::string> declared_messages(const Scenario& scenario, std::size_t vehicle);
 
 }  // namespace cas::hils

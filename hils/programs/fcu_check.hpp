@@ -11,10 +11,10 @@
 
 namespace cas::hils {
 
-/// What can be seen of a flight controller on a serial port before it is flown.
+/// State of a flight controller on a serial port before its flight.
 struct FcuFacts {
   std::string device{};
-  std::optional<std::uint8_t> system{};  ///< that it must have; nothing: any
+  std::optional<std::uint8_t> system{};  ///< that it must have; nullopt: any
   bool link_up = false;
   std::string link_words{};  ///< where it is, or why it is not up
   bool heard = false;        ///< its HEARTBEAT has come
@@ -34,7 +34,7 @@ struct FcuFinding {
   bool good = true;
   bool fatal = false;  ///< the flight would be worthless or not allowed
   std::string what;
-  std::string remedy{};  ///< what to do
+  std::string remedy{};  ///< advice
 };
 
 /// Judges a controller before the flight of `vehicle`. Pure.

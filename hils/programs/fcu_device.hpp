@@ -16,7 +16,7 @@ void refuse_emulator_faults(const RunRequest& request);
 void check_devices(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request);
 
 /// Fills in the controller's part of the record. A real controller keeps no ledger: casd's port
-/// counts as its end, and gaps between sequence numbers show what is lost beyond the port.
+/// counts as its end, and gaps between sequence numbers show losses beyond the port.
 /// @param vehicle  whose record it is
 void stand_in_for_controller(const RunPlaces& places, const VehiclePlaces& vehicle,
                              RunRecord& record);

@@ -7,8 +7,8 @@
 
 namespace cas::hils {
 
-/// The flight logs of a run in which casd is killed and started again: each casd writes the same
-/// file anew, and in the end they are one.
+/// The flight logs of a run in which casd is killed and started again: each casd writes a new file
+/// of the same name, and in the end they are joined.
 class FlightLogs {
  public:
   /// @param log  that casd writes

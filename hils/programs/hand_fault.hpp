@@ -11,7 +11,7 @@
 
 namespace cas::hils {
 
-/// Why a fault that somebody asks for is not begun, with the code of the answer.
+/// Why a requested fault is not begun, with the code of the answer.
 struct HandRefusal {
   int code;
   std::string sentence;

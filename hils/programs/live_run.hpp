@@ -26,9 +26,9 @@
 
 namespace cas::hils {
 
-/// A run that people watch in a browser: casweb beside it, and the port on which casweb is told
-/// references, limits and the verdict, and hands over faults by hand. It outlives the programs of
-/// the run, so that the verdict reaches the page.
+/// A run that people watch in a browser: casweb beside it, and the port on which casweb gets
+/// references, limits and the verdict, and orders faults by hand. It outlives the programs of the
+/// run, so that the verdict reaches the page.
 class LiveRun {
  public:
   LiveRun();
@@ -44,12 +44,12 @@ class LiveRun {
   /// @param start_m  where the vehicles stood at first: north, east, up
   void look(base::SimTime now, const FleetPlan& plan, std::span<const VehicleReport> vehicles,
             std::span<const Eigen::Vector3d> start_m);
-  /// What begins a fault of a line. @throws base::rpc::CallError, base::ConfigError
+  /// Begins a fault of a line. @throws base::rpc::CallError, base::ConfigError
   using BeginFault = std::function<void(const BenchFault& fault)>;
-  /// Begins the faults that were asked for since the last look, and answers who asked.
+  /// Begins the faults that were requested since the last look, and answers the requests.
   void play_faults(base::SimTime now, std::span<const VehicleReport> vehicles,
                    BenchFaultScript& faults, base::rpc::Client& simulator, const BeginFault& begin);
-  /// Whether it is time to say again what others have done to the run.
+  /// Whether a list of outside calls is due.
   bool wants_calls() const { return port_ && base::steady_now() >= next_calls_; }
   void show_calls(const std::vector<OutsideCall>& calls);
   /// The flight is over, and is judged.
@@ -57,17 +57,17 @@ class LiveRun {
     if (port_) port_->end_faults();
   }
   void tell(const RunResult& result);
-  /// The run ends without a verdict. Nothing where the page has been told how it ended.
+  /// The run ends without a verdict. Does nothing if the page knows the end already.
   void tell_end(const std::string& sentence);
 
-  /// casweb was there and has ended: no page can resume what one has paused.
+  /// casweb was there and has ended: no page can resume a paused run.
   bool page_has_ended() const;
-  /// Has the simulation go on.
+  /// Resumes the simulation.
   void resume(base::rpc::Client& simulator);
 
   /// Faults by hand, as acts of others.
   const std::vector<OutsideCall>& calls() const { return calls_; }
-  /// What it asked of the simulator for them.
+  /// Its own calls to the simulator for them.
   const CallList& simulator_calls() const { return simulator_calls_; }
 
  private:
@@ -87,7 +87,7 @@ class LiveRun {
   std::vector<FiguresSoFar> so_far_;  // by vehicle
   std::vector<OutsideCall> calls_;
   CallList simulator_calls_;
-  std::unique_ptr<Shown> shown_;  // what people were told last
+  std::unique_ptr<Shown> shown_;  // last data shown to the page
   bool told_ = false;             // how the run ended
   base::RunTime next_status_{};
   base::RunTime next_calls_{};

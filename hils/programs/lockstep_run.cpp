@@ -61,7 +61,7 @@ VehicleReport to_report(const Json& status) {
   return report;
 }
 
-/// Flies the plan: reads the state and gives commands while simulated time stands still.
+/// Flies the plan: reads the state and gives commands while simulated time is stopped.
 ///
 ///   run_until(next look) -> fcu.status -> plan -> command, acknowledged -> run_until ...
 class LockstepPilot {

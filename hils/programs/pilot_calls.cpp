@@ -190,8 +190,8 @@ void send_phase(base::rpc::Client& simulator, std::string_view phase, std::strin
   simulator.call("sim.phase", {{"name", sent}});
 }
 
-// The state first: what comes after it keeps casd from arming, and what waits for an answer does,
-// so that the journal need not have it yet.
+// The state first: later acts keep casd from arming, and so do pending calls, which the journal may
+// lack yet.
 OutsideHands outside_hands(base::rpc::Client& casd, const CallList& own, AskedVehicle vehicle) {
   const VehicleReport report = vehicle_report(casd, vehicle);
   const Json journal = casd.call("casd.journal", Json::object());

@@ -20,15 +20,15 @@ namespace cas::hils {
 /// Motion of a vehicle in sim.status, whose axes are W's: x east, y north.
 Motion to_motion(const nlohmann::json& vehicle);
 
-/// The vehicle that casd is asked about, by its MAVLink system; nothing: the only one there is.
+/// The vehicle that casd is asked about, by its MAVLink system; nullopt: the only one there is.
 using AskedVehicle = std::optional<std::uint8_t>;
 
 /// State of the vehicle as casd knows it now; `heard` is false if casd has not heard it yet.
 VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle = {});
 
-/// Has casd give a step's commands. @return why one was refused; nothing: all were accepted
+/// Gives a step's commands through casd. @return why one was refused; nullopt: all were accepted
 /// @param asked  the calls are added to it
-/// @param acts_so_far  by VehicleReport: casd does not arm if somebody has commanded since
+/// @param acts_so_far  by VehicleReport: casd does not arm after a later command of another
 std::optional<Refusal> give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
                             AskedVehicle vehicle = {}, CallList* asked = nullptr,
                             std::optional<std::uint64_t> acts_so_far = {});
@@ -38,7 +38,7 @@ std::optional<Refusal> give(base::rpc::Client& casd, const FlightStep& step, boo
 void send_phase(base::rpc::Client& simulator, std::string_view phase, std::string& sent);
 
 /// Commands of others than hils to the vehicle, checked before it is armed.
-/// @param own  what hils asked
+/// @param own  the calls of hils
 OutsideHands outside_hands(base::rpc::Client& casd, const CallList& own, AskedVehicle vehicle = {});
 
 /// Calls to casd by others than hils (casd.journal). @param own  the calls of hils

@@ -14,8 +14,8 @@ namespace cas::hils {
 /// How a run keeps to the clock: "1.00x", after late steps "1.00x, 3 late".
 std::string pace_words(double real_time_factor, std::optional<std::uint64_t> late_steps = {});
 
-/// The step under way, how the run keeps to the clock, where the vehicle takes itself to be (north,
-/// east, up in m), and how the stream does in words; of these from the left what fits.
+/// The step under way, the pace of the run, the vehicle's estimated position (north, east, up in
+/// m), and the state of the stream in words; cut to the width from the right.
 ///
 /// @param columns  most characters that the line may have
 std::string progress_line(base::SimTime now, const FlightPlan& plan, const VehicleReport& vehicle,
@@ -34,7 +34,7 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Whether anybody looks: else nothing needs to be found out for it.
+  /// Whether the line is shown: else its data need not be collected.
   bool shows() const { return terminal_ || base::steady_now() >= next_plain_; }
   /// Shows progress_line(), drawn again only when it has changed; or plain_progress_line() when it
   /// is due.

@@ -292,7 +292,7 @@ std::optional<Refusal> RealtimePilot::give(const FleetPlan::Command& command) {
   return hils::give(*casd_, command.step, false, asked_[i], &own_calls_, acts_so_far);
 }
 
-/// A run that somebody paused waits for ever: says who, and goes on when casweb has ended
+/// A paused run waits for ever: names the caller, and resumes the run if casweb has ended
 /// meanwhile.
 void RealtimePilot::watch_pause() {
   if (!paused_) {

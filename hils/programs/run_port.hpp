@@ -11,17 +11,17 @@
 
 namespace cas::hils {
 
-/// The Unix socket on which a run says what it flies, and takes faults by hand; casweb asks there.
-/// A thread of its own serves it from what the run has shown last.
+/// The Unix socket of a run, for casweb: it reports the flight and takes faults by hand. A thread
+/// of its own serves it from the data that the run showed last.
 ///
-///   run.reference, run.status, fault.list   what was shown
+///   run.reference, run.status, fault.list   the data shown last
 ///   fault.inject                            waits until the run takes it and answers
 ///   topics fault, verdict                   published; run.told: the verdict has been passed on
 class RunPort {
  public:
   using Json = base::rpc::Json;
 
-  /// Somebody wants a fault.
+  /// A client's request for a fault.
   struct FaultCall {
     std::string params;  ///< JSON
     base::rpc::Reply reply;
@@ -36,13 +36,14 @@ class RunPort {
   /// The answer of a method from now on.
   void show(const std::string& method, Json answer);
   void publish(const std::string& topic, Json params);
-  /// Faults that were asked for since the last look; each is to be answered.
+  /// Faults requested since the last look; each needs an answer.
   std::vector<FaultCall> take_faults();
   void answer(const FaultCall& call, Json result);
   void refuse(const FaultCall& call, int code, std::string sentence);
   /// From now on no fault is taken: those asked for are refused.
   void end_faults();
-  /// Publishes the verdict and waits until who hears it has passed it on, for two seconds at most.
+  /// Publishes the verdict and waits until its subscriber has passed it on, for two seconds at
+  /// most.
   void tell_verdict(Json verdict);
 
  private:

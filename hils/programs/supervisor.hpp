@@ -58,8 +58,8 @@ class Supervisor {
   /// Waits for `time` or until the run is stopped, whichever comes first. @throws RunStopped
   void wait(base::Duration time);
 
-  /// From now on the programs that are left outlive the stop of the run by at most `patience`, for
-  /// what is to be said to them then; a second signal ends them at once. Zero: they end with it.
+  /// From now on the remaining programs outlive the stop of the run by at most `patience`, so that
+  /// they still take last calls; a second signal ends them at once. Zero: they end with it.
   void linger(base::Duration patience);
   /// Ends the programs of a stopped run.
   void end_lingering();

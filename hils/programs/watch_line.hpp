@@ -10,8 +10,8 @@
 
 namespace cas::hils {
 
-/// What to type for casctl: its name where a folder of `search_path` (PATH) has it, else where it
-/// is beside this program, from `working_folder` on when it is below it.
+/// Command for casctl: its name if a folder of `search_path` (PATH) has it, else its path beside
+/// this program, relative to `working_folder` if below it.
 std::string casctl_command(const std::filesystem::path& program_folder,
                            const std::filesystem::path& working_folder,
                            std::string_view search_path);

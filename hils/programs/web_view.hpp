@@ -17,8 +17,7 @@ std::string built_without_page(const std::filesystem::path& page_folder);
 /// That of this program, in the build tree and in an installation.
 std::string built_without_page();
 
-/// casweb beside a run, which shows it in a browser. A run does not end with it: nobody flies by
-/// it.
+/// casweb beside a run, which shows it in a browser. A run goes on without it.
 class WebView {
  public:
   /// Starts casweb at its usual port, or at a free one where that is taken, waits until it listens

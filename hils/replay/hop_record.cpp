@@ -121,7 +121,7 @@ Hops hops_of(const RunRecord& record) {
   return hops;
 }
 
-/// What one second of a hop comes to.
+/// Figures of one second of a hop.
 struct Bin {
   std::uint64_t left = 0;
   std::uint64_t arrived = 0;

@@ -7,7 +7,7 @@
 
 namespace cas::hils {
 
-/// What the ledgers of a run say of each hop, for the page's link diagram:
+/// Each hop according to the ledgers of a run, for the page's link diagram:
 ///
 ///   hops:  one from point to point ("sim>casd"), with a bin for each second of simulated time:
 ///          packets that left, that arrived, and the median and 99 % of their delays, us

@@ -45,7 +45,7 @@ void for_each_packet(const std::filesystem::path& tlog,
 }
 
 /// Time of a log since its begin, or of the simulation where its clock is known. It never goes
-/// back, and stands still where a stamp is wrong: over a day from the one before it.
+/// back, and ignores a wrong stamp: one over a day from the last.
 class LogTime {
  public:
   explicit LogTime(const ClockMap& clock) : clock_(clock) {}
@@ -85,7 +85,7 @@ double load(const std::uint8_t* bytes) {
   return static_cast<double>(value);
 }
 
-/// An element of a field as JSON has it (number_json()); NaN for what is not finite.
+/// An element of a field as JSON has it (number_json()); NaN for a non-finite value.
 double number_of(const mav::FieldInfo& field, const Payload& payload, std::size_t element) {
   const auto at = [&](std::size_t size) {
     return payload.data() + field.wire_offset + element * size;
@@ -120,7 +120,7 @@ double number_of(const mav::FieldInfo& field, const Payload& payload, std::size_
   return std::nan("");
 }
 
-/// Puts together what a vehicle says.
+/// Collects a vehicle's messages, texts and states.
 class Listener {
  public:
   void on_packet(double t_s, const mav::PacketView& packet) {

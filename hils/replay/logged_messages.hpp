@@ -9,7 +9,7 @@
 
 namespace cas::hils {
 
-/// What a vehicle said in a flight log, for the page:
+/// A vehicle's messages in a flight log, for the page:
 ///
 ///   messages: name, packets in each second, and each number as a series of at most 20 Hz
 ///   texts:    STATUSTEXT, put together where it came in several packets

@@ -23,7 +23,7 @@ class LoggedSeries {
   /// Counts a message. @return whether its numbers are wanted, too: add() each, every time in the
   /// same order
   bool take(double t_s);
-  /// @param fine  resolve what changes, too, and not only the largest value: degrees of latitude
+  /// @param fine  resolve changes, too, and not only the largest value: degrees of latitude
   void add(std::string_view name, std::string_view unit, double value, bool fine = false);
 
   nlohmann::ordered_json json(const std::string& name) const;

@@ -51,7 +51,7 @@ void check_gzip(std::string_view bytes) {
   if (inflateInit2(&stream, kGzip) != Z_OK) throw base::ConfigError("zlib cannot begin to read");
   stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // zlib only reads it
   stream.avail_in = static_cast<uInt>(bytes.size());
-  std::array<char, 65536> part{};  // nobody reads it
+  std::array<char, 65536> part{};  // discarded
   int state = Z_OK;
   while (state == Z_OK) {
     stream.next_out = reinterpret_cast<Bytef*>(part.data());

@@ -17,8 +17,7 @@ void check_gzip(std::string_view bytes);
 /// The page that replays records without a server: replay.html of the built page with the records
 /// in it.
 ///
-/// @param records  gzip of what replay_record() gives; the first is the one that is shown, the
-///                 second stands beside it
+/// @param records  gzip of replay_record(); the first is shown, the second beside it
 /// @throws base::ConfigError where the page was not built, or is damaged
 std::string replay_page(std::span<const std::string> records);
 

@@ -215,8 +215,8 @@ Json vehicle_json(const RunRequest& request, std::size_t i, const VehicleResult&
   return vehicle;
 }
 
-/// What lies between casd and the controllers: serial lines with their rate, where all have one,
-/// UDP, or in lockstep no line whose speed counts.
+/// Lines between casd and the controllers: serial with their rate, if all have one, UDP, or in
+/// lockstep none with a speed.
 Json line_json(const RunRequest& request) {
   if (request.architecture == Architecture::kDirect) return {{"type", "none"}};
   if (request.architecture == Architecture::kSitl) return {{"type", "udp"}};
@@ -232,7 +232,7 @@ Json line_json(const RunRequest& request) {
   return line;
 }
 
-/// What flies: "fcu_emulator", or for each vehicle that or the port of a real controller.
+/// The controllers: "fcu_emulator", or for each vehicle that or the port of a real one.
 std::string controllers(const RunRequest& request) {
   constexpr const char* kEmulator = "fcu_emulator";
   if (request.fcu_devices.empty()) return kEmulator;
@@ -244,7 +244,7 @@ std::string controllers(const RunRequest& request) {
   return all;
 }
 
-/// The record of a log alone. @param vehicle  what the log has of it
+/// The record of a log alone. @param vehicle  its data from the log
 std::string log_record(const std::filesystem::path& file, const Json& vehicle) {
   Json named{{"name", file.stem().string()}};
   named.update(vehicle);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPeriod_s = 0.02;
 
-/// Name in the record, and what a pixel can show of it.
+/// Name in the record, and the smallest visible step.
 struct Column {
   std::string_view name;
   double step;

@@ -29,7 +29,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What the page draws the vehicle from; their numbers always come at 20 Hz.
+/// Topics from which the page draws the vehicle; their numbers always come at 20 Hz.
 const std::set<std::string, std::less<>> kDrawn{"vehicle_local_position", "vehicle_attitude",
                                                 "vehicle_status"};
 
@@ -77,7 +77,7 @@ class UlogTime {
   std::string leap_of_;
 };
 
-/// A sentence without the colours of a terminal, and without what may stand at its end.
+/// A sentence without the colours of a terminal, and without blanks and zeros at its end.
 std::string plain(std::string_view text) {
   std::string kept;
   while (!text.empty()) {
@@ -146,7 +146,7 @@ class Sizes final : public UlogListener {
   std::map<std::string, Size, std::less<>> series_;
 };
 
-/// Second reading: puts together what the page shows.
+/// Second reading: collects the contents of the page.
 class Contents final : public UlogListener {
  public:
   explicit Contents(double period_s) : period_s_(period_s) {}

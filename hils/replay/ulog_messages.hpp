@@ -11,7 +11,7 @@ namespace cas::hils {
 
 inline constexpr std::size_t kMostUlogNumbers = 3'000'000;  ///< that a page holds with ease
 
-/// What a log lacks.
+/// Losses of a log.
 struct UlogLoss {
   std::int64_t dropped_ms = 0;    ///< that the vehicle's storage did not keep
   std::size_t damaged_bytes = 0;  ///< that are no messages
@@ -21,11 +21,11 @@ struct UlogLoss {
   std::string sentence() const;
 };
 
-/// What a vehicle's own log, in PX4's ULog format, has for the page:
+/// Contents of a vehicle's own log, in PX4's ULog format, for the page:
 ///
 ///   log:    as logged_messages() gives it, with each topic as a message. A state's mode is a word.
 ///           Where a topic has the attitude `q`, its `roll`, `pitch` and `yaw` are there, too
-///   events: parameters that changed, and what the log lacks
+///   events: changed parameters, and losses of the log
 ///   system: the vehicle's
 ///   truth, reference, origin: the true motion and the setpoints, as UlogTruth has them
 ///   controller: its hardware, "PX4_FMU_V5X"; empty where the log does not say

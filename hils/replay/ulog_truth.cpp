@@ -45,7 +45,7 @@ void UlogTruth::on_message(double t_s, const UlogSeries& series, std::string_vie
     on_true_position(t_s, series, bytes);
   } else if (series.name == "vehicle_attitude_groundtruth") {
     const Eigen::Quaterniond q(value("q[0]"), value("q[1]"), value("q[2]"), value("q[3]"));
-    const bool is_attitude = std::abs(q.norm() - 1) < 0.1;  // false for what is no number, too
+    const bool is_attitude = std::abs(q.norm() - 1) < 0.1;  // also false for NaN
     if (is_attitude) q_ND_ = q.normalized();
   } else if (series.name == "vehicle_angular_velocity_groundtruth") {
     w_D_ = {value("xyz[0]"), value("xyz[1]"), value("xyz[2]")};

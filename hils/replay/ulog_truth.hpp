@@ -15,16 +15,16 @@ namespace cas::hils {
 
 /// The true motion and the position setpoints in a vehicle's own log.
 ///
-/// Truth is what a simulator told the autopilot: vehicle_local_position_groundtruth with the newest
-/// vehicle_attitude_groundtruth, vehicle_angular_velocity_groundtruth and rotor_speeds (a topic of
-/// CAS). Setpoints are vehicle_local_position_setpoint: north, east, down from the origin of the
-/// estimator.
+/// Truth comes from the simulator, through the autopilot: vehicle_local_position_groundtruth with
+/// the newest vehicle_attitude_groundtruth, vehicle_angular_velocity_groundtruth and rotor_speeds
+/// (a topic of CAS). Setpoints are vehicle_local_position_setpoint: north, east, down from the
+/// origin of the estimator.
 class UlogTruth {
  public:
   /// @param t_s  time since the begin of the log
   void on_message(double t_s, const UlogSeries& series, std::string_view bytes);
 
-  /// Adds what the log has of:
+  /// Adds these, if the log has them:
   ///   truth, reference: as a run's record has them
   ///   origin: (east, north, up) of the estimator's origin from that of the truth, m; only if both
   ///           have a place on Earth. Without it the page takes the first true position

@@ -10,13 +10,13 @@
 
 namespace cas::hils {
 
-/// Below the verdict of a run in whose flight somebody had a hand.
+/// Note below the verdict of a flight with outside acts.
 inline constexpr std::string_view kOutsideNote =
     "Somebody acted from outside in this flight: it is not the scenario alone.";
 
 /// A heading and a row for each: when, by whom, which parameter of which loop, old -> new.
 std::vector<std::vector<std::string>> parameter_rows(const FlightChanges& changes);
-/// A heading and a row for each: when, by whom, what, how often.
+/// A heading and a row for each: time, operator, act, number of times.
 std::vector<std::vector<std::string>> act_rows(const FlightChanges& changes);
 
 /// Both in aligned columns, below the note; empty where nothing was changed.

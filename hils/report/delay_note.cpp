@@ -8,7 +8,7 @@ namespace cas::hils {
 
 namespace {
 
-/// Below what is written as zero microseconds.
+/// Whether a delay is too negative to be printed as zero microseconds.
 bool is_negative(const DelayFigures& delay) {
   constexpr double kRoundsToZero_us = -0.5;
   return std::min({delay.p50, delay.p90, delay.p99, delay.max}) < kRoundsToZero_us;

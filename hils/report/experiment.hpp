@@ -7,11 +7,11 @@
 
 namespace cas::hils {
 
-/// What kind of flight it was, by its steps: "hover", "step responses", "figure eight", "circle" or
-/// "flight from place to place"; "with faults" behind it where there were any.
+/// Kind of a flight, by its steps: "hover", "step responses", "figure eight", "circle" or "flight
+/// from place to place"; "with faults" behind it where there were any.
 std::string experiment_of(const Measurement& figures);
 
-/// What was measured: "hover", "hold" (after a flight to other places), "step response 'after'",
+/// The measured part: "hover", "hold" (after a flight to other places), "step response 'after'",
 /// "circle 'name'"; "whole flight" where the measured step was not reached.
 std::string measured_part(const Measurement& figures);
 

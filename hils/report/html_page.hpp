@@ -35,7 +35,7 @@ class HtmlPage {
   /// @param looks  of the rows below the headings; those beyond its end are plain
   void table(const std::string& caption, const std::vector<std::vector<std::string>>& rows,
              const std::vector<Row>& looks = {});
-  /// A cell of a matrix: what it says, below it in small letters why, and where it leads.
+  /// A cell of a matrix: its text, the reason below it in small letters, and its link.
   struct Cell {
     std::string text{};
     std::string detail{};

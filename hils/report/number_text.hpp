@@ -6,7 +6,7 @@
 
 namespace cas::hils {
 
-/// The number with `digits` after the point; what rounds to zero has no sign.
+/// The number with `digits` after the point; a value that rounds to zero has no sign.
 std::string fixed(double value, int digits);
 /// The same, or a dash for nothing.
 std::string fixed(const std::optional<double>& value, int digits);

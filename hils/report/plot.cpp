@@ -92,7 +92,7 @@ std::string tick_text(double tick, bool log) {
   return fmt::format("{:.6g}", std::abs(value) < 1e-12 ? 0.0 : value);
 }
 
-/// Where the text of a mark stands.
+/// Place of a mark's text.
 struct MarkText {
   double left = 0;
   double right = 0;

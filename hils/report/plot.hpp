@@ -31,15 +31,15 @@ struct Plot {
   std::vector<Series> series{};
   std::vector<Mark> marks{};
   bool log_x = false;                      ///< decades; x must be positive
-  bool log_y = false;                      ///< the same; what is not positive is left out
+  bool log_y = false;                      ///< the same; other values are left out
   bool from_zero = false;                  ///< y axis starts at 0
   bool equal_scales = false;               ///< a unit is as long in x as in y: a map
   std::pair<double, double> shaded{0, 0};  ///< x range with a tint (the measured stretch)
 };
 
-/// Draws the plot as an SVG element of fixed width that stands alone or inside HTML, in dark
-/// colours where the reader prefers them. Texts of marks stand in rows of their own above the axes.
-/// Curves of many points are thinned to their extremes per pixel.
+/// Draws the plot as an SVG element of fixed width for use alone or inside HTML, in dark colours
+/// where the reader prefers them. Texts of marks have rows of their own above the axes. Curves of
+/// many points are thinned to their extremes per pixel.
 std::string to_svg(const Plot& plot);
 
 /// Text with the characters that XML reserves escaped.

@@ -51,7 +51,7 @@ void add_thinned(std::span<const Points::value_type> points, std::size_t stretch
   }
 }
 
-/// What can be drawn, thinned; between two stretches of it one point without a value.
+/// Drawable points, thinned; between two stretches one point without a value.
 Points drawn_points(const Points& points, const Plot& plot) {
   constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
   const std::size_t stretch = (2 * points.size() + kMostPoints - 1) / kMostPoints;

@@ -14,7 +14,7 @@ namespace cas::hils {
 /// The last value of a figure, or "least to greatest" of a series; a dash when it has none.
 std::string value_text(const PluginFigure& figure);
 
-/// Tables of what plugins report: values, then series.
+/// Tables of the figures of plugins: values, then series.
 void add_plugin_tables(HtmlPage& page, const std::vector<PluginFigure>& figures);
 
 /// A plot of each series, named "plugin_PLUGIN_NAME" in letters, digits and _.

@@ -60,7 +60,7 @@ void remove_verdict(const std::filesystem::path& folder) {
                            "run/hilsim_stats.json", "boards.json", "board.ulg"}) {
     std::error_code error;
     std::filesystem::remove(folder / name, error);
-    // A folder of that name is no page of an earlier run; it is told of when the page is written.
+    // A folder of that name is no page of an earlier run; writing the page reports it.
     const bool page = std::filesystem::path(name).extension() == ".html";
     if (error && !(page && std::filesystem::is_directory(folder / name))) {
       throw base::ConfigError((folder / name).string() +

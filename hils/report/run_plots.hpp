@@ -34,7 +34,7 @@ struct RunCurves {
 };
 RunCurves run_curves(const std::string& name, const Scenario& scenario, const RunRecord& record);
 
-/// Title of the x axis of what is drawn over time.
+/// Title of the x axis of plots over time.
 inline constexpr const char* kTimeLabel = "simulated time, s";
 
 using NamedPlots = std::vector<std::pair<std::string, Plot>>;

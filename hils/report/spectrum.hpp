@@ -17,8 +17,8 @@ struct Spectrum {
 ///
 /// Segments of some 3 s, each overlapping half of the one before, less their mean, through a Hann
 /// window and a fast Fourier transform; the root mean square of their amplitudes (Welch's method).
-/// The level of noise depends on the resolution. What the samples carry beyond half of their rate
-/// appears folded below it.
+/// The level of noise depends on the resolution. Content above half the sample rate aliases below
+/// it.
 ///
 /// @return empty with fewer than 16 samples
 Spectrum amplitude_spectrum(std::span<const double> samples, double rate_hz);

@@ -34,8 +34,8 @@ class RunDirectory {
 /// UDP ports of 127.0.0.1 that are free now, all different. @throws base::ConfigError
 std::vector<std::uint16_t> free_udp_ports(std::size_t count);
 
-/// Where the pieces of one vehicle of a run are, and what they are called. With several vehicles
-/// the names of files bear the vehicle's and those of links its number.
+/// Paths and names of the parts of one vehicle of a run. With several vehicles the names of files
+/// bear the vehicle's and those of links its number.
 struct VehiclePlaces {
   std::filesystem::path out;            ///< results: truth.csv, sensors/, flight.ulg
   std::filesystem::path run;            ///< effective configuration, ledgers

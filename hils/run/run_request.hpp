@@ -33,8 +33,8 @@ struct RunRequest {
   bool lockstep = false;                     ///< the processes run on the stream's time
   bool announced = false;                    ///< says how to watch it once casd is ready
   bool keeps_sensors = true;                 ///< leaves each sensor's samples as CSV
-  LiveRun* live = nullptr;                   ///< shows it in a browser; nothing: nobody looks
-  std::optional<StationEndpoint> station{};  ///< where a ground station may join; nothing: none
+  LiveRun* live = nullptr;                   ///< shows it in a browser; nullptr: it is not shown
+  std::optional<StationEndpoint> station{};  ///< where a ground station may join; nullopt: none
   std::filesystem::path
       out;  ///< folder of the results; the programs' configurations are in out/run
 

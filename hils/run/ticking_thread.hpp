@@ -10,7 +10,7 @@
 namespace cas::hils {
 
 /// A thread that works whenever a descriptor can be read, and at least once in each period. It ends
-/// with the object: make it the last member of what its work uses.
+/// with the object: declare it after all members that its work uses.
 class TickingThread {
  public:
   /// @throws base::ConfigError when the system has no descriptor left

@@ -5,8 +5,8 @@
 
 namespace cas::hils {
 
-// Verbs of the program hils, each defined in NAME_command.cpp. Their run() throws
-// base::ConfigError, and what is named here.
+// Verbs of the program hils, each defined in NAME_command.cpp. Their run() throws base::ConfigError
+// and the errors named here.
 
 /// Adds `hils compare`: flies and reports a comparison. Its run() returns 0, or 3 when no run of
 /// some variant is valid, and throws RunStopped.

@@ -25,7 +25,7 @@ class FleetPlan {
   FleetPlan(VehicleNames names, std::vector<FlightPlan> plans)
       : names_(std::move(names)), plans_(std::move(plans)) {}
 
-  /// A command that is to be given now.
+  /// A command that is due now.
   struct Command {
     std::size_t vehicle = 0;
     FlightStep step;

@@ -114,7 +114,7 @@ struct Scenario {
   std::filesystem::path file;
   std::vector<ScenarioVehicle> vehicles;  ///< key `vehicle` is a list of one
   ScenarioWorld world;
-  std::optional<base::Geodetic> home;  ///< nothing: that of the world
+  std::optional<base::Geodetic> home;  ///< nullopt: that of the world
   double decimal_year = 2026.5;
   std::uint64_t seed = 1;
   Architecture architecture = Architecture::kTcas;

@@ -5,8 +5,8 @@
 
 namespace cas::hils {
 
-/// Every key of Scenario with its default and meaning, as tables in Markdown: what `hils run
-/// --keys` prints and docs/config.md shows.
+/// Every key of Scenario with its default and meaning, as tables in Markdown: for `hils run --keys`
+/// and docs/config.md.
 std::string scenario_reference();
 
 }  // namespace cas::hils

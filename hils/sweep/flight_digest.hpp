@@ -15,8 +15,8 @@ std::string sha256_of_files(const std::vector<std::filesystem::path>& files);
 /// SHA-256 of the true motion of a run, vehicle by vehicle.
 std::string truth_sha256(const RunResult& run);
 
-/// SHA-256 of all that happened in a run on the virtual clock: true motion, what the vehicles told,
-/// and when which HIL packet was at its ends. Two runs that have the same are alike.
+/// SHA-256 of a run on the virtual clock: true motion, the vehicles' telemetry, and the times of
+/// each HIL packet at its ends. Two runs with the same digest are the same.
 std::string run_sha256(const RunResult& run);
 
 }  // namespace cas::hils

@@ -59,7 +59,7 @@ FlightPool::FlightPool(fs::path folder, double deadline_s, std::vector<std::stri
       flown_by_(std::move(flown_by)),
       host_(host_name()) {
   fs::remove_all(folder_);
-  std::error_code error;  // somebody else who ends may take the folder above away meanwhile
+  std::error_code error;  // another runner may remove the parent at its end
   for (int i = 0; i < 10; ++i) {
     fs::create_directories(folder_, error);
     if (!error) return;

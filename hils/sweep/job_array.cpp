@@ -158,7 +158,7 @@ void submit_job_array(const SweepFolder& sweep, const JobArrayOptions& options) 
                  .chunks = chunks,
                  .missing = missing_chunks(sweep, chunks),
                  .jobs = options.jobs,
-                 // Four times what it takes, for slower nodes.
+                 // Four times the expected time, for slower nodes.
                  .minutes = static_cast<std::size_t>(std::ceil(chunk_s / 15)) + 5,
                  .partition = options.partition});
 }

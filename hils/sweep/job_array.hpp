@@ -11,7 +11,7 @@ namespace cas::hils {
 /// A path as a shell takes it.
 std::string shell_word(const std::string& text);
 
-/// What the user asks of a job array.
+/// The user's options for a job array.
 struct JobArrayOptions {
   std::string partition;
   std::size_t chunks = 0;  ///< 0: by chunk_minutes
@@ -20,8 +20,8 @@ struct JobArrayOptions {
   std::size_t jobs = 1;    ///< processors of a task
 };
 
-/// Writes the batch script for what has not been flown of a sweep, and submits it. Says on standard
-/// output what was done.
+/// Writes the batch script for the missing runs of a sweep and submits it. Prints the result on
+/// standard output.
 /// @throws base::ConfigError, std::runtime_error when there is no Slurm, or it refuses the array
 void submit_job_array(const SweepFolder& sweep, const JobArrayOptions& options);
 

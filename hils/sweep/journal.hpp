@@ -8,9 +8,9 @@
 
 namespace cas::hils {
 
-/// What one runner has flown, a line for each run. Each line is on the disk before the next run's
-/// begins, so that a killed process or a power failure costs only the runs under way; what is torn
-/// at the end is cut off when the journal is opened again.
+/// The runs that one runner has flown, one line each. Each line is on the disk before the next
+/// run's begins, so that a killed process or a power failure costs only the runs under way; a torn
+/// last line is cut off when the journal is opened again.
 class Journal {
  public:
   /// Opens it for this process alone, and makes it where there is none.

@@ -57,7 +57,7 @@ class Draft {
     return root;
   }
 
-  /// Sets what the steps lead to, below `node`. @param path  for errors
+  /// Sets the value at the end of the steps, below `node`. @param path  for errors
   void set(YAML::Node node, std::span<const KeyStep> steps, const std::string& path,
            const std::string& value) {
     const KeyStep& step = steps.front();

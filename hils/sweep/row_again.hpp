@@ -20,8 +20,8 @@ std::vector<std::string> command_again(const SweepFolder& sweep, std::size_t row
 std::vector<std::size_t> fly_again(const SweepFolder& sweep, const std::vector<std::size_t>& rows,
                                    std::size_t jobs);
 
-/// Whether what again/ has of a row is another flight than the one of the journal: its true motion
-/// is not the same to the byte. @param result  of the row, in a scenario of one vehicle
+/// Whether the flight of a row in again/ differs from the one in the journal: its true motion is
+/// not the same to the byte. @param result  of the row, in a scenario of one vehicle
 bool flew_otherwise(const SweepFolder& sweep, const RowResult& result);
 
 }  // namespace cas::hils

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Whether files can be written: what failed is then the run's own fault.
+/// Whether files can be written: if so, a failure is the run's own fault.
 bool can_write(const fs::path& folder) {
   const fs::path probe = folder / "probe";
   try {

@@ -14,7 +14,7 @@
 
 namespace cas::hils {
 
-/// What the process of one run needs to know.
+/// Task of the process of one run.
 struct RowTask {
   std::size_t row = 0;
   std::uint64_t seed = 1;

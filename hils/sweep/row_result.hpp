@@ -79,7 +79,7 @@ RowResult row_without_figures(RowOutcome outcome, std::string cause);
 
 /// One line of a journal, JSON with a line break at its end.
 std::string journal_line(const RowResult& result);
-/// Reads one; nothing where the line is torn or not one of ours.
+/// Reads one; nullopt where the line is torn or not one of ours.
 std::optional<RowResult> parse_journal_line(std::string_view line);
 
 /// Headings of a row's results behind the table's columns, and its fields: "outcome,up,..." with

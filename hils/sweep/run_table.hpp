@@ -30,7 +30,7 @@ struct RunTable {
   /// @param scenario_seed  where the study names no seeds
   /// @throws base::ConfigError when there are more than 10 million rows
   static RunTable of(const Study& study, std::uint64_t scenario_seed);
-  /// Reads what csv() wrote. @param name  for errors @throws base::ConfigError
+  /// Reads a table of csv(). @param name  for errors @throws base::ConfigError
   static RunTable parse(std::string_view text, const std::string& name);
   /// "row,point,seed,NAME,..." and a line for each row.
   std::string csv() const;

@@ -10,7 +10,7 @@
 
 namespace cas::hils {
 
-/// How many runs of a sweep did what.
+/// Numbers of runs of a sweep by result.
 struct SweepCounts {
   std::size_t rows = 0;    ///< planned
   std::size_t flown = 0;   ///< with a result

@@ -26,7 +26,7 @@ std::string quoted(const std::string& text) {
   return result + "'";
 }
 
-/// A name for a job: what a directive cannot hold becomes '_'.
+/// A name for a job: characters that a directive cannot hold become '_'.
 std::string plain(std::string text) {
   std::ranges::replace_if(
       text, [](unsigned char c) { return std::isalnum(c) == 0 && c != '-' && c != '.'; }, '_');

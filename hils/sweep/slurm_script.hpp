@@ -22,7 +22,7 @@ struct SlurmArray {
 };
 
 /// How many chunks `rows` runs are cut into, so that each takes about `chunk_minutes`: at least 1,
-/// at most one a row and 1000 (Slurm's MaxArraySize is 1001 where nobody has changed it).
+/// at most one a row and 1000 (Slurm's default MaxArraySize is 1001).
 std::size_t slurm_chunks(std::size_t rows, double seconds_a_run, std::size_t jobs,
                          double chunk_minutes);
 

@@ -64,7 +64,7 @@ struct ShareLimit {
   double confidence = 0.95;
 };
 
-/// What a study file (config/studies/*.yaml) says. Keys are the members' names.
+/// Contents of a study file (config/studies/*.yaml). Keys are the members' names.
 struct Study {
   std::string name;
   std::string description;
@@ -87,7 +87,7 @@ struct Study {
   static std::filesystem::path scenario_of(const std::filesystem::path& study_file);
 };
 
-/// Letters, digits and _ . - [ ]: what a column, a scenario or a folder may be called.
+/// Letters, digits and _ . - [ ]: a valid name of a column, scenario or folder.
 bool is_plain_name(std::string_view name);
 /// The list `vary`. @throws base::ConfigError
 std::vector<Parameter> parse_parameters(const base::ConfigNode& root);

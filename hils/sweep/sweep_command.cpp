@@ -119,7 +119,7 @@ void print_row(const SweepFolder& sweep, std::size_t number) {
   fmt::print("The same bytes: cat{} | sha256sum\n  {}\n", files, result.truth_sha256);
 }
 
-/// Writes what `collect` writes. @return exit code
+/// Writes the files of `collect`. @return exit code
 int collect_sweep(const fs::path& folder, const Flags& flags) {
   const SweepView view = SweepView::of(SweepFolder::open(folder));
   refuse_rows_of_boards(view.sweep);

@@ -82,7 +82,7 @@ void check_rows(const SweepFolder& folder) {
   }
   fs::remove_all(scratch);
   std::error_code others;
-  fs::remove(folder.path / "work", others);  // unless somebody has files there
+  fs::remove(folder.path / "work", others);  // unless others have files there
 }
 
 std::string plan_json(const SweepFolder& folder) {

@@ -24,10 +24,10 @@ struct Chunk {
   std::string name() const;  ///< "chunk_2_of_3"
 };
 
-/// The folder of a sweep: the study as it was planned, its table, what has been flown.
+/// The folder of a sweep: the study as planned, its table and the flown runs.
 ///
 ///   study.yaml, scenario.yaml, vehicle_*.yaml   frozen when it was planned
-///   table.csv, plan.json                        the runs; what the folder is
+///   table.csv, plan.json                        the runs; the plan's identity
 ///   journal/chunk_K_of_N.jsonl                  a line for each run, on the disk before the next
 ///   chunks/chunk_K_of_N.csv                     a finished chunk; .machine.csv beside it
 ///   again/row_N/                                runs that were flown once more
@@ -68,13 +68,13 @@ struct SweepFolder {
   const TableRow& row(std::size_t row) const;
 
   /// Calls `visit` for each line of each journal, in the order of their names and lines; torn lines
-  /// are left out. A later line of a row stands for it, but that of a run that broke for none of a
-  /// run that did not.
+  /// are left out. A later line of a row replaces an earlier one, but a broken run's line does not
+  /// replace a sound one's.
   void for_each_result(const std::function<void(RowResult&&)>& visit) const;
-  /// The result that stands for each row from `first` to before `last`; row 0 where there is none.
+  /// The valid result of each row from `first` to before `last`; row 0 where there is none.
   std::vector<RowResult> results(std::size_t first, std::size_t last) const;
 
-  /// CSV of rows with a result: table and figures, and what they cost.
+  /// CSV of rows with a result: table and figures, and their cost.
   std::string results_csv(const std::vector<RowResult>& results) const;
   std::string machine_csv_of(const std::vector<RowResult>& results) const;
 };

@@ -19,8 +19,8 @@ struct SweepState {
   const char* verb = "sweep";
 };
 
-/// "sweep: [######----] 600 of 1000, 4.2 runs/s, 1:35 left, 2 without a verdict". What is left is
-/// told once ten runs have been flown, or a twentieth.
+/// "sweep: [######----] 600 of 1000, 4.2 runs/s, 1:35 left, 2 without a verdict". The time left
+/// appears once ten runs, or a twentieth, have been flown.
 std::string sweep_line(const SweepState& state);
 
 /// The line on standard error: rewritten on a terminal; elsewhere one for each tenth.

@@ -11,7 +11,7 @@
 
 namespace cas::hils {
 
-/// What a page on a sweep shows besides the sweep.
+/// Further contents of a page on a sweep.
 struct SweepPage {
   std::vector<std::pair<std::string, std::string>> maps{};  ///< parameters of maps asked for
   const SweepView* before = nullptr;       ///< the sweep that this one is compared with

@@ -42,7 +42,7 @@ class Runner {
   Runner& operator=(const Runner&) = delete;
 
   void fly() {
-    // The journal's lock shows that what lies there is of a runner that was killed.
+    // We hold the journal's lock, so files there belong to a killed runner.
     pool_.emplace(scratch_ / options_.chunk.name(), sweep_.study.deadline_s + options_.after_s,
                   options_.on_boards ? std::vector<std::string>{"campaign", "--fly"}
                                      : std::vector<std::string>{"sweep", "fly"});

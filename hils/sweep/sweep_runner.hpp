@@ -15,13 +15,13 @@ struct SweepRunOptions {
   std::size_t jobs = 1;             ///< processes at once
   std::filesystem::path scratch{};  ///< files of runs under way; empty: in the sweep's folder
   bool retry = false;               ///< flies runs that died or hung once more
-  double after_s = 0;               ///< what a run may take besides its study's deadline
+  double after_s = 0;               ///< extra time for a run beyond its study's deadline
   bool on_boards = false;           ///< as `controllers.json` in the sweep's folder says
 };
 /// Its file says with which boards the rows of a folder are flown, and that they are.
 inline constexpr const char* kControllersFile = "controllers.json";
 
-/// What came of it.
+/// Result of it.
 struct SweepRunResult {
   std::size_t rows = 0;       ///< of the chunk
   std::size_t flown = 0;      ///< now; the others had been flown before

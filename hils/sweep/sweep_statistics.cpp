@@ -63,7 +63,7 @@ double fisher_exact(std::size_t a, std::size_t a_trials, std::size_t b, std::siz
   const std::size_t least = successes > b_trials ? successes - b_trials : 0;
   const std::size_t most = std::min(successes, a_trials);
   // Hypergeometric likelihood of i successes among the first trials, relative to the most likely
-  // one: from each to the next it changes by this ratio. What underflows counts for nothing.
+  // one: from each to the next it changes by this ratio. Terms that underflow do not count.
   const auto ratio = [&](std::size_t at) {
     const auto i = static_cast<double>(at);
     return (of_all - i) * (drawn - i) / ((i + 1) * (all - of_all - drawn + i + 1));

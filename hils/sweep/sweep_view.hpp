@@ -13,7 +13,7 @@
 
 namespace cas::hils {
 
-/// A sweep with what has been flown of it, as tables and pages look at it.
+/// A sweep and its results so far, as tables and pages see it.
 struct SweepView {
   SweepFolder sweep;
   std::vector<RowResult> results;  ///< results[i] is row i + 1; row 0 where it has not been flown
@@ -21,7 +21,7 @@ struct SweepView {
   static SweepView of(SweepFolder folder);
 
   SweepCounts counts() const;
-  /// Whether each row stayed up; nothing where it has no verdict.
+  /// Whether each row stayed up; nullopt where it has no verdict.
   std::vector<std::optional<bool>> up() const;
   /// Values of one parameter by row, and in bins.
   std::vector<std::string> values(std::size_t parameter) const;
@@ -48,8 +48,8 @@ struct ShareChange {
   double change() const { return after.share() - before.share(); }
 };
 
-/// What changed from one sweep to another: the shares of all runs (stays up, passed), then of each
-/// bin of each parameter that both have, the most certain change first.
+/// Changes from one sweep to another: the shares of all runs (stays up, passed), then of each bin
+/// of each parameter that both have, the most certain change first.
 std::vector<ShareChange> compare_sweeps(const SweepView& before, const SweepView& after);
 
 /// Rows that stayed up before and do not now, and the other way round; empty where the tables are

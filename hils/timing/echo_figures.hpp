@@ -9,7 +9,7 @@
 
 namespace cas::hils {
 
-/// What came of a number of questions. Times in ms; 0 where none was answered.
+/// Round-trip figures of a number of questions. Times in ms; 0 if none was answered.
 struct EchoFigures {
   std::size_t asked = 0;
   std::size_t answered = 0;
@@ -34,7 +34,7 @@ EchoFigures echo_figures(std::size_t asked, std::span<const base::Duration> roun
 /// cos(2 pi t / P) over the times t between neighbours, 1 for exact frames and 0 without, and tells
 /// the longest P above 0.7. Frames whose clock is 500 ppm off are still found.
 /// @param arrivals  of answers to questions at random times, no more than some 20 ms apart
-/// @return nothing: no frames, or what wakes this program blurs them
+/// @return nullopt: no frames, or this program's wake-ups blur them
 std::optional<base::Duration> arrival_frame(std::span<const base::RunTime> arrivals);
 
 }  // namespace cas::hils

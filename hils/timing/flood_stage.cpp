@@ -6,7 +6,7 @@ namespace cas::hils {
 void FloodStage::turn(base::RunTime now) {
   if (done_) return;
   if (now - last_event_ >= kPatience) {
-    // Nothing comes any more: what was on its way is lost.
+    // Silence: the bytes in flight are lost.
     line_.forget_open();
     on_way_.clear();
     on_way_bytes_ = 0;

@@ -11,8 +11,8 @@
 
 namespace cas::hils {
 
-/// How many bytes a second the line carries. Never more than a few kilobytes are on their way, so
-/// nothing overflows, whatever the line and its buffers: what is sent is released by answers.
+/// How many bytes a second the line carries. At most a few kilobytes are in flight, and answers
+/// release the next ones, so no line or buffer overflows.
 ///
 ///   to the board:   padding and a question in turn; the answer says that the padding is through
 ///   from the board: questions alone, so that answers and telemetry fill the way back
@@ -36,8 +36,8 @@ class FloodStage final : public ProbeStage {
   double bytes_s() const { return rate_.bytes_s(); }
 
  private:
-  /// On their way at once: what 44 ms of 921600 baud carry. Less would not fill a line whose ends
-  /// take a few milliseconds each; more only waits longer.
+  /// Bytes in flight: 44 ms at 921600 baud. Less would not fill a line whose ends take a few
+  /// milliseconds each; more only waits longer.
   static constexpr std::size_t kWindowBytes = 4096;
   static constexpr std::size_t kPaddingBytes = 230;
 

@@ -9,10 +9,10 @@
 
 namespace cas::hils {
 
-/// What a HIL run needs of a controller's line.
+/// A HIL run's demand on a controller's line.
 struct LineDemand {
   double sensor_hz = 500;  ///< HIL_SENSOR, to the controller
-  double gps_hz = 5;       ///< HIL_GPS, likewise
+  double gps_hz = 5;       ///< HIL_GPS, to the controller
   double controls_hz = 400;
   bool by_rotor = false;  ///< answers are HIL_ACTUATOR_CONTROLS, as stock firmware's
 };
@@ -28,10 +28,9 @@ LineDemand at_sensor_rate(LineDemand demand, double sensor_hz);
 /// Rates of HIL_SENSOR that are tried where the one that is wanted does not fit, highest first.
 std::span<const double> usual_sensor_rates();
 
-/// What the demand is of a line that carries `bytes_s` to the controller: 98 % of it may be used,
-/// as casd does.
+/// Budget of a line that carries `bytes_s` to the controller: 98 % of it may be used, as casd does.
 casd::LineBudget budget_to(const LineDemand& demand, double bytes_s);
-/// Likewise from the controller. @param background_bytes_s  what it sends besides
+/// The same from the controller. @param background_bytes_s  its other messages
 casd::LineBudget budget_from(const LineDemand& demand, double background_bytes_s, double bytes_s);
 
 }  // namespace cas::hils

@@ -108,7 +108,7 @@ void LineProbe::on_heartbeat(const mav::PacketView& packet, base::RunTime now) {
     phase_ = Phase::kBackground;
     phase_begin_ = now;
   }
-  // Whoever is armed on this line: it is not loaded in flight.
+  // Any armed vehicle on this line ends the probe: a line is not loaded in flight.
   if (has(heartbeat->base_mode, MavModeFlag::kSafetyArmed)) return end(ProbeEnd::kArmed);
   if (packet.source != figures_.autopilot) return;
   figures_.in_hil = has(heartbeat->base_mode, MavModeFlag::kHilEnabled);

@@ -16,7 +16,7 @@
 
 namespace cas::hils {
 
-/// What is to be measured.
+/// Plan of a measurement.
 struct ProbePlan {
   LineDemand demand{};
   base::Duration length = std::chrono::milliseconds(1500);  ///< of each stage
@@ -31,7 +31,7 @@ struct LineFigures {
   ProbeEnd end = ProbeEnd::kWhole;
   mav::Source autopilot{};
   bool in_hil = false;
-  double background_bytes_s = 0;  ///< what the board sends by itself, answers of HIL left out
+  double background_bytes_s = 0;  ///< board's own messages, without HIL answers
   EchoFigures ping{};
   EchoFigures timesync{};
   QuestionKind asked = QuestionKind::kPing;  ///< of throughput and load
@@ -43,8 +43,8 @@ struct LineFigures {
   std::uint64_t crc_errors = 0;
 };
 
-/// Measures a line to an autopilot: what to send when, and the figures of what comes. Pure: bytes
-/// and time in, bytes out.
+/// Measures a line to an autopilot: when to send which packet, and figures of the answers. Pure:
+/// bytes and time in, bytes out.
 ///
 ///   listen --> PING --> TIMESYNC --> flood to the board, from it --> load 25, 50 ... 150 %
 ///                                                      `--> slower rates, where 100 % is too much
@@ -55,11 +55,11 @@ class LineProbe {
  public:
   LineProbe(const ProbePlan& plan, base::RunTime begin);
 
-  /// Sends what is due, and passes from stage to stage.
+  /// Sends due packets and moves from stage to stage.
   void turn(base::RunTime now);
   /// Bytes off the line.
   void take(std::span<const std::uint8_t> bytes, base::RunTime now);
-  /// What is to be written.
+  /// Bytes to write.
   std::span<const std::uint8_t> unsent() const { return line_.packets.bytes(); }
   void sent(std::size_t bytes) { line_.packets.drop_first(bytes); }
   /// When to call turn() at the latest.

@@ -10,7 +10,7 @@ namespace {
 
 /// Of the questions, or one: a line that loses more loses sensor samples in every flight.
 constexpr double kMostLost = 0.001;
-/// What casd lets HIL packets age in a queue by default.
+/// Default age limit of HIL packets in casd's queue.
 constexpr double kMostQueue_ms = 25;
 /// Bytes of a PING's answer; a TIMESYNC's are a few more.
 constexpr double kAnswerBytes = 26;

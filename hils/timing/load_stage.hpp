@@ -11,7 +11,7 @@
 
 namespace cas::hils {
 
-/// What a line did under the load of one rate of HIL_SENSOR.
+/// Figures of a line under the load of one rate of HIL_SENSOR.
 struct LoadFigures {
   double sensor_hz = 0;
   EchoFigures echoes{};
@@ -27,9 +27,9 @@ struct LoadFigures {
   bool kept() const;
 };
 
-/// The load of a HIL run, byte for byte, without its messages: at each sample's time padding and as
-/// many questions as bring an answer's bytes back, in a HIL_SENSOR's length; likewise of HIL_GPS.
-/// Sent on time whether answers come or not, as a simulator does.
+/// The load of a HIL run, byte for byte, without its messages: at each sample's time it sends
+/// padding and questions, together as long as a HIL_SENSOR, whose answers are as long as HIL's; the
+/// same for HIL_GPS. Sent on time whether answers come or not, as a simulator does.
 class LoadStage final : public ProbeStage {
  public:
   LoadStage(ProbeLine& line, const LineDemand& demand, QuestionKind kind, base::Duration length,
@@ -44,7 +44,7 @@ class LoadStage final : public ProbeStage {
   LoadFigures figures() const;
 
  private:
-  /// Ten times what casd lets HIL packets age.
+  /// Ten times casd's age limit of HIL packets.
   static constexpr base::Duration kHopeless = std::chrono::milliseconds(250);
   /// Samples that are sent at once after a pause of this machine.
   static constexpr int kMostAtOnce = 20;

@@ -12,7 +12,7 @@
 
 namespace cas::hils {
 
-/// What autopilots answer at once, and do not act on.
+/// Messages that autopilots answer at once and do not act on.
 enum class QuestionKind : std::uint8_t { kPing, kTimesync };
 std::string_view to_string(QuestionKind kind);
 
@@ -22,10 +22,10 @@ struct EchoedNumber {
   std::uint32_t number = 0;
 };
 
-/// The packets of a measurement, collected in the order in which they are to be sent.
+/// The packets of a measurement, collected in the order of sending.
 ///
 /// Padding is V2_EXTENSION of a private type, addressed to the autopilot: neither PX4 nor ArduPilot
-/// has a handler for it, and what is addressed to a board it passes on to no other link.
+/// has a handler for it, and a board passes packets addressed to itself on to no other link.
 class ProbePackets {
  public:
   /// Of a system and component that no autopilot, simulator or ground station of CAS has.
@@ -44,7 +44,7 @@ class ProbePackets {
   /// GENERIC: one of a ground station would be missed when it ends.
   void heartbeat();
 
-  /// What is to be sent.
+  /// Bytes to send.
   const std::vector<std::uint8_t>& bytes() const { return bytes_; }
   void drop_first(std::size_t count);
 
@@ -57,7 +57,7 @@ class ProbePackets {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// The question that a packet answers; nothing for every other one.
+/// The question that a packet answers; nullopt for every other one.
 std::optional<EchoedNumber> read_answer(const mav::PacketView& packet);
 
 }  // namespace cas::hils

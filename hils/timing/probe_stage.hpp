@@ -13,8 +13,7 @@
 
 namespace cas::hils {
 
-/// What the stages of a measurement share: the packets that wait to be sent, and the questions that
-/// are open.
+/// State shared by the stages of a measurement: packets to send, and open questions.
 class ProbeLine {
  public:
   /// @return the question's number
@@ -24,7 +23,7 @@ class ProbeLine {
     return last_;
   }
   /// Closes a question, and those before it: a line keeps the order, so they are lost.
-  /// @return its round trip; nothing for one that is not open
+  /// @return its round trip; nullopt for one that is not open
   std::optional<base::Duration> answered(std::uint32_t number, base::RunTime now) {
     const auto found = open_.find(number);
     if (found == open_.end()) return std::nullopt;
@@ -33,11 +32,11 @@ class ProbeLine {
     return time;
   }
   std::size_t open() const { return open_.size(); }
-  /// When the oldest open question was asked; nothing: none is open.
+  /// When the oldest open question was asked; nullopt: none is open.
   std::optional<base::RunTime> oldest() const {
     return open_.empty() ? std::nullopt : std::optional(open_.begin()->second);
   }
-  /// Answers that come from now on are nobody's.
+  /// Drops all open questions; late answers to them are ignored.
   void forget_open() { open_.clear(); }
 
   ProbePackets packets;
@@ -50,13 +49,13 @@ class ProbeLine {
 /// A part of the measurement. Reads no clock.
 class ProbeStage {
  public:
-  /// After this long an answer does not come any more: more than 4 kB take at 57600 baud, which is
-  /// what a board's send buffer holds.
+  /// After this time an answer counts as lost: longer than 4 kB, a board's send buffer, take at
+  /// 57600 baud.
   static constexpr base::Duration kPatience = std::chrono::seconds(2);
 
   virtual ~ProbeStage() = default;
 
-  /// Sends what is due.
+  /// Sends due packets.
   virtual void turn(base::RunTime now) = 0;
   /// An answer to an open question has come.
   virtual void on_answer(std::uint32_t number, base::RunTime now) = 0;

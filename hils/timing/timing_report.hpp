@@ -7,7 +7,7 @@
 
 namespace cas::hils {
 
-/// What was measured, and as what.
+/// A measurement and its setup.
 struct TimingReport {
   std::string device;
   unsigned baud = 0;

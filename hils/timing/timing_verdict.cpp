@@ -30,7 +30,7 @@ const LoadFigures* load_of(const LineFigures& figures, double sensor_hz) {
 
 double period_ms(double hz) { return 1e3 / hz; }
 
-/// What remains where the wanted rate does not fit: a rate that was measured, else a faster line.
+/// Advice if the wanted rate does not fit: a measured rate that does, else a faster line.
 std::string remedy(const LineFigures& figures, const casd::LineBudget& fuller,
                    TimingVerdict& verdict) {
   std::string words;

@@ -11,13 +11,13 @@
 
 namespace cas::hils {
 
-/// Whether a line carries what a HIL run needs.
+/// Whether a line carries a HIL run.
 struct TimingVerdict {
-  ExitCode code = kExitPassed;  ///< kExitLimitsMissed: it does not; kExitInvalid: nobody can tell
+  ExitCode code = kExitPassed;  ///< kExitLimitsMissed: it does not; kExitInvalid: unknown
   std::string sentence;         ///< "500 Hz HIL_SENSOR (...) fits with 31 % to spare"
   double spare = 0;  ///< share of the fuller direction that is free; negative: how much is missing
   std::optional<double> fitting_sensor_hz{};  ///< measured, where the wanted rate does not fit
-  std::vector<std::string> notes{};           ///< what else is to be known, a sentence each
+  std::vector<std::string> notes{};           ///< further remarks, a sentence each
 };
 
 /// Judges a whole measurement. The demand fits where both directions have room for it in 98 % of

@@ -13,7 +13,7 @@
 
 namespace cas::hils {
 
-/// Schema of the lines of `hils eval`, told by --describe.
+/// Schema of the lines of `hils eval`, printed by --describe.
 inline constexpr int kEvalSchema = 1;
 
 /// One line that comes in: {"id": any, "parameters": {NAME: value, ...}, "seed": 1}.
@@ -34,8 +34,8 @@ std::string eval_answer(const EvalRequest& request, const RowResult& result,
                         const std::vector<std::string>& figures);
 /// {"id": ..., "error": "..."} and a line break.
 std::string eval_error(const EvalRequest& request, const std::string& sentence);
-/// What may be asked and what is answered, on one line: {"schema": 1, "parameters": [{"name",
-/// "keys", "values" or "least" and "most" with "log"}], "figures": [...]}.
+/// Description of requests and answers, on one line: {"schema": 1, "parameters": [{"name", "keys",
+/// "values" or "least" and "most" with "log"}], "figures": [...]}.
 std::string eval_description(const Study& study, const std::vector<std::string>& figures);
 
 }  // namespace cas::hils

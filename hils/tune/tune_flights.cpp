@@ -35,8 +35,8 @@ std::string hash_of(const std::vector<std::string>& names) {
   return fmt::format("{:08x}", hash);
 }
 
-/// Whether somebody has files in a folder that no tuning began. One that was ended before it had
-/// its study.yaml has these.
+/// Whether a folder has more than `journal` and `scenarios`, which a tuning leaves if it ends
+/// before it has its study.yaml.
 bool is_foreign(const fs::path& folder) {
   if (!fs::is_directory(folder)) return false;
   return std::ranges::any_of(fs::directory_iterator(folder), [](const auto& entry) {

@@ -24,8 +24,8 @@ struct TuneFlight {
   std::vector<std::string> values{};
 };
 
-/// The folder of a tuning and its flights. Each is flown once: a line of the journal says which
-/// flight it is of, and after any end stands for that one alone.
+/// The folder of a tuning and its flights. Each is flown once: a line of the journal names its
+/// flight, and after any end counts for that one alone.
 ///
 ///   study.yaml               frozen when it began
 ///   scenarios/NAME/          scenario.yaml with the study's `set`, and its vehicle
@@ -45,7 +45,8 @@ class TuneFlights {
   std::filesystem::path scenario(std::size_t index) const;
   bool has_figure(std::size_t scenario, const std::string& name) const;
 
-  /// Flies what has not been flown, several at once. @return results in the order of the flights
+  /// Flies those of the flights that are new, several at once. @return results in the order of the
+  /// flights
   /// @throws RunStopped, base::ConfigError
   std::vector<RowResult> fly(const std::vector<TuneFlight>& flights);
   /// A figure of a flight; not a number where it has none.

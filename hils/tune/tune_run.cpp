@@ -23,7 +23,7 @@ bool stayed_up(const RowResult& result) {
   return result.figures.size() > kUpFigure && result.figures[kUpFigure] == 1;
 }
 
-/// Flies candidates and measures what the study asks for.
+/// Flies candidates and measures the study's figures.
 class Evaluator {
  public:
   Evaluator(const TuneStudy& study, TuneFlights& flights) : study_(study), flights_(flights) {}

@@ -22,7 +22,7 @@ struct Verification {
   double after = 0;
 };
 
-/// What a tuning found.
+/// Result of a tuning.
 struct TuneResult {
   std::vector<Candidate> candidates;  ///< [0]: before; then in the order in which they were made
   std::vector<std::size_t> front;     ///< indices

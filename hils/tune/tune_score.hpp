@@ -39,8 +39,8 @@ class TuneScore {
   const Candidate& before() const { return before_; }
   /// Sets penalty and sum of a candidate that has its other figures.
   Candidate judged(Candidate candidate) const;
-  /// What a search makes small: each objective as a share of the one before, and the penalty, which
-  /// weighs ten times as much.
+  /// Values that a search minimises: each objective relative to the candidate before tuning, and
+  /// the penalty, which weighs ten times as much.
   std::vector<double> fitness(const Candidate& candidate) const;
   /// The bound of a guard.
   double bound(std::size_t guard) const;

@@ -17,7 +17,7 @@ enum class SearchMethod {
 /// Points of the unit cube.
 using UnitPoints = std::vector<std::vector<double>>;
 
-/// What is searched, and how.
+/// Method, size and start of a search.
 struct SearchPlan {
   SearchMethod method = SearchMethod::kNsga2;
   std::size_t generations = 10;
@@ -32,13 +32,13 @@ using FlyPoints = std::function<std::vector<std::vector<double>>(const UnitPoint
 /// Whether this build has a library that searches.
 bool has_search();
 
-/// Makes points and has them flown: with NSGA-II a generation at once, with CMA-ES one after the
-/// other. The same plan and fitness give the same points. What `fly` throws comes out.
+/// Makes points and flies them: with NSGA-II a generation at once, with CMA-ES one after the other.
+/// The same plan and fitness give the same points. Passes exceptions of `fly` on.
 /// @throws base::ConfigError where this build has no library for it, with how to get one
 void search(const SearchPlan& plan, const FlyPoints& fly);
 
-/// What the library that searches is opened for: search() with pagmo. pagmo fills 20 MiB of a
-/// process when it starts, and most processes of hils search nothing.
+/// Entry point of the search library: search() with pagmo. pagmo fills 20 MiB of a process when it
+/// starts, and most processes of hils search nothing.
 extern "C" __attribute__((visibility("default"))) void cas_tune_search(const SearchPlan& plan,
                                                                        const FlyPoints& fly);
 /// Its name in that library.

@@ -38,29 +38,29 @@ struct TuneParameter {
   double place() const;
 };
 
-/// What is measured over some scenarios: the mean over the seeds of each, of several figures the
-/// root of the sum of their squares; then the worst of the scenarios.
+/// A figure over some scenarios. For each scenario: the mean over the seeds, of several figures the
+/// root of the sum of their squares. Then the worst of the scenarios.
 struct TuneFigure {
   std::string name;
   std::vector<std::string> figures;
   std::vector<std::size_t> in;  ///< indices of the scenarios
 };
 
-/// What shall become small.
+/// Figure to minimise.
 struct Objective {
   TuneFigure figure;
   double weight =
       1;  ///< in the sum by which one candidate is chosen, of shares of the value before
 };
 
-/// What must hold. Exactly one bound; `before` stands for the value of the flights before.
+/// Constraint on a figure. Exactly one bound; `before` is the value before the tuning.
 struct Guard {
   TuneFigure figure;
   bool at_least = true;           ///< else at most
-  std::optional<double> bound{};  ///< nothing: the value before
+  std::optional<double> bound{};  ///< nullopt: the value before
 };
 
-/// What a study of `hils tune` says (config/studies/tune_*.yaml). Keys are the members' names.
+/// Contents of a study of `hils tune` (config/studies/tune_*.yaml). Keys are the members' names.
 struct TuneStudy {
   std::string name;
   std::string description;

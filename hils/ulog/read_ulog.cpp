@@ -27,7 +27,7 @@ constexpr std::size_t kHeaderSize = 16;        // magic, version, moment
 constexpr std::size_t kMessageHeaderSize = 3;  // size, type
 constexpr std::size_t kTimestampSize = 8;
 constexpr std::size_t kMostBytes = 65535;  // of a message
-// No log of a vehicle comes near these; they bound what a made-up one can ask for.
+// No log of a vehicle comes near these; they bound the memory for a malicious one.
 constexpr std::size_t kMostFields = 100'000;  // of all subscriptions
 constexpr std::size_t kMostSteps = 100'000;   // to spread topics out: padding counts, too
 constexpr std::size_t kMostNameBytes = 255;
@@ -93,7 +93,7 @@ class Formats {
   /// @param text  "name:type field;type field;"
   void add(std::string_view text) {
     const std::size_t colon = text.find(':');
-    if (colon == std::string_view::npos) return;  // whoever needs the type will miss it
+    if (colon == std::string_view::npos) return;  // a user of the type reports it missing
     std::vector<Declaration> fields;
     for (std::string_view rest = text.substr(colon + 1); !rest.empty();) {
       const std::size_t end = std::min(rest.find(';'), rest.size());
@@ -156,7 +156,7 @@ class Formats {
   std::size_t steps_ = 0;                                 // taken for all of them
 };
 
-/// A topic of the log with what its messages need to have.
+/// A topic of the log with the least size of its messages.
 struct Subscription {
   UlogSeries series;
   UlogField timestamp;
@@ -201,7 +201,7 @@ class Reader {
  private:
   static constexpr std::string_view kSync{"\x08\x00S\x2F\x73\x13\x20\x25\x0C\xBB\x12", 11};
 
-  /// Where what was written in one go ends: data is appended after a crash, say.
+  /// End of the current part of the file: PX4 appends a further part after a crash.
   std::size_t end_of_part() const {
     for (const std::uint64_t offset : appended_) {
       if (offset > at_ && offset < bytes_.size()) return static_cast<std::size_t>(offset);

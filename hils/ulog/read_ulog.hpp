@@ -44,7 +44,7 @@ struct UlogValue {
   double value = 0;
 };
 
-/// What a log says, in the order in which it says it.
+/// Receives the contents of a log in their order.
 class UlogListener {
  public:
   virtual ~UlogListener() = default;
@@ -54,7 +54,7 @@ class UlogListener {
   /// A fact that is a text: ver_hw, ver_sw.
   virtual void on_text_fact(std::string_view /*name*/, std::string_view /*value*/) {}
   virtual void on_parameter(const UlogValue& /*parameter*/) {}
-  /// A message. @param bytes  what UlogField::offset counts in; it holds each field
+  /// A message. @param bytes  base of UlogField::offset; it holds each field
   virtual void on_message(const UlogSeries& /*series*/, std::uint64_t /*time_us*/,
                           std::string_view /*bytes*/) {}
   /// A sentence of the vehicle. @param severity  0 (emergency) to 7
@@ -76,7 +76,7 @@ double ulog_number(const UlogField& field, std::string_view bytes);
 /// appended behind its end. A log that ends in the middle of a message is read up to there, and one
 /// with damaged bytes goes on at its next synchronisation message. A message of a topic that the
 /// log does not name, or one shorter than its topic, counts as damage.
-/// @throws base::ConfigError where it is no such log or needs what this reader does not know
+/// @throws base::ConfigError if it is no such log or needs an unknown feature
 void read_ulog(std::string_view bytes, UlogListener& listener);
 
 }  // namespace cas::hils

@@ -42,7 +42,7 @@ using Row = std::vector<double>;
 class Track {
  public:
   virtual ~Track() = default;
-  /// Time of what comes next; nothing at the end.
+  /// Time of the next entry; nullopt at the end.
   virtual std::optional<SimTime> next() const = 0;
   /// Writes it and goes on.
   virtual void write_next() = 0;
@@ -91,7 +91,7 @@ class CsvTrack final : public Track {
   std::optional<SimTime> time_;
 };
 
-/// The flight log: what the vehicle said, at the simulated time at which casd heard it.
+/// The flight log: the vehicle's messages, at the simulated time of their arrival at casd.
 class TlogTrack final : public Track {
  public:
   TlogTrack(const RunRecord& record, sim::UlogFile& file, std::span<const sim::UlogParam> params)
@@ -151,7 +151,7 @@ std::size_t rotor_columns(const std::filesystem::path& truth_csv) {
 
 /// A row of truth.csv: z up there, down here.
 ///
-/// @param home  the origin's place on earth; nothing: the run has none
+/// @param home  the origin's place on earth; nullopt: the run has none
 void write_truth(sim::UlogFile& file, const std::optional<base::Geodetic>& home, SimTime time,
                  const Row& row) {
   const Eigen::Vector3d p_N(row[1], row[2], -row[3]);
@@ -214,7 +214,7 @@ void write_rangefinder(sim::UlogFile& file, SimTime time, const Row& row) {
         UlogRecord(time).put_float(row[1]).put(row[2] > 0 ? kUnknown : std::int8_t{0}));
 }
 
-/// What the emulated controller began with; empty for a real one, whose file nobody has.
+/// The emulated controller's initial parameters; empty for a real one, whose file is not available.
 std::vector<sim::UlogParam> initial_params(const RunRequest& request, std::size_t vehicle,
                                            const VehiclePlaces& places) {
   std::vector<sim::UlogParam> params;

@@ -6,11 +6,10 @@
 
 namespace cas::hils {
 
-/// Writes what a run recorded of one vehicle as PX4's logger would have it: flight.ulg, for Flight
-/// Review and PlotJuggler. Truth and sensors come from the simulator's CSV files, estimates,
-/// setpoints, actuators and state from the flight log, the parameters of an emulated controller
-/// from its configuration. Messages are in order of simulated time; the same record gives the same
-/// bytes.
+/// Writes one vehicle's recordings in the form of PX4's logger: flight.ulg, for Flight Review and
+/// PlotJuggler. Truth and sensors come from the simulator's CSV files, estimates, setpoints,
+/// actuators and state from the flight log, the parameters of an emulated controller from its
+/// configuration. Messages are in order of simulated time; the same record gives the same bytes.
 ///
 /// @param vehicle  its place in the scenario
 /// @throws base::ConfigError when a file of the run cannot be read, or the log not be written

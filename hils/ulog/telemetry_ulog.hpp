@@ -13,8 +13,7 @@
 
 namespace cas::hils {
 
-/// Turns what a vehicle says over MAVLink into the topics that PX4 has for it, each message when it
-/// comes.
+/// Converts a vehicle's MAVLink messages into PX4's topics, each as it comes.
 class TelemetryUlog {
  public:
   /// @param file  outlives it

@@ -27,7 +27,7 @@ enum class UlogTopicId : std::uint16_t {
   kVehicleStatus,
   kLandDetected,
   kBattery,
-  // What the simulated sensors measured.
+  // Samples of the simulated sensors.
   kSensorCombined,
   kGpsPosition,
   kMagnetometer,

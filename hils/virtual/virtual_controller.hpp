@@ -13,8 +13,8 @@
 
 namespace cas::hils {
 
-/// The emulated controller behind its serial line, moved by the virtual clock: what fcu_emulator
-/// is, without the pseudo-terminal.
+/// The emulated controller behind its serial line, moved by the virtual clock: fcu_emulator without
+/// the pseudo-terminal.
 ///
 ///   write() --> line up --> FlightController --> line down --> on_bytes
 class VirtualController {

@@ -23,7 +23,7 @@ constexpr base::Duration kLook = std::chrono::milliseconds(1);
 constexpr std::size_t kTtyBytes = 16'384;
 constexpr std::size_t kSocketBytes = 212'992;
 
-/// A link of the bench, as casd's ports see it. One that nobody has connected takes everything.
+/// A link of the bench, as casd's ports see it. An unconnected link takes everything.
 class BenchWriter final : public casd::PacketWriter {
  public:
   BenchWriter(const VirtualRelay::Write& write, const base::RunTime& now)
@@ -196,8 +196,8 @@ void VirtualRelay::handle_arrivals(base::RunTime now) {
   }
 }
 
-/// The threads of the destinations, where packets wait for the pacer. What waits for room is looked
-/// after whenever run() is called: the link's owner does so when it has room again.
+/// The threads of the destinations, where packets wait for the pacer. Ports that wait for room are
+/// served whenever run() is called: the link's owner calls it when there is room again.
 void VirtualRelay::carry_on(base::RunTime now) {
   for (Port& port : ports_) {
     if (!port.tx->wants_room() && !(port.carry_on_at && now >= *port.carry_on_at)) continue;

@@ -38,23 +38,23 @@ class WakeUp {
 };
 
 /// casd without sockets and threads, moved by the virtual clock. It routes with casd's Router and
-/// VehicleCommander and sends with casd's TxPorts; what it models are the threads, and what they
-/// read. Computing takes no time; lines do.
+/// VehicleCommander and sends with casd's TxPorts; it models the threads and their reads. Computing
+/// takes no time; lines do.
 ///
 ///   receive() --> parser --> Router --> TxPort of each destination --> write
 ///                              +--> own station (VehicleCommander)
 ///
 /// threads: per_link and single are the same here: neither waits for a line. With threads: blocking
 /// the one thread takes, in each turn, all waiting datagrams, reads each line (waiting for the rest
-/// of a packet that has begun) and lets each paced port write a packet and wait for its line; what
-/// arrives meanwhile stays in the kernel's buffers.
+/// of a packet that has begun) and lets each paced port write a packet and wait for its line; bytes
+/// that arrive meanwhile stay in the kernel's buffers.
 ///
-/// A thread that waited goes on a little after what it waited for: the machine's scheduler.
+/// A waiting thread goes on a little after its event: the delay of the machine's scheduler.
 class VirtualRelay final : private casd::LineWait {
  public:
   /// Hands bytes to a link. @return how many it took
   using Write = std::function<std::size_t(std::span<const std::uint8_t>, base::RunTime)>;
-  /// Hears each packet when it is read from a link.
+  /// Called for each packet that is read from a link.
   using OnPacket = std::function<void(casd::LinkId from, const mav::PacketView&, base::RunTime)>;
 
   VirtualRelay(const casd::Topology& topology, WakeUp wake_up);
@@ -68,7 +68,7 @@ class VirtualRelay final : private casd::LineWait {
 
   /// Bytes that came in on a link.
   void receive(casd::LinkId from, std::span<const std::uint8_t> bytes, base::RunTime now);
-  /// Does what time alone makes due.
+  /// Does the work that time alone makes due.
   void run(base::RunTime now);
   /// The next moment at which `run` has something to do.
   base::RunTime next_event() const;

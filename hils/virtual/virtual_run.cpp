@@ -173,7 +173,7 @@ class VirtualBench {
       advance(now);
       if (pilot_.plan().ended()) {
         if (!end) latest = now + kLongestFall;
-        // What falls is followed to the ground.
+        // A falling vehicle is followed to the ground.
         if (!end || (something_falls() && now < latest)) end = now + kDrain;
       }
       if (InterruptGuard::raised()) throw RunStopped("interrupted", true);

@@ -31,7 +31,7 @@ class VirtualWire {
   /// Before the bus is frozen.
   ///
   /// @param name  of the vehicle, the folder of its topics
-  /// @param on_bytes  hears each packet that the simulator sends
+  /// @param on_bytes  receives each packet of the simulator
   VirtualWire(sim::TopicBus& bus, const std::string& name, sim::VehicleId id, OnBytes on_bytes);
   VirtualWire(const VirtualWire&) = delete;
   VirtualWire& operator=(const VirtualWire&) = delete;
@@ -39,7 +39,7 @@ class VirtualWire {
   /// Bytes for the vehicle.
   void write(std::span<const std::uint8_t> bytes, base::RunTime now);
 
-  /// Begins the run: motion is counted from where the vehicle stands now.
+  /// Begins the run: motion is counted from the vehicle's present place.
   void start(const sim::World& world);
   /// Hands over packets that had arrived by then. Packets that the vehicle sends from now on leave
   /// at `now`.
@@ -68,15 +68,15 @@ class VirtualWire {
   base::RunTime now_{};
 };
 
-/// The simulator with its interface plugins on the topic bus, moved by the virtual clock: what
-/// hilsim is, without the UDP sockets.
+/// The simulator with its interface plugins on the topic bus, moved by the virtual clock: hilsim
+/// without the UDP sockets.
 ///
 /// The step from t to t + dt is computed at t + dt, with the commands that had arrived by t.
 class VirtualSimulator {
  public:
   using OnBytes = VirtualWire::OnBytes;
 
-  /// @param on_bytes  for each vehicle of the configuration, in its order: hears what it sends
+  /// @param on_bytes  for each vehicle of the configuration, in its order: receives its bytes
   /// @throws base::ConfigError
   VirtualSimulator(sim::SimConfig config, sim::SimOptions options, std::vector<OnBytes> on_bytes);
   VirtualSimulator(const VirtualSimulator&) = delete;
@@ -96,7 +96,7 @@ class VirtualSimulator {
   /// True motion of a vehicle, counted from where it stood.
   Motion motion(std::size_t vehicle) const { return wire(vehicle).motion(runner_.world()); }
 
-  /// Figures of its plugins, as `plugins` in what `hilsim --stats` writes.
+  /// Figures of its plugins, as `plugins` in the report of `hilsim --stats`.
   std::string stats_json() const;
   const sim::World& world() const { return runner_.world(); }
   base::SimTime time() const { return runner_.time(); }

@@ -8,13 +8,13 @@
 
 namespace cas::sim {
 
-/// What becomes of a figure that a plugin publishes.
+/// Presentation of a figure that a plugin publishes.
 enum class FigureKind : std::uint8_t {
   kSeries,  ///< a curve over time, with its least, mean, greatest and last value
   kScalar   ///< the last value alone
 };
 
-/// A value of a figure. What is not finite is counted and left out.
+/// A value of a figure. Non-finite values are counted and left out.
 struct FigureSample {
   static constexpr std::string_view kTypeName = "cas.FigureSample";
   static constexpr unsigned kTypeVersion = 1;

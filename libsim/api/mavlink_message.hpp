@@ -10,8 +10,8 @@
 
 namespace cas::sim {
 
-/// A MAVLink message that a plugin sends to the flight controller: id and payload. Who sends the
-/// packet (system, component, sequence) and its checksum are the interface plugin's affair.
+/// A MAVLink message that a plugin sends to the flight controller: id and payload. The interface
+/// plugin adds sender (system, component), sequence and checksum.
 struct MavlinkMessage {
   static constexpr std::string_view kTypeName = "cas.MavlinkMessage";
   static constexpr unsigned kTypeVersion = 1;

@@ -11,15 +11,15 @@
 #include "base/earth/geodesy.hpp"
 #include "base/time/clock.hpp"
 
-/// What travels on the topic bus. Each type declares its name and version: a topic is refused when
+/// Messages on the topic bus. Each type declares its name and version: a topic is refused when
 /// publisher and subscriber were built against different declarations.
 namespace cas::sim {
 
-/// Outputs of an autopilot, or what stands for them; no heap.
+/// Outputs of an autopilot or its substitute; no heap.
 using ActuatorValues =
     Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, base::kMaxOutputs, 1>;
 
-/// Sets the rotors. Exactly one of the two forms, told by `kind`.
+/// Sets the rotors. Exactly one of the two forms, chosen by `kind`.
 struct MotorCommand {
   static constexpr std::string_view kTypeName = "cas.MotorCommand";
   static constexpr unsigned kTypeVersion = 2;
@@ -123,7 +123,7 @@ struct GustCommand {
   double hold_s = 0;                                          ///< time at the amplitude
 };
 
-/// What rotors and battery still give; all ones when nothing is wrong.
+/// Remaining shares of rotors and battery; all ones if nothing is broken.
 struct PropulsionHealth {
   static constexpr std::string_view kTypeName = "cas.PropulsionHealth";
   static constexpr unsigned kTypeVersion = 3;
@@ -134,7 +134,7 @@ struct PropulsionHealth {
   double voltage_share = 1;  ///< of the battery's voltage
   /// Rotors that keep the speed they were last driven to, whatever is asked of them.
   std::array<bool, base::kMaxRotors> stuck{};
-  /// The rotor that is meant by what a rotor is asked for: itself, unless wires were swapped.
+  /// Index of the command that drives each rotor: its own, unless wires were swapped.
   std::array<std::uint8_t, base::kMaxRotors> wired_as = [] {
     std::array<std::uint8_t, base::kMaxRotors> own{};
     for (std::size_t i = 0; i < own.size(); ++i) own[i] = static_cast<std::uint8_t>(i);
@@ -142,14 +142,15 @@ struct PropulsionHealth {
   }();
 };
 
-/// Name of the part of the flight that the run is in ("takeoff", "hold"), told by whoever flies it.
+/// Name of the part of the flight that the run is in ("takeoff", "hold"), published by its pilot
+/// program.
 struct FlightPhase {
   static constexpr std::string_view kTypeName = "cas.FlightPhase";
   static constexpr unsigned kTypeVersion = 1;
   std::array<char, 32> name{};  ///< NUL-terminated
 };
 
-/// One packet as it stands on the wire, for interfaces that hand packets over inside the process.
+/// One packet in wire format, for interfaces that hand packets over inside the process.
 struct WirePacket {
   static constexpr std::string_view kTypeName = "cas.WirePacket";
   static constexpr unsigned kTypeVersion = 1;

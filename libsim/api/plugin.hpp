@@ -33,18 +33,17 @@ class LockstepPeer {
   /// Blocks until every control that is due for sensors sent up to `time` has arrived.
   /// @return false on timeout or when interrupted: the runner then steps on and counts it
   virtual bool wait_for_controls(base::SimTime time, base::Duration timeout) = 0;
-  /// Whether there is somebody to wait for. While there is not (a flight controller that boots on
-  /// the simulator's clock, or has gone), the simulation goes by the wall clock.
+  /// Whether there is a peer to wait for. Without one (a flight controller that boots on the
+  /// simulator's clock, or has gone), the simulation follows the wall clock.
   virtual bool in_step() const { return true; }
-  /// The wait has lasted too long and the simulation steps on: what was due is due no more.
+  /// The wait timed out and the simulation steps on: forget the answers that were due.
   virtual void give_up() {}
-  /// Whether the newest of what was sent has been answered: nothing is on its way. A pause in
-  /// lockstep is taken at such a moment.
+  /// Whether the newest sent data has been answered: nothing is in flight. Lockstep pauses at such
+  /// a moment.
   virtual bool settled() const { return true; }
 };
 
-/// What a plugin is given in `configure`; valid during that call only, apart from what it returns
-/// by value.
+/// Argument of `configure`. It is valid during that call only; values that it returns stay valid.
 class PluginContext {
  public:
   virtual ~PluginContext() = default;
@@ -73,7 +72,7 @@ class PluginContext {
   /// Makes the runner wait for this peer in lockstep. The plugin owns it.
   virtual void set_lockstep_peer(LockstepPeer& peer) = 0;
   /// Where the plugin publishes the MAVLink messages that its CAS_PLUGIN_SENDS declares; they leave
-  /// by the vehicle's mavlink_interface. Once. A host without one hears nothing.
+  /// by the vehicle's mavlink_interface. Once. A host without one drops them.
   /// @throws base::ConfigError when it declares none
   virtual Publisher<MavlinkMessage> mavlink() {
     return Publisher<MavlinkMessage>(std::make_shared<detail::Topic>());
@@ -81,7 +80,7 @@ class PluginContext {
   /// The vehicle's plugins that declare MAVLink messages: for a plugin that sends them.
   virtual std::vector<MavlinkSender> mavlink_senders() const { return {}; }
   /// A figure of the plugin for the summary and the report of a run. Its name is unique within the
-  /// plugin. A host without a report hears nothing.
+  /// plugin. A host without a report drops it.
   /// @param name  1 to 48 bytes of UTF-8 without control characters: "voltage"
   /// @param unit  0 to 48 of them: "V"
   /// @throws base::ConfigError for another name or unit, and beyond 64 figures
@@ -108,23 +107,23 @@ class Plugin {
   virtual void post_step(const StepInfo&, const World&) {}
   /// Back to time zero with the same seed.
   virtual void reset() = 0;
-  /// The run has ended in good order: write what is to be written.
+  /// The run has ended normally: write pending output.
   virtual void finish() {}
   /// Figures for `--stats` and `sim.stats`: one JSON object as text, or nothing.
   virtual std::string stats_json() const { return {}; }
 };
 
-/// What the entry point of a plugin library returns. Plain data, so that any build can read it.
+/// Result of a plugin library's entry point. Plain data, so that any build can read it.
 struct PluginDescriptor {
   std::size_t struct_size;   ///< sizeof(PluginDescriptor) in the plugin's build
   const char* name;          ///< as in CAS_PLUGIN, and lib<name>.so
   const char* abi_tag;       ///< CAS_ABI_TAG of the plugin's build
   Plugin* (*create)();       ///< a new plugin, owned by the caller
-  void (*destroy)(Plugin*);  ///< ends what create() made
+  void (*destroy)(Plugin*);  ///< destroys a plugin of create()
 };
 
 /// Compiler, C++ ABI, Eigen alignment and sanitizer, which must agree between host and plugin, and
-/// the version of what plugins see: a host takes plugins of its own version.
+/// the version of the plugin interface: a host takes plugins of its own version.
 #define CAS_STRINGIZE_(x) #x
 #define CAS_STRINGIZE(x) CAS_STRINGIZE_(x)
 #if defined(__clang__)

@@ -21,10 +21,10 @@ struct Topic {
   std::string type;
   unsigned version = 0;
   bool advertised = false;
-  bool needed = false;  ///< somebody cannot do without it
+  bool needed = false;  ///< some subscriber requires it
   std::vector<std::pair<std::uint64_t, std::function<void(const void*)>>> subscribers;
   std::uint64_t next_id = 0;
-  std::function<void(const void*)> interceptor;  ///< takes what is published, when there is one
+  std::function<void(const void*)> interceptor;  ///< if set, gets all messages
 
   void deliver(const void* value) const {
     for (const auto& [id, on_message] : subscribers) on_message(value);
@@ -48,15 +48,15 @@ class Publisher {
     if (topic_->interceptor) return topic_->interceptor(&value);
     topic_->deliver(&value);
   }
-  /// Whether anybody listens: what nobody hears need not be computed.
+  /// Whether the topic has subscribers; without them its message need not be computed.
   bool has_subscribers() const { return topic_ && !topic_->subscribers.empty(); }
 
  private:
   std::shared_ptr<detail::Topic> topic_;
 };
 
-/// Stands between the publisher of one topic and its subscribers (faults, recorded data): what is
-/// published reaches nobody but the interceptor, which delivers what it wants, when it wants.
+/// Sits between the publisher of one topic and its subscribers (faults, recorded data): published
+/// messages reach only the interceptor, which decides which to deliver, and when.
 template <class T>
 class Interceptor {
  public:
@@ -146,7 +146,7 @@ class TopicBus {
   /// Ends the wiring: from now on advertise(), subscribe() and intercept() throw.
   void freeze() { frozen_ = true; }
 
-  /// Topics that somebody needs and nobody publishes: worth a line in the log.
+  /// Required topics without a publisher, for a warning in the log.
   std::vector<std::string> unpublished() const {
     std::vector<std::string> names;
     for (const auto& [name, topic] : topics_) {

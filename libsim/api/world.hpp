@@ -62,7 +62,8 @@ class ForceModel {
   virtual void limit(std::span<double>) const {}
 };
 
-/// What plugins may see and touch. `pre_step` gets it mutable, `post_step` const.
+/// The part of the simulation that plugins may read and change. `pre_step` gets it mutable,
+/// `post_step` const.
 class World {
  public:
   virtual ~World() = default;
@@ -106,7 +107,7 @@ class World {
   }
 
   /// The magnetic field in W, gauss, where the world has one of its own that is the same
-  /// everywhere; nothing: it is the Earth's.
+  /// everywhere; nullopt: it is the Earth's.
   virtual std::optional<Eigen::Vector3d> magnetic_field_W() const { return std::nullopt; }
 
   /// The air by altitude above mean sea level.

@@ -7,7 +7,7 @@
 
 namespace cas::sim {
 
-/// What the methods of hilsim's control socket are, for `rpc.discover`.
+/// Description of the methods on hilsim's control socket, for `rpc.discover`.
 ///
 /// @param version  of hilsim
 base::rpc::Description control_description(std::string version);

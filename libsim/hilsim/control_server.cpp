@@ -39,8 +39,8 @@ using base::rpc::Reply;
 
 constexpr double kLongestTime = 1e9;  // s
 constexpr auto kPacePeriod = std::chrono::seconds(5);
-/// Between two samples of the motion, a little less than 1/60 s: who asks 60 times a second
-/// gets 60.
+/// Between two samples of the motion, a little less than 1/60 s: a client that asks 60 times a
+/// second gets 60.
 constexpr auto kWatchPeriod = std::chrono::milliseconds(16);
 constexpr std::size_t kMeshPiece = 256 * 1024;  // bytes of one answer
 
@@ -222,7 +222,7 @@ struct ControlServer::Impl {
     });
   }
 
-  /// Outside of the server's own call: what fails is answered, and never ends the program.
+  /// For work outside of the server's own call: an error is answered, and never ends the program.
   template <class Body>
   static void guarded(const std::vector<Reply>& waiting, Body&& body) {
     try {
@@ -234,7 +234,8 @@ struct ControlServer::Impl {
     }
   }
 
-  /// Answers with the sample there is, or with the one that is being taken for all who wait.
+  /// Answers with the present sample, or with the next one, which is taken once for all waiting
+  /// clients.
   void watch(Reply reply) {
     if (base::steady_now() < sample_ends) return reply.result(sample);
     watchers.push_back(std::move(reply));
@@ -303,7 +304,7 @@ struct ControlServer::Impl {
   FaultDesk faults{loop.runner()};
   base::Mutex journal_mutex;
   RunJournal journal CAS_GUARDED_BY(journal_mutex);
-  std::unique_ptr<const Scene> scene;  // once somebody has asked
+  std::unique_ptr<const Scene> scene;  // made at the first request
   Json sample;                         // newest of `motion`
   base::RunTime sample_ends{};         // until then it is new enough
   std::vector<Reply> watchers;         // wait for the next

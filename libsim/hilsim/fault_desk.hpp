@@ -11,7 +11,7 @@
 
 namespace cas::sim {
 
-/// Hands faults that somebody orders while vehicles fly to their plugins `fault`.
+/// Passes faults that are ordered in flight to the vehicles' plugins `fault`.
 class FaultDesk {
  public:
   /// Before the runner starts: afterwards nothing is wired.

@@ -152,7 +152,7 @@ int run(const Flags& flags) {
   try {
     loop.run(until);
   } catch (const sim::LeftWorldError& fallen) {
-    lost = fallen;  // what was recorded is written all the same
+    lost = fallen;  // recordings are still written
   }
 
   base::notify("STOPPING=1");

@@ -18,13 +18,14 @@ namespace {
 
 using Json = nlohmann::json;
 
-// What a picture may be off by.
+// Tolerances of a picture.
 constexpr double kLength = 1e-4;  // m
 constexpr double kTurn = 1e-5;
 constexpr double kSpeed = 1e-3;  // m/s, rad/s
 constexpr double kRotor = 1e-1;  // rad/s
 
-/// What the plugins of one vehicle published last. Written and read on the simulation thread.
+/// Latest values that the plugins of one vehicle published. Written and read on the simulation
+/// thread.
 struct Newest {
   base::RotorVector omega_rad_s;
   std::optional<RangeSample> range;
@@ -98,7 +99,7 @@ std::shared_ptr<const MotionWatch::Sample> MotionWatch::take() const {
   for (std::size_t i = 0; i < impl_->newest.size(); ++i) {
     const auto id = static_cast<VehicleId>(i);
     Newest newest = *impl_->newest[i];
-    // After a reset the newest is the last run's until somebody publishes again.
+    // After a reset the newest values are the last run's until the plugins publish again.
     if (sample->figures.steps == 0) newest = before_the_first_step(runner.config().vehicles[i]);
     if (newest.range && newest.range->time > sample->figures.time) newest.range.reset();
     sample->vehicles.push_back({world.state(id), world.in_contact(id), std::move(newest)});

@@ -18,9 +18,9 @@ struct NotedCall {
   std::string params = "{}";  ///< JSON
 };
 
-/// The newest calls that changed the run, for sim.journal. Whoever flies in lockstep drives the
-/// simulator by thousands of calls: these count up in one entry each, so that they do not push out
-/// what somebody else did.
+/// The newest calls that changed the run, for sim.journal. A program that flies in lockstep makes
+/// thousands of calls: consecutive ones of a kind share an entry with a count, so that they do not
+/// push out the calls of others.
 class RunJournal {
  public:
   static constexpr std::size_t kMost = 1000;

@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kLength = 1e-4;  // m, what a picture may be off by
+constexpr double kLength = 1e-4;  // m, tolerance of a picture
 constexpr double kTurn = 1e-6;
 constexpr std::size_t kMostTriangles = 500'000;  // of a vehicle, that a browser still turns
 

@@ -13,11 +13,11 @@
 
 namespace cas::sim {
 
-/// What there is in a run, for whoever draws it: the answer to `sim.scene`, made of the models that
-/// the physics uses, and the meshes that it names by their SHA-256.
+/// The objects of a run, for drawing: the answer to `sim.scene`, made of the models that the
+/// physics uses, and the meshes that it names by their SHA-256.
 class Scene {
  public:
-  /// Reads only what never changes after SimRunner::start(): from any thread.
+  /// Reads only data that never change after SimRunner::start(): from any thread.
   explicit Scene(const SimRunner& runner);
   ~Scene();
   Scene(const Scene&) = delete;

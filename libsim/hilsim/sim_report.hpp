@@ -10,7 +10,7 @@ namespace cas::sim {
 
 /// Answer to `sim.status`. Between steps, on the loop's thread.
 nlohmann::json status_report(const SimLoop& loop);
-/// What `--stats` writes and `sim.stats` answers.
+/// The report of `--stats` and `sim.stats`.
 nlohmann::json stats_report(const SimLoop& loop);
 /// The local endpoints that plugins have bound, "udp 127.0.0.1:14560 ...", for the ready message.
 std::string endpoints_report(const SimRunner& runner);

@@ -24,7 +24,7 @@ constexpr double kThousand_rad2_s2 = 1e6;  // effectiveness is shown at 1000 rad
   text += '\n';
 }
 
-/// 0 for what is no more than a rounding error of figures near `scale`.
+/// 0 for a value within the rounding error of numbers near `scale`.
 double tidy(double value, double scale) {
   constexpr double kRounding = 1e-8;
   return std::abs(value) < kRounding * scale ? 0.0 : value;
@@ -93,7 +93,8 @@ void print_lift(std::string& text, const base::Vehicle& vehicle) {
         scales.u1_max_n, scales.u2_max_nm, scales.u3_max_nm, scales.u4_max_nm);
 }
 
-/// Rank of what rotors (and servos, at hover) do; forces and moments are brought to one size first.
+/// Rank of the effectiveness of rotors (and servos, at hover); forces and moments are scaled to one
+/// size first.
 Eigen::Index rank_of(Eigen::MatrixXd columns) {
   for (Eigen::Index row = 0; row < columns.rows(); ++row) {
     const double most = columns.row(row).cwiseAbs().maxCoeff();
@@ -105,7 +106,7 @@ Eigen::Index rank_of(Eigen::MatrixXd columns) {
   return qr.rank();
 }
 
-/// The effectiveness matrix with a column for each servo: what a radian of tilt adds.
+/// The effectiveness matrix with a column for each servo: its effect per radian of tilt.
 Eigen::MatrixXd with_servos(const base::Vehicle& vehicle) {
   constexpr double kSmall_rad = 1e-3;
   const base::Effectiveness still = vehicle.effectiveness();

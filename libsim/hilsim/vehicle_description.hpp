@@ -10,9 +10,9 @@
 
 namespace cas::sim {
 
-/// What a vehicle is made of, for `hilsim --describe`: mass, centre of gravity and inertia of the
-/// model that flies, rotors, hover, thrust-to-weight ratio, scales, effectiveness matrix with its
-/// rank, and the frame of `frames` that it is.
+/// Data sheet of a vehicle, for `hilsim --describe`: mass, centre of gravity and inertia as
+/// simulated, rotors, hover, thrust-to-weight ratio, scales, effectiveness matrix with its rank,
+/// and the matching entry of `frames`.
 std::string describe_vehicle(const base::Vehicle& vehicle, const VehicleModel& model,
                              const std::vector<base::Frame>& frames);
 

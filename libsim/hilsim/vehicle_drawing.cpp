@@ -38,7 +38,7 @@ Points circle(const Eigen::Vector3d& centre, const Eigen::Vector3d& axis, double
   return points;
 }
 
-/// Points whose hull is the shape, in B; none for what has no end.
+/// Points whose hull is the shape, in B; none for an infinite shape.
 Points points_of(const Shape& shape) {
   Points points;
   if (const auto* box = std::get_if<Box>(&shape.geometry)) {

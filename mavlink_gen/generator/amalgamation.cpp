@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::string_view kInclude = "#include \"";
 constexpr std::string_view kPragma = "#pragma once";
-// Routers want all public messages; who has one dialect in one header does not.
+// Only routers need all public messages, not users of one dialect in one header.
 constexpr std::string_view kLeftOut = "mavlink_gen/runtime/public_table.hpp";
 
 class Amalgamation final {

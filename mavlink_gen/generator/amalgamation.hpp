@@ -10,7 +10,7 @@ namespace cas::mav::gen {
 /// One header that holds the dialect of these files, and the runtime, and includes the standard
 /// library alone. Several such headers may meet in one source, but none may meet the separate ones.
 ///
-/// @param files  what write_cpp() made, and runtime_files()
+/// @param files  files of write_cpp() and runtime_files()
 /// @param name  of the dialect: the folder below `mavlink/`
 std::string amalgamate(const Files& files, const std::string& name);
 

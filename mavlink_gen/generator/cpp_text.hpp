@@ -24,7 +24,7 @@ std::string string_literal(std::string_view text);
 /// Appends `text` as `///` lines of at most 100 columns.
 void append_comment(std::string& out, std::string_view indent, std::string_view text);
 
-/// What <wip>, <superseded> and <deprecated> say, as a sentence; empty for what is stable.
+/// The sentence for <wip>, <superseded> and <deprecated>; empty for a stable item.
 std::string lifecycle_sentence(const xml::Lifecycle& lifecycle);
 
 }  // namespace cas::mav::gen

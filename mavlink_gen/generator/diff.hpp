@@ -9,7 +9,7 @@
 
 namespace cas::mav::gen {
 
-/// What a change between two versions of a dialect does to those who use it.
+/// Effect of a change between two versions of a dialect on its users.
 enum class Impact : std::uint8_t {
   kBreaks,      ///< old and new peers no longer understand each other
   kMeaning,     ///< the bytes are read as before but mean something else

@@ -50,7 +50,7 @@ int complain(const std::string& sentence, int code) {
   return code;
 }
 
-/// Loads a dialect and prints what is wrong with it; nothing when it has errors.
+/// Loads a dialect and prints its diagnostics; nullopt if it has errors.
 std::optional<xml::Dialect> load(const std::string& file, bool strict = false) {
   xml::Diagnostics diagnostics;
   auto dialect = xml::load_dialect(file, diagnostics);

@@ -37,7 +37,7 @@ class JsonWriter final {
     quote(value);
   }
 
-  /// Like text() and flag(), but nothing for what is empty or false.
+  /// Like text() and flag(), but omits an empty or false value.
   void text_if(std::string_view key, std::string_view value) {
     if (!value.empty()) text(key, value);
   }

@@ -11,7 +11,7 @@ namespace {
 
 // clang-format off
 constexpr std::array kReserved = std::to_array<std::string_view>({
-    // C++20 keywords and alternative tokens, and what C++ may make of them
+    // C++20 keywords and alternative tokens, and possible future ones
     "alignas", "alignof", "and", "and_eq", "asm", "atomic_cancel", "atomic_commit", "atomic_noexcept",
     "auto", "bitand", "bitor", "bool", "break", "case", "catch", "char", "char16_t", "char32_t",
     "char8_t", "class", "co_await", "co_return", "co_yield", "compl", "concept", "const",

@@ -14,7 +14,7 @@ namespace cas::mav::gen {
 std::string pascal_case(std::string_view name);
 std::string lower_case(std::string_view name);
 
-/// Namespace and folder of a dialect: lower case, with an underscore for what no name can hold.
+/// Namespace and folder of a dialect: lower case, with an underscore for each invalid character.
 std::string namespace_of(std::string_view dialect);
 
 /// `name`, with an underscore behind it where it is a C++ keyword, a common macro, or a name that

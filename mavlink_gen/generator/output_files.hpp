@@ -11,9 +11,9 @@ namespace cas::mav::gen {
 /// Generated files: path relative to the output folder -> text.
 using Files = std::map<std::string, std::string>;
 
-/// Writes the files. One whose text is already there is not touched; the others are written beside
-/// their place and renamed into it, so nobody ever sees half a file.
-/// @return a sentence that says what could not be written; nothing: all is
+/// Writes the files. A file with the same text is not touched; the others are written beside their
+/// place and renamed into it, so no reader sees half a file.
+/// @return an error sentence; nullopt: all are written
 std::optional<std::string> write_files(const std::filesystem::path& folder, const Files& files);
 
 }  // namespace cas::mav::gen

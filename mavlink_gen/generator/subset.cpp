@@ -10,7 +10,7 @@
 namespace cas::mav::gen {
 namespace {
 
-/// Adds an enum and what the parameters of its entries refer to.
+/// Adds an enum and the enums that the parameters of its entries refer to.
 void use_enum(const xml::Dialect& dialect, std::string_view name, std::set<std::string>& used) {
   const auto* item = dialect.find_enum(name);
   if (item == nullptr || !used.insert(item->name).second) return;

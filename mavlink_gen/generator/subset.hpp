@@ -11,7 +11,7 @@ namespace cas::mav::gen {
 
 /// Leaves only the messages named, and the enums that their fields and those enums' parameters use.
 /// Everything kept is as in the whole dialect, down to the width of the enums.
-/// @return a sentence about the first name that the dialect has no message of; nothing: it has all
+/// @return a sentence about the first name that the dialect has no message of; nullopt: it has all
 std::optional<std::string> keep_only(xml::Dialect& dialect,
                                      const std::vector<std::string>& messages);
 

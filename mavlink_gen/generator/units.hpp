@@ -16,10 +16,10 @@ struct Scale {
 };
 
 /// The scale of a scalar number field whose unit is not plain (`cm/s`, `degE7`, ...) or that has a
-/// multiplier; nothing for all others.
+/// multiplier; nullopt for all others.
 std::optional<Scale> scale_of(const xml::Field& field);
 
-/// What `invalid` says.
+/// The XML attribute `invalid`.
 struct Sentinel {
   enum class Extent { kScalar, kFirstElement, kAllElements };
   Extent extent{};
@@ -27,7 +27,7 @@ struct Sentinel {
   std::string literal;  ///< C++ literal of the value, empty for NaN
 };
 
-/// The value that stands for unknown, where the XML names one that the field's type can hold.
+/// The value for unknown, if the XML names one that the field's type can hold.
 std::optional<Sentinel> sentinel_of(const xml::Field& field, const xml::Dialect& dialect);
 
 }  // namespace cas::mav::gen

@@ -88,7 +88,7 @@ json element_json(FieldType type, std::span<const std::uint8_t> payload, std::si
   return nullptr;
 }
 
-/// What is wrong with a value, as a sentence.
+/// Throws the sentence on a wrong value.
 [[noreturn]] void refuse(const std::string& field, const json& value, const std::string& why) {
   const std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
   throw std::invalid_argument(field + ": " + text + " " + why);
@@ -105,7 +105,7 @@ void append_utf8(char c, std::string& text) {
   }
 }
 
-/// The other way; nothing for characters beyond Latin-1 and for what is not UTF-8.
+/// The inverse; nullopt for characters beyond Latin-1 and for invalid UTF-8.
 std::optional<std::string> latin1(std::string_view utf8) {
   std::string bytes;
   for (std::size_t i = 0; i < utf8.size(); ++i) {

@@ -19,11 +19,11 @@
 namespace cas::mav::services {
 
 /// A number of JSON that reads as the float that it was: 0.1, not 0.100000001; whole ones without a
-/// fraction, null for what is not finite.
+/// fraction, null for a non-finite value.
 nlohmann::json number_json(double value);
 
-/// Messages to JSON and back, by what is known of them at run time: the project's dialect, and
-/// MAVLink XML that was read, so that a laboratory's own messages need no rebuild.
+/// Messages to JSON and back, by dialects known at run time: the project's, and MAVLink XML files,
+/// so that a laboratory's own messages need no rebuild.
 class MessageCodec {
  public:
   /// Knows the project's dialect.
@@ -36,9 +36,9 @@ class MessageCodec {
   /// '|', numbers without a name as they are, NaN and infinity as null: the form of write_json().
   /// Null for an unknown message.
   nlohmann::ordered_json to_json(const PacketView& packet) const;
-  /// The packet that such an object stands for, MAVLink 2 and unsigned. Fields that it leaves out
-  /// are zero, the dialect's version is filled in, null is NaN; an enum may be a number, too.
-  /// @throws std::invalid_argument with a sentence about what is wrong
+  /// The packet of such an object, MAVLink 2 and unsigned. Fields that it leaves out are zero, the
+  /// dialect's version is filled in, null is NaN; an enum may be a number, too.
+  /// @throws std::invalid_argument with an error sentence
   PacketBuffer from_json(const nlohmann::ordered_json& object, Source source,
                          std::uint8_t sequence) const;
 

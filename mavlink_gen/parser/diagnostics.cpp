@@ -43,7 +43,7 @@ std::string Diagnostics::render() const {
   std::string out;
   auto last_file = static_cast<std::uint32_t>(-1);
   for (const auto& diagnostic : diagnostics_) {
-    // Like a compiler: the chain stands once above a run of diagnostics of one file.
+    // Like a compiler: the include chain is printed once above consecutive diagnostics of one file.
     auto file = diagnostic.position.file;
     if (file != last_file) {
       last_file = file;

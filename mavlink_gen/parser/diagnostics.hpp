@@ -32,7 +32,7 @@ struct SourceFile {
   Position included_at;
 };
 
-/// Collects what is wrong with a dialect, in the order found.
+/// Collects errors and warnings of a dialect, in the order found.
 class Diagnostics final {
  public:
   /// Errors beyond this number are counted, not kept; so are warnings.

@@ -83,7 +83,7 @@ class Loader final {
     return std::move(dialect_);
   }
 
-  /// Depth first: what a file includes is merged before the file itself.
+  /// Depth first: the includes of a file are merged before the file itself.
   void load_file(const fs::path& path, std::uint32_t file) {
     std::string why;
     const auto text = read_file(path, why);
@@ -272,8 +272,8 @@ class Loader final {
                                              ", but " + why + ": it stays a number");
   }
 
-  /// The narrowest type that holds all values, and all that the fields can bring. Nothing holds
-  /// both what 64 bits with and without a sign do.
+  /// Finds the narrowest type for all values and for the types of all fields. No type covers both
+  /// signed and unsigned 64 bits.
   void find_type(Enum& item, const std::vector<Field*>& fields) {
     int with_sign = 0;
     int without_sign = 0;

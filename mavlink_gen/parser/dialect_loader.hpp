@@ -17,10 +17,10 @@ inline constexpr std::size_t kMaxFileBytes = 64U << 20U;
 ///
 /// Included files come first, each once, however often it is named. Enums of one name become one.
 /// Whatever the input: no exception for its faults, nothing evaluated, nothing fetched.
-/// @return nothing when an error was reported
+/// @return nullopt when an error was reported
 std::optional<Dialect> load_dialect(const std::filesystem::path& file, Diagnostics& diagnostics);
 
-/// Likewise, from text in memory; an <include> is an error.
+/// The same from text in memory; an <include> is an error.
 std::optional<Dialect> parse_dialect(std::string_view text, std::string_view name,
                                      Diagnostics& diagnostics);
 

@@ -10,7 +10,7 @@
 
 namespace cas::mav::xml {
 
-/// The table of a dialect that is read at run time, for receivers and routers. Owns what it names.
+/// The table of a dialect that is read at run time, for receivers and routers. Owns its names.
 class DialectTable final {
  public:
   explicit DialectTable(const Dialect& dialect);

@@ -20,8 +20,7 @@ std::string prose(std::string_view text);
 /// The text in quotation marks, for diagnostics.
 std::string quoted(std::string_view text);
 
-/// Reads what the elements of a dialect file have in common, and reports what the schema does not
-/// allow.
+/// Reads the parts that all elements of a dialect file share, and reports violations of the schema.
 class ElementReader final {
  public:
   using Names = std::span<const std::string_view>;

@@ -8,7 +8,7 @@
 
 namespace cas::mav::xml {
 
-/// Reads one `<enum>` with its entries and their parameters; nothing where its name is missing.
+/// Reads one `<enum>` with its entries and their parameters; nullopt where its name is missing.
 /// An entry with an error is reported and left out.
 std::optional<Enum> parse_enum(const Element& element, ElementReader& reader);
 

@@ -16,7 +16,7 @@ struct Include {
   Position position;
 };
 
-/// One dialect file as it stands, before includes are merged.
+/// One dialect file before includes are merged.
 struct ParsedFile {
   std::vector<Include> includes;
   std::optional<int> version, dialect;
@@ -24,7 +24,7 @@ struct ParsedFile {
   std::vector<Message> messages;
 };
 
-/// Turns the tree of one file into enums and messages and reports what the schema does not allow.
+/// Turns the tree of one file into enums and messages and reports violations of the schema.
 ParsedFile parse_file(const Element& root, Diagnostics& diagnostics);
 
 }  // namespace cas::mav::xml

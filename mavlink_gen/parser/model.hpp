@@ -26,7 +26,7 @@ struct EnumValue {
 
 enum class Status : std::uint8_t { kStable, kWip, kSuperseded, kDeprecated };
 
-/// What <wip>, <superseded> and <deprecated> say.
+/// Contents of <wip>, <superseded> and <deprecated>.
 struct Lifecycle {
   Status status{Status::kStable};
   std::string since;        ///< YYYY-MM, or empty

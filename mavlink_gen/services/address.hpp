@@ -13,7 +13,7 @@ Message addressed(Message message, Source to) {
   return message;
 }
 
-/// Whether a message is for `self` or for everybody; older autopilots leave the addressee out.
+/// Whether a message is for `self` or a broadcast; older autopilots set no target.
 template <class Message>
 bool is_for(const Message& message, Source self) {
   if (message.target_system == 0) return true;

@@ -45,7 +45,7 @@ bool aux_stops(const VehicleCommand& command) {
          is_read_as(command.params[1], kLow);
 }
 
-/// Low lets go of an emergency stop; any other function it switches off.
+/// Low releases an emergency stop; any other function it switches off.
 bool aux_spins(const VehicleCommand& command) {
   const bool is_off =
       is_read_as(command.params[1], 0) && !is_read_as(command.params[0], kMotorEmergencyStop);

@@ -26,7 +26,7 @@ struct VehicleCommand {
   std::optional<Place> place{};
 };
 
-/// "MAV_CMD 400 (arm or disarm)": what people call a command.
+/// A command's name for people: "MAV_CMD 400 (arm or disarm)".
 std::string describe(mavlink::common::MavCmd id);
 /// "denied", "temporarily rejected", ...
 std::string describe(mavlink::common::MavResult result);
@@ -45,7 +45,7 @@ VehicleCommand interval_command(std::uint32_t message_id, double period_us);
 
 /// Whether a command may start motors.
 bool spins(const VehicleCommand& command);
-/// Whether a command disarms or ends the flight, or may do so: PX4 rounds what is to be 0 or 1.
+/// Whether a command disarms or ends the flight, or may do so: PX4 rounds the parameter to 0 or 1.
 bool stops(const VehicleCommand& command);
 
 }  // namespace cas::mav::services

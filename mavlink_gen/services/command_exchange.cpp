@@ -84,7 +84,7 @@ void CommandExchange::start(const VehicleCommand& command, Time now, Done done, 
   transmit(active_.back(), now);
 }
 
-/// Ends what is under way or waits under this id.
+/// Ends the active or waiting command of this id.
 void CommandExchange::replace(MavCmd id, Time now) {
   const auto found = find(id);
   if (found == active_.end()) return;
@@ -152,11 +152,11 @@ void CommandExchange::on_heartbeat(Time now) {
   }
 }
 
-/// The vehicle has said what there is to be heard of an accepted command: in a HEARTBEAT, or in
-/// none until the deadline.
+/// Ends an accepted command by the state in the vehicle's HEARTBEATs; without any until the
+/// deadline it has timed out.
 void CommandExchange::end_doubt(std::list<Request>::iterator request, Time now,
                                 const std::string& within) {
-  // What it showed before the acknowledgement is no answer.
+  // A state from before the acknowledgement is no answer.
   const std::optional<std::string> instead = request->heard ? request->doubt() : std::nullopt;
   const std::string what = describe(request->command.id) + " was accepted";
   Outcome outcome;
@@ -182,7 +182,7 @@ void CommandExchange::tick(Time now) {
     for (Request& request : active_) request.wall_deadline.reset();  // time does not stand still
     ticked_at_ = now;
   }
-  // finish() may start what waited and callbacks may start more: look again from the front.
+  // finish() may start waiting commands and callbacks may add more: search again from the front.
   for (;;) {
     const auto due = std::find_if(active_.begin(), active_.end(),
                                   [now](const Request& r) { return now >= r.deadline; });
@@ -204,7 +204,7 @@ void CommandExchange::wall_tick(Time wall) {
   for (;;) {
     const auto over = std::find_if(active_.begin(), active_.end(), is_over);
     if (over == active_.end()) return;
-    // What starts next is sent at the vehicle's time, which the request was last given.
+    // The next command starts at the vehicle's time, which is the last time of this request.
     end_doubt(
         over, over->deadline - timing_.effect_timeout,
         effect_words(timing_.effect_patience) + " of real time; the vehicle's time stood still");

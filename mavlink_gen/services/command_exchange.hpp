@@ -27,7 +27,7 @@ struct CommandTiming {
   Duration text_grace = std::chrono::milliseconds(250);
   /// An accepted command must show in the HEARTBEAT within this long, where it has a `Doubt`.
   Duration effect_timeout = std::chrono::seconds(3);
-  /// The same by the wall clock, while the vehicle's time stands still.
+  /// The same by the wall clock, while the vehicle's time does not advance.
   Duration effect_patience = std::chrono::seconds(10);
 };
 
@@ -47,8 +47,8 @@ class CommandExchange {
   using Send = std::function<void(const Message&)>;
   /// Asked before each transmission. @return why the command may not be sent, if so
   using Objection = std::function<std::optional<Outcome>(Time)>;
-  /// Asked at each HEARTBEAT after the acknowledgement. @return what the vehicle shows instead
-  /// ("it is in HOLD"); nothing once the command has taken effect
+  /// Asked at each HEARTBEAT after the acknowledgement. @return the vehicle's other state ("it is
+  /// in HOLD"); nullopt once the command has taken effect
   using Doubt = std::function<std::optional<std::string>()>;
 
   explicit CommandExchange(Send send, CommandTiming timing = {})
@@ -61,13 +61,13 @@ class CommandExchange {
   /// @return whether an accepted command waits for a HEARTBEAT from now on
   bool on_ack(const mavlink::common::CommandAck& ack, Time now);
   void on_status_text(std::string_view text);
-  /// The vehicle has told its state anew.
+  /// The vehicle has reported its state.
   void on_heartbeat(Time now);
   void tick(Time now);
   /// Now and then by the wall clock, where that of `tick` may stand still.
   void wall_tick(Time wall);
-  /// The vehicle was disarmed, or its flight ended: what may start motors is not sent any more,
-  /// nor is a takeoff, whether it is under way or waits. @param by  for the sentence: who, and how
+  /// The vehicle was disarmed, or its flight ended: ends all active and waiting commands that may
+  /// start motors or take off. @param by  for the sentence: who, and how
   void on_disarm(const std::string& by, Time now);
   /// Whether a command that disarms or ends the flight is under way or waits.
   bool is_stopping() const;

@@ -10,7 +10,7 @@
 
 namespace cas::mav::services {
 
-/// What fails, by its number on the wire. Source: [MAVLink] FAILURE_UNIT.
+/// Unit that fails, by its number on the wire. Source: [MAVLink] FAILURE_UNIT.
 enum class FailureUnit : std::uint8_t {
   kGyro = 0,
   kAccel = 1,
@@ -53,7 +53,7 @@ struct FailureOrder {
 /// The same as it was received.
 struct FailureCommand {
   Source target{};                      ///< system 0: none was named
-  std::optional<FailureOrder> order{};  ///< nothing: a number is not whole, or not from 0 to 255
+  std::optional<FailureOrder> order{};  ///< nullopt: a number is not whole, or not from 0 to 255
 };
 
 /// Why a simulator does not take a failure: `progress` of its COMMAND_ACK, where MAVLink lets the
@@ -73,7 +73,7 @@ enum class FailureRefusal : std::uint8_t {
 /// apart.
 inline constexpr std::int32_t kMostToken = 1 << 24;
 
-/// Reads MAV_CMD_INJECT_FAILURE, as COMMAND_LONG or COMMAND_INT; nothing for other packets.
+/// Reads MAV_CMD_INJECT_FAILURE, as COMMAND_LONG or COMMAND_INT; nullopt for other packets.
 std::optional<FailureCommand> failure_command(const PacketView& packet);
 /// Reads parameters 1 to 3 of the command; nothing as above.
 std::optional<FailureOrder> failure_order(float unit, float type, float instance);

@@ -19,7 +19,7 @@ namespace {
 constexpr int kMaxOpenings = 4;
 /// Pieces that would tear the file into more parts are left out.
 constexpr std::size_t kMaxGaps = 4096;
-/// Numbers that a new transfer skips: what still comes of an older burst is behind them.
+/// Numbers that a new transfer skips: late packets of an older burst have lower numbers.
 constexpr std::uint16_t kSkippedNumbers = 1024;
 
 FtpFailure failure_of(const FtpPayload& nak) {
@@ -28,7 +28,7 @@ FtpFailure failure_of(const FtpPayload& nak) {
           .error_number = nak.size > 1 ? nak.data[1] : std::uint8_t{0}};
 }
 
-/// "F", the name, and of a file a tab and its size. @return nothing when it is to be skipped
+/// "F", the name, and of a file a tab and its size. @return nullopt when it is to be skipped
 std::optional<FtpEntry> parse_entry(std::string_view text) {
   if (text.empty() || (text[0] != 'F' && text[0] != 'D')) return std::nullopt;
   const std::size_t tab = std::min(text.find('\t'), text.size());
@@ -36,7 +36,7 @@ std::optional<FtpEntry> parse_entry(std::string_view text) {
   if (tab < text.size()) {
     std::from_chars(text.data() + tab + 1, text.data() + text.size(), entry.size);
   }
-  // Who writes files under these names must stay in his folder.
+  // A caller that writes files under these names must stay in its folder.
   const bool leads_out = entry.name.empty() || entry.name == "." || entry.name == ".." ||
                          entry.name.find('/') != std::string::npos;
   return leads_out ? std::nullopt : std::optional(std::move(entry));
@@ -222,7 +222,7 @@ void FtpExchange::on_open(const FtpPayload& answer, Time now) {
   read_on(now);
 }
 
-/// Asks for what is missing: the rest of the file by a burst, a gap before it by a read.
+/// Asks for missing bytes: the rest of the file by a burst, a gap before it by a read.
 void FtpExchange::read_on(Time now) {
   Transfer& transfer = *transfer_;
   if (transfer.gaps.empty()) return ask(Opcode::kTerminatesession, now);
@@ -259,7 +259,7 @@ void FtpExchange::on_burst(const FtpPayload& answer, Time now) {
   const bool waiting = transfer.last.opcode == Opcode::kBurstreadfile;
   if (nak) {
     if (!waiting) return;
-    // Of an older burst the end may be late: what is missing is asked for, whichever it was.
+    // The end may belong to an older burst and be late: ask for missing bytes in either case.
     if (failure_of(answer).code == MavFtpErr::kEof) return read_on(now);
     return on_nak(answer, now);
   }

@@ -29,7 +29,7 @@ struct FtpTiming {
   std::size_t max_entries = 8192;  ///< of a folder
 };
 
-/// What a file transfer has brought; of one that failed, what came until then.
+/// Result of a file transfer; if it failed, the data received until then.
 struct FtpResult {
   std::vector<FtpEntry> entries{};    ///< of list()
   std::vector<std::uint8_t> bytes{};  ///< of download() and upload(); those that are missing are 0
@@ -38,7 +38,7 @@ struct FtpResult {
 
 /// Answers that were left out.
 struct FtpOddities {
-  std::uint64_t malformed = 0;  ///< of no possible size, or without what they must have
+  std::uint64_t malformed = 0;  ///< of impossible size, or without a required part
   std::uint64_t stray = 0;      ///< to no request: another number, session or operation
   std::uint64_t outside = 0;    ///< pieces beyond the end of the file
 };
@@ -46,7 +46,7 @@ struct FtpOddities {
 /// The file transfer protocol (https://mavlink.io/en/services/ftp.html) with one vehicle, from the
 /// ground station's side. One transfer at a time. Every wait has a deadline and a bound on tries.
 ///
-/// A download is OpenFileRO, then bursts; what got lost is asked for by ReadFile. A server without
+/// A download is OpenFileRO, then bursts; lost pieces are requested by ReadFile. A server without
 /// bursts is read piece by piece; one that has restarted meanwhile has the file opened again. At
 /// the end the file is closed and its checksum compared, where the server can compute one.
 class FtpExchange {
@@ -62,21 +62,21 @@ class FtpExchange {
   explicit FtpExchange(Send send, FtpTiming timing = {}, std::uint16_t first_number = 0)
       : send_(std::move(send)), timing_(timing), seq_(first_number) {}
 
-  /// What a folder has. Names that would lead out of it are left out.
+  /// Entries of a folder. Names that would lead out of it are left out.
   void list(const std::string& path, Time now, Done done);
   void download(const std::string& path, Time now, Done done);
   /// Creates the file, or replaces it.
   void upload(const std::string& path, std::vector<std::uint8_t> bytes, Time now, Done done);
   void remove(const std::string& path, Time now, Done done);
-  /// Closes what is open at the server, of other clients too at servers that follow the standard;
-  /// FtpServer closes only yours. Files that a client which crashed has left open keep others from
-  /// opening any.
+  /// Closes all open files at the server, at servers that follow the standard also those of other
+  /// clients; FtpServer closes only the caller's. Files left open by a crashed client may block
+  /// others.
   void reset(Time now, Done done);
 
   /// Takes in a packet of the vehicle. @param self  packets for others are left out
   void on_packet(const PacketView& packet, Source self, Time now);
   void tick(Time now);
-  /// When tick() has something to do; nothing while nothing is under way.
+  /// When tick() has something to do; nullopt while nothing is under way.
   std::optional<Time> deadline() const;
   /// Ends the transfer with this outcome.
   void give_up(const Outcome& outcome);
@@ -90,7 +90,7 @@ class FtpExchange {
     std::string path{};
     Done done{};
     FtpResult result{};
-    FtpPayload last{};  ///< what is sent again; its opcode is the step that the transfer is at
+    FtpPayload last{};  ///< request to repeat; its opcode is the current step of the transfer
     int sent = 0;
     Time deadline{};
     Time give_up{};  ///< of the transfer as a whole
@@ -98,12 +98,11 @@ class FtpExchange {
     int openings = 0;
     std::uint32_t entries = 0;              ///< of a list: those that came, skipped ones too
     std::optional<std::uint32_t> length{};  ///< of a download, once it is known
-    std::map<std::uint32_t, std::uint32_t>
-        gaps{};                                  ///< of a download: what is missing, begin to end
-    std::uint32_t written = 0;                   ///< of an upload
-    std::optional<std::uint16_t> first_burst{};  ///< after it come the numbers of bursts
-    std::uint32_t burst_bytes = 0;               ///< that the newest burst has brought
-    bool bursts = true;                          ///< the server knows bursts
+    std::map<std::uint32_t, std::uint32_t> gaps{};  ///< of a download: missing bytes, begin to end
+    std::uint32_t written = 0;                      ///< of an upload
+    std::optional<std::uint16_t> first_burst{};     ///< after it come the numbers of bursts
+    std::uint32_t burst_bytes = 0;                  ///< that the newest burst has brought
+    bool bursts = true;                             ///< the server knows bursts
   };
 
   void start(Opcode opcode, Transfer transfer, Time now);

@@ -12,7 +12,7 @@
 #include "mavlink/common/enums.hpp"
 #include "mavlink/common/file_transfer_protocol.hpp"
 
-// What FILE_TRANSFER_PROTOCOL carries (https://mavlink.io/en/services/ftp.html).
+// Payload of FILE_TRANSFER_PROTOCOL (https://mavlink.io/en/services/ftp.html).
 namespace cas::mav::services {
 
 inline constexpr std::size_t kFtpDataBytes = 239;
@@ -26,7 +26,7 @@ struct FtpPayload {
   std::uint8_t session = 0;
   mavlink::common::MavFtpOpcode opcode{};
   std::uint8_t size = 0;                       ///< of the data; of a request to read: bytes wanted
-  mavlink::common::MavFtpOpcode req_opcode{};  ///< of an answer: what was asked
+  mavlink::common::MavFtpOpcode req_opcode{};  ///< of an answer: opcode of the request
   bool burst_complete = false;                 ///< the last packet of a burst
   std::uint32_t offset = 0;                    ///< in a file: bytes; in a folder: entries
   std::array<std::uint8_t, kFtpDataBytes> data{};
@@ -71,7 +71,7 @@ mavlink::common::FileTransferProtocol ftp_message(const FtpPayload& payload);
 FtpPayload ftp_payload(const mavlink::common::FileTransferProtocol& message);
 
 /// MAVLink's CRC-32 (https://mavlink.io/en/crc.html): zlib's polynomial, from 0, without the
-/// inversion at the end. @param crc  of what came before
+/// inversion at the end. @param crc  of the preceding bytes
 std::uint32_t ftp_crc32(std::span<const std::uint8_t> bytes, std::uint32_t crc = 0);
 
 /// A file or folder in a folder.

@@ -170,7 +170,7 @@ FtpFailure FtpServer::list(const FtpPayload& asked, FtpPayload& reply) {
   return kOk;
 }
 
-/// For reading, or anew for writing.
+/// Opens a file for reading, or a new or truncated one for writing.
 FtpFailure FtpServer::open(const Request& request, FtpPayload& reply, Time now) {
   const auto path = ftp_path(request.payload.text());
   if (!path) return fail(MavFtpErr::kFilenotfound);
@@ -196,7 +196,7 @@ FtpFailure FtpServer::open(const Request& request, FtpPayload& reply, Time now) 
 
 FtpFailure FtpServer::read(const Session& session, std::uint32_t offset, std::size_t size,
                            FtpPayload& reply) {
-  // Offsets have 32 bits: what lies behind them of a longer file cannot be had.
+  // Offsets have 32 bits: the rest of a longer file is out of reach.
   const std::size_t reachable = std::numeric_limits<std::uint32_t>::max() - offset;
   std::array<std::uint8_t, kFtpDataBytes> buffer{};
   std::span<std::uint8_t> bytes = std::span(buffer).first(std::min(size, reachable));
@@ -280,7 +280,7 @@ FtpServer::Session* FtpServer::find(const Request& request, Time now) {
   return nullptr;
 }
 
-/// @param id  of the session; nothing: all of this owner
+/// @param id  of the session; nullopt: all of this owner
 void FtpServer::close(Source owner, std::optional<std::uint8_t> id) {
   std::erase_if(sessions_, [&](const Session& session) {
     return session.owner == owner && (!id || session.id == *id);

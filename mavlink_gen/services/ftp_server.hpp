@@ -27,10 +27,10 @@ class FtpStore {
   virtual FtpFailure list(const std::string& folder, std::vector<FtpEntry>& entries) = 0;
   /// The length of a file.
   virtual FtpFailure length(const std::string& path, std::uint32_t& bytes) = 0;
-  /// @param out  where to; shortened to what there is, at the file's end to nothing
+  /// @param out  destination; shortened to the bytes read, at the file's end to nothing
   virtual FtpFailure read(const std::string& path, std::uint32_t offset,
                           std::span<std::uint8_t>& out) = 0;
-  /// Makes a file of length 0; one that is there loses what it has.
+  /// Makes a file of length 0; truncates an existing one.
   virtual FtpFailure create(const std::string& path) = 0;
   virtual FtpFailure write(const std::string& path, std::uint32_t offset,
                            std::span<const std::uint8_t> bytes) = 0;
@@ -54,13 +54,13 @@ class ReadOnlyFtpStore : public FtpStore {
 struct FtpServerLimits {
   /// All packets together; 0: answers at once, and of a burst one packet with each update().
   double bytes_per_s = 0;
-  /// In one packet of a burst or a list: shorter packets let others through on a slow line. A
-  /// request to read gets what it asks for.
+  /// Data bytes in one packet of a burst or a list: shorter packets let others through on a slow
+  /// line. A read request gets its full size.
   std::size_t piece_bytes = kFtpDataBytes;
   std::size_t sessions = 4;
   Duration idle_after = std::chrono::seconds(30);  ///< then another client may have the session
-  /// After which the client asks for more. A burst of pieces that are shorter than what was asked
-  /// for goes on to the end of the file: some clients take its end for the file's.
+  /// Packets of a burst, after which the client asks for more. If pieces are shorter than
+  /// requested, the burst goes on to the end of the file: some clients take its end for the file's.
   std::size_t burst_packets = 256;
 };
 
@@ -78,9 +78,9 @@ class FtpServer {
   FtpServer(FtpStore& store, Send send, FtpServerLimits limits = {})
       : store_(store), send_(std::move(send)), limits_(limits) {}
 
-  /// @param from  who asks
+  /// @param from  the client
   void on_request(const Message& message, Source from, Time now);
-  /// Sends what is due; call it every few milliseconds.
+  /// Sends due packets; call it every few milliseconds.
   void update(Time now);
   /// Requests that no room was left for; their senders ask again.
   std::uint64_t dropped() const { return dropped_; }
@@ -148,7 +148,7 @@ class FtpServer {
   std::uint64_t dropped_ = 0;
 };
 
-/// A request's path below the top; empty for the top itself. @return nothing when it leads out of
+/// A request's path below the top; empty for the top itself. @return nullopt when it leads out of
 /// it
 std::optional<std::string> ftp_path(std::string_view text);
 

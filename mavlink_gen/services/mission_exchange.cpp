@@ -88,7 +88,7 @@ void MissionExchange::clear(Time now, Done done, Type type) {
   start(std::move(transfer), now);
 }
 
-/// Begins with what `last` says.
+/// Begins a transfer with the message in `last`.
 void MissionExchange::start(Transfer transfer, Time now) {
   if (transfer_) {
     return transfer.done(failure(OutcomeKind::kRefused, "another mission transfer is under way"),

@@ -23,7 +23,7 @@
 
 namespace cas::mav::services {
 
-/// When what a mission's transfer waits for is asked for again and given up.
+/// Timeouts and retries of a mission transfer.
 struct MissionTiming {
   Duration answer_timeout = std::chrono::milliseconds(700);
   int tries = 5;
@@ -52,7 +52,7 @@ class MissionExchange {
   explicit MissionExchange(Send send, MissionTiming timing = {})
       : send_(std::move(send)), timing_(timing) {}
 
-  /// Replaces what the vehicle has by these items, which are numbered as they stand.
+  /// Replaces the vehicle's items by these, numbered in this order.
   void upload(Items items, Time now, Done done, Type type = Type::kMission);
   void download(Time now, Done done, Type type = Type::kMission);
   void clear(Time now, Done done, Type type = Type::kMission);
@@ -73,7 +73,7 @@ class MissionExchange {
     std::optional<std::size_t> count{};  ///< of the items, once it is known
     std::size_t asked_for = 0;           ///< of an upload: items that the vehicle has asked for
     Done done{};
-    Message last{};  ///< what is sent again
+    Message last{};  ///< message to repeat
     int sent = 0;
     Time deadline{};
     Time give_up{};  ///< of the transfer as a whole

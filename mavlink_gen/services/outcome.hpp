@@ -27,7 +27,7 @@ struct Outcome {
   OutcomeKind kind = OutcomeKind::kAccepted;
   std::string message;                               ///< a sentence; empty when accepted
   std::optional<mavlink::common::MavResult> result;  ///< of the last COMMAND_ACK
-  std::vector<std::string> status_texts;             ///< what the vehicle said meanwhile
+  std::vector<std::string> status_texts;             ///< the vehicle's texts meanwhile
   std::map<std::string, double> parameters;          ///< values in force, by name
   std::map<std::string, double> before;  ///< of those that were set: the value until then
 

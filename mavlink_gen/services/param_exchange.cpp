@@ -164,7 +164,8 @@ void ParamExchange::on_value(const ParamValue& message, ParamEncoding encoding, 
   encoding_ = encoding;
   if (known_.size() < kMaxKnown || known_.contains(name)) known_[name] = in_force;
   if (listing_) on_listed(message, name, in_force.value, now);
-  // Every request of this name hears the answer; a callback may start more, so they are gathered.
+  // Every request of this name gets the answer; a callback may start more, so they are collected
+  // first.
   std::vector<std::list<Request>::iterator> asked;
   for (auto request = active_.begin(); request != active_.end(); ++request) {
     if (request->name == name) asked.push_back(request);

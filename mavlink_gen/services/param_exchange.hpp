@@ -30,7 +30,7 @@ enum class ParamEncoding {
 /// The number that a PARAM_VALUE carries.
 double from_wire(ParamEncoding encoding, mavlink::common::MavParamType type, float wire);
 
-/// The field of PARAM_SET for a number; nothing when the type cannot hold it (a fraction in an
+/// The field of PARAM_SET for a number; nullopt when the type cannot hold it (a fraction in an
 /// integer, out of range, not finite).
 std::optional<float> to_wire(ParamEncoding encoding, mavlink::common::MavParamType type,
                              double value);
@@ -62,10 +62,10 @@ struct ParamTiming {
 
 /// The parameter protocol (https://mavlink.io/en/services/parameter.html) with one vehicle.
 ///
-/// Every wait has a deadline and a bound on tries, and no more parameters are held than any
-/// autopilot has: a vehicle that talks nonsense, or for ever, costs a bounded time and memory. A
-/// value that the vehicle answers is compared with the one asked for: a vehicle that clamps or
-/// refuses answers with what is in force.
+/// Every wait has a deadline and a bound on tries, and the number of parameters has a limit that no
+/// autopilot reaches: a faulty or endless stream costs bounded time and memory. An answered value
+/// is compared with the requested one: a vehicle that clamps or refuses answers with the value in
+/// force.
 class ParamExchange {
  public:
   using Message = std::variant<mavlink::common::ParamSet, mavlink::common::ParamRequestRead,

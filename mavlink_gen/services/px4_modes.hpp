@@ -50,7 +50,7 @@ consteval const FlightModeWord& px4_mode(std::string_view word) {
   return *std::ranges::find(kPx4Modes, word, &FlightModeWord::word);
 }
 
-/// vehicle_status.nav_state of a custom_mode; nothing for a mode that has none. A sub mode that the
+/// vehicle_status.nav_state of a custom_mode; nullopt for a mode that has none. A sub mode that the
 /// table does not know counts as its main mode, but for those of AUTO.
 constexpr std::optional<std::uint8_t> px4_nav_state(std::uint32_t custom_mode) {
   const auto found = std::ranges::find(kPx4Modes, custom_mode, &FlightModeWord::number);

@@ -5,7 +5,7 @@
 
 namespace cas::mav::services {
 
-/// HEARTBEAT of what flies nothing: a ground station, a companion, a simulator.
+/// HEARTBEAT of a system that is no autopilot: a ground station, a companion, a simulator.
 inline mavlink::common::Heartbeat station_heartbeat(mavlink::common::MavType type) {
   mavlink::common::Heartbeat message;
   message.type = type;

@@ -9,8 +9,8 @@ namespace cas::mav::services {
 /// Every duration in the interfaces of the services: whole nanoseconds.
 using Duration = std::chrono::nanoseconds;
 
-/// A moment by whatever clock the caller goes by, std::chrono::steady_clock or a simulated one;
-/// only differences of two mean anything. Services read no clock: `now` is an argument.
+/// A moment by the caller's clock, std::chrono::steady_clock or a simulated one; only differences
+/// of two have a meaning. Services read no clock: `now` is an argument.
 class Time {
  public:
   constexpr Time() = default;

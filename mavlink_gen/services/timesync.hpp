@@ -14,8 +14,8 @@
 // The time protocols (https://mavlink.io/en/services/timesync.html and ping.html).
 namespace cas::mav::services {
 
-/// The answer to a TIMESYNC; nothing where the message is an answer itself.
-/// @param clock  of the one who answers, since whatever zero it has
+/// The answer to a TIMESYNC; nullopt if the message is itself an answer.
+/// @param clock  of the answering node, from any zero
 inline std::optional<mavlink::common::Timesync> answer(const mavlink::common::Timesync& request,
                                                        Source from, Duration clock) {
   if (request.tc1 != 0) return std::nullopt;
@@ -27,15 +27,15 @@ inline std::optional<mavlink::common::Timesync> answer(const mavlink::common::Ti
   return reply;
 }
 
-/// The answer to a PING; nothing where the message is an answer itself.
+/// The answer to a PING; nullopt where the message is an answer itself.
 inline std::optional<mavlink::common::Ping> answer(const mavlink::common::Ping& request,
                                                    Source from) {
   if (request.target_system != 0 || request.target_component != 0) return std::nullopt;
   return mavlink::common::Ping{request.time_usec, request.seq, from.system, from.component};
 }
 
-/// How another node's clock stands to ours, by TIMESYNC. The quickest of the last few answers
-/// counts: its way there and its way back took much the same time.
+/// Offset of another node's clock to ours, by TIMESYNC. The quickest of the last few answers
+/// counts: its two ways took nearly the same time.
 class ClockEstimate {
  public:
   /// The question to send, every second or so.
@@ -58,12 +58,12 @@ class ClockEstimate {
     return true;
   }
 
-  /// Their clock less ours; nothing while no answer has come.
+  /// Their clock less ours; nullopt while no answer has come.
   std::optional<Duration> offset() const {
     const Answer* best = quickest();
     return best == nullptr ? std::nullopt : std::optional(best->offset);
   }
-  /// Of the answer that offset() goes by.
+  /// Of the answer behind offset().
   std::optional<Duration> round_trip() const {
     const Answer* best = quickest();
     return best == nullptr ? std::nullopt : std::optional(best->round_trip);

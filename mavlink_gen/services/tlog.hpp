@@ -51,11 +51,11 @@ struct TlogRecord {
   std::span<const std::uint8_t> packet;
 };
 
-/// Splits a telemetry log into its records, however long it is: feed what has been read, then take
-/// records until there is none. Bytes that are no record are skipped and counted.
+/// Splits a telemetry log into its records, however long it is: feed read bytes, then take records
+/// until there are none. Bytes that are no record are skipped and counted.
 class TlogSplitter {
  public:
-  /// More of the log. What the records so far pointed to is gone.
+  /// Adds a part of the log. Invalidates the records so far.
   void feed(std::span<const std::uint8_t> bytes) {
     buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(at_));
     at_ = 0;
@@ -63,7 +63,7 @@ class TlogSplitter {
   }
   /// The next record.
   /// @param whole  nothing more will be fed: a record that is not whole is damage, too
-  /// @return nothing when more must be fed, or at the end
+  /// @return nullopt when more must be fed, or at the end
   std::optional<TlogRecord> next(bool whole = false) {
     for (;; ++at_, ++skipped_) {
       const auto rest = std::span<const std::uint8_t>(buffer_).subspan(at_);

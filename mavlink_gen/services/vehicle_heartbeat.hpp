@@ -22,10 +22,10 @@ inline bool is_vehicle(Source source, const mavlink::common::Heartbeat& heartbea
   return heartbeat.autopilot != MavAutopilot::kGeneric || source.component == kAutopilot;
 }
 
-/// What a HIGH_LATENCY2 says of what a HEARTBEAT would. It has two bytes of the mode, of PX4 the
-/// upper ones. ArduPilot has its base mode in `custom0`; of others the last word on being armed
-/// stays. The HIL flag is never set: arming is for who says it in a HEARTBEAT.
-/// @param last  what was known before
+/// The HEARTBEAT made from a HIGH_LATENCY2. It has two bytes of the mode, of PX4 the upper ones.
+/// ArduPilot has its base mode in `custom0`; for others the last armed state stays. The HIL flag is
+/// never set: arming needs it in a HEARTBEAT.
+/// @param last  the previous HEARTBEAT
 inline mavlink::common::Heartbeat heartbeat_of(const mavlink::common::HighLatency2& message,
                                                const mavlink::common::Heartbeat& last) {
   using namespace mavlink::common;

@@ -23,7 +23,7 @@ std::string_view name(Autopilot autopilot);
 std::string mode_name(Autopilot autopilot, mavlink::common::MavModeFlag base_mode,
                       std::uint32_t custom_mode);
 
-/// HEARTBEAT.custom_mode that a mode's word (any case; PX4 also LOITER for HOLD) stands for.
+/// HEARTBEAT.custom_mode of a mode's word (any case; PX4 also LOITER for HOLD).
 std::optional<std::uint32_t> custom_mode(Autopilot autopilot, std::string_view word);
 
 /// The words that custom_mode() takes, separated by spaces: for messages to people.

@@ -26,7 +26,7 @@ void hear(std::optional<Heard<M>>& slot, const PacketView& packet, Time now) {
 }
 
 constexpr Duration kFreshStatus = std::chrono::seconds(5);
-/// PX4 repeats what fails each time it is asked, ArduPilot every 30 s.
+/// PX4 repeats failed checks at each request, ArduPilot every 30 s.
 constexpr Duration kFreshText = std::chrono::seconds(45);
 
 struct Sensor {

@@ -65,13 +65,13 @@ inline constexpr Duration kHighLatencyTimeout = std::chrono::seconds(200);
 /// EKF_STATUS_REPORT, a message of ArduPilot's dialect.
 inline constexpr std::uint32_t kEkfStatusReport = 193;
 
-/// What one vehicle has said about itself. Pure: packets and times come in as arguments.
-/// Packets of other senders must be left out, and which HEARTBEATs are a vehicle's says
-/// is_vehicle().
+/// State of one vehicle, from its own messages. Pure: packets and times come in as arguments. The
+/// caller leaves out packets of other senders; is_vehicle() tells whether a HEARTBEAT is a
+/// vehicle's.
 ///
 /// On a high latency link HIGH_LATENCY2 takes the place of the HEARTBEAT once none of those has
 /// come for kVehicleTimeout. It never says that the vehicle is in HIL, and PX4's does not say
-/// whether it is armed: the last word on that stays.
+/// whether it is armed: the last known state stays.
 class VehicleState {
  public:
   VehicleState(Source source, Time now) : source_(source), heard_at_(now) {}
@@ -89,7 +89,7 @@ class VehicleState {
   /// on one group of links, each is heard here.
   bool denied_hil(Time now) const;
   std::string mode() const;
-  /// Whether it is a PX4 in a mode that flies by somebody's sticks.
+  /// Whether it is a PX4 in a mode that needs a pilot's sticks.
   bool waits_for_sticks() const;
   const Heard<mavlink::common::Heartbeat>& heartbeat() const { return heartbeat_; }
   /// Of the newest HEARTBEAT, or of the HIGH_LATENCY2 in its place.
@@ -103,11 +103,11 @@ class VehicleState {
   }
   /// The vehicle's own clock, by the newest packet that carries it: time since it was started.
   std::optional<Duration> boot_time() const { return boot_time_; }
-  /// When it was last seen to begin anew, by its clock or after silence: what it told before may be
-  /// of another start.
+  /// Time of its last detected restart, by its clock or after silence: earlier data may belong to
+  /// an earlier start.
   Time restarted_at() const { return restarted_at_; }
-  /// Whether what it said then still tells of it: since this start, and within the last 5 s or the
-  /// last 10 of its HEARTBEATs, which go by its own clock.
+  /// Whether data received at `said` is still valid: since this start, and within the last 5 s or
+  /// the last 10 HEARTBEATs, which follow the vehicle's own clock.
   bool is_recent(Time said, Time now) const;
   /// When a HEARTBEAT last said that it is armed.
   std::optional<Time> armed_at() const { return armed_at_; }
@@ -139,15 +139,15 @@ class VehicleState {
   /// The newest packet of each message that was taken in.
   const MessageMemory& messages() const { return messages_; }
   const std::optional<Heard<mavlink::common::HomePosition>>& told_home() const { return home_; }
-  /// Height above home in m, from the newest of what the vehicle tells, and when it told it.
+  /// Height above home in m from the vehicle's newest message, with its time.
   std::optional<Heard<double>> altitude() const;
   ParamEncoding param_encoding() const;
-  /// "1.12.0", by AUTOPILOT_VERSION; empty while the vehicle has not told it.
+  /// "1.12.0", by AUTOPILOT_VERSION; empty until the vehicle reports it.
   std::string firmware_version() const;
 
   /// The newest whole status texts, oldest first, at most ten.
   const std::deque<StatusText>& status_texts() const { return status_texts_; }
-  /// Counts every whole status text: who compares two values knows whether one came.
+  /// Counts every whole status text: a change of the value shows that one came.
   std::uint64_t status_text_count() const { return status_text_count_; }
 
  private:
@@ -161,7 +161,7 @@ class VehicleState {
   Time heard_at_;
   std::optional<Time> without_hil_;  ///< newest HEARTBEAT without the HIL flag
   Heard<mavlink::common::Heartbeat> heartbeat_{};
-  bool slow_ = false;       ///< `heartbeat_` is what a HIGH_LATENCY2 says
+  bool slow_ = false;       ///< `heartbeat_` comes from a HIGH_LATENCY2
   std::deque<Time> beats_;  ///< when the newest HEARTBEATs came
   std::optional<Time> armed_at_;
   std::optional<Duration> boot_time_;
@@ -185,25 +185,24 @@ class VehicleState {
   std::uint64_t status_text_count_ = 0;
 };
 
-/// What a vehicle's own arming checks say (SYS_STATUS, MAV_SYS_STATUS_PREARM_CHECK).
+/// Result of a vehicle's own arming checks (SYS_STATUS, MAV_SYS_STATUS_PREARM_CHECK).
 enum class ArmingChecks { kUnknown, kPass, kFail };
 /// kUnknown while no fresh SYS_STATUS tells of them.
 ArmingChecks arming_checks(const VehicleState& vehicle, Time now);
 
-/// What a vehicle would need before it can take off by its position, in words; empty: nothing, or
-/// its autopilot is of a kind that does not tell. Stock firmware accepts arming before that,
-/// refuses to take off and disarms itself after 8 to 10 s (PX4 v1.12.0, ArduCopter 4.5.6).
+/// Missing preconditions of a takeoff with position control, in words; empty: nothing, or its kind
+/// of autopilot does not report it. Before that stock firmware accepts arming, refuses to take off
+/// and disarms itself after 8 to 10 s (PX4 v1.12.0, ArduCopter 4.5.6).
 ///
-/// The estimator's own word counts: ESTIMATOR_STATUS of PX4, EKF_STATUS_REPORT of ArduPilot; where
-/// neither comes, a fix of the GPS. Beside it HOME_POSITION must have come. What is not recent does
-/// not count.
+/// The estimator's own report counts: ESTIMATOR_STATUS of PX4, EKF_STATUS_REPORT of ArduPilot;
+/// where neither comes, a fix of the GPS. HOME_POSITION is required, too. Old reports do not count.
 std::string position_lack(const VehicleState& vehicle, Time now);
 
 /// Reasons not to fly, in words, as the vehicle reports them: required sensors that are missing or
-/// unhealthy (SYS_STATUS), what has failed (HIGH_LATENCY2), and recent reasons of its own checks
-/// ("Preflight Fail: ...", "PreArm: ..."). What it said before it was last armed is over. Empty:
+/// unhealthy (SYS_STATUS), failed parts (HIGH_LATENCY2), and recent reasons of its own checks
+/// ("Preflight Fail: ...", "PreArm: ..."). Reasons from before its last arming do not count. Empty:
 /// none.
-/// @param texts_before  how many status texts had come before a request: those do not count
+/// @param texts_before  number of status texts before a request: those do not count
 std::vector<std::string> complaints(const VehicleState& vehicle, Time now,
                                     std::uint64_t texts_before = 0);
 

@@ -74,7 +74,7 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   }
 
   void post_step(const StepInfo& step, const World& world) override {
-    receive();  // what repeats the packet under way gets one answer, not two
+    receive();  // a repeat of the pending packet gets one answer, not two
     if (!clock_.due(step.time)) return;
     JsonState state =
         to_json_state(step.time + epoch_, world.state(vehicle_), world.environment(vehicle_));
@@ -139,7 +139,7 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   ServoClock clock_{base::Duration(1)};
   bool heard_ = false;
   base::SimTime now_{};
-  base::Duration epoch_{};  // what earlier runs of the same firmware lasted
+  base::Duration epoch_{};  // total time of earlier runs of this firmware
   base::SimTime newest_{};
   std::optional<ServoPacket> packet_;
   std::string answer_;  // the last, to be repeated

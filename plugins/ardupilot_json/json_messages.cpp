@@ -62,7 +62,7 @@ MotorCommand to_motor_command(const ServoPacket& packet, std::span<const base::R
 
 namespace {
 
-/// What is not a number would be read as garbage; nothing of a sane simulation is.
+/// ArduPilot would read a non-finite number as garbage; a sane simulation sends none.
 double finite(double value) { return std::isfinite(value) ? value : 0.0; }
 
 void append(std::string& text, double value) {

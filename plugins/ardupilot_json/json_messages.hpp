@@ -12,7 +12,7 @@
 
 namespace cas::sim {
 
-/// What ArduPilot's SITL sends to a JSON simulator to be answered with the motion.
+/// Servo packet of ArduPilot's SITL to a JSON simulator, which answers with the motion.
 struct ServoPacket {
   static constexpr std::size_t kMostChannels = 32;
 
@@ -22,7 +22,7 @@ struct ServoPacket {
 };
 
 /// Little-endian: u16 magic, u16 frame rate, u32 frame count, u16 pulse widths: 16 with magic 18458
-/// (40 bytes), 32 with magic 29569 (72 bytes). @return nothing when it is neither
+/// (40 bytes), 32 with magic 29569 (72 bytes). @return nullopt when it is neither
 std::optional<ServoPacket> parse_servo_packet(std::span<const std::uint8_t> bytes);
 
 /// Outputs 1..16 from channels 1..16: a rotor's is (pwm - 1000) / 1000, held to 0..1, a servo's

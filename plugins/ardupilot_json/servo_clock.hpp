@@ -17,8 +17,8 @@ class ServoClock {
   enum class Kind {
     kNew,       ///< asks for the next period
     kRepeated,  ///< the last answer did not arrive: it is wanted again, without a step
-    kPending,   ///< repeats what is under way
-    kRestart,   ///< counts from the beginning: a firmware that started anew
+    kPending,   ///< repeats the request in progress
+    kRestart,   ///< counts from the beginning: a restarted firmware
   };
 
   struct Counts {
@@ -35,7 +35,7 @@ class ServoClock {
   Kind on_packet(const ServoPacket& packet, base::SimTime now);
   /// Whether a packet has been taken whose answer is not sent yet.
   bool pending() const { return pending_; }
-  /// Whether the answer is to be sent at the end of a step.
+  /// Whether the answer is due at the end of a step.
   bool due(base::SimTime now) const { return pending_ && now + step_ / 2 >= period_end_; }
   void answered() { pending_ = false; }
   const Counts& counts() const { return counts_; }

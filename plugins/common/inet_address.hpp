@@ -34,7 +34,7 @@ class InetAddress {
   socklen_t size_ = sizeof(sockaddr_storage);
 };
 
-/// The address a socket is bound to, as text; "?" when it cannot be told.
+/// The address a socket is bound to, as text; "?" if unknown.
 std::string bound_address(int socket);
 
 /// Waits until one of the sockets is readable. Sockets below 0 are left out.

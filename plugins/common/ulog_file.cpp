@@ -51,7 +51,7 @@ UlogInfo UlogInfo::uint32(std::string_view name, std::uint32_t value) {
 UlogFile::UlogFile(const std::filesystem::path& file, std::span<const UlogTopic> topics,
                    std::span<const UlogInfo> infos, std::span<const UlogParam> params)
     : path_(file) {
-  std::error_code ignored;  // opening says what is wrong
+  std::error_code ignored;  // fopen reports the error
   if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), ignored);
   file_.reset(std::fopen(file.c_str(), "wbe"));
   if (!file_) fail(path_, "cannot be written");

@@ -84,7 +84,7 @@ class UlogFile {
   void write(const UlogParam& param);
   /// A sentence of the vehicle. @param severity  MAV_SEVERITY, 0 to 7: that of syslog, too
   void write_text(base::SimTime time, int severity, std::string_view text);
-  /// @throws base::ConfigError when what was written did not reach the disk
+  /// @throws base::ConfigError when the data did not reach the disk
   void close();
 
  private:

@@ -9,7 +9,7 @@
 
 namespace cas::sim {
 
-/// What a condition may ask about.
+/// Quantity that a condition may test.
 enum class Fact : std::uint8_t {
   kTime,      ///< s
   kAltitude,  ///< m above the world's origin

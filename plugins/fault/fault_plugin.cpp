@@ -147,7 +147,7 @@ class FaultPlugin final : public Plugin {
         Need::kOptional);
   }
 
-  /// Not while the schedule is being updated. @throws base::ConfigError to whoever orders
+  /// Not while the schedule is being updated. @throws base::ConfigError to the caller
   void take_order(const FaultOrder& order) {
     const auto script = base::ConfigNode::parse(order.script.data(), "fault by hand");
     if (const auto end = script.find("end")) return schedule_.end(end->as<std::string>());

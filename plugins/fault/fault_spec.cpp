@@ -125,7 +125,7 @@ SensorFault parse_clip(const ConfigNode& node) {
   return fault;
 }
 
-/// Magnetic field of the current that feeds the rotors, at what they take in a hover.
+/// Magnetic field of the rotors' supply current, at their power in a hover.
 SensorFault parse_current(const ConfigNode& node) {
   SensorFault fault = parse_change(node, SensorEffect::kBias, BiasDriver::kPower);
   if (fault.topic != SensorTopic::kMagnetometer) node.at("sensor").fail("must be magnetometer");
@@ -153,7 +153,7 @@ SensorTopic parse_vector_sensor(const ConfigNode& node) {
   return topic;
 }
 
-/// {sensor: imu, rpy_deg: [0, 0, 90]}: the sensor stands so in the vehicle. Angles are of D
+/// {sensor: imu, rpy_deg: [0, 0, 90]}: mounting of the sensor in the vehicle. Angles are of D
 /// (forward, right, down), samples of B (forward, left, up).
 SensorFault parse_turn(const ConfigNode& node) {
   SensorFault fault;

@@ -38,18 +38,18 @@ enum class SensorEffect : std::uint8_t {
   kNoise,
   kClip,  ///< no component is larger than `value`
   kTurn,  ///< all vectors of the sample are turned
-  kFix,   ///< what a receiver says of its fix
+  kFix,   ///< the receiver's report of its fix
 };
 
-/// What a bias is multiplied by.
+/// Factor of a bias.
 enum class BiasDriver : std::uint8_t {
   kOne,
   kTime,             ///< seconds since the fault began: a drift
-  kPower,            ///< power that the rotors take, of what they take in a hover
+  kPower,            ///< power of the rotors / their power in a hover
   kDynamicPressure,  ///< of the air that meets the vehicle, Pa
 };
 
-/// What a receiver says of its fix.
+/// A receiver's report of its fix.
 struct FixReport {
   std::uint8_t type = 3;
   std::uint8_t satellites = 10;
@@ -67,7 +67,7 @@ struct SensorFault {
   std::optional<SampleField> only;                     ///< of kFreeze: the rest goes on
   double drop_share = 1;                               ///< of kDrop: probability for each sample
   int all_but = 0;                                     ///< of kDrop: each n-th passes; 0: none
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< of kTurn: what is read, of what is
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< of kTurn: true to read vector
   FixReport fix{};                                     ///< of kFix
 };
 
@@ -99,7 +99,7 @@ struct CgFault {
 using FaultKind =
     std::variant<SensorFault, RotorFault, SwapFault, VoltageFault, MassFault, CgFault, GustCommand>;
 
-/// One fault: when it begins, how long it lasts, what it does.
+/// One fault: its begin, duration and effect.
 struct FaultSpec {
   std::string name;
   std::optional<base::SimTime> at;

@@ -77,7 +77,7 @@ class SampleAccess {
   base::LocalProjection projection_;
 };
 
-/// Sits on one sensor's topic and spoils what passes while faults are active.
+/// Intercepts one sensor's topic and alters its samples while faults are active.
 template <class Sample>
 class SensorTap {
  public:
@@ -92,7 +92,7 @@ class SensorTap {
   }
 
   void set_now(base::SimTime now) { now_ = now; }
-  /// What biases of the coming samples are multiplied by, beside the time.
+  /// Factors of the biases of the coming samples, beside the time.
   void set_drivers(double power_share, double dynamic_pressure_pa) {
     power_share_ = power_share;
     dynamic_pressure_pa_ = dynamic_pressure_pa;
@@ -101,7 +101,7 @@ class SensorTap {
   void end(const SensorFault& fault) {
     std::erase_if(active_, [&fault](const Active& each) { return each.fault == &fault; });
   }
-  /// Lets go what has been held back long enough.
+  /// Delivers samples whose delay has passed.
   void release() {
     while (const auto sample = held_.pop(now_)) interceptor_.deliver(*sample);
   }

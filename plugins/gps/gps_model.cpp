@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::uint8_t kNoFix = 1;          // GPS_FIX_TYPE_NO_FIX
 constexpr std::uint8_t kFix3d = 3;          // GPS_FIX_TYPE_3D_FIX
-constexpr double kAccuracyWithoutFix = 99;  // m, what receivers claim while they search
+constexpr double kAccuracyWithoutFix = 99;  // m, reported by receivers during search
 
 base::SimTime moment(double seconds) { return base::SimTime(base::from_seconds(seconds)); }
 

@@ -29,12 +29,12 @@ struct GpsParams {
   GaussMarkovParams<3> position_drift;
   Eigen::Vector3d velocity_stddev_m_s = Eigen::Vector3d::Zero();  ///< white, one sample
   Eigen::Vector3d antenna_B_m = Eigen::Vector3d::Zero();          ///< from the centre of gravity
-  double eph_m = 0;  ///< what the receiver claims, 1 sigma
+  double eph_m = 0;  ///< accuracy in the receiver's report, 1 sigma
   double epv_m = 0;
   std::uint8_t satellites = 0;
   base::SimTime first_fix;  ///< no fix before this moment
   std::vector<FixLoss> fix_losses;
-  std::optional<base::EarthModel> earth_model;  ///< nothing: the world's own projection
+  std::optional<base::EarthModel> earth_model;  ///< nullopt: the world's own projection
 };
 
 /// Reads the block `gps`: its keys are those of its sheet (base/config/sensor_sheets.hpp).

@@ -63,9 +63,9 @@ class TriadErrors {
 /// Gyroscope and accelerometer at a point of the body.
 ///
 /// Truth is averaged over the sample period, as integrating sensors do, so that samples do not
-/// depend on the simulation's step. Vibration is what the imbalance of each rotor gives at its
-/// speed: amplitude * (omega / reference)^2 at the rotor's own phase, sampled (and so aliased) at
-/// the sample's moment. Temperature, g-sensitivity and the analog filter's lag are not modelled.
+/// depend on the simulation's step. Vibration comes from the imbalance of each rotor at its speed:
+/// amplitude * (omega / reference)^2 at the rotor's own phase, sampled (and so aliased) at the
+/// sample's moment. Temperature, g-sensitivity and the analog filter's lag are not modelled.
 class ImuModel {
  public:
   ImuModel() = default;

@@ -39,7 +39,7 @@ class MagnetometerModel {
   MagnetometerModel(const MagnetometerParams& params, const base::LocalProjection& projection,
                     double decimal_year, std::uint64_t seed);
 
-  /// @param own_field_W  the world's own field, gauss; nothing: the Earth's
+  /// @param own_field_W  the world's own field, gauss; nullopt: the Earth's
   MagnetometerSample sample(base::SimTime time, const BodyState& state,
                             const std::optional<Eigen::Vector3d>& own_field_W = {});
 

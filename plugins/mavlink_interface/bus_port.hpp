@@ -11,7 +11,7 @@
 
 namespace cas::sim {
 
-/// Packets over the topic bus of the process: `wire_out` to whoever composes the run, `wire_in`
+/// Packets over the topic bus of the process: `wire_out` to the composer of the run, `wire_in`
 /// back. Its clock is the simulation's.
 class BusPort final : public HilPort {
  public:

@@ -12,15 +12,15 @@ using mav::services::FailureOrder;
 using Unit = mav::services::FailureUnit;
 using Type = mav::services::FailureType;
 
-/// How one unit fails in one way. `$rotor` stands for the number of a rotor.
+/// How one unit fails in one way. `$rotor` is replaced by a rotor's number.
 struct Failure {
   Unit unit;
   Type type;
   std::array<std::string_view, 2> effects;  ///< of plugin `fault`; the second may be empty
 };
 
-// Sizes are those of docs/campaign.md's catalogue where it has them; garbage is ten times and more
-// what the sensor's own noise is.
+// Sizes are those of docs/campaign.md's catalogue where it has them; garbage is at least ten times
+// the sensor's own noise.
 constexpr std::array kFailures{
     Failure{Unit::kGyro, Type::kStuck, {"freeze: {sensor: imu, field: angular_rate}"}},
     Failure{Unit::kGyro, Type::kGarbage, {"noise: {sensor: imu, angular_rate_deg_s: 200}"}},

@@ -19,19 +19,19 @@ enum VehiclePart : std::uint8_t {
   kPartRangefinder = 1U << 4U,
 };
 
-/// What a vehicle has that can fail.
+/// Parts of a vehicle that can fail.
 struct VehicleParts {
   std::uint8_t sensors = 0;  ///< VehiclePart of those that have spoken
   int rotors = 0;
 };
 
 /// Orders for plugin `fault` (libsim/api/fault_order.hpp) that make a MAVLink failure physical:
-/// first the end of what was injected there before, then, unless it is FAILURE_TYPE_OK, the new.
+/// first the end of an earlier failure there, then, unless it is FAILURE_TYPE_OK, the new one.
 ///
-/// One table holds every unit and type; they act as the failures of a campaign do
+/// One table holds every unit and type; they act like the failures of a campaign
 /// (docs/campaign.md). Gyro and accelerometer are one chip, whose samples come together: single
 /// ones stick or read wrong, but do not fall silent.
-/// @return nothing: there is no such physical failure, or the vehicle has no such part
+/// @return nullopt if there is no such physical failure, or the vehicle lacks the part
 std::optional<std::vector<std::string>> fault_orders(const mav::services::FailureOrder& failure,
                                                      const VehicleParts& parts);
 

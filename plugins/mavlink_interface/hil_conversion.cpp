@@ -27,7 +27,7 @@ constexpr double kPascalPerHectopascal = 100.0;
 
 float to_float(double value) { return static_cast<float>(value); }
 
-/// Rounds and keeps within the wire type; 0 for what is not a number.
+/// Rounds and keeps within the wire type; 0 for NaN.
 template <class Integer>
 Integer to_wire(double value) {
   if (std::isnan(value)) return 0;
@@ -36,7 +36,7 @@ Integer to_wire(double value) {
   return static_cast<Integer>(std::clamp(std::round(value), kLow, kHigh));
 }
 
-/// As to_wire, but the value that stands for unknown is for what is not a number, and only for it.
+/// As to_wire, but NaN, and only NaN, becomes kUnknown16.
 std::uint16_t to_known16(double value) {
   if (std::isnan(value)) return kUnknown16;
   return std::min<std::uint16_t>(to_wire<std::uint16_t>(value), kUnknown16 - 1);
@@ -178,7 +178,7 @@ mv::DistanceSensor to_distance_sensor(const RangeSample& sample) {
 
 mv::BatteryStatus to_battery_status(const BatterySample& sample) {
   constexpr std::uint16_t kNoCell = 0xFFFF;
-  constexpr double kMostOfField = kNoCell - 1;  // mV; what is above goes on in the next field
+  constexpr double kMostOfField = kNoCell - 1;  // mV; the rest goes into the next field
   mv::BatteryStatus packet;
   packet.battery_function = mv::MavBatteryFunction::kAll;
   packet.temperature = std::numeric_limits<std::int16_t>::max();  // unknown

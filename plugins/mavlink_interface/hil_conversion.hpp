@@ -38,9 +38,9 @@ void fill(mavlink::common::HilSensor& packet, const BarometerSample& sample);
 /// Differential pressure (hPa), flagged as updated.
 void fill(mavlink::common::HilSensor& packet, const AirspeedSample& sample);
 
-/// Degrees * 1e7, mm, cm/s, cm (eph, epv: what PX4 reads, [HILS] has no such fields), centidegrees.
-/// Without a fix, place and velocity are zero and speed and course unknown (65535). A place or
-/// velocity that is not finite is no fix.
+/// Degrees * 1e7, mm, cm/s, cm (eph, epv: as PX4 reads them, [HILS] has no such fields),
+/// centidegrees. Without a fix, place and velocity are zero and speed and course unknown (65535). A
+/// place or velocity that is not finite is no fix.
 mavlink::common::HilGps to_hil_gps(const GpsSample& sample);
 
 /// Centimetres; a reading without a surface, or one that is not a number, says so by its quality.
@@ -50,10 +50,9 @@ mavlink::common::DistanceSensor to_distance_sensor(const RangeSample& sample);
 mavlink::common::BatteryStatus to_battery_status(const BatterySample& sample);
 
 /// True motion of the centre of gravity: attitude of D in N (w, x, y, z), rates in D (rad/s),
-/// degrees
-/// * 1e7, mm above mean sea level, cm/s in N. Airspeeds, cm/s: length of the velocity through the
-/// air, and what a pitot tube would indicate of it at sea level of the standard atmosphere.
-/// Acceleration in D, mG of standard gravity: zero at rest, not what an accelerometer reads.
+/// position in 1e-7 degrees and mm above mean sea level, velocity in cm/s in N. Airspeeds, cm/s:
+/// norm of the velocity through the air, and its indicated value in the standard atmosphere at sea
+/// level. Acceleration in D, mG of standard gravity: zero at rest, unlike an accelerometer.
 mavlink::common::HilStateQuaternion to_hil_state(base::SimTime time, const BodyState& body,
                                                  const Environment& air,
                                                  const base::LocalProjection& projection);
@@ -62,7 +61,7 @@ mavlink::common::HilStateQuaternion to_hil_state(base::SimTime time, const BodyS
 mavlink::common::Heartbeat simulator_heartbeat();
 
 /// U1..U4 from throttle, roll, pitch and yaw with the vehicle's full scales; armed by mode bit 128.
-/// Fields are held to their ranges; what is not a number counts as 0.
+/// Fields are held to their ranges; NaN counts as 0.
 MotorCommand to_motor_command(const mavlink::common::HilControls& packet,
                               const base::ControlScales& scales);
 /// Outputs 1..16 from controls[0..15], held to -1..1; armed by mode bit 128.

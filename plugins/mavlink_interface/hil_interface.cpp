@@ -20,7 +20,7 @@ namespace {
 constexpr std::size_t kMostWaiting = 32;  ///< messages of plugins in one step
 constexpr std::size_t kMostAnswers = 16;  ///< commands in one step
 
-/// As a whole number; 0 for what is not one.
+/// As a whole number in [0, kMostToken]; 0 for any other value.
 std::int32_t token_of(float number) {
   const bool is_one = number >= 0 && number <= static_cast<float>(mav::services::kMostToken);
   return is_one ? static_cast<std::int32_t>(number) : 0;
@@ -167,7 +167,7 @@ void HilInterface::send_gps() {
 }
 
 void HilInterface::send_sensor() {
-  // Only what is new is flagged; the rest repeats its last value.
+  // Only new values are flagged; the others repeat the last value.
   sensor_.fields_updated = {};
   imu_->time += params_.wire_epoch;
   fill(sensor_, *imu_);
@@ -251,7 +251,7 @@ void HilInterface::on_controls(const Controls& controls, const MotorCommand& com
   if (command_) ++overwritten_commands_;
   command_ = command;
   command_->sensor_time -= params_.wire_epoch;
-  // An echo of what was never sent is another clock, or a run before reset().
+  // An echo of a stamp that was never sent comes from another clock, or from before reset().
   if (!in_step_ && stamps_.contains(controls.time_usec)) join();
   if (controls.time_usec <= sent_usec_) {
     answered_usec_ = std::max(answered_usec_, controls.time_usec);

@@ -95,8 +95,8 @@ class HilInterface {
   /// A message of a plugin, for the next flush(). @return false when too many wait already
   bool on_message(const mav::MessageInfo& info, const MavlinkMessage& message);
 
-  /// Takes in MAV_CMD_INJECT_FAILURE that is addressed to the simulator itself, and says what came
-  /// of it. Without one nothing can fail.
+  /// Handles MAV_CMD_INJECT_FAILURE for the simulator itself and returns the result. Without a
+  /// handler no failure can be injected.
   struct FailureAnswer {
     mavlink::common::MavResult result{};
     mav::services::FailureRefusal why{};
@@ -108,16 +108,16 @@ class HilInterface {
   /// does not get it. At most 250 Hz, and only together with a HIL_SENSOR.
   bool truth_due(base::SimTime now) { return imu_ && truth_due_.due(now); }
   void on_truth(const mavlink::common::HilStateQuaternion& truth) { truth_ = truth; }
-  /// What the connected controller asked for; 0: nothing.
+  /// Current rate of the ground truth; 0: off.
   double truth_hz() const { return truth_due_.rate_hz(); }
   /// VehiclePart of the sensors that have spoken.
   std::uint8_t sensors() const { return sensors_; }
 
-  /// Sends what is new: HEARTBEAT when due, answers to commands, messages of plugins,
-  /// BATTERY_STATUS, DISTANCE_SENSOR, HIL_GPS, HIL_SENSOR (with each IMU sample).
+  /// Sends new data: HEARTBEAT when due, answers to commands, messages of plugins, BATTERY_STATUS,
+  /// DISTANCE_SENSOR, HIL_GPS, HIL_SENSOR (with each IMU sample).
   void flush(base::SimTime now);
 
-  /// Reads what the port has.
+  /// Reads all waiting input of the port.
   void receive();
   /// The newest command since the last call; after `actuator_timeout` of silence one that stops
   /// the rotors; else nothing.
@@ -125,13 +125,13 @@ class HilInterface {
 
   /// Whether the controls that are due for the sensors sent so far have arrived (lockstep).
   bool answered() const { return answered_usec_ >= due_usec_; }
-  /// Waits no longer for what was sent so far.
+  /// Stops waiting for answers to sensors sent so far.
   void give_up() { due_usec_ = answered_usec_; }
-  /// Whether a controller is there that answers; without one nothing is to be waited for.
+  /// Whether a controller answers; without one lockstep does not wait.
   bool in_step() const { return in_step_; }
-  /// End of what was sent, on the wire's clock.
+  /// Stamp of the newest sent HIL_SENSOR, on the wire's clock.
   base::Duration wire_end() const { return std::chrono::microseconds(sent_usec_); }
-  /// Whether the last packet sent was a HIL_SENSOR and its answer is here: nothing is on its way.
+  /// Whether the last packet sent was a HIL_SENSOR and its answer is here: nothing is in flight.
   bool settled() const { return !on_its_way_; }
 
   const MessageCounts& sent() const { return sent_; }
@@ -192,13 +192,13 @@ class HilInterface {
   std::uint8_t sensors_ = 0;
   OnFailure on_failure_;
   std::vector<mavlink::common::CommandAck> answers_;  // wait for the next flush()
-  mavlink::common::HilSensor sensor_;                 // keeps the last value of what is not new
+  mavlink::common::HilSensor sensor_;                 // repeats the last value of each field
 
   // In.
   mav::PacketParser parser_;
   mav::SequenceTracker sequences_;
   std::optional<MotorCommand> command_;
-  std::optional<base::SimTime> last_command_;  // nothing: silent, rotors stopped
+  std::optional<base::SimTime> last_command_;  // nullopt: silent, rotors stopped
   std::uint64_t overwritten_commands_ = 0;
   std::uint64_t actuator_timeouts_ = 0;
 

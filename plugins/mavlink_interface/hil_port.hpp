@@ -26,10 +26,9 @@ class HilPort {
   virtual bool wait(base::Duration timeout) = 0;
   /// The clock of the ledger: steady in real time, the simulation's on the bus.
   virtual base::RunTime now() const = 0;
-  /// What the clock of the simulation shows, told before each use in a step.
+  /// Sets the simulated time; called before each use in a step.
   virtual void set_sim_time(base::SimTime) {}
-  /// Peers that have come so far, one after the other; what has no connections has one from the
-  /// start.
+  /// Number of peers so far, one after the other; a connectionless port has one from the start.
   virtual std::uint64_t peers() const { return 1; }
   virtual bool connected() const { return true; }
   virtual std::string endpoint() const = 0;  ///< "udp 127.0.0.1:14560"

@@ -147,7 +147,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
 
   void finish() override {
     if (!ledger_) return;
-    interface_->receive();  // what arrived after the last step belongs to the accounts
+    interface_->receive();  // packets after the last step belong to the ledger
     ledger_->write(ledger_file_);
   }
 
@@ -162,7 +162,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   }
 
  private:
-  /// Computes nothing for those who have not asked.
+  /// Computes nothing without a request.
   void show_truth(base::SimTime now, const World& world) {
     const bool to_controller = interface_->truth_due(now);
     const bool to_viewer = viewer_ && viewer_->due(now);
@@ -273,9 +273,9 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   Publisher<FaultOrder> faults_;
   int rotors_ = 0;
   base::SimTime now_{};
-  bool has_all_ = false;  ///< lockstep: what the step is to know was read while it waited
+  bool has_all_ = false;  ///< lockstep: the wait has read all input of this step
   PluginMessages messages_;
-  std::vector<Subscription> plugins_;  ///< to what they send of their own accord
+  std::vector<Subscription> plugins_;  ///< to messages that plugins send themselves
   std::uint64_t too_many_ = 0;         ///< messages of plugins that one step had no room for
 };
 

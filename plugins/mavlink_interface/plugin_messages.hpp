@@ -15,13 +15,13 @@
 namespace cas::sim {
 
 /// The public message of this name or id, as a plugin declares it.
-/// @throws base::ConfigError for what is none, and for the messages that the simulator itself sends
-/// or takes
+/// @throws base::ConfigError for an unknown message, and for one that the simulator itself sends or
+/// takes
 const mav::MessageInfo& declared_message(const std::string& word);
 
-/// Decides which of the messages that the plugins of a vehicle publish go out: those that their
-/// plugin declares, of the right size, each at most 250 times in a second of simulated time. What
-/// is refused is counted.
+/// Filters the messages that the plugins of a vehicle publish. A message goes out if its plugin
+/// declares it, its size is right, and it comes at most 250 times in a second of simulated time.
+/// Refused messages are counted.
 class PluginMessages {
  public:
   static constexpr unsigned kMostPerSecond = 250;
@@ -32,11 +32,11 @@ class PluginMessages {
 
   /// The message's entry in the table; null when it is refused.
   /// @param sender  index in `senders`
-  /// @param refusal  told once for each plugin and reason: a sentence; else left alone
+  /// @param refusal  set to a sentence once for each plugin and reason; else unchanged
   const mav::MessageInfo* admit(std::size_t sender, const MavlinkMessage& message,
                                 base::SimTime now, std::string& refusal);
 
-  /// Back to time zero; what was refused is forgotten.
+  /// Back to time zero; clears the refusal counters.
   void reset();
   std::uint64_t refused() const;
   /// {"battery":{"declares":["BATTERY_STATUS"],"undeclared":0,"wrong_size":0,"too_often":0}}

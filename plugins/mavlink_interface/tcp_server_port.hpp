@@ -36,7 +36,7 @@ class TcpServerPort final : public HilPort {
  private:
   void accept_client();
   void drop_client(const char* why);
-  /// Sends what a former packet left over. @return whether nothing is left
+  /// Sends the unsent rest of an earlier packet. @return whether nothing is left
   bool flush_tail();
 
   static constexpr std::size_t kReadBytes = 16384;

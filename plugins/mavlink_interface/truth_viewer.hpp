@@ -18,7 +18,7 @@ namespace cas::sim {
 inline constexpr double kMostTruthHz = 250;
 
 /// Shows a viewer the true motion of a vehicle, as PX4's own simulation in hardware (SIH) shows it
-/// on UDP port 19410. Its socket is its own: a flight controller never hears of it.
+/// on UDP port 19410. It has its own socket: a flight controller never gets these packets.
 class TruthViewer {
  public:
   /// @param node  key `viewer` of the plugin: remote (127.0.0.1:19410), rate_hz (50)
@@ -29,7 +29,7 @@ class TruthViewer {
   TruthViewer& operator=(const TruthViewer&) = delete;
 
   bool due(base::SimTime now) { return rate_.due(now); }
-  /// Never blocks; what the socket does not take is dropped.
+  /// Never blocks: drops the packet if the socket is full.
   void show(const mavlink::common::HilStateQuaternion& truth);
   /// Back to time zero.
   void reset() { rate_.reset(); }

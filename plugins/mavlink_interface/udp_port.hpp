@@ -13,12 +13,12 @@ namespace cas::sim {
 
 /// Packets over UDP, one per datagram out, any number per datagram in.
 ///
-/// Everything happens on the simulation's thread, without a thread of its own: a step applies what
-/// has arrived before it, so a second thread could only add a wake-up. The moment of arrival is the
-/// kernel's (SO_TIMESTAMPNS), so it does not depend on when the step looks.
+/// Everything happens on the simulation's thread, without a thread of its own: a step applies
+/// packets that arrived before it, so a second thread could only add a wake-up. The moment of
+/// arrival is the kernel's (SO_TIMESTAMPNS), so it does not depend on when the step looks.
 class UdpPort final : public HilPort {
  public:
-  /// @param remote  only source that is listened to; nothing: the first that sends, from then on
+  /// @param remote  only accepted source; nullopt: the first sender, from then on
   UdpPort(const base::ConfigNode& local, const std::optional<base::ConfigNode>& remote);
   ~UdpPort() override;
   UdpPort(const UdpPort&) = delete;

@@ -16,7 +16,7 @@ class BatteryModel {
   /// @param torque_coefficients  k_m of each rotor, N m s^2
   BatteryModel(const base::BatteryParams& params, const base::RotorVector& torque_coefficients);
 
-  /// Draws what the rotors take at their speeds: P = sum k_m w^3 / efficiency.
+  /// Draws the power of the rotors at their speeds: P = sum k_m w^3 / efficiency.
   void advance(const base::RotorVector& omega, double dt);
 
   double voltage_v() const { return voltage_v_; }

@@ -32,7 +32,7 @@ class EscDelay {
       lines_[i].push(now, asked[static_cast<Eigen::Index>(i)]);
     }
   }
-  /// What the speed controllers act on now.
+  /// Targets that the speed controllers act on now.
   const base::RotorVector& held(base::SimTime now) {
     for (std::size_t i = 0; i < lines_.size(); ++i) {
       while (const auto due = lines_[i].pop(now)) held_[static_cast<Eigen::Index>(i)] = *due;

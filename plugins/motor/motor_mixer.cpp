@@ -9,7 +9,7 @@
 namespace cas::sim {
 namespace {
 
-/// The numbers of a command from `first` on; what is not finite or not there counts as 0.
+/// One value of a command; a missing or non-finite one counts as 0.
 double value_of(const ActuatorValues& values, Eigen::Index index) {
   if (index >= values.size() || !std::isfinite(values[index])) return 0.0;
   return values[index];

@@ -21,14 +21,15 @@
 namespace cas::sim {
 namespace {
 
-/// Slower, a rotor that was switched off stands: its speed fades and is never quite 0.
+/// Below this speed a rotor that was switched off counts as stopped: its speed decays and is never
+/// quite 0.
 constexpr double kTurning_rad_s = 1.0;
 /// Samples of the battery: often enough for a failsafe, and little on a serial line.
 constexpr double kBattery_hz = 2.0;
 
 /// The vehicle's forces of propulsion and air: drives the rotors from topic `motor_command`;
-/// publishes their speeds on `rotor_speeds`, and its battery on `battery` where it has one. Topic
-/// `propulsion_health` takes away what is broken.
+/// publishes their speeds on `rotor_speeds` and the battery, if any, on `battery`. Topic
+/// `propulsion_health` weakens broken parts.
 class MotorPlugin final : public Plugin {
  public:
   void configure(PluginContext& context, const base::ConfigNode&) override {
@@ -114,7 +115,7 @@ class MotorPlugin final : public Plugin {
     base::SimTime time;
   };
 
-  /// What a fault takes from the voltage is missing in what is measured, too.
+  /// The measured voltage includes the loss caused by a fault.
   void advance_battery(const StepInfo& step, const base::RotorVector& omega) {
     battery_->advance(omega, base::to_seconds(step.dt));
     if (!battery_due_.due(step.time)) return;

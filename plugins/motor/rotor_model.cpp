@@ -149,7 +149,7 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
   const double omega = motion.omega;
   const double reference = params.reference_density_kg_m3;
   const double density = reference > 0 ? around.air_density_kg_m3 / reference : 1.0;
-  const double dynamic =  // what is left of w^2 in thin air and on broken blades
+  const double dynamic =  // w^2, less in thin air and with broken blades
       effectiveness_[rotor] * density * omega * omega;
 
   // Air past the hub: the part in the rotor plane drags and rolls, the axial part takes thrust.
@@ -162,7 +162,7 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
     v_plane_B = v_hub_B - v_axial * motion.axis_B;
   }
 
-  // Forces at the hub: [HILS] Eq. (1), less what the rotor above takes, and drag.
+  // Forces at the hub: [HILS] Eq. (1), less the loss to the rotor above, and drag.
   double thrust = params.thrust_coefficient * dynamic * thrust_factor(params, v_axial, hub_height);
   Eigen::Vector3d force_B = -params.drag_coefficient * omega * v_plane_B;
   if constexpr (kPlain) {

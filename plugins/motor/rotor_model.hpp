@@ -18,18 +18,18 @@ namespace cas::sim {
 ///
 /// Speeds follow their targets with a first-order lag, slower or faster downwards. Each rotor adds,
 /// at its hub and along its axis: thrust k_f w^2 and reaction torque k_m w^2 ([HILS] Eq. (1), (2)),
-/// the reaction J_r dw/dt of its spin-up, the gyroscopic torque -w_body x H, in-plane drag
-/// -lambda w v and the rolling moment of the advancing blade with airspeed v in the rotor plane;
-/// thrust grows near the ground (Cheeseman and Bennett 1955) and with air density, and falls to
-/// zero at the axial speed where the blades meet the air flat. The lower rotor of a coaxial pair
-/// loses thrust as base::Wake says. In climb and descent thrust follows the inflow (AxialThrust).
-/// Blades that flap tilt the disc back by a = A v / (w R), with v / (w R) held at 1, and a stiff
-/// hub passes the moment K a on, which lifts the nose of what flies forwards (G. M. Hoffmann, H.
-/// Huang, S. L. Waslander, C. J. Tomlin, "Quadrotor helicopter flight dynamics and control: theory
-/// and experiment", AIAA 2007-6461); the force of the tilted disc is a part of the in-plane drag. A
+/// the reaction J_r dw/dt of its spin-up, the gyroscopic torque -w_body x H, in-plane drag -lambda
+/// w v and the rolling moment of the advancing blade with airspeed v in the rotor plane; thrust
+/// grows near the ground (Cheeseman and Bennett 1955) and with air density, and falls to zero at
+/// the axial speed where the blades meet the air flat. The lower rotor of a coaxial pair loses
+/// thrust as base::Wake says. In climb and descent thrust follows the inflow (AxialThrust). Blades
+/// that flap tilt the disc back by a = A v / (w R), with v / (w R) held at 1, and a stiff hub
+/// passes the moment K a on, which lifts the nose in forward flight (G. M. Hoffmann, H. Huang, S.
+/// L. Waslander, C. J. Tomlin, "Quadrotor helicopter flight dynamics and control: theory and
+/// experiment", AIAA 2007-6461); the force of the tilted disc is a part of the in-plane drag. A
 /// servo tilts the axis with a lag and a fastest rate; the rotor's angular momentum turns with it.
 /// A coefficient of zero switches its effect off. Other interaction between rotors and the inertia
-/// of what a servo turns are not modelled.
+/// of the tilted parts are not modelled.
 class RotorModel final : public ForceModel {
  public:
   explicit RotorModel(const base::Vehicle& vehicle);
@@ -44,8 +44,8 @@ class RotorModel final : public ForceModel {
   /// Share of its thrust and torque that each rotor still gives (damaged blades), 0..1.
   void set_effectiveness(const base::RotorVector& share) { copy(share, effectiveness_); }
 
-  /// Stops a rotor at once and for good, as one that hits something; its spin goes into what it
-  /// hit.
+  /// Stops a rotor at once and for good, as when it hits an obstacle; its angular momentum goes
+  /// into the obstacle.
   void stop(std::size_t rotor) { stopped_[rotor] = true; }
   bool is_stopped(std::size_t rotor) const { return stopped_[rotor]; }
   void release_all() { stopped_.fill(false); }
@@ -72,7 +72,7 @@ class RotorModel final : public ForceModel {
     double air_density_kg_m3;
     double height_m;  // of the centre of gravity
   };
-  /// One rotor, what a step reads close together.
+  /// One rotor; keeps the values that a step reads close together.
   struct Hub {
     Eigen::Vector3d position_B_m = Eigen::Vector3d::Zero();
     Eigen::Vector3d axis_B = Eigen::Vector3d::UnitZ();

@@ -21,8 +21,8 @@ RangefinderParams parse_rangefinder_params(const base::ConfigNode& node, double 
 }
 
 RangeSample RangefinderModel::sample(base::SimTime time, std::optional<double> distance_m) {
-  const double error = params_.stddev_m * random_();  // drawn anyway: the stream does not depend on
-  RangeSample sample;                                 // what the ray meets
+  const double error = params_.stddev_m * random_();  // drawn also without a hit: a fixed stream
+  RangeSample sample;
   sample.time = time;
   sample.min_m = params_.min_m;
   sample.max_m = params_.max_m;

@@ -33,7 +33,7 @@ class RangefinderModel {
   RangefinderModel(const RangefinderParams& params, std::uint64_t seed)
       : params_(params), random_(seed) {}
 
-  /// @param distance_m  along the ray; nothing: no surface within max_m
+  /// @param distance_m  along the ray; nullopt: no surface within max_m
   RangeSample sample(base::SimTime time, std::optional<double> distance_m);
 
   const RangefinderParams& params() const { return params_; }

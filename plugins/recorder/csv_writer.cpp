@@ -22,7 +22,7 @@ constexpr std::size_t kMaxColumns = 64;
 }  // namespace
 
 CsvWriter::CsvWriter(const std::filesystem::path& file, std::string_view header) : path_(file) {
-  std::error_code ignored;  // opening says what is wrong
+  std::error_code ignored;  // fopen reports the error
   if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), ignored);
   file_.reset(std::fopen(file.c_str(), "we"));
   if (!file_) fail(path_, "cannot be written");

@@ -20,7 +20,7 @@ class CsvWriter {
 
   void row(std::span<const double> values);
   void row(std::initializer_list<double> values) { row({values.begin(), values.size()}); }
-  /// @throws base::ConfigError when what was written did not reach the disk
+  /// @throws base::ConfigError when the data did not reach the disk
   void close();
 
  private:

@@ -11,7 +11,7 @@
 namespace cas::sim {
 namespace {
 
-constexpr double kSlowestSweep = 1.0;  // m/s: in a hover in still air the field stands otherwise
+constexpr double kSlowestSweep = 1.0;  // m/s: else the field would not move in a hover in still air
 constexpr double kMetresPerSecondPerKnot = 0.514444;
 
 WindLaw parse_law(const base::ConfigNode& node) {

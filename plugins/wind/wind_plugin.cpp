@@ -28,7 +28,7 @@ class WindPlugin final : public Plugin {
 
   void pre_step(const StepInfo& step, World& world) override {
     const BodyState& body = world.state(vehicle_);
-    // Nobody has set the vehicle's wind before the first step: it is the world's.
+    // Before the first step the vehicle's wind is still the world's.
     if (!world_wind_W_) world_wind_W_ = world.environment(vehicle_).wind_W;
     Eigen::Vector3d field_W = *world_wind_W_;
     if (grid_) field_W += grid_->at(body.p_WB);

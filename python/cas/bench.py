@@ -33,7 +33,7 @@ _HOME_POSITION = 242
 
 @dataclass(frozen=True)
 class Estimate(Motion):
-    """What the controller believes, from its own origin."""
+    """The controller's estimate, from its own origin."""
 
 
 class _Program:
@@ -43,7 +43,7 @@ class _Program:
     def __init__(self, name: str, arguments: Sequence[str], folder: Path, environment: Mapping[str, str]) -> None:
         self.name = name
         self.log = folder / f"{name}.log"
-        #: What it said when it was ready, as systemd is told.
+        #: Its STATUS to systemd when it was ready.
         self.status = ""
         where = folder / f"{name}.notify"
         self._notify = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
@@ -233,7 +233,7 @@ class Bench:
                 "line": {} if self.lockstep else self._line, "seed": self._seed, "params": self._params}
 
     def _casd_config(self) -> dict[str, Any]:
-        # In lockstep everything waits for everything: what is late is not old.
+        # In lockstep all programs wait for each other: a late value is not old.
         queue = {"queue": {"hil_max_age_ms": 60_000, "gps_max_age_ms": 60_000}} if self.lockstep else {}
         link: dict[str, Any] = {"name": "fcu", "type": "udp", "local": "127.0.0.1:0"}
         if self._has_emulator:
@@ -305,7 +305,7 @@ class Bench:
     # Flight.
 
     def estimate(self) -> Estimate:
-        """What the controller believes: the emulator's own words, else what it told casd (its state has a place only
+        """The controller's estimate: from the emulator itself, else from its messages to casd (its state has a place only
         once LOCAL_POSITION_NED and ATTITUDE have come)."""
         if self._has_emulator:
             status = self.fcu.call("fcu.status")

@@ -58,7 +58,7 @@ class Casd(CasdCalls):
 
     def call(self, method: str, params: Optional[Mapping[str, Any]] = None,
              timeout_s: Optional[float] = None) -> Any:
-        """A method by its name, for what is newer than this package."""
+        """A method by its name, for methods newer than this package."""
         return self.client.call(method, params, timeout_s)
 
     def subscribe(self, topic: str) -> Subscription[Any]:
@@ -66,7 +66,7 @@ class Casd(CasdCalls):
         return self.client.subscribe(topic)
 
     def describe(self) -> dict[str, Any]:
-        """What the port says of itself: an OpenRPC document."""
+        """The port's own description: an OpenRPC document."""
         return self.client.describe()
 
     def close(self) -> None:

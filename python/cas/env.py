@@ -26,7 +26,7 @@ from .errors import CasError, ProgramMissing
 
 
 class _Core(Protocol):
-    """What the extension's StepEnv has."""
+    """Interface of the extension's StepEnv."""
 
     def reset(self, seed: int, observation: Any) -> None: ...
     def step(self, action: Any, observation: Any) -> None: ...
@@ -102,10 +102,10 @@ class Env:
         core: _Core = _told(lambda: _extension().StepEnv(json.dumps(setup), varied, stand, observe, period_us))
         self._core = core
         self._last_seed = 0
-        #: What each number of an action is, with its unit; its least and greatest value.
+        #: Meaning of each number of an action, with its unit; its least and greatest value.
         self.action_names = core.action_names()
         self.action_limits = core.action_limits()
-        #: What each number of an observation is, with its unit. NaN: no sample has come yet.
+        #: Meaning of each number of an observation, with its unit. NaN: no sample has come yet.
         self.observation_names = core.observation_names()
 
     def new_action(self) -> "array.array[float]":
@@ -124,8 +124,8 @@ class Env:
         self._last_seed = taken
 
     def step(self, action: Any, observation: Any) -> None:
-        """Flies on for one control period, and writes what is then observed."""
-        try:  # without _told(): one call less in what is called most
+        """Flies on for one control period, and writes the observation at its end."""
+        try:  # without _told(): one call less in the hottest method
             self._core.step(action, observation)
         except RuntimeError as error:
             raise CasError(str(error)) from error
@@ -146,12 +146,12 @@ class Env:
 
     @property
     def drawn(self) -> dict[str, str]:
-        """What the episode's seed has drawn, by the names of `vary`."""
+        """Values drawn by the episode's seed, by the names of `vary`."""
         return dict(self._core.drawn())
 
 
 def _told(call: Callable[[], Any]) -> Any:
-    """The result of a call; what the extension refuses is a CasError."""
+    """The result of a call; a refusal of the extension is a CasError."""
     try:
         return call()
     except RuntimeError as error:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What can go wrong, as exceptions. Each message says what to do about it."""
+"""The errors, as exceptions. Each message names the remedy."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ class CasError(Exception):
 
 
 class NotRunning(CasError):
-    """Nothing listens where a program was expected; the message says what to start."""
+    """No program listens at the expected address; the message names the program to start."""
 
 
 class ConnectionLost(CasError):
@@ -31,7 +31,7 @@ class ProgramEnded(CasError):
 
 
 class FormatError(CasError):
-    """A file is not what it should be."""
+    """A file has wrong content."""
 
 
 class CallError(CasError):
@@ -90,8 +90,8 @@ def call_error(method: str, error: Any) -> CallError:
 
 
 class RunError(CasError):
-    """`hils` did not end with 0. `exit_code` is its code, -9 where signal 9 ended it, `output` what it printed, `run` the run's folder as
-    read, where it left results."""
+    """`hils` did not end with 0. `exit_code` is its code, -9 if signal 9 ended it, `output` its output, `run` the run's folder as
+    read, if it left results."""
 
     def __init__(self, message: str, exit_code: int, output: str, run: Optional[Any] = None) -> None:
         super().__init__(message)
@@ -120,4 +120,4 @@ RUN_ERRORS: dict[int, type[RunError]] = {1: LimitMissed, 2: WrongUse, 3: NoVerdi
 
 
 class NotReached(CasError):
-    """What was waited for has not come in the simulated time allowed."""
+    """An awaited state has not come in the simulated time allowed."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Starts `hils`, tells its progress, waits, and reads what it leaves."""
+"""Starts `hils`, reports its progress, waits, and reads its results."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Running(Generic[R]):
 
     @property
     def output(self) -> str:
-        """What it has printed so far."""
+        """Its output so far."""
         return "".join(self._lines)
 
     def wait(self, timeout_s: Optional[float] = None, check: bool = True) -> R:
@@ -86,7 +86,7 @@ class Running(Generic[R]):
         self._folder.cleanup()
         results: Optional[R] = None
         try:
-            if code >= 0 and code not in (2, 130):  # else what lies there is of an earlier run
+            if code >= 0 and code not in (2, 130):  # else the results there are of an earlier run
                 results = self._read(self.out, code, self.output)
         except FormatError:
             pass

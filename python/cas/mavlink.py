@@ -249,7 +249,7 @@ def common() -> Dialect:
 
 
 class Parser:
-    """Finds packets in a stream of bytes. What is no packet, fails its checksum or has no definition is skipped
+    """Finds packets in a stream of bytes. Bytes that are no packet, fail their checksum or have no definition are skipped
     and counted."""
 
     def __init__(self, dialect: Optional[Dialect] = None) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What `hils` leaves in its folder (docs/config.md, Results), read when it is asked for."""
+"""The results of `hils` in its folder (docs/config.md, Results), read on demand."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ class Run:
 
     @functools.cached_property
     def tlog(self) -> Tlog:
-        """flight.tlog: what the vehicles said."""
+        """flight.tlog: the vehicles' messages."""
         return Tlog(self.folder / "flight.tlog")
 
     @functools.cached_property
@@ -91,7 +91,7 @@ class Run:
 
     @functools.cached_property
     def plugin_figures(self) -> dict[str, Any]:
-        """What plugins report; empty where none does."""
+        """Figures of plugins; empty if there are none."""
         file = self.folder / "plugin_figures.json"
         figures: dict[str, Any] = json.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
         return figures
@@ -139,7 +139,7 @@ class Sweep:
 
     @functools.cached_property
     def machine(self) -> Table:
-        """What each run cost, and where."""
+        """Cost and host of each run."""
         return read_csv(self.folder / "machine.csv")
 
 
@@ -172,7 +172,7 @@ class Tuning:
 
 
 def read(path: Union[str, Path]) -> Any:
-    """Reads what is there: a run's folder (Run), a comparison's (Comparison), a sweep's (Sweep), a tuning's (Tuning), a
+    """Reads a results folder of any kind: a run's folder (Run), a comparison's (Comparison), a sweep's (Sweep), a tuning's (Tuning), a
     .tlog (Tlog), a .ulg (Ulog), a .csv (Table)."""
     path = Path(path)
     if path.is_dir():

@@ -63,7 +63,7 @@ def token_proof(token: str, who: str, endpoint: str, client_nonce: str, server_n
 
 
 def endpoint_text(peer: tuple[Any, ...]) -> str:
-    """ "127.0.0.1:5790" or "[::1]:5790" of what getpeername() tells."""
+    """ "127.0.0.1:5790" or "[::1]:5790" from the result of getpeername()."""
     host = str(peer[0]).removeprefix("::ffff:")
     return f"[{host}]:{peer[1]}" if ":" in host else f"{host}:{peer[1]}"
 
@@ -258,7 +258,7 @@ class Client:
                 pass
 
     def describe(self) -> dict[str, Any]:
-        """What the port says of itself: an OpenRPC document."""
+        """The port's own description: an OpenRPC document."""
         document: dict[str, Any] = self.call("rpc.discover")
         return document
 
@@ -437,7 +437,7 @@ class AsyncClient:
         return subscription
 
     async def unsubscribe(self, subscription: AsyncSubscription[Any]) -> None:
-        """What AsyncSubscription.close() does."""
+        """As AsyncSubscription.close()."""
         others = self._subscriptions.get(subscription.topic, [])
         if subscription not in others:
             return

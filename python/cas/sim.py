@@ -83,7 +83,7 @@ class Sim(SimCalls):
         return self.run_until(self.time_s() + duration_s)
 
     def describe(self) -> dict[str, Any]:
-        """What the socket says of itself: an OpenRPC document."""
+        """The socket's own description: an OpenRPC document."""
         return self.client.describe()
 
     def close(self) -> None:

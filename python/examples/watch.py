@@ -6,7 +6,7 @@ import cas
 
 
 async def watch(address):
-    """Prints what the vehicle says, and where it is, until it says that it has landed."""
+    """Prints the vehicle's texts and its position until it reports that it has landed."""
     async with await cas.AsyncCasd.connect(address) as casd:
         async def print_places():
             while True:

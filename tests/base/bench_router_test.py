@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Tests of what scripts/bench_router calls ok."""
+"""Tests of the verdicts of scripts/bench_router."""
 
 import contextlib
 import importlib.machinery

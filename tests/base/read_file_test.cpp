@@ -35,7 +35,7 @@ TEST(ReadFile, GivesNothingOfAProcessThatHasEnded) {
     ::pause();
     ::_exit(0);
   }
-  // Opened while it runs, read when it has ended: what /proc answers then is ESRCH.
+  // Opened while it runs, read when it has ended: then /proc answers ESRCH.
   const Descriptor open(
       ::open(("/proc/" + std::to_string(child) + "/stat").c_str(), O_RDONLY | O_CLOEXEC));
   ASSERT_TRUE(open);

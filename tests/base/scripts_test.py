@@ -16,7 +16,7 @@ import unittest
 
 sys.dont_write_bytecode = True
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "scripts"))  # what scripts share
+sys.path.insert(0, str(ROOT / "scripts"))  # modules that scripts share
 NAMES = ("x_m", "y_m", "z_m", "yaw_rad")
 
 
@@ -50,7 +50,7 @@ class Script(unittest.TestCase):
 
 
 class TestScript(Script):
-    """scripts/test: what ctest says is what it says."""
+    """scripts/test: it reports the result of ctest."""
 
     def setUp(self):
         super().setUp()
@@ -80,12 +80,12 @@ class TestScript(Script):
             self.assertIn("passed" if fails == "" else "FAILED", done.stdout)
 
     def test_nothing_was_tested(self):
-        """ctest without a test ends with 0 unless it is told otherwise."""
+        """ctest without a test ends with 0 by default."""
         self.assertIn("--no-tests=error", self.run_script("test", FAILS="").stdout)
 
 
 class BuildScript(Script):
-    """scripts/build: what the build says about the page stands on the terminal, too."""
+    """scripts/build: the build's note on the page is on the terminal, too."""
 
     def test_a_page_that_was_left_out_is_told(self):
         self.write("bin/cmake", "#!/bin/sh\ntest \"$1\" = --preset && exit\n"
@@ -266,7 +266,7 @@ sys.exit(0 if virtual else int(os.environ["HILS"]))
 
 
 class TestPackages(Script):
-    """A root folder in which nothing runs: chroot notes what it is asked for and fails where $FAILS says."""
+    """A root folder in which nothing runs: chroot notes its arguments and fails at those in $FAILS."""
 
     def run_packages(self, fails="", code=1, leaves="", names=("casd", "python3-cas-env")):
         packages = self.tree / "build" / "packages"
@@ -320,7 +320,7 @@ class TestPackages(Script):
 
 
 class ConfigReference(unittest.TestCase):
-    """config_reference_test.py in a copy of what it reads."""
+    """config_reference_test.py in a copy of its input."""
 
     @contextlib.contextmanager
     def tree(self):

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Holds docs/troubleshooting.md to the sources: what it quotes is what the programs, or the C library, say.
+"""Holds docs/troubleshooting.md to the sources: each quoted message is one of the programs or of the C library.
 
 Usage: troubleshooting_test.py [SOURCE_TREE]
 """
@@ -17,7 +17,7 @@ PROGRAMS = ("base", "casd", "fcu", "hils", "libsim", "mavlink_gen", "plugins", "
 
 QUOTED = re.compile(r'"([^"]+)"')
 CODE = re.compile(r"`([^`]+)`")
-# In a quoted message: what stands for a name or a figure.
+# In a quoted message: placeholders of a name or a figure.
 PLACES = re.compile(r"\.\.\.|\b(?:NAME|FILE|LINE|ADDRESS)\b")
 # A row whose words are another firmware's.
 FOREIGN = re.compile(r"PX4 says")
@@ -43,7 +43,7 @@ def rows(page):
 
 
 def messages(cell):
-    """Sentences that a cell quotes: all in double quotes, and in code what is a sentence rather than a name."""
+    """Sentences that a cell quotes: all in double quotes, and in code sentences, but no names."""
     yield from QUOTED.findall(CODE.sub("", cell))
     for code in CODE.findall(cell):
         if re.search(r"[a-z]: .* ", code):

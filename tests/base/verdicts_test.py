@@ -17,7 +17,7 @@ TESTS = ROOT / "tests"
 GOOGLE = re.compile(r"`(\w+)\.(\w+)(?:/(\w+))?` in `(\w+\.cpp)`")
 CTEST = re.compile(r"`([\w.]+)` \(CTest\)")
 CODE = re.compile(r"`([^`]+)`")
-# Stand for a name or a figure in what is printed.
+# Placeholders of a name or a figure in the output.
 PLACES = re.compile(r"\b(?:NAME|DEVICE|N|X)\b|[0-9.]+|\.\.\.")
 PROGRAMS = ("casd", "hils", "web/server", "libsim", "fcu", "base", "mavlink_gen", "scripts", "tests/base")
 
@@ -63,7 +63,7 @@ def sources():
 
 
 def missing_words(cell, text):
-    """Of each phrase in code, what remains between names and figures must stand in a source."""
+    """The parts of each phrase in code between names and figures must be in a source."""
     for phrase in CODE.findall(cell):
         if phrase.startswith(("casd ", "casctl ", "mavlink_gen ", "scripts/", "--")):
             continue  # how it is called

@@ -55,7 +55,7 @@ void FakeVehicle::take_mode(const CommandLong& command) {
   custom_mode = autopilot == MavAutopilot::kPx4 ? main << 16 | sub << 24 : main;
 }
 
-/// What it would have said by itself is not said.
+/// Drops queued messages, too.
 void FakeVehicle::fall_silent(MavCmd command) {
   if (command != script.silent_from) return;
   silent_ = true;
@@ -108,7 +108,7 @@ void FakeVehicle::say_param(const std::string& name, base::RunTime at, std::uint
   ParamValue message;
   mav::set_text(message.param_id, name);
   message.param_type = param.type;
-  // What casd would not write a vehicle may have all the same: NaN.
+  // A vehicle may have a value that casd would not write: NaN.
   message.param_value =
       to_wire(encoding, param.type, param.value).value_or(static_cast<float>(param.value));
   message.param_count = static_cast<std::uint16_t>(params.size());

@@ -13,8 +13,8 @@
 
 namespace cas::casd::test {
 
-/// A scripted autopilot in virtual time: answers commands and parameters as told, also wrongly.
-/// What it receives is kept for the test to look at.
+/// A scripted autopilot in virtual time: answers commands and parameters by its script, also
+/// wrongly. Keeps received packets for the test.
 class FakeVehicle {
  public:
   struct Script {

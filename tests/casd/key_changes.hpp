@@ -51,8 +51,8 @@ inline std::string yaml_of(const Keys& keys, bool lines = false) {
 }
 
 /// A change for each key that has examples.
-/// @param base  what is there in any case
-/// @param beside  what a block needs beside its key: a key is there only with others of its block
+/// @param base  keys that are always there
+/// @param beside  keys that a block needs beside the changed one
 inline std::vector<KeyChange> changes_of(const std::vector<base::KeyRow>& rows, const Keys& base,
                                          const Keys& beside, bool lines = false) {
   static const std::map<std::string, std::array<std::string, 2>> kFiles{

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# The unit file is one that systemd takes without complaint, and keeps casd away from what it does not need.
+# The unit file is one that systemd takes without complaint, and denies casd all that it does not need.
 # Usage: unit_file_test.sh CONFIG_FOLDER CASD       exit 77: systemd-analyze is not there
 set -euo pipefail
 config=$1
@@ -18,7 +18,7 @@ complaints=$(systemd-analyze verify --man=no "$folder/casd.service" 2>&1)
 # In tenths: 1.4 at most.
 systemd-analyze security --offline=true --threshold=14 --no-pager "$folder/casd.service" | tail -1
 
-# What the service stands and falls with.
+# Settings that the service depends on.
 for line in Type=notify Restart=on-failure RestartPreventExitStatus=78 WatchdogSec= DynamicUser=yes \
     Environment=CAS_RUNTIME_DIR=%t/cas Group=cas RuntimeDirectory=cas; do
   grep -q "^$line" "$config/systemd/casd.service" || { echo "$line is missing"; exit 1; }

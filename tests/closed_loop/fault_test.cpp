@@ -45,7 +45,7 @@ const char* const kDeadRotor =
     "[{plugin: fault, faults: [{name: dead, when: phase == hold, for_s: 60, "
     "rotor: {number: 1, thrust_share: 0}}]}]";
 
-/// No limit is set: what hits the ground has failed all the same, and says when and how fast.
+/// A vehicle that hits the ground has failed even without limits; the verdict has time and speed.
 TEST(Incident, AVehicleThatFallsHasFailedWithoutAnyLimit) {
   const Flight flight(hover_with(kDeadRotor), 1, "dead_rotor");
   const Verdict& verdict = flight.verdict();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The shipped airframes other than the paper's, flown by their scenarios: hover,
-// a step and back, 8 m/s of wind; and what a hexarotor does that loses a rotor.
+// The shipped airframes other than the paper's, flown by their scenarios: hover, a step and back, 8
+// m/s of wind; and a hexarotor that loses a rotor.
 #include <gtest/gtest.h>
 
 #include <string>

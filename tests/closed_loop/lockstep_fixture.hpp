@@ -14,7 +14,7 @@
 namespace cas::test {
 
 /// hilsim, casd and fcu_emulator as processes in lockstep, with UDP and a pseudo-terminal between
-/// them. Simulated time stands still between two calls of run_until().
+/// them. Simulated time is stopped between two calls of run_until().
 class LockstepFixture {
  public:
   /// @param vehicle  a shipped one, or the path of a vehicle file
@@ -31,7 +31,7 @@ class LockstepFixture {
   bool stop();
 
   std::string truth() const;
-  /// What each system (id) put on the wire, byte after byte.
+  /// Bytes that each system (id) put on the wire.
   std::map<int, std::string> streams() const;
   std::string outputs() const;
 

@@ -27,7 +27,7 @@ double arm(LockstepFixture& bench) {
   return 60;
 }
 
-/// A take-off; what it left behind.
+/// Results of a take-off.
 struct Flight {
   std::string truth;
   std::map<int, std::string> streams;

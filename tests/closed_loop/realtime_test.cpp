@@ -72,7 +72,7 @@ TEST(RealTime, TheFlightTellsTheSimulatorItsPhase) {
               1e-3);
 }
 
-/// The emulator's terminal in the place of a board's port, started as somebody else's program.
+/// The emulator's terminal in place of a board's port; the emulator is not started by hils.
 TEST(RealTime, FliesAControllerThatIsThereAlready) {
   const test::TemporaryFolder folder;
   const std::filesystem::path scenario = folder.write("short.yaml", kScenario);

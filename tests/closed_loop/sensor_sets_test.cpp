@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One line of a scenario, `sensors: NAME`, chooses what the simulator's sensors are and what the
-// estimator takes them for.
+// One line of a scenario, `sensors: NAME`, chooses the simulator's sensors and the estimator's
+// model of them.
 #include <gtest/gtest.h>
 
 #include "base/config/install_paths.hpp"

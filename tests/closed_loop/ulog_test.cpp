@@ -146,7 +146,7 @@ TEST_F(FlightUlog, HasSetpointsThatTheVehicleFollows) {
             mean("vehicle_local_position_setpoint", "z"));
   EXPECT_NEAR(mean("vehicle_local_position", "z"), mean("vehicle_local_position_setpoint", "z"),
               0.2);
-  // What carries the vehicle is wanted, sent and done: about the same share of full thrust.
+  // Hover thrust is demanded, sent and produced: about the same share of full thrust.
   const double wanted = -mean("vehicle_attitude_setpoint", "thrust_body", 2);
   EXPECT_GT(wanted, 0.1);
   EXPECT_NEAR(-mean("vehicle_rates_setpoint", "thrust_body", 2), wanted, 1e-6);

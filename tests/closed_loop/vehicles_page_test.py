@@ -37,7 +37,7 @@ def check(condition, sentence):
 
 
 def refusal(folder, change):
-    """What hilsim says of mine.yaml after a change of its text."""
+    """Output of hilsim on mine.yaml after a change of its text."""
     before = (folder / "mine.yaml").read_text()
     (folder / "mine.yaml").write_text(change(before))
     _, error = run("hilsim --describe mine.yaml", folder, 78)

@@ -9,7 +9,7 @@ namespace {
 
 using namespace cas;
 
-/// Publishes on `imu` what its seed and the steps make of it, and counts its calls.
+/// Publishes on `imu` values derived from its seed and the steps, and counts its calls.
 class FakeCounter final : public sim::Plugin {
  public:
   void configure(sim::PluginContext& context, const base::ConfigNode& params) override {

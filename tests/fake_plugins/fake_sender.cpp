@@ -13,8 +13,8 @@ constexpr std::uint32_t kBatteryStatus = 147;
 constexpr std::uint32_t kStatusText = 253;
 constexpr double kRateHz = 10;
 
-/// Sends what it declares, what it does not, and what is too long; reports figures of names that
-/// are no good for HTML, file names or numbers.
+/// Sends declared, undeclared and oversized messages; reports figures whose names are unsafe in
+/// HTML, file names or numbers.
 class FakeSender final : public sim::Plugin {
  public:
   void configure(sim::PluginContext& context, const base::ConfigNode&) override {

@@ -207,7 +207,7 @@ TEST(LostRotor, IsLeftOutWhenTheParameterSaysSo) {
   EXPECT_TRUE(loop.said("cannot carry"));
 }
 
-/// What weakens or disturbs is no loss.
+/// A weak rotor or a disturbance is no loss.
 TEST(LostRotor, IsNotSeenInAWeakOneNorInAGust) {
   ClosedLoop loop(options_of(test::hexa_x()));
   ASSERT_TRUE(loop.fly_to_hover(10));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the controller is good for, in a small simulator of the tests' own: steps, tracking, poor
+// Performance of the controller in a small simulator of the tests' own: steps, tracking, poor
 // lines. The figures that are published, wind and a thousand flights come from flight_figures.
 #include <gtest/gtest.h>
 

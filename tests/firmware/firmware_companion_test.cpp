@@ -47,7 +47,7 @@ TEST_F(FirmwareCompanion, FliesACircleInOffboardAndIsHeldToIt) {
   // 12 s at 50 Hz, and a second before: fewer where the machine is late.
   EXPECT_GT(figures.at("setpoints").at("count").get<int>(), 300) << figures.dump(2);
   EXPECT_LT(figures.at("setpoints").at("longest_gap_s").get<double>(), 1);
-  // A vehicle that stands still is 1.4 m off a circle of 2 m, along each axis.
+  // A vehicle that does not move is 1.4 m off a circle of 2 m, along each axis.
   EXPECT_GT(figures.at("rms").at("x_m").get<double>(), 0);
   EXPECT_TRUE(says("about the reference")) << output();
 }

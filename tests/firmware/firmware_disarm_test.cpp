@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who has disarmed a vehicle that hils armed.
+// Causes of the disarming of a vehicle that hils armed.
 #include "tests/firmware/sitl_flight.hpp"
 
 namespace cas::test {
@@ -56,7 +56,7 @@ INSTANTIATE_TEST_SUITE_P(Commands, FirmwareDisarmByStation,
                                               1, 0, "command 185 (end the flight)"}),
                          [](const auto& test) { return test.param.name; });
 
-/// casd hears of it by the vehicle's answer alone.
+/// casd sees it only in the vehicle's answer.
 TEST_F(FirmwareDisarm, ByAStationThatCasdDoesNotHearIsNotUndone) {
   const std::uint16_t port = free_port();
   UdpPeer other;

@@ -24,7 +24,7 @@ std::string paragraph(const std::string& scenario, const std::string& begin) {
   return at == 0 ? "" : text.substr(at, text.find("\n\n", at) - at) + "\n";
 }
 
-/// What casd wrote into each parameter, in its order.
+/// Values that casd wrote into each parameter, in their order.
 std::map<std::string, std::vector<double>> written(const std::filesystem::path& tlog) {
   std::map<std::string, std::vector<double>> values;
   casd::for_each_tlog_packet(tlog, mv::table(), [&](std::uint64_t, const mav::PacketView& packet) {

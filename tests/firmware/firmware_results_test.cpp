@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a flight of stock firmware takes and leaves beside the steps.
+// Inputs and results of a flight of stock firmware, beside its steps.
 #include <algorithm>
 #include <array>
 #include <nlohmann/json.hpp>

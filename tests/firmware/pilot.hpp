@@ -25,7 +25,7 @@ class Pilot {
   };
   enum class Stage { kWait, kArm, kTakeoff, kClimb, kHover, kLand, kDescend, kDone, kFailed };
 
-  /// @param to_vehicle  hears each packet during tick(), never inside on_bytes()
+  /// @param to_vehicle  called with each packet during tick(), never inside on_bytes()
   Pilot(const Plan& plan, casd::SendPacket to_vehicle)
       : plan_(plan),
         to_vehicle_(std::move(to_vehicle)),
@@ -47,7 +47,7 @@ class Pilot {
   /// The height above home at the end of the hover.
   double hover_altitude_m() const { return hover_altitude_m_; }
   const std::string& failure() const { return failure_; }
-  /// How far it got, and what it was told, for a test that failed.
+  /// Its stage and the last refusal, for a failed test.
   std::string story() const {
     return "stage " + std::to_string(static_cast<int>(stage_)) + "; " + failure_ +
            (refusals_.empty() ? "" : "; last refusal: " + refusals_.back().message);

@@ -19,7 +19,7 @@ class Px4SitlPeer {
   Px4SitlPeer(const Px4SitlPeer&) = delete;
   Px4SitlPeer& operator=(const Px4SitlPeer&) = delete;
 
-  /// Connects when it is not connected, handles what arrives until the condition holds.
+  /// Connects if needed, and handles packets until the condition holds.
   /// @return false at the deadline
   template <class Condition>
   bool run_until(Condition&& condition, base::Duration patience = std::chrono::seconds(60)) {

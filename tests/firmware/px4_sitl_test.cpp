@@ -163,7 +163,7 @@ TEST(Px4SitlLockstep, StandsStillWhilePausedAndGoesOn) {
   ASSERT_TRUE(peer.run_until([&] { return peer.px4().answers() > 50; }));
   simulation.loop().post([&] { simulation.loop().pause(); });
   const std::uint64_t paused_at = [&] {
-    // The peer must answer what is under way before the loop can take the order.
+    // The peer must answer the step in progress before the loop can take the order.
     auto look = std::async(std::launch::async, [&] { return simulation.look().figures; });
     peer.run_until(
         [&] { return look.wait_for(std::chrono::seconds(0)) == std::future_status::ready; });
@@ -185,7 +185,7 @@ TEST(Px4SitlLockstep, KeepsToTheSpeedThatIsOrdered) {
   const base::RunTime sim_start = peer.px4().clock();
   ASSERT_TRUE(
       peer.run_until([&] { return peer.px4().clock() - sim_start > std::chrono::seconds(1); }));
-  // One simulated second at twice the speed; what a busy machine delayed is caught up gently.
+  // One simulated second at twice the speed; delays of a busy machine are caught up slowly.
   EXPECT_GE(base::steady_now() - start, std::chrono::milliseconds(350));
 }
 

@@ -13,7 +13,7 @@
 
 namespace cas::test {
 
-/// What the simulation knows at one moment.
+/// State of the simulation at one moment.
 struct SimTruth {
   sim::LoopFigures figures;
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();

@@ -16,7 +16,7 @@
 
 namespace cas::test {
 
-/// What ArduPilot's parser takes out of a simulator's line.
+/// Values that ArduPilot's parser reads from a simulator's line.
 struct ParsedJson {
   double timestamp = 0;
   std::array<double, 3> gyro{};
@@ -27,11 +27,11 @@ struct ParsedJson {
 };
 
 /// Reads as picky as ArduPilot: keys by substring, '[' directly behind the colon, a newline at
-/// either end. @return what it complains of, or the values
+/// either end. @return the values; nullopt with a complaint
 std::optional<ParsedJson> parse_as_ardupilot(std::string_view text, std::string& complaint);
 
-/// What flies in place of ArduCopter in the tests: its packets, its parser, its modes and commands;
-/// our own controller does the flying. No I/O and no clock.
+/// Stand-in for ArduCopter in the tests: its packets, its parser, its modes and commands; our own
+/// controller does the flying. No I/O and no clock.
 class ScriptedArdupilot {
  public:
   struct Options {
@@ -101,7 +101,7 @@ class ScriptedArdupilot {
   std::array<float, 4> motors_{};
   bool armed_ = false;
   std::optional<base::Duration> armed_early_at_;
-  bool arming_ = false;             // what the last arm or disarm command asked for
+  bool arming_ = false;             // wish of the last arm or disarm command
   std::uint32_t mode_ = 0;          // STABILIZE
   bool follows_setpoints_ = false;  // in GUIDED
   base::Duration newest_setpoint_{};

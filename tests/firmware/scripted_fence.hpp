@@ -19,8 +19,8 @@ enum class FenceStyle { kPx4_1_12, kPx4_1_16, kCopter_4_5 };
 /// How a scripted autopilot takes its own fence.
 enum class FenceManner { kKeeps, kNeverActs, kSaysNothing };
 
-/// The fence of a scripted autopilot: its parameters by the parameter protocol, when it is
-/// breached, what is said of it and what is to be done. No I/O and no clock.
+/// The fence of a scripted autopilot: its parameters by the parameter protocol, its breaches, and
+/// the texts and actions on them. No I/O and no clock.
 class ScriptedFence {
  public:
   enum class Action { kNone, kHold, kReturn, kLand };
@@ -29,9 +29,10 @@ class ScriptedFence {
 
   /// Takes PARAM_REQUEST_READ and PARAM_SET of its parameters. @return whether it was one
   bool on_packet(const mav::PacketView& packet, Channel& ground);
-  /// Where the vehicle is from home, north, east, down in m. @return what a new breach has it do
+  /// @param p_home_N  the vehicle's position from home, north, east, down in m @return action of a
+  ///     new breach
   Action update(const Eigen::Vector3d& p_home_N, base::RunTime now);
-  /// What it says of the newest breach; each text once. Empty: nothing more.
+  /// Texts on the newest breach, each once; empty: no more.
   std::string take_text();
 
   double param(const std::string& name) const { return params_.at(name).value; }

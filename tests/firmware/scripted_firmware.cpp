@@ -99,9 +99,9 @@ ScriptedPx4::Options px4_options(const std::string& word) {
   if (word == "early") return {.takes_off_after = base::RunTime(seconds(15))};
   // See fence_manner().
   if (word == "unfenced" || word == "mute") return {.fence = fence_manner(word)};
-  // Hears no more setpoints 4 s after the first.
+  // Ignores setpoints from 4 s after the first on.
   if (word == "deaf") return {.loses_setpoints_after = seconds(4)};
-  // Says that it has flown what it has not.
+  // Reports flights that it has not flown.
   if (word == "skips-waypoints") return {.lie = Px4Lie::kSkipsWaypoints};
   if (word == "ignores-setpoints") return {.lie = Px4Lie::kIgnoresSetpoints};
   if (word == "lands-in-words") return {.lie = Px4Lie::kLandsInWords};
@@ -110,11 +110,11 @@ ScriptedPx4::Options px4_options(const std::string& word) {
   if (word == "idle") return {.stays_at_first = true};
   // The same, and stays armed until it is disarmed.
   if (word == "sleepy") return {.stays_at_first = true, .disarms_itself_after = kLong};
-  // Refuses to take off, stays armed until it is disarmed, and does not say who did it.
+  // Refuses to take off, stays armed until it is disarmed, and does not report the cause.
   if (word == "taciturn") {
     return {.takes_off_after = kNever, .disarms_itself_after = kLong, .tells_who_disarms = false};
   }
-  // The same, and somebody stops it at its board.
+  // The same, and a person stops it at its board.
   if (word == "stopped") {
     return {.takes_off_after = kNever,
             .disarms_itself_after = kLong,

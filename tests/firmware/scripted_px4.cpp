@@ -227,8 +227,8 @@ void ScriptedPx4::tick(base::RunTime now) {
   ground_.send(outputs(now));
 }
 
-/// What our controller sends, as PX4 would: outputs go to the simulator in PX4's form; in SITL the
-/// HEARTBEAT does not say HIL.
+/// Sends our controller's packets as PX4 would: outputs go to the simulator in PX4's form; in SITL
+/// the HEARTBEAT has no HIL flag.
 void ScriptedPx4::on_controller_packet(std::span<const std::uint8_t> bytes) {
   const mav::PacketView packet = mav::view_packet(bytes);
   if (const auto controls = mav::decode<mv::HilActuatorControls>(packet)) {
@@ -242,7 +242,7 @@ void ScriptedPx4::on_controller_packet(std::span<const std::uint8_t> bytes) {
     if (options_.mode == Px4Mode::kSitl) return ground_.send(in_software(*heartbeat));
     if (terminated_) return ground_.send(*heartbeat);
   }
-  // To what it has told itself.
+  // An answer to its own command.
   const auto ack = mav::decode<mv::CommandAck>(packet);
   if (ack && ack->target_system == options_.system) return;
   if (!lies(packet) && !say_v1_12(packet) && !say_who_disarmed(packet)) ground_.forward(bytes);
@@ -359,7 +359,7 @@ bool ScriptedPx4::loses(const mav::PacketView& packet) {
          clock_ - *first_setpoint_at_ > *options_.loses_setpoints_after;
 }
 
-/// What it is told, as a liar hears it.
+/// Falsifies messages to a lying vehicle.
 bool ScriptedPx4::twists(const mav::PacketView& packet) {
   const auto hear = [&](const auto& message) {
     mav::Encoder as_sender{packet.source};
@@ -397,7 +397,7 @@ bool ScriptedPx4::twists(const mav::PacketView& packet) {
   return hear(*command);
 }
 
-/// What it says of itself while it lies.
+/// Falsifies a lying vehicle's own messages.
 bool ScriptedPx4::lies(const mav::PacketView& packet) {
   if (!lies_now_) return false;
   if (auto state = mav::decode<mv::ExtendedSysState>(packet);
@@ -430,7 +430,7 @@ void ScriptedPx4::disarm(const char* by) {
   say(std::string("Disarmed by ") + by, mv::MavSeverity::kInfo);
 }
 
-/// PX4's words for what our controller disarms by itself.
+/// PX4's texts for disarmings by our controller itself.
 bool ScriptedPx4::say_who_disarmed(const mav::PacketView& packet) {
   const auto text = mav::decode<mv::Statustext>(packet);
   if (!text || options_.mode != Px4Mode::kSitl) return false;
@@ -509,7 +509,7 @@ void ScriptedPx4::acknowledge(mv::MavCmd command, mav::Source to, mv::MavResult 
   ground_.send(ack);
 }
 
-/// What v1.12.0 says otherwise: no position before its time, and sensors that are healthy and not
+/// Differences of v1.12.0: no position before its time, and sensors that are healthy but not
 /// "present".
 bool ScriptedPx4::say_v1_12(const mav::PacketView& packet) {
   if (options_.release != Px4Release::k1_12) return false;

@@ -25,7 +25,7 @@ enum class Px4Release { k1_12, k1_16 };
 /// serial line in HITL mode with a clock of its own.
 enum class Px4Mode { kSitl, kHitl };
 
-/// What no firmware does: it says one thing and does another.
+/// Behaviour that no firmware has: it reports one thing and does another.
 enum class Px4Lie {
   kNone,
   kSkipsWaypoints,    ///< takes home for the place of each waypoint of a mission but the last
@@ -46,7 +46,7 @@ class Channel {
     const std::size_t size = mav::encode(message, self_, sequence_++, bytes);
     send_(std::span(bytes).first(size));
   }
-  /// A packet that somebody else has numbered.
+  /// A packet with a sequence number of another sender.
   void forward(std::span<const std::uint8_t> packet);
   /// A message that our dialect does not have.
   void send_foreign(std::uint32_t message_id, std::uint8_t crc_extra,
@@ -58,9 +58,9 @@ class Channel {
   std::uint8_t sequence_ = 0;
 };
 
-/// What flies in place of PX4 in the tests: its connection, its order of messages, its pickiness
-/// and its answers, as observed of stock PX4; our own controller does the flying. No I/O and no
-/// clock: bytes and time come in, bytes go out.
+/// Stand-in for PX4 in the tests: its connection, its order of messages, its pickiness and its
+/// answers, as observed of stock PX4; our own controller does the flying. No I/O and no clock:
+/// bytes and time come in, bytes go out.
 class ScriptedPx4 {
  public:
   struct Options {
@@ -74,17 +74,17 @@ class ScriptedPx4 {
     base::RunTime takes_off_after{};
     /// SITL: accepts arming and takeoff, and stays on the ground until it has disarmed itself once.
     bool stays_at_first = false;
-    /// SITL: what is armed and does not take off disarms itself after this long (v1.12.0).
+    /// SITL: an armed vehicle that does not take off disarms itself after this time (v1.12.0).
     base::Duration disarms_itself_after = std::chrono::seconds(8);
-    /// SITL: somebody stops it at its board so long after it was armed, while it refuses to take
-    /// off. Nothing but the HEARTBEAT shows it.
+    /// SITL: a person stops it at its board this long after arming, while it refuses to take off.
+    /// Only the HEARTBEAT shows it.
     std::optional<base::Duration> stopped_after{};
-    /// Hears no setpoint any more so long after the first (v1.16.1: COM_OF_LOSS_T later OFFBOARD is
-    /// over).
+    /// Ignores setpoints from this long after the first on (v1.16.1: COM_OF_LOSS_T later OFFBOARD
+    /// is over).
     std::optional<base::Duration> loses_setpoints_after{};
-    /// Says that it has flown what it has not.
+    /// Reports flights that it has not flown.
     Px4Lie lie = Px4Lie::kNone;
-    /// Says who disarmed it ("Disarmed by ..."), as v1.12.0 and v1.16.1 do.
+    /// Reports the cause of a disarming ("Disarmed by ..."), as v1.12.0 and v1.16.1 do.
     bool tells_who_disarms = true;
     /// At its own fence.
     FenceManner fence = FenceManner::kKeeps;
@@ -96,7 +96,7 @@ class ScriptedPx4 {
   /// @param to_ground  bytes of the ground station's link; in HITL both are one line
   ScriptedPx4(const Options& options, Channel::Send to_simulator, Channel::Send to_ground);
 
-  /// SITL: what PX4 says right after its connect() has succeeded.
+  /// SITL: PX4's first messages after connect() has succeeded.
   void on_connected();
   void on_simulator_bytes(std::span<const std::uint8_t> bytes, base::RunTime now);
   void on_ground_bytes(std::span<const std::uint8_t> bytes, base::RunTime now);
@@ -108,10 +108,10 @@ class ScriptedPx4 {
   std::uint64_t samples() const { return samples_; }
   std::uint64_t answers() const { return answers_; }
   std::uint64_t fixes() const { return fixes_; }
-  /// What stock PX4 would complain of, in its words.
+  /// Complaints that stock PX4 would raise, in its words.
   const std::vector<std::string>& complaints() const { return complaints_; }
   const fcu::FlightController& controller() const { return controller_; }
-  /// What an earlier program has kept, params_text() of its controller.
+  /// Restores params_text() of an earlier program's controller.
   void restore_params(const std::string& lines);
   const mavlink::common::HilSensor& newest_sample() const { return sensor_; }
   const std::optional<mavlink::common::HilGps>& newest_fix() const { return gps_; }

@@ -39,7 +39,7 @@ class SitlFlight : public testing::Test {
   - disarm: {timeout_s: 50}
 )";
 
-  /// @param word  how the scripted PX4 is to behave, and what else it is told
+  /// @param word  behaviour of the scripted PX4, and further words for it
   /// @param more  further keys of the scenario
   /// @param steps  after first_step_
   void start(const std::string& word, const std::string& more = "",
@@ -63,7 +63,7 @@ firmware: {command: [')" + binary_dir() + "/tests/scripted_firmware', px4-sitl, 
     station_.set_remote(port_of("127.0.0.1:" + ports_.ground_station));
   }
 
-  /// Goes on until hils has ended; says HEARTBEAT and hands over what casd forwards.
+  /// Goes on until hils has ended; sends HEARTBEATs and passes packets from casd on.
   std::optional<int> fly(const std::function<void(const mav::PacketView&)>& on_packet = {}) {
     std::optional<int> code;
     base::RunTime beat{};
@@ -111,7 +111,7 @@ firmware: {command: [')" + binary_dir() + "/tests/scripted_firmware', px4-sitl, 
   }
   std::string output() const { return hils_->output(); }
 
-  /// Of the world: as fast as the programs can. What streams setpoints needs a pace: a busy machine
+  /// Of the world: as fast as the programs can. A stream of setpoints needs a pace: a busy machine
   /// is late by the wall clock, and PX4 waits for a second of its own.
   std::string pace_ = "\n";
   std::string first_step_ = "  - arm: {timeout_s: 100}\n";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes as a dialect: no crash, no hang; what is accepted can be written in every form.
+// Any bytes as a dialect: no crash, no hang; an accepted dialect can be written in every form.
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes as a vehicle's log: a ConfigError, or what the page shows of it.
+// Any bytes as a vehicle's log: a ConfigError, or its contents for the page.
 #include <cstdint>
 #include <cstdlib>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A day in a board's life, with stand-ins, in real time. What counts is what happened, not how
-// exactly: on a busy machine a flight may have no verdict (3) and still be flown.
+// A day in a board's life, with stand-ins, in real time. The tests check events, not precision: on
+// a busy machine a flight may have no verdict (3) and still be flown.
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -74,7 +74,7 @@ TEST(BoardDay, LockFlashBootFlyCrashPowerCycleFlyAgain) {
   const std::string hop =
       shelf.folder.write("hop.yaml", scenario("vehicle: " + kVehicle + "\n")).string();
 
-  // In the morning somebody takes the board, and everybody else may see it.
+  // In the morning a user locks the board, and all others see it.
   const ShelfAnswer lock = shelf.board({"lock", "a", "--for", "today"});
   ASSERT_EQ(lock.code, 0) << lock.text;
   const std::string ticket = lock.text.substr(0, lock.text.find('\n'));
@@ -101,7 +101,7 @@ TEST(BoardDay, LockFlashBootFlyCrashPowerCycleFlyAgain) {
   EXPECT_NE(shelf.said("first/junit.xml").find("<failure message=\"board &apos;a&apos; is not"),
             std::string::npos);
 
-  // Nobody can fly it.
+  // It cannot be flown.
   const ShelfAnswer gone =
       shelf.hils({"run", hop, "--fcu", "a", "--out", (shelf.folder / "gone").string()}, {ticket});
   EXPECT_EQ(gone.code, kAbsent) << gone.text;

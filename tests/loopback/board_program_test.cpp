@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// `hils board` and `hils run --fcu NAME` on stand-ins for boards: each way that it may go, and what
-// others may do meanwhile.
+// `hils board` and `hils run --fcu NAME` on stand-ins for boards: each outcome, and interference of
+// others.
 #include <gtest/gtest.h>
 #include <signal.h>
 

@@ -11,7 +11,7 @@
 
 namespace cas::test {
 
-/// What a program said.
+/// Exit code and output of a program.
 struct ShelfAnswer {
   int code = -1;
   std::string text;  ///< standard output and error
@@ -19,7 +19,7 @@ struct ShelfAnswer {
 
 /// A shelf of stand-ins for boards: emulators behind pseudo-terminals, under links that are named
 /// as udev names boards, and a boards.yaml whose hooks switch them on and off and "flash" them. The
-/// hooks are the programs that a user has; a file NAME.defect says what a board does wrong:
+/// hooks are the programs that a user has; a file NAME.defect names a board's defect:
 ///   absent   its port does not come      silent   it comes, and the firmware hangs
 ///   slow     it comes late               hang     the flash tool hangs
 ///   broken   the flash tool fails    stuck    its power switch and its button do nothing
@@ -48,7 +48,7 @@ class BoardShelf {
   void crash(const std::string& board) const;
   /// It stops: the port is there, and nothing comes from it.
   void hang(const std::string& board) const;
-  /// What the emulator says by its control socket, `fcu.status`, as JSON text; empty: not there.
+  /// The emulator's answer to `fcu.status` on its control socket, as JSON text; empty: not there.
   std::string status(const std::string& board) const;
   /// The USB cable is drawn, for longer than any test.
   bool unplug(const std::string& board) const;

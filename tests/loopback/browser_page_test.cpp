@@ -172,7 +172,7 @@ TEST(BrowserPage, CommandsNothing) {
   // Two of fetch, beacon, form and WebSocket have reached the port; a browser may try some again.
   EXPECT_GE(refused_as_other_protocol(port_in("metrics")), 5) << chromium.output();
   EXPECT_EQ(casd.output().find("casd.reload"), std::string::npos) << casd.output();
-  // The same lines do command casd where no browser stands before them.
+  // The same lines do command casd if they do not come from a browser.
   RawClient direct(port);
   EXPECT_EQ(direct.ask(kReload)["result"]["reloaded"], true);
   EXPECT_TRUE(wait_until([&] {

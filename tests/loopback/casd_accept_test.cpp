@@ -20,7 +20,7 @@ links:
 TEST(CasdAccept, AReadOnlyLinkHearsEverythingAndSaysNothing) {
   CasdFixture fixture;
   fixture.start(topology("nothing"));
-  // Who shows itself with a whole packet is a peer all the same.
+  // The sender of a whole packet still becomes a peer.
   fixture.sim.send(fixture.from_sim(mavlink::common::Heartbeat{}));
   fixture.sim.send(fixture.from_sim(mavlink::common::CommandLong{.target_system = 1}));
   ASSERT_TRUE(fixture.collect_until([&] { return fixture.status("sim").rx.not_accepted == 2; }));

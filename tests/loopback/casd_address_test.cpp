@@ -56,7 +56,7 @@ TEST(CasdAddress, JoinsAMulticastGroupOnADeviceAndHearsNoEchoOfItself) {
   const std::string port = std::to_string(free_port());
   AnyUdpPeer peer("0.0.0.0:" + port);
   if (!peer.bound() || !peer.join("239.255.77.77")) GTEST_SKIP() << "no multicast on lo";
-  // What the peer sends comes from a port of its own: on one machine the shared port would be ours.
+  // The peer sends from a port of its own: on one machine the shared port would be ours.
   AnyUdpPeer sender("127.0.0.1:0");
   ASSERT_TRUE(sender.join("239.255.77.77"));
   CasdFixture fixture;
@@ -71,7 +71,7 @@ TEST(CasdAddress, JoinsAMulticastGroupOnADeviceAndHearsNoEchoOfItself) {
     peer.read(heard);
     return heard.count(kHilControls) >= 3 && fixture.at_fcu.count(kHeartbeat) >= 3;
   }));
-  EXPECT_EQ(fixture.at_fcu.count(kHilControls), 0U);  // our own packets came back and were told
+  EXPECT_EQ(fixture.at_fcu.count(kHilControls), 0U);  // recognised our own packets
   EXPECT_EQ(fixture.status("net").rx.lost, 0U);
 }
 
@@ -99,7 +99,7 @@ TEST(CasdAddress, ReachesAStationBeforeItFirstSpeaksAndFromItsFirstMoment) {
   CasdFixture fixture;
   fixture.start(kFcuOnly +
                 "  - {name: net, type: udp, remote: \"127.0.0.1:" + std::to_string(port) + "\"}\n");
-  // Nobody listens: the answers to these say so.
+  // There is no listener yet: these packets bring ICMP errors.
   for (std::uint64_t i = 1; i <= 5; ++i) fixture.fcu.write(fixture.from_fcu(hil_controls(i)));
   ASSERT_TRUE(wait_until([&] { return fixture.status("net").tx.packets == 5; }));
   AnyUdpPeer station("127.0.0.1:" + std::to_string(port));

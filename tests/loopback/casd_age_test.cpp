@@ -28,7 +28,7 @@ constexpr std::uint32_t kCommandLong = mavlink::common::CommandLong::kId;
 constexpr base::Duration kSensorAge = milliseconds(25);  // the defaults of `queue`
 constexpr base::Duration kStickAge = milliseconds(500);
 constexpr base::Duration kStall = milliseconds(2000);
-/// What a busy machine may add to any time.
+/// Most that a busy machine may add to any time.
 constexpr base::Duration kBusy = milliseconds(300);
 
 mavlink::common::ManualControl stick(std::uint64_t number) {
@@ -90,7 +90,7 @@ class Streams {
   std::thread thread_;
 };
 
-/// What the controller read, and when.
+/// Packets that the controller read, with their times.
 class Controller {
  public:
   struct Arrival {
@@ -188,8 +188,8 @@ links:
 )";
 }
 
-/// Waits until casd gives the controller nothing for longer than it rests between two packets. What
-/// counts is looks, not time: a machine that stands still as a whole shows nothing.
+/// Waits until casd gives the controller nothing for longer than it rests between two packets. It
+/// counts looks, not time: a stall of the whole machine proves nothing.
 bool takes_no_more(CasdFixture& fixture) {
   constexpr int kLooks = 250;  // 2 ms apart and more
   std::uint64_t sent = 0;
@@ -217,8 +217,8 @@ TEST_P(CasdAge, NothingOldComesWhenAReaderReadsAgain) {
   ASSERT_TRUE(controller.read_until(
       [&] { return controller.count(kHilSensor) > 50 && controller.count(kManualControl) > 5; }));
 
-  // The reader stops. What casd gave it until it could know of that is out of its hands: on a busy
-  // machine that takes a while, as writes that take long leave it in doubt.
+  // The reader stops. Packets that casd wrote before it could know of that are out of its reach: on
+  // a busy machine this takes a while, because slow writes leave it in doubt.
   controller.forget();
   ASSERT_TRUE(takes_no_more(fixture));
   const base::RunTime known = base::steady_now();
@@ -251,7 +251,7 @@ TEST_P(CasdAge, NothingOldComesWhenAReaderReadsAgain) {
   RecordProperty("sticks_in_the_terminal", in_the_terminal(kManualControl));
 }
 
-/// The real program, for what only a stopped process or its log shows.
+/// The real program, for behaviour that only a stopped process or its log shows.
 class CasdProgram {
  public:
   explicit CasdProgram(const std::string& threads)

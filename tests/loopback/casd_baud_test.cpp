@@ -22,7 +22,7 @@ class Vehicle {
 
   /// The rate that casd has set.
   unsigned line() const { return line_rate(fixture_.fcu.master()); }
-  /// One packet, or what a receiver with another rate makes of it.
+  /// Sends one packet, garbled if the receiver's rate differs.
   void speak() {
     const auto packet = fixture_.from_fcu(hil_controls(++sent_));
     std::vector<std::uint8_t> bytes(packet.begin(), packet.end());

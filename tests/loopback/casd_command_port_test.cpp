@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who reaches the command port of the real casd, and how casctl finds it.
+// Access to the command port of the real casd, and casctl's search for it.
 #include <grp.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -40,7 +40,7 @@ using nlohmann::json;
 constexpr const char* kStatus = R"({"jsonrpc":"2.0","id":1,"method":"casd.status"})";
 constexpr const char* kLinks = "links:\n  - {name: a, type: udp, local: '127.0.0.1:0'}\n";
 
-/// casd and casctl in a session of their own, with a runtime folder that nobody else uses.
+/// casd and casctl in a session of their own, with a runtime folder of their own.
 class CommandPort : public testing::Test {
  protected:
   static std::vector<std::string> in_session(const fs::path& session, const std::string& program,
@@ -57,7 +57,7 @@ class CommandPort : public testing::Test {
     command.insert(command.end(), arguments.begin(), arguments.end());
     return command;
   }
-  /// @param port  the block `command_port`; "$DIR" stands for the test's folder
+  /// @param port  the block `command_port`; "$DIR" is the test's folder
   fs::path topology(std::string port, const std::string& links = kLinks) const {
     for (auto at = port.find("$DIR"); at != std::string::npos; at = port.find("$DIR")) {
       port.replace(at, 4, folder_.path().string());
@@ -266,7 +266,7 @@ TEST_F(CommandPort, CasctlFindsTheTokenByItself) {
       << wrong.output;
 }
 
-/// A program that listens where casd would, on a thread; it keeps every byte that it is told.
+/// A program that listens where casd would, on a thread; it keeps every received byte.
 class Impostor {
  public:
   /// @param answer  to the request in each line
@@ -285,7 +285,7 @@ class Impostor {
   ~Impostor() { end(); }
 
   std::string address() const { return "127.0.0.1:" + std::to_string(port_); }
-  /// Ends. @return what it was told
+  /// Ends. @return the text that it received
   std::string end() {
     ::shutdown(fd_, SHUT_RDWR);
     if (thread_.joinable()) {
@@ -357,7 +357,7 @@ TEST_F(CommandPort, CasctlTellsACasdOfBeforeNothingEither) {
   const Ended ended = casctl({"--address", before.address(), "status"});
   EXPECT_EQ(ended.code, 1) << ended.output;
   EXPECT_NE(ended.output.find("--token-file"), std::string::npos) << ended.output;
-  // Whoever names the token's file says whom it may be told.
+  // A user who names the token's file allows casctl to send it.
   casctl({"--address", before.address(), "--token-file", (runtime() / "casd.token").string(),
           "status"});
   const std::string told = before.end();
@@ -367,7 +367,7 @@ TEST_F(CommandPort, CasctlTellsACasdOfBeforeNothingEither) {
 
 TEST_F(CommandPort, AnImpostorCannotPassTheProofOn) {
   start("{port: 0}");
-  // It asks the real casd, at another port, for what it is to answer.
+  // It passes requests to the real casd, at another port, and returns its answers.
   std::optional<RawClient> real;  // casd waits 10 s for the token: no sooner than it must
   Impostor impostor([&](const json& request) -> json {
     if (!real) real.emplace(port());

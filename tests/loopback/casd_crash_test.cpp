@@ -21,9 +21,9 @@ int logs_in(const std::filesystem::path& folder) {
   return count;
 }
 
-/// The vehicle that was in the air is there again, flies, and does what it is told.
+/// The vehicle that was in the air is there again, flies, and obeys commands.
 void expect_flying(FlightFixture& fixture, const std::string& after) {
-  // The link is back, and the vehicle is known again by what it says now.
+  // The link is back, and the vehicle is known again by new messages.
   ASSERT_TRUE(wait_until([&] { return !fixture.call("casd.status").at("vehicles").empty(); }));
   ASSERT_TRUE(wait_until([&] {
     const json state = fixture.state();
@@ -42,7 +42,7 @@ void expect_flying(FlightFixture& fixture, const std::string& after) {
   EXPECT_LT(fixture.call("link.echo")[0].at("p50").get<double>(), 50'000.0) << after;
   EXPECT_EQ(fixture.call("link.list")[0].at("state"), "up");
 
-  // Commands work, with no acknowledgement of before taken for theirs.
+  // Commands work, and no earlier acknowledgement is taken for theirs.
   EXPECT_TRUE(fixture.command("vehicle.hold"));
   EXPECT_EQ(fixture.call("param.get", {{"name", "MC_ROLLRATE_P"}}).at("type"), "REAL32");
 }
@@ -71,7 +71,7 @@ TEST(CasdCrash, AVehicleFliesOnThroughKillRestartAndReload) {
   EXPECT_TRUE(fixture.land());
 }
 
-/// WatchdogSec and TimeoutStopSec of the unit: a casd that stands still is ended and started again.
+/// WatchdogSec and TimeoutStopSec of the unit: a hung casd is ended and started again.
 TEST(CasdCrash, ACasdThatStandsStillIsReplaced) {
   FlightFixture fixture;
   fixture.start_casd();

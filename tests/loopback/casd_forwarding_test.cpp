@@ -64,7 +64,7 @@ TEST_P(CasdForwarding, FindsPacketsBetweenGarbageAndHalfPackets) {
   bytes.insert(bytes.end(), whole.begin(), whole.begin() + 20);  // cut short
   bytes.insert(bytes.end(), whole.begin(), whole.end());
   fixture.fcu.write(bytes);
-  // What follows disproves the half packet's claim to the bytes after it.
+  // The next packets disprove the half packet's claim to the bytes after it.
   const auto next = fixture.from_fcu(hil_controls(8));
   for (int i = 0; i < 6; ++i) fixture.fcu.write(next);
   ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilControls) >= 2; }));

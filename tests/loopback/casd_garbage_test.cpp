@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Garbage and half packets on every kind of link: what is whole goes on, nothing else does, and the
-// link stays up.
+// Garbage and half packets on every kind of link: only whole packets go on, and the link stays up.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -14,12 +13,12 @@ namespace {
 
 constexpr std::uint64_t kPackets = 200;
 
-/// Packets in datagrams that are sent before the simulator must have them all: with what is between
-/// them fewer than the buffer of a socket holds, so that a casd that runs late loses none.
+/// Packets in datagrams that are sent before the simulator must have them all. With the garbage
+/// between them they fit into a socket's buffer, so that a late casd loses none.
 constexpr std::uint64_t kAtOnce = 20;
 
-/// Sends whole packets with random bytes and packets cut short between them, and looks at what
-/// arrives at the simulator.
+/// Sends whole packets with random bytes and packets cut short between them, and checks the packets
+/// at the simulator.
 void expect_only_whole_packets(CasdFixture& fixture, bool stream,
                                const std::function<void(std::span<const std::uint8_t>)>& send) {
   std::mt19937 random(11);
@@ -43,7 +42,7 @@ void expect_only_whole_packets(CasdFixture& fixture, bool stream,
       ASSERT_TRUE(arrived(i)) << i;
     }
   }
-  // A stream may end in a false start: what follows decides about it.
+  // A stream may end in a false start: later bytes decide about it.
   const std::vector<std::uint8_t> silence(600, 0);
   if (stream) send(silence);
   ASSERT_TRUE(arrived(kPackets));
@@ -87,7 +86,7 @@ TEST(CasdGarbage, OnAUdpServer) {
     stranger.send(std::vector<std::uint8_t>{0xFD, 1, 2});
     peer.send(bytes);
   });
-  EXPECT_EQ(fixture.status("in").peers, 1U);  // who never sent a whole packet is none
+  EXPECT_EQ(fixture.status("in").peers, 1U);  // a sender without a whole packet is no peer
 }
 
 TEST(CasdGarbage, OnATcpServer) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The shipped topologies, in the real casd: what a ground station may say, and what it may not.
+// The shipped topologies, in the real casd: messages that a ground station may and may not send.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -127,7 +127,7 @@ class ShippedTopology : public testing::TestWithParam<TopologyCase> {
       return condition();
     });
   }
-  /// Everybody has shown himself: routes are known, and the vehicle.
+  /// Every node sends a HEARTBEAT, so that routes and the vehicle are known.
   void meet() {
     mav::Encoder vehicle({1, 1});
     mav::Encoder simulator({1, 200});
@@ -210,7 +210,7 @@ TEST_P(ShippedTopology, LetsNoStationFlyTheVehicleOrSpeakInItsName) {
   say(as_vehicle(Statustext{}));
   say(as_another(not_in_hil));
   ASSERT_TRUE(collect_until([&] { return refused() == sent; })) << refused() << " of " << sent;
-  // What comes after them has come: so have they, if ever.
+  // A later packet has arrived, so these would have, too.
   station_.send(station(ParamRequestList{.target_system = 1, .target_component = 1}));
   ASSERT_TRUE(collect_until([&] { return came(ParamRequestList::kId, kStation); }));
 

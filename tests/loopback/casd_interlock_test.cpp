@@ -74,7 +74,7 @@ int arm_commands(const FakeVehicle& vehicle) {
       }));
 }
 
-/// Of what a stopped vehicle has not read.
+/// Arm commands that a stopped vehicle has not read.
 int arm_commands_left(UdpLine& line) {
   PacketStream left;
   line.read(left);
@@ -130,7 +130,7 @@ class CasdInterlock : public testing::Test {
       return vehicle.at("link") == link && !vehicle.contains("rival");
     });
   }
-  /// @return the sentence of the interlock, or what came instead
+  /// @return the sentence of the interlock, or another error's code
   std::string arm_refusal(json params = json::object()) {
     try {
       client_->call("vehicle.arm", params);

@@ -66,7 +66,7 @@ class ByteClock {
  public:
   ByteClock(PtyPair& line, double bytes_s) : line_(line), bytes_s_(bytes_s) {}
 
-  /// Reads what the clock has let through. @return bytes that wait beyond that
+  /// Reads the bytes that the clock has let through. @return bytes that wait beyond that
   std::size_t turn(PacketStream& into) {
     const base::RunTime now = base::steady_now();
     int waiting = 0;
@@ -93,8 +93,8 @@ TEST(CasdLine, DoesNotFillUpAgainstAClockThatRunsSlow) {
   CasdFixture fixture;
   std::string yaml = kHilTopology;
   const std::string patient = "queue: {hil_max_age_ms: 60000}";
-  // What is too much goes by age. A reader that a busy machine holds up for shorter is no
-  // standstill, after which casd asks with a stray byte whether the line moves.
+  // Excess packets expire by age. A reader delayed for less than that by a busy machine is no
+  // standstill, after which casd would probe the line with a stray byte.
   yaml.replace(yaml.rfind(patient), patient.size(), "queue: {hil_max_age_ms: 100}, pace: true");
   fixture.start(yaml);
   ByteClock uart(fixture.fcu, kBytes_s * 0.985);

@@ -37,7 +37,7 @@ std::string word_after(const std::string& status, const std::string& name) {
   return status.substr(begin, status.find(' ', begin) - begin);
 }
 
-/// What is at the other end of a link: each third is of one kind.
+/// The other end of a link; every third link is of the same kind.
 class End {
  public:
   enum class Kind { kUdp, kUdpServer, kTcpServer };

@@ -194,7 +194,7 @@ TEST_F(CasdObserve, GivesAllWhoAskWithoutAPauseAShareOfAProcessor) {
       }
     });
   }
-  // Somebody else is answered meanwhile, and packets pass.
+  // Another client is answered meanwhile, and packets pass.
   for (int i = 1; i <= 20; ++i) {
     EXPECT_EQ(call("link.list").size(), 2U);
     fixture.sim.send(fixture.from_sim(hil_sensor(static_cast<std::uint64_t>(i))));
@@ -206,8 +206,8 @@ TEST_F(CasdObserve, GivesAllWhoAskWithoutAPauseAShareOfAProcessor) {
   over = true;
   for (std::thread& poller : pollers) poller.join();
   EXPECT_GT(answers, 8);
-  // Some hundredths, and what sockets cost beyond what is reckoned; without the bound it is all
-  // that there is.
+  // Some hundredths, and the socket cost that the budget does not count; without the bound it is a
+  // whole processor.
   EXPECT_LE(used_s, 0.1 + 0.4 * wall_s);
   EXPECT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 20; }));
 }
@@ -261,7 +261,7 @@ TEST(CasdLatency, TellsRoutesApartAndTimesTheEcho) {
   fixture.sim.send(fixture.from_sim(hil_sensor(7)));
   ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
   fixture.fcu.write(fixture.from_fcu(hil_controls(7)));
-  fixture.fcu.write(fixture.from_fcu(hil_controls(8)));  // nobody sent an eight
+  fixture.fcu.write(fixture.from_fcu(hil_controls(8)));  // no sensor has stamp 8
   ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilControls) == 2; }));
 
   const auto echo = fixture.links().echo().figures();

@@ -116,7 +116,7 @@ TEST_F(CasdProgram, RoutesBetweenEndpointsOfTheCommandLineButNoSensorsOfASimulat
   EXPECT_EQ(casd.wait_exit(), 0) << casd.output();
 }
 
-/// Who is at the other end of an endpoint of the command line.
+/// The other end of an endpoint on the command line.
 enum class OtherEnd {
   kUdpSentTo,   ///< casd sends to its socket ($SIM)
   kUdpClient,   ///< sends to casd's socket
@@ -190,7 +190,7 @@ TEST_P(CasdCommandLine, ConnectsALineWithTheOtherEnd) {
   ASSERT_TRUE(status) << casd.output();
   ASSERT_NO_FATAL_FAILURE(connect(*status)) << casd.output();
   using mavlink::common::ParamRequestList;
-  // Again and again: who has not been heard yet gets nothing.
+  // Repeated: a peer that has not been heard yet gets nothing.
   EXPECT_TRUE(fixture.collect_until([&] {
     say(fixture.from_sim(ParamRequestList{}));
     fixture.fcu.write(fixture.from_fcu(hil_controls(1)));

@@ -40,7 +40,7 @@ using nlohmann::json;
 
 std::string program(const std::string& name) { return binary_dir() + "/bin/" + name; }
 
-/// Somebody's new terminal, as a terminal emulator makes it: it echoes, and nobody holds a lock.
+/// A foreign new terminal, as a terminal emulator makes it: it echoes, and no program holds a lock.
 struct Terminal {
   Terminal() : master(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)) {
     std::array<char, 64> text{};
@@ -52,7 +52,7 @@ struct Terminal {
     slave = base::Descriptor(::open(name.c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
     ::tcgetattr(slave.get(), &settings);
   }
-  /// Whether nobody has written to it or changed its settings.
+  /// Whether it got no byte and its settings are unchanged.
   bool untouched() const {
     termios now{};
     char byte = 0;
@@ -113,7 +113,7 @@ class Session {
   pid_t leader_ = -1;
 };
 
-/// The real casd between a simulator and what lies under a path.
+/// The real casd between a simulator and the device at a path.
 class CasdPty : public testing::Test {
  protected:
   void start_casd(const std::string& device, const std::string& keys = "") {

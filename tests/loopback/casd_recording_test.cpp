@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Recordings of the real casd: where they may lie, and what a full disk does to them.
+// Recordings of the real casd: their folders, and the effect of a full disk.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -28,7 +28,7 @@ using nlohmann::json;
 class CasdRecording : public testing::Test {
  protected:
   /// @param log  the keys of `log` beside its folder
-  /// @param prefix  what stands before the program and its file
+  /// @param prefix  words before the program and its file
   void start(const std::string& log, std::vector<std::string> prefix = {}) {
     recordings = fixture.folder / "rec";
     fs::create_directory(recordings);
@@ -78,7 +78,8 @@ class CasdRecording : public testing::Test {
     fixture.sim.send(fixture.from_sim(hil_sensor(++sent)));
     fixture.collect();
   }
-  /// Sends until it holds. A look may take a while: casd answers who asks without a pause slowly.
+  /// Sends until it holds. A look may take a while: casd slows down a client that asks without a
+  /// pause.
   bool send_until(const std::function<bool()>& condition) {
     constexpr int kPacketsALook = 20;
     return wait_until([&] {
@@ -147,7 +148,7 @@ TEST_F(CasdRecording, FollowsNoSymlinkAndEmptiesNoFile) {
   start("free_space_min_mib: 0");
   const fs::path victim = fixture.folder.write("victim", "theirs");
   const fs::path nothing = fixture.folder / "nothing";
-  // Whoever may write to the folder knows the names to come.
+  // A user with write access to the folder can predict the names.
   const auto now = std::chrono::duration_cast<std::chrono::seconds>(
       std::chrono::system_clock::now().time_since_epoch());
   for (int i = 0; i < 60; ++i) {

@@ -17,8 +17,8 @@
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
 
-// What a reload does with each key of a topology: it is in force when the call answers, or the
-// answer names it and nothing has changed. The keys are those that casd reads.
+// Effect of a reload on each key of a topology: the new value is in force when the call answers, or
+// the answer names the key and nothing has changed. The keys are those that casd reads.
 
 namespace cas::test {
 namespace {
@@ -102,7 +102,7 @@ TEST_P(RefusedKey, IsNamedAndNothingChanges) {
     if (after.empty() || !said.empty()) continue;
     program.topology(after, "  - {name: gcs, type: udp_server, local: '127.0.0.1:0'}\n");
     said = program.refusal("casd.reload");
-    if (said.empty()) program.reload(change.before);  // the value of before
+    if (said.empty()) program.reload(change.before);  // the old value
   }
   EXPECT_TRUE(
       std::regex_search(said, std::regex("topology.yaml:[0-9]+: " + block + ": takes a restart")))
@@ -211,7 +211,7 @@ INSTANTIATE_TEST_SUITE_P(Casd, InForceKey, testing::ValuesIn(kInForce), [](const
   return test_name(test.param.key) + "_" + std::to_string(test.index);
 });
 
-// Keys of a link: the link is made anew from them, and no other is touched.
+// Keys of a link: the link is remade from them, and no other is touched.
 
 constexpr const char* kSignedLink =
     "{name: x, type: udp, local: '127.0.0.1:0', signing: {key_file: $DIR/a.key}}";

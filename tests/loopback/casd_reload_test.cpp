@@ -79,7 +79,8 @@ TEST(CasdReload, KeepsTheOldTopologyWhenANewLinkCannotBeMade) {
   CasdFixture fixture;
   fixture.start(kHilTopology);
   const std::uint16_t before = fixture.port("sim");
-  // One link changes and several come: what the first would set free is not enough for the rest.
+  // One link changes and several come: the descriptors that the first would free are not enough for
+  // the others.
   std::string yaml = kHilTopology;
   const auto changed = yaml.find("60000");
   yaml.replace(changed, 5, "50000");

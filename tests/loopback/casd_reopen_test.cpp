@@ -63,7 +63,7 @@ TEST(CasdReopen, SerialLineSurvivesBeingPulledUnderLoadManyTimes) {
 }
 
 TEST(CasdReopen, FindsItsDeviceByBeingToldFiftyTimes) {
-  // Whoever must try again to find it comes a minute late.
+  // A retry would come a minute late.
   const casd::RetryTimes never{std::chrono::minutes(1), std::chrono::minutes(1)};
   constexpr int kReplugs = 50;
   // A line that lasted no longer is left alone for a moment.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the real casd asks a vehicle to send, by `request_rates` of its link.
+// Message rates that the real casd requests from a vehicle, by `request_rates` of its link.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -133,7 +133,7 @@ TEST_F(CasdRequestRates, AreAskedForAgainOfAnArduPilotThatOnlyBeatsAnyMore) {
   EXPECT_EQ(asked(Attitude::kId), 2U) << "what it is asked for anyway, too";
 }
 
-/// fcu_emulator behind the real casd, and a ground station that sees what comes of it.
+/// fcu_emulator behind the real casd, and a ground station that sees the resulting rates.
 class CasdRequestRatesOfTheEmulator : public testing::Test {
  protected:
   CasdRequestRatesOfTheEmulator() {

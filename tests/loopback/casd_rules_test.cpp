@@ -116,7 +116,7 @@ TEST(CasdDrops, AreCountedByLinkMessageAndCause) {
     return fixture.status("sim").rx.packets == 5 && fixture.status("sim").rx.crc_errors == 1;
   }));
   EXPECT_EQ(counted(fixture, "sim", "drop.no_rule", mavlink::common::HilStateQuaternion::kId), 3U);
-  // casd's own station hears commands whatever the routes say; this one is for nobody.
+  // casd's own station hears commands whatever the routes say; this one has no target.
   EXPECT_EQ(counted(fixture, "sim", "drop.no_target", mavlink::common::CommandLong::kId), 2U);
 
   fixture.fcu.hang_up();

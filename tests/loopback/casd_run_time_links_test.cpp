@@ -41,7 +41,7 @@ class RunTimeLinks : public testing::Test {
     client_.emplace(address_);
     vehicle_.set_remote(port("fcu"));
   }
-  /// A vehicle's link and what else is given; every link talks to every other one.
+  /// A vehicle's link and further given ones; every link talks to every other one.
   void write_topology(const std::string& more) {
     file_ = folder_.write("links.yaml",
                           "schema: 1\ncommand_port: {port: 0, loopback_without_token: true}\n"
@@ -61,7 +61,7 @@ class RunTimeLinks : public testing::Test {
     }
     return "";
   }
-  /// As link.list has it; nothing: there is none.
+  /// As link.list has it; nullopt: there is none.
   std::optional<json> link(const std::string& name) {
     for (const json& each : call("link.list")) {
       if (each["name"] == name) return each;

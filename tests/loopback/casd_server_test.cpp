@@ -160,7 +160,7 @@ TEST(CasdTcp, ConnectsAgainWhenTheServerComesBack) {
       "schema: 1\nlinks:\n  - {name: fcu, type: serial, device: \"$FCU\"}\n"
       "  - {name: net, type: tcp, remote: \"localhost:" +
       std::to_string(ntohs(address.sin_port)) + "\"}\n");
-  EXPECT_NE(fixture.status("net").state, casd::LinkState::kUp);  // nobody listens yet
+  EXPECT_NE(fixture.status("net").state, casd::LinkState::kUp);  // no listener yet
   ::listen(listener, 4);
   for (std::uint64_t round = 1; round <= 2; ++round) {
     pollfd waiting{listener, POLLIN, 0};

@@ -55,7 +55,7 @@ bool is_heartbeat_of_vehicle(const PacketStream::Packet& packet) {
   return packet.message_id == Heartbeat::kId && packet.source == kVehicle;
 }
 
-/// Whom a packet names as its addressee; 0 is everybody.
+/// Target of a packet; 0 is broadcast.
 mav::Source addressee(const mav::PacketView& packet) {
   const mav::MessageInfo& message = *mav::public_table().find(packet.message_id);
   const auto field = [&](int offset) {
@@ -68,7 +68,7 @@ mav::Source addressee(const mav::PacketView& packet) {
 /// A ground station that reads files and missions of 1/1.
 class Station {
  public:
-  /// What one transfer has come to.
+  /// Result of one transfer.
   template <class Result>
   struct Transfer {
     std::optional<Outcome> outcome;
@@ -130,7 +130,7 @@ class Station {
   bool hears_vehicle() const { return hears_vehicle_; }
   /// The vehicle has asked it for an item.
   bool was_asked() const { return was_asked_; }
-  /// Packets that came and were addressed to somebody else.
+  /// Received packets that were addressed to others.
   int others() const { return others_; }
   /// Answers to file requests of another station with this one's ids.
   std::uint64_t stray() const { return ftp_.oddities().stray; }
@@ -184,7 +184,7 @@ MissionExchange::Items mission(std::int32_t first_x) {
   return items;
 }
 
-/// What a vehicle keeps of items.
+/// The parts of items that a vehicle keeps.
 std::vector<std::array<double, 4>> places(const MissionExchange::Items& items) {
   std::vector<std::array<double, 4>> all;
   for (const MissionItemInt& item : items) {
@@ -270,7 +270,7 @@ class CasdServices : public testing::TestWithParam<const char*> {
     });
   }
 
-  /// Lets everybody speak until it holds.
+  /// Runs all nodes until the condition holds.
   bool pump_until(const std::function<bool()>& condition) {
     return wait_until(
         [&] {
@@ -425,7 +425,7 @@ TEST_P(CasdServices, ASecondUploadIsDeniedUntilTheFirstHasEnded) {
   expect_nobody_heard_others();
 }
 
-/// MAVLink cannot tell them apart: both get what is for either, and each finds its own in it.
+/// MAVLink cannot tell them apart: both get the packets for either, and each finds its own.
 TEST_P(CasdServices, TwoStationsWithTheSameIdsBothReadFilesAndMissions) {
   Station& one = add_udp({255, 190}, 0);
   Station& other = add_udp({255, 190}, 30'000);

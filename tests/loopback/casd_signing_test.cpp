@@ -55,7 +55,7 @@ links:
   std::uint64_t judged(SignatureVerdict verdict) const {
     return fixture.status("sim").rx.signatures[static_cast<std::size_t>(verdict)];
   }
-  /// Sends what shall be refused, and waits until it was.
+  /// Sends a packet that shall be refused, and waits for the refusal.
   void expect_refused(const std::vector<std::uint8_t>& packet, SignatureVerdict verdict) {
     const std::uint64_t before = judged(verdict);
     fixture.sim.send(packet);

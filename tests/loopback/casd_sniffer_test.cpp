@@ -72,7 +72,7 @@ TEST_F(CasdSniffer, IsNotHeardAndCounted) {
   first.send(of_listener(CommandLong{.target_system = 1, .target_component = 1}));
   ASSERT_TRUE(
       fixture.collect_until([&] { return fixture.status("tap").rx.not_accepted == before + 2; }));
-  // What came after it goes through: what came before it would be there.
+  // A later packet goes through, so an earlier one would have arrived.
   fixture.sim.send(fixture.from_sim(hil_sensor(2)));
   ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
   EXPECT_EQ(numbers(fixture.at_fcu, kHilSensor).front(), 2U);

@@ -49,8 +49,8 @@ std::uint16_t port_in(const std::string& status, const std::string& name) {
   return port_of(status.substr(begin, status.find(' ', begin) - begin));
 }
 
-/// Everything that wears on casd, turn by turn: both HIL streams, a flood of senders nobody knows,
-/// garbage, subscribers who read and who do not, clients that come and go, endless lines.
+/// Everything that wears on casd, turn by turn: both HIL streams, a flood of unknown senders,
+/// garbage, subscribers that read and that do not, clients that come and go, endless lines.
 class Load {
  public:
   Load(CasdFixture& fixture, const std::string& status)
@@ -150,8 +150,8 @@ links:
   const long late_kb = resident_kb(casd.pid());
   std::printf("soak: %llu turns, memory %ld kB when warm, %ld kB at the end\n",
               static_cast<unsigned long long>(load.turns()), early_kb, late_kb);
-  // The allocator keeps what a burst took: steps of 1.7 MB up and down were seen, without a trend
-  // in 15 minutes. 16 bytes lost a turn are 4.3 MB in ten.
+  // The allocator keeps the memory of a burst: steps of 1.7 MB up and down were seen, without a
+  // trend in 15 minutes. 16 bytes lost a turn are 4.3 MB in ten.
   constexpr long kNoise_kb = 4096;
   EXPECT_LE(late_kb, early_kb + kNoise_kb);
   // Clients that have left are noticed when it is their turn to be read.

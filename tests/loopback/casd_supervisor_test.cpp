@@ -96,7 +96,7 @@ TEST_F(CasdService, RestartAndReloadKeepTheStreamsGoing) {
   expect_nothing_old();
 }
 
-/// Without descriptors casd serves nobody new, but it flies on, and feeds its watchdog.
+/// Without descriptors casd serves no new client, but it flies on, and feeds its watchdog.
 TEST_F(CasdService, LivesWithoutDescriptors) {
   write_topology("{port: 0, unix: $DIR/casd.sock}");
   UnitFile unit = shipped_unit();

@@ -146,7 +146,7 @@ TEST_F(CaswebBench, ASlowPageKeepsNobodyWaiting) {
     seq = motion->at("seq");
     quick->ack("sim", *motion);
   }
-  // What the slow one did not take is not kept for it: the answer is the next frame.
+  // Frames that the slow one did not take are dropped: the answer is the next frame.
   slow->call("bench.status", json::object());
   for (const json& frame : slow->kept()) EXPECT_NE(frame.at("method"), "snap.sim");
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who may reach casweb, and what a page that misbehaves costs the others. casd is not needed here.
+// Who may reach casweb, and the effect of a misbehaving page on others. casd is not needed here.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -67,7 +67,7 @@ TEST_F(CaswebGuard, TellsNothingWithoutTheToken) {
   ASSERT_TRUE(early);
   EXPECT_EQ(early->at("error").at("code"), base::rpc::kNotAuthorised);
   EXPECT_EQ(early->at("id"), 7);
-  // What a stranger makes up ends in an answer, too.
+  // Malformed requests get an answer, too.
   const std::string deep(30'000, '[');
   for (const std::string& text :
        {std::string("no JSON"), std::string(R"({"method":5})"), deep,
@@ -85,7 +85,7 @@ TEST_F(CaswebGuard, TellsNothingWithoutTheToken) {
   WebPage none(casweb_.port());
   EXPECT_TRUE(none.call("hello", {{"protocol", 2}}).contains("error"));
   EXPECT_EQ(none.wait_closed(), 4403);
-  WebPage token(casweb_.port());  // nobody is asked for it, and nobody gets in by it
+  WebPage token(casweb_.port());  // casweb never asks for it, and it opens nothing
   EXPECT_TRUE(
       token.call("hello", {{"protocol", 2}, {"token", CaswebFixture::kToken}}).contains("error"));
   EXPECT_EQ(token.wait_closed(), 4403);

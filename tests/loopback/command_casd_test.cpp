@@ -138,7 +138,7 @@ struct OldNewsCase {
   bool armed;
 };
 
-/// A vehicle whose packets of before the command say that its state is reached.
+/// A vehicle whose packets from before the command already show the wanted state.
 class OldNews : public CommandCasdTest, public testing::WithParamInterface<OldNewsCase> {
  protected:
   static void say_all(FakeVehicle& vehicle, base::RunTime now) {

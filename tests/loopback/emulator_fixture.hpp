@@ -16,7 +16,7 @@
 
 namespace cas::test {
 
-/// What casctl said.
+/// Exit code and output of casctl.
 struct Said {
   int code = -1;
   std::string text;  ///< standard output and error
@@ -25,7 +25,7 @@ struct Said {
 /// The shipped programs around a pseudo-terminal: fcu_emulator, casd and, where asked for, hilsim.
 class EmulatorFixture {
  public:
-  /// Starts controller and daemon. `line` is the controller's, `baud` what casd is told of it.
+  /// Starts controller and daemon. `line` is the controller's, `baud` casd's setting for it.
   void start(const std::string& line = "{preset: ideal}", int baud = 0) {
     const std::string fcu =
         folder

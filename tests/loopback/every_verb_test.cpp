@@ -19,7 +19,7 @@ struct Verb {
   const char* says;
 };
 
-/// On the ground, without a simulator: what the vehicle can and cannot do then.
+/// On the ground, without a simulator: every verb with its result.
 const std::vector<Verb>& verbs() {
   static const std::vector<Verb> list{
       {"status", {"status"}, 0, "PX4"},

@@ -96,7 +96,7 @@ vehicles:
     if (!hilsim_->wait_ready()) throw std::runtime_error(hilsim_->output());
   }
 
-  /// HEARTBEATs of all, and what they have heard since.
+  /// Sends all HEARTBEATs, and reads waiting packets.
   void turn() {
     if (base::steady_now() > beat_at_) {
       Heartbeat vehicle;
@@ -194,7 +194,7 @@ TEST_F(FailureInjection, StrikesInTheSimulatorAndEnds) {
   ASSERT_TRUE(off) << casd_->output() << hilsim_->output();
   EXPECT_EQ(off->result, MavResult::kAccepted) << hilsim_->output();
   EXPECT_EQ(off->target_system, 255);
-  // What was on its way has come with the first of them.
+  // Fixes in flight have arrived with the first of them.
   fixes_in(50);
   EXPECT_EQ(fixes_in(100), 0U) << "a second without a fix, at 20 Hz";
   EXPECT_NE(casd_->output().find(

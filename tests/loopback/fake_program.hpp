@@ -18,11 +18,11 @@
 
 namespace cas::test {
 
-/// Stands for casd, hilsim or hils on a Unix socket: a thread answers one client after the other,
-/// and each of its calls with what `answer` gives.
+/// Stand-in for casd, hilsim or hils on a Unix socket: a thread serves one client after the other,
+/// and answers each call with the result of `answer`.
 class FakeProgram {
  public:
-  /// What stands in "result".
+  /// Value of "result".
   using Answer =
       std::function<nlohmann::json(const std::string& method, const nlohmann::json& params)>;
 

@@ -17,7 +17,7 @@ namespace cas::test {
 /// sockets have fixed ports, so that casd can be ended and started again under way.
 class FlightFixture {
  public:
-  /// @param more  further keys of casd's topology; $DIR stands for a temporary folder
+  /// @param more  further keys of casd's topology; $DIR is a temporary folder
   explicit FlightFixture(const std::string& more = "");
 
   /// Starts casd under its service's unit file.

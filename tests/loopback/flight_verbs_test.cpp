@@ -29,7 +29,7 @@ TEST(FlightVerbs, FlyAVehicleFromTheGroundAndBack) {
   expect_done({"disarm", "--wait"}, "disarmed");
 }
 
-/// What a verb says, in the end, of a line with 115200 baud; it ends with 1.
+/// A verb's last words on a line with 115200 baud; it exits with 1.
 std::string said_of_a_slow_line(const std::string& verb, const std::string& words) {
   EmulatorFixture fixture;
   fixture.start("{preset: baud_115200}", 115200);

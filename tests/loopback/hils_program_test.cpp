@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kExitUsage = 2;
 
-/// What hils says against these arguments.
+/// Error of hils on these arguments.
 std::string refusal_of(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), cas::test::binary_dir() + "/bin/hils");
   ChildProcess hils(arguments);
@@ -26,7 +26,7 @@ std::string refusal_of(std::vector<std::string> arguments) {
   return hils.output();
 }
 
-/// What `hils run` says against them.
+/// Error of `hils run` on them.
 std::string refusal(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "run");
   return refusal_of(std::move(arguments));
@@ -144,7 +144,7 @@ steps:
       .string();
 }
 
-/// Flies it on the virtual clock, where the page is what stands in `web`.
+/// Flies it on the virtual clock, with `web` as the page.
 class Flight {
  public:
   Flight(const std::string& scenario, const std::string& out, const std::string& web)
@@ -205,7 +205,7 @@ TEST(HilsProgram, ARunThatDiesLeavesNoVerdictOfTheOneBefore) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out/junit.xml")) << hils.output();
 }
 
-/// What `hils replay` says, where the page is a frame for records, and its exit code.
+/// Exit code and output of `hils replay`, with a page that is a frame for records.
 std::pair<int, std::string> replayed(const TemporaryFolder& folder, const std::string& source) {
   folder.write("web/index.html", "-");
   folder.write("web/replay.html", "<body><!--RECORDS--></body>");

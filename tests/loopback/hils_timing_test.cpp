@@ -82,7 +82,7 @@ TEST_P(HilsTimingAt, TellsWhatTheByteClockLetsThrough) {
                               (folder_ / "timing.json").string()});
   const json said = figures();
   // A busy machine leaves the line idle now and then, and marks the moments late: the byte clock
-  // bounds the rate, within what five pieces of 0.3 s are blurred by.
+  // bounds the rate, within the blur of five pieces of 0.3 s.
   const double bytes_s = test.baud / 10.0;
   const double low = kQuietMachine ? 0.95 : 0.4;
   const double high = kQuietMachine ? 1.05 : 1.25;
@@ -149,7 +149,7 @@ TEST_F(HilsTiming, TakesTheLockOfABoard) {
   const ChildProcess holder({"/usr/bin/env", "CAS_BOARDS=" + boards_, binary_dir() + "/bin/hils",
                              "board", "lock", "a", "--for", "a test", "--", "sh", "-c",
                              "touch " + (folder_ / "held").string() + "; exec sleep 600"});
-  // Who asks for a free board takes its lock for a moment, and the holder would find it taken.
+  // A query of a free board takes its lock for a moment, and the holder would find it taken.
   ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(folder_ / "held"); }));
   const Answer answer = hils({"--fcu", "a"});
   EXPECT_EQ(answer.code, 7);

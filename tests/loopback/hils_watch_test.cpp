@@ -39,8 +39,7 @@ namespace mv = mavlink::common;
 constexpr int kExitUsage = 2;
 constexpr int kExitInterrupted = 130;
 
-/// Stands on the ground for so long, for longer than any test where nothing is said: whoever
-/// started it ends it.
+/// Rests on the ground for this time, by default longer than any test: the caller ends it.
 std::string scenario_text(int seconds = 3600) {
   return "schema: 1\nname: long look\nvehicle: " + source_dir() +
          "/config/vehicles/iris_paper.yaml\n"
@@ -54,7 +53,7 @@ std::string scenario_text(int seconds = 3600) {
 
 sockaddr* generic(sockaddr_in& address) { return reinterpret_cast<sockaddr*>(&address); }
 
-/// QGroundControl, as far as a vehicle sees it: it answers whoever sent to it last.
+/// QGroundControl, as far as a vehicle sees it: it answers the last sender.
 class Station {
  public:
   Station() : fd_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
@@ -67,7 +66,7 @@ class Station {
   std::uint16_t port() const { return port_; }
   void send_to(std::uint16_t port) { peer_ = loopback(port); }
 
-  /// Says that it is there, asks the vehicle for its parameters, and reads what has come.
+  /// Sends a HEARTBEAT, requests the vehicle's parameters, and reads all waiting packets.
   void speak_and_hear() {
     mv::Heartbeat heartbeat;
     heartbeat.type = mv::MavType::kGcs;
@@ -120,7 +119,7 @@ class Station {
   PacketStream stream_;
 };
 
-/// Programs in a session of their own, with a runtime folder that nobody else uses.
+/// Programs in a session of their own, with a runtime folder of their own.
 class HilsWatch : public testing::Test {
  protected:
   std::vector<std::string> in_session(const std::string& program,
@@ -140,8 +139,8 @@ class HilsWatch : public testing::Test {
         in_session("hils", {"run", folder_.write("long.yaml", scenario_text()).string(), "--gcs",
                             endpoint, "--out", folder_ / "out"}));
   }
-  /// The line that tells how to watch a run; empty when none comes. The casctl that it names is
-  /// there, and stands in it as "casctl".
+  /// The line with the command to watch a run; empty if none comes. Checks that its casctl exists,
+  /// and replaces it by "casctl".
   static std::string watch_line(const ChildProcess& hils) {
     std::string line;
     wait_until([&] {
@@ -271,7 +270,7 @@ TEST_F(HilsWatch, APageShowsTheRunAtTheAddressInTheFileThatItNames) {
            page.call("casd.status", nlohmann::json::object()).contains("result");
   })) << page.call("bench.status", nlohmann::json::object());
 
-  // What a person does: a pause, and a fault that is too short to hurt.
+  // Actions of a person: a pause, and a fault that is too short to hurt.
   EXPECT_TRUE(page.call("sim.pause", nlohmann::json::object()).contains("result"));
   EXPECT_TRUE(page.call("sim.resume", nlohmann::json::object()).contains("result"));
   const nlohmann::json fault{{"name", "no fix"}, {"drop", "gps"}, {"for_s", 0.05}};

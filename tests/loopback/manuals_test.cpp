@@ -21,7 +21,7 @@ class Manual : public testing::TestWithParam<const char*> {
     EXPECT_EQ(program.wait_exit(), 0) << program.output();
     return program.output();
   }
-  /// What the shell command says about a file with this text; nothing when the command is not here.
+  /// Output of the shell command on a file with this text; empty if the command is not installed.
   std::string opinion(const std::string& command, const std::string& text) const {
     if (std::system(
             ("command -v " + command.substr(0, command.find(' ')) + " >/dev/null").c_str()) != 0) {

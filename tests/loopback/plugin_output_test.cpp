@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a plugin sends reaches the controller when it declares it, and what it reports is in the
-// results.
+// A plugin's declared messages reach the controller, and its figures are in the results.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -65,7 +64,7 @@ plugins:
   std::string text(const std::string& file) const { return TemporaryFolder::read(out() / file); }
   json figures(const std::string& file) const { return json::parse(text(file)); }
 
-  /// What the route from simulator to controller lets pass.
+  /// Messages that the route from simulator to controller allows.
   std::vector<std::string> allowed() const {
     const auto casd = base::ConfigNode::load(out() / "run" / "casd.yaml");
     std::vector<std::string> names;
@@ -92,7 +91,7 @@ TEST_F(PluginOutput, PassesTheRoutesOfARunWhenItIsDeclared) {
   EXPECT_GT(sent.at("sent").at("BATTERY_STATUS"), 30);
   for (const char* message : {"DISTANCE_SENSOR", "BATTERY_STATUS", "HIL_OPTICAL_FLOW"}) {
     const int count = sent.at("sent").at(message);
-    EXPECT_NEAR(received.value(message, 0), count, 2) << message;  // what was under way at the end
+    EXPECT_NEAR(received.value(message, 0), count, 2) << message;  // in flight at the end
   }
   EXPECT_FALSE(sent.at("sent").contains("STATUSTEXT"));
   EXPECT_FALSE(received.contains("STATUSTEXT"));

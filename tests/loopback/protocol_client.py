@@ -95,7 +95,7 @@ def check_completeness(client, page):
 
 
 def check_end(address):
-    """What the page says about a line that is no JSON: casd ends the connection."""
+    """The page on a line that is no JSON: casd ends the connection."""
     client = Client(address)
     client.send('this is no JSON\n{"jsonrpc":"2.0","id":1,"method":"link.list"}')
     faults = []
@@ -107,7 +107,7 @@ def check_end(address):
 
 
 def check_rules(client):
-    """What the page says about batches, notifications and blank lines."""
+    """The page on batches, notifications and blank lines."""
     faults = []
     client.send("")
     client.send('[{"jsonrpc":"2.0","id":1,"method":"link.list"},{"jsonrpc":"2.0","method":"link.list"},'

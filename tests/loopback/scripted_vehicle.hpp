@@ -13,8 +13,8 @@
 
 namespace cas::test {
 
-/// A scripted vehicle at the controller's end of a line (a PtyPair, or what reads and writes like
-/// one), on a thread of its own: heartbeats ten times a second, answers by its script.
+/// A scripted vehicle at the controller's end of a line (a PtyPair, or a class with the same reads
+/// and writes), on a thread of its own: heartbeats ten times a second, answers by its script.
 template <class Line>
 class BasicScriptedVehicle {
  public:

@@ -25,7 +25,7 @@ namespace {
 using namespace std::chrono_literals;
 using mavlink::common::HilSensor;
 
-/// Our part of a gap: less than a third of what brings stock firmware down.
+/// Our part of a gap: less than a third of a gap that brings stock firmware down.
 constexpr base::Duration kOurPart = 100ms;
 constexpr int kTries = 5;
 
@@ -78,7 +78,7 @@ class ShortGap : public testing::Test {
     EXPECT_TRUE(hilsim_->wait_ready()) << hilsim_->output();
   }
 
-  /// Time from `from` to the next HIL_SENSOR on the line; nothing at the deadline.
+  /// Time from `from` to the next HIL_SENSOR on the line; nullopt at the deadline.
   std::optional<base::Duration> first_sensor(base::RunTime from) {
     PacketStream stream;
     while (base::steady_now() - from < kPatience) {
@@ -89,7 +89,7 @@ class ShortGap : public testing::Test {
     }
     return std::nullopt;
   }
-  /// What has come so far is of before.
+  /// Drops packets from before the gap.
   void forget() {
     PacketStream old;
     line_.read(old);
@@ -108,8 +108,8 @@ class ShortGap : public testing::Test {
     });
   }
 
-  /// Makes a gap several times. On a busy machine the quickest return counts: what is slow by
-  /// itself, a back-off or a time-out, is slow each time.
+  /// Makes a gap several times. On a busy machine the quickest return counts: a cause in casd, a
+  /// back-off or a time-out, is slow each time.
   template <class Gap>
   void expect_quick_return(Gap&& gap) {
     std::vector<base::Duration> times;

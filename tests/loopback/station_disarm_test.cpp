@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a person disarms, hils does not arm again: in real time, through casd.
+// hils does not re-arm a vehicle that a person has disarmed: in real time, through casd.
 #include <gtest/gtest.h>
 
 #include <chrono>

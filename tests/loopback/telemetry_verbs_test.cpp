@@ -33,7 +33,7 @@ std::vector<std::string> cells_of(const std::string& line) {
   return cells;
 }
 
-/// On the ground without a simulator: attitude and battery are told, a place is not.
+/// On the ground without a simulator: it sends attitude and battery, but no position.
 class TelemetryVerbs : public testing::Test {
  protected:
   void SetUp() override {
@@ -134,7 +134,7 @@ TEST_F(TelemetryVerbs, MessageShowsAllFieldsOfTheNewest) {
   EXPECT_EQ(message.at("units").at("roll"), "rad");
 }
 
-/// What bash offers for the last of these words.
+/// Bash's completion of the last of these words.
 std::string offered(const EmulatorFixture& fixture, const std::string& words, int position) {
   const auto script = fixture.folder.write(
       "complete.bash", "PATH='" + cas::test::binary_dir() + "/bin':$PATH\n" +
@@ -173,7 +173,7 @@ TEST_F(TelemetryVerbs, CompletionLacksNoLoopAndNoModeOfTheVehicle) {
   }
 }
 
-// Sent once, on request, before anybody looked.
+// Sent once, on request, before the first look.
 TEST_F(TelemetryVerbs, MessageShowsOneThatCameBeforeAnybodyLooked) {
   ASSERT_TRUE(wait_until([this] {
     return fixture.casctl({"monitor", "--once"}).text.find("AUTOPILOT_VERSION") !=

@@ -23,7 +23,7 @@ struct HttpAnswer {
 HttpAnswer http_request(std::uint16_t port, const std::string& method, const std::string& target,
                         const std::string& host);
 
-/// A page of casweb: a WebSocket that keeps what comes. Each wait ends after kPatience.
+/// A page of casweb: a WebSocket that keeps received frames. Each wait ends after kPatience.
 class WebPage {
  public:
   /// @param origin  empty: none is sent
@@ -44,7 +44,7 @@ class WebPage {
   std::string proof(const std::string& token, const std::string& place = {}) const;
   /// Sends a text as it is.
   void send(const std::string& text);
-  /// The next frame that is wanted, others are kept for later waits; nothing at the deadline or
+  /// The next frame that is wanted, others are kept for later waits; nullopt at the deadline or
   /// when the connection has ended.
   std::optional<nlohmann::json> wait_for(const std::function<bool(const nlohmann::json&)>& wanted);
   /// The next `snap.TOPIC` or event's parameters.
@@ -53,7 +53,7 @@ class WebPage {
   void ack(const std::string& topic, const nlohmann::json& params);
   /// Waits until the other end closes. @return its code
   std::optional<int> wait_closed();
-  /// Frames that have come and that nobody waited for.
+  /// Received frames that no call waited for.
   const std::vector<nlohmann::json>& kept() const { return kept_; }
 
  private:

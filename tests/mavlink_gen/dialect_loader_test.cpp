@@ -149,7 +149,7 @@ TEST(OurDialect, IsTheFactsOfTheMessagesWeSpeak) {
   }
 }
 
-/// The public files are no part of the project; who has them names their folder.
+/// The public files are no part of the project; the user may name their folder.
 TEST(PublicDialects, AreReadWithTheLayoutOfTheRoutingTable) {
   const char* folder = std::getenv("CAS_MAVLINK_DEFINITIONS");
   if (folder == nullptr) GTEST_SKIP() << "CAS_MAVLINK_DEFINITIONS names no folder";

@@ -34,14 +34,14 @@ class Recording {
     const auto packet = encode_packet_(message);
     text_.append(packet.begin(), packet.end());
   }
-  /// Likewise, as a record of a telemetry log.
+  /// The same, as a record of a telemetry log.
   template <class Message>
   void add_at(std::uint64_t time_us, const Message& message) {
     std::vector<std::uint8_t> record;
     services::append_tlog_record(time_us, encode_packet_(message), record);
     text_.append(record.begin(), record.end());
   }
-  /// What an example program prints of it.
+  /// Output of an example program on it.
   std::string printed_by(const std::string& program, int exit_code = 0) const {
     return printed_by(program, text_, exit_code);
   }

@@ -27,7 +27,7 @@ class FtpDownload : public testing::Test {
  protected:
   void SetUp() override { ASSERT_TRUE(emulator_.wait_ready()) << emulator_.output(); }
 
-  /// What the program prints, errors too.
+  /// Output of the program, errors too.
   std::string fetched(const std::string& path, int exit_code = 0) {
     const std::string command =
         cas::test::binary_dir() + "/tests/mavlink_ftp_download " + line_ + ' ' + path + " 2>&1";

@@ -50,7 +50,8 @@ Received receive(const Bytes& stream, std::size_t chunk,
   return received;
 }
 
-/// What a flushed parser must find, by the plainest search: every start is looked at afresh.
+/// The packets that a flushed parser must find, by the simplest search: a fresh one at every start
+/// byte.
 Received plain_search(const Bytes& stream, const MessageTable& table) {
   Received found;
   for (std::size_t i = 0; i < stream.size();) {

@@ -172,7 +172,7 @@ TEST_F(FaultyVehicle, DelaysExactlyAndKeepsTheOrder) {
     const bool late = sample.time > base::SimTime(milliseconds(100)) &&
                       sample.time <= base::SimTime(milliseconds(400));
     const base::Duration delay = at - sample.time;
-    // What comes after the fault's end waits until what was held back has gone.
+    // Samples after the fault's end wait until delayed ones have gone.
     EXPECT_GE(delay, late ? milliseconds(50) : milliseconds(0)) << i;
     EXPECT_LE(delay, late ? milliseconds(50) : milliseconds(30)) << i;
   }
@@ -224,8 +224,8 @@ TEST_F(FaultyVehicle, TurnsAndExchangesTheAxesOfASensor) {
   run(milliseconds(400));
   constexpr double kNoise = 1e-4;
   EXPECT_TRUE(imus_[40].angular_rate_B.isApprox(Vector3d(0.1, 0.2, 0.3), kNoise));
-  // The sensor's nose points to the right: it reads there what the vehicle turns about that axis,
-  // which is -y of B, and on its left what the vehicle has forward.
+  // The sensor's nose points to the right: along it, it reads the vehicle's rate about -y of B, and
+  // to its left the rate about the vehicle's forward axis.
   EXPECT_TRUE(imus_[80].angular_rate_B.isApprox(Vector3d(-0.2, 0.1, 0.3), kNoise));
   EXPECT_TRUE(imus_[180].angular_rate_B.isApprox(Vector3d(0.2, -0.1, 0.3), kNoise));
 }

@@ -21,7 +21,7 @@ using test::Statistics;
 const Vector3d kGravityW(0, 0, -kGravity);
 constexpr double kDegree = M_PI / 180.0;
 
-/// Noise far below what the tests look at.
+/// Noise far below the tests' tolerances.
 ImuParams quiet_params() {
   ImuParams params;
   params.rate_hz = 500;

@@ -359,7 +359,7 @@ TEST(MotorPlugin, ASpeedControllersDeadTimeHoldsACommandBack) {
     first.push_back(std::round(omega_dot[0] * 0.0125));
     last.push_back(std::round(omega_dot[3] * 0.0125));
   }
-  // Commands at 0, 1, 2 ... ms; what is driven to in the step that begins a millisecond later.
+  // Commands at 0, 1, 2 ... ms; targets in the step that begins a millisecond later.
   EXPECT_EQ(first, (std::vector<double>{0, 0, 100, 200, 300, 400, 500, 600}));
   EXPECT_EQ(last, (std::vector<double>{100, 200, 300, 400, 500, 600, 700, 800}));
 }

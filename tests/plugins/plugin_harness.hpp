@@ -73,7 +73,7 @@ class ScriptedWorld final : public sim::World {
   base::LocalProjection projection_{kHome};
 };
 
-/// What `configure` is given in tests.
+/// Argument of `configure` in tests.
 class TestContext final : public sim::PluginContext {
  public:
   TestContext(sim::TopicBus& bus, ScriptedWorld& world, base::Vehicle vehicle, base::Duration step,

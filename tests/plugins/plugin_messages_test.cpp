@@ -100,7 +100,7 @@ TEST(PluginMessages, RefusesDeclarationsOfWhatIsNoneOrTheLoops) {
   }
 }
 
-/// What goes out is a packet that a stranger's parser takes, in one sequence with the others.
+/// Sent messages are packets that another parser accepts, in one sequence with the others.
 TEST(PluginMessages, GoOutAsPacketsOfTheSimulatorBeforeTheSensors) {
   RecordingPort port;
   HilInterfaceParams params;

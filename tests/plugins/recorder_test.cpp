@@ -117,7 +117,7 @@ TEST(RecorderPlugin, WritesEverySampleOfEverySensor) {
   ASSERT_EQ(imu.size(), 501U);
   EXPECT_EQ(imu[1].substr(0, 6), "0.002,");
   EXPECT_EQ(lines_of(folder / "sensors/gps.csv").size(), 6U);
-  EXPECT_EQ(lines_of(folder / "sensors/barometer.csv").size(), 1U);  // nobody published
+  EXPECT_EQ(lines_of(folder / "sensors/barometer.csv").size(), 1U);  // nothing was published
 }
 
 TEST(RecorderPlugin, WritesALogThatKeepsTheRulesOfUlog) {

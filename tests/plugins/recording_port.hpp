@@ -16,7 +16,7 @@ namespace cas::test {
 namespace mv = mavlink::common;
 using std::chrono::milliseconds;
 
-/// Keeps what is sent as decoded packets; hands over what the test puts in.
+/// Keeps sent packets decoded; delivers packets from the test.
 class RecordingPort final : public sim::HilPort {
  public:
   bool send(std::span<const std::uint8_t> packet) override {

@@ -185,7 +185,7 @@ TEST(AxialThrust, InducedVelocityIsTheBooks) {
   EXPECT_NEAR(AxialThrust::induced_velocity(-1), 1 + 1.125 - 1.372 + 1.718 - 0.655, kRounding);
   EXPECT_NEAR(AxialThrust::induced_velocity(-0.5),
               1 + 1.125 / 2 - 1.372 / 4 + 1.718 / 8 - 0.655 / 16, kRounding);
-  // Where the fit hands over to the windmill-brake state nothing jumps by more than it bends.
+  // The transition from the fit to the windmill-brake state has no jump.
   for (double climb = -2.2; climb < 0.2; climb += 1e-3) {
     EXPECT_NEAR(AxialThrust::induced_velocity(climb), AxialThrust::induced_velocity(climb + 1e-3),
                 0.02)
@@ -204,7 +204,7 @@ TEST(AxialThrust, IsWhatBladeAndMomentumAgreeOn) {
     const double s = (-kSlope + std::sqrt(kSlope * kSlope + 4 * right)) / 2;
     EXPECT_NEAR(thrust.share(climb), s * s - climb * climb / 4, kTable) << climb;
   }
-  // In descent: what it says fits the book's induced velocity for that thrust.
+  // In descent: the model fits the book's induced velocity for that thrust.
   for (const double climb : {-0.3, -0.8, -1.2, -2.0, -4.0}) {
     const double t = thrust.share(climb);
     const double root = std::sqrt(t);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a flight controller is sent from each shipped sensor set, standing still.
+// Messages to a flight controller from each shipped sensor set, at rest.
 #include <gtest/gtest.h>
 
 #include <algorithm>

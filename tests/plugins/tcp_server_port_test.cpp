@@ -85,7 +85,7 @@ TEST(TcpServerPort, DropsWholePacketsWhenTheClientDoesNotRead) {
   std::size_t taken = 0;
   packet.fill(0);
   while (port.send(packet)) packet.fill(static_cast<std::uint8_t>(++taken));
-  // What was taken arrives without a gap, also the packet that went in two parts.
+  // Accepted packets arrive without a gap, also the packet that went in two parts.
   for (std::size_t i = 0; i < taken; ++i) {
     const auto bytes = client.receive(packet.size() - (i + 1 == taken ? 279 : 0));
     ASSERT_EQ(bytes.front(), static_cast<std::uint8_t>(i));

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What casd and hilsim say of themselves against docs/protocol.md, and against what they take and answer."""
+"""Compares the descriptions of casd and hilsim with docs/protocol.md and with their calls and answers."""
 
 import contextlib
 import re
@@ -17,7 +17,7 @@ WRONG = {"string": 5, "number": "x", "integer": "x", "boolean": "x", "array": "x
 
 
 def described(document):
-    """{method: {param: entry}} of what has a group."""
+    """{method: {param: entry}} of all entries with a group."""
     return {method["name"]: {each["name"]: each for each in method["params"]}
             for method in document["methods"] if "." in method["name"] and not method["name"].startswith("rpc.")}
 

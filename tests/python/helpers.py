@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the tests of package cas share."""
+"""Helpers shared by the tests of package cas."""
 
 import json
 import os

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""hils as a child, with a stand-in that ends as it is told."""
+"""hils as a child, with a stand-in that ends as the test wants."""
 
 import json
 import math

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The package stands on the standard library, and its files name what is theirs."""
+"""The package needs only the standard library, and its files list their own names."""
 
 import ast
 import sys

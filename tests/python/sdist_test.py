@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The source package is whole: what is in it works outside of the tree."""
+"""The source package is whole: it works outside of the tree."""
 
 import importlib.util
 import os

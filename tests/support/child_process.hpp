@@ -23,7 +23,7 @@ class ChildProcess {
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  /// Waits for READY=1. @return its STATUS; nothing at the deadline or when the program has ended
+  /// Waits for READY=1. @return its STATUS; nullopt at the deadline or when the program has ended
   std::optional<std::string> wait_ready(base::Duration patience = kPatience);
   void signal(int number);
   /// Waits for the end. @return the exit code, 128 + signal, or nothing at the deadline

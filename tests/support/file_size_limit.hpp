@@ -8,8 +8,8 @@
 
 namespace cas::test {
 
-/// While it lives, no file of a process grows beyond a size: what a full disk looks like, for
-/// processes without rights. What was there before stays in force below it.
+/// While it lives, no file of a process grows beyond a size: simulates a full disk without
+/// privileges. The hard limit stays.
 class FileSizeLimit {
  public:
   /// @param process  0: this one, whose SIGXFSZ is ignored from now on

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Preloaded into a program under test: a disk that hangs. While the file $CAS_TEST_HANG exists,
-// opening a path that ends in $CAS_TEST_HANG_AT waits; $CAS_TEST_HANG.reached says that somebody
-// does.
+// opening a path that ends in $CAS_TEST_HANG_AT waits; $CAS_TEST_HANG.reached shows that a caller
+// waits.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <unistd.h>

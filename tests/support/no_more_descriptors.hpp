@@ -7,8 +7,8 @@
 
 namespace cas::test {
 
-/// While it lives, this process can open no further descriptor; those that are open stay. What
-/// closes one makes room for one again.
+/// During its lifetime this process can open no further descriptor; open ones stay, and closing one
+/// makes room for another.
 class NoMoreDescriptors {
  public:
   NoMoreDescriptors() {

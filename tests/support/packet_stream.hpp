@@ -11,7 +11,7 @@
 
 namespace cas::test {
 
-/// The packets found in what a peer received, kept whole.
+/// The packets in a peer's received bytes, kept whole.
 class PacketStream {
  public:
   struct Packet {

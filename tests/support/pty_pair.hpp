@@ -26,7 +26,7 @@ class PtyPair {
   int master() const { return master_; }
 
   void write(std::span<const std::uint8_t> bytes);
-  /// Reads what has come so far, at most `most` bytes. @return bytes read
+  /// Reads waiting input, at most `most` bytes. @return bytes read
   std::size_t read(PacketStream& into, std::size_t most = 65536);
   /// Pulls the plug: the program reads end of file, the symlink goes.
   void hang_up();

@@ -75,7 +75,7 @@ void Supervisor::restart() {
   {
     const std::lock_guard lock(mutex_);
     restart_wanted_ = true;
-    state_ = State::kStarting;  // whoever waits for READY now means the next process
+    state_ = State::kStarting;  // from now on READY means the next process
   }
   signal(SIGTERM);
 }
@@ -165,7 +165,7 @@ void Supervisor::start() {
   state_ = State::kStarting;
 }
 
-/// What the program tells: READY=1 with its STATUS, WATCHDOG=1.
+/// Reads the program's notifications: READY=1 with its STATUS, WATCHDOG=1.
 void Supervisor::listen() {
   std::array<char, 4096> text;
   for (;;) {

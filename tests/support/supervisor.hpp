@@ -22,20 +22,20 @@ namespace cas::test {
 
 /// Keeps one program running as systemd does with a unit of Type=notify: it waits for READY=1,
 /// starts the program again after a failure, RestartSec later, ends it when its watchdog is not
-/// fed, and gives up at the start limit. Its times are those of the unit file. What it does not
-/// have: sandbox, user and dependencies.
+/// fed, and gives up at the start limit. Its times are those of the unit file. It lacks sandbox,
+/// user and dependencies.
 class Supervisor {
  public:
   enum class State { kStarting, kRunning, kWaiting, kStopped, kFailed };
 
-  /// @param words  what to put in the place of words of the unit's commands, because the program is
-  ///               not installed: {"/usr/bin/casd", the program built here}
+  /// @param words  substitutes for words of the unit's commands, because the program is not
+  ///               installed: {"/usr/bin/casd", the program built here}
   Supervisor(const UnitFile& unit, std::map<std::string, std::string> words);
   ~Supervisor();
   Supervisor(const Supervisor&) = delete;
   Supervisor& operator=(const Supervisor&) = delete;
 
-  /// Waits for READY=1 of the present process. @return its STATUS; nothing at the deadline
+  /// Waits for READY=1 of the present process. @return its STATUS; nullopt at the deadline
   std::optional<std::string> wait_ready(base::Duration patience = kPatience);
   /// `systemctl restart`: SIGTERM, and once it has ended a new one at once.
   void restart();
@@ -79,7 +79,7 @@ class Supervisor {
   std::deque<base::RunTime> recent_starts_;
   std::atomic<bool> ending_{false};
 
-  mutable std::mutex mutex_;  ///< what follows
+  mutable std::mutex mutex_;  ///< guards the members below
   State state_ = State::kStopped;
   bool restart_wanted_ = false;
   pid_t pid_ = -1;

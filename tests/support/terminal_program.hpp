@@ -23,7 +23,7 @@ class TerminalProgram {
 
   void resize(std::size_t rows, std::size_t columns);
   void press(const std::string& keys);
-  /// The lines that are on the screen now, without what is blank at their ends.
+  /// The lines that are on the screen now, without trailing blanks.
   const std::vector<std::string>& screen();
   std::string text();
   /// Waits until the screen has this text, in a line or in words that go on in the next one.
@@ -44,7 +44,7 @@ class TerminalProgram {
   std::vector<std::string> cells_;   ///< as wide as the terminal
   std::vector<std::string> screen_;  ///< trimmed
   std::size_t row_ = 0, column_ = 0;
-  /// What the next byte is: text, the letter behind ESC, or a place behind ESC Y.
+  /// Kind of the next byte: text, the letter behind ESC, or a place behind ESC Y.
   enum class Expects { kText, kLetter, kRow, kColumn } expects_ = Expects::kText;
 };
 

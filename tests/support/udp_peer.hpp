@@ -23,7 +23,7 @@ class UdpPeer {
   /// Where packets go from now on.
   void set_remote(std::uint16_t port) { remote_ = port; }
   void send(std::span<const std::uint8_t> bytes);
-  /// Reads what has come so far. @return datagrams read
+  /// Reads all waiting datagrams. @return datagrams read
   std::size_t read(PacketStream& into);
 
  private:

@@ -49,7 +49,7 @@ UnitFile UnitFile::load(const std::filesystem::path& file) {
     if (line.empty() || line[0] == '#' || line[0] == '[' || equals == std::string::npos) continue;
     const std::string value = trimmed(line.substr(equals + 1));
     std::vector<std::string>& values = unit.settings[trimmed(line.substr(0, equals))];
-    if (value.empty()) values.clear();  // an empty value takes back what stood before
+    if (value.empty()) values.clear();  // an empty value clears earlier ones
     if (!value.empty()) values.push_back(value);
   }
   return unit;

@@ -18,7 +18,7 @@ struct UnitFile {
 
   /// The last value of a key; `fallback` when the file does not have it.
   std::string value(const std::string& key, const std::string& fallback = "") const;
-  /// All values of a key, for what adds up (ExecStartPre).
+  /// All values of a key, for keys that add up (ExecStartPre).
   std::vector<std::string> all(const std::string& key) const;
   /// A time span: "20ms", "1min 5s", a number of seconds. @throws std::runtime_error otherwise
   base::Duration span(const std::string& key, const std::string& fallback) const;

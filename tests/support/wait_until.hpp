@@ -9,7 +9,8 @@
 
 namespace cas::test {
 
-/// Longest that a test waits for what must happen: far beyond any busy machine, never reached.
+/// Longest wait of a test for an event that must happen: far beyond any busy machine, never
+/// reached.
 inline constexpr base::Duration kPatience = std::chrono::seconds(20);
 
 /// Looks every few milliseconds whether `condition` holds. @return false at the deadline

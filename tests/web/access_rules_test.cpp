@@ -26,7 +26,7 @@ TEST(AccessRules, LeaveOutThePortWhereBrowsersDo) {
 TEST(AccessRules, TakeAWebSocketFromOurOwnPageAlone) {
   const AccessRules rules(5791, {});
   EXPECT_TRUE(rules.allows_origin("http://localhost:5791", "localhost:5791"));
-  // What a browser sends for a foreign page, another port, a file, and what is no browser.
+  // Origins of a foreign page, another port, a file, and of a client that is no browser.
   for (const char* origin : {"http://evil.example", "http://localhost:8080",
                              "https://localhost:5791", "http://127.0.0.1:5791", "null", ""}) {
     EXPECT_FALSE(rules.allows_origin(origin, "localhost:5791")) << origin;

@@ -102,7 +102,7 @@ TEST(LinkReport, CountsASerialLineAsFullByItsBytes) {
   const json hops = report.make(fcu(11520), kMessages, json::array(), later).at("hops");
   EXPECT_EQ(hops[0]["full"], 0.25);  // 11520 bytes of 10 bits in half a second of 921600 bit/s
   EXPECT_EQ(hops[1]["full"], 0.5);
-  // A casd that has started anew counts from zero again.
+  // A restarted casd counts from zero again.
   EXPECT_FALSE(report.make(fcu(10), kMessages, json::array(), later + std::chrono::seconds(1))
                    .at("hops")[0]
                    .contains("full"));

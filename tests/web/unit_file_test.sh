@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# The unit file is one that systemd takes without complaint, and keeps casweb away from what it does not need.
+# The unit file is one that systemd takes without complaint, and denies casweb all that it does not need.
 # Usage: unit_file_test.sh UNIT CASWEB       exit 77: systemd-analyze is not there
 set -euo pipefail
 unit=$1

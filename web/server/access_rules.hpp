@@ -8,9 +8,9 @@
 
 namespace cas::web {
 
-/// Which requests of a browser are ours to answer. A page of another origin can make a browser send
-/// requests here: `Origin` tells it from ours. One whose name leads to this machine (DNS rebinding)
-/// is told by `Host`. Pure.
+/// Decides which browser requests are answered. A page of another origin can make a browser send
+/// requests here: `Origin` gives it away. A foreign name that resolves to this machine (DNS
+/// rebinding) shows in `Host`. Pure.
 class AccessRules {
  public:
   /// @param names  further names that the page is reached by, beside those of this machine

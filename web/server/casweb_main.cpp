@@ -97,7 +97,7 @@ std::string in_url(const std::string& host) {
   return host.find(':') == std::string::npos ? host : "[" + host + "]";
 }
 
-/// The socket that a flag names, else what `find` finds.
+/// The socket that a flag names, else the result of `find`.
 web::Upstream::Find finder(std::string_view flag, web::Upstream::Find find) {
   if (flag.empty()) return find;
   constexpr std::string_view kUnix = "unix:";
@@ -109,7 +109,7 @@ std::vector<std::filesystem::path> hilsim_sockets() {
   try {
     return {base::runtime_folder() / kHilsimSocket};
   } catch (const base::ConfigError&) {
-    return {};  // somebody else's folder stands where this user's should be
+    return {};  // another user's folder is at this user's path
   }
 }
 
@@ -122,7 +122,7 @@ std::filesystem::path token_file(const Flags& flags, const Address& address) {
   return base::rpc::make_runtime_folder() / kTokenFile;
 }
 
-/// The token is shown on a terminal alone: a journal keeps what it is told.
+/// The token is shown only on a terminal: a journal would keep it.
 void tell_address(const std::string& url, const std::string& token,
                   const std::filesystem::path& file, const std::string& address_file) {
   const std::string whole = url + "#k=" + token;

@@ -25,7 +25,7 @@ bool is_control(const std::string& name) {
   return name == "HIL_CONTROLS" || name == "HIL_ACTUATOR_CONTROLS";
 }
 
-/// What goes one way over one link, by message, Hz.
+/// Traffic in one direction of a link, by message, Hz.
 struct Way {
   std::vector<std::pair<std::string, double>> rates;
   bool sensors = false;

@@ -11,15 +11,15 @@
 namespace cas::web {
 
 /// The picture of the links, `snap.links`: a hop for each way of a link over which HIL packets go,
-/// with what lies at its ends ("sim", "casd", "fcu") and the vehicle that it belongs to, from what
-/// casd answers to link.list, message.list and link.latency. Reads no clock.
+/// with its ends ("sim", "casd", "fcu") and its vehicle, from casd's answers to link.list,
+/// message.list and link.latency. Reads no clock.
 class LinkReport {
  public:
   base::rpc::Json make(const base::rpc::Json& links, const base::rpc::Json& messages,
                        const base::rpc::Json& latency, base::RunTime now);
 
  private:
-  /// What lies at a link's other end, and whose it is; 0: not known.
+  /// Role and vehicle at a link's other end; 0: unknown.
   struct End {
     std::string role;
     int system = 0;

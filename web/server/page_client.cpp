@@ -44,8 +44,8 @@ struct Passed {
   Effect effect;
 };
 
-// What a page may ask of casd, hilsim and hils. `vehicle.command` and `sim.quit` are left out: no
-// button needs them.
+// Calls that a page may make to casd, hilsim and hils. `vehicle.command` and `sim.quit` are left
+// out: no button needs them.
 constexpr Passed kPassed[] = {
     {"casd.status", Program::kCasd, Effect::kNone},
     {"link.list", Program::kCasd, Effect::kNone},
@@ -96,7 +96,7 @@ Upstream* upstream_of(PageHub& hub, Program program) {
   return program == Program::kHilsim ? &hub.hilsim() : hub.hils();
 }
 
-/// The text of that key; nothing where there is none.
+/// The text of that key; nullopt where there is none.
 std::optional<std::string> text_of(const Json& params, const char* key) {
   if (!params.is_object()) return std::nullopt;
   const auto found = params.find(key);
@@ -152,7 +152,7 @@ void PageClient::answer(const Json& request, const char* key, Json value) {
 }
 
 /// First the nonces: casweb proves that it knows the token, then the page does. The token itself is
-/// told to nobody, and a proof is good for one connection.
+/// never sent, and a proof is valid for one connection.
 void PageClient::hello(const Json& request) {
   const auto refuse = [&](int code, const std::string& why) {
     answer(request, "error", {{"code", code}, {"message", why}});
@@ -280,7 +280,7 @@ bool PageClient::may_change() {
   return true;
 }
 
-/// The programs judge what is asked; only casd's interlock is not to be overruled from here.
+/// The programs check the calls; only casd's interlock must not be overridden from here.
 void PageClient::pass(const std::string& method, Upstream& to, const Json& params,
                       const Reply& reply) {
   if (calls > kMaxCalls) {
@@ -306,7 +306,7 @@ void PageClient::watch(const Json& params, const Reply& reply) {
     const double wanted_hz = std::clamp(hz.get<double>(), kLowest_hz, *most);
     const auto before = flows_.find(topic);
     SnapshotFlow flow = before == flows_.end() ? SnapshotFlow(wanted_hz) : before->second;
-    flow.set_rate(wanted_hz);  // a topic that goes on keeps what is in flight
+    flow.set_rate(wanted_hz);  // keeps a continued topic's snapshots in flight
     flows.emplace(topic, flow);
   }
   flows_ = std::move(flows);
@@ -353,7 +353,8 @@ void PageClient::unwatch_message(const Json& params, const Reply& reply) {
   reply.result(values_.erase(params.at("key").get<std::string>()) > 0);
 }
 
-/// Sticks are repeated: they count as no change, and who lets go of them is no pilot any longer.
+/// Sticks are repeated: they count as no change, and a page that stops sending them is no longer
+/// the pilot.
 void PageClient::move_sticks(const Json& params, const Reply& reply) {
   if (!hub_.is_pilot(number_, params.at("vehicle").get<int>(), base::steady_now())) {
     return reply.error(base::rpc::kRefused, "call pilot.take {\"vehicle\": ...} first", nullptr);

@@ -25,7 +25,7 @@ struct PageAccess {
   bool read_only = false;
 };
 
-/// One watched message: what was asked for, and the samples that have not been sent.
+/// One watched message: the request, and the samples that have not been sent.
 struct ValueWatch {
   std::string link;
   std::string message;
@@ -33,12 +33,12 @@ struct ValueWatch {
   int component = 0;
   std::vector<std::string> fields{};
   base::Duration period{};
-  base::RunTime next{};                ///< when it is to be asked for again
+  base::RunTime next{};                ///< time of the next request
   std::vector<std::string> samples{};  ///< as JSON, the oldest first
   std::uint64_t seen = 0;              ///< count of the packet sampled last
 };
 
-/// One page behind its socket: its calls, what it watches, and what it may do. No socket in it.
+/// One page behind its socket: its calls, watches and rights. No socket in it.
 class PageClient final : public base::rpc::Peer, public std::enable_shared_from_this<PageClient> {
  public:
   using Text = std::shared_ptr<const std::string>;
@@ -63,7 +63,7 @@ class PageClient final : public base::rpc::Peer, public std::enable_shared_from_
   /// Sends a frame that several pages get.
   void send(const Text& text) { socket_.send(text); }
 
-  /// Whether a snapshot of the topic that is there now is to be sent to this page.
+  /// Whether to send a present snapshot of the topic to this page.
   bool wants(const std::string& topic, base::RunTime now) const;
   /// Whether the page waits for one, now or soon.
   bool waits(const std::string& topic) const;

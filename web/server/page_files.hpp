@@ -14,13 +14,13 @@ struct PageFile {
   std::string body{};
   std::string gzip{};  ///< the same compressed, from FILE.gz; empty: there is none
   const char* type = "application/octet-stream";
-  bool immutable = false;  ///< its name has a hash of what is in it
+  bool immutable = false;  ///< its name has a hash of its content
 };
 
-/// The built page, read once: what is asked for later is found by its name, never by a path.
+/// The built page, read once: requests find a file by its name in memory, never by a path.
 class PageFiles {
  public:
-  /// @param folder  nothing: a page that says that none was built
+  /// @param folder  nullopt: a page that says that none was built
   /// @throws base::ConfigError when the folder has no index.html, or a file cannot be read
   explicit PageFiles(const std::optional<std::filesystem::path>& folder);
 

@@ -49,7 +49,7 @@ PageClient::Text frame(const std::string& method, Json params) {
       text_of({{"jsonrpc", "2.0"}, {"method", method}, {"params", std::move(params)}}));
 }
 
-/// Takes what a program answers; nothing where it refuses.
+/// Passes a program's answer on; nullptr if it refuses.
 Reply taker(std::function<void(const Json* answer)> take) {
   return {[take](const Json& answer) { take(&answer); },
           [take](int, const std::string&, const Json&) { take(nullptr); }};
@@ -239,8 +239,8 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
     const bool due = std::any_of(pages_now.begin(), pages_now.end(),
                                  [&](const auto& page) { return page->wants(name, now); });
     if (!due) return arm(name, topic);
-    // The topic goes on when nobody holds the question any more, also where an answer is not what
-    // it should be and ends it with an exception.
+    // The topic goes on when the last holder of the question releases it, also when a malformed
+    // answer ends it with an exception.
     const std::shared_ptr<void> goes_on(nullptr, [weak = weak_from_this(), name, &topic](void*) {
       const auto self = weak.lock();
       if (self && !self->closed) self->arm(name, topic);
@@ -418,7 +418,7 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
     const auto end_one = [weak = weak_from_this(), open, take] {
       if (--*open > 0) return;
       if (const auto self = weak.lock()) self->send_values();
-      take(nullptr);  // what is sent differs from page to page
+      take(nullptr);  // each page gets its own values
     };
     for (const MessageKey& key : due) {
       const auto& [link, message, system, component] = key;

@@ -16,7 +16,7 @@ namespace cas::web {
 
 class PageClient;
 
-/// What all pages share: the connections to casd, hilsim and the run of hils, samples of each
+/// State shared by all pages: the connections to casd, hilsim and the run of hils, samples of each
 /// topic, events.
 ///
 ///   page waits for a topic --> timer of its rate --> one question --> snapshot to all that wait
@@ -47,19 +47,19 @@ class PageHub {
   /// The run of hils that is shown; nullptr where none is.
   Upstream* hils();
 
-  /// A page that has said hello gets events and what it waits for, until it is gone.
+  /// A page that has said hello gets events and the topics it waits for, until it is gone.
   void add(const std::shared_ptr<PageClient>& client);
-  /// Highest rate of a topic, Hz; nothing for one that there is not.
+  /// Highest rate of a topic, Hz; nullopt for one that there is not.
   std::optional<double> rate_of(const std::string& topic) const;
   /// Some page waits for this topic.
   void on_wanted(const std::string& topic);
 
-  /// Answer to `hello`, but for what is the page's own.
+  /// Answer to `hello`, without the page's own part.
   base::rpc::Json greeting() const;
   /// Answer to `bench.status`.
   base::rpc::Json bench_status() const;
-  /// A mesh of hilsim's scene: its bytes, or nothing where there is none or it has over 64 MiB.
-  /// Who asks for one that is under way waits for it as well.
+  /// A mesh of hilsim's scene: its bytes, or nothing if there is none or it has over 64 MiB.
+  /// Requests for a pending mesh share its answer.
   void fetch_mesh(const std::string& hash, TakeMesh take);
   /// Whether a further page may be greeted.
   bool has_place() const;

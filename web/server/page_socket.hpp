@@ -20,9 +20,9 @@ using Stream =
 using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
 /// Answers an upgrade and serves the page over its WebSocket [RFC 6455] until either end closes:
-/// frames in, frames out, bounds and deadlines. A page that does not read is closed, and keeps
-/// nobody waiting.
-/// @param place  held until the page has told the token
+/// frames in, frames out, bounds and deadlines. A page that does not read is closed, and delays no
+/// other.
+/// @param place  held until the page has proved that it knows the token
 void serve_page(Stream stream, const Request& upgrade, PageHub& hub, const PageAccess& access,
                 std::shared_ptr<StrangerPlaces::Place> place);
 

@@ -17,11 +17,11 @@ class SnapshotFlow {
  public:
   explicit SnapshotFlow(double hz) { set_rate(hz); }
 
-  /// What is in flight stays so.
+  /// Keeps snapshots in flight.
   void set_rate(double hz) { period_ = base::from_seconds(1 / hz); }
 
-  /// Whether a snapshot that is there now is to be sent. A little early counts as on time, so that
-  /// the jitter of timers halves no rate.
+  /// Whether to send a present snapshot. A little early counts as on time, so that the jitter of
+  /// timers halves no rate.
   bool wants(base::RunTime now) const {
     constexpr base::Duration kJitter = std::chrono::milliseconds(5);
     return !in_flight_ && now + std::min(period_ / 4, kJitter) >= next_;

@@ -9,8 +9,8 @@
 
 namespace cas::web {
 
-/// Places of connections that have not told the token. When all are taken the oldest connection
-/// gives way to the new one, so that who only sits there locks nobody out.
+/// Places of connections that have not proved the token. When all are taken the oldest connection
+/// gives way to the new one, so that idle connections lock no one out.
 class StrangerPlaces {
  public:
   struct Place {

@@ -37,7 +37,7 @@ constexpr auto kPatience = std::chrono::seconds(10);  // for a request, and each
 constexpr std::string_view kMesh = "/mesh/";
 constexpr std::size_t kHashDigits = 64;
 
-/// The page may load its own files and speak to us; nothing else, and nobody may frame it.
+/// The page may load its own files and speak to us; nothing else, and no site may frame it.
 constexpr const char* kContentPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
     "font-src 'none'; connect-src 'self'; worker-src 'self'; base-uri 'none'; form-action 'none'; "

@@ -60,7 +60,7 @@ double drop_growth(const DoctorFacts& facts, const json& link, const std::string
   return drops(link) - drops(link_named(facts.before, link.value("name", "")));
 }
 
-/// Rate of messages of these names on a link in one direction. @param system  nothing: of all
+/// Rate of messages of these names on a link in one direction. @param system  nullopt: of all
 double rate_of(const DoctorFacts& facts, const std::string& link, const std::string& direction,
                const std::set<std::string>& names, std::optional<int> system = std::nullopt) {
   double hz = 0;
@@ -91,7 +91,7 @@ std::string remedy_for_down(const json& link) {
   return "plug the board in, and compare `device` in the topology with /dev/serial/by-id";
 }
 
-/// What casd did not send, but for setpoints that a newer one replaced, and links that were away.
+/// Packets that casd dropped, except setpoints replaced by newer ones and packets of closed links.
 void check_own_drops(const DoctorFacts& facts, const json& link, Findings& own) {
   for (const casd::CauseWords& words : casd::kCauses) {
     const std::string cause(words.cause);
@@ -178,7 +178,7 @@ void check_signing(const DoctorFacts& facts, Findings& all) {
   }
 }
 
-/// The file that was changed is not what runs.
+/// The changed file is not in force.
 void check_reload(const DoctorFacts& facts, Findings& all) {
   const json reload = facts.after.value("reload", json::object());
   if (reload.value("accepted", true)) return;
@@ -246,9 +246,9 @@ bool has_stream(const DoctorFacts& facts, const std::string& link) {
          rate_of(facts, link, "rx", {"HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"}) > 0;
 }
 
-/// Whether a vehicle that does not say HIL is stock firmware in software (SITL), which never does
-/// and exchanges sensors and controls with its simulator directly: the topology must consent to
-/// such vehicles, and nothing may speak for a board: what PX4 did not answer may.
+/// Whether a vehicle without the HIL flag is stock firmware in software (SITL), which never sets it
+/// and exchanges sensors and controls with its simulator directly. The topology must consent to
+/// such vehicles, and nothing may indicate a board; a question that PX4 did not answer may.
 bool is_in_software(const DoctorFacts& facts, const json& vehicle) {
   const std::string autopilot = vehicle.value("autopilot", "");
   if (autopilot == "PX4") {
@@ -265,7 +265,7 @@ bool is_in_software(const DoctorFacts& facts, const json& vehicle) {
          });
 }
 
-/// What helps a vehicle that does not say HIL.
+/// Remedy for a vehicle without the HIL flag.
 std::string remedy_for_no_hil(const DoctorFacts& facts, const json& vehicle) {
   const int system = vehicle.value("system", 0);
   if (const auto why = facts.unasked.find(system); why != facts.unasked.end()) {
@@ -378,7 +378,7 @@ void check_streams(const DoctorFacts& facts, Findings& all) {
   for (const json& vehicle : facts.after.value("vehicles", json::array())) {
     const std::string link = vehicle.value("link", "");
     const std::string who = "vehicle " + vehicle.at("system").dump();
-    // Of these the vehicle's own line says all.
+    // The vehicle's own line covers these.
     if (is_silent(vehicle) || is_in_software(facts, vehicle)) continue;
     const double sensor_hz = rate_of(facts, link, "tx", {"HIL_SENSOR"});
     const double control_hz = rate_of(facts, link, "rx", {"HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
@@ -404,7 +404,7 @@ void check_streams(const DoctorFacts& facts, Findings& all) {
   }
 }
 
-/// Who else commands: heartbeats of ground stations, and casd's own address from elsewhere.
+/// Other commanders: heartbeats of ground stations, and casd's own address from elsewhere.
 void check_ground_stations(const DoctorFacts& facts, Findings& all) {
   const json self = facts.after.value("self", json::object());
   std::set<std::pair<int, int>> stations;

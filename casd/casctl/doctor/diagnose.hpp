@@ -13,7 +13,7 @@ namespace cas::casctl {
 struct DeviceFacts {
   std::string path;
   bool exists = false;
-  bool usable = false;               ///< readable and writable by who runs the doctor
+  bool usable = false;               ///< readable and writable by the doctor's user
   std::string group;                 ///< that owns it
   std::optional<int> latency_timer;  ///< ms; of USB-serial adapters that have one
 };
@@ -40,7 +40,7 @@ enum class Health { kGood, kWarning, kBad };
 struct Finding {
   Health health = Health::kGood;
   std::string what;    ///< a sentence
-  std::string remedy;  ///< what to do; empty when all is well
+  std::string remedy;  ///< advice; empty when all is well
 };
 
 /// Judges a set-up. Pure.

@@ -101,7 +101,7 @@ Block horizon(const Attitude& attitude, std::size_t width, std::size_t rows, boo
     }
     ScreenLine line;
     if (y == rows / 2 && width > 9) {
-      // The mark stands in the middle, with what is seen at both sides of it.
+      // The mark is in the middle, with the view at both sides of it.
       const auto part = [&text](std::size_t from, std::size_t count) {
         std::string piece;
         std::size_t at = 0;

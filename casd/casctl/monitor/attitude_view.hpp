@@ -20,11 +20,11 @@ struct Place {
   double north_m = 0, east_m = 0;
 };
 
-/// Degrees of elevation that one line of horizon() stands for.
+/// Degrees of elevation for one line of horizon().
 double degrees_a_line(std::size_t rows);
 
-/// What a camera in the nose sees: sky above, ground below, the aircraft's mark in the middle. A
-/// roll to the right lifts the right side of the ground.
+/// View of a camera in the nose: sky above, ground below, the aircraft's mark in the middle. A roll
+/// to the right lifts the right side of the ground.
 Block horizon(const Attitude& attitude, std::size_t width, std::size_t rows, bool unicode);
 
 /// The headings around the present one, north 000, with a mark below it: two lines.

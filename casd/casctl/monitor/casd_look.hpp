@@ -14,15 +14,15 @@
 
 namespace cas::casctl {
 
-// What the monitor asks casd, each function over a connection of its own, so that it may run beside
-// the screen. None throws: the answer holds the error.
+// The monitor's queries of casd, each function over a connection of its own, so that it may run
+// beside the screen. None throws: the answer holds the error.
 
 /// Seconds of the steady clock.
 double now_s();
 
 /// One query of casd, and its answers.
 struct Look {
-  std::optional<int> vehicle;      ///< system id; nothing: the first one
+  std::optional<int> vehicle;      ///< system id; nullopt: the first one
   std::optional<MessageKey> open;  ///< whose values are wanted
   nlohmann::json status, messages, state, telemetry, value;
   std::optional<std::string> fault;  ///< why casd did not answer; nullopt: it did

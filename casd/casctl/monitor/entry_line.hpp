@@ -11,12 +11,12 @@
 namespace cas::casctl {
 
 /// The line that is typed at the bottom of the screen: a filter, a command, or the gains of a loop.
-/// Pure: keys and words come in, what is to be done goes out.
+/// Pure: keys and words come in, a Result goes out.
 class EntryLine {
  public:
   enum class Kind { kNone, kFilter, kCommand, kGain };
 
-  /// What a key led to.
+  /// Effect of a key.
   struct Result {
     bool ended = false;                    ///< the line is closed
     std::optional<std::string> filter{};   ///< to be shown from now on
@@ -38,10 +38,10 @@ class EntryLine {
   bool is_open() const { return kind_ != Kind::kNone; }
 
   /// "filter: HIL", "vehicle 2 : takeoff 3", "gains of roll (P I D): 6.5".
-  /// @param addressee  who gets a command, where casd hears several
+  /// @param addressee  target of a command, if casd hears several
   std::string text(const std::string& addressee) const;
-  /// What may stand here, as many words as `width` has room for.
-  /// @param asking  the parameters' names are under way
+  /// Words that may follow, as many as fit into `width`.
+  /// @param asking  the parameters' names are being fetched
   std::string hint(const PromptWords& words, bool asking, std::size_t width) const;
 
  private:

@@ -20,7 +20,7 @@ std::string short_number(double value) {
   return text;
 }
 
-/// A field of the open message with what has been seen of it.
+/// A field of the open message with its history.
 struct FieldRow {
   std::string name, value, units, range;
   const std::deque<Sample>* history = nullptr;

@@ -76,8 +76,8 @@ class MonitorScreen {
   }
 
  private:
-  /// The terminal is the user's again at once; what is under way is waited for, and the answer to a
-  /// command told.
+  /// Gives the terminal back at once, then waits for pending calls and prints the answer to a
+  /// command.
   void leave() {
     terminal_.reset();
     std::signal(SIGINT, SIG_DFL);
@@ -284,7 +284,7 @@ class MonitorScreen {
     return words_;
   }
 
-  /// Who gets the command, where casd hears several.
+  /// Target of the command, if casd hears several vehicles.
   std::string addressee() const {
     const std::size_t heard = model_.state().status.value("vehicles", json::array()).size();
     const auto vehicle = shown_vehicle();

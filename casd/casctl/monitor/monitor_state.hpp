@@ -40,11 +40,11 @@ struct VehicleWatch {
   double changed_at_s = 0;
 };
 
-/// What the screen is drawn from: the last answers of casd with the times when they came, and where
-/// the user is. Times are those of one steady clock, s.
+/// State from which the screen is drawn: casd's last answers with their times of arrival, and the
+/// user's place on the screen. Times are those of one steady clock, s.
 struct MonitorState {
   enum class Sort { kName, kRate, kAge, kCount };
-  /// What the keys move in; on a narrow screen the only thing that is shown.
+  /// The part that the keys act on; a narrow screen shows only this part.
   enum class Page { kMessages, kVehicle, kGains, kHelp };
 
   nlohmann::json status = nlohmann::json::object();     ///< casd.status
@@ -63,7 +63,7 @@ struct MonitorState {
   std::deque<Place> trail;
   std::map<int, VehicleWatch> watches;  ///< by system id
 
-  std::optional<int> chosen_vehicle;  ///< system id; nothing: the first one
+  std::optional<int> chosen_vehicle;  ///< system id; nullopt: the first one
   std::optional<MessageKey> selected;
   std::optional<MessageKey> open;
   std::size_t selected_gain = 0;

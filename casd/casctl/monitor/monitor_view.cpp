@@ -65,7 +65,7 @@ ScreenLine title(const MonitorState& state, std::size_t width, double now_s) {
   segments.push_back({"casd " + state.status.value("version", "?"), Style::kTitle, 7});
   segments.push_back({answers ? "up " + duration_text(uptime_s) : "", Style::kTitle, 8});
   segments.push_back({answers ? state.status.value("threads", "") : "", Style::kTitle, 9});
-  // What has room at all, then apart: the vehicle's words from those about casd.
+  // Keeps the segments that fit, then separates the vehicle's from casd's.
   const std::size_t room = width > 2 ? width - 2 : 0;
   std::vector<Segment> kept;
   const ScreenLine joined = join(segments, room);
@@ -86,7 +86,7 @@ ScreenLine title(const MonitorState& state, std::size_t width, double now_s) {
   return fit_line(first, width, Style::kTitle);
 }
 
-/// The lines at the bottom: what happened last, and the prompt or the keys.
+/// The lines at the bottom: the last event, and the prompt or the keys.
 Block bottom(const MonitorState& state, std::size_t width, double now_s) {
   Block block;
   if (state.prompt) {
@@ -184,7 +184,7 @@ Block two_panes(const MonitorState& state, double now_s, std::size_t width, std:
   const std::size_t second = width - 3 - first;
   Block right_pane;
   if (state.open && state.page != Page::kVehicle) {
-    // The message gets what it needs, and at most three fifths.
+    // The message gets the rows it needs, at most three fifths.
     const std::size_t fields = state.value.value("fields", json::array()).size();
     const std::size_t message = std::min(std::max<std::size_t>(fields + 14, 16), rows * 3 / 5);
     right_pane = fit_block(field_section(state, now_s, second, message), message, second);

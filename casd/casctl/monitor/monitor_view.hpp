@@ -9,7 +9,8 @@ namespace cas::casctl {
 /// Panes side by side: 1, from 160 columns 2, from 220 columns 3.
 std::size_t panes(std::size_t width);
 
-/// The whole screen: `rows` lines, each exactly `width` columns. 60 x 20 has room for what matters.
+/// The whole screen: `rows` lines, each exactly `width` columns. 60 x 20 has room for the
+/// essentials.
 ///
 ///   title: vehicle, casd                                               whole width
 ///   links      | open message | vehicle: attitude, position            3 panes; with 2 the right

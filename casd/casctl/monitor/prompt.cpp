@@ -115,7 +115,7 @@ std::vector<std::string> next_words(const std::vector<std::string>& standing) {
   return next;
 }
 
-/// What may stand as the first argument of a verb.
+/// Words for the first argument of a verb.
 std::vector<std::string> argument_words(const PromptVerb& verb, const PromptWords& words,
                                         bool& wants_parameters) {
   const auto found = words.by_verb.find(verb.words);
@@ -127,7 +127,7 @@ std::vector<std::string> argument_words(const PromptVerb& verb, const PromptWord
   return words.parameters;
 }
 
-/// What all of these words begin with.
+/// Common prefix of these words.
 std::string common_beginning(const std::vector<std::string>& words) {
   std::string common = words.front();
   for (const std::string& word : words) {

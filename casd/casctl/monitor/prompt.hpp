@@ -10,16 +10,16 @@
 
 namespace cas::casctl {
 
-/// A method call that a line of the prompt stands for: "takeoff 3", "setgain roll 6.5".
+/// The method call of a line of the prompt: "takeoff 3", "setgain roll 6.5".
 struct PromptCall {
   std::string method;
   nlohmann::json params = nlohmann::json::object();
   bool of_vehicle = true;  ///< else of casd itself
 };
-/// @return the call, or a sentence that says what is wrong
+/// @return the call, or an error sentence
 std::variant<PromptCall, std::string> parse_prompt(const std::string& line);
 
-/// What came of a call, in a few words: "roll: P 6.4 -> 6.5", "done".
+/// Result of a call, in a few words: "roll: P 6.4 -> 6.5", "done".
 std::string answer_text(const PromptCall& call, const nlohmann::json& result);
 
 /// The words that completion offers as a verb's first argument.
@@ -30,8 +30,8 @@ struct PromptWords {
 };
 
 struct Completion {
-  std::string line;                   ///< with what all offers have in common
-  std::vector<std::string> offers{};  ///< words that may stand where the line ends
+  std::string line;                   ///< with the common prefix of all offers
+  std::vector<std::string> offers{};  ///< words that may end the line
   std::string usage{};                ///< of the verb, once there is one: "takeoff ALT"
   bool wants_parameters = false;      ///< their names are not known yet
 };

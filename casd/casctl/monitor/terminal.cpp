@@ -108,7 +108,7 @@ int Terminal::read_key(int patience_ms) {
     case 8:
       return kBackspace;
     case KEY_RESIZE:
-      clearok(curscr, TRUE);  // terminals differ in what they leave of the old screen
+      clearok(curscr, TRUE);  // terminals keep different parts of the old screen
       return kResize;
     default:
       return key;

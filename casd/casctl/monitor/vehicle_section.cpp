@@ -110,7 +110,7 @@ std::string absence_text(const MonitorState& state, const Presence& vehicle) {
   return "";
 }
 
-/// What speaks against flying, at most `most` lines.
+/// Reasons not to fly, at most `most` lines.
 Block complaint_lines(const json& summary, std::size_t width, std::size_t most) {
   Block block;
   const json complaints = summary.value("complaints", json::array());

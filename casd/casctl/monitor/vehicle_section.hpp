@@ -6,7 +6,7 @@
 
 namespace cas::casctl {
 
-/// "in_air", as the vehicle of this summary said it lately; else how old what it said is.
+/// "in_air", the recent landed state of the summary's vehicle; of an old one its age.
 std::string landed_text(const MonitorState& state, const nlohmann::json& summary, double now_s);
 
 /// State, attitude, position, horizon, trail and texts of the vehicle.

@@ -34,8 +34,8 @@ class Argument {
   CLI::Option* option_;
 };
 
-/// A verb of the command line, or a group of verbs. The values it is given are references to what
-/// outlives the parsing.
+/// A verb of the command line, or a group of verbs. Its values are references to objects that
+/// outlive the parsing.
 class Verb {
  public:
   explicit Verb(CLI::App* app) : app_(app) {}
@@ -48,7 +48,7 @@ class Verb {
                       const std::string& help) const;
   Argument add_option(const std::string& name, std::vector<double>& value,
                       const std::string& help) const;
-  /// Looks at the values together. @param fault  returns what is wrong with them; empty: nothing
+  /// Checks the values together. @param fault  returns an error text; empty: they are valid
   void add_check(std::function<std::string()> fault) const;
 
  private:
@@ -70,7 +70,7 @@ class CommandLine {
   /// Adds a word that needs one of its verbs behind it.
   Verb add_group(const std::string& name, const std::string& help);
 
-  /// What reads the command line.
+  /// The parser of the command line.
   CLI::App& app() { return *app_; }
   Options& options() { return options_; }
   const Options& options() const { return options_; }

@@ -6,7 +6,7 @@
 
 namespace cas::casctl {
 
-/// "1.5 -> 1.2", or "1.2" where that is what it was, or where nothing is known of before (null).
+/// "1.5 -> 1.2", or "1.2" if unchanged, or if the old value is unknown (null).
 std::string change_text(const nlohmann::json& before, const nlohmann::json& now);
 
 /// An answer of gain.set or gain.get: "rollrate: P 0.15 -> 0.16, I 0.2, D 0.003".

@@ -9,7 +9,7 @@
 
 namespace cas::casctl {
 
-/// A counter of a link as casd.status tells it, of one by cause the sum; nothing: casd does not
+/// A counter of a link as casd.status tells it, of one by cause the sum; nullopt: casd does not
 /// tell it.
 std::optional<std::uint64_t> counter_of(const nlohmann::json& link,
                                         const casd::CounterWords& words);

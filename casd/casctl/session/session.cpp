@@ -97,8 +97,8 @@ bool Session::is_asked_for_token() {
   }
 }
 
-/// With the tokens that casd has on this machine. Whoever listens at a TCP port of this machine may
-/// be any program: the token is not sent, and nothing at all to one that does not prove itself.
+/// With the tokens that casd has on this machine. The listener at a TCP port of this machine may be
+/// any program: the token is not sent, and no proof to one that does not prove itself.
 void Session::authorise_with_own_token() {
   const std::vector<std::filesystem::path> files = base::rpc::local_command_tokens();
   std::vector<std::string> tokens;
@@ -154,7 +154,7 @@ json Session::vehicle_call(const std::string& method, json params) {
 
 namespace {
 
-/// What a person may do about a state that does not come.
+/// Advice on a state that does not come.
 std::string advice(const std::string& what, const json& state) {
   const double age_s = state.value("heartbeat_age_s", 0.0);
   if (age_s > state.value("silent_after_s", 3.0)) {

@@ -13,7 +13,7 @@
 
 namespace cas::casctl {
 
-/// What casctl ends with.
+/// Exit codes of casctl.
 enum ExitCode : int {
   kDone = 0,      ///< done, and acknowledged by the vehicle
   kRefused = 1,   ///< refused, by casd or by the vehicle
@@ -35,7 +35,7 @@ struct Options {
 /// Several casds run on this machine and --address names none: what() lists them.
 class SeveralDaemons : public std::runtime_error {
  public:
-  /// @param daemons  of each `address`, and where it tells them `name`, `topology`, `vehicles` and
+  /// @param daemons  of each `address`, and if it answers `name`, `topology`, `vehicles` and
   /// `uptime_s`
   SeveralDaemons(const std::string& what, nlohmann::json daemons)
       : std::runtime_error(what), daemons_(std::move(daemons)) {}

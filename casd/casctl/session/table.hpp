@@ -25,7 +25,7 @@ class Table {
 std::string fixed(double value, int decimals);
 /// A duration in words of one unit: "0.4 s", "12 min", "3.1 h", "9.5 days", "10.0 years".
 std::string duration_text(double seconds);
-/// Who signs, from `future` of link.list: "1/200 (signing link 3)".
+/// The signer, from `future` of link.list: "1/200 (signing link 3)".
 std::string stream_text(const nlohmann::json& future);
 
 }  // namespace cas::casctl

@@ -12,7 +12,7 @@ namespace cas::casctl {
 struct WordArguments {
   std::string verb;                ///< as it was added to the command line
   std::string name;                ///< in the help: "TOPIC"
-  std::string help;                ///< what they are
+  std::string help;                ///< their meaning
   std::vector<std::string> known;  ///< the words that may be given
 };
 

@@ -26,8 +26,8 @@ std::string sentence(const json& result, const std::string& what) {
   return "vehicle " + result.at("vehicle").dump() + " " + what;
 }
 
-/// What a vehicle has said, of which only what came after its acknowledgement counts: an older
-/// packet tells of the vehicle before the command.
+/// A vehicle's state, of which only packets after the command's acknowledgement count: an older one
+/// shows the vehicle before the command.
 class SaidSince {
  public:
   /// @param acknowledged_s  `at_s` of the acknowledgement
@@ -59,7 +59,7 @@ class SaidSince {
   }
 
  private:
-  /// What came with the acknowledgement may have been sent before it.
+  /// A packet that arrived with the acknowledgement may have been sent before it.
   bool is_new(const json& holder, const char* age_key) const {
     constexpr double kRounding_s = 1e-6;
     return holder.value(age_key, 1e9) < youngest_s_ - kRounding_s;
@@ -229,7 +229,7 @@ void add_mode(CommandLine& line) {
       .required();
 }
 
-/// Sends the sticks again and again, then lets go of them.
+/// Repeats the sticks, then releases them.
 int hold_sticks(Session& session, const json& sticks, double duration_s) {
   using Clock = std::chrono::steady_clock;
   constexpr auto kPeriod = std::chrono::milliseconds(50);  // 20 Hz, as ground stations do

@@ -15,7 +15,7 @@ namespace {
 using base::ConfigNode;
 using nlohmann::json;
 
-/// The value as T; nothing: it is no T.
+/// The value as T; nullopt: it is no T.
 template <class T>
 std::optional<json> value_as(const ConfigNode& node) {
   try {

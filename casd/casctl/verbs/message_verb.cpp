@@ -80,7 +80,7 @@ void require_message(Session& session, const json& asked, const json& messages) 
   }
 }
 
-/// Who sent the message last. With --wait it waits for the first one.
+/// The last sender of the message. With --wait it waits for the first one.
 json find_sender(Session& session, const MessageWish& wish) {
   const json asked = asked_message(wish);
   const std::string what = wanted_text(session, wish);

@@ -34,7 +34,7 @@ std::string json_line(const TelemetrySample& sample, const std::vector<Telemetry
 std::string csv_header(const std::vector<TelemetryTopic>& topics);
 /// The values of the header's columns; one that is not known is empty.
 std::string csv_line(const TelemetrySample& sample, const std::vector<TelemetryTopic>& topics);
-/// For people, a line for each topic. What is older than a second or two is marked with its age.
+/// For people, a line for each topic. Values older than a second or two are marked with their age.
 std::string text_lines(const TelemetrySample& sample, const std::vector<TelemetryTopic>& topics);
 
 }  // namespace cas::casctl

@@ -29,7 +29,7 @@ double unix_time_s() {
   return std::round(std::chrono::duration<double>(now).count() * 1000) / 1000;
 }
 
-/// A sample at each moment of a grid: what comes late leaves moments out, and the rate stays.
+/// A sample at each moment of a grid: late samples skip moments, and the rate stays.
 class SampleGrid {
  public:
   explicit SampleGrid(double rate_hz) : period_s_(1 / rate_hz) {}

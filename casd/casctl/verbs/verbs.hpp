@@ -15,7 +15,7 @@ void add_param_verbs(CommandLine& line);
 void add_watch_verb(CommandLine& line);
 /// message: the newest of a kind.
 void add_message_verb(CommandLine& line);
-/// words: what the completion scripts ask.
+/// words: called by the completion scripts.
 void add_words_verb(CommandLine& line);
 /// link add, link remove.
 void add_link_verbs(CommandLine& line);

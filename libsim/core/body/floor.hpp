@@ -11,7 +11,7 @@
 
 namespace cas::sim {
 
-/// The lowest thing of a world: who is below it falls for ever.
+/// The lowest surface of a world: a body below it falls for ever.
 class CAS_SIM_EXPORT Floor {
  public:
   Floor() = default;

@@ -23,8 +23,8 @@ class CAS_SIM_EXPORT ObstaclePath {
  public:
   /// @param waypoints  at least one, times rising
   /// @param loop  begins again at the first one's time when the last one's has passed; else it
-  /// stays where it ends
-  /// @param delay_s  it stands at the first place until then
+  /// stays at the last one
+  /// @param delay_s  time at the first place before it moves
   ObstaclePath(std::vector<Waypoint> waypoints, bool loop, double delay_s);
 
   /// Pose, velocity and rates at a time of the simulation; no accelerations.

@@ -7,11 +7,11 @@
 
 namespace cas::sim {
 
-/// Tells when a body in contact has come to rest, and when what acts on it has changed enough to
-/// ask the contact solver again. In between it is held still: it cannot creep and costs nothing.
+/// Detects when a body in contact has come to rest, and when its loads have changed enough to call
+/// the contact solver again. In between it is held still: it cannot creep and costs nothing.
 class RestDetector {
  public:
-  /// @param weight_n, radius_m  of the body: scales of what counts as a change
+  /// @param weight_n, radius_m  of the body: scales of a significant change
   RestDetector(double weight_n, double radius_m)
       : force_change_(kChange * weight_n), torque_change_(kChange * weight_n * radius_m) {}
 
@@ -33,7 +33,7 @@ class RestDetector {
            (wrench.torque_B - reference_.torque_B).squaredNorm() <= torque_change_ * torque_change_;
   }
   void wake() { quiet_s_ = 0; }
-  /// At rest but for one step: what it touches still moves.
+  /// One step short of rest, because a touching body still moves.
   void almost() { quiet_s_ = std::min(quiet_s_, 0.99 * kQuiet); }
 
  private:

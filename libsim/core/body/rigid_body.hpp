@@ -45,7 +45,7 @@ class CAS_SIM_EXPORT ForceSet {
   /// Adds every model's wrench for the states `x` and writes their derivatives.
   void evaluate(const BodyState& body, const Environment& environment, const States& x,
                 States& x_dot, Wrench& wrench) const;
-  /// Holds the states within what their models allow; after each integration step.
+  /// Clamps the states to the limits of their models; after each integration step.
   void limit();
 
   std::size_t state_count() const { return state_count_; }
@@ -77,8 +77,8 @@ class CAS_SIM_EXPORT ForceSet {
 CAS_SIM_EXPORT void integrate_free(BodyState& body, ForceSet& forces, const MassProperties& mass,
                                    const Environment& environment, const Wrench& held, double dt);
 
-/// Integrates the force models' states alone, the body held still, and returns their mean wrench
-/// over `dt` (s) plus `held`: what a contact solver applies.
+/// Integrates only the states of the force models while the body is held still. Returns their mean
+/// wrench over `dt` (s) plus `held`, for the contact solver to apply.
 CAS_SIM_EXPORT Wrench integrate_forces(const BodyState& body, ForceSet& forces,
                                        const Environment& environment, const Wrench& held,
                                        double dt);

@@ -40,10 +40,10 @@ struct Plane {};
 struct Mesh {
   std::shared_ptr<const TriangleMesh> triangles;
 };
-/// What a shape may be.
+/// Geometry of a shape.
 using Geometry = std::variant<Box, Sphere, Cylinder, Plane, Mesh>;
 
-/// How a shape feels to what touches it; a contact takes the smaller friction of the two.
+/// Contact properties of a shape; a contact takes the smaller friction of the two.
 struct Surface {
   /// Coulomb coefficient; 1 is the default of the SDF specification.
   double friction = 1.0;

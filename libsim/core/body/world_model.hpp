@@ -14,7 +14,7 @@
 
 namespace cas::sim {
 
-/// A world without its vehicles: what stands in it and what acts in it.
+/// A world without its vehicles: its objects and its environment.
 struct WorldModel {
   std::string name;
   Eigen::Vector3d gravity_W = Eigen::Vector3d::Zero();
@@ -24,7 +24,7 @@ struct WorldModel {
   std::optional<base::Geodetic> home;
   std::optional<base::Duration> step;
   std::optional<double> real_time_factor;
-  std::optional<Eigen::Vector3d> magnetic_field_W;  ///< gauss; nothing: the Earth's
+  std::optional<Eigen::Vector3d> magnetic_field_W;  ///< gauss; nullopt: the Earth's
   base::Atmosphere atmosphere;
   std::vector<std::string> warnings;  ///< one sentence for each thing that is not supported
 };

@@ -93,7 +93,7 @@ class Collada {
     for (const XmlElement& child : element.children) index(child);
   }
 
-  /// What "#id" in an attribute names.
+  /// The element that "#id" in an attribute names.
   const XmlElement& target(const XmlElement& element, std::string_view key) const {
     std::string_view url = element.attribute(key);
     if (!url.empty() && url.front() == '#') url.remove_prefix(1);

@@ -60,7 +60,7 @@ void require_shapes(const std::filesystem::path& file, const VehicleModel& model
   fail(file, "has no <collision> geometry: the vehicle would fall through the ground");
 }
 
-/// Collects what urdfdom would print while it lives.
+/// Collects urdfdom's messages during its lifetime.
 class UrdfMessages final : public console_bridge::OutputHandler {
  public:
   UrdfMessages() { console_bridge::useOutputHandler(this); }
@@ -209,7 +209,7 @@ class Assembler {
     take_as_box(load_mesh(*found, {mesh.scale.x, mesh.scale.y, mesh.scale.z}), shape);
   }
 
-  /// What cannot be drawn is left out: the flight does not need it.
+  /// A visual that cannot be drawn is left out: the flight does not need it.
   void add_visual(const urdf::Link& link, const urdf::Visual& visual,
                   const Eigen::Isometry3d& X_RL) {
     const bool turns = link.parent_joint && link.parent_joint->type == urdf::Joint::CONTINUOUS;
@@ -317,7 +317,7 @@ class SdfShapes {
     return std::nullopt;
   }
 
-  /// What cannot be drawn is left out: the flight does not need it.
+  /// A visual that cannot be drawn is left out: the flight does not need it.
   void take_visual(const base::XmlElement& visual, const base::SdfLink& link) try {
     const base::XmlElement* const geometry = visual.child("geometry");
     if (geometry == nullptr || geometry->children.empty()) return;
@@ -353,7 +353,7 @@ VehicleModel load_vehicle_model(const std::filesystem::path& file) {
   const std::optional<std::string> content = base::read_file(file);
   if (!content) fail(file, "vehicle model cannot be read");
   const std::string& text = *content;
-  // A template may parse, without what its macros stand for.
+  // A template may parse, without the expansion of its macros.
   if (const auto sentence = base::template_language(text))
     fail(file, "is not a URDF: " + *sentence);
   if (base::SdfModel::is_sdf(text)) {

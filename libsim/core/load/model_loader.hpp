@@ -26,7 +26,7 @@ struct MeshFile {
   Eigen::Vector3d scale = Eigen::Vector3d::Ones();
 };
 
-/// What a picture of the vehicle shows: a <visual>.
+/// A <visual> of the vehicle, for pictures.
 struct Visual {
   std::string name;  ///< of its link
   std::variant<Geometry, MeshFile> form;
@@ -42,7 +42,7 @@ struct VehicleModel {
   std::vector<Shape> shapes;    ///< poses in B; meshes as their bounding boxes
   std::vector<Visual> visuals;  ///< poses in B; without those of rotors, which turn
   std::vector<ModelRotor> rotors;
-  std::vector<std::string> warnings;  ///< one sentence each: what was mended or left out
+  std::vector<std::string> warnings;  ///< one sentence for each repair or omission
 };
 
 /// Reads an SDF file (base::SdfModel) or a URDF file, also one that SolidWorks exported (several

@@ -213,7 +213,7 @@ class Walk {
 }  // namespace
 
 std::string place_of(const sdf::Element& element) {
-  const auto line = element.LineNumber();  // 0: of what an older version of SDF has elsewhere
+  const auto line = element.LineNumber();  // 0: element moved by conversion from an older SDF
   return element.FilePath() + (line.value_or(0) > 0 ? ":" + std::to_string(*line) : "");
 }
 

@@ -8,10 +8,9 @@
 
 namespace cas::sim {
 
-/// What a <world> element says and this simulator does not do: one sentence each, "FILE:LINE: who:
-/// what". Of many of one kind the first three are named and the others counted. What changes
-/// nothing is no omission: a value equal to the one that is simulated, pictures, lights, the
-/// window.
+/// Parts of a <world> element that this simulator does not support: one sentence each, "FILE:LINE:
+/// who: what". Of one kind the first three are named and the others counted. Parts without effect
+/// are no omissions: a value equal to the simulated one, visuals, lights, the window.
 std::vector<std::string> sdf_omissions(const sdf::ElementPtr& world);
 
 /// "FILE:LINE" of an element.

@@ -43,7 +43,7 @@ Eigen::Isometry3d to_eigen(const ignition::math::Pose3d& pose) {
   return X;
 }
 
-/// Pose of a part in its parent; an unresolvable one stands in the file as it is.
+/// Pose of a part in its parent; if unresolvable, the pose in the file.
 template <class Part>
 Eigen::Isometry3d pose_of(const Part& part) {
   ignition::math::Pose3d pose = part.RawPose();
@@ -54,12 +54,12 @@ Eigen::Isometry3d pose_of(const Part& part) {
 /// A model or mesh that is nowhere to be found.
 struct MissingFile {
   std::string what;   ///< "model model://oak_tree"
-  std::string place;  ///< FILE:LINE of who names it
+  std::string place;  ///< FILE:LINE of the reference
   std::string uri;
 };
 
-/// Most triangles of all meshes of a world, each counted once however often it stands there. They
-/// take up to a gigabyte.
+/// Most triangles of all meshes of a world, each counted once however often it occurs. They take up
+/// to a gigabyte.
 constexpr std::size_t kMostTriangles = 5'000'000;
 
 using Numbers = std::array<double, 3>;
@@ -80,7 +80,7 @@ std::string place_of_error(const sdf::Error& error, const fs::path& file) {
          (error.LineNumber() ? ":" + std::to_string(*error.LineNumber()) : "");
 }
 
-/// A child that stands in the file, not one that libsdformat makes up.
+/// A child that the file has, not a default that libsdformat adds.
 sdf::ElementPtr set_child(const sdf::ElementPtr& element, const std::string& name) {
   if (!element || !element->HasElement(name)) return nullptr;
   sdf::ElementPtr found = element->GetElement(name);
@@ -99,14 +99,13 @@ std::string uri_in(const std::string& message) {
   return message.substr(begin + 4, end - begin - 4);
 }
 
-/// Turns the DOM into a WorldModel; names what it leaves out.
+/// Turns the DOM into a WorldModel; names omitted parts.
 class Translator {
  public:
   Translator(const fs::path& file, const std::vector<fs::path>& model_path)
       : file_(file), model_path_(model_path) {}
 
-  /// Of what libsdformat complains of (joints that no longer resolve, by the dozen) three are
-  /// named.
+  /// Names three of libsdformat's errors: joints that do not resolve come by the dozen.
   void take_errors(const sdf::Errors& errors) {
     constexpr std::size_t kNamed = 3;
     std::set<std::string> others;
@@ -433,7 +432,7 @@ constexpr const char* kMendIt =
     "; mend that place: a world is <sdf version='1.9'><world name='w'> ... </world></sdf>, as in "
     "config/worlds/village.sdf";
 
-/// The file as a tree. @throws base::ConfigError with its line where it is broken, and what to do
+/// The file as a tree. @throws base::ConfigError with the line of the error and the remedy
 XmlElement parse_or_explain(const std::string& text, const fs::path& file) {
   try {
     return parse_xml(text, file.string());
@@ -468,7 +467,7 @@ XmlElement parse_or_explain(const std::string& text, const fs::path& file) {
   throw no_world(joined(errors) + kMendIt);
 }
 
-/// Says of each missing file who names it, and of all where they were looked for.
+/// Names the reference to each missing file, and the folders searched.
 std::string sentence_of(const std::vector<MissingFile>& missing, const fs::path& file,
                         const std::vector<fs::path>& model_path) {
   std::string text = missing.front().place + ": ";
@@ -511,7 +510,7 @@ void cas_load_sdf_world(const fs::path& file, const std::vector<fs::path>& given
   model_path.push_back(file.parent_path() / "models");
   for (const fs::path& dir : base::config_dirs()) model_path.push_back(dir / "worlds/models");
   if (!fs::exists(file, error)) throw base::ConfigError(file.string() + ": world cannot be read");
-  sdf::Console::Instance()->SetQuiet(true);  // what it would print comes back as errors
+  sdf::Console::Instance()->SetQuiet(true);  // it returns the same messages as errors
   sdf::ParserConfig parser;
   parser.SetFindCallback([&](const std::string& uri) {
     const auto found = find_model_file(uri, file.parent_path(), model_path);

@@ -10,7 +10,7 @@
 
 namespace cas::sim {
 
-/// What libcas_sim_sdf.so is opened for: fills `model` from the first world of an SDF file, as
+/// Entry point of libcas_sim_sdf.so: fills `model` from the first world of an SDF file, as
 /// load_sdf_world() of world_loader.hpp says. libsdformat has a library of its own because it
 /// compiles eighty regular expressions whenever a program starts, and most flights read no SDF
 /// file.

@@ -161,7 +161,7 @@ void check_blocks(const ConfigNode& sensors, const std::vector<PluginConfig>& pl
   }
 }
 
-/// A plugin's own keys, behind them what the sensor set says of it.
+/// A plugin's own keys, merged over its preset in the sensor set.
 PluginConfig parse_plugin(const ConfigNode& node, const ConfigNode& sensors) {
   PluginConfig plugin;
   plugin.plugin = node.require<std::string>("plugin");

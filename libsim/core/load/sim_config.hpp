@@ -16,14 +16,14 @@
 
 namespace cas::sim {
 
-/// What the simulation waits for before a step.
+/// Condition for which the simulation waits before a step.
 enum class PaceMode {
   kRealtime,  ///< the wall clock
   kLockstep,  ///< the controls that are due
   kFreeRun,   ///< nothing
 };
 
-/// Who integrates free flight.
+/// Integrator of free flight.
 enum class Integrator {
   kRk4,  ///< ours, fourth order; ODE only while in contact
   kOde,  ///< ODE's first-order stepper throughout, for comparison
@@ -32,7 +32,7 @@ enum class Integrator {
 struct PaceConfig {
   PaceMode mode = PaceMode::kRealtime;
   bool speed_given = false;  ///< else an SDF world's real-time factor holds
-  /// Simulated seconds per second of wall clock. lockstep goes by it only when it is given.
+  /// Simulated seconds per second of wall clock. lockstep uses it only when it is given.
   double speed = 1.0;
   double catch_up_rate = 1.25;  ///< fastest pace, as a multiple of `speed`, after a late step
   base::Duration max_lag = std::chrono::milliseconds(250);  ///< lag beyond this is given up
@@ -44,7 +44,7 @@ struct PaceConfig {
   std::optional<int> cpu_dma_latency_us{};  ///< base::CpuLatencyRequest
 };
 
-/// What becomes of a world that names a model or mesh which is nowhere to be found.
+/// Handling of a world that names a missing model or mesh.
 enum class Missing {
   kError,   ///< it is refused
   kIgnore,  ///< it is flown in without them, with a warning for each
@@ -58,7 +58,7 @@ struct WorldConfig {
   bool ground = true;  ///< a horizontal plane at z = 0
 };
 
-/// Where a vehicle starts, in W: its lowest point stands z_m above z = 0.
+/// Where a vehicle starts, in W: its lowest point is z_m above z = 0.
 struct StartPose {
   double x_m = 0;
   double y_m = 0;
@@ -79,7 +79,7 @@ struct VehicleConfig {
   std::vector<PluginConfig> plugins;
 };
 
-/// Everything that makes one run what it is, read from a hilsim configuration file.
+/// Complete configuration of one run, read from a hilsim configuration file.
 struct CAS_SIM_EXPORT SimConfig {
   static constexpr int kSchema = 1;
 
@@ -97,7 +97,7 @@ struct CAS_SIM_EXPORT SimConfig {
   static SimConfig parse(const base::ConfigNode& root);
 };
 
-/// What is not part of the world: set by flags.
+/// Options outside the world's configuration, set by flags.
 struct SimOptions {
   std::filesystem::path output_dir = ".";
   std::vector<std::filesystem::path>

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 /// The SDF reader beside this library, opened when the first SDF file is read.
 decltype(&cas_load_sdf_world) open_sdf_reader() {
   Dl_info self{};
-  // A name without a folder is what a program linked statically has; dlopen then searches.
+  // In a statically linked program the name has no folder; dlopen then searches its path.
   const auto* const inside = reinterpret_cast<const void*>(&open_sdf_reader);
   const fs::path folder =
       dladdr(inside, &self) != 0 ? fs::path(self.dli_fname).parent_path() : fs::path();

@@ -11,13 +11,12 @@ namespace cas::sim {
 /// @throws base::ConfigError
 CAS_SIM_EXPORT WorldModel load_world(const WorldConfig& config);
 
-/// Reads the first world of an SDF file through libsdformat: models with their poses and their
-/// box, sphere, cylinder, plane, mesh (STL, OBJ) and heightmap (PNG) collisions with friction,
-/// stiffness and damping, nested models,
-/// <include> by path and model://, gravity, wind, spherical coordinates, physics step and real-time
-/// factor. Models stand still; what the file says and is not done is named in `warnings`, with
-/// file and line. A collision that touches nothing (<collide_without_contact>, a <collide_bitmask>
-/// without a bit of a vehicle's) is no obstacle here.
+/// Reads the first world of an SDF file through libsdformat: models with their poses and their box,
+/// sphere, cylinder, plane, mesh (STL, OBJ) and heightmap (PNG) collisions with friction, stiffness
+/// and damping, nested models, <include> by path and model://, gravity, wind, spherical
+/// coordinates, physics step and real-time factor. Models do not move; `warnings` names unsupported
+/// parts of the file, with file and line. A collision without contacts (<collide_without_contact>,
+/// a <collide_bitmask> without a bit of a vehicle's) is no obstacle here.
 /// @throws base::ConfigError when there is no readable world, or a model or mesh is not found and
 /// `missing` does not allow that
 CAS_SIM_EXPORT WorldModel load_sdf_world(const std::filesystem::path& file,

@@ -57,8 +57,8 @@ inline constexpr double kSdfStiffness = 1e12;  // N/m, default of <kp>
 inline constexpr double kSdfDamping = 1.0;     // N s/m, default of <kd>
 
 /// Spring of one contact between surfaces of which at least one names its own: stiffnesses in
-/// series, dampings added, as Gazebo combines `kp` and `kd`. What neither names is the default of
-/// the SDF specification (1e12 N/m, 1 N s/m).
+/// series, dampings added, as Gazebo combines `kp` and `kd`. A value that neither names is the
+/// default of the SDF specification (1e12 N/m, 1 N s/m).
 inline ContactSpring own_spring(const Surface& a, const Surface& b) {
   const auto softness = [](const Surface& s) {
     return 1.0 / s.stiffness_n_m.value_or(kSdfStiffness);
@@ -70,11 +70,11 @@ inline ContactSpring own_spring(const Surface& a, const Surface& b) {
 
 /// Share of Coulomb's limit that a contact has across the direction in which it would slip.
 ///
-/// ODE limits friction by a box whose first side is laid along that direction. What clearly slips
-/// must find nothing across it, or it would never turn to where it is pulled; what sticks needs a
-/// hold on every side.
+/// ODE limits friction by a box whose first side is laid along that direction. A clearly slipping
+/// contact must have none across it, or it would never turn towards the pull; a sticking one needs
+/// a hold on every side.
 /// @param slip_m_s  at the end of the step without friction
-/// @param stop_m_s  what friction can take from it within the step
+/// @param stop_m_s  speed that friction can remove within the step
 inline double hold_across(double slip_m_s, double stop_m_s) {
   if (!(stop_m_s > 0)) return 0.0;
   return std::clamp(2.0 - slip_m_s / stop_m_s, 0.0, 1.0);

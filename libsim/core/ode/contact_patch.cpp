@@ -120,7 +120,7 @@ void drop_inner_edges(std::vector<ContactPoint>& points) {
       return std::abs(edge.face_W.dot(other.n_W)) > kSameFace && lies_on_face(other);
     });
   };
-  // Edges go to the end first, so that what they are compared with stays while they are looked at.
+  // Edges go to the end first, so that the points on faces stay in place during the comparison.
   const auto edges = std::partition(points.begin(), points.end(), lies_on_face);
   const auto last = std::remove_if(edges, points.end(), continues_a_face);
   points.erase(last, points.end());

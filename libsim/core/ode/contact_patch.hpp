@@ -13,7 +13,7 @@ namespace cas::sim {
 /// A point where two shapes overlap, as a collision finds it.
 struct ContactPoint {
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();   ///< m
-  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  ///< unit, out of what is touched
+  Eigen::Vector3d n_W = Eigen::Vector3d::UnitZ();  ///< unit, out of the touched shape
   double depth_m = 0;                              ///< of the overlap, along n_W
   std::size_t kind = 0;  ///< points of different kinds (surfaces, say) are never one patch
   /// Unit normal of the triangle that is touched, of either sign; zero where there is none.
@@ -39,12 +39,12 @@ CAS_SIM_EXPORT void drop_inner_edges(std::vector<ContactPoint>& points);
 
 /// Chooses those contacts that carry a body: the outermost of each patch.
 ///
-/// Points of one kind whose normals differ by less than 15 degrees are one patch. Of a patch are
-/// kept, in its plane, the point farthest from its middle, the one farthest from that, and on each
-/// side of the line between them the one farthest from it: what the body stands on. The deepest is
-/// kept too where it lies deeper than all of these by more than 0.1 mm. A flat surface of any
-/// number of triangles is so touched in the same points as a plane. A pure function of the points;
-/// which of two equal points it takes is decided by their order.
+/// Points of one kind whose normals differ by less than 15 degrees are one patch. Each patch keeps,
+/// in its plane, the point farthest from its middle, the one farthest from that, and on each side
+/// of the line between them the one farthest from it: the support of the body. It also keeps the
+/// deepest point if that lies more than 0.1 mm deeper than all of these. So a flat surface of any
+/// number of triangles has the same contacts as a plane. A pure function of the points; their order
+/// decides between equal points.
 ///
 /// @param kept  overwritten; at most kMostContacts
 CAS_SIM_EXPORT void keep_outermost(std::span<const ContactPoint> points,

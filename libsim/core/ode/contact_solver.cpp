@@ -31,7 +31,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostFound = 512;  // contacts of one pair of shapes that are looked at
 constexpr double kDeepestPush = 5.0;     // m/s: speed at which overlapping bodies are parted
 constexpr double kNoSlip = 1e-9;         // m/s: below, slip has no direction
-constexpr double kStill = 2e-5;          // m: a body that moved less touches what it touched
+constexpr double kStill = 2e-5;          // m: below, a body keeps its contacts
 constexpr double kSlide = 0.1;           // m: the same on a flat mesh, along it
 constexpr double kOnFace = 1 - 1e-6;     // cosine of 0.08 degree: normal of a contact and face
 constexpr unsigned long kOdeSeed = 1;
@@ -92,7 +92,7 @@ class OdeLibrary {
   static inline int users_ = 0;
 };
 
-/// What a geom belongs to; pointed to by the geom.
+/// Body and surface that own a geom; the geom points to it.
 struct Owner {
   std::ptrdiff_t body = -1;  // -1: the world
   std::size_t surface = 0;   // its number
@@ -259,8 +259,8 @@ struct ContactSolver::Impl {
     }
   }
 
-  /// Whether the body touches what it touched when its contacts were looked for: no point of it
-  /// has moved, or on a flat mesh none but along that.
+  /// Whether the body's last contacts still hold: it has not moved since, or on a flat mesh only
+  /// along it.
   static bool touches_the_same(const Body& body) {
     const Eigen::Vector3d moved = from_ode(dBodyGetPosition(body.id)) - body.p_WB;
     const Eigen::Vector3d turned = 2.0 * (attitude(body.id) * body.q_WB.conjugate()).vec();
@@ -272,9 +272,9 @@ struct ContactSolver::Impl {
     return off_plane + tilted * body.radius <= kStill;
   }
 
-  /// Whether the body stands on a flat mesh and will meet nothing else when it slides on. Its
-  /// contacts then push along the face: of a body that leans a little, ODE has some along the
-  /// body's own axis.
+  /// Whether the body is on a flat mesh and will meet nothing else when it slides on. Its contacts
+  /// then push along the face: of a body that leans a little, ODE has some along the body's own
+  /// axis.
   bool settle_on_flat_mesh(Body& body) {
     if (body.world_contacts.empty()) return false;
     const Eigen::Vector3d face_W = body.world_contacts.front().point.face_W;
@@ -375,7 +375,7 @@ struct ContactSolver::Impl {
     }
   }
 
-  /// @param stop  m/s: what friction can take from the body's speed in this step
+  /// @param stop  m/s: speed that friction can remove in this step
   void make_joint(const Contact& contact, const ContactSpring& spring, double friction,
                   double stop) {
     const ContactPoint& point = contact.point;
@@ -402,7 +402,7 @@ struct ContactSolver::Impl {
     dJointAttach(dJointCreateContact(world, joints, &joint), at(contact.body).id, other);
   }
 
-  /// What gives way at a contact, kg; 0 for the world and for obstacles.
+  /// Mass that moves at a contact, kg; 0 for the world and for obstacles.
   double mass_of(std::ptrdiff_t body) {
     return body < 0 || at(body).driven ? 0.0 : at(body).mass.mass_kg();
   }

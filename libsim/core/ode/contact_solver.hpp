@@ -27,11 +27,11 @@ struct Disc {
 ///
 /// A contact is a spring and damper along the normal (so that a landing is felt as a landing, not
 /// as one infinite sample; contact_law.hpp) and Coulomb friction in the plane, solved exactly by
-/// ODE's Dantzig solver: what rests does not creep. ODE limits friction by a box; its first side is
-/// laid along the direction in which the contact would slip, which makes friction the same in every
-/// direction. Of many contacts the outermost carry the body (contact_patch.hpp); those of a body
-/// that has moved less than 20 um, or slid less than 10 cm on a flat mesh (flat_ground.hpp), are
-/// kept. Restitution and rolling friction are not modelled.
+/// ODE's Dantzig solver: a resting body does not creep. ODE limits friction by a box; its first
+/// side is laid along the direction in which the contact would slip, which makes friction the same
+/// in every direction. Of many contacts the outermost carry the body (contact_patch.hpp); those of
+/// a body that has moved less than 20 um, or slid less than 10 cm on a flat mesh (flat_ground.hpp),
+/// are kept. Restitution and rolling friction are not modelled.
 ///
 /// Per step: begin() -> place() and collide_*() for bodies that may touch -> apply() for those that
 /// are touching() -> step() -> read().
@@ -100,7 +100,7 @@ class CAS_SIM_EXPORT ContactSolver {
   /// Messages of ODE since the program started, those of contacts that contradict each other.
   static std::uint64_t complaints();
 
-  /// Seeds ODE's process-wide random numbers and forgets the contacts of before.
+  /// Seeds ODE's process-wide random numbers and forgets earlier contacts.
   void reset();
 
  private:

@@ -10,7 +10,7 @@ namespace cas::sim {
 
 namespace {
 
-constexpr double kFlat = 1e-6;  // m: what files of single precision round away
+constexpr double kFlat = 1e-6;  // m: rounding of files in single precision
 
 constexpr std::size_t kUsual = 1024;  // triangles in one question
 

@@ -37,9 +37,8 @@ class FlatGround {
   FlatGround(const FlatGround&) = delete;
   FlatGround& operator=(const FlatGround&) = delete;
 
-  /// Whether nothing but one flat surface of one mesh, across n_W, reaches into a sphere: what
-  /// touches it and stays within goes on touching it in the same points. No for ground without
-  /// triangles.
+  /// Whether nothing but one flat surface of one mesh, across n_W, reaches into a sphere: a body
+  /// that touches it and stays within keeps its contacts. False for ground without triangles.
   bool is_all_within(dSpaceID statics, const Eigen::Vector3d& n_W, const Eigen::Vector3d& centre_W,
                      double radius_m);
 

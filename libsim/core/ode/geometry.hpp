@@ -20,7 +20,7 @@ inline void to_ode(const Eigen::Quaterniond& q, dReal (&out)[4]) {
   out[3] = q.z();
 }
 
-/// Owns ODE's triangle meshes and what they point into. Shapes of one mesh share it.
+/// Owns ODE's triangle meshes and their vertex data. Shapes of one mesh share it.
 class MeshStore {
  public:
   ~MeshStore();

@@ -44,7 +44,7 @@ bool is_shown(std::string_view text) {
   return true;
 }
 
-/// Only what is_shown() gets here.
+/// Only text that is_shown() accepts gets here.
 std::string quoted(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {
@@ -54,7 +54,8 @@ std::string quoted(std::string_view text) {
   return result + '"';
 }
 
-/// The shortest text that is read as the same number; JSON has none for what is not finite.
+/// The shortest text that is read as the same number; "null" for a non-finite value, which JSON
+/// lacks.
 std::string number(double value) {
   if (!std::isfinite(value)) return "null";
   std::array<char, 32> text{};

@@ -25,9 +25,9 @@ struct FigureSpec {
   FigureKind kind = FigureKind::kSeries;
 };
 
-/// A figure and what was published of it. A curve keeps at most `kMostPoints`, at first 20 ms
-/// apart; when it is full, every second point stays and the distance doubles: it spans the run
-/// whatever its length.
+/// A figure and its published values. A curve keeps at most `kMostPoints`, at first 20 ms apart;
+/// when it is full, every second point is dropped and the distance doubles, so it spans a run of
+/// any length.
 class CAS_SIM_EXPORT FigureRecord {
  public:
   static constexpr std::size_t kMostPoints = 20'000;
@@ -66,7 +66,7 @@ class CAS_SIM_EXPORT FigureBook {
   /// Opens a record and wires its topic. @throws base::ConfigError for a name or unit that cannot
   /// be shown, a name that the plugin has given before, and beyond kMostOfAPlugin
   Publisher<FigureSample> add(TopicBus& bus, FigureSpec spec);
-  /// Forgets what was published.
+  /// Forgets published values.
   void reset();
 
   bool empty() const { return records_.empty(); }

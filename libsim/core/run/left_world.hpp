@@ -5,8 +5,8 @@
 
 namespace cas::sim {
 
-/// A vehicle is below everything in its world and falls for ever: nothing more can be learnt from
-/// the run. `what()` names vehicle, time and place.
+/// A vehicle is below everything in its world and falls for ever: the run is of no further use.
+/// `what()` names vehicle, time and place.
 class LeftWorldError : public base::ConfigError {
  public:
   using base::ConfigError::ConfigError;

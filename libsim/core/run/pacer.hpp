@@ -13,18 +13,18 @@ namespace cas::sim {
 /// Decides when a step may start. Reads no clock: time comes in as an argument.
 ///
 /// realtime: step at simulated time t has the absolute deadline epoch + (t - t_epoch) / speed, so
-/// that lateness never adds up. What a late wake-up of a few milliseconds delayed follows at once;
-/// after a longer stall the steps come at most `catch_up_rate` times as fast as ordered, never in a
-/// burst that would flood a serial line. What is more than `max_lag` behind is given up (the epoch
-/// moves, the real-time factor tells). lockstep: as realtime while a peer does not answer yet, or
-/// when a speed was ordered; else at once. free_run: at once.
+/// that lateness never adds up. Steps delayed by a few milliseconds follow at once; after a longer
+/// stall steps come at most `catch_up_rate` times as fast as ordered, never in a burst that would
+/// flood a serial line. A lag above `max_lag` is given up: the epoch moves, and the real-time
+/// factor falls. lockstep: as realtime while a peer does not answer yet, or when a speed was
+/// ordered; else at once. free_run: at once.
 class CAS_SIM_EXPORT Pacer {
  public:
   Pacer(const PaceConfig& config, base::Duration step);
 
   /// Ties simulated time `t` to `now`: at the start and after each pause.
   void restart(base::RunTime now, base::SimTime t);
-  /// Lockstep: whether everybody who is waited for answers. Call before start_of().
+  /// Lockstep: whether all peers answer. Call before start_of().
   void set_peers_in_step(bool in_step, base::RunTime now, base::SimTime t);
   /// Moment at which the step from simulated time `t` may start; not after `now` means at once.
   base::RunTime start_of(base::SimTime t) const;

@@ -21,7 +21,7 @@ std::string mavlink_topic(const VehicleConfig& vehicle, const PluginInstance& pl
 /// The context of one plugin of one vehicle during its configure().
 class Context final : public PluginContext {
  public:
-  /// What the host keeps of all plugins.
+  /// The host's lists of all plugins.
   struct Host {
     const std::vector<PluginInstance>& plugins;
     std::vector<LockstepPeer*>& peers;

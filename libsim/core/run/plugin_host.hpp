@@ -13,7 +13,7 @@
 
 namespace cas::sim {
 
-/// What is the same for every plugin of a run.
+/// Context shared by all plugins of a run.
 struct PluginSurroundings {
   TopicBus& bus;
   SimWorld& world;
@@ -58,7 +58,7 @@ class PluginHost {
 
   const std::vector<PluginInstance>& plugins() const { return plugins_; }
   const std::vector<LockstepPeer*>& peers() const { return peers_; }
-  /// What the plugins report of themselves.
+  /// Figures that the plugins publish.
   const FigureBook& figures() const { return figures_; }
 
  private:

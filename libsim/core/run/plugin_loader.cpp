@@ -60,7 +60,7 @@ void* open_library(const std::filesystem::path& file) {
   return library;
 }
 
-/// "motor" for libmotor.so: what these folders have.
+/// Names of the plugins in these folders: "motor" for libmotor.so.
 std::vector<std::string> names_in(const std::vector<std::filesystem::path>& folders) {
   constexpr std::string_view kPrefix = "lib";
   std::vector<std::string> names;

@@ -27,7 +27,7 @@ class CAS_SIM_EXPORT PluginLoader {
   explicit PluginLoader(std::vector<std::filesystem::path> first_dirs);
 
   /// Finds lib<name>.so, opens it once, checks its descriptor and creates a plugin.
-  /// @throws base::ConfigError that says what is wrong with which file
+  /// @throws base::ConfigError that names the file and the fault
   PluginPtr create(const std::string& name);
   /// The MAVLink messages that the plugin declares, by name or id; empty when it declares none.
   /// @throws base::ConfigError as create(), and for a declaration that cannot be one

@@ -12,7 +12,7 @@ using SteadyPoint = std::chrono::time_point<std::chrono::steady_clock, base::Dur
 /// Most that a pause in lockstep waits for a sensor message that is answered.
 constexpr base::Duration kLongestSettling = std::chrono::milliseconds(200);
 
-/// RunTime is CLOCK_MONOTONIC, which is what steady_clock reads.
+/// RunTime is CLOCK_MONOTONIC, as is steady_clock.
 SteadyPoint to_steady(base::RunTime t) { return SteadyPoint(t.time_since_epoch()); }
 
 }  // namespace
@@ -38,7 +38,7 @@ void SimLoop::run(std::optional<base::SimTime> until) {
   stop_clock();
 }
 
-/// One step and what its end may mean.
+/// One step and the actions at its end.
 void SimLoop::make_step() {
   if (steps_left_ == 0) pacer_.on_start(now_, runner_.time());
   step_once();
@@ -111,8 +111,9 @@ void SimLoop::pause() {
   paused_ = true;
 }
 
-/// Lockstep: steps on until the newest sensors have been answered, so that nothing is on its way
-/// while the simulation stands and a command given then always falls between the same two packets.
+/// Lockstep: steps on until the newest sensors have been answered, so that nothing is in flight
+/// while the simulation is paused, and a command given then always falls between the same two
+/// packets.
 void SimLoop::settle() {
   const base::SimTime latest = runner_.time() + kLongestSettling;
   while (!runner_.settled() && runner_.time() < latest && !stopping_) step_once();

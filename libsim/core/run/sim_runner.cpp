@@ -135,7 +135,7 @@ struct SimRunner::Impl {
   base::Duration step;
   TopicBus bus;
   SimWorld world;
-  PluginHost plugins;  // last: plugins go before what they are wired to
+  PluginHost plugins;  // last: plugins are destroyed before their topics
   std::vector<Publisher<FlightPhase>> phases;
   base::SimTime time{};
   std::uint64_t steps = 0;

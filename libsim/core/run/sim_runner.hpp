@@ -59,7 +59,7 @@ class CAS_SIM_EXPORT SimRunner {
   std::uint64_t steps() const;
   const World& world() const;
   const SimConfig& config() const;
-  /// What stands in the world; never changes.
+  /// The objects of the world; they never change.
   const WorldModel& world_model() const;
   /// Of each vehicle, index = VehicleId; they never change.
   const std::vector<VehicleModel>& vehicle_models() const;
@@ -70,7 +70,7 @@ class CAS_SIM_EXPORT SimRunner {
   bool settled();
   /// Steps that went on without the controls they waited for (lockstep).
   std::uint64_t lockstep_timeouts() const;
-  /// Whether everybody who is to be waited for in lockstep is there.
+  /// Whether all lockstep peers are there.
   bool peers_in_step() const;
   std::vector<PluginFigures> plugin_figures() const;
 

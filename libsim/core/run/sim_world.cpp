@@ -15,7 +15,7 @@ namespace {
 constexpr double kSettleStep = 1e-3;      // s
 constexpr int kSettleSteps = 2000;        // at most
 constexpr double kSettleReach = 1e-3;     // m: a start this near to a surface is a start on it
-constexpr double kSettleDistance = 0.01;  // m: who moves farther does not stand
+constexpr double kSettleDistance = 0.01;  // m: a body that moves farther is not at rest
 
 /// Distance of a point from a ray's segment.
 double distance_to_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& origin,
@@ -179,7 +179,7 @@ void SimWorld::advance_part(double h) {
   hold_what_rests();
 }
 
-/// Finds who stays held and who touches the static world.
+/// Finds the bodies that stay held and those that touch the static world.
 void SimWorld::choose_modes(double h) {
   for (std::size_t i = 0; i < vehicles_.size(); ++i) {
     VehicleBody& body = vehicles_[i];
@@ -255,7 +255,7 @@ void SimWorld::collide_obstacles() {
   }
 }
 
-/// What an obstacle touches goes where that goes, so it never counts as resting.
+/// A body that touches an obstacle moves with it, so it never counts as resting.
 void SimWorld::wake_beside_obstacles() {
   for (VehicleBody& body : vehicles_) {
     if (body.beside_obstacle) body.rest.wake();
@@ -277,7 +277,7 @@ void SimWorld::take_contact_result(std::size_t index, double h) {
   body.rest.update(body.state, body.applied, h);
 }
 
-/// Who rests is held; vehicles that touch each other rest together or not at all.
+/// Holds resting bodies; vehicles that touch each other rest together or not at all.
 void SimWorld::hold_what_rests() {
   if (integrator_ == Integrator::kOde) return;
   bool changed = true;

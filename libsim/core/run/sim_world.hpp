@@ -21,21 +21,21 @@
 
 namespace cas::sim {
 
-/// The world that plugins see: bodies, what stands around them, and the step.
+/// The world that plugins see: bodies, objects around them, and the step.
 ///
-/// A vehicle is in one of three modes, chosen anew each step from geometry alone:
+/// A vehicle is in one of three modes, chosen in each step from geometry alone:
 ///   free     nothing within reach: our RK4; ODE is not asked
 ///   contact  touching the world or another vehicle: ODE's stepper with contact joints
 ///   held     at rest under unchanged forces: stands still
-/// Position, velocity and forces pass from one to the other unchanged. Moving obstacles go their
-/// way whatever they meet; what they touch is in contact and never held.
+/// Position, velocity and forces pass from one to the other unchanged. Moving obstacles follow
+/// their path whatever they meet; a body that they touch is in contact and never held.
 class CAS_SIM_EXPORT SimWorld final : public World {
  public:
   SimWorld(const WorldModel& model, const base::LocalProjection& projection, double decimal_year,
            Integrator integrator);
   ~SimWorld() override;
 
-  /// Before start(). The lowest point of the vehicle stands `pose.z_m` above z = 0.
+  /// Before start(). The lowest point of the vehicle is `pose.z_m` above z = 0.
   VehicleId add_vehicle(const VehicleModel& model, const StartPose& pose);
   void add_force_model(VehicleId vehicle, ForceModel& model);
   /// Lets vehicles that start on a surface settle on it, then sets time zero.

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kOverlap_m = 0.05;  // less is a start on a surface
 constexpr double kStep_s = 1e-3;
-constexpr double kHighest_m = 1e4;  // a ray from here meets what is on top
+constexpr double kHighest_m = 1e4;  // a ray down from here meets the topmost surface
 
 /// Whether a closed mesh is around a point: a ray to anywhere leaves it an odd number of times.
 bool is_inside(const TriangleMesh& mesh, const Eigen::Vector3d& p) {

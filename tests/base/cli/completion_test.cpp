@@ -33,7 +33,7 @@ Command sample() {
                         {"towns", {.command = "echo Bern Basel", .repeated = true}}});
 }
 
-/// What bash offers behind these words.
+/// Bash's completion of these words.
 std::string completed(const std::string& words, int position) {
   const test::TemporaryFolder folder;
   const auto script =

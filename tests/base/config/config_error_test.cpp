@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a wrong file is told: each sentence names file, line and key path.
+// Errors of wrong files: each sentence names file, line and key path.
 #include <gtest/gtest.h>
 
 #include <functional>

@@ -58,7 +58,7 @@ def section(page, title):
 
 
 def described(text):
-    """Every word in code: what a key may be found as."""
+    """Every word in code: possible keys."""
     words = set()
     for code in re.findall(r"```.*?```|`[^`]+`", text, re.DOTALL):
         words.update(WORD.findall(code))
@@ -66,7 +66,7 @@ def described(text):
 
 
 def named(text):
-    """Keys that tables and examples claim: first cells, and what stands before a colon in a block of YAML."""
+    """Keys that tables and examples claim: first cells, and words before a colon in a block of YAML."""
     keys = set()
     for row in re.findall(r"^\|([^|]*)\|", text, re.MULTILINE):
         for code in re.findall(r"`([^`]+)`", row):
@@ -85,7 +85,7 @@ def read_keys(globs):
 
 
 def words_near(globs):
-    """All words in quotes in the programs of the parsers: keys, words of enumerations, and what helpers read."""
+    """All words in quotes in the programs of the parsers: keys, words of enumerations, and keys that helpers read."""
     words = set()
     parts = [pathlib.PurePath(pattern).parts for pattern in globs]
     for folder in {"/".join(part[:2] if part[0] == "plugins" else part[:1]) for part in parts}:

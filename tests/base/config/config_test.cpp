@@ -87,7 +87,7 @@ TEST(Config, AnAnchorsCopiesAreReadApart) {
   EXPECT_EQ(node.at("b").require<int>("x"), 1);
   EXPECT_EQ(node.at("b").at("x").path(), "b.x");
   EXPECT_EQ(node.at("a").line(), 1);
-  EXPECT_THROW(node.reject_unused(), ConfigError);  // nobody read a.x
+  EXPECT_THROW(node.reject_unused(), ConfigError);  // a.x was not read
 }
 
 TEST(Config, ResolvesPathsAgainstTheFile) {

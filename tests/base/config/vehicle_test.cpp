@@ -286,7 +286,7 @@ INSTANTIATE_TEST_SUITE_P(
 struct SingularCase {
   const char* name;
   const char* rotors;
-  const char* missing;  ///< what is not independent; nullptr: all are
+  const char* missing;  ///< the dependent quantity; nullptr: none
 };
 
 class FourRotors : public testing::TestWithParam<SingularCase> {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a vehicle's YAML and its URDF both say agrees; what the YAML leaves out is the URDF's.
+// Values in both a vehicle's YAML and its URDF agree; the URDF gives those that the YAML omits.
 #include <gtest/gtest.h>
 #include <urdf_parser/urdf_parser.h>
 

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kDegPerRad = 180.0 / M_PI;
 constexpr double kDate = 2026.0 + 229.0 / 365.0;  // 2026-08-18, day 230 of the year
-// Reference and model agree in all terms; what is left is the rounding of the date (0.1 degrees a
-// year over a day) and of the ellipsoid's axes.
+// Reference and model agree in all terms; the rest is the rounding of the date (0.1 degrees a year
+// over a day) and of the ellipsoid's axes.
 constexpr double kDeclinationToleranceDeg = 5e-4;
 
 struct DeclinationCase {

@@ -11,7 +11,7 @@
 namespace cas::base {
 namespace {
 
-// A file in the device's place: what the kernel would be told.
+// A file in the device's place shows what the kernel would read.
 TEST(CpuLatencyRequest, WritesMicrosecondsAsTheKernelReadsThem) {
   const test::TemporaryFolder folder;
   const auto device = folder.path() / "cpu_dma_latency";

@@ -15,7 +15,7 @@
 namespace cas::base {
 namespace {
 
-/// A datagram socket as a service manager listens on; '@' stands for an abstract name's NUL.
+/// A datagram socket as a service manager listens on; '@' means the NUL of an abstract name.
 class NotifySocket {
  public:
   explicit NotifySocket(const std::string& name) : fd_(::socket(AF_UNIX, SOCK_DGRAM, 0)) {

@@ -95,7 +95,7 @@ TEST_F(PtyLockTest, AKilledOwnersRecordStaysAndCountsForNothing) {
   ::waitpid(owner, nullptr, 0);
   EXPECT_TRUE(std::filesystem::exists(link_.string() + ".lock"));
   EXPECT_EQ(offer(pair_), PtyOffer::kNone);
-  PtyLock next(link_);  // the next owner takes what was left behind
+  PtyLock next(link_);  // the next owner takes the stale lock
   EXPECT_EQ(offer(pair_), PtyOffer::kOther);
   ::close(ready[0]);
   ::close(ready[1]);

@@ -79,7 +79,7 @@ TEST(Client, AnAnswerThatDoesNotComeIsATimeout) {
   } catch (const ConnectionError& error) {
     EXPECT_TRUE(error.timeout());
   }
-  server.answer_kept();  // late: belongs to nobody
+  server.answer_kept();  // late: no call waits for it
   EXPECT_EQ(client.call("echo", {3}, kPatience), Json({3}));
 }
 

@@ -43,7 +43,7 @@ class DispatcherTest : public testing::Test {
         "light", [](const Json&, Reply reply) { reply.result(1); }, 0.25);
     dispatcher_.add_topic("status");
   }
-  /// What the calls of a line weigh.
+  /// Weight of the calls of a line.
   double weight_of(std::string_view line) {
     peer_->weight = 0;
     handle(line);
@@ -132,7 +132,7 @@ TEST_P(DispatcherFault, IsAnsweredWithItsCode) {
   EXPECT_FALSE(response["error"]["message"].get<std::string>().empty());
   EXPECT_FALSE(response.contains("result"));
   EXPECT_EQ(peer_->calls, 0U);
-  // What is no request ends the connection; a call that fails does not.
+  // An invalid request ends the connection; a failed call does not.
   const int code = GetParam().code;
   EXPECT_EQ(peer_->refused, code == kParseError || code == kInvalidRequest);
 }

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A runtime folder that nobody else uses.
+/// A runtime folder of its own.
 class LocalPort : public testing::Test {
  protected:
   LocalPort() {
@@ -45,7 +45,7 @@ class LocalPort : public testing::Test {
     EXPECT_EQ(::bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
     return fd;
   }
-  /// A socket file that nobody listens on.
+  /// A socket file without a listener.
   static void bind_socket(const fs::path& path) { ::close(open_socket(path)); }
 
   test::TemporaryFolder session_;

@@ -92,7 +92,7 @@ class RawClient {
     EXPECT_TRUE(send(text + "\n"));
     return json();
   }
-  /// True when the server ends the connection; drops what it still sends.
+  /// True when the server ends the connection; drops its remaining data.
   bool closed_by_server() {
     while (receive()) rx_.clear();
     return ended_;

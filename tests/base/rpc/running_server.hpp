@@ -19,7 +19,7 @@
 
 namespace cas::base::rpc {
 
-inline constexpr Duration kPatience = std::chrono::seconds(20);  // for what must happen
+inline constexpr Duration kPatience = std::chrono::seconds(20);  // for events that must happen
 
 /// A server on its own thread with a few methods, on a free TCP port.
 ///   echo    answers with its parameters       fail    answers with an error

@@ -55,7 +55,7 @@ class BusyServer {
 TEST(ServeBudget, HoldsAllClientsTogetherToItsShare) {
   BusyServer server(std::vector<Duration>(20, microseconds(200)));
   server.run_until(kStart + seconds(10));
-  // A tenth of ten seconds, and what was saved up for a second.
+  // A tenth of ten seconds, and the burst of one second's share.
   EXPECT_NEAR(server.used_s(), 1.1, 0.15);
   const auto [least, most] = std::minmax_element(server.lines.begin(), server.lines.end());
   EXPECT_LE(*most - *least, *most / 4) << "equal turns";

@@ -180,7 +180,7 @@ TEST_F(UnixAbuse, SilentClientsLoseTheirPlaces) {
   EXPECT_TRUE(server_->wait_for_refused(Refusal::kNoRequest, 8));
 }
 
-// Those who are turned away take no places while they are told why.
+// Refused clients take no places while they get the reason.
 TEST_F(UnixAbuse, ACrowdOfOneAddressLeavesTheOtherPlaces) {
   start();
   std::vector<RawClient> crowd;
@@ -211,7 +211,7 @@ TEST(ServerAbuse, SilentTcpClientsLoseTheirPlaces) {
   EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
 }
 
-// What is under way to the server while it ends with a client goes nowhere.
+// Data in flight while the server closes a connection is dropped.
 TEST(ServerAbuse, AClientThatSendsAfterItsRefusalHarmsNobody) {
   ServerLimits limits;
   limits.first_request_time = std::chrono::seconds(1);

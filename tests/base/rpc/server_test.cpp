@@ -43,7 +43,7 @@ TEST(Server, ManyLinesMayComeInOnePiece) {
   for (int i = 0; i < 200; ++i) EXPECT_EQ(client.json()["id"], i);
 }
 
-// It speaks another protocol: nothing that follows is meant for this server.
+// It uses another protocol: no later data is meant for this server.
 TEST(Server, EndsAConnectionAtALineThatIsNoRequest) {
   RunningServer server;
   for (const char* line : {"nonsense", "{\"jsonrpc\":", "42", "[]", "{}",
@@ -140,7 +140,7 @@ TEST(Server, ClosingEndsAllConnections) {
   EXPECT_TRUE(server.wait_for_kept(1));
   server.run([&] { server.server().close(); });
   EXPECT_TRUE(client.closed_by_server());
-  server.answer_kept();  // to nobody
+  server.answer_kept();  // its client has left
 }
 
 TEST(Server, AMethodMayCloseTheServer) {

@@ -26,7 +26,7 @@ void listen_unix(RunningServer& server, const fs::path& path) {
   server.run([&] { server.server().listen_unix(path); });
 }
 
-/// Leaves a socket file behind that nobody listens on.
+/// Leaves a socket file without a listener behind.
 void leave_stale_socket(const fs::path& path) {
   const int fd = ::socket(AF_UNIX, SOCK_STREAM, 0);
   sockaddr_un address{};
@@ -96,8 +96,8 @@ TEST(UnixServer, ASocketOfAnotherUserIsNotReplaced) {
   EXPECT_TRUE(fs::exists(path));
 }
 
-// A program that has bound its socket and does not listen yet would look stale. In /tmp anybody may
-// hold the folder: the wait ends.
+// A program that has bound its socket and does not listen yet would look stale. In /tmp any user
+// may lock the folder, so the wait is bounded.
 TEST(UnixServer, WaitsForAnotherProgramThatIsBindingInTheFolder) {
   const test::TemporaryFolder folder;
   const fs::path path = folder.path() / "rpc";

@@ -101,7 +101,7 @@ TEST(Token, ProgramsThatStartTogetherShareOne) {
   std::vector<pid_t> programs;
   for (int i = 0; i < 8; ++i) {
     const pid_t pid = ::fork();
-    if (pid == 0) {  // what a program reads right after it is what the file holds for good
+    if (pid == 0) {  // each program reads a whole token
       make_token(file);
       ::_exit(read_token(file).size() == 64 ? 0 : 1);
     }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ArduPilot's log from its link: the order of blocks, and what is asked when.
+// ArduPilot's log from its link: the order of blocks, and the requests.
 #include "casd/autopilot_log/dataflash_pull.hpp"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// PX4's log from its link: what becomes of losses, and what is asked when.
+// PX4's log from its link: handling of losses, and the requests.
 #include "casd/autopilot_log/ulog_pull.hpp"
 
 #include <gtest/gtest.h>
@@ -64,7 +64,7 @@ std::vector<UlogStream::Piece> pieces_of(const std::string& log, std::uint16_t f
   return pieces;
 }
 
-/// What the reader of `hils replay` finds.
+/// Contents of the log as read by `hils replay`.
 struct Found final : hils::UlogListener {
   explicit Found(const std::string& log) { hils::read_ulog(log, *this); }
   void on_message(const hils::UlogSeries& series, std::uint64_t, std::string_view bytes) override {

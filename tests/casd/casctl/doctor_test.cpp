@@ -336,7 +336,7 @@ TEST(Doctor, TellsAStrangersTerminalFromABoardThatIsUnplugged) {
   EXPECT_NE(unplugged.find("start the emulator"), std::string::npos);
 }
 
-// A refusal of a while ago stands in its texts for some time after its checks have passed.
+// An old refusal stays in its texts for some time after its checks have passed.
 TEST(Doctor, BelievesArmingChecksMoreThanAnEarlierRefusal) {
   const auto health = [](const char* checks) {
     DoctorFacts facts = good_setup();

@@ -159,7 +159,7 @@ TEST_F(MonitorModelTest, TakesAVehicleForLostAfterThreeSecondsOfSilence) {
   EXPECT_TRUE(shows("Last heard: HIL ARMED HOLD in_air"));
 }
 
-// In lockstep casd's clock stands still with the stream: a HEARTBEAT does not age.
+// In lockstep casd's clock stops with the stream: a HEARTBEAT does not age.
 TEST_F(MonitorModelTest, TakesAVehicleForLostWhoseTimeStandsStill) {
   look(3);
   EXPECT_TRUE(shows("in_air  2.52 m"));
@@ -244,7 +244,7 @@ TEST_F(MonitorModelTest, ShowsTheNextOfSeveralVehicles) {
   model_.cycle_vehicle();
   EXPECT_EQ(model_.state().chosen_vehicle, 2);
   EXPECT_TRUE(shows("LAND"));
-  EXPECT_FALSE(shows("2.52 m"));  // what is known of the other one
+  EXPECT_FALSE(shows("2.52 m"));  // the other one's altitude
   model_.cycle_vehicle();
   EXPECT_EQ(model_.state().chosen_vehicle, 1);
 }

@@ -67,7 +67,7 @@ void open_attitude(MonitorModel& model) {
   }
 }
 
-/// A state of the monitor, by what was done to the busy bench.
+/// A state of the monitor, by its change from the busy bench.
 struct ViewCase {
   const char* name;
   std::function<void(MonitorModel&)> change;
@@ -154,11 +154,11 @@ TEST_P(MonitorView, HasATitleBarAcrossTheWholeWidth) {
   }
 }
 
-/// What is said only where something has no room.
+/// Words that appear only where something has no room.
 const std::set<std::string> kOfLittleRoom{"complaint", "complaints", "more", "(key", "a)",
                                           "show",      "the",        "rest", "and",  "lines"};
 
-/// Whatever is on a screen of any size stands, as a whole, on a screen that has room for all.
+/// Each text on a screen of any size is found, whole, on a screen that has room for all.
 TEST_P(MonitorView, CutsNoWord) {
   std::set<std::string> whole;
   for (const auto& [rows, width] : {std::pair{200U, 159U}, {200U, 219U}, {200U, 600U}}) {

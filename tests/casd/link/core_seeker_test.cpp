@@ -16,7 +16,7 @@ using base::Duration;
 
 constexpr int kAny = -1;
 
-/// A thread whose packets cost what its core says.
+/// A thread whose cost per packet depends on its core.
 class Bench {
  public:
   explicit Bench(std::vector<int> cores = {0, 1}) : seeker(std::move(cores)) {}

@@ -50,7 +50,7 @@ TEST(LookPace, LooksAtEachPacketBelowTheBound) {
 
 TEST(LookPace, RestsBetweenTwoLooksInAFlood) {
   Looker looker;
-  // The first millisecond of the flood goes by unmoderated.
+  // The first millisecond of the flood is not moderated.
   EXPECT_NEAR(looker.watch(std::chrono::seconds(1), 200'000), 1.0 / 150e-6 + 200, 100);
 }
 

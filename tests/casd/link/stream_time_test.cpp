@@ -18,7 +18,7 @@ using test::milliseconds;
 
 constexpr mav::Source kSimulator{1, 200};
 
-/// What happened, in order: "turn 50" and "before".
+/// Events in their order: "turn 50" and "before".
 class StreamTimeTest : public testing::Test {
  protected:
   StreamTimeTest() {

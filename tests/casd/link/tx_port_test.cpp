@@ -18,11 +18,11 @@
 namespace cas::casd::test {
 namespace {
 
-/// What a line was given, and how it behaves.
+/// Records the packets written to a line, and sets its behaviour.
 struct FakeLine {
   std::vector<std::uint32_t> written;  ///< message ids
   std::size_t room = 1'000'000;        ///< bytes that it takes
-  std::size_t unsent = 0;              ///< what the driver says
+  std::size_t unsent = 0;              ///< as the driver reports
   std::size_t bytes = 0;
   std::vector<std::uint8_t> last;  ///< bytes of the last call
   bool moves = true;               ///< the other side reads

@@ -92,7 +92,7 @@ TEST(MessageTaps, KeepsTheNewestPacketOfWhatIsLookedAt) {
     const mav::PacketBuffer packet = packed(attitude);
     taps.on_packet(2, mav::view_packet(packet.view()), now);
   };
-  arrive(0.1F);  // nobody looks
+  arrive(0.1F);  // no look yet
   EXPECT_FALSE(taps.look(key, now).has_value());
   arrive(0.2F);
   arrive(0.3F);

@@ -30,7 +30,7 @@ class NewestSetpointsTest : public testing::Test {
   void push(const PacketInfo& setpoint, std::uint8_t content) {
     waiting.push(setpoint, bytes(20, content), on_drop);
   }
-  /// What waits, by the first byte.
+  /// First bytes of the waiting packets.
   std::vector<int> contents() {
     std::vector<int> all;
     while (!waiting.empty()) all.push_back(waiting.pop().bytes.front());

@@ -14,7 +14,7 @@ constexpr base::Duration kWindow = milliseconds(500);
 constexpr LinkId kOne = 0;
 constexpr LinkId kOther = 1;
 
-/// The n-th packet of a sender: its content counts on when the sequence number starts anew.
+/// The n-th packet of a sender: its content counts on when the sequence number wraps.
 mav::PacketBuffer nth(unsigned n, mav::Source source = {1, 1}) {
   mavlink::common::HilSensor sensor;
   sensor.time_usec = n;

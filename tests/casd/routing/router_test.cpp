@@ -176,7 +176,7 @@ struct PlainRouter {
   std::vector<ForwardRule> rules;
   std::map<LinkId, std::set<mav::Source>> heard;
   std::map<LinkId, int> group;                                 ///< links that are in one
-  std::set<std::pair<int, std::vector<std::uint8_t>>> passed;  ///< what came into a group
+  std::set<std::pair<int, std::vector<std::uint8_t>>> passed;  ///< packets that came into a group
 
   LinkMask on_packet(LinkId from, std::uint32_t id, mav::Source source, mav::Source target,
                      std::span<const std::uint8_t> bytes) {

@@ -53,7 +53,7 @@ TEST_F(VehicleCommanderTest, BelievesTheHeartbeatAgainstASecondAcknowledgement) 
   EXPECT_TRUE(finish().ok());
 }
 
-// The simulator is paused in lockstep: casd's time stands still.
+// The simulator is paused in lockstep: casd's time does not advance.
 TEST_F(VehicleCommanderTest, WaitsForAModeNoLongerThanItsPatienceByTheWallClock) {
   meet();
   vehicle_.script.keeps_mode = true;
@@ -109,7 +109,7 @@ TEST_F(VehicleCommanderTest, RefusesAModeThatIsAcceptedAndDoesNotCome) {
 
 TEST_F(VehicleCommanderTest, AsksForTheHeartbeatThatShowsTheMode) {
   meet();
-  beating_ = false;  // as in lockstep, while time stands still
+  beating_ = false;  // as in lockstep, while time is stopped
   vehicle_.script.beats_on_request = true;
   commander_.set_mode(1, "HOLD", now_, done());
   const base::RunTime asked = now_;

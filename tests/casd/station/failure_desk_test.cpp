@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who may have failures strike, where, and what the asker hears of it.
+// Who may inject failures, where, and the answers to requests.
 #include "casd/station/failure_desk.hpp"
 
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ constexpr Origin kForbidden{{3}};
 constexpr FailureOrder kGpsOff{Unit::kGps, Type::kOff};
 constexpr MavModeFlag kHil = MavModeFlag::kHilEnabled;
 
-/// A desk, the vehicle 1 and its simulator; what is sent, with the path.
+/// A desk, the vehicle 1 and its simulator; sent packets, with their paths.
 class Desk : public testing::Test {
  protected:
   struct Sent {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What others than casd's own station have a vehicle do.
+// Commands to a vehicle from stations other than casd's own.
 #include "casd/packet/intervention.hpp"
 
 #include "tests/casd/packets.hpp"
@@ -163,7 +163,7 @@ TEST_F(Overheard, ADisarmEndsAllThatMaySpinMotors) {
   EXPECT_EQ(vehicle_.commands.size(), sent) << "a mission was started behind a disarm";
 }
 
-// A vehicle that waits in its takeoff mode flies off as soon as somebody arms it.
+// A vehicle that waits in its takeoff mode takes off as soon as it is armed.
 TEST_F(Overheard, ADisarmEndsATakeoffThatIsUnderWay) {
   meet();
   HomePosition home;

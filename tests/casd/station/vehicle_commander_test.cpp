@@ -107,7 +107,7 @@ TEST_F(VehicleCommanderTest, AsksANewVehicleForItsVersionAndHome) {
   EXPECT_EQ(vehicle_.commands[1].param1, 242.0F);
 }
 
-/// A vehicle is asked for more rates than half of what may wait for it.
+/// A vehicle gets more rate requests than half of its command queue.
 class RequestedRates : public VehicleCommanderTest {
  protected:
   RequestedRates()

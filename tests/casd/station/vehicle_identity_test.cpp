@@ -28,7 +28,7 @@ constexpr Origin kGroupBOther{{3, 2}, 0};
 constexpr MavModeFlag kHil = MavModeFlag::kCustomModeEnabled | MavModeFlag::kHilEnabled;
 constexpr MavModeFlag kNoHil = MavModeFlag::kCustomModeEnabled;
 
-/// A commander; HEARTBEATs from anywhere; what it sends, with the paths.
+/// A commander; HEARTBEATs from anywhere; its commands, with their paths.
 class Identity : public testing::Test {
  protected:
   struct Sent {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a vehicle that will not arm is told to lack, and how stock firmware is armed.
+// Complaints of a vehicle that will not arm, and arming of stock firmware.
 #include "casd/station/vehicle_state.hpp"
 
 #include <gtest/gtest.h>
@@ -358,7 +358,7 @@ TEST_F(Stock, RefusedInAModeThatWantsSticksItIsPutIntoHoldAndAskedAgain) {
   EXPECT_FLOAT_EQ(vehicle_.commands[1].param3, 3);
 }
 
-/// The messages that an ArduPilot is asked for which speaks for 5 s, from this moment on.
+/// Requests to an ArduPilot that sends for 5 s, from this moment on.
 std::vector<float> asked_for(VehicleCommander& commander, FakeVehicle& vehicle, base::RunTime now) {
   vehicle.commands.clear();
   for (base::RunTime t = now; t < now + seconds(5); t += milliseconds(10)) {

@@ -71,7 +71,7 @@ TEST_F(RecorderTest, TimesNeverGoBackButWithTheClock) {
   recorder.begin();
   for (const int ms : {10, 12, 11, 13}) say(milliseconds(ms));
   say(milliseconds(5000));
-  say(milliseconds(1));  // a simulation that began anew
+  say(milliseconds(1));  // a restarted simulation
   recorder.stop();
   EXPECT_EQ(times(folder / "flight.tlog"),
             (std::vector<base::Duration>{milliseconds(10), milliseconds(12), milliseconds(12),
@@ -177,7 +177,7 @@ TEST_F(RecorderTest, CountsWhatTheDiskDidNotTakeAndOnlyWhatItTook) {
   EXPECT_EQ(status.recorded, in_files);
 }
 
-/// What is ordered one after the other without waiting lands where it belongs.
+/// Orders that do not wait for each other land in the right files.
 TEST_F(RecorderTest, KeepsFlightsApartThatTheDiskHasNotSeenYet) {
   Recorder recorder = make({.tlog = "wing", .while_armed = true});
   recorder.begin();

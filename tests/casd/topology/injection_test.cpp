@@ -82,7 +82,7 @@ struct StationCase {
   const char* local;
   const char* more;
   bool may;   ///< inject failures
-  bool told;  ///< that anybody may
+  bool told;  ///< warns that any station may
 };
 
 class InjectingStation : public testing::TestWithParam<StationCase> {};

@@ -59,7 +59,7 @@ TEST(LinkChange, AcceptEverythingIsSaidAloud) {
 
 TEST(LinkChange, TheOtherLinksAndTheirRoutesStayAsTheyAre) {
   const Topology before = bench();
-  // More telemetry on the line than it carries, which would pace it in a topology read anew.
+  // More telemetry on the line than it carries, which would pace it in a topology read from a file.
   const Topology after = with("entry: {name: b, type: udp, remote: 'h:1', accept: everything}");
   ASSERT_EQ(after.links.size(), 3U);
   EXPECT_EQ(after.links[0], before.links[0]);

@@ -40,7 +40,7 @@ class TopologyFiles : public testing::Test {
   Topology load(const std::string& base = kBase) {
     return Topology::load(folder_.write("t.yaml", base));
   }
-  /// What is wrong, without the path of the folder.
+  /// The error, without the path of the folder.
   std::string fault(const std::string& base = kBase) {
     try {
       load(base);

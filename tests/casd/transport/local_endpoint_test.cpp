@@ -21,7 +21,7 @@ namespace {
 constexpr mav::Source kVehicle{1, 1};
 constexpr mav::Source kSelf{254, 190};
 
-/// Keeps the ids of what it hears.
+/// Keeps the ids of its packets.
 class Listener final : public Station {
  public:
   void on_packet(const Origin&, const mav::PacketView& packet, base::RunTime) override {

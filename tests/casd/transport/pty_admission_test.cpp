@@ -17,7 +17,7 @@ namespace {
 using test::PtyPair;
 using test::TemporaryFolder;
 
-/// What stands in for /proc.
+/// Substitute for /proc.
 class PtyAdmission : public testing::Test {
  protected:
   void process(int id, const std::string& name, long long terminal) {

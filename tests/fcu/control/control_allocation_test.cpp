@@ -112,8 +112,8 @@ TEST(ControlAllocation, YawsATricopterByTiltingItsTail) {
     const MixerResult result = allocation.allocate({u, {}});
     EXPECT_TRUE(result.u.isApprox(u, kTolerance)) << result.u.transpose();
     EXPECT_TRUE(wrench(vehicle, result).head<4>().isApprox(u, kTolerance));
-    // A third of the weight at the tail, pushed aside at the end of its arm, makes what is missing
-    // beside one rotor's drag torque: the other two balance.
+    // A third of the weight at the tail, tilted aside at the end of its arm, gives the yaw moment
+    // that one rotor's drag torque leaves: the other two cancel.
     const double tail_n = u[0] / 3;
     const double missing_nm = yaw - 0.06 * tail_n;
     EXPECT_NEAR(result.tilt_rad[2], -std::atan(missing_nm / (0.3 * tail_n)), 0.08);
@@ -130,7 +130,7 @@ TEST(ControlAllocation, TurnsOnlyWhatStandsAcrossAHingeThatLeans) {
   for (const double yaw : {-0.3, 0.0, 0.3}) {
     const Vector4d u(hover_n(vehicle), 0.2, -0.1, yaw);
     const MixerResult result = allocation.allocate({u, {}});
-    // What it says it gives is what the rotors give.
+    // The returned wrench is the rotors' wrench.
     EXPECT_TRUE(wrench(vehicle, result).head<4>().isApprox(result.u, kTolerance));
     // The inversion takes the part along the hinge to shrink with cos(tilt), too: that error is of
     // the second order in the tilt, and all there is.
@@ -200,7 +200,7 @@ class AnyFrame : public testing::TestWithParam<Ring> {
  protected:
   AnyFrame() : vehicle_(GetParam().vehicle()), allocation_(AllocationSetup::of(vehicle_)) {}
 
-  /// Demands within and far beyond what the rotors can do.
+  /// Demands within and far beyond the rotors' limits.
   void for_demands(const std::function<void(const ControlDemand&, bool)>& check) {
     base::NormalRandom random(11);
     for (int i = 0; i < 3000; ++i) {
@@ -228,7 +228,7 @@ TEST_P(AnyFrame, NeverAsksForMoreThanTheRotorsHave) {
       EXPECT_GE(result.tilt_rad[i], rotor.tilt->min_rad);
       EXPECT_LE(result.tilt_rad[i], rotor.tilt->max_rad);
     }
-    // What it says it gives is what they give.
+    // The returned wrench is the rotors' wrench.
     const auto given = wrench(vehicle_, result);
     EXPECT_LT((given.head<4>() - result.u).norm(), 1e-6);
     EXPECT_LT((given.tail<2>() - result.side_D_n).norm(), 1e-6);
@@ -349,8 +349,8 @@ TEST_P(HexaWithoutOne, HoversOnFourWithTheOppositeOneIdle) {
   EXPECT_LT(yaw(0.2 * spin) * spin, 0.01);
 }
 
-/// Why the heading goes: level flight wants the opposite rotor at rest, and of the four that are
-/// left pitch and roll take what yaw would need.
+/// Why yaw is lost: level flight needs the opposite rotor at rest, and roll and pitch use up the
+/// remaining four rotors.
 TEST_P(HexaWithoutOne, LeavesFourRotorsWhoseMatrixHasRankThree) {
   const base::Vehicle vehicle = test::hexa_x();
   const int lost = GetParam();

@@ -17,8 +17,8 @@ using Eigen::Vector3d;
 
 constexpr double kStep_s = 0.0025;
 
-/// A vehicle that turns about its centre of gravity. Rotors and servos follow what is asked as
-/// vehicle files say, integrated in parts of a step.
+/// A vehicle that turns about its centre of gravity. Rotors and servos follow commands with the
+/// vehicle file's dynamics, integrated in parts of a step.
 class TurningBody {
  public:
   explicit TurningBody(const base::Vehicle& vehicle)

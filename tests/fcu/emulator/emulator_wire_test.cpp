@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a ground station hears from fcu_emulator when it does nothing but listen, ask and ping.
+// fcu_emulator's messages to a ground station that only listens, requests and pings.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -156,7 +156,7 @@ TEST_F(Wire, TimesyncIsAnsweredWithOurTimeAndTheirs) {
   const auto second = emulator_.next<Timesync>();
   ASSERT_TRUE(second);
   EXPECT_GT(second->tc1, first->tc1);
-  // An answer of somebody else is no request.
+  // An answer of another node is no request.
   Timesync answer;
   answer.tc1 = 9;
   emulator_.send(answer);
@@ -202,7 +202,7 @@ TEST_F(Wire, WhatIsForOthersIsLeftAlone) {
   m.target_component = 100;  // a camera
   emulator_.send(m);
   EXPECT_TRUE(emulator_.until_ping<CommandAck>().empty());
-  m.target_system = 0;  // everybody
+  m.target_system = 0;  // broadcast
   m.target_component = 0;
   emulator_.send(m);
   EXPECT_FALSE(emulator_.until_ping<CommandAck>().empty());

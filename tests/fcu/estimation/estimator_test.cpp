@@ -21,7 +21,7 @@ using test::ClosedLoop;
 using test::FlightStatistics;
 using test::LoopOptions;
 
-/// A flight whose constant sensor errors are drawn from what the filter expects of them.
+/// A flight whose constant sensor errors are drawn from the filter's own statistics.
 LoopOptions drawn_errors(std::uint64_t seed, double gps_delay_s) {
   base::NormalRandom random(base::derive_seed(seed, "errors"));
   const auto draw = [&random](double sigma) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What happens to a flight under way: radio sticks and their loss, built-in trajectories, gains
-// that change, samples stamped by their arrival.
+// Events in flight: radio sticks and their loss, built-in trajectories, gains that change, samples
+// stamped by their arrival.
 #include <gtest/gtest.h>
 
 #include <cmath>

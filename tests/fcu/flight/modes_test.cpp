@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What pilots, companions and missions ask for, in closed loop.
+// Requests of pilots, companions and missions, in closed loop.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What MAVSDK says to a vehicle: discovery, health, take-off height, offboard.
+// MAVSDK's messages to a vehicle: discovery, health, take-off height, offboard.
 // usage: node mavsdk.js <terminal of fcu_emulator>
 'use strict';
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What QGroundControl says to a vehicle that it meets, up to "ready to fly" and a mission.
+// QGroundControl's messages to a vehicle that it meets, up to "ready to fly" and a mission.
 // usage: node qgroundcontrol.js <terminal of fcu_emulator>
 'use strict';
 

@@ -324,7 +324,7 @@ TEST(LineModel, SameSeedAndCallsGiveTheSameBytesAtTheSameTimes) {
   }
 }
 
-/// What a line does over a second of writes and reads, as numbers that tell any difference.
+/// Behaviour of a line over a second of writes and reads, as numbers that show any difference.
 std::vector<std::int64_t> course(const LineConfig& config) {
   const auto count = [](std::optional<RunTime> t) {
     return t ? t->time_since_epoch().count() : -1;

@@ -121,7 +121,7 @@ class FileServiceOnALine : public testing::Test {
       result_ = result;
     };
   }
-  /// Runs what has been begun, and looks at what it took of the line.
+  /// Runs the begun transfer, and checks its share of the line.
   void run() {
     const base::RunTime begin = service_.now;
     service_.run();

@@ -132,7 +132,7 @@ TEST_F(Telemetry, GpsIsPassedOnWithItsAccuracies) {
   EXPECT_NEAR(m.alt, 493'000, 200);
   EXPECT_EQ(m.satellites_visible, 12);
   EXPECT_EQ(m.eph, 100);
-  EXPECT_NEAR(m.h_acc, 10, 1);  // mm: what the RTK parameters say
+  EXPECT_NEAR(m.h_acc, 10, 1);  // mm, from the RTK parameters
 }
 
 TEST_F(Telemetry, HudAndAltitudesAreAboveSeaAndAboveHome) {

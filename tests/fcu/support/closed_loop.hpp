@@ -52,7 +52,7 @@ struct LoopOptions {
   LineConfig line;         ///< both directions
   double sensor_loss = 0;  ///< share of HIL_SENSOR packets that never arrive
   std::function<void(FcuConfig&)> configure;
-  /// Hears all that the controller is given, in order.
+  /// Called with all input of the controller, in order.
   std::function<void(std::span<const std::uint8_t>, base::RunTime)> tap;
 };
 
@@ -69,7 +69,7 @@ class ClosedLoop {
   /// Runs until `condition`, at most so long. @return whether it came true
   bool run_until(const std::function<bool()>& condition, double at_most_s);
 
-  /// Sends a message to the controller, past the line; as a ground station unless told otherwise.
+  /// Sends a message to the controller, past the line; by default as a ground station.
   template <class Message>
   void send(const Message& message, mav::Source from = {255, 190}) {
     mav::PacketBuffer buffer;

@@ -168,8 +168,8 @@ void EmulatorFixture::stand_still(double seconds) {
   }
 }
 
-// Waits until all that was sent is dealt with and its answers are read: what a full terminal has no
-// room for, the controller drops. The packets stay where next() finds them.
+// Waits until all sent packets are handled and their answers read: if the terminal is full, the
+// controller drops packets. The packets stay where next() finds them.
 void EmulatorFixture::keep_up() {
   Ping ping;
   ping.seq = ++pings_;

@@ -46,15 +46,14 @@ class EmulatorFixture {
   /// Sends a COMMAND_LONG. @return its result, the first one
   std::optional<mavlink::common::MavResult> result(mavlink::common::MavCmd id,
                                                    std::array<float, 7> params = {});
-  /// Sensors of a vehicle that stands still, as fast as the controller deals with them.
+  /// Sends sensors of a vehicle at rest, as fast as the controller handles them.
   void stand_still(double seconds);
-  /// Stands still until the controller may be armed.
+  /// Sends sensors at rest until the controller may be armed.
   void settle();
 
-  // From the controller.
-  /// Reads what has come. @return whether there was anything
+  /// From the controller. Reads all waiting input. @return whether there was any
   bool read();
-  /// The next packet of this message that meets the condition; what comes before it is dropped.
+  /// The next packet of this message that meets the condition; earlier ones are dropped.
   template <class Message>
   std::optional<Message> next(const std::function<bool(const Message&)>& condition = {},
                               const std::function<void(const mav::PacketView&)>& dropped = {},
@@ -99,13 +98,13 @@ class EmulatorFixture {
                                 });
     return out;
   }
-  /// Drops what has come so far.
+  /// Drops all packets so far.
   void forget();
 
   /// Calls a method of the control socket.
   base::rpc::Json call(const std::string& method, const base::rpc::Json& params);
   base::rpc::Json call(const std::string& method);
-  /// Opens the terminal anew, after a hang-up. @return whether it is there
+  /// Reopens the terminal after a hang-up. @return whether it is there
   bool reopen();
   bool hung_up() const { return hung_up_; }
   cas::test::ChildProcess& process() { return *process_; }

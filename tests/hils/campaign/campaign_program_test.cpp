@@ -38,7 +38,7 @@ steps:
   - disarm
 )";
 
-/// Nobody flies a quadrotor with a rotor that stands: that cell is red on purpose.
+/// A quadrotor with a stopped rotor cannot be flown: that cell is red on purpose.
 constexpr const char* kCampaign = R"(
 schema: 1
 name: hops
@@ -100,7 +100,7 @@ TEST_F(CampaignProgram, FliesJudgesAndReportsEachCell) {
   EXPECT_TRUE(fs::exists(out / "again/row_6/report.html"));
   EXPECT_TRUE(fs::exists(out / "results.csv"));
 
-  // What is expected may change without a flight: nothing is flown again.
+  // Expectations may change without a new flight.
   folder_.write("hops.yaml", std::string(kCampaign).replace(
                                  std::string(kCampaign).rfind("[stays_up]"), 10, "[crashes]"));
   const std::string again = hils({file_.string(), "--out", out.string(), "--replays", "0"}, 0);

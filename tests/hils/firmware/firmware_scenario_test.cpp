@@ -116,7 +116,7 @@ base::ConfigNode world_with(const test::TemporaryFolder& folder, const std::stri
   return base::ConfigNode::load(places.simulator_config());
 }
 
-/// What is said against it.
+/// The error on a world with these keys; empty: none.
 std::string refusal_of(const std::string& keys) {
   const test::TemporaryFolder folder;
   try {
@@ -177,7 +177,7 @@ TEST(FirmwareScenario, RefusesWhatMeansNothingToIt) {
             std::string::npos);
 }
 
-/// What is said against the scenario of two PX4 with something else in the place of a text.
+/// The error on the scenario of two PX4 in which `by` replaces `text`.
 std::string refusal_of_two(const std::string& text, const std::string& by) {
   const test::TemporaryFolder folder;
   std::ifstream in(kScenarios / "px4_sitl_two.yaml");

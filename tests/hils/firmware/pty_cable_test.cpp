@@ -51,7 +51,7 @@ class PtyCableTest : public testing::Test {
     });
   }
 
-  /// Takes what is there.
+  /// Reads all waiting bytes.
   static void read_into(std::string& all, const Port& port) {
     char chunk[4096];
     ssize_t size = 0;

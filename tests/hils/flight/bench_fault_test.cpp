@@ -114,7 +114,7 @@ TEST(BenchFaultScript, AsksTheVehicleThatTheFaultIsAbout) {
   const auto events = script.update(at(seconds(1)), vehicles, "hold");
   ASSERT_EQ(events.size(), 2U);
   EXPECT_EQ(events[0].fault->vehicle, 1U);
-  EXPECT_EQ(script.history_of(0).size(), 1U);  // what befalls casd befalls both
+  EXPECT_EQ(script.history_of(0).size(), 1U);  // a fault of casd hits both
   EXPECT_EQ(script.history_of(1).size(), 2U);
 }
 

@@ -156,7 +156,7 @@ TEST_F(FenceKeeping, GivesBackWhatItSetBeforeARefusal) {
 constexpr Geofence kFence{
     .radius_m = 15, .action = FenceAction::kHold, .margin_m = 5, .early_m = 3};
 
-/// What a flight missed, in one line.
+/// The missed limits of a flight, in one line.
 std::string missed(const FenceFigures& figures, bool flew_there = true) {
   std::vector<Stage> flown(1);
   flown.front().step.kind = flew_there ? StepKind::kBreach : StepKind::kTakeoff;

@@ -61,7 +61,7 @@ TEST(FiguresSoFar, ErrorsCountInTheMeasuredStepEachMomentOnce) {
   before.step.measure = false;
   figures.add(before, at(seconds(1)), above(7));
   figures.add(hold_at(2), at(seconds(2)), above(2.2));
-  figures.add(hold_at(2), at(seconds(2)), above(9));  // time stands: a pause
+  figures.add(hold_at(2), at(seconds(2)), above(9));  // the same time: a pause
   figures.add(hold_at(2), at(milliseconds(2050)), above(2.2));
   const auto checks = figures.checks(limits());
   const LimitCheck& north = check(checks, "RMS error of the true position, x_m");

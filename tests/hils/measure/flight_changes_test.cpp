@@ -141,7 +141,7 @@ TEST_F(FlightChangesTest, AGroundStationThatSetsAParameterIsNamed) {
   wish.target_system = 1;
   mav::set_text(wish.param_id, "MC_ROLL_P");
   say(20, ground_, wish);
-  tell(20.1, "MC_ROLL_P", 6.0F);  // told for the first time: what it was is not known
+  tell(20.1, "MC_ROLL_P", 6.0F);  // first report: the old value is unknown
   tell(25, "MC_ROLL_P", 7.0F);
   const FlightChanges changes = read();
   ASSERT_EQ(changes.parameters.size(), 2U);

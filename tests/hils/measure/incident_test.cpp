@@ -33,8 +33,8 @@ std::vector<Stage> flight() {
 
 using Path = std::function<void(double t, PoseSample& sample)>;
 
-/// 100 samples a second; the vehicle stands at 0.1 m above the ground's zero. Velocities are the
-/// differences of the places.
+/// 100 samples a second; at rest the vehicle is at 0.1 m above the ground's zero. Velocities are
+/// the differences of the places.
 std::vector<Incident> incidents_of(const Path& path, const std::vector<Stage>& stages = flight()) {
   std::vector<PoseSample> truth;
   for (int i = 0; i <= 2500; ++i) {

@@ -275,7 +275,7 @@ INSTANTIATE_TEST_SUITE_P(All, StarvedMachine, testing::ValuesIn(kStarved),
 TEST(Judgement, SaysOnceWhatHelpsABusyMachine) {
   Measurement figures = good();
   figures.pace = {.real_time_factor = 0.9, .worst_stall_ms = 100, .late_p99_ms = 20};
-  figures.rates.sensor.received -= 1;  // a packet that nobody accounts for
+  figures.rates.sensor.received -= 1;  // an unaccounted packet
   const Verdict verdict = judge(figures, hover_limits());
   ASSERT_GE(verdict.failures.size(), 3U);
   const auto helps = [](const std::string& sentence) {

@@ -31,7 +31,7 @@ std::vector<LedgerEntry> sensor_stream(std::uint64_t seconds) {
   return ledger;
 }
 
-/// What arrives of a stream 1 ms later, without the stamps that `lost` names.
+/// The stream's arrivals, 1 ms later, without the stamps that `lost` names.
 template <class Lost>
 std::vector<LedgerEntry> arrivals(const std::vector<LedgerEntry>& stream, Lost lost) {
   std::vector<LedgerEntry> ledger;

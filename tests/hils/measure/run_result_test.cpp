@@ -95,7 +95,7 @@ TEST(OneResult, ThatDoesNotCountIsAnErrorForContinuousIntegration) {
   EXPECT_FALSE(nlohmann::json::parse(summary_json(run)).at("valid"));
 }
 
-/// Who follows a case over the runs finds it by its name.
+/// A case keeps its name over the runs.
 TEST(OneResult, HasTheSameCasesHoweverItEnds) {
   const auto cases = [](bool kept) {
     Verdict verdict = kept ? kPassed : kMissed;

@@ -143,7 +143,7 @@ TEST(CompositionOfAWorld, HandsTheSdfFileOnWithFullPaths) {
 
 INSTANTIATE_TEST_SUITE_P(Of, Composition, testing::Values(Architecture::kTcas, Architecture::kTs));
 
-/// What somebody says who reads a value of a generated file that was the user's.
+/// Errors of a reader of a generated file whose value came from the user.
 class ErrorsOfGeneratedFiles : public testing::Test {
  protected:
   RunRequest request(const std::string& more) {

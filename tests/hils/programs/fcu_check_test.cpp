@@ -87,7 +87,7 @@ struct RateCase {
   double scenario_hz;
   const char* autopilot;
   const char* what;    ///< in the finding; empty: the rates agree
-  const char* remedy;  ///< in what is to be done
+  const char* remedy;  ///< in the remedy
 };
 
 class FcuCheckControlsRate : public testing::TestWithParam<RateCase> {};

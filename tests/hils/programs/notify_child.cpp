@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stands in for a program of a run: says that it is ready, then does as told.
+// Stand-in for a program of a run: says that it is ready, then acts by its argument.
 //   notify_child wait    ends with 0 on SIGTERM
 //   notify_child deaf    ignores SIGTERM
 //   notify_child crash   kills itself

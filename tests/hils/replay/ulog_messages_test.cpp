@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::uint64_t kStart = 5'000'000;
 constexpr std::uint64_t kSecond = 1'000'000;
 
-/// A vehicle on its table: what each of its topics has is added by the test.
+/// A vehicle on its table: the test adds the data of each topic.
 UlogBytes log() {
   return UlogBytes(kStart)
       .pair('I', "char[11] ver_hw", "PX4_FMU_V5X")

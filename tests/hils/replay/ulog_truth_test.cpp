@@ -86,7 +86,7 @@ TEST(UlogTruth, IsTheMotionOnTheAxesOfTruthCsv) {
   const Json truth = ulog_messages(bytes.bytes())["truth"];
   ASSERT_TRUE(truth.is_object());
   EXPECT_EQ(truth["t"]["d"].size(), 2U);
-  constexpr double kStep = 0.002;  // what the record resolves
+  constexpr double kStep = 0.002;  // resolution of the record
   const auto expect = [&](const char* name, double value) {
     EXPECT_NEAR(last(truth[name]), value, kStep) << name;
   };

@@ -72,7 +72,7 @@ bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-/// Whether a number stands there that is zero and has a sign.
+/// Whether the text has a zero with a sign.
 bool has_negative_zero(const std::string& text) {
   return std::regex_search(text, std::regex("(^|[^0-9.a-z])-0(\\.0*)?([^0-9.]|$)"));
 }

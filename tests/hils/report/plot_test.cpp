@@ -73,7 +73,7 @@ TEST(Plot, DrawsNothingWithoutValues) {
   EXPECT_EQ(svg.find("inf"), std::string::npos);
 }
 
-/// Width and height of what the first curve draws, px.
+/// Width and height of the first curve, px.
 std::pair<double, double> extent_of(const Points& points) {
   const auto [left, right] = std::ranges::minmax(points, {}, &Points::value_type::first);
   const auto [high, low] = std::ranges::minmax(points, {}, &Points::value_type::second);

@@ -180,7 +180,7 @@ class Cluster:
         wait_for("the node", lambda: self.ask("sinfo", "--noheader", "--format=%T") in ("idle", "mixed", "allocated"))
 
     def ask(self, *words):
-        """What a program of Slurm prints; empty where the controller does not answer yet."""
+        """Output of a program of Slurm; empty if the controller does not answer yet."""
         for name, daemon in self.daemons.items():
             check(daemon.poll() is None, f"{name} has ended with {daemon.returncode}")
         done = subprocess.run(words, env=self.environment, capture_output=True, text=True, timeout=PATIENCE_S)
@@ -201,7 +201,7 @@ class Cluster:
         return self.kill_orphans()
 
     def kill_orphans(self):
-        """Kills what daemons left behind: this process is the parent of all orphans below it."""
+        """Kills orphans of the daemons: this process is the parent of all orphans below it."""
         known = {daemon.pid for daemon in self.daemons.values()}
         chunks = set()
         while orphans := set(children(os.getpid())) - known:
@@ -238,7 +238,7 @@ class Sweep:
         return done.stdout
 
     def submit(self):
-        """Submits a job array of what lacks rows. @return how many chunks it has, its number"""
+        """Submits a job array of the missing rows. @return how many chunks it has, its number"""
         said = self.hils("run", self.folder, "--slurm", "--partition", "lab", "--jobs", "1", "--chunks", str(CHUNKS))
         numbers = re.search(rf"(\d+) of {CHUNKS} chunks\nSubmitted batch job (\d+)", said)
         check(numbers, f"nothing was submitted: {said}")
@@ -256,7 +256,7 @@ class Sweep:
         return [chunk for chunk in range(1, CHUNKS + 1) if self.flown_of(chunk) < ROWS // CHUNKS]
 
     def table(self):
-        """What `collect` makes that must be the same: results.csv, and the rows of the database."""
+        """Results of `collect` that must be the same: results.csv, and the rows of the database."""
         said = self.hils("collect", self.folder, "--again", "0")
         check(f"{ROWS} of {ROWS} runs flown, {ROWS} with a verdict" in said, said)
         with sqlite3.connect(self.folder / "sweep.sqlite") as database:

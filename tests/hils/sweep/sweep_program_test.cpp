@@ -72,7 +72,7 @@ class Sweep : public testing::Test {
     command.insert(command.end(), arguments.begin(), arguments.end());
     return command;
   }
-  /// Runs `hils sweep ...` to its end. @return what it printed
+  /// Runs `hils sweep ...` to its end. @return its output
   static std::string sweep(const std::vector<std::string>& arguments, int code = 0) {
     ChildProcess program(hils(arguments));
     EXPECT_EQ(program.wait_exit(kSweepPatience), code) << program.output();
@@ -236,7 +236,7 @@ TEST_F(Sweep, ARunThatDiesCostsItsOwnRow) {
   sweep({"run", hurt.string(), "--retry"});
   EXPECT_EQ(TemporaryFolder::read(hurt / "chunks/chunk_1_of_1.csv"), whole());
 
-  // As if it had died in another chunk, whose journal is read later: what was flown then stands.
+  // As if it had died in another chunk, whose journal is read later: the flown result counts.
   std::istringstream lines(TemporaryFolder::read(hurt / "journal/chunk_1_of_1.jsonl"));
   std::ofstream later(hurt / "journal/chunk_2_of_2.jsonl");
   for (std::string line; std::getline(lines, line);) {
@@ -339,7 +339,7 @@ TEST_F(Sweep, AJobArrayGivesTheSameTable) {
     command.insert(command.end(), own.begin(), own.end());
     return command;
   };
-  // What Slurm refuses has no chunks that a later one must keep to.
+  // An array that Slurm refuses fixes no chunks for a later one.
   const fs::path refusing =
       folder_.write("refusing/sbatch", "#!/bin/sh\necho No account; exit 1\n");
   fs::permissions(refusing, fs::perms::owner_all);

@@ -21,7 +21,7 @@ namespace {
 using namespace mavlink::common;  // NOLINT: the board's messages
 using namespace std::chrono_literals;
 
-/// What a board does.
+/// Behaviour of a board.
 struct Manner {
   bool beats = true;
   bool armed = false;

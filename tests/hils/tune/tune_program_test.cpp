@@ -91,8 +91,8 @@ TEST_F(Tune, BeatsASluggishLoopAndGivesTheSameAfterAnEndInTheMiddle) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
   }
 
-  // As if it had been killed after ten flights: what was flown is not flown again, the rest is.
-  // Their numbers do not matter, and lines that do not say which flight they are of go unused.
+  // As if it had been killed after ten flights: only the rest is flown. Row numbers do not matter,
+  // and lines that do not name their flight are ignored.
   const fs::path cut = folder_ / "cut";
   fs::create_directories(cut);
   fs::copy(whole / "scenarios", cut / "scenarios", fs::copy_options::recursive);

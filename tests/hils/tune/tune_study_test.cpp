@@ -70,7 +70,7 @@ TEST_F(TuneStudyTest, PlacesAreBetweenTheEnds) {
   EXPECT_EQ(study.vary[1].value_at(1.0 / 3), "5.333");  // four digits
 }
 
-/// As written, and never outside of what the study allows.
+/// As written, and never outside of the study's bounds.
 TEST_F(TuneStudyTest, ValuesAreRoundedBetweenTheEnds) {
   const TuneStudy fine = load(with("[2, 12], from: 7", "[2.00001, 11.99999], from: 7.123456"));
   EXPECT_EQ(fine.before()[1], "7.123456");

@@ -19,7 +19,7 @@ namespace {
 
 using cas::test::UlogBytes;
 
-/// What a log says, a line for each thing.
+/// Contents of a log, one line for each item.
 class Lines final : public UlogListener {
  public:
   explicit Lines(std::string_view bytes) { read_ulog(bytes, *this); }

@@ -110,7 +110,7 @@ TEST_F(VirtualRelayTest, OneThreadWaitsForOneLineAfterTheOther) {
   EXPECT_EQ(line.writes[0], at({}));
   EXPECT_GE(base::to_seconds(other_line.writes[0] - line.writes[0]), line_s);
 
-  // What comes while the thread waits is written when it is through with both.
+  // A packet that comes while the thread waits is written after both.
   sensor_comes(at(milliseconds(1)));
   EXPECT_EQ(line.writes.size(), 1U);
   const base::RunTime through = relay->next_event();

@@ -24,7 +24,7 @@ using cas::test::ChildProcess;
 using testing::HasSubstr;
 using Row = std::vector<double>;
 
-/// Stands on the ground for 4 s; every sensor is next to noiseless.
+/// Rests on the ground for 4 s; every sensor is next to noiseless.
 const std::string kWorld = R"(schema: 1
 world: {gravity_m_s2: 9.80665, ground: true}
 home: {lat_deg: 47.4, lon_deg: 8.5, alt_m: 488}

@@ -157,7 +157,7 @@ TEST(Ground, WhatSlidesOnSmallTrianglesGoesAsFarAsOnAPlane) {
   constexpr double kFriction = 0.1;
   const auto on_plane = slide(flat_world(kFriction), 1.5);
   const auto on_mesh = slide(ground_of_triangles(0.1, kFriction), 1.5);
-  constexpr double kSame = 1e-4;  // m: contacts are looked for anew each 10 cm
+  constexpr double kSame = 1e-4;  // m: contacts are searched again each 10 cm
   EXPECT_GT(on_plane->state(kFirst).p_WB.x(), 0.4);
   EXPECT_LT((on_mesh->state(kFirst).p_WB - on_plane->state(kFirst).p_WB).norm(), kSame);
 }
@@ -340,7 +340,7 @@ TEST(Disc, LeansWithItsAxis) {
   constexpr double kLean = 0.5;
   constexpr double kGap = 1e-3;  // m: the disc has a small thickness
   const Eigen::Vector3d axis_B(0, -std::sin(kLean), std::cos(kLean));
-  const double ground_B = -world->state(kFirst).p_WB.z();  // the vehicle stands level
+  const double ground_B = -world->state(kFirst).p_WB.z();  // the vehicle is level
   const double lowest = kRadius * std::sin(kLean);
   EXPECT_FALSE(world->disc_touches(kFirst, {0, 0, ground_B + lowest + kGap}, axis_B, kRadius));
   EXPECT_TRUE(world->disc_touches(kFirst, {0, 0, ground_B + lowest - kGap}, axis_B, kRadius));

@@ -10,7 +10,7 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
-// Counts what is taken from the heap anywhere in the process, libraries and plugins included.
+// Counts heap allocations of the whole process, libraries and plugins included.
 namespace {
 
 std::atomic<bool> counting{false};

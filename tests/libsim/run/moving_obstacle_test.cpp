@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Obstacles that go their way, from the path to what they meet.
+// Moving obstacles: their paths and their contacts.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

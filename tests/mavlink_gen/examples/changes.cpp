@@ -52,7 +52,7 @@ int main() {
   PacketParser parser(mavlink::common::table());
   std::optional<Heartbeat> last;
   std::array<std::uint8_t, 4096> bytes{};
-  // read() gives what is there; fread() would wait until the buffer is full.
+  // read() returns the waiting bytes; fread() would wait until the buffer is full.
   for (ssize_t size; (size = ::read(STDIN_FILENO, bytes.data(), bytes.size())) > 0;) {
     parser.feed(std::span(bytes).first(static_cast<std::size_t>(size)),
                 [&last](const PacketView& packet) {

@@ -59,7 +59,7 @@ int main(int argc, char** argv) {
     parser.feed(line.read(), [&](const PacketView& packet) {
       if (packet.source == kVehicle) files.on_packet(packet, kSelf, Clock::now());
     });
-    files.tick(Clock::now());  // asks again for what does not come
+    files.tick(Clock::now());  // repeats unanswered requests
   }
   if (outcome->ok() && !std::cout.flush()) {
     outcome = failure(OutcomeKind::kRefused, "standard output cannot be written");

@@ -28,7 +28,7 @@ class Line {
   void send(std::span<const std::uint8_t> packet) const {
     if (::write(fd_, packet.data(), packet.size()) < 0) return;
   }
-  /// What comes within 20 ms; valid until the next call.
+  /// Bytes that come within 20 ms; valid until the next call.
   std::span<const std::uint8_t> read() {
     pollfd readable{fd_, POLLIN, 0};
     ::poll(&readable, 1, 20);

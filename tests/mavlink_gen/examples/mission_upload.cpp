@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Uploads way-points, LATITUDE LONGITUDE HEIGHT in each line of standard input, to the autopilot
-// 1/1 at the other end of a serial line, then prints what it has:
+// 1/1 at the other end of a serial line, then prints the autopilot's mission:
 //
 //   echo 47.3977420 8.5455940 10 | mavlink_mission_upload /dev/ttyACM0
 //   0: 47.3977420 8.5455940 10.0
@@ -81,7 +81,7 @@ int main(int argc, char** argv) {
     parser.feed(line.read(), [&](const PacketView& packet) {
       if (packet.source.system == 1) mission.on_packet(packet, kSelf, Clock::now());
     });
-    mission.tick(Clock::now());  // says again what got no answer
+    mission.tick(Clock::now());  // repeats unanswered messages
   }
   return ok ? 0 : 1;
 }

@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
     write(encode_packet(mavlink::common::Heartbeat{}));  // dialects meet on one line
     return 0;
   }
-  PacketParser parser(lab::table());  // what the table does not hold is passed over
+  PacketParser parser(lab::table());  // skips messages outside the table
   std::array<std::uint8_t, 4096> bytes{};
   while (const std::size_t size = std::fread(bytes.data(), 1, bytes.size(), stdin)) {
     parser.feed(std::span(bytes).first(size),

@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
       const auto value = decode<mavlink::common::ParamValue>(packet);
       if (value) params.on_value(*value, vehicle.param_encoding(), Clock::now());
     });
-    params.tick(Clock::now());  // asks again for what does not come
+    params.tick(Clock::now());  // repeats unanswered requests
   }
   for (const auto& [name, value] : outcome->parameters) {
     std::cout << name << "  " << number_text(value) << '\n';

@@ -5,8 +5,8 @@
 //   mavlink_signing check "pass phrase" < signed
 //   1/1 HEARTBEAT accepted
 //
-// What is not of dialect common is left out, with a word on standard error. Exit 1: no packet came,
-// or one that was checked is not accepted.
+// Messages outside dialect common are left out, with a note on standard error. Exit 1: no packet
+// came, or one that was checked is not accepted.
 #include <array>
 #include <chrono>
 #include <cstdint>

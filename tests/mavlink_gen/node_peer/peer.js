@@ -32,7 +32,7 @@ function expectFields(actual, expected, where) {
   }
 }
 
-// What we send, node-mavlink must read.
+// node-mavlink must read our packets.
 async function readOurs(sent, signed) {
   const bytes = Buffer.concat(sent.map((packet) => Buffer.from(packet.hex, 'hex')));
   const stream = Readable.from([bytes]).pipe(new mavlink.MavLinkPacketSplitter())

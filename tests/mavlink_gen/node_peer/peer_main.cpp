@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Our end of the test against node-mavlink. `send` prints packets of every message with their
-// values; `receive` reads packets in hex and prints what it found in them.
+// values; `receive` reads packets in hex and prints their contents.
 #include <array>
 #include <iostream>
 #include <nlohmann/json.hpp>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Usage: stranger lab.xml. Exit code 0: what was sent came back, and the file says what the code
-// does.
+// Usage: stranger lab.xml. Exit code 0: sent messages came back, and the file agrees with the code.
 #include "mavlink/common/all.hpp"
 #include "mavlink/lab/all.hpp"
 #include "mavlink_gen/json/message_codec.hpp"

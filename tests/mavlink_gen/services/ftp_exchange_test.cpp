@@ -29,7 +29,7 @@ Bytes some_bytes(std::size_t count) {
   return bytes;
 }
 
-/// A client on a virtual clock. What it asks waits in `asked_`.
+/// A client on a virtual clock. Its requests wait in `asked_`.
 class Ftp : public testing::Test {
  protected:
   FtpExchange::Done done() {

@@ -45,7 +45,7 @@ class FtpServerTest : public testing::Test {
     request.set_text(path);
     server_.on_request(ftp_message(request), from, now_);
   }
-  /// What a refusal says.
+  /// Error code of a refusal.
   static MavFtpErr error(const FtpPayload& answer) {
     EXPECT_EQ(answer.opcode, Opcode::kNak);
     return static_cast<MavFtpErr>(answer.data[0]);

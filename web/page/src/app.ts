@@ -108,7 +108,7 @@ class App extends Part {
       ${!open ? verdict.sentences.slice(0, 3).map((sentence) => html`<p class="bad">${clean(sentence)}</p>`) : nothing}</div>`;
   }
 
-  /** In a record: what the paper measured in the same place. */
+  /** In a record: the paper's value of the same figure. */
   private recordRows() {
     const {bench} = page;
     const {hops} = bench;

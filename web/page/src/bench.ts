@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the page knows of the bench: folds the messages of a Source, and computes no verdict.
+// State of the bench on the page: folds the messages of a Source, and computes no verdict.
 import {fromHome, quaternionOf, rpyOf, type Place, type Quat, type Rpy, type Vec3} from './frames.ts';
 import {kWarning} from './protocol.ts';
 import type {
@@ -8,7 +8,7 @@ import type {
 } from './protocol.ts';
 import {rowsOf} from './record.ts';
 
-/** A motion in W with the age of what told it. */
+/** A motion in W with the age of its source. */
 export interface Motion {
   p: Vec3;
   q: Quat;
@@ -27,7 +27,7 @@ export interface BenchVehicle {
   origin_W?: Vec3;
   /** Where it shall be in the moment that is shown. */
   reference?: {p_W: Vec3; yaw_rad: number};
-  /** The reference as it was told last, with the moment that it is of. */
+  /** The newest received reference, with its time. */
   told?: {t_s: number; p_W: Vec3; v_W: Vec3; yaw_rad: number};
 }
 
@@ -39,7 +39,7 @@ export const kStale_s = 0.3;
 /** After so long without a HEARTBEAT a vehicle is not commanded. */
 const kHeartbeat_s = 3;
 
-/** A reference that was told so long ago is none any more. */
+/** An older reference is not used. */
 const kReference_s = 0.5;
 
 /** Topics that missed three periods (2 s at least), with the age of their last snapshot. */
@@ -132,7 +132,7 @@ export class Bench {
     return this.vehicles[this.selected];
   }
 
-  /** Of the vehicle that is looked at; nothing where none is told. */
+  /** Of the selected vehicle; undefined if there is none. */
   get verdict(): Verdict | undefined {
     const {run} = this;
     if (!run) return this.verdict_;
@@ -245,7 +245,7 @@ export class Bench {
     return this.links?.forward_us?.find((each) => each.from === from && this.isOwn(each.system));
   }
 
-  /** Whether a figure is of the vehicle that is looked at; 0 is one that no vehicle told. */
+  /** Whether a figure is of the selected vehicle; 0 is a figure without a vehicle. */
   private isOwn(system: number | undefined): boolean {
     return !system || system === this.vehicle?.system;
   }
@@ -292,7 +292,7 @@ export class Bench {
     };
   }
 
-  /** What is drawn as the vehicle: the truth, else the estimate. */
+  /** The motion drawn as the vehicle: the truth, else the estimate. */
   motion(vehicle = this.vehicle): {motion: Motion; label: 'truth' | 'estimate'} | undefined {
     const truth = this.truth(vehicle);
     if (truth) return {motion: truth, label: 'truth'};
@@ -382,7 +382,7 @@ export class Bench {
   }
 }
 
-/** The reference in the moment of a picture, which is a little before or after the one that was told. */
+/** The reference in the moment of a picture, which is a little before or after that of the received one. */
 export function referenceAt(told: NonNullable<BenchVehicle['told']>, t_s: number): BenchVehicle['reference'] {
   const dt_s = t_s - told.t_s;
   if (Math.abs(dt_s) > kReference_s) return undefined;

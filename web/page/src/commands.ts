@@ -31,7 +31,7 @@ export const actions = {
   disarm: () => void page.command('vehicle.disarm'),
 };
 
-/** Arm, take off, land, hold, go to, mode; what makes things less safe asks first. */
+/** Arm, take off, land, hold, go to, mode; commands that reduce safety ask first. */
 class Commands extends Part {
   private readonly hold = new Hold(kHoldDown_s);
   private held?: Element;

@@ -11,7 +11,7 @@ interface FaultButton {
   params: (for_s: number) => object;
 }
 
-/** What each kind of fault does when it is begun from the page. */
+/** Effect of each kind of fault that is begun from the page. */
 export const kFaultButtons: Record<string, FaultButton> = {
   unplug: {text: 'Cut line', words: 'Cut the line of', params: () => ({unplug: 'fcu'})},
   drop: {text: 'No GPS', words: 'Take the GPS from', params: () => ({drop: 'gps'})},

@@ -48,7 +48,7 @@ export function toneOfHop(hop: Hop | undefined, nominal: Record<string, number>)
   return tone;
 }
 
-/** The way of the packets: simulator, casd, controller, with what was measured between them. */
+/** The way of the packets: simulator, casd, controller, with the figures of the hops between them. */
 class Links extends Part {
   private width = 0;
   private height = 0;
@@ -72,7 +72,7 @@ class Links extends Part {
     this.observer.disconnect();
   }
 
-  /** The tape is played 200 times slower: what has not left yet is faint. */
+  /** The tape is played 200 times slower: packets that have not left yet are faint. */
   protected override frame(now_s: number): void {
     const {tape, time_s} = page.bench;
     if (tape !== this.shownTape) {
@@ -197,7 +197,7 @@ class Links extends Part {
     const stroke = dead ? 'red' : 'line';
     const head = back ? x0 : x1;
     const g = back ? -1 : 1;
-    // The begin of the tape is at the arrow's head: what left first is farthest.
+    // The begin of the tape is at the arrow's head: the first packet is farthest.
     const at = (t: number) => (back ? x0 + (t / window_us) * (x1 - x0) : x1 - (t / window_us) * (x1 - x0));
     const packets: TapePacket[] = tape?.hops[key] ?? [];
     return svg`<g>
@@ -232,7 +232,7 @@ class Links extends Part {
       : hop.us ? delayPair(hop.us) : hop.measured === 'echo' ? 'measured as a loop' : 'delay not measured';
     const lost = hop.lost ? ` · ${hop.lost} lost` : '';
     const tone = toneOfHop(hop, nominal_hz);
-    // What does not fit is left out, the least first: the table beside the drawing has it all.
+    // Labels that do not fit are left out, the least first: the table beside the drawing has it all.
     const named = (name: string) => short[name] ?? name;
     const words = lead + main.map(([name, hz]) => `${rate(hz)} ${named(name)}`).join(' · ');
     const fits = (text: string) => (text.length + right.length + lost.length) * 6.7 + 12 < x1 - x0;

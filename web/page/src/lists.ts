@@ -54,7 +54,7 @@ const kKinds: Record<string, [string, string]> = {
   HIL_SENSOR: ['sensor', 'est'], HIL_GPS: ['gps', 't1'], HIL_CONTROLS: ['controls', 'act'], HIL_ACTUATOR_CONTROLS: ['controls', 'act'],
 };
 
-/** What a message has: names of its fields, from the source. */
+/** Names of a message's fields, from the source. */
 export interface FieldNames {
   fields(message: string): string[];
   open?(message: string | null, link?: string, system?: number, component?: number): void;

@@ -76,7 +76,7 @@ export class LiveSource implements Source {
   private rates: Record<string, number> = {};
   private methods = new Set<string>();
   private watched = new Map<string, {message: string; fields: string[]}>();
-  /** What the user has open, and how it was asked for. */
+  /** The user's open messages, and their subscriptions. */
   private opened: Parameters<LiveSource['open']> = ['LOCAL_POSITION_NED'];
   private readonly known = new Map<string, string[]>();
   private units = new Map<string, string>();
@@ -131,7 +131,7 @@ export class LiveSource implements Source {
     }
   }
 
-  /** Both ends prove that they know the token of the address; a program that took the port is told nothing that it can use. */
+  /** Both ends prove that they know the token of the address; a program that took the port gets nothing that it can use. */
   private async greet(): Promise<Hello> {
     const token = sessionStorage.getItem('token') ?? '';
     const pageNonce = makeNonce();
@@ -145,7 +145,7 @@ export class LiveSource implements Source {
     return (await this.call('hello', {protocol: 2, proof: tokenProof(token, 'client', context), client: 'page 0.2.0'})) as Hello;
   }
 
-  /** The scene, who is there, and what can be broken. */
+  /** Fetches the scene, the programs present, and the kinds of faults. */
   private async refresh(): Promise<void> {
     const scene = await this.call('sim.scene').catch(() => null);
     if (scene) this.bench.setScene(scene as Scene);
@@ -246,7 +246,7 @@ export class LiveSource implements Source {
     ring.push(t, v);
   }
 
-  /** Puts what plots show into rings. */
+  /** Puts samples of plots into rings. */
   private keep(method: string, params: unknown): void {
     if (method === 'snap.sim') {
       this.heardSim_s = clock_s();

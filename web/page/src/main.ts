@@ -22,7 +22,7 @@ import type {World} from './world.ts';
 
 const kText_s = 0.1;
 
-/** What tests look at, never at pixels. */
+/** Hook for tests, which never look at pixels. */
 function hook(started_ms: number) {
   return {
     scene: () => {
@@ -61,7 +61,7 @@ function painted(): Promise<void> {
 function run(source: Source): void {
   page.source = source;
   source.start(page.bench);
-  // A record opens with all of the flight in view; a live bench follows what flies.
+  // A record opens with all of the flight in view; a live bench follows the vehicles.
   page.camera = source.player ? 'orbit' : 'follow';
   page.tab = source.player ? 'Plots' : 'Messages';
   page.secondTab = source.player ? 'Messages' : 'Plots';

@@ -3,7 +3,7 @@
 
 export const kDash = '–';
 
-/** A number with so many decimals, a real minus sign, and a dash for what is no number. */
+/** A number with so many decimals, a real minus sign, and a dash for NaN. */
 export function fixed(value: number | null | undefined, digits = 2): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return kDash;
   const text = Math.abs(value).toFixed(digits);

@@ -15,7 +15,7 @@ export interface Question {
   act: (vehicle: number | undefined) => void;
 }
 
-/** What all parts of the page share. */
+/** State shared by all parts of the page. */
 export class Page {
   readonly bench = new Bench();
   source!: Source;
@@ -31,12 +31,12 @@ export class Page {
   readonly underWay = new Map<string, number>();
   goto: {vehicle?: number; north_m: number; east_m: number; up_m: number} | null = null;
   now_s = 0;
-  /** Its first frame is on the screen: what takes long to draw begins after it. */
+  /** Its first frame is on the screen: slow drawing begins after it. */
   seen = false;
   readonly frames = new Set<(now_s: number) => void>();
   readonly slows = new Set<() => void>();
 
-  /** Draws what is text: ten times a second, and at once after something was pressed. */
+  /** Draws text: ten times a second, and at once after user input. */
   redraw(): void {
     if (this.question && this.question.vehicle !== this.bench.vehicle?.system) this.question = undefined;
     if (this.goto && this.goto.vehicle !== this.bench.vehicle?.system) this.goto = null;
@@ -56,7 +56,7 @@ export class Page {
     this.redraw();
   }
 
-  /** Calls a method that changes something, of the vehicle that is looked at unless `params` names it, and keeps what is refused. */
+  /** Calls a method that changes something, of the selected vehicle unless `params` names one, and keeps the refusal. */
   async command(method: string, params: object = {}): Promise<void> {
     if (this.underWay.has(method)) return;
     this.refusal = '';
@@ -92,7 +92,7 @@ export class Part extends LitElement {
     page.slows.delete(this.slow_);
     page.frames.delete(this.frame_);
   }
-  /** Once a frame, for what moves. */
+  /** Once a frame, for moving parts. */
   protected frame(_now_s: number): void {}
 }
 

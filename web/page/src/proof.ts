@@ -10,7 +10,7 @@ export function makeNonce(): string {
   return bytesToHex(randomBytes(32));
 }
 
-/** What a proof is bound to: the place where the page was opened and fresh nonces of both ends. */
+/** The values that a proof is bound to: the place where the page was opened and fresh nonces of both ends. */
 export interface ProofContext {
   place: string;
   pageNonce: string;

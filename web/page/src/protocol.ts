@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What docs/web_protocol.md says, as types. Unknown keys are ignored.
+// The types of docs/web_protocol.md. Unknown keys are ignored.
 import type {Place, Quat, Vec3} from './frames.ts';
 
 export interface Part {
@@ -74,7 +74,7 @@ export interface Delay {
 export interface Hop {
   from: string;
   to: string;
-  /** The vehicle; 0 while nothing told it. */
+  /** The vehicle; 0 while unknown. */
   system?: number;
   link?: string;
   type?: string;
@@ -151,14 +151,14 @@ export interface VerdictRow {
 export interface Verdict {
   /** lost: it was running, and is heard no more. */
   state: 'running' | 'passed' | 'failed' | 'invalid' | 'lost';
-  /** Seconds since it was told, for a run that is lost. */
+  /** Seconds since its last report, for a run that is lost. */
   age_s?: number;
   /** Of the vehicle that is looked at. */
   rows: VerdictRow[];
   /** Of all vehicles of the run. */
   every?: VerdictRow[];
   sentences: string[];
-  /** What people did to the run by hand, in words. */
+  /** Acts of people on the run by hand, in words. */
   touched: string[];
 }
 

@@ -34,7 +34,7 @@ interface RecordVehicle {
   system: number;
   scene?: SceneVehicle;
   passed?: boolean;
-  /** Somebody acted by hand. */
+  /** A person acted by hand. */
   touched?: boolean;
   checks?: Check[];
   stages?: (Stage & {step?: string})[];
@@ -164,7 +164,7 @@ export class VehicleRecord {
   readonly truth: Columns | undefined;
   readonly reference: Columns | undefined;
   readonly messages: RecordMessage[];
-  /** What its HEARTBEATs say; those of other components of the system say nothing. */
+  /** From its HEARTBEATs; those of other components of the system do not count. */
   readonly autopilot: string | undefined;
   /** Origin of the estimate, in W: where the vehicle stood at the start, unless the record knows better. */
   readonly origin: Vec3 = [0, 0, 0];
@@ -190,7 +190,7 @@ export class VehicleRecord {
     return this.messages.find((message) => message.name === name);
   }
 
-  /** What the vehicle says of itself, by telemetry or in its own log: fields of one name. */
+  /** The vehicle's own reports, by telemetry or in its own log: fields of one name. */
   private get status(): RecordMessage | undefined {
     return this.message('HEARTBEAT') ?? this.message('vehicle_status');
   }
@@ -223,7 +223,7 @@ export class VehicleRecord {
     };
   }
 
-  /** What the run was held to at a moment; nothing outside the flight. */
+  /** The reference at a moment; undefined outside the flight. */
   referenceAt(t: number): {p_W: Vec3; yaw_rad: number} | undefined {
     const ref = this.reference;
     if (!ref) return undefined;
@@ -232,7 +232,7 @@ export class VehicleRecord {
     return {p_W: [ref.y![i]!, ref.x![i]!, ref.z![i]!], yaw_rad: ref.yaw![i]!};
   }
 
-  /** What the vehicle said of itself, as vehicle.state answers. */
+  /** The vehicle's state, as vehicle.state answers it. */
   stateAt(t: number): VehicleState {
     const states = this.raw.log?.states ?? [];
     const state = states[indexAt(states.map((row) => row[0]), t)];
@@ -332,7 +332,7 @@ export class VehicleRecord {
     return field ? {t: attitude!.t, v: field.values.map((value) => value * kDegrees)} : undefined;
   }
 
-  /** Distance of the truth from the reference, between climb and the end of what was measured. */
+  /** Distance of the truth from the reference, between climb and the end of the measured part. */
   private error(): Series | undefined {
     const truth = this.truth;
     if (!truth || !this.reference) return undefined;

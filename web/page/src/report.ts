@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The plots of what hils leaves (report.html, comparison.html, sweep.html, tune.html): each drawing that has its numbers
+// The plots in reports of hils (report.html, comparison.html, sweep.html, tune.html): each drawing that has its numbers
 // beside it becomes a plot: zoom by dragging, one cursor over all that have the same x axis, curves that can be hidden, and
 // the distance between two points that were clicked. Without a script the drawings stay.
 import 'uplot/dist/uPlot.min.css';
@@ -38,7 +38,7 @@ function colour(name: string): string {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 }
 
-/** Grey for references, so that what was flown stands out. */
+/** Grey for references, so that the flown curve stands out. */
 function strokes(curves: Curve[]): string[] {
   let next = 0;
   return curves.map((curve) => (curve.dashed ? colour('--quiet') : kColours[next++ % kColours.length]!));
@@ -77,7 +77,7 @@ function drawMarks(u: uPlot, data: PlotData): void {
 }
 
 function makePlot(figure: HTMLElement, data: PlotData): uPlot {
-  // A null is a gap; what join() leaves undefined, for the moments of other curves, is none.
+  // A null is a gap; undefined of join(), for the moments of other curves, is none.
   const tables = data.series.map((curve) => [decode(curve.x), Array.from(decode(curve.y), (y) => (Number.isNaN(y) ? null : y))]);
   const colours = strokes(data.series);
   const said = document.createElement('figcaption');

@@ -372,7 +372,7 @@ export class View3D {
     return {centre, size: Math.max(2, ...low.map((value, k) => high[k]! - value))};
   }
 
-  /** Builds what does not move: when the vehicles, the theme or the selection change. */
+  /** Builds the static parts: when the vehicles, the theme or the selection change. */
   private build(bench: Bench): void {
     const key = `${document.documentElement.dataset.theme}|${bench.selected}|${bench.vehicles.map((v) => v.name + (v.scene?.rotors.length ?? 0)).join()}|${bench.scene?.hash}|${bench.beside.length}`;
     if (key === this.built) return;
@@ -414,8 +414,8 @@ export class View3D {
 
   /**
    * Frees scenes that are shown no more, after the new one was drawn: a program that no material uses is deleted, and to
-   * compile them all anew takes a processor without a graphics card many seconds. The newest of them stays: what the new
-   * scene does not show yet, such as its trail, takes its program from there.
+   * recompile them all takes a processor without a graphics card many seconds. The newest of them stays: objects that the
+   * new scene does not show yet, such as its trail, take their programs from there.
    */
   private disposePast(): void {
     for (const scene of this.past.splice(0, Math.max(0, this.past.length - 1))) {
@@ -601,7 +601,7 @@ export class View3D {
     this.makePath(bench);
   }
 
-  /** The path that was ordered, dotted: of a record the whole, live as far as it has been told. */
+  /** The ordered path, dotted: of a record the whole, live as far as it is known. */
   private makePath(bench: Bench): void {
     const [n, e, u] = ['n', 'e', 'u'].map((axis) => this.series(bench.selected, `ref.${axis}`));
     const points: number[] = [];

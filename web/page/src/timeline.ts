@@ -8,7 +8,7 @@ import type {Happening} from './protocol.ts';
 /** Ticks nearer than this are drawn as one with a count. */
 const kNear_px = 112;
 
-/** What a live bench shows of its past at most. */
+/** Longest past that a live bench shows. */
 const kLive_s = 600;
 
 /** Moments of ticks that share a place: the first of each group, and how many there are. */

@@ -25,7 +25,7 @@ export function shownRows(rows: VerdictRow[]): VerdictRow[] {
   return result.sort((a, b) => rank(a) - rank(b));
 }
 
-/** "Passed, 5 of 5 limits", over all vehicles of the run; a tick is for what has passed alone. */
+/** "Passed, 5 of 5 limits", over all vehicles of the run; a tick means passed. */
 export function verdictText(verdict: Verdict): {text: string; tone: '' | 'red' | 'amber' | 'grey'; ticked: boolean} {
   const rows = verdict.every ?? verdict.rows;
   const bounded = rows.filter((row) => row.limit !== null);

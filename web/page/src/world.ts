@@ -13,7 +13,7 @@ export function windFrom(wind: [number, number, number]): number {
   return (Math.round((Math.atan2(-wind[0], -wind[1]) * 180) / Math.PI) + 360) % 360;
 }
 
-/** What the view shows, in a sentence. */
+/** Contents of the view, in a sentence. */
 export function viewSentence(): string {
   const {bench} = page;
   const shown = bench.motion();

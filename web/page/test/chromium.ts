@@ -17,7 +17,7 @@ export function launchFlat(): Promise<Browser> {
   return chromium.launch({executablePath: kChromium!, args: [...kCommon, '--disable-3d-apis']});
 }
 
-/** What the page says of itself (main.ts, hook). */
+/** The page's own report (main.ts, hook). */
 export interface SceneHook {
   time_s: number | null;
   connection: string;

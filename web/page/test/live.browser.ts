@@ -28,7 +28,7 @@ interface Call {
   params: Record<string, unknown>;
 }
 
-/** A casweb that answers, and remembers what it was asked. */
+/** A casweb that answers, and remembers its requests. */
 class FakeServer {
   calls: Call[] = [];
   acks: {topic: string; seq: number}[] = [];
@@ -307,7 +307,7 @@ test('a program that took the port of casweb learns nothing', async () => {
 test('a scene that is built anew compiles no shader again', async () => {
   const server = new FakeServer();
   const {page} = await open(server);
-  // What is drawn first may come with later packets: a slow machine has compiled all after some pictures alike.
+  // The first drawing may come with later packets: a slow machine has compiled all after some pictures alike.
   let alike = {programs: '', since: 0};
   const before = await until(page, 'pictures with the same shaders', (now) => {
     const programs = (now.programs3d ?? []).join();

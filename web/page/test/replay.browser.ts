@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// replay.html from file:// in a real browser; asserts on what the page says of itself, never on pixels.
+// replay.html from file:// in a real browser; asserts on the page's own report, never on pixels.
 import assert from 'node:assert/strict';
 import {mkdtempSync, readFileSync, rmSync, writeFileSync} from 'node:fs';
 import {tmpdir} from 'node:os';
