@@ -101,7 +101,7 @@ json tx_json(const LinkStatus& link) {
 
 json message_json(const MessageStatus& message, const std::string& name) {
   return json{{"link", message.link},
-              {"direction", message.direction},
+              {"direction", to_string(message.way)},
               {"id", message.id},
               {"name", name},
               {"system", message.source.system},
@@ -306,16 +306,17 @@ json FigureMethods::drops() const {
   for (const LinkStatus& link : source_.figures->links()) {
     for (const LinkCounterRow& row : link_counter_rows()) {
       const std::uint64_t count = row.value(link);
-      if (row.words.cause.empty() || count == 0) continue;
-      unreadable.push_back({{"link", link.name}, {"cause", row.words.cause}, {"count", count}});
+      if (!row.words.cause || count == 0) continue;
+      unreadable.push_back(
+          {{"link", link.name}, {"cause", to_string(*row.words.cause)}, {"count", count}});
     }
   }
   json dropped = json::array();
   for (const MessageStatus& message : source_.figures->messages(source_.now())) {
-    if (message.cause.empty()) continue;
+    if (!message.way.is_drop()) continue;
     json entry = message_json(message, message_name(message.id));
     entry.erase("direction");
-    entry["cause"] = message.cause;
+    entry["cause"] = to_string(message.way.cause);
     dropped.push_back(std::move(entry));
   }
   return json{{"unreadable", unreadable}, {"dropped", dropped}};
