@@ -9,6 +9,7 @@
 #include "casd/port/call_json.hpp"
 #include "casd/port/daemon_methods.hpp"
 #include "casd/port/port_description.hpp"
+#include "casd/topology/rule_keys.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 #include "mavlink_gen/runtime/signing.hpp"
 
@@ -111,34 +112,35 @@ json message_json(const MessageStatus& message, const std::string& name) {
               {"age_s", message.age_s}};
 }
 
-json names_json(const std::vector<std::uint32_t>& ids) {
+json list_json(const std::vector<std::uint8_t>& ids) { return ids; }
+
+json list_json(const std::vector<std::uint32_t>& messages) {
   json names = json::array();
-  for (const std::uint32_t id : ids) {
+  for (const std::uint32_t id : messages) {
     const mav::MessageInfo* info = mav::public_table().find(id);
-    if (info == nullptr) {
-      names.push_back(id);
-    } else {
-      names.push_back(info->name);
-    }
+    names.push_back(info == nullptr ? json(id) : json(info->name));
   }
   return names;
 }
 
+json list_json(const std::vector<RateRule>& rates) {
+  constexpr RateRule kNone;
+  json limits = json::array();
+  for (const RateRule& rate : rates) {
+    json limit{{"message", list_json(std::vector{rate.message_id})[0]}};
+    base::for_each_key(kRateKeys, [&](const auto& key) {
+      if (key.of(rate) != key.of(kNone)) limit[std::string(key.name)] = key.of(rate);
+    });
+    limits.push_back(std::move(limit));
+  }
+  return limits;
+}
+
 json rule_json(const RouteConfig& route) {
   json entry{{"from", route.from}, {"to", route.to}};
-  const ForwardRule& rule = route.rule;
-  if (rule.allow) entry["allow"] = names_json(*rule.allow);
-  if (!rule.block.empty()) entry["block"] = names_json(rule.block);
-  if (!rule.allow_systems.empty()) entry["allow_systems"] = rule.allow_systems;
-  if (!rule.block_systems.empty()) entry["block_systems"] = rule.block_systems;
-  if (!rule.allow_components.empty()) entry["allow_components"] = rule.allow_components;
-  if (!rule.block_components.empty()) entry["block_components"] = rule.block_components;
-  for (const RateRule& rate : rule.rates) {
-    json limit{{"message", names_json({rate.message_id}).at(0)}};
-    if (rate.max_hz > 0) limit["max_hz"] = rate.max_hz;
-    if (rate.every > 1) limit["every"] = rate.every;
-    entry["rates"].push_back(limit);
-  }
+  for_each_filter(route.rule, [&entry](const auto& key, const auto& list) {
+    entry[std::string(key.name)] = list_json(list);
+  });
   return entry;
 }
 
