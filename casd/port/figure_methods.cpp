@@ -17,7 +17,6 @@ namespace cas::casd {
 namespace {
 
 using base::rpc::Refusal;
-using base::rpc::Reply;
 using nlohmann::json;
 
 constexpr std::pair<Refusal, const char*> kRefusals[] = {
@@ -144,14 +143,6 @@ json rule_json(const RouteConfig& route) {
   return entry;
 }
 
-/// Reads the parameters, answers, and turns what is wrong with them into an error.
-template <class Answer>
-base::rpc::Method method(Answer answer) {
-  return [answer](const json& params, const Reply& reply) {
-    answer_call(params, reply, [&](CallParams& reader) { reply.result(answer(reader)); });
-  };
-}
-
 template <class Figures>
 json times_json(const Figures& figures) {
   json times{{"p50", microseconds(figures.p50)},
@@ -167,10 +158,10 @@ FigureMethods::FigureMethods(base::rpc::Server& server, FiguresSource source)
     : server_(server), source_(std::move(source)) {
   server_.describe(port_description(CAS_VERSION));  // of all methods of the port
   const auto plain = [this](const std::string& name, json (FigureMethods::*make)() const) {
-    server_.add_method(name, method([this, make](CallParams& params) {
-                         params.finish();
-                         return (this->*make)();
-                       }));
+    add_look(server_, name, [this, make](CallParams& params) {
+      params.finish();
+      return (this->*make)();
+    });
   };
   plain("casd.status", &FigureMethods::status);
   plain("link.list", &FigureMethods::links);
@@ -178,15 +169,14 @@ FigureMethods::FigureMethods(base::rpc::Server& server, FiguresSource source)
   plain("link.drops", &FigureMethods::drops);
   plain("link.latency", &FigureMethods::latency);
   plain("link.echo", &FigureMethods::echo);
-  server_.add_method("message.list", method([this](CallParams& params) {
-                       const std::optional<std::string> link = params.optional_text("link");
-                       params.finish();
-                       if (link) require_link(*link);
-                       return messages(link ? &*link : nullptr);
-                     }));
+  add_look(server_, "message.list", [this](CallParams& params) {
+    const std::optional<std::string> link = params.optional_text("link");
+    params.finish();
+    if (link) require_link(*link);
+    return messages(link ? &*link : nullptr);
+  });
   if (source_.taps != nullptr) {
-    server_.add_method("message.value",
-                       method([this](CallParams& params) { return value(params); }));
+    add_look(server_, "message.value", [this](CallParams& params) { return value(params); });
   }
   server_.add_topic("links");
   server_.add_topic("messages");
