@@ -94,13 +94,13 @@ LAYERS = {
     "plugins": PLUGIN,  # each of plugins/<name>
     "plugins/mavlink_interface": PLUGIN | MAVLINK | SERVICES | {"Asio"},
 
+    "casd/words": {"std"},
     "casd/packet": BASE | MAVLINK | SERVICES,
-    "casd/routing": BASE | MAVLINK | SERVICES | rooms("casd", "packet"),
-    "casd/queue": BASE | rooms("casd", "packet"),
+    "casd/routing": BASE | MAVLINK | SERVICES | rooms("casd", "packet words"),
+    "casd/queue": BASE | rooms("casd", "packet words"),
     "casd/tlog": BASE | MAVLINK | SERVICES,
     "casd/topology":
         BASE | MAVLINK | rooms("casd", "packet routing queue tlog") | {"mavlink_gen/parser"},
-    "casd/words": {"std"},
     "casd/counters": BASE | MAVLINK | rooms("casd", "packet routing queue words"),
     "casd/signing":
         BASE | MAVLINK | RPC | rooms("casd", "packet topology counters"),

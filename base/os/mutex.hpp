@@ -2,6 +2,7 @@
 #pragma once
 
 #include <mutex>
+#include <shared_mutex>
 
 // Annotations that name the lock of each member. Clang checks it (-Wthread-safety); other compilers
 // ignore it.
@@ -14,6 +15,8 @@
 #define CAS_GUARDED_BY(lock) CAS_THREAD_SAFETY(guarded_by(lock))
 /// A function that is called only while the lock is held.
 #define CAS_REQUIRES(lock) CAS_THREAD_SAFETY(requires_capability(lock))
+/// Likewise for reading: a SharedLock is enough.
+#define CAS_REQUIRES_SHARED(lock) CAS_THREAD_SAFETY(requires_shared_capability(lock))
 
 namespace cas::base {
 
@@ -45,6 +48,40 @@ class CAS_THREAD_SAFETY(scoped_lockable) MutexLock {
 
  private:
   Mutex& mutex_;
+};
+
+/// std::shared_mutex, known to the analysis.
+class CAS_THREAD_SAFETY(capability("mutex")) SharedMutex {
+ public:
+  void lock() CAS_THREAD_SAFETY(acquire_capability()) { mutex_.lock(); }
+  void unlock() CAS_THREAD_SAFETY(release_capability()) { mutex_.unlock(); }
+  void lock_shared() CAS_THREAD_SAFETY(acquire_shared_capability()) { mutex_.lock_shared(); }
+  void unlock_shared() CAS_THREAD_SAFETY(release_shared_capability()) { mutex_.unlock_shared(); }
+
+ private:
+  std::shared_mutex mutex_;
+};
+
+/// Holds a shared mutex alone.
+class CAS_THREAD_SAFETY(scoped_lockable) ExclusiveLock {
+ public:
+  explicit ExclusiveLock(SharedMutex& mutex) CAS_THREAD_SAFETY(acquire_capability(mutex))
+      : lock_(mutex) {}
+  ~ExclusiveLock() CAS_THREAD_SAFETY(release_capability()) {}
+
+ private:
+  std::scoped_lock<SharedMutex> lock_;
+};
+
+/// Holds a shared mutex together with others who read.
+class CAS_THREAD_SAFETY(scoped_lockable) SharedLock {
+ public:
+  explicit SharedLock(SharedMutex& mutex) CAS_THREAD_SAFETY(acquire_shared_capability(mutex))
+      : lock_(mutex) {}
+  ~SharedLock() CAS_THREAD_SAFETY(release_capability()) {}
+
+ private:
+  std::shared_lock<SharedMutex> lock_;
 };
 
 }  // namespace cas::base

@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <cstdlib>
 #include <cstring>
-#include <mutex>
 
 #include "base/os/descriptor.hpp"
+#include "base/os/mutex.hpp"
 
 namespace cas::base {
 namespace {
@@ -40,9 +40,9 @@ bool notify(std::string_view state) {
   const socklen_t length = parse_address(variable, address);
   if (length == 0) return false;
   // Kept open: a program that has run out of descriptors must still feed its watchdog.
-  static std::mutex mutex;
-  static Descriptor fd;
-  const std::lock_guard lock(mutex);
+  static Mutex mutex;
+  static Descriptor fd CAS_GUARDED_BY(mutex);
+  const MutexLock lock(mutex);
   if (!fd) fd = Descriptor(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   if (!fd) return false;
   const ssize_t sent = ::sendto(fd.get(), state.data(), state.size(), MSG_NOSIGNAL,

@@ -58,9 +58,6 @@ bool wait_for(int fd, short events, RunTime deadline) {
 
 }  // namespace
 
-CallError::CallError(int code, const std::string& message, std::string data_json)
-    : std::runtime_error(message), code_(code), data_json_(std::move(data_json)) {}
-
 struct Client::Impl {
   struct Notification {
     std::string method;

@@ -13,18 +13,6 @@
 
 namespace cas::base::rpc {
 
-/// The server answered with an error object.
-class CAS_BASE_EXPORT CallError : public std::runtime_error {
- public:
-  CallError(int code, const std::string& message, std::string data_json);
-  int code() const { return code_; }
-  const std::string& data_json() const { return data_json_; }
-
- private:
-  int code_;
-  std::string data_json_;
-};
-
 /// No connection, connection lost, or no answer in time.
 class CAS_BASE_EXPORT ConnectionError : public std::runtime_error {
  public:

@@ -88,6 +88,26 @@ std::optional<std::string> text_of(const Json& params, const char* key) {
 
 }  // namespace
 
+// Whatever a client sends ends in an answer, never in an exception that ends the server.
+std::optional<std::string> run_answered(const Reply& reply, const std::function<void()>& body) {
+  const auto answer = [&reply](int code, const std::exception& error, const Json& data = {}) {
+    reply.error(code, error.what(), data);
+    return std::string(error.what());
+  };
+  try {
+    body();
+    return std::nullopt;
+  } catch (const CallError& error) {
+    return answer(error.code(), error, Json::parse(error.data_json(), nullptr, false));
+  } catch (const ConfigError& error) {
+    return answer(kRefused, error);
+  } catch (const Json::exception& error) {  // params.at("x").get<T>() on what the client sent
+    return answer(kInvalidParams, error);
+  } catch (const std::exception& error) {
+    return answer(kInternalError, error);
+  }
+}
+
 /// The answers of one batch, in the order of its requests; delivered when the last is in.
 struct Dispatcher::Batch {
   std::weak_ptr<Peer> peer;
@@ -228,14 +248,7 @@ void Dispatcher::invoke(const std::string& method, const Json& params,
   if (!peer->authorised && method != "authorise") {
     return reply.error(kNotAuthorised, "call authorise {\"token\": ...} first", nullptr);
   }
-  // Whatever a client sends ends in an answer, never in an exception that ends the server.
-  try {
-    call(method, params, *peer, reply);
-  } catch (const Json::exception& error) {  // from params.at("x").get<T>()
-    reply.error(kInvalidParams, error.what(), nullptr);
-  } catch (const std::exception& error) {
-    reply.error(kInternalError, error.what(), nullptr);
-  }
+  run_answered(reply, [&] { call(method, params, *peer, reply); });
 }
 
 void Dispatcher::call(const std::string& method, const Json& params, Peer& peer,

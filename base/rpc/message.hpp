@@ -3,7 +3,12 @@
 
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <stdexcept>
 #include <string>
+#include <utility>
+
+#include "base/export.hpp"
 
 /// JSON-RPC 2.0 (https://www.jsonrpc.org/specification), one object a line.
 namespace cas::base::rpc {
@@ -24,6 +29,25 @@ enum ErrorCode : int {
   kInterlock = -32004,  ///< the vehicle does not say that it is in HIL
 };
 
+/// An error as the answer of a call: a client throws what it is answered, a method may throw what
+/// it answers (run_answered()).
+class CAS_BASE_EXPORT CallError : public std::runtime_error {
+ public:
+  CallError(int code, const std::string& message, std::string data_json = "null")
+      : std::runtime_error(message), code_(code), data_json_(std::move(data_json)) {}
+  int code() const { return code_; }
+  const std::string& data_json() const { return data_json_; }
+
+ private:
+  int code_;
+  std::string data_json_;
+};
+/// Parameters that a method cannot work with; the sentence goes to the client.
+class CAS_BASE_EXPORT BadParams : public CallError {
+ public:
+  explicit BadParams(const std::string& message) : CallError(kInvalidParams, message) {}
+};
+
 /// Why a server ends a connection, or does not begin it.
 enum class Refusal {
   kNone,
@@ -40,8 +64,14 @@ struct Reply {
   std::string client{};  ///< the caller, for an audit: "127.0.0.1:40412", "unix:uid 1000"
 };
 
-/// A method. Called on the server's io thread with the parameters (object or array, null when
-/// absent).
+/// Runs what answers a call. What it throws is answered instead: a CallError as it is, a
+/// ConfigError as refused, and JSON of another kind than is read as wrong parameters.
+/// @return that sentence; nullopt: it came to its end
+CAS_BASE_EXPORT std::optional<std::string> run_answered(const Reply& reply,
+                                                        const std::function<void()>& body);
+
+/// A method, see run_answered(). Called on the server's io thread with the parameters (object or
+/// array, null when absent).
 using Method = std::function<void(const Json& params, Reply reply)>;
 
 }  // namespace cas::base::rpc

@@ -10,37 +10,17 @@
 namespace cas::casd {
 namespace {
 
-// Directions of a message: received, sent, then one for each cause of a drop, then one for each
-// reason not to forward, then received and not accepted.
-constexpr int kRx = 0;
-constexpr int kTx = 1;
-constexpr int kFirstDrop = 2;
-constexpr int kFirstDecision = kFirstDrop + kDropCauses;
-constexpr int kNotAccepted = kFirstDecision + kDecisions;
-
-/// Of a drop; empty for what is received or sent.
-std::string_view cause_of(int direction) {
-  if (direction < kFirstDrop || direction == kNotAccepted) return {};
-  if (direction < kFirstDecision) return to_string(static_cast<DropCause>(direction - kFirstDrop));
-  return to_string(static_cast<Route::Decision>(direction - kFirstDecision));
-}
-
-std::string direction_name(int direction) {
-  if (direction == kRx || direction == kNotAccepted) return "rx";
-  if (direction == kTx) return "tx";
-  return "drop." + std::string(cause_of(direction));
-}
-
 template <class Visit>
-void for_each_direction(const LinkCounters& link, Visit&& visit) {
-  visit(kRx, link.rx.messages);
-  visit(kNotAccepted, link.rx.not_accepted_messages);
-  visit(kTx, link.tx.messages);
-  for (int i = 0; i < kDropCauses; ++i) {
-    visit(kFirstDrop + i, link.tx.dropped_messages[static_cast<std::size_t>(i)]);
+void for_each_way(const LinkCounters& link, Visit&& visit) {
+  using enum MessageWay::Direction;
+  visit(MessageWay{kRx}, link.rx.messages);
+  visit(MessageWay{kRx, DropCause::kNotAccepted}, link.rx.not_accepted_messages);
+  visit(MessageWay{kTx}, link.tx.messages);
+  for (std::size_t i = 0; i < link.tx.dropped_messages.size(); ++i) {
+    visit(MessageWay{kDrop, static_cast<DropCause>(i)}, link.tx.dropped_messages[i]);
   }
-  for (int i = 0; i < kDecisions; ++i) {
-    visit(kFirstDecision + i, link.rx.refused[static_cast<std::size_t>(i)]);
+  for (std::size_t i = 1; i < link.rx.refused.size(); ++i) {
+    visit(MessageWay{kDrop, cause_of(static_cast<Route::Decision>(i))}, link.rx.refused[i]);
   }
 }
 
@@ -64,9 +44,8 @@ constexpr LinkCounterRow row(const CounterWords& words, Member /*member*/) {
           [](const LinkStatus& status) { return *Member{}(status); }};
 }
 
-// Counted by table and direction.
 void read_uncounted(const LinkCounters& link, LinkStatus& status) {
-  for_each_direction(link, [&status](int, const MessageCounters& counters) {
+  for_each_way(link, [&status](MessageWay, const MessageCounters& counters) {
     status.uncounted += counters.uncounted();
   });
 }
@@ -133,6 +112,13 @@ void read_tx(const LinkCounters& link, LinkStatus& status) {
 std::string_view to_string(LinkState state) {
   constexpr base::EnumWords<LinkState::kDown> kWords{"opening", "up", "down"};
   return kWords[state];
+}
+
+std::string to_string(MessageWay way) {
+  constexpr base::EnumWords<MessageWay::Direction::kDrop> kWords{"rx", "tx", "drop."};
+  std::string text(kWords[way.direction]);
+  if (way.is_drop()) text += to_string(way.cause);
+  return text;
 }
 
 std::span<const LinkCounterRow> link_counter_rows() { return kRows; }
@@ -233,17 +219,17 @@ void LinkFigures::remove_link(LinkId id) {
 
 void LinkFigures::sample(base::RunTime now) {
   for (const auto& [id, link] : links_) {
-    for_each_direction(*link, [&, link_id = id](int direction, const MessageCounters& counters) {
-      sample_counters(link_id, direction, counters, now);
+    for_each_way(*link, [&, link_id = id](MessageWay way, const MessageCounters& counters) {
+      sample_counters(link_id, way, counters, now);
     });
   }
 }
 
-void LinkFigures::sample_counters(LinkId id, int direction, const MessageCounters& counters,
+void LinkFigures::sample_counters(LinkId id, MessageWay way, const MessageCounters& counters,
                                   base::RunTime now) {
   constexpr double kGain = 0.5;  // of the newest second: settles within a few
   counters.for_each([&](const MessageCounters::Entry& entry) {
-    const auto [found, fresh] = rates_.try_emplace({id, direction, key_of(entry)});
+    const auto [found, fresh] = rates_.try_emplace({id, way, key_of(entry)});
     Rate& rate = found->second;
     if (!fresh && now > rate.at) {
       const double hz =
@@ -311,15 +297,14 @@ std::vector<MessageStatus> LinkFigures::messages(base::RunTime now,
   std::vector<MessageStatus> all;
   for (const auto& [id, own] : links_) {
     if (link && own->name != *link) continue;
-    const auto add = [&, link_id = id, name = own->name](int direction,
+    const auto add = [&, link_id = id, name = own->name](MessageWay way,
                                                          const MessageCounters& counters) {
       counters.for_each([&](const MessageCounters::Entry& entry) {
         if (all.size() >= most) return;
-        const auto rate = rates_.find({link_id, direction, key_of(entry)});
+        const auto rate = rates_.find({link_id, way, key_of(entry)});
         const mav::MessageInfo* known = mav::public_table().find(entry.message_id);
         all.push_back({.link = name,
-                       .direction = direction_name(direction),
-                       .cause = cause_of(direction),
+                       .way = way,
                        .id = entry.message_id,
                        .name = known == nullptr ? "" : std::string(known->name),
                        .source = entry.source,
@@ -328,7 +313,7 @@ std::vector<MessageStatus> LinkFigures::messages(base::RunTime now,
                        .age_s = base::to_seconds(now - entry.last)});
       });
     };
-    for_each_direction(*own, add);
+    for_each_way(*own, add);
   }
   return all;
 }

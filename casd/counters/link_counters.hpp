@@ -259,11 +259,22 @@ struct LinkCounterRow {
 /// Every counter that is one number.
 std::span<const LinkCounterRow> link_counter_rows();
 
+/// What became of messages that a link counts together.
+struct MessageWay {
+  enum class Direction : std::uint8_t { kRx, kTx, kDrop };
+  Direction direction = Direction::kRx;
+  DropCause cause{};  ///< of kDrop; kNotAccepted: received and left out by the link's `accept`
+
+  bool is_drop() const { return direction == Direction::kDrop; }
+  auto operator<=>(const MessageWay&) const = default;
+};
+/// "rx", "tx", "drop." and the cause.
+std::string to_string(MessageWay way);
+
 /// One message of one sender on one link, as `message.list` reports it.
 struct MessageStatus {
   std::string link;
-  std::string direction;   ///< "rx", "tx", "drop." and the cause
-  std::string_view cause;  ///< a DropCause or a Route::Decision; empty: not dropped
+  MessageWay way;
   std::uint32_t id = 0;
   std::string name;  ///< empty when no public dialect has it
   mav::Source source;
@@ -308,9 +319,9 @@ class LinkFigures {
     base::RunTime at;
     double hz = 0;
   };
-  using RateKey = std::tuple<LinkId, int, std::uint64_t>;  // link, direction, message key
+  using RateKey = std::tuple<LinkId, MessageWay, std::uint64_t>;  // the last: key of the message
 
-  void sample_counters(LinkId id, int direction, const MessageCounters& counters,
+  void sample_counters(LinkId id, MessageWay way, const MessageCounters& counters,
                        base::RunTime now);
 
   std::map<LinkId, std::shared_ptr<LinkCounters>> links_;

@@ -4,7 +4,6 @@
 #include <array>
 #include <charconv>
 #include <fstream>
-#include <optional>
 #include <string_view>
 
 #include "base/error.hpp"
@@ -91,11 +90,10 @@ std::map<std::string, LinkLedger> read_link_ledgers(const std::filesystem::path&
     } else if (event == "sent") {
       ledger.sent_.push_back(entry);
     } else {
-      const auto cause = event.starts_with(kDropped)
-                             ? kDropCauseWords.find(event.substr(kDropped.size()))
-                             : std::nullopt;
-      good = good && cause.has_value();
-      entry.cause = cause.value_or(DropCause::kAge);
+      const CauseWords* words =
+          event.starts_with(kDropped) ? find_cause(event.substr(kDropped.size())) : nullptr;
+      good = good && words != nullptr;
+      if (words != nullptr) entry.cause = words->cause;
       ledger.dropped_.push_back(entry);
     }
     if (!good) {

@@ -4,31 +4,40 @@
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "base/enum_words.hpp"
-#include "base/error.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
 
+using base::rpc::Reply;
 using mavlink::common::MavResult;
 using mavlink::common::MavSeverity;
 using mavlink::common::MavType;
 using nlohmann::json;
 
-std::optional<std::string> answer_call(const json& params, const base::rpc::Reply& reply,
-                                       const std::function<void(CallParams&)>& body) {
-  try {
+void add_look(base::rpc::Server& server, const std::string& name,
+              std::function<json(CallParams&)> look) {
+  server.add_method(name, [look = std::move(look)](const json& params, const Reply& reply) {
     CallParams reader(params);
-    body(reader);
-    return std::nullopt;
-  } catch (const BadParams& error) {
-    reply.error(base::rpc::kInvalidParams, error.what(), nullptr);
-    return error.what();
-  } catch (const base::ConfigError& error) {
-    reply.error(base::rpc::kRefused, error.what(), nullptr);
-    return error.what();
-  }
+    reply.result(look(reader));
+  });
+}
+
+void add_change(base::rpc::Server& server, const std::string& name, Audit audit,
+                std::function<void(CallParams&, const Reply&)> change) {
+  server.add_method(
+      name,
+      [name, audit = std::move(audit), change = std::move(change)](const json& params,
+                                                                   const Reply& reply) {
+        const auto refusal = run_answered(reply, [&] {
+          CallParams reader(params);
+          change(reader, reply);
+        });
+        audit(reply.client, name, params, refusal);
+      },
+      kWeightOfChange);
 }
 
 std::uint32_t message_id(const json& message) {

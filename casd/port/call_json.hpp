@@ -7,21 +7,16 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 
-#include "base/rpc/dispatcher.hpp"
+#include "base/rpc/server.hpp"
 #include "mavlink/common/enums.hpp"
 #include "mavlink_gen/json/message_codec.hpp"
 
 namespace cas::casd {
 
-/// Parameters that a method cannot work with; the sentence goes to the client.
-class BadParams : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
+using base::rpc::BadParams;
 
 /// Weight of a call that changes something; one that only looks has 1 (Server::add_method). Clients
 /// that watch must not delay those that fly.
@@ -30,8 +25,7 @@ inline constexpr double kWeightOfChange = 0.25;
 /// A MAVLink message by its name or id. @throws BadParams
 std::uint32_t message_id(const nlohmann::json& message);
 
-/// Reads the named parameters of one JSON-RPC call. Missing, mistyped and unknown ones throw
-/// BadParams.
+/// Reads the named parameters of one call. Missing, mistyped and unknown ones throw BadParams.
 class CallParams {
  public:
   explicit CallParams(const nlohmann::json& params);
@@ -59,11 +53,17 @@ class CallParams {
   std::set<std::string> asked_;
 };
 
-/// Reads the parameters of a call for `body`, which answers it. Wrong parameters and a
-/// base::ConfigError are answered as errors.
-/// @return the error's sentence; nullopt: `body` succeeded
-std::optional<std::string> answer_call(const nlohmann::json& params, const base::rpc::Reply& reply,
-                                       const std::function<void(CallParams&)>& body);
+/// A method that looks only, and answers at once.
+void add_look(base::rpc::Server& server, const std::string& name,
+              std::function<nlohmann::json(CallParams&)> look);
+
+/// Called for each call. @param refusal  nullopt: it came to its end
+using Audit =
+    std::function<void(const std::string& client, const std::string& method,
+                       const nlohmann::json& params, const std::optional<std::string>& refusal)>;
+/// A method that changes something, and answers at once or later.
+void add_change(base::rpc::Server& server, const std::string& name, Audit audit,
+                std::function<void(CallParams&, const base::rpc::Reply&)> change);
 
 /// "ACCEPTED", "DENIED", ...: the MAV_RESULT names without their prefix.
 std::string result_word(mavlink::common::MavResult result);

@@ -46,45 +46,32 @@ void start_log(Recorder& recorder, CallParams& params, TlogWriter::Done done) {
   recorder.start(name, rotation, std::move(done));
 }
 
-void audit(const Reply& reply, const std::string& name, const std::string& what) {
-  base::log::info("audit: " + reply.client + " " + name + ": " + what);
-}
-
-/// A method of the daemon itself. Changes are audited; failures are returned as error messages.
-void add_method(base::rpc::Server& server, const std::string& name, bool audited,
-                std::function<json(CallParams&)> body) {
-  server.add_method(
-      name,
-      [name, audited, body](const json& params, const Reply& reply) {
-        const auto fault =
-            answer_call(params, reply, [&](CallParams& reader) { reply.result(body(reader)); });
-        if (audited) audit(reply, name, fault.value_or("done"));
-      },
-      audited ? kWeightOfChange : 1);
+void audit(const std::string& client, const std::string& name, const json& /*params*/,
+           const std::optional<std::string>& refusal) {
+  base::log::info("audit: " + client + " " + name + ": " + refusal.value_or("done"));
 }
 
 /// A method that begins or ends a recording: answered with its state once the disk has answered.
 void add_log_method(base::rpc::Server& server, const std::string& name, const DaemonHooks& hooks,
                     std::function<void(CallParams&, TlogWriter::Done)> body) {
-  server.add_method(
-      name,
-      [name, hooks, body](const json& params, const Reply& reply) {
-        const TlogWriter::Done done = [name, hooks, reply](const std::optional<std::string>& fault,
-                                                           const TlogStatus&) {
-          hooks.post([name, hooks, reply, fault] {
-            if (fault) {
-              reply.error(base::rpc::kRefused, *fault, nullptr);
-            } else {
-              reply.result(log_status(hooks.recorder));
-            }
-            audit(reply, name, fault.value_or("done"));
-          });
-        };
-        const auto fault =
-            answer_call(params, reply, [&](CallParams& reader) { body(reader, done); });
-        if (fault) audit(reply, name, *fault);
-      },
-      kWeightOfChange);
+  const auto audit_refusal = [](const auto& client, const auto& method, const auto& params,
+                                const auto& refusal) {
+    if (refusal) audit(client, method, params, refusal);
+  };
+  add_change(
+      server, name, audit_refusal, [name, hooks, body](CallParams& reader, const Reply& reply) {
+        body(reader,
+             [name, hooks, reply](const std::optional<std::string>& fault, const TlogStatus&) {
+               hooks.post([name, hooks, reply, fault] {
+                 if (fault) {
+                   reply.error(base::rpc::kRefused, *fault, nullptr);
+                 } else {
+                   reply.result(log_status(hooks.recorder));
+                 }
+                 audit(reply.client, name, {}, fault);
+               });
+             });
+      });
 }
 
 }  // namespace
@@ -103,11 +90,12 @@ json recording_json(const TlogStatus& status) {
 }
 
 void add_daemon_methods(base::rpc::Server& server, DaemonHooks hooks) {
-  add_method(server, "casd.reload", true, [reload = hooks.reload](CallParams& params) {
-    params.finish();
-    if (const auto trouble = reload()) throw base::ConfigError(*trouble);
-    return json{{"reloaded", true}};
-  });
+  add_change(server, "casd.reload", audit,
+             [reload = hooks.reload](CallParams& params, const Reply& reply) {
+               params.finish();
+               if (const auto trouble = reload()) throw base::ConfigError(*trouble);
+               reply.result(json{{"reloaded", true}});
+             });
   Recorder& recorder = hooks.recorder;
   add_log_method(server, "log.start", hooks,
                  [&recorder](CallParams& params, TlogWriter::Done done) {
@@ -117,7 +105,7 @@ void add_daemon_methods(base::rpc::Server& server, DaemonHooks hooks) {
     params.finish();
     recorder.stop(std::move(done));
   });
-  add_method(server, "log.status", false, [&recorder](CallParams& params) {
+  add_look(server, "log.status", [&recorder](CallParams& params) {
     params.finish();
     return log_status(recorder);
   });

@@ -9,6 +9,7 @@
 #include "casd/port/call_json.hpp"
 #include "casd/port/daemon_methods.hpp"
 #include "casd/port/port_description.hpp"
+#include "casd/topology/rule_keys.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 #include "mavlink_gen/runtime/signing.hpp"
 
@@ -16,7 +17,6 @@ namespace cas::casd {
 namespace {
 
 using base::rpc::Refusal;
-using base::rpc::Reply;
 using nlohmann::json;
 
 constexpr std::pair<Refusal, const char*> kRefusals[] = {
@@ -101,7 +101,7 @@ json tx_json(const LinkStatus& link) {
 
 json message_json(const MessageStatus& message, const std::string& name) {
   return json{{"link", message.link},
-              {"direction", message.direction},
+              {"direction", to_string(message.way)},
               {"id", message.id},
               {"name", name},
               {"system", message.source.system},
@@ -111,43 +111,36 @@ json message_json(const MessageStatus& message, const std::string& name) {
               {"age_s", message.age_s}};
 }
 
-json names_json(const std::vector<std::uint32_t>& ids) {
+json list_json(const std::vector<std::uint8_t>& ids) { return ids; }
+
+json list_json(const std::vector<std::uint32_t>& messages) {
   json names = json::array();
-  for (const std::uint32_t id : ids) {
+  for (const std::uint32_t id : messages) {
     const mav::MessageInfo* info = mav::public_table().find(id);
-    if (info == nullptr) {
-      names.push_back(id);
-    } else {
-      names.push_back(info->name);
-    }
+    names.push_back(info == nullptr ? json(id) : json(info->name));
   }
   return names;
 }
 
-json rule_json(const RouteConfig& route) {
-  json entry{{"from", route.from}, {"to", route.to}};
-  const ForwardRule& rule = route.rule;
-  if (rule.allow) entry["allow"] = names_json(*rule.allow);
-  if (!rule.block.empty()) entry["block"] = names_json(rule.block);
-  if (!rule.allow_systems.empty()) entry["allow_systems"] = rule.allow_systems;
-  if (!rule.block_systems.empty()) entry["block_systems"] = rule.block_systems;
-  if (!rule.allow_components.empty()) entry["allow_components"] = rule.allow_components;
-  if (!rule.block_components.empty()) entry["block_components"] = rule.block_components;
-  for (const RateRule& rate : rule.rates) {
-    json limit{{"message", names_json({rate.message_id}).at(0)}};
-    if (rate.max_hz > 0) limit["max_hz"] = rate.max_hz;
-    if (rate.every > 1) limit["every"] = rate.every;
-    entry["rates"].push_back(limit);
+json list_json(const std::vector<RateRule>& rates) {
+  constexpr RateRule kNone;
+  json limits = json::array();
+  for (const RateRule& rate : rates) {
+    json limit{{"message", list_json(std::vector{rate.message_id})[0]}};
+    base::for_each_key(kRateKeys, [&](const auto& key) {
+      if (key.of(rate) != key.of(kNone)) limit[std::string(key.name)] = key.of(rate);
+    });
+    limits.push_back(std::move(limit));
   }
-  return entry;
+  return limits;
 }
 
-/// Reads the parameters, answers, and turns wrong ones into an error.
-template <class Answer>
-base::rpc::Method method(Answer answer) {
-  return [answer](const json& params, const Reply& reply) {
-    answer_call(params, reply, [&](CallParams& reader) { reply.result(answer(reader)); });
-  };
+json rule_json(const RouteConfig& route) {
+  json entry{{"from", route.from}, {"to", route.to}};
+  for_each_filter(route.rule, [&entry](const auto& key, const auto& list) {
+    entry[std::string(key.name)] = list_json(list);
+  });
+  return entry;
 }
 
 template <class Figures>
@@ -165,10 +158,10 @@ FigureMethods::FigureMethods(base::rpc::Server& server, FiguresSource source)
     : server_(server), source_(std::move(source)) {
   server_.describe(port_description(CAS_VERSION));  // of all methods of the port
   const auto plain = [this](const std::string& name, json (FigureMethods::*make)() const) {
-    server_.add_method(name, method([this, make](CallParams& params) {
-                         params.finish();
-                         return (this->*make)();
-                       }));
+    add_look(server_, name, [this, make](CallParams& params) {
+      params.finish();
+      return (this->*make)();
+    });
   };
   plain("casd.status", &FigureMethods::status);
   plain("link.list", &FigureMethods::links);
@@ -176,15 +169,14 @@ FigureMethods::FigureMethods(base::rpc::Server& server, FiguresSource source)
   plain("link.drops", &FigureMethods::drops);
   plain("link.latency", &FigureMethods::latency);
   plain("link.echo", &FigureMethods::echo);
-  server_.add_method("message.list", method([this](CallParams& params) {
-                       const std::optional<std::string> link = params.optional_text("link");
-                       params.finish();
-                       if (link) require_link(*link);
-                       return messages(link ? &*link : nullptr);
-                     }));
+  add_look(server_, "message.list", [this](CallParams& params) {
+    const std::optional<std::string> link = params.optional_text("link");
+    params.finish();
+    if (link) require_link(*link);
+    return messages(link ? &*link : nullptr);
+  });
   if (source_.taps != nullptr) {
-    server_.add_method("message.value",
-                       method([this](CallParams& params) { return value(params); }));
+    add_look(server_, "message.value", [this](CallParams& params) { return value(params); });
   }
   server_.add_topic("links");
   server_.add_topic("messages");
@@ -306,16 +298,17 @@ json FigureMethods::drops() const {
   for (const LinkStatus& link : source_.figures->links()) {
     for (const LinkCounterRow& row : link_counter_rows()) {
       const std::uint64_t count = row.value(link);
-      if (row.words.cause.empty() || count == 0) continue;
-      unreadable.push_back({{"link", link.name}, {"cause", row.words.cause}, {"count", count}});
+      if (!row.words.cause || count == 0) continue;
+      unreadable.push_back(
+          {{"link", link.name}, {"cause", to_string(*row.words.cause)}, {"count", count}});
     }
   }
   json dropped = json::array();
   for (const MessageStatus& message : source_.figures->messages(source_.now())) {
-    if (message.cause.empty()) continue;
+    if (!message.way.is_drop()) continue;
     json entry = message_json(message, message_name(message.id));
     entry.erase("direction");
-    entry["cause"] = message.cause;
+    entry["cause"] = to_string(message.way.cause);
     dropped.push_back(std::move(entry));
   }
   return json{{"unreadable", unreadable}, {"dropped", dropped}};

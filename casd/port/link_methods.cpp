@@ -13,19 +13,6 @@ namespace {
 using base::rpc::Reply;
 using nlohmann::json;
 
-/// Adds a method of which each call is audited, also one that is refused.
-void add_method(base::rpc::Server& server, const std::string& name, const LinkHooks& hooks,
-                std::function<void(CallParams&, const Reply&)> body) {
-  server.add_method(
-      name,
-      [name, audit = hooks.audit, body = std::move(body)](const json& params, const Reply& reply) {
-        const auto refusal =
-            answer_call(params, reply, [&](CallParams& reader) { body(reader, reply); });
-        audit(reply.client, name, params, refusal);
-      },
-      kWeightOfChange);
-}
-
 /// The parameters as a node of a topology: JSON is YAML.
 base::ConfigNode request_of(CallParams& params) {
   json request{{"entry", params.value("entry")}};
@@ -44,12 +31,13 @@ base::ConfigNode request_of(CallParams& params) {
 }  // namespace
 
 void add_link_methods(base::rpc::Server& server, const LinkHooks& hooks) {
-  add_method(server, "link.add", hooks, [add = hooks.add](CallParams& params, const Reply& reply) {
-    add(request_of(params), [reply](const std::string& name) {
-      reply.result(json{{"link", name}});
-    });
-  });
-  add_method(server, "link.remove", hooks,
+  add_change(server, "link.add", hooks.audit,
+             [add = hooks.add](CallParams& params, const Reply& reply) {
+               add(request_of(params), [reply](const std::string& name) {
+                 reply.result(json{{"link", name}});
+               });
+             });
+  add_change(server, "link.remove", hooks.audit,
              [remove = hooks.remove](CallParams& params, const Reply& reply) {
                const std::string name = params.text("link");
                const bool force = params.flag("force");

@@ -134,7 +134,7 @@ void add_messages(std::string& out, const MetricsSource& source) {
   Metric messages(out, "casd_messages_total", "counter", "Packets by link, message and sender.");
   for (const MessageStatus& message : source.messages) {
     messages.add("link=" + label_value(message.link) +
-                     ",direction=" + label_value(message.direction) + ",message=" +
+                     ",direction=" + label_value(to_string(message.way)) + ",message=" +
                      label_value(message.name.empty() ? std::to_string(message.id) : message.name) +
                      ",system=\"" + std::to_string(message.source.system) + "\",component=\"" +
                      std::to_string(message.source.component) + "\"",

@@ -184,16 +184,13 @@ void VehicleMethods::add_look(const std::string& name,
 
 void VehicleMethods::run(const std::string& name, bool audited, const Parse& parse,
                          const Answer& answer, const json& params, const Reply& reply) {
-  Action action;
   std::optional<std::uint8_t> asked;
-  const auto fault = answer_call(params, reply, [&](CallParams& reader) {
-    if (const auto vehicle = reader.optional_integer("vehicle", 1, 255)) {
-      asked = static_cast<std::uint8_t>(*vehicle);
-    }
-    action = parse(reader);
-    reader.finish();
-  });
-  if (fault) return;
+  CallParams reader(params);
+  if (const auto vehicle = reader.optional_integer("vehicle", 1, 255)) {
+    asked = static_cast<std::uint8_t>(*vehicle);
+  }
+  const Action action = parse(reader);
+  reader.finish();
   const auto resolved = commander_.resolve(asked);
   if (const auto* why = std::get_if<Outcome>(&resolved)) {
     if (audited) audit(reply.client, name, params, asked.value_or(0), *why);
@@ -408,13 +405,9 @@ void VehicleMethods::add_loop_method(const std::string& name, bool audited,
 }
 
 void VehicleMethods::add_journal_method() {
-  server_.add_method("casd.journal", [this](const json& params, const Reply& reply) {
-    try {
-      CallParams(params).finish();
-    } catch (const BadParams& error) {
-      return reply.error(base::rpc::kInvalidParams, error.what(), nullptr);
-    }
-    reply.result(journal_.answer());
+  casd::add_look(server_, "casd.journal", [this](CallParams& params) {
+    params.finish();
+    return journal_.answer();
   });
 }
 

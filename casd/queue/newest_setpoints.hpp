@@ -9,7 +9,7 @@
 
 #include "casd/packet/packet_info.hpp"
 #include "casd/packet/packet_ring.hpp"
-#include "casd/queue/drop_cause.hpp"
+#include "casd/words/drop_cause.hpp"
 
 namespace cas::casd {
 

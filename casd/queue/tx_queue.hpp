@@ -12,9 +12,9 @@
 #include "base/time/clock.hpp"
 #include "casd/packet/packet_info.hpp"
 #include "casd/packet/packet_ring.hpp"
-#include "casd/queue/drop_cause.hpp"
 #include "casd/queue/line_timing.hpp"
 #include "casd/queue/newest_setpoints.hpp"
+#include "casd/words/drop_cause.hpp"
 
 namespace cas::casd {
 

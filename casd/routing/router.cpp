@@ -3,15 +3,12 @@
 
 #include <utility>
 
-#include "base/enum_words.hpp"
 #include "mavlink/common/setup_signing.hpp"
 
 namespace cas::casd {
 
 std::string_view to_string(Route::Decision decision) {
-  static constexpr base::EnumWords<Route::Decision::kRateLimited> kWords{
-      "forwarded", "duplicate", "no_rule", "no_target", "rate_limited"};
-  return kWords[decision];
+  return decision == Route::Decision::kForward ? "forwarded" : to_string(cause_of(decision));
 }
 
 Router::Router(std::shared_ptr<const RoutingPlan> plan, const mav::MessageTable& table,

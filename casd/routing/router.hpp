@@ -16,6 +16,7 @@
 #include "casd/routing/duplicate_filter.hpp"
 #include "casd/routing/route_table.hpp"
 #include "casd/routing/routing_rules.hpp"
+#include "casd/words/drop_cause.hpp"
 #include "mavlink_gen/runtime/message_table.hpp"
 
 namespace cas::casd {
@@ -51,7 +52,16 @@ struct Route {
   PacketInfo info;
 };
 inline constexpr int kDecisions = 5;
-/// "forwarded", "duplicate", ...
+/// Of every decision but kForward.
+constexpr DropCause cause_of(Route::Decision decision) {
+  return static_cast<DropCause>(static_cast<int>(DropCause::kDuplicate) +
+                                static_cast<int>(decision) - 1);
+}
+static_assert(cause_of(Route::Decision::kDuplicate) == DropCause::kDuplicate &&
+              cause_of(Route::Decision::kNoRule) == DropCause::kNoRule &&
+              cause_of(Route::Decision::kNoTarget) == DropCause::kNoTarget &&
+              cause_of(Route::Decision::kRateLimited) == DropCause::kRateLimited);
+/// "forwarded", or the word of its cause.
 std::string_view to_string(Route::Decision decision);
 
 /// Decides by the MAVLink routing guide and the rules of the topology where each packet goes. It

@@ -6,79 +6,23 @@
 #include <string_view>
 #include <tuple>
 
-#include "base/config/config_keys.hpp"
 #include "base/text.hpp"
 #include "casd/topology/link_config.hpp"
 #include "casd/topology/message_keys.hpp"
+#include "casd/topology/rule_keys.hpp"
 
 namespace cas::casd {
 namespace {
 
 using base::ConfigNode;
 using base::key;
-using base::Range;
 using base::ReadApart;
-using base::Whole;
-
-constexpr std::tuple kRateKeys{
-    key<&RateRule::max_hz>("max_hz", Range{0, 1e6}, "packets a second that pass; 0: any"),
-    key<&RateRule::every>("every", Whole{1, 1'000'000}, "each n-th passes"),
-};
-
-/// message -> `max_hz`, or a block.
-struct RatesOf : base::Block<RateRule, decltype(kRateKeys)> {
-  void read(const ConfigNode& node, std::vector<RateRule>& rates) const {
-    for (const auto& [message, entry] : node.entries()) {
-      RateRule& rate = rates.emplace_back(RateRule{.message_id = parse_message(entry, message)});
-      if (entry.is_map()) {
-        Block::read(entry, rate);
-      } else {
-        rate.max_hz = entry.as<double>();
-      }
-      if (rate.max_hz <= 0 && rate.every == 1) {
-        entry.fail("needs max_hz above 0, or every above 1");
-      }
-    }
-  }
-  static std::string text(const std::vector<RateRule>& rates) {
-    return joined(rates, [](const RateRule& rate) { return message_word(rate.message_id); });
-  }
-  static std::string values() { return "message -> `max_hz`, or a block"; }
-  static std::array<std::string, 2> samples() { return {"{HEARTBEAT: 1}", "{HEARTBEAT: 2}"}; }
-};
 
 constexpr ReadApart kLinks{"a link, a list, or `any`"};
 
 constexpr std::tuple kRouteKeys{
     base::required(key<&RouteConfig::from>("from", kLinks, "where packets come from")),
     base::required(key<&RouteConfig::to>("to", kLinks, "where they go")),
-};
-
-/// A key with the words that stand before its value in `casd --check`.
-template <class Key>
-struct Worded : Key {
-  std::string_view words;
-};
-template <class Key>
-constexpr Worded<Key> worded(std::string_view words, const Key& key) {
-  return {key, words};
-}
-
-constexpr std::tuple kRuleKeys{
-    worded("only", key<&ForwardRule::allow>("allow", Messages{}, "these messages alone", "all")),
-    worded("not", key<&ForwardRule::block>("block", Messages{}, "not these messages")),
-    worded("only systems",
-           key<&ForwardRule::allow_systems>("allow_systems", Ids{},
-                                            "these systems (of the sender) alone", "all")),
-    worded("not systems",
-           key<&ForwardRule::block_systems>("block_systems", Ids{}, "not these systems")),
-    worded("only components",
-           key<&ForwardRule::allow_components>("allow_components", Ids{},
-                                               "these components (of the sender) alone", "all")),
-    worded("not components",
-           key<&ForwardRule::block_components>("block_components", Ids{}, "not these components")),
-    worded("thinned out",
-           key<&ForwardRule::rates>("rates", RatesOf{{kRateKeys}}, "thins messages out")),
 };
 
 std::string listed(const std::vector<LinkConfig>& links) {
@@ -165,18 +109,10 @@ std::vector<RouteConfig> routes_between_all(const std::vector<LinkConfig>& links
 
 std::string rule_text(const ForwardRule& rule) {
   std::string text;
-  base::for_each_key(kRuleKeys, [&](const auto& each) {
-    const auto tell = [&](const auto& list) {
-      if (!text.empty()) text += ", ";
-      text += list.empty() ? "nothing" : each.words;
-      if (!list.empty()) text.append(" ").append(each.kind.text(list));
-    };
-    const auto& value = each.of(rule);
-    if constexpr (requires { *value; }) {  // an empty `allow` lets nothing pass
-      if (value) tell(*value);
-    } else if (!value.empty()) {
-      tell(value);
-    }
+  for_each_filter(rule, [&text](const auto& key, const auto& list) {
+    if (!text.empty()) text += ", ";
+    text += list.empty() ? "nothing" : key.words;
+    if (!list.empty()) text.append(" ").append(key.kind.text(list));
   });
   return text.empty() ? "everything" : text;
 }

@@ -146,7 +146,7 @@ void TcpLink::close(const std::string& reason, base::RunTime now) {
 
 void TcpFanOut::deliver(std::span<const PacketRef> packets, base::RunTime now) {
   constexpr std::size_t kChunk = 256;
-  const std::shared_lock lock(mutex_);
+  const base::SharedLock lock(mutex_);
   if (present_ == 0) return;
   while (!packets.empty()) {
     const auto chunk = packets.first(std::min(packets.size(), kChunk));
@@ -155,7 +155,9 @@ void TcpFanOut::deliver(std::span<const PacketRef> packets, base::RunTime now) {
     for (std::size_t i = 0; i < chunk.size(); ++i) {
       clients |= wanted[i] = wanted_by(*chunk[i].info);
     }
-    for_each_slot(clients, [&](std::uint8_t client) { deliver_to(client, chunk, wanted, now); });
+    for_each_slot(clients, [&](std::uint8_t client) CAS_REQUIRES_SHARED(mutex_) {
+      deliver_to(client, chunk, wanted, now);
+    });
     packets = packets.subspan(chunk.size());
   }
 }
@@ -173,14 +175,14 @@ void TcpFanOut::deliver_to(std::uint8_t client, std::span<const PacketRef> packe
 }
 
 void TcpFanOut::set_client(PeerId client, std::shared_ptr<TxPort> port) {
-  const std::scoped_lock lock(mutex_);
+  const base::ExclusiveLock lock(mutex_);
   clients_[client.slot] = std::move(port);
   serials_[client.slot] = client.serial;
   present_ |= slot_bit(client.slot);
 }
 
 void TcpFanOut::remove_client(std::uint8_t client, DropCause cause) {
-  const std::scoped_lock lock(mutex_);
+  const base::ExclusiveLock lock(mutex_);
   routes_.forget(client);
   clients_[client]->detach(base::steady_now(), cause);
   clients_[client].reset();
@@ -192,7 +194,7 @@ SlotMask TcpFanOut::wanted_by(const PacketInfo& info) const {
   SlotMask clients = present_ & routes_.links_to(info.target);
   if (info.from == own_ && info.from_peer < kSlots) clients &= ~slot_bit(info.from_peer);
   if (info.to_serial == 0) return clients;
-  for_each_slot(clients, [&](std::uint8_t client) {
+  for_each_slot(clients, [&](std::uint8_t client) CAS_REQUIRES_SHARED(mutex_) {
     if (serials_[client] != info.to_serial) clients &= ~slot_bit(client);
   });
   return clients;

@@ -4,12 +4,12 @@
 #include <array>
 #include <memory>
 #include <optional>
-#include <shared_mutex>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/os/descriptor.hpp"
+#include "base/os/mutex.hpp"
 #include "casd/link/link_core.hpp"
 #include "casd/link/tx_port.hpp"
 #include "casd/routing/route_table.hpp"
@@ -62,16 +62,16 @@ class TcpFanOut final : public PacketPort {
   RouteTable& routes() { return routes_; }
 
  private:
-  SlotMask wanted_by(const PacketInfo& info) const;
+  SlotMask wanted_by(const PacketInfo& info) const CAS_REQUIRES_SHARED(mutex_);
   void deliver_to(std::uint8_t client, std::span<const PacketRef> packets,
-                  std::span<const SlotMask> wanted, base::RunTime now);
+                  std::span<const SlotMask> wanted, base::RunTime now) CAS_REQUIRES_SHARED(mutex_);
 
   LinkId own_;
   RouteTable routes_;
-  std::shared_mutex mutex_;
-  std::array<std::shared_ptr<TxPort>, kSlots> clients_;
-  std::array<std::uint32_t, kSlots> serials_{};
-  SlotMask present_ = 0;
+  base::SharedMutex mutex_;
+  std::array<std::shared_ptr<TxPort>, kSlots> clients_ CAS_GUARDED_BY(mutex_);
+  std::array<std::uint32_t, kSlots> serials_ CAS_GUARDED_BY(mutex_){};
+  SlotMask present_ CAS_GUARDED_BY(mutex_) = 0;
 };
 
 /// A TCP port for several clients.

@@ -104,9 +104,9 @@ class UdpServerWriter final : public PacketWriter {
   int descriptor() const override { return descriptor_.get(); }
 
  private:
-  void send_to_each(const PacketRef& packet, SlotMask peers);
-  void send_to_one(const PacketRef& packet, std::uint8_t peer);
-  void send_by_peer(std::span<const PacketRef> packets);
+  void send_to_each(const PacketRef& packet, SlotMask peers) CAS_REQUIRES(peers_->mutex);
+  void send_to_one(const PacketRef& packet, std::uint8_t peer) CAS_REQUIRES(peers_->mutex);
+  void send_by_peer(std::span<const PacketRef> packets) CAS_REQUIRES(peers_->mutex);
   void count_lost(const PacketRef& packet);
 
   base::Descriptor descriptor_;
@@ -144,7 +144,7 @@ void UdpServerWriter::send_to_each(const PacketRef& packet, SlotMask peers) {
   std::array<mmsghdr, PeerTable::kMaxPeers> messages;
   iovec part{const_cast<std::uint8_t*>(packet.bytes.data()), packet.bytes.size()};
   unsigned count = 0;
-  for_each_slot(peers, [&](std::uint8_t peer) {
+  for_each_slot(peers, [&](std::uint8_t peer) CAS_REQUIRES(peers_->mutex) {
     messages[count] = {};
     msghdr& header = messages[count++].msg_hdr;
     header.msg_name = const_cast<sockaddr*>(peers_->table.address(peer));
@@ -180,7 +180,7 @@ void UdpServerWriter::send_by_peer(std::span<const PacketRef> packets) {
     masks_.push_back(peers_->table.for_packet(*packet.info, own_));
     wanted |= masks_.back();
   }
-  for_each_slot(wanted, [&](std::uint8_t peer) {
+  for_each_slot(wanted, [&](std::uint8_t peer) CAS_REQUIRES(peers_->mutex) {
     of_peer_.clear();
     for (std::size_t i = 0; i < packets.size(); ++i) {
       if ((masks_[i] & slot_bit(peer)) != 0) of_peer_.push_back(packets[i]);
@@ -365,12 +365,13 @@ void UdpServerLink::read(base::RunTime now) {
 
 // Only who sends a whole packet becomes a peer.
 void UdpServerLink::take_datagram(std::size_t index, base::RunTime now) {
-  std::optional<std::uint8_t> peer = peers_->table.find(reader_.sender(index));
+  PeerTable& table = peers_->own_table();
+  std::optional<std::uint8_t> peer = table.find(reader_.sender(index));
   const auto on_packet = [&](const mav::PacketView& packet) {
     if (!peer) peer = admit(index, now);
     if (!peer) return core_.counters().rx.foreign.add();
-    peers_->table.heard(*peer, packet.source, now);
-    core_.ingress().take_packet(packet, now, peers_->table.id(*peer), reader_.waited(index));
+    table.heard(*peer, packet.source, now);
+    core_.ingress().take_packet(packet, now, table.id(*peer), reader_.waited(index));
   };
   core_.ingress().parse_datagram(parser_, reader_.datagram(index), on_packet);
 }

@@ -52,7 +52,10 @@ class UdpLink final : public Link {
 struct SharedPeers {
   SharedPeers(int max_peers, base::Duration expiry) : table(max_peers, expiry) {}
   base::Mutex mutex;
-  PeerTable table;
+  PeerTable table CAS_GUARDED_BY(mutex);
+
+  /// For the link's thread, which alone changes it, to look without the lock.
+  PeerTable& own_table() CAS_THREAD_SAFETY(no_thread_safety_analysis) { return table; }
 };
 
 /// UDP on one port for many: who sends a packet here becomes a peer and gets packets until it falls

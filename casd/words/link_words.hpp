@@ -2,7 +2,10 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string_view>
+
+#include "casd/words/drop_cause.hpp"
 
 namespace cas::casd {
 
@@ -16,9 +19,10 @@ struct CounterWords {
   std::string_view help;
   std::string_view column{};  ///< of `casctl status`; empty: not shown there
   Kind kind = Kind::kTotal;
-  std::string_view narrow{};   ///< column of the monitor; empty: not shown there
-  int rank = 0;                ///< of that column: those of a higher rank go first for lack of room
-  std::string_view cause{};    ///< in link.drops; empty: packets that count here are not dropped
+  std::string_view narrow{};  ///< column of the monitor; empty: not shown there
+  int rank = 0;               ///< of that column: those of a higher rank go first for lack of room
+  /// In link.drops; nullopt: packets that count here are not dropped.
+  std::optional<DropCause> cause{};
   std::string_view trouble{};  ///< the doctor's text when it grows; empty: none
   std::string_view remedy{};
   bool bad = false;  ///< trouble that stops a run, not only a warning
@@ -41,7 +45,7 @@ inline constexpr auto kLinkCounters = std::to_array<CounterWords>({
      .column = "CRC",
      .narrow = "CRC",
      .rank = 6,
-     .cause = "crc",
+     .cause = DropCause::kCrc,
      .trouble = "packets arrive damaged",
      .remedy = "check cable, ground and baud rate at both ends; use flow control where there is "
                "one"},
@@ -50,18 +54,18 @@ inline constexpr auto kLinkCounters = std::to_array<CounterWords>({
     {.group = "rx",
      .key = "kernel_drops",
      .help = "Datagrams that the socket's buffer lost.",
-     .cause = "kernel",
+     .cause = DropCause::kKernel,
      .trouble = "the socket buffer overflows",
      .remedy = "sysctl -w net.core.rmem_max=4194304, then restart casd",
      .bad = true},
     {.group = "rx",
      .key = "foreign",
      .help = "Datagrams from somebody else than the peer.",
-     .cause = "foreign"},
+     .cause = DropCause::kForeign},
     {.group = "rx",
      .key = "not_accepted",
      .help = "Packets that the link's accept leaves out.",
-     .cause = "not_accepted"},
+     .cause = DropCause::kNotAccepted},
     {"tx", "packets", "Packets sent.", "TX"},
     {"tx", "bytes", "Bytes sent."},
     {"tx", "dropped", "Packets dropped before sending.", "DROPPED", CounterWords::Kind::kByCause,
@@ -81,30 +85,5 @@ consteval const CounterWords& counter_words(std::string_view group, std::string_
   }
   throw "no such counter";
 }
-
-/// Why a packet did not go on, as link.drops says it.
-struct CauseWords {
-  std::string_view cause;
-  std::string_view meaning;  ///< and the remedy
-  bool trouble = false;      ///< the doctor warns of packets that a link drops for it
-};
-
-inline constexpr auto kCauses = std::to_array<CauseWords>({
-    {"age", "would have arrived too late: the line is too slow for what is sent", true},
-    {"bandwidth", "would have arrived too late under the link's max_bytes_s", true},
-    {"queue_full", "no room in its queue: the line is too slow or stands still", true},
-    {"closed", "the link was away"},
-    {"stalled", "the peer stopped reading and was closed", true},
-    {"superseded", "a newer setpoint of its stream took its place while it waited"},
-    {"unsignable", "damaged before it came here: its checksum fits no message", true},
-    {"no_rule", "no route lets it go anywhere (see casctl routes)"},
-    {"no_target", "addressed to a system that was never heard"},
-    {"duplicate", "came over another path of its group already"},
-    {"rate_limited", "thinned out by a route's rates"},
-    {"crc", "a packet with a wrong checksum: the line disturbs it"},
-    {"kernel", "the socket's buffer was full: casd came too late"},
-    {"not_accepted", "the link takes in no such packets (accept)"},
-    {"foreign", "no room for one more peer, or not the peer"},
-});
 
 }  // namespace cas::casd

@@ -89,7 +89,7 @@ void set_line(EmulatorView& view, const Json& params, const Reply& reply) {
     view.serial_line().configure(line);
     reply.result({{"preset", line.preset}, {"baud", line.baud}});
   } catch (const base::ConfigError& error) {
-    reply.error(base::rpc::kInvalidParams, error.what(), {});
+    throw base::rpc::BadParams(error.what());
   }
 }
 
@@ -98,7 +98,7 @@ void hang_up(EmulatorView& view, const Json& params, const Reply& reply) {
   const bool good = params.is_object() && params.contains("ms") && params["ms"].is_number();
   const double ms = good ? params["ms"].get<double>() : -1;
   if (ms < 0 || ms > kLongest_ms) {
-    return reply.error(base::rpc::kInvalidParams, "ms must be a number from 0 to 3600000", {});
+    throw base::rpc::BadParams("ms must be a number from 0 to 3600000");
   }
   view.hang_up(base::from_seconds(1e-3 * ms));
   reply.result({{"ms", ms}});

@@ -9,8 +9,6 @@
 #include <limits>
 #include <string_view>
 
-#include "base/enum_words.hpp"
-
 namespace cas::hils {
 
 namespace {
@@ -120,15 +118,6 @@ std::vector<std::int64_t> delays_between(const Moments& from, const Moments& to)
 }
 
 double microseconds(std::int64_t ns) { return static_cast<double>(ns) / 1000.0; }
-
-std::string drop_words(casd::DropCause cause) {
-  constexpr base::EnumWords<casd::DropCause::kSuperseded> kWords{
-      "too old in casd's queue",        "too old in casd's queue, under the link's max_bytes_s",
-      "casd's queue was full",          "the link was down",
-      "the peer stopped reading",       "casd could not sign it",
-      "a newer setpoint took its place"};
-  return std::string(kWords[cause]);
-}
 
 /// Why a packet is lost on a hop that has no ledger of its own.
 std::string way_words(bool upwards, std::size_t hop, std::size_t hops) {
@@ -341,7 +330,7 @@ PathAccount account_path(const PacketPath& path, std::span<const base::LedgerEnt
     } else if (!in_casd) {
       ++account.losses[way_words(path.upwards, reached, hops)];
     } else if (drop != drops.end()) {
-      ++account.losses[drop_words(drop->second)];
+      ++account.losses[std::string(words_of(drop->second).account)];
     } else {
       account.open = "a packet came into casd and neither left it nor was dropped";
     }

@@ -175,20 +175,18 @@ void LiveRun::play_faults(base::SimTime now, std::span<const VehicleReport> vehi
   if (!port_) return;
   for (const RunPort::FaultCall& call : port_->take_faults()) {
     Json result;
-    std::optional<HandRefusal> refusal;
+    std::optional<base::rpc::CallError> refusal;
     try {
       result = inject(Json::parse(call.params), now, vehicles, faults, simulator, begin);
-    } catch (const HandRefusal& why) {
-      refusal = why;
-    } catch (const Json::exception& error) {
-      refusal = HandRefusal{base::rpc::kInvalidParams, error.what()};
-    } catch (const base::ConfigError& error) {
-      refusal = HandRefusal{base::rpc::kInvalidParams, error.what()};
     } catch (const base::rpc::CallError& error) {
-      refusal = HandRefusal{error.code(), error.what()};
+      refusal = error;
+    } catch (const Json::exception& error) {
+      refusal = base::rpc::BadParams(error.what());
+    } catch (const base::ConfigError& error) {
+      refusal = base::rpc::BadParams(error.what());
     }
     base::log::info(fmt::format("fault.inject {} by {}: {}", call.params, call.reply.client,
-                                refusal ? refusal->sentence : "done"));
+                                refusal ? refusal->what() : "done"));
     calls_.push_back({.log_us = base::unix_us(),
                       .client = call.reply.client,
                       .method = "fault.inject",
@@ -199,7 +197,7 @@ void LiveRun::play_faults(base::SimTime now, std::span<const VehicleReport> vehi
                       .sim_s = base::to_seconds(now)});
     next_calls_ = {};
     if (refusal) {
-      port_->refuse(call, refusal->code, refusal->sentence);
+      port_->refuse(call, refusal->code(), refusal->what());
       continue;
     }
     port_->answer(call, result);
@@ -214,8 +212,8 @@ Json LiveRun::inject(const Json& params, base::SimTime now, std::span<const Vehi
   const std::size_t i = vehicle_of_fault(params, scenario.systems(), vehicles);
   const double for_s = params.at("for_s").get<double>();
   if (!(for_s >= kShortestFault_s && for_s <= kLongestFault_s)) {
-    throw HandRefusal{base::rpc::kInvalidParams,
-                      fmt::format("for_s is {:g} to {:g} s", kShortestFault_s, kLongestFault_s)};
+    throw base::rpc::BadParams(
+        fmt::format("for_s is {:g} to {:g} s", kShortestFault_s, kLongestFault_s));
   }
   Json script = params;
   script.erase("vehicle");
@@ -228,14 +226,16 @@ Json LiveRun::inject(const Json& params, base::SimTime now, std::span<const Vehi
   root.reject_unused();
   for (const BenchFault& fault : parsed.bench) {
     if (!is_line_fault(fault)) {
-      throw HandRefusal{base::rpc::kRefused,
-                        "by hand the line breaks, not casd or a ground station"};
+      throw base::rpc::CallError(base::rpc::kRefused,
+                                 "by hand the line breaks, not casd or a ground station");
     }
     if (!emulated_[i]) {
-      throw HandRefusal{base::rpc::kRefused, "a real controller's line is cut at its plug"};
+      throw base::rpc::CallError(base::rpc::kRefused,
+                                 "a real controller's line is cut at its plug");
     }
     if (faults.line_is_faulty(i)) {
-      throw HandRefusal{base::rpc::kRefused, "a fault of this vehicle's line is under way: wait"};
+      throw base::rpc::CallError(base::rpc::kRefused,
+                                 "a fault of this vehicle's line is under way: wait");
     }
     begin(fault);
     faults.add_begun(fault, now);

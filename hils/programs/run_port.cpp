@@ -20,6 +20,7 @@ namespace cas::hils {
 namespace {
 
 namespace asio = boost::asio;
+using base::rpc::CallError;
 using base::rpc::Reply;
 
 constexpr auto kTellTime = std::chrono::seconds(2);
@@ -35,9 +36,9 @@ struct RunPort::Impl {
     for (const char* method : {"run.reference", "run.status", "fault.list"}) {
       server.add_method(method, [this, method](const Json&, const Reply& reply) {
         const auto answer = answers.find(method);
-        if (hangs()) return reply.error(base::rpc::kRefused, "the run hangs", nullptr);
-        if (answer != answers.end()) return reply.result(answer->second);
-        reply.error(base::rpc::kRefused, "the run has not begun", nullptr);
+        if (hangs()) throw CallError(base::rpc::kRefused, "the run hangs");
+        if (answer == answers.end()) throw CallError(base::rpc::kRefused, "the run has not begun");
+        reply.result(answer->second);
       });
     }
     server.add_method("run.told", [this](const Json&, const Reply& reply) {
@@ -46,9 +47,9 @@ struct RunPort::Impl {
     });
     server.add_method("fault.inject", [this](const Json& params, const Reply& reply) {
       const base::MutexLock lock(mutex);
-      if (!takes_faults) return reply.error(base::rpc::kRefused, kOver, nullptr);
+      if (!takes_faults) throw CallError(base::rpc::kRefused, kOver);
       if (faults.size() >= kMostFaults) {
-        return reply.error(base::rpc::kRefused, "16 faults wait already", nullptr);
+        throw CallError(base::rpc::kRefused, "16 faults wait already");
       }
       faults.push_back({params.dump(-1, ' ', false, Json::error_handler_t::replace), reply});
     });

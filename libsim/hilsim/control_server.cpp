@@ -133,7 +133,7 @@ struct ControlServer::Impl {
                            ? 1.0
                            : number_of(params, "n").value_or(params.is_null() ? 1.0 : -1.0);
       if (!(n >= 1 && n <= kLongestTime)) {
-        return reply.error(base::rpc::kInvalidParams, "n is a number of steps from 1", nullptr);
+        throw base::rpc::BadParams("n is a number of steps from 1");
       }
       carry(reply, [this, n, params, client = reply.client](std::function<void()> done) {
         note(client, "sim.step", params);
@@ -142,7 +142,7 @@ struct ControlServer::Impl {
     });
     server.add_method("sim.phase", [this](const Json& params, Reply reply) {
       if (!params.is_object() || !params.contains("name") || !params["name"].is_string()) {
-        return reply.error(base::rpc::kInvalidParams, "name is the name of a phase", nullptr);
+        throw base::rpc::BadParams("name is the name of a phase");
       }
       carry(std::move(reply),
             [this, name = params["name"].get<std::string>()](const std::function<void()>& done) {
@@ -153,7 +153,7 @@ struct ControlServer::Impl {
     server.add_method("sim.run_until", [this](const Json& params, Reply reply) {
       const auto time_s = number_of(params, "time_s");
       if (!time_s || !(*time_s >= 0 && *time_s <= kLongestTime)) {
-        return reply.error(base::rpc::kInvalidParams, "time_s is a time in seconds", nullptr);
+        throw base::rpc::BadParams("time_s is a time in seconds");
       }
       carry(reply, [this, t = *time_s, params, client = reply.client](std::function<void()> done) {
         note(client, "sim.run_until", params);
@@ -166,8 +166,7 @@ struct ControlServer::Impl {
     server.add_method("sim.fault", [this](const Json& params, const Reply& reply) {
       if (!params.is_object() || !params.contains("vehicle") || !params.contains("fault") ||
           !params["fault"].is_object()) {
-        return reply.error(base::rpc::kInvalidParams, "wants a vehicle's name and a fault, a map",
-                           nullptr);
+        throw base::rpc::BadParams("wants a vehicle's name and a fault, a map");
       }
       const std::string vehicle = params["vehicle"].get<std::string>();
       loop.post([this, params, vehicle, reply] {
@@ -193,7 +192,7 @@ struct ControlServer::Impl {
     });
     server.add_method("sim.mesh", [this](const Json& params, const Reply& reply) {
       if (!params.is_object() || !params.contains("hash")) {
-        return reply.error(base::rpc::kInvalidParams, "hash is missing", nullptr);
+        throw base::rpc::BadParams("hash is missing");
       }
       const std::string hash = params["hash"].get<std::string>();
       const std::size_t offset = params.value("offset", std::size_t{0});

@@ -14,7 +14,7 @@ std::uint64_t counted(CasdFixture& fixture, const std::string& link, const std::
                       std::uint32_t message) {
   std::uint64_t sum = 0;
   for (const auto& entry : fixture.links().figures().messages(base::steady_now(), link)) {
-    if (entry.direction == direction && entry.id == message) sum += entry.count;
+    if (to_string(entry.way) == direction && entry.id == message) sum += entry.count;
   }
   return sum;
 }

@@ -15,6 +15,8 @@
 namespace cas::web {
 namespace {
 
+using base::rpc::BadParams;
+using base::rpc::CallError;
 using base::rpc::Json;
 using base::rpc::Reply;
 
@@ -104,13 +106,11 @@ std::optional<std::string> text_of(const Json& params, const char* key) {
   return found->get<std::string>();
 }
 
-/// Why the names of parameters are wrong; nullopt if they are right.
-std::optional<std::string> unknown_key(const Json& params, const std::set<std::string>& known) {
-  if (!params.is_object()) return "parameters are named";
+void refuse_unknown(const Json& params, const std::set<std::string>& known) {
+  if (!params.is_object()) throw BadParams("parameters are named");
   for (const auto& [key, value] : params.items()) {
-    if (!known.contains(key)) return "there is no parameter '" + key + "'";
+    if (!known.contains(key)) throw BadParams("there is no parameter '" + key + "'");
   }
-  return std::nullopt;
 }
 
 }  // namespace
@@ -243,18 +243,18 @@ void PageClient::add_own_methods() {
     const Json& vehicle = params.at("vehicle");
     const std::int64_t system = vehicle.is_number_integer() ? vehicle.get<std::int64_t>() : 0;
     if (system < 1 || system > 255) {
-      return reply.error(base::rpc::kInvalidParams, "vehicle is a whole number from 1 to 255",
-                         nullptr);
+      throw BadParams("vehicle is a whole number from 1 to 255");
     }
-    if (hub_.take_pilot(number_, static_cast<int>(system), base::steady_now()))
-      return reply.result(true);
-    reply.error(base::rpc::kRefused, "another page moves the sticks of this vehicle", nullptr);
+    if (!hub_.take_pilot(number_, static_cast<int>(system), base::steady_now())) {
+      throw CallError(base::rpc::kRefused, "another page moves the sticks of this vehicle");
+    }
+    reply.result(true);
   });
 }
 
 void PageClient::add_refused(const char* method_name) {
-  dispatcher_.add_method(method_name, [](const Json&, const Reply& reply) {
-    reply.error(base::rpc::kNotAuthorised, "this casweb is read-only", nullptr);
+  dispatcher_.add_method(method_name, [](const Json&, const Reply&) {
+    throw CallError(base::rpc::kNotAuthorised, "this casweb is read-only");
   });
 }
 
@@ -263,10 +263,10 @@ void PageClient::add_passed(const char* method_name, Upstream* to, bool is_limit
   dispatcher_.add_method(method_name, [this, method = std::string(method_name), to, is_limited](
                                           const Json& params, const Reply& reply) {
     if (to == nullptr) {
-      return reply.error(base::rpc::kRefused, "no run of hils is shown here", nullptr);
+      throw CallError(base::rpc::kRefused, "no run of hils is shown here");
     }
     if (is_limited && !may_change()) {
-      return reply.error(base::rpc::kRefused, "over 16 changes in a second: wait", nullptr);
+      throw CallError(base::rpc::kRefused, "over 16 changes in a second: wait");
     }
     pass(method, *to, params, reply);
   });
@@ -284,24 +284,22 @@ bool PageClient::may_change() {
 void PageClient::pass(const std::string& method, Upstream& to, const Json& params,
                       const Reply& reply) {
   if (calls > kMaxCalls) {
-    return reply.error(base::rpc::kRefused, "over 64 calls of this page are under way", nullptr);
+    throw CallError(base::rpc::kRefused, "over 64 calls of this page are under way");
   }
   if (params.is_object() && params.contains("not_hil")) {
-    return reply.error(base::rpc::kInterlock,
-                       "a page does not overrule the interlock: use casctl --not-hil", nullptr);
+    throw CallError(base::rpc::kInterlock,
+                    "a page does not overrule the interlock: use casctl --not-hil");
   }
   to.call(method, params, reply);
 }
 
 void PageClient::watch(const Json& params, const Reply& reply) {
-  if (const auto fault = unknown_key(params, {"topics"})) {
-    return reply.error(base::rpc::kInvalidParams, *fault, nullptr);
-  }
+  refuse_unknown(params, {"topics"});
   std::map<std::string, SnapshotFlow, std::less<>> flows;
   for (const auto& [topic, hz] : params.at("topics").get_ref<const Json::object_t&>()) {
     const auto most = hub_.rate_of(topic);
     if (!most) {
-      return reply.error(base::rpc::kInvalidParams, "there is no topic '" + topic + "'", nullptr);
+      throw BadParams("there is no topic '" + topic + "'");
     }
     const double wanted_hz = std::clamp(hz.get<double>(), kLowest_hz, *most);
     const auto before = flows_.find(topic);
@@ -324,10 +322,7 @@ void PageClient::on_ack(const Json& params, const Reply& reply) {
 }
 
 void PageClient::watch_message(const Json& params, const Reply& reply) {
-  if (const auto fault =
-          unknown_key(params, {"link", "message", "system", "component", "fields", "hz"})) {
-    return reply.error(base::rpc::kInvalidParams, *fault, nullptr);
-  }
+  refuse_unknown(params, {"link", "message", "system", "component", "fields", "hz"});
   ValueWatch watch{.link = params.at("link"),
                    .message = params.at("message"),
                    .system = params.at("system"),
@@ -341,8 +336,8 @@ void PageClient::watch_message(const Json& params, const Reply& reply) {
   const std::size_t fields = watch.fields.size();
   if (fields == 0 || (!values_.contains(key) &&
                       (watched_fields() + fields > kMaxFields || !hub_.has_room_for(fields)))) {
-    return reply.error(base::rpc::kRefused,
-                       "a page watches 1 to 24 fields, and all pages together 96", nullptr);
+    throw CallError(base::rpc::kRefused,
+                    "a page watches 1 to 24 fields, and all pages together 96");
   }
   values_.insert_or_assign(key, std::move(watch));
   reply.result({{"key", key}});
@@ -357,7 +352,7 @@ void PageClient::unwatch_message(const Json& params, const Reply& reply) {
 /// the pilot.
 void PageClient::move_sticks(const Json& params, const Reply& reply) {
   if (!hub_.is_pilot(number_, params.at("vehicle").get<int>(), base::steady_now())) {
-    return reply.error(base::rpc::kRefused, "call pilot.take {\"vehicle\": ...} first", nullptr);
+    throw CallError(base::rpc::kRefused, "call pilot.take {\"vehicle\": ...} first");
   }
   pass("vehicle.manual_control", hub_.casd(), params, reply);
 }

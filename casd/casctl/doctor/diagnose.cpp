@@ -94,7 +94,7 @@ std::string remedy_for_down(const json& link) {
 /// Packets that casd dropped, except setpoints replaced by newer ones and packets of closed links.
 void check_own_drops(const DoctorFacts& facts, const json& link, Findings& own) {
   for (const casd::CauseWords& words : casd::kCauses) {
-    const std::string cause(words.cause);
+    const std::string cause(words.word);
     const double drops = words.trouble ? drop_growth(facts, link, cause) : 0;
     if (drops <= 0) continue;
     warn(own,
@@ -110,8 +110,9 @@ std::string filtered_text(const DoctorFacts& facts, const json& link) {
     const json rx = of.value("rx", json::object());
     const json verdicts = rx.value("verdicts", json::object());
     double packets = rx.value("not_accepted", 0.0);
-    for (const char* verdict : {"no_rule", "no_target", "rate_limited"}) {
-      packets += verdicts.value(verdict, 0.0);
+    using enum casd::DropCause;
+    for (const casd::DropCause cause : {kNoRule, kNoTarget, kRateLimited}) {
+      packets += verdicts.value(std::string(to_string(cause)), 0.0);
     }
     return packets;
   };

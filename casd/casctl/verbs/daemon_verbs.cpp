@@ -161,10 +161,8 @@ int show_routes(Session& session) {
 }
 
 std::string cause_text(const std::string& cause) {
-  for (const casd::CauseWords& words : casd::kCauses) {
-    if (words.cause == cause) return std::string(words.meaning);
-  }
-  return "";
+  const casd::CauseWords* const words = casd::find_cause(cause);
+  return words == nullptr ? "" : std::string(words->meaning);
 }
 
 int show_drops(Session& session) {

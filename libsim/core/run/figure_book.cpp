@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 
 namespace cas::sim {
 
@@ -99,24 +100,27 @@ void FigureRecord::reset() {
 std::string FigureRecord::json() const {
   const bool series = spec_.kind == FigureKind::kSeries;
   const auto value = [this](double v) { return samples_ == 0 ? "null" : number(v); };
-  std::string text = "{\"vehicle\":" + quoted(spec_.vehicle) +
-                     ",\"plugin\":" + quoted(spec_.plugin) + ",\"name\":" + quoted(spec_.name) +
-                     ",\"unit\":" + quoted(spec_.unit) + ",\"kind\":\"" +
-                     (series ? "series" : "scalar") + "\",\"samples\":" + std::to_string(samples_) +
-                     ",\"not_finite\":" + std::to_string(not_finite_) + ",\"last\":" + value(last_);
+  std::string text;
+  const auto field = [&text](std::string_view key, const std::string& written) {
+    text.append(text.empty() ? "{" : ",").append(quoted(key)).append(":").append(written);
+  };
+  field("vehicle", quoted(spec_.vehicle));
+  field("plugin", quoted(spec_.plugin));
+  field("name", quoted(spec_.name));
+  field("unit", quoted(spec_.unit));
+  field("kind", quoted(series ? "series" : "scalar"));
+  field("samples", std::to_string(samples_));
+  field("not_finite", std::to_string(not_finite_));
+  field("last", value(last_));
   if (!series) return text + "}";
-  text += ",\"min\":" + value(least_) + ",\"max\":" + value(greatest_) +
-          ",\"mean\":" + value(sum_ / static_cast<double>(std::max<std::uint64_t>(samples_, 1))) +
-          ",\"points\":[";
-  for (const auto& [time, v] : points_) {
-    if (text.back() == ']') text += ',';
-    text.append("[")
-        .append(number(base::to_seconds(time)))
-        .append(",")
-        .append(number(v))
-        .append("]");
-  }
-  return text + "]}";
+  field("min", value(least_));
+  field("max", value(greatest_));
+  field("mean", value(sum_ / static_cast<double>(std::max<std::uint64_t>(samples_, 1))));
+  field("points", "[" + base::joined(points_, ",", [](const auto& point) {
+                    return "[" + number(base::to_seconds(point.first)) + "," +
+                           number(point.second) + "]";
+                  }) + "]");
+  return text + "}";
 }
 
 Publisher<FigureSample> FigureBook::add(TopicBus& bus, FigureSpec spec) {
@@ -148,12 +152,8 @@ void FigureBook::reset() {
 }
 
 std::string FigureBook::json() const {
-  std::string text = "{\"schema\":1,\"figures\":[";
-  for (const auto& record : records_) {
-    if (text.back() != '[') text += ",\n";
-    text += record->json();
-  }
-  return text + "]}\n";
+  return "{\"schema\":1,\"figures\":[" +
+         base::joined(records_, ",\n", [](const auto& record) { return record->json(); }) + "]}\n";
 }
 
 }  // namespace cas::sim

@@ -64,22 +64,23 @@ void SimLoop::reach(std::function<void()>& done) {
 /// @return false when something else has to be done first
 bool SimLoop::wait_until(base::RunTime moment) {
   if (moment <= now_) return true;
-  std::unique_lock lock(mutex_);
-  wake_.wait_until(lock, to_steady(moment), [this] { return !orders_.empty() || stopping_; });
+  base::MutexLock lock(mutex_);
+  wake_.wait_until(lock, to_steady(moment),
+                   [this]() CAS_REQUIRES(mutex_) { return !orders_.empty() || stopping_; });
   now_ = base::steady_now();
   return now_ >= moment && orders_.empty() && !stopping_;
 }
 
 void SimLoop::wait_for_order() {
-  std::unique_lock lock(mutex_);
-  wake_.wait(lock, [this] { return !orders_.empty() || stopping_; });
+  base::MutexLock lock(mutex_);
+  wake_.wait(lock, [this]() CAS_REQUIRES(mutex_) { return !orders_.empty() || stopping_; });
   now_ = base::steady_now();
 }
 
 void SimLoop::take_orders() {
   std::vector<std::function<void()>> orders;
   {
-    const std::scoped_lock lock(mutex_);
+    const base::MutexLock lock(mutex_);
     orders.swap(orders_);
     has_orders_ = false;
   }
@@ -89,7 +90,7 @@ void SimLoop::take_orders() {
 
 void SimLoop::post(std::function<void()> order) {
   {
-    const std::scoped_lock lock(mutex_);
+    const base::MutexLock lock(mutex_);
     orders_.push_back(std::move(order));
     has_orders_ = true;
   }
@@ -98,7 +99,7 @@ void SimLoop::post(std::function<void()> order) {
 
 void SimLoop::stop() {
   {
-    const std::scoped_lock lock(mutex_);
+    const base::MutexLock lock(mutex_);
     stopping_ = true;
   }
   wake_.notify_one();

@@ -5,12 +5,12 @@
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
-#include <mutex>
 #include <optional>
 #include <string_view>
 #include <vector>
 
 #include "base/measure/histogram.hpp"
+#include "base/os/mutex.hpp"
 #include "base/time/clock.hpp"
 #include "libsim/core/export.hpp"
 #include "libsim/core/run/pacer.hpp"
@@ -88,9 +88,9 @@ class CAS_SIM_EXPORT SimLoop {
   base::RunTime clock_started_{};
   base::Duration wall_{};
 
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  std::vector<std::function<void()>> orders_;  // guarded by mutex_
+  base::Mutex mutex_;
+  std::condition_variable_any wake_;
+  std::vector<std::function<void()>> orders_ CAS_GUARDED_BY(mutex_);
   std::atomic<bool> has_orders_{false};
   std::atomic<bool> stopping_{false};
 };

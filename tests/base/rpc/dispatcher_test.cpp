@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "base/error.hpp"
+
 namespace cas::base::rpc {
 namespace {
 
@@ -176,6 +178,23 @@ INSTANTIATE_TEST_SUITE_P(
                   R"({"jsonrpc":"2.0","id":9,"method":"subscribe","params":{"topic":"x"}})",
                   kInvalidParams, 9}),
     [](const auto& test) { return test.param.name; });
+
+TEST_F(DispatcherTest, AnswersWhatAMethodThrows) {
+  dispatcher_.add_method("refuse", [](const Json& params, const Reply&) {
+    if (params.is_null()) throw CallError(kInterlock, "not in HIL", R"({"result":4})");
+    if (params.is_array()) throw BadParams("parameters are named");
+    throw ConfigError("line 3");
+  });
+  const auto error = [this](const char* params) {
+    return answer(std::string(R"({"jsonrpc":"2.0","id":1,"method":"refuse")") + params + "}")
+        .at("error");
+  };
+  EXPECT_EQ(error(""),
+            (Json{{"code", kInterlock}, {"message", "not in HIL"}, {"data", {{"result", 4}}}}));
+  EXPECT_EQ(error(R"(,"params":[])"),
+            (Json{{"code", kInvalidParams}, {"message", "parameters are named"}}));
+  EXPECT_EQ(error(R"(,"params":{})"), (Json{{"code", kRefused}, {"message", "line 3"}}));
+}
 
 TEST_F(DispatcherTest, TheFirstAnswerCounts) {
   EXPECT_EQ(answer(R"({"jsonrpc":"2.0","id":1,"method":"twice"})")["result"], 1);

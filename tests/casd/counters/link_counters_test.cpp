@@ -56,7 +56,7 @@ TEST(LinkFigures, FormsRatesFromTwoLooks) {
   const auto messages = figures.messages(at(seconds(5) + milliseconds(500)));
   ASSERT_EQ(messages.size(), 1U);
   EXPECT_EQ(messages[0].link, "fcu");
-  EXPECT_EQ(messages[0].direction, "rx");
+  EXPECT_EQ(to_string(messages[0].way), "rx");
   EXPECT_EQ(messages[0].name, "HIL_CONTROLS");
   EXPECT_EQ(messages[0].count, 2000U);
   EXPECT_NEAR(messages[0].hz, 400, 1);
@@ -158,23 +158,6 @@ TEST(TlogWriter, FileThatCannotBeMadeIsAnError) {
   options.files.name = "flight";
   EXPECT_THROW(tlog.start(options), base::ConfigError);
   EXPECT_FALSE(tlog.active());
-}
-
-TEST(LinkWords, GiveEachCauseAMeaning) {
-  const auto known = [](std::string_view cause) {
-    return std::any_of(kCauses.begin(), kCauses.end(),
-                       [&](const CauseWords& words) { return words.cause == cause; });
-  };
-  for (int i = 0; i < kDropCauses; ++i) {
-    EXPECT_TRUE(known(to_string(static_cast<DropCause>(i)))) << i;
-  }
-  for (int i = 0; i < kDecisions; ++i) {
-    const auto decision = static_cast<Route::Decision>(i);
-    EXPECT_TRUE(decision == Route::Decision::kForward || known(to_string(decision))) << i;
-  }
-  for (const CounterWords& words : kLinkCounters) {
-    EXPECT_TRUE(words.cause.empty() || known(words.cause)) << words.key;
-  }
 }
 
 }  // namespace

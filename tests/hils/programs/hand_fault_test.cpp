@@ -23,8 +23,8 @@ std::array<VehicleReport, 2> vehicles() {
 int refusal(const json& params, const std::array<VehicleReport, 2>& vehicles) {
   try {
     vehicle_of_fault(params, kSystems, vehicles);
-  } catch (const HandRefusal& why) {
-    return why.code;
+  } catch (const base::rpc::CallError& why) {
+    return why.code();
   }
   return 0;
 }
