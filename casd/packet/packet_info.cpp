@@ -2,6 +2,9 @@
 #include "casd/packet/packet_info.hpp"
 
 #include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
 
 #include "base/enum_words.hpp"
 #include "mavlink/common/hil_actuator_controls.hpp"
@@ -82,11 +85,14 @@ std::optional<std::uint64_t> hil_time_usec(const mav::PacketView& packet) {
       return std::nullopt;
   }
   // It leads the payload of all four, little-endian; zeros at the end may be cut off.
-  std::uint64_t value = 0;
-  for (std::size_t i = 0; i < sizeof value && i < packet.payload.size(); ++i) {
-    value |= std::uint64_t{packet.payload[i]} << (8 * i);
-  }
-  return value;
+  const auto little_endian = [](std::span<const std::uint8_t> bytes) {
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < bytes.size(); ++i) value |= std::uint64_t{bytes[i]} << (8 * i);
+    return value;
+  };
+  constexpr std::size_t kBytes = sizeof(std::uint64_t);
+  if (packet.payload.size() < kBytes) return little_endian(packet.payload);
+  return little_endian(packet.payload.first<kBytes>());  // one load
 }
 
 PacketInfo inspect(const mav::PacketView& packet, const mav::MessageTable& table) {
