@@ -101,7 +101,7 @@ std::optional<std::string> run_answered(const Reply& reply, const std::function<
     return answer(error.code(), error, Json::parse(error.data_json(), nullptr, false));
   } catch (const ConfigError& error) {
     return answer(kRefused, error);
-  } catch (const Json::exception& error) {  // params.at("x").get<T>() on what the client sent
+  } catch (const Json::exception& error) {  // params.at("x").get<T>() of a wrong type
     return answer(kInvalidParams, error);
   } catch (const std::exception& error) {
     return answer(kInternalError, error);

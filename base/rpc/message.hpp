@@ -29,7 +29,7 @@ enum ErrorCode : int {
   kInterlock = -32004,  ///< the vehicle does not say that it is in HIL
 };
 
-/// An error as the answer of a call: a client throws what it is answered, a method may throw what
+/// An error as the answer of a call: a client throws the answer it got, a method may throw the one
 /// it answers (run_answered()).
 class CAS_BASE_EXPORT CallError : public std::runtime_error {
  public:

@@ -188,8 +188,7 @@ struct LinkCounters {
   std::unique_ptr<LinkLedger> ledger;
 
   struct : RxCounts<Counter> {
-    std::array<MessageCounters, kDecisions>
-        refused;  ///< what was not forwarded, by Route::Decision
+    std::array<MessageCounters, kDecisions> refused;  ///< packets not forwarded, by Route::Decision
     MessageCounters messages;
     MessageCounters not_accepted_messages;  ///< of Counter not_accepted, not in `messages`
   } rx;

@@ -78,7 +78,7 @@ void Ingress::add_for_sniffers(const Route& route, const mav::PacketView& packet
   batch_.add(info, packet.bytes, *route.sniffers);
 }
 
-/// Counts what was received. @return whether the link lets it in
+/// Counts the received packet. @return whether the link lets it in
 bool Ingress::admit_packet(const mav::PacketView& packet, base::RunTime now) {
   if (batch_.full()) deliver(now);
   counters_->rx.packets.add();

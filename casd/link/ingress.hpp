@@ -68,7 +68,7 @@ class Ingress {
         });
     count_parser(parser, before);
   }
-  /// Only what is signed as it should be counts as received.
+  /// Only packets with a right signature count as received.
   template <class OnPacket>
   void admit(const mav::PacketView& packet, OnPacket& on_packet) {
     if (!signing_) return on_packet(packet);

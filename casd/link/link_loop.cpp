@@ -181,7 +181,7 @@ void LinkLoop::run(const std::stop_token& stop) {
   run_tasks();
 }
 
-/// @param now  may be a turn old: it only tells what is near. @return when something was there
+/// @param now  may be a turn old: it serves to tell near deadlines. @return when the wait ended
 base::RunTime LinkLoop::wait(base::RunTime now) {
   poll_set_.clear();
   poll_set_.add(signal_.descriptor(), POLLIN);
@@ -192,7 +192,7 @@ base::RunTime LinkLoop::wait(base::RunTime now) {
     rest_until(rested, base::steady_now());
   }
   poll_until(due, now);
-  // Only what was seen: a signal that is being raised just now is for the next turn.
+  // Only events seen by this poll: a signal raised since then is for the next turn.
   const auto& entries = poll_set_.entries();
   if ((entries[kSignalEntry].revents & POLLIN) != 0) {
     signal_.lower();

@@ -5,7 +5,7 @@
 
 namespace cas::casd {
 
-/// How long a line has taken nothing of what it was given, and what is to be done about it. Pure.
+/// How long a line has taken none of the bytes written to it, and the remedy that is due. Pure.
 ///
 /// A look at the line costs system calls: one that has just taken something is left in peace for
 /// half of the patience, and is seen to stand still after one and a half times the patience.
@@ -19,17 +19,17 @@ class Standstill {
   void given(base::RunTime now) {
     if (since_ == base::RunTime{}) since_ = now;
   }
-  /// Whether the look at the line begins now: what it was given counts from here on.
+  /// Whether the look at the line begins now: bytes written from here on count.
   bool look_begins(base::RunTime now);
   /// Whether it took something so little time ago that nobody looks.
   bool rests(base::RunTime now) const { return now < rest_until_; }
-  /// It has taken what it was given. @return whether its driver had been emptied meanwhile
+  /// It has taken bytes. @return whether its driver had been emptied meanwhile
   bool ended(base::RunTime now);
   /// Whether it was given something that it has not been seen to take.
   bool pending() const { return since_ != base::RunTime{}; }
   base::Duration lasts(base::RunTime now) const { return now - since_; }
 
-  /// Whether what the driver holds is to be thrown away: once in a standstill.
+  /// Whether to discard the bytes that the driver holds: once in a standstill.
   bool flush_is_due(base::RunTime now);
   /// Whether the driver is to be nudged: after ever longer times.
   bool nudge_is_due(base::RunTime now);
@@ -40,7 +40,7 @@ class Standstill {
   base::Duration patience_;
   bool looked_at_ = true;
   base::RunTime rest_until_{};
-  base::RunTime since_{};        ///< when it was given what it has not taken; zero: nothing
+  base::RunTime since_{};        ///< of the oldest bytes not taken; zero: none
   base::Duration next_nudge_{};  ///< after so long a standstill
   bool flushed_ = false;         ///< in this standstill
 };

@@ -15,10 +15,10 @@ namespace cas::casd {
 /// passes.
 ///
 /// Each 50 ms of it the stream is held while the station has its turn (retries, heartbeats), so
-/// that what the station sends of itself always stands between the same two sensor messages,
+/// that the station's own packets always stand between the same two sensor messages,
 /// however busy the machine is.
 ///
-///   HIL_SENSOR -> turn due? -- yes --> what came before goes out --> the station's turn --+
+///   HIL_SENSOR -> turn due? -- yes --> older packets go out --> the station's turn -------+
 ///                    | no                                                                 |
 ///                    +--> routed and delivered <------------------------------------------+
 class StreamTime {

@@ -97,7 +97,7 @@ void TxPort::drop_all(DropCause cause, base::RunTime now) {
   counters_->tx.queued.set(0);
 }
 
-// Held to the line's rate, to the cap, or to what is less.
+// Held to the line's rate or to the cap, whichever is less.
 void TxPort::pace(double line) {
   const double cap = options_.cap_bytes_s;
   const bool capped = cap > 0 && (line == 0 || cap < line);

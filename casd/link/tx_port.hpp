@@ -44,7 +44,7 @@ class TxPort : public PacketPort {
  public:
   // The link's thread only:
 
-  /// Starts writing to a newly opened descriptor; what was queued for the old one is dropped.
+  /// Starts writing to a newly opened descriptor; the queue of the old one is dropped.
   /// @param line_bytes_s  rate of the line behind it, 0: none; nothing: that of the options
   void attach(std::unique_ptr<PacketWriter> writer, base::RunTime now,
               std::optional<double> line_bytes_s = {});

@@ -27,7 +27,7 @@ namespace cas::casd {
 struct SigningConfig {
   std::filesystem::path key_file;
   std::uint8_t link_id = 0;  ///< distinguishes the links of one key
-  bool verify = true;        ///< refuse what is not signed with the key, take signatures off
+  bool verify = true;        ///< refuse packets not signed with the key, take signatures off
   bool sign = true;          ///< sign what goes out
   std::vector<std::uint32_t> allow_unsigned;  ///< messages that may come unsigned
   /// How far ahead of casd's clock a signed packet may be; 0: any
@@ -63,7 +63,7 @@ struct LinkConfig {
   bool repeat = false;  ///< from the start again at its end
 
   // all
-  double max_bytes_s = 0;                  ///< cap on what is sent; 0: none
+  double max_bytes_s = 0;                  ///< cap on sent bytes; 0: none
   bool pass_unknown = false;               ///< let packets with unknown message ids pass
   std::string group;                       ///< redundant paths share a group name
   bool inject_failures = false;            ///< stations here may inject failures into the simulator

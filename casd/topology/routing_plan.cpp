@@ -16,7 +16,7 @@ void add_station(std::vector<ForwardRule>& rules, const Topology& topology,
                  const LinkSlots& slots) {
   const std::vector<std::uint32_t> hil = hil_messages();
   for (const LinkConfig& config : topology.links) {
-    if (config.sniffer) continue;  // gets what the station says without a rule
+    if (config.sniffer) continue;  // gets the station's packets without a rule
     const LinkId link = slots.at(config.name);
     ForwardRule& hears = rules.emplace_back();
     hears.from = link;

@@ -17,7 +17,7 @@ class PathWatch {
 
   /// Watches first and then looks, so no change between the look and the wait is missed.
   /// @param look  whether the device is there; then the watch ends
-  /// @return what it said
+  /// @return the answer of `look`
   template <class Look>
   bool found_by(Look&& look) {
     arm();

@@ -21,7 +21,7 @@ struct SerialOptions {
 base::Descriptor open_serial(const std::string& device, const SerialOptions& options,
                              std::string& error);
 
-/// Gives an open line another rate and drops what came at the old one.
+/// Gives an open line another rate and drops the bytes of the old one.
 /// @return false with errno set
 bool set_baud(int line, unsigned baud);
 

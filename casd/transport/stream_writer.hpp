@@ -23,7 +23,7 @@ namespace cas::casd {
 class ReaderWatch {
  public:
   explicit ReaderWatch(int fd);
-  /// Looks, or not: each look costs system calls. Beginning it forgets what was before.
+  /// Looks, or not: each look costs system calls. Beginning forgets earlier edges.
   void watch(bool on);
   bool watches() const { return on_; }
   /// Something was written, in so long a time.
@@ -49,7 +49,7 @@ class ReaderWatch {
 class StreamWriter final : public PacketWriter {
  public:
   enum class Kind {
-    kSerial,          ///< a line whose driver knows what it has not sent
+    kSerial,          ///< a line whose driver counts unsent bytes
     kPseudoTerminal,  ///< no line behind it
     kSocket
   };

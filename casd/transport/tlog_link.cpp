@@ -60,7 +60,7 @@ void TlogLink::play(base::RunTime now) {
 void TlogLink::advance() {
   next_ = reader_.next();
   if (!next_) return;
-  // A clock that was set back while recording stops nothing: what is overdue is played at once.
+  // A clock that was set back while recording stops nothing: overdue packets are played at once.
   const auto recorded_us = static_cast<double>(next_->unix_us) - static_cast<double>(first_us_);
   due_ = started_ + base::from_seconds(recorded_us / 1e6 / core_.config().speed);
 }

@@ -64,7 +64,7 @@ class DatagramReader {
   std::uint32_t kernel_drops_ = 0;
   base::Duration read_at_{};  ///< wall-clock time
   base::RunTime empty_at_{};  ///< the socket was last seen empty after this
-  base::Duration longest_{};  ///< what the newest read found cannot have waited longer
+  base::Duration longest_{};  ///< longest possible wait of the newest read's datagrams
   bool late_ = false;         ///< the oldest one had waited
   Arrivals arrivals_;
 };

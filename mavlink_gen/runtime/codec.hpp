@@ -13,7 +13,7 @@
 
 namespace cas::mav {
 
-/// Reads a payload: what a short one lacks is zero, what a long one has too much is ignored.
+/// Reads a payload: missing bytes are zero, extra bytes are ignored.
 template <class Message>
 Message decode_payload(std::span<const std::uint8_t> payload) {
   if (payload.size() >= Message::kMaxLength) return Message::unpack(payload.data());

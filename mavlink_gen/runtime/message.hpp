@@ -113,7 +113,7 @@ constexpr void set_text(std::array<char, n>& characters, TextView value) {
   for (std::size_t i = 0; i < n; ++i) characters[i] = i < value.size() ? value[i] : '\0';
 }
 
-/// Borrowed payload that may be truncated: what it lacks reads as zero. Base of the generated
+/// Borrowed payload that may be truncated: missing bytes read as zero. Base of the generated
 /// views.
 class PayloadView {
  public:

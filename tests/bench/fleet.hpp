@@ -41,12 +41,12 @@ class Fleet {
   /// Tells each vehicle where casd hears it. @return whether all links are up
   bool meet(base::rpc::Client& casd);
 
-  /// Sends what is due: all packets are on an even grid that begins with the first call.
+  /// Sends the packets that are due: all are on an even grid that begins with the first call.
   /// @return whether nothing is left
   bool send_due(base::RunTime now);
   /// When the next packet is due.
   base::RunTime next_due() const;
-  /// Takes in what has come to the stations.
+  /// Reads the stations' sockets.
   void read(base::RunTime now);
 
   /// Packets of all vehicles.

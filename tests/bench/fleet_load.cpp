@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A fleet whose telemetry casd carries to several ground stations, each vehicle and station on a
-// link of its own; counts what was lost. `scripts/bench_router --only fleet` runs it.
+// link of its own; counts lost packets. `scripts/bench_router --only fleet` runs it.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>

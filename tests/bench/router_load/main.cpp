@@ -147,8 +147,8 @@ std::string open_endpoints() {
   g_sim_fd = udp_socket(o.sim_local);
   if (o.direct) {
     int sink = udp_socket(0);
-    add_link("fc", sink, false);          // receives what the simulator sends
-    add_link("sim", g_slave_keep, true);  // receives what the flight controller sends
+    add_link("fc", sink, false);          // receives the simulator's packets
+    add_link("sim", g_slave_keep, true);  // receives the controller's packets
     g_sim_dst = lo_addr(udp_port(sink));
     return slave;
   }
@@ -199,7 +199,7 @@ std::string run_profile() {
   return "\"result\":" + report(ph, r, true);
 }
 
-// The whole answer; `body` is what was measured.
+// The whole answer; `body` holds the measurements.
 std::string answer(const std::string& body) {
   std::string cmd = o.direct ? "(direct)" : o.pump ? "(pump)" : o.relay ? "(relay)" : "";
   for (char* c : o.cmd)
