@@ -15,7 +15,7 @@
 #define CAS_GUARDED_BY(lock) CAS_THREAD_SAFETY(guarded_by(lock))
 /// A function that is called only while the lock is held.
 #define CAS_REQUIRES(lock) CAS_THREAD_SAFETY(requires_capability(lock))
-/// Likewise for reading: a SharedLock is enough.
+/// The caller holds this shared mutex at least for reading (SharedLock).
 #define CAS_REQUIRES_SHARED(lock) CAS_THREAD_SAFETY(requires_shared_capability(lock))
 
 namespace cas::base {

@@ -64,9 +64,9 @@ struct Reply {
   std::string client{};  ///< the caller, for an audit: "127.0.0.1:40412", "unix:uid 1000"
 };
 
-/// Runs what answers a call. What it throws is answered instead: a CallError as it is, a
-/// ConfigError as refused, and JSON of another kind than is read as wrong parameters.
-/// @return that sentence; nullopt: it came to its end
+/// Runs the body of a method and answers with an error if it throws: a CallError with its own code,
+/// a ConfigError as refused, a JSON value of the wrong type as wrong parameters.
+/// @return the sentence of the error; nullopt: the body returned
 CAS_BASE_EXPORT std::optional<std::string> run_answered(const Reply& reply,
                                                         const std::function<void()>& body);
 

@@ -31,7 +31,7 @@ enum class DropCause : std::uint8_t {
 };
 inline constexpr int kDropCauses = static_cast<int>(DropCause::kSuperseded) + 1;
 
-/// A cause as it is told everywhere.
+/// Name and texts of a cause, for every program that prints it.
 struct CauseWords {
   DropCause cause;
   std::string_view word;       ///< in JSON, to Prometheus and in ledgers
