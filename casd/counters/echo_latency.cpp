@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/counters/echo_latency.hpp"
 
-#include "casd/packet/packet_info.hpp"
 #include "mavlink/common/hil_actuator_controls.hpp"
 #include "mavlink/common/hil_controls.hpp"
 #include "mavlink/common/hil_sensor.hpp"
@@ -10,13 +9,11 @@ namespace cas::casd {
 namespace {
 
 /// The stamp, never 0: that is a free place.
-std::uint64_t key_of(const mav::PacketView& packet) {
-  return hil_time_usec(packet).value_or(0) << 1U | 1U;
-}
+std::uint64_t key_of(const PacketInfo& packet) { return packet.hil_time_usec << 1U | 1U; }
 
 }  // namespace
 
-void EchoLatency::on_packet(const mav::PacketView& packet, base::RunTime now) {
+void EchoLatency::on_packet(const PacketInfo& packet, base::RunTime now) {
   switch (packet.message_id) {
     case mavlink::common::HilSensor::kId:
       return on_sensor(key_of(packet), packet.source.system, now);

@@ -11,7 +11,7 @@
 #include "base/measure/histogram.hpp"
 #include "base/os/mutex.hpp"
 #include "base/time/clock.hpp"
-#include "mavlink_gen/runtime/packet.hpp"
+#include "casd/packet/packet_info.hpp"
 
 namespace cas::casd {
 
@@ -31,7 +31,7 @@ class EchoLatency {
   };
 
   /// From a link's thread, for each packet that it received.
-  void on_packet(const mav::PacketView& packet, base::RunTime now);
+  void on_packet(const PacketInfo& packet, base::RunTime now);
   /// By system id.
   std::vector<Figures> figures() const;
 

@@ -90,13 +90,14 @@ void read_tx(const LinkCounters& link, LinkStatus& status) {
   std::vector<std::pair<LinkId, base::Histogram>> routes;
   {
     base::MutexLock lock(tx.mutex);
-    const std::size_t count = tx.routes.routes();
+    const std::size_t count = tx.forwarding.routes();
     lock.unlock();
     routes.reserve(count);
     lock.lock();
-    forwarding = tx.forwarding;
-    tx.routes.copy(routes);
+    forwarding = tx.forwarding.others();
+    tx.forwarding.copy(routes);
   }
+  for (const auto& [from, times] : routes) forwarding.merge(times);
   status.tx.forwarding_p50 = forwarding.quantile(0.50);
   status.tx.forwarding_p99 = forwarding.quantile(0.99);
   status.tx.forwarding_max = forwarding.max();
@@ -165,9 +166,7 @@ void LinkCounters::count_sent(std::span<const PacketRef> packets, base::RunTime 
   for (const PacketRef& packet : packets) {
     bytes += packet.bytes.size();
     tx.messages.add(packet.info->message_id, packet.info->source, now);
-    const base::Duration time = done - packet.info->received;
-    tx.forwarding.add(time);
-    tx.routes.add(packet.info->from, time);
+    tx.forwarding.add(packet.info->from, done - packet.info->received);
     if (ledger) ledger->sent(*packet.info, done);
   }
   tx.packets.add(packets.size());
@@ -212,7 +211,7 @@ void LinkFigures::remove_link(LinkId id) {
   links_.erase(id);
   for (const auto& [other, link] : links_) {
     const base::MutexLock lock(link->tx.mutex);
-    link->tx.routes.forget(id);
+    link->tx.forwarding.forget(id);
   }
   std::erase_if(rates_, [id](const auto& entry) { return std::get<0>(entry.first) == id; });
 }

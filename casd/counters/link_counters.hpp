@@ -95,8 +95,8 @@ class MessageCounters {
   std::atomic<std::uint64_t> uncounted_{0};
 };
 
-/// Forwarding times of one sending link by the link that a packet came from, of the first 64 such
-/// links. Memory is taken with the first packet of a route. Callers lock.
+/// Forwarding times of one sending link, in all and by the link that a packet came from, of the
+/// first 64 such links. Memory is taken with the first packet of a route. Callers lock.
 class RouteLatency {
  public:
   static constexpr std::size_t kMaxRoutes = 64;
@@ -108,21 +108,19 @@ class RouteLatency {
   };
 
   void add(LinkId from, base::Duration time) {
-    if (from >= times_.size()) return;
-    auto& route = times_[from];
-    if (!route) {
-      if (routes_ == kMaxRoutes) return;
-      route = std::make_unique<base::Histogram>();
-      ++routes_;
-    }
-    route->add(time);
+    const bool known = from < times_.size() && (times_[from] || take_up(from));
+    (known ? *times_[from] : others_).add(time);
   }
 
   /// The link is gone, and its id may become another link's.
   void forget(LinkId from) {
-    if (times_[from]) --routes_;
+    if (!times_[from]) return;
+    others_.merge(*times_[from]);
     times_[from].reset();
+    --routes_;
   }
+  /// Of links that are gone, and of those beyond the first 64.
+  const base::Histogram& others() const { return others_; }
   /// How many links a packet came from.
   std::size_t routes() const { return routes_; }
   /// The times themselves, as many as `copies` has room for: figures are made without the lock.
@@ -141,7 +139,15 @@ class RouteLatency {
   }
 
  private:
+  bool take_up(LinkId from) {
+    if (routes_ == kMaxRoutes) return false;
+    times_[from] = std::make_unique<base::Histogram>();
+    ++routes_;
+    return true;
+  }
+
   std::array<std::unique_ptr<base::Histogram>, kLinkSlots> times_;
+  base::Histogram others_;
   std::size_t routes_ = 0;  ///< of them that are in use
 };
 
@@ -197,9 +203,7 @@ struct LinkCounters {
     MessageCounters messages;
     mutable base::Mutex mutex;
     /// Read to written; read it through LinkFigures.
-    base::Histogram forwarding CAS_GUARDED_BY(mutex);
-    /// The same by receiving link.
-    RouteLatency routes CAS_GUARDED_BY(mutex);
+    RouteLatency forwarding CAS_GUARDED_BY(mutex);
   } tx;
 
   /// A received packet was not forwarded, or not to all that its route names.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/link/direct_tx_port.hpp"
 
+#include <atomic>
 #include <utility>
 
 namespace cas::casd {
@@ -38,9 +39,10 @@ void DirectTxPort::carry_on(base::RunTime now) {
 }
 
 // No lost wake-up: the queue is looked at again after the writer's lock was let go. A producer that
-// failed to take the lock has queued before that look.
+// failed to take the lock has queued before that look: the fence keeps the order of both.
 void DirectTxPort::pump(base::RunTime now) {
-  while (anything_queued()) {
+  std::atomic_thread_fence(std::memory_order_seq_cst);
+  while (backlog_.load(std::memory_order_acquire) && anything_queued()) {
     if (wants_room() || held_by_pacer(now) || broken()) return;  // the link's thread carries on
     if (!writer_mutex_.try_lock()) return;
     const base::MutexLock lock(writer_mutex_, std::adopt_lock);

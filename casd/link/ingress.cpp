@@ -7,6 +7,14 @@
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
+namespace {
+
+/// Packets of the HIL loop command nothing.
+bool is_sensor_or_actuator(TrafficClass traffic) {
+  return traffic == TrafficClass::kHil || traffic == TrafficClass::kGps;
+}
+
+}  // namespace
 
 Parser make_parser() { return Parser(mav::public_table()); }
 
@@ -16,6 +24,7 @@ Ingress::Ingress(LinkId link, Switchboard& switchboard, std::shared_ptr<LinkCoun
       switchboard_(switchboard),
       counters_(std::move(counters)),
       accept_(std::move(accept)),
+      accepts_all_(accept_ == AcceptRule{}),
       signing_(std::move(signing)) {}
 
 void Ingress::take(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
@@ -35,7 +44,8 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, Peer
   Route route = switchboard_.router().on_packet(link_, packet, now, peer);
   route.info.waited = waited;
   const bool first = route.decision != Route::Decision::kDuplicate;
-  if (first && is_failure(packet)) {
+  const bool may_command = first && !is_sensor_or_actuator(route.info.traffic);
+  if (may_command && is_failure(packet)) {
     route.to = bit(kLocalLink);
     route.thinned = {};
     route.decision = Route::Decision::kForward;
@@ -43,7 +53,7 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, Peer
   account(route, packet, now);
   // What others have a vehicle do, and its answers to stations that casd does not know or does not
   // serve, casd's station hears too: it shall not undo it.
-  if (first && may_be_act(packet.message_id)) route.to.add(kLocalLink);
+  if (may_command && may_be_act(packet.message_id)) route.to.add(kLocalLink);
   if (!route.to.empty()) batch_.add(route.info, packet.bytes, route.to);
   add_for_sniffers(route, packet, now);
 }
@@ -85,7 +95,7 @@ bool Ingress::admit_packet(const mav::PacketView& packet, base::RunTime now) {
   if (const unsigned lost = sequence_.update(packet.source, packet.sequence); lost > 0) {
     counters_->rx.lost.add(lost);
   }
-  if (!accept_.accepts(packet)) {
+  if (!accepts_all_ && !accept_.accepts(packet)) {
     counters_->rx.not_accepted.add();
     counters_->rx.not_accepted_messages.add(packet.message_id, packet.source, now);
     return false;
@@ -101,7 +111,7 @@ void Ingress::account(const Route& route, const mav::PacketView& packet, base::R
   counters_->rx.decisions[static_cast<std::size_t>(route.decision)].add();
   count_refusals(route);
   switchboard_.taps().on_packet(link_, packet, now);
-  switchboard_.echo().on_packet(packet, now);
+  switchboard_.echo().on_packet(route.info, now);
   StreamTime& stream = switchboard_.stream_time();
   if (route.decision != Route::Decision::kDuplicate && switchboard_.tlog().listens()) {
     switchboard_.tlog().record(packet.bytes, stream.enabled() ? stream.now() : now);

@@ -84,6 +84,7 @@ class Ingress {
   Switchboard& switchboard_;
   std::shared_ptr<LinkCounters> counters_;
   AcceptRule accept_;
+  bool accepts_all_;
   std::shared_ptr<LinkSigning> signing_;
   mav::SequenceTracker sequence_;
   DeliveryBatch batch_;

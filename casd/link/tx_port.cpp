@@ -293,7 +293,10 @@ std::span<const PacketRef> TxPort::worth_sending(std::span<const PacketRef> pack
   const bool waited = std::any_of(packets.begin(), packets.end(), [](const PacketRef& packet) {
     return packet.info->waited > base::Duration{};
   });
-  if (!waited && std::count_if(packets.begin(), packets.end(), is_setpoint) < 2) return packets;
+  const bool alone = packets.size() == 1;
+  if (!waited && (alone || std::count_if(packets.begin(), packets.end(), is_setpoint) < 2)) {
+    return packets;
+  }
   worth_sending_.clear();
   for (std::size_t i = 0; i < packets.size(); ++i) {
     const PacketRef& packet = packets[i];

@@ -63,6 +63,10 @@ iovec part_of(const PacketRef& packet) {
 // emptied faster than any sender fills it, so nothing in it grows old.
 constexpr int kReceiveBuffer_bytes = 2 * 1024 * 1024;
 
+// As long as stamps lie no farther from our time of reading, the wall clock has not been set: it is
+// not read with each packet.
+constexpr base::Duration kCloseStamp = std::chrono::milliseconds(1);
+
 // More is not counted as arrival time: one late packet says nothing of a core.
 constexpr base::Duration kMostArrival = std::chrono::microseconds(100);
 
@@ -218,13 +222,22 @@ void DatagramReader::note_drops(const msghdr& header) {
 // clock that steps makes nothing old.
 void DatagramReader::note_wait(base::RunTime now) {
   longest_ = now - empty_at_;
-  timespec wall{};
-  ::clock_gettime(CLOCK_REALTIME, &wall);
-  read_at_ = as_duration(wall);
+  read_at_ = now.time_since_epoch() + wall_ahead_;
+  const auto stamp = control_value<timespec>(messages_[0].msg_hdr, SCM_TIMESTAMPNS);
+  const base::Duration apart = stamp ? read_at_ - as_duration(*stamp) : base::Duration{};
+  if (std::chrono::abs(apart) > kCloseStamp) compare_clocks();
   const base::Duration wait = wait_of(0);
   late_ = wait > kPrompt;
   ++arrivals_.packets;
   arrivals_.waited += std::min(wait, kMostArrival);
+}
+
+// The wall clock has moved against ours, or the datagram has waited.
+void DatagramReader::compare_clocks() {
+  timespec wall{};
+  ::clock_gettime(CLOCK_REALTIME, &wall);
+  read_at_ = as_duration(wall);
+  wall_ahead_ = read_at_ - base::steady_now().time_since_epoch();
 }
 
 base::Duration DatagramReader::wait_of(std::size_t index) const {

@@ -50,6 +50,7 @@ class DatagramReader {
  private:
   void note_drops(const msghdr& header);
   void note_wait(base::RunTime now);
+  void compare_clocks();
   void offer(std::size_t index);
   base::Duration wait_of(std::size_t index) const;
 
@@ -62,10 +63,11 @@ class DatagramReader {
   alignas(cmsghdr) std::array<std::array<char, kControlBytes>, kBatch> control_{};
   std::size_t used_ = kBatch;  ///< messages whose lengths are not what they offer room for
   std::uint32_t kernel_drops_ = 0;
-  base::Duration read_at_{};  ///< wall-clock time
-  base::RunTime empty_at_{};  ///< the socket was last seen empty after this
-  base::Duration longest_{};  ///< longest possible wait of the newest read's datagrams
-  bool late_ = false;         ///< the oldest one had waited
+  base::Duration read_at_{};     ///< wall-clock time
+  base::Duration wall_ahead_{};  ///< wall-clock time less ours, when they were last compared
+  base::RunTime empty_at_{};     ///< the socket was last seen empty after this
+  base::Duration longest_{};     ///< longest possible wait of the newest read's datagrams
+  bool late_ = false;            ///< the oldest one had waited
   Arrivals arrivals_;
 };
 

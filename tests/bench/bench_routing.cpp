@@ -2,7 +2,7 @@
 // What casd's decision costs for one packet, by the number of links.
 //
 //   build/bench/bench/bench_routing
-//   valgrind --tool=callgrind --toggle-collect='*on_packet*' \
+//   valgrind --tool=callgrind --toggle-collect='*on_packet*'
 //       build/bench/bench/bench_routing --benchmark_filter=Broadcast/4 --benchmark_min_time=0.01
 #include <benchmark/benchmark.h>
 

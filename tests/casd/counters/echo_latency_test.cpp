@@ -8,6 +8,7 @@
 #include "mavlink/common/hil_controls.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 #include "mavlink_gen/runtime/encode.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd::test {
 namespace {
@@ -22,7 +23,7 @@ void pass(EchoLatency& echo, std::uint8_t system, std::uint64_t stamp, base::Dur
   Message message;
   message.time_usec = stamp;
   mav::Encoder encoder{{system, 1}};
-  echo.on_packet(mav::view_packet(encoder(message)), at(when));
+  echo.on_packet(inspect(mav::view_packet(encoder(message)), mav::public_table()), at(when));
 }
 
 TEST(EchoLatency, TimesTwoHundredAndFiftyVehiclesWithTheSameStamps) {
