@@ -55,14 +55,13 @@ LinkSet::~LinkSet() {
 void LinkSet::start() {
   started_ = true;
   if (common_loop_) common_loop_->start();
-  for (const auto& [name, running] : running_) {
-    if (running.loop != common_loop_) running.loop->start();
-  }
+  for (const auto& [name, running] : running_) running.home->start();
 }
 
 void LinkSet::stop() {
+  for (const auto& [name, running] : running_) running.home->stay();
   if (common_loop_) common_loop_->stop();
-  for (const auto& [name, running] : running_) running.loop->stop();
+  for (const auto& [name, running] : running_) running.home->stop();
 }
 
 LinkMask LinkSet::reload(Topology topology) {
@@ -95,7 +94,7 @@ bool LinkSet::alive(base::RunTime now) {
   constexpr auto kPatience = std::chrono::seconds(5);
   bool all = true;
   for (const auto& [name, running] : running_) {
-    if (running.loop && !running.loop->answers(now, kPatience)) all = false;
+    if (!running.home->answers(now, kPatience)) all = false;
   }
   return all;
 }
@@ -147,20 +146,20 @@ LinkSet::Change LinkSet::prepare(const Topology& topology, const std::set<std::s
 LinkSet::Opening LinkSet::make_opening(const Topology& topology, const LinkConfig& config,
                                        LinkId id, const SigningKeys& keys) {
   Opening opening;
-  opening.running = {.config = config, .id = id, .port = {}, .loop = loop_for(topology, config)};
+  opening.running = {.config = config, .id = id, .port = {}, .home = home_for(topology, config)};
   opening.counters = figures_.make_link(config.name, config.type);
   opening.link = make_link({.id = id,
                             .config = config,
                             .switchboard = switchboard_,
                             .counters = opening.counters,
                             .signing = keys.for_link(config, opening.counters),
-                            .wake = [loop = opening.running.loop.get()] { loop->wake(); },
+                            .wake = [home = opening.running.home] { home->wake(); },
                             .blocking = topology.threads == ThreadModel::kBlocking,
                             .drain = LineDrain(topology.drain_tick),
                             .retry = retry_});
   opening.running.link = opening.link.get();
   opening.running.port = opening.link->port();
-  if (started_ && opening.running.loop != common_loop_) opening.running.loop->start();
+  if (started_) opening.running.home->start();
   return opening;
 }
 
@@ -174,7 +173,7 @@ void LinkSet::commit(Change change) {
   for (Opening& opening : change.openings) {
     Running& running = opening.running;
     figures_.add_link(running.id, std::move(opening.counters));
-    running.loop->add(std::move(opening.link));
+    running.home->add(std::move(opening.link));
     const std::string name = running.config.name;
     running_.emplace(name, std::move(running));
   }
@@ -183,27 +182,30 @@ void LinkSet::commit(Change change) {
 void LinkSet::close(const std::string& name) {
   const auto found = running_.find(name);
   Running& running = found->second;
-  if (running.loop == common_loop_) {
-    running.loop->remove(running.link);
-  } else {
-    running.loop->stop();
-  }
+  running.home->remove(running.link);
   // Its thread has let go of the slot.
   switchboard_.router().forget(running.id);
   figures_.remove_link(running.id);
   running_.erase(found);
 }
 
-std::shared_ptr<LinkLoop> LinkSet::loop_for(const Topology& topology, const LinkConfig& config) {
+std::shared_ptr<LinkHome> LinkSet::home_for(const Topology& topology, const LinkConfig& config) {
   const bool seek_core = topology.seek_core && topology.pace == Pace::kRealtime;
-  if (topology.threads == ThreadModel::kPerLink) {
-    const bool own = config.scheduling.fifo_priority || !config.scheduling.cpus.empty();
-    return std::make_shared<LinkLoop>(config.name, own ? config.scheduling : topology.scheduling,
-                                      seek_core);
+  const bool scheduled = config.scheduling.fifo_priority || !config.scheduling.cpus.empty();
+  const auto make_own = [seek_core, name = config.name,
+                         scheduling = scheduled ? config.scheduling : topology.scheduling] {
+    return std::make_unique<LinkLoop>(name, scheduling, seek_core);
+  };
+  const bool automatic = topology.threads == ThreadModel::kAuto;
+  if (topology.threads == ThreadModel::kPerLink || (automatic && scheduled)) {
+    return std::make_shared<LinkHome>(make_own());
   }
-  if (!common_loop_)
+  if (!common_loop_) {
     common_loop_ = std::make_shared<LinkLoop>("links", topology.scheduling, seek_core);
-  return common_loop_;
+    if (started_) common_loop_->start();
+  }
+  return automatic ? std::make_shared<LinkHome>(common_loop_, make_own)
+                   : std::make_shared<LinkHome>(common_loop_);
 }
 
 }  // namespace cas::casd

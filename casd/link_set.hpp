@@ -9,6 +9,7 @@
 
 #include "casd/counters/link_counters.hpp"
 #include "casd/link/link_core.hpp"
+#include "casd/link/link_home.hpp"
 #include "casd/link/link_loop.hpp"
 #include "casd/link/switchboard.hpp"
 #include "casd/packet/link_mask.hpp"
@@ -61,7 +62,7 @@ class LinkSet {
     LinkId id = kNoLink;
     std::shared_ptr<PacketPort> port;
     Link* link = nullptr;  ///< owned by its loop
-    std::shared_ptr<LinkLoop> loop;
+    std::shared_ptr<LinkHome> home;
   };
 
   /// A link that is made but not in force: it does nothing, and no other link sends to it.
@@ -85,7 +86,7 @@ class LinkSet {
                        const SigningKeys& keys);
   void commit(Change change);
   void close(const std::string& name);
-  std::shared_ptr<LinkLoop> loop_for(const Topology& topology, const LinkConfig& config);
+  std::shared_ptr<LinkHome> home_for(const Topology& topology, const LinkConfig& config);
 
   const RetryTimes retry_;
   Topology topology_;
@@ -93,7 +94,7 @@ class LinkSet {
   LinkFigures figures_;
   SigningKeys keys_;
   std::shared_ptr<LocalEndpoint> local_;
-  std::shared_ptr<LinkLoop> common_loop_;  ///< threads: single, blocking
+  std::shared_ptr<LinkLoop> common_loop_;  ///< threads: auto, single, blocking
   std::map<std::string, Running> running_;
   bool started_ = false;
 };

@@ -1,42 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <poll.h>
-
-#include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 #include "base/time/clock.hpp"
+#include "casd/link/poll_set.hpp"
 #include "casd/packet/packet_port.hpp"
 
 namespace cas::casd {
-
-/// What a thread waits for: descriptors and the earliest moment at which something is due.
-class PollSet {
- public:
-  static constexpr base::RunTime kNever = base::RunTime::max();
-
-  void clear() {
-    entries_.clear();
-    deadline_ = kNever;
-  }
-  /// @return where the answer will be found
-  std::size_t add(int fd, short events) {
-    entries_.push_back({fd, events, 0});
-    return entries_.size() - 1;
-  }
-  void wake_by(base::RunTime when) { deadline_ = std::min(deadline_, when); }
-
-  short revents(std::size_t index) const { return entries_[index].revents; }
-  base::RunTime deadline() const { return deadline_; }
-  std::vector<pollfd>& entries() { return entries_; }
-
- private:
-  std::vector<pollfd> entries_;
-  base::RunTime deadline_ = kNever;
-};
 
 /// Packets whose arrival the kernel has stamped, since the link began: how many, and how long they
 /// waited to be read, all together.

@@ -19,6 +19,7 @@
 #include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "casd/link/core_seeker.hpp"
+#include "casd/link/link_home.hpp"
 
 namespace cas::casd {
 namespace {
@@ -121,20 +122,27 @@ void LinkLoop::stop() {
   links_.clear();
 }
 
-void LinkLoop::add(std::unique_ptr<Link> link) {
+void LinkLoop::add(std::unique_ptr<Link> link, LinkHome* home, bool visits) {
   {
     const base::MutexLock lock(tasks_mutex_);
     // std::function must be copyable, a Link is not.
     auto shared = std::make_shared<std::unique_ptr<Link>>(std::move(link));
-    tasks_.emplace_back([this, shared] { links_.push_back(std::move(*shared)); });
+    tasks_.emplace_back([this, shared, home, visits] {
+      if (links_.empty()) pace_ = LookPace();
+      pace_.joined((*shared)->received());
+      links_.push_back({.link = std::move(*shared), .home = home, .visits = visits});
+    });
   }
   signal_.raise();
 }
 
-void LinkLoop::remove(const Link* link) {
-  run_on_loop([this, link] {
-    std::erase_if(links_, [link](const auto& own) { return own.get() == link; });
+bool LinkLoop::remove(const Link* link) {
+  bool removed = false;
+  run_on_loop([this, link, &removed] {
+    removed =
+        std::erase_if(links_, [link](const Resident& own) { return own.link.get() == link; }) > 0;
   });
+  return removed;
 }
 
 void LinkLoop::run_on_loop(const std::function<void()>& task) {
@@ -173,8 +181,9 @@ void LinkLoop::run(const std::stop_token& stop) {
     run_tasks();
     now = wait(now);
     last_turn_ns_.store(now.time_since_epoch().count(), std::memory_order_relaxed);
-    for (const auto& link : links_) link->serve(poll_set_, now);
+    for (const Resident& own : links_) own.link->serve(poll_set_, now);
     pace_.looked(now, received());
+    move_links(now);
     core_search.turned(now, pace_.busy(), [this] { return arrivals(); });
   }
   has_tasks_ = true;  // those that came with the stop
@@ -184,54 +193,76 @@ void LinkLoop::run(const std::stop_token& stop) {
 /// @param now  may be a turn old: it serves to tell near deadlines. @return when the wait ended
 base::RunTime LinkLoop::wait(base::RunTime now) {
   poll_set_.clear();
-  poll_set_.add(signal_.descriptor(), POLLIN);
-  poll_set_.add(alarm_.descriptor(), POLLIN);
-  for (const auto& link : links_) link->watch(poll_set_, now);
+  poll_set_.add(signal_.descriptor(), POLLIN);  // kSignalEntry
+  poll_set_.add(alarm_.descriptor(), POLLIN);   // kAlarmEntry
+  for (const Resident& own : links_) own.link->watch(poll_set_, now);
   const base::RunTime due = poll_set_.deadline();
   if (const base::RunTime rested = std::min(pace_.next_look(), due); rested > now) {
     rest_until(rested, base::steady_now());
   }
   poll_until(due, now);
   // Only events seen by this poll: a signal raised since then is for the next turn.
-  const auto& entries = poll_set_.entries();
-  if ((entries[kSignalEntry].revents & POLLIN) != 0) {
+  if ((poll_set_.revents(kSignalEntry) & POLLIN) != 0) {
     signal_.lower();
     has_tasks_ = true;
   }
-  if ((entries[kAlarmEntry].revents & POLLIN) != 0) alarm_.stop();
+  if ((poll_set_.revents(kAlarmEntry) & POLLIN) != 0) alarm_.stop();
   return base::steady_now();
 }
 
 void LinkLoop::poll_until(base::RunTime due, base::RunTime now) {
-  const bool limited = !alarm_.covers(due, now);
-  const timespec limit = limited ? until(due, base::steady_now()) : timespec{};
-  auto& entries = poll_set_.entries();
-  if (::ppoll(entries.data(), entries.size(), limited ? &limit : nullptr, nullptr) >= 0) {
+  std::optional<timespec> limit;
+  if (!alarm_.covers(due, now)) limit = until(due, base::steady_now());
+  const int error = poll_set_.wait(limit);
+  if (error == 0) {
     in_trouble_ = false;
-    return;
+  } else if (error != EINTR) {
+    wait_in_trouble(error);
   }
-  const int error = errno;
-  for (pollfd& entry : entries) entry.revents = 0;
-  if (error != EINTR) wait_in_trouble(error);
 }
 
 // Only the signal ends it early: somebody wants something of this thread.
 void LinkLoop::rest_until(base::RunTime end, base::RunTime now) {
-  pollfd signal{signal_.descriptor(), POLLIN, 0};
+  pollfd signal{signal_.descriptor().get(), POLLIN, 0};
   const timespec timeout = until(end, now);
   ::ppoll(&signal, 1, &timeout, nullptr);
 }
 
+// The link that floods leaves those that it shares the thread with, and comes back in the end.
+void LinkLoop::move_links(base::RunTime now) {
+  if (std::exchange(flooded_, pace_.busy()) != flooded_) note_flood();
+  if (pace_.flood_lasts(now) && links_.size() > 1) {
+    const auto leaving = busiest();
+    if (leaving->home == nullptr || !leaving->home->take_flooding(leaving->link)) return;
+    links_.erase(leaving);
+    pace_ = LookPace();
+    pace_.joined(received());
+  } else if (links_.size() == 1 && pace_.flood_is_over(now)) {
+    Resident& own = links_.front();
+    if (own.visits && own.home->take_calm(own.link)) links_.clear();
+  }
+}
+
+void LinkLoop::note_flood() {
+  for (Resident& own : links_) own.received = own.link->received();
+}
+
+std::vector<LinkLoop::Resident>::iterator LinkLoop::busiest() {
+  return std::max_element(links_.begin(), links_.end(), [](const Resident& a, const Resident& b) {
+    return a.link->received() - a.received < b.link->received() - b.received;
+  });
+}
+
 std::uint64_t LinkLoop::received() const {
   std::uint64_t sum = 0;
-  for (const auto& link : links_) sum += link->received();
+  for (const Resident& own : links_) sum += own.link->received();
   return sum;
 }
 
 Arrivals LinkLoop::arrivals() const {
   Arrivals sum;
-  for (const auto& link : links_) {
-    const Arrivals of_link = link->arrivals();
+  for (const Resident& own : links_) {
+    const Arrivals of_link = own.link->arrivals();
     sum.packets += of_link.packets;
     sum.waited += of_link.waited;
   }
@@ -263,6 +294,7 @@ void LinkLoop::run_tasks() {
 DistantAlarm::DistantAlarm()
     : timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
   if (!timer_) throw base::ConfigError("no timer descriptor: too many open files");
+  opened_ = OpenDescriptor(timer_.get());
 }
 
 bool DistantAlarm::covers(base::RunTime due, base::RunTime now) {
@@ -282,6 +314,7 @@ void DistantAlarm::stop() {
 
 WakeSignal::WakeSignal() : event_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
   if (!event_) throw base::ConfigError("no event descriptor: too many open files");
+  opened_ = OpenDescriptor(event_.get());
 }
 
 void WakeSignal::raise() {

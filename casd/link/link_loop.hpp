@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "base/os/descriptor.hpp"
@@ -33,14 +34,21 @@ class LookPace {
   static constexpr base::Duration kSpan = std::chrono::milliseconds(1);
   static constexpr base::Duration kPause = std::chrono::microseconds(150);
 
+  /// A flood that lasts so long is no burst.
+  static constexpr base::Duration kFlood = std::chrono::milliseconds(10);
+  /// Without a flood for so long: it is over.
+  static constexpr base::Duration kCalm = std::chrono::seconds(5);
+
   /// @param received  packets that have come so far, all links of the thread together
   void looked(base::RunTime now, std::uint64_t received) {
+    if (last_look_ == base::RunTime{}) changed_ = now;
     last_look_ = now;
     const base::Duration elapsed = now - span_begin_;
     if (elapsed < kSpan) return;
     // A link that was taken away takes its packets along.
     const std::uint64_t came = received > received_before_ ? received - received_before_ : 0;
-    busy_ = came * kSpan > kBusyPackets * elapsed;
+    const bool busy = came * kSpan > kBusyPackets * elapsed;
+    if (std::exchange(busy_, busy) != busy) changed_ = now;
     span_begin_ = now;
     received_before_ = received;
   }
@@ -48,8 +56,13 @@ class LookPace {
   /// Not before this: in the past, or not long ago, unless there is a flood.
   base::RunTime next_look() const { return busy_ ? last_look_ + kPause : last_look_; }
   bool busy() const { return busy_; }
+  bool flood_lasts(base::RunTime now) const { return busy_ && now - changed_ >= kFlood; }
+  bool flood_is_over(base::RunTime now) const { return !busy_ && now - changed_ >= kCalm; }
+  /// A link has come to the thread, with packets that others have counted.
+  void joined(std::uint64_t received) { received_before_ += received; }
 
  private:
+  base::RunTime changed_{};  ///< when busy() last changed, or the first look
   base::RunTime span_begin_{};
   base::RunTime last_look_{};
   std::uint64_t received_before_ = 0;
@@ -64,10 +77,11 @@ class WakeSignal {
   void raise();
   /// By the thread that was woken, before it looks at what there is to do.
   void lower();
-  int descriptor() const { return event_.get(); }
+  const OpenDescriptor& descriptor() const { return opened_; }
 
  private:
   base::Descriptor event_;
+  OpenDescriptor opened_;  ///< the same
   std::atomic<bool> raised_{false};
 };
 
@@ -86,15 +100,18 @@ class DistantAlarm {
   bool covers(base::RunTime due, base::RunTime now);
   /// It has rung.
   void stop();
-  int descriptor() const { return timer_.get(); }
+  const OpenDescriptor& descriptor() const { return opened_; }
 
  private:
   base::Descriptor timer_;
+  OpenDescriptor opened_;  ///< the same
   base::RunTime rings_at_ = PollSet::kNever;
 };
 
+class LinkHome;
+
 /// A thread with the links that it serves: one (threads: per_link) or all of them (single,
-/// blocking).
+/// blocking); with `threads: auto` all but those that bring a flood.
 ///
 ///   watch: what does each link wait for? --> (LookPace) --> ppoll --> serve each link --+
 ///     ^---------------------------------------------------------------------------------+
@@ -108,15 +125,18 @@ class LinkLoop {
   LinkLoop(const LinkLoop&) = delete;
   LinkLoop& operator=(const LinkLoop&) = delete;
 
+  const std::string& name() const { return name_; }
   /// Starts the thread. @throws base::ConfigError when there is none to be had
   void start();
   /// Ends the thread and closes its links.
   void stop();
 
   /// From any thread; takes effect at the loop's next turn.
-  void add(std::unique_ptr<Link> link);
-  /// Closes the link; returns when it is closed.
-  void remove(const Link* link);
+  /// @param home    may take the link away; nullptr: it stays
+  /// @param visits  as long as it floods
+  void add(std::unique_ptr<Link> link, LinkHome* home = nullptr, bool visits = false);
+  /// Closes the link; returns when it is closed. @return whether it was here
+  bool remove(const Link* link);
   /// Runs `task` on the loop's thread; returns when it has run.
   void run_on_loop(const std::function<void()>& task);
   /// Makes the loop look again at what its links wait for. Does nothing on the loop's own thread.
@@ -125,10 +145,20 @@ class LinkLoop {
   bool answers(base::RunTime now, base::Duration patience);
 
  private:
+  struct Resident {
+    std::unique_ptr<Link> link;
+    LinkHome* home = nullptr;
+    bool visits = false;
+    std::uint64_t received = 0;  ///< when the flood began
+  };
+
   void run(const std::stop_token& stop);
   base::RunTime wait(base::RunTime now);
   void poll_until(base::RunTime due, base::RunTime now);
   void rest_until(base::RunTime end, base::RunTime now);
+  void move_links(base::RunTime now);
+  void note_flood();
+  std::vector<Resident>::iterator busiest();
   std::uint64_t received() const;
   Arrivals arrivals() const;
   void wait_in_trouble(int error);
@@ -143,12 +173,13 @@ class LinkLoop {
   base::Mutex tasks_mutex_;
   std::vector<std::function<void()>> tasks_ CAS_GUARDED_BY(tasks_mutex_);
   bool has_tasks_ = true;  ///< perhaps
-  std::vector<std::unique_ptr<Link>> links_;
+  std::vector<Resident> links_;
   static constexpr std::size_t kSignalEntry = 0;  ///< of the poll set
   static constexpr std::size_t kAlarmEntry = 1;
   PollSet poll_set_;
   DistantAlarm alarm_;
   LookPace pace_;
+  bool flooded_ = false;     ///< at the last turn
   bool in_trouble_ = false;  ///< waiting failed, and that was said
   std::jthread thread_;
 };

@@ -113,7 +113,7 @@ constexpr const char* kText = R"json({
   "Self": {"system": "integer", "component": "integer"},
   "Reload": {"accepted": "boolean", "age_s": "number", "reason?": "string"},
   "DaemonStatus": {"schema": "integer", "program": "string", "version": "string", "uptime_s": "number", "name?": "string",
-    "topology?": "string", "threads": "string: per_link, single, blocking", "self": "Self", "allow_not_hil": "boolean: as in the topology",
+    "topology?": "string", "threads": "string: auto, per_link, single, blocking", "self": "Self", "allow_not_hil": "boolean: as in the topology",
     "clients": "integer", "links": ["Link"],
     "vehicles": ["Vehicle"], "recording?": "Recording", "reload?": "Reload"}
 },

@@ -72,7 +72,7 @@ struct LinkConfig {
   AcceptRule accept;
   std::optional<SigningConfig> signing;
   TxQueueOptions queue;
-  base::ThreadOptions scheduling;  ///< of the link's thread (threads: per_link)
+  base::ThreadOptions scheduling;  ///< of the link's thread (threads: auto, per_link)
 
   /// Equal configurations keep their link over a reload.
   friend bool operator==(const LinkConfig&, const LinkConfig&) = default;

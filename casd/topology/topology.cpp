@@ -77,7 +77,8 @@ struct ConfigFile : Text {
   static std::array<std::string, 2> samples() { return {"$DIR/a", "$DIR/b"}; }
 };
 
-constexpr Words<ThreadModel, 3> kThreadModels{{{{"per_link", ThreadModel::kPerLink},
+constexpr Words<ThreadModel, 4> kThreadModels{{{{"auto", ThreadModel::kAuto},
+                                                {"per_link", ThreadModel::kPerLink},
                                                 {"single", ThreadModel::kSingle},
                                                 {"blocking", ThreadModel::kBlocking}}}};
 constexpr Words<Pace, 2> kPaces{{{{"realtime", Pace::kRealtime}, {"lockstep", Pace::kLockstep}}}};
@@ -183,9 +184,11 @@ constexpr Whole kId{1, 255};
 constexpr std::tuple kRestartKeys{
     key<&Topology::self, &mav::Source::system>("system_id", kId, "casd as a ground station"),
     key<&Topology::self, &mav::Source::component>("component_id", kId, "its component"),
-    key<&Topology::threads>("threads", kThreadModels,
-                            "a thread for each link, one event loop, or one thread that waits for "
-                            "the line (for comparison)"),
+    key<&Topology::threads>(
+        "threads", kThreadModels,
+        "one thread for the links and one more for each link that floods, a thread "
+        "for each link, one thread for all, or one thread that waits for the "
+        "line (for comparison)"),
     key<&Topology::drain_tick>("drain_tick_ms", DrainTick{{0, 10, 1e-3}},
                                "with `threads: blocking`: how often the thread looks whether the "
                                "line is through; 0: woken the moment it is"),

@@ -26,6 +26,7 @@ struct KeyRow;
 namespace cas::casd {
 
 enum class ThreadModel : std::uint8_t {
+  kAuto,      ///< one thread, and one more for each link that brings a flood
   kPerLink,   ///< each link has its own thread
   kSingle,    ///< one event loop
   kBlocking,  ///< one thread that forwards everything and waits for the line: the paper's TS
@@ -68,7 +69,7 @@ struct CommandingConfig {
 /// casd's whole configuration ("TOPOLOGY.yaml", schema 1).
 struct Topology {
   mav::Source self = kOwnStation;
-  ThreadModel threads = ThreadModel::kPerLink;
+  ThreadModel threads = ThreadModel::kAuto;
   base::Duration drain_tick = LineDrain::kDefaultTick;  ///< threads: blocking
   Pace pace = Pace::kRealtime;
   base::ThreadOptions scheduling;  ///< of all link threads, unless a link has its own

@@ -32,7 +32,7 @@ class LocalEndpoint final : public PacketPort {
   void wake_for_all(bool all);
 
   /// Becomes readable when packets wait.
-  int descriptor() const { return signal_.descriptor(); }
+  int descriptor() const { return signal_.descriptor().get(); }
   /// Gives the station what waits.
   void dispatch(Station& station, base::RunTime now);
   /// Sends a packet of the station. Anything but one whole packet is refused.

@@ -13,7 +13,10 @@ namespace cas::casd {
 
 // Anew each time: a folder that was missing may have come.
 void PathWatch::arm() {
-  if (!inotify_) inotify_ = base::Descriptor(::inotify_init1(IN_NONBLOCK | IN_CLOEXEC));
+  if (!inotify_) {
+    inotify_ = base::Descriptor(::inotify_init1(IN_NONBLOCK | IN_CLOEXEC));
+    opened_ = OpenDescriptor(inotify_.get());
+  }
   if (!inotify_) return;
   forget();
   take_events();

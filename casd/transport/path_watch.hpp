@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/os/descriptor.hpp"
+#include "casd/link/poll_set.hpp"
 
 namespace cas::casd {
 
@@ -25,8 +26,8 @@ class PathWatch {
     if (found) forget();
     return found;
   }
-  /// To wait for POLLIN on; -1 when nothing is watched, or it cannot watch.
-  int descriptor() const { return watches_.empty() ? -1 : inotify_.get(); }
+  /// To wait for POLLIN on; none when nothing is watched, or it cannot watch.
+  OpenDescriptor descriptor() const { return watches_.empty() ? OpenDescriptor() : opened_; }
   /// Forgets the changes so far. @return true when there were any
   bool take_changes();
 
@@ -38,6 +39,7 @@ class PathWatch {
 
   std::filesystem::path path_;
   base::Descriptor inotify_;  ///< stays open: to close one takes the kernel tens of milliseconds
+  OpenDescriptor opened_;     ///< the same
   std::vector<int> watches_;  ///< of the folders that are watched
 };
 

@@ -38,7 +38,7 @@ SerialLink::SerialLink(LinkContext context)
       buffer_(kReadBytes) {}
 
 void SerialLink::watch(PollSet& set, base::RunTime) {
-  if (fd_ < 0) {
+  if (!fd_) {
     set.wake_by(core_.backoff().next());
     poll_entry_ = set.add(path_watch_.descriptor(), POLLIN);
     return;
@@ -55,7 +55,7 @@ void SerialLink::watch(PollSet& set, base::RunTime) {
 
 void SerialLink::serve(const PollSet& set, base::RunTime now) {
   const short events = set.revents(poll_entry_);
-  if (fd_ < 0) {
+  if (!fd_) {
     if ((events & POLLIN) != 0 && path_watch_.take_changes()) {
       core_.backoff().reset();
       core_.backoff().look_at(std::max(now, tried_at_ + kBetweenLooks));
@@ -67,11 +67,11 @@ void SerialLink::serve(const PollSet& set, base::RunTime now) {
   if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) {
     core_.blocking() ? read_blocking(now) : read(now);
   }
-  if (fd_ >= 0 && port_->broken()) close("writing failed", now);
-  if (fd_ >= 0 && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
+  if (fd_ && port_->broken()) close("writing failed", now);
+  if (fd_ && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
   if (!core_.second_due(now)) return;
   core_.on_second(now);
-  if (fd_ >= 0 && port_->wants_room()) port_->carry_on(now);  // it may stand still for good
+  if (fd_ && port_->wants_room()) port_->carry_on(now);  // it may stand still for good
 }
 
 void SerialLink::open(base::RunTime now) {
@@ -89,7 +89,7 @@ void SerialLink::open(base::RunTime now) {
     return static_cast<bool>(line);
   });
   if (!found) return core_.went_down(error, now);
-  fd_ = line.get();
+  fd_ = OpenDescriptor(line.get());
   opened_at_ = now;
   parser_.reset();
   if (search_.found()) return begin(std::move(line), now);
@@ -101,7 +101,7 @@ void SerialLink::open(base::RunTime now) {
 /// Searches the rate at which packets come.
 void SerialLink::listen(short events, base::RunTime now) {
   if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) {
-    const ssize_t count = ::read(fd_, buffer_.data(), buffer_.size());
+    const ssize_t count = ::read(fd_.get(), buffer_.data(), buffer_.size());
     if (count == 0) return close("hung up", now);
     if (count < 0 && errno != EAGAIN && errno != EINTR) return close(error_text(errno), now);
     const std::span bytes(buffer_.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
@@ -117,7 +117,7 @@ void SerialLink::listen(short events, base::RunTime now) {
   }
   if (!search_.advance(now)) return;
   parser_.reset();
-  if (!set_baud(fd_, search_.rate())) close(error_text(errno), now);
+  if (!set_baud(fd_.get(), search_.rate())) close(error_text(errno), now);
 }
 
 /// The rate is known: packets go both ways from now on.
@@ -125,7 +125,7 @@ void SerialLink::begin(base::Descriptor line, base::RunTime now) {
   const LinkConfig& config = core_.config();
   const unsigned baud = search_.rate();
   // A pseudo-terminal has no line, and its count of unsent bytes no meaning.
-  const bool pty = base::identify_pty(fd_).has_value();
+  const bool pty = base::identify_pty(fd_.get()).has_value();
   const auto kind = pty ? StreamWriter::Kind::kPseudoTerminal : StreamWriter::Kind::kSerial;
   const bool has_rate = !pty || config.pace_pty || core_.blocking();
   port_->attach(std::make_unique<StreamWriter>(std::move(line), kind), now,
@@ -135,7 +135,7 @@ void SerialLink::begin(base::Descriptor line, base::RunTime now) {
 }
 
 void SerialLink::read(base::RunTime now) {
-  const ssize_t count = ::read(fd_, buffer_.data(), buffer_.size());
+  const ssize_t count = ::read(fd_.get(), buffer_.data(), buffer_.size());
   if (count > 0) {
     port_->heard(now);
     const std::uint64_t before = parser_.stats().packets;
@@ -160,13 +160,13 @@ void SerialLink::read_blocking(base::RunTime now) {
   const std::uint64_t before = parser_.stats().packets;
   std::size_t bytes = 0;
   do {
-    const ssize_t count = ::read(fd_, buffer_.data(), 1);
+    const ssize_t count = ::read(fd_.get(), buffer_.data(), 1);
     if (count > 0) {
       ++bytes;
       port_->heard(now);
       core_.ingress().take(parser_, {buffer_.data(), 1}, now);
     } else if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
-      pollfd more{fd_, POLLIN, 0};
+      pollfd more{fd_.get(), POLLIN, 0};
       waited = true;
       if (!parser_.inside_packet() || ::poll(&more, 1, kBlockingPatience_ms) <= 0) break;
     } else {
@@ -179,7 +179,7 @@ void SerialLink::read_blocking(base::RunTime now) {
 }
 
 void SerialLink::close(const std::string& reason, base::RunTime now) {
-  fd_ = -1;
+  fd_ = {};
   unattached_.reset();
   port_->detach(now);
   core_.went_down(reason, now);

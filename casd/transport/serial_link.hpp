@@ -44,7 +44,7 @@ class SerialLink final : public Link {
   base::Descriptor unattached_;  ///< the line during the search of its rate
   Parser parser_;
   std::vector<std::uint8_t> buffer_;
-  int fd_ = -1;  ///< owned by the port's writer, or `unattached_`
+  OpenDescriptor fd_;  ///< owned by the port's writer, or `unattached_`
   base::RunTime opened_at_{};
   base::RunTime tried_at_{};
   std::size_t poll_entry_ = 0;

@@ -52,10 +52,10 @@ TcpLink::TcpLink(LinkContext context)
 
 void TcpLink::watch(PollSet& set, base::RunTime) {
   if (connecting_) {
-    poll_entry_ = set.add(connecting_.get(), POLLOUT);
+    poll_entry_ = set.add(fd_, POLLOUT);
     return set.wake_by(connect_deadline_);
   }
-  if (fd_ < 0) return set.wake_by(core_.backoff().next());
+  if (!fd_) return set.wake_by(core_.backoff().next());
   poll_entry_ = set.add(fd_, static_cast<short>(POLLIN | (port_->wants_room() ? POLLOUT : 0)));
   set.wake_by(port_->due());
   set.wake_by(core_.next_second());
@@ -64,13 +64,10 @@ void TcpLink::watch(PollSet& set, base::RunTime) {
 void TcpLink::serve(const PollSet& set, base::RunTime now) {
   if (connecting_) {
     if (set.revents(poll_entry_) != 0) return finish_connect(now);
-    if (now >= connect_deadline_) {
-      connecting_.reset();
-      core_.went_down("no answer from " + core_.config().remote, now);
-    }
+    if (now >= connect_deadline_) give_up("no answer from " + core_.config().remote, now);
     return;
   }
-  if (fd_ < 0) {
+  if (!fd_) {
     if (core_.backoff().due(now)) connect(now);
     return;
   }
@@ -79,11 +76,11 @@ void TcpLink::serve(const PollSet& set, base::RunTime now) {
 
 void TcpLink::serve_connected(short events, base::RunTime now) {
   if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) read(now);
-  if (fd_ >= 0 && port_->broken()) close("connection lost", now);
-  if (fd_ >= 0 && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
+  if (fd_ && port_->broken()) close("connection lost", now);
+  if (fd_ && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
   if (core_.second_due(now)) core_.on_second(now);
   const auto stuck = port_->stuck_since();
-  if (fd_ >= 0 && stuck && now - *stuck > kStallPatience) close("the peer stopped reading", now);
+  if (fd_ && stuck && now - *stuck > kStallPatience) close("the peer stopped reading", now);
 }
 
 void TcpLink::connect(base::RunTime now) {
@@ -104,10 +101,9 @@ void TcpLink::connect(base::RunTime now) {
   if (bound) prepare_tcp(connecting_.get());
   if (!bound ||
       (::connect(connecting_.get(), address.get(), address.size) != 0 && errno != EINPROGRESS)) {
-    const int error = errno;
-    connecting_.reset();
-    return core_.went_down(core_.config().remote + ": " + error_text(error), now);
+    return give_up(core_.config().remote + ": " + error_text(errno), now);
   }
+  fd_ = OpenDescriptor(connecting_.get());
   connect_deadline_ = now + kConnectPatience;
 }
 
@@ -115,20 +111,21 @@ void TcpLink::finish_connect(base::RunTime now) {
   int error = 0;
   socklen_t size = sizeof error;
   ::getsockopt(connecting_.get(), SOL_SOCKET, SO_ERROR, &error, &size);
-  if (error != 0) {
-    connecting_.reset();
-    return core_.went_down(core_.config().remote + ": " + error_text(error), now);
-  }
+  if (error != 0) return give_up(core_.config().remote + ": " + error_text(error), now);
   base::Descriptor connected = std::move(connecting_);
-  fd_ = connected.get();
   parser_.reset();
   port_->attach(std::make_unique<StreamWriter>(std::move(connected), StreamWriter::Kind::kSocket),
                 now);
   core_.went_up(core_.config().remote);
 }
 
+void TcpLink::give_up(const std::string& reason, base::RunTime now) {
+  connecting_.reset();
+  close(reason, now);
+}
+
 void TcpLink::read(base::RunTime now) {
-  const ssize_t count = ::recv(fd_, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
+  const ssize_t count = ::recv(fd_.get(), buffer_.data(), buffer_.size(), MSG_DONTWAIT);
   if (count > 0) {
     core_.ingress().take(parser_, {buffer_.data(), static_cast<std::size_t>(count)}, now);
     core_.ingress().deliver(now);
@@ -139,7 +136,7 @@ void TcpLink::read(base::RunTime now) {
 }
 
 void TcpLink::close(const std::string& reason, base::RunTime now) {
-  fd_ = -1;
+  fd_ = {};
   port_->detach(now);
   core_.went_down(reason, now);
 }
@@ -211,7 +208,7 @@ TcpServerLink::~TcpServerLink() {
 
 void TcpServerLink::watch(PollSet& set, base::RunTime now) {
   if (!listener_) return set.wake_by(core_.backoff().next());
-  poll_entry_ = set.add(now < accept_again_ ? -1 : listener_.get(), POLLIN);
+  poll_entry_ = set.add(now < accept_again_ ? OpenDescriptor() : listening_, POLLIN);
   for (const auto& client : clients_) {
     const bool wants_room = client->port->wants_room();
     client->poll_entry =
@@ -256,6 +253,7 @@ void TcpServerLink::listen(base::RunTime now) {
                      ::listen(socket.get(), SOMAXCONN) == 0;
   if (!bound) return core_.went_down(core_.config().local + ": " + error_text(errno), now);
   listener_ = std::move(socket);
+  listening_ = OpenDescriptor(listener_.get());
   core_.went_up(to_text(local_address(listener_.get())));
 }
 
@@ -279,7 +277,7 @@ void TcpServerLink::accept(base::RunTime now) {
   auto client = std::make_unique<Client>();
   client->slot = static_cast<std::uint8_t>(std::countr_one(slots_));
   client->serial = ++serials_;
-  client->fd = socket.get();
+  client->fd = OpenDescriptor(socket.get());
   client->name = name;
   client->port = core_.make_port();
   client->port->attach(
@@ -304,7 +302,7 @@ std::optional<std::string> TcpServerLink::serve_client(Client& client, short eve
 }
 
 std::optional<std::string> TcpServerLink::read(Client& client, base::RunTime now) {
-  const ssize_t count = ::recv(client.fd, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
+  const ssize_t count = ::recv(client.fd.get(), buffer_.data(), buffer_.size(), MSG_DONTWAIT);
   if (count > 0) {
     const std::span bytes(buffer_.data(), static_cast<std::size_t>(count));
     core_.ingress().parse_stream(client.parser, bytes, [&](const mav::PacketView& packet) {

@@ -31,6 +31,7 @@ class TcpLink final : public Link {
  private:
   void connect(base::RunTime now);
   void finish_connect(base::RunTime now);
+  void give_up(const std::string& reason, base::RunTime now);
   void serve_connected(short events, base::RunTime now);
   void read(base::RunTime now);
   void close(const std::string& reason, base::RunTime now);
@@ -43,7 +44,7 @@ class TcpLink final : public Link {
   bool looking_up_ = false;
   base::Descriptor connecting_;
   base::RunTime connect_deadline_{};
-  int fd_ = -1;  ///< owned by the port's writer
+  OpenDescriptor fd_;  ///< owned by the port's writer, or `connecting_`
   std::size_t poll_entry_ = 0;
 };
 
@@ -89,7 +90,7 @@ class TcpServerLink final : public Link {
   struct Client {
     std::uint8_t slot = 0;
     std::uint32_t serial = 0;
-    int fd = -1;  ///< owned by the port's writer
+    OpenDescriptor fd;  ///< owned by the port's writer
     std::shared_ptr<TxPort> port;
     Parser parser = make_parser();
     std::size_t poll_entry = 0;
@@ -108,6 +109,7 @@ class TcpServerLink final : public Link {
   AddressLookup local_;
   bool looking_up_ = false;
   base::Descriptor listener_;
+  OpenDescriptor listening_;  ///< the same
   std::size_t poll_entry_ = 0;
   base::RunTime accept_again_{};
   std::vector<std::unique_ptr<Client>> clients_;

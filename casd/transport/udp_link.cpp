@@ -138,7 +138,7 @@ WriteResult UdpServerWriter::write(std::span<const PacketRef> packets) {
 
 // One packet, many peers: one call for all of them.
 void UdpServerWriter::send_to_each(const PacketRef& packet, SlotMask peers) {
-  if (std::has_single_bit(peers)) {
+  if (peers != 0 && (peers & (peers - 1)) == 0) {
     return send_to_one(packet, static_cast<std::uint8_t>(std::countr_zero(peers)));
   }
   std::array<mmsghdr, PeerTable::kMaxPeers> messages;
@@ -198,21 +198,21 @@ UdpLink::UdpLink(LinkContext context)
     : core_(std::move(context)), port_(core_.make_port()), parser_(make_parser()) {}
 
 void UdpLink::watch(PollSet& set, base::RunTime) {
-  if (fd_ < 0) return set.wake_by(core_.backoff().next());
+  if (!fd_) return set.wake_by(core_.backoff().next());
   poll_entry_ = set.add(fd_, static_cast<short>(POLLIN | (port_->wants_room() ? POLLOUT : 0)));
   set.wake_by(port_->due());
   set.wake_by(core_.next_second());
 }
 
 void UdpLink::serve(const PollSet& set, base::RunTime now) {
-  if (fd_ < 0) {
+  if (!fd_) {
     if (core_.backoff().due(now)) open(now);
     return;
   }
   const short events = set.revents(poll_entry_);
   if ((events & (POLLIN | POLLERR)) != 0) read(now);
-  if (fd_ >= 0 && port_->broken()) close("sending failed", now);
-  if (fd_ >= 0 && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
+  if (fd_ && port_->broken()) close("sending failed", now);
+  if (fd_ && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
   if (core_.second_due(now)) core_.on_second(now);
 }
 
@@ -223,10 +223,10 @@ void UdpLink::open(base::RunTime now) {
   if (!socket || !prepare(socket.get(), remote)) {
     return core_.went_down(error_text(errno), now);
   }
-  fd_ = socket.get();
+  fd_ = OpenDescriptor(socket.get());
   drops_seen_ = 0;
   reader_.reset();
-  const std::string endpoint = to_text(local_address(fd_));
+  const std::string endpoint = to_text(local_address(fd_.get()));
   port_->attach(std::make_unique<UdpWriter>(std::move(socket), to_many_ ? remote : SocketAddress{}),
                 now);
   core_.went_up(endpoint);
@@ -276,7 +276,7 @@ void UdpLink::read(base::RunTime now) {
   // than these.
   constexpr int kMaxRounds = 4;
   for (int round = 0; round < kMaxRounds; ++round) {
-    const int count = reader_.read(fd_, now);
+    const int count = reader_.read(fd_.get(), now);
     if (count < 0) return close(error_text(errno), now);
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
       if (is_own(i)) continue;
@@ -297,7 +297,7 @@ bool UdpLink::is_own(std::size_t index) const {
 }
 
 void UdpLink::close(const std::string& reason, base::RunTime now) {
-  fd_ = -1;
+  fd_ = {};
   port_->detach(now);
   core_.went_down(reason, now);
 }
@@ -311,20 +311,20 @@ UdpServerLink::UdpServerLink(LinkContext context)
       parser_(make_parser()) {}
 
 void UdpServerLink::watch(PollSet& set, base::RunTime) {
-  if (fd_ < 0) return set.wake_by(core_.backoff().next());
+  if (!fd_) return set.wake_by(core_.backoff().next());
   poll_entry_ = set.add(fd_, static_cast<short>(POLLIN | (port_->wants_room() ? POLLOUT : 0)));
   set.wake_by(port_->due());
   set.wake_by(core_.next_second());
 }
 
 void UdpServerLink::serve(const PollSet& set, base::RunTime now) {
-  if (fd_ < 0) {
+  if (!fd_) {
     if (core_.backoff().due(now)) open(now);
     return;
   }
   const short events = set.revents(poll_entry_);
   if ((events & (POLLIN | POLLERR)) != 0) read(now);
-  if (fd_ >= 0 && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
+  if (fd_ && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
   if (core_.second_due(now)) on_second(now);
 }
 
@@ -339,19 +339,19 @@ void UdpServerLink::open(base::RunTime now) {
   if (!socket || ::bind(socket.get(), address.get(), address.size) != 0) {
     return core_.went_down(core_.config().local + ": " + error_text(errno), now);
   }
-  fd_ = socket.get();
+  fd_ = OpenDescriptor(socket.get());
   drops_seen_ = 0;
   reader_.reset();
   port_->attach(std::make_unique<UdpServerWriter>(std::move(socket), core_.id(), peers_,
                                                   core_.shared_counters()),
                 now);
-  core_.went_up(to_text(local_address(fd_)));
+  core_.went_up(to_text(local_address(fd_.get())));
 }
 
 void UdpServerLink::read(base::RunTime now) {
   constexpr int kMaxRounds = 4;
   for (int round = 0; round < kMaxRounds; ++round) {
-    const int count = reader_.read(fd_, now);
+    const int count = reader_.read(fd_.get(), now);
     if (count < 0) return close(error_text(errno), now);
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) take_datagram(i, now);
     core_.ingress().deliver(now);
@@ -393,7 +393,7 @@ void UdpServerLink::on_second(base::RunTime now) {
 }
 
 void UdpServerLink::close(const std::string& reason, base::RunTime now) {
-  fd_ = -1;
+  fd_ = {};
   port_->detach(now);
   core_.went_down(reason, now);
 }

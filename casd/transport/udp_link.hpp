@@ -43,7 +43,7 @@ class UdpLink final : public Link {
   bool looking_up_ = false;
   bool to_many_ = false;  ///< broadcast or multicast: not connected
   SocketAddress own_;     ///< where our own packets to the group come from
-  int fd_ = -1;           ///< owned by the port's writer
+  OpenDescriptor fd_;     ///< owned by the port's writer
   std::uint32_t drops_seen_ = 0;
   std::size_t poll_entry_ = 0;
 };
@@ -87,7 +87,7 @@ class UdpServerLink final : public Link {
   Parser parser_;
   AddressLookup local_;
   bool looking_up_ = false;
-  int fd_ = -1;  ///< owned by the port's writer
+  OpenDescriptor fd_;  ///< owned by the port's writer
   std::uint32_t drops_seen_ = 0;
   std::size_t poll_entry_ = 0;
 };

@@ -77,7 +77,8 @@ VirtualRelay::Port::Port(const casd::LinkConfig& config)
 
 VirtualRelay::VirtualRelay(const casd::Topology& topology, WakeUp wake_up)
     : blocking_(topology.threads == casd::ThreadModel::kBlocking),
-      single_(topology.threads == casd::ThreadModel::kSingle),
+      single_(topology.threads == casd::ThreadModel::kSingle ||
+              topology.threads == casd::ThreadModel::kAuto),
       wake_up_(wake_up),
       slots_(casd::slots_in_order(topology)),
       router_(casd::make_plan(topology, slots_), mav::public_table(), topology.route_lifetime),

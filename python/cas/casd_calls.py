@@ -151,7 +151,7 @@ DaemonStatus = TypedDict("DaemonStatus", {
     "reload": NotRequired[Reload],
     "schema": int,
     "self": Self,
-    "threads": str,  # per_link, single, blocking
+    "threads": str,  # auto, per_link, single, blocking
     "topology": NotRequired[str],
     "uptime_s": float,
     "vehicles": List[Vehicle],

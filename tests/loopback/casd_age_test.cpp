@@ -362,7 +362,8 @@ TEST_P(CasdAge, SaysThatALineStandsStillThatNobodyEverRead) {
   })) << casd.casd.output();
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, CasdAge, testing::Values("per_link", "single", "blocking"),
+INSTANTIATE_TEST_SUITE_P(Threads, CasdAge,
+                         testing::Values("auto", "per_link", "single", "blocking"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

@@ -93,7 +93,8 @@ TEST_P(CasdForwarding, WritesTheFlightLog) {
   EXPECT_EQ(std::filesystem::file_size(file), 8 + packet.size());
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, CasdForwarding, testing::Values("per_link", "single", "blocking"),
+INSTANTIATE_TEST_SUITE_P(Threads, CasdForwarding,
+                         testing::Values("auto", "per_link", "single", "blocking"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

@@ -68,7 +68,7 @@ TEST_F(CasdProgram, AnswersOnTheCommandPort) {
   ASSERT_TRUE(status) << casd.output();
   base::rpc::Client client(endpoint_in(*status, "command_port"));
   const auto answer = client.call("casd.status", nlohmann::json::object());
-  EXPECT_EQ(answer["threads"], "per_link");
+  EXPECT_EQ(answer["threads"], "auto");
   EXPECT_EQ(answer["links"][0]["state"], "up");
 }
 

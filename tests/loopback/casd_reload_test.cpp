@@ -69,7 +69,7 @@ TEST(CasdReload, RefusesWhatOnlyARestartCanChange) {
   EXPECT_THROW(
       fixture.links().reload(fixture.parse(std::string("threads: single\n") + kHilTopology)),
       base::ConfigError);
-  EXPECT_EQ(fixture.links().topology().threads, casd::ThreadModel::kPerLink);
+  EXPECT_EQ(fixture.links().topology().threads, casd::ThreadModel::kAuto);
 }
 
 TEST(CasdReload, KeepsTheOldTopologyWhenANewLinkCannotBeMade) {
@@ -77,11 +77,12 @@ TEST(CasdReload, KeepsTheOldTopologyWhenANewLinkCannotBeMade) {
   GTEST_SKIP() << "UndefinedBehaviorSanitizer opens a pipe to look at an object's type";
 #endif
   CasdFixture fixture;
-  fixture.start(kHilTopology);
+  const std::string threads = "threads: per_link\n";  // a thread takes descriptors
+  fixture.start(threads + kHilTopology);
   const std::uint16_t before = fixture.port("sim");
   // One link changes and several come: the descriptors that the first would free are not enough for
   // the others.
-  std::string yaml = kHilTopology;
+  std::string yaml = threads + kHilTopology;
   const auto changed = yaml.find("60000");
   yaml.replace(changed, 5, "50000");
   for (const char* name : {"a", "b", "c", "d"}) {

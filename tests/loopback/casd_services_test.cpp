@@ -458,7 +458,7 @@ TEST_P(CasdServices, TwoStationsWithTheSameIdsAndRequestsBothGetTheFile) {
   expect_whole(downloads, short_file_);
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, CasdServices, testing::Values("per_link", "single"),
+INSTANTIATE_TEST_SUITE_P(Threads, CasdServices, testing::Values("auto", "per_link", "single"),
                          [](const auto& test) { return std::string(test.param); });
 
 }  // namespace

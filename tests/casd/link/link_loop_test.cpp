@@ -2,7 +2,6 @@
 #include "casd/link/link_loop.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 
@@ -66,14 +65,45 @@ TEST(LookPace, TakesWhatComesAfterALongSilenceForNoFlood) {
   EXPECT_EQ(pace.next_look(), at(std::chrono::seconds(10)));
 }
 
-constexpr int kWatched = 300;
+TEST(LookPace, TellsAFloodFromABurst) {
+  using std::chrono::microseconds;
+  LookPace pace;
+  std::uint64_t received = 0;
+  base::RunTime now = at(std::chrono::seconds(1));
+  const auto look = [&](std::uint64_t packets) {
+    now += microseconds(150);
+    received += packets;
+    pace.looked(now, received);
+  };
+  for (int i = 0; i < 60; ++i) look(30);
+  EXPECT_TRUE(pace.busy());
+  EXPECT_FALSE(pace.flood_lasts(now)) << "9 ms";
+  for (int i = 0; i < 20; ++i) look(30);
+  EXPECT_TRUE(pace.flood_lasts(now));
+  for (int i = 0; i < 20; ++i) look(1);
+  EXPECT_FALSE(pace.flood_lasts(now));
+  EXPECT_FALSE(pace.flood_is_over(now)) << "it may go on";
+  EXPECT_TRUE(pace.flood_is_over(now + LookPace::kCalm));
+}
+
+TEST(LookPace, TakesALinkThatComesForNoFlood) {
+  LookPace pace;
+  const base::RunTime begin = at(std::chrono::seconds(1));
+  pace.looked(begin, 0);
+  pace.joined(1'000'000);
+  pace.looked(begin + std::chrono::milliseconds(2), 1'000'001);
+  EXPECT_FALSE(pace.busy());
+}
 
 class CountingLink final : public Link {
  public:
-  explicit CountingLink(std::atomic<int>& turns) : turns_(turns) {}
+  /// @param closed  while true it watches a descriptor that is not open
+  CountingLink(std::atomic<int>& turns, std::atomic<bool>& closed)
+      : turns_(turns), closed_(closed) {}
   void watch(PollSet& set, base::RunTime) override {
     ++turns_;
-    for (int i = 0; i < kWatched; ++i) set.add(-1, POLLIN);
+    constexpr int kNotOpen = 1'000'000;
+    set.add(closed_ ? OpenDescriptor(kNotOpen) : OpenDescriptor(), POLLIN);
   }
   void serve(const PollSet&, base::RunTime) override {}
   std::uint64_t received() const override { return 0; }
@@ -81,41 +111,24 @@ class CountingLink final : public Link {
 
  private:
   std::atomic<int>& turns_;
-};
-
-/// While it lives, poll refuses as many descriptors; fewer may still be opened, as the sanitizers
-/// do.
-class NarrowPoll {
- public:
-  NarrowPoll() {
-    ::getrlimit(RLIMIT_NOFILE, &before_);
-    rlimit narrow = before_;
-    narrow.rlim_cur = kWatched - 100;
-    ::setrlimit(RLIMIT_NOFILE, &narrow);
-  }
-  ~NarrowPoll() { ::setrlimit(RLIMIT_NOFILE, &before_); }
-  NarrowPoll(const NarrowPoll&) = delete;
-  NarrowPoll& operator=(const NarrowPoll&) = delete;
-
- private:
-  rlimit before_{};
+  std::atomic<bool>& closed_;
 };
 
 TEST(LinkLoop, PausesAndSaysItOnceWhenItCannotWait) {
   testing::internal::CaptureStderr();
   std::atomic<int> turns{0};
+  std::atomic<bool> closed{false};
   LinkLoop loop("fixture", {});
-  loop.add(std::make_unique<CountingLink>(turns));
+  loop.add(std::make_unique<CountingLink>(turns, closed));
   loop.start();
   ASSERT_TRUE(wait_until([&] { return turns > 0; }));
-  {
-    const NarrowPoll narrow;
-    loop.wake();  // it still waits from before
-    const base::RunTime begin = base::steady_now();
-    const int before = turns;
-    EXPECT_TRUE(wait_until([&] { return turns >= before + 5; }));
-    EXPECT_GE(base::steady_now() - begin, std::chrono::milliseconds(290)) << "it spins";
-  }
+  closed = true;
+  loop.wake();  // it still waits from before
+  const base::RunTime begin = base::steady_now();
+  const int before = turns;
+  EXPECT_TRUE(wait_until([&] { return turns >= before + 5; }));
+  EXPECT_GE(base::steady_now() - begin, std::chrono::milliseconds(290)) << "it spins";
+  closed = false;
   int ran = 0;
   loop.run_on_loop([&] { ++ran; });
   EXPECT_EQ(ran, 1) << "it goes on once it can wait again";

@@ -38,7 +38,7 @@ TEST(PathWatch, EndsWhenTheDeviceIsFound) {
   const TemporaryFolder folder;
   PathWatch watch(folder / "fcu");
   EXPECT_TRUE(watch.found_by([] { return true; }));
-  EXPECT_EQ(watch.descriptor(), -1);
+  EXPECT_FALSE(watch.descriptor());
   EXPECT_FALSE(watch.take_changes());
 }
 

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/link/link_home.hpp"
+
+#include <exception>
+#include <string>
+#include <utility>
+
+#include "base/os/log.hpp"
+
+namespace cas::casd {
+
+LinkHome::LinkHome(std::shared_ptr<LinkLoop> shared)
+    : shared_(std::move(shared)), at_(shared_.get()) {}
+
+LinkHome::LinkHome(std::unique_ptr<LinkLoop> own) : own_(std::move(own)), at_(own_.get()) {}
+
+LinkHome::LinkHome(std::shared_ptr<LinkLoop> shared,
+                   std::function<std::unique_ptr<LinkLoop>()> make_own)
+    : shared_(std::move(shared)), make_own_(std::move(make_own)), at_(shared_.get()) {}
+
+void LinkHome::start() {
+  const base::MutexLock lock(mutex_);
+  if (own_) own_->start();
+}
+
+void LinkHome::add(std::unique_ptr<Link> link) {
+  const base::MutexLock lock(mutex_);
+  at_->add(std::move(link), this);
+}
+
+// It may move while we ask: then it is where it has moved to.
+void LinkHome::remove(const Link* link) {
+  const auto place = [this] {
+    const base::MutexLock lock(mutex_);
+    return at_;
+  };
+  for (LinkLoop* at = place(); !at->remove(link);) at = place();
+  stop();
+}
+
+void LinkHome::stay() {
+  const base::MutexLock lock(mutex_);
+  stays_ = true;
+}
+
+void LinkHome::stop() {
+  std::unique_ptr<LinkLoop> own;
+  {
+    const base::MutexLock lock(mutex_);
+    stays_ = true;
+    at_ = nullptr;
+    own = std::move(own_);
+  }
+  if (own) own->stop();
+}
+
+void LinkHome::wake() {
+  const base::MutexLock lock(mutex_);
+  if (at_ != nullptr) at_->wake();
+}
+
+bool LinkHome::answers(base::RunTime now, base::Duration patience) {
+  const base::MutexLock lock(mutex_);
+  return at_ == nullptr || at_->answers(now, patience);
+}
+
+bool LinkHome::take_flooding(std::unique_ptr<Link>& link) {
+  const base::MutexLock lock(mutex_);
+  if (stays_ || !make_own_) return false;
+  if (!own_) {
+    try {
+      auto own = make_own_();
+      own->start();
+      own_ = std::move(own);
+    } catch (const std::exception& error) {
+      stays_ = true;
+      base::log::warn(std::string("a link that floods stays with the others: ") + error.what());
+      return false;
+    }
+  }
+  at_ = own_.get();
+  at_->add(std::move(link), this, true);
+  base::log::debug("link " + own_->name() + ": floods, and has a thread of its own");
+  return true;
+}
+
+bool LinkHome::take_calm(std::unique_ptr<Link>& link) {
+  const base::MutexLock lock(mutex_);
+  if (stays_ || !shared_ || at_ == shared_.get()) return false;
+  at_ = shared_.get();
+  at_->add(std::move(link), this);
+  base::log::debug("link " + own_->name() + ": floods no more, and shares its thread again");
+  return true;
+}
+
+}  // namespace cas::casd
