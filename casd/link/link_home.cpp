@@ -34,7 +34,9 @@ void LinkHome::remove(const Link* link) {
     const base::MutexLock lock(mutex_);
     return at_;
   };
-  for (LinkLoop* at = place(); !at->remove(link);) at = place();
+  if (shared_) {
+    for (LinkLoop* at = place(); !at->remove(link);) at = place();
+  }
   stop();
 }
 
