@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/packet/packet_info.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include "base/enum_words.hpp"
 #include "mavlink/common/hil_actuator_controls.hpp"
 #include "mavlink/common/hil_controls.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
+#include "mavlink_gen/runtime/message.hpp"
 
 namespace cas::casd {
 namespace {
@@ -84,15 +85,16 @@ std::optional<std::uint64_t> hil_time_usec(const mav::PacketView& packet) {
     default:
       return std::nullopt;
   }
-  // It leads the payload of all four, little-endian; zeros at the end may be cut off.
-  const auto little_endian = [](std::span<const std::uint8_t> bytes) {
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; i < bytes.size(); ++i) value |= std::uint64_t{bytes[i]} << (8 * i);
-    return value;
-  };
-  constexpr std::size_t kBytes = sizeof(std::uint64_t);
-  if (packet.payload.size() < kBytes) return little_endian(packet.payload);
-  return little_endian(packet.payload.first<kBytes>());  // one load
+  // It leads the payload of all four; zeros at the end may be cut off.
+  std::array<std::uint8_t, sizeof(std::uint64_t)> bytes{};
+  if (packet.payload.size() >= bytes.size()) {
+    std::copy_n(packet.payload.begin(), bytes.size(), bytes.begin());  // one load
+  } else {
+    std::ranges::copy(packet.payload, bytes.begin());
+  }
+  std::uint64_t stamp = 0;
+  mav::get<std::uint64_t>(bytes.data(), stamp);
+  return stamp;
 }
 
 PacketInfo inspect(const mav::PacketView& packet, const mav::MessageTable& table) {
