@@ -201,8 +201,9 @@ std::shared_ptr<LinkHome> LinkSet::home_for(const Topology& topology, const Link
     return std::make_shared<LinkHome>(make_own());
   }
   if (!common_loop_) {
-    common_loop_ = std::make_shared<LinkLoop>("links", topology.scheduling, seek_core);
-    if (started_) common_loop_->start();
+    auto loop = std::make_shared<LinkLoop>("links", topology.scheduling, seek_core);
+    if (started_) loop->start();
+    common_loop_ = std::move(loop);
   }
   return automatic ? std::make_shared<LinkHome>(common_loop_, make_own)
                    : std::make_shared<LinkHome>(common_loop_);

@@ -22,7 +22,7 @@ namespace cas::casd {
 /// All links of a topology at work: slots, threads, router, figures, and casd's own station.
 ///
 ///   topology --> slots --> RoutingPlan --> Router        (rules, replaced as a whole)
-///                  |-----> Link on its LinkLoop          (one thread each, or one for all)
+///                  |-----> Link on its LinkLoop          (LinkHome tells which)
 ///                  |-----> PortTable --> Switchboard     (where links find each other)
 ///
 /// Made, changed and destroyed on casd's main thread.

@@ -90,10 +90,12 @@ void read_tx(const LinkCounters& link, LinkStatus& status) {
   std::vector<std::pair<LinkId, base::Histogram>> routes;
   {
     base::MutexLock lock(tx.mutex);
-    const std::size_t count = tx.forwarding.routes();
-    lock.unlock();
-    routes.reserve(count);
-    lock.lock();
+    while (routes.capacity() < tx.forwarding.routes()) {
+      const std::size_t count = tx.forwarding.routes();
+      lock.unlock();
+      routes.reserve(count);
+      lock.lock();
+    }
     forwarding = tx.forwarding.others();
     tx.forwarding.copy(routes);
   }

@@ -95,8 +95,9 @@ class MessageCounters {
   std::atomic<std::uint64_t> uncounted_{0};
 };
 
-/// Forwarding times of one sending link, in all and by the link that a packet came from, of the
-/// first 64 such links. Memory is taken with the first packet of a route. Callers lock.
+/// Forwarding times of one sending link by receiving link, at most 64 at a time; `others()` holds
+/// the rest and those of removed links. Memory is taken with the first packet of a route. Callers
+/// lock.
 class RouteLatency {
  public:
   static constexpr std::size_t kMaxRoutes = 64;

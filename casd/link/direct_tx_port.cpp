@@ -41,8 +41,9 @@ void DirectTxPort::carry_on(base::RunTime now) {
 // No lost wake-up: the queue is looked at again after the writer's lock was let go. A producer that
 // failed to take the lock has queued before that look: the fence keeps the order of both.
 void DirectTxPort::pump(base::RunTime now) {
-  std::atomic_thread_fence(std::memory_order_seq_cst);
-  while (backlog_.load(std::memory_order_acquire) && anything_queued()) {
+  for (;;) {
+    std::atomic_thread_fence(std::memory_order_seq_cst);
+    if (!backlog_.load(std::memory_order_acquire) || !anything_queued()) return;
     if (wants_room() || held_by_pacer(now) || broken()) return;  // the link's thread carries on
     if (!writer_mutex_.try_lock()) return;
     const base::MutexLock lock(writer_mutex_, std::adopt_lock);

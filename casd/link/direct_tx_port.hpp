@@ -8,7 +8,7 @@
 
 namespace cas::casd {
 
-/// Several threads write to one descriptor (threads: per_link, single).
+/// Several threads write to one descriptor (all `threads` but blocking).
 ///
 ///   receiving link's thread                      destination's own thread
 ///   deliver: try the writer's lock

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/link/link_home.hpp"
 
+#include <chrono>
 #include <exception>
 #include <string>
 #include <utility>
@@ -28,14 +29,14 @@ void LinkHome::add(std::unique_ptr<Link> link) {
   at_->add(std::move(link), this);
 }
 
-// It may move while we ask: then it is where it has moved to.
+// The link may move meanwhile; then its new loop is asked.
 void LinkHome::remove(const Link* link) {
   const auto place = [this] {
     const base::MutexLock lock(mutex_);
     return at_;
   };
   if (shared_) {
-    for (LinkLoop* at = place(); !at->remove(link);) at = place();
+    for (LinkLoop* at = place(); at != nullptr && !at->remove(link);) at = place();
   }
   stop();
 }
@@ -61,28 +62,22 @@ void LinkHome::wake() {
   if (at_ != nullptr) at_->wake();
 }
 
+// The other loop is woken, too: it must not look as if it hung when the link moves there.
 bool LinkHome::answers(base::RunTime now, base::Duration patience) {
   const base::MutexLock lock(mutex_);
+  for (LinkLoop* other : {shared_.get(), own_.get()}) {
+    if (other != nullptr && other != at_) other->answers(now, patience);
+  }
   return at_ == nullptr || at_->answers(now, patience);
 }
 
-bool LinkHome::take_flooding(std::unique_ptr<Link>& link) {
+bool LinkHome::take_flooding(std::unique_ptr<Link>& link, base::RunTime now) {
+  if (!has_own_loop(now)) return false;
   const base::MutexLock lock(mutex_);
-  if (stays_ || !make_own_) return false;
-  if (!own_) {
-    try {
-      auto own = make_own_();
-      own->start();
-      own_ = std::move(own);
-    } catch (const std::exception& error) {
-      stays_ = true;
-      base::log::warn(std::string("a link that floods stays with the others: ") + error.what());
-      return false;
-    }
-  }
+  if (stays_) return false;
   at_ = own_.get();
   at_->add(std::move(link), this, true);
-  base::log::debug("link " + own_->name() + ": floods, and has a thread of its own");
+  base::log::info("link " + own_->name() + ": floods, and has a thread of its own");
   return true;
 }
 
@@ -91,8 +86,29 @@ bool LinkHome::take_calm(std::unique_ptr<Link>& link) {
   if (stays_ || !shared_ || at_ == shared_.get()) return false;
   at_ = shared_.get();
   at_->add(std::move(link), this);
-  base::log::debug("link " + own_->name() + ": floods no more, and shares its thread again");
+  base::log::info("link " + own_->name() + ": floods no more, and shares its thread again");
   return true;
+}
+
+/// Makes one if there is none. A thread takes its time: the lock is not held meanwhile.
+bool LinkHome::has_own_loop(base::RunTime now) {
+  {
+    const base::MutexLock lock(mutex_);
+    if (stays_ || !make_own_ || now < try_again_) return false;
+    if (own_) return true;
+  }
+  try {
+    std::unique_ptr<LinkLoop> own = make_own_();
+    own->start();
+    const base::MutexLock lock(mutex_);
+    own_ = std::move(own);
+    return true;
+  } catch (const std::exception& error) {
+    constexpr auto kPatience = std::chrono::seconds(10);
+    try_again_ = now + kPatience;
+    base::log::warn(std::string("a link that floods stays with the others: ") + error.what());
+    return false;
+  }
 }
 
 }  // namespace cas::casd

@@ -11,7 +11,7 @@
 namespace cas::casd {
 
 /// Which loop serves a link: always the same one, or (`threads: auto`) the one that links share,
-/// and one of its own while it brings a flood, so that the others wait for nobody.
+/// and one of its own while it floods, so that it does not delay the others.
 class LinkHome {
  public:
   /// The link shares this loop for good.
@@ -28,7 +28,7 @@ class LinkHome {
   void add(std::unique_ptr<Link> link);
   /// Closes the link; returns when it is closed. Its own loop ends, too.
   void remove(const Link* link);
-  /// The link moves no more.
+  /// From now on the link stays with its present loop.
   void stay();
   /// Ends the link's own loop and closes the link if it is there; the shared loop goes on.
   void stop();
@@ -40,14 +40,17 @@ class LinkHome {
   // By the loop that serves the link, on its thread. Each returns whether it has taken the link.
 
   /// The link floods a loop that it shares.
-  bool take_flooding(std::unique_ptr<Link>& link);
+  bool take_flooding(std::unique_ptr<Link>& link, base::RunTime now);
   /// Its flood is over.
   bool take_calm(std::unique_ptr<Link>& link);
 
  private:
+  bool has_own_loop(base::RunTime now);
+
   const std::shared_ptr<LinkLoop> shared_;
+  const std::function<std::unique_ptr<LinkLoop>()> make_own_;
+  base::RunTime try_again_{};  ///< to make it; of the shared loop's thread
   base::Mutex mutex_;
-  std::function<std::unique_ptr<LinkLoop>()> make_own_ CAS_GUARDED_BY(mutex_);
   std::unique_ptr<LinkLoop> own_ CAS_GUARDED_BY(mutex_);  ///< kept after its first flood
   LinkLoop* at_ CAS_GUARDED_BY(mutex_);                   ///< nullptr: stopped
   bool stays_ CAS_GUARDED_BY(mutex_) = false;

@@ -40,10 +40,13 @@ class CoreSearch {
         any_(base::allowed_cpus()),
         seeker_(wanted && times_.read() ? any_ : std::vector<int>{}) {}
 
-  /// After each turn of the thread's loop. @param arrivals  called once in a while
+  /// After each turn of the thread's loop.
+  /// @param links     how many the thread serves: their figures begin anew when one comes or goes
+  /// @param arrivals  called once in a while
   template <class ReadArrivals>
-  void turned(base::RunTime now, bool flooded, ReadArrivals&& arrivals) {
+  void turned(base::RunTime now, bool flooded, std::size_t links, ReadArrivals&& arrivals) {
     if (!seeker_.seeks()) return;
+    if (std::exchange(links_, links) != links) arrived_before_ = arrivals();
     if (flooded) {
       seeker_.release(now);
       return bind();
@@ -53,8 +56,6 @@ class CoreSearch {
     const std::optional<base::ThreadTimes> times = times_.read();
     if (!times) return;
     const Arrivals arrived = arrivals();
-    // A link that was taken away takes its packets along.
-    if (arrived.packets < arrived_before_.packets) arrived_before_ = arrived;
     seeker_.take({.turns = times->turns - times_before_.turns,
                   .elapsed = now - taken_at_,
                   .ran = times->ran - times_before_.ran,
@@ -95,6 +96,7 @@ class CoreSearch {
   std::optional<int> bound_;
   bool settled_ = false;
   std::uint64_t turns_ = 0;
+  std::size_t links_ = 0;
   base::RunTime taken_at_{};
   base::ThreadTimes times_before_;
   Arrivals arrived_before_;
@@ -120,6 +122,9 @@ void LinkLoop::stop() {
   signal_.raise();
   if (thread_.joinable()) thread_.join();
   links_.clear();
+  std::vector<std::function<void()>> never_run;
+  const base::MutexLock lock(tasks_mutex_);
+  never_run.swap(tasks_);
 }
 
 void LinkLoop::add(std::unique_ptr<Link> link, LinkHome* home, bool visits) {
@@ -129,8 +134,10 @@ void LinkLoop::add(std::unique_ptr<Link> link, LinkHome* home, bool visits) {
     auto shared = std::make_shared<std::unique_ptr<Link>>(std::move(link));
     tasks_.emplace_back([this, shared, home, visits] {
       if (links_.empty()) pace_ = LookPace();
-      pace_.joined((*shared)->received());
-      links_.push_back({.link = std::move(*shared), .home = home, .visits = visits});
+      const std::uint64_t received = (*shared)->received();
+      pace_.add_link(received);
+      links_.push_back(
+          {.link = std::move(*shared), .home = home, .visits = visits, .received = received});
     });
   }
   signal_.raise();
@@ -139,8 +146,8 @@ void LinkLoop::add(std::unique_ptr<Link> link, LinkHome* home, bool visits) {
 bool LinkLoop::remove(const Link* link) {
   bool removed = false;
   run_on_loop([this, link, &removed] {
-    removed =
-        std::erase_if(links_, [link](const Resident& own) { return own.link.get() == link; }) > 0;
+    const auto is_it = [link](const Resident& resident) { return resident.link.get() == link; };
+    removed = std::erase_if(links_, is_it) > 0;
   });
   return removed;
 }
@@ -181,10 +188,10 @@ void LinkLoop::run(const std::stop_token& stop) {
     run_tasks();
     now = wait(now);
     last_turn_ns_.store(now.time_since_epoch().count(), std::memory_order_relaxed);
-    for (const Resident& own : links_) own.link->serve(poll_set_, now);
+    for (const Resident& resident : links_) resident.link->serve(poll_set_, now);
     pace_.looked(now, received());
     move_links(now);
-    core_search.turned(now, pace_.busy(), [this] { return arrivals(); });
+    core_search.turned(now, pace_.busy(), links_.size(), [this] { return arrivals(); });
   }
   has_tasks_ = true;  // those that came with the stop
   run_tasks();
@@ -195,7 +202,7 @@ base::RunTime LinkLoop::wait(base::RunTime now) {
   poll_set_.clear();
   poll_set_.add(signal_.descriptor(), POLLIN);  // kSignalEntry
   poll_set_.add(alarm_.descriptor(), POLLIN);   // kAlarmEntry
-  for (const Resident& own : links_) own.link->watch(poll_set_, now);
+  for (const Resident& resident : links_) resident.link->watch(poll_set_, now);
   const base::RunTime due = poll_set_.deadline();
   if (const base::RunTime rested = std::min(pace_.next_look(), due); rested > now) {
     rest_until(rested, base::steady_now());
@@ -233,18 +240,18 @@ void LinkLoop::move_links(base::RunTime now) {
   if (std::exchange(flooded_, pace_.busy()) != flooded_) note_flood();
   if (pace_.flood_lasts(now) && links_.size() > 1) {
     const auto leaving = busiest();
-    if (leaving->home == nullptr || !leaving->home->take_flooding(leaving->link)) return;
+    if (leaving->home == nullptr || !leaving->home->take_flooding(leaving->link, now)) return;
     links_.erase(leaving);
     pace_ = LookPace();
-    pace_.joined(received());
+    pace_.add_link(received());
   } else if (links_.size() == 1 && pace_.flood_is_over(now)) {
-    Resident& own = links_.front();
-    if (own.visits && own.home->take_calm(own.link)) links_.clear();
+    Resident& visitor = links_.front();
+    if (visitor.visits && visitor.home->take_calm(visitor.link)) links_.clear();
   }
 }
 
 void LinkLoop::note_flood() {
-  for (Resident& own : links_) own.received = own.link->received();
+  for (Resident& resident : links_) resident.received = resident.link->received();
 }
 
 std::vector<LinkLoop::Resident>::iterator LinkLoop::busiest() {
@@ -255,14 +262,14 @@ std::vector<LinkLoop::Resident>::iterator LinkLoop::busiest() {
 
 std::uint64_t LinkLoop::received() const {
   std::uint64_t sum = 0;
-  for (const Resident& own : links_) sum += own.link->received();
+  for (const Resident& resident : links_) sum += resident.link->received();
   return sum;
 }
 
 Arrivals LinkLoop::arrivals() const {
   Arrivals sum;
-  for (const Resident& own : links_) {
-    const Arrivals of_link = own.link->arrivals();
+  for (const Resident& resident : links_) {
+    const Arrivals of_link = resident.link->arrivals();
     sum.packets += of_link.packets;
     sum.waited += of_link.waited;
   }

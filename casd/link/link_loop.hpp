@@ -34,7 +34,7 @@ class LookPace {
   static constexpr base::Duration kSpan = std::chrono::milliseconds(1);
   static constexpr base::Duration kPause = std::chrono::microseconds(150);
 
-  /// A flood that lasts so long is no burst.
+  /// A flood that lasts at least this long is not a burst.
   static constexpr base::Duration kFlood = std::chrono::milliseconds(10);
   /// Without a flood for so long: it is over.
   static constexpr base::Duration kCalm = std::chrono::seconds(5);
@@ -58,8 +58,8 @@ class LookPace {
   bool busy() const { return busy_; }
   bool flood_lasts(base::RunTime now) const { return busy_ && now - changed_ >= kFlood; }
   bool flood_is_over(base::RunTime now) const { return !busy_ && now - changed_ >= kCalm; }
-  /// A link has come to the thread, with packets that others have counted.
-  void joined(std::uint64_t received) { received_before_ += received; }
+  /// A link has joined; its earlier packets do not count.
+  void add_link(std::uint64_t received) { received_before_ += received; }
 
  private:
   base::RunTime changed_{};  ///< when busy() last changed, or the first look
@@ -81,7 +81,7 @@ class WakeSignal {
 
  private:
   base::Descriptor event_;
-  OpenDescriptor opened_;  ///< the same
+  OpenDescriptor opened_;  ///< `event_` for a PollSet
   std::atomic<bool> raised_{false};
 };
 
@@ -104,17 +104,17 @@ class DistantAlarm {
 
  private:
   base::Descriptor timer_;
-  OpenDescriptor opened_;  ///< the same
+  OpenDescriptor opened_;  ///< `timer_` for a PollSet
   base::RunTime rings_at_ = PollSet::kNever;
 };
 
 class LinkHome;
 
-/// A thread with the links that it serves: one (threads: per_link) or all of them (single,
-/// blocking); with `threads: auto` all but those that bring a flood.
+/// A thread with the links that it serves: all of them (threads: single, blocking), one
+/// (per_link), or with `auto` those that do not flood.
 ///
-///   watch: what does each link wait for? --> (LookPace) --> ppoll --> serve each link --+
-///     ^---------------------------------------------------------------------------------+
+///   watch: what does each link wait for? --> (LookPace) --> PollSet::wait --> serve each link --+
+///     ^-----------------------------------------------------------------------------------------+
 ///
 /// LookPace: a moment's rest in a flood; it ends when something is due or the signal is raised.
 class LinkLoop {
@@ -133,7 +133,7 @@ class LinkLoop {
 
   /// From any thread; takes effect at the loop's next turn.
   /// @param home    may take the link away; nullptr: it stays
-  /// @param visits  as long as it floods
+  /// @param visits  the link is here only while it floods; its home takes it back
   void add(std::unique_ptr<Link> link, LinkHome* home = nullptr, bool visits = false);
   /// Closes the link; returns when it is closed. @return whether it was here
   bool remove(const Link* link);

@@ -21,28 +21,34 @@ PollSet::PollSet() : epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
 }
 
 int PollSet::wait(const std::optional<timespec>& limit) {
-  for (; event_count_ > 0; --event_count_) {
-    entries_[events_[event_count_ - 1].data.u64].revents = 0;
-  }
-  if (changed_ || size_ != size_before_) {
-    if (const int error = apply_changes(); error != 0) return error;
-  }
-  if (limit) {
+  forget_events();
+  const int trouble = changed_ || size_ != size_before_ ? apply_changes() : 0;
+  in_trouble_ = trouble != 0;
+  const bool at_once = limit || in_trouble_;
+  if (limit && !in_trouble_) {
     pollfd any{epoll_.get(), POLLIN, 0};  // its limit is finer than that of epoll_wait
     if (::ppoll(&any, 1, &*limit, nullptr) < 0) return errno;
   }
-  const int count =
-      ::epoll_wait(epoll_.get(), events_.data(), static_cast<int>(events_.size()), limit ? 0 : -1);
+  const int count = ::epoll_wait(epoll_.get(), events_.data(), static_cast<int>(events_.size()),
+                                 at_once ? 0 : -1);
   if (count < 0) return errno;
   event_count_ = static_cast<std::size_t>(count);
   for (std::size_t i = 0; i < event_count_; ++i) {
     entries_[events_[i].data.u64].revents = static_cast<short>(events_[i].events);
   }
-  return 0;
+  return trouble;
 }
 
-// All that is no longer wanted goes first: a number that is watched for one entry may be another
-// entry's by now. The kernel has let go of what was closed, and refuses to do so again.
+void PollSet::forget_events() {
+  for (; event_count_ > 0; --event_count_) {
+    entries_[events_[event_count_ - 1].data.u64].revents = 0;
+  }
+  if (!in_trouble_) return;
+  for (Entry& entry : entries_) entry.revents = 0;
+}
+
+// Remove first: the number of a closed descriptor may already belong to another entry. The kernel
+// has removed closed descriptors itself, so that a failing EPOLL_CTL_DEL is no error.
 int PollSet::apply_changes() {
   for (std::size_t i = size_; i < entries_.size(); ++i) entries_[i].wanted = {};
   for (Entry& entry : entries_) {
@@ -50,14 +56,17 @@ int PollSet::apply_changes() {
     ::epoll_ctl(epoll_.get(), EPOLL_CTL_DEL, entry.registered.fd.get(), nullptr);
     entry.registered = {};
   }
-  changed_ = true;  // until all is registered
+  int trouble = 0;
   for (std::size_t i = 0; i < size_; ++i) {
-    if (const int error = register_entry(i); error != 0) return error;
+    const int error = register_entry(i);
+    if (error == 0) continue;
+    entries_[i].revents = POLLERR;
+    trouble = error;
   }
-  changed_ = false;
+  changed_ = trouble != 0;
   size_before_ = size_;
   events_.resize(std::max<std::size_t>(size_, 1));
-  return 0;
+  return trouble;
 }
 
 int PollSet::register_entry(std::size_t index) {

@@ -15,7 +15,8 @@
 
 namespace cas::casd {
 
-/// A descriptor of one opening: the system gives its number again after a close, never the serial.
+/// A descriptor with the serial number of its opening. The system reuses numbers of descriptors
+/// after a close; serials are never reused.
 class OpenDescriptor {
  public:
   OpenDescriptor() = default;
@@ -65,7 +66,7 @@ class PollSet {
   base::RunTime deadline() const { return deadline_; }
 
   /// Waits for an event, no longer than `limit`; nothing: for ever.
-  /// @return 0, or an errno: then no entry has events
+  /// @return 0, or an errno; when descriptors cannot be watched, at once, with POLLERR for these
   int wait(const std::optional<timespec>& limit);
   /// Of poll(2), seen by the last wait.
   short revents(std::size_t index) const { return entries_[index].revents; }
@@ -85,6 +86,7 @@ class PollSet {
 
   int apply_changes();
   int register_entry(std::size_t index);
+  void forget_events();
 
   base::Descriptor epoll_;
   std::vector<Entry> entries_;  ///< those of this turn, and behind them what earlier ones had more
@@ -94,6 +96,7 @@ class PollSet {
   base::RunTime deadline_ = kNever;
   std::vector<epoll_event> events_;
   std::size_t event_count_ = 0;
+  bool in_trouble_ = false;  ///< some entries could not be watched
 };
 
 }  // namespace cas::casd

@@ -274,8 +274,9 @@ constexpr std::tuple kCommonKeys{
     key<&LinkConfig::queue>("queue", block<TxQueueOptions>(kQueueKeys),
                             "how long packets are worth sending, and their memory; see below"),
     key<&LinkConfig::scheduling>("scheduling", block<base::ThreadOptions>(base::kThreadKeys),
-                                 "of the link's thread instead of casd's; with `threads: auto` the "
-                                 "link then has a thread of its own"),
+                                 "of the link's thread, instead of the topology's; with `threads: "
+                                 "auto` the link gets a thread of its own; without effect with "
+                                 "`single` and `blocking`"),
 };
 
 /// Calls visit(keys) with those that links of a type have besides the common ones.

@@ -26,7 +26,7 @@ struct KeyRow;
 namespace cas::casd {
 
 enum class ThreadModel : std::uint8_t {
-  kAuto,      ///< one thread, and one more for each link that brings a flood
+  kAuto,      ///< one thread, and one more for each link that floods
   kPerLink,   ///< each link has its own thread
   kSingle,    ///< one event loop
   kBlocking,  ///< one thread that forwards everything and waits for the line: the paper's TS

@@ -39,7 +39,7 @@ class PathWatch {
 
   std::filesystem::path path_;
   base::Descriptor inotify_;  ///< stays open: to close one takes the kernel tens of milliseconds
-  OpenDescriptor opened_;     ///< the same
+  OpenDescriptor opened_;     ///< `inotify_` for a PollSet
   std::vector<int> watches_;  ///< of the folders that are watched
 };
 

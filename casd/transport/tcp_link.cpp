@@ -101,7 +101,8 @@ void TcpLink::connect(base::RunTime now) {
   if (bound) prepare_tcp(connecting_.get());
   if (!bound ||
       (::connect(connecting_.get(), address.get(), address.size) != 0 && errno != EINPROGRESS)) {
-    return give_up(core_.config().remote + ": " + error_text(errno), now);
+    const int error = errno;
+    return give_up(core_.config().remote + ": " + error_text(error), now);
   }
   fd_ = OpenDescriptor(connecting_.get());
   connect_deadline_ = now + kConnectPatience;

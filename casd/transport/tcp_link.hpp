@@ -109,7 +109,7 @@ class TcpServerLink final : public Link {
   AddressLookup local_;
   bool looking_up_ = false;
   base::Descriptor listener_;
-  OpenDescriptor listening_;  ///< the same
+  OpenDescriptor listening_;  ///< `listener_` for a PollSet
   std::size_t poll_entry_ = 0;
   base::RunTime accept_again_{};
   std::vector<std::unique_ptr<Client>> clients_;

@@ -63,9 +63,10 @@ iovec part_of(const PacketRef& packet) {
 // emptied faster than any sender fills it, so nothing in it grows old.
 constexpr int kReceiveBuffer_bytes = 2 * 1024 * 1024;
 
-// As long as stamps lie no farther from our time of reading, the wall clock has not been set: it is
-// not read with each packet.
+// While a stamp lies this close to our estimate of the wall clock, the estimate is kept for a
+// second; beyond it the clock was set or the datagram waited, and the clock is read.
 constexpr base::Duration kCloseStamp = std::chrono::milliseconds(1);
+constexpr base::Duration kEstimateHolds = std::chrono::seconds(1);
 
 // More is not counted as arrival time: one late packet says nothing of a core.
 constexpr base::Duration kMostArrival = std::chrono::microseconds(100);
@@ -225,19 +226,28 @@ void DatagramReader::note_wait(base::RunTime now) {
   read_at_ = now.time_since_epoch() + wall_ahead_;
   const auto stamp = control_value<timespec>(messages_[0].msg_hdr, SCM_TIMESTAMPNS);
   const base::Duration apart = stamp ? read_at_ - as_duration(*stamp) : base::Duration{};
-  if (std::chrono::abs(apart) > kCloseStamp) compare_clocks();
+  const bool old = now - compared_at_ > kEstimateHolds;
+  if (old || std::chrono::abs(apart) > kCloseStamp) compare_clocks();
   const base::Duration wait = wait_of(0);
   late_ = wait > kPrompt;
   ++arrivals_.packets;
   arrivals_.waited += std::min(wait, kMostArrival);
 }
 
-// The wall clock has moved against ours, or the datagram has waited.
+// Others may run between two looks at a clock; then once more.
 void DatagramReader::compare_clocks() {
-  timespec wall{};
-  ::clock_gettime(CLOCK_REALTIME, &wall);
-  read_at_ = as_duration(wall);
-  wall_ahead_ = read_at_ - base::steady_now().time_since_epoch();
+  constexpr base::Duration kAtOnce = std::chrono::microseconds(20);
+  constexpr int kTries = 3;
+  base::Duration took = base::Duration::max();
+  for (int i = 0; i < kTries && took > kAtOnce; ++i) {
+    const base::RunTime before = base::steady_now();
+    timespec wall{};
+    ::clock_gettime(CLOCK_REALTIME, &wall);
+    compared_at_ = base::steady_now();
+    took = compared_at_ - before;
+    read_at_ = as_duration(wall);
+    wall_ahead_ = read_at_ - (before + took / 2).time_since_epoch();
+  }
 }
 
 base::Duration DatagramReader::wait_of(std::size_t index) const {

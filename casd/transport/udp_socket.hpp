@@ -65,9 +65,10 @@ class DatagramReader {
   std::uint32_t kernel_drops_ = 0;
   base::Duration read_at_{};     ///< wall-clock time
   base::Duration wall_ahead_{};  ///< wall-clock time less ours, when they were last compared
-  base::RunTime empty_at_{};     ///< the socket was last seen empty after this
-  base::Duration longest_{};     ///< longest possible wait of the newest read's datagrams
-  bool late_ = false;            ///< the oldest one had waited
+  base::RunTime compared_at_{};
+  base::RunTime empty_at_{};  ///< the socket was last seen empty after this
+  base::Duration longest_{};  ///< longest possible wait of the newest read's datagrams
+  bool late_ = false;         ///< the oldest one had waited
   Arrivals arrivals_;
 };
 

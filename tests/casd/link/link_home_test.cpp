@@ -109,7 +109,7 @@ TEST_F(LinkHomeTest, ALinkWithALoopOfItsOwnHasNowhereToGo) {
   LinkHome home(make("own")());
   std::unique_ptr<Link> link = std::make_unique<FakeLink>(busy);
   EXPECT_FALSE(home.take_calm(link));
-  EXPECT_FALSE(home.take_flooding(link));
+  EXPECT_FALSE(home.take_flooding(link, base::steady_now()));
   EXPECT_TRUE(link);
 }
 

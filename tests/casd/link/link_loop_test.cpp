@@ -90,7 +90,7 @@ TEST(LookPace, TakesALinkThatComesForNoFlood) {
   LookPace pace;
   const base::RunTime begin = at(std::chrono::seconds(1));
   pace.looked(begin, 0);
-  pace.joined(1'000'000);
+  pace.add_link(1'000'000);
   pace.looked(begin + std::chrono::milliseconds(2), 1'000'001);
   EXPECT_FALSE(pace.busy());
 }
