@@ -71,10 +71,9 @@ bool LinkHome::answers(base::RunTime now, base::Duration patience) {
   return at_ == nullptr || at_->answers(now, patience);
 }
 
-bool LinkHome::take_flooding(std::unique_ptr<Link>& link, base::RunTime now) {
-  if (!has_own_loop(now)) return false;
+bool LinkHome::take_flooding(std::unique_ptr<Link>& link) {
   const base::MutexLock lock(mutex_);
-  if (stays_) return false;
+  if (stays_ || !own_ || at_ == own_.get()) return false;
   at_ = own_.get();
   at_->add(std::move(link), this, true);
   base::log::info("link " + own_->name() + ": floods, and has a thread of its own");
@@ -90,7 +89,7 @@ bool LinkHome::take_calm(std::unique_ptr<Link>& link) {
   return true;
 }
 
-/// Makes one if there is none. A thread takes its time: the lock is not held meanwhile.
+// A thread takes its time: the lock is not held meanwhile.
 bool LinkHome::has_own_loop(base::RunTime now) {
   {
     const base::MutexLock lock(mutex_);

@@ -37,16 +37,16 @@ class LinkHome {
   void wake();
   bool answers(base::RunTime now, base::Duration patience);
 
-  // By the loop that serves the link, on its thread. Each returns whether it has taken the link.
+  // By the loop that serves the link, on its thread. `take` returns whether it has taken the link.
 
-  /// The link floods a loop that it shares.
-  bool take_flooding(std::unique_ptr<Link>& link, base::RunTime now);
+  /// Whether the link can have a loop of its own: it is made if there is none.
+  bool has_own_loop(base::RunTime now);
+  /// The link floods a loop that it shares. After has_own_loop().
+  bool take_flooding(std::unique_ptr<Link>& link);
   /// Its flood is over.
   bool take_calm(std::unique_ptr<Link>& link);
 
  private:
-  bool has_own_loop(base::RunTime now);
-
   const std::shared_ptr<LinkLoop> shared_;
   const std::function<std::unique_ptr<LinkLoop>()> make_own_;
   base::RunTime try_again_{};  ///< to make it; of the shared loop's thread

@@ -240,13 +240,17 @@ void LinkLoop::move_links(base::RunTime now) {
   if (std::exchange(flooded_, pace_.busy()) != flooded_) note_flood();
   if (pace_.flood_lasts(now) && links_.size() > 1) {
     const auto leaving = busiest();
-    if (leaving->home == nullptr || !leaving->home->take_flooding(leaving->link, now)) return;
+    if (leaving->home == nullptr || !leaving->home->has_own_loop(now)) return;
+    poll_set_.release();
+    if (!leaving->home->take_flooding(leaving->link)) return;
     links_.erase(leaving);
     pace_ = LookPace();
     pace_.add_link(received());
   } else if (links_.size() == 1 && pace_.flood_is_over(now)) {
     Resident& visitor = links_.front();
-    if (visitor.visits && visitor.home->take_calm(visitor.link)) links_.clear();
+    if (!visitor.visits) return;
+    poll_set_.release();
+    if (visitor.home->take_calm(visitor.link)) links_.clear();
   }
 }
 

@@ -39,6 +39,12 @@ int PollSet::wait(const std::optional<timespec>& limit) {
   return trouble;
 }
 
+void PollSet::release() {
+  forget_events();
+  clear();
+  apply_changes();
+}
+
 void PollSet::forget_events() {
   for (; event_count_ > 0; --event_count_) {
     entries_[events_[event_count_ - 1].data.u64].revents = 0;

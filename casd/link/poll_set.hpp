@@ -68,6 +68,8 @@ class PollSet {
   /// Waits for an event, no longer than `limit`; nothing: for ever.
   /// @return 0, or an errno; when descriptors cannot be watched, at once, with POLLERR for these
   int wait(const std::optional<timespec>& limit);
+  /// Watches nothing until the next turn: another thread may close a descriptor from here on.
+  void release();
   /// Of poll(2), seen by the last wait.
   short revents(std::size_t index) const { return entries_[index].revents; }
 

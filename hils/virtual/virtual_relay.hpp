@@ -44,10 +44,11 @@ class WakeUp {
 ///   receive() --> parser --> Router --> TxPort of each destination --> write
 ///                              +--> own station (VehicleCommander)
 ///
-/// threads: per_link and single are the same here: neither waits for a line. With threads: blocking
-/// the one thread takes, in each turn, all waiting datagrams, reads each line (waiting for the rest
-/// of a packet that has begun) and lets each paced port write a packet and wait for its line; bytes
-/// that arrive meanwhile stay in the kernel's buffers.
+/// threads: auto, per_link and single differ in the wake-ups alone: none waits for a line, and a
+/// link that floods stays with the others. With threads: blocking the one thread takes, in each
+/// turn, all waiting datagrams, reads each line (waiting for the rest of a packet that has begun)
+/// and lets each paced port write a packet and wait for its line; bytes that arrive meanwhile stay
+/// in the kernel's buffers.
 ///
 /// A waiting thread goes on a little after its event: the delay of the machine's scheduler.
 class VirtualRelay final : private casd::LineWait {
@@ -139,7 +140,7 @@ class VirtualRelay final : private casd::LineWait {
   base::RunTime next_tick_{};
   base::RunTime next_second_{};
 
-  // threads: per_link, single: bytes that a thread takes when it has woken.
+  // threads: auto, per_link, single: bytes that a thread takes when it has woken.
   struct Arrival {
     base::RunTime handled_at;
     casd::LinkId from;

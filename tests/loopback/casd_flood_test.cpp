@@ -15,11 +15,9 @@
 namespace cas::test {
 namespace {
 
-const std::string kWithStation =
-    std::string(kHilTopology) + "  - {from: gcs, to: fcu, allow: [PARAM_SET]}\n";
-
+/// The HIL loop, and a station that may set parameters.
 std::string with_station() {
-  std::string yaml = kWithStation;
+  std::string yaml = std::string(kHilTopology) + "  - {from: gcs, to: fcu, allow: [PARAM_SET]}\n";
   return yaml.insert(yaml.find("routes:"),
                      "  - {name: gcs, type: udp_server, local: \"127.0.0.1:0\"}\n");
 }
@@ -85,6 +83,20 @@ TEST(CasdFlood, TheFloodedLinkGetsAThreadAndTheHilLoopLosesNothing) {
   EXPECT_TRUE(fixture.collect_until(
       [&] { return fixture.at_fcu.count(mavlink::common::ParamSet::kId) == 1; }));
   EXPECT_TRUE(exchange());
+}
+
+TEST(CasdFlood, AFloodedLinkCanBeTakenOutOfTheTopology) {
+  CasdFixture fixture;
+  fixture.start(with_station());
+  const Flood flood(fixture.port("gcs"));
+  ASSERT_TRUE(wait_until([] { return has_thread("casd:gcs"); }));
+  fixture.links().reload(fixture.parse(kHilTopology));
+  EXPECT_TRUE(wait_until([] { return !has_thread("casd:gcs"); }));
+  fixture.sim.send(fixture.from_sim(hil_sensor(1)));
+  fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
+  EXPECT_TRUE(fixture.collect_until([&] {
+    return fixture.at_fcu.count(kHilSensor) == 1 && fixture.at_sim.count(kHilControls) == 1;
+  }));
 }
 
 TEST(CasdFlood, ALinkWithSchedulingOfItsOwnHasAThreadFromTheStart) {

@@ -15,7 +15,7 @@ namespace {
 
 using cas::test::wait_until;
 
-/// Serves at each turn, and brings as many packets as it is told.
+/// Receives `packets_a_turn` packets at each turn of its loop.
 class FakeLink final : public Link {
  public:
   struct Figures {
@@ -92,7 +92,7 @@ TEST_F(LinkHomeTest, ALinkIsClosedWhereverItIs) {
   EXPECT_TRUE(busy.closed);
   const std::uint64_t turns = quiet.turns;
   EXPECT_TRUE(wait_until([&] { return quiet.turns > turns; })) << "the other one goes on";
-  busy_home.wake();  // a late one: of nobody
+  busy_home.wake();  // a call after the close does nothing
 }
 
 TEST_F(LinkHomeTest, ALinkThatFloodsAloneStays) {
@@ -109,7 +109,7 @@ TEST_F(LinkHomeTest, ALinkWithALoopOfItsOwnHasNowhereToGo) {
   LinkHome home(make("own")());
   std::unique_ptr<Link> link = std::make_unique<FakeLink>(busy);
   EXPECT_FALSE(home.take_calm(link));
-  EXPECT_FALSE(home.take_flooding(link, base::steady_now()));
+  EXPECT_FALSE(home.take_flooding(link));
   EXPECT_TRUE(link);
 }
 

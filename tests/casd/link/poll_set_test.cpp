@@ -117,6 +117,18 @@ TEST(PollSet, ForgetsWhatATurnDoesNotName) {
   EXPECT_EQ(set.revents(again), POLLIN);
 }
 
+TEST(PollSet, WatchesAgainWhatItHasReleased) {
+  Pipe full;
+  full.fill();
+  PollSet set;
+  set.add(full.opened, POLLIN);
+  ASSERT_EQ(set.wait({}), 0);
+  set.release();
+  const std::size_t entry = set.add(full.opened, POLLIN);
+  ASSERT_EQ(set.wait({}), 0);
+  EXPECT_EQ(set.revents(entry), POLLIN);
+}
+
 TEST(PollSet, TellsRoomOnlyToWhoAsksForIt) {
   std::array<int, 2> ends{};
   ASSERT_EQ(::pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK), 0);
