@@ -200,8 +200,11 @@ struct App::Impl {
       links.stream_time().enable([this](base::RunTime now) { hold_for_turn(now); });
       links.tlog().set_epoch(TlogWriter::kStreamEpoch);
       links.local().wake_for_all(false);
-      server.before_calls([this] { listen_closely(); });
     }
+    server.before_calls([this] {
+      if (lockstep()) return listen_closely();
+      tick_by(base::steady_now() + kStationTick);  // the call may be a request to a vehicle
+    });
     figures.set_memory([this](const MessageTaps::Key& key) { return remembered(key); });
     commander.on_notice([](const std::string& notice) { base::log::warn(notice); });
     commander.on_failure([this](std::uint8_t system, const VehicleCommand& command, Done done) {
@@ -365,7 +368,7 @@ struct App::Impl {
     if (lockstep()) {
       do_wall_tick();  // the stream gives the turns
     } else {
-      do_tick();
+      do_tick(base::steady_now() + kStationTick);
     }
     do_second();
     settle_deadline = base::steady_now() + kSettlePatience;
@@ -507,6 +510,7 @@ struct App::Impl {
     change_links(std::move(topology));
     const CommandingConfig& commanding = links.topology().commanding;
     commander.set_commanding(commanding.heartbeat_hz, commanding.allow_not_hil);
+    if (!lockstep()) tick_by(base::steady_now() + kStationTick);
     vehicle_methods.set_gains(std::move(gains));
     figures.set_decoder(std::move(decoder));
   }
@@ -535,20 +539,28 @@ struct App::Impl {
                               [this](boost::system::error_code error) {
                                 if (error) return;
                                 hear(station_now());
+                                if (!lockstep()) {
+                                  tick_by(commander.next_tick(base::steady_now()));
+                                }
                                 do_wait_station();
                               });
   }
 
-  void do_tick() {
-    tick_timer.expires_after(kStationTick);
+  void do_tick(base::RunTime due) {
+    next_tick = due;
+    tick_timer.expires_after(due - base::steady_now());
     tick_timer.async_wait([this](boost::system::error_code error) {
       if (error) return;
       const base::RunTime now = base::steady_now();
       station.tick(now);
       failures.tick(now);
       recorder.on_vehicles(commander.any_armed(now), now);
-      do_tick();
+      do_tick(log_taking ? now + kStationTick : commander.next_tick(now));
     });
+  }
+
+  void tick_by(base::RunTime due) {
+    if (due < next_tick) do_tick(due);
   }
 
   /// Ends requests to a vehicle whose simulator is paused, and takes packets that arrived after the
@@ -640,6 +652,7 @@ struct App::Impl {
   std::string metrics_endpoint;  ///< empty: none
   base::RunTime settle_deadline{};
   base::RunTime next_summary{};
+  base::RunTime next_tick = base::RunTime::max();  ///< of the station; max: none is awaited
   std::atomic<bool> ending{false};  ///< no more turns
 };
 

@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "base/time/clock.hpp"
 #include "casd/station/vehicle_commander.hpp"
 #include "casd/topology/topology.hpp"
 
 /// How casd's own station runs, here and on a virtual clock.
 namespace cas::casd {
-
-/// Period of its work that time makes due.
-inline constexpr base::Duration kStationTick = std::chrono::milliseconds(50);
 
 /// The station's options from the topology; the caller adds names and rates of links.
 CommanderOptions commander_options(const Topology& topology);

@@ -25,6 +25,8 @@ class OwnHeartbeat {
   void set_rate(double rate_hz);
   /// Sends to every link, at the rate.
   void tick(const VehicleTable::Vehicles& vehicles, base::RunTime now);
+  /// When tick() has something to send; nothing: never, or at once after a change of the rate.
+  std::optional<base::RunTime> due() const { return next_; }
   /// Sends to a vehicle that runs faster than real time, by its own clock: at 20 times real time
   /// PX4 v1.16 missed its ground station between two ticks and returned home.
   void keep_up(KnownVehicle& vehicle, base::RunTime now);

@@ -199,6 +199,19 @@ void VehicleCommander::tick(base::RunTime now) {
   table_.tick(now);
 }
 
+base::RunTime VehicleCommander::next_tick(base::RunTime now) const {
+  base::RunTime next = now + kRestTick;
+  const auto no_later_than = [&next](const std::optional<base::RunTime>& due) {
+    if (due) next = std::min(next, *due);
+  };
+  no_later_than(heartbeat_.due());
+  for (const auto& [system, vehicle] : table_.all()) {
+    no_later_than(vehicle->commands.due());
+    no_later_than(vehicle->params.due());
+  }
+  return std::max(now, next);
+}
+
 void VehicleCommander::wall_tick(base::RunTime wall) {
   for (const auto& [system, vehicle] : table_.all()) vehicle->commands.wall_tick(wall);
 }

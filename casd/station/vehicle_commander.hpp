@@ -43,9 +43,14 @@ class Station {
   virtual ~Station() = default;
   /// `packet` lives during the call only.
   virtual void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) = 0;
-  /// Every 50 ms: retries, timeouts, heartbeats.
+  /// Now and then (VehicleCommander::next_tick): retries, timeouts, heartbeats.
   virtual void tick(base::RunTime now) = 0;
 };
+
+/// Period of the station's work that time makes due, where its clock leaps from packet to packet.
+inline constexpr base::Duration kStationTick = std::chrono::milliseconds(50);
+/// The longest time between two ticks of a station that waits for nothing: each wakes a thread.
+inline constexpr base::Duration kRestTick = std::chrono::milliseconds(250);
 
 struct CommanderOptions {
   mav::Source self = kOwnStation;
@@ -79,6 +84,9 @@ class VehicleCommander final : public Station {
     on_packet(Origin{{link}}, packet, now);
   }
   void tick(base::RunTime now) override;
+  /// When to call tick() next: at the first deadline of a request, or when the own HEARTBEAT is
+  /// due, but no later than in kRestTick. A new packet or request may make it sooner.
+  base::RunTime next_tick(base::RunTime now) const;
   /// For a simulated `now`, which may stand still: call it regularly with this machine's clock, so
   /// that an accepted command without effect still times out.
   void wall_tick(base::RunTime wall);

@@ -191,6 +191,11 @@ void CommandExchange::tick(Time now) {
   }
 }
 
+std::optional<Time> CommandExchange::due() const {
+  if (active_.empty()) return std::nullopt;
+  return std::ranges::min_element(active_, {}, &Request::deadline)->deadline;
+}
+
 void CommandExchange::wall_tick(Time wall) {
   for (Request& request : active_) {
     if (request.accepted && !request.wall_deadline) {

@@ -71,6 +71,8 @@ class CommandExchange {
   void on_disarm(const std::string& by, Time now);
   /// Whether a command that disarms or ends the flight is under way or waits.
   bool is_stopping() const;
+  /// When tick() has something to do; nothing while no command is under way.
+  std::optional<Time> due() const;
   /// Ends all commands with this outcome.
   void give_up(const Outcome& outcome);
 

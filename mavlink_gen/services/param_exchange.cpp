@@ -259,6 +259,13 @@ void ParamExchange::tick(Time now) {
   if (listing_ && (now >= listing_->deadline || now >= listing_->give_up)) tick_listing(now);
 }
 
+std::optional<Time> ParamExchange::due() const {
+  std::optional<Time> due;
+  if (listing_) due = std::min(listing_->deadline, listing_->give_up);
+  for (const Request& request : active_) due = std::min(due.value_or(request.deadline), request.deadline);
+  return due;
+}
+
 std::vector<std::string_view> ParamExchange::known_names() const {
   std::vector<std::string_view> names;
   for (const auto& [name, parameter] : known_) names.push_back(name);

@@ -85,6 +85,8 @@ class ParamExchange {
   void on_value(const mavlink::common::ParamValue& message, ParamEncoding encoding, Time now);
   void on_status_text(std::string_view text);
   void tick(Time now);
+  /// When tick() has something to do; nothing while no request is under way.
+  std::optional<Time> due() const;
   /// Ends all requests with this outcome.
   void give_up(const Outcome& outcome);
 

@@ -36,6 +36,25 @@ TEST_F(VehicleCommanderTest, SendsOneHeartbeatASecond) {
   EXPECT_NEAR(vehicle_.heartbeats, 10, 1);
 }
 
+TEST_F(VehicleCommanderTest, RestsUntilTheHeartbeatIsDue) {
+  commander_.tick(now_);
+  EXPECT_EQ(commander_.next_tick(now_), now_ + kRestTick);
+  EXPECT_EQ(commander_.next_tick(now_ + 900ms), now_ + 1s);
+  EXPECT_EQ(commander_.next_tick(now_ + 2s), now_ + 2s);  // late: at once
+}
+
+TEST_F(VehicleCommanderTest, RestsNoLongerThanARequestMayWait) {
+  commander_.set_commanding(0, false);
+  meet();
+  EXPECT_EQ(commander_.next_tick(now_), now_ + kRestTick);
+  vehicle_.script.deaf_for = 1;
+  commander_.arm(1, {}, now_, done());
+  const base::RunTime repeats = now_ + CommandTiming{}.ack_timeout;
+  EXPECT_EQ(commander_.next_tick(now_ + 600ms), repeats);
+  EXPECT_TRUE(finish().ok());
+  EXPECT_EQ(commander_.next_tick(now_), now_ + kRestTick);
+}
+
 TEST_F(VehicleCommanderTest, ResolvesTheOnlyVehicle) {
   EXPECT_EQ(std::get<Outcome>(commander_.resolve({})).kind, OutcomeKind::kNoSuchVehicle);
   meet();

@@ -53,6 +53,16 @@ TEST_F(Command, IsRepeatedWithARisingConfirmationAndGivenUp) {
   EXPECT_EQ(outcomes_[0].kind, OutcomeKind::kTimeout);
 }
 
+TEST_F(Command, IsDueAtItsDeadlineAndNeverOnceItHasEnded) {
+  EXPECT_EQ(exchange_.due(), std::nullopt);
+  start(request_command(148));
+  EXPECT_EQ(exchange_.due(), now_ + 700ms);
+  start(request_command(242));  // waits for the one before
+  EXPECT_EQ(exchange_.due(), now_ + 700ms);
+  exchange_.give_up(Outcome{});
+  EXPECT_EQ(exchange_.due(), std::nullopt);
+}
+
 TEST_F(Command, InProgressWaitsAndIsNotRepeated) {
   start(arm_command(true, false));
   acknowledge(MavCmd::kComponentArmDisarm, MavResult::kInProgress);

@@ -60,6 +60,16 @@ TEST_F(ParamList, OfAVehicleThatAnswersOneAtATimeEndsAtItsDeadline) {
   EXPECT_GT(outcome_->parameters.size(), 200U) << "what came is not lost";
 }
 
+TEST_F(ParamList, IsDueWhenAnAnswerIsLate) {
+  EXPECT_EQ(exchange_.due(), std::nullopt);
+  list();
+  EXPECT_EQ(exchange_.due(), now_ + 700ms);
+  exchange_.read("P", now_ + 100ms, [](const Outcome&) {});
+  EXPECT_EQ(exchange_.due(), now_ + 700ms);
+  answer("P", 0, 1);
+  EXPECT_EQ(exchange_.due(), std::nullopt);
+}
+
 TEST_F(ParamList, OfAnAbsurdCountIsRefusedAtOnce) {
   list();
   answer("P0", 0, 65535);
