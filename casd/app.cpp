@@ -653,7 +653,7 @@ struct App::Impl {
   base::RunTime settle_deadline{};
   base::RunTime next_summary{};
   base::RunTime next_tick = base::RunTime::max();  ///< of the station; max: none is awaited
-  std::atomic<bool> ending{false};  ///< no more turns
+  std::atomic<bool> ending{false};                 ///< no more turns
 };
 
 App::App(AppOptions options, Topology topology)

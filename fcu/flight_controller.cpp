@@ -29,6 +29,7 @@ struct FlightController::Impl {
   void on_battery(const BatteryStatus& m, mav::Source from);
   void begin_new_run();
   void control(std::uint64_t time_usec, RunTime now);
+  void answer(std::uint64_t time_usec);
   double time_step(std::uint64_t time_usec);
   void settle_frame();
   ControlSetpoint next_setpoint(double dt, RunTime now);
@@ -70,8 +71,21 @@ void FlightController::Impl::on_sensor(const HilSensor& m, RunTime now) {
   status.sensor_time_usec = m.time_usec;
   sensors.on_sensor(m, now);
   // ... and control at 400 Hz, on the sensor's clock.
-  if (sensors.control_due(m.time_usec, core.config.control_rate_hz)) control(m.time_usec, now);
-  tick(now);
+  const bool due = sensors.control_due(m.time_usec, core.config.control_rate_hz);
+  if (core.config.pace == Pace::kLockstep) {
+    // The simulator goes on with the answer: what else there is to say comes before it, so that it
+    // arrives before the next sensor message in each run.
+    if (!due) return;
+    control(m.time_usec, now);
+    tick(now);
+    answer(m.time_usec);
+  } else {
+    if (due) {
+      control(m.time_usec, now);
+      answer(m.time_usec);
+    }
+    tick(now);
+  }
 }
 
 void FlightController::Impl::on_gps(const HilGps& m, RunTime now) {
@@ -107,20 +121,23 @@ void FlightController::Impl::control(std::uint64_t time_usec, RunTime now) {
   const MixerResult& output = core.cascade.update(setpoint, core.estimator.state(), dt);
   tell_of_losses();
 
-  // The answer carries the stamp of the sample that it was computed from.
-  const std::uint32_t answer = send_answer({.result = output,
-                                            .mixer = core.cascade.mixer(),
-                                            .scales = core.config.vehicle.scales,
-                                            .time_usec = time_usec,
-                                            .armed = core.commander.armed(),
-                                            .by_motor = core.hil.answer_by_motor},
-                                           core.outbox);
-  if (observer) observer(answer, time_usec, true);
   status.u = output.u;
 
   // For the next step.
   core.estimator.set_at_rest(!core.commander.flying());
   core.battery.update(core.commander.armed(), dt);
+}
+
+/// Carries the stamp of the sample that it was computed from.
+void FlightController::Impl::answer(std::uint64_t time_usec) {
+  const std::uint32_t id = send_answer({.result = core.cascade.output(),
+                                        .mixer = core.cascade.mixer(),
+                                        .scales = core.config.vehicle.scales,
+                                        .time_usec = time_usec,
+                                        .armed = core.commander.armed(),
+                                        .by_motor = core.hil.answer_by_motor},
+                                       core.outbox);
+  if (observer) observer(id, time_usec, true);
 }
 
 /// Time since the last control step on the sensor's clock, s.

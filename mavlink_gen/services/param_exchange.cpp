@@ -262,7 +262,8 @@ void ParamExchange::tick(Time now) {
 std::optional<Time> ParamExchange::due() const {
   std::optional<Time> due;
   if (listing_) due = std::min(listing_->deadline, listing_->give_up);
-  for (const Request& request : active_) due = std::min(due.value_or(request.deadline), request.deadline);
+  for (const Request& request : active_)
+    due = std::min(due.value_or(request.deadline), request.deadline);
   return due;
 }
 

@@ -122,6 +122,8 @@ bool LockstepFixture::stop() {
 
 std::string LockstepFixture::truth() const { return content(folder_ / "truth.csv"); }
 
+std::string LockstepFixture::recording() const { return content(folder_ / "flight.tlog"); }
+
 std::map<int, std::string> LockstepFixture::streams() const {
   casd::TlogReader log;
   if (!log.open(folder_ / "flight.tlog")) throw std::runtime_error("there is no flight.tlog");

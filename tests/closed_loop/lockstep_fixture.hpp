@@ -31,6 +31,8 @@ class LockstepFixture {
   bool stop();
 
   std::string truth() const;
+  /// The bytes of flight.tlog: all packets with their times, in the order of their arrival at casd.
+  std::string recording() const;
   /// Bytes that each system (id) put on the wire.
   std::map<int, std::string> streams() const;
   std::string outputs() const;

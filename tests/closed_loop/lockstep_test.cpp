@@ -30,6 +30,7 @@ double arm(LockstepFixture& bench) {
 /// Results of a take-off.
 struct Flight {
   std::string truth;
+  std::string recording;
   std::map<int, std::string> streams;
   base::rpc::Json status;
 };
@@ -45,6 +46,7 @@ Flight take_off(std::uint64_t seed, const std::string& vehicle = "iris_paper") {
   run.status = bench.run_until(armed_s + 4);
   EXPECT_TRUE(bench.stop()) << bench.outputs();
   run.truth = bench.truth();
+  run.recording = bench.recording();
   run.streams = bench.streams();
   return run;
 }
@@ -61,6 +63,7 @@ TEST(Lockstep, SameSeedGivesTheSameBytesThroughRealProcesses) {
     ASSERT_TRUE(first.streams.contains(source)) << source;
     EXPECT_TRUE(first.streams.at(source) == again.streams.at(source)) << source;
   }
+  EXPECT_TRUE(first.recording == again.recording) << "their order or times differ";
 }
 
 TEST(Lockstep, AHexarotorsSixthOutputReachesItsRotor) {

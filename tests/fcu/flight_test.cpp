@@ -1,10 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <span>
+#include <vector>
 
 #include "base/earth/frames.hpp"
+#include "fcu/flight_controller.hpp"
+#include "mavlink/common/hil_controls.hpp"
+#include "mavlink/common/hil_sensor.hpp"
+#include "mavlink/common/table.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/runtime/packet_parser.hpp"
 #include "tests/fcu/support/closed_loop.hpp"
+#include "tests/support/paths.hpp"
 
 namespace cas::fcu {
 namespace {
@@ -63,6 +75,56 @@ TEST(Flight, TakesOffAndLandsAndDisarms) {
   EXPECT_TRUE(loop.multirotor().on_ground());
   EXPECT_TRUE(loop.said("Landed"));
   for (const auto& t : loop.texts()) std::printf("%s\n", t.c_str());
+}
+
+/// Ids of the packets that the controller answers each sensor message with, at 500 Hz for a second.
+std::vector<std::vector<std::uint32_t>> answers(Pace pace) {
+  std::vector<std::vector<std::uint32_t>> steps;
+  FcuConfig config;
+  config.vehicle =
+      base::Vehicle::load(cas::test::source_dir() + "/config/vehicles/iris_paper.yaml");
+  config.pace = pace;
+  FlightController fcu(config, [&](std::span<const std::uint8_t> bytes) {
+    mav::PacketParser parser(mavlink::common::table());
+    parser.feed(bytes,
+                [&](const mav::PacketView& packet) { steps.back().push_back(packet.message_id); });
+  });
+  mav::PacketBuffer packet;
+  for (std::uint64_t ms = 2; ms <= 1000; ms += 2) {
+    mavlink::common::HilSensor sensor;
+    sensor.time_usec = 1000 * ms;
+    sensor.zacc = -9.81F;
+    packet.size = mav::encode(sensor, {1, 200}, static_cast<std::uint8_t>(ms / 2), packet.bytes);
+    steps.emplace_back();
+    fcu.on_bytes(packet.view(), base::RunTime(std::chrono::milliseconds(ms)));
+  }
+  return steps;
+}
+
+// The simulator goes on with the controls; what comes after them meets its next message now here,
+// now there.
+TEST(Lockstep, ControlsAreTheLastWordInAStep) {
+  std::size_t controls = 0;
+  std::size_t others = 0;
+  for (const auto& ids : answers(Pace::kLockstep)) {
+    if (ids.empty()) continue;
+    EXPECT_EQ(ids.back(), mavlink::common::HilControls::kId);
+    ++controls;
+    others += ids.size() - 1;
+  }
+  EXPECT_NEAR(static_cast<double>(controls), 400, 2);
+  EXPECT_GT(others, 50U) << "there is telemetry";
+}
+
+TEST(RealTime, ControlsAreTheFirstWordInAStep) {
+  std::size_t together = 0;
+  for (const auto& ids : answers(Pace::kRealtime)) {
+    const auto controls = std::ranges::find(ids, mavlink::common::HilControls::kId);
+    if (controls == ids.end()) continue;
+    EXPECT_EQ(controls, ids.begin());
+    together += ids.size() > 1 ? 1 : 0;
+  }
+  EXPECT_GT(together, 20U) << "there is telemetry";
 }
 
 }  // namespace
