@@ -12,6 +12,7 @@
 #include "casd/transport/tcp_link.hpp"
 #include "casd/transport/tlog_link.hpp"
 #include "casd/transport/udp_link.hpp"
+#include "casd/transport/udp_server_link.hpp"
 
 namespace cas::casd {
 namespace {

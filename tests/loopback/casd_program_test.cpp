@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "base/rpc/client.hpp"
+#include "tests/loopback/any_udp_peer.hpp"
 #include "tests/loopback/casd_fixture.hpp"
 #include "tests/loopback/tcp_peer.hpp"
 #include "tests/support/child_process.hpp"
@@ -226,6 +227,40 @@ INSTANTIATE_TEST_SUITE_P(
         CommandLine{
             "MavlinkRoutersT", {"-t", "$PORT", "serial:$FCU:921600"}, OtherEnd::kTcpClient}),
     [](const auto& test) { return std::string(test.param.name); });
+
+/// Both ways between the controller's line and a peer that hears what casd sends to all.
+void expect_both_ways_with_all(CasdFixture& fixture, const std::string& endpoint, AnyUdpPeer& hears,
+                               AnyUdpPeer& speaks, const std::string& to = {}) {
+  ChildProcess casd({kCasd, "--command-port", "0", "serial:" + fixture.expand("$FCU"), endpoint});
+  const auto status = casd.wait_ready();
+  ASSERT_TRUE(status) << casd.output();
+  const std::string own = "127.0.0.1:" + std::to_string(port_of(endpoint_in(*status, "udp")));
+  PacketStream heard;
+  EXPECT_TRUE(fixture.collect_until([&] {
+    fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
+    speaks.send(to.empty() ? own : to, fixture.from_sim(mavlink::common::ParamRequestList{}));
+    hears.read(heard);
+    return heard.count(kHilControls) > 0 &&
+           fixture.at_fcu.count(mavlink::common::ParamRequestList::kId) > 0;
+  })) << *status
+      << casd.output();
+  EXPECT_EQ(fixture.at_fcu.count(kHilControls), 0U) << "an echo of its own packets";
+}
+
+TEST_F(CasdProgram, SpeaksToABroadcastAddressOfTheCommandLine) {
+  AnyUdpPeer peer("0.0.0.0:0");
+  const std::string port = peer.endpoint().substr(peer.endpoint().rfind(':'));
+  expect_both_ways_with_all(fixture, "udpcast:127.255.255.255" + port, peer, peer);
+}
+
+TEST_F(CasdProgram, SpeaksToAMulticastGroupOfTheCommandLine) {
+  const std::string group = "239.255.77.78:" + std::to_string(free_port());
+  AnyUdpPeer peer("0.0.0.0" + group.substr(group.rfind(':')));
+  AnyUdpPeer sender("0.0.0.0:0");  // on one machine the shared port would be casd's
+  const bool joined = peer.join("239.255.77.78", {}) && sender.join("239.255.77.78", {});
+  if (!peer.bound() || !joined) GTEST_SKIP() << "no device for multicast";
+  expect_both_ways_with_all(fixture, "mcast:" + group, peer, sender, group);
+}
 
 TEST_F(CasdProgram, RecordsWhereMavlinkRoutersOptionsSay) {
   const auto printed = [&](std::vector<std::string> arguments) {

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/transport/udp_server_link.hpp"
+
+#include <sys/socket.h>
+
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/os/descriptor.hpp"
+#include "casd/counters/link_counters.hpp"
+#include "casd/packet/packet_port.hpp"
+
+namespace cas::casd {
+namespace {
+
+/// Sends each packet to the peers that are to have it. What the socket does not take at once is
+/// lost for that peer and counted: a queue per peer would only hold old packets.
+class UdpServerWriter final : public PacketWriter {
+ public:
+  UdpServerWriter(base::Descriptor descriptor, LinkId own, std::shared_ptr<SharedPeers> peers,
+                  std::shared_ptr<LinkCounters> counters);
+
+  WriteResult write(std::span<const PacketRef> packets) override;
+  int descriptor() const override { return descriptor_.get(); }
+
+ private:
+  void send_to_each(const PacketRef& packet, SlotMask peers) CAS_REQUIRES(peers_->mutex);
+  void send_to_one(const PacketRef& packet, std::uint8_t peer) CAS_REQUIRES(peers_->mutex);
+  void send_by_peer(std::span<const PacketRef> packets) CAS_REQUIRES(peers_->mutex);
+  void count_lost(const PacketRef& packet);
+
+  base::Descriptor descriptor_;
+  LinkId own_;
+  std::shared_ptr<SharedPeers> peers_;
+  std::shared_ptr<LinkCounters> counters_;
+  DatagramSender sender_;
+  std::vector<SlotMask> masks_;
+  std::vector<PacketRef> of_peer_;
+};
+
+UdpServerWriter::UdpServerWriter(base::Descriptor descriptor, LinkId own,
+                                 std::shared_ptr<SharedPeers> peers,
+                                 std::shared_ptr<LinkCounters> counters)
+    : descriptor_(std::move(descriptor)),
+      own_(own),
+      peers_(std::move(peers)),
+      counters_(std::move(counters)) {}
+
+WriteResult UdpServerWriter::write(std::span<const PacketRef> packets) {
+  const base::MutexLock lock(peers_->mutex);
+  if (packets.size() == 1) {
+    send_to_each(packets.front(), peers_->table.for_packet(*packets.front().info, own_));
+  } else {
+    send_by_peer(packets);
+  }
+  return {.packets = packets.size(), .done = base::steady_now()};
+}
+
+// One packet, many peers: one call for all of them.
+void UdpServerWriter::send_to_each(const PacketRef& packet, SlotMask peers) {
+  if (peers != 0 && (peers & (peers - 1)) == 0) {
+    return send_to_one(packet, static_cast<std::uint8_t>(std::countr_zero(peers)));
+  }
+  std::array<mmsghdr, PeerTable::kMaxPeers> messages;
+  iovec part{const_cast<std::uint8_t*>(packet.bytes.data()), packet.bytes.size()};
+  unsigned count = 0;
+  for_each_slot(peers, [&](std::uint8_t peer) CAS_REQUIRES(peers_->mutex) {
+    messages[count] = {};
+    msghdr& header = messages[count++].msg_hdr;
+    header.msg_name = const_cast<sockaddr*>(peers_->table.address(peer));
+    header.msg_namelen = peers_->table.address_size(peer);
+    header.msg_iov = &part;
+    header.msg_iovlen = 1;
+  });
+  for (unsigned done = 0; done < count;) {
+    const int sent = ::sendmmsg(descriptor_.get(), messages.data() + done, count - done,
+                                MSG_DONTWAIT | MSG_NOSIGNAL);
+    // This peer's loss; on with the next.
+    if (sent <= 0) count_lost(packet);
+    done += sent > 0 ? static_cast<unsigned>(sent) : 1;
+  }
+}
+
+void UdpServerWriter::send_to_one(const PacketRef& packet, std::uint8_t peer) {
+  const auto sent = ::sendto(descriptor_.get(), packet.bytes.data(), packet.bytes.size(),
+                             MSG_DONTWAIT | MSG_NOSIGNAL, peers_->table.address(peer),
+                             peers_->table.address_size(peer));
+  if (sent < 0) count_lost(packet);
+}
+
+void UdpServerWriter::count_lost(const PacketRef& packet) {
+  counters_->count_dropped(*packet.info, DropCause::kQueueFull, base::steady_now());
+}
+
+// Many packets: one block for each peer.
+void UdpServerWriter::send_by_peer(std::span<const PacketRef> packets) {
+  masks_.clear();
+  SlotMask wanted = 0;
+  for (const PacketRef& packet : packets) {
+    masks_.push_back(peers_->table.for_packet(*packet.info, own_));
+    wanted |= masks_.back();
+  }
+  for_each_slot(wanted, [&](std::uint8_t peer) CAS_REQUIRES(peers_->mutex) {
+    of_peer_.clear();
+    for (std::size_t i = 0; i < packets.size(); ++i) {
+      if ((masks_[i] & slot_bit(peer)) != 0) of_peer_.push_back(packets[i]);
+    }
+    const auto result = sender_.send(descriptor_.get(), of_peer_, peers_->table.address(peer),
+                                     peers_->table.address_size(peer));
+    if (result.error == 0) return;
+    for (std::size_t i = result.packets; i < of_peer_.size(); ++i) count_lost(of_peer_[i]);
+  });
+}
+
+}  // namespace
+
+UdpServerLink::UdpServerLink(LinkContext context)
+    : DatagramLink(std::move(context)),
+      newest_only_(core_.config().type == LinkType::kUdp),
+      peers_(std::make_shared<SharedPeers>(newest_only_ ? 1 : core_.config().max_peers,
+                                           core_.config().expiry)) {}
+
+void UdpServerLink::open(base::RunTime now) {
+  if (!looking_up_) local_ = AddressLookup(core_.config().local);
+  looking_up_ = local_.state() == AddressLookup::State::kPending;
+  if (looking_up_) return core_.backoff().failed(now);
+  if (local_.state() == AddressLookup::State::kFailed) return core_.went_down(local_.error(), now);
+
+  const SocketAddress& address = local_.address();
+  base::Descriptor socket(open_udp_socket(address.family(), core_.config().interface));
+  if (!socket || ::bind(socket.get(), address.get(), address.size) != 0) {
+    return core_.went_down(core_.config().local + ": " + error_text(errno), now);
+  }
+  begin(std::make_unique<UdpServerWriter>(std::move(socket), core_.id(), peers_,
+                                          core_.shared_counters()),
+        now);
+}
+
+// Only who sends a whole packet becomes a peer.
+void UdpServerLink::take_datagram(std::size_t index, base::RunTime now) {
+  PeerTable& table = peers_->own_table();
+  std::optional<std::uint8_t> peer = table.find(reader_.sender(index));
+  const auto on_packet = [&](const mav::PacketView& packet) {
+    if (!peer) peer = admit(index, now);
+    if (!peer) return core_.counters().rx.foreign.add();
+    table.heard(*peer, packet.source, now);
+    core_.ingress().take_packet(packet, now, table.id(*peer), reader_.waited(index));
+  };
+  core_.ingress().parse_datagram(parser_, reader_.datagram(index), on_packet);
+}
+
+std::optional<std::uint8_t> UdpServerLink::admit(std::size_t index, base::RunTime now) {
+  const base::MutexLock lock(peers_->mutex);
+  if (newest_only_) peers_->table.clear();
+  const auto peer = peers_->table.add(reader_.sender(index), reader_.sender_size(index), now);
+  core_.counters().peers.set(static_cast<std::uint64_t>(peers_->table.count()));
+  return peer;
+}
+
+void UdpServerLink::on_second(base::RunTime now) {
+  core_.on_second(now);
+  if (newest_only_) return;  // the one peer stays: it may only listen
+  const base::MutexLock lock(peers_->mutex);
+  peers_->table.expire(now);
+  core_.counters().peers.set(static_cast<std::uint64_t>(peers_->table.count()));
+}
+
+}  // namespace cas::casd
