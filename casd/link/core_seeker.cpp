@@ -13,10 +13,10 @@ constexpr int kDearer = 2;
 constexpr base::Duration kNoise = std::chrono::microseconds(5);
 constexpr int kDearSamples = 3;  // one may be an interrupt
 
-// Turns of a sample: of a thread that has just moved, that tries, that has settled.
+// Turns of a sample: of a thread that has just moved, that tries, that stays where it is.
 constexpr std::uint64_t kMovedTurns = 8;
 constexpr std::uint64_t kTrialTurns = 32;
-constexpr std::uint64_t kSettledTurns = 128;
+constexpr std::uint64_t kRestTurns = 128;
 
 double per_second(std::uint64_t count, base::Duration time) {
   return static_cast<double>(count) / std::chrono::duration<double>(time).count();
@@ -30,7 +30,7 @@ CoreSeeker::CoreSeeker(std::vector<int> cores) : cores_(std::move(cores)) {
 
 std::uint64_t CoreSeeker::sample_turns() const {
   if (skip_) return kMovedTurns;
-  return state_ == State::kSettled ? kSettledTurns : kTrialTurns;
+  return state_ == State::kTrying ? kTrialTurns : kRestTurns;
 }
 
 void CoreSeeker::take(const CoreSample& sample, base::RunTime now) {

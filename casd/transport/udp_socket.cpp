@@ -190,19 +190,31 @@ DatagramReader::DatagramReader() : bytes_(kBatch * kMaxDatagram) {
 int DatagramReader::read(int fd, base::RunTime now) {
   // The kernel has written the lengths of those that it filled.
   for (; used_ > 0; --used_) offer(used_ - 1);
-  const int count = ::recvmmsg(fd, messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
-  if (count > 0) {
-    used_ = static_cast<std::size_t>(count);
+  const std::size_t wanted = now - read_last_ < kSoon ? kBatch : 1;
+  if (take(fd, wanted) > 0) {
+    read_last_ = now;
+    const base::Duration wait = note_wait(now);
+    const bool more =
+        used_ == wanted && wanted < kBatch && wait > kSoon && take(fd, kBatch - 1) > 0;
     note_drops(messages_[used_ - 1].msg_hdr);
-    note_wait(now);
-    if (used_ < kBatch) empty_at_ = now;  // what comes next is younger
-    return count;
+    // What comes next is younger than a socket that is empty, or than the last one out of it.
+    const bool emptied = more ? used_ < kBatch : used_ < wanted;
+    empty_at_ = emptied ? now : std::max(empty_at_, now - wait_of(used_ - 1));
+    return static_cast<int>(used_);
   }
   used_ = 1;
   // A peer that is not there (yet) answers our packets with refusals: no trouble of the socket.
   const bool transient = errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR ||
                          errno == ECONNREFUSED || errno == EHOSTUNREACH || errno == ENETUNREACH;
   return transient ? 0 : -1;
+}
+
+// Puts up to `most` behind those that are there. @return how many; -1 with errno
+int DatagramReader::take(int fd, std::size_t most) {
+  const int count =
+      ::recvmmsg(fd, messages_.data() + used_, static_cast<unsigned>(most), MSG_DONTWAIT, nullptr);
+  if (count > 0) used_ += static_cast<std::size_t>(count);
+  return count;
 }
 
 void DatagramReader::offer(std::size_t index) {
@@ -221,7 +233,7 @@ void DatagramReader::note_drops(const msghdr& header) {
 
 // The first one has waited longest, but no longer than since the socket was seen empty: a wall
 // clock that steps makes nothing old.
-void DatagramReader::note_wait(base::RunTime now) {
+base::Duration DatagramReader::note_wait(base::RunTime now) {
   longest_ = now - empty_at_;
   read_at_ = now.time_since_epoch() + wall_ahead_;
   const auto stamp = control_value<timespec>(messages_[0].msg_hdr, SCM_TIMESTAMPNS);
@@ -232,6 +244,7 @@ void DatagramReader::note_wait(base::RunTime now) {
   late_ = wait > kPrompt;
   ++arrivals_.packets;
   arrivals_.waited += std::min(wait, kMostArrival);
+  return wait;
 }
 
 // Others may run between two looks at a clock; then once more.

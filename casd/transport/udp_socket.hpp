@@ -20,13 +20,19 @@
 
 namespace cas::casd {
 
-/// Reads up to 32 datagrams with one system call.
+/// Reads datagrams, up to 32 with one system call.
+///
+/// One that comes alone is read alone: the kernel's look for a second one is not free. After a
+/// moment's work, or if it has waited itself, others may wait behind it, and are read with it.
 class DatagramReader {
  public:
   static constexpr std::size_t kBatch = 32;
   static constexpr std::size_t kMaxDatagram = 4096;
   /// A shorter wait in the socket is the machine's, and not told.
   static constexpr base::Duration kPrompt = std::chrono::milliseconds(5);
+
+  /// Datagrams that come closer than this may lie in the socket together.
+  static constexpr base::Duration kSoon = std::chrono::microseconds(300);
 
   DatagramReader();
   /// @param now  not later than this call
@@ -49,7 +55,8 @@ class DatagramReader {
 
  private:
   void note_drops(const msghdr& header);
-  void note_wait(base::RunTime now);
+  base::Duration note_wait(base::RunTime now);
+  int take(int fd, std::size_t most);
   void compare_clocks();
   void offer(std::size_t index);
   base::Duration wait_of(std::size_t index) const;
@@ -66,7 +73,8 @@ class DatagramReader {
   base::Duration read_at_{};     ///< wall-clock time
   base::Duration wall_ahead_{};  ///< wall-clock time less ours, when they were last compared
   base::RunTime compared_at_{};
-  base::RunTime empty_at_{};  ///< the socket was last seen empty after this
+  base::RunTime read_last_ = base::RunTime::max();  ///< when something came
+  base::RunTime empty_at_{};                        ///< what waits in the socket came after this
   base::Duration longest_{};  ///< longest possible wait of the newest read's datagrams
   bool late_ = false;         ///< the oldest one had waited
   Arrivals arrivals_;

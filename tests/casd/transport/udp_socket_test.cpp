@@ -68,5 +68,58 @@ TEST(DatagramReader, TellsHowLongADatagramLayInTheSocket) {
   EXPECT_LE(reader.waited(1), reader.waited(0) - std::chrono::milliseconds(40));
 }
 
+/// A reader and a socket that sends to it.
+class Datagrams : public testing::Test {
+ protected:
+  Datagrams() { EXPECT_EQ(::bind(in_.get(), any_.get(), any_.size), 0); }
+  void send(int count) {
+    const char packet = 1;
+    const SocketAddress to = local_address(in_.get());
+    for (int i = 0; i < count; ++i) ::sendto(out_.get(), &packet, 1, 0, to.get(), to.size);
+  }
+  int read(base::RunTime now) { return reader_.read(in_.get(), now); }
+
+  const SocketAddress any_ = AddressLookup("127.0.0.1:0").address();
+  const base::Descriptor in_{open_udp_socket(AF_INET, "")};
+  const base::Descriptor out_{open_udp_socket(AF_INET, "")};
+  DatagramReader reader_;
+  base::RunTime now_ = base::steady_now();
+};
+
+TEST_F(Datagrams, ThatComeOneByOneAreReadOneByOne) {
+  // On a busy machine one may wait in the socket; then both are read together.
+  EXPECT_TRUE(wait_until([&] {
+    send(1);
+    while (read(base::steady_now() - 2 * DatagramReader::kSoon) > 0) continue;
+    send(2);
+    return read(base::steady_now()) == 1 && read(base::steady_now()) == 1;
+  }));
+  EXPECT_EQ(read(base::steady_now()), 0);
+}
+
+TEST_F(Datagrams, ThatComeInAFloodAreReadTogether) {
+  send(40);
+  EXPECT_EQ(read(now_), 32);
+  EXPECT_EQ(read(now_), 8);
+  EXPECT_EQ(read(now_), 0);
+}
+
+TEST_F(Datagrams, ThatHaveWaitedAreReadTogether) {
+  constexpr base::Duration kLong = std::chrono::milliseconds(20);
+  // The kernel begins to stamp in its own time after the first socket of the machine asks for it.
+  ASSERT_TRUE(wait_until([&] {
+    send(1);
+    const base::RunTime sent = base::steady_now();
+    EXPECT_TRUE(wait_until([&] { return base::steady_now() - sent > kLong; }));
+    return read(base::steady_now()) == 1 && reader_.waited(0) > base::Duration{};
+  }));
+  send(10);
+  const base::RunTime sent = base::steady_now();
+  ASSERT_TRUE(wait_until([&] { return base::steady_now() - sent > kLong; }));
+  EXPECT_EQ(read(base::steady_now()), 10);
+  EXPECT_GE(reader_.waited(0), kLong);
+  EXPECT_LT(reader_.waited(0), 3 * kLong + (base::steady_now() - sent));
+}
+
 }  // namespace
 }  // namespace cas::casd::test
