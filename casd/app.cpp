@@ -203,7 +203,8 @@ struct App::Impl {
     }
     server.before_calls([this] {
       if (lockstep()) return listen_closely();
-      tick_by(base::steady_now() + kStationTick);  // the call may be a request to a vehicle
+      asio::post(io,
+                 [this] { plan_tick(); });  // after the calls: they may be requests to a vehicle
     });
     figures.set_memory([this](const MessageTaps::Key& key) { return remembered(key); });
     commander.on_notice([](const std::string& notice) { base::log::warn(notice); });
@@ -510,7 +511,7 @@ struct App::Impl {
     change_links(std::move(topology));
     const CommandingConfig& commanding = links.topology().commanding;
     commander.set_commanding(commanding.heartbeat_hz, commanding.allow_not_hil);
-    if (!lockstep()) tick_by(base::steady_now() + kStationTick);
+    plan_tick();
     vehicle_methods.set_gains(std::move(gains));
     figures.set_decoder(std::move(decoder));
   }
@@ -539,9 +540,7 @@ struct App::Impl {
                               [this](boost::system::error_code error) {
                                 if (error) return;
                                 hear(station_now());
-                                if (!lockstep()) {
-                                  tick_by(commander.next_tick(base::steady_now()));
-                                }
+                                plan_tick();
                                 do_wait_station();
                               });
   }
@@ -555,11 +554,19 @@ struct App::Impl {
       station.tick(now);
       failures.tick(now);
       recorder.on_vehicles(commander.any_armed(now), now);
-      do_tick(log_taking ? now + kStationTick : commander.next_tick(now));
+      do_tick(tick_due(now));
     });
   }
 
-  void tick_by(base::RunTime due) {
+  base::RunTime tick_due(base::RunTime now) const {
+    const base::RunTime due = commander.next_tick(now);
+    return log_taking ? std::min(due, now + kStationTick) : due;
+  }
+
+  /// Something may have become due sooner.
+  void plan_tick() {
+    if (lockstep()) return;
+    const base::RunTime due = tick_due(base::steady_now());
     if (due < next_tick) do_tick(due);
   }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 #include "base/error.hpp"
 #include "fcu/core/fcu_core.hpp"
@@ -28,8 +29,8 @@ struct FlightController::Impl {
   void on_gps(const HilGps& m, RunTime now);
   void on_battery(const BatteryStatus& m, mav::Source from);
   void begin_new_run();
-  void control(std::uint64_t time_usec, RunTime now);
-  void answer(std::uint64_t time_usec);
+  Answer control(std::uint64_t time_usec, RunTime now);
+  void send(const Answer& answer);
   double time_step(std::uint64_t time_usec);
   void settle_frame();
   ControlSetpoint next_setpoint(double dt, RunTime now);
@@ -65,7 +66,10 @@ struct FlightController::Impl {
 void FlightController::Impl::on_sensor(const HilSensor& m, RunTime now) {
   // Estimate attitude, velocity and position from every sample ...
   const SensorInput::Sample sample = sensors.accept(m.time_usec, now);
-  if (sample == SensorInput::Sample::kStale) return tick(now);
+  if (sample == SensorInput::Sample::kStale) {
+    if (core.config.pace != Pace::kLockstep) tick(now);  // there time stands still with the stamps
+    return;
+  }
   if (sample == SensorInput::Sample::kNewRun) begin_new_run();
   if (observer) observer(HilSensor::kId, m.time_usec, false);
   status.sensor_time_usec = m.time_usec;
@@ -76,14 +80,11 @@ void FlightController::Impl::on_sensor(const HilSensor& m, RunTime now) {
     // The simulator goes on with the answer: what else there is to say comes before it, so that it
     // arrives before the next sensor message in each run.
     if (!due) return;
-    control(m.time_usec, now);
+    const Answer answer = control(m.time_usec, now);
     tick(now);
-    answer(m.time_usec);
+    send(answer);
   } else {
-    if (due) {
-      control(m.time_usec, now);
-      answer(m.time_usec);
-    }
+    if (due) send(control(m.time_usec, now));
     tick(now);
   }
 }
@@ -110,7 +111,7 @@ void FlightController::Impl::begin_new_run() {
   core.restart_estimate();
 }
 
-void FlightController::Impl::control(std::uint64_t time_usec, RunTime now) {
+Answer FlightController::Impl::control(std::uint64_t time_usec, RunTime now) {
   const double dt = time_step(time_usec);
   settle_frame();
 
@@ -123,21 +124,27 @@ void FlightController::Impl::control(std::uint64_t time_usec, RunTime now) {
 
   status.u = output.u;
 
+  // The answer carries the stamp of the sample that it was computed from.
+  const Answer answer = make_answer({.result = output,
+                                     .mixer = core.cascade.mixer(),
+                                     .scales = core.config.vehicle.scales,
+                                     .time_usec = time_usec,
+                                     .armed = core.commander.armed(),
+                                     .by_motor = core.hil.answer_by_motor});
+
   // For the next step.
   core.estimator.set_at_rest(!core.commander.flying());
   core.battery.update(core.commander.armed(), dt);
+  return answer;
 }
 
-/// Carries the stamp of the sample that it was computed from.
-void FlightController::Impl::answer(std::uint64_t time_usec) {
-  const std::uint32_t id = send_answer({.result = core.cascade.output(),
-                                        .mixer = core.cascade.mixer(),
-                                        .scales = core.config.vehicle.scales,
-                                        .time_usec = time_usec,
-                                        .armed = core.commander.armed(),
-                                        .by_motor = core.hil.answer_by_motor},
-                                       core.outbox);
-  if (observer) observer(id, time_usec, true);
+void FlightController::Impl::send(const Answer& answer) {
+  std::visit(
+      [this](const auto& message) {
+        core.outbox.send(message);
+        if (observer) observer(message.kId, message.time_usec, true);
+      },
+      answer);
 }
 
 /// Time since the last control step on the sensor's clock, s.

@@ -62,8 +62,8 @@ class FlightController {
   void on_bytes(std::span<const std::uint8_t> bytes, const PacketClock& now_of);
   /// One intact packet.
   void on_packet(const mav::PacketView& packet, base::RunTime now);
-  /// Runs everything that time alone makes due. Each HIL_SENSOR does it too; call it at least every
-  /// 20 ms for the time when none come.
+  /// Runs everything that time alone makes due. Each HIL_SENSOR does it too (in lockstep each that
+  /// is answered); call it at least every 20 ms for the time when none come.
   void tick(base::RunTime now);
 
   void set_hil_observer(HilObserver observer);

@@ -35,8 +35,9 @@ std::uint64_t CoreSeeker::sample_turns() const {
 
 void CoreSeeker::take(const CoreSample& sample, base::RunTime now) {
   if (!seeks() || sample.turns == 0 || sample.elapsed <= base::Duration{}) return;
+  const bool moved = std::exchange(skip_, false);
   if (!fits(sample)) return give_up(now, pause_);
-  if (std::exchange(skip_, false)) return;
+  if (moved) return;
   const base::Duration cost = cost_of(sample);
   switch (state_) {
     case State::kFree:
@@ -115,8 +116,8 @@ void CoreSeeker::watch(base::Duration cost, base::RunTime now) {
 }
 
 void CoreSeeker::give_up(base::RunTime now, base::Duration pause) {
-  skip_ = true;
   if (state_ == State::kFree) return;
+  skip_ = true;
   const bool lasted = state_ == State::kSettled && now - settled_at_ >= kLasting;
   state_ = State::kFree;
   next_trial_ = now + pause;

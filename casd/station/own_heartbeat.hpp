@@ -25,8 +25,11 @@ class OwnHeartbeat {
   void set_rate(double rate_hz);
   /// Sends to every link, at the rate.
   void tick(const VehicleTable::Vehicles& vehicles, base::RunTime now);
-  /// When tick() has something to send; nothing: never, or at once after a change of the rate.
-  std::optional<base::RunTime> due() const { return next_; }
+  /// When tick() has something to send; nothing: never.
+  std::optional<base::RunTime> due() const {
+    if (rate_hz_ <= 0) return std::nullopt;
+    return next_.value_or(base::RunTime{});
+  }
   /// Sends to a vehicle that runs faster than real time, by its own clock: at 20 times real time
   /// PX4 v1.16 missed its ground station between two ticks and returned home.
   void keep_up(KnownVehicle& vehicle, base::RunTime now);

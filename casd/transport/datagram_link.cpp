@@ -30,7 +30,9 @@ void DatagramLink::serve(const PollSet& set, base::RunTime now) {
   if ((events & (POLLIN | POLLERR)) != 0) read(now);
   if (fd_ && port_->broken()) close("sending failed", now);
   if (fd_ && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
-  if (core_.second_due(now)) on_second(now);
+  if (!core_.second_due(now)) return;
+  core_.on_second(now);
+  on_second(now);
 }
 
 void DatagramLink::begin(std::unique_ptr<PacketWriter> writer, base::RunTime now) {

@@ -31,7 +31,7 @@ class DatagramLink : public Link {
   virtual void open(base::RunTime now) = 0;
   /// One datagram of the reader's last batch.
   virtual void take_datagram(std::size_t index, base::RunTime now) = 0;
-  virtual void on_second(base::RunTime now) { core_.on_second(now); }
+  virtual void on_second(base::RunTime) {}
   /// Packets go both ways from now on. @param writer  owns the open socket
   void begin(std::unique_ptr<PacketWriter> writer, base::RunTime now);
 

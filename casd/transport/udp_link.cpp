@@ -134,8 +134,8 @@ bool UdpLink::look_up(base::RunTime now) {
 bool UdpLink::prepare(int fd, const SocketAddress& remote) {
   to_many_ = remote.is_multicast() || is_broadcast(remote);
   const int on = 1;
-  if (to_many_) ::setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   if (!core_.config().local.empty()) {
+    if (to_many_) ::setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
     const SocketAddress& local = local_.address();
     if (::bind(fd, local.get(), local.size) != 0) return false;
   }

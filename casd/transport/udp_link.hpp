@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 
 #include "casd/transport/datagram_link.hpp"
 #include "casd/transport/socket_address.hpp"

@@ -6,6 +6,7 @@
 #include <array>
 #include <bit>
 #include <cerrno>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -162,7 +163,6 @@ std::optional<std::uint8_t> UdpServerLink::admit(std::size_t index, base::RunTim
 }
 
 void UdpServerLink::on_second(base::RunTime now) {
-  core_.on_second(now);
   if (newest_only_) return;  // the one peer stays: it may only listen
   const base::MutexLock lock(peers_->mutex);
   peers_->table.expire(now);

@@ -194,11 +194,13 @@ int DatagramReader::read(int fd, base::RunTime now) {
   if (take(fd, wanted) > 0) {
     read_last_ = now;
     const base::Duration wait = note_wait(now);
-    const bool more =
-        used_ == wanted && wanted < kBatch && wait > kSoon && take(fd, kBatch - 1) > 0;
+    bool emptied = used_ < wanted;
+    if (wanted == 1 && wait > kSoon) {
+      const int most = static_cast<int>(kBatch) - 1;
+      emptied = take(fd, kBatch - 1) < most;
+    }
     note_drops(messages_[used_ - 1].msg_hdr);
     // What comes next is younger than a socket that is empty, or than the last one out of it.
-    const bool emptied = more ? used_ < kBatch : used_ < wanted;
     empty_at_ = emptied ? now : std::max(empty_at_, now - wait_of(used_ - 1));
     return static_cast<int>(used_);
   }
@@ -231,10 +233,10 @@ void DatagramReader::note_drops(const msghdr& header) {
   if (const auto drops = control_value<std::uint32_t>(header, SO_RXQ_OVFL)) kernel_drops_ = *drops;
 }
 
-// The first one has waited longest, but no longer than since the socket was seen empty: a wall
-// clock that steps makes nothing old.
+// The first one has waited longest, but no longer than since the one before it came, or since the
+// socket was seen empty: a wall clock that steps makes nothing old.
 base::Duration DatagramReader::note_wait(base::RunTime now) {
-  longest_ = now - empty_at_;
+  longest_ = std::max(now - empty_at_, base::Duration{});
   read_at_ = now.time_since_epoch() + wall_ahead_;
   const auto stamp = control_value<timespec>(messages_[0].msg_hdr, SCM_TIMESTAMPNS);
   const base::Duration apart = stamp ? read_at_ - as_duration(*stamp) : base::Duration{};

@@ -43,7 +43,8 @@ class DatagramReader {
   socklen_t sender_size(std::size_t index) const { return messages_[index].msg_hdr.msg_namelen; }
   /// How long the datagram lay in the socket, by the kernel's stamp; 0 when all came promptly. The
   /// stamp is wall-clock time: a step back of that clock makes what lies in the socket just then
-  /// young, a step ahead ages it by no more than the time since the socket was last empty.
+  /// young, a step ahead ages it by no more than the time since the socket was last seen empty or
+  /// the datagram before it came.
   base::Duration waited(std::size_t index) const {
     return late_ ? wait_of(index) : base::Duration{};
   }

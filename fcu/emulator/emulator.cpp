@@ -179,7 +179,7 @@ void Emulator::Impl::take(std::span<const std::uint8_t> bytes, RunTime now) {
 }
 
 /// Lockstep: time goes on with the sensors, so the controller does the same in each run however the
-/// bytes were cut on their way. It makes its own ticks, one with each sensor message.
+/// bytes were cut on their way. It makes its own ticks, one with each answer.
 RunTime Emulator::Impl::stream_time(const mav::PacketView& packet) {
   using mavlink::common::HilSensor;
   if (const auto sensor = mav::decode<HilSensor>(packet)) stream.on_sensor(sensor->time_usec);

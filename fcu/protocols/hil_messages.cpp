@@ -163,7 +163,7 @@ float scaled(double value, double full, double low) {
   return output(full > 0 ? value / full : 0.0, low, 1.0);
 }
 
-HilControls controls(const Answer& a) {
+HilControls controls(const AnswerInput& a) {
   const base::ControlScales& scales = a.scales;
   HilControls message;
   message.time_usec = a.time_usec;
@@ -175,7 +175,7 @@ HilControls controls(const Answer& a) {
   return message;
 }
 
-HilActuatorControls motor_outputs(const Answer& a) {
+HilActuatorControls motor_outputs(const AnswerInput& a) {
   HilActuatorControls message;
   message.time_usec = a.time_usec;
   if (a.armed) {
@@ -190,13 +190,9 @@ HilActuatorControls motor_outputs(const Answer& a) {
 
 }  // namespace
 
-std::uint32_t send_answer(const Answer& answer, Outbox& outbox) {
-  if (answer.by_motor) {
-    outbox.send(motor_outputs(answer));
-    return HilActuatorControls::kId;
-  }
-  outbox.send(controls(answer));
-  return HilControls::kId;
+Answer make_answer(const AnswerInput& input) {
+  if (input.by_motor) return motor_outputs(input);
+  return controls(input);
 }
 
 }  // namespace cas::fcu

@@ -4,12 +4,15 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <variant>
 
 #include "base/measure/histogram.hpp"
 #include "base/time/clock.hpp"
 #include "base/time/rate_gate.hpp"
 #include "fcu/core/fcu_core.hpp"
 #include "mavlink/common/battery_status.hpp"
+#include "mavlink/common/hil_actuator_controls.hpp"
+#include "mavlink/common/hil_controls.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 
 namespace cas::fcu {
@@ -68,8 +71,8 @@ class SensorInput {
 /// charge.
 std::optional<Battery::Reading> battery_reading(const mavlink::common::BatteryStatus& m);
 
-/// An answer to the simulator.
-struct Answer {
+/// What an answer to the simulator is made of.
+struct AnswerInput {
   const MixerResult& result;
   const Mixer& mixer;
   const base::ControlScales& scales;
@@ -77,8 +80,8 @@ struct Answer {
   bool armed = false;
   bool by_motor = false;  ///< CAS_HIL_ACT
 };
-/// Sends U1..U4 as shares of their full scales (HIL_CONTROLS), or the outputs of motors and servos
-/// (HIL_ACTUATOR_CONTROLS). @return the message's id
-std::uint32_t send_answer(const Answer& answer, Outbox& outbox);
+/// U1..U4 as shares of their full scales, or the outputs of motors and servos.
+using Answer = std::variant<mavlink::common::HilControls, mavlink::common::HilActuatorControls>;
+Answer make_answer(const AnswerInput& input);
 
 }  // namespace cas::fcu

@@ -17,7 +17,7 @@
 namespace cas::test {
 
 /// A UDP socket on any address of this machine, IPv4 or IPv6, that may share its port and join
-/// multicast groups.
+/// multicast groups on the loopback device.
 class AnyUdpPeer {
  public:
   /// @param endpoint  "HOST:PORT" in numbers
@@ -39,11 +39,10 @@ class AnyUdpPeer {
   bool bound() const { return bound_; }
   std::string endpoint() const { return casd::to_text(casd::local_address(fd_)); }
 
-  /// @param device  empty: the one that the routes lead to
-  bool join(const char* group, const std::string& device = "lo") {
+  bool join(const char* group) {
     ip_mreqn request{};
     ::inet_pton(AF_INET, group, &request.imr_multiaddr);
-    if (!device.empty()) request.imr_ifindex = static_cast<int>(::if_nametoindex(device.c_str()));
+    request.imr_ifindex = static_cast<int>(::if_nametoindex("lo"));
     return ::setsockopt(fd_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &request, sizeof request) == 0 &&
            ::setsockopt(fd_, IPPROTO_IP, IP_MULTICAST_IF, &request, sizeof request) == 0;
   }

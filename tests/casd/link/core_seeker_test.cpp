@@ -78,6 +78,19 @@ TEST(CoreSeeker, LeavesTheChoiceToTheSchedulerWhereNoCoreIsClearlyCheaper) {
   EXPECT_LT(100 * (bench.spent[0] + bench.spent[1]), bench.spent[kAny]);
 }
 
+// Each look costs a system call.
+TEST(CoreSeeker, LooksSeldomWhereThereIsNothingToTry) {
+  Bench slow;
+  slow.rate_hz = 50;
+  slow.run(60s);
+  EXPECT_EQ(slow.core(), kAny);
+  EXPECT_EQ(slow.seeker.sample_turns(), 128U);
+  Bench even;
+  even.ran = {{kAny, 10us}, {0, 11us}, {1, 9us}};
+  even.run(60s);
+  EXPECT_EQ(even.seeker.sample_turns(), 128U);
+}
+
 TEST(CoreSeeker, FollowsWhoHasMoved) {
   Bench bench;
   bench.run(1s);
