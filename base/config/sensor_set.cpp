@@ -52,6 +52,7 @@ std::filesystem::path shipped_set(const ConfigNode& node) {
   const auto found = sets.find(word);
   if (found != sets.end()) return found->second;
   std::vector<std::string_view> names;
+  names.reserve(sets.size());
   for (const auto& [name, file] : sets) names.push_back(name);
   node.fail("there is no sensor set '" + word + "'; sets are " + joined(names, ", ") +
             did_you_mean(word, names));

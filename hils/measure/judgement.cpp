@@ -414,7 +414,8 @@ double most_late_ms(const Measurement& figures) {
 
 Verdict verdict_on(Checks validity, Checks flight,
                    const std::vector<FaultThatNeverBegan>& never_began) {
-  Verdict verdict{.failures = sentences_of(validity), .checks = std::move(validity)};
+  Verdict verdict{.failures = sentences_of(validity)};
+  verdict.checks = std::move(validity);
   verdict.valid = verdict.failures.empty();
   Checks faults = fault_checks(never_began);
   bool without_its_faults = false;

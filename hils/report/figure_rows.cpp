@@ -36,6 +36,7 @@ Rows rate_rows(const Measurement& figures) {
 
 std::vector<std::string> rms_cells(const std::optional<RmsFigures>& rms) {
   std::vector<std::string> cells;
+  cells.reserve(kRmsAxes.size());
   for (const RmsAxis& axis : kRmsAxes) {
     cells.push_back(rms ? fixed(*rms.*axis.member, 4) : "-");
   }

@@ -143,14 +143,14 @@ struct Sha256Instructions {
 struct Sha256Fastest {
   static void compress(Sha256State& state, const std::uint8_t* data, std::size_t blocks) {
 #if CAS_SHA_INSTRUCTIONS
-    if (kHasInstructions) return Sha256Instructions::compress(state, data, blocks);
+    if (has_instructions_) return Sha256Instructions::compress(state, data, blocks);
 #endif
     Sha256Portable::compress(state, data, blocks);
   }
 
  private:
 #if CAS_SHA_INSTRUCTIONS
-  inline static const bool kHasInstructions = Sha256Instructions::available();
+  inline static const bool has_instructions_ = Sha256Instructions::available();
 #endif
 };
 
