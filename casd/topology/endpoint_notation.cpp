@@ -129,13 +129,17 @@ bool is_bare_host(std::string_view text) {
   return text.find(':') == text.npos && !number(text);
 }
 
-/// The first port from the usual one on that none of these links sends to at this host.
+/// The first port from the usual one on that none of these links sends to at this host, or listens
+/// at if it is this machine.
 unsigned next_port(std::string_view host, std::span<const LinkConfig> before) {
+  const bool here = host == "localhost" || host == "[::1]" || host.starts_with("127.");
   unsigned port = kUsualPort;
   const auto is_taken = [&] {
     const std::string place = std::string(host) + ":" + std::to_string(port);
     return std::ranges::any_of(before, [&](const LinkConfig& link) {
-      return link.type == LinkType::kUdp && link.remote == place;
+      const bool listens = link.type == LinkType::kUdp || link.type == LinkType::kUdpServer;
+      return (link.type == LinkType::kUdp && link.remote == place) ||
+             (here && listens && link.local.ends_with(":" + std::to_string(port)));
     });
   };
   while (is_taken()) ++port;

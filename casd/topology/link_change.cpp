@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "casd/packet/link_id.hpp"
+#include "casd/topology/endpoint_conflict.hpp"
 #include "casd/topology/endpoint_notation.hpp"
 #include "casd/topology/message_keys.hpp"
 
@@ -63,6 +64,8 @@ LinkConfig parse_new_link(const Topology& topology, const ConfigNode& entry,
   if (find_link(topology.links, link.name) != nullptr) {
     entry.at("name").fail("'" + link.name + "' is the name of another link");
   }
+  if (const auto conflict = endpoint_conflict(link, topology.links)) entry.fail(*conflict);
+  if (const auto conflict = endpoint_conflict(link, topology.command_port)) entry.fail(*conflict);
   if (topology.links.size() == kMaxLinks) {
     entry.fail("there are " + std::to_string(kMaxLinks) + " links already");
   }

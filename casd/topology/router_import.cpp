@@ -13,7 +13,9 @@
 #include "base/error.hpp"
 #include "base/read_file.hpp"
 #include "base/text.hpp"
+#include "casd/topology/endpoint_conflict.hpp"
 #include "casd/topology/endpoint_notation.hpp"
+#include "casd/topology/topology.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
@@ -483,6 +485,21 @@ class Import {
            text;
   }
 
+  /// Another one than casd's usual, if an endpoint listens there.
+  std::string command_port() const {
+    CommandPortConfig port;
+    const auto is_taken = [&] {
+      return std::ranges::any_of(endpoints_, [&](const Endpoint& each) {
+        return endpoint_conflict(each.link, port).has_value();
+      });
+    };
+    if (!is_taken()) return "";
+    const std::string usual = std::to_string(port.port);
+    while (is_taken()) ++port.port;
+    return "# An endpoint listens at casd's usual port " + usual +
+           ".\ncommand_port: {port: " + std::to_string(port.port) + "}\n";
+  }
+
   std::string text() const {
     std::string text = "# From";
     for (const RouterFile& file : files_) {
@@ -495,7 +512,7 @@ class Import {
         "# mavlink-router says nothing of its own. With a rate here, vehicles see a ground "
         "station.\n"
         "commanding: {heartbeat_hz: 0}\n" +
-        log_ + "links:\n";
+        command_port() + log_ + "links:\n";
     for (const Endpoint& endpoint : endpoints_) {
       std::string entry = link_entry(endpoint.link);
       std::string more = endpoint.more;

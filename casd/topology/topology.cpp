@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -11,6 +12,7 @@
 #include "base/os/cpu_latency.hpp"
 #include "base/os/thread_keys.hpp"
 #include "casd/tlog/tlog_name.hpp"
+#include "casd/topology/endpoint_conflict.hpp"
 #include "casd/topology/line_budget.hpp"
 #include "casd/topology/topology_files.hpp"
 
@@ -238,12 +240,21 @@ Topology standard_topology() {
   return topology;
 }
 
-std::vector<LinkConfig> parse_links(const std::vector<ConfigNode>& files, const ConfigNode& root) {
+void refuse_conflicts(const ConfigNode& node, const LinkConfig& link,
+                      std::span<const LinkConfig> before, const CommandPortConfig& port) {
+  if (const auto conflict = endpoint_conflict(link, before)) node.fail(*conflict);
+  if (const auto conflict = endpoint_conflict(link, port)) node.fail(*conflict);
+}
+
+std::vector<LinkConfig> parse_links(const std::vector<ConfigNode>& files, const ConfigNode& root,
+                                    const CommandPortConfig& command_port) {
   root.at("links");
   std::vector<LinkConfig> links;
   std::set<std::string> names;
   for (const base::ConfigNode& node : overlaid_list(files, "links", {"name"})) {
-    links.push_back(parse_link(node));
+    LinkConfig link = parse_link(node);
+    refuse_conflicts(node, link, links, command_port);
+    links.push_back(std::move(link));
     if (!names.insert(links.back().name).second) {
       node.at("name").fail("'" + links.back().name + "' is the name of another link");
     }
@@ -299,7 +310,7 @@ Topology Topology::parse(const std::vector<base::ConfigNode>& files) {
   Topology topology = standard_topology();
   base::read_keys(root, kRestartKeys, topology);
   base::read_keys(root, kReloadKeys, topology);
-  topology.links = parse_links(files, root);
+  topology.links = parse_links(files, root, topology.command_port);
   topology.routes = parse_routes(files, root, topology.links);
   pace_tight_lines(topology);
   if (topology.pace == Pace::kLockstep) topology.set_lockstep();

@@ -93,6 +93,8 @@ TEST(EndpointNotation, HostsWithoutAPortGetTheNextOneThatIsFree) {
     return links.back().remote;
   };
   EXPECT_EQ(next("h"), "h:14551") << "a server of this machine's takes no port of h";
+  links.push_back(parse_endpoint("udp:14550"));
+  EXPECT_EQ(next("127.0.0.1"), "127.0.0.1:14552") << "casd would send to itself";
   EXPECT_EQ(next("h"), "h:14552");
   EXPECT_EQ(next("other"), "other:14550");
   for (const char* text : {"14550", "a/b", "::1"}) {

@@ -95,6 +95,9 @@ TEST(LinkChange, ClientsReadNothingOfTheEnvironment) {
 TEST(LinkChange, FaultsBearTheirPlace) {
   EXPECT_EQ(fault_of("entry: {name: fcu, type: udp, remote: 'h:1'}"),
             "link.add:1: entry.name: 'fcu' is the name of another link");
+  EXPECT_NE(
+      fault_of("entry: {name: b, type: tcp_server, local: '0.0.0.0:5790'}").find("command port"),
+      std::string::npos);
   EXPECT_EQ(fault_of("entry: {name: b, type: udp, remote: h}"),
             "link.add:1: entry.remote: 'h' is not HOST:PORT");
   EXPECT_EQ(fault_of("entry: {name: b, type: udp, remote: 'h:1'}\nroutes: [{from: sim, to: fcu}]"),

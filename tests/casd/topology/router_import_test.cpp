@@ -85,6 +85,7 @@ TEST(RouterImport, KeepsEndpointsAndFilters) {
   EXPECT_EQ(topology.links[2].local, "0.0.0.0:14550");
   EXPECT_EQ(topology.links[3].remote, "10.0.0.1:5760");
   EXPECT_EQ(topology.links[4].local, "0.0.0.0:5790");
+  EXPECT_EQ(topology.command_port.port, 5791) << "casd's usual one is taken";
 
   EXPECT_TRUE(topology.links[0].pass_unknown);
 

@@ -246,8 +246,41 @@ INSTANTIATE_TEST_SUITE_P(
                 "another route"},
         BadCase{"SystemOutOfRange", route("from: sim, to: fcu, block_systems: [300]"), "300"},
         BadCase{"UnknownThreads", kLinks + "threads: many\n", "many"},
+        BadCase{"SendsToAnotherLink",
+                kLinks + "  - {name: b, type: udp, remote: 'localhost:14551'}\n",
+                "t.yaml:6: links[3]: link 'b' sends to localhost:14551, where link 'gcs' listens: "
+                "each packet would come back"},
+        BadCase{"IsSentToByAnotherLink",
+                kLinks + "  - {name: b, type: udp_server, local: '0.0.0.0:14560'}\n",
+                "link 'sim' sends to 127.0.0.1:14560, where link 'b' listens"},
+        BadCase{"SendsToItself",
+                link("name: a, type: udp, local: '0.0.0.0:1', remote: '127.0.0.1:1'"),
+                "link 'a' sends to 127.0.0.1:1, where it listens"},
+        BadCase{"ConnectsToAnotherLink",
+                kLinks + "  - {name: a, type: tcp_server, local: '[::]:5760'}\n"
+                         "  - {name: b, type: tcp, remote: '[::1]:5760'}\n",
+                "link 'b' sends to [::1]:5760, where link 'a' listens"},
+        BadCase{"ListensWhereAnotherDoes",
+                kLinks + "  - {name: b, type: udp, local: '127.0.0.1:14551'}\n",
+                "t.yaml:6: links[3]: link 'gcs' listens at 0.0.0.0:14551 already"},
+        BadCase{"ListensAtTheCommandPort", link("name: a, type: tcp_server, local: '0.0.0.0:5790'"),
+                "t.yaml:3: links[0]: 127.0.0.1:5790 is the command port"},
         BadCase{"MisspeltKey", kLinks + "comand_port: {port: 1}\n", "comand_port"}),
     [](const auto& test) { return test.param.name; });
+
+TEST(Topology, TakesEndpointsThatOnlyLookAlike) {
+  const Topology topology = parse(kLinks + R"(
+  - {name: free, type: udp_server, local: "0.0.0.0:0"}
+  - {name: free2, type: udp_server, local: "0.0.0.0:0"}
+  - {name: tcp, type: tcp_server, local: "0.0.0.0:14551"}
+  - {name: far, type: udp, remote: "192.168.1.2:14551"}
+  - {name: other, type: udp_server, local: "127.0.0.2:14561"}
+  - {name: group, type: udp, local: "0.0.0.0:14570", remote: "239.255.145.50:14570"}
+  - {name: group2, type: udp, local: "0.0.0.0:14570", remote: "239.255.145.51:14570"}
+  - {name: all, type: udp, remote: "127.255.255.255:14551"}
+)");
+  EXPECT_EQ(topology.links.size(), 11U);
+}
 
 TEST(LineBudget, SaysWhichRatesWouldFit) {
   std::string yaml = kLinks;
