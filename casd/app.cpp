@@ -8,6 +8,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -19,6 +20,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -336,12 +338,27 @@ struct App::Impl {
     const CommandPortConfig& port = links.topology().command_port;
     const std::filesystem::path token = command_token(port);
     if (!token.empty()) server.require_token(token, port.loopback_without_token);
-    const std::uint16_t bound = server.listen_tcp(port.address, port.port);
+    const std::uint16_t bound = listen_tcp(port);
     command_endpoint = port.address + ":" + std::to_string(bound);
     for (const CommandSocket& socket : command_sockets(port, bound)) listen_on(socket);
     if (const auto& http = links.topology().metrics) {
       metrics_endpoint =
           http->address + ":" + std::to_string(metrics.listen(http->address, http->port));
+    }
+  }
+
+  /// @throws base::ConfigError
+  std::uint16_t listen_tcp(const CommandPortConfig& port) {
+    try {
+      return server.listen_tcp(port.address, port.port);
+    } catch (const base::ConfigError& error) {
+      const std::string text = std::string("command port ") + error.what();
+      const bool taken = text.ends_with(std::generic_category().message(EADDRINUSE));
+      throw base::ConfigError(
+          !taken ? text
+                 : text +
+                       "; a second casd takes another with 'command_port: {port: N}' (0: a free "
+                       "one), or beside endpoints with '--command-port N'");
     }
   }
 

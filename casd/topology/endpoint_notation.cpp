@@ -105,7 +105,8 @@ LinkConfig socket_link(const std::string& text, const Scheme& scheme, std::strin
     port = parts->port;
   }
   const std::optional<unsigned> value = number(port);
-  if (!value || *value > 65535) fail(text, "has no port");
+  if (!value) fail(text, "has no port");
+  if (*value > 65535) fail(text, "has a port above 65535");
   const bool is_server = listens(scheme, host, use);
   if (host.empty() && !is_server) fail(text, "names no host to send to");
   const std::string v6_or_name = host.find(':') == host.npos ? host : "[" + host + "]";

@@ -280,6 +280,19 @@ TEST_F(CasdProgram, SpeaksToAMulticastGroupInMavproxysNotation) {
   EXPECT_EQ(fixture.at_fcu.count(kHilControls), 0U) << "an echo of its own packets";
 }
 
+TEST_F(CasdProgram, ASecondOneSaysHowItGetsACommandPort) {
+  ChildProcess first({kCasd, topology(kWithPort)});
+  const auto status = first.wait_ready();
+  ASSERT_TRUE(status) << first.output();
+  const std::string place = endpoint_in(*status, "command_port");
+  ChildProcess second({kCasd, "--command-port", place.substr(place.rfind(':') + 1), "udp:0"});
+  EXPECT_NE(second.wait_exit(), 0);
+  EXPECT_NE(second.output().find("casd: command port " + place + ": cannot listen: "),
+            std::string::npos)
+      << second.output();
+  EXPECT_NE(second.output().find("'--command-port N'"), std::string::npos) << second.output();
+}
+
 TEST_F(CasdProgram, KeepsToAFastHeartbeat) {
   ChildProcess casd({kCasd, topology("commanding: {heartbeat_hz: 50}\n" + kWithPort)});
   ASSERT_TRUE(casd.wait_ready()) << casd.output();
