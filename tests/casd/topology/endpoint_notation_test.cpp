@@ -80,8 +80,8 @@ INSTANTIATE_TEST_SUITE_P(
                  "unknown_messages: pass"}));
 
 TEST(EndpointNotation, RefusesWhatIsNoPlace) {
-  for (const char* text : {"udp:host", "udp:", "tcp:127.0.0.1:99999", "udp:65536", "serial:", "udpout:14550",
-                           "/dev/ttyACM0,fast", "nonsense", "tcp:[::1:5760"}) {
+  for (const char* text : {"udp:host", "udp:", "tcp:127.0.0.1:99999", "udp:65536", "serial:",
+                           "udpout:14550", "/dev/ttyACM0,fast", "nonsense", "tcp:[::1:5760"}) {
     EXPECT_THROW(parse_endpoint(text), base::ConfigError) << text;
   }
 }
