@@ -10,6 +10,7 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -573,6 +574,13 @@ TEST_F(CommandPort, CallsATimeOfSignaturesTooFarAheadInOneVoice) {
       return signing()["time_ahead_s"] > 60.0 * static_cast<double>(minutes) - 60;
     })) << signing();
     EXPECT_EQ(signing()["too_far_ahead"], wrong);
+    // It is kept with the next packet that casd signs.
+    ASSERT_TRUE(wait_until([&] {
+      mav::SigningTime kept = 0;
+      std::ifstream(key.string() + ".time") >> kept;
+      return kept >= mav::signing_time(static_cast<std::uint64_t>(now_us)) +
+                         minutes * 60 * mav::kSigningUnitsPerSecond;
+    }));
     const std::string doctor = casctl({"doctor", "--seconds", "0.5"}).output;
     EXPECT_EQ(doctor.find("the time of its signatures is") != std::string::npos, wrong) << doctor;
     stop();
