@@ -20,11 +20,19 @@ struct Place {
     port = text.substr(colon + 1);
   }
   bool is_any() const { return host == "0.0.0.0" || host == "[::]" || host.empty(); }
-  bool is_loopback() const { return host == "localhost" || host == "127.0.0.1" || host == "[::1]"; }
-  /// Whether who listens here hears what is sent there, on this machine.
+  bool is_usual_loopback() const {
+    return host == "localhost" || host == "127.0.0.1" || host == "[::1]";
+  }
+  bool is_loopback() const { return is_usual_loopback() || host.starts_with("127."); }
+  bool is_multicast_or_broadcast() const {
+    const bool ipv4_group = host.size() > 3 && host >= "224." && host < "240." && host[3] == '.';
+    return ipv4_group || host.starts_with("[ff") || host.ends_with(".255");
+  }
+  /// Whether a socket with this address gets what another one of the machine sends to `there`.
   bool hears(const Place& there) const {
     if (port.empty() || port != there.port) return false;
-    return host == there.host || (there.is_loopback() && (is_any() || is_loopback()));
+    return host == there.host || (is_usual_loopback() && there.is_usual_loopback()) ||
+           (is_any() && (there.is_loopback() || there.is_multicast_or_broadcast()));
   }
   bool overlaps(const Place& other) const {
     if (port.empty() || port != other.port) return false;
@@ -36,21 +44,20 @@ bool is_datagram(const LinkConfig& link) {
   return link.type == LinkType::kUdp || link.type == LinkType::kUdpServer;
 }
 
-/// A group's members share its port.
-bool shares_port(const LinkConfig& link) {
-  const Place remote(link.remote);
-  const std::string_view host = remote.host;
-  const bool ipv4_group = host.size() > 3 && host >= "224." && host < "240." && host[3] == '.';
-  return ipv4_group || host.starts_with("[ff") || host.ends_with(".255");
+/// The members of a group share its port, and know an echo of their own packets.
+bool sends_to_many(const LinkConfig& link) {
+  return Place(link.remote).is_multicast_or_broadcast();
 }
 
 bool both_listen(const LinkConfig& a, const LinkConfig& b) {
-  if (is_datagram(a) != is_datagram(b) || (shares_port(a) && shares_port(b))) return false;
+  if (is_datagram(a) != is_datagram(b) || (sends_to_many(a) && sends_to_many(b))) return false;
   return Place(a.local).overlaps(Place(b.local));
 }
 
 bool sends_to(const LinkConfig& from, const LinkConfig& to) {
-  return is_datagram(from) == is_datagram(to) && Place(to.local).hears(Place(from.remote));
+  if (is_datagram(from) != is_datagram(to) || (sends_to_many(from) && sends_to_many(to)))
+    return false;
+  return Place(to.local).hears(Place(from.remote));
 }
 
 std::string returns(const LinkConfig& from, const LinkConfig& to) {

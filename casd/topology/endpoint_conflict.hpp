@@ -17,7 +17,7 @@ struct CommandPortConfig;
 /// @return the sentence; nothing if there is no conflict
 std::optional<std::string> endpoint_conflict(const LinkConfig& link,
                                              std::span<const LinkConfig> others);
-/// Likewise with the command port, which is bound first.
+/// Whether the link listens at the command port. @return the sentence; nothing if it does not
 std::optional<std::string> endpoint_conflict(const LinkConfig& link, const CommandPortConfig& port);
 
 }  // namespace cas::casd

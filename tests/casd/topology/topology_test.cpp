@@ -250,6 +250,15 @@ INSTANTIATE_TEST_SUITE_P(
                 kLinks + "  - {name: b, type: udp, remote: 'localhost:14551'}\n",
                 "t.yaml:6: links[3]: link 'b' sends to localhost:14551, where link 'gcs' listens: "
                 "each packet would come back"},
+        BadCase{"SendsToAnotherLinkByAnyLoopbackAddress",
+                kLinks + "  - {name: b, type: udp, remote: '127.0.0.2:14551'}\n",
+                "link 'b' sends to 127.0.0.2:14551, where link 'gcs' listens"},
+        BadCase{"BroadcastsToAnotherLink",
+                kLinks + "  - {name: b, type: udp, remote: '192.168.1.255:14551'}\n",
+                "link 'b' sends to 192.168.1.255:14551, where link 'gcs' listens"},
+        BadCase{"SendsToAGroupThatAnotherLinkHears",
+                kLinks + "  - {name: b, type: udp, remote: '239.255.145.50:14551'}\n",
+                "link 'b' sends to 239.255.145.50:14551, where link 'gcs' listens"},
         BadCase{"IsSentToByAnotherLink",
                 kLinks + "  - {name: b, type: udp_server, local: '0.0.0.0:14560'}\n",
                 "link 'sim' sends to 127.0.0.1:14560, where link 'b' listens"},
@@ -277,7 +286,7 @@ TEST(Topology, TakesEndpointsThatOnlyLookAlike) {
   - {name: other, type: udp_server, local: "127.0.0.2:14561"}
   - {name: group, type: udp, local: "0.0.0.0:14570", remote: "239.255.145.50:14570"}
   - {name: group2, type: udp, local: "0.0.0.0:14570", remote: "239.255.145.51:14570"}
-  - {name: all, type: udp, remote: "127.255.255.255:14551"}
+  - {name: all, type: udp, remote: "192.168.1.255:14599"}
 )");
   EXPECT_EQ(topology.links.size(), 11U);
 }
