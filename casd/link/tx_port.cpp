@@ -205,12 +205,13 @@ bool TxPort::line_ready(base::RunTime now) {
   return pacer_.ready(now);
 }
 
-// What lies between the packets that cannot be signed is gone.
+// What lies between the unsent packets is gone.
 void TxPort::settle(std::span<const PacketRef> done, const WriteResult& result, base::RunTime now) {
   std::size_t begin = 0;
-  for (const std::size_t at : result.unsignable) {
+  for (const Unsent& unsent : result.unsent) {
+    const std::size_t at = unsent.index;
     if (at > begin) account(done.subspan(begin, at - begin), now, result.done);
-    count_drop(*done[at].info, DropCause::kUnsignable, now);
+    if (unsent.cause) count_drop(*done[at].info, *unsent.cause, now);
     begin = at + 1;
   }
   if (done.size() > begin) account(done.subspan(begin), now, result.done);

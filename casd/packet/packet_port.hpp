@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 
 #include "base/time/clock.hpp"
 #include "casd/packet/packet_info.hpp"
+#include "casd/words/drop_cause.hpp"
 
 namespace cas::casd {
 
@@ -22,14 +24,19 @@ class PacketPort {
   virtual void deliver(std::span<const PacketRef> packets, base::RunTime now) = 0;
 };
 
+/// A packet that nobody was sent.
+struct Unsent {
+  std::size_t index = 0;           ///< among the packets to write
+  std::optional<DropCause> cause;  ///< none: no peer was there for it, or the loss is counted
+};
+
 /// Result of an attempt to write packets.
 struct WriteResult {
-  std::size_t packets = 0;       ///< finished: written completely, or unsignable
-  std::size_t part_of_next = 0;  ///< bytes of the next one that were written, too (streams)
-  bool broken = false;           ///< the descriptor is unusable
-  base::RunTime done{};          ///< when the call had returned; zero: it took no time
-  /// Those of `packets` that can never be written, as rising indices; good until the next write.
-  std::span<const std::size_t> unsignable = {};
+  std::size_t packets = 0;              ///< finished: written completely, or unsent
+  std::size_t part_of_next = 0;         ///< bytes of the next one that were written, too (streams)
+  bool broken = false;                  ///< the descriptor is unusable
+  base::RunTime done{};                 ///< when the call had returned; zero: it took no time
+  std::span<const Unsent> unsent = {};  ///< of `packets`, in their order; good until the next write
 };
 
 /// Writes packets to a descriptor in as few system calls as it can, never blocking. Owns the

@@ -50,7 +50,7 @@ class SigningWriter final : public PacketWriter {
   std::vector<std::uint8_t> bytes_;
   std::vector<PacketRef> signed_;
   std::vector<std::size_t> index_;  ///< of each signed packet among those given
-  std::vector<std::size_t> unsignable_;
+  std::vector<Unsent> unsent_;
   std::vector<std::uint8_t> rest_;  ///< of a signed packet that was begun
 };
 
@@ -64,8 +64,10 @@ WriteResult SigningWriter::write(std::span<const PacketRef> packets) {
   WriteResult result{.broken = inner.broken, .done = inner.done};
   const bool all = inner.packets == signed_.size();
   result.packets = all ? packets.size() : index_[inner.packets];
-  const auto end = std::lower_bound(unsignable_.begin(), unsignable_.end(), result.packets);
-  result.unsignable = {unsignable_.begin(), end};
+  for (const Unsent& unsent : inner.unsent) unsent_.push_back({index_[unsent.index], unsent.cause});
+  std::ranges::sort(unsent_, {}, &Unsent::index);
+  const auto end = std::ranges::lower_bound(unsent_, result.packets, {}, &Unsent::index);
+  result.unsent = {unsent_.begin(), end};
   if (inner.part_of_next > 0) {
     const auto rest = signed_[inner.packets].bytes.subspan(inner.part_of_next);
     rest_.assign(rest.begin(), rest.end());
@@ -86,13 +88,13 @@ void SigningWriter::sign(std::span<const PacketRef> packets) {
   bytes_.resize(packets.size() * mav::kMaxPacketBytes);
   signed_.clear();
   index_.clear();
-  unsignable_.clear();
+  unsent_.clear();
   for (std::size_t i = 0; i < packets.size(); ++i) {
     const std::span<std::uint8_t, mav::kMaxPacketBytes> out(
         bytes_.data() + i * mav::kMaxPacketBytes, mav::kMaxPacketBytes);
     const std::size_t size = signer_->sign(mav::view_packet(packets[i].bytes), link_id_, out);
     if (size == 0) {  // no message has such a checksum: damaged before it came here
-      unsignable_.push_back(i);
+      unsent_.push_back({i, DropCause::kUnsignable});
       continue;
     }
     signed_.push_back({packets[i].info, out.first(size)});

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/asio/ip/address.hpp>
 #include <charconv>
 #include <map>
 #include <optional>
@@ -86,6 +87,12 @@ LinkConfig serial_link(const std::string& text, std::string_view rest) {
   return link;
 }
 
+std::optional<boost::asio::ip::address> address_of(const std::string& host) {
+  boost::system::error_code error;
+  const auto address = boost::asio::ip::make_address(host, error);
+  return error ? std::nullopt : std::optional(address);
+}
+
 bool is_wildcard(const std::string& host) { return host == "0.0.0.0" || host == "::"; }
 
 bool listens(const Scheme& scheme, const std::string& host, EndpointUse use) {
@@ -103,6 +110,9 @@ LinkConfig socket_link(const std::string& text, const Scheme& scheme, std::strin
   if (const auto parts = base::parse_host_port(rest)) {
     host = parts->host;
     port = parts->port;
+  }
+  if (host.find(':') != host.npos && (rest.front() != '[' || !address_of(host))) {
+    fail(text, "has a host that is no IPv6 address in brackets, as [::1]:14550 is");
   }
   const std::optional<unsigned> value = number(port);
   if (!value) fail(text, "has no port");
@@ -154,9 +164,19 @@ LinkConfig multicast_link(const std::string& text, std::string_view rest) {
   if (is_bare_host(place)) place += ":" + std::to_string(kUsualPort);
   LinkConfig link =
       socket_link(text, {kMulticast, LinkType::kUdp, Direction::kSend}, place, EndpointUse::kOut);
-  const bool v6 = link.remote.starts_with('[');
+  const auto group = address_of(base::parse_host_port(link.remote)->host);
+  if (!group || !group->is_multicast()) fail(text, "names no multicast group");
+  const bool v6 = group->is_v6();
   link.local = (v6 ? "[::]" : "0.0.0.0") + link.remote.substr(link.remote.rfind(':'));
   return link;
+}
+
+/// [ADDRESS]:PORT without a scheme, to listen at. A name would be a scheme with a typing error.
+void check_listens_here(const std::string& text) {
+  const auto parts = base::parse_host_port(text);
+  if (!parts || parts->host.empty() || parts->host == "localhost" || address_of(parts->host))
+    return;
+  fail(text, "begins with '" + parts->host + "', neither a kind of endpoint nor an address");
 }
 
 /// udp, udp2, udp3: by type, servers and clients alike.
@@ -185,6 +205,7 @@ LinkConfig parse_endpoint(const std::string& text, EndpointUse use,
     return socket_link(text, *scheme, rest, use);
   }
   if (text.starts_with('/')) return serial_link(text, rest);
+  if (use != EndpointUse::kOut) check_listens_here(text);
   const bool completed = use == EndpointUse::kOut && is_bare_host(text);
   const std::string place = completed ? text + ":" + std::to_string(next_port(text, before)) : text;
   const Direction direction = use == EndpointUse::kOut ? Direction::kSend : Direction::kListen;

@@ -19,7 +19,8 @@ namespace cas::casd {
 namespace {
 
 /// Sends each packet to the peers that are to have it. What the socket does not take at once is
-/// lost for that peer and counted: a queue per peer would only hold old packets.
+/// lost for that peer and counted: a queue per peer would only hold old packets. A packet that no
+/// peer got is unsent.
 class UdpServerWriter final : public PacketWriter {
  public:
   UdpServerWriter(base::Descriptor descriptor, LinkId own, std::shared_ptr<SharedPeers> peers,
@@ -29,8 +30,9 @@ class UdpServerWriter final : public PacketWriter {
   int descriptor() const override { return descriptor_.get(); }
 
  private:
-  void send_to_each(const PacketRef& packet, SlotMask peers) CAS_REQUIRES(peers_->mutex);
-  void send_to_one(const PacketRef& packet, std::uint8_t peer) CAS_REQUIRES(peers_->mutex);
+  // All say whether, or write to masks_ which, peers got it.
+  bool send_to_each(const PacketRef& packet, SlotMask peers) CAS_REQUIRES(peers_->mutex);
+  bool send_to_one(const PacketRef& packet, std::uint8_t peer) CAS_REQUIRES(peers_->mutex);
   void send_by_peer(std::span<const PacketRef> packets) CAS_REQUIRES(peers_->mutex);
   void count_lost(const PacketRef& packet);
 
@@ -39,8 +41,10 @@ class UdpServerWriter final : public PacketWriter {
   std::shared_ptr<SharedPeers> peers_;
   std::shared_ptr<LinkCounters> counters_;
   DatagramSender sender_;
-  std::vector<SlotMask> masks_;
-  std::vector<PacketRef> of_peer_;
+  std::vector<SlotMask> masks_;       ///< peers of each packet
+  std::vector<PacketRef> of_peer_;    ///< packets of one peer
+  std::vector<std::size_t> indices_;  ///< of of_peer_ among all packets
+  std::vector<Unsent> unsent_;
 };
 
 UdpServerWriter::UdpServerWriter(base::Descriptor descriptor, LinkId own,
@@ -52,23 +56,29 @@ UdpServerWriter::UdpServerWriter(base::Descriptor descriptor, LinkId own,
       counters_(std::move(counters)) {}
 
 WriteResult UdpServerWriter::write(std::span<const PacketRef> packets) {
+  unsent_.clear();
   const base::MutexLock lock(peers_->mutex);
   if (packets.size() == 1) {
-    send_to_each(packets.front(), peers_->table.for_packet(*packets.front().info, own_));
+    const SlotMask peers = peers_->table.for_packet(*packets.front().info, own_);
+    if (!send_to_each(packets.front(), peers)) unsent_.push_back({});
   } else {
     send_by_peer(packets);
+    for (std::size_t i = 0; i < packets.size(); ++i) {
+      if (masks_[i] == 0) unsent_.push_back({.index = i, .cause = {}});
+    }
   }
-  return {.packets = packets.size(), .done = base::steady_now()};
+  return {.packets = packets.size(), .done = base::steady_now(), .unsent = unsent_};
 }
 
 // One packet, many peers: one call for all of them.
-void UdpServerWriter::send_to_each(const PacketRef& packet, SlotMask peers) {
+bool UdpServerWriter::send_to_each(const PacketRef& packet, SlotMask peers) {
   if (peers != 0 && (peers & (peers - 1)) == 0) {
     return send_to_one(packet, static_cast<std::uint8_t>(std::countr_zero(peers)));
   }
   std::array<mmsghdr, PeerTable::kMaxPeers> messages;
   iovec part{const_cast<std::uint8_t*>(packet.bytes.data()), packet.bytes.size()};
   unsigned count = 0;
+  bool any_sent = false;
   for_each_slot(peers, [&](std::uint8_t peer) CAS_REQUIRES(peers_->mutex) {
     messages[count] = {};
     msghdr& header = messages[count++].msg_hdr;
@@ -82,15 +92,18 @@ void UdpServerWriter::send_to_each(const PacketRef& packet, SlotMask peers) {
                                 MSG_DONTWAIT | MSG_NOSIGNAL);
     // This peer's loss; on with the next.
     if (sent <= 0) count_lost(packet);
+    any_sent |= sent > 0;
     done += sent > 0 ? static_cast<unsigned>(sent) : 1;
   }
+  return any_sent;
 }
 
-void UdpServerWriter::send_to_one(const PacketRef& packet, std::uint8_t peer) {
+bool UdpServerWriter::send_to_one(const PacketRef& packet, std::uint8_t peer) {
   const auto sent = ::sendto(descriptor_.get(), packet.bytes.data(), packet.bytes.size(),
                              MSG_DONTWAIT | MSG_NOSIGNAL, peers_->table.address(peer),
                              peers_->table.address_size(peer));
   if (sent < 0) count_lost(packet);
+  return sent >= 0;
 }
 
 void UdpServerWriter::count_lost(const PacketRef& packet) {
@@ -107,13 +120,19 @@ void UdpServerWriter::send_by_peer(std::span<const PacketRef> packets) {
   }
   for_each_slot(wanted, [&](std::uint8_t peer) CAS_REQUIRES(peers_->mutex) {
     of_peer_.clear();
+    indices_.clear();
     for (std::size_t i = 0; i < packets.size(); ++i) {
-      if ((masks_[i] & slot_bit(peer)) != 0) of_peer_.push_back(packets[i]);
+      if ((masks_[i] & slot_bit(peer)) == 0) continue;
+      of_peer_.push_back(packets[i]);
+      indices_.push_back(i);
     }
     const auto result = sender_.send(descriptor_.get(), of_peer_, peers_->table.address(peer),
                                      peers_->table.address_size(peer));
     if (result.error == 0) return;
-    for (std::size_t i = result.packets; i < of_peer_.size(); ++i) count_lost(of_peer_[i]);
+    for (std::size_t i = result.packets; i < of_peer_.size(); ++i) {
+      count_lost(of_peer_[i]);
+      masks_[indices_[i]] &= ~slot_bit(peer);
+    }
   });
 }
 

@@ -206,7 +206,9 @@ void refuse_other_clocks(const RunRequest& request) {
                             " has a clock of its own and no place in lockstep");
   };
   if (request.scenario.ground_station || request.station) refuse("a ground station");
-  if (!request.scenario.faults.bench.empty()) refuse("a fault of the bench");
+  if (const auto& faults = request.scenario.faults.bench; !faults.empty()) {
+    refuse("fault '" + faults.front().name + "' of the bench");
+  }
   if (!request.fcu_devices.empty()) refuse("a real controller");
 }
 

@@ -6,8 +6,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <filesystem>
+
 #include "tests/loopback/casd_fixture.hpp"
 #include "tests/loopback/tcp_peer.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::test {
 namespace {
@@ -72,6 +75,46 @@ TEST(CasdUdpServer, Serves64StationsOnOnePort) {
   late.socket.send(late.encoder(mavlink::common::Heartbeat{}));
   ASSERT_TRUE(everyone(20) && wait_until([&] { return fixture.status("gcs").rx.foreign > 0; }));
   EXPECT_EQ(fixture.status("gcs").peers, 64U);
+}
+
+TEST(CasdUdpServer, CountsAsSentOnlyWhatAPeerWasSent) {
+  for (const bool signs : {false, true}) {
+    CasdFixture fixture;
+    const cas::test::TemporaryFolder folder;
+    const std::string key = folder.write("radio.key", "a pass phrase of the laboratory\n");
+    std::filesystem::permissions(
+        key, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write);
+    fixture.start(R"(schema: 1
+commanding: {heartbeat_hz: 0}
+links:
+  - {name: fcu, type: serial, device: "$FCU"}
+  - {name: gcs, type: udp_server, local: "127.0.0.1:0")" +
+                  (signs ? ", signing: {key_file: " + key + ", verify: false}}\n" : "}\n"));
+    const auto send = [&](std::uint64_t first) {  // one alone, then several in one look
+      fixture.fcu.write(fixture.from_fcu(hil_controls(first)));
+      std::vector<std::uint8_t> burst;
+      for (std::uint64_t i = 1; i <= 9; ++i) {
+        const auto packet = fixture.from_fcu(hil_controls(first + i));
+        burst.insert(burst.end(), packet.begin(), packet.end());
+      }
+      fixture.fcu.write(burst);
+    };
+    send(1);
+    ASSERT_TRUE(wait_until([&] { return fixture.status("fcu").rx.packets == 10; }));
+    EXPECT_EQ(fixture.status("gcs").tx.packets, 0U);
+
+    Station station(101);
+    station.socket.set_remote(fixture.port("gcs"));
+    station.socket.send(station.encoder(mavlink::common::Heartbeat{}));
+    ASSERT_TRUE(wait_until([&] { return fixture.status("gcs").peers == 1; }));
+    send(11);
+    ASSERT_TRUE(fixture.collect_until([&] {
+      station.socket.read(station.heard);
+      return station.heard.count(kHilControls) == 10;
+    }));
+    EXPECT_TRUE(wait_until([&] { return fixture.status("gcs").tx.packets >= 10; }));
+    EXPECT_EQ(fixture.status("gcs").tx.packets, 10U);
+  }
 }
 
 TEST(CasdUdpServer, SendsAddressedPacketsToTheirPeerAloneAndForgetsSilentOnes) {

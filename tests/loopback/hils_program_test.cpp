@@ -65,6 +65,14 @@ TEST(HilsProgram, LetsAGroundStationJoinInRealTimeAlone) {
   EXPECT_NE(refused("udp:0", {}).find("no port from 1 to 65535"), std::string::npos);
 }
 
+TEST(HilsProgram, NamesTheFaultOfTheBenchThatLockstepCannotPlay) {
+  const TemporaryFolder folder;
+  const std::string text = refusal(
+      {source_dir() + "/config/scenarios/unplug.yaml", "--out", folder / "out", "--lockstep"});
+  EXPECT_NE(text.find("fault 'plug pulled' of the bench has a clock of its own"), std::string::npos)
+      << text;
+}
+
 TEST(HilsProgram, RefusesLockstepOnTheVirtualClock) {
   const TemporaryFolder folder;
   const std::string hover = source_dir() + "/config/scenarios/hover.yaml";

@@ -80,8 +80,10 @@ INSTANTIATE_TEST_SUITE_P(
                  "unknown_messages: pass"}));
 
 TEST(EndpointNotation, RefusesWhatIsNoPlace) {
-  for (const char* text : {"udp:host", "udp:", "tcp:127.0.0.1:99999", "udp:65536", "serial:",
-                           "udpout:14550", "/dev/ttyACM0,fast", "nonsense", "tcp:[::1:5760"}) {
+  for (const char* text :
+       {"udp:host", "udp:", "tcp:127.0.0.1:99999", "udp:65536", "serial:", "udpout:14550",
+        "/dev/ttyACM0,fast", "nonsense", "tcp:[::1:5760", "udp:::1:14550", "udp:1:2:14550",
+        "udpout:[1:2]:14550", "udo:14550", "mcast:1.2.3.4:14550", "mcast:[fe80::1]"}) {
     EXPECT_THROW(parse_endpoint(text), base::ConfigError) << text;
   }
 }
