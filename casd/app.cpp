@@ -30,6 +30,7 @@
 #include "base/os/notify.hpp"
 #include "base/os/thread.hpp"
 #include "base/os/write_file.hpp"
+#include "base/rpc/address_in_use.hpp"
 #include "base/rpc/server.hpp"
 #include "base/text.hpp"
 #include "base/time/unix_time.hpp"
@@ -347,18 +348,18 @@ struct App::Impl {
     }
   }
 
-  /// @throws base::ConfigError
+  /// Opens the command port. @return its number
+  /// @throws base::ConfigError that names it, and the way out if another program has it
   std::uint16_t listen_tcp(const CommandPortConfig& port) {
+    const std::string what = "command port ";
     try {
       return server.listen_tcp(port.address, port.port);
+    } catch (const base::rpc::AddressInUse& error) {
+      throw base::ConfigError(what + error.what() +
+                              "; a second casd takes another with 'command_port: {port: N}' (0: a "
+                              "free one), or beside endpoints with '--command-port N'");
     } catch (const base::ConfigError& error) {
-      const std::string text = std::string("command port ") + error.what();
-      const bool taken = text.ends_with(std::generic_category().message(EADDRINUSE));
-      throw base::ConfigError(
-          !taken ? text
-                 : text +
-                       "; a second casd takes another with 'command_port: {port: N}' (0: a free "
-                       "one), or beside endpoints with '--command-port N'");
+      throw base::ConfigError(what + error.what());
     }
   }
 
@@ -576,7 +577,7 @@ struct App::Impl {
   }
 
   base::RunTime tick_due(base::RunTime now) const {
-    const base::RunTime due = commander.next_tick(now);
+    const base::RunTime due = std::min(commander.next_tick(now), failures.due());
     return log_taking ? std::min(due, now + kStationTick) : due;
   }
 

@@ -202,6 +202,11 @@ constexpr std::array kRefused{
             "a link of a topology with 'sniffer: true' gets every packet"},
     Refused{"-y,--syslog", false, "casd writes to standard error, which systemd's journal keeps"}};
 
+/// A value that was forgotten: the next flag would be taken for a host or a folder.
+std::string refuse_flag(const std::string& value) {
+  return value.starts_with('-') ? "'" + value + "' is a flag, and no value" : "";
+}
+
 /// @throws CLI::ParseError when one of them is given
 void add_refused_options(CLI::App& cli) {
   for (const Refused& each : kRefused) {
@@ -236,7 +241,8 @@ int main(int argc, char** argv) {
   one_each(cli.add_option("--out,-e,--endpoints", flags.outs,
                           "Send by UDP to HOST:PORT, as MAVProxy and mavlink-router do; without a "
                           "port to 14550 or the next one"))
-      ->type_name("HOST[:PORT]");
+      ->type_name("HOST[:PORT]")
+      ->check(casd::refuse_flag);
   one_each(cli.add_option("-p,--tcp-endpoint", flags.tcp_peers, "Connect by TCP to HOST:PORT"))
       ->type_name("HOST:PORT");
   one_each(cli.add_option("-t,--tcp-port", flags.tcp_ports,
@@ -247,7 +253,8 @@ int main(int argc, char** argv) {
       ->type_name("BAUD");
   cli.add_option("-l,--log", flags.log.folder,
                  "With endpoints: record the autopilots' logs into this folder")
-      ->type_name("FOLDER");
+      ->type_name("FOLDER")
+      ->check(casd::refuse_flag);
   cli.add_flag("-T,--telemetry-log", flags.log.telemetry, "With --log: record telemetry, too");
   cli.add_option("--command-port", flags.command_port,
                  "TCP port for casctl, with endpoints; 0: a free one")

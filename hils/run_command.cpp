@@ -33,6 +33,7 @@
 #include "hils/replay/replay_page.hpp"
 #include "hils/report/report.hpp"
 #include "hils/report/results_folder.hpp"
+#include "hils/run/folder_lock.hpp"
 #include "hils/run/station_endpoint.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "hils/scenario/scenario_reference.hpp"
@@ -118,9 +119,10 @@ void leave_replay(const RunRequest& request, const RunResult& result, const std:
 /// a junit.xml. A run whose boards are not even named rightly leaves no folder.
 /// @throws BoardError, RunStopped, base::ConfigError
 void prepare_boards(const std::vector<FcuChoice>& fcus, const Flags& flags, RunRequest& request,
-                    std::optional<FlightBoards>& boards) {
-  const auto clear_folder = [&request] {
+                    std::optional<FolderLock>& lock, std::optional<FlightBoards>& boards) {
+  const auto clear_folder = [&request, &lock] {
     make_results_folder(request.out);
+    if (!lock) lock.emplace(request.out);
     remove_verdict(request.out);
   };
   try {
@@ -143,6 +145,7 @@ int run_firmware(const Flags& flags, const std::filesystem::path& file) {
   const FirmwareScenario scenario = FirmwareScenario::load(file);
   const std::filesystem::path out = std::filesystem::absolute(flags.out);
   make_results_folder(out);
+  const FolderLock lock(out);
   return fly_firmware(scenario, out);
 }
 
@@ -201,8 +204,10 @@ int run(const Flags& flags) {
   RunRequest request = read_request(flags, file);
   std::optional<LiveRun> live;
   if (flags.web) request.live = &live.emplace();
+  std::optional<FolderLock> lock;
   std::optional<FlightBoards> boards;
-  prepare_boards(parse_fcu_words(flags.fcus, request.scenario.names()), flags, request, boards);
+  prepare_boards(parse_fcu_words(flags.fcus, request.scenario.names()), flags, request, lock,
+                 boards);
 
   RunResult result = evaluate(request, fly(request, flags.on_virtual_clock));
   fail_absent(boards->absences(), result);

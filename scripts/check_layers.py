@@ -95,7 +95,7 @@ LAYERS = {
     "plugins/mavlink_interface": PLUGIN | MAVLINK | SERVICES | {"Asio"},
 
     "casd/words": {"std"},
-    "casd/packet": BASE | MAVLINK | SERVICES,
+    "casd/packet": BASE | MAVLINK | SERVICES | {"casd/words"},
     "casd/routing": BASE | MAVLINK | SERVICES | rooms("casd", "packet words"),
     "casd/queue": BASE | rooms("casd", "packet words"),
     "casd/tlog": BASE | MAVLINK | SERVICES,

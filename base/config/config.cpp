@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/config/config.hpp"
 
+#include <algorithm>
+
 #include "base/config/config_document.hpp"
 #include "base/config/config_impl.hpp"
 #include "base/read_file.hpp"
@@ -51,7 +53,10 @@ ConfigNode ConfigNode::at(std::string_view key) const {
   for (const auto& [name, child] : impl_->tree->entries) {
     if (!child->used) unknown.push_back(name);
   }
-  const std::string near = nearest_word(key, unknown);
+  const auto without_unit = std::ranges::find_if(
+      unknown, [key](const std::string& name) { return key.starts_with(name + '_'); });
+  const std::string near =
+      without_unit != unknown.end() ? *without_unit : nearest_word(key, unknown);
   std::string sentence = "key " + in_quotes(key) + " is missing";
   if (!near.empty()) {
     sentence += "; did you mean it by " + in_quotes(near) + " on line " +

@@ -23,6 +23,7 @@
 
 #include "base/error.hpp"
 #include "base/os/log.hpp"
+#include "base/rpc/address_in_use.hpp"
 #include "base/rpc/local_port.hpp"
 #include "base/time/clock.hpp"
 
@@ -63,7 +64,10 @@ ListeningSocket listen_on(const addrinfo& found, const std::string& name) {
   ::setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   if (::bind(fd.get(), found.ai_addr, found.ai_addrlen) != 0 ||
       ::listen(fd.get(), SOMAXCONN) != 0) {
-    throw ConfigError(name + ": cannot listen: " + message_of(errno));
+    const int error = errno;
+    const std::string text = name + ": cannot listen: " + message_of(error);
+    if (error == EADDRINUSE) throw AddressInUse(text);
+    throw ConfigError(text);
   }
   ListeningSocket socket;
   socket.loopback = is_loopback(*found.ai_addr);

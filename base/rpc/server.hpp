@@ -74,7 +74,7 @@ class CAS_BASE_EXPORT Server {
   void require_token(const std::filesystem::path& file, bool loopback_exempt = false);
 
   /// Starts to listen; port 0 takes a free one. An address that other hosts can reach needs a
-  /// token. @return the bound port @throws ConfigError
+  /// token. @return the bound port @throws AddressInUse, ConfigError
   std::uint16_t listen_tcp(const std::string& address, std::uint16_t port);
   /// Mode 0600, or 0660 for the members of a group where one is named; a stale socket file of this
   /// user is replaced, anything else in its place refused. @throws ConfigError

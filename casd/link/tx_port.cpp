@@ -205,7 +205,7 @@ bool TxPort::line_ready(base::RunTime now) {
   return pacer_.ready(now);
 }
 
-// What lies between the unsent packets is gone.
+// The packets between the unsent ones were sent.
 void TxPort::settle(std::span<const PacketRef> done, const WriteResult& result, base::RunTime now) {
   std::size_t begin = 0;
   for (const Unsent& unsent : result.unsent) {

@@ -24,7 +24,7 @@ class PacketPort {
   virtual void deliver(std::span<const PacketRef> packets, base::RunTime now) = 0;
 };
 
-/// A packet that nobody was sent.
+/// A packet that was finished without being sent.
 struct Unsent {
   std::size_t index = 0;           ///< among the packets to write
   std::optional<DropCause> cause;  ///< none: no peer was there for it, or the loss is counted

@@ -226,6 +226,9 @@ json FigureMethods::links() const {
     if (const LinkConfig* const config = find_link(topology.links, link.name)) {
       const std::uint64_t baud = config->baud.size() == 1 ? config->baud.front() : link.baud;
       if (baud > 0) entry["baud"] = baud;
+      if (config->type == LinkType::kUdp && !config->remote.empty()) {
+        entry["remote"] = config->remote;
+      }
       if (config->signing) {
         entry["rx"]["signatures"] = signatures_json(link);
         entry["signing"] = signing_json(link, source_.now(), signing_clock());

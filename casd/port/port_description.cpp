@@ -24,7 +24,7 @@ constexpr const char* kText = R"json({
   "LinkSigning": {"time_file": "string", "time_ahead_s": "number", "too_far_ahead": "boolean", "future?": "FutureSignature"},
   "Link": {"name": "string", "type": "string: udp, udp_server, serial, tcp, tcp_server, tlog",
     "state": "string: up, down, opening", "endpoint": "string: bound address or device, or why it is down",
-    "baud?": "integer", "added?": "boolean: true where it was added at run time", "reconnects": "integer", "uncounted": "integer", "rx": "LinkReceived", "tx": "LinkSent",
+    "remote?": "string: where a udp link sends, as the topology has it", "baud?": "integer", "added?": "boolean: true where it was added at run time", "reconnects": "integer", "uncounted": "integer", "rx": "LinkReceived", "tx": "LinkSent",
     "signing?": "LinkSigning"},
   "RateLimit": {"message": "string|integer", "max_hz?": "number", "every?": "integer"},
   "Route": {"from": "string", "to": "string", "allow?": ["string|integer"], "block?": ["string|integer"],

@@ -238,6 +238,14 @@ void FailureDesk::tick(base::RunTime now) {
   }
 }
 
+base::RunTime FailureDesk::due() const {
+  base::RunTime due = base::RunTime::max();
+  for (const auto& [system, waiting] : waiting_) {
+    if (!waiting.empty()) due = std::min(due, waiting.front().deadline);
+  }
+  return due;
+}
+
 /// The request under way has ended; the next one is sent.
 void FailureDesk::finish(std::uint8_t system, const Outcome& outcome, base::RunTime now) {
   std::deque<Request>& waiting = waiting_.at(system);

@@ -68,8 +68,10 @@ class FailureDesk {
   Verdict on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now);
   /// The same command from the command port.
   void inject(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done);
-  /// Gives up on simulators that do not answer: several times a second.
+  /// Gives up on simulators that do not answer.
   void tick(base::RunTime now);
+  /// When tick() has something to do; RunTime::max(): nothing under way.
+  base::RunTime due() const;
   /// These links are gone: their waiting requests are dropped and not answered. Until end_reload()
   /// every packet with the number of such a link is refused, because it may come from the old link.
   void begin_reload(const LinkMask& gone, base::RunTime now);

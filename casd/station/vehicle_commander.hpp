@@ -47,8 +47,8 @@ class Station {
   virtual void tick(base::RunTime now) = 0;
 };
 
-/// Period of the station's work where nobody asks next_tick(): on the virtual clock, and while logs
-/// of autopilots are taken.
+/// Period of the station's work on the virtual clock, and the longest time between two ticks while
+/// logs of autopilots are taken.
 inline constexpr base::Duration kStationTick = std::chrono::milliseconds(50);
 /// The longest time between two ticks of a station that waits for nothing: each wakes a thread.
 inline constexpr base::Duration kRestTick = std::chrono::milliseconds(250);

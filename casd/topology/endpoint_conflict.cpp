@@ -1,63 +1,58 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/topology/endpoint_conflict.hpp"
 
-#include <string_view>
-
+#include "casd/topology/endpoint_address.hpp"
 #include "casd/topology/topology.hpp"
 
 namespace cas::casd {
 namespace {
 
-/// "HOST:PORT" in its parts; no port, or port 0, which takes a free one: empty.
-struct Place {
-  std::string_view host;
-  std::string_view port;
-
-  explicit Place(std::string_view text) {
-    const std::size_t colon = text.rfind(':');
-    if (colon == text.npos || text.substr(colon + 1) == "0") return;
-    host = text.substr(0, colon);
-    port = text.substr(colon + 1);
-  }
-  bool is_any() const { return host == "0.0.0.0" || host == "[::]" || host.empty(); }
-  bool is_usual_loopback() const {
-    return host == "localhost" || host == "127.0.0.1" || host == "[::1]";
-  }
-  bool is_loopback() const { return is_usual_loopback() || host.starts_with("127."); }
-  bool is_multicast_or_broadcast() const {
-    const bool ipv4_group = host.size() > 3 && host >= "224." && host < "240." && host[3] == '.';
-    return ipv4_group || host.starts_with("[ff") || host.ends_with(".255");
-  }
-  /// Whether a socket with this address gets what another one of the machine sends to `there`.
-  bool hears(const Place& there) const {
-    if (port.empty() || port != there.port) return false;
-    return host == there.host || (is_usual_loopback() && there.is_usual_loopback()) ||
-           (is_any() && (there.is_loopback() || there.is_multicast_or_broadcast()));
-  }
-  bool overlaps(const Place& other) const {
-    if (port.empty() || port != other.port) return false;
-    return host == other.host || is_any() || other.is_any();
-  }
-};
-
 bool is_datagram(const LinkConfig& link) {
   return link.type == LinkType::kUdp || link.type == LinkType::kUdpServer;
 }
 
-/// The members of a group share its port, and know an echo of their own packets.
-bool sends_to_many(const LinkConfig& link) {
-  return Place(link.remote).is_multicast_or_broadcast();
+bool same_transport(const LinkConfig& a, const LinkConfig& b) {
+  return is_datagram(a) == is_datagram(b);
 }
 
+bool on_different_devices(const LinkConfig& a, const LinkConfig& b) {
+  return !a.interface.empty() && !b.interface.empty() && a.interface != b.interface;
+}
+
+bool sends_to_many(const LinkConfig& link) { return EndpointAddress(link.remote).is_many(); }
+
+/// The kernel gives it only what its one peer sends.
+bool is_connected(const LinkConfig& link) {
+  return link.type == LinkType::kUdp && !link.remote.empty() && !sends_to_many(link);
+}
+
+/// Members of a group, and all who broadcast, share a port.
 bool both_listen(const LinkConfig& a, const LinkConfig& b) {
-  if (is_datagram(a) != is_datagram(b) || (sends_to_many(a) && sends_to_many(b))) return false;
-  return Place(a.local).overlaps(Place(b.local));
+  if (!same_transport(a, b) || on_different_devices(a, b)) return false;
+  if (sends_to_many(a) && sends_to_many(b)) return false;
+  return EndpointAddress(a.local).overlaps(EndpointAddress(b.local));
+}
+
+/// A link takes a packet with its own address and port for an echo of its own, and gets nothing of
+/// a group that it has not joined.
+bool knows_echo(const LinkConfig& from, const LinkConfig& to) {
+  if (!sends_to_many(from) || !sends_to_many(to)) return false;
+  const EndpointAddress group(from.remote);
+  const EndpointAddress other_group(to.remote);
+  if (group.is_multicast() && other_group.is_multicast() && !(group == other_group)) return true;
+  return EndpointAddress(from.local) == EndpointAddress(to.local) && from.interface == to.interface;
 }
 
 bool sends_to(const LinkConfig& from, const LinkConfig& to) {
-  if (is_datagram(from) != is_datagram(to) || (sends_to_many(from) && sends_to_many(to)))
+  if (!same_transport(from, to) || on_different_devices(from, to)) return false;
+  if (to.sniffer || to.accept.read_only) return false;
+  if (knows_echo(from, to)) return false;
+  const EndpointAddress there(from.remote);
+  if (!to.interface.empty() && there.is_loopback()) return false;
+  if (&from != &to && is_connected(to) &&
+      !EndpointAddress(from.local).hears(EndpointAddress(to.remote)))
     return false;
-  return Place(to.local).hears(Place(from.remote));
+  return EndpointAddress(to.local).hears(there);
 }
 
 std::string returns(const LinkConfig& from, const LinkConfig& to) {
@@ -84,9 +79,9 @@ std::optional<std::string> endpoint_conflict(const LinkConfig& link,
 std::optional<std::string> endpoint_conflict(const LinkConfig& link,
                                              const CommandPortConfig& port) {
   if (link.type != LinkType::kTcpServer) return std::nullopt;
-  const std::string place = port.address + ":" + std::to_string(port.port);
-  if (!Place(link.local).overlaps(Place(place))) return std::nullopt;
-  return place +
+  if (!EndpointAddress(link.local).overlaps({port.address, port.port})) return std::nullopt;
+  const bool v6 = port.address.find(':') != port.address.npos;
+  return (v6 ? "[" + port.address + "]" : port.address) + ":" + std::to_string(port.port) +
          " is the command port; another one is `command_port: {port: N}` or --command-port N";
 }
 

@@ -11,13 +11,14 @@ namespace cas::casd {
 
 struct CommandPortConfig;
 
-/// Whether the link cannot be beside these others of the same casd: it listens where one of them
-/// listens, or one sends to the other on this machine, so that each packet would come back for
-/// ever. Addresses are compared as they are written; names other than localhost are not looked up.
-/// @return the sentence; nothing if there is no conflict
+/// Reason why the link cannot run beside these others of the same casd: it listens where one of
+/// them listens, or one sends to the other on this machine, so that packets would come back for
+/// ever. Addresses are compared as they are written: names, and this machine's own addresses in a
+/// network, are not looked up.
+/// @return a sentence; nullopt if it can
 std::optional<std::string> endpoint_conflict(const LinkConfig& link,
                                              std::span<const LinkConfig> others);
-/// Whether the link listens at the command port. @return the sentence; nothing if it does not
+/// The same for the command port, at which a TCP server cannot listen.
 std::optional<std::string> endpoint_conflict(const LinkConfig& link, const CommandPortConfig& port);
 
 }  // namespace cas::casd

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/asio/ip/address.hpp>
 #include <charconv>
 #include <map>
 #include <optional>
@@ -11,6 +10,9 @@
 
 #include "base/error.hpp"
 #include "base/os/host_port.hpp"
+#include "base/suggestion.hpp"
+#include "casd/topology/endpoint_address.hpp"
+#include "casd/topology/endpoint_conflict.hpp"
 
 namespace cas::casd {
 namespace {
@@ -87,17 +89,9 @@ LinkConfig serial_link(const std::string& text, std::string_view rest) {
   return link;
 }
 
-std::optional<boost::asio::ip::address> address_of(const std::string& host) {
-  boost::system::error_code error;
-  const auto address = boost::asio::ip::make_address(host, error);
-  return error ? std::nullopt : std::optional(address);
-}
-
-bool is_wildcard(const std::string& host) { return host == "0.0.0.0" || host == "::"; }
-
 bool listens(const Scheme& scheme, const std::string& host, EndpointUse use) {
   if (scheme.direction != Direction::kByHost) return scheme.direction == Direction::kListen;
-  if (host.empty() || is_wildcard(host)) return true;
+  if (host.empty() || EndpointAddress(host, 0).is_any()) return true;
   return scheme.type == LinkType::kUdp && use == EndpointUse::kMaster;
 }
 
@@ -111,7 +105,7 @@ LinkConfig socket_link(const std::string& text, const Scheme& scheme, std::strin
     host = parts->host;
     port = parts->port;
   }
-  if (host.find(':') != host.npos && (rest.front() != '[' || !address_of(host))) {
+  if (host.find(':') != host.npos && (rest.front() != '[' || EndpointAddress(host, 0).is_name())) {
     fail(text, "has a host that is no IPv6 address in brackets, as [::1]:14550 is");
   }
   const std::optional<unsigned> value = number(port);
@@ -140,23 +134,6 @@ bool is_bare_host(std::string_view text) {
   return text.find(':') == text.npos && !number(text);
 }
 
-/// The first port from the usual one on that none of these links sends to at this host, or listens
-/// at if it is this machine.
-unsigned next_port(std::string_view host, std::span<const LinkConfig> before) {
-  const bool here = host == "localhost" || host == "[::1]" || host.starts_with("127.");
-  unsigned port = kUsualPort;
-  const auto is_taken = [&] {
-    const std::string place = std::string(host) + ":" + std::to_string(port);
-    return std::ranges::any_of(before, [&](const LinkConfig& link) {
-      const bool listens = link.type == LinkType::kUdp || link.type == LinkType::kUdpServer;
-      return (link.type == LinkType::kUdp && link.remote == place) ||
-             (here && listens && link.local.ends_with(":" + std::to_string(port)));
-    });
-  };
-  while (is_taken()) ++port;
-  return port;
-}
-
 /// Nothing, GROUP, :PORT or GROUP:PORT: sends to the group and receives from it.
 LinkConfig multicast_link(const std::string& text, std::string_view rest) {
   std::string place(rest);
@@ -164,19 +141,18 @@ LinkConfig multicast_link(const std::string& text, std::string_view rest) {
   if (is_bare_host(place)) place += ":" + std::to_string(kUsualPort);
   LinkConfig link =
       socket_link(text, {kMulticast, LinkType::kUdp, Direction::kSend}, place, EndpointUse::kOut);
-  const auto group = address_of(base::parse_host_port(link.remote)->host);
-  if (!group || !group->is_multicast()) fail(text, "names no multicast group");
-  const bool v6 = group->is_v6();
+  if (!EndpointAddress(link.remote).is_multicast()) fail(text, "names no multicast group");
+  const bool v6 = link.remote.starts_with('[');
   link.local = (v6 ? "[::]" : "0.0.0.0") + link.remote.substr(link.remote.rfind(':'));
   return link;
 }
 
-/// [ADDRESS]:PORT without a scheme, to listen at. A name would be a scheme with a typing error.
-void check_listens_here(const std::string& text) {
-  const auto parts = base::parse_host_port(text);
-  if (!parts || parts->host.empty() || parts->host == "localhost" || address_of(parts->host))
-    return;
-  fail(text, "begins with '" + parts->host + "', neither a kind of endpoint nor an address");
+/// A host would be looked up under the name of a misspelt kind of endpoint.
+void refuse_misspelt_scheme(const std::string& text) {
+  std::array<std::string_view, kSchemes.size()> words;
+  std::ranges::transform(kSchemes, words.begin(), &Scheme::word);
+  const std::string word = base::nearest_word(text.substr(0, text.find(':')), words);
+  if (!word.empty()) fail(text, "begins with no kind of endpoint: " + word + " is one");
 }
 
 /// udp, udp2, udp3: by type, servers and clients alike.
@@ -205,11 +181,28 @@ LinkConfig parse_endpoint(const std::string& text, EndpointUse use,
     return socket_link(text, *scheme, rest, use);
   }
   if (text.starts_with('/')) return serial_link(text, rest);
-  if (use != EndpointUse::kOut) check_listens_here(text);
+  if (use != EndpointUse::kOut) refuse_misspelt_scheme(text);
   const bool completed = use == EndpointUse::kOut && is_bare_host(text);
-  const std::string place = completed ? text + ":" + std::to_string(next_port(text, before)) : text;
+  const std::string place =
+      completed ? text + ":" + std::to_string(next_udp_port(text, before)) : text;
   const Direction direction = use == EndpointUse::kOut ? Direction::kSend : Direction::kListen;
   return socket_link(text, {"udp", LinkType::kUdp, direction}, place, use);
+}
+
+unsigned next_udp_port(const std::string& host, std::span<const LinkConfig> before) {
+  LinkConfig link;
+  link.type = LinkType::kUdp;
+  const auto is_taken = [&](unsigned port) {
+    link.remote = host + ":" + std::to_string(port);
+    return std::ranges::any_of(before,
+                               [&](const LinkConfig& other) {
+                                 return other.type == LinkType::kUdp && other.remote == link.remote;
+                               }) ||
+           endpoint_conflict(link, before);
+  };
+  unsigned port = kUsualPort;
+  while (is_taken(port)) ++port;
+  return port;
 }
 
 bool is_endpoint(std::string_view text) {

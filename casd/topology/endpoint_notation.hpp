@@ -29,11 +29,16 @@ enum class EndpointUse : std::uint8_t {
 ///     tcp:HOST:PORT  tcpout:HOST:PORT  tcpc:HOST:PORT    connects
 ///
 /// `udp` and `tcp` listen on a wildcard host (0.0.0.0, [::]). Serial lines pass unknown messages.
-/// @param before  other links of the command line: with kOut, HOST without a port gets the first
-///                one from 14550 on to which none of them sends at that host
+/// @param before  other links of the command line: with kOut, HOST without a port gets the
+///                next_udp_port()
 /// @throws base::ConfigError
 LinkConfig parse_endpoint(const std::string& text, EndpointUse use = EndpointUse::kPlain,
                           std::span<const LinkConfig> before = {});
+
+/// The first port from the usual one on (14550) for a link that sends to this host over UDP beside
+/// those `before`: none of them sends there, or listens there on this machine.
+/// @param host  an IPv6 address in brackets
+unsigned next_udp_port(const std::string& host, std::span<const LinkConfig> before);
 
 /// Whether a word of the command line is meant as an endpoint and not as a file.
 bool is_endpoint(std::string_view text);

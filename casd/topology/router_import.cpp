@@ -22,7 +22,6 @@ namespace cas::casd {
 namespace {
 
 constexpr unsigned kDefaultTcpServerPort = 5760;
-constexpr unsigned kDefaultUdpPort = 14550;
 constexpr unsigned kDefaultBaud = 115200;
 
 using base::lower;
@@ -286,7 +285,7 @@ class Import {
       endpoint.link.type = LinkType::kUdpServer;
       endpoint.link.local = bracketed(address) + ":" + std::to_string(*given);
     } else if (mode == "normal" || mode == "client") {
-      if (!given) given = next_udp_port(address);
+      if (!given) given = next_udp_port(bracketed(address), links_so_far());
       endpoint.link.type = LinkType::kUdp;
       endpoint.link.remote = bracketed(address) + ":" + std::to_string(*given);
     } else {
@@ -295,19 +294,10 @@ class Import {
     add(section, std::move(endpoint));
   }
 
-  /// The first port from the usual one on that no endpoint before has at this address.
-  unsigned next_udp_port(const std::string& address) const {
-    const auto is_taken = [&](unsigned number) {
-      const std::string place = bracketed(address) + ":" + std::to_string(number);
-      return std::ranges::any_of(endpoints_, [&](const Endpoint& each) {
-        const LinkConfig& link = each.link;
-        return (link.type == LinkType::kUdp && link.remote == place) ||
-               (link.type == LinkType::kUdpServer && link.local == place);
-      });
-    };
-    unsigned number = kDefaultUdpPort;
-    while (is_taken(number)) ++number;
-    return number;
+  std::vector<LinkConfig> links_so_far() const {
+    std::vector<LinkConfig> links;
+    for (const Endpoint& endpoint : endpoints_) links.push_back(endpoint.link);
+    return links;
   }
 
   void take_tcp(Section& section) {

@@ -117,7 +117,8 @@ constexpr std::tuple kMetricsKeys{
 };
 
 constexpr std::tuple kCommandingKeys{
-    key<&CommandingConfig::heartbeat_hz>("heartbeat_hz", Range{0, 100}, "own HEARTBEAT; 0: none"),
+    key<&CommandingConfig::heartbeat_hz>("heartbeat_hz", Range{0, 100},
+                                         "own HEARTBEAT; 0: none; in lockstep at most 20"),
     key<&CommandingConfig::allow_not_hil>("allow_not_hil", Flag{},
                                           "consent to arm a vehicle that is not in HIL"),
 };

@@ -12,8 +12,8 @@
 
 namespace cas::casd {
 
-/// What both kinds of UDP link have: a socket that is read in batches, opened again after a
-/// failure, and a port that sends through it.
+/// Base of both UDP links: reads the socket in batches, opens it again after a failure, and sends
+/// through a TxPort.
 class DatagramLink : public Link {
  public:
   ~DatagramLink() override { port_->detach(base::steady_now()); }

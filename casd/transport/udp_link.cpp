@@ -26,9 +26,12 @@ class UdpWriter final : public PacketWriter {
   WriteResult write(std::span<const PacketRef> packets) override {
     const auto result =
         sender_.send(descriptor_.get(), packets, to_.size == 0 ? nullptr : to_.get(), to_.size);
+    unsent_.clear();
+    for (const std::size_t index : result.refused) unsent_.push_back({index, DropCause::kClosed});
     return {.packets = result.packets,
             .broken = result.error != 0 && result.error != EAGAIN,
-            .done = base::steady_now()};
+            .done = base::steady_now(),
+            .unsent = unsent_};
   }
   int descriptor() const override { return descriptor_.get(); }
 
@@ -36,6 +39,7 @@ class UdpWriter final : public PacketWriter {
   base::Descriptor descriptor_;
   SocketAddress to_;
   DatagramSender sender_;
+  std::vector<Unsent> unsent_;
 };
 
 // Everybody's address, or that of a subnet: the kernel knows which addresses are one, and connects

@@ -18,6 +18,11 @@
 namespace cas::casd {
 namespace {
 
+DropCause cause_of(int error) {
+  const bool no_room = error == EAGAIN || error == EWOULDBLOCK || error == ENOBUFS;
+  return no_room ? DropCause::kQueueFull : DropCause::kClosed;
+}
+
 /// Sends each packet to the peers that are to have it. What the socket does not take at once is
 /// lost for that peer and counted: a queue per peer would only hold old packets. A packet that no
 /// peer got is unsent.
@@ -30,11 +35,12 @@ class UdpServerWriter final : public PacketWriter {
   int descriptor() const override { return descriptor_.get(); }
 
  private:
-  // All say whether, or write to masks_ which, peers got it.
+  /// @return whether any of the peers was sent it
   bool send_to_each(const PacketRef& packet, SlotMask peers) CAS_REQUIRES(peers_->mutex);
   bool send_to_one(const PacketRef& packet, std::uint8_t peer) CAS_REQUIRES(peers_->mutex);
+  /// Leaves in masks_ the peers that were sent each packet.
   void send_by_peer(std::span<const PacketRef> packets) CAS_REQUIRES(peers_->mutex);
-  void count_lost(const PacketRef& packet);
+  void count_lost(const PacketRef& packet, DropCause cause);
 
   base::Descriptor descriptor_;
   LinkId own_;
@@ -91,7 +97,7 @@ bool UdpServerWriter::send_to_each(const PacketRef& packet, SlotMask peers) {
     const int sent = ::sendmmsg(descriptor_.get(), messages.data() + done, count - done,
                                 MSG_DONTWAIT | MSG_NOSIGNAL);
     // This peer's loss; on with the next.
-    if (sent <= 0) count_lost(packet);
+    if (sent <= 0) count_lost(packet, cause_of(errno));
     any_sent |= sent > 0;
     done += sent > 0 ? static_cast<unsigned>(sent) : 1;
   }
@@ -102,12 +108,12 @@ bool UdpServerWriter::send_to_one(const PacketRef& packet, std::uint8_t peer) {
   const auto sent = ::sendto(descriptor_.get(), packet.bytes.data(), packet.bytes.size(),
                              MSG_DONTWAIT | MSG_NOSIGNAL, peers_->table.address(peer),
                              peers_->table.address_size(peer));
-  if (sent < 0) count_lost(packet);
+  if (sent < 0) count_lost(packet, cause_of(errno));
   return sent >= 0;
 }
 
-void UdpServerWriter::count_lost(const PacketRef& packet) {
-  counters_->count_dropped(*packet.info, DropCause::kQueueFull, base::steady_now());
+void UdpServerWriter::count_lost(const PacketRef& packet, DropCause cause) {
+  counters_->count_dropped(*packet.info, cause, base::steady_now());
 }
 
 // Many packets: one block for each peer.
@@ -128,11 +134,12 @@ void UdpServerWriter::send_by_peer(std::span<const PacketRef> packets) {
     }
     const auto result = sender_.send(descriptor_.get(), of_peer_, peers_->table.address(peer),
                                      peers_->table.address_size(peer));
-    if (result.error == 0) return;
-    for (std::size_t i = result.packets; i < of_peer_.size(); ++i) {
-      count_lost(of_peer_[i]);
+    const auto lost = [&](std::size_t i, DropCause cause) {
+      count_lost(of_peer_[i], cause);
       masks_[indices_[i]] &= ~slot_bit(peer);
-    }
+    };
+    for (const std::size_t i : result.refused) lost(i, DropCause::kClosed);
+    for (std::size_t i = result.packets; i < of_peer_.size(); ++i) lost(i, cause_of(result.error));
   });
 }
 

@@ -30,7 +30,7 @@ bool refuses_segmentation(int error) {
 bool concerns_earlier_packet(int error) { return error == ECONNREFUSED; }
 
 // The peer's trouble, not the socket's: it does not listen or cannot be reached now. The
-// packet is lost as UDP packets are, the next one is tried as ever.
+// packet is lost, the next one is tried as ever.
 bool concerns_peer_only(int error) {
   switch (error) {
     case ECONNREFUSED:
@@ -93,7 +93,8 @@ std::optional<Value> control_value(const msghdr& header, int type) {
 DatagramSender::Result DatagramSender::send(int fd, std::span<const PacketRef> packets,
                                             const sockaddr* to, socklen_t to_size) {
   Result result;
-  bool refused = false;
+  bool tried_again = false;
+  refused_.clear();
   while (result.packets < packets.size()) {
     const auto left = packets.subspan(result.packets);
     const std::size_t run = run_length(left);
@@ -110,15 +111,16 @@ DatagramSender::Result DatagramSender::send(int fd, std::span<const PacketRef> p
       continue;
     }
     if (error == EINTR) continue;
-    if (concerns_earlier_packet(error) && !std::exchange(refused, true)) continue;
+    if (concerns_earlier_packet(error) && !std::exchange(tried_again, true)) continue;
     if (concerns_peer_only(error)) {
-      result.packets += as_run ? run : 1;
-      refused = false;
+      for (std::size_t i = 0; i < (as_run ? run : 1); ++i) refused_.push_back(result.packets++);
+      tried_again = false;
       continue;
     }
     result.error = error == EWOULDBLOCK || error == ENOBUFS ? EAGAIN : error;
-    return result;
+    break;
   }
+  result.refused = refused_;
   return result;
 }
 
@@ -197,7 +199,8 @@ int DatagramReader::read(int fd, base::RunTime now) {
     bool emptied = used_ < wanted;
     if (wanted == 1 && wait > kSoon) {
       const int most = static_cast<int>(kBatch) - 1;
-      emptied = take(fd, kBatch - 1) < most;
+      const int more = take(fd, kBatch - 1);
+      emptied = more >= 0 ? more < most : errno == EAGAIN;
     }
     note_drops(messages_[used_ - 1].msg_hdr);
     // What comes next is younger than a socket that is empty, or than the last one out of it.

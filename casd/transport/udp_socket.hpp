@@ -92,8 +92,11 @@ int open_udp_socket(int family, const std::string& interface);
 class DatagramSender {
  public:
   struct Result {
-    std::size_t packets = 0;  ///< gone, or refused by the peer alone
-    int error = 0;            ///< why it stopped: EAGAIN, or what broke; 0 when all are gone
+    std::size_t packets = 0;  ///< sent or refused
+    /// Of `packets`: the peer or the network takes none now; rising indices, good until the next
+    /// call.
+    std::span<const std::size_t> refused = {};
+    int error = 0;  ///< why it stopped: EAGAIN, or what broke; 0 when all are through
   };
 
   /// @param to  nullptr for a connected socket
@@ -107,6 +110,7 @@ class DatagramSender {
                              socklen_t to_size);
 
   bool segmentation_ = true;  ///< until the kernel or the device refuses it
+  std::vector<std::size_t> refused_;
 };
 
 }  // namespace cas::casd

@@ -41,13 +41,15 @@ struct CauseWords {
 };
 
 inline constexpr auto kCauses = std::to_array<CauseWords>({
-    {DropCause::kAge, "age", "would have arrived too late: the line is too slow for what is sent",
+    {DropCause::kAge, "age",
+     "would have arrived too late: the line is too slow for what is sent, or stood still",
      "too old in casd's queue", true},
     {DropCause::kBandwidth, "bandwidth", "would have arrived too late under the link's max_bytes_s",
      "too old in casd's queue, under the link's max_bytes_s", true},
     {DropCause::kQueueFull, "queue_full",
      "no room in its queue: the line is too slow or stands still", "casd's queue was full", true},
-    {DropCause::kClosed, "closed", "the link was away", "the link was down"},
+    {DropCause::kClosed, "closed", "the link was away, or its network refused the packet",
+     "the link was down"},
     {DropCause::kStalled, "stalled", "the peer stopped reading and was closed",
      "the peer stopped reading", true},
     {DropCause::kUnsignable, "unsignable",

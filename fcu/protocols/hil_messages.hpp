@@ -71,7 +71,7 @@ class SensorInput {
 /// charge.
 std::optional<Battery::Reading> battery_reading(const mavlink::common::BatteryStatus& m);
 
-/// What an answer to the simulator is made of.
+/// Inputs of make_answer().
 struct AnswerInput {
   const MixerResult& result;
   const Mixer& mixer;
@@ -82,6 +82,7 @@ struct AnswerInput {
 };
 /// U1..U4 as shares of their full scales, or the outputs of motors and servos.
 using Answer = std::variant<mavlink::common::HilControls, mavlink::common::HilActuatorControls>;
+/// The answer to a HIL_SENSOR.
 Answer make_answer(const AnswerInput& input);
 
 }  // namespace cas::fcu

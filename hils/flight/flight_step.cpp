@@ -201,7 +201,11 @@ FlightStep parse_step(const base::ConfigNode& node, const casd::GainMap& gains,
   FlightStep step;
   if (node.is_scalar()) {
     step.kind = parse_kind(node, node.as<std::string>());
-    parse_body(base::ConfigNode::empty(node.path()), names, step);
+    try {
+      parse_body(base::ConfigNode::empty("the step alone"), names, step);
+    } catch (const base::ConfigError& error) {
+      node.fail(std::string("needs a map of its values: ") + error.what());
+    }
     return step;
   }
   if (!node.is_map()) node.fail("a step is a word or a map with one key, such as 'hold: {...}'");

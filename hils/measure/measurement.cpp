@@ -159,6 +159,7 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.architecture = request.architecture;
   figures.seed = request.seed;
   figures.virtual_clock = record.virtual_clock;
+  figures.lockstep = record.lockstep;
   figures.flight_failure = record.flight_failure;
   figures.simulated_s = record.simulated_s;
   figures.wall_s = record.wall_s;

@@ -42,6 +42,7 @@ struct Measurement {
   Architecture architecture = Architecture::kTcas;
   std::uint64_t seed = 0;
   bool virtual_clock = false;
+  bool lockstep = false;
   bool from_device = false;            ///< of a real controller: packets are followed to its port
   std::uint64_t lost_by_sequence = 0;  ///< then: gaps in the sequence from the controller
   std::optional<std::string> flight_failure;

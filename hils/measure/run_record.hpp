@@ -40,6 +40,7 @@ struct RunRecord {
   ClockMap log_clock;                          ///< clock of the flight log -> simulated time
   std::optional<std::string> flight_failure;   ///< a sentence; nullopt when every step was done
   bool virtual_clock = false;                  ///< time was computed, not waited for
+  bool lockstep = false;                       ///< ... by the programs, one waiting for the other
   double simulated_s = 0;                      ///< length of the whole run
   double wall_s = 0;
   std::vector<std::pair<std::string, double>> cpu_s;  ///< processor time by program

@@ -227,6 +227,7 @@ std::vector<RunRecord> run_in_lockstep(const RunRequest& request) {
   std::vector<RunRecord> records = records_of(request.scenario, places);
   RunRecord& record = records.front();
   record.virtual_clock = true;
+  record.lockstep = true;
   record.log_clock.add(std::chrono::microseconds(casd::TlogWriter::kStreamEpoch).count(), 0);
   const base::CpuLatencyRequest awake = keep_processors_awake();
   BenchPrograms programs(supervisor, places, request);

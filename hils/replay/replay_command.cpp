@@ -48,6 +48,9 @@ struct Flags {
 int run(const Flags& flags) {
   fs::path out = flags.out;
   if (out.empty()) {
+    if (flags.sources.size() == 1 && !fs::exists(flags.sources.front())) {
+      throw base::ConfigError(flags.sources.front() + ": no such file or folder");
+    }
     if (flags.sources.size() != 1 || !fs::is_directory(flags.sources.front())) {
       throw base::ConfigError("--out FILE is needed, unless one folder of a run is replayed");
     }

@@ -42,6 +42,17 @@ std::string experiment_of(const Measurement& figures) {
   return kind_of(figures) + (figures.faults.empty() ? "" : " with faults");
 }
 
+std::string how_it_ran(const Measurement& figures) {
+  return title_of(figures.architecture) + (figures.lockstep        ? " in lockstep"
+                                           : figures.virtual_clock ? " on the virtual clock"
+                                                                   : "");
+}
+
+std::optional<std::string> unjudged_failure(const Measurement& figures, const Verdict& verdict) {
+  if (verdict.valid || !figures.flight_failure) return std::nullopt;
+  return "Not judged: the flight was not completed: " + *figures.flight_failure;
+}
+
 bool measures_station_keeping(const Measurement& figures) {
   const FlightStep* step = measured_step(figures);
   return step == nullptr || step->kind != StepKind::kTrajectory;

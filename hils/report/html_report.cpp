@@ -34,8 +34,9 @@ void add_verdict(HtmlPage& page, const Measurement& figures, const Verdict& verd
                 figures.pace.real_time_factor, figures.pace.worst_stall_ms,
                 figures.pace.late_p99_ms);
   add_verdict(page, verdict,
-              fmt::format("{}, {}, seed {}; {}", figures.scenario, title_of(figures.architecture),
+              fmt::format("{}, {}, seed {}; {}", figures.scenario, how_it_ran(figures),
                           figures.seed, pace));
+  if (const auto unjudged = unjudged_failure(figures, verdict)) page.paragraph(*unjudged);
 }
 
 /// The limits and validity checks of a vehicle, before all figures.

@@ -25,8 +25,9 @@ namespace {
 
 std::string verdict_text(const Measurement& figures, const Verdict& verdict) {
   std::string text = fmt::format("{}: {}, {}, seed {}\n", verdict_word(verdict), figures.scenario,
-                                 title_of(figures.architecture), figures.seed);
+                                 how_it_ran(figures), figures.seed);
   for (const std::string& sentence : verdict.failures) text += "  - " + sentence + "\n";
+  if (const auto unjudged = unjudged_failure(figures, verdict)) text += "  " + *unjudged + "\n";
   text += figures.virtual_clock
               ? fmt::format("  {:.1f} s simulated in {:.2f} s: {:.{}f} x real time\n",
                             figures.simulated_s, figures.wall_s, figures.pace.real_time_factor,
@@ -66,7 +67,7 @@ std::string rate_table(const Measurement& figures) {
              "\nTable 4. Rates at the receiver over {:.1f} s of {}\n",
              static_cast<double>(figures.window.end_usec - figures.window.begin_usec) * 1e-6,
              figures.over_hold ? measured_part(figures)
-                               : "flight (the measured step was not reached)") +
+                               : "flight (the measured step was not completed)") +
          lines({{"", over("IMU", rates.sensor), over("GPS", rates.gps),
                  over("Control", rates.controls)}},
                kPairs) +
@@ -87,6 +88,9 @@ std::string rms_table(const Measurement& figures) {
 }
 
 std::string delay_table(const Measurement& figures) {
+  if (figures.lockstep) {
+    return "\nNo delays: in lockstep the line is left out, and packets take no simulated time.\n";
+  }
   Rows rows{{"Delay, us", "median", "99 %", "longest"}};
   for (const auto& [which, name, _] : kDelayRows) {
     const DelayFigures& delay = figures.*which;
@@ -250,6 +254,7 @@ Json run_json(const Measurement& figures, const Verdict& verdict) {
   summary["passed"] = verdict.passed;
   summary["failures"] = verdict.failures;
   summary["virtual_clock"] = figures.virtual_clock;
+  summary["lockstep"] = figures.lockstep;
   summary["real_time_factor"] = figures.pace.real_time_factor;
   summary["worst_stall_ms"] = figures.pace.worst_stall_ms;
   summary["late_p99_ms"] = figures.pace.late_p99_ms;

@@ -306,7 +306,8 @@ constexpr Range kControlRate_hz{50, 2000};
 constexpr std::tuple kRateKeys{
     required(key<&Rates::sensor_hz>("sensor_hz", kControlRate_hz, "nominal rate of HIL_SENSOR")),
     required(key<&Rates::gps_hz>("gps_hz", Range{1, 50}, "of HIL_GPS")),
-    required(key<&Rates::controls_hz>("controls_hz", kControlRate_hz, "of the controls")),
+    required(key<&Rates::controls_hz>("controls_hz", kControlRate_hz,
+                                      "of the controls; no more than `sensor_hz`")),
 };
 
 constexpr std::tuple kKeys{
@@ -434,6 +435,9 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   parse_world(root, scenario);
   if (scenario.world.sdf.empty()) root.at("home");  // says that it is missing
   base::read_keys(root, kKeys, scenario);
+  if (scenario.rates.controls_hz > scenario.rates.sensor_hz) {
+    root.at("rates").at("controls_hz").fail("controls answer HIL_SENSOR: no more than sensor_hz");
+  }
   scenario.steps = parse_flight(root.at("steps"), casd::GainMap::shipped(), scenario.names());
   refuse_firmware_steps(root.at("steps"));
   if (root.has("faults")) {

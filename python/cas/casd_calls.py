@@ -94,6 +94,7 @@ Link = TypedDict("Link", {
     "endpoint": str,  # bound address or device, or why it is down
     "name": str,
     "reconnects": int,
+    "remote": NotRequired[str],  # where a udp link sends, as the topology has it
     "rx": LinkReceived,
     "signing": NotRequired[LinkSigning],
     "state": str,  # up, down, opening

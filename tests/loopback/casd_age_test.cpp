@@ -233,13 +233,16 @@ TEST_P(CasdAge, NothingOldComesWhenAReaderReadsAgain) {
     return newest_came(controller, streams, kHilSensor, reads) &&
            newest_came(controller, streams, kManualControl, reads);
   }));
+  // A busy kernel may leave the terminal's bytes lying for so long that casd empties it again, and
+  // the command with it.
+  const bool came_at_once = base::steady_now() - reads < std::chrono::seconds(1);
   ASSERT_TRUE(controller.read_for(milliseconds(100)));
   EXPECT_EQ(count_stale(controller, streams, kHilSensor, known), 0U);
   EXPECT_EQ(count_stale(controller, streams, kManualControl, known), 0U);
   EXPECT_LE(count_sent_in(controller, streams, kManualControl, known, reads), 5U)
       << "of those that waited the newest only";
   const bool waits_for_the_line = std::string(GetParam()) == "blocking";
-  if (!waits_for_the_line) {
+  if (!waits_for_the_line && came_at_once) {
     EXPECT_EQ(controller.count(kCommandLong), 1U);
   }
   const auto& dropped = fixture.status("fcu").tx.dropped;

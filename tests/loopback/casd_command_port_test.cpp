@@ -25,6 +25,7 @@
 #include "mavlink_gen/runtime/signing.hpp"
 #include "tests/base/rpc/raw_client.hpp"
 #include "tests/loopback/casd_fixture.hpp"
+#include "tests/loopback/tcp_peer.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/free_port.hpp"
 #include "tests/support/paths.hpp"
@@ -165,7 +166,10 @@ TEST_F(CommandPort, CasctlFindsACasdThatTookAFreePort) {
   casd_->signal(SIGKILL);
   ASSERT_TRUE(casd_->wait_exit().has_value());
   ASSERT_EQ(sockets().size(), 1U) << "nobody removed it";
-  EXPECT_EQ(casctl({"status"}).code, 3) << "nobody listens there";
+  // In its place casctl asks at the usual port, where somebody's own casd may run.
+  if (!TcpPeer(5790).connected()) {
+    EXPECT_EQ(casctl({"status"}).code, 3) << "nobody listens there";
+  }
   start("{port: 0}");
   EXPECT_EQ(sockets(), std::vector<fs::path>{word("command_socket")});
   EXPECT_EQ(casctl({"status"}).code, 0);

@@ -106,7 +106,10 @@ class EmulatorFixture {
   }
 
   void kill_controller() { fcu_->signal(SIGKILL); }
-  void kill_casd() { casd_->signal(SIGKILL); }
+  void kill_casd() {
+    casd_->signal(SIGKILL);
+    EXPECT_TRUE(casd_->wait_exit());
+  }
 
   std::string device() const { return (folder / "fcu0").string(); }
   std::string socket() const { return (folder / "casd.sock").string(); }

@@ -122,6 +122,18 @@ std::string filtered_text(const DoctorFacts& facts, const json& link) {
          " of its packets go nowhere, as the topology has it (casctl drops)";
 }
 
+/// "; it dropped 1099 packets before (casctl drops)", or nothing.
+std::string earlier_drops_text(const json& link) {
+  const json dropped = link.value("tx", json::object()).value("dropped", json::object());
+  double packets = 0;
+  for (const casd::CauseWords& words : casd::kCauses) {
+    if (words.trouble) packets += dropped.value(std::string(words.word), 0.0);
+  }
+  if (packets <= 0) return "";
+  return "; it dropped " + std::to_string(static_cast<std::uint64_t>(packets)) +
+         " packets before (casctl drops)";
+}
+
 void check_links(const DoctorFacts& facts, Findings& all) {
   for (const json& link : facts.after.value("links", json::array())) {
     const std::string name = "link " + link.value("name", "?");
@@ -139,7 +151,10 @@ void check_links(const DoctorFacts& facts, Findings& all) {
     }
     check_own_drops(facts, link, own);
     if (own.empty()) {
-      good(own, name + " is up, nothing lost or damaged" + filtered_text(facts, link));
+      const bool silent = growth(facts, link, casd::counter_words("rx", "packets")) <= 0;
+      good(own, name + " is up, nothing lost or damaged in " + fixed(facts.seconds, 1) + " s" +
+                    (silent ? ", nothing received" : "") + earlier_drops_text(link) +
+                    filtered_text(facts, link));
     }
     all.insert(all.end(), own.begin(), own.end());
   }
@@ -192,16 +207,20 @@ void check_reload(const DoctorFacts& facts, Findings& all) {
 void check_baud(const DoctorFacts& facts, Findings& all) {
   for (const json& link : facts.after.value("links", json::array())) {
     const double capacity = link.value("baud", 0.0) / kBitsPerByte;
-    if (capacity <= 0 || facts.seconds <= 0) continue;
+    if (capacity <= 0 || facts.seconds <= 0 || link.value("state", "") != "up") continue;
     const std::string name = "line " + link.value("name", "?");
     const double load = growth(facts, link, casd::counter_words("tx", "bytes")) / facts.seconds;
     const double used = load / capacity;
     const bool late = drop_growth(facts, link, "age") + drop_growth(facts, link, "queue_full") > 0;
     const std::string text =
         name + " carries " + fixed(load / 1000, 1) + " of " + fixed(capacity / 1000, 1) + " kB/s";
-    if (used > kFullLine || late) {
-      bad(all, text + (late ? "; packets are dropped because they would come too late" : ""),
+    const std::string drops = late ? "; packets are dropped because they would come too late" : "";
+    if (used > kFullLine) {
+      bad(all, text + drops,
           "raise the baud rate at both ends, or thin out what is routed there (rates)");
+    } else if (late) {
+      bad(all, text + drops,
+          "not the rate: the other side reads too slowly, or this machine is too busy (wake-ups)");
     } else {
       good(all, text);
     }

@@ -5,6 +5,7 @@
 
 #include "casd/casctl/monitor/text_table.hpp"
 #include "casd/casctl/monitor/value_text.hpp"
+#include "casd/casctl/session/endpoint_text.hpp"
 #include "casd/casctl/session/link_counter.hpp"
 #include "casd/casctl/session/table.hpp"
 
@@ -35,7 +36,7 @@ TextRow link_row(const json& link, const LinkRate& rates, bool old) {
   }
   const json times = link.value("tx", json::object()).value("forwarding_us", json::object());
   cells.push_back(fresh(fixed(times.value("p99", 0.0), 0)));
-  cells.push_back(link.value("endpoint", ""));
+  cells.push_back(endpoint_text(link));
   const bool losses = counter_of(link, casd::counter_words("rx", "lost")).value_or(0) > 0 ||
                       counter_of(link, casd::counter_words("tx", "dropped")).value_or(0) > 0;
   return {std::move(cells), old            ? Style::kDim

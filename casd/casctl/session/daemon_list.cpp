@@ -60,8 +60,8 @@ std::string daemon_table(const json& daemons, double now_s) {
       table.add({address, "does not answer", "?", "?"});
       continue;
     }
-    table.add({address, each.value("name", each.value("topology", "?")), vehicles_text(each),
-               clock_text(now_s - each.value("uptime_s", 0.0))});
+    table.add({address, each.value("name", each.value("topology", "endpoints of its command line")),
+               vehicles_text(each), clock_text(now_s - each.value("uptime_s", 0.0))});
   }
   std::ostringstream text;
   table.print(text);

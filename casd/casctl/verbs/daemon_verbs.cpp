@@ -7,6 +7,7 @@
 
 #include "base/rpc/client.hpp"
 #include "base/text.hpp"
+#include "casd/casctl/session/endpoint_text.hpp"
 #include "casd/casctl/session/link_counter.hpp"
 #include "casd/casctl/session/printable.hpp"
 #include "casd/casctl/session/table.hpp"
@@ -30,7 +31,7 @@ void print_links(const json& links) {
   Table table(std::move(columns));
   for (const json& link : links) {
     std::vector<std::string> cells{link.value("name", "?"), link.value("type", "?"),
-                                   link.value("state", "?"), link.value("endpoint", "")};
+                                   link.value("state", "?"), endpoint_text(link)};
     for (const casd::CounterWords& words : casd::kLinkCounters) {
       if (words.column.empty()) continue;
       const std::optional<std::uint64_t> value = counter_of(link, words);
@@ -42,7 +43,7 @@ void print_links(const json& links) {
   for (const json& link : links) {
     if (!link.value("added", false)) continue;
     std::cout << "link " << link.value("name", "?")
-              << " was added at run time: `casctl reload` ends it unless the topology has it\n";
+              << " was added at run time: a topology that is read again ends it unless it has it\n";
   }
 }
 

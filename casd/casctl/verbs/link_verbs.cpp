@@ -6,6 +6,7 @@
 #include "base/config/config.hpp"
 #include "base/error.hpp"
 #include "base/rpc/client.hpp"
+#include "casd/casctl/session/endpoint_text.hpp"
 #include "casd/casctl/session/printable.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
@@ -81,8 +82,7 @@ int add_link(Session& session, const NewLink& asked) {
   const json link = link_named(session, name);
   const std::string state = link.value("state", "?");
   report(session.options(), link,
-         "link " + printable(name) + " added, " + state + ": " +
-             printable(link.value("endpoint", "?")) +
+         "link " + printable(name) + " added, " + state + ": " + printable(endpoint_text(link)) +
              (state == "down" ? "; casd goes on trying" : ""));
   return kDone;
 }

@@ -78,14 +78,49 @@ std::string findings(const DoctorFacts& facts) {
 
 TEST(Doctor, TellsFilteredPacketsBesideALinkThatLosesNone) {
   DoctorFacts facts = good_setup();
-  EXPECT_NE(findings(facts).find("link fcu is up, nothing lost or damaged\n"), std::string::npos);
+  EXPECT_NE(
+      findings(facts).find("link fcu is up, nothing lost or damaged in 2.0 s, nothing received\n"),
+      std::string::npos)
+      << findings(facts);
+  facts.after["links"][1]["rx"]["packets"] = 1000;
   facts.before["links"][1]["rx"]["verdicts"] = {{"no_rule", 5}, {"forwarded", 9}};
   facts.after["links"][1]["rx"]["verdicts"] = {{"no_rule", 45}, {"forwarded", 99}};
   facts.after["links"][1]["rx"]["not_accepted"] = 2;
-  EXPECT_NE(findings(facts).find("nothing lost or damaged; 42 of its packets go nowhere, as the "
-                                 "topology has it (casctl drops)\n"),
+  EXPECT_NE(findings(facts).find("nothing lost or damaged in 2.0 s; 42 of its packets go nowhere, "
+                                 "as the topology has it (casctl drops)\n"),
             std::string::npos)
       << findings(facts);
+}
+
+TEST(Doctor, TellsDropsOfBefore) {
+  DoctorFacts facts = good_setup();
+  for (json* status : {&facts.before, &facts.after}) {
+    (*status)["links"][1]["tx"]["dropped"] = {{"age", 1090}, {"stalled", 9}, {"superseded", 3}};
+  }
+  EXPECT_NE(findings(facts).find("link fcu is up, nothing lost or damaged in 2.0 s, nothing "
+                                 "received; it dropped 1099 packets before (casctl drops)\n"),
+            std::string::npos)
+      << findings(facts);
+}
+
+TEST(Doctor, BlamesTheRateOfAFullLineAlone) {
+  const auto remedy = [](double bytes) {
+    DoctorFacts facts = good_setup();
+    facts.after["links"][1]["tx"]["bytes"] = bytes;
+    facts.after["links"][1]["tx"]["dropped"]["age"] = 7;
+    for (const Finding& finding : diagnose(facts)) {
+      if (finding.what.starts_with("line fcu")) return finding.remedy;
+    }
+    return std::string();
+  };
+  EXPECT_TRUE(remedy(180'000).starts_with("raise the baud rate"));
+  EXPECT_TRUE(remedy(70'000).starts_with("not the rate"));
+}
+
+TEST(Doctor, SaysNothingOfTheLoadOfALineThatIsDown) {
+  DoctorFacts facts = good_setup();
+  facts.after["links"][1]["state"] = "down";
+  EXPECT_EQ(findings(facts).find("line fcu carries"), std::string::npos);
 }
 
 /// PX4 in software beside its simulator, in a good flight.

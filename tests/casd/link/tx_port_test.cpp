@@ -5,7 +5,9 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "casd/link/blocking_tx_port.hpp"
@@ -31,6 +33,8 @@ struct FakeLine {
   int flushes = 0;
   bool can_flush = true;
   base::Duration took{};  ///< a write
+  /// Message ids that are finished without being sent, with the causes.
+  std::map<std::uint32_t, std::optional<DropCause>> refuses{};
 };
 
 class FakeWriter final : public PacketWriter {
@@ -38,7 +42,13 @@ class FakeWriter final : public PacketWriter {
   explicit FakeWriter(FakeLine& line) : line_(line) {}
   WriteResult write(std::span<const PacketRef> packets) override {
     WriteResult result;
+    unsent_.clear();
     for (const PacketRef& packet : packets) {
+      if (const auto refused = line_.refuses.find(packet.info->message_id);
+          refused != line_.refuses.end()) {
+        unsent_.push_back({result.packets++, refused->second});
+        continue;
+      }
       const std::size_t taken = std::min(line_.room, packet.bytes.size());
       line_.room -= taken;
       line_.bytes += taken;
@@ -50,6 +60,7 @@ class FakeWriter final : public PacketWriter {
       ++result.packets;
     }
     if (line_.took > base::Duration{}) result.done = at(line_.took);
+    result.unsent = unsent_;
     return result;
   }
   WriteResult write_rest(std::span<const std::uint8_t> rest) override {
@@ -71,6 +82,7 @@ class FakeWriter final : public PacketWriter {
 
  private:
   FakeLine& line_;
+  std::vector<Unsent> unsent_;
 };
 
 class TxPortTest : public testing::Test {
@@ -108,6 +120,16 @@ TEST_F(TxPortTest, WritesAtOnceWhileThereIsRoom) {
   EXPECT_EQ(wakes, 0);
 }
 
+TEST_F(TxPortTest, WhatTheWriterDidNotSendDoesNotCount) {
+  open({});
+  line.refuses = {{2, std::nullopt}, {3, DropCause::kClosed}, {5, std::nullopt}};
+  deliver(TrafficClass::kHil, 5, at({}));
+  EXPECT_EQ(line.written, (std::vector<std::uint32_t>{1, 4}));
+  EXPECT_EQ(counters->tx.packets.get(), 2U);
+  EXPECT_EQ(counters->tx.bytes.get(), 200U);
+  EXPECT_EQ(dropped(DropCause::kClosed), 1U);
+}
+
 TEST_F(TxPortTest, WhatCannotBeSignedIsDroppedAndNotSent) {
   const cas::test::TemporaryFolder folder;
   SigningConfig config;
@@ -132,13 +154,21 @@ TEST_F(TxPortTest, WhatCannotBeSignedIsDroppedAndNotSent) {
   EXPECT_EQ(counters->tx.packets.get(), 2U);
   EXPECT_EQ(dropped(DropCause::kUnsignable), 2U);
 
+  line.refuses = {{1, DropCause::kClosed}};  // both unsent: one signed, one not
+  deliver_both(true);
+  deliver_both(false);
+  line.refuses.clear();
+  EXPECT_EQ(counters->tx.packets.get(), 2U);
+  EXPECT_EQ(dropped(DropCause::kUnsignable), 4U);
+  EXPECT_EQ(dropped(DropCause::kClosed), 2U);
+
   line.room = 0;  // they wait together, and are judged together
   deliver_both(false);
-  EXPECT_EQ(dropped(DropCause::kUnsignable), 2U);
+  EXPECT_EQ(dropped(DropCause::kUnsignable), 4U);
   line.room = 1'000'000;
   port->carry_on(at({}));
   EXPECT_EQ(counters->tx.packets.get(), 3U);
-  EXPECT_EQ(dropped(DropCause::kUnsignable), 3U);
+  EXPECT_EQ(dropped(DropCause::kUnsignable), 5U);
 }
 
 TEST_F(TxPortTest, WhatAgedInABatchThatFoundNoRoomIsDropped) {

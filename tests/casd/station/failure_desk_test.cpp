@@ -284,9 +284,11 @@ TEST_F(Desk, BelievesTheSimulatorAlone) {
   ask(kPermitted);
   simulator_says(MavResult::kAccepted, kForbidden);
   EXPECT_EQ(result(), std::nullopt);
+  EXPECT_EQ(desk_.due(), now_ + FailureDesk::kPatience);
   now_ += FailureDesk::kPatience;
   desk_.tick(now_);
   EXPECT_EQ(result(), MavResult::kFailed);
+  EXPECT_EQ(desk_.due(), base::RunTime::max());
   simulator_says(MavResult::kAccepted);  // too late
   EXPECT_EQ(result(), MavResult::kFailed);
 }

@@ -170,6 +170,15 @@ TEST(RouterImport, ClientsWithoutAPortKeepClearOfTheOnesThatHaveOne) {
   EXPECT_EQ(topology.links[4].remote, "[::1]:14550");
 }
 
+TEST(RouterImport, ClientsWithoutAPortDoNotSendToAServerOfTheFile) {
+  const Topology topology =
+      parsed(import_text("[General]\nTcpServerPort=0\n"
+                         "[UdpEndpoint a]\nMode=Server\nAddress=0.0.0.0\nPort=14550\n"
+                         "[UdpEndpoint b]\nMode=Normal\nAddress=127.0.0.1\n",
+                         "f"));
+  EXPECT_EQ(topology.links[1].remote, "127.0.0.1:14551");
+}
+
 TEST(RouterImport, SaysThatItConnectsAgainWhereMavlinkRouterWouldNot) {
   for (const char* never : {"0", "-1"}) {
     const ImportedTopology imported = import_text(

@@ -272,6 +272,32 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"ListensWhereAnotherDoes",
                 kLinks + "  - {name: b, type: udp, local: '127.0.0.1:14551'}\n",
                 "t.yaml:6: links[3]: link 'gcs' listens at 0.0.0.0:14551 already"},
+        BadCase{"BroadcastsToAGroupLink",
+                link("name: a, type: udp, remote: '192.168.1.255:14550'") +
+                    "  - {name: b, type: udp, local: '0.0.0.0:14550', remote: "
+                    "'239.255.145.50:14550'}\n",
+                "link 'a' sends to 192.168.1.255:14550, where link 'b' listens"},
+        BadCase{"SendsToTheGroupOfAnotherLink",
+                link("name: a, type: udp, remote: '239.255.145.50:14550'") +
+                    "  - {name: b, type: udp, local: '0.0.0.0:14550', remote: "
+                    "'239.255.145.50:14550'}\n",
+                "link 'a' sends to 239.255.145.50:14550, where link 'b' listens"},
+        BadCase{"SpeaksWithAnotherLink",
+                link("name: a, type: udp, local: '127.0.0.1:1', remote: '127.0.0.1:2'") +
+                    "  - {name: b, type: udp, local: '127.0.0.1:2', remote: '127.0.0.1:1'}\n",
+                "link 'b' sends to 127.0.0.1:1, where link 'a' listens"},
+        BadCase{"ListensByAnotherNameOfThisMachine",
+                kLinks + "  - {name: b, type: udp_server, local: '127.0.0.1:1'}\n"
+                         "  - {name: c, type: udp_server, local: 'localhost:1'}\n",
+                "link 'b' listens at 127.0.0.1:1 already"},
+        BadCase{"ListensWhereAllOfIpV6Does",
+                kLinks + "  - {name: b, type: udp_server, local: '[::]:1'}\n"
+                         "  - {name: c, type: udp_server, local: '127.0.0.1:1'}\n",
+                "link 'b' listens at [::]:1 already"},
+        BadCase{"ListensAtTheCommandPortOfIpV6",
+                "command_port: {address: '::1'}\n" +
+                    link("name: a, type: tcp_server, local: '[::]:5790'"),
+                "[::1]:5790 is the command port"},
         BadCase{"ListensAtTheCommandPort", link("name: a, type: tcp_server, local: '0.0.0.0:5790'"),
                 "t.yaml:3: links[0]: 127.0.0.1:5790 is the command port"},
         BadCase{"MisspeltKey", kLinks + "comand_port: {port: 1}\n", "comand_port"}),
@@ -287,8 +313,19 @@ TEST(Topology, TakesEndpointsThatOnlyLookAlike) {
   - {name: group, type: udp, local: "0.0.0.0:14570", remote: "239.255.145.50:14570"}
   - {name: group2, type: udp, local: "0.0.0.0:14570", remote: "239.255.145.51:14570"}
   - {name: all, type: udp, remote: "192.168.1.255:14599"}
+  - {name: eth, type: udp_server, local: "0.0.0.0:14580", interface: eth0}
+  - {name: wlan, type: udp_server, local: "0.0.0.0:14580", interface: wlan0}
+  - {name: by_hand, type: udp, remote: "127.0.0.1:14580"}
+  - {name: vehicle, type: udp, local: "0.0.0.0:14590", remote: "192.168.1.2:14591"}
+  - {name: stations, type: udp, remote: "192.168.1.255:14590"}
+  - {name: listens, type: udp_server, local: "0.0.0.0:14600", sniffer: true}
+  - {name: reads, type: udp_server, local: "0.0.0.0:14601", accept: nothing}
+  - {name: to_sniffer, type: udp, remote: "192.168.1.255:14600"}
+  - {name: to_reader, type: udp, remote: "192.168.1.255:14601"}
+  - {name: all_v4, type: udp_server, local: "0.0.0.0:14602"}
+  - {name: one_v6, type: udp_server, local: "[::1]:14602"}
 )");
-  EXPECT_EQ(topology.links.size(), 11U);
+  EXPECT_EQ(topology.links.size(), 22U);
 }
 
 TEST(LineBudget, SaysWhichRatesWouldFit) {

@@ -5,6 +5,8 @@
 
 #include <array>
 #include <chrono>
+#include <span>
+#include <vector>
 
 #include "base/os/descriptor.hpp"
 #include "casd/transport/socket_address.hpp"
@@ -128,6 +130,23 @@ TEST_F(Datagrams, ThatHaveWaitedAreReadTogether) {
   constexpr base::Duration kClocks = std::chrono::milliseconds(10);
   EXPECT_GE(reader_.waited(0), kLong - kClocks);
   EXPECT_LE(reader_.waited(0), base::steady_now() - begin + kClocks);
+}
+
+TEST(DatagramSender, NamesThePacketsThatTheNetworkRefuses) {
+  const base::Descriptor socket(open_udp_socket(AF_INET, ""));  // may not broadcast
+  const SocketAddress everybody = AddressLookup("255.255.255.255:14550").address();
+  const PacketInfo info;
+  const std::vector<std::uint8_t> bytes(30);
+  const auto of_size = [&](std::size_t size) {
+    return PacketRef{&info, std::span(bytes).first(size)};
+  };
+  const std::array packets{of_size(20), of_size(20), of_size(30), of_size(10)};  // one run of two
+  DatagramSender sender;
+  const auto result = sender.send(socket.get(), packets, everybody.get(), everybody.size);
+  EXPECT_EQ(result.packets, 4U);
+  EXPECT_EQ(result.error, 0);
+  EXPECT_EQ(std::vector(result.refused.begin(), result.refused.end()),
+            (std::vector<std::size_t>{0, 1, 2, 3}));
 }
 
 }  // namespace

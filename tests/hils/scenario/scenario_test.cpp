@@ -103,6 +103,21 @@ TEST_F(ScenarioFile, ReadsStepsInOrder) {
   EXPECT_TRUE(scenario.steps[2].measure);
 }
 
+TEST_F(ScenarioFile, RefusesMoreControlsThanSensorsAndStepsWithoutTheirValues) {
+  std::string head = kHead;
+  head.replace(head.find("sensor_hz: 500"), 14, "sensor_hz: 333");
+  EXPECT_NE(error_of(head + kFlight).find(": rates.controls_hz: controls answer HIL_SENSOR"),
+            std::string::npos)
+      << error_of(head + kFlight);
+  std::string flight = kFlight;
+  flight.replace(flight.find("takeoff: {altitude_m: 2.5}"), 26, "takeoff");
+  const std::string text = error_of(kHead + flight);
+  EXPECT_NE(text.find("steps[1]: needs a map of its values: the step alone: key 'altitude_m' is "
+                      "missing"),
+            std::string::npos)
+      << text;
+}
+
 TEST_F(ScenarioFile, TakesLimitsOnlyWhereTheyAreGiven) {
   const Scenario scenario =
       Scenario::load(write(std::string(kHead) + kFlight + "limits: {lost: 0, rms: {x_m: 0.25}}\n"));
