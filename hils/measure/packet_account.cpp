@@ -194,6 +194,15 @@ void check_points(const std::vector<Point>& points, PathAccount& account) {
   }
 }
 
+/// Time at an edge of the window for which a stream is silent, less the period that it may be; 0
+/// for up to three periods, which is jitter.
+double silence_s(std::uint64_t gap_usec, double nominal_hz) {
+  constexpr double kJitter = 3;  // periods
+  const double period_s = 1 / nominal_hz;
+  const double gap_s = static_cast<double>(gap_usec) * 1e-6;
+  return gap_s > kJitter * period_s ? gap_s - period_s : 0;
+}
+
 }  // namespace
 
 RateFigures account(std::span<const base::LedgerEntry> sender,
@@ -221,8 +230,11 @@ RateFigures account(std::span<const base::LedgerEntry> sender,
   figures.received = arrived.size() - figures.unexplained;
   figures.lost = figures.sent - figures.received;
   if (arrived.size() >= 2 && last > first) {
-    figures.received_hz =
-        static_cast<double>(arrived.size() - 1) / (static_cast<double>(last - first) * 1e-9);
+    // Packets lost at an edge of the window count like those between two others.
+    const double silent_s = silence_s(arrived.front().first - window.begin_usec, nominal_hz) +
+                            silence_s(window.end_usec - arrived.back().first, nominal_hz);
+    figures.received_hz = static_cast<double>(arrived.size() - 1) /
+                          (static_cast<double>(last - first) * 1e-9 + silent_s);
   }
   figures.error_pct = 100.0 * (nominal_hz - figures.received_hz) / nominal_hz;
   return figures;

@@ -29,8 +29,10 @@ struct RateFigures {
   std::uint64_t sent = 0;
   std::uint64_t received = 0;
   std::uint64_t lost = 0;
-  double received_hz = 0;  ///< (n - 1) / (t_last - t_first) by the receiver's clock
-  double error_pct = 0;    ///< how far received_hz falls short of nominal; negative above it
+  /// (n - 1) / (t_last - t_first) by the receiver's clock; the silence at an edge of the window,
+  /// by stamps, makes that time longer.
+  double received_hz = 0;
+  double error_pct = 0;  ///< how far received_hz falls short of nominal; negative above it
 
   std::uint64_t duplicated = 0;   ///< identities that arrived more than once
   std::uint64_t unexplained = 0;  ///< identities that arrived and were never sent
