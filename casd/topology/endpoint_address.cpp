@@ -65,7 +65,7 @@ bool EndpointAddress::overlaps(const EndpointAddress& other) const {
 
 bool EndpointAddress::hears(const EndpointAddress& there) const {
   if (port_ == 0 || port_ != there.port_) return false;
-  // What is sent to the wildcard address goes to this machine.
+  // Packets to the wildcard address go to this machine.
   if (there.is_any()) return is_loopback() || is_any();
   return same_host(there) || (covers(there) && (there.is_loopback() || there.is_many()));
 }

@@ -10,7 +10,7 @@
 
 namespace cas::hils {
 
-// A file system without locks holds nobody up.
+// Without locks of the file system nothing is refused.
 FolderLock::FolderLock(const std::filesystem::path& folder)
     : folder_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
   if (folder_ && ::flock(folder_.get(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {

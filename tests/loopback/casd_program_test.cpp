@@ -117,6 +117,18 @@ TEST_F(CasdProgram, RoutesBetweenEndpointsOfTheCommandLineButNoSensorsOfASimulat
   EXPECT_EQ(casd.wait_exit(), 0) << casd.output();
 }
 
+TEST_F(CasdProgram, TakesNoFlagForAForgottenValue) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"-e", "--check"}, {"-l", "--check", "udp:0"}}) {
+    std::vector<std::string> command{kCasd};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    ChildProcess casd(command);
+    EXPECT_EQ(casd.wait_exit(), 78) << casd.output();
+    EXPECT_NE(casd.output().find("'--check' is a flag, and no value"), std::string::npos)
+        << casd.output();
+  }
+}
+
 /// The other end of an endpoint on the command line.
 enum class OtherEnd {
   kUdpSentTo,   ///< casd sends to its socket ($SIM)

@@ -115,6 +115,7 @@ TEST_F(RunTimeLinks, AnAddedLinkCarriesPacketsBothWaysUntilItIsRemoved) {
   EXPECT_EQ(call("link.add", {{"entry", entry_to(station)}})["link"], "gcs");
   station.set_remote(port("gcs"));
   EXPECT_EQ((*link("gcs"))["added"], true);
+  EXPECT_EQ((*link("gcs"))["remote"], station.endpoint());
   EXPECT_FALSE(link("fcu")->contains("added"));
 
   PacketStream at_station;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The command line of hils, up to where a flight would begin.
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 
 #include <filesystem>
 #include <fstream>
@@ -8,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/os/descriptor.hpp"
 #include "tests/hils/ulog/ulog_bytes.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
@@ -63,6 +66,19 @@ TEST(HilsProgram, LetsAGroundStationJoinInRealTimeAlone) {
             std::string::npos);
   EXPECT_NE(refused("14550", {}).find("--gcs '14550' is none of udp:PORT"), std::string::npos);
   EXPECT_NE(refused("udp:0", {}).find("no port from 1 to 65535"), std::string::npos);
+}
+
+TEST(HilsProgram, LeavesTheFolderOfAnotherRunAlone) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  std::filesystem::create_directory(out);
+  const std::string verdict = folder.write("out/summary.json", "of the other run");
+  const base::Descriptor other(::open(out.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  ASSERT_EQ(::flock(other.get(), LOCK_EX | LOCK_NB), 0);
+  const std::string text =
+      refusal({source_dir() + "/config/scenarios/hover.yaml", "--virtual", "--out", out});
+  EXPECT_NE(text.find("another run writes its results there"), std::string::npos) << text;
+  EXPECT_EQ(TemporaryFolder::read(verdict), "of the other run");
 }
 
 TEST(HilsProgram, NamesTheFaultOfTheBenchThatLockstepCannotPlay) {

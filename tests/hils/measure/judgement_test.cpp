@@ -347,6 +347,28 @@ TEST(Judgement, GivesNoVerdictWhenTheAccountDoesNotClose) {
   EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitInvalid);
 }
 
+TEST(TextReport, SaysWhyAFlightWithoutAVerdictEnded) {
+  Measurement figures = good();
+  figures.flight_failure = "the vehicle disarmed";
+  const auto text = [&] { return text_report(figures, judge(figures, hover_limits())); };
+  const std::string unjudged = "Not judged: the flight was not completed: the vehicle disarmed\n";
+  EXPECT_EQ(text().find(unjudged), std::string::npos) << "the verdict says so:\n" << text();
+  figures.rates.sensor.unexplained = 1;
+  EXPECT_NE(text().find(unjudged), std::string::npos) << text();
+}
+
+TEST(TextReport, NamesTheClockAndMeasuresNoDelayInLockstep) {
+  Measurement figures = good();
+  const auto text = [&] { return text_report(figures, judge(figures, hover_limits())); };
+  EXPECT_EQ(text().find("lockstep"), std::string::npos) << text();
+  EXPECT_NE(text().find("Delay, us"), std::string::npos) << text();
+  figures.virtual_clock = true;
+  EXPECT_NE(text().find("TCAS on the virtual clock, seed"), std::string::npos) << text();
+  figures.lockstep = true;
+  EXPECT_NE(text().find("TCAS in lockstep, seed"), std::string::npos) << text();
+  EXPECT_EQ(text().find("Delay, us"), std::string::npos) << text();
+}
+
 TEST(Summary, HasTheFieldsThatProgramsReadOff) {
   const Measurement figures = good();
   const auto summary = nlohmann::json::parse(summary_json(figures, judge(figures, hover_limits())));
