@@ -106,6 +106,7 @@ void LogFiles::enqueue(Job job) {
 }
 
 void LogFiles::run(const std::stop_token& stop) {
+  if (!folder_.takes_files()) fail(message_of(errno));  // shall show before a vehicle arms
   for (bool ends = false; !ends;) {
     std::deque<Job> jobs;
     {
@@ -202,16 +203,7 @@ void LogFiles::look_for_room() {
   free_read_at_.reset();
   const bool full = folder_.look(false).free_bytes < kRoomToGoOn;
   if (full || lack(kRoomToGoOn)) return;
-  // Free space does not prove that the disk can be written.
-  const std::string probe = ".autopilot-log-" + std::to_string(::getpid());
-  folder_.remove(probe);
-  {
-    const base::Descriptor file = folder_.make(probe);
-    constexpr std::array<std::uint8_t, 1> kByte{};
-    const bool taken = file && write_all(file.get(), kByte);
-    folder_.remove(probe);
-    if (!taken) return;
-  }
+  if (!folder_.takes_files()) return;
   retry_at_.reset();
   paused_ = false;
   takes_.store(true, std::memory_order_relaxed);

@@ -32,6 +32,13 @@ bool AcceptRule::accepts(const mav::PacketView& packet) const {
          (ground_station && is_ground_station_traffic(packet));
 }
 
+bool AcceptRule::may_accept(std::uint32_t message_id) const {
+  if (read_only) return false;
+  if (std::ranges::find(messages, message_id) != messages.end()) return true;
+  return ground_station ? std::ranges::binary_search(ground_station_messages(), message_id)
+                        : messages.empty();
+}
+
 ForwardWord::ForwardWord() {
   by_system_.fill(~SlotMask{0});
   by_component_.fill(~SlotMask{0});

@@ -96,6 +96,18 @@ base::Descriptor TlogFolder::make(const std::string& name) const {
   return file;
 }
 
+bool TlogFolder::takes_files() const {
+  const std::string name = ".casd-" + std::to_string(::getpid());
+  remove(name);
+  const base::Descriptor file = make(name);
+  if (!file) return false;
+  const bool written = ::write(file.get(), "?", 1) == 1;
+  const int error = errno;
+  remove(name);
+  errno = error;
+  return written;
+}
+
 bool TlogFolder::remove(const std::string& name) const {
   const base::Descriptor folder = open_folder(path_);
   return folder && ::unlinkat(folder.get(), name.c_str(), 0) == 0;

@@ -45,6 +45,9 @@ class TlogFolder {
   /// Makes a file, and the folder if its parent exists. @return nothing with errno set, EEXIST if
   /// the name is taken
   base::Descriptor make(const std::string& name) const;
+  /// Writes a test file and removes it: free space alone does not prove that the disk takes one.
+  /// @return false with errno set
+  bool takes_files() const;
   /// Removes a file or symlink of that name. @return false with errno set
   bool remove(const std::string& name) const;
   /// Removes the oldest of casd's recordings (is_dated_tlog()) until `keep` of them are left: only

@@ -27,12 +27,6 @@ bool lets_sensors_pass(const RouteConfig& route) {
   return !route.rule.allow && !holds(route.rule.block, kSensor);
 }
 
-bool takes_in_sensors(const LinkConfig& link) {
-  if (link.accept.read_only) return false;
-  if (holds(link.accept.messages, kSensor)) return true;
-  return !link.accept.ground_station && link.accept.messages.empty();
-}
-
 const LinkConfig& named(const Topology& topology, const std::string& name) {
   return *find_link(topology.links, name);
 }
@@ -60,11 +54,8 @@ bool is_open(const LinkConfig& link) {
 }  // namespace
 
 bool may_inject_failures(const LinkConfig& link) {
-  const AcceptRule& accept = link.accept;
-  if (!link.inject_failures || accept.read_only) return false;
-  return accept.ground_station || accept.messages.empty() ||
-         holds(accept.messages, mavlink::common::CommandLong::kId) ||
-         holds(accept.messages, mavlink::common::CommandInt::kId);
+  return link.inject_failures && (link.accept.may_accept(mavlink::common::CommandLong::kId) ||
+                                  link.accept.may_accept(mavlink::common::CommandInt::kId));
 }
 
 std::vector<std::string> injection_warnings(const Topology& topology) {
@@ -72,7 +63,8 @@ std::vector<std::string> injection_warnings(const Topology& topology) {
   std::vector<std::string> warnings;
   for (const RouteConfig& route : topology.routes) {
     if (!flying.contains(route.to) || flying.contains(route.from)) continue;
-    if (!lets_sensors_pass(route) || !takes_in_sensors(named(topology, route.from))) continue;
+    if (!lets_sensors_pass(route) || !named(topology, route.from).accept.may_accept(kSensor))
+      continue;
     warnings.push_back(
         "whoever is at link " + route.from + " can send HIL_SENSOR to " + route.to +
         ": if a ground station is there, give the link accept: {traffic: ground_station, "

@@ -12,6 +12,7 @@
 namespace cas::casd {
 namespace {
 
+constexpr std::uint32_t kHeartbeat = 0;
 constexpr std::uint32_t kHilSensor = 107;
 
 struct ExpectedRate {
@@ -22,7 +23,7 @@ struct ExpectedRate {
 
 // What a HIL run sends over the controller's line; each vehicle counts once.
 constexpr std::array kExpected{
-    ExpectedRate{0, 1, true},             // HEARTBEAT
+    ExpectedRate{kHeartbeat, 1, true},    // HEARTBEAT
     ExpectedRate{kHilSensor, 500, true},  // HIL_SENSOR
     ExpectedRate{113, 5, true},           // HIL_GPS
     ExpectedRate{91, 400, false},         // HIL_CONTROLS
@@ -40,15 +41,11 @@ bool names(const ForwardRule& rule, std::uint32_t id) {
   return rule.allow && contains(*rule.allow, id) && !blocks(rule, id);
 }
 
-LinkType type_of(const Topology& topology, const std::string& name) {
-  return find_link(topology.links, name)->type;
-}
-
 // A route without an allow list says nothing of the streams behind it: simulators come over
 // sockets, controllers over lines.
 bool may_carry(const Topology& topology, const RouteConfig& route, const ExpectedRate& expected) {
   if (route.rule.allow || blocks(route.rule, expected.message_id)) return false;
-  const bool from_line = type_of(topology, route.from) == LinkType::kSerial;
+  const bool from_line = find_link(topology.links, route.from)->type == LinkType::kSerial;
   return expected.from_simulator != from_line;
 }
 
@@ -79,6 +76,8 @@ double rate_to(const Topology& topology, const std::string& link, const Expected
   double hz = 0;
   for (const RouteConfig& route : topology.routes) {
     if (route.to != link) continue;
+    const AcceptRule& accept = find_link(topology.links, route.from)->accept;
+    if (!accept.may_accept(expected.message_id)) continue;
     const bool carries =
         named ? names(route.rule, expected.message_id) : may_carry(topology, route, expected);
     if (carries) hz = std::max(hz, limited_hz(route.rule, expected.message_id, expected.hz));
@@ -133,6 +132,11 @@ double LineBudget::load_bytes_s() const {
   return sum;
 }
 
+bool LineBudget::has_streams() const {
+  return std::ranges::any_of(loads,
+                             [](const LineLoad& load) { return load.message_id != kHeartbeat; });
+}
+
 double LineBudget::fitting_sensor_hz() const {
   for (const LineLoad& load : loads) {
     if (load.message_id != kHilSensor) continue;
@@ -185,6 +189,10 @@ std::string describe(const std::vector<LineBudget>& budgets) {
       text += format("    %-24s %6.0f Hz assumed x %3.0f bytes = %6.1f kB/s\n",
                      name_of(load.message_id).c_str(), load.hz, load.packet_bytes,
                      load.bytes_s() / 1e3);
+    }
+    if (!budget.has_streams()) {
+      text += "    no stream of a HIL run; 'casctl budget' measures what goes over it\n";
+      continue;
     }
     text += format("    %-24s %38.1f kB/s, %.0f %%: %s", "in all", budget.load_bytes_s() / 1e3,
                    100 * budget.load_bytes_s() / budget.capacity_bytes_s,

@@ -25,6 +25,8 @@ struct LineBudget {
   std::vector<LineLoad> loads;
 
   double load_bytes_s() const;
+  /// Whether a stream of a HIL run goes there: without one, its load is not known beforehand.
+  bool has_streams() const;
   bool fits() const { return load_bytes_s() <= capacity_bytes_s; }
   /// The highest HIL_SENSOR rate that fits beside everything else; 0 when nothing of it is sent.
   double fitting_sensor_hz() const;
@@ -35,7 +37,8 @@ struct LineBudget {
 /// The budget of each link with a limited rate. Expected rates are those of a HIL run ([HILS] Table
 /// 4: 500 Hz HIL_SENSOR, 5 Hz HIL_GPS; 400 Hz controls), thinned out by the routes' rate rules.
 /// Where no route to a line names the streams, those without an allow list are taken to send them:
-/// sensors when they come from a socket, controls when they come from another line.
+/// sensors when they come from a socket, controls when they come from another line. What a link
+/// does not accept goes nowhere.
 std::vector<LineBudget> line_budgets(const Topology& topology);
 
 /// A sentence for each line that cannot carry its load, with the HIL_SENSOR rate and the baud rate

@@ -23,7 +23,7 @@
 #include "hils/campaign/catalogue.hpp"
 #include "hils/campaign/matrix.hpp"
 #include "hils/measure/judgement.hpp"
-#include "hils/report/report.hpp"
+#include "hils/report/junit_report.hpp"
 #include "hils/report/results_folder.hpp"
 #include "hils/run/verbs.hpp"
 #include "hils/sweep/row_again.hpp"

@@ -11,7 +11,7 @@
 #include "base/time/clock.hpp"
 #include "hils/programs/batch_progress.hpp"
 #include "hils/programs/realtime_run.hpp"
-#include "hils/report/report.hpp"
+#include "hils/report/summary_json.hpp"
 #include "hils/virtual/virtual_run.hpp"
 
 namespace cas::hils {

@@ -20,10 +20,11 @@
 #include "hils/firmware/firmware_report.hpp"
 #include "hils/firmware/firmware_verdict.hpp"
 #include "hils/firmware/own_home.hpp"
+#include "hils/measure/judgement.hpp"
 #include "hils/replay/replay_command.hpp"
 #include "hils/replay/replay_page.hpp"
 #include "hils/replay/replay_record.hpp"
-#include "hils/report/report.hpp"
+#include "hils/report/junit_report.hpp"
 #include "hils/report/results_folder.hpp"
 #include "hils/run/run_places.hpp"
 
@@ -50,14 +51,14 @@ void print_figures(const FirmwareScenario& scenario, std::span<const FirmwareRes
                    std::uint64_t lost_bytes) {
   const FirmwareFigures& first = vehicles.front().figures;
   const Verdict verdict = judge_together(vehicles);
-  fmt::print("{}: {}{}\n", verdict_word(verdict), scenario.name,
+  fmt::print("{}: {}{}\n", verdict.word(), scenario.name,
              first.version.empty() ? "" : ", firmware v" + first.version);
   for (const std::string& sentence : verdict.failures) fmt::print("  - {}\n", sentence);
   fmt::print("  {:.1f} s simulated at {:.2f} x real time\n", first.simulated_s,
              first.real_time_factor);
   for (const FirmwareResult& vehicle : vehicles) {
     if (vehicles.size() > 1) {
-      fmt::print(" {}: {}\n", vehicle.vehicle, verdict_word(vehicle.verdict));
+      fmt::print(" {}: {}\n", vehicle.vehicle, vehicle.verdict.word());
     }
     print_vehicle(vehicle.figures);
   }

@@ -37,6 +37,10 @@ struct Verdict {
     if (!valid) return kExitInvalid;
     return passed ? kExitPassed : kExitLimitsMissed;
   }
+  std::string_view word() const {
+    if (!valid) return "INVALID";
+    return passed ? "PASSED" : "FAILED";
+  }
 };
 
 /// Least simulated over elapsed time of a valid run in real time.

@@ -5,6 +5,7 @@
 
 #include <initializer_list>
 
+#include "base/time/clock.hpp"
 #include "hils/report/experiment.hpp"
 #include "hils/report/number_text.hpp"
 #include "hils/report/paper_figures.hpp"
@@ -64,6 +65,18 @@ Rows response_rows(const Measurement& figures) {
     rows.push_back({response.name, fixed(response.size, 2), fixed(response.rise_s, 2),
                     fixed(response.overshoot_pct, 1), fixed(response.settling_s, 2),
                     fixed(response.integrated_error, 3)});
+  }
+  return rows;
+}
+
+Rows fault_rows(const Measurement& figures) {
+  Rows rows;
+  for (const auto& fault : figures.faults) {
+    rows.push_back({fault.name, fixed(base::to_seconds(fault.begin), 2),
+                    fault.end ? fixed(base::to_seconds(*fault.end), 2) : "-"});
+  }
+  for (const FaultThatNeverBegan& fault : figures.never_began) {
+    rows.push_back({fault.name, "never", "-"});
   }
   return rows;
 }

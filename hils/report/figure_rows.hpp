@@ -26,6 +26,9 @@ Rows rms_rows(const Measurement& figures, const std::array<std::string, 2>& name
 /// Step, size, rise time, overshoot, settling time and integrated error of each step response.
 Rows response_rows(const Measurement& figures);
 
+/// Name, begin and end, s, of each fault of the flight; also of those that never began.
+Rows fault_rows(const Measurement& figures);
+
 /// A delay of the report.
 struct DelayRow {
   DelayFigures Measurement::*figures;

@@ -121,16 +121,9 @@ void add_hops(HtmlPage& page, const Measurement& figures) {
 }
 
 void add_faults(HtmlPage& page, const Measurement& figures) {
-  if (figures.faults.empty() && figures.never_began.empty()) return;
   Rows rows{{"Fault", "begin s", "end s"}};
-  for (const auto& fault : figures.faults) {
-    rows.push_back({fault.name, fixed(base::to_seconds(fault.begin), 2),
-                    fault.end ? fixed(base::to_seconds(*fault.end), 2) : "-"});
-  }
-  for (const FaultThatNeverBegan& fault : figures.never_began) {
-    rows.push_back({fault.name, "never", "-"});
-  }
-  page.table("Faults", rows);
+  std::ranges::move(fault_rows(figures), std::back_inserter(rows));
+  if (rows.size() > 1) page.table("Faults", rows);
 }
 
 void add_changes(HtmlPage& page, const std::string& who, const FlightChanges& changes) {

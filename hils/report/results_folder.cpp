@@ -12,9 +12,10 @@
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
 #include "hils/report/html_report.hpp"
+#include "hils/report/junit_report.hpp"
 #include "hils/report/plot.hpp"
-#include "hils/report/report.hpp"
 #include "hils/report/run_plots.hpp"
+#include "hils/report/summary_json.hpp"
 #include "hils/run/run_places.hpp"
 
 namespace cas::hils {

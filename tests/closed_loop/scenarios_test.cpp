@@ -10,7 +10,7 @@
 
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/measurement.hpp"
-#include "hils/report/report.hpp"
+#include "hils/report/text_report.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "hils/virtual/virtual_run.hpp"
 #include "tests/support/paths.hpp"

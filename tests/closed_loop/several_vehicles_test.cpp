@@ -5,7 +5,7 @@
 #include <string>
 
 #include "hils/measure/run_result.hpp"
-#include "hils/report/report.hpp"
+#include "hils/report/text_report.hpp"
 #include "tests/closed_loop/flight_fixture.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"

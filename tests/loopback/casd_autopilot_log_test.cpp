@@ -30,14 +30,15 @@ class CasdAutopilotLog : public testing::Test {
  protected:
   /// @param keys  of log.autopilot beside its folder
   void start(const std::string& keys, const std::string& link_keys = "") {
-    const std::string topology =
-        folder.write("topology.yaml",
-                     "schema: 1\ncommand_port: {port: 0, loopback_without_token: true}\n"
-                     "log: {autopilot: {folder: " +
-                         (folder / "rec").string() + keys +
-                         "}}\n"
-                         "links:\n  - {name: net, type: udp_server, local: \"127.0.0.1:0\"" +
-                         link_keys + "}\n");
+    start_with("{autopilot: {folder: " + (folder / "rec").string() + keys + "}}", link_keys);
+  }
+  void start_with(const std::string& log, const std::string& link_keys = "") {
+    const std::string topology = folder.write(
+        "topology.yaml",
+        "schema: 1\ncommand_port: {port: 0, loopback_without_token: true}\nlog: " + log +
+            "\n"
+            "links:\n  - {name: net, type: udp_server, local: \"127.0.0.1:0\"" +
+            link_keys + "}\n");
     casd.emplace(std::vector<std::string>{binary_dir() + "/bin/casd", topology});
     const auto ready = casd->wait_ready();
     ASSERT_TRUE(ready) << casd->output();
@@ -175,6 +176,18 @@ TEST_F(CasdAutopilotLog, InventedVehiclesOfALinkKeepNoneOfAnotherLinkOut) {
   EXPECT_TRUE(speaks_until(
       px4, [&] { return !px4.acks.empty(); }, speak));
   EXPECT_EQ(px4.stops, 0);
+}
+
+TEST_F(CasdAutopilotLog, SaysAtTheStartThatAFolderTakesNoFiles) {
+  folder.write("rec", "a file, not a folder");
+  start_with("{folder: " + (folder / "rec").string() + ", while_armed: true, autopilot: {}}");
+  const auto says = [&](const char* words) {
+    return wait_until([&] { return casd->output().find(words) != std::string::npos; });
+  };
+  EXPECT_TRUE(says("logs of autopilots in ")) << casd->output();
+  EXPECT_TRUE(says("pause: Not a directory")) << casd->output();
+  EXPECT_TRUE(says("nothing will be recorded in ")) << casd->output();
+  end();
 }
 
 TEST_F(CasdAutopilotLog, PausesAtALimitAndSaysSo) {

@@ -1,49 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <map>
-#include <nlohmann/json.hpp>
-#include <optional>
-#include <string>
-#include <vector>
+#include "casd/casctl/doctor/doctor_facts.hpp"
+#include "casd/casctl/doctor/finding.hpp"
 
 namespace cas::casctl {
 
-/// A serial device as this machine sees it.
-struct DeviceFacts {
-  std::string path;
-  bool exists = false;
-  bool usable = false;               ///< readable and writable by the doctor's user
-  std::string group;                 ///< that owns it
-  std::optional<int> latency_timer;  ///< ms; of USB-serial adapters that have one
-};
-
-/// All that the doctor looks at.
-struct DoctorFacts {
-  nlohmann::json before;    ///< casd.status
-  nlohmann::json after;     ///< casd.status, `seconds` later
-  nlohmann::json messages;  ///< message.list after
-  double seconds = 0;
-  std::map<int, double> sys_hitl;      ///< by system: the parameter of PX4s that do not say HIL
-  std::map<int, std::string> unasked;  ///< why it could not be read
-
-  std::vector<DeviceFacts> devices;
-  std::vector<std::string> governors;  ///< CPU frequency governors in force
-  double clock_step_s = 0;             ///< of the wall clock against the monotonic clock
-  double wake_p99_us = 0;              ///< lateness of a thread that sleeps 1 ms at a time
-  double wake_max_us = 0;
-};
-
-enum class Health { kGood, kWarning, kBad };
-
-/// One thing that was looked at.
-struct Finding {
-  Health health = Health::kGood;
-  std::string what;    ///< a sentence
-  std::string remedy;  ///< advice; empty when all is well
-};
-
 /// Judges a set-up. Pure.
-std::vector<Finding> diagnose(const DoctorFacts& facts);
+Findings diagnose(const DoctorFacts& facts);
 
 }  // namespace cas::casctl

@@ -198,8 +198,9 @@ int show_latency(Session& session) {
   }
   Table table({"TO LINK", "P50 us", "P99 us", "MAX us"});
   for (const json& entry : all) {
-    table.add({entry.value("link", "?"), fixed(entry.value("p50", 0.0), 0),
-               fixed(entry.value("p99", 0.0), 0), fixed(entry.value("max", 0.0), 0)});
+    const bool sent = entry.value("max", 0.0) > 0;
+    const auto cell = [&](const char* key) { return sent ? fixed(entry.value(key, 0.0), 0) : "-"; };
+    table.add({entry.value("link", "?"), cell("p50"), cell("p99"), cell("max")});
   }
   table.print(std::cout);
   std::cout << "from read on one link to written on the other\n";

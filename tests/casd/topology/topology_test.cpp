@@ -355,6 +355,28 @@ TEST(LineBudget, TakesRoutesWithoutAnAllowListToCarryTheStreams) {
   EXPECT_NE(words.find("TOO MUCH"), std::string::npos) << words;
 }
 
+TEST(LineBudget, DoesNotCallALineWideEnoughWhoseStreamsItDoesNotKnow) {
+  std::string yaml = kLinks;
+  yaml.replace(yaml.find("921600"), 6, "57600");
+  for (const char* route : {"block: [HIL_SENSOR, HIL_GPS]", "allow: [HEARTBEAT]"}) {
+    const auto topology = parse(yaml + "routes:\n  - {from: sim, to: fcu, " + route + "}\n");
+    const std::string words = describe(line_budgets(topology));
+    EXPECT_NE(words.find("no stream of a HIL run"), std::string::npos) << words;
+    EXPECT_EQ(words.find("fits"), std::string::npos) << words;
+  }
+}
+
+TEST(LineBudget, LeavesOutWhatALinkDoesNotAccept) {
+  std::string yaml = kLinks;
+  yaml.replace(yaml.find("921600"), 6, "57600");
+  yaml +=
+      "  - {name: qgc, type: udp_server, local: '127.0.0.1:0', accept: {traffic: "
+      "ground_station}}\n";
+  const std::string routes = "routes:\n  - {from: qgc, to: fcu}\n";
+  EXPECT_TRUE(line_budget_warnings(parse(yaml + routes)).empty());
+  EXPECT_EQ(line_budget_warnings(parse(yaml + routes + "  - {from: sim, to: fcu}\n")).size(), 1U);
+}
+
 TEST(LineBudget, PacesAPseudoTerminalOnlyWhereTheRateIsTight) {
   const auto paced = [](const std::string& baud, const std::string& more = "") {
     std::string yaml = kLinks;

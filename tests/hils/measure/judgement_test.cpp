@@ -8,7 +8,8 @@
 #include <nlohmann/json.hpp>
 
 #include "hils/programs/cpu_pressure.hpp"
-#include "hils/report/report.hpp"
+#include "hils/report/summary_json.hpp"
+#include "hils/report/text_report.hpp"
 
 namespace cas::hils {
 namespace {

@@ -9,7 +9,9 @@
 
 #include "hils/report/figure_rows.hpp"
 #include "hils/report/html_report.hpp"
-#include "hils/report/report.hpp"
+#include "hils/report/junit_report.hpp"
+#include "hils/report/summary_json.hpp"
+#include "hils/report/text_report.hpp"
 
 namespace cas::hils {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "hils/report/delay_note.hpp"
 #include "hils/report/experiment.hpp"
-#include "hils/report/report.hpp"
+#include "hils/report/text_report.hpp"
 
 namespace cas::hils {
 namespace {
@@ -123,6 +123,24 @@ TEST(TextReport, CallsAnExperimentByItsName) {
   EXPECT_TRUE(contains(text, "over 30.0 s of step response 'after'\n")) << text;
   EXPECT_TRUE(contains(text, "\nRMS error of the step response 'after'\n")) << text;
   EXPECT_FALSE(contains(text, "hover")) << text;
+}
+
+TEST(Reports, NameTheFaultsOfAFlight) {
+  using std::chrono::seconds;
+  Measurement figures = hover();
+  figures.faults = {
+      {.name = "gps lost", .begin = base::SimTime(seconds(12)), .end = base::SimTime(seconds(15))},
+      {.name = "motor 2 off", .begin = base::SimTime(seconds(20)), .end = {}}};
+  figures.never_began = {{.name = "line cut", .by_time = false}};
+  for (const std::string& report : {text_of(figures), html_of(figures)}) {
+    EXPECT_TRUE(contains(report, "Fault")) << report;
+    for (const char* name : {"gps lost", "motor 2 off", "line cut", "never"}) {
+      EXPECT_TRUE(contains(report, name)) << name;
+    }
+  }
+  EXPECT_TRUE(contains(text_of(figures), "gps lost                               12.00     15.00"))
+      << text_of(figures);
+  EXPECT_FALSE(contains(text_of(hover()), "Fault"));
 }
 
 TEST(Reports, HaveNoNegativeZero) {

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/casctl/doctor/link_findings.hpp"
+
+#include <cstdint>
+
+#include "casd/casctl/session/link_counter.hpp"
+#include "casd/casctl/session/table.hpp"
+
+namespace cas::casctl {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kBitsPerByte = 10;
+constexpr double kFullLine = 0.9;  // of a line's rate: bursts begin to queue
+
+/// How much a counter grew between the two looks.
+double growth(const DoctorFacts& facts, const json& link, const casd::CounterWords& words) {
+  const auto value = [&words](const json& of) {
+    return static_cast<double>(counter_of(of, words).value_or(0));
+  };
+  return value(link) - value(link_named(facts.before, link.value("name", "")));
+}
+
+double drop_growth(const DoctorFacts& facts, const json& link, const std::string& cause) {
+  const auto drops = [&cause](const json& of) {
+    return of.contains("tx") ? of["tx"].value("dropped", json::object()).value(cause, 0.0) : 0.0;
+  };
+  return drops(link) - drops(link_named(facts.before, link.value("name", "")));
+}
+
+/// Advice for a link that is not up; its endpoint has the reason.
+std::string remedy_for_down(const json& link) {
+  if (link.value("type", "") != "serial") {
+    return "start the program at the other end, and compare both ends' addresses";
+  }
+  if (link.value("endpoint", "").find(": pseudo-terminal ") != std::string::npos) {
+    return "start the emulator (again): casd writes to no terminal that it cannot tell from "
+           "somebody's; docs/troubleshooting.md has more";
+  }
+  if (link.value("endpoint", "").find(": No such file") != std::string::npos) {
+    return "start the emulator (fcu_emulator), or plug the board in, and compare `device` in the "
+           "topology with the emulator's link or /dev/serial/by-id";
+  }
+  return "plug the board in, and compare `device` in the topology with /dev/serial/by-id";
+}
+
+/// Packets that casd dropped, except setpoints replaced by newer ones and packets of closed links.
+void check_own_drops(const DoctorFacts& facts, const json& link, Findings& own) {
+  for (const casd::CauseWords& words : casd::kCauses) {
+    const std::string cause(words.word);
+    const double drops = words.trouble ? drop_growth(facts, link, cause) : 0;
+    if (drops <= 0) continue;
+    warn(own,
+         "link " + link.value("name", "?") + ": casd dropped " +
+             std::to_string(static_cast<std::uint64_t>(drops)) + " packets (" + cause + ")",
+         "`casctl drops` names the messages; docs/troubleshooting.md has a line for each cause");
+  }
+}
+
+/// "; 120 of its packets go nowhere, as the topology has it (casctl drops)", or nothing.
+std::string filtered_text(const DoctorFacts& facts, const json& link) {
+  const auto count = [](const json& of) {
+    const json rx = of.value("rx", json::object());
+    const json verdicts = rx.value("verdicts", json::object());
+    double packets = rx.value("not_accepted", 0.0);
+    using enum casd::DropCause;
+    for (const casd::DropCause cause : {kNoRule, kNoTarget, kRateLimited}) {
+      packets += verdicts.value(std::string(to_string(cause)), 0.0);
+    }
+    return packets;
+  };
+  const double packets = count(link) - count(link_named(facts.before, link.value("name", "")));
+  if (packets <= 0) return "";
+  return "; " + std::to_string(static_cast<std::uint64_t>(packets)) +
+         " of its packets go nowhere, as the topology has it (casctl drops)";
+}
+
+/// "; it dropped 1099 packets before (casctl drops)", or nothing.
+std::string earlier_drops_text(const json& link) {
+  const json dropped = link.value("tx", json::object()).value("dropped", json::object());
+  double packets = 0;
+  for (const casd::CauseWords& words : casd::kCauses) {
+    if (words.trouble) packets += dropped.value(std::string(words.word), 0.0);
+  }
+  if (packets <= 0) return "";
+  return "; it dropped " + std::to_string(static_cast<std::uint64_t>(packets)) +
+         " packets before (casctl drops)";
+}
+
+double signature_growth(const DoctorFacts& facts, const json& link, const char* verdict) {
+  const auto count = [verdict](const json& of) {
+    const json rx = of.value("rx", json::object());
+    return rx.value("signatures", json::object()).value(verdict, 0.0);
+  };
+  return count(link) - count(link_named(facts.before, link.value("name", "")));
+}
+
+}  // namespace
+
+void check_links(const DoctorFacts& facts, Findings& all) {
+  for (const json& link : facts.after.value("links", json::array())) {
+    const std::string name = "link " + link.value("name", "?");
+    if (link.value("state", "") != "up") {
+      bad(all, name + " is " + link.value("state", "?") + ": " + link.value("endpoint", ""),
+          remedy_for_down(link));
+      continue;
+    }
+    Findings own;
+    // A buffer that overflows is a cause, lost packets are its effect: the last first.
+    for (auto words = casd::kLinkCounters.rbegin(); words != casd::kLinkCounters.rend(); ++words) {
+      if (words->trouble.empty() || growth(facts, link, *words) <= 0) continue;
+      (words->bad ? bad : warn)(own, name + ": " + std::string(words->trouble),
+                                std::string(words->remedy));
+    }
+    check_own_drops(facts, link, own);
+    if (own.empty()) {
+      const bool silent = growth(facts, link, casd::counter_words("rx", "packets")) <= 0;
+      good(own, name + " is up, nothing lost or damaged in " + fixed(facts.seconds, 1) + " s" +
+                    (silent ? ", nothing received" : "") + earlier_drops_text(link) +
+                    filtered_text(facts, link));
+    }
+    all.insert(all.end(), own.begin(), own.end());
+  }
+}
+
+void check_signing(const DoctorFacts& facts, Findings& all) {
+  for (const json& link : facts.after.value("links", json::array())) {
+    const auto signing = link.find("signing");
+    if (signing == link.end()) continue;
+    const std::string name = "link " + link.value("name", "?");
+    const json future = signing->value("future", json::object());
+    if (signature_growth(facts, link, "too_new") > 0) {
+      bad(all,
+          name + ": " + stream_text(future) + " signs " +
+              duration_text(future.value("ahead_s", 0.0)) + " ahead of casd's clock and is refused",
+          "put that sender's clock right, or this machine's (`date`); see docs/troubleshooting.md");
+    }
+    if (signing->value("too_far_ahead", false)) {
+      const bool moved = future.value("ahead_s", 0.0) > 0 && !future.value("refused", true);
+      bad(all,
+          name + ": the time of its signatures is " +
+              duration_text(signing->value("time_ahead_s", 0.0)) + " ahead of the clock" +
+              (moved ? ", moved there by " + stream_text(future) : "") +
+              "; other senders are refused as too old",
+          "put the clocks right, stop casd, remove " + signing->value("time_file", "KEY.time") +
+              ", start casd; see docs/troubleshooting.md");
+    }
+  }
+}
+
+void check_baud(const DoctorFacts& facts, Findings& all) {
+  for (const json& link : facts.after.value("links", json::array())) {
+    const double capacity = link.value("baud", 0.0) / kBitsPerByte;
+    if (capacity <= 0 || facts.seconds <= 0 || link.value("state", "") != "up") continue;
+    const std::string name = "line " + link.value("name", "?");
+    const double load = growth(facts, link, casd::counter_words("tx", "bytes")) / facts.seconds;
+    const double used = load / capacity;
+    const bool late = drop_growth(facts, link, "age") + drop_growth(facts, link, "queue_full") > 0;
+    const std::string text =
+        name + " carries " + fixed(load / 1000, 1) + " of " + fixed(capacity / 1000, 1) + " kB/s";
+    const std::string drops = late ? "; packets are dropped because they would come too late" : "";
+    if (used > kFullLine) {
+      bad(all, text + drops,
+          "raise the baud rate at both ends, or thin out what is routed there (rates)");
+    } else if (late) {
+      bad(all, text + drops,
+          "not the rate: the other side reads too slowly, or this machine is too busy (wake-ups)");
+    } else {
+      good(all, text);
+    }
+  }
+}
+
+}  // namespace cas::casctl

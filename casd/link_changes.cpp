@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/link_changes.hpp"
+
+#include <algorithm>
+#include <boost/asio/steady_timer.hpp>
+#include <exception>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "base/config/config.hpp"
+#include "base/error.hpp"
+#include "base/os/log.hpp"
+#include "casd/topology/line_budget.hpp"
+#include "casd/topology/link_change.hpp"
+
+namespace cas::casd {
+
+void LinkChanges::apply(Topology topology) {
+  const LinkMask gone = links_.reload(std::move(topology));
+  // A new link may get the number of one that is gone: packets of the old one are heard first.
+  failures_.begin_reload(gone, base::steady_now());
+  turns_.hear();
+  failures_.end_reload();
+  commander_.forget(gone);
+}
+
+std::string LinkChanges::add(const base::ConfigNode& request) {
+  std::vector<std::uint8_t> vehicles;
+  for (const VehicleState* vehicle : commander_.vehicles()) {
+    vehicles.push_back(vehicle->source().system);
+  }
+  Topology topology = with_link(links_.topology(), request, vehicles);
+  const std::string name = topology.links.back().name;
+  apply_at_run_time(std::move(topology));
+  added_.insert(name);
+  base::log::info("link " + name + ": added at run time");
+  warn_of_narrow_lines(links_.topology());
+  return name;
+}
+
+void LinkChanges::remove(const std::string& name, bool force) {
+  Topology topology = without_link(links_.topology(), name);
+  if (const auto system = armed_vehicle_of(name); system && !force) {
+    throw base::ConfigError("vehicle " + std::to_string(*system) + " is armed and on link '" +
+                            name + "' alone; \"force\" removes it all the same");
+  }
+  apply_at_run_time(std::move(topology));
+  added_.erase(name);
+  base::log::info("link " + name + ": removed at run time");
+}
+
+void LinkChanges::forget_added() {
+  for (const std::string& name : std::exchange(added_, {})) {
+    if (find_link(links_.topology().links, name) != nullptr) continue;
+    base::log::info("link " + name + ": not in the topology, ended");
+  }
+}
+
+void LinkChanges::when_tried(const std::string& link, base::Duration patience,
+                             std::function<void(const std::string&)> then) {
+  constexpr base::Duration kPoll = std::chrono::milliseconds(5);
+  const auto is_opening = [&link](const LinkStatus& status) {
+    return status.name == link && status.state == LinkState::kOpening;
+  };
+  const bool waits = std::ranges::any_of(links_.figures().links(), is_opening);
+  if (!waits || patience <= base::Duration::zero()) return then(link);
+  const auto timer = std::make_shared<boost::asio::steady_timer>(io_, kPoll);
+  timer->async_wait([this, timer, link, left = patience - kPoll,
+                     then = std::move(then)](boost::system::error_code error) {
+    if (!error) when_tried(link, left, then);
+  });
+}
+
+/// Turns every exception, also for lack of descriptors or threads, into a ConfigError.
+void LinkChanges::apply_at_run_time(Topology topology) {
+  try {
+    apply(std::move(topology));
+  } catch (const std::exception& error) {
+    throw base::ConfigError(error.what());
+  }
+}
+
+/// An armed vehicle that casd hears on no other link.
+std::optional<std::uint8_t> LinkChanges::armed_vehicle_of(const std::string& link) const {
+  const base::RunTime now = turns_.now();
+  for (const VehicleState* vehicle : commander_.vehicles()) {
+    const auto hangs_here = [&](const Path& path) {
+      return links_.figures().name(path.link) == link && vehicle->hangs_on(path.link, now);
+    };
+    if (vehicle->armed() && std::ranges::any_of(vehicle->paths(), hangs_here)) {
+      return vehicle->source().system;
+    }
+  }
+  return std::nullopt;
+}
+
+void warn_of_narrow_lines(const Topology& topology) {
+  for (const std::string& line : line_budget_warnings(topology)) base::log::warn(line);
+}
+
+}  // namespace cas::casd

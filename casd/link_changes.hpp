@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <boost/asio/io_context.hpp>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "casd/link_set.hpp"
+#include "casd/station/failure_desk.hpp"
+#include "casd/station/vehicle_commander.hpp"
+#include "casd/station_turns.hpp"
+
+namespace cas::casd {
+
+/// Changes of casd's links at run time: by a reload, or one link by the command port.
+class LinkChanges {
+ public:
+  /// All outlive it.
+  LinkChanges(boost::asio::io_context& io, LinkSet& links, VehicleCommander& commander,
+              FailureDesk& failures, StationTurns& turns)
+      : io_(io), links_(links), commander_(commander), failures_(failures), turns_(turns) {}
+
+  /// Puts the links and routes of a topology in force. @throws std::exception, and nothing has
+  /// changed
+  void apply(Topology topology);
+  /// Adds a link, see with_link(). @return its name
+  /// @throws base::ConfigError, and nothing has changed
+  std::string add(const base::ConfigNode& request);
+  /// @param force  also the link of an armed vehicle
+  /// @throws base::ConfigError, and nothing has changed
+  void remove(const std::string& name, bool force);
+  /// Whether a link was added at run time.
+  bool is_added(const std::string& link) const { return added_.contains(link); }
+  /// After a reload: the file is the truth, links that were added at run time are gone unless it
+  /// has them.
+  void forget_added();
+  /// Calls `then` once a link has tried to open, at the latest after `patience`.
+  void when_tried(const std::string& link, base::Duration patience,
+                  std::function<void(const std::string&)> then);
+
+ private:
+  void apply_at_run_time(Topology topology);
+  std::optional<std::uint8_t> armed_vehicle_of(const std::string& link) const;
+
+  boost::asio::io_context& io_;
+  LinkSet& links_;
+  VehicleCommander& commander_;
+  FailureDesk& failures_;
+  StationTurns& turns_;
+  std::set<std::string> added_;
+};
+
+/// Says in the log which lines cannot be expected to carry their load.
+void warn_of_narrow_lines(const Topology& topology);
+
+}  // namespace cas::casd

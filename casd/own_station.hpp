@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "base/time/clock.hpp"
+#include "casd/autopilot_log/autopilot_logs.hpp"
+#include "casd/autopilot_log/log_files.hpp"
+#include "casd/station/failure_desk.hpp"
+#include "casd/station/vehicle_commander.hpp"
+#include "casd/tlog/recorder.hpp"
+
+namespace cas::casd {
+
+/// casd's own station: failures go to the simulator, logs of autopilots to their files, all else to
+/// the commander.
+class OwnStation final : public Station {
+ public:
+  /// Both outlive it.
+  OwnStation(VehicleCommander& commander, FailureDesk& failures)
+      : commander_(commander), failures_(failures) {}
+
+  /// Takes the logs of autopilots from now on, if the configuration wants them.
+  /// @throws base::ConfigError
+  void take_logs(const TlogConfig& config, mav::Source self);
+  /// Ends the logs under way.
+  void end_logs(base::RunTime now);
+
+  void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) override;
+  void tick(base::RunTime now) override;
+  /// For a station whose time may stand still: ends requests, by this machine's clock.
+  void wall_tick(base::RunTime wall);
+  /// When to call tick() next; a packet or a request may make it sooner.
+  base::RunTime next_tick(base::RunTime now) const;
+  bool any_armed(base::RunTime now) const { return commander_.any_armed(now); }
+
+ private:
+  /// The logs of autopilots and the files that they go to.
+  struct LogTaking {
+    LogTaking(const AutopilotLogConfig& config, mav::Source self, VehicleCommander& commander)
+        : files(config), logs(config, self, commander, files) {}
+
+    LogFiles files;
+    AutopilotLogs logs;
+  };
+
+  VehicleCommander& commander_;
+  FailureDesk& failures_;
+  std::optional<LogTaking> log_taking_;
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/topology/router_config.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <system_error>
+
+#include "base/error.hpp"
+#include "base/read_file.hpp"
+#include "base/text.hpp"
+
+namespace cas::casd {
+
+using base::lower;
+using base::trimmed;
+
+std::vector<RouterFile> read_router_files(const std::filesystem::path& main) {
+  constexpr std::size_t kMostFiles = 128;  // as mavlink-router
+  std::vector<std::filesystem::path> paths;
+  std::error_code error;
+  std::filesystem::directory_iterator entry(main.parent_path() / "config.d", error);
+  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    std::error_code none;
+    if (std::filesystem::is_regular_file(entry->path(), none)) paths.push_back(entry->path());
+    if (paths.size() > kMostFiles) {
+      throw base::ConfigError(entry->path().parent_path().string() + ": has more than " +
+                              std::to_string(kMostFiles) + " files");
+    }
+  }
+  std::sort(paths.begin(), paths.end());
+  paths.insert(paths.begin(), main);
+  std::vector<RouterFile> files;
+  for (const std::filesystem::path& path : paths) {
+    const auto text = base::read_file(path);
+    if (!text) throw base::ConfigError("cannot read " + path.string());
+    files.push_back({path.string(), *text});
+  }
+  return files;
+}
+
+RouterConfig::RouterConfig(const std::vector<RouterFile>& files) : files_(files) {
+  for (place_.file = 0; place_.file < files_.size(); ++place_.file) read(files_[place_.file].text);
+}
+
+std::string RouterConfig::words(RouterPlace place) const {
+  return files_[place.file].name + ":" + std::to_string(place.line) + ": ";
+}
+
+void RouterConfig::fail(RouterPlace place, const std::string& sentence) const {
+  throw base::ConfigError(words(place) + sentence);
+}
+
+void RouterConfig::read(std::string_view text) {
+  section_ = nullptr;
+  for (place_.line = 1; !text.empty(); ++place_.line) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    read_line(trimmed(text.substr(0, end)));
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+}
+
+void RouterConfig::read_line(std::string_view text) {
+  if (text.empty() || text.front() == '#' || text.front() == ';') return;
+  if (text.front() == '[') {
+    if (text.back() != ']') fail(place_, "a section ends with ]");
+    const std::string_view head = trimmed(text.substr(1, text.size() - 2));
+    const std::size_t blank = std::min(head.find_first_of(" \t"), head.size());
+    open_section(lower(head.substr(0, blank)), std::string(trimmed(head.substr(blank))));
+    return;
+  }
+  const std::size_t equals = text.find('=');
+  if (equals == text.npos) fail(place_, "is neither [section] nor key = value");
+  if (section_ == nullptr) fail(place_, "a key stands before the first section");
+  const std::string key(trimmed(text.substr(0, equals)));
+  section_->values[lower(key)] = {key, std::string(trimmed(text.substr(equals + 1))), place_,
+                                  false};
+}
+
+/// A section that comes again goes on, in another file too; names have any case.
+void RouterConfig::open_section(const std::string& kind, const std::string& name) {
+  const auto same = [&](const RouterSection& each) {
+    return each.kind == kind && lower(each.name) == lower(name);
+  };
+  auto found = std::find_if(sections_.begin(), sections_.end(), same);
+  if (found == sections_.end()) {
+    found = sections_.insert(sections_.end(), {kind, name, place_, {}});
+  }
+  section_ = &*found;
+}
+
+RouterValue* RouterConfig::find(RouterSection& section, std::string_view key) {
+  const auto found = section.values.find(lower(key));
+  if (found == section.values.end()) return nullptr;
+  found->second.used = true;
+  return &found->second;
+}
+
+std::string RouterConfig::required(RouterSection& section, std::string_view key) const {
+  const RouterValue* value = find(section, key);
+  if (value == nullptr || value->text.empty()) {
+    fail(section.place, "endpoint '" + section.name + "' has no " + std::string(key));
+  }
+  return value->text;
+}
+
+std::uint64_t RouterConfig::number(std::string_view digits, const RouterValue& value,
+                                   std::uint64_t most) const {
+  std::uint64_t result = 0;
+  const char* end = digits.data() + digits.size();
+  const auto [stop, error] = std::from_chars(digits.data(), end, result);
+  if (error != std::errc{} || stop != end) {
+    fail(value.place, value.key + ": '" + std::string(digits) + "' is not a number");
+  }
+  if (result > most) fail(value.place, value.key + ": is more than " + std::to_string(most));
+  return result;
+}
+
+std::vector<std::uint32_t> RouterConfig::numbers(const RouterValue& value,
+                                                 std::uint32_t most) const {
+  std::vector<std::uint32_t> list;
+  std::string_view rest = value.text;
+  while (!rest.empty()) {
+    const std::size_t comma = std::min(rest.find(','), rest.size());
+    list.push_back(static_cast<std::uint32_t>(number(trimmed(rest.substr(0, comma)), value, most)));
+    rest.remove_prefix(std::min(comma + 1, rest.size()));
+  }
+  return list;
+}
+
+RouterConfig::Ids RouterConfig::ids(RouterSection& section, std::string_view key,
+                                    std::uint32_t most) const {
+  const RouterValue* value = find(section, key);
+  if (value == nullptr) return {};
+  const auto list = numbers(*value, most);
+  return {list.begin(), list.end()};
+}
+
+std::optional<unsigned> RouterConfig::port(RouterSection& section, std::string_view key) const {
+  const RouterValue* value = find(section, key);
+  if (value == nullptr) return std::nullopt;
+  return static_cast<unsigned>(number(value->text, *value, 65535));
+}
+
+bool RouterConfig::flag(RouterSection& section, std::string_view key) const {
+  const RouterValue* value = find(section, key);
+  if (value == nullptr) return false;
+  const std::string word = lower(value->text);
+  if (word == "true" || word == "yes" || word == "1" || word == "on") return true;
+  if (word == "false" || word == "no" || word == "0" || word == "off") return false;
+  fail(value->place, value->key + ": is true or false");
+}
+
+}  // namespace cas::casd

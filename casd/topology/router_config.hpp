@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <list>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace cas::casd {
+
+/// One file of mavlink-router's configuration.
+struct RouterFile {
+  std::string name;  ///< for errors
+  std::string text;
+};
+
+/// main.conf and the files of config.d beside it, in the order of their names as mavlink-router
+/// reads them. @throws base::ConfigError when one cannot be read
+std::vector<RouterFile> read_router_files(const std::filesystem::path& main);
+
+/// A line of a RouterConfig.
+struct RouterPlace {
+  std::size_t file = 0;
+  int line = 0;
+
+  friend auto operator<=>(const RouterPlace&, const RouterPlace&) = default;
+};
+
+struct RouterValue {
+  std::string key;  ///< as the file spells it
+  std::string text;
+  RouterPlace place;
+  bool used = false;
+};
+
+struct RouterSection {
+  std::string kind;  ///< lower case: "general", "uartendpoint", ...
+  std::string name;
+  RouterPlace place;
+  std::map<std::string, RouterValue> values;  ///< by the key in lower case
+};
+
+/// Sections and values of mavlink-router's files. Names of sections and keys may have any case; of
+/// a key that comes again the last value counts. Readers mark their value as used; all of them
+/// throw base::ConfigError "FILE:LINE: sentence".
+class RouterConfig {
+ public:
+  using Ids = std::set<std::uint32_t>;
+
+  /// @param files  outlive it
+  explicit RouterConfig(const std::vector<RouterFile>& files);
+
+  std::list<RouterSection>& sections() { return sections_; }
+  const std::vector<RouterFile>& files() const { return files_; }
+  /// "FILE:LINE: ".
+  std::string words(RouterPlace place) const;
+  [[noreturn]] void fail(RouterPlace place, const std::string& sentence) const;
+
+  /// @return nullptr when the section has no such key
+  static RouterValue* find(RouterSection& section, std::string_view key);
+  std::string required(RouterSection& section, std::string_view key) const;
+  std::uint64_t number(std::string_view digits, const RouterValue& value, std::uint64_t most) const;
+  /// A list with commas.
+  std::vector<std::uint32_t> numbers(const RouterValue& value, std::uint32_t most) const;
+  /// Ids of messages; none when the key is missing.
+  Ids messages(RouterSection& section, std::string_view key) const {
+    return ids(section, key, 0xFFFFFF);
+  }
+  /// Ids of systems or components; none when the key is missing.
+  Ids sources(RouterSection& section, std::string_view key) const { return ids(section, key, 255); }
+  std::optional<unsigned> port(RouterSection& section, std::string_view key) const;
+  /// False when the key is missing.
+  bool flag(RouterSection& section, std::string_view key) const;
+
+ private:
+  void read(std::string_view text);
+  void read_line(std::string_view text);
+  void open_section(const std::string& kind, const std::string& name);
+  Ids ids(RouterSection& section, std::string_view key, std::uint32_t most) const;
+
+  const std::vector<RouterFile>& files_;
+  std::list<RouterSection> sections_;
+  RouterPlace place_;                 ///< of the line being read
+  RouterSection* section_ = nullptr;  ///< the one being read
+};
+
+}  // namespace cas::casd

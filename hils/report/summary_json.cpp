@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/report/summary_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "base/time/clock.hpp"
+#include "hils/measure/check_json.hpp"
+#include "hils/report/change_table.hpp"
+#include "hils/report/number_text.hpp"
+#include "hils/report/plugin_section.hpp"
+
+namespace cas::hils {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kSchema = 1;
+
+Json rate_json(const RateFigures& rate) {
+  return {{"nominal_hz", rate.nominal_hz},   {"sent", rate.sent},
+          {"received", rate.received},       {"lost", rate.lost},
+          {"received_hz", rate.received_hz}, {"error_pct", rate.error_pct}};
+}
+
+Json delay_json(const DelayFigures& delay) {
+  if (delay.count == 0) return nullptr;
+  return {{"p50", delay.p50}, {"p90", delay.p90}, {"p99", delay.p99}, {"max", delay.max}};
+}
+
+Json rms_json(const std::optional<RmsFigures>& rms) {
+  if (!rms) return nullptr;
+  Json all;
+  for (const RmsAxis& axis : kRmsAxes) all[std::string(axis.key)] = *rms.*axis.member;
+  return all;
+}
+
+Json path_json(const PathAccount& path) {
+  Json hops = Json::array();
+  for (const HopFigures& hop : path.hops) {
+    hops.push_back({{"hop", hop.name},
+                    {"in", hop.in},
+                    {"out", hop.out},
+                    {"latency_us", delay_json(hop.delay)},
+                    {"jitter_us", hop.jitter_us}});
+  }
+  return {{"message", path.message}, {"sent", path.sent},     {"received", path.received},
+          {"closes", path.closes()}, {"losses", path.losses}, {"hops", std::move(hops)}};
+}
+
+Json fault_json(const BenchFaultScript::Span& fault) {
+  return {{"name", fault.name},
+          {"begin_s", base::to_seconds(fault.begin)},
+          {"end_s", fault.end ? Json(base::to_seconds(*fault.end)) : Json(nullptr)}};
+}
+
+Json response_json(const StepResponse& response) {
+  return {{"step", response.name},
+          {"size_m", response.size},
+          {"rise_s", number_or_null(response.rise_s)},
+          {"overshoot_pct", response.overshoot_pct},
+          {"settling_s", number_or_null(response.settling_s)},
+          {"integrated_error_m_s", response.integrated_error}};
+}
+
+Json stage_json(const Stage& stage) {
+  return {{"step", to_string(stage.step.kind)},
+          {"name", phase_of(stage.step)},
+          {"begin_s", base::to_seconds(stage.begin)},
+          {"end_s", base::to_seconds(stage.end)}};
+}
+
+/// Steps of the flight; the last one may not have been finished.
+Json stages_json(const Measurement& figures) {
+  Json list = Json::array();
+  for (const Stage& stage : figures.stages) list.push_back(stage_json(stage));
+  if (figures.under_way) {
+    list.push_back(stage_json(*figures.under_way));
+    list.back()["finished"] = false;
+  }
+  return list;
+}
+
+/// By plugin and name.
+Json plugins_json(const std::vector<PluginFigure>& figures) {
+  Json plugins = Json::object();
+  for (const PluginFigure& figure : figures) {
+    Json& own = plugins[figure.plugin][figure.name];
+    own["unit"] = figure.unit;
+    if (figure.series) {
+      own["samples"] = figure.samples;
+      own["min"] = number_or_null(figure.least);
+      own["max"] = number_or_null(figure.greatest);
+      own["mean"] = number_or_null(figure.mean);
+      own["last"] = number_or_null(figure.last);
+    } else {
+      own["value"] = number_or_null(figure.last);
+    }
+    if (figure.not_finite > 0) own["not_finite"] = figure.not_finite;
+  }
+  return plugins;
+}
+
+/// Fields that every run has.
+Json run_json(const Measurement& figures, const Verdict& verdict) {
+  Json summary;
+  summary["schema"] = kSchema;
+  summary["scenario"] = figures.scenario;
+  summary["architecture"] = to_string(figures.architecture);
+  summary["seed"] = figures.seed;
+  summary["valid"] = verdict.valid;
+  summary["passed"] = verdict.passed;
+  summary["failures"] = verdict.failures;
+  summary["virtual_clock"] = figures.virtual_clock;
+  summary["lockstep"] = figures.lockstep;
+  summary["real_time_factor"] = figures.pace.real_time_factor;
+  summary["worst_stall_ms"] = figures.pace.worst_stall_ms;
+  summary["late_p99_ms"] = figures.pace.late_p99_ms;
+  summary["handover_p99_us"] = figures.handover_p99_us;
+  summary["reading_spread_us"] = figures.reading_spread_us;
+  summary["cpu_pressure"] = figures.cpu_pressure ? Json(*figures.cpu_pressure) : Json(nullptr);
+  summary["simulated_s"] = figures.simulated_s;
+  summary["wall_s"] = figures.wall_s;
+  summary["cpu_s"] = Json::object();
+  for (const auto& [program, seconds] : figures.cpu_s) summary["cpu_s"][program] = seconds;
+  return summary;
+}
+
+/// Appends the figures of one vehicle.
+void add_figures(const Measurement& figures, Json& summary) {
+  summary["window_s"] = {{"begin", static_cast<double>(figures.window.begin_usec) * 1e-6},
+                         {"end", static_cast<double>(figures.window.end_usec) * 1e-6}};
+  summary["rates"] = {{"HIL_SENSOR", rate_json(figures.rates.sensor)},
+                      {"HIL_GPS", rate_json(figures.rates.gps)},
+                      {"HIL_CONTROLS", rate_json(figures.rates.controls)}};
+  summary["latency_us"] = {{"sensor_to_control", delay_json(figures.sensor_to_control)},
+                           {"sensor_uplink", delay_json(figures.sensor_uplink)},
+                           {"controls_downlink", delay_json(figures.controls_downlink)}};
+  summary["age_at_use_us"] = {{"by_stamp", delay_json(figures.age_by_stamp)},
+                              {"by_arrival", delay_json(figures.age_by_arrival)}};
+  summary["meter_hz"] = {{"HIL_SENSOR", figures.meter.sensor_hz},
+                         {"HIL_GPS", figures.meter.gps_hz},
+                         {"HIL_CONTROLS", figures.meter.controls_hz}};
+  summary["from_device"] = figures.from_device;
+  if (figures.from_device) summary["lost_by_sequence"] = figures.lost_by_sequence;
+  summary["paths"] = Json::array();
+  for (const PathAccount& path : figures.paths) summary["paths"].push_back(path_json(path));
+  summary["faults"] = Json::array();
+  for (const auto& fault : figures.faults) summary["faults"].push_back(fault_json(fault));
+  for (const FaultThatNeverBegan& fault : figures.never_began) {
+    summary["faults"].push_back(
+        {{"name", fault.name}, {"begin_s", nullptr}, {"end_s", nullptr}, {"began", "never"}});
+  }
+  summary["incidents"] = Json::array();
+  for (const Incident& incident : figures.incidents) {
+    summary["incidents"].push_back(
+        {{"kind", to_string(incident.kind)}, {"time_s", incident.time_s}, {"what", incident.what}});
+  }
+  add_changes(figures.changes, summary);
+  summary["responses"] = Json::array();
+  for (const auto& response : figures.responses) {
+    summary["responses"].push_back(response_json(response));
+  }
+  summary["rms"] = rms_json(figures.rms);
+  summary["rms_estimate"] = rms_json(figures.rms_estimate);
+  summary["stages"] = stages_json(figures);
+  summary["plugins"] = plugins_json(figures.plugins);
+}
+
+Json vehicle_json(const Measurement& figures, const Verdict& verdict) {
+  Json summary = run_json(figures, verdict);
+  add_figures(figures, summary);
+  return summary;
+}
+
+}  // namespace
+
+std::string summary_json(const Measurement& figures, const Verdict& verdict) {
+  return vehicle_json(figures, verdict).dump(2) + "\n";
+}
+
+std::string summary_json(const RunResult& run) {
+  if (!run.has_several()) return summary_json(run.vehicles.front().figures, run.verdict);
+  Json summary = run_json(run.whole(), run.verdict);
+  summary["vehicles"] = Json::array();
+  for (const VehicleResult& vehicle : run.vehicles) {
+    Json entry{{"name", vehicle.figures.vehicle}};
+    entry.update(vehicle_json(vehicle.figures, vehicle.verdict));
+    summary["vehicles"].push_back(std::move(entry));
+  }
+  return summary.dump(2) + "\n";
+}
+
+}  // namespace cas::hils
