@@ -8,12 +8,15 @@
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,7 +24,6 @@
 #include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "base/os/notify.hpp"
-#include "base/os/thread.hpp"
 #include "base/os/write_file.hpp"
 #include "base/rpc/server.hpp"
 #include "base/text.hpp"
@@ -39,6 +41,7 @@
 #include "casd/station/vehicle_commander.hpp"
 #include "casd/station_options.hpp"
 #include "casd/station_turns.hpp"
+#include "casd/topology/line_budget.hpp"
 #include "casd/topology/topology_files.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 
@@ -54,6 +57,7 @@ constexpr auto kSettlePoll = milliseconds(5);
 /// answer).
 constexpr auto kSettlePatience = seconds(2);
 constexpr auto kSummaryPeriod = seconds(5);
+
 GainMap load_gains(const Topology& topology) {
   return topology.gains.empty() ? GainMap::shipped() : GainMap::load(topology.gains);
 }
@@ -104,6 +108,10 @@ FiguresSource make_figures_source(const AppOptions& options, LinkSet& links,
           .taps = &links.taps(),
           .echo = &links.echo(),
           .decoder = load_decoder(links.topology())};
+}
+
+void warn_of_narrow_lines(const Topology& topology) {
+  for (const std::string& line : line_budget_warnings(topology)) base::log::warn(line);
 }
 
 /// Writes the figures of the run as JSON, beside the file and renamed.
@@ -158,7 +166,9 @@ struct App::Impl {
     return {
         .add =
             [this](const base::ConfigNode& request, std::function<void(const std::string&)> tried) {
-              changes.when_tried(changes.add(request), kSettlePatience, std::move(tried));
+              const std::string name = changes.add(request);
+              warn_of_narrow_lines(links.topology());
+              changes.when_tried(name, base::steady_now() + kSettlePatience, std::move(tried));
             },
         .remove = [this](const std::string& name, bool force) { changes.remove(name, force); },
         .audit =

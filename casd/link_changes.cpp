@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <boost/asio/steady_timer.hpp>
+#include <chrono>
 #include <exception>
 #include <memory>
 #include <utility>
@@ -11,7 +12,6 @@
 #include "base/config/config.hpp"
 #include "base/error.hpp"
 #include "base/os/log.hpp"
-#include "casd/topology/line_budget.hpp"
 #include "casd/topology/link_change.hpp"
 
 namespace cas::casd {
@@ -35,7 +35,6 @@ std::string LinkChanges::add(const base::ConfigNode& request) {
   apply_at_run_time(std::move(topology));
   added_.insert(name);
   base::log::info("link " + name + ": added at run time");
-  warn_of_narrow_lines(links_.topology());
   return name;
 }
 
@@ -57,19 +56,19 @@ void LinkChanges::forget_added() {
   }
 }
 
-void LinkChanges::when_tried(const std::string& link, base::Duration patience,
+void LinkChanges::when_tried(const std::string& link, base::RunTime until,
                              std::function<void(const std::string&)> then) {
-  constexpr base::Duration kPoll = std::chrono::milliseconds(5);
+  constexpr auto kPoll = std::chrono::milliseconds(5);
   const auto is_opening = [&link](const LinkStatus& status) {
     return status.name == link && status.state == LinkState::kOpening;
   };
   const bool waits = std::ranges::any_of(links_.figures().links(), is_opening);
-  if (!waits || patience <= base::Duration::zero()) return then(link);
+  if (!waits || base::steady_now() >= until) return then(link);
   const auto timer = std::make_shared<boost::asio::steady_timer>(io_, kPoll);
-  timer->async_wait([this, timer, link, left = patience - kPoll,
-                     then = std::move(then)](boost::system::error_code error) {
-    if (!error) when_tried(link, left, then);
-  });
+  timer->async_wait(
+      [this, timer, link, until, then = std::move(then)](boost::system::error_code error) {
+        if (!error) when_tried(link, until, then);
+      });
 }
 
 /// Turns every exception, also for lack of descriptors or threads, into a ConfigError.
@@ -93,10 +92,6 @@ std::optional<std::uint8_t> LinkChanges::armed_vehicle_of(const std::string& lin
     }
   }
   return std::nullopt;
-}
-
-void warn_of_narrow_lines(const Topology& topology) {
-  for (const std::string& line : line_budget_warnings(topology)) base::log::warn(line);
 }
 
 }  // namespace cas::casd

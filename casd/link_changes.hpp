@@ -37,8 +37,8 @@ class LinkChanges {
   /// After a reload: the file is the truth, links that were added at run time are gone unless it
   /// has them.
   void forget_added();
-  /// Calls `then` once a link has tried to open, at the latest after `patience`.
-  void when_tried(const std::string& link, base::Duration patience,
+  /// Calls `then` once a link has tried to open, at the latest at `until`.
+  void when_tried(const std::string& link, base::RunTime until,
                   std::function<void(const std::string&)> then);
 
  private:
@@ -52,8 +52,5 @@ class LinkChanges {
   StationTurns& turns_;
   std::set<std::string> added_;
 };
-
-/// Says in the log which lines cannot be expected to carry their load.
-void warn_of_narrow_lines(const Topology& topology);
 
 }  // namespace cas::casd

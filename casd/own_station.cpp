@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "casd/tlog/recorder.hpp"
+
 namespace cas::casd {
 
 void OwnStation::take_logs(const TlogConfig& config, mav::Source self) {
@@ -24,13 +26,12 @@ void OwnStation::on_packet(const Origin& from, const mav::PacketView& packet, ba
 
 void OwnStation::tick(base::RunTime now) {
   commander_.tick(now);
-  failures_.tick(base::steady_now());
   if (log_taking_) log_taking_->logs.tick(now);
 }
 
 void OwnStation::wall_tick(base::RunTime wall) {
   commander_.wall_tick(wall);
-  failures_.tick(wall);
+  tick_failures(wall);
 }
 
 base::RunTime OwnStation::next_tick(base::RunTime now) const {

@@ -8,9 +8,10 @@
 #include "casd/autopilot_log/log_files.hpp"
 #include "casd/station/failure_desk.hpp"
 #include "casd/station/vehicle_commander.hpp"
-#include "casd/tlog/recorder.hpp"
 
 namespace cas::casd {
+
+struct TlogConfig;
 
 /// casd's own station: failures go to the simulator, logs of autopilots to their files, all else to
 /// the commander.
@@ -28,7 +29,11 @@ class OwnStation final : public Station {
 
   void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) override;
   void tick(base::RunTime now) override;
-  /// For a station whose time may stand still: ends requests, by this machine's clock.
+  /// Gives up on simulators that do not answer.
+  /// @param wall  this machine's clock, also in lockstep
+  void tick_failures(base::RunTime wall) { failures_.tick(wall); }
+  /// In lockstep: ends overdue requests by this machine's clock, also while the simulation is
+  /// paused.
   void wall_tick(base::RunTime wall);
   /// When to call tick() next; a packet or a request may make it sooner.
   base::RunTime next_tick(base::RunTime now) const;

@@ -14,7 +14,8 @@ namespace {
 namespace asio = boost::asio;
 
 constexpr auto kWallTick = std::chrono::milliseconds(500);
-/// The stream is held no longer: a reload waits for link threads, and at the end no turn comes.
+/// Longest hold of the stream. Bounded, because a reload waits for link threads, and no turn comes
+/// at the end.
 constexpr auto kTurnPatience = std::chrono::seconds(1);
 
 }  // namespace
@@ -40,7 +41,7 @@ void StationTurns::begin() {
 
 void StationTurns::end() {
   ending_.store(true);
-  packets_.release();
+  if (packets_.is_open()) packets_.release();
 }
 
 base::RunTime StationTurns::now() const {
@@ -107,6 +108,7 @@ void StationTurns::do_tick(base::RunTime due) {
     if (error) return;
     const base::RunTime now = base::steady_now();
     station_.tick(now);
+    station_.tick_failures(now);
     recorder_.on_vehicles(station_.any_armed(now), now);
     do_tick(station_.next_tick(now));
   });

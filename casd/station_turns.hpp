@@ -21,16 +21,16 @@ namespace cas::casd {
 /// thread while the station has its turn on the main thread.
 class StationTurns {
  public:
-  /// All outlive it.
+  /// In lockstep takes over the stream's turns: to be made before the links start. All outlive it.
   StationTurns(boost::asio::io_context& io, LinkSet& links, OwnStation& station,
                Recorder& recorder);
+  ~StationTurns() { end(); }
 
-  /// Once the links have started.
+  /// Begins to wait for packets and for what is due, once the links have started.
   void begin();
-  /// Before they stop: no more turns.
+  /// Gives no more turns. To be called before the links stop.
   void end();
 
-  bool lockstep() const { return links_.topology().pace == Pace::kLockstep; }
   /// The station's clock.
   base::RunTime now() const;
   /// The clock of a recording's stamps, as TlogWriter makes them: us since 1970.
@@ -45,6 +45,7 @@ class StationTurns {
   void before_call();
 
  private:
+  bool lockstep() const { return links_.topology().pace == Pace::kLockstep; }
   void hear(base::RunTime now);
   void take_turn(base::RunTime now);
   void hold_for_turn(base::RunTime now);

@@ -106,7 +106,7 @@ void LogFiles::enqueue(Job job) {
 }
 
 void LogFiles::run(const std::stop_token& stop) {
-  if (!folder_.takes_files()) fail(message_of(errno));  // shall show before a vehicle arms
+  if (!folder_.takes_files()) fail(message_of(errno));  // says so now, not at the first flight
   for (bool ends = false; !ends;) {
     std::deque<Job> jobs;
     {

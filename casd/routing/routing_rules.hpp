@@ -26,7 +26,7 @@ struct AcceptRule {
   std::vector<std::uint8_t> block_systems{};  ///< not of these senders
 
   bool accepts(const mav::PacketView& packet) const;
-  /// Whether it may accept this message of a vehicle or a simulator, depending on its sender.
+  /// Whether any packet of this message may pass; accepts() decides by sender and content.
   bool may_accept(std::uint32_t message_id) const;
 
   friend bool operator==(const AcceptRule&, const AcceptRule&) = default;

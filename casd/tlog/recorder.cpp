@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/tlog/recorder.hpp"
 
-#include <cerrno>
 #include <chrono>
-#include <system_error>
 #include <utility>
 
 #include "base/error.hpp"
@@ -27,13 +25,7 @@ Recorder::Recorder(TlogWriter& writer, TlogConfig config)
 }
 
 void Recorder::begin() {
-  if (config_.while_armed) {
-    if (!TlogFolder(config_.folder).takes_files()) {
-      base::log::error("nothing will be recorded in " + config_.folder.string() + ": " +
-                       std::generic_category().message(errno));
-    }
-    return writer_.stand_by();
-  }
+  if (config_.while_armed) return writer_.stand_by(TlogFolder(config_.folder));
   if (config_.tlog.empty()) return;
   TlogRecording::Options wanted = options(config_.tlog, config_.rotation);
   if (config_.overwrite) wanted.files.name = bare_tlog_name(config_.tlog);

@@ -33,7 +33,8 @@ class Recorder {
   /// `writer` outlives it.
   Recorder(TlogWriter& writer, TlogConfig config);
 
-  /// Begins the recording that the configuration wants from the start. @throws base::ConfigError
+  /// Begins the recording that the configuration wants from the start, or stands by for flights.
+  /// @throws base::ConfigError
   void begin();
   /// Begins a recording and ends the one under way. Does not wait for the disk.
   /// @param name  empty: its date alone. @throws base::ConfigError when it is no name for a file

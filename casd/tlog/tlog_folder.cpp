@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstdlib>
 #include <limits>
@@ -82,11 +83,8 @@ TlogFolder::TlogFolder(std::filesystem::path path) : path_(std::move(path)) {
 base::Descriptor TlogFolder::make(const std::string& name) const {
   base::Descriptor folder = open_folder(path_);
   if (!folder && errno == ENOENT) {
-    if (::mkdir(path_.c_str(), kNewFolder) == 0) {
-      folder = open_folder(path_);
-    } else if (errno == EEXIST) {
-      errno = ENOENT;  // a symlink that leads nowhere; no name is taken
-    }
+    // EEXIST: another thread made it meanwhile, or it is a symlink that leads nowhere, ENOENT then.
+    if (::mkdir(path_.c_str(), kNewFolder) == 0 || errno == EEXIST) folder = open_folder(path_);
   }
   if (!folder) return {};
   // O_APPEND: after a torn record is cut off, the next one begins in its place.
@@ -97,15 +95,17 @@ base::Descriptor TlogFolder::make(const std::string& name) const {
 }
 
 bool TlogFolder::takes_files() const {
-  const std::string name = ".casd-" + std::to_string(::getpid());
-  remove(name);
+  static std::atomic<unsigned> calls{0};
+  const std::string name =
+      ".casd-" + std::to_string(::getpid()) + "-" + std::to_string(calls.fetch_add(1));
+  remove(name);  // of a casd that was killed
   const base::Descriptor file = make(name);
   if (!file) return false;
-  const bool written = ::write(file.get(), "?", 1) == 1;
-  const int error = errno;
+  const ssize_t written = ::write(file.get(), "?", 1);
+  const int error = written == 0 ? ENOSPC : errno;
   remove(name);
   errno = error;
-  return written;
+  return written == 1;
 }
 
 bool TlogFolder::remove(const std::string& name) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/tlog/tlog_writer.hpp"
 
+#include <cerrno>
 #include <chrono>
 #include <future>
 #include <string>
@@ -8,6 +9,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/os/log.hpp"
 
 namespace cas::casd {
 namespace {
@@ -47,18 +49,27 @@ void TlogWriter::start(TlogRecording::Options options) {
   if (const auto fault = answer.get_future().get()) throw base::ConfigError(*fault);
 }
 
-// Made early: a machine without a free thread shall show before a vehicle arms.
-void TlogWriter::start_thread() {
+/// @param first  done on the thread before anything else
+void TlogWriter::start_thread(std::function<void()> first) {
   if (thread_.joinable()) return;
   try {
-    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+    thread_ = std::jthread([this, first = std::move(first)](const std::stop_token& stop) {
+      if (first) first();
+      run(stop);
+    });
   } catch (const std::system_error& error) {
     throw base::ConfigError(std::string("cannot record: no thread for it: ") + error.what());
   }
 }
 
-void TlogWriter::stand_by() {
-  start_thread();
+// A machine without a free thread or with a bad folder shows it now, not at the first flight.
+void TlogWriter::stand_by(const TlogFolder& folder) {
+  start_thread([folder] {
+    if (folder.takes_files()) return;
+    base::log::error("cannot record in " + folder.path().string() +
+                     " now: " + std::generic_category().message(errno) +
+                     "; casd tries again when a vehicle arms");
+  });
   const base::MutexLock lock(mutex_);
   stands_by_ = true;
   set_zero(base::steady_now());

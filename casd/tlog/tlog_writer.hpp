@@ -16,6 +16,7 @@
 
 #include "base/os/mutex.hpp"
 #include "base/time/clock.hpp"
+#include "casd/tlog/tlog_folder.hpp"
 #include "casd/tlog/tlog_recording.hpp"
 
 namespace cas::casd {
@@ -66,9 +67,10 @@ class TlogWriter {
   void start(TlogRecording::Options options, Done done);
   /// The same, and waits for the disk. @throws base::ConfigError also when its file cannot be made
   void start(TlogRecording::Options options);
-  /// From now on the newest packets are kept while nothing is recorded, for the next start().
+  /// From now on the newest packets are kept while nothing is recorded, for the next start(). The
+  /// log says soon if the folder takes no files.
   /// @throws base::ConfigError when the machine has no thread for it
-  void stand_by();
+  void stand_by(const TlogFolder& folder);
   /// In lockstep run time is not this machine's clock: sets the time of day at run time zero for
   /// the next logs. Without it logs have the time of day.
   void set_epoch(std::chrono::nanoseconds since_1970) { epoch_ = since_1970; }
@@ -103,7 +105,7 @@ class TlogWriter {
     Done done;
   };
 
-  void start_thread();
+  void start_thread(std::function<void()> first = {});
   void run(const std::stop_token& stop);
   void carry_out(Order order, bool newest, base::RunTime now);
   void begin_recording(Order order, bool newest, base::RunTime now);

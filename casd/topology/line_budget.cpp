@@ -41,6 +41,10 @@ bool names(const ForwardRule& rule, std::uint32_t id) {
   return rule.allow && contains(*rule.allow, id) && !blocks(rule, id);
 }
 
+bool may_come_from(const Topology& topology, const RouteConfig& route, std::uint32_t id) {
+  return find_link(topology.links, route.from)->accept.may_accept(id);
+}
+
 // A route without an allow list says nothing of the streams behind it: simulators come over
 // sockets, controllers over lines.
 bool may_carry(const Topology& topology, const RouteConfig& route, const ExpectedRate& expected) {
@@ -76,8 +80,7 @@ double rate_to(const Topology& topology, const std::string& link, const Expected
   double hz = 0;
   for (const RouteConfig& route : topology.routes) {
     if (route.to != link) continue;
-    const AcceptRule& accept = find_link(topology.links, route.from)->accept;
-    if (!accept.may_accept(expected.message_id)) continue;
+    if (!may_come_from(topology, route, expected.message_id)) continue;
     const bool carries =
         named ? names(route.rule, expected.message_id) : may_carry(topology, route, expected);
     if (carries) hz = std::max(hz, limited_hz(route.rule, expected.message_id, expected.hz));
@@ -89,7 +92,8 @@ bool any_route_names(const Topology& topology, const std::string& link) {
   return std::any_of(topology.routes.begin(), topology.routes.end(), [&](const RouteConfig& route) {
     return route.to == link &&
            std::any_of(kExpected.begin(), kExpected.end(), [&](const ExpectedRate& expected) {
-             return names(route.rule, expected.message_id);
+             return expected.message_id != kHeartbeat && names(route.rule, expected.message_id) &&
+                    may_come_from(topology, route, expected.message_id);
            });
   });
 }

@@ -42,12 +42,12 @@ RouterConfig::RouterConfig(const std::vector<RouterFile>& files) : files_(files)
   for (place_.file = 0; place_.file < files_.size(); ++place_.file) read(files_[place_.file].text);
 }
 
-std::string RouterConfig::words(RouterPlace place) const {
+std::string RouterConfig::prefix(RouterPlace place) const {
   return files_[place.file].name + ":" + std::to_string(place.line) + ": ";
 }
 
 void RouterConfig::fail(RouterPlace place, const std::string& sentence) const {
-  throw base::ConfigError(words(place) + sentence);
+  throw base::ConfigError(prefix(place) + sentence);
 }
 
 void RouterConfig::read(std::string_view text) {

@@ -32,13 +32,15 @@ struct RouterPlace {
   friend auto operator<=>(const RouterPlace&, const RouterPlace&) = default;
 };
 
+/// A line `key = text`.
 struct RouterValue {
   std::string key;  ///< as the file spells it
   std::string text;
   RouterPlace place;
-  bool used = false;
+  bool used = false;  ///< read by somebody
 };
 
+/// The lines below `[kind name]`.
 struct RouterSection {
   std::string kind;  ///< lower case: "general", "uartendpoint", ...
   std::string name;
@@ -47,24 +49,29 @@ struct RouterSection {
 };
 
 /// Sections and values of mavlink-router's files. Names of sections and keys may have any case; of
-/// a key that comes again the last value counts. Readers mark their value as used; all of them
-/// throw base::ConfigError "FILE:LINE: sentence".
+/// a key that comes again the last value counts. Looking for a value marks it as used. Everything
+/// but find() throws base::ConfigError "FILE:LINE: sentence" for what cannot be read.
 class RouterConfig {
  public:
   using Ids = std::set<std::uint32_t>;
 
   /// @param files  outlive it
   explicit RouterConfig(const std::vector<RouterFile>& files);
+  RouterConfig(const RouterConfig&) = delete;
+  RouterConfig& operator=(const RouterConfig&) = delete;
 
   std::list<RouterSection>& sections() { return sections_; }
   const std::vector<RouterFile>& files() const { return files_; }
   /// "FILE:LINE: ".
-  std::string words(RouterPlace place) const;
+  std::string prefix(RouterPlace place) const;
+  /// Throws base::ConfigError with that place.
   [[noreturn]] void fail(RouterPlace place, const std::string& sentence) const;
 
   /// @return nullptr when the section has no such key
   static RouterValue* find(RouterSection& section, std::string_view key);
+  /// The text of a key that must be there.
   std::string required(RouterSection& section, std::string_view key) const;
+  /// @param digits  of the value: all of it, or a part
   std::uint64_t number(std::string_view digits, const RouterValue& value, std::uint64_t most) const;
   /// A list with commas.
   std::vector<std::uint32_t> numbers(const RouterValue& value, std::uint32_t most) const;
@@ -74,6 +81,7 @@ class RouterConfig {
   }
   /// Ids of systems or components; none when the key is missing.
   Ids sources(RouterSection& section, std::string_view key) const { return ids(section, key, 255); }
+  /// nullopt when the key is missing.
   std::optional<unsigned> port(RouterSection& section, std::string_view key) const;
   /// False when the key is missing.
   bool flag(RouterSection& section, std::string_view key) const;

@@ -17,7 +17,8 @@ struct RouterFilters {
 };
 
 /// The keys of casd's route between two endpoints, ", block: [...]": what both allow, and nothing
-/// that one of them blocks, nor sensor data of a simulator, which would fly a vehicle in HIL.
+/// that one of them blocks. Without an allow list sensor data of a simulator is blocked, too: it
+/// would fly a vehicle in HIL.
 std::string rule_between(const RouterFilters& from, const RouterFilters& to);
 
 /// "allow: [HEARTBEAT, ATTITUDE]". @param messages  names for ids that have one

@@ -20,9 +20,6 @@ constexpr unsigned kDefaultBaud = 115200;
 
 using base::lower;
 using Ids = RouterConfig::Ids;
-using Place = RouterPlace;
-using Section = RouterSection;
-using Value = RouterValue;
 
 /// An IPv6 address needs brackets before its port; mavlink-router's files have them or not.
 std::string bracketed(const std::string& host) {
@@ -43,26 +40,26 @@ class Import {
   explicit Import(const std::vector<RouterFile>& files) : config_(files) {}
 
   ImportedTopology topology() {
-    for (Section& section : config_.sections()) take(section);
+    for (RouterSection& section : config_.sections()) take(section);
     add_tcp_server();
     if (endpoints_.empty()) config_.fail({0, 1}, "has no endpoint");
     choose_sniffer();
     note_unused();
     std::ranges::stable_sort(notes_, {}, &Note::place);
-    ImportedTopology topology{text(), {}};
-    for (const Note& note : notes_) topology.notes.push_back(note.text);
-    return topology;
+    ImportedTopology imported{text(), {}};
+    for (const Note& each : notes_) imported.notes.push_back(each.text);
+    return imported;
   }
 
  private:
   struct Note {
-    Place place;
+    RouterPlace place;
     std::string text;
   };
 
   /// Text of the file must not control a terminal or end a comment.
-  void note(Place place, const std::string& sentence) {
-    notes_.push_back({place, printable(config_.words(place) + sentence)});
+  void note(RouterPlace place, const std::string& sentence) {
+    notes_.push_back({place, printable(config_.prefix(place) + sentence)});
   }
   static std::string printable(std::string text) {
     for (char& c : text) {
@@ -71,7 +68,7 @@ class Import {
     return text;
   }
 
-  void take(Section& section) {
+  void take(RouterSection& section) {
     if (section.kind == "general") {
       take_general(section);
     } else if (section.kind == "uartendpoint") {
@@ -86,20 +83,20 @@ class Import {
     }
   }
 
-  void take_general(Section& section) {
+  void take_general(RouterSection& section) {
     tcp_server_port_ = config_.port(section, "TcpServerPort").value_or(kDefaultTcpServerPort);
-    if (const Value* sniffer = config_.find(section, "SnifferSysid")) {
+    if (const RouterValue* sniffer = config_.find(section, "SnifferSysid")) {
       sniffer_ = static_cast<unsigned>(config_.number(sniffer->text, *sniffer, 255));
       sniffer_place_ = sniffer->place;
     }
     const bool telemetry = config_.flag(section, "LogTelemetry");
-    const Value* folder = config_.find(section, "Log");
-    const Value* mode = config_.find(section, "LogMode");
-    const Value* space = config_.find(section, "MinFreeSpace");
-    const Value* files = config_.find(section, "MaxLogFiles");
+    const RouterValue* folder = config_.find(section, "Log");
+    const RouterValue* mode = config_.find(section, "LogMode");
+    const RouterValue* space = config_.find(section, "MinFreeSpace");
+    const RouterValue* files = config_.find(section, "MaxLogFiles");
     if (folder == nullptr) {
       for (const char* key : {"LogTelemetry", "LogMode", "MinFreeSpace", "MaxLogFiles"}) {
-        const Value* value = config_.find(section, key);
+        const RouterValue* value = config_.find(section, key);
         if (value != nullptr) note(value->place, value->key + ": nothing is recorded without Log");
       }
       return;
@@ -124,12 +121,12 @@ class Import {
     }
   }
 
-  void take_uart(Section& section) {
+  void take_uart(RouterSection& section) {
     Endpoint endpoint;
     endpoint.link.type = LinkType::kSerial;
     endpoint.link.device = config_.required(section, "Device");
     endpoint.link.baud = {kDefaultBaud};
-    if (const Value* baud = config_.find(section, "Baud")) {
+    if (const RouterValue* baud = config_.find(section, "Baud")) {
       endpoint.link.baud.clear();
       for (const unsigned rate : config_.numbers(*baud, 12'000'000)) {
         std::vector<unsigned>& rates = endpoint.link.baud;
@@ -142,7 +139,7 @@ class Import {
     add(section, std::move(endpoint));
   }
 
-  void take_udp(Section& section) {
+  void take_udp(RouterSection& section) {
     const std::string address = config_.required(section, "Address");
     const std::string mode = lower(config_.required(section, "Mode"));
     std::optional<unsigned> given = config_.port(section, "Port");
@@ -168,13 +165,13 @@ class Import {
     return links;
   }
 
-  void take_tcp(Section& section) {
+  void take_tcp(RouterSection& section) {
     Endpoint endpoint;
     endpoint.link.type = LinkType::kTcp;
     config_.required(section, "Port");
     endpoint.link.remote = bracketed(config_.required(section, "Address")) + ":" +
                            std::to_string(*config_.port(section, "Port"));
-    if (const Value* retry = config_.find(section, "RetryTimeout")) {
+    if (const RouterValue* retry = config_.find(section, "RetryTimeout")) {
       const bool never = retry->text == "0" || retry->text.starts_with('-');
       note(retry->place, never ? "RetryTimeout: casd connects again, where mavlink-router would not"
                                : "RetryTimeout: casd tries again after 0.05 to 1 s");
@@ -182,9 +179,9 @@ class Import {
     add(section, std::move(endpoint));
   }
 
-  void add(Section& section, Endpoint endpoint) {
+  void add(RouterSection& section, Endpoint endpoint) {
     endpoint.link.name = free_name(section.name.empty() ? section.kind : section.name);
-    if (const Value* group = config_.find(section, "Group")) {
+    if (const RouterValue* group = config_.find(section, "Group")) {
       endpoint.more += ", group: " + yaml_string(group->text);
     }
     std::string& accept = endpoint.accept;
@@ -261,7 +258,7 @@ class Import {
         {"mavlinkdialect", "casd knows all public dialects; another one: dialect"},
         {"logsystemid", "casd records every system"},
     };
-    for (const Section& section : config_.sections()) {
+    for (const RouterSection& section : config_.sections()) {
       for (const auto& [key, value] : section.values) {
         if (value.used) continue;
         const auto reason = kReasons.find(key);
@@ -319,7 +316,7 @@ class Import {
       text += " " + printable(std::filesystem::path(file.name).filename().string());
     }
     text += " of mavlink-router.\n";
-    for (const Note& note : notes_) text += "# " + note.text + "\n";
+    for (const Note& each : notes_) text += "# " + each.text + "\n";
     text +=
         "schema: 1\n"
         "# mavlink-router says nothing of its own. With a rate here, vehicles see a ground "
@@ -342,7 +339,7 @@ class Import {
   std::string log_;
   unsigned tcp_server_port_ = kDefaultTcpServerPort;
   unsigned sniffer_ = 0;  ///< system id; 0: none
-  Place sniffer_place_;
+  RouterPlace sniffer_place_;
 };
 
 }  // namespace

@@ -37,6 +37,7 @@ struct Verdict {
     if (!valid) return kExitInvalid;
     return passed ? kExitPassed : kExitLimitsMissed;
   }
+  /// PASSED, FAILED or INVALID.
   std::string_view word() const {
     if (!valid) return "INVALID";
     return passed ? "PASSED" : "FAILED";

@@ -9,7 +9,6 @@
 #include <thread>
 
 #include "base/read_file.hpp"
-#include "base/time/clock.hpp"
 #include "hils/report/change_table.hpp"
 #include "hils/report/delay_note.hpp"
 #include "hils/report/experiment.hpp"

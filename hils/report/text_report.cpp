@@ -47,7 +47,7 @@ std::string lines(const Rows& rows, std::span<const int> widths) {
   return text;
 }
 
-/// What the figures below were measured under.
+/// Faults of the flight; first, because they explain the figures below.
 std::string fault_table(const Measurement& figures) {
   const Rows rows = fault_rows(figures);
   if (rows.empty()) return {};

@@ -186,7 +186,7 @@ TEST_F(CasdAutopilotLog, SaysAtTheStartThatAFolderTakesNoFiles) {
   };
   EXPECT_TRUE(says("logs of autopilots in ")) << casd->output();
   EXPECT_TRUE(says("pause: Not a directory")) << casd->output();
-  EXPECT_TRUE(says("nothing will be recorded in ")) << casd->output();
+  EXPECT_TRUE(says("cannot record in ")) << casd->output();
   end();
 }
 

@@ -31,7 +31,7 @@ bool has_thread(const std::string& name) {
   return false;
 }
 
-/// Sends heartbeats as fast as it can, many in a datagram, as long as it lives.
+/// Sends one datagram of many heartbeats as fast as it can, as long as it lives.
 class Flood {
  public:
   explicit Flood(std::uint16_t port)
@@ -42,14 +42,12 @@ class Flood {
     UdpPeer peer;
     peer.set_remote(port);
     mav::Encoder encoder{{255, 190}};
-    while (!stop.stop_requested()) {
-      std::vector<std::uint8_t> datagram;
-      for (int i = 0; i < 40; ++i) {
-        const auto packet = encoder(mavlink::common::Heartbeat{});
-        datagram.insert(datagram.end(), packet.begin(), packet.end());
-      }
-      peer.send(datagram);
+    std::vector<std::uint8_t> datagram;
+    for (int i = 0; i < 40; ++i) {
+      const auto packet = encoder(mavlink::common::Heartbeat{});
+      datagram.insert(datagram.end(), packet.begin(), packet.end());
     }
+    while (!stop.stop_requested()) peer.send(datagram);
   }
 
   std::jthread thread_;

@@ -7,6 +7,7 @@
 
 namespace cas::casctl {
 
+/// How a thing is that was looked at.
 enum class Health { kGood, kWarning, kBad };
 
 /// One thing that was looked at.
@@ -17,6 +18,8 @@ struct Finding {
 };
 
 using Findings = std::vector<Finding>;
+
+// They append a finding.
 
 inline void good(Findings& all, std::string what) {
   all.push_back({Health::kGood, std::move(what), ""});

@@ -8,9 +8,10 @@ namespace cas::casctl {
 
 /// Whether links are up, and what they lose.
 void check_links(const DoctorFacts& facts, Findings& all);
-/// Timestamps of signatures must rise, so one from the future shuts out all later packets.
+/// Whether signatures are from the future: their timestamps must rise, so that one shuts out all
+/// later packets.
 void check_signing(const DoctorFacts& facts, Findings& all);
-/// Load of each line against its rate.
+/// Whether each line carries its load in time.
 void check_baud(const DoctorFacts& facts, Findings& all);
 
 }  // namespace cas::casctl

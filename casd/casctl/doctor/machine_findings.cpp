@@ -37,22 +37,6 @@ void check_devices(const DoctorFacts& facts, Findings& all) {
   }
 }
 
-void check_recording(const DoctorFacts& facts, Findings& all) {
-  const json recording = facts.after.value("recording", json::object());
-  if (!recording.value("active", false)) return;
-  const std::string missing = recording.at("left_out").dump() + " packets are missing in it";
-  if (recording.contains("paused")) {
-    bad(all, "the recording pauses: " + recording["paused"].get<std::string>() + "; " + missing,
-        "make room in the folder for recordings, or set free_space_min_mib and max_mib of `log` in "
-        "the topology; it goes on by itself");
-  } else if (recording.value("left_out", 0) > 0) {
-    warn(all, "the recording has gaps: " + missing,
-         "the disk was full or too slow: record to another one (`folder` of `log`)");
-  } else {
-    good(all, "the recording is whole");
-  }
-}
-
 void check_machine(const DoctorFacts& facts, Findings& all) {
   const auto slow = std::find_if(facts.governors.begin(), facts.governors.end(),
                                  [](const std::string& name) { return name == "powersave"; });

@@ -6,10 +6,8 @@
 
 namespace cas::casctl {
 
-/// Serial devices of the links.
+/// Whether the serial devices of the links are there, may be opened, and answer at once.
 void check_devices(const DoctorFacts& facts, Findings& all);
-/// Gaps of the recording under way.
-void check_recording(const DoctorFacts& facts, Findings& all);
 /// Frequency scaling, the wall clock, and how late threads wake.
 void check_machine(const DoctorFacts& facts, Findings& all);
 

@@ -4,8 +4,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <filesystem>
+#include <future>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "casd/tlog/tlog_files.hpp"
 #include "casd/tlog/tlog_name.hpp"
@@ -99,6 +103,30 @@ TEST(DatedTlog, IsAFileThatCasdNamed) {
   for (const char* other : {"", ".tlog", "x.tlog", "2026-11-20T10-00-00Z",
                             "2026-11-20T10-00-00.tlog", "2026-11-20T10-00-00Z-a.tlog.gz"}) {
     EXPECT_FALSE(is_dated_tlog(other)) << other;
+  }
+}
+
+TEST(TlogFolder, SaysWhetherItTakesFilesToSeveralThreadsAtOnce) {
+  for (int i = 0; i < 50; ++i) {
+    const cas::test::TemporaryFolder place;
+    const TlogFolder folder(place / "rec");
+    std::vector<std::future<bool>> answers;
+    for (int n = 0; n < 4; ++n) {
+      answers.push_back(std::async(std::launch::async, [&] { return folder.takes_files(); }));
+    }
+    for (std::future<bool>& answer : answers) EXPECT_TRUE(answer.get());
+    EXPECT_TRUE(fs::is_empty(folder.path())) << "nothing is left of it";
+  }
+}
+
+TEST(TlogFolder, SaysWhyItTakesNoFiles) {
+  const cas::test::TemporaryFolder place;
+  place.write("file", "x");
+  fs::create_symlink(place / "nowhere", place / "leads_nowhere");
+  for (const auto& [name, error] :
+       {std::pair{"file", ENOTDIR}, {"leads_nowhere", ENOENT}, {"no/parent", ENOENT}}) {
+    EXPECT_FALSE(TlogFolder(place / name).takes_files());
+    EXPECT_EQ(errno, error) << name;
   }
 }
 

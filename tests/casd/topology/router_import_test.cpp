@@ -189,6 +189,17 @@ TEST(RouterImport, SaysThatItConnectsAgainWhereMavlinkRouterWouldNot) {
   }
 }
 
+TEST(RouterImport, NotesComeInTheOrderOfTheLines) {
+  const ImportedTopology imported = import_text(
+      "[General]\nReportStats=true\n[TcpEndpoint a]\nAddress=h\nPort=1\nRetryTimeout=0\n"
+      "[UdpEndpoint b]\nMode=Normal\nAddress=h\nOdd=1\n",
+      "f");
+  ASSERT_EQ(imported.notes.size(), 3U);
+  EXPECT_TRUE(imported.notes[0].starts_with("f:2: ReportStats")) << imported.notes[0];
+  EXPECT_TRUE(imported.notes[1].starts_with("f:6: RetryTimeout")) << imported.notes[1];
+  EXPECT_TRUE(imported.notes[2].starts_with("f:10: Odd")) << imported.notes[2];
+}
+
 TEST(RouterImport, SaysThatNothingIsRecordedWithoutAFolder) {
   const ImportedTopology imported =
       import_text("[General]\nLogMode=always\n[UartEndpoint a]\nDevice=/dev/a\n", "f");

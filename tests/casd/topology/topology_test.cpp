@@ -375,6 +375,13 @@ TEST(LineBudget, LeavesOutWhatALinkDoesNotAccept) {
   const std::string routes = "routes:\n  - {from: qgc, to: fcu}\n";
   EXPECT_TRUE(line_budget_warnings(parse(yaml + routes)).empty());
   EXPECT_EQ(line_budget_warnings(parse(yaml + routes + "  - {from: sim, to: fcu}\n")).size(), 1U);
+  // A station's route that names messages says nothing of the simulator's streams.
+  for (const char* named : {"HEARTBEAT, COMMAND_LONG", "HIL_SENSOR"}) {
+    const auto sentences =
+        line_budget_warnings(parse(yaml + "routes:\n  - {from: qgc, to: fcu, allow: [" + named +
+                                   "]}\n  - {from: sim, to: fcu}\n"));
+    EXPECT_EQ(sentences.size(), 1U) << named;
+  }
 }
 
 TEST(LineBudget, PacesAPseudoTerminalOnlyWhereTheRateIsTight) {
