@@ -67,7 +67,7 @@ CommanderOptions commander_options(const Topology& topology,
                                    std::function<std::vector<MessageRate>(LinkId)> request_rates) {
   CommanderOptions options = commander_options(topology);
   options.link_name = std::move(link_name);
-  options.request_rates = std::move(request_rates);
+  if (topology.pace != Pace::kLockstep) options.request_rates = std::move(request_rates);
   return options;
 }
 
@@ -291,7 +291,8 @@ struct App::Impl {
     GainMap gains = load_gains(topology);
     changes.apply(std::move(topology));
     const CommandingConfig& commanding = links.topology().commanding;
-    commander.set_commanding(commanding.heartbeat_hz, commanding.allow_not_hil);
+    commander.set_commanding(commanding.heartbeat_hz, commanding.allow_not_hil,
+                             commanding.ask_on_sight && links.topology().pace != Pace::kLockstep);
     turns.plan();
     vehicle_methods.set_gains(std::move(gains));
     figures.set_decoder(std::move(decoder));

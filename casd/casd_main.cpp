@@ -60,8 +60,10 @@ struct Flags {
   unsigned baud = 0;  ///< of serial endpoints without a rate; 0: none
   EndpointLog log;
   int command_port = -1;
+  bool silent = false;
   bool as_topology = false;
   std::string import_file;
+  std::string import_folder;  ///< empty: config.d beside the file
   std::string ledger;
   std::string stats;
   std::string name;
@@ -97,8 +99,9 @@ std::vector<LinkConfig> endpoints_of(const Flags& flags) {
     links.push_back(parse_endpoint("tcpin:" + std::to_string(port)));
   }
   for (LinkConfig& link : links) {
-    const bool takes_rate = link.type == LinkType::kSerial && link.baud.empty();
-    if (takes_rate && flags.baud != 0) link.baud = {flags.baud};
+    if (link.type != LinkType::kSerial || !link.baud.empty()) continue;
+    const unsigned rate = flags.baud != 0 ? flags.baud : usual_baud(link.device);
+    if (rate != 0) link.baud = {rate};
   }
   return links;
 }
@@ -118,7 +121,7 @@ TopologySource read_topology(const Flags& flags) {
   }
   const bool has_options = !flags.masters.empty() || !flags.outs.empty() ||
                            !flags.tcp_peers.empty() || !flags.tcp_ports.empty() ||
-                           !flags.log.folder.empty() || flags.baud != 0;
+                           !flags.log.folder.empty() || flags.baud != 0 || flags.silent;
   if (flags.places.size() == 1 && is_topology(flags.places[0]) && !has_options) {
     if (flags.as_topology || flags.command_port >= 0) {
       throw base::ConfigError("--as-topology and --command-port go with endpoints; '" +
@@ -134,7 +137,8 @@ TopologySource read_topology(const Flags& flags) {
     throw base::ConfigError(
         "no topology: give a file, or endpoints such as serial:/dev/ttyACM0:921600 udp:14550");
   }
-  const std::string text = topology_of_endpoints(links, flags.command_port, flags.log);
+  const std::string text = topology_of_endpoints(
+      links, {.command_port = flags.command_port, .silent = flags.silent, .log = flags.log});
   if (flags.as_topology) std::fputs(text.c_str(), stdout);
   const std::string name = "the command line";
   return {{}, name, {}, Topology::parse(base::ConfigNode::parse(text, name))};
@@ -142,8 +146,9 @@ TopologySource read_topology(const Flags& flags) {
 
 /// Prints casd's topology for mavlink-router's file, and notes on its keys also to stderr.
 /// @throws base::ConfigError
-int print_import(const std::string& file) {
-  const ImportedTopology imported = import_mavlink_router(read_router_files(file));
+int print_import(const Flags& flags) {
+  const ImportedTopology imported =
+      import_mavlink_router(read_router_files(flags.import_file, flags.import_folder));
   Topology::parse(base::ConfigNode::parse(imported.yaml, "the imported topology"));
   std::fputs(imported.yaml.c_str(), stdout);
   for (const std::string& note : imported.notes) std::fprintf(stderr, "%s\n", note.c_str());
@@ -152,7 +157,12 @@ int print_import(const std::string& file) {
 
 int run(const Flags& flags) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file as large as it may be ends a recording, not casd
-  if (!flags.import_file.empty()) return print_import(flags.import_file);
+  if (!flags.import_file.empty()) return print_import(flags);
+  if (!flags.import_folder.empty()) {
+    throw base::ConfigError(
+        "--conf-dir goes with --import FILE, which prints a topology; "
+        "a topology has a folder FILE.d of its own");
+  }
   auto [place, source_name, files, topology] = read_topology(flags);
   if (flags.as_topology) return base::kExitOk;
   if (flags.lockstep) topology.set_lockstep();
@@ -194,13 +204,21 @@ constexpr std::array kRefused{
     Refused{"-c,--conf-file", true,
             "'casd --import FILE > topology.yaml' reads mavlink-router's file, and "
             "'casd topology.yaml' runs it"},
-    Refused{"-d,--conf-dir", true,
-            "'casd --import FILE' reads the folder config.d beside the file, too"},
     Refused{"-r,--report_msg_statistics", false,
             "'casctl status' and 'casctl monitor' show figures at any time"},
     Refused{"-s,--sniffer-sysid", true,
             "a link of a topology with 'sniffer: true' gets every packet"},
-    Refused{"-y,--syslog", false, "casd writes to standard error, which systemd's journal keeps"}};
+    Refused{"-y,--syslog", false, "casd writes to standard error, which systemd's journal keeps"},
+    // of MAVProxy and mavp2p
+    Refused{"--streamrate,--streamreq-frequency", true,
+            "'request_rates' of a link asks its vehicles for messages, each with its rate"},
+    Refused{"--streamreq-disable", false, "'--silent' has casd ask for nothing"},
+    Refused{"--hb-disable", false, "'--silent' has casd send no HEARTBEAT"},
+    Refused{"--source-system,--hb-systemid", true, "'system_id' of a topology is casd's own"},
+    Refused{"--hb-period", true, "'commanding: {heartbeat_hz: HZ}' of a topology sets the rate"},
+    Refused{"--daemon", false, "a service of systemd runs casd (docs/operations.md)"},
+    Refused{"--aircraft,--dump-path", true, "'--log FOLDER' records"},
+    Refused{"--dump", false, "'--log FOLDER --telemetry-log' records"}};
 
 /// A value that was forgotten: the next flag would be taken for a host or a folder.
 std::string refuse_flag(const std::string& value) {
@@ -259,6 +277,9 @@ int main(int argc, char** argv) {
   cli.add_option("--command-port", flags.command_port,
                  "TCP port for casctl, with endpoints; 0: a free one")
       ->check(CLI::Range(0, 65535));
+  cli.add_flag("--silent", flags.silent,
+               "With endpoints: say nothing of casd's own to vehicles, neither HEARTBEAT nor "
+               "requests, as mavlink-router does");
   cli.add_flag("--as-topology", flags.as_topology,
                "Print the endpoints as a topology file, and end");
   cli.add_flag("--check", flags.check, "Read the topology, say what is wrong, and end");
@@ -267,6 +288,9 @@ int main(int argc, char** argv) {
                  "Print mavlink-router's configuration (with config.d beside the file) as a "
                  "topology file, and end")
       ->type_name("MAIN.CONF");
+  cli.add_option("-d,--conf-dir", flags.import_folder,
+                 "With --import: another folder than config.d beside the file")
+      ->type_name("FOLDER");
   cli.add_option("--ledger", flags.ledger,
                  "Write each HIL packet at each link to this file at the end");
   cli.add_flag("--lockstep", flags.lockstep,

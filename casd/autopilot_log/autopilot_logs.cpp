@@ -73,7 +73,7 @@ AutopilotLogs::Log* AutopilotLogs::log_of(const VehicleState& vehicle, base::Run
   const auto found = logs_.find(system);
   if (found != logs_.end()) return found->second.get();
   const Autopilot autopilot = vehicle.autopilot();
-  if (autopilot == Autopilot::kOther) return nullptr;
+  if (autopilot == Autopilot::kOther || !is_wanted(system)) return nullptr;
   if (logs_.size() >= kMostLogs && !make_room(vehicle.link(), now)) {
     if (!std::exchange(full_, true)) {
       base::log::warn("logs of " + std::to_string(kMostLogs) + " vehicles are taken; vehicle " +
@@ -90,6 +90,10 @@ AutopilotLogs::Log* AutopilotLogs::log_of(const VehicleState& vehicle, base::Run
     log->pull = std::make_unique<DataflashPull>(hooks(system, *log));
   }
   return logs_.emplace(system, std::move(log)).first->second.get();
+}
+
+bool AutopilotLogs::is_wanted(std::uint8_t system) const {
+  return systems_.empty() || std::ranges::find(systems_, system) != systems_.end();
 }
 
 /// Ends a log of the link that has most of them, if that is at least two more than this link has;

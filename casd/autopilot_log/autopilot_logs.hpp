@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "casd/autopilot_log/log_files.hpp"
 #include "casd/autopilot_log/log_pull.hpp"
@@ -27,7 +28,11 @@ class AutopilotLogs {
   /// All outlive it.
   AutopilotLogs(const AutopilotLogConfig& config, mav::Source self, VehicleCommander& commander,
                 LogFiles& files)
-      : while_armed_(config.while_armed), self_(self), commander_(commander), files_(files) {}
+      : while_armed_(config.while_armed),
+        systems_(config.systems),
+        self_(self),
+        commander_(commander),
+        files_(files) {}
 
   void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now);
   /// Several times a second.
@@ -46,12 +51,14 @@ class AutopilotLogs {
   };
 
   Log* log_of(const VehicleState& vehicle, base::RunTime now);
+  bool is_wanted(std::uint8_t system) const;
   bool make_room(LinkId link, base::RunTime now);
   void tick(Log& log, const VehicleState& vehicle, base::RunTime now);
   LogPullHooks hooks(std::uint8_t system, Log& log);
   void forget_lost(base::RunTime now);
 
   bool while_armed_;
+  std::vector<std::uint8_t> systems_;  ///< empty: all
   mav::Source self_;
   VehicleCommander& commander_;
   LogFiles& files_;

@@ -60,9 +60,10 @@ std::unique_ptr<KnownVehicle> VehicleCommander::make(VehicleState state) {
                                         options_.param_timing);
 }
 
-void VehicleCommander::set_commanding(double heartbeat_hz, bool allow_not_hil) {
+void VehicleCommander::set_commanding(double heartbeat_hz, bool allow_not_hil, bool ask_on_sight) {
   heartbeat_.set_rate(heartbeat_hz);
   options_.allow_not_hil = allow_not_hil;
+  options_.ask_on_sight = ask_on_sight;
 }
 
 void VehicleCommander::on_packet(const Origin& from, const mav::PacketView& packet,
@@ -77,9 +78,9 @@ void VehicleCommander::on_packet(const Origin& from, const mav::PacketView& pack
                          now - vehicle->asked_at > kVehicleTimeout;  // its clock may leap about
   if (packet.message_id != Heartbeat::kId) vehicle->told_at = now;
   const bool never_asked = vehicle != before || vehicle->asked_at == base::RunTime{};
-  if (options_.ask_on_sight && !vehicle->state.is_high_latency() &&
+  if (!vehicle->state.is_high_latency() &&
       (never_asked || restarted || has_stopped_telling(*vehicle, now))) {
-    ask_on_sight(*vehicle, now);
+    greet(*vehicle, now);
   }
   dispatch(*vehicle, packet, now);
   heartbeat_.keep_up(*vehicle, now);
@@ -93,19 +94,21 @@ bool VehicleCommander::has_stopped_telling(const KnownVehicle& vehicle, base::Ru
          attitude->at > vehicle.asked_at && now - vehicle.told_at > kVehicleTimeout;
 }
 
-/// Requests the messages that commanding needs and that a vehicle may not send by itself. Nothing
-/// is requested over a high latency link, where each packet costs.
-void VehicleCommander::ask_on_sight(KnownVehicle& vehicle, base::RunTime now) {
+/// Requests the messages that commanding needs and that a vehicle may not send by itself, and the
+/// rates of its link. Nothing is requested over a high latency link, where each packet costs.
+void VehicleCommander::greet(KnownVehicle& vehicle, base::RunTime now) {
   const std::uint8_t system = vehicle.state.source().system;
   vehicle.asked_at = now;
-  for (const std::uint32_t id : {AutopilotVersion::kId, HomePosition::kId}) {
-    start(system, request_command(id), now, [](const Outcome&) {});
+  if (options_.ask_on_sight) {
+    for (const std::uint32_t id : {AutopilotVersion::kId, HomePosition::kId}) {
+      start(system, request_command(id), now, [](const Outcome&) {});
+    }
   }
   const std::vector<MessageRate> rates = options_.request_rates
                                              ? options_.request_rates(vehicle.state.link())
                                              : std::vector<MessageRate>();
   // PX4 streams by itself; ArduPilot sends little more than HEARTBEAT until it is asked.
-  if (vehicle.state.autopilot() == Autopilot::kArduPilot) {
+  if (options_.ask_on_sight && vehicle.state.autopilot() == Autopilot::kArduPilot) {
     for (const auto& [id, hz] : kArduPilotStreams) {
       if (std::ranges::count(rates, id, &MessageRate::message_id) > 0) continue;
       message_interval(system, id, 1e6 / hz, now, [](const Outcome&) {});

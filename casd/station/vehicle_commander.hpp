@@ -58,12 +58,13 @@ struct CommanderOptions {
   double heartbeat_hz = 1;     ///< own HEARTBEAT as a ground station; 0 is silent. A vehicle that
                                ///< runs faster than real time gets it by its own clock
   bool allow_not_hil = false;  ///< consent to arm vehicles that are not in HIL
-  bool ask_on_sight = true;    ///< request AUTOPILOT_VERSION and HOME_POSITION of a new vehicle,
-                               ///< and of one that has restarted
+  /// Ask a new vehicle, and one that has restarted, for AUTOPILOT_VERSION and HOME_POSITION, and an
+  /// ArduPilot for its telemetry.
+  bool ask_on_sight = true;
   CommandTiming command_timing{};
   ParamTiming param_timing{};
   std::function<std::string(LinkId)> link_name{};  ///< for sentences; empty: their numbers
-  /// Message rates requested from the vehicles of a link, with `ask_on_sight`; empty: none.
+  /// Message rates requested from the vehicles of a link, on the same occasions; empty: none.
   std::function<std::vector<MessageRate>(LinkId)> request_rates{};
 };
 
@@ -106,7 +107,7 @@ class VehicleCommander final : public Station {
 
   /// Changes these options from now on. Where the consent is withdrawn, a command under way that
   /// needs it is not sent again either.
-  void set_commanding(double heartbeat_hz, bool allow_not_hil);
+  void set_commanding(double heartbeat_hz, bool allow_not_hil, bool ask_on_sight);
 
   const VehicleState* find(std::uint8_t system) const;
   /// Commanders of the vehicles of this id, as far as casd knows.
@@ -200,7 +201,7 @@ class VehicleCommander final : public Station {
   void send(const VehicleState& vehicle, M message);
   KnownVehicle* known(std::uint8_t system, const Done& done);
   static bool has_stopped_telling(const KnownVehicle& vehicle, base::RunTime now);
-  void ask_on_sight(KnownVehicle& vehicle, base::RunTime now);
+  void greet(KnownVehicle& vehicle, base::RunTime now);
   struct RateRound;
   void ask_for_rates(std::uint8_t system, const std::shared_ptr<RateRound>& round);
   void on_status_text(KnownVehicle& vehicle);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <vector>
 
 #include "casd/tlog/tlog_folder.hpp"
 
@@ -14,6 +16,7 @@ struct AutopilotLogConfig {
 
   std::filesystem::path folder{};  ///< empty: that of the telemetry logs
   bool while_armed = false;        ///< of each vehicle while it is armed; false: while it is heard
+  std::vector<std::uint8_t> systems{};  ///< of these vehicles alone; empty: of all
   TlogLimits limits{.free_space_min_bytes = TlogLimits::kFreeSpaceMin, .max_bytes = kMaxBytes};
 
   friend bool operator==(const AutopilotLogConfig&, const AutopilotLogConfig&) = default;

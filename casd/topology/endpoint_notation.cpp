@@ -26,10 +26,12 @@ struct Scheme {
 };
 
 constexpr std::string_view kMulticast = "mcast";
-constexpr unsigned kUsualPort = 14550;  // of a ground station's UDP
+constexpr std::string_view kFlowControl = "serial_flowcontrol";  // MAVSDK's
+constexpr unsigned kUsualPort = 14550;                           // of a ground station's UDP
 
 constexpr std::array kSchemes{
     Scheme{"serial", LinkType::kSerial, Direction::kByHost},
+    Scheme{kFlowControl, LinkType::kSerial, Direction::kByHost},
     Scheme{"udp", LinkType::kUdp, Direction::kByHost},
     Scheme{"udpin", LinkType::kUdp, Direction::kListen},
     Scheme{"udps", LinkType::kUdp, Direction::kListen},
@@ -68,22 +70,29 @@ std::optional<unsigned> number(std::string_view digits) {
   return value;
 }
 
-/// DEVICE, DEVICE:BAUD or DEVICE,BAUD. Names below /dev/serial/by-path have colons of their own.
+/// DEVICE, DEVICE:BAUD or DEVICE,BAUD, and further rates to try, each behind a comma. Names below
+/// /dev/serial/by-path have colons of their own.
 LinkConfig serial_link(const std::string& text, std::string_view rest) {
   constexpr unsigned kLeastBaud = 300;
   LinkConfig link;
   link.type = LinkType::kSerial;
   link.pass_unknown = true;  // as other routers do: a dialect of one's own
-  const std::size_t cut = rest.find_last_of(":,");
-  if (cut != rest.npos) {
-    const std::optional<unsigned> baud = number(rest.substr(cut + 1));
-    if (baud && *baud >= kLeastBaud) {
-      link.baud = {*baud};
-      rest = rest.substr(0, cut);
-    } else if (rest[cut] == ',') {
-      fail(text, "has no rate after the comma");
-    }
+  const auto last_rate = [&rest]() -> std::optional<unsigned> {
+    const std::size_t cut = rest.find_last_of(":,");
+    const auto rate = cut == rest.npos ? std::nullopt : number(rest.substr(cut + 1));
+    return rate && *rate >= kLeastBaud ? rate : std::nullopt;
+  };
+  for (bool more = true; more;) {
+    const std::optional<unsigned> rate = last_rate();
+    if (!rate) break;
+    link.baud.insert(link.baud.begin(), *rate);
+    const std::size_t cut = rest.find_last_of(":,");
+    more = rest[cut] == ',';
+    rest = rest.substr(0, cut);
   }
+  const std::size_t comma = rest.find_last_of(":,");
+  if (comma != rest.npos && rest[comma] == ',') fail(text, "has no rate after the comma");
+  if (last_rate()) fail(text, "has a comma between its rates: RATE,RATE");
   if (rest.empty()) fail(text, "names no device");
   link.device = rest;
   return link;
@@ -104,6 +113,9 @@ LinkConfig socket_link(const std::string& text, const Scheme& scheme, std::strin
   if (const auto parts = base::parse_host_port(rest)) {
     host = parts->host;
     port = parts->port;
+  }
+  if (host.find('@') != host.npos) {
+    fail(text, "has an @, as mavros's URLs have: udpin:HOST:PORT listens, udpout:HOST:PORT sends");
   }
   if (host.find(':') != host.npos && (rest.front() != '[' || EndpointAddress(host, 0).is_name())) {
     fail(text, "has a host that is no IPv6 address in brackets, as [::1]:14550 is");
@@ -176,7 +188,11 @@ LinkConfig parse_endpoint(const std::string& text, EndpointUse use,
   if (scheme != nullptr) {
     rest.remove_prefix(scheme->word.size() + 1);
     if (rest.starts_with("//")) rest.remove_prefix(2);  // MAVSDK's URLs
-    if (scheme->type == LinkType::kSerial) return serial_link(text, rest);
+    if (scheme->type == LinkType::kSerial) {
+      LinkConfig link = serial_link(text, rest);
+      link.flow_control = scheme->word == kFlowControl;
+      return link;
+    }
     if (scheme->word == kMulticast) return multicast_link(text, rest);
     return socket_link(text, *scheme, rest, use);
   }
@@ -203,6 +219,18 @@ unsigned next_udp_port(const std::string& host, std::span<const LinkConfig> befo
   unsigned port = kUsualPort;
   while (is_taken(port)) ++port;
   return port;
+}
+
+unsigned usual_baud(std::string_view device) {
+  constexpr unsigned kRouters = 115'200;  // also of mavlink-router
+  constexpr std::array<std::string_view, 7> kLines{"/dev/ttyS",   "/dev/ttyAMA", "/dev/ttyUSB",
+                                                   "/dev/ttyTHS", "/dev/ttymxc", "/dev/ttyO",
+                                                   "/dev/serial"};
+  const bool is_line = device.find("/by-") == device.npos &&
+                       std::ranges::any_of(kLines, [device](std::string_view begin) {
+                         return device.starts_with(begin);
+                       });
+  return is_line ? kRouters : 0;
 }
 
 bool is_endpoint(std::string_view text) {
@@ -242,16 +270,18 @@ std::string link_entry(const LinkConfig& link) {
   if (!link.device.empty()) entry += ", device: " + yaml_string(link.device);
   if (link.type == LinkType::kSerial && link.pass_unknown) entry += ", unknown_messages: pass";
   if (!link.baud.empty()) entry += ", baud: " + baud_text(link.baud);
+  if (link.flow_control) entry += ", flow_control: true";
   return entry + "}";
 }
 
-std::string topology_of_endpoints(std::vector<LinkConfig> links, int command_port,
-                                  const EndpointLog& log) {
+std::string topology_of_endpoints(std::vector<LinkConfig> links, const EndpointOptions& options) {
   name_links(links);
   std::string text = "schema: 1\n";
-  if (command_port >= 0) {
-    text += "command_port: {port: " + std::to_string(command_port) + "}\n";
+  if (options.command_port >= 0) {
+    text += "command_port: {port: " + std::to_string(options.command_port) + "}\n";
   }
+  if (options.silent) text += "commanding: {heartbeat_hz: 0, ask_on_sight: false}\n";
+  const EndpointLog& log = options.log;
   if (!log.folder.empty()) {
     text += "log:\n  folder: " + yaml_string(log.folder) + "\n";
     if (log.telemetry) text += "  tlog: flight\n";

@@ -22,6 +22,7 @@ enum class EndpointUse : std::uint8_t {
 /// A link of one word of a command line, without a name:
 ///
 ///     serial:/dev/ttyACM0:921600   /dev/ttyACM0,921600   serial:///dev/ttyACM0:921600
+///     serial:/dev/ttyS1:57600,115200   with rates to try; serial_flowcontrol: with RTS/CTS
 ///     udp:14550  udpin:HOST:PORT  udps:HOST:PORT         listens; without a host on 127.0.0.1
 ///     udp:HOST:PORT  udpout:HOST:PORT  udpc:HOST:PORT    sends there
 ///     mcast:  mcast:GROUP:PORT                           sends to the group, receives from it
@@ -40,6 +41,10 @@ LinkConfig parse_endpoint(const std::string& text, EndpointUse use = EndpointUse
 /// @param host  an IPv6 address in brackets
 unsigned next_udp_port(const std::string& host, std::span<const LinkConfig> before);
 
+/// The rate of a serial endpoint without one; 0: of USB, which has none, or of a name that does not
+/// tell.
+unsigned usual_baud(std::string_view device);
+
 /// Whether a word of the command line is meant as an endpoint and not as a file.
 bool is_endpoint(std::string_view text);
 
@@ -49,11 +54,18 @@ struct EndpointLog {
   bool telemetry = false;  ///< a telemetry log, too
 };
 
+/// What a command line says beside its endpoints.
+struct EndpointOptions {
+  int command_port = -1;  ///< below 0: the usual one
+  bool silent = false;    ///< casd says nothing of its own to vehicles
+  EndpointLog log{};
+};
+
 /// A topology of these links, as a file's text: all to all, but no simulator's sensor data, which
 /// would fly a vehicle in HIL; a bench has a topology of its own. Links without a name get one of
-/// their type. `command_port` < 0: the usual one.
-std::string topology_of_endpoints(std::vector<LinkConfig> links, int command_port = -1,
-                                  const EndpointLog& log = {});
+/// their type.
+std::string topology_of_endpoints(std::vector<LinkConfig> links,
+                                  const EndpointOptions& options = {});
 
 /// What only a simulator says to a vehicle in HIL.
 inline constexpr std::array<std::string_view, 6> kSimulatorMessages{

@@ -14,11 +14,14 @@ namespace cas::casd {
 using base::lower;
 using base::trimmed;
 
-std::vector<RouterFile> read_router_files(const std::filesystem::path& main) {
+std::vector<RouterFile> read_router_files(const std::filesystem::path& main,
+                                          const std::filesystem::path& folder) {
   constexpr std::size_t kMostFiles = 128;  // as mavlink-router
   std::vector<std::filesystem::path> paths;
   std::error_code error;
-  std::filesystem::directory_iterator entry(main.parent_path() / "config.d", error);
+  std::filesystem::directory_iterator entry(
+      folder.empty() ? main.parent_path() / "config.d" : folder, error);
+  if (error && !folder.empty()) throw base::ConfigError("cannot read " + folder.string());
   for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
     std::error_code none;
     if (std::filesystem::is_regular_file(entry->path(), none)) paths.push_back(entry->path());

@@ -20,9 +20,11 @@ struct RouterFile {
   std::string text;
 };
 
-/// main.conf and the files of config.d beside it, in the order of their names as mavlink-router
-/// reads them. @throws base::ConfigError when one cannot be read
-std::vector<RouterFile> read_router_files(const std::filesystem::path& main);
+/// main.conf and the files of a folder, in the order of their names as mavlink-router reads them.
+/// @param folder  empty: config.d beside main.conf, which may be missing
+/// @throws base::ConfigError when one cannot be read
+std::vector<RouterFile> read_router_files(const std::filesystem::path& main,
+                                          const std::filesystem::path& folder = {});
 
 /// A line of a RouterConfig.
 struct RouterPlace {

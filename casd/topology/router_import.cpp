@@ -95,7 +95,8 @@ class Import {
     const RouterValue* space = config_.find(section, "MinFreeSpace");
     const RouterValue* files = config_.find(section, "MaxLogFiles");
     if (folder == nullptr) {
-      for (const char* key : {"LogTelemetry", "LogMode", "MinFreeSpace", "MaxLogFiles"}) {
+      for (const char* key :
+           {"LogTelemetry", "LogMode", "MinFreeSpace", "MaxLogFiles", "LogSystemId"}) {
         const RouterValue* value = config_.find(section, key);
         if (value != nullptr) note(value->place, value->key + ": nothing is recorded without Log");
       }
@@ -112,6 +113,11 @@ class Import {
       log_ += "  " + key + "\n";
       autopilot += ", " + key;
       note(space->place, "MinFreeSpace: casd pauses a recording there; it deletes no older ones");
+    }
+    if (const RouterValue* system = config_.find(section, "LogSystemId")) {
+      const std::string id = std::to_string(config_.number(system->text, *system, 255));
+      if (id != "0") autopilot += ", systems: [" + id + "]";
+      if (telemetry) note(system->place, "LogSystemId: a .tlog has every system");
     }
     log_ += "  autopilot: {" + autopilot + "}\n";
     if (files == nullptr) return;
@@ -256,7 +262,6 @@ class Import {
         {"debugloglevel", "casd has --log-level"},
         {"deduplicationperiod", "links of one group pass on once what comes twice"},
         {"mavlinkdialect", "casd knows all public dialects; another one: dialect"},
-        {"logsystemid", "casd records every system"},
     };
     for (const RouterSection& section : config_.sections()) {
       for (const auto& [key, value] : section.values) {
@@ -321,7 +326,7 @@ class Import {
         "schema: 1\n"
         "# mavlink-router says nothing of its own. With a rate here, vehicles see a ground "
         "station.\n"
-        "commanding: {heartbeat_hz: 0}\n" +
+        "commanding: {heartbeat_hz: 0, ask_on_sight: false}\n" +
         command_port() + log_ + "links:\n";
     for (const Endpoint& endpoint : endpoints_) {
       std::string entry = link_entry(endpoint.link);

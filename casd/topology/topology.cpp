@@ -14,6 +14,7 @@
 #include "casd/tlog/tlog_name.hpp"
 #include "casd/topology/endpoint_conflict.hpp"
 #include "casd/topology/line_budget.hpp"
+#include "casd/topology/message_keys.hpp"
 #include "casd/topology/topology_files.hpp"
 
 namespace cas::casd {
@@ -121,6 +122,10 @@ constexpr std::tuple kCommandingKeys{
                                          "own HEARTBEAT; 0: none; in lockstep at most 20"),
     key<&CommandingConfig::allow_not_hil>("allow_not_hil", Flag{},
                                           "consent to arm a vehicle that is not in HIL"),
+    key<&CommandingConfig::ask_on_sight>(
+        "ask_on_sight", Flag{},
+        "ask a vehicle that appears or restarts for AUTOPILOT_VERSION and HOME_POSITION, and an "
+        "ArduPilot for telemetry; never in lockstep"),
 };
 
 constexpr double kMib = 1024 * 1024;
@@ -131,6 +136,8 @@ constexpr std::tuple kAutopilotLogKeys{
                                      "`log.folder`"),
     key<&AutopilotLogConfig::while_armed>("while_armed", Flag{},
                                           "of each vehicle while it is armed; false: always"),
+    key<&AutopilotLogConfig::systems>("systems", Ids{}, "of these vehicles (system ids) alone",
+                                      "all"),
     key<&AutopilotLogConfig::limits, &TlogLimits::max_bytes>(
         "max_mib", Range{0, 1e8, kMib},
         "logs pause when all .ulg and .bin files of the folder would take more; 0: any"),

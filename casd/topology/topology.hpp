@@ -62,6 +62,7 @@ struct MetricsConfig {
 struct CommandingConfig {
   double heartbeat_hz = 1;
   bool allow_not_hil = false;  ///< consent to arm a vehicle that is not in HIL
+  bool ask_on_sight = true;    ///< see CommanderOptions; never in lockstep
 
   friend bool operator==(const CommandingConfig&, const CommandingConfig&) = default;
 };

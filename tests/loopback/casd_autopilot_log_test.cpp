@@ -145,6 +145,23 @@ TEST_F(CasdAutopilotLog, RunsFromArmingToDisarming) {
       [&] { return files().size() == 1 && fs::file_size(files()[0]) == beginning().size(); }));
 }
 
+TEST_F(CasdAutopilotLog, OfOtherVehiclesThanThoseOfTheTopologyAreNotTaken) {
+  start(", free_space_min_mib: 0, systems: [2]");
+  UdpAutopilot other(MavAutopilot::kPx4);
+  other.socket.set_remote(port);
+  UdpAutopilot wanted(MavAutopilot::kPx4);
+  wanted.socket.set_remote(port);
+  wanted.encoder = mav::Encoder{{2, 1}};
+  ASSERT_TRUE(speaks_until(
+      wanted, [&] { return wanted.starts > 0 && other.requests > 0; },
+      [&] {
+        other.beat();
+        other.pump();
+      }));
+  EXPECT_EQ(other.starts, 0);
+  end();
+}
+
 TEST_F(CasdAutopilotLog, InventedVehiclesOfALinkKeepNoneOfAnotherLinkOut) {
   start(", free_space_min_mib: 0", "}\n  - {name: line, type: udp_server, local: \"127.0.0.1:0\"");
   std::deque<UdpAutopilot> flood;

@@ -107,6 +107,12 @@ TEST_F(CasdOverlay, TheImportOfMavlinkRouterReadsConfigD) {
   const std::string check = output({"--check", fixture.folder.write("printed.yaml", yaml)});
   EXPECT_NE(check.find("/dev/ttyS1 at 57600 or 921600 baud"), std::string::npos) << check;
   EXPECT_NE(yaml.find("max_files: 5"), std::string::npos) << yaml;
+
+  write("elsewhere/10.conf", "[UartEndpoint fc]\nBaud = 230400\n");
+  const std::string other =
+      output({"--import", conf, "--conf-dir", (fixture.folder / "elsewhere").string()});
+  EXPECT_NE(other.find("baud: 230400"), std::string::npos) << other;
+  EXPECT_EQ(other.find("max_files"), std::string::npos) << other;
 }
 
 }  // namespace

@@ -351,7 +351,7 @@ struct RefusedOption {
 
 class CasdRefuses : public testing::TestWithParam<RefusedOption> {};
 
-TEST_P(CasdRefuses, AnOptionOfMavlinkRoutersAndSaysWhatTakesItsPlace) {
+TEST_P(CasdRefuses, AnOptionOfAnotherRouterAndSaysWhatTakesItsPlace) {
   std::vector<std::string> command{kCasd, "udp:0"};
   const auto& arguments = GetParam().arguments;
   command.insert(command.end(), arguments.begin(), arguments.end());
@@ -364,10 +364,15 @@ INSTANTIATE_TEST_SUITE_P(
     Options, CasdRefuses,
     testing::Values(RefusedOption{"ConfFile", {"-c", "main.conf"}, "casd --import FILE"},
                     RefusedOption{"ConfFileLong", {"--conf-file", "main.conf"}, "--import"},
-                    RefusedOption{"ConfDir", {"-d", "/etc/x"}, "config.d"},
+                    RefusedOption{"ConfDir", {"-d", "/etc/x"}, "--import FILE"},
                     RefusedOption{"Statistics", {"-r"}, "casctl status"},
                     RefusedOption{"Sniffer", {"-s", "250"}, "sniffer: true"},
-                    RefusedOption{"Syslog", {"-y"}, "standard error"}),
+                    RefusedOption{"Syslog", {"-y"}, "standard error"},
+                    RefusedOption{"StreamRate", {"--streamrate", "4"}, "request_rates"},
+                    RefusedOption{"HeartbeatDisable", {"--hb-disable"}, "--silent"},
+                    RefusedOption{"SourceSystem", {"--source-system", "9"}, "system_id"},
+                    RefusedOption{"Daemon", {"--daemon"}, "systemd"},
+                    RefusedOption{"Dump", {"--dump"}, "--telemetry-log"}),
     [](const auto& test) { return std::string(test.param.name); });
 
 TEST_F(CasdProgram, PrintsEndpointsAndMavlinkRoutersFileAsATopologyThatItTakes) {
@@ -386,6 +391,39 @@ TEST_F(CasdProgram, PrintsEndpointsAndMavlinkRoutersFileAsATopologyThatItTakes) 
     EXPECT_EQ(check.wait_exit(), 0) << check.output();
     EXPECT_NE(check.output().find("/dev/ttyS1 at 57600 baud"), std::string::npos) << check.output();
   }
+}
+
+TEST_F(CasdProgram, RunsMavlinkRoutersFileBothWaysAndSaysNothingOfItsOwn) {
+  const auto conf = fixture.folder.write(
+      "main.conf",
+      fixture.expand("[General]\nTcpServerPort = 0\n[UartEndpoint fc]\nDevice = $FCU\n"
+                     "Baud = 921600\n[UdpEndpoint gcs]\nMode = Server\nAddress = 127.0.0.1\n"
+                     "Port = 0\n"));
+  ChildProcess print({kCasd, "--import", conf});
+  ASSERT_EQ(print.wait_exit(), 0) << print.output();
+  const auto file = fixture.folder.write(
+      "imported.yaml", print.output() + "command_port: {port: 0, loopback_without_token: true}\n");
+  ChildProcess casd({kCasd, file});
+  const auto status = casd.wait_ready();
+  ASSERT_TRUE(status) << casd.output();
+  fixture.sim.set_remote(port_of(endpoint_in(*status, "gcs")));
+  using namespace mavlink::common;
+  Heartbeat ardupilot;
+  ardupilot.type = MavType::kQuadrotor;
+  ardupilot.autopilot = MavAutopilot::kArdupilotmega;
+  // Two seconds of an autopilot that casd would ask for its streams.
+  for (int beat = 0; beat < 20; ++beat) {
+    fixture.sim.send(fixture.from_sim(ParamRequestList{}));
+    fixture.fcu.write(fixture.from_fcu(ardupilot));
+    const base::RunTime next = base::steady_now() + std::chrono::milliseconds(100);
+    ASSERT_TRUE(fixture.collect_until([&] { return base::steady_now() > next; }));
+  }
+  EXPECT_TRUE(fixture.collect_until([&] {
+    return fixture.at_fcu.count(ParamRequestList::kId) == 20 &&
+           fixture.at_sim.count(Heartbeat::kId) > 0;
+  })) << casd.output();
+  EXPECT_EQ(fixture.at_fcu.count(Heartbeat::kId), 0U);
+  EXPECT_EQ(fixture.at_fcu.count(CommandLong::kId), 0U);
 }
 
 TEST_F(CasdProgram, EndsWhenTheCommandPortIsTaken) {

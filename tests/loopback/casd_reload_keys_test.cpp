@@ -23,6 +23,7 @@
 namespace cas::test {
 namespace {
 
+using mavlink::common::CommandLong;
 using mavlink::common::Heartbeat;
 using nlohmann::json;
 
@@ -70,16 +71,20 @@ class ReloadProgram {
     return "";
   }
   /// A PX4 that does not say that it is in HIL has just been heard.
-  void meet_vehicle() {
-    const auto age = [this] {
+  void meet_vehicle(std::uint8_t system = 1) {
+    const auto age = [this, system] {
       const json vehicles = call("casd.status").at("vehicles");
-      return vehicles.empty() ? 1e9 : vehicles[0].at("heartbeat_age_s").get<double>();
+      for (const json& vehicle : vehicles) {
+        if (vehicle.at("system") == system) return vehicle.at("heartbeat_age_s").get<double>();
+      }
+      return 1e9;
     };
     Heartbeat heartbeat;
     heartbeat.type = mavlink::common::MavType::kQuadrotor;
     heartbeat.autopilot = mavlink::common::MavAutopilot::kPx4;
     heartbeat.base_mode = mavlink::common::MavModeFlag::kCustomModeEnabled;
-    fixture.fcu.write(fixture.from_fcu(heartbeat));
+    mav::Encoder vehicle{{system, 1}};
+    fixture.fcu.write(vehicle(heartbeat));
     ASSERT_TRUE(wait_until([&] { return age() < 1; }));
   }
 
@@ -148,6 +153,18 @@ void expect_fast_beats(ReloadProgram& program, bool reloaded) {
   EXPECT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHeartbeat) > 3; }));
 }
 
+void expect_questions(ReloadProgram& program, bool reloaded) {
+  CasdFixture& fixture = program.fixture;
+  program.meet_vehicle(reloaded ? 2 : 1);
+  const auto asked = [&] { return fixture.at_fcu.count(CommandLong::kId) > 0; };
+  if (reloaded) {
+    EXPECT_TRUE(fixture.collect_until(asked));
+  } else {
+    fixture.collect();
+    EXPECT_FALSE(asked());
+  }
+}
+
 bool consents(ReloadProgram& program) {
   program.meet_vehicle();
   const std::string said = program.refusal("vehicle.manual_control", {{"not_hil", true}});
@@ -185,6 +202,7 @@ constexpr InForceCase kInForce[] = {
      "commanding: {allow_not_hil: false}", expect_consent_withdrawn},
     {"commanding.allow_not_hil", "", "commanding: {allow_not_hil: true}", expect_consent_given},
     {"commanding.allow_not_hil", "commanding: {allow_not_hil: true}", "", expect_consent_withdrawn},
+    {"commanding.ask_on_sight", "commanding: {ask_on_sight: false}", "", expect_questions},
     {"dialect", "", "dialect: lab.xml", expect_dialect},
     {"gains", "gains: old.yaml", "gains: new.yaml", expect_gains},
 };

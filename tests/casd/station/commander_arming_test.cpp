@@ -259,7 +259,7 @@ TEST_F(ConsentingCommanderTest, SendsNothingMoreOnceTheConsentIsWithdrawn) {
   commander_.arm(1, {.not_hil = true}, now_, done());
   run_for(100ms);
   ASSERT_EQ(vehicle_.commands.size(), 1U);
-  commander_.set_commanding(1, false);
+  commander_.set_commanding(1, false, false);
   EXPECT_EQ(finish().kind, OutcomeKind::kInterlock);
   EXPECT_EQ(vehicle_.commands.size(), 1U);
   EXPECT_EQ(arm({.not_hil = true}).kind, OutcomeKind::kInterlock);
@@ -269,7 +269,7 @@ TEST_F(ConsentingCommanderTest, SendsNothingMoreOnceTheConsentIsWithdrawn) {
 TEST_F(ConsentingCommanderTest, ChangesTheModeOfAnArmedVehicleWithoutConsent) {
   vehicle_.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kSafetyArmed;
   meet();
-  commander_.set_commanding(1, false);
+  commander_.set_commanding(1, false, false);
   commander_.set_mode(1, "HOLD", now_, done());
   EXPECT_EQ(finish().kind, OutcomeKind::kAccepted);
 }

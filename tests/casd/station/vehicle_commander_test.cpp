@@ -44,7 +44,7 @@ TEST_F(VehicleCommanderTest, RestsUntilTheHeartbeatIsDue) {
 }
 
 TEST_F(VehicleCommanderTest, RestsNoLongerThanARequestMayWait) {
-  commander_.set_commanding(0, false);
+  commander_.set_commanding(0, false, false);
   meet();
   EXPECT_EQ(commander_.next_tick(now_), now_ + kRestTick);
   vehicle_.script.deaf_for = 1;

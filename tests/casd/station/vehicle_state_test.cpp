@@ -389,6 +389,23 @@ TEST(StockArduPilot, IsAskedForTheStreamsThatItDoesNotSendByItself) {
   EXPECT_EQ(asked_for(commander, vehicle, now + seconds(20)), asked) << "it was started anew";
 }
 
+TEST(StockArduPilot, IsAskedForTheRatesOfItsLinkAloneWhereCasdAsksForNothing) {
+  FakeVehicle vehicle;
+  vehicle.autopilot = MavAutopilot::kArdupilotmega;
+  const base::RunTime now{seconds(10)};
+  CommanderOptions options;
+  options.ask_on_sight = false;
+  options.request_rates = [](LinkId) { return std::vector<MessageRate>{{Attitude::kId, 4}}; };
+  VehicleCommander commander(options,
+                             [&](std::span<const std::uint8_t> packet, std::span<const Path>) {
+                               vehicle.handle(mav::view_packet(packet), now);
+                             });
+  EXPECT_EQ(asked_for(commander, vehicle, now), std::vector<float>{Attitude::kId});
+  EXPECT_EQ(vehicle.commands.size(), 1U) << "and for no AUTOPILOT_VERSION";
+  commander.set_commanding(0, false, true);
+  EXPECT_GT(asked_for(commander, vehicle, now + seconds(20)).size(), 5U) << "by a reload";
+}
+
 TEST(StockArduPilot, IsAskedAgainThatIsBackBeforeItsHeartbeatWasMissed) {
   FakeVehicle vehicle;
   vehicle.autopilot = MavAutopilot::kArdupilotmega;

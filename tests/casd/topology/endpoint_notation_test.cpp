@@ -63,11 +63,19 @@ INSTANTIATE_TEST_SUITE_P(
         Notation{"[::1]", kOut, "udp, remote: \"[::1]:14550\""},
         Notation{"/dev/ttyS1:1500000", kPlain,
                  "serial, device: \"/dev/ttyS1\", unknown_messages: pass, baud: 1500000"},
+        Notation{"/dev/ttyS1:57600,115200", kPlain,
+                 "serial, device: \"/dev/ttyS1\", unknown_messages: pass, baud: [57600, 115200]"},
+        Notation{"serial:/dev/ttyS1,57600,115200,921600", kMaster,
+                 "serial, device: \"/dev/ttyS1\", unknown_messages: pass, "
+                 "baud: [57600, 115200, 921600]"},
         Notation{"0.0.0.0:24550", kPlain, "udp_server, local: \"0.0.0.0:24550\""},
         // MAVSDK
         Notation{"udp://:14540", kPlain, "udp_server, local: \"127.0.0.1:14540\""},
         Notation{"serial:///dev/ttyUSB0:57600", kPlain,
                  "serial, device: \"/dev/ttyUSB0\", unknown_messages: pass, baud: 57600"},
+        Notation{"serial_flowcontrol:///dev/ttyUSB0:57600", kPlain,
+                 "serial, device: \"/dev/ttyUSB0\", unknown_messages: pass, baud: 57600, "
+                 "flow_control: true"},
         // short
         Notation{"udp:14550", kPlain, "udp_server, local: \"127.0.0.1:14550\""},
         Notation{"tcp:5760", kPlain, "tcp_server, local: \"127.0.0.1:5760\""},
@@ -83,7 +91,8 @@ TEST(EndpointNotation, RefusesWhatIsNoPlace) {
   for (const char* text :
        {"udp:host", "udp:", "tcp:127.0.0.1:99999", "udp:65536", "serial:", "udpout:14550",
         "/dev/ttyACM0,fast", "nonsense", "tcp:[::1:5760", "udp:::1:14550", "udp:1:2:14550",
-        "udpout:[1:2]:14550", "udo:14550", "mcast:1.2.3.4:14550", "mcast:[fe80::1]"}) {
+        "udpout:[1:2]:14550", "udo:14550", "mcast:1.2.3.4:14550", "mcast:[fe80::1]",
+        "udp://:14540@127.0.0.1:14557", "/dev/ttyS1:57600:115200", "/dev/ttyS1,,57600"}) {
     EXPECT_THROW(parse_endpoint(text), base::ConfigError) << text;
   }
 }
@@ -107,7 +116,8 @@ TEST(EndpointNotation, HostsWithoutAPortGetTheNextOneThatIsFree) {
 TEST(EndpointNotation, TopologyRecordsWhereItIsTold) {
   const std::vector<LinkConfig> links{parse_endpoint("udp:14550")};
   const auto parsed = [&](const EndpointLog& log) {
-    return Topology::parse(base::ConfigNode::parse(topology_of_endpoints(links, 0, log)));
+    return Topology::parse(
+        base::ConfigNode::parse(topology_of_endpoints(links, {.command_port = 0, .log = log})));
   };
   EXPECT_FALSE(parsed({}).log.autopilot);
   const Topology logs = parsed({.folder = "/var/log/a: b"});
@@ -129,7 +139,8 @@ TEST(EndpointNotation, TellsEndpointsFromFiles) {
 
 TEST(EndpointNotation, TopologyCarriesEverythingButASimulatorsSensors) {
   const std::string text = topology_of_endpoints(
-      {parse_endpoint("/dev/ttyACM0"), parse_endpoint("udp:14550"), parse_endpoint("udp:h:1")}, 0);
+      {parse_endpoint("/dev/ttyACM0"), parse_endpoint("udp:14550"), parse_endpoint("udp:h:1")},
+      {.command_port = 0, .silent = true});
   const Topology topology = Topology::parse(base::ConfigNode::parse(text));
   ASSERT_EQ(topology.links.size(), 3U);
   EXPECT_EQ(topology.links[0].name, "serial");
@@ -138,6 +149,17 @@ TEST(EndpointNotation, TopologyCarriesEverythingButASimulatorsSensors) {
   EXPECT_EQ(topology.routes.size(), 6U);
   EXPECT_EQ(topology.command_port.port, 0);
   EXPECT_TRUE(injection_warnings(topology).empty());
+  EXPECT_EQ(topology.commanding.heartbeat_hz, 0);
+  EXPECT_FALSE(topology.commanding.ask_on_sight);
+}
+
+TEST(EndpointNotation, UartsHaveARateAndUsbHasNone) {
+  for (const char* device : {"/dev/ttyS1", "/dev/ttyAMA0", "/dev/ttyUSB0", "/dev/serial0"}) {
+    EXPECT_EQ(usual_baud(device), 115'200U) << device;
+  }
+  for (const char* device : {"/dev/ttyACM0", "/dev/serial/by-id/usb-x", "/dev/pts/3", "/tmp/fc"}) {
+    EXPECT_EQ(usual_baud(device), 0U) << device;
+  }
 }
 
 }  // namespace
