@@ -3,11 +3,13 @@
 
 #include <sched.h>
 
+#include <string>
 #include <tuple>
 #include <vector>
 
 #include "base/config/config_keys.hpp"
 #include "base/os/thread.hpp"
+#include "base/text.hpp"
 
 namespace cas::base {
 
@@ -18,7 +20,11 @@ struct CpuNumbers {
       if (cpus.back() < 0 || cpus.back() >= CPU_SETSIZE) item.fail("is no CPU number");
     }
   }
-  static std::string text(const std::vector<int>& /*none*/) { return "any"; }
+  static std::string text(const std::vector<int>& cpus) {
+    return cpus.empty()
+               ? "any"
+               : "[" + joined(cpus, ", ", [](int cpu) { return std::to_string(cpu); }) + "]";
+  }
   static std::string values() { return "list of numbers"; }
   static std::array<std::string, 2> samples() { return {"[0]", "[1]"}; }
 };

@@ -70,7 +70,16 @@ constexpr LinkCounterRow kRows[] = {
     {counter_words("", "uncounted"), read_uncounted,
      [](const LinkStatus& status) { return status.uncounted; }},
 };
-static_assert(std::size(kRows) == kLinkCounters.size() - 1);  // tx.dropped is an array, by cause
+
+/// Each counter has one row; tx.dropped, an array by cause, has none.
+consteval bool has_a_row_for_each_counter() {
+  return std::ranges::all_of(kLinkCounters, [](const CounterWords& words) {
+    const auto rows = std::ranges::count_if(
+        kRows, [&words](const LinkCounterRow& row) { return &row.words == &words; });
+    return rows == (words.kind == CounterWords::Kind::kByCause ? 0 : 1);
+  });
+}
+static_assert(has_a_row_for_each_counter());
 
 void read_rx(const LinkCounters& link, LinkStatus& status) {
   const auto& rx = link.rx;

@@ -25,14 +25,14 @@ struct CoreSample {
 ///
 /// A thread that sleeps between packets is woken a thousand times a second. If it runs on another
 /// core than the program that it hears or writes to, each packet has to wake an idle core: 35 to
-/// 50 us in a virtual machine, where the one who wakes pays too, and still 5 to 100 us on bare
+/// 50 us in a virtual machine, where waking costs the sender, too, and still 5 to 100 us on bare
 /// metal. The kernel's scheduler prefers any idle core to the one where the packet was made, and
 /// leaves a thread there. So the thread tries the cores one after the other, some 30 packets each,
 /// and stays where a packet costs clearly less than without a choice.
 ///
-/// It takes no core from anybody: a thread that has to wait behind others, that carries a flood or
-/// whose packets become dear again gives the choice back to the scheduler, and tries again after a
-/// pause that grows while trials lead nowhere.
+/// The choice must not crowd out other programs. A thread that waits behind others, carries a flood
+/// or whose packets become dear again gives the choice back to the scheduler. It tries again after
+/// a pause, which grows while trials lead nowhere.
 ///
 /// Cost of a packet: processor time, and the time until the thread runs: from the kernel's stamp
 /// where packets have one, else as long as the scheduler has queued the thread.
@@ -67,8 +67,9 @@ class CoreSeeker {
   std::optional<int> core() const;
   /// Whether it has chosen, and tries no more.
   bool settled() const { return state_ == State::kSettled; }
-  /// What a packet costs where it settled, and cost without a choice.
+  /// Cost of a packet on the core where it settled.
   base::Duration cost() const { return best_cost_; }
+  /// Cost of a packet before, on the scheduler's choice.
   base::Duration free_cost() const { return free_cost_; }
 
  private:

@@ -15,7 +15,7 @@ namespace cas::casd {
 /// passes.
 ///
 /// Each 50 ms of it the stream is held while the station has its turn (retries, heartbeats), so
-/// that the station's own packets always stand between the same two sensor messages,
+/// that each packet of the station's comes between the same two sensor messages in every run,
 /// however busy the machine is.
 ///
 ///   HIL_SENSOR -> turn due? -- yes --> older packets go out --> the station's turn -------+

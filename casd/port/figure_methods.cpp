@@ -3,8 +3,10 @@
 
 #include <chrono>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <utility>
 
+#include "base/enum_words.hpp"
 #include "casd/packet/signing_clock.hpp"
 #include "casd/port/call_json.hpp"
 #include "casd/port/daemon_methods.hpp"
@@ -28,16 +30,32 @@ constexpr std::pair<Refusal, const char*> kRefusals[] = {
 
 double microseconds(base::Duration d) { return base::to_seconds(d) * 1e6; }
 
-/// Names of mav::SignatureVerdict.
-constexpr const char* kSignatureWords[] = {"accepted", "unsigned_allowed", "unsigned",   "bad",
-                                           "replayed", "too_old",          "table_full", "too_new"};
+constexpr base::EnumWords<mav::SignatureVerdict::kTooNew> kSignatureWords{
+    "accepted", "unsigned_allowed", "unsigned",   "bad",
+    "replayed", "too_old",          "table_full", "too_new"};
 
 json signatures_json(const LinkStatus& link) {
   json counts{{"setup_signing", link.rx.setup_signing}};
   for (std::size_t i = 0; i < link.rx.signatures.size(); ++i) {
-    counts[kSignatureWords[i]] = link.rx.signatures[i];
+    counts[std::string(kSignatureWords[static_cast<mav::SignatureVerdict>(i)])] =
+        link.rx.signatures[i];
   }
   return counts;
+}
+
+/// All packets that count in link.drops.
+std::uint64_t dropped_of(const LinkStatus& link) {
+  std::uint64_t dropped =
+      std::accumulate(link.tx.dropped.begin(), link.tx.dropped.end(), std::uint64_t{0});
+  for (const LinkCounterRow& row : link_counter_rows()) {
+    if (row.words.cause) dropped += row.value(link);
+  }
+  for (std::size_t i = 0; i < link.rx.decisions.size(); ++i) {
+    if (static_cast<Route::Decision>(i) != Route::Decision::kForward) {
+      dropped += link.rx.decisions[i];
+    }
+  }
+  return dropped;
 }
 
 /// How far a time of signatures is ahead of the clock; 0 when it is not.
@@ -321,10 +339,7 @@ void FigureMethods::publish() {
   publish_link_changes();
   if (server_.has_subscribers("messages")) server_.publish("messages", messages(nullptr));
   std::uint64_t dropped = 0;
-  for (const LinkStatus& link : source_.figures->links()) {
-    for (const std::uint64_t count : link.tx.dropped) dropped += count;
-    dropped += link.rx.crc_errors + link.rx.kernel_drops;
-  }
+  for (const LinkStatus& link : source_.figures->links()) dropped += dropped_of(link);
   if (std::exchange(last_dropped_, dropped) != dropped) server_.publish("drops", drops());
 }
 

@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "base/earth/deg_e7.hpp"
 #include "casd/port/call_json.hpp"
 #include "casd/port/vehicle_json.hpp"
 
@@ -88,8 +89,8 @@ json velocity(const Source<LocalPositionNed>& from, base::RunTime now) {
 
 json global(const Source<GlobalPositionInt>& from, base::RunTime now) {
   const GlobalPositionInt& here = from.message;
-  return json{{"lat_deg", from.value(here.lat / 1e7)},
-              {"lon_deg", from.value(here.lon / 1e7)},
+  return json{{"lat_deg", from.value(base::degrees_of_e7(here.lat))},
+              {"lon_deg", from.value(base::degrees_of_e7(here.lon))},
               {"alt_m", from.value(here.alt / 1e3)},
               {"relative_alt_m", from.value(here.relative_alt / 1e3)},
               {"heading_deg", from.value(here.hdg / 1e2, is_told(here.hdg))},
@@ -101,8 +102,8 @@ json global(const Source<HighLatency2>& from, const std::optional<HomeAmsl>& hom
   constexpr double kHeadingUnit_deg = 2;
   const HighLatency2& here = from.message;
   return json{
-      {"lat_deg", from.value(here.latitude / 1e7)},
-      {"lon_deg", from.value(here.longitude / 1e7)},
+      {"lat_deg", from.value(base::degrees_of_e7(here.latitude))},
+      {"lon_deg", from.value(base::degrees_of_e7(here.longitude))},
       {"alt_m", from.value(here.altitude)},
       {"relative_alt_m", from.value(here.altitude - home.value_or(HomeAmsl{}).alt_m, !!home)},
       {"heading_deg", from.value(here.heading * kHeadingUnit_deg)},
@@ -176,8 +177,8 @@ json gps(const Source<GpsRawInt>& from, base::RunTime now) {
   const auto accuracy = [&from](std::uint32_t mm) { return from.value(mm / 1e3, mm != 0); };
   return json{{"fix", from.came ? json(fix_word(raw.fix_type)) : json()},
               {"satellites", from.value(raw.satellites_visible, is_told(raw.satellites_visible))},
-              {"lat_deg", from.value(raw.lat / 1e7, fixed)},
-              {"lon_deg", from.value(raw.lon / 1e7, fixed)},
+              {"lat_deg", from.value(base::degrees_of_e7(raw.lat), fixed)},
+              {"lon_deg", from.value(base::degrees_of_e7(raw.lon), fixed)},
               {"alt_m", from.value(raw.alt / 1e3, fixed)},
               {"hdop", from.value(raw.eph / 1e2, is_told(raw.eph))},
               {"vdop", from.value(raw.epv / 1e2, is_told(raw.epv))},

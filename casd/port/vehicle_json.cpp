@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "base/earth/deg_e7.hpp"
 #include "base/enum_words.hpp"
 #include "casd/port/call_json.hpp"
 
@@ -55,8 +56,8 @@ json position_json(const Heard<mavlink::common::LocalPositionNed>& heard, base::
 
 json global_json(const Heard<mavlink::common::GlobalPositionInt>& heard, base::RunTime now) {
   const mavlink::common::GlobalPositionInt& here = heard.message;
-  return json{{"lat_deg", here.lat * 1e-7},
-              {"lon_deg", here.lon * 1e-7},
+  return json{{"lat_deg", base::degrees_of_e7(here.lat)},
+              {"lon_deg", base::degrees_of_e7(here.lon)},
               {"alt_m", here.alt * 1e-3},
               {"relative_alt_m", here.relative_alt * 1e-3},
               {"age_s", age_s(heard, now)}};
@@ -66,8 +67,8 @@ json global_json(const Heard<mavlink::common::GlobalPositionInt>& heard, base::R
 json global_json(const Heard<mavlink::common::HighLatency2>& heard,
                  const std::optional<HomeAmsl>& home, base::RunTime now) {
   const mavlink::common::HighLatency2& here = heard.message;
-  json global{{"lat_deg", here.latitude * 1e-7},
-              {"lon_deg", here.longitude * 1e-7},
+  json global{{"lat_deg", base::degrees_of_e7(here.latitude)},
+              {"lon_deg", base::degrees_of_e7(here.longitude)},
               {"alt_m", here.altitude},
               {"age_s", age_s(heard, now)}};
   if (home) global["relative_alt_m"] = here.altitude - home->alt_m;

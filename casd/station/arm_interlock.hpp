@@ -23,9 +23,9 @@ struct NotHilConsent {
   bool configuration = false;
 };
 
-/// Real propellers may spin: why the vehicle may not be armed, unless its HEARTBEATs, and only
-/// its, say that it flies a simulation, or request and configuration consent to one that does not.
-/// @return nullopt: it may be armed
+/// Why the vehicle may not be armed: real propellers may spin. It may be armed if its HEARTBEATs
+/// say that it flies a simulation and no second autopilot uses its id, or if request and
+/// configuration both consent to a vehicle that does not say so. @return nullopt: it may be armed
 std::optional<Outcome> arm_interlock(const VehicleState& state, const VehicleTable& table,
                                      NotHilConsent consent, base::RunTime now);
 

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/angles.hpp"
+#include "base/earth/deg_e7.hpp"
 #include "base/earth/geodesy.hpp"
 
 namespace cas::casd {
@@ -23,8 +24,7 @@ VehicleCommand reposition_command(const HomeAmsl& home, double north_m, double e
   VehicleCommand command{.id = mavlink::common::MavCmd::kDoReposition};
   const double yaw_rad = base::radians(yaw_deg.value_or(0));
   command.params = {-1, kChangeMode, 0, yaw_deg ? static_cast<float>(yaw_rad) : kNan, 0, 0, 0};
-  command.place = VehicleCommand::Place{static_cast<std::int32_t>(std::lround(place.lat_deg * 1e7)),
-                                        static_cast<std::int32_t>(std::lround(place.lon_deg * 1e7)),
+  command.place = VehicleCommand::Place{base::deg_e7(place.lat_deg), base::deg_e7(place.lon_deg),
                                         static_cast<float>(home.alt_m - down_m)};
   return command;
 }

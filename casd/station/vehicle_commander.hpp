@@ -134,7 +134,7 @@ class VehicleCommander final : public Station {
   /// A refusal names the missing sensors and the status texts that followed the request. A PX4 that
   /// refuses in a stick mode is put into HOLD and asked again, unless a newer request to arm or
   /// disarm has come.
-  /// A disarm ends it: it is not sent again behind that one.
+  /// A later disarm ends the request: no repetition of it follows the disarm.
   /// Refused with kInterlock for a vehicle without the HIL flag, unless request and configuration
   /// both consent, and while a second autopilot uses its system id. Each repetition asks again.
   void arm(std::uint8_t system, ArmOptions options, base::RunTime now, Done done);

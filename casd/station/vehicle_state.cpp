@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/earth/deg_e7.hpp"
 #include "base/earth/geodesy.hpp"
 
 namespace cas::casd {
@@ -63,13 +64,18 @@ std::optional<Rival> VehicleState::rival(base::RunTime now) const {
 std::optional<HomeAmsl> VehicleState::home() const {
   if (const auto& told = told_home()) {
     const mavlink::common::HomePosition& home = told->message;
-    return HomeAmsl{
-        home.latitude * 1e-7, home.longitude * 1e-7, home.altitude * 1e-3, home.x, home.y, home.z};
+    return HomeAmsl{base::degrees_of_e7(home.latitude),
+                    base::degrees_of_e7(home.longitude),
+                    home.altitude * 1e-3,
+                    home.x,
+                    home.y,
+                    home.z};
   }
   if (!global_position() || !local_position()) return std::nullopt;
   const mavlink::common::GlobalPositionInt& here = global_position()->message;
   const mavlink::common::LocalPositionNed& local = local_position()->message;
-  const base::Geodetic place{here.lat * 1e-7, here.lon * 1e-7, here.alt * 1e-3};
+  const base::Geodetic place{base::degrees_of_e7(here.lat), base::degrees_of_e7(here.lon),
+                             here.alt * 1e-3};
   const base::Geodetic origin =
       base::LocalProjection(place).to_geodetic({-double{local.x}, -double{local.y}, 0});
   const double alt_m = (here.alt - here.relative_alt) * 1e-3;

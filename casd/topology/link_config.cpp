@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <tuple>
 
+#include "base/config/changed_keys.hpp"
 #include "base/config/config_keys.hpp"
 #include "base/os/host_port.hpp"
 #include "base/os/runtime_folder.hpp"
@@ -358,6 +359,17 @@ std::vector<base::KeyRow> link_rows(std::optional<LinkType> type) {
     add(kCommonKeys);
   }
   return rows;
+}
+
+std::vector<std::string> changed_keys(const LinkConfig& link) {
+  LinkConfig standard;
+  standard.pass_unknown = link.type != LinkType::kSerial;
+  standard.pace = !link.baud.empty();
+  std::vector<std::string> changed;
+  const auto add = [&](const auto& keys) { base::add_changed_keys(keys, link, standard, changed); };
+  with_keys_of(link.type, add);
+  add(kCommonKeys);
+  return changed;
 }
 
 }  // namespace cas::casd

@@ -90,6 +90,9 @@ std::string words_of_rates(const std::vector<unsigned>& baud);
 /// One entry of `links`. @throws base::ConfigError
 LinkConfig parse_link(const base::ConfigNode& node);
 
+/// The keys of a link whose value is not the default, "queue.hil_kib 64".
+std::vector<std::string> changed_keys(const LinkConfig& link);
+
 /// Keys of a link of that type, those of every link left out; without a type those of every link.
 std::vector<base::KeyRow> link_rows(std::optional<LinkType> type);
 

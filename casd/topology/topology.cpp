@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "base/config/changed_keys.hpp"
 #include "base/config/config_keys.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/os/cpu_latency.hpp"
@@ -368,6 +369,13 @@ std::vector<base::KeyRow> reload_rows() {
   std::vector<base::KeyRow> rows;
   base::add_rows(kReloadKeys, standard_topology(), rows);
   return rows;
+}
+
+std::vector<std::string> changed_keys(const Topology& topology) {
+  std::vector<std::string> changed;
+  base::add_changed_keys(kRestartKeys, topology, standard_topology(), changed);
+  base::add_changed_keys(kReloadKeys, topology, standard_topology(), changed);
+  return changed;
 }
 
 }  // namespace cas::casd

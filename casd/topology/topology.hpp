@@ -113,6 +113,9 @@ void refuse_restart_keys(const Topology& in_force, const Topology& next,
 /// send half of it or more: only then does the rate change the age of the data.
 void pace_tight_lines(Topology& topology);
 
+/// The keys of a topology, its links and routes left out, whose value is not the default.
+std::vector<std::string> changed_keys(const Topology& topology);
+
 /// Keys of a topology that a restart alone changes.
 std::vector<base::KeyRow> restart_rows();
 /// Keys that a reload puts in force.

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/topology/topology_text.hpp"
 
+#include <algorithm>
+#include <array>
+#include <span>
 #include <string_view>
 #include <vector>
 
+#include "base/text.hpp"
 #include "casd/topology/injection.hpp"
 #include "casd/topology/line_budget.hpp"
 #include "casd/topology/message_keys.hpp"
@@ -29,6 +33,17 @@ std::string where(const LinkConfig& link) {
   return text;
 }
 
+/// "    queue.hil_max_age_ms 20, max_bytes_s 1000": those that the text before does not have; or
+/// nothing.
+std::string keys_line(std::vector<std::string> changed, std::span<const std::string_view> told) {
+  std::erase_if(changed, [told](const std::string& key) {
+    return std::ranges::any_of(told, [&key](std::string_view begin) {
+      return key.starts_with(begin) && (key[begin.size()] == '.' || key[begin.size()] == ' ');
+    });
+  });
+  return changed.empty() ? "" : "    " + base::joined(changed, ", ") + "\n";
+}
+
 std::string link_line(const LinkConfig& link) {
   std::string text = "  " + link.name + ": " + std::string(to_string(link.type)) + where(link);
   if (!link.group.empty()) text += ", group " + link.group;
@@ -48,7 +63,10 @@ std::string link_line(const LinkConfig& link) {
     text += std::string(link.signing->verify ? ", verifies" : "") +
             (link.signing->sign ? ", signs" : "") + " with " + link.signing->key_file.string();
   }
-  return text + "\n";
+  constexpr std::array<std::string_view, 12> kTold{
+      "local",   "remote", "device",          "baud",  "pace",         "file",
+      "sniffer", "accept", "inject_failures", "group", "unlocked_pty", "signing"};
+  return text + "\n" + keys_line(changed_keys(link), kTold);
 }
 
 std::string command_port_text(const CommandPortConfig& port) {
@@ -64,7 +82,10 @@ std::string topology_text(const Topology& topology) {
   std::string text = "system " + std::to_string(topology.self.system) + "/" +
                      std::to_string(topology.self.component) + ", threads " +
                      std::string(to_string(topology.threads)) + ", command port " +
-                     command_port_text(topology.command_port) + "\nlinks\n";
+                     command_port_text(topology.command_port) + "\n";
+  constexpr std::array<std::string_view, 4> kTold{"system_id", "component_id", "threads",
+                                                  "command_port"};
+  text += keys_line(changed_keys(topology), kTold) + "links\n";
   for (const LinkConfig& link : topology.links) text += link_line(link);
   text += "routes\n";
   for (const RouteConfig& route : topology.routes) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/config/config.hpp"
+#include "base/earth/deg_e7.hpp"
 #include "base/earth/geodesy.hpp"
 #include "casd/tlog/tlog_packets.hpp"
 #include "mavlink/common/home_position.hpp"
@@ -42,14 +43,14 @@ std::vector<Eigen::Vector2d> starts_m(const base::ConfigNode& world, std::size_t
 
 std::optional<base::Geodetic> first_home(const std::filesystem::path& tlog, std::uint8_t system) {
   std::optional<base::Geodetic> first;
-  casd::for_each_tlog_packet(
-      tlog, mavlink::common::table(), [&](std::uint64_t, const mav::PacketView& packet) {
-        if (first || packet.source.system != system) return;
-        const auto home = mav::decode<mavlink::common::HomePosition>(packet);
-        if (!home) return;
-        constexpr double kDegrees = 1e-7;
-        first = {.lat_deg = kDegrees * home->latitude, .lon_deg = kDegrees * home->longitude};
-      });
+  casd::for_each_tlog_packet(tlog, mavlink::common::table(),
+                             [&](std::uint64_t, const mav::PacketView& packet) {
+                               if (first || packet.source.system != system) return;
+                               const auto home = mav::decode<mavlink::common::HomePosition>(packet);
+                               if (!home) return;
+                               first = {.lat_deg = base::degrees_of_e7(home->latitude),
+                                        .lon_deg = base::degrees_of_e7(home->longitude)};
+                             });
   return first;
 }
 

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "base/config/install_paths.hpp"
+#include "base/earth/deg_e7.hpp"
 
 namespace cas::hils {
 namespace {
@@ -147,10 +148,6 @@ base::Geodetic place_of(const PlannedItem& item, const base::LocalProjection& at
   return place;
 }
 
-std::int32_t degrees_e7(double degrees) {
-  return static_cast<std::int32_t>(std::lround(degrees * 1e7));
-}
-
 mavlink::common::MissionItemInt to_wire(const PlannedItem& item, const base::Geodetic& place) {
   mavlink::common::MissionItemInt wire;
   wire.frame = item.frame;
@@ -161,8 +158,8 @@ mavlink::common::MissionItemInt to_wire(const PlannedItem& item, const base::Geo
   wire.param3 = item.params[2];
   wire.param4 = item.params[3];
   if (item.command == MavCmd::kNavReturnToLaunch) return wire;
-  wire.x = degrees_e7(place.lat_deg);
-  wire.y = degrees_e7(place.lon_deg);
+  wire.x = base::deg_e7(place.lat_deg);
+  wire.y = base::deg_e7(place.lon_deg);
   wire.z = static_cast<float>(place.alt_m);
   return wire;
 }

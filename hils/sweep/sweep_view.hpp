@@ -52,8 +52,8 @@ struct ShareChange {
 /// of each parameter that both have, the most certain change first.
 std::vector<ShareChange> compare_sweeps(const SweepView& before, const SweepView& after);
 
-/// Rows that stayed up before and do not now, and the other way round; empty where the tables are
-/// not the same.
+/// Rows with another result: `worse` stayed up in the first sweep alone, `better` in the second
+/// alone. Both are empty where the tables differ.
 struct ChangedRows {
   bool same_table = false;
   std::vector<std::size_t> worse{};

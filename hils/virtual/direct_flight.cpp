@@ -13,6 +13,7 @@
 #include "base/config/config.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/config/sensor_set.hpp"
+#include "base/earth/deg_e7.hpp"
 #include "base/earth/frames.hpp"
 #include "base/earth/geodesy.hpp"
 #include "base/earth/gravity.hpp"
@@ -155,8 +156,8 @@ void DirectFlight::go_to(double north_m, double east_m, double up_m, double yaw_
   m.param1 = -1;
   m.param2 = 1;
   m.param4 = static_cast<float>(yaw_rad);
-  m.x = static_cast<std::int32_t>(std::llround(place.lat_deg * 1e7));
-  m.y = static_cast<std::int32_t>(std::llround(place.lon_deg * 1e7));
+  m.x = base::deg_e7(place.lat_deg);
+  m.y = base::deg_e7(place.lon_deg);
   m.z = static_cast<float>(place.alt_m);
   send(m);
 }

@@ -77,6 +77,19 @@ class CasdObserve : public testing::Test {
   std::string status;
 };
 
+TEST_F(CasdObserve, PublishesDropsThatTheRulesAloneMake) {
+  start("");
+  call("subscribe", {{"topic", "drops"}});
+  fixture.sim.send(fixture.from_sim(mavlink::common::HilStateQuaternion{}));  // no route
+  std::string topic;
+  json told;
+  ASSERT_TRUE(client->next_notification(topic, told, kPatience));
+  EXPECT_EQ(topic, "drops");
+  ASSERT_EQ(told.at("dropped").size(), 1U) << told;
+  EXPECT_EQ(told["dropped"][0]["name"], "HIL_STATE_QUATERNION");
+  EXPECT_EQ(told["dropped"][0]["cause"], "no_rule");
+}
+
 TEST_F(CasdObserve, TellsPrometheusItsFigures) {
   start("metrics: {port: 0}\n");
   fixture.sim.send(fixture.from_sim(hil_sensor(1)));

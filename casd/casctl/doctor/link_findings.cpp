@@ -63,7 +63,8 @@ std::string filtered_text(const DoctorFacts& facts, const json& link) {
   const auto count = [](const json& of) {
     const json rx = of.value("rx", json::object());
     const json verdicts = rx.value("verdicts", json::object());
-    double packets = rx.value("not_accepted", 0.0);
+    auto packets =
+        static_cast<double>(counter_of(of, casd::counter_words("rx", "not_accepted")).value_or(0));
     using enum casd::DropCause;
     for (const casd::DropCause cause : {kNoRule, kNoTarget, kRateLimited}) {
       packets += verdicts.value(std::string(to_string(cause)), 0.0);

@@ -7,6 +7,7 @@
 
 #include "casd/topology/line_budget.hpp"
 #include "casd/topology/routing_plan.hpp"
+#include "casd/topology/topology_text.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 #include "tests/casd/packets.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -326,6 +327,22 @@ TEST(Topology, TakesEndpointsThatOnlyLookAlike) {
   - {name: one_v6, type: udp_server, local: "[::1]:14602"}
 )");
   EXPECT_EQ(topology.links.size(), 22U);
+}
+
+TEST(TopologyText, HasEveryKeyThatIsNotTheDefault) {
+  std::string yaml = kLinks;
+  const std::string link = ", max_peers: 16, expiry_s: 10";
+  const std::string usual =
+      topology_text(parse(std::string(kLinks).erase(kLinks.find(link), link.size())));
+  EXPECT_EQ(usual.find("\n    "), usual.find("\n    HEARTBEAT")) << usual;
+  yaml.replace(yaml.find(link), link.size(),
+               ", max_peers: 16, queue: {hil_max_age_ms: 20}, scheduling: {cpus: [0]}");
+  const std::string text = topology_text(
+      parse("commanding: {heartbeat_hz: 0}\nlog: {autopilot: {}}\nmetrics: {port: 9101}\n" + yaml));
+  for (const char* key : {"commanding.heartbeat_hz 0", "log.autopilot", "metrics.port 9101",
+                          "max_peers 16", "queue.hil_max_age_ms 20", "scheduling.cpus [0]"}) {
+    EXPECT_NE(text.find(key), std::string::npos) << key << "\n" << text;
+  }
 }
 
 TEST(LineBudget, SaysWhichRatesWouldFit) {
