@@ -237,13 +237,13 @@ struct App::Impl {
     recorder.begin();
     warn_of_narrow_lines(links.topology());
     if (!options.ledger_file.empty()) links.figures().keep_ledgers();
-    links.start();
-    do_wait_signal();
-    turns.begin();
-    do_second();
-    settle_deadline = base::steady_now() + kSettlePatience;
-    do_settle();
-    io.run();
+    try {
+      run_links();
+    } catch (...) {  // no link's thread may outlive what it calls
+      turns.end();
+      links.stop();
+      throw;
+    }
     base::notify("STOPPING=1");
     turns.end();
     station.end_logs(turns.now());
@@ -253,6 +253,17 @@ struct App::Impl {
     }
     recorder.stop();
     if (!options.stats_file.empty()) write_stats(options.stats_file, figures);
+  }
+
+  /// Until a signal ends it.
+  void run_links() {
+    links.start();
+    do_wait_signal();
+    turns.begin();
+    do_second();
+    settle_deadline = base::steady_now() + kSettlePatience;
+    do_settle();
+    io.run();
   }
 
   void do_wait_signal() {

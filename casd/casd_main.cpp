@@ -78,6 +78,12 @@ bool is_topology(const std::string& place) {
          std::filesystem::is_directory(place, none);
 }
 
+/// Where the symlinks of a device lead, those of /dev/serial/by-id for example.
+std::string real_path(const std::string& device) {
+  std::error_code none;
+  return std::filesystem::weakly_canonical(device, none).string();
+}
+
 /// The links that the command line itself describes. @throws base::ConfigError
 std::vector<LinkConfig> endpoints_of(const Flags& flags) {
   std::vector<LinkConfig> links;
@@ -100,7 +106,7 @@ std::vector<LinkConfig> endpoints_of(const Flags& flags) {
   }
   for (LinkConfig& link : links) {
     if (link.type != LinkType::kSerial || !link.baud.empty()) continue;
-    const unsigned rate = flags.baud != 0 ? flags.baud : usual_baud(link.device);
+    const unsigned rate = flags.baud != 0 ? flags.baud : usual_baud(real_path(link.device));
     if (rate != 0) link.baud = {rate};
   }
   return links;
@@ -121,12 +127,19 @@ TopologySource read_topology(const Flags& flags) {
   }
   const bool has_options = !flags.masters.empty() || !flags.outs.empty() ||
                            !flags.tcp_peers.empty() || !flags.tcp_ports.empty() ||
-                           !flags.log.folder.empty() || flags.baud != 0 || flags.silent;
-  if (flags.places.size() == 1 && is_topology(flags.places[0]) && !has_options) {
+                           !flags.log.folder.empty() || flags.baud != 0;
+  if (flags.places.size() == 1 && is_topology(flags.places[0])) {
     if (flags.as_topology || flags.command_port >= 0) {
       throw base::ConfigError("--as-topology and --command-port go with endpoints; '" +
                               flags.places[0] + "' is a topology already");
     }
+    if (flags.silent) {
+      throw base::ConfigError(
+          "--silent goes with endpoints; a topology has commanding: {heartbeat_hz: 0, "
+          "ask_on_sight: false}");
+    }
+  }
+  if (flags.places.size() == 1 && is_topology(flags.places[0]) && !has_options) {
     const std::filesystem::path place = base::find_config(flags.places[0]);
     std::vector<base::ConfigNode> files = load_topology_files(place);
     Topology topology = Topology::parse(files);
@@ -139,9 +152,10 @@ TopologySource read_topology(const Flags& flags) {
   }
   const std::string text = topology_of_endpoints(
       links, {.command_port = flags.command_port, .silent = flags.silent, .log = flags.log});
-  if (flags.as_topology) std::fputs(text.c_str(), stdout);
   const std::string name = "the command line";
-  return {{}, name, {}, Topology::parse(base::ConfigNode::parse(text, name))};
+  Topology topology = Topology::parse(base::ConfigNode::parse(text, name));
+  if (flags.as_topology) std::fputs(text.c_str(), stdout);
+  return {{}, name, {}, std::move(topology)};
 }
 
 /// Prints casd's topology for mavlink-router's file, and notes on its keys also to stderr.
@@ -212,12 +226,16 @@ constexpr std::array kRefused{
     // of MAVProxy and mavp2p
     Refused{"--streamrate,--streamreq-frequency", true,
             "'request_rates' of a link asks its vehicles for messages, each with its rate"},
-    Refused{"--streamreq-disable", false, "'--silent' has casd ask for nothing"},
+    Refused{"--streamreq-disable", false, "'--silent' has casd ask for no streams"},
     Refused{"--hb-disable", false, "'--silent' has casd send no HEARTBEAT"},
+    Refused{"--rtscts", false, "'serial_flowcontrol:DEVICE:BAUD' is a line with RTS/CTS"},
+    Refused{"--hb-version", true, "casd speaks MAVLink 2, and passes both versions on"},
+    Refused{"--source-component,--hb-componentid", true,
+            "'component_id' of a topology is casd's own"},
     Refused{"--source-system,--hb-systemid", true, "'system_id' of a topology is casd's own"},
     Refused{"--hb-period", true, "'commanding: {heartbeat_hz: HZ}' of a topology sets the rate"},
     Refused{"--daemon", false, "a service of systemd runs casd (docs/operations.md)"},
-    Refused{"--aircraft,--dump-path", true, "'--log FOLDER' records"},
+    Refused{"--aircraft,--logfile,--dump-path,--dump-duration", true, "'--log FOLDER' records"},
     Refused{"--dump", false, "'--log FOLDER --telemetry-log' records"}};
 
 /// A value that was forgotten: the next flag would be taken for a host or a folder.
@@ -235,7 +253,8 @@ void add_refused_options(CLI::App& cli) {
                               ? cli.add_option_function<std::string>(
                                     each.names, [refuse](const std::string&) { refuse(); })
                               : cli.add_flag_callback(each.names, refuse);
-    option->group("");  // neither in the help nor in the manual
+    if (each.has_value) option->expected(0, 1);  // the sentence, with or without a value
+    option->group("");                           // neither in the help nor in the manual
   }
 }
 
@@ -277,9 +296,10 @@ int main(int argc, char** argv) {
   cli.add_option("--command-port", flags.command_port,
                  "TCP port for casctl, with endpoints; 0: a free one")
       ->check(CLI::Range(0, 65535));
-  cli.add_flag("--silent", flags.silent,
-               "With endpoints: say nothing of casd's own to vehicles, neither HEARTBEAT nor "
-               "requests, as mavlink-router does");
+  cli.add_flag(
+      "--silent", flags.silent,
+      "With endpoints: no HEARTBEAT of casd's own and no questions to vehicles that appear, "
+      "as mavlink-router does (--log still asks for logs)");
   cli.add_flag("--as-topology", flags.as_topology,
                "Print the endpoints as a topology file, and end");
   cli.add_flag("--check", flags.check, "Read the topology, say what is wrong, and end");

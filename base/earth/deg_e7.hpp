@@ -14,6 +14,7 @@ inline std::int32_t deg_e7(double degrees) {
   return static_cast<std::int32_t>(std::lround(degrees * kDegE7));
 }
 
+/// Degrees: the nearest number to it.
 inline double degrees_of_e7(std::int32_t value) { return value / kDegE7; }
 
 }  // namespace cas::base

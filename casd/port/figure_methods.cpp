@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <nlohmann/json.hpp>
-#include <numeric>
 #include <utility>
 
 #include "base/enum_words.hpp"
@@ -41,21 +40,6 @@ json signatures_json(const LinkStatus& link) {
         link.rx.signatures[i];
   }
   return counts;
-}
-
-/// All packets that count in link.drops.
-std::uint64_t dropped_of(const LinkStatus& link) {
-  std::uint64_t dropped =
-      std::accumulate(link.tx.dropped.begin(), link.tx.dropped.end(), std::uint64_t{0});
-  for (const LinkCounterRow& row : link_counter_rows()) {
-    if (row.words.cause) dropped += row.value(link);
-  }
-  for (std::size_t i = 0; i < link.rx.decisions.size(); ++i) {
-    if (static_cast<Route::Decision>(i) != Route::Decision::kForward) {
-      dropped += link.rx.decisions[i];
-    }
-  }
-  return dropped;
 }
 
 /// How far a time of signatures is ahead of the clock; 0 when it is not.
@@ -338,9 +322,21 @@ json FigureMethods::drops() const {
 void FigureMethods::publish() {
   publish_link_changes();
   if (server_.has_subscribers("messages")) server_.publish("messages", messages(nullptr));
+  publish_drops();
+}
+
+/// For a new subscriber also those before.
+void FigureMethods::publish_drops() {
+  if (!server_.has_subscribers("drops")) {
+    last_dropped_ = 0;
+    return;
+  }
+  const json all = drops();
   std::uint64_t dropped = 0;
-  for (const LinkStatus& link : source_.figures->links()) dropped += dropped_of(link);
-  if (std::exchange(last_dropped_, dropped) != dropped) server_.publish("drops", drops());
+  for (const json& list : all) {
+    for (const json& entry : list) dropped += entry.at("count").get<std::uint64_t>();
+  }
+  if (std::exchange(last_dropped_, dropped) != dropped) server_.publish("drops", all);
 }
 
 void FigureMethods::publish_link_changes() {

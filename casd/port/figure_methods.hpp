@@ -86,6 +86,7 @@ class FigureMethods {
   std::string message_name(std::uint32_t id) const;
   std::string link_name(LinkId id) const;
   void publish_link_changes();
+  void publish_drops();
   std::uint32_t asked_message(const nlohmann::json& message) const;
   LinkId require_link(const std::string& name) const;
 

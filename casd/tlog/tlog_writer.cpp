@@ -66,8 +66,8 @@ void TlogWriter::start_thread(std::function<void()> first) {
 void TlogWriter::stand_by(const TlogFolder& folder) {
   start_thread([folder] {
     if (folder.takes_files()) return;
-    base::log::error("cannot record in " + folder.path().string() +
-                     " now: " + std::generic_category().message(errno) +
+    const std::string why = std::generic_category().message(errno);
+    base::log::error("cannot record in " + folder.path().string() + " now: " + why +
                      "; casd tries again when a vehicle arms");
   });
   const base::MutexLock lock(mutex_);

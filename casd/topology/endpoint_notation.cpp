@@ -70,31 +70,49 @@ std::optional<unsigned> number(std::string_view digits) {
   return value;
 }
 
-/// DEVICE, DEVICE:BAUD or DEVICE,BAUD, and further rates to try, each behind a comma. Names below
-/// /dev/serial/by-path have colons of their own.
+constexpr unsigned kLeastBaud = 300;
+
+/// A slip in a rate would become part of the device's name.
+void refuse_half_rate(const std::string& text, std::string_view device) {
+  const std::size_t colon = device.rfind(':');
+  if (colon == device.npos || device.starts_with("/dev/serial/")) return;
+  const std::string_view behind = device.substr(colon + 1);
+  const bool is_name =
+      !behind.empty() && behind.front() != ' ' && (behind.front() < '0' || behind.front() > '9');
+  if (!is_name) fail(text, "has no rate of 300 or more after the colon; several: RATE,RATE");
+}
+
+/// Takes the rate off a DEVICE:BAUD. Names below /dev/serial have colons of their own; 0: USB.
+void take_rate(const std::string& text, std::string_view& device, std::vector<unsigned>& rates) {
+  const std::size_t colon = device.rfind(':');
+  if (colon == device.npos) return;
+  const std::optional<unsigned> rate = number(device.substr(colon + 1));
+  if (rate && (*rate == 0 || *rate >= kLeastBaud)) {
+    if (*rate > 0) rates.push_back(*rate);
+    device = device.substr(0, colon);
+  }
+  refuse_half_rate(text, device);
+}
+
+/// DEVICE, DEVICE:BAUD or DEVICE,BAUD, and further rates to try, each behind a comma.
 LinkConfig serial_link(const std::string& text, std::string_view rest) {
-  constexpr unsigned kLeastBaud = 300;
+  constexpr std::size_t kMostRates = 16;
   LinkConfig link;
   link.type = LinkType::kSerial;
   link.pass_unknown = true;  // as other routers do: a dialect of one's own
-  const auto last_rate = [&rest]() -> std::optional<unsigned> {
-    const std::size_t cut = rest.find_last_of(":,");
-    const auto rate = cut == rest.npos ? std::nullopt : number(rest.substr(cut + 1));
-    return rate && *rate >= kLeastBaud ? rate : std::nullopt;
-  };
-  for (bool more = true; more;) {
-    const std::optional<unsigned> rate = last_rate();
-    if (!rate) break;
-    link.baud.insert(link.baud.begin(), *rate);
-    const std::size_t cut = rest.find_last_of(":,");
-    more = rest[cut] == ',';
-    rest = rest.substr(0, cut);
+  std::string_view device = rest.substr(0, rest.find(','));
+  take_rate(text, device, link.baud);
+  for (std::size_t comma = rest.find(','); comma != rest.npos; comma = rest.find(',')) {
+    rest.remove_prefix(comma + 1);
+    const std::optional<unsigned> rate = number(rest.substr(0, rest.find(',')));
+    if (!rate || *rate < kLeastBaud) fail(text, "has no rate after the comma");
+    if (std::ranges::find(link.baud, *rate) != link.baud.end()) fail(text, "has a rate twice");
+    link.baud.push_back(*rate);
   }
-  const std::size_t comma = rest.find_last_of(":,");
-  if (comma != rest.npos && rest[comma] == ',') fail(text, "has no rate after the comma");
-  if (last_rate()) fail(text, "has a comma between its rates: RATE,RATE");
-  if (rest.empty()) fail(text, "names no device");
-  link.device = rest;
+  if (link.baud.size() > kMostRates) fail(text, "has more than 16 rates");
+  if (device.empty()) fail(text, "names no device");
+  if (device.find('?') != device.npos) fail(text, "has a ?, which no device has");
+  link.device = device;
   return link;
 }
 
@@ -107,15 +125,17 @@ bool listens(const Scheme& scheme, const std::string& host, EndpointUse use) {
 /// PORT, :PORT or HOST:PORT behind a scheme.
 LinkConfig socket_link(const std::string& text, const Scheme& scheme, std::string_view rest,
                        EndpointUse use) {
+  if (rest.find('@') != rest.npos) {
+    fail(text,
+         "has an @: instead of one URL of mavros write udpin:HOST:PORT, which listens, or "
+         "udpout:HOST:PORT, which sends");
+  }
   if (!rest.empty() && rest.front() == ':') rest.remove_prefix(1);
   std::string host;
   std::string port(rest);
   if (const auto parts = base::parse_host_port(rest)) {
     host = parts->host;
     port = parts->port;
-  }
-  if (host.find('@') != host.npos) {
-    fail(text, "has an @, as mavros's URLs have: udpin:HOST:PORT listens, udpout:HOST:PORT sends");
   }
   if (host.find(':') != host.npos && (rest.front() != '[' || EndpointAddress(host, 0).is_name())) {
     fail(text, "has a host that is no IPv6 address in brackets, as [::1]:14550 is");
@@ -223,19 +243,19 @@ unsigned next_udp_port(const std::string& host, std::span<const LinkConfig> befo
 
 unsigned usual_baud(std::string_view device) {
   constexpr unsigned kRouters = 115'200;  // also of mavlink-router
-  constexpr std::array<std::string_view, 7> kLines{"/dev/ttyS",   "/dev/ttyAMA", "/dev/ttyUSB",
-                                                   "/dev/ttyTHS", "/dev/ttymxc", "/dev/ttyO",
-                                                   "/dev/serial"};
-  const bool is_line = device.find("/by-") == device.npos &&
-                       std::ranges::any_of(kLines, [device](std::string_view begin) {
-                         return device.starts_with(begin);
-                       });
+  constexpr std::array<std::string_view, 8> kLines{"/dev/ttyS",   "/dev/ttyAMA", "/dev/ttyUSB",
+                                                   "/dev/ttyTHS", "/dev/ttyHS",  "/dev/ttymxc",
+                                                   "/dev/ttyO",   "/dev/serial"};
+  const bool is_line = std::ranges::any_of(kLines, [device](std::string_view begin) {
+    return device.starts_with(begin) && number(device.substr(begin.size()));
+  });
   return is_line ? kRouters : 0;
 }
 
 bool is_endpoint(std::string_view text) {
   if (text == "/dev/stdin" || text.starts_with("/dev/fd/")) return false;
   if (scheme_of(text) != nullptr || text.starts_with("/dev/")) return true;
+  if (text.find("://") != text.npos) return true;
   const std::size_t colon = text.rfind(':');
   return colon != text.npos && number(text.substr(colon + 1)) && text.find('/') == text.npos;
 }

@@ -42,7 +42,7 @@ LinkConfig parse_endpoint(const std::string& text, EndpointUse use = EndpointUse
 unsigned next_udp_port(const std::string& host, std::span<const LinkConfig> before);
 
 /// The rate of a serial endpoint without one; 0: of USB, which has none, or of a name that does not
-/// tell.
+/// tell. @param device  without symlinks on its way
 unsigned usual_baud(std::string_view device);
 
 /// Whether a word of the command line is meant as an endpoint and not as a file.
@@ -57,7 +57,7 @@ struct EndpointLog {
 /// What a command line says beside its endpoints.
 struct EndpointOptions {
   int command_port = -1;  ///< below 0: the usual one
-  bool silent = false;    ///< casd says nothing of its own to vehicles
+  bool silent = false;    ///< neither HEARTBEAT nor questions on sight
   EndpointLog log{};
 };
 

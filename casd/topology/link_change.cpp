@@ -2,7 +2,9 @@
 #include "casd/topology/link_change.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "base/config/config.hpp"
@@ -39,6 +41,11 @@ ConfigNode with_endpoint(const Topology& topology, const ConfigNode& entry) {
     endpoint->fail(error.what());
   }
   link.name = free_name(topology, link.type);
+  if (link.type == LinkType::kSerial && link.baud.empty()) {
+    std::error_code none;
+    const auto device = std::filesystem::weakly_canonical(link.device, none);
+    if (const unsigned rate = usual_baud(device.string()); rate > 0) link.baud = {rate};
+  }
   constexpr std::size_t kDash = 2;
   return entry.merged_over(ConfigNode::parse(link_entry(link).substr(kDash), "endpoint"));
 }

@@ -82,7 +82,9 @@ struct BaudRates {
     if (rates.empty()) node.fail("is an empty list");
     if (rates.size() > kMost) node.fail("has more than " + std::to_string(kMost) + " rates");
   }
-  static std::string text(const std::vector<unsigned>& /*usb*/) { return "0"; }
+  static std::string text(const std::vector<unsigned>& rates) {
+    return rates.empty() ? "0" : words_of_rates(rates);
+  }
   static std::string values() { return "0 to 12000000, or a list"; }
   static std::array<std::string, 2> samples() { return {"57600", "[57600, 921600]"}; }
 };
@@ -191,7 +193,9 @@ struct RequestRates {
     if (rates.size() > kMost) node.fail("asks for more than 40 messages");
   }
   static std::string text(const std::vector<MessageRate>& rates) {
-    return joined(rates, [](const MessageRate& rate) { return message_word(rate.message_id); });
+    return joined(rates, [](const MessageRate& rate) {
+      return message_word(rate.message_id) + " " + base::number_text(rate.hz);
+    });
   }
   static std::string values() { return "message -> Hz, 0 to 1000"; }
   static std::array<std::string, 2> samples() { return {"{ATTITUDE: 50}", "{ATTITUDE: 0}"}; }

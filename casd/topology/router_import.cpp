@@ -325,7 +325,7 @@ class Import {
     text +=
         "schema: 1\n"
         "# mavlink-router says nothing of its own. With a rate here, vehicles see a ground "
-        "station.\n"
+        "station;\n# with ask_on_sight casd asks them for what its commands need.\n"
         "commanding: {heartbeat_hz: 0, ask_on_sight: false}\n" +
         command_port() + log_ + "links:\n";
     for (const Endpoint& endpoint : endpoints_) {

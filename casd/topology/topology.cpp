@@ -77,7 +77,7 @@ struct ConfigFile : Text {
   static void read(const ConfigNode& node, std::filesystem::path& file) {
     file = base::find_config(node);
   }
-  static std::string text(const std::filesystem::path& /*none*/) { return "none"; }
+  static std::string text(const std::filesystem::path& file) { return Text::text(file.string()); }
   static std::array<std::string, 2> samples() { return {"$DIR/a", "$DIR/b"}; }
 };
 
@@ -183,9 +183,14 @@ void check_log(const ConfigNode& node, const TlogConfig& log) {
   if (log.overwrite && log.while_armed) {
     node.at("overwrite").fail("each flight of while_armed has a file of its own");
   }
-  if (const auto autopilot = node.find("autopilot"); autopilot && !autopilot->is_map()) {
+  const auto autopilot = node.find("autopilot");
+  if (!autopilot) return;
+  if (!autopilot->is_map()) {
     autopilot->fail("is a block, of which every key may be left out: {}");
   }
+  const auto systems = autopilot->find("systems");
+  if (systems && log.autopilot->systems.empty()) systems->fail("names no vehicle");
+  if (std::ranges::count(log.autopilot->systems, 0) > 0) systems->fail("0 is no vehicle's id");
 }
 
 // A reload refuses other values of these keys:

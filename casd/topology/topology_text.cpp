@@ -33,18 +33,19 @@ std::string where(const LinkConfig& link) {
   return text;
 }
 
-/// "    queue.hil_max_age_ms 20, max_bytes_s 1000": those that the text before does not have; or
-/// nothing.
+/// "    queue.hil_max_age_ms 20, max_bytes_s 1000"; or nothing.
+/// @param told  keys that the text before has; "accept.": all of that block
 std::string keys_line(std::vector<std::string> changed, std::span<const std::string_view> told) {
-  std::erase_if(changed, [told](const std::string& key) {
-    return std::ranges::any_of(told, [&key](std::string_view begin) {
-      return key.starts_with(begin) && (key[begin.size()] == '.' || key[begin.size()] == ' ');
+  std::erase_if(changed, [told](const std::string& entry) {
+    const std::string_view key = std::string_view(entry).substr(0, entry.find(' '));
+    return std::ranges::any_of(told, [key](std::string_view each) {
+      return each.ends_with('.') ? key.starts_with(each) : key == each;
     });
   });
   return changed.empty() ? "" : "    " + base::joined(changed, ", ") + "\n";
 }
 
-std::string link_line(const LinkConfig& link) {
+std::string link_line(const LinkConfig& link, Pace pace) {
   std::string text = "  " + link.name + ": " + std::string(to_string(link.type)) + where(link);
   if (!link.group.empty()) text += ", group " + link.group;
   if (link.unlocked_pty) text += ", asks no lock of a pseudo-terminal";
@@ -63,10 +64,14 @@ std::string link_line(const LinkConfig& link) {
     text += std::string(link.signing->verify ? ", verifies" : "") +
             (link.signing->sign ? ", signs" : "") + " with " + link.signing->key_file.string();
   }
-  constexpr std::array<std::string_view, 12> kTold{
-      "local",   "remote", "device",          "baud",  "pace",         "file",
-      "sniffer", "accept", "inject_failures", "group", "unlocked_pty", "signing"};
-  return text + "\n" + keys_line(changed_keys(link), kTold);
+  constexpr std::array<std::string_view, 18> kTold{
+      "local", "remote", "device", "baud", "pace", "file", "sniffer", "accept.", "inject_failures",
+      "group", "unlocked_pty", "signing.key_file", "signing.verify", "signing.sign",
+      // set by lockstep
+      "queue.hil_max_age_ms", "queue.gps_max_age_ms", "queue.setpoint_max_age_ms",
+      "queue.telemetry_max_age_ms"};
+  const std::size_t told = pace == Pace::kLockstep ? kTold.size() : kTold.size() - 4;
+  return text + "\n" + keys_line(changed_keys(link), std::span(kTold).first(told));
 }
 
 std::string command_port_text(const CommandPortConfig& port) {
@@ -83,10 +88,15 @@ std::string topology_text(const Topology& topology) {
                      std::to_string(topology.self.component) + ", threads " +
                      std::string(to_string(topology.threads)) + ", command port " +
                      command_port_text(topology.command_port) + "\n";
-  constexpr std::array<std::string_view, 4> kTold{"system_id", "component_id", "threads",
-                                                  "command_port"};
+  constexpr std::array<std::string_view, 7> kTold{"system_id",
+                                                  "component_id",
+                                                  "threads",
+                                                  "command_port.address",
+                                                  "command_port.port",
+                                                  "command_port.unix",
+                                                  "command_port.loopback_without_token"};
   text += keys_line(changed_keys(topology), kTold) + "links\n";
-  for (const LinkConfig& link : topology.links) text += link_line(link);
+  for (const LinkConfig& link : topology.links) text += link_line(link, topology.pace);
   text += "routes\n";
   for (const RouteConfig& route : topology.routes) {
     text += "  " + route.from + " -> " + route.to + ": " + rule_text(route.rule) + "\n";

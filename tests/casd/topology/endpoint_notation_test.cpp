@@ -81,6 +81,8 @@ INSTANTIATE_TEST_SUITE_P(
         Notation{"tcp:5760", kPlain, "tcp_server, local: \"127.0.0.1:5760\""},
         Notation{"udp:[::1]:14550", kPlain, "udp, remote: \"[::1]:14550\""},
         Notation{"udp:[::]:14550", kPlain, "udp_server, local: \"[::]:14550\""},
+        Notation{"serial:/dev/ttyACM0:0", kPlain,
+                 "serial, device: \"/dev/ttyACM0\", unknown_messages: pass"},
         Notation{"/dev/ttyACM0", kPlain,
                  "serial, device: \"/dev/ttyACM0\", unknown_messages: pass"},
         Notation{"serial:/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0", kPlain,
@@ -88,11 +90,34 @@ INSTANTIATE_TEST_SUITE_P(
                  "unknown_messages: pass"}));
 
 TEST(EndpointNotation, RefusesWhatIsNoPlace) {
-  for (const char* text :
-       {"udp:host", "udp:", "tcp:127.0.0.1:99999", "udp:65536", "serial:", "udpout:14550",
-        "/dev/ttyACM0,fast", "nonsense", "tcp:[::1:5760", "udp:::1:14550", "udp:1:2:14550",
-        "udpout:[1:2]:14550", "udo:14550", "mcast:1.2.3.4:14550", "mcast:[fe80::1]",
-        "udp://:14540@127.0.0.1:14557", "/dev/ttyS1:57600:115200", "/dev/ttyS1,,57600"}) {
+  for (const char* text : {"udp:host",
+                           "udp:",
+                           "tcp:127.0.0.1:99999",
+                           "udp:65536",
+                           "serial:",
+                           "udpout:14550",
+                           "/dev/ttyACM0,fast",
+                           "nonsense",
+                           "tcp:[::1:5760",
+                           "udp:::1:14550",
+                           "udp:1:2:14550",
+                           "udpout:[1:2]:14550",
+                           "udo:14550",
+                           "mcast:1.2.3.4:14550",
+                           "mcast:[fe80::1]",
+                           "udp://:14540@127.0.0.1:14557",
+                           "/dev/ttyS1:57600:115200",
+                           "/dev/ttyS1,,57600",
+                           "/dev/ttyS1:",
+                           "/dev/ttyS1:,57600",
+                           "/dev/ttyS1:100,57600",
+                           "/dev/ttyS1:57600 ,115200",
+                           "/dev/ttyS1:99999999999",
+                           "serial:/dev/ttyS0:57600:8N1",
+                           "/dev/ttyS1:57600,57600",
+                           "serial:///dev/ttyACM0:57600?ids=1,240",
+                           "udp://:14540@",
+                           "tcp-l://:5760"}) {
     EXPECT_THROW(parse_endpoint(text), base::ConfigError) << text;
   }
 }
@@ -154,10 +179,12 @@ TEST(EndpointNotation, TopologyCarriesEverythingButASimulatorsSensors) {
 }
 
 TEST(EndpointNotation, UartsHaveARateAndUsbHasNone) {
-  for (const char* device : {"/dev/ttyS1", "/dev/ttyAMA0", "/dev/ttyUSB0", "/dev/serial0"}) {
+  for (const char* device :
+       {"/dev/ttyS1", "/dev/ttyAMA0", "/dev/ttyUSB0", "/dev/ttyHS1", "/dev/serial0"}) {
     EXPECT_EQ(usual_baud(device), 115'200U) << device;
   }
-  for (const char* device : {"/dev/ttyACM0", "/dev/serial/by-id/usb-x", "/dev/pts/3", "/tmp/fc"}) {
+  for (const char* device : {"/dev/ttyACM0", "/dev/serial/by-id/usb-x", "/dev/pts/3", "/tmp/fc",
+                             "/dev/serial_fcu", "/dev/ttySLOW", "/dev/ttyUSB_px4"}) {
     EXPECT_EQ(usual_baud(device), 0U) << device;
   }
 }

@@ -301,6 +301,10 @@ INSTANTIATE_TEST_SUITE_P(
                 "[::1]:5790 is the command port"},
         BadCase{"ListensAtTheCommandPort", link("name: a, type: tcp_server, local: '0.0.0.0:5790'"),
                 "t.yaml:3: links[0]: 127.0.0.1:5790 is the command port"},
+        BadCase{"LogsOfNoVehicle", "log: {autopilot: {systems: []}}\n" + kLinks,
+                "log.autopilot.systems: names no vehicle"},
+        BadCase{"LogsOfVehicleZero", "log: {autopilot: {systems: [0, 1]}}\n" + kLinks,
+                "log.autopilot.systems: 0 is no"},
         BadCase{"MisspeltKey", kLinks + "comand_port: {port: 1}\n", "comand_port"}),
     [](const auto& test) { return test.param.name; });
 
@@ -336,13 +340,25 @@ TEST(TopologyText, HasEveryKeyThatIsNotTheDefault) {
       topology_text(parse(std::string(kLinks).erase(kLinks.find(link), link.size())));
   EXPECT_EQ(usual.find("\n    "), usual.find("\n    HEARTBEAT")) << usual;
   yaml.replace(yaml.find(link), link.size(),
-               ", max_peers: 16, queue: {hil_max_age_ms: 20}, scheduling: {cpus: [0]}");
-  const std::string text = topology_text(
-      parse("commanding: {heartbeat_hz: 0}\nlog: {autopilot: {}}\nmetrics: {port: 9101}\n" + yaml));
-  for (const char* key : {"commanding.heartbeat_hz 0", "log.autopilot", "metrics.port 9101",
-                          "max_peers 16", "queue.hil_max_age_ms 20", "scheduling.cpus [0]"}) {
+               ", max_peers: 16, queue: {hil_max_age_ms: 20}, scheduling: {cpus: [0]}, "
+               "request_rates: {ATTITUDE: 50}, signing: {key_file: k, max_future_s: 0}");
+  const std::string text =
+      topology_text(parse("command_port: {unix_group: lab}\ncommanding: {heartbeat_hz: 0}\nlog: "
+                          "{autopilot: {}}\nmetrics: {port: 9101}\n" +
+                          yaml));
+  for (const char* key :
+       {"commanding.heartbeat_hz 0", "log.autopilot", "metrics.port 9101", "max_peers 16",
+        "queue.hil_max_age_ms 20", "scheduling.cpus [0]", "request_rates ATTITUDE 50",
+        "signing.max_future_s 0", "command_port.unix_group lab"}) {
     EXPECT_NE(text.find(key), std::string::npos) << key << "\n" << text;
   }
+}
+
+TEST(TopologyText, LeavesOutWhatLockstepSets) {
+  Topology topology = parse(kLinks);
+  topology.set_lockstep();
+  EXPECT_EQ(topology_text(topology).find("max_age_ms"), std::string::npos)
+      << topology_text(topology);
 }
 
 TEST(LineBudget, SaysWhichRatesWouldFit) {
