@@ -4,6 +4,7 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "base/os/program.hpp"
 #include "base/os/thread.hpp"
 #include "base/rpc/token.hpp"
+#include "base/text.hpp"
 #include "casd/app.hpp"
 #include "casd/port/message_decoder.hpp"
 #include "casd/signing/packet_signer.hpp"
@@ -89,7 +91,9 @@ std::vector<LinkConfig> endpoints_of(const Flags& flags) {
   std::vector<LinkConfig> links;
   for (const std::string& text : flags.places) {
     if (is_topology(text)) {
-      throw base::ConfigError("'" + text + "' is not an endpoint; a topology file stands alone");
+      const std::string line = text.starts_with('/') ? "; a terminal is 'serial:" + text + "'" : "";
+      throw base::ConfigError("'" + text + "' is not an endpoint; a topology file stands alone" +
+                              line);
     }
     links.push_back(parse_endpoint(text));
   }
@@ -110,6 +114,23 @@ std::vector<LinkConfig> endpoints_of(const Flags& flags) {
     if (rate != 0) link.baud = {rate};
   }
   return links;
+}
+
+/// Users of mavlink-router hand its file over as they are used to.
+void refuse_router_file(const std::filesystem::path& file) {
+  std::error_code none;
+  if (!std::filesystem::is_regular_file(file, none)) return;
+  std::ifstream text(file);
+  for (std::string line; std::getline(text, line);) {
+    const std::string_view words = base::trimmed(line);
+    if (words.empty() || words.front() == '#') continue;
+    if (words.front() == '[' && words.back() == ']' && file.extension() == ".conf") {
+      throw base::ConfigError(file.string() +
+                              ": is mavlink-router's configuration? 'casd --import " +
+                              file.string() + " > topology.yaml' reads it");
+    }
+    return;
+  }
 }
 
 /// A topology from a file or folder, or made of the command line's endpoints.
@@ -141,6 +162,7 @@ TopologySource read_topology(const Flags& flags) {
   }
   if (flags.places.size() == 1 && is_topology(flags.places[0]) && !has_options) {
     const std::filesystem::path place = base::find_config(flags.places[0]);
+    refuse_router_file(place);
     std::vector<base::ConfigNode> files = load_topology_files(place);
     Topology topology = Topology::parse(files);
     return {place, flags.places[0], std::move(files), std::move(topology)};
@@ -161,6 +183,14 @@ TopologySource read_topology(const Flags& flags) {
 /// Prints casd's topology for mavlink-router's file, and notes on its keys also to stderr.
 /// @throws base::ConfigError
 int print_import(const Flags& flags) {
+  const bool alone = flags.places.empty() && flags.masters.empty() && flags.outs.empty() &&
+                     flags.tcp_peers.empty() && flags.tcp_ports.empty() && !flags.check &&
+                     !flags.silent && flags.log.folder.empty();
+  if (!alone) {
+    throw base::ConfigError(
+        "--import prints a topology and ends: 'casd --import FILE > "
+        "topology.yaml', then 'casd --check topology.yaml'");
+  }
   const ImportedTopology imported =
       import_mavlink_router(read_router_files(flags.import_file, flags.import_folder));
   Topology::parse(base::ConfigNode::parse(imported.yaml, "the imported topology"));

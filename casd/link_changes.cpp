@@ -13,6 +13,7 @@
 #include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "casd/topology/link_change.hpp"
+#include "mavlink/common/hil_sensor.hpp"
 
 namespace cas::casd {
 
@@ -40,9 +41,8 @@ std::string LinkChanges::add(const base::ConfigNode& request) {
 
 void LinkChanges::remove(const std::string& name, bool force) {
   Topology topology = without_link(links_.topology(), name);
-  if (const auto system = armed_vehicle_of(name); system && !force) {
-    throw base::ConfigError("vehicle " + std::to_string(*system) + " is armed and on link '" +
-                            name + "' alone; \"force\" removes it all the same");
+  if (const auto need = need_in_flight(name); need && !force) {
+    throw base::ConfigError(*need + "; \"force\" removes it all the same");
   }
   apply_at_run_time(std::move(topology));
   added_.erase(name);
@@ -80,15 +80,24 @@ void LinkChanges::apply_at_run_time(Topology topology) {
   }
 }
 
-/// An armed vehicle that casd hears on no other link.
-std::optional<std::uint8_t> LinkChanges::armed_vehicle_of(const std::string& link) const {
+/// Why an armed vehicle needs the link: casd hears it on no other, or its HIL_SENSOR comes there.
+std::optional<std::string> LinkChanges::need_in_flight(const std::string& link) const {
   const base::RunTime now = turns_.now();
+  const auto name_of = [this](LinkId id) { return links_.figures().name(id); };
   for (const VehicleState* vehicle : commander_.vehicles()) {
+    if (!vehicle->armed()) continue;
+    const std::string who =
+        "vehicle " + std::to_string(vehicle->source().system) + " is armed and ";
     const auto hangs_here = [&](const Path& path) {
-      return links_.figures().name(path.link) == link && vehicle->hangs_on(path.link, now);
+      return name_of(path.link) == link && vehicle->hangs_on(path.link, now);
     };
-    if (vehicle->armed() && std::ranges::any_of(vehicle->paths(), hangs_here)) {
-      return vehicle->source().system;
+    if (std::ranges::any_of(vehicle->paths(), hangs_here)) {
+      return who + "on link '" + link + "' alone";
+    }
+    const auto simulator =
+        links_.figures().sender_of(mavlink::common::HilSensor::kId, vehicle->link());
+    if (simulator && name_of(simulator->second) == link) {
+      return who + "flies on HIL_SENSOR of link '" + link + "'";
     }
   }
   return std::nullopt;

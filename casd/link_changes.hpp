@@ -29,7 +29,7 @@ class LinkChanges {
   /// Adds a link, see with_link(). @return its name
   /// @throws base::ConfigError, and nothing has changed
   std::string add(const base::ConfigNode& request);
-  /// @param force  also the link of an armed vehicle
+  /// @param force  also the link of an armed vehicle or of its simulator
   /// @throws base::ConfigError, and nothing has changed
   void remove(const std::string& name, bool force);
   /// Whether a link was added at run time.
@@ -43,7 +43,7 @@ class LinkChanges {
 
  private:
   void apply_at_run_time(Topology topology);
-  std::optional<std::uint8_t> armed_vehicle_of(const std::string& link) const;
+  std::optional<std::string> need_in_flight(const std::string& link) const;
 
   boost::asio::io_context& io_;
   LinkSet& links_;

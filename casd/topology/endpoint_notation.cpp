@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "base/os/host_port.hpp"
 #include "base/suggestion.hpp"
+#include "base/text.hpp"
 #include "casd/topology/endpoint_address.hpp"
 #include "casd/topology/endpoint_conflict.hpp"
 
@@ -74,12 +75,8 @@ constexpr unsigned kLeastBaud = 300;
 
 /// A slip in a rate would become part of the device's name.
 void refuse_half_rate(const std::string& text, std::string_view device) {
-  const std::size_t colon = device.rfind(':');
-  if (colon == device.npos || device.starts_with("/dev/serial/")) return;
-  const std::string_view behind = device.substr(colon + 1);
-  const bool is_name =
-      !behind.empty() && behind.front() != ' ' && (behind.front() < '0' || behind.front() > '9');
-  if (!is_name) fail(text, "has no rate of 300 or more after the colon; several: RATE,RATE");
+  if (device.find(':') == device.npos || device.starts_with("/dev/serial/")) return;
+  fail(text, "has no rate of 300 or more behind the colon; several: RATE,RATE");
 }
 
 /// Takes the rate off a DEVICE:BAUD. Names below /dev/serial have colons of their own; 0: USB.
@@ -183,7 +180,9 @@ LinkConfig multicast_link(const std::string& text, std::string_view rest) {
 void refuse_misspelt_scheme(const std::string& text) {
   std::array<std::string_view, kSchemes.size()> words;
   std::ranges::transform(kSchemes, words.begin(), &Scheme::word);
-  const std::string word = base::nearest_word(text.substr(0, text.find(':')), words);
+  const std::string begin = base::lower(text.substr(0, text.find(':')));
+  if (begin.starts_with("tty")) fail(text, "is a device: /dev/" + text);
+  const std::string word = base::nearest_word(begin, words);
   if (!word.empty()) fail(text, "begins with no kind of endpoint: " + word + " is one");
 }
 

@@ -2,10 +2,12 @@
 #include "casd/topology/router_import.hpp"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <map>
 #include <optional>
 
+#include "base/suggestion.hpp"
 #include "base/text.hpp"
 #include "casd/topology/endpoint_conflict.hpp"
 #include "casd/topology/endpoint_notation.hpp"
@@ -78,6 +80,13 @@ class Import {
     } else if (section.kind == "tcpendpoint") {
       take_tcp(section);
     } else {
+      constexpr std::array<std::string_view, 4> kKinds{"general", "uartendpoint", "udpendpoint",
+                                                       "tcpendpoint"};
+      const std::string near = base::nearest_word(section.kind, kKinds);
+      if (!near.empty()) {  // a link would be missing
+        config_.fail(section.place,
+                     "[" + section.kind + "] is no section; did you mean [" + near + "]?");
+      }
       note(section.place, "[" + section.kind + "] is no section that mavlink-router has");
       for (auto& [key, value] : section.values) value.used = true;
     }
@@ -104,6 +113,9 @@ class Import {
     }
     log_ = "log:\n  folder: " + yaml_string(folder->text) + "\n";
     const bool armed = mode != nullptr && lower(mode->text) == "while-armed";
+    if (mode != nullptr && !armed && lower(mode->text) != "always") {
+      config_.fail(mode->place, "LogMode: is always or while-armed");
+    }
     std::string autopilot = armed ? "while_armed: true" : "while_armed: false";
     if (telemetry) log_ += armed ? "  while_armed: true\n" : "  tlog: flight\n";
     constexpr std::uint64_t kMib = 1024 * 1024;

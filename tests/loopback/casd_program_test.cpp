@@ -393,6 +393,16 @@ TEST_F(CasdProgram, PrintsEndpointsAndMavlinkRoutersFileAsATopologyThatItTakes) 
   }
 }
 
+TEST_F(CasdProgram, SaysHowMavlinkRoutersFileIsReadAndThatAnImportStandsAlone) {
+  const auto conf = fixture.folder.write("main.conf", "# x\n[General]\nTcpServerPort = 0\n");
+  ChildProcess direct({kCasd, conf});
+  EXPECT_EQ(direct.wait_exit(), 78);
+  EXPECT_NE(direct.output().find("casd --import"), std::string::npos) << direct.output();
+  ChildProcess both({kCasd, "--import", conf, "--check"});
+  EXPECT_EQ(both.wait_exit(), 78);
+  EXPECT_NE(both.output().find("prints a topology and ends"), std::string::npos) << both.output();
+}
+
 TEST_F(CasdProgram, RunsMavlinkRoutersFileBothWaysAndSaysNothingOfItsOwn) {
   const auto conf = fixture.folder.write(
       "main.conf",

@@ -305,6 +305,26 @@ TEST_F(RunTimeLinks, TheOnlyLinkOfAnArmedVehicleIsRemovedByForceAlone) {
   EXPECT_EQ(call("link.list").size(), 1U);
 }
 
+TEST_F(RunTimeLinks, TheLinkOfAnArmedVehiclesSimulatorIsRemovedByForceAlone) {
+  UdpPeer simulator;
+  json entry = entry_to(simulator);
+  entry["name"] = "sim";
+  entry["accept"] = "everything";
+  call("link.add", {{"entry", entry}, {"routes", json::array({{{"from", "sim"}, {"to", "fcu"}}})}});
+  simulator.set_remote(port("sim"));
+  meet_vehicle(true);
+  mav::Encoder from_simulator{{1, 200}};
+  PacketStream at_vehicle;
+  ASSERT_TRUE(wait_until([&] {
+    simulator.send(from_simulator(HilSensor{}));
+    vehicle_.read(at_vehicle);
+    return at_vehicle.count(HilSensor::kId) > 0;
+  }));
+  EXPECT_NE(refusal("link.remove", {{"link", "sim"}}).find("flies on HIL_SENSOR of link 'sim'"),
+            std::string::npos);
+  EXPECT_EQ(call("link.remove", {{"link", "sim"}, {"force", true}})["link"], "sim");
+}
+
 TEST_F(RunTimeLinks, CasctlAddsAndRemovesThem) {
   UdpPeer station;
   EXPECT_NE(casctl({"link", "add", "udp:" + station.endpoint()}).find("link udp added, up"),

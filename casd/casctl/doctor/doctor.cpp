@@ -134,10 +134,12 @@ int examine(Session& session, double seconds) {
     text.append(mark(finding.health)).append(finding.what).append("\n");
     if (!finding.remedy.empty()) text += "         -> " + finding.remedy + "\n";
   }
+  const bool unchecked = std::ranges::any_of(findings, &Finding::unchecked);
   text += ill ? "Not ready to fly: see the lines marked BAD, the first one first: those below may "
                 "follow from it."
-              : "Ready to fly.";
-  report(session.options(), {{"ready", !ill}, {"findings", all}}, text);
+          : unchecked ? "Nothing wrong was found. Whether each vehicle would fly was not checked."
+                      : "Ready to fly.";
+  report(session.options(), {{"ready", !ill && !unchecked}, {"findings", all}}, text);
   return ill ? kRefused : kDone;
 }
 
@@ -153,6 +155,7 @@ DoctorFacts gather_facts(Session& session, double seconds) {
   facts.clock_step_s = wall_offset_s() - offset_s;
   facts.after = session.call("casd.status");
   facts.messages = session.call("message.list");
+  facts.routes = session.call("link.routes");
   std::sort(late_us.begin(), late_us.end());
   if (!late_us.empty()) {
     facts.wake_p99_us = late_us[late_us.size() * 99 / 100];

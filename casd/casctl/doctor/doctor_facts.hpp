@@ -21,9 +21,10 @@ struct DeviceFacts {
 
 /// All that the doctor looks at.
 struct DoctorFacts {
-  nlohmann::json before;    ///< casd.status
-  nlohmann::json after;     ///< casd.status, `seconds` later
-  nlohmann::json messages;  ///< message.list after
+  nlohmann::json before;                            ///< casd.status
+  nlohmann::json after;                             ///< casd.status, `seconds` later
+  nlohmann::json messages;                          ///< message.list after
+  nlohmann::json routes = nlohmann::json::array();  ///< link.routes
   double seconds = 0;
   std::map<int, double> sys_hitl;      ///< by system: the parameter of PX4s that do not say HIL
   std::map<int, std::string> unasked;  ///< why it could not be read

@@ -13,8 +13,9 @@ enum class Health { kGood, kWarning, kBad };
 /// One thing that was looked at.
 struct Finding {
   Health health = Health::kGood;
-  std::string what;    ///< a sentence
-  std::string remedy;  ///< advice; empty when all is well
+  std::string what;        ///< a sentence
+  std::string remedy;      ///< advice; empty when all is well
+  bool unchecked = false;  ///< whether the vehicle would fly was not looked at
 };
 
 using Findings = std::vector<Finding>;
@@ -22,15 +23,15 @@ using Findings = std::vector<Finding>;
 // They append a finding.
 
 inline void good(Findings& all, std::string what) {
-  all.push_back({Health::kGood, std::move(what), ""});
+  all.push_back({Health::kGood, std::move(what), "", false});
 }
 
 inline void warn(Findings& all, std::string what, std::string remedy) {
-  all.push_back({Health::kWarning, std::move(what), std::move(remedy)});
+  all.push_back({Health::kWarning, std::move(what), std::move(remedy), false});
 }
 
 inline void bad(Findings& all, std::string what, std::string remedy) {
-  all.push_back({Health::kBad, std::move(what), std::move(remedy)});
+  all.push_back({Health::kBad, std::move(what), std::move(remedy), false});
 }
 
 }  // namespace cas::casctl

@@ -58,6 +58,16 @@ void check_own_drops(const DoctorFacts& facts, const json& link, Findings& own) 
   }
 }
 
+/// A UDP destination whose host answers that no program is at its port.
+void check_refusals(const DoctorFacts& facts, const json& link, Findings& own) {
+  const double refused = drop_growth(facts, link, std::string(to_string(casd::DropCause::kClosed)));
+  if (link.value("type", "") != "udp" || !link.contains("remote") || refused <= 0) return;
+  warn(own,
+       "link " + link.value("name", "?") + ": nobody listens at " + link.value("remote", "?") +
+           ", " + std::to_string(static_cast<std::uint64_t>(refused)) + " packets were refused",
+       "start the program there, a ground station for example, or remove the link");
+}
+
 /// "; 120 of its packets go nowhere, as the topology has it (casctl drops)", or nothing.
 std::string filtered_text(const DoctorFacts& facts, const json& link) {
   const auto count = [](const json& of) {
@@ -115,6 +125,7 @@ void check_links(const DoctorFacts& facts, Findings& all) {
                                 std::string(words->remedy));
     }
     check_own_drops(facts, link, own);
+    check_refusals(facts, link, own);
     if (own.empty()) {
       const bool silent = growth(facts, link, casd::counter_words("rx", "packets")) <= 0;
       good(own, name + " is up, nothing lost or damaged in " + fixed(facts.seconds, 1) + " s" +

@@ -34,6 +34,24 @@ bool has_stream(const DoctorFacts& facts, const std::string& link) {
          rate_of(facts, link, "rx", {"HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"}) > 0;
 }
 
+bool may_carry_sensors(const json& route) {
+  const auto lists = [&route](const char* key) {
+    const json list = route.value(key, json::array());
+    return std::find(list.begin(), list.end(), json("HIL_SENSOR")) != list.end();
+  };
+  return route.contains("allow") ? lists("allow") : !lists("block");
+}
+
+/// Whether casd only routes for a vehicle that does not say HIL: nothing may send it sensor data.
+/// A real one perhaps: it must get no advice to fly on simulated sensors.
+bool is_routed_alone(const DoctorFacts& facts, const json& vehicle) {
+  if (vehicle.value("hil", false) || facts.routes.empty()) return false;
+  const std::set<std::string> links = links_of(facts, vehicle);
+  return std::none_of(facts.routes.begin(), facts.routes.end(), [&links](const json& route) {
+    return links.contains(route.value("to", "")) && may_carry_sensors(route);
+  });
+}
+
 /// Whether a vehicle without the HIL flag is stock firmware in software (SITL), which never sets it
 /// and exchanges sensors and controls with its simulator directly. The topology must consent to
 /// such vehicles, and nothing may indicate a board; a question that PX4 did not answer may.
@@ -57,7 +75,7 @@ bool is_in_software(const DoctorFacts& facts, const json& vehicle) {
 std::string remedy_for_no_hil(const DoctorFacts& facts, const json& vehicle) {
   const int system = vehicle.value("system", 0);
   if (const auto why = facts.unasked.find(system); why != facts.unasked.end()) {
-    return "SYS_HITL could not be read: " + why->second + "; ask again, it says what is there";
+    return "SYS_HITL could not be read (" + why->second + "): ask again";
   }
   const auto found = facts.sys_hitl.find(system);
   if (found != facts.sys_hitl.end() && found->second == 1.0) {
@@ -91,7 +109,8 @@ void check_arming_checks(const DoctorFacts& facts, const json& vehicle, Findings
       all.push_back({tells ? Health::kBad : Health::kWarning,
                      who + " has not told whether its arming checks pass",
                      "wait until it has sent SYS_STATUS, or ask: casctl message-interval "
-                     "SYS_STATUS 1; casctl arm tells what it lacks"});
+                     "SYS_STATUS 1; casctl arm tells what it lacks",
+                     false});
     }
   } else {
     good(all, who + " says that its arming checks pass");
@@ -125,6 +144,11 @@ void check_vehicles(const DoctorFacts& facts, Findings& all) {
                " in software (SITL): it does not say HIL, and the topology allows that "
                "(allow_not_hil); casctl arm --not-hil arms it. Its sensors do not pass casd: not "
                "checked");
+    } else if (is_routed_alone(facts, vehicle)) {
+      good(all, who +
+                    " is not in HIL, and no route brings it HIL_SENSOR: casd only routes for it, "
+                    "and whether it would fly was not checked");
+      all.back().unchecked = true;
     } else if (!vehicle.value("hil", false)) {
       bad(all, who + " does not say that it is in HIL mode", remedy_for_no_hil(facts, vehicle));
     } else {
@@ -136,7 +160,7 @@ void check_vehicles(const DoctorFacts& facts, Findings& all) {
 void check_readiness(const DoctorFacts& facts, Findings& all) {
   static const std::set<std::string> kFit = {"standby", "active"};
   for (const json& vehicle : facts.after.value("vehicles", json::array())) {
-    if (is_silent(vehicle)) continue;  // said already
+    if (is_silent(vehicle) || is_routed_alone(facts, vehicle)) continue;  // said already
     const std::string who = "vehicle " + vehicle.at("system").dump();
     const std::string state = vehicle.value("state", "uninit");
     if (!kFit.contains(state)) {
@@ -168,7 +192,9 @@ void check_streams(const DoctorFacts& facts, Findings& all) {
     const std::string link = vehicle.value("link", "");
     const std::string who = "vehicle " + vehicle.at("system").dump();
     // The vehicle's own line covers these.
-    if (is_silent(vehicle) || is_in_software(facts, vehicle)) continue;
+    if (is_silent(vehicle) || is_in_software(facts, vehicle) || is_routed_alone(facts, vehicle)) {
+      continue;
+    }
     const double sensor_hz = rate_of(facts, link, "tx", {"HIL_SENSOR"});
     const double control_hz = rate_of(facts, link, "rx", {"HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
     if (sensor_hz <= 0) {

@@ -67,6 +67,37 @@ std::string complaints(const DoctorFacts& facts) {
   return text;
 }
 
+TEST(Doctor, DoesNotAskAVehicleForHilThatCasdOnlyRoutesFor) {
+  DoctorFacts facts = good_setup();
+  for (json* status : {&facts.before, &facts.after}) {
+    (*status)["vehicles"][0]["hil"] = false;
+    (*status)["vehicles"][0]["arming_checks"] = "unknown";
+  }
+  facts.messages = json::array({message("fcu", "rx", "HEARTBEAT", 1)});
+  facts.routes = {
+      {{"from", "gcs"}, {"to", "fcu"}}};  // all may pass: a bench whose simulator stands
+  EXPECT_NE(complaints(facts).find("HIL"), std::string::npos);
+  facts.routes[0]["block"] = {"HIL_SENSOR", "HIL_GPS"};
+  EXPECT_EQ(complaints(facts), "");
+  EXPECT_TRUE(std::ranges::any_of(diagnose(facts), &Finding::unchecked)) << "not ready to fly";
+  facts.routes[0] = {{"from", "gcs"}, {"to", "fcu"}, {"allow", {"HEARTBEAT"}}};
+  EXPECT_EQ(complaints(facts), "");
+  facts.routes.push_back({{"from", "sim"}, {"to", "fcu"}, {"allow", {"HIL_SENSOR"}}});
+  EXPECT_NE(complaints(facts).find("does not say that it is in HIL"), std::string::npos);
+}
+
+TEST(Doctor, SaysThatNobodyListensAtAUdpDestination) {
+  DoctorFacts facts = good_setup();
+  for (json* status : {&facts.before, &facts.after}) {
+    (*status)["links"][0]["remote"] = "127.0.0.1:14550";
+  }
+  EXPECT_EQ(complaints(facts), "");
+  facts.after["links"][0]["tx"]["dropped"]["closed"] = 97;
+  EXPECT_NE(complaints(facts).find("nobody listens at 127.0.0.1:14550, 97 packets"),
+            std::string::npos)
+      << complaints(facts);
+}
+
 TEST(Doctor, FindsNothingWrongWithAGoodSetUp) { EXPECT_EQ(complaints(good_setup()), ""); }
 
 /// All findings, one a line.

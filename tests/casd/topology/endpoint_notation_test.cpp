@@ -117,7 +117,10 @@ TEST(EndpointNotation, RefusesWhatIsNoPlace) {
                            "/dev/ttyS1:57600,57600",
                            "serial:///dev/ttyACM0:57600?ids=1,240",
                            "udp://:14540@",
-                           "tcp-l://:5760"}) {
+                           "tcp-l://:5760",
+                           "/dev/ttyS1:abc",
+                           "UDP:14550",
+                           "ttyS1:57600"}) {
     EXPECT_THROW(parse_endpoint(text), base::ConfigError) << text;
   }
 }

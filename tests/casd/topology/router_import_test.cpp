@@ -189,6 +189,22 @@ TEST(RouterImport, SaysThatItConnectsAgainWhereMavlinkRouterWouldNot) {
   }
 }
 
+TEST(RouterImport, RefusesWhatWouldLoseALinkOrALog) {
+  const auto refusal = [](const std::string& text) -> std::string {
+    try {
+      import_text(text, "f");
+    } catch (const base::ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string uart = "[UartEndpoint a]\nDevice=/dev/a\n";
+  EXPECT_EQ(refusal(uart + "[UartEndpont b]\nDevice=/dev/b\n"),
+            "f:3: [uartendpont] is no section; did you mean [uartendpoint]?");
+  EXPECT_EQ(refusal("[General]\nLog=/x\nLogMode=armed\n" + uart),
+            "f:3: LogMode: is always or while-armed");
+}
+
 TEST(RouterImport, NotesComeInTheOrderOfTheLines) {
   const ImportedTopology imported = import_text(
       "[General]\nReportStats=true\n[TcpEndpoint a]\nAddress=h\nPort=1\nRetryTimeout=0\n"
