@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <csignal>
 #include <cstdio>
@@ -107,6 +108,15 @@ std::vector<LinkConfig> endpoints_of(const Flags& flags) {
   for (const int port : flags.tcp_ports) {
     if (port == 0) continue;
     links.push_back(parse_endpoint("tcpin:" + std::to_string(port)));
+  }
+  for (auto link = links.begin(); link != links.end(); ++link) {
+    const auto same = std::find_if(links.begin(), link, [&link](const LinkConfig& other) {
+      return link->type == LinkType::kUdp && other.remote == link->remote &&
+             other.local == link->local;
+    });
+    if (same == link) continue;
+    throw base::ConfigError("two endpoints send to " + link->remote +
+                            ": each packet would arrive there twice");
   }
   for (LinkConfig& link : links) {
     if (link.type != LinkType::kSerial || !link.baud.empty()) continue;

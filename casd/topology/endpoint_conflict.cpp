@@ -33,13 +33,6 @@ bool both_listen(const LinkConfig& a, const LinkConfig& b) {
   return EndpointAddress(a.local).overlaps(EndpointAddress(b.local));
 }
 
-/// To one program, which cannot tell them apart.
-bool both_send(const LinkConfig& a, const LinkConfig& b) {
-  return is_connected(a) && is_connected(b) && a.local.empty() && b.local.empty() &&
-         !on_different_devices(a, b) &&
-         EndpointAddress(a.remote).overlaps(EndpointAddress(b.remote));
-}
-
 /// A link takes a packet with its own address and port for an echo of its own, and gets nothing of
 /// a group that it has not joined.
 bool knows_echo(const LinkConfig& from, const LinkConfig& to) {
@@ -76,10 +69,6 @@ std::optional<std::string> endpoint_conflict(const LinkConfig& link,
   for (const LinkConfig& other : others) {
     if (!link.device.empty() && link.device == other.device) {
       return "link '" + other.name + "' has the device " + other.device + " already";
-    }
-    if (both_send(link, other)) {
-      return "link '" + other.name + "' sends to " + other.remote +
-             " already: each packet would arrive twice";
     }
     if (both_listen(link, other)) {
       return "link '" + other.name + "' listens at " + other.local + " already";

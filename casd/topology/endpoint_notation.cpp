@@ -84,7 +84,7 @@ void take_rate(const std::string& text, std::string_view& device, std::vector<un
   const std::size_t colon = device.rfind(':');
   if (colon == device.npos) return;
   const std::optional<unsigned> rate = number(device.substr(colon + 1));
-  if (rate && (*rate == 0 || *rate >= kLeastBaud)) {
+  if (rate && (device.ends_with(":0") || *rate >= kLeastBaud)) {
     if (*rate > 0) rates.push_back(*rate);
     device = device.substr(0, colon);
   }
@@ -181,7 +181,9 @@ void refuse_misspelt_scheme(const std::string& text) {
   std::array<std::string_view, kSchemes.size()> words;
   std::ranges::transform(kSchemes, words.begin(), &Scheme::word);
   const std::string begin = base::lower(text.substr(0, text.find(':')));
-  if (begin.starts_with("tty")) fail(text, "is a device: /dev/" + text);
+  if (text.starts_with("tty") && text.size() > 3 && (text[3] < 'a' || text[3] > 'z')) {
+    fail(text, "is a device: /dev/" + text);
+  }
   const std::string word = base::nearest_word(begin, words);
   if (!word.empty()) fail(text, "begins with no kind of endpoint: " + word + " is one");
 }

@@ -137,7 +137,7 @@ int examine(Session& session, double seconds) {
   const bool unchecked = std::ranges::any_of(findings, &Finding::unchecked);
   text += ill ? "Not ready to fly: see the lines marked BAD, the first one first: those below may "
                 "follow from it."
-          : unchecked ? "Nothing wrong was found. Whether each vehicle would fly was not checked."
+          : unchecked ? "Nothing wrong was found. Not every vehicle is in HIL: see above."
                       : "Ready to fly.";
   report(session.options(), {{"ready", !ill && !unchecked}, {"findings", all}}, text);
   return ill ? kRefused : kDone;

@@ -15,7 +15,7 @@ struct Finding {
   Health health = Health::kGood;
   std::string what;        ///< a sentence
   std::string remedy;      ///< advice; empty when all is well
-  bool unchecked = false;  ///< whether the vehicle would fly was not looked at
+  bool unchecked = false;  ///< of a vehicle that casd only routes for
 };
 
 using Findings = std::vector<Finding>;

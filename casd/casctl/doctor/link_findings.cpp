@@ -58,13 +58,14 @@ void check_own_drops(const DoctorFacts& facts, const json& link, Findings& own) 
   }
 }
 
-/// A UDP destination whose host answers that no program is at its port.
+/// A UDP destination that refuses packets: no program is at its port, or no way leads there.
 void check_refusals(const DoctorFacts& facts, const json& link, Findings& own) {
   const double refused = drop_growth(facts, link, std::string(to_string(casd::DropCause::kClosed)));
   if (link.value("type", "") != "udp" || !link.contains("remote") || refused <= 0) return;
   warn(own,
        "link " + link.value("name", "?") + ": nobody listens at " + link.value("remote", "?") +
-           ", " + std::to_string(static_cast<std::uint64_t>(refused)) + " packets were refused",
+           " or it cannot be reached" + ", " + std::to_string(static_cast<std::uint64_t>(refused)) +
+           " packets were refused",
        "start the program there, a ground station for example, or remove the link");
 }
 

@@ -42,16 +42,6 @@ bool may_carry_sensors(const json& route) {
   return route.contains("allow") ? lists("allow") : !lists("block");
 }
 
-/// Whether casd only routes for a vehicle that does not say HIL: nothing may send it sensor data.
-/// A real one perhaps: it must get no advice to fly on simulated sensors.
-bool is_routed_alone(const DoctorFacts& facts, const json& vehicle) {
-  if (vehicle.value("hil", false) || facts.routes.empty()) return false;
-  const std::set<std::string> links = links_of(facts, vehicle);
-  return std::none_of(facts.routes.begin(), facts.routes.end(), [&links](const json& route) {
-    return links.contains(route.value("to", "")) && may_carry_sensors(route);
-  });
-}
-
 /// Whether a vehicle without the HIL flag is stock firmware in software (SITL), which never sets it
 /// and exchanges sensors and controls with its simulator directly. The topology must consent to
 /// such vehicles, and nothing may indicate a board; a question that PX4 did not answer may.
@@ -69,6 +59,17 @@ bool is_in_software(const DoctorFacts& facts, const json& vehicle) {
            return link_named(facts.after, link).value("type", "") == "serial" ||
                   has_stream(facts, link);
          });
+}
+
+/// Whether casd only routes for a vehicle that does not say HIL: nothing may send it sensor data.
+/// A real one perhaps: it must get no advice to fly on simulated sensors.
+bool is_routed_alone(const DoctorFacts& facts, const json& vehicle) {
+  const bool flies_here = vehicle.value("hil", false) || is_in_software(facts, vehicle);
+  if (flies_here || facts.routes.empty()) return false;
+  const std::set<std::string> links = links_of(facts, vehicle);
+  return std::none_of(facts.routes.begin(), facts.routes.end(), [&links](const json& route) {
+    return links.contains(route.value("to", "")) && may_carry_sensors(route);
+  });
 }
 
 /// Remedy for a vehicle without the HIL flag.
@@ -97,6 +98,8 @@ void check_arming_checks(const DoctorFacts& facts, const json& vehicle, Findings
   if (checks == "fail") {
     bad(all, who + " says that its arming checks fail",
         "casctl arm tells what it lacks; a ground station's messages do, too");
+  } else if (checks == "unknown" && is_routed_alone(facts, vehicle)) {
+    return;  // casd is not to arm it
   } else if (checks == "unknown") {
     const std::string autopilot = vehicle.value("autopilot", "");
     const bool tells = autopilot == "PX4" || autopilot == "ArduPilot";
@@ -147,7 +150,7 @@ void check_vehicles(const DoctorFacts& facts, Findings& all) {
     } else if (is_routed_alone(facts, vehicle)) {
       good(all, who +
                     " is not in HIL, and no route brings it HIL_SENSOR: casd only routes for it, "
-                    "and whether it would fly was not checked");
+                    "and streams were not checked");
       all.back().unchecked = true;
     } else if (!vehicle.value("hil", false)) {
       bad(all, who + " does not say that it is in HIL mode", remedy_for_no_hil(facts, vehicle));
@@ -160,7 +163,7 @@ void check_vehicles(const DoctorFacts& facts, Findings& all) {
 void check_readiness(const DoctorFacts& facts, Findings& all) {
   static const std::set<std::string> kFit = {"standby", "active"};
   for (const json& vehicle : facts.after.value("vehicles", json::array())) {
-    if (is_silent(vehicle) || is_routed_alone(facts, vehicle)) continue;  // said already
+    if (is_silent(vehicle)) continue;  // said already
     const std::string who = "vehicle " + vehicle.at("system").dump();
     const std::string state = vehicle.value("state", "uninit");
     if (!kFit.contains(state)) {

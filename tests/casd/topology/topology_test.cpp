@@ -307,10 +307,6 @@ INSTANTIATE_TEST_SUITE_P(
                 "log.autopilot.systems: 0 is no"},
         BadCase{"OneDeviceTwice", kLinks + "  - {name: a, type: serial, device: /dev/ttyACM0}\n",
                 "link 'fcu' has the device /dev/ttyACM0 already"},
-        BadCase{"OneDestinationTwice",
-                link("name: a, type: udp, remote: '127.0.0.1:14599'") +
-                    "  - {name: b, type: udp, remote: 'localhost:14599'}\n",
-                "link 'a' sends to 127.0.0.1:14599 already"},
         BadCase{"MisspeltKey", kLinks + "comand_port: {port: 1}\n", "comand_port"}),
     [](const auto& test) { return test.param.name; });
 
