@@ -239,7 +239,7 @@ struct App::Impl {
     if (!options.ledger_file.empty()) links.figures().keep_ledgers();
     try {
       run_links();
-    } catch (...) {  // no link's thread may outlive what it calls
+    } catch (...) {  // link threads end before the objects that they call
       turns.end();
       links.stop();
       throw;

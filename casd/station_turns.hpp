@@ -26,7 +26,7 @@ class StationTurns {
                Recorder& recorder);
   ~StationTurns() { end(); }
 
-  /// Begins to wait for packets and for what is due, once the links have started.
+  /// Starts the timers and the wait for packets. To be called after the links have started.
   void begin();
   /// Gives no more turns. To be called before the links stop.
   void end();

@@ -325,6 +325,25 @@ TEST_F(RunTimeLinks, TheLinkOfAnArmedVehiclesSimulatorIsRemovedByForceAlone) {
   EXPECT_EQ(call("link.remove", {{"link", "sim"}, {"force", true}})["link"], "sim");
 }
 
+TEST_F(RunTimeLinks, DoctorAsksNoVehicleForHilThatCasdOnlyRoutesFor) {
+  UdpPeer station;
+  call("link.add",
+       {{"entry", entry_to(station)},
+        {"routes",
+         json::array({{{"from", "gcs"}, {"to", "fcu"}, {"block", json::array({"HIL_SENSOR"})}}})}});
+  Heartbeat real = heartbeat(false);
+  real.autopilot = mavlink::common::MavAutopilot::kArdupilotmega;
+  real.base_mode = MavModeFlag::kCustomModeEnabled;
+  real.system_status = mavlink::common::MavState::kStandby;
+  vehicle_.send(from_vehicle_(real));
+  ASSERT_TRUE(wait_until([&] { return call("casd.status")["vehicles"].size() == 1; }));
+  // Not ready to fly, but with no advice to send it sensor data.
+  const std::string said = casctl({"doctor", "--seconds", "0.1"}, 1);
+  EXPECT_NE(said.find("casd only routes for it"), std::string::npos) << said;
+  EXPECT_NE(said.find("Nothing wrong was found"), std::string::npos) << said;
+  EXPECT_EQ(said.find("start hilsim"), std::string::npos) << said;
+}
+
 TEST_F(RunTimeLinks, CasctlAddsAndRemovesThem) {
   UdpPeer station;
   EXPECT_NE(casctl({"link", "add", "udp:" + station.endpoint()}).find("link udp added, up"),

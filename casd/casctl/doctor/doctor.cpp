@@ -135,12 +135,13 @@ int examine(Session& session, double seconds) {
     if (!finding.remedy.empty()) text += "         -> " + finding.remedy + "\n";
   }
   const bool unchecked = std::ranges::any_of(findings, &Finding::unchecked);
+  const bool ready = !ill && !unchecked;
   text += ill ? "Not ready to fly: see the lines marked BAD, the first one first: those below may "
                 "follow from it."
           : unchecked ? "Nothing wrong was found. Not every vehicle is in HIL: see above."
                       : "Ready to fly.";
-  report(session.options(), {{"ready", !ill && !unchecked}, {"findings", all}}, text);
-  return ill ? kRefused : kDone;
+  report(session.options(), {{"ready", ready}, {"findings", all}}, text);
+  return ready ? kDone : kRefused;
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 namespace cas::casctl {
 
-/// Whether links are up, and what they lose.
+/// State and losses of each link.
 void check_links(const DoctorFacts& facts, Findings& all);
 /// Whether signatures are from the future: their timestamps must rise, so that one shuts out all
 /// later packets.

@@ -80,7 +80,7 @@ TEST(Doctor, DoesNotAskAVehicleForHilThatCasdOnlyRoutesFor) {
   facts.routes[0]["block"] = {"HIL_SENSOR", "HIL_GPS"};
   EXPECT_EQ(complaints(facts), "");
   EXPECT_TRUE(std::ranges::any_of(diagnose(facts), &Finding::unchecked)) << "not ready to fly";
-  facts.after["vehicles"][0]["arming_checks"] = "fail";  // what it says of itself counts
+  facts.after["vehicles"][0]["arming_checks"] = "fail";
   EXPECT_NE(complaints(facts), "");
   facts.after["vehicles"][0]["arming_checks"] = "unknown";
   facts.routes[0] = {{"from", "gcs"}, {"to", "fcu"}, {"allow", {"HEARTBEAT"}}};
