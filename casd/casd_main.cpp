@@ -81,12 +81,6 @@ bool is_topology(const std::string& place) {
          std::filesystem::is_directory(place, none);
 }
 
-/// Where the symlinks of a device lead, those of /dev/serial/by-id for example.
-std::string real_path(const std::string& device) {
-  std::error_code none;
-  return std::filesystem::weakly_canonical(device, none).string();
-}
-
 /// The links that the command line itself describes. @throws base::ConfigError
 std::vector<LinkConfig> endpoints_of(const Flags& flags) {
   std::vector<LinkConfig> links;
@@ -120,7 +114,7 @@ std::vector<LinkConfig> endpoints_of(const Flags& flags) {
   }
   for (LinkConfig& link : links) {
     if (link.type != LinkType::kSerial || !link.baud.empty()) continue;
-    const unsigned rate = flags.baud != 0 ? flags.baud : usual_baud(real_path(link.device));
+    const unsigned rate = flags.baud != 0 ? flags.baud : usual_baud(link.device);
     if (rate != 0) link.baud = {rate};
   }
   return links;

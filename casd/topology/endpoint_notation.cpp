@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <span>
+#include <system_error>
 
 #include "base/error.hpp"
 #include "base/os/host_port.hpp"
@@ -242,13 +244,15 @@ unsigned next_udp_port(const std::string& host, std::span<const LinkConfig> befo
   return port;
 }
 
-unsigned usual_baud(std::string_view device) {
+unsigned usual_baud(const std::string& device) {
+  std::error_code none;
+  const std::string real = std::filesystem::weakly_canonical(device, none).string();
   constexpr unsigned kRouters = 115'200;  // also of mavlink-router
   constexpr std::array<std::string_view, 8> kLines{"/dev/ttyS",   "/dev/ttyAMA", "/dev/ttyUSB",
                                                    "/dev/ttyTHS", "/dev/ttyHS",  "/dev/ttymxc",
                                                    "/dev/ttyO",   "/dev/serial"};
-  const bool is_line = std::ranges::any_of(kLines, [device](std::string_view begin) {
-    return device.starts_with(begin) && number(device.substr(begin.size()));
+  const bool is_line = std::ranges::any_of(kLines, [&real](std::string_view begin) {
+    return real.starts_with(begin) && number(std::string_view(real).substr(begin.size()));
   });
   return is_line ? kRouters : 0;
 }

@@ -42,8 +42,8 @@ LinkConfig parse_endpoint(const std::string& text, EndpointUse use = EndpointUse
 unsigned next_udp_port(const std::string& host, std::span<const LinkConfig> before);
 
 /// The rate of a serial endpoint without one; 0: of USB, which has none, or of a name that does not
-/// tell. @param device  without symlinks on its way
-unsigned usual_baud(std::string_view device);
+/// tell. Follows symlinks, those of /dev/serial/by-id for example.
+unsigned usual_baud(const std::string& device);
 
 /// Whether a word of the command line is meant as an endpoint and not as a file.
 bool is_endpoint(std::string_view text);

@@ -42,9 +42,7 @@ ConfigNode with_endpoint(const Topology& topology, const ConfigNode& entry) {
   }
   link.name = free_name(topology, link.type);
   if (link.type == LinkType::kSerial && link.baud.empty()) {
-    std::error_code none;
-    const auto device = std::filesystem::weakly_canonical(link.device, none);
-    if (const unsigned rate = usual_baud(device.string()); rate > 0) link.baud = {rate};
+    if (const unsigned rate = usual_baud(link.device); rate > 0) link.baud = {rate};
   }
   constexpr std::size_t kDash = 2;
   return entry.merged_over(ConfigNode::parse(link_entry(link).substr(kDash), "endpoint"));
