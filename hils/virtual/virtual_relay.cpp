@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "base/error.hpp"
 #include "casd/link/direct_tx_port.hpp"
 #include "casd/link/link_core.hpp"
 #include "casd/station_options.hpp"
-#include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::hils {
 
@@ -67,11 +67,13 @@ base::Duration WakeUp::draw() {
   return base::from_seconds(1e-6 * median_us_ * std::exp(sigma_ * random_()));
 }
 
-VirtualRelay::Port::Port(const casd::LinkConfig& config)
+VirtualRelay::Port::Port(const casd::LinkConfig& config, casd::LinkId id,
+                         casd::Switchboard& switchboard)
     : is_line(config.type == casd::LinkType::kSerial),
       inbox_bytes(is_line ? kTtyBytes : kSocketBytes),
       counters(std::make_shared<casd::LinkCounters>(config.name, config.type)),
-      parser(mav::public_table()) {
+      ingress(std::make_unique<casd::Ingress>(id, switchboard, counters, config.accept)),
+      parser(casd::make_parser()) {
   counters->ledger = std::make_unique<casd::LinkLedger>();
 }
 
@@ -81,29 +83,35 @@ VirtualRelay::VirtualRelay(const casd::Topology& topology, WakeUp wake_up)
               topology.threads == casd::ThreadModel::kAuto),
       wake_up_(wake_up),
       slots_(casd::slots_in_order(topology)),
-      router_(casd::make_plan(topology, slots_), mav::public_table(), topology.route_lifetime),
+      switchboard_(casd::make_plan(topology, slots_), topology.route_lifetime),
+      local_(std::make_shared<casd::LocalEndpoint>(switchboard_, topology.self)),
       commander_(casd::commander_options(topology),
-                 [this](std::span<const std::uint8_t> bytes, std::span<const casd::Path> to) {
-                   send_own(bytes, to);
+                 [this](std::span<const std::uint8_t> packet, std::span<const casd::Path> to) {
+                   send_own(packet, to);
                  }),
-      own_parser_(mav::public_table()),
       threads_(topology.links.size()) {
   if (topology.links.size() > casd::kLocalLink) {  // slots are places in ports_
     throw base::ConfigError("a run on a virtual clock has 63 links at most");
   }
   ports_.reserve(topology.links.size());
   casd::LineWait& wait = *this;
+  auto table = std::make_shared<casd::PortTable>();
   for (const casd::LinkConfig& link : topology.links) {
-    Port& port = ports_.emplace_back(link);
+    const auto id = static_cast<casd::LinkId>(ports_.size());
+    Port& port = ports_.emplace_back(link, id, switchboard_);
     const casd::TxPortOptions options = casd::tx_port_options(link);
     const auto wake = [] {};  // run() looks at each port
     if (blocking_) {
-      port.tx = std::make_unique<casd::BlockingTxPort>(
+      port.tx = std::make_shared<casd::BlockingTxPort>(
           options, casd::LineDrain(topology.drain_tick), wait, port.counters, wake);
     } else {
-      port.tx = std::make_unique<casd::DirectTxPort>(options, port.counters, wake);
+      port.tx = std::make_shared<casd::DirectTxPort>(options, port.counters, wake);
     }
+    (*table)[id] = port.tx;
   }
+  (*table)[casd::kLocalLink] = local_;
+  local_->wake_for_all(false);  // no thread waits for it
+  switchboard_.set_ports(std::move(table));
   restart();
 }
 
@@ -149,7 +157,8 @@ void VirtualRelay::run(base::RunTime now) {
     next_tick_ = now + casd::kStationTick;
   }
   if (now >= next_second_) {
-    for (const auto& [name, link] : slots_) router_.tick(link, now);
+    for (Port& port : ports_) port.ingress->tick(now);
+    local_->tick(now);
     next_second_ = now + kSecond;
   }
   if (blocking_) return serve(now);
@@ -208,6 +217,10 @@ void VirtualRelay::carry_on(base::RunTime now) {
   }
 }
 
+void VirtualRelay::wait_for_pacers() {
+  for (Port& port : ports_) wait_for_pacer(port);
+}
+
 void VirtualRelay::wait_for_pacer(Port& port) {
   if (blocking_ || port.carry_on_at || port.tx->due() == casd::PollSet::kNever) return;
   port.carry_on_at = port.tx->due() + wake_up_.draw();
@@ -216,37 +229,38 @@ void VirtualRelay::wait_for_pacer(Port& port) {
 // Packets.
 
 void VirtualRelay::take(casd::LinkId from, std::span<const std::uint8_t> bytes, base::RunTime now) {
-  ports_[from].parser.feed(bytes, [&](const mav::PacketView& packet) {
+  Port& port = ports_[from];
+  casd::Ingress& ingress = *port.ingress;
+  bool taken = false;
+  const auto take_packet = [&](const mav::PacketView& packet) {
+    taken = true;
     if (on_packet_) on_packet_(from, packet, now);
-    route(from, packet, now);
-  });
-}
-
-void VirtualRelay::route(casd::LinkId from, const mav::PacketView& packet, base::RunTime now) {
-  pass_on(from, router_.on_packet(from, packet, now), packet, now);
-}
-
-void VirtualRelay::pass_on(casd::LinkId from, const casd::Route& route,
-                           const mav::PacketView& packet, base::RunTime now) {
-  if (from != casd::kLocalLink) ports_[from].counters->ledger->received(route.info);
-  if (route.decision != casd::Route::Decision::kForward) return;
-  const casd::PacketRef one{&route.info, packet.bytes};
-  for (std::size_t i = 0; i < ports_.size(); ++i) {
-    if (!route.to.has(static_cast<casd::LinkId>(i))) continue;
-    ports_[i].tx->deliver({&one, 1}, now);
-    wait_for_pacer(ports_[i]);
+    ingress.take_packet(packet, now);
+  };
+  if (port.is_line) {
+    ingress.parse_stream(port.parser, bytes, take_packet);
+  } else {
+    ingress.parse_datagram(port.parser, bytes, take_packet);
   }
-  if (route.to.has(casd::kLocalLink)) {
-    commander_.on_packet(casd::Origin{{from}, route.info.from_group}, packet, now);
-  }
+  if (!taken) return;
+  ingress.deliver(now);
+  wait_for_pacers();
+  hear(now);
 }
 
-void VirtualRelay::send_own(std::span<const std::uint8_t> bytes, std::span<const casd::Path> to) {
+void VirtualRelay::send_own(std::span<const std::uint8_t> packet, std::span<const casd::Path> to) {
   if (silent_) return;
-  own_parser_.feed(bytes, [&](const mav::PacketView& packet) {
-    if (to.empty()) return route(casd::kLocalLink, packet, now_);
-    pass_on(casd::kLocalLink, router_.on_addressed(packet, to, now_), packet, now_);
-  });
+  local_->send(packet, to, now_);
+  wait_for_pacers();
+}
+
+/// Gives the commander what came for it; what its answers bring about comes after.
+void VirtualRelay::hear(base::RunTime now) {
+  hear_again_ = true;
+  if (hearing_) return;
+  hearing_ = true;
+  while (std::exchange(hear_again_, false)) local_->dispatch(commander_, now);
+  hearing_ = false;
 }
 
 // Threads: blocking.

@@ -14,11 +14,14 @@
 #include "base/time/clock.hpp"
 #include "casd/counters/link_counters.hpp"
 #include "casd/link/blocking_tx_port.hpp"
+#include "casd/link/ingress.hpp"
+#include "casd/link/switchboard.hpp"
+#include "casd/link/tx_port.hpp"
 #include "casd/queue/line_timing.hpp"
-#include "casd/routing/router.hpp"
 #include "casd/station/vehicle_commander.hpp"
 #include "casd/topology/routing_plan.hpp"
 #include "casd/topology/topology.hpp"
+#include "casd/transport/local_endpoint.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 
@@ -37,12 +40,12 @@ class WakeUp {
   base::NormalRandom random_;
 };
 
-/// casd without sockets and threads, moved by the virtual clock. It routes with casd's Router and
-/// VehicleCommander and sends with casd's TxPorts; it models the threads and their reads. Computing
-/// takes no time; lines do.
+/// casd without sockets and threads, moved by the virtual clock. Packets take casd's own way from
+/// the bytes to the ports; the threads and their reads are modelled. Computing takes no time; lines
+/// do.
 ///
-///   receive() --> parser --> Router --> TxPort of each destination --> write
-///                              +--> own station (VehicleCommander)
+///   receive() --> Ingress of the link --> Switchboard --> TxPort of each destination --> write
+///                                              +--> LocalEndpoint --> VehicleCommander
 ///
 /// threads: auto, per_link and single differ in the wake-ups alone: none waits for a line, and a
 /// link that floods stays with the others. With threads: blocking the one thread takes, in each
@@ -61,6 +64,7 @@ class VirtualRelay final : private casd::LineWait {
   VirtualRelay(const casd::Topology& topology, WakeUp wake_up);
   VirtualRelay(const VirtualRelay&) = delete;
   VirtualRelay& operator=(const VirtualRelay&) = delete;
+  ~VirtualRelay() { local_->let_go(); }
 
   /// @throws base::ConfigError when the topology has no link of that name
   casd::LinkId link(const std::string& name) const;
@@ -91,13 +95,14 @@ class VirtualRelay final : private casd::LineWait {
 
  private:
   struct Port {
-    explicit Port(const casd::LinkConfig& config);
+    Port(const casd::LinkConfig& config, casd::LinkId id, casd::Switchboard& switchboard);
     bool is_line = false;  ///< a stream with a rate, not datagrams
     std::size_t inbox_bytes;
     std::shared_ptr<casd::LinkCounters> counters;
-    std::unique_ptr<casd::TxPort> tx;
+    std::unique_ptr<casd::Ingress> ingress;
+    casd::Parser parser;
+    std::shared_ptr<casd::TxPort> tx;
     Write write;
-    mav::PacketParser parser;
     std::deque<std::uint8_t> inbox;  ///< threads: blocking: bytes in the kernel's buffer
     bool waited = false;             ///< the same: for the rest of the packet that is being read
     std::optional<base::RunTime> carry_on_at;  ///< the thread waits for the pacer until then
@@ -105,10 +110,9 @@ class VirtualRelay final : private casd::LineWait {
   enum class Phase { kTakeDatagrams, kReadLines, kWriteLines };
 
   void take(casd::LinkId from, std::span<const std::uint8_t> bytes, base::RunTime now);
-  void route(casd::LinkId from, const mav::PacketView& packet, base::RunTime now);
-  void pass_on(casd::LinkId from, const casd::Route& route, const mav::PacketView& packet,
-               base::RunTime now);
-  void send_own(std::span<const std::uint8_t> bytes, std::span<const casd::Path> to);
+  void send_own(std::span<const std::uint8_t> packet, std::span<const casd::Path> to);
+  void hear(base::RunTime now);
+  void wait_for_pacers();
   void wait_for_pacer(Port& port);
   void carry_on(base::RunTime now);
   void handle_arrivals(base::RunTime now);
@@ -131,10 +135,12 @@ class VirtualRelay final : private casd::LineWait {
   bool silent_ = false;  ///< casd's own station
   WakeUp wake_up_;
   casd::LinkSlots slots_;
-  casd::Router router_;
+  casd::Switchboard switchboard_;
   std::vector<Port> ports_;
+  std::shared_ptr<casd::LocalEndpoint> local_;
   casd::VehicleCommander commander_;
-  mav::PacketParser own_parser_;
+  bool hearing_ = false;  ///< the commander has a packet
+  bool hear_again_ = false;
   OnPacket on_packet_;
   base::RunTime now_{};  ///< threads: blocking: of the one thread, while it has its turn
   base::RunTime next_tick_{};

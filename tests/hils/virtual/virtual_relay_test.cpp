@@ -26,13 +26,16 @@ constexpr base::RunTime at(base::Duration since_start) {
   return base::RunTime(std::chrono::seconds(1) + since_start);
 }
 
-casd::Topology topology(const std::string& threads) {
+/// @param of_sim  further keys of the simulator's link
+casd::Topology topology(const std::string& threads, const std::string& of_sim = {}) {
   return casd::Topology::parse(base::ConfigNode::parse("threads: " + threads + R"(
 schema: 1
 drain_tick_ms: 0
 commanding: {heartbeat_hz: 0}
 links:
-  - {name: sim, type: udp, local: '127.0.0.1:1'}
+  - {name: sim, type: udp, local: '127.0.0.1:1')" + of_sim +
+                                                           R"(}
+  - {name: ear, type: udp, remote: '127.0.0.1:2', sniffer: true}
   - {name: fcu, type: serial, device: /dev/fcu, baud: 115200}
   - {name: fcu2, type: serial, device: /dev/fcu2, baud: 115200}
 routes:
@@ -61,8 +64,9 @@ struct Line {
 
 class VirtualRelayTest : public testing::Test {
  protected:
-  void open(const std::string& threads) {
-    relay.emplace(topology(threads), WakeUp({}, 1));
+  void open(const std::string& threads, const std::string& of_sim = {}) {
+    relay.emplace(topology(threads, of_sim), WakeUp({}, 1));
+    relay->connect(relay->link("ear"), ear.taker());
     relay->connect(relay->link("fcu"), line.taker());
     relay->connect(relay->link("fcu2"), other_line.taker());
     relay->run(at({}));
@@ -80,6 +84,7 @@ class VirtualRelayTest : public testing::Test {
   std::optional<VirtualRelay> relay;
   Line line;
   Line other_line;
+  Line ear;  ///< of the sniffer
   std::uint8_t sequence = 0;
 };
 
@@ -118,6 +123,24 @@ TEST_F(VirtualRelayTest, OneThreadWaitsForOneLineAfterTheOther) {
   relay->run(through);
   ASSERT_EQ(line.writes.size(), 2U);
   EXPECT_EQ(line.writes[1], through);
+}
+
+TEST_F(VirtualRelayTest, ALinkTakesInWhatItAccepts) {
+  open("per_link", ", accept: {block_systems: [1]}");
+  sensor_comes(at({}));
+  EXPECT_TRUE(line.bytes.empty());
+  EXPECT_TRUE(relay->ledger(relay->link("sim")).received().empty());
+
+  open("per_link", ", accept: {systems: [1]}");
+  const std::size_t size = sensor_comes(at(milliseconds(5)));
+  EXPECT_EQ(line.bytes.size(), size);
+}
+
+TEST_F(VirtualRelayTest, ASnifferGetsWhatPassesOnOtherRoutes) {
+  open("per_link");
+  const std::size_t size = sensor_comes(at({}));
+  EXPECT_EQ(ear.bytes.size(), size);
+  EXPECT_EQ(ear.bytes, line.bytes);
 }
 
 TEST_F(VirtualRelayTest, NothingOfAKilledCasdIsSentByTheNextOne) {
