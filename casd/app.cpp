@@ -93,7 +93,7 @@ base::rpc::ServerLimits server_limits(const Topology& topology) {
 /// Where the command port takes its figures from; all outlive it.
 FiguresSource make_figures_source(const AppOptions& options, LinkSet& links,
                                   const LinkChanges& changes, const VehicleMethods& vehicles,
-                                  const Recorder& recorder) {
+                                  const Recorder& recorder, const OwnStation& station) {
   return {.figures = &links.figures(),
           .topology = [&links]() -> const Topology& { return links.topology(); },
           .now = base::steady_now,
@@ -105,6 +105,7 @@ FiguresSource make_figures_source(const AppOptions& options, LinkSet& links,
           .is_added = [&changes](const std::string& link) { return changes.is_added(link); },
           .vehicles = [&vehicles] { return vehicles.vehicles(); },
           .recording = [&recorder] { return recorder.status(base::steady_now()); },
+          .autopilot_logs = [&station] { return station.logs(base::steady_now()); },
           .taps = &links.taps(),
           .echo = &links.echo(),
           .decoder = load_decoder(links.topology())};
@@ -148,7 +149,8 @@ struct App::Impl {
              .link_name = [this](LinkId id) { return link_name(id); },
              .audit = [](const std::string& line) { base::log::info("audit: " + line); },
              .unix_us = [this] { return turns.log_clock_us(); }}),
-        figures(server, make_figures_source(options, links, changes, vehicle_methods, recorder)) {
+        figures(server,
+                make_figures_source(options, links, changes, vehicle_methods, recorder, station)) {
     server.before_calls([this] { turns.before_call(); });
     figures.set_memory([this](const MessageTaps::Key& key) { return remembered(key); });
     commander.on_notice([](const std::string& notice) { base::log::warn(notice); });

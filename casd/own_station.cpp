@@ -18,6 +18,11 @@ void OwnStation::end_logs(base::RunTime now) {
   if (log_taking_) log_taking_->logs.end(now);
 }
 
+std::optional<AutopilotLogsStatus> OwnStation::logs(base::RunTime wall) const {
+  if (!log_taking_) return std::nullopt;
+  return log_taking_->logs.status(wall);
+}
+
 void OwnStation::on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) {
   const auto verdict = failures_.on_packet(from, packet, base::steady_now());
   if (verdict != FailureDesk::Verdict::kRefused) commander_.on_packet(from, packet, now);

@@ -26,6 +26,9 @@ class OwnStation final : public Station {
   void take_logs(const TlogConfig& config, mav::Source self);
   /// Ends the logs under way.
   void end_logs(base::RunTime now);
+  /// The logs of autopilots; nullopt: none are taken.
+  /// @param wall  this machine's clock, also in lockstep
+  std::optional<AutopilotLogsStatus> logs(base::RunTime wall) const;
 
   void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) override;
   void tick(base::RunTime now) override;

@@ -100,7 +100,7 @@ LAYERS = {
     "casd/queue": BASE | rooms("casd", "packet words"),
     "casd/tlog": BASE | MAVLINK | SERVICES,
     "casd/topology":
-        BASE | MAVLINK | rooms("casd", "packet routing queue tlog") | {"mavlink_gen/parser"},
+        BASE | MAVLINK | rooms("casd", "packet routing queue tlog") | {"base/rpc", "mavlink_gen/parser"},
     "casd/counters": BASE | MAVLINK | rooms("casd", "packet routing queue words"),
     "casd/signing":
         BASE | MAVLINK | RPC | rooms("casd", "packet topology counters"),
@@ -113,7 +113,7 @@ LAYERS = {
         BASE | MAVLINK | rooms("casd", "packet routing tlog counters link station") | {"Asio"},
     "casd/port":
         BASE | MAVLINK | RPC
-        | rooms("casd", "packet routing queue tlog topology counters station")
+        | rooms("casd", "words packet routing queue tlog topology counters station autopilot_log")
         | {"mavlink_gen/parser", "mavlink_gen/json", "Asio"},
     "casd":
         BASE | MAVLINK | RPC | PROGRAM | {"Asio"}
@@ -175,7 +175,7 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
 NOT_IN_HEADERS = ("nlohmann/", "spdlog/", "yaml-cpp/", "boost/asio.hpp")
 LIGHT = ("nlohmann/json_fwd.hpp",)
 # Headers for files that handle JSON anyway.
-JSON_HEADERS = ("casd/casctl/", "casd/port/call_json.hpp")
+JSON_HEADERS = ("base/rpc/call_params.hpp", "casd/casctl/", "casd/port/call_json.hpp")
 
 SUFFIXES = {".hpp", ".cpp", ".h", ".cc"}
 # example_plugin and examples stand for a stranger's source tree.

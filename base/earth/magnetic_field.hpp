@@ -8,6 +8,9 @@
 
 namespace cas::base {
 
+/// The year of worlds and controllers that name none: the middle of 2026.
+inline constexpr double kUsualYear = 2026.5;
+
 /// Earth's magnetic field in N (north, east, down), gauss, by the World Magnetic Model [WMM2025],
 /// degree and order 12. Evaluate it once per kilometre, not per sample.
 /// @param decimal_year  2025.0 to 2030.0; clamped to that range

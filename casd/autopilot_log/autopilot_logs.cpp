@@ -59,6 +59,20 @@ void AutopilotLogs::end(base::RunTime now) {
   logs_.clear();
 }
 
+AutopilotLogsStatus AutopilotLogs::status(base::RunTime wall) const {
+  AutopilotLogsStatus all{.files = files_.status(wall), .vehicles = {}};
+  const auto& open = all.files.open;
+  for (const auto& [system, log] : logs_) {
+    AutopilotLogStatus& one = all.vehicles.emplace_back();
+    one.system = system;
+    one.wanted = log->wanted;
+    one.trouble = log->trouble;
+    const auto file = log->file ? open.find(*log->file) : open.end();
+    if (file != open.end()) one.file = file->second;
+  }
+  return all;
+}
+
 void AutopilotLogs::forget_lost(base::RunTime now) {
   for (auto each = logs_.begin(); each != logs_.end();) {
     const VehicleState* const vehicle = commander_.find(each->first);
@@ -141,6 +155,7 @@ LogPullHooks AutopilotLogs::hooks(std::uint8_t system, Log& log) {
       .begin =
           [this, system, &log](std::string_view extension) {
             log.file = files_.begin("v" + std::to_string(system), extension);
+            log.trouble.clear();
           },
       .write = [this, &log](
                    LogPart part) { return !log.file || files_.write(*log.file, std::move(part)); },
@@ -149,7 +164,8 @@ LogPullHooks AutopilotLogs::hooks(std::uint8_t system, Log& log) {
             if (log.file) files_.end(*std::exchange(log.file, std::nullopt));
           },
       .warn =
-          [system](const std::string& sentence) {
+          [system, &log](const std::string& sentence) {
+            log.trouble = sentence;
             base::log::warn("vehicle " + std::to_string(system) + " " + sentence);
           }};
 }

@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "casd/autopilot_log/log_files.hpp"
@@ -16,6 +17,18 @@
 #include "casd/tlog/autopilot_log_config.hpp"
 
 namespace cas::casd {
+
+/// What becomes of one vehicle's log.
+struct AutopilotLogStatus {
+  std::uint8_t system = 0;
+  bool wanted = false;  ///< the vehicle is asked for it
+  std::optional<LogFilesStatus::Entry> file;
+  std::string trouble;  ///< the newest, "does not send ..."; empty: none since its file began
+};
+struct AutopilotLogsStatus {
+  LogFilesStatus files;
+  std::vector<AutopilotLogStatus> vehicles;
+};
 
 /// The logs of all vehicles: which vehicle is asked for its log, and when. Only packets of the
 /// vehicle itself, from its place, reach its file. On the thread of the commander.
@@ -39,6 +52,8 @@ class AutopilotLogs {
   void tick(base::RunTime now);
   /// Asks all vehicles to end their logs.
   void end(base::RunTime now);
+  /// @param wall  this machine's clock, also in lockstep
+  AutopilotLogsStatus status(base::RunTime wall) const;
 
  private:
   struct Log {
@@ -47,6 +62,7 @@ class AutopilotLogs {
     ArmedWindow window;
     std::optional<LogFiles::File> file;
     bool wanted = false;
+    std::string trouble;
     std::unique_ptr<LogPull> pull;
   };
 

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <chrono>
 #include <span>
@@ -25,23 +24,6 @@ constexpr base::Duration kFreePeriod = kFlushPeriod;
 /// Room that must be free before logs go on.
 constexpr std::uint64_t kRoomToGoOn = 1024 * 1024;
 constexpr int kMostFiles = 10'000;  // names that are tried
-constexpr std::array<std::string_view, 2> kExtensions{".ulg", ".bin"};
-
-/// Bytes of all autopilot logs in a folder.
-std::uint64_t logged_bytes(const std::filesystem::path& folder) {
-  std::uint64_t sum = 0;
-  std::error_code error;
-  std::filesystem::directory_iterator entries(folder, error);
-  for (; !error && entries != std::filesystem::directory_iterator(); entries.increment(error)) {
-    const std::string extension = entries->path().extension().string();
-    if (std::find(kExtensions.begin(), kExtensions.end(), extension) == kExtensions.end()) continue;
-    std::error_code gone;
-    if (!entries->is_regular_file(gone) || entries->is_symlink(gone)) continue;
-    const auto size = entries->file_size(gone);
-    if (!gone) sum += size;
-  }
-  return sum;
-}
 
 /// @return whether all of it is written; else errno says why not
 bool write_all(int fd, std::span<const std::uint8_t> bytes) {
@@ -60,7 +42,8 @@ std::string message_of(int error) { return std::generic_category().message(error
 }  // namespace
 
 LogFiles::LogFiles(AutopilotLogConfig config)
-    : config_(std::move(config)), folder_(config_.folder) {
+    : config_(std::move(config)), folder_(config_.folder, {".ulg", ".bin"}) {
+  publish();
   try {
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
   } catch (const std::system_error& error) {
@@ -118,6 +101,7 @@ void LogFiles::run(const std::stop_token& stop) {
     }
     for (; !jobs.empty(); jobs.pop_front()) carry_out(std::move(jobs.front()));
     look_for_room();
+    publish();
   }
   while (!open_.empty()) close(open_.begin()->first);
 }
@@ -140,6 +124,14 @@ void LogFiles::make(const Job& job) {
     file.name = job.name + (number > 0 ? "." + std::to_string(number) : "") + job.extension;
     file.fd = folder_.make(file.name);
     if (!file.fd && (errno != EEXIST || number >= kMostFiles)) return fail(message_of(errno));
+  }
+  if (config_.max_files > 0) {
+    const auto keep = static_cast<std::size_t>(config_.max_files);
+    for (const std::string& name : folder_.remove_oldest(keep, file.name)) {
+      base::log::info("removed " + (folder_.path() / name).string() + ": " + std::to_string(keep) +
+                      " files may stay");
+    }
+    used_counted_at_.reset();
   }
   open_.emplace(job.file, std::move(file));
 }
@@ -189,10 +181,12 @@ void LogFiles::close(File id) {
 void LogFiles::fail(const std::string& why) {
   retry_at_ = base::steady_now() + kRetryPeriod;
   takes_.store(false, std::memory_order_relaxed);
-  if (!std::exchange(paused_, true)) {
+  if (!paused_) {
     base::log::error("logs of autopilots in " + folder_.path().string() + " pause: " + why +
                      "; they go on when they can");
+    paused_since_ = base::steady_now();
   }
+  paused_ = why;
 }
 
 /// Logs go on once a test file can be written; each then begins a new file.
@@ -205,9 +199,28 @@ void LogFiles::look_for_room() {
   if (full || lack(kRoomToGoOn)) return;
   if (!folder_.takes_files()) return;
   retry_at_.reset();
-  paused_ = false;
+  paused_.reset();
   takes_.store(true, std::memory_order_relaxed);
   base::log::info("logs of autopilots go on in " + folder_.path().string());
+}
+
+LogFilesStatus LogFiles::status(base::RunTime now) const {
+  const base::MutexLock lock(status_mutex_);
+  LogFilesStatus status = status_;
+  if (status.paused) status.paused_for = now - status_paused_since_;
+  return status;
+}
+
+void LogFiles::publish() {
+  LogFilesStatus status;
+  status.folder = folder_.path();
+  status.paused = paused_;
+  for (const auto& [id, file] : open_) {
+    if (file.size > 0) status.open[id] = {folder_.path() / file.name, file.size};
+  }
+  const base::MutexLock lock(status_mutex_);
+  status_ = std::move(status);
+  status_paused_since_ = paused_since_;
 }
 
 std::optional<std::string> LogFiles::lack(std::uint64_t more) {
@@ -220,7 +233,7 @@ std::optional<std::string> LogFiles::lack(std::uint64_t more) {
   const bool counted = used_counted_at_ && now - *used_counted_at_ < kUsedPeriod;
   if (config_.limits.max_bytes > 0 && !counted) {
     used_counted_at_ = now;
-    space_.used_bytes = logged_bytes(folder_.path());
+    space_.used_bytes = folder_.look(true).used_bytes;
   }
   return lack_of_room(config_.limits, space_, more);
 }

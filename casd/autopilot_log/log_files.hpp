@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -20,6 +21,18 @@
 #include "casd/tlog/tlog_folder.hpp"
 
 namespace cas::casd {
+
+/// The files of autopilots' logs as they are on the disk.
+struct LogFilesStatus {
+  struct Entry {
+    std::filesystem::path path;
+    std::uint64_t bytes = 0;
+  };
+  std::filesystem::path folder;
+  std::optional<std::string> paused;  ///< why nothing is written, as a clause; nullopt: it is
+  base::Duration paused_for{};
+  std::map<std::uint32_t, Entry> open;  ///< files under way, by LogFiles::File
+};
 
 /// Writes the logs of autopilots. Calls only copy into memory; a thread of its own writes the
 /// files, so a disk that hangs delays no other thread.
@@ -46,6 +59,7 @@ class LogFiles {
   bool write(File file, LogPart part);
   void end(File file);
   bool takes() const { return takes_.load(std::memory_order_relaxed); }
+  LogFilesStatus status(base::RunTime now) const;
 
  private:
   static constexpr std::size_t kMaxWaitingBytes = 4 * 1024 * 1024;
@@ -71,6 +85,7 @@ class LogFiles {
   void close(File file);
   void fail(const std::string& why);
   void look_for_room();
+  void publish();
   /// Why so many bytes do not fit; nullopt: they do.
   std::optional<std::string> lack(std::uint64_t more);
 
@@ -90,7 +105,12 @@ class LogFiles {
   std::optional<base::RunTime> free_read_at_;     ///< when space_.free_bytes was read
   std::optional<base::RunTime> used_counted_at_;  ///< when space_.used_bytes was counted
   std::optional<base::RunTime> retry_at_;
-  bool paused_ = false;  ///< no file is written
+  std::optional<std::string> paused_;  ///< why no file is written
+  base::RunTime paused_since_{};
+
+  mutable base::Mutex status_mutex_;  ///< guards a copy that can be read while the disk is slow
+  LogFilesStatus status_ CAS_GUARDED_BY(status_mutex_);
+  base::RunTime status_paused_since_ CAS_GUARDED_BY(status_mutex_);
 
   std::jthread thread_;  ///< the last member: it ends before those that it uses
 };

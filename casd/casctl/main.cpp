@@ -33,7 +33,8 @@ void add_options(CommandLine& line) {
   app.require_subcommand(1);
   app.add_option("--address", options.address,
                  "Command port of casd, HOST:PORT or unix:PATH; without it the one casd that runs "
-                 "on this machine (several are listed), else 127.0.0.1:5790")
+                 "on this machine (several are listed), else 127.0.0.1:" +
+                     std::to_string(base::rpc::kCommandPort))
       ->envname("CASD_ADDRESS");
   app.add_option("--token-file", options.token_file,
                  "File with the command port's token; over TCP to this machine casd's own is found")

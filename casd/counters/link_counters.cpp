@@ -62,6 +62,7 @@ constexpr LinkCounterRow kRows[] = {
     row(counter_words("rx", "not_accepted"), [](auto& link) { return &link.rx.not_accepted; }),
     row(counter_words("tx", "packets"), [](auto& link) { return &link.tx.packets; }),
     row(counter_words("tx", "bytes"), [](auto& link) { return &link.tx.bytes; }),
+    row(counter_words("tx", "refused"), [](auto& link) { return &link.tx.refused; }),
     row(counter_words("tx", "queued"), [](auto& link) { return &link.tx.queued; }),
     row(counter_words("tx", "queue_high_water"),
         [](auto& link) { return &link.tx.queue_high_water; }),
@@ -182,6 +183,12 @@ void LinkCounters::count_sent(std::span<const PacketRef> packets, base::RunTime 
   }
   tx.packets.add(packets.size());
   tx.bytes.add(bytes);
+}
+
+void LinkCounters::count_refusals(std::uint64_t refusals) {
+  if (refusals == 0) return;
+  const base::MutexLock lock(tx.mutex);
+  tx.refused.add(refusals);
 }
 
 void LinkCounters::count_dropped(const PacketInfo& info, DropCause cause, base::RunTime now) {

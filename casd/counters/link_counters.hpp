@@ -174,7 +174,7 @@ struct RxCounts {
 /// Likewise of packets to be sent.
 template <class N>
 struct TxCounts {
-  N packets{}, bytes{}, queue_high_water{}, queued{}, write_calls{};
+  N packets{}, bytes{}, refused{}, queue_high_water{}, queued{}, write_calls{};
   std::array<N, kDropCauses> dropped{};  ///< by DropCause
 };
 
@@ -211,6 +211,8 @@ struct LinkCounters {
   void count_refused(Route::Decision why, const PacketInfo& info, unsigned times = 1);
   /// Packets are written. @param done  when the write had returned
   void count_sent(std::span<const PacketRef> packets, base::RunTime now, base::RunTime done);
+  /// The destination has refused packets that were sent.
+  void count_refusals(std::uint64_t refusals);
   /// A packet was not sent.
   void count_dropped(const PacketInfo& info, DropCause cause, base::RunTime now);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -36,6 +37,7 @@ struct WriteResult {
   std::size_t part_of_next = 0;         ///< bytes of the next one that were written, too (streams)
   bool broken = false;                  ///< the descriptor is unusable
   base::RunTime done{};                 ///< when the call had returned; zero: it took no time
+  std::uint64_t refusals = 0;           ///< news of earlier packets that the destination refused
   std::span<const Unsent> unsent = {};  ///< of `packets`, in their order; good until the next write
 };
 

@@ -6,10 +6,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 
+#include "base/rpc/call_params.hpp"
 #include "base/rpc/server.hpp"
 #include "mavlink/common/enums.hpp"
 #include "mavlink_gen/json/message_codec.hpp"
@@ -17,6 +17,7 @@
 namespace cas::casd {
 
 using base::rpc::BadParams;
+using base::rpc::CallParams;
 
 /// Weight of a call that changes something; one that only looks has 1 (Server::add_method). Clients
 /// that watch must not delay those that fly.
@@ -24,34 +25,6 @@ inline constexpr double kWeightOfChange = 0.25;
 
 /// A MAVLink message by its name or id. @throws BadParams
 std::uint32_t message_id(const nlohmann::json& message);
-
-/// Reads the named parameters of one call. Missing, mistyped and unknown ones throw BadParams.
-class CallParams {
- public:
-  explicit CallParams(const nlohmann::json& params);
-
-  double number(const std::string& key);
-  std::optional<double> optional_number(const std::string& key);
-  /// An integer in [low, high].
-  std::int64_t integer(const std::string& key, std::int64_t low, std::int64_t high);
-  std::optional<std::int64_t> optional_integer(const std::string& key, std::int64_t low,
-                                               std::int64_t high);
-  std::string text(const std::string& key);
-  std::optional<std::string> optional_text(const std::string& key);
-  /// Absent is false.
-  bool flag(const std::string& key);
-  /// The value itself, null when absent.
-  nlohmann::json value(const std::string& key);
-
-  /// Refuses keys that were not read.
-  void finish() const;
-
- private:
-  const nlohmann::json* find(const std::string& key);
-
-  nlohmann::json params_;
-  std::set<std::string> asked_;
-};
 
 /// A method that looks only, and answers at once.
 void add_look(base::rpc::Server& server, const std::string& name,

@@ -89,6 +89,21 @@ json recording_json(const TlogStatus& status) {
   return recording;
 }
 
+json autopilot_logs_json(const AutopilotLogsStatus& status) {
+  json logs{{"folder", status.files.folder.string()}, {"vehicles", json::array()}};
+  if (status.files.paused) {
+    logs["paused"] = *status.files.paused;
+    logs["paused_s"] = base::to_seconds(status.files.paused_for);
+  }
+  for (const AutopilotLogStatus& log : status.vehicles) {
+    json one{{"vehicle", log.system}, {"wanted", log.wanted}};
+    if (log.file) one.update({{"file", log.file->path.string()}, {"bytes", log.file->bytes}});
+    if (!log.trouble.empty()) one["trouble"] = log.trouble;
+    logs["vehicles"].push_back(std::move(one));
+  }
+  return logs;
+}
+
 void add_daemon_methods(base::rpc::Server& server, DaemonHooks hooks) {
   add_change(server, "casd.reload", audit,
              [reload = hooks.reload](CallParams& params, const Reply& reply) {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/rpc/server.hpp"
+#include "casd/autopilot_log/autopilot_logs.hpp"
 #include "casd/tlog/recorder.hpp"
 
 namespace cas::casd {
@@ -22,6 +23,8 @@ struct DaemonHooks {
 
 /// A recording as log.status and casd.status tell it.
 nlohmann::json recording_json(const TlogStatus& status);
+/// The logs of autopilots as casd.status tells them.
+nlohmann::json autopilot_logs_json(const AutopilotLogsStatus& status);
 
 /// Methods casd.reload, log.start, log.stop, log.status.
 void add_daemon_methods(base::rpc::Server& server, DaemonHooks hooks);

@@ -210,6 +210,8 @@ json FigureMethods::status() const {
   if (!source_.topology_file.empty()) status["topology"] = source_.topology_file.string();
   if (last_reload_) status["reload"] = reload_json(*last_reload_, source_.now());
   if (source_.recording) status["recording"] = recording_json(source_.recording());
+  const auto logs = source_.autopilot_logs ? source_.autopilot_logs() : std::nullopt;
+  if (logs) status["autopilot_logs"] = autopilot_logs_json(*logs);
   return status;
 }
 
@@ -401,6 +403,7 @@ MetricsSource FigureMethods::metrics_source() const {
   all.messages_cut = all.messages.size() > kMostMessages;
   if (all.messages_cut) all.messages.pop_back();
   if (source_.recording) all.recording = source_.recording();
+  if (source_.autopilot_logs) all.autopilot_logs = source_.autopilot_logs();
   for (MessageStatus& message : all.messages) message.name = message_name(message.id);
   for (const auto& [why, reason] : kRefusals)
     all.refused.emplace_back(reason, server_.refused(why));

@@ -10,8 +10,10 @@
 #include <string>
 #include <utility>
 
+#include "base/rpc/call_params.hpp"
 #include "base/rpc/server.hpp"
 #include "base/time/clock.hpp"
+#include "casd/autopilot_log/autopilot_logs.hpp"
 #include "casd/counters/echo_latency.hpp"
 #include "casd/counters/link_counters.hpp"
 #include "casd/counters/message_taps.hpp"
@@ -21,8 +23,6 @@
 #include "casd/topology/topology.hpp"
 
 namespace cas::casd {
-
-class CallParams;
 
 /// Sources of the figures.
 struct FiguresSource {
@@ -41,6 +41,8 @@ struct FiguresSource {
   std::function<nlohmann::json()> vehicles;
   /// The `recording` of casd.status; without it there is none.
   std::function<TlogStatus()> recording{};
+  /// The `autopilot_logs` of casd.status, likewise.
+  std::function<std::optional<AutopilotLogsStatus>()> autopilot_logs{};
   /// Where the newest packets of watched messages are; without it message.value is left out.
   MessageTaps* taps = nullptr;
   /// Where controllers' answers are timed; without it link.echo is empty.
@@ -78,7 +80,7 @@ class FigureMethods {
  private:
   nlohmann::json links() const;
   nlohmann::json messages(const std::string* link) const;
-  nlohmann::json value(CallParams& params) const;
+  nlohmann::json value(base::rpc::CallParams& params) const;
   nlohmann::json routes() const;
   nlohmann::json drops() const;
   nlohmann::json latency() const;

@@ -127,6 +127,18 @@ void add_recording(std::string& out, const TlogStatus& recording) {
         recording.left_out);
 }
 
+void add_autopilot_logs(std::string& out, const AutopilotLogsStatus& logs) {
+  Metric(out, "casd_autopilot_logs_paused", "gauge",
+         "1 while the disk does not take the logs of autopilots.")
+      .add("", std::uint64_t{logs.files.paused ? 1U : 0U});
+  Metric bytes(out, "casd_autopilot_log_bytes", "gauge",
+               "Bytes in the file of a vehicle's log; 0: it has none.");
+  for (const AutopilotLogStatus& log : logs.vehicles) {
+    bytes.add("system=\"" + std::to_string(log.system) + "\"",
+              log.file ? log.file->bytes : std::uint64_t{0});
+  }
+}
+
 void add_messages(std::string& out, const MetricsSource& source) {
   Metric(out, "casd_messages_cut", "gauge",
          "1 where casd_messages_total lacks some: too many kinds.")
@@ -160,6 +172,7 @@ std::string metrics_text(const MetricsSource& source) {
               "From read on another link to written on this one, since the start.");
   for (const LinkStatus& link : source.links) add_forwarding(time, link);
   add_recording(out, source.recording);
+  if (source.autopilot_logs) add_autopilot_logs(out, *source.autopilot_logs);
   add_messages(out, source);
   return out;
 }

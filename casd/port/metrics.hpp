@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "casd/autopilot_log/autopilot_logs.hpp"
 #include "casd/counters/link_counters.hpp"
 #include "casd/tlog/tlog_writer.hpp"
 
@@ -22,6 +24,7 @@ struct MetricsSource {
   std::vector<MessageStatus> messages;
   bool messages_cut = false;  ///< some are left out: too many for a page
   TlogStatus recording{};
+  std::optional<AutopilotLogsStatus> autopilot_logs{};  ///< nullopt: none are taken
 };
 
 /// The figures in Prometheus' text format 0.0.4: counters end in _total, units are seconds and

@@ -1,12 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/port/port_description.hpp"
 
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
+
+#include "base/text.hpp"
+#include "casd/words/link_words.hpp"
 
 namespace cas::casd {
 namespace {
 
-// Units are in the names; N is the vehicle's local frame (x north, y east, z down).
+// @rx, @tx and @link stand for counters. Units are in the names; N is the vehicle's local frame (x
+// north, y east, z down).
 constexpr const char* kText = R"json({
 "title": "casd",
 "shapes": {
@@ -14,17 +22,14 @@ constexpr const char* kText = R"json({
     "at_s?": "number: moment of the answer by casd's clock"},
   "Quantiles": {"p50": "number: us", "p99": "number: us", "max": "number: us"},
   "Counts": {"*": "integer"},
-  "LinkReceived": {"packets": "integer", "bytes": "integer", "crc_errors": "integer",
-    "lost": "integer: gaps in sequence numbers", "unknown": "integer", "skipped_bytes": "integer", "kernel_drops": "integer",
-    "foreign": "integer", "not_accepted": "integer", "verdicts": "Counts", "signatures?": "Counts"},
-  "LinkSent": {"packets": "integer", "bytes": "integer", "dropped": "Counts", "queued": "integer",
-    "queue_high_water": "integer", "write_calls": "integer", "forwarding_us": "Quantiles"},
+  "LinkReceived": {@rx, "verdicts": "Counts", "signatures?": "Counts"},
+  "LinkSent": {@tx, "forwarding_us": "Quantiles"},
   "FutureSignature": {"system": "integer", "component": "integer", "link_id": "integer", "ahead_s": "number",
     "refused": "integer", "age_s": "number"},
   "LinkSigning": {"time_file": "string", "time_ahead_s": "number", "too_far_ahead": "boolean", "future?": "FutureSignature"},
   "Link": {"name": "string", "type": "string: udp, udp_server, serial, tcp, tcp_server, tlog",
     "state": "string: up, down, opening", "endpoint": "string: bound address or device, or why it is down",
-    "remote?": "string: where a udp link sends, as the topology has it", "baud?": "integer", "added?": "boolean: true where it was added at run time", "reconnects": "integer", "uncounted": "integer", "rx": "LinkReceived", "tx": "LinkSent",
+    "remote?": "string: where a udp link sends, as the topology has it", "baud?": "integer", "added?": "boolean: true where it was added at run time", @link, "rx": "LinkReceived", "tx": "LinkSent",
     "signing?": "LinkSigning"},
   "RateLimit": {"message": "string|integer", "max_hz?": "number", "every?": "integer"},
   "Route": {"from": "string", "to": "string", "allow?": ["string|integer"], "block?": ["string|integer"],
@@ -105,6 +110,9 @@ constexpr const char* kText = R"json({
   "Parameters": {"vehicle": "integer", "parameters": ["ListedParameter"]},
   "Recording": {"active": "boolean", "file": "string", "recorded": "integer", "left_out": "integer", "bytes": "integer",
     "paused?": "string", "paused_s?": "number"},
+  "AutopilotLog": {"vehicle": "integer: system id", "wanted": "boolean: the vehicle is asked for it", "file?": "string", "bytes?": "integer",
+    "trouble?": "string"},
+  "AutopilotLogs": {"folder": "string", "paused?": "string: why nothing is written", "paused_s?": "number", "vehicles": ["AutopilotLog"]},
   "LogStatus": {"active": "boolean", "awaits_arming": "boolean", "folder": "string", "file": "string",
     "recorded": "integer: packets", "left_out": "integer: packets", "bytes": "integer", "paused?": "string", "paused_s?": "number"},
   "JournalCall": {"at_s": "number: by casd's clock", "unix_us": "integer: by that of a recording", "client": "string", "method": "string",
@@ -115,7 +123,7 @@ constexpr const char* kText = R"json({
   "DaemonStatus": {"schema": "integer", "program": "string", "version": "string", "uptime_s": "number", "name?": "string",
     "topology?": "string", "threads": "string: auto, per_link, single, blocking", "self": "Self", "allow_not_hil": "boolean: as in the topology",
     "clients": "integer", "links": ["Link"],
-    "vehicles": ["Vehicle"], "recording?": "Recording", "reload?": "Reload"}
+    "vehicles": ["Vehicle"], "recording?": "Recording", "autopilot_logs?": "AutopilotLogs: left out: none are taken", "reload?": "Reload"}
 },
 "methods": {
   "casd.status": {"summary": "Everything at a glance.", "params": {}, "result": "DaemonStatus"},
@@ -193,8 +201,28 @@ constexpr const char* kText = R"json({
 }
 })json";
 
+/// The counters of a block of a link's JSON (kLinkCounters), as keys of a shape.
+std::string counter_keys(std::string_view group) {
+  using Kind = CounterWords::Kind;
+  std::vector<std::string> keys;
+  for (const CounterWords& words : kLinkCounters) {
+    if (words.group != group) continue;
+    const nlohmann::json key = words.key;
+    const nlohmann::json shape = std::string(words.kind == Kind::kByCause ? "Counts" : "integer") +
+                                 ": " + std::string(words.help);
+    keys.push_back(key.dump() + ": " + shape.dump());
+  }
+  return base::joined(keys, ", ");
+}
+
 }  // namespace
 
-base::rpc::Description port_description(std::string version) { return {kText, std::move(version)}; }
+base::rpc::Description port_description(std::string version) {
+  std::string text = kText;
+  for (const auto& [mark, group] : {std::pair{"@rx", "rx"}, {"@tx", "tx"}, {"@link", ""}}) {
+    text.replace(text.find(mark), std::string_view(mark).size(), counter_keys(group));
+  }
+  return {text, std::move(version)};
+}
 
 }  // namespace cas::casd

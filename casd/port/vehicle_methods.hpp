@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "base/rpc/call_params.hpp"
 #include "base/rpc/server.hpp"
 #include "base/time/clock.hpp"
 #include "casd/packet/link_id.hpp"
@@ -16,8 +17,6 @@
 #include "casd/station/vehicle_commander.hpp"
 
 namespace cas::casd {
-
-class CallParams;
 
 /// Callbacks of the command port into the rest of casd.
 struct VehicleHooks {
@@ -54,7 +53,7 @@ class VehicleMethods {
   /// Starts a request to a vehicle.
   using Action = std::function<void(std::uint8_t system, base::RunTime now, Done done)>;
   /// Reads a method's parameters. A wrong one throws before anything is sent.
-  using Parse = std::function<Action(CallParams&)>;
+  using Parse = std::function<Action(base::rpc::CallParams&)>;
   /// Makes the result of an accepted request.
   using Answer = std::function<nlohmann::json(std::uint8_t system, const Outcome&)>;
 
@@ -66,7 +65,7 @@ class VehicleMethods {
   void add_state_methods();
   void add_gain_methods();
   void add_loop_method(const std::string& name, bool audited,
-                       std::function<GainValues(CallParams&)> values_of);
+                       std::function<GainValues(base::rpc::CallParams&)> values_of);
   void add_param_methods();
   void add_journal_method();
   /// Sticks come many times a second: only the first of a stretch leaves a line.

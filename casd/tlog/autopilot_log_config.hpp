@@ -17,6 +17,7 @@ struct AutopilotLogConfig {
   std::filesystem::path folder{};  ///< empty: that of the telemetry logs
   bool while_armed = false;        ///< of each vehicle while it is armed; false: while it is heard
   std::vector<std::uint8_t> systems{};  ///< of these vehicles alone; empty: of all
+  int max_files = 0;                    ///< in the folder; 0: any number
   TlogLimits limits{.free_space_min_bytes = TlogLimits::kFreeSpaceMin, .max_bytes = kMaxBytes};
 
   friend bool operator==(const AutopilotLogConfig&, const AutopilotLogConfig&) = default;

@@ -17,8 +17,6 @@
 #include <string_view>
 #include <utility>
 
-#include "casd/tlog/tlog_name.hpp"
-
 namespace cas::casd {
 namespace {
 
@@ -31,29 +29,22 @@ base::Descriptor open_folder(const std::filesystem::path& path) {
 
 std::string mib(std::uint64_t bytes) { return std::to_string(bytes / (1024 * 1024)) + " MiB"; }
 
-/// Calls visit(name, status) for each regular .tlog file of a folder.
+/// Calls visit(name, status) for each regular file of a folder with one of the extensions.
 template <class Visit>
-void for_each_tlog(const std::filesystem::path& path, Visit&& visit) {
+void for_each_recording(const std::filesystem::path& path, const TlogFolder::Extensions& extensions,
+                        Visit&& visit) {
   const std::unique_ptr<DIR, int (*)(DIR*)> folder(::opendir(path.c_str()), &::closedir);
   while (folder) {
     const dirent* entry = ::readdir(folder.get());
     if (entry == nullptr) break;
     struct stat status {};
     const std::string_view name(entry->d_name);
-    if (!name.ends_with(kTlogExtension)) continue;
+    const auto is_its = [name](std::string_view extension) { return name.ends_with(extension); };
+    if (std::none_of(extensions.begin(), extensions.end(), is_its)) continue;
     if (::fstatat(::dirfd(folder.get()), entry->d_name, &status, AT_SYMLINK_NOFOLLOW) != 0)
       continue;
     if (S_ISREG(status.st_mode)) visit(name, status);
   }
-}
-
-/// Bytes of the .tlog files of a folder.
-std::uint64_t recorded_bytes(const std::filesystem::path& path) {
-  std::uint64_t sum = 0;
-  for_each_tlog(path, [&](std::string_view, const struct stat& status) {
-    sum += static_cast<std::uint64_t>(status.st_size);
-  });
-  return sum;
 }
 
 /// Whether a program has the file open to record into it.
@@ -76,9 +67,8 @@ std::optional<std::string> lack_of_room(const TlogLimits& limits, const TlogSpac
   return std::nullopt;
 }
 
-TlogFolder::TlogFolder(std::filesystem::path path) : path_(std::move(path)) {
-  if (path_.empty()) path_ = ".";
-}
+TlogFolder::TlogFolder(std::filesystem::path path, Extensions extensions)
+    : path_(path.empty() ? "." : std::move(path)), extensions_(std::move(extensions)) {}
 
 base::Descriptor TlogFolder::make(const std::string& name) const {
   base::Descriptor folder = open_folder(path_);
@@ -117,8 +107,8 @@ std::vector<std::string> TlogFolder::remove_oldest(std::size_t keep,
                                                    const std::string& current) const {
   constexpr std::size_t kMostFiles = 100'000;  // that are looked at
   std::vector<std::string> files;
-  for_each_tlog(path_, [&](std::string_view name, const struct stat& status) {
-    const bool own = status.st_uid == ::geteuid() && is_dated_tlog(name);
+  for_each_recording(path_, extensions_, [&](std::string_view name, const struct stat& status) {
+    const bool own = status.st_uid == ::geteuid() && is_dated(name);
     if (own && files.size() < kMostFiles) files.emplace_back(name);
   });
   std::sort(files.begin(), files.end(), older_tlog);
@@ -141,7 +131,10 @@ TlogSpace TlogFolder::look(bool scan) const {
   const bool known = ::statvfs(path_.c_str(), &disk) == 0;
   space.free_bytes = known ? std::uint64_t{disk.f_bavail} * disk.f_frsize
                            : std::numeric_limits<std::uint64_t>::max();
-  if (scan) space.used_bytes = recorded_bytes(path_);
+  if (!scan) return space;
+  for_each_recording(path_, extensions_, [&](std::string_view, const struct stat& status) {
+    space.used_bytes += static_cast<std::uint64_t>(status.st_size);
+  });
   return space;
 }
 

@@ -6,9 +6,11 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/os/descriptor.hpp"
+#include "casd/tlog/tlog_name.hpp"
 
 namespace cas::casd {
 
@@ -37,9 +39,12 @@ std::optional<std::string> lack_of_room(const TlogLimits& limits, const TlogSpac
 /// replaced and no symlink followed. A file is locked (flock) while it is written.
 class TlogFolder {
  public:
-  TlogFolder() = default;
-  /// @param path  empty: the working folder
-  explicit TlogFolder(std::filesystem::path path);
+  using Extensions = std::vector<std::string_view>;
+
+  TlogFolder() : TlogFolder(std::filesystem::path()) {}
+  /// @param path        empty: the working folder
+  /// @param extensions  of its recordings: ".tlog"
+  explicit TlogFolder(std::filesystem::path path, Extensions extensions = {kTlogExtension});
 
   const std::filesystem::path& path() const { return path_; }
   /// Makes a file, and the folder if its parent exists. @return nothing with errno set, EEXIST if
@@ -50,15 +55,16 @@ class TlogFolder {
   bool takes_files() const;
   /// Removes a file or symlink of that name. @return false with errno set
   bool remove(const std::string& name) const;
-  /// Removes the oldest of casd's recordings (is_dated_tlog()) until `keep` of them are left: only
+  /// Removes the oldest of casd's recordings (is_dated()) until `keep` of them are left: only
   /// regular files of this user that no program writes. `current` stays. @return removed files
   std::vector<std::string> remove_oldest(std::size_t keep, const std::string& current) const;
   /// Free space (unlimited if the file system does not say), and with `scan` the space of all its
-  /// .tlog files.
+  /// recordings.
   TlogSpace look(bool scan) const;
 
  private:
-  std::filesystem::path path_ = ".";
+  std::filesystem::path path_;
+  Extensions extensions_;
 };
 
 /// Where recordings go unless the topology says so: the service's own folder for logs

@@ -17,7 +17,7 @@ constexpr std::string_view kDatePattern = "dddd-dd-ddTdd-dd-ddZ";
 
 /// "DATE-NAME.12.tlog" without its extension and number, and the number.
 std::pair<std::string_view, int> without_number(std::string_view file) {
-  file = bare_tlog_name(file);
+  file = file.substr(0, file.rfind('.'));
   const std::size_t dot = file.rfind('.');
   if (dot == file.npos) return {file, 0};
   int number = 0;
@@ -57,8 +57,8 @@ std::string dated_tlog_name(std::chrono::seconds unix_time, std::string_view nam
   return dated.append(name);
 }
 
-bool is_dated_tlog(std::string_view file) {
-  if (!file.ends_with(kTlogExtension) || file.size() < kDatePattern.size()) return false;
+bool is_dated(std::string_view file) {
+  if (file.size() <= kDatePattern.size()) return false;
   const auto matches = [](char c, char pattern) {
     return pattern == 'd' ? c >= '0' && c <= '9' : c == pattern;
   };

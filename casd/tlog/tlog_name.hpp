@@ -22,7 +22,7 @@ std::string_view bare_tlog_name(std::string_view name);
 std::string dated_tlog_name(std::chrono::seconds unix_time, std::string_view name);
 
 /// Whether a file's name is one that dated_tlog_name() begins: a recording of casd's.
-bool is_dated_tlog(std::string_view file);
+bool is_dated(std::string_view file);
 
 /// Whether one such file is older than another: by date, then by number.
 bool older_tlog(std::string_view file, std::string_view other);

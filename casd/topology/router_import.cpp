@@ -131,12 +131,16 @@ class Import {
       if (id != "0") autopilot += ", systems: [" + id + "]";
       if (telemetry) note(system->place, "LogSystemId: a .tlog has every system");
     }
-    log_ += "  autopilot: {" + autopilot + "}\n";
-    if (files == nullptr) return;
-    if (const std::uint64_t most = config_.number(files->text, *files, 1'000'000); most > 0) {
-      log_ += "  max_files: " + std::to_string(most) + "\n";
-      note(files->place, "MaxLogFiles: of .tlog files; casd deletes no log of an autopilot");
+    const std::uint64_t most =
+        files == nullptr ? 0 : config_.number(files->text, *files, 1'000'000);
+    if (most > 0) {
+      const std::string key = "max_files: " + std::to_string(most);
+      log_ += "  " + key + "\n";
+      autopilot += ", " + key;
+      if (telemetry)
+        note(files->place, "MaxLogFiles: so many .tlog and so many logs of autopilots");
     }
+    log_ += "  autopilot: {" + autopilot + "}\n";
   }
 
   void take_uart(RouterSection& section) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/os/thread.hpp"
+#include "base/rpc/local_port.hpp"
 #include "base/time/clock.hpp"
 #include "casd/packet/own_station.hpp"
 #include "casd/queue/line_timing.hpp"
@@ -41,7 +42,7 @@ enum class Pace : std::uint8_t {
 
 struct CommandPortConfig {
   std::string address = "127.0.0.1";
-  std::uint16_t port = 5790;
+  std::uint16_t port = base::rpc::kCommandPort;
   /// Nothing: casd.sock in the runtime folder, unless the port is 0. Empty: none.
   std::optional<std::filesystem::path> unix_path;
   std::string unix_group;            ///< whose members may connect to the Unix socket; empty: none

@@ -111,7 +111,10 @@ DatagramSender::Result DatagramSender::send(int fd, std::span<const PacketRef> p
       continue;
     }
     if (error == EINTR) continue;
-    if (concerns_earlier_packet(error) && !std::exchange(tried_again, true)) continue;
+    if (concerns_earlier_packet(error) && !std::exchange(tried_again, true)) {
+      ++result.refusals;
+      continue;
+    }
     if (concerns_peer_only(error)) {
       for (std::size_t i = 0; i < (as_run ? run : 1); ++i) refused_.push_back(result.packets++);
       tried_again = false;
@@ -209,6 +212,7 @@ int DatagramReader::read(int fd, base::RunTime now) {
   }
   used_ = 1;
   // A peer that is not there (yet) answers our packets with refusals: no trouble of the socket.
+  if (errno == ECONNREFUSED) ++refusals_;
   const bool transient = errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR ||
                          errno == ECONNREFUSED || errno == EHOSTUNREACH || errno == ENETUNREACH;
   return transient ? 0 : -1;

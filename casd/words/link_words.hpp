@@ -70,6 +70,7 @@ inline constexpr auto kLinkCounters = std::to_array<CounterWords>({
     {"tx", "bytes", "Bytes sent."},
     {"tx", "dropped", "Packets dropped before sending.", "DROPPED", CounterWords::Kind::kByCause,
      "DROP", 5},
+    {"tx", "refused", "Packets sent to a UDP destination that refused them: nobody listens there."},
     {"tx", "queued", "Packets that wait for the link.", "", CounterWords::Kind::kGauge},
     {"tx", "queue_high_water", "Most packets that ever waited.", "QUEUE",
      CounterWords::Kind::kGauge, "QMAX", 8},

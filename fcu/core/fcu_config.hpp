@@ -11,6 +11,7 @@
 #include "base/config/config.hpp"
 #include "base/config/vehicle.hpp"
 #include "base/earth/geodesy.hpp"
+#include "base/earth/magnetic_field.hpp"
 #include "fcu/line/line_model.hpp"
 
 namespace cas::fcu {
@@ -44,7 +45,7 @@ struct FcuConfig {
   StampMode stamp = StampMode::kMessage;
   ActuatorMessage actuators = ActuatorMessage::kAuto;
   double control_rate_hz = 400;
-  double decimal_year = 2026.5;  ///< for the magnetic field model
+  double decimal_year = base::kUsualYear;  ///< for the magnetic field model
   /// Origin of the local frame. nullopt: the first position fixes, averaged at rest.
   std::optional<base::Geodetic> home_hint;
   std::uint64_t seed = 1;                              ///< of the line model

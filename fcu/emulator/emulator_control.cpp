@@ -9,6 +9,7 @@
 #include "base/earth/frames.hpp"
 #include "base/enum_words.hpp"
 #include "base/os/write_file.hpp"
+#include "base/rpc/call_params.hpp"
 #include "base/rpc/server.hpp"
 
 namespace cas::fcu {
@@ -94,12 +95,10 @@ void set_line(EmulatorView& view, const Json& params, const Reply& reply) {
 }
 
 void hang_up(EmulatorView& view, const Json& params, const Reply& reply) {
-  constexpr double kLongest_ms = 3'600'000;
-  const bool good = params.is_object() && params.contains("ms") && params["ms"].is_number();
-  const double ms = good ? params["ms"].get<double>() : -1;
-  if (ms < 0 || ms > kLongest_ms) {
-    throw base::rpc::BadParams("ms must be a number from 0 to 3600000");
-  }
+  constexpr std::int64_t kLongest_ms = 3'600'000;
+  base::rpc::CallParams reader(params);
+  const double ms = reader.number("ms", 0, kLongest_ms);
+  reader.finish();
   view.hang_up(base::from_seconds(1e-3 * ms));
   reply.result({{"ms", ms}});
 }

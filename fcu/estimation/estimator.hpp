@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "base/earth/geodesy.hpp"
+#include "base/earth/magnetic_field.hpp"
 #include "base/time/clock.hpp"
 #include "fcu/estimation/alignment.hpp"
 #include "fcu/estimation/error_covariance.hpp"
@@ -65,7 +66,7 @@ struct FusionHealth {
 /// At rest (`set_at_rest`) zero velocity and zero rate are measurements too.
 class Estimator {
  public:
-  explicit Estimator(const EstimatorParams& params = {}, double decimal_year = 2026.5);
+  explicit Estimator(const EstimatorParams& params = {}, double decimal_year = base::kUsualYear);
 
   void set_params(const EstimatorParams& params) { params_ = params; }
   const EstimatorParams& params() const { return params_; }

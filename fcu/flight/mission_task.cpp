@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/angles.hpp"
+#include "base/earth/deg_e7.hpp"
 
 namespace cas::fcu {
 
@@ -90,8 +91,8 @@ Vector3d MissionTask::place(const MissionItem& item, const TaskContext& context)
   Vector3d p_N = mover_.target();
   if (!context.projection) return p_N;
   base::Geodetic there;
-  there.lat_deg = item.x * 1e-7;
-  there.lon_deg = item.y * 1e-7;
+  there.lat_deg = base::degrees_of_e7(item.x);
+  there.lon_deg = base::degrees_of_e7(item.y);
   there.alt_m = context.projection->home().alt_m;
   const bool here = item.x == 0 && item.y == 0;
   if (!here) p_N.head<2>() = context.projection->to_local(there).head<2>();

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/protocols/command_handler.hpp"
+#include "base/earth/deg_e7.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <limits>
 
+#include "base/earth/deg_e7.hpp"
 #include "fcu/protocols/flight_commands.hpp"
 #include "mavlink/common/autopilot_version.hpp"
 #include "mavlink/common/command_ack.hpp"
@@ -82,7 +84,7 @@ void CommandHandler::on_int(const CommandInt& m, mav::Source from, int version, 
   command.id = m.command;
   const float values[] = {m.param1, m.param2, m.param3, m.param4};
   for (std::size_t i = 0; i < 4; ++i) command.param[i] = static_cast<double>(values[i]);
-  const double unit = m.frame == MavFrame::kLocalNed ? 1e-4 : 1e-7;
+  const double unit = m.frame == MavFrame::kLocalNed ? 1e-4 : 1 / base::kDegE7;
   command.param[4] = m.x == kNoPlace ? kUnset : m.x * unit;
   command.param[5] = m.y == kNoPlace ? kUnset : m.y * unit;
   if (m.x == 0 && m.y == 0 && m.frame != MavFrame::kLocalNed) {

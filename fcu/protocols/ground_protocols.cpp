@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/earth/deg_e7.hpp"
 #include "base/earth/frames.hpp"
 #include "fcu/core/fcu_core.hpp"
 #include "fcu/protocols/wire_units.hpp"
@@ -103,8 +104,8 @@ void on_global_target(const SetPositionTargetGlobalInt& m,
                       const std::optional<base::LocalProjection>& projection, double home_z,
                       OffboardTask& offboard, RunTime now) {
   if (!projection) return;
-  const Vector3d there =
-      projection->to_local({m.lat_int * 1e-7, m.lon_int * 1e-7, projection->home().alt_m});
+  const Vector3d there = projection->to_local(
+      {base::degrees_of_e7(m.lat_int), base::degrees_of_e7(m.lon_int), projection->home().alt_m});
   const auto alt = static_cast<double>(m.alt);
   const bool relative = m.coordinate_frame == MavFrame::kGlobalRelativeAlt ||
                         m.coordinate_frame == MavFrame::kGlobalRelativeAltInt;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/protocols/hil_messages.hpp"
+#include "base/earth/deg_e7.hpp"
 
+#include "base/earth/deg_e7.hpp"
 #include "fcu/core/fcu_core.hpp"
 #include "fcu/protocols/wire_units.hpp"
 #include "mavlink/common/hil_actuator_controls.hpp"
@@ -124,7 +126,8 @@ void SensorInput::on_gps(const HilGps& m, RunTime now) {
                  ? SimTime(now - to_.start) - base::from_seconds(to_.estimator.params().gps_delay_s)
                  : base::from_time_usec(m.time_usec);
   fix.fix_type = m.fix_type;
-  fix.place = {m.lat * 1e-7, m.lon * 1e-7, m.alt * 1e-3};
+  constexpr double kStep_deg = 1 / base::kDegE7;
+  fix.place = {m.lat * kStep_deg, m.lon * kStep_deg, m.alt * 1e-3};
   fix.velocity_N = Vector3d(m.vn, m.ve, m.vd) * 0.01;
   if (fix.fix_type >= 3 && !is_new(m, fix, now)) return;
   to_.estimator.on_gps(fix);

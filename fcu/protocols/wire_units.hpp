@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "base/angles.hpp"
+#include "base/earth/deg_e7.hpp"
 
 namespace cas::fcu {
 
@@ -47,7 +48,9 @@ inline std::int16_t centi(double value) {
 inline std::int32_t milli(double value) { return to_whole<std::int32_t>(1000 * value); }
 
 /// 1e-7 degrees.
-inline std::int32_t deg_e7(double degrees) { return to_whole<std::int32_t>(1e7 * degrees); }
+inline std::int32_t deg_e7(double degrees) {
+  return to_whole<std::int32_t>(base::kDegE7 * degrees);
+}
 
 /// Hundredths of a degree from north, 0 to 35999; 0 for a non-finite angle.
 inline std::uint16_t heading_cdeg(double yaw_rad) {

@@ -202,8 +202,7 @@ void BoardActions::restart_by_hook() {
   hook(HookKind::kReset);
   bool comes = false;
   const bool gone = goes([&](BoardSession& session, const BoardFacts& facts) {
-    const std::optional<double> uptime_s = session.uptime_s();
-    if (uptime_s && *uptime_s < base::to_seconds(base::steady_now() - begin)) return true;
+    if (session.began().value_or(begin) > begin) return true;
     const bool stopped = comes && !facts.heard;
     comes = facts.heard;
     return stopped;

@@ -59,6 +59,12 @@ Json field_of(const Json& answer, const char* name) {
   return nullptr;
 }
 
+std::optional<double> uptime_of(const Json& system_time) {
+  const Json boot_ms = field_of(system_time, "time_boot_ms");
+  if (!boot_ms.is_number()) return std::nullopt;
+  return 1e-3 * boot_ms.get<double>();
+}
+
 }  // namespace
 
 struct BoardSession::Impl {
@@ -147,9 +153,15 @@ void BoardSession::ask_version() {
 
 std::optional<double> BoardSession::uptime_s() {
   if (impl_->system == 0) return std::nullopt;
-  const Json boot_ms = field_of(impl_->message("SYSTEM_TIME"), "time_boot_ms");
-  if (!boot_ms.is_number()) return std::nullopt;
-  return 1e-3 * boot_ms.get<double>();
+  return uptime_of(impl_->message("SYSTEM_TIME"));
+}
+
+std::optional<base::RunTime> BoardSession::began() {
+  if (impl_->system == 0) return std::nullopt;
+  const Json time = impl_->message("SYSTEM_TIME");
+  const std::optional<double> uptime_s = uptime_of(time);
+  if (!uptime_s) return std::nullopt;
+  return base::steady_now() - base::from_seconds(*uptime_s + time.value("age_s", 0.0));
 }
 
 void BoardSession::disarm() {

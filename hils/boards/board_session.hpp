@@ -33,6 +33,8 @@ class BoardSession {
   /// Time since the board began, s, as SYSTEM_TIME says; nullopt while none has come. The first
   /// call begins to look.
   std::optional<double> uptime_s();
+  /// When the board began, by the newest SYSTEM_TIME and when that came.
+  std::optional<base::RunTime> began();
   /// Has it disarm, in the air, too. @throws BoardError (kExitBoardFailed) when it refuses
   void disarm();
   /// Has the board restart. @throws BoardError (kExitBoardFailed) when it refuses or is silent

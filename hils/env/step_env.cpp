@@ -15,6 +15,7 @@
 #include "base/config/install_paths.hpp"
 #include "base/earth/frames.hpp"
 #include "base/earth/gravity.hpp"
+#include "base/earth/magnetic_field.hpp"
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
 #include "hils/env/inner_loops.hpp"
@@ -102,13 +103,14 @@ std::string simulation_text(const base::ConfigNode& setup, std::uint64_t seed) {
     return out;
   };
   std::string text = fmt::format(
-      "schema: 1\nworld:{}\nhome:{}\ndecimal_year: 2026.5\nstep_us: {}\npace: free_run\n"
+      "schema: 1\nworld:{}\nhome:{}\ndecimal_year: {}\nstep_us: {}\npace: free_run\n"
       "seed: {}\nvehicles:\n  - name: {}\n    vehicle: \"{}\"\n    pose:{}\n",
       indented(key("world",
                    fmt::format("{{gravity_m_s2: {}, ground: true}}", base::kStandardGravity_m_s2)),
                "  "),
       indented(key("home", "{lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}"), "  "),
-      setup.get("step_us", 1000), seed, kVehicle, base::find_config(setup.at("vehicle")).string(),
+      base::kUsualYear, setup.get("step_us", 1000), seed, kVehicle,
+      base::find_config(setup.at("vehicle")).string(),
       indented(key("pose", "{x_m: 0, y_m: 0, z_m: 0, yaw_deg: 0}"), "      "));
   if (const auto sensors = setup.find("sensors")) {
     text += "    sensors:" + indented(sensors->dump(), "      ") + "\n";

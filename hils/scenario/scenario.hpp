@@ -13,6 +13,7 @@
 
 #include "base/config/config.hpp"
 #include "base/earth/geodesy.hpp"
+#include "base/earth/magnetic_field.hpp"
 #include "base/enum_words.hpp"
 #include "base/time/clock.hpp"
 #include "hils/flight/bench_fault.hpp"
@@ -115,7 +116,7 @@ struct Scenario {
   std::vector<ScenarioVehicle> vehicles;  ///< key `vehicle` is a list of one
   ScenarioWorld world;
   std::optional<base::Geodetic> home;  ///< nullopt: that of the world
-  double decimal_year = 2026.5;
+  double decimal_year = base::kUsualYear;
   std::uint64_t seed = 1;
   Architecture architecture = Architecture::kTcas;
   int step_us = 1000;

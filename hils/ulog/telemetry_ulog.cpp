@@ -8,6 +8,7 @@
 #include <limits>
 #include <string_view>
 
+#include "base/earth/deg_e7.hpp"
 #include "base/earth/frames.hpp"
 #include "hils/ulog/ulog_topics.hpp"
 #include "mavlink/common/all.hpp"
@@ -110,7 +111,10 @@ void TelemetryUlog::on_estimate(base::SimTime time, const mav::PacketView& packe
   });
   with<GlobalPositionInt>(packet, [&](const GlobalPositionInt& m) {
     write(file_, Topic::kGlobalPosition,
-          UlogRecord(time).put(m.lat * 1e-7).put(m.lon * 1e-7).put_float(m.alt * 1e-3));
+          UlogRecord(time)
+              .put(base::degrees_of_e7(m.lat))
+              .put(base::degrees_of_e7(m.lon))
+              .put_float(m.alt * 1e-3));
   });
 }
 

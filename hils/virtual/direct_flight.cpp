@@ -17,6 +17,7 @@
 #include "base/earth/frames.hpp"
 #include "base/earth/geodesy.hpp"
 #include "base/earth/gravity.hpp"
+#include "base/earth/magnetic_field.hpp"
 #include "hils/programs/ground_station.hpp"
 #include "mavlink/common/command_int.hpp"
 #include "mavlink/common/command_long.hpp"
@@ -29,7 +30,6 @@ using namespace mavlink::common;  // NOLINT: the pilot's messages
 namespace {
 
 const base::Geodetic kHome{47.397742, 8.545594, 488.0};
-constexpr double kYear = 2026.5;
 constexpr const char* kVehicle = "iris0";
 constexpr float kNotGiven = std::numeric_limits<float>::quiet_NaN();
 
@@ -41,7 +41,7 @@ fcu::FcuConfig controller_config(const DirectFlightOptions& options) {
   fcu::FcuConfig config;
   config.vehicle = base::Vehicle::load(base::find_config(options.vehicle));
   config.sensors = sensor_set(options.sensors);
-  config.decimal_year = kYear;
+  config.decimal_year = base::kUsualYear;
   config.home_hint = kHome;  // so that its frame is that of the truth
   config.line = options.line;
   config.seed = options.seed;
@@ -64,8 +64,9 @@ sim::SimConfig simulator_config(const DirectFlightOptions& options) {
       "    sensors: {}\n"
       "    pose: {{x_m: 0, y_m: 0, z_m: 0, yaw_deg: {}}}\n"
       "    plugins:\n",
-      base::kStandardGravity_m_s2, kHome.lat_deg, kHome.lon_deg, kHome.alt_m, kYear, options.seed,
-      kVehicle, base::find_config(options.vehicle).string(), options.sensors, yaw_W_deg);
+      base::kStandardGravity_m_s2, kHome.lat_deg, kHome.lon_deg, kHome.alt_m, base::kUsualYear,
+      options.seed, kVehicle, base::find_config(options.vehicle).string(), options.sensors,
+      yaw_W_deg);
   for (const char* plugin : {"motor", "imu", "gps", "magnetometer", "barometer"}) {
     text += fmt::format("      - {{plugin: {}}}\n", plugin);
   }

@@ -8,6 +8,7 @@
 #include "base/earth/frames.hpp"
 #include "casd/packet/packet_info.hpp"
 #include "hils/virtual/flight_ledger.hpp"
+#include "libsim/hilsim/sim_report.hpp"
 #include "mavlink/common/table.hpp"
 
 namespace cas::hils {
@@ -88,16 +89,11 @@ base::RunTime VirtualSimulator::next_event() const {
 }
 
 std::string VirtualSimulator::stats_json() const {
-  using Json = nlohmann::json;
-  Json plugins = Json::object();
-  for (const sim::PluginFigures& figures : runner_.plugin_figures()) {
-    plugins[figures.name] = Json::parse(figures.json, nullptr, false);
-  }
-  const Json stats{{"schema", 1},
-                   {"program", "hilsim"},
-                   {"time_s", base::to_seconds(runner_.time())},
-                   {"steps", runner_.steps()},
-                   {"plugins", std::move(plugins)}};
+  const nlohmann::json stats{{"schema", 1},
+                             {"program", "hilsim"},
+                             {"time_s", base::to_seconds(runner_.time())},
+                             {"steps", runner_.steps()},
+                             {"plugins", sim::plugin_figures(runner_)}};
   return stats.dump(2) + "\n";
 }
 

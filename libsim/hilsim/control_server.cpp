@@ -10,6 +10,8 @@
 #include <exception>
 #include <functional>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -18,6 +20,7 @@
 #include "base/os/mutex.hpp"
 #include "base/os/thread.hpp"
 #include "base/rpc/base64.hpp"
+#include "base/rpc/call_params.hpp"
 #include "base/rpc/io_thread.hpp"
 #include "base/rpc/server.hpp"
 #include "base/time/unix_time.hpp"
@@ -34,10 +37,11 @@ namespace cas::sim {
 namespace {
 
 namespace asio = boost::asio;
+using base::rpc::CallParams;
 using base::rpc::Json;
 using base::rpc::Reply;
 
-constexpr double kLongestTime = 1e9;  // s
+constexpr std::int64_t kLongest = 1'000'000'000;  // seconds, steps, bytes
 constexpr auto kPacePeriod = std::chrono::seconds(5);
 /// Between two samples of the motion, a little less than 1/60 s: a client that asks 60 times a
 /// second gets 60.
@@ -53,12 +57,6 @@ std::string status_line(const LoopFigures& f) {
                 base::to_seconds(f.time), f.paused ? "paused" : "running", f.real_time_factor,
                 static_cast<unsigned long long>(f.late_steps));
   return line;
-}
-
-/// A named parameter, or nothing when it is missing or of another kind.
-std::optional<double> number_of(const Json& params, const char* key) {
-  if (!params.is_object() || !params.contains(key) || !params[key].is_number()) return std::nullopt;
-  return params[key].get<double>();
 }
 
 }  // namespace
@@ -128,34 +126,29 @@ struct ControlServer::Impl {
     server.add_method("sim.stats", [this](const Json&, Reply reply) {
       loop.post([this, reply = std::move(reply)] { answer(reply, stats_report(loop)); });
     });
-    server.add_method("sim.step", [this](const Json& params, Reply reply) {
-      const double n = params.is_object() && !params.contains("n")
-                           ? 1.0
-                           : number_of(params, "n").value_or(params.is_null() ? 1.0 : -1.0);
-      if (!(n >= 1 && n <= kLongestTime)) {
-        throw base::rpc::BadParams("n is a number of steps from 1");
-      }
+    server.add_method("sim.step", [this](const Json& params, const Reply& reply) {
+      CallParams reader(params);
+      const std::int64_t n = reader.optional_integer("n", 1, kLongest).value_or(1);
+      reader.finish();
       carry(reply, [this, n, params, client = reply.client](std::function<void()> done) {
         note(client, "sim.step", params);
         loop.step(static_cast<std::uint64_t>(n), std::move(done));
       });
     });
-    server.add_method("sim.phase", [this](const Json& params, Reply reply) {
-      if (!params.is_object() || !params.contains("name") || !params["name"].is_string()) {
-        throw base::rpc::BadParams("name is the name of a phase");
-      }
-      carry(std::move(reply),
-            [this, name = params["name"].get<std::string>()](const std::function<void()>& done) {
-              loop.set_flight_phase(name);
-              done();
-            });
+    server.add_method("sim.phase", [this](const Json& params, const Reply& reply) {
+      CallParams reader(params);
+      const std::string name = reader.text("name");
+      reader.finish();
+      carry(reply, [this, name](const std::function<void()>& done) {
+        loop.set_flight_phase(name);
+        done();
+      });
     });
-    server.add_method("sim.run_until", [this](const Json& params, Reply reply) {
-      const auto time_s = number_of(params, "time_s");
-      if (!time_s || !(*time_s >= 0 && *time_s <= kLongestTime)) {
-        throw base::rpc::BadParams("time_s is a time in seconds");
-      }
-      carry(reply, [this, t = *time_s, params, client = reply.client](std::function<void()> done) {
+    server.add_method("sim.run_until", [this](const Json& params, const Reply& reply) {
+      CallParams reader(params);
+      const double t = reader.number("time_s", 0, kLongest);
+      reader.finish();
+      carry(reply, [this, t, params, client = reply.client](std::function<void()> done) {
         note(client, "sim.run_until", params);
         loop.run_until(base::SimTime(base::from_seconds(t)), std::move(done));
       });
@@ -164,22 +157,21 @@ struct ControlServer::Impl {
 
   void add_fault_method() {
     server.add_method("sim.fault", [this](const Json& params, const Reply& reply) {
-      if (!params.is_object() || !params.contains("vehicle") || !params.contains("fault") ||
-          !params["fault"].is_object()) {
-        throw base::rpc::BadParams("wants a vehicle's name and a fault, a map");
-      }
-      const std::string vehicle = params["vehicle"].get<std::string>();
-      loop.post([this, params, vehicle, reply] {
-        std::string refusal;
+      CallParams reader(params);
+      const std::string vehicle = reader.text("vehicle");
+      const Json fault = reader.object("fault");
+      reader.finish();
+      loop.post([this, params, vehicle, fault, reply] {
+        std::optional<std::string> refusal;
         try {
-          faults.order(vehicle, params.at("fault"));
+          faults.order(vehicle, fault);
           note(reply.client, "sim.fault", params);
         } catch (const base::ConfigError& error) {
           refusal = error.what();
         }
         asio::post(io.context(), [reply, refusal] {
-          if (refusal.empty()) return reply.result(true);
-          reply.error(base::rpc::kRefused, refusal, nullptr);
+          if (!refusal) return reply.result(true);
+          reply.error(base::rpc::kRefused, *refusal, nullptr);
         });
       });
     });
@@ -191,11 +183,11 @@ struct ControlServer::Impl {
       with_scene(reply, [reply](const Scene& now) { reply.result(now.json()); });
     });
     server.add_method("sim.mesh", [this](const Json& params, const Reply& reply) {
-      if (!params.is_object() || !params.contains("hash")) {
-        throw base::rpc::BadParams("hash is missing");
-      }
-      const std::string hash = params["hash"].get<std::string>();
-      const std::size_t offset = params.value("offset", std::size_t{0});
+      CallParams reader(params);
+      const std::string hash = reader.text("hash");
+      const auto offset =
+          static_cast<std::size_t>(reader.optional_integer("offset", 0, kLongest).value_or(0));
+      reader.finish();
       with_scene(reply, [reply, hash, offset](const Scene& now) {
         const std::string* bytes = now.mesh(hash);
         if (bytes == nullptr || offset > bytes->size()) {

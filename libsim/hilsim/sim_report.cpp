@@ -53,6 +53,8 @@ Json vehicle_status(const std::string& name, const World& world, VehicleId id) {
           {"in_contact", world.in_contact(id)}};
 }
 
+}  // namespace
+
 Json plugin_figures(const SimRunner& runner) {
   Json plugins = Json::object();
   for (const PluginFigures& figures : runner.plugin_figures()) {
@@ -61,8 +63,6 @@ Json plugin_figures(const SimRunner& runner) {
   }
   return plugins;
 }
-
-}  // namespace
 
 Json status_report(const SimLoop& loop) {
   const SimRunner& runner = loop.runner();

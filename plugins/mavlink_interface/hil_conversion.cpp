@@ -10,6 +10,7 @@
 
 #include "base/angles.hpp"
 #include "base/earth/atmosphere.hpp"
+#include "base/earth/deg_e7.hpp"
 #include "base/earth/frames.hpp"
 #include "base/earth/gravity.hpp"
 #include "mavlink_gen/services/station_heartbeat.hpp"
@@ -148,8 +149,8 @@ mv::HilGps to_hil_gps(const GpsSample& sample) {
   packet.epv = to_known16(sample.epv_m * 100.0);
   packet.vel = packet.cog = kUnknown16;
   if (!has_fix) return packet;
-  packet.lat = to_wire<std::int32_t>(sample.position.lat_deg * 1e7);
-  packet.lon = to_wire<std::int32_t>(sample.position.lon_deg * 1e7);
+  packet.lat = to_wire<std::int32_t>(sample.position.lat_deg * base::kDegE7);
+  packet.lon = to_wire<std::int32_t>(sample.position.lon_deg * base::kDegE7);
   packet.alt = to_wire<std::int32_t>(sample.position.alt_m * 1e3);
   packet.vn = to_wire<std::int16_t>(sample.velocity_N.x() * 100.0);
   packet.ve = to_wire<std::int16_t>(sample.velocity_N.y() * 100.0);
@@ -210,8 +211,8 @@ mv::HilStateQuaternion to_hil_state(base::SimTime time, const BodyState& body,
   packet.pitchspeed = to_float(w_D.y());
   packet.yawspeed = to_float(w_D.z());
   const base::Geodetic place = projection.to_geodetic(base::swap_WN(body.p_WB));
-  packet.lat = to_wire<std::int32_t>(place.lat_deg * 1e7);
-  packet.lon = to_wire<std::int32_t>(place.lon_deg * 1e7);
+  packet.lat = to_wire<std::int32_t>(place.lat_deg * base::kDegE7);
+  packet.lon = to_wire<std::int32_t>(place.lon_deg * base::kDegE7);
   packet.alt = to_wire<std::int32_t>(place.alt_m * 1e3);
   const Eigen::Vector3d v_N = base::swap_WN(body.v_WB);
   packet.vx = to_wire<std::int16_t>(v_N.x() * 100.0);

@@ -46,18 +46,31 @@ Journal = TypedDict("Journal", {
 CasdReloadResult = TypedDict("CasdReloadResult", {
     "reloaded": bool,
 })
+AutopilotLog = TypedDict("AutopilotLog", {
+    "bytes": NotRequired[int],
+    "file": NotRequired[str],
+    "trouble": NotRequired[str],
+    "vehicle": int,  # system id
+    "wanted": bool,  # the vehicle is asked for it
+})
+AutopilotLogs = TypedDict("AutopilotLogs", {
+    "folder": str,
+    "paused": NotRequired[str],  # why nothing is written
+    "paused_s": NotRequired[float],
+    "vehicles": List[AutopilotLog],
+})
 Counts = Dict[str, int]
 LinkReceived = TypedDict("LinkReceived", {
-    "bytes": int,
-    "crc_errors": int,
-    "foreign": int,
-    "kernel_drops": int,
-    "lost": int,  # gaps in sequence numbers
-    "not_accepted": int,
-    "packets": int,
+    "bytes": int,  # Bytes received.
+    "crc_errors": int,  # Packets with a wrong checksum.
+    "foreign": int,  # Datagrams from somebody else than the peer.
+    "kernel_drops": int,  # Datagrams that the socket's buffer lost.
+    "lost": int,  # Gaps in the sequence numbers of senders.
+    "not_accepted": int,  # Packets that the link's accept leaves out.
+    "packets": int,  # Packets received.
     "signatures": NotRequired[Counts],
-    "skipped_bytes": int,
-    "unknown": int,
+    "skipped_bytes": int,  # Bytes that were part of no packet.
+    "unknown": int,  # Packets whose message no public dialect has.
     "verdicts": Counts,
 })
 FutureSignature = TypedDict("FutureSignature", {
@@ -80,27 +93,28 @@ Quantiles = TypedDict("Quantiles", {
     "p99": float,  # us
 })
 LinkSent = TypedDict("LinkSent", {
-    "bytes": int,
-    "dropped": Counts,
+    "bytes": int,  # Bytes sent.
+    "dropped": Counts,  # Packets dropped before sending.
     "forwarding_us": Quantiles,
-    "packets": int,
-    "queue_high_water": int,
-    "queued": int,
-    "write_calls": int,
+    "packets": int,  # Packets sent.
+    "queue_high_water": int,  # Most packets that ever waited.
+    "queued": int,  # Packets that wait for the link.
+    "refused": int,  # Packets sent to a UDP destination that refused them: nobody listens there.
+    "write_calls": int,  # System calls that sent.
 })
 Link = TypedDict("Link", {
     "added": NotRequired[bool],  # true where it was added at run time
     "baud": NotRequired[int],
     "endpoint": str,  # bound address or device, or why it is down
     "name": str,
-    "reconnects": int,
+    "reconnects": int,  # How often the link came back.
     "remote": NotRequired[str],  # where a udp link sends, as the topology has it
     "rx": LinkReceived,
     "signing": NotRequired[LinkSigning],
     "state": str,  # up, down, opening
     "tx": LinkSent,
     "type": str,  # udp, udp_server, serial, tcp, tcp_server, tlog
-    "uncounted": int,
+    "uncounted": int,  # Packets that casd_messages_total had no room for.
 })
 Recording = TypedDict("Recording", {
     "active": bool,
@@ -144,6 +158,7 @@ Vehicle = TypedDict("Vehicle", {
 })
 DaemonStatus = TypedDict("DaemonStatus", {
     "allow_not_hil": bool,  # as in the topology
+    "autopilot_logs": NotRequired[AutopilotLogs],  # left out: none are taken
     "clients": int,
     "links": List[Link],
     "name": NotRequired[str],

@@ -55,6 +55,14 @@ class CasdAutopilotLog : public testing::Test {
     for (const auto& entry : fs::directory_iterator(folder / "rec")) all.push_back(entry.path());
     return all;
   }
+  std::string casctl(std::vector<std::string> arguments) const {
+    const std::size_t begin = status.find("command_port ") + 13;
+    arguments.insert(arguments.begin(), {binary_dir() + "/bin/casctl", "--address",
+                                         status.substr(begin, status.find(' ', begin) - begin)});
+    ChildProcess client(std::move(arguments));
+    client.wait_exit();
+    return client.output();
+  }
   void end() {
     casd->signal(SIGTERM);
     ASSERT_EQ(casd->wait_exit(), 0) << casd->output();
@@ -218,6 +226,38 @@ TEST_F(CasdAutopilotLog, PausesAtALimitAndSaysSo) {
             std::string::npos)
       << casd->output();
   EXPECT_TRUE(wait_until([&] { return files().empty(); }));
+  for (const char* verb : {"status", "doctor"}) {
+    std::vector<std::string> arguments{verb};
+    if (arguments[0] == "doctor") arguments.insert(arguments.end(), {"--seconds", "0.1"});
+    const std::string said = casctl(arguments);
+    EXPECT_NE(said.find("less than 100000000 MiB would stay free"), std::string::npos) << said;
+  }
+}
+
+TEST_F(CasdAutopilotLog, StatusTellsOfEachVehiclesLogAndTheOldestFilesGo) {
+  folder.write("rec/2026-01-01T00-00-00Z-v1.ulg", "x");
+  folder.write("rec/2026-01-02T00-00-00Z-v7.bin", "x");
+  folder.write("rec/mine.ulg", "x");
+  start(", free_space_min_mib: 0, max_files: 2");
+  EXPECT_NE(casctl({"status"}).find("/rec: no vehicle yet"), std::string::npos);
+  UdpAutopilot px4(MavAutopilot::kPx4);
+  px4.socket.set_remote(port);
+  px4.answers = false;
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts >= 1; }));
+  EXPECT_NE(casctl({"status"}).find("vehicle 1: asked, no data yet"), std::string::npos);
+  px4.answers = true;
+  px4.piece<LoggingDataAcked>(0, beginning());
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.acks.size() == 1; }));
+  const std::string bytes = "-v1.ulg, " + std::to_string(beginning().size()) + " bytes";
+  std::string said;
+  EXPECT_TRUE(speaks_until(px4, [&] {
+    said = casctl({"status"});
+    return said.find(bytes) != std::string::npos;
+  })) << said;
+  EXPECT_TRUE(fs::exists(folder / "rec/mine.ulg"));
+  EXPECT_FALSE(fs::exists(folder / "rec/2026-01-01T00-00-00Z-v1.ulg"));
+  EXPECT_TRUE(fs::exists(folder / "rec/2026-01-02T00-00-00Z-v7.bin"));
+  end();
 }
 
 TEST_F(CasdAutopilotLog, PausesBeforeAllLogsTakeMoreThanTheyMay) {

@@ -97,5 +97,21 @@ INSTANTIATE_TEST_SUITE_P(Threads, CasdForwarding,
                          testing::Values("auto", "per_link", "single", "blocking"),
                          [](const auto& test) { return std::string(test.param); });
 
+TEST(CasdUdp, CountsWhatItsDestinationRefuses) {
+  std::uint16_t port = 0;
+  { port = UdpPeer().port(); }  // nobody is there any more
+  CasdFixture fixture;
+  std::string yaml = std::string(kHilTopology) + "  - {from: sim, to: gcs}\n";
+  fixture.start(yaml.insert(
+      yaml.find("routes:"),
+      "  - {name: gcs, type: udp, remote: \"127.0.0.1:" + std::to_string(port) + "\"}\n"));
+  std::uint64_t sent = 0;
+  EXPECT_TRUE(fixture.collect_until([&] {  // one at a time
+    fixture.sim.send(fixture.from_sim(hil_sensor(++sent)));
+    return fixture.status("gcs").tx.refused >= 3;
+  }));
+  EXPECT_LE(fixture.status("gcs").tx.refused, sent);
+}
+
 }  // namespace
 }  // namespace cas::test

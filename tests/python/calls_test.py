@@ -165,12 +165,12 @@ class DescriptionTest(FolderTest):
             if not method["name"].startswith("sim.") or method["name"] in ("sim.quit", "sim.reset", "sim.resume"):
                 continue
             if method["name"] == "sim.mesh":  # this vehicle's scene has none
-                for params, words in (({}, "hash is missing"), ({"hash": "none"}, "no such mesh")):
+                for params, words in (({}, '"hash" is missing'), ({"hash": "none"}, "no such mesh")):
                     with self.assertRaisesRegex(cas.WrongCall, words):
                         sim.client.call("sim.mesh", params)
                 continue
             if method["name"] == "sim.fault":  # this vehicle takes no orders
-                for params, words in (({}, "a vehicle's name and a fault"),
+                for params, words in (({}, '"vehicle" is missing'),
                                       ({"vehicle": "none", "fault": {}}, "none")):
                     with self.assertRaisesRegex(cas.CallError, words):
                         sim.client.call("sim.fault", params)

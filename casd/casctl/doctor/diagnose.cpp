@@ -37,6 +37,22 @@ void check_recording(const DoctorFacts& facts, Findings& all) {
   }
 }
 
+void check_autopilot_logs(const DoctorFacts& facts, Findings& all) {
+  const auto logs = facts.after.find("autopilot_logs");
+  if (logs == facts.after.end()) return;
+  if (logs->contains("paused")) {
+    return bad(all, "the logs of autopilots pause: " + logs->value("paused", "?"),
+               "make room in " + logs->value("folder", "?") +
+                   ", or set free_space_min_mib and max_mib of `log.autopilot` in the topology; "
+                   "they go on by themselves");
+  }
+  for (const json& log : logs->value("vehicles", json::array())) {
+    if (!log.contains("trouble")) continue;
+    warn(all, "vehicle " + log.at("vehicle").dump() + " " + log.value("trouble", "?"),
+         "see its parameters for logs (PX4: SDLOG_BACKEND; ArduPilot: LOG_BACKEND_TYPE)");
+  }
+}
+
 }  // namespace
 
 Findings diagnose(const DoctorFacts& facts) {
@@ -53,6 +69,7 @@ Findings diagnose(const DoctorFacts& facts) {
   check_readiness(facts, all);
   check_ground_stations(facts, all);
   check_recording(facts, all);
+  check_autopilot_logs(facts, all);
   check_machine(facts, all);
   return all;
 }

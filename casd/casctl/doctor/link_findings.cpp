@@ -60,7 +60,8 @@ void check_own_drops(const DoctorFacts& facts, const json& link, Findings& own) 
 
 /// A UDP destination that refuses packets: no program is at its port, or no way leads there.
 void check_refusals(const DoctorFacts& facts, const json& link, Findings& own) {
-  const double refused = drop_growth(facts, link, std::string(to_string(casd::DropCause::kClosed)));
+  const double refused = growth(facts, link, casd::counter_words("tx", "refused")) +
+                         drop_growth(facts, link, std::string(to_string(casd::DropCause::kClosed)));
   if (link.value("type", "") != "udp" || !link.contains("remote") || refused <= 0) return;
   warn(own,
        "link " + link.value("name", "?") + ": nobody listens at " + link.value("remote", "?") +

@@ -106,6 +106,27 @@ std::string recording_text(const json& recording) {
          " has " + count(recording, "recorded") + " packets" + missing;
 }
 
+/// "logs of autopilots in FOLDER PAUSED for 3 s: ...", then a line for each vehicle.
+std::string autopilot_logs_text(const json& logs) {
+  std::string text = "logs of autopilots in " + logs.value("folder", "?");
+  if (logs.contains("paused")) {
+    text += " PAUSED for " + duration_text(logs.value("paused_s", 0.0)) + ": " +
+            logs.value("paused", "?");
+  }
+  const json vehicles = logs.value("vehicles", json::array());
+  if (vehicles.empty()) text += ": no vehicle yet";
+  for (const json& log : vehicles) {
+    text += "\n  vehicle " + count(log, "vehicle") + ": ";
+    text += log.contains("file")
+                ? std::filesystem::path(log.value("file", "?")).filename().string() + ", " +
+                      count(log, "bytes") + " bytes"
+            : log.value("wanted", false) ? "asked, no data yet"
+                                         : "not wanted now";
+    if (log.contains("trouble")) text += "; it " + log.value("trouble", "?");
+  }
+  return text;
+}
+
 void print_status(const json& status) {
   std::cout << "casd " << status.value("version", "?") << ", up "
             << duration_text(status.value("uptime_s", 0.0)) << ", threads "
@@ -118,6 +139,9 @@ void print_status(const json& status) {
   print_future(status.value("links", json::array()));
   const std::string recording = recording_text(status.value("recording", json::object()));
   if (!recording.empty()) std::cout << '\n' << recording << '\n';
+  if (const auto logs = status.find("autopilot_logs"); logs != status.end()) {
+    std::cout << '\n' << autopilot_logs_text(*logs) << '\n';
+  }
 }
 
 std::string joined(const json& list) {

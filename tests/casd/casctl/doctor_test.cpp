@@ -95,7 +95,8 @@ TEST(Doctor, SaysThatNobodyListensAtAUdpDestination) {
     (*status)["links"][0]["remote"] = "127.0.0.1:14550";
   }
   EXPECT_EQ(complaints(facts), "");
-  facts.after["links"][0]["tx"]["dropped"]["closed"] = 97;
+  facts.after["links"][0]["tx"]["dropped"]["closed"] = 90;
+  facts.after["links"][0]["tx"]["refused"] = 7;
   EXPECT_NE(complaints(facts).find(
                 "nobody listens at 127.0.0.1:14550 or it cannot be reached, 97 packets"),
             std::string::npos)
@@ -382,6 +383,23 @@ INSTANTIATE_TEST_SUITE_P(
                 "the recording pauses: No space left on device; 120 packets are missing"},
         BadCase{"RecordingWithGaps", [](DoctorFacts& f) { f.after["recording"]["left_out"] = 7; },
                 "the recording has gaps: 7 packets"},
+        BadCase{"LogsOfAutopilotsPause",
+                [](DoctorFacts& f) {
+                  f.after["autopilot_logs"] = {{"folder", "/var/log/cas"},
+                                               {"paused", "No space left on device"},
+                                               {"vehicles", nlohmann::json::array()}};
+                },
+                "the logs of autopilots pause: No space left on device"},
+        BadCase{"AnAutopilotRefusesItsLog",
+                [](DoctorFacts& f) {
+                  f.after["autopilot_logs"] = {
+                      {"folder", "/var/log/cas"},
+                      {"vehicles",
+                       {{{"vehicle", 1},
+                         {"wanted", true},
+                         {"trouble", "does not send its log: it does not support this command"}}}}};
+                },
+                "vehicle 1 does not send its log: it does not support this command"},
         BadCase{"Powersave", [](DoctorFacts& f) { f.governors = {"powersave"}; }, "powersave"},
         BadCase{"ClockStep", [](DoctorFacts& f) { f.clock_step_s = -0.2; },
                 "wall clock moved by -200.0 ms"},

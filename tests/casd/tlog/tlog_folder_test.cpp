@@ -98,12 +98,29 @@ TEST_F(OldRecordings, GoWhenARecordingBeginsAndWhenItContinues) {
 }
 
 TEST(DatedTlog, IsAFileThatCasdNamed) {
-  EXPECT_TRUE(is_dated_tlog(tlog_file_name(dated_tlog_name({}, "x"), 3)));
-  EXPECT_TRUE(is_dated_tlog(tlog_file_name(dated_tlog_name({}, ""), 0)));
-  for (const char* other : {"", ".tlog", "x.tlog", "2026-11-20T10-00-00Z",
-                            "2026-11-20T10-00-00.tlog", "2026-11-20T10-00-00Z-a.tlog.gz"}) {
-    EXPECT_FALSE(is_dated_tlog(other)) << other;
+  EXPECT_TRUE(is_dated(tlog_file_name(dated_tlog_name({}, "x"), 3)));
+  EXPECT_TRUE(is_dated(tlog_file_name(dated_tlog_name({}, ""), 0)));
+  for (const char* other :
+       {"", ".tlog", "x.tlog", "2026-11-20T10-00-00Z", "2026-11-20T10-00-00.tlog"}) {
+    EXPECT_FALSE(is_dated(other)) << other;
   }
+}
+
+TEST(TlogFolder, RemovesTheOldestOfItsOwnKindAlone) {
+  const cas::test::TemporaryFolder place;
+  for (const char* name :
+       {"2026-11-20T10-00-00Z-v1.ulg", "2026-11-20T10-00-00Z-v1.1.ulg",
+        "2026-11-21T10-00-00Z-v2.bin", "2026-11-22T10-00-00Z-v1.ulg", "2026-11-19T10-00-00Z-a.tlog",
+        "2026-11-19T10-00-00Z-v1.ulg.gz", "old.ulg"}) {
+    place.write(name, "x");
+  }
+  const TlogFolder folder(place.path(), {".ulg", ".bin"});
+  EXPECT_EQ(folder.look(true).used_bytes, 5U);
+  EXPECT_EQ(
+      folder.remove_oldest(2, "2026-11-22T10-00-00Z-v1.ulg"),
+      (std::vector<std::string>{"2026-11-20T10-00-00Z-v1.ulg", "2026-11-20T10-00-00Z-v1.1.ulg"}));
+  EXPECT_TRUE(fs::exists(place / "2026-11-19T10-00-00Z-a.tlog"));
+  EXPECT_TRUE(fs::exists(place / "old.ulg"));
 }
 
 TEST(TlogFolder, SaysWhetherItTakesFilesToSeveralThreadsAtOnce) {

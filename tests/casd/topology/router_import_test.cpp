@@ -105,6 +105,8 @@ TEST(RouterImport, KeepsEndpointsAndFilters) {
   EXPECT_EQ(topology.log.limits.free_space_min_bytes, 1U << 30U);
   EXPECT_EQ(topology.log.max_files, 20);
   ASSERT_TRUE(topology.log.autopilot);
+  EXPECT_EQ(topology.log.autopilot->max_files, 20);
+  ASSERT_TRUE(topology.log.autopilot);
   EXPECT_TRUE(topology.log.autopilot->while_armed);
   EXPECT_EQ(topology.log.autopilot->limits.free_space_min_bytes, 1U << 30U);
 }
