@@ -58,20 +58,23 @@ void add_log_method(base::rpc::Server& server, const std::string& name, const Da
                                 const auto& refusal) {
     if (refusal) audit(client, method, params, refusal);
   };
-  add_change(
-      server, name, audit_refusal, [name, hooks, body](CallParams& reader, const Reply& reply) {
-        body(reader,
-             [name, hooks, reply](const std::optional<std::string>& fault, const TlogStatus&) {
-               hooks.post([name, hooks, reply, fault] {
-                 if (fault) {
-                   reply.error(base::rpc::kRefused, *fault, nullptr);
-                 } else {
-                   reply.result(log_status(hooks.recorder));
-                 }
-                 audit(reply.client, name, {}, fault);
+  add_change(server, name, audit_refusal,
+             [name, hooks, body](CallParams& reader, const Reply& reply) {
+               const TlogStatus before = hooks.recorder.status(base::steady_now());
+               body(reader, [name, hooks, reply, before](const std::optional<std::string>& fault,
+                                                         const TlogStatus&) {
+                 hooks.post([name, hooks, reply, before, fault] {
+                   if (fault) {
+                     reply.error(base::rpc::kRefused, *fault, nullptr);
+                   } else {
+                     json status = log_status(hooks.recorder);
+                     if (before.active) status["ended"] = before.file.string();
+                     reply.result(status);
+                   }
+                   audit(reply.client, name, {}, fault);
+                 });
                });
              });
-      });
 }
 
 }  // namespace

@@ -233,6 +233,8 @@ json FigureMethods::links() const {
       if (config->type == LinkType::kUdp && !config->remote.empty()) {
         entry["remote"] = config->remote;
       }
+      if (config->sniffer) entry["sniffer"] = true;
+      if (!config->group.empty()) entry["group"] = config->group;
       if (config->signing) {
         entry["rx"]["signatures"] = signatures_json(link);
         entry["signing"] = signing_json(link, source_.now(), signing_clock());

@@ -106,11 +106,13 @@ Link = TypedDict("Link", {
     "added": NotRequired[bool],  # true where it was added at run time
     "baud": NotRequired[int],
     "endpoint": str,  # bound address or device, or why it is down
+    "group": NotRequired[str],  # of redundant paths
     "name": str,
     "reconnects": int,  # How often the link came back.
     "remote": NotRequired[str],  # where a udp link sends, as the topology has it
     "rx": LinkReceived,
     "signing": NotRequired[LinkSigning],
+    "sniffer": NotRequired[bool],  # gets every packet
     "state": str,  # up, down, opening
     "tx": LinkSent,
     "type": str,  # udp, udp_server, serial, tcp, tcp_server, tlog
@@ -268,6 +270,7 @@ LogStatus = TypedDict("LogStatus", {
     "active": bool,
     "awaits_arming": bool,
     "bytes": int,
+    "ended": NotRequired[str],  # file of the recording that the call has ended
     "file": str,
     "folder": str,
     "left_out": int,  # packets

@@ -233,6 +233,17 @@ TEST_F(CasdRecording, PausesWhileFilesMayNotGrowAndGoesOnByItself) {
   EXPECT_NE(stopped.find("; the disk did not take "), std::string::npos) << stopped;
 }
 
+TEST_F(CasdRecording, SaysWhichRecordingACallHasEnded) {
+  start("keep: 0");
+  EXPECT_NE(casctl({"log", "stop"}).find("no recording ran"), std::string::npos);
+  EXPECT_EQ(casctl({"log", "start", "a"}).find("ended"), std::string::npos);
+  const std::string file = call("log.status").at("file");
+  EXPECT_NE(casctl({"log", "start", "b"}).find("; ended the recording into " + file),
+            std::string::npos);
+  EXPECT_TRUE(call("log.stop").contains("ended"));
+  EXPECT_FALSE(call("log.stop").contains("ended"));
+}
+
 TEST_F(CasdRecording, GoesOnWhenAFullDiskHasRoomAgain) {
   // A disk of its own, which only casd sees; this test looks at it through casd's root.
   const std::string mount =

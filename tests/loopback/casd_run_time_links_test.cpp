@@ -348,7 +348,13 @@ TEST_F(RunTimeLinks, CasctlAddsAndRemovesThem) {
   UdpPeer station;
   EXPECT_NE(casctl({"link", "add", "udp:" + station.endpoint()}).find("link udp added, up"),
             std::string::npos);
-  EXPECT_NE(casctl({"links"}).find("link udp was added at run time"), std::string::npos);
+  EXPECT_NE(
+      casctl({"links"}).find("added at run time, ended by a reload of a topology without it: udp"),
+      std::string::npos);
+  casctl({"link", "add", "{name: tap, type: udp_server, local: 127.0.0.1:0, sniffer: true}"});
+  EXPECT_NE(casctl({"links"}).find("sniffer, gets every packet and takes in nothing: tap"),
+            std::string::npos);
+  casctl({"link", "remove", "tap"});
   const std::string entry = "{name: lan, type: udp_server, local: 127.0.0.1:0, max_peers: 3}";
   const std::string added = casctl({"link", "add", entry, "--accept", "everything", "--routes",
                                     "[{from: fcu, to: lan, block: [HIL_SENSOR, 300]}]"});

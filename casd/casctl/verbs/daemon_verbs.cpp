@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <thread>
 
@@ -23,6 +24,24 @@ std::string count(const json& object, const char* key) {
   return found == object.end() || !found->is_number() ? "-" : found->dump();
 }
 
+/// What the table does not show: sniffers, groups, links that no file has.
+void print_kinds(const json& links) {
+  std::map<std::string, std::vector<std::string>> kinds;
+  for (const json& link : links) {
+    const std::string name = link.value("name", "?");
+    if (link.value("sniffer", false))
+      kinds["sniffer, gets every packet and takes in nothing: "].push_back(name);
+    if (link.contains("group"))
+      kinds["paths of group " + link.value("group", "?") + ": "].push_back(name);
+    if (link.value("added", false)) {
+      kinds["added at run time, ended by a reload of a topology without it: "].push_back(name);
+    }
+  }
+  for (const auto& [kind, names] : kinds) {
+    std::cout << kind << base::joined(names, ", ") << '\n';
+  }
+}
+
 void print_links(const json& links) {
   std::vector<std::string> columns{"LINK", "TYPE", "STATE", "ENDPOINT"};
   for (const casd::CounterWords& words : casd::kLinkCounters) {
@@ -40,11 +59,7 @@ void print_links(const json& links) {
     table.add(std::move(cells));
   }
   table.print(std::cout);
-  for (const json& link : links) {
-    if (!link.value("added", false)) continue;
-    std::cout << "link " << link.value("name", "?")
-              << " was added at run time: a topology that is read again ends it unless it has it\n";
-  }
+  print_kinds(links);
 }
 
 void print_vehicles(const json& vehicles) {
@@ -318,17 +333,25 @@ int start_log(Session& session, const Recording& recording) {
   if (recording.rotate_minutes > 0) params["rotate_minutes"] = recording.rotate_minutes;
   if (recording.keep > 0) params["keep"] = recording.keep;
   const json result = session.call("log.start", params);
-  report(session.options(), result, recording_text(result));
+  const std::string ended =
+      result.contains("ended") ? "; ended the recording into " + result.value("ended", "?") : "";
+  report(session.options(), result, recording_text(result) + ended);
   return kDone;
 }
 
 int stop_log(Session& session) {
   const json result = session.call("log.stop");
-  report(
-      session.options(), result,
-      "recorded " + result.at("recorded").dump() + " packets into " + result.value("file", "?") +
-          (result.value("left_out", 0) > 0 ? "; the disk did not take " + result["left_out"].dump()
-                                           : ""));
+  const std::string file = result.value("file", "");
+  const std::string figures =
+      result.at("recorded").dump() + " packets into " + file +
+      (result.value("left_out", 0) > 0 ? "; the disk did not take " + result["left_out"].dump()
+                                       : "");
+  if (result.contains("ended")) {
+    report(session.options(), result, "recorded " + figures);
+  } else {
+    report(session.options(), result,
+           "no recording ran" + (file.empty() ? "" : "; the last one: " + figures));
+  }
   return kDone;
 }
 
