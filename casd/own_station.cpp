@@ -18,9 +18,9 @@ void OwnStation::end_logs(base::RunTime now) {
   if (log_taking_) log_taking_->logs.end(now);
 }
 
-std::optional<AutopilotLogsStatus> OwnStation::logs(base::RunTime wall) const {
+std::optional<AutopilotLogsStatus> OwnStation::logs(base::RunTime now) const {
   if (!log_taking_) return std::nullopt;
-  return log_taking_->logs.status(wall);
+  return log_taking_->logs.status(now);
 }
 
 void OwnStation::on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) {

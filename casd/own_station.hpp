@@ -27,8 +27,8 @@ class OwnStation final : public Station {
   /// Ends the logs under way.
   void end_logs(base::RunTime now);
   /// The logs of autopilots; nullopt: none are taken.
-  /// @param wall  this machine's clock, also in lockstep
-  std::optional<AutopilotLogsStatus> logs(base::RunTime wall) const;
+  /// @param now  by the steady clock, also in lockstep
+  std::optional<AutopilotLogsStatus> logs(base::RunTime now) const;
 
   void on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) override;
   void tick(base::RunTime now) override;

@@ -8,7 +8,7 @@
 
 namespace cas::base {
 
-/// The year of worlds and controllers that name none: the middle of 2026.
+/// Default decimal year: the middle of 2026.
 inline constexpr double kUsualYear = 2026.5;
 
 /// Earth's magnetic field in N (north, east, down), gauss, by the World Magnetic Model [WMM2025],

@@ -59,14 +59,14 @@ void AutopilotLogs::end(base::RunTime now) {
   logs_.clear();
 }
 
-AutopilotLogsStatus AutopilotLogs::status(base::RunTime wall) const {
-  AutopilotLogsStatus all{.files = files_.status(wall), .vehicles = {}};
+AutopilotLogsStatus AutopilotLogs::status(base::RunTime now) const {
+  AutopilotLogsStatus all{.files = files_.status(now), .vehicles = {}};
   const auto& open = all.files.open;
   for (const auto& [system, log] : logs_) {
     AutopilotLogStatus& one = all.vehicles.emplace_back();
     one.system = system;
     one.wanted = log->wanted;
-    one.trouble = log->trouble;
+    if (log->wanted) one.trouble = log->trouble;
     const auto file = log->file ? open.find(*log->file) : open.end();
     if (file != open.end()) one.file = file->second;
   }
@@ -131,6 +131,7 @@ void AutopilotLogs::tick(Log& log, const VehicleState& vehicle, base::RunTime no
   const bool flies = log.window.update(vehicle.armed(), now);
   if (std::exchange(log.restarted_at, vehicle.restarted_at()) != vehicle.restarted_at()) {
     log.pull->restart(now);
+    log.trouble.clear();
   }
   const bool silent = vehicle.heartbeat_age(now) > kVehicleTimeout;
   const bool wanted = (flies || !while_armed_) && files_.takes() && !vehicle.is_high_latency();

@@ -18,12 +18,12 @@
 
 namespace cas::casd {
 
-/// What becomes of one vehicle's log.
+/// One vehicle's log: its file, and what is wrong.
 struct AutopilotLogStatus {
   std::uint8_t system = 0;
   bool wanted = false;  ///< the vehicle is asked for it
   std::optional<LogFilesStatus::Entry> file;
-  std::string trouble;  ///< the newest, "does not send ..."; empty: none since its file began
+  std::string trouble;  ///< the newest while it is wanted, "does not send ..."; empty: none
 };
 struct AutopilotLogsStatus {
   LogFilesStatus files;
@@ -52,8 +52,8 @@ class AutopilotLogs {
   void tick(base::RunTime now);
   /// Asks all vehicles to end their logs.
   void end(base::RunTime now);
-  /// @param wall  this machine's clock, also in lockstep
-  AutopilotLogsStatus status(base::RunTime wall) const;
+  /// @param now  by the steady clock, also in lockstep
+  AutopilotLogsStatus status(base::RunTime now) const;
 
  private:
   struct Log {

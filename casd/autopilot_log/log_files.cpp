@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <regex>
 #include <span>
 #include <string_view>
 #include <system_error>
@@ -41,8 +42,15 @@ std::string message_of(int error) { return std::generic_category().message(error
 
 }  // namespace
 
+bool is_autopilot_log(std::string_view file) {
+  static const std::regex kRest(R"(-v\d{1,3}(\.\d+)?\.(ulg|bin))");
+  if (!is_dated(file)) return false;
+  const std::string_view rest = file.substr(std::min(file.find('Z') + 1, file.size()));
+  return std::regex_match(rest.begin(), rest.end(), kRest);
+}
+
 LogFiles::LogFiles(AutopilotLogConfig config)
-    : config_(std::move(config)), folder_(config_.folder, {".ulg", ".bin"}) {
+    : config_(std::move(config)), folder_(config_.folder, {".ulg", ".bin"}, is_autopilot_log) {
   publish();
   try {
     thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });

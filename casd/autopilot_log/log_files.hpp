@@ -22,6 +22,9 @@
 
 namespace cas::casd {
 
+/// Whether casd has given a file its name: "2026-11-22T18-05-00Z-v1.ulg".
+bool is_autopilot_log(std::string_view file);
+
 /// The files of autopilots' logs as they are on the disk.
 struct LogFilesStatus {
   struct Entry {
@@ -29,7 +32,7 @@ struct LogFilesStatus {
     std::uint64_t bytes = 0;
   };
   std::filesystem::path folder;
-  std::optional<std::string> paused;  ///< why nothing is written, as a clause; nullopt: it is
+  std::optional<std::string> paused;  ///< reason of the pause, a clause; nullopt: not paused
   base::Duration paused_for{};
   std::map<std::uint32_t, Entry> open;  ///< files under way, by LogFiles::File
 };

@@ -185,10 +185,10 @@ void LinkCounters::count_sent(std::span<const PacketRef> packets, base::RunTime 
   tx.bytes.add(bytes);
 }
 
-void LinkCounters::count_refusals(std::uint64_t refusals) {
-  if (refusals == 0) return;
+void LinkCounters::count_tx_refused(std::uint64_t packets) {
+  if (packets == 0) return;
   const base::MutexLock lock(tx.mutex);
-  tx.refused.add(refusals);
+  tx.refused.add(packets);
 }
 
 void LinkCounters::count_dropped(const PacketInfo& info, DropCause cause, base::RunTime now) {

@@ -212,7 +212,7 @@ struct LinkCounters {
   /// Packets are written. @param done  when the write had returned
   void count_sent(std::span<const PacketRef> packets, base::RunTime now, base::RunTime done);
   /// The destination has refused packets that were sent.
-  void count_refusals(std::uint64_t refusals);
+  void count_tx_refused(std::uint64_t packets);
   /// A packet was not sent.
   void count_dropped(const PacketInfo& info, DropCause cause, base::RunTime now);
 

@@ -207,7 +207,7 @@ bool TxPort::line_ready(base::RunTime now) {
 
 // The packets between the unsent ones were sent.
 void TxPort::settle(std::span<const PacketRef> done, const WriteResult& result, base::RunTime now) {
-  counters_->count_refusals(result.refusals);
+  counters_->count_tx_refused(result.refused_earlier);
   std::size_t begin = 0;
   for (const Unsent& unsent : result.unsent) {
     const std::size_t at = unsent.index;

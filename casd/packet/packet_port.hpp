@@ -37,7 +37,7 @@ struct WriteResult {
   std::size_t part_of_next = 0;         ///< bytes of the next one that were written, too (streams)
   bool broken = false;                  ///< the descriptor is unusable
   base::RunTime done{};                 ///< when the call had returned; zero: it took no time
-  std::uint64_t refusals = 0;           ///< news of earlier packets that the destination refused
+  std::uint64_t refused_earlier = 0;    ///< sent packets whose refusal this write reported
   std::span<const Unsent> unsent = {};  ///< of `packets`, in their order; good until the next write
 };
 

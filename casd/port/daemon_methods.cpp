@@ -60,15 +60,18 @@ void add_log_method(base::rpc::Server& server, const std::string& name, const Da
   };
   add_change(server, name, audit_refusal,
              [name, hooks, body](CallParams& reader, const Reply& reply) {
-               const TlogStatus before = hooks.recorder.status(base::steady_now());
-               body(reader, [name, hooks, reply, before](const std::optional<std::string>& fault,
-                                                         const TlogStatus&) {
-                 hooks.post([name, hooks, reply, before, fault] {
+               std::string ended;
+               if (hooks.recorder.records()) {
+                 ended = hooks.recorder.status(base::steady_now()).file.string();
+               }
+               body(reader, [name, hooks, reply, ended](const std::optional<std::string>& fault,
+                                                        const TlogStatus&) {
+                 hooks.post([name, hooks, reply, ended, fault] {
                    if (fault) {
                      reply.error(base::rpc::kRefused, *fault, nullptr);
                    } else {
                      json status = log_status(hooks.recorder);
-                     if (before.active) status["ended"] = before.file.string();
+                     if (!ended.empty()) status["ended"] = ended;
                      reply.result(status);
                    }
                    audit(reply.client, name, {}, fault);

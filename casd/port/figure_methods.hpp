@@ -41,7 +41,7 @@ struct FiguresSource {
   std::function<nlohmann::json()> vehicles;
   /// The `recording` of casd.status; without it there is none.
   std::function<TlogStatus()> recording{};
-  /// The `autopilot_logs` of casd.status, likewise.
+  /// The `autopilot_logs` of casd.status; without it no logs are taken.
   std::function<std::optional<AutopilotLogsStatus>()> autopilot_logs{};
   /// Where the newest packets of watched messages are; without it message.value is left out.
   MessageTaps* taps = nullptr;

@@ -2,6 +2,7 @@
 #include "casd/tlog/recorder.hpp"
 
 #include <chrono>
+#include <filesystem>
 #include <utility>
 
 #include "base/error.hpp"
@@ -21,7 +22,10 @@ std::string dated(std::string_view name) {
 
 Recorder::Recorder(TlogWriter& writer, TlogConfig config)
     : writer_(writer), config_(std::move(config)) {
-  if (config_.folder.empty()) config_.folder = ".";
+  // Clients of the command port have other working folders.
+  config_.folder =
+      std::filesystem::absolute(config_.folder.empty() ? "." : config_.folder).lexically_normal();
+  if (!config_.folder.has_filename()) config_.folder = config_.folder.parent_path();
 }
 
 void Recorder::begin() {

@@ -48,6 +48,8 @@ class Recorder {
   /// not wait for the disk.
   void on_vehicles(bool any_armed, base::RunTime now);
 
+  /// Whether a recording is ordered, and its end is not.
+  bool records() const { return writer_.active(); }
   TlogStatus status(base::RunTime now) const { return writer_.status(now); }
   /// Whether the next arming begins a recording.
   bool awaits_arming() const { return config_.while_armed && !writer_.active(); }

@@ -67,8 +67,10 @@ std::optional<std::string> lack_of_room(const TlogLimits& limits, const TlogSpac
   return std::nullopt;
 }
 
-TlogFolder::TlogFolder(std::filesystem::path path, Extensions extensions)
-    : path_(path.empty() ? "." : std::move(path)), extensions_(std::move(extensions)) {}
+TlogFolder::TlogFolder(std::filesystem::path path, Extensions extensions, IsOwn is_own)
+    : path_(path.empty() ? "." : std::move(path)),
+      extensions_(std::move(extensions)),
+      is_own_(is_own) {}
 
 base::Descriptor TlogFolder::make(const std::string& name) const {
   base::Descriptor folder = open_folder(path_);
@@ -108,7 +110,7 @@ std::vector<std::string> TlogFolder::remove_oldest(std::size_t keep,
   constexpr std::size_t kMostFiles = 100'000;  // that are looked at
   std::vector<std::string> files;
   for_each_recording(path_, extensions_, [&](std::string_view name, const struct stat& status) {
-    const bool own = status.st_uid == ::geteuid() && is_dated(name);
+    const bool own = status.st_uid == ::geteuid() && is_own_(name);
     if (own && files.size() < kMostFiles) files.emplace_back(name);
   });
   std::sort(files.begin(), files.end(), older_tlog);

@@ -40,11 +40,15 @@ std::optional<std::string> lack_of_room(const TlogLimits& limits, const TlogSpac
 class TlogFolder {
  public:
   using Extensions = std::vector<std::string_view>;
+  /// Whether casd has given a file its name.
+  using IsOwn = bool (*)(std::string_view file);
 
   TlogFolder() : TlogFolder(std::filesystem::path()) {}
   /// @param path        empty: the working folder
   /// @param extensions  of its recordings: ".tlog"
-  explicit TlogFolder(std::filesystem::path path, Extensions extensions = {kTlogExtension});
+  /// @param is_own      tells the recordings that may be removed
+  explicit TlogFolder(std::filesystem::path path, Extensions extensions = {kTlogExtension},
+                      IsOwn is_own = is_dated);
 
   const std::filesystem::path& path() const { return path_; }
   /// Makes a file, and the folder if its parent exists. @return nothing with errno set, EEXIST if
@@ -55,7 +59,7 @@ class TlogFolder {
   bool takes_files() const;
   /// Removes a file or symlink of that name. @return false with errno set
   bool remove(const std::string& name) const;
-  /// Removes the oldest of casd's recordings (is_dated()) until `keep` of them are left: only
+  /// Removes the oldest of casd's recordings (IsOwn) until `keep` of them are left: only
   /// regular files of this user that no program writes. `current` stays. @return removed files
   std::vector<std::string> remove_oldest(std::size_t keep, const std::string& current) const;
   /// Free space (unlimited if the file system does not say), and with `scan` the space of all its
@@ -65,6 +69,7 @@ class TlogFolder {
  private:
   std::filesystem::path path_;
   Extensions extensions_;
+  IsOwn is_own_;
 };
 
 /// Where recordings go unless the topology says so: the service's own folder for logs

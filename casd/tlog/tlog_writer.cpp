@@ -64,9 +64,12 @@ void TlogWriter::start_thread(std::function<void()> first) {
 
 // A machine without a free thread or with a bad folder shows it now, not at the first flight.
 void TlogWriter::stand_by(const TlogFolder& folder) {
-  start_thread([folder] {
+  start_thread([this, folder] {
     if (folder.takes_files()) return;
     const std::string why = std::generic_category().message(errno);
+    fault_between_ = why;
+    fault_since_ = base::steady_now();
+    publish();
     base::log::error("cannot record in " + folder.path().string() + " now: " + why +
                      "; casd tries again when a vehicle arms");
   });
@@ -186,11 +189,11 @@ TlogStatus TlogWriter::publish() {
   const base::MutexLock lock(status_mutex_);
   status_.active = open_;
   status_.file = recording_.file();
-  status_.paused = open_ ? recording_.pause() : std::nullopt;
+  status_.paused = open_ ? recording_.pause() : fault_between_;
   status_.recorded = recorded_;
   status_.left_out = left_out_;
   status_.bytes = recording_.bytes();
-  paused_since_ = recording_.paused_since();
+  paused_since_ = open_ ? recording_.paused_since() : fault_since_;
   return status_;
 }
 
@@ -229,6 +232,8 @@ void TlogWriter::carry_out(Order order, bool newest, base::RunTime now) {
   if (order.begin) return begin_recording(std::move(order), newest, now);
   if (open_) {
     write(std::move(order.rest), now);
+    fault_between_ = recording_.pause();
+    fault_since_ = recording_.paused_since();
     recording_.end();
   }
   open_ = false;

@@ -23,9 +23,11 @@ namespace cas::casd {
 
 /// State of the recording that runs, or else of the last one.
 struct TlogStatus {
-  bool active = false;                ///< begun and not ended; a pause does not end it
-  std::filesystem::path file;         ///< empty: none yet
-  std::optional<std::string> paused;  ///< why nothing is written, as a clause; nullopt: it is
+  bool active = false;         ///< begun and not ended; a pause does not end it
+  std::filesystem::path file;  ///< empty: none yet
+  /// Why nothing is written, as a clause; nullopt: nothing is wrong. Between two recordings: why
+  /// the folder took no files when casd last tried.
+  std::optional<std::string> paused;
   base::Duration paused_for{};
   std::uint64_t recorded = 0;  ///< packets in its files
   std::uint64_t left_out = 0;  ///< packets that are missing in them
@@ -137,6 +139,8 @@ class TlogWriter {
   bool open_ = false;  ///< a recording has begun and not ended
   std::uint64_t recorded_ = 0;
   std::uint64_t left_out_ = 0;
+  std::optional<std::string> fault_between_;  ///< TlogStatus::paused while nothing is recorded
+  base::RunTime fault_since_{};
 
   mutable base::Mutex status_mutex_;  ///< guards a copy that can be read while the disk is slow
   TlogStatus status_ CAS_GUARDED_BY(status_mutex_);

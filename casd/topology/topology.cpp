@@ -143,8 +143,8 @@ constexpr std::tuple kAutopilotLogKeys{
         "max_mib", Range{0, 1e8, kMib},
         "logs pause when all .ulg and .bin files of the folder would take more; 0: any"),
     key<&AutopilotLogConfig::max_files>("max_files", Whole{0, 1'000'000},
-                                        "files with a date in the folder that stay: a new one has "
-                                        "casd delete the oldest; 0: all"),
+                                        "dated .ulg and .bin files that stay: a new one has casd "
+                                        "delete the oldest; 0: all"),
     key<&AutopilotLogConfig::limits, &TlogLimits::free_space_min_bytes>(
         "free_space_min_mib", Range{0, 1e8, kMib},
         "logs pause when less would stay free on the disk"),

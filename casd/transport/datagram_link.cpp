@@ -50,7 +50,7 @@ void DatagramLink::read(base::RunTime now) {
   for (int round = 0; round < kMaxRounds; ++round) {
     const int count = reader_.read(fd_.get(), now);
     if (count < 0) return close(error_text(errno), now);
-    core_.counters().count_refusals(reader_.take_refusals());
+    core_.counters().count_tx_refused(reader_.take_refused());
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) take_datagram(i, now);
     core_.ingress().deliver(now);
     if (reader_.kernel_drops() != drops_seen_) {

@@ -31,7 +31,7 @@ class UdpWriter final : public PacketWriter {
     return {.packets = result.packets,
             .broken = result.error != 0 && result.error != EAGAIN,
             .done = base::steady_now(),
-            .refusals = result.refusals,
+            .refused_earlier = result.refused_earlier,
             .unsent = unsent_};
   }
   int descriptor() const override { return descriptor_.get(); }

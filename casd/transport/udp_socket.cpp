@@ -103,6 +103,7 @@ DatagramSender::Result DatagramSender::send(int fd, std::span<const PacketRef> p
         as_run ? send_run(fd, left.first(run), to, to_size) : send_singly(fd, left, to, to_size);
     if (gone > 0) {
       result.packets += static_cast<std::size_t>(gone);
+      tried_again = false;
       continue;
     }
     const int error = errno;
@@ -112,7 +113,7 @@ DatagramSender::Result DatagramSender::send(int fd, std::span<const PacketRef> p
     }
     if (error == EINTR) continue;
     if (concerns_earlier_packet(error) && !std::exchange(tried_again, true)) {
-      ++result.refusals;
+      ++result.refused_earlier;
       continue;
     }
     if (concerns_peer_only(error)) {
@@ -212,7 +213,6 @@ int DatagramReader::read(int fd, base::RunTime now) {
   }
   used_ = 1;
   // A peer that is not there (yet) answers our packets with refusals: no trouble of the socket.
-  if (errno == ECONNREFUSED) ++refusals_;
   const bool transient = errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR ||
                          errno == ECONNREFUSED || errno == EHOSTUNREACH || errno == ENETUNREACH;
   return transient ? 0 : -1;
@@ -223,6 +223,7 @@ int DatagramReader::take(int fd, std::size_t most) {
   const int count =
       ::recvmmsg(fd, messages_.data() + used_, static_cast<unsigned>(most), MSG_DONTWAIT, nullptr);
   if (count > 0) used_ += static_cast<std::size_t>(count);
+  if (count < 0 && errno == ECONNREFUSED) ++refused_;
   return count;
 }
 

@@ -53,7 +53,7 @@ class DatagramReader {
   std::uint32_t kernel_drops() const { return kernel_drops_; }
   void reset() { kernel_drops_ = 0; }
   /// Sent packets that the peer has refused, as a read learned since the last call.
-  std::uint64_t take_refusals() { return std::exchange(refusals_, 0); }
+  std::uint64_t take_refused() { return std::exchange(refused_, 0); }
   /// Counts the first datagram of each read.
   Arrivals arrivals() const { return arrivals_; }
 
@@ -74,7 +74,7 @@ class DatagramReader {
   alignas(cmsghdr) std::array<std::array<char, kControlBytes>, kBatch> control_{};
   std::size_t used_ = kBatch;  ///< messages whose lengths are not what they offer room for
   std::uint32_t kernel_drops_ = 0;
-  std::uint64_t refusals_ = 0;
+  std::uint64_t refused_ = 0;
   base::Duration read_at_{};     ///< wall-clock time
   base::Duration wall_ahead_{};  ///< wall-clock time less ours, when they were last compared
   base::RunTime compared_at_{};
@@ -100,8 +100,8 @@ class DatagramSender {
     /// Of `packets`: the peer or the network takes none now; rising indices, good until the next
     /// call.
     std::span<const std::size_t> refused = {};
-    std::uint64_t refusals = 0;  ///< news of earlier packets that the peer refused
-    int error = 0;               ///< why it stopped: EAGAIN, or what broke; 0 when all are through
+    std::uint64_t refused_earlier = 0;  ///< packets of earlier calls that the peer has refused
+    int error = 0;  ///< why it stopped: EAGAIN, or what broke; 0 when all are through
   };
 
   /// @param to  nullptr for a connected socket

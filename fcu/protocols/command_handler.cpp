@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/protocols/command_handler.hpp"
-#include "base/earth/deg_e7.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/protocols/hil_messages.hpp"
-#include "base/earth/deg_e7.hpp"
 
 #include "base/earth/deg_e7.hpp"
 #include "fcu/core/fcu_core.hpp"

@@ -160,8 +160,9 @@ std::optional<base::RunTime> BoardSession::began() {
   if (impl_->system == 0) return std::nullopt;
   const Json time = impl_->message("SYSTEM_TIME");
   const std::optional<double> uptime_s = uptime_of(time);
-  if (!uptime_s) return std::nullopt;
-  return base::steady_now() - base::from_seconds(*uptime_s + time.value("age_s", 0.0));
+  const auto age_s = time.find("age_s");
+  if (!uptime_s || age_s == time.end() || !age_s->is_number()) return std::nullopt;
+  return base::steady_now() - base::from_seconds(*uptime_s + age_s->get<double>());
 }
 
 void BoardSession::disarm() {

@@ -139,10 +139,16 @@ void VirtualRelay::receive(casd::LinkId from, std::span<const std::uint8_t> byte
   const bool asleep = now >= busy_until_ && (!anything_to_do() || give_up_at_);
   if (asleep) busy_until_ = now + wake_up_.draw();
   Port& port = ports_[from];
-  const std::size_t room = port.inbox_bytes - std::min(port.inbox_bytes, port.inbox.size());
-  if (!port.is_line && room < bytes.size()) return;  // a datagram is lost as a whole
-  const auto taken = bytes.first(std::min(bytes.size(), room));
-  port.inbox.insert(port.inbox.end(), taken.begin(), taken.end());
+  const std::size_t used = port.inbox.size() + port.datagram_bytes;
+  const std::size_t room = port.inbox_bytes - std::min(port.inbox_bytes, used);
+  if (port.is_line) {
+    const auto taken = bytes.first(std::min(bytes.size(), room));
+    port.inbox.insert(port.inbox.end(), taken.begin(), taken.end());
+  } else {
+    if (room < bytes.size()) return;  // a datagram is lost as a whole
+    port.datagrams.emplace_back(bytes.begin(), bytes.end());
+    port.datagram_bytes += bytes.size();
+  }
   serve(now);
 }
 
@@ -184,6 +190,8 @@ void VirtualRelay::kill() {
   for (Port& port : ports_) {
     port.tx->detach(now_);
     port.inbox.clear();
+    port.datagrams.clear();
+    port.datagram_bytes = 0;
     port.parser.reset();
     port.waited = false;
     port.carry_on_at.reset();
@@ -254,7 +262,7 @@ void VirtualRelay::send_own(std::span<const std::uint8_t> packet, std::span<cons
   wait_for_pacers();
 }
 
-/// Gives the commander what came for it; what its answers bring about comes after.
+/// Hands waiting packets to the commander. Packets that its answers cause follow in the next round.
 void VirtualRelay::hear(base::RunTime now) {
   hear_again_ = true;
   if (hearing_) return;
@@ -299,7 +307,7 @@ void VirtualRelay::serve(base::RunTime now) {
 
 bool VirtualRelay::anything_to_do() const {
   return give_up_at_ || std::ranges::any_of(ports_, [this](const Port& port) {
-           return !port.inbox.empty() || port.tx->due() <= now_;
+           return !port.is_empty() || port.tx->due() <= now_;
          });
 }
 
@@ -313,10 +321,9 @@ base::RunTime VirtualRelay::next_turn() const {
 
 void VirtualRelay::take_datagrams(base::RunTime now) {
   for (std::size_t i = 0; i < ports_.size(); ++i) {
-    if (ports_[i].is_line || ports_[i].inbox.empty()) continue;
-    const std::vector<std::uint8_t> bytes(ports_[i].inbox.begin(), ports_[i].inbox.end());
-    ports_[i].inbox.clear();
-    take(static_cast<casd::LinkId>(i), bytes, now);
+    const std::deque<std::vector<std::uint8_t>> datagrams = std::exchange(ports_[i].datagrams, {});
+    ports_[i].datagram_bytes = 0;
+    for (const auto& bytes : datagrams) take(static_cast<casd::LinkId>(i), bytes, now);
   }
 }
 

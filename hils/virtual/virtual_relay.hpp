@@ -56,7 +56,7 @@ class WakeUp {
 /// A waiting thread goes on a little after its event: the delay of the machine's scheduler.
 class VirtualRelay final : private casd::LineWait {
  public:
-  /// Hands bytes to a link. @return how many it took
+  /// Hands bytes to a link. It must not call receive(). @return how many it took
   using Write = std::function<std::size_t(std::span<const std::uint8_t>, base::RunTime)>;
   /// Called for each packet that is read from a link.
   using OnPacket = std::function<void(casd::LinkId from, const mav::PacketView&, base::RunTime)>;
@@ -103,8 +103,12 @@ class VirtualRelay final : private casd::LineWait {
     casd::Parser parser;
     std::shared_ptr<casd::TxPort> tx;
     Write write;
-    std::deque<std::uint8_t> inbox;  ///< threads: blocking: bytes in the kernel's buffer
-    bool waited = false;             ///< the same: for the rest of the packet that is being read
+    // threads: blocking: the kernel's buffer.
+    std::deque<std::uint8_t> inbox;  ///< of a line
+    std::deque<std::vector<std::uint8_t>> datagrams;
+    std::size_t datagram_bytes = 0;
+    bool is_empty() const { return inbox.empty() && datagrams.empty(); }
+    bool waited = false;  ///< the same: for the rest of the packet that is being read
     std::optional<base::RunTime> carry_on_at;  ///< the thread waits for the pacer until then
   };
   enum class Phase { kTakeDatagrams, kReadLines, kWriteLines };
@@ -139,7 +143,7 @@ class VirtualRelay final : private casd::LineWait {
   std::vector<Port> ports_;
   std::shared_ptr<casd::LocalEndpoint> local_;
   casd::VehicleCommander commander_;
-  bool hearing_ = false;  ///< the commander has a packet
+  bool hearing_ = false;  ///< packets are being handed to the commander
   bool hear_again_ = false;
   OnPacket on_packet_;
   base::RunTime now_{};  ///< threads: blocking: of the one thread, while it has its turn

@@ -94,7 +94,8 @@ struct ControlServer::Impl {
 
   /// A method that is done at once.
   void add_plain(const std::string& name, std::function<void()> order) {
-    server.add_method(name, [this, order = std::move(order)](const Json&, Reply reply) {
+    server.add_method(name, [this, order = std::move(order)](const Json& params, Reply reply) {
+      CallParams(params).finish();
       carry(std::move(reply), [order](const std::function<void()>& done) {
         order();
         done();
@@ -104,7 +105,9 @@ struct ControlServer::Impl {
 
   /// The same for one that changes the run.
   void add_act(const std::string& name, std::function<void()> order) {
-    server.add_method(name, [this, name, order = std::move(order)](const Json&, Reply reply) {
+    server.add_method(name, [this, name, order = std::move(order)](const Json& params,
+                                                                   const Reply& reply) {
+      CallParams(params).finish();
       carry(reply, [this, name, order, client = reply.client](const std::function<void()>& done) {
         note(client, name);
         order();
@@ -121,9 +124,12 @@ struct ControlServer::Impl {
     add_act("sim.reset", [this] { loop.reset(); });
     add_act("sim.quit", [this] { loop.stop(); });
     add_fault_method();
-    server.add_method("sim.journal",
-                      [this](const Json&, const Reply& reply) { reply.result(noted()); });
-    server.add_method("sim.stats", [this](const Json&, Reply reply) {
+    server.add_method("sim.journal", [this](const Json& params, const Reply& reply) {
+      CallParams(params).finish();
+      reply.result(noted());
+    });
+    server.add_method("sim.stats", [this](const Json& params, Reply reply) {
+      CallParams(params).finish();
       loop.post([this, reply = std::move(reply)] { answer(reply, stats_report(loop)); });
     });
     server.add_method("sim.step", [this](const Json& params, const Reply& reply) {
@@ -178,8 +184,12 @@ struct ControlServer::Impl {
   }
 
   void add_picture_methods() {
-    server.add_method("sim.watch", [this](const Json&, Reply reply) { watch(std::move(reply)); });
-    server.add_method("sim.scene", [this](const Json&, const Reply& reply) {
+    server.add_method("sim.watch", [this](const Json& params, Reply reply) {
+      CallParams(params).finish();
+      watch(std::move(reply));
+    });
+    server.add_method("sim.scene", [this](const Json& params, const Reply& reply) {
+      CallParams(params).finish();
       with_scene(reply, [reply](const Scene& now) { reply.result(now.json()); });
     });
     server.add_method("sim.mesh", [this](const Json& params, const Reply& reply) {

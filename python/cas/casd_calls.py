@@ -99,7 +99,7 @@ LinkSent = TypedDict("LinkSent", {
     "packets": int,  # Packets sent.
     "queue_high_water": int,  # Most packets that ever waited.
     "queued": int,  # Packets that wait for the link.
-    "refused": int,  # Packets sent to a UDP destination that refused them: nobody listens there.
+    "refused": int,  # Packets sent to a UDP destination that refused them, as far as the kernel says.
     "write_calls": int,  # System calls that sent.
 })
 Link = TypedDict("Link", {

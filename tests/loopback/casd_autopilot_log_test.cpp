@@ -212,6 +212,11 @@ TEST_F(CasdAutopilotLog, SaysAtTheStartThatAFolderTakesNoFiles) {
   EXPECT_TRUE(says("logs of autopilots in ")) << casd->output();
   EXPECT_TRUE(says("pause: Not a directory")) << casd->output();
   EXPECT_TRUE(says("cannot record in ")) << casd->output();
+  EXPECT_TRUE(wait_until([&] {
+    return casctl({"log", "status"}).find("CANNOT RECORD: Not a directory") != std::string::npos;
+  }));
+  EXPECT_NE(casctl({"doctor", "--seconds", "0.1"}).find("casd cannot record: Not a directory"),
+            std::string::npos);
   end();
 }
 
@@ -239,7 +244,7 @@ TEST_F(CasdAutopilotLog, StatusTellsOfEachVehiclesLogAndTheOldestFilesGo) {
   folder.write("rec/2026-01-02T00-00-00Z-v7.bin", "x");
   folder.write("rec/mine.ulg", "x");
   start(", free_space_min_mib: 0, max_files: 2");
-  EXPECT_NE(casctl({"status"}).find("/rec: no vehicle yet"), std::string::npos);
+  EXPECT_NE(casctl({"status"}).find("/rec; no vehicle yet"), std::string::npos);
   UdpAutopilot px4(MavAutopilot::kPx4);
   px4.socket.set_remote(port);
   px4.answers = false;

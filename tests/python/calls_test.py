@@ -175,6 +175,9 @@ class DescriptionTest(FolderTest):
                     with self.assertRaisesRegex(cas.CallError, words):
                         sim.client.call("sim.fault", params)
                 continue
+            if not method["params"]:
+                with self.assertRaisesRegex(cas.WrongCall, "is no parameter of this method"):
+                    sim.client.call(method["name"], {"other": 1})
             params = {"sim.run_until": {"time_s": 0.0}, "sim.phase": {"name": "look"}}.get(method["name"], {})
             answer = sim.client.call(method["name"], params)
             self.assertEqual(validator.faults(method["result"]["schema"], answer, method["name"]), [])

@@ -23,7 +23,12 @@ void check_reload(const DoctorFacts& facts, Findings& all) {
 
 void check_recording(const DoctorFacts& facts, Findings& all) {
   const json recording = facts.after.value("recording", json::object());
-  if (!recording.value("active", false)) return;
+  if (!recording.value("active", false)) {
+    if (!recording.contains("paused")) return;
+    return bad(all, "casd cannot record: " + recording["paused"].get<std::string>(),
+               "mend the folder for recordings (`folder` of `log` in the topology): it must exist, "
+               "be casd's to write, and have room");
+  }
   const std::string missing = recording.at("left_out").dump() + " packets are missing in it";
   if (recording.contains("paused")) {
     bad(all, "the recording pauses: " + recording["paused"].get<std::string>() + "; " + missing,
@@ -42,14 +47,16 @@ void check_autopilot_logs(const DoctorFacts& facts, Findings& all) {
   if (logs == facts.after.end()) return;
   if (logs->contains("paused")) {
     return bad(all, "the logs of autopilots pause: " + logs->value("paused", "?"),
-               "make room in " + logs->value("folder", "?") +
-                   ", or set free_space_min_mib and max_mib of `log.autopilot` in the topology; "
-                   "they go on by themselves");
+               "mend " + logs->value("folder", "?") +
+                   ": it must be a folder that casd may write to, with room under "
+                   "free_space_min_mib and max_mib of `log.autopilot`; they go on by themselves");
   }
   for (const json& log : logs->value("vehicles", json::array())) {
     if (!log.contains("trouble")) continue;
     warn(all, "vehicle " + log.at("vehicle").dump() + " " + log.value("trouble", "?"),
-         "see its parameters for logs (PX4: SDLOG_BACKEND; ArduPilot: LOG_BACKEND_TYPE)");
+         "its firmware may send no logs (fcu_emulator does not), or a parameter turns them off "
+         "(PX4: "
+         "SDLOG_BACKEND; ArduPilot: LOG_BACKEND_TYPE)");
   }
 }
 

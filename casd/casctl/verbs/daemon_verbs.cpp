@@ -24,7 +24,7 @@ std::string count(const json& object, const char* key) {
   return found == object.end() || !found->is_number() ? "-" : found->dump();
 }
 
-/// What the table does not show: sniffers, groups, links that no file has.
+/// Properties of links that have no column: sniffers, groups, added at run time.
 void print_kinds(const json& links) {
   std::map<std::string, std::vector<std::string>> kinds;
   for (const json& link : links) {
@@ -104,10 +104,16 @@ void print_future(const json& links) {
   }
 }
 
-/// "recording into FILE: 120 packets", "recording PAUSED for 3 s: ...", "" where nothing is
-/// recorded.
+/// "recording into FILE: 120 packets", "recording PAUSED for 3 s: ...", "CANNOT RECORD: ...", ""
+/// where nothing is recorded.
 std::string recording_text(const json& recording) {
-  if (!recording.value("active", false)) return "";
+  if (!recording.value("active", false)) {
+    if (!recording.contains("paused")) return "";
+    return "CANNOT RECORD: " + recording["paused"].get<std::string>() +
+           (recording.value("left_out", 0) > 0
+                ? "; " + recording["left_out"].dump() + " packets are missing in the last recording"
+                : "");
+  }
   const std::string missing =
       recording.value("left_out", 0) > 0
           ? ", " + recording["left_out"].dump() + " packets are missing in it"
@@ -129,14 +135,15 @@ std::string autopilot_logs_text(const json& logs) {
             logs.value("paused", "?");
   }
   const json vehicles = logs.value("vehicles", json::array());
-  if (vehicles.empty()) text += ": no vehicle yet";
+  if (vehicles.empty()) text += "; no vehicle yet";
   for (const json& log : vehicles) {
     text += "\n  vehicle " + count(log, "vehicle") + ": ";
     text += log.contains("file")
                 ? std::filesystem::path(log.value("file", "?")).filename().string() + ", " +
                       count(log, "bytes") + " bytes"
             : log.value("wanted", false) ? "asked, no data yet"
-                                         : "not wanted now";
+            : logs.contains("paused")    ? "waits for the folder"
+                                         : "waits for its arming or its HEARTBEAT";
     if (log.contains("trouble")) text += "; it " + log.value("trouble", "?");
   }
   return text;

@@ -381,6 +381,11 @@ INSTANTIATE_TEST_SUITE_P(
                   f.after["recording"]["paused"] = "No space left on device";
                 },
                 "the recording pauses: No space left on device; 120 packets are missing"},
+        BadCase{"CannotRecord",
+                [](DoctorFacts& f) {
+                  f.after["recording"] = {{"active", false}, {"paused", "Permission denied"}};
+                },
+                "casd cannot record: Permission denied"},
         BadCase{"RecordingWithGaps", [](DoctorFacts& f) { f.after["recording"]["left_out"] = 7; },
                 "the recording has gaps: 7 packets"},
         BadCase{"LogsOfAutopilotsPause",

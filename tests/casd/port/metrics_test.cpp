@@ -49,9 +49,10 @@ TEST(Metrics, CountersOfALinkKeepTheirNames) {
   link.rx.not_accepted = 7;
   link.tx.packets = 8;
   link.tx.bytes = 9;
-  link.tx.queued = 10;
-  link.tx.queue_high_water = 11;
-  link.rx.kernel_drops = 12;
+  link.tx.refused = 10;
+  link.tx.queued = 11;
+  link.tx.queue_high_water = 12;
+  link.rx.kernel_drops = 13;
   MetricsSource source{};
   source.links.push_back(link);
   const auto samples = samples_of(metrics_text(source));
@@ -59,7 +60,8 @@ TEST(Metrics, CountersOfALinkKeepTheirNames) {
   for (const char* name :
        {"reconnects_total", "uncounted_total", "rx_packets_total", "rx_bytes_total",
         "rx_crc_errors_total", "rx_lost_total", "rx_not_accepted_total", "tx_packets_total",
-        "tx_bytes_total", "tx_queued", "tx_queue_high_water", "rx_kernel_drops_total"}) {
+        "tx_bytes_total", "tx_refused_total", "tx_queued", "tx_queue_high_water",
+        "rx_kernel_drops_total"}) {
     EXPECT_EQ(samples.at("casd_link_" + std::string(name) + "{link=\"fcu\"}"), ++value) << name;
   }
 }
@@ -88,6 +90,20 @@ TEST(Metrics, ForwardingTimesAreAHistogramWithTheSameBoundsAlways) {
 
 TEST(Metrics, NothingButAHistogramOrASummaryHasQuantiles) {
   EXPECT_EQ(metrics_text(with_forwarding({})).find("quantile"), std::string::npos);
+}
+
+TEST(Metrics, TellOfTheLogsOfAutopilots) {
+  MetricsSource source{};
+  EXPECT_EQ(metrics_text(source).find("casd_autopilot_log"), std::string::npos) << "none are taken";
+  source.autopilot_logs.emplace();
+  source.autopilot_logs->files.paused = "No space left on device";
+  source.autopilot_logs->vehicles = {
+      {.system = 1, .wanted = true, .file = LogFilesStatus::Entry{"v1.ulg", 120}, .trouble = {}},
+      {.system = 2, .wanted = true, .file = {}, .trouble = {}}};
+  const auto samples = samples_of(metrics_text(source));
+  EXPECT_EQ(samples.at("casd_autopilot_logs_paused"), 1);
+  EXPECT_EQ(samples.at("casd_autopilot_log_bytes{system=\"1\"}"), 120);
+  EXPECT_EQ(samples.at("casd_autopilot_log_bytes{system=\"2\"}"), 0);
 }
 
 }  // namespace

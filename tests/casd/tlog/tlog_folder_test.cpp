@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/tlog/tlog_folder.hpp"
+#include "casd/autopilot_log/log_files.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -111,15 +112,16 @@ TEST(TlogFolder, RemovesTheOldestOfItsOwnKindAlone) {
   for (const char* name :
        {"2026-11-20T10-00-00Z-v1.ulg", "2026-11-20T10-00-00Z-v1.1.ulg",
         "2026-11-21T10-00-00Z-v2.bin", "2026-11-22T10-00-00Z-v1.ulg", "2026-11-19T10-00-00Z-a.tlog",
-        "2026-11-19T10-00-00Z-v1.ulg.gz", "old.ulg"}) {
+        "2026-11-19T10-00-00Z-v1.ulg.gz", "2026-11-19T10-00-00Z-crash.ulg", "old.ulg"}) {
     place.write(name, "x");
   }
-  const TlogFolder folder(place.path(), {".ulg", ".bin"});
-  EXPECT_EQ(folder.look(true).used_bytes, 5U);
+  const TlogFolder folder(place.path(), {".ulg", ".bin"}, is_autopilot_log);
+  EXPECT_EQ(folder.look(true).used_bytes, 6U);
   EXPECT_EQ(
       folder.remove_oldest(2, "2026-11-22T10-00-00Z-v1.ulg"),
       (std::vector<std::string>{"2026-11-20T10-00-00Z-v1.ulg", "2026-11-20T10-00-00Z-v1.1.ulg"}));
   EXPECT_TRUE(fs::exists(place / "2026-11-19T10-00-00Z-a.tlog"));
+  EXPECT_TRUE(fs::exists(place / "2026-11-19T10-00-00Z-crash.ulg"));
   EXPECT_TRUE(fs::exists(place / "old.ulg"));
 }
 

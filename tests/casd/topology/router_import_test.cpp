@@ -106,7 +106,6 @@ TEST(RouterImport, KeepsEndpointsAndFilters) {
   EXPECT_EQ(topology.log.max_files, 20);
   ASSERT_TRUE(topology.log.autopilot);
   EXPECT_EQ(topology.log.autopilot->max_files, 20);
-  ASSERT_TRUE(topology.log.autopilot);
   EXPECT_TRUE(topology.log.autopilot->while_armed);
   EXPECT_EQ(topology.log.autopilot->limits.free_space_min_bytes, 1U << 30U);
 }
