@@ -51,6 +51,11 @@ std::string fixed(double value, int decimals) {
   return text;
 }
 
+std::string count_text(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  return found == object.end() || !found->is_number() ? "-" : found->dump();
+}
+
 std::string duration_text(double seconds) {
   if (seconds < 120) return fixed(seconds, 1) + " s";
   if (seconds < 7200) return fixed(seconds / 60, 0) + " min";

@@ -23,6 +23,8 @@ class Table {
 
 /// A number with a fixed count of decimals.
 std::string fixed(double value, int decimals);
+/// A number of an object; "-": it has none.
+std::string count_text(const nlohmann::json& object, const char* key);
 /// A duration in words of one unit: "0.4 s", "12 min", "3.1 h", "9.5 days", "10.0 years".
 std::string duration_text(double seconds);
 /// The signer, from `future` of link.list: "1/200 (signing link 3)".

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-
 #include <chrono>
 #include <iostream>
 #include <map>
-#include <memory>
 #include <thread>
 
 #include "base/rpc/client.hpp"
@@ -11,6 +9,7 @@
 #include "casd/casctl/session/endpoint_text.hpp"
 #include "casd/casctl/session/link_counter.hpp"
 #include "casd/casctl/session/printable.hpp"
+#include "casd/casctl/session/recording_text.hpp"
 #include "casd/casctl/session/table.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
@@ -18,11 +17,6 @@ namespace cas::casctl {
 namespace {
 
 using nlohmann::json;
-
-std::string count(const json& object, const char* key) {
-  const auto found = object.find(key);
-  return found == object.end() || !found->is_number() ? "-" : found->dump();
-}
 
 /// Properties of links that have no column: sniffers, groups, added at run time.
 void print_kinds(const json& links) {
@@ -66,7 +60,7 @@ void print_vehicles(const json& vehicles) {
   Table table(
       {"VEHICLE", "AUTOPILOT", "TYPE", "ARMED", "HIL", "MODE", "LANDED", "LINK", "HEARTBEAT"});
   for (const json& vehicle : vehicles) {
-    table.add({count(vehicle, "system"), vehicle.value("autopilot", "?"),
+    table.add({count_text(vehicle, "system"), vehicle.value("autopilot", "?"),
                vehicle.value("type", "?"), vehicle.value("armed", false) ? "armed" : "no",
                vehicle.value("hil", false) ? "yes" : "NO", vehicle.value("mode", "?"),
                vehicle.value("landed", "?"), vehicle.value("link", "?"),
@@ -79,7 +73,7 @@ void print_vehicles(const json& vehicles) {
   }
   for (const json& vehicle : vehicles) {
     for (const json& complaint : vehicle.value("complaints", json::array())) {
-      std::cout << "vehicle " << count(vehicle, "system") << ": "
+      std::cout << "vehicle " << count_text(vehicle, "system") << ": "
                 << printable(complaint.get<std::string>()) << '\n';
     }
   }
@@ -102,51 +96,6 @@ void print_future(const json& links) {
               << duration_text(future.value("ahead_s", 0.0)) << " ahead of the clock"
               << (future.value("refused", false) ? " and is refused\n" : "\n");
   }
-}
-
-/// "recording into FILE: 120 packets", "recording PAUSED for 3 s: ...", "CANNOT RECORD: ...", ""
-/// where nothing is recorded.
-std::string recording_text(const json& recording) {
-  if (!recording.value("active", false)) {
-    if (!recording.contains("paused")) return "";
-    return "CANNOT RECORD: " + recording["paused"].get<std::string>() +
-           (recording.value("left_out", 0) > 0
-                ? "; " + recording["left_out"].dump() + " packets are missing in the last recording"
-                : "");
-  }
-  const std::string missing =
-      recording.value("left_out", 0) > 0
-          ? ", " + recording["left_out"].dump() + " packets are missing in it"
-          : "";
-  const std::string file = recording.value("file", "?");
-  if (!recording.contains("paused")) {
-    return "recording into " + file + ": " + count(recording, "recorded") + " packets" + missing;
-  }
-  return "recording PAUSED for " + duration_text(recording.value("paused_s", 0.0)) + ": " +
-         recording["paused"].get<std::string>() + "; " + (file.empty() ? "no file" : file) +
-         " has " + count(recording, "recorded") + " packets" + missing;
-}
-
-/// "logs of autopilots in FOLDER PAUSED for 3 s: ...", then a line for each vehicle.
-std::string autopilot_logs_text(const json& logs) {
-  std::string text = "logs of autopilots in " + logs.value("folder", "?");
-  if (logs.contains("paused")) {
-    text += " PAUSED for " + duration_text(logs.value("paused_s", 0.0)) + ": " +
-            logs.value("paused", "?");
-  }
-  const json vehicles = logs.value("vehicles", json::array());
-  if (vehicles.empty()) text += "; no vehicle yet";
-  for (const json& log : vehicles) {
-    text += "\n  vehicle " + count(log, "vehicle") + ": ";
-    text += log.contains("file")
-                ? std::filesystem::path(log.value("file", "?")).filename().string() + ", " +
-                      count(log, "bytes") + " bytes"
-            : log.value("wanted", false) ? "asked, no data yet"
-            : logs.contains("paused")    ? "waits for the folder"
-                                         : "waits for its arming or its HEARTBEAT";
-    if (log.contains("trouble")) text += "; it " + log.value("trouble", "?");
-  }
-  return text;
 }
 
 void print_status(const json& status) {
@@ -325,73 +274,6 @@ int show_budget(Session& session) {
   return fits ? kDone : kRefused;
 }
 
-/// Flags of `log start`.
-struct Recording {
-  std::string file;
-  double rotate_mib = 0;
-  double rotate_minutes = 0;
-  int keep = 0;
-};
-
-int start_log(Session& session, const Recording& recording) {
-  json params = json::object();
-  if (!recording.file.empty()) params["file"] = recording.file;
-  if (recording.rotate_mib > 0) params["rotate_mib"] = recording.rotate_mib;
-  if (recording.rotate_minutes > 0) params["rotate_minutes"] = recording.rotate_minutes;
-  if (recording.keep > 0) params["keep"] = recording.keep;
-  const json result = session.call("log.start", params);
-  const std::string ended =
-      result.contains("ended") ? "; ended the recording into " + result.value("ended", "?") : "";
-  report(session.options(), result, recording_text(result) + ended);
-  return kDone;
-}
-
-int stop_log(Session& session) {
-  const json result = session.call("log.stop");
-  const std::string file = result.value("file", "");
-  const std::string figures =
-      result.at("recorded").dump() + " packets into " + file +
-      (result.value("left_out", 0) > 0 ? "; the disk did not take " + result["left_out"].dump()
-                                       : "");
-  if (result.contains("ended")) {
-    report(session.options(), result, "recorded " + figures);
-  } else {
-    report(session.options(), result,
-           "no recording ran" + (file.empty() ? "" : "; the last one: " + figures));
-  }
-  return kDone;
-}
-
-int show_log(Session& session) {
-  const json result = session.call("log.status");
-  const std::string text = recording_text(result);
-  const bool awaits = result.value("awaits_arming", false);
-  report(
-      session.options(), result,
-      !text.empty() ? text : (awaits ? "not recording until a vehicle is armed" : "not recording"));
-  return kDone;
-}
-
-void add_log(CommandLine& line) {
-  const auto recording = std::make_shared<Recording>();
-  const Verb log = line.add_group("log", "Record all packets into a .tlog file");
-  const Verb start =
-      line.add_verb(log, "start", "Start a new file (on casd's machine)", "casctl log start flight",
-                    [recording](Session& session) { return start_log(session, *recording); });
-  start.add_option("NAME", recording->file,
-                   "Of the new file, after its date, in casd's folder for recordings");
-  start.add_option("--rotate-mib", recording->rotate_mib, "Go on in the next file at this size")
-      .not_negative();
-  start
-      .add_option("--rotate-minutes", recording->rotate_minutes,
-                  "Go on in the next file at this age")
-      .not_negative();
-  start.add_option("--keep", recording->keep, "Files of this recording that stay; 0: all")
-      .not_negative();
-  line.add_verb(log, "stop", "Stop recording", "casctl log stop", stop_log);
-  line.add_verb(log, "status", "Show what is recorded", "casctl log status", show_log);
-}
-
 /// The sensors of each vehicle, beside its entry in casd.status.
 void add_telemetry(Session& session, json& status) {
   for (json& vehicle : status.at("vehicles")) {
@@ -440,7 +322,7 @@ void add_service_verbs(CommandLine& line) {
   line.add_verb("latency", "Show forwarding times", "casctl latency", show_latency);
   line.add_verb("budget", "Measure whether the lines carry their load (1 s)", "casctl budget",
                 show_budget);
-  add_log(line);
+  add_log_verb(line);
   line.add_verb(
       "reload", "Make casd read its topology again", "casctl reload", [](Session& session) {
         report(session.options(), session.call("casd.reload"), "the topology was read again");
