@@ -2,6 +2,10 @@
 #include "base/rpc/call_params.hpp"
 
 #include <cmath>
+#include <string_view>
+#include <vector>
+
+#include "base/suggestion.hpp"
 
 namespace cas::base::rpc {
 namespace {
@@ -28,6 +32,16 @@ const Json* CallParams::find(const std::string& key) {
   return found == params_.end() || found->is_null() ? nullptr : &*found;
 }
 
+void CallParams::missing(const std::string& key, const std::string& kind) const {
+  std::vector<std::string_view> others;
+  for (auto item = params_.begin(); item != params_.end(); ++item) {
+    if (!asked_.contains(item.key())) others.push_back(item.key());
+  }
+  const std::string near = nearest_word(key, others);
+  throw BadParams("\"" + key + "\" is missing: " + kind +
+                  (near.empty() ? "" : "; \"" + near + "\" is no parameter of this method"));
+}
+
 std::optional<double> CallParams::optional_number(const std::string& key) {
   const Json* value = find(key);
   if (value == nullptr) return std::nullopt;
@@ -37,7 +51,7 @@ std::optional<double> CallParams::optional_number(const std::string& key) {
 
 double CallParams::number(const std::string& key) {
   const std::optional<double> value = optional_number(key);
-  if (!value) throw BadParams("\"" + key + "\" is missing: a number");
+  if (!value) missing(key, "a number");
   return *value;
 }
 
@@ -59,7 +73,7 @@ std::optional<std::int64_t> CallParams::optional_integer(const std::string& key,
 
 std::int64_t CallParams::integer(const std::string& key, std::int64_t low, std::int64_t high) {
   const std::optional<std::int64_t> value = optional_integer(key, low, high);
-  if (!value) throw BadParams("\"" + key + "\" is missing: an integer");
+  if (!value) missing(key, "an integer");
   return *value;
 }
 
@@ -72,7 +86,7 @@ std::optional<std::string> CallParams::optional_text(const std::string& key) {
 
 std::string CallParams::text(const std::string& key) {
   const std::optional<std::string> value = optional_text(key);
-  if (!value) throw BadParams("\"" + key + "\" is missing: a string");
+  if (!value) missing(key, "a string");
   return *value;
 }
 
@@ -85,9 +99,8 @@ bool CallParams::flag(const std::string& key) {
 
 Json CallParams::object(const std::string& key) {
   const Json* value = find(key);
-  if (value == nullptr || !value->is_object()) {
-    throw BadParams("\"" + key + "\" is " + (value ? "no object" : "missing: an object"));
-  }
+  if (value == nullptr) missing(key, "an object");
+  if (!value->is_object()) throw BadParams("\"" + key + "\" is no object");
   return *value;
 }
 

@@ -38,6 +38,8 @@ class CallParams {
 
  private:
   const Json* find(const std::string& key);
+  /// Throws; names a parameter of nearly the same spelling, if there is one.
+  [[noreturn]] void missing(const std::string& key, const std::string& kind) const;
 
   Json params_;
   std::set<std::string> asked_;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/rpc/call_params.hpp"
 #include "base/rpc/token.hpp"
 
 namespace cas::base::rpc {
@@ -76,14 +77,6 @@ Json id_of(const Json& request) {
 void refuse_line(Peer& peer, int code, const std::string& message) {
   peer.refusal = Refusal::kNotJsonRpc;
   peer.deliver(Dispatcher::error_line(code, message));
-}
-
-/// The string of that key; nullopt where there is none.
-std::optional<std::string> text_of(const Json& params, const char* key) {
-  if (!params.is_object()) return std::nullopt;
-  const auto found = params.find(key);
-  if (found == params.end() || !found->is_string()) return std::nullopt;
-  return found->get<std::string>();
 }
 
 }  // namespace
@@ -268,7 +261,9 @@ void Dispatcher::call(const std::string& method, const Json& params, Peer& peer,
 }
 
 void Dispatcher::subscribe(const Json& params, Peer& peer, const Reply& reply) {
-  const std::optional<std::string> topic = text_of(params, "topic");
+  CallParams reader(params);
+  const std::optional<std::string> topic = reader.optional_text("topic");
+  reader.finish();
   if (!topic || !topics_.contains(*topic)) {
     return reply.error(kInvalidParams, "\"topic\" must name one of the topics in data",
                        Json(topics_));
@@ -278,9 +273,10 @@ void Dispatcher::subscribe(const Json& params, Peer& peer, const Reply& reply) {
 }
 
 void Dispatcher::unsubscribe(const Json& params, Peer& peer, const Reply& reply) {
-  const std::optional<std::string> topic = text_of(params, "topic");
-  if (!topic) return reply.error(kInvalidParams, "\"topic\" must be a string", nullptr);
-  reply.result(peer.topics.erase(*topic) > 0);
+  CallParams reader(params);
+  const std::string topic = reader.text("topic");
+  reader.finish();
+  reply.result(peer.topics.erase(topic) > 0);
 }
 
 std::vector<std::string> Dispatcher::method_names() const {
@@ -292,17 +288,23 @@ std::vector<std::string> Dispatcher::method_names() const {
 }
 
 /// Names of all methods.
-void Dispatcher::methods(const Json&, Peer&, const Reply& reply) { reply.result(method_names()); }
+void Dispatcher::methods(const Json& params, Peer&, const Reply& reply) {
+  CallParams(params).finish();
+  reply.result(method_names());
+}
 
 /// All methods, with parameters and results.
-void Dispatcher::discover(const Json&, Peer&, const Reply& reply) {
+void Dispatcher::discover(const Json& params, Peer&, const Reply& reply) {
+  CallParams(params).finish();
   reply.result(description_.document(method_names()));
 }
 
 void Dispatcher::authorise(const Json& params, Peer& peer, const Reply& reply) {
-  const std::optional<std::string> token = text_of(params, "token");
-  const std::optional<std::string> nonce = text_of(params, "nonce");
-  const std::optional<std::string> proof = text_of(params, "proof");
+  CallParams reader(params);
+  const std::optional<std::string> token = reader.optional_text("token");
+  const std::optional<std::string> nonce = reader.optional_text("nonce");
+  const std::optional<std::string> proof = reader.optional_text("proof");
+  reader.finish();
   if (!token && !nonce && !proof) {
     return reply.error(kInvalidParams, "\"token\" must be a string, or \"nonce\", or \"proof\"",
                        nullptr);

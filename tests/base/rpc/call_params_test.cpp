@@ -71,6 +71,12 @@ INSTANTIATE_TEST_SUITE_P(
                "\"fault\" is missing: an object"},
         Misuse{{{"on", 1}}, [](CallParams& p) { p.flag("on"); }, "\"on\" must be true or false"},
         Misuse{{{"name", 1}}, [](CallParams& p) { p.text("name"); }, "\"name\" must be a string"},
+        Misuse{{{"altitud_m", 1}, {"vehicle", 2}},
+               [](CallParams& p) {
+                 p.optional_integer("vehicle", 1, 255);
+                 p.number("altitude_m");
+               },
+               "\"altitude_m\" is missing: a number; \"altitud_m\" is no parameter of this method"},
         Misuse{{{"vehicl", 1}},
                [](CallParams& p) { p.optional_text("vehicle"); },
                "\"vehicl\" is no parameter of this method"}));

@@ -179,6 +179,19 @@ INSTANTIATE_TEST_SUITE_P(
                   kInvalidParams, 9}),
     [](const auto& test) { return test.param.name; });
 
+TEST_F(DispatcherTest, ItsOwnMethodsRefuseUnknownParametersToo) {
+  for (const char* method : {"methods", "rpc.discover", "subscribe", "unsubscribe", "authorise"}) {
+    const Json request{{"jsonrpc", "2.0"},
+                       {"id", 1},
+                       {"method", method},
+                       {"params", {{"topic", "status"}, {"tokn", "x"}}}};
+    const Json error = answer(request.dump()).at("error");
+    EXPECT_EQ(error.at("code"), kInvalidParams) << method;
+    EXPECT_NE(error.at("message").get<std::string>().find("is no parameter"), std::string::npos)
+        << error;
+  }
+}
+
 TEST_F(DispatcherTest, AnswersWhatAMethodThrows) {
   dispatcher_.add_method("refuse", [](const Json& params, const Reply&) {
     if (params.is_null()) throw CallError(kInterlock, "not in HIL", R"({"result":4})");
