@@ -18,7 +18,7 @@
 
 namespace cas::casd {
 
-/// One vehicle's log: its file, and what is wrong.
+/// One vehicle's log: its file, and why it has none or lacks something.
 struct AutopilotLogStatus {
   std::uint8_t system = 0;
   bool wanted = false;  ///< the vehicle is asked for it

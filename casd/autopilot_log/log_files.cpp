@@ -243,7 +243,20 @@ std::optional<std::string> LogFiles::lack(std::uint64_t more) {
     used_counted_at_ = now;
     space_.used_bytes = folder_.look(true).used_bytes;
   }
+  const auto why = lack_of_room(config_.limits, space_, more);
+  if (!why || !config_.limits.delete_oldest || !make_room(std::max(more, kRoomToGoOn))) return why;
+  space_ = folder_.look(config_.limits.max_bytes > 0);
   return lack_of_room(config_.limits, space_, more);
+}
+
+/// @return whether a file had to go
+bool LogFiles::make_room(std::uint64_t more) {
+  const auto gone = folder_.make_room(config_.limits, more, {});
+  for (const std::string& name : gone) {
+    base::log::info("removed " + (folder_.path() / name).string() +
+                    ": the next log needs its room");
+  }
+  return !gone.empty();
 }
 
 }  // namespace cas::casd

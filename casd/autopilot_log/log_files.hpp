@@ -91,6 +91,7 @@ class LogFiles {
   void publish();
   /// Why so many bytes do not fit; nullopt: they do.
   std::optional<std::string> lack(std::uint64_t more);
+  bool make_room(std::uint64_t more);
 
   AutopilotLogConfig config_;
   std::atomic<bool> takes_{true};

@@ -154,7 +154,7 @@ constexpr const char* kText = R"json({
   "vehicle.disarm": {"summary": "Disarms.",
     "params": {"vehicle?": "integer: system id", "force?": "boolean: in flight, too"}, "result": "Acknowledgement"},
   "vehicle.takeoff": {"summary": "Takes off.",
-    "params": {"vehicle?": "integer: system id", "altitude_m": "number: above home, above 0"}, "result": "Acknowledgement"},
+    "params": {"vehicle?": "integer: system id", "altitude_m": "number: above home, above 0, at most 10 000"}, "result": "Acknowledgement"},
   "vehicle.land": {"summary": "Lands where it is.", "params": {"vehicle?": "integer: system id"}, "result": "Acknowledgement"},
   "vehicle.hold": {"summary": "Stays where it is.", "params": {"vehicle?": "integer: system id"}, "result": "Acknowledgement"},
   "vehicle.rtl": {"summary": "Returns home and lands.", "params": {"vehicle?": "integer: system id"}, "result": "Acknowledgement"},

@@ -15,15 +15,16 @@ std::uint64_t random_key() {
 
 }  // namespace
 
-DuplicateFilter::DuplicateFilter(base::Duration window) : window_(window), key_(random_key()) {}
+DuplicateFilter::DuplicateFilter() : key_(random_key()) {}
 
-bool DuplicateFilter::is_duplicate(LinkId from, const mav::PacketView& packet, base::RunTime now) {
+bool DuplicateFilter::is_duplicate(LinkId from, const mav::PacketView& packet, base::RunTime now,
+                                   base::Duration window) {
   const std::uint64_t hash = hash_of(packet.bytes);
   const base::MutexLock lock(mutex_);
   Set& set = sender(packet.source, now).by_sequence[packet.sequence];
   Entry* oldest = &set.front();
   for (Entry& entry : set) {
-    if (entry.from != kNoLink && entry.hash == hash && now - entry.seen <= window_) {
+    if (entry.from != kNoLink && entry.hash == hash && now - entry.seen <= window) {
       if (entry.from != from) return true;
       entry.seen = now;
       return false;

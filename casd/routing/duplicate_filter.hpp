@@ -14,9 +14,9 @@
 
 namespace cas::casd {
 
-/// Finds packets that come a second time over another link of the same group (redundant paths).
-/// A packet that comes again over the same link is not a duplicate: its sender repeated it.
-/// May be called from several threads.
+/// Finds packets that come a second time over another link (redundant paths). A packet that comes
+/// again over the same link is not a duplicate: its sender repeated it. May be called from several
+/// threads.
 ///
 /// Each sender has memory of its own, indexed by the packet's sequence number, so neither other
 /// senders nor its own next packets push an entry out: a second copy is found up to 8 x 256 packets
@@ -24,13 +24,14 @@ namespace cas::casd {
 /// same when their size and a 64-bit hash over all bytes agree; the hash has a secret key.
 class DuplicateFilter {
  public:
-  static constexpr std::size_t kMaxSenders = 64;
+  static constexpr std::size_t kMaxSenders = 256;
+
+  DuplicateFilter();
 
   /// @param window  how much later the second copy may come
-  explicit DuplicateFilter(base::Duration window);
-
   /// @return true when another link brought this packet within the window
-  bool is_duplicate(LinkId from, const mav::PacketView& packet, base::RunTime now);
+  bool is_duplicate(LinkId from, const mav::PacketView& packet, base::RunTime now,
+                    base::Duration window);
 
  private:
   static constexpr std::size_t kWays = 8;
@@ -48,7 +49,6 @@ class DuplicateFilter {
   Sender& sender(mav::Source source, base::RunTime now) CAS_REQUIRES(mutex_);
   std::uint64_t hash_of(std::span<const std::uint8_t> bytes) const;
 
-  const base::Duration window_;
   const std::uint64_t key_;
   base::Mutex mutex_;
   std::vector<std::unique_ptr<Sender>> senders_ CAS_GUARDED_BY(mutex_);

@@ -16,9 +16,7 @@ Router::Router(std::shared_ptr<const RoutingPlan> plan, const mav::MessageTable&
     : table_(table),
       routes_{RouteTable(route_lifetime), RouteTable(route_lifetime), RouteTable(route_lifetime),
               RouteTable(route_lifetime)},
-      plan_(std::move(plan)) {
-  for (auto& filter : duplicates_) filter = std::make_unique<DuplicateFilter>(kDuplicateWindow);
-}
+      plan_(std::move(plan)) {}
 
 /// Word by word, as many as the plan's links fill: 63 links cost one.
 inline Route::Decision Router::choose_links(Route& route, const RoutingPlan& plan,
@@ -133,8 +131,10 @@ void Router::renew_plan(LinkId link) {
 bool Router::is_duplicate(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
                           base::RunTime now) {
   const std::int16_t group = plan.group[from];
-  return group >= 0 &&
-         duplicates_[static_cast<std::size_t>(group)]->is_duplicate(from, packet, now);
+  const bool all_links = plan.duplicate_window > base::Duration::zero();
+  if (all_links && duplicates_.is_duplicate(from, packet, now, plan.duplicate_window)) return true;
+  return group >= 0 && group_duplicates_[static_cast<std::size_t>(group)].is_duplicate(
+                           from, packet, now, kDuplicateWindow);
 }
 
 }  // namespace cas::casd

@@ -29,6 +29,8 @@ struct RoutingPlan {
   std::array<LinkMask, kLinkSlots> never_back{};
   /// Group number per link, -1: none. Packets that come twice into a group go on once.
   std::array<std::int16_t, kLinkSlots> group;
+  /// Packets that come again over any other link within this time go on once; zero: only groups.
+  base::Duration duplicate_window{};
   LinkMask pass_unknown;  ///< links from which packets with unknown message ids go on
   LinkMask sniffers;      ///< links that get every packet; no rule names them
 
@@ -39,7 +41,7 @@ struct RoutingPlan {
 struct Route {
   enum class Decision : std::uint8_t {
     kForward,     ///< `to` may still be empty: no link wants it
-    kDuplicate,   ///< came over another link of the group already
+    kDuplicate,   ///< came over another link already
     kNoRule,      ///< the rules let it go nowhere
     kNoTarget,    ///< addressed to a system that was never heard
     kRateLimited  ///< its turn has not come
@@ -116,7 +118,8 @@ class Router {
   mav::MessageTable table_;
   Routes routes_;
   std::array<PerLink, kLinkSlots> links_;
-  std::array<std::unique_ptr<DuplicateFilter>, kMaxGroups> duplicates_;
+  std::array<DuplicateFilter, kMaxGroups> group_duplicates_;
+  DuplicateFilter duplicates_;  ///< of all links
 
   std::atomic<std::uint64_t> generation_{1};
   base::Mutex plan_mutex_;

@@ -16,6 +16,7 @@ namespace cas::casd {
 /// vehicle that gets the takeoff command after a disarm would take off as soon as it is armed.
 class Takeoff {
  public:
+  static constexpr double kHighest_m = 10'000;  ///< above home
   using Clock = std::function<base::RunTime()>;
   using SetMode = std::function<void(const KnownVehicle&, std::string_view word, Done)>;
 

@@ -400,8 +400,8 @@ void VehicleCommander::takeoff(std::uint8_t system, double altitude_m, base::Run
   now_ = now;
   KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
-  if (!(altitude_m > 0 && altitude_m <= kFarthest_m)) {
-    done(failure(OutcomeKind::kInvalid, "a takeoff altitude is above 0 m and at most 100 km"));
+  if (!(altitude_m > 0 && altitude_m <= Takeoff::kHighest_m)) {
+    done(failure(OutcomeKind::kInvalid, "a takeoff altitude is above 0 m and at most 10 km"));
     return;
   }
   takeoff_.begin(*vehicle, altitude_m, std::move(done));

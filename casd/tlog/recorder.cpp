@@ -29,7 +29,7 @@ Recorder::Recorder(TlogWriter& writer, TlogConfig config)
 }
 
 void Recorder::begin() {
-  if (config_.while_armed) return writer_.stand_by(TlogFolder(config_.folder));
+  if (config_.while_armed) return writer_.stand_by(TlogFolder(config_.folder), config_.limits);
   if (config_.tlog.empty()) return;
   TlogRecording::Options wanted = options(config_.tlog, config_.rotation);
   if (config_.overwrite) wanted.files.name = bare_tlog_name(config_.tlog);

@@ -105,26 +105,49 @@ bool TlogFolder::remove(const std::string& name) const {
   return folder && ::unlinkat(folder.get(), name.c_str(), 0) == 0;
 }
 
-std::vector<std::string> TlogFolder::remove_oldest(std::size_t keep,
-                                                   const std::string& current) const {
+/// Removes one recording after the other, the oldest first, while wanted(Removal) says so.
+template <class Wanted>
+std::vector<std::string> TlogFolder::remove_while(const std::string& current,
+                                                  Wanted&& wanted) const {
   constexpr std::size_t kMostFiles = 100'000;  // that are looked at
-  std::vector<std::string> files;
+  struct File {
+    std::string name;
+    std::uint64_t bytes = 0;
+  };
+  std::vector<File> files;
   for_each_recording(path_, extensions_, [&](std::string_view name, const struct stat& status) {
     const bool own = status.st_uid == ::geteuid() && is_own_(name);
-    if (own && files.size() < kMostFiles) files.emplace_back(name);
+    if (!own || files.size() >= kMostFiles) return;
+    files.push_back({std::string(name), static_cast<std::uint64_t>(status.st_size)});
   });
-  std::sort(files.begin(), files.end(), older_tlog);
+  std::ranges::sort(files, older_tlog, &File::name);
   std::vector<std::string> gone;
   const base::Descriptor folder = open_folder(path_);
-  std::size_t left = files.size();
-  for (const std::string& name : files) {
-    if (left <= keep || !folder) break;
-    if (name == current || is_written(folder.get(), name)) continue;
-    if (::unlinkat(folder.get(), name.c_str(), 0) != 0) continue;
-    gone.push_back(name);
-    --left;
+  Removal state{.left = files.size()};
+  for (const File& file : files) {
+    if (!folder || !wanted(state)) break;
+    if (file.name == current || is_written(folder.get(), file.name)) continue;
+    if (::unlinkat(folder.get(), file.name.c_str(), 0) != 0) continue;
+    gone.push_back(file.name);
+    --state.left;
+    state.freed += file.bytes;
   }
   return gone;
+}
+
+std::vector<std::string> TlogFolder::remove_oldest(std::size_t keep,
+                                                   const std::string& current) const {
+  return remove_while(current, [keep](const Removal& state) { return state.left > keep; });
+}
+
+std::vector<std::string> TlogFolder::make_room(const TlogLimits& limits, std::uint64_t more,
+                                               const std::string& current) const {
+  const std::uint64_t used = look(limits.max_bytes > 0).used_bytes;
+  return remove_while(current, [&](const Removal& state) {
+    const TlogSpace space{.free_bytes = look(false).free_bytes,
+                          .used_bytes = used - std::min(state.freed, used)};
+    return lack_of_room(limits, space, more).has_value();
+  });
 }
 
 TlogSpace TlogFolder::look(bool scan) const {

@@ -21,6 +21,7 @@ struct TlogLimits {
 
   std::uint64_t free_space_min_bytes = 0;  ///< bytes that stay free on the file system
   std::uint64_t max_bytes = 0;             ///< all recordings in the folder together
+  bool delete_oldest = false;              ///< TlogFolder::make_room instead of a pause
 
   friend bool operator==(const TlogLimits&, const TlogLimits&) = default;
 };
@@ -62,11 +63,23 @@ class TlogFolder {
   /// Removes the oldest of casd's recordings (IsOwn) until `keep` of them are left: only
   /// regular files of this user that no program writes. `current` stays. @return removed files
   std::vector<std::string> remove_oldest(std::size_t keep, const std::string& current) const;
+  /// Removes the oldest, as remove_oldest does, until `more` bytes fit into the limits or none is
+  /// left. @return removed files
+  std::vector<std::string> make_room(const TlogLimits& limits, std::uint64_t more,
+                                     const std::string& current) const;
   /// Free space (unlimited if the file system does not say), and with `scan` the space of all its
   /// recordings.
   TlogSpace look(bool scan) const;
 
  private:
+  /// What remove_while() has to decide on.
+  struct Removal {
+    std::size_t left = 0;     ///< casd's recordings
+    std::uint64_t freed = 0;  ///< bytes so far
+  };
+  template <class Wanted>
+  std::vector<std::string> remove_while(const std::string& current, Wanted&& wanted) const;
+
   std::filesystem::path path_;
   Extensions extensions_;
   IsOwn is_own_;

@@ -12,9 +12,6 @@
 namespace cas::casd {
 namespace {
 
-/// Least room below a limit before a paused recording goes on, so that it does not stop again with
-/// the next packet.
-constexpr std::size_t kRoomToGoOn = 256 * 1024;
 constexpr base::Duration kScanPeriod = std::chrono::seconds(1);
 
 std::string message_of(int error) { return std::generic_category().message(error); }
@@ -81,7 +78,21 @@ std::optional<std::string> TlogRecording::lack(std::size_t more, base::RunTime n
   } else {
     space_.used_bytes = used;
   }
+  const auto why = lack_of_room(limits, space_, more);
+  if (!why || !limits.delete_oldest || !make_room(std::max(more, kRoomToGoOn))) return why;
+  space_ = files_.folder().look(limits.max_bytes > 0);
   return lack_of_room(limits, space_, more);
+}
+
+/// @return whether a file had to go
+bool TlogRecording::make_room(std::size_t more) {
+  const TlogFolder& folder = files_.folder();
+  const auto gone = folder.make_room(options_.limits, more, files_.current().filename());
+  for (const std::string& name : gone) {
+    base::log::info("recordings: deleted " + (folder.path() / name).string() +
+                    ", the next one needs its room");
+  }
+  return !gone.empty();
 }
 
 void TlogRecording::pause(std::string why, base::RunTime now) {

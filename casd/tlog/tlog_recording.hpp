@@ -27,6 +27,9 @@ class TlogRecording {
 
   /// How often a paused recording looks whether it may go on.
   static constexpr base::Duration kRetryPeriod = std::chrono::seconds(1);
+  /// Least room below a limit before it goes on, so that it does not stop again with the next
+  /// packet.
+  static constexpr std::size_t kRoomToGoOn = 256 * 1024;
 
   /// @throws base::ConfigError when the first file cannot be made
   void begin(Options options, base::RunTime now);
@@ -47,6 +50,7 @@ class TlogRecording {
   void pause(std::string why, base::RunTime now);
   void go_on();
   std::optional<std::string> lack(std::size_t more, base::RunTime now);
+  bool make_room(std::size_t more);
 
   Options options_;
   TlogFiles files_;

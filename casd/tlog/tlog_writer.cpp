@@ -63,15 +63,12 @@ void TlogWriter::start_thread(std::function<void()> first) {
 }
 
 // A machine without a free thread or with a bad folder shows it now, not at the first flight.
-void TlogWriter::stand_by(const TlogFolder& folder) {
-  start_thread([this, folder] {
-    if (folder.takes_files()) return;
-    const std::string why = std::generic_category().message(errno);
-    fault_between_ = why;
-    fault_since_ = base::steady_now();
+void TlogWriter::stand_by(TlogFolder folder, TlogLimits limits) {
+  start_thread([this, folder = std::move(folder), limits] {
+    folder_ = folder;
+    limits_ = limits;
+    look_at_folder(base::steady_now());
     publish();
-    base::log::error("cannot record in " + folder.path().string() + " now: " + why +
-                     "; casd tries again when a vehicle arms");
   });
   const base::MutexLock lock(mutex_);
   stands_by_ = true;
@@ -197,17 +194,41 @@ TlogStatus TlogWriter::publish() {
   return status_;
 }
 
+/// Between recordings: could one begin? What limits could make room for, they could.
+void TlogWriter::look_at_folder(base::RunTime now) {
+  std::optional<std::string> why;
+  if (!limits_.delete_oldest) {
+    why = lack_of_room(limits_, folder_->look(limits_.max_bytes > 0), TlogRecording::kRoomToGoOn);
+  }
+  if (!why && !folder_->takes_files()) why = std::generic_category().message(errno);
+  const std::string folder = folder_->path().string();
+  if (why && !fault_between_) {
+    fault_since_ = now;
+    base::log::error("cannot record in " + folder + " now: " + *why + "; casd goes on trying");
+  } else if (!why && fault_between_) {
+    base::log::info("can record in " + folder + " again");
+  }
+  fault_between_ = why;
+}
+
 /// Orders first: packets that wait belong to the recording that was begun last.
 void TlogWriter::run(const std::stop_token& stop) {
   for (;;) {
     std::deque<Order> orders;
     Load load;
+    bool looks = false;
     {
       base::MutexLock lock(mutex_);
       const auto has_orders = [this]() CAS_REQUIRES(mutex_) { return !orders_.empty(); };
-      more_.wait(lock, stop, [&]() CAS_REQUIRES(mutex_) { return has_orders() || active(); });
-      more_.wait_for(lock, stop, kFlushPeriod, has_orders);
+      const auto works = [&]() CAS_REQUIRES(mutex_) { return has_orders() || active(); };
+      if (folder_ && fault_between_) {
+        more_.wait_for(lock, stop, TlogRecording::kRetryPeriod, works);
+      } else {
+        more_.wait(lock, stop, works);
+      }
+      if (works()) more_.wait_for(lock, stop, kFlushPeriod, has_orders);
       if (stop.stop_requested() && orders_.empty()) return;
+      looks = folder_ && fault_between_ && !works();
       orders.swap(orders_);
       ordered_bytes_ = 0;
       if (active()) load = take_waiting();
@@ -221,6 +242,7 @@ void TlogWriter::run(const std::stop_token& stop) {
       carry_out(std::move(orders.front()), orders.size() == 1, now);
     }
     if (open_) write(std::move(load), now);
+    if (looks && !open_) look_at_folder(now);
     publish();
     const base::MutexLock lock(status_mutex_);
     asked_disk_.reset();

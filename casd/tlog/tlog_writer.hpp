@@ -69,10 +69,10 @@ class TlogWriter {
   void start(TlogRecording::Options options, Done done);
   /// The same, and waits for the disk. @throws base::ConfigError also when its file cannot be made
   void start(TlogRecording::Options options);
-  /// From now on the newest packets are kept while nothing is recorded, for the next start(). The
-  /// log says soon if the folder takes no files.
+  /// From now on the newest packets are kept while nothing is recorded, for the next start(). If
+  /// the folder could take no recording, the log says so soon, and status() until it could.
   /// @throws base::ConfigError when the machine has no thread for it
-  void stand_by(const TlogFolder& folder);
+  void stand_by(TlogFolder folder, TlogLimits limits);
   /// In lockstep run time is not this machine's clock: sets the time of day at run time zero for
   /// the next logs. Without it logs have the time of day.
   void set_epoch(std::chrono::nanoseconds since_1970) { epoch_ = since_1970; }
@@ -109,6 +109,7 @@ class TlogWriter {
 
   void start_thread(std::function<void()> first = {});
   void run(const std::stop_token& stop);
+  void look_at_folder(base::RunTime now);
   void carry_out(Order order, bool newest, base::RunTime now);
   void begin_recording(Order order, bool newest, base::RunTime now);
   void begin_failed();
@@ -139,6 +140,8 @@ class TlogWriter {
   bool open_ = false;  ///< a recording has begun and not ended
   std::uint64_t recorded_ = 0;
   std::uint64_t left_out_ = 0;
+  std::optional<TlogFolder> folder_;  ///< of stand_by()
+  TlogLimits limits_;
   std::optional<std::string> fault_between_;  ///< TlogStatus::paused while nothing is recorded
   base::RunTime fault_since_{};
 

@@ -19,6 +19,7 @@ namespace {
 
 constexpr unsigned kDefaultTcpServerPort = 5760;
 constexpr unsigned kDefaultBaud = 115200;
+constexpr std::uint64_t kLongestDuplicateWindow_ms = 60'000;  // of a topology
 
 using base::lower;
 using Ids = RouterConfig::Ids;
@@ -98,6 +99,9 @@ class Import {
       sniffer_ = static_cast<unsigned>(config_.number(sniffer->text, *sniffer, 255));
       sniffer_place_ = sniffer->place;
     }
+    if (const RouterValue* period = config_.find(section, "DeduplicationPeriod")) {
+      duplicate_window_ms_ = config_.number(period->text, *period, kLongestDuplicateWindow_ms);
+    }
     const bool telemetry = config_.flag(section, "LogTelemetry");
     const RouterValue* folder = config_.find(section, "Log");
     const RouterValue* mode = config_.find(section, "LogMode");
@@ -121,10 +125,14 @@ class Import {
     constexpr std::uint64_t kMib = 1024 * 1024;
     if (space != nullptr) {
       const std::uint64_t bytes = config_.number(space->text, *space, UINT64_MAX - kMib);
-      const std::string key = "free_space_min_mib: " + std::to_string((bytes + kMib - 1) / kMib);
+      const std::string mib = std::to_string((bytes + kMib - 1) / kMib);
+      const std::string key = "free_space_min_mib: " + mib;
       log_ += "  " + key + "\n";
       autopilot += ", " + key;
-      note(space->place, "MinFreeSpace: casd pauses a recording there; it deletes no older ones");
+      if (bytes > 0) {
+        log_ += "  delete_oldest: true\n";
+        autopilot += ", delete_oldest: true";
+      }
     }
     if (const RouterValue* system = config_.find(section, "LogSystemId")) {
       const std::string id = std::to_string(config_.number(system->text, *system, 255));
@@ -276,7 +284,6 @@ class Import {
     static const std::map<std::string, std::string> kReasons{
         {"reportstats", "casctl status and casctl monitor show them at any time"},
         {"debugloglevel", "casd has --log-level"},
-        {"deduplicationperiod", "links of one group pass on once what comes twice"},
         {"mavlinkdialect", "casd knows all public dialects; another one: dialect"},
     };
     for (const RouterSection& section : config_.sections()) {
@@ -287,6 +294,11 @@ class Import {
              value.key + ": " + (reason == kReasons.end() ? "is unknown" : reason->second));
       }
     }
+  }
+
+  std::string duplicate_window() const {
+    if (duplicate_window_ms_ == 0) return "";
+    return "duplicate_window_ms: " + std::to_string(duplicate_window_ms_) + "\n";
   }
 
   std::string routes() const {
@@ -312,7 +324,7 @@ class Import {
     if (text.empty()) return "";
     return "# No sensor data of a simulator goes through; a bench has a topology of its own. casd "
            "leaves\n# out the link that a packet came from: links that lead to the same systems "
-           "need one group.\nroutes:\n" +
+           "need one group,\n# or the topology duplicate_window_ms.\nroutes:\n" +
            text;
   }
 
@@ -343,7 +355,7 @@ class Import {
         "# mavlink-router says nothing of its own. With a rate here, vehicles see a ground "
         "station;\n# with ask_on_sight casd asks them for what its commands need.\n"
         "commanding: {heartbeat_hz: 0, ask_on_sight: false}\n" +
-        command_port() + log_ + "links:\n";
+        duplicate_window() + command_port() + log_ + "links:\n";
     for (const Endpoint& endpoint : endpoints_) {
       std::string entry = link_entry(endpoint.link);
       std::string more = endpoint.more;
@@ -358,6 +370,7 @@ class Import {
   std::vector<Endpoint> endpoints_;
   std::vector<Note> notes_;
   std::string log_;
+  std::uint64_t duplicate_window_ms_ = 0;
   unsigned tcp_server_port_ = kDefaultTcpServerPort;
   unsigned sniffer_ = 0;  ///< system id; 0: none
   RouterPlace sniffer_place_;

@@ -73,6 +73,7 @@ std::shared_ptr<const RoutingPlan> make_plan(const Topology& topology, const Lin
   add_station(rules, topology, slots);
   plan->rules = ForwardRules(rules);
   fill_groups(*plan, topology, slots);
+  plan->duplicate_window = topology.duplicate_window;
   for (const LinkConfig& link : topology.links) {
     if (link.pass_unknown) plan->pass_unknown.add(slots.at(link.name));
     if (link.sniffer) plan->sniffers.add(slots.at(link.name));

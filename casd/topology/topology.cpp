@@ -148,6 +148,10 @@ constexpr std::tuple kAutopilotLogKeys{
     key<&AutopilotLogConfig::limits, &TlogLimits::free_space_min_bytes>(
         "free_space_min_mib", Range{0, 1e8, kMib},
         "logs pause when less would stay free on the disk"),
+    key<&AutopilotLogConfig::limits, &TlogLimits::delete_oldest>(
+        "delete_oldest", Flag{},
+        "at a limit casd deletes the oldest dated .ulg and .bin files; logs pause when none is "
+        "left"),
 };
 
 constexpr std::tuple kLogKeys{
@@ -173,6 +177,10 @@ constexpr std::tuple kLogKeys{
     key<&TlogConfig::limits, &TlogLimits::free_space_min_bytes>(
         "free_space_min_mib", Range{0, 1e8, kMib},
         "a recording pauses when less would stay free on the disk"),
+    key<&TlogConfig::limits, &TlogLimits::delete_oldest>(
+        "delete_oldest", Flag{},
+        "at a limit casd deletes the oldest files with a date; a recording pauses when none is "
+        "left"),
     key<&TlogConfig::autopilot>("autopilot", block<AutopilotLogConfig>(kAutopilotLogKeys),
                                 "takes the logs of autopilots, too; see below"),
     key<&TlogConfig::while_armed>("while_armed", Flag{},
@@ -182,7 +190,14 @@ constexpr std::tuple kLogKeys{
                                 "file"),
 };
 
+void check_limits(const ConfigNode& node, const TlogLimits& limits) {
+  if (limits.delete_oldest && limits.free_space_min_bytes == 0 && limits.max_bytes == 0) {
+    node.at("delete_oldest").fail("needs a limit: max_mib or free_space_min_mib");
+  }
+}
+
 void check_log(const ConfigNode& node, const TlogConfig& log) {
+  check_limits(node, log.limits);
   if (log.overwrite && log.while_armed) {
     node.at("overwrite").fail("each flight of while_armed has a file of its own");
   }
@@ -191,6 +206,7 @@ void check_log(const ConfigNode& node, const TlogConfig& log) {
   if (!autopilot->is_map()) {
     autopilot->fail("is a block, of which every key may be left out: {}");
   }
+  check_limits(*autopilot, log.autopilot->limits);
   const auto systems = autopilot->find("systems");
   if (systems && log.autopilot->systems.empty()) systems->fail("names no vehicle");
   if (std::ranges::count(log.autopilot->systems, 0) > 0) systems->fail("0 is no vehicle's id");
@@ -239,6 +255,10 @@ constexpr std::tuple kRestartKeys{
 // and puts new values of these in force:
 
 constexpr std::tuple kReloadKeys{
+    key<&Topology::duplicate_window>(
+        "duplicate_window_ms", Range{0, 60'000, 1e-3},
+        "a packet that comes again over any other link within this time goes on once; 0: only "
+        "within a `group`, whose window is 500 ms"),
     key<&Topology::commanding>("commanding", block<CommandingConfig>(kCommandingKeys), ""),
     key<&Topology::dialect>("dialect", ConfigFile{},
                             "MAVLink XML (with what it includes): names and values of its messages "

@@ -79,6 +79,7 @@ struct Topology {
   bool lock_memory = false;
   std::optional<int> cpu_dma_latency_us;  ///< base::CpuLatencyRequest
   base::Duration route_lifetime = Router::kRouteLifetime;
+  base::Duration duplicate_window{};  ///< RoutingPlan::duplicate_window
   CommandPortConfig command_port;
   std::optional<MetricsConfig> metrics;  ///< nothing: no HTTP port
   CommandingConfig commanding;
@@ -103,7 +104,8 @@ struct Topology {
 };
 
 /// Keys whose values differ and that a running casd cannot change: all but `links`, `routes`,
-/// `commanding`, `dialect` and `gains`. Empty: a reload puts `next` in force.
+/// `duplicate_window_ms`, `commanding`, `dialect` and `gains`. Empty: a reload puts `next` in
+/// force.
 std::vector<std::string> restart_keys(const Topology& in_force, const Topology& next);
 
 /// The same with the place in the file. @throws base::ConfigError "FILE:LINE: key: sentence"

@@ -833,7 +833,7 @@ class VehicleCalls:
     def takeoff(self, altitude_m: float, *, vehicle: Optional[int] = None) -> Acknowledgement:
         """Takes off.
 
-        altitude_m: above home, above 0
+        altitude_m: above home, above 0, at most 10 000
         vehicle: system id
         """
         return cast(Acknowledgement, self._call("vehicle.takeoff", _given(altitude_m=altitude_m, vehicle=vehicle)))
@@ -1168,7 +1168,7 @@ class AsyncVehicleCalls:
     async def takeoff(self, altitude_m: float, *, vehicle: Optional[int] = None) -> Acknowledgement:
         """Takes off.
 
-        altitude_m: above home, above 0
+        altitude_m: above home, above 0, at most 10 000
         vehicle: system id
         """
         return cast(Acknowledgement, await self._call("vehicle.takeoff", _given(altitude_m=altitude_m, vehicle=vehicle)))

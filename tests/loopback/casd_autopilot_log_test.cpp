@@ -217,6 +217,11 @@ TEST_F(CasdAutopilotLog, SaysAtTheStartThatAFolderTakesNoFiles) {
   }));
   EXPECT_NE(casctl({"doctor", "--seconds", "0.1"}).find("casd cannot record: Not a directory"),
             std::string::npos);
+  fs::remove(folder / "rec");
+  EXPECT_TRUE(wait_until([&] {
+    return casctl({"log", "status"}).find("CANNOT RECORD") == std::string::npos;
+  }));
+  EXPECT_TRUE(says("can record in ")) << casd->output();
   end();
 }
 
@@ -296,6 +301,28 @@ TEST_F(CasdAutopilotLog, PausesBeforeAllLogsTakeMoreThanTheyMay) {
 
   for (const fs::path& file : files()) fs::remove(file);
   EXPECT_TRUE(speaks_until(px4, [&] { return px4.starts >= 2; })) << casd->output();
+}
+
+TEST_F(CasdAutopilotLog, OldLogsMakeRoomForNewOnesWhereTheTopologySaysSo) {
+  const fs::path old =
+      folder.write("rec/2026-01-01T00-00-00Z-v1.ulg", std::string(1024 * 1024 - 500, 'x'));
+  const fs::path mine = folder.write("rec/mine.ulg", "x");
+  start(", free_space_min_mib: 0, max_mib: 1, delete_oldest: true");
+  UdpAutopilot px4(MavAutopilot::kPx4);
+  px4.socket.set_remote(port);
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts == 1; }));
+  px4.piece<LoggingDataAcked>(0, beginning());
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.acks.size() == 1; }));
+  std::uint16_t number = 0;
+  EXPECT_TRUE(speaks_until(
+      px4, [&] { return !fs::exists(old); },
+      [&] {
+        ++number;
+        px4.piece(number, message(number));
+      }));
+  EXPECT_EQ(px4.stops, 0);
+  EXPECT_TRUE(fs::exists(mine));
+  EXPECT_EQ(casd->output().find("pause:"), std::string::npos) << casd->output();
 }
 
 TEST_F(CasdAutopilotLog, GoesOnInAnotherFileWhenFilesMayGrowAgain) {

@@ -207,6 +207,18 @@ TEST_F(CasdRecording, OfOldOnesTheNewestStayAndNothingElseGoes) {
   EXPECT_EQ(TemporaryFolder::read(victim), "theirs");
 }
 
+TEST_F(CasdRecording, DeletesOldOnesForANewOneWhereTheTopologySaysSo) {
+  fixture.folder.write("rec/2026-11-01T00-00-00Z-a.tlog", std::string(1024 * 1024, 'x'));
+  fixture.folder.write("rec/mine.tlog", "old");
+  start("tlog: flight, free_space_min_mib: 0, max_mib: 1, delete_oldest: true");
+  ASSERT_TRUE(send_until([&] { return call("log.status").at("recorded") > 5; }));
+  EXPECT_FALSE(fs::exists(recordings / "2026-11-01T00-00-00Z-a.tlog"));
+  EXPECT_TRUE(fs::exists(recordings / "mine.tlog"));
+  EXPECT_NE(casd->output().find("2026-11-01T00-00-00Z-a.tlog, the next one needs its room"),
+            std::string::npos)
+      << casd->output();
+}
+
 TEST_F(CasdRecording, PausesWhileFilesMayNotGrowAndGoesOnByItself) {
   start("tlog: flight, free_space_min_mib: 0");
   ASSERT_TRUE(send_until([&] { return call("log.status").at("recorded") > 5; }));

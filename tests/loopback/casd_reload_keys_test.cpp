@@ -195,7 +195,29 @@ void expect_gains(ReloadProgram& program, bool reloaded) {
             reloaded ? "NEW_P" : "OLD_P");
 }
 
+/// Both links bring the same packet: is the second one told to be a duplicate?
+void expect_one_of_two(ReloadProgram& program, bool reloaded) {
+  CasdFixture& fixture = program.fixture;
+  const auto rx_of = [&](const char* name) -> json {
+    for (const json& link : program.call("link.list")) {
+      if (link.at("name") != name) continue;
+      if (link.at("name") == "sim") fixture.sim.set_remote(port_of(link.at("endpoint")));
+      return link.at("rx");
+    }
+    return {};
+  };
+  const auto packet = fixture.from_fcu(Heartbeat{});
+  const int from_fcu = rx_of("fcu").at("packets");
+  const int from_sim = rx_of("sim").at("packets");
+  fixture.fcu.write(packet);
+  EXPECT_TRUE(wait_until([&] { return rx_of("fcu").at("packets") > from_fcu; }));
+  fixture.sim.send(packet);
+  EXPECT_TRUE(wait_until([&] { return rx_of("sim").at("packets") > from_sim; }));
+  EXPECT_EQ(rx_of("sim").at("verdicts").at("duplicate"), reloaded ? 1 : 0);
+}
+
 constexpr InForceCase kInForce[] = {
+    {"duplicate_window_ms", "", "duplicate_window_ms: 60000", expect_one_of_two},
     {"commanding.heartbeat_hz", "commanding: {heartbeat_hz: 0.01}",
      "commanding: {heartbeat_hz: 50}", expect_fast_beats},
     {"commanding.allow_not_hil", "commanding: {allow_not_hil: true}",

@@ -52,6 +52,42 @@ links:
             kPackets);
 }
 
+TEST(CasdDuplicates, ComeOnceToTheStationThatHearsTwoRadios) {
+  CasdFixture fixture;
+  UdpPeer radio;
+  UdpPeer station;
+  fixture.start(R"(schema: 1
+duplicate_window_ms: 60000
+commanding: {heartbeat_hz: 0, ask_on_sight: false}
+links:
+  - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
+  - {name: other, type: udp, local: "127.0.0.1:0"}
+  - {name: gcs, type: udp, local: "127.0.0.1:0"}
+)");
+  radio.set_remote(fixture.port("other"));
+  station.set_remote(fixture.port("gcs"));
+  mav::Encoder gcs{{255, 190}};
+  station.send(gcs(mavlink::common::Heartbeat{}));  // casd knows now where it is
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.status("gcs").rx.packets == 1; }));
+  constexpr std::uint64_t kPackets = 200;
+  PacketStream at_station;
+  for (std::uint64_t i = 1; i <= kPackets; ++i) {
+    const auto packet = fixture.from_sim(mavlink::common::Heartbeat{});
+    fixture.sim.send(packet);
+    radio.send(packet);
+  }
+  ASSERT_TRUE(fixture.collect_until([&] {
+    station.read(at_station);
+    return fixture.status("sim").rx.packets == kPackets &&
+           fixture.status("other").rx.packets == kPackets &&
+           at_station.count(kHeartbeat) >= kPackets;
+  }));
+  EXPECT_EQ(at_station.count(kHeartbeat), kPackets);
+  EXPECT_EQ(counted(fixture, "sim", "drop.duplicate", kHeartbeat) +
+                counted(fixture, "other", "drop.duplicate", kHeartbeat),
+            kPackets);
+}
+
 TEST(CasdRates, ThinOutAMessageAndCountWhatWasLeftOut) {
   CasdFixture fixture;
   fixture.start(R"(schema: 1

@@ -152,6 +152,31 @@ TEST(Router, OldCopyIsNoDuplicate) {
   EXPECT_EQ(router.on_packet(1, view(heartbeat), at(std::chrono::seconds(1))).decision, kForward);
 }
 
+TEST(Router, APacketThatComesAgainOverAnyOtherLinkGoesOnOnceWithinTheWindow) {
+  auto plan = all_to_all(3);
+  plan->duplicate_window = milliseconds(100);
+  Router router(plan, mav::public_table());
+  const auto heartbeat = packet(Heartbeat{}, {1, 1}, 7);
+  EXPECT_EQ(router.on_packet(0, view(heartbeat), at({})).to, bit(1) | bit(2));
+  EXPECT_EQ(router.on_packet(0, view(heartbeat), at({})).decision, kForward) << "a repetition";
+  EXPECT_EQ(router.on_packet(1, view(heartbeat), at(milliseconds(100))).decision, kDuplicate);
+  EXPECT_EQ(router.on_packet(2, view(heartbeat), at(milliseconds(100))).decision, kDuplicate);
+  EXPECT_EQ(router.on_packet(2, view(heartbeat), at(milliseconds(101))).decision, kForward);
+  router.replace(all_to_all(3));
+  EXPECT_EQ(router.on_packet(1, view(heartbeat), at(milliseconds(102))).decision, kForward);
+}
+
+TEST(Router, AGroupKeepsItsWindowBesideThatOfAllLinks) {
+  auto plan = all_to_all(4);
+  plan->duplicate_window = milliseconds(10);
+  plan->group[0] = plan->group[1] = 0;
+  Router router(plan, mav::public_table());
+  const auto heartbeat = packet(Heartbeat{}, {1, 1}, 7);
+  EXPECT_EQ(router.on_packet(0, view(heartbeat), at({})).decision, kForward);
+  EXPECT_EQ(router.on_packet(1, view(heartbeat), at(milliseconds(300))).decision, kDuplicate);
+  EXPECT_EQ(router.on_packet(2, view(heartbeat), at(milliseconds(320))).decision, kForward);
+}
+
 TEST(Router, TellsWhichLinksARateRuleTookAway) {
   auto plan = all_to_all(2);
   ForwardRule thinned;

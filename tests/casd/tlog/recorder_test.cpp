@@ -37,7 +37,7 @@ class RecorderTest : public testing::Test {
   RecorderTest() { writer.set_epoch(std::chrono::nanoseconds(0)); }  // stamps are run time
 
   Recorder make(TlogConfig config) {
-    config.folder = folder.path();
+    if (config.folder.empty()) config.folder = folder.path();
     return {writer, config};
   }
   void say(base::Duration when) {
@@ -64,6 +64,27 @@ class RecorderTest : public testing::Test {
   cas::test::TemporaryFolder folder;
   TlogWriter writer;
 };
+
+TEST_F(RecorderTest, SaysBetweenFlightsWhetherItCouldRecord) {
+  folder.write("rec", "a file, not a folder");
+  Recorder recorder = make({.folder = folder / "rec", .while_armed = true});
+  recorder.begin();
+  const auto fault = [&] { return recorder.status(base::steady_now()).paused.value_or(""); };
+  EXPECT_TRUE(cas::test::wait_until([&] { return fault() == "Not a directory"; }));
+  std::filesystem::remove(folder / "rec");
+  EXPECT_TRUE(cas::test::wait_until([&] { return fault().empty(); }));
+}
+
+TEST_F(RecorderTest, SaysBetweenFlightsThatALimitIsReached) {
+  const auto filler = folder.write("old.tlog", std::string(1024 * 1024, 'x'));
+  Recorder recorder = make({.limits = {.max_bytes = 1024 * 1024}, .while_armed = true});
+  recorder.begin();
+  const auto fault = [&] { return recorder.status(base::steady_now()).paused.value_or(""); };
+  EXPECT_TRUE(cas::test::wait_until(
+      [&] { return fault() == "the recordings have the 1 MiB that they may take"; }));
+  std::filesystem::remove(filler);
+  EXPECT_TRUE(cas::test::wait_until([&] { return fault().empty(); }));
+}
 
 /// Threads of links come in the order of the writer's lock, not of their times.
 TEST_F(RecorderTest, TimesNeverGoBackButWithTheClock) {

@@ -98,6 +98,23 @@ TEST_F(OldRecordings, GoWhenARecordingBeginsAndWhenItContinues) {
                                                              "2026-11-23T10-00-00Z-a.2.tlog"}));
 }
 
+TEST_F(OldRecordings, MakeRoomAsFarAsItIsNeeded) {
+  const TlogFolder folder(folder_.path());
+  folder_.write("mine.tlog", "xxxx");  // counts, and stays
+  const TlogLimits limits{.free_space_min_bytes = 0, .max_bytes = 8};
+  EXPECT_EQ(folder.make_room(limits, 1, ""), Names{});
+  EXPECT_EQ(folder.make_room(limits, 3, ""), (Names{kOld, kMiddle}));
+  EXPECT_EQ(folder.make_room(limits, 5, kNew), Names{}) << "it is written";
+  EXPECT_EQ(folder.make_room(limits, 5, ""), Names{kNew});
+  EXPECT_EQ(folder.make_room(limits, 5, ""), Names{});
+  EXPECT_TRUE(fs::exists(folder_ / "mine.tlog"));
+}
+
+TEST_F(OldRecordings, AllMayGoForADiskThatIsFullOfOtherThings) {
+  const TlogLimits limits{.free_space_min_bytes = std::uint64_t{1} << 60U};
+  EXPECT_EQ(TlogFolder(folder_.path()).make_room(limits, 1, kMiddle), (Names{kOld, kNew}));
+}
+
 TEST(DatedTlog, IsAFileThatCasdNamed) {
   EXPECT_TRUE(is_dated(tlog_file_name(dated_tlog_name({}, "x"), 3)));
   EXPECT_TRUE(is_dated(tlog_file_name(dated_tlog_name({}, ""), 0)));

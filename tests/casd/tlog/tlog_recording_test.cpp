@@ -152,6 +152,24 @@ TEST_F(Recording, PausesAtTheSizeOfTheFolderUntilSomethingIsRemoved) {
   EXPECT_FALSE(recording.pause());
 }
 
+TEST_F(Recording, DeletesTheOldestInPlaceOfAPauseWhenItMay) {
+  const std::string old(400 * 1024, 'x');
+  folder.write("2026-11-01T10-00-00Z-a.tlog", old);
+  folder.write("2026-11-02T10-00-00Z-a.tlog", old);
+  TlogRecording::Options limited = options(folder.path());
+  limited.limits = {.max_bytes = kMib, .delete_oldest = true};
+  recording.begin(limited, at({}));
+  const std::vector<std::uint8_t> batch = records(old.size() / records(1).size());
+  EXPECT_GT(recording.write(batch, at({})), 0U);
+  EXPECT_FALSE(fs::exists(folder / "2026-11-01T10-00-00Z-a.tlog"));
+  EXPECT_TRUE(fs::exists(folder / "2026-11-02T10-00-00Z-a.tlog"));
+  EXPECT_GT(recording.write(batch, at({})), 0U);
+  EXPECT_FALSE(fs::exists(folder / "2026-11-02T10-00-00Z-a.tlog"));
+  EXPECT_FALSE(recording.pause());
+  EXPECT_EQ(recording.write(batch, at({})), 0U) << "nothing is left to delete";
+  EXPECT_EQ(recording.pause(), "the recordings have the 1 MiB that they may take");
+}
+
 TEST_F(Recording, IsRefusedWhereNoFileCanBeMade) {
   EXPECT_THROW(recording.begin(options(folder / "none" / "deep"), at({})), base::ConfigError);
   recording.begin(options(folder / "made"), at({}));

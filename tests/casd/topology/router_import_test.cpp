@@ -103,11 +103,23 @@ TEST(RouterImport, KeepsEndpointsAndFilters) {
   EXPECT_TRUE(topology.log.while_armed);
   EXPECT_EQ(topology.log.folder, "/var/log/flight-stack");
   EXPECT_EQ(topology.log.limits.free_space_min_bytes, 1U << 30U);
+  EXPECT_TRUE(topology.log.limits.delete_oldest);
   EXPECT_EQ(topology.log.max_files, 20);
   ASSERT_TRUE(topology.log.autopilot);
   EXPECT_EQ(topology.log.autopilot->max_files, 20);
   EXPECT_TRUE(topology.log.autopilot->while_armed);
   EXPECT_EQ(topology.log.autopilot->limits.free_space_min_bytes, 1U << 30U);
+  EXPECT_TRUE(topology.log.autopilot->limits.delete_oldest);
+  EXPECT_EQ(topology.duplicate_window, base::Duration::zero());
+}
+
+TEST(RouterImport, KeepsTheTimeInWhichDuplicatesAreDropped) {
+  const std::string rest = "[UartEndpoint a]\nDevice=/dev/a\n";
+  EXPECT_EQ(
+      parsed(import_text("[General]\nDeduplicationPeriod = 250\n" + rest, "f")).duplicate_window,
+      std::chrono::milliseconds(250));
+  EXPECT_THROW(import_text("[General]\nDeduplicationPeriod = 60001\n" + rest, "f"),
+               base::ConfigError);
 }
 
 TEST(RouterImport, SaysWhatBecameOfEachKeyThatCasdHasNot) {
@@ -117,10 +129,9 @@ TEST(RouterImport, SaysWhatBecameOfEachKeyThatCasdHasNot) {
                        [&](const std::string& note) { return note.starts_with(begin); });
   };
   EXPECT_TRUE(told("main.conf:4: ReportStats:")) << imported.yaml;
-  EXPECT_TRUE(told("main.conf:8: MinFreeSpace:"));
   EXPECT_TRUE(told("main.conf:9: MaxLogFiles:"));
   EXPECT_TRUE(told("main.conf:34: RetryTimeout: casd tries again"));
-  EXPECT_EQ(imported.notes.size(), 4U);
+  EXPECT_EQ(imported.notes.size(), 3U);
   for (const std::string& note : imported.notes) {
     EXPECT_NE(imported.yaml.find("# " + note), std::string::npos);
   }

@@ -179,6 +179,12 @@ INSTANTIATE_TEST_SUITE_P(
                 "57600.5"},
         BadCase{"FractionOfAPeer", link("name: a, type: tcp_server, local: 'h:1', max_peers: 1.7"),
                 "1.7"},
+        BadCase{"DeletesAtNoLimit", kLinks + "log: {delete_oldest: true, free_space_min_mib: 0}\n",
+                "log.delete_oldest: needs a limit"},
+        BadCase{
+            "DeletesLogsOfAutopilotsAtNoLimit",
+            kLinks + "log: {autopilot: {delete_oldest: true, free_space_min_mib: 0, max_mib: 0}}\n",
+            "log.autopilot.delete_oldest: needs a limit"},
         BadCase{"NoUnixPath", kLinks + "command_port: {unix: ''}\n", "`none` means no Unix socket"},
         BadCase{"GroupWithoutASocket", kLinks + "command_port: {unix: none, unix_group: cas}\n",
                 "has no meaning with `unix: none`"},
