@@ -203,9 +203,12 @@ void LogFiles::look_for_room() {
   retry_at_ = base::steady_now() + kRetryPeriod;
   used_counted_at_.reset();
   free_read_at_.reset();
+  // Old logs make room when there is a new one, not before.
+  const TlogLimits& limits = config_.limits;
+  if (folder_.lack(limits, kRoomToGoOn, {})) return;
   const bool full = folder_.look(false).free_bytes < kRoomToGoOn;
-  if (full || lack(kRoomToGoOn)) return;
-  if (!folder_.takes_files()) return;
+  if (full && !limits.delete_oldest) return;
+  if (!folder_.takes_files() && !(limits.delete_oldest && errno == ENOSPC)) return;
   retry_at_.reset();
   paused_.reset();
   takes_.store(true, std::memory_order_relaxed);
@@ -244,7 +247,7 @@ std::optional<std::string> LogFiles::lack(std::uint64_t more) {
     space_.used_bytes = folder_.look(true).used_bytes;
   }
   const auto why = lack_of_room(config_.limits, space_, more);
-  if (!why || !config_.limits.delete_oldest || !make_room(std::max(more, kRoomToGoOn))) return why;
+  if (!why || !config_.limits.delete_oldest || !make_room(more)) return why;
   space_ = folder_.look(config_.limits.max_bytes > 0);
   return lack_of_room(config_.limits, space_, more);
 }
@@ -253,8 +256,7 @@ std::optional<std::string> LogFiles::lack(std::uint64_t more) {
 bool LogFiles::make_room(std::uint64_t more) {
   const auto gone = folder_.make_room(config_.limits, more, {});
   for (const std::string& name : gone) {
-    base::log::info("removed " + (folder_.path() / name).string() +
-                    ": the next log needs its room");
+    base::log::info("logs: deleted " + (folder_.path() / name).string() + " to make room");
   }
   return !gone.empty();
 }

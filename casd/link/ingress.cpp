@@ -50,6 +50,7 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, Peer
     route.thinned = {};
     route.decision = Route::Decision::kForward;
   }
+  if (!first && is_failure(packet)) route.to = {};
   account(route, packet, now);
   // What others have a vehicle do, and its answers to stations that casd does not know or does not
   // serve, casd's station hears too: it shall not undo it.

@@ -19,20 +19,32 @@ DuplicateFilter::DuplicateFilter() : key_(random_key()) {}
 
 bool DuplicateFilter::is_duplicate(LinkId from, const mav::PacketView& packet, base::RunTime now,
                                    base::Duration window) {
-  const std::uint64_t hash = hash_of(packet.bytes);
   const base::MutexLock lock(mutex_);
+  Entry* const entry = find_or_add(from, packet, now, window);
+  if (entry == nullptr) return false;
+  if (entry->from != from) return true;
+  entry->seen = now;
+  return false;
+}
+
+bool DuplicateFilter::came_before(LinkId from, const mav::PacketView& packet, base::RunTime now,
+                                  base::Duration window) {
+  const base::MutexLock lock(mutex_);
+  return find_or_add(from, packet, now, window) != nullptr;
+}
+
+DuplicateFilter::Entry* DuplicateFilter::find_or_add(LinkId from, const mav::PacketView& packet,
+                                                     base::RunTime now, base::Duration window) {
+  const std::uint64_t hash = hash_of(packet.bytes);
   Set& set = sender(packet.source, now).by_sequence[packet.sequence];
   Entry* oldest = &set.front();
   for (Entry& entry : set) {
-    if (entry.from != kNoLink && entry.hash == hash && now - entry.seen <= window) {
-      if (entry.from != from) return true;
-      entry.seen = now;
-      return false;
-    }
+    const bool same = entry.from != kNoLink && entry.hash == hash;
+    if (same && now - entry.seen <= window) return &entry;
     if (entry.seen < oldest->seen) oldest = &entry;
   }
   *oldest = {hash, now, from};
-  return false;
+  return nullptr;
 }
 
 DuplicateFilter::Sender& DuplicateFilter::sender(mav::Source source, base::RunTime now) {

@@ -14,9 +14,7 @@
 
 namespace cas::casd {
 
-/// Finds packets that come a second time over another link (redundant paths). A packet that comes
-/// again over the same link is not a duplicate: its sender repeated it. May be called from several
-/// threads.
+/// Finds packets that come a second time. May be called from several threads.
 ///
 /// Each sender has memory of its own, indexed by the packet's sequence number, so neither other
 /// senders nor its own next packets push an entry out: a second copy is found up to 8 x 256 packets
@@ -29,9 +27,13 @@ class DuplicateFilter {
   DuplicateFilter();
 
   /// @param window  how much later the second copy may come
-  /// @return true when another link brought this packet within the window
+  /// @return true when another link brought this packet within the window; a packet that comes
+  ///         again over the same link is no duplicate: its sender repeated it
   bool is_duplicate(LinkId from, const mav::PacketView& packet, base::RunTime now,
                     base::Duration window);
+  /// The same, whichever link brought it.
+  bool came_before(LinkId from, const mav::PacketView& packet, base::RunTime now,
+                   base::Duration window);
 
  private:
   static constexpr std::size_t kWays = 8;
@@ -46,6 +48,9 @@ class DuplicateFilter {
     base::RunTime last;
     std::array<Set, 256> by_sequence;
   };
+  /// The entry of a packet of the window; of a new one, which is remembered, nullptr.
+  Entry* find_or_add(LinkId from, const mav::PacketView& packet, base::RunTime now,
+                     base::Duration window) CAS_REQUIRES(mutex_);
   Sender& sender(mav::Source source, base::RunTime now) CAS_REQUIRES(mutex_);
   std::uint64_t hash_of(std::span<const std::uint8_t> bytes) const;
 

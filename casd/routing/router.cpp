@@ -52,8 +52,16 @@ Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTim
   // A sender can be reached over the link that it was heard on.
   routes_[LinkMask::word_of(from)].learn(LinkMask::slot_of(from), packet.source, now);
 
-  // Redundant paths: the second copy ends here.
-  if (is_duplicate(from, plan, packet, now)) {
+  // Redundant paths: the second copy ends here. But casd's own station takes a vehicle to be at one
+  // link, which may not be the one that brought the first copy.
+  const bool again_in_group = is_group_duplicate(from, plan, packet, now);
+  const bool again = plan.duplicate_window > base::Duration::zero() &&
+                     duplicates_.came_before(from, packet, now, plan.duplicate_window);
+  if (again && !again_in_group) {
+    choose_links(route, plan, routes_, packet);
+    route.to &= bit(kLocalLink);
+  }
+  if (again || again_in_group) {
     route.decision = kDuplicate;
     return route;
   }
@@ -128,11 +136,9 @@ void Router::renew_plan(LinkId link) {
   own.limiter = RateLimiter(own.plan->rules.from(link).limits().size());
 }
 
-bool Router::is_duplicate(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
-                          base::RunTime now) {
+bool Router::is_group_duplicate(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
+                                base::RunTime now) {
   const std::int16_t group = plan.group[from];
-  const bool all_links = plan.duplicate_window > base::Duration::zero();
-  if (all_links && duplicates_.is_duplicate(from, packet, now, plan.duplicate_window)) return true;
   return group >= 0 && group_duplicates_[static_cast<std::size_t>(group)].is_duplicate(
                            from, packet, now, kDuplicateWindow);
 }

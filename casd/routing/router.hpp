@@ -29,7 +29,7 @@ struct RoutingPlan {
   std::array<LinkMask, kLinkSlots> never_back{};
   /// Group number per link, -1: none. Packets that come twice into a group go on once.
   std::array<std::int16_t, kLinkSlots> group;
-  /// Packets that come again over any other link within this time go on once; zero: only groups.
+  /// Packets that come again within this time, over whichever link, go on once; zero: only groups.
   base::Duration duplicate_window{};
   LinkMask pass_unknown;  ///< links from which packets with unknown message ids go on
   LinkMask sniffers;      ///< links that get every packet; no rule names them
@@ -41,7 +41,7 @@ struct RoutingPlan {
 struct Route {
   enum class Decision : std::uint8_t {
     kForward,     ///< `to` may still be empty: no link wants it
-    kDuplicate,   ///< came over another link already
+    kDuplicate,   ///< came already; `to` is casd's own station, unless it heard the packet
     kNoRule,      ///< the rules let it go nowhere
     kNoTarget,    ///< addressed to a system that was never heard
     kRateLimited  ///< its turn has not come
@@ -112,8 +112,8 @@ class Router {
   }
   void renew_plan(LinkId link);
   LinkMask with_groups(std::span<const Path> to);
-  bool is_duplicate(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
-                    base::RunTime now);
+  bool is_group_duplicate(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
+                          base::RunTime now);
 
   mav::MessageTable table_;
   Routes routes_;

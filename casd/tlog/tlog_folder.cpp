@@ -47,11 +47,11 @@ void for_each_recording(const std::filesystem::path& path, const TlogFolder::Ext
   }
 }
 
-/// Whether a program has the file open to record into it.
+/// Whether a program may have the file open to record into it.
 bool is_written(int folder, const std::string& name) {
   const base::Descriptor file(
       ::openat(folder, name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
-  return file && ::flock(file.get(), LOCK_EX | LOCK_NB) != 0;
+  return !file || ::flock(file.get(), LOCK_EX | LOCK_NB) != 0;
 }
 
 }  // namespace
@@ -105,49 +105,62 @@ bool TlogFolder::remove(const std::string& name) const {
   return folder && ::unlinkat(folder.get(), name.c_str(), 0) == 0;
 }
 
-/// Removes one recording after the other, the oldest first, while wanted(Removal) says so.
-template <class Wanted>
-std::vector<std::string> TlogFolder::remove_while(const std::string& current,
-                                                  Wanted&& wanted) const {
+std::vector<TlogFolder::File> TlogFolder::removable(const std::string& current) const {
   constexpr std::size_t kMostFiles = 100'000;  // that are looked at
-  struct File {
-    std::string name;
-    std::uint64_t bytes = 0;
-  };
   std::vector<File> files;
+  const base::Descriptor folder = open_folder(path_);
+  if (!folder) return files;
   for_each_recording(path_, extensions_, [&](std::string_view name, const struct stat& status) {
     const bool own = status.st_uid == ::geteuid() && is_own_(name);
-    if (!own || files.size() >= kMostFiles) return;
+    if (!own || name == current || files.size() >= kMostFiles) return;
     files.push_back({std::string(name), static_cast<std::uint64_t>(status.st_size)});
   });
+  std::erase_if(files, [&](const File& file) { return is_written(folder.get(), file.name); });
   std::ranges::sort(files, older_tlog, &File::name);
-  std::vector<std::string> gone;
-  const base::Descriptor folder = open_folder(path_);
-  Removal state{.left = files.size()};
-  for (const File& file : files) {
-    if (!folder || !wanted(state)) break;
-    if (file.name == current || is_written(folder.get(), file.name)) continue;
-    if (::unlinkat(folder.get(), file.name.c_str(), 0) != 0) continue;
-    gone.push_back(file.name);
-    --state.left;
-    state.freed += file.bytes;
-  }
-  return gone;
+  return files;
 }
 
 std::vector<std::string> TlogFolder::remove_oldest(std::size_t keep,
                                                    const std::string& current) const {
-  return remove_while(current, [keep](const Removal& state) { return state.left > keep; });
+  std::size_t all = 0;
+  for_each_recording(path_, extensions_, [&](std::string_view name, const struct stat& status) {
+    all += status.st_uid == ::geteuid() && is_own_(name) ? 1U : 0U;
+  });
+  std::vector<std::string> gone;
+  if (all <= keep) return gone;
+  for (File& file : removable(current)) {
+    if (gone.size() >= all - keep) break;
+    if (remove(file.name)) gone.push_back(std::move(file.name));
+  }
+  return gone;
+}
+
+std::optional<std::string> TlogFolder::lack(const TlogLimits& limits, std::uint64_t more,
+                                            const std::string& current) const {
+  TlogSpace space = look(limits.max_bytes > 0);
+  const auto now = lack_of_room(limits, space, more);
+  if (!now || !limits.delete_oldest) return now;
+  for (const File& file : removable(current)) {
+    space.free_bytes += file.bytes;
+    space.used_bytes -= std::min(file.bytes, space.used_bytes);
+  }
+  return lack_of_room(limits, space, more);
 }
 
 std::vector<std::string> TlogFolder::make_room(const TlogLimits& limits, std::uint64_t more,
                                                const std::string& current) const {
-  const std::uint64_t used = look(limits.max_bytes > 0).used_bytes;
-  return remove_while(current, [&](const Removal& state) {
-    const TlogSpace space{.free_bytes = look(false).free_bytes,
-                          .used_bytes = used - std::min(state.freed, used)};
-    return lack_of_room(limits, space, more).has_value();
-  });
+  std::vector<std::string> gone;
+  if (lack(limits, more, current)) return gone;
+  // By their sizes: a file system may take a while to give the space back.
+  TlogSpace space = look(limits.max_bytes > 0);
+  for (File& file : removable(current)) {
+    if (!lack_of_room(limits, space, more)) break;
+    if (!remove(file.name)) continue;
+    space.free_bytes += file.bytes;
+    space.used_bytes -= std::min(file.bytes, space.used_bytes);
+    gone.push_back(std::move(file.name));
+  }
+  return gone;
 }
 
 TlogSpace TlogFolder::look(bool scan) const {

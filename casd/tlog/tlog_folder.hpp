@@ -63,8 +63,12 @@ class TlogFolder {
   /// Removes the oldest of casd's recordings (IsOwn) until `keep` of them are left: only
   /// regular files of this user that no program writes. `current` stays. @return removed files
   std::vector<std::string> remove_oldest(std::size_t keep, const std::string& current) const;
-  /// Removes the oldest, as remove_oldest does, until `more` bytes fit into the limits or none is
-  /// left. @return removed files
+  /// Why `more` bytes do not fit into the limits, as a clause; nullopt: they do, or would if old
+  /// recordings were removed that may be (`delete_oldest`).
+  std::optional<std::string> lack(const TlogLimits& limits, std::uint64_t more,
+                                  const std::string& current) const;
+  /// Removes the oldest, as remove_oldest does, until `more` bytes fit into the limits; none where
+  /// all of them would not suffice. @return removed files
   std::vector<std::string> make_room(const TlogLimits& limits, std::uint64_t more,
                                      const std::string& current) const;
   /// Free space (unlimited if the file system does not say), and with `scan` the space of all its
@@ -72,13 +76,12 @@ class TlogFolder {
   TlogSpace look(bool scan) const;
 
  private:
-  /// What remove_while() has to decide on.
-  struct Removal {
-    std::size_t left = 0;     ///< casd's recordings
-    std::uint64_t freed = 0;  ///< bytes so far
+  struct File {
+    std::string name;
+    std::uint64_t bytes = 0;
   };
-  template <class Wanted>
-  std::vector<std::string> remove_while(const std::string& current, Wanted&& wanted) const;
+  /// Recordings that may be removed, the oldest first.
+  std::vector<File> removable(const std::string& current) const;
 
   std::filesystem::path path_;
   Extensions extensions_;

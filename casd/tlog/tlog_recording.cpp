@@ -79,7 +79,7 @@ std::optional<std::string> TlogRecording::lack(std::size_t more, base::RunTime n
     space_.used_bytes = used;
   }
   const auto why = lack_of_room(limits, space_, more);
-  if (!why || !limits.delete_oldest || !make_room(std::max(more, kRoomToGoOn))) return why;
+  if (!why || !limits.delete_oldest || !make_room(more)) return why;
   space_ = files_.folder().look(limits.max_bytes > 0);
   return lack_of_room(limits, space_, more);
 }
@@ -89,8 +89,7 @@ bool TlogRecording::make_room(std::size_t more) {
   const TlogFolder& folder = files_.folder();
   const auto gone = folder.make_room(options_.limits, more, files_.current().filename());
   for (const std::string& name : gone) {
-    base::log::info("recordings: deleted " + (folder.path() / name).string() +
-                    ", the next one needs its room");
+    base::log::info("recordings: deleted " + (folder.path() / name).string() + " to make room");
   }
   return !gone.empty();
 }

@@ -16,6 +16,8 @@ namespace {
 
 // A crash costs a log this much at most.
 constexpr auto kFlushPeriod = std::chrono::milliseconds(200);
+// Between recordings, time between two looks whether the folder takes one.
+constexpr base::Duration kLookPeriod = std::chrono::seconds(10);
 // A larger step back is another clock: it was set back, or a simulation has restarted.
 constexpr std::uint64_t kClockStep_us = 1'000'000;
 
@@ -194,13 +196,13 @@ TlogStatus TlogWriter::publish() {
   return status_;
 }
 
-/// Between recordings: could one begin? What limits could make room for, they could.
+/// Between recordings: could one begin?
 void TlogWriter::look_at_folder(base::RunTime now) {
-  std::optional<std::string> why;
-  if (!limits_.delete_oldest) {
-    why = lack_of_room(limits_, folder_->look(limits_.max_bytes > 0), TlogRecording::kRoomToGoOn);
+  std::optional<std::string> why = folder_->lack(limits_, TlogRecording::kRoomToGoOn, {});
+  if (!why && !folder_->takes_files()) {
+    const bool makes_room = limits_.delete_oldest && errno == ENOSPC;
+    if (!makes_room) why = std::generic_category().message(errno);
   }
-  if (!why && !folder_->takes_files()) why = std::generic_category().message(errno);
   const std::string folder = folder_->path().string();
   if (why && !fault_between_) {
     fault_since_ = now;
@@ -221,14 +223,15 @@ void TlogWriter::run(const std::stop_token& stop) {
       base::MutexLock lock(mutex_);
       const auto has_orders = [this]() CAS_REQUIRES(mutex_) { return !orders_.empty(); };
       const auto works = [&]() CAS_REQUIRES(mutex_) { return has_orders() || active(); };
-      if (folder_ && fault_between_) {
-        more_.wait_for(lock, stop, TlogRecording::kRetryPeriod, works);
+      if (folder_) {
+        more_.wait_for(lock, stop, fault_between_ ? TlogRecording::kRetryPeriod : kLookPeriod,
+                       works);
       } else {
         more_.wait(lock, stop, works);
       }
       if (works()) more_.wait_for(lock, stop, kFlushPeriod, has_orders);
       if (stop.stop_requested() && orders_.empty()) return;
-      looks = folder_ && fault_between_ && !works();
+      looks = folder_ && !works();
       orders.swap(orders_);
       ordered_bytes_ = 0;
       if (active()) load = take_waiting();

@@ -26,7 +26,7 @@ struct TlogStatus {
   bool active = false;         ///< begun and not ended; a pause does not end it
   std::filesystem::path file;  ///< empty: none yet
   /// Why nothing is written, as a clause; nullopt: nothing is wrong. Between two recordings: why
-  /// the folder took no files when casd last tried.
+  /// none could begin when casd last looked.
   std::optional<std::string> paused;
   base::Duration paused_for{};
   std::uint64_t recorded = 0;  ///< packets in its files

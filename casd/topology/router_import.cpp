@@ -102,6 +102,10 @@ class Import {
     if (const RouterValue* period = config_.find(section, "DeduplicationPeriod")) {
       duplicate_window_ms_ = config_.number(period->text, *period, kLongestDuplicateWindow_ms);
     }
+    take_log(section);
+  }
+
+  void take_log(RouterSection& section) {
     const bool telemetry = config_.flag(section, "LogTelemetry");
     const RouterValue* folder = config_.find(section, "Log");
     const RouterValue* mode = config_.find(section, "LogMode");
@@ -131,7 +135,7 @@ class Import {
       autopilot += ", " + key;
       if (bytes > 0) {
         log_ += "  delete_oldest: true\n";
-        autopilot += ", delete_oldest: true";
+        autopilot += ", delete_oldest: true, max_mib: 0";  // no other limit shall delete
       }
     }
     if (const RouterValue* system = config_.find(section, "LogSystemId")) {
@@ -324,7 +328,7 @@ class Import {
     if (text.empty()) return "";
     return "# No sensor data of a simulator goes through; a bench has a topology of its own. casd "
            "leaves\n# out the link that a packet came from: links that lead to the same systems "
-           "need one group,\n# or the topology duplicate_window_ms.\nroutes:\n" +
+           "need one group.\nroutes:\n" +
            text;
   }
 

@@ -257,8 +257,8 @@ constexpr std::tuple kRestartKeys{
 constexpr std::tuple kReloadKeys{
     key<&Topology::duplicate_window>(
         "duplicate_window_ms", Range{0, 60'000, 1e-3},
-        "a packet that comes again over any other link within this time goes on once; 0: only "
-        "within a `group`, whose window is 500 ms"),
+        "a packet that comes again within this time, over whichever link, goes on once; 0: only "
+        "over links of one `group`, within 500 ms"),
     key<&Topology::commanding>("commanding", block<CommandingConfig>(kCommandingKeys), ""),
     key<&Topology::dialect>("dialect", ConfigFile{},
                             "MAVLink XML (with what it includes): names and values of its messages "

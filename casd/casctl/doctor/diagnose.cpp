@@ -27,7 +27,7 @@ void check_recording(const DoctorFacts& facts, Findings& all) {
     if (!recording.contains("paused")) return;
     return bad(all, "casd cannot record: " + recording["paused"].get<std::string>(),
                "mend the folder for recordings (`folder` of `log` in the topology): it must exist, "
-               "be casd's to write, and have room");
+               "be casd's to write, and have room under `max_mib` and `free_space_min_mib`");
   }
   const std::string missing = recording.at("left_out").dump() + " packets are missing in it";
   if (recording.contains("paused")) {

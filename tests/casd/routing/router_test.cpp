@@ -152,18 +152,32 @@ TEST(Router, OldCopyIsNoDuplicate) {
   EXPECT_EQ(router.on_packet(1, view(heartbeat), at(std::chrono::seconds(1))).decision, kForward);
 }
 
-TEST(Router, APacketThatComesAgainOverAnyOtherLinkGoesOnOnceWithinTheWindow) {
+TEST(Router, APacketThatComesAgainWithinTheWindowGoesOnOnce) {
   auto plan = all_to_all(3);
   plan->duplicate_window = milliseconds(100);
   Router router(plan, mav::public_table());
   const auto heartbeat = packet(Heartbeat{}, {1, 1}, 7);
   EXPECT_EQ(router.on_packet(0, view(heartbeat), at({})).to, bit(1) | bit(2));
-  EXPECT_EQ(router.on_packet(0, view(heartbeat), at({})).decision, kForward) << "a repetition";
+  EXPECT_EQ(router.on_packet(0, view(heartbeat), at(milliseconds(99))).decision, kDuplicate)
+      << "a far end that sends everything back";
   EXPECT_EQ(router.on_packet(1, view(heartbeat), at(milliseconds(100))).decision, kDuplicate);
   EXPECT_EQ(router.on_packet(2, view(heartbeat), at(milliseconds(100))).decision, kDuplicate);
   EXPECT_EQ(router.on_packet(2, view(heartbeat), at(milliseconds(101))).decision, kForward);
   router.replace(all_to_all(3));
   EXPECT_EQ(router.on_packet(1, view(heartbeat), at(milliseconds(102))).decision, kForward);
+}
+
+TEST(Router, CasdsStationHearsSecondCopiesOfAllLinksButNotOfAGroup) {
+  auto plan = all_to_all(kLocalLink + 1);
+  plan->duplicate_window = milliseconds(100);
+  plan->group[2] = plan->group[3] = 0;
+  Router router(plan, mav::public_table());
+  const auto first = packet(Heartbeat{}, {1, 1}, 7);
+  router.on_packet(0, view(first), at({}));
+  EXPECT_EQ(router.on_packet(1, view(first), at({})).to, bit(kLocalLink));
+  const auto second = packet(Heartbeat{}, {1, 1}, 8);
+  router.on_packet(2, view(second), at({}));
+  EXPECT_TRUE(router.on_packet(3, view(second), at({})).to.empty());
 }
 
 TEST(Router, AGroupKeepsItsWindowBesideThatOfAllLinks) {
@@ -172,7 +186,8 @@ TEST(Router, AGroupKeepsItsWindowBesideThatOfAllLinks) {
   plan->group[0] = plan->group[1] = 0;
   Router router(plan, mav::public_table());
   const auto heartbeat = packet(Heartbeat{}, {1, 1}, 7);
-  EXPECT_EQ(router.on_packet(0, view(heartbeat), at({})).decision, kForward);
+  EXPECT_EQ(router.on_packet(2, view(heartbeat), at({})).decision, kForward);
+  EXPECT_EQ(router.on_packet(0, view(heartbeat), at(milliseconds(5))).decision, kDuplicate);
   EXPECT_EQ(router.on_packet(1, view(heartbeat), at(milliseconds(300))).decision, kDuplicate);
   EXPECT_EQ(router.on_packet(2, view(heartbeat), at(milliseconds(320))).decision, kForward);
 }

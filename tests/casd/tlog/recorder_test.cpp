@@ -86,6 +86,19 @@ TEST_F(RecorderTest, SaysBetweenFlightsThatALimitIsReached) {
   EXPECT_TRUE(cas::test::wait_until([&] { return fault().empty(); }));
 }
 
+TEST_F(RecorderTest, SaysBetweenFlightsThatNothingIsLeftToMakeRoom) {
+  folder.write("2026-11-01T00-00-00Z-a.tlog", std::string(1024 * 1024, 'x'));
+  Recorder recorder =
+      make({.limits = {.max_bytes = 1024 * 1024, .delete_oldest = true}, .while_armed = true});
+  recorder.begin();
+  const auto fault = [&] { return recorder.status(base::steady_now()).paused.value_or(""); };
+  folder.write("mine.tlog", std::string(1024 * 1024, 'x'));
+  EXPECT_TRUE(cas::test::wait_until([&] {
+    return fault() == "the recordings have the 1 MiB that they may take";
+  })) << "it looks again and again";
+  EXPECT_TRUE(std::filesystem::exists(folder / "2026-11-01T00-00-00Z-a.tlog"));
+}
+
 /// Threads of links come in the order of the writer's lock, not of their times.
 TEST_F(RecorderTest, TimesNeverGoBackButWithTheClock) {
   Recorder recorder = make({.tlog = "flight", .overwrite = true});

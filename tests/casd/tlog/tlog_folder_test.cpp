@@ -101,18 +101,23 @@ TEST_F(OldRecordings, GoWhenARecordingBeginsAndWhenItContinues) {
 TEST_F(OldRecordings, MakeRoomAsFarAsItIsNeeded) {
   const TlogFolder folder(folder_.path());
   folder_.write("mine.tlog", "xxxx");  // counts, and stays
-  const TlogLimits limits{.free_space_min_bytes = 0, .max_bytes = 8};
+  const TlogLimits limits{.free_space_min_bytes = 0, .max_bytes = 8, .delete_oldest = true};
   EXPECT_EQ(folder.make_room(limits, 1, ""), Names{});
   EXPECT_EQ(folder.make_room(limits, 3, ""), (Names{kOld, kMiddle}));
-  EXPECT_EQ(folder.make_room(limits, 5, kNew), Names{}) << "it is written";
-  EXPECT_EQ(folder.make_room(limits, 5, ""), Names{kNew});
-  EXPECT_EQ(folder.make_room(limits, 5, ""), Names{});
+  EXPECT_EQ(folder.make_room(limits, 4, kNew), Names{}) << "it is written";
+  EXPECT_EQ(folder.make_room(limits, 4, ""), Names{kNew});
   EXPECT_TRUE(fs::exists(folder_ / "mine.tlog"));
 }
 
-TEST_F(OldRecordings, AllMayGoForADiskThatIsFullOfOtherThings) {
-  const TlogLimits limits{.free_space_min_bytes = std::uint64_t{1} << 60U};
-  EXPECT_EQ(TlogFolder(folder_.path()).make_room(limits, 1, kMiddle), (Names{kOld, kNew}));
+TEST_F(OldRecordings, StayWhereAllOfThemWouldNotSuffice) {
+  const TlogFolder folder(folder_.path());
+  const TlogLimits small{.free_space_min_bytes = 0, .max_bytes = 8, .delete_oldest = true};
+  EXPECT_EQ(folder.make_room(small, 9, ""), Names{});
+  EXPECT_EQ(folder.lack(small, 9, ""), "the recordings have the 0 MiB that they may take");
+  EXPECT_EQ(folder.lack(small, 8, ""), std::nullopt);
+  const TlogLimits others{.free_space_min_bytes = std::uint64_t{1} << 60U, .delete_oldest = true};
+  EXPECT_EQ(folder.make_room(others, 1, ""), Names{}) << "another program fills the disk";
+  EXPECT_EQ(names_in(folder_.path()).size(), 3U);
 }
 
 TEST(DatedTlog, IsAFileThatCasdNamed) {

@@ -110,6 +110,7 @@ TEST(RouterImport, KeepsEndpointsAndFilters) {
   EXPECT_TRUE(topology.log.autopilot->while_armed);
   EXPECT_EQ(topology.log.autopilot->limits.free_space_min_bytes, 1U << 30U);
   EXPECT_TRUE(topology.log.autopilot->limits.delete_oldest);
+  EXPECT_EQ(topology.log.autopilot->limits.max_bytes, 0U) << "would delete below 4 GiB";
   EXPECT_EQ(topology.duplicate_window, base::Duration::zero());
 }
 
