@@ -56,7 +56,7 @@ std::optional<std::string> request_fault(const Json& request) {
   const auto method = request.find("method");
   if (method == request.end() || !method->is_string()) return "\"method\" must be a string";
   const auto params = request.find("params");
-  if (params != request.end() && !params->is_structured()) {
+  if (params != request.end() && !params->is_structured() && !params->is_null()) {
     return "\"params\" must be an object or an array";
   }
   const auto id = request.find("id");

@@ -70,8 +70,10 @@ void Recorder::on_vehicles(bool any_armed, base::RunTime now) {
     of_flight_ = true;
   } else if (!open && std::exchange(of_flight_, false)) {
     writer_.stop([](const auto&, const TlogStatus& status) {
+      const std::string missing =
+          status.left_out == 0 ? "" : "; " + std::to_string(status.left_out) + " are missing";
       base::log::info("no vehicle is armed any more: recorded " + std::to_string(status.recorded) +
-                      " packets");
+                      " packets" + missing);
     });
   }
 }

@@ -144,7 +144,9 @@ std::optional<std::string> TlogFolder::lack(const TlogLimits& limits, std::uint6
     space.free_bytes += file.bytes;
     space.used_bytes -= std::min(file.bytes, space.used_bytes);
   }
-  return lack_of_room(limits, space, more);
+  auto why = lack_of_room(limits, space, more);
+  if (why) *why += ", and no old files would make enough room";
+  return why;
 }
 
 std::vector<std::string> TlogFolder::make_room(const TlogLimits& limits, std::uint64_t more,

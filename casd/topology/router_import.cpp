@@ -125,6 +125,7 @@ class Import {
       config_.fail(mode->place, "LogMode: is always or while-armed");
     }
     std::string autopilot = armed ? "while_armed: true" : "while_armed: false";
+    autopilot += ", max_mib: 0";  // mavlink-router has no such limit
     if (telemetry) log_ += armed ? "  while_armed: true\n" : "  tlog: flight\n";
     constexpr std::uint64_t kMib = 1024 * 1024;
     if (space != nullptr) {
@@ -135,7 +136,7 @@ class Import {
       autopilot += ", " + key;
       if (bytes > 0) {
         log_ += "  delete_oldest: true\n";
-        autopilot += ", delete_oldest: true, max_mib: 0";  // no other limit shall delete
+        autopilot += ", delete_oldest: true";
       }
     }
     if (const RouterValue* system = config_.find(section, "LogSystemId")) {

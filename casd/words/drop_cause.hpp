@@ -57,7 +57,7 @@ inline constexpr auto kCauses = std::to_array<CauseWords>({
     {DropCause::kSuperseded, "superseded",
      "a newer setpoint of its stream took its place while it waited",
      "a newer setpoint took its place"},
-    {DropCause::kDuplicate, "duplicate", "came over another path already"},
+    {DropCause::kDuplicate, "duplicate", "came already"},
     {DropCause::kNoRule, "no_rule", "no route lets it go anywhere (see casctl routes)"},
     {DropCause::kNoTarget, "no_target", "addressed to a system that was never heard"},
     {DropCause::kRateLimited, "rate_limited", "thinned out by a route's rates"},

@@ -101,13 +101,15 @@ TEST(CasdLine, DoesNotFillUpAgainstAClockThatRunsSlow) {
   // A tenth more than the line carries. Without the two percent in hand 1.5 % of a second's bytes
   // would pile up each second: 1400, and 1400 more.
   std::atomic<bool> stop{false};
+  std::atomic<std::uint64_t> sent{0};
   std::thread simulator([&] {
     const base::RunTime begin = base::steady_now();
     for (std::uint64_t i = 1; !stop; ++i) {
       fixture.sim.send(fixture.from_sim(hil_sensor(i)));
+      sent = i;
       while (!stop && base::to_seconds(base::steady_now() - begin) * kBytes_s * 1.1 / 70 <
                           static_cast<double>(i)) {
-        std::this_thread::yield();
+        std::this_thread::sleep_for(std::chrono::microseconds(50));
       }
     }
   });
@@ -128,11 +130,7 @@ TEST(CasdLine, DoesNotFillUpAgainstAClockThatRunsSlow) {
   // Of some 2000 packets: one that a busy machine leaves half written for its whole age is spoilt.
   constexpr std::size_t kPacket = 77;
   EXPECT_LE(fixture.at_fcu.garbage(), 5 * kPacket);
-  // On a busy machine the reader pauses for so long that the line seems to stand still.
-  const auto& dropped = fixture.status("fcu").tx.dropped;
-  EXPECT_GT(dropped[static_cast<std::size_t>(casd::DropCause::kAge)] +
-                dropped[static_cast<std::size_t>(casd::DropCause::kStalled)],
-            0U);
+  EXPECT_LT(fixture.at_fcu.count(kHilSensor), sent.load()) << "more came than the line carries";
 }
 
 }  // namespace

@@ -24,6 +24,10 @@ void check_reload(const DoctorFacts& facts, Findings& all) {
 void check_recording(const DoctorFacts& facts, Findings& all) {
   const json recording = facts.after.value("recording", json::object());
   if (!recording.value("active", false)) {
+    if (recording.value("left_out", 0) > 0) {
+      warn(all, recording["left_out"].dump() + " packets are missing in the last recording",
+           "the disk was full, gone or too slow: see casd's log");
+    }
     if (!recording.contains("paused")) return;
     return bad(all, "casd cannot record: " + recording["paused"].get<std::string>(),
                "mend the folder for recordings (`folder` of `log` in the topology): it must exist, "
@@ -32,11 +36,14 @@ void check_recording(const DoctorFacts& facts, Findings& all) {
   const std::string missing = recording.at("left_out").dump() + " packets are missing in it";
   if (recording.contains("paused")) {
     bad(all, "the recording pauses: " + recording["paused"].get<std::string>() + "; " + missing,
-        "make room in the folder for recordings, or set free_space_min_mib and max_mib of `log` in "
-        "the topology; it goes on by itself");
+        "mend the folder for recordings, or make room in it under free_space_min_mib and max_mib "
+        "of "
+        "`log`; it goes on by itself");
   } else if (recording.value("left_out", 0) > 0) {
     warn(all, "the recording has gaps: " + missing,
-         "the disk was full or too slow: record to another one (`folder` of `log`)");
+         "the disk was full, gone or too slow: see casd's log, or record to another one (`folder` "
+         "of "
+         "`log`)");
   } else {
     good(all, "the recording is whole");
   }

@@ -10,25 +10,26 @@ namespace cas::casctl {
 using nlohmann::json;
 
 std::string recording_text(const json& recording) {
+  const bool gaps = recording.value("left_out", 0) > 0;
   if (!recording.value("active", false)) {
-    if (!recording.contains("paused")) return "";
-    return "CANNOT RECORD: " + recording["paused"].get<std::string>() +
-           (recording.value("left_out", 0) > 0
-                ? "; " + recording["left_out"].dump() + " packets are missing in the last recording"
-                : "");
+    const std::string fault =
+        recording.contains("paused") ? "CANNOT RECORD: " + recording.value("paused", "?") : "";
+    if (!gaps) return fault;
+    return fault + (fault.empty() ? "" : "; ") + recording["left_out"].dump() +
+           " packets are missing in the last recording";
   }
   const std::string missing =
-      recording.value("left_out", 0) > 0
-          ? ", " + recording["left_out"].dump() + " packets are missing in it"
-          : "";
+      gaps ? ", " + recording["left_out"].dump() + " packets are missing in it" : "";
   const std::string file = recording.value("file", "?");
   if (!recording.contains("paused")) {
     return "recording into " + file + ": " + count_text(recording, "recorded") + " packets" +
            missing;
   }
   return "recording PAUSED for " + duration_text(recording.value("paused_s", 0.0)) + ": " +
-         recording["paused"].get<std::string>() + "; " + (file.empty() ? "no file" : file) +
-         " has " + count_text(recording, "recorded") + " packets" + missing;
+         recording["paused"].get<std::string>() + "; " +
+         (file.empty() ? "there is no file yet"
+                       : file + " has " + count_text(recording, "recorded") + " packets") +
+         missing;
 }
 
 std::string autopilot_logs_text(const json& logs) {

@@ -52,9 +52,13 @@ int show_log(Session& session) {
   const json result = session.call("log.status");
   const std::string text = recording_text(result);
   const bool awaits = result.value("awaits_arming", false);
-  report(
-      session.options(), result,
-      !text.empty() ? text : (awaits ? "not recording until a vehicle is armed" : "not recording"));
+  if (result.value("active", false)) {
+    report(session.options(), result, text);
+  } else {
+    report(session.options(), result,
+           (awaits ? "not recording until a vehicle is armed" : "not recording") +
+               (text.empty() ? "" : "; " + text));
+  }
   return kDone;
 }
 

@@ -102,6 +102,8 @@ TEST_F(DispatcherTest, AResultCarriesTheIdOfItsRequest) {
 
 TEST_F(DispatcherTest, AbsentParametersAreNull) {
   EXPECT_TRUE(answer(R"({"jsonrpc":"2.0","id":1,"method":"echo"})")["result"].is_null());
+  EXPECT_TRUE(
+      answer(R"({"jsonrpc":"2.0","id":1,"method":"echo","params":null})")["result"].is_null());
 }
 
 TEST_F(DispatcherTest, ANotificationIsCalledAndNotAnswered) {

@@ -57,7 +57,7 @@ class RunningServer {
     const RunTime deadline = steady_now() + kPatience;
     while (!run([&] { return condition(*server_); })) {
       if (steady_now() > deadline) return false;
-      std::this_thread::yield();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return true;
   }

@@ -386,6 +386,11 @@ INSTANTIATE_TEST_SUITE_P(
                   f.after["recording"] = {{"active", false}, {"paused", "Permission denied"}};
                 },
                 "casd cannot record: Permission denied"},
+        BadCase{"GapsOfTheLastRecording",
+                [](DoctorFacts& f) {
+                  f.after["recording"] = {{"active", false}, {"left_out", 9}};
+                },
+                "9 packets are missing in the last recording"},
         BadCase{"RecordingWithGaps", [](DoctorFacts& f) { f.after["recording"]["left_out"] = 7; },
                 "the recording has gaps: 7 packets"},
         BadCase{"LogsOfAutopilotsPause",

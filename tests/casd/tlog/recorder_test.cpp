@@ -94,7 +94,7 @@ TEST_F(RecorderTest, SaysBetweenFlightsThatNothingIsLeftToMakeRoom) {
   const auto fault = [&] { return recorder.status(base::steady_now()).paused.value_or(""); };
   folder.write("mine.tlog", std::string(1024 * 1024, 'x'));
   EXPECT_TRUE(cas::test::wait_until([&] {
-    return fault() == "the recordings have the 1 MiB that they may take";
+    return fault().find("no old files would make enough room") != std::string::npos;
   })) << "it looks again and again";
   EXPECT_TRUE(std::filesystem::exists(folder / "2026-11-01T00-00-00Z-a.tlog"));
 }

@@ -113,7 +113,9 @@ TEST_F(OldRecordings, StayWhereAllOfThemWouldNotSuffice) {
   const TlogFolder folder(folder_.path());
   const TlogLimits small{.free_space_min_bytes = 0, .max_bytes = 8, .delete_oldest = true};
   EXPECT_EQ(folder.make_room(small, 9, ""), Names{});
-  EXPECT_EQ(folder.lack(small, 9, ""), "the recordings have the 0 MiB that they may take");
+  EXPECT_EQ(folder.lack(small, 9, ""),
+            "the recordings have the 0 MiB that they may take, and no old files would make enough "
+            "room");
   EXPECT_EQ(folder.lack(small, 8, ""), std::nullopt);
   const TlogLimits others{.free_space_min_bytes = std::uint64_t{1} << 60U, .delete_oldest = true};
   EXPECT_EQ(folder.make_room(others, 1, ""), Names{}) << "another program fills the disk";
