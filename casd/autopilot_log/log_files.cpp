@@ -207,8 +207,9 @@ void LogFiles::look_for_room() {
   const TlogLimits& limits = config_.limits;
   if (folder_.lack(limits, kRoomToGoOn, {})) return;
   const bool full = folder_.look(false).free_bytes < kRoomToGoOn;
-  if (full && !limits.delete_oldest) return;
-  if (!folder_.takes_files() && !(limits.delete_oldest && errno == ENOSPC)) return;
+  const bool makes_room = limits.delete_oldest && limits.free_space_min_bytes > 0;
+  if (full && !makes_room) return;
+  if (!folder_.takes_files() && !(makes_room && errno == ENOSPC)) return;
   retry_at_.reset();
   paused_.reset();
   takes_.store(true, std::memory_order_relaxed);

@@ -200,7 +200,8 @@ TlogStatus TlogWriter::publish() {
 void TlogWriter::look_at_folder(base::RunTime now) {
   std::optional<std::string> why = folder_->lack(limits_, TlogRecording::kRoomToGoOn, {});
   if (!why && !folder_->takes_files()) {
-    const bool makes_room = limits_.delete_oldest && errno == ENOSPC;
+    const bool makes_room =
+        errno == ENOSPC && limits_.delete_oldest && limits_.free_space_min_bytes > 0;
     if (!makes_room) why = std::generic_category().message(errno);
   }
   const std::string folder = folder_->path().string();

@@ -37,13 +37,11 @@ void check_recording(const DoctorFacts& facts, Findings& all) {
   if (recording.contains("paused")) {
     bad(all, "the recording pauses: " + recording["paused"].get<std::string>() + "; " + missing,
         "mend the folder for recordings, or make room in it under free_space_min_mib and max_mib "
-        "of "
-        "`log`; it goes on by itself");
+        "of `log`; it goes on by itself");
   } else if (recording.value("left_out", 0) > 0) {
     warn(all, "the recording has gaps: " + missing,
          "the disk was full, gone or too slow: see casd's log, or record to another one (`folder` "
-         "of "
-         "`log`)");
+         "of `log`)");
   } else {
     good(all, "the recording is whole");
   }
