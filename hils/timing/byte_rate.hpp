@@ -9,11 +9,14 @@
 namespace cas::hils {
 
 /// Rate of a stream of bytes that fills its line, from the moments at which parts of it were
-/// through. The median of five pieces of the time, so that neither the filling of the line nor one
-/// pause of this machine counts.
+/// through. The median of five pieces, so that neither the filling of the line nor one pause of
+/// this machine counts.
+///
+/// After a pause this machine sees at once what was through long before: from the first of such a
+/// bunch of marks the line would look faster than it is. A piece begins and ends with the last one.
 class ByteRate {
  public:
-  /// So many bytes are through, in all.
+  /// So many bytes are through, in all; 0 when the stream begins.
   void add(std::size_t total, base::RunTime now) { marks_.push_back({total, now}); }
   /// 0: too few marks.
   double bytes_s() const;
@@ -23,6 +26,8 @@ class ByteRate {
     std::size_t total = 0;
     base::RunTime at{};
   };
+
+  std::vector<Mark> ends_of_bunches() const;
 
   std::vector<Mark> marks_;
 };

@@ -22,7 +22,9 @@ class FloodStage final : public ProbeStage {
 
   FloodStage(ProbeLine& line, Way way, QuestionKind kind, base::Duration length,
              base::RunTime begin)
-      : line_(line), way_(way), kind_(kind), end_(begin + length), last_event_(begin) {}
+      : line_(line), way_(way), kind_(kind), end_(begin + length), last_event_(begin) {
+    rate_.add(0, begin);
+  }
 
   void turn(base::RunTime now) override;
   void on_answer(std::uint32_t number, base::RunTime now) override;

@@ -96,6 +96,42 @@ TEST(ByteRate, IsThatOfTheMedianPiece) {
   EXPECT_NEAR(rate.bytes_s(), 10'000, 1);
 }
 
+// 5760 bytes/s in parts of 256, for 1.5 s. This machine sleeps for a while in each cycle, and then
+// reads within 20 us each what has come meanwhile.
+struct Pauses {
+  const char* name;
+  base::Duration cycle;
+  base::Duration asleep;
+};
+
+class ByteRateWithPauses : public testing::TestWithParam<Pauses> {};
+
+TEST_P(ByteRateWithPauses, IsNeverAboveTheLines) {
+  const auto& [name, cycle, asleep] = GetParam();
+  constexpr double kBytes_s = 5760;
+  constexpr std::size_t kPart = 256;
+  ByteRate rate;
+  base::RunTime now{};
+  rate.add(0, now);
+  for (std::size_t total = kPart; static_cast<double>(total) < 1.5 * kBytes_s; total += kPart) {
+    const base::Duration through = base::from_seconds(static_cast<double>(total) / kBytes_s);
+    const base::Duration in_cycle = through % cycle;
+    const base::Duration awake = in_cycle < asleep ? through - in_cycle + asleep : through;
+    now = std::max(now + 20us, base::RunTime(awake));
+    rate.add(total, now);
+  }
+  // A pause begins and ends up to a part from the byte clock's.
+  EXPECT_LT(rate.bytes_s(), 1.2 * kBytes_s);
+  EXPECT_GT(rate.bytes_s(), 0.8 * kBytes_s);
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, ByteRateWithPauses,
+                         testing::Values(Pauses{"None", 1s, 0ns}, Pauses{"Short", 110ms, 60ms},
+                                         Pauses{"Long", 400ms, 350ms},
+                                         Pauses{"Longer", 700ms, 600ms},
+                                         Pauses{"NearlyAll", 1600ms, 1450ms}),
+                         [](const auto& test) { return test.param.name; });
+
 TEST(ByteRate, OfTooFewMarksIsNotTold) {
   ByteRate rate;
   for (int i = 0; i < 5; ++i) rate.add(100, base::RunTime(std::chrono::seconds(i)));
