@@ -12,8 +12,9 @@ namespace cas::hils {
 /// through. The median of five pieces, so that neither the filling of the line nor one pause of
 /// this machine counts.
 ///
-/// After a pause this machine sees at once what was through long before: from the first of such a
-/// bunch of marks the line would look faster than it is. A piece begins and ends with the last one.
+/// After a pause this machine reads all waiting answers within a moment: a bunch of marks. From the
+/// first mark of a bunch to the last the line looks faster than it is, so pieces begin and end only
+/// at the last mark of a bunch.
 class ByteRate {
  public:
   /// So many bytes are through, in all; 0 when the stream begins.

@@ -96,8 +96,8 @@ TEST(ByteRate, IsThatOfTheMedianPiece) {
   EXPECT_NEAR(rate.bytes_s(), 10'000, 1);
 }
 
-// 5760 bytes/s in parts of 256, for 1.5 s. This machine sleeps for a while in each cycle, and then
-// reads within 20 us each what has come meanwhile.
+// 5760 bytes/s in parts of 256, for 1.5 s. This machine sleeps at the beginning of each cycle, then
+// reads the waiting parts, one each 20 us.
 struct Pauses {
   const char* name;
   base::Duration cycle;
