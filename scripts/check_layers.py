@@ -32,7 +32,7 @@ EXTERNALS = {
     "zlib": ("zlib.h",),
     "Boost": ("boost/math/", "boost/random/"),
     "ncurses": ("ncurses", "curses.h"),
-    "intrinsics": ("cpuid.h", "immintrin.h", "nmmintrin.h", "arm_neon.h", "arm_acle.h"),
+    "intrinsics": ("cpuid.h", "immintrin.h", "nmmintrin.h", "wmmintrin.h", "arm_neon.h", "arm_acle.h"),
     "gtest": ("gtest/", "gmock/", "benchmark/"),
 }
 

@@ -7,8 +7,14 @@
 #include <cstring>
 #include <span>
 
+#include "mavlink_gen/runtime/crc_clmul.hpp"
+
 namespace cas::mav {
 namespace detail {
+
+/// An entry of the first table in two steps: the key of a byte, the entry of a key.
+constexpr unsigned crc_entry_key(unsigned byte) { return (byte ^ byte << 4U) & 0xFFU; }
+constexpr unsigned crc_entry(unsigned key) { return key << 8U ^ key << 3U ^ key >> 4U; }
 
 /// Plain arrays, and no loop over the bits of each: all that sends or receives a packet has the
 /// compiler compute them.
@@ -20,8 +26,7 @@ struct CrcTables {
 constexpr CrcTables make_crc_tables() {
   CrcTables tables{};
   for (unsigned i = 0; i < 256; ++i) {
-    const unsigned e = (i ^ i << 4U) & 0xFFU;
-    tables.at[0][i] = static_cast<std::uint16_t>(e << 8U ^ e << 3U ^ e >> 4U);
+    tables.at[0][i] = static_cast<std::uint16_t>(crc_entry(crc_entry_key(i)));
   }
   for (unsigned k = 1; k < 8; ++k) {
     for (unsigned i = 0; i < 256; ++i) {
@@ -37,7 +42,7 @@ inline constexpr CrcTables kCrcTables = make_crc_tables();
 }  // namespace detail
 
 /// MAVLink's checksum ([MAVLink], Packet Serialization), CRC-16/MCRF4XX: polynomial 0x1021
-/// reflected, start 0xFFFF, no final xor. Takes eight bytes at once where it can.
+/// reflected, start 0xFFFF, no final xor. Takes many bytes at once where it can.
 class Crc16 {
  public:
   constexpr Crc16() = default;
@@ -46,6 +51,17 @@ class Crc16 {
 
   /// Takes further bytes in.
   Crc16& update(std::span<const std::uint8_t> bytes) {
+#ifdef CAS_MAV_CLMUL
+    if (bytes.size() >= detail::kLeastClmulBytes && detail::has_clmul) {
+      value_ = detail::crc_by_clmul(value_, bytes.data(), bytes.size());
+      return *this;
+    }
+#endif
+    return update_by_tables(bytes);
+  }
+
+  /// The same by tables, on any processor.
+  Crc16& update_by_tables(std::span<const std::uint8_t> bytes) {
     const auto& t = detail::kCrcTables.at;
     unsigned crc = value_;
     const auto* p = bytes.data();
@@ -61,14 +77,15 @@ class Crc16 {
                                     t[1][(word >> 48U) & 0xFFU] ^ t[0][word >> 56U]);
       }
     }
-    for (; left > 0; --left, ++p) crc = (crc >> 8U) ^ t[0][(crc ^ *p) & 0xFFU];
     value_ = static_cast<std::uint16_t>(crc);
+    for (; left > 0; --left, ++p) update(*p);
     return *this;
   }
 
+  /// Takes one byte in, without a table.
   constexpr Crc16& update(std::uint8_t byte) {
-    value_ = static_cast<std::uint16_t>((value_ >> 8U) ^
-                                        detail::kCrcTables.at[0][(value_ ^ byte) & 0xFFU]);
+    const unsigned e = detail::crc_entry_key((value_ ^ byte) & 0xFFU);
+    value_ = static_cast<std::uint16_t>(value_ >> 8U ^ detail::crc_entry(e));
     return *this;
   }
 
@@ -87,7 +104,7 @@ constexpr bool has_fitting_crc_extra(std::uint16_t payload_crc, std::uint16_t re
   const unsigned wanted = received ^ (payload_crc >> 8U);
   const unsigned high = wanted >> 8U;
   const unsigned e = high ^ high >> 5U;
-  return ((e << 8U ^ e << 3U ^ e >> 4U) & 0xFFFFU) == wanted;
+  return (detail::crc_entry(e) & 0xFFFFU) == wanted;
 }
 
 }  // namespace cas::mav

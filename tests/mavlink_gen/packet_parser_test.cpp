@@ -235,28 +235,6 @@ TEST(PacketParser, NoBytesCostMoreThanTwoReadsAndThreeHeadersEach) {
   }
 }
 
-TEST(Crc16, MovesOverZerosAsIfTheyWereRead) {
-  const Bytes zeros(detail::kMaxChecksummedBytes, 0);
-  for (const unsigned crc : {0x0000U, 0x0001U, 0x8000U, 0xFFFFU, 0x1234U, 0xBEEFU}) {
-    for (std::size_t n = 0; n <= zeros.size(); ++n) {
-      const auto value = static_cast<std::uint16_t>(crc);
-      ASSERT_EQ(crc_over_zeros(value, n), Crc16(value).update({zeros.data(), n}).value()) << n;
-    }
-  }
-}
-
-TEST(Crc16, AnExtraFitsExactlyWhenOneOf256Does) {
-  constexpr std::uint16_t kPayloadCrc = 0x5AC3;
-  std::vector<bool> reached(65536);
-  for (unsigned extra = 0; extra < 256; ++extra) {
-    reached[Crc16(kPayloadCrc).update(static_cast<std::uint8_t>(extra)).value()] = true;
-  }
-  for (unsigned received = 0; received < 65536; ++received) {
-    ASSERT_EQ(has_fitting_crc_extra(kPayloadCrc, static_cast<std::uint16_t>(received)),
-              reached[received]);
-  }
-}
-
 TEST(PacketParser, StartByteAtTheEndOfAFailingPacketDoesNotCostTheNext) {
   auto broken = packet_of(common::Attitude{.time_boot_ms = 5, .yawspeed = 1});
   broken[12] ^= 1;
