@@ -8,15 +8,19 @@
 namespace cas::casd {
 namespace {
 
-// A settled thread gives up when its packets cost twice as much, and by more than the noise.
+// A settled thread tries the other cores when its packets cost twice as much, and by more than the
+// noise, or as much as without a choice.
 constexpr int kDearer = 2;
 constexpr base::Duration kNoise = std::chrono::microseconds(5);
 constexpr int kDearSamples = 3;  // one may be an interrupt
 
-// Turns of a sample: of a thread that has just moved, that tries, that stays where it is.
+// Turns of a sample: right after a move; while trying, or while packets are dear; otherwise.
 constexpr std::uint64_t kMovedTurns = 8;
 constexpr std::uint64_t kTrialTurns = 32;
 constexpr std::uint64_t kRestTurns = 128;
+
+// The few turns after a move: one long wait must not decide.
+constexpr base::Duration kMostQueuedAfterMove = 4 * CoreSeeker::kMostQueued;
 
 double per_second(std::uint64_t count, base::Duration time) {
   return static_cast<double>(count) / std::chrono::duration<double>(time).count();
@@ -30,19 +34,19 @@ CoreSeeker::CoreSeeker(std::vector<int> cores) : cores_(std::move(cores)) {
 
 std::uint64_t CoreSeeker::sample_turns() const {
   if (skip_) return kMovedTurns;
-  return state_ == State::kTrying ? kTrialTurns : kRestTurns;
+  return state_ == State::kTrying || dear_ > 0 ? kTrialTurns : kRestTurns;
 }
 
 void CoreSeeker::take(const CoreSample& sample, base::RunTime now) {
   if (!seeks() || sample.turns == 0 || sample.elapsed <= base::Duration{}) return;
   const bool moved = std::exchange(skip_, false);
-  if (!fits(sample)) return give_up(now, pause_);
+  if (!fits(sample, moved ? kMostQueuedAfterMove : kMostQueued)) return give_up(now);
   if (moved) return;
   const base::Duration cost = cost_of(sample);
   switch (state_) {
     case State::kFree:
       free_cost_ = cost;
-      if (now >= next_trial_) begin_trial();
+      if (now >= next_trial_) begin_trial(now);
       return;
     case State::kTrying:
       go_on(cost);
@@ -55,7 +59,7 @@ void CoreSeeker::take(const CoreSample& sample, base::RunTime now) {
 }
 
 void CoreSeeker::release(base::RunTime now) {
-  if (state_ != State::kFree) give_up(now, pause_);
+  if (state_ != State::kFree) give_up(now);
 }
 
 std::optional<int> CoreSeeker::core() const {
@@ -74,20 +78,33 @@ base::Duration CoreSeeker::cost_of(const CoreSample& sample) {
   return sample.ran / turns + until_it_runs;
 }
 
-bool CoreSeeker::fits(const CoreSample& sample) {
+bool CoreSeeker::fits(const CoreSample& sample, base::Duration most_queued) {
   const double rate_hz = per_second(sample.turns, sample.elapsed);
   return rate_hz >= kLeastRate_hz && rate_hz <= kMostRate_hz &&
          std::chrono::duration<double>(sample.ran) <=
              kMostLoad * std::chrono::duration<double>(sample.elapsed) &&
-         sample.queued / static_cast<std::int64_t>(sample.turns) <= kMostQueued;
+         sample.queued / static_cast<std::int64_t>(sample.turns) <= most_queued;
 }
 
-void CoreSeeker::begin_trial() {
-  state_ = State::kTrying;
-  at_ = 0;
-  best_ = 0;
+void CoreSeeker::begin_trial(base::RunTime now) {
+  trial_began_ = now;
   best_cost_ = base::Duration::max();
+  try_next(0);
+}
+
+// Tries all cores but the present one, where a packet now costs `cost`.
+void CoreSeeker::try_others(base::Duration cost, base::RunTime now) {
+  trial_began_ = now;
+  known_ = best_;
+  best_cost_ = cost;
+  try_next(0);
+}
+
+void CoreSeeker::try_next(std::size_t at) {
+  state_ = State::kTrying;
+  at_ = at == known_ ? at + 1 : at;
   skip_ = true;
+  dear_ = 0;
 }
 
 void CoreSeeker::go_on(base::Duration cost) {
@@ -95,33 +112,37 @@ void CoreSeeker::go_on(base::Duration cost) {
     best_cost_ = cost;
     best_ = at_;
   }
-  ++at_;
-  skip_ = true;
+  try_next(at_ + 1);
 }
 
 void CoreSeeker::judge(base::RunTime now) {
   const bool worthwhile = std::chrono::duration<double>(best_cost_) <
                           kWorthwhile * std::chrono::duration<double>(free_cost_);
-  if (!worthwhile) return give_up(now, pause_);
+  if (!worthwhile || best_ == known_) return give_up(now);
   state_ = State::kSettled;
   settled_at_ = now;
-  dear_ = 0;
 }
 
-// Who is heard or written to has moved: there may be a better core at once, if it lasted.
+// The peer has moved: it is followed, unless it moves all the time.
 void CoreSeeker::watch(base::Duration cost, base::RunTime now) {
-  dear_ = cost > kDearer * best_cost_ + kNoise ? dear_ + 1 : 0;
+  const bool dear = cost > kDearer * best_cost_ + kNoise || cost >= free_cost_;
+  dear_ = dear ? dear_ + 1 : 0;
   if (dear_ < kDearSamples) return;
-  give_up(now, now - settled_at_ >= kLasting ? base::Duration{} : pause_ / 2);
+  const base::Duration worth_a_trial = std::max(kShortestPause, settled_at_ - trial_began_);
+  if (now - settled_at_ < worth_a_trial) return give_up(now);
+  try_others(cost, now);
 }
 
-void CoreSeeker::give_up(base::RunTime now, base::Duration pause) {
+void CoreSeeker::give_up(base::RunTime now) {
   if (state_ == State::kFree) return;
-  skip_ = true;
   const bool lasted = state_ == State::kSettled && now - settled_at_ >= kLasting;
+  if (lasted) pause_ = kShortestPause;
+  next_trial_ = now + pause_;
+  pause_ = std::min(2 * pause_, kLongestPause);
   state_ = State::kFree;
-  next_trial_ = now + pause;
-  pause_ = lasted ? kShortestPause : std::min(2 * pause_, kLongestPause);
+  skip_ = true;
+  dear_ = 0;
+  known_.reset();
 }
 
 }  // namespace cas::casd

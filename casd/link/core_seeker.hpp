@@ -30,9 +30,12 @@ struct CoreSample {
 /// leaves a thread there. So the thread tries the cores one after the other, some 30 packets each,
 /// and stays where a packet costs clearly less than without a choice.
 ///
-/// The choice must not crowd out other programs. A thread that waits behind others, carries a flood
-/// or whose packets become dear again gives the choice back to the scheduler. It tries again after
-/// a pause, which grows while trials lead nowhere.
+/// When packets become dear again, the program at the other end has probably moved: then the thread
+/// tries the other cores.
+///
+/// The choice must not crowd out other programs. A thread that waits behind others or carries a
+/// flood gives the choice back to the scheduler, and so does one that finds no cheap core or would
+/// have to follow too often. It tries again after a pause, which grows while trials lead nowhere.
 ///
 /// Cost of a packet: processor time, and the time until the thread runs: from the kernel's stamp
 /// where packets have one, else as long as the scheduler has queued the thread.
@@ -48,8 +51,8 @@ class CoreSeeker {
   static constexpr double kWorthwhile = 0.8;
   static constexpr base::Duration kShortestPause = std::chrono::milliseconds(250);
   static constexpr base::Duration kLongestPause = std::chrono::seconds(128);
-  /// Who stays settled for so long begins again with the shortest pause.
-  static constexpr base::Duration kLasting = std::chrono::seconds(30);
+  /// A thread settled for so long begins again with the shortest pause.
+  static constexpr base::Duration kLasting = std::chrono::seconds(5);
   /// More are not tried.
   static constexpr std::size_t kMostCores = 16;
 
@@ -76,21 +79,25 @@ class CoreSeeker {
   enum class State { kFree, kTrying, kSettled };
 
   static base::Duration cost_of(const CoreSample& sample);
-  static bool fits(const CoreSample& sample);
-  void begin_trial();
+  static bool fits(const CoreSample& sample, base::Duration most_queued);
+  void begin_trial(base::RunTime now);
+  void try_others(base::Duration cost, base::RunTime now);
+  void try_next(std::size_t at);
   void go_on(base::Duration cost);
   void judge(base::RunTime now);
   void watch(base::Duration cost, base::RunTime now);
-  void give_up(base::RunTime now, base::Duration pause);
+  void give_up(base::RunTime now);
 
   std::vector<int> cores_;
   State state_ = State::kFree;
   bool skip_ = true;  ///< the next sample: the thread has just moved
   std::size_t at_ = 0;
+  std::optional<std::size_t> known_;  ///< not tried again: its present cost is known
   std::size_t best_ = 0;
   base::Duration free_cost_{};
   base::Duration best_cost_{};
   int dear_ = 0;  ///< samples in a row that cost more than when it settled
+  base::RunTime trial_began_{};
   base::RunTime settled_at_{};
   base::RunTime next_trial_{};
   base::Duration pause_ = kShortestPause;

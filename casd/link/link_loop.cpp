@@ -71,9 +71,9 @@ class CoreSearch {
 
  private:
   void bind() {
-    const bool settled = seeker_.settled();
-    if (settled != std::exchange(settled_, settled)) tell(settled);
     const std::optional<int> core = seeker_.core();
+    const bool trying = core && !seeker_.settled();
+    if (!trying && core != std::exchange(told_, core)) tell(core.has_value());
     if (core == bound_) return;
     bound_ = core;
     base::bind_to_cpus(core ? std::vector<int>{*core} : any_);
@@ -85,7 +85,7 @@ class CoreSearch {
     };
     base::log::debug(settled ? "thread " + name_ + ": a packet costs " + us(seeker_.cost()) +
                                    " us on core " + std::to_string(*seeker_.core()) + ", " +
-                                   us(seeker_.free_cost()) + " us before"
+                                   us(seeker_.free_cost()) + " us without a choice"
                              : "thread " + name_ + ": runs on any core");
   }
 
@@ -94,7 +94,7 @@ class CoreSearch {
   const base::ThreadTimesReader times_;
   CoreSeeker seeker_;
   std::optional<int> bound_;
-  bool settled_ = false;
+  std::optional<int> told_;  ///< in the log
   std::uint64_t turns_ = 0;
   std::size_t links_ = 0;
   base::RunTime taken_at_{};

@@ -91,13 +91,81 @@ TEST(CoreSeeker, LooksSeldomWhereThereIsNothingToTry) {
   EXPECT_EQ(even.seeker.sample_turns(), 128U);
 }
 
+/// The cheap core is the other one from now on.
+void move_peer(Bench& bench) { std::swap(bench.ran[0], bench.ran[1]); }
+
 TEST(CoreSeeker, FollowsWhoHasMoved) {
   Bench bench;
+  bench.run(1s);
+  ASSERT_EQ(bench.core(), 1);
+  bench.visits.clear();
+  move_peer(bench);
+  // A sample of 128 turns and two of 32, then 40 on the other core, at 500 Hz.
+  bench.run(464ms);
+  EXPECT_EQ(bench.core(), 0);
+  EXPECT_TRUE(bench.seeker.settled());
+  EXPECT_EQ(bench.visits[kAny], 0);
+}
+
+TEST(CoreSeeker, IsWithWhoMovesEveryTwoSecondsMostOfTheTime) {
+  Bench bench;
+  bench.run(1s);
+  Duration cheap{};
+  for (int move = 0; move < 60; ++move) {
+    move_peer(bench);
+    bench.spent.clear();
+    bench.run(2s);
+    cheap += bench.ran[0] < bench.ran[1] ? bench.spent[0] : bench.spent[1];
+  }
+  EXPECT_GT(cheap, 90s);  // of two minutes
+}
+
+TEST(CoreSeeker, DoesNotRunAfterWhoMovesAllTheTime) {
+  for (const double rate_hz : {200.0, 500.0, 1000.0, 2000.0}) {
+    Bench bench;
+    bench.rate_hz = rate_hz;
+    const Duration between = base::from_seconds(200 / rate_hz);  // as soon as it has settled
+    bench.run(5s);
+    for (int move = 0; move < 1200; ++move) {
+      move_peer(bench);
+      bench.run(between);
+      if (move == 600) bench.spent.clear();
+    }
+    EXPECT_GT(bench.spent[kAny], 2 * (bench.spent[0] + bench.spent[1])) << rate_hz;
+  }
+}
+
+// A trial while the peer moves measures a mixture: settled on it, nothing would cost twice as much.
+TEST(CoreSeeker, DoesNotStayWhereAPacketCostsAsMuchAsWithoutAChoice) {
+  Bench bench;
+  bench.ran[1] = 15us;  // with the queue 18 us: twice as much and the noise are 41 us
   bench.run(1s);
   ASSERT_EQ(bench.core(), 1);
   bench.ran = {{kAny, 30us}, {0, 6us}, {1, 30us}};
   bench.run(3s);
   EXPECT_EQ(bench.core(), 0);
+}
+
+TEST(CoreSeeker, TriesAgainSoonAfterAChoiceThatHasLasted) {
+  Bench bench;
+  const auto cheap = bench.ran;
+  bench.ran = {{kAny, 10us}, {0, 10us}, {1, 10us}};
+  bench.run(600s);  // trials fail, and the pause grows to 128 s
+  bench.ran = cheap;
+  bench.run(200s);
+  ASSERT_EQ(bench.core(), 1);
+  bench.seeker.release(bench.now);
+  bench.run(1s);
+  EXPECT_EQ(bench.core(), 1);
+}
+
+TEST(CoreSeeker, AMoveToNoCheapCoreLeavesTheChoiceToTheScheduler) {
+  Bench bench;
+  bench.run(1s);
+  ASSERT_EQ(bench.core(), 1);
+  bench.ran[1] = 30us;
+  bench.run(1s);
+  EXPECT_FALSE(bench.seeker.settled());
 }
 
 TEST(CoreSeeker, OneDearSampleIsNoReason) {
