@@ -15,13 +15,6 @@ namespace {
 using base::rpc::Reply;
 using nlohmann::json;
 
-json log_status(const Recorder& recorder) {
-  json status = recording_json(recorder.status(base::steady_now()));
-  status["folder"] = recorder.config().folder.string();
-  status["awaits_arming"] = recorder.awaits_arming();
-  return status;
-}
-
 /// A recording goes into a new file in the one folder for recordings: a client of the port must not
 /// make files where it likes.
 void start_log(Recorder& recorder, CallParams& params, TlogWriter::Done done) {
@@ -70,7 +63,7 @@ void add_log_method(base::rpc::Server& server, const std::string& name, const Da
                    if (fault) {
                      reply.error(base::rpc::kRefused, *fault, nullptr);
                    } else {
-                     json status = log_status(hooks.recorder);
+                     json status = recording_json(hooks.recorder);
                      if (!ended.empty()) status["ended"] = ended;
                      reply.result(status);
                    }
@@ -82,8 +75,11 @@ void add_log_method(base::rpc::Server& server, const std::string& name, const Da
 
 }  // namespace
 
-json recording_json(const TlogStatus& status) {
+json recording_json(const Recorder& recorder) {
+  const TlogStatus status = recorder.status(base::steady_now());
   json recording{{"active", status.active},
+                 {"awaits_arming", recorder.awaits_arming()},
+                 {"folder", recorder.config().folder.string()},
                  {"file", status.file.string()},
                  {"recorded", status.recorded},
                  {"left_out", status.left_out},
@@ -128,7 +124,7 @@ void add_daemon_methods(base::rpc::Server& server, DaemonHooks hooks) {
   });
   add_look(server, "log.status", [&recorder](CallParams& params) {
     params.finish();
-    return log_status(recorder);
+    return recording_json(recorder);
   });
 }
 

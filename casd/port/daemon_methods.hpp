@@ -22,7 +22,7 @@ struct DaemonHooks {
 };
 
 /// A recording as log.status and casd.status tell it.
-nlohmann::json recording_json(const TlogStatus& status);
+nlohmann::json recording_json(const Recorder& recorder);
 /// The logs of autopilots as casd.status tells them.
 nlohmann::json autopilot_logs_json(const AutopilotLogsStatus& status);
 

@@ -209,7 +209,7 @@ json FigureMethods::status() const {
   if (!source_.name.empty()) status["name"] = source_.name;
   if (!source_.topology_file.empty()) status["topology"] = source_.topology_file.string();
   if (last_reload_) status["reload"] = reload_json(*last_reload_, source_.now());
-  if (source_.recording) status["recording"] = recording_json(source_.recording());
+  if (source_.recorder != nullptr) status["recording"] = recording_json(*source_.recorder);
   const auto logs = source_.autopilot_logs ? source_.autopilot_logs() : std::nullopt;
   if (logs) status["autopilot_logs"] = autopilot_logs_json(*logs);
   return status;
@@ -404,7 +404,7 @@ MetricsSource FigureMethods::metrics_source() const {
                     .messages = source_.figures->messages(now, {}, kMostMessages + 1)};
   all.messages_cut = all.messages.size() > kMostMessages;
   if (all.messages_cut) all.messages.pop_back();
-  if (source_.recording) all.recording = source_.recording();
+  if (source_.recorder != nullptr) all.recording = source_.recorder->status(source_.now());
   if (source_.autopilot_logs) all.autopilot_logs = source_.autopilot_logs();
   for (MessageStatus& message : all.messages) message.name = message_name(message.id);
   for (const auto& [why, reason] : kRefusals)

@@ -19,7 +19,7 @@
 #include "casd/counters/message_taps.hpp"
 #include "casd/port/message_decoder.hpp"
 #include "casd/port/metrics.hpp"
-#include "casd/tlog/tlog_writer.hpp"
+#include "casd/tlog/recorder.hpp"
 #include "casd/topology/topology.hpp"
 
 namespace cas::casd {
@@ -40,7 +40,7 @@ struct FiguresSource {
   /// The `vehicles` of casd.status.
   std::function<nlohmann::json()> vehicles;
   /// The `recording` of casd.status; without it there is none.
-  std::function<TlogStatus()> recording{};
+  const Recorder* recorder = nullptr;
   /// The `autopilot_logs` of casd.status; without it no logs are taken.
   std::function<std::optional<AutopilotLogsStatus>()> autopilot_logs{};
   /// Where the newest packets of watched messages are; without it message.value is left out.

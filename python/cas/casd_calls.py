@@ -120,12 +120,14 @@ Link = TypedDict("Link", {
 })
 Recording = TypedDict("Recording", {
     "active": bool,
+    "awaits_arming": bool,
     "bytes": int,
     "file": str,
-    "left_out": int,
+    "folder": str,
+    "left_out": int,  # packets
     "paused": NotRequired[str],
     "paused_s": NotRequired[float],
-    "recorded": int,
+    "recorded": int,  # packets
 })
 Reload = TypedDict("Reload", {
     "accepted": bool,

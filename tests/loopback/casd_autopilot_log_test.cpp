@@ -212,10 +212,12 @@ TEST_F(CasdAutopilotLog, SaysAtTheStartThatAFolderTakesNoFiles) {
   EXPECT_TRUE(says("logs of autopilots in ")) << casd->output();
   EXPECT_TRUE(says("pause: Not a directory")) << casd->output();
   EXPECT_TRUE(says("cannot record in ")) << casd->output();
+  const std::string where = (folder / "rec").string() + ": Not a directory";
   EXPECT_TRUE(wait_until([&] {
-    return casctl({"log", "status"}).find("CANNOT RECORD: Not a directory") != std::string::npos;
+    return casctl({"log", "status"}).find("CANNOT RECORD in " + where) != std::string::npos;
   }));
-  EXPECT_NE(casctl({"doctor", "--seconds", "0.1"}).find("casd cannot record: Not a directory"),
+  EXPECT_NE(casctl({"status"}).find("CANNOT RECORD in " + where), std::string::npos);
+  EXPECT_NE(casctl({"doctor", "--seconds", "0.1"}).find("casd cannot record in " + where),
             std::string::npos);
   fs::remove(folder / "rec");
   EXPECT_TRUE(wait_until([&] {

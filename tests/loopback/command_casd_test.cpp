@@ -243,10 +243,18 @@ TEST_F(CommandCasdTest, SaysWhyALinkIsDown) {
   const std::optional<std::string> status = casd.wait_ready();
   ASSERT_TRUE(status.has_value()) << casd.output();
   const std::size_t at = status->find("command_port ") + 13;
-  Client client(status->substr(at, status->find(' ', at) - at));
+  address_ = status->substr(at, status->find(' ', at) - at);
+  Client client(address_);
   const json link = client.call("link.list", json::object()).at(0);
   EXPECT_EQ(link.at("state"), "down");
   EXPECT_NE(link.at("endpoint").get<std::string>().find("No such file"), std::string::npos) << link;
+  std::string said;
+  EXPECT_EQ(casctl({"status"}, &said), 0);
+  const std::size_t row = said.find("\nfcu ");
+  ASSERT_NE(row, std::string::npos) << said;
+  EXPECT_GT(said.find("/nowhere"), said.find('\n', row + 1)) << "a column would be as wide\n"
+                                                             << said;
+  EXPECT_NE(said.find("\nlink fcu is down: "), std::string::npos) << said;
 }
 
 TEST_F(CommandCasdTest, WritesWhoAskedWhatIntoItsLog) {

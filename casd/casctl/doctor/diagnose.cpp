@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/doctor/diagnose.hpp"
 
+#include <algorithm>
+
 #include "casd/casctl/doctor/link_findings.hpp"
 #include "casd/casctl/doctor/machine_findings.hpp"
 #include "casd/casctl/doctor/vehicle_findings.hpp"
@@ -29,8 +31,10 @@ void check_recording(const DoctorFacts& facts, Findings& all) {
            "the disk was full, gone or too slow: see casd's log");
     }
     if (!recording.contains("paused")) return;
-    return bad(all, "casd cannot record: " + recording["paused"].get<std::string>(),
-               "mend the folder for recordings (`folder` of `log` in the topology): it must exist, "
+    return bad(all,
+               "casd cannot record in " + recording.value("folder", "?") + ": " +
+                   recording["paused"].get<std::string>(),
+               "mend this folder (`folder` of `log` in the topology): it must exist, "
                "be casd's to write, and have room under `max_mib` and `free_space_min_mib`");
   }
   const std::string missing = recording.at("left_out").dump() + " packets are missing in it";
@@ -47,6 +51,13 @@ void check_recording(const DoctorFacts& facts, Findings& all) {
   }
 }
 
+bool is_armed(const DoctorFacts& facts, const json& system) {
+  const json vehicles = facts.after.value("vehicles", json::array());
+  return std::ranges::any_of(vehicles, [&system](const json& vehicle) {
+    return vehicle.value("system", json()) == system && vehicle.value("armed", false);
+  });
+}
+
 void check_autopilot_logs(const DoctorFacts& facts, Findings& all) {
   const auto logs = facts.after.find("autopilot_logs");
   if (logs == facts.after.end()) return;
@@ -57,8 +68,13 @@ void check_autopilot_logs(const DoctorFacts& facts, Findings& all) {
                    "free_space_min_mib and max_mib of `log.autopilot`; they go on by themselves");
   }
   for (const json& log : logs->value("vehicles", json::array())) {
-    if (!log.contains("trouble")) continue;
-    warn(all, "vehicle " + log.at("vehicle").dump() + " " + log.value("trouble", "?"),
+    const json vehicle = log.at("vehicle");
+    const bool sends_none =
+        log.value("wanted", false) && !log.contains("file") && is_armed(facts, vehicle);
+    if (!log.contains("trouble") && !sends_none) continue;
+    warn(all,
+         "vehicle " + vehicle.dump() + " " +
+             log.value("trouble", "is armed, was asked for its log and sends none"),
          "its firmware may send no logs (fcu_emulator does not), or a parameter turns them off "
          "(PX4: "
          "SDLOG_BACKEND; ArduPilot: LOG_BACKEND_TYPE)");

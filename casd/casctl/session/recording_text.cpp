@@ -12,8 +12,10 @@ using nlohmann::json;
 std::string recording_text(const json& recording) {
   const bool gaps = recording.value("left_out", 0) > 0;
   if (!recording.value("active", false)) {
-    const std::string fault =
-        recording.contains("paused") ? "CANNOT RECORD: " + recording.value("paused", "?") : "";
+    const std::string fault = recording.contains("paused")
+                                  ? "CANNOT RECORD in " + recording.value("folder", "?") + ": " +
+                                        recording.value("paused", "?")
+                                  : "";
     if (!gaps) return fault;
     return fault + (fault.empty() ? "" : "; ") + recording["left_out"].dump() +
            " packets are missing in the last recording";

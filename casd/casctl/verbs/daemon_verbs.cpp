@@ -18,6 +18,17 @@ namespace {
 
 using nlohmann::json;
 
+bool is_up(const json& link) { return link.value("state", "") == "up"; }
+
+/// Why links are not up, a sentence that would make the table's column wide.
+void print_troubles(const json& links) {
+  for (const json& link : links) {
+    if (is_up(link)) continue;
+    std::cout << "link " << printable(link.value("name", "?")) << " is " << link.value("state", "?")
+              << ": " << printable(endpoint_text(link)) << '\n';
+  }
+}
+
 /// Properties of links that have no column: sniffers, groups, added at run time.
 void print_kinds(const json& links) {
   std::map<std::string, std::vector<std::string>> kinds;
@@ -44,7 +55,8 @@ void print_links(const json& links) {
   Table table(std::move(columns));
   for (const json& link : links) {
     std::vector<std::string> cells{link.value("name", "?"), link.value("type", "?"),
-                                   link.value("state", "?"), endpoint_text(link)};
+                                   link.value("state", "?"),
+                                   is_up(link) ? endpoint_text(link) : "-"};
     for (const casd::CounterWords& words : casd::kLinkCounters) {
       if (words.column.empty()) continue;
       const std::optional<std::uint64_t> value = counter_of(link, words);
@@ -53,6 +65,7 @@ void print_links(const json& links) {
     table.add(std::move(cells));
   }
   table.print(std::cout);
+  print_troubles(links);
   print_kinds(links);
 }
 

@@ -89,6 +89,18 @@ TEST(Doctor, DoesNotAskAVehicleForHilThatCasdOnlyRoutesFor) {
   EXPECT_NE(complaints(facts).find("does not say that it is in HIL"), std::string::npos);
 }
 
+TEST(Doctor, WantsNoLogOfADisarmedAutopilot) {
+  DoctorFacts facts = good_setup();
+  json log{{"vehicle", 1}, {"wanted", true}};
+  facts.after["autopilot_logs"] = {{"folder", "/logs"}, {"vehicles", json::array({log})}};
+  EXPECT_EQ(complaints(facts), "");
+  facts.after["vehicles"][0]["armed"] = true;
+  EXPECT_NE(complaints(facts), "");
+  log["file"] = "/logs/v1.bin";
+  facts.after["autopilot_logs"]["vehicles"][0] = log;
+  EXPECT_EQ(complaints(facts), "");
+}
+
 TEST(Doctor, SaysThatNobodyListensAtAUdpDestination) {
   DoctorFacts facts = good_setup();
   for (json* status : {&facts.before, &facts.after}) {
@@ -383,9 +395,10 @@ INSTANTIATE_TEST_SUITE_P(
                 "the recording pauses: No space left on device; 120 packets are missing"},
         BadCase{"CannotRecord",
                 [](DoctorFacts& f) {
-                  f.after["recording"] = {{"active", false}, {"paused", "Permission denied"}};
+                  f.after["recording"] = {
+                      {"active", false}, {"folder", "/logs"}, {"paused", "Permission denied"}};
                 },
-                "casd cannot record: Permission denied"},
+                "casd cannot record in /logs: Permission denied"},
         BadCase{"GapsOfTheLastRecording",
                 [](DoctorFacts& f) {
                   f.after["recording"] = {{"active", false}, {"left_out", 9}};
@@ -410,6 +423,13 @@ INSTANTIATE_TEST_SUITE_P(
                          {"trouble", "does not send its log: it does not support this command"}}}}};
                 },
                 "vehicle 1 does not send its log: it does not support this command"},
+        BadCase{"AnArmedAutopilotIsSilentAboutItsLog",
+                [](DoctorFacts& f) {
+                  f.after["vehicles"][0]["armed"] = true;
+                  f.after["autopilot_logs"] = {{"folder", "/var/log/cas"},
+                                               {"vehicles", {{{"vehicle", 1}, {"wanted", true}}}}};
+                },
+                "vehicle 1 is armed, was asked for its log and sends none"},
         BadCase{"Powersave", [](DoctorFacts& f) { f.governors = {"powersave"}; }, "powersave"},
         BadCase{"ClockStep", [](DoctorFacts& f) { f.clock_step_s = -0.2; },
                 "wall clock moved by -200.0 ms"},
