@@ -282,7 +282,7 @@ TEST_F(RunTimeLinks, NothingOfALinkThatIsGoneIsToldOfTheNext) {
     }
     return 0;
   };
-  EXPECT_EQ(routes(), 1U);
+  EXPECT_TRUE(wait_until([&] { return routes() == 1; })) << "timed after it was written";
   call("link.remove", {{"link", "gcs"}});
   EXPECT_EQ(routes(), 0U);
   UdpPeer other;
