@@ -10,6 +10,8 @@
 namespace cas::casd {
 namespace {
 
+constexpr auto kFirstRefusal = static_cast<std::size_t>(DropCause::kDuplicate);
+
 template <class Visit>
 void for_each_way(const LinkCounters& link, Visit&& visit) {
   using enum MessageWay::Direction;
@@ -19,8 +21,8 @@ void for_each_way(const LinkCounters& link, Visit&& visit) {
   for (std::size_t i = 0; i < link.tx.dropped_messages.size(); ++i) {
     visit(MessageWay{kDrop, static_cast<DropCause>(i)}, link.tx.dropped_messages[i]);
   }
-  for (std::size_t i = 1; i < link.rx.refused.size(); ++i) {
-    visit(MessageWay{kDrop, cause_of(static_cast<Route::Decision>(i))}, link.rx.refused[i]);
+  for (std::size_t i = 0; i < link.rx.refused.size(); ++i) {
+    visit(MessageWay{kDrop, static_cast<DropCause>(kFirstRefusal + i)}, link.rx.refused[i]);
   }
 }
 
@@ -167,7 +169,7 @@ std::optional<FutureSignature> LinkCounters::future_signature() const {
 }
 
 void LinkCounters::count_refused(Route::Decision why, const PacketInfo& info, unsigned times) {
-  MessageCounters& counters = rx.refused[static_cast<std::size_t>(why)];
+  MessageCounters& counters = rx.refused[static_cast<std::size_t>(cause_of(why)) - kFirstRefusal];
   for (unsigned i = 0; i < times; ++i) counters.add(info.message_id, info.source, info.received);
 }
 

@@ -195,7 +195,7 @@ struct LinkCounters {
   std::unique_ptr<LinkLedger> ledger;
 
   struct : RxCounts<Counter> {
-    std::array<MessageCounters, kDecisions> refused;  ///< packets not forwarded, by Route::Decision
+    std::array<MessageCounters, kRouterRefusals> refused;  ///< in the order of their DropCause
     MessageCounters messages;
     MessageCounters not_accepted_messages;  ///< of Counter not_accepted, not in `messages`
   } rx;

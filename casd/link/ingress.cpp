@@ -123,7 +123,7 @@ void Ingress::count_refusals(const Route& route) {
   using enum Route::Decision;
   if (!route.thinned.empty()) {
     counters_->count_refused(kRateLimited, route.info, route.thinned.count());
-  } else if (route.decision != kForward) {
+  } else if (is_refusal(route.decision)) {
     counters_->count_refused(route.decision, route.info);
   }
 }

@@ -8,6 +8,7 @@
 namespace cas::casd {
 
 std::string_view to_string(Route::Decision decision) {
+  if (decision == Route::Decision::kCasdOnly) return kCasdOnlyWord;
   return decision == Route::Decision::kForward ? "forwarded" : to_string(cause_of(decision));
 }
 
@@ -25,17 +26,18 @@ inline Route::Decision Router::choose_links(Route& route, const RoutingPlan& pla
   const LinkMask& never = plan.never_back[route.info.from];
   const std::size_t words = plan.rules.words();
   SlotMask allowed_anywhere = 0;
-  SlotMask heard_anywhere = 0;
   for (std::size_t word = 0; word < words; ++word) {
     const SlotMask allowed =
         rules.destinations(word, packet.message_id, packet.source) & ~never.word(word);
     const SlotMask heard = allowed & routes[word].links_to(route.info.target);
     route.to.set_word(word, heard);
     allowed_anywhere |= allowed;
-    heard_anywhere |= heard;
   }
   if (allowed_anywhere == 0) return Route::Decision::kNoRule;
-  return heard_anywhere == 0 ? Route::Decision::kNoTarget : Route::Decision::kForward;
+  if (route.to.empty()) return Route::Decision::kNoTarget;
+  const bool is_for_casd = route.info.target.system != 0;
+  if (route.to == bit(kLocalLink) && !is_for_casd) return Route::Decision::kCasdOnly;
+  return Route::Decision::kForward;
 }
 
 Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTime now,

@@ -40,11 +40,12 @@ struct RoutingPlan {
 /// Where a packet goes, and why it may go nowhere.
 struct Route {
   enum class Decision : std::uint8_t {
-    kForward,     ///< `to` may still be empty: no link wants it
-    kDuplicate,   ///< came already; `to` is casd's own station, unless it heard the packet
-    kNoRule,      ///< the rules let it go nowhere
-    kNoTarget,    ///< addressed to a system that was never heard
-    kRateLimited  ///< its turn has not come
+    kForward,      ///< `to` may still be empty: no link wants it
+    kDuplicate,    ///< came already; `to` is casd's own station, unless it heard the packet
+    kNoRule,       ///< the rules let it go nowhere
+    kNoTarget,     ///< addressed to a system that was never heard
+    kRateLimited,  ///< its turn has not come
+    kCasdOnly      ///< for all, but only casd's own station may have it
   };
   LinkMask to{};
   LinkMask thinned{};  ///< links that a rate limit keeps it from
@@ -53,8 +54,13 @@ struct Route {
   const LinkMask* sniffers = nullptr;
   PacketInfo info;
 };
-inline constexpr int kDecisions = 5;
-/// Of every decision but kForward.
+inline constexpr int kDecisions = 6;
+inline constexpr int kRouterRefusals = 4;
+/// Whether nobody gets the packet.
+constexpr bool is_refusal(Route::Decision decision) {
+  return decision != Route::Decision::kForward && decision != Route::Decision::kCasdOnly;
+}
+/// Of every refusal.
 constexpr DropCause cause_of(Route::Decision decision) {
   return static_cast<DropCause>(static_cast<int>(DropCause::kDuplicate) +
                                 static_cast<int>(decision) - 1);
@@ -63,7 +69,7 @@ static_assert(cause_of(Route::Decision::kDuplicate) == DropCause::kDuplicate &&
               cause_of(Route::Decision::kNoRule) == DropCause::kNoRule &&
               cause_of(Route::Decision::kNoTarget) == DropCause::kNoTarget &&
               cause_of(Route::Decision::kRateLimited) == DropCause::kRateLimited);
-/// "forwarded", or the word of its cause.
+/// "forwarded", "casd_only", or the word of its cause.
 std::string_view to_string(Route::Decision decision);
 
 /// Decides by the MAVLink routing guide and the rules of the topology where each packet goes. It

@@ -40,6 +40,9 @@ struct CauseWords {
   bool trouble = false;        ///< the doctor warns of packets that a link drops for it
 };
 
+/// The verdict on what casd's own station alone may have: neither forwarded nor dropped.
+inline constexpr std::string_view kCasdOnlyWord = "casd_only";
+
 inline constexpr auto kCauses = std::to_array<CauseWords>({
     {DropCause::kAge, "age",
      "would have arrived too late: the line is too slow for what is sent, or stood still",

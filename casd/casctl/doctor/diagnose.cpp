@@ -51,11 +51,21 @@ void check_recording(const DoctorFacts& facts, Findings& all) {
   }
 }
 
-bool is_armed(const DoctorFacts& facts, const json& system) {
-  const json vehicles = facts.after.value("vehicles", json::array());
+bool is_armed(const json& status, const json& system) {
+  const json vehicles = status.value("vehicles", json::array());
   return std::ranges::any_of(vehicles, [&system](const json& vehicle) {
     return vehicle.value("system", json()) == system && vehicle.value("armed", false);
   });
+}
+
+/// Armed and asked for its log, of which nothing has come. @param status  casd.status
+bool awaits_log(const json& status, const json& system) {
+  const json logs = status.value("autopilot_logs", json::object());
+  return is_armed(status, system) &&
+         std::ranges::any_of(logs.value("vehicles", json::array()), [&system](const json& log) {
+           return log.value("vehicle", json()) == system && log.value("wanted", false) &&
+                  !log.contains("file");
+         });
 }
 
 void check_autopilot_logs(const DoctorFacts& facts, Findings& all) {
@@ -69,8 +79,8 @@ void check_autopilot_logs(const DoctorFacts& facts, Findings& all) {
   }
   for (const json& log : logs->value("vehicles", json::array())) {
     const json vehicle = log.at("vehicle");
-    const bool sends_none =
-        log.value("wanted", false) && !log.contains("file") && is_armed(facts, vehicle);
+    // At one look alone it may have been asked a moment ago.
+    const bool sends_none = awaits_log(facts.before, vehicle) && awaits_log(facts.after, vehicle);
     if (!log.contains("trouble") && !sends_none) continue;
     warn(all,
          "vehicle " + vehicle.dump() + " " +

@@ -14,19 +14,33 @@ using nlohmann::json;
 constexpr double kBitsPerByte = 10;
 constexpr double kFullLine = 0.9;  // of a line's rate: bursts begin to queue
 
-/// How much a counter grew between the two looks.
+/// How much a figure of a link grew between the two looks.
+template <class Figure>
+double grown(const DoctorFacts& facts, const json& link, Figure&& figure) {
+  return figure(link) - figure(link_named(facts.before, link.value("name", "")));
+}
+
 double growth(const DoctorFacts& facts, const json& link, const casd::CounterWords& words) {
-  const auto value = [&words](const json& of) {
+  return grown(facts, link, [&words](const json& of) {
     return static_cast<double>(counter_of(of, words).value_or(0));
-  };
-  return value(link) - value(link_named(facts.before, link.value("name", "")));
+  });
 }
 
 double drop_growth(const DoctorFacts& facts, const json& link, const std::string& cause) {
-  const auto drops = [&cause](const json& of) {
+  return grown(facts, link, [&cause](const json& of) {
     return of.contains("tx") ? of["tx"].value("dropped", json::object()).value(cause, 0.0) : 0.0;
-  };
-  return drops(link) - drops(link_named(facts.before, link.value("name", "")));
+  });
+}
+
+double verdict(const json& link, std::string_view word) {
+  const json rx = link.value("rx", json::object());
+  return rx.value("verdicts", json::object()).value(std::string(word), 0.0);
+}
+
+/// "; 40 of its packets WHAT", or nothing for none.
+std::string packets_text(double packets, const std::string& what) {
+  if (packets <= 0) return "";
+  return "; " + std::to_string(static_cast<std::uint64_t>(packets)) + " of its packets " + what;
 }
 
 /// Advice for a link that is not up; its endpoint has the reason.
@@ -70,23 +84,26 @@ void check_refusals(const DoctorFacts& facts, const json& link, Findings& own) {
        "start the program there, a ground station for example, or remove the link");
 }
 
+/// "; 40 of its packets reach casd alone, as the topology has it (casctl routes)", or nothing.
+std::string casd_only_text(const DoctorFacts& facts, const json& link) {
+  return packets_text(
+      grown(facts, link, [](const json& of) { return verdict(of, casd::kCasdOnlyWord); }),
+      "reach casd alone, as the topology has it (casctl routes)");
+}
+
 /// "; 120 of its packets go nowhere, as the topology has it (casctl drops)", or nothing.
 std::string filtered_text(const DoctorFacts& facts, const json& link) {
   const auto count = [](const json& of) {
-    const json rx = of.value("rx", json::object());
-    const json verdicts = rx.value("verdicts", json::object());
     auto packets =
         static_cast<double>(counter_of(of, casd::counter_words("rx", "not_accepted")).value_or(0));
     using enum casd::DropCause;
     for (const casd::DropCause cause : {kNoRule, kNoTarget, kRateLimited}) {
-      packets += verdicts.value(std::string(to_string(cause)), 0.0);
+      packets += verdict(of, to_string(cause));
     }
     return packets;
   };
-  const double packets = count(link) - count(link_named(facts.before, link.value("name", "")));
-  if (packets <= 0) return "";
-  return "; " + std::to_string(static_cast<std::uint64_t>(packets)) +
-         " of its packets go nowhere, as the topology has it (casctl drops)";
+  return packets_text(grown(facts, link, count),
+                      "go nowhere, as the topology has it (casctl drops)");
 }
 
 /// "; it dropped 1099 packets before (casctl drops)", or nothing.
@@ -101,12 +118,11 @@ std::string earlier_drops_text(const json& link) {
          " packets before (casctl drops)";
 }
 
-double signature_growth(const DoctorFacts& facts, const json& link, const char* verdict) {
-  const auto count = [verdict](const json& of) {
+double signature_growth(const DoctorFacts& facts, const json& link, const char* word) {
+  return grown(facts, link, [word](const json& of) {
     const json rx = of.value("rx", json::object());
-    return rx.value("signatures", json::object()).value(verdict, 0.0);
-  };
-  return count(link) - count(link_named(facts.before, link.value("name", "")));
+    return rx.value("signatures", json::object()).value(word, 0.0);
+  });
 }
 
 }  // namespace
@@ -132,7 +148,7 @@ void check_links(const DoctorFacts& facts, Findings& all) {
       const bool silent = growth(facts, link, casd::counter_words("rx", "packets")) <= 0;
       good(own, name + " is up, nothing lost or damaged in " + fixed(facts.seconds, 1) + " s" +
                     (silent ? ", nothing received" : "") + earlier_drops_text(link) +
-                    filtered_text(facts, link));
+                    filtered_text(facts, link) + casd_only_text(facts, link));
     }
     all.insert(all.end(), own.begin(), own.end());
   }

@@ -95,6 +95,7 @@ TEST(Doctor, WantsNoLogOfADisarmedAutopilot) {
   facts.after["autopilot_logs"] = {{"folder", "/logs"}, {"vehicles", json::array({log})}};
   EXPECT_EQ(complaints(facts), "");
   facts.after["vehicles"][0]["armed"] = true;
+  facts.before = facts.after;
   EXPECT_NE(complaints(facts), "");
   log["file"] = "/logs/v1.bin";
   facts.after["autopilot_logs"]["vehicles"][0] = log;
@@ -132,10 +133,12 @@ TEST(Doctor, TellsFilteredPacketsBesideALinkThatLosesNone) {
       << findings(facts);
   facts.after["links"][1]["rx"]["packets"] = 1000;
   facts.before["links"][1]["rx"]["verdicts"] = {{"no_rule", 5}, {"forwarded", 9}};
-  facts.after["links"][1]["rx"]["verdicts"] = {{"no_rule", 45}, {"forwarded", 99}};
+  facts.after["links"][1]["rx"]["verdicts"] = {
+      {"no_rule", 45}, {"forwarded", 99}, {"casd_only", 7}};
   facts.after["links"][1]["rx"]["not_accepted"] = 2;
   EXPECT_NE(findings(facts).find("nothing lost or damaged in 2.0 s; 42 of its packets go nowhere, "
-                                 "as the topology has it (casctl drops)\n"),
+                                 "as the topology has it (casctl drops); 7 of its packets reach "
+                                 "casd alone, as the topology has it (casctl routes)\n"),
             std::string::npos)
       << findings(facts);
 }
@@ -428,6 +431,7 @@ INSTANTIATE_TEST_SUITE_P(
                   f.after["vehicles"][0]["armed"] = true;
                   f.after["autopilot_logs"] = {{"folder", "/var/log/cas"},
                                                {"vehicles", {{{"vehicle", 1}, {"wanted", true}}}}};
+                  f.before = f.after;
                 },
                 "vehicle 1 is armed, was asked for its log and sends none"},
         BadCase{"Powersave", [](DoctorFacts& f) { f.governors = {"powersave"}; }, "powersave"},
@@ -435,6 +439,17 @@ INSTANTIATE_TEST_SUITE_P(
                 "wall clock moved by -200.0 ms"},
         BadCase{"BusyMachine", [](DoctorFacts& f) { f.wake_p99_us = 4000; }, "99 %: 4000 us"}),
     [](const auto& test) { return test.param.name; });
+
+TEST(Doctor, LeavesAnAutopilotThatWasArmedDuringTheLooksTimeToSendItsLog) {
+  DoctorFacts facts = good_setup();
+  facts.before["vehicles"][0]["armed"] = false;
+  facts.after["vehicles"][0]["armed"] = true;
+  facts.after["autopilot_logs"] = {{"folder", "/var/log/cas"},
+                                   {"vehicles", {{{"vehicle", 1}, {"wanted", true}}}}};
+  for (const Finding& finding : diagnose(facts)) {
+    EXPECT_EQ(finding.what.find("sends none"), std::string::npos) << finding.what;
+  }
+}
 
 TEST(Doctor, TellsAStrangersTerminalFromABoardThatIsUnplugged) {
   const auto remedy = [](const char* reason) {

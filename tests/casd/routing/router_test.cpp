@@ -109,6 +109,32 @@ TEST(Router, KnowsAsManyLinksAsThereAreSlots) {
   }
 }
 
+TEST(Router, TellsWhatCasdAloneHearsFromWhatGoesOn) {
+  auto plan = std::make_shared<RoutingPlan>();
+  std::vector<ForwardRule> rules(3);
+  rules[0].from = 0;  // its way back is missing
+  rules[0].to = kLocalLink;
+  rules[1].from = 1;
+  rules[1].to = kLocalLink;
+  rules[2].from = 1;
+  rules[2].to = 0;
+  plan->rules = ForwardRules(rules);
+  Router router(plan, mav::public_table());
+  router.on_packet(kLocalLink, view(packet(Heartbeat{}, {254, 190})), at({}));
+
+  const Route heard = router.on_packet(0, view(packet(Heartbeat{}, {1, 1})), at({}));
+  EXPECT_EQ(heard.decision, kCasdOnly);
+  EXPECT_EQ(heard.to, bit(kLocalLink));
+  const Route passed = router.on_packet(1, view(packet(Heartbeat{}, {255, 190})), at({}));
+  EXPECT_EQ(passed.decision, kForward);
+  EXPECT_EQ(passed.to, bit(kLocalLink) | bit(0));
+  const Route answer = router.on_packet(0, view(packet(command_to(254, 190), {1, 1})), at({}));
+  EXPECT_EQ(answer.decision, kForward);
+  EXPECT_EQ(answer.to, bit(kLocalLink));
+  EXPECT_EQ(router.on_packet(0, view(packet(command_to(7, 1), {1, 1})), at({})).decision,
+            kNoTarget);
+}
+
 TEST(Router, NewPlanIsInForceAtTheNextPacket) {
   Router router = make_router(3);
   const auto heartbeat = packet(Heartbeat{}, {1, 1});
