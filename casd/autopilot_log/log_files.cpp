@@ -149,6 +149,11 @@ void LogFiles::append(File id, const LogPart& part) {
   const auto found = open_.find(id);
   if (found == open_.end()) return;
   Open& file = found->second;
+  if (is_deleted(file.fd)) {
+    const std::string name = file.name;
+    close(id);
+    return fail(name + " was deleted while it was written");
+  }
   if (const auto why = lack(part.bytes.size())) {
     close(id);
     return fail(*why);
@@ -177,7 +182,11 @@ void LogFiles::close(File id) {
   const auto found = open_.find(id);
   if (found == open_.end()) return;
   const Open& file = found->second;
-  if (file.size == 0) {
+  if (is_deleted(file.fd)) {
+    base::log::error("the autopilot's log " + (folder_.path() / file.name).string() +
+                     " was deleted while it was written, with " + std::to_string(file.size) +
+                     " bytes in it");
+  } else if (file.size == 0) {
     folder_.remove(file.name);
   } else {
     base::log::info("the autopilot's log " + (folder_.path() / file.name).string() + " has " +

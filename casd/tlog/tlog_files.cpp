@@ -86,6 +86,7 @@ std::size_t TlogFiles::write(std::span<const std::uint8_t> records, base::RunTim
     const std::size_t whole = append(rest.first(fitting));
     const int error = errno;
     size_ += whole;
+    packets_ += count_tlog_records(rest.first(whole));
     done += whole;
     if (whole == fitting) continue;
     const bool has_some = size_ > 0;
@@ -110,6 +111,13 @@ std::size_t TlogFiles::append(std::span<const std::uint8_t> records) {
 
 void TlogFiles::close() { fd_.reset(); }
 
+std::optional<TlogFiles::Content> TlogFiles::leave_deleted() {
+  if (!is_deleted(fd_)) return std::nullopt;
+  fd_.reset();
+  if (!made_.empty()) made_.pop_back();
+  return Content{packets_, std::exchange(size_, 0)};
+}
+
 /// Another file follows this one, which goes where nothing is in it.
 void TlogFiles::give_up_file() {
   fd_.reset();
@@ -132,6 +140,7 @@ bool TlogFiles::make_next(base::RunTime now) {
   }
   fd_ = std::move(next);
   size_ = 0;
+  packets_ = 0;
   opened_ = now;
   made_.push_back(tlog_file_name(options_.name, number_++));
   const int keep = options_.rotation.keep;

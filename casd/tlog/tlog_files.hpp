@@ -52,6 +52,14 @@ class TlogFiles {
   std::size_t write(std::span<const std::uint8_t> records, base::RunTime now);
   void close();
 
+  struct Content {
+    std::uint64_t packets = 0;
+    std::uint64_t bytes = 0;
+  };
+  /// Leaves a file that somebody has deleted; write() begins the next one.
+  /// @return what was in it; nullopt: no file is open, or it has its name still
+  std::optional<Content> leave_deleted();
+
   const TlogFolder& folder() const { return folder_; }
   /// The file that is written, or the last one; empty: none could be made.
   std::filesystem::path current() const;
@@ -68,6 +76,7 @@ class TlogFiles {
   int number_ = 0;  ///< of the next file
   base::Descriptor fd_;
   std::uint64_t size_ = 0;
+  std::uint64_t packets_ = 0;
   base::RunTime opened_{};
   std::deque<std::string> made_;  ///< the files that are kept, oldest first
 };

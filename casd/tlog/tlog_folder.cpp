@@ -178,6 +178,11 @@ TlogSpace TlogFolder::look(bool scan) const {
   return space;
 }
 
+bool is_deleted(const base::Descriptor& file) {
+  struct stat status {};
+  return file && ::fstat(file.get(), &status) == 0 && status.st_nlink == 0;
+}
+
 std::filesystem::path default_tlog_folder() {
   const char* given = std::getenv("LOGS_DIRECTORY");  // systemd, from LogsDirectory=
   if (given == nullptr || *given == '\0') return ".";

@@ -88,6 +88,9 @@ class TlogFolder {
   IsOwn is_own_;
 };
 
+/// Whether somebody has deleted an open file: what is written to it is lost.
+bool is_deleted(const base::Descriptor& file);
+
 /// Where recordings go unless the topology says so: the service's own folder for logs
 /// ($LOGS_DIRECTORY), else the working folder.
 std::filesystem::path default_tlog_folder();

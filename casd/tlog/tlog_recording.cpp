@@ -55,6 +55,16 @@ std::size_t TlogRecording::write(std::span<const std::uint8_t> records, base::Ru
   return written;
 }
 
+std::uint64_t TlogRecording::leave_deleted() {
+  const std::filesystem::path deleted = file();
+  const std::optional<TlogFiles::Content> content = files_.leave_deleted();
+  if (!content) return 0;
+  bytes_ -= content->bytes;
+  base::log::error("recording: " + deleted.string() + " was deleted while it was written, with " +
+                   std::to_string(content->packets) + " packets in it");
+  return content->packets;
+}
+
 /// Whether it is time to try, and the limits let it.
 bool TlogRecording::may_write(std::size_t more, base::RunTime now) {
   if (retry_at_ && now < *retry_at_) return false;

@@ -36,6 +36,9 @@ class TlogRecording {
   /// Writes as many of these whole records as the disk takes.
   /// @return how many packets are in the files now; those that are not are lost
   std::size_t write(std::span<const std::uint8_t> records, base::RunTime now);
+  /// Looks whether somebody has deleted the file that is written; another one follows it.
+  /// @return packets that were in it
+  std::uint64_t leave_deleted();
   void end() { files_.close(); }
 
   /// Why it pauses, as a clause; nullopt: it does not. Holds until packets are in a file again.

@@ -182,6 +182,9 @@ void TlogWriter::write(Load load, base::RunTime now) {
     recorded_ += written;
     left_out_ += count_tlog_records(*taken) - written;
   }
+  const std::uint64_t deleted = recording_.leave_deleted();
+  recorded_ -= deleted;
+  left_out_ += deleted;
 }
 
 TlogStatus TlogWriter::publish() {

@@ -272,6 +272,48 @@ TEST_F(CasdAutopilotLog, StatusTellsOfEachVehiclesLogAndTheOldestFilesGo) {
   end();
 }
 
+TEST_F(CasdAutopilotLog, DoctorTellsOfAnArmedAutopilotThatSendsNone) {
+  start(", free_space_min_mib: 0");
+  UdpAutopilot px4(MavAutopilot::kPx4);
+  px4.socket.set_remote(port);
+  px4.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kSafetyArmed;
+  std::string said;
+  EXPECT_TRUE(speaks_until(px4, [&] {
+    said = casctl({"doctor", "--seconds", "0.1"});
+    return said.find("vehicle 1 is armed, was asked for its log and sends none") !=
+           std::string::npos;
+  })) << said;
+}
+
+TEST_F(CasdAutopilotLog, BeginsAnotherFileForOneThatWasDeleted) {
+  start(", free_space_min_mib: 0");
+  UdpAutopilot px4(MavAutopilot::kPx4);
+  px4.socket.set_remote(port);
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts == 1; }));
+  px4.piece<LoggingDataAcked>(0, beginning());
+  ASSERT_TRUE(speaks_until(
+      px4, [&] { return files().size() == 1 && fs::file_size(files()[0]) == beginning().size(); }));
+  const std::string deleted = files()[0].filename().string();
+  fs::remove(files()[0]);
+  std::uint16_t number = 0;
+  ASSERT_TRUE(speaks_until(
+      px4,
+      [&] {
+        return casd->output().find(deleted + " was deleted while it was written") !=
+               std::string::npos;
+      },
+      [&] {
+        ++number;
+        px4.piece(number, message(number));
+      }))
+      << casd->output();
+  ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts >= 2; })) << casd->output();
+  px4.piece<LoggingDataAcked>(0, beginning());
+  EXPECT_TRUE(speaks_until(px4, [&] {
+    return files().size() == 1 && fs::file_size(files()[0]) == beginning().size();
+  })) << casd->output();
+}
+
 TEST_F(CasdAutopilotLog, PausesBeforeAllLogsTakeMoreThanTheyMay) {
   constexpr std::uintmax_t kMost = 1024 * 1024;
   folder.write("rec/old.ulg", std::string(kMost - 500, 'x'));

@@ -125,6 +125,24 @@ TEST_F(Recording, TakesBackTheRecordThatDoesNotFitAndGoesOnInTheNextFile) {
   EXPECT_EQ(recording.file(), folder / "a.2.tlog");
 }
 
+TEST_F(Recording, TellsWhatADeletedFileTookAlongAndGoesOnInTheNext) {
+  recording.begin(options(folder / "rec"), at({}));
+  EXPECT_EQ(recording.write(records(3), at({})), 3U);
+  EXPECT_EQ(recording.leave_deleted(), 0U);
+  fs::remove_all(folder / "rec");
+  EXPECT_EQ(recording.write(records(2), at({})), 2U) << "the kernel takes them still";
+  EXPECT_EQ(recording.leave_deleted(), 5U);
+  EXPECT_EQ(recording.leave_deleted(), 0U) << "once";
+  EXPECT_EQ(recording.bytes(), 0U);
+  EXPECT_TRUE(recording.file().empty());
+  EXPECT_EQ(recording.write(records(4), at({})), 4U);
+  EXPECT_EQ(recording.leave_deleted(), 0U);
+  recording.end();
+  EXPECT_EQ(recording.file(), folder / "rec/a.1.tlog");
+  EXPECT_EQ(packets_in(folder / "rec"), 4U);
+  EXPECT_EQ(recording.bytes(), records(4).size());
+}
+
 TEST_F(Recording, LeavesNoEmptyFilesBehindWhenNoneTakesAnything) {
   recording.begin(options(folder.path()), at({}));
   EXPECT_EQ(recording.write(records(1), at({})), 1U);
