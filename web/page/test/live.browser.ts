@@ -309,15 +309,22 @@ test('a scene that is built anew compiles no shader again', async () => {
   const {page} = await open(server);
   // The first drawing may come with later packets: a slow machine has compiled all after some pictures alike.
   let alike = {programs: '', since: 0};
-  const before = await until(page, 'pictures with the same shaders', (now) => {
+  let before = await until(page, 'pictures with the same shaders', (now) => {
     const programs = (now.programs3d ?? []).join();
     if (programs !== alike.programs) alike = {programs, since: now.frames};
     return programs !== '' && now.frames > alike.since + 30;
   });
-  await page.keyboard.press('Shift+T');
-  const after = await until(page, 'a picture in other colours', (now) => now.theme !== before.theme && now.frames > before.frames + 2);
-  assert.deepEqual(before.programs3d!.filter((id) => !after.programs3d!.includes(id)), []);
-  assert.deepEqual(after.programs3d!.filter((id) => id > Math.max(...before.programs3d!)), []);
+  // A busy machine may be late with a drawing even then, once; a shader that is compiled with each scene is so every time.
+  let anew: number[] = [];
+  for (let scene = 0; scene < 3; ++scene) {
+    await page.keyboard.press('Shift+T');
+    const after = await until(page, 'a picture in other colours', (now) => now.theme !== before.theme && now.frames > before.frames + 2);
+    assert.deepEqual(before.programs3d!.filter((id) => !after.programs3d!.includes(id)), []);
+    anew = after.programs3d!.filter((id) => id > Math.max(...before.programs3d!));
+    if (anew.length === 0) break;
+    before = after;
+  }
+  assert.deepEqual(anew, []);
   await page.close();
 });
 
