@@ -18,6 +18,9 @@ namespace {
 
 constexpr std::size_t kReadBytes = 64 * 1024;
 constexpr auto kConnectPatience = std::chrono::seconds(3);
+/// Whoever closes sooner will do so again: it is called no more often than one that does not
+/// answer.
+constexpr auto kLeastUptime = std::chrono::seconds(1);
 /// A peer that takes nothing so long is given up.
 constexpr auto kStallPatience = std::chrono::seconds(5);
 constexpr const char* kStopped = "stopped reading";
@@ -117,6 +120,8 @@ void TcpLink::finish_connect(base::RunTime now) {
   parser_.reset();
   port_->attach(std::make_unique<StreamWriter>(std::move(connected), StreamWriter::Kind::kSocket),
                 now);
+  connected_at_ = now;
+  before_connection_ = core_.backoff();
   core_.went_up(core_.config().remote);
 }
 
@@ -139,6 +144,8 @@ void TcpLink::read(base::RunTime now) {
 void TcpLink::close(const std::string& reason, base::RunTime now) {
   fd_ = {};
   port_->detach(now);
+  const auto since = std::exchange(connected_at_, std::nullopt);
+  if (since && now - *since < kLeastUptime) core_.backoff() = before_connection_;
   core_.went_down(reason, now);
 }
 

@@ -44,7 +44,9 @@ class TcpLink final : public Link {
   bool looking_up_ = false;
   base::Descriptor connecting_;
   base::RunTime connect_deadline_{};
-  OpenDescriptor fd_;  ///< owned by the port's writer, or `connecting_`
+  std::optional<base::RunTime> connected_at_;
+  Backoff before_connection_{RetryTimes()};  ///< as it was when the connection was made
+  OpenDescriptor fd_;                        ///< owned by the port's writer, or `connecting_`
   std::size_t poll_entry_ = 0;
 };
 

@@ -98,20 +98,11 @@ TEST(CasdGarbage, OnATcpServer) {
 }
 
 TEST(CasdGarbage, OnATcpLink) {
-  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  ASSERT_EQ(::bind(listener, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-  ASSERT_EQ(::listen(listener, 1), 0);
-  socklen_t size = sizeof address;
-  ::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size);
+  const TcpListener listener;
   CasdFixture fixture;
-  fixture.start(
-      with("type: tcp, remote: \"127.0.0.1:" + std::to_string(ntohs(address.sin_port)) + "\""));
-  TcpPeer server(::accept(listener, nullptr, nullptr), true);
+  fixture.start(with("type: tcp, remote: \"" + listener.endpoint() + "\""));
+  TcpPeer server(listener.accept(), true);
   expect_only_whole_packets(fixture, true, [&](auto bytes) { server.send(bytes); });
-  ::close(listener);
 }
 
 }  // namespace

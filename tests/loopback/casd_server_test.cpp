@@ -6,6 +6,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 
 #include "tests/loopback/casd_fixture.hpp"
@@ -218,6 +219,22 @@ TEST(CasdTcp, ConnectsAgainWhenTheServerComesBack) {
     EXPECT_EQ(numbers(heard, kHilControls).front(), round);
   }
   ::close(listener);
+}
+
+TEST(CasdTcp, CallsAServerThatClosesAtOnceNoMoreOftenThanOneThatIsAway) {
+  const TcpListener listener;
+  CasdFixture fixture;
+  fixture.start(
+      "schema: 1\nlinks:\n  - {name: net, type: tcp, remote: \"" + listener.endpoint() + "\"}\n",
+      {std::chrono::milliseconds(500), std::chrono::minutes(1)});
+  constexpr int kCalls = 4;
+  base::RunTime first{};
+  for (int call = 1; call <= kCalls; ++call) {
+    const TcpPeer accepted(listener.accept(), true);
+    if (call == 1) first = base::steady_now();
+  }
+  // 0.5, 1 and 2 s lie between them, less what a busy machine was late for the first.
+  EXPECT_GT(base::steady_now() - first, std::chrono::seconds(2));
 }
 
 }  // namespace
