@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 namespace cas::base {
 
@@ -25,6 +29,23 @@ inline std::optional<HostPort> parse_host_port(std::string_view text) {
   }
   if (host.empty()) return std::nullopt;
   return HostPort{std::string(host), std::string(text.substr(colon + 1))};
+}
+
+/// Whether it may be the name or address of a host: no blanks, no # of a comment, no part of a URL.
+inline bool is_host_text(std::string_view host) {
+  const auto fits = [](char c) {
+    return static_cast<unsigned char>(c) > ' ' && c != '\x7F' && c != '#' && c != '/' && c != '@';
+  };
+  return !host.empty() && std::ranges::all_of(host, fits);
+}
+
+/// The number of a port in digits. @return nullopt: it is none of 0 to 65535
+inline std::optional<std::uint16_t> parse_port(std::string_view digits) {
+  std::uint16_t port = 0;
+  const char* const end = digits.data() + digits.size();
+  const auto [stop, error] = std::from_chars(digits.data(), end, port);
+  if (error != std::errc{} || stop != end) return std::nullopt;
+  return port;
 }
 
 }  // namespace cas::base

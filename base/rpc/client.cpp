@@ -37,11 +37,6 @@ std::string message_of(int error) { return std::generic_category().message(error
 
 [[noreturn]] void lost(const std::string& message) { throw ConnectionError(message, false); }
 
-HostPort host_port(const std::string& address) {
-  if (const std::optional<HostPort> parts = parse_host_port(address)) return *parts;
-  lost("'" + address + "' is neither HOST:PORT nor unix:PATH");
-}
-
 /// Waits until the descriptor is ready. @return false when the deadline came first
 bool wait_for(int fd, short events, RunTime deadline) {
   while (true) {
@@ -57,6 +52,14 @@ bool wait_for(int fd, short events, RunTime deadline) {
 }
 
 }  // namespace
+
+std::string address_fault(const std::string& address) {
+  if (address.starts_with(kUnixPrefix)) return "";
+  const std::optional<HostPort> parts = parse_host_port(address);
+  if (!parts || !is_host_text(parts->host)) return "is neither HOST:PORT nor unix:PATH";
+  const std::optional<std::uint16_t> port = parse_port(parts->port);
+  return port && *port > 0 ? "" : "has no port from 1 to 65535";
+}
 
 struct Client::Impl {
   struct Notification {
@@ -127,11 +130,12 @@ void Client::Impl::connect_tcp(const HostPort& target, RunTime deadline) {
 }
 
 void Client::Impl::connect(const std::string& to, RunTime deadline) {
+  if (const std::string fault = address_fault(to); !fault.empty()) lost("'" + to + "' " + fault);
   address = to;
   if (to.starts_with(kUnixPrefix)) {
     connect_unix(to.substr(kUnixPrefix.size()), deadline);
   } else {
-    connect_tcp(host_port(to), deadline);
+    connect_tcp(*parse_host_port(to), deadline);
   }
 }
 

@@ -24,6 +24,10 @@ class CAS_BASE_EXPORT ConnectionError : public std::runtime_error {
   bool timeout_;
 };
 
+/// Why no Client can connect to this, as a clause behind it; empty: it is "unix:PATH" or
+/// "HOST:PORT", whether anything is there or not.
+CAS_BASE_EXPORT std::string address_fault(const std::string& address);
+
 /// A blocking client for programs that do one thing at a time (casctl, hils, tests).
 class CAS_BASE_EXPORT Client {
  public:

@@ -35,6 +35,10 @@ void add_options(CommandLine& line) {
                  "Command port of casd, HOST:PORT or unix:PATH; without it the one casd that runs "
                  "on this machine (several are listed), else 127.0.0.1:" +
                      std::to_string(base::rpc::kCommandPort))
+      ->check([](const std::string& address) {
+        const std::string fault = base::rpc::address_fault(address);
+        return fault.empty() ? fault : "'" + address + "' " + fault;
+      })
       ->envname("CASD_ADDRESS");
   app.add_option("--token-file", options.token_file,
                  "File with the command port's token; over TCP to this machine casd's own is found")

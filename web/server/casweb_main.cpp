@@ -84,12 +84,9 @@ struct Address {
 
 Address parse_listen(const std::string& text) {
   const auto parts = base::parse_host_port(text);
-  constexpr unsigned long kMaxPort = 65535;
-  const bool number = parts && parts->port.size() <= 5 &&
-                      parts->port.find_first_not_of("0123456789") == std::string::npos &&
-                      std::stoul(parts->port) <= kMaxPort;
-  if (!number) throw base::ConfigError("--listen " + text + ": is not ADDRESS:PORT");
-  return {parts->host, static_cast<std::uint16_t>(std::stoul(parts->port))};
+  const auto port = parts ? base::parse_port(parts->port) : std::nullopt;
+  if (!port) throw base::ConfigError("--listen " + text + ": is not ADDRESS:PORT");
+  return {parts->host, *port};
 }
 
 /// As a URL and a Host have it.

@@ -331,6 +331,16 @@ TEST_F(CasctlTest, TakesTheAddressFromTheEnvironment) {
   EXPECT_EQ(fixture_.vehicle().commands.at(0).param2, 21196.0F);
 }
 
+// The kernel would take a port modulo 65536: another casd's.
+TEST_F(CasctlTest, TakesNoAddressThatIsNone) {
+  for (const char* address : {"127.0.0.1:108031", "127.0.0.1:0", "127.0.0.1:5790x", "127.0.0.1",
+                              ":5790", "127.0.0.1:-1"}) {
+    const Ended ended = casctl("--address " + std::string(address) + " status");
+    EXPECT_EQ(ended.code, 2) << address;
+    EXPECT_NE(ended.out.find("'" + std::string(address) + "' "), std::string::npos) << ended.out;
+  }
+}
+
 TEST_F(CasctlTest, SetsGainsByPositionAndByName) {
   fixture_.vehicle().params = {{"MC_ROLLRATE_P", {.value = 0.15}},
                                {"MC_ROLLRATE_I", {.value = 0.2}},
