@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/app.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdint>
@@ -18,6 +21,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -117,14 +121,22 @@ void warn_of_narrow_lines(const Topology& topology) {
 
 /// Writes the figures of the run as JSON, beside the file and renamed.
 void write_stats(const std::filesystem::path& file, const FigureMethods& figures) {
-  try {
-    // Texts of vehicles may hold any bytes; they must not keep the figures from being written.
-    const std::string text =
-        figures.status().dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
-    base::write_file(file, text + "\n", base::Durability::kCache);
-  } catch (const base::ConfigError& error) {
-    base::log::error(error.what());
-  }
+  // Texts of vehicles may hold any bytes; they must not keep the figures from being written.
+  const std::string text =
+      figures.status().dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+  base::write_file(file, text + "\n", base::Durability::kCache);
+}
+
+/// What is written at the end shall not fail only then. @throws base::ConfigError
+void require_folder_of(const std::filesystem::path& file) {
+  if (file.empty()) return;
+  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+  if (::access(folder.c_str(), W_OK | X_OK) == 0) return;
+  std::error_code none;
+  const bool is_device = std::filesystem::is_other(file, none);  // /dev/stdout of any user
+  if (is_device && ::access(file.c_str(), W_OK) == 0) return;
+  throw base::ConfigError(file.string() +
+                          ": cannot be written: " + std::generic_category().message(errno));
 }
 
 }  // namespace
@@ -235,6 +247,8 @@ struct App::Impl {
   void listen() { ports = open_ports(links.topology(), server, metrics); }
 
   void run() {
+    require_folder_of(options.ledger_file);
+    require_folder_of(options.stats_file);
     station.take_logs(links.topology().log, links.topology().self);
     recorder.begin();
     warn_of_narrow_lines(links.topology());

@@ -26,6 +26,7 @@
 #include "casd/port/message_decoder.hpp"
 #include "casd/signing/packet_signer.hpp"
 #include "casd/station/gain_map.hpp"
+#include "casd/topology/endpoint_conflict.hpp"
 #include "casd/topology/endpoint_notation.hpp"
 #include "casd/topology/injection.hpp"
 #include "casd/topology/router_import.hpp"
@@ -104,11 +105,7 @@ std::vector<LinkConfig> endpoints_of(const Flags& flags) {
     links.push_back(parse_endpoint("tcpin:" + std::to_string(port)));
   }
   for (auto link = links.begin(); link != links.end(); ++link) {
-    const auto same = std::find_if(links.begin(), link, [&link](const LinkConfig& other) {
-      return link->type == LinkType::kUdp && other.remote == link->remote &&
-             other.local == link->local;
-    });
-    if (same == link) continue;
+    if (link_to_same_peer(*link, {links.begin(), link}) == nullptr) continue;
     throw base::ConfigError("two endpoints send to " + link->remote +
                             ": each packet would arrive there twice");
   }
@@ -270,7 +267,16 @@ constexpr std::array kRefused{
     Refused{"--hb-period", true, "'commanding: {heartbeat_hz: HZ}' of a topology sets the rate"},
     Refused{"--daemon", false, "a service of systemd runs casd (docs/operations.md)"},
     Refused{"--aircraft,--logfile,--dump-path,--dump-duration", true, "'--log FOLDER' records"},
-    Refused{"--dump", false, "'--log FOLDER --telemetry-log' records"}};
+    Refused{"--dump", false, "'--log FOLDER --telemetry-log' records"},
+    Refused{"--print,--console", false,
+            "'casctl monitor' and 'casctl message' show what goes through"},
+    Refused{"--map", false, "'casweb' shows vehicles"},
+    Refused{"--cmd", true, "'casctl' has a verb for each command"},
+    Refused{"--quiet", false, "'--log-level warn' says less"},
+    Refused{"--mav20,--mav10", false, "casd passes both versions on"},
+    Refused{"--non-interactive", false, "casd reads no keyboard"},
+    Refused{"--dialect", true,
+            "casd knows all public dialects; another one: 'dialect' of a topology"}};
 
 /// A value that was forgotten: the next flag would be taken for a host or a folder.
 std::string refuse_flag(const std::string& value) {

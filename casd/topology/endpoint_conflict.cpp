@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/topology/endpoint_conflict.hpp"
 
+#include <algorithm>
+
 #include "casd/topology/endpoint_address.hpp"
 #include "casd/topology/topology.hpp"
 
@@ -77,6 +79,16 @@ std::optional<std::string> endpoint_conflict(const LinkConfig& link,
     if (sends_to(other, link)) return returns(other, link);
   }
   return std::nullopt;
+}
+
+const LinkConfig* link_to_same_peer(const LinkConfig& link, std::span<const LinkConfig> others) {
+  if (link.remote.empty()) return nullptr;
+  const auto same = std::ranges::find_if(others, [&link](const LinkConfig& other) {
+    return link.type == other.type && link.local == other.local &&
+           link.interface == other.interface && !other.remote.empty() &&
+           EndpointAddress(link.remote) == EndpointAddress(other.remote);
+  });
+  return same == others.end() ? nullptr : &*same;
 }
 
 std::optional<std::string> endpoint_conflict(const LinkConfig& link,

@@ -21,4 +21,9 @@ std::optional<std::string> endpoint_conflict(const LinkConfig& link,
 /// The same for the command port, at which a TCP server cannot listen.
 std::optional<std::string> endpoint_conflict(const LinkConfig& link, const CommandPortConfig& port);
 
+/// Of two links that are one path to one peer, which would get each packet twice; and what it sends
+/// back would go round.
+/// @return the link that leads there already; nullptr: none does
+const LinkConfig* link_to_same_peer(const LinkConfig& link, std::span<const LinkConfig> others);
+
 }  // namespace cas::casd

@@ -144,6 +144,7 @@ LinkConfig socket_link(const std::string& text, const Scheme& scheme, std::strin
   if (*value > 65535) fail(text, "has a port above 65535");
   const bool is_server = listens(scheme, host, use);
   if (host.empty() && !is_server) fail(text, "names no host to send to");
+  if (*value == 0 && !is_server) fail(text, "sends to port 0, where nobody is");
   const std::string v6_or_name = host.find(':') == host.npos ? host : "[" + host + "]";
   const std::string place = (host.empty() ? "127.0.0.1" : v6_or_name) + ":" + port;
 
@@ -200,6 +201,29 @@ void name_links(std::vector<LinkConfig>& links) {
     const int nth = ++count[word];
     link.name = nth == 1 ? word : word + std::to_string(nth);
   }
+}
+
+std::string route_entry(const std::string& from, const std::string& to) {
+  std::string text = "  - from: " + from + "\n    to: " + to + "\n    block: [";
+  for (const std::string_view name : kSimulatorMessages) {
+    text += (text.back() == '[' ? "" : ", ") + std::string(name);
+  }
+  return text + "]\n";
+}
+
+/// To everybody, also from one peer of a server to its others. Names are those of name_links().
+std::string routes_of_endpoints(const std::vector<LinkConfig>& links) {
+  std::string routes;
+  if (links.size() > 1) routes += route_entry("any", "any");
+  for (const LinkConfig& link : links) {
+    if (is_server(link)) routes += route_entry(link.name, link.name);
+  }
+  if (routes.empty()) return "";
+  return "routes:\n"
+         "  # everything to everybody, but no sensor data of a simulator: a bench has a topology "
+         "of "
+         "its own\n" +
+         routes;
 }
 
 }  // namespace
@@ -314,20 +338,7 @@ std::string topology_of_endpoints(std::vector<LinkConfig> links, const EndpointO
   }
   text += "links:\n";
   for (const LinkConfig& link : links) text += "  " + link_entry(link) + "\n";
-  if (links.size() > 1) {
-    text +=
-        "routes:\n"
-        "  # everything to everybody, but no sensor data of a simulator: a bench has a topology of "
-        "its own\n"
-        "  - from: any\n"
-        "    to: any\n"
-        "    block: [";
-    for (const std::string_view name : kSimulatorMessages) {
-      text += (text.back() == '[' ? "" : ", ") + std::string(name);
-    }
-    text += "]\n";
-  }
-  return text;
+  return text + routes_of_endpoints(links);
 }
 
 }  // namespace cas::casd

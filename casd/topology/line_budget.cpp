@@ -45,12 +45,21 @@ bool may_come_from(const Topology& topology, const RouteConfig& route, std::uint
   return find_link(topology.links, route.from)->accept.may_accept(id);
 }
 
+/// A controller that flies on no simulated sensors sends no HIL_CONTROLS.
+bool gets_sensors(const Topology& topology, const std::string& link) {
+  return std::ranges::any_of(topology.routes, [&](const RouteConfig& route) {
+    if (route.to != link || !may_come_from(topology, route, kHilSensor)) return false;
+    return names(route.rule, kHilSensor) || (!route.rule.allow && !blocks(route.rule, kHilSensor));
+  });
+}
+
 // A route without an allow list says nothing of the streams behind it: simulators come over
 // sockets, controllers over lines.
 bool may_carry(const Topology& topology, const RouteConfig& route, const ExpectedRate& expected) {
   if (route.rule.allow || blocks(route.rule, expected.message_id)) return false;
   const bool from_line = find_link(topology.links, route.from)->type == LinkType::kSerial;
-  return expected.from_simulator != from_line;
+  if (expected.from_simulator || !from_line) return expected.from_simulator != from_line;
+  return gets_sensors(topology, route.from);
 }
 
 double limited_hz(const ForwardRule& rule, std::uint32_t id, double hz) {

@@ -34,6 +34,9 @@ std::string free_name(const Topology& topology, LinkType type) {
 ConfigNode with_endpoint(const Topology& topology, const ConfigNode& entry) {
   const auto endpoint = entry.find("endpoint");
   if (!endpoint) return entry;
+  for (const char* key : {"type", "local", "remote", "device"}) {
+    if (entry.has(key)) entry.at(key).fail("'endpoint' says that already");
+  }
   LinkConfig link;
   try {
     link = parse_endpoint(endpoint->as<std::string>());
@@ -71,6 +74,11 @@ LinkConfig parse_new_link(const Topology& topology, const ConfigNode& entry,
   }
   if (const auto conflict = endpoint_conflict(link, topology.links)) entry.fail(*conflict);
   if (const auto conflict = endpoint_conflict(link, topology.command_port)) entry.fail(*conflict);
+  const LinkConfig* const same = link_to_same_peer(link, topology.links);
+  if (same != nullptr && link.group.empty()) {
+    entry.fail("link '" + same->name + "' sends to " + link.remote +
+               " already: each packet would arrive there twice");
+  }
   if (topology.links.size() == kMaxLinks) {
     entry.fail("there are " + std::to_string(kMaxLinks) + " links already");
   }

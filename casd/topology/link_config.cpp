@@ -41,9 +41,8 @@ struct Endpoint : Text {
     Text::read(node, endpoint);
     const std::optional<base::HostPort> parts = base::parse_host_port(endpoint);
     if (!parts) node.fail("'" + endpoint + "' is not HOST:PORT");
-    const std::string& port = parts->port;
-    const bool digits = port.size() <= 5 && port.find_first_not_of("0123456789") == port.npos;
-    if (!digits || std::stoi(port) > 65535) node.fail("'" + port + "' is not a port");
+    if (!base::is_host_text(parts->host)) node.fail("'" + parts->host + "' is not a host");
+    if (!base::parse_port(parts->port)) node.fail("'" + parts->port + "' is not a port");
   }
   static std::string values() { return "HOST:PORT"; }
   static std::array<std::string, 2> samples() { return {"'127.0.0.1:0'", "'127.0.0.2:0'"}; }

@@ -78,6 +78,11 @@ struct LinkConfig {
   friend bool operator==(const LinkConfig&, const LinkConfig&) = default;
 };
 
+/// Whether several peers share the link.
+inline bool is_server(const LinkConfig& link) {
+  return link.type == LinkType::kUdpServer || link.type == LinkType::kTcpServer;
+}
+
 /// The link of that name; nullptr: there is none.
 const LinkConfig* find_link(const std::vector<LinkConfig>& links, std::string_view name);
 

@@ -51,10 +51,6 @@ std::vector<std::string> parse_link_names(const base::ConfigNode& node,
   return names;
 }
 
-bool is_server(const LinkConfig& link) {
-  return link.type == LinkType::kUdpServer || link.type == LinkType::kTcpServer;
-}
-
 /// Why there can be no route between two links; nothing: there can.
 std::optional<std::string> why_no_route(const LinkConfig& from, const LinkConfig& to) {
   if (to.type == LinkType::kTlog) {

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 
+#include "base/os/host_port.hpp"
 #include "base/suggestion.hpp"
 #include "base/text.hpp"
 #include "casd/topology/endpoint_conflict.hpp"
@@ -35,6 +36,7 @@ struct Endpoint {
   std::string accept;                         ///< keys of its `accept`
   std::vector<std::uint32_t> only_systems{};  ///< AllowSrcSysIn
   bool sniffs = false;
+  const RouterSection* section = nullptr;  ///< nullptr: the TCP server
   RouterFilters filters;
 };
 
@@ -174,19 +176,38 @@ class Import {
     add(section, std::move(endpoint));
   }
 
+  std::string host_of(RouterSection& section) {
+    const std::string host = config_.required(section, "Address");
+    const std::string bare =
+        host.starts_with('[') && host.ends_with(']') ? host.substr(1, host.size() - 2) : host;
+    if (!base::is_host_text(bare)) {
+      config_.fail(config_.find(section, "Address")->place,
+                   "Address: '" + host + "' is not a host");
+    }
+    return bracketed(host);
+  }
+
+  /// Of a peer, which has a port of its own.
+  std::optional<unsigned> remote_port(RouterSection& section) {
+    const std::optional<unsigned> port = config_.port(section, "Port");
+    if (port == 0) config_.fail(config_.find(section, "Port")->place, "Port: nobody is at 0");
+    return port;
+  }
+
   void take_udp(RouterSection& section) {
-    const std::string address = config_.required(section, "Address");
+    const std::string address = host_of(section);
     const std::string mode = lower(config_.required(section, "Mode"));
-    std::optional<unsigned> given = config_.port(section, "Port");
     Endpoint endpoint;
     if (mode == "server" || mode == "eavesdropping") {
+      const std::optional<unsigned> given = config_.port(section, "Port");
       if (!given) config_.fail(section.place, "endpoint '" + section.name + "' has no Port");
       endpoint.link.type = LinkType::kUdpServer;
-      endpoint.link.local = bracketed(address) + ":" + std::to_string(*given);
+      endpoint.link.local = address + ":" + std::to_string(*given);
     } else if (mode == "normal" || mode == "client") {
-      if (!given) given = next_udp_port(bracketed(address), links_so_far());
+      std::optional<unsigned> given = remote_port(section);
+      if (!given) given = next_udp_port(address, links_so_far());
       endpoint.link.type = LinkType::kUdp;
-      endpoint.link.remote = bracketed(address) + ":" + std::to_string(*given);
+      endpoint.link.remote = address + ":" + std::to_string(*given);
     } else {
       config_.fail(config_.find(section, "Mode")->place,
                    "Mode: is normal, client, server or eavesdropping");
@@ -204,8 +225,7 @@ class Import {
     Endpoint endpoint;
     endpoint.link.type = LinkType::kTcp;
     config_.required(section, "Port");
-    endpoint.link.remote = bracketed(config_.required(section, "Address")) + ":" +
-                           std::to_string(*config_.port(section, "Port"));
+    endpoint.link.remote = host_of(section) + ":" + std::to_string(*remote_port(section));
     if (const RouterValue* retry = config_.find(section, "RetryTimeout")) {
       const bool never = retry->text == "0" || retry->text.starts_with('-');
       note(retry->place, never ? "RetryTimeout: casd connects again, where mavlink-router would not"
@@ -215,7 +235,16 @@ class Import {
   }
 
   void add(RouterSection& section, Endpoint endpoint) {
+    endpoint.section = &section;
     endpoint.link.name = free_name(section.name.empty() ? section.kind : section.name);
+    const std::vector<LinkConfig> others = links_so_far();
+    if (const auto conflict = endpoint_conflict(endpoint.link, others)) {
+      config_.fail(section.place, "endpoint '" + section.name + "': " + *conflict);
+    }
+    if (const LinkConfig* same = link_to_same_peer(endpoint.link, others)) {
+      note(section.place, "endpoint '" + section.name + "' sends to " + endpoint.link.remote +
+                              ", as '" + same->name + "' does: each packet arrives there twice");
+    }
     if (const RouterValue* group = config_.find(section, "Group")) {
       endpoint.more += ", group: " + yaml_string(group->text);
     }
@@ -283,6 +312,11 @@ class Import {
     found->sniffs = true;
     note(sniffer_place_, "SnifferSysid: link '" + found->link.name +
                              "' gets every packet; nothing that it sends is taken in");
+    for (const auto& [key, value] : found->section->values) {
+      const bool is_filter = key.starts_with("allow") || key.starts_with("block");
+      if ((!is_filter && key != "filter" && key != "group") || key == "allowsrcsysin") continue;
+      note(value.place, value.key + ": has no effect at a sniffer");
+    }
   }
 
   void note_unused() {

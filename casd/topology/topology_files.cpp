@@ -129,7 +129,8 @@ std::vector<base::ConfigNode> overlaid_list(const std::vector<base::ConfigNode>&
       const std::string same = identity_of(entry, identity);
       std::size_t at = 0;
       while (at < earlier && (same.empty() || identities[at] != same)) ++at;
-      if (at < earlier && !overlaid_here[at]) {
+      if (at < earlier) {
+        if (overlaid_here[at]) entry.fail("is in this file already");
         entries[at] = entry.merged_over(entries[at]);
         overlaid_here[at] = true;
       } else {

@@ -292,6 +292,27 @@ TEST_F(CasdProgram, SpeaksToAMulticastGroupInMavproxysNotation) {
   EXPECT_EQ(fixture.at_fcu.count(kHilControls), 0U) << "an echo of its own packets";
 }
 
+TEST_F(CasdProgram, PeersOfOneEndpointHearEachOther) {
+  ChildProcess casd({kCasd, "--command-port", "0", "udp:0"});
+  const auto status = casd.wait_ready();
+  ASSERT_TRUE(status) << casd.output();
+  UdpPeer vehicle;
+  UdpPeer station;
+  PacketStream at_vehicle;
+  PacketStream at_station;
+  for (UdpPeer* peer : {&vehicle, &station}) peer->set_remote(port_of(endpoint_in(*status, "udp")));
+  mav::Encoder encode({255, 190});
+  EXPECT_TRUE(wait_until([&] {
+    vehicle.send(fixture.from_fcu(mavlink::common::Attitude{}));
+    station.send(encode(mavlink::common::ParamRequestList{}));
+    vehicle.read(at_vehicle);
+    station.read(at_station);
+    return at_vehicle.count(mavlink::common::ParamRequestList::kId) > 0 &&
+           at_station.count(mavlink::common::Attitude::kId) > 0;
+  })) << casd.output();
+  EXPECT_EQ(at_vehicle.count(mavlink::common::Attitude::kId), 0U) << "nothing comes back";
+}
+
 TEST_F(CasdProgram, ASecondOneSaysHowItGetsACommandPort) {
   ChildProcess first({kCasd, topology(kWithPort)});
   const auto status = first.wait_ready();
@@ -371,6 +392,15 @@ INSTANTIATE_TEST_SUITE_P(
                     RefusedOption{"OneDestinationTwice",
                                   {"-e", "127.0.0.1:14550", "-e", "127.0.0.1:14550"},
                                   "two endpoints send to 127.0.0.1:14550"},
+                    RefusedOption{"OneServerTwice",
+                                  {"-p", "127.0.0.1:5760", "tcp:127.0.0.1:5760"},
+                                  "two endpoints send to 127.0.0.1:5760"},
+                    RefusedOption{"StatsInNoFolder",
+                                  {"--stats", "/nonexistent/x"},
+                                  "/nonexistent/x: cannot be written: No such file or directory"},
+                    RefusedOption{"LedgerInNoFolder",
+                                  {"--ledger", "/nonexistent/x"},
+                                  "/nonexistent/x: cannot be written"},
                     RefusedOption{"StreamRate", {"--streamrate", "4"}, "request_rates"},
                     RefusedOption{"HeartbeatDisable", {"--hb-disable"}, "--silent"},
                     RefusedOption{"SourceSystem", {"--source-system", "9"}, "system_id"},

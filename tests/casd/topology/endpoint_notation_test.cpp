@@ -94,6 +94,7 @@ TEST(EndpointNotation, RefusesWhatIsNoPlace) {
                            "udp:",
                            "tcp:127.0.0.1:99999",
                            "udp:65536",
+                           "udp:127.0.0.1:0",
                            "serial:",
                            "udpout:14550",
                            "/dev/ttyACM0,fast",
@@ -174,7 +175,9 @@ TEST(EndpointNotation, TopologyCarriesEverythingButASimulatorsSensors) {
   EXPECT_EQ(topology.links[0].name, "serial");
   EXPECT_EQ(topology.links[1].name, "udp");
   EXPECT_EQ(topology.links[2].name, "udp2");
-  EXPECT_EQ(topology.routes.size(), 6U);
+  ASSERT_EQ(topology.routes.size(), 7U);
+  EXPECT_EQ(topology.routes[6].from, "udp") << "the peers of a server hear each other";
+  EXPECT_EQ(topology.routes[6].to, "udp");
   EXPECT_EQ(topology.command_port.port, 0);
   EXPECT_TRUE(injection_warnings(topology).empty());
   EXPECT_EQ(topology.commanding.heartbeat_hz, 0);

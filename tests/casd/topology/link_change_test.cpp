@@ -83,6 +83,16 @@ TEST(LinkChange, AnEndpointStandsForNameTypeAndPlace) {
   EXPECT_EQ(with("entry: {endpoint: 'tcp:5760', name: tools}").links.back().name, "tools");
 }
 
+TEST(LinkChange, OnePeerIsTheEndOfOneLink) {
+  for (const std::string type : {"udp", "tcp"}) {
+    const ConfigNode first = ConfigNode::parse("entry: {endpoint: '" + type + ":h:1'}");
+    const Topology once = with_link(bench(), first, {});
+    EXPECT_THROW(with_link(once, first, {}), base::ConfigError) << "each packet would come twice";
+    const std::string other = "entry: {endpoint: '" + type + ":h:2'}";
+    EXPECT_EQ(with_link(once, ConfigNode::parse(other), {}).links.size(), 4U);
+  }
+}
+
 TEST(LinkChange, ClientsReadNothingOfTheEnvironment) {
   for (const char* entry :
        {"{name: l, type: serial, device: '/dev/${HOME}'}", "{endpoint: 'serial:${HOME}'}"}) {
@@ -106,6 +116,8 @@ TEST(LinkChange, FaultsBearTheirPlace) {
             std::string::npos);
   EXPECT_NE(fault_of("entry: {endpoint: 'udp:nowhere'}").find("entry.endpoint: endpoint"),
             std::string::npos);
+  EXPECT_EQ(fault_of("entry: {endpoint: 'udp:14550', type: udp}"),
+            "link.add:1: entry.type: 'endpoint' says that already");
   EXPECT_THROW(without_link(bench(), "b"), base::ConfigError);
 }
 

@@ -365,6 +365,13 @@ TEST(RouterImport, TheEndpointOfTheSnifferAloneIsALinkThatSniffs) {
   EXPECT_TRUE(topology.links[1].sniffer);
   EXPECT_TRUE(topology.routes.empty());
 
+  const ImportedTopology filtered =
+      import_text(conf + "AllowSrcSysIn=250\nBlockMsgIdOut=30\nGroup=g\n", "f");
+  EXPECT_TRUE(parsed(filtered).links[1].sniffer);
+  EXPECT_EQ(std::vector(filtered.notes.begin() + 1, filtered.notes.end()),
+            (std::vector<std::string>{"f:11: BlockMsgIdOut: has no effect at a sniffer",
+                                      "f:12: Group: has no effect at a sniffer"}));
+
   const ImportedTopology unknown = import_text(conf, "f");
   EXPECT_FALSE(parsed(unknown).links[1].sniffer);
   ASSERT_EQ(unknown.notes.size(), 1U);
@@ -404,7 +411,23 @@ INSTANTIATE_TEST_SUITE_P(
                "3: AllowSrcSysIn: is more than 255"},
         Broken{"[UdpEndpoint a]\nAddress=h\nMode=odd\n",
                "3: Mode: is normal, client, server or eavesdropping"},
+        Broken{"[UdpEndpoint a]\nMode=normal\nAddress=1.2.3.4 # the radio\nPort=1\n",
+               "3: Address: '1.2.3.4 # the radio' is not a host"},
+        Broken{"[UdpEndpoint a]\nMode=normal\nAddress=h\nPort=0\n", "4: Port: nobody is at 0"},
+        Broken{"[TcpEndpoint a]\nAddress=h\nPort=0\n", "3: Port: nobody is at 0"},
+        Broken{"[UartEndpoint a]\nDevice=/dev/a\n[UartEndpoint b]\nDevice=/dev/a\n",
+               "3: endpoint 'b': link 'a' has the device /dev/a already"},
         Broken{"[General]\nTcpServerPort=0\n", "1: has no endpoint"}));
+
+TEST(RouterImport, SaysThatTwoEndpointsLeadToOnePlace) {
+  const ImportedTopology twice = import_text(
+      "[General]\nTcpServerPort=0\n[UdpEndpoint a]\nMode=Normal\nAddress=h\nPort=1\n"
+      "[UdpEndpoint b]\nMode=Normal\nAddress=h\nPort=1\n",
+      "f");
+  EXPECT_EQ(twice.notes,
+            std::vector<std::string>{"f:7: endpoint 'b' sends to h:1, as 'a' does: each packet "
+                                     "arrives there twice"});
+}
 
 }  // namespace
 }  // namespace cas::casd

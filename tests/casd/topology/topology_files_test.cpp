@@ -114,6 +114,8 @@ TEST_F(TopologyFiles, ErrorsNameTheFileAndLineOfTheValue) {
           "links:\n  - {name: x, type: udp, local: '[::1]:0'}\n"
           "  - {name: x, type: udp, local: '[::1]:0'}\n");
   EXPECT_EQ(fault(), "t.d/a.yaml:4: links[1].name: 'x' is the name of another link");
+  overlay("a.yaml", "links:\n  - {name: gcs, max_peers: 3}\n  - {name: gcs, max_peers: 4}\n");
+  EXPECT_EQ(fault(), "t.d/a.yaml:4: links[1]: is in this file already");
   overlay("a.yaml", "routes:\n  - {from: any, to: gcs}\n");
   EXPECT_TRUE(fault().starts_with("t.d/a.yaml:3: routes[0]: there is another route")) << fault();
   folder_.write("t.d/a.yaml", "system_id: 3\n");

@@ -396,6 +396,20 @@ TEST(LineBudget, TakesRoutesWithoutAnAllowListToCarryTheStreams) {
   EXPECT_NE(words.find("TOO MUCH"), std::string::npos) << words;
 }
 
+TEST(LineBudget, ExpectsNoHilControlsOfAControllerWithoutSimulatedSensors) {
+  const std::string two = std::string(kLinks) +
+                          "  - {name: other, type: serial, device: /dev/other, baud: 57600}\n"
+                          "routes: [{from: fcu, to: other}";
+  const auto has_controls = [&](const std::string& more) {
+    return describe(line_budgets(parse(two + more + "]\n"))).find("HIL_CONTROLS") !=
+           std::string::npos;
+  };
+  EXPECT_FALSE(has_controls(""));
+  EXPECT_FALSE(has_controls(", {from: sim, to: fcu, block: [HIL_SENSOR]}"));
+  EXPECT_TRUE(has_controls(", {from: sim, to: fcu}"));
+  EXPECT_TRUE(has_controls(", {from: sim, to: fcu, allow: [HIL_SENSOR]}"));
+}
+
 TEST(LineBudget, DoesNotCallALineWideEnoughWhoseStreamsItDoesNotKnow) {
   std::string yaml = kLinks;
   yaml.replace(yaml.find("921600"), 6, "57600");
