@@ -151,7 +151,7 @@ void LogFiles::append(File id, const LogPart& part) {
   Open& file = found->second;
   if (is_deleted(file.fd)) {
     const std::string name = file.name;
-    close(id);
+    open_.erase(found);
     return fail(name + " was deleted while it was written");
   }
   if (const auto why = lack(part.bytes.size())) {

@@ -66,6 +66,7 @@ bool TlogFiles::begin(Options options, base::RunTime now) {
   folder_ = TlogFolder(options_.folder);
   number_ = 0;
   made_.clear();
+  is_deleted_ = false;
   if (options_.overwrite) folder_.remove(tlog_file_name(options_.name, 0));
   return make_next(now);
 }
@@ -114,8 +115,8 @@ void TlogFiles::close() { fd_.reset(); }
 std::optional<TlogFiles::Content> TlogFiles::leave_deleted() {
   if (!is_deleted(fd_)) return std::nullopt;
   fd_.reset();
-  if (!made_.empty()) made_.pop_back();
-  return Content{packets_, std::exchange(size_, 0)};
+  is_deleted_ = true;
+  return Content{std::exchange(packets_, 0), std::exchange(size_, 0)};
 }
 
 /// Another file follows this one, which goes where nothing is in it.
@@ -142,6 +143,7 @@ bool TlogFiles::make_next(base::RunTime now) {
   size_ = 0;
   packets_ = 0;
   opened_ = now;
+  if (std::exchange(is_deleted_, false)) made_.pop_back();
   made_.push_back(tlog_file_name(options_.name, number_++));
   const int keep = options_.rotation.keep;
   while (keep > 0 && made_.size() > static_cast<std::size_t>(keep)) {

@@ -79,6 +79,7 @@ class TlogFiles {
   std::uint64_t packets_ = 0;
   base::RunTime opened_{};
   std::deque<std::string> made_;  ///< the files that are kept, oldest first
+  bool is_deleted_ = false;       ///< the last of them, by somebody
 };
 
 /// Reads a telemetry log file record by record, however long it is. Bytes that are no record are

@@ -175,6 +175,12 @@ TlogWriter::Load TlogWriter::take_waiting() {
 }
 
 void TlogWriter::write(Load load, base::RunTime now) {
+  const auto take_out_deleted = [this] {
+    const std::uint64_t deleted = recording_.leave_deleted();
+    recorded_ -= deleted;
+    left_out_ += deleted;
+  };
+  take_out_deleted();  // before the next file takes its place
   left_out_ += load.overflowed;
   for (const std::vector<std::uint8_t>* taken : {&load.before, &load.records}) {
     if (taken->empty()) continue;
@@ -182,9 +188,7 @@ void TlogWriter::write(Load load, base::RunTime now) {
     recorded_ += written;
     left_out_ += count_tlog_records(*taken) - written;
   }
-  const std::uint64_t deleted = recording_.leave_deleted();
-  recorded_ -= deleted;
-  left_out_ += deleted;
+  take_out_deleted();
 }
 
 TlogStatus TlogWriter::publish() {

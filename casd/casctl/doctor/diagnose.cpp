@@ -28,7 +28,7 @@ void check_recording(const DoctorFacts& facts, Findings& all) {
   if (!recording.value("active", false)) {
     if (recording.value("left_out", 0) > 0) {
       warn(all, recording["left_out"].dump() + " packets are missing in the last recording",
-           "the disk was full, gone or too slow: see casd's log");
+           "the disk was full, gone or too slow, or the file was deleted: see casd's log");
     }
     if (!recording.contains("paused")) return;
     return bad(all,
@@ -44,8 +44,8 @@ void check_recording(const DoctorFacts& facts, Findings& all) {
         "of `log`; it goes on by itself");
   } else if (recording.value("left_out", 0) > 0) {
     warn(all, "the recording has gaps: " + missing,
-         "the disk was full, gone or too slow: see casd's log, or record to another one (`folder` "
-         "of `log`)");
+         "the disk was full, gone or too slow, or the file was deleted: see casd's log, or record "
+         "to another disk (`folder` of `log`)");
   } else {
     good(all, "the recording is whole");
   }

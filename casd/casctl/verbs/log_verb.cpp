@@ -37,8 +37,7 @@ int stop_log(Session& session) {
   const std::string file = result.value("file", "");
   const std::string figures =
       result.at("recorded").dump() + " packets into " + file +
-      (result.value("left_out", 0) > 0 ? "; the disk did not take " + result["left_out"].dump()
-                                       : "");
+      (result.value("left_out", 0) > 0 ? "; missing are " + result["left_out"].dump() : "");
   if (result.contains("ended")) {
     report(session.options(), result, "recorded " + figures);
   } else {

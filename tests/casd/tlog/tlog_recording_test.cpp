@@ -134,7 +134,7 @@ TEST_F(Recording, TellsWhatADeletedFileTookAlongAndGoesOnInTheNext) {
   EXPECT_EQ(recording.leave_deleted(), 5U);
   EXPECT_EQ(recording.leave_deleted(), 0U) << "once";
   EXPECT_EQ(recording.bytes(), 0U);
-  EXPECT_TRUE(recording.file().empty());
+  EXPECT_EQ(recording.file(), folder / "rec/a.tlog") << "until there is another";
   EXPECT_EQ(recording.write(records(4), at({})), 4U);
   EXPECT_EQ(recording.leave_deleted(), 0U);
   recording.end();
