@@ -127,16 +127,32 @@ void write_stats(const std::filesystem::path& file, const FigureMethods& figures
   base::write_file(file, text + "\n", base::Durability::kCache);
 }
 
-/// What is written at the end shall not fail only then. @throws base::ConfigError
-void require_folder_of(const std::filesystem::path& file) {
+/// @throws base::ConfigError when the file could not be written at the end
+void require_writable(const std::filesystem::path& file) {
   if (file.empty()) return;
-  const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  if (::access(folder.c_str(), W_OK | X_OK) == 0) return;
+  namespace fs = std::filesystem;
   std::error_code none;
-  const bool is_device = std::filesystem::is_other(file, none);  // /dev/stdout of any user
-  if (is_device && ::access(file.c_str(), W_OK) == 0) return;
+  const fs::path found = fs::canonical(file, none);  // what a symlink leads to is written
+  const fs::path place = none ? file : found;
+  int error = 0;
+  if (fs::is_directory(place, none)) {
+    error = EISDIR;
+  } else if (fs::is_other(place, none)) {  // a pipe or a terminal
+    error = ::access(place.c_str(), W_OK) == 0 ? 0 : errno;
+  } else {
+    const fs::path folder = place.has_parent_path() ? place.parent_path() : ".";
+    error = ::access(folder.c_str(), W_OK | X_OK) == 0 ? 0 : errno;
+  }
+  if (error == 0) return;
   throw base::ConfigError(file.string() +
-                          ": cannot be written: " + std::generic_category().message(errno));
+                          ": cannot be written: " + std::generic_category().message(error));
+}
+
+/// Refuses, before anything starts, files that could not be written at the end.
+AppOptions with_writable_files(AppOptions options) {
+  require_writable(options.ledger_file);
+  require_writable(options.stats_file);
+  return options;
 }
 
 }  // namespace
@@ -144,7 +160,7 @@ void require_folder_of(const std::filesystem::path& file) {
 /// Everything here runs on the thread of `io`, apart from the links.
 struct App::Impl {
   Impl(AppOptions app_options, Topology first)
-      : options(std::move(app_options)),
+      : options(with_writable_files(std::move(app_options))),
         server(io, server_limits(first)),
         links(std::move(first)),
         commander(commander_options(
@@ -247,8 +263,6 @@ struct App::Impl {
   void listen() { ports = open_ports(links.topology(), server, metrics); }
 
   void run() {
-    require_folder_of(options.ledger_file);
-    require_folder_of(options.stats_file);
     station.take_logs(links.topology().log, links.topology().self);
     recorder.begin();
     warn_of_narrow_lines(links.topology());
@@ -264,11 +278,11 @@ struct App::Impl {
     turns.end();
     station.end_logs(turns.now());
     links.stop();
+    recorder.stop();
+    if (!options.stats_file.empty()) write_stats(options.stats_file, figures);
     if (!options.ledger_file.empty()) {
       write_link_ledgers(options.ledger_file, links.figures().ledgers());
     }
-    recorder.stop();
-    if (!options.stats_file.empty()) write_stats(options.stats_file, figures);
   }
 
   /// Until a signal ends it.
