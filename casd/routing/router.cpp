@@ -35,8 +35,8 @@ inline Route::Decision Router::choose_links(Route& route, const RoutingPlan& pla
   }
   if (allowed_anywhere == 0) return Route::Decision::kNoRule;
   if (route.to.empty()) return Route::Decision::kNoTarget;
-  const bool is_for_casd = route.info.target.system != 0;
-  if (route.to == bit(kLocalLink) && !is_for_casd) return Route::Decision::kCasdOnly;
+  const bool has_target = route.info.target.system != 0;  // casd's own station, if it alone has it
+  if (route.to == bit(kLocalLink) && !has_target) return Route::Decision::kCasdOnly;
   return Route::Decision::kForward;
 }
 

@@ -55,8 +55,8 @@ struct Route {
   PacketInfo info;
 };
 inline constexpr int kDecisions = 6;
-inline constexpr int kRouterRefusals = 4;
-/// Whether nobody gets the packet.
+inline constexpr int kRouterRefusals = kDecisions - 2;
+/// Whether it counts as dropped, with a DropCause.
 constexpr bool is_refusal(Route::Decision decision) {
   return decision != Route::Decision::kForward && decision != Route::Decision::kCasdOnly;
 }

@@ -21,9 +21,8 @@ std::optional<std::string> endpoint_conflict(const LinkConfig& link,
 /// The same for the command port, at which a TCP server cannot listen.
 std::optional<std::string> endpoint_conflict(const LinkConfig& link, const CommandPortConfig& port);
 
-/// Of two links that are one path to one peer, which would get each packet twice; and what it sends
-/// back would go round.
-/// @return the link that leads there already; nullptr: none does
+/// The link that leads to this link's peer already, by the same path: a second one would bring each
+/// packet twice, and send the peer's own back to it. @return nullptr: there is none
 const LinkConfig* link_to_same_peer(const LinkConfig& link, std::span<const LinkConfig> others);
 
 }  // namespace cas::casd

@@ -49,7 +49,9 @@ bool may_come_from(const Topology& topology, const RouteConfig& route, std::uint
 bool gets_sensors(const Topology& topology, const std::string& link) {
   return std::ranges::any_of(topology.routes, [&](const RouteConfig& route) {
     if (route.to != link || !may_come_from(topology, route, kHilSensor)) return false;
-    return names(route.rule, kHilSensor) || (!route.rule.allow && !blocks(route.rule, kHilSensor));
+    if (names(route.rule, kHilSensor)) return true;
+    const bool from_line = find_link(topology.links, route.from)->type == LinkType::kSerial;
+    return !from_line && !route.rule.allow && !blocks(route.rule, kHilSensor);
   });
 }
 

@@ -30,7 +30,7 @@ std::string free_name(const Topology& topology, LinkType type) {
   return name;
 }
 
-/// The entry, with the keys that its `endpoint` stands for where it does not give them itself.
+/// The entry, with the keys that its `endpoint` stands for; a name or baud of its own wins.
 ConfigNode with_endpoint(const Topology& topology, const ConfigNode& entry) {
   const auto endpoint = entry.find("endpoint");
   if (!endpoint) return entry;
@@ -75,7 +75,7 @@ LinkConfig parse_new_link(const Topology& topology, const ConfigNode& entry,
   if (const auto conflict = endpoint_conflict(link, topology.links)) entry.fail(*conflict);
   if (const auto conflict = endpoint_conflict(link, topology.command_port)) entry.fail(*conflict);
   const LinkConfig* const same = link_to_same_peer(link, topology.links);
-  if (same != nullptr && link.group.empty()) {
+  if (same != nullptr && (link.group.empty() || link.group != same->group)) {
     entry.fail("link '" + same->name + "' sends to " + link.remote +
                " already: each packet would arrive there twice");
   }

@@ -190,7 +190,8 @@ class Import {
   /// Of a peer, which has a port of its own.
   std::optional<unsigned> remote_port(RouterSection& section) {
     const std::optional<unsigned> port = config_.port(section, "Port");
-    if (port == 0) config_.fail(config_.find(section, "Port")->place, "Port: nobody is at 0");
+    if (port == 0)
+      config_.fail(config_.find(section, "Port")->place, "Port: of a peer is 1 to 65535");
     return port;
   }
 
@@ -285,9 +286,15 @@ class Import {
   void add_tcp_server() {
     if (tcp_server_port_ == 0) return;
     Endpoint endpoint;
+    const std::string open = ", where TCP clients are served (TcpServerPort=0: none are)";
     endpoint.link.type = LinkType::kTcpServer;
     endpoint.link.name = free_name("tcp");
     endpoint.link.local = "0.0.0.0:" + std::to_string(tcp_server_port_);
+    for (const Endpoint& each : endpoints_) {
+      if (!endpoint_conflict(endpoint.link, std::vector{each.link})) continue;
+      config_.fail(each.section->place,
+                   "endpoint '" + each.link.name + "' meets " + endpoint.link.local + open);
+    }
     endpoints_.push_back(std::move(endpoint));
   }
 

@@ -18,8 +18,7 @@ namespace {
 
 constexpr std::size_t kReadBytes = 64 * 1024;
 constexpr auto kConnectPatience = std::chrono::seconds(3);
-/// Whoever closes sooner will do so again: it is called no more often than one that does not
-/// answer.
+/// A connection that ends sooner counts as a failed attempt: the back-off goes on.
 constexpr auto kLeastUptime = std::chrono::seconds(1);
 /// A peer that takes nothing so long is given up.
 constexpr auto kStallPatience = std::chrono::seconds(5);

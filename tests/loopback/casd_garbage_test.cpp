@@ -101,7 +101,9 @@ TEST(CasdGarbage, OnATcpLink) {
   const TcpListener listener;
   CasdFixture fixture;
   fixture.start(with("type: tcp, remote: \"" + listener.endpoint() + "\""));
-  TcpPeer server(listener.accept(), true);
+  const int accepted = listener.accept();
+  ASSERT_GE(accepted, 0);
+  TcpPeer server(accepted, true);
   expect_only_whole_packets(fixture, true, [&](auto bytes) { server.send(bytes); });
 }
 

@@ -413,8 +413,12 @@ INSTANTIATE_TEST_SUITE_P(
                "3: Mode: is normal, client, server or eavesdropping"},
         Broken{"[UdpEndpoint a]\nMode=normal\nAddress=1.2.3.4 # the radio\nPort=1\n",
                "3: Address: '1.2.3.4 # the radio' is not a host"},
-        Broken{"[UdpEndpoint a]\nMode=normal\nAddress=h\nPort=0\n", "4: Port: nobody is at 0"},
-        Broken{"[TcpEndpoint a]\nAddress=h\nPort=0\n", "3: Port: nobody is at 0"},
+        Broken{"[UdpEndpoint a]\nMode=normal\nAddress=h\nPort=0\n",
+               "4: Port: of a peer is 1 to 65535"},
+        Broken{"[TcpEndpoint a]\nAddress=h\nPort=0\n", "3: Port: of a peer is 1 to 65535"},
+        Broken{"[TcpEndpoint a]\nAddress=127.0.0.1\nPort=5760\n",
+               "1: endpoint 'a' meets 0.0.0.0:5760, where TCP clients are served "
+               "(TcpServerPort=0: none are)"},
         Broken{"[UartEndpoint a]\nDevice=/dev/a\n[UartEndpoint b]\nDevice=/dev/a\n",
                "3: endpoint 'b': link 'a' has the device /dev/a already"},
         Broken{"[General]\nTcpServerPort=0\n", "1: has no endpoint"}));

@@ -405,6 +405,7 @@ TEST(LineBudget, ExpectsNoHilControlsOfAControllerWithoutSimulatedSensors) {
            std::string::npos;
   };
   EXPECT_FALSE(has_controls(""));
+  EXPECT_FALSE(has_controls(", {from: other, to: fcu}"));
   EXPECT_FALSE(has_controls(", {from: sim, to: fcu, block: [HIL_SENSOR]}"));
   EXPECT_TRUE(has_controls(", {from: sim, to: fcu}"));
   EXPECT_TRUE(has_controls(", {from: sim, to: fcu, allow: [HIL_SENSOR]}"));

@@ -314,7 +314,7 @@ test('a scene that is built anew compiles no shader again', async () => {
     if (programs !== alike.programs) alike = {programs, since: now.frames};
     return programs !== '' && now.frames > alike.since + 30;
   });
-  // A busy machine may be late with a drawing even then, once; a shader that is compiled with each scene is so every time.
+  // A busy machine may compile the shader of a late drawing even now, once; a fault compiles with every scene.
   let anew: number[] = [];
   for (let scene = 0; scene < 3; ++scene) {
     await page.keyboard.press('Shift+T');
