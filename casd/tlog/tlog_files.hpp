@@ -57,7 +57,7 @@ class TlogFiles {
     std::uint64_t bytes = 0;
   };
   /// Leaves a file that somebody has deleted; write() begins the next one.
-  /// @return what was in it; nullopt: no file is open, or it has its name still
+  /// @return what was in it; nullopt: no file is open, or it was not deleted
   std::optional<Content> leave_deleted();
 
   const TlogFolder& folder() const { return folder_; }

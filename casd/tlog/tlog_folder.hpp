@@ -88,7 +88,7 @@ class TlogFolder {
   IsOwn is_own_;
 };
 
-/// Whether somebody has deleted an open file: what is written to it is lost.
+/// Whether an open file has no directory entry left: what is written to it is lost.
 bool is_deleted(const base::Descriptor& file);
 
 /// Where recordings go unless the topology says so: the service's own folder for logs

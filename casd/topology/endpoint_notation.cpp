@@ -220,9 +220,8 @@ std::string routes_of_endpoints(const std::vector<LinkConfig>& links) {
   }
   if (routes.empty()) return "";
   return "routes:\n"
-         "  # everything to everybody, but no sensor data of a simulator: a bench has a topology "
-         "of "
-         "its own\n" +
+         "  # everything to everybody, but no sensor data of a simulator: "
+         "a bench has a topology of its own\n" +
          routes;
 }
 
