@@ -81,13 +81,19 @@ TEST_F(CasdObserve, PublishesDropsThatTheRulesAloneMake) {
   start("");
   call("subscribe", {{"topic", "drops"}});
   fixture.sim.send(fixture.from_sim(mavlink::common::HilStateQuaternion{}));  // no route
-  std::string topic;
-  json told;
-  ASSERT_TRUE(client->next_notification(topic, told, kPatience));
-  EXPECT_EQ(topic, "drops");
-  ASSERT_EQ(told.at("dropped").size(), 1U) << told;
-  EXPECT_EQ(told["dropped"][0]["name"], "HIL_STATE_QUATERNION");
-  EXPECT_EQ(told["dropped"][0]["cause"], "no_rule");
+  // casd's own heartbeat may have met the serial line before it was open: a drop of another link.
+  std::optional<json> of_sim;
+  while (!of_sim) {
+    std::string topic;
+    json told;
+    ASSERT_TRUE(client->next_notification(topic, told, kPatience));
+    ASSERT_EQ(topic, "drops");
+    for (const json& drop : told.at("dropped")) {
+      if (drop.at("link") == "sim") of_sim = drop;
+    }
+  }
+  EXPECT_EQ(of_sim->at("name"), "HIL_STATE_QUATERNION");
+  EXPECT_EQ(of_sim->at("cause"), "no_rule");
 }
 
 TEST_F(CasdObserve, TellsPrometheusItsFigures) {
