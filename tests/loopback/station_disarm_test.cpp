@@ -52,7 +52,9 @@ steps:
   ChildProcess hils({binary_dir() + "/bin/hils", "run", scenario, "--out", folder / "out", "--gcs",
                      "udp_server:" + std::to_string(port)});
   mav::Encoder as_station{{255, 190}};
+  bool armed = false;
   int armed_beats = 0;
+  bool disarm_sent = false;  // a busy machine's vehicle may disarm by itself before
   bool disarmed = false;
   int armed_again = 0;
   std::optional<int> code;
@@ -64,17 +66,19 @@ steps:
         for (const PacketStream::Packet& packet : heard.packets()) {
           const auto beat = mav::decode<mv::Heartbeat>(packet.view());
           if (beat && packet.view().source == mav::Source{1, 1}) {
-            const bool armed = has(beat->base_mode, mv::MavModeFlag::kSafetyArmed);
+            armed = has(beat->base_mode, mv::MavModeFlag::kSafetyArmed);
             armed_again += armed && disarmed ? 1 : 0;
             armed_beats += armed ? 1 : 0;
-            disarmed = disarmed || (!armed && armed_beats > 0);
+            disarmed = disarmed || (!armed && disarm_sent);
           }
         }
-        if (!disarmed && base::steady_now() > say_at) {
+        const bool seen_by_hils = armed_beats >= 3;
+        if (!disarmed && (!armed || seen_by_hils) && base::steady_now() > say_at) {
           mv::CommandLong command;
           command.target_system = command.target_component = 1;
           command.command = mv::MavCmd::kComponentArmDisarm;
-          command.param1 = armed_beats < 3 ? 1 : 0;  // hils has seen it
+          disarm_sent = disarm_sent || seen_by_hils;
+          command.param1 = disarm_sent ? 0 : 1;
           station.send(as_station(command));
           say_at = base::steady_now() + std::chrono::milliseconds(200);
         }
@@ -82,10 +86,10 @@ steps:
         return code.has_value();
       },
       std::chrono::minutes(3));
-  EXPECT_TRUE(disarmed) << hils.output();
-  EXPECT_EQ(armed_again, 0) << hils.output();
-  // Not complete, or, on a busy machine, not judged.
+  // Not complete, or, on a busy machine, not judged: it may end before the person disarms.
   EXPECT_TRUE(code == 1 || code == 3) << hils.output();
+  EXPECT_TRUE(disarmed || code == 3) << hils.output();
+  EXPECT_EQ(armed_again, 0) << hils.output();
 }
 
 }  // namespace
