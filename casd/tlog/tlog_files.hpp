@@ -57,7 +57,7 @@ class TlogFiles {
     std::uint64_t bytes = 0;
   };
   /// Leaves a file that somebody has deleted; write() begins the next one.
-  /// @return what was in it; nullopt: no file is open, or it was not deleted
+  /// @return the content of the deleted file; nullopt if none is open or it still exists
   std::optional<Content> leave_deleted();
 
   const TlogFolder& folder() const { return folder_; }

@@ -88,7 +88,7 @@ class TlogFolder {
   IsOwn is_own_;
 };
 
-/// Whether an open file has no directory entry left: what is written to it is lost.
+/// Whether an open file was deleted (link count 0): later writes to it are lost.
 bool is_deleted(const base::Descriptor& file);
 
 /// Where recordings go unless the topology says so: the service's own folder for logs
