@@ -47,3 +47,12 @@ endif()
 add_library(cas_asio INTERFACE)
 target_link_libraries(cas_asio INTERFACE Boost::headers Threads::Threads)
 target_compile_definitions(cas_asio INTERFACE BOOST_ASIO_NO_DEPRECATED)
+
+# cas_sanitize_unoptimised(<target> ...): the sanitizers make optimising slow; targets that compute little do without.
+function(cas_sanitize_unoptimised)
+  if(CAS_SANITIZE)
+    foreach(target ${ARGN})
+      target_compile_options(${target} PRIVATE -O0)
+    endforeach()
+  endif()
+endfunction()

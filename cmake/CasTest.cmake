@@ -7,26 +7,6 @@
 # under ThreadSanitizer.
 add_custom_target(tsan_tests)
 
-# Headers that are parsed once for all tests, under a sanitizer for tests that are compiled with and without
-# optimisation; once for each program would cost more than it saves.
-if(CAS_PRECOMPILE)
-  file(WRITE ${CMAKE_BINARY_DIR}/test_headers_main.cpp "int main() {}\n")
-  set(test_headers cas_test_headers_optimised)
-  if(CAS_SANITIZE)
-    list(APPEND test_headers cas_test_headers)
-  endif()
-  foreach(target IN LISTS test_headers)
-    add_executable(${target} EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/test_headers_main.cpp)
-    target_link_libraries(${target} PRIVATE cas_options GTest::gtest Eigen3::Eigen)
-    target_compile_options(${target} PRIVATE -O1)
-    cas_precompile(${target} gtest/gtest.h Eigen/Dense nlohmann/json.hpp
-                   algorithm cmath filesystem functional map optional string vector)
-  endforeach()
-  if(CAS_SANITIZE)
-    cas_sanitize_unoptimised(cas_test_headers)
-  endif()
-endif()
-
 include(CasEmulate)
 
 function(cas_add_test name)
@@ -48,13 +28,8 @@ function(cas_add_test name)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13 AND NOT CAS_SANITIZE)
     target_compile_options(${name} PRIVATE -Wno-array-bounds)  # as in cas_options under a sanitizer
   endif()
-  set(headers cas_test_headers_optimised)
   if(CAS_SANITIZE AND NOT name MATCHES "^(libsim|plugins|fcu|closed_loop)")
     cas_sanitize_unoptimised(${name})
-    set(headers cas_test_headers)
-  endif()
-  if(CAS_PRECOMPILE)
-    target_precompile_headers(${name} REUSE_FROM ${headers})
   endif()
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   if(ARG_PROGRAMS)
