@@ -149,6 +149,9 @@ json summary_json(const VehicleState& vehicle, const LinkName& link_name, base::
                {"heartbeat_age_s", base::to_seconds(vehicle.heartbeat_age(now))},
                {"silent_after_s", base::to_seconds(vehicle.silent_after())},
                {"complaints", complaints_json(vehicle, link_name, now)}};
+  if (std::string lack = position_lack(vehicle, now); !lack.empty()) {
+    summary["position_lacks"] = std::move(lack);
+  }
   if (const std::optional<Rival> rival = vehicle.rival(now)) {
     summary["rival"] = {{"component", rival->source.component},
                         {"link", link_name(rival->from.path.link)},
@@ -175,9 +178,6 @@ json state_json(const VehicleState& vehicle, const LinkName& link_name, base::Ru
   if (const auto altitude = vehicle.altitude()) {
     state["altitude_m"] = altitude->message;
     state["altitude_age_s"] = age_s(*altitude, now);
-  }
-  if (std::string lack = position_lack(vehicle, now); !lack.empty()) {
-    state["position_lacks"] = std::move(lack);
   }
   if (std::string version = vehicle.firmware_version(); !version.empty()) {
     state["firmware"] = std::move(version);

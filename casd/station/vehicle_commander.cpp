@@ -18,11 +18,22 @@ namespace {
 
 using namespace mavlink::common;
 
+using Streams = std::span<const std::pair<std::uint32_t, double>>;
+
 constexpr std::pair<std::uint32_t, double> kArduPilotStreams[] = {
     {SysStatus::kId, 1},         {ExtendedSysState::kId, 2},  {Attitude::kId, 10},
     {LocalPositionNed::kId, 10}, {GlobalPositionInt::kId, 5}, {HomePosition::kId, 0.5},
     {GpsRawInt::kId, 1},         {kEkfStatusReport, 1},
 };
+
+/// PX4 streams most by itself, on some links without its estimator's status, else at 0.5 Hz.
+constexpr std::pair<std::uint32_t, double> kPx4Streams[] = {{EstimatorStatus::kId, 1}};
+
+/// Streams that commanding needs and that an autopilot may not send by itself.
+Streams streams_of(Autopilot autopilot) {
+  if (autopilot == Autopilot::kArduPilot) return kArduPilotStreams;
+  return autopilot == Autopilot::kPx4 ? Streams(kPx4Streams) : Streams();
+}
 
 /// Farther from home than any vehicle here flies: a number beyond it is a slip.
 constexpr double kFarthest_m = 100'000;
@@ -107,9 +118,8 @@ void VehicleCommander::greet(KnownVehicle& vehicle, base::RunTime now) {
   const std::vector<MessageRate> rates = options_.request_rates
                                              ? options_.request_rates(vehicle.state.link())
                                              : std::vector<MessageRate>();
-  // PX4 streams by itself; ArduPilot sends little more than HEARTBEAT until it is asked.
-  if (options_.ask_on_sight && vehicle.state.autopilot() == Autopilot::kArduPilot) {
-    for (const auto& [id, hz] : kArduPilotStreams) {
+  if (options_.ask_on_sight) {
+    for (const auto& [id, hz] : streams_of(vehicle.state.autopilot())) {
       if (std::ranges::count(rates, id, &MessageRate::message_id) > 0) continue;
       message_interval(system, id, 1e6 / hz, now, [](const Outcome&) {});
     }

@@ -56,7 +56,9 @@ void add_acts(const Json& state, VehicleReport& report) {
   }
 }
 
-VehicleReport to_report(const Json& state) {
+}  // namespace
+
+VehicleReport to_report(const nlohmann::json& state) {
   VehicleReport report;
   report.heard = true;
   report.heartbeat_age_s = state.value("heartbeat_age_s", 0.0);
@@ -89,6 +91,8 @@ VehicleReport to_report(const Json& state) {
   add_fence_words(state, report);
   return report;
 }
+
+namespace {
 
 /// Arming, another mode and arming again: longer than casd takes to give all three up.
 constexpr base::Duration kCommandPatience = std::chrono::seconds(20);

@@ -23,6 +23,8 @@ Motion to_motion(const nlohmann::json& vehicle);
 /// The vehicle that casd is asked about, by its MAVLink system; nullopt: the only one there is.
 using AskedVehicle = std::optional<std::uint8_t>;
 
+/// The state in an answer of casd's vehicle.state.
+VehicleReport to_report(const nlohmann::json& state);
 /// State of the vehicle as casd knows it now; `heard` is false if casd has not heard it yet.
 VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle = {});
 

@@ -9,6 +9,7 @@
 
 #include "mavlink/common/autopilot_version.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/services/px4_event.hpp"
 #include "mavlink_gen/services/vehicle_heartbeat.hpp"
 
 namespace cas::mav::services {
@@ -26,6 +27,9 @@ void hear(std::optional<Heard<M>>& slot, const PacketView& packet, Time now) {
 }
 
 constexpr Duration kFreshStatus = std::chrono::seconds(5);
+constexpr auto kPrearmCheck = MavSysStatusSensor::kPrearmCheck;
+/// PX4 1.13, the first to report its arming checks, as in AUTOPILOT_VERSION.flight_sw_version.
+constexpr std::uint32_t kPx4TellsChecks = 1U << 24 | 13U << 16;
 /// PX4 repeats failed checks at each request, ArduPilot every 30 s.
 constexpr Duration kFreshText = std::chrono::seconds(45);
 
@@ -150,6 +154,9 @@ void VehicleState::on_packet(const PacketView& packet, Time now) {
       break;
     case SysStatus::kId:
       hear(sys_status_, packet, now);
+      if (sys_status_ && has(sys_status_->message.onboard_control_sensors_health, kPrearmCheck)) {
+        passed_checks_at_ = now;
+      }
       break;
     case BatteryStatus::kId:
       if (const auto message = decode<BatteryStatus>(packet); message && message->id == 0) {
@@ -176,9 +183,19 @@ void VehicleState::on_packet(const PacketView& packet, Time now) {
     case Statustext::kId:
       if (const auto message = decode<Statustext>(packet)) on_status_text(*message, now);
       break;
+    case kEventMessage:
+      if (const auto id = event_id(packet)) on_event(*id);
+      break;
     default:
       break;
   }
+}
+
+void VehicleState::on_event(std::uint32_t id) {
+  if (begins_check_list(id)) failed_checks_.clear();
+  const std::string_view check = failed_check(id);
+  const bool is_known = std::ranges::find(failed_checks_, check) != failed_checks_.end();
+  if (!check.empty() && !is_known) failed_checks_.push_back(check);
 }
 
 void VehicleState::on_heartbeat(const Heartbeat& message, Time now) {
@@ -209,6 +226,20 @@ void VehicleState::on_boot_time(std::uint32_t time_boot_ms, Time now) {
 void VehicleState::begin_anew(Time now) {
   restarted_at_ = now;
   flight_version_ = 0;
+  passed_checks_at_.reset();
+  failed_checks_.clear();
+}
+
+bool VehicleState::has_beaten_long(Time now) const {
+  return beats_.size() == kBeats && beats_.front() >= restarted_at_ &&
+         now - beats_.back() <= kVehicleTimeout;
+}
+
+bool VehicleState::tells_checks() const {
+  if (!sys_status_) return false;
+  if (has(sys_status_->message.onboard_control_sensors_enabled, kPrearmCheck)) return true;
+  return autopilot() == Autopilot::kPx4 &&
+         (passed_checks_at_ || flight_version_ >= kPx4TellsChecks);
 }
 
 bool VehicleState::is_recent(Time said, Time now) const {
@@ -301,13 +332,11 @@ std::string VehicleState::firmware_version() const {
 
 ArmingChecks arming_checks(const VehicleState& vehicle, Time now) {
   const auto& status = vehicle.sys_status();
-  constexpr auto kBit = MavSysStatusSensor::kPrearmCheck;
-  if (!status || now - status->at > kFreshStatus ||
-      !has(status->message.onboard_control_sensors_enabled, kBit)) {
-    return ArmingChecks::kUnknown;
-  }
-  return has(status->message.onboard_control_sensors_health, kBit) ? ArmingChecks::kPass
-                                                                   : ArmingChecks::kFail;
+  const bool fresh =
+      status && status->at >= vehicle.restarted_at() && now - status->at <= kFreshStatus;
+  if (!fresh || !vehicle.tells_checks()) return ArmingChecks::kUnknown;
+  return has(status->message.onboard_control_sensors_health, kPrearmCheck) ? ArmingChecks::kPass
+                                                                           : ArmingChecks::kFail;
 }
 
 namespace {
@@ -334,32 +363,56 @@ std::optional<EstimatorStatusFlags> estimator_flags(const VehicleState& vehicle,
   return ekf_flags(*report);
 }
 
-std::string estimator_lack(EstimatorStatusFlags flags) {
+/// PX4 sets CONST_POS_MODE also while it stands still (v1.16.0 and later), so the position bits
+/// alone decide; in ArduPilot's report it means that there is no position.
+std::string estimator_lack(EstimatorStatusFlags flags, Autopilot autopilot) {
   using E = EstimatorStatusFlags;
   if (!has(flags, E::kAttitude)) return "the estimator has no attitude yet";
   if (!has(flags, E::kVelocityHoriz | E::kVelocityVert)) return "the estimator has no velocity yet";
-  if (!has(flags, E::kPosHorizAbs) || has(flags, E::kConstPosMode)) {
+  const bool constant = autopilot == Autopilot::kArduPilot && has(flags, E::kConstPosMode);
+  if (!has(flags, E::kPosHorizAbs) || constant) {
     return "the estimator has no horizontal position yet";
   }
   return has(flags, E::kPosVertAbs) ? "" : "the estimator has no height yet";
+}
+
+/// For a vehicle whose estimator says nothing.
+std::string gps_lack(const VehicleState& vehicle, Time now) {
+  const auto& gps = vehicle.gps_raw();
+  if (!gps || !vehicle.is_recent(gps->at, now)) return "it tells nothing of its estimator and GPS";
+  return gps->message.fix_type < GpsFixType::k3dFix ? "the GPS has no fix yet" : "";
+}
+
+std::string first_lack(const VehicleState& vehicle, Time now) {
+  std::string lack;
+  if (const auto flags = estimator_flags(vehicle, now)) {
+    lack = estimator_lack(*flags, vehicle.autopilot());
+  } else if (!vehicle.is_high_latency() && !vehicle.has_beaten_long(now)) {
+    lack = "its estimator has not reported yet";
+  } else {
+    lack = gps_lack(vehicle, now);
+  }
+  if (!lack.empty()) return lack;
+  const auto& home = vehicle.told_home();
+  if (!home || home->at < vehicle.restarted_at()) return "it has not told its home position yet";
+  // In a mode for sticks the checks fail without a transmitter: casd arms such a PX4 in HOLD.
+  const bool failed =
+      arming_checks(vehicle, now) == ArmingChecks::kFail && !vehicle.waits_for_sticks();
+  return failed ? "its arming checks fail" : "";
 }
 
 }  // namespace
 
 std::string position_lack(const VehicleState& vehicle, Time now) {
   if (vehicle.autopilot() == Autopilot::kOther) return {};
-  const auto& gps = vehicle.gps_raw();
-  std::string lack;
-  if (const auto flags = estimator_flags(vehicle, now)) {
-    lack = estimator_lack(*flags);
-  } else if (!gps || !vehicle.is_recent(gps->at, now)) {
-    lack = "it tells nothing of its estimator and GPS";
-  } else if (gps->message.fix_type < GpsFixType::k3dFix) {
-    lack = "the GPS has no fix yet";
-  }
-  const auto& home = vehicle.told_home();
-  const bool has_home = home && home->at >= vehicle.restarted_at();
-  return lack.empty() && !has_home ? "it has not told its home position yet" : lack;
+  std::string lack = first_lack(vehicle, now);
+  if (lack.empty()) return lack;
+  std::vector<std::string> reasons;
+  const auto& status = vehicle.sys_status();
+  if (status && vehicle.is_recent(status->at, now)) add_sensors(reasons, status->message);
+  for (const std::string_view check : vehicle.failed_checks()) add(reasons, std::string(check));
+  for (const std::string& reason : reasons) lack += "; " + reason;
+  return lack;
 }
 
 std::vector<std::string> complaints(const VehicleState& vehicle, Time now,
@@ -369,6 +422,7 @@ std::vector<std::string> complaints(const VehicleState& vehicle, Time now,
   if (status && now - status->at < kFreshStatus) add_sensors(all, status->message);
   if (vehicle.is_high_latency()) add_failures(all, vehicle.high_latency()->message);
   if (vehicle.armed()) return all;
+  for (const std::string_view check : vehicle.failed_checks()) add(all, std::string(check));
   std::uint64_t number = vehicle.status_text_count() - vehicle.status_texts().size();
   for (const StatusText& text : vehicle.status_texts()) {
     if (number++ < texts_before) continue;

@@ -109,6 +109,12 @@ class VehicleState {
   /// Whether data received at `said` is still valid: since this start, and within the last 5 s or
   /// the last 10 HEARTBEATs, which follow the vehicle's own clock.
   bool is_recent(Time said, Time now) const;
+  /// Whether its last ten HEARTBEATs came since its start: time enough to report what it reports.
+  bool has_beaten_long(Time now) const;
+  /// Whether its SYS_STATUS tells of its arming checks (MAV_SYS_STATUS_PREARM_CHECK): `enabled` has
+  /// the bit. PX4 1.13 to 1.18 sets it in `health` alone, once the checks pass; such a PX4 is known
+  /// by its version, or has passed them since its start.
+  bool tells_checks() const;
   /// When a HEARTBEAT last said that it is armed.
   std::optional<Time> armed_at() const { return armed_at_; }
 
@@ -145,6 +151,8 @@ class VehicleState {
   /// "1.12.0", by AUTOPILOT_VERSION; empty until the vehicle reports it.
   std::string firmware_version() const;
 
+  /// Failed checks in the newest list of them that a PX4 has sent as EVENTs, in words.
+  const std::vector<std::string_view>& failed_checks() const { return failed_checks_; }
   /// The newest whole status texts, oldest first, at most ten.
   const std::deque<StatusText>& status_texts() const { return status_texts_; }
   /// Counts every whole status text: a change of the value shows that one came.
@@ -155,6 +163,7 @@ class VehicleState {
   void on_high_latency(const mavlink::common::HighLatency2& message, Time now);
   void on_boot_time(std::uint32_t time_boot_ms, Time now);
   void begin_anew(Time now);
+  void on_event(std::uint32_t id);
   void on_status_text(const mavlink::common::Statustext& chunk, Time now);
 
   Source source_;
@@ -164,6 +173,7 @@ class VehicleState {
   bool slow_ = false;       ///< `heartbeat_` comes from a HIGH_LATENCY2
   std::deque<Time> beats_;  ///< when the newest HEARTBEATs came
   std::optional<Time> armed_at_;
+  std::optional<Time> passed_checks_at_;  ///< by SYS_STATUS, since its start
   std::optional<Duration> boot_time_;
   Time restarted_at_{};
   std::optional<Heard<mavlink::common::ExtendedSysState>> extended_;
@@ -180,6 +190,7 @@ class VehicleState {
   MessageMemory messages_;
   std::optional<std::uint64_t> capabilities_;
   std::uint32_t flight_version_ = 0;  ///< major, minor, patch, kind: a byte each
+  std::vector<std::string_view> failed_checks_;
   StatusTextJoiner joiner_;
   std::deque<StatusText> status_texts_;
   std::uint64_t status_text_count_ = 0;
@@ -192,10 +203,12 @@ ArmingChecks arming_checks(const VehicleState& vehicle, Time now);
 
 /// Missing preconditions of a takeoff with position control, in words; empty: nothing, or its kind
 /// of autopilot does not report it. Before that stock firmware accepts arming, refuses to take off
-/// and disarms itself after 8 to 10 s (PX4 v1.12.0, ArduCopter 4.5.6).
+/// and disarms itself after 8 to 10 s (PX4 v1.12.0, ArduCopter 4.5.6), or refuses (PX4 v1.16).
 ///
 /// The estimator's own report counts: ESTIMATOR_STATUS of PX4, EKF_STATUS_REPORT of ArduPilot;
-/// where neither comes, a fix of the GPS. HOME_POSITION is required, too. Old reports do not count.
+/// where none has come after ten HEARTBEATs, a fix of the GPS. HOME_POSITION is required, too, and
+/// that the vehicle's arming checks do not fail. Behind what is missing stand the sensors that
+/// SYS_STATUS lacks and the failed checks that PX4 tells as EVENT. Old reports do not count.
 std::string position_lack(const VehicleState& vehicle, Time now);
 
 /// Reasons not to fly, in words, as the vehicle reports them: required sensors that are missing or

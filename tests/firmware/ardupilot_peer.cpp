@@ -13,10 +13,12 @@ ArdupilotPeer::ArdupilotPeer(std::uint16_t port, const ScriptedArdupilot::Option
                              const Pilot::Plan& plan)
     : port_(port),
       socket_(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)),
-      ardupilot_(std::make_unique<ScriptedArdupilot>(options,
-                                                     [this](std::span<const std::uint8_t> bytes) {
-                                                       pilot_.on_bytes(bytes, ardupilot_->clock());
-                                                     })),
+      ardupilot_(std::make_unique<ScriptedArdupilot>(
+          options,
+          [this](std::span<const std::uint8_t> bytes) {
+            said_.push_back({ardupilot_->clock(), {bytes.begin(), bytes.end()}});
+            pilot_.on_bytes(bytes, ardupilot_->clock());
+          })),
       pilot_(plan, [this](std::span<const std::uint8_t> bytes, std::span<const casd::Path>) {
         ardupilot_->on_ground_bytes(bytes);
       }) {}

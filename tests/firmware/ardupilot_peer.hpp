@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "tests/firmware/conversation.hpp"
 #include "tests/firmware/pilot.hpp"
 #include "tests/firmware/scripted_ardupilot.hpp"
 
@@ -36,6 +37,8 @@ class ArdupilotPeer {
 
   ScriptedArdupilot& ardupilot() { return *ardupilot_; }
   Pilot& pilot() { return pilot_; }
+  /// All that the vehicle has sent to its ground station.
+  const Conversation& said() const { return said_; }
   std::uint64_t repeats() const { return repeats_; }
 
  private:
@@ -44,6 +47,7 @@ class ArdupilotPeer {
   std::uint16_t port_;
   int socket_ = -1;
   std::uint64_t repeats_ = 0;
+  Conversation said_;
   std::unique_ptr<ScriptedArdupilot> ardupilot_;
   Pilot pilot_;
 };

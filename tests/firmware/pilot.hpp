@@ -41,6 +41,11 @@ class Pilot {
     parser_.feed(bytes, take, take);  // also messages of another dialect, as a UDP link of casd
   }
   void tick(base::RunTime now);
+  /// From now on it only listens.
+  void ask_nothing() {
+    commander_.set_commanding(1, false, false);
+    stage_ = Stage::kDone;
+  }
 
   Stage stage() const { return stage_; }
   bool ended() const { return stage_ == Stage::kDone || stage_ == Stage::kFailed; }

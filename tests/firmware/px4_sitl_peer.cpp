@@ -18,7 +18,10 @@ Px4SitlPeer::Px4SitlPeer(std::uint16_t port, const ScriptedPx4::Options& options
           [this](std::span<const std::uint8_t> bytes) {
             if (!deaf_) ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
           },
-          [this](std::span<const std::uint8_t> bytes) { pilot_.on_bytes(bytes, px4_->clock()); })),
+          [this](std::span<const std::uint8_t> bytes) {
+            said_.push_back({px4_->clock(), {bytes.begin(), bytes.end()}});
+            pilot_.on_bytes(bytes, px4_->clock());
+          })),
       pilot_(plan, [this](std::span<const std::uint8_t> bytes, std::span<const casd::Path>) {
         px4_->on_ground_bytes(bytes, px4_->clock());
       }) {}

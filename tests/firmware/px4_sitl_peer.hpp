@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 
+#include "tests/firmware/conversation.hpp"
 #include "tests/firmware/pilot.hpp"
 #include "tests/firmware/scripted_px4.hpp"
 
@@ -34,6 +35,8 @@ class Px4SitlPeer {
 
   ScriptedPx4& px4() { return *px4_; }
   Pilot& pilot() { return pilot_; }
+  /// All that the vehicle has sent to its ground station.
+  const Conversation& said() const { return said_; }
   /// While set, samples are read and not answered.
   void set_deaf(bool deaf) { deaf_ = deaf; }
 
@@ -44,6 +47,7 @@ class Px4SitlPeer {
   std::uint16_t port_;
   int socket_ = -1;
   bool deaf_ = false;
+  Conversation said_;
   std::unique_ptr<ScriptedPx4> px4_;
   Pilot pilot_;
 };

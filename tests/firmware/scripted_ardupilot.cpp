@@ -207,6 +207,7 @@ void ScriptedArdupilot::on_controller_packet(std::span<const std::uint8_t> bytes
     version->capabilities &= ~mv::MavProtocolCapability::kParamEncodeBytewise;
     return ground_.send(*version);
   }
+  if (is_unasked(packet.message_id)) return;
   if (const auto status = mav::decode<mv::EstimatorStatus>(packet)) return say_ekf_report(*status);
   if (packet.message_id == mv::HomePosition::kId && is_early()) return;
   // PX4's own words and acknowledgements are not ArduPilot's.
@@ -221,6 +222,27 @@ void ScriptedArdupilot::on_controller_packet(std::span<const std::uint8_t> bytes
     }
   }
   ground_.forward(bytes);
+}
+
+/// Until it is asked, ArduPilot sends little more than HEARTBEAT, its texts and its answers.
+void ScriptedArdupilot::note_wish(const mv::CommandLong& command) {
+  auto id = static_cast<std::uint32_t>(command.param1);
+  if (id == casd::kEkfStatusReport) id = mv::EstimatorStatus::kId;  // said in its place
+  if (command.command == mv::MavCmd::kSetMessageInterval && command.param2 >= 0) {
+    streams_.insert(id);
+  } else if (command.command == mv::MavCmd::kRequestMessage) {
+    wishes_.insert(id);
+  }
+}
+
+bool ScriptedArdupilot::is_unasked(std::uint32_t message_id) {
+  constexpr std::array kUnasked{
+      mv::Statustext::kId,       mv::CommandAck::kId,     mv::ParamValue::kId,
+      mv::AutopilotVersion::kId, mv::MissionCount::kId,   mv::MissionRequestInt::kId,
+      mv::MissionAck::kId,       mv::MissionItemInt::kId, mv::MissionItemReached::kId,
+      mv::Timesync::kId,         mv::Ping::kId,           mv::FileTransferProtocol::kId};
+  if (std::ranges::find(kUnasked, message_id) != kUnasked.end()) return false;
+  return !streams_.contains(message_id) && wishes_.erase(message_id) == 0;
 }
 
 bool ScriptedArdupilot::is_armed_early() const {
@@ -243,6 +265,7 @@ void ScriptedArdupilot::on_ground_bytes(std::span<const std::uint8_t> bytes) {
     const auto command = mav::decode<mv::CommandLong>(packet);
     if (command && command->target_system != 0 && command->target_system != options_.system) return;
     if (fence_.on_packet(packet, ground_)) return;
+    if (command) note_wish(*command);
     if (command && on_command(*command, packet.source)) return;
     if (on_setpoint(packet)) return;
     if (const auto count = mav::decode<mv::MissionCount>(packet)) items_ = count->count;

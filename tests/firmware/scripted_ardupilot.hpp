@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -69,6 +70,8 @@ class ScriptedArdupilot {
   bool is_early() const { return time_ < options_.position_after; }
   bool is_armed_early() const;
   void say_ekf_report(const mavlink::common::EstimatorStatus& status);
+  void note_wish(const mavlink::common::CommandLong& command);
+  bool is_unasked(std::uint32_t message_id);
   void on_controller_packet(std::span<const std::uint8_t> bytes);
   bool on_command(const mavlink::common::CommandLong& command, mav::Source from);
   bool set_mode(const mavlink::common::CommandLong& command, mav::Source from);
@@ -101,9 +104,11 @@ class ScriptedArdupilot {
   std::array<float, 4> motors_{};
   bool armed_ = false;
   std::optional<base::Duration> armed_early_at_;
-  bool arming_ = false;             // wish of the last arm or disarm command
-  std::uint32_t mode_ = 0;          // STABILIZE
-  bool follows_setpoints_ = false;  // in GUIDED
+  std::set<std::uint32_t> streams_;  // that somebody has asked for
+  std::set<std::uint32_t> wishes_;   // messages that somebody has asked for once
+  bool arming_ = false;              // wish of the last arm or disarm command
+  std::uint32_t mode_ = 0;           // STABILIZE
+  bool follows_setpoints_ = false;   // in GUIDED
   base::Duration newest_setpoint_{};
   std::size_t items_ = 0;  // of its mission, with home
   bool begins_with_takeoff_ = false;

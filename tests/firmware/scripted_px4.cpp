@@ -93,7 +93,16 @@ ScriptedPx4::ScriptedPx4(const Options& options, Channel::Send to_simulator,
                   [this](std::span<const std::uint8_t> packet) { on_controller_packet(packet); }),
       as_itself_({options.system, 200}),
       fence_(options.release == Px4Release::k1_12 ? FenceStyle::kPx4_1_12 : FenceStyle::kPx4_1_16,
-             options.fence) {}
+             options.fence) {
+  if (options.release != Px4Release::k1_16) return;
+  mv::CommandLong interval;
+  interval.target_system = options.system;
+  interval.target_component = 1;
+  interval.command = mv::MavCmd::kSetMessageInterval;
+  interval.param1 = static_cast<float>(mv::EstimatorStatus::kId);
+  interval.param2 = 2e6;  // its default, until somebody asks for more
+  controller_.on_bytes(as_itself_(interval), clock_);
+}
 
 void ScriptedPx4::restore_params(const std::string& lines) {
   std::istringstream in(lines);
@@ -237,15 +246,27 @@ void ScriptedPx4::on_controller_packet(std::span<const std::uint8_t> bytes) {
     return;
   }
   watch_fence(packet);
+  note_readiness(packet);
   if (auto heartbeat = mav::decode<mv::Heartbeat>(packet)) {
+    // v1.16.1 says MAV_STATE_UNINIT until it can be armed.
+    const bool boots = options_.release == Px4Release::k1_16 && !ready_ && !armed_;
+    if (boots) heartbeat->system_status = mv::MavState::kUninit;
     if (terminated_) heartbeat->system_status = mv::MavState::kFlightTermination;
     if (options_.mode == Px4Mode::kSitl) return ground_.send(in_software(*heartbeat));
-    if (terminated_) return ground_.send(*heartbeat);
+    if (terminated_ || boots) return ground_.send(*heartbeat);
   }
   // An answer to its own command.
   const auto ack = mav::decode<mv::CommandAck>(packet);
   if (ack && ack->target_system == options_.system) return;
-  if (!lies(packet) && !say_v1_12(packet) && !say_who_disarmed(packet)) ground_.forward(bytes);
+  if (lies(packet) || say_v1_12(packet) || say_v1_16(packet) || say_who_disarmed(packet)) return;
+  ground_.forward(bytes);
+}
+
+void ScriptedPx4::note_readiness(const mav::PacketView& packet) {
+  const auto status = mav::decode<mv::SysStatus>(packet);
+  if (!status) return;
+  ready_ = preflight_failure().empty() &&
+           mv::has(status->onboard_control_sensors_health, mv::MavSysStatusSensor::kPrearmCheck);
 }
 
 mv::Heartbeat ScriptedPx4::in_software(mv::Heartbeat heartbeat) const {
@@ -477,11 +498,20 @@ bool ScriptedPx4::answers_its_own_way(const mav::PacketView& packet) {
 }
 
 bool ScriptedPx4::refuse_to_arm(const mv::CommandLong& command, mav::Source from) {
+  const bool is_1_16 = options_.release == Px4Release::k1_16;
   const std::string why = preflight_failure();
-  if (why.empty()) return false;
+  if (why.empty() && (!is_1_16 || ready_)) return false;
   acknowledge(command.command, from, mv::MavResult::kTemporarilyRejected);
-  complain(why);
-  complain("Arming denied! Check the preflight failures");
+  // v1.16.1 tells of its receiver as EVENT alone.
+  const bool is_told = !why.empty() && !(is_1_16 && why.find("GPS") != std::string::npos);
+  if (is_told) complain(why);
+  const char* const denied = is_1_16 ? "Arming denied: Resolve system health failures first"
+                                     : "Arming denied! Check the preflight failures";
+  if (why.empty()) {
+    say(denied, mv::MavSeverity::kCritical);
+  } else {
+    complain(denied);
+  }
   return true;
 }
 
@@ -527,6 +557,31 @@ bool ScriptedPx4::say_v1_12(const mav::PacketView& packet) {
   return true;
 }
 
+/// Differences of v1.16.1, as recorded: "enabled" never has the bit of the arming checks, a sensor
+/// that is missing is neither present nor healthy, CONST_POS_MODE is set while it stands, and there
+/// is no SYSTEM_TIME.
+bool ScriptedPx4::say_v1_16(const mav::PacketView& packet) {
+  if (options_.release != Px4Release::k1_16) return false;
+  if (packet.message_id == mv::SystemTime::kId) return true;
+  if (auto status = mav::decode<mv::EstimatorStatus>(packet)) {
+    if (!in_air_) status->flags |= mv::EstimatorStatusFlags::kConstPosMode;
+    ground_.send(*status);
+    return true;
+  }
+  auto status = mav::decode<mv::SysStatus>(packet);
+  if (!status) return false;
+  using S = mv::MavSysStatusSensor;
+  S missing{};
+  if (!mag_.seen) missing |= S::k3dMag;
+  if (!baro_.seen) missing |= S::kAbsolutePressure;
+  if (!gps_) missing |= S::kGps;
+  status->onboard_control_sensors_present &= ~(missing | S::kPrearmCheck);
+  status->onboard_control_sensors_enabled &= ~(S::kPrearmCheck | (missing & S::kGps));
+  status->onboard_control_sensors_health &= ~(missing | (ready_ ? S{} : S::kPrearmCheck));
+  ground_.send(*status);
+  return true;
+}
+
 void ScriptedPx4::complain(const std::string& text) {
   if (std::find(complaints_.begin(), complaints_.end(), text) == complaints_.end()) {
     complaints_.push_back(text);
@@ -534,13 +589,20 @@ void ScriptedPx4::complain(const std::string& text) {
   say(text, mv::MavSeverity::kCritical);
 }
 
+/// A text that does not fit into one STATUSTEXT is sent in chunks.
 void ScriptedPx4::say(const std::string& text, mv::MavSeverity severity) {
-  mv::Statustext message;
-  message.severity = severity;
   // v1.16.1 ends its texts with a tab.
   const std::string sent = text + (options_.release == Px4Release::k1_16 ? "\t" : "");
-  std::copy_n(sent.begin(), std::min(sent.size(), message.text.size()), message.text.begin());
-  ground_.send(message);
+  mv::Statustext message;
+  message.severity = severity;
+  if (sent.size() > message.text.size()) message.id = ++text_id_;
+  for (std::size_t at = 0; at < sent.size(); at += message.text.size()) {
+    message.text = {};
+    std::copy_n(sent.begin() + static_cast<std::ptrdiff_t>(at),
+                std::min(sent.size() - at, message.text.size()), message.text.begin());
+    ground_.send(message);
+    ++message.chunk_seq;
+  }
 }
 
 }  // namespace cas::test

@@ -148,6 +148,8 @@ class ScriptedPx4 {
   bool twists(const mav::PacketView& packet);
   bool lies(const mav::PacketView& packet);
   bool say_v1_12(const mav::PacketView& packet);
+  bool say_v1_16(const mav::PacketView& packet);
+  void note_readiness(const mav::PacketView& packet);
   std::string preflight_failure() const;
   void look_for_repeats(Staleness& sensor, std::span<const float> values, int most,
                         const char* complaint);
@@ -184,6 +186,8 @@ class ScriptedPx4 {
   Staleness baro_;
   std::array<float, 4> motors_{};
   bool armed_ = false;
+  bool ready_ = false;  // its checks let one arm, as of its newest SYS_STATUS
+  std::uint16_t text_id_ = 0;
   std::optional<base::RunTime> armed_early_at_;
   std::optional<base::RunTime> first_setpoint_at_;
   bool has_disarmed_itself_ = false;

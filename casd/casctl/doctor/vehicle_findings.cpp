@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/text.hpp"
+#include "casd/casctl/session/session.hpp"
 #include "casd/casctl/session/table.hpp"
 
 namespace cas::casctl {
@@ -85,10 +86,6 @@ std::string remedy_for_no_hil(const DoctorFacts& facts, const json& vehicle) {
   return "PX4: casctl param set SYS_HITL 1, then casctl reboot; a firmware in software (SITL) "
          "never "
          "says so: see docs/firmware";
-}
-
-bool is_silent(const json& vehicle) {
-  return vehicle.value("heartbeat_age_s", 0.0) > vehicle.value("silent_after_s", kFresh_s);
 }
 
 /// The arming checks of a disarmed vehicle.
@@ -184,6 +181,12 @@ void check_readiness(const DoctorFacts& facts, Findings& all) {
     }
     if (vehicle.value("armed", false)) {
       good(all, who + " is armed");
+      continue;
+    }
+    const std::string lack = vehicle.value("position_lacks", "");
+    if (!lack.empty() && !is_routed_alone(facts, vehicle)) {
+      bad(all, who + " cannot take off yet: " + lack,
+          "casctl arm waits for it; where a sensor is named, look at its stream and at the board");
       continue;
     }
     check_arming_checks(facts, vehicle, all);

@@ -156,8 +156,8 @@ namespace {
 
 /// Advice on a state that does not come.
 std::string advice(const std::string& what, const json& state) {
-  const double age_s = state.value("heartbeat_age_s", 0.0);
-  if (age_s > state.value("silent_after_s", 3.0)) {
+  if (is_silent(state)) {
+    const double age_s = state.value("heartbeat_age_s", 0.0);
     return "; no HEARTBEAT has come for " + std::to_string(std::lround(age_s)) +
            " s: look at `casctl links`";
   }
@@ -170,17 +170,27 @@ std::string advice(const std::string& what, const json& state) {
 
 }  // namespace
 
-json Session::wait_for(const std::string& what, const std::function<bool(const json&)>& reached) {
-  const auto give_up = deadline(options_);
+json Session::wait_for(const std::string& what, const OfState& reached) {
+  auto [state, came] = wait_at_most(std::chrono::duration<double>(options_.timeout_s), reached);
+  if (came) return std::move(state);
+  throw WaitTimeout("acknowledged, but the vehicle was not heard to be " + what + " within " +
+                    json(options_.timeout_s).dump() + " s" + advice(what, state));
+}
+
+std::pair<json, bool> Session::wait_at_most(std::chrono::duration<double> patience,
+                                            const OfState& reached) {
+  const auto give_up = std::chrono::steady_clock::now() + patience;
   for (;;) {
     json state = vehicle_call("vehicle.state");
-    if (reached(state)) return state;
-    if (std::chrono::steady_clock::now() > give_up) {
-      throw WaitTimeout("acknowledged, but the vehicle was not heard to be " + what + " within " +
-                        json(options_.timeout_s).dump() + " s" + advice(what, state));
-    }
+    if (reached(state)) return {std::move(state), true};
+    if (std::chrono::steady_clock::now() > give_up) return {std::move(state), false};
     std::this_thread::sleep_for(kPollPeriod);
   }
+}
+
+bool is_silent(const json& vehicle) {
+  constexpr double kFresh_s = 3;  // of a casd that does not say after which time
+  return vehicle.value("heartbeat_age_s", 0.0) > vehicle.value("silent_after_s", kFresh_s);
 }
 
 void report(const Options& options, const json& result, const std::string& sentence) {

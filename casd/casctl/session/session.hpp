@@ -67,9 +67,14 @@ class Session {
   /// Calls a vehicle method: adds `vehicle` where --vehicle is given.
   nlohmann::json vehicle_call(const std::string& method,
                               nlohmann::json params = nlohmann::json::object());
-  /// Polls vehicle.state until `reached` holds. @throws WaitTimeout
-  nlohmann::json wait_for(const std::string& what,
-                          const std::function<bool(const nlohmann::json&)>& reached);
+  using OfState = std::function<bool(const nlohmann::json&)>;
+  /// Polls vehicle.state until `reached` holds.
+  /// @param what  the state in a word, for the error
+  /// @throws WaitTimeout
+  nlohmann::json wait_for(const std::string& what, const OfState& reached);
+  /// The same for at most `patience`. @return the newest state; whether `reached` holds of it
+  std::pair<nlohmann::json, bool> wait_at_most(std::chrono::duration<double> patience,
+                                               const OfState& reached);
   /// Whether --wait is given and its time is not over.
   bool may_wait() const;
   /// Says once why casctl waits, then does so for `period`.
@@ -89,6 +94,9 @@ class Session {
   std::string address_;  // that was tried last
   base::rpc::Client client_;
 };
+
+/// Whether a vehicle's newest HEARTBEAT is too old to tell its state.
+bool is_silent(const nlohmann::json& vehicle);
 
 /// Prints a result: as JSON with --json, else the sentence.
 void report(const Options& options, const nlohmann::json& result, const std::string& sentence);

@@ -77,7 +77,8 @@ void print_vehicles(const json& vehicles) {
                vehicle.value("type", "?"), vehicle.value("armed", false) ? "armed" : "no",
                vehicle.value("hil", false) ? "yes" : "NO", vehicle.value("mode", "?"),
                vehicle.value("landed", "?"), vehicle.value("link", "?"),
-               duration_text(vehicle.value("heartbeat_age_s", 0.0)) + " ago"});
+               duration_text(vehicle.value("heartbeat_age_s", 0.0)) + " ago" +
+                   (is_silent(vehicle) ? " (SILENT)" : "")});
   }
   if (table.empty()) {
     std::cout << "no vehicle heard yet: is its link up, and does it send HEARTBEAT?\n";

@@ -70,30 +70,73 @@ class SaidSince {
   double youngest_s_;  ///< age of the acknowledgement
 };
 
-using Reached = std::function<bool(const SaidSince&)>;
+/// The state that a command with --wait waits for.
+struct Goal {
+  std::string word{};  ///< "airborne"; empty: the acknowledgement is all there is to wait for
+  std::function<bool(const SaidSince&)> reached{};
+  bool flies = false;  ///< the vehicle must stay armed until then: its disarming ends the wait
+};
+
+double acknowledged_s(const json& result) {
+  if (result.contains("at_s")) return result["at_s"];
+  throw std::runtime_error(
+      "acknowledged, but --wait cannot tell old packets from new ones: casd is of an older "
+      "version than casctl");
+}
+
+/// @throws WaitTimeout, and std::runtime_error where the vehicle disarms before a goal that it
+/// flies to
+json wait_for(Session& session, const Goal& goal, double acknowledged_s) {
+  bool armed = false;
+  return session.wait_for(goal.word, [&](const json& state) {
+    const SaidSince now(state, acknowledged_s);
+    armed = armed || now.armed();
+    if (goal.flies && armed && now.disarmed()) {
+      throw std::runtime_error("acknowledged, but vehicle " + state.at("system").dump() +
+                               " disarmed before it was " + goal.word + ": it is " +
+                               state.value("landed", "undefined") + ", in mode " +
+                               state.value("mode", "?"));
+    }
+    return goal.reached(now);
+  });
+}
 
 /// Waits if asked to, and reports the state reached in words.
-int tell(Session& session, json result, const std::string& did, const std::string& state_word,
-         const Reached& reached) {
+int tell(Session& session, json result, const std::string& did, const Goal& goal) {
   std::string words = did;
-  if (session.options().wait && reached) {
-    if (!result.contains("at_s")) {
-      throw std::runtime_error(
-          "acknowledged, but --wait cannot tell old packets from new ones: casd is of an older "
-          "version than casctl");
-    }
-    const double acknowledged_s = result["at_s"];
-    result["state"] = session.wait_for(
-        state_word, [&](const json& state) { return reached(SaidSince(state, acknowledged_s)); });
-    words = state_word;
+  if (session.options().wait && goal.reached) {
+    result["state"] = wait_for(session, goal, acknowledged_s(result));
+    words = goal.word;
   }
   report(session.options(), result, sentence(result, words));
   return kDone;
 }
 
 int fly(Session& session, const std::string& method, const json& params, const std::string& did,
-        const std::string& state_word, const Reached& reached) {
-  return tell(session, session.vehicle_call(method, params), did, state_word, reached);
+        const Goal& goal = {}) {
+  return tell(session, session.vehicle_call(method, params), did, goal);
+}
+
+/// Lands; with --wait until the vehicle has disarmed after it, or has not for long enough: PX4
+/// disarms 2 s after its landing, ArduCopter after 10 s at most (DISARM_DELAY).
+int come_down(Session& session, const std::string& method, const std::string& did) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::duration<double> kDisarms{15};
+  const auto give_up = Clock::now() + std::chrono::duration<double>(session.options().timeout_s);
+  json result = session.vehicle_call(method);
+  std::string words = did;
+  if (session.options().wait) {
+    const double since_s = acknowledged_s(result);
+    wait_for(session, {"landed", [](const SaidSince& now) { return now.landed(); }}, since_s);
+    const std::chrono::duration<double> left = give_up - Clock::now();
+    auto [state, disarmed] = session.wait_at_most(
+        std::min(kDisarms, left),
+        [since_s](const json& now) { return SaidSince(now, since_s).disarmed(); });
+    words = disarmed ? "landed and disarmed" : "landed, and is still armed";
+    result["state"] = std::move(state);
+  }
+  report(session.options(), result, sentence(result, words));
+  return kDone;
 }
 
 /// Whether the vehicle said "not now": MAV_RESULT_TEMPORARILY_REJECTED in the error's data.
@@ -153,8 +196,8 @@ void add_arm(CommandLine& line) {
                       if (!flags->no_wait && !flags->force) {
                         wait_for_position(session, flags->not_hil);
                       }
-                      return tell(session, arm(session, params), "armed", "armed",
-                                  [](const SaidSince& now) { return now.armed(); });
+                      return tell(session, arm(session, params), "armed",
+                                  {"armed", [](const SaidSince& now) { return now.armed(); }});
                     });
   verb.add_flag("--force", flags->force, "Skip the vehicle's own checks, and wait for nothing");
   verb.add_flag("--no-wait", flags->no_wait,
@@ -168,8 +211,8 @@ void add_disarm(CommandLine& line) {
   const auto force = std::make_shared<bool>(false);
   line.add_verb("disarm", "Stop the motors", "casctl disarm --force",
                 [force](Session& session) {
-                  return fly(session, "vehicle.disarm", {{"force", *force}}, "disarmed", "disarmed",
-                             [](const SaidSince& now) { return now.disarmed(); });
+                  return fly(session, "vehicle.disarm", {{"force", *force}}, "disarmed",
+                             {"disarmed", [](const SaidSince& now) { return now.disarmed(); }});
                 })
       .add_flag("--force", *force, "Also in flight: the vehicle falls");
 }
@@ -181,12 +224,13 @@ void add_takeoff(CommandLine& line) {
                   const json state = session.vehicle_call("vehicle.state");
                   // A heartbeat may lag behind the arming: so it is said, not refused.
                   const bool armed = state.value("armed", false);
-                  return fly(session, "vehicle.takeoff", {{"altitude_m", *altitude_m}},
-                             "takes off to " + fixed(*altitude_m, 1) + " m" +
-                                 (armed ? "" : " when armed; it was last heard disarmed"),
-                             "airborne", [altitude_m](const SaidSince& now) {
-                               return now.airborne_at(*altitude_m);
-                             });
+                  return fly(
+                      session, "vehicle.takeoff", {{"altitude_m", *altitude_m}},
+                      "takes off to " + fixed(*altitude_m, 1) + " m" +
+                          (armed ? "" : " when armed; it was last heard disarmed"),
+                      {"airborne",
+                       [altitude_m](const SaidSince& now) { return now.airborne_at(*altitude_m); },
+                       true});
                 })
       .add_option("ALT", *altitude_m, "Metres above home")
       .in_range(0.1, 10000.0)
@@ -205,10 +249,12 @@ void add_goto(CommandLine& line) {
         json params{
             {"north_m", target->north_m}, {"east_m", target->east_m}, {"down_m", target->down_m}};
         if (target->yaw_deg) params["yaw_deg"] = *target->yaw_deg;
-        return fly(session, "vehicle.goto", params, "goes there", "there",
-                   [target](const SaidSince& now) {
-                     return now.near(target->north_m, target->east_m, target->down_m);
-                   });
+        return fly(session, "vehicle.goto", params, "goes there",
+                   {"there",
+                    [target](const SaidSince& now) {
+                      return now.near(target->north_m, target->east_m, target->down_m);
+                    },
+                    true});
       });
   verb.add_option("NORTH", target->north_m, "Metres to the north").required();
   verb.add_option("EAST", target->east_m, "Metres to the east").required();
@@ -222,8 +268,8 @@ void add_mode(CommandLine& line) {
   line.add_verb("mode", "Set a flight mode by its word", "casctl mode POSCTL --wait",
                 [mode](Session& session) {
                   return fly(session, "vehicle.mode", {{"mode", *mode}}, "took mode " + *mode,
-                             "in mode " + *mode,
-                             [mode](const SaidSince& now) { return now.in_mode(*mode); });
+                             {"in mode " + *mode,
+                              [mode](const SaidSince& now) { return now.in_mode(*mode); }});
                 })
       .add_option("MODE", *mode, "HOLD, LAND, RTL, POSCTL, ...; a wrong word lists them")
       .required();
@@ -289,8 +335,7 @@ void add_message_interval(CommandLine& line) {
         if (wish->hz) params["hz"] = *wish->hz;
         return fly(session, "vehicle.message_interval", params,
                    "sends " + wish->message +
-                       (wish->hz ? " at " + fixed(*wish->hz, 1) + " Hz" : " at its default rate"),
-                   "", nullptr);
+                       (wish->hz ? " at " + fixed(*wish->hz, 1) + " Hz" : " at its default rate"));
       });
   verb.add_option("MESSAGE", wish->message, "Name or id").required();
   verb.add_option("HZ", wish->hz, "0 is off; left out: the vehicle's default");
@@ -299,20 +344,17 @@ void add_message_interval(CommandLine& line) {
 }  // namespace
 
 void add_flight_verbs(CommandLine& line) {
-  const Reached landed = [](const SaidSince& now) { return now.landed(); };
   add_arm(line);
   add_disarm(line);
   add_takeoff(line);
-  line.add_verb("land", "Land here", "casctl land --wait --timeout 60", [landed](Session& session) {
-    return fly(session, "vehicle.land", json::object(), "lands", "landed", landed);
-  });
+  line.add_verb("land", "Land here", "casctl land --wait --timeout 60",
+                [](Session& session) { return come_down(session, "vehicle.land", "lands"); });
   line.add_verb("hold", "Stop and hold position", "casctl hold", [](Session& session) {
-    return fly(session, "vehicle.hold", json::object(), "holds position", "", nullptr);
+    return fly(session, "vehicle.hold", json::object(), "holds position");
   });
-  line.add_verb(
-      "rtl", "Return to launch and land", "casctl rtl --wait", [landed](Session& session) {
-        return fly(session, "vehicle.rtl", json::object(), "returns to launch", "landed", landed);
-      });
+  line.add_verb("rtl", "Return to launch and land", "casctl rtl --wait", [](Session& session) {
+    return come_down(session, "vehicle.rtl", "returns to launch");
+  });
   add_goto(line);
   add_mode(line);
   add_manual(line);

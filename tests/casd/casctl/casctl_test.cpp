@@ -14,6 +14,7 @@
 
 #include "tests/casd/port/command_port_fixture.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/wait_until.hpp"
 
 namespace cas::casd {
 namespace {
@@ -22,6 +23,7 @@ using mavlink::common::MavModeFlag;
 using mavlink::common::MavResult;
 using nlohmann::json;
 using test::CommandPortFixture;
+using test::FakeVehicle;
 
 struct Ended {
   int code = -1;
@@ -174,6 +176,53 @@ TEST_F(CasctlTest, EndsWithFourWhereAStateDoesNotCome) {
               std::string::npos)
         << ended.out;
   }
+}
+
+TEST_F(CasctlTest, EndsATakeoffWhoseVehicleDisarms) {
+  const base::RunTime now = base::steady_now();
+  fixture_.vehicle().say(mavlink::common::HomePosition{}, now);
+  for (int i = 0; i < 100; ++i) {  // armed for 3 s from the command on, then not
+    mavlink::common::Heartbeat heartbeat;
+    heartbeat.autopilot = mavlink::common::MavAutopilot::kPx4;
+    heartbeat.type = mavlink::common::MavType::kQuadrotor;
+    heartbeat.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kHilEnabled;
+    if (i < 15) heartbeat.base_mode |= MavModeFlag::kSafetyArmed;
+    fixture_.vehicle().say(heartbeat, now + i * std::chrono::milliseconds(200));
+  }
+  const Ended ended = run("takeoff 2.5 --wait --timeout 19");
+  EXPECT_EQ(ended.code, 1) << ended.out;
+  EXPECT_NE(ended.out.find("vehicle 1 disarmed before it was airborne"), std::string::npos)
+      << ended.out;
+}
+
+/// On the ground for the next 20 s.
+void say_landed(FakeVehicle& vehicle) {
+  mavlink::common::ExtendedSysState landed;
+  landed.landed_state = mavlink::common::MavLandedState::kOnGround;
+  const base::RunTime now = base::steady_now();
+  for (int i = 0; i < 100; ++i) {
+    vehicle.say(landed, now + i * std::chrono::milliseconds(200));
+    vehicle.say_heartbeat(now + i * std::chrono::milliseconds(200));
+  }
+}
+
+TEST_F(CasctlTest, WaitsForTheDisarmAfterALanding) {
+  say_landed(fixture_.vehicle());
+  EXPECT_EQ(run("land --wait").out, "vehicle 1 landed and disarmed\n");
+}
+
+TEST_F(CasctlTest, SaysOfALandedVehicleThatItIsStillArmed) {
+  fixture_.vehicle().base_mode |= MavModeFlag::kSafetyArmed;
+  say_landed(fixture_.vehicle());
+  EXPECT_EQ(run("rtl --wait --timeout 3").out, "vehicle 1 landed, and is still armed\n");
+}
+
+TEST_F(CasctlTest, MarksASilentVehicle) {
+  fixture_.vehicle().script.silent_from = mavlink::common::MavCmd::kComponentArmDisarm;
+  EXPECT_EQ(run("arm --no-wait").code, 0);
+  EXPECT_EQ(run("status").out.find("SILENT"), std::string::npos);
+  EXPECT_TRUE(cas::test::wait_until(
+      [&] { return run("status").out.find(" ago (SILENT)") != std::string::npos; }));
 }
 
 TEST_F(CasctlTest, EndsWithFourWhereTheVehicleAcceptsAndDoesNotArm) {

@@ -322,6 +322,12 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"ArmingChecksUnknown",
                 [](DoctorFacts& f) { f.after["vehicles"][0]["arming_checks"] = "unknown"; },
                 "vehicle 1 has not told whether its arming checks pass"},
+        BadCase{"NoPositionYet",
+                [](DoctorFacts& f) {
+                  f.after["vehicles"][0]["position_lacks"] =
+                      "the estimator has no velocity yet; no GPS";
+                },
+                "vehicle 1 cannot take off yet: the estimator has no velocity yet; no GPS"},
         BadCase{"Complaint",
                 [](DoctorFacts& f) {
                   f.after["vehicles"][0]["complaints"] = json::array({"PreArm: Check ACC cal"});

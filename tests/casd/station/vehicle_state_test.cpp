@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "casd/station/vehicle_commander.hpp"
+#include "mavlink/common/autopilot_version.hpp"
 #include "tests/casd/fake_vehicle.hpp"
 
 namespace cas::casd::test {
@@ -32,9 +33,13 @@ class Stock : public testing::Test {
     pass(milliseconds(20));
   }
   void say_sensors(MavSysStatusSensor present, MavSysStatusSensor health) {
+    say_health(present, present, health);
+  }
+  void say_health(MavSysStatusSensor present, MavSysStatusSensor enabled,
+                  MavSysStatusSensor health) {
     SysStatus status;
     status.onboard_control_sensors_present = present;
-    status.onboard_control_sensors_enabled = present;
+    status.onboard_control_sensors_enabled = enabled;
     status.onboard_control_sensors_health = health;
     vehicle_.say(status, now_);
     pass(milliseconds(20));
@@ -159,23 +164,74 @@ class StockPosition : public Stock {
 
 TEST_F(StockPosition, OfPx4IsItsEstimatorsWordAndHome) {
   beat();
-  EXPECT_EQ(lack(), "it tells nothing of its estimator and GPS");
+  EXPECT_EQ(lack(), "its estimator has not reported yet");
   say_fix(GpsFixType::k3dFix);
+  say_home();
+  EXPECT_EQ(lack(), "its estimator has not reported yet") << "a fix is no position";
   say_estimator(E::kAttitude | E::kVelocityHoriz | E::kVelocityVert | E::kConstPosMode);
   EXPECT_EQ(lack(), "the estimator has no horizontal position yet");
+  say_estimator(kFlies | E::kConstPosMode);
+  EXPECT_EQ(lack(), "") << "v1.16.0 and later: it stands still";
+}
+
+TEST_F(StockPosition, NeedsHome) {
+  beat();
   say_estimator(kFlies);
   EXPECT_EQ(lack(), "it has not told its home position yet");
   say_home();
   EXPECT_EQ(lack(), "");
 }
 
-TEST_F(StockPosition, IsAFixWhereNoEstimatorSpeaks) {
+TEST_F(StockPosition, IsAFixWhereTheEstimatorHasNotSpokenForTenHeartbeats) {
   beat();
   say_home();
+  for (int i = 0; i < 9; ++i) {
+    say_fix(GpsFixType::k3dFix);
+    EXPECT_EQ(lack(), "its estimator has not reported yet") << i;
+    pass(seconds(1));
+    beat();
+  }
   say_fix(GpsFixType::kNoFix);
   EXPECT_EQ(lack(), "the GPS has no fix yet");
   say_fix(GpsFixType::k3dFix);
   EXPECT_EQ(lack(), "");
+}
+
+// PX4 1.13 to 1.18 as recorded: "enabled" never has the bit.
+TEST_F(StockPosition, OfPx4NeedsTheChecksThatItReportsAsHealthAlone) {
+  beat();
+  say_home();
+  say_estimator(kFlies);
+  say_sensors(kAll, kAll);
+  EXPECT_EQ(arming_checks(*commander_.find(1), now_), ArmingChecks::kUnknown)
+      << "a PX4 of an unknown version, perhaps v1.12, which has no such bit";
+  EXPECT_EQ(lack(), "");
+  AutopilotVersion version;
+  version.flight_sw_version = 1U << 24 | 16U << 16 | 1U << 8;
+  vehicle_.say(version, now_);
+  pass(milliseconds(20));
+  EXPECT_EQ(arming_checks(*commander_.find(1), now_), ArmingChecks::kFail);
+  EXPECT_EQ(lack(), "its arming checks fail");
+  say_health(kAll, kAll, kAll | S::kPrearmCheck);
+  EXPECT_EQ(arming_checks(*commander_.find(1), now_), ArmingChecks::kPass);
+  EXPECT_EQ(lack(), "");
+}
+
+TEST_F(StockPosition, OfAPx4ThatHasPassedItsChecksIsGoneWhenTheyFail) {
+  beat();
+  say_home();
+  say_estimator(kFlies);
+  say_health(kAll, kAll, kAll | S::kPrearmCheck);
+  EXPECT_EQ(lack(), "");
+  say_health(kAll, kAll, kAll & ~S::kGps);
+  EXPECT_EQ(lack(), "its arming checks fail; GPS not healthy");
+}
+
+TEST_F(StockPosition, NamesTheSensorsThatAreMissing) {
+  beat();
+  say_estimator(E::kAttitude);
+  say_sensors(kAll & ~S::kGps, kAll & ~S::kGps);
+  EXPECT_EQ(lack(), "the estimator has no velocity yet; no GPS");
 }
 
 TEST_F(StockPosition, OfArduPilotIsItsEkfReport) {
