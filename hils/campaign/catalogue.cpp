@@ -150,7 +150,13 @@ std::vector<Failure> compass_failures() {
            .physics = "a constant on the field to the right, fixed to the vehicle",
            .source = "PX4, ArduPilot: compass calibration, offsets",
            .parameters = {{"gauss", 0.3, -5, 5}},
-           .effects = {"bias: {sensor: magnetometer, field_gauss: [0, $gauss, 0]}"}}};
+           .effects = {"bias: {sensor: magnetometer, field_gauss: [0, $gauss, 0]}"}},
+          {.name = "compass_turned",
+           .meaning = "The compass is mounted in another direction than its parameter says",
+           .physics = "the field in axes turned about the vertical; the IMU is right",
+           .source = "PX4: CAL_MAG0_ROT, ArduPilot: COMPASS_ORIENT",
+           .parameters = {{"yaw_deg", 90, -180, 180}},
+           .effects = {"turn: {sensor: magnetometer, rpy_deg: [0, 0, $yaw_deg]}"}}};
 }
 
 std::vector<Failure> barometer_failures() {
@@ -176,6 +182,12 @@ std::vector<Failure> barometer_failures() {
            .source = "[ISO 2533]: height by pressure",
            .parameters = {{"pa", -60, -5000, 5000}},
            .effects = {"bias: {sensor: barometer, pressure_pa: $pa}"}},
+          {.name = "baro_scaled",
+           .meaning = "The driver takes one unit for another: hPa for Pa",
+           .physics = "the pressure is multiplied",
+           .source = "MAVLink: abs_pressure of HIL_SENSOR is in hPa",
+           .parameters = {{"factor", 100, 0.001, 1000}},
+           .effects = {"scale: {sensor: barometer, pressure: $factor}"}},
           {.name = "baro_wind",
            .meaning = "Air past the vehicle changes the pressure at the sensor",
            .physics = "a share of the dynamic pressure of the air that meets the vehicle",

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/firmware/firmware_bench.hpp"
 
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <map>
 #include <utility>
@@ -22,22 +26,33 @@ std::filesystem::path program(const std::string& name) {
 
 FirmwareBench::FirmwareBench(const FirmwareScenario& scenario, const FirmwarePlaces& places)
     : scenario_(scenario), places_(places), logs_(places.flight_tlog(), places.run) {
+  for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+    firmware_options_.push_back(firmware_options(i));
+    check_program(firmware_options_.back());
+  }
   if (scenario.firmware.on_serial_line) cable_.emplace(places.casd_tty(), places.firmware_tty());
 }
 
 void FirmwareBench::start() {
+  for (const auto& options : firmware_options_) prepare_folder(options.cwd);
+  for (const auto& ledger : {places_.simulator_ledger(), places_.casd_ledger()}) {
+    std::filesystem::remove(ledger);  // of an earlier flight
+  }
   start_casd();
   tell_how_to_watch(places_.command_port, std::nullopt);
   std::vector<std::string> hilsim{program("hilsim"), places_.simulator_config(),
                                   "--control",       places_.simulator_control(),
                                   "--output",        places_.out,
                                   "--stats",         places_.simulator_stats()};
+  if (keeps_ledgers()) {
+    hilsim.insert(hilsim.end(), {"--ledger", places_.simulator_ledger()});
+  }
   for (const std::filesystem::path& folder : base::plugin_dirs()) {
     hilsim.insert(hilsim.end(), {"--plugin-dir", folder});
   }
   hilsim_ = &supervisor_.start(options("hilsim", hilsim), Supervisor::kReadyTimeout);
-  for (std::size_t i = 0; i < scenario_.vehicles.size(); ++i) {
-    firmware_.push_back(&supervisor_.start(firmware_options(i), Supervisor::kReadyTimeout));
+  for (const auto& options : firmware_options_) {
+    firmware_.push_back(&supervisor_.start(options, Supervisor::kReadyTimeout));
   }
 }
 
@@ -50,9 +65,37 @@ void FirmwareBench::stop() {
 
 void FirmwareBench::reboot(std::size_t vehicle) {
   supervisor_.stop(*firmware_[vehicle], kStopPatience);
-  ChildProcess::Options options = firmware_options(vehicle);
+  ChildProcess::Options options = firmware_options_[vehicle];
   options.appends = true;
   firmware_[vehicle] = &supervisor_.start(std::move(options), Supervisor::kReadyTimeout);
+}
+
+std::optional<std::string> FirmwareBench::own_end(std::size_t vehicle, std::size_t lines) {
+  ChildProcess& firmware = *firmware_[vehicle];
+  const auto words = supervisor_.own_end(firmware);
+  if (!words) return std::nullopt;
+  return firmware.name() + " " + *words + "; its last lines:" + firmware.log_tail(lines);
+}
+
+/// hils, casd and hilsim would start first, and the firmware fail after them.
+void FirmwareBench::check_program(const ChildProcess::Options& options) const {
+  const std::filesystem::path program = options.cwd / options.arguments.front();
+  const bool is_file = !std::filesystem::is_directory(program);
+  if (::access(program.c_str(), X_OK) == 0 && is_file) return;
+  const int error = is_file ? errno : EISDIR;
+  scenario_.firmware.node.at("command").fail("cannot start '" + program.string() +
+                                             "': " + std::strerror(error) + " (errno " +
+                                             std::to_string(error) + ")");
+}
+
+void FirmwareBench::prepare_folder(const std::filesystem::path& folder) {
+  if (scenario_.firmware.cwd.empty()) {
+    std::filesystem::remove_all(folder);
+  } else if (std::filesystem::exists(folder) && !std::filesystem::is_empty(folder)) {
+    remarks_.push_back("the firmware's folder " + folder.string() +
+                       " was not empty: parameters of earlier flights may have been in force");
+  }
+  std::filesystem::create_directories(folder);
 }
 
 void FirmwareBench::kill_casd() {
@@ -64,9 +107,9 @@ void FirmwareBench::kill_casd() {
 
 void FirmwareBench::start_casd() {
   if (casd_ != nullptr) return;
-  casd_ = &supervisor_.start(
-      options("casd", {program("casd"), places_.casd_config(), "--name", scenario_.name}),
-      Supervisor::kReadyTimeout);
+  std::vector<std::string> casd{program("casd"), places_.casd_config(), "--name", scenario_.name};
+  if (keeps_ledgers()) casd.insert(casd.end(), {"--ledger", places_.casd_ledger()});
+  casd_ = &supervisor_.start(options("casd", std::move(casd)), Supervisor::kReadyTimeout);
 }
 
 ChildProcess::Options FirmwareBench::options(const std::string& name,
@@ -92,10 +135,10 @@ ChildProcess::Options FirmwareBench::firmware_options(std::size_t instance) cons
   ChildProcess::Options options =
       this->options("firmware" + scenario_.suffix_of(instance), arguments);
   options.says_ready = false;
+  options.ends_run = false;
   options.cwd = scenario_.firmware.cwd.empty()
                     ? places_.run / options.name
                     : std::filesystem::path(text(scenario_.firmware.cwd));
-  std::filesystem::create_directories(options.cwd);
   for (const auto& [name, value] : scenario_.firmware.environment) {
     options.environment.push_back(name + "=" + text(value));
   }

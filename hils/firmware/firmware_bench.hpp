@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,11 +19,21 @@ namespace cas::hils {
 /// of several vehicles each has a firmware of its own.
 class FirmwareBench {
  public:
+  /// @throws base::ConfigError if the firmware's program is not there, or may not be started
   FirmwareBench(const FirmwareScenario& scenario, const FirmwarePlaces& places);
 
+  /// Empties the folder of each firmware in the results first: parameters that an earlier flight
+  /// left there would be in force. A `cwd` of the scenario is left as it is.
   void start();
   /// The exit code of the firmware says nothing about the flight.
   void stop();
+
+  /// What a reader of the verdict must know of the firmware's folders.
+  const std::vector<std::string>& remarks() const { return remarks_; }
+  /// How the firmware of a vehicle ended by itself, with its last lines; nullopt: it runs.
+  std::optional<std::string> own_end(std::size_t vehicle, std::size_t lines);
+  /// The last lines of its output.
+  std::string last_lines(std::size_t vehicle) const { return firmware_[vehicle]->log_tail(); }
 
   /// Ends the firmware of one vehicle, and starts it again in its folder. Its log goes on.
   void reboot(std::size_t vehicle);
@@ -38,8 +49,12 @@ class FirmwareBench {
   std::uint64_t lost_bytes() const { return cable_ ? cable_->lost_bytes() : 0; }
 
  private:
+  /// In HITL the machine must keep up with real time; in software time waits for the firmware.
+  bool keeps_ledgers() const { return scenario_.firmware.on_serial_line; }
   ChildProcess::Options options(const std::string& name, std::vector<std::string> arguments) const;
   ChildProcess::Options firmware_options(std::size_t instance) const;
+  void check_program(const ChildProcess::Options& options) const;
+  void prepare_folder(const std::filesystem::path& folder);
 
   const FirmwareScenario& scenario_;
   const FirmwarePlaces& places_;
@@ -48,7 +63,9 @@ class FirmwareBench {
   FlightLogs logs_;
   ChildProcess* casd_ = nullptr;
   ChildProcess* hilsim_ = nullptr;
+  std::vector<ChildProcess::Options> firmware_options_;  ///< of each vehicle
   std::vector<ChildProcess*> firmware_;
+  std::vector<std::string> remarks_;
 };
 
 }  // namespace cas::hils

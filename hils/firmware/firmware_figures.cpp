@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/firmware/firmware_figures.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -8,40 +10,79 @@
 #include "base/error.hpp"
 #include "hils/firmware/true_steps.hpp"
 #include "hils/measure/record_hole.hpp"
+#include "mavlink_gen/runtime/sha256.hpp"
 
 namespace cas::hils {
 namespace {
 
 using nlohmann::json;
 
-/// In a hold about the mean: where a stock estimator's origin lies is not known so well.
-std::optional<RmsFigures> rms_of_step(const std::vector<Stage>& stages,
-                                      std::span<const PoseSample> truth) {
-  for (const Stage& stage : stages) {
-    if (!stage.step.measure) continue;
-    const auto held = between(truth, to_microseconds(stage.begin), to_microseconds(stage.end));
-    if (held.empty()) return std::nullopt;
-    if (stage.step.kind == StepKind::kTrajectory) {
-      return rms_about(held, reference_in_truth(stage, truth));
-    }
-    Pose mean;
-    double sines = 0;
-    double cosines = 0;
-    const auto count = static_cast<double>(held.size());
-    for (const PoseSample& sample : held) {
-      mean.x_m += sample.pose.x_m / count;
-      mean.y_m += sample.pose.y_m / count;
-      mean.z_m += sample.pose.z_m / count;
-      sines += std::sin(sample.pose.yaw_rad);
-      cosines += std::cos(sample.pose.yaw_rad);
-    }
-    mean.yaw_rad = std::atan2(sines, cosines);
-    return rms_about(held, [&mean](std::int64_t) { return mean; });
+/// The mean place and heading.
+Pose mean_of(std::span<const PoseSample> samples) {
+  Pose mean;
+  double sines = 0;
+  double cosines = 0;
+  const auto count = static_cast<double>(samples.size());
+  for (const PoseSample& sample : samples) {
+    mean.x_m += sample.pose.x_m / count;
+    mean.y_m += sample.pose.y_m / count;
+    mean.z_m += sample.pose.z_m / count;
+    sines += std::sin(sample.pose.yaw_rad);
+    cosines += std::cos(sample.pose.yaw_rad);
   }
-  return std::nullopt;
+  mean.yaw_rad = std::atan2(sines, cosines);
+  return mean;
+}
+
+/// A hold is measured about its mean: where a stock estimator's origin lies is not known so well.
+/// @param start  of the record
+void measure_hold(const Stage& hold, const Pose& start, std::span<const PoseSample> held,
+                  FirmwareFigures& figures) {
+  const Pose mean = mean_of(held);
+  const ReferenceAt about_mean = [&mean](std::int64_t) { return mean; };
+  figures.rms = rms_about(held, about_mean);
+  figures.peak_error_m = peak_error_m(held, about_mean);
+  figures.height_error_m = std::abs(mean.z_m - start.z_m - hold.reference_m.z());
+  const Pose& begin = held.front().pose;
+  double drift_m = 0;
+  for (const PoseSample& sample : held) {
+    drift_m =
+        std::max(drift_m, std::hypot(sample.pose.x_m - begin.x_m, sample.pose.y_m - begin.y_m));
+  }
+  figures.drift_m = drift_m;
+}
+
+/// Of the measured step, if the flight has come through it.
+void measure_step(std::span<const PoseSample> truth, FirmwareFigures& figures) {
+  const auto stage =
+      std::ranges::find_if(figures.stages, [](const Stage& each) { return each.step.measure; });
+  if (stage == figures.stages.end()) return;
+  const auto flown = between(truth, to_microseconds(stage->begin), to_microseconds(stage->end));
+  if (flown.empty()) return;
+  if (stage->step.kind != StepKind::kTrajectory) {
+    return measure_hold(*stage, truth.front().pose, flown, figures);
+  }
+  const ReferenceAt reference = reference_in_truth(*stage, truth);
+  figures.rms = rms_about(flown, reference);
+  figures.peak_error_m = peak_error_m(flown, reference);
 }
 
 }  // namespace
+
+ParamDigest digest_of(const json& list) {
+  std::map<std::string, std::string> values;
+  for (const json& param : list) {
+    values[param.value("name", "")] = param.value("value", json()).dump();
+  }
+  mav::Sha256 hash;
+  for (const auto& [name, value] : values) {
+    const std::string line = name + " " + value + "\n";
+    hash.update({reinterpret_cast<const std::uint8_t*>(line.data()), line.size()});
+  }
+  ParamDigest digest{.count = values.size()};
+  for (const std::uint8_t byte : hash.finish()) digest.sha256 += fmt::format("{:02x}", byte);
+  return digest;
+}
 
 std::vector<Stage> FirmwareFigures::flown_stages() const {
   std::vector<Stage> flown = stages;
@@ -67,7 +108,7 @@ void add_truth(const std::filesystem::path& truth, FirmwareFigures& figures) {
       }
       figures.incidents = find_incidents(flown, samples);
       figures.not_flown = steps_not_flown(figures.stages, samples);
-      figures.rms = rms_of_step(figures.stages, samples);
+      measure_step(samples, figures);
       if (figures.fence) add_reach(samples, *figures.fence);
     }
   } catch (const base::ConfigError& error) {

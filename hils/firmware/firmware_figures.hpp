@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -16,10 +17,19 @@
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_plan.hpp"
 #include "hils/measure/incident.hpp"
+#include "hils/measure/measurement.hpp"
 #include "hils/measure/never_began.hpp"
 #include "hils/measure/tracking.hpp"
 
 namespace cas::hils {
+
+/// The parameters of a vehicle before its first step.
+struct ParamDigest {
+  std::size_t count = 0;
+  std::string sha256{};  ///< of "NAME VALUE" lines in the order of the names
+};
+/// @param list  `parameters` of param.list
+ParamDigest digest_of(const nlohmann::json& list);
 
 /// Figures of a flight of stock firmware.
 struct FirmwareFigures {
@@ -27,12 +37,14 @@ struct FirmwareFigures {
   std::optional<Stage> under_way;             ///< the step that was not done when the flight ended
   std::optional<std::string> flight_failure;  ///< a sentence; nullopt when every step was done
   std::string version;                        ///< of the firmware; empty: unknown
-  int looks = 0;                              ///< at the true position during the measured hold
-  double height_error_m = 0;                  ///< of its mean
-  double drift_m = 0;                         ///< farthest from where the hold began, horizontal
+  std::optional<ParamDigest> params;          ///< nullopt: they could not be read
+  /// Of the measured hold by the true flight; nullopt in a trajectory, too.
+  std::optional<double> height_error_m;  ///< of its mean height
+  std::optional<double> drift_m;         ///< farthest from where the hold began, horizontal
   /// Of the true position in the measured step: in a hold about its mean, in a trajectory about the
   /// reference.
   std::optional<RmsFigures> rms;
+  std::optional<double> peak_error_m;  ///< farthest from there
   /// Of the estimate against the truth in the measured step, each relative to its value on the
   /// ground before takeoff.
   std::optional<RmsFigures> rms_estimate;
@@ -40,6 +52,10 @@ struct FirmwareFigures {
   SetpointStream::Figures setpoints;           ///< that hils has sent; none: no trajectory
   std::map<std::string, double> rates_hz;      ///< of the vehicle's messages in the hold, simulated
   std::vector<BenchFaultScript::Span> faults;  ///< as they went
+  std::vector<BenchFaultScript::Span> bench_faults;  ///< those of them that the bench played
+  /// When its program ended by itself, or the last HEARTBEAT of one that fell silent.
+  std::optional<base::SimTime> fell_silent;
+  std::optional<Measurement> stream;  ///< of a flight in HITL: measure_hitl_stream()
   std::vector<FaultThatNeverBegan> never_began;
   double wall_s = 0;
   std::string messages = "[]";  ///< message.list of casd at the flight's end: rates, counts, gaps
@@ -52,8 +68,9 @@ struct FirmwareFigures {
   std::optional<std::string> unwatched;  ///< why incidents could not be looked for
   /// Steps reported as done that the true flight does not show: steps_not_flown().
   std::vector<std::string> not_flown;
-  std::uint64_t dropped = 0;  ///< packets, by casd at all its links until the flight's end
-  std::uint64_t lost = 0;     ///< packets, by the gaps in the sequence numbers that casd heard
+  std::vector<std::string> remarks;  ///< of the verdict
+  std::uint64_t dropped = 0;         ///< packets, by casd at all its links until the flight's end
+  std::uint64_t lost = 0;  ///< packets, by the gaps in the sequence numbers that casd heard
 
   /// With the one under way.
   std::vector<Stage> flown_stages() const;

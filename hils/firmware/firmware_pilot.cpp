@@ -20,6 +20,7 @@
 #include "hils/firmware/fence_keeper.hpp"
 #include "hils/firmware/firmware_faults.hpp"
 #include "hils/firmware/firmware_reboot.hpp"
+#include "hils/firmware/first_sign.hpp"
 #include "hils/programs/pilot_calls.hpp"
 #include "hils/programs/progress.hpp"
 #include "hils/scenario/fleet_plan.hpp"
@@ -35,6 +36,13 @@ constexpr base::Duration kPollPeriod = std::chrono::milliseconds(50);
 constexpr base::Duration kCompanionPatience = std::chrono::seconds(20);
 /// All in real time.
 constexpr base::Duration kVersionPatience = std::chrono::seconds(20);
+/// A firmware that has neither connected nor sent a byte by then will not come. PX4 and ArduCopter
+/// connect within 2 s.
+constexpr base::Duration kFirstSignPatience = std::chrono::seconds(20);
+/// For all parameters of a firmware: casd gives up a little earlier.
+constexpr base::Duration kParamPatience = std::chrono::seconds(130);
+/// Of a firmware's output, in an error.
+constexpr std::size_t kTailLines = 8;
 constexpr base::Duration kAskAgain = std::chrono::seconds(3);
 constexpr base::Duration kSilencePatience = std::chrono::seconds(30);
 /// For giving back the parameters of the fences of a run that is stopped.
@@ -90,8 +98,13 @@ class FirmwarePilot {
                    deck.run / fmt::format("fence_before{}.params", scenario_.suffix_of(vehicle)));
   }
 
-  /// Whether the firmware is there, and may be flown; else the plan has failed.
-  bool is_there() { return is_heard() && is_of_age(); }
+  /// Whether the firmware is there, and may be flown; else the plan has failed. @throws RunStopped
+  bool is_there() {
+    meet();
+    if (!is_of_age()) return false;
+    read_params();
+    return true;
+  }
 
   /// Puts the scenario's fence in force, where it has one; else the plan has failed.
   void set_fence() {
@@ -106,7 +119,8 @@ class FirmwarePilot {
   /// Gives back the parameters of the fence.
   void restore_fence(base::RunTime deadline) {
     if (!fence_) return;
-    figures_.fence->not_restored = fence_->restore(deadline);
+    figures_.fence->not_restored = has_ended_ ? "the firmware has ended: its fence was not restored"
+                                              : fence_->restore(deadline);
     if (const auto& fault = figures_.fence->not_restored) {
       fmt::print(stderr, "hils: {}\n", *fault);
     }
@@ -114,7 +128,7 @@ class FirmwarePilot {
 
   /// The present state of the vehicle.
   VehicleReport report(base::SimTime now) {
-    VehicleReport vehicle = relative_report();
+    VehicleReport vehicle = plan_.from_arming(vehicle_report(casd_, asked_));
     vehicle.truth = truth_;
     if (!vehicle.heard) return vehicle;
     if (companion_) vehicle.mission_reached = companion_->reached();
@@ -124,9 +138,22 @@ class FirmwarePilot {
     return vehicle;
   }
 
+  /// The plan fails where the firmware has ended by itself.
+  void check_own_end() {
+    if (plan_.failure()) return;
+    if (const auto end = bench_.own_end(vehicle_, 1)) {
+      has_ended_ = true;
+      figures_.fell_silent = newest_look();
+      plan_.fail(*end);
+    }
+  }
+
   /// The plan fails where the vehicle is silent.
   void check_silence(const VehicleReport& vehicle) {
-    if (const auto fault = silence_fault(vehicle)) plan_.fail(*fault);
+    const auto fault = silence_fault(vehicle);
+    if (!fault) return;
+    figures_.fell_silent = newest_look() - base::from_seconds(vehicle.heartbeat_age_s);
+    plan_.fail(*fault);
   }
 
   /// Keeps casd's list of outside operators, which it is about to forget.
@@ -146,31 +173,21 @@ class FirmwarePilot {
     if (companion_) companion_->before_look();
     const Json status = simulator_.call("sim.status", Json::object());
     const Json& vehicle = status.at("vehicles").at(vehicle_);
-    const Json& p = vehicle.at("p_W");
-    p_W_ = {p.at(0).get<double>(), p.at(1).get<double>(), p.at(2).get<double>()};
     truth_ = to_motion(vehicle);
     if (!start_m_) start_m_ = truth_.p_m;
     truth_.p_m -= *start_m_;
-    if (!ground_m_) ground_m_ = p_W_.z();
-    highest_m_ = std::max(highest_m_, p_W_.z() - *ground_m_);
+    highest_m_ = std::max(highest_m_, truth_.p_m.z());
     figures_.real_time_factor = status.value("real_time_factor", 0.0);
     figures_.simulated_s = status.at("time_s").get<double>();
-    const base::SimTime now(base::from_seconds(figures_.simulated_s));
-    figures_.log_clock.add(base::unix_us(), to_microseconds(now));
-    if (companion_) companion_->after_look(now);
-    return now;
+    figures_.log_clock.add(base::unix_us(), to_microseconds(newest_look()));
+    if (companion_) companion_->after_look(newest_look());
+    return newest_look();
   }
 
-  /// Figures of the step under way from the newest look.
+  /// Rates in the measured step, at its begin and its end.
   void measure() {
     const FlightStep* step = plan_.current();
     measure_rates(step != nullptr && step->measure);
-    if (step == nullptr || !step->measure) return;
-    if (figures_.looks == 0) hold_begin_W_ = p_W_;
-    ++figures_.looks;
-    height_sum_m_ += p_W_.z() - *ground_m_;
-    figures_.height_error_m = std::abs(height_sum_m_ / figures_.looks - plan_.reference_m().z());
-    figures_.drift_m = std::max(figures_.drift_m, (p_W_ - hold_begin_W_).head<2>().norm());
   }
 
   /// Has the vehicle do a step of its plan.
@@ -183,8 +200,8 @@ class FirmwarePilot {
     }
     if (command.kind == StepKind::kReboot) return reboot(command);
     if (companion_ && CompanionFlight::gives(command.kind)) return give_as_companion(command);
-    const std::optional<Refusal> refusal = hils::give(
-        casd_, in_vehicles_frame(command), scenario_.not_hil, asked_, &own_calls_, acts_so_far_);
+    const std::optional<Refusal> refusal =
+        hils::give(casd_, command, scenario_.not_hil, asked_, &own_calls_, acts_so_far_);
     const base::SimTime now = look();
     plan_.on_outcome(now, refusal);
     if (command.kind == StepKind::kDisarm && !refusal) gave_disarm_ = true;
@@ -218,6 +235,10 @@ class FirmwarePilot {
     return figures_;
   }
 
+  /// Simulated time then.
+  base::SimTime newest_look() const {
+    return base::SimTime(base::from_seconds(figures_.simulated_s));
+  }
   double real_time_factor() const { return figures_.real_time_factor; }
 
  private:
@@ -225,24 +246,41 @@ class FirmwarePilot {
 
   /// Waits for the firmware's first HEARTBEAT in real time: until the firmware is there, the
   /// simulator's time runs at its own speed and says nothing of how long the firmware takes.
-  bool is_heard() {
+  /// @throws RunStopped where it does not come, or comes from a firmware of another kind
+  void meet() {
+    const base::RunTime begin = base::steady_now();
     const base::Duration patience = scenario_.steps.front().timeout;
-    const base::RunTime deadline = base::steady_now() + patience;
-    while (!vehicle_report(casd_, asked_).heard) {
-      if (base::steady_now() > deadline) {
-        const std::string which =
-            asked_ ? fmt::format(" of the vehicle with system id {}", *asked_) : "";
-        plan_.fail(fmt::format(
-            "the firmware{} was not heard within {:.0f} s of real time; run/firmware{}.log "
-            "in the results has what it says",
-            which, base::to_seconds(patience), scenario_.suffix_of(vehicle_)));
-        return false;
+    VehicleReport vehicle;
+    while (!(vehicle = vehicle_report(casd_, asked_)).heard) {
+      if (const auto end = bench_.own_end(vehicle_, kTailLines)) {
+        const std::string& hint = scenario_.firmware.hint;
+        throw RunStopped(*end + (hint.empty() ? "" : "\n" + hint), false);
+      }
+      const base::Duration waited = base::steady_now() - begin;
+      if (waited > std::min(kFirstSignPatience, patience)) {
+        check_first_sign(waited, waited > patience);
       }
       supervisor_.wait(kPollPeriod);
     }
+    if (const auto why = mismatch(vehicle, scenario_.autopilot)) throw RunStopped(*why, false);
     figures_.system = casd_.call("vehicle.state", asked()).value("system", figures_.system);
     if (companion_) companion_->join(companion_link_name(vehicle_));
-    return true;
+  }
+
+  /// A firmware of which nothing at all has come is not waited for any longer.
+  void check_first_sign(base::Duration waited, bool too_long) {
+    const FirstSign sign = first_sign(
+        simulator_.call("sim.stats", Json::object()), casd_.call("link.list", Json::object()),
+        scenario_.vehicles[vehicle_], scenario_.firmware.on_serial_line);
+    if (sign.anything && !too_long) return;
+    const std::string which =
+        asked_ ? fmt::format(" of the vehicle with system id {}", *asked_) : "";
+    throw RunStopped(
+        fmt::format("the firmware{} was not heard within {:.0f} s of real time: {}; its last "
+                    "lines (run/firmware{}.log):{}",
+                    which, base::to_seconds(waited), sign.words, scenario_.suffix_of(vehicle_),
+                    bench_.last_lines(vehicle_)),
+        false);
   }
 
   CompanionFlight::Call own_calls() {
@@ -275,8 +313,8 @@ class FirmwarePilot {
     const CompanionFlight::Answer answer = companion_->give(
         command,
         {.autopilot = vehicle_report(casd_, asked_).autopilot,
-         .hover_N = armed_at_N_ + Eigen::Vector3d(wanted_m.x(), wanted_m.y(), -wanted_m.z()),
-         .armed_at_N = armed_at_N_,
+         .hover_N = plan_.armed_at_N() + Eigen::Vector3d(wanted_m.x(), wanted_m.y(), -wanted_m.z()),
+         .armed_at_N = plan_.armed_at_N(),
          .yaw_rad = plan_.reference_yaw_rad(),
          .not_hil = scenario_.not_hil});
     if (answer.for_good) return plan_.fail(*answer.refusal);
@@ -305,14 +343,6 @@ class FirmwarePilot {
     if (fault) return plan_.fail(*fault);
     if (companion_) companion_->on_reboot();
     plan_.on_outcome(look());
-  }
-
-  /// The plan counts from where the vehicle was armed, casd from the vehicle's origin.
-  FlightStep in_vehicles_frame(FlightStep step) const {
-    if (step.kind == StepKind::kGoto) {
-      step.place_m += Eigen::Vector3d(armed_at_N_.x(), armed_at_N_.y(), -armed_at_N_.z());
-    }
-    return step;
   }
 
   void note_arming(base::SimTime now, const VehicleReport& vehicle) {
@@ -411,7 +441,24 @@ class FirmwarePilot {
     }
     const auto fault = version_fault(scenario_.firmware, figures_.version);
     if (fault) plan_.fail(*fault);
+    if (!scenario_.firmware.least_version.empty() && is_of_a_tree_without_tags(figures_.version)) {
+      figures_.remarks.push_back(fmt::format(
+          "the firmware says v{}, as a tree cloned without tags does: firmware.least_version ({}) "
+          "was not checked",
+          figures_.version, scenario_.firmware.least_version));
+    }
     return !fault;
+  }
+
+  /// Before the first step: an autopilot counts flights and hours in its parameters later.
+  void read_params() {
+    try {
+      const Json answer = casd_.call("param.list", asked(), kParamPatience);
+      figures_.params = digest_of(answer.at("parameters"));
+    } catch (const base::rpc::CallError& error) {
+      figures_.remarks.push_back(std::string("the firmware's parameters were not read: ") +
+                                 error.what());
+    }
   }
 
   /// A refusal means that it has none to tell, or not yet.
@@ -424,18 +471,6 @@ class FirmwarePilot {
       casd_.call("vehicle.command", params);
     } catch (const base::rpc::CallError&) {
     }
-  }
-
-  /// The plan counts from where the vehicle was armed; a stock estimator's origin may be a little
-  /// off that place.
-  VehicleReport relative_report() {
-    VehicleReport vehicle = vehicle_report(casd_, asked_);
-    if (!vehicle.heard) return vehicle;
-    const FlightStep* step = plan_.current();
-    const bool on_pad = step != nullptr && !vehicle.armed && takes_off(*step);
-    if (on_pad || (step != nullptr && step->kind == StepKind::kArm)) armed_at_N_ = vehicle.p_N;
-    vehicle.p_N -= armed_at_N_;
-    return vehicle;
   }
 
   /// How many of each message the vehicle has sent, on the link that has most of them.
@@ -480,6 +515,7 @@ class FirmwarePilot {
   std::optional<CompanionFlight> companion_;
   std::optional<FenceKeeper> fence_;
   std::optional<base::RunTime> breach_began_;  ///< the first step of this kind
+  bool has_ended_ = false;                     ///< its program, by itself
   bool was_armed_ = false;                     ///< by HEARTBEAT or because it accepted
   bool seen_armed_ = false;                    ///< by HEARTBEAT, since it last accepted
   int armed_again_ = 0;
@@ -492,9 +528,6 @@ class FirmwarePilot {
   std::optional<base::SimTime> disarmed_at_;
   double highest_m_ = 0;
   FirmwareFigures figures_;
-  Eigen::Vector3d p_W_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d armed_at_N_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d hold_begin_W_ = Eigen::Vector3d::Zero();
   bool holding_ = false;
   double hold_begin_s_ = 0;
   /// When the measured hold began; nullopt: casd has ended since.
@@ -502,8 +535,6 @@ class FirmwarePilot {
   OutsideHands hands_before_;  ///< that casd does not know any more
   Motion truth_;
   std::optional<Eigen::Vector3d> start_m_;  ///< true, at the first look
-  std::optional<double> ground_m_;
-  double height_sum_m_ = 0;
 };
 
 FleetPlan fleet_of(const FirmwareScenario& scenario) {
@@ -550,6 +581,7 @@ class FirmwareFleet {
     for (base::SimTime now = look(); !plan_.ended();) {
       faults_.play(now, reports_, plan_.phase());
       now = look();
+      for (const auto& pilot : pilots_) pilot->check_own_end();
       if (waits_for_vehicles()) {
         deck_.supervisor.wait(kPollPeriod);
         continue;
@@ -623,7 +655,7 @@ class FirmwareFleet {
     std::vector<FirmwareFigures> all;
     for (std::size_t i = 0; i < pilots_.size(); ++i) {
       all.push_back(pilots_[i]->finish(plan_.failure_of(i)));
-      all.back().faults = faults_.history_of(i);
+      all.back().bench_faults = all.back().faults = faults_.history_of(i);
     }
     return all;
   }
@@ -643,13 +675,13 @@ std::optional<std::string> version_fault(const Firmware& wanted, const std::stri
   if (wanted.least_version.empty()) return std::nullopt;
   if (version.empty()) {
     return fmt::format(
-        "the firmware did not tell its version within {:.0f} s, and the scenario is for v{} and "
-        "later",
+        "the firmware did not tell its version within {:.0f} s, and firmware.least_version is {}",
         base::to_seconds(kVersionPatience), wanted.least_version);
   }
+  if (is_of_a_tree_without_tags(version)) return std::nullopt;
   if (is_at_least(version, wanted.least_version)) return std::nullopt;
-  return fmt::format("the firmware is v{}, and the scenario is for v{} and later{}{}", version,
-                     wanted.least_version, wanted.hint.empty() ? "" : "; ", wanted.hint);
+  return fmt::format("the firmware is v{}, and firmware.least_version is {}", version,
+                     wanted.least_version);
 }
 
 std::optional<std::string> silence_fault(const VehicleReport& vehicle) {

@@ -59,10 +59,17 @@ void add_flight(HtmlPage& page, const std::string& who, const FirmwareFigures& f
     }
     page.table("Faults, as they went", faults);
   }
+  if (!figures.rms && !figures.rms_estimate) {
+    return page.paragraph("The measured step was not flown to its end: it has no figures.");
+  }
   page.table("RMS errors in the measured step",
              {{"", "x, m", "y, m", "z, m", "yaw, rad"},
               rms_row(fmt::format("truth about {}", measured_about(figures.stages)), figures.rms),
               rms_row("estimate against truth", figures.rms_estimate)});
+  if (figures.peak_error_m) {
+    page.paragraph(fmt::format("Farthest from {}: {:.2f} m.", measured_about(figures.stages),
+                               *figures.peak_error_m));
+  }
 }
 
 void add_rates(HtmlPage& page, const FirmwareFigures& figures) {
@@ -122,11 +129,12 @@ void add_links(HtmlPage& page, const FirmwareFigures& figures) {
   Rows hops{{"Way", "Packets", "50 %, us", "99 %, us", "Longest, us"}};
   for (const json& link : json::parse(figures.hops)) {
     for (const json& route : link.value("routes", json::array())) {
-      hops.push_back({route.value("from", "") + " to " + link.value("link", ""),
-                      fmt::format("{}", route.value("count", std::uint64_t{0})),
-                      fmt::format("{:.0f}", route.value("p50", 0.0)),
-                      fmt::format("{:.0f}", route.value("p99", 0.0)),
-                      fmt::format("{:.0f}", route.value("max", 0.0))});
+      const auto count = route.value("count", std::uint64_t{0});
+      hops.push_back(
+          {route.value("from", "") + " to " + link.value("link", ""), fmt::format("{}", count)});
+      for (const char* figure : {"p50", "p99", "max"}) {
+        hops.back().push_back(count > 0 ? fmt::format("{:.0f}", route.value(figure, 0.0)) : "-");
+      }
     }
   }
   page.table("From one link's read to another's write", hops);

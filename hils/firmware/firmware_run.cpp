@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -19,6 +21,7 @@
 #include "hils/firmware/firmware_pilot.hpp"
 #include "hils/firmware/firmware_report.hpp"
 #include "hils/firmware/firmware_verdict.hpp"
+#include "hils/firmware/hitl_stream.hpp"
 #include "hils/firmware/own_home.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/replay/replay_command.hpp"
@@ -32,14 +35,20 @@ namespace cas::hils {
 namespace {
 
 void print_vehicle(const FirmwareFigures& figures) {
-  fmt::print("  height error {:.2f} m, drift {:.2f} m\n", figures.height_error_m, figures.drift_m);
+  if (figures.height_error_m && figures.drift_m) {
+    fmt::print("  error of the mean height {:.2f} m, drift {:.2f} m\n", *figures.height_error_m,
+               *figures.drift_m);
+  }
   if (const auto& fence = figures.fence; fence && fence->farthest_m) {
     fmt::print("  farthest from home {:.2f} m; of its fence the autopilot said '{}'\n",
                *fence->farthest_m, fence->words);
   }
   if (const auto& rms = figures.rms) {
-    fmt::print("  RMS of the true position about {}: {:.3f}, {:.3f}, {:.3f} m\n",
-               measured_about(figures.stages), rms->x_m, rms->y_m, rms->z_m);
+    fmt::print("  RMS of the true position about {}: {:.3f}, {:.3f}, {:.3f} m, {:.4f} rad",
+               measured_about(figures.stages), rms->x_m, rms->y_m, rms->z_m, rms->yaw_rad);
+    fmt::print("; farthest {:.2f} m\n", figures.peak_error_m.value_or(0));
+  } else {
+    fmt::print("  the measured step was not flown to its end: it has no figures\n");
   }
   if (const auto& rms = figures.rms_estimate) {
     fmt::print("  RMS of the estimate against the truth: {:.3f}, {:.3f}, {:.3f} m, {:.4f} rad\n",
@@ -54,6 +63,7 @@ void print_figures(const FirmwareScenario& scenario, std::span<const FirmwareRes
   fmt::print("{}: {}{}\n", verdict.word(), scenario.name,
              first.version.empty() ? "" : ", firmware v" + first.version);
   for (const std::string& sentence : verdict.failures) fmt::print("  - {}\n", sentence);
+  for (const std::string& remark : verdict.remarks) fmt::print("  note: {}\n", remark);
   fmt::print("  {:.1f} s simulated at {:.2f} x real time\n", first.simulated_s,
              first.real_time_factor);
   for (const FirmwareResult& vehicle : vehicles) {
@@ -96,6 +106,7 @@ FirmwareResult evaluate(const FirmwareScenario& scenario, const FirmwarePlaces& 
     const auto other = home_fault(scenario, vehicle, places.flight_tlog(), figures.system);
     if (other) figures.not_flown.push_back(*other);
   }
+  if (scenario.firmware.on_serial_line) figures.stream = measure_hitl_stream(places, figures);
   const Verdict verdict = judge(scenario, figures);
   return {.vehicle = name, .figures = std::move(figures), .verdict = verdict};
 }
@@ -143,17 +154,13 @@ int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& 
   } catch (const base::rpc::ConnectionError& error) {
     bench.supervisor().wait(std::chrono::milliseconds(500));  // a program that died is noticed
     throw RunStopped(std::string("a control connection failed: ") + error.what(), false);
-  } catch (const RunStopped& stopped) {
-    const std::string& hint = scenario.firmware.hint;
-    const bool of_firmware = std::string_view(stopped.what()).starts_with("firmware");
-    if (!of_firmware || hint.empty()) throw;
-    throw RunStopped(std::string(stopped.what()) + "\n" + hint, false);
   }
   bench.stop();
   const double wall_s = base::to_seconds(base::steady_now() - begin);
   std::vector<FirmwareResult> vehicles;
   for (FirmwareFigures& figures : flown) {
     figures.wall_s = wall_s;
+    std::ranges::copy(bench.remarks(), std::back_inserter(figures.remarks));
     vehicles.push_back(evaluate(scenario, places, vehicles.size(), std::move(figures)));
   }
   write_results(scenario, places, vehicles);

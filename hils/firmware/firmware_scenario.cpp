@@ -22,6 +22,7 @@
 #include "base/os/write_file.hpp"
 #include "base/suggestion.hpp"
 #include "hils/firmware/companion_flight.hpp"
+#include "hils/firmware/first_sign.hpp"
 #include "hils/flight/phase_check.hpp"
 #include "hils/programs/composition.hpp"
 #include "hils/scenario/scenario.hpp"
@@ -72,8 +73,17 @@ VehicleNames flown_vehicles(const base::ConfigNode& firmware, const base::Config
   return names;
 }
 
+std::string served_autopilot(const base::ConfigNode& vehicle) {
+  for (const base::ConfigNode& plugin : vehicle.at("plugins").items()) {
+    const auto served = autopilot_of_plugin(plugin.get<std::string>("plugin", ""));
+    if (!served.empty()) return std::string(served);
+  }
+  return {};
+}
+
 Firmware parse_firmware(const base::ConfigNode& node) {
   Firmware firmware;
+  firmware.node = node;
   firmware.command = node.require<std::vector<std::string>>("command");
   if (firmware.command.empty()) node.at("command").fail("names no program");
   firmware.start = node.get<std::string>("start", "");
@@ -329,6 +339,10 @@ bool FirmwareScenario::needs_companion() const {
       steps, [](const FlightStep& step) { return CompanionFlight::gives(step.kind); });
 }
 
+bool is_of_a_tree_without_tags(const std::string& version) {
+  return version == "1.8.0" || version == "0.0.0";
+}
+
 bool is_at_least(const std::string& version, const std::string& least) {
   const auto numbers = [](const std::string& text) {
     std::vector<int> all;
@@ -384,6 +398,7 @@ FirmwareScenario FirmwareScenario::load(const std::filesystem::path& file) {
   scenario.firmware = parse_firmware(root.at("firmware"));
   const base::ConfigNode world = base::ConfigNode::load(scenario.world);
   scenario.vehicles = flown_vehicles(root.at("firmware"), world, scenario.firmware.instances);
+  scenario.autopilot = served_autopilot(world.at("vehicles").items().front());
   scenario.not_hil = root.get("not_hil", false);
   scenario.steps = parse_flight(root.at("steps"), gains_of(scenario.topology), scenario.vehicles);
   parse_fence(root, scenario);
@@ -399,7 +414,7 @@ FirmwareScenario FirmwareScenario::load(const std::filesystem::path& file) {
     for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
       auto plugins = world.at("vehicles").items().at(i).at("plugins").items();
       plugins.insert(plugins.end(), scenario.plugins.begin(), scenario.plugins.end());
-      check_gusts(plugins, {.bench = {}, .vehicle = faults_of(scenario, i)});
+      check_fault_plugins(plugin_names(plugins), faults_of(scenario, i));
     }
     check_fault_phases(root.at("faults"), scenario.steps);
   }
@@ -407,8 +422,7 @@ FirmwareScenario FirmwareScenario::load(const std::filesystem::path& file) {
     scenario.height_error_m = limit(*limits, "height_error_m");
     scenario.drift_m = limit(*limits, "drift_m");
     refuse_drift(*limits, scenario.steps);
-    scenario.rms = parse_axes(*limits, "rms");
-    scenario.rms_estimate = parse_axes(*limits, "rms_estimate");
+    parse_motion_limits(*limits, scenario.limits);
     if (limits->has("hop_p99_us")) scenario.hop_p99_us = limits->require_in("hop_p99_us", 0, 1e9);
     scenario.rates_hz = parse_rates(*limits);
   }

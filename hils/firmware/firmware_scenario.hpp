@@ -13,6 +13,7 @@
 #include "base/time/clock.hpp"
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_step.hpp"
+#include "hils/scenario/scenario.hpp"
 
 namespace cas::hils {
 
@@ -24,12 +25,13 @@ struct Firmware {
   /// script, which mounts and formats, and ends with 255. Empty: none.
   std::string start;
   std::string least_version;  ///< "1.12": oldest version that is flown; empty: any
-  std::string hint;           ///< remedy if it is too old or exits
+  std::string hint;           ///< remedy if it ends before its first HEARTBEAT
   std::string cwd;            ///< where it runs; empty: a folder in the results
   std::map<std::string, std::string> environment;
   int instances = 1;  ///< of the program: one for each of the world's first vehicles
   bool on_serial_line =
       false;  ///< ${CAS_FCU_TTY} is the end of a pseudo-terminal, casd has the other
+  base::ConfigNode node = base::ConfigNode::empty("firmware");  ///< for errors on its keys
 };
 
 /// Most programs of one run, as most vehicles of a scenario of our controller.
@@ -41,6 +43,9 @@ constexpr std::uint8_t system_of_instance(std::size_t instance) {
   return static_cast<std::uint8_t>(instance + 1);
 }
 
+/// Whether it is no version, but what a build says of a tree that was cloned without tags: PX4
+/// 1.8.0, others 0.0.0.
+bool is_of_a_tree_without_tags(const std::string& version);
 /// Whether a version is a later one or the same: "1.16.1" is at least "1.12".
 bool is_at_least(const std::string& version, const std::string& least);
 
@@ -52,6 +57,7 @@ struct FirmwareScenario {
   std::filesystem::path file{};
   std::filesystem::path world;
   VehicleNames vehicles = only_vehicle();  ///< the world's first, which are flown
+  std::string autopilot;                   ///< autopilot_of_plugin() of its first vehicle
   std::filesystem::path topology;
   Firmware firmware;
   bool not_hil = false;                     ///< arm although it does not say that it is in HIL
@@ -59,13 +65,14 @@ struct FirmwareScenario {
   std::vector<base::ConfigNode> plugins;    ///< of the flown vehicles, behind their own
   ScenarioFaults faults;
   std::vector<FlightStep> steps;
-  std::optional<Geofence> fence;         ///< of the autopilots, for this flight
-  std::optional<double> height_error_m;  ///< most of the true height's mean in measured holds
-  std::optional<double> drift_m;         ///< farthest from where the hold began, true, horizontal
-  std::map<std::string, double> rms;     ///< by axis: truth about its mean in measured holds
-  std::map<std::string, double> rms_estimate;  ///< by axis: estimate against truth in them
-  std::optional<double> hop_p99_us;            ///< most of any way through casd
-  std::map<std::string, double> rates_hz;      ///< least of the vehicle's messages in the hold
+  std::optional<Geofence> fence;  ///< of the autopilots, for this flight
+  /// Motion in the measured step, as FirmwareFigures has it: a hold is judged about its mean, the
+  /// estimate against the truth.
+  Limits limits;
+  std::optional<double> height_error_m;    ///< most of the true height's mean in measured holds
+  std::optional<double> drift_m;           ///< farthest from where the hold began, true, horizontal
+  std::optional<double> hop_p99_us;        ///< most of any way through casd
+  std::map<std::string, double> rates_hz;  ///< least of the vehicle's messages in the hold
 
   std::vector<double> start_yaw_rad{};  ///< of the flown vehicles, from north, in the world file
 
@@ -101,6 +108,8 @@ struct FirmwarePlaces {
 
   std::filesystem::path simulator_config() const { return run / "hilsim.yaml"; }
   std::filesystem::path casd_config() const { return run / "casd.yaml"; }
+  std::filesystem::path simulator_ledger() const { return run / "simulator_ledger.csv"; }
+  std::filesystem::path casd_ledger() const { return run / "casd_ledger.csv"; }
   std::filesystem::path simulator_stats() const { return run / "hilsim_stats.json"; }
   /// @param suffix  FirmwareScenario::suffix_of()
   std::filesystem::path truth_csv(const std::string& suffix = {}) const {

@@ -88,10 +88,20 @@ void check_fence(const FirmwareScenario& scenario, const FirmwareFigures& figure
 
 /// The fields of one vehicle in a summary.
 json vehicle_json(const FirmwareFigures& figures) {
-  json all{{"firmware", figures.version}, {"height_error_m", figures.height_error_m},
-           {"drift_m", figures.drift_m},  {"rates_hz", figures.rates_hz},
-           {"faults", json::array()},     {"incidents", json::array()},
+  json all{{"firmware", figures.version},
+           {"rates_hz", figures.rates_hz},
+           {"faults", json::array()},
+           {"incidents", json::array()},
            {"stages", json::array()}};
+  if (figures.params) {
+    all["parameters"] = {{"count", figures.params->count}, {"sha256", figures.params->sha256}};
+  }
+  const auto add = [&all](const char* key, std::optional<double> value) {
+    if (value) all[key] = *value;
+  };
+  add("height_error_m", figures.height_error_m);
+  add("drift_m", figures.drift_m);
+  add("peak_error_m", figures.peak_error_m);
   if (figures.setpoints.count > 0) {
     all["setpoints"] = {{"count", figures.setpoints.count},
                         {"longest_gap_s", figures.setpoints.longest_gap_s}};
@@ -125,24 +135,25 @@ json vehicle_json(const FirmwareFigures& figures) {
 
 Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) {
   std::vector<LimitCheck> checks;
-  const auto measured = [&figures](double value) {
-    return figures.looks > 0 ? std::optional(value) : std::nullopt;
-  };
+  std::vector<LimitCheck> validity;
+  if (figures.stream) validity = machine_checks(*figures.stream);
   const bool held =
       !figures.flight_failure ||
       std::ranges::any_of(figures.stages, [](const Stage& stage) { return stage.step.measure; });
   checks.push_back(check("flight", "every step was done", figures.flight_failure));
   if (scenario.height_error_m) {
-    checks.push_back(
-        check({.what = "height error", .unit = "m", .digits = 2, .bound = scenario.height_error_m},
-              measured(figures.height_error_m), figures));
+    checks.push_back(check({.what = "error of the mean height",
+                            .unit = "m",
+                            .digits = 2,
+                            .bound = scenario.height_error_m},
+                           figures.height_error_m, figures));
   }
   if (scenario.drift_m) {
     checks.push_back(check({.what = "drift", .unit = "m", .digits = 2, .bound = scenario.drift_m},
-                           measured(figures.drift_m), figures));
+                           figures.drift_m, figures));
   }
-  check_rms("true position", figures.rms, scenario.rms, held, checks);
-  check_rms("estimate", figures.rms_estimate, scenario.rms_estimate, held, checks);
+  check_motion({figures.rms, figures.rms_estimate, figures.peak_error_m}, scenario.limits, held,
+               checks);
   check_links(scenario, figures, checks);
   check_fence(scenario, figures, checks);
   checks.push_back(
@@ -155,7 +166,12 @@ Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) 
   std::optional<std::string> unrecorded = figures.unwatched;
   if (unrecorded) unrecorded->insert(0, "the true flight was not recorded: ");
   checks.push_back(check("true flight", "recorded", unrecorded));
-  return verdict_on({}, std::move(checks), figures.never_began);
+  Verdict verdict = verdict_on(std::move(validity), std::move(checks), figures.never_began);
+  verdict.remarks = figures.remarks;
+  if (auto remark = unlimited_motion(scenario.limits)) {
+    verdict.remarks.push_back(std::move(*remark));
+  }
+  return verdict;
 }
 
 Verdict judge_together(std::span<const FirmwareResult> vehicles) {
@@ -175,6 +191,7 @@ json firmware_summary(const FirmwareScenario& scenario, std::span<const Firmware
            {"valid", together.valid},
            {"passed", together.passed},
            {"missed", together.failures},
+           {"remarks", together.remarks},
            {"simulated_s", first.simulated_s},
            {"wall_s", first.wall_s},
            {"real_time_factor", first.real_time_factor},

@@ -51,6 +51,22 @@ Motion VehicleReport::estimate() const {
 FlightPlan::FlightPlan(std::vector<FlightStep> steps, double start_yaw_rad, FirmwareHabits habits)
     : steps_(std::move(steps)), habits_(habits), reference_yaw_rad_(start_yaw_rad) {}
 
+VehicleReport FlightPlan::from_arming(VehicleReport vehicle) {
+  if (!vehicle.heard) return vehicle;
+  const FlightStep* step = current();
+  const bool waits = step != nullptr && !vehicle.armed && takes_off(*step);
+  if (waits || (step != nullptr && step->kind == StepKind::kArm)) armed_at_N_ = vehicle.p_N;
+  vehicle.p_N -= armed_at_N_;
+  return vehicle;
+}
+
+FlightStep FlightPlan::in_vehicles_frame(FlightStep step) const {
+  if (step.kind == StepKind::kGoto) {
+    step.place_m += Eigen::Vector3d(armed_at_N_.x(), armed_at_N_.y(), -armed_at_N_.z());
+  }
+  return step;
+}
+
 std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleReport& vehicle,
                                              std::size_t others_through) {
   while (!done() && !failure_) {
@@ -65,7 +81,7 @@ std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleRep
       if (needs_command(step, vehicle)) {
         phase_ = Phase::kCommanding;
         rearming_ = habits_.arms_early && takes_off(step) && !vehicle.armed;
-        return rearming_ ? FlightStep{.kind = StepKind::kArm} : step;
+        return rearming_ ? FlightStep{.kind = StepKind::kArm} : in_vehicles_frame(step);
       }
       phase_ = Phase::kWaiting;
     }
@@ -186,7 +202,8 @@ std::optional<Stage> FlightPlan::under_way(base::SimTime now) const {
                .end = now,
                .accepted = phase_ == Phase::kWaiting ? accepted_ : now,
                .reference_m = reference_m_,
-               .reference_yaw_rad = reference_yaw_rad_};
+               .reference_yaw_rad = reference_yaw_rad_,
+               .armed_at_N = armed_at_N_};
 }
 
 std::optional<Stage> FlightPlan::measured() const {

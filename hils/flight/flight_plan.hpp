@@ -38,14 +38,16 @@ struct VehicleReport {
   double heartbeat_age_s = 0;  ///< of the newest, by casd's clock
   std::string firmware{};      ///< its version; empty until it is known
   std::string autopilot{};     ///< "PX4", "ArduPilot", "other"
+  std::string type{};          ///< casd's word for its MAV_TYPE: "quadrotor"
   bool hil = false;            ///< its HEARTBEAT says that it is in HIL
   bool armed = false;
   bool in_air = false;
   bool on_ground = false;
   bool has_position = false;
-  double position_age_s = 0;                      ///< of p_N and v_N, by casd's clock
-  std::optional<std::string> position_lack{};     ///< missing for a takeoff by position
-  Eigen::Vector3d p_N = Eigen::Vector3d::Zero();  ///< m, from where it was armed
+  double position_age_s = 0;                   ///< of p_N and v_N, by casd's clock
+  std::optional<std::string> position_lack{};  ///< missing for a takeoff by position
+  /// m, from the vehicle's own origin; after FlightPlan::from_arming() from where it was armed
+  Eigen::Vector3d p_N = Eigen::Vector3d::Zero();
   Eigen::Vector3d v_N = Eigen::Vector3d::Zero();  ///< m/s
   double roll_rad = 0;
   double pitch_rad = 0;
@@ -73,6 +75,7 @@ struct Stage {
   base::SimTime accepted;  ///< when the vehicle confirmed the command; else the begin
   Eigen::Vector3d reference_m = Eigen::Vector3d::Zero();  ///< north, east, up from the start
   double reference_yaw_rad = 0;
+  Eigen::Vector3d armed_at_N = Eigen::Vector3d::Zero();  ///< place of arming in the vehicle's frame
 };
 
 /// Differences of stock firmware from our controller.
@@ -104,7 +107,15 @@ class FlightPlan {
   explicit FlightPlan(std::vector<FlightStep> steps, double start_yaw_rad = 0,
                       FirmwareHabits habits = {});
 
-  /// Looks at the vehicle. @return the step whose command is due now, if any
+  /// The report with its position from the place of arming, for each look before update(). A
+  /// vehicle's origin lies off that place by as much as its estimate has moved since it was set.
+  /// The place is the last one while a step arms the vehicle, or it waits unarmed for its takeoff.
+  VehicleReport from_arming(VehicleReport vehicle);
+  /// The place of arming in the vehicle's own frame.
+  const Eigen::Vector3d& armed_at_N() const { return armed_at_N_; }
+
+  /// Looks at the vehicle. @return the step whose command is due now, if any; the place of a goto
+  /// counts from the vehicle's own origin, as commands do
   /// @param others_through  number of steps that the other vehicles have finished: the next one
   ///     begins
   std::optional<FlightStep> update(base::SimTime now, const VehicleReport& vehicle,
@@ -153,6 +164,7 @@ class FlightPlan {
   enum class Phase { kBegin, kCommanding, kWaiting };
 
   std::optional<base::SimTime> only_time_until() const;
+  FlightStep in_vehicles_frame(FlightStep step) const;
   bool needs_command(const FlightStep& step, const VehicleReport& vehicle) const;
   bool lost_its_arming(const FlightStep& step, base::SimTime now,
                        const VehicleReport& vehicle) const;
@@ -193,6 +205,7 @@ class FlightPlan {
   std::optional<std::uint16_t> last_item_;  ///< of the mission under way
   Eigen::Vector3d reference_m_ = Eigen::Vector3d::Zero();
   double reference_yaw_rad_ = 0;
+  Eigen::Vector3d armed_at_N_ = Eigen::Vector3d::Zero();
   std::string last_refusal_;
   std::optional<std::string> failure_;
   std::vector<Stage> stages_;

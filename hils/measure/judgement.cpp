@@ -79,11 +79,22 @@ void check_account(std::string_view name, const RateFigures& rate, Checks& check
 
 constexpr std::string_view kTooBusy = "the machine was too busy: ";
 constexpr std::string_view kRemedy =
-    "; end other programs, or give these real-time rights (docs/operations.md), or use --virtual";
+    "; end other programs, or give these real-time rights (docs/operations.md), or fly where time "
+    "waits for the programs (--virtual, SITL)";
+
+std::optional<double> milliseconds(std::optional<double> us) {
+  if (us) *us *= 1e-3;
+  return us;
+}
 
 /// A figure of the machine, ms or a factor, with its bound.
 void add_machine(Checks& checks, LimitCheck check, const std::string& sentence) {
   check.kind = Kind::kValidity;
+  if (!check.value) {
+    check.found = "not measured";
+    check.judged = false;
+    return checks.push_back(std::move(check));
+  }
   add_bounded(checks, std::move(check), std::string(kTooBusy) + sentence);
 }
 
@@ -119,11 +130,11 @@ void check_machine(const Measurement& figures, Checks& checks) {
               {.what = "handover between simulator and casd, 99 %",
                .unit = "ms",
                .digits = 2,
-               .value = 1e-3 * figures.handover_p99_us,
+               .value = milliseconds(figures.handover_p99_us),
                .bound = most_ms},
               fmt::format("simulator and casd took {:.1f} ms to hand a packet over in 1 % of the "
                           "cases, and {:g} ms is the most",
-                          1e-3 * figures.handover_p99_us, most_ms));
+                          1e-3 * figures.handover_p99_us.value_or(0), most_ms));
 }
 
 /// Lateness in the emulated controller is also the machine's: it answers a sample at once, or with
@@ -132,7 +143,7 @@ void check_controller(const Measurement& figures, Checks& checks) {
   if (figures.from_device) return;
   // It stamps a sample when it reads it: later than others, when it had no processor.
   const double most_late = most_late_ms(figures);
-  const double spread_ms = 1e-3 * figures.reading_spread_us;
+  const auto spread_ms = milliseconds(figures.reading_spread_us);
   add_machine(checks,
               {.what = "HIL_SENSOR read by the controller, 99 % less the median",
                .unit = "ms",
@@ -141,7 +152,7 @@ void check_controller(const Measurement& figures, Checks& checks) {
                .bound = most_late},
               fmt::format("1 % of HIL_SENSOR was read {:.1f} ms later than the median one, and "
                           "{:g} ms is the most",
-                          spread_ms, most_late));
+                          spread_ms.value_or(0), most_late));
   if (figures.age_by_arrival.count == 0) return;
   const double control_hz = figures.rates.controls.nominal_hz;
   const double most_ms = most_late + (control_hz > 0 ? 1e3 / control_hz : 0);
@@ -156,13 +167,40 @@ void check_controller(const Measurement& figures, Checks& checks) {
                           1e-3 * figures.age_by_arrival.p99, most_ms));
 }
 
+/// The port of a controller that runs on this machine: it takes samples as fast as they come, so
+/// one that is dropped there, or late, is the machine's.
+void check_port(const Measurement& figures, Checks& checks) {
+  if (!figures.port_gap_ms) return;
+  constexpr double kMostDropped_pct = 1;  // as many may be later than one period
+  const RateFigures& sensor = figures.rates.sensor;
+  const double dropped_pct =
+      sensor.sent > 0 ? 100.0 * static_cast<double>(sensor.lost) / static_cast<double>(sensor.sent)
+                      : 0;
+  add_machine(checks,
+              {.what = "HIL_SENSOR dropped before the controller's port",
+               .unit = "%",
+               .digits = 2,
+               .value = dropped_pct,
+               .bound = kMostDropped_pct},
+              fmt::format("{} of {} HIL_SENSOR were dropped before the controller's port, and "
+                          "{:g} % is the most",
+                          sensor.lost, sensor.sent, kMostDropped_pct));
+  add_machine(
+      checks,
+      {.what = "longest gap of HIL_SENSOR at the controller's port",
+       .unit = "ms",
+       .digits = 1,
+       .value = figures.port_gap_ms,
+       .bound = kMostStallMs},
+      fmt::format("no HIL_SENSOR came to the controller's port for {:.0f} ms, and {:.0f} ms "
+                  "is the most",
+                  *figures.port_gap_ms, kMostStallMs));
+}
+
 /// Whether the figures mean anything.
 Checks validity_checks(const Measurement& figures) {
   Checks checks;
-  if (!figures.virtual_clock) {
-    check_machine(figures, checks);
-    check_controller(figures, checks);
-  }
+  if (!figures.virtual_clock) checks = machine_checks(figures);
   if (!figures.stages.empty() && figures.truth_samples == 0) {
     checks.push_back(missed({.kind = Kind::kValidity,
                              .what = "record of the true flight",
@@ -349,8 +387,8 @@ Checks flight_checks(const Measurement& figures, const Limits& limits) {
   }
   check_latency(figures.sensor_to_control, limits, checks);
   check_responses(figures.responses, limits.responses, checks);
-  check_rms("true position", figures.rms, limits.rms, figures.over_hold, checks);
-  check_rms("estimate", figures.rms_estimate, limits.rms_estimate, figures.over_hold, checks);
+  check_motion({figures.rms, figures.rms_estimate, figures.peak_error_m}, limits, figures.over_hold,
+               checks);
   return checks;
 }
 
@@ -368,24 +406,8 @@ Checks fault_checks(const std::vector<FaultThatNeverBegan>& faults) {
   return checks;
 }
 
-/// The remedy for a busy machine follows the last sentence that says so.
-std::vector<std::string> sentences_of(const Checks& checks) {
-  std::vector<std::string> sentences;
-  std::size_t busy = 0;  // behind the last one
-  for (const LimitCheck& check : checks) {
-    if (check.kept) continue;
-    sentences.push_back(check.sentence);
-    if (check.sentence.starts_with(kTooBusy)) busy = sentences.size();
-  }
-  if (busy > 0) sentences[busy - 1] += kRemedy;
-  return sentences;
-}
-
-}  // namespace
-
 void check_rms(std::string_view what, const std::optional<RmsFigures>& rms,
-               const std::map<std::string, double>& limits, bool reached,
-               std::vector<LimitCheck>& checks) {
+               const std::map<std::string, double>& limits, bool reached, Checks& checks) {
   if (limits.empty()) return;
   if (!reached) return add_unjudged_rms(what, limits, checks);
   if (!rms || rms->samples == 0) {
@@ -404,6 +426,60 @@ void check_rms(std::string_view what, const std::optional<RmsFigures>& rms,
                 fmt::format("RMS error of the {} in {} is {:.4f}; the limit is {:g}", what, axis,
                             value, limit));
   }
+}
+
+void check_peak(std::optional<double> peak_m, std::optional<double> limit_m, bool reached,
+                Checks& checks) {
+  if (!limit_m) return;
+  LimitCheck check{.what = "largest error of the true position",
+                   .unit = "m",
+                   .digits = 3,
+                   .value = peak_m,
+                   .bound = limit_m,
+                   .found = reached ? "not measured" : "not reached",
+                   .judged = reached || peak_m};
+  if (!check.judged) return checks.push_back(std::move(check));
+  add_bounded(checks, std::move(check),
+              peak_m ? fmt::format("largest error of the true position is {:.3f} m; the limit is "
+                                   "{:g} m",
+                                   *peak_m, *limit_m)
+                     : "there is no true position to compare with the reference");
+}
+
+/// The remedy for a busy machine follows the last sentence that says so.
+std::vector<std::string> sentences_of(const Checks& checks) {
+  std::vector<std::string> sentences;
+  std::size_t busy = 0;  // behind the last one
+  for (const LimitCheck& check : checks) {
+    if (check.kept) continue;
+    sentences.push_back(check.sentence);
+    if (check.sentence.starts_with(kTooBusy)) busy = sentences.size();
+  }
+  if (busy > 0) sentences[busy - 1] += kRemedy;
+  return sentences;
+}
+
+}  // namespace
+
+void check_motion(const MotionFigures& figures, const Limits& limits, bool reached,
+                  std::vector<LimitCheck>& checks) {
+  check_rms("true position", figures.rms, limits.rms, reached, checks);
+  check_rms("estimate", figures.rms_estimate, limits.rms_estimate, reached, checks);
+  check_peak(figures.peak_error_m, limits.peak_error_m, reached, checks);
+}
+
+std::optional<std::string> unlimited_motion(const Limits& limits) {
+  if (!limits.rms.empty() || limits.peak_error_m || !limits.responses.empty()) return std::nullopt;
+  return "the scenario limits neither rms nor peak_error_m: how well the measured step was flown "
+         "is not judged";
+}
+
+std::vector<LimitCheck> machine_checks(const Measurement& figures) {
+  Checks checks;
+  check_machine(figures, checks);
+  check_controller(figures, checks);
+  check_port(figures, checks);
+  return checks;
 }
 
 double most_late_ms(const Measurement& figures) {
@@ -443,10 +519,18 @@ void merge_verdict(const std::string& vehicle, const Verdict& own, Verdict& toge
   for (const std::string& sentence : own.failures) {
     together.failures.push_back(vehicle + ": " + sentence);
   }
+  for (const std::string& remark : own.remarks) {
+    if (std::ranges::find(together.remarks, remark) == together.remarks.end()) {
+      together.remarks.push_back(remark);
+    }
+  }
 }
 
 Verdict judge(const Measurement& figures, const Limits& limits) {
-  return verdict_on(validity_checks(figures), flight_checks(figures, limits), figures.never_began);
+  Verdict verdict =
+      verdict_on(validity_checks(figures), flight_checks(figures, limits), figures.never_began);
+  if (auto remark = unlimited_motion(limits)) verdict.remarks.push_back(std::move(*remark));
+  return verdict;
 }
 
 }  // namespace cas::hils

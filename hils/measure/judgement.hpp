@@ -30,8 +30,9 @@ enum ExitCode : int {
 struct Verdict {
   bool valid = false;   ///< the machine kept up and the accounts close: the figures mean something
   bool passed = false;  ///< valid, flown to the end, and every limit kept
-  std::vector<std::string> failures;  ///< sentences: why it is not valid, else the missed limits
-  std::vector<LimitCheck> checks{};   ///< all that it was held to, kept or not; of one vehicle
+  std::vector<std::string> failures;   ///< sentences: why it is not valid, else the missed limits
+  std::vector<LimitCheck> checks{};    ///< all that it was held to, kept or not; of one vehicle
+  std::vector<std::string> remarks{};  ///< what a reader of a green line must know; decide nothing
 
   ExitCode exit_code() const {
     if (!valid) return kExitInvalid;
@@ -54,12 +55,22 @@ inline constexpr double kMostStallMs = 50.0;
 /// was due. At 500 Hz these 2 ms cost a rate loop that crosses over at 40 rad/s 5 degrees of phase.
 double most_late_ms(const Measurement& figures);
 
-/// Holds RMS errors to bounds by axis.
-/// @param what     "true position"
+/// The conditions that the machine must meet in a run in real time, whoever the controller is.
+std::vector<LimitCheck> machine_checks(const Measurement& figures);
+
+/// Motion in the measured step.
+struct MotionFigures {
+  const std::optional<RmsFigures>& rms;           ///< of the true position
+  const std::optional<RmsFigures>& rms_estimate;  ///< of the controller's estimate
+  std::optional<double> peak_error_m;             ///< of the true position
+};
+/// Holds it to its limits.
 /// @param reached  whether the flight came to its measured step; else the bounds are not judged
-void check_rms(std::string_view what, const std::optional<RmsFigures>& rms,
-               const std::map<std::string, double>& limits, bool reached,
-               std::vector<LimitCheck>& checks);
+void check_motion(const MotionFigures& figures, const Limits& limits, bool reached,
+                  std::vector<LimitCheck>& checks);
+/// A remark on a verdict whose limits leave a swing in the measured step unjudged; nullopt: they
+/// do not.
+std::optional<std::string> unlimited_motion(const Limits& limits);
 
 /// The verdict on a run. A flight that would have passed has none when a fault never began; one
 /// that failed may have ended before its faults, so those are remarks.

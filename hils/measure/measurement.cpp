@@ -38,16 +38,18 @@ void measure_hold(const RunRecord& record, const std::vector<PoseSample>& truth,
   const std::int64_t begin = to_microseconds(hold.begin);
   const std::int64_t end = to_microseconds(hold.end);
   const auto flown = between(truth, begin, end);
-  const ReferenceAt reference = reference_in_truth(hold, truth);
-  figures.rms = rms_about(flown, reference);
-  figures.peak_error_m = peak_error_m(flown, reference);
-  figures.rotor_activity_rad_s2 = rotor_activity_rad_s2(flown);
+  if (!flown.empty()) {
+    const ReferenceAt reference = reference_in_truth(hold, truth);
+    figures.rms = rms_about(flown, reference);
+    figures.peak_error_m = peak_error_m(flown, reference);
+    figures.rotor_activity_rad_s2 = rotor_activity_rad_s2(flown);
+  }
   const std::vector<PoseSample> estimate =
       read_estimate(record.flight_tlog, record.system, record.log_clock);
   const auto in_hold = between(estimate, begin, end);
-  if (!in_hold.empty())
-    figures.rms_estimate =
-        rms_about(in_hold, [&hold](std::int64_t time_us) { return reference_at(hold, time_us); });
+  if (in_hold.empty()) return;
+  figures.rms_estimate = rms_about(
+      in_hold, [&hold](std::int64_t time_us) { return reference_in_estimate(hold, time_us); });
 }
 
 /// The meter starts with the stream and is read at the end of the window.
@@ -78,16 +80,16 @@ void measure_echoes(const std::vector<base::LedgerEntry>& simulator,
 }
 
 /// The UDP hops between simulator and casd, where nothing but the machine takes time.
-double handover_p99_us(const std::vector<PathAccount>& paths) {
+std::optional<double> handover_p99_us(const std::vector<PathAccount>& paths) {
   constexpr std::size_t kHopsThroughCasd = 3;
   constexpr std::size_t kLeastForAShareOf1Percent = 200;  // of fewer it is the longest one
-  double slowest = 0;
+  std::optional<double> slowest;
   for (const PathAccount& path : paths) {
     if (path.hops.size() != kHopsThroughCasd) continue;
     for (const HopFigures& hop : {path.hops.front(), path.hops.back()}) {
       if (hop.delay.count < kLeastForAShareOf1Percent) continue;
       if (hop.name == "simulator -> casd in" || hop.name == "casd out -> simulator") {
-        slowest = std::max(slowest, hop.delay.p99);
+        slowest = std::max(slowest.value_or(0), hop.delay.p99);
       }
     }
   }
@@ -95,26 +97,40 @@ double handover_p99_us(const std::vector<PathAccount>& paths) {
 }
 
 /// How much later than the median the controller reads casd's packets from the line.
-double reading_spread_us(const std::vector<PathAccount>& paths) {
+std::optional<double> reading_spread_us(const std::vector<PathAccount>& paths) {
   for (const PathAccount& path : paths) {
     for (const HopFigures& hop : path.hops) {
-      if (path.message == "HIL_SENSOR" && hop.name == "casd out -> controller") {
+      if (path.message == "HIL_SENSOR" && hop.name == "casd out -> controller" &&
+          hop.delay.count > 0) {
         return hop.delay.p99 - hop.delay.p50;
       }
     }
   }
-  return 0;
+  return std::nullopt;
 }
 
-void measure_stream(const Scenario& scenario, const RunRecord& record, Measurement& figures) {
+/// With the one under way.
+std::vector<Stage> flown_stages(const RunRecord& record) {
+  std::vector<Stage> flown = record.stages;
+  if (record.under_way) flown.push_back(*record.under_way);
+  return flown;
+}
+
+/// Place of the record's vehicle among the scenario's.
+std::size_t vehicle_number(const Scenario& scenario, const RunRecord& record) {
+  const VehicleNames names = scenario.names();
+  return static_cast<std::size_t>(std::ranges::find(names, record.vehicle) - names.begin());
+}
+
+}  // namespace
+
+void measure_stream(const Rates& nominal, const RunRecord& record, Measurement& figures) {
   const std::uint32_t controls_id = controls_message_id(record);
   const auto& [simulator, controller] = std::tie(record.simulator, record.controller);
   const StreamWindow window = figures.window;
-  figures.rates.sensor =
-      account(simulator, controller, HilSensor::kId, window, scenario.rates.sensor_hz);
-  figures.rates.gps = account(simulator, controller, HilGps::kId, window, scenario.rates.gps_hz);
-  figures.rates.controls =
-      account(controller, simulator, controls_id, window, scenario.rates.controls_hz);
+  figures.rates.sensor = account(simulator, controller, HilSensor::kId, window, nominal.sensor_hz);
+  figures.rates.gps = account(simulator, controller, HilGps::kId, window, nominal.gps_hz);
+  figures.rates.controls = account(controller, simulator, controls_id, window, nominal.controls_hz);
   if (!record.foreign_stamps) measure_echoes(simulator, controller, controls_id, figures);
   figures.sensor_uplink = summarise(hop_delays_ns(simulator, controller, HilSensor::kId, window));
   figures.controls_downlink = summarise(hop_delays_ns(controller, simulator, controls_id, window));
@@ -136,20 +152,21 @@ void measure_stream(const Scenario& scenario, const RunRecord& record, Measureme
   figures.reading_spread_us = reading_spread_us(figures.paths);
 }
 
-/// With the one under way.
-std::vector<Stage> flown_stages(const RunRecord& record) {
-  std::vector<Stage> flown = record.stages;
-  if (record.under_way) flown.push_back(*record.under_way);
-  return flown;
+std::optional<double> longest_gap_ms(const RunRecord& record, std::uint32_t message_id,
+                                     StreamWindow window) {
+  std::optional<std::int64_t> before_ns;
+  std::optional<std::int64_t> longest_ns;
+  for (const base::LedgerEntry& entry : record.controller) {
+    if (entry.direction != base::LedgerEntry::Direction::kReceived ||
+        entry.message_id != message_id || !window.holds(entry.time_usec)) {
+      continue;
+    }
+    if (before_ns) longest_ns = std::max(longest_ns.value_or(0), entry.at_ns - *before_ns);
+    before_ns = entry.at_ns;
+  }
+  if (!longest_ns) return std::nullopt;
+  return 1e-6 * static_cast<double>(*longest_ns);
 }
-
-/// Place of the record's vehicle among the scenario's.
-std::size_t vehicle_number(const Scenario& scenario, const RunRecord& record) {
-  const VehicleNames names = scenario.names();
-  return static_cast<std::size_t>(std::ranges::find(names, record.vehicle) - names.begin());
-}
-
-}  // namespace
 
 Measurement measure(const RunRequest& request, const RunRecord& record) {
   const Scenario& scenario = request.scenario;
@@ -182,7 +199,7 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.strike = read_strike_response(record, scenario.steps, scenario.faults.vehicle, truth);
   figures.over_hold = record.hold.has_value();
   figures.window = record.hold ? window_of(*record.hold) : whole_stream(record);
-  measure_stream(scenario, record, figures);
+  measure_stream(scenario.rates, record, figures);
   if (record.virtual_clock && record.wall_s > 0) {
     figures.pace.real_time_factor = record.simulated_s / record.wall_s;
   }

@@ -65,8 +65,12 @@ struct Measurement {
   MeterReadings meter;
   std::vector<PathAccount> paths;  ///< hop by hop: sensor, GPS, controls
   PaceFigures pace;
-  double handover_p99_us = 0;    ///< slowest hop between two programs of the bench; 0: not measured
-  double reading_spread_us = 0;  ///< p99 less p50 of HIL_SENSOR from casd to the controller's read
+  std::optional<double> handover_p99_us;  ///< slowest hop between two programs of the bench
+  /// p99 less p50 of HIL_SENSOR from casd to the controller's read.
+  std::optional<double> reading_spread_us;
+  /// A controller that is a program of this machine behind a pseudo-terminal: the longest time
+  /// between two HIL_SENSOR at its port.
+  std::optional<double> port_gap_ms;
   std::optional<double> cpu_pressure;
   std::vector<BenchFaultScript::Span> faults;  ///< of the bench
   std::vector<FaultThatNeverBegan> never_began;
@@ -81,6 +85,11 @@ struct Measurement {
   std::vector<PluginFigure> plugins;            ///< reported by the vehicle's plugins
 };
 
+/// Works out rates, delays, accounts and pace of the HIL stream in the window of the figures.
+void measure_stream(const Rates& nominal, const RunRecord& record, Measurement& figures);
+/// Longest time between two arrivals of a message at the controller's end; nullopt: fewer than two.
+std::optional<double> longest_gap_ms(const RunRecord& record, std::uint32_t message_id,
+                                     StreamWindow window);
 /// Works out the figures of a vehicle. @throws base::ConfigError when its files cannot be read
 Measurement measure(const RunRequest& request, const RunRecord& record);
 

@@ -184,6 +184,14 @@ Pose reference_at(const Stage& stage, std::int64_t time_us) {
   return pose;
 }
 
+Pose reference_in_estimate(const Stage& stage, std::int64_t time_us) {
+  Pose pose = reference_at(stage, time_us);
+  pose.x_m += stage.armed_at_N.x();
+  pose.y_m += stage.armed_at_N.y();
+  pose.z_m -= stage.armed_at_N.z();
+  return pose;
+}
+
 ReferenceAt reference_in_truth(const Stage& stage, std::span<const PoseSample> truth) {
   const Pose start = truth.empty() ? Pose{} : truth.front().pose;
   return [&stage, start](std::int64_t time_us) {

@@ -94,6 +94,8 @@ double rotor_activity_rad_s2(std::span<const PoseSample> samples);
 /// point of the trajectory under way. North, east, up from the start; a trajectory is taken to have
 /// begun when the vehicle confirmed it.
 Pose reference_at(const Stage& stage, std::int64_t time_us);
+/// The same in the vehicle's own frame, where its estimate has it.
+Pose reference_in_estimate(const Stage& stage, std::int64_t time_us);
 /// The same in the axes of the truth: the plan's places count from where the vehicle stood.
 /// @param stage  must outlive the returned function
 ReferenceAt reference_in_truth(const Stage& stage, std::span<const PoseSample> truth);

@@ -37,6 +37,7 @@ class ChildProcess {
     bool says_ready = true;                  ///< else it is taken to be ready at once
     std::filesystem::path cwd{};             ///< empty: this process's
     std::vector<std::string> environment{};  ///< "NAME=VALUE", over this process's
+    bool ends_run = true;  ///< the supervisor stops the run where it ends by itself
   };
 
   /// Starts the program. @throws base::ConfigError when it cannot be started
@@ -47,6 +48,7 @@ class ChildProcess {
   ChildProcess& operator=(const ChildProcess&) = delete;
 
   const std::string& name() const { return options_.name; }
+  bool ends_run() const { return options_.ends_run; }
   int pidfd() const { return pidfd_.get(); }
   int notify_fd() const { return notify_.get(); }
   base::RunTime begin() const { return begin_; }

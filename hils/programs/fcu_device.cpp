@@ -174,9 +174,13 @@ void check_devices(Supervisor& supervisor, const RunPlaces& places, const RunReq
 
 void stand_in_for_controller(const RunPlaces& places, const VehiclePlaces& vehicle,
                              RunRecord& record) {
+  record.lost_by_sequence = sequence_gaps(places.casd_stats(), vehicle.controller_link);
+  stand_in_for_controller(record);
+}
+
+void stand_in_for_controller(RunRecord& record) {
   using Direction = base::LedgerEntry::Direction;
   record.from_device = true;
-  record.lost_by_sequence = sequence_gaps(places.casd_stats(), vehicle.controller_link);
   if (!record.relay) return;
   for (const casd::LinkLedgerEntry& entry : record.relay->controller.sent()) {
     record.controller.push_back(

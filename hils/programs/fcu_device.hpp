@@ -21,6 +21,9 @@ void check_devices(Supervisor& supervisor, const RunPlaces& places, const RunReq
 void stand_in_for_controller(const RunPlaces& places, const VehiclePlaces& vehicle,
                              RunRecord& record);
 
+/// The same without those gaps, from casd's ledgers in the record alone.
+void stand_in_for_controller(RunRecord& record);
+
 /// A stock autopilot stamps its controls by its own clock. Moves these stamps to simulated time, by
 /// one constant offset, at both ends alike; does nothing when they echo the sensors'.
 void align_control_stamps(RunRecord& record);

@@ -126,7 +126,8 @@ class LockstepPilot {
   }
 
   VehicleReport look() {
-    VehicleReport report = to_report(controller_.call("fcu.status", Json::object()));
+    VehicleReport report =
+        plan_.from_arming(to_report(controller_.call("fcu.status", Json::object())));
     report.truth = truth_;
     return report;
   }

@@ -64,6 +64,7 @@ VehicleReport to_report(const nlohmann::json& state) {
   report.heartbeat_age_s = state.value("heartbeat_age_s", 0.0);
   report.firmware = state.value("firmware", "");
   report.autopilot = state.value("autopilot", "");
+  report.type = state.value("type", "");
   report.hil = state.value("hil", false);
   report.armed = state.value("armed", false);
   report.mode = state.value("mode", "");

@@ -254,7 +254,7 @@ void RealtimePilot::look() {
     VehicleReport report;
     if (casd_) report = vehicle_report(*casd_, asked_[i]);
     report.truth = vehicles_[i].truth;
-    vehicles_[i] = report;
+    vehicles_[i] = plan_.plan(i).from_arming(std::move(report));
   }
 }
 

@@ -129,6 +129,13 @@ ChildProcess* Supervisor::stop(const std::vector<ChildProcess*>& children,
   return bad == children.end() ? nullptr : *bad;
 }
 
+std::optional<std::string> Supervisor::own_end(ChildProcess& child) {
+  const base::MutexLock lock(mutex_);
+  if (expected_to_end_.contains(&child)) return std::nullopt;
+  const auto& exit = child.poll_exit();
+  return exit ? std::optional(exit->words) : std::nullopt;
+}
+
 void Supervisor::kill(ChildProcess& child) {
   base::MutexLock lock(mutex_);
   expected_to_end_.insert(&child);
@@ -218,7 +225,7 @@ void Supervisor::on_exit(ChildProcess& child) {
   const auto& exit = child.poll_exit();
   if (!exit) return;
   ended_.insert(&child);
-  if (expected_to_end_.contains(&child)) return;
+  if (expected_to_end_.contains(&child) || !child.ends_run()) return;
   stop_run(child.name() + " " + exit->words +
                " before the run was over; its last lines:" + child.log_tail(),
            false);

@@ -70,6 +70,9 @@ class Supervisor {
   /// The same for several at once. @return one that did not end in good order, or null
   ChildProcess* stop(const std::vector<ChildProcess*>& children, base::Duration patience);
 
+  /// How a program ended by itself that does not end the run; nullopt: it runs, or was ended.
+  std::optional<std::string> own_end(ChildProcess& child);
+
   /// Ends one program at once, as a crash would. Its end is expected.
   void kill(ChildProcess& child);
 

@@ -44,6 +44,12 @@ std::vector<std::string> rms_cells(const std::optional<RmsFigures>& rms) {
   return cells;
 }
 
+void add_delay_cells(const DelayFigures& delay,
+                     std::initializer_list<double DelayFigures::*> figures,
+                     std::vector<std::string>& row) {
+  for (const auto member : figures) row.push_back(delay.count > 0 ? fixed(delay.*member, 0) : "-");
+}
+
 Rows rms_rows(const Measurement& figures, const std::array<std::string, 2>& names) {
   Rows rows;
   for (const auto& [name, rms] :

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <initializer_list>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,10 @@ Rows rate_rows(const Measurement& figures);
 
 /// An RMS error in each axis of kRmsAxes; dashes if the measured step was not reached.
 std::vector<std::string> rms_cells(const std::optional<RmsFigures>& rms);
+/// Appends figures of a delay in whole microseconds; dashes if no packet was timed.
+void add_delay_cells(const DelayFigures& delay,
+                     std::initializer_list<double DelayFigures::*> figures,
+                     std::vector<std::string>& row);
 /// RMS errors of the true position and of the estimate, if known. Then those of [HILS] Table 5 if
 /// the run kept its station.
 /// @param names  of the first two rows

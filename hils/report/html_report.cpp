@@ -84,8 +84,9 @@ void add_delays(HtmlPage& page, const Measurement& figures) {
   Rows rows{{"Delay, us", "packets", "median", "99 %", "longest"}};
   for (const auto& [which, _, name] : kDelayRows) {
     const DelayFigures& delay = figures.*which;
-    rows.push_back({name, fmt::format("{}", delay.count), fixed(delay.p50, 0), fixed(delay.p99, 0),
-                    fixed(delay.max, 0)});
+    rows.push_back({name, fmt::format("{}", delay.count)});
+    add_delay_cells(delay, {&DelayFigures::p50, &DelayFigures::p99, &DelayFigures::max},
+                    rows.back());
   }
   page.table("Delays", rows);
 }
@@ -94,9 +95,13 @@ void add_hops(HtmlPage& page, const Measurement& figures) {
   Rows rows{{"Hop", "in", "out", "median us", "90 %", "99 %", "longest", "jitter"}};
   for (const PathAccount& path : figures.paths) {
     for (const HopFigures& hop : path.hops) {
-      rows.push_back({path.message + ": " + hop.name, fmt::format("{}", hop.in),
-                      fmt::format("{}", hop.out), fixed(hop.delay.p50, 0), fixed(hop.delay.p90, 0),
-                      fixed(hop.delay.p99, 0), fixed(hop.delay.max, 0), fixed(hop.jitter_us, 0)});
+      rows.push_back(
+          {path.message + ": " + hop.name, fmt::format("{}", hop.in), fmt::format("{}", hop.out)});
+      add_delay_cells(
+          hop.delay,
+          {&DelayFigures::p50, &DelayFigures::p90, &DelayFigures::p99, &DelayFigures::max},
+          rows.back());
+      rows.back().push_back(hop.delay.count > 1 ? fixed(hop.jitter_us, 0) : "-");
     }
   }
   page.table("Each packet from hop to hop", rows);

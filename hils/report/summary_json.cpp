@@ -110,13 +110,14 @@ Json run_json(const Measurement& figures, const Verdict& verdict) {
   summary["valid"] = verdict.valid;
   summary["passed"] = verdict.passed;
   summary["failures"] = verdict.failures;
+  summary["remarks"] = verdict.remarks;
   summary["virtual_clock"] = figures.virtual_clock;
   summary["lockstep"] = figures.lockstep;
   summary["real_time_factor"] = figures.pace.real_time_factor;
   summary["worst_stall_ms"] = figures.pace.worst_stall_ms;
   summary["late_p99_ms"] = figures.pace.late_p99_ms;
-  summary["handover_p99_us"] = figures.handover_p99_us;
-  summary["reading_spread_us"] = figures.reading_spread_us;
+  summary["handover_p99_us"] = number_or_null(figures.handover_p99_us);
+  summary["reading_spread_us"] = number_or_null(figures.reading_spread_us);
   summary["cpu_pressure"] = figures.cpu_pressure ? Json(*figures.cpu_pressure) : Json(nullptr);
   summary["simulated_s"] = figures.simulated_s;
   summary["wall_s"] = figures.wall_s;
@@ -162,6 +163,7 @@ void add_figures(const Measurement& figures, Json& summary) {
   }
   summary["rms"] = rms_json(figures.rms);
   summary["rms_estimate"] = rms_json(figures.rms_estimate);
+  summary["peak_error_m"] = number_or_null(figures.peak_error_m);
   summary["stages"] = stages_json(figures);
   summary["plugins"] = plugins_json(figures.plugins);
 }

@@ -21,6 +21,7 @@ std::string verdict_text(const Measurement& figures, const Verdict& verdict) {
   std::string text = fmt::format("{}: {}, {}, seed {}\n", verdict.word(), figures.scenario,
                                  how_it_ran(figures), figures.seed);
   for (const std::string& sentence : verdict.failures) text += "  - " + sentence + "\n";
+  for (const std::string& remark : verdict.remarks) text += "  note: " + remark + "\n";
   if (const auto unjudged = unjudged_failure(figures, verdict)) text += "  " + *unjudged + "\n";
   text += figures.virtual_clock
               ? fmt::format("  {:.1f} s simulated in {:.2f} s: {:.{}f} x real time\n",
@@ -96,7 +97,9 @@ std::string delay_table(const Measurement& figures) {
   Rows rows{{"Delay, us", "median", "99 %", "longest"}};
   for (const auto& [which, name, _] : kDelayRows) {
     const DelayFigures& delay = figures.*which;
-    rows.push_back({name, fixed(delay.p50, 0), fixed(delay.p99, 0), fixed(delay.max, 0)});
+    rows.push_back({name});
+    add_delay_cells(delay, {&DelayFigures::p50, &DelayFigures::p99, &DelayFigures::max},
+                    rows.back());
   }
   std::string text = "\n" + lines(rows, std::array{34, 9, 9, 9});
   if (has_negative_delay(figures)) text += fmt::format("{}\n", kNegativeDelayNote);

@@ -18,6 +18,7 @@ void add_verdict(HtmlPage& page, const Verdict& verdict, const std::string& line
                     : verdict.passed ? HtmlPage::Mood::kGood
                                      : HtmlPage::Mood::kBad;
   page.verdict(mood, title_of(verdict), line, verdict.failures);
+  for (const std::string& remark : verdict.remarks) page.paragraph("Note: " + remark + ".");
 }
 
 void add_limits(HtmlPage& page, const std::string& caption, const Verdict& verdict) {

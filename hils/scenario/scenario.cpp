@@ -19,6 +19,7 @@
 #include "hils/flight/phase_check.hpp"
 #include "hils/flight/rms_figures.hpp"
 #include "hils/scenario/scenario_reference.hpp"
+#include "plugins/fault/fault_spec.hpp"
 
 namespace cas::hils {
 
@@ -45,7 +46,17 @@ struct Axes {
   }
 };
 
-constexpr std::tuple kLimitKeys{
+constexpr std::tuple kMotionKeys{
+    key<&Limits::rms>("rms", Axes{},
+                      "true position against the reference: {x_m, y_m, z_m, yaw_rad}"),
+    key<&Limits::rms_estimate>(
+        "rms_estimate", Axes{},
+        "the controller's own estimate against the reference, the same keys"),
+    key<&Limits::peak_error_m>("peak_error_m", kLimit,
+                               "farthest the true position is from the reference at any moment"),
+};
+
+constexpr std::tuple kStreamKeys{
     key<&Limits::lost>("lost", base::Count{}, "lost packets of each HIL message"),
     key<&Limits::delivered_pct>("delivered_pct", kShare_pct,
                                 "least share of delivered packets of each HIL message"),
@@ -53,14 +64,13 @@ constexpr std::tuple kLimitKeys{
                                  "deviation of the received rate from nominal, up or down"),
     key<&Limits::latency_p99_us>("latency_p99_us", Range{0, 1e9},
                                  "from HIL_SENSOR sent to its echo received, 99 % of the packets"),
-    key<&Limits::rms>("rms", Axes{},
-                      "true position against the reference: {x_m, y_m, z_m, yaw_rad}"),
-    key<&Limits::rms_estimate>(
-        "rms_estimate", Axes{},
-        "the controller's own estimate against the reference, the same keys"),
-    key<&Limits::responses>("responses", ReadApart{"name -> block"},
-                            "response to the `trajectory: {shape: step}` of that name", "none"),
 };
+
+constexpr auto kLimitKeys =
+    std::tuple_cat(kStreamKeys, kMotionKeys,
+                   std::tuple{key<&Limits::responses>(
+                       "responses", ReadApart{"name -> block"},
+                       "response to the `trajectory: {shape: step}` of that name", "none")});
 
 constexpr std::tuple kResponseKeys{
     key<&ResponseLimits::rise_s>("rise_s", kLimit, "from 10 to 90 %"),
@@ -364,22 +374,27 @@ constexpr std::tuple kKeys{
 
 }  // namespace
 
-std::map<std::string, double> parse_axes(const base::ConfigNode& limits, std::string_view key) {
-  std::map<std::string, double> axes;
-  if (const auto node = limits.find(key)) Axes::read(*node, axes);
-  return axes;
+void parse_motion_limits(const base::ConfigNode& node, Limits& limits) {
+  base::read_keys(node, kMotionKeys, limits);
 }
 
-void check_gusts(const std::vector<base::ConfigNode>& plugins, const ScenarioFaults& faults) {
-  const bool has_wind = std::ranges::any_of(plugins, [](const base::ConfigNode& plugin) {
-    return plugin.get<std::string>("plugin", "") == "wind";
-  });
-  if (has_wind) return;
-  for (const VehicleFault& fault : faults.vehicle) {
-    if (const auto gust = fault.script.find("gust")) {
-      gust->fail("a gust needs 'plugin: wind' in the scenario's plugins");
-    }
+void check_fault_plugins(const std::set<std::string>& plugins,
+                         const std::vector<VehicleFault>& faults) {
+  std::size_t number = 0;
+  for (const VehicleFault& fault : faults) {
+    const std::string needed = sim::needed_plugin(sim::parse_fault(fault.script, ++number).kind);
+    if (needed.empty() || plugins.contains(needed)) continue;
+    fault.script.fail("needs 'plugin: " + needed +
+                      "', which this vehicle does not have: it would begin and do nothing");
   }
+}
+
+std::set<std::string> plugin_names(const std::vector<base::ConfigNode>& plugins) {
+  std::set<std::string> names;
+  for (const base::ConfigNode& plugin : plugins) {
+    names.insert(plugin.get<std::string>("plugin", ""));
+  }
+  return names;
 }
 
 double ScenarioVehicle::start_yaw_rad() const {
@@ -444,7 +459,9 @@ Scenario Scenario::load(const std::filesystem::path& file) {
     scenario.faults = parse_scenario_faults(root.at("faults"), scenario.line, scenario.names());
     refuse_faults(root.at("faults"), std::array<std::string_view, 2>{"pause", "cut"},
                   "is a fault of a flight of stock firmware");
-    check_gusts(scenario.plugins, scenario.faults);
+    std::set<std::string> plugins = plugin_names(scenario.plugins);
+    plugins.insert({"motor", "imu", "gps", "magnetometer", "barometer"});  // of each vehicle
+    check_fault_plugins(plugins, scenario.faults.vehicle);
     check_fault_phases(root.at("faults"), scenario.steps);
   }
   if (root.has("limits")) scenario.limits = parse_limits(root.at("limits"), scenario.steps);

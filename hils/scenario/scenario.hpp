@@ -37,12 +37,14 @@ struct Limits {
   std::optional<double> latency_p99_us;        ///< sensor to control
   std::map<std::string, double> rms;           ///< x_m, y_m, z_m, yaw_rad: truth against reference
   std::map<std::string, double> rms_estimate;  ///< the same axes: estimate against reference
+  std::optional<double> peak_error_m;          ///< farthest the true position is from the reference
   std::map<std::string, ResponseLimits> responses;  ///< by the name of the step
   std::set<IncidentKind> allow;                     ///< of the scenario: these fail no run
 };
 
-/// Reads a bound for each axis that is there: x_m, y_m, z_m, yaw_rad. @throws base::ConfigError
-std::map<std::string, double> parse_axes(const base::ConfigNode& limits, std::string_view key);
+/// Reads the limits on the motion in the measured step, which every controller has: rms,
+/// rms_estimate, peak_error_m. @throws base::ConfigError
+void parse_motion_limits(const base::ConfigNode& node, Limits& limits);
 
 /// Where a run is flown: keys `world`, `model_path` and `missing` of a simulation file.
 struct ScenarioWorld {
@@ -104,9 +106,13 @@ struct Rates {
   double controls_hz = 400;
 };
 
-/// Plugin fault only asks for a gust; plugin wind blows it. @throws base::ConfigError where it is
-/// not among the plugins
-void check_gusts(const std::vector<base::ConfigNode>& plugins, const ScenarioFaults& faults);
+/// Plugin fault changes the samples of other plugins, and asks plugin wind for a gust: a fault
+/// whose plugin the vehicle does not have would begin and do nothing.
+/// @param plugins  all of the vehicle, by name. @throws base::ConfigError for such a fault
+void check_fault_plugins(const std::set<std::string>& plugins,
+                         const std::vector<VehicleFault>& faults);
+/// The names of a list of plugins.
+std::set<std::string> plugin_names(const std::vector<base::ConfigNode>& plugins);
 
 /// One experiment as config/scenarios/*.yaml describes it. Keys are the members' names.
 struct Scenario {

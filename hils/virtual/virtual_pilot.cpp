@@ -30,7 +30,9 @@ VirtualPilot::VirtualPilot(casd::VehicleCommander& commander, const Scenario& sc
 void VirtualPilot::run(base::RunTime now) {
   now_ = now;
   next_look_ = now + kLookPeriod;
-  for (std::size_t i = 0; i < vehicles_.size(); ++i) vehicles_[i] = look(i);
+  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+    vehicles_[i] = plan_.plan(i).from_arming(look(i));
+  }
   for (const FleetPlan::Command& command : plan_.update(to_sim_time(now), vehicles_)) {
     give(command, now);
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/fault/fault_spec.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -40,17 +41,16 @@ constexpr std::array<FieldName, 8> kFields{
      {SensorTopic::kBarometer, "temperature", "degc", 1.0, SampleField::kTemperature},
      {SensorTopic::kRangefinder, "distance", "m", 1.0, SampleField::kDistance}}};
 
+/// In the order of SensorTopic; also the names of their plugins.
+constexpr std::array<std::string_view, 5> kSensorWords{"imu", "gps", "magnetometer", "barometer",
+                                                       "rangefinder"};
+
 SensorTopic parse_topic(const ConfigNode& node) {
   const auto word = node.as<std::string>();
-  if (word == "imu") return SensorTopic::kImu;
-  if (word == "gps") return SensorTopic::kGps;
-  if (word == "magnetometer") return SensorTopic::kMagnetometer;
-  if (word == "barometer") return SensorTopic::kBarometer;
-  if (word == "rangefinder") return SensorTopic::kRangefinder;
-  constexpr std::array<std::string_view, 5> kWords{"imu", "gps", "magnetometer", "barometer",
-                                                   "rangefinder"};
+  const auto found = std::ranges::find(kSensorWords, word);
+  if (found != kSensorWords.end()) return static_cast<SensorTopic>(found - kSensorWords.begin());
   node.fail("must be imu, gps, magnetometer, barometer or rangefinder" +
-            base::did_you_mean(word, kWords));
+            base::did_you_mean(word, kSensorWords));
 }
 
 /// {sensor: imu, angular_rate_deg_s: [1, 0, 0]}; a scale has no unit: {sensor: imu, angular_rate:
@@ -308,6 +308,16 @@ void check_shares(const ConfigNode& node, const FaultKind& kind) {
 }
 
 }  // namespace
+
+std::string needed_plugin(const FaultKind& kind) {
+  if (std::holds_alternative<GustCommand>(kind)) return "wind";
+  if (const auto* sensor = std::get_if<SensorFault>(&kind)) {
+    return std::string(kSensorWords[static_cast<std::size_t>(sensor->topic)]);
+  }
+  const bool of_body =
+      std::holds_alternative<MassFault>(kind) || std::holds_alternative<CgFault>(kind);
+  return of_body ? "" : "motor";
+}
 
 FaultSpec parse_fault(const ConfigNode& node, std::size_t number) {
   FaultSpec fault;

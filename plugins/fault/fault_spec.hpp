@@ -99,6 +99,10 @@ struct CgFault {
 using FaultKind =
     std::variant<SensorFault, RotorFault, SwapFault, VoltageFault, MassFault, CgFault, GustCommand>;
 
+/// Name of the plugin without which a fault does nothing: the sensor's, wind for a gust, motor for
+/// rotors; empty: none.
+std::string needed_plugin(const FaultKind& kind);
+
 /// One fault: its begin, duration and effect.
 struct FaultSpec {
   std::string name;

@@ -106,6 +106,8 @@ ScriptedPx4::Options px4_options(const std::string& word) {
   if (word == "ignores-setpoints") return {.lie = Px4Lie::kIgnoresSetpoints};
   if (word == "lands-in-words") return {.lie = Px4Lie::kLandsInWords};
   if (word == "returns-in-words") return {.lie = Px4Lie::kReturnsInWords};
+  if (word == "dies") return {.dies_after = seconds(4)};
+  if (word == "plane") return {.is_plane = true};
   // Accepts its first takeoff in vain, and disarms itself.
   if (word == "idle") return {.stays_at_first = true};
   // The same, and stays armed until it is disarmed.

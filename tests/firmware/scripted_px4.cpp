@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <sstream>
@@ -157,6 +159,7 @@ void ScriptedPx4::on_sample(const mv::HilSensor& sample, base::RunTime now) {
   stream_lost_ = false;
   sensor_ = sample;
   disarm_in_time();
+  die_in_time();
   if (has_all(sample.fields_updated, kMag)) {
     constexpr int kMost = 1000;
     look_for_repeats(mag_, std::array{sample.xmag, sample.ymag, sample.zmag}, kMost,
@@ -273,6 +276,7 @@ mv::Heartbeat ScriptedPx4::in_software(mv::Heartbeat heartbeat) const {
   heartbeat.base_mode = static_cast<mv::MavModeFlag>(
       static_cast<int>(heartbeat.base_mode) & ~static_cast<int>(mv::MavModeFlag::kHilEnabled));
   if (armed_early_at_) heartbeat.base_mode |= mv::MavModeFlag::kSafetyArmed;
+  if (options_.is_plane) heartbeat.type = mv::MavType::kFixedWing;
   return heartbeat;
 }
 
@@ -443,6 +447,14 @@ void ScriptedPx4::disarm_in_time() {
   if (armed < options_.disarms_itself_after) return;
   has_disarmed_itself_ = true;
   disarm("auto preflight disarming");
+}
+
+void ScriptedPx4::die_in_time() {
+  if (!armed_ || !options_.dies_after) return armed_at_.reset();
+  if (!armed_at_) armed_at_ = clock_;
+  if (clock_ - *armed_at_ < *options_.dies_after) return;
+  std::fputs("scripted: a bug\n", stderr);
+  std::abort();
 }
 
 void ScriptedPx4::disarm(const char* by) {

@@ -82,6 +82,10 @@ class ScriptedPx4 {
     /// Ignores setpoints from this long after the first on (v1.16.1: COM_OF_LOSS_T later OFFBOARD
     /// is over).
     std::optional<base::Duration> loses_setpoints_after{};
+    /// Aborts this long after arming.
+    std::optional<base::Duration> dies_after{};
+    /// Says in its HEARTBEAT that it flies a plane.
+    bool is_plane = false;
     /// Reports flights that it has not flown.
     Px4Lie lie = Px4Lie::kNone;
     /// Reports the cause of a disarming ("Disarmed by ..."), as v1.12.0 and v1.16.1 do.
@@ -138,6 +142,7 @@ class ScriptedPx4 {
   bool arm_early(const mavlink::common::CommandLong& command, mav::Source from);
   bool disarm_early(const mavlink::common::CommandLong& command, mav::Source from);
   void disarm_in_time();
+  void die_in_time();
   void disarm(const char* by);
   bool say_who_disarmed(const mav::PacketView& packet);
   void acknowledge(mavlink::common::MavCmd command, mav::Source to,
@@ -190,6 +195,7 @@ class ScriptedPx4 {
   std::uint16_t text_id_ = 0;
   std::optional<base::RunTime> armed_early_at_;
   std::optional<base::RunTime> first_setpoint_at_;
+  std::optional<base::RunTime> armed_at_;
   bool has_disarmed_itself_ = false;
   std::optional<Eigen::Vector3d> home_N_;  // where it was armed
   bool in_air_ = false;

@@ -48,19 +48,26 @@ class SitlFlight : public testing::Test {
     folder_.write("world.yaml",
                   with_whole_paths(replaced(px4_sitl_world(ports_), "\nspeed: 1\n", pace_)));
     folder_.write("topology.yaml", with_whole_paths(px4_sitl_topology(ports_)));
-    const auto scenario =
-        folder_.write("scenario.yaml", R"(schema: 1
+    const auto scenario = folder_.write("scenario.yaml", R"(schema: 1
 name: disarm
 world: world.yaml
 topology: topology.yaml
 not_hil: true
 steps:
 )" + first_step_ + steps + more + R"(
-firmware: {command: [')" + binary_dir() + "/tests/scripted_firmware', px4-sitl, " +
-                                           ports_.arguments() + ", " + word + "]}\n");
+firmware:
+  hint: a hint of the scenario
+)" + (cwd_.empty() ? "" : "  cwd: '" + cwd_ + "'\n") + "  command: " +
+                                                             command_with(word) + "\n");
     hils_.emplace(std::vector<std::string>{binary_dir() + "/bin/hils", "run", scenario.string(),
                                            "--out", folder_ / "out"});
     station_.set_remote(port_of("127.0.0.1:" + ports_.ground_station));
+  }
+
+  std::string command_with(const std::string& word) const {
+    if (!command_.empty()) return command_;
+    return "['" + binary_dir() + "/tests/scripted_firmware', px4-sitl, " + ports_.arguments() +
+           ", " + word + "]";
   }
 
   /// Goes on until hils has ended; sends HEARTBEATs and passes packets from casd on.
@@ -115,6 +122,8 @@ firmware: {command: [')" + binary_dir() + "/tests/scripted_firmware', px4-sitl, 
   /// is late by the wall clock, and PX4 waits for a second of its own.
   std::string pace_ = "\n";
   std::string first_step_ = "  - arm: {timeout_s: 100}\n";
+  std::string command_;  ///< of another firmware than the scripted one
+  std::string cwd_;      ///< of the firmware
   TemporaryFolder folder_;
   Px4SitlPorts ports_;
   UdpPeer station_;

@@ -102,6 +102,33 @@ TEST(FlightPlan, TakesTheVehicleThroughAllSteps) {
   EXPECT_EQ(hold->reference_m, Eigen::Vector3d(0, 0, 2.5));
 }
 
+/// A vehicle whose origin is 0.6 m above and 2 m south of where it stands.
+VehicleReport with_another_origin(VehicleReport vehicle) {
+  vehicle.p_N += Eigen::Vector3d(2, 0, 0.6);
+  return vehicle;
+}
+
+TEST(FlightPlan, CountsHeightAndPlaceFromWhereTheVehicleWasArmed) {
+  FlightPlan plan({{.kind = StepKind::kArm, .timeout = seconds(10)},
+                   {.kind = StepKind::kTakeoff, .timeout = seconds(10), .altitude_m = 2.5},
+                   {.kind = StepKind::kGoto, .timeout = seconds(10), .place_m = {3, 0, 2.5}}});
+  const auto look = [&plan](base::SimTime now, VehicleReport vehicle) {
+    return plan.update(now, plan.from_arming(with_another_origin(std::move(vehicle))));
+  };
+  ASSERT_TRUE(look(at(seconds(0)), on_ground()));
+  plan.on_outcome(at(seconds(0)));
+  VehicleReport armed = on_ground();
+  armed.armed = true;
+  ASSERT_EQ(look(at(seconds(1)), armed)->kind, StepKind::kTakeoff);
+  plan.on_outcome(at(seconds(1)));
+  EXPECT_FALSE(look(at(seconds(3)), hovering()));
+  const auto place = look(at(seconds(4)), hovering());
+  ASSERT_TRUE(place) << "the takeoff is done: 2.5 m above the place of arming";
+  EXPECT_EQ(place->place_m, Eigen::Vector3d(5, 0, 1.9)) << "from the vehicle's own origin";
+  EXPECT_EQ(plan.reference_m(), Eigen::Vector3d(3, 0, 2.5));
+  EXPECT_EQ(plan.stages().back().armed_at_N, Eigen::Vector3d(2, 0, 0.6));
+}
+
 TEST(FlightPlan, StartsTheStillnessAnewWhenTheVehicleMoves) {
   FlightPlan plan({{.kind = StepKind::kTakeoff, .timeout = seconds(10), .altitude_m = 2.5}});
   plan.update(at(seconds(0)), hovering());

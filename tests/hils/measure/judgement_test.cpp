@@ -224,6 +224,48 @@ TEST(Judgement, AnUnmeasuredDelayMeetsNoLimit) {
             "the loop's delay has a limit, but no packet to measure it by");
 }
 
+TEST(Judgement, HoldsTheLargestErrorToItsLimit) {
+  Limits limits = hover_limits();
+  limits.peak_error_m = 0.5;
+  Measurement figures = good();
+  figures.peak_error_m = 0.5;
+  EXPECT_EQ(judge(figures, limits).exit_code(), kExitPassed);
+  figures.peak_error_m = 1.8;
+  EXPECT_EQ(judge(figures, limits).failures,
+            std::vector<std::string>{
+                "largest error of the true position is 1.800 m; the limit is 0.5 m"});
+  figures.peak_error_m.reset();
+  EXPECT_EQ(judge(figures, limits).exit_code(), kExitLimitsMissed) << "nothing was measured";
+  figures.over_hold = false;
+  figures.flight_failure = "arm: refused";
+  EXPECT_EQ(judge(figures, limits).failures.size(), 1U) << "the step was not reached";
+}
+
+TEST(Judgement, RemarksOnAMeasuredStepWithoutLimits) {
+  Verdict verdict = judge(good(), Limits{});
+  EXPECT_TRUE(verdict.passed);
+  ASSERT_EQ(verdict.remarks.size(), 1U);
+  EXPECT_NE(text_report(good(), verdict).find("note: the scenario limits neither rms nor "),
+            std::string::npos);
+  EXPECT_NE(summary_json(good(), verdict).find("the scenario limits neither rms nor "),
+            std::string::npos);
+  EXPECT_TRUE(judge(good(), hover_limits()).remarks.empty());
+}
+
+TEST(Judgement, ShowsNoFigureOfTheMachineThatWasNotMeasured) {
+  const Verdict verdict = judge(good(), hover_limits());
+  const auto check = std::ranges::find_if(verdict.checks, [](const LimitCheck& each) {
+    return each.what == "handover between simulator and casd, 99 %";
+  });
+  ASSERT_NE(check, verdict.checks.end());
+  EXPECT_FALSE(check->value);
+  EXPECT_FALSE(check->judged);
+  EXPECT_EQ(check->found, "not measured");
+  Measurement nothing = good();
+  nothing.sensor_to_control = {};
+  EXPECT_EQ(text_report(nothing, verdict).find("back           0"), std::string::npos);
+}
+
 /// Ways in which the machine did not keep up, each just beyond its bound. Every limit is kept.
 const MissCase kStarved[] = {
     {"Slow", [](Measurement& m) { m.pace.real_time_factor = 0.98; },
@@ -243,7 +285,9 @@ const MissCase kStarved[] = {
     {"ControllerWithoutAProcessor", [](Measurement& m) { m.reading_spread_us = 10'000; },
      "1 % of HIL_SENSOR was read 10.0 ms later than the median one, and 2 ms is the most"},
     {"SlowPrograms", [](Measurement& m) { m.handover_p99_us = 113'000; },
-     "simulator and casd took 113.0 ms to hand a packet over in 1 % of the cases"}};
+     "simulator and casd took 113.0 ms to hand a packet over in 1 % of the cases"},
+    {"PortOfFirmwareOnThisMachine", [](Measurement& m) { m.port_gap_ms = 51; },
+     "no HIL_SENSOR came to the controller's port for 51 ms, and 50 ms is the most"}};
 
 class StarvedMachine : public testing::TestWithParam<MissCase> {};
 

@@ -227,7 +227,7 @@ INSTANTIATE_TEST_SUITE_P(
                     "steps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: 1, measure: "
                     "true}}, land]\nfaults: [{at_s: 1, gust: {amplitude_m_s: [3, 0, 0], length_m: "
                     "20}}]\n",
-                    ":6: faults[0].gust: a gust needs 'plugin: wind'"},
+                    ":6: faults[0]: needs 'plugin: wind'"},
         BadScenario{"StepWithoutItsKeys",
                     "steps: [arm, {takeoff: {altitude_m: 3}}, {goto: {east_m: 1}}, land]\n",
                     ":5: steps[2].goto: keys are missing: 'north_m', 'up_m'"},

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/firmware/first_sign.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "hils/firmware/companion_station.hpp"
+
+namespace cas::hils {
+namespace {
+
+using nlohmann::json;
+
+struct Interface {
+  std::string_view plugin;
+  std::string_view autopilot;
+};
+constexpr std::array<Interface, 2> kInterfaces{
+    {{"mavlink_interface", "PX4"}, {"ardupilot_json", "ArduPilot"}}};
+
+/// At the port of the simulator that the firmware itself opens or sends to.
+void look_at_simulator(const json& stats, const std::string& vehicle, FirstSign& sign,
+                       std::vector<std::string>& words) {
+  const json plugins = stats.value("plugins", json::object());
+  for (const Interface& interface : kInterfaces) {
+    const auto found = plugins.find(fmt::format("{}@{}", interface.plugin, vehicle));
+    if (found == plugins.end() || !found->is_object()) continue;
+    const std::string endpoint = found->value("endpoint", "");
+    if (found->contains("packets")) {
+      const auto packets = found->value("packets", std::uint64_t{0});
+      sign.anything |= packets > 0;
+      words.push_back(packets > 0 ? fmt::format("{} packets came to {}", packets, endpoint)
+                                  : fmt::format("no packet came to {}", endpoint));
+    }
+    const json port = found->value("port", json::object());
+    if (port.contains("connections")) {
+      const bool came = port.value("connections", std::uint64_t{0}) > 0;
+      sign.anything |= came;
+      words.push_back(fmt::format("{} connected to {}", came ? "it" : "nobody", endpoint));
+    }
+  }
+}
+
+void look_at_casd(const json& links, bool on_serial_line, FirstSign& sign,
+                  std::vector<std::string>& words) {
+  for (const json& link : links) {
+    const std::string name = link.value("name", "");
+    const bool serial = link.value("type", "") == "serial";
+    if (name.starts_with(CompanionStation::kLink) || serial != on_serial_line) continue;
+    const json rx = link.value("rx", json::object());
+    const auto bytes = rx.value("bytes", std::uint64_t{0});
+    sign.anything |= bytes > 0;
+    words.push_back(fmt::format(
+        "{} on link {} ({})",
+        bytes > 0 ? fmt::format("{} bytes and no HEARTBEAT of an autopilot", bytes) : "nothing",
+        name, link.value("endpoint", "")));
+  }
+}
+
+/// Of the words that casd has for MAV_TYPE.
+bool is_multirotor(std::string_view type) {
+  constexpr std::array<std::string_view, 3> kOthers{"fixed_wing", "rover", "helicopter"};
+  return std::ranges::find(kOthers, type) == kOthers.end();
+}
+
+}  // namespace
+
+FirstSign first_sign(const json& stats, const json& links, const std::string& vehicle,
+                     bool on_serial_line) {
+  FirstSign sign;
+  std::vector<std::string> words;
+  look_at_simulator(stats, vehicle, sign, words);
+  look_at_casd(links, on_serial_line, sign, words);
+  sign.words = fmt::format("{}", fmt::join(words, "; "));
+  return sign;
+}
+
+std::string_view autopilot_of_plugin(std::string_view plugin) {
+  const auto found = std::ranges::find(kInterfaces, plugin, &Interface::plugin);
+  return found == kInterfaces.end() ? std::string_view() : found->autopilot;
+}
+
+std::optional<std::string> mismatch(const VehicleReport& vehicle, std::string_view wanted) {
+  const bool unknown = wanted.empty() || vehicle.autopilot == "other";
+  if (!unknown && vehicle.autopilot != wanted) {
+    return fmt::format(
+        "the scenario's world is for {}, and the first HEARTBEAT is of {}: start {}, or take a "
+        "scenario of {}",
+        wanted, vehicle.autopilot, wanted, vehicle.autopilot);
+  }
+  if (is_multirotor(vehicle.type)) return std::nullopt;
+  return fmt::format(
+      "the scenario's vehicle is a multirotor, and by its first HEARTBEAT the firmware flies a {}: "
+      "start the firmware for copters",
+      vehicle.type);
+}
+
+}  // namespace cas::hils
