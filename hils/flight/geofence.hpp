@@ -20,7 +20,8 @@ struct Geofence {
   std::optional<double> altitude_m{};  ///< ceiling above home; nullopt: none
   FenceAction action = FenceAction::kReturn;
   double margin_m = 0;  ///< so far beyond it the vehicle may come by the truth
-  double early_m = 0;   ///< so far inside it the vehicle may turn
+  /// So far inside it the vehicle may turn; PX4 from v1.13 on by `margin_m` at most.
+  double early_m = 0;
 };
 
 /// Reads the section `geofence` of a scenario of stock firmware. @throws base::ConfigError

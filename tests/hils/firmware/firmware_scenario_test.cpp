@@ -605,6 +605,24 @@ TEST(FirmwareFlight, IsJudgedUnderTheSameNamesWhateverComesOut) {
   EXPECT_EQ(names(), good);
 }
 
+/// The verdict on a vehicle that turned 7.25 m from home, its fence being at 15 m.
+Verdict turned_early(const std::string& version) {
+  FirmwareScenario scenario;
+  scenario.fence = Geofence{.radius_m = 15, .margin_m = 5, .early_m = 10};
+  FirmwareFigures figures = flown();
+  figures.version = version;
+  figures.fence = FenceFigures{.words = "Geofence", .farthest_m = 7.25, .highest_m = 5};
+  figures.stages.back().step.kind = StepKind::kBreach;
+  return judge(scenario, figures);
+}
+
+TEST(FirmwareFlight, MayTurnFarAheadOfItsFenceOnlyWithAFirmwareThatLooksAhead) {
+  EXPECT_TRUE(turned_early("1.12.0").passed);
+  EXPECT_EQ(turned_early("1.16.1").failures,
+            std::vector<std::string>{
+                "the vehicle did not come within 5.0 m of its fence: 7.25 m from home at most"});
+}
+
 TEST(FirmwareFlight, ThatBrokeOffDoesNotJudgeTheLimitsItDidNotReach) {
   FirmwareScenario scenario;
   scenario.drift_m = 1;
