@@ -40,10 +40,12 @@ constexpr double kFarthest_m = 100'000;
 
 }  // namespace
 
-/// The rates that a vehicle is asked for after it was met or has restarted.
+/// The rates that a vehicle is asked for after it was met or has restarted: those that commanding
+/// needs, then those of its link.
 struct VehicleCommander::RateRound {
   base::RunTime asked_at;
   std::vector<MessageRate> rates;
+  std::size_t own = 0;  ///< the first ones: nobody is told of their refusals
   std::size_t next = 0;
   std::string refused{};  ///< a sentence; empty: nothing was
 };
@@ -115,17 +117,17 @@ void VehicleCommander::greet(KnownVehicle& vehicle, base::RunTime now) {
       start(system, request_command(id), now, [](const Outcome&) {});
     }
   }
-  const std::vector<MessageRate> rates = options_.request_rates
-                                             ? options_.request_rates(vehicle.state.link())
-                                             : std::vector<MessageRate>();
-  if (options_.ask_on_sight) {
-    for (const auto& [id, hz] : streams_of(vehicle.state.autopilot())) {
-      if (std::ranges::count(rates, id, &MessageRate::message_id) > 0) continue;
-      message_interval(system, id, 1e6 / hz, now, [](const Outcome&) {});
-    }
+  std::vector<MessageRate> rates = options_.request_rates
+                                       ? options_.request_rates(vehicle.state.link())
+                                       : std::vector<MessageRate>();
+  std::size_t own = 0;
+  const Streams streams = options_.ask_on_sight ? streams_of(vehicle.state.autopilot()) : Streams();
+  for (const auto& [id, hz] : streams) {
+    if (std::ranges::count(rates, id, &MessageRate::message_id) > 0) continue;
+    rates.insert(rates.begin() + static_cast<std::ptrdiff_t>(own++), MessageRate{id, hz});
   }
   now_ = now;
-  ask_for_rates(system, std::make_shared<RateRound>(RateRound{now, rates}));
+  ask_for_rates(system, std::make_shared<RateRound>(RateRound{now, std::move(rates), own}));
 }
 
 /// Asks for one rate at a time. A restart ends the round: none of its requests wait before those of
@@ -137,11 +139,12 @@ void VehicleCommander::ask_for_rates(std::uint8_t system, const std::shared_ptr<
     if (!round->refused.empty()) table_.notice(system, round->refused, now_);
     return;
   }
+  const bool is_own = round->next < round->own;
   const MessageRate rate = round->rates[round->next++];
   const double period_us = rate.hz > 0 ? 1e6 / rate.hz : -1;
   message_interval(system, rate.message_id, period_us, now_,
-                   [this, system, rate, round](const Outcome& outcome) {
-                     if (!outcome.ok()) {
+                   [this, system, rate, round, is_own](const Outcome& outcome) {
+                     if (!outcome.ok() && !is_own) {
                        round->refused +=
                            round->refused.empty()
                                ? "vehicle " + std::to_string(system) + " does not send message "

@@ -129,8 +129,8 @@ void add_estimate(const std::filesystem::path& truth, const std::filesystem::pat
 std::optional<RmsFigures> estimate_error(const std::vector<Stage>& stages,
                                          std::span<const PoseSample> truth,
                                          std::span<const PoseSample> estimate) {
-  const auto takeoff = std::ranges::find(stages, StepKind::kTakeoff,
-                                         [](const Stage& stage) { return stage.step.kind; });
+  const auto takeoff =
+      std::ranges::find_if(stages, [](const Stage& stage) { return takes_off(stage.step); });
   const auto hold = std::ranges::find_if(stages, [](const Stage& s) { return s.step.measure; });
   if (takeoff == stages.end() || hold == stages.end() || truth.empty()) return std::nullopt;
   const auto true_at = [truth](std::int64_t time_us) {

@@ -58,15 +58,19 @@ void add(std::vector<std::string>& all, std::string text) {
   if (std::find(all.begin(), all.end(), text) == all.end()) all.push_back(std::move(text));
 }
 
+/// A sensor that is missing is not present and not healthy; of its receiver PX4 v1.16 says that it is
+/// healthy and neither present nor enabled.
 void add_sensors(std::vector<std::string>& all, const SysStatus& status) {
+  const MavSysStatusSensor present = status.onboard_control_sensors_present;
+  const MavSysStatusSensor enabled = status.onboard_control_sensors_enabled;
+  const MavSysStatusSensor health = status.onboard_control_sensors_health;
+  if ((present | enabled) == MavSysStatusSensor{}) return;  // PX4 v1.16 in its first second
   for (const Sensor& sensor : kNeeded) {
     const std::string name(sensor.name);
     // PX4 v1.12 leaves "present" unset for sensors that it calls healthy.
-    if (!has(status.onboard_control_sensors_present | status.onboard_control_sensors_health,
-             sensor.bit)) {
+    if (!has(present | (enabled & health), sensor.bit)) {
       add(all, "no " + name);
-    } else if (has(status.onboard_control_sensors_enabled, sensor.bit) &&
-               !has(status.onboard_control_sensors_health, sensor.bit)) {
+    } else if (has(enabled, sensor.bit) && !has(health, sensor.bit)) {
       add(all, name + " not healthy");
     }
   }

@@ -4,9 +4,8 @@
 #include <optional>
 #include <stdexcept>
 
-#include "casd/tlog/tlog_packets.hpp"
+#include "casd/tlog/tlog_files.hpp"
 #include "mavlink/common/all.hpp"
-#include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "tests/support/paths.hpp"
 
@@ -17,15 +16,16 @@ namespace mv = mavlink::common;
 Conversation recorded(const std::string& name) {
   Conversation all;
   std::optional<std::uint64_t> first_us;
-  const bool there = casd::for_each_tlog_packet(
-      source_dir() + "/tests/firmware/recorded/" + name + ".tlog", mv::table(),
-      [&](std::uint64_t unix_us, const mav::PacketView& packet) {
-        if (!first_us) first_us = unix_us;
-        const base::RunTime at{std::chrono::seconds(100) +
-                               std::chrono::microseconds(unix_us - *first_us)};
-        all.push_back({at, {packet.bytes.begin(), packet.bytes.end()}});
-      });
-  if (!there || all.empty()) throw std::runtime_error("no recorded conversation " + name);
+  casd::TlogReader log;
+  if (!log.open(source_dir() + "/tests/firmware/recorded/" + name + ".tlog")) {
+    throw std::runtime_error("no recorded conversation " + name);
+  }
+  while (const auto record = log.next()) {  // messages of other dialects, too
+    if (!first_us) first_us = record->unix_us;
+    const base::RunTime at{std::chrono::seconds(100) +
+                           std::chrono::microseconds(record->unix_us - *first_us)};
+    all.push_back({at, {record->packet.begin(), record->packet.end()}});
+  }
   return all;
 }
 

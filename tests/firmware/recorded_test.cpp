@@ -4,7 +4,6 @@
 // against the recording of the firmware that it stands for.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -79,14 +78,12 @@ TEST_P(RecordedReadiness, IsNeverToldWhereTheFirmwareRefusedAndInTimeWhereItWasR
   const ReadyCase& expected = GetParam();
   Listener casd;
   std::optional<double> ready_s;
-  bool asked = false;
   for (const Said& said : recorded(expected.file)) {
     if (!casd.hear(said)) continue;
     const mav::PacketView packet = said.view();
     const auto ack = mav::decode<mv::CommandAck>(packet);
     if (ack && ack->command == mv::MavCmd::kComponentArmDisarm &&
         ack->result != mv::MavResult::kAccepted) {
-      asked = true;
       EXPECT_NE(casd.lack(), "") << "it refused to arm at " << casd.elapsed_s() << " s";
       EXPECT_NE(casd.doctors_words(), "") << "doctor, at " << casd.elapsed_s() << " s";
     }
@@ -129,30 +126,33 @@ hils::FlightStep step(hils::StepKind kind, double timeout_s) {
   return step;
 }
 
-/// Takeoff to 5 m, hover, landing.
-std::vector<hils::FlightStep> hover_steps() {
+/// Takeoff, hover, landing.
+std::vector<hils::FlightStep> hover_steps(double altitude_m) {
   using hils::StepKind;
   std::vector<hils::FlightStep> steps{step(StepKind::kArm, 60), step(StepKind::kTakeoff, 30),
                                       step(StepKind::kHold, 30), step(StepKind::kLand, 60),
                                       step(StepKind::kDisarm, 30)};
-  steps[1].altitude_m = 5;
+  steps[1].altitude_m = altitude_m;
   steps[2].duration = seconds(5);
   return steps;
 }
 
-class RecordedFlight : public testing::TestWithParam<const char*> {};
+struct FlightCase {
+  const char* name;
+  const char* file;
+  double altitude_m;  ///< of its takeoff
+};
+
+class RecordedFlight : public testing::TestWithParam<FlightCase> {};
 
 TEST_P(RecordedFlight, IsDoneByThePlanThatItFlew) {
   Listener casd;
   constexpr hils::FirmwareHabits kHabits{
       .arms_early = true, .disarms_itself = seconds(5), .flies_setpoints = true};
-  hils::FlightPlan plan(hover_steps(), 0, kHabits);
-  Eigen::Vector3d armed_at_N = Eigen::Vector3d::Zero();
-  for (const Said& said : recorded(GetParam())) {
+  hils::FlightPlan plan(hover_steps(GetParam().altitude_m), 0, kHabits);
+  for (const Said& said : recorded(GetParam().file)) {
     if (!casd.hear(said)) continue;
-    hils::VehicleReport report = hils::to_report(casd.state());
-    if (!report.armed) armed_at_N = report.p_N;
-    report.p_N -= armed_at_N;
+    const hils::VehicleReport report = plan.from_arming(hils::to_report(casd.state()));
     const base::SimTime now(casd.now().time_since_epoch());
     if (plan.update(now, report)) plan.on_outcome(now);
     ASSERT_FALSE(plan.failure()) << *plan.failure();
@@ -160,14 +160,12 @@ TEST_P(RecordedFlight, IsDoneByThePlanThatItFlew) {
   EXPECT_TRUE(plan.done()) << plan.phase();
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, RecordedFlight,
-                         testing::Values("px4_1.15_sitl_hover", "px4_1.16_hitl_hover",
-                                         "arducopter_4.6_hover"),
-                         [](const auto& test) {
-                           std::string name = test.param;
-                           std::ranges::replace(name, '.', '_');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Of, RecordedFlight,
+    testing::Values(FlightCase{"Px4V115InSoftware", "px4_1.15_sitl_hover", 5},
+                    FlightCase{"Px4V116OnASerialLine", "px4_1.16_hitl_hover", 2.2},
+                    FlightCase{"ArduCopter46", "arducopter_4.6_hover", 5}),
+    [](const auto& test) { return std::string(test.param.name); });
 
 /// Messages that PX4 v1.16.1 streams without being asked, in software and on a serial line.
 const std::set<std::uint32_t> kOfPx4_1_16{

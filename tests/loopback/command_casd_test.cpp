@@ -206,6 +206,16 @@ TEST_F(CommandCasdTest, SaysForHowLongAVehicleHasBeenSilent) {
   EXPECT_NE(said.find("; no HEARTBEAT has come for "), std::string::npos) << said;
 }
 
+TEST_F(CommandCasdTest, StatusMarksASilentVehicle) {
+  start([](FakeVehicle& vehicle) { vehicle.script.silent_from = MavCmd::kComponentArmDisarm; });
+  EXPECT_EQ(casctl({"arm", "--no-wait"}), 0);
+  EXPECT_TRUE(wait_until([this] {
+    std::string said;
+    casctl({"status"}, &said);
+    return said.find(" ago (SILENT)") != std::string::npos;
+  }));
+}
+
 TEST_F(CommandCasdTest, SetsAGainOnTheVehicle) {
   start(know_gains);
   EXPECT_EQ(casctl({"setgain", "rollrate", "0.16", "0.21", "0.004"}), 0);

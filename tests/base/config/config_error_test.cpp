@@ -2,6 +2,7 @@
 // Errors of wrong files: each sentence names file, line and key path.
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
 #include <functional>
 #include <sstream>
 

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
+
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::base {

@@ -14,7 +14,6 @@
 
 #include "tests/casd/port/command_port_fixture.hpp"
 #include "tests/support/paths.hpp"
-#include "tests/support/wait_until.hpp"
 
 namespace cas::casd {
 namespace {
@@ -180,6 +179,7 @@ TEST_F(CasctlTest, EndsWithFourWhereAStateDoesNotCome) {
 
 TEST_F(CasctlTest, EndsATakeoffWhoseVehicleDisarms) {
   const base::RunTime now = base::steady_now();
+  fixture_.vehicle().say_heartbeat(now);
   fixture_.vehicle().say(mavlink::common::HomePosition{}, now);
   for (int i = 0; i < 100; ++i) {  // armed for 3 s from the command on, then not
     mavlink::common::Heartbeat heartbeat;
@@ -215,14 +215,6 @@ TEST_F(CasctlTest, SaysOfALandedVehicleThatItIsStillArmed) {
   fixture_.vehicle().base_mode |= MavModeFlag::kSafetyArmed;
   say_landed(fixture_.vehicle());
   EXPECT_EQ(run("rtl --wait --timeout 3").out, "vehicle 1 landed, and is still armed\n");
-}
-
-TEST_F(CasctlTest, MarksASilentVehicle) {
-  fixture_.vehicle().script.silent_from = mavlink::common::MavCmd::kComponentArmDisarm;
-  EXPECT_EQ(run("arm --no-wait").code, 0);
-  EXPECT_EQ(run("status").out.find("SILENT"), std::string::npos);
-  EXPECT_TRUE(cas::test::wait_until(
-      [&] { return run("status").out.find(" ago (SILENT)") != std::string::npos; }));
 }
 
 TEST_F(CasctlTest, EndsWithFourWhereTheVehicleAcceptsAndDoesNotArm) {

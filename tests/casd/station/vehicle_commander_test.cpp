@@ -109,7 +109,7 @@ TEST_F(VehicleCommanderTest, NeverHoldsMoreVehiclesThanItsBound) {
   EXPECT_EQ(commander_.vehicles().size(), 250U);
 }
 
-TEST_F(VehicleCommanderTest, AsksANewVehicleForItsVersionAndHome) {
+TEST_F(VehicleCommanderTest, AsksANewVehicleForItsVersionHomeAndEstimator) {
   VehicleCommander curious({}, [this](std::span<const std::uint8_t> bytes, std::span<const Path>) {
     parser_.feed(bytes, [this](const mav::PacketView& packet) { vehicle_.handle(packet, now_); });
   });
@@ -121,9 +121,10 @@ TEST_F(VehicleCommanderTest, AsksANewVehicleForItsVersionAndHome) {
                   [&](const mav::PacketView& view) { curious.on_packet(kLink, view, now_); });
     }
   }
-  ASSERT_EQ(vehicle_.commands.size(), 2U);
+  ASSERT_EQ(vehicle_.commands.size(), 3U);
   EXPECT_EQ(vehicle_.commands[0].param1, 148.0F);
-  EXPECT_EQ(vehicle_.commands[1].param1, 242.0F);
+  EXPECT_EQ(vehicle_.commands[1].param1, 230.0F) << "ESTIMATOR_STATUS, each second";
+  EXPECT_EQ(vehicle_.commands[2].param1, 242.0F);
 }
 
 /// A vehicle gets more rate requests than half of its command queue.

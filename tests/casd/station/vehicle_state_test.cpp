@@ -130,6 +130,21 @@ TEST_F(Stock, ASensorThatIsHealthyIsThereWithoutTheBitThatSaysSo) {
   EXPECT_TRUE(complaints_now().empty()) << testing::PrintToString(complaints_now());
 }
 
+// PX4 v1.16.1 without GPS, as recorded.
+TEST_F(Stock, ASensorThatIsNeitherPresentNorEnabledIsMissing) {
+  beat();
+  SysStatus status;
+  status.onboard_control_sensors_health = kAll;
+  vehicle_.say(status, now_);
+  pass(milliseconds(20));
+  EXPECT_TRUE(complaints_now().empty()) << "in its first second it tells of none";
+  status.onboard_control_sensors_present = kAll & ~S::kGps;
+  status.onboard_control_sensors_enabled = kAll & ~S::kGps;
+  vehicle_.say(status, now_);
+  pass(milliseconds(20));
+  EXPECT_EQ(complaints_now(), std::vector<std::string>{"no GPS"});
+}
+
 // PX4 v1.16.1 ends its texts with a tab.
 TEST_F(Stock, TextsComeWithoutTabs) {
   beat();

@@ -531,6 +531,10 @@ TEST(FirmwareFlight, ComparesEstimateAndTruthByWhatTheyWereBeforeTakeoff) {
   EXPECT_NEAR(error->z_m, 0.2, 1e-9);
   EXPECT_NEAR(error->yaw_rad, 0.1, 1e-9);
   EXPECT_FALSE(estimate_error(figures.stages, truth, {}));
+  FlightStep& takeoff = figures.stages[1].step;
+  takeoff.kind = StepKind::kMission;
+  takeoff.mission.items = {{.command = mavlink::common::MavCmd::kNavTakeoff}};
+  EXPECT_TRUE(estimate_error(figures.stages, truth, estimate)) << "a mission that takes off";
 }
 
 TEST(FirmwareFlight, IsHeldToRatesHopsAndEstimate) {
