@@ -25,42 +25,50 @@ constexpr std::array<Interface, 2> kInterfaces{
     {{"mavlink_interface", "PX4"}, {"ardupilot_json", "ArduPilot"}}};
 
 /// At the port of the simulator that the firmware itself opens or sends to.
-void look_at_simulator(const json& stats, const std::string& vehicle, FirstSign& sign,
+/// @return whether the simulator has one
+bool look_at_simulator(const json& stats, const std::string& vehicle, FirstSign& sign,
                        std::vector<std::string>& words) {
   const json plugins = stats.value("plugins", json::object());
+  bool has_port = false;
+  const auto note = [&](bool came, const std::string& what) {
+    has_port = true;
+    sign.anything |= came;
+    words.push_back(what);
+  };
   for (const Interface& interface : kInterfaces) {
     const auto found = plugins.find(fmt::format("{}@{}", interface.plugin, vehicle));
     if (found == plugins.end() || !found->is_object()) continue;
     const std::string endpoint = found->value("endpoint", "");
     if (found->contains("packets")) {
       const auto packets = found->value("packets", std::uint64_t{0});
-      sign.anything |= packets > 0;
-      words.push_back(packets > 0 ? fmt::format("{} packets came to {}", packets, endpoint)
-                                  : fmt::format("no packet came to {}", endpoint));
+      note(packets > 0, packets > 0 ? fmt::format("{} packets came to {}", packets, endpoint)
+                                    : fmt::format("no packet came to {}", endpoint));
     }
     const json port = found->value("port", json::object());
     if (port.contains("connections")) {
       const bool came = port.value("connections", std::uint64_t{0}) > 0;
-      sign.anything |= came;
-      words.push_back(fmt::format("{} connected to {}", came ? "it" : "nobody", endpoint));
+      note(came, fmt::format("{} connected to {}", came ? "it" : "nobody", endpoint));
     }
   }
+  return has_port;
 }
 
-void look_at_casd(const json& links, bool on_serial_line, FirstSign& sign,
-                  std::vector<std::string>& words) {
+/// @return whether a byte has come
+bool look_at_casd(const json& links, bool on_serial_line, std::vector<std::string>& words) {
+  bool came = false;
   for (const json& link : links) {
     const std::string name = link.value("name", "");
     const bool serial = link.value("type", "") == "serial";
     if (name.starts_with(CompanionStation::kLink) || serial != on_serial_line) continue;
     const json rx = link.value("rx", json::object());
     const auto bytes = rx.value("bytes", std::uint64_t{0});
-    sign.anything |= bytes > 0;
+    came |= bytes > 0;
     words.push_back(fmt::format(
         "{} on link {} ({})",
         bytes > 0 ? fmt::format("{} bytes and no HEARTBEAT of an autopilot", bytes) : "nothing",
         name, link.value("endpoint", "")));
   }
+  return came;
 }
 
 /// Of the words that casd has for MAV_TYPE.
@@ -75,8 +83,11 @@ FirstSign first_sign(const json& stats, const json& links, const std::string& ve
                      bool on_serial_line) {
   FirstSign sign;
   std::vector<std::string> words;
-  look_at_simulator(stats, vehicle, sign, words);
-  look_at_casd(links, on_serial_line, sign, words);
+  const bool has_port = look_at_simulator(stats, vehicle, sign, words);
+  // In software a firmware first meets its simulator; what comes to casd before it may be of
+  // others.
+  const bool came = look_at_casd(links, on_serial_line, words);
+  if (!has_port) sign.anything = came;
   sign.words = fmt::format("{}", fmt::join(words, "; "));
   return sign;
 }

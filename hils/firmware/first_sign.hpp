@@ -12,8 +12,10 @@ namespace cas::hils {
 
 /// What has come from a firmware before its first HEARTBEAT.
 struct FirstSign {
-  bool anything = false;  ///< a connection, a packet or a byte
-  std::string words{};    ///< "nobody connected to tcp 127.0.0.1:4560; nothing on link px4 (...)"
+  /// A connection or a packet at the simulator; of firmware on a serial line, which has no port
+  /// there, a byte.
+  bool anything = false;
+  std::string words{};  ///< "nobody connected to tcp 127.0.0.1:4560; nothing on link px4 (...)"
 };
 
 /// Looks for it at the simulator and at casd.
