@@ -108,6 +108,7 @@ ScriptedPx4::Options px4_options(const std::string& word) {
   if (word == "returns-in-words") return {.lie = Px4Lie::kReturnsInWords};
   if (word == "dies") return {.dies_after = seconds(4)};
   if (word == "plane") return {.is_plane = true};
+  if (word == "ardupilot") return {.is_ardupilot = true};
   // Accepts its first takeoff in vain, and disarms itself.
   if (word == "idle") return {.stays_at_first = true};
   // The same, and stays armed until it is disarmed.

@@ -277,6 +277,7 @@ mv::Heartbeat ScriptedPx4::in_software(mv::Heartbeat heartbeat) const {
       static_cast<int>(heartbeat.base_mode) & ~static_cast<int>(mv::MavModeFlag::kHilEnabled));
   if (armed_early_at_) heartbeat.base_mode |= mv::MavModeFlag::kSafetyArmed;
   if (options_.is_plane) heartbeat.type = mv::MavType::kFixedWing;
+  if (options_.is_ardupilot) heartbeat.autopilot = mv::MavAutopilot::kArdupilotmega;
   return heartbeat;
 }
 

@@ -86,6 +86,8 @@ class ScriptedPx4 {
     std::optional<base::Duration> dies_after{};
     /// Says in its HEARTBEAT that it flies a plane.
     bool is_plane = false;
+    /// Says in it that it is ArduPilot.
+    bool is_ardupilot = false;
     /// Reports flights that it has not flown.
     Px4Lie lie = Px4Lie::kNone;
     /// Reports the cause of a disarming ("Disarmed by ..."), as v1.12.0 and v1.16.1 do.
