@@ -106,7 +106,9 @@ FirmwareResult evaluate(const FirmwareScenario& scenario, const FirmwarePlaces& 
     const auto other = home_fault(scenario, vehicle, places.flight_tlog(), figures.system);
     if (other) figures.not_flown.push_back(*other);
   }
-  if (scenario.firmware.on_serial_line) figures.stream = measure_hitl_stream(places, figures);
+  if (scenario.firmware.on_serial_line) {
+    figures.stream = measure_hitl_stream(scenario, places, figures);
+  }
   const Verdict verdict = judge(scenario, figures);
   return {.vehicle = name, .figures = std::move(figures), .verdict = verdict};
 }

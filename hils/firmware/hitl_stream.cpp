@@ -8,6 +8,7 @@
 #include <map>
 #include <string>
 #include <utility>
+#include <variant>
 
 #include "casd/counters/link_ledger.hpp"
 #include "hils/programs/fcu_device.hpp"
@@ -25,10 +26,17 @@ bool has_sensors(const casd::LinkLedger::Entries& entries) {
                              [](const auto& entry) { return entry.message_id == HilSensor::kId; });
 }
 
-/// casd's ledgers of the links that take HIL_SENSOR in and send it; nullopt after a casd that was
-/// killed.
-std::optional<RelayLedgers> read_relay(const std::filesystem::path& file) {
-  if (!std::filesystem::exists(file)) return std::nullopt;
+/// The ledger of a casd that was killed, or of a link that was closed, is lost; the next begins
+/// later.
+bool loses_ledger(const FirmwareScenario& scenario) {
+  return std::ranges::any_of(scenario.faults.bench, [](const BenchFault& fault) {
+    return std::holds_alternative<RestartFault>(fault.kind) ||
+           std::holds_alternative<CutFault>(fault.kind);
+  });
+}
+
+/// casd's ledgers of the links that take HIL_SENSOR in and send it.
+RelayLedgers read_relay(const std::filesystem::path& file) {
   RelayLedgers relay;
   for (auto& [link, ledger] : casd::read_link_ledgers(file)) {
     if (has_sensors(ledger.received())) {
@@ -76,13 +84,16 @@ std::optional<StreamWindow> machine_window(const FirmwareFigures& figures) {
   return StreamWindow{base::to_time_usec(begin), base::to_time_usec(end)};
 }
 
-std::optional<Measurement> measure_hitl_stream(const FirmwarePlaces& places,
+std::optional<Measurement> measure_hitl_stream(const FirmwareScenario& scenario,
+                                               const FirmwarePlaces& places,
                                                const FirmwareFigures& figures) {
   const auto window = machine_window(figures);
   if (!window || !std::filesystem::exists(places.simulator_ledger())) return std::nullopt;
   RunRecord record;
   record.simulator = base::PacketLedger::read(places.simulator_ledger());
-  record.relay = read_relay(places.casd_ledger());
+  if (!loses_ledger(scenario) && std::filesystem::exists(places.casd_ledger())) {
+    record.relay = read_relay(places.casd_ledger());
+  }
   stand_in_for_controller(record);
   Measurement stream;
   stream.window = *window;

@@ -18,7 +18,8 @@ std::optional<StreamWindow> machine_window(const FirmwareFigures& figures);
 /// Measures the HIL stream between the simulator and casd's serial port from the ledgers of both,
 /// as that of a real controller (measure()); nullopt: there is nothing to measure.
 /// @throws base::ConfigError when a ledger cannot be read
-std::optional<Measurement> measure_hitl_stream(const FirmwarePlaces& places,
+std::optional<Measurement> measure_hitl_stream(const FirmwareScenario& scenario,
+                                               const FirmwarePlaces& places,
                                                const FirmwareFigures& figures);
 
 }  // namespace cas::hils

@@ -64,7 +64,7 @@ struct Ledgers {
 };
 
 Verdict judged(const Ledgers& ledgers, FirmwareFigures figures) {
-  figures.stream = measure_hitl_stream(ledgers.places, figures);
+  figures.stream = measure_hitl_stream({}, ledgers.places, figures);
   EXPECT_TRUE(figures.stream);
   return judge({}, figures);
 }
@@ -109,6 +109,20 @@ TEST(HitlStream, IsNotTheMachinesOnceAFaultHasBegunOrTheFirmwareIsSilent) {
   dead.fell_silent = at(8);
   dead.flight_failure = "firmware was ended by signal 11";
   EXPECT_EQ(judged(ledgers, dead).exit_code(), kExitLimitsMissed);
+}
+
+TEST(HitlStream, OfACasdThatAFaultKilledIsJudgedAtTheSimulatorAlone) {
+  const Ledgers ledgers([](std::uint64_t t) { return t > 10'000'000; });
+  FirmwareFigures figures = flown();
+  figures.bench_faults = {{.name = "restart", .begin = at(9), .end = at(10)}};
+  FirmwareScenario scenario;
+  BenchFault& fault = scenario.faults.bench.emplace_back();
+  fault.kind = RestartFault{};
+  figures.stream = measure_hitl_stream(scenario, ledgers.places, figures);
+  ASSERT_TRUE(figures.stream);
+  EXPECT_EQ(judge({}, figures).exit_code(), kExitPassed);
+  figures.stream->pace.worst_stall_ms = 60;
+  EXPECT_EQ(judge({}, figures).exit_code(), kExitInvalid);
 }
 
 TEST(HitlStream, IsNotMeasuredWhereAFaultCameFirst) {
