@@ -465,7 +465,7 @@ TEST(FirmwareFlight, ThatSwingsAboutItsHeightMissesItsLimitsAlthoughTheMeanIsRig
   EXPECT_EQ(failures(scenario, figures),
             (std::vector<std::string>{
                 "RMS error of the true position in z_m is 1.2728; the limit is 0.2",
-                "largest error of the true position is 1.801 m; the limit is 0.6 m"}));
+                "largest error of the true position is 1.800 m; the limit is 0.6 m"}));
 }
 
 TEST(FirmwareFlight, WithoutALimitOnItsMotionSaysSo) {

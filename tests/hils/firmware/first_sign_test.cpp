@@ -22,7 +22,7 @@ json link(const char* name, const char* type, const char* endpoint, int bytes) {
 
 TEST(FirstSign, OfNothingNamesEachPlaceThatWasListenedAt) {
   const json links{link("px4", "udp", "127.0.0.1:14550", 0),
-                   link("companion", "udp", "127.0.0.1:40000", 12)};
+                   link("hils_companion", "udp", "127.0.0.1:40000", 12)};
   const FirstSign sign = first_sign(px4_stats(0), links, "iris0", false);
   EXPECT_FALSE(sign.anything) << "hils' own link does not count";
   EXPECT_EQ(sign.words,
@@ -30,8 +30,9 @@ TEST(FirstSign, OfNothingNamesEachPlaceThatWasListenedAt) {
 }
 
 TEST(FirstSign, InSoftwareIsAConnectionOrAPacketAtTheSimulator) {
-  const json links{link("px4", "udp", "127.0.0.1:14550", 17)};
-  EXPECT_TRUE(first_sign(px4_stats(1), {link("px4", "udp", "", 0)}, "iris0", false).anything);
+  const json links = json::array({link("px4", "udp", "127.0.0.1:14550", 17)});
+  EXPECT_TRUE(
+      first_sign(px4_stats(1), json::array({link("px4", "udp", "", 0)}), "iris0", false).anything);
   const FirstSign bytes = first_sign(px4_stats(0), links, "iris0", false);
   EXPECT_FALSE(bytes.anything) << "it may be a ground station";
   EXPECT_NE(bytes.words.find("17 bytes and no HEARTBEAT of an autopilot on link px4"),
@@ -49,7 +50,8 @@ TEST(FirstSign, OfFirmwareOnASerialLineComesOverThatLine) {
   const FirstSign sign = first_sign(json::object(), links, "iris0", true);
   EXPECT_FALSE(sign.anything) << "the simulator's packets are not the firmware's";
   EXPECT_EQ(sign.words, "nothing on link fcu (/dev/pts/3)");
-  EXPECT_TRUE(first_sign(json::object(), {link("fcu", "serial", "", 1)}, "iris0", true).anything);
+  EXPECT_TRUE(first_sign(json::object(), json::array({link("fcu", "serial", "", 1)}), "iris0", true)
+                  .anything);
 }
 
 TEST(FirstSign, OfAnotherAutopilotOrAPlaneDoesNotFitTheWorld) {
