@@ -58,8 +58,8 @@ void add(std::vector<std::string>& all, std::string text) {
   if (std::find(all.begin(), all.end(), text) == all.end()) all.push_back(std::move(text));
 }
 
-/// A sensor that is missing is not present and not healthy; of its receiver PX4 v1.16 says that it is
-/// healthy and neither present nor enabled.
+/// A sensor that is missing is not present and not healthy; of its receiver PX4 v1.16 says that it
+/// is healthy and neither present nor enabled.
 void add_sensors(std::vector<std::string>& all, const SysStatus& status) {
   const MavSysStatusSensor present = status.onboard_control_sensors_present;
   const MavSysStatusSensor enabled = status.onboard_control_sensors_enabled;

@@ -160,12 +160,12 @@ TEST_P(RecordedFlight, IsDoneByThePlanThatItFlew) {
   EXPECT_TRUE(plan.done()) << plan.phase();
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Of, RecordedFlight,
-    testing::Values(FlightCase{"Px4V115InSoftware", "px4_1.15_sitl_hover", 5},
-                    FlightCase{"Px4V116OnASerialLine", "px4_1.16_hitl_hover", 2.2},
-                    FlightCase{"ArduCopter46", "arducopter_4.6_hover", 5}),
-    [](const auto& test) { return std::string(test.param.name); });
+INSTANTIATE_TEST_SUITE_P(Of, RecordedFlight,
+                         testing::Values(FlightCase{"Px4V115InSoftware", "px4_1.15_sitl_hover", 5},
+                                         FlightCase{"Px4V116OnASerialLine", "px4_1.16_hitl_hover",
+                                                    2.2},
+                                         FlightCase{"ArduCopter46", "arducopter_4.6_hover", 5}),
+                         [](const auto& test) { return std::string(test.param.name); });
 
 /// Messages that PX4 v1.16.1 streams without being asked, in software and on a serial line.
 const std::set<std::uint32_t> kOfPx4_1_16{
