@@ -154,6 +154,7 @@ Vehicle = TypedDict("Vehicle", {
     "landed": str,  # undefined, on_ground, in_air, taking_off, landing
     "link": str,
     "mode": str,
+    "position_lacks": NotRequired[str],  # what takeoff by position still needs; left out: nothing
     "rival": NotRequired[Rival],
     "silent_after_s": float,  # an older HEARTBEAT means that it is silent
     "state": str,  # MAV_STATE
