@@ -12,9 +12,13 @@
 
 #include "base/os/log.hpp"
 #include "casd/transport/stream_writer.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::casd {
 namespace {
+
+/// No text begins with either of the two bytes, nor do HTTP, WebSocket and TLS.
+bool may_begin_packet(std::uint8_t byte) { return byte == mav::kStartV1 || byte == mav::kStartV2; }
 
 constexpr std::size_t kReadBytes = 64 * 1024;
 constexpr auto kConnectPatience = std::chrono::seconds(3);
@@ -23,6 +27,8 @@ constexpr auto kLeastUptime = std::chrono::seconds(1);
 /// A peer that takes nothing so long is given up.
 constexpr auto kStallPatience = std::chrono::seconds(5);
 constexpr const char* kStopped = "stopped reading";
+constexpr const char* kNoMavlink =
+    "begins with no MAVLink packet (a browser, perhaps): closed unread";
 
 /// Options of every TCP connection: no delay, dead peers found within seconds.
 void prepare_tcp(int fd) {
@@ -312,6 +318,8 @@ std::optional<std::string> TcpServerLink::read(Client& client, base::RunTime now
   const ssize_t count = ::recv(client.fd.get(), buffer_.data(), buffer_.size(), MSG_DONTWAIT);
   if (count > 0) {
     const std::span bytes(buffer_.data(), static_cast<std::size_t>(count));
+    if (!client.speaks_mavlink && !may_begin_packet(bytes.front())) return kNoMavlink;
+    client.speaks_mavlink = true;
     core_.ingress().parse_stream(client.parser, bytes, [&](const mav::PacketView& packet) {
       fan_out_->routes().learn(client.slot, packet.source, now);
       core_.ingress().take_packet(packet, now, {client.slot, client.serial});
@@ -328,9 +336,18 @@ void TcpServerLink::remove(std::size_t index, const std::string& reason) {
   const bool stalled = reason == kStopped;
   fan_out_->remove_client(client.slot, stalled ? DropCause::kStalled : DropCause::kClosed);
   slots_ &= ~slot_bit(client.slot);
-  base::log::info("link " + core_.config().name + ": " + client.name + " " + reason);
+  log_removal(client.name, reason);
   clients_.erase(clients_.begin() + static_cast<std::ptrdiff_t>(index));
   core_.counters().peers.set(clients_.size());
+}
+
+/// Of those that speak no MAVLink only the first is worth a line: a page can open many.
+void TcpServerLink::log_removal(const std::string& client, const std::string& reason) {
+  const std::string line = "link " + core_.config().name + ": " + client + " " + reason;
+  if (reason != kNoMavlink) return base::log::info(line);
+  core_.counters().rx.foreign.add();
+  if (std::exchange(told_of_strangers_, true)) return base::log::debug(line);
+  base::log::warn(line + "; more of them are only counted (foreign)");
 }
 
 }  // namespace cas::casd

@@ -77,7 +77,8 @@ class TcpFanOut final : public PacketPort {
   SlotMask present_ CAS_GUARDED_BY(mutex_) = 0;
 };
 
-/// A TCP port for several clients.
+/// A TCP port for several clients. A client whose first byte begins no packet is closed and nothing
+/// of it is parsed: a page in a browser may reach this port with a request whose body is MAVLink.
 class TcpServerLink final : public Link {
  public:
   explicit TcpServerLink(LinkContext context);
@@ -96,6 +97,7 @@ class TcpServerLink final : public Link {
     std::shared_ptr<TxPort> port;
     Parser parser = make_parser();
     std::size_t poll_entry = 0;
+    bool speaks_mavlink = false;  ///< its first byte has come and begins a packet
     std::string name;
   };
 
@@ -105,6 +107,7 @@ class TcpServerLink final : public Link {
   std::optional<std::string> serve_client(Client& client, short events, base::RunTime now);
   std::optional<std::string> read(Client& client, base::RunTime now);
   void remove(std::size_t index, const std::string& reason);
+  void log_removal(const std::string& client, const std::string& reason);
 
   LinkCore core_;
   std::shared_ptr<TcpFanOut> fan_out_;
@@ -117,6 +120,7 @@ class TcpServerLink final : public Link {
   std::vector<std::unique_ptr<Client>> clients_;
   SlotMask slots_ = 0;
   std::uint32_t serials_ = 0;  ///< given so far
+  bool told_of_strangers_ = false;
   std::vector<std::uint8_t> buffer_;
 };
 

@@ -10,9 +10,13 @@
 #include <system_error>
 
 #include "base/os/log.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::sim {
 namespace {
+
+/// No text begins with either of the two bytes, nor do HTTP, WebSocket and TLS.
+bool may_begin_packet(std::uint8_t byte) { return byte == mav::kStartV1 || byte == mav::kStartV2; }
 
 constexpr int kBacklog = 4;
 
@@ -58,8 +62,19 @@ void TcpServerPort::drop_client(const char* why) {
   close(client_);
   client_ = -1;
   tail_.clear();
+  speaks_mavlink_ = false;
   base::log::info(endpoint() + ": the flight controller is gone (" + why +
                   "); waiting for the next");
+}
+
+void TcpServerPort::refuse_client() {
+  close(client_);
+  client_ = -1;
+  tail_.clear();
+  if (refused_clients_++ > 0) return;  // a page in a browser can open many
+  base::log::warn(endpoint() +
+                  ": a client begins with no MAVLink packet (a browser, perhaps) and was closed "
+                  "unread; more of them are only counted (refused_clients)");
 }
 
 bool TcpServerPort::flush_tail() {
@@ -100,6 +115,8 @@ void TcpServerPort::poll(const OnBytes& on_bytes) {
     if (size < 0 && would_block(errno)) return;
     if (size < 0) return drop_client(std::strerror(errno));
     if (size == 0) return drop_client("connection closed");
+    if (!speaks_mavlink_ && !may_begin_packet(buffer_.front())) return refuse_client();
+    speaks_mavlink_ = true;
     on_bytes({buffer_.data(), static_cast<std::size_t>(size)}, base::steady_now());
     if (static_cast<std::size_t>(size) < buffer_.size()) return;
   }
@@ -113,6 +130,7 @@ std::string TcpServerPort::endpoint() const { return "tcp " + bound_address(list
 
 void TcpServerPort::add_figures(nlohmann::ordered_json& figures) const {
   figures["connections"] = connections_;
+  figures["refused_clients"] = refused_clients_;
   figures["connected"] = connected();
   figures["sent_packets"] = sent_packets_;
   figures["queue_full"] = queue_full_;

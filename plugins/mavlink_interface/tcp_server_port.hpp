@@ -12,7 +12,8 @@ namespace cas::sim {
 
 /// Packets over the TCP connection that a flight controller opens: PX4's simulator API, in which
 /// the simulator listens. One controller at a time; the next is served when that one has gone, and
-/// waits in the listen queue until then.
+/// waits in the listen queue until then. A client whose first byte begins no packet, such as a
+/// browser, is closed and nothing of it is handed on.
 ///
 /// Never blocks: a packet that the connection does not take is dropped whole and counted, so that
 /// the byte stream stays intact.
@@ -36,6 +37,7 @@ class TcpServerPort final : public HilPort {
  private:
   void accept_client();
   void drop_client(const char* why);
+  void refuse_client();
   /// Sends the unsent rest of an earlier packet. @return whether nothing is left
   bool flush_tail();
 
@@ -45,7 +47,9 @@ class TcpServerPort final : public HilPort {
   int client_ = -1;
   std::array<std::uint8_t, kReadBytes> buffer_;
   std::vector<std::uint8_t> tail_;  // rest of a packet that was taken in part
+  bool speaks_mavlink_ = false;     ///< the client's first byte has come and begins a packet
   std::uint64_t connections_ = 0;
+  std::uint64_t refused_clients_ = 0;
   std::uint64_t sent_packets_ = 0;
   std::uint64_t without_peer_ = 0;
   std::uint64_t queue_full_ = 0;

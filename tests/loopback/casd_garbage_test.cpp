@@ -94,6 +94,7 @@ TEST(CasdGarbage, OnATcpServer) {
   fixture.start(with("type: tcp_server, local: \"127.0.0.1:0\""));
   TcpPeer client(fixture.port("in"));
   ASSERT_TRUE(client.connected());
+  client.send(std::vector<std::uint8_t>{0xFD});  // the client of a server begins with a packet
   expect_only_whole_packets(fixture, true, [&](auto bytes) { client.send(bytes); });
 }
 

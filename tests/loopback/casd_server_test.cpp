@@ -191,6 +191,50 @@ TEST(CasdTcpServer, ServesSeveralClientsAndCostsNobodyAStalledOne) {
   ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHeartbeat) == 1; }));
 }
 
+/// Bytes that a program other than a station sends first, before a whole packet that arms.
+struct StrangerCase {
+  const char* name;
+  std::string first;
+};
+
+class CasdTcpServerStranger : public testing::TestWithParam<StrangerCase> {};
+
+TEST_P(CasdTcpServerStranger, IsClosedUnreadAndCounted) {
+  CasdFixture fixture;
+  fixture.start(kServers);
+  TcpPeer stranger(fixture.port("tcp"));
+  mav::Encoder encoder({255, 190});
+  const auto packet = encoder(mavlink::common::Heartbeat{});
+  std::vector<std::uint8_t> bytes(GetParam().first.begin(), GetParam().first.end());
+  bytes.insert(bytes.end(), packet.begin(), packet.end());
+  stranger.send(bytes);
+  PacketStream heard;
+  ASSERT_TRUE(fixture.collect_until([&] {
+    stranger.read(heard);
+    return stranger.closed() || fixture.status("tcp").rx.foreign > 0;
+  }));
+  ASSERT_TRUE(wait_until([&] { return fixture.status("tcp").peers == 0; }));
+  EXPECT_EQ(fixture.status("tcp").rx.foreign, 1U);
+  EXPECT_EQ(fixture.status("tcp").rx.bytes, 0U) << "nothing of it was parsed";
+
+  // A station beside it is served.
+  TcpPeer station(fixture.port("tcp"));
+  station.send(packet);
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHeartbeat) > 0; }));
+  EXPECT_EQ(fixture.at_fcu.count(kHeartbeat), 1U);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Begins, CasdTcpServerStranger,
+    testing::Values(StrangerCase{"HttpPost", "POST / HTTP/1.1\r\nContent-Length: 21\r\n\r\n"},
+                    StrangerCase{"WebSocketUpgrade",
+                                 "GET / HTTP/1.1\r\nUpgrade: websocket\r\n\r\n"},
+                    StrangerCase{"EmptyLineFirst", "\r\nPUT / HTTP/1.1\r\n\r\n"},
+                    StrangerCase{"TlsClientHello", std::string("\x16\x03\x01\x02\x00", 5)},
+                    StrangerCase{"Utf8Mark", "\xEF\xBB\xBFhello"},
+                    StrangerCase{"Zero", std::string(1, '\0')}),
+    [](const auto& test) { return std::string(test.param.name); });
+
 TEST(CasdTcp, ConnectsAgainWhenTheServerComesBack) {
   const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};

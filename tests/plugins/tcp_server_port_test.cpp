@@ -17,7 +17,7 @@ namespace cas::sim {
 namespace {
 
 namespace mv = mavlink::common;
-constexpr std::array<std::uint8_t, 3> kThree{1, 2, 3};
+constexpr std::array<std::uint8_t, 3> kThree{mav::kStartV2, 2, 3};
 
 /// A TCP connection to the port, blocking.
 class Client {
@@ -62,7 +62,7 @@ TEST(TcpServerPort, ServesOneClientAfterTheOther) {
       }));
       EXPECT_EQ(port.peers(), visit);
       EXPECT_TRUE(port.send(kThree));
-      EXPECT_EQ(client.receive(3), (std::vector<std::uint8_t>{1, 2, 3}));
+      EXPECT_EQ(client.receive(3), (std::vector<std::uint8_t>{mav::kStartV2, 2, 3}));
       client.send(kThree);
       EXPECT_TRUE(port.wait(test::kPatience));
       EXPECT_EQ(poll_bytes(port), 3U);
@@ -72,6 +72,31 @@ TEST(TcpServerPort, ServesOneClientAfterTheOther) {
       return !port.connected();
     }));
   }
+}
+
+TEST(TcpServerPort, ClosesAClientThatBeginsWithNoPacketAndServesTheNext) {
+  TcpServerPort port(InetAddress::loopback(0));
+  for (const std::string_view first : {"POST / HTTP/1.1\r\n\r\n\xFD", "\r\n\xFD", "\x16\x03\x01"}) {
+    Client page(port);
+    const auto* const bytes = reinterpret_cast<const std::uint8_t*>(first.data());
+    page.send({bytes, first.size()});
+    nlohmann::ordered_json before;
+    port.add_figures(before);
+    ASSERT_TRUE(test::wait_until([&] {
+      EXPECT_EQ(poll_bytes(port), 0U);
+      nlohmann::ordered_json figures;
+      port.add_figures(figures);
+      return figures["refused_clients"] > before["refused_clients"];
+    }));
+    EXPECT_FALSE(port.connected());
+  }
+  Client firmware(port);
+  firmware.send(kThree);
+  std::size_t taken = 0;
+  ASSERT_TRUE(test::wait_until([&] {
+    taken += poll_bytes(port);
+    return taken == kThree.size();
+  }));
 }
 
 TEST(TcpServerPort, DropsWholePacketsWhenTheClientDoesNotRead) {
