@@ -58,18 +58,25 @@ void add(std::vector<std::string>& all, std::string text) {
   if (std::find(all.begin(), all.end(), text) == all.end()) all.push_back(std::move(text));
 }
 
+bool has_fix(const VehicleState& vehicle, Time now) {
+  const auto& gps = vehicle.gps_raw();
+  return gps && vehicle.is_recent(gps->at, now) && gps->message.fix_type >= GpsFixType::k3dFix;
+}
+
 /// A sensor that is missing is not present and not healthy; of its receiver PX4 v1.16 says that it
-/// is healthy and neither present nor enabled.
-void add_sensors(std::vector<std::string>& all, const SysStatus& status) {
+/// is healthy and neither present nor enabled, also while its estimator does not use it.
+void add_sensors(std::vector<std::string>& all, const VehicleState& vehicle, Time now) {
+  const SysStatus& status = vehicle.sys_status()->message;
   const MavSysStatusSensor present = status.onboard_control_sensors_present;
   const MavSysStatusSensor enabled = status.onboard_control_sensors_enabled;
   const MavSysStatusSensor health = status.onboard_control_sensors_health;
   if ((present | enabled) == MavSysStatusSensor{}) return;  // PX4 v1.16 in its first second
   for (const Sensor& sensor : kNeeded) {
     const std::string name(sensor.name);
+    const bool works = sensor.bit == MavSysStatusSensor::kGps && has_fix(vehicle, now);
     // PX4 v1.12 leaves "present" unset for sensors that it calls healthy.
     if (!has(present | (enabled & health), sensor.bit)) {
-      add(all, "no " + name);
+      if (!works) add(all, "no " + name);
     } else if (has(enabled, sensor.bit) && !has(health, sensor.bit)) {
       add(all, name + " not healthy");
     }
@@ -413,7 +420,7 @@ std::string position_lack(const VehicleState& vehicle, Time now) {
   if (lack.empty()) return lack;
   std::vector<std::string> reasons;
   const auto& status = vehicle.sys_status();
-  if (status && vehicle.is_recent(status->at, now)) add_sensors(reasons, status->message);
+  if (status && vehicle.is_recent(status->at, now)) add_sensors(reasons, vehicle, now);
   for (const std::string_view check : vehicle.failed_checks()) add(reasons, std::string(check));
   for (const std::string& reason : reasons) lack += "; " + reason;
   return lack;
@@ -423,7 +430,7 @@ std::vector<std::string> complaints(const VehicleState& vehicle, Time now,
                                     std::uint64_t texts_before) {
   std::vector<std::string> all;
   const auto& status = vehicle.sys_status();
-  if (status && now - status->at < kFreshStatus) add_sensors(all, status->message);
+  if (status && now - status->at < kFreshStatus) add_sensors(all, vehicle, now);
   if (vehicle.is_high_latency()) add_failures(all, vehicle.high_latency()->message);
   if (vehicle.armed()) return all;
   for (const std::string_view check : vehicle.failed_checks()) add(all, std::string(check));

@@ -143,6 +143,11 @@ TEST_F(Stock, ASensorThatIsNeitherPresentNorEnabledIsMissing) {
   vehicle_.say(status, now_);
   pass(milliseconds(20));
   EXPECT_EQ(complaints_now(), std::vector<std::string>{"no GPS"});
+  GpsRawInt gps;
+  gps.fix_type = GpsFixType::k3dFix;
+  vehicle_.say(gps, now_);
+  pass(milliseconds(20));
+  EXPECT_TRUE(complaints_now().empty()) << "it is there, and the estimator does not use it";
 }
 
 // PX4 v1.16.1 ends its texts with a tab.
