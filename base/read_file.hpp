@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "base/export.hpp"
+#include "base/os/descriptor.hpp"
 
 namespace cas::base {
 
@@ -13,5 +16,18 @@ namespace cas::base {
 /// broken disk, the /proc file of a process that has just ended (for which a stream's iterator
 /// would throw).
 CAS_BASE_EXPORT std::optional<std::string> read_file(const std::filesystem::path& file);
+
+/// Opens a file that another person may have made. It never waits: a FIFO or a terminal is refused
+/// like every file that is not regular.
+/// @param kind  of the file, for the error: "mesh"
+/// @throws ConfigError "FILE: KIND cannot be read", "FILE: KIND is no regular file"
+CAS_BASE_EXPORT Descriptor open_foreign_file(const std::filesystem::path& file,
+                                             std::string_view kind);
+
+/// All bytes of such a file.
+/// @param most_bytes  that it may have; /dev/zero ends here, too
+/// @throws ConfigError as above, and "FILE: KIND is larger than the 4 MiB that are read"
+CAS_BASE_EXPORT std::string read_foreign_file(const std::filesystem::path& file,
+                                              std::string_view kind, std::size_t most_bytes);
 
 }  // namespace cas::base

@@ -21,13 +21,7 @@ int line_of_key(const ConfigDocument& document, const ConfigTree& tree, const st
 }  // namespace
 
 ConfigNode ConfigNode::load(const std::filesystem::path& file) {
-  std::error_code error;
-  if (std::filesystem::is_directory(file, error)) {
-    throw ConfigError(file.string() + ": is a folder, not a file");
-  }
-  const std::optional<std::string> text = read_file(file);
-  if (!text) throw ConfigError(file.string() + ": cannot be read");
-  return parse(*text, file.string());
+  return parse(read_foreign_file(file, "YAML file", kMaxConfigBytes), file.string());
 }
 
 ConfigNode ConfigNode::parse(std::string_view text, const std::string& name) {

@@ -12,7 +12,8 @@ namespace cas::base {
 namespace {
 
 constexpr int kMaxDepth = 64;
-constexpr int kMaxNodes = 100'000;
+constexpr int kMaxNodes = 50'000;
+constexpr const char* kTooManyNodes = "the file expands to over 50000 values";
 
 int line_of(const YAML::Mark& mark) { return mark.is_null() ? 0 : mark.line + 1; }
 
@@ -24,7 +25,7 @@ class TreeBuilder {
   void build(const YAML::Node& node, ConfigTree& tree, const std::string& path, int depth) {
     if (tree.line == 0) tree.line = line_of(node.Mark());
     if (depth > kMaxDepth) fail(tree.line, path, "is nested deeper than 64 levels");
-    if (++nodes_ > kMaxNodes) fail(tree.line, path, "the file expands to over 100000 values");
+    if (++nodes_ > kMaxNodes) fail(tree.line, path, kTooManyNodes);
     if (node.IsScalar()) {
       tree.kind = ConfigTree::Kind::kScalar;
       tree.scalar = node.Scalar();
@@ -66,6 +67,7 @@ class TreeBuilder {
       auto child = std::make_unique<ConfigTree>();
       child->line = line;
       build(entry.second, *child, child_path, depth + 1);
+      tree.places.emplace(key, tree.entries.size());
       tree.entries.emplace_back(key, std::move(child));
     }
   }
@@ -74,36 +76,53 @@ class TreeBuilder {
   int nodes_ = 0;
 };
 
-/// Marks where the documents of a text begin.
-class DocumentMarks : public YAML::EventHandler {
+/// Marks where the documents of a text begin, and counts values before yaml-cpp keeps any.
+class TextScan : public YAML::EventHandler {
  public:
+  explicit TextScan(const TreeBuilder& builder) : builder_(builder) {}
+
   std::vector<YAML::Mark> begins;
 
   void OnDocumentStart(const YAML::Mark& mark) override { begins.push_back(mark); }
   void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
-  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t,
-                const std::string&) override {}
-  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
-                       YAML::EmitterStyle::value) override {}
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { count(mark); }
+  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { count(mark); }
+  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+                const std::string&) override {
+    count(mark);
+  }
+  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {
+    count(mark);
+  }
   void OnSequenceEnd() override {}
-  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
-                  YAML::EmitterStyle::value) override {}
+  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {
+    count(mark);
+  }
   void OnMapEnd() override {}
+
+ private:
+  // A key is an event of its own, and no value.
+  void count(const YAML::Mark& mark) {
+    if (++events_ > 2 * kMaxNodes) builder_.fail(line_of(mark), "", kTooManyNodes);
+  }
+
+  const TreeBuilder& builder_;
+  int events_ = 0;
 };
 
-/// Refuses a text of several documents. yaml-cpp makes documents without end of a mark that belongs
-/// to no value, such as a comma alone, so two are asked for and no more.
-void refuse_second_document(const std::string& text, const TreeBuilder& builder) {
+/// Refuses a text of several documents or of too many values. yaml-cpp makes documents without end
+/// of a mark that belongs to no value, such as a comma alone, so two are asked for and no more.
+void scan_text(const std::string& text, const TreeBuilder& builder) {
   std::istringstream stream(text);
   YAML::Parser parser(stream);
-  DocumentMarks marks;
-  while (marks.begins.size() < 2 && parser.HandleNextDocument(marks)) {
+  TextScan scan(builder);
+  while (scan.begins.size() < 2 && parser.HandleNextDocument(scan)) {
   }
-  if (marks.begins.size() < 2) return;
-  const YAML::Mark& second = marks.begins[1];
-  if (second.pos == marks.begins[0].pos) {
+  if (scan.begins.size() < 2) return;
+  const YAML::Mark& second = scan.begins[1];
+  if (second.pos == scan.begins[0].pos) {
     builder.fail(line_of(second), "",
                  "is not YAML: it begins with a mark that belongs to no value");
   }
@@ -149,10 +168,8 @@ bool indents_with_tab(std::string_view text, int line) {
 }  // namespace
 
 const ConfigTree* ConfigTree::find(std::string_view key) const {
-  for (const auto& [name, child] : entries) {
-    if (name == key) return child.get();
-  }
-  return nullptr;
+  const auto place = places.find(key);
+  return place == places.end() ? nullptr : entries[place->second].second.get();
 }
 
 std::shared_ptr<const ConfigDocument> parse_config(std::string_view text,
@@ -161,9 +178,10 @@ std::shared_ptr<const ConfigDocument> parse_config(std::string_view text,
   document->file = name;
   document->origins = ConfigOrigins::read(text);
   TreeBuilder builder(name.string());
+  if (text.size() > kMaxConfigBytes) builder.fail(0, "", "is larger than 4 MiB");
   try {
     const std::string copy(text);
-    refuse_second_document(copy, builder);
+    scan_text(copy, builder);
     const YAML::Node node = YAML::Load(copy);
     if (node.IsDefined()) builder.build(node, document->root, "", 0);
   } catch (const YAML::Exception& error) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -11,6 +14,9 @@
 #include "base/config/config_origin.hpp"
 
 namespace cas::base {
+
+/// Largest YAML text that is read.
+inline constexpr std::size_t kMaxConfigBytes = std::size_t{4} << 20U;
 
 /// One node of a parsed YAML document: the data behind ConfigNode.
 struct ConfigTree {
@@ -22,6 +28,7 @@ struct ConfigTree {
   bool quoted = false;                             // kScalar: never a number or a bool
   std::vector<std::unique_ptr<ConfigTree>> items;  // kList
   std::vector<std::pair<std::string, std::unique_ptr<ConfigTree>>> entries;  // kMap, file order
+  std::map<std::string, std::size_t, std::less<>> places;  // kMap: of each key in `entries`
 
   // Marks of readers: reading is const, and marks are not part of the value.
   mutable bool used = false;                // it was read
@@ -39,7 +46,8 @@ struct ConfigDocument {
 };
 
 /// @throws ConfigError "NAME:LINE: sentence" for a text that is no YAML, repeats a key, holds more
-/// than one document, nests deeper than 64 levels or expands to more than 100 000 nodes
+/// than one document or than kMaxConfigBytes, nests deeper than 64 levels or expands to more than
+/// 50 000 nodes
 std::shared_ptr<const ConfigDocument> parse_config(std::string_view text,
                                                    const std::filesystem::path& name);
 

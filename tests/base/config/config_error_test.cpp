@@ -176,18 +176,35 @@ TEST(ConfigLimits, AnchorsThatMultiplyAreRefused) {
     for (int j = 0; j < 10; ++j) text << (j == 0 ? "*a" : ", *a") << i - 1;
     text << "]\n";
   }
-  EXPECT_NE(message_of([&] { ConfigNode::parse(text.str()); }).find("100000"), std::string::npos);
+  EXPECT_NE(message_of([&] { ConfigNode::parse(text.str()); }).find("50000"), std::string::npos);
+}
+
+std::string many_keys(int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += "k" + std::to_string(i) + ": 1\n";
+  return text;
+}
+
+TEST(ConfigLimits, AFileOfManyKeysIsRefusedBeforeItIsKept) {
+  const std::string sentence = message_of([] { ConfigNode::parse(many_keys(100'000), "t.yaml"); });
+  EXPECT_NE(sentence.find("over 50000 values"), std::string::npos) << sentence;
+  EXPECT_EQ(ConfigNode::parse(many_keys(40'000)).entries().size(), 40'000U);
+}
+
+TEST(ConfigLimits, AFileAboveItsSizeIsRefused) {
+  EXPECT_EQ(message_of([] { ConfigNode::parse(std::string(5U << 20U, ' '), "t.yaml"); }),
+            "t.yaml: is larger than 4 MiB");
 }
 
 TEST(ConfigFiles, AMissingFileIsNamed) {
   EXPECT_EQ(message_of([] { ConfigNode::load("/nowhere/x.yaml"); }),
-            "/nowhere/x.yaml: cannot be read");
+            "/nowhere/x.yaml: YAML file cannot be read");
 }
 
 TEST(ConfigFiles, AFolderIsNamed) {
   const test::TemporaryFolder folder;
   EXPECT_EQ(message_of([&] { ConfigNode::load(folder.path()); }),
-            folder.path().string() + ": is a folder, not a file");
+            folder.path().string() + ": YAML file is a folder, not a file");
 }
 
 TEST(ConfigOrigin, AnErrorOfACopyNamesThePlaceItWasCopiedFrom) {
