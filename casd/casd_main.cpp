@@ -5,7 +5,7 @@
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -20,6 +20,7 @@
 #include "base/os/cpu_latency.hpp"
 #include "base/os/program.hpp"
 #include "base/os/thread.hpp"
+#include "base/read_file.hpp"
 #include "base/rpc/token.hpp"
 #include "base/text.hpp"
 #include "casd/app.hpp"
@@ -117,15 +118,17 @@ std::vector<LinkConfig> endpoints_of(const Flags& flags) {
   return links;
 }
 
+constexpr std::size_t kMaxTopologyBytes = std::size_t{4} << 20U;
+
 /// Users of mavlink-router hand its file over as they are used to.
 void refuse_router_file(const std::filesystem::path& file) {
   std::error_code none;
-  if (!std::filesystem::is_regular_file(file, none)) return;
-  std::ifstream text(file);
+  if (file.extension() != ".conf" || !std::filesystem::is_regular_file(file, none)) return;
+  std::istringstream text(base::read_foreign_file(file, "topology", kMaxTopologyBytes));
   for (std::string line; std::getline(text, line);) {
     const std::string_view words = base::trimmed(line);
     if (words.empty() || words.front() == '#') continue;
-    if (words.front() == '[' && words.back() == ']' && file.extension() == ".conf") {
+    if (words.front() == '[' && words.back() == ']') {
       throw base::ConfigError(file.string() +
                               ": is mavlink-router's configuration? 'casd --import " +
                               file.string() + " > topology.yaml' reads it");

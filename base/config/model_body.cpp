@@ -44,10 +44,11 @@ void BodySum::finish(ModelBody& body) const {
 }
 
 std::optional<ModelBody> read_model_body(const std::filesystem::path& file) {
-  const std::optional<std::string> xml = base::read_file(file);
-  if (!xml) return std::nullopt;
+  std::error_code error;
+  if (!std::filesystem::exists(file, error)) return std::nullopt;
+  const std::string xml = read_foreign_file(file, "vehicle model", kMaxModelBytes);
   std::optional<ModelBody> body =
-      SdfModel::is_sdf(*xml) ? SdfModel(*xml, file).body() : read_urdf_body(*xml);
+      SdfModel::is_sdf(xml) ? SdfModel(xml, file).body() : read_urdf_body(xml);
   if (body) body->file = file;
   return body;
 }

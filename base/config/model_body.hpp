@@ -60,10 +60,14 @@ class BodySum {
   Eigen::Matrix3d inertia_ = Eigen::Matrix3d::Zero();  // about the origin of R
 };
 
+/// Largest file of a vehicle's model that is read.
+inline constexpr std::size_t kMaxModelBytes = std::size_t{16} << 20U;
+
 /// Reads mass, inertia and places from a URDF or SDF file, whichever it is.
 /// @return nullopt for a file that is missing or neither: the loader of the shapes reports the
 ///     error
-/// @throws ConfigError for an SDF file that describes no single vehicle
+/// @throws ConfigError for an SDF file that describes no single vehicle, and for a file that is not
+///     regular or too large
 CAS_BASE_EXPORT std::optional<ModelBody> read_model_body(const std::filesystem::path& file);
 
 /// True when a body can have this inertia: symmetric, positive definite, and no principal moment

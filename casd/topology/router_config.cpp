@@ -17,6 +17,8 @@ using base::trimmed;
 std::vector<RouterFile> read_router_files(const std::filesystem::path& main,
                                           const std::filesystem::path& folder) {
   constexpr std::size_t kMostFiles = 128;  // as mavlink-router
+  constexpr std::size_t kMostBytes = std::size_t{1} << 20U;
+  constexpr const char* kKind = "mavlink-router's configuration";
   std::vector<std::filesystem::path> paths;
   std::error_code error;
   std::filesystem::directory_iterator entry(
@@ -34,9 +36,7 @@ std::vector<RouterFile> read_router_files(const std::filesystem::path& main,
   paths.insert(paths.begin(), main);
   std::vector<RouterFile> files;
   for (const std::filesystem::path& path : paths) {
-    const auto text = base::read_file(path);
-    if (!text) throw base::ConfigError("cannot read " + path.string());
-    files.push_back({path.string(), *text});
+    files.push_back({path.string(), base::read_foreign_file(path, kKind, kMostBytes)});
   }
   return files;
 }

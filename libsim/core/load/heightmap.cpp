@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/read_file.hpp"
 
 namespace cas::sim {
 
@@ -26,7 +27,8 @@ struct GreyImage {
 class PngReader {
  public:
   explicit PngReader(const std::filesystem::path& file)
-      : name_(file.string()), file_(std::fopen(name_.c_str(), "rb"), &std::fclose) {
+      : name_(file.string()),
+        file_(::fdopen(base::open_foreign_file(file, "heightmap").release(), "rb"), &std::fclose) {
     if (!file_) throw base::ConfigError(name_ + ": heightmap cannot be read");
     png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, &on_error, &on_warning);
     info_ = png_create_info_struct(png_);

@@ -20,22 +20,14 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "STL is read as it stands in memory");
 
 /// Five million triangles of binary STL.
-constexpr std::uintmax_t kMostBytes = 256U << 20U;
+constexpr std::size_t kMostBytes = 256U << 20U;
 
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& sentence) {
   throw base::ConfigError(file.string() + ": " + sentence);
 }
 
 std::string read_all(const std::filesystem::path& file) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(file, error);
-  if (!error && size > kMostBytes) {
-    fail(file, "mesh has " + std::to_string(size >> 20U) + " MiB, and at most " +
-                   std::to_string(kMostBytes >> 20U) + " are read");
-  }
-  const std::optional<std::string> bytes = base::read_file(file);
-  if (!bytes) fail(file, "mesh cannot be read");
-  return *bytes;
+  return base::read_foreign_file(file, "mesh", kMostBytes);
 }
 
 void add_triangle(TriangleMesh& mesh, const std::array<Eigen::Vector3d, 3>& corners) {

@@ -350,9 +350,7 @@ bool is_physical_inertia(const Eigen::Matrix3d& inertia) {
 }
 
 VehicleModel load_vehicle_model(const std::filesystem::path& file) {
-  const std::optional<std::string> content = base::read_file(file);
-  if (!content) fail(file, "vehicle model cannot be read");
-  const std::string& text = *content;
+  const std::string text = base::read_foreign_file(file, "vehicle model", base::kMaxModelBytes);
   // A template may parse, without the expansion of its macros.
   if (const auto sentence = base::template_language(text))
     fail(file, "is not a URDF: " + *sentence);

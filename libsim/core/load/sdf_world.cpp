@@ -505,11 +505,10 @@ void require_all(const std::vector<MissingFile>& missing, const fs::path& file,
 
 void cas_load_sdf_world(const fs::path& file, const std::vector<fs::path>& given_model_path,
                         Missing missing, WorldModel& model) {
-  std::error_code error;
   std::vector<fs::path> model_path = given_model_path;
   model_path.push_back(file.parent_path() / "models");
   for (const fs::path& dir : base::config_dirs()) model_path.push_back(dir / "worlds/models");
-  if (!fs::exists(file, error)) throw base::ConfigError(file.string() + ": world cannot be read");
+  base::open_foreign_file(file, "world");
   sdf::Console::Instance()->SetQuiet(true);  // it returns the same messages as errors
   sdf::ParserConfig parser;
   parser.SetFindCallback([&](const std::string& uri) {
