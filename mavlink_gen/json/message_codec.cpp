@@ -9,6 +9,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -218,6 +219,9 @@ void MessageCodec::add(const xml::Dialect& dialect) {
     }
     enums_[from.name] = std::move(to);
   }
+  std::set<std::string_view> names;
+  for (const xml::Message& message : dialect.messages) names.insert(message.name);
+  std::erase_if(messages_, [&](const auto& known) { return names.contains(known.second.name); });
   for (const xml::Message& from : dialect.messages) {
     Message to{.name = from.name,
                .crc_extra = from.crc_extra,
@@ -233,7 +237,6 @@ void MessageCodec::add(const xml::Dialect& dialect) {
                            .array_length = static_cast<std::size_t>(field.array_length),
                            .wire_offset = field.offset});
     }
-    std::erase_if(messages_, [&](const auto& known) { return known.second.name == from.name; });
     messages_[from.id] = std::move(to);
   }
 }

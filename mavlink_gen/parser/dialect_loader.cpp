@@ -20,6 +20,8 @@ namespace fs = std::filesystem;
 
 constexpr int kDefaultVersion = 3;
 constexpr std::size_t kMaxIncludeDepth = 64;
+constexpr std::size_t kMaxFiles = 256;
+constexpr std::size_t kMaxMessages = 10'000;  // all public dialects together have under 600
 
 std::string shown(const fs::path& path) { return path.lexically_normal().generic_string(); }
 
@@ -145,6 +147,10 @@ class Loader final {
       diagnostics_.error(include.position, "files are included too deeply");
       return std::nullopt;
     }
+    if (seen_.size() >= kMaxFiles) {
+      diagnostics_.error(include.position, "the dialect has more than 256 files");
+      return std::nullopt;
+    }
     if (!seen_.contains(target)) {
       load_file(path, diagnostics_.add_file({shown(path), true, include.position}));
     }
@@ -195,6 +201,9 @@ class Loader final {
   }
 
   void merge_message(Message message) {
+    if (message_ids_.size() >= kMaxMessages) {
+      return diagnostics_.error(message.position, "the dialect has more than 10000 messages");
+    }
     const auto [id, fresh_id] = message_ids_.try_emplace(message.id, message.position);
     if (!fresh_id) {
       return diagnostics_.error(message.position, "the message id " + std::to_string(message.id) +

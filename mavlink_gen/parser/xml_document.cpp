@@ -17,6 +17,7 @@ const Attribute* Element::find(std::string_view attribute) const {
 namespace {
 
 constexpr std::size_t kMaxDepth = 32;
+constexpr std::size_t kMaxElements = 100'000;  // common.xml has 9000
 
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 
@@ -139,6 +140,7 @@ class Reader final {
   void start(const char* name, const char** attributes) {
     if (stopped_) return;
     if (open_.size() >= kMaxDepth) return stop("elements are nested too deeply");
+    if (++elements_ > kMaxElements) return stop("the file has more than 100000 elements");
     Element element;
     element.name = name;
     element.position = here();
@@ -183,6 +185,7 @@ class Reader final {
   XML_Parser parser_;
   std::unique_ptr<Element> root_;
   std::vector<Element*> open_;  // a child's address holds until its parent gets the next child
+  std::size_t elements_ = 0;
   bool stopped_{};
 };
 

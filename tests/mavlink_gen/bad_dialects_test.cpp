@@ -327,6 +327,33 @@ TEST(Diagnostics, CircleOfIncludesIsNamed) {
   EXPECT_NE(diagnostics.all()[0].text.find("a.xml -> b.xml -> c.xml -> a.xml"), std::string::npos);
 }
 
+std::string many_messages(int count) {
+  std::string messages;
+  for (int i = 0; i < count; ++i) {
+    const std::string number = std::to_string(i);
+    messages += "<message id=\"" + number + "\" name=\"M" + number +
+                "\"><field type=\"uint8_t\" name=\"f\"/></message>";
+  }
+  return in_mavlink("<messages>" + messages + "</messages>");
+}
+
+TEST(Diagnostics, ADialectHasABoundedNumberOfMessages) {
+  const TemporaryFolder folder;
+  Diagnostics allowed;
+  EXPECT_TRUE(load_dialect(folder.write("allowed.xml", many_messages(10'000)), allowed));
+  Diagnostics more;
+  EXPECT_FALSE(load_dialect(folder.write("more.xml", many_messages(10'001)), more));
+  EXPECT_NE(more.render().find("more than 10000 messages"), std::string::npos);
+}
+
+TEST(Diagnostics, ADialectHasABoundedNumberOfElements) {
+  const TemporaryFolder folder;
+  Diagnostics diagnostics;
+  EXPECT_FALSE(load_dialect(folder.write("more.xml", many_messages(60'000)), diagnostics));
+  EXPECT_NE(diagnostics.render().find("more than 100000 elements"), std::string::npos);
+  EXPECT_EQ(diagnostics.error_count(), 1U);  // it is refused where the bound is crossed
+}
+
 TEST(Diagnostics, ManyErrorsAreCountedNotKept) {
   const TemporaryFolder folder;
   std::string body;
