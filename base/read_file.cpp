@@ -6,9 +6,9 @@
 #include <unistd.h>
 
 #include <array>
-#include <cerrno>
 #include <cstdio>
-#include <memory>
+#include <limits>
+#include <utility>
 
 #include "base/error.hpp"
 
@@ -25,25 +25,33 @@ std::string size_text(std::size_t bytes) {
   return bytes >= kMiB ? std::to_string(bytes / kMiB) + " MiB" : std::to_string(bytes) + " bytes";
 }
 
-}  // namespace
-
-std::optional<std::string> read_file(const std::filesystem::path& file) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(file.c_str(), "rbe"),
-                                                           std::fclose);
-  if (!in) return std::nullopt;
+/// What can still be read, and no more than a piece beyond `most_bytes`; nullopt: it broke off.
+std::optional<std::string> rest_of(std::FILE& in, std::size_t most_bytes) {
   std::string text;
   std::array<char, 65536> part{};
-  while (const std::size_t size = std::fread(part.data(), 1, part.size(), in.get())) {
+  while (text.size() <= most_bytes) {
+    const std::size_t size = std::fread(part.data(), 1, part.size(), &in);
+    if (size == 0) break;
     text.append(part.data(), size);
   }
-  if (std::ferror(in.get()) != 0) return std::nullopt;
+  if (std::ferror(&in) != 0) return std::nullopt;
   return text;
 }
 
-Descriptor open_foreign_file(const std::filesystem::path& file, std::string_view kind) {
-  Descriptor opened(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY));
+}  // namespace
+
+std::optional<std::string> read_file(const std::filesystem::path& file) {
+  const OpenFile in(std::fopen(file.c_str(), "rbe"));
+  if (!in) return std::nullopt;
+  return rest_of(*in, std::numeric_limits<std::size_t>::max());
+}
+
+OpenFile open_foreign_file(const std::filesystem::path& file, std::string_view kind) {
+  const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  OpenFile opened(fd < 0 ? nullptr : ::fdopen(fd, "rb"));
+  if (!opened && fd >= 0) ::close(fd);
   struct stat status {};
-  if (!opened || ::fstat(opened.get(), &status) != 0) fail(file, kind, "cannot be read");
+  if (!opened || ::fstat(fd, &status) != 0) fail(file, kind, "cannot be read");
   if (S_ISDIR(status.st_mode)) fail(file, kind, "is a folder, not a file");
   if (!S_ISREG(status.st_mode)) fail(file, kind, "is no regular file");
   return opened;
@@ -51,19 +59,13 @@ Descriptor open_foreign_file(const std::filesystem::path& file, std::string_view
 
 std::string read_foreign_file(const std::filesystem::path& file, std::string_view kind,
                               std::size_t most_bytes) {
-  const Descriptor opened = open_foreign_file(file, kind);
-  std::string text;
-  std::array<char, 65536> part{};
-  for (;;) {
-    const ssize_t size = ::read(opened.get(), part.data(), part.size());
-    if (size < 0 && errno == EINTR) continue;
-    if (size < 0) fail(file, kind, "cannot be read");
-    if (size == 0) return text;
-    text.append(part.data(), static_cast<std::size_t>(size));
-    if (text.size() > most_bytes) {
-      fail(file, kind, "is larger than the " + size_text(most_bytes) + " that are read");
-    }
+  const OpenFile opened = open_foreign_file(file, kind);
+  std::optional<std::string> text = rest_of(*opened, most_bytes);
+  if (!text) fail(file, kind, "cannot be read");
+  if (text->size() > most_bytes) {
+    fail(file, kind, "is larger than the " + size_text(most_bytes) + " that are read");
   }
+  return std::move(*text);
 }
 
 }  // namespace cas::base

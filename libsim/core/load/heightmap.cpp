@@ -27,9 +27,7 @@ struct GreyImage {
 class PngReader {
  public:
   explicit PngReader(const std::filesystem::path& file)
-      : name_(file.string()),
-        file_(::fdopen(base::open_foreign_file(file, "heightmap").release(), "rb"), &std::fclose) {
-    if (!file_) throw base::ConfigError(name_ + ": heightmap cannot be read");
+      : name_(file.string()), file_(base::open_foreign_file(file, "heightmap")) {
     png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, &on_error, &on_warning);
     info_ = png_create_info_struct(png_);
     png_init_io(png_, file_.get());
@@ -87,7 +85,7 @@ class PngReader {
   static void on_warning(png_structp, png_const_charp) {}
 
   std::string name_;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+  base::OpenFile file_;
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
 };
