@@ -12,6 +12,10 @@
 namespace cas::sim {
 namespace {
 
+// Parsing and evaluation call themselves once a level and once a link of a chain.
+constexpr std::size_t kMaxNesting = 64;
+constexpr std::size_t kMaxTerms = 1000;
+
 constexpr std::array<std::string_view, kFacts> kFactNames{"time",  "altitude", "height", "north",
                                                           "east",  "speed",    "climb",  "roll",
                                                           "pitch", "yaw",      "armed"};
@@ -38,7 +42,10 @@ class ExpressionParser {
   using Operation = Expression::Operation;
 
   [[noreturn]] void fail(const std::string& sentence) const {
-    throw std::invalid_argument("in '" + std::string(text_) + "': " + sentence);
+    constexpr std::size_t kShown = 200;
+    const std::string more = text_.size() > kShown ? "..." : "";
+    throw std::invalid_argument("in '" + std::string(text_.substr(0, kShown)) + more +
+                                "': " + sentence);
   }
 
   /// Reads the next word, number or sign into token_; empty at the end.
@@ -67,6 +74,7 @@ class ExpressionParser {
   }
 
   std::size_t add(Expression::Node node) {
+    if (expression_.nodes_.size() == kMaxTerms) fail("a condition has at most 1000 terms");
     expression_.nodes_.push_back(std::move(node));
     return expression_.nodes_.size() - 1;
   }
@@ -92,10 +100,12 @@ class ExpressionParser {
   }
 
   std::size_t parse_not() {
-    if (take("not")) return join(Operation::kNot, parse_not(), 0);
-    if (!take("(")) return parse_comparison();
-    const std::size_t inner = parse_or();
-    if (!take(")")) fail("a ')' is missing");
+    const bool negated = take("not");
+    if (!negated && !take("(")) return parse_comparison();
+    if (++nesting_ > kMaxNesting) fail("it is nested deeper than 64 levels");
+    const std::size_t inner = negated ? join(Operation::kNot, parse_not(), 0) : parse_or();
+    if (!negated && !take(")")) fail("a ')' is missing");
+    --nesting_;
     return inner;
   }
 
@@ -156,9 +166,10 @@ class ExpressionParser {
   }
 
   std::string unknown_operand() const {
-    std::string sentence = token_.empty()
-                               ? std::string("something is missing at the end")
-                               : "'" + std::string(token_) + "' is no number and none of";
+    constexpr std::size_t kShownWord = 40;
+    std::string sentence = token_.empty() ? std::string("something is missing at the end")
+                                          : "'" + std::string(token_.substr(0, kShownWord)) +
+                                                "' is no number and none of";
     if (token_.empty()) return sentence;
     for (const std::string_view name : kFactNames) sentence += " " + std::string(name);
     return sentence + " phase";
@@ -167,6 +178,7 @@ class ExpressionParser {
   std::string_view text_;
   std::size_t place_ = 0;
   std::string_view token_;
+  std::size_t nesting_ = 0;
   Expression expression_;
 };
 

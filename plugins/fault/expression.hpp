@@ -36,7 +36,7 @@ struct Facts {
 
 /// A condition on the state: "altitude > 2 and phase == hold". Comparisons < <= > >= == != of facts
 /// and numbers, `phase` against words, joined by and, or, not and parentheses. A fact alone is true
-/// when it is not 0.
+/// when it is not 0. At most 64 levels of `not` and parentheses, and 1000 terms.
 class Expression {
  public:
   /// @throws std::invalid_argument with a sentence that names the place

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "libsim/api/fault_order.hpp"
@@ -76,6 +77,29 @@ TEST(Expression, RefusesNumbersThatAreNotFinite) {
   } catch (const std::invalid_argument& refusal) {
     EXPECT_STREQ(refusal.what(), "in 'altitude > nan': 'nan' is not a finite number");
   }
+}
+
+std::string repeated(std::string_view text, std::size_t times) {
+  std::string all;
+  for (std::size_t i = 0; i < times; ++i) all += text;
+  return all;
+}
+
+TEST(Expression, CountsItsLevels) {
+  EXPECT_NO_THROW(Expression::parse(repeated("(", 64) + "armed" + repeated(")", 64)));
+  EXPECT_NO_THROW(Expression::parse(repeated("(armed) and ", 100) + "armed"));  // side by side
+  for (const std::size_t deep : {65U, 200'000U}) {
+    EXPECT_THROW(Expression::parse(repeated("(", deep) + "armed" + repeated(")", deep)),
+                 std::invalid_argument);
+    EXPECT_THROW(Expression::parse(repeated("not ", deep) + "armed"), std::invalid_argument);
+  }
+}
+
+TEST(Expression, CountsItsTerms) {
+  Facts facts;
+  facts[Fact::kArmed] = 1;
+  EXPECT_TRUE(Expression::parse(repeated("armed and ", 400) + "armed").evaluate(facts));
+  EXPECT_THROW(Expression::parse(repeated("armed and ", 100'000) + "armed"), std::invalid_argument);
 }
 
 TEST(FaultSpec, RefusesHalfAndDoubleEntries) {
