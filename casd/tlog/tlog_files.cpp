@@ -179,13 +179,18 @@ bool TlogReader::open(const std::filesystem::path& file) {
 
 std::optional<TlogReader::Record> TlogReader::next() {
   for (;;) {
-    const std::optional<Record> record = records_.next(ended_);
+    const std::optional<Record> record = next_read();
     if (record || ended_) return record;
-    std::vector<std::uint8_t> chunk(kChunkBytes);
-    file_.read(reinterpret_cast<char*>(chunk.data()), kChunkBytes);
-    ended_ = file_.gcount() == 0;
-    records_.feed(std::span(chunk).first(static_cast<std::size_t>(file_.gcount())));
+    read_more();
   }
+}
+
+bool TlogReader::read_more() {
+  std::vector<std::uint8_t> chunk(kChunkBytes);
+  file_.read(reinterpret_cast<char*>(chunk.data()), kChunkBytes);
+  ended_ = file_.gcount() == 0;
+  records_.feed(std::span(chunk).first(static_cast<std::size_t>(file_.gcount())));
+  return !ended_;
 }
 
 }  // namespace cas::casd

@@ -90,8 +90,12 @@ class TlogReader {
 
   /// @return false when it cannot be read
   bool open(const std::filesystem::path& file);
-  /// Nothing at the end.
+  /// Nothing at the end. Reads on as long as it takes.
   std::optional<Record> next();
+  /// The next record in what has been read; nothing: read_more() has the rest, if there is one.
+  std::optional<Record> next_read() { return records_.next(ended_); }
+  /// Reads one piece of the file. @return false at its end
+  bool read_more();
   std::uint64_t skipped_bytes() const { return records_.skipped_bytes(); }
 
  private:

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/transport/tlog_link.hpp"
 
+#include <algorithm>
+#include <system_error>
 #include <utility>
 
 namespace cas::casd {
@@ -8,6 +10,9 @@ namespace {
 
 // Time for the other links to open, so that they do not miss the beginning.
 constexpr auto kLeadIn = std::chrono::milliseconds(200);
+// How often the thread that reads is asked while it has nothing.
+constexpr auto kAskAgain = std::chrono::milliseconds(5);
+constexpr double kLongestWait_s = 366.0 * 86400;  // stamps may be any number
 
 class DiscardPort final : public PacketPort {
  public:
@@ -19,55 +24,73 @@ class DiscardPort final : public PacketPort {
 TlogLink::TlogLink(LinkContext context)
     : core_(std::move(context)), port_(std::make_shared<DiscardPort>()), parser_(make_parser()) {}
 
-void TlogLink::watch(PollSet& set, base::RunTime) {
+void TlogLink::watch(PollSet& set, base::RunTime now) {
   if (ended_) return;
-  if (!next_) return set.wake_by(core_.backoff().next());
-  set.wake_by(due_);
-  set.wake_by(core_.next_second());
+  if (!log_) return set.wake_by(core_.backoff().next());
+  set.wake_by(next_ ? due_ : now + kAskAgain);
+  if (begun_) set.wake_by(core_.next_second());
 }
 
 void TlogLink::serve(const PollSet&, base::RunTime now) {
   if (ended_) return;
-  if (!next_) {
+  if (!log_) {
     if (core_.backoff().due(now)) open(now);
     return;
   }
+  if (!begun_) return begin(now);
   play(now);
   if (core_.second_due(now)) core_.on_second(now);
 }
 
 void TlogLink::open(base::RunTime now) {
-  const LinkConfig& config = core_.config();
-  if (!reader_.open(config.file)) return core_.went_down("cannot read the log", now);
-  next_ = reader_.next();
-  if (!next_) return core_.went_down("holds no packet", now);
-  first_us_ = next_->unix_us;
-  started_ = due_ = now + kLeadIn;
-  core_.went_up(config.file.string());
+  begun_ = false;
+  try {
+    log_ = std::make_unique<TlogReadAhead>(core_.config().file);
+  } catch (const std::system_error&) {
+    log_.reset();
+    core_.went_down("no thread to read the log", now);
+  }
+}
+
+void TlogLink::begin(base::RunTime now) {
+  next_ = log_->next();
+  if (next_) {
+    begun_ = true;
+    first_us_ = next_->unix_us;
+    started_ = due_ = now + kLeadIn;
+    core_.went_up(core_.config().file.string());
+  } else if (log_->ended()) {
+    ended_ = !log_->unreadable();
+    log_.reset();
+    core_.went_down(ended_ ? "holds no packet" : "cannot read the log", now);
+  }
 }
 
 void TlogLink::play(base::RunTime now) {
   // After a stall no more than this a turn: other links of the loop wait no longer.
   constexpr int kMostAtOnce = 64;
+  if (!next_) advance();
   for (int i = 0; i < kMostAtOnce && next_ && due_ <= now; ++i) {
     core_.ingress().take_datagram(parser_, next_->packet, now);
     advance();
   }
   core_.ingress().deliver(now);
-  if (!next_) end(now);
+  if (!next_ && log_->ended()) end(now);
 }
 
 void TlogLink::advance() {
-  next_ = reader_.next();
+  next_ = log_->next();
   if (!next_) return;
   // A clock that was set back while recording stops nothing: overdue packets are played at once.
   const auto recorded_us = static_cast<double>(next_->unix_us) - static_cast<double>(first_us_);
-  due_ = started_ + base::from_seconds(recorded_us / 1e6 / core_.config().speed);
+  const double wait_s = recorded_us / 1e6 / core_.config().speed;
+  due_ = started_ + base::from_seconds(std::clamp(wait_s, -kLongestWait_s, kLongestWait_s));
 }
 
 void TlogLink::end(base::RunTime now) {
   if (core_.config().repeat) return open(now);
   ended_ = true;
+  log_.reset();
   core_.went_down("played to its end", now);
 }
 

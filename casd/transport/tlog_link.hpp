@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "casd/link/link_core.hpp"
-#include "casd/tlog/tlog_files.hpp"
+#include "casd/tlog/tlog_read_ahead.hpp"
 
 namespace cas::casd {
 
 /// Plays a telemetry log as if its packets came in now, in the rhythm in which they were recorded.
-/// Nothing can be sent to it.
+/// Nothing can be sent to it. A log without a packet is played once: it is not opened again.
 class TlogLink final : public Link {
  public:
   explicit TlogLink(LinkContext context);
@@ -21,6 +22,7 @@ class TlogLink final : public Link {
 
  private:
   void open(base::RunTime now);
+  void begin(base::RunTime now);
   void play(base::RunTime now);
   void advance();
   void end(base::RunTime now);
@@ -28,8 +30,9 @@ class TlogLink final : public Link {
   LinkCore core_;
   std::shared_ptr<PacketPort> port_;
   Parser parser_;
-  TlogReader reader_;
-  std::optional<TlogReader::Record> next_;
+  std::unique_ptr<TlogReadAhead> log_;  ///< nullptr: not open
+  bool begun_ = false;                  ///< its first record is there
+  std::optional<TlogReadAhead::Record> next_;
   std::uint64_t first_us_ = 0;  ///< stamp of the first record
   base::RunTime started_{};     ///< when it was played
   base::RunTime due_{};         ///< of `next_`

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -27,6 +28,16 @@ inline std::size_t tlog_record_bytes(std::span<const std::uint8_t> bytes) {
   if (packet[0] != kStartV2) return 0;
   const bool is_signed = (packet[2] & kIncompatSigned) != 0;
   return framing + kHeaderBytesV2 + (is_signed ? kSignatureBytes : 0);
+}
+
+/// Bytes before the first place at which a record may begin: where a packet's start byte follows a
+/// stamp. It finds it in zeros, too, at the speed of memory.
+/// @param bytes  at least kTlogStampBytes
+inline std::size_t tlog_bytes_to_start(std::span<const std::uint8_t> bytes) {
+  const auto packets = bytes.subspan(kTlogStampBytes);
+  const auto is_start = [](std::uint8_t byte) { return byte == kStartV1 || byte == kStartV2; };
+  return static_cast<std::size_t>(std::find_if(packets.begin(), packets.end(), is_start) -
+                                  packets.begin());
 }
 
 /// The time of a record, in microseconds since 1970.
@@ -65,12 +76,19 @@ class TlogSplitter {
   /// @param whole  nothing more will be fed: a record that is not whole is damage, too
   /// @return nullopt when more must be fed, or at the end
   std::optional<TlogRecord> next(bool whole = false) {
-    for (;; ++at_, ++skipped_) {
+    for (;;) {
       const auto rest = std::span<const std::uint8_t>(buffer_).subspan(at_);
       if (rest.size() <= kTlogStampBytes) return std::nullopt;
+      if (const std::size_t before = tlog_bytes_to_start(rest); before > 0) {
+        skip(before);
+        continue;
+      }
       if (!whole && rest.size() < kMaxTlogRecordBytes) return std::nullopt;
       const std::size_t size = tlog_record_bytes(rest);
-      if (size == 0 || size > rest.size()) continue;
+      if (size == 0 || size > rest.size()) {
+        skip(1);
+        continue;
+      }
       at_ += size;
       return TlogRecord{tlog_stamp_us(rest), rest.subspan(kTlogStampBytes, size - kTlogStampBytes)};
     }
@@ -78,6 +96,11 @@ class TlogSplitter {
   std::uint64_t skipped_bytes() const { return skipped_; }
 
  private:
+  void skip(std::size_t bytes) {
+    at_ += bytes;
+    skipped_ += bytes;
+  }
+
   std::vector<std::uint8_t> buffer_;
   std::size_t at_ = 0;
   std::uint64_t skipped_ = 0;

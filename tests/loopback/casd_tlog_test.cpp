@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "casd/tlog/tlog_files.hpp"
+#include "casd/tlog/tlog_read_ahead.hpp"
 #include "tests/loopback/casd_fixture.hpp"
 
 namespace cas::test {
@@ -148,6 +149,62 @@ TEST_F(Tlog, StartsAgainWhereToldTo) {
   write("in.tlog", records(5));
   replay(", speed: 1000, repeat: true");
   EXPECT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilSensor) >= 15; }));
+}
+
+/// Bytes that are no record, as a file has that lost blocks when the power failed.
+void append_zeros(const std::filesystem::path& file, std::uintmax_t bytes) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  std::filesystem::resize_file(file, (error ? 0 : size) + bytes);
+}
+
+TEST_F(Tlog, PlaysOnBehindAHole) {
+  write("in.tlog", records(3));
+  append_zeros(fixture.folder / "in.tlog", 8U << 20U);
+  const auto more = records(5);
+  std::ofstream(fixture.folder / "in.tlog", std::ios::binary | std::ios::app)
+      .write(reinterpret_cast<const char*>(more.data()), static_cast<std::streamsize>(more.size()));
+  replay("");
+  EXPECT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilSensor) == 8; }));
+}
+
+TEST_F(Tlog, AFileWithoutAPacketIsReadOnce) {
+  write("in.tlog", {});
+  append_zeros(fixture.folder / "in.tlog", 8U << 20U);
+  replay(", repeat: true");
+  EXPECT_TRUE(wait_until([&] { return fixture.status("log").endpoint == "holds no packet"; }));
+}
+
+TEST_F(Tlog, ReadingAheadGivesWhatLiesBeforeAHoleAndTellsTheEnd) {
+  write("in.tlog", records(3));
+  append_zeros(fixture.folder / "in.tlog", 1U << 20U);
+  casd::TlogReadAhead log(fixture.folder / "in.tlog");
+  std::size_t count = 0;
+  ASSERT_TRUE(wait_until([&] {
+    while (log.next()) ++count;
+    return log.ended();
+  }));
+  EXPECT_EQ(count, 3U);
+  EXPECT_GT(log.skipped_bytes(), 1'000'000U);
+  EXPECT_FALSE(log.unreadable());
+}
+
+TEST_F(Tlog, ReadingAheadTellsOfAFileThatCannotBeOpened) {
+  casd::TlogReadAhead log(fixture.folder / "missing.tlog");
+  ASSERT_TRUE(wait_until([&] { return !log.next() && log.ended(); }));
+  EXPECT_TRUE(log.unreadable());
+}
+
+TEST_F(Tlog, ReadingAheadCanBeAbandoned) {
+  write("in.tlog", records(50'000));  // many pieces: the thread waits with the second one
+  for (int i = 0; i < 100; ++i) casd::TlogReadAhead(fixture.folder / "in.tlog").next();
+  casd::TlogReadAhead log(fixture.folder / "in.tlog");
+  std::size_t count = 0;
+  ASSERT_TRUE(wait_until([&] {
+    while (log.next()) ++count;
+    return log.ended();
+  }));
+  EXPECT_EQ(count, 50'000U);
 }
 
 }  // namespace
