@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdint>
+#include <cstdlib>
 #include <future>
 #include <optional>
 #include <string>
@@ -20,9 +21,17 @@
 #include "base/os/log.hpp"
 #include "casd/link/core_seeker.hpp"
 #include "casd/link/link_home.hpp"
+#include "casd/link/turn_meter.hpp"
 
 namespace cas::casd {
 namespace {
+
+// In builds with sanitizers, and with the CMake option CAS_METER_TURNS.
+#ifdef CAS_METER_TURNS
+constexpr bool kMeterTurns = true;
+#else
+constexpr bool kMeterTurns = false;
+#endif
 
 constexpr auto kTroublePause = std::chrono::milliseconds(100);
 
@@ -100,6 +109,27 @@ class CoreSearch {
   base::RunTime taken_at_{};
   base::ThreadTimes times_before_;
   Arrivals arrived_before_;
+};
+
+/// Aborts after a turn that has taken too much, in builds that measure turns.
+class MeteredTurn {
+ public:
+  MeteredTurn() {
+    if (kMeterTurns) meter_.emplace();
+  }
+  void begin() {
+    if (meter_) meter_->begin();
+  }
+  void end(const std::string& name) const {
+    if (!meter_) return;
+    const std::optional<std::string> fault = excess(meter_->end());
+    if (!fault) return;
+    base::log::error("links (" + name + "): one turn " + *fault);
+    std::abort();
+  }
+
+ private:
+  std::optional<TurnMeter> meter_;
 };
 
 }  // namespace
@@ -183,12 +213,15 @@ void LinkLoop::run(const std::stop_token& stop) {
   base::configure_this_thread("casd:" + name_, scheduling_);
   ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // pacing counts in parts of a millisecond
   CoreSearch core_search(name_, seek_core_);
+  MeteredTurn turn;
   base::RunTime now = base::steady_now();
   while (!stop.stop_requested()) {
     run_tasks();
     now = wait(now);
     last_turn_ns_.store(now.time_since_epoch().count(), std::memory_order_relaxed);
+    turn.begin();
     for (const Resident& resident : links_) resident.link->serve(poll_set_, now);
+    turn.end(name_);
     pace_.looked(now, received());
     move_links(now);
     core_search.turned(now, pace_.busy(), links_.size(), [this] { return arrivals(); });

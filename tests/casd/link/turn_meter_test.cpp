@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/link/turn_meter.hpp"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <vector>
+
+namespace cas::casd {
+namespace {
+
+using std::chrono::milliseconds;
+
+struct ExcessCase {
+  const char* name;
+  TurnUse use;
+  bool exceeds;
+};
+
+class TurnExcess : public testing::TestWithParam<ExcessCase> {};
+
+TEST_P(TurnExcess, IsASentenceBeyondABound) {
+  EXPECT_EQ(excess(GetParam().use).has_value(), GetParam().exceeds);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Turns, TurnExcess,
+    testing::Values(
+        ExcessCase{"Usual", {.processor = milliseconds(1), .read_bytes = 65536, .waits = 3}, false},
+        ExcessCase{"Processor", {.processor = milliseconds(600)}, true},
+        ExcessCase{"Bytes", {.read_bytes = std::uint64_t{17} << 20U}, true},
+        ExcessCase{"Waits", {.waits = 1001}, true}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(TurnMeter, CountsBytesThatWereRead) {
+  TurnMeter meter;
+  const base::Descriptor zero(::open("/dev/zero", O_RDONLY | O_CLOEXEC));
+  std::vector<char> bytes(1U << 20U);
+  meter.begin();
+  ASSERT_EQ(::read(zero.get(), bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  const TurnUse use = meter.end();
+  if (::access("/proc/thread-self/io", R_OK) != 0) GTEST_SKIP() << "this kernel counts no bytes";
+  EXPECT_GE(use.read_bytes, bytes.size());
+}
+
+TEST(TurnMeter, CountsWaits) {
+  TurnMeter meter;
+  meter.begin();
+  for (int i = 0; i < 5; ++i) ::poll(nullptr, 0, 1);
+  EXPECT_GE(meter.end().waits, 1U);
+}
+
+TEST(TurnMeter, CountsProcessorTime) {
+  TurnMeter meter;
+  meter.begin();
+  volatile unsigned sum = 0;
+  while (meter.end().processor < milliseconds(5)) sum = sum + 1;
+  EXPECT_GE(meter.end().processor, milliseconds(5));
+}
+
+}  // namespace
+}  // namespace cas::casd
