@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/counters/link_counters.hpp"
 
+#include <algorithm>
 #include <iterator>
 #include <utility>
 
@@ -242,22 +243,25 @@ void LinkFigures::sample(base::RunTime now) {
       sample_counters(link_id, way, counters, now);
     });
   }
+  std::erase_if(rates_, [now](const auto& entry) { return entry.second.at < now; });
 }
 
 void LinkFigures::sample_counters(LinkId id, MessageWay way, const MessageCounters& counters,
                                   base::RunTime now) {
   constexpr double kGain = 0.5;  // of the newest second: settles within a few
-  counters.for_each([&](const MessageCounters::Entry& entry) {
+  for (const MessageCounters::Entry& entry : counters.kinds(now)) {
     const auto [found, fresh] = rates_.try_emplace({id, way, key_of(entry)});
     Rate& rate = found->second;
-    if (!fresh && now > rate.at) {
+    const bool goes_on = !fresh && entry.count >= rate.count;  // else it was forgotten meanwhile
+    if (!goes_on) rate.hz = 0;
+    if (goes_on && now > rate.at) {
       const double hz =
           static_cast<double>(entry.count - rate.count) / base::to_seconds(now - rate.at);
       rate.hz = rate.hz == 0 ? hz : rate.hz + kGain * (hz - rate.hz);
     }
     rate.count = entry.count;
     rate.at = now;
-  });
+  }
 }
 
 std::string LinkFigures::name(LinkId id) const {
@@ -310,64 +314,59 @@ std::vector<LinkStatus> LinkFigures::links() const {
   return all;
 }
 
-std::vector<MessageStatus> LinkFigures::messages(base::RunTime now,
-                                                 const std::optional<std::string>& link,
-                                                 std::size_t most) const {
-  std::vector<MessageStatus> all;
+std::vector<LinkFigures::Found> LinkFigures::found(base::RunTime now,
+                                                   const std::optional<std::string>& link,
+                                                   bool drops_only) const {
+  std::vector<Found> all;
   for (const auto& [id, own] : links_) {
     if (link && own->name != *link) continue;
-    const auto add = [&, link_id = id, name = own->name](MessageWay way,
-                                                         const MessageCounters& counters) {
-      counters.for_each([&](const MessageCounters::Entry& entry) {
-        if (all.size() >= most) return;
-        const auto rate = rates_.find({link_id, way, key_of(entry)});
-        const mav::MessageInfo* known = mav::public_table().find(entry.message_id);
-        all.push_back({.link = name,
-                       .way = way,
-                       .id = entry.message_id,
-                       .name = known == nullptr ? "" : std::string(known->name),
-                       .source = entry.source,
-                       .count = entry.count,
-                       .hz = rate == rates_.end() ? 0 : rate->second.hz,
-                       .age_s = base::to_seconds(now - entry.last)});
-      });
-    };
-    for_each_way(*own, add);
+    for_each_way(*own,
+                 [&, from = id, of = own.get()](MessageWay way, const MessageCounters& counters) {
+                   if (drops_only && !way.is_drop()) return;
+                   for (const MessageCounters::Entry& entry : counters.kinds(now)) {
+                     all.push_back({.link = from, .counters = of, .way = way, .entry = entry});
+                   }
+                 });
   }
   return all;
 }
 
-void MessageCounters::add(std::uint32_t message_id, mav::Source source, base::RunTime now) {
-  constexpr std::uint64_t kUsed = std::uint64_t{1} << 63U;
-  const std::uint64_t key = kUsed | std::uint64_t{message_id} << 16U |
-                            std::uint64_t{source.system} << 8U | source.component;
-  Slot* slot = find(key);
-  if (slot == nullptr) {
-    uncounted_.store(uncounted_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
-    return;
-  }
-  slot->count.store(slot->count.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
-  slot->last_ns.store(now.time_since_epoch().count(), std::memory_order_relaxed);
+MessageStatus LinkFigures::status_of(const Found& found, base::RunTime now) const {
+  const MessageCounters::Entry& entry = found.entry;
+  const auto rate = rates_.find({found.link, found.way, key_of(entry)});
+  const mav::MessageInfo* known = mav::public_table().find(entry.message_id);
+  return {.link = found.counters->name,
+          .way = found.way,
+          .id = entry.message_id,
+          .name = known == nullptr ? "" : std::string(known->name),
+          .source = entry.source,
+          .count = entry.count,
+          .hz = rate == rates_.end() ? 0 : rate->second.hz,
+          .age_s = base::to_seconds(now - entry.last)};
 }
 
-MessageCounters::Slot* MessageCounters::find(std::uint64_t key) {
-  Slot* slots = slots_.load(std::memory_order_relaxed);
-  if (slots == nullptr) {
-    slots = new Slot[kSlots];
-    slots_.store(slots, std::memory_order_release);
+std::vector<MessageStatus> LinkFigures::messages(base::RunTime now,
+                                                 const std::optional<std::string>& link,
+                                                 const MessagePage& page) const {
+  std::vector<Found> rows = found(now, link, page.drops_only);
+  std::ranges::stable_sort(rows, {}, [](const Found& row) { return row.entry.since; });
+  std::vector<MessageStatus> all;
+  for (std::size_t i = page.offset; i < rows.size() && all.size() < page.limit; ++i) {
+    all.push_back(status_of(rows[i], now));
   }
-  constexpr std::uint64_t kMultiplier = 0x9E3779B97F4A7C15ULL;  // spreads neighbouring keys
-  std::size_t at = (key * kMultiplier) >> 53U;                  // 11 bits: kSlots
-  static_assert(kSlots == std::size_t{1} << 11U);
-  for (std::size_t i = 0; i < kProbes; ++i, at = (at + 1) % kSlots) {
-    const std::uint64_t found = slots[at].key.load(std::memory_order_relaxed);
-    if (found == key) return &slots[at];
-    if (found == 0) {
-      slots[at].key.store(key, std::memory_order_release);
-      return &slots[at];
-    }
+  return all;
+}
+
+std::uint64_t LinkFigures::dropped() const {
+  std::uint64_t total = 0;
+  for (const auto& [id, link] : links_) {
+    for_each_way(*link, [&total](MessageWay way, const MessageCounters& counters) {
+      if (!way.is_drop()) return;
+      total += counters.uncounted();
+      counters.for_each([&total](const MessageCounters::Entry& entry) { total += entry.count; });
+    });
   }
-  return nullptr;
+  return total;
 }
 
 }  // namespace cas::casd

@@ -20,6 +20,7 @@
 #include "base/os/mutex.hpp"
 #include "base/time/clock.hpp"
 #include "casd/counters/link_ledger.hpp"
+#include "casd/counters/message_counters.hpp"
 #include "casd/packet/link_id.hpp"
 #include "casd/packet/packet_port.hpp"
 #include "casd/queue/tx_queue.hpp"
@@ -43,56 +44,6 @@ class Counter {
 
  private:
   std::atomic<std::uint64_t> value_{0};
-};
-
-/// Counts packets by message, system and component: an open hash table of fixed size. One writer at
-/// a time, any number of readers, no lock; memory is taken at the first packet.
-class MessageCounters {
- public:
-  struct Entry {
-    std::uint32_t message_id = 0;
-    mav::Source source;
-    std::uint64_t count = 0;
-    base::RunTime last;
-  };
-
-  MessageCounters() = default;
-  ~MessageCounters() { delete[] slots_.load(std::memory_order_acquire); }
-  MessageCounters(const MessageCounters&) = delete;
-  MessageCounters& operator=(const MessageCounters&) = delete;
-
-  void add(std::uint32_t message_id, mav::Source source, base::RunTime now);
-  /// Packets that found the table full: more kinds than any real network has.
-  std::uint64_t uncounted() const { return uncounted_.load(std::memory_order_relaxed); }
-
-  /// Calls visit(const Entry&) for each kind that was ever seen.
-  template <class Visit>
-  void for_each(Visit&& visit) const {
-    const Slot* slots = slots_.load(std::memory_order_acquire);
-    if (slots == nullptr) return;
-    for (std::size_t i = 0; i < kSlots; ++i) {
-      const std::uint64_t key = slots[i].key.load(std::memory_order_acquire);
-      if (key == 0) continue;
-      const base::RunTime last{base::Duration(slots[i].last_ns.load(std::memory_order_relaxed))};
-      visit(Entry{static_cast<std::uint32_t>((key >> 16U) & 0xFFFFFFU),
-                  {static_cast<std::uint8_t>(key >> 8U), static_cast<std::uint8_t>(key)},
-                  slots[i].count.load(std::memory_order_relaxed),
-                  last});
-    }
-  }
-
- private:
-  static constexpr std::size_t kSlots = 2048;
-  static constexpr std::size_t kProbes = 64;
-  struct Slot {
-    std::atomic<std::uint64_t> key{0};  ///< used bit, message, system, component
-    std::atomic<std::uint64_t> count{0};
-    std::atomic<std::int64_t> last_ns{0};
-  };
-  Slot* find(std::uint64_t key);
-
-  std::atomic<Slot*> slots_{nullptr};
-  std::atomic<std::uint64_t> uncounted_{0};
 };
 
 /// Forwarding times of one sending link by receiving link, at most 64 at a time; `others()` holds
@@ -289,6 +240,14 @@ struct MessageStatus {
   double age_s = 0;  ///< since the last one
 };
 
+/// A part of the messages: so many, from one on, in the order in which they were first heard. So
+/// invented senders come behind those that were there before.
+struct MessagePage {
+  bool drops_only = false;
+  std::size_t offset = 0;
+  std::size_t limit = SIZE_MAX;
+};
+
 /// The figures of all links. The hot path only counts; rates are formed here, from two looks at the
 /// counters. `sample`, `links` and `messages` belong to one thread (casd's main thread).
 class LinkFigures {
@@ -314,10 +273,11 @@ class LinkFigures {
   std::optional<std::pair<mav::Source, LinkId>> sender_of(std::uint32_t message_id,
                                                           LinkId to) const;
   /// @param link  only of this one; nothing: all
-  /// @param most  no more than these many
   std::vector<MessageStatus> messages(base::RunTime now,
                                       const std::optional<std::string>& link = {},
-                                      std::size_t most = SIZE_MAX) const;
+                                      const MessagePage& page = {}) const;
+  /// Packets that were dropped, of the links there are.
+  std::uint64_t dropped() const;
 
  private:
   struct Rate {
@@ -326,9 +286,18 @@ class LinkFigures {
     double hz = 0;
   };
   using RateKey = std::tuple<LinkId, MessageWay, std::uint64_t>;  // the last: key of the message
+  struct Found {
+    LinkId link = kNoLink;
+    const LinkCounters* counters = nullptr;
+    MessageWay way;
+    MessageCounters::Entry entry;
+  };
 
   void sample_counters(LinkId id, MessageWay way, const MessageCounters& counters,
                        base::RunTime now);
+  std::vector<Found> found(base::RunTime now, const std::optional<std::string>& link,
+                           bool drops_only) const;
+  MessageStatus status_of(const Found& found, base::RunTime now) const;
 
   std::map<LinkId, std::shared_ptr<LinkCounters>> links_;
   std::map<RateKey, Rate> rates_;

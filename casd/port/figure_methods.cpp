@@ -27,6 +27,11 @@ constexpr std::pair<Refusal, const char*> kRefusals[] = {
     {Refusal::kNoPlace, "no_place"},
 };
 
+/// Rows of one answer. A flood of invented senders must not make one that takes long.
+constexpr std::int64_t kMostMessages = 5000;
+/// Rows of a notice, which goes once a second to each client that subscribed.
+constexpr std::size_t kNoticeMessages = 2000;
+
 double microseconds(base::Duration d) { return base::to_seconds(d) * 1e6; }
 
 constexpr base::EnumWords<mav::SignatureVerdict::kTooNew> kSignatureWords{
@@ -168,15 +173,11 @@ FigureMethods::FigureMethods(base::rpc::Server& server, FiguresSource source)
   plain("casd.status", &FigureMethods::status);
   plain("link.list", &FigureMethods::links);
   plain("link.routes", &FigureMethods::routes);
-  plain("link.drops", &FigureMethods::drops);
   plain("link.latency", &FigureMethods::latency);
   plain("link.echo", &FigureMethods::echo);
-  add_look(server_, "message.list", [this](CallParams& params) {
-    const std::optional<std::string> link = params.optional_text("link");
-    params.finish();
-    if (link) require_link(*link);
-    return messages(link ? &*link : nullptr);
-  });
+  add_look(server_, "link.drops", [this](CallParams& params) { return drops(wish_of(params)); });
+  add_look(server_, "message.list",
+           [this](CallParams& params) { return messages(wish_of(params)); });
   if (source_.taps != nullptr) {
     add_look(server_, "message.value", [this](CallParams& params) { return value(params); });
   }
@@ -245,11 +246,24 @@ json FigureMethods::links() const {
   return all;
 }
 
-json FigureMethods::messages(const std::string* link) const {
-  std::optional<std::string> only;
-  if (link != nullptr) only = *link;
+/// {link?, limit?, offset?}.
+FigureMethods::Wish FigureMethods::wish_of(CallParams& params) const {
+  constexpr std::int64_t kFarthest = std::int64_t{1} << 32;
+  Wish wish;
+  wish.link = params.optional_text("link");
+  const auto limit = params.optional_integer("limit", 1, kMostMessages);
+  const auto offset = params.optional_integer("offset", 0, kFarthest);
+  params.finish();
+  if (wish.link) require_link(*wish.link);
+  wish.page.limit = static_cast<std::size_t>(limit.value_or(kMostMessages));
+  wish.page.offset = static_cast<std::size_t>(offset.value_or(0));
+  return wish;
+}
+
+json FigureMethods::messages(const Wish& wish) const {
   json all = json::array();
-  for (const MessageStatus& message : source_.figures->messages(source_.now(), only)) {
+  for (const MessageStatus& message :
+       source_.figures->messages(source_.now(), wish.link, wish.page)) {
     all.push_back(message_json(message, message_name(message.id)));
   }
   return all;
@@ -302,30 +316,37 @@ json FigureMethods::routes() const {
 
 /// Packets that were not sent on, by link and cause: `dropped` also by message, `unreadable` those
 /// that never became a message.
-json FigureMethods::drops() const {
-  json unreadable = json::array();
-  for (const LinkStatus& link : source_.figures->links()) {
-    for (const LinkCounterRow& row : link_counter_rows()) {
-      const std::uint64_t count = row.value(link);
-      if (!row.words.cause || count == 0) continue;
-      unreadable.push_back(
-          {{"link", link.name}, {"cause", to_string(*row.words.cause)}, {"count", count}});
-    }
-  }
+json FigureMethods::drops(Wish wish) const {
+  wish.page.drops_only = true;
   json dropped = json::array();
-  for (const MessageStatus& message : source_.figures->messages(source_.now())) {
-    if (!message.way.is_drop()) continue;
+  for (const MessageStatus& message :
+       source_.figures->messages(source_.now(), wish.link, wish.page)) {
     json entry = message_json(message, message_name(message.id));
     entry.erase("direction");
     entry["cause"] = to_string(message.way.cause);
     dropped.push_back(std::move(entry));
   }
-  return json{{"unreadable", unreadable}, {"dropped", dropped}};
+  return json{{"unreadable", unreadable(wish.link)}, {"dropped", std::move(dropped)}};
+}
+
+json FigureMethods::unreadable(const std::optional<std::string>& only) const {
+  json all = json::array();
+  for (const LinkStatus& link : source_.figures->links()) {
+    if (only && link.name != *only) continue;
+    for (const LinkCounterRow& row : link_counter_rows()) {
+      const std::uint64_t count = row.value(link);
+      if (!row.words.cause || count == 0) continue;
+      all.push_back(
+          {{"link", link.name}, {"cause", to_string(*row.words.cause)}, {"count", count}});
+    }
+  }
+  return all;
 }
 
 void FigureMethods::publish() {
   publish_link_changes();
-  if (server_.has_subscribers("messages")) server_.publish("messages", messages(nullptr));
+  if (server_.has_subscribers("messages"))
+    server_.publish("messages", messages({.page = {.limit = kNoticeMessages}}));
   publish_drops();
 }
 
@@ -335,12 +356,10 @@ void FigureMethods::publish_drops() {
     last_dropped_ = 0;
     return;
   }
-  const json all = drops();
-  std::uint64_t dropped = 0;
-  for (const json& list : all) {
-    for (const json& entry : list) dropped += entry.at("count").get<std::uint64_t>();
-  }
-  if (std::exchange(last_dropped_, dropped) != dropped) server_.publish("drops", all);
+  std::uint64_t dropped = source_.figures->dropped();
+  for (const json& entry : unreadable({})) dropped += entry.at("count").get<std::uint64_t>();
+  if (std::exchange(last_dropped_, dropped) != dropped)
+    server_.publish("drops", drops({.page = {.limit = kNoticeMessages}}));
 }
 
 void FigureMethods::publish_link_changes() {
@@ -394,15 +413,14 @@ std::string FigureMethods::link_name(LinkId id) const {
 }
 
 MetricsSource FigureMethods::metrics_source() const {
-  // A flood of invented senders must not make pages that take long.
-  constexpr std::size_t kMostMessages = 5000;
+  constexpr auto kMost = static_cast<std::size_t>(kMostMessages);
   const base::RunTime now = source_.now();
   MetricsSource all{.uptime_s = base::to_seconds(now - source_.started),
                     .clients = server_.clients(),
                     .refused = {},
                     .links = source_.figures->links(),
-                    .messages = source_.figures->messages(now, {}, kMostMessages + 1)};
-  all.messages_cut = all.messages.size() > kMostMessages;
+                    .messages = source_.figures->messages(now, {}, {.limit = kMost + 1})};
+  all.messages_cut = all.messages.size() > kMost;
   if (all.messages_cut) all.messages.pop_back();
   if (source_.recorder != nullptr) all.recording = source_.recorder->status(source_.now());
   if (source_.autopilot_logs) all.autopilot_logs = source_.autopilot_logs();

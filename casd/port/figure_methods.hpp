@@ -79,10 +79,17 @@ class FigureMethods {
 
  private:
   nlohmann::json links() const;
-  nlohmann::json messages(const std::string* link) const;
+  /// Which messages a client asks for.
+  struct Wish {
+    std::optional<std::string> link{};
+    MessagePage page{};
+  };
+  Wish wish_of(base::rpc::CallParams& params) const;
+  nlohmann::json messages(const Wish& wish) const;
   nlohmann::json value(base::rpc::CallParams& params) const;
   nlohmann::json routes() const;
-  nlohmann::json drops() const;
+  nlohmann::json drops(Wish wish) const;
+  nlohmann::json unreadable(const std::optional<std::string>& only) const;
   nlohmann::json latency() const;
   nlohmann::json echo() const;
   std::string message_name(std::uint32_t id) const;

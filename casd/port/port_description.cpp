@@ -137,10 +137,12 @@ constexpr const char* kText = R"json({
   "link.remove": {"summary": "Closes a link.",
     "params": {"link": "string", "force?": "boolean: also the only link of an armed vehicle"}, "result": {"link": "string"}},
   "link.routes": {"summary": "The rules in force.", "params": {}, "result": ["Route"]},
-  "link.drops": {"summary": "Why packets did not go on.", "params": {}, "result": "Drops"},
+  "link.drops": {"summary": "Why packets did not go on.",
+    "params": {"link?": "string: that one alone", "limit?": "integer: rows of the answer; left out: 5000", "offset?": "integer: rows before it"}, "result": "Drops"},
   "link.latency": {"summary": "Forwarding times by sending link, in us.", "params": {}, "result": ["LinkLatency"]},
   "link.echo": {"summary": "From a HIL_SENSOR in to the controls that echo its stamp, by vehicle, in us.", "params": {}, "result": ["Echo"]},
-  "message.list": {"summary": "Each message of each sender.", "params": {"link?": "string: that one alone"}, "result": ["MessageCount"]},
+  "message.list": {"summary": "Each message of each sender, in the order in which they were first heard.",
+    "params": {"link?": "string: that one alone", "limit?": "integer: rows of the answer; left out: 5000", "offset?": "integer: rows before it"}, "result": ["MessageCount"]},
   "message.value": {"summary": "The newest packet of one message of one sender on one link, decoded.",
     "params": {"link": "string", "message": "string|integer: name or id", "system": "integer", "component": "integer"},
     "result": "MessageValue"},
@@ -197,8 +199,8 @@ constexpr const char* kText = R"json({
     "params": {"vehicle": "integer", "severity": "string: emergency to debug", "text": "string"}},
   "links": {"summary": "A link changes its state.",
     "params": {"link": "string", "state": "string", "endpoint": "string", "reconnects": "integer"}},
-  "messages": {"summary": "Once a second, as message.list answers.", "params": ["MessageCount"]},
-  "drops": {"summary": "Once a second in which packets were dropped, as link.drops answers.", "params": "Drops"}
+  "messages": {"summary": "Once a second, as message.list answers, the first 2000.", "params": ["MessageCount"]},
+  "drops": {"summary": "Once a second in which packets were dropped, as link.drops answers, the first 2000.", "params": "Drops"}
 }
 })json";
 

@@ -27,6 +27,7 @@ using base::rpc::Reply;
 constexpr std::size_t kMaxFields = 96;         // watched by all pages
 constexpr std::size_t kMaxSamples = 50;        // of one value between two frames
 constexpr std::size_t kMaxMeshes = 64U << 20;  // bytes kept, and as many under way
+constexpr std::size_t kMaxRows = 2000;         // of messages; those that were heard first
 constexpr std::size_t kMaxPages = 16;
 constexpr auto kMaxClockAge = std::chrono::seconds(1);
 constexpr auto kPilotSilence = std::chrono::milliseconds(500);
@@ -319,7 +320,8 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
   }
 
   void ask_links(Take take) {
-    ask_casd({Question{"link.list"}, Question{"message.list"}, Question{"link.latency"}},
+    ask_casd({Question{"link.list"}, Question{"message.list", {{"limit", kMaxRows}}},
+              Question{"link.latency"}},
              [weak = weak_from_this(), take](const std::vector<Json>* answers) {
                const auto self = weak.lock();
                if (!self || answers == nullptr) return take(nullptr);
@@ -346,11 +348,12 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
   }
 
   void ask_messages(Take take) {
-    ask_casd({Question{"message.list"}}, [take](const std::vector<Json>* answers) {
-      if (answers == nullptr) return take(nullptr);
-      const Json report{{"messages", answers->front()}};
-      take(&report);
-    });
+    ask_casd({Question{"message.list", {{"limit", kMaxRows}}}},
+             [take](const std::vector<Json>* answers) {
+               if (answers == nullptr) return take(nullptr);
+               const Json report{{"messages", answers->front()}};
+               take(&report);
+             });
   }
 
   /// Which vehicles there are changes seldom: it is asked once a second.

@@ -155,7 +155,7 @@ DoctorFacts gather_facts(Session& session, double seconds) {
   facts.seconds = clock_s(CLOCK_MONOTONIC) - start_s;
   facts.clock_step_s = wall_offset_s() - offset_s;
   facts.after = session.call("casd.status");
-  facts.messages = session.call("message.list");
+  facts.messages = all_messages(session);
   facts.routes = session.call("link.routes");
   std::sort(late_us.begin(), late_us.end());
   if (!late_us.empty()) {

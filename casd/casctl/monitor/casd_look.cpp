@@ -30,7 +30,7 @@ Look take_look(std::unique_ptr<Session>& session, const Options& options, Look l
   try {
     if (!session) session = std::make_unique<Session>(options);
     look.status = session->call("casd.status");
-    look.messages = session->call("message.list");
+    look.messages = session->call("message.list", {{"limit", kMostRows}});
     const json vehicles = look.status.value("vehicles", json::array());
     if (!look.vehicle && !vehicles.empty()) look.vehicle = vehicles[0].value("system", 0);
     if (look.vehicle && !vehicles.empty()) {

@@ -14,6 +14,9 @@
 
 namespace cas::casctl {
 
+/// Messages that are asked for: more than anybody scrolls through, those that were heard first.
+inline constexpr int kMostRows = 2000;
+
 // The monitor's queries of casd, each function over a connection of its own, so that it may run
 // beside the screen. None throws: the answer holds the error.
 

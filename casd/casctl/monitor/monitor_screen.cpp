@@ -360,7 +360,7 @@ int run_monitor(const Options& options, double interval_s, const base::cli::Word
 /// The monitor's figures, once, as plain tables.
 int print_monitor(Session& session) {
   const json status = session.call("casd.status");
-  const json messages = session.call("message.list");
+  const json messages = session.call("message.list", {{"limit", kMostRows}});
   if (session.options().json) {
     report(session.options(), {{"status", status}, {"messages", messages}}, "");
     return kDone;

@@ -188,6 +188,18 @@ std::pair<json, bool> Session::wait_at_most(std::chrono::duration<double> patien
   }
 }
 
+json all_messages(Session& session) {
+  constexpr std::size_t kPage = 5000;        // rows of an answer
+  constexpr std::size_t kMost = 20 * kPage;  // enough to judge by, whatever floods casd
+  json all = session.call("message.list");
+  for (std::size_t rows = all.size(); rows == kPage && all.size() < kMost;) {
+    json page = session.call("message.list", {{"offset", all.size()}});
+    rows = page.size();
+    for (json& row : page) all.push_back(std::move(row));
+  }
+  return all;
+}
+
 bool is_silent(const json& vehicle) {
   constexpr double kFresh_s = 3;  // of a casd that does not say after which time
   return vehicle.value("heartbeat_age_s", 0.0) > vehicle.value("silent_after_s", kFresh_s);

@@ -95,6 +95,9 @@ class Session {
   base::rpc::Client client_;
 };
 
+/// Every row of message.list, page by page.
+nlohmann::json all_messages(Session& session);
+
 /// Whether a vehicle's newest HEARTBEAT is too old to tell its state.
 bool is_silent(const nlohmann::json& vehicle);
 

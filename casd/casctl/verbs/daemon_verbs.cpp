@@ -170,35 +170,6 @@ int show_routes(Session& session) {
   return kDone;
 }
 
-std::string cause_text(const std::string& cause) {
-  const casd::CauseWords* const words = casd::find_cause(cause);
-  return words == nullptr ? "" : std::string(words->meaning);
-}
-
-int show_drops(Session& session) {
-  const json drops = session.call("link.drops");
-  if (session.options().json) {
-    report(session.options(), drops, "");
-    return kDone;
-  }
-  Table table({"LINK", "MESSAGE", "COUNT", "CAUSE", "WHICH MEANS"});
-  for (const json& entry : drops.at("dropped")) {
-    const std::string cause = entry.value("cause", "?");
-    table.add({entry.value("link", "?"), entry.value("name", "?"), entry.at("count").dump(), cause,
-               cause_text(cause)});
-  }
-  for (const json& entry : drops.at("unreadable")) {
-    const std::string cause = entry.value("cause", "?");
-    table.add({entry.value("link", "?"), "-", entry.at("count").dump(), cause, cause_text(cause)});
-  }
-  if (table.empty()) {
-    std::cout << "nothing was dropped\n";
-  } else {
-    table.print(std::cout);
-  }
-  return kDone;
-}
-
 int show_latency(Session& session) {
   const json all = session.call("link.latency");
   if (session.options().json) {
@@ -332,7 +303,7 @@ void add_status_verbs(CommandLine& line) {
 
 void add_service_verbs(CommandLine& line) {
   line.add_verb("routes", "Show who hears whom", "casctl routes", show_routes);
-  line.add_verb("drops", "Show what was not passed on, and why", "casctl drops", show_drops);
+  add_drops_verb(line);
   line.add_verb("latency", "Show forwarding times", "casctl latency", show_latency);
   line.add_verb("budget", "Measure whether the lines carry their load (1 s)", "casctl budget",
                 show_budget);

@@ -86,7 +86,7 @@ json find_sender(Session& session, const MessageWish& wish) {
   const std::string what = wanted_text(session, wish);
   bool is_known = false;
   for (;;) {
-    const json messages = session.call("message.list");
+    const json messages = all_messages(session);
     const json sender = newest_sender(messages, asked, wanted_system(session, wish));
     if (!sender.is_null()) return sender;
     if (!std::exchange(is_known, true)) require_message(session, asked, messages);

@@ -19,6 +19,8 @@ void add_message_verb(CommandLine& line);
 void add_words_verb(CommandLine& line);
 /// link add, link remove.
 void add_link_verbs(CommandLine& line);
+/// drops.
+void add_drops_verb(CommandLine& line);
 /// log start, log stop, log status.
 void add_log_verb(CommandLine& line);
 /// routes, drops, latency, budget, log, reload, reboot.

@@ -14,7 +14,7 @@ using nlohmann::json;
 /// Names of the messages that came in on any link.
 std::set<std::string> heard_messages(Session& session) {
   std::set<std::string> names;
-  for (const json& entry : session.call("message.list")) {
+  for (const json& entry : all_messages(session)) {
     const std::string name = entry.value("name", "");
     if (entry.value("direction", "") == "rx" && !name.empty()) names.insert(name);
   }

@@ -45,6 +45,101 @@ TEST(MessageCounters, SayWhenThereAreTooManyKinds) {
   EXPECT_GT(counted, 1900U);
 }
 
+/// A flood of invented senders, a moment after the vehicle.
+void invent_senders(MessageCounters& counters, base::RunTime now) {
+  for (int i = 0; i < 5000; ++i) {
+    const auto system = static_cast<std::uint8_t>(2 + i / 200);
+    counters.add(0, {system, static_cast<std::uint8_t>(1 + i % 200)}, now);
+  }
+}
+
+TEST(MessageCounters, ShrinkAgainAfterInventedSenders) {
+  MessageCounters counters;
+  counters.add(0, {1, 1}, at({}));
+  invent_senders(counters, at(seconds(1)));
+  EXPECT_GT(counters.kinds(at(seconds(2))).size(), 1900U);
+  counters.add(0, {1, 1}, at(seconds(40)));
+  const auto kinds = counters.kinds(at(seconds(40)));
+  EXPECT_EQ(kinds.size(), MessageCounters::kRestingKinds);
+  EXPECT_TRUE(std::ranges::any_of(kinds, [](const MessageCounters::Entry& entry) {
+    return entry.source == mav::Source{1, 1} && entry.count == 2 && entry.since == at({});
+  }));
+}
+
+TEST(MessageCounters, AFewKindsAreKeptHoweverLongTheyAreSilent) {
+  MessageCounters counters;
+  for (std::uint32_t id = 0; id < MessageCounters::kRestingKinds; ++id) {
+    counters.add(id, {1, 1}, at({}));
+  }
+  EXPECT_EQ(counters.kinds(at(seconds(86'400))).size(), MessageCounters::kRestingKinds);
+}
+
+TEST(MessageCounters, ANewSenderGetsThePlaceOfOneThatFellSilent) {
+  MessageCounters counters;
+  invent_senders(counters, at({}));
+  const std::uint64_t before = counters.uncounted();
+  for (std::uint32_t id = 0; id < 50; ++id) counters.add(id, {1, 1}, at(seconds(1)));
+  EXPECT_GT(counters.uncounted(), before) << "the senders of a second ago are kept";
+  const std::uint64_t full = counters.uncounted();
+  for (std::uint32_t id = 0; id < 50; ++id) {
+    for (int i = 0; i < 3; ++i) counters.add(id, {1, 1}, at(seconds(60)));
+  }
+  EXPECT_EQ(counters.uncounted(), full);
+  const auto kinds = counters.kinds(at(seconds(60)));
+  EXPECT_EQ(std::ranges::count_if(kinds,
+                                  [](const MessageCounters::Entry& entry) {
+                                    return entry.source == mav::Source{1, 1} && entry.count >= 3;
+                                  }),
+            50);
+}
+
+TEST(LinkFigures, PagesBeginWithWhoWasHeardFirst) {
+  LinkFigures figures;
+  const auto gcs = figures.add_link(2, "gcs", LinkType::kUdp);
+  const auto fcu = figures.add_link(3, "fcu", LinkType::kSerial);
+  fcu->rx.messages.add(30, {1, 1}, at({}));
+  invent_senders(gcs->rx.messages, at(seconds(1)));
+  fcu->rx.messages.add(30, {1, 1}, at(seconds(2)));
+  const auto all = figures.messages(at(seconds(2)));
+  const auto first = figures.messages(at(seconds(2)), {}, {.limit = 10});
+  const auto second = figures.messages(at(seconds(2)), {}, {.offset = 10, .limit = 10});
+  ASSERT_EQ(first.size(), 10U);
+  EXPECT_EQ(first[0].name, "ATTITUDE");
+  ASSERT_EQ(second.size(), 10U);
+  for (std::size_t i = 0; i < 10; ++i) {
+    EXPECT_EQ(first[i].source, all[i].source);
+    EXPECT_EQ(second[i].source, all[i + 10].source);
+  }
+  EXPECT_TRUE(figures.messages(at(seconds(2)), {}, {.offset = all.size()}).empty());
+  EXPECT_EQ(figures.messages(at(seconds(2)), "fcu").size(), 1U);
+}
+
+TEST(LinkFigures, APageOfDropsHasNothingElse) {
+  LinkFigures figures;
+  const auto link = figures.add_link(3, "fcu", LinkType::kSerial);
+  PacketInfo info;
+  link->rx.messages.add(0, {1, 1}, at({}));
+  link->count_dropped(info, DropCause::kClosed, at({}));
+  const auto drops = figures.messages(at({}), {}, {.drops_only = true});
+  ASSERT_EQ(drops.size(), 1U);
+  EXPECT_EQ(drops[0].way.cause, DropCause::kClosed);
+  EXPECT_EQ(figures.dropped(), 1U);
+}
+
+TEST(LinkFigures, ASenderThatWasForgottenBeginsAtRateZero) {
+  LinkFigures figures;
+  const auto link = figures.add_link(3, "fcu", LinkType::kSerial);
+  for (int i = 0; i < 100; ++i) link->rx.messages.add(30, {1, 1}, at({}));
+  figures.sample(at({}));
+  invent_senders(link->rx.messages, at(seconds(40)));
+  figures.sample(at(seconds(41)));
+  link->rx.messages.add(30, {1, 1}, at(seconds(42)));
+  figures.sample(at(seconds(42)));
+  for (const MessageStatus& message : figures.messages(at(seconds(42)))) {
+    EXPECT_LT(message.hz, 1000) << message.source.system;
+  }
+}
+
 TEST(LinkFigures, FormsRatesFromTwoLooks) {
   LinkFigures figures;
   const auto link = figures.add_link(3, "fcu", LinkType::kSerial);
