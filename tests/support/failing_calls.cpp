@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Preloaded into a program under test: the n-th call of one kind fails. $CAS_TEST_FAIL is
+// CALL:N[:PROGRAM], with CALL one of read, write, open, accept, fsync and malloc; with PROGRAM only
+// in the program of that name. The file $CAS_TEST_FAILED is made when the call has failed.
+#include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cstdarg>
+#include <cstdlib>
+#include <cstring>
+
+extern "C" void* __libc_malloc(std::size_t size);
+
+namespace {
+
+enum class Call { kNone, kRead, kWrite, kOpen, kAccept, kFsync, kMalloc };
+
+constexpr const char* kNames[] = {"", "read", "write", "open", "accept", "fsync", "malloc"};
+
+Call call = Call::kNone;
+std::atomic<long> left{0};
+
+/// Before it has run, nothing fails: the loader's calls are not the program's.
+__attribute__((constructor)) void read_wish() {
+  const char* const wish = std::getenv("CAS_TEST_FAIL");
+  const char* const count = wish == nullptr ? nullptr : std::strchr(wish, ':');
+  if (count == nullptr) return;
+  const char* const program = std::strchr(count + 1, ':');
+  if (program != nullptr && std::strcmp(program + 1, program_invocation_short_name) != 0) return;
+  left = std::strtol(count + 1, nullptr, 10);
+  for (int i = 1; i <= static_cast<int>(Call::kMalloc); ++i) {
+    if (std::strncmp(wish, kNames[i], static_cast<std::size_t>(count - wish)) == 0 &&
+        kNames[i][count - wish] == '\0') {
+      call = static_cast<Call>(i);
+    }
+  }
+}
+
+/// By system calls alone: it may run inside malloc.
+void leave_mark() {
+  const char* const mark = std::getenv("CAS_TEST_FAILED");
+  if (mark == nullptr) return;
+  const long fd = ::syscall(SYS_openat, AT_FDCWD, mark, O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
+  if (fd >= 0) ::syscall(SYS_close, fd);
+}
+
+bool fails(Call kind, int error) {
+  if (kind != call || left.fetch_sub(1, std::memory_order_relaxed) != 1) return false;
+  leave_mark();
+  errno = error;
+  return true;
+}
+
+mode_t mode_of(int flags, va_list more) {
+  const bool makes = (flags & O_CREAT) != 0 || (flags & O_TMPFILE) == O_TMPFILE;
+  return makes ? static_cast<mode_t>(va_arg(more, int)) : 0;
+}
+
+}  // namespace
+
+#define CAS_TEST_EXPORT extern "C" __attribute__((visibility("default")))
+#define CAS_TEST_OPEN(name)                                             \
+  CAS_TEST_EXPORT int name(const char* path, int flags, ...) {          \
+    va_list more;                                                       \
+    va_start(more, flags);                                              \
+    const mode_t mode = mode_of(flags, more);                           \
+    va_end(more);                                                       \
+    if (fails(Call::kOpen, EMFILE)) return -1;                          \
+    const long fd = ::syscall(SYS_openat, AT_FDCWD, path, flags, mode); \
+    return static_cast<int>(fd);                                        \
+  }
+#define CAS_TEST_OPENAT(name)                                                  \
+  CAS_TEST_EXPORT int name(int folder, const char* path, int flags, ...) {     \
+    va_list more;                                                              \
+    va_start(more, flags);                                                     \
+    const mode_t mode = mode_of(flags, more);                                  \
+    va_end(more);                                                              \
+    if (fails(Call::kOpen, EMFILE)) return -1;                                 \
+    return static_cast<int>(::syscall(SYS_openat, folder, path, flags, mode)); \
+  }
+/// Calls that take what they take; the real one is the C library's.
+#define CAS_TEST_CALL(kind, error, result, name, parameters, arguments)                         \
+  CAS_TEST_EXPORT result name parameters {                                                      \
+    if (fails(kind, error)) return -1;                                                          \
+    static const auto real = reinterpret_cast<result(*) parameters>(::dlsym(RTLD_NEXT, #name)); \
+    return real arguments;                                                                      \
+  }
+
+CAS_TEST_OPEN(open)
+CAS_TEST_OPEN(open64)
+CAS_TEST_OPENAT(openat)
+CAS_TEST_OPENAT(openat64)
+CAS_TEST_CALL(Call::kRead, EIO, ssize_t, read, (int fd, void* into, std::size_t size),
+              (fd, into, size))
+CAS_TEST_CALL(Call::kWrite, ENOSPC, ssize_t, write, (int fd, const void* from, std::size_t size),
+              (fd, from, size))
+CAS_TEST_CALL(Call::kWrite, ENOSPC, ssize_t, writev, (int fd, const struct iovec* parts, int count),
+              (fd, parts, count))
+CAS_TEST_CALL(Call::kAccept, EMFILE, int, accept, (int fd, sockaddr* from, socklen_t* size),
+              (fd, from, size))
+CAS_TEST_CALL(Call::kAccept, EMFILE, int, accept4,
+              (int fd, sockaddr* from, socklen_t* size, int flags), (fd, from, size, flags))
+CAS_TEST_CALL(Call::kFsync, EIO, int, fsync, (int fd), (fd))
+CAS_TEST_CALL(Call::kFsync, EIO, int, fdatasync, (int fd), (fd))
+
+CAS_TEST_EXPORT void* malloc(std::size_t size) {
+  return fails(Call::kMalloc, ENOMEM) ? nullptr : __libc_malloc(size);
+}
