@@ -92,7 +92,7 @@ def run_casd(build, folder, call, n):
                                 env=environment(build, call, n, "casd", mark))
     answered, code = False, None
     try:
-        wait_for(lambda: casd.poll() is not None or ask_status(command), PATIENCE_S)
+        wait_for(lambda: casd.poll() is not None or b"ready:" in log.read_bytes(), PATIENCE_S)
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as vehicle:
             for number in range(PACKETS):
                 with contextlib.suppress(OSError):  # casd has ended

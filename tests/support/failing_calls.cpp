@@ -26,13 +26,12 @@ constexpr const char* kNames[] = {"", "read", "write", "open", "accept", "fsync"
 Call call = Call::kNone;
 std::atomic<long> left{0};
 
-/// Before it has run, nothing fails: the loader's calls are not the program's.
-__attribute__((constructor)) void read_wish() {
+void read_wish() {
   const char* const wish = std::getenv("CAS_TEST_FAIL");
   const char* const count = wish == nullptr ? nullptr : std::strchr(wish, ':');
   if (count == nullptr) return;
-  const char* const program = std::strchr(count + 1, ':');
-  if (program != nullptr && std::strcmp(program + 1, program_invocation_short_name) != 0) return;
+  const char* const wanted = std::strchr(count + 1, ':');
+  if (wanted != nullptr && std::strcmp(wanted + 1, program_invocation_short_name) != 0) return;
   left = std::strtol(count + 1, nullptr, 10);
   for (int i = 1; i <= static_cast<int>(Call::kMalloc); ++i) {
     if (std::strncmp(wish, kNames[i], static_cast<std::size_t>(count - wish)) == 0 &&
@@ -40,6 +39,14 @@ __attribute__((constructor)) void read_wish() {
       call = static_cast<Call>(i);
     }
   }
+}
+
+int (*program)(int, char**, char**) = nullptr;
+
+/// Nothing fails before: what the loader and static objects call is not the program's.
+int start_program(int argc, char** argv, char** environment) {
+  read_wish();
+  return program(argc, argv, environment);
 }
 
 /// By system calls alone: it may run inside malloc.
@@ -91,6 +98,15 @@ mode_t mode_of(int flags, va_list more) {
     static const auto real = reinterpret_cast<result(*) parameters>(::dlsym(RTLD_NEXT, #name)); \
     return real arguments;                                                                      \
   }
+
+using Main = int (*)(int, char**, char**);
+CAS_TEST_EXPORT int __libc_start_main(Main main, int argc, char** argv, void (*begin)(),
+                                      void (*finish)(), void (*unload)(), void* stack) {
+  program = main;
+  using Start = int (*)(Main, int, char**, void (*)(), void (*)(), void (*)(), void*);
+  const auto real = reinterpret_cast<Start>(::dlsym(RTLD_NEXT, "__libc_start_main"));
+  return real(start_program, argc, argv, begin, finish, unload, stack);
+}
 
 CAS_TEST_OPEN(open)
 CAS_TEST_OPEN(open64)
