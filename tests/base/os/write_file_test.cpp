@@ -91,6 +91,20 @@ TEST(WriteFile, RefusesASymlinkThatAnotherUserLaid) {
   EXPECT_EQ(text_of(folder.path() / "behind"), "one");
 }
 
+TEST(WriteFile, FollowsNoFolderThatAnotherUserLaidAsASymlink) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can lay a symlink for another user";
+  const test::TemporaryFolder folder;
+  fs::create_directory(folder.path() / "behind");
+  const fs::path link = folder.path() / "link";
+  fs::create_directory_symlink("behind", link);
+  write_file(link / "a.txt", "one");
+  EXPECT_EQ(text_of(folder.path() / "behind/a.txt"), "one");
+  constexpr uid_t kSomebody = 1234;
+  ASSERT_EQ(::lchown(link.c_str(), kSomebody, kSomebody), 0);
+  EXPECT_THROW(write_file(link / "a.txt", "two"), ConfigError);
+  EXPECT_EQ(text_of(folder.path() / "behind/a.txt"), "one");
+}
+
 TEST(WriteFile, WritesOverNothingThatLiesBesideTheFile) {
   const test::TemporaryFolder folder;
   const fs::path file = folder.path() / "a.txt";
