@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "base/error.hpp"
+#include "base/printable.hpp"
 
 namespace cas::base::log {
 namespace {
@@ -79,11 +80,8 @@ const char* priority_prefix(spdlog::level::level_enum level) {
 
 void Sink::write(spdlog::level::level_enum level, std::string_view line) {
   if (!logger.should_log(level)) return;
-  std::string text = journal ? priority_prefix(level) : "";
-  for (const char c : line) {  // text from the wire must not forge lines or move the cursor
-    const auto code = static_cast<unsigned char>(c);
-    text += (code < 0x20 && c != '\t') || code == 0x7F ? '?' : c;
-  }
+  // Text from the wire must not forge lines or move the cursor.
+  const std::string text = (journal ? priority_prefix(level) : "") + printable(line);
   logger.log(level, spdlog::string_view_t(text.data(), text.size()));
 }
 

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "base/export.hpp"
+
+namespace cas::base {
+
+/// With `?` in the place of each character that gives a terminal orders or hides what a text says:
+/// C0 but for the tab, DEL, C1 (U+0080 to U+009F), the invisible ones that turn or join text
+/// (U+061C, U+200B to U+200F, U+2028 to U+202E, U+2060 to U+206F, U+FEFF). Other bytes stay.
+CAS_BASE_EXPORT std::string printable(std::string_view text);
+
+}  // namespace cas::base

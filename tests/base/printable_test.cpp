@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/printable.hpp"
+
+#include <gtest/gtest.h>
+
+namespace cas::base {
+namespace {
+
+TEST(Printable, LeavesTextsOfAnyLanguage) {
+  for (const char* text : {"", "hover 2.5 m", "a\tb", "Höhe 3 m", "高度", "\xE2\x82\xAC 5",
+                           "\xFF\xFE", "\xC2", "\xE2\x80"}) {
+    EXPECT_EQ(printable(text), text);
+  }
+}
+
+TEST(Printable, GivesNoTerminalOrders) {
+  EXPECT_EQ(printable("\x1b]0;pwn\x07"), "?]0;pwn?");
+  EXPECT_EQ(printable("a\nb\rc\x7F"), "a?b?c?");
+  EXPECT_EQ(printable("\xC2\x9B"
+                      "31mred"),
+            "?31mred");
+}
+
+TEST(Printable, TurnsNoTextRound) {
+  EXPECT_EQ(printable("\xE2\x80\xAEgnp.exe"), "?gnp.exe");
+  EXPECT_EQ(printable("a\xE2\x81\xA6z\xE2\x81\xA9"), "a?z?");
+  EXPECT_EQ(printable("\xE2\x80\x8B|\xD8\x9C|\xEF\xBB\xBF"), "?|?|?");
+}
+
+}  // namespace
+}  // namespace cas::base
