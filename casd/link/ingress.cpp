@@ -29,7 +29,8 @@ Ingress::Ingress(LinkId link, Switchboard& switchboard, std::shared_ptr<LinkCoun
 
 void Ingress::take(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
                    PeerId peer) {
-  parse(parser, bytes, [&](const mav::PacketView& packet) { take_packet(packet, now, peer); });
+  parse_stream(parser, bytes,
+               [&](const mav::PacketView& packet) { take_packet(packet, now, peer); });
 }
 
 void Ingress::take_datagram(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,

@@ -28,20 +28,34 @@ class Ingress {
   /// Bytes of a stream. Packets are collected until deliver().
   void take(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
             PeerId peer = {});
-  /// One datagram: no packet spans two of them.
+  /// Bytes that end with a packet, as a record of a telemetry log does.
   /// @param waited  how long it lay in the socket before `now`
   void take_datagram(Parser& parser, std::span<const std::uint8_t> bytes, base::RunTime now,
                      base::Duration waited = {});
-  /// Finds the packets of one datagram that the link lets pass and calls on_packet for each.
+  /// Finds the packets in such bytes that the link lets pass and calls on_packet for each.
   template <class OnPacket>
   void parse_datagram(Parser& parser, std::span<const std::uint8_t> bytes, OnPacket&& on_packet) {
-    parse(parser, bytes, on_packet);
-    parser.flush([&](const mav::PacketView& packet) { admit(packet, on_packet); });
+    parse_stream(parser, bytes, on_packet);
+    flush(parser, on_packet);
   }
   /// The same for bytes of a stream.
   template <class OnPacket>
   void parse_stream(Parser& parser, std::span<const std::uint8_t> bytes, OnPacket&& on_packet) {
-    parse(parser, bytes, on_packet);
+    const Parser::Stats before = parser.stats();
+    counters_->rx.bytes.add(bytes.size());
+    parser.feed(
+        bytes, [&](const mav::PacketView& packet) { admit(packet, on_packet); },
+        [&](const mav::PacketView& packet) { admit_unknown(packet, on_packet); });
+    count_parser(parser, before);
+  }
+  /// Gives up the half packet that the parser holds: finds the whole ones inside it.
+  template <class OnPacket>
+  void flush(Parser& parser, OnPacket&& on_packet) {
+    if (!parser.inside_packet()) return;
+    const Parser::Stats before = parser.stats();
+    parser.flush([&](const mav::PacketView& packet) { admit(packet, on_packet); },
+                 [&](const mav::PacketView& packet) { admit_unknown(packet, on_packet); });
+    count_parser(parser, before);
   }
   /// One packet that is known to be whole.
   void take_packet(const mav::PacketView& packet, base::RunTime now, PeerId peer = {},
@@ -58,15 +72,8 @@ class Ingress {
 
  private:
   template <class OnPacket>
-  void parse(Parser& parser, std::span<const std::uint8_t> bytes, OnPacket&& on_packet) {
-    const Parser::Stats before = parser.stats();
-    counters_->rx.bytes.add(bytes.size());
-    parser.feed(
-        bytes, [&](const mav::PacketView& packet) { admit(packet, on_packet); },
-        [&](const mav::PacketView& packet) {
-          if (switchboard_.router().passes_unknown(link_)) admit(packet, on_packet);
-        });
-    count_parser(parser, before);
+  void admit_unknown(const mav::PacketView& packet, OnPacket& on_packet) {
+    if (switchboard_.router().passes_unknown(link_)) admit(packet, on_packet);
   }
   /// Only packets with a right signature count as received.
   template <class OnPacket>

@@ -8,6 +8,7 @@
 
 #include "casd/link/link_core.hpp"
 #include "casd/link/tx_port.hpp"
+#include "casd/transport/datagram_packets.hpp"
 #include "casd/transport/udp_socket.hpp"
 
 namespace cas::casd {
@@ -31,6 +32,9 @@ class DatagramLink : public Link {
   virtual void open(base::RunTime now) = 0;
   /// One datagram of the reader's last batch.
   virtual void take_datagram(std::size_t index, base::RunTime now) = 0;
+  /// A packet that waited between two halves.
+  virtual void take_held(const SocketAddress& sender, const mav::PacketView& packet,
+                         base::RunTime now) = 0;
   virtual void on_second(base::RunTime) {}
   /// Packets go both ways from now on. @param writer  owns the open socket
   void begin(std::unique_ptr<PacketWriter> writer, base::RunTime now);
@@ -38,10 +42,11 @@ class DatagramLink : public Link {
   LinkCore core_;
   std::shared_ptr<TxPort> port_;
   DatagramReader reader_;
-  Parser parser_;
+  DatagramPackets packets_;
 
  private:
   void read(base::RunTime now);
+  void release_held(base::RunTime now);
   void close(const std::string& reason, base::RunTime now);
 
   OpenDescriptor fd_;  ///< owned by the port's writer

@@ -4,6 +4,7 @@
 #include <sys/socket.h>
 
 #include <atomic>
+#include <cstring>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,6 +20,10 @@ struct SocketAddress {
   int family() const { return storage.ss_family; }
   bool is_multicast() const;
   bool is_ipv4_broadcast() const;  ///< 255.255.255.255
+
+  friend bool operator==(const SocketAddress& a, const SocketAddress& b) {
+    return a.size == b.size && std::memcmp(&a.storage, &b.storage, a.size) == 0;
+  }
 };
 
 /// "127.0.0.1:14550", "[::1]:14550".

@@ -5,7 +5,6 @@
 #include <netinet/in.h>
 
 #include <cerrno>
-#include <cstring>
 #include <memory>
 #include <string>
 #include <utility>
@@ -155,12 +154,20 @@ bool UdpLink::prepare(int fd, const SocketAddress& remote) {
 
 void UdpLink::take_datagram(std::size_t index, base::RunTime now) {
   if (is_own(index)) return;
-  core_.ingress().take_datagram(parser_, reader_.datagram(index), now, reader_.waited(index));
+  packets_.take(
+      core_.ingress(), reader_.sender(index), [this] { return !to_many_; }, reader_.datagram(index),
+      now,
+      [&](const mav::PacketView& packet) {
+        core_.ingress().take_packet(packet, now, {}, reader_.waited(index));
+      });
+}
+
+void UdpLink::take_held(const SocketAddress&, const mav::PacketView& packet, base::RunTime now) {
+  core_.ingress().take_packet(packet, now);
 }
 
 bool UdpLink::is_own(std::size_t index) const {
-  return to_many_ && own_.size > 0 &&
-         std::memcmp(&own_.storage, &reader_.sender(index), own_.size) == 0;
+  return to_many_ && own_.size > 0 && own_ == reader_.sender(index);
 }
 
 }  // namespace cas::casd

@@ -19,6 +19,8 @@ class UdpLink final : public DatagramLink {
  private:
   void open(base::RunTime now) override;
   void take_datagram(std::size_t index, base::RunTime now) override;
+  void take_held(const SocketAddress& sender, const mav::PacketView& packet,
+                 base::RunTime now) override;
   bool look_up(base::RunTime now);
   bool prepare(int fd, const SocketAddress& remote);
   bool is_own(std::size_t index) const;

@@ -167,23 +167,37 @@ void UdpServerLink::open(base::RunTime now) {
         now);
 }
 
-// Only who sends a whole packet becomes a peer.
 void UdpServerLink::take_datagram(std::size_t index, base::RunTime now) {
-  PeerTable& table = peers_->own_table();
-  std::optional<std::uint8_t> peer = table.find(reader_.sender(index));
-  const auto on_packet = [&](const mav::PacketView& packet) {
-    if (!peer) peer = admit(index, now);
-    if (!peer) return core_.counters().rx.foreign.add();
-    table.heard(*peer, packet.source, now);
-    core_.ingress().take_packet(packet, now, table.id(*peer), reader_.waited(index));
-  };
-  core_.ingress().parse_datagram(parser_, reader_.datagram(index), on_packet);
+  const SocketAddress& sender = reader_.sender(index);
+  std::optional<std::uint8_t> peer = peers_->own_table().find(sender.storage);
+  packets_.take(
+      core_.ingress(), sender, [&] { return peer.has_value(); }, reader_.datagram(index), now,
+      [&](const mav::PacketView& packet) {
+        take_packet(peer, sender, packet, now, reader_.waited(index));
+      });
 }
 
-std::optional<std::uint8_t> UdpServerLink::admit(std::size_t index, base::RunTime now) {
+void UdpServerLink::take_held(const SocketAddress& sender, const mav::PacketView& packet,
+                              base::RunTime now) {
+  std::optional<std::uint8_t> peer = peers_->own_table().find(sender.storage);
+  take_packet(peer, sender, packet, now, {});
+}
+
+// Only who sends a whole packet becomes a peer.
+void UdpServerLink::take_packet(std::optional<std::uint8_t>& peer, const SocketAddress& sender,
+                                const mav::PacketView& packet, base::RunTime now,
+                                base::Duration waited) {
+  PeerTable& table = peers_->own_table();
+  if (!peer) peer = admit(sender, now);
+  if (!peer) return core_.counters().rx.foreign.add();
+  table.heard(*peer, packet.source, now);
+  core_.ingress().take_packet(packet, now, table.id(*peer), waited);
+}
+
+std::optional<std::uint8_t> UdpServerLink::admit(const SocketAddress& sender, base::RunTime now) {
   const base::MutexLock lock(peers_->mutex);
   if (newest_only_) peers_->table.clear();
-  const auto peer = peers_->table.add(reader_.sender(index), reader_.sender_size(index), now);
+  const auto peer = peers_->table.add(sender.storage, sender.size, now);
   core_.counters().peers.set(static_cast<std::uint64_t>(peers_->table.count()));
   return peer;
 }

@@ -182,14 +182,24 @@ std::ptrdiff_t DatagramSender::send_singly(int fd, std::span<const PacketRef> pa
   return ::sendmmsg(fd, messages.data(), static_cast<unsigned>(count), MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
-DatagramReader::DatagramReader() : bytes_(kBatch * kMaxDatagram) {
+DatagramReader::DatagramReader() : first_(kLargest) {
+  parts_[0] = {first_.data(), first_.size()};
+  give_room(kUsual);
   for (std::size_t i = 0; i < kBatch; ++i) {
-    parts_[i] = {bytes_.data() + i * kMaxDatagram, kMaxDatagram};
     msghdr& header = messages_[i].msg_hdr;
-    header.msg_name = &senders_[i];
+    header.msg_name = &senders_[i].storage;
     header.msg_iov = &parts_[i];
     header.msg_iovlen = 1;
     header.msg_control = control_[i].data();
+  }
+}
+
+// Of what lies in the others nothing is left.
+void DatagramReader::give_room(std::size_t bytes) {
+  room_ = bytes;
+  others_.resize((kBatch - 1) * room_);
+  for (std::size_t i = 1; i < kBatch; ++i) {
+    parts_[i] = {others_.data() + (i - 1) * room_, room_};
   }
 }
 
@@ -220,21 +230,34 @@ int DatagramReader::read(int fd, base::RunTime now) {
 
 // Puts up to `most` behind those that are there. @return how many; -1 with errno
 int DatagramReader::take(int fd, std::size_t most) {
-  const int count =
-      ::recvmmsg(fd, messages_.data() + used_, static_cast<unsigned>(most), MSG_DONTWAIT, nullptr);
-  if (count > 0) used_ += static_cast<std::size_t>(count);
+  if (large_ && room_ < kLargest && used_ <= 1) give_room(kLargest);
+  const int count = ::recvmmsg(fd, messages_.data() + used_, static_cast<unsigned>(most),
+                               MSG_DONTWAIT | MSG_TRUNC, nullptr);
+  for (int i = 0; i < count; ++i) note_size(used_++);
   if (count < 0 && errno == ECONNREFUSED) ++refused_;
   return count;
 }
 
+// With MSG_TRUNC the kernel gives the size that the datagram had.
+void DatagramReader::note_size(std::size_t index) {
+  mmsghdr& message = messages_[index];
+  senders_[index].size = message.msg_hdr.msg_namelen;
+  if (message.msg_len <= kUsual) return;
+  large_ = true;
+  const std::size_t room = parts_[index].iov_len;
+  if (message.msg_len <= room) return;
+  cut_bytes_ += message.msg_len - room;
+  message.msg_len = static_cast<unsigned>(room);
+}
+
 void DatagramReader::offer(std::size_t index) {
   msghdr& header = messages_[index].msg_hdr;
-  header.msg_namelen = sizeof senders_[index];
+  header.msg_namelen = sizeof senders_[index].storage;
   header.msg_controllen = kControlBytes;
 }
 
 std::span<const std::uint8_t> DatagramReader::datagram(std::size_t index) const {
-  return {bytes_.data() + index * kMaxDatagram, messages_[index].msg_len};
+  return {static_cast<const std::uint8_t*>(parts_[index].iov_base), messages_[index].msg_len};
 }
 
 void DatagramReader::note_drops(const msghdr& header) {

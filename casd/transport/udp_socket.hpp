@@ -18,6 +18,7 @@
 #include "base/time/clock.hpp"
 #include "casd/link/link.hpp"
 #include "casd/packet/packet_port.hpp"
+#include "casd/transport/socket_address.hpp"
 
 namespace cas::casd {
 
@@ -25,10 +26,14 @@ namespace cas::casd {
 ///
 /// One that comes alone is read alone: the kernel's look for a second one is not free. After a
 /// moment's work, or if it has waited itself, others may wait behind it, and are read with it.
+///
+/// The first of a read may have any size. The others have little room until the first large one
+/// came: MAVLink's packets are small, and few senders pack many into one datagram.
 class DatagramReader {
  public:
   static constexpr std::size_t kBatch = 32;
-  static constexpr std::size_t kMaxDatagram = 4096;
+  static constexpr std::size_t kLargest = 65536;
+  static constexpr std::size_t kUsual = 4096;
   /// A shorter wait in the socket is the machine's, and not told.
   static constexpr base::Duration kPrompt = std::chrono::milliseconds(5);
 
@@ -40,8 +45,7 @@ class DatagramReader {
   /// @return how many came; 0: none waits; -1 with errno: the socket is of no more use
   int read(int fd, base::RunTime now);
   std::span<const std::uint8_t> datagram(std::size_t index) const;
-  const sockaddr_storage& sender(std::size_t index) const { return senders_[index]; }
-  socklen_t sender_size(std::size_t index) const { return messages_[index].msg_hdr.msg_namelen; }
+  const SocketAddress& sender(std::size_t index) const { return senders_[index]; }
   /// How long the datagram lay in the socket, by the kernel's stamp; 0 when all came promptly. The
   /// stamp is wall-clock time: a step back of that clock makes what lies in the socket just then
   /// young, a step ahead ages it by no more than the time since the socket was last seen empty or
@@ -52,6 +56,8 @@ class DatagramReader {
   /// Datagrams that the kernel has thrown away for lack of room since the socket was opened.
   std::uint32_t kernel_drops() const { return kernel_drops_; }
   void reset() { kernel_drops_ = 0; }
+  /// Bytes of datagrams for which there was no room, since the last call.
+  std::uint64_t take_cut_bytes() { return std::exchange(cut_bytes_, 0); }
   /// Sent packets that the peer has refused, as a read learned since the last call.
   std::uint64_t take_refused() { return std::exchange(refused_, 0); }
   /// Counts the first datagram of each read.
@@ -63,14 +69,20 @@ class DatagramReader {
   int take(int fd, std::size_t most);
   void compare_clocks();
   void offer(std::size_t index);
+  void give_room(std::size_t bytes);
+  void note_size(std::size_t index);
   base::Duration wait_of(std::size_t index) const;
 
   static constexpr std::size_t kControlBytes =
       CMSG_SPACE(sizeof(std::uint32_t)) + CMSG_SPACE(sizeof(timespec));
-  std::vector<std::uint8_t> bytes_;
+  std::vector<std::uint8_t> first_;
+  std::vector<std::uint8_t> others_;
+  std::size_t room_ = 0;  ///< of each of the others
+  bool large_ = false;    ///< a datagram came that is larger than room_
+  std::uint64_t cut_bytes_ = 0;
   std::array<mmsghdr, kBatch> messages_{};
   std::array<iovec, kBatch> parts_{};
-  std::array<sockaddr_storage, kBatch> senders_{};
+  std::array<SocketAddress, kBatch> senders_{};
   alignas(cmsghdr) std::array<std::array<char, kControlBytes>, kBatch> control_{};
   std::size_t used_ = kBatch;  ///< messages whose lengths are not what they offer room for
   std::uint32_t kernel_drops_ = 0;

@@ -132,6 +132,35 @@ TEST_F(Datagrams, ThatHaveWaitedAreReadTogether) {
   EXPECT_LE(reader_.waited(0), base::steady_now() - begin + kClocks);
 }
 
+TEST_F(Datagrams, ThatAreLargeAreReadWholeAndTheFirstCutIsCounted) {
+  const std::vector<char> large(65507, 'x');
+  const SocketAddress to = local_address(in_.get());
+  const auto send_large = [&] {
+    ASSERT_EQ(::sendto(out_.get(), large.data(), large.size(), 0, to.get(), to.size), 65507);
+  };
+  send_large();
+  ASSERT_EQ(read(now_), 1);  // alone: there is room for any
+  EXPECT_EQ(reader_.datagram(0).size(), large.size());
+  send_large();
+  send_large();
+  ASSERT_EQ(read(now_), 2);
+  EXPECT_EQ(reader_.datagram(1).size(), large.size());
+  EXPECT_EQ(reader_.take_cut_bytes(), 0U);
+}
+
+TEST_F(Datagrams, ThatFindNoRoomAreCutAndCounted) {
+  send(1);
+  ASSERT_EQ(read(now_), 1);
+  send(1);
+  const std::vector<char> large(DatagramReader::kUsual + 100, 'x');
+  const SocketAddress to = local_address(in_.get());
+  ::sendto(out_.get(), large.data(), large.size(), 0, to.get(), to.size);
+  ASSERT_EQ(read(now_), 2);
+  EXPECT_EQ(reader_.datagram(1).size(), DatagramReader::kUsual);
+  EXPECT_EQ(reader_.take_cut_bytes(), 100U);
+  EXPECT_EQ(reader_.take_cut_bytes(), 0U);
+}
+
 TEST(DatagramSender, NamesThePacketsThatTheNetworkRefuses) {
   const base::Descriptor socket(open_udp_socket(AF_INET, ""));  // may not broadcast
   const SocketAddress everybody = AddressLookup("255.255.255.255:14550").address();
