@@ -15,53 +15,81 @@ DatagramLink::DatagramLink(LinkContext context)
     : core_(std::move(context)), port_(core_.make_port()) {}
 
 void DatagramLink::watch(PollSet& set, base::RunTime) {
-  if (!fd_) return set.wake_by(core_.backoff().next());
-  poll_entry_ = set.add(fd_, static_cast<short>(POLLIN | (port_->wants_room() ? POLLOUT : 0)));
+  if (!is_open()) return set.wake_by(core_.backoff().next());
+  short events = static_cast<short>(POLLIN | (port_->wants_room() ? POLLOUT : 0));
+  for (const auto& socket : sockets_) {
+    socket->poll_entry = set.add(socket->fd, std::exchange(events, POLLIN));
+  }
   set.wake_by(port_->due());
   set.wake_by(packets_.due());
   set.wake_by(core_.next_second());
 }
 
 void DatagramLink::serve(const PollSet& set, base::RunTime now) {
-  if (!fd_) {
+  if (!is_open()) {
     if (core_.backoff().due(now)) open(now);
     return;
   }
-  const short events = set.revents(poll_entry_);
-  if ((events & (POLLIN | POLLERR)) != 0) read(now);
-  if (fd_ && port_->broken()) close("sending failed", now);
-  if (fd_ && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
+  bool room = false;
+  for (std::size_t i = 0; i < sockets_.size(); ++i) {
+    const short events = set.revents(sockets_[i]->poll_entry);
+    room |= (events & POLLOUT) != 0;
+    if ((events & (POLLIN | POLLERR)) != 0) read(*sockets_[i], now);
+  }
+  if (is_open() && port_->broken()) close("sending failed", now);
+  if (is_open() && (room || port_->due() <= now)) port_->carry_on(now);
   if (packets_.due() <= now) release_held(now);
   if (!core_.second_due(now)) return;
   core_.on_second(now);
   on_second(now);
 }
 
-void DatagramLink::begin(std::unique_ptr<PacketWriter> writer, base::RunTime now) {
-  fd_ = OpenDescriptor(writer->descriptor());
-  drops_seen_ = 0;
-  reader_.reset();
-  packets_.reset();
-  port_->attach(std::move(writer), now);
-  core_.went_up(to_text(local_address(fd_.get())));
+void DatagramLink::begin(std::unique_ptr<PacketWriter> writer, std::span<const int> sockets,
+                         base::RunTime now) {
+  replace(std::move(writer), sockets, now);
+  core_.went_up(to_text(sockets));
 }
 
-void DatagramLink::read(base::RunTime now) {
+void DatagramLink::replace(std::unique_ptr<PacketWriter> writer, std::span<const int> sockets,
+                           base::RunTime now) {
+  closed_arrivals_ = arrivals();
+  sockets_.clear();
+  for (const int fd : sockets) {
+    sockets_.push_back(std::make_unique<Socket>(fd, static_cast<std::uint8_t>(sockets_.size())));
+  }
+  packets_.reset();
+  port_->attach(std::move(writer), now);
+}
+
+Arrivals DatagramLink::arrivals() const {
+  Arrivals all = closed_arrivals_;
+  for (const auto& socket : sockets_) {
+    const Arrivals of_socket = socket->reader.arrivals();
+    all.packets += of_socket.packets;
+    all.waited += of_socket.waited;
+  }
+  return all;
+}
+
+void DatagramLink::read(Socket& socket, base::RunTime now) {
   // More than one batch a turn only under a flood; then other links of this loop wait no longer
   // than these.
   constexpr int kMaxRounds = 4;
+  DatagramReader& reader = socket.reader;
   for (int round = 0; round < kMaxRounds; ++round) {
-    const int count = reader_.read(fd_.get(), now);
+    const int count = reader.read(socket.fd.get(), now);
     if (count < 0) return close(error_text(errno), now);
-    core_.counters().count_tx_refused(reader_.take_refused());
-    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) take_datagram(i, now);
+    core_.counters().count_tx_refused(reader.take_refused());
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      take_datagram(reader, i, now);
+    }
     core_.ingress().deliver(now);
-    if (const std::uint64_t cut = reader_.take_cut_bytes(); cut > 0) [[unlikely]] {
+    if (const std::uint64_t cut = reader.take_cut_bytes(); cut > 0) [[unlikely]] {
       core_.counters().rx.skipped_bytes.add(cut);
     }
-    if (reader_.kernel_drops() != drops_seen_) {
-      core_.counters().rx.kernel_drops.add(reader_.kernel_drops() - drops_seen_);
-      drops_seen_ = reader_.kernel_drops();
+    if (reader.kernel_drops() != socket.drops_seen) {
+      core_.counters().rx.kernel_drops.add(reader.kernel_drops() - socket.drops_seen);
+      socket.drops_seen = reader.kernel_drops();
     }
     if (count < static_cast<int>(DatagramReader::kBatch)) return;
   }
@@ -69,14 +97,15 @@ void DatagramLink::read(base::RunTime now) {
 
 void DatagramLink::release_held(base::RunTime now) {
   packets_.release(core_.ingress(), now,
-                   [&](const SocketAddress& sender, const mav::PacketView& packet) {
+                   [&](const PeerAddress& sender, const mav::PacketView& packet) {
                      take_held(sender, packet, now);
                    });
   core_.ingress().deliver(now);
 }
 
 void DatagramLink::close(const std::string& reason, base::RunTime now) {
-  fd_ = {};
+  closed_arrivals_ = arrivals();
+  sockets_.clear();
   port_->detach(now);
   core_.went_down(reason, now);
 }

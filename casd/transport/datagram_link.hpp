@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "casd/link/link_core.hpp"
 #include "casd/link/tx_port.hpp"
@@ -22,7 +24,7 @@ class DatagramLink : public Link {
   void watch(PollSet& set, base::RunTime now) final;
   void serve(const PollSet& set, base::RunTime now) final;
   std::uint64_t received() const final { return core_.received(); }
-  Arrivals arrivals() const final { return reader_.arrivals(); }
+  Arrivals arrivals() const final;
   std::shared_ptr<PacketPort> port() final { return port_; }
 
  protected:
@@ -30,28 +32,39 @@ class DatagramLink : public Link {
 
   /// Tries to open the socket; calls begin(), or tells the core why not.
   virtual void open(base::RunTime now) = 0;
-  /// One datagram of the reader's last batch.
-  virtual void take_datagram(std::size_t index, base::RunTime now) = 0;
+  /// One datagram of a reader's last batch. The number of its socket is that of begin().
+  virtual void take_datagram(const DatagramReader& reader, std::size_t index,
+                             base::RunTime now) = 0;
   /// A packet that waited between two halves.
-  virtual void take_held(const SocketAddress& sender, const mav::PacketView& packet,
+  virtual void take_held(const PeerAddress& sender, const mav::PacketView& packet,
                          base::RunTime now) = 0;
   virtual void on_second(base::RunTime) {}
-  /// Packets go both ways from now on. @param writer  owns the open socket
-  void begin(std::unique_ptr<PacketWriter> writer, base::RunTime now);
+  /// Packets go both ways from now on. @param writer  owns the open sockets
+  void begin(std::unique_ptr<PacketWriter> writer, std::span<const int> sockets, base::RunTime now);
+  /// The same over other sockets than before, without the link going down.
+  void replace(std::unique_ptr<PacketWriter> writer, std::span<const int> sockets,
+               base::RunTime now);
 
   LinkCore core_;
   std::shared_ptr<TxPort> port_;
-  DatagramReader reader_;
   DatagramPackets packets_;
 
  private:
-  void read(base::RunTime now);
+  struct Socket {
+    Socket(int open, std::uint8_t number) : fd(open), reader(number) {}
+    OpenDescriptor fd;  ///< owned by the port's writer
+    std::size_t poll_entry = 0;
+    std::uint32_t drops_seen = 0;
+    DatagramReader reader;
+  };
+
+  bool is_open() const { return !sockets_.empty(); }
+  void read(Socket& socket, base::RunTime now);
   void release_held(base::RunTime now);
   void close(const std::string& reason, base::RunTime now);
 
-  OpenDescriptor fd_;  ///< owned by the port's writer
-  std::uint32_t drops_seen_ = 0;
-  std::size_t poll_entry_ = 0;
+  std::vector<std::unique_ptr<Socket>> sockets_;
+  Arrivals closed_arrivals_;  ///< of sockets that are closed
 };
 
 }  // namespace cas::casd

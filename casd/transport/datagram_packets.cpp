@@ -12,13 +12,13 @@ void DatagramPackets::reset() {
   due_ = base::RunTime::max();
 }
 
-DatagramPackets::Half* DatagramPackets::find(const SocketAddress& sender) {
+DatagramPackets::Half* DatagramPackets::find(const PeerAddress& sender) {
   const auto found = std::ranges::find_if(
       halves_, [&](const std::unique_ptr<Half>& half) { return half->sender == sender; });
   return found == halves_.end() ? nullptr : found->get();
 }
 
-DatagramPackets::Half& DatagramPackets::add(const SocketAddress& sender, bool is_peer) {
+DatagramPackets::Half& DatagramPackets::add(const PeerAddress& sender, bool is_peer) {
   const auto is_stranger = [](const std::unique_ptr<Half>& half) { return !half->is_peer; };
   if (!is_peer &&
       std::ranges::count_if(halves_, is_stranger) >= static_cast<std::ptrdiff_t>(kMaxStrangers)) {

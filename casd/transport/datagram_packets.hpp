@@ -31,7 +31,7 @@ class DatagramPackets {
   /// Calls on_packet(const mav::PacketView&) for each packet that this datagram completes.
   /// @param is_peer  tells whether its sender is known by now
   template <class IsPeer, class OnPacket>
-  void take(Ingress& ingress, const SocketAddress& sender, IsPeer&& is_peer,
+  void take(Ingress& ingress, const PeerAddress& sender, IsPeer&& is_peer,
             std::span<const std::uint8_t> bytes, base::RunTime now, OnPacket&& on_packet) {
     if (halves_.empty()) {
       ingress.parse_stream(whole_, bytes, on_packet);
@@ -51,7 +51,7 @@ class DatagramPackets {
 
   /// When release() has something to do.
   base::RunTime due() const { return due_; }
-  /// Calls on_packet(const SocketAddress& sender, const mav::PacketView&) for whole packets that
+  /// Calls on_packet(const PeerAddress& sender, const mav::PacketView&) for whole packets that
   /// waited between two halves, and forgets old halves.
   template <class OnPacket>
   void release(Ingress& ingress, base::RunTime now, OnPacket&& on_packet) {
@@ -72,7 +72,7 @@ class DatagramPackets {
 
  private:
   struct Half {
-    SocketAddress sender;
+    PeerAddress sender;
     bool is_peer = false;
     bool waits = false;  ///< not looked into since the last datagram
     base::RunTime last;  ///< when the last datagram came that ended inside a packet
@@ -81,7 +81,7 @@ class DatagramPackets {
 
   /// A datagram ended inside a packet.
   template <class OnPacket>
-  void keep(Ingress& ingress, const SocketAddress& sender, bool is_peer, base::RunTime now,
+  void keep(Ingress& ingress, const PeerAddress& sender, bool is_peer, base::RunTime now,
             OnPacket& on_packet) {
     Half* half = find(sender);
     Parser& parser = half == nullptr ? whole_ : half->parser;
@@ -93,9 +93,9 @@ class DatagramPackets {
     due_ = std::min(due_, now + kPacketPause);
   }
 
-  Half* find(const SocketAddress& sender);
+  Half* find(const PeerAddress& sender);
   /// Moves the half packet of whole_ to a place of this sender.
-  Half& add(const SocketAddress& sender, bool is_peer);
+  Half& add(const PeerAddress& sender, bool is_peer);
   void forget_old(base::RunTime now);
 
   Parser whole_ = make_parser();  ///< empty between two datagrams

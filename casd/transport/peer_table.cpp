@@ -22,10 +22,10 @@ std::optional<std::uint8_t> PeerTable::find(const sockaddr_storage& address) con
 }
 
 std::optional<std::uint8_t> PeerTable::add(const sockaddr_storage& address, socklen_t size,
-                                           base::RunTime now) {
+                                           base::RunTime now, std::uint8_t socket) {
   if (count() >= max_peers_ && expire(now) == 0) return std::nullopt;
   const auto peer = static_cast<std::uint8_t>(std::countr_one(present_));
-  peers_[peer] = {address, size, now, ++serials_};
+  peers_[peer] = {address, size, now, ++serials_, socket};
   present_ |= slot_bit(peer);
   return peer;
 }

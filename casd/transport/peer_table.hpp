@@ -29,8 +29,9 @@ class PeerTable {
   /// The slot of an address. @return nothing when it is unknown
   std::optional<std::uint8_t> find(const sockaddr_storage& address) const;
   /// Takes a new address in. @return nothing when all slots are taken by peers that still speak
+  /// @param socket  of the server's, over which it was heard
   std::optional<std::uint8_t> add(const sockaddr_storage& address, socklen_t size,
-                                  base::RunTime now);
+                                  base::RunTime now, std::uint8_t socket = 0);
   /// Slot and serial number of a peer that is present.
   PeerId id(std::uint8_t peer) const { return {peer, peers_[peer].serial}; }
   /// A packet came from the peer.
@@ -50,6 +51,7 @@ class PeerTable {
     return reinterpret_cast<const sockaddr*>(&peers_[peer].address);
   }
   socklen_t address_size(std::uint8_t peer) const { return peers_[peer].size; }
+  std::uint8_t socket(std::uint8_t peer) const { return peers_[peer].socket; }
 
  private:
   struct Peer {
@@ -57,6 +59,7 @@ class PeerTable {
     socklen_t size = 0;
     base::RunTime last;
     std::uint32_t serial = 0;
+    std::uint8_t socket = 0;
   };
   void remove(std::uint8_t peer);
 

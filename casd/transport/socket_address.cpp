@@ -5,6 +5,7 @@
 #include <netdb.h>
 #include <netinet/in.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <thread>
@@ -17,8 +18,8 @@ namespace {
 
 using base::HostPort;
 
-// @return what getaddrinfo says; 0 when `address` is filled in
-int look_up(const HostPort& parts, int flags, SocketAddress& address) {
+// @return what getaddrinfo says; 0 when `addresses` are filled in
+int look_up(const HostPort& parts, int flags, std::vector<SocketAddress>& addresses) {
   addrinfo hints{};
   hints.ai_family = AF_UNSPEC;
   hints.ai_socktype = SOCK_DGRAM;
@@ -26,18 +27,23 @@ int look_up(const HostPort& parts, int flags, SocketAddress& address) {
   addrinfo* found = nullptr;
   const int error = ::getaddrinfo(parts.host.c_str(), parts.port.c_str(), &hints, &found);
   if (error != 0) return error;
-  std::memcpy(&address.storage, found->ai_addr, found->ai_addrlen);
-  address.size = found->ai_addrlen;
+  for (const addrinfo* each = found; each != nullptr; each = each->ai_next) {
+    SocketAddress address;
+    std::memcpy(&address.storage, each->ai_addr, each->ai_addrlen);
+    address.size = each->ai_addrlen;
+    const bool is_new = std::ranges::find(addresses, address) == addresses.end();
+    if (is_new && addresses.size() < AddressLookup::kMost) addresses.push_back(address);
+  }
   ::freeaddrinfo(found);
   return 0;
 }
 
 // A machine without /etc/hosts and name server knows no `localhost`: RFC 6761 section 6.3 does.
-int look_up_name(HostPort parts, SocketAddress& address) {
-  const int error = look_up(parts, AI_ADDRCONFIG, address);
+int look_up_name(HostPort parts, std::vector<SocketAddress>& addresses) {
+  const int error = look_up(parts, AI_ADDRCONFIG, addresses);
   if (error == 0 || parts.host != "localhost") return error;
   parts.host = "127.0.0.1";
-  return look_up(parts, AI_NUMERICHOST, address);
+  return look_up(parts, AI_NUMERICHOST, addresses);
 }
 
 const sockaddr_in& as_ipv4(const SocketAddress& address) {
@@ -49,6 +55,18 @@ const sockaddr_in6& as_ipv6(const SocketAddress& address) {
 }
 
 }  // namespace
+
+std::uint16_t SocketAddress::port() const {
+  return ntohs(family() == AF_INET ? as_ipv4(*this).sin_port : as_ipv6(*this).sin6_port);
+}
+
+void SocketAddress::set_port(std::uint16_t port) {
+  if (family() == AF_INET) {
+    reinterpret_cast<sockaddr_in&>(storage).sin_port = htons(port);
+  } else {
+    reinterpret_cast<sockaddr_in6&>(storage).sin6_port = htons(port);
+  }
+}
 
 bool SocketAddress::is_multicast() const {
   if (family() == AF_INET) return IN_MULTICAST(ntohl(as_ipv4(*this).sin_addr.s_addr));
@@ -83,14 +101,26 @@ SocketAddress local_address(int fd) {
   return address;
 }
 
+std::string to_text(std::span<const int> sockets) {
+  std::string text;
+  for (const int fd : sockets) text += (text.empty() ? "" : " and ") + to_text(local_address(fd));
+  return text;
+}
+
+std::vector<int> numbers_of(std::span<const base::Descriptor> sockets) {
+  std::vector<int> numbers;
+  for (const base::Descriptor& socket : sockets) numbers.push_back(socket.get());
+  return numbers;
+}
+
 AddressLookup::AddressLookup(const std::string& endpoint) : shared_(std::make_shared<Shared>()) {
   const HostPort parts = base::parse_host_port(endpoint).value_or(HostPort{});
-  if (look_up(parts, AI_NUMERICHOST, shared_->address) == 0) {
+  if (look_up(parts, AI_NUMERICHOST, shared_->addresses) == 0) {
     shared_->state = State::kFound;
     return;
   }
   std::thread([parts, shared = shared_] {
-    const int error = look_up_name(parts, shared->address);
+    const int error = look_up_name(parts, shared->addresses);
     if (error != 0) shared->error = parts.host + ": " + ::gai_strerror(error);
     shared->state.store(error == 0 ? State::kFound : State::kFailed, std::memory_order_release);
   }).detach();
@@ -100,7 +130,7 @@ AddressLookup::State AddressLookup::state() const {
   return shared_ ? shared_->state.load(std::memory_order_acquire) : State::kFailed;
 }
 
-const SocketAddress& AddressLookup::address() const { return shared_->address; }
+const std::vector<SocketAddress>& AddressLookup::addresses() const { return shared_->addresses; }
 
 std::string AddressLookup::error() const { return shared_ ? shared_->error : "no address"; }
 

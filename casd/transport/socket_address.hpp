@@ -4,10 +4,17 @@
 #include <sys/socket.h>
 
 #include <atomic>
+#include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <utility>
+#include <vector>
+
+#include "base/os/descriptor.hpp"
 
 namespace cas::casd {
 
@@ -20,10 +27,20 @@ struct SocketAddress {
   int family() const { return storage.ss_family; }
   bool is_multicast() const;
   bool is_ipv4_broadcast() const;  ///< 255.255.255.255
+  std::uint16_t port() const;
+  void set_port(std::uint16_t port);
 
   friend bool operator==(const SocketAddress& a, const SocketAddress& b) {
     return a.size == b.size && std::memcmp(&a.storage, &b.storage, a.size) == 0;
   }
+};
+
+/// Where a datagram came from, and over which of its link's sockets.
+struct PeerAddress {
+  SocketAddress address;
+  std::uint8_t socket = 0;
+
+  friend bool operator==(const PeerAddress&, const PeerAddress&) = default;
 };
 
 /// "127.0.0.1:14550", "[::1]:14550".
@@ -31,7 +48,37 @@ std::string to_text(const SocketAddress& address);
 /// The address a socket is bound to.
 SocketAddress local_address(int fd);
 
-/// Finds the address of "HOST:PORT". Numbers are read at once; names are looked up on a thread of
+/// Sockets at every address of a name, all at one port: `localhost` is ::1 and 127.0.0.1.
+struct OpenSockets {
+  std::vector<base::Descriptor> sockets{};
+  int error = 0;  ///< why there are none, an errno
+};
+/// @param open  opens a socket and binds it to the address; empty with errno
+template <class Open>
+OpenSockets open_at_each(std::span<const SocketAddress> addresses, Open&& open) {
+  OpenSockets all;
+  for (SocketAddress address : addresses) {
+    if (!all.sockets.empty()) address.set_port(local_address(all.sockets.front().get()).port());
+    base::Descriptor socket = open(address);
+    if (socket) {
+      all.sockets.push_back(std::move(socket));
+      continue;
+    }
+    all.error = errno;
+    // A machine without IPv6, for example, lacks the one address only.
+    if (all.error != EADDRNOTAVAIL && all.error != EAFNOSUPPORT) {
+      all.sockets.clear();
+      break;
+    }
+  }
+  return all;
+}
+/// Where they are bound: "127.0.0.1:14550", or several with `and` between.
+std::string to_text(std::span<const int> sockets);
+/// Their numbers, for those who do not own them.
+std::vector<int> numbers_of(std::span<const base::Descriptor> sockets);
+
+/// Finds the addresses of "HOST:PORT". Numbers are read at once; names are looked up on a thread of
 /// their own, so that a slow name server never holds up a link.
 class AddressLookup {
  public:
@@ -40,15 +87,18 @@ class AddressLookup {
 
   enum class State { kPending, kFound, kFailed };
   State state() const;
-  /// Valid in state kFound.
-  const SocketAddress& address() const;
+  /// Valid in state kFound: the first one.
+  const SocketAddress& address() const { return addresses().front(); }
+  /// Likewise all, at most kMost, in the order in which the machine prefers them.
+  const std::vector<SocketAddress>& addresses() const;
+  static constexpr std::size_t kMost = 8;
   /// Why it failed.
   std::string error() const;
 
  private:
   struct Shared {
     std::atomic<State> state{State::kPending};
-    SocketAddress address;
+    std::vector<SocketAddress> addresses;
     std::string error;
   };
   std::shared_ptr<Shared> shared_;

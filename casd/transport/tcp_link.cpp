@@ -72,7 +72,7 @@ void TcpLink::watch(PollSet& set, base::RunTime) {
 void TcpLink::serve(const PollSet& set, base::RunTime now) {
   if (connecting_) {
     if (set.revents(poll_entry_) != 0) return finish_connect(now);
-    if (now >= connect_deadline_) give_up("no answer from " + core_.config().remote, now);
+    if (now >= connect_deadline_) try_next("no answer from " + core_.config().remote, now);
     return;
   }
   if (!fd_) {
@@ -92,13 +92,23 @@ void TcpLink::serve_connected(short events, base::RunTime now) {
 }
 
 void TcpLink::connect(base::RunTime now) {
+  if (!find_addresses(now)) return;
+  tried_ = 0;
+  connect_to(remote_.addresses().front(), now);
+}
+
+/// They are looked up anew at each attempt: names may move.
+bool TcpLink::find_addresses(base::RunTime now) {
   if (!looking_up_) remote_ = AddressLookup(core_.config().remote);
-  looking_up_ = remote_.state() == AddressLookup::State::kPending;
-  if (looking_up_) return core_.backoff().failed(now);
-  if (remote_.state() == AddressLookup::State::kFailed) {
-    return core_.went_down(remote_.error(), now);
-  }
-  const SocketAddress& address = remote_.address();
+  const AddressLookup::State state = remote_.state();
+  looking_up_ = state == AddressLookup::State::kPending;
+  if (looking_up_) core_.backoff().failed(now);
+  if (state == AddressLookup::State::kFailed) core_.went_down(remote_.error(), now);
+  return state == AddressLookup::State::kFound;
+}
+
+void TcpLink::connect_to(const SocketAddress& address, base::RunTime now) {
+  ++tried_;
   connecting_ =
       base::Descriptor(::socket(address.family(), SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const std::string& interface = core_.config().interface;
@@ -109,8 +119,7 @@ void TcpLink::connect(base::RunTime now) {
   if (bound) prepare_tcp(connecting_.get());
   if (!bound ||
       (::connect(connecting_.get(), address.get(), address.size) != 0 && errno != EINPROGRESS)) {
-    const int error = errno;
-    return give_up(core_.config().remote + ": " + error_text(error), now);
+    return try_next(core_.config().remote + ": " + error_text(errno), now);
   }
   fd_ = OpenDescriptor(connecting_.get());
   connect_deadline_ = now + kConnectPatience;
@@ -120,7 +129,7 @@ void TcpLink::finish_connect(base::RunTime now) {
   int error = 0;
   socklen_t size = sizeof error;
   ::getsockopt(connecting_.get(), SOL_SOCKET, SO_ERROR, &error, &size);
-  if (error != 0) return give_up(core_.config().remote + ": " + error_text(error), now);
+  if (error != 0) return try_next(core_.config().remote + ": " + error_text(error), now);
   base::Descriptor connected = std::move(connecting_);
   parser_.reset();
   port_->attach(std::make_unique<StreamWriter>(std::move(connected), StreamWriter::Kind::kSocket),
@@ -130,8 +139,11 @@ void TcpLink::finish_connect(base::RunTime now) {
   core_.went_up(core_.config().remote);
 }
 
-void TcpLink::give_up(const std::string& reason, base::RunTime now) {
+/// This address is not to be had.
+void TcpLink::try_next(const std::string& reason, base::RunTime now) {
   connecting_.reset();
+  fd_ = {};
+  if (tried_ < remote_.addresses().size()) return connect_to(remote_.addresses()[tried_], now);
   close(reason, now);
 }
 
@@ -220,8 +232,11 @@ TcpServerLink::~TcpServerLink() {
 }
 
 void TcpServerLink::watch(PollSet& set, base::RunTime now) {
-  if (!listener_) return set.wake_by(core_.backoff().next());
-  poll_entry_ = set.add(now < accept_again_ ? OpenDescriptor() : listening_, POLLIN);
+  if (listeners_.empty()) return set.wake_by(core_.backoff().next());
+  for (Listener& listener : listeners_) {
+    listener.poll_entry =
+        set.add(now < accept_again_ ? OpenDescriptor() : listener.watched, POLLIN);
+  }
   for (const auto& client : clients_) {
     const bool wants_room = client->port->wants_room();
     client->poll_entry =
@@ -232,7 +247,7 @@ void TcpServerLink::watch(PollSet& set, base::RunTime now) {
 }
 
 void TcpServerLink::serve(const PollSet& set, base::RunTime now) {
-  if (!listener_) {
+  if (listeners_.empty()) {
     if (core_.backoff().due(now)) listen(now);
     return;
   }
@@ -240,7 +255,9 @@ void TcpServerLink::serve(const PollSet& set, base::RunTime now) {
     const auto trouble = serve_client(*clients_[i], set.revents(clients_[i]->poll_entry), now);
     if (trouble) remove(i, *trouble);
   }
-  if ((set.revents(poll_entry_) & POLLIN) != 0) accept(now);
+  for (const Listener& listener : listeners_) {
+    if ((set.revents(listener.poll_entry) & POLLIN) != 0) accept(listener.socket.get(), now);
+  }
   if (!core_.second_due(now)) return;
   core_.on_second(now);
   for (const auto& client : clients_) fan_out_->routes().expire(client->slot, now);
@@ -252,7 +269,20 @@ void TcpServerLink::listen(base::RunTime now) {
   if (looking_up_) return core_.backoff().failed(now);
   if (local_.state() == AddressLookup::State::kFailed) return core_.went_down(local_.error(), now);
 
-  const SocketAddress& address = local_.address();
+  OpenSockets open = open_at_each(
+      local_.addresses(), [&](const SocketAddress& address) { return open_listener(address); });
+  if (open.sockets.empty()) {
+    return core_.went_down(core_.config().local + ": " + error_text(open.error), now);
+  }
+  core_.went_up(to_text(numbers_of(open.sockets)));
+  for (base::Descriptor& socket : open.sockets) {
+    const OpenDescriptor watched(socket.get());
+    listeners_.push_back({.socket = std::move(socket), .watched = watched});
+  }
+}
+
+/// @return empty with errno
+base::Descriptor TcpServerLink::open_listener(const SocketAddress& address) const {
   base::Descriptor socket(
       ::socket(address.family(), SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   const int on = 1;
@@ -264,16 +294,13 @@ void TcpServerLink::listen(base::RunTime now) {
                                    static_cast<socklen_t>(interface.size())) == 0) &&
                      ::bind(socket.get(), address.get(), address.size) == 0 &&
                      ::listen(socket.get(), SOMAXCONN) == 0;
-  if (!bound) return core_.went_down(core_.config().local + ": " + error_text(errno), now);
-  listener_ = std::move(socket);
-  listening_ = OpenDescriptor(listener_.get());
-  core_.went_up(to_text(local_address(listener_.get())));
+  return bound ? std::move(socket) : base::Descriptor();
 }
 
-void TcpServerLink::accept(base::RunTime now) {
+void TcpServerLink::accept(int listener, base::RunTime now) {
   SocketAddress from;
   from.size = sizeof from.storage;
-  base::Descriptor socket(::accept4(listener_.get(), reinterpret_cast<sockaddr*>(&from.storage),
+  base::Descriptor socket(::accept4(listener, reinterpret_cast<sockaddr*>(&from.storage),
                                     &from.size, SOCK_CLOEXEC | SOCK_NONBLOCK));
   if (!socket) {
     // Out of descriptors or memory: who waits at the door must not keep us busy.

@@ -17,7 +17,8 @@
 
 namespace cas::casd {
 
-/// A TCP connection that we open, and open again whenever it is gone.
+/// A TCP connection that we open, and open again whenever it is gone. Of a name with several
+/// addresses each is tried in turn.
 class TcpLink final : public Link {
  public:
   explicit TcpLink(LinkContext context);
@@ -31,7 +32,9 @@ class TcpLink final : public Link {
  private:
   void connect(base::RunTime now);
   void finish_connect(base::RunTime now);
-  void give_up(const std::string& reason, base::RunTime now);
+  bool find_addresses(base::RunTime now);
+  void connect_to(const SocketAddress& address, base::RunTime now);
+  void try_next(const std::string& reason, base::RunTime now);
   void serve_connected(short events, base::RunTime now);
   void read(base::RunTime now);
   void close(const std::string& reason, base::RunTime now);
@@ -42,6 +45,7 @@ class TcpLink final : public Link {
   std::vector<std::uint8_t> buffer_;
   AddressLookup remote_;
   bool looking_up_ = false;
+  std::size_t tried_ = 0;  ///< addresses of the name, in this attempt
   base::Descriptor connecting_;
   base::RunTime connect_deadline_{};
   std::optional<base::RunTime> connected_at_;
@@ -102,7 +106,8 @@ class TcpServerLink final : public Link {
   };
 
   void listen(base::RunTime now);
-  void accept(base::RunTime now);
+  base::Descriptor open_listener(const SocketAddress& address) const;
+  void accept(int listener, base::RunTime now);
   /// @return why the client is to be closed; nothing: it stays
   std::optional<std::string> serve_client(Client& client, short events, base::RunTime now);
   std::optional<std::string> read(Client& client, base::RunTime now);
@@ -113,9 +118,12 @@ class TcpServerLink final : public Link {
   std::shared_ptr<TcpFanOut> fan_out_;
   AddressLookup local_;
   bool looking_up_ = false;
-  base::Descriptor listener_;
-  OpenDescriptor listening_;  ///< `listener_` for a PollSet
-  std::size_t poll_entry_ = 0;
+  struct Listener {
+    base::Descriptor socket;
+    OpenDescriptor watched;  ///< `socket` for a PollSet
+    std::size_t poll_entry = 0;
+  };
+  std::vector<Listener> listeners_;
   base::RunTime accept_again_{};
   std::vector<std::unique_ptr<Client>> clients_;
   SlotMask slots_ = 0;

@@ -4,13 +4,16 @@
 #include <net/if.h>
 #include <netinet/in.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <memory>
 #include <string>
 #include <utility>
 
 #include "base/os/descriptor.hpp"
+#include "casd/counters/link_counters.hpp"
 #include "casd/packet/packet_port.hpp"
+#include "casd/topology/endpoint_address.hpp"
 #include "casd/transport/udp_socket.hpp"
 
 namespace cas::casd {
@@ -82,6 +85,8 @@ bool join_group(int fd, const SocketAddress& group, const std::string& interface
           ::setsockopt(fd, IPPROTO_IPV6, IPV6_MULTICAST_IF, &through, sizeof through) == 0);
 }
 
+bool is_address(const std::string& endpoint) { return !EndpointAddress(endpoint).is_name(); }
+
 // The address that our packets to `remote` bear, with the port of `fd`.
 SocketAddress source_towards(const SocketAddress& remote, int fd, const std::string& interface) {
   const base::Descriptor probe(open_udp_socket(remote.family(), interface));
@@ -89,14 +94,7 @@ SocketAddress source_towards(const SocketAddress& remote, int fd, const std::str
   ::setsockopt(probe.get(), SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
   if (!probe || ::connect(probe.get(), remote.get(), remote.size) != 0) return {};
   SocketAddress source = local_address(probe.get());
-  const SocketAddress bound = local_address(fd);
-  if (source.family() == AF_INET) {
-    reinterpret_cast<sockaddr_in&>(source.storage).sin_port =
-        reinterpret_cast<const sockaddr_in&>(bound.storage).sin_port;
-  } else {
-    reinterpret_cast<sockaddr_in6&>(source.storage).sin6_port =
-        reinterpret_cast<const sockaddr_in6&>(bound.storage).sin6_port;
-  }
+  source.set_port(local_address(fd).port());
   return source;
 }
 
@@ -104,12 +102,67 @@ SocketAddress source_towards(const SocketAddress& remote, int fd, const std::str
 
 void UdpLink::open(base::RunTime now) {
   if (!look_up(now)) return;
-  const SocketAddress& remote = remote_.address();
-  base::Descriptor socket(open_udp_socket(remote.family(), core_.config().interface));
-  if (!socket || !prepare(socket.get(), remote)) {
-    return core_.went_down(error_text(errno), now);
+  choice_ = AddressChoice(remote_.addresses().size());
+  last_second();
+  base::Descriptor socket = open_socket();
+  while (!socket && choice_.leave()) socket = open_socket();
+  if (!socket) return core_.went_down(error_text(errno), now);
+  const int fd = socket.get();
+  begin(writer_of(std::move(socket)), {&fd, 1}, now);
+}
+
+base::Descriptor UdpLink::open_socket() {
+  base::Descriptor socket(open_udp_socket(remote().family(), core_.config().interface));
+  if (socket && prepare(socket.get(), remote())) return socket;
+  return {};
+}
+
+std::unique_ptr<PacketWriter> UdpLink::writer_of(base::Descriptor socket) const {
+  return std::make_unique<UdpWriter>(std::move(socket), to_many_ ? remote() : SocketAddress{});
+}
+
+void UdpLink::on_second(base::RunTime now) {
+  const AddressChoice::Second second = last_second();
+  if (again_) return compare_addresses(now);
+  if (is_address(core_.config().remote)) return;
+  switch (choice_.on_second(second)) {
+    case AddressChoice::Step::kStay:
+      return;
+    case AddressChoice::Step::kNext:
+      return move_to_choice(now);
+    case AddressChoice::Step::kLookUp:
+      again_ = AddressLookup(core_.config().remote);
   }
-  begin(std::make_unique<UdpWriter>(std::move(socket), to_many_ ? remote : SocketAddress{}), now);
+}
+
+AddressChoice::Second UdpLink::last_second() {
+  const LinkCounters& counters = core_.counters();
+  constexpr auto kRefused = static_cast<std::size_t>(DropCause::kClosed);
+  const std::uint64_t heard = counters.rx.bytes.get();
+  const std::uint64_t sent = counters.tx.packets.get();
+  const std::uint64_t refused = counters.tx.refused.get() + counters.tx.dropped[kRefused].get();
+  return {.heard = std::exchange(heard_, heard) != heard,
+          .sent = std::exchange(sent_, sent) != sent,
+          .refused = std::exchange(refused_, refused) != refused};
+}
+
+void UdpLink::move_to_choice(base::RunTime now) {
+  base::Descriptor socket = open_socket();
+  if (!socket) return;  // as an address that refuses: the next second tries the next one
+  const int fd = socket.get();
+  replace(writer_of(std::move(socket)), {&fd, 1}, now);
+  core_.counters().set_endpoint(to_text(local_address(fd)));
+}
+
+/// What a name stands for by now, after refusals.
+void UdpLink::compare_addresses(base::RunTime now) {
+  if (again_->state() == AddressLookup::State::kPending) return;
+  const AddressLookup found = *std::exchange(again_, std::nullopt);
+  if (found.state() == AddressLookup::State::kFailed) return;
+  const bool same = found.addresses() == remote_.addresses();
+  remote_ = found;
+  choice_ = AddressChoice(remote_.addresses().size());
+  if (!same || choice_.count() > 1) move_to_choice(now);
 }
 
 // Addresses are looked up anew at each opening: names may move.
@@ -140,8 +193,13 @@ bool UdpLink::prepare(int fd, const SocketAddress& remote) {
   const int on = 1;
   if (!core_.config().local.empty()) {
     if (to_many_) ::setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-    const SocketAddress& local = local_.address();
-    if (::bind(fd, local.get(), local.size) != 0) return false;
+    const auto local = std::ranges::find(local_.addresses(), remote.family(),
+                                         [](const SocketAddress& each) { return each.family(); });
+    if (local == local_.addresses().end()) {
+      errno = EAFNOSUPPORT;
+      return false;
+    }
+    if (::bind(fd, local->get(), local->size) != 0) return false;
   }
   if (!to_many_) return ::connect(fd, remote.get(), remote.size) == 0;
   ::setsockopt(fd, SOL_SOCKET, SO_BROADCAST, &on, sizeof on);
@@ -152,22 +210,22 @@ bool UdpLink::prepare(int fd, const SocketAddress& remote) {
   return true;
 }
 
-void UdpLink::take_datagram(std::size_t index, base::RunTime now) {
-  if (is_own(index)) return;
+void UdpLink::take_datagram(const DatagramReader& reader, std::size_t index, base::RunTime now) {
+  if (is_own(reader.sender(index).address)) return;
   packets_.take(
-      core_.ingress(), reader_.sender(index), [this] { return !to_many_; }, reader_.datagram(index),
+      core_.ingress(), reader.sender(index), [this] { return !to_many_; }, reader.datagram(index),
       now,
       [&](const mav::PacketView& packet) {
-        core_.ingress().take_packet(packet, now, {}, reader_.waited(index));
+        core_.ingress().take_packet(packet, now, {}, reader.waited(index));
       });
 }
 
-void UdpLink::take_held(const SocketAddress&, const mav::PacketView& packet, base::RunTime now) {
+void UdpLink::take_held(const PeerAddress&, const mav::PacketView& packet, base::RunTime now) {
   core_.ingress().take_packet(packet, now);
 }
 
-bool UdpLink::is_own(std::size_t index) const {
-  return to_many_ && own_.size > 0 && own_ == reader_.sender(index);
+bool UdpLink::is_own(const SocketAddress& sender) const {
+  return to_many_ && own_.size > 0 && own_ == sender;
 }
 
 }  // namespace cas::casd

@@ -3,6 +3,7 @@
 
 #include <sys/socket.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cerrno>
@@ -28,11 +29,11 @@ DropCause cause_of(int error) {
 /// peer got is unsent.
 class UdpServerWriter final : public PacketWriter {
  public:
-  UdpServerWriter(base::Descriptor descriptor, LinkId own, std::shared_ptr<SharedPeers> peers,
-                  std::shared_ptr<LinkCounters> counters);
+  UdpServerWriter(std::vector<base::Descriptor> sockets, LinkId own,
+                  std::shared_ptr<SharedPeers> peers, std::shared_ptr<LinkCounters> counters);
 
   WriteResult write(std::span<const PacketRef> packets) override;
-  int descriptor() const override { return descriptor_.get(); }
+  int descriptor() const override { return sockets_.front().get(); }
 
  private:
   /// @return whether any of the peers was sent it
@@ -41,8 +42,11 @@ class UdpServerWriter final : public PacketWriter {
   /// Leaves in masks_ the peers that were sent each packet.
   void send_by_peer(std::span<const PacketRef> packets) CAS_REQUIRES(peers_->mutex);
   void count_lost(const PacketRef& packet, DropCause cause);
+  int socket_of(std::uint8_t peer) const CAS_REQUIRES(peers_->mutex) {
+    return sockets_[std::min<std::size_t>(peers_->table.socket(peer), sockets_.size() - 1)].get();
+  }
 
-  base::Descriptor descriptor_;
+  std::vector<base::Descriptor> sockets_;
   LinkId own_;
   std::shared_ptr<SharedPeers> peers_;
   std::shared_ptr<LinkCounters> counters_;
@@ -53,10 +57,10 @@ class UdpServerWriter final : public PacketWriter {
   std::vector<Unsent> unsent_;
 };
 
-UdpServerWriter::UdpServerWriter(base::Descriptor descriptor, LinkId own,
+UdpServerWriter::UdpServerWriter(std::vector<base::Descriptor> sockets, LinkId own,
                                  std::shared_ptr<SharedPeers> peers,
                                  std::shared_ptr<LinkCounters> counters)
-    : descriptor_(std::move(descriptor)),
+    : sockets_(std::move(sockets)),
       own_(own),
       peers_(std::move(peers)),
       counters_(std::move(counters)) {}
@@ -76,10 +80,16 @@ WriteResult UdpServerWriter::write(std::span<const PacketRef> packets) {
   return {.packets = packets.size(), .done = base::steady_now(), .unsent = unsent_};
 }
 
-// One packet, many peers: one call for all of them.
+// One packet, many peers: one call for all of them, if there is one socket.
 bool UdpServerWriter::send_to_each(const PacketRef& packet, SlotMask peers) {
   if (peers != 0 && (peers & (peers - 1)) == 0) {
     return send_to_one(packet, static_cast<std::uint8_t>(std::countr_zero(peers)));
+  }
+  if (sockets_.size() > 1) {
+    bool any = false;
+    for_each_slot(peers, [&](std::uint8_t peer)
+                             CAS_REQUIRES(peers_->mutex) { any |= send_to_one(packet, peer); });
+    return any;
   }
   std::array<mmsghdr, PeerTable::kMaxPeers> messages;
   iovec part{const_cast<std::uint8_t*>(packet.bytes.data()), packet.bytes.size()};
@@ -94,8 +104,8 @@ bool UdpServerWriter::send_to_each(const PacketRef& packet, SlotMask peers) {
     header.msg_iovlen = 1;
   });
   for (unsigned done = 0; done < count;) {
-    const int sent = ::sendmmsg(descriptor_.get(), messages.data() + done, count - done,
-                                MSG_DONTWAIT | MSG_NOSIGNAL);
+    const int sent =
+        ::sendmmsg(descriptor(), messages.data() + done, count - done, MSG_DONTWAIT | MSG_NOSIGNAL);
     // This peer's loss; on with the next.
     if (sent <= 0) count_lost(packet, cause_of(errno));
     any_sent |= sent > 0;
@@ -105,7 +115,7 @@ bool UdpServerWriter::send_to_each(const PacketRef& packet, SlotMask peers) {
 }
 
 bool UdpServerWriter::send_to_one(const PacketRef& packet, std::uint8_t peer) {
-  const auto sent = ::sendto(descriptor_.get(), packet.bytes.data(), packet.bytes.size(),
+  const auto sent = ::sendto(socket_of(peer), packet.bytes.data(), packet.bytes.size(),
                              MSG_DONTWAIT | MSG_NOSIGNAL, peers_->table.address(peer),
                              peers_->table.address_size(peer));
   if (sent < 0) count_lost(packet, cause_of(errno));
@@ -132,7 +142,7 @@ void UdpServerWriter::send_by_peer(std::span<const PacketRef> packets) {
       of_peer_.push_back(packets[i]);
       indices_.push_back(i);
     }
-    const auto result = sender_.send(descriptor_.get(), of_peer_, peers_->table.address(peer),
+    const auto result = sender_.send(socket_of(peer), of_peer_, peers_->table.address(peer),
                                      peers_->table.address_size(peer));
     const auto lost = [&](std::size_t i, DropCause cause) {
       count_lost(of_peer_[i], cause);
@@ -157,34 +167,39 @@ void UdpServerLink::open(base::RunTime now) {
   if (looking_up_) return core_.backoff().failed(now);
   if (local_.state() == AddressLookup::State::kFailed) return core_.went_down(local_.error(), now);
 
-  const SocketAddress& address = local_.address();
-  base::Descriptor socket(open_udp_socket(address.family(), core_.config().interface));
-  if (!socket || ::bind(socket.get(), address.get(), address.size) != 0) {
-    return core_.went_down(core_.config().local + ": " + error_text(errno), now);
+  OpenSockets open = open_at_each(local_.addresses(), [&](const SocketAddress& address) {
+    base::Descriptor socket(open_udp_socket(address.family(), core_.config().interface));
+    if (socket && ::bind(socket.get(), address.get(), address.size) == 0) return socket;
+    return base::Descriptor();
+  });
+  if (open.sockets.empty()) {
+    return core_.went_down(core_.config().local + ": " + error_text(open.error), now);
   }
-  begin(std::make_unique<UdpServerWriter>(std::move(socket), core_.id(), peers_,
+  const std::vector<int> numbers = numbers_of(open.sockets);
+  begin(std::make_unique<UdpServerWriter>(std::move(open.sockets), core_.id(), peers_,
                                           core_.shared_counters()),
-        now);
+        numbers, now);
 }
 
-void UdpServerLink::take_datagram(std::size_t index, base::RunTime now) {
-  const SocketAddress& sender = reader_.sender(index);
-  std::optional<std::uint8_t> peer = peers_->own_table().find(sender.storage);
+void UdpServerLink::take_datagram(const DatagramReader& reader, std::size_t index,
+                                  base::RunTime now) {
+  const PeerAddress& sender = reader.sender(index);
+  std::optional<std::uint8_t> peer = peers_->own_table().find(sender.address.storage);
   packets_.take(
-      core_.ingress(), sender, [&] { return peer.has_value(); }, reader_.datagram(index), now,
+      core_.ingress(), sender, [&] { return peer.has_value(); }, reader.datagram(index), now,
       [&](const mav::PacketView& packet) {
-        take_packet(peer, sender, packet, now, reader_.waited(index));
+        take_packet(peer, sender, packet, now, reader.waited(index));
       });
 }
 
-void UdpServerLink::take_held(const SocketAddress& sender, const mav::PacketView& packet,
+void UdpServerLink::take_held(const PeerAddress& sender, const mav::PacketView& packet,
                               base::RunTime now) {
-  std::optional<std::uint8_t> peer = peers_->own_table().find(sender.storage);
+  std::optional<std::uint8_t> peer = peers_->own_table().find(sender.address.storage);
   take_packet(peer, sender, packet, now, {});
 }
 
 // Only who sends a whole packet becomes a peer.
-void UdpServerLink::take_packet(std::optional<std::uint8_t>& peer, const SocketAddress& sender,
+void UdpServerLink::take_packet(std::optional<std::uint8_t>& peer, const PeerAddress& sender,
                                 const mav::PacketView& packet, base::RunTime now,
                                 base::Duration waited) {
   PeerTable& table = peers_->own_table();
@@ -194,10 +209,11 @@ void UdpServerLink::take_packet(std::optional<std::uint8_t>& peer, const SocketA
   core_.ingress().take_packet(packet, now, table.id(*peer), waited);
 }
 
-std::optional<std::uint8_t> UdpServerLink::admit(const SocketAddress& sender, base::RunTime now) {
+std::optional<std::uint8_t> UdpServerLink::admit(const PeerAddress& sender, base::RunTime now) {
   const base::MutexLock lock(peers_->mutex);
   if (newest_only_) peers_->table.clear();
-  const auto peer = peers_->table.add(sender.storage, sender.size, now);
+  const auto peer =
+      peers_->table.add(sender.address.storage, sender.address.size, now, sender.socket);
   core_.counters().peers.set(static_cast<std::uint64_t>(peers_->table.count()));
   return peer;
 }

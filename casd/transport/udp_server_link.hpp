@@ -31,13 +31,13 @@ class UdpServerLink final : public DatagramLink {
 
  private:
   void open(base::RunTime now) override;
-  void take_datagram(std::size_t index, base::RunTime now) override;
-  void take_held(const SocketAddress& sender, const mav::PacketView& packet,
+  void take_datagram(const DatagramReader& reader, std::size_t index, base::RunTime now) override;
+  void take_held(const PeerAddress& sender, const mav::PacketView& packet,
                  base::RunTime now) override;
   /// @param peer  of the sender; nothing: it is none yet
-  void take_packet(std::optional<std::uint8_t>& peer, const SocketAddress& sender,
+  void take_packet(std::optional<std::uint8_t>& peer, const PeerAddress& sender,
                    const mav::PacketView& packet, base::RunTime now, base::Duration waited);
-  std::optional<std::uint8_t> admit(const SocketAddress& sender, base::RunTime now);
+  std::optional<std::uint8_t> admit(const PeerAddress& sender, base::RunTime now);
   void on_second(base::RunTime now) override;
 
   bool newest_only_;  ///< one peer: whoever spoke last

@@ -182,12 +182,13 @@ std::ptrdiff_t DatagramSender::send_singly(int fd, std::span<const PacketRef> pa
   return ::sendmmsg(fd, messages.data(), static_cast<unsigned>(count), MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 
-DatagramReader::DatagramReader() : first_(kLargest) {
+DatagramReader::DatagramReader(std::uint8_t socket) : first_(kLargest) {
   parts_[0] = {first_.data(), first_.size()};
   give_room(kUsual);
   for (std::size_t i = 0; i < kBatch; ++i) {
     msghdr& header = messages_[i].msg_hdr;
-    header.msg_name = &senders_[i].storage;
+    senders_[i].socket = socket;
+    header.msg_name = &senders_[i].address.storage;
     header.msg_iov = &parts_[i];
     header.msg_iovlen = 1;
     header.msg_control = control_[i].data();
@@ -241,7 +242,7 @@ int DatagramReader::take(int fd, std::size_t most) {
 // With MSG_TRUNC the kernel gives the size that the datagram had.
 void DatagramReader::note_size(std::size_t index) {
   mmsghdr& message = messages_[index];
-  senders_[index].size = message.msg_hdr.msg_namelen;
+  senders_[index].address.size = message.msg_hdr.msg_namelen;
   if (message.msg_len <= kUsual) return;
   large_ = true;
   const std::size_t room = parts_[index].iov_len;
@@ -252,7 +253,7 @@ void DatagramReader::note_size(std::size_t index) {
 
 void DatagramReader::offer(std::size_t index) {
   msghdr& header = messages_[index].msg_hdr;
-  header.msg_namelen = sizeof senders_[index].storage;
+  header.msg_namelen = sizeof senders_[index].address.storage;
   header.msg_controllen = kControlBytes;
 }
 

@@ -40,12 +40,13 @@ class DatagramReader {
   /// Datagrams that come closer than this may lie in the socket together.
   static constexpr base::Duration kSoon = std::chrono::microseconds(300);
 
-  DatagramReader();
+  /// @param socket  its number among those of the link
+  explicit DatagramReader(std::uint8_t socket = 0);
   /// @param now  not later than this call
   /// @return how many came; 0: none waits; -1 with errno: the socket is of no more use
   int read(int fd, base::RunTime now);
   std::span<const std::uint8_t> datagram(std::size_t index) const;
-  const SocketAddress& sender(std::size_t index) const { return senders_[index]; }
+  const PeerAddress& sender(std::size_t index) const { return senders_[index]; }
   /// How long the datagram lay in the socket, by the kernel's stamp; 0 when all came promptly. The
   /// stamp is wall-clock time: a step back of that clock makes what lies in the socket just then
   /// young, a step ahead ages it by no more than the time since the socket was last seen empty or
@@ -55,7 +56,6 @@ class DatagramReader {
   }
   /// Datagrams that the kernel has thrown away for lack of room since the socket was opened.
   std::uint32_t kernel_drops() const { return kernel_drops_; }
-  void reset() { kernel_drops_ = 0; }
   /// Bytes of datagrams for which there was no room, since the last call.
   std::uint64_t take_cut_bytes() { return std::exchange(cut_bytes_, 0); }
   /// Sent packets that the peer has refused, as a read learned since the last call.
@@ -82,7 +82,7 @@ class DatagramReader {
   std::uint64_t cut_bytes_ = 0;
   std::array<mmsghdr, kBatch> messages_{};
   std::array<iovec, kBatch> parts_{};
-  std::array<SocketAddress, kBatch> senders_{};
+  std::array<PeerAddress, kBatch> senders_{};
   alignas(cmsghdr) std::array<std::array<char, kControlBytes>, kBatch> control_{};
   std::size_t used_ = kBatch;  ///< messages whose lengths are not what they offer room for
   std::uint32_t kernel_drops_ = 0;
