@@ -3,32 +3,49 @@
 
 #include <algorithm>
 
+#include "mavlink/common/high_latency.hpp"
+#include "mavlink/common/high_latency2.hpp"
+#include "mavlink_gen/services/vehicle_state.hpp"
+
 namespace cas::casd {
+
+static_assert(comes_rarely(mavlink::common::HighLatency::kId) &&
+              comes_rarely(mavlink::common::HighLatency2::kId));
+
+base::Duration silence_of(base::Duration usual, bool rarely) {
+  return rarely ? std::max<base::Duration>(usual, mav::kHighLatencyTimeout) : usual;
+}
 
 RouteTable::RouteTable(base::Duration lifetime) : lifetime_(lifetime) {}
 
-bool RouteTable::learn(std::uint8_t link, mav::Source source, base::RunTime now) {
+bool RouteTable::learn(std::uint8_t link, mav::Source source, base::RunTime now, bool rarely) {
   PerLink& own = links_[link];
+  const auto note = [&](Heard& heard) {
+    heard.last = now;
+    heard.rarely |= rarely;
+  };
   if (own.newest < own.heard.size() && own.heard[own.newest].source == source) {
-    own.heard[own.newest].last = now;
+    note(own.heard[own.newest]);
     return true;
   }
   for (std::size_t i = 0; i < own.heard.size(); ++i) {
     if (own.heard[i].source != source) continue;
     own.newest = i;
-    own.heard[i].last = now;
+    note(own.heard[i]);
     return true;
   }
   if (own.heard.size() == kMaxIdsPerLink) return false;
   own.newest = own.heard.size();
-  own.heard.push_back({source, now});
+  own.heard.push_back({source, now, rarely});
   set(link, source);
   return true;
 }
 
 int RouteTable::expire(std::uint8_t link, base::RunTime now) {
   PerLink& own = links_[link];
-  const auto silent = [&](const Heard& heard) { return now - heard.last > lifetime_; };
+  const auto silent = [&](const Heard& heard) {
+    return now - heard.last > silence_of(lifetime_, heard.rarely);
+  };
   if (std::none_of(own.heard.begin(), own.heard.end(), silent)) return 0;
   std::vector<Heard> kept;
   std::vector<mav::Source> gone;

@@ -13,6 +13,15 @@
 
 namespace cas::casd {
 
+/// Whether the sender of this message may be silent for mav::kHighLatencyTimeout afterwards, as
+/// behind a satellite: HIGH_LATENCY and HIGH_LATENCY2 come about once a minute. The same silence
+/// holds for the vehicle in casd's station, for its route and for the peer that brings it.
+constexpr bool comes_rarely(std::uint32_t message_id) {
+  return message_id == 234 || message_id == 235;
+}
+/// The silence that ends a route or a peer. @param rarely  it has sent such a message
+base::Duration silence_of(base::Duration usual, bool rarely);
+
 /// Learns on which of 64 links each system and component was heard, and forgets those that fall
 /// silent. The peers of a server link are links to it, too.
 ///
@@ -25,7 +34,8 @@ class RouteTable {
   explicit RouteTable(base::Duration lifetime);
 
   /// Notes that `link` hears `source`. @return false when the link has too many ids already
-  bool learn(std::uint8_t link, mav::Source source, base::RunTime now);
+  /// @param rarely  by a message that comes_rarely(): the route lives longer from now on
+  bool learn(std::uint8_t link, mav::Source source, base::RunTime now, bool rarely = false);
   /// Forgets what `link` has not heard for the lifetime. @return how many ids were forgotten
   int expire(std::uint8_t link, base::RunTime now);
   /// Forgets all that was heard on `link`.
@@ -47,6 +57,7 @@ class RouteTable {
   struct Heard {
     mav::Source source;
     base::RunTime last;
+    bool rarely = false;
   };
   struct PerLink {
     std::vector<Heard> heard;

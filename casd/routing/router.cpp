@@ -52,7 +52,8 @@ Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTim
   route.info.received = now;
 
   // A sender can be reached over the link that it was heard on.
-  routes_[LinkMask::word_of(from)].learn(LinkMask::slot_of(from), packet.source, now);
+  routes_[LinkMask::word_of(from)].learn(LinkMask::slot_of(from), packet.source, now,
+                                         comes_rarely(packet.message_id));
 
   // Redundant paths: the second copy ends here. But casd's own station takes a vehicle to be at one
   // link, which may not be the one that brought the first copy.

@@ -228,7 +228,10 @@ constexpr std::tuple kTcpKeys{required(kRemote), kInterface, kSniffer};
 constexpr std::tuple kTcpServerKeys{required(kLocal), kInterface, kMaxPeers, kSniffer};
 constexpr std::tuple kUdpServerKeys{
     required(kLocal), kInterface, kMaxPeers,
-    key<&LinkConfig::expiry>("expiry_s", Range{0.1, 86400}, "silence that ends a peer"), kSniffer};
+    key<&LinkConfig::expiry>("expiry_s", Range{0.1, 86400},
+                             "silence that ends a peer; of one that brings HIGH_LATENCY2 not "
+                             "before 200 s"),
+    kSniffer};
 
 constexpr std::tuple kSerialKeys{
     required(key<&LinkConfig::device>("device", Device{},

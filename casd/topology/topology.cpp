@@ -244,7 +244,8 @@ constexpr std::tuple kRestartKeys{
         "idle state there is, on x86 it polls, which costs power "
         "([operations.md](operations.md#real-time))"),
     key<&Topology::route_lifetime>("route_lifetime_s", Range{1, 86400},
-                                   "a system that was silent for longer is no target any more"),
+                                   "a system that was silent for longer is no target any more; "
+                                   "one that sends HIGH_LATENCY2 not before 200 s"),
     key<&Topology::command_port>(
         "command_port", block<CommandPortConfig>(kCommandPortKeys, check_command_port), ""),
     key<&Topology::metrics>("metrics", block<MetricsConfig>(kMetricsKeys),

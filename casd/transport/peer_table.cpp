@@ -25,20 +25,21 @@ std::optional<std::uint8_t> PeerTable::add(const sockaddr_storage& address, sock
                                            base::RunTime now, std::uint8_t socket) {
   if (count() >= max_peers_ && expire(now) == 0) return std::nullopt;
   const auto peer = static_cast<std::uint8_t>(std::countr_one(present_));
-  peers_[peer] = {address, size, now, ++serials_, socket};
+  peers_[peer] = {address, size, now, ++serials_, socket, false};
   present_ |= slot_bit(peer);
   return peer;
 }
 
-void PeerTable::heard(std::uint8_t peer, mav::Source source, base::RunTime now) {
+void PeerTable::heard(std::uint8_t peer, mav::Source source, base::RunTime now, bool rarely) {
   peers_[peer].last = now;
-  routes_.learn(peer, source, now);
+  peers_[peer].rarely |= rarely;
+  routes_.learn(peer, source, now, rarely);
 }
 
 int PeerTable::expire(base::RunTime now) {
   int gone = 0;
   for_each_slot(present_, [&](std::uint8_t peer) {
-    if (now - peers_[peer].last <= expiry_) {
+    if (now - peers_[peer].last <= silence_of(expiry_, peers_[peer].rarely)) {
       routes_.expire(peer, now);
       return;
     }

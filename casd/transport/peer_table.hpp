@@ -34,8 +34,8 @@ class PeerTable {
                                   base::RunTime now, std::uint8_t socket = 0);
   /// Slot and serial number of a peer that is present.
   PeerId id(std::uint8_t peer) const { return {peer, peers_[peer].serial}; }
-  /// A packet came from the peer.
-  void heard(std::uint8_t peer, mav::Source source, base::RunTime now);
+  /// A packet came from the peer. @param rarely  a message that comes_rarely()
+  void heard(std::uint8_t peer, mav::Source source, base::RunTime now, bool rarely = false);
   /// Forgets silent peers. @return how many
   int expire(base::RunTime now);
   void clear();
@@ -60,6 +60,7 @@ class PeerTable {
     base::RunTime last;
     std::uint32_t serial = 0;
     std::uint8_t socket = 0;
+    bool rarely = false;
   };
   void remove(std::uint8_t peer);
 

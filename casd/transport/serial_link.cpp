@@ -50,6 +50,7 @@ void SerialLink::watch(PollSet& set, base::RunTime) {
   }
   poll_entry_ = set.add(fd_, static_cast<short>(POLLIN | (port_->wants_room() ? POLLOUT : 0)));
   set.wake_by(port_->due());
+  set.wake_by(pause_.due());
   set.wake_by(core_.next_second());
 }
 
@@ -69,6 +70,7 @@ void SerialLink::serve(const PollSet& set, base::RunTime now) {
   }
   if (fd_ && port_->broken()) close("writing failed", now);
   if (fd_ && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
+  if (fd_ && pause_.due() <= now) end_pause(now);
   if (!core_.second_due(now)) return;
   core_.on_second(now);
   if (fd_ && port_->wants_room()) port_->carry_on(now);  // it may stand still for good
@@ -141,6 +143,7 @@ void SerialLink::read(base::RunTime now) {
     const std::uint64_t before = parser_.stats().packets;
     core_.ingress().take(parser_, {buffer_.data(), static_cast<std::size_t>(count)}, now);
     core_.ingress().deliver(now);
+    pause_.after_read(parser_, now);
     return check_rate(static_cast<std::size_t>(count), before, now);
   }
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
@@ -175,7 +178,14 @@ void SerialLink::read_blocking(base::RunTime now) {
     }
   } while (!waited || parser_.inside_packet());
   core_.ingress().deliver(now);
+  pause_.after_read(parser_, now);
   check_rate(bytes, before, now);
+}
+
+void SerialLink::end_pause(base::RunTime now) {
+  pause_.release(core_.ingress(), parser_,
+                 [&](const mav::PacketView& packet) { core_.ingress().take_packet(packet, now); });
+  core_.ingress().deliver(now);
 }
 
 void SerialLink::close(const std::string& reason, base::RunTime now) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/os/descriptor.hpp"
+#include "casd/link/held_packets.hpp"
 #include "casd/link/link_core.hpp"
 #include "casd/link/tx_port.hpp"
 #include "casd/transport/baud_search.hpp"
@@ -34,6 +35,7 @@ class SerialLink final : public Link {
   void begin(base::Descriptor line, base::RunTime now);
   void read(base::RunTime now);
   void read_blocking(base::RunTime now);
+  void end_pause(base::RunTime now);
   void check_rate(std::size_t bytes, std::uint64_t packets_before, base::RunTime now);
   void close(const std::string& reason, base::RunTime now);
 
@@ -43,6 +45,7 @@ class SerialLink final : public Link {
   BaudSearch search_;
   base::Descriptor unattached_;  ///< the line during the search of its rate
   Parser parser_;
+  StreamPause pause_;
   std::vector<std::uint8_t> buffer_;
   OpenDescriptor fd_;  ///< owned by the port's writer, or `unattached_`
   base::RunTime opened_at_{};

@@ -66,6 +66,7 @@ void TcpLink::watch(PollSet& set, base::RunTime) {
   if (!fd_) return set.wake_by(core_.backoff().next());
   poll_entry_ = set.add(fd_, static_cast<short>(POLLIN | (port_->wants_room() ? POLLOUT : 0)));
   set.wake_by(port_->due());
+  set.wake_by(pause_.due());
   set.wake_by(core_.next_second());
 }
 
@@ -86,6 +87,12 @@ void TcpLink::serve_connected(short events, base::RunTime now) {
   if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) read(now);
   if (fd_ && port_->broken()) close("connection lost", now);
   if (fd_ && ((events & POLLOUT) != 0 || port_->due() <= now)) port_->carry_on(now);
+  if (pause_.due() <= now) {
+    pause_.release(core_.ingress(), parser_, [&](const mav::PacketView& packet) {
+      core_.ingress().take_packet(packet, now);
+    });
+    core_.ingress().deliver(now);
+  }
   if (core_.second_due(now)) core_.on_second(now);
   const auto stuck = port_->stuck_since();
   if (fd_ && stuck && now - *stuck > kStallPatience) close("the peer stopped reading", now);
@@ -152,6 +159,7 @@ void TcpLink::read(base::RunTime now) {
   if (count > 0) {
     core_.ingress().take(parser_, {buffer_.data(), static_cast<std::size_t>(count)}, now);
     core_.ingress().deliver(now);
+    pause_.after_read(parser_, now);
     return;
   }
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
@@ -242,6 +250,7 @@ void TcpServerLink::watch(PollSet& set, base::RunTime now) {
     client->poll_entry =
         set.add(client->fd, static_cast<short>(POLLIN | (wants_room ? POLLOUT : 0)));
     set.wake_by(client->port->due());
+    set.wake_by(client->pause.due());
   }
   set.wake_by(core_.next_second());
 }
@@ -335,6 +344,11 @@ std::optional<std::string> TcpServerLink::serve_client(Client& client, short eve
     if (auto trouble = read(client, now)) return trouble;
   }
   if (client.port->broken()) return "connection lost";
+  if (client.pause.due() <= now) {
+    client.pause.release(core_.ingress(), client.parser,
+                         [&](const mav::PacketView& packet) { take_packet(client, packet, now); });
+    core_.ingress().deliver(now);
+  }
   if ((events & POLLOUT) != 0 || client.port->due() <= now) client.port->carry_on(now);
   const auto stuck = client.port->stuck_since();
   if (stuck && now - *stuck > kStallPatience) return kStopped;
@@ -348,14 +362,20 @@ std::optional<std::string> TcpServerLink::read(Client& client, base::RunTime now
     if (!client.speaks_mavlink && !may_begin_packet(bytes.front())) return kNoMavlink;
     client.speaks_mavlink = true;
     core_.ingress().parse_stream(client.parser, bytes, [&](const mav::PacketView& packet) {
-      fan_out_->routes().learn(client.slot, packet.source, now);
-      core_.ingress().take_packet(packet, now, {client.slot, client.serial});
+      take_packet(client, packet, now);
     });
     core_.ingress().deliver(now);
+    client.pause.after_read(client.parser, now);
     return std::nullopt;
   }
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) return std::nullopt;
   return count == 0 ? std::string("closed") : error_text(errno);
+}
+
+void TcpServerLink::take_packet(const Client& client, const mav::PacketView& packet,
+                                base::RunTime now) {
+  fan_out_->routes().learn(client.slot, packet.source, now, comes_rarely(packet.message_id));
+  core_.ingress().take_packet(packet, now, {client.slot, client.serial});
 }
 
 void TcpServerLink::remove(std::size_t index, const std::string& reason) {

@@ -10,6 +10,7 @@
 
 #include "base/os/descriptor.hpp"
 #include "base/os/mutex.hpp"
+#include "casd/link/held_packets.hpp"
 #include "casd/link/link_core.hpp"
 #include "casd/link/tx_port.hpp"
 #include "casd/routing/route_table.hpp"
@@ -42,6 +43,7 @@ class TcpLink final : public Link {
   LinkCore core_;
   std::shared_ptr<TxPort> port_;
   Parser parser_;
+  StreamPause pause_;
   std::vector<std::uint8_t> buffer_;
   AddressLookup remote_;
   bool looking_up_ = false;
@@ -100,6 +102,7 @@ class TcpServerLink final : public Link {
     OpenDescriptor fd;  ///< owned by the port's writer
     std::shared_ptr<TxPort> port;
     Parser parser = make_parser();
+    StreamPause pause;
     std::size_t poll_entry = 0;
     bool speaks_mavlink = false;  ///< its first byte has come and begins a packet
     std::string name;
@@ -111,6 +114,7 @@ class TcpServerLink final : public Link {
   /// @return why the client is to be closed; nothing: it stays
   std::optional<std::string> serve_client(Client& client, short events, base::RunTime now);
   std::optional<std::string> read(Client& client, base::RunTime now);
+  void take_packet(const Client& client, const mav::PacketView& packet, base::RunTime now);
   void remove(std::size_t index, const std::string& reason);
   void log_removal(const std::string& client, const std::string& reason);
 

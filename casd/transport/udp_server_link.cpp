@@ -205,7 +205,7 @@ void UdpServerLink::take_packet(std::optional<std::uint8_t>& peer, const PeerAdd
   PeerTable& table = peers_->own_table();
   if (!peer) peer = admit(sender, now);
   if (!peer) return core_.counters().rx.foreign.add();
-  table.heard(*peer, packet.source, now);
+  table.heard(*peer, packet.source, now, comes_rarely(packet.message_id));
   core_.ingress().take_packet(packet, now, table.id(*peer), waited);
 }
 

@@ -5,11 +5,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "base/time/clock.hpp"
+#include "casd/link/held_packets.hpp"
 #include "tests/loopback/casd_fixture.hpp"
+#include "tests/loopback/tcp_peer.hpp"
 
 namespace cas::test {
 namespace {
@@ -150,6 +154,57 @@ TEST_F(CutPackets, FloodsOfHalvesDisplaceNoHalfOfAPeer) {
   }
   one_.send(piece(line, cut, line.size()));
   EXPECT_TRUE(arrive(2)) << arrived();
+}
+
+// The length byte of a HEARTBEAT was flipped: it asks for 240 bytes, and none but HEARTBEATs come.
+class QuietStream : public CutPackets {
+ protected:
+  void expect_heartbeats_behind_a_false_one(
+      const std::function<void(std::span<const std::uint8_t>)>& send) {
+    mav::Encoder sender({1, 1});
+    const auto first = sender(mavlink::common::Heartbeat{});
+    Bytes flipped(first.begin(), first.end());
+    flipped[1] = 0xF0;
+    send(flipped);
+    send(sender(mavlink::common::Heartbeat{}));
+    EXPECT_TRUE(fixture_.collect_until([&] { return fixture_.at_sim.count(kHeartbeat) == 1; }));
+  }
+  static std::string with(const std::string& link) {
+    return "schema: 1\nlinks:\n  - {name: sim, type: udp, local: \"127.0.0.1:0\", remote: "
+           "\"$SIM\"}\n  - {name: in, " +
+           link + "}\nroutes:\n  - {from: in, to: sim}\n";
+  }
+};
+
+TEST_F(QuietStream, OfASerialLineLetsPacketsGoAfterAPause) {
+  fixture_.start(with("type: serial, device: \"$FCU\""));
+  expect_heartbeats_behind_a_false_one([&](auto bytes) { fixture_.fcu.write(bytes); });
+}
+
+TEST_F(QuietStream, OfATcpClientLetsPacketsGoAfterAPause) {
+  fixture_.start(with("type: tcp_server, local: \"127.0.0.1:0\""));
+  TcpPeer client(fixture_.port("in"));
+  expect_heartbeats_behind_a_false_one([&](auto bytes) { client.send(bytes); });
+}
+
+TEST_F(QuietStream, OfATcpLinkLetsPacketsGoAfterAPause) {
+  const TcpListener listener;
+  fixture_.start(with("type: tcp, remote: \"" + listener.endpoint() + "\""));
+  const int accepted = listener.accept();
+  ASSERT_GE(accepted, 0);
+  TcpPeer server(accepted, true);
+  expect_heartbeats_behind_a_false_one([&](auto bytes) { server.send(bytes); });
+}
+
+TEST_F(QuietStream, KeepsAHalfPacketWhoseRestComesLate) {
+  fixture_.start(with("type: tcp_server, local: \"127.0.0.1:0\""));
+  TcpPeer client(fixture_.port("in"));
+  const Bytes line = line_of({1, 1}, 1);
+  client.send(piece(line, 0, 20));
+  const base::RunTime sent = base::steady_now();
+  ASSERT_TRUE(wait_until([&] { return base::steady_now() - sent > 2 * casd::kPacketPause; }));
+  client.send(piece(line, 20, line.size()));
+  EXPECT_TRUE(arrive(1));
 }
 
 class LargeDatagram : public CutPackets, public testing::WithParamInterface<std::size_t> {};

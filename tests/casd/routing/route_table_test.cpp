@@ -58,6 +58,15 @@ TEST(RouteTable, ForgetsWhoFallsSilent) {
   EXPECT_EQ(routes.links_to({1, 0}), 0U);
 }
 
+TEST(RouteTable, KeepsWhoSpeaksOverASatelliteAsLongAsCasdsStationDoes) {
+  RouteTable routes(seconds(60));
+  routes.learn(1, {1, 1}, at({}), comes_rarely(235));
+  routes.learn(1, {2, 1}, at({}), comes_rarely(0));
+  EXPECT_EQ(routes.expire(1, at(seconds(199))), 1);
+  EXPECT_EQ(routes.links_to({1, 1}), slot_bit(1));
+  EXPECT_EQ(routes.expire(1, at(seconds(201))), 1);
+}
+
 TEST(RouteTable, ForgettingALinkLeavesTheOthers) {
   RouteTable routes(seconds(60));
   routes.learn(1, {1, 1}, at({}));

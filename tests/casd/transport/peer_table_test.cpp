@@ -90,5 +90,13 @@ TEST(PeerTable, ForgetsSilentPeersAndTheirRoutes) {
   EXPECT_EQ(peers.for_packet(addressed({100, 190}), kOwn), 0U);
 }
 
+TEST(PeerTable, KeepsAPeerThatBringsAVehicleOverASatellite) {
+  FilledTable peers(2);
+  peers.heard(1, {101, 190}, at({}), true);
+  EXPECT_EQ(peers.expire(at(seconds(199))), 1);
+  EXPECT_EQ(peers.for_packet(addressed({101, 190}), kOwn), 0b10U);
+  EXPECT_EQ(peers.expire(at(seconds(201))), 1);
+}
+
 }  // namespace
 }  // namespace cas::casd::test
