@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -138,6 +139,7 @@ struct LinkCounters {
   const std::string name;
   const LinkType type;
   std::atomic<LinkState> state{LinkState::kOpening};
+  std::atomic<int> send_denied{0};  ///< why the last packet could not be sent; 0: it was
   Counter reconnects;
   Counter peers;  ///< of a server, now
   Counter baud;   ///< that a serial line was opened with last; 0: none
@@ -164,6 +166,14 @@ struct LinkCounters {
   void count_sent(std::span<const PacketRef> packets, base::RunTime now, base::RunTime done);
   /// The destination has refused packets that were sent.
   void count_tx_refused(std::uint64_t packets);
+  /// Packets were sent, or this machine denied it: EPERM or EACCES, of a firewall or a service's
+  /// rules. Other errors say nothing of that.
+  void note_send(int error) {
+    const bool denied = error == EPERM || error == EACCES;
+    if (error != 0 && !denied) return;
+    if (send_denied.load(std::memory_order_relaxed) == error) return;
+    send_denied.store(error, std::memory_order_relaxed);
+  }
   /// A packet was not sent.
   void count_dropped(const PacketInfo& info, DropCause cause, base::RunTime now);
 

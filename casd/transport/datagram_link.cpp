@@ -41,6 +41,7 @@ void DatagramLink::serve(const PollSet& set, base::RunTime now) {
   if (packets_.due() <= now) release_held(now);
   if (!core_.second_due(now)) return;
   core_.on_second(now);
+  judge_sending(now);
   on_second(now);
 }
 
@@ -58,6 +59,8 @@ void DatagramLink::replace(std::unique_ptr<PacketWriter> writer, std::span<const
     sockets_.push_back(std::make_unique<Socket>(fd, static_cast<std::uint8_t>(sockets_.size())));
   }
   packets_.reset();
+  denied_ = 0;
+  core_.counters().note_send(0);
   port_->attach(std::move(writer), now);
 }
 
@@ -93,6 +96,22 @@ void DatagramLink::read(Socket& socket, base::RunTime now) {
     }
     if (count < static_cast<int>(DatagramReader::kBatch)) return;
   }
+}
+
+void DatagramLink::judge_sending(base::RunTime now) {
+  const LinkCounters& counters = core_.counters();
+  const std::uint64_t sent = counters.tx.packets.get();
+  const bool any_sent = std::exchange(sent_, sent) != sent;
+  const int denied = any_sent ? 0 : counters.send_denied.load(std::memory_order_relaxed);
+  if (denied == std::exchange(denied_, denied)) return;
+  if (denied != 0) {
+    return core_.went_down("nothing may be sent: " + error_text(denied) +
+                               " (a firewall, or the service's IPAddressAllow)",
+                           now);
+  }
+  std::vector<int> numbers;
+  for (const auto& socket : sockets_) numbers.push_back(socket->fd.get());
+  core_.went_up(to_text(numbers));
 }
 
 void DatagramLink::release_held(base::RunTime now) {

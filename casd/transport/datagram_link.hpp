@@ -61,9 +61,13 @@ class DatagramLink : public Link {
   bool is_open() const { return !sockets_.empty(); }
   void read(Socket& socket, base::RunTime now);
   void release_held(base::RunTime now);
+  /// Once a second: a link of which nothing may be sent is not up, though it receives.
+  void judge_sending(base::RunTime now);
   void close(const std::string& reason, base::RunTime now);
 
   std::vector<std::unique_ptr<Socket>> sockets_;
+  int denied_ = 0;            ///< errno for which the link counts as down; 0: none
+  std::uint64_t sent_ = 0;    ///< packets, up to the last second
   Arrivals closed_arrivals_;  ///< of sockets that are closed
 };
 

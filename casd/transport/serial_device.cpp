@@ -9,9 +9,9 @@
 #include <sys/ioctl.h>
 
 #include <cerrno>
-#include <system_error>
 
 #include "base/os/pty_lock.hpp"
+#include "casd/link/link_core.hpp"
 #include "casd/transport/pty_admission.hpp"
 
 namespace cas::casd {
@@ -52,11 +52,16 @@ void ask_low_latency(int fd) {
 base::Descriptor open_serial(const std::string& device, const SerialOptions& options,
                              std::string& error) {
   const auto failed = [&](const char* what) {
-    error = device + ": " + what + std::generic_category().message(errno);
+    error = device + ": " + what + error_text(errno);
     return base::Descriptor();
   };
   base::Descriptor line(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
-  if (!line) return failed("");
+  if (!line) {
+    failed("");
+    if (errno == EPERM) error += ": a service may open the devices of its DeviceAllow alone";
+    if (errno == EACCES) error += ": casd's user is not in the device's group (dialout)";
+    return {};
+  }
   if (base::identify_pty(line.get())) {
     if (auto refusal = pty_refusal(line.get(), device, options.unlocked_pty)) {
       error = std::move(*refusal);

@@ -22,12 +22,14 @@ namespace {
 class UdpWriter final : public PacketWriter {
  public:
   /// @param to  nothing for a connected socket
-  UdpWriter(base::Descriptor descriptor, const SocketAddress& to)
-      : descriptor_(std::move(descriptor)), to_(to) {}
+  UdpWriter(base::Descriptor descriptor, const SocketAddress& to,
+            std::shared_ptr<LinkCounters> counters)
+      : descriptor_(std::move(descriptor)), to_(to), counters_(std::move(counters)) {}
 
   WriteResult write(std::span<const PacketRef> packets) override {
     const auto result =
         sender_.send(descriptor_.get(), packets, to_.size == 0 ? nullptr : to_.get(), to_.size);
+    counters_->note_send(result.refusal);
     unsent_.clear();
     for (const std::size_t index : result.refused) unsent_.push_back({index, DropCause::kClosed});
     return {.packets = result.packets,
@@ -41,6 +43,7 @@ class UdpWriter final : public PacketWriter {
  private:
   base::Descriptor descriptor_;
   SocketAddress to_;
+  std::shared_ptr<LinkCounters> counters_;
   DatagramSender sender_;
   std::vector<Unsent> unsent_;
 };
@@ -118,7 +121,8 @@ base::Descriptor UdpLink::open_socket() {
 }
 
 std::unique_ptr<PacketWriter> UdpLink::writer_of(base::Descriptor socket) const {
-  return std::make_unique<UdpWriter>(std::move(socket), to_many_ ? remote() : SocketAddress{});
+  return std::make_unique<UdpWriter>(std::move(socket), to_many_ ? remote() : SocketAddress{},
+                                     core_.shared_counters());
 }
 
 void UdpLink::on_second(base::RunTime now) {

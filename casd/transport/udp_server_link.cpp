@@ -41,7 +41,7 @@ class UdpServerWriter final : public PacketWriter {
   bool send_to_one(const PacketRef& packet, std::uint8_t peer) CAS_REQUIRES(peers_->mutex);
   /// Leaves in masks_ the peers that were sent each packet.
   void send_by_peer(std::span<const PacketRef> packets) CAS_REQUIRES(peers_->mutex);
-  void count_lost(const PacketRef& packet, DropCause cause);
+  void count_lost(const PacketRef& packet, int error);
   int socket_of(std::uint8_t peer) const CAS_REQUIRES(peers_->mutex) {
     return sockets_[std::min<std::size_t>(peers_->table.socket(peer), sockets_.size() - 1)].get();
   }
@@ -107,7 +107,8 @@ bool UdpServerWriter::send_to_each(const PacketRef& packet, SlotMask peers) {
     const int sent =
         ::sendmmsg(descriptor(), messages.data() + done, count - done, MSG_DONTWAIT | MSG_NOSIGNAL);
     // This peer's loss; on with the next.
-    if (sent <= 0) count_lost(packet, cause_of(errno));
+    if (sent <= 0) count_lost(packet, errno);
+    if (sent > 0) counters_->note_send(0);
     any_sent |= sent > 0;
     done += sent > 0 ? static_cast<unsigned>(sent) : 1;
   }
@@ -118,12 +119,14 @@ bool UdpServerWriter::send_to_one(const PacketRef& packet, std::uint8_t peer) {
   const auto sent = ::sendto(socket_of(peer), packet.bytes.data(), packet.bytes.size(),
                              MSG_DONTWAIT | MSG_NOSIGNAL, peers_->table.address(peer),
                              peers_->table.address_size(peer));
-  if (sent < 0) count_lost(packet, cause_of(errno));
+  if (sent < 0) count_lost(packet, errno);
+  if (sent >= 0) counters_->note_send(0);
   return sent >= 0;
 }
 
-void UdpServerWriter::count_lost(const PacketRef& packet, DropCause cause) {
-  counters_->count_dropped(*packet.info, cause, base::steady_now());
+void UdpServerWriter::count_lost(const PacketRef& packet, int error) {
+  counters_->note_send(error);
+  counters_->count_dropped(*packet.info, cause_of(error), base::steady_now());
 }
 
 // Many packets: one block for each peer.
@@ -144,12 +147,13 @@ void UdpServerWriter::send_by_peer(std::span<const PacketRef> packets) {
     }
     const auto result = sender_.send(socket_of(peer), of_peer_, peers_->table.address(peer),
                                      peers_->table.address_size(peer));
-    const auto lost = [&](std::size_t i, DropCause cause) {
-      count_lost(of_peer_[i], cause);
+    const auto lost = [&](std::size_t i, int error) {
+      count_lost(of_peer_[i], error);
       masks_[indices_[i]] &= ~slot_bit(peer);
     };
-    for (const std::size_t i : result.refused) lost(i, DropCause::kClosed);
-    for (std::size_t i = result.packets; i < of_peer_.size(); ++i) lost(i, cause_of(result.error));
+    if (result.packets > result.refused.size()) counters_->note_send(0);
+    for (const std::size_t i : result.refused) lost(i, result.refusal);
+    for (std::size_t i = result.packets; i < of_peer_.size(); ++i) lost(i, result.error);
   });
 }
 

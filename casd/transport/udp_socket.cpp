@@ -117,6 +117,7 @@ DatagramSender::Result DatagramSender::send(int fd, std::span<const PacketRef> p
       continue;
     }
     if (concerns_peer_only(error)) {
+      result.refusal = error;
       for (std::size_t i = 0; i < (as_run ? run : 1); ++i) refused_.push_back(result.packets++);
       tried_again = false;
       continue;

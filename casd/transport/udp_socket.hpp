@@ -112,6 +112,7 @@ class DatagramSender {
     /// Of `packets`: the peer or the network takes none now; rising indices, good until the next
     /// call.
     std::span<const std::size_t> refused = {};
+    int refusal = 0;                    ///< why the last of `refused` was
     std::uint64_t refused_earlier = 0;  ///< packets of earlier calls that the peer has refused
     int error = 0;  ///< why it stopped: EAGAIN, or what broke; 0 when all are through
   };

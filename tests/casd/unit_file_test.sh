@@ -23,6 +23,14 @@ for line in Type=notify Restart=on-failure RestartPreventExitStatus=78 WatchdogS
     Environment=CAS_RUNTIME_DIR=%t/cas Group=cas RuntimeDirectory=cas; do
   grep -q "^$line" "$config/systemd/casd.service" || { echo "$line is missing"; exit 1; }
 done
+# Serial lines that the pages name, and networks that stations are in.
+for class in ttyACM ttyUSB ttyS ttyAMA ttyTHS 'ttyHS\*' ttyMSM ttymxc ttyO ttyLP 'ttySC\*' ttyPS ttyGS rfcomm pts; do
+  grep -q "^DeviceAllow=char-$class rw$" "$config/systemd/casd.service" || { echo "no DeviceAllow of $class"; exit 1; }
+done
+for network in localhost 192.168.0.0/16 100.64.0.0/10 255.255.255.255 224.0.0.0/4 fc00::/7 fe80::/10 ff00::/8; do
+  grep -q "^IPAddressAllow=.*\(=\| \|^\)$network\( \|$\)" <(sed 's/=/= /' "$config/systemd/casd.service") ||
+    { echo "no IPAddressAllow of $network"; exit 1; }
+done
 # A restart must be over before a controller takes its sensors for dead: 0.3 s.
 grep -q '^RestartSec=10ms$' "$config/systemd/casd.service" || { echo "RestartSec is not 10ms"; exit 1; }
 ! grep -q '^ExecStartPre' "$config/systemd/casd.service" || { echo "ExecStartPre delays a restart"; exit 1; }

@@ -45,6 +45,12 @@ std::string packets_text(double packets, const std::string& what) {
 
 /// Advice for a link that is not up; its endpoint has the reason.
 std::string remedy_for_down(const json& link) {
+  const std::string reason = link.value("endpoint", "");
+  if (reason.find("Operation not permitted") != std::string::npos ||
+      reason.find("Permission denied") != std::string::npos) {
+    return "docs/troubleshooting.md, \"Not permitted\": casd's user, a rule of its service "
+           "(DeviceAllow, IPAddressAllow), or a firewall denies it";
+  }
   if (link.value("type", "") != "serial") {
     return "start the program at the other end, and compare both ends' addresses";
   }

@@ -474,6 +474,9 @@ TEST(Doctor, TellsAStrangersTerminalFromABoardThatIsUnplugged) {
   const std::string unplugged = remedy("/dev/pixhawk: No such file or directory");
   EXPECT_NE(unplugged.find("plug the board in"), std::string::npos);
   EXPECT_NE(unplugged.find("start the emulator"), std::string::npos);
+  EXPECT_NE(remedy("/dev/ttyXYZ0: Operation not permitted").find("DeviceAllow"), std::string::npos);
+  EXPECT_NE(remedy("nothing may be sent: Operation not permitted").find("IPAddressAllow"),
+            std::string::npos);
 }
 
 // An old refusal stays in its texts for some time after its checks have passed.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -138,6 +139,17 @@ TEST(LinkFigures, ASenderThatWasForgottenBeginsAtRateZero) {
   for (const MessageStatus& message : figures.messages(at(seconds(42)))) {
     EXPECT_LT(message.hz, 1000) << message.source.system;
   }
+}
+
+TEST(LinkCounters, KeepsWhatDeniesSendingUntilAPacketGoesOut) {
+  LinkCounters counters("net", LinkType::kUdp);
+  counters.note_send(ECONNREFUSED);
+  EXPECT_EQ(counters.send_denied, 0);
+  counters.note_send(EPERM);
+  counters.note_send(EHOSTUNREACH);
+  EXPECT_EQ(counters.send_denied, EPERM);
+  counters.note_send(0);
+  EXPECT_EQ(counters.send_denied, 0);
 }
 
 TEST(LinkFigures, FormsRatesFromTwoLooks) {

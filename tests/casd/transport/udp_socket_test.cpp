@@ -176,6 +176,7 @@ TEST(DatagramSender, NamesThePacketsThatTheNetworkRefuses) {
   EXPECT_EQ(result.error, 0);
   EXPECT_EQ(std::vector(result.refused.begin(), result.refused.end()),
             (std::vector<std::size_t>{0, 1, 2, 3}));
+  EXPECT_EQ(result.refusal, EACCES);
 }
 
 }  // namespace
