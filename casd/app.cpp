@@ -366,6 +366,7 @@ struct App::Impl {
       links.figures().sample(now);
       links.local().tick(now);
       figures.publish();
+      vehicle_methods.publish();
       feed_watchdog(now);
       if (now >= next_summary) summarise(now);
       do_second();

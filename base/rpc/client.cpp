@@ -244,13 +244,25 @@ bool Client::authorise_by_proof(const std::vector<std::string>& tokens) {
 }
 
 Json Client::call(const std::string& method, const Json& params, Duration timeout) {
-  const RunTime deadline = steady_now() + timeout;
+  return call(method, params, timeout, {});
+}
+
+Json Client::call(const std::string& method, const Json& params, Duration silence,
+                  const OnNotification& heard) {
+  RunTime deadline = steady_now() + silence;
   const std::uint64_t id = ++impl_->last_id;
   Json request{{"jsonrpc", "2.0"}, {"id", id}, {"method", method}};
   if (!params.is_null()) request["params"] = params;
   impl_->send(request.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", deadline);
   while (std::optional<Json> message = impl_->receive(deadline)) {
-    if (impl_->keep_notification(*message)) continue;
+    if (impl_->keep_notification(*message)) {
+      if (!heard) continue;
+      const Impl::Notification news = std::move(impl_->notifications.back());
+      impl_->notifications.pop_back();
+      heard(news.method, news.params);
+      deadline = steady_now() + silence;
+      continue;
+    }
     const Json answered = message->value("id", Json());
     const auto error = message->find("error");
     const bool failed = error != message->end();

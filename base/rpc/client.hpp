@@ -45,6 +45,11 @@ class CAS_BASE_EXPORT Client {
   /// @throws CallError, ConnectionError
   Json call(const std::string& method, const Json& params,
             Duration timeout = std::chrono::seconds(10));
+  /// Takes a notification that comes while a call is under way.
+  using OnNotification = std::function<void(const std::string& method, const Json& params)>;
+  /// The same for a call that takes long: `silence` is the time without a notification.
+  Json call(const std::string& method, const Json& params, Duration silence,
+            const OnNotification& heard);
   /// Waits for the next notification. @return false when none came in time
   bool next_notification(std::string& method, Json& params, Duration timeout);
 

@@ -187,7 +187,7 @@ constexpr const char* kText = R"json({
   "param.get": {"summary": "One parameter.", "params": {"vehicle?": "integer: system id", "name": "string"}, "result": "Parameter"},
   "param.set": {"summary": "Changes a parameter; answered with the value in force.",
     "params": {"vehicle?": "integer: system id", "name": "string", "value": "number"}, "result": "Parameter"},
-  "param.list": {"summary": "All parameters: as long as the line needs for them.", "params": {"vehicle?": "integer: system id"}, "result": "Parameters"},
+  "param.list": {"summary": "All parameters: takes as long as new ones come.", "params": {"vehicle?": "integer: system id"}, "result": "Parameters"},
   "log.start": {"summary": "Records every packet that passes into a new .tlog file.",
     "params": {"file?": "string: a name, no path", "rotate_mib?": "number: MiB, 0 is off", "rotate_minutes?": "number: 0 is off",
                "keep?": "integer: files that stay, 0 is all"}, "result": "LogStatus"},
@@ -197,6 +197,8 @@ constexpr const char* kText = R"json({
 "topics": {
   "statustext": {"summary": "A vehicle says something.",
     "params": {"vehicle": "integer", "severity": "string: emergency to debug", "text": "string"}},
+  "parameters": {"summary": "Once a second while param.list is under way; a count of 0 is not known yet.",
+    "params": {"vehicle": "integer", "received": "integer", "count": "integer"}},
   "links": {"summary": "A link changes its state.",
     "params": {"link": "string", "state": "string", "endpoint": "string", "reconnects": "integer"}},
   "messages": {"summary": "Once a second, as message.list answers, the first 2000.", "params": ["MessageCount"]},

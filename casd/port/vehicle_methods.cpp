@@ -153,6 +153,7 @@ VehicleMethods::VehicleMethods(base::rpc::Server& server, VehicleCommander& comm
   add_param_methods();
   add_journal_method();
   server_.add_topic("statustext");
+  server_.add_topic("parameters");
   commander_.on_text(
       [this](const VehicleState& vehicle, const StatusText& text) { publish_text(vehicle, text); });
 }
@@ -252,6 +253,18 @@ void VehicleMethods::audit(const std::string& client, const std::string& name, c
 void VehicleMethods::audit_other(const std::string& client, const std::string& name,
                                  const json& params, const std::optional<std::string>& refusal) {
   audit(client, name, params, 0, refusal ? failure(OutcomeKind::kInvalid, *refusal) : Outcome{});
+}
+
+void VehicleMethods::publish() {
+  if (!server_.has_subscribers("parameters")) return;
+  for (const VehicleState* vehicle : commander_.vehicles()) {
+    const std::uint8_t system = vehicle->source().system;
+    const auto progress = commander_.list_progress(system);
+    if (!progress) continue;
+    server_.publish(
+        "parameters",
+        json{{"vehicle", system}, {"received", progress->received}, {"count", progress->count}});
+  }
 }
 
 void VehicleMethods::publish_text(const VehicleState& vehicle, const StatusText& text) {

@@ -30,8 +30,8 @@ struct VehicleHooks {
 };
 
 /// The methods of the command port about vehicles: vehicle.*, gain.* and param.*, answered after
-/// the vehicle has acknowledged, casd.journal, and the topic `statustext`. Everything on the
-/// server's thread.
+/// the vehicle has acknowledged, casd.journal, and the topics `statustext` and `parameters`.
+/// Everything on the server's thread.
 class VehicleMethods {
  public:
   /// Adds its methods to `server`. All arguments outlive this object; it outlives the server's run.
@@ -43,6 +43,9 @@ class VehicleMethods {
 
   /// The `vehicles` of casd.status.
   nlohmann::json vehicles() const;
+
+  /// Publishes how far the lists of parameters under way are; called once a second.
+  void publish();
 
   /// Writes a line to audit and journal for a call that changed something other than a vehicle.
   /// @param refusal  nullopt: it was done

@@ -519,6 +519,12 @@ void VehicleCommander::list_params(std::uint8_t system, base::RunTime now, Done 
   if (KnownVehicle* vehicle = known(system, done)) vehicle->params.list(now, std::move(done));
 }
 
+std::optional<mav::services::ListProgress> VehicleCommander::list_progress(
+    std::uint8_t system) const {
+  const KnownVehicle* vehicle = table_.find(system);
+  return vehicle == nullptr ? std::nullopt : vehicle->params.list_progress();
+}
+
 std::optional<mavlink::common::MavParamType> VehicleCommander::param_type(
     std::uint8_t system, const std::string& name) const {
   const KnownVehicle* vehicle = table_.find(system);

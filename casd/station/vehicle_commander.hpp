@@ -186,6 +186,8 @@ class VehicleCommander final : public Station {
   void set_param(std::uint8_t system, const std::string& name, double value, base::RunTime now,
                  Done done);
   void list_params(std::uint8_t system, base::RunTime now, Done done);
+  /// Of the list of parameters that a vehicle sends; nullopt: none is under way.
+  std::optional<mav::services::ListProgress> list_progress(std::uint8_t system) const;
   /// The type in the newest PARAM_VALUE of a parameter.
   std::optional<mavlink::common::MavParamType> param_type(std::uint8_t system,
                                                           const std::string& name) const;

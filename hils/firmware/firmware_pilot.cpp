@@ -40,7 +40,7 @@ constexpr base::Duration kVersionPatience = std::chrono::seconds(20);
 /// connect within 2 s.
 constexpr base::Duration kFirstSignPatience = std::chrono::seconds(20);
 /// For all parameters of a firmware: casd gives up a little earlier.
-constexpr base::Duration kParamPatience = std::chrono::seconds(130);
+constexpr base::Duration kParamPatience = std::chrono::minutes(20);
 /// Of a firmware's output, in an error.
 constexpr std::size_t kTailLines = 8;
 constexpr base::Duration kAskAgain = std::chrono::seconds(3);

@@ -24,6 +24,8 @@ using mavlink::common::ParamValue;
 
 constexpr std::size_t kMaxKnown = 8192;
 constexpr std::size_t kMaxActive = 64;
+/// A vehicle that still starts may add parameters while it lists them, but not without end.
+constexpr std::size_t kMaxNews = 2 * kMaxKnown;
 constexpr std::size_t kNameBytes = 16;
 constexpr std::size_t kMaxTexts = 5;
 /// A value that is not the asked one may be an older answer still on its way: asked again once.
@@ -42,10 +44,6 @@ ParamRequestRead read_by_index(std::size_t index) {
   ParamRequestRead message;
   message.param_index = static_cast<std::int16_t>(index);
   return message;
-}
-
-std::string seconds_text(Duration d) {
-  return std::to_string(std::chrono::duration_cast<std::chrono::seconds>(d).count());
 }
 
 std::string because(const std::vector<std::string>& texts) {
@@ -256,12 +254,12 @@ void ParamExchange::tick(Time now) {
     }
     finish(due, failure(OutcomeKind::kTimeout, sentence + because(due->texts)));
   }
-  if (listing_ && (now >= listing_->deadline || now >= listing_->give_up)) tick_listing(now);
+  if (listing_ && now >= listing_->deadline) tick_listing(now);
 }
 
 std::optional<Time> ParamExchange::due() const {
   std::optional<Time> due;
-  if (listing_) due = std::min(listing_->deadline, listing_->give_up);
+  if (listing_) due = listing_->deadline;
   for (const Request& request : active_)
     due = std::min(due.value_or(request.deadline), request.deadline);
   return due;
@@ -285,7 +283,6 @@ void ParamExchange::list(Time now, Done done) {
   listing_ = Listing{};
   listing_->done.push_back(std::move(done));
   listing_->deadline = now + timing_.answer_timeout;
-  listing_->give_up = now + timing_.list_timeout;
   send_(ParamRequestList{});
 }
 
@@ -305,6 +302,12 @@ void ParamExchange::on_listed(const ParamValue& message, const std::string& name
   if (listing.have.size() != message.param_count) listing.have.resize(message.param_count, false);
   listing.values[name] = value;
   if (listing.have[message.param_index]) return;
+  if (++listing.news > kMaxNews) {
+    give_up_listing(OutcomeKind::kRefused,
+                    "the vehicle changes the number of its parameters while "
+                    "it lists them, without end");
+    return;
+  }
   listing.have[message.param_index] = true;
   listing.received =
       static_cast<std::size_t>(std::count(listing.have.begin(), listing.have.end(), true));
@@ -321,26 +324,27 @@ void ParamExchange::tick_listing(Time now) {
   Listing& listing = *listing_;
   const std::string sent = "the vehicle sent " + std::to_string(listing.received) + " of " +
                            std::to_string(listing.have.size()) + " parameters";
-  if (now >= listing.give_up) {
-    give_up_listing(OutcomeKind::kTimeout, sent + " in " + seconds_text(timing_.list_timeout) +
-                                               " s; the rest would take too long");
-    return;
-  }
   if (++listing.idle_rounds >= timing_.tries) {
     give_up_listing(OutcomeKind::kTimeout, sent + ", then no more");
     return;
   }
-  listing.deadline = now + timing_.answer_timeout;
   if (listing.have.empty()) {
+    listing.deadline = now + timing_.answer_timeout;
     send_(ParamRequestList{});
     return;
   }
+  listing.deadline = now + (listing.idle_rounds + 1) * timing_.answer_timeout;
   std::size_t asked = 0;
   for (std::size_t index = 0; index < listing.have.size(); ++index) {
     if (listing.have[index] || asked == timing_.missing_at_once) continue;
     ++asked;
     send_(read_by_index(index));
   }
+}
+
+std::optional<ListProgress> ParamExchange::list_progress() const {
+  if (!listing_) return std::nullopt;
+  return ListProgress{listing_->received, listing_->have.size()};
 }
 
 void ParamExchange::give_up_listing(OutcomeKind kind, const std::string& why) {

@@ -53,19 +53,24 @@ struct Parameter {
 /// When parameter requests are sent again and given up.
 struct ParamTiming {
   Duration answer_timeout = std::chrono::milliseconds(700);
+  /// A list that has begun to come is waited for longer from try to try: 10 s of silence end it.
   int tries = 5;
   /// A list with gaps asks for at most this many missing ones at a time.
   std::size_t missing_at_once = 10;
-  /// A list that is not whole by then is given up, however much still comes.
-  Duration list_timeout = std::chrono::seconds(120);
+};
+
+/// How far a list of parameters has come.
+struct ListProgress {
+  std::size_t received = 0;
+  std::size_t count = 0;  ///< 0: not known yet
 };
 
 /// The parameter protocol (https://mavlink.io/en/services/parameter.html) with one vehicle.
 ///
 /// Every wait has a deadline and a bound on tries, and the number of parameters has a limit that no
-/// autopilot reaches: a faulty or endless stream costs bounded time and memory. An answered value
-/// is compared with the requested one: a vehicle that clamps or refuses answers with the value in
-/// force.
+/// autopilot reaches: a faulty or endless stream costs bounded time and memory. A list takes as
+/// long as new parameters come. An answered value is compared with the requested one: a vehicle
+/// that clamps or refuses answers with the value in force.
 class ParamExchange {
  public:
   using Message = std::variant<mavlink::common::ParamSet, mavlink::common::ParamRequestRead,
@@ -79,8 +84,10 @@ class ParamExchange {
   void read(const std::string& name, Time now, Done done);
   /// Sets one parameter, after asking for its type where that is not known yet.
   void set(const std::string& name, double value, Time now, Done done);
-  /// Fetches all parameters; Outcome.parameters has them.
+  /// Fetches all parameters; Outcome.parameters has them, or those that came.
   void list(Time now, Done done);
+  /// Of the list under way; nullopt: none is.
+  std::optional<ListProgress> list_progress() const;
 
   void on_value(const mavlink::common::ParamValue& message, ParamEncoding encoding, Time now);
   void on_status_text(std::string_view text);
@@ -108,9 +115,9 @@ class ParamExchange {
     std::vector<Done> done;
     std::vector<bool> have;  ///< by index; empty until a count is known
     std::size_t received = 0;
+    std::size_t news = 0;  ///< parameters taken as new, again after each change of the count
     int idle_rounds = 0;
     Time deadline{};
-    Time give_up{};  ///< of the list as a whole
     std::map<std::string, double> values;
   };
 

@@ -17,7 +17,7 @@ START = ("start casd with `casd topologies/bench_pty.yaml`, the service with `sy
 
 #: Longest that a call may take, s; a vehicle that reports progress makes a command last.
 PATIENCE_S = 30.0
-_PATIENCE_OF = {"param.list": 130.0}
+_PATIENCE_OF = {"param.list": 1200.0}
 
 
 def _token(address: Address, token: Optional[str]) -> Optional[str]:

@@ -102,6 +102,7 @@ void FakeVehicle::on_param_list(base::RunTime now) {
 }
 
 void FakeVehicle::say_param(const std::string& name, base::RunTime at, std::uint16_t index) {
+  if (name == unsaid) return;
   const Param& param = params.at(name);
   const auto encoding =
       autopilot == MavAutopilot::kArdupilotmega ? ParamEncoding::kCast : ParamEncoding::kBytewise;

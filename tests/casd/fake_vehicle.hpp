@@ -46,6 +46,7 @@ class FakeVehicle {
   };
   std::map<std::string, Param> params;
   std::vector<std::string> lost_in_list;  ///< left out of the next list
+  std::string unsaid;                     ///< a parameter that it counts and never sends
 
   std::vector<mavlink::common::CommandLong> commands;
   std::vector<mavlink::common::CommandInt> int_commands;

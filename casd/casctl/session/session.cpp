@@ -152,6 +152,21 @@ json Session::vehicle_call(const std::string& method, json params) {
   }
 }
 
+json Session::list_params(int vehicle) {
+  try {
+    call("subscribe", {{"topic", "parameters"}});
+  } catch (const base::rpc::CallError&) {  // an older casd does not tell
+  }
+  const auto show = [this](const std::string& method, const json& progress) {
+    if (method != "parameters" || options_.json) return;
+    const auto count = progress.value("count", 0);
+    std::cerr << "casctl: " << progress.value("received", 0) << " of "
+              << (count == 0 ? "?" : std::to_string(count)) << " parameters\n";
+  };
+  return client_.call("param.list", {{"vehicle", vehicle}}, base::from_seconds(options_.timeout_s),
+                      show);
+}
+
 namespace {
 
 /// Advice on a state that does not come.

@@ -67,6 +67,9 @@ class Session {
   /// Calls a vehicle method: adds `vehicle` where --vehicle is given.
   nlohmann::json vehicle_call(const std::string& method,
                               nlohmann::json params = nlohmann::json::object());
+  /// All parameters of a vehicle, as param.list answers them. Shows on standard error how far the
+  /// list is; --timeout is the time in which casd says nothing.
+  nlohmann::json list_params(int vehicle);
   using OfState = std::function<bool(const nlohmann::json&)>;
   /// Polls vehicle.state until `reached` holds.
   /// @param what  the state in a word, for the error

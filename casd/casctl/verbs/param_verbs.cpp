@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <sstream>
 
 #include "base/os/write_file.hpp"
 #include "casd/casctl/session/gains_text.hpp"
+#include "casd/casctl/session/printable.hpp"
 #include "casd/casctl/session/table.hpp"
+#include "casd/casctl/verbs/param_load.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
 namespace cas::casctl {
@@ -86,19 +87,6 @@ void add_gains(CommandLine& line) {
       .add_option("LOOP", *loop, "Control loop; left out: all");
 }
 
-/// One line of a parameter file: NAME VALUE; '#' starts a comment.
-std::optional<std::pair<std::string, double>> parse_param_line(std::string text,
-                                                               const std::string& place) {
-  text = text.substr(0, text.find('#'));
-  std::istringstream in(text);
-  std::string name;
-  double value = 0;
-  if (!(in >> name)) return std::nullopt;
-  std::string rest;
-  if (!(in >> value) || in >> rest) throw std::runtime_error(place + ": expected NAME VALUE");
-  return std::pair{name, value};
-}
-
 /// ": A, B" of the parameters that a file cannot give back.
 std::string names_text(const json& names) {
   std::string text;
@@ -106,13 +94,55 @@ std::string names_text(const json& names) {
   return text;
 }
 
+/// The parameters of a vehicle: all, or those that came before it fell silent.
+struct ParamList {
+  int vehicle = 0;
+  json parameters = json::array();            ///< {name, value, ...}
+  std::optional<base::rpc::CallError> fault;  ///< why they are not all
+
+  bool whole() const { return !fault.has_value(); }
+};
+
+/// @throws CallError  if none came
+ParamList fetch_params(Session& session) {
+  ParamList list;
+  try {
+    list.vehicle = session.vehicle_call("vehicle.state").at("system");
+    list.parameters = session.list_params(list.vehicle).at("parameters");
+  } catch (const base::rpc::CallError& error) {
+    const json data = json::parse(error.data_json(), nullptr, false);
+    const json came = data.is_object() ? data.value("parameters", json::object()) : json();
+    if (came.empty()) throw;
+    for (const auto& [name, value] : came.items()) {
+      list.parameters.push_back({{"name", name}, {"value", value}});
+    }
+    list.fault = error;
+  }
+  return list;
+}
+
+/// Says why the list is not whole. @return the exit code
+int end_of(const Session& session, const ParamList& list) {
+  if (list.whole()) return kDone;
+  if (!session.options().json) {
+    std::cerr << "casctl: not all parameters came: " << printable_lines(list.fault->what()) << '\n';
+  }
+  return list.fault->code() == base::rpc::kTimeout ? kTimeout : kRefused;
+}
+
+/// The same as a key of the result.
+void add_fault(json& result, const ParamList& list) {
+  if (!list.whole()) result["missing"] = list.fault->what();
+}
+
 int save_params(Session& session, const std::string& file) {
-  const json list = session.vehicle_call("param.list");
+  const ParamList list = fetch_params(session);
   std::ostringstream out;
   json left_out = json::array();
   std::size_t saved = 0;
-  out << "# Parameters of vehicle " << list.at("vehicle") << ": NAME VALUE\n";
-  for (const json& entry : list.at("parameters")) {
+  out << "# Parameters of vehicle " << list.vehicle << ": NAME VALUE\n";
+  if (!list.whole()) out << "# Not all of them: " << list.fault->what() << '\n';
+  for (const json& entry : list.parameters) {
     const auto name = entry.at("name").get<std::string>();
     const json& value = entry.at("value");
     if (value.is_number()) {
@@ -126,44 +156,30 @@ int save_params(Session& session, const std::string& file) {
   base::write_file(file, out.view());
   std::string sentence = std::to_string(saved) + " parameters saved to " + file;
   if (!left_out.empty()) sentence += "; NaN or infinite, so left out" + names_text(left_out);
-  report(session.options(), {{"file", file}, {"saved", saved}, {"left_out", left_out}}, sentence);
-  return kDone;
-}
-
-int load_params(Session& session, const std::string& file) {
-  std::ifstream in(file);
-  if (!in) throw std::runtime_error("cannot read " + file);
-  std::vector<std::pair<std::string, double>> wishes;
-  std::string text;
-  for (int number = 1; std::getline(in, text); ++number) {
-    const auto wish = parse_param_line(text, file + ":" + std::to_string(number));
-    if (wish) wishes.push_back(*wish);
-  }
-  for (const auto& [name, value] : wishes) {
-    session.vehicle_call("param.set", {{"name", name}, {"value", value}});
-  }
-  report(session.options(), {{"file", file}, {"set", wishes.size()}},
-         std::to_string(wishes.size()) + " parameters of " + file + " are in force");
-  return kDone;
+  json result{{"file", file}, {"saved", saved}, {"left_out", left_out}};
+  add_fault(result, list);
+  report(session.options(), result, sentence);
+  return end_of(session, list);
 }
 
 int list_params(Session& session, const std::string& prefix) {
-  json list = session.vehicle_call("param.list");
+  const ParamList list = fetch_params(session);
   Table table({"NAME", "VALUE", "TYPE"});
   json kept = json::array();
-  for (const json& entry : list.at("parameters")) {
+  for (const json& entry : list.parameters) {
     const std::string name = entry.at("name");
     if (name.compare(0, prefix.size(), prefix) != 0) continue;
     table.add({name, entry.at("value").dump(), entry.value("type", "?")});
     kept.push_back(entry);
   }
-  list["parameters"] = kept;
   if (session.options().json) {
-    report(session.options(), list, "");
+    json result{{"vehicle", list.vehicle}, {"parameters", kept}};
+    add_fault(result, list);
+    report(session.options(), result, "");
   } else {
     table.print(std::cout);
   }
-  return kDone;
+  return end_of(session, list);
 }
 
 int print_param(const Session& session, const json& result) {
@@ -175,6 +191,7 @@ void add_param(CommandLine& line) {
   struct Wish {
     std::string name, file, prefix;
     double value = 0;
+    bool strict = false;
   };
   const auto wish = std::make_shared<Wish>();
   const Verb param = line.add_group("param", "Read and write parameters");
@@ -200,11 +217,16 @@ void add_param(CommandLine& line) {
                 [wish](Session& session) { return save_params(session, wish->file); })
       .add_option("FILE", wish->file, "File to write, on this machine")
       .required();
-  line.add_verb(param, "load", "Write those of a file, in its order",
-                "casctl param load iris.params",
-                [wish](Session& session) { return load_params(session, wish->file); })
-      .add_option("FILE", wish->file, "File to read, on this machine")
+  const Verb load = line.add_verb(
+      param, "load", "Write those of a file, in its order; names those that are not taken",
+      "casctl param load iris.params",
+      [wish](Session& session) { return load_params(session, wish->file, wish->strict); });
+  load.add_option("FILE", wish->file,
+                  "File to read, on this machine: of casctl, MAVProxy, Mission Planner or "
+                  "QGroundControl")
       .required();
+  load.add_flag("--strict", wish->strict,
+                "Write nothing if a name is missing; end at the first that is not taken");
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -19,6 +20,7 @@ namespace cas::casd {
 namespace {
 
 using mavlink::common::MavModeFlag;
+using mavlink::common::MavParamType;
 using mavlink::common::MavResult;
 using nlohmann::json;
 using test::CommandPortFixture;
@@ -426,6 +428,59 @@ TEST_F(CasctlTest, SavesWhatCanBeLoadedAndNamesTheRest) {
   const Ended loaded = run("param load " + file);
   EXPECT_EQ(loaded.code, 0);
   EXPECT_EQ(loaded.out, "1 parameters of " + file + " are in force\n");
+}
+
+TEST_F(CasctlTest, SavesTheParametersThatCameBeforeTheVehicleFellSilent) {
+  fixture_.vehicle().params = {
+      {"A_FIRST", {.value = 1}}, {"B_SECOND", {.value = 2}}, {"C_LOST", {.value = 3}}};
+  fixture_.vehicle().unsaid = "C_LOST";
+  const std::string file = (directory_ / "some.params").string();
+  const Ended saved = run("param save " + file);
+  EXPECT_EQ(saved.code, 4) << saved.out;
+  EXPECT_NE(saved.out.find("2 parameters saved to " + file), std::string::npos) << saved.out;
+  EXPECT_NE(saved.out.find("2 of 3 parameters, then no more"), std::string::npos) << saved.out;
+  std::ifstream in(file);
+  const std::string text{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_NE(text.find("# Not all of them"), std::string::npos) << text;
+  EXPECT_NE(text.find("\nB_SECOND 2\n"), std::string::npos) << text;
+  const json told = json::parse(run("--json param list").out);
+  EXPECT_EQ(told["parameters"].size(), 2U);
+  EXPECT_TRUE(told.contains("missing"));
+}
+
+TEST_F(CasctlTest, LoadsWhatAnotherFirmwareTakesAndNamesTheRest) {
+  fixture_.vehicle().params = {{"A_FIRST", {.value = 1}},
+                               {"B_CLAMPED", {.value = 5, .high = 5}},
+                               {"C_WHOLE", {.value = 1, .type = MavParamType::kInt32}},
+                               {"E_LAST", {.value = 1}}};
+  const std::string file = (directory_ / "other.params").string();
+  std::ofstream(file) << "A_FIRST 2\nB_CLAMPED 9\nC_WHOLE 1.5\nD_MISSING 3\nE_LAST 4\n";
+  const Ended strict = run("param load --strict " + file);
+  EXPECT_EQ(strict.code, 1);
+  EXPECT_NE(strict.out.find("0 of 5 parameters of " + file), std::string::npos) << strict.out;
+  EXPECT_EQ(run("param get A_FIRST").out, "A_FIRST = 1\n") << "strict, so nothing was written";
+  const Ended loaded = run("param load " + file);
+  EXPECT_EQ(loaded.code, 1);
+  EXPECT_EQ(loaded.out, "2 of 5 parameters of " + file +
+                            " are in force: A_FIRST, E_LAST\n"
+                            "the vehicle keeps B_CLAMPED = 5 (asked: 9)\n"
+                            "refused: C_WHOLE: C_WHOLE is INT32 and cannot hold 1.5\n"
+                            "not found: D_MISSING\n");
+  const json told = json::parse(run("--json param load " + file).out);
+  EXPECT_EQ(told["set"], 2);
+  EXPECT_EQ(told["not_found"], json({"D_MISSING"}));
+  EXPECT_EQ(told["kept"][0]["name"], "B_CLAMPED");
+}
+
+TEST_F(CasctlTest, LoadsOnlyTheAutopilotsRowsOfAGroundStationsFile) {
+  fixture_.vehicle().params = {{"A_FIRST", {.value = 1}}};
+  const std::string file = (directory_ / "station.params").string();
+  std::ofstream(file) << "1\t1\tA_FIRST\t2\t9\r\n1\t154\tA_FIRST\t3\t9\r\n";
+  const Ended loaded = run("param load " + file);
+  EXPECT_EQ(loaded.code, 1);
+  EXPECT_NE(loaded.out.find("refused: A_FIRST: it is of component 154"), std::string::npos)
+      << loaded.out;
+  EXPECT_EQ(run("param get A_FIRST").out, "A_FIRST = 2\n");
 }
 
 TEST_F(CasctlTest, LeavesTheFileOfBeforeWhenSavingFails) {

@@ -45,19 +45,43 @@ class ParamList : public testing::Test {
   std::optional<Outcome> outcome_;
 };
 
-TEST_F(ParamList, OfAVehicleThatAnswersOneAtATimeEndsAtItsDeadline) {
+TEST_F(ParamList, OfASlowLineTakesAsLongAsParametersCome) {
+  list();
+  for (std::uint16_t index = 0; index < 1300; ++index) {
+    ASSERT_FALSE(outcome_.has_value()) << index;
+    pass(500ms);
+    answer("P" + std::to_string(index), index, 1300);
+  }
+  ASSERT_TRUE(outcome_.has_value());
+  EXPECT_TRUE(outcome_->ok()) << outcome_->message;
+  EXPECT_EQ(outcome_->parameters.size(), 1300U);
+}
+
+TEST_F(ParamList, OutlivesAGapOfSecondsAndTellsHowFarItIs) {
+  list();
+  EXPECT_EQ(exchange_.list_progress()->count, 0U);
+  answer("P0", 0, 2);
+  for (int i = 0; i < 9; ++i) pass(1s);
+  ASSERT_FALSE(outcome_.has_value()) << outcome_->message;
+  EXPECT_EQ(exchange_.list_progress()->received, 1U);
+  EXPECT_EQ(exchange_.list_progress()->count, 2U);
+  answer("P1", 1, 2);
+  EXPECT_TRUE(outcome_.has_value());
+  EXPECT_FALSE(exchange_.list_progress().has_value());
+}
+
+TEST_F(ParamList, OfALineThatFallsSilentEndsWithWhatCame) {
   list();
   const Time start = now_;
-  for (std::uint16_t index = 0; index < 8000 && !outcome_; ++index) {
+  for (std::uint16_t index = 0; index < 200; ++index) {
     answer("P" + std::to_string(index), index, 8000);
-    pass(500ms);
   }
-  ASSERT_TRUE(outcome_.has_value()) << "it would have gone on for more than an hour";
-  EXPECT_LE(now_ - start, 121s);
+  while (!outcome_ && now_ - start < 60s) pass(100ms);
+  ASSERT_TRUE(outcome_.has_value());
+  EXPECT_LE(now_ - start, 12s);
   EXPECT_EQ(outcome_->kind, OutcomeKind::kTimeout);
-  EXPECT_NE(outcome_->message.find("of 8000 parameters in 120 s"), std::string::npos)
-      << outcome_->message;
-  EXPECT_GT(outcome_->parameters.size(), 200U) << "what came is not lost";
+  EXPECT_EQ(outcome_->message, "the vehicle sent 200 of 8000 parameters, then no more");
+  EXPECT_EQ(outcome_->parameters.size(), 200U) << "what came is not lost";
 }
 
 TEST_F(ParamList, IsDueWhenAnAnswerIsLate) {
@@ -88,14 +112,13 @@ TEST_F(ParamList, OfNamesWithoutEndIsRefused) {
 
 TEST_F(ParamList, OfACountThatChangesWithEachAnswerEnds) {
   list();
-  const Time start = now_;
-  for (std::uint16_t i = 0; i < 1000 && !outcome_; ++i) {
-    answer("P" + std::to_string(i % 7), 0, static_cast<std::uint16_t>(100 + i % 3));
+  for (int i = 0; i < 100'000 && !outcome_; ++i) {
+    answer("P" + std::to_string(i % 7), static_cast<std::uint16_t>(i % 3 == 0 ? 101 : 0),
+           static_cast<std::uint16_t>(i % 2 == 0 ? 102 : 3));
     pass(100ms);
   }
   ASSERT_TRUE(outcome_.has_value());
-  EXPECT_FALSE(outcome_->ok());
-  EXPECT_LE(now_ - start, 121s);
+  EXPECT_EQ(outcome_->kind, OutcomeKind::kRefused) << outcome_->message;
 }
 
 TEST_F(ParamList, IsAskedForByABoundedNumberOfClients) {

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/casctl/verbs/param_load.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "base/read_file.hpp"
+#include "base/text.hpp"
+#include "casd/casctl/verbs/param_file.hpp"
+
+namespace cas::casctl {
+namespace {
+
+using base::rpc::CallError;
+using nlohmann::json;
+
+/// What became of the wishes of a file.
+struct Fate {
+  json in_force = json::array();   ///< names
+  json kept = json::array();       ///< {name, asked, value}: the vehicle keeps its own value
+  json refused = json::array();    ///< {name, message}
+  json not_found = json::array();  ///< names that the vehicle did not answer to
+  json not_tried = json::array();  ///< names behind the end
+
+  bool all() const {
+    return kept.empty() && refused.empty() && not_found.empty() && not_tried.empty();
+  }
+};
+
+/// As casd writes numbers: 9, not 9.0.
+json number(double value) {
+  constexpr double kExact = 9e15;
+  if (value == std::floor(value) && std::abs(value) < kExact) {
+    return static_cast<std::int64_t>(value);
+  }
+  return value;
+}
+
+/// Sets parameters one by one and notes what became of each.
+class Loading {
+ public:
+  Loading(Session& session, std::vector<ParamWish> wishes, bool strict)
+      : session_(session), wishes_(std::move(wishes)), strict_(strict) {}
+
+  void run() {
+    if (needs_component()) own_component_ = session_.vehicle_call("vehicle.state").at("component");
+    if (strict_ && !is_ready()) {
+      end();
+      return;
+    }
+    for (next_ = 0; next_ < wishes_.size() && !ended_; ++next_) set(wishes_[next_]);
+    end();
+  }
+
+  /// Those behind the newest one are not tried.
+  void end() {
+    for (; next_ < wishes_.size(); ++next_) fate_.not_tried.push_back(wishes_[next_].name);
+  }
+
+  const Fate& fate() const { return fate_; }
+  bool fell_silent() const { return silent_; }
+
+ private:
+  bool needs_component() const {
+    for (const ParamWish& wish : wishes_) {
+      if (wish.component != 0) return true;
+    }
+    return false;
+  }
+
+  bool is_of_another_component(const ParamWish& wish) {
+    if (wish.component == 0 || wish.component == own_component_) return false;
+    refuse(wish, "it is of component " + std::to_string(wish.component) +
+                     "; only those of the autopilot, component " + std::to_string(own_component_) +
+                     ", are set");
+    return true;
+  }
+
+  /// Whether the vehicle answers to every name.
+  bool is_ready() {
+    for (const ParamWish& wish : wishes_) {
+      if (!is_of_another_component(wish)) ask(wish, "param.get", {{"name", wish.name}});
+      if (silent_) break;
+    }
+    return fate_.all();
+  }
+
+  void set(const ParamWish& wish) {
+    if (!is_of_another_component(wish) &&
+        ask(wish, "param.set", {{"name", wish.name}, {"value", wish.value}})) {
+      fate_.in_force.push_back(wish.name);
+    }
+    ended_ = silent_ || (strict_ && !fate_.all());
+  }
+
+  /// @return whether it was answered; if not, why is noted
+  bool ask(const ParamWish& wish, const std::string& method, const json& params) {
+    try {
+      session_.vehicle_call(method, params);
+      return true;
+    } catch (const CallError& error) {
+      note(wish, error);
+      return false;
+    }
+  }
+
+  void note(const ParamWish& wish, const CallError& error) {
+    switch (error.code()) {
+      case base::rpc::kTimeout:
+        fate_.not_found.push_back(wish.name);
+        silent_ = is_silent(session_.vehicle_call("vehicle.state"));
+        return;
+      case base::rpc::kRefused:
+      case base::rpc::kInvalidParams:
+        break;
+      default:
+        throw error;
+    }
+    const json data = json::parse(error.data_json(), nullptr, false);
+    const json in_force = data.is_object() ? data.value("parameters", json::object()) : json();
+    if (in_force.contains(wish.name)) {
+      fate_.kept.push_back(
+          {{"name", wish.name}, {"asked", number(wish.value)}, {"value", in_force[wish.name]}});
+    } else {
+      refuse(wish, error.what());
+    }
+  }
+
+  void refuse(const ParamWish& wish, const std::string& why) {
+    fate_.refused.push_back({{"name", wish.name}, {"message", why}});
+  }
+
+  Session& session_;
+  std::vector<ParamWish> wishes_;
+  bool strict_;
+  int own_component_ = 0;
+  std::size_t next_ = 0;
+  bool ended_ = false;
+  bool silent_ = false;
+  Fate fate_;
+};
+
+std::string names_of(const json& names) {
+  return base::joined(names, ", ", [](const json& name) { return name.get<std::string>(); });
+}
+
+/// One sentence of what is in force; one line for each kind of the rest.
+std::string fate_text(const Fate& fate, const std::string& file, std::size_t asked) {
+  const std::string of_file = " parameters of " + file + " are in force";
+  if (fate.all()) return std::to_string(asked) + of_file;
+  std::string text =
+      std::to_string(fate.in_force.size()) + " of " + std::to_string(asked) + of_file;
+  if (!fate.in_force.empty()) text += ": " + names_of(fate.in_force);
+  for (const json& each : fate.kept) {
+    text += "\nthe vehicle keeps " + each["name"].get<std::string>() + " = " +
+            each["value"].dump() + " (asked: " + each["asked"].dump() + ")";
+  }
+  for (const json& each : fate.refused) {
+    text +=
+        "\nrefused: " + each["name"].get<std::string>() + ": " + each["message"].get<std::string>();
+  }
+  if (!fate.not_found.empty()) text += "\nnot found: " + names_of(fate.not_found);
+  if (!fate.not_tried.empty()) text += "\nnot tried: " + names_of(fate.not_tried);
+  return text;
+}
+
+void report_fate(const Session& session, const Fate& fate, const std::string& file,
+                 std::size_t asked) {
+  report(session.options(),
+         {{"file", file},
+          {"set", fate.in_force.size()},
+          {"in_force", fate.in_force},
+          {"kept", fate.kept},
+          {"refused", fate.refused},
+          {"not_found", fate.not_found},
+          {"not_tried", fate.not_tried}},
+         fate_text(fate, file, asked));
+}
+
+}  // namespace
+
+int load_params(Session& session, const std::string& file, bool strict) {
+  const std::optional<std::string> text = base::read_file(file);
+  if (!text) throw std::runtime_error("cannot read " + file);
+  std::vector<ParamWish> wishes = parse_param_file(*text, file);
+  const std::size_t asked = wishes.size();
+  Loading loading(session, std::move(wishes), strict);
+  try {
+    loading.run();
+  } catch (...) {
+    loading.end();
+    if (!loading.fate().in_force.empty()) report_fate(session, loading.fate(), file, asked);
+    throw;
+  }
+  report_fate(session, loading.fate(), file, asked);
+  if (loading.fate().all()) return kDone;
+  return loading.fell_silent() ? kTimeout : kRefused;
+}
+
+}  // namespace cas::casctl
