@@ -12,6 +12,7 @@ here: checking and making of signatures; a signed packet is read, its signature 
 
 from __future__ import annotations
 
+import binascii
 import functools
 import socket
 import struct
@@ -34,22 +35,17 @@ _TYPES = {"uint8_t": ("B", 1), "int8_t": ("b", 1), "char": ("c", 1), "uint16_t":
           "double": ("d", 8), "uint8_t_mavlink_version": ("B", 1)}
 
 
-def _crc_table() -> list[int]:
-    table = []
-    for byte in range(256):
-        tmp = (byte ^ (byte << 4)) & 0xFF
-        table.append((tmp << 8) ^ (tmp << 3) ^ (tmp >> 4))
-    return table
+#: Each byte with its bits in the opposite order.
+_MIRRORED = bytes(int(f"{byte:08b}"[::-1], 2) for byte in range(256))
 
 
-_CRC = _crc_table()
+def _mirrored16(value: int) -> int:
+    return _MIRRORED[value & 0xFF] << 8 | _MIRRORED[value >> 8]
 
 
 def crc16(data: bytes, crc: int = 0xFFFF) -> int:
-    """CRC-16/MCRF4XX, the checksum of MAVLink."""
-    for byte in data:
-        crc = (crc >> 8) ^ _CRC[(crc ^ byte) & 0xFF]
-    return crc
+    """CRC-16/MCRF4XX, the checksum of MAVLink: the mirror image of the one that the library has in C."""
+    return _mirrored16(binascii.crc_hqx(bytes(data).translate(_MIRRORED), _mirrored16(crc)))
 
 
 @dataclass(frozen=True)

@@ -7,59 +7,165 @@ from pathlib import Path
 from typing import Any, Iterator, Optional, Union
 
 from .errors import FormatError
-from .mavlink import SIGNATURE_BYTES, SIGNED_FLAG, START_V1, START_V2, Dialect, Message, common
+from .mavlink import (SIGNATURE_BYTES, SIGNED_FLAG, START_V1, START_V2, Definition, Dialect, Message,
+                      common, crc16)
 from .table import Table
+
+_STAMP_BYTES = 8
+_JITTER_US = 1_000_000
+_GAP_US = 10_000_000
+_PAUSE_MS = 86_400_000
+
+
+class _Record:
+    """What may be a record at a place of a log, by its packet's header."""
+
+    def __init__(self, data: bytes, place: int) -> None:
+        self.begin = place
+        packet = place + _STAMP_BYTES
+        self.is_v2 = data[packet] == START_V2
+        self.payload = packet + (10 if self.is_v2 else 6)
+        self.payload_end = self.payload + data[packet + 1]
+        self.signed = self.is_v2 and bool(data[packet + 2] & SIGNED_FLAG)
+        self.end = self.payload_end + 2 + (SIGNATURE_BYTES if self.signed else 0)
+
+    def number(self, data: bytes) -> int:
+        packet = self.begin + _STAMP_BYTES
+        return int.from_bytes(data[packet + 7:packet + 10], "little") if self.is_v2 else data[packet + 5]
+
+
+def _record_at(data: bytes, place: int) -> Optional[_Record]:
+    """The record at this place, whole; None: no packet follows the stamp."""
+    start = place + _STAMP_BYTES
+    if start + 3 > len(data) or data[start] not in (START_V1, START_V2):
+        return None
+    record = _Record(data, place)
+    return record if record.end <= len(data) else None
+
+
+def _fits(crc: int, received: int) -> bool:
+    """Whether some CRC_EXTRA would make the checksum right: of 256 arbitrary ones about 255 have none."""
+    wanted = received ^ crc >> 8  # an entry of the checksum's table: e << 8 ^ e << 3 ^ e >> 4 of a byte e
+    byte = wanted >> 8 ^ wanted >> 13
+    return (byte << 8 ^ byte << 3 ^ byte >> 4) & 0xFFFF == wanted
+
+
+class _Clock:
+    """The time of a log's records, though the recorder's clock may have been set meanwhile; the same as TlogClock of
+    the C++ readers: at a step time stands still until the sender's own clock (time_boot_ms) tells how much has passed."""
+
+    def __init__(self) -> None:
+        self.previous: Optional[int] = None
+        self.from_us = self.base_us = self.now_us = self.steps = 0
+        self.advances = False
+        self.heard: dict[tuple[int, int], tuple[Message, int, int]] = {}
+        self.is_timed: dict[int, bool] = {}
+
+    def at(self, stamp: int, message: Message) -> int:
+        step = 0 if self.previous is None else stamp - self.previous
+        is_step = step > _GAP_US or step < -_JITTER_US
+        if self.previous is None or is_step:
+            self.from_us, self.base_us = stamp, self.now_us
+            self.steps += is_step
+        elif step:
+            self.advances = True
+        self.previous = stamp
+        self.now_us = max(self.now_us, self.base_us + stamp - self.from_us)
+        if message.id not in self.is_timed:
+            self.is_timed[message.id] = any(field.name == "time_boot_ms" for field in message.definition.fields)
+        if self.is_timed[message.id]:
+            self._follow(message)
+        return self.now_us
+
+    def _follow(self, message: Message) -> None:
+        sender = (message.system, message.component)
+        known = self.heard.get(sender)
+        if known is not None and (known[2] != self.steps or not self.advances):
+            passed_ms = message.time_boot_ms - known[0].time_boot_ms
+            late_us = known[1] + 1000 * passed_ms - self.now_us
+            if passed_ms <= _PAUSE_MS and late_us > 0:
+                self.base_us += late_us
+                self.now_us += late_us
+        self.heard[sender] = (message, self.now_us, self.steps)
 
 
 class Tlog:
     """A telemetry log, read into memory; messages are decoded when their fields are asked for.
 
-    Times are seconds since 1970 by the clock of who recorded; `begin_s` is that of the first packet.
+    Stamps are microseconds since 1970 by the clock of who recorded; `begin_s` is that of the first packet, in seconds.
+    A packet whose checksum is wrong is none, and costs no other one.
     """
 
     def __init__(self, path: Union[str, Path], dialect: Optional[Dialect] = None) -> None:
         self.path = Path(path)
         self.dialect = dialect or common()
         self._data = self.path.read_bytes()
-        #: Packets of which no dialect is known, or that are no packets.
+        #: Packets of messages that the dialect does not have.
         self.unknown = 0
+        #: Bytes that are no intact packet with its stamp: damage. 0: the log is whole.
+        self.damaged = 0
         #: (time in us, message), in the order of the file.
         self.packets: list[tuple[int, Message]] = list(self._read())
+        if self._data and not self.packets and not self.unknown:
+            raise FormatError(f"{self.path} is no .tlog file")
         self.begin_s = self.packets[0][0] * 1e-6 if self.packets else 0.0
 
     def _read(self) -> Iterator[tuple[int, Message]]:
         data, place = self._data, 0
-        while place + 8 + 6 <= len(data):
-            stamp = int.from_bytes(data[place:place + 8], "big")
-            begin = place + 8
-            is_v2 = data[begin] == START_V2
-            if not is_v2 and data[begin] != START_V1:
-                if place == 0:
-                    raise FormatError(f"{self.path} is no .tlog file")
-                place += 1  # a damaged place: the next stamp is looked for
+        in_step = True  # the last record ends here
+        while place < len(data):
+            record = _record_at(data, place)
+            definition = None if record is None else self.dialect.by_id.get(record.number(data))
+            is_sound = record is not None and self._is_sound(record, definition)
+            if record is None or not self._is_record(record, is_sound, definition is not None, in_step):
+                in_step = False
+                self.damaged += 1
+                place += 1
                 continue
-            head = 10 if is_v2 else 6
-            payload_end = begin + head + data[begin + 1]
-            signed = is_v2 and bool(data[begin + 2] & SIGNED_FLAG)
-            end = payload_end + 2 + (SIGNATURE_BYTES if signed else 0)
-            if end > len(data):
-                return  # cut off
-            if is_v2:
-                sequence, system, component = data[begin + 4:begin + 7]
-                number = data[begin + 7] | data[begin + 8] << 8 | data[begin + 9] << 16
-            else:
-                sequence, system, component, number = data[begin + 2:begin + 6]
-            definition = self.dialect.by_id.get(number)
-            if definition is None:
+            in_step = True
+            place = record.end
+            if not is_sound:
+                self.damaged += record.end - record.begin
+            elif definition is None:
                 self.unknown += 1
             else:
-                yield stamp, Message(definition, system, component, sequence, data[begin + head:payload_end], signed)
-            place = end
+                yield int.from_bytes(data[record.begin:record.begin + 8], "big"), self._message(record, definition)
+
+    def _message(self, record: _Record, definition: Definition) -> Message:
+        header = self._data[record.begin + _STAMP_BYTES:record.payload]
+        sequence, system, component = header[4:7] if record.is_v2 else header[2:5]
+        return Message(definition, system, component, sequence, self._data[record.payload:record.payload_end],
+                       record.signed)
+
+    def _is_sound(self, record: _Record, definition: Optional[Definition]) -> bool:
+        """Whether the checksum is right; of an unknown message, whether it may be."""
+        data, end = self._data, record.payload_end
+        received = data[end] | data[end + 1] << 8
+        crc = crc16(data[record.begin + _STAMP_BYTES + 1:end])
+        if definition is None:
+            return _fits(crc, received)
+        return crc16(bytes([definition.crc_extra]), crc) == received
+
+    def _is_record(self, record: _Record, is_sound: bool, is_known: bool, in_step: bool) -> bool:
+        """Whether this is a record, be it damaged. Behind another one also a damaged one that ends where the next one
+        begins, or the log does; behind other bytes only the checksum tells."""
+        if is_sound:
+            return in_step or is_known or self._has_none_inside(record)
+        is_followed = record.end == len(self._data) or _record_at(self._data, record.end) is not None
+        return in_step and is_followed and self._has_none_inside(record)
+
+    def _has_none_inside(self, record: _Record) -> bool:
+        """A stamp that holds a start byte, or a wrong length, reaches over intact records."""
+        for place in range(record.begin + 1, record.end):
+            inside = _record_at(self._data, place)
+            if inside is not None and self._is_sound(inside, self.dialect.by_id.get(inside.number(self._data))):
+                return False
+        return True
 
     def __iter__(self) -> Iterator[tuple[float, Message]]:
-        """(time since the first packet in s, message)."""
-        first = self.packets[0][0] if self.packets else 0
-        return (((stamp - first) * 1e-6, message) for stamp, message in self.packets)
+        """(time since the first packet in s, message); a step of the recorder's clock is taken out of the time."""
+        clock = _Clock()
+        return ((clock.at(stamp, message) * 1e-6, message) for stamp, message in self.packets)
 
     def counts(self) -> dict[str, int]:
         """How often each message is in the log."""

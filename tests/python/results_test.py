@@ -65,6 +65,44 @@ class TlogTest(FolderTest):
         log = self.record((1, packet), (2, packet[:-3]))
         self.assertEqual(log.counts(), {"ATTITUDE": 1})
 
+    def damaged(self, start_us, change):
+        """The numbers of the packets of a log of 60 records, of which `change` bends number 30."""
+        encode = mavlink.common().encode
+        records = [(start_us + 20_000 * i).to_bytes(8, "big")
+                   + encode("ATTITUDE", system=1, component=1, sequence=i, time_boot_ms=i, roll=0.25) for i in range(60)]
+        records[30] = change(records[30])
+        (self.folder / "f.tlog").write_bytes(b"".join(records))
+        log = cas.read("f.tlog")
+        for stamp, message in log.packets:
+            self.assertEqual((stamp, message.roll), (start_us + 20_000 * message.time_boot_ms, 0.25))
+        return [message.time_boot_ms for _, message in log.packets], log.damaged
+
+    def test_a_damaged_record_costs_no_other_one_and_no_wrong_number(self):
+        others = [i for i in range(60) if i != 30]
+        # Stamps of 2026-09-21 hold 0xFE, a start byte of a packet.
+        for start_us in (1_794_000_000_000_000, 1_790_000_000_000_000):
+            self.assertEqual(self.damaged(start_us, lambda record: record), (list(range(60)), 0))
+            zeros = self.damaged(start_us, lambda record: bytes(4096) + record)
+            self.assertEqual(zeros, (list(range(60)), 4096))
+            for at in (8, 9, 10, 15, 20, 25):
+                for bit in (1, 0x40):
+                    bent, lost = self.damaged(start_us, lambda record: record[:at] + bytes([record[at] ^ bit])
+                                              + record[at + 1:])
+                    self.assertEqual((bent, lost), (others, 28), (start_us, at, bit))
+            for size in (3, 11, 25):
+                self.assertEqual(self.damaged(start_us, lambda record: record[:size]), (others, size))
+
+    def test_a_clock_that_was_set_costs_no_time(self):
+        encode = mavlink.common().encode
+        now, hour = 1_794_000_000_000_000, 3_600_000_000
+        for stamp in (lambda i: now, lambda i: now - (hour if i >= 20 else 0), lambda i: now if i >= 20 else 86_400,
+                      lambda i: now + (hour if i == 30 else 0)):
+            log = self.record(*((stamp(i) + 100_000 * i, encode("ATTITUDE", system=1, component=1, time_boot_ms=100 * i))
+                                for i in range(60)))
+            times = log.table("ATTITUDE")["time_s"]
+            for i, time_s in enumerate(times):
+                self.assertAlmostEqual(time_s, 0.1 * i, 3)
+
     def test_something_else_is_refused(self):
         (self.folder / "f.tlog").write_bytes(b"this is no log at all")
         with self.assertRaisesRegex(cas.FormatError, "no .tlog file"):
@@ -101,6 +139,59 @@ class UlogTest(FolderTest):
         (self.folder / "f.ulg").write_bytes(b"no log")
         with self.assertRaisesRegex(cas.FormatError, "no ULog file"):
             cas.read("f.ulg")
+
+
+class DamagedUlogTest(FolderTest):
+    """A log of 500 messages of each of two topics, with texts and messages of a later logger between them."""
+
+    def message(self, kind, body):
+        return struct.pack("<HB", len(body), ord(kind)) + body
+
+    def setUp(self):
+        super().setUp()
+        self.start = b"ULog\x01\x12\x35\x01" + struct.pack("<Q", 1_000_000) + self.message("B", bytes(40))
+        self.definitions = [self.message("F", b"alpha:uint64_t timestamp;float x;"),
+                            self.message("F", b"beta:uint64_t timestamp;float[3] y;uint8_t z;uint8_t[3] _padding0;")]
+        self.topics = [self.message("A", struct.pack("<BH", 0, 1) + b"alpha"),
+                       self.message("A", struct.pack("<BH", 0, 2) + b"beta")]
+        self.messages = []
+        for i in range(500):
+            self.messages.append(self.message("D", struct.pack("<HQf", 1, 1_000_000 + 4000 * i, i / 2)))
+            self.messages.append(self.message("D", struct.pack("<HQfffB", 2, 1_000_002 + 4000 * i, i, i, i, 3)))
+            if i % 50 == 9:
+                self.messages.append(self.message("L", b"6" + struct.pack("<Q", 1_000_000 + 4000 * i) + b"hello there"))
+                self.messages.append(self.message("#", b"of a later logger"))
+
+    def read(self, definitions=None, messages=None):
+        parts = [self.start, *(definitions or self.definitions), *self.topics, *(messages or self.messages)]
+        (self.folder / "f.ulg").write_bytes(b"".join(parts))
+        log = cas.read("f.ulg")
+        return {name: table.rows for name, table in log.topics.items()}, log
+
+    def test_a_whole_log_has_no_damage(self):
+        rows, log = self.read()
+        self.assertEqual((rows, len(log.texts), log.damaged, log.lost), ({"alpha": 500, "beta": 500}, 10, 0, []))
+
+    def test_a_wrong_byte_costs_the_messages_that_it_hits(self):
+        for at in (0, 1, 2, 3):  # size, kind, topic
+            for bit in (1, 2, 4, 0x10, 0x40, 0x80):
+                bent = list(self.messages)
+                bent[501] = bent[501][:at] + bytes([bent[501][at] ^ bit]) + bent[501][at + 1:]
+                rows, log = self.read(messages=bent)
+                self.assertGreaterEqual(sum(rows.values()), 998, (at, bit))
+                self.assertLessEqual(log.damaged, 60, (at, bit))
+
+    def test_what_lies_behind_garbage_is_read_without_sync_messages(self):
+        for garbage in (bytes(3000), b"\xff" * 77, b"D\x00A\x10L" * 40):
+            rows, log = self.read(messages=self.messages[:500] + [garbage] + self.messages[500:])
+            self.assertEqual((rows, log.damaged), ({"alpha": 500, "beta": 500}, len(garbage)))
+
+    def test_a_lost_definition_costs_its_topic_alone(self):
+        for definitions in (self.definitions[:1], [self.definitions[0], self.message("F", b"beta:uint64_t timestamp;none n;")],
+                            [self.definitions[0], self.message("F", b"beta:beta b;uint64_t timestamp;")]):
+            rows, log = self.read(definitions)
+            self.assertEqual((rows, log.lost), ({"alpha": 500}, ["beta"]))
+            self.assertGreater(log.damaged, 500 * 26)
 
 
 class RunTest(FolderTest):
