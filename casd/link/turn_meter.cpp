@@ -17,8 +17,8 @@ namespace {
 constexpr std::chrono::milliseconds kMostProcessor{500};
 // Links read at most 64 KiB each at a turn.
 constexpr std::uint64_t kMostBytes = std::uint64_t{16} << 20U;
-// `threads: blocking` waits for its line once a packet.
-constexpr std::uint64_t kMostWaits = 1000;
+// `threads: blocking` waits for its line with each packet, hundreds of packets at a turn.
+constexpr std::uint64_t kMostWaits = 10'000;
 
 /// The number behind "rchar: ", the first line of /proc/thread-self/io.
 std::uint64_t read_bytes(int fd) {

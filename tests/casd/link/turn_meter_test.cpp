@@ -31,7 +31,7 @@ INSTANTIATE_TEST_SUITE_P(
         ExcessCase{"Usual", {.processor = milliseconds(1), .read_bytes = 65536, .waits = 3}, false},
         ExcessCase{"Processor", {.processor = milliseconds(600)}, true},
         ExcessCase{"Bytes", {.read_bytes = std::uint64_t{17} << 20U}, true},
-        ExcessCase{"Waits", {.waits = 1001}, true}),
+        ExcessCase{"Waits", {.waits = 10'001}, true}),
     [](const auto& test) { return test.param.name; });
 
 TEST(TurnMeter, CountsBytesThatWereRead) {
