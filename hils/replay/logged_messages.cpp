@@ -33,6 +33,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostElements = 8;  // of an array
+// A page holds so much with ease; a longer log has fewer samples a second.
+constexpr std::size_t kMostNumbers = 8'000'000;
+constexpr std::size_t kMostTexts = 10'000;
+constexpr std::size_t kMostStates = 100'000;
 
 void for_each_packet(const std::filesystem::path& tlog,
                      const std::function<void(std::int64_t, const mav::PacketView&)>& use) {
@@ -129,8 +133,12 @@ class Listener {
     on_text(t_s, packet);
     const mav::MessageInfo* info = mavlink::common::table().find(packet.message_id);
     if (info == nullptr) return;
-    LoggedSeries& logged = messages_[std::string(info->name)];
-    if (logged.take(t_s)) add_fields(packet, logged);
+    const auto place = messages_.try_emplace(std::string(info->name), period_s_).first;
+    LoggedSeries& logged = place->second;
+    if (!logged.take(t_s)) return;
+    add_fields(packet, logged);
+    numbers_ += 1 + mavlink::common::fields_of(packet.message_id).size() * kMostElements;
+    if (numbers_ > kMostNumbers) bound_numbers();
   }
 
   Json json() const {
@@ -143,6 +151,17 @@ class Listener {
   }
 
  private:
+  /// `numbers_` is an upper bound; only where it is reached are the samples counted.
+  void bound_numbers() {
+    for (;;) {
+      numbers_ = 0;
+      for (const auto& [name, logged] : messages_) numbers_ += logged.numbers();
+      if (numbers_ <= kMostNumbers / 2) return;
+      for (auto& [name, logged] : messages_) logged.thin();
+      period_s_ *= 2;
+    }
+  }
+
   void add_fields(const mav::PacketView& packet, LoggedSeries& logged) {
     Payload payload{};  // bytes that a truncated one lacks are zero
     std::ranges::copy(packet.payload, payload.begin());
@@ -170,6 +189,7 @@ class Listener {
       state[2] = static_cast<std::uint32_t>(landed->landed_state);
     }
     if (!heard_ || (state == state_ && !states_.empty())) return;
+    if (states_.size() == kMostStates) return;
     state_ = state;
     states_.push_back({t_s, state[0], state[1], state[2]});
   }
@@ -178,10 +198,15 @@ class Listener {
     const auto text = mav::decode<mavlink::common::Statustext>(packet);
     if (!text) return;
     const auto whole = joiner_.add(*text, {});
-    if (whole) texts_.push_back({t_s, static_cast<int>(whole->severity), whole->text});
+    if (!whole || texts_.size() > kMostTexts) return;
+    const bool is_last = texts_.size() == kMostTexts;
+    texts_.push_back({t_s, static_cast<int>(whole->severity),
+                      is_last ? "(the replay shows no further texts)" : whole->text});
   }
 
   std::map<std::string, LoggedSeries> messages_;
+  double period_s_ = kSeriesPeriod_s;
+  std::size_t numbers_ = 0;
   Json texts_ = Json::array();
   Json states_ = Json::array();
   std::array<std::uint32_t, 3> state_{};

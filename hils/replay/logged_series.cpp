@@ -16,6 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kTimeStep_s = 0.001;
+constexpr std::size_t kMaxSeconds = 200'000;  // with a count: two days; what follows has none
 
 /// A power of ten with so many figures of a value.
 double figures_of(double value, int figures) {
@@ -50,7 +51,8 @@ double step_of(const std::vector<double>& values, bool fine) {
 }  // namespace
 
 bool LoggedSeries::take(double t_s) {
-  ++per_second_[static_cast<std::int64_t>(std::floor(t_s))];
+  const auto second = static_cast<std::int64_t>(std::floor(t_s));
+  if (per_second_.size() < kMaxSeconds || per_second_.contains(second)) ++per_second_[second];
   if (t_s < next_s_) return false;
   next_s_ = t_s + period_s_;
   times_s_.push_back(t_s);
@@ -67,6 +69,22 @@ void LoggedSeries::add(std::string_view name, std::string_view unit, double valu
   }
   field->values.push_back(value);
   expected_ = static_cast<std::size_t>(field - fields_.begin()) + 1;
+}
+
+void LoggedSeries::thin() {
+  const auto halve = [](std::vector<double>& values) {
+    for (std::size_t i = 0; 2 * i < values.size(); ++i) values[i] = values[2 * i];
+    values.resize((values.size() + 1) / 2);
+  };
+  halve(times_s_);
+  for (Field& field : fields_) halve(field.values);
+  period_s_ *= 2;
+}
+
+std::size_t LoggedSeries::numbers() const {
+  std::size_t sum = times_s_.size();
+  for (const Field& field : fields_) sum += field.values.size();
+  return sum;
 }
 
 Json LoggedSeries::json(const std::string& name) const {

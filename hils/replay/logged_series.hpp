@@ -26,6 +26,11 @@ class LoggedSeries {
   /// @param fine  resolve changes, too, and not only the largest value: degrees of latitude
   void add(std::string_view name, std::string_view unit, double value, bool fine = false);
 
+  /// Drops every second sample, and takes half as many from here on.
+  void thin();
+  /// Samples of fields and times that are kept.
+  std::size_t numbers() const;
+
   nlohmann::ordered_json json(const std::string& name) const;
 
  private:

@@ -21,6 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::size_t kMaxRecordBytes = std::size_t{256} << 20U;  // gzipped
+
 /// The gzipped record of a run's folder or of a flight log.
 std::string record_of(const fs::path& source) {
   if (source.extension() == ".tlog") return gzip(tlog_record(source));
@@ -30,14 +32,14 @@ std::string record_of(const fs::path& source) {
                             ": neither the folder of a run nor a flight log (.tlog, .ulg)");
   }
   const fs::path file = record_file(source);
-  const auto record = base::read_file(file);
-  if (!record) {
+  if (!fs::exists(file)) {
     throw base::ConfigError(source.string() + ": has no record (" +
                             file.lexically_relative(source).string() +
                             "); `hils run` leaves one in its --out folder");
   }
-  check_gzip(*record);  // says so when it is cut
-  return *record;
+  std::string record = base::read_foreign_file(file, "record", kMaxRecordBytes);
+  check_gzip(record);  // says so when it is cut
+  return record;
 }
 
 struct Flags {

@@ -11,7 +11,7 @@ namespace cas::hils {
 
 /// gzip of a text, the same bytes for the same text.
 std::string gzip(std::string_view text);
-/// @throws base::ConfigError unless the bytes are gzip, and whole
+/// @throws base::ConfigError unless the bytes are gzip, whole, and inflate to at most 1 GiB
 void check_gzip(std::string_view bytes);
 
 /// The page that replays records without a server: replay.html of the built page with the records

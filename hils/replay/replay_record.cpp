@@ -294,11 +294,11 @@ std::string tlog_record(const std::filesystem::path& tlog) {
 }
 
 std::string ulog_record(const std::filesystem::path& ulog) {
-  const auto bytes = base::read_file(ulog);
-  if (!bytes) throw base::ConfigError("cannot read " + ulog.string());
+  constexpr std::size_t kMaxUlogBytes = std::size_t{1} << 30U;
+  const std::string bytes = base::read_foreign_file(ulog, "log", kMaxUlogBytes);
   try {
     UlogLoss loss;
-    const Json vehicle = ulog_messages(*bytes, kMostUlogNumbers, &loss);
+    const Json vehicle = ulog_messages(bytes, kMostUlogNumbers, &loss);
     const std::string lacks = loss.sentence();
     if (!lacks.empty()) fmt::print(stderr, "{}: the log is not whole: {}\n", ulog.string(), lacks);
     return log_record(ulog, vehicle);

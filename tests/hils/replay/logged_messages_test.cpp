@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "hils/replay/logged_series.hpp"
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/statustext.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
@@ -90,6 +91,33 @@ TEST(ReplayLog, ALongTextIsOne) {
   const auto texts = log.messages().at("texts");
   ASSERT_EQ(texts.size(), 1U) << texts;
   EXPECT_EQ(texts[0][2], full + "end");
+}
+
+TEST(ReplayLog, ThinningKeepsEverySecondSample) {
+  LoggedSeries series(0.1);
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(series.take(i));
+    series.add("a", "", i);
+  }
+  EXPECT_EQ(series.numbers(), 10U);
+  series.thin();
+  EXPECT_EQ(series.numbers(), 6U);
+  EXPECT_TRUE(series.take(4.11));
+  series.add("a", "", 5);
+  EXPECT_FALSE(series.take(4.25));  // the period has doubled
+  const auto json = series.json("M");
+  EXPECT_EQ(json.at("t").at("d").size(), 4U);
+  EXPECT_EQ(json.at("fields").at(0).at("values").at("d").size(), 4U);
+}
+
+TEST(ReplayLog, TextsAreBounded) {
+  Log log;
+  mavlink::common::Statustext text;
+  text.text[0] = 'x';
+  for (std::uint64_t i = 0; i < 10'100; ++i) log.add(1'790'000'000'000'000 + i, text);
+  const auto messages = log.messages();
+  ASSERT_EQ(messages.at("texts").size(), 10'001U);
+  EXPECT_EQ(messages.at("texts").back().at(2), "(the replay shows no further texts)");
 }
 
 }  // namespace
