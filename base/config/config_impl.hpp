@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -39,9 +40,12 @@ struct ConfigNode::Impl {
     return child(*tree->items[index], path + "[" + std::to_string(index) + "]");
   }
 
-  /// Notes that a reader knows `key`, whether the file has it or not.
+  /// Notes that a reader knows `key`, whether the file has it or not: for suggestions, so that
+  /// a map of very many keys need not have all of them here.
   void want(std::string_view key) const {
+    constexpr std::size_t kMostWanted = 500;
     auto& wanted = tree->wanted;
+    if (wanted.size() == kMostWanted) return;
     if (std::find(wanted.begin(), wanted.end(), key) == wanted.end()) wanted.emplace_back(key);
   }
 };
