@@ -14,9 +14,12 @@
 namespace cas::base::rpc {
 namespace {
 
-constexpr int kMaxDepth = 64;           // a deep text would overflow the stack when printed
-constexpr std::size_t kMaxBatch = 256;  // requests in one line
-constexpr std::size_t kMaxCalls = 256;  // under way for one client
+constexpr int kMaxDepth = 64;                   // a deep text would overflow the stack when printed
+constexpr std::size_t kMaxBatch = 256;          // requests in one line
+constexpr std::size_t kMaxCalls = 256;          // under way for one client
+constexpr std::size_t kMaxId = 1024;            // bytes, kept while the call is under way
+constexpr std::size_t kErrorRoom = 128 * 1024;  // that results leave for the errors of a batch
+constexpr std::size_t kJoints = 2;  // bytes that an answer costs beside its own in a batch
 
 /// Texts from the wire may hold any bytes; they must not make an answer fail.
 std::string to_line(const Json& json) {
@@ -48,6 +51,11 @@ bool too_deep(std::string_view text) {
   return false;
 }
 
+bool is_usable_id(const Json& id) {
+  if (id.is_string()) return id.get_ref<const std::string&>().size() <= kMaxId;
+  return !id.is_structured() && !id.is_boolean();
+}
+
 /// Why a request object is invalid; nullopt if it is valid.
 std::optional<std::string> request_fault(const Json& request) {
   if (!request.is_object()) return "a request must be an object";
@@ -60,8 +68,8 @@ std::optional<std::string> request_fault(const Json& request) {
     return "\"params\" must be an object or an array";
   }
   const auto id = request.find("id");
-  if (id != request.end() && (id->is_structured() || id->is_boolean())) {
-    return "\"id\" must be a string or a number";
+  if (id != request.end() && !is_usable_id(*id)) {
+    return "\"id\" must be a string of at most 1024 bytes or a number";
   }
   return std::nullopt;
 }
@@ -70,7 +78,14 @@ std::optional<std::string> request_fault(const Json& request) {
 Json id_of(const Json& request) {
   if (!request.is_object()) return nullptr;
   const auto id = request.find("id");
-  return id == request.end() || id->is_structured() || id->is_boolean() ? Json(nullptr) : *id;
+  return id == request.end() || !is_usable_id(*id) ? Json(nullptr) : *id;
+}
+
+std::string too_long(const Json& id, std::size_t room) {
+  return to_line(error_response(id, kInternalError,
+                                "the answer is larger than the " + std::to_string(room) +
+                                    " bytes that may wait for this client: ask for less, or read",
+                                nullptr));
 }
 
 /// Answers a line that is not JSON-RPC; no further line of the peer is read.
@@ -101,25 +116,36 @@ std::optional<std::string> run_answered(const Reply& reply, const std::function<
   }
 }
 
-/// The answers of one batch, in the order of its requests; delivered when the last is in.
-struct Dispatcher::Batch {
+/// The answers of one batch, in the order of its requests; delivered when the last is in. Its
+/// client owns it.
+struct AnswerBatch {
   std::weak_ptr<Peer> peer;
-  std::vector<Json> answers;
+  std::vector<std::string> answers;  ///< empty: to a notification, or not there yet
+  std::size_t bytes = 0;
   std::size_t open = 0;
 
-  void put(std::size_t slot, Json answer) {
+  void put(std::size_t slot, std::string answer, const Json& id) {
+    const std::shared_ptr<Peer> target = peer.lock();
+    if (!target) return;
+    if (answer.size() + kErrorRoom > target->room()) answer = too_long(id, target->room());
+    if (answer.size() + kJoints > target->room()) return target->deliver(std::move(answer));
+    bytes += answer.size() + kJoints;
+    target->held_bytes += answer.size() + kJoints;
     answers[slot] = std::move(answer);
     close_one();
   }
 
   void close_one() {
     if (--open > 0) return;
-    Json line = Json::array();
-    for (Json& answer : answers) {
-      if (!answer.is_null()) line.push_back(std::move(answer));
-    }
     const std::shared_ptr<Peer> target = peer.lock();
-    if (target && !line.empty()) target->deliver(to_line(line));
+    if (!target) return;
+    std::string line;
+    for (const std::string& answer : answers) {
+      if (!answer.empty()) line.append(line.empty() ? "[" : ",").append(answer);
+    }
+    target->held_bytes -= bytes;
+    std::erase_if(target->batches, [this](const auto& each) { return each.get() == this; });
+    if (!line.empty()) target->deliver(line + "]");
   }
 };
 
@@ -127,43 +153,59 @@ struct Dispatcher::Batch {
 /// the client gets an error.
 class Dispatcher::Call {
  public:
-  Call(const std::shared_ptr<Peer>& peer, const Json& request, std::shared_ptr<Batch> batch)
-      : peer_(peer), batch_(std::move(batch)), notification_(!request.contains("id")) {
+  Call(const std::shared_ptr<Peer>& peer, const Json& request,
+       const std::shared_ptr<AnswerBatch>& batch)
+      : peer_(peer),
+        batch_(batch),
+        in_batch_(batch != nullptr),
+        notification_(!request.contains("id")) {
     if (!notification_) id_ = request["id"];
     ++peer->calls;
-    if (batch_) {
-      slot_ = batch_->answers.size();
-      batch_->answers.emplace_back();
-      ++batch_->open;
-    }
+    if (!batch) return;
+    slot_ = batch->answers.size();
+    batch->answers.emplace_back();
+    ++batch->open;
   }
   Call(const Call&) = delete;
   Call& operator=(const Call&) = delete;
   ~Call() { fail(kInternalError, "the method ended without an answer", nullptr); }
 
-  void succeed(Json result) {
-    answer(Json{{"jsonrpc", "2.0"}, {"id", id_}, {"result", std::move(result)}});
+  void succeed(const Json& result) {
+    if (!answered_) answer(notification_ ? "" : result_line(to_line(result)));
+  }
+  void succeed_with(const std::string& text) {
+    if (!answered_) answer(notification_ ? "" : result_line(text));
   }
   void fail(int code, const std::string& message, const Json& data) {
-    if (!answered_) answer(error_response(id_, code, message, data));
+    if (!answered_) answer(to_line(error_response(id_, code, message, data)));
   }
 
  private:
-  void answer(Json response) {
-    if (answered_) return;  // the first answer counts
+  std::string result_line(const std::string& text) const {
+    return R"({"id":)" + to_line(id_) + R"(,"jsonrpc":"2.0","result":)" + text + "}";
+  }
+
+  /// The first answer counts.
+  void answer(std::string line) {
     answered_ = true;
     const std::shared_ptr<Peer> peer = peer_.lock();
-    if (peer) --peer->calls;
-    if (batch_) {
-      notification_ ? batch_->close_one() : batch_->put(slot_, std::move(response));
-    } else if (peer && !notification_) {
-      peer->deliver(to_line(response));
+    if (!peer) return;
+    --peer->calls;
+    if (in_batch_) {
+      if (const auto batch = batch_.lock()) answer_in(*batch, std::move(line));
+    } else if (!notification_) {
+      peer->deliver(line.size() < peer->room() ? std::move(line) : too_long(id_, peer->room()));
     }
-    if (peer) peer->on_call_ended();
+    peer->on_call_ended();
+  }
+
+  void answer_in(AnswerBatch& batch, std::string line) {
+    notification_ ? batch.close_one() : batch.put(slot_, std::move(line), id_);
   }
 
   std::weak_ptr<Peer> peer_;
-  std::shared_ptr<Batch> batch_;
+  std::weak_ptr<AnswerBatch> batch_;
+  bool in_batch_;
   std::size_t slot_ = 0;
   Json id_;
   bool notification_;
@@ -181,6 +223,12 @@ void Dispatcher::add_method(const std::string& name, Method method, double weigh
   CAS_CHECK(!session_methods_.contains(name));
   Weighed weighed{std::make_shared<const Method>(std::move(method)), weight};
   CAS_CHECK(methods_.emplace(name, std::move(weighed)).second);
+  document_.clear();
+}
+
+void Dispatcher::describe(Description description) {
+  description_ = std::move(description);
+  document_.clear();
 }
 
 void Dispatcher::add_topic(const std::string& topic) { topics_.insert(topic); }
@@ -207,37 +255,40 @@ void Dispatcher::handle_batch(const Json& requests, const std::shared_ptr<Peer>&
   if (requests.size() > kMaxBatch) {
     return refuse_line(*peer, kInvalidRequest, "a batch holds at most 256 requests");
   }
-  const auto batch = std::make_shared<Batch>();
+  const auto batch = std::make_shared<AnswerBatch>();
   batch->peer = peer;
+  peer->batches.push_back(batch);
   batch->open = 1;  // ours, so that the batch is not complete before its last request is in
   for (const Json& request : requests) handle_request(request, peer, batch);
   batch->close_one();
 }
 
 void Dispatcher::handle_request(const Json& request, const std::shared_ptr<Peer>& peer,
-                                std::shared_ptr<Batch> batch) {
+                                const std::shared_ptr<AnswerBatch>& batch) {
   if (const auto fault = request_fault(request)) {
     // A wrong token of the same batch stays the reason, so that no second one is tried.
     if (peer->refusal == Refusal::kNone) peer->refusal = Refusal::kNotJsonRpc;
     const Json stand_in{{"id", id_of(request)}};  // a faulty request is answered, id or not
-    Call(peer, stand_in, std::move(batch)).fail(kInvalidRequest, *fault, nullptr);
+    Call(peer, stand_in, batch).fail(kInvalidRequest, *fault, nullptr);
     return;
   }
-  const auto call = std::make_shared<Call>(peer, request, std::move(batch));
+  const auto call = std::make_shared<Call>(peer, request, batch);
   if (peer->calls > kMaxCalls) {
     return call->fail(kInternalError, "over 256 calls of this client are under way", nullptr);
   }
-  const Reply reply{
-      [call](Json result) { call->succeed(std::move(result)); },
-      [call](int code, const std::string& text, const Json& data) { call->fail(code, text, data); },
-      peer->name};
+  const TextReply reply{{[call](const Json& result) { call->succeed(result); },
+                         [call](int code, const std::string& text, const Json& data) {
+                           call->fail(code, text, data);
+                         },
+                         peer->name},
+                        [call](const std::string& json) { call->succeed_with(json); }};
   const auto params = request.find("params");
   invoke(request["method"].get<std::string>(), params == request.end() ? Json() : *params, peer,
          reply);
 }
 
 void Dispatcher::invoke(const std::string& method, const Json& params,
-                        const std::shared_ptr<Peer>& peer, const Reply& reply) {
+                        const std::shared_ptr<Peer>& peer, const TextReply& reply) {
   if (!peer->authorised && method != "authorise") {
     return reply.error(kNotAuthorised, "call authorise {\"token\": ...} first", nullptr);
   }
@@ -245,7 +296,7 @@ void Dispatcher::invoke(const std::string& method, const Json& params,
 }
 
 void Dispatcher::call(const std::string& method, const Json& params, Peer& peer,
-                      const Reply& reply) {
+                      const TextReply& reply) {
   if (const auto own = session_methods_.find(method); own != session_methods_.end()) {
     peer.weight = std::max(peer.weight, 1.0);
     return (this->*own->second)(params, peer, reply);
@@ -260,7 +311,7 @@ void Dispatcher::call(const std::string& method, const Json& params, Peer& peer,
   (*function)(params, reply);
 }
 
-void Dispatcher::subscribe(const Json& params, Peer& peer, const Reply& reply) {
+void Dispatcher::subscribe(const Json& params, Peer& peer, const TextReply& reply) {
   CallParams reader(params);
   const std::optional<std::string> topic = reader.optional_text("topic");
   reader.finish();
@@ -272,7 +323,7 @@ void Dispatcher::subscribe(const Json& params, Peer& peer, const Reply& reply) {
   reply.result(true);
 }
 
-void Dispatcher::unsubscribe(const Json& params, Peer& peer, const Reply& reply) {
+void Dispatcher::unsubscribe(const Json& params, Peer& peer, const TextReply& reply) {
   CallParams reader(params);
   const std::string topic = reader.text("topic");
   reader.finish();
@@ -288,18 +339,19 @@ std::vector<std::string> Dispatcher::method_names() const {
 }
 
 /// Names of all methods.
-void Dispatcher::methods(const Json& params, Peer&, const Reply& reply) {
+void Dispatcher::methods(const Json& params, Peer&, const TextReply& reply) {
   CallParams(params).finish();
   reply.result(method_names());
 }
 
-/// All methods, with parameters and results.
-void Dispatcher::discover(const Json& params, Peer&, const Reply& reply) {
+/// All methods, with parameters and results: a long text, made once.
+void Dispatcher::discover(const Json& params, Peer&, const TextReply& reply) {
   CallParams(params).finish();
-  reply.result(description_.document(method_names()));
+  if (document_.empty()) document_ = to_line(description_.document(method_names()));
+  reply.text(document_);
 }
 
-void Dispatcher::authorise(const Json& params, Peer& peer, const Reply& reply) {
+void Dispatcher::authorise(const Json& params, Peer& peer, const TextReply& reply) {
   CallParams reader(params);
   const std::optional<std::string> token = reader.optional_text("token");
   const std::optional<std::string> nonce = reader.optional_text("nonce");
@@ -324,7 +376,7 @@ void Dispatcher::authorise(const Json& params, Peer& peer, const Reply& reply) {
 }
 
 /// The server proves itself first: a client tells a stranger nothing.
-void Dispatcher::exchange_nonces(const std::string& nonce, Peer& peer, const Reply& reply) {
+void Dispatcher::exchange_nonces(const std::string& nonce, Peer& peer, const TextReply& reply) {
   constexpr std::size_t kShortest = 16;
   constexpr std::size_t kLongest = 256;
   if (nonce.size() < kShortest || nonce.size() > kLongest) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
@@ -19,12 +20,16 @@
 
 namespace cas::base::rpc {
 
+struct AnswerBatch;
+
 /// The client that a line came from, as the dispatcher sees it.
 class CAS_BASE_EXPORT Peer {
  public:
   virtual ~Peer() = default;
   /// Sends one line (without its newline).
   virtual void deliver(std::string line) = 0;
+  /// Bytes that may still wait for the client. A longer answer becomes an error answer.
+  virtual std::size_t room() const { return SIZE_MAX; }
   /// A call has ended; `calls` is already lower by one.
   virtual void on_call_ended() {}
   /// `refusal` was set by a line that has been answered: no further line is read.
@@ -36,7 +41,10 @@ class CAS_BASE_EXPORT Peer {
   bool authorised = true;
   Refusal refusal = Refusal::kNone;
   std::size_t calls = 0;  ///< under way
-  double weight = 0;      ///< greatest of a line's calls; the caller of handle() resets it
+  /// Batches with calls under way, which end with the client, and the bytes of their answers.
+  std::vector<std::shared_ptr<AnswerBatch>> batches;
+  std::size_t held_bytes = 0;
+  double weight = 0;  ///< greatest of a line's calls; the caller of handle() resets it
 };
 
 /// JSON-RPC 2.0 without a socket: takes a line, calls methods, delivers answers. Not for several
@@ -49,7 +57,7 @@ class CAS_BASE_EXPORT Dispatcher {
   void add_method(const std::string& name, Method method, double weight = 1);
   void add_topic(const std::string& topic);
   /// Description of the methods for `rpc.discover`, beside their names.
-  void describe(Description description) { description_ = std::move(description); }
+  void describe(Description description);
   /// Called before each line with requests is handled.
   void before_calls(std::function<void()> callback) { before_calls_ = std::move(callback); }
   /// Peers that are not authorised must first call `authorise`: {"token": ...}, or {"nonce": ...}
@@ -69,24 +77,28 @@ class CAS_BASE_EXPORT Dispatcher {
   static std::string error_line(int code, const std::string& message);
 
  private:
-  using SessionMethod = void (Dispatcher::*)(const Json& params, Peer& peer, const Reply& reply);
+  /// Also takes a result that is text already.
+  struct TextReply : Reply {
+    std::function<void(const std::string& json)> text;
+  };
+  using SessionMethod = void (Dispatcher::*)(const Json& params, Peer& peer,
+                                             const TextReply& reply);
   class Call;
-  struct Batch;
 
   void handle_text(std::string_view line, const std::shared_ptr<Peer>& peer);
   void handle_batch(const Json& requests, const std::shared_ptr<Peer>& peer);
   void handle_request(const Json& request, const std::shared_ptr<Peer>& peer,
-                      std::shared_ptr<Batch> batch);
+                      const std::shared_ptr<AnswerBatch>& batch);
   void invoke(const std::string& method, const Json& params, const std::shared_ptr<Peer>& peer,
-              const Reply& reply);
-  void call(const std::string& method, const Json& params, Peer& peer, const Reply& reply);
-  void subscribe(const Json& params, Peer& peer, const Reply& reply);
-  void unsubscribe(const Json& params, Peer& peer, const Reply& reply);
-  void authorise(const Json& params, Peer& peer, const Reply& reply);
-  void exchange_nonces(const std::string& nonce, Peer& peer, const Reply& reply);
+              const TextReply& reply);
+  void call(const std::string& method, const Json& params, Peer& peer, const TextReply& reply);
+  void subscribe(const Json& params, Peer& peer, const TextReply& reply);
+  void unsubscribe(const Json& params, Peer& peer, const TextReply& reply);
+  void authorise(const Json& params, Peer& peer, const TextReply& reply);
+  void exchange_nonces(const std::string& nonce, Peer& peer, const TextReply& reply);
   bool proves_token(const std::string& proof, const Peer& peer) const;
-  void methods(const Json& params, Peer& peer, const Reply& reply);
-  void discover(const Json& params, Peer& peer, const Reply& reply);
+  void methods(const Json& params, Peer& peer, const TextReply& reply);
+  void discover(const Json& params, Peer& peer, const TextReply& reply);
   std::vector<std::string> method_names() const;
 
   // Shared with a running call, which may end the server that holds it.
@@ -99,6 +111,7 @@ class CAS_BASE_EXPORT Dispatcher {
   std::set<std::string> topics_;
   std::function<void()> before_calls_;
   Description description_;
+  std::string document_;  ///< answer of `rpc.discover`; empty: it is to be made
   std::optional<std::string> token_;
 };
 

@@ -139,6 +139,7 @@ void Session::read_at_rate() {
 void Session::on_line(std::size_t size) {
   const std::string line = rx_.substr(0, size);
   rx_.erase(0, size);
+  spoke_ = true;
   const std::shared_ptr<Dispatcher> dispatcher = dispatcher_;  // a method may close the server
   weight = 0;
   const Duration before = processor_time();
@@ -166,13 +167,15 @@ void Session::deliver(std::string line) {
   deliver_shared(std::make_shared<const std::string>(std::move(line)));
 }
 
+std::size_t Session::room() const {
+  const std::size_t taken = tx_bytes_ + held_bytes;
+  return taken >= limits_.max_queued_bytes ? 0 : limits_.max_queued_bytes - taken;
+}
+
 void Session::deliver_shared(Line line) {
   if (closed_ || draining_) return;
   // A client that never reads pays alone.
-  if (tx_.size() >= limits_.max_queued_replies ||
-      tx_bytes_ + line->size() > limits_.max_queued_bytes) {
-    return close();
-  }
+  if (tx_.size() >= limits_.max_queued_replies || line->size() > room()) return close();
   tx_bytes_ += line->size();
   tx_.push_back(std::move(line));
   if (!writing_) do_write();
@@ -251,6 +254,7 @@ void Session::close() {
   deadline_.cancel();
   pause_.cancel();
   topics.clear();
+  batches.clear();
   dispatcher_ = nullptr;
   if (const auto on_closed = std::exchange(on_closed_, nullptr)) on_closed(shared_from_this());
 }

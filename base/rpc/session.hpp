@@ -45,7 +45,10 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   const ClientOrigin& origin() const { return origin_; }
   /// Whether the first request has come, and the client is authorised.
   bool has_asked() const { return asked_; }
+  /// Whether a line has come.
+  bool has_spoken() const { return spoke_; }
   void deliver(std::string line) override;
+  std::size_t room() const override;
   void deliver_shared(Line line);
   void close();
 
@@ -80,6 +83,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   std::deque<Line> tx_;
   std::size_t tx_bytes_ = 0;
   bool asked_ = false;
+  bool spoke_ = false;
   bool writing_ = false;
   bool finishing_ = false;
   bool draining_ = false;

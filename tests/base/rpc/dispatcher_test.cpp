@@ -15,7 +15,9 @@ namespace {
 class FakePeer final : public Peer {
  public:
   void deliver(std::string line) override { lines.push_back(std::move(line)); }
+  std::size_t room() const override { return most_bytes - held_bytes; }
   void on_refused() override { refused = true; }
+  std::size_t most_bytes = 1 << 20;
   std::vector<std::string> lines;
   bool refused = false;
 };
@@ -264,6 +266,68 @@ TEST_F(DispatcherTest, ABatchIsAnsweredInItsOrderWhenTheLastIsIn) {
   EXPECT_EQ(batch[3]["result"], "second");
   EXPECT_EQ(counted_, 1);
   EXPECT_TRUE(peer_->refused) << "7 is no request";
+}
+
+TEST_F(DispatcherTest, ALongAnswerIsAnErrorAnswer) {
+  peer_->most_bytes = 1000;
+  const auto ask = [this](std::size_t bytes) {
+    const Json request{
+        {"jsonrpc", "2.0"}, {"id", 5}, {"method", "echo"}, {"params", {std::string(bytes, 'x')}}};
+    return answer(request.dump());
+  };
+  EXPECT_TRUE(ask(800).contains("result"));
+  const Json refused = ask(1200);
+  EXPECT_EQ(refused["id"], 5);
+  EXPECT_EQ(refused["error"]["code"], kInternalError);
+  EXPECT_NE(refused["error"]["message"].get<std::string>().find("the answer is larger than"),
+            std::string::npos);
+}
+
+TEST_F(DispatcherTest, TheAnswersOfAnUnfinishedBatchAreBounded) {
+  peer_->most_bytes = 200'000;
+  Json requests = Json::array({{{"jsonrpc", "2.0"}, {"id", 0}, {"method", "keep"}}});
+  for (int id = 1; id <= 12; ++id) {
+    requests.push_back({{"jsonrpc", "2.0"},
+                        {"id", id},
+                        {"method", "echo"},
+                        {"params", {std::string(10'000, 'x')}}});
+  }
+  EXPECT_TRUE(handle(requests.dump()).empty());
+  EXPECT_GT(peer_->held_bytes, 60'000U);
+  EXPECT_LE(peer_->held_bytes, peer_->most_bytes);
+  kept_[0].result("last");
+  ASSERT_EQ(peer_->lines.size(), 1U);
+  const Json answers = Json::parse(peer_->lines[0]);
+  ASSERT_EQ(answers.size(), 13U);
+  EXPECT_EQ(answers[0]["result"], "last");
+  EXPECT_TRUE(answers[1].contains("result"));
+  EXPECT_TRUE(answers[12].contains("error"));
+  EXPECT_EQ(peer_->held_bytes, 0U);
+  EXPECT_TRUE(peer_->batches.empty());
+}
+
+TEST_F(DispatcherTest, AnUnfinishedBatchEndsWithItsClient) {
+  handle(R"([{"jsonrpc":"2.0","id":1,"method":"echo"},{"jsonrpc":"2.0","id":2,"method":"keep"}])");
+  ASSERT_EQ(peer_->batches.size(), 1U);
+  const std::weak_ptr<AnswerBatch> batch = peer_->batches[0];
+  peer_.reset();
+  EXPECT_TRUE(batch.expired());
+  kept_[0].result(true);
+}
+
+TEST_F(DispatcherTest, AnIdIsShort) {
+  for (const auto& [bytes, code] : {std::pair{1024U, 0}, {1025U, int{kInvalidRequest}}}) {
+    const Json request{{"jsonrpc", "2.0"}, {"id", std::string(bytes, 'x')}, {"method", "echo"}};
+    EXPECT_EQ(answer(request.dump()).value(Json::json_pointer("/error/code"), 0), code) << bytes;
+  }
+}
+
+TEST_F(DispatcherTest, TheDescriptionIsMadeAnewAfterAnotherMethod) {
+  const std::string discover = R"({"jsonrpc":"2.0","id":1,"method":"rpc.discover"})";
+  const Json before = answer(discover)["result"];
+  EXPECT_EQ(answer(discover)["result"], before);
+  dispatcher_.add_method("another", [](const Json&, Reply reply) { reply.result(1); });
+  EXPECT_EQ(answer(discover)["result"]["methods"].size(), before["methods"].size() + 1);
 }
 
 TEST_F(DispatcherTest, OnlyRequestsCountAsRequests) {
