@@ -86,7 +86,7 @@ std::shared_ptr<const MessageDecoder> load_decoder(const Topology& topology) {
 /// threads: clients that only watch must not keep it busy.
 base::rpc::ServerLimits server_limits(const Topology& topology) {
   constexpr double kServingShare = 0.03;
-  constexpr double kMaxAccepts_s = 200;
+  constexpr double kMaxAccepts_s = 1000;  // a full backlog is through in four seconds
   base::rpc::ServerLimits limits;
   limits.max_accepts_s = kMaxAccepts_s;
   // In lockstep the vehicles wait for the program that flies them, not the other way round.

@@ -54,29 +54,48 @@ ClientOrigin unix_origin(uid_t client, uid_t server) {
           .is_operator = client == 0 || client == server};
 }
 
+namespace {
+
+/// The client that goes for another one, of those that `may_go`.
+template <class MayGo>
+std::optional<std::size_t> oldest_stranger(std::span<const PlaceHolder> holders, MayGo may_go) {
+  std::optional<std::size_t> found;
+  for (std::size_t i = 0; i < holders.size(); ++i) {
+    if (holders[i].asked || !may_go(holders[i])) continue;
+    if (!holders[i].spoke) return i;
+    if (!found) found = i;
+  }
+  return found;
+}
+
+PlaceDecision displace_or_refuse(std::optional<std::size_t> displaced, const char* refusal) {
+  if (displaced) return {.displaced = displaced};
+  return {.refusal = refusal};
+}
+
+}  // namespace
+
 PlaceDecision find_place(const ClientOrigin& client, std::span<const PlaceHolder> holders,
                          std::size_t places, bool keep_one) {
+  constexpr const char* kAllTaken = "the server has as many clients as it takes";
   if (client.is_operator) {
     if (holders.size() < places) return {};
-    const auto silent = std::find_if(holders.begin(), holders.end(),
-                                     [](const PlaceHolder& each) { return !each.asked; });
-    if (silent != holders.end()) {
-      return {.displaced = static_cast<std::size_t>(silent - holders.begin())};
-    }
-    return {.refusal = "the server has as many clients as it takes"};
+    return displace_or_refuse(oldest_stranger(holders, [](const PlaceHolder&) { return true; }),
+                              kAllTaken);
   }
-  if (holders.size() + (keep_one ? 1 : 0) >= places) {
-    return {.refusal = "the server has as many clients as it takes"};
+  const auto is_own = [&client](const PlaceHolder& each) {
+    return each.origin.share == client.share;
+  };
+  if (static_cast<std::size_t>(std::ranges::count_if(holders, is_own)) >= (places + 1) / 2) {
+    return displace_or_refuse(oldest_stranger(holders, is_own),
+                              client.over_unix
+                                  ? "the server has as many clients of one user as it takes"
+                                  : "the server has as many clients of one address as it takes");
   }
-  const auto shared = std::count_if(
-      holders.begin(), holders.end(),
-      [&client](const PlaceHolder& each) { return each.origin.share == client.share; });
-  if (static_cast<std::size_t>(shared) >= (places + 1) / 2) {
-    return {.refusal = client.over_unix
-                           ? "the server has as many clients of one user as it takes"
-                           : "the server has as many clients of one address as it takes"};
-  }
-  return {};
+  if (holders.size() + (keep_one ? 1 : 0) < places) return {};
+  return displace_or_refuse(
+      oldest_stranger(holders, [](const PlaceHolder& each) { return !each.origin.is_operator; }),
+      kAllTaken);
 }
 
 }  // namespace cas::base::rpc

@@ -32,6 +32,7 @@ ClientOrigin unix_origin(uid_t client, uid_t server);
 struct PlaceHolder {
   ClientOrigin origin;
   bool asked = false;  ///< it has made a request, authorised where that is asked for
+  bool spoke = false;  ///< it has sent a line
 };
 
 /// Decision on a new client.
@@ -41,8 +42,10 @@ struct PlaceDecision {
 };
 
 /// Shares out `places`. A share takes at most half of them. With `keep_one` the last place is for
-/// an operator, who has no such limit. When all are taken, an operator displaces the client that
-/// has been silent since it came, the oldest first. Pure.
+/// an operator, who has no such limit. Where there is none, a client displaces one that has asked
+/// nothing: of its own share if that is full, else of any but an operator's; an operator displaces
+/// any. The silent go before those that have sent a line, the oldest first. Who has asked keeps its
+/// place. Pure.
 /// @param holders  in the order in which they came
 PlaceDecision find_place(const ClientOrigin& client, std::span<const PlaceHolder> holders,
                          std::size_t places, bool keep_one);

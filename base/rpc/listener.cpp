@@ -156,6 +156,13 @@ void share_with(const std::filesystem::path& path, gid_t group) {
   }
 }
 
+/// Whether a client has closed its end, and sent nothing before.
+bool has_left(int fd) {
+  char first = 0;
+  const ssize_t size = ::recv(fd, &first, 1, MSG_PEEK | MSG_DONTWAIT);
+  return size == 0 || (size < 0 && errno != EAGAIN && errno != EINTR);
+}
+
 SocketFile socket_file(const std::filesystem::path& path) {
   struct stat status {};
   if (::lstat(path.c_str(), &status) != 0) return {};
@@ -243,8 +250,8 @@ void Listener::do_wait() {
 }
 
 void Listener::accept_waiting() {
+  const bool waited = std::exchange(waited_, false);  // clients that have waited get in
   for (int i = 0; i < kAcceptsPerRound && descriptor_.is_open(); ++i) {
-    const bool waited = std::exchange(waited_, false);  // a client that has waited gets in
     const Duration patience = patience_ && !waited ? patience_() : Duration::zero();
     if (patience > Duration::zero()) {
       waited_ = true;
@@ -259,6 +266,10 @@ void Listener::accept_waiting() {
         return retry_later();
       }
       break;  // no client waits, or it left before accept
+    }
+    if (has_left(fd.get())) {
+      waited_ = waited;
+      continue;
     }
     const int on = 1;
     if (peer.ss_family != AF_UNIX) {

@@ -45,7 +45,8 @@ ListeningSocket open_unix(const std::filesystem::path& path, const std::string& 
 /// casd name and without a listener.
 void remove_stale_sockets(const std::filesystem::path& folder);
 
-/// Accepts clients with SOCK_CLOEXEC, which Asio's own acceptor leaves out.
+/// Accepts clients with SOCK_CLOEXEC, which Asio's own acceptor leaves out. A client that has left
+/// again without a byte costs nobody behind it any time.
 class Listener final : public std::enable_shared_from_this<Listener> {
  public:
   using StreamSocket = boost::asio::generic::stream_protocol::socket;
@@ -74,7 +75,7 @@ class Listener final : public std::enable_shared_from_this<Listener> {
   OnClient on_client_;
   std::optional<LineRate> rate_;
   std::function<Duration()> patience_;
-  bool waited_ = false;   // the next client has
+  bool waited_ = false;   // the next clients have
   bool starved_ = false;  // said so once
 };
 

@@ -72,15 +72,21 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
     for (const auto& session : sessions) {
       if (session->refusal == Refusal::kNoPlace) continue;
       held.push_back(session);
-      holders.push_back({session->origin(), session->has_asked()});
+      holders.push_back({session->origin(), session->has_asked(), session->has_spoken()});
     }
     const PlaceDecision decision =
         find_place(client.origin(), holders, limits.max_clients, listens_on_unix);
-    if (decision.displaced) {
-      held[*decision.displaced]->refuse(Refusal::kNoPlace,
-                                        "another client needs the place; this one asked nothing");
-    }
+    if (decision.displaced) displace(*held[*decision.displaced]);
     return decision.refusal;
+  }
+
+  void displace(Session& session) {
+    if (without_place() < kRefusedAtOnce) {
+      return session.refuse(Refusal::kNoPlace,
+                            "another client needs the place; this one asked nothing");
+    }
+    session.refusal = Refusal::kNoPlace;
+    session.close();
   }
 
   /// Clients that are being refused for lack of a place.

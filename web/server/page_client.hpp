@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -41,6 +42,9 @@ struct ValueWatch {
 /// One page behind its socket: its calls, watches and rights. No socket in it.
 class PageClient final : public base::rpc::Peer, public std::enable_shared_from_this<PageClient> {
  public:
+  /// Bytes of one answer, and of the answers of unfinished batches.
+  static constexpr std::size_t kMaxHeld = 16U << 20;
+
   using Text = std::shared_ptr<const std::string>;
   struct Socket {
     std::function<void(Text)> send;
@@ -59,6 +63,7 @@ class PageClient final : public base::rpc::Peer, public std::enable_shared_from_
   std::uint64_t number() const { return number_; }
 
   void deliver(std::string line) override;
+  std::size_t room() const override { return kMaxHeld - std::min(kMaxHeld, held_bytes); }
   void on_refused() override;
   /// Sends a frame that several pages get.
   void send(const Text& text) { socket_.send(text); }

@@ -31,7 +31,8 @@ using http::field;
 using http::status;
 
 constexpr std::size_t kMaxStrangers = 64;
-constexpr double kMaxConnections_s = 100;  // and as many at once
+constexpr double kMaxConnections_s =
+    1000;  // and as many at once: the whole backlog in four seconds
 constexpr std::size_t kMaxHeaderBytes = 8 * 1024;
 constexpr auto kPatience = std::chrono::seconds(10);  // for a request, and each part of its answer
 constexpr std::string_view kMesh = "/mesh/";
@@ -88,6 +89,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Shared
 
  private:
   void read_request() {
+    place_->spoke = false;
     parser_.emplace();
     parser_->header_limit(kMaxHeaderBytes);
     parser_->body_limit(0);
@@ -112,6 +114,7 @@ class HttpSession final : public std::enable_shared_from_this<HttpSession<Shared
   const Request& request() const { return parser_->get(); }
 
   void answer() {
+    place_->spoke = true;
     if (request().count(field::host) != 1 ||
         !server_.rules->allows_host(view(request()[field::host]))) {
       return refuse(

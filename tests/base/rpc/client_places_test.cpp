@@ -30,7 +30,7 @@ constexpr uid_t kServer = 1000;
 constexpr uid_t kMember = 1001;
 
 std::vector<PlaceHolder> holders(std::size_t count, const ClientOrigin& from, bool asked) {
-  return std::vector<PlaceHolder>(count, {from, asked});
+  return std::vector<PlaceHolder>(count, {from, asked, false});
 }
 
 std::vector<PlaceHolder> operator+(std::vector<PlaceHolder> a, const std::vector<PlaceHolder>& b) {
@@ -100,9 +100,22 @@ TEST(ClientPlaces, AnOperatorDisplacesTheClientThatHasBeenSilentLongest) {
   const PlaceDecision decision = find_place(unix_origin(kServer, kServer), taken, 4, true);
   EXPECT_EQ(decision.refusal, std::nullopt);
   EXPECT_EQ(decision.displaced, 1U);
-  EXPECT_EQ(find_place(origin("192.0.2.8"), taken, 4, true).displaced, std::nullopt);
+  EXPECT_EQ(find_place(origin("192.0.2.8"), taken, 4, true).displaced, 3U) << "no operator";
   EXPECT_EQ(find_place(unix_origin(0, kServer), taken, 5, true).displaced, std::nullopt)
       << "there is a place";
+}
+
+TEST(ClientPlaces, AFullShareLosesItsOldestStranger) {
+  const auto taken = holders(1, origin("192.0.2.7"), false) +
+                     holders(1, origin("127.0.0.1"), true) + holders(3, origin("127.0.0.1"), false);
+  const PlaceDecision decision = find_place(origin("127.0.0.2"), taken, 8, true);
+  EXPECT_EQ(decision.refusal, std::nullopt);
+  EXPECT_EQ(decision.displaced, 2U) << "of its own share";
+  auto speaking = taken;
+  speaking[2].spoke = speaking[3].spoke = true;
+  EXPECT_EQ(find_place(origin("127.0.0.2"), speaking, 8, true).displaced, 4U) << "the silent one";
+  speaking[4].spoke = true;
+  EXPECT_EQ(find_place(origin("127.0.0.2"), speaking, 8, true).displaced, 2U);
 }
 
 TEST(ClientPlaces, NobodyWhoHasAskedIsDisplaced) {

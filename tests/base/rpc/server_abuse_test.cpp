@@ -61,6 +61,30 @@ TEST(ServerAbuse, AClientThatNeverReadsIsClosedAndOthersAreServed) {
   EXPECT_EQ(other.ask(kEcho)["id"], 1);
 }
 
+TEST(ServerAbuse, AnAnswerThatIsTooLongLeavesTheConnectionOpen) {
+  ServerLimits limits;
+  limits.max_queued_bytes = 50'000;
+  RunningServer server(limits);
+  RawClient client(server.port());
+  const Json answer = client.ask(R"({"jsonrpc":"2.0","id":7,"method":"big"})");
+  EXPECT_EQ(answer["id"], 7);
+  EXPECT_EQ(answer["error"]["code"], kInternalError);
+  EXPECT_EQ(client.ask(kEcho)["id"], 1);
+}
+
+TEST(ServerAbuse, UnfinishedBatchesOfAClientThatLeavesLeaveNothing) {
+  RunningServer server;
+  const std::string batch = "[" + std::string(kKeep) + "," + std::string(kEcho) + "]\n";
+  {
+    RawClient client(server.port());
+    client.send(batch);
+    EXPECT_TRUE(server.wait_for_kept(1));
+  }
+  EXPECT_TRUE(server.wait_for_clients(0));
+  server.answer_kept();
+  EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
+}
+
 TEST(ServerAbuse, ASubscriberThatNeverReadsIsClosedAndOthersAreServed) {
   RunningServer server;
   RawClient lazy(server.port());
@@ -149,6 +173,30 @@ TEST_F(UnixAbuse, SilentClientsEverywhereLeaveAPlaceForTheOwner) {
   Client owner("unix:" + path_);
   EXPECT_EQ(owner.call("echo", {1}, kPatience), Json({1}));
   EXPECT_TRUE(server_->wait_for_clients(64)) << "one silent client has gone for it";
+}
+
+TEST(ServerAbuse, SilentClientsOfOneAddressLockNobodyOut) {
+  RunningServer server;
+  RawClient served(server.port());
+  EXPECT_EQ(served.ask(kEcho)["id"], 1);
+  std::vector<RawClient> silent;
+  for (int i = 0; i < 200; ++i) silent.emplace_back(server.port());
+  EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
+  EXPECT_EQ(served.ask(kEcho)["id"], 1) << "who has asked keeps its place";
+}
+
+TEST(ServerAbuse, ClientsThatHaveLeftAgainKeepNobodyWaiting) {
+  ServerLimits limits;
+  limits.max_accepts_s = 20;
+  RunningServer server(limits);
+  EXPECT_EQ(server.run([&server] {  // none is accepted meanwhile
+    for (int i = 0; i < 1000; ++i) RawClient(server.port()).close();
+    return 0;
+  }),
+            0);
+  const RunTime start = steady_now();
+  EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
+  EXPECT_LT(steady_now() - start, std::chrono::seconds(20)) << "1000 at 20 a second take 50 s";
 }
 
 TEST_F(UnixAbuse, ClientsThatHaveAskedKeepTheirPlaces) {
