@@ -96,6 +96,26 @@ TEST_F(CasdObserve, PublishesDropsThatTheRulesAloneMake) {
   EXPECT_EQ(of_sim->at("cause"), "no_rule");
 }
 
+TEST_F(CasdObserve, ListsMessagesAndDropsByPageAndLink) {
+  start("");
+  fixture.sim.send(fixture.from_sim(hil_sensor(1)));
+  fixture.sim.send(fixture.from_sim(mavlink::common::HilStateQuaternion{}));  // no route
+  const auto drops_of_sim = [this](const json& params) {
+    return call("link.drops", params).at("dropped");
+  };
+  ASSERT_TRUE(wait_until([&] { return drops_of_sim({{"link", "sim"}}).size() == 1; }));
+  EXPECT_TRUE(drops_of_sim({{"link", "sim"}, {"offset", 1}}).empty());
+  const json all = call("message.list", {{"link", "sim"}});
+  ASSERT_GE(all.size(), 3U);  // received twice, dropped once
+  const json first = call("message.list", {{"link", "sim"}, {"limit", 1}});
+  ASSERT_EQ(first.size(), 1U);
+  EXPECT_EQ(first[0].at("name"), all[0].at("name"));
+  const json rest = call("message.list", {{"link", "sim"}, {"offset", 1}});
+  EXPECT_EQ(rest.size() + 1, all.size());
+  EXPECT_THROW(call("link.drops", {{"link", "none"}}), base::rpc::CallError);
+  EXPECT_THROW(call("message.list", {{"limit", 0}}), base::rpc::CallError);
+}
+
 TEST_F(CasdObserve, TellsPrometheusItsFigures) {
   start("metrics: {port: 0}\n");
   fixture.sim.send(fixture.from_sim(hil_sensor(1)));
