@@ -74,7 +74,9 @@ TxPortOptions tx_port_options(const LinkConfig& config, std::shared_ptr<LinkSign
           .cap_bytes_s = config.max_bytes_s,
           .sensor_gap = config.sensor_gap,
           .flow_control = config.flow_control,
-          .signing = std::move(signing)};
+          .signing = std::move(signing),
+          // Copies over redundant paths must be the same packet.
+          .own_numbers = config.group.empty()};
 }
 
 std::shared_ptr<TxPort> LinkCore::make_port() const {

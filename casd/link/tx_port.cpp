@@ -116,12 +116,14 @@ bool TxPort::anything_queued() {
   return !queue_.empty();
 }
 
-std::size_t TxPort::write_some(std::span<const PacketRef> packets, base::RunTime now) {
+std::size_t TxPort::write_some(std::span<const PacketRef> given, base::RunTime now) {
+  const auto packets = options_.own_numbers ? own_numbers_.number(given) : given;
   const WriteResult result = writer_->write(packets);
   counters_->tx.write_calls.add();
   std::size_t gone = result.packets;
   settle(packets.first(gone), result, now);
   if (result.part_of_next > 0) begin_tail(packets[gone++], result.part_of_next, now);
+  if (packets.data() != given.data()) own_numbers_.sent(packets.first(gone));
   if (result.broken) {
     broken_.store(true, std::memory_order_relaxed);
     wake_();

@@ -11,6 +11,7 @@
 #include "casd/counters/link_counters.hpp"
 #include "casd/link/link.hpp"
 #include "casd/link/standstill.hpp"
+#include "casd/packet/own_numbers.hpp"
 #include "casd/packet/packet_port.hpp"
 #include "casd/queue/line_timing.hpp"
 #include "casd/queue/tx_queue.hpp"
@@ -26,6 +27,7 @@ struct TxPortOptions {
   base::Duration sensor_gap{};                ///< least time between two HIL_SENSOR; 0: none
   bool flow_control = false;                  ///< the other side may hold the line
   std::shared_ptr<LinkSigning> signing = {};  ///< may be empty
+  bool own_numbers = true;  ///< casd's own packets are numbered for this link alone
 };
 
 /// The sending side of a link: one writer, the pacer of the line behind it, and the queue of
@@ -114,6 +116,7 @@ class TxPort : public PacketPort {
   PacketInfo tail_info_ CAS_GUARDED_BY(writer_mutex_);
   /// Its check was made wrong, and it was counted as dropped.
   bool tail_spoilt_ CAS_GUARDED_BY(writer_mutex_) = false;
+  OwnNumbers own_numbers_ CAS_GUARDED_BY(writer_mutex_);
   std::vector<PacketRef> worth_sending_ CAS_GUARDED_BY(writer_mutex_);
   Standstill standstill_ CAS_GUARDED_BY(writer_mutex_);
   std::vector<std::uint8_t> batch_bytes_ CAS_GUARDED_BY(writer_mutex_);

@@ -14,6 +14,7 @@
 
 #include "base/os/descriptor.hpp"
 #include "casd/counters/link_counters.hpp"
+#include "casd/packet/own_numbers.hpp"
 #include "casd/packet/packet_port.hpp"
 
 namespace cas::casd {
@@ -29,8 +30,10 @@ DropCause cause_of(int error) {
 /// peer got is unsent.
 class UdpServerWriter final : public PacketWriter {
  public:
+  /// @param own_numbers  casd's own packets are numbered for each peer
   UdpServerWriter(std::vector<base::Descriptor> sockets, LinkId own,
-                  std::shared_ptr<SharedPeers> peers, std::shared_ptr<LinkCounters> counters);
+                  std::shared_ptr<SharedPeers> peers, std::shared_ptr<LinkCounters> counters,
+                  bool own_numbers);
 
   WriteResult write(std::span<const PacketRef> packets) override;
   int descriptor() const override { return sockets_.front().get(); }
@@ -39,8 +42,11 @@ class UdpServerWriter final : public PacketWriter {
   /// @return whether any of the peers was sent it
   bool send_to_each(const PacketRef& packet, SlotMask peers) CAS_REQUIRES(peers_->mutex);
   bool send_to_one(const PacketRef& packet, std::uint8_t peer) CAS_REQUIRES(peers_->mutex);
+  bool send_bytes(const PacketRef& packet, std::uint8_t peer) CAS_REQUIRES(peers_->mutex);
   /// Leaves in masks_ the peers that were sent each packet.
   void send_by_peer(std::span<const PacketRef> packets) CAS_REQUIRES(peers_->mutex);
+  void send_block(std::span<const PacketRef> packets, std::uint8_t peer)
+      CAS_REQUIRES(peers_->mutex);
   void count_lost(const PacketRef& packet, int error);
   int socket_of(std::uint8_t peer) const CAS_REQUIRES(peers_->mutex) {
     return sockets_[std::min<std::size_t>(peers_->table.socket(peer), sockets_.size() - 1)].get();
@@ -50,6 +56,18 @@ class UdpServerWriter final : public PacketWriter {
   LinkId own_;
   std::shared_ptr<SharedPeers> peers_;
   std::shared_ptr<LinkCounters> counters_;
+  /// Of a peer, whom the serial number tells from earlier ones of its slot.
+  struct Numbers {
+    std::uint32_t serial = 0;
+    OwnNumbers numbers;
+  };
+  /// Calls send(packets) with casd's own ones as the peer is to see them.
+  template <class Send>
+  void numbered(std::span<const PacketRef> packets, std::uint8_t peer, Send&& send)
+      CAS_REQUIRES(peers_->mutex);
+
+  bool own_numbers_;
+  std::array<Numbers, PeerTable::kMaxPeers> numbers_;
   DatagramSender sender_;
   std::vector<SlotMask> masks_;       ///< peers of each packet
   std::vector<PacketRef> of_peer_;    ///< packets of one peer
@@ -59,11 +77,12 @@ class UdpServerWriter final : public PacketWriter {
 
 UdpServerWriter::UdpServerWriter(std::vector<base::Descriptor> sockets, LinkId own,
                                  std::shared_ptr<SharedPeers> peers,
-                                 std::shared_ptr<LinkCounters> counters)
+                                 std::shared_ptr<LinkCounters> counters, bool own_numbers)
     : sockets_(std::move(sockets)),
       own_(own),
       peers_(std::move(peers)),
-      counters_(std::move(counters)) {}
+      counters_(std::move(counters)),
+      own_numbers_(own_numbers) {}
 
 WriteResult UdpServerWriter::write(std::span<const PacketRef> packets) {
   unsent_.clear();
@@ -80,12 +99,23 @@ WriteResult UdpServerWriter::write(std::span<const PacketRef> packets) {
   return {.packets = packets.size(), .done = base::steady_now(), .unsent = unsent_};
 }
 
-// One packet, many peers: one call for all of them, if there is one socket.
+template <class Send>
+void UdpServerWriter::numbered(std::span<const PacketRef> packets, std::uint8_t peer, Send&& send) {
+  if (!own_numbers_ || std::ranges::none_of(packets, OwnNumbers::is_own)) return send(packets);
+  Numbers& of_peer = numbers_[peer];
+  const std::uint32_t serial = peers_->table.id(peer).serial;
+  if (std::exchange(of_peer.serial, serial) != serial) of_peer.numbers = {};
+  send(of_peer.numbers.number(packets));
+  of_peer.numbers.sent(packets);
+}
+
+// One packet, many peers: one call for all of them, if it is the same for all and there is one
+// socket.
 bool UdpServerWriter::send_to_each(const PacketRef& packet, SlotMask peers) {
   if (peers != 0 && (peers & (peers - 1)) == 0) {
     return send_to_one(packet, static_cast<std::uint8_t>(std::countr_zero(peers)));
   }
-  if (sockets_.size() > 1) {
+  if (sockets_.size() > 1 || (own_numbers_ && OwnNumbers::is_own(packet))) {
     bool any = false;
     for_each_slot(peers, [&](std::uint8_t peer)
                              CAS_REQUIRES(peers_->mutex) { any |= send_to_one(packet, peer); });
@@ -116,6 +146,14 @@ bool UdpServerWriter::send_to_each(const PacketRef& packet, SlotMask peers) {
 }
 
 bool UdpServerWriter::send_to_one(const PacketRef& packet, std::uint8_t peer) {
+  bool sent = false;
+  numbered({&packet, 1}, peer, [&](std::span<const PacketRef> as_seen) CAS_REQUIRES(peers_->mutex) {
+    sent = send_bytes(as_seen.front(), peer);
+  });
+  return sent;
+}
+
+bool UdpServerWriter::send_bytes(const PacketRef& packet, std::uint8_t peer) {
   const auto sent = ::sendto(socket_of(peer), packet.bytes.data(), packet.bytes.size(),
                              MSG_DONTWAIT | MSG_NOSIGNAL, peers_->table.address(peer),
                              peers_->table.address_size(peer));
@@ -145,16 +183,23 @@ void UdpServerWriter::send_by_peer(std::span<const PacketRef> packets) {
       of_peer_.push_back(packets[i]);
       indices_.push_back(i);
     }
-    const auto result = sender_.send(socket_of(peer), of_peer_, peers_->table.address(peer),
-                                     peers_->table.address_size(peer));
-    const auto lost = [&](std::size_t i, int error) {
-      count_lost(of_peer_[i], error);
-      masks_[indices_[i]] &= ~slot_bit(peer);
-    };
-    if (result.packets > result.refused.size()) counters_->note_send(0);
-    for (const std::size_t i : result.refused) lost(i, result.refusal);
-    for (std::size_t i = result.packets; i < of_peer_.size(); ++i) lost(i, result.error);
+    numbered(of_peer_, peer, [&](std::span<const PacketRef> as_seen) CAS_REQUIRES(peers_->mutex) {
+      send_block(as_seen, peer);
+    });
   });
+}
+
+/// Those of of_peer_, as the peer is to see them.
+void UdpServerWriter::send_block(std::span<const PacketRef> packets, std::uint8_t peer) {
+  const auto result = sender_.send(socket_of(peer), packets, peers_->table.address(peer),
+                                   peers_->table.address_size(peer));
+  const auto lost = [&](std::size_t i, int error) {
+    count_lost(packets[i], error);
+    masks_[indices_[i]] &= ~slot_bit(peer);
+  };
+  if (result.packets > result.refused.size()) counters_->note_send(0);
+  for (const std::size_t i : result.refused) lost(i, result.refusal);
+  for (std::size_t i = result.packets; i < packets.size(); ++i) lost(i, result.error);
 }
 
 }  // namespace
@@ -181,7 +226,7 @@ void UdpServerLink::open(base::RunTime now) {
   }
   const std::vector<int> numbers = numbers_of(open.sockets);
   begin(std::make_unique<UdpServerWriter>(std::move(open.sockets), core_.id(), peers_,
-                                          core_.shared_counters()),
+                                          core_.shared_counters(), core_.config().group.empty()),
         numbers, now);
 }
 
