@@ -51,6 +51,7 @@ inline constexpr MessageInfo kPublicMessages[] = {
     {49, 39, 12, 20, -1, -1, "GPS_GLOBAL_ORIGIN"},
     {50, 78, 37, 37, 18, 19, "PARAM_MAP_RC"},
     {51, 196, 4, 5, 2, 3, "MISSION_REQUEST_INT"},
+    {53, 3, 5, 5, -1, -1, "MISSION_CHECKSUM"},
     {54, 15, 27, 27, 24, 25, "SAFETY_SET_ALLOWED_AREA"},
     {55, 3, 25, 25, -1, -1, "SAFETY_ALLOWED_AREA"},
     {61, 167, 72, 72, -1, -1, "ATTITUDE_QUATERNION_COV"},

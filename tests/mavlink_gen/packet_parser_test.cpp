@@ -403,6 +403,8 @@ TEST(PacketParser, PublicTableKnowsEveryMessageOfOurDialect) {
     EXPECT_EQ(found->target_component_offset, info.target_component_offset) << info.name;
     EXPECT_EQ(public_table().find(info.name), found);
   }
+  ASSERT_NE(public_table().find(std::uint32_t{53}), nullptr);  // of development.xml
+  EXPECT_EQ(public_table().find(std::uint32_t{53})->crc_extra, 3);
   EXPECT_EQ(public_table().find(std::uint32_t{3}), nullptr);
 }
 
