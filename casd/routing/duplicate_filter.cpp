@@ -20,9 +20,17 @@ DuplicateFilter::DuplicateFilter() : key_(random_key()) {}
 bool DuplicateFilter::is_duplicate(LinkId from, const mav::PacketView& packet, base::RunTime now,
                                    base::Duration window) {
   const base::MutexLock lock(mutex_);
-  Entry* const entry = find_or_add(from, packet, now, window);
+  Sender& sender = sender_of(packet.source, now);
+  Entry* const entry = find_or_add(sender, from, packet, now, std::max(window, kLatest));
   if (entry == nullptr) return false;
-  if (entry->from != from) return true;
+  if (entry->from != from) {
+    base::RunTime& reached = sender.place_of(from).first_seen;
+    if (now - entry->seen <= window || entry->seen + kDisorder >= reached) {
+      reached = std::max(reached, entry->seen);
+      return true;
+    }
+    entry->from = from;
+  }
   entry->seen = now;
   return false;
 }
@@ -30,13 +38,14 @@ bool DuplicateFilter::is_duplicate(LinkId from, const mav::PacketView& packet, b
 bool DuplicateFilter::came_before(LinkId from, const mav::PacketView& packet, base::RunTime now,
                                   base::Duration window) {
   const base::MutexLock lock(mutex_);
-  return find_or_add(from, packet, now, window) != nullptr;
+  return find_or_add(sender_of(packet.source, now), from, packet, now, window) != nullptr;
 }
 
-DuplicateFilter::Entry* DuplicateFilter::find_or_add(LinkId from, const mav::PacketView& packet,
+DuplicateFilter::Entry* DuplicateFilter::find_or_add(Sender& sender, LinkId from,
+                                                     const mav::PacketView& packet,
                                                      base::RunTime now, base::Duration window) {
   const std::uint64_t hash = hash_of(packet.bytes);
-  Set& set = sender(packet.source, now).by_sequence[packet.sequence];
+  Set& set = sender.by_sequence[packet.sequence];
   Entry* oldest = &set.front();
   for (Entry& entry : set) {
     const bool same = entry.from != kNoLink && entry.hash == hash;
@@ -47,7 +56,12 @@ DuplicateFilter::Entry* DuplicateFilter::find_or_add(LinkId from, const mav::Pac
   return nullptr;
 }
 
-DuplicateFilter::Sender& DuplicateFilter::sender(mav::Source source, base::RunTime now) {
+DuplicateFilter::Place& DuplicateFilter::Sender::place_of(LinkId link) {
+  const auto known = std::ranges::find(places, link, &Place::link);
+  return known != places.end() ? *known : places.emplace_back(Place{link, {}});
+}
+
+DuplicateFilter::Sender& DuplicateFilter::sender_of(mav::Source source, base::RunTime now) {
   const auto found = std::find_if(senders_.begin(), senders_.end(),
                                   [&](const auto& each) { return each->source == source; });
   if (found != senders_.end()) {
@@ -58,7 +72,7 @@ DuplicateFilter::Sender& DuplicateFilter::sender(mav::Source source, base::RunTi
   const auto silent =
       std::min_element(senders_.begin(), senders_.end(),
                        [](const auto& a, const auto& b) { return a->last < b->last; });
-  **silent = Sender{.source = source, .last = now, .by_sequence = {}};
+  **silent = Sender{.source = source, .last = now, .by_sequence = {}, .places = {}};
   return **silent;
 }
 

@@ -259,7 +259,7 @@ constexpr std::tuple kReloadKeys{
     key<&Topology::duplicate_window>(
         "duplicate_window_ms", Range{0, 60'000, 1e-3},
         "a packet that comes again within this time, over whichever link, goes on once; 0: only "
-        "over links of one `group`, within 500 ms"),
+        "over links of one `group`, up to 10 s late"),
     key<&Topology::commanding>("commanding", block<CommandingConfig>(kCommandingKeys), ""),
     key<&Topology::dialect>("dialect", ConfigFile{},
                             "MAVLink XML (with what it includes): names and values of its messages "

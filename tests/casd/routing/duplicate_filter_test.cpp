@@ -69,10 +69,51 @@ TEST(DuplicateFilter, RemembersASenderAmongManyThatCameBefore) {
   }
 }
 
-TEST(DuplicateFilter, ForgetsAfterTheWindow) {
+TEST(DuplicateFilter, ForgetsWhatIsTooOld) {
   DuplicateFilter filter;
   filter.is_duplicate(kOne, view(nth(1)), at({}), kWindow);
-  EXPECT_FALSE(filter.is_duplicate(kOther, view(nth(1)), at(kWindow + milliseconds(1)), kWindow));
+  EXPECT_FALSE(filter.is_duplicate(kOther, view(nth(1)),
+                                   at(DuplicateFilter::kLatest + milliseconds(1)), kWindow));
+}
+
+/// A sender at 50 Hz whose every fifth packet is the same HEARTBEAT but for its sequence number.
+mav::PacketBuffer streamed(unsigned n) {
+  const auto sequence = static_cast<std::uint8_t>(n);
+  if (n % 5 == 0) return packet(mavlink::common::Heartbeat{}, {1, 1}, sequence);
+  return nth(n);
+}
+constexpr base::Duration kStep = milliseconds(20);
+
+TEST(DuplicateFilter, FindsCopiesOfAPathThatIsSecondsLateThoughTheFirstOneLostSome) {
+  for (const unsigned lag : {5U, 100U, 400U}) {
+    DuplicateFilter filter;
+    for (unsigned i = 0; i < 3000; ++i) {
+      const base::RunTime now = at(i * kStep);
+      const bool lost = i % 7 == 3;
+      if (!lost) filter.is_duplicate(kOne, view(streamed(i)), now, kWindow);
+      if (i < lag) continue;
+      const bool had_it = (i - lag) % 7 != 3;
+      if (had_it) {
+        EXPECT_TRUE(filter.is_duplicate(kOther, view(streamed(i - lag)), now, kWindow)) << i;
+      } else if ((i - lag) % 5 != 0) {
+        EXPECT_FALSE(filter.is_duplicate(kOther, view(streamed(i - lag)), now, kWindow)) << i;
+      }
+    }
+  }
+}
+
+// 1280 packets on, a HEARTBEAT has the same bytes again.
+TEST(DuplicateFilter, WhatASenderSaysAgainIsNoCopyOfWhatADeadPathBrought) {
+  DuplicateFilter filter;
+  constexpr unsigned kDeath = 1000;
+  for (unsigned i = 0; i < 3000; ++i) {
+    const base::RunTime now = at(i * kStep / 8);
+    if (i < kDeath) filter.is_duplicate(kOne, view(streamed(i)), now, kWindow);
+    const bool duplicate = filter.is_duplicate(kOther, view(streamed(i)), now, kWindow);
+    // Those of the last kDisorder before its death are not told apart.
+    if (i < kDeath || i >= kDeath + 1280) EXPECT_EQ(duplicate, i < kDeath) << i;
+    if (i >= kDeath && i < kDeath + 900) EXPECT_FALSE(duplicate) << i;
+  }
 }
 
 }  // namespace
