@@ -27,6 +27,7 @@ constexpr auto kLeastUptime = std::chrono::seconds(1);
 /// A peer that takes nothing so long is given up.
 constexpr auto kStallPatience = std::chrono::seconds(5);
 constexpr const char* kStopped = "stopped reading";
+constexpr const char* kSilent = "never sent a packet: made room for another client";
 constexpr const char* kNoMavlink =
     "begins with no MAVLink packet (a browser, perhaps): closed unread";
 
@@ -262,7 +263,7 @@ void TcpServerLink::serve(const PollSet& set, base::RunTime now) {
   }
   for (std::size_t i = clients_.size(); i-- > 0;) {
     const auto trouble = serve_client(*clients_[i], set.revents(clients_[i]->poll_entry), now);
-    if (trouble) remove(i, *trouble);
+    if (trouble) remove(i, *trouble, now);
   }
   for (const Listener& listener : listeners_) {
     if ((set.revents(listener.poll_entry) & POLLIN) != 0) accept(listener.socket.get(), now);
@@ -317,10 +318,9 @@ void TcpServerLink::accept(int listener, base::RunTime now) {
     return;
   }
   const std::string name = to_text(from);
-  if (static_cast<int>(clients_.size()) >= core_.config().max_peers) {
+  if (!make_place(now)) {
     core_.counters().rx.foreign.add();
-    base::log::warn("link " + core_.config().name + ": no room for " + name);
-    return;
+    return log_thinned(name + " finds no room", now);
   }
   prepare_tcp(socket.get());
   auto client = std::make_unique<Client>();
@@ -335,7 +335,17 @@ void TcpServerLink::accept(int listener, base::RunTime now) {
   fan_out_->set_client({client->slot, client->serial}, client->port);
   clients_.push_back(std::move(client));
   core_.counters().peers.set(clients_.size());
-  base::log::info("link " + core_.config().name + ": " + name + " connected");
+  log_thinned(name + " connected", now);
+}
+
+bool TcpServerLink::make_place(base::RunTime now) {
+  if (static_cast<int>(clients_.size()) < core_.config().max_peers) return true;
+  const auto silent =
+      std::ranges::find_if(clients_, [](const auto& client) { return !client->was_heard; });
+  if (silent == clients_.end()) return false;
+  core_.counters().rx.foreign.add();
+  remove(static_cast<std::size_t>(silent - clients_.begin()), kSilent, now);
+  return true;
 }
 
 std::optional<std::string> TcpServerLink::serve_client(Client& client, short events,
@@ -372,29 +382,44 @@ std::optional<std::string> TcpServerLink::read(Client& client, base::RunTime now
   return count == 0 ? std::string("closed") : error_text(errno);
 }
 
-void TcpServerLink::take_packet(const Client& client, const mav::PacketView& packet,
-                                base::RunTime now) {
+void TcpServerLink::take_packet(Client& client, const mav::PacketView& packet, base::RunTime now) {
+  client.was_heard = true;
   fan_out_->routes().learn(client.slot, packet.source, now, comes_rarely(packet.message_id));
   core_.ingress().take_packet(packet, now, {client.slot, client.serial});
 }
 
-void TcpServerLink::remove(std::size_t index, const std::string& reason) {
+void TcpServerLink::remove(std::size_t index, const std::string& reason, base::RunTime now) {
   const Client& client = *clients_[index];
   const bool stalled = reason == kStopped;
   fan_out_->remove_client(client.slot, stalled ? DropCause::kStalled : DropCause::kClosed);
   slots_ &= ~slot_bit(client.slot);
-  log_removal(client.name, reason);
+  log_removal(client.name, reason, now);
   clients_.erase(clients_.begin() + static_cast<std::ptrdiff_t>(index));
   core_.counters().peers.set(clients_.size());
 }
 
 /// Of those that speak no MAVLink only the first is worth a line: a page can open many.
-void TcpServerLink::log_removal(const std::string& client, const std::string& reason) {
-  const std::string line = "link " + core_.config().name + ": " + client + " " + reason;
-  if (reason != kNoMavlink) return base::log::info(line);
+void TcpServerLink::log_removal(const std::string& client, const std::string& reason,
+                                base::RunTime now) {
+  const std::string line = client + " " + reason;
+  if (reason != kNoMavlink) return log_thinned(line, now);
   core_.counters().rx.foreign.add();
-  if (std::exchange(told_of_strangers_, true)) return base::log::debug(line);
-  base::log::warn(line + "; more of them are only counted (foreign)");
+  const std::string whole = "link " + core_.config().name + ": " + line;
+  if (std::exchange(told_of_strangers_, true)) return base::log::debug(whole);
+  base::log::warn(whole + "; more of them are only counted (foreign)");
+}
+
+void TcpServerLink::log_thinned(const std::string& line, base::RunTime now) {
+  const std::string whole = "link " + core_.config().name + ": " + line;
+  switch (thinning_.on_line(now)) {
+    case LogThinning::Verdict::kWrite:
+      return base::log::info(whole);
+    case LogThinning::Verdict::kLast:
+      return base::log::info(whole +
+                             "; clients come and go: more lines of this minute are left out");
+    case LogThinning::Verdict::kLeaveOut:
+      return base::log::debug(whole);
+  }
 }
 
 }  // namespace cas::casd

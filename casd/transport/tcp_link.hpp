@@ -12,6 +12,7 @@
 #include "base/os/mutex.hpp"
 #include "casd/link/held_packets.hpp"
 #include "casd/link/link_core.hpp"
+#include "casd/link/log_thinning.hpp"
 #include "casd/link/tx_port.hpp"
 #include "casd/routing/route_table.hpp"
 #include "casd/transport/socket_address.hpp"
@@ -83,8 +84,10 @@ class TcpFanOut final : public PacketPort {
   SlotMask present_ CAS_GUARDED_BY(mutex_) = 0;
 };
 
-/// A TCP port for several clients. A client whose first byte begins no packet is closed and nothing
-/// of it is parsed: a page in a browser may reach this port with a request whose body is MAVLink.
+/// A TCP port for several clients. When all places are taken, a client that never sent a whole
+/// packet makes room for a new one, the oldest first. A client whose first byte begins no packet is
+/// closed and nothing of it is parsed: a page in a browser may reach this port with a request whose
+/// body is MAVLink.
 class TcpServerLink final : public Link {
  public:
   explicit TcpServerLink(LinkContext context);
@@ -105,6 +108,7 @@ class TcpServerLink final : public Link {
     StreamPause pause;
     std::size_t poll_entry = 0;
     bool speaks_mavlink = false;  ///< its first byte has come and begins a packet
+    bool was_heard = false;       ///< a whole packet has come
     std::string name;
   };
 
@@ -114,9 +118,13 @@ class TcpServerLink final : public Link {
   /// @return why the client is to be closed; nothing: it stays
   std::optional<std::string> serve_client(Client& client, short events, base::RunTime now);
   std::optional<std::string> read(Client& client, base::RunTime now);
-  void take_packet(const Client& client, const mav::PacketView& packet, base::RunTime now);
-  void remove(std::size_t index, const std::string& reason);
-  void log_removal(const std::string& client, const std::string& reason);
+  void take_packet(Client& client, const mav::PacketView& packet, base::RunTime now);
+  void remove(std::size_t index, const std::string& reason, base::RunTime now);
+  void log_removal(const std::string& client, const std::string& reason, base::RunTime now);
+  /// @return whether there is a place for one more client
+  bool make_place(base::RunTime now);
+  /// Clients that come and go may be many: their lines are thinned out.
+  void log_thinned(const std::string& line, base::RunTime now);
 
   LinkCore core_;
   std::shared_ptr<TcpFanOut> fan_out_;
@@ -133,6 +141,7 @@ class TcpServerLink final : public Link {
   SlotMask slots_ = 0;
   std::uint32_t serials_ = 0;  ///< given so far
   bool told_of_strangers_ = false;
+  LogThinning thinning_;
   std::vector<std::uint8_t> buffer_;
 };
 

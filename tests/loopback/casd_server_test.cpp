@@ -34,6 +34,39 @@ links:
 }
 const std::string kServers = servers("60");
 
+TEST(CasdTcpServer, ASilentClientMakesRoomForAStationButNoStationForASilentOne) {
+  CasdFixture fixture;
+  fixture.start(R"(schema: 1
+links:
+  - {name: fcu, type: serial, device: "$FCU"}
+  - {name: tcp, type: tcp_server, local: "127.0.0.1:0", max_peers: 2}
+)");
+  const std::uint16_t port = fixture.port("tcp");
+  mav::Encoder station({255, 190});
+  const auto peers = [&](std::uint64_t count) {
+    return wait_until([&] { return fixture.status("tcp").peers == count; });
+  };
+  TcpPeer silent(port);
+  TcpPeer half(port);
+  half.send(std::vector<std::uint8_t>{0xFD});
+  ASSERT_TRUE(peers(2));
+  TcpPeer first(port);
+  first.send(station(mavlink::common::Heartbeat{}));
+  TcpPeer second(port);
+  second.send(station(mavlink::common::Heartbeat{}));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHeartbeat) == 2; }));
+  EXPECT_EQ(fixture.status("tcp").peers, 2U);
+  PacketStream nothing;
+  TcpPeer late(port);
+  EXPECT_TRUE(wait_until([&] {
+    late.read(nothing);
+    return late.closed();
+  }));
+  first.read(nothing);
+  second.read(nothing);
+  EXPECT_FALSE(first.closed() || second.closed());
+}
+
 TEST(CasdUdpServer, Serves64StationsOnOnePort) {
   CasdFixture fixture;
   fixture.start(kServers);
