@@ -3,14 +3,12 @@
 
 #include <algorithm>
 
-#include "mavlink/common/high_latency.hpp"
 #include "mavlink/common/high_latency2.hpp"
 #include "mavlink_gen/services/vehicle_state.hpp"
 
 namespace cas::casd {
 
-static_assert(comes_rarely(mavlink::common::HighLatency::kId) &&
-              comes_rarely(mavlink::common::HighLatency2::kId));
+static_assert(comes_rarely(mavlink::common::HighLatency2::kId));
 
 base::Duration silence_of(base::Duration usual, bool rarely) {
   return rarely ? std::max<base::Duration>(usual, mav::kHighLatencyTimeout) : usual;
