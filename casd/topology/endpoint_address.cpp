@@ -2,18 +2,39 @@
 #include "casd/topology/endpoint_address.hpp"
 
 #include <arpa/inet.h>
+#include <netinet/in.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <charconv>
+#include <climits>
+#include <cstring>
 #include <utility>
 
 #include "base/os/host_port.hpp"
+#include "base/text.hpp"
 
 namespace cas::casd {
 namespace {
 
 constexpr std::string_view kLocalhost = "localhost";
+constexpr std::array<std::string_view, 4> kLocalhosts{kLocalhost, "localhost.localdomain",
+                                                      "ip6-localhost", "ip6-loopback"};
 constexpr std::array<std::uint8_t, 16> kIpv6Loopback{0, 0, 0, 0, 0, 0, 0, 0,
                                                      0, 0, 0, 0, 0, 0, 0, 1};
+
+/// Names have no case, and may end in the dot of the root.
+std::string plain_name(std::string_view name) {
+  if (name.ends_with('.')) name.remove_suffix(1);
+  const std::string lower = base::lower(name);
+  return std::ranges::find(kLocalhosts, lower) == kLocalhosts.end() ? lower
+                                                                    : std::string(kLocalhost);
+}
+
+std::string own_name() {
+  std::array<char, HOST_NAME_MAX + 1> name{};
+  return ::gethostname(name.data(), name.size() - 1) == 0 ? plain_name(name.data()) : "";
+}
 
 }  // namespace
 
@@ -28,11 +49,30 @@ EndpointAddress::EndpointAddress(std::string_view text) {
 EndpointAddress::EndpointAddress(std::string host, unsigned port)
     : host_(std::move(host)), port_(port) {
   const std::string without_device = host_.substr(0, host_.find('%'));
-  if (::inet_pton(AF_INET, host_.c_str(), bytes_.data()) == 1) {
-    family_ = Family::kIpv4;
-  } else if (::inet_pton(AF_INET6, without_device.c_str(), bytes_.data()) == 1) {
+  in_addr v4{};
+  in6_addr v6{};
+  if (::inet_aton(host_.c_str(), &v4) != 0) return read_ipv4(&v4);
+  if (::inet_pton(AF_INET6, without_device.c_str(), &v6) != 1) {
+    host_ = plain_name(host_);
+  } else if (IN6_IS_ADDR_V4MAPPED(&v6)) {
+    read_ipv4(&v6.s6_addr[12]);
+  } else {
     family_ = Family::kIpv6;
+    std::memcpy(bytes_.data(), &v6, sizeof v6);
   }
+}
+
+/// With one spelling, so that equal addresses are equal.
+void EndpointAddress::read_ipv4(const void* address) {
+  std::array<char, INET_ADDRSTRLEN> text{};
+  family_ = Family::kIpv4;
+  std::memcpy(bytes_.data(), address, sizeof(in_addr));
+  host_ = ::inet_ntop(AF_INET, address, text.data(), text.size());
+}
+
+bool EndpointAddress::is_own_name() const {
+  const std::string own = own_name();
+  return is_name() && !own.empty() && (host_ == own || host_ == own + ".local");
 }
 
 bool EndpointAddress::is_loopback() const {
@@ -67,7 +107,8 @@ bool EndpointAddress::hears(const EndpointAddress& there) const {
   if (port_ == 0 || port_ != there.port_) return false;
   // Packets to the wildcard address go to this machine.
   if (there.is_any()) return is_loopback() || is_any();
-  return same_host(there) || (covers(there) && (there.is_loopback() || there.is_many()));
+  return same_host(there) ||
+         (covers(there) && (there.is_loopback() || there.is_own_name() || there.is_many()));
 }
 
 bool EndpointAddress::same_host(const EndpointAddress& other) const {

@@ -144,6 +144,9 @@ LinkConfig socket_link(const std::string& text, const Scheme& scheme, std::strin
   if (*value > 65535) fail(text, "has a port above 65535");
   const bool is_server = listens(scheme, host, use);
   if (host.empty() && !is_server) fail(text, "names no host to send to");
+  if (!is_server && EndpointAddress(host, 0).is_any()) {
+    fail(text, std::string(EndpointAddress::kNoDestination));
+  }
   if (*value == 0 && !is_server) fail(text, "has port 0, to which nothing can be sent");
   const std::string v6_or_name = host.find(':') == host.npos ? host : "[" + host + "]";
   const std::string place = (host.empty() ? "127.0.0.1" : v6_or_name) + ":" + port;

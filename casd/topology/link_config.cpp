@@ -10,6 +10,7 @@
 #include "base/os/host_port.hpp"
 #include "base/os/runtime_folder.hpp"
 #include "base/os/thread_keys.hpp"
+#include "casd/topology/endpoint_address.hpp"
 #include "casd/topology/message_keys.hpp"
 
 namespace cas::casd {
@@ -46,6 +47,15 @@ struct Endpoint : Text {
   }
   static std::string values() { return "HOST:PORT"; }
   static std::array<std::string, 2> samples() { return {"'127.0.0.1:0'", "'127.0.0.2:0'"}; }
+};
+
+/// Where a link sends.
+struct Destination : Endpoint {
+  static void read(const ConfigNode& node, std::string& endpoint) {
+    Endpoint::read(node, endpoint);
+    if (!EndpointAddress(endpoint).is_any()) return;
+    node.fail(endpoint + " " + std::string(EndpointAddress::kNoDestination));
+  }
 };
 
 struct Device : Text {
@@ -213,7 +223,7 @@ constexpr std::tuple kHeadKeys{
 
 constexpr auto kLocal = key<&LinkConfig::local>("local", Endpoint{}, "where it is bound");
 constexpr auto kRemote = key<&LinkConfig::remote>(
-    "remote", Endpoint{}, "its peer; of UDP also a broadcast or multicast address");
+    "remote", Destination{}, "its peer; of UDP also a broadcast or multicast address");
 constexpr auto kInterface =
     key<&LinkConfig::interface>("interface", Text{}, "network device that it is bound to", "any");
 constexpr auto kMaxPeers =

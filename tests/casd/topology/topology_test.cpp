@@ -2,8 +2,10 @@
 #include "casd/topology/topology.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 
 #include "casd/topology/line_budget.hpp"
 #include "casd/topology/routing_plan.hpp"
@@ -160,6 +162,11 @@ TEST_P(BadTopology, IsRefusedWithItsPlaceAndASentence) {
   }
 }
 
+std::string host_name() {
+  std::array<char, 256> name{};
+  ::gethostname(name.data(), name.size() - 1);
+  return name.data();
+}
 std::string link(const std::string& keys) { return "schema: 1\nlinks:\n  - {" + keys + "}\n"; }
 std::string route(const std::string& keys) { return kLinks + "routes:\n  - {" + keys + "}\n"; }
 
@@ -260,6 +267,27 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"SendsToAnotherLinkByAnyLoopbackAddress",
                 kLinks + "  - {name: b, type: udp, remote: '127.0.0.2:14551'}\n",
                 "link 'b' sends to 127.0.0.2:14551, where link 'gcs' listens"},
+        BadCase{"SendsToAnotherLinkByAShortAddress",
+                kLinks + "  - {name: b, type: udp, remote: '127.1:14551'}\n",
+                "link 'b' sends to 127.1:14551, where link 'gcs' listens"},
+        BadCase{"SendsToAnotherLinkByANumber",
+                kLinks + "  - {name: b, type: udp, remote: '0x7f000001:14551'}\n",
+                "where link 'gcs' listens"},
+        BadCase{"SendsToAnotherLinkByAMappedAddress",
+                kLinks + "  - {name: b, type: udp, remote: '[::ffff:127.0.0.1]:14551'}\n",
+                "where link 'gcs' listens"},
+        BadCase{"SendsToAnotherLinkByAnotherNameOfLocalhost",
+                kLinks + "  - {name: b, type: udp, remote: 'LOCALHOST.:14551'}\n",
+                "where link 'gcs' listens"},
+        BadCase{"SendsToAnotherLinkByTheNameOfThisMachine",
+                kLinks + "  - {name: b, type: udp, remote: '" + host_name() + ":14551'}\n",
+                "where link 'gcs' listens"},
+        BadCase{"SendsToNobody", link("name: a, type: udp, remote: '0.0.0.0:14550'"),
+                "0.0.0.0:14550 is no destination: to listen"},
+        BadCase{"SendsToNobodyByAShortAddress", link("name: a, type: tcp, remote: '0:5760'"),
+                "0:5760 is no destination"},
+        BadCase{"SendsToNobodyByIpV6", link("name: a, type: udp, remote: '[::]:14550'"),
+                "[::]:14550 is no destination"},
         BadCase{"BroadcastsToAnotherLink",
                 kLinks + "  - {name: b, type: udp, remote: '192.168.1.255:14551'}\n",
                 "link 'b' sends to 192.168.1.255:14551, where link 'gcs' listens"},
