@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "base/os/log.hpp"
 #include "casd/packet/intervention.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
@@ -44,6 +45,7 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, Peer
   if (!admit_packet(packet, now)) return;
   Route route = switchboard_.router().on_packet(link_, packet, now, peer);
   route.info.waited = waited;
+  if (route.loop_found) log_loop();
   const bool first = route.decision != Route::Decision::kDuplicate;
   const bool may_command = first && !is_sensor_or_actuator(route.info.traffic);
   if (may_command && is_failure(packet)) {
@@ -58,6 +60,12 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, Peer
   if (may_command && may_be_act(packet.message_id)) route.to.add(kLocalLink);
   if (!route.to.empty()) batch_.add(route.info, packet.bytes, route.to);
   add_for_sniffers(route, packet, now);
+}
+
+void Ingress::log_loop() const {
+  base::log::warn("link " + counters_->name +
+                  ": packets of other links come back here again and again: somebody forwards what "
+                  "casd sends. Such copies are dropped as duplicates (docs/troubleshooting.md)");
 }
 
 void Ingress::take_addressed(const mav::PacketView& packet, std::span<const Path> to,

@@ -84,6 +84,7 @@ class Ingress {
   bool admit_packet(const mav::PacketView& packet, base::RunTime now);
   void account(const Route& route, const mav::PacketView& packet, base::RunTime now);
   void count_refusals(const Route& route);
+  void log_loop() const;
   void add_for_sniffers(const Route& route, const mav::PacketView& packet, base::RunTime now);
   void count_parser(const Parser& parser, const Parser::Stats& before);
 

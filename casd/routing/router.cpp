@@ -51,6 +51,14 @@ Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTim
   route.info.from_serial = from_peer.serial;
   route.info.received = now;
 
+  // What somebody sends back is no news of its sender's place either.
+  const LoopGuard::Verdict loop = loops_.on_packet(from, packet, now);
+  if (loop != LoopGuard::Verdict::kFine) [[unlikely]] {
+    route.decision = kDuplicate;
+    route.loop_found = loop == LoopGuard::Verdict::kFound;
+    return route;
+  }
+
   // A sender can be reached over the link that it was heard on.
   routes_[LinkMask::word_of(from)].learn(LinkMask::slot_of(from), packet.source, now,
                                          comes_rarely(packet.message_id));

@@ -14,6 +14,7 @@
 #include "casd/packet/link_mask.hpp"
 #include "casd/packet/packet_info.hpp"
 #include "casd/routing/duplicate_filter.hpp"
+#include "casd/routing/loop_guard.hpp"
 #include "casd/routing/route_table.hpp"
 #include "casd/routing/routing_rules.hpp"
 #include "casd/words/drop_cause.hpp"
@@ -41,7 +42,8 @@ struct RoutingPlan {
 struct Route {
   enum class Decision : std::uint8_t {
     kForward,      ///< `to` may still be empty: no link wants it
-    kDuplicate,    ///< came already; `to` is casd's own station, unless it heard the packet
+    kDuplicate,    ///< came already; `to` is casd's own station, unless it heard the packet, or
+                   ///< the packet goes round in a loop
     kNoRule,       ///< the rules let it go nowhere
     kNoTarget,     ///< addressed to a system that was never heard
     kRateLimited,  ///< its turn has not come
@@ -50,6 +52,7 @@ struct Route {
   LinkMask to{};
   LinkMask thinned{};  ///< links that a rate limit keeps it from
   Decision decision = Decision::kForward;
+  bool loop_found = false;  ///< the first packet that proves a loop
   /// Links that get it beside `to`, whatever was decided; of the plan, until the next packet.
   const LinkMask* sniffers = nullptr;
   PacketInfo info;
@@ -126,6 +129,7 @@ class Router {
   std::array<PerLink, kLinkSlots> links_;
   std::array<DuplicateFilter, kMaxGroups> group_duplicates_;
   DuplicateFilter duplicates_;  ///< of all links
+  LoopGuard loops_;
 
   std::atomic<std::uint64_t> generation_{1};
   base::Mutex plan_mutex_;

@@ -97,6 +97,37 @@ INSTANTIATE_TEST_SUITE_P(Threads, CasdForwarding,
                          testing::Values("auto", "per_link", "single", "blocking"),
                          [](const auto& test) { return std::string(test.param); });
 
+// As QGroundControl's forwarding does to another port of the casd that it is connected to.
+TEST(CasdLoop, ThroughAStationThatSendsBackWhatItGetsEnds) {
+  CasdFixture fixture;
+  UdpPeer station;
+  UdpPeer forwards;
+  fixture.start(
+      "schema: 1\nlinks:\n  - {name: fcu, type: serial, device: \"$FCU\"}\n"
+      "  - {name: gcs, type: udp, remote: \"" +
+      station.endpoint() + "\"}\n  - {name: back, type: udp_server, local: \"127.0.0.1:0\"}\n");
+  forwards.set_remote(fixture.port("back"));
+  PacketStream heard;
+  std::size_t forwarded = 0;
+  const auto copies_dropped = [&](std::uint64_t least) {
+    return fixture.collect_until([&] {
+      station.read(heard);
+      for (; forwarded < heard.packets().size(); ++forwarded) {
+        forwards.send(heard.packets()[forwarded].bytes);
+      }
+      constexpr auto kDuplicate = static_cast<std::size_t>(casd::Route::Decision::kDuplicate);
+      return fixture.status("back").rx.decisions[kDuplicate] >= least;
+    });
+  };
+  fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
+  ASSERT_TRUE(copies_dropped(1));
+  constexpr std::size_t kSomeTurns = 100;
+  EXPECT_LT(forwarded, kSomeTurns);
+  fixture.fcu.write(fixture.from_fcu(hil_controls(2)));
+  ASSERT_TRUE(copies_dropped(2));
+  EXPECT_EQ(std::ranges::count(numbers(heard, kHilControls), 2U), 1);
+}
+
 TEST(CasdUdp, CountsWhatItsDestinationRefuses) {
   std::uint16_t port = 0;
   { port = UdpPeer().port(); }  // nobody is there any more

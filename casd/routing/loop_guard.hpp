@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "base/time/clock.hpp"
+#include "casd/packet/link_id.hpp"
+#include "casd/packet/link_mask.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
+
+namespace cas::casd {
+
+/// Finds packets that somebody sends back over another link: a ground station that forwards what it
+/// receives to a second port of casd makes a loop, in which each packet goes round for ever.
+///
+/// A packet that comes over one link again and again, though another link has brought it once and
+/// not again, goes round. From then on the link's packets that others brought before are copies,
+/// until none has come for kCalm. A sender that repeats itself comes over its own link each time.
+///
+/// It keeps a mark of each link's last packets, by sender and sequence number. `on_packet` for one
+/// link belongs to one thread at a time; different links may run on different threads.
+class LoopGuard {
+ public:
+  enum class Verdict : std::uint8_t {
+    kFine,
+    kFound,  ///< goes round, and is the first that proves it
+    kCopy    ///< came over another link, and back
+  };
+  static constexpr int kEnough = 3;
+  static constexpr base::Duration kSoon = std::chrono::seconds(2);
+  static constexpr base::Duration kMemory = std::chrono::seconds(10);
+  static constexpr base::Duration kCalm = std::chrono::seconds(10);
+
+  Verdict on_packet(LinkId from, const mav::PacketView& packet, base::RunTime now) {
+    Link& own = links_[from];
+    Table* table = own.table.load(std::memory_order_relaxed);
+    if (table == nullptr) [[unlikely]]
+      table = make_table(own);
+    const std::size_t place = place_of(packet);
+    const Mark mark = mark_of(packet, now);
+    const Mark before{(*table)[place].exchange_relaxed(mark.value)};
+    if (!own.loops && !before.is_same(mark)) [[likely]]
+      return Verdict::kFine;
+    return judge(from, place, mark, before, now);
+  }
+
+ private:
+  /// Half content, half time in units of 2^20 ns; 0: none.
+  struct Mark {
+    std::uint64_t value = 0;
+
+    std::uint32_t time() const { return static_cast<std::uint32_t>(value); }
+    bool is_same(Mark other) const { return (value ^ other.value) >> 32U == 0; }
+  };
+  struct Cell {
+    std::atomic<std::uint64_t> value{0};
+
+    /// Its one writer needs no atomic exchange.
+    std::uint64_t exchange_relaxed(std::uint64_t next) {
+      const std::uint64_t before = value.load(std::memory_order_relaxed);
+      value.store(next, std::memory_order_relaxed);
+      return before;
+    }
+  };
+  using Table = std::array<Cell, 1024>;
+  struct alignas(64) Link {
+    std::atomic<Table*> table{nullptr};
+    bool loops = false;
+    int evidence = 0;
+    base::RunTime evidence_since{};
+    base::RunTime calm_at{};
+    std::unique_ptr<Table> owned;
+  };
+
+  static constexpr std::uint32_t units(base::Duration time) {
+    return static_cast<std::uint32_t>(time.count() >> 20U);
+  }
+  /// 256 places for the sequence numbers of a sender.
+  static std::size_t place_of(const mav::PacketView& packet) {
+    const unsigned sender = packet.source.system * 31U + packet.source.component;
+    return (sender % 4 << 8U | packet.sequence) & 1023U;
+  }
+  static Mark mark_of(const mav::PacketView& packet, base::RunTime now) {
+    const std::uint8_t* const crc = packet.payload.data() + packet.payload.size();
+    const std::uint32_t sender =
+        std::uint32_t{packet.source.system} << 8U | packet.source.component;
+    const std::uint32_t content = (std::uint32_t{crc[0]} | std::uint32_t{crc[1]} << 8U) << 16U |
+                                  (sender ^ packet.message_id * 0x9E5U) % 0x10000U;
+    return {std::uint64_t{content} << 32U | units(now.time_since_epoch())};
+  }
+
+  static Table* make_table(Link& link);
+  Verdict judge(LinkId from, std::size_t place, Mark mark, Mark before, base::RunTime now);
+  /// Whether another link brought the packet last at this time or in kMemory before it.
+  bool came_elsewhere(LinkId from, std::size_t place, Mark mark, std::uint32_t latest) const;
+
+  std::array<Link, kLinkSlots> links_;
+};
+
+}  // namespace cas::casd

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "casd/routing/loop_guard.hpp"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <utility>
+
+#include "tests/casd/packets.hpp"
+
+namespace cas::casd::test {
+namespace {
+
+using Verdict = LoopGuard::Verdict;
+
+constexpr LinkId kVehicle = 0;
+constexpr LinkId kBack = 1;
+
+class LoopGuardTest : public testing::Test {
+ protected:
+  Verdict comes(LinkId from, unsigned n, base::Duration when) {
+    mavlink::common::HilSensor sensor;
+    sensor.time_usec = n;
+    const auto sent = packet(sensor, {1, 1}, static_cast<std::uint8_t>(n));
+    return guard_->on_packet(from, view(sent), at(when));
+  }
+  /// How often a packet goes round before it is dropped.
+  int turns(unsigned n, base::Duration begin, base::Duration turn) {
+    comes(kVehicle, n, begin);
+    int count = 0;
+    while (count < 1000 && comes(kBack, n, begin + ++count * turn) == Verdict::kFine) continue;
+    return count;
+  }
+
+  std::optional<LoopGuard> guard_{std::in_place};
+};
+
+TEST_F(LoopGuardTest, APacketThatGoesRoundIsDroppedAfterSomeTurnsHoweverSlow) {
+  for (const base::Duration turn : {milliseconds(2), milliseconds(20), milliseconds(500)}) {
+    guard_.emplace();
+    EXPECT_EQ(turns(7, {}, turn), 1 + LoopGuard::kEnough);
+  }
+}
+
+TEST_F(LoopGuardTest, FurtherPacketsAreDroppedWhenTheyFirstComeBack) {
+  turns(7, {}, milliseconds(2));
+  for (unsigned n = 8; n < 500; ++n) EXPECT_EQ(turns(n, milliseconds(20 * n), milliseconds(1)), 1);
+}
+
+TEST_F(LoopGuardTest, OthersOfThatLinkPassDuringALoop) {
+  turns(7, {}, milliseconds(2));
+  EXPECT_EQ(comes(kBack, 100, milliseconds(50)), Verdict::kFine);
+}
+
+TEST_F(LoopGuardTest, ALinkIsTrustedAgainAfterACalm) {
+  turns(7, {}, milliseconds(2));
+  const base::Duration later = 2 * LoopGuard::kCalm;
+  EXPECT_EQ(comes(kBack, 100, later), Verdict::kFine);
+  EXPECT_EQ(turns(8, later, milliseconds(2)), 1 + LoopGuard::kEnough);
+}
+
+TEST_F(LoopGuardTest, ASenderMayRepeatItself) {
+  for (unsigned i = 0; i < 1000; ++i) {
+    EXPECT_EQ(comes(kVehicle, 7, milliseconds(i)), Verdict::kFine);
+  }
+}
+
+TEST_F(LoopGuardTest, TwoWaysToOneVehicleAreNoLoop) {
+  for (unsigned i = 0; i < 5000; ++i) {
+    EXPECT_EQ(comes(kVehicle, i, milliseconds(10 * i)), Verdict::kFine);
+    EXPECT_EQ(comes(kBack, i, milliseconds(10 * i + 1)), Verdict::kFine);
+  }
+}
+
+TEST_F(LoopGuardTest, NorAreTheyWhenTheVehicleRepeatsItself) {
+  for (unsigned i = 0; i < 1000; ++i) {
+    EXPECT_EQ(comes(kVehicle, 7, milliseconds(10 * i)), Verdict::kFine);
+    EXPECT_EQ(comes(kBack, 7, milliseconds(10 * i + 3)), Verdict::kFine);
+  }
+}
+
+}  // namespace
+}  // namespace cas::casd::test
