@@ -10,7 +10,7 @@ from .casd_calls import (AsyncCasdCalls, AsyncGainCalls, AsyncLinkCalls, AsyncLo
                          AsyncParamCalls, AsyncTopics, AsyncVehicleCalls, CasdCalls, GainCalls, LinkCalls, LogCalls,
                          MessageCalls, ParamCalls, Topics, VehicleCalls)
 from .places import the_casd, token_of
-from .rpc import Address, AsyncClient, AsyncSubscription, Client, Subscription, is_unix
+from .rpc import Address, AsyncClient, AsyncSubscription, Client, Subscription, is_unix, refuse_stranger
 
 START = ("start casd with `casd topologies/bench_pty.yaml`, the service with `systemctl start casd`, or a whole bench "
          "with `with cas.Bench() as bench:`")
@@ -21,7 +21,12 @@ _PATIENCE_OF = {"param.list": 1200.0}
 
 
 def _token(address: Address, token: Optional[str]) -> Optional[str]:
-    return token if token is not None or is_unix(address) else token_of()
+    if token is not None or is_unix(address):
+        return token
+    found = token_of()
+    if found is None:
+        refuse_stranger(address)  # nothing can be proved
+    return found
 
 
 class Casd(CasdCalls):

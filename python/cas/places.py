@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import shutil
 import socket
@@ -13,6 +14,8 @@ from typing import Optional
 from .errors import NotRunning, ProgramMissing
 
 SERVICE_FOLDER = Path("/run/cas")
+_SHORTEST_TOKEN = 16  # as casd has it
+_LISTENS = "0A"  # state of a socket in /proc/net/tcp
 
 
 def program(name: str) -> str:
@@ -44,14 +47,21 @@ def runtime_folder() -> Path:
     return Path(f"/tmp/cas-{os.getuid()}")
 
 
+def _owners(folder: Path) -> Optional[set[int]]:
+    """The users whose files in a folder count; None if others may write into it, or it is another user's or a symlink."""
+    try:
+        about = folder.lstat()
+    except OSError:
+        return None
+    owners = {os.getuid(), 0} | ({about.st_uid} if folder == SERVICE_FOLDER else set())
+    foreign = about.st_uid not in owners or about.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+    return owners if stat.S_ISDIR(about.st_mode) and not foreign else None
+
+
 def _trusted(folder: Path) -> list[Path]:
     """The sockets of casds in a folder that others may not write into."""
-    try:
-        about = folder.stat()
-    except OSError:
-        return []
-    owners = {os.getuid(), 0} | ({about.st_uid} if folder == SERVICE_FOLDER else set())
-    if about.st_uid not in owners or about.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+    owners = _owners(folder)
+    if owners is None:
         return []
     sockets = []
     for path in sorted([*folder.glob("casd.sock"), *folder.glob("casd-*.sock")]):
@@ -89,8 +99,37 @@ def the_casd() -> Path:
 
 
 def token_of(folder: Optional[Path] = None) -> Optional[str]:
-    """The token that casd made in the runtime folder; None where there is none, or where it may not be read."""
-    try:
-        return ((folder or runtime_folder()) / "casd.token").read_text().splitlines()[0]
-    except (OSError, IndexError):
+    """The token that casd made in the runtime folder; None where there is none, where it may not be read, and where
+    another user could have made it or may read it."""
+    place = folder or runtime_folder()
+    owners = _owners(place)
+    if owners is None:
         return None
+    try:
+        descriptor = os.open(place / "casd.token", os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)
+    except OSError:
+        return None
+    with open(descriptor, encoding="utf-8", errors="replace") as file:
+        about = os.fstat(descriptor)
+        if not stat.S_ISREG(about.st_mode) or about.st_uid not in owners or about.st_mode & 0o077:
+            return None
+        token = file.readline(4096).rstrip("\r\n")
+    return token if len(token) >= _SHORTEST_TOKEN else None
+
+
+def is_own_port(port: int) -> bool:
+    """Whether the listeners at a TCP port of this machine are this user's or the service's, as the kernel has it."""
+    users = set()
+    for table in ("/proc/net/tcp", "/proc/net/tcp6"):
+        try:
+            rows = Path(table).read_text().splitlines()[1:]
+        except OSError:
+            continue
+        for row in rows:
+            words = row.split()
+            if words[3] == _LISTENS and int(words[1].rpartition(":")[2], 16) == port:
+                users.add(int(words[7]))
+    friends = {os.getuid()}
+    with contextlib.suppress(OSError):
+        friends.add(SERVICE_FOLDER.lstat().st_uid)
+    return bool(users) and users <= friends

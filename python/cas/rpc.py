@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any, AsyncIterator, Callable, Generic, Iterator, Mapping, Optional, TypeVar, Union
 
 from .errors import CallTimeout, ConnectionLost, NotRunning, call_error
+from .places import is_own_port
 
 T = TypeVar("T")
 
@@ -51,6 +52,15 @@ def host_and_port(address: Address) -> tuple[str, int]:
     if not colon or not port.isdigit():
         raise ValueError(f"'{os.fspath(address)}' is no address: a path, unix:PATH or HOST:PORT")
     return host.strip("[]"), int(port)
+
+
+def refuse_stranger(address: Address) -> None:
+    """Raises ConnectionLost for a TCP port of this machine whose listener is another user's program: it has not proved
+    that it is casd, so it gets no call."""
+    host, port = host_and_port(address)
+    if (host == "localhost" or host == "::1" or host.startswith("127.")) and not is_own_port(port):
+        raise ConnectionLost(f"what listens at {os.fspath(address)} is another user's program and has not proved that it "
+                             "is casd: give `token`, or take casd's Unix socket")
 
 
 def token_proof(token: str, who: str, endpoint: str, client_nonce: str, server_nonce: str) -> str:
@@ -191,7 +201,8 @@ class Client:
         mine = secrets.token_hex(32)
         answer = self.call("authorise", {"nonce": mine})
         if answer is True:
-            return  # no token is asked for
+            refuse_stranger(self.address)  # it asks for no token and proves nothing
+            return
         endpoint = endpoint_text(self._socket.getpeername())
         expected = token_proof(token, "server", endpoint, mine, answer["nonce"])
         if not hmac.compare_digest(expected, answer["proof"]):
@@ -396,6 +407,7 @@ class AsyncClient:
         mine = secrets.token_hex(32)
         answer = await self.call("authorise", {"nonce": mine})
         if answer is True:
+            refuse_stranger(self.address)  # it asks for no token and proves nothing
             return
         endpoint = endpoint_text(self._writer.get_extra_info("peername"))
         expected = token_proof(token, "server", endpoint, mine, answer["nonce"])
