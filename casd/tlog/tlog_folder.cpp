@@ -3,7 +3,6 @@
 
 #include <dirent.h>
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
@@ -17,11 +16,13 @@
 #include <string_view>
 #include <utility>
 
+#include "base/os/file_lock.hpp"
+
 namespace cas::casd {
 namespace {
 
 constexpr mode_t kNewFolder = 0777;  // masked by the process's umask
-constexpr mode_t kNewFile = 0644;
+constexpr mode_t kNewFile = 0640;    // it holds what a vehicle does, and where
 
 base::Descriptor open_folder(const std::filesystem::path& path) {
   return base::Descriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
@@ -47,11 +48,12 @@ void for_each_recording(const std::filesystem::path& path, const TlogFolder::Ext
   }
 }
 
-/// Whether a program may have the file open to record into it.
+/// Whether a program may have the file open to record into it. Only a lock for writing counts: who
+/// may read a recording must not keep it.
 bool is_written(int folder, const std::string& name) {
   const base::Descriptor file(
       ::openat(folder, name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
-  return !file || ::flock(file.get(), LOCK_EX | LOCK_NB) != 0;
+  return !file || base::is_file_locked(file.get());
 }
 
 }  // namespace
@@ -82,7 +84,7 @@ base::Descriptor TlogFolder::make(const std::string& name) const {
   // O_APPEND: after a torn record is cut off, the next one begins in its place.
   constexpr int kHow = O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_APPEND | O_CLOEXEC;
   base::Descriptor file(::openat(folder.get(), name.c_str(), kHow, kNewFile));
-  if (file) ::flock(file.get(), LOCK_EX | LOCK_NB);  // some file systems have no locks
+  if (file) base::take_file_lock(file.get());  // some file systems have no locks
   return file;
 }
 
@@ -113,10 +115,16 @@ std::vector<TlogFolder::File> TlogFolder::removable(const std::string& current) 
   for_each_recording(path_, extensions_, [&](std::string_view name, const struct stat& status) {
     const bool own = status.st_uid == ::geteuid() && is_own_(name);
     if (!own || name == current || files.size() >= kMostFiles) return;
-    files.push_back({std::string(name), static_cast<std::uint64_t>(status.st_size)});
+    files.push_back(
+        {std::string(name), static_cast<std::uint64_t>(status.st_size), status.st_mtim.tv_sec});
   });
   std::erase_if(files, [&](const File& file) { return is_written(folder.get(), file.name); });
-  std::ranges::sort(files, older_tlog, &File::name);
+  // By the last write: a recording that began before a clock without battery was set has an old
+  // date in its name.
+  std::ranges::sort(files, [](const File& file, const File& other) {
+    if (file.written_s != other.written_s) return file.written_s < other.written_s;
+    return older_tlog(file.name, other.name);
+  });
   return files;
 }
 

@@ -37,7 +37,8 @@ std::optional<std::string> lack_of_room(const TlogLimits& limits, const TlogSpac
                                         std::uint64_t more);
 
 /// The folder of recordings: all access to its file system. Files are made by name only; no file is
-/// replaced and no symlink followed. A file is locked (flock) while it is written.
+/// replaced and no symlink followed. A file is locked for writing (file_lock.hpp) while it is
+/// written.
 class TlogFolder {
  public:
   using Extensions = std::vector<std::string_view>;
@@ -79,8 +80,10 @@ class TlogFolder {
   struct File {
     std::string name;
     std::uint64_t bytes = 0;
+    std::int64_t written_s = 0;  ///< last write, Unix time
   };
-  /// Recordings that may be removed, the oldest first.
+  /// Recordings that may be removed, that with the oldest last write first; of one second by their
+  /// names.
   std::vector<File> removable(const std::string& current) const;
 
   std::filesystem::path path_;

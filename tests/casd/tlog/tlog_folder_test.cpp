@@ -2,16 +2,21 @@
 #include "casd/tlog/tlog_folder.hpp"
 #include "casd/autopilot_log/log_files.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <chrono>
 #include <filesystem>
 #include <future>
 #include <set>
 #include <utility>
 #include <vector>
 
+#include "base/os/descriptor.hpp"
+#include "base/os/file_lock.hpp"
 #include "casd/tlog/tlog_files.hpp"
 #include "casd/tlog/tlog_name.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -32,12 +37,21 @@ std::set<std::string> names_in(const fs::path& folder) {
   return names;
 }
 
+/// Gives all files one time of the last write, so that their names decide.
+void write_all_at_once(const fs::path& folder) {
+  const auto now = fs::file_time_type::clock::now();
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file() && !entry.is_symlink()) fs::last_write_time(entry, now);
+  }
+}
+
 class OldRecordings : public testing::Test {
  protected:
   OldRecordings() {
     for (const std::string& name : {kNew, kOld, kMiddle}) folder_.write(name, "x");
   }
   Names remove(std::size_t keep, const std::string& current = "") {
+    write_all_at_once(folder_.path());
     return TlogFolder(folder_.path()).remove_oldest(keep, current);
   }
   cas::test::TemporaryFolder folder_;
@@ -50,6 +64,22 @@ TEST_F(OldRecordings, GoByDateThenByNumber) {
   EXPECT_EQ(remove(2),
             (Names{kOld, "2026-11-20T10-00-00Z-a.2.tlog", "2026-11-20T10-00-00Z-a.10.tlog"}));
   EXPECT_EQ(names_in(folder_.path()), (std::set<std::string>{kMiddle, kNew}));
+}
+
+TEST_F(OldRecordings, GoByTheirLastWriteWhateverTheClockSaidAtFirst) {
+  write_all_at_once(folder_.path());
+  fs::last_write_time(folder_ / kOld, fs::file_time_type::clock::now() + std::chrono::hours(1));
+  const TlogFolder folder(folder_.path());
+  EXPECT_EQ(folder.remove_oldest(1, ""), (Names{kMiddle, kNew}));
+}
+
+TEST_F(OldRecordings, AReaderKeepsNone) {
+  const base::Descriptor reader(::open((folder_ / kOld).c_str(), O_RDONLY | O_CLOEXEC));
+  ASSERT_TRUE(reader);
+  ASSERT_EQ(::flock(reader.get(), LOCK_SH | LOCK_NB), 0);
+  struct flock shared = base::whole_file(F_RDLCK);
+  ASSERT_EQ(::fcntl(reader.get(), F_OFD_SETLK, &shared), 0);
+  EXPECT_EQ(remove(2), Names{kOld});
 }
 
 TEST_F(OldRecordings, OthersFilesSymlinksAndTheCurrentOneStay) {
@@ -101,6 +131,7 @@ TEST_F(OldRecordings, GoWhenARecordingBeginsAndWhenItContinues) {
 TEST_F(OldRecordings, MakeRoomAsFarAsItIsNeeded) {
   const TlogFolder folder(folder_.path());
   folder_.write("mine.tlog", "xxxx");  // counts, and stays
+  write_all_at_once(folder_.path());
   const TlogLimits limits{.free_space_min_bytes = 0, .max_bytes = 8, .delete_oldest = true};
   EXPECT_EQ(folder.make_room(limits, 1, ""), Names{});
   EXPECT_EQ(folder.make_room(limits, 3, ""), (Names{kOld, kMiddle}));
@@ -139,6 +170,7 @@ TEST(TlogFolder, RemovesTheOldestOfItsOwnKindAlone) {
         "2026-11-19T10-00-00Z-v1.ulg.gz", "2026-11-19T10-00-00Z-crash.ulg", "old.ulg"}) {
     place.write(name, "x");
   }
+  write_all_at_once(place.path());
   const TlogFolder folder(place.path(), {".ulg", ".bin"}, is_autopilot_log);
   EXPECT_EQ(folder.look(true).used_bytes, 6U);
   EXPECT_EQ(
