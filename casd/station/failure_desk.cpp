@@ -126,7 +126,8 @@ FailureDesk::Request FailureDesk::request_of(const Origin& from, const mav::Pack
                      vehicle](const Outcome& outcome) { answer(to, asker, vehicle, outcome); },
           .line = std::move(line),
           .by = packet.source,
-          .link = from.path.link};
+          .link = from.path.link,
+          .peer = from.path.peer};
 }
 
 void FailureDesk::inject(std::uint8_t system, const VehicleCommand& command, base::RunTime now,
@@ -185,7 +186,7 @@ bool FailureDesk::is_repetition(const Origin& from, const mav::PacketView& packe
   const auto found = waiting_.find(system);
   return found != waiting_.end() && std::ranges::any_of(found->second, [&](const Request& request) {
            return request.by == packet.source && request.link == from.path.link &&
-                  request.order == order;
+                  request.peer == from.path.peer && request.order == order;
          });
 }
 

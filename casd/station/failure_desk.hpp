@@ -84,6 +84,7 @@ class FailureDesk {
     std::string line{};      ///< of the audit, without the outcome; empty: the port leaves its own
     mav::Source by{};        ///< requester; system 0: the command port
     LinkId link = kNoLink;   ///< where it is
+    std::uint32_t peer = 0;  ///< of the link: two stations may have the same ids
     Simulator simulator{};   ///< of the one that is under way
     std::int32_t token = 0;  ///< the same; 0: not sent yet
     base::RunTime deadline{};

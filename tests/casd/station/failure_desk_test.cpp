@@ -305,6 +305,21 @@ TEST_F(Desk, SendsARepetitionOnceAndOneFailureAfterTheOther) {
   EXPECT_NE(commands()[0].param7, commands()[1].param7);
 }
 
+TEST_F(Desk, TwoStationsWithOneIdBothGetAnAnswer) {
+  beat();
+  Origin other = kPermitted;
+  other.path.peer += 1;
+  EXPECT_EQ(ask(kPermitted), Verdict::kTaken);
+  EXPECT_EQ(ask(other), Verdict::kTaken);
+  simulator_says(MavResult::kAccepted);
+  simulator_says(MavResult::kAccepted);
+  std::vector<Path> answered;
+  for (const Sent& sent : sent_) {
+    if (sent.ack) answered.push_back(sent.to);
+  }
+  EXPECT_EQ(answered, (std::vector<Path>{kPermitted.path, other.path}));
+}
+
 TEST_F(Desk, AsksForHilAgainBeforeTheNextIsSent) {
   beat();
   ask(kPermitted);
