@@ -2,6 +2,7 @@
 #include "plugins/mavlink_interface/tcp_server_port.hpp"
 
 #include <netinet/tcp.h>
+#include <poll.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -20,6 +21,11 @@ bool may_begin_packet(std::uint8_t byte) { return byte == mav::kStartV1 || byte 
 
 constexpr int kBacklog = 4;
 
+bool is_readable(int socket) {
+  pollfd entry{socket, POLLIN, 0};
+  return ::poll(&entry, 1, 0) > 0;
+}
+
 void enable(int socket, int level, int name) {
   const int on = 1;
   setsockopt(socket, level, name, &on, sizeof on);  // each of them is an improvement only
@@ -29,7 +35,8 @@ bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK || 
 
 }  // namespace
 
-TcpServerPort::TcpServerPort(const InetAddress& local) {
+TcpServerPort::TcpServerPort(const InetAddress& local, base::Duration patience)
+    : patience_(patience) {
   const auto fail = [this] {
     const int error = errno;
     if (listener_ >= 0) close(listener_);
@@ -55,6 +62,7 @@ void TcpServerPort::accept_client() {
   source.set_size(size);
   enable(client_, IPPROTO_TCP, TCP_NODELAY);
   ++connections_;
+  accepted_ = base::steady_now();
   base::log::info(endpoint() + ": a flight controller has connected from " + source.text());
 }
 
@@ -75,6 +83,11 @@ void TcpServerPort::refuse_client() {
   base::log::warn(endpoint() +
                   ": a client begins with no MAVLink packet (a browser, perhaps) and was closed "
                   "unread; more of them are only counted (refused_clients)");
+}
+
+void TcpServerPort::yield_place() {
+  if (speaks_mavlink_ || base::steady_now() - accepted_ < patience_) return;
+  if (is_readable(listener_)) drop_client("it has said nothing, and another client waits");
 }
 
 bool TcpServerPort::flush_tail() {
@@ -112,7 +125,7 @@ void TcpServerPort::poll(const OnBytes& on_bytes) {
   if (client_ < 0) accept_client();
   while (client_ >= 0) {
     const ssize_t size = recv(client_, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
-    if (size < 0 && would_block(errno)) return;
+    if (size < 0 && would_block(errno)) return yield_place();
     if (size < 0) return drop_client(std::strerror(errno));
     if (size == 0) return drop_client("connection closed");
     if (!speaks_mavlink_ && !may_begin_packet(buffer_.front())) return refuse_client();

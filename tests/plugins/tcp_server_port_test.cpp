@@ -99,6 +99,28 @@ TEST(TcpServerPort, ClosesAClientThatBeginsWithNoPacketAndServesTheNext) {
   }));
 }
 
+TEST(TcpServerPort, ASilentClientKeepsNobodyOut) {
+  TcpServerPort port(InetAddress::loopback(0), base::Duration::zero());
+  Client silent(port);
+  ASSERT_TRUE(test::wait_until([&] {
+    poll_bytes(port);
+    return port.connected();
+  }));
+  poll_bytes(port);
+  EXPECT_TRUE(port.connected()) << "nobody else wants its place";
+  Client firmware(port);
+  firmware.send(kThree);
+  std::size_t taken = 0;
+  ASSERT_TRUE(test::wait_until([&] {
+    taken += poll_bytes(port);
+    return taken == kThree.size();
+  }));
+  const Client next(port);
+  poll_bytes(port);
+  poll_bytes(port);
+  EXPECT_EQ(port.peers(), 2U) << "a client that has spoken stays";
+}
+
 TEST(TcpServerPort, DropsWholePacketsWhenTheClientDoesNotRead) {
   TcpServerPort port(InetAddress::loopback(0));
   Client client(port);
