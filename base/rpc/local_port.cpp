@@ -73,14 +73,13 @@ fs::path make_runtime_folder() {
   }
   struct stat status {};
   const bool there = ::lstat(folder.c_str(), &status) == 0;
-  if (there && S_ISDIR(status.st_mode) && status.st_uid == ::geteuid()) {
-    if (folder == kServiceFolder) return folder;  // the unit sets its permissions
-    status.st_mode &= ~static_cast<mode_t>(S_IWGRP | S_IWOTH);
-    ::chmod(folder.c_str(), status.st_mode & 07777U);
-  }
+  const bool own = there && S_ISDIR(status.st_mode) && status.st_uid == ::geteuid();
+  if (own && folder == kServiceFolder) return folder;  // the unit sets its permissions
   if (!there || !is_trusted(status)) {
-    throw ConfigError(folder.string() +
-                      ": is no folder of yours that you alone may write into; set CAS_RUNTIME_DIR");
+    throw ConfigError(
+        folder.string() +
+        ": is no folder of yours that you alone may write into (chmod go-w, if it is); set "
+        "CAS_RUNTIME_DIR");
   }
   return folder;
 }

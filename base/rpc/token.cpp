@@ -12,6 +12,8 @@
 
 #include "base/error.hpp"
 #include "base/os/descriptor.hpp"
+#include "base/os/runtime_folder.hpp"
+#include "base/rpc/local_port.hpp"
 
 namespace cas::base::rpc {
 namespace {
@@ -24,10 +26,23 @@ constexpr std::size_t kMadeBytes = 32;
   throw ConfigError(file.string() + ": " + sentence);
 }
 
+/// Whether a secret's file was made by root, by this user or by the user of the service, who has
+/// its folder. Another one would know the secret.
+bool is_made_by_friend(uid_t owner, const std::filesystem::path& file) {
+  if (owner == 0 || owner == ::geteuid()) return true;
+  const std::filesystem::path folder = file.parent_path();
+  struct stat service {};
+  return (folder == kServiceFolder || folder == kServiceState) &&
+         ::lstat(folder.c_str(), &service) == 0 && service.st_uid == owner;
+}
+
 /// Reads from the descriptor whose rights were checked: the path may change meanwhile.
 std::string read_checked(int fd, const std::filesystem::path& file) {
   struct stat status {};
   if (::fstat(fd, &status) != 0 || !S_ISREG(status.st_mode)) fail(file, "is no regular file");
+  if (!is_made_by_friend(status.st_uid, file)) {
+    fail(file, "belongs to another user, who knows the secret; make it anew");
+  }
   if ((status.st_mode & (S_IRWXG | S_IRWXO)) != 0) {
     fail(file, "holds a secret that others may read or change; set its mode to 0600");
   }

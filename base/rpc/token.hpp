@@ -9,8 +9,9 @@
 
 namespace cas::base::rpc {
 
-/// Reads the first line of a secret's file. @throws ConfigError when it cannot be read, others than
-/// its owner may read or write it, or the secret has fewer than 16 characters
+/// Reads the first line of a secret's file. @throws ConfigError when it cannot be read, it belongs
+/// to another user than root, this one and that of the service, others than its owner may read or
+/// write it, or the secret has fewer than 16 characters
 CAS_BASE_EXPORT std::string read_token(const std::filesystem::path& file);
 
 /// Makes a secret's file with 256 random bits of the kernel as 64 hexadecimal digits, mode 0600, if

@@ -77,15 +77,15 @@ TEST_F(LocalPort, MakesTheFolderForItsUserAlone) {
   EXPECT_EQ(make_runtime_folder(), folder_) << "made before";
 }
 
-TEST_F(LocalPort, ClosesItsFolderToOthers) {
+TEST_F(LocalPort, TakesNoFolderThatOthersMayWriteInto) {
   ASSERT_EQ(::mkdir(folder_.c_str(), 0777), 0);
   ASSERT_EQ(::chmod(folder_.c_str(), 0777), 0);
   session_.write("cas/casd.token", "0123456789abcdef");
   EXPECT_FALSE(contains(local_command_tokens(), folder_ / kCommandToken)) << "it may be anybody's";
-  make_runtime_folder();
+  EXPECT_THROW(make_runtime_folder(), ConfigError);
   struct stat status {};
   ASSERT_EQ(::stat(folder_.c_str(), &status), 0);
-  EXPECT_EQ(status.st_mode & 0777U, 0755U);
+  EXPECT_EQ(status.st_mode & 0777U, 0777U) << "its mode is its owner's affair";
 }
 
 TEST_F(LocalPort, TakesNoSymlinkForTheFolder) {

@@ -43,6 +43,15 @@ TEST(Token, AFileThatOthersMayReadIsRefused) {
   }
 }
 
+TEST(Token, AFileOfAnotherUserIsRefused) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can make a file for another user";
+  const test::TemporaryFolder folder;
+  const auto file = write_token(folder, kToken, 0600);
+  constexpr uid_t kSomebody = 1234;
+  ASSERT_EQ(::chown(file.c_str(), kSomebody, kSomebody), 0);
+  EXPECT_THROW(read_token(file), ConfigError);
+}
+
 TEST(Token, AShortOrMissingOneIsRefused) {
   const test::TemporaryFolder folder;
   EXPECT_THROW(read_token(write_token(folder, "short", 0600)), ConfigError);
