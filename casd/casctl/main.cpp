@@ -124,6 +124,10 @@ int run_verb(const CommandLine& line) {
   } catch (const WaitTimeout& error) {
     print_error(options, 0, error.what(), "");
     return kTimeout;
+  } catch (const nlohmann::json::exception&) {
+    print_error(options, 0, "casd's answer is not what this casctl reads: are they of one version?",
+                "");
+    return kRefused;
   } catch (const std::exception& error) {
     print_error(options, 0, error.what(), "");
     return kRefused;

@@ -15,6 +15,7 @@
 #include "base/rpc/local_port.hpp"
 #include "base/rpc/token.hpp"
 #include "casd/casctl/session/daemon_list.hpp"
+#include "casd/casctl/session/port_owner.hpp"
 #include "casd/casctl/session/printable.hpp"
 
 namespace cas::casctl {
@@ -77,18 +78,23 @@ base::rpc::Client Session::connect_here() {
 void Session::authorise() {
   if (!options_.token_file.empty()) {
     client_.call("authorise", json{{"token", first_line(options_.token_file)}});
-  } else if (is_asked_for_token()) {
-    authorise_with_own_token();
+    return;
   }
+  // For other machines no token is looked for.
+  const std::optional<base::HostPort> tcp = base::parse_host_port(address_);
+  if (address_.starts_with("unix:") || !tcp || !base::rpc::is_loopback_address(tcp->host)) return;
+  if (is_asked_for_token()) return authorise_with_own_token();
+  if (is_own_port(tcp->port)) return;
+  throw base::rpc::CallError(base::rpc::kNotAuthorised,
+                             "what listens at " + address_ +
+                                 " is another user's program and asks for no token, by which casd "
+                                 "would prove itself, so nothing was sent to it: take casd's Unix "
+                                 "socket, or give --token-file",
+                             "null");
 }
 
-/// Whether this is TCP to this machine and casd wants a token there; for other machines none is
-/// looked for.
+/// Whether casd wants a token of TCP clients of this machine.
 bool Session::is_asked_for_token() {
-  const std::optional<base::HostPort> tcp = base::parse_host_port(address_);
-  if (address_.starts_with("unix:") || !tcp || !base::rpc::is_loopback_address(tcp->host)) {
-    return false;
-  }
   try {
     client_.call("methods", json::object());
     return false;

@@ -43,7 +43,7 @@ void print_kinds(const json& links) {
     }
   }
   for (const auto& [kind, names] : kinds) {
-    std::cout << kind << base::joined(names, ", ") << '\n';
+    std::cout << printable(kind) << printable(base::joined(names, ", ")) << '\n';
   }
 }
 
