@@ -19,7 +19,7 @@
 #include "base/cli/whole_number.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "hils/boards/board_error.hpp"
 #include "hils/boards/board_flags.hpp"
 #include "hils/boards/flight_boards.hpp"
@@ -134,9 +134,8 @@ void prepare_boards(const std::vector<FcuChoice>& fcus, const Flags& flags, RunR
   } catch (const BoardError& error) {
     clear_folder();
     const Verdict verdict{.failures = {error.what()}};
-    base::write_file(request.out / "junit.xml",
-                     junit_report("hils." + request.scenario.name, 0, verdict),
-                     base::Durability::kCache);
+    base::write_result({request.out, "junit.xml"},
+                       junit_report("hils." + request.scenario.name, 0, verdict));
     throw;
   }
 }

@@ -70,7 +70,7 @@ void PacketLedger::received(std::uint32_t message_id, std::uint64_t time_usec, R
       {LedgerEntry::Direction::kReceived, message_id, time_usec, at.time_since_epoch().count()});
 }
 
-void PacketLedger::write(const std::filesystem::path& file) const {
+std::string PacketLedger::csv() const {
   std::string text;
   text.reserve(kHeader.size() + 1 + kUsualRow * entries_.size());
   text.append(kHeader) += '\n';
@@ -81,7 +81,11 @@ void PacketLedger::write(const std::filesystem::path& file) const {
     add_cell(text, entry.at_ns);
     text += '\n';
   }
-  write_file(file, text, Durability::kCache);
+  return text;
+}
+
+void PacketLedger::write(const std::filesystem::path& file) const {
+  write_file(file, csv(), Durability::kCache);
 }
 
 std::vector<LedgerEntry> PacketLedger::read(const std::filesystem::path& file) {

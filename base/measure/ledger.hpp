@@ -32,8 +32,9 @@ class CAS_BASE_EXPORT PacketLedger {
   /// In the order in which they were noted.
   const std::vector<LedgerEntry>& entries() const { return entries_; }
 
-  /// CSV with header "direction,message_id,time_usec,at_ns", written beside and renamed.
-  /// @throws ConfigError when it cannot be written
+  /// CSV with header "direction,message_id,time_usec,at_ns".
+  std::string csv() const;
+  /// Writes it as CSV, beside and renamed. @throws ConfigError when it cannot be written
   void write(const std::filesystem::path& file) const;
   /// Reads a file of write(). @throws ConfigError when it cannot be read
   static std::vector<LedgerEntry> read(const std::filesystem::path& file);

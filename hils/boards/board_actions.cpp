@@ -5,10 +5,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <optional>
 #include <string>
 
+#include "base/error.hpp"
+#include "base/os/result_file.hpp"
 #include "base/time/clock.hpp"
 #include "hils/boards/board_device.hpp"
 #include "hils/boards/board_error.hpp"
@@ -18,6 +19,16 @@
 namespace cas::hils {
 
 namespace {
+
+/// Whether the output of a hook can be added to a file: it may be another user's.
+bool can_append(const base::ResultPlace& place) {
+  try {
+    base::append_result(place);
+    return true;
+  } catch (const base::ConfigError&) {
+    return false;
+  }
+}
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
@@ -137,7 +148,7 @@ void BoardActions::hook(HookKind kind, const std::filesystem::path& file) {
   const std::string name = fmt::format("{}_{}.log", board_.name, to_string(kind));
   std::filesystem::path log = logs_ / name;
   std::optional<RunDirectory> scratch;
-  if (logs_.empty() || !std::ofstream(log, std::ios::app)) log = scratch.emplace().path() / name;
+  if (logs_.empty() || !can_append({logs_, name})) log = scratch.emplace().path() / name;
   run_hook(supervisor_, command, folder, log);
 }
 

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <utility>
 
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "base/time/clock.hpp"
 #include "casd/packet/own_station.hpp"
 #include "hils/boards/board_device.hpp"
@@ -180,7 +180,8 @@ std::string fetch(Supervisor& supervisor, const Board& board, const std::filesys
                      board.log->largest_mib));
   }
   const std::vector<std::uint8_t> bytes = files.download(newest->path);
-  base::write_file(file, std::string(bytes.begin(), bytes.end()), base::Durability::kCache);
+  base::write_result({file.parent_path(), file.filename()},
+                     std::string(bytes.begin(), bytes.end()));
   return fmt::format(
       "{}, {} bytes{}", newest->path, bytes.size(),
       newest->among_undated ? "; it may be of an earlier flight: others there have no date" : "");

@@ -10,7 +10,7 @@
 #include <system_error>
 
 #include "base/error.hpp"
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "hils/boards/board_actions.hpp"
 #include "hils/boards/board_device.hpp"
 #include "hils/boards/board_error.hpp"
@@ -189,7 +189,7 @@ std::map<std::size_t, FcuDevice> FlightBoards::prepare(const fs::path& out,
     devices[vehicle] = {.path = facts.device.string(), .baud = baud.value_or(board->baud)};
     all.push_back(board_json(vehicles.at(vehicle), *board, facts));
   }
-  base::write_file(out / "boards.json", all.dump(2) + "\n", base::Durability::kCache);
+  base::write_result({out, "boards.json"}, all.dump(2) + "\n");
   return devices;
 }
 
@@ -198,9 +198,8 @@ void FlightBoards::fetch_logs(const fs::path& out, const VehicleNames& vehicles)
     if (!board->log) continue;
     Supervisor supervisor;  // a program of one that ends stops no other
     const fs::path folder = vehicles.size() > 1 ? out / vehicles.at(vehicle) : out;
-    std::error_code ignored;
-    fs::create_directories(folder, ignored);
-    fs::remove(folder / "board.ulg", ignored);  // that of a flight before
+    base::make_result_folder({out, folder});
+    base::remove_result({folder, "board.ulg"});  // that of a flight before
     fmt::print(stderr, "{}\n",
                fetch_newest_log(supervisor, *board, list_->by_id, folder / "board.ulg").sentence);
   }

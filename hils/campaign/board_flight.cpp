@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "hils/boards/board_error.hpp"
 #include "hils/boards/flight_boards.hpp"
 #include "hils/measure/judgement.hpp"
@@ -85,7 +85,7 @@ RowResult fly_on_board(const RowTask& task, std::function<void()>& fetch_logs) {
 void CampaignControllers::save(const fs::path& folder) const {
   Json json{{"fcu", words}, {"boards", boards.empty() ? "" : fs::absolute(boards).string()}};
   if (baud) json["baud"] = *baud;
-  base::write_file(folder / kControllersFile, json.dump(2) + "\n", base::Durability::kCache);
+  base::write_result({folder, kControllersFile}, json.dump(2) + "\n");
 }
 
 CampaignControllers CampaignControllers::load(const fs::path& folder) {
@@ -117,7 +117,7 @@ int fly_board_row(const fs::path& folder) {
     if (code == kExitPassed && fetch_logs) fetch_logs();
     return code;
   } catch (const BoardError& error) {
-    base::write_file(folder / kBoardSentence, error.what(), base::Durability::kCache);
+    base::write_result({folder, kBoardSentence}, error.what());
     return error.code();
   }
 }

@@ -13,7 +13,7 @@
 #include "base/cli/whole_number.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "hils/boards/board_error.hpp"
 #include "hils/boards/board_flags.hpp"
 #include "hils/boards/flight_boards.hpp"
@@ -81,8 +81,7 @@ SweepFolder plan_of(const Campaign& campaign, const fs::path& out,
   }
   make_results_folder(out);
   if (controllers != nullptr) controllers->save(out);
-  fs::create_directories(study.parent_path());
-  base::write_file(study, text);
+  base::write_result({out, study}, text, base::Durability::kDisk);
   return SweepFolder::plan(study, out, campaign.folder);
 }
 
@@ -108,10 +107,11 @@ std::vector<std::size_t> shown_rows(const CampaignMatrix& matrix, std::size_t mo
 }
 
 void write_results(const CampaignMatrix& matrix, const SweepFolder& sweep) {
-  base::write_file(sweep.path / "results.json", campaign_json(matrix));
-  base::write_file(sweep.path / "results.csv", campaign_csv(matrix));
-  base::write_file(sweep.path / "junit.xml", campaign_junit(matrix));
-  base::write_file(sweep.path / "campaign.html", campaign_html(matrix, sweep.path / "again"));
+  base::write_result({sweep.path, "results.json"}, campaign_json(matrix), base::Durability::kDisk);
+  base::write_result({sweep.path, "results.csv"}, campaign_csv(matrix), base::Durability::kDisk);
+  base::write_result({sweep.path, "junit.xml"}, campaign_junit(matrix), base::Durability::kDisk);
+  base::write_result({sweep.path, "campaign.html"}, campaign_html(matrix, sweep.path / "again"),
+                     base::Durability::kDisk);
 }
 
 /// @throws base::ConfigError
@@ -139,8 +139,10 @@ void hold_boards(const Campaign& campaign, const CampaignControllers& controller
                  controllers.boards, "hils campaign " + options.file, options.wait);
   } catch (const BoardError& error) {
     fs::create_directories(options.out);
-    base::write_file(options.out / "junit.xml", junit_report("hils.campaign." + campaign.name, 0,
-                                                             Verdict{.failures = {error.what()}}));
+    base::write_result(
+        {options.out, "junit.xml"},
+        junit_report("hils.campaign." + campaign.name, 0, Verdict{.failures = {error.what()}}),
+        base::Durability::kDisk);
     throw;
   }
 }

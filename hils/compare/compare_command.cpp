@@ -12,7 +12,7 @@
 #include "base/cli/whole_number.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "base/time/clock.hpp"
 #include "hils/compare/comparison.hpp"
 #include "hils/compare/comparison_report.hpp"
@@ -60,19 +60,15 @@ int compare(const Flags& flags) {
   const ComparisonPlan plan = make_plan(flags);
   const std::filesystem::path out = std::filesystem::absolute(flags.out);
   make_results_folder(out);
-  std::filesystem::create_directories(out / "plots");
   const base::RunTime begin = base::steady_now();
   const std::vector<VariantResult> results = run_comparison(plan, out, flags.keep);
   const double wall_s = base::to_seconds(base::steady_now() - begin);
 
-  base::write_file(out / "comparison.md", comparison_text(plan, results, TableStyle::kMarkdown),
-                   base::Durability::kCache);
-  base::write_file(out / "comparison.json", comparison_json(plan, results),
-                   base::Durability::kCache);
-  base::write_file(out / "comparison.html", comparison_html(plan, results),
-                   base::Durability::kCache);
+  base::write_result({out, "comparison.md"}, comparison_text(plan, results, TableStyle::kMarkdown));
+  base::write_result({out, "comparison.json"}, comparison_json(plan, results));
+  base::write_result({out, "comparison.html"}, comparison_html(plan, results));
   for (const auto& [name, plot] : comparison_plots(results)) {
-    base::write_file(out / "plots" / (name + ".svg"), to_svg(plot), base::Durability::kCache);
+    base::write_result({out, std::filesystem::path("plots") / (name + ".svg")}, to_svg(plot));
   }
   double simulated_s = 0;
   for (const VariantResult& result : results) {

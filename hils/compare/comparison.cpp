@@ -7,7 +7,7 @@
 #include <chrono>
 #include <utility>
 
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "base/time/clock.hpp"
 #include "hils/programs/batch_progress.hpp"
 #include "hils/programs/realtime_run.hpp"
@@ -48,15 +48,13 @@ RunRequest request_of(const Scenario& scenario, const Variant& variant, std::uin
 
 void run_one(const ComparisonPlan& plan, const RunRequest& request, bool keep,
              VariantResult& result) {
-  std::filesystem::create_directories(request.out);
   const bool on_virtual_clock = plan.virtual_clock || request.architecture == Architecture::kDirect;
   const RunRecord record =
       (on_virtual_clock ? run_on_virtual_clock(request) : run_in_real_time(request)).front();
   const Measurement figures = measure(request, record);
   const Verdict verdict = judge(figures, request.scenario.limits);
   if (!plan.virtual_clock)
-    base::write_file(request.out / "summary.json", summary_json(figures, verdict),
-                     base::Durability::kCache);
+    base::write_result({request.out, "summary.json"}, summary_json(figures, verdict));
   if (result.runs.empty()) {
     result.curves = run_curves(result.variant.name(), request.scenario, record);
   }
@@ -123,7 +121,9 @@ std::vector<VariantResult> run_comparison(const ComparisonPlan& plan,
       fmt::print(stderr, "{}; {}, seed {}\n", batch_line("compare", done, all, elapsed),
                  result.variant.name(), seed);
       ++done;
-      run_one(plan, request_of(scenario, result.variant, seed, out, keep), keep, result);
+      const RunRequest request = request_of(scenario, result.variant, seed, out, keep);
+      base::make_result_folder({out, request.out});
+      run_one(plan, request, keep, result);
     }
   }
   return results;

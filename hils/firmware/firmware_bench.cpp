@@ -45,7 +45,8 @@ void FirmwareBench::start() {
                                   "--output",        places_.out,
                                   "--stats",         places_.simulator_stats()};
   if (keeps_ledgers()) {
-    hilsim.insert(hilsim.end(), {"--ledger", places_.simulator_ledger()});
+    hilsim.insert(hilsim.end(),
+                  {"--ledger", places_.simulator_ledger().lexically_relative(places_.out)});
   }
   for (const std::filesystem::path& folder : base::plugin_dirs()) {
     hilsim.insert(hilsim.end(), {"--plugin-dir", folder});

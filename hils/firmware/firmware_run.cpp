@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "base/rpc/client.hpp"
 #include "hils/firmware/firmware_bench.hpp"
 #include "hils/firmware/firmware_figures.hpp"
@@ -116,7 +116,7 @@ FirmwareResult evaluate(const FirmwareScenario& scenario, const FirmwarePlaces& 
 void write_results(const FirmwareScenario& scenario, const FirmwarePlaces& places,
                    std::span<const FirmwareResult> vehicles) {
   const auto write = [&places](const char* file, const std::string& text) {
-    base::write_file(places.out / file, text, base::Durability::kCache);
+    base::write_result({places.out, file}, text);
   };
   std::vector<std::pair<std::string, Verdict>> suites;
   for (const FirmwareResult& vehicle : vehicles) {

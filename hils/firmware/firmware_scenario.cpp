@@ -19,7 +19,7 @@
 #include "base/config/install_paths.hpp"
 #include "base/earth/frames.hpp"
 #include "base/error.hpp"
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "base/suggestion.hpp"
 #include "hils/firmware/companion_flight.hpp"
 #include "hils/firmware/first_sign.hpp"
@@ -252,7 +252,8 @@ void add_plugins(const FirmwareScenario& scenario, const FirmwarePlaces& places,
   if (fault["faults"]) plugins.push_back(fault);
   YAML::Node recorder;
   recorder["plugin"] = "recorder";
-  recorder["file"] = places.truth_csv(scenario.suffix_of(vehicle)).string();
+  recorder["file"] =
+      places.truth_csv(scenario.suffix_of(vehicle)).lexically_relative(places.out).string();
   recorder["rate_hz"] = kTruthHz;
   plugins.push_back(recorder);
 }
@@ -431,10 +432,9 @@ FirmwareScenario FirmwareScenario::load(const std::filesystem::path& file) {
 }
 
 void write_firmware_configs(const FirmwareScenario& scenario, const FirmwarePlaces& places) {
-  std::filesystem::create_directories(places.run);
-  base::write_file(places.simulator_config(), world_text(scenario, places),
-                   base::Durability::kCache);
-  base::write_file(places.casd_config(), topology_text(scenario, places), base::Durability::kCache);
+  base::make_result_folder({places.out, places.run});
+  base::write_result({places.out, places.simulator_config()}, world_text(scenario, places));
+  base::write_result({places.out, places.casd_config()}, topology_text(scenario, places));
 }
 
 }  // namespace cas::hils

@@ -21,6 +21,7 @@
 #include <string_view>
 
 #include "base/error.hpp"
+#include "base/os/result_file.hpp"
 
 namespace cas::hils {
 
@@ -120,10 +121,9 @@ ChildProcess::ChildProcess(Options options) : options_(std::move(options)) {
   ready_ = !notifies || !options_.says_ready;
   const std::vector<char*> argv = exec_words(options_.arguments);
   const std::vector<char*> envp = exec_words(environment);
-  const int from = options_.appends ? 0 : O_TRUNC;
-  const base::Descriptor log(
-      ::open(options_.log_file.c_str(), O_WRONLY | O_CREAT | from | O_CLOEXEC | O_APPEND, 0644));
-  if (!log) fail("cannot write " + options_.log_file.string());
+  const base::ResultPlace place{options_.log_file.parent_path(), options_.log_file.filename()};
+  const base::Descriptor log =
+      options_.appends ? base::append_result(place) : base::make_result(place);
   const pid_t parent = ::getpid();
   pid_ = ::fork();
   if (pid_ < 0) fail("cannot start " + options_.name);

@@ -14,7 +14,7 @@
 #include "base/config/config_origin.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/earth/gravity.hpp"
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "base/random.hpp"
 #include "casd/packet/own_station.hpp"
 #include "fcu/line/line_model.hpp"
@@ -48,6 +48,11 @@ std::string to_text(const YAML::Node& node) {
 
 std::string full_path(const std::filesystem::path& path) {
   return std::filesystem::weakly_canonical(path).string();
+}
+
+/// A file of results as the simulator's plugins take it.
+std::string below_out(const VehiclePlaces& places, const std::filesystem::path& file) {
+  return file.lexically_relative(places.out).string();
 }
 
 std::string local_port(std::uint16_t port) { return fmt::format("127.0.0.1:{}", port); }
@@ -241,7 +246,7 @@ YAML::Node interface_plugin(const Scenario& scenario, std::size_t vehicle, Trans
     node["transport"] = "udp";
     node["local"] = local_port(places.simulator_port);
     node["remote"] = local_port(places.casd_port);
-    node["ledger"] = full_path(places.simulator_ledger());
+    node["ledger"] = below_out(places, places.simulator_ledger());
   }
   node["system_id"] = static_cast<int>(scenario.vehicles[vehicle].system_id);
   node["component_id"] = kSimulatorComponent;
@@ -311,9 +316,9 @@ YAML::Node vehicle_plugins(const RunRequest& request, std::size_t vehicle, Trans
   plugins.push_back(interface_plugin(scenario, vehicle, transport, places));
   YAML::Node recorder;
   recorder["plugin"] = "recorder";
-  recorder["file"] = full_path(places.truth_csv());
+  recorder["file"] = below_out(places, places.truth_csv());
   recorder["rate_hz"] = kTruthHz;
-  if (request.keeps_sensors) recorder["sensor_dir"] = full_path(places.sensors());
+  if (request.keeps_sensors) recorder["sensor_dir"] = below_out(places, places.sensors());
   plugins.push_back(recorder);
   return plugins;
 }
@@ -425,15 +430,16 @@ fcu::LineConfig line_of(const RunRequest& request) {
 }
 
 void write_configs(const RunRequest& request, Transport transport, const RunPlaces& places) {
-  std::filesystem::create_directories(places.run);
-  std::filesystem::remove(places.plugin_figures());  // of an earlier run in this folder
-  base::write_file(places.simulator_config(), simulator_config(request, transport, places),
-                   base::Durability::kCache);
+  base::make_result_folder({places.out, places.run});
+  base::remove_result({places.out, places.plugin_figures()});  // of an earlier run in this folder
+  const auto write = [&places](const std::filesystem::path& file, const std::string& text) {
+    base::write_result({places.out, file}, text);
+  };
+  write(places.simulator_config(), simulator_config(request, transport, places));
   for (std::size_t i = 0; i < places.vehicles.size(); ++i) {
-    base::write_file(places.vehicles[i].fcu_config(), fcu_config(request, i),
-                     base::Durability::kCache);
+    write(places.vehicles[i].fcu_config(), fcu_config(request, i));
   }
-  base::write_file(places.casd_config(), casd_config(request, places), base::Durability::kCache);
+  write(places.casd_config(), casd_config(request, places));
 }
 
 }  // namespace cas::hils

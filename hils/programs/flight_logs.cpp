@@ -3,8 +3,11 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
+#include <cstdio>
+#include <string>
 
+#include "base/os/result_file.hpp"
+#include "base/read_file.hpp"
 #include "hils/programs/supervisor.hpp"
 
 namespace cas::hils {
@@ -19,12 +22,14 @@ void FlightLogs::join() {
   const std::filesystem::path last = folder_ / "flight_last.tlog";
   std::filesystem::rename(log_, last);
   earlier_.push_back(last);
-  std::ofstream whole(log_, std::ios::binary);
+  const base::ResultStream whole = base::open_result({log_.parent_path(), log_.filename()});
   for (const std::filesystem::path& part : earlier_) {
-    if (std::filesystem::is_empty(part)) continue;  // << of an empty buffer sets failbit
-    whole << std::ifstream(part, std::ios::binary).rdbuf();
+    const std::string text = base::read_file(part).value_or("");
+    std::fwrite(text.data(), 1, text.size(), whole.get());
   }
-  if (!whole.flush()) throw RunStopped(log_.string() + " cannot be written", false);
+  if (std::fflush(whole.get()) != 0 || std::ferror(whole.get()) != 0) {
+    throw RunStopped(log_.string() + " cannot be written", false);
+  }
 }
 
 }  // namespace cas::hils

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/os/result_file.hpp"
 #include "base/os/write_file.hpp"
 #include "base/read_file.hpp"
 #include "hils/replay/replay_page.hpp"
@@ -73,13 +74,11 @@ fs::path write_replay(const RunRequest& request, const RunResult& run) {
 
 fs::path write_replay(const fs::path& out, const std::string& text) {
   const std::string record = gzip(text);
-  base::write_file(record_file(out), record, base::Durability::kCache);
+  base::write_result({out, record_file(out)}, record);
   fs::path file = out / "replay.html";
-  std::error_code error;
-  fs::remove(file, error);  // of an earlier run
-  if (error) throw base::ConfigError(file.string() + ": cannot be removed: " + error.message());
+  base::remove_result({out, file});  // of an earlier run
   if (!has_page()) return {};
-  base::write_file(file, replay_page({&record, 1}), base::Durability::kCache);
+  base::write_result({out, file}, replay_page({&record, 1}));
   return file;
 }
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "hils/report/html_report.hpp"
 #include "hils/report/junit_report.hpp"
 #include "hils/report/plot.hpp"
@@ -22,10 +22,11 @@ namespace cas::hils {
 
 namespace {
 
-void write_plots(const std::filesystem::path& folder, const NamedPlots& plots) {
-  std::filesystem::create_directories(folder);
-  for (const auto& [name, plot] : plots)
-    base::write_file(folder / (name + ".svg"), to_svg(plot), base::Durability::kCache);
+void write_plots(const std::filesystem::path& out, const std::filesystem::path& folder,
+                 const NamedPlots& plots) {
+  for (const auto& [name, plot] : plots) {
+    base::write_result({out, folder / (name + ".svg")}, to_svg(plot));
+  }
 }
 
 /// The scenario, its vehicle files and the configurations generated from them; each file once.
@@ -59,29 +60,24 @@ void make_results_folder(const std::filesystem::path& folder) {
 void remove_verdict(const std::filesystem::path& folder) {
   for (const char* name : {"summary.json", "junit.xml", "report.html", "replay.html",
                            "run/hilsim_stats.json", "boards.json", "board.ulg"}) {
-    std::error_code error;
-    std::filesystem::remove(folder / name, error);
     // A folder of that name is no page of an earlier run; writing the page reports it.
     const bool page = std::filesystem::path(name).extension() == ".html";
-    if (error && !(page && std::filesystem::is_directory(folder / name))) {
-      throw base::ConfigError((folder / name).string() +
-                              " of an earlier run cannot be removed: " + error.message());
-    }
+    if (page && std::filesystem::is_directory(folder / name)) continue;
+    base::remove_result({folder, name});
   }
 }
 
 void write_results(const RunRequest& request, const RunResult& run) {
   const std::filesystem::path& out = request.out;
-  base::write_file(out / "summary.json", summary_json(run), base::Durability::kCache);
-  base::write_file(out / "junit.xml", junit_report(run), base::Durability::kCache);
+  base::write_result({out, "summary.json"}, summary_json(run));
+  base::write_result({out, "junit.xml"}, junit_report(run));
   std::vector<NamedPlots> plots;
   for (const VehicleResult& vehicle : run.vehicles) {
     plots.push_back(run_plots(request.scenario, vehicle.record, vehicle.figures));
-    const std::filesystem::path folder = out / "plots";
-    write_plots(run.has_several() ? folder / vehicle.figures.vehicle : folder, plots.back());
+    const std::filesystem::path folder = "plots";
+    write_plots(out, run.has_several() ? folder / vehicle.figures.vehicle : folder, plots.back());
   }
-  base::write_file(out / "report.html", html_report(run, plots, quoted_files(request)),
-                   base::Durability::kCache);
+  base::write_result({out, "report.html"}, html_report(run, plots, quoted_files(request)));
 }
 
 }  // namespace cas::hils

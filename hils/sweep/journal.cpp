@@ -42,7 +42,8 @@ off_t whole_lines(int fd, off_t size) {
 }  // namespace
 
 Journal::Journal(const std::filesystem::path& file)
-    : file_(file), out_(::open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644)) {
+    : file_(file),
+      out_(::open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0644)) {
   if (!out_) fail(file, "cannot be written");
   if (::flock(out_.get(), LOCK_EX | LOCK_NB) != 0) {
     if (errno != EWOULDBLOCK) fail(file, "cannot be locked");

@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "base/error.hpp"
+#include "base/os/result_file.hpp"
 #include "base/os/write_file.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/run_result.hpp"
@@ -126,7 +127,7 @@ int fly_row(const fs::path& folder, const FlyTask& fly) {
   result.row = task.row;
   result.version = CAS_VERSION;
   try {
-    base::write_file(folder / "result.json", journal_line(result), base::Durability::kCache);
+    base::write_result({folder, "result.json"}, journal_line(result));
   } catch (const base::ConfigError& error) {
     fmt::print(stderr, "{}\n", error.what());
     return kExitMachine;

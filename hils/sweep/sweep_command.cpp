@@ -17,7 +17,7 @@
 #include "base/cli/whole_number.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "base/text.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/run/verbs.hpp"
@@ -132,16 +132,20 @@ int collect_sweep(const fs::path& folder, const Flags& flags) {
   const std::vector<ShareCheck> checks = check_shares(view.sweep.study.limits, counts);
   constexpr std::size_t kWorst = 10;
   page.worst = worst_rows(view, std::max(kWorst, flags.again));
-  base::write_file(folder / "results.csv", view.sweep.results_csv(view.results));
-  base::write_file(folder / "machine.csv", view.sweep.machine_csv_of(view.results));
+  base::write_result({folder, "results.csv"}, view.sweep.results_csv(view.results),
+                     base::Durability::kDisk);
+  base::write_result({folder, "machine.csv"}, view.sweep.machine_csv_of(view.results),
+                     base::Durability::kDisk);
   write_sqlite(view, folder / "sweep.sqlite");
-  base::write_file(folder / "junit.xml", sweep_junit(view.sweep.study.name, counts, checks));
+  base::write_result({folder, "junit.xml"}, sweep_junit(view.sweep.study.name, counts, checks),
+                     base::Durability::kDisk);
   page.flown_again = fly_again(
       view.sweep,
       {page.worst.begin(),
        page.worst.begin() + static_cast<std::ptrdiff_t>(std::min(flags.again, page.worst.size()))},
       1);
-  base::write_file(folder / "sweep.html", sweep_html(view, checks, page));
+  base::write_result({folder, "sweep.html"}, sweep_html(view, checks, page),
+                     base::Durability::kDisk);
   fmt::print("{}Results: {}\n", sweep_text(view, checks, page.before), folder.string());
   if (counts.flown < counts.rows) return kExitInvalid;
   return std::ranges::all_of(checks, &ShareCheck::kept) ? kExitPassed : kExitLimitsMissed;

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "base/error.hpp"
+#include "base/os/result_file.hpp"
 #include "base/os/write_file.hpp"
 #include "base/text.hpp"
 #include "hils/report/results_folder.hpp"
@@ -159,14 +160,15 @@ SweepFolder SweepFolder::plan(const fs::path& study_file, const fs::path& folder
   sweep.figures = figure_names(scenario);
   check_headings(sweep.study, sweep.figures);
   check_rows(sweep);
-  base::write_file(sweep.path / "study.yaml", text);
+  base::write_result({sweep.path, "study.yaml"}, text, base::Durability::kDisk);
   for (const fs::directory_entry& entry : fs::directory_iterator(sweep.path)) {
     if (entry.path().extension() == ".yaml") {
       base::write_file(entry.path(), text_of_file(entry.path()));  // on the disk before the plan is
     }
   }
-  base::write_file(sweep.path / "table.csv", sweep.table.csv());
-  base::write_file(sweep.path / "plan.json", plan_json(sweep));  // last: now it is a plan
+  base::write_result({sweep.path, "table.csv"}, sweep.table.csv(), base::Durability::kDisk);
+  base::write_result({sweep.path, "plan.json"}, plan_json(sweep),
+                     base::Durability::kDisk);  // last: now it is a plan
   return sweep;
 }
 

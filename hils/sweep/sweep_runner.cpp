@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "hils/programs/supervisor.hpp"
 #include "hils/run/scratch_folder.hpp"
 #include "hils/sweep/flight_pool.hpp"
@@ -27,7 +27,7 @@ class Runner {
         options_(options),
         first_(rows_of_chunk(sweep.table.rows.size(), options.chunk.k, options.chunk.n).first),
         last_(rows_of_chunk(sweep.table.rows.size(), options.chunk.k, options.chunk.n).second),
-        journal_(make_folder(sweep.path / "journal") / (options.chunk.name() + ".jsonl")),
+        journal_(journal_folder(sweep.path) / (options.chunk.name() + ".jsonl")),
         scratch_(options.scratch.empty() ? sweep.path / "work"
                                          : fresh_folder(options.scratch, "hils-sweep")) {
     find_pending();
@@ -71,9 +71,9 @@ class Runner {
   SweepRunResult finish() const {
     const std::vector<RowResult> results = sweep_.results(first_, last_);
     const fs::path csv = sweep_.chunk_csv(options_.chunk);
-    fs::create_directories(csv.parent_path());
-    base::write_file(sweep_.machine_csv(options_.chunk), sweep_.machine_csv_of(results));
-    base::write_file(csv, sweep_.results_csv(results));
+    base::write_result({sweep_.path, sweep_.machine_csv(options_.chunk)},
+                       sweep_.machine_csv_of(results), base::Durability::kDisk);
+    base::write_result({sweep_.path, csv}, sweep_.results_csv(results), base::Durability::kDisk);
     SweepRunResult summary{.rows = results.size(), .flown = state_.flown};
     std::size_t refused = 0;
     for (const RowResult& result : results) {
@@ -90,9 +90,9 @@ class Runner {
   }
 
  private:
-  static fs::path make_folder(const fs::path& folder) {
-    fs::create_directories(folder);
-    return folder;
+  static fs::path journal_folder(const fs::path& sweep) {
+    base::make_result_folder({sweep, "journal"});
+    return sweep / "journal";
   }
 
   void find_pending() {

@@ -13,6 +13,7 @@
 
 #include "base/cli/whole_number.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/os/result_file.hpp"
 #include "base/os/write_file.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/programs/child_process.hpp"
@@ -65,11 +66,13 @@ int run_tune(const std::string& study_file, const fs::path& out, std::size_t job
 
   std::vector<std::size_t> all(result.candidates.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
-  base::write_file(out / "candidates.csv", candidates_csv(study, result, all));
-  base::write_file(out / "front.csv", candidates_csv(study, result, result.front));
+  base::write_result({out, "candidates.csv"}, candidates_csv(study, result, all),
+                     base::Durability::kDisk);
+  base::write_result({out, "front.csv"}, candidates_csv(study, result, result.front),
+                     base::Durability::kDisk);
   const Candidate& best = result.candidates[result.best];
-  base::write_file(out / "gains.yaml", gains_yaml(study, best));
-  base::write_file(out / "gains.params", gains_params(study, best));
+  base::write_result({out, "gains.yaml"}, gains_yaml(study, best), base::Durability::kDisk);
+  base::write_result({out, "gains.params"}, gains_params(study, best), base::Durability::kDisk);
   fly_reports(study, flights, out / "before", study.before());
   fly_reports(study, flights, out / "after", best.values);
   std::vector<Plot> steps;
@@ -80,7 +83,7 @@ int run_tune(const std::string& study_file, const fs::path& out, std::size_t job
       steps.push_back(std::move(plot));
     }
   }
-  base::write_file(out / "tune.html", tune_html(study, result, steps));
+  base::write_result({out, "tune.html"}, tune_html(study, result, steps), base::Durability::kDisk);
   fmt::print("{}\nResults: {}\n", tune_text(study, result), out.string());
   return result.best != 0 ? kExitPassed : kExitLimitsMissed;
 }

@@ -265,7 +265,7 @@ void write_ulog(const RunRequest& request, const RunRecord& record, std::size_t 
   const VehiclePlaces& own = places.vehicles.at(vehicle);
   const std::vector<sim::UlogParam> params = initial_params(request, vehicle, own);
   const std::size_t rotors = rotor_columns(record.truth_csv);
-  sim::UlogFile file(own.flight_ulog(), ulog_topics(static_cast<int>(rotors)),
+  sim::UlogFile file({own.out, own.flight_ulog()}, ulog_topics(static_cast<int>(rotors)),
                      infos(request, record), params);
   const std::optional<base::Geodetic> home = request.scenario.home;
 

@@ -4,19 +4,18 @@
 #include <signal.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
-#include <cstring>
+#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "base/random.hpp"
 #include "base/time/clock.hpp"
 #include "casd/tlog/tlog_files.hpp"
@@ -52,28 +51,26 @@ constexpr base::Duration kShowPeriod = std::chrono::seconds(1);
 class FlightLog {
  public:
   /// @throws base::ConfigError
-  explicit FlightLog(const std::filesystem::path& path)
-      : path_(path), file_(path, std::ios::binary) {
-    if (!file_) throw base::ConfigError("cannot write " + path.string() + ": " + strerror(errno));
-  }
+  explicit FlightLog(base::ResultPlace place)
+      : file_(base::open_result(place)), place_(std::move(place)) {}
 
   void write(base::Duration since_start, std::span<const std::uint8_t> packet) {
     record_.clear();
     const auto stamp_us = static_cast<std::uint64_t>(kLogEpochUs + since_start.count() / 1000);
     casd::append_tlog_record(stamp_us, packet, record_);
-    file_.write(reinterpret_cast<const char*>(record_.data()),
-                static_cast<std::streamsize>(record_.size()));
+    std::fwrite(record_.data(), 1, record_.size(), file_.get());
   }
 
   /// @throws base::ConfigError when something could not be written
   void close() {
-    file_.close();
-    if (!file_) throw base::ConfigError(path_.string() + " was not written to its end");
+    const bool written = std::fflush(file_.get()) == 0 && std::ferror(file_.get()) == 0;
+    if (written) return;
+    throw base::ConfigError(place_.path().string() + " was not written to its end");
   }
 
  private:
-  std::filesystem::path path_;
-  std::ofstream file_;
+  base::ResultStream file_;
+  base::ResultPlace place_;
   std::vector<std::uint8_t> record_;
 };
 
@@ -140,8 +137,8 @@ class VirtualBench {
  public:
   VirtualBench(const RunRequest& request, const RunPlaces& places)
       : scenario_(request.scenario),
-        stats_file_(places.simulator_stats()),
-        log_(places.flight_tlog()),
+        stats_file_{places.out, places.simulator_stats()},
+        log_({places.out, places.flight_tlog()}),
         topology_(casd::Topology::load(places.casd_config())),
         seed_(request.seed),
         relay_(topology_, wake_up(request.scenario.wake_up)),
@@ -181,7 +178,7 @@ class VirtualBench {
     }
     progress_.clear();
     simulator_.finish();
-    base::write_file(stats_file_, simulator_.stats_json(), base::Durability::kCache);
+    base::write_result(stats_file_, simulator_.stats_json());
     log_.close();
   }
 
@@ -300,7 +297,7 @@ class VirtualBench {
   }
 
   const Scenario& scenario_;
-  std::filesystem::path stats_file_;
+  base::ResultPlace stats_file_;
   FlightLog log_;
   casd::Topology topology_;
   std::uint64_t seed_;

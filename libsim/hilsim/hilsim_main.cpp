@@ -68,7 +68,8 @@ void add_flags(CLI::App& app, Flags& flags) {
       ->needs(describe);
   app.add_option("--stats", flags.stats, "Write figures (JSON) to this file at the end");
   app.add_option("--ledger", flags.ledger,
-                 "Write each vehicle's packet ledger (CSV); with several vehicles FILE.<name>");
+                 "Write each vehicle's packet ledger (CSV), below --output; with several vehicles "
+                 "FILE.<name>");
   app.add_option("--control", flags.control, "Unix socket for control (JSON-RPC)");
   app.add_option("--output", flags.output, "Folder for the files of the run");
   app.add_option("--plugin-dir", flags.plugin_dirs, "Folder searched for plugins first");
@@ -90,8 +91,8 @@ void order_ledgers(sim::SimConfig& config, const std::filesystem::path& file) {
   for (sim::VehicleConfig& vehicle : config.vehicles) {
     for (sim::PluginConfig& plugin : vehicle.plugins) {
       if (plugin.plugin != "mavlink_interface") continue;
-      const std::string name = std::filesystem::absolute(file).string() +
-                               (config.vehicles.size() > 1 ? "." + vehicle.name : "");
+      const std::string name =
+          file.string() + (config.vehicles.size() > 1 ? "." + vehicle.name : "");
       const nlohmann::json quoted = name;
       plugin.params = base::ConfigNode::parse("ledger: " + quoted.dump(), "--ledger")
                           .merged_over(plugin.params);

@@ -3,7 +3,9 @@
 
 #include <bit>
 #include <cerrno>
+#include <cstdio>
 #include <string>
+#include <utility>
 
 namespace cas::sim {
 namespace {
@@ -29,10 +31,6 @@ std::string key_of(const char* type, std::string_view name) {
   return std::string(type).append(" ").append(name);
 }
 
-[[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
-  throw base::ConfigError(path.string() + ": " + what + ": " + std::strerror(errno));
-}
-
 }  // namespace
 
 UlogInfo UlogInfo::text(std::string_view name, std::string_view value) {
@@ -48,13 +46,9 @@ UlogInfo UlogInfo::uint32(std::string_view name, std::uint32_t value) {
   return {key_of("uint32_t", name), text_of_number(value)};
 }
 
-UlogFile::UlogFile(const std::filesystem::path& file, std::span<const UlogTopic> topics,
+UlogFile::UlogFile(base::ResultPlace place, std::span<const UlogTopic> topics,
                    std::span<const UlogInfo> infos, std::span<const UlogParam> params)
-    : path_(file) {
-  std::error_code ignored;  // fopen reports the error
-  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), ignored);
-  file_.reset(std::fopen(file.c_str(), "wbe"));
-  if (!file_) fail(path_, "cannot be written");
+    : file_(base::open_result(place)), place_(std::move(place)) {
   write_header();
   const UlogInfo name = UlogInfo::text("sys_name", "CAS");
   write_pair('I', name.key, name.value);
@@ -122,7 +116,9 @@ void UlogFile::close() {
   if (!file_) return;
   const bool written = std::fflush(file_.get()) == 0 && std::ferror(file_.get()) == 0;
   file_.reset();
-  if (!written) fail(path_, "was not written to its end");
+  if (written) return;
+  throw base::ConfigError(place_.path().string() +
+                          ": was not written to its end: " + std::strerror(errno));
 }
 
 }  // namespace cas::sim

@@ -3,16 +3,14 @@
 
 #include <array>
 #include <cstdint>
-#include <cstdio>
 #include <cstring>
-#include <filesystem>
-#include <memory>
 #include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
 
 #include "base/error.hpp"
+#include "base/os/result_file.hpp"
 #include "base/time/clock.hpp"
 
 namespace cas::sim {
@@ -76,7 +74,7 @@ class UlogFile {
   ///
   /// @param params  as they were when the log began
   /// @throws base::ConfigError
-  UlogFile(const std::filesystem::path& file, std::span<const UlogTopic> topics,
+  UlogFile(base::ResultPlace place, std::span<const UlogTopic> topics,
            std::span<const UlogInfo> infos = {}, std::span<const UlogParam> params = {});
 
   void write(std::uint16_t topic, const UlogRecord& record);
@@ -88,17 +86,13 @@ class UlogFile {
   void close();
 
  private:
-  struct CloseFile {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-
   void write_header();
   void write_pair(char type, std::string_view key, std::string_view value);
   void write_message(char type, std::span<const std::uint8_t> head,
                      std::span<const std::uint8_t> body);
 
-  std::unique_ptr<std::FILE, CloseFile> file_;
-  std::filesystem::path path_;
+  base::ResultStream file_;
+  base::ResultPlace place_;
 };
 
 }  // namespace cas::sim

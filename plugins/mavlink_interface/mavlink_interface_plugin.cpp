@@ -14,9 +14,11 @@
 #include "base/error.hpp"
 #include "base/measure/ledger.hpp"
 #include "base/os/log.hpp"
+#include "base/os/result_file.hpp"
 #include "libsim/api/fault_order.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
+#include "plugins/common/result_path.hpp"
 #include "plugins/mavlink_interface/bus_port.hpp"
 #include "plugins/mavlink_interface/failure_map.hpp"
 #include "plugins/mavlink_interface/hil_conversion.hpp"
@@ -85,9 +87,8 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     port_ = open_port(context, node);
     if (const auto viewer = node.find("viewer")) viewer_.emplace(*viewer, params_.self);
     vehicle_ = context.vehicle_id();
-    if (node.has("ledger")) {
-      ledger_file_ = context.output_dir() / node.require<std::string>("ledger");
-    }
+    output_ = context.output_dir();
+    if (const auto ledger = node.find("ledger")) ledger_file_ = result_path(*ledger);
     begin();
     subscribe(context);
     listen_to_plugins(context);
@@ -148,7 +149,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   void finish() override {
     if (!ledger_) return;
     interface_->receive();  // packets after the last step belong to the ledger
-    ledger_->write(ledger_file_);
+    base::write_result({output_, ledger_file_}, ledger_->csv());
   }
 
   std::string stats_json() const override {
@@ -257,7 +258,8 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
 
   HilInterfaceParams params_;
   std::unique_ptr<HilPort> port_;
-  std::filesystem::path ledger_file_;
+  std::filesystem::path output_;
+  std::filesystem::path ledger_file_;  // below it
   std::optional<base::PacketLedger> ledger_;
   std::unique_ptr<HilInterface> interface_;
   VehicleId vehicle_{};

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include "base/error.hpp"
 
@@ -15,17 +16,10 @@ namespace {
 constexpr std::size_t kNumberBytes = 32;  // the longest double takes 24
 constexpr std::size_t kMaxColumns = 64;
 
-[[noreturn]] void fail(const std::filesystem::path& path, const char* what) {
-  throw base::ConfigError(path.string() + ": " + what + ": " + std::strerror(errno));
-}
-
 }  // namespace
 
-CsvWriter::CsvWriter(const std::filesystem::path& file, std::string_view header) : path_(file) {
-  std::error_code ignored;  // fopen reports the error
-  if (file.has_parent_path()) std::filesystem::create_directories(file.parent_path(), ignored);
-  file_.reset(std::fopen(file.c_str(), "we"));
-  if (!file_) fail(path_, "cannot be written");
+CsvWriter::CsvWriter(base::ResultPlace place, std::string_view header)
+    : file_(base::open_result(place)), place_(std::move(place)) {
   std::fwrite(header.data(), 1, header.size(), file_.get());
   std::fputc('\n', file_.get());
 }
@@ -46,7 +40,9 @@ void CsvWriter::close() {
   if (!file_) return;
   const bool written = std::fflush(file_.get()) == 0 && std::ferror(file_.get()) == 0;
   file_.reset();
-  if (!written) fail(path_, "was not written to its end");
+  if (written) return;
+  throw base::ConfigError(place_.path().string() +
+                          ": was not written to its end: " + std::strerror(errno));
 }
 
 }  // namespace cas::sim

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstdio>
-#include <filesystem>
 #include <initializer_list>
-#include <memory>
 #include <span>
 #include <string_view>
+
+#include "base/os/result_file.hpp"
 
 namespace cas::sim {
 
@@ -16,7 +16,7 @@ class CsvWriter {
  public:
   CsvWriter() = default;
   /// Creates the file (and its folder) and writes the header. @throws base::ConfigError
-  CsvWriter(const std::filesystem::path& file, std::string_view header);
+  CsvWriter(base::ResultPlace place, std::string_view header);
 
   void row(std::span<const double> values);
   void row(std::initializer_list<double> values) { row({values.begin(), values.size()}); }
@@ -24,12 +24,8 @@ class CsvWriter {
   void close();
 
  private:
-  struct CloseFile {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-
-  std::unique_ptr<std::FILE, CloseFile> file_;
-  std::filesystem::path path_;
+  base::ResultStream file_;
+  base::ResultPlace place_;
 };
 
 }  // namespace cas::sim

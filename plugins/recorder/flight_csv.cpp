@@ -46,15 +46,17 @@ TruthRow truth_row(base::SimTime time, const BodyState& state, const base::Rotor
   return row;
 }
 
-SensorCsv::SensorCsv(const std::filesystem::path& folder, int commands)
-    : imu_(folder / "imu.csv",
+SensorCsv::SensorCsv(const base::ResultPlace& folder, int commands)
+    : imu_({folder.out, folder.file / "imu.csv"},
            "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2"),
-      gps_(folder / "gps.csv",
+      gps_({folder.out, folder.file / "gps.csv"},
            "time_s,fix_type,satellites,lat_deg,lon_deg,alt_m,vn_m_s,ve_m_s,vd_m_s,eph_m,epv_m"),
-      magnetometer_(folder / "magnetometer.csv", "time_s,x_gauss,y_gauss,z_gauss"),
-      barometer_(folder / "barometer.csv", "time_s,pressure_pa,temperature_degc"),
-      range_(folder / "rangefinder.csv", "time_s,distance_m,valid"),
-      command_(folder / "motor_command.csv", command_header(commands)),
+      magnetometer_({folder.out, folder.file / "magnetometer.csv"},
+                    "time_s,x_gauss,y_gauss,z_gauss"),
+      barometer_({folder.out, folder.file / "barometer.csv"},
+                 "time_s,pressure_pa,temperature_degc"),
+      range_({folder.out, folder.file / "rangefinder.csv"}, "time_s,distance_m,valid"),
+      command_({folder.out, folder.file / "motor_command.csv"}, command_header(commands)),
       commands_(commands) {}
 
 void SensorCsv::write(const ImuSample& sample) {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <filesystem>
 #include <string>
 
 #include "base/time/clock.hpp"
@@ -31,8 +30,9 @@ int command_values(const base::Vehicle& vehicle);
 class SensorCsv {
  public:
   SensorCsv() = default;
-  /// @param commands  see command_values(). @throws base::ConfigError
-  SensorCsv(const std::filesystem::path& folder, int commands);
+  /// @param folder    of the files @param commands  see command_values()
+  /// @throws base::ConfigError
+  SensorCsv(const base::ResultPlace& folder, int commands);
 
   void write(const ImuSample& sample);
   void write(const GpsSample& sample);

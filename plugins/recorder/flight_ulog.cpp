@@ -39,7 +39,7 @@ constexpr std::array<UlogTopic, kTopics> kLogged{
      {"motor_command", "values;uint8_t kind;bool armed"}}};
 
 /// Opens a log of the topics above, the last two of them with arrays of the vehicle's lengths.
-UlogFile open_log(const std::filesystem::path& file, int rotors, int commands) {
+UlogFile open_log(const base::ResultPlace& place, int rotors, int commands) {
   const auto array = [](int length, std::string_view fields) {
     return "float[" + std::to_string(length) + "] " + std::string(fields);
   };
@@ -48,13 +48,13 @@ UlogFile open_log(const std::filesystem::path& file, int rotors, int commands) {
   const std::string values = array(commands, logged[kCommand].fields);
   logged[kRotors].fields = speeds;
   logged[kCommand].fields = values;
-  return UlogFile(file, logged);
+  return UlogFile(place, logged);
 }
 
 }  // namespace
 
-FlightUlog::FlightUlog(const std::filesystem::path& file, int rotors, int commands)
-    : commands_(commands), file_(open_log(file, rotors, commands)) {}
+FlightUlog::FlightUlog(const base::ResultPlace& place, int rotors, int commands)
+    : commands_(commands), file_(open_log(place, rotors, commands)) {}
 
 void FlightUlog::write_truth(base::SimTime time, const BodyState& state) {
   const Eigen::Quaterniond q = base::q_ND_from_q_WB(state.q_WB);

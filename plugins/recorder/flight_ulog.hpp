@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <filesystem>
-
 #include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/world.hpp"
@@ -17,7 +15,7 @@ class FlightUlog {
   FlightUlog() = default;
   /// @param rotors    of the vehicle
   /// @param commands  see command_values(). @throws base::ConfigError
-  FlightUlog(const std::filesystem::path& file, int rotors, int commands);
+  FlightUlog(const base::ResultPlace& place, int rotors, int commands);
 
   void write_truth(base::SimTime time, const BodyState& state);
   void write(const ImuSample& sample);

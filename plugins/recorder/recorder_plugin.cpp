@@ -8,6 +8,7 @@
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/common/noise_params.hpp"
+#include "plugins/common/result_path.hpp"
 #include "plugins/recorder/csv_writer.hpp"
 #include "plugins/recorder/flight_csv.hpp"
 #include "plugins/recorder/flight_ulog.hpp"
@@ -25,14 +26,10 @@ class RecorderPlugin final : public Plugin {
     commands_ = command_values(context.vehicle());
     speeds_ = standing();
     rate_ = base::RateGate(parse_rate(params, base::to_seconds(context.step())));
-    const auto place = [&](const char* key) -> std::filesystem::path {
-      const auto name = params.find(key);
-      return name ? context.output_dir() / name->as<std::string>() : std::filesystem::path();
-    };
-    params.at("file");  // says that it is missing
-    truth_file_ = place("file");
-    sensor_dir_ = place("sensor_dir");
-    ulog_file_ = place("ulog");
+    output_ = context.output_dir();
+    truth_file_ = result_path(params.at("file"));
+    if (const auto folder = params.find("sensor_dir")) sensor_dir_ = result_path(*folder);
+    if (const auto file = params.find("ulog")) ulog_file_ = result_path(*file);
     open();
     subscribe(context);
   }
@@ -66,9 +63,10 @@ class RecorderPlugin final : public Plugin {
 
  private:
   void open() {
-    truth_ = CsvWriter(truth_file_, truth_header(rotors_));
-    if (!sensor_dir_.empty()) sensors_.emplace(sensor_dir_, commands_);
-    if (!ulog_file_.empty()) ulog_.emplace(ulog_file_, rotors_, commands_);
+    truth_ = CsvWriter({output_, truth_file_}, truth_header(rotors_));
+    if (!sensor_dir_.empty()) sensors_.emplace(base::ResultPlace{output_, sensor_dir_}, commands_);
+    if (!ulog_file_.empty())
+      ulog_.emplace(base::ResultPlace{output_, ulog_file_}, rotors_, commands_);
   }
 
   RotorSpeeds standing() const {
@@ -116,7 +114,8 @@ class RecorderPlugin final : public Plugin {
   int rotors_ = 0;
   int commands_ = 0;
   base::RateGate rate_;
-  std::filesystem::path truth_file_;
+  std::filesystem::path output_;
+  std::filesystem::path truth_file_;  // below it, as the next two
   std::filesystem::path sensor_dir_;
   std::filesystem::path ulog_file_;
   CsvWriter truth_;

@@ -252,8 +252,7 @@ class Bench:
         own = [{"plugin": name} for name in ("motor", "imu", "gps", "magnetometer", "barometer")]
         interface = {"plugin": "mavlink_interface", "transport": "udp", "local": "127.0.0.1:0", "remote": casd,
                      "system_id": 1, "component_id": 200}
-        recorder = [{"plugin": "recorder", "file": str(self.folder / "truth.csv"), "rate_hz": 100,
-                     "sensor_dir": str(self.folder / "sensors")}] if self._keep else []
+        recorder = [{"plugin": "recorder", "file": "truth.csv", "rate_hz": 100, "sensor_dir": "sensors"}] if self._keep else []
         vehicle = {"name": "iris0", "vehicle": self._vehicle, "pose": self._pose, **self._sensor_keys(),
                    "plugins": [*own, *self._plugins, interface, *recorder]}
         world: Any = {"gravity_m_s2": 9.80665, "ground": True}

@@ -43,7 +43,7 @@ std::vector<std::string> lines_of(const std::filesystem::path& file) {
 
 TEST(CsvWriter, WritesNumbersThatReadBackExactly) {
   const Folder folder;
-  CsvWriter csv(folder / "deep/a.csv", "a,b,c");
+  CsvWriter csv({folder.path(), "deep/a.csv"}, "a,b,c");
   csv.row({0.1, -1e300, 12345678.875});
   csv.close();
   EXPECT_EQ(lines_of(folder / "deep/a.csv"),
@@ -52,7 +52,7 @@ TEST(CsvWriter, WritesNumbersThatReadBackExactly) {
 
 TEST(CsvWriter, SaysWhichFileCannotBeWritten) {
   try {
-    CsvWriter csv("/proc/no/such.csv", "a");
+    CsvWriter csv({"/proc", "no/such.csv"}, "a");
     FAIL() << "opened";
   } catch (const base::ConfigError& error) {
     EXPECT_NE(std::string(error.what()).find("/proc/no/such.csv"), std::string::npos);
@@ -87,6 +87,38 @@ TEST(RecorderPlugin, WritesFromTimeZeroAtItsRate) {
   EXPECT_EQ(lines[1].substr(0, 2), "0,");
   EXPECT_EQ(lines[2].substr(0, 5), "0.01,");
   EXPECT_EQ(lines[101].substr(0, 2), "1,");
+}
+
+TEST(RecorderPlugin, WritesBelowItsFolderAlone) {
+  const Folder folder;
+  for (const char* keys :
+       {"{file: ../truth.csv, rate_hz: 100}", "{file: /tmp/truth.csv, rate_hz: 100}",
+        "{file: truth.csv, rate_hz: 100, sensor_dir: /tmp/sensors}",
+        "{file: truth.csv, rate_hz: 100, sensor_dir: a/../..}",
+        "{file: truth.csv, rate_hz: 100, ulog: ../flight.ulg}"}) {
+    test::PluginHarness harness(std::chrono::milliseconds(1), folder.path());
+    try {
+      harness.add("recorder", keys);
+      FAIL() << keys;
+    } catch (const base::ConfigError& error) {
+      EXPECT_NE(std::string(error.what()).find("below the folder of results alone"),
+                std::string::npos)
+          << error.what();
+    }
+  }
+}
+
+TEST(RecorderPlugin, FollowsNoSymlinkInItsFolder) {
+  const Folder folder;
+  std::ofstream(folder / "precious") << "keep me";
+  std::filesystem::create_directory(folder / "out");
+  std::filesystem::create_symlink(folder / "precious", folder / "out/truth.csv");
+  test::PluginHarness harness(std::chrono::milliseconds(1), folder / "out");
+  harness.add("recorder", "{file: truth.csv, rate_hz: 100}");
+  harness.run(std::chrono::milliseconds(50));
+  harness.finish();
+  EXPECT_EQ(lines_of(folder / "precious"), std::vector<std::string>{"keep me"});
+  EXPECT_EQ(lines_of(folder / "out/truth.csv").size(), 7U);
 }
 
 TEST(RecorderPlugin, BeginsAnewAfterReset) {

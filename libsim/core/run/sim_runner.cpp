@@ -11,7 +11,7 @@
 #include "base/earth/magnetic_field.hpp"
 #include "base/error.hpp"
 #include "base/os/log.hpp"
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "libsim/core/load/model_loader.hpp"
@@ -200,8 +200,7 @@ void SimRunner::finish() {
   impl_->plugins.finish();
   const FigureBook& figures = impl_->plugins.figures();
   if (figures.empty()) return;
-  base::write_file(impl_->options.output_dir / kFiguresFile, figures.json(),
-                   base::Durability::kCache);
+  base::write_result({impl_->options.output_dir, kFiguresFile}, figures.json());
 }
 
 bool SimRunner::settled() {

@@ -121,7 +121,7 @@ TEST(ReadUlog, TellsFactsParametersSentencesAndDropouts) {
 
 TEST(ReadUlog, ReadsWhatOurWriterWrites) {
   const cas::test::TemporaryFolder folder;
-  sim::UlogFile file(folder / "flight.ulg", ulog_topics(4));
+  sim::UlogFile file({folder.path(), "flight.ulg"}, ulog_topics(4));
   const base::SimTime time(std::chrono::milliseconds(20));
   write(file, UlogTopicId::kAttitude, sim::UlogRecord(time).put(1.F).put(0.F).put(0.F).put(0.F));
   write(file, UlogTopicId::kLandDetected, sim::UlogRecord(time).put(true));
