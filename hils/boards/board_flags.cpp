@@ -45,7 +45,7 @@ std::filesystem::path BoardFlags::file() const { return find_board_list(list); }
 
 void add_board_list(CLI::App& command, std::string& list) {
   command.add_option("--boards", list,
-                     "The list of boards (CAS_BOARDS, ./boards.yaml, ~/.config/cas/boards.yaml, "
+                     "The list of boards (CAS_BOARDS, ~/.config/cas/boards.yaml, "
                      "/etc/cas/boards.yaml)");
 }
 

@@ -2,6 +2,7 @@
 #include "hils/boards/board_hook.hpp"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <system_error>
 
 #include "base/error.hpp"
+#include "base/os/trusted_file.hpp"
 #include "base/time/clock.hpp"
 #include "hils/boards/board_error.hpp"
 
@@ -55,6 +57,14 @@ std::string fill_in_word(std::string_view word, const HookVariables& variables) 
 bool is_program(const fs::path& file) {
   std::error_code error;
   return fs::is_regular_file(file, error) && ::access(file.c_str(), X_OK) == 0;
+}
+
+/// @throws base::ConfigError when the program may be another user's work
+void refuse_foreign(const fs::path& program) {
+  struct stat status {};
+  if (::stat(program.c_str(), &status) != 0) return;  // starting it says so
+  const std::string why = base::why_untrusted(status);
+  if (!why.empty()) throw base::ConfigError(program.string() + ": " + why + "; it is not started");
 }
 
 fs::path find_program(const std::string& word, const fs::path& folder) {
@@ -106,7 +116,9 @@ HookCommand hook_command(const Board& board, HookKind kind, const fs::path& fold
                       .timeout = hook->second.timeout};
   try {
     command.arguments = fill_in(hook->second.command, variables);
-    command.arguments.front() = find_program(command.arguments.front(), folder).string();
+    const fs::path program = find_program(command.arguments.front(), folder);
+    refuse_foreign(program);
+    command.arguments.front() = program.string();
   } catch (const base::ConfigError& error) {
     throw base::ConfigError(command.name + ": " + error.what());
   }

@@ -70,7 +70,8 @@ struct BoardList {
   std::filesystem::path by_id = "/dev/serial/by-id";  ///< udev's links
   std::vector<Board> boards;
 
-  /// @throws base::ConfigError with file, line and key path
+  /// @throws base::ConfigError with file, line and key path, and when the file may be the work of
+  /// another user (base/os/trusted_file.hpp)
   static BoardList load(const std::filesystem::path& file);
   static BoardList parse(const base::ConfigNode& root);
 
@@ -81,10 +82,10 @@ struct BoardList {
 
 /// Where boards.yaml is: `given` (--boards) if it is not empty, else the first that is there of
 ///   $CAS_BOARDS
-///   boards.yaml                        in the working folder
 ///   $XDG_CONFIG_HOME/cas/boards.yaml   ~/.config/cas/boards.yaml where that is not set
 ///   /etc/cas/boards.yaml
-/// @return an empty path when there is none
+/// Never in the working folder, which may be anybody's work. @return an empty path when there is
+/// none
 std::filesystem::path find_board_list(const std::filesystem::path& given);
 
 /// That there is none, and where it was looked for.

@@ -33,7 +33,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kHolderVariable = "CAS_BOARD_HOLDER";
-constexpr mode_t kOfTheGroup = 0664;  ///< several users may share a folder
+constexpr mode_t kOfTheGroup = 0660;  ///< several users may share a folder
 constexpr int kLookMs = 100;
 
 [[noreturn]] void fail(const fs::path& file) {
@@ -56,10 +56,14 @@ fs::path queue_of(const fs::path& folder, const Board& board) {
 }
 
 base::Descriptor open_for_lock(const fs::path& file) {
-  base::Descriptor fd(
-      ::open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_NOCTTY | O_CLOEXEC, kOfTheGroup));
+  constexpr int kFlags = O_RDWR | O_NOFOLLOW | O_NOCTTY | O_CLOEXEC;
+  // With O_CREAT the kernel may refuse another user's file in a sticky folder.
+  base::Descriptor fd(::open(file.c_str(), kFlags));
+  if (!fd && errno == ENOENT) {
+    fd = base::Descriptor(::open(file.c_str(), kFlags | O_CREAT, kOfTheGroup));
+    if (fd) ::fchmod(fd.get(), kOfTheGroup);  // whatever the umask is
+  }
   if (!fd) fail(file);
-  ::fchmod(fd.get(), kOfTheGroup);  // fails if another user made it
   return fd;
 }
 
@@ -138,15 +142,21 @@ std::vector<std::string> living_tickets(const fs::path& queue) {
   return alive;
 }
 
+/// For all who may take the board; sticky, so that each removes tickets of its own alone.
+void make_queue(const fs::path& queue) {
+  if (::mkdir(queue.c_str(), 0700) != 0) return;
+  struct stat made {};
+  if (::stat(queue.c_str(), &made) != 0) return;
+  ::chmod(queue.c_str(), S_ISVTX | (made.st_mode & S_ISGID) | 0770);
+}
+
 /// A place in the queue while the object is there.
 class Ticket {
  public:
   explicit Ticket(const fs::path& queue) {
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     name_ = ticket_name(std::chrono::nanoseconds(now).count(), ::getpid());
-    std::error_code error;
-    fs::create_directories(queue, error);
-    fs::permissions(queue, fs::perms(0775), error);
+    make_queue(queue);
     file_ = queue / name_;
     // Others see it once its lock is taken: before, they would clear it away.
     const fs::path hidden = queue / ("." + name_);
@@ -276,6 +286,12 @@ fs::path lock_folder(const BoardList& list) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw base::ConfigError(folder.string() + ": cannot be made: " + error.message());
+  constexpr mode_t kOthersWrite = S_IWGRP | S_IWOTH;
+  struct stat status {};
+  const bool known = ::stat(folder.c_str(), &status) == 0;
+  if (known && (status.st_mode & kOthersWrite) != 0 && (status.st_mode & S_ISVTX) == 0) {
+    fmt::print(stderr, "hils: {}: others may delete locks there (chmod +t)\n", folder.string());
+  }
   return folder;
 }
 
@@ -317,16 +333,16 @@ BoardLock::BoardLock(const Board& board, const fs::path& folder, const std::stri
     }
   } while (!is_in_place(lock_.get(), lock_file(folder, board)) ||
            !is_in_place(guests.get(), guests_file(folder, board)));
+  const std::string token = random_token();
   holder_ = {.pid = ::getpid(),
              .user = user_name(),
              .since = utc_now(),
              .purpose = purpose,
-             .token = random_token()};
+             .token = proof_of(token)};
   write();
   const char* others = std::getenv(kHolderVariable);
   const bool any = others != nullptr && *others != 0;
-  ::setenv(kHolderVariable,
-           (any ? std::string(others) + "," + holder_.token : holder_.token).c_str(), 1);
+  ::setenv(kHolderVariable, (any ? std::string(others) + "," + token : token).c_str(), 1);
 }
 
 /// Programs that a guest starts do not hold the board: a hook may leave one behind.

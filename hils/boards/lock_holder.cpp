@@ -7,6 +7,8 @@
 #include <charconv>
 #include <map>
 
+#include "base/rpc/token_proof.hpp"
+
 namespace cas::hils {
 
 namespace {
@@ -60,14 +62,18 @@ std::string to_words(const LockHolder& holder) {
                      holder.purpose);
 }
 
-bool names_token(const char* variable, std::string_view token) {
+bool names_token(const char* variable, std::string_view proof) {
   std::string_view text = variable == nullptr ? "" : variable;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find(','), text.size());
-    if (end > 0 && text.substr(0, end) == token) return true;
+    if (end > 0 && proof_of(text.substr(0, end)) == proof) return true;
     text.remove_prefix(std::min(end + 1, text.size()));
   }
   return false;
+}
+
+std::string proof_of(std::string_view token) {
+  return base::rpc::hmac_sha256(token, "board").substr(0, 32);
 }
 
 std::string ticket_name(std::int64_t at_ns, pid_t pid) {

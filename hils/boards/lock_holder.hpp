@@ -18,7 +18,7 @@ struct LockHolder {
   std::string user;
   std::string since;           ///< UTC: "2026-03-01T12:00:00Z"
   std::string purpose;         ///< "hils run hover.yaml"
-  std::string token;           ///< of this one lock, random
+  std::string token;           ///< proof_of() of the random token of this one lock
   bool in_background = false;  ///< no command of its own depends on it
 
   /// A line for each key.
@@ -33,7 +33,10 @@ std::string to_words(const LockHolder& holder);
 /// Whether CAS_BOARD_HOLDER, tokens with commas between them, has this one. Programs below a holder
 /// have it, so that the lock around them does not lock them out. Pure.
 /// @param variable  its value; nullptr: none
-bool names_token(const char* variable, std::string_view token);
+bool names_token(const char* variable, std::string_view proof);
+
+/// What a lock file, which others may read, has in the place of its token. Pure.
+std::string proof_of(std::string_view token);
 
 /// A waiter's place in the queue: the name of its ticket, which sorts by the time of its coming.
 /// @param at_ns  since 1970

@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <filesystem>
+
 #include "base/error.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
 namespace {
@@ -46,7 +50,8 @@ TEST(BoardList, ReadsABoardWithItsHooks) {
 }
 
 TEST(BoardList, TheShippedExampleIsOne) {
-  const BoardList list = BoardList::load(cas::test::source_dir() + "/config/boards.yaml");
+  const BoardList list =
+      BoardList::parse(base::ConfigNode::load(cas::test::source_dir() + "/config/boards.yaml"));
   EXPECT_GE(list.boards.size(), 2U);
   EXPECT_TRUE(list.boards.front().hooks.contains(HookKind::kFlash));
 }
@@ -95,6 +100,27 @@ TEST(BoardList, SaysWhichBoardMayHaveBeenMeant) {
     EXPECT_STREQ(error.what(),
                  "/shelf/boards.yaml: there is no board 'bensh1'; did you mean 'bench1'?");
   }
+}
+
+TEST(BoardList, IsNeverFoundInTheWorkingFolder) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path before = std::filesystem::current_path();
+  folder.write("boards.yaml", "schema: 1\nboards: {a: {device: fcu0}}\n");
+  ::setenv("XDG_CONFIG_HOME", (folder / "none").c_str(), 1);
+  ::unsetenv("CAS_BOARDS");
+  std::filesystem::current_path(folder.path());
+  const std::filesystem::path found = find_board_list("");
+  std::filesystem::current_path(before);
+  ::unsetenv("XDG_CONFIG_HOME");
+  EXPECT_TRUE(found.empty() || found == "/etc/cas/boards.yaml") << found;
+}
+
+TEST(BoardList, ThatOthersMayWriteIsNotRead) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("boards.yaml", "schema: 1\nboards: {a: {device: fcu0}}\n");
+  EXPECT_NO_THROW(BoardList::load(file));
+  std::filesystem::permissions(file, std::filesystem::perms(0646));
+  EXPECT_THROW(BoardList::load(file), base::ConfigError);
 }
 
 }  // namespace

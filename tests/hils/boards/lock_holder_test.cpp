@@ -38,10 +38,12 @@ TEST(LockHolder, IsNoneWhileItIsBeingWritten) {
 }
 
 TEST(LockHolder, IsKnownByItsWholeToken) {
-  EXPECT_FALSE(names_token(nullptr, "ab12"));
-  EXPECT_FALSE(names_token("ab1,ab123", "ab12"));
+  EXPECT_FALSE(names_token(nullptr, proof_of("ab12")));
+  EXPECT_FALSE(names_token("ab1,ab123", proof_of("ab12")));
   EXPECT_FALSE(names_token(",,", "")) << "of a file without a token";
-  EXPECT_TRUE(names_token("cd34,ab12", "ab12"));
+  EXPECT_TRUE(names_token("cd34,ab12", proof_of("ab12")));
+  EXPECT_FALSE(names_token(proof_of("ab12").c_str(), proof_of("ab12")))
+      << "who reads the lock file does not become a guest";
 }
 
 TEST(LockQueue, IsInTheOrderOfComing) {
