@@ -98,21 +98,21 @@ void refuse_line(Peer& peer, int code, const std::string& message) {
 
 // Whatever a client sends ends in an answer, never in an exception that ends the server.
 std::optional<std::string> run_answered(const Reply& reply, const std::function<void()>& body) {
-  const auto answer = [&reply](int code, const std::exception& error, const Json& data = {}) {
-    reply.error(code, error.what(), data);
-    return std::string(error.what());
+  const auto answer = [&reply](int code, const std::string& message, const Json& data = {}) {
+    reply.error(code, message, data);
+    return message;
   };
   try {
     body();
     return std::nullopt;
   } catch (const CallError& error) {
-    return answer(error.code(), error, Json::parse(error.data_json(), nullptr, false));
+    return answer(error.code(), error.what(), Json::parse(error.data_json(), nullptr, false));
   } catch (const ConfigError& error) {
-    return answer(kRefused, error);
-  } catch (const Json::exception& error) {  // params.at("x").get<T>() of a wrong type
-    return answer(kInvalidParams, error);
+    return answer(kRefused, error.what());
+  } catch (const Json::exception&) {  // params.at("x").get<T>() of a wrong type
+    return answer(kInvalidParams, "a parameter is missing, or is of another type");
   } catch (const std::exception& error) {
-    return answer(kInternalError, error);
+    return answer(kInternalError, error.what());
   }
 }
 

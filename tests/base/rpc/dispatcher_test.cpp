@@ -200,6 +200,7 @@ TEST_F(DispatcherTest, AnswersWhatAMethodThrows) {
   dispatcher_.add_method("refuse", [](const Json& params, const Reply&) {
     if (params.is_null()) throw CallError(kInterlock, "not in HIL", R"({"result":4})");
     if (params.is_array()) throw BadParams("parameters are named");
+    if (params.contains("a")) static_cast<void>(params.at("a").get<std::string>());
     throw ConfigError("line 3");
   });
   const auto error = [this](const char* params) {
@@ -211,6 +212,9 @@ TEST_F(DispatcherTest, AnswersWhatAMethodThrows) {
   EXPECT_EQ(error(R"(,"params":[])"),
             (Json{{"code", kInvalidParams}, {"message", "parameters are named"}}));
   EXPECT_EQ(error(R"(,"params":{})"), (Json{{"code", kRefused}, {"message", "line 3"}}));
+  EXPECT_EQ(error(R"(,"params":{"a":1})"),
+            (Json{{"code", kInvalidParams},
+                  {"message", "a parameter is missing, or is of another type"}}));
 }
 
 TEST_F(DispatcherTest, TheFirstAnswerCounts) {
