@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "hils/programs/child_process.hpp"
 #include "hils/sweep/slurm_script.hpp"
 
@@ -105,9 +105,12 @@ void submit(const SweepFolder& sweep, SlurmArray array) {
   }
   fs::create_directories(array.logs);
   const bool is_first = !fs::exists(chunks_file(sweep));
-  if (is_first) base::write_file(chunks_file(sweep), fmt::format("{}\n", array.chunks));
+  if (is_first) {
+    base::write_result({sweep.path, chunks_file(sweep)}, fmt::format("{}\n", array.chunks),
+                       base::Durability::kDisk);
+  }
   const fs::path script = sweep.path / "slurm" / "sweep.sbatch";
-  base::write_file(script, slurm_script(array));
+  base::write_result({sweep.path, script}, slurm_script(array), base::Durability::kDisk);
   fmt::print("{}: {} of {} chunks\n", script.string(), array.missing.size(), array.chunks);
   const fs::path sbatch = on_path("sbatch");
   if (sbatch.empty()) {

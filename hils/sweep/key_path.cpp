@@ -13,7 +13,7 @@
 #include "base/config/config.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 
 namespace cas::hils {
 
@@ -200,7 +200,7 @@ class Draft {
   static void write_document(const fs::path& file, const YAML::Node& document) {
     YAML::Emitter emitter;
     emitter << document;
-    base::write_file(file, std::string(emitter.c_str()) + "\n", base::Durability::kCache);
+    base::write_result({file.parent_path(), file.filename()}, std::string(emitter.c_str()) + "\n");
   }
 
   fs::path folder_;

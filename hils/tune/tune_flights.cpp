@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/os/write_file.hpp"
+#include "base/os/result_file.hpp"
 #include "hils/programs/supervisor.hpp"
 #include "hils/report/results_folder.hpp"
 #include "hils/run/scratch_folder.hpp"
@@ -79,7 +79,7 @@ void TuneFlights::prepare(const fs::path& study_file) {
                             ": is not empty and holds no tuning: choose another folder");
   }
   make_results_folder(folder_);
-  fs::create_directories(folder_ / "journal");
+  base::make_result_folder({folder_, "journal"});
   for (std::size_t i = 0; i < scenarios_.size(); ++i) {
     const TuneScenario& own = scenarios_[i];
     if (!fs::exists(frozen)) {
@@ -96,7 +96,7 @@ void TuneFlights::prepare(const fs::path& study_file) {
                               "': " + without_folder(error.what(), trial));
     }
   }
-  base::write_file(frozen, text);
+  base::write_result({folder_, frozen}, text, base::Durability::kDisk);
 }
 
 void TuneFlights::load_journal() {
