@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mavlink_gen/services/command.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -21,8 +23,13 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 // Not in the dialect: the first of common.xml, the others of ArduPilot's own.
 constexpr auto kDoEngineControl = static_cast<MavCmd>(223);
 constexpr auto kDoAuxFunction = static_cast<MavCmd>(218);
-constexpr auto kSoloFlyClick = static_cast<MavCmd>(42001);
-constexpr auto kSoloFlyHold = static_cast<MavCmd>(42002);
+
+/// Commands that may start motors whatever their parameters; the dialect lacks most. Takeoffs (22,
+/// 24, 84), DO_SET_PARAMETER, relays and servos (181 to 184), DO_SET_ACTUATOR, DO_MOTOR_TEST,
+/// PREFLIGHT_UAVCAN, MISSION_START (PX4 arms for it), ACTUATOR_TEST, CONFIGURE_ACTUATOR, two clicks
+/// of a Solo.
+constexpr auto kSpinning = std::to_array<std::uint16_t>(
+    {22, 24, 84, 180, 181, 182, 183, 184, 187, 209, 243, 300, 310, 311, 42001, 42002});
 
 /// Functions of MAV_CMD_DO_AUX_FUNCTION.
 constexpr int kMotorEmergencyStop = 31;
@@ -142,7 +149,8 @@ VehicleCommand interval_command(std::uint32_t message_id, double period_us) {
 }
 
 bool spins(const VehicleCommand& command) {
-  if (command.id == kSoloFlyClick || command.id == kSoloFlyHold) return true;  // may arm for it
+  const auto number = static_cast<std::uint16_t>(command.id);
+  if (std::ranges::find(kSpinning, number) != kSpinning.end()) return true;
   if (command.id == kDoAuxFunction) return aux_spins(command);
   if (command.id == kDoEngineControl) return command.params[0] != 0;
   switch (command.id) {
@@ -154,10 +162,8 @@ bool spins(const VehicleCommand& command) {
       const auto flags = static_cast<MavModeFlag>(static_cast<std::uint8_t>(command.params[0]));
       return has(flags, MavModeFlag::kSafetyArmed);
     }
-    case MavCmd::kDoMotorTest:
-    case MavCmd::kActuatorTest:
-    case MavCmd::kMissionStart:  // PX4 arms for it
-      return true;
+    case MavCmd::kDoFlighttermination:  // PX4 takes back a termination; it cuts off at a half
+      return !(command.params[0] > 0.5F);
     case MavCmd::kPreflightCalibration:  // of compass against motors, of ESCs
       return is_read_as(command.params[5], 1) || is_read_as(command.params[6], 1);
     default:

@@ -43,7 +43,7 @@ VehicleCommand request_command(std::uint32_t message_id);
 /// MAV_CMD_SET_MESSAGE_INTERVAL. @param period_us  0 the vehicle's default, negative off
 VehicleCommand interval_command(std::uint32_t message_id, double period_us);
 
-/// Whether a command may start motors.
+/// Whether a command may start motors, takeoffs among them.
 bool spins(const VehicleCommand& command);
 /// Whether a command disarms or ends the flight, or may do so: PX4 rounds the parameter to 0 or 1.
 bool stops(const VehicleCommand& command);

@@ -22,11 +22,6 @@ bool newest_counts(MavCmd id) {
          id == MavCmd::kDoReposition;
 }
 
-bool takes_off(MavCmd id) {
-  constexpr auto kNavTakeoffLocal = static_cast<MavCmd>(24);  // not in the dialect
-  return id == MavCmd::kNavTakeoff || id == kNavTakeoffLocal || id == MavCmd::kNavVtolTakeoff;
-}
-
 CommandLong long_form(const VehicleCommand& command, int sent) {
   CommandLong message;
   message.command = command.id;
@@ -65,13 +60,14 @@ std::string effect_words(Duration within) { return " within " + seconds_text(wit
 }  // namespace
 
 void CommandExchange::start(const VehicleCommand& command, Time now, Done done, Objection objection,
-                            Doubt doubt) {
+                            Doubt doubt, Renewal renewal) {
   if (newest_counts(command.id)) replace(command.id, now);
   Request request;
   request.command = command;
   request.done = std::move(done);
   request.objection = std::move(objection);
   request.doubt = std::move(doubt);
+  request.renewal = std::move(renewal);
   if (find(command.id) != active_.end()) {
     if (waiting_.size() >= kMaxWaiting) {
       request.done(failure(OutcomeKind::kRefused, "too many commands wait for this vehicle"));
@@ -93,6 +89,7 @@ void CommandExchange::replace(MavCmd id, Time now) {
 }
 
 void CommandExchange::transmit(Request& request, Time now) {
+  if (request.renewal) request.command = request.renewal();
   if (request.objection) request.objected = request.objection(now);
   if (request.objected) {
     request.deadline = now;
@@ -221,8 +218,7 @@ void CommandExchange::on_disarm(const std::string& by, Time now) {
   for (std::list<Request>* requests : {&waiting_, &active_}) {
     for (auto each = requests->begin(); each != requests->end();) {
       const auto request = each++;
-      if (takes_off(request->command.id) || spins(request->command))
-        ended.splice(ended.end(), *requests, request);
+      if (spins(request->command)) ended.splice(ended.end(), *requests, request);
     }
   }
   for (const Request& request : ended) {

@@ -51,13 +51,18 @@ class CommandExchange {
   /// in HOLD"); nullopt once the command has taken effect
   using Doubt = std::function<std::optional<std::string>()>;
 
+  /// Asked before each transmission, before the objection. @return the command, of the same id, as
+  /// the vehicle's newest HEARTBEAT has it
+  using Renewal = std::function<VehicleCommand()>;
+
   explicit CommandExchange(Send send, CommandTiming timing = {})
       : send_(std::move(send)), timing_(timing) {}
 
   /// @param objection  ends the command at the next tick; empty: none
   /// @param doubt  empty: the acknowledgement is believed
+  /// @param renewal  empty: each repetition is the same
   void start(const VehicleCommand& command, Time now, Done done, Objection objection = {},
-             Doubt doubt = {});
+             Doubt doubt = {}, Renewal renewal = {});
   /// @return whether an accepted command waits for a HEARTBEAT from now on
   bool on_ack(const mavlink::common::CommandAck& ack, Time now);
   void on_status_text(std::string_view text);
@@ -67,7 +72,7 @@ class CommandExchange {
   /// Now and then by the wall clock, where that of `tick` may stand still.
   void wall_tick(Time wall);
   /// The vehicle was disarmed, or its flight ended: ends all active and waiting commands that may
-  /// start motors or take off. @param by  for the sentence: who, and how
+  /// start motors. @param by  for the sentence: who, and how
   void on_disarm(const std::string& by, Time now);
   /// Whether a command that disarms or ends the flight is under way or waits.
   bool is_stopping() const;
@@ -82,6 +87,7 @@ class CommandExchange {
     Done done;
     Objection objection;
     Doubt doubt;
+    Renewal renewal;
     std::optional<Outcome> objected;
     int sent = 0;
     bool in_progress = false;
