@@ -281,6 +281,15 @@ VehicleMethods::Action VehicleMethods::calls(auto verb, Args... args) {
   };
 }
 
+/// The same for what may move a vehicle: `not_hil` of the call consents to one that is not in HIL.
+template <class... Args>
+VehicleMethods::Action VehicleMethods::moves(CallParams& params, auto verb, Args... args) {
+  const bool not_hil = params.flag("not_hil");
+  return [this, not_hil, verb, args...](std::uint8_t system, RunTime now, Done done) {
+    (commander_.*verb)(system, args..., now, std::move(done), not_hil);
+  };
+}
+
 void VehicleMethods::add_arming_methods() {
   add_command("vehicle.arm", [this](CallParams& params) {
     VehicleCommander::ArmOptions options{.force = params.flag("force"),
@@ -298,7 +307,7 @@ void VehicleMethods::add_flight_methods() {
   add_command("vehicle.takeoff", [this](CallParams& params) {
     const double altitude_m = params.number("altitude_m");
     if (!(altitude_m > 0)) throw BadParams("\"altitude_m\" must be above 0");
-    return calls(&VehicleCommander::takeoff, altitude_m);
+    return moves(params, &VehicleCommander::takeoff, altitude_m);
   });
   const auto add_plain = [this](const std::string& name, auto verb) {
     add_command(name, [this, verb](CallParams&) { return calls(verb); });
@@ -306,15 +315,16 @@ void VehicleMethods::add_flight_methods() {
   add_plain("vehicle.land", &VehicleCommander::land);
   add_plain("vehicle.hold", &VehicleCommander::hold);
   add_plain("vehicle.rtl", &VehicleCommander::return_home);
-  add_plain("vehicle.reboot", &VehicleCommander::reboot);
+  add_command("vehicle.reboot",
+              [this](CallParams& params) { return moves(params, &VehicleCommander::reboot); });
   add_command("vehicle.goto", [this](CallParams& params) {
     const VehicleCommander::Target target{params.number("north_m"), params.number("east_m"),
                                           params.number("down_m"),
                                           params.optional_number("yaw_deg")};
-    return calls(&VehicleCommander::go_to, target);
+    return moves(params, &VehicleCommander::go_to, target);
   });
   add_command("vehicle.mode", [this](CallParams& params) {
-    return calls(&VehicleCommander::set_mode, params.text("mode"));
+    return moves(params, &VehicleCommander::set_mode, params.text("mode"));
   });
 }
 

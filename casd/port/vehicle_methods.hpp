@@ -62,6 +62,8 @@ class VehicleMethods {
 
   template <class... Args>
   Action calls(auto verb, Args... args);
+  template <class... Args>
+  Action moves(base::rpc::CallParams& params, auto verb, Args... args);
   void add_arming_methods();
   void add_flight_methods();
   void add_raw_methods();

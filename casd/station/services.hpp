@@ -3,6 +3,7 @@
 
 #include "mavlink_gen/services/command.hpp"
 #include "mavlink_gen/services/command_exchange.hpp"
+#include "mavlink_gen/services/motion.hpp"
 #include "mavlink_gen/services/outcome.hpp"
 #include "mavlink_gen/services/param_exchange.hpp"
 #include "mavlink_gen/services/vehicle_modes.hpp"
@@ -11,6 +12,7 @@
 namespace cas::casd {
 
 // Names of mav::services that the station uses.
+using mav::services::addressee_of;
 using mav::services::arm_command;
 using mav::services::arming_checks;
 using mav::services::ArmingChecks;
@@ -32,6 +34,9 @@ using mav::services::kVehicleTimeout;
 using mav::services::MessageMemory;
 using mav::services::mode_command;
 using mav::services::mode_words;
+using mav::services::Motion;
+using mav::services::motion_of;
+using mav::services::motion_of_parameter;
 using mav::services::name;
 using mav::services::number_text;
 using mav::services::Outcome;
@@ -41,7 +46,6 @@ using mav::services::ParamExchange;
 using mav::services::ParamTiming;
 using mav::services::position_lack;
 using mav::services::request_command;
-using mav::services::spins;
 using mav::services::StatusText;
 using mav::services::stops;
 using mav::services::VehicleCommand;

@@ -18,22 +18,35 @@ class Takeoff {
  public:
   static constexpr double kHighest_m = 10'000;  ///< above home
   using Clock = std::function<base::RunTime()>;
-  using SetMode = std::function<void(const KnownVehicle&, std::string_view word, Done)>;
+  /// @param not_hil  consents to a vehicle that is not in HIL
+  using SetMode =
+      std::function<void(const KnownVehicle&, std::string_view word, bool not_hil, Done)>;
+  using Start = std::function<void(const KnownVehicle&, const VehicleCommand&, bool not_hil, Done)>;
 
   /// @param table  outlives this
-  Takeoff(VehicleTable& table, Clock clock, SetMode set_mode)
-      : table_(table), clock_(std::move(clock)), set_mode_(std::move(set_mode)) {}
+  Takeoff(VehicleTable& table, Clock clock, SetMode set_mode, Start start)
+      : table_(table),
+        clock_(std::move(clock)),
+        set_mode_(std::move(set_mode)),
+        start_(std::move(start)) {}
 
-  void begin(KnownVehicle& vehicle, double altitude_m, Done done);
+  void begin(KnownVehicle& vehicle, double altitude_m, bool not_hil, Done done);
 
  private:
-  void to_amsl(KnownVehicle& vehicle, double altitude_m, std::uint64_t disarms, Done done);
-  void in_guided(KnownVehicle& vehicle, double altitude_m, std::uint64_t disarms, Done done);
-  void give(KnownVehicle& vehicle, const VehicleCommand& command, std::uint64_t disarms, Done done);
+  struct Request {
+    double altitude_m;
+    bool not_hil;
+    std::uint64_t disarms;  ///< how many there were before it
+    Done done;
+  };
+  void to_amsl(KnownVehicle& vehicle, const Request& request);
+  void in_guided(KnownVehicle& vehicle, const Request& request);
+  void give(KnownVehicle& vehicle, const VehicleCommand& command, const Request& request);
 
   VehicleTable& table_;
   Clock clock_;
   SetMode set_mode_;
+  Start start_;
 };
 
 }  // namespace cas::casd

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "casd/station/arm_interlock.hpp"
+#include "casd/station/motion_interlock.hpp"
 #include "casd/station/overhearing.hpp"
 #include "casd/station/request_chain.hpp"
 #include "casd/station/vehicle_command.hpp"
@@ -61,8 +61,13 @@ VehicleCommander::VehicleCommander(CommanderOptions options, SendPacket send)
       table_([this](VehicleState state) { return make(std::move(state)); }, options.link_name),
       takeoff_(
           table_, [this] { return now_; },
-          [this](const KnownVehicle& vehicle, std::string_view word, Done done) {
-            set_mode(vehicle.state.source().system, word, now_, std::move(done));
+          [this](const KnownVehicle& vehicle, std::string_view word, bool not_hil, Done done) {
+            set_mode(vehicle.state.source().system, word, now_, std::move(done), not_hil);
+          },
+          [this](const KnownVehicle& vehicle, const VehicleCommand& command, bool not_hil,
+                 Done done) {
+            start(vehicle.state.source().system, command, now_, std::move(done),
+                  {.not_hil = not_hil});
           }) {}
 
 std::unique_ptr<KnownVehicle> VehicleCommander::make(VehicleState state) {
@@ -284,25 +289,22 @@ KnownVehicle* VehicleCommander::known(std::uint8_t system, const Done& done) {
   return nullptr;
 }
 
+/// The interlock is asked before each transmission, because much can change between two of them or
+/// while the command waits in line.
 void VehicleCommander::start(std::uint8_t system, const VehicleCommand& command, base::RunTime now,
-                             Done done) {
+                             Done done, const Terms& terms) {
   now_ = now;
-  if (KnownVehicle* vehicle = known(system, done)) {
-    vehicle->commands.start(command, now, std::move(done));
-  }
-}
-
-/// A command that may start motors: the interlock is asked before each transmission, because much
-/// can change between two of them or while the command waits in line.
-void VehicleCommander::start_spinning(std::uint8_t system, const VehicleCommand& command,
-                                      bool not_hil, base::RunTime now, Done done) {
-  now_ = now;
-  KnownVehicle* vehicle = known(system, done);
-  if (vehicle == nullptr || interlocked(*vehicle, not_hil, now, done)) return;
-  vehicle->commands.start(command, now, std::move(done),
-                          [this, vehicle, not_hil](base::RunTime at) {
-                            return interlock(vehicle->state, not_hil, at);
-                          });
+  KnownVehicle* const vehicle = known(system, done);
+  if (vehicle == nullptr) return;
+  // The exchange is the vehicle's own: it does not outlive its state.
+  const auto objection = [this, &state = vehicle->state, command, not_hil = terms.not_hil,
+                          renewal = terms.renewal](base::RunTime at) {
+    const Motion motion =
+        motion_of(renewal ? renewal() : command, addressee_of(state.heartbeat().message));
+    return interlock(state, motion, not_hil, at);
+  };
+  if (const std::optional<Outcome> why = objection(now)) return done(*why);
+  vehicle->commands.start(command, now, std::move(done), objection, terms.doubt, terms.renewal);
 }
 
 std::optional<std::string> VehicleCommander::hil_doubt(std::uint8_t system,
@@ -313,16 +315,16 @@ std::optional<std::string> VehicleCommander::hil_doubt(std::uint8_t system,
   return rival ? rival : not_in_hil(*state, now);
 }
 
-std::optional<Outcome> VehicleCommander::interlock(const VehicleState& state, bool not_hil,
-                                                   base::RunTime now) const {
-  return arm_interlock(state, table_, {.request = not_hil, .configuration = options_.allow_not_hil},
-                       now);
+std::optional<Outcome> VehicleCommander::interlock(const VehicleState& state, Motion motion,
+                                                   bool not_hil, base::RunTime now) const {
+  return motion_interlock(motion, state, table_,
+                          {.request = not_hil, .configuration = options_.allow_not_hil}, now);
 }
 
-/// Answers `done` and returns true when the interlock holds.
+/// Answers `done` and returns true when the interlock keeps motors from starting.
 bool VehicleCommander::interlocked(const KnownVehicle& vehicle, bool not_hil, base::RunTime now,
                                    const Done& done) const {
-  const std::optional<Outcome> why = interlock(vehicle.state, not_hil, now);
+  const std::optional<Outcome> why = interlock(vehicle.state, Motion::kSpins, not_hil, now);
   if (why) done(*why);
   return why.has_value();
 }
@@ -346,24 +348,25 @@ void VehicleCommander::arm(std::uint8_t system, ArmOptions options, base::RunTim
   const auto is_newest = [this, system, request = ++hands.arm_requests] {
     return table_.find(system) != nullptr && table_.hands(system).arm_requests == request;
   };
-  start_spinning(system, command, not_hil, now,
-                 [this, system, command, not_hil, is_newest,
-                  done = explained(*vehicle, std::move(done))](const Outcome& armed) {
-                   if (armed.kind != OutcomeKind::kRefused || !is_newest()) return done(armed);
-                   if (!find(system)->waits_for_sticks()) return done(armed);
-                   // PX4 will not arm in a stick mode without a transmitter: switch to HOLD and
-                   // retry.
-                   set_mode(system, "HOLD", now_,
-                            [this, system, command, not_hil, is_newest, done](const Outcome& held) {
-                              if (!held.ok()) return done(held);
-                              if (!is_newest()) {
-                                return done(failure(
-                                    OutcomeKind::kRefused,
-                                    describe(command.id) + " was replaced by a newer request"));
-                              }
-                              start_spinning(system, command, not_hil, now_, done);
-                            });
-                 });
+  start(system, command, now,
+        [this, system, command, not_hil, is_newest,
+         done = explained(*vehicle, std::move(done))](const Outcome& armed) {
+          if (armed.kind != OutcomeKind::kRefused || !is_newest()) return done(armed);
+          if (!find(system)->waits_for_sticks()) return done(armed);
+          // PX4 will not arm in a stick mode without a transmitter: switch to HOLD and
+          // retry.
+          set_mode(
+              system, "HOLD", now_,
+              [this, system, command, not_hil, is_newest, done](const Outcome& held) {
+                if (!held.ok()) return done(held);
+                if (!is_newest()) {
+                  return done(failure(OutcomeKind::kRefused,
+                                      describe(command.id) + " was replaced by a newer request"));
+                }
+                start(system, command, now_, done, {.not_hil = not_hil});
+              });
+        },
+        {.not_hil = not_hil});
 }
 
 /// Adds the vehicle's known complaints to a refusal. Texts from before the request do not count:
@@ -400,16 +403,12 @@ void VehicleCommander::command(std::uint8_t system, const VehicleCommand& comman
   Hands& hands = table_.hands(system);
   if (stops(command)) ++hands.disarms;
   if (stops(command) || command.id == MavCmd::kComponentArmDisarm) ++hands.arm_requests;
-  if (spins(command)) {
-    start_spinning(system, command, not_hil, now, std::move(done));
-  } else {
-    vehicle->commands.start(command, now, std::move(done));
-    if (stops(command)) vehicle->commands.on_disarm("a newer request to disarm", now);
-  }
+  start(system, command, now, std::move(done), {.not_hil = not_hil});
+  if (stops(command)) vehicle->commands.on_disarm("a newer request to disarm", now);
 }
 
-void VehicleCommander::takeoff(std::uint8_t system, double altitude_m, base::RunTime now,
-                               Done done) {
+void VehicleCommander::takeoff(std::uint8_t system, double altitude_m, base::RunTime now, Done done,
+                               bool not_hil) {
   now_ = now;
   KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
@@ -417,7 +416,8 @@ void VehicleCommander::takeoff(std::uint8_t system, double altitude_m, base::Run
     done(failure(OutcomeKind::kInvalid, "a takeoff altitude is above 0 m and at most 10 km"));
     return;
   }
-  takeoff_.begin(*vehicle, altitude_m, std::move(done));
+  if (interlocked(*vehicle, not_hil, now, done)) return;
+  takeoff_.begin(*vehicle, altitude_m, not_hil, std::move(done));
 }
 
 void VehicleCommander::land(std::uint8_t system, base::RunTime now, Done done) {
@@ -439,7 +439,7 @@ void VehicleCommander::hold(std::uint8_t system, base::RunTime now, Done done) {
 }
 
 void VehicleCommander::set_mode(std::uint8_t system, std::string_view word, base::RunTime now,
-                                Done done) {
+                                Done done, bool not_hil) {
   now_ = now;
   KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
@@ -452,16 +452,17 @@ void VehicleCommander::set_mode(std::uint8_t system, std::string_view word, base
                                             (words.empty() ? std::string() : "; it has " + words)));
     return;
   }
-  // The exchange is the vehicle's own: it does not outlive its state.
   const auto doubt = [&state, mode]() -> std::optional<std::string> {
     if (state.heartbeat().message.custom_mode == *mode) return std::nullopt;
     return "it is in " + state.mode();
   };
-  vehicle->commands.start(mode_command(state, *mode), now, std::move(done), {}, doubt);
+  const auto renewal = [&state, mode] { return mode_command(state, *mode); };
+  start(system, renewal(), now, std::move(done),
+        {.not_hil = not_hil, .doubt = doubt, .renewal = renewal});
 }
 
 void VehicleCommander::go_to(std::uint8_t system, const Target& target, base::RunTime now,
-                             Done done) {
+                             Done done, bool not_hil) {
   const KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
   const std::optional<HomeAmsl> home = vehicle->state.home();
@@ -479,7 +480,7 @@ void VehicleCommander::go_to(std::uint8_t system, const Target& target, base::Ru
     return;
   }
   start(system, reposition_command(*home, north_m, east_m, down_m, target.yaw_deg), now,
-        std::move(done));
+        std::move(done), {.not_hil = not_hil});
 }
 
 void VehicleCommander::message_interval(std::uint8_t system, std::uint32_t message_id,
@@ -487,10 +488,10 @@ void VehicleCommander::message_interval(std::uint8_t system, std::uint32_t messa
   start(system, interval_command(message_id, period_us), now, std::move(done));
 }
 
-void VehicleCommander::reboot(std::uint8_t system, base::RunTime now, Done done) {
+void VehicleCommander::reboot(std::uint8_t system, base::RunTime now, Done done, bool not_hil) {
   VehicleCommand command{.id = MavCmd::kPreflightRebootShutdown};
   command.params[0] = 1;
-  start(system, command, now, std::move(done));
+  start(system, command, now, std::move(done), {.not_hil = not_hil});
 }
 
 void VehicleCommander::answer_log(std::uint8_t system, const LogAnswer& answer) {

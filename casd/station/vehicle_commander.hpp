@@ -57,7 +57,7 @@ struct CommanderOptions {
   mav::Source self = kOwnStation;
   double heartbeat_hz = 1;     ///< own HEARTBEAT as a ground station; 0 is silent. A vehicle that
                                ///< runs faster than real time gets it by its own clock
-  bool allow_not_hil = false;  ///< consent to arm vehicles that are not in HIL
+  bool allow_not_hil = false;  ///< consent to spin or move vehicles that are not in HIL
   /// Ask a new vehicle, and one that has restarted, for AUTOPILOT_VERSION and HOME_POSITION, and an
   /// ArduPilot for its telemetry.
   bool ask_on_sight = true;
@@ -142,7 +142,11 @@ class VehicleCommander final : public Station {
   /// Climbs to `altitude_m` above home. Of a PX4 whose home is unknown it writes MIS_TAKEOFF_ALT,
   /// and puts it back once the vehicle is in the air or disarmed, or has not accepted; a value that
   /// is set meanwhile stays. Any disarm ends it.
-  void takeoff(std::uint8_t system, double altitude_m, base::RunTime now, Done done);
+  /// @param not_hil  of this and the next: consents to a vehicle that does not say that it is in
+  ///     HIL. Takeoffs need it as arming does, others for an armed vehicle; what stops a vehicle
+  ///     (land, hold, return_home, modes that do so) never does
+  void takeoff(std::uint8_t system, double altitude_m, base::RunTime now, Done done,
+               bool not_hil = false);
   void land(std::uint8_t system, base::RunTime now, Done done);
   void hold(std::uint8_t system, base::RunTime now, Done done);
   void return_home(std::uint8_t system, base::RunTime now, Done done);
@@ -154,9 +158,11 @@ class VehicleCommander final : public Station {
     double down_m = 0;
     std::optional<double> yaw_deg;
   };
-  void go_to(std::uint8_t system, const Target& target, base::RunTime now, Done done);
+  void go_to(std::uint8_t system, const Target& target, base::RunTime now, Done done,
+             bool not_hil = false);
   /// Done when the HEARTBEAT shows the mode; a refusal says which one it shows instead.
-  void set_mode(std::uint8_t system, std::string_view word, base::RunTime now, Done done);
+  void set_mode(std::uint8_t system, std::string_view word, base::RunTime now, Done done,
+                bool not_hil = false);
   /// Period of a message on the vehicle's link; 0 the vehicle's default, negative off.
   void message_interval(std::uint8_t system, std::uint32_t message_id, double period_us,
                         base::RunTime now, Done done);
@@ -173,12 +179,12 @@ class VehicleCommander final : public Station {
   /// arm, so the interlock holds here too.
   void manual_control(std::uint8_t system, const Sticks& sticks, bool not_hil, base::RunTime now,
                       Done done);
-  void reboot(std::uint8_t system, base::RunTime now, Done done);
+  void reboot(std::uint8_t system, base::RunTime now, Done done, bool not_hil = false);
   /// Acknowledges a part of a vehicle's log, so that it sends on; does nothing for an unknown
   /// vehicle.
   using LogAnswer = std::variant<mavlink::common::LoggingAck, mav::services::RemoteLogBlockStatus>;
   void answer_log(std::uint8_t system, const LogAnswer& answer);
-  /// Any other command; arming goes through the interlock here too.
+  /// Any other command, through the same interlock.
   void command(std::uint8_t system, const VehicleCommand& command, bool not_hil, base::RunTime now,
                Done done);
 
@@ -208,11 +214,19 @@ class VehicleCommander final : public Station {
   void ask_for_rates(std::uint8_t system, const std::shared_ptr<RateRound>& round);
   void on_status_text(KnownVehicle& vehicle);
   void dispatch(KnownVehicle& vehicle, const mav::PacketView& packet, base::RunTime now);
-  void start(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done);
-  void start_spinning(std::uint8_t system, const VehicleCommand& command, bool not_hil,
-                      base::RunTime now, Done done);
+  /// How a command is sent.
+  struct Terms {
+    bool not_hil = false;
+    CommandExchange::Doubt doubt{};
+    CommandExchange::Renewal renewal{};
+  };
+  void start(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done,
+             const Terms& terms);
+  void start(std::uint8_t system, const VehicleCommand& command, base::RunTime now, Done done) {
+    start(system, command, now, std::move(done), Terms{});
+  }
   Done explained(const KnownVehicle& vehicle, Done done);
-  std::optional<Outcome> interlock(const VehicleState& state, bool not_hil,
+  std::optional<Outcome> interlock(const VehicleState& state, Motion motion, bool not_hil,
                                    base::RunTime now) const;
   bool interlocked(const KnownVehicle& vehicle, bool not_hil, base::RunTime now,
                    const Done& done) const;

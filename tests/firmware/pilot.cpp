@@ -40,7 +40,7 @@ void Pilot::step(base::RunTime now) {
       break;
     case Stage::kTakeoff:
       enter(Stage::kArm, now);  // under way
-      commander_.takeoff(kSystem, plan_.altitude_m, now, then(Stage::kClimb));
+      commander_.takeoff(kSystem, plan_.altitude_m, now, then(Stage::kClimb), plan_.not_hil);
       break;
     case Stage::kClimb:
       if (altitude && altitude->message > 0.9 * plan_.altitude_m) enter(Stage::kHover, now);

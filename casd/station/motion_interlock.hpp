@@ -17,16 +17,18 @@ std::optional<std::string> rival_words(const VehicleState& state, const VehicleT
 /// Why its HEARTBEATs do not say that the vehicle flies a simulation; nullopt: they do.
 std::optional<std::string> not_in_hil(const VehicleState& state, base::RunTime now);
 
-/// Consents to arm a vehicle without the HIL flag. Both are required.
+/// Consents to spin or move a vehicle without the HIL flag. Both are required.
 struct NotHilConsent {
   bool request = false;
   bool configuration = false;
 };
 
-/// Why the vehicle may not be armed: real propellers may spin. It may be armed if its HEARTBEATs
-/// say that it flies a simulation and no second autopilot uses its id, or if request and
-/// configuration both consent to a vehicle that does not say so. @return nullopt: it may be armed
-std::optional<Outcome> arm_interlock(const VehicleState& state, const VehicleTable& table,
-                                     NotHilConsent consent, base::RunTime now);
+/// Why the vehicle may not be had do this. What stops it, it may always be; what moves it, unless
+/// it is armed and does not say that it is in HIL; what starts motors, if its HEARTBEATs say that
+/// it flies a simulation and no second autopilot uses its id. Request and configuration together
+/// consent to a vehicle that does not say so. @return nullopt: it may
+std::optional<Outcome> motion_interlock(Motion motion, const VehicleState& state,
+                                        const VehicleTable& table, NotHilConsent consent,
+                                        base::RunTime now);
 
 }  // namespace cas::casd

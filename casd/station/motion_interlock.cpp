@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/station/arm_interlock.hpp"
+#include "casd/station/motion_interlock.hpp"
 
 namespace cas::casd {
 
@@ -28,16 +28,21 @@ std::optional<std::string> not_in_hil(const VehicleState& state, base::RunTime n
   return std::nullopt;
 }
 
-std::optional<Outcome> arm_interlock(const VehicleState& state, const VehicleTable& table,
-                                     NotHilConsent consent, base::RunTime now) {
+std::optional<Outcome> motion_interlock(Motion motion, const VehicleState& state,
+                                        const VehicleTable& table, NotHilConsent consent,
+                                        base::RunTime now) {
+  const bool spins = motion == Motion::kSpins;
+  if (!spins && (motion != Motion::kMoves || !state.armed())) return std::nullopt;
   // With two autopilots, consent does not say which one is meant.
-  if (const auto rival = rival_words(state, table, now)) {
+  if (const auto rival = rival_words(state, table, now); rival && spins) {
     return failure(OutcomeKind::kInterlock, *rival);
   }
   if (consent.request && consent.configuration) return std::nullopt;
   std::optional<std::string> why = not_in_hil(state, now);
   if (!why) return std::nullopt;
-  if (state.heartbeat_age(now) <= kVehicleTimeout) *why += ": real propellers may spin";
+  if (state.heartbeat_age(now) <= kVehicleTimeout) {
+    *why += spins ? ": real propellers may spin" : " and is armed: a real vehicle may move";
+  }
   *why += consent.request
               ? "; --not-hil also needs commanding.allow_not_hil: true in casd's configuration"
               : "; put it in HIL mode (PX4: SYS_HITL 1 and a restart), or, for a firmware that "
