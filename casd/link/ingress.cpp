@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/link/ingress.hpp"
 
+#include <string>
 #include <utility>
 
 #include "base/os/log.hpp"
@@ -51,13 +52,17 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, Peer
   if (may_command && is_failure(packet)) {
     route.to = bit(kLocalLink);
     route.thinned = {};
+    route.held = 0;
     route.decision = Route::Decision::kForward;
   }
   if (!first && is_failure(packet)) route.to = {};
   account(route, packet, now);
   // What others have a vehicle do, and its answers to stations that casd does not know or does not
-  // serve, casd's station hears too: it shall not undo it.
-  if (may_command && may_be_act(packet.message_id)) route.to.add(kLocalLink);
+  // serve, casd's station hears too: it shall not undo it. What was held back nobody did.
+  if (may_command && may_be_act(packet.message_id)) {
+    route.to.add(kLocalLink);
+    if (route.decision == Route::Decision::kNotHil) route.to = {};
+  }
   if (!route.to.empty()) batch_.add(route.info, packet.bytes, route.to);
   add_for_sniffers(route, packet, now);
 }
@@ -130,11 +135,25 @@ void Ingress::account(const Route& route, const mav::PacketView& packet, base::R
 
 void Ingress::count_refusals(const Route& route) {
   using enum Route::Decision;
+  if (route.held > 0) [[unlikely]] {
+    counters_->count_refused(kNotHil, route.info, route.held);
+    tell_held(route);
+  }
   if (!route.thinned.empty()) {
     counters_->count_refused(kRateLimited, route.info, route.thinned.count());
-  } else if (is_refusal(route.decision)) {
+  } else if (is_refusal(route.decision) && route.decision != kNotHil) {
     counters_->count_refused(route.decision, route.info);
   }
+}
+
+/// Once for each link: a log may hold back thousands.
+void Ingress::tell_held(const Route& route) {
+  if (std::exchange(told_held_, true)) return;
+  base::log::warn(
+      "link " + counters_->name + ": message " + std::to_string(route.info.message_id) + " of " +
+      std::to_string(route.info.source.system) + "/" + std::to_string(route.info.source.component) +
+      " and others like it are held back: they may spin, move or mislead a vehicle that does "
+      "not say it is in HIL (to_not_hil: all lets them pass)");
 }
 
 void Ingress::deliver(base::RunTime now) {

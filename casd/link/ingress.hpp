@@ -85,6 +85,7 @@ class Ingress {
   void account(const Route& route, const mav::PacketView& packet, base::RunTime now);
   void count_refusals(const Route& route);
   void log_loop() const;
+  void tell_held(const Route& route);
   void add_for_sniffers(const Route& route, const mav::PacketView& packet, base::RunTime now);
   void count_parser(const Parser& parser, const Parser::Stats& before);
 
@@ -93,6 +94,7 @@ class Ingress {
   std::shared_ptr<LinkCounters> counters_;
   AcceptRule accept_;
   bool accepts_all_;
+  bool told_held_ = false;
   std::shared_ptr<LinkSigning> signing_;
   mav::SequenceTracker sequence_;
   DeliveryBatch batch_;

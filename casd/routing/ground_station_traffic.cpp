@@ -51,6 +51,17 @@ constexpr std::string_view kGroundStationMessages[] = {
     "GIMBAL_MANAGER_SET_MANUAL_CONTROL", "GOPRO_GET_REQUEST", "GOPRO_SET_REQUEST", "LED_CONTROL",
     "LED_STRIP_CONFIG", "PLAY_TUNE", "PLAY_TUNE_V2", "WIFI_CONFIG_AP", "CELLULAR_CONFIG"};
 
+// Of these, what vehicles say as well.
+constexpr std::string_view kAlsoOfVehicles[] = {"HEARTBEAT",
+                                                "SYSTEM_TIME",
+                                                "STATUSTEXT",
+                                                "COMMAND_ACK",
+                                                "ADSB_VEHICLE",
+                                                "OPEN_DRONE_ID_SYSTEM",
+                                                "OPEN_DRONE_ID_BASIC_ID",
+                                                "OPEN_DRONE_ID_SELF_ID",
+                                                "OPEN_DRONE_ID_OPERATOR_ID"};
+
 std::vector<std::uint32_t> ids_of(std::span<const std::string_view> names) {
   std::vector<std::uint32_t> ids;
   for (const std::string_view name : names) {
@@ -74,6 +85,19 @@ bool is_ground_station_traffic(const mav::PacketView& packet) {
   if (!std::binary_search(ids.begin(), ids.end(), packet.message_id)) return false;
   const auto heartbeat = mav::decode<mavlink::common::Heartbeat>(packet);
   return !heartbeat || !mav::services::is_vehicle(packet.source, *heartbeat);
+}
+
+bool may_be_of_vehicle(std::uint32_t message_id) {
+  static const std::vector<std::uint32_t> shared = ids_of(kAlsoOfVehicles);
+  const auto ids = ground_station_messages();
+  return !std::binary_search(ids.begin(), ids.end(), message_id) ||
+         std::binary_search(shared.begin(), shared.end(), message_id);
+}
+
+bool is_vehicle_traffic(const mav::PacketView& packet) {
+  if (!may_be_of_vehicle(packet.message_id)) return false;
+  const auto heartbeat = mav::decode<mavlink::common::Heartbeat>(packet);
+  return !heartbeat || heartbeat->type != mavlink::common::MavType::kGcs;
 }
 
 }  // namespace cas::casd

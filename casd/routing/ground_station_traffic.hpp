@@ -18,4 +18,10 @@ std::span<const std::uint32_t> ground_station_messages();
 /// HEARTBEAT.
 bool is_ground_station_traffic(const mav::PacketView& packet);
 
+/// Whether a vehicle, or a part of it, may say this message: not if it is one that ground stations
+/// send and vehicles only take.
+bool may_be_of_vehicle(std::uint32_t message_id);
+/// Whether a vehicle may have sent it: may_be_of_vehicle(), and no ground station's HEARTBEAT.
+bool is_vehicle_traffic(const mav::PacketView& packet);
+
 }  // namespace cas::casd

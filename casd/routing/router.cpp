@@ -40,10 +40,9 @@ inline Route::Decision Router::choose_links(Route& route, const RoutingPlan& pla
   return Route::Decision::kForward;
 }
 
-Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTime now,
-                        PeerId from_peer) {
+inline Route Router::decide(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
+                            base::RunTime now, PeerId from_peer) {
   using enum Route::Decision;
-  const RoutingPlan& plan = plan_for(from);
   Route route{.info = inspect(packet, table_)};
   route.info.from = from;
   route.info.from_group = plan.group[from];
@@ -96,6 +95,32 @@ Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTim
   return route;
 }
 
+/// Learns from HEARTBEATs, and keeps what may spin or move a vehicle from vehicles not in HIL.
+void Router::hold_back(Route& route, const RoutingPlan& plan, const mav::PacketView& packet,
+                       base::RunTime now) {
+  const LinkId from = route.info.from;
+  hil_words_.on_packet({.link = from, .peer = route.info.from_serial}, packet, now);
+  if (!plan.stops_only.has(from)) return;
+  if (route.sniffers != nullptr && HilWords::may_move(packet)) route.sniffers = nullptr;
+  LinkMask others = route.to;
+  others.remove(kLocalLink);
+  others.for_each([&](LinkId to) {
+    if (hil_words_.permits(to, packet, route.info.target, now)) return;
+    route.to.remove(to);
+    ++route.held;
+  });
+  if (route.held > 0 && route.held == others.count()) route.decision = Route::Decision::kNotHil;
+}
+
+Route Router::on_packet(LinkId from, const mav::PacketView& packet, base::RunTime now,
+                        PeerId from_peer) {
+  const RoutingPlan& plan = plan_for(from);
+  Route route = decide(from, plan, packet, now, from_peer);
+  if (plan.holds_back) [[unlikely]]
+    hold_back(route, plan, packet, now);
+  return route;
+}
+
 Route Router::on_addressed(const mav::PacketView& packet, std::span<const Path> to,
                            base::RunTime now) {
   Route route = on_packet(kLocalLink, packet, now);
@@ -129,6 +154,7 @@ void Router::tick(LinkId link, base::RunTime now) {
 
 void Router::forget(LinkId link) {
   routes_[LinkMask::word_of(link)].forget(LinkMask::slot_of(link));
+  hil_words_.forget(link);
 }
 
 void Router::replace(std::shared_ptr<const RoutingPlan> plan) {

@@ -15,6 +15,7 @@
 #include "casd/packet/packet_info.hpp"
 #include "casd/routing/duplicate_filter.hpp"
 #include "casd/routing/loop_guard.hpp"
+#include "casd/routing/hil_words.hpp"
 #include "casd/routing/route_table.hpp"
 #include "casd/routing/routing_rules.hpp"
 #include "casd/words/drop_cause.hpp"
@@ -34,6 +35,9 @@ struct RoutingPlan {
   base::Duration duplicate_window{};
   LinkMask pass_unknown;  ///< links from which packets with unknown message ids go on
   LinkMask sniffers;      ///< links that get every packet; no rule names them
+  /// Links whose packets may stop a vehicle that is not in HIL, and neither spin nor move it.
+  LinkMask stops_only;
+  bool holds_back = false;  ///< whether `stops_only` has any
 
   RoutingPlan() { group.fill(-1); }
 };
@@ -47,17 +51,19 @@ struct Route {
     kNoRule,       ///< the rules let it go nowhere
     kNoTarget,     ///< addressed to a system that was never heard
     kRateLimited,  ///< its turn has not come
+    kNotHil,       ///< may spin or move a vehicle that is not in HIL; `to` is casd's own station
     kCasdOnly      ///< for all, but only casd's own station may have it
   };
   LinkMask to{};
-  LinkMask thinned{};  ///< links that a rate limit keeps it from
+  LinkMask thinned{};     ///< links that a rate limit keeps it from
+  std::uint8_t held = 0;  ///< how many links it is kept from for a vehicle there that is not in HIL
   Decision decision = Decision::kForward;
   bool loop_found = false;  ///< the first packet that proves a loop
   /// Links that get it beside `to`, whatever was decided; of the plan, until the next packet.
   const LinkMask* sniffers = nullptr;
   PacketInfo info;
 };
-inline constexpr int kDecisions = 6;
+inline constexpr int kDecisions = 7;
 inline constexpr int kRouterRefusals = kDecisions - 2;
 /// Whether it counts as dropped, with a DropCause.
 constexpr bool is_refusal(Route::Decision decision) {
@@ -71,7 +77,8 @@ constexpr DropCause cause_of(Route::Decision decision) {
 static_assert(cause_of(Route::Decision::kDuplicate) == DropCause::kDuplicate &&
               cause_of(Route::Decision::kNoRule) == DropCause::kNoRule &&
               cause_of(Route::Decision::kNoTarget) == DropCause::kNoTarget &&
-              cause_of(Route::Decision::kRateLimited) == DropCause::kRateLimited);
+              cause_of(Route::Decision::kRateLimited) == DropCause::kRateLimited &&
+              cause_of(Route::Decision::kNotHil) == DropCause::kNotHil);
 /// "forwarded", "casd_only", or the word of its cause.
 std::string_view to_string(Route::Decision decision);
 
@@ -120,6 +127,10 @@ class Router {
     return *links_[link].plan;
   }
   void renew_plan(LinkId link);
+  Route decide(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
+               base::RunTime now, PeerId from_peer);
+  void hold_back(Route& route, const RoutingPlan& plan, const mav::PacketView& packet,
+                 base::RunTime now);
   LinkMask with_groups(std::span<const Path> to);
   bool is_group_duplicate(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
                           base::RunTime now);
@@ -130,6 +141,7 @@ class Router {
   std::array<DuplicateFilter, kMaxGroups> group_duplicates_;
   DuplicateFilter duplicates_;  ///< of all links
   LoopGuard loops_;
+  HilWords hil_words_;          ///< kept while a plan holds packets back
 
   std::atomic<std::uint64_t> generation_{1};
   base::Mutex plan_mutex_;

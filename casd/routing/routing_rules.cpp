@@ -27,13 +27,14 @@ bool AcceptRule::accepts(const mav::PacketView& packet) const {
   const std::uint8_t sender = packet.source.system;
   if (read_only || holds(block_systems, sender)) return false;
   if (!systems.empty() && !holds(systems, sender)) return false;
+  if (vehicles && !is_vehicle_traffic(packet)) return false;
   if (messages.empty() && !ground_station) return true;
   return holds(messages, packet.message_id) ||
          (ground_station && is_ground_station_traffic(packet));
 }
 
 bool AcceptRule::may_accept(std::uint32_t message_id) const {
-  if (read_only) return false;
+  if (read_only || (vehicles && !may_be_of_vehicle(message_id))) return false;
   if (std::ranges::find(messages, message_id) != messages.end()) return true;
   return ground_station ? std::ranges::binary_search(ground_station_messages(), message_id)
                         : messages.empty();

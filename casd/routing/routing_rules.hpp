@@ -21,6 +21,7 @@ struct AcceptRule {
   bool read_only = false;  ///< takes in nothing: its peers may only listen
   /// Only traffic of ground stations (`traffic`), and `messages`.
   bool ground_station = false;
+  bool vehicles = false;  ///< only what vehicles say: a played log without its `commands`
   std::vector<std::uint32_t> messages{};      ///< only these; empty: all
   std::vector<std::uint8_t> systems{};        ///< only of these senders; empty: all
   std::vector<std::uint8_t> block_systems{};  ///< not of these senders

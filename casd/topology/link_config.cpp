@@ -267,6 +267,9 @@ constexpr std::tuple kTlogKeys{
                                     "nothing is sent to it")),
     key<&LinkConfig::speed>("speed", Range{0.01, 1000}, "recorded seconds per second"),
     key<&LinkConfig::repeat>("repeat", Flag{}, "from the start again at its end"),
+    key<&LinkConfig::commands>("commands", Flag{},
+                               "plays what ground stations said, too: commands, sticks, "
+                               "parameters; false: what vehicles said"),
 };
 
 constexpr std::tuple kCommonKeys{
@@ -275,6 +278,12 @@ constexpr std::tuple kCommonKeys{
         "unknown_messages",
         Words<bool, 2>{{{{"pass", true}, {"drop", false}}}, "'{}' is neither pass nor drop"},
         "messages that no public dialect has", "pass, on serial lines drop"),
+    key<&LinkConfig::to_not_hil>(
+        "to_not_hil",
+        Words<ToNotHil, 2>{{{{"all", ToNotHil::kAll}, {"stops_only", ToNotHil::kStopsOnly}}},
+                           "'{}' is neither all nor stops_only"},
+        "what passes from here to vehicles that do not say that they are in HIL; see below",
+        "all, of tlog stops_only"),
     key<&LinkConfig::group>("group", Text{}, "redundant paths share the name of a group"),
     key<&LinkConfig::accept>("accept", Accept{{kAcceptKeys}},
                              "what the link takes in at all; see below"),
@@ -315,6 +324,12 @@ void with_keys_of(LinkType type, Visit&& visit) {
   }
 }
 
+void set_defaults_of_type(LinkConfig& link) {
+  link.pass_unknown = link.type != LinkType::kSerial;  // a socket has a checksum of its own
+  // A log is a recording: nobody looks at the vehicle that it would fly.
+  link.to_not_hil = link.type == LinkType::kTlog ? ToNotHil::kStopsOnly : ToNotHil::kAll;
+}
+
 // A pace that is left out follows from the baud rate, and does not hold a pseudo-terminal.
 void settle_pace(const ConfigNode& node, LinkConfig& link) {
   const auto given = node.find("pace");
@@ -353,7 +368,7 @@ std::string words_of_rates(const std::vector<unsigned>& baud) {
 LinkConfig parse_link(const ConfigNode& node) {
   LinkConfig link;
   base::read_keys(node, kHeadKeys, link);
-  link.pass_unknown = link.type != LinkType::kSerial;  // a socket has a checksum of its own
+  set_defaults_of_type(link);
   with_keys_of(link.type, [&](const auto& keys) { base::read_keys(node, keys, link); });
   if (link.type == LinkType::kUdp && link.local.empty() && link.remote.empty()) {
     node.fail("needs local, remote or both");
@@ -361,6 +376,7 @@ LinkConfig parse_link(const ConfigNode& node) {
   if (link.type == LinkType::kSerial) settle_pace(node, link);
   base::read_keys(node, kCommonKeys, link);
   if (link.sniffer) settle_sniffer(node, link);
+  link.accept.vehicles = link.type == LinkType::kTlog && !link.commands;
   node.reject_unused();
   return link;
 }
@@ -379,7 +395,9 @@ std::vector<base::KeyRow> link_rows(std::optional<LinkType> type) {
 
 std::vector<std::string> changed_keys(const LinkConfig& link) {
   LinkConfig standard;
-  standard.pass_unknown = link.type != LinkType::kSerial;
+  standard.type = link.type;
+  set_defaults_of_type(standard);
+  standard.accept.vehicles = link.accept.vehicles;
   standard.pace = !link.baud.empty();
   std::vector<std::string> changed;
   const auto add = [&](const auto& keys) { base::add_changed_keys(keys, link, standard, changed); };

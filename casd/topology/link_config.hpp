@@ -36,6 +36,9 @@ struct SigningConfig {
   friend bool operator==(const SigningConfig&, const SigningConfig&) = default;
 };
 
+/// What may pass from a link to vehicles that do not say that they are in HIL.
+enum class ToNotHil : std::uint8_t { kAll, kStopsOnly };
+
 /// One entry of `links`. Keys that a type does not have are refused.
 struct LinkConfig {
   std::string name;
@@ -59,8 +62,9 @@ struct LinkConfig {
 
   // tlog
   std::filesystem::path file;
-  double speed = 1;     ///< recorded seconds per second
-  bool repeat = false;  ///< from the start again at its end
+  double speed = 1;       ///< recorded seconds per second
+  bool repeat = false;    ///< from the start again at its end
+  bool commands = false;  ///< plays what ground stations said, too
 
   // all
   double max_bytes_s = 0;                  ///< cap on sent bytes; 0: none
@@ -69,6 +73,7 @@ struct LinkConfig {
   bool inject_failures = false;            ///< stations here may inject failures into the simulator
   bool sniffer = false;                    ///< gets every packet, for any target; takes in nothing
   std::vector<MessageRate> request_rates;  ///< requested from vehicles heard here
+  ToNotHil to_not_hil = ToNotHil::kAll;    ///< kStopsOnly: what may spin or move is held back
   AcceptRule accept;
   std::optional<SigningConfig> signing;
   TxQueueOptions queue;

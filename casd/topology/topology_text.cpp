@@ -64,14 +64,32 @@ std::string link_line(const LinkConfig& link, Pace pace) {
     text += std::string(link.signing->verify ? ", verifies" : "") +
             (link.signing->sign ? ", signs" : "") + " with " + link.signing->key_file.string();
   }
-  constexpr std::array<std::string_view, 18> kTold{
-      "local", "remote", "device", "baud", "pace", "file", "sniffer", "accept.", "inject_failures",
-      "group", "unlocked_pty", "signing.key_file", "signing.verify", "signing.sign",
+  constexpr std::array<std::string_view, 19> kTold{
+      "local", "remote", "device", "baud", "pace", "file", "to_not_hil", "sniffer", "accept.",
+      "inject_failures", "group", "unlocked_pty", "signing.key_file", "signing.verify",
+      "signing.sign",
       // set by lockstep
       "queue.hil_max_age_ms", "queue.gps_max_age_ms", "queue.setpoint_max_age_ms",
       "queue.telemetry_max_age_ms"};
   const std::size_t told = pace == Pace::kLockstep ? kTold.size() : kTold.size() - 4;
   return text + "\n" + keys_line(changed_keys(link), std::span(kTold).first(told));
+}
+
+/// "to vehicles not in HIL\n  all: sim, fcu\n  stops only: replay\n": what each link may.
+std::string interlock_text(const Topology& topology) {
+  const auto names = [&topology](ToNotHil rule) {
+    std::vector<std::string> links;
+    for (const LinkConfig& link : topology.links) {
+      if (!link.accept.read_only && link.to_not_hil == rule) links.push_back(link.name);
+    }
+    return base::joined(links, ", ");
+  };
+  const std::string all = names(ToNotHil::kAll);
+  const std::string stops_only = names(ToNotHil::kStopsOnly);
+  std::string text = "to vehicles not in HIL\n";
+  if (!all.empty()) text += "  all: " + all + "\n";
+  if (!stops_only.empty()) text += "  stops only: " + stops_only + "\n";
+  return text;
 }
 
 std::string command_port_text(const CommandPortConfig& port) {
@@ -97,7 +115,7 @@ std::string topology_text(const Topology& topology) {
                                                   "command_port.loopback_without_token"};
   text += keys_line(changed_keys(topology), kTold) + "links\n";
   for (const LinkConfig& link : topology.links) text += link_line(link, topology.pace);
-  text += "routes\n";
+  text += interlock_text(topology) + "routes\n";
   for (const RouteConfig& route : topology.routes) {
     text += "  " + route.from + " -> " + route.to + ": " + rule_text(route.rule) + "\n";
   }

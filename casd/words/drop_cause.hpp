@@ -23,6 +23,7 @@ enum class DropCause : std::uint8_t {
   kNoRule,
   kNoTarget,
   kRateLimited,
+  kNotHil,
   // The router never got it.
   kCrc,
   kKernel,
@@ -64,6 +65,8 @@ inline constexpr auto kCauses = std::to_array<CauseWords>({
     {DropCause::kNoRule, "no_rule", "no route lets it go anywhere (see casctl routes)"},
     {DropCause::kNoTarget, "no_target", "addressed to a system that was never heard"},
     {DropCause::kRateLimited, "rate_limited", "thinned out by a route's rates"},
+    {DropCause::kNotHil, "not_hil",
+     "may spin or move a vehicle that does not say it is in HIL (to_not_hil of its link)"},
     {DropCause::kCrc, "crc", "a packet with a wrong checksum: the line disturbs it"},
     {DropCause::kKernel, "kernel", "the socket's buffer was full: casd came too late"},
     {DropCause::kNotAccepted, "not_accepted", "the link takes in no such packets (accept)"},

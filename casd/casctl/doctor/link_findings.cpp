@@ -124,6 +124,17 @@ std::string earlier_drops_text(const json& link) {
          " packets before (casctl drops)";
 }
 
+/// Packets that the link's to_not_hil held back, since casd runs: a log is soon over.
+void check_held_back(const json& link, Findings& all) {
+  const double packets = verdict(link, to_string(casd::DropCause::kNotHil));
+  if (packets <= 0) return;
+  warn(all,
+       "link " + link.value("name", "?") + ": " +
+           std::to_string(static_cast<std::uint64_t>(packets)) +
+           " packets were held back that may spin, move or mislead a vehicle (not_hil)",
+       "the vehicle does not say that it is in HIL; `to_not_hil: all` of the link lets them pass");
+}
+
 double signature_growth(const DoctorFacts& facts, const json& link, const char* word) {
   return grown(facts, link, [word](const json& of) {
     const json rx = of.value("rx", json::object());
@@ -136,6 +147,7 @@ double signature_growth(const DoctorFacts& facts, const json& link, const char* 
 void check_links(const DoctorFacts& facts, Findings& all) {
   for (const json& link : facts.after.value("links", json::array())) {
     const std::string name = "link " + link.value("name", "?");
+    check_held_back(link, all);
     if (link.value("state", "") != "up") {
       bad(all, name + " is " + link.value("state", "?") + ": " + link.value("endpoint", ""),
           remedy_for_down(link));
@@ -151,10 +163,12 @@ void check_links(const DoctorFacts& facts, Findings& all) {
     check_own_drops(facts, link, own);
     check_refusals(facts, link, own);
     if (own.empty()) {
+      const bool stops_only = link.value("to_not_hil", "") == "stops_only";
       const bool silent = growth(facts, link, casd::counter_words("rx", "packets")) <= 0;
       good(own, name + " is up, nothing lost or damaged in " + fixed(facts.seconds, 1) + " s" +
                     (silent ? ", nothing received" : "") + earlier_drops_text(link) +
-                    filtered_text(facts, link) + casd_only_text(facts, link));
+                    filtered_text(facts, link) + casd_only_text(facts, link) +
+                    (stops_only ? "; it may only stop vehicles that are not in HIL" : ""));
     }
     all.insert(all.end(), own.begin(), own.end());
   }
