@@ -2,6 +2,7 @@
 #include <chrono>
 #include <iostream>
 #include <map>
+#include <memory>
 #include <thread>
 
 #include "base/rpc/client.hpp"
@@ -313,13 +314,19 @@ void add_service_verbs(CommandLine& line) {
         report(session.options(), session.call("casd.reload"), "the topology was read again");
         return kDone;
       });
+  const auto not_hil = std::make_shared<bool>(false);
   line.add_verb("reboot", "Restart the flight controller", "casctl reboot --vehicle 1",
-                [](Session& session) {
-                  const json result = session.vehicle_call("vehicle.reboot");
+                [not_hil](Session& session) {
+                  json params = json::object();
+                  if (*not_hil) params["not_hil"] = true;
+                  const json result = session.vehicle_call("vehicle.reboot", params);
                   report(session.options(), result,
                          "vehicle " + result.at("vehicle").dump() + " accepted the restart");
                   return kDone;
-                });
+                })
+      .add_flag("--not-hil", *not_hil,
+                "Also an armed vehicle that does not say it is in HIL: IT FALLS; casd's "
+                "configuration must consent");
 }
 
 }  // namespace cas::casctl

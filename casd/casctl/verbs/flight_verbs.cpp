@@ -217,30 +217,44 @@ void add_disarm(CommandLine& line) {
       .add_flag("--force", *force, "Also in flight: the vehicle falls");
 }
 
+/// `--not-hil` of a verb that may move a vehicle.
+void add_consent(const Verb& verb, bool& not_hil) {
+  verb.add_flag("--not-hil", not_hil,
+                "Also a vehicle that does not say it is in HIL: A REAL VEHICLE MAY MOVE; casd's "
+                "configuration must consent");
+}
+
+/// The parameters of a call, with the consent where it is given.
+json consenting(json params, bool not_hil) {
+  if (not_hil) params["not_hil"] = true;
+  return params;
+}
+
 void add_takeoff(CommandLine& line) {
   const auto altitude_m = std::make_shared<double>(2.5);
-  line.add_verb("takeoff", "Take off to a height above home", "casctl takeoff 2.5 --wait",
-                [altitude_m](Session& session) {
-                  const json state = session.vehicle_call("vehicle.state");
-                  // A heartbeat may lag behind the arming: so it is said, not refused.
-                  const bool armed = state.value("armed", false);
-                  return fly(
-                      session, "vehicle.takeoff", {{"altitude_m", *altitude_m}},
-                      "takes off to " + fixed(*altitude_m, 1) + " m" +
-                          (armed ? "" : " when armed; it was last heard disarmed"),
-                      {"airborne",
-                       [altitude_m](const SaidSince& now) { return now.airborne_at(*altitude_m); },
-                       true});
-                })
-      .add_option("ALT", *altitude_m, "Metres above home")
-      .in_range(0.1, 10000.0)
-      .with_default();
+  const auto not_hil = std::make_shared<bool>(false);
+  const Verb verb = line.add_verb(
+      "takeoff", "Take off to a height above home", "casctl takeoff 2.5 --wait",
+      [altitude_m, not_hil](Session& session) {
+        const json state = session.vehicle_call("vehicle.state");
+        // A heartbeat may lag behind the arming: so it is said, not refused.
+        const bool armed = state.value("armed", false);
+        return fly(
+            session, "vehicle.takeoff", consenting({{"altitude_m", *altitude_m}}, *not_hil),
+            "takes off to " + fixed(*altitude_m, 1) + " m" +
+                (armed ? "" : " when armed; it was last heard disarmed"),
+            {"airborne",
+             [altitude_m](const SaidSince& now) { return now.airborne_at(*altitude_m); }, true});
+      });
+  verb.add_option("ALT", *altitude_m, "Metres above home").in_range(0.1, 10000.0).with_default();
+  add_consent(verb, *not_hil);
 }
 
 void add_goto(CommandLine& line) {
   struct Target {
     double north_m = 0, east_m = 0, down_m = 0;
     std::optional<double> yaw_deg;
+    bool not_hil = false;
   };
   const auto target = std::make_shared<Target>();
   const Verb verb = line.add_verb(
@@ -249,7 +263,7 @@ void add_goto(CommandLine& line) {
         json params{
             {"north_m", target->north_m}, {"east_m", target->east_m}, {"down_m", target->down_m}};
         if (target->yaw_deg) params["yaw_deg"] = *target->yaw_deg;
-        return fly(session, "vehicle.goto", params, "goes there",
+        return fly(session, "vehicle.goto", consenting(params, target->not_hil), "goes there",
                    {"there",
                     [target](const SaidSince& now) {
                       return now.near(target->north_m, target->east_m, target->down_m);
@@ -261,18 +275,22 @@ void add_goto(CommandLine& line) {
   verb.add_option("DOWN", target->down_m, "Metres down; -3 is 3 m above the frame's origin")
       .required();
   verb.add_option("YAW", target->yaw_deg, "Degrees from north; left out: kept");
+  add_consent(verb, target->not_hil);
 }
 
 void add_mode(CommandLine& line) {
   const auto mode = std::make_shared<std::string>();
-  line.add_verb("mode", "Set a flight mode by its word", "casctl mode POSCTL --wait",
-                [mode](Session& session) {
-                  return fly(session, "vehicle.mode", {{"mode", *mode}}, "took mode " + *mode,
-                             {"in mode " + *mode,
-                              [mode](const SaidSince& now) { return now.in_mode(*mode); }});
-                })
-      .add_option("MODE", *mode, "HOLD, LAND, RTL, POSCTL, ...; a wrong word lists them")
+  const auto not_hil = std::make_shared<bool>(false);
+  const Verb verb = line.add_verb(
+      "mode", "Set a flight mode by its word", "casctl mode POSCTL --wait",
+      [mode, not_hil](Session& session) {
+        return fly(
+            session, "vehicle.mode", consenting({{"mode", *mode}}, *not_hil), "took mode " + *mode,
+            {"in mode " + *mode, [mode](const SaidSince& now) { return now.in_mode(*mode); }});
+      });
+  verb.add_option("MODE", *mode, "HOLD, LAND, RTL, POSCTL, ...; a wrong word lists them")
       .required();
+  add_consent(verb, *not_hil);
 }
 
 /// Repeats the sticks, then releases them.
@@ -295,16 +313,18 @@ void add_manual(CommandLine& line) {
   struct Sticks {
     double pitch = 0, roll = 0, throttle = 0.5, yaw = 0;
     double duration_s = 1;
+    bool not_hil = false;
   };
   const auto sticks = std::make_shared<Sticks>();
   const Verb verb = line.add_verb(
       "manual", "Hold the sticks for some time (a mode that listens to them is needed)",
       "casctl manual --pitch 0.2 --for 2", [sticks](Session& session) {
         return hold_sticks(session,
-                           {{"pitch", sticks->pitch},
-                            {"roll", sticks->roll},
-                            {"throttle", sticks->throttle},
-                            {"yaw", sticks->yaw}},
+                           consenting({{"pitch", sticks->pitch},
+                                       {"roll", sticks->roll},
+                                       {"throttle", sticks->throttle},
+                                       {"yaw", sticks->yaw}},
+                                      sticks->not_hil),
                            sticks->duration_s);
       });
   verb.add_option("--pitch", sticks->pitch, "-1 back to 1 forward").in_range(-1.0, 1.0);
@@ -316,6 +336,7 @@ void add_manual(CommandLine& line) {
   verb.add_option("--for", sticks->duration_s, "Seconds to hold them")
       .in_range(0.0, 3600.0)
       .with_default();
+  add_consent(verb, sticks->not_hil);
 }
 
 void add_message_interval(CommandLine& line) {
