@@ -25,6 +25,12 @@ bool is_ardupilot(const CompanionFlight::Vehicle& vehicle) {
   return vehicle.autopilot == "ArduPilot";
 }
 
+/// The parameters of a call that moves the vehicle.
+Json consenting(Json params, const CompanionFlight::Vehicle& vehicle) {
+  if (vehicle.not_hil) params["not_hil"] = true;
+  return params;
+}
+
 /// From the air straight to a place, north, east, up from home.
 MissionPlan mission_to(const Eigen::Vector3d& place_m, double speed_m_s) {
   constexpr float kGroundSpeed = 1;
@@ -94,7 +100,8 @@ std::optional<std::string> CompanionFlight::enter_stream(const Vehicle& vehicle)
   link_.with_station(
       [&](auto& station) { station.setpoints().hover(vehicle.hover_N, vehicle.yaw_rad); });
   if (!streams()) return "the vehicle does not tell its position, nor its time";
-  call_("vehicle.mode", {{"mode", is_ardupilot(vehicle) ? "GUIDED" : "OFFBOARD"}});
+  call_("vehicle.mode",
+        consenting({{"mode", is_ardupilot(vehicle) ? "GUIDED" : "OFFBOARD"}}, vehicle));
   return std::nullopt;
 }
 
@@ -115,10 +122,11 @@ CompanionFlight::Answer CompanionFlight::begin_trajectory(const FlightStep& step
 CompanionFlight::Answer CompanionFlight::end_trajectory(const Vehicle& vehicle) {
   link_.with_station(
       [&](auto& station) { station.setpoints().hover(vehicle.hover_N, vehicle.yaw_rad); });
-  call_("vehicle.goto", {{"north_m", vehicle.hover_N.x()},
-                         {"east_m", vehicle.hover_N.y()},
-                         {"down_m", vehicle.hover_N.z()},
-                         {"yaw_deg", vehicle.yaw_rad * base::kDegPerRad}});
+  call_("vehicle.goto", consenting({{"north_m", vehicle.hover_N.x()},
+                                    {"east_m", vehicle.hover_N.y()},
+                                    {"down_m", vehicle.hover_N.z()},
+                                    {"yaw_deg", vehicle.yaw_rad * base::kDegPerRad}},
+                                   vehicle));
   link_.with_station([](auto& station) { station.setpoints().stop(); });
   return {};
 }
@@ -160,12 +168,11 @@ CompanionFlight::Answer CompanionFlight::fly_mission(const MissionPlan& plan,
   }
   if (is_ardupilot(vehicle)) {
     // From the ground AUTO alone waits for a raised throttle.
-    Json start{{"command", static_cast<int>(mavlink::common::MavCmd::kMissionStart)},
-               {"params", {0, 0}}};
-    if (vehicle.not_hil) start["not_hil"] = true;
-    call_("vehicle.command", start);
+    const Json start{{"command", static_cast<int>(mavlink::common::MavCmd::kMissionStart)},
+                     {"params", {0, 0}}};
+    call_("vehicle.command", consenting(start, vehicle));
   } else {
-    call_("vehicle.mode", {{"mode", "MISSION"}});
+    call_("vehicle.mode", consenting({{"mode", "MISSION"}}, vehicle));
   }
   return answer;
 }
