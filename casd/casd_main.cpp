@@ -4,6 +4,7 @@
 #include <array>
 #include <csignal>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <sstream>
 #include <string>
@@ -304,7 +305,7 @@ void add_refused_options(CLI::App& cli) {
 }  // namespace
 }  // namespace cas::casd
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   using namespace cas;
   casd::Flags flags;
   CLI::App cli("Routes MAVLink between simulator, flight controller and ground stations.", "casd");
@@ -372,4 +373,7 @@ int main(int argc, char** argv) {
   base::cli::add_manual(cli, "casd", CAS_VERSION);
   if (const auto ended = base::cli::parse(cli, argc, argv, base::kExitConfig)) return *ended;
   return base::run_program("casd", flags.log_level, [&] { return casd::run(flags); });
+} catch (const std::exception& error) {  // no memory for the command line
+  std::fprintf(stderr, "casd: internal error: %s\n", error.what());
+  return cas::base::kExitInternal;
 }

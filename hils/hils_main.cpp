@@ -59,7 +59,7 @@ int guarded(const std::function<int()>& command) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   CLI::App app("Flies experiments with a controller in the loop, measures and judges them", "hils");
   app.set_version_flag("--version", "hils " + std::string(CAS_VERSION));
   app.require_subcommand(1);
@@ -81,4 +81,7 @@ int main(int argc, char** argv) {
     base::log::init("hils", base::log::parse_level(log_level));
     return base::cli::find_asked(verbs)->run();
   });
+} catch (const std::exception& error) {  // no memory for the command line
+  std::fprintf(stderr, "hils: %s\n", error.what());
+  return kExitInvalid;
 }
