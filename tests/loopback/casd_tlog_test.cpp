@@ -6,6 +6,7 @@
 
 #include "casd/tlog/tlog_files.hpp"
 #include "casd/tlog/tlog_read_ahead.hpp"
+#include "mavlink/common/all.hpp"
 #include "tests/loopback/casd_fixture.hpp"
 
 namespace cas::test {
@@ -143,6 +144,75 @@ TEST_F(Tlog, KeepsTheRhythmTimesItsSpeed) {
   const base::RunTime started = base::steady_now();
   ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilSensor) == 2; }));
   EXPECT_GE(base::steady_now() - started, milliseconds(90));
+}
+
+/// A station's arm and disarm commands for vehicle 1, then a status text of another vehicle.
+class TlogOfAStation : public Tlog {
+ protected:
+  TlogOfAStation() {
+    using namespace mavlink::common;
+    Heartbeat gcs;
+    gcs.type = MavType::kGcs;
+    gcs.autopilot = MavAutopilot::kInvalid;
+    add(station_(gcs));
+    CommandLong arm;
+    arm.target_system = arm.target_component = 1;
+    arm.command = MavCmd::kComponentArmDisarm;
+    arm.param1 = 1;
+    add(station_(arm));
+    arm.param1 = 0;
+    add(station_(arm));
+    add(other_(Statustext{}));
+    write("in.tlog", log_);
+  }
+  /// Plays it while vehicle 1, in HIL or not, is heard; until the status text has come.
+  testing::AssertionResult played(const std::string& more, bool in_hil) {
+    using namespace mavlink::common;
+    replay(more);
+    Heartbeat word;
+    word.autopilot = MavAutopilot::kPx4;
+    word.base_mode = in_hil ? MavModeFlag::kHilEnabled : MavModeFlag::kCustomModeEnabled;
+    const bool came = fixture.collect_until([&] {
+      fixture.sim.send(fixture.from_fcu(word));
+      return fixture.at_sim.count(Statustext::kId) > 0;
+    });
+    return came ? testing::AssertionSuccess() : testing::AssertionFailure() << "nothing played";
+  }
+  std::size_t commands() { return fixture.at_sim.count(mavlink::common::CommandLong::kId); }
+
+ private:
+  /// The first record leaves time for the vehicle to be heard.
+  void add(std::span<const std::uint8_t> packet) {
+    const std::uint64_t at_us = kStart_us + (log_.empty() ? 0 : 1'000'000);
+    const auto one = record(at_us, packet);
+    log_.insert(log_.end(), one.begin(), one.end());
+  }
+  mav::Encoder station_{{255, 190}};
+  mav::Encoder other_{{9, 1}};
+  std::vector<std::uint8_t> log_;
+};
+
+TEST_F(TlogOfAStation, PlaysWhatVehiclesSaidAlone) {
+  ASSERT_TRUE(played("", true));
+  EXPECT_EQ(commands(), 0U);
+  EXPECT_EQ(fixture.status("log").rx.not_accepted, 3U);
+}
+
+TEST_F(TlogOfAStation, PlaysCommandsToAVehicleInHilWhereToldTo) {
+  ASSERT_TRUE(played(", commands: true", true));
+  EXPECT_EQ(commands(), 2U);
+}
+
+TEST_F(TlogOfAStation, ArmsNoVehicleThatIsNotInHil) {
+  ASSERT_TRUE(played(", commands: true", false));
+  EXPECT_EQ(commands(), 1U);  // the disarm
+  using Decision = casd::Route::Decision;
+  EXPECT_EQ(fixture.status("log").rx.decisions[static_cast<std::size_t>(Decision::kNotHil)], 1U);
+}
+
+TEST_F(TlogOfAStation, PlaysAllWhereToldTo) {
+  ASSERT_TRUE(played(", commands: true, to_not_hil: all", false));
+  EXPECT_EQ(commands(), 2U);
 }
 
 TEST_F(Tlog, StartsAgainWhereToldTo) {

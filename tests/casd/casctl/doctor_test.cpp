@@ -143,6 +143,19 @@ TEST(Doctor, TellsFilteredPacketsBesideALinkThatLosesNone) {
       << findings(facts);
 }
 
+TEST(Doctor, WarnsOfPacketsThatWereHeldBackFromVehiclesNotInHil) {
+  DoctorFacts facts = good_setup();
+  facts.after["links"][1]["to_not_hil"] = "stops_only";
+  EXPECT_EQ(complaints(facts), "");
+  EXPECT_NE(findings(facts).find("it may only stop vehicles that are not in HIL\n"),
+            std::string::npos)
+      << findings(facts);
+  facts.after["links"][1]["rx"]["verdicts"] = {{"not_hil", 3}};
+  facts.after["links"][1]["state"] = "down";  // the log is over
+  EXPECT_NE(complaints(facts).find("3 packets were held back"), std::string::npos)
+      << complaints(facts);
+}
+
 TEST(Doctor, TellsDropsOfBefore) {
   DoctorFacts facts = good_setup();
   for (json* status : {&facts.before, &facts.after}) {

@@ -73,6 +73,77 @@ TEST(Router, APacketForOneVehicleGoesToItsLinkAndGroupAlone) {
             kNoTarget);
 }
 
+/// Link 0 may only stop vehicles that are not in HIL.
+std::shared_ptr<RoutingPlan> guarded(LinkId links) {
+  auto plan = all_to_all(links);
+  plan->stops_only = bit(0);
+  plan->holds_back = true;
+  return plan;
+}
+
+Heartbeat heartbeat_of(bool in_hil) {
+  using mavlink::common::MavModeFlag;
+  Heartbeat message;
+  message.autopilot = mavlink::common::MavAutopilot::kPx4;
+  message.base_mode = in_hil ? MavModeFlag::kHilEnabled : MavModeFlag::kCustomModeEnabled;
+  return message;
+}
+
+mavlink::common::CommandLong arming(std::uint8_t system) {
+  auto command = command_to(system, 1);
+  command.param1 = 1;
+  return command;
+}
+
+TEST(RouterInterlock, GoesByTheNewestHeartbeatOfTheTarget) {
+  Router router(guarded(3), mav::public_table());
+  const auto arm = packet(arming(1), {255, 190});
+  router.on_packet(1, view(packet(heartbeat_of(true), {1, 1})), at({}));
+  EXPECT_EQ(router.on_packet(0, view(arm), at({})).decision, kForward);
+  router.on_packet(1, view(packet(heartbeat_of(false), {1, 1})), at({}));
+  const Route held = router.on_packet(0, view(arm), at({}));
+  EXPECT_EQ(held.decision, kNotHil);
+  EXPECT_EQ(held.held, 1);
+  EXPECT_TRUE(held.to.empty());
+  router.on_packet(1, view(packet(heartbeat_of(true), {1, 1})), at({}));
+  EXPECT_EQ(router.on_packet(0, view(arm), at({})).decision, kForward);
+  // An old word is none.
+  EXPECT_EQ(router.on_packet(0, view(arm), at(std::chrono::seconds(4))).decision, kNotHil);
+}
+
+TEST(RouterInterlock, AVehicleWithoutAHeartbeatIsNotInHil) {
+  Router router(guarded(3), mav::public_table());
+  router.on_packet(1, view(packet(mavlink::common::CommandAck{}, {1, 1})), at({}));
+  EXPECT_EQ(router.on_packet(0, view(packet(arming(1), {255, 190})), at({})).decision, kNotHil);
+}
+
+TEST(RouterInterlock, AHeartbeatOnAnotherLinkDoesNotCount) {
+  Router router(guarded(3), mav::public_table());
+  router.on_packet(1, view(packet(heartbeat_of(false), {1, 1})), at({}));
+  router.on_packet(0, view(packet(heartbeat_of(true), {1, 1})), at({}));
+  EXPECT_EQ(router.on_packet(0, view(packet(arming(1), {255, 190})), at({})).held, 1);
+}
+
+TEST(RouterInterlock, ABroadcastIsHeldFromEachLinkWithAVehicleNotInHil) {
+  Router router(guarded(4), mav::public_table());
+  router.on_packet(1, view(packet(heartbeat_of(true), {1, 1})), at({}));
+  router.on_packet(2, view(packet(heartbeat_of(false), {2, 1})), at({}));
+  const Route route = router.on_packet(0, view(packet(arming(0), {255, 190})), at({}));
+  EXPECT_EQ(route.to, bit(1));
+  EXPECT_EQ(route.held, 2);
+  EXPECT_EQ(route.decision, kForward);
+}
+
+TEST(RouterInterlock, StopsTelemetryAndOtherLinksPass) {
+  Router router(guarded(3), mav::public_table());
+  router.on_packet(1, view(packet(heartbeat_of(false), {1, 1})), at({}));
+  const auto disarm = packet(command_to(1, 1), {255, 190});
+  EXPECT_EQ(router.on_packet(0, view(disarm), at({})).decision, kForward);
+  EXPECT_EQ(router.on_packet(0, view(packet(heartbeat_of(true), {3, 1})), at({})).to,
+            bit(1) | bit(2));
+  EXPECT_EQ(router.on_packet(2, view(packet(arming(1), {255, 190})), at({})).decision, kForward);
+}
+
 TEST(Router, AnswerFindsTheWayBack) {
   Router router = make_router(3);
   router.on_packet(0, view(packet(Heartbeat{}, {255, 190})), at({}));

@@ -266,12 +266,95 @@ TEST_F(ConsentingCommanderTest, SendsNothingMoreOnceTheConsentIsWithdrawn) {
   EXPECT_EQ(vehicle_.commands.size(), 1U);
 }
 
-TEST_F(ConsentingCommanderTest, ChangesTheModeOfAnArmedVehicleWithoutConsent) {
+/// Calls that move a vehicle, as the command port makes them.
+using Move = void (*)(VehicleCommander&, RunTime, Done, bool not_hil);
+struct MoveCase {
+  const char* name;
+  Move move;
+};
+
+class MovingCall : public ConsentingCommanderTest, public testing::WithParamInterface<MoveCase> {
+ protected:
+  OutcomeKind asked(bool not_hil) {
+    GetParam().move(commander_, now_, done(), not_hil);
+    return finish().kind;
+  }
+};
+
+TEST_P(MovingCall, NeedsConsentForAnArmedVehicleThatIsNotInHil) {
   vehicle_.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kSafetyArmed;
   meet();
+  EXPECT_EQ(asked(false), OutcomeKind::kInterlock);
+  EXPECT_TRUE(vehicle_.commands.empty());
+  EXPECT_NE(asked(true), OutcomeKind::kInterlock);
+  EXPECT_FALSE(vehicle_.commands.empty());
   commander_.set_commanding(1, false, false);
-  commander_.set_mode(1, "HOLD", now_, done());
-  EXPECT_EQ(finish().kind, OutcomeKind::kAccepted);
+  EXPECT_EQ(asked(true), OutcomeKind::kInterlock);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, MovingCall,
+    testing::Values(MoveCase{"Mode",
+                             [](VehicleCommander& to, RunTime now, Done done, bool not_hil) {
+                               to.set_mode(1, "MISSION", now, std::move(done), not_hil);
+                             }},
+                    MoveCase{"Reboot",
+                             [](VehicleCommander& to, RunTime now, Done done, bool not_hil) {
+                               to.reboot(1, now, std::move(done), not_hil);
+                             }},
+                    MoveCase{"Reposition",
+                             [](VehicleCommander& to, RunTime now, Done done, bool not_hil) {
+                               to.command(1, raw(192, {}), not_hil, now, std::move(done));
+                             }},
+                    MoveCase{"Takeoff",
+                             [](VehicleCommander& to, RunTime now, Done done, bool not_hil) {
+                               to.command(1, raw(22, {}), not_hil, now, std::move(done));
+                             }},
+                    MoveCase{"TerminationTakenBack",
+                             [](VehicleCommander& to, RunTime now, Done done, bool not_hil) {
+                               to.command(1, raw(185, {0}), not_hil, now, std::move(done));
+                             }}),
+    [](const auto& test) { return test.param.name; });
+
+TEST_F(VehicleCommanderTest, StopsAnArmedVehicleThatIsNotInHilWithoutConsent) {
+  vehicle_.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kSafetyArmed;
+  meet();
+  const auto is_free = [this](auto&& call) {
+    call();
+    return finish().kind != OutcomeKind::kInterlock;
+  };
+  EXPECT_TRUE(is_free([&] { commander_.hold(1, now_, done()); }));
+  EXPECT_TRUE(is_free([&] { commander_.land(1, now_, done()); }));
+  EXPECT_TRUE(is_free([&] { commander_.return_home(1, now_, done()); }));
+  EXPECT_TRUE(is_free([&] { commander_.set_mode(1, "LAND", now_, done()); }));
+  EXPECT_TRUE(is_free([&] { commander_.disarm(1, false, now_, done()); }));
+}
+
+TEST_F(VehicleCommanderTest, RefusesATakeoffOfAVehicleThatIsNotInHil) {
+  vehicle_.base_mode = MavModeFlag::kCustomModeEnabled;
+  meet();
+  commander_.takeoff(1, 2.5, now_, done());
+  EXPECT_EQ(finish().kind, OutcomeKind::kInterlock);
+  EXPECT_TRUE(vehicle_.commands.empty());
+}
+
+TEST_F(VehicleCommanderTest, RepeatsAModeWithTheFlagsOfTheNewestHeartbeat) {
+  const auto armed_flag = [this] {
+    return (static_cast<unsigned>(vehicle_.commands.back().param1) & 128U) != 0;
+  };
+  vehicle_.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kSafetyArmed;
+  vehicle_.script.answers = 0;
+  meet();
+  commander_.hold(1, now_, done());
+  run_for(100ms);
+  ASSERT_EQ(vehicle_.commands.size(), 1U);
+  EXPECT_TRUE(armed_flag());
+  vehicle_.base_mode = MavModeFlag::kCustomModeEnabled;  // a person disarms it
+  vehicle_.say_heartbeat(now_);
+  run_for(1s);
+  ASSERT_GE(vehicle_.commands.size(), 2U);
+  EXPECT_FALSE(armed_flag());
+  finish();
 }
 
 }  // namespace

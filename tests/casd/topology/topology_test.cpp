@@ -390,6 +390,26 @@ TEST(TopologyText, HasEveryKeyThatIsNotTheDefault) {
   }
 }
 
+TEST(Topology, ALogMayOnlyStopVehiclesThatAreNotInHilAndSaysWhatVehiclesSaid) {
+  const Topology topology = parse(R"(schema: 1
+links:
+  - {name: a, type: udp, local: "[::1]:1"}
+  - {name: b, type: udp, local: "[::1]:2", to_not_hil: stops_only}
+  - {name: c, type: tlog, file: old.tlog}
+  - {name: d, type: tlog, file: old.tlog, commands: true, to_not_hil: all}
+)");
+  EXPECT_EQ(topology.links[0].to_not_hil, ToNotHil::kAll);
+  EXPECT_FALSE(topology.links[0].accept.vehicles);
+  EXPECT_EQ(topology.links[2].to_not_hil, ToNotHil::kStopsOnly);
+  EXPECT_TRUE(topology.links[2].accept.vehicles);
+  EXPECT_EQ(topology.links[3].to_not_hil, ToNotHil::kAll);
+  EXPECT_FALSE(topology.links[3].accept.vehicles);
+  const std::string text = topology_text(topology);
+  EXPECT_NE(text.find("to vehicles not in HIL\n  all: a, d\n  stops only: b, c\n"),
+            std::string::npos)
+      << text;
+}
+
 TEST(TopologyText, LeavesOutWhatLockstepSets) {
   Topology topology = parse(kLinks);
   topology.set_lockstep();
