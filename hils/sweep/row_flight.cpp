@@ -12,7 +12,6 @@
 
 #include "base/error.hpp"
 #include "base/os/result_file.hpp"
-#include "base/os/write_file.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/run_result.hpp"
 #include "hils/programs/supervisor.hpp"
@@ -30,7 +29,7 @@ using Json = nlohmann::ordered_json;
 bool can_write(const fs::path& folder) {
   const fs::path probe = folder / "probe";
   try {
-    base::write_file(probe, std::string(1U << 20U, '.'), base::Durability::kCache);
+    base::write_result({folder, "probe"}, std::string(1U << 20U, '.'));
   } catch (const base::ConfigError&) {
     return false;
   }
@@ -84,7 +83,7 @@ void RowTask::save(const fs::path& file) const {
   json["study_folder"] = study_folder.string();
   json["values"] = values;
   json["figures"] = figures;
-  base::write_file(file, json.dump() + "\n", base::Durability::kCache);
+  base::write_result({file.parent_path(), file.filename()}, json.dump() + "\n");
 }
 
 RowTask RowTask::load(const fs::path& file) {

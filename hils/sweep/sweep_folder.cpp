@@ -12,7 +12,6 @@
 
 #include "base/error.hpp"
 #include "base/os/result_file.hpp"
-#include "base/os/write_file.hpp"
 #include "base/text.hpp"
 #include "hils/report/results_folder.hpp"
 #include "hils/scenario/scenario.hpp"
@@ -163,7 +162,9 @@ SweepFolder SweepFolder::plan(const fs::path& study_file, const fs::path& folder
   base::write_result({sweep.path, "study.yaml"}, text, base::Durability::kDisk);
   for (const fs::directory_entry& entry : fs::directory_iterator(sweep.path)) {
     if (entry.path().extension() == ".yaml") {
-      base::write_file(entry.path(), text_of_file(entry.path()));  // on the disk before the plan is
+      // On the disk before the plan is.
+      base::write_result({sweep.path, entry.path()}, text_of_file(entry.path()),
+                         base::Durability::kDisk);
     }
   }
   base::write_result({sweep.path, "table.csv"}, sweep.table.csv(), base::Durability::kDisk);

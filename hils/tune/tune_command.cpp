@@ -14,7 +14,6 @@
 #include "base/cli/whole_number.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/os/result_file.hpp"
-#include "base/os/write_file.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/programs/child_process.hpp"
 #include "hils/run/verbs.hpp"
@@ -53,7 +52,7 @@ void fly_reports(const TuneStudy& study, const TuneFlights& flights, const fs::p
                           .arguments = std::move(command),
                           .log_file = own / "log.txt"});
     process.wait_exit(base::from_seconds(study.deadline_s));
-    base::write_file(flown, text);
+    base::write_result({own, "values.yaml"}, text, base::Durability::kDisk);
   }
 }
 
