@@ -62,6 +62,32 @@ AcceptRule ground_station_alone(const Topology& topology,
   return rule;
 }
 
+bool is_in(const std::filesystem::path& file, const std::filesystem::path& folder) {
+  std::error_code unresolved;
+  return std::filesystem::weakly_canonical(file, unresolved).parent_path() ==
+             std::filesystem::weakly_canonical(folder, unresolved) &&
+         !unresolved;
+}
+
+/// A client of the command port may be a user who may not read what casd may: logs come from the
+/// folder of recordings, keys from a folder whose keys the topology names already.
+void refuse_other_files(const Topology& topology, const LinkConfig& link, const ConfigNode& entry) {
+  const std::filesystem::path& folder = topology.log.folder;
+  if (link.type == LinkType::kTlog && !is_in(link.file, folder.empty() ? "." : folder)) {
+    entry.at("file").fail("at run time only logs in " + folder.string() +
+                          ", the folder of recordings, are played");
+  }
+  if (!link.signing) return;
+  const bool known = std::ranges::any_of(topology.links, [&link](const LinkConfig& other) {
+    return other.signing && is_in(link.signing->key_file, other.signing->key_file.parent_path());
+  });
+  if (!known) {
+    entry.at("signing").fail(
+        "at run time only keys in a folder that a link of the topology has its "
+        "key in are used");
+  }
+}
+
 LinkConfig parse_new_link(const Topology& topology, const ConfigNode& entry,
                           const std::vector<std::uint8_t>& vehicles) {
   const auto device = entry.find("device");
@@ -69,6 +95,7 @@ LinkConfig parse_new_link(const Topology& topology, const ConfigNode& entry,
     device->fail("variables are for files: clients must not read casd's environment");
   }
   LinkConfig link = parse_link(entry);
+  refuse_other_files(topology, link, entry);
   if (find_link(topology.links, link.name) != nullptr) {
     entry.at("name").fail("'" + link.name + "' is the name of another link");
   }

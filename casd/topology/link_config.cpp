@@ -11,6 +11,7 @@
 #include "base/os/runtime_folder.hpp"
 #include "base/os/thread_keys.hpp"
 #include "casd/topology/endpoint_address.hpp"
+#include "casd/topology/link_name.hpp"
 #include "casd/topology/message_keys.hpp"
 
 namespace cas::casd {
@@ -33,6 +34,7 @@ struct LinkName : Text {
   static void read(const ConfigNode& node, std::string& name) {
     Text::read(node, name);
     if (name.empty() || name == "any") node.fail("a link needs a name of its own");
+    if (!is_link_name(name)) node.fail("a link's name has up to 64 letters, digits, and _ - .");
   }
 };
 
@@ -213,7 +215,8 @@ struct RequestRates {
 // Links by type.
 
 constexpr std::tuple kHeadKeys{
-    required(key<&LinkConfig::name>("name", LinkName{}, "one of its own; not `any`")),
+    required(key<&LinkConfig::name>(
+        "name", LinkName{}, "one of its own, not `any`: up to 64 letters, digits, `_ - .`")),
     required(
         key<&LinkConfig::type>("type",
                                type_words<LinkType::kUdp, LinkType::kUdpServer, LinkType::kSerial,

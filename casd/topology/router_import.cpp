@@ -12,6 +12,7 @@
 #include "base/text.hpp"
 #include "casd/topology/endpoint_conflict.hpp"
 #include "casd/topology/endpoint_notation.hpp"
+#include "casd/topology/link_name.hpp"
 #include "casd/topology/router_filters.hpp"
 #include "casd/topology/topology.hpp"
 
@@ -274,7 +275,13 @@ class Import {
   }
 
   std::string free_name(const std::string& wanted) const {
-    std::string name = wanted == "any" ? "any_" : wanted;
+    std::string name = wanted == "any" ? "any_" : wanted.substr(0, kLongestLinkName);
+    std::ranges::replace_if(
+        name,
+        [](const char& c) {
+          return !is_link_name({&c, 1});
+        },
+        '_');
     const auto taken = [&] {
       return std::any_of(endpoints_.begin(), endpoints_.end(),
                          [&](const Endpoint& each) { return each.link.name == name; });

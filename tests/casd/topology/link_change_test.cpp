@@ -51,6 +51,19 @@ TEST(LinkChange, WhatIsLeftOutIsNarrow) {
   }
 }
 
+TEST(LinkChange, ReadsNoFileThatTheTopologyDoesNotCountOn) {
+  for (const char* file : {"/etc/shadow", "../x.tlog", "elsewhere/x.tlog"}) {
+    EXPECT_NE(fault_of("entry: {name: l, type: tlog, file: " + std::string(file) + "}")
+                  .find("the folder of recordings"),
+              std::string::npos)
+        << file;
+  }
+  EXPECT_EQ(fault_of("entry: {name: l, type: tlog, file: x.tlog}"), "");
+  EXPECT_NE(fault_of("entry: {name: l, type: udp, remote: 'h:1', signing: {key_file: /etc/key}}")
+                .find("at run time only keys"),
+            std::string::npos);
+}
+
 TEST(LinkChange, AcceptEverythingIsSaidAloud) {
   const Topology changed =
       with("entry: {name: v2, type: udp, remote: 'h:1', accept: everything}", {1});

@@ -80,7 +80,7 @@ TEST(RouterImport, KeepsEndpointsAndFilters) {
   EXPECT_EQ(topology.links[0].group, "wing");
   EXPECT_EQ(topology.links[1].remote, "127.0.0.1:14560");
   EXPECT_EQ(topology.links[1].accept.block_systems, std::vector<std::uint8_t>{1});
-  EXPECT_EQ(topology.links[2].name, "Mission Planner");
+  EXPECT_EQ(topology.links[2].name, "Mission_Planner");
   EXPECT_EQ(topology.links[2].type, LinkType::kUdpServer);
   EXPECT_EQ(topology.links[2].local, "0.0.0.0:14550");
   EXPECT_EQ(topology.links[3].remote, "10.0.0.1:5760");
@@ -95,10 +95,10 @@ TEST(RouterImport, KeepsEndpointsAndFilters) {
   const ForwardRule& thinned = route(topology, "autopilot", "station").rule;
   ASSERT_TRUE(thinned.allow);
   EXPECT_EQ(*thinned.allow, (std::vector<std::uint32_t>{0, 30}));
-  const ForwardRule& planner = route(topology, "Mission Planner", "autopilot").rule;
+  const ForwardRule& planner = route(topology, "Mission_Planner", "autopilot").rule;
   EXPECT_NE(std::find(planner.block.begin(), planner.block.end(), 76U), planner.block.end());
   EXPECT_NE(std::find(planner.block.begin(), planner.block.end(), 107U), planner.block.end());
-  EXPECT_EQ(route(topology, "peer", "Mission Planner").rule.allow_components,
+  EXPECT_EQ(route(topology, "peer", "Mission_Planner").rule.allow_components,
             std::vector<std::uint8_t>{1});
   EXPECT_TRUE(topology.log.while_armed);
   EXPECT_EQ(topology.log.folder, "/var/log/flight-stack");

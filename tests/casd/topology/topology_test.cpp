@@ -237,6 +237,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadCase{"RecordingThatIsHidden", kLinks + "log: {tlog: .f}\n", "begins with a dot"},
         BadCase{"FlightsInOneFile", kLinks + "log: {overwrite: true, while_armed: true}\n",
                 "log.overwrite: each flight"},
+        BadCase{"NameThatGivesATerminalOrders",
+                link(R"(name: "\e[31mred", type: udp, local: 'h:1')"), "letters, digits"},
+        BadCase{"NameThatLeadsElsewhere", link("name: ../a, type: udp, local: 'h:1'"), "digits"},
+        BadCase{"LongName", link("name: " + std::string(65, 'a') + ", type: udp, local: 'h:1'"),
+                "up to 64"},
         BadCase{"LogWithoutFile", link("name: a, type: tlog"), "file"},
         BadCase{"LogThatStandsStill", link("name: a, type: tlog, file: f, speed: 0"), "speed"},
         BadCase{
