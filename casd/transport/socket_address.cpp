@@ -119,6 +119,7 @@ AddressLookup::AddressLookup(const std::string& endpoint) : shared_(std::make_sh
     shared_->state = State::kFound;
     return;
   }
+  shared_->is_name = true;
   std::thread([parts, shared = shared_] {
     const int error = look_up_name(parts, shared->addresses);
     if (error != 0) shared->error = parts.host + ": " + ::gai_strerror(error);

@@ -87,6 +87,8 @@ class AddressLookup {
 
   enum class State { kPending, kFound, kFailed };
   State state() const;
+  /// Whether it is a name, which may stand for other addresses later.
+  bool is_name() const { return shared_ && shared_->is_name; }
   /// Valid in state kFound: the first one.
   const SocketAddress& address() const { return addresses().front(); }
   /// Likewise all, at most kMost, in the order in which the machine prefers them.
@@ -98,6 +100,7 @@ class AddressLookup {
  private:
   struct Shared {
     std::atomic<State> state{State::kPending};
+    bool is_name = false;
     std::vector<SocketAddress> addresses;
     std::string error;
   };

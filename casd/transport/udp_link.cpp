@@ -13,7 +13,6 @@
 #include "base/os/descriptor.hpp"
 #include "casd/counters/link_counters.hpp"
 #include "casd/packet/packet_port.hpp"
-#include "casd/topology/endpoint_address.hpp"
 #include "casd/transport/udp_socket.hpp"
 
 namespace cas::casd {
@@ -88,8 +87,6 @@ bool join_group(int fd, const SocketAddress& group, const std::string& interface
           ::setsockopt(fd, IPPROTO_IPV6, IPV6_MULTICAST_IF, &through, sizeof through) == 0);
 }
 
-bool is_address(const std::string& endpoint) { return !EndpointAddress(endpoint).is_name(); }
-
 // The address that our packets to `remote` bear, with the port of `fd`.
 SocketAddress source_towards(const SocketAddress& remote, int fd, const std::string& interface) {
   const base::Descriptor probe(open_udp_socket(remote.family(), interface));
@@ -128,7 +125,7 @@ std::unique_ptr<PacketWriter> UdpLink::writer_of(base::Descriptor socket) const 
 void UdpLink::on_second(base::RunTime now) {
   const AddressChoice::Second second = last_second();
   if (again_) return compare_addresses(now);
-  if (is_address(core_.config().remote)) return;
+  if (!remote_.is_name()) return;
   switch (choice_.on_second(second)) {
     case AddressChoice::Step::kStay:
       return;
