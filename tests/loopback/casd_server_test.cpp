@@ -34,6 +34,66 @@ links:
 }
 const std::string kServers = servers("60");
 
+constexpr mav::Source kCasd{254, 190};
+
+/// The sequence numbers of casd's own packets, as they came.
+std::vector<std::uint8_t> numbers_of_casd(PacketStream& heard) {
+  std::vector<std::uint8_t> all;
+  for (const auto& packet : heard.packets()) {
+    if (packet.source == kCasd) all.push_back(packet.sequence);
+  }
+  return all;
+}
+
+TEST(CasdOwnPackets, LookLikeALossToNoPeerThoughOthersGetMore) {
+  CasdFixture fixture;
+  fixture.start(kServers);
+  Station first(1);
+  Station second(2);
+  TcpPeer client(fixture.port("tcp"));
+  PacketStream at_client;
+  mav::Encoder of_client({255, 190});
+  for (Station* each : {&first, &second}) {
+    each->socket.set_remote(fixture.port("gcs"));
+    each->socket.send(each->encoder(mavlink::common::Heartbeat{}));
+  }
+  client.send(of_client(mavlink::common::Heartbeat{}));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHeartbeat) == 3; }));
+
+  constexpr std::size_t kBroadcasts = 10;
+  mav::Encoder casd(kCasd);
+  const auto send = [&](const auto& message) {
+    fixture.links().local().send(casd(message), {}, base::steady_now());
+  };
+  for (std::size_t i = 0; i < kBroadcasts; ++i) {
+    mavlink::common::CommandLong command;
+    command.target_system = 1;
+    for (int repeat = 0; repeat < 7; ++repeat) send(command);
+    send(mavlink::common::Heartbeat{});
+  }
+  const auto all_came = [&](PacketStream& heard, std::size_t packets) {
+    const std::vector<std::uint8_t> came = numbers_of_casd(heard);
+    if (came.size() < packets) return false;
+    for (std::size_t i = 1; i < packets; ++i) {
+      EXPECT_EQ(came[i], static_cast<std::uint8_t>(came[i - 1] + 1)) << i;
+    }
+    return true;
+  };
+  EXPECT_TRUE(fixture.collect_until([&] {
+    first.socket.read(first.heard);
+    second.socket.read(second.heard);
+    client.read(at_client);
+    return numbers_of_casd(first.heard).size() == 8 * kBroadcasts &&
+           numbers_of_casd(second.heard).size() == kBroadcasts &&
+           numbers_of_casd(at_client).size() == kBroadcasts &&
+           numbers_of_casd(fixture.at_fcu).size() == kBroadcasts;
+  }));
+  EXPECT_TRUE(all_came(first.heard, 8 * kBroadcasts));
+  EXPECT_TRUE(all_came(second.heard, kBroadcasts));
+  EXPECT_TRUE(all_came(at_client, kBroadcasts));
+  EXPECT_TRUE(all_came(fixture.at_fcu, kBroadcasts));
+}
+
 TEST(CasdTcpServer, ASilentClientMakesRoomForAStationButNoStationForASilentOne) {
   CasdFixture fixture;
   fixture.start(R"(schema: 1
