@@ -122,10 +122,14 @@ void DatagramLink::release_held(base::RunTime now) {
   core_.ingress().deliver(now);
 }
 
-void DatagramLink::close(const std::string& reason, base::RunTime now) {
+void DatagramLink::let_go(base::RunTime now) {
   closed_arrivals_ = arrivals();
   sockets_.clear();
   port_->detach(now);
+}
+
+void DatagramLink::close(const std::string& reason, base::RunTime now) {
+  let_go(now);
   core_.went_down(reason, now);
 }
 

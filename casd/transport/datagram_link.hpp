@@ -45,6 +45,9 @@ class DatagramLink : public Link {
   void replace(std::unique_ptr<PacketWriter> writer, std::span<const int> sockets,
                base::RunTime now);
 
+  /// Closes the sockets; the link's state stays.
+  void let_go(base::RunTime now);
+
   LinkCore core_;
   std::shared_ptr<TxPort> port_;
   DatagramPackets packets_;

@@ -148,8 +148,10 @@ AddressChoice::Second UdpLink::last_second() {
 }
 
 void UdpLink::move_to_choice(base::RunTime now) {
+  let_go(now);  // a configured `local` is free only then
   base::Descriptor socket = open_socket();
-  if (!socket) return;  // as an address that refuses: the next second tries the next one
+  while (!socket && choice_.leave()) socket = open_socket();
+  if (!socket) return core_.went_down(error_text(errno), now);
   const int fd = socket.get();
   replace(writer_of(std::move(socket)), {&fd, 1}, now);
   core_.counters().set_endpoint(to_text(local_address(fd)));

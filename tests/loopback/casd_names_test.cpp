@@ -53,6 +53,18 @@ TEST_P(LocalhostAt, IsFoundByUdp) {
   })) << fixture_.status("net").endpoint;
 }
 
+TEST_P(LocalhostAt, IsFoundByUdpFromAConfiguredPort) {
+  AnyUdpPeer station(GetParam() + ":0");
+  const std::string port = station.endpoint().substr(station.endpoint().rfind(':'));
+  fixture_.start(kFcuOnly +
+                 "  - {name: net, type: udp, local: \"localhost:0\", remote: \"localhost" + port +
+                 "\"}\n");
+  EXPECT_TRUE(send_until([&] {
+    station.read(heard_);
+    return heard_.count(kHilControls) >= 3;
+  })) << fixture_.status("net").endpoint;
+}
+
 TEST_P(LocalhostAt, IsServedByAUdpServer) {
   fixture_.start(kFcuOnly + "  - {name: net, type: udp_server, local: \"localhost:0\"}\n");
   ASSERT_TRUE(wait_until([&] { return fixture_.status("net").state == casd::LinkState::kUp; }));
