@@ -11,7 +11,7 @@ namespace cas::casd {
 static_assert(comes_rarely(mavlink::common::HighLatency2::kId));
 
 base::Duration silence_of(base::Duration usual, bool rarely) {
-  return rarely ? std::max<base::Duration>(usual, mav::kHighLatencyTimeout) : usual;
+  return rarely ? std::max<base::Duration>(usual, mav::services::kHighLatencyTimeout) : usual;
 }
 
 RouteTable::RouteTable(base::Duration lifetime) : lifetime_(lifetime) {}

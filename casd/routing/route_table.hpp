@@ -13,9 +13,10 @@
 
 namespace cas::casd {
 
-/// Whether the sender of this message may be silent for mav::kHighLatencyTimeout afterwards, as
-/// behind a satellite: HIGH_LATENCY and HIGH_LATENCY2 come about once a minute. The same silence
-/// holds for the vehicle in casd's station, for its route and for the peer that brings it.
+/// Whether the sender of this message may be silent for mav::services::kHighLatencyTimeout
+/// afterwards, as behind a satellite: HIGH_LATENCY and HIGH_LATENCY2 come about once a minute. The
+/// same silence holds for the vehicle in casd's station, for its route and for the peer that brings
+/// it.
 constexpr bool comes_rarely(std::uint32_t message_id) {
   return message_id == 234 || message_id == 235;
 }

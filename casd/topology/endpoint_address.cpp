@@ -51,8 +51,9 @@ EndpointAddress::EndpointAddress(std::string host, unsigned port)
   const std::string without_device = host_.substr(0, host_.find('%'));
   in_addr v4{};
   in6_addr v6{};
-  if (::inet_aton(host_.c_str(), &v4) != 0) return read_ipv4(&v4);
-  if (::inet_pton(AF_INET6, without_device.c_str(), &v6) != 1) {
+  if (::inet_aton(host_.c_str(), &v4) != 0) {
+    read_ipv4(&v4);
+  } else if (::inet_pton(AF_INET6, without_device.c_str(), &v6) != 1) {
     host_ = plain_name(host_);
   } else if (IN6_IS_ADDR_V4MAPPED(&v6)) {
     read_ipv4(&v6.s6_addr[12]);

@@ -111,8 +111,11 @@ TEST(DuplicateFilter, WhatASenderSaysAgainIsNoCopyOfWhatADeadPathBrought) {
     if (i < kDeath) filter.is_duplicate(kOne, view(streamed(i)), now, kWindow);
     const bool duplicate = filter.is_duplicate(kOther, view(streamed(i)), now, kWindow);
     // Those of the last kDisorder before its death are not told apart.
-    if (i < kDeath || i >= kDeath + 1280) EXPECT_EQ(duplicate, i < kDeath) << i;
-    if (i >= kDeath && i < kDeath + 900) EXPECT_FALSE(duplicate) << i;
+    if (i < kDeath || i >= kDeath + 1280) {
+      EXPECT_EQ(duplicate, i < kDeath) << i;
+    } else if (i < kDeath + 900) {
+      EXPECT_FALSE(duplicate) << i;
+    }
   }
 }
 
