@@ -11,6 +11,7 @@
 
 #include "base/os/log.hpp"
 #include "casd/tlog/tlog_name.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
 namespace {
@@ -169,7 +170,7 @@ bool TlogFiles::is_full(std::size_t next_bytes, base::RunTime now) const {
 }
 
 bool TlogReader::open(const std::filesystem::path& file) {
-  records_ = {};
+  records_ = mav::services::TlogSplitter(&mav::public_table());
   ended_ = false;
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) return false;  // a FIFO would block the link

@@ -14,6 +14,7 @@
 #include "base/time/clock.hpp"
 #include "casd/tlog/tlog_folder.hpp"
 #include "mavlink_gen/services/tlog.hpp"
+#include "mavlink_gen/services/tlog_clock.hpp"
 
 namespace cas::casd {
 
@@ -81,6 +82,9 @@ class TlogFiles {
   std::deque<std::string> made_;  ///< the files that are kept, oldest first
   bool is_deleted_ = false;       ///< the last of them, by somebody
 };
+
+/// The time of its records, whatever the recorder's clock did.
+using TlogClock = mav::services::TlogClock;
 
 /// Reads a telemetry log file record by record, however long it is. Bytes that are no record are
 /// skipped and counted.

@@ -10,14 +10,22 @@
 
 namespace cas::casd {
 
+/// What a log lost.
+struct TlogLoss {
+  std::uint64_t skipped_bytes = 0;    ///< that are no record
+  std::uint64_t wrong_checksums = 0;  ///< records
+};
+
 /// Hands each intact packet of a telemetry log to `use(unix_us, packet)`; a damaged record costs no
-/// other one. @return false when the log cannot be read
+/// other one. @param loss  what was left out @return false when the log cannot be read
 template <class Use>
 bool for_each_tlog_packet(const std::filesystem::path& file, const mav::MessageTable& table,
-                          Use&& use) {
+                          Use&& use, TlogLoss* loss = nullptr) {
   TlogReader log;
   if (!log.open(file)) return false;
-  mav::services::for_each_tlog_packet([&log] { return log.next(); }, table, std::forward<Use>(use));
+  const auto stats = mav::services::for_each_tlog_packet([&log] { return log.next(); }, table,
+                                                         std::forward<Use>(use));
+  if (loss != nullptr) *loss = {log.skipped_bytes(), stats.crc_errors};
   return true;
 }
 

@@ -2,6 +2,7 @@
 #include "casd/transport/tlog_link.hpp"
 
 #include <algorithm>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -12,7 +13,7 @@ namespace {
 constexpr auto kLeadIn = std::chrono::milliseconds(200);
 // How often the thread that reads is asked while it has nothing.
 constexpr auto kAskAgain = std::chrono::milliseconds(5);
-constexpr double kLongestWait_s = 366.0 * 86400;  // stamps may be any number
+constexpr double kLongestWait_s = 366.0 * 86400;  // at the lowest speed
 
 class DiscardPort final : public PacketPort {
  public:
@@ -56,7 +57,8 @@ void TlogLink::begin(base::RunTime now) {
   next_ = log_->next();
   if (next_) {
     begun_ = true;
-    first_us_ = next_->unix_us;
+    clock_ = {};
+    clock_.at(next_->unix_us, next_->packet);
     started_ = due_ = now + kLeadIn;
     core_.went_up(core_.config().file.string());
   } else if (log_->ended()) {
@@ -81,17 +83,29 @@ void TlogLink::play(base::RunTime now) {
 void TlogLink::advance() {
   next_ = log_->next();
   if (!next_) return;
-  // A clock that was set back while recording stops nothing: overdue packets are played at once.
-  const auto recorded_us = static_cast<double>(next_->unix_us) - static_cast<double>(first_us_);
+  const auto recorded_us = static_cast<double>(clock_.at(next_->unix_us, next_->packet));
   const double wait_s = recorded_us / 1e6 / core_.config().speed;
-  due_ = started_ + base::from_seconds(std::clamp(wait_s, -kLongestWait_s, kLongestWait_s));
+  due_ = started_ + base::from_seconds(std::min(wait_s, kLongestWait_s));
+}
+
+/// "; its recorder's clock was set 1 time(s); 25 bytes are no record", or nothing.
+std::string TlogLink::damage_text() const {
+  std::string text;
+  if (clock_.steps() > 0) {
+    text += "; its recorder's clock was set " + std::to_string(clock_.steps()) + " time(s)";
+  }
+  if (log_->skipped_bytes() > 0) {
+    text += "; " + std::to_string(log_->skipped_bytes()) + " bytes are no record";
+  }
+  return text;
 }
 
 void TlogLink::end(base::RunTime now) {
   if (core_.config().repeat) return open(now);
   ended_ = true;
+  const std::string damage = damage_text();
   log_.reset();
-  core_.went_down("played to its end", now);
+  core_.went_down("played to its end" + damage, now);
 }
 
 }  // namespace cas::casd

@@ -3,14 +3,17 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 #include "casd/link/link_core.hpp"
+#include "casd/tlog/tlog_files.hpp"
 #include "casd/tlog/tlog_read_ahead.hpp"
 
 namespace cas::casd {
 
-/// Plays a telemetry log as if its packets came in now, in the rhythm in which they were recorded.
-/// Nothing can be sent to it. A log without a packet is played once: it is not opened again.
+/// Plays a telemetry log as if its packets came in now, in the rhythm in which they were recorded;
+/// a recorder's clock that was set meanwhile does not change it (TlogClock). Nothing can be sent to
+/// it. A log without a packet is played once: it is not opened again.
 class TlogLink final : public Link {
  public:
   explicit TlogLink(LinkContext context);
@@ -26,6 +29,7 @@ class TlogLink final : public Link {
   void play(base::RunTime now);
   void advance();
   void end(base::RunTime now);
+  std::string damage_text() const;
 
   LinkCore core_;
   std::shared_ptr<PacketPort> port_;
@@ -33,9 +37,9 @@ class TlogLink final : public Link {
   std::unique_ptr<TlogReadAhead> log_;  ///< nullptr: not open
   bool begun_ = false;                  ///< its first record is there
   std::optional<TlogReadAhead::Record> next_;
-  std::uint64_t first_us_ = 0;  ///< stamp of the first record
-  base::RunTime started_{};     ///< when it was played
-  base::RunTime due_{};         ///< of `next_`
+  TlogClock clock_;
+  base::RunTime started_{};  ///< when the first record is played
+  base::RunTime due_{};      ///< of `next_`
   bool ended_ = false;
 };
 

@@ -7,7 +7,7 @@
 #include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -24,6 +24,7 @@
 #include "mavlink_gen/json/message_codec.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
+#include "mavlink_gen/services/tlog_clock.hpp"
 #include "mavlink_gen/services/vehicle_state.hpp"
 
 namespace cas::hils {
@@ -38,45 +39,37 @@ constexpr std::size_t kMostNumbers = 8'000'000;
 constexpr std::size_t kMostTexts = 10'000;
 constexpr std::size_t kMostStates = 100'000;
 
-void for_each_packet(const std::filesystem::path& tlog,
-                     const std::function<void(std::int64_t, const mav::PacketView&)>& use) {
-  const auto on_packet = [&use](std::uint64_t unix_us, const mav::PacketView& packet) {
-    use(static_cast<std::int64_t>(unix_us), packet);
-  };
-  if (!casd::for_each_tlog_packet(tlog, mavlink::common::table(), on_packet)) {
+casd::TlogLoss for_each_packet(
+    const std::filesystem::path& tlog,
+    const std::function<void(std::uint64_t, const mav::PacketView&)>& use) {
+  casd::TlogLoss loss;
+  if (!casd::for_each_tlog_packet(tlog, mavlink::common::table(), use, &loss)) {
     throw base::ConfigError("cannot read " + tlog.string());
   }
+  return loss;
 }
 
-/// Time of a log since its begin, or of the simulation where its clock is known. It never goes
-/// back, and ignores a wrong stamp: one over a day from the last.
+/// Time of a log since its begin (TlogClock), or of the simulation where its clock is known. It
+/// never goes back.
 class LogTime {
  public:
   explicit LogTime(const ClockMap& clock) : clock_(clock) {}
 
-  double of(std::int64_t stamp_us) {
-    const std::int64_t step_us = difference(stamp_us, previous_us_.value_or(stamp_us));
-    if (!previous_us_ || step_us > kDayUs || step_us < -kDayUs) {
-      begin_us_ = difference(stamp_us, now_us_);
-    }
-    previous_us_ = stamp_us;
-    const std::int64_t us =
-        clock_.empty() ? difference(stamp_us, begin_us_) : clock_.to_sim_us(stamp_us);
+  double of(std::uint64_t stamp_us, std::span<const std::uint8_t> packet) {
+    if (clock_.empty()) return 1e-6 * static_cast<double>(log_.at(stamp_us, packet));
+    const std::int64_t us = clock_.to_sim_us(static_cast<std::int64_t>(stamp_us));
     if (us > now_us_ && us - now_us_ <= kDayUs) now_us_ = us;
     return 1e-6 * static_cast<double>(now_us_);
   }
 
+  /// How often the recorder's clock was set.
+  std::uint64_t steps() const { return log_.steps(); }
+
  private:
   static constexpr std::int64_t kDayUs = 86'400'000'000;
 
-  /// Of any two stamps, without overflow.
-  static std::int64_t difference(std::int64_t a, std::int64_t b) {
-    return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
-  }
-
   const ClockMap& clock_;
-  std::optional<std::int64_t> previous_us_;
-  std::int64_t begin_us_ = 0;  // stamp at which the log's time is 0
+  mav::services::TlogClock log_;
   std::int64_t now_us_ = 0;
 };
 
@@ -217,20 +210,34 @@ class Listener {
 
 }  // namespace
 
-Json logged_messages(const std::filesystem::path& tlog, std::uint8_t system,
-                     const ClockMap& clock) {
+Json logged_messages(const std::filesystem::path& tlog, std::uint8_t system, const ClockMap& clock,
+                     LoggedLoss* lost) {
   Listener listener;
   LogTime time(clock);
-  for_each_packet(tlog, [&](std::int64_t stamp_us, const mav::PacketView& packet) {
-    const double t_s = time.of(stamp_us);
-    if (packet.source.system == system) listener.on_packet(t_s, packet);
-  });
+  const casd::TlogLoss loss =
+      for_each_packet(tlog, [&](std::uint64_t stamp_us, const mav::PacketView& packet) {
+        const double t_s = time.of(stamp_us, packet.bytes);
+        if (packet.source.system == system) listener.on_packet(t_s, packet);
+      });
+  if (lost != nullptr) *lost = {loss.skipped_bytes, loss.wrong_checksums, time.steps()};
   return listener.json();
+}
+
+std::string LoggedLoss::sentence() const {
+  std::string text;
+  const auto add = [&text](std::uint64_t count, const char* what) {
+    if (count == 0) return;
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + what;
+  };
+  add(wrong_checksums, " packet(s) with a wrong checksum left out");
+  add(skipped_bytes, " bytes that are no record skipped");
+  add(clock_steps, " step(s) of the recorder's clock taken out of the time");
+  return text;
 }
 
 std::uint8_t first_autopilot(const std::filesystem::path& tlog) {
   std::uint8_t system = 0;
-  for_each_packet(tlog, [&](std::int64_t, const mav::PacketView& packet) {
+  for_each_packet(tlog, [&](std::uint64_t, const mav::PacketView& packet) {
     if (system != 0) return;
     const auto heartbeat = mav::decode<mavlink::common::Heartbeat>(packet);
     if (!heartbeat || heartbeat->autopilot == mavlink::common::MavAutopilot::kInvalid) return;

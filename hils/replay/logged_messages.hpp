@@ -4,10 +4,21 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 
 #include "hils/measure/tracking.hpp"
 
 namespace cas::hils {
+
+/// What a flight log lacks.
+struct LoggedLoss {
+  std::uint64_t skipped_bytes = 0;
+  std::uint64_t wrong_checksums = 0;
+  std::uint64_t clock_steps = 0;  ///< of the recorder's clock
+
+  /// For a person; empty: nothing.
+  std::string sentence() const;
+};
 
 /// A vehicle's messages in a flight log, for the page:
 ///
@@ -18,10 +29,10 @@ namespace cas::hils {
 ///   duration_s: time of the last packet
 ///
 /// @param clock  leads from the log's clock to simulated time; an empty one counts from the log's
-///               first packet
+///               first packet, whatever the recorder's clock did (TlogClock)
 /// @throws base::ConfigError when the log cannot be read
 nlohmann::ordered_json logged_messages(const std::filesystem::path& tlog, std::uint8_t system,
-                                       const ClockMap& clock);
+                                       const ClockMap& clock, LoggedLoss* lost = nullptr);
 
 /// System of the first autopilot in a flight log; 0: there is none. @throws base::ConfigError
 std::uint8_t first_autopilot(const std::filesystem::path& tlog);

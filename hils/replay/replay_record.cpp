@@ -290,7 +290,11 @@ std::string replay_record(const RunRequest& request, const RunResult& run) {
 std::string tlog_record(const std::filesystem::path& tlog) {
   const std::uint8_t system = first_autopilot(tlog);
   if (system == 0) throw base::ConfigError(tlog.string() + ": no autopilot is in this log");
-  return log_record(tlog, {{"system", system}, {"log", logged_messages(tlog, system, {})}});
+  LoggedLoss loss;
+  Json messages = logged_messages(tlog, system, {}, &loss);
+  const std::string lacks = loss.sentence();
+  if (!lacks.empty()) fmt::print(stderr, "{}: the log is not whole: {}\n", tlog.string(), lacks);
+  return log_record(tlog, {{"system", system}, {"log", std::move(messages)}});
 }
 
 std::string ulog_record(const std::filesystem::path& ulog) {

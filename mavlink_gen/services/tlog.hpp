@@ -8,6 +8,8 @@
 #include <span>
 #include <vector>
 
+#include "mavlink_gen/runtime/crc.hpp"
+#include "mavlink_gen/runtime/message_table.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 
@@ -56,7 +58,31 @@ inline void append_tlog_record(std::uint64_t unix_us, std::span<const std::uint8
   records.insert(records.end(), packet.begin(), packet.end());
 }
 
-/// One packet of a telemetry log, unchecked.
+/// The message of a whole record.
+inline std::uint32_t tlog_message_id(std::span<const std::uint8_t> record) {
+  return view_packet(record.first(tlog_record_bytes(record)).subspan(kTlogStampBytes)).message_id;
+}
+
+/// Whether the record at the start of `bytes` is whole and its packet's checksum right.
+/// @param table  of the messages; for an id that it does not hold, or without a table, some
+/// CRC_EXTRA must fit: one of 256 arbitrary candidates has one
+inline bool is_sound_tlog_record(std::span<const std::uint8_t> bytes,
+                                 const MessageTable* table = nullptr) {
+  const std::size_t size = tlog_record_bytes(bytes);
+  if (size == 0 || size > bytes.size()) return false;
+  const PacketView packet = view_packet(bytes.subspan(kTlogStampBytes, size - kTlogStampBytes));
+  const std::size_t summed =
+      static_cast<std::size_t>(packet.payload.data() - packet.bytes.data()) + packet.payload.size();
+  const std::uint8_t* sent = packet.bytes.data() + summed;
+  const auto received = static_cast<std::uint16_t>(sent[0] | sent[1] << 8U);
+  Crc16 sum;
+  sum.update(packet.bytes.subspan(1, summed - 1));
+  const MessageInfo* info = table == nullptr ? nullptr : table->find(packet.message_id);
+  if (info == nullptr) return has_fitting_crc_extra(sum.value(), received);
+  return sum.update(info->crc_extra).value() == received;
+}
+
+/// One packet of a telemetry log. Its checksum may be wrong, if it lies between two records.
 struct TlogRecord {
   std::uint64_t unix_us = 0;
   std::span<const std::uint8_t> packet;
@@ -64,8 +90,15 @@ struct TlogRecord {
 
 /// Splits a telemetry log into its records, however long it is: feed read bytes, then take records
 /// until there are none. Bytes that are no record are skipped and counted.
+///
+/// A record behind another one is believed if its checksum is right, or if it is damaged and ends
+/// where a next one begins. Behind any other bytes only the checksum tells a record: a stamp may
+/// hold start bytes of packets, and payloads hold anything.
 class TlogSplitter {
  public:
+  /// @param table  of the messages, to be sure of a checksum; it must outlive the splitter
+  explicit TlogSplitter(const MessageTable* table = nullptr) : table_(table) {}
+
   /// Adds a part of the log. Invalidates the records so far.
   void feed(std::span<const std::uint8_t> bytes) {
     buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(at_));
@@ -76,20 +109,22 @@ class TlogSplitter {
   /// @param whole  nothing more will be fed: a record that is not whole is damage, too
   /// @return nullopt when more must be fed, or at the end
   std::optional<TlogRecord> next(bool whole = false) {
-    for (;;) {
+    for (;; skip(1)) {
       const auto rest = std::span<const std::uint8_t>(buffer_).subspan(at_);
-      if (rest.size() <= kTlogStampBytes) return std::nullopt;
-      if (const std::size_t before = tlog_bytes_to_start(rest); before > 0) {
-        skip(before);
+      if (rest.size() <= kTlogStampBytes) {
+        if (whole) skip(rest.size());
+        return std::nullopt;
+      }
+      if (const std::size_t before = tlog_bytes_to_start(rest); before > 1) {
+        skip(before - 1);
         continue;
       }
-      if (!whole && rest.size() < kMaxTlogRecordBytes) return std::nullopt;
+      if (!whole && rest.size() < kBytesToDecide) return std::nullopt;
       const std::size_t size = tlog_record_bytes(rest);
-      if (size == 0 || size > rest.size()) {
-        skip(1);
-        continue;
-      }
+      if (size == 0 || size > rest.size()) continue;
+      if (!is_record(rest, size)) continue;
       at_ += size;
+      in_step_ = true;
       return TlogRecord{tlog_stamp_us(rest), rest.subspan(kTlogStampBytes, size - kTlogStampBytes)};
     }
   }
@@ -99,23 +134,53 @@ class TlogSplitter {
   void skip(std::size_t bytes) {
     at_ += bytes;
     skipped_ += bytes;
+    if (bytes > 0) in_step_ = false;
   }
 
+  /// A record, and another one that begins inside it.
+  static constexpr std::size_t kBytesToDecide = 2 * kMaxTlogRecordBytes;
+
+  /// Whether a record of this size begins here, be it damaged.
+  bool is_record(std::span<const std::uint8_t> rest, std::size_t size) const {
+    if (is_sound_tlog_record(rest, table_)) {
+      return in_step_ || is_known(rest) || has_none_inside(rest, size);
+    }
+    const auto behind = rest.subspan(size);
+    const bool is_followed = behind.empty() || tlog_record_bytes(behind) != 0;
+    return in_step_ && is_followed && has_none_inside(rest, size);
+  }
+
+  bool is_known(std::span<const std::uint8_t> record) const {
+    return table_ != nullptr && table_->find(tlog_message_id(record)) != nullptr;
+  }
+
+  /// A stamp that holds a start byte, or a wrong length, reaches over intact records.
+  bool has_none_inside(std::span<const std::uint8_t> rest, std::size_t size) const {
+    for (std::size_t inside = 1; inside < size; ++inside) {
+      if (is_sound_tlog_record(rest.subspan(inside), table_)) return false;
+    }
+    return true;
+  }
+
+  const MessageTable* table_;
   std::vector<std::uint8_t> buffer_;
   std::size_t at_ = 0;
+  bool in_step_ = true;  ///< the last record ends at `at_`
   std::uint64_t skipped_ = 0;
 };
 
 /// Hands each intact packet of a telemetry log to `use(unix_us, packet)`; a damaged record costs no
 /// other one.
 /// @param next  gives the log's TlogRecords one by one, nothing at its end
+/// @return counters of all records: those with a wrong checksum among them
 template <class Next, class Use>
-void for_each_tlog_packet(Next&& next, const MessageTable& table, Use&& use) {
+PacketParser::Stats for_each_tlog_packet(Next&& next, const MessageTable& table, Use&& use) {
   PacketParser parser(table);
   while (const std::optional<TlogRecord> record = next()) {
     parser.reset();
     parser.feed(record->packet, [&](const PacketView& packet) { use(record->unix_us, packet); });
   }
+  return parser.stats();
 }
 
 }  // namespace cas::mav::services

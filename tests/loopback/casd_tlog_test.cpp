@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <numeric>
 
@@ -213,6 +214,44 @@ TEST_F(TlogOfAStation, ArmsNoVehicleThatIsNotInHil) {
 TEST_F(TlogOfAStation, PlaysAllWhereToldTo) {
   ASSERT_TRUE(played(", commands: true, to_not_hil: all", false));
   EXPECT_EQ(commands(), 2U);
+}
+
+TEST_F(Tlog, PlaysOnInItsRhythmWhereTheRecordersClockWasSet) {
+  constexpr std::uint64_t kRecords = 60;
+  constexpr std::uint64_t kStep_us = 50'000;
+  const auto stamp = [](std::uint64_t i) -> std::uint64_t {
+    if (i < 20) return 86'400'000'000 + i * kStep_us;     // 1970, until it hears NTP
+    if (i == 30) return kStart_us + 315'360'000'000'000;  // a damaged one
+    if (i < 40) return kStart_us + i * kStep_us;
+    return kStart_us - 3'600'000'000 + i * kStep_us;  // set back by an hour
+  };
+  std::vector<std::uint8_t> bytes;
+  for (std::uint64_t i = 0; i < kRecords; ++i) {
+    const auto one = record(stamp(i), fixture.from_sim(hil_sensor(i + 1)));
+    bytes.insert(bytes.end(), one.begin(), one.end());
+  }
+  write("in.tlog", bytes);
+  replay(", speed: 10");
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilSensor) == 1; }));
+  const base::RunTime started = base::steady_now();
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilSensor) == kRecords; }));
+  // 2.95 s of flight; each of the four steps costs at most one period.
+  EXPECT_GE(base::steady_now() - started, milliseconds(200)) << "a burst";
+}
+
+TEST_F(Tlog, ADamagedRecordCostsNoOtherOne) {
+  constexpr std::uint64_t kStartByte_us = 1'790'000'000'000'000;  // its stamps hold 0xFE
+  std::vector<std::uint8_t> bytes;
+  for (std::uint64_t i = 1; i <= 60; ++i) {
+    auto one = record(kStartByte_us + i * 20'000, fixture.from_sim(hil_sensor(i)));
+    if (i == 31) one.resize(25);
+    bytes.insert(bytes.end(), one.begin(), one.end());
+  }
+  write("in.tlog", bytes);
+  replay(", speed: 100");
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilSensor) == 59; }));
+  const auto played = numbers(fixture.at_sim, kHilSensor);
+  EXPECT_EQ(std::ranges::count(played, std::uint64_t{31}), 0);
 }
 
 TEST_F(Tlog, StartsAgainWhereToldTo) {

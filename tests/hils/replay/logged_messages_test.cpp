@@ -57,6 +57,17 @@ TEST(ReplayLog, OneWrongStampAddsNoTime) {
   }
 }
 
+TEST(ReplayLog, AClockThatWasSetCostsNoFlight) {
+  constexpr std::uint64_t kBegin = 1'790'000'000'000'000;
+  constexpr std::uint64_t kHour = 3'600'000'000;
+  for (const std::uint64_t from : {kBegin - kHour, kBegin, kBegin + kHour, std::uint64_t{86'400}}) {
+    std::vector<std::uint64_t> stamps;
+    for (std::uint64_t i = 0; i < 300; ++i)
+      stamps.push_back((i < 100 ? kBegin : from) + 100'000 * i);
+    EXPECT_NEAR(duration_s(stamps), 29.9, 0.11) << from;
+  }
+}
+
 TEST(ReplayLog, TheModeIsTheAutopilotsAlone) {
   using mavlink::common::Heartbeat;
   using mavlink::common::MavAutopilot;
