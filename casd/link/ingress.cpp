@@ -69,7 +69,8 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, Peer
 
 void Ingress::log_loop() const {
   base::log::warn("link " + counters_->name +
-                  ": packets of other links come back here again and again: somebody forwards what "
+                  ": a loop: packets of other links come back here again and again, because "
+                  "somebody forwards what "
                   "casd sends. Such copies are dropped as duplicates (docs/troubleshooting.md)");
 }
 

@@ -10,7 +10,8 @@ namespace cas::casd {
 /// Which of a name's addresses a UDP link sends to. An address that refuses packets gives way to
 /// the next one, as does a silent one that was never heard while others were not tried; who answers
 /// is kept. When all refuse, or the one that was heard does for seconds, the name is to be looked
-/// up again. Pure: it is told of each second.
+/// up again; likewise now and then while the one that is kept says nothing: the name may lead
+/// elsewhere by now. Pure: it is told of each second.
 class AddressChoice {
  public:
   /// What the last second brought.
@@ -19,10 +20,16 @@ class AddressChoice {
     bool sent = false;     ///< something was sent there
     bool refused = false;  ///< something sent was refused, or could not be sent
   };
-  enum class Step : std::uint8_t { kStay, kNext, kLookUp };
+  enum class Step : std::uint8_t {
+    kStay,
+    kNext,
+    kLookUp,  ///< and begin with its addresses anew
+    kCompare  ///< and begin anew if it has others now
+  };
 
   static constexpr int kRefusals_s = 3;  ///< of an address that has no alternative, or was heard
   static constexpr int kSilence_s = 3;
+  static constexpr int kCompare_s = 10;  ///< of silence
 
   explicit AddressChoice(std::size_t addresses = 1) : addresses_(addresses) {}
 
@@ -63,8 +70,11 @@ class AddressChoice {
 
   // At the end of a round the first one that does not refuse is kept.
   Step on_silence() {
-    if (heard_ || settled_ || addresses_.size() == 1) return Step::kStay;
-    if (++silent_s_ < kSilence_s) return Step::kStay;
+    ++silent_s_;
+    if (heard_ || settled_ || addresses_.size() == 1) {
+      return silent_s_ % kCompare_s == 0 ? Step::kCompare : Step::kStay;
+    }
+    if (silent_s_ < kSilence_s) return Step::kStay;
     addresses_[current_].tried = true;
     if (go_on([](const Address& each) { return !each.refused && !each.tried; })) return Step::kNext;
     settled_ = true;

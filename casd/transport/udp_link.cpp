@@ -126,13 +126,16 @@ void UdpLink::on_second(base::RunTime now) {
   const AddressChoice::Second second = last_second();
   if (again_) return compare_addresses(now);
   if (!remote_.is_name()) return;
-  switch (choice_.on_second(second)) {
+  const AddressChoice::Step step = choice_.on_second(second);
+  switch (step) {
     case AddressChoice::Step::kStay:
       return;
     case AddressChoice::Step::kNext:
       return move_to_choice(now);
     case AddressChoice::Step::kLookUp:
+    case AddressChoice::Step::kCompare:
       again_ = AddressLookup(core_.config().remote);
+      begins_anew_ = step == AddressChoice::Step::kLookUp;
   }
 }
 
@@ -157,12 +160,13 @@ void UdpLink::move_to_choice(base::RunTime now) {
   core_.counters().set_endpoint(to_text(local_address(fd)));
 }
 
-/// What a name stands for by now, after refusals.
+/// What a name stands for by now, after refusals or a silence.
 void UdpLink::compare_addresses(base::RunTime now) {
   if (again_->state() == AddressLookup::State::kPending) return;
   const AddressLookup found = *std::exchange(again_, std::nullopt);
   if (found.state() == AddressLookup::State::kFailed) return;
   const bool same = found.addresses() == remote_.addresses();
+  if (same && !begins_anew_) return;
   remote_ = found;
   choice_ = AddressChoice(remote_.addresses().size());
   if (!same || choice_.count() > 1) move_to_choice(now);

@@ -44,7 +44,8 @@ class UdpLink final : public DatagramLink {
   AddressLookup local_;
   bool looking_up_ = false;
   AddressChoice choice_;
-  std::optional<AddressLookup> again_;  ///< of a name whose addresses refuse packets
+  std::optional<AddressLookup> again_;  ///< of a name whose addresses refuse packets, or are silent
+  bool begins_anew_ = false;            ///< also where again_ finds the same
   std::uint64_t heard_ = 0;             ///< bytes, up to the last second
   std::uint64_t sent_ = 0;              ///< packets
   std::uint64_t refused_ = 0;           ///< packets

@@ -46,6 +46,11 @@ bool concerns_peer_only(int error) {
   }
 }
 
+// What ICMP told of an earlier packet: nobody listens, or no way leads there.
+bool is_refusal(int error) {
+  return error == ECONNREFUSED || error == EHOSTUNREACH || error == ENETUNREACH;
+}
+
 msghdr header_for(const sockaddr* to, socklen_t to_size, iovec* parts, std::size_t count) {
   msghdr header{};
   header.msg_name = const_cast<sockaddr*>(to);
@@ -225,8 +230,8 @@ int DatagramReader::read(int fd, base::RunTime now) {
   }
   used_ = 1;
   // A peer that is not there (yet) answers our packets with refusals: no trouble of the socket.
-  const bool transient = errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR ||
-                         errno == ECONNREFUSED || errno == EHOSTUNREACH || errno == ENETUNREACH;
+  const bool transient =
+      errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR || is_refusal(errno);
   return transient ? 0 : -1;
 }
 
@@ -236,7 +241,7 @@ int DatagramReader::take(int fd, std::size_t most) {
   const int count = ::recvmmsg(fd, messages_.data() + used_, static_cast<unsigned>(most),
                                MSG_DONTWAIT | MSG_TRUNC, nullptr);
   for (int i = 0; i < count; ++i) note_size(used_++);
-  if (count < 0 && errno == ECONNREFUSED) ++refused_;
+  if (count < 0 && is_refusal(errno)) ++refused_;
   return count;
 }
 
