@@ -21,6 +21,10 @@ constexpr int kMaxOpenings = 4;
 constexpr std::size_t kMaxGaps = 4096;
 /// Numbers that a new transfer skips: late packets of an older burst have lower numbers.
 constexpr std::uint16_t kSkippedNumbers = 1024;
+/// Numbers that the request behind a burst skips: each packet of a burst takes one, also those that
+/// were lost, and ArduPilot's server answers a request of the number before its last one with that
+/// packet.
+constexpr std::uint16_t kNumbersOfABurst = 512;
 
 FtpFailure failure_of(const FtpPayload& nak) {
   if (nak.size == 0) return {.code = MavFtpErr::kFail};
@@ -99,9 +103,17 @@ void FtpExchange::ask(Opcode opcode, Time now) {
 
 /// Sends `last` as a new request.
 void FtpExchange::say(Time now) {
-  transfer_->last.seq = ++seq_;
+  take_next_number();
   transfer_->sent = 1;
+  transfer_->news = now;
   send_last(now);
+}
+
+/// Gives `last` a number that the server has not used.
+void FtpExchange::take_next_number() {
+  const std::uint16_t step = transfer_->behind_burst ? kNumbersOfABurst : 1;
+  transfer_->last.seq = seq_ = static_cast<std::uint16_t>(seq_ + step);
+  transfer_->behind_burst = transfer_->last.opcode == Opcode::kBurstreadfile;
 }
 
 void FtpExchange::send_last(Time now) {
@@ -129,6 +141,7 @@ void FtpExchange::on_packet(const PacketView& packet, Source self, Time now) {
     return;
   }
   seq_ = answer.seq;
+  transfer_->answered = true;
   if (answer.opcode == Opcode::kNak) return on_nak(answer, now);
   on_ack(answer, now);
 }
@@ -266,6 +279,7 @@ void FtpExchange::on_burst(const FtpPayload& answer, Time now) {
   if (const std::uint32_t fresh = take(answer)) {
     transfer.burst_bytes += fresh;
     transfer.sent = 1;
+    transfer.news = now;
     transfer.deadline = now + timing_.answer_timeout;
   }
   const bool reading = waiting || transfer.last.opcode == Opcode::kReadfile;
@@ -352,13 +366,14 @@ void FtpExchange::tick(Time now) {
   if (now < transfer.deadline) return;
   const Opcode asked = transfer.last.opcode;
   if (asked == Opcode::kBurstreadfile && transfer.burst_bytes > 0) return read_on(now);
-  if (transfer.sent >= timing_.tries) {
-    if (asked == Opcode::kCalcfilecrc) return finish({});  // too long a file for this server
-    if (asked == Opcode::kTerminatesession) return on_closed(now);
+  const bool often_enough = transfer.sent >= timing_.tries;
+  if (often_enough && asked == Opcode::kCalcfilecrc) return finish({});  // too long a file for it
+  if (often_enough && asked == Opcode::kTerminatesession) return on_closed(now);
+  if (transfer.answered ? now - transfer.news >= timing_.silence : often_enough) {
     return finish(failure(OutcomeKind::kTimeout, progress() + ", then nothing more came"));
   }
   // A server may repeat its old answer to a known number instead of a new burst: take a new number.
-  if (asked == Opcode::kBurstreadfile) transfer.last.seq = ++seq_;
+  if (asked == Opcode::kBurstreadfile) take_next_number();
   ++transfer.sent;
   send_last(now);
 }

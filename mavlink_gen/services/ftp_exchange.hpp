@@ -22,7 +22,9 @@ namespace cas::mav::services {
 struct FtpTiming {
   Duration answer_timeout = std::chrono::milliseconds(300);
   Duration checksum_timeout = std::chrono::seconds(2);  ///< a server reads the whole file for one
-  int tries = 6;
+  int tries = 10;                                       ///< of the first request, and of a checksum
+  /// A server that has answered once is given up after so long without anything new.
+  Duration silence = std::chrono::seconds(10);
   /// A transfer that is not whole by then is given up, however much still comes.
   Duration whole_timeout = std::chrono::hours(1);
   std::uint32_t max_file_bytes = 256U << 20U;
@@ -92,6 +94,9 @@ class FtpExchange {
     FtpResult result{};
     FtpPayload last{};  ///< request to repeat; its opcode is the current step of the transfer
     int sent = 0;
+    bool answered = false;  ///< any request was
+    Time news{};            ///< when the last request was answered, or a burst brought something
+    bool behind_burst = false;  ///< the last request was for a burst
     Time deadline{};
     Time give_up{};  ///< of the transfer as a whole
     std::optional<std::uint8_t> session{};
@@ -108,6 +113,7 @@ class FtpExchange {
   void start(Opcode opcode, Transfer transfer, Time now);
   void ask(Opcode opcode, Time now);
   void say(Time now);
+  void take_next_number();
   void send_last(Time now);
   void on_ack(const FtpPayload& answer, Time now);
   void on_nak(const FtpPayload& answer, Time now);

@@ -174,7 +174,9 @@ FtpFailure FtpServer::list(const FtpPayload& asked, FtpPayload& reply) {
 FtpFailure FtpServer::open(const Request& request, FtpPayload& reply, Time now) {
   const auto path = ftp_path(request.payload.text());
   if (!path) return fail(MavFtpErr::kFilenotfound);
-  const bool full = sessions_.size() >= std::min<std::size_t>(limits_.sessions, 256);
+  const std::uint8_t id = session_for(request);
+  const bool again = is_open(request.from, id);
+  const bool full = !again && sessions_.size() >= std::min<std::size_t>(limits_.sessions, 256);
   const auto oldest = std::ranges::min_element(sessions_, {}, &Session::used);
   if (full && (oldest == sessions_.end() || now - oldest->used < limits_.idle_after)) {
     return fail(MavFtpErr::kNosessionsavailable);
@@ -184,14 +186,27 @@ FtpFailure FtpServer::open(const Request& request, FtpPayload& reply, Time now) 
   const FtpFailure failure = writing ? store_.create(*path) : store_.length(*path, length);
   if (failure.failed()) return failure;
   if (full) sessions_.erase(oldest);
-  while (std::ranges::find(sessions_, next_session_, &Session::id) != sessions_.end()) {
-    ++next_session_;
-  }
-  reply.session = next_session_++;
+  if (again) close(request.from, id);
+  reply.session = id;
   if (!writing) reply.set_number(length);
   sessions_.push_back(
       {.owner = request.from, .id = reply.session, .path = *path, .writing = writing, .used = now});
   return kOk;
+}
+
+bool FtpServer::is_open(Source owner, std::uint8_t id) const {
+  return std::ranges::any_of(sessions_, [&](const Session& session) {
+    return session.owner == owner && session.id == id;
+  });
+}
+
+/// Some clients count their sessions themselves and use the number that they named; one that names
+/// an open one has lost track of it. Most name 0 always and use the number of the answer.
+std::uint8_t FtpServer::session_for(const Request& request) const {
+  std::uint8_t id = request.payload.session;
+  if (id != 0) return id;
+  for (int taken = 0; taken < 256 && is_open(request.from, id); ++taken) ++id;
+  return id;
 }
 
 FtpFailure FtpServer::read(const Session& session, std::uint32_t offset, std::size_t size,

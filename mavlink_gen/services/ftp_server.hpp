@@ -67,7 +67,8 @@ struct FtpServerLimits {
 /// The vehicle's side of the file transfer protocol (https://mavlink.io/en/services/ftp.html):
 /// lists, reads, writes and removes files of a store. Answers and bursts share one pace, answers
 /// first; checksums of large files are computed in parts, one file after the other. Clients have
-/// their own sessions; a request that comes again within 5 s gets the same answer again. Folders
+/// their own sessions, each with the number that its opening names, or with the next free one if
+/// that is 0 and taken; a request that comes again within 5 s gets the same answer again. Folders
 /// are not made, files are not renamed or cut.
 class FtpServer {
  public:
@@ -123,6 +124,8 @@ class FtpServer {
   FtpFailure perform(const Request& request, FtpPayload& reply, Time now);
   FtpFailure list(const FtpPayload& asked, FtpPayload& reply);
   FtpFailure open(const Request& request, FtpPayload& reply, Time now);
+  bool is_open(Source owner, std::uint8_t id) const;
+  std::uint8_t session_for(const Request& request) const;
   FtpFailure read(const Session& session, std::uint32_t offset, std::size_t size,
                   FtpPayload& reply);
   FtpFailure write(const Session& session, const FtpPayload& asked);
@@ -142,7 +145,6 @@ class FtpServer {
   std::deque<Answered> answered_;  ///< the last few of each client, newest last
   std::optional<Checksum> checksum_;
   std::optional<Listing> listing_;  ///< the last: of a long folder several pages are asked for
-  std::uint8_t next_session_ = 0;
   std::size_t next_burst_ = 0;
   Time due_{};
   std::uint64_t dropped_ = 0;

@@ -254,7 +254,7 @@ TEST_F(Ftp, FileThatChangedMeanwhileIsSaid) {
 TEST_F(Ftp, RequestsComeAgainWithTheirNumberThenEnd) {
   exchange_.remove("a", now_, done());
   time_out();
-  ASSERT_EQ(asked_.size(), 6U);
+  ASSERT_EQ(asked_.size(), 10U);
   for (const FtpPayload& request : asked_) EXPECT_EQ(request, asked_[0]);
   EXPECT_EQ(outcome_->kind, OutcomeKind::kTimeout);
   EXPECT_EQ(outcome_->message, "removing 'a', then nothing more came");
@@ -270,6 +270,40 @@ TEST_F(Ftp, BurstThatGetsNoAnswerComesAgainAsANewOne) {
   time_out();
   EXPECT_EQ(outcome_->message, "reading 'a', 0 of 1000 bytes, then nothing more came");
   EXPECT_EQ(asked(), Opcode::kTerminatesession);
+}
+
+TEST_F(Ftp, RequestBehindABurstHasANumberThatNoLostPacketTook) {
+  exchange_.download("a", now_, done());
+  acknowledge(1000);
+  const std::uint16_t burst = asked_.back().seq;
+  deliver(piece(0, 0));  // the other packets are lost
+  pass(300ms);
+  ASSERT_EQ(asked(), Opcode::kBurstreadfile);
+  EXPECT_GE(static_cast<std::uint16_t>(asked_.back().seq - burst), 256);
+  FtpPayload end = piece(0, 239);
+  end.burst_complete = true;
+  deliver(end);
+  const std::uint16_t next = asked_.back().seq;
+  EXPECT_GE(static_cast<std::uint16_t>(next - end.seq), 256);
+}
+
+TEST_F(Ftp, ServerThatHasAnsweredOnceIsGivenTenSeconds) {
+  file_ = some_bytes(1000);
+  exchange_.download("a", now_, done());
+  acknowledge(1000);
+  FtpPayload last = piece(4, 956, 44);
+  last.burst_complete = true;
+  deliver(piece(0, 0));
+  deliver(last);
+  ASSERT_EQ(asked(), Opcode::kReadfile);
+  for (int i = 0; i < 30; ++i) pass(300ms);
+  EXPECT_TRUE(exchange_.busy()) << "9 s";
+  deliver(piece(0, 239));
+  for (int i = 0; i < 30; ++i) pass(300ms);
+  EXPECT_TRUE(exchange_.busy());
+  for (int i = 0; i < 5; ++i) pass(300ms);
+  ASSERT_TRUE(outcome_);
+  EXPECT_EQ(outcome_->kind, OutcomeKind::kTimeout);
 }
 
 TEST_F(Ftp, TransferThatTricklesIsGivenUp) {
@@ -495,7 +529,7 @@ class FtpLine : public testing::TestWithParam<LineCase> {
     return std::size_t{266};
   };
   std::optional<FtpServer> server_{std::in_place, store_, to_client_, kLimits};
-  FtpExchange exchange_{[this](const auto& message) { put(true, message); }, {.tries = 12}};
+  FtpExchange exchange_{[this](const auto& message) { put(true, message); }};
   Outcome outcome_;
   FtpResult result_;
 };

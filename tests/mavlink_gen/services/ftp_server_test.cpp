@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 
 #include "tests/mavlink_gen/services/memory_ftp_store.hpp"
 
@@ -344,6 +345,29 @@ TEST_F(FtpServerTest, SessionsBelongToWhoOpenedThem) {
   EXPECT_EQ(read(session, 0, 1).opcode, Opcode::kAck);
   EXPECT_EQ(ask({.opcode = Opcode::kResetsession}).opcode, Opcode::kAck);
   EXPECT_EQ(error(read(session, 0, 1)), MavFtpErr::kInvalidsession);
+}
+
+TEST_F(FtpServerTest, ClientThatCountsItsSessionsGetsTheNumberThatItNames) {
+  const auto open = [&](std::uint8_t session, Source from = kStation) {
+    FtpPayload request{.session = session, .opcode = Opcode::kOpenfilero};
+    request.set_text("a");
+    const FtpPayload opened = ask(request, from);
+    EXPECT_EQ(opened.opcode, Opcode::kAck);
+    return opened.session;
+  };
+  for (const std::uint8_t session :
+       std::array<std::uint8_t, 5>{0, 1, 2, 0, 1}) {  // started a second time
+    EXPECT_EQ(open(session), session);
+    EXPECT_EQ(read(session, 0, 3).opcode, Opcode::kAck);
+    EXPECT_EQ(ask({.session = session, .opcode = Opcode::kTerminatesession}).opcode, Opcode::kAck);
+  }
+  EXPECT_EQ(open(7), 7);
+  EXPECT_EQ(open(7), 7) << "its close was lost";
+  EXPECT_EQ(open(7, kOther), 7) << "another client's";
+  EXPECT_EQ(open(0), 0);
+  EXPECT_EQ(open(0), 1) << "a client that takes the answer's number opens a second file";
+  EXPECT_EQ(read(0, 0, 1).opcode, Opcode::kAck);
+  EXPECT_EQ(read(1, 0, 1).opcode, Opcode::kAck);
 }
 
 TEST_F(FtpServerTest, SessionsAreFewAndIdleOnesAreTaken) {
