@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -48,16 +49,20 @@ class UlogTime {
  public:
   void start(std::uint64_t time_us) { start_us_ = time_us; }
 
-  /// Nothing for a stamp that is wrong: a topic may have one of an earlier flight. Only where two
-  /// say so, or one goes on from there, has time made a leap.
+  /// Nothing for a stamp that is wrong: a topic may have one of an earlier flight, or a clock of
+  /// its own. Only where most topics say so has time made a leap.
   std::optional<double> of(std::uint64_t time_us, std::string_view series) {
     const std::uint64_t us = time_us > start_us_ ? time_us - start_us_ : 0;
-    if (us > newest_us_ && us - newest_us_ > kGapUs && !confirms_leap(us, series)) {
-      leap_us_ = us;
-      leap_of_ = series;
-      return std::nullopt;
+    if (us > newest_us_ && us - newest_us_ > kGapUs) {
+      if (!confirms_leap(us, series)) return std::nullopt;
+      leapt_.clear();
+    } else if (!leapt_.empty()) {
+      stayed_.emplace(series);
+      if (const auto back = leapt_.find(series); back != leapt_.end()) leapt_.erase(back);
     }
     newest_us_ = std::max(newest_us_, us);
+    const auto heard = heard_us_.find(series);
+    (heard == heard_us_.end() ? heard_us_[std::string(series)] : heard->second) = us;
     return 1e-6 * static_cast<double>(us);
   }
   double newest_s() const { return 1e-6 * static_cast<double>(newest_us_); }
@@ -65,16 +70,35 @@ class UlogTime {
  private:
   static constexpr std::uint64_t kGapUs = 10'000'000;
 
-  bool confirms_leap(std::uint64_t us, std::string_view series) const {
-    if (leap_of_.empty()) return false;
-    if (leap_of_ == series) return us > leap_us_;
-    return std::max(us, leap_us_) - std::min(us, leap_us_) <= kGapUs;
+  /// Two topics, or one that goes on, and more than those that stayed: more than half of those that
+  /// were heard of late, or all that were heard for a while.
+  bool confirms_leap(std::uint64_t us, std::string_view series) {
+    std::erase_if(leapt_, [&](const auto& other) {
+      return other.first != series &&
+             std::max(us, other.second) - std::min(us, other.second) > kGapUs;
+    });
+    if (leapt_.empty()) {
+      stayed_.clear();
+      leap_us_ = us;
+    }
+    const auto before = leapt_.find(series);
+    const bool goes_on = before != leapt_.end() && us > before->second;
+    leapt_.insert_or_assign(std::string(series), us);
+    if ((leapt_.size() < 2 && !goes_on) || leapt_.size() <= stayed_.size()) return false;
+    const auto of_late = std::ranges::count_if(
+        heard_us_, [&](const auto& topic) { return topic.second + kGapUs >= newest_us_; });
+    return 2 * leapt_.size() > static_cast<std::size_t>(of_late) ||
+           (stayed_.empty() && us >= leap_us_ + kWhileUs);
   }
+
+  static constexpr std::uint64_t kWhileUs = 2'000'000;
 
   std::uint64_t start_us_ = 0;
   std::uint64_t newest_us_ = 0;
-  std::uint64_t leap_us_ = 0;  // that awaits another
-  std::string leap_of_;
+  std::map<std::string, std::uint64_t, std::less<>> heard_us_;  // newest stamps, by topic
+  std::map<std::string, std::uint64_t, std::less<>> leapt_;     // those of a leap
+  std::set<std::string, std::less<>> stayed_;                   // topics without it since
+  std::uint64_t leap_us_ = 0;                                   // where it began
 };
 
 /// A sentence without the colours of a terminal, and without blanks and zeros at its end.
@@ -171,6 +195,7 @@ class Contents final : public UlogListener {
   void on_message(const UlogSeries& series, std::uint64_t time_us,
                   std::string_view bytes) override {
     const auto t_s = time_.of(time_us, series.name);
+    if (!t_s) ++wrong_stamps_;
     if (!t_s) return;
     on_state(*t_s, series, bytes);
     truth_.on_message(*t_s, series, bytes);
@@ -192,7 +217,7 @@ class Contents final : public UlogListener {
   void on_cut(std::size_t bytes) override { missing_[second()].cut_bytes += bytes; }
 
   UlogLoss loss() const {
-    UlogLoss all;
+    UlogLoss all{.wrong_stamps = wrong_stamps_};
     for (const auto& [second, missing] : missing_) {
       all.dropped_ms += missing.dropped_ms;
       all.damaged_bytes += missing.damaged_bytes;
@@ -301,6 +326,7 @@ class Contents final : public UlogListener {
   std::map<std::string, LoggedSeries, std::less<>> messages_;
   std::map<std::string, double, std::less<>> parameters_;
   std::map<std::int64_t, UlogLoss> missing_;  // by second
+  std::size_t wrong_stamps_ = 0;
   Json events_ = Json::array();
   Json texts_ = Json::array();
   Json states_ = Json::array();
@@ -317,6 +343,8 @@ std::string UlogLoss::sentence() const {
   const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
   if (dropped_ms > 0) add(std::to_string(dropped_ms) + " ms are missing");
   if (damaged_bytes > 0) add(std::to_string(damaged_bytes) + " bytes are damaged");
+  if (wrong_stamps > 0)
+    add(std::to_string(wrong_stamps) + " message(s) with a wrong time left out");
   if (cut_bytes > 0) add("it ends within a message");
   return text;
 }

@@ -16,6 +16,7 @@ struct UlogLoss {
   std::int64_t dropped_ms = 0;    ///< that the vehicle's storage did not keep
   std::size_t damaged_bytes = 0;  ///< that are no messages
   std::size_t cut_bytes = 0;      ///< of a message that the log ends within
+  std::size_t wrong_stamps = 0;   ///< messages, left out
 
   /// "300 ms are missing, 20 bytes are damaged, it ends within a message"; empty: nothing is lost.
   std::string sentence() const;

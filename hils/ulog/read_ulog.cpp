@@ -4,14 +4,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <charconv>
 #include <cstring>
-#include <map>
 #include <optional>
 #include <unordered_map>
 #include <utility>
 
 #include "base/error.hpp"
+#include "hils/ulog/ulog_formats.hpp"
 
 namespace cas::hils {
 
@@ -26,34 +25,8 @@ constexpr std::string_view kMagic("ULog\x01\x12\x35", 7);
 constexpr std::size_t kHeaderSize = 16;        // magic, version, moment
 constexpr std::size_t kMessageHeaderSize = 3;  // size, type
 constexpr std::size_t kTimestampSize = 8;
-constexpr std::size_t kMostBytes = 65535;  // of a message
-// No log of a vehicle comes near these; they bound the memory for a malicious one.
+// No log of a vehicle comes near it; it bounds the memory for a malicious one.
 constexpr std::size_t kMostFields = 100'000;  // of all subscriptions
-constexpr std::size_t kMostSteps = 100'000;   // to spread topics out: padding counts, too
-constexpr std::size_t kMostNameBytes = 255;
-
-struct BasicType {
-  std::string_view name;
-  Type type;
-  std::size_t size;
-};
-constexpr std::array<BasicType, 12> kBasicTypes{{{"int8_t", Type::kInt8, 1},
-                                                 {"uint8_t", Type::kUint8, 1},
-                                                 {"int16_t", Type::kInt16, 2},
-                                                 {"uint16_t", Type::kUint16, 2},
-                                                 {"int32_t", Type::kInt32, 4},
-                                                 {"uint32_t", Type::kUint32, 4},
-                                                 {"int64_t", Type::kInt64, 8},
-                                                 {"uint64_t", Type::kUint64, 8},
-                                                 {"float", Type::kFloat, 4},
-                                                 {"double", Type::kDouble, 8},
-                                                 {"bool", Type::kBool, 1},
-                                                 {"char", Type::kChar, 1}}};
-
-const BasicType* basic_type(std::string_view name) {
-  const auto* const found = std::ranges::find(kBasicTypes, name, &BasicType::name);
-  return found == kBasicTypes.end() ? nullptr : found;
-}
 
 /// The number at a place; its bytes must be there.
 template <class T>
@@ -63,104 +36,12 @@ T number_at(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-/// "float[3] xyz": type, how many (nothing: no array), name.
-struct Declaration {
-  std::string type;
-  std::optional<std::size_t> count;
-  std::string name;
-};
-
-std::optional<Declaration> declaration_of(std::string_view text) {
-  const std::size_t space = text.find(' ');
-  if (space == std::string_view::npos || space == 0 || space + 1 == text.size()) return {};
-  Declaration found{.type = std::string(text.substr(0, space)),
-                    .count = {},
-                    .name = std::string(text.substr(space + 1))};
-  const std::size_t bracket = found.type.find('[');
-  if (bracket == std::string::npos) return found;
-  std::size_t count = 0;
-  const char* const end = found.type.data() + found.type.size();
-  const auto [rest, error] = std::from_chars(found.type.data() + bracket + 1, end, count);
-  if (error != std::errc{} || rest + 1 != end || *rest != ']' || count > kMostBytes) return {};
-  found.count = count;
-  found.type.resize(bracket);
-  return found;
-}
-
-/// The types that a log defines, by name, as their fields.
-class Formats {
- public:
-  /// @param text  "name:type field;type field;"
-  void add(std::string_view text) {
-    const std::size_t colon = text.find(':');
-    if (colon == std::string_view::npos) return;  // a user of the type reports it missing
-    std::vector<Declaration> fields;
-    for (std::string_view rest = text.substr(colon + 1); !rest.empty();) {
-      const std::size_t end = std::min(rest.find(';'), rest.size());
-      auto field = declaration_of(rest.substr(0, end));
-      if (!field || field->count == 0U) {
-        throw ConfigError("type `" + std::string(text.substr(0, colon)) + "` has `" +
-                          std::string(rest.substr(0, end)) + "`, which is no field");
-      }
-      fields.push_back(*std::move(field));
-      rest.remove_prefix(std::min(end + 1, rest.size()));
-    }
-    formats_.insert_or_assign(std::string(text.substr(0, colon)), std::move(fields));
-    spread_.clear();
-  }
-
-  bool has(const std::string& topic) const { return formats_.contains(topic); }
-
-  /// The numbers of a topic's messages. @throws ConfigError
-  const std::vector<UlogField>& spread(const std::string& topic) {
-    const auto [fields, is_new] = spread_.try_emplace(topic);
-    if (is_new) spread(topic, "", 0, 0, fields->second);
-    return fields->second;
-  }
-
- private:
-  /// @return bytes that the type takes
-  std::size_t spread(const std::string& type, const std::string& prefix, std::size_t offset,
-                     int depth, std::vector<UlogField>& out) {
-    constexpr int kMostDepth = 16;
-    const auto format = formats_.find(type);
-    if (format == formats_.end()) throw ConfigError("type `" + type + "` is used, but not defined");
-    if (depth == kMostDepth) throw ConfigError("type `" + type + "` is nested too deep");
-    const std::size_t begin = offset;
-    for (const Declaration& field : format->second) {
-      const BasicType* basic = basic_type(field.type);
-      for (std::size_t i = 0; i < field.count.value_or(1); ++i) {
-        std::string name = prefix + field.name;
-        if (field.count) name += "[" + std::to_string(i) + "]";
-        if (name.size() > kMostNameBytes) {
-          throw ConfigError("type `" + type + "` has a field with too long a name");
-        }
-        if (++steps_ > kMostSteps) throw ConfigError("it has too many fields");
-        std::size_t size = 0;
-        if (basic != nullptr) {
-          size = basic->size;
-          if (!field.name.starts_with("_padding")) out.push_back({name, basic->type, offset});
-        } else {
-          size = spread(field.type, name + ".", offset, depth + 1, out);
-        }
-        if (size == 0) throw ConfigError("type `" + field.type + "` is empty");
-        offset += size;
-        if (offset > kMostBytes) throw ConfigError("type `" + type + "` is larger than a message");
-      }
-    }
-    return offset - begin;
-  }
-
-  std::map<std::string, std::vector<Declaration>> formats_;
-  std::map<std::string, std::vector<UlogField>> spread_;  // topics so far
-  std::size_t steps_ = 0;                                 // taken for all of them
-};
-
 /// A topic of the log with the least size of its messages.
 struct Subscription {
   UlogSeries series;
   UlogField timestamp;
   std::size_t size = 0;  ///< up to the last field; padding behind it may be left out
+  std::size_t most = 0;  ///< with that padding
 };
 
 /// Reads the messages behind the header.
@@ -180,15 +61,16 @@ class Reader {
       const auto size = number_at<std::uint16_t>(bytes_, at_);
       const char type = bytes_[at_ + 2];
       const std::size_t next = at_ + kMessageHeaderSize + size;
-      if (!plausible(type, size)) {
-        skip_to(next_sync(end));
-        continue;
-      }
       if (next > end) {
         // Cut, as many logs are; or a damaged size, behind which there may be more.
-        const std::size_t sync = next_sync(end);
-        sync < end ? listener_.on_damage(sync - at_) : listener_.on_cut(end - at_);
-        at_ = sync;
+        const std::size_t place = next_place(at_ + 1, end);
+        place < end || !plausible(type, size) ? listener_.on_damage(place - at_)
+                                              : listener_.on_cut(end - at_);
+        at_ = place;
+        continue;
+      }
+      if (!is_message(at_, next, end)) {
+        skip_to(next_place(at_ + 1, end));
         continue;
       }
       const std::size_t begin = std::exchange(at_, next);
@@ -209,9 +91,132 @@ class Reader {
     return bytes_.size();
   }
 
-  /// Where the next synchronisation message of this part begins, or the part's end.
-  std::size_t next_sync(std::size_t end) const {
-    return std::min(bytes_.substr(0, end).find(kSync, at_ + 1), end);
+  /// Where the message at a place ends; nullopt: behind `end`.
+  std::optional<std::size_t> end_of(std::size_t place, std::size_t end) const {
+    if (place + kMessageHeaderSize > end) return {};
+    const std::size_t next = place + kMessageHeaderSize + number_at<std::uint16_t>(bytes_, place);
+    return next > end ? std::nullopt : std::optional(next);
+  }
+
+  /// Whether what is between two places is a message: its contents tell its size, or another one
+  /// follows and none begins inside, over which a damaged size would reach.
+  bool is_message(std::size_t place, std::size_t next, std::size_t end) const {
+    const std::size_t size = next - place - kMessageHeaderSize;
+    if (!plausible(bytes_[place + 2], size)) return false;
+    if (is_sure(place, next)) return true;
+    return is_followed(next, end) && next_place(place + 1, next) == next;
+  }
+
+  /// Whether a header of a known kind is at a place, behind some messages of unknown kinds perhaps.
+  bool is_followed(std::size_t place, std::size_t end) const {
+    constexpr int kMostUnknown = 8;
+    for (int i = 0; i < kMostUnknown && place != end; ++i) {
+      if (place + kMessageHeaderSize > end) return false;
+      const auto size = number_at<std::uint16_t>(bytes_, place);
+      if (is_kind(bytes_[place + 2])) return plausible(bytes_[place + 2], size);
+      const auto next = end_of(place, end);
+      if (!next || size == 0) return false;
+      place = *next;
+    }
+    return place == end;
+  }
+
+  /// Whether the contents of a message of a known kind have its size, whatever follows.
+  bool is_sure(std::size_t place, std::size_t next) const {
+    const std::string_view body =
+        bytes_.substr(place + kMessageHeaderSize, next - place - kMessageHeaderSize);
+    if (body.size() < 2) return false;
+    switch (bytes_[place + 2]) {
+      case 'S':
+        return bytes_.substr(place, kSync.size()) == kSync;
+      case 'O':
+      case 'R':
+        return body.size() == 2;
+      case 'D':
+        return is_of_its_topic(body);
+      case 'F':
+        return body.find(':') != std::string_view::npos && body.back() == ';';
+      case 'A':
+        return body.size() > 3 && body.size() <= kMostUlogNameBytes && is_name(body.substr(3));
+      case 'I':
+      case 'P':
+        return is_pair(body);
+      case 'M':
+      case 'Q':
+        return is_pair(body.substr(1));
+      case 'L':
+        return is_text(body, 1);
+      case 'C':
+        return is_text(body, 3);
+      default:
+        return false;
+    }
+  }
+
+  bool is_of_its_topic(std::string_view body) const {
+    const auto topic = topics_.find(number_at<std::uint16_t>(body, 0));
+    if (topic == topics_.end()) return false;
+    return body.size() - 2 >= topic->second.size && body.size() - 2 <= topic->second.most;
+  }
+
+  bool is_of_a_topic(std::size_t place, std::size_t next) const {
+    return bytes_[place + 2] == 'D' && next - place >= kMessageHeaderSize + 2 &&
+           topics_.contains(number_at<std::uint16_t>(bytes_, place + kMessageHeaderSize));
+  }
+
+  static bool is_name(std::string_view text) {
+    return std::ranges::all_of(text, [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+    });
+  }
+
+  /// Length of the key, key, and a value of just its size.
+  static bool is_pair(std::string_view body) {
+    if (body.empty()) return false;
+    const auto length = static_cast<std::uint8_t>(body[0]);
+    if (body.size() < 1U + length) return false;
+    const auto key = ulog_declaration(body.substr(1, length));
+    const UlogBasicType* basic = key ? ulog_basic_type(key->type) : nullptr;
+    return basic != nullptr && body.size() == 1U + length + key->count.value_or(1) * basic->size;
+  }
+
+  /// Severity, perhaps a tag, moment, a text without control characters.
+  static bool is_text(std::string_view body, std::size_t before_time) {
+    if (body.size() < before_time + kTimestampSize || body[0] < '0' || body[0] > '7') return false;
+    constexpr std::string_view kAllowed("\t\n\r\x1b\0", 5);
+    return std::ranges::all_of(body.substr(before_time + kTimestampSize), [&](char c) {
+      return static_cast<unsigned char>(c) >= 0x20 || kAllowed.find(c) != std::string_view::npos;
+    });
+  }
+
+  /// Whether sure messages follow one another at a place: some, or up to `end`, or to a
+  /// synchronisation message. Between them may be others.
+  bool is_chain(std::size_t place, std::size_t end) const {
+    constexpr int kSureOnes = 3;
+    constexpr int kMost = 32;
+    int sure = 0;
+    for (int i = 0; i < kMost && place != end; ++i) {
+      const auto next = end_of(place, end);
+      if (!next || !plausible(bytes_[place + 2], *next - place - kMessageHeaderSize)) return false;
+      if (is_sure(place, *next)) {
+        if (++sure == kSureOnes || bytes_[place + 2] == 'S') return true;
+      } else if (i == 0 || is_of_a_topic(place, *next)) {
+        return false;  // and of a wrong size
+      }
+      place = *next;
+    }
+    return place == end;
+  }
+
+  /// Where messages begin again from a place on, or `limit`.
+  std::size_t next_place(std::size_t place, std::size_t limit) const {
+    const std::size_t end = end_of_part();
+    for (; place < limit; ++place) {
+      if (place + kMessageHeaderSize <= end && is_kind(bytes_[place + 2]) && is_chain(place, end)) {
+        return place;
+      }
+    }
+    return limit;
   }
 
   void skip_to(std::size_t place) {
@@ -219,7 +224,11 @@ class Reader {
     at_ = place;
   }
 
-  /// A type that this reader does not know may come from a newer logger; it has a letter, too.
+  static bool is_kind(char type) {
+    return std::string_view("SORDALCIMPQFB").find(type) != std::string_view::npos;
+  }
+
+  /// A type that this reader does not know may come from a newer logger.
   static bool plausible(char type, std::size_t size) {
     switch (type) {
       case 'S':
@@ -240,7 +249,7 @@ class Reader {
       case 'B':
         return size >= 3;
       default:
-        return (type >= 'A' && type <= 'Z') || (type >= 'a' && type <= 'z');
+        return size > 0;
     }
   }
 
@@ -250,6 +259,7 @@ class Reader {
       case 'B':
         return on_flags(body);
       case 'F':
+        if (body.back() != ';') return false;
         formats_.add(body);
         return true;
       case 'I':
@@ -294,14 +304,14 @@ class Reader {
   bool on_pair(char type, std::string_view body) {
     const auto length = static_cast<std::uint8_t>(body[0]);
     if (body.size() < 1U + length) return false;
-    const auto key = declaration_of(body.substr(1, length));
+    const auto key = ulog_declaration(body.substr(1, length));
     const std::string_view value = body.substr(1U + length);
     if (!key) return false;
     if (type == 'I') {
       if (key->type == "char") listener_.on_text_fact(key->name, value);
       return true;
     }
-    const BasicType* basic = basic_type(key->type);
+    const UlogBasicType* basic = ulog_basic_type(key->type);
     if (basic == nullptr || value.size() < basic->size) return false;
     listener_.on_parameter({key->name, ulog_number({key->name, basic->type, 0}, value)});
     return true;
@@ -323,7 +333,8 @@ class Reader {
     fields_ += fields.size();
     if (fields_ > kMostFields) throw ConfigError("it has too many fields");
     added.timestamp = *timestamp;
-    added.size = fields.back().offset + size_of(fields.back().type);
+    added.size = fields.back().offset + ulog_size_of(fields.back().type);
+    added.most = formats_.bytes_of(topic);
     fields.erase(timestamp);
     topics_.insert_or_assign(number_at<std::uint16_t>(body, 1), std::move(added));
     return true;
@@ -349,15 +360,11 @@ class Reader {
     return true;
   }
 
-  static std::size_t size_of(Type type) {
-    return std::ranges::find(kBasicTypes, type, &BasicType::type)->size;
-  }
-
   std::string_view bytes_;
   UlogListener& listener_;
   std::size_t at_ = 0;
   std::array<std::uint64_t, 3> appended_{};
-  Formats formats_;
+  UlogFormats formats_;
   std::unordered_map<std::uint16_t, Subscription> topics_;
   std::size_t fields_ = 0;  // of all subscriptions so far
 };

@@ -74,8 +74,9 @@ double ulog_number(const UlogField& field, std::string_view bytes);
 
 /// Reads a log in PX4's ULog format, versions 0 and 1 (docs.px4.io, "ULog File Format"), with data
 /// appended behind its end. A log that ends in the middle of a message is read up to there, and one
-/// with damaged bytes goes on at its next synchronisation message. A message of a topic that the
-/// log does not name, or one shorter than its topic, counts as damage.
+/// with damaged bytes goes on where messages of right sizes follow one another, or at a
+/// synchronisation message. A type that is not known is skipped by its size. A message of a topic
+/// that the log does not name, or one shorter than its topic, counts as damage.
 /// @throws base::ConfigError if it is no such log or needs an unknown feature
 void read_ulog(std::string_view bytes, UlogListener& listener);
 

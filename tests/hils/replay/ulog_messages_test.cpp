@@ -183,6 +183,19 @@ TEST(ReplayUlog, OneWrongStampAddsNoTimeButAGapDoes) {
   EXPECT_EQ(ulog_messages(bytes.bytes())["log"]["duration_s"], 80.0);
 }
 
+TEST(ReplayUlog, ATopicWithAClockOfItsOwnIsOutvoted) {
+  UlogBytes bytes = log();
+  for (std::uint64_t i = 0; i < 300; ++i) {
+    const std::uint64_t now = kStart + i * kSecond / 10;
+    bytes.data(0, now, status(1, 4)).data(1, now, "\x01");
+    if (i >= 100)
+      bytes.data(3, 3600 * kSecond + now, place(0)).data(3, 3600 * kSecond + now + 1, place(0));
+  }
+  UlogLoss loss;
+  EXPECT_EQ(ulog_messages(bytes.bytes(), kMostUlogNumbers, &loss)["log"]["duration_s"], 29.9);
+  EXPECT_EQ(loss.wrong_stamps, 400U);
+}
+
 TEST(ReplayUlog, SentencesHaveNoColours) {
   UlogBytes bytes = log();
   bytes.data(1, kStart, "\x01").sentence('6', kStart, "[commander] \x1b[32mReady\x1b[0m\n");

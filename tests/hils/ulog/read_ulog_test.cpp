@@ -156,6 +156,45 @@ TEST(ReadUlog, GoesOnAtTheNextSynchronisationBehindGarbage) {
             (Strings{"point: 5 x=1.000000", "damage: 50"}));
 }
 
+/// Two hundred messages of one topic; no synchronisation message is among them.
+std::vector<std::string> two_hundred() {
+  std::vector<std::string> messages;
+  const std::size_t header = UlogBytes().bytes().size();
+  for (std::uint16_t i = 0; i < 200; ++i) {
+    messages.push_back(UlogBytes().data(7, 1000U + i, x(i)).bytes().substr(header));
+  }
+  messages[150] =
+      UlogBytes().message('#', "of a later logger").message('Z', "too").bytes().substr(header);
+  return messages;
+}
+
+TEST(ReadUlog, GoesOnBehindAWrongByteWithoutSynchronisation) {
+  for (const std::size_t at : {0U, 1U, 2U, 3U}) {  // size, type, topic
+    for (unsigned bit = 0; bit < 8; ++bit) {
+      std::vector<std::string> messages = two_hundred();
+      messages[100][at] = static_cast<char>(messages[100][at] ^ static_cast<char>(1U << bit));
+      std::string bytes = simple().bytes();
+      for (const std::string& message : messages) bytes += message;
+      const Lines lines(bytes);
+      EXPECT_GE(lines.count("point: "), 197U) << at << " " << bit;
+      EXPECT_EQ(lines.count("point: 1199 "), 1U) << at << " " << bit;
+    }
+  }
+}
+
+TEST(ReadUlog, GoesOnBehindGarbageWithoutSynchronisation) {
+  for (const std::string& garbage :
+       {std::string(3000, '\0'), std::string(77, '\xFF'), std::string("D\0A\x10L!!D", 8)}) {
+    std::string bytes = simple().bytes();
+    std::vector<std::string> messages = two_hundred();
+    messages.insert(messages.begin() + 50, garbage);
+    for (const std::string& message : messages) bytes += message;
+    const Lines lines(bytes);
+    EXPECT_EQ(lines.count("point: "), 199U) << garbage.size();
+    EXPECT_EQ(lines.count("damage: " + std::to_string(garbage.size())), 1U);
+  }
+}
+
 TEST(ReadUlog, CountsMessagesThatNoTopicFitsAsDamage) {
   const UlogBytes log =
       simple().data(8, 5, x(1)).data(7, 6, "").subscribe(9, "unknown").data(7, 7, x(2));
