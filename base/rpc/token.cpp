@@ -8,8 +8,10 @@
 
 #include <array>
 #include <cerrno>
+#include <string_view>
 #include <system_error>
 
+#include "base/byte_order_mark.hpp"
 #include "base/error.hpp"
 #include "base/os/descriptor.hpp"
 #include "base/os/runtime_folder.hpp"
@@ -49,8 +51,9 @@ std::string read_checked(int fd, const std::filesystem::path& file) {
   std::array<char, kLongestToken> buffer;
   const ssize_t size = ::read(fd, buffer.data(), buffer.size());
   if (size < 0) fail(file, std::generic_category().message(errno));
-  const std::string text(buffer.data(), static_cast<std::size_t>(size));
-  return text.substr(0, text.find_first_of("\r\n"));
+  const std::string_view text =
+      without_byte_order_mark({buffer.data(), static_cast<std::size_t>(size)});
+  return std::string(text.substr(0, text.find_first_of("\r\n")));
 }
 
 /// A fresh secret and a newline. @return errno, 0 when all is written

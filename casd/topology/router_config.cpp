@@ -5,6 +5,7 @@
 #include <charconv>
 #include <system_error>
 
+#include "base/byte_order_mark.hpp"
 #include "base/error.hpp"
 #include "base/read_file.hpp"
 #include "base/text.hpp"
@@ -55,6 +56,7 @@ void RouterConfig::fail(RouterPlace place, const std::string& sentence) const {
 
 void RouterConfig::read(std::string_view text) {
   section_ = nullptr;
+  text = base::without_byte_order_mark(text);
   for (place_.line = 1; !text.empty(); ++place_.line) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     read_line(trimmed(text.substr(0, end)));

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <string>
 
+#include "base/byte_order_mark.hpp"
 #include "base/error.hpp"
 
 namespace cas::sim {
@@ -44,6 +45,7 @@ class Reader {
   bool next(std::string& text) {
     if (!std::getline(stream_, text)) return false;
     ++line_;
+    if (line_ == 1) text.erase(0, text.size() - base::without_byte_order_mark(text).size());
     if (!text.empty() && text.back() == '\r') text.pop_back();
     return true;
   }

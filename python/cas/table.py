@@ -97,7 +97,7 @@ def _numbers(texts: list[str]) -> Sequence[Any]:
 def read_csv(path: Union[str, Path], numbers: Collection[str] = ()) -> Table:
     """A CSV file with a head, as CAS writes it. An empty cell among numbers is not a number; a column in which all are
     empty is text, unless `numbers` names it."""
-    with open(path, newline="", encoding="utf-8") as lines:
+    with open(path, newline="", encoding="utf-8-sig") as lines:
         rows = csv.reader(lines)
         head = next(rows, None)
         if head is None:

@@ -189,6 +189,9 @@ TEST(WindGrid, IsLinearBetweenItsPlacesAndConstantOutside) {
   EXPECT_TRUE(grid.at({5, 0, 50}).isApprox(Vector3d(0.75, 3, -0.5), 1e-12));
   EXPECT_TRUE(grid.at({-5, 0, -5}).isApprox(Vector3d(0, 3, 0), 1e-12));
   EXPECT_TRUE(grid.at({500, 0, 500}).isApprox(Vector3d(2, 3, -1), 1e-12));
+  const WindGrid marked =
+      WindGrid::load(folder.write("m.csv", "\xef\xbb\xbf" + std::string(kGrid)));
+  EXPECT_EQ(marked.at({5, 0, 50}), grid.at({5, 0, 50})) << "with a byte order mark";
 }
 
 TEST(WindGrid, RefusesWhatIsNoGridWithItsLine) {

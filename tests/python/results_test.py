@@ -13,7 +13,7 @@ from cas import mavlink
 
 class TableTest(FolderTest):
     def test_a_csv_file_becomes_columns(self):
-        (self.folder / "t.csv").write_text("time_s,x_m,name\n0,1,a\n1,3,b\n2,5")  # cut off in the last line
+        (self.folder / "t.csv").write_text("\ufefftime_s,x_m,name\n0,1,a\n1,3,b\n2,5")  # cut off in the last line
         table = cas.read("t.csv")
         self.assertEqual((table.rows, list(table)), (2, ["time_s", "x_m", "name"]))
         self.assertEqual(list(table["x_m"]), [1, 3])

@@ -9,11 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include "base/byte_order_mark.hpp"
 #include "base/error.hpp"
 #include "base/os/host_port.hpp"
 #include "base/rpc/local_clients.hpp"
 #include "base/rpc/local_port.hpp"
 #include "base/rpc/token.hpp"
+#include "base/text.hpp"
 #include "casd/casctl/session/daemon_list.hpp"
 #include "casd/casctl/session/port_owner.hpp"
 #include "casd/casctl/session/printable.hpp"
@@ -33,7 +35,7 @@ std::string first_line(const std::filesystem::path& file) {
     throw std::runtime_error("cannot read a token from " + file.string() +
                              "; check the file's rights");
   }
-  return line;
+  return std::string(base::trimmed(base::without_byte_order_mark(line)));
 }
 
 std::chrono::steady_clock::time_point deadline(const Options& options) {

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include "base/byte_order_mark.hpp"
 #include "base/error.hpp"
 #include "base/read_file.hpp"
 #include "libsim/core/load/collada.hpp"
@@ -93,7 +94,7 @@ std::uint32_t obj_index(const std::filesystem::path& file, const std::string& wo
 
 TriangleMesh parse_obj(const std::filesystem::path& file, const std::string& bytes) {
   TriangleMesh mesh;
-  std::istringstream lines(bytes);
+  std::istringstream lines{std::string(base::without_byte_order_mark(bytes))};
   for (std::string line; std::getline(lines, line);) {
     std::istringstream words(line);
     std::string word;

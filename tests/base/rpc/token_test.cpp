@@ -34,6 +34,7 @@ TEST(Token, IsTheFirstLineOfItsFile) {
   const test::TemporaryFolder folder;
   EXPECT_EQ(read_token(write_token(folder, std::string(kToken) + "\r\nmore", 0600)), kToken);
   EXPECT_EQ(read_token(write_token(folder, kToken, 0400)), kToken);
+  EXPECT_EQ(read_token(write_token(folder, "\xef\xbb\xbf" + std::string(kToken), 0600)), kToken);
 }
 
 TEST(Token, AFileThatOthersMayReadIsRefused) {

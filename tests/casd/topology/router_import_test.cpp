@@ -114,6 +114,13 @@ TEST(RouterImport, KeepsEndpointsAndFilters) {
   EXPECT_EQ(topology.duplicate_window, base::Duration::zero());
 }
 
+TEST(RouterImport, TakesAByteOrderMarkAndEndsOfLinesOfWindows) {
+  std::string text = "\xef\xbb\xbf";
+  for (const char* c = kConf; *c != '\0'; ++c)
+    text += *c == '\n' ? std::string("\r\n") : std::string(1, *c);
+  EXPECT_EQ(import_text(text, "main.conf").yaml, import_text(kConf, "main.conf").yaml);
+}
+
 TEST(RouterImport, KeepsTheTimeInWhichDuplicatesAreDropped) {
   const std::string rest = "[UartEndpoint a]\nDevice=/dev/a\n";
   EXPECT_EQ(

@@ -29,8 +29,9 @@ TEST_F(MeshFile, ReadsTextStl) {
 }
 
 TEST_F(MeshFile, ReadsObjFacesOfAnyLength) {
-  const auto file = folder_.write(
-      "a.OBJ", "# square\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1 -1//1\n");
+  const auto file = folder_.write("a.OBJ",
+                                  "\xef\xbb\xbfv 0 0 0\n# square\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 "
+                                  "0 1\nf 1//1 2//1 3//1 -1//1\n");
   const TriangleMesh mesh = load_mesh(file);
   ASSERT_EQ(mesh.triangles.size(), 2u);
   EXPECT_EQ(mesh.triangles[1], (std::array<std::uint32_t, 3>{0, 2, 3}));
