@@ -13,7 +13,7 @@ LoopGuard::Verdict LoopGuard::judge(LinkId from, std::size_t place, Mark mark, M
                                     base::RunTime now) {
   Link& own = links_[from];
   if (own.loops) {
-    if (came_elsewhere(from, place, mark, mark.time())) {
+    if (came_elsewhere(from, place, mark, 0)) {
       own.calm_at = now + kCalm;
       return Verdict::kCopy;
     }
@@ -21,26 +21,27 @@ LoopGuard::Verdict LoopGuard::judge(LinkId from, std::size_t place, Mark mark, M
     return Verdict::kFine;
   }
   // Again over this link, and not again over the one that brought it.
-  if (mark.time() - before.time() > units(kSoon)) return Verdict::kFine;
-  if (!came_elsewhere(from, place, mark, before.time() - 1)) return Verdict::kFine;
-  if (now - own.evidence_since > kSoon) {
-    own.evidence = 0;
-    own.evidence_since = now;
+  if (mark.since(before) > units(kSoon)) return Verdict::kFine;
+  if (!came_elsewhere(from, place, before, 1)) return Verdict::kFine;
+  const unsigned turns = before.turns() + 1;
+  if (turns < kEnough) {
+    (*own.owned)[place].store(mark.with_turns(turns).value, std::memory_order_relaxed);
+    return Verdict::kFine;
   }
-  if (++own.evidence < kEnough) return Verdict::kFine;
-  own.evidence = 0;
   own.loops = true;
   own.calm_at = now + kCalm;
   return Verdict::kFound;
 }
 
 bool LoopGuard::came_elsewhere(LinkId from, std::size_t place, Mark mark,
-                               std::uint32_t latest) const {
+                               std::uint32_t least) const {
   for (std::size_t link = 0; link < links_.size(); ++link) {
     const Table* const table = links_[link].table.load(std::memory_order_acquire);
     if (table == nullptr || link == from) continue;
-    const Mark there{(*table)[place].value.load(std::memory_order_relaxed)};
-    if (there.is_same(mark) && latest - there.time() <= units(kMemory)) return true;
+    const Mark there{(*table)[place].load(std::memory_order_relaxed)};
+    if (!there.is_same(mark)) continue;
+    const std::uint32_t ago = mark.since(there);
+    if (ago >= least && ago <= units(kMemory)) return true;
   }
   return false;
 }

@@ -19,8 +19,9 @@ namespace cas::casd {
 /// receives to a second port of casd makes a loop, in which each packet goes round for ever.
 ///
 /// A packet that comes over one link again and again, though another link has brought it once and
-/// not again, goes round. From then on the link's packets that others brought before are copies,
-/// until none has come for kCalm. A sender that repeats itself comes over its own link each time.
+/// not again, goes round. So many turns prove a loop; from then on the link's packets that others
+/// brought before are copies, until none has come for kCalm. A sender that repeats itself comes
+/// over its own link each time.
 ///
 /// It keeps a mark of each link's last packets, by sender and sequence number. `on_packet` for one
 /// link belongs to one thread at a time; different links may run on different threads.
@@ -31,9 +32,11 @@ class LoopGuard {
     kFound,  ///< goes round, and is the first that proves it
     kCopy    ///< came over another link, and back
   };
-  static constexpr int kEnough = 3;
-  static constexpr base::Duration kSoon = std::chrono::seconds(2);
-  static constexpr base::Duration kMemory = std::chrono::seconds(10);
+  /// Turns that prove a loop. A recording that is played over one link and then over another comes
+  /// again, too, but neither so often nor so soon.
+  static constexpr unsigned kEnough = 6;
+  static constexpr base::Duration kSoon = std::chrono::milliseconds(400);
+  static constexpr base::Duration kMemory = std::chrono::seconds(3);
   static constexpr base::Duration kCalm = std::chrono::seconds(10);
 
   Verdict on_packet(LinkId from, const mav::PacketView& packet, base::RunTime now) {
@@ -41,38 +44,34 @@ class LoopGuard {
     Table* table = own.table.load(std::memory_order_relaxed);
     if (table == nullptr) [[unlikely]]
       table = make_table(own);
-    const std::size_t place = place_of(packet);
+    Cell& cell = (*table)[place_of(packet)];
     const Mark mark = mark_of(packet, now);
-    const Mark before{(*table)[place].exchange_relaxed(mark.value)};
+    const Mark before{cell.load(std::memory_order_relaxed)};
+    cell.store(mark.value, std::memory_order_relaxed);
     if (!own.loops && !before.is_same(mark)) [[likely]]
       return Verdict::kFine;
-    return judge(from, place, mark, before, now);
+    return judge(from, place_of(packet), mark, before, now);
   }
 
  private:
-  /// Half content, half time in units of 2^20 ns; 0: none.
+  /// From the top: 32 bits of content, 4 of turns, 28 of time in units of 2^20 ns; 0: none.
   struct Mark {
     std::uint64_t value = 0;
 
-    std::uint32_t time() const { return static_cast<std::uint32_t>(value); }
+    static constexpr unsigned kTimeBits = 28;
+    unsigned turns() const { return static_cast<unsigned>(value >> kTimeBits) & 0xFU; }
+    Mark with_turns(unsigned turns) const { return {value | std::uint64_t{turns} << kTimeBits}; }
     bool is_same(Mark other) const { return (value ^ other.value) >> 32U == 0; }
-  };
-  struct Cell {
-    std::atomic<std::uint64_t> value{0};
-
-    /// Its one writer needs no atomic exchange.
-    std::uint64_t exchange_relaxed(std::uint64_t next) {
-      const std::uint64_t before = value.load(std::memory_order_relaxed);
-      value.store(next, std::memory_order_relaxed);
-      return before;
+    /// Units from the other mark to this one; many where the other one is later.
+    std::uint32_t since(Mark other) const {
+      return static_cast<std::uint32_t>(value - other.value) & ((1U << kTimeBits) - 1);
     }
   };
+  using Cell = std::atomic<std::uint64_t>;  ///< of a mark; one thread writes it
   using Table = std::array<Cell, 1024>;
   struct alignas(64) Link {
     std::atomic<Table*> table{nullptr};
     bool loops = false;
-    int evidence = 0;
-    base::RunTime evidence_since{};
     base::RunTime calm_at{};
     std::unique_ptr<Table> owned;
   };
@@ -87,17 +86,19 @@ class LoopGuard {
   }
   static Mark mark_of(const mav::PacketView& packet, base::RunTime now) {
     const std::uint8_t* const crc = packet.payload.data() + packet.payload.size();
+    const std::uint32_t checksum = crc[0] | std::uint32_t{crc[1]} << 8U;
     const std::uint32_t sender =
         std::uint32_t{packet.source.system} << 8U | packet.source.component;
-    const std::uint32_t content = (std::uint32_t{crc[0]} | std::uint32_t{crc[1]} << 8U) << 16U |
-                                  (sender ^ packet.message_id * 0x9E5U) % 0x10000U;
-    return {std::uint64_t{content} << 32U | units(now.time_since_epoch())};
+    const std::uint32_t rest = (sender ^ packet.message_id * 0x9E5U) % 0x10000U;
+    constexpr std::uint32_t kTime = (1U << Mark::kTimeBits) - 1;
+    return {std::uint64_t{checksum << 16U | rest} << 32U | (units(now.time_since_epoch()) & kTime)};
   }
 
   static Table* make_table(Link& link);
   Verdict judge(LinkId from, std::size_t place, Mark mark, Mark before, base::RunTime now);
-  /// Whether another link brought the packet last at this time or in kMemory before it.
-  bool came_elsewhere(LinkId from, std::size_t place, Mark mark, std::uint32_t latest) const;
+  /// Whether another link brought the packet last so many units before this mark, or more, but
+  /// within kMemory.
+  bool came_elsewhere(LinkId from, std::size_t place, Mark mark, std::uint32_t least) const;
 
   std::array<Link, kLinkSlots> links_;
 };
