@@ -26,6 +26,8 @@ _CHAIN = 3
 _MOST_IN_CHAIN = 32
 _HEADER_BYTES = 16
 _MOST_DEPTH = 16
+_GAP_US = 10_000_000
+_WHILE_US = 2_000_000
 _MOST_BYTES = 65535
 
 
@@ -63,6 +65,42 @@ class _Format:
         return code
 
 
+class _Leaps:
+    """Which stamps are right: a leap of more than 10 s, as a damaged stamp or a topic with a clock of its own makes one,
+    is believed where most topics make it; the same as UlogTime of `hils replay`."""
+
+    def __init__(self, start_us: int) -> None:
+        self.newest = start_us
+        self.heard: dict[str, int] = {}
+        #: Stamps of a leap that is not believed yet, by topic, and the topics that stayed since.
+        self.leapt: dict[str, int] = {}
+        self.stayed: set[str] = set()
+        self.began = 0
+
+    def takes(self, topic: str, stamp: int) -> bool:
+        if stamp > self.newest + _GAP_US:
+            if not self._is_confirmed(topic, stamp):
+                return False
+            self.leapt = {}
+        elif self.leapt:
+            self.stayed.add(topic)
+            self.leapt.pop(topic, None)
+        self.newest = max(self.newest, stamp)
+        self.heard[topic] = stamp
+        return True
+
+    def _is_confirmed(self, topic: str, stamp: int) -> bool:
+        self.leapt = {other: at for other, at in self.leapt.items() if other == topic or abs(at - stamp) <= _GAP_US}
+        if not self.leapt:
+            self.stayed, self.began = set(), stamp
+        goes_on = topic in self.leapt and stamp > self.leapt[topic]
+        self.leapt[topic] = stamp
+        if (len(self.leapt) < 2 and not goes_on) or len(self.leapt) <= len(self.stayed):
+            return False
+        of_late = sum(at + _GAP_US >= self.newest for at in self.heard.values())
+        return 2 * len(self.leapt) > of_late or (not self.stayed and stamp >= self.began + _WHILE_US)
+
+
 class Ulog:
     """A ULog file, read into memory.
 
@@ -83,6 +121,8 @@ class Ulog:
             raise FormatError(f"{path} is no ULog file")
         #: Bytes that are left out: damage, messages of lost topics, a message that the log ends within. 0: it is whole.
         self.damaged = 0
+        #: Messages that are left out because their time is wrong by that of most topics.
+        self.wrong_stamps = 0
         #: Topics whose definition is lost.
         self.lost: list[str] = []
         self._data = data
@@ -93,7 +133,10 @@ class Ulog:
         self._of_format: dict[str, str] = {}
         self._now_s = 0.0
         self._in_data = False
+        self._leaps = _Leaps(int.from_bytes(data[8:16], "little"))
+        self._waiting: list[tuple[str, int, tuple[Any, ...]]] = []
         self._read()
+        self._decide_waiting(not self._leaps.heard)
         self.topics = {name: self._table(name, rows) for name, rows in self._rows.items()}
 
     def _read(self) -> None:
@@ -268,9 +311,25 @@ class Ulog:
         if layout is None:
             return False
         row = layout.struct.unpack_from(body, 2)
-        self._now_s = row[layout.stamp_column] * 1e-6
+        stamp = row[layout.stamp_column]
+        is_leap = stamp > self._leaps.newest + _GAP_US
+        if not self._leaps.takes(name, stamp):
+            self._waiting.append((name, stamp, row))
+            return True
+        if is_leap:
+            self._decide_waiting(True)
+        self._now_s = stamp * 1e-6
         self._rows[name].append(row)
         return True
+
+    def _decide_waiting(self, is_leap: bool) -> None:
+        """Takes the rows that made the leap before it was believed; leaves out those that stood alone."""
+        for name, stamp, row in self._waiting:
+            if is_leap and abs(stamp - self._leaps.began) <= 2 * _GAP_US:
+                self._rows[name].append(row)
+            else:
+                self.wrong_stamps += 1
+        self._waiting = []
 
     def _table(self, name: str, rows: list[tuple[Any, ...]]) -> Table:
         names = self._layouts[self._of_format[name]].columns

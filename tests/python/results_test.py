@@ -186,6 +186,19 @@ class DamagedUlogTest(FolderTest):
             rows, log = self.read(messages=self.messages[:500] + [garbage] + self.messages[500:])
             self.assertEqual((rows, log.damaged), ({"alpha": 500, "beta": 500}, len(garbage)))
 
+    def test_a_wrong_time_is_outvoted_and_a_gap_is_kept(self):
+        hour = 3_600_000_000
+        wrong = [self.message("D", struct.pack("<HQf", 1, hour + 4000 * i, 0)) for i in range(20)]
+        rows, log = self.read(messages=self.messages[:500] + wrong[:1] + self.messages[500:])
+        self.assertEqual((rows, log.wrong_stamps, log.damaged), ({"alpha": 500, "beta": 500}, 1, 0))
+        self.assertLess(max(log.topics["alpha"]["time_s"]), 4)
+        later = [self.message("D", struct.pack("<HQf", 1, hour + 4000 * i, 0))
+                 + self.message("D", struct.pack("<HQfffB", 2, hour + 4000 * i, i, i, i, 3)) for i in range(20)]
+        rows, log = self.read(messages=self.messages + later)
+        self.assertEqual((rows, log.wrong_stamps), ({"alpha": 520, "beta": 520}, 0))
+        rows, log = self.read(messages=[self.messages[0].replace(struct.pack("<Q", 1_000_000), struct.pack("<Q", hour))])
+        self.assertEqual((rows, log.wrong_stamps), ({"alpha": 1, "beta": 0}, 0))
+
     def test_a_lost_definition_costs_its_topic_alone(self):
         for definitions in (self.definitions[:1], [self.definitions[0], self.message("F", b"beta:uint64_t timestamp;none n;")],
                             [self.definitions[0], self.message("F", b"beta:beta b;uint64_t timestamp;")]):
