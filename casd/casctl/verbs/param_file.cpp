@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
@@ -33,11 +32,11 @@ std::optional<double> decimal(std::string_view text) {
   double number = 0;
   const char* const end = text.data() + text.size();
   const auto [rest, fault] = std::from_chars(text.data(), end, number);
-  if (fault != std::errc() || rest != end || !std::isfinite(number)) return std::nullopt;
+  if (fault != std::errc() || rest != end) return std::nullopt;
   return number;
 }
 
-/// A finite number, decimal or after 0x, with or without a sign.
+/// A number, decimal or after 0x, with or without a sign; "nan" and "inf" are some, too.
 std::optional<double> value_of(std::string_view text) {
   const bool negative = text.starts_with('-');
   if (negative || text.starts_with('+')) text.remove_prefix(1);

@@ -73,7 +73,12 @@ class Loading {
     return false;
   }
 
-  bool is_of_another_component(const ParamWish& wish) {
+  /// Whether a wish is refused here.
+  bool is_refused(const ParamWish& wish) {
+    if (!std::isfinite(wish.value)) {
+      refuse(wish, "NaN or infinite, which no autopilot accepts");
+      return true;
+    }
     if (wish.component == 0 || wish.component == own_component_) return false;
     refuse(wish, "it is of component " + std::to_string(wish.component) +
                      "; only those of the autopilot, component " + std::to_string(own_component_) +
@@ -84,15 +89,14 @@ class Loading {
   /// Whether the vehicle answers to every name.
   bool is_ready() {
     for (const ParamWish& wish : wishes_) {
-      if (!is_of_another_component(wish)) ask(wish, "param.get", {{"name", wish.name}});
+      if (!is_refused(wish)) ask(wish, "param.get", {{"name", wish.name}});
       if (silent_) break;
     }
     return fate_.all();
   }
 
   void set(const ParamWish& wish) {
-    if (!is_of_another_component(wish) &&
-        ask(wish, "param.set", {{"name", wish.name}, {"value", wish.value}})) {
+    if (!is_refused(wish) && ask(wish, "param.set", {{"name", wish.name}, {"value", wish.value}})) {
       fate_.in_force.push_back(wish.name);
     }
     ended_ = silent_ || (strict_ && !fate_.all());

@@ -475,11 +475,12 @@ TEST_F(CasctlTest, LoadsWhatAnotherFirmwareTakesAndNamesTheRest) {
 TEST_F(CasctlTest, LoadsOnlyTheAutopilotsRowsOfAGroundStationsFile) {
   fixture_.vehicle().params = {{"A_FIRST", {.value = 1}}};
   const std::string file = (directory_ / "station.params").string();
-  std::ofstream(file) << "1\t1\tA_FIRST\t2\t9\r\n1\t154\tA_FIRST\t3\t9\r\n";
+  std::ofstream(file) << "1\t1\tA_FIRST\t2\t9\r\n1\t154\tA_FIRST\t3\t9\r\n1\t1\tB_NAN\tnan\t9\r\n";
   const Ended loaded = run("param load " + file);
   EXPECT_EQ(loaded.code, 1);
   EXPECT_NE(loaded.out.find("refused: A_FIRST: it is of component 154"), std::string::npos)
       << loaded.out;
+  EXPECT_NE(loaded.out.find("refused: B_NAN: NaN or infinite"), std::string::npos) << loaded.out;
   EXPECT_EQ(run("param get A_FIRST").out, "A_FIRST = 2\n");
 }
 

@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(
                     RefusedCase{"DecimalCommaInColumns", "1 1 B 0,135\n", "a.params:1:"},
                     RefusedCase{"DecimalCommaInFiveColumns", "1 1 B 0,135 9\n", "a.params:1:"},
                     RefusedCase{"ALineWithoutValue", "A 1\r\nB\r\nC 2\r\n", "a.params:2:"},
-                    RefusedCase{"NaN", "A nan\n", "a.params:1:"},
+                    RefusedCase{"AWord", "A none\n", "a.params:1:"},
                     RefusedCase{"TwoSigns", "A --1\n", "a.params:1:"},
                     RefusedCase{"TooLongAName", "ABCDEFGHIJKLMNOPQ 1\n", "a.params:1:"},
                     RefusedCase{"OnlyComments", "# nothing\n\n", "holds no parameter"},
