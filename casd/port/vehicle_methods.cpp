@@ -409,14 +409,15 @@ void VehicleMethods::add_loop_method(const std::string& name, bool audited,
       name,
       [this, name, audited, values_of](const json& params, Reply reply) {
         const auto loop = std::make_shared<GainLoop>();
-        const Parse parse = [this, loop, values_of](CallParams& reader) -> Action {
+        const Parse parse = [this, audited, loop, values_of](CallParams& reader) -> Action {
           const std::string word = reader.text("loop");
           const GainValues values = values_of(reader);
-          return [this, word, values, loop](std::uint8_t system, RunTime now, Done done) {
+          const bool not_hil = audited && reader.flag("not_hil");
+          return [this, word, values, not_hil, loop](std::uint8_t system, RunTime now, Done done) {
             const GainLoop* found = find_loop(system, word, done);
             if (found == nullptr) return;
             *loop = *found;
-            commander_.set_gains(system, *found, values, now, std::move(done));
+            commander_.set_gains(system, *found, values, now, std::move(done), not_hil);
           };
         };
         const Answer answer = [loop](std::uint8_t system, const Outcome& outcome) {
@@ -458,7 +459,7 @@ void VehicleMethods::add_param_methods() {
       "param.set", true,
       [this](CallParams& params) {
         const double value = params.number("value");
-        return calls(&VehicleCommander::set_param, params.text("name"), value);
+        return moves(params, &VehicleCommander::set_param, params.text("name"), value);
       },
       one);
   add(

@@ -31,6 +31,7 @@ using mav::services::here_command;
 using mav::services::interval_command;
 using mav::services::kEkfStatusReport;
 using mav::services::kVehicleTimeout;
+using mav::services::leads_into_hil;
 using mav::services::MessageMemory;
 using mav::services::mode_command;
 using mav::services::mode_words;

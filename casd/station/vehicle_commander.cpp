@@ -507,9 +507,11 @@ void VehicleCommander::read_param(std::uint8_t system, const std::string& name, 
 }
 
 void VehicleCommander::set_param(std::uint8_t system, const std::string& name, double value,
-                                 base::RunTime now, Done done) {
+                                 base::RunTime now, Done done, bool not_hil) {
   now_ = now;
   if (KnownVehicle* vehicle = known(system, done)) {
+    const bool spins = motion_of_parameter(name) == Motion::kSpins && !leads_into_hil(name, value);
+    if (spins && interlocked(*vehicle, not_hil, now, done)) return;
     if (name == TakeoffHeight::kParameter) vehicle->takeoff_height.keep();
     vehicle->params.set(name, value, now, std::move(done));
   }
@@ -537,7 +539,8 @@ std::optional<mavlink::common::MavParamType> VehicleCommander::param_type(
 }
 
 void VehicleCommander::set_gains(std::uint8_t system, const GainLoop& loop,
-                                 const GainValues& values, base::RunTime now, Done done) {
+                                 const GainValues& values, base::RunTime now, Done done,
+                                 bool not_hil) {
   now_ = now;
   if (const std::optional<std::string> why = unsupported(loop, values)) {
     done(failure(OutcomeKind::kRefused, *why));
@@ -546,9 +549,9 @@ void VehicleCommander::set_gains(std::uint8_t system, const GainLoop& loop,
   std::vector<Request> requests;
   const auto add = [&](const std::optional<std::string>& name, const std::optional<double>& value) {
     if (!name) return;
-    requests.push_back([this, system, name = *name, value](Done next) {
+    requests.push_back([this, system, name = *name, value, not_hil](Done next) {
       if (value) {
-        set_param(system, name, *value, now_, std::move(next));
+        set_param(system, name, *value, now_, std::move(next), not_hil);
       } else {
         read_param(system, name, now_, std::move(next));
       }

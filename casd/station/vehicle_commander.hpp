@@ -189,8 +189,10 @@ class VehicleCommander final : public Station {
                Done done);
 
   void read_param(std::uint8_t system, const std::string& name, base::RunTime now, Done done);
+  /// The interlock holds for what arms, permits to arm or drives an output, but not for the way
+  /// into HIL.
   void set_param(std::uint8_t system, const std::string& name, double value, base::RunTime now,
-                 Done done);
+                 Done done, bool not_hil = false);
   void list_params(std::uint8_t system, base::RunTime now, Done done);
   /// Of the list of parameters that a vehicle sends; nullopt: none is under way.
   std::optional<mav::services::ListProgress> list_progress(std::uint8_t system) const;
@@ -201,7 +203,7 @@ class VehicleCommander final : public Station {
   /// Sets the given gains of a loop one after the other, then answers with all it has; without
   /// values it only reads them.
   void set_gains(std::uint8_t system, const GainLoop& loop, const GainValues& values,
-                 base::RunTime now, Done done);
+                 base::RunTime now, Done done, bool not_hil = false);
 
  private:
   std::unique_ptr<KnownVehicle> make(VehicleState state);

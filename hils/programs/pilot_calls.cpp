@@ -179,7 +179,8 @@ std::optional<Refusal> give(base::rpc::Client& casd, const FlightStep& step, boo
     for (auto& [method, params] : to_calls(step)) {
       const bool moves = step.kind == StepKind::kArm || step.kind == StepKind::kTakeoff ||
                          step.kind == StepKind::kGoto;
-      if (moves && not_hil) params["not_hil"] = true;
+      const bool sets = method == "param.set" || method == "gain.set";
+      if ((moves || sets) && not_hil) params["not_hil"] = true;
       if (step.kind == StepKind::kArm && acts_so_far) params["acts_so_far"] = *acts_so_far;
       const Json whole = to(vehicle, params);
       if (asked != nullptr) asked->emplace_back(method, whole.dump());

@@ -224,6 +224,11 @@ Motion motion_of_parameter(std::string_view name) {
   return arms || switches ? Motion::kSpins : Motion::kMoves;
 }
 
+bool leads_into_hil(std::string_view parameter, double value) {
+  if (parameter == "SYS_AUTOSTART") return value >= 1000 && value < 2000;
+  return parameter == "SYS_HITL" || parameter.starts_with("HIL_ACT_");
+}
+
 Motion motion_of(const PacketView& packet, const Addressee& to) {
   if (const auto command = decode<CommandLong>(packet)) return motion_of(read(*command), to);
   if (const auto placed = decode<CommandInt>(packet)) return motion_of(read(*placed), to);

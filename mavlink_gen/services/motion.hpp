@@ -34,6 +34,9 @@ Addressee addressee_of(const mavlink::common::Heartbeat& heartbeat);
 Motion motion_of(const VehicleCommand& command, const Addressee& to);
 /// What setting a parameter may do: kSpins if it arms, permits to arm or drives an output.
 Motion motion_of_parameter(std::string_view name);
+/// Whether setting a PX4's parameter leads into HIL and drives no output before that: SYS_HITL, the
+/// simulated outputs, an airframe of HIL (1000 to 1999).
+bool leads_into_hil(std::string_view parameter, double value);
 /// What a packet may do. Messages that the function does not know, those of private dialects too,
 /// count as kNone.
 Motion motion_of(const PacketView& packet, const Addressee& to);

@@ -44,8 +44,8 @@ json number(double value) {
 /// Sets parameters one by one and notes what became of each.
 class Loading {
  public:
-  Loading(Session& session, std::vector<ParamWish> wishes, bool strict)
-      : session_(session), wishes_(std::move(wishes)), strict_(strict) {}
+  Loading(Session& session, std::vector<ParamWish> wishes, bool strict, bool not_hil)
+      : session_(session), wishes_(std::move(wishes)), strict_(strict), not_hil_(not_hil) {}
 
   void run() {
     if (needs_component()) own_component_ = session_.vehicle_call("vehicle.state").at("component");
@@ -96,7 +96,9 @@ class Loading {
   }
 
   void set(const ParamWish& wish) {
-    if (!is_refused(wish) && ask(wish, "param.set", {{"name", wish.name}, {"value", wish.value}})) {
+    json params{{"name", wish.name}, {"value", wish.value}};
+    if (not_hil_) params["not_hil"] = true;
+    if (!is_refused(wish) && ask(wish, "param.set", params)) {
       fate_.in_force.push_back(wish.name);
     }
     ended_ = silent_ || (strict_ && !fate_.all());
@@ -121,6 +123,7 @@ class Loading {
         return;
       case base::rpc::kRefused:
       case base::rpc::kInvalidParams:
+      case base::rpc::kInterlock:
         break;
       default:
         throw error;
@@ -142,6 +145,7 @@ class Loading {
   Session& session_;
   std::vector<ParamWish> wishes_;
   bool strict_;
+  bool not_hil_;
   int own_component_ = 0;
   std::size_t next_ = 0;
   bool ended_ = false;
@@ -188,12 +192,12 @@ void report_fate(const Session& session, const Fate& fate, const std::string& fi
 
 }  // namespace
 
-int load_params(Session& session, const std::string& file, bool strict) {
+int load_params(Session& session, const std::string& file, bool strict, bool not_hil) {
   const std::optional<std::string> text = base::read_file(file);
   if (!text) throw std::runtime_error("cannot read " + file);
   std::vector<ParamWish> wishes = parse_param_file(*text, file);
   const std::size_t asked = wishes.size();
-  Loading loading(session, std::move(wishes), strict);
+  Loading loading(session, std::move(wishes), strict, not_hil);
   try {
     loading.run();
   } catch (...) {

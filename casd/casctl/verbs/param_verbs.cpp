@@ -182,6 +182,12 @@ int list_params(Session& session, const std::string& prefix) {
   return end_of(session, list);
 }
 
+void add_consent(const Verb& verb, bool& not_hil) {
+  verb.add_flag("--not-hil", not_hil,
+                "Also one that arms or drives outputs, of a vehicle that does not say it is in "
+                "HIL: PROPELLERS MAY SPIN; casd's configuration must consent");
+}
+
 int print_param(const Session& session, const json& result) {
   report(session.options(), result, param_text(result));
   return kDone;
@@ -192,6 +198,7 @@ void add_param(CommandLine& line) {
     std::string name, file, prefix;
     double value = 0;
     bool strict = false;
+    bool not_hil = false;
   };
   const auto wish = std::make_shared<Wish>();
   const Verb param = line.add_group("param", "Read and write parameters");
@@ -205,28 +212,32 @@ void add_param(CommandLine& line) {
           })
       .add_option("NAME", wish->name, "Parameter, by the firmware's name")
       .required();
-  const Verb set = line.add_verb(
-      param, "set", "Write one; prints old -> new", "casctl param set MC_ROLL_P 6.5",
-      [wish](Session& session) {
-        return print_param(session, session.vehicle_call("param.set", {{"name", wish->name},
-                                                                       {"value", wish->value}}));
-      });
+  const Verb set =
+      line.add_verb(param, "set", "Write one; prints old -> new", "casctl param set MC_ROLL_P 6.5",
+                    [wish](Session& session) {
+                      json params{{"name", wish->name}, {"value", wish->value}};
+                      if (wish->not_hil) params["not_hil"] = true;
+                      return print_param(session, session.vehicle_call("param.set", params));
+                    });
   set.add_option("NAME", wish->name, "Parameter, by the firmware's name").required();
   set.add_option("VALUE", wish->value, "Value to write").required();
+  add_consent(set, wish->not_hil);
   line.add_verb(param, "save", "Save all to a file", "casctl param save iris.params",
                 [wish](Session& session) { return save_params(session, wish->file); })
       .add_option("FILE", wish->file, "File to write, on this machine")
       .required();
   const Verb load = line.add_verb(
       param, "load", "Write those of a file, in its order; names those that are not taken",
-      "casctl param load iris.params",
-      [wish](Session& session) { return load_params(session, wish->file, wish->strict); });
+      "casctl param load iris.params", [wish](Session& session) {
+        return load_params(session, wish->file, wish->strict, wish->not_hil);
+      });
   load.add_option("FILE", wish->file,
                   "File to read, on this machine: of casctl, MAVProxy, Mission Planner or "
                   "QGroundControl")
       .required();
   load.add_flag("--strict", wish->strict,
                 "Write nothing if a name is missing; end at the first that is not taken");
+  add_consent(load, wish->not_hil);
 }
 
 }  // namespace

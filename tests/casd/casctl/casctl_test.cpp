@@ -416,6 +416,23 @@ TEST_F(CasctlTest, SavesAndLoadsParameters) {
   EXPECT_EQ(run("param get MC_ROLL_P").out, "MC_ROLL_P = 6.5\n");  // nothing was written
 }
 
+TEST_F(CasctlTest, SetsNoParameterThatLetsAVehicleArmWithoutConsent) {
+  fixture_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
+  fixture_.vehicle().params = {{"COM_ARM_WO_GPS", {.value = 0}}, {"MC_ROLL_P", {.value = 6.5}}};
+  const Ended refused = run("param set COM_ARM_WO_GPS 1");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_NE(refused.out.find("--not-hil"), std::string::npos) << refused.out;
+  const Ended half = run("param set COM_ARM_WO_GPS 1 --not-hil");
+  EXPECT_EQ(half.code, 1);
+  EXPECT_NE(half.out.find("allow_not_hil"), std::string::npos) << half.out;
+  std::ofstream(directory_ / "arms.params") << "COM_ARM_WO_GPS 1\nMC_ROLL_P 7\n";
+  const Ended loaded = run("param load " + (directory_ / "arms.params").string());
+  EXPECT_EQ(loaded.code, 1);
+  EXPECT_NE(loaded.out.find("refused: COM_ARM_WO_GPS"), std::string::npos) << loaded.out;
+  EXPECT_EQ(run("param get COM_ARM_WO_GPS").out, "COM_ARM_WO_GPS = 0\n");
+  EXPECT_EQ(run("param get MC_ROLL_P").out, "MC_ROLL_P = 7\n");
+}
+
 TEST_F(CasctlTest, SavesWhatCanBeLoadedAndNamesTheRest) {
   fixture_.vehicle().params = {{"A_NUMBER", {.value = 6.5}},
                                {"NOT_A_NUMBER", {.value = std::nan("")}},

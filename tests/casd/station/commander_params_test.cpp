@@ -42,6 +42,29 @@ TEST_F(VehicleCommanderTest, SendsArduPilotIntegersAsNumbers) {
   EXPECT_EQ(vehicle_.params["FRAME_TYPE"].value, -3);
 }
 
+TEST_F(VehicleCommanderTest, SetsWhatLetsAVehicleArmOnlyInHilOrWithConsent) {
+  vehicle_.base_mode = MavModeFlag::kCustomModeEnabled;
+  vehicle_.params = {{"CBRK_SUPPLY_CHK", {.value = 0, .type = MavParamType::kInt32}},
+                     {"SYS_HITL", {.value = 0, .type = MavParamType::kInt32}},
+                     {"MC_ROLL_P", {.value = 6.5}}};
+  meet();
+  const auto set = [this](const char* name, double value, bool not_hil = false) {
+    commander_.set_param(1, name, value, now_, done(), not_hil);
+    return finish().kind;
+  };
+  EXPECT_EQ(set("CBRK_SUPPLY_CHK", 894281), OutcomeKind::kInterlock);
+  EXPECT_EQ(set("CBRK_SUPPLY_CHK", 894281, true), OutcomeKind::kInterlock);  // half a consent
+  EXPECT_TRUE(vehicle_.param_sets.empty());
+  EXPECT_EQ(set("SYS_HITL", 1), OutcomeKind::kAccepted);
+  EXPECT_EQ(set("MC_ROLL_P", 7), OutcomeKind::kAccepted);
+  const GainLoop arming{.name = "arming", .p = "CBRK_SUPPLY_CHK", .i = {}, .d = {}};
+  commander_.set_gains(1, arming, {.p = 894281, .i = {}, .d = {}}, now_, done());
+  EXPECT_EQ(finish().kind, OutcomeKind::kInterlock);
+  commander_.set_commanding(1, true, false);
+  EXPECT_EQ(set("CBRK_SUPPLY_CHK", 894281), OutcomeKind::kInterlock);
+  EXPECT_EQ(set("CBRK_SUPPLY_CHK", 894281, true), OutcomeKind::kAccepted);
+}
+
 TEST_F(VehicleCommanderTest, SaysWhichValueTheVehicleKeeps) {
   vehicle_.params["MC_ROLL_P"] = {.value = 6.5, .high = 12};
   meet();

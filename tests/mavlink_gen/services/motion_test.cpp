@@ -161,6 +161,15 @@ TEST(Motion, OfAParameterGoesByItsName) {
   EXPECT_EQ(motion_of(bare(323, ext), kUnknown), kSpins);
 }
 
+TEST(Motion, TheWayIntoHilIsToldFromOtherParametersOfOutputs) {
+  EXPECT_TRUE(leads_into_hil("SYS_HITL", 1));
+  EXPECT_TRUE(leads_into_hil("HIL_ACT_FUNC1", 101));
+  EXPECT_TRUE(leads_into_hil("SYS_AUTOSTART", 1001));
+  EXPECT_FALSE(leads_into_hil("SYS_AUTOSTART", 4001));
+  EXPECT_FALSE(leads_into_hil("CBRK_SUPPLY_CHK", 894281));
+  EXPECT_FALSE(leads_into_hil("PWM_MAIN_FUNC1", 101));
+}
+
 TEST(Motion, OfAFileTransferIsNoneWhereItReads) {
   mavlink::common::FileTransferProtocol message;
   message.payload[3] = 4;  // OpenFileRO
