@@ -20,9 +20,10 @@ using mavlink::common::MavResult;
 constexpr float kForce = 21196;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
-// Not in the dialect: the first of common.xml, the others of ArduPilot's own.
+// Not in the dialect.
 constexpr auto kDoEngineControl = static_cast<MavCmd>(223);
 constexpr auto kDoAuxFunction = static_cast<MavCmd>(218);
+constexpr auto kDoSetSafetySwitch = static_cast<MavCmd>(5300);
 
 /// Commands that may start motors whatever their parameters; the dialect lacks most. Takeoffs (22,
 /// 24, 84), DO_SET_PARAMETER, relays and servos (181 to 184), DO_SET_ACTUATOR, DO_MOTOR_TEST,
@@ -152,7 +153,9 @@ bool spins(const VehicleCommand& command) {
   const auto number = static_cast<std::uint16_t>(command.id);
   if (std::ranges::find(kSpinning, number) != kSpinning.end()) return true;
   if (command.id == kDoAuxFunction) return aux_spins(command);
-  if (command.id == kDoEngineControl) return command.params[0] != 0;
+  if (command.id == kDoEngineControl || command.id == kDoSetSafetySwitch) {
+    return command.params[0] != 0;
+  }
   switch (command.id) {
     case MavCmd::kComponentArmDisarm:
       return command.params[0] != 0;

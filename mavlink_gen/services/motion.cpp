@@ -13,6 +13,7 @@
 #include "mavlink/common/param_set.hpp"
 #include "mavlink/common/set_mode.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
 #include "mavlink_gen/services/px4_modes.hpp"
 
 namespace cas::mav::services {
@@ -34,7 +35,7 @@ constexpr auto kQuietCommands = std::to_array<std::uint16_t>(
      2500, 2501, 2502, 2503, 2504, 2505, 2510, 2511, 2600, 3001, 42424, 42425, 42426, 42429});
 
 /// Loiter where it is, return, land, land here, vertical landing, pause of a Solo.
-constexpr auto kStopCommands = std::to_array<std::uint16_t>({17, 20, 21, 23, 85, 42000});
+constexpr auto kStopCommands = std::to_array<std::uint16_t>({17, 20, 21, 23, 85, 42003});
 
 bool is_command(const VehicleCommand& command, unsigned number) {
   return static_cast<unsigned>(command.id) == number;
@@ -50,12 +51,14 @@ bool stays(const VehicleCommand& command) {
   constexpr unsigned kPauseContinue = 193;
   constexpr unsigned kOverrideGoto = 252;
   constexpr unsigned kSetStandardMode = 262;
+  constexpr unsigned kSetSafetySwitch = 5300;
   const auto& params = command.params;
   if (is_command(command, kPauseContinue)) return is(params[0], 0);
   // MAV_GOTO_DO_HOLD, MAV_GOTO_HOLD_AT_CURRENT_POSITION
   if (is_command(command, kOverrideGoto)) return is(params[0], 0) && is(params[1], 2);
   // MAV_STANDARD_MODE_SAFE_RECOVERY, MAV_STANDARD_MODE_LAND
   if (is_command(command, kSetStandardMode)) return is(params[0], 5) || is(params[0], 7);
+  if (is_command(command, kSetSafetySwitch)) return is(params[0], 0);
   return holds(kStopCommands, static_cast<unsigned>(command.id));
 }
 
@@ -138,24 +141,33 @@ VehicleCommand read(const Command& message) {
 
 // Messages by number, for the same reason.
 
-/// MANUAL_CONTROL, RC_CHANNELS_OVERRIDE and its second version, MANUAL_SETPOINT (gestures of sticks
-/// arm); SET_ACTUATOR_CONTROL_TARGET; SERIAL_CONTROL (a console); commands with a time of ASLUAV,
-/// which nothing here reads; SECURE_COMMAND; DEVICE_OP_WRITE, CAN_FRAME, CANFD_FRAME (the bus of
-/// the motors' controllers).
-constexpr auto kSpinningMessages =
-    std::to_array<std::uint32_t>({69, 70, 78, 81, 126, 139, 223, 224, 386, 387, 11002, 11004});
+/// MANUAL_CONTROL, RC_CHANNELS_OVERRIDE and its second version, RADIO_RC_CHANNELS,
+/// CUBEPILOT_RAW_RC, MANUAL_SETPOINT (gestures of sticks arm); SET_ACTUATOR_CONTROL_TARGET;
+/// SERIAL_CONTROL (a console); commands with a time of ASLUAV, which nothing here reads;
+/// SECURE_COMMAND; DEVICE_OP_WRITE, CAN_FRAME, CANFD_FRAME (the bus of the motors' controllers),
+/// ESC_EEPROM.
+constexpr auto kSpinningMessages = std::to_array<std::uint32_t>(
+    {69, 70, 81, 126, 139, 223, 224, 292, 386, 387, 420, 421, 11002, 11004, 50001});
+
+/// RC_CHANNELS are a vehicle's report, but sticks for PX4 when they come from this component,
+/// MAV_COMP_ID_SYSTEM_CONTROL.
+constexpr std::uint32_t kRcChannels = 65;
+constexpr std::uint8_t kSystemControl = 250;
 
 /// Parts of a mission and its current item; fence, rally points, home, origin; SET_ATTITUDE_TARGET,
 /// both SET_POSITION_TARGETs, trajectories, SET_VELOCITY_LIMITS; PARAM_MAP_RC, SET_MAG_OFFSETS;
-/// TUNNEL, V2_EXTENSION.
-constexpr auto kMovingMessages = std::to_array<std::uint32_t>(
-    {38, 39, 41, 44, 45, 48, 50, 54, 73, 82, 84, 86, 151, 160, 175, 243, 248, 332, 333, 355, 385});
+/// TUNNEL, V2_EXTENSION; SETUP_SIGNING (no station could stop it any more); an update of firmware.
+constexpr auto kMovingMessages =
+    std::to_array<std::uint32_t>({38,  39,  41,  44,  45,  48,  50,  54,  73,  82,  84,   86,
+                                  151, 160, 175, 243, 248, 256, 332, 333, 354, 385, 50004});
 
-/// Positions of others (GLOBAL_POSITION_INT, FOLLOW_TARGET, ADSB_VEHICLE, COLLISION), which a
-/// vehicle may follow or avoid; sensors and positions measured elsewhere; the HIL streams.
+/// Positions of others (GLOBAL_POSITION_INT, FOLLOW_TARGET, ADSB_VEHICLE, COLLISION, AIS_VESSEL,
+/// UTM_GLOBAL_POSITION, TARGET_*), which a vehicle may follow or avoid; sensors, batteries and
+/// positions measured elsewhere; the HIL streams.
 constexpr auto kMisleadingMessages = std::to_array<std::uint32_t>(
-    {33,  90,  91,  92,  93,  100, 101, 102, 103, 104, 106, 107, 113, 114,
-     115, 123, 132, 134, 138, 144, 149, 232, 233, 246, 247, 330, 331, 11011});
+    {33,  90,  91,  92,  93,  100, 101, 102, 103, 104,   106,  107, 113,
+     114, 115, 123, 132, 134, 138, 144, 147, 149, 232,   233,  246, 247,
+     295, 296, 301, 330, 331, 340, 510, 511, 513, 11011, 11037});
 
 constexpr std::uint32_t kFileTransfer = 110;
 constexpr std::uint32_t kParamExtSet = 323;
@@ -239,9 +251,11 @@ Motion motion_of(const PacketView& packet, const Addressee& to) {
   const std::uint32_t id = packet.message_id;
   if (id == kParamExtSet) return motion_of_parameter(ext_name(packet.payload));
   if (id == kFileTransfer) return only_reads(packet.payload) ? Motion::kNone : Motion::kMoves;
-  if (holds(kSpinningMessages, id)) return Motion::kSpins;
+  const bool sticks = id == kRcChannels && packet.source.component == kSystemControl;
+  if (sticks || holds(kSpinningMessages, id)) return Motion::kSpins;
   if (holds(kMovingMessages, id)) return Motion::kMoves;
-  return holds(kMisleadingMessages, id) ? Motion::kMisleads : Motion::kNone;
+  const bool is_public = public_table().find(id) != nullptr;
+  return !is_public || holds(kMisleadingMessages, id) ? Motion::kMisleads : Motion::kNone;
 }
 
 }  // namespace cas::mav::services

@@ -37,8 +37,8 @@ Motion motion_of_parameter(std::string_view name);
 /// Whether setting a PX4's parameter leads into HIL and drives no output before that: SYS_HITL, the
 /// simulated outputs, an airframe of HIL (1000 to 1999).
 bool leads_into_hil(std::string_view parameter, double value);
-/// What a packet may do. Messages that the function does not know, those of private dialects too,
-/// count as kNone.
+/// What a packet may do. Messages of private dialects count as kMisleads, public ones that the
+/// function does not know as kNone.
 Motion motion_of(const PacketView& packet, const Addressee& to);
 
 }  // namespace cas::mav::services

@@ -86,6 +86,9 @@ INSTANTIATE_TEST_SUITE_P(
         CommandCase{"ParametersReset", 245, {2}, kMoves},
         CommandCase{"ParametersStored", 245, {1}, kNone},
         CommandCase{"RequestMessage", 512, {242}, kNone},
+        CommandCase{"SafetyOff", 5300, {1}, kSpins}, CommandCase{"SafetyOn", 5300, {0}, kStops},
+        CommandCase{"SoloPauses", 42003, {}, kStops},
+        CommandCase{"SoloPowersOff", 42000, {}, kMoves},
         CommandCase{"UnknownOne", 31010, {}, kMoves}),
     [](const auto& test) { return test.param.name; });
 
@@ -181,18 +184,21 @@ TEST(Motion, OfAFileTransferIsNoneWhereItReads) {
 }
 
 TEST(Motion, OfOtherMessagesGoesByTheirNumber) {
-  for (const std::uint32_t id : {69, 70, 126, 139, 223, 224}) {
+  for (const std::uint32_t id : {69, 70, 126, 139, 223, 224, 292, 420, 421}) {
     EXPECT_EQ(motion_of(bare(id, {}), kUnknown), kSpins) << id;
   }
-  for (const std::uint32_t id : {41, 44, 73, 82, 84, 86}) {
+  for (const std::uint32_t id : {41, 44, 73, 82, 84, 86, 256, 354}) {
     EXPECT_EQ(motion_of(bare(id, {}), kUnknown), kMoves) << id;
   }
-  for (const std::uint32_t id : {33, 107, 232, 331}) {
+  for (const std::uint32_t id : {33, 107, 147, 232, 331, 180123}) {
     EXPECT_EQ(motion_of(bare(id, {}), kUnknown), kMisleads) << id;
   }
-  for (const std::uint32_t id : {0, 1, 30, 77, 253}) {
+  for (const std::uint32_t id : {0, 1, 30, 65, 77, 253}) {
     EXPECT_EQ(motion_of(bare(id, {}), kUnknown), kNone) << id;
   }
+  PacketView sticks = bare(65, {});
+  sticks.source.component = 250;
+  EXPECT_EQ(motion_of(sticks, kUnknown), kSpins);
 }
 
 }  // namespace
