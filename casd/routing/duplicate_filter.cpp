@@ -25,13 +25,16 @@ bool DuplicateFilter::is_duplicate(LinkId from, const mav::PacketView& packet, b
   if (entry == nullptr) return false;
   if (entry->from != from) {
     base::RunTime& reached = sender.place_of(from).first_seen;
-    if (now - entry->seen <= window || entry->seen + kDisorder >= reached) {
+    const bool late = entry->copied != from && entry->seen + kDisorder >= reached;
+    if (now - entry->seen <= window || late) {
       reached = std::max(reached, entry->seen);
+      entry->copied = from;
       return true;
     }
     entry->from = from;
   }
   entry->seen = now;
+  entry->copied = kNoLink;
   return false;
 }
 

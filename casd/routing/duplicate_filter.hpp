@@ -19,7 +19,8 @@ namespace cas::casd {
 ///
 /// A redundant path may be seconds late. It brings copies in the order in which the packets came
 /// first, so one that is behind its path's place in that order is no copy: the sender has said the
-/// same again, 256 packets later.
+/// same again, 256 packets later. Nor is what comes over a path a second time: senders that do not
+/// count repeat themselves with the same bytes.
 ///
 /// Each sender has memory of its own, indexed by the packet's sequence number, so neither other
 /// senders nor its own next packets push an entry out: a second copy is found up to 8 x 256 packets
@@ -50,6 +51,7 @@ class DuplicateFilter {
     std::uint64_t hash = 0;
     base::RunTime seen;
     LinkId from = kNoLink;
+    LinkId copied = kNoLink;  ///< the link that brought a copy last since `seen`
   };
   using Set = std::array<Entry, kWays>;
   /// When another link first brought the newest copy that came over this one.

@@ -102,6 +102,21 @@ TEST(DuplicateFilter, FindsCopiesOfAPathThatIsSecondsLateThoughTheFirstOneLostSo
   }
 }
 
+TEST(DuplicateFilter, ASenderThatDoesNotCountIsHeardWhenItsFirstPathDies) {
+  DuplicateFilter filter;
+  const auto same = packet(mavlink::common::Heartbeat{}, {1, 1}, 0);
+  constexpr int kDeath = 5;
+  for (int second = 0; second < 30; ++second) {
+    const base::RunTime now = at(std::chrono::seconds(second));
+    const bool lives = second < kDeath;
+    if (lives) {
+      EXPECT_FALSE(filter.is_duplicate(kOne, view(same), now, kWindow)) << second;
+    }
+    const base::RunTime later = now + milliseconds(20);
+    EXPECT_EQ(filter.is_duplicate(kOther, view(same), later, kWindow), lives) << second;
+  }
+}
+
 // 1280 packets on, a HEARTBEAT has the same bytes again.
 TEST(DuplicateFilter, WhatASenderSaysAgainIsNoCopyOfWhatADeadPathBrought) {
   DuplicateFilter filter;
