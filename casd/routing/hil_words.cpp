@@ -19,6 +19,11 @@ void HilWords::on_packet(const Path& from, const mav::PacketView& packet, base::
   const base::MutexLock lock(mutex_);
   PerLink& link = links_[from.link];
   const std::pair key{packet.source, from.peer};
+  if (!link.words.contains(key)) {
+    std::erase_if(link.words, [now](const auto& each) {
+      return each.first.second != 0 && now - each.second.at > kPeerGone;
+    });
+  }
   if (link.words.size() == kMostOnALink && !link.words.contains(key)) {
     link.full = true;
     return;

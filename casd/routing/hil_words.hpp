@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -21,6 +22,9 @@ class HilWords {
  public:
   /// Vehicles of one link; nothing that may move one goes to a link that has more.
   static constexpr std::size_t kMostOnALink = 64;
+  /// Silence after which a peer of a server link counts as gone: its vehicle may be back as another
+  /// peer.
+  static constexpr base::Duration kPeerGone = std::chrono::seconds(60);
 
   /// Learns from a vehicle's HEARTBEAT; does nothing with other packets.
   void on_packet(const Path& from, const mav::PacketView& packet, base::RunTime now);

@@ -111,6 +111,24 @@ TEST(RouterInterlock, GoesByTheNewestHeartbeatOfTheTarget) {
   EXPECT_EQ(router.on_packet(0, view(arm), at(std::chrono::seconds(4))).decision, kNotHil);
 }
 
+TEST(RouterInterlock, AVehicleThatCameBackAsAnotherPeerIsJudgedByItsNewHeartbeats) {
+  HilWords words;
+  const auto in_hil = packet(heartbeat_of(true), {1, 1});
+  const auto arm = packet(arming(1), {255, 190});
+  const auto permits = [&](base::RunTime now) { return words.permits(1, view(arm), {1, 1}, now); };
+  words.on_packet({.link = 1, .peer = 7}, view(in_hil), at({}));
+  EXPECT_TRUE(permits(at({})));
+  const auto soon = at(std::chrono::seconds(5));
+  words.on_packet({.link = 1, .peer = 8}, view(in_hil), soon);
+  EXPECT_FALSE(permits(soon));  // the first one may still be there
+  const auto later = at(std::chrono::seconds(70));
+  for (std::uint32_t peer = 9; peer < 9 + 2 * HilWords::kMostOnALink; ++peer) {
+    const auto now = later + peer * std::chrono::seconds(61);
+    words.on_packet({.link = 1, .peer = peer}, view(in_hil), now);
+    EXPECT_TRUE(permits(now)) << peer;
+  }
+}
+
 TEST(RouterInterlock, AVehicleWithoutAHeartbeatIsNotInHil) {
   Router router(guarded(3), mav::public_table());
   router.on_packet(1, view(packet(mavlink::common::CommandAck{}, {1, 1})), at({}));
