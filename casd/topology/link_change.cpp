@@ -51,11 +51,12 @@ ConfigNode with_endpoint(const Topology& topology, const ConfigNode& entry) {
   return entry.merged_over(ConfigNode::parse(link_entry(link).substr(kDash), "endpoint"));
 }
 
-/// Takes in the traffic of ground stations, but nothing with the id of a known vehicle or casd.
-AcceptRule ground_station_alone(const Topology& topology,
-                                const std::vector<std::uint8_t>& vehicles) {
-  AcceptRule rule;
-  rule.ground_station = true;
+/// Takes in the traffic of ground stations, a log that of its vehicles; but nothing with the id of
+/// a known vehicle or casd.
+AcceptRule rule_of_strangers(const Topology& topology, const LinkConfig& link,
+                             const std::vector<std::uint8_t>& vehicles) {
+  AcceptRule rule = link.accept;
+  rule.ground_station = link.type != LinkType::kTlog;
   rule.block_systems = vehicles;
   const std::uint8_t self = topology.self.system;
   if (std::ranges::find(vehicles, self) == vehicles.end()) rule.block_systems.push_back(self);
@@ -70,12 +71,18 @@ bool is_in(const std::filesystem::path& file, const std::filesystem::path& folde
 }
 
 /// A client of the command port may be a user who may not read what casd may: logs come from the
-/// folder of recordings, keys from a folder whose keys the topology names already.
-void refuse_other_files(const Topology& topology, const LinkConfig& link, const ConfigNode& entry) {
+/// folder of recordings, keys from a folder whose keys the topology names already. Nor may it have
+/// a log move a vehicle that the topology's `allow_not_hil` guards.
+void refuse_what_files_may(const Topology& topology, const LinkConfig& link,
+                           const ConfigNode& entry) {
   const std::filesystem::path& folder = topology.log.folder;
   if (link.type == LinkType::kTlog && !is_in(link.file, folder.empty() ? "." : folder)) {
     entry.at("file").fail("at run time only logs in " + folder.string() +
                           ", the folder of recordings, are played");
+  }
+  if (link.type == LinkType::kTlog && link.to_not_hil == ToNotHil::kAll) {
+    entry.at("to_not_hil")
+        .fail("'all' of a log is for files: at run time it may only stop vehicles not in HIL");
   }
   if (!link.signing) return;
   const bool known = std::ranges::any_of(topology.links, [&link](const LinkConfig& other) {
@@ -95,7 +102,7 @@ LinkConfig parse_new_link(const Topology& topology, const ConfigNode& entry,
     device->fail("variables are for files: clients must not read casd's environment");
   }
   LinkConfig link = parse_link(entry);
-  refuse_other_files(topology, link, entry);
+  refuse_what_files_may(topology, link, entry);
   if (find_link(topology.links, link.name) != nullptr) {
     entry.at("name").fail("'" + link.name + "' is the name of another link");
   }
@@ -109,7 +116,8 @@ LinkConfig parse_new_link(const Topology& topology, const ConfigNode& entry,
   if (topology.links.size() == kMaxLinks) {
     entry.fail("there are " + std::to_string(kMaxLinks) + " links already");
   }
-  if (!entry.has("accept") && !link.sniffer) link.accept = ground_station_alone(topology, vehicles);
+  if (!entry.has("accept") && !link.sniffer)
+    link.accept = rule_of_strangers(topology, link, vehicles);
   return link;
 }
 

@@ -64,6 +64,18 @@ TEST(LinkChange, ReadsNoFileThatTheTopologyDoesNotCountOn) {
             std::string::npos);
 }
 
+TEST(LinkChange, ALogPlaysWhatVehiclesSaidAndMovesNoneThatIsNotInHil) {
+  const Topology changed = with("entry: {name: l, type: tlog, file: x.tlog}", {1});
+  const LinkConfig& log = changed.links.back();
+  EXPECT_TRUE(log.accept.vehicles);
+  EXPECT_FALSE(log.accept.ground_station);
+  EXPECT_EQ(log.accept.block_systems, (std::vector<std::uint8_t>{1, 254}));
+  EXPECT_EQ(log.to_not_hil, ToNotHil::kStopsOnly);
+  EXPECT_NE(
+      fault_of("entry: {name: l, type: tlog, file: x.tlog, to_not_hil: all}").find("is for files"),
+      std::string::npos);
+}
+
 TEST(LinkChange, AcceptEverythingIsSaidAloud) {
   const Topology changed =
       with("entry: {name: v2, type: udp, remote: 'h:1', accept: everything}", {1});
