@@ -222,17 +222,21 @@ Motion motion_of(const VehicleCommand& command, const Addressee& to) {
 
 Motion motion_of_parameter(std::string_view name) {
   constexpr auto kArming = std::to_array<std::string_view>(
-      {"ARMING_",      "BRD_SAFETY", "CA_",    "CAN_",          "CBRK_",    "COM_ARM",
-       "COM_MOT_TEST", "COM_PREARM", "DSHOT_", "FRAME_",        "HIL_ACT_", "H_RSC_",
-       "ICE_",         "MAN_ARM_",   "MOT_",   "PCA9685_",      "PWM_",     "Q_M_",
-       "RC_MAP_",      "SCR_ENABLE", "SERVO",  "SYS_AUTOSTART", "SYS_HITL", "UAVCAN_"});
+      {"ARMING_",        "AUTO_OPTIONS", "BRD_SAFETY", "BTN_",          "CA_",
+       "CAN_",           "CBRK_",        "COM_ARM",    "COM_MOT_TEST",  "COM_PREARM",
+       "COM_RC_IN_MODE", "DSHOT_",       "ESC_CAL",    "FRAME_",        "GUID_OPTIONS",
+       "HIL_ACT_",       "H_RSC_",       "ICE_",       "MAN_ARM_",      "MOT_",
+       "PCA9685_",       "PWM_",         "Q_M_",       "RC_MAP_",       "RC_OPTIONS",
+       "RELAY",          "SCR_ENABLE",   "SERVO",      "SYS_AUTOSTART", "SYS_HAS_",
+       "SYS_HITL",       "TAP_ESC_",     "UAVCAN_",    "VOXL_ESC_"});
   std::string upper(name);  // ArduPilot takes either case
   std::ranges::transform(upper, upper.begin(),
                          [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   const bool arms = std::ranges::any_of(
       kArming, [&upper](std::string_view prefix) { return upper.starts_with(prefix); });
-  // A switch of a transmitter: RC7_OPTION.
-  const bool switches = upper.starts_with("RC") && upper.ends_with("_OPTION");
+  // A switch of a transmitter: RC7_OPTION, CH7_OPT.
+  const bool switches = (upper.starts_with("RC") && upper.ends_with("_OPTION")) ||
+                        (upper.starts_with("CH") && upper.ends_with("_OPT"));
   return arms || switches ? Motion::kSpins : Motion::kMoves;
 }
 

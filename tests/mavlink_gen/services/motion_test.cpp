@@ -149,8 +149,10 @@ TEST(Motion, OfSetModeDependsOnItsArmedFlag) {
 }
 
 TEST(Motion, OfAParameterGoesByItsName) {
-  for (const char* arms : {"COM_ARM_WO_GPS", "ARMING_CHECK", "arming_check", "CBRK_SUPPLY_CHK",
-                           "PWM_MAIN_DIS1", "MOT_SPIN_ARM", "SERVO1_FUNCTION", "RC7_OPTION"}) {
+  for (const char* arms :
+       {"COM_ARM_WO_GPS", "ARMING_CHECK", "arming_check", "CBRK_SUPPLY_CHK", "PWM_MAIN_DIS1",
+        "MOT_SPIN_ARM", "SERVO1_FUNCTION", "RC7_OPTION", "CH7_OPT", "ESC_CALIBRATION",
+        "AUTO_OPTIONS", "SYS_HAS_MAG", "COM_RC_IN_MODE", "RELAY1_FUNCTION"}) {
     EXPECT_EQ(motion_of_parameter(arms), kSpins) << arms;
   }
   EXPECT_EQ(motion_of_parameter("MC_ROLLRATE_P"), kMoves);
