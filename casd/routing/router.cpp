@@ -40,6 +40,34 @@ inline Route::Decision Router::choose_links(Route& route, const RoutingPlan& pla
   return Route::Decision::kForward;
 }
 
+/// Whether a redundant path has brought this packet already: the second copy ends here. casd's own
+/// station still gets it, because it takes a vehicle to be at one link, which may not be the one
+/// that brought the first copy.
+inline bool Router::came_again(Route& route, const RoutingPlan& plan, const mav::PacketView& packet,
+                               base::RunTime now) {
+  const LinkId from = route.info.from;
+  const bool in_group = is_group_duplicate(from, plan, packet, now);
+  const bool anywhere = plan.duplicate_window > base::Duration::zero() &&
+                        duplicates_.came_before(from, packet, now, plan.duplicate_window);
+  if (anywhere && !in_group) {
+    choose_links(route, plan, routes_, packet);
+    route.to &= bit(kLocalLink);
+  }
+  return anywhere || in_group;
+}
+
+/// Keeps the packet from links at whose rate limits its turn has not come.
+inline void Router::thin_out(Route& route, const RoutingPlan& plan, const mav::PacketView& packet,
+                             base::RunTime now) {
+  const std::span<const RateLimit> limits = plan.rules.from(route.info.from).limits();
+  if (limits.empty()) return;
+  const LinkMask wanted = route.to;
+  route.to =
+      links_[route.info.from].limiter.admit(limits, packet.message_id, packet.source, wanted, now);
+  route.thinned = wanted - route.to;
+  if (route.to.empty()) route.decision = Route::Decision::kRateLimited;
+}
+
 inline Route Router::decide(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
                             base::RunTime now, PeerId from_peer) {
   using enum Route::Decision;
@@ -50,7 +78,7 @@ inline Route Router::decide(LinkId from, const RoutingPlan& plan, const mav::Pac
   route.info.from_serial = from_peer.serial;
   route.info.received = now;
 
-  // What somebody sends back is no news of its sender's place either.
+  // A packet that somebody sends back does not show where its sender is, so no route is learnt.
   const LoopGuard::Verdict loop = loops_.on_packet(from, packet, now);
   if (loop != LoopGuard::Verdict::kFine) [[unlikely]] {
     route.decision = kDuplicate;
@@ -62,36 +90,19 @@ inline Route Router::decide(LinkId from, const RoutingPlan& plan, const mav::Pac
   routes_[LinkMask::word_of(from)].learn(LinkMask::slot_of(from), packet.source, now,
                                          comes_rarely(packet.message_id));
 
-  // Redundant paths: the second copy ends here. But casd's own station takes a vehicle to be at one
-  // link, which may not be the one that brought the first copy.
-  const bool again_in_group = is_group_duplicate(from, plan, packet, now);
-  const bool again = plan.duplicate_window > base::Duration::zero() &&
-                     duplicates_.came_before(from, packet, now, plan.duplicate_window);
-  if (again && !again_in_group) {
-    choose_links(route, plan, routes_, packet);
-    route.to &= bit(kLocalLink);
-  }
-  if (again || again_in_group) {
+  // Redundant paths.
+  if (came_again(route, plan, packet, now)) {
     route.decision = kDuplicate;
     return route;
   }
 
-  // Whoever listens to everything; but a key of signatures goes to its target alone.
+  // Sniffers get everything but SETUP_SIGNING, which has a key for its target alone.
   const bool secret = packet.message_id == mavlink::common::SetupSigning::kId;
   if (!secret && !plan.sniffers.empty()) route.sniffers = &plan.sniffers;
 
   // The rules of the topology, never back, and addressed packets only where the target was heard.
   route.decision = choose_links(route, plan, routes_, packet);
-  if (route.decision != kForward) return route;
-
-  // Thinned-out streams.
-  const std::span<const RateLimit> limits = plan.rules.from(from).limits();
-  if (!limits.empty()) {
-    const LinkMask wanted = route.to;
-    route.to = links_[from].limiter.admit(limits, packet.message_id, packet.source, wanted, now);
-    route.thinned = wanted - route.to;
-    if (route.to.empty()) route.decision = kRateLimited;
-  }
+  if (route.decision == kForward) thin_out(route, plan, packet, now);
   return route;
 }
 

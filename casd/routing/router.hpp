@@ -14,8 +14,8 @@
 #include "casd/packet/link_mask.hpp"
 #include "casd/packet/packet_info.hpp"
 #include "casd/routing/duplicate_filter.hpp"
-#include "casd/routing/loop_guard.hpp"
 #include "casd/routing/hil_words.hpp"
+#include "casd/routing/loop_guard.hpp"
 #include "casd/routing/route_table.hpp"
 #include "casd/routing/routing_rules.hpp"
 #include "casd/words/drop_cause.hpp"
@@ -127,6 +127,10 @@ class Router {
     return *links_[link].plan;
   }
   void renew_plan(LinkId link);
+  bool came_again(Route& route, const RoutingPlan& plan, const mav::PacketView& packet,
+                  base::RunTime now);
+  void thin_out(Route& route, const RoutingPlan& plan, const mav::PacketView& packet,
+                base::RunTime now);
   Route decide(LinkId from, const RoutingPlan& plan, const mav::PacketView& packet,
                base::RunTime now, PeerId from_peer);
   void hold_back(Route& route, const RoutingPlan& plan, const mav::PacketView& packet,
@@ -141,7 +145,7 @@ class Router {
   std::array<DuplicateFilter, kMaxGroups> group_duplicates_;
   DuplicateFilter duplicates_;  ///< of all links
   LoopGuard loops_;
-  HilWords hil_words_;          ///< kept while a plan holds packets back
+  HilWords hil_words_;  ///< kept while a plan holds packets back
 
   std::atomic<std::uint64_t> generation_{1};
   base::Mutex plan_mutex_;
