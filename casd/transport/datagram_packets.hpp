@@ -67,8 +67,6 @@ class DatagramPackets {
   }
   /// The socket is another one.
   void reset();
-  /// Senders with a half packet, or with one a moment ago.
-  std::size_t senders() const { return halves_.size(); }
 
  private:
   struct Half {

@@ -105,15 +105,16 @@ void UdpLink::open(base::RunTime now) {
   choice_ = AddressChoice(remote_.addresses().size());
   last_second();
   base::Descriptor socket = open_socket();
-  while (!socket && choice_.leave()) socket = open_socket();
   if (!socket) return core_.went_down(error_text(errno), now);
   const int fd = socket.get();
   begin(writer_of(std::move(socket)), {&fd, 1}, now);
 }
 
 base::Descriptor UdpLink::open_socket() {
-  base::Descriptor socket(open_udp_socket(remote().family(), core_.config().interface));
-  if (socket && prepare(socket.get(), remote())) return socket;
+  do {
+    base::Descriptor socket(open_udp_socket(remote().family(), core_.config().interface));
+    if (socket && prepare(socket.get(), remote())) return socket;
+  } while (choice_.leave());
   return {};
 }
 
@@ -153,14 +154,13 @@ AddressChoice::Second UdpLink::last_second() {
 void UdpLink::move_to_choice(base::RunTime now) {
   let_go(now);  // a configured `local` is free only then
   base::Descriptor socket = open_socket();
-  while (!socket && choice_.leave()) socket = open_socket();
   if (!socket) return core_.went_down(error_text(errno), now);
   const int fd = socket.get();
   replace(writer_of(std::move(socket)), {&fd, 1}, now);
   core_.counters().set_endpoint(to_text(local_address(fd)));
 }
 
-/// What a name stands for by now, after refusals or a silence.
+/// Takes the result of a new look-up, after refusals or a silence: the name may lead elsewhere now.
 void UdpLink::compare_addresses(base::RunTime now) {
   if (again_->state() == AddressLookup::State::kPending) return;
   const AddressLookup found = *std::exchange(again_, std::nullopt);

@@ -31,7 +31,8 @@ class UdpLink final : public DatagramLink {
   bool look_up(base::RunTime now);
   void on_second(base::RunTime now) override;
   AddressChoice::Second last_second();
-  /// A socket for the address that is chosen now. @return empty with errno
+  /// A socket for the chosen address, or for the next one that a socket can be opened for.
+  /// @return empty with errno
   base::Descriptor open_socket();
   bool prepare(int fd, const SocketAddress& remote);
   std::unique_ptr<PacketWriter> writer_of(base::Descriptor socket) const;
@@ -44,7 +45,7 @@ class UdpLink final : public DatagramLink {
   AddressLookup local_;
   bool looking_up_ = false;
   AddressChoice choice_;
-  std::optional<AddressLookup> again_;  ///< of a name whose addresses refuse packets, or are silent
+  std::optional<AddressLookup> again_;  ///< the new look-up after refusals or a silence
   bool begins_anew_ = false;            ///< also where again_ finds the same
   std::uint64_t heard_ = 0;             ///< bytes, up to the last second
   std::uint64_t sent_ = 0;              ///< packets
