@@ -28,11 +28,17 @@ constexpr mode_t kNewFile = 0666;  // masked by the process's umask
   fail(place, std::generic_category().message(error));
 }
 
+/// The file's path below `out`; empty: the file does not begin with `out`.
+fs::path behind_out(const ResultPlace& place) {
+  fs::path relative = place.file.lexically_relative(place.out);
+  if (!relative.empty() && *relative.begin() == "..") relative.clear();
+  return relative;
+}
+
 /// The place's path from `out` on. @throws ConfigError when it is not below it
 fs::path below_out(const ResultPlace& place) {
-  const fs::path relative = place.file.lexically_relative(place.out);
-  const bool is_below = !relative.empty() && *relative.begin() != "..";
-  const fs::path& below = is_below ? relative : place.file;
+  const fs::path behind = behind_out(place);
+  const fs::path& below = behind.empty() ? place.file : behind;
   if (!fault_of_result_path(below).empty()) {
     fail(place, "it is not below " + place.out.string());
   }
@@ -49,10 +55,7 @@ Descriptor open_below(const ResultPlace& place, const fs::path& folder, Absent a
 
 }  // namespace
 
-fs::path ResultPlace::path() const {
-  const fs::path relative = file.lexically_relative(out);
-  return !relative.empty() && *relative.begin() != ".." ? file : out / file;
-}
+fs::path ResultPlace::path() const { return behind_out(*this).empty() ? out / file : file; }
 
 std::string_view fault_of_result_path(const fs::path& path) {
   if (path.empty()) return "is empty; it names a file in the folder of results";
