@@ -63,6 +63,7 @@ AcceptRule rule_of_strangers(const Topology& topology, const LinkConfig& link,
   return rule;
 }
 
+/// Whether a file lies directly in a folder, behind all symlinks.
 bool is_in(const std::filesystem::path& file, const std::filesystem::path& folder) {
   std::error_code unresolved;
   return std::filesystem::weakly_canonical(file, unresolved).parent_path() ==
@@ -75,10 +76,10 @@ bool is_in(const std::filesystem::path& file, const std::filesystem::path& folde
 /// a log move a vehicle that the topology's `allow_not_hil` guards.
 void refuse_what_files_may(const Topology& topology, const LinkConfig& link,
                            const ConfigNode& entry) {
-  const std::filesystem::path& folder = topology.log.folder;
-  if (link.type == LinkType::kTlog && !is_in(link.file, folder.empty() ? "." : folder)) {
-    entry.at("file").fail("at run time only logs in " + folder.string() +
-                          ", the folder of recordings, are played");
+  const std::filesystem::path folder = topology.log.folder.empty() ? "." : topology.log.folder;
+  if (link.type == LinkType::kTlog && !is_in(link.file, folder)) {
+    entry.at("file").fail("at run time only logs in the folder of recordings are played: " +
+                          std::filesystem::absolute(folder).string());
   }
   if (link.type == LinkType::kTlog && link.to_not_hil == ToNotHil::kAll) {
     entry.at("to_not_hil")
@@ -90,8 +91,7 @@ void refuse_what_files_may(const Topology& topology, const LinkConfig& link,
   });
   if (!known) {
     entry.at("signing").fail(
-        "at run time only keys in a folder that a link of the topology has its "
-        "key in are used");
+        "at run time only keys in a folder that has the key of a link of the topology are used");
   }
 }
 
