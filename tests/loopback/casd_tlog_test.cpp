@@ -281,7 +281,11 @@ TEST_F(Tlog, AFileWithoutAPacketIsReadOnce) {
   write("in.tlog", {});
   append_zeros(fixture.folder / "in.tlog", 8U << 20U);
   replay(", repeat: true");
-  EXPECT_TRUE(wait_until([&] { return fixture.status("log").endpoint == "holds no packet"; }));
+  ASSERT_TRUE(wait_until([&] { return fixture.status("log").endpoint == "holds no packet"; }));
+  write("in.tlog", records(3));
+  constexpr auto kLongestRetry = std::chrono::seconds(1);  // of a link that is opened again
+  EXPECT_FALSE(wait_until([&] { return fixture.status("log").endpoint != "holds no packet"; },
+                          2 * kLongestRetry));
 }
 
 TEST_F(Tlog, ReadingAheadGivesWhatLiesBeforeAHoleAndTellsTheEnd) {

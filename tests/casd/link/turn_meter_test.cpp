@@ -6,6 +6,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <ctime>
 #include <vector>
 
 namespace cas::casd {
@@ -55,9 +56,10 @@ TEST(TurnMeter, CountsWaits) {
 TEST(TurnMeter, CountsProcessorTime) {
   TurnMeter meter;
   meter.begin();
+  const std::clock_t begin = std::clock();
   volatile unsigned sum = 0;
-  while (meter.end().processor < milliseconds(5)) sum = sum + 1;
-  EXPECT_GE(meter.end().processor, milliseconds(5));
+  while (std::clock() - begin < CLOCKS_PER_SEC / 200) sum = sum + 1;
+  EXPECT_GE(meter.end().processor, milliseconds(4));  // 5, by a coarser clock
 }
 
 }  // namespace
