@@ -25,7 +25,8 @@ std::string size_text(std::size_t bytes) {
   return bytes >= kMiB ? std::to_string(bytes / kMiB) + " MiB" : std::to_string(bytes) + " bytes";
 }
 
-/// What can still be read, and no more than a piece beyond `most_bytes`; nullopt: it broke off.
+/// Reads on to the end, or to at most one piece beyond `most_bytes`. @return nullopt: reading
+/// failed
 std::optional<std::string> rest_of(std::FILE& in, std::size_t most_bytes) {
   std::string text;
   std::array<char, 65536> part{};

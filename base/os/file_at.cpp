@@ -19,10 +19,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr mode_t kNewFile = 0666;    // masked by the process's umask
-constexpr mode_t kNewFolder = 0777;  // too
-constexpr int kMostNames = 16;       // of files beside the one that is written
-constexpr int kMostLinks = 40;       // on one way, as the kernel has it
+// Both are masked by the process's umask.
+constexpr mode_t kNewFile = 0666;
+constexpr mode_t kNewFolder = 0777;
+constexpr int kMostNames = 16;  // tried for the file beside the one that is written
+constexpr int kMostLinks = 40;  // symlinks on one path: the kernel's own bound
 
 [[noreturn]] void fail(const fs::path& file, const std::string& why) {
   throw ConfigError(file.string() + ": cannot be written: " + why);

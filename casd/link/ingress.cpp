@@ -57,8 +57,9 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, Peer
   }
   if (!first && is_failure(packet)) route.to = {};
   account(route, packet, now);
-  // What others have a vehicle do, and its answers to stations that casd does not know or does not
-  // serve, casd's station hears too: it shall not undo it. What was held back nobody did.
+  // casd's station also hears commands of others and the vehicle's answers to them, whichever
+  // station they are for, so that it does not undo them. A packet that was held back commanded
+  // nothing.
   if (may_command && may_be_act(packet.message_id)) {
     route.to.add(kLocalLink);
     if (route.decision == Route::Decision::kNotHil) route.to = {};
@@ -70,8 +71,8 @@ void Ingress::take_packet(const mav::PacketView& packet, base::RunTime now, Peer
 void Ingress::log_loop() const {
   base::log::warn("link " + counters_->name +
                   ": a loop: packets of other links come back here again and again, because "
-                  "somebody forwards what "
-                  "casd sends. Such copies are dropped as duplicates (docs/troubleshooting.md)");
+                  "somebody forwards what casd sends. Such copies are dropped as duplicates "
+                  "(docs/troubleshooting.md)");
 }
 
 void Ingress::take_addressed(const mav::PacketView& packet, std::span<const Path> to,
@@ -147,7 +148,7 @@ void Ingress::count_refusals(const Route& route) {
   }
 }
 
-/// Once for each link: a log may hold back thousands.
+/// Writes one line per link, because a played log may have thousands of such packets.
 void Ingress::tell_held(const Route& route) {
   if (std::exchange(told_held_, true)) return;
   base::log::warn(

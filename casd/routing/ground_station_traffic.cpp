@@ -51,7 +51,7 @@ constexpr std::string_view kGroundStationMessages[] = {
     "GIMBAL_MANAGER_SET_MANUAL_CONTROL", "GOPRO_GET_REQUEST", "GOPRO_SET_REQUEST", "LED_CONTROL",
     "LED_STRIP_CONFIG", "PLAY_TUNE", "PLAY_TUNE_V2", "WIFI_CONFIG_AP", "CELLULAR_CONFIG"};
 
-// Of these, what vehicles say as well.
+// The messages of the list above that vehicles send, too.
 constexpr std::string_view kAlsoOfVehicles[] = {"HEARTBEAT",
                                                 "SYSTEM_TIME",
                                                 "STATUSTEXT",

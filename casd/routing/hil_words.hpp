@@ -16,8 +16,8 @@
 
 namespace cas::casd {
 
-/// What the newest HEARTBEAT of each vehicle on each link says about HIL, and which packets may
-/// therefore go there. Any thread may call it.
+/// Remembers whether the newest HEARTBEAT of each vehicle on each link has the HIL flag, and
+/// decides which packets may go to a link by it. Any thread may call it.
 class HilWords {
  public:
   /// Vehicles of one link; nothing that may move one goes to a link that has more.

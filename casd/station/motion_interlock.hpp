@@ -23,10 +23,11 @@ struct NotHilConsent {
   bool configuration = false;
 };
 
-/// Why the vehicle may not be had do this. What stops it, it may always be; what moves it, unless
-/// it is armed and does not say that it is in HIL; what starts motors, if its HEARTBEATs say that
-/// it flies a simulation and no second autopilot uses its id. Request and configuration together
-/// consent to a vehicle that does not say so. @return nullopt: it may
+/// Why a command must not be sent to the vehicle. Commands that stop it are always allowed.
+/// Commands that move it are refused while it is armed and its HEARTBEATs do not say that it is in
+/// HIL. Commands that start motors need HEARTBEATs that say so, and no second autopilot with its
+/// id. Request and configuration together consent to a vehicle that is not in HIL.
+/// @return nullopt: the command is allowed
 std::optional<Outcome> motion_interlock(Motion motion, const VehicleState& state,
                                         const VehicleTable& table, NotHilConsent consent,
                                         base::RunTime now);

@@ -28,7 +28,7 @@ void Takeoff::to_amsl(KnownVehicle& vehicle, const Request& request) {
     give(vehicle, command, request);
     return;
   }
-  // Else its answer is taken for this one's, and this for the owner's.
+  // The vehicle's answers to two writes of one parameter cannot be told apart: wait for the first.
   if (vehicle.takeoff_height.is_putting_back()) {
     vehicle.takeoff_height.after_putting_back([this, &vehicle, request](const Outcome& put) {
       if (put.kind == OutcomeKind::kTimeout) return request.done(put);

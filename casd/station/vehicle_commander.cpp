@@ -353,8 +353,7 @@ void VehicleCommander::arm(std::uint8_t system, ArmOptions options, base::RunTim
          done = explained(*vehicle, std::move(done))](const Outcome& armed) {
           if (armed.kind != OutcomeKind::kRefused || !is_newest()) return done(armed);
           if (!find(system)->waits_for_sticks()) return done(armed);
-          // PX4 will not arm in a stick mode without a transmitter: switch to HOLD and
-          // retry.
+          // PX4 will not arm in a stick mode without a transmitter: go to HOLD and retry.
           set_mode(
               system, "HOLD", now_,
               [this, system, command, not_hil, is_newest, done](const Outcome& held) {

@@ -36,11 +36,11 @@ class TlogReadAhead {
   bool ended() const { return last_ && at_ == records_.size(); }
   /// The file could not be opened; known once ended() is true.
   bool unreadable() const { return unreadable_; }
-  /// That are no record, up to the last piece that was taken.
+  /// Bytes that are no record, up to the last piece that was taken.
   std::uint64_t skipped_bytes() const { return skipped_bytes_; }
 
  private:
-  /// One piece of the log: the thread's while `full` is false, the player's while it is true.
+  /// One piece of the log. The thread owns it while `full` is false, the player while it is true.
   struct Shared {
     std::atomic<bool> full{false};
     std::atomic<bool> abandoned{false};

@@ -7,14 +7,14 @@
 
 namespace cas::casd {
 
-/// Which of a name's addresses a UDP link sends to. An address that refuses packets gives way to
-/// the next one, as does a silent one that was never heard while others were not tried; who answers
-/// is kept. When all refuse, or the one that was heard does for seconds, the name is to be looked
-/// up again; likewise now and then while the one that is kept says nothing: the name may lead
-/// elsewhere by now. Pure: it is told of each second.
+/// Chooses which of a name's addresses a UDP link sends to. An address that refuses packets gives
+/// way to the next one. So does one that was never heard and stays silent, until each was tried. An
+/// address that answers is kept. The name is to be looked up again when all addresses refuse, when
+/// the kept one refuses for kRefusals_s, and every kCompare_s while the kept one is silent, because
+/// the name may lead elsewhere by now. Pure: on_second() is the only clock.
 class AddressChoice {
  public:
-  /// What the last second brought.
+  /// Traffic of the last second.
   struct Second {
     bool heard = false;    ///< something came from the address
     bool sent = false;     ///< something was sent there

@@ -147,7 +147,7 @@ void TcpLink::finish_connect(base::RunTime now) {
   core_.went_up(core_.config().remote);
 }
 
-/// This address is not to be had.
+/// Goes on with the name's next address; gives up after the last one.
 void TcpLink::try_next(const std::string& reason, base::RunTime now) {
   connecting_.reset();
   fd_ = {};

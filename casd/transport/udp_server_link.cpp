@@ -51,21 +51,21 @@ class UdpServerWriter final : public PacketWriter {
   int socket_of(std::uint8_t peer) const CAS_REQUIRES(peers_->mutex) {
     return sockets_[std::min<std::size_t>(peers_->table.socket(peer), sockets_.size() - 1)].get();
   }
+  /// Calls send(packets), with sequence numbers of this peer in casd's own packets.
+  template <class Send>
+  void numbered(std::span<const PacketRef> packets, std::uint8_t peer, Send&& send)
+      CAS_REQUIRES(peers_->mutex);
+
+  /// Sequence numbers of one peer. The serial number tells it from earlier peers of its slot.
+  struct Numbers {
+    std::uint32_t serial = 0;
+    OwnNumbers numbers;
+  };
 
   std::vector<base::Descriptor> sockets_;
   LinkId own_;
   std::shared_ptr<SharedPeers> peers_;
   std::shared_ptr<LinkCounters> counters_;
-  /// Of a peer, whom the serial number tells from earlier ones of its slot.
-  struct Numbers {
-    std::uint32_t serial = 0;
-    OwnNumbers numbers;
-  };
-  /// Calls send(packets) with casd's own ones as the peer is to see them.
-  template <class Send>
-  void numbered(std::span<const PacketRef> packets, std::uint8_t peer, Send&& send)
-      CAS_REQUIRES(peers_->mutex);
-
   bool own_numbers_;
   std::array<Numbers, PeerTable::kMaxPeers> numbers_;
   DatagramSender sender_;
@@ -189,7 +189,7 @@ void UdpServerWriter::send_by_peer(std::span<const PacketRef> packets) {
   });
 }
 
-/// Those of of_peer_, as the peer is to see them.
+/// Sends the packets of of_peer_. @param packets  the same, numbered for the peer
 void UdpServerWriter::send_block(std::span<const PacketRef> packets, std::uint8_t peer) {
   const auto result = sender_.send(socket_of(peer), packets, peers_->table.address(peer),
                                    peers_->table.address_size(peer));

@@ -46,7 +46,7 @@ bool concerns_peer_only(int error) {
   }
 }
 
-// What ICMP told of an earlier packet: nobody listens, or no way leads there.
+// Whether ICMP reported an earlier packet as refused: nobody listens, or there is no route.
 bool is_refusal(int error) {
   return error == ECONNREFUSED || error == EHOSTUNREACH || error == ENETUNREACH;
 }
@@ -201,7 +201,7 @@ DatagramReader::DatagramReader(std::uint8_t socket) : first_(kLargest) {
   }
 }
 
-// Of what lies in the others nothing is left.
+// Discards the datagrams in the other buffers.
 void DatagramReader::give_room(std::size_t bytes) {
   room_ = bytes;
   others_.resize((kBatch - 1) * room_);

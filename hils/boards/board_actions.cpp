@@ -20,6 +20,9 @@ namespace cas::hils {
 
 namespace {
 
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
 /// Whether the output of a hook can be added to a file: it may be another user's.
 bool can_append(const base::ResultPlace& place) {
   try {
@@ -29,9 +32,6 @@ bool can_append(const base::ResultPlace& place) {
     return false;
   }
 }
-
-using std::chrono::milliseconds;
-using std::chrono::seconds;
 
 constexpr base::Duration kLook = milliseconds(100);
 constexpr base::Duration kAskAgain = seconds(2);

@@ -39,7 +39,7 @@ constexpr base::Duration kVersionPatience = std::chrono::seconds(20);
 /// A firmware that has neither connected nor sent a byte by then will not come. PX4 and ArduCopter
 /// connect within 2 s.
 constexpr base::Duration kFirstSignPatience = std::chrono::seconds(20);
-/// For all parameters of a firmware: casd gives up a little earlier.
+/// For all parameters of a firmware. casd ends a list 10 s after the last new parameter.
 constexpr base::Duration kParamPatience = std::chrono::minutes(20);
 /// Of a firmware's output, in an error.
 constexpr std::size_t kTailLines = 8;

@@ -9,7 +9,6 @@
 #include "base/error.hpp"
 
 namespace cas::hils {
-
 namespace {
 
 using base::ConfigError;

@@ -31,8 +31,8 @@ using http::field;
 using http::status;
 
 constexpr std::size_t kMaxStrangers = 64;
-constexpr double kMaxConnections_s =
-    1000;  // and as many at once: the whole backlog in four seconds
+// And as many at once: the whole backlog is accepted in four seconds.
+constexpr double kMaxConnections_s = 1000;
 constexpr std::size_t kMaxHeaderBytes = 8 * 1024;
 constexpr auto kPatience = std::chrono::seconds(10);  // for a request, and each part of its answer
 constexpr std::string_view kMesh = "/mesh/";

@@ -124,7 +124,8 @@ std::string earlier_drops_text(const json& link) {
          " packets before (casctl drops)";
 }
 
-/// Packets that the link's to_not_hil held back, since casd runs: a log is soon over.
+/// Warns of packets that the link's to_not_hil has held back since casd started, because a played
+/// log may be over before doctor looks.
 void check_held_back(const json& link, Findings& all) {
   const double packets = verdict(link, to_string(casd::DropCause::kNotHil));
   if (packets <= 0) return;

@@ -4,7 +4,6 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "casd/casctl/session/table.hpp"
@@ -21,7 +20,7 @@ struct DropsWish {
   int rows = 200;
 };
 
-/// What the drops of one link, message and cause have in common.
+/// The drops of one link, message and cause, whoever sent them.
 struct DropKind {
   std::string link;
   std::string message;
@@ -94,7 +93,7 @@ void add_drops_verb(CommandLine& line) {
   const auto wish = std::make_shared<DropsWish>();
   const Verb drops = line.add_verb("drops", "Show what was not passed on, and why", "casctl drops",
                                    [wish](Session& session) { return show_drops(session, *wish); });
-  drops.add_option("--link", wish->link, "Of this link alone");
+  drops.add_option("--link", wish->link, "Drops of this link only");
   drops.add_option("--limit", wish->rows, "Most rows").in_range(1, 5000).with_default();
 }
 

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
 constexpr std::size_t kLongestName = 16;  // bytes of PARAM_SET's param_id
-/// What ArduPilot's own default files write behind a value that the vehicle is not to change.
+/// ArduPilot's default files mark a value that the vehicle must not change.
 constexpr std::string_view kReadOnlyMark = "@READONLY";
 
 template <class T>

@@ -19,13 +19,13 @@ namespace {
 using base::rpc::CallError;
 using nlohmann::json;
 
-/// What became of the wishes of a file.
+/// The outcome for each parameter of a file.
 struct Fate {
   json in_force = json::array();   ///< names
   json kept = json::array();       ///< {name, asked, value}: the vehicle keeps its own value
   json refused = json::array();    ///< {name, message}
   json not_found = json::array();  ///< names that the vehicle did not answer to
-  json not_tried = json::array();  ///< names behind the end
+  json not_tried = json::array();  ///< names after the one that ended the load
 
   bool all() const {
     return kept.empty() && refused.empty() && not_found.empty() && not_tried.empty();
@@ -41,7 +41,7 @@ json number(double value) {
   return value;
 }
 
-/// Sets parameters one by one and notes what became of each.
+/// Sets parameters one by one and notes the outcome of each.
 class Loading {
  public:
   Loading(Session& session, std::vector<ParamWish> wishes, bool strict, bool not_hil)
@@ -57,7 +57,7 @@ class Loading {
     end();
   }
 
-  /// Those behind the newest one are not tried.
+  /// Counts the parameters after the newest one as not tried.
   void end() {
     for (; next_ < wishes_.size(); ++next_) fate_.not_tried.push_back(wishes_[next_].name);
   }
@@ -157,7 +157,7 @@ std::string names_of(const json& names) {
   return base::joined(names, ", ", [](const json& name) { return name.get<std::string>(); });
 }
 
-/// One sentence of what is in force; one line for each kind of the rest.
+/// A sentence that names the parameters in force, then a line for each kind of failure.
 std::string fate_text(const Fate& fate, const std::string& file, std::size_t asked) {
   const std::string of_file = " parameters of " + file + " are in force";
   if (fate.all()) return std::to_string(asked) + of_file;
