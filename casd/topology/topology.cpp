@@ -122,7 +122,7 @@ constexpr std::tuple kCommandingKeys{
     key<&CommandingConfig::heartbeat_hz>("heartbeat_hz", Range{0, 100},
                                          "own HEARTBEAT; 0: none; in lockstep at most 20"),
     key<&CommandingConfig::allow_not_hil>("allow_not_hil", Flag{},
-                                          "consent to arm a vehicle that is not in HIL"),
+                                          "consent to arm or move a vehicle that is not in HIL"),
     key<&CommandingConfig::ask_on_sight>(
         "ask_on_sight", Flag{},
         "ask a vehicle that appears or restarts for AUTOPILOT_VERSION and HOME_POSITION, and an "
