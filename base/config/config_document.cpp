@@ -103,7 +103,7 @@ class TextScan : public YAML::EventHandler {
   void OnMapEnd() override {}
 
  private:
-  // A key is an event of its own, and no value.
+  // Each key is an event, too, but counts as no value.
   void count(const YAML::Mark& mark) {
     if (++events_ > 2 * kMaxNodes) builder_.fail(line_of(mark), "", kTooManyNodes);
   }

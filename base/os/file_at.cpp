@@ -33,7 +33,7 @@ constexpr int kMostLinks = 40;  // symlinks on one path: the kernel's own bound
   fail(file, std::generic_category().message(error));
 }
 
-/// Puts the components of a path in front of those that are left.
+/// Inserts the components of a path before those that are still to be opened.
 void put_in_front(const fs::path& path, std::deque<std::string>& left) {
   const fs::path relative = path.relative_path();
   left.insert(left.begin(), relative.begin(), relative.end());
@@ -72,7 +72,7 @@ int fill(Descriptor out, const struct stat* old, std::string_view text, Durabili
   return ::close(out.release()) == 0 ? 0 : errno;
 }
 
-/// The rename is on the disk once the folder is. Some file systems cannot: then it comes later.
+/// Writes the rename to the disk. On file systems that cannot sync a folder it gets there later.
 void sync_folder(int folder) {
   const Descriptor descriptor(::openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (descriptor) ::fsync(descriptor.get());

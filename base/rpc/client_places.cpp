@@ -56,7 +56,8 @@ ClientOrigin unix_origin(uid_t client, uid_t server) {
 
 namespace {
 
-/// The client that goes for another one, of those that `may_go`.
+/// The client that makes room for another one: the oldest silent one, else the oldest that has
+/// asked nothing. @param may_go  whether a client may be chosen
 template <class MayGo>
 std::optional<std::size_t> oldest_stranger(std::span<const PlaceHolder> holders, MayGo may_go) {
   std::optional<std::size_t> found;

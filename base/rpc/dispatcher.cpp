@@ -18,8 +18,8 @@ constexpr int kMaxDepth = 64;                   // a deep text would overflow th
 constexpr std::size_t kMaxBatch = 256;          // requests in one line
 constexpr std::size_t kMaxCalls = 256;          // under way for one client
 constexpr std::size_t kMaxId = 1024;            // bytes, kept while the call is under way
-constexpr std::size_t kErrorRoom = 128 * 1024;  // that results leave for the errors of a batch
-constexpr std::size_t kJoints = 2;  // bytes that an answer costs beside its own in a batch
+constexpr std::size_t kErrorRoom = 128 * 1024;  // bytes kept free for the errors of a batch
+constexpr std::size_t kJoints = 2;  // bytes of brackets and comma around an answer in a batch
 
 /// Texts from the wire may hold any bytes; they must not make an answer fail.
 std::string to_line(const Json& json) {
@@ -185,7 +185,7 @@ class Dispatcher::Call {
     return R"({"id":)" + to_line(id_) + R"(,"jsonrpc":"2.0","result":)" + text + "}";
   }
 
-  /// The first answer counts.
+  /// Sends the answer. Callers check `answered_`, so that only the first one is sent.
   void answer(std::string line) {
     answered_ = true;
     const std::shared_ptr<Peer> peer = peer_.lock();

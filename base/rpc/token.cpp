@@ -28,8 +28,8 @@ constexpr std::size_t kMadeBytes = 32;
   throw ConfigError(file.string() + ": " + sentence);
 }
 
-/// Whether a secret's file was made by root, by this user or by the user of the service, who has
-/// its folder. Another one would know the secret.
+/// Whether a secret's file belongs to root, to this user or, in the service's folders, to the
+/// service's user. Any other owner would know the secret.
 bool is_made_by_friend(uid_t owner, const std::filesystem::path& file) {
   if (owner == 0 || owner == ::geteuid()) return true;
   const std::filesystem::path folder = file.parent_path();

@@ -7,7 +7,7 @@
 namespace cas::casd {
 namespace {
 
-/// Whether casd made the packet, and may write it anew.
+/// Whether casd made the packet and may change its sequence number: a signature would break.
 bool may_be_numbered(const PacketRef& packet) {
   return OwnNumbers::is_own(packet) && !mav::view_packet(packet.bytes).is_signed();
 }
@@ -37,7 +37,7 @@ std::span<const PacketRef> OwnNumbers::renumber(std::span<const PacketRef> packe
     put_number(copy, next_of(packets[i].info->source)++, message->crc_extra);
     packets_[i].bytes = copy;
   }
-  next_ = before;  // until they have left
+  next_ = before;  // sent() advances it
   return packets_;
 }
 

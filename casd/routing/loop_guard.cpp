@@ -20,7 +20,7 @@ LoopGuard::Verdict LoopGuard::judge(LinkId from, std::size_t place, Mark mark, M
     own.loops = now < own.calm_at;
     return Verdict::kFine;
   }
-  // Again over this link, and not again over the one that brought it.
+  // The packet came twice over this link: one turn, unless its own link repeated it as well.
   if (mark.since(before) > units(kSoon)) return Verdict::kFine;
   if (!came_elsewhere(from, place, before, 1)) return Verdict::kFine;
   const unsigned turns = before.turns() + 1;

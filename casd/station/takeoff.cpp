@@ -59,7 +59,7 @@ void Takeoff::in_guided(KnownVehicle& vehicle, const Request& request) {
             });
 }
 
-/// The last of the requests.
+/// Sends the takeoff itself, unless a disarm came meanwhile.
 void Takeoff::give(KnownVehicle& vehicle, const VehicleCommand& command, const Request& request) {
   if (table_.hands(vehicle.state.source().system).disarms != request.disarms) {
     request.done(

@@ -22,7 +22,7 @@ namespace cas::casd {
 namespace {
 
 constexpr mode_t kNewFolder = 0777;  // masked by the process's umask
-constexpr mode_t kNewFile = 0640;    // it holds what a vehicle does, and where
+constexpr mode_t kNewFile = 0640;    // it shows where a vehicle was
 
 base::Descriptor open_folder(const std::filesystem::path& path) {
   return base::Descriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
@@ -48,8 +48,8 @@ void for_each_recording(const std::filesystem::path& path, const TlogFolder::Ext
   }
 }
 
-/// Whether a program may have the file open to record into it. Only a lock for writing counts: who
-/// may read a recording must not keep it.
+/// Whether a program may have the file open to record into it. Only a lock for writing counts,
+/// so that a reader cannot keep a recording from being deleted.
 bool is_written(int folder, const std::string& name) {
   const base::Descriptor file(
       ::openat(folder, name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));

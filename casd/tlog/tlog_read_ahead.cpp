@@ -17,7 +17,7 @@ TlogReadAhead::TlogReadAhead(const std::filesystem::path& file)
     base::lower_this_thread("casd:read tlog");
     try {
       read(file, *shared);
-    } catch (const std::exception&) {  // no memory: what was read ends here
+    } catch (const std::exception&) {  // out of memory: the log ends here
       shared->unreadable = true;
       shared->last = true;
       shared->records.clear();
@@ -72,10 +72,11 @@ void TlogReadAhead::read(const std::filesystem::path& file, Shared& shared) {
   } while (more && !shared.abandoned.load());
 }
 
-/// @return false when nobody wants more
+/// Waits until the player has taken the piece. @return false when the player is gone
 bool TlogReadAhead::hand_over(Shared& shared) {
   shared.full.store(true);
-  if (!shared.abandoned.load()) shared.full.wait(true);  // it may have gone before our `true`
+  if (!shared.abandoned.load())
+    shared.full.wait(true);  // the player may have left before the store
   return !shared.abandoned.load();
 }
 

@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, 4> kLocalhosts{kLocalhost, "localhost.loc
 constexpr std::array<std::uint8_t, 16> kIpv6Loopback{0, 0, 0, 0, 0, 0, 0, 0,
                                                      0, 0, 0, 0, 0, 0, 0, 1};
 
-/// Names have no case, and may end in the dot of the root.
+/// A name in lower case, without the dot of the root; `localhost` for each of its names.
 std::string plain_name(std::string_view name) {
   if (name.ends_with('.')) name.remove_suffix(1);
   const std::string lower = base::lower(name);

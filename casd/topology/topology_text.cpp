@@ -75,7 +75,7 @@ std::string link_line(const LinkConfig& link, Pace pace) {
   return text + "\n" + keys_line(changed_keys(link), std::span(kTold).first(told));
 }
 
-/// "to vehicles not in HIL\n  all: sim, fcu\n  stops only: replay\n": what each link may.
+/// "to vehicles not in HIL\n  all: sim, fcu\n  stops only: replay\n": the rule of each link.
 std::string interlock_text(const Topology& topology) {
   const auto names = [&topology](ToNotHil rule) {
     std::vector<std::string> links;

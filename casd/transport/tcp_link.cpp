@@ -105,7 +105,7 @@ void TcpLink::connect(base::RunTime now) {
   connect_to(remote_.addresses().front(), now);
 }
 
-/// They are looked up anew at each attempt: names may move.
+/// Looks the name up at each attempt, because it may stand for other addresses now.
 bool TcpLink::find_addresses(base::RunTime now) {
   if (!looking_up_) remote_ = AddressLookup(core_.config().remote);
   const AddressLookup::State state = remote_.state();

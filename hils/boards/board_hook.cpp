@@ -62,7 +62,7 @@ bool is_program(const fs::path& file) {
 /// @throws base::ConfigError when the program may be another user's work
 void refuse_foreign(const fs::path& program) {
   struct stat status {};
-  if (::stat(program.c_str(), &status) != 0) return;  // starting it says so
+  if (::stat(program.c_str(), &status) != 0) return;  // starting it reports the error
   const std::string why = base::why_untrusted(status);
   if (!why.empty()) throw base::ConfigError(program.string() + ": " + why + "; it is not started");
 }

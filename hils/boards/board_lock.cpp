@@ -142,7 +142,7 @@ std::vector<std::string> living_tickets(const fs::path& queue) {
   return alive;
 }
 
-/// For all who may take the board; sticky, so that each removes tickets of its own alone.
+/// Makes the queue's folder for the group. It is sticky, so that a user removes own tickets only.
 void make_queue(const fs::path& queue) {
   if (::mkdir(queue.c_str(), 0700) != 0) return;
   struct stat made {};

@@ -34,7 +34,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostElements = 8;  // of an array
-// A page holds so much with ease; a longer log has fewer samples a second.
+// What a page shows without trouble. A longer log gets fewer samples a second.
 constexpr std::size_t kMostNumbers = 8'000'000;
 constexpr std::size_t kMostTexts = 10'000;
 constexpr std::size_t kMostStates = 100'000;

@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kTimeStep_s = 0.001;
-constexpr std::size_t kMaxSeconds = 200'000;  // with a count: two days; what follows has none
+constexpr std::size_t kMaxSeconds = 200'000;  // two days; later seconds are not counted
 
 /// A power of ten with so many figures of a value.
 double figures_of(double value, int figures) {

@@ -49,8 +49,8 @@ class UlogTime {
  public:
   void start(std::uint64_t time_us) { start_us_ = time_us; }
 
-  /// Nothing for a stamp that is wrong: a topic may have one of an earlier flight, or a clock of
-  /// its own. Only where most topics say so has time made a leap.
+  /// Time of a stamp since the start, s. @return nullopt for a wrong stamp: a topic may have one of
+  ///     an earlier flight, or a clock of its own. Time leaps only where most topics leap.
   std::optional<double> of(std::uint64_t time_us, std::string_view series) {
     const std::uint64_t us = time_us > start_us_ ? time_us - start_us_ : 0;
     if (us > newest_us_ && us - newest_us_ > kGapUs) {
@@ -70,8 +70,9 @@ class UlogTime {
  private:
   static constexpr std::uint64_t kGapUs = 10'000'000;
 
-  /// Two topics, or one that goes on, and more than those that stayed: more than half of those that
-  /// were heard of late, or all that were heard for a while.
+  /// Whether time has leapt: the stamps of two topics leapt together, or one topic's go on behind
+  /// the leap; more topics leapt than stayed; and these are over half of the topics of the last
+  /// kGapUs, or all topics for kWhileUs.
   bool confirms_leap(std::uint64_t us, std::string_view series) {
     std::erase_if(leapt_, [&](const auto& other) {
       return other.first != series &&
@@ -96,9 +97,9 @@ class UlogTime {
   std::uint64_t start_us_ = 0;
   std::uint64_t newest_us_ = 0;
   std::map<std::string, std::uint64_t, std::less<>> heard_us_;  // newest stamps, by topic
-  std::map<std::string, std::uint64_t, std::less<>> leapt_;     // those of a leap
-  std::set<std::string, std::less<>> stayed_;                   // topics without it since
-  std::uint64_t leap_us_ = 0;                                   // where it began
+  std::map<std::string, std::uint64_t, std::less<>> leapt_;  // topics that leapt, with their stamps
+  std::set<std::string, std::less<>> stayed_;                // topics without it since
+  std::uint64_t leap_us_ = 0;                                // where it began
 };
 
 /// A sentence without the colours of a terminal, and without blanks and zeros at its end.

@@ -162,14 +162,14 @@ SweepFolder SweepFolder::plan(const fs::path& study_file, const fs::path& folder
   base::write_result({sweep.path, "study.yaml"}, text, base::Durability::kDisk);
   for (const fs::directory_entry& entry : fs::directory_iterator(sweep.path)) {
     if (entry.path().extension() == ".yaml") {
-      // On the disk before the plan is.
+      // It must be on the disk before plan.json is.
       base::write_result({sweep.path, entry.path()}, text_of_file(entry.path()),
                          base::Durability::kDisk);
     }
   }
   base::write_result({sweep.path, "table.csv"}, sweep.table.csv(), base::Durability::kDisk);
   base::write_result({sweep.path, "plan.json"}, plan_json(sweep),
-                     base::Durability::kDisk);  // last: now it is a plan
+                     base::Durability::kDisk);  // last: it makes the folder a plan
   return sweep;
 }
 

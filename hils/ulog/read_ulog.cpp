@@ -91,7 +91,7 @@ class Reader {
     return bytes_.size();
   }
 
-  /// Where the message at a place ends; nullopt: behind `end`.
+  /// Where the message at a place ends; nullopt: not before `end`.
   std::optional<std::size_t> end_of(std::size_t place, std::size_t end) const {
     if (place + kMessageHeaderSize > end) return {};
     const std::size_t next = place + kMessageHeaderSize + number_at<std::uint16_t>(bytes_, place);
@@ -170,7 +170,7 @@ class Reader {
     });
   }
 
-  /// Length of the key, key, and a value of just its size.
+  /// Whether the body is a key with its length and a value of the key's size.
   static bool is_pair(std::string_view body) {
     if (body.empty()) return false;
     const auto length = static_cast<std::uint8_t>(body[0]);
@@ -180,7 +180,7 @@ class Reader {
     return basic != nullptr && body.size() == 1U + length + key->count.value_or(1) * basic->size;
   }
 
-  /// Severity, perhaps a tag, moment, a text without control characters.
+  /// Whether the body is a severity, perhaps a tag, a moment and a text without control characters.
   static bool is_text(std::string_view body, std::size_t before_time) {
     if (body.size() < before_time + kTimestampSize || body[0] < '0' || body[0] > '7') return false;
     constexpr std::string_view kAllowed("\t\n\r\x1b\0", 5);
@@ -189,8 +189,8 @@ class Reader {
     });
   }
 
-  /// Whether sure messages follow one another at a place: some, or up to `end`, or to a
-  /// synchronisation message. Between them may be others.
+  /// Whether messages begin at a place: kSureOnes sure ones follow, or fewer up to `end` or up to a
+  /// synchronisation message. Other plausible messages may be between them.
   bool is_chain(std::size_t place, std::size_t end) const {
     constexpr int kSureOnes = 3;
     constexpr int kMost = 32;
@@ -201,14 +201,14 @@ class Reader {
       if (is_sure(place, *next)) {
         if (++sure == kSureOnes || bytes_[place + 2] == 'S') return true;
       } else if (i == 0 || is_of_a_topic(place, *next)) {
-        return false;  // and of a wrong size
+        return false;  // a known topic with a wrong size
       }
       place = *next;
     }
     return place == end;
   }
 
-  /// Where messages begin again from a place on, or `limit`.
+  /// The next place at which messages begin, or `limit`.
   std::size_t next_place(std::size_t place, std::size_t limit) const {
     const std::size_t end = end_of_part();
     for (; place < limit; ++place) {

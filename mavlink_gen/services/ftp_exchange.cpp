@@ -367,7 +367,8 @@ void FtpExchange::tick(Time now) {
   const Opcode asked = transfer.last.opcode;
   if (asked == Opcode::kBurstreadfile && transfer.burst_bytes > 0) return read_on(now);
   const bool often_enough = transfer.sent >= timing_.tries;
-  if (often_enough && asked == Opcode::kCalcfilecrc) return finish({});  // too long a file for it
+  if (often_enough && asked == Opcode::kCalcfilecrc)
+    return finish({});  // the file is too long for it
   if (often_enough && asked == Opcode::kTerminatesession) return on_closed(now);
   if (transfer.answered ? now - transfer.news >= timing_.silence : often_enough) {
     return finish(failure(OutcomeKind::kTimeout, progress() + ", then nothing more came"));

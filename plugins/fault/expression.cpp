@@ -12,7 +12,7 @@
 namespace cas::sim {
 namespace {
 
-// Parsing and evaluation call themselves once a level and once a link of a chain.
+// Parsing and evaluation recurse once for each level and each term of a chain.
 constexpr std::size_t kMaxNesting = 64;
 constexpr std::size_t kMaxTerms = 1000;
 

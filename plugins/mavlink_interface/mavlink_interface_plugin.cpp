@@ -259,7 +259,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   HilInterfaceParams params_;
   std::unique_ptr<HilPort> port_;
   std::filesystem::path output_;
-  std::filesystem::path ledger_file_;  // below it
+  std::filesystem::path ledger_file_;  // relative to output_
   std::optional<base::PacketLedger> ledger_;
   std::unique_ptr<HilInterface> interface_;
   VehicleId vehicle_{};

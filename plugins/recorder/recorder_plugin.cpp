@@ -115,7 +115,7 @@ class RecorderPlugin final : public Plugin {
   int commands_ = 0;
   base::RateGate rate_;
   std::filesystem::path output_;
-  std::filesystem::path truth_file_;  // below it, as the next two
+  std::filesystem::path truth_file_;  // relative to output_, as the next two
   std::filesystem::path sensor_dir_;
   std::filesystem::path ulog_file_;
   CsvWriter truth_;

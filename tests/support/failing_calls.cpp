@@ -43,7 +43,7 @@ void read_wish() {
 
 int (*program)(int, char**, char**) = nullptr;
 
-/// Nothing fails before: what the loader and static objects call is not the program's.
+/// Calls fail from main() on, not those of the loader and of static objects.
 int start_program(int argc, char** argv, char** environment) {
   read_wish();
   return program(argc, argv, environment);

@@ -82,7 +82,7 @@ void Session::authorise() {
     client_.call("authorise", json{{"token", first_line(options_.token_file)}});
     return;
   }
-  // For other machines no token is looked for.
+  // A token of this machine must not reach another one.
   const std::optional<base::HostPort> tcp = base::parse_host_port(address_);
   if (address_.starts_with("unix:") || !tcp || !base::rpc::is_loopback_address(tcp->host)) return;
   if (is_asked_for_token()) return authorise_with_own_token();

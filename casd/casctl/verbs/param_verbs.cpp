@@ -130,7 +130,7 @@ int end_of(const Session& session, const ParamList& list) {
   return list.fault->code() == base::rpc::kTimeout ? kTimeout : kRefused;
 }
 
-/// The same as a key of the result.
+/// Adds key `missing` to the result: why the list is not whole.
 void add_fault(json& result, const ParamList& list) {
   if (!list.whole()) result["missing"] = list.fault->what();
 }

@@ -125,7 +125,7 @@ TEST(DuplicateFilter, WhatASenderSaysAgainIsNoCopyOfWhatADeadPathBrought) {
     const base::RunTime now = at(i * kStep / 8);
     if (i < kDeath) filter.is_duplicate(kOne, view(streamed(i)), now, kWindow);
     const bool duplicate = filter.is_duplicate(kOther, view(streamed(i)), now, kWindow);
-    // Those of the last kDisorder before its death are not told apart.
+    // The packets of the last kDisorder before its death cannot be told from copies.
     if (i < kDeath || i >= kDeath + 1280) {
       EXPECT_EQ(duplicate, i < kDeath) << i;
     } else if (i < kDeath + 900) {
