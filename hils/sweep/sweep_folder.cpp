@@ -96,6 +96,20 @@ std::string plan_json(const SweepFolder& folder) {
   return json.dump(2) + "\n";
 }
 
+/// Writes the files of a plan. plan.json comes last, because it makes the folder a plan; the others
+/// are on the disk by then.
+void write_plan(const SweepFolder& sweep, const std::string& study) {
+  const auto write = [&sweep](const fs::path& file, const std::string& text) {
+    base::write_result({sweep.path, file}, text, base::Durability::kDisk);
+  };
+  write("study.yaml", study);
+  for (const fs::directory_entry& entry : fs::directory_iterator(sweep.path)) {
+    if (entry.path().extension() == ".yaml") write(entry.path(), text_of_file(entry.path()));
+  }
+  write("table.csv", sweep.table.csv());
+  write("plan.json", plan_json(sweep));
+}
+
 }  // namespace
 
 std::string without_folder(std::string text, const fs::path& folder) {
@@ -159,17 +173,7 @@ SweepFolder SweepFolder::plan(const fs::path& study_file, const fs::path& folder
   sweep.figures = figure_names(scenario);
   check_headings(sweep.study, sweep.figures);
   check_rows(sweep);
-  base::write_result({sweep.path, "study.yaml"}, text, base::Durability::kDisk);
-  for (const fs::directory_entry& entry : fs::directory_iterator(sweep.path)) {
-    if (entry.path().extension() == ".yaml") {
-      // It must be on the disk before plan.json is.
-      base::write_result({sweep.path, entry.path()}, text_of_file(entry.path()),
-                         base::Durability::kDisk);
-    }
-  }
-  base::write_result({sweep.path, "table.csv"}, sweep.table.csv(), base::Durability::kDisk);
-  base::write_result({sweep.path, "plan.json"}, plan_json(sweep),
-                     base::Durability::kDisk);  // last: it makes the folder a plan
+  write_plan(sweep, text);
   return sweep;
 }
 

@@ -193,11 +193,31 @@ int print_param(const Session& session, const json& result) {
   return kDone;
 }
 
+void add_param_load(CommandLine& line, const Verb& param) {
+  struct Wish {
+    std::string file;
+    bool strict = false;
+    bool not_hil = false;
+  };
+  const auto wish = std::make_shared<Wish>();
+  const Verb load = line.add_verb(
+      param, "load", "Write those of a file, in its order; names those that are not taken",
+      "casctl param load iris.params", [wish](Session& session) {
+        return load_params(session, wish->file, wish->strict, wish->not_hil);
+      });
+  load.add_option("FILE", wish->file,
+                  "File to read, on this machine: of casctl, MAVProxy, Mission Planner or "
+                  "QGroundControl")
+      .required();
+  load.add_flag("--strict", wish->strict,
+                "Write nothing if a name is missing; end at the first that is not taken");
+  add_consent(load, wish->not_hil);
+}
+
 void add_param(CommandLine& line) {
   struct Wish {
     std::string name, file, prefix;
     double value = 0;
-    bool strict = false;
     bool not_hil = false;
   };
   const auto wish = std::make_shared<Wish>();
@@ -226,18 +246,7 @@ void add_param(CommandLine& line) {
                 [wish](Session& session) { return save_params(session, wish->file); })
       .add_option("FILE", wish->file, "File to write, on this machine")
       .required();
-  const Verb load = line.add_verb(
-      param, "load", "Write those of a file, in its order; names those that are not taken",
-      "casctl param load iris.params", [wish](Session& session) {
-        return load_params(session, wish->file, wish->strict, wish->not_hil);
-      });
-  load.add_option("FILE", wish->file,
-                  "File to read, on this machine: of casctl, MAVProxy, Mission Planner or "
-                  "QGroundControl")
-      .required();
-  load.add_flag("--strict", wish->strict,
-                "Write nothing if a name is missing; end at the first that is not taken");
-  add_consent(load, wish->not_hil);
+  add_param_load(line, param);
 }
 
 }  // namespace
