@@ -27,10 +27,6 @@ constexpr std::size_t kMostBytes = 256U << 20U;
   throw base::ConfigError(file.string() + ": " + sentence);
 }
 
-std::string read_all(const std::filesystem::path& file) {
-  return base::read_foreign_file(file, "mesh", kMostBytes);
-}
-
 void add_triangle(TriangleMesh& mesh, const std::array<Eigen::Vector3d, 3>& corners) {
   const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), corners.begin(), corners.end());
@@ -117,7 +113,7 @@ TriangleMesh parse_obj(const std::filesystem::path& file, const std::string& byt
 }  // namespace
 
 TriangleMesh load_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
-  const std::string bytes = read_all(file);
+  const std::string bytes = base::read_foreign_file(file, "mesh", kMostBytes);
   std::string kind = file.extension().string();
   std::transform(kind.begin(), kind.end(), kind.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
