@@ -7,7 +7,7 @@
 namespace cas::base {
 namespace {
 
-/// Characters of two or three bytes of UTF-8 that differ in the last one.
+/// Characters of two to four bytes of UTF-8 that differ in the last one.
 struct Range {
   std::string_view begin;
   unsigned char first;
@@ -15,12 +15,16 @@ struct Range {
 };
 
 constexpr std::array kHidden{
-    Range{"\xC2", 0x80, 0x9F},      // C1
-    Range{"\xD8", 0x9C, 0x9C},      // Arabic letter mark
-    Range{"\xE2\x80", 0x8B, 0x8F},  // zero width, left-to-right mark
-    Range{"\xE2\x80", 0xA8, 0xAE},  // line separators, embeddings, overrides
-    Range{"\xE2\x81", 0xA0, 0xAF},  // word joiner, isolates
-    Range{"\xEF\xBB", 0xBF, 0xBF},  // byte order mark
+    Range{"\xC2", 0x80, 0x9F},          // C1
+    Range{"\xC2", 0xAD, 0xAD},          // soft hyphen
+    Range{"\xD8", 0x9C, 0x9C},          // Arabic letter mark
+    Range{"\xE1\xA0", 0x8E, 0x8E},      // Mongolian vowel separator
+    Range{"\xE2\x80", 0x8B, 0x8F},      // zero width, left-to-right mark
+    Range{"\xE2\x80", 0xA8, 0xAE},      // line separators, embeddings, overrides
+    Range{"\xE2\x81", 0xA0, 0xAF},      // word joiner, isolates
+    Range{"\xEF\xBB", 0xBF, 0xBF},      // byte order mark
+    Range{"\xF3\xA0\x80", 0x80, 0xBF},  // tags, to U+E003F
+    Range{"\xF3\xA0\x81", 0x80, 0xBF},  // tags, to U+E007F
 };
 
 /// Bytes of the character that `text` begins with, if it is a hidden one; else 0.

@@ -27,5 +27,13 @@ TEST(Printable, TurnsNoTextRound) {
   EXPECT_EQ(printable("\xE2\x80\x8B|\xD8\x9C|\xEF\xBB\xBF"), "?|?|?");
 }
 
+TEST(Printable, HidesNoTextInAnother) {
+  EXPECT_EQ(printable("a\xC2\xADz|\xE1\xA0\x8E"), "a?z|?") << "soft hyphen, vowel separator";
+  EXPECT_EQ(printable("\xF3\xA0\x80\x81|\xF3\xA0\x81\xBF"), "?|?") << "tags";
+  EXPECT_EQ(printable("\xC2\xAE|\xE1\xA0\x8F|\xF3\xA0\x82\x80|\xF0\x9F\x9A\x81"),
+            "\xC2\xAE|\xE1\xA0\x8F|\xF3\xA0\x82\x80|\xF0\x9F\x9A\x81")
+      << "their neighbours, and a helicopter";
+}
+
 }  // namespace
 }  // namespace cas::base
