@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include <csignal>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -12,7 +13,9 @@
 #include <vector>
 
 #include "base/rpc/message.hpp"
+#include "base/time/clock.hpp"
 #include "tests/loopback/casweb_fixture.hpp"
+#include "tests/loopback/tcp_peer.hpp"
 
 namespace cas::test {
 namespace {
@@ -159,6 +162,20 @@ TEST_F(CaswebGuard, StrangersLockNobodyOut) {
     strangers.push_back(std::make_unique<WebPage>(casweb_.port()));
   }
   EXPECT_TRUE(page->call("bench.status", json::object()).contains("result"));
+}
+
+TEST_F(CaswebGuard, HalfRequestsOfStrangersDelayNobodysWholeOne) {
+  const std::string text = "GET / HTTP/1.1\r\nHo";
+  const std::vector<std::uint8_t> half(text.begin(), text.end());
+  for (int i = 0; i < 5000; ++i) {
+    TcpPeer stranger(casweb_.port());
+    ASSERT_TRUE(stranger.connected());
+    stranger.send(half);
+  }
+  const base::RunTime begin = base::steady_now();
+  EXPECT_EQ(http_request(casweb_.port(), "GET", "/", casweb_.host()).status, 200);
+  EXPECT_LT(base::to_seconds(base::steady_now() - begin), 2.5);
+  EXPECT_TRUE(casweb_.open_page()->call("bench.status", json::object()).contains("result"));
 }
 
 TEST_F(CaswebGuard, ChangesThatAreRefusedDelayNoLaterOne) {
