@@ -13,19 +13,24 @@ LoopGuard::Verdict LoopGuard::judge(LinkId from, std::size_t place, Mark mark, M
                                     base::RunTime now) {
   Link& own = links_[from];
   if (own.loops) {
-    if (came_elsewhere(from, place, mark, 0)) {
+    if (came_elsewhere(from, place, mark, 0, 0)) {
       own.calm_at = now + kCalm;
       return Verdict::kCopy;
     }
     own.loops = now < own.calm_at;
     return Verdict::kFine;
   }
-  // The packet came twice over this link: one turn, unless its own link repeated it as well.
-  if (mark.since(before) > units(kSoon)) return Verdict::kFine;
-  if (!came_elsewhere(from, place, before, 1)) return Verdict::kFine;
+  // The packet came twice over this link: one turn, unless its sender repeated it.
+  const std::uint32_t gap = mark.since(before);
+  if (gap > units(kMemory)) return Verdict::kFine;
+  if (before.repeats_within(gap) || !came_elsewhere(from, place, before, 1, gap)) {
+    (*own.owned)[place].store(mark.with_period(gap).value, std::memory_order_relaxed);
+    return Verdict::kFine;
+  }
+  if (gap > units(kSoon)) return Verdict::kFine;
   const unsigned turns = before.turns() + 1;
   if (turns < kEnough) {
-    (*own.owned)[place].store(mark.with_turns(turns).value, std::memory_order_relaxed);
+    (*own.owned)[place].store(mark.with_note(turns).value, std::memory_order_relaxed);
     return Verdict::kFine;
   }
   own.loops = true;
@@ -33,13 +38,13 @@ LoopGuard::Verdict LoopGuard::judge(LinkId from, std::size_t place, Mark mark, M
   return Verdict::kFound;
 }
 
-bool LoopGuard::came_elsewhere(LinkId from, std::size_t place, Mark mark,
-                               std::uint32_t least) const {
+bool LoopGuard::came_elsewhere(LinkId from, std::size_t place, Mark mark, std::uint32_t least,
+                               std::uint32_t gap) const {
   for (std::size_t link = 0; link < links_.size(); ++link) {
     const Table* const table = links_[link].table.load(std::memory_order_acquire);
     if (table == nullptr || link == from) continue;
     const Mark there{(*table)[place].load(std::memory_order_relaxed)};
-    if (!there.is_same(mark)) continue;
+    if (!there.is_same(mark) || (gap > 0 && there.repeats_within(gap))) continue;
     const std::uint32_t ago = mark.since(there);
     if (ago >= least && ago <= units(kMemory)) return true;
   }

@@ -91,5 +91,37 @@ TEST_F(LoopGuardTest, NorAreTheyWhenTheVehicleRepeatsItself) {
   }
 }
 
+TEST_F(LoopGuardTest, NorIsTheSecondLinkOfAVehicleThatRepeatsItselfWhenTheFirstOneDies) {
+  for (const int period_ms : {5, 50, 100, 390}) {
+    guard_.emplace();
+    for (int i = 0; i < 100; ++i) {
+      const base::Duration when = milliseconds(period_ms * i);
+      if (i < 20) {
+        EXPECT_EQ(comes(kVehicle, 7, when), Verdict::kFine);
+      }
+      EXPECT_EQ(comes(kBack, 7, when + milliseconds(3)), Verdict::kFine) << period_ms << " " << i;
+    }
+  }
+}
+
+TEST_F(LoopGuardTest, NorIsOneThatTakesOver) {
+  for (int i = 0; i < 20; ++i) comes(kVehicle, 7, milliseconds(100 * i));
+  for (int i = 20; i < 100; ++i) {
+    EXPECT_EQ(comes(kBack, 7, milliseconds(100 * i + 5 * (i % 3))), Verdict::kFine);
+  }
+}
+
+TEST_F(LoopGuardTest, NorIsTheBetterOneWhileTheOtherComesAndGoes) {
+  for (int i = 0; i < 300; ++i) {
+    if (i % 50 == 10) comes(kVehicle, 7, milliseconds(100 * i));
+    EXPECT_EQ(comes(kBack, 7, milliseconds(100 * i + 3)), Verdict::kFine) << i;
+  }
+}
+
+TEST_F(LoopGuardTest, APacketThatAVehicleRepeatsGoesRoundNoLongerThanAnother) {
+  for (int i = 0; i < 20; ++i) comes(kVehicle, 7, milliseconds(100 * i));
+  EXPECT_EQ(turns(7, milliseconds(2000), milliseconds(2)), kProof);
+}
+
 }  // namespace
 }  // namespace cas::casd::test
