@@ -114,6 +114,7 @@ Link = TypedDict("Link", {
     "signing": NotRequired[LinkSigning],
     "sniffer": NotRequired[bool],  # gets every packet
     "state": str,  # up, down, opening
+    "to_not_hil": NotRequired[str],  # stops_only where what may spin or move a vehicle that is not in HIL is held back
     "tx": LinkSent,
     "type": str,  # udp, udp_server, serial, tcp, tcp_server, tlog
     "uncounted": int,  # Packets that casd_messages_total had no room for.
@@ -508,6 +509,11 @@ LinksNotice = TypedDict("LinksNotice", {
     "reconnects": int,
     "state": str,
 })
+ParametersNotice = TypedDict("ParametersNotice", {
+    "count": int,
+    "received": int,
+    "vehicle": int,
+})
 StatustextNotice = TypedDict("StatustextNotice", {
     "severity": str,  # emergency to debug
     "text": str,
@@ -561,13 +567,15 @@ class GainCalls:
         p: Optional[float] = None,
         i: Optional[float] = None,
         d: Optional[float] = None,
+        not_hil: Optional[bool] = None,
     ) -> Gains:
         """Sets gains of a control loop, one at least; those left out stay.
 
         loop: rollrate, velocity, ...
         vehicle: system id
+        not_hil: also of one that does not say that it is in HIL. REAL PROPELLERS MAY SPIN
         """
-        return cast(Gains, self._call("gain.set", _given(loop=loop, vehicle=vehicle, p=p, i=i, d=d)))
+        return cast(Gains, self._call("gain.set", _given(loop=loop, vehicle=vehicle, p=p, i=i, d=d, not_hil=not_hil)))
 
 
 class LinkCalls:
@@ -580,9 +588,20 @@ class LinkCalls:
         """Opens one more link, until it is removed or the topology is read again."""
         return cast(LinkAddResult, self._call("link.add", _given(entry=entry, routes=routes)))
 
-    def drops(self) -> Drops:
-        """Why packets did not go on."""
-        return cast(Drops, self._call("link.drops", _given()))
+    def drops(
+        self,
+        *,
+        link: Optional[str] = None,
+        limit: Optional[int] = None,
+        offset: Optional[int] = None,
+    ) -> Drops:
+        """Why packets did not go on.
+
+        link: that one alone
+        limit: rows of the answer; left out: 5000
+        offset: rows before it
+        """
+        return cast(Drops, self._call("link.drops", _given(link=link, limit=limit, offset=offset)))
 
     def echo(self) -> List[Echo]:
         """From a HIL_SENSOR in to the controls that echo its stamp, by vehicle, in us."""
@@ -646,12 +665,20 @@ class MessageCalls:
     def __init__(self, call: _Call) -> None:
         self._call = call
 
-    def list(self, *, link: Optional[str] = None) -> List[MessageCount]:
-        """Each message of each sender.
+    def list(
+        self,
+        *,
+        link: Optional[str] = None,
+        limit: Optional[int] = None,
+        offset: Optional[int] = None,
+    ) -> List[MessageCount]:
+        """Each message of each sender, in the order in which they were first heard.
 
         link: that one alone
+        limit: rows of the answer; left out: 5000
+        offset: rows before it
         """
-        return cast(List[MessageCount], self._call("message.list", _given(link=link)))
+        return cast(List[MessageCount], self._call("message.list", _given(link=link, limit=limit, offset=offset)))
 
     def value(self, link: str, message: Union[str, int], system: int, component: int) -> MessageValue:
         """The newest packet of one message of one sender on one link, decoded.
@@ -675,18 +702,27 @@ class ParamCalls:
         return cast(Parameter, self._call("param.get", _given(name=name, vehicle=vehicle)))
 
     def list(self, *, vehicle: Optional[int] = None) -> Parameters:
-        """All parameters: as long as the line needs for them.
+        """All parameters: takes as long as new ones come.
 
         vehicle: system id
         """
         return cast(Parameters, self._call("param.list", _given(vehicle=vehicle)))
 
-    def set(self, name: str, value: float, *, vehicle: Optional[int] = None) -> Parameter:
+    def set(
+        self,
+        name: str,
+        value: float,
+        *,
+        vehicle: Optional[int] = None,
+        not_hil: Optional[bool] = None,
+    ) -> Parameter:
         """Changes a parameter; answered with the value in force.
 
         vehicle: system id
+        not_hil: also one that arms or drives outputs, of a vehicle that does not say that it is in
+            HIL. REAL PROPELLERS MAY SPIN
         """
-        return cast(Parameter, self._call("param.set", _given(name=name, value=value, vehicle=vehicle)))
+        return cast(Parameter, self._call("param.set", _given(name=name, value=value, vehicle=vehicle, not_hil=not_hil)))
 
 
 class VehicleCalls:
@@ -744,13 +780,15 @@ class VehicleCalls:
         *,
         vehicle: Optional[int] = None,
         yaw_deg: Optional[float] = None,
+        not_hil: Optional[bool] = None,
     ) -> Acknowledgement:
         """Goes to a position in the local frame N.
 
         vehicle: system id
         yaw_deg: heading from north, clockwise; left out: it stays
+        not_hil: also one that does not say that it is in HIL. A REAL VEHICLE MAY MOVE
         """
-        return cast(Acknowledgement, self._call("vehicle.goto", _given(north_m=north_m, east_m=east_m, down_m=down_m, vehicle=vehicle, yaw_deg=yaw_deg)))
+        return cast(Acknowledgement, self._call("vehicle.goto", _given(north_m=north_m, east_m=east_m, down_m=down_m, vehicle=vehicle, yaw_deg=yaw_deg, not_hil=not_hil)))
 
     def hold(self, *, vehicle: Optional[int] = None) -> Acknowledgement:
         """Stays where it is.
@@ -804,20 +842,22 @@ class VehicleCalls:
         """
         return cast(Acknowledgement, self._call("vehicle.message_interval", _given(message=message, vehicle=vehicle, hz=hz)))
 
-    def mode(self, mode: str, *, vehicle: Optional[int] = None) -> Acknowledgement:
+    def mode(self, mode: str, *, vehicle: Optional[int] = None, not_hil: Optional[bool] = None) -> Acknowledgement:
         """Changes the autopilot's mode, by its word.
 
         mode: HOLD, POSCTL, GUIDED, ...
         vehicle: system id
+        not_hil: also one that does not say that it is in HIL. A REAL VEHICLE MAY MOVE
         """
-        return cast(Acknowledgement, self._call("vehicle.mode", _given(mode=mode, vehicle=vehicle)))
+        return cast(Acknowledgement, self._call("vehicle.mode", _given(mode=mode, vehicle=vehicle, not_hil=not_hil)))
 
-    def reboot(self, *, vehicle: Optional[int] = None) -> Acknowledgement:
+    def reboot(self, *, vehicle: Optional[int] = None, not_hil: Optional[bool] = None) -> Acknowledgement:
         """Restarts the autopilot.
 
         vehicle: system id
+        not_hil: also one that does not say that it is in HIL. A REAL VEHICLE MAY MOVE
         """
-        return cast(Acknowledgement, self._call("vehicle.reboot", _given(vehicle=vehicle)))
+        return cast(Acknowledgement, self._call("vehicle.reboot", _given(vehicle=vehicle, not_hil=not_hil)))
 
     def rtl(self, *, vehicle: Optional[int] = None) -> Acknowledgement:
         """Returns home and lands.
@@ -833,13 +873,20 @@ class VehicleCalls:
         """
         return cast(VehicleState, self._call("vehicle.state", _given(vehicle=vehicle)))
 
-    def takeoff(self, altitude_m: float, *, vehicle: Optional[int] = None) -> Acknowledgement:
+    def takeoff(
+        self,
+        altitude_m: float,
+        *,
+        vehicle: Optional[int] = None,
+        not_hil: Optional[bool] = None,
+    ) -> Acknowledgement:
         """Takes off.
 
         altitude_m: above home, above 0, at most 10 000
         vehicle: system id
+        not_hil: also one that does not say that it is in HIL. REAL PROPELLERS MAY SPIN
         """
-        return cast(Acknowledgement, self._call("vehicle.takeoff", _given(altitude_m=altitude_m, vehicle=vehicle)))
+        return cast(Acknowledgement, self._call("vehicle.takeoff", _given(altitude_m=altitude_m, vehicle=vehicle, not_hil=not_hil)))
 
     def telemetry(self, *, vehicle: Optional[int] = None) -> Telemetry:
         """What the vehicle measures, by topic; what it has not told is null.
@@ -896,13 +943,15 @@ class AsyncGainCalls:
         p: Optional[float] = None,
         i: Optional[float] = None,
         d: Optional[float] = None,
+        not_hil: Optional[bool] = None,
     ) -> Gains:
         """Sets gains of a control loop, one at least; those left out stay.
 
         loop: rollrate, velocity, ...
         vehicle: system id
+        not_hil: also of one that does not say that it is in HIL. REAL PROPELLERS MAY SPIN
         """
-        return cast(Gains, await self._call("gain.set", _given(loop=loop, vehicle=vehicle, p=p, i=i, d=d)))
+        return cast(Gains, await self._call("gain.set", _given(loop=loop, vehicle=vehicle, p=p, i=i, d=d, not_hil=not_hil)))
 
 
 class AsyncLinkCalls:
@@ -915,9 +964,20 @@ class AsyncLinkCalls:
         """Opens one more link, until it is removed or the topology is read again."""
         return cast(LinkAddResult, await self._call("link.add", _given(entry=entry, routes=routes)))
 
-    async def drops(self) -> Drops:
-        """Why packets did not go on."""
-        return cast(Drops, await self._call("link.drops", _given()))
+    async def drops(
+        self,
+        *,
+        link: Optional[str] = None,
+        limit: Optional[int] = None,
+        offset: Optional[int] = None,
+    ) -> Drops:
+        """Why packets did not go on.
+
+        link: that one alone
+        limit: rows of the answer; left out: 5000
+        offset: rows before it
+        """
+        return cast(Drops, await self._call("link.drops", _given(link=link, limit=limit, offset=offset)))
 
     async def echo(self) -> List[Echo]:
         """From a HIL_SENSOR in to the controls that echo its stamp, by vehicle, in us."""
@@ -981,12 +1041,20 @@ class AsyncMessageCalls:
     def __init__(self, call: _AsyncCall) -> None:
         self._call = call
 
-    async def list(self, *, link: Optional[str] = None) -> List[MessageCount]:
-        """Each message of each sender.
+    async def list(
+        self,
+        *,
+        link: Optional[str] = None,
+        limit: Optional[int] = None,
+        offset: Optional[int] = None,
+    ) -> List[MessageCount]:
+        """Each message of each sender, in the order in which they were first heard.
 
         link: that one alone
+        limit: rows of the answer; left out: 5000
+        offset: rows before it
         """
-        return cast(List[MessageCount], await self._call("message.list", _given(link=link)))
+        return cast(List[MessageCount], await self._call("message.list", _given(link=link, limit=limit, offset=offset)))
 
     async def value(self, link: str, message: Union[str, int], system: int, component: int) -> MessageValue:
         """The newest packet of one message of one sender on one link, decoded.
@@ -1010,18 +1078,27 @@ class AsyncParamCalls:
         return cast(Parameter, await self._call("param.get", _given(name=name, vehicle=vehicle)))
 
     async def list(self, *, vehicle: Optional[int] = None) -> Parameters:
-        """All parameters: as long as the line needs for them.
+        """All parameters: takes as long as new ones come.
 
         vehicle: system id
         """
         return cast(Parameters, await self._call("param.list", _given(vehicle=vehicle)))
 
-    async def set(self, name: str, value: float, *, vehicle: Optional[int] = None) -> Parameter:
+    async def set(
+        self,
+        name: str,
+        value: float,
+        *,
+        vehicle: Optional[int] = None,
+        not_hil: Optional[bool] = None,
+    ) -> Parameter:
         """Changes a parameter; answered with the value in force.
 
         vehicle: system id
+        not_hil: also one that arms or drives outputs, of a vehicle that does not say that it is in
+            HIL. REAL PROPELLERS MAY SPIN
         """
-        return cast(Parameter, await self._call("param.set", _given(name=name, value=value, vehicle=vehicle)))
+        return cast(Parameter, await self._call("param.set", _given(name=name, value=value, vehicle=vehicle, not_hil=not_hil)))
 
 
 class AsyncVehicleCalls:
@@ -1079,13 +1156,15 @@ class AsyncVehicleCalls:
         *,
         vehicle: Optional[int] = None,
         yaw_deg: Optional[float] = None,
+        not_hil: Optional[bool] = None,
     ) -> Acknowledgement:
         """Goes to a position in the local frame N.
 
         vehicle: system id
         yaw_deg: heading from north, clockwise; left out: it stays
+        not_hil: also one that does not say that it is in HIL. A REAL VEHICLE MAY MOVE
         """
-        return cast(Acknowledgement, await self._call("vehicle.goto", _given(north_m=north_m, east_m=east_m, down_m=down_m, vehicle=vehicle, yaw_deg=yaw_deg)))
+        return cast(Acknowledgement, await self._call("vehicle.goto", _given(north_m=north_m, east_m=east_m, down_m=down_m, vehicle=vehicle, yaw_deg=yaw_deg, not_hil=not_hil)))
 
     async def hold(self, *, vehicle: Optional[int] = None) -> Acknowledgement:
         """Stays where it is.
@@ -1139,20 +1218,28 @@ class AsyncVehicleCalls:
         """
         return cast(Acknowledgement, await self._call("vehicle.message_interval", _given(message=message, vehicle=vehicle, hz=hz)))
 
-    async def mode(self, mode: str, *, vehicle: Optional[int] = None) -> Acknowledgement:
+    async def mode(
+        self,
+        mode: str,
+        *,
+        vehicle: Optional[int] = None,
+        not_hil: Optional[bool] = None,
+    ) -> Acknowledgement:
         """Changes the autopilot's mode, by its word.
 
         mode: HOLD, POSCTL, GUIDED, ...
         vehicle: system id
+        not_hil: also one that does not say that it is in HIL. A REAL VEHICLE MAY MOVE
         """
-        return cast(Acknowledgement, await self._call("vehicle.mode", _given(mode=mode, vehicle=vehicle)))
+        return cast(Acknowledgement, await self._call("vehicle.mode", _given(mode=mode, vehicle=vehicle, not_hil=not_hil)))
 
-    async def reboot(self, *, vehicle: Optional[int] = None) -> Acknowledgement:
+    async def reboot(self, *, vehicle: Optional[int] = None, not_hil: Optional[bool] = None) -> Acknowledgement:
         """Restarts the autopilot.
 
         vehicle: system id
+        not_hil: also one that does not say that it is in HIL. A REAL VEHICLE MAY MOVE
         """
-        return cast(Acknowledgement, await self._call("vehicle.reboot", _given(vehicle=vehicle)))
+        return cast(Acknowledgement, await self._call("vehicle.reboot", _given(vehicle=vehicle, not_hil=not_hil)))
 
     async def rtl(self, *, vehicle: Optional[int] = None) -> Acknowledgement:
         """Returns home and lands.
@@ -1168,13 +1255,20 @@ class AsyncVehicleCalls:
         """
         return cast(VehicleState, await self._call("vehicle.state", _given(vehicle=vehicle)))
 
-    async def takeoff(self, altitude_m: float, *, vehicle: Optional[int] = None) -> Acknowledgement:
+    async def takeoff(
+        self,
+        altitude_m: float,
+        *,
+        vehicle: Optional[int] = None,
+        not_hil: Optional[bool] = None,
+    ) -> Acknowledgement:
         """Takes off.
 
         altitude_m: above home, above 0, at most 10 000
         vehicle: system id
+        not_hil: also one that does not say that it is in HIL. REAL PROPELLERS MAY SPIN
         """
-        return cast(Acknowledgement, await self._call("vehicle.takeoff", _given(altitude_m=altitude_m, vehicle=vehicle)))
+        return cast(Acknowledgement, await self._call("vehicle.takeoff", _given(altitude_m=altitude_m, vehicle=vehicle, not_hil=not_hil)))
 
     async def telemetry(self, *, vehicle: Optional[int] = None) -> Telemetry:
         """What the vehicle measures, by topic; what it has not told is null.
@@ -1191,7 +1285,7 @@ class Topics:
         self._subscribe = subscribe
 
     def drops(self) -> Subscription[Drops]:
-        """Once a second in which packets were dropped, as link.drops answers."""
+        """Once a second in which packets were dropped, as link.drops answers, the first 2000."""
         return self._subscribe("drops")
 
     def links(self) -> Subscription[LinksNotice]:
@@ -1199,8 +1293,12 @@ class Topics:
         return self._subscribe("links")
 
     def messages(self) -> Subscription[List[MessageCount]]:
-        """Once a second, as message.list answers."""
+        """Once a second, as message.list answers, the first 2000."""
         return self._subscribe("messages")
+
+    def parameters(self) -> Subscription[ParametersNotice]:
+        """Once a second while param.list is under way; a count of 0 is not known yet."""
+        return self._subscribe("parameters")
 
     def statustext(self) -> Subscription[StatustextNotice]:
         """A vehicle says something."""
@@ -1214,7 +1312,7 @@ class AsyncTopics:
         self._subscribe = subscribe
 
     async def drops(self) -> AsyncSubscription[Drops]:
-        """Once a second in which packets were dropped, as link.drops answers."""
+        """Once a second in which packets were dropped, as link.drops answers, the first 2000."""
         return await self._subscribe("drops")
 
     async def links(self) -> AsyncSubscription[LinksNotice]:
@@ -1222,8 +1320,12 @@ class AsyncTopics:
         return await self._subscribe("links")
 
     async def messages(self) -> AsyncSubscription[List[MessageCount]]:
-        """Once a second, as message.list answers."""
+        """Once a second, as message.list answers, the first 2000."""
         return await self._subscribe("messages")
+
+    async def parameters(self) -> AsyncSubscription[ParametersNotice]:
+        """Once a second while param.list is under way; a count of 0 is not known yet."""
+        return await self._subscribe("parameters")
 
     async def statustext(self) -> AsyncSubscription[StatustextNotice]:
         """A vehicle says something."""
