@@ -22,9 +22,10 @@ HAS_NUMPY = numpy is not None
 
 def column(values: Iterable[Any]) -> Any:
     """Numbers as a NumPy array of floats, or array.array("d"); anything else as a list."""
-    values = list(values)
-    if values and not all(isinstance(value, (int, float)) for value in values):
-        return values
+    if not isinstance(values, array.array):
+        values = list(values)
+        if values and not all(isinstance(value, (int, float)) for value in values):
+            return values
     return numpy.array(values, dtype=float) if HAS_NUMPY else array.array("d", values)
 
 

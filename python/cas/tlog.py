@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Iterator, Optional, Union
 
 from .errors import FormatError
+from .log_bytes import read_log
 from .mavlink import (SIGNATURE_BYTES, SIGNED_FLAG, START_V1, START_V2, Definition, Dialect, Message,
                       common, crc16)
 from .table import Table
@@ -15,6 +16,9 @@ _STAMP_BYTES = 8
 _JITTER_US = 1_000_000
 _GAP_US = 10_000_000
 _PAUSE_MS = 86_400_000
+#: Checksums that may be wrong, and further ones for each packet: it bounds the time that foreign bytes cost.
+_MOST_WRONG = 1_000_000
+_WRONG_PER_PACKET = 4
 
 
 class _Record:
@@ -93,13 +97,15 @@ class Tlog:
     """A telemetry log, read into memory; messages are decoded when their fields are asked for.
 
     Stamps are microseconds since 1970 by the clock of who recorded; `begin_s` is that of the first packet, in seconds.
-    A packet whose checksum is wrong is none, and costs no other one.
+    A packet whose checksum is wrong is none, and costs no other one. A log of over 512 MiB is refused, and one with a
+    million bytes that look like packets and are none.
     """
 
     def __init__(self, path: Union[str, Path], dialect: Optional[Dialect] = None) -> None:
         self.path = Path(path)
         self.dialect = dialect or common()
-        self._data = self.path.read_bytes()
+        self._data = read_log(self.path)
+        self._wrong_left = _MOST_WRONG
         #: Packets of messages that the dialect does not have.
         self.unknown = 0
         #: Bytes that are no intact packet with its stamp: damage. 0: the log is whole.
@@ -108,6 +114,7 @@ class Tlog:
         self.packets: list[tuple[int, Message]] = list(self._read())
         if self._data and not self.packets and not self.unknown:
             raise FormatError(f"{self.path} is no .tlog file")
+        self._data = b""  # packets have their own bytes
         self.begin_s = self.packets[0][0] * 1e-6 if self.packets else 0.0
 
     def _read(self) -> Iterator[tuple[int, Message]]:
@@ -119,17 +126,31 @@ class Tlog:
             is_sound = record is not None and self._is_sound(record, definition)
             if record is None or not self._is_record(record, is_sound, definition is not None, in_step):
                 in_step = False
-                self.damaged += 1
-                place += 1
+                following = self._next_start(place + 1, len(data))
+                self.damaged += following - place
+                place = following
                 continue
             in_step = True
             place = record.end
+            self._wrong_left += _WRONG_PER_PACKET
             if not is_sound:
                 self.damaged += record.end - record.begin
             elif definition is None:
                 self.unknown += 1
             else:
                 yield int.from_bytes(data[record.begin:record.begin + 8], "big"), self._message(record, definition)
+
+    def _next_start(self, place: int, end: int) -> int:
+        """From this place on the next one before the end behind whose stamp a packet may begin, or the end."""
+        begin, last, width = place + _STAMP_BYTES, end + _STAMP_BYTES, 256
+        while begin < last:
+            until = min(begin + width, last)
+            first = self._data.find(START_V1, begin, until)
+            second = self._data.find(START_V2, begin, until if first < 0 else first)
+            if first >= 0 or second >= 0:
+                return (first if second < 0 else second) - _STAMP_BYTES
+            begin, width = until, 2 * width
+        return end
 
     def _message(self, record: _Record, definition: Definition) -> Message:
         header = self._data[record.begin + _STAMP_BYTES:record.payload]
@@ -143,8 +164,14 @@ class Tlog:
         received = data[end] | data[end + 1] << 8
         crc = crc16(data[record.begin + _STAMP_BYTES + 1:end])
         if definition is None:
-            return _fits(crc, received)
-        return crc16(bytes([definition.crc_extra]), crc) == received
+            is_sound = _fits(crc, received)
+        else:
+            is_sound = crc16(bytes([definition.crc_extra]), crc) == received
+        if not is_sound:
+            self._wrong_left -= 1
+            if self._wrong_left < 0:
+                raise FormatError(f"{self.path} has too many bytes that look like packets and are none; it is not read")
+        return is_sound
 
     def _is_record(self, record: _Record, is_sound: bool, is_known: bool, in_step: bool) -> bool:
         """Whether this is a record, be it damaged. Behind another one also a damaged one that ends where the next one
@@ -156,7 +183,8 @@ class Tlog:
 
     def _has_none_inside(self, record: _Record) -> bool:
         """A stamp that holds a start byte, or a wrong length, reaches over intact records."""
-        for place in range(record.begin + 1, record.end):
+        place = record.begin
+        while (place := self._next_start(place + 1, record.end)) < record.end:
             inside = _record_at(self._data, place)
             if inside is not None and self._is_sound(inside, self.dialect.by_id.get(inside.number(self._data))):
                 return False

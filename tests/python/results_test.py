@@ -2,13 +2,20 @@
 """Tables, logs and folders of runs, from files that are made here."""
 
 import json
+import os
+import random
 import struct
+import time
 import unittest
+from unittest import mock
 
 from helpers import FolderTest
 
 import cas
-from cas import mavlink
+from cas import mavlink, tlog, ulog
+
+#: A reader that looks at each byte takes ten times as long.
+READ_S = 5.0
 
 
 class TableTest(FolderTest):
@@ -103,6 +110,31 @@ class TlogTest(FolderTest):
             for i, time_s in enumerate(times):
                 self.assertAlmostEqual(time_s, 0.1 * i, 3)
 
+    def test_foreign_bytes_are_jumped_over(self):
+        packet = mavlink.common().encode("ATTITUDE", system=1, component=1)
+        record = (1_794_000_000_000_000).to_bytes(8, "big") + packet
+        for foreign in (bytes(200 << 20), random.Random(1).randbytes(3 << 20)):
+            (self.folder / "f.tlog").write_bytes(record + foreign + record)
+            begin = time.monotonic()
+            log = cas.read("f.tlog")
+            self.assertLess(time.monotonic() - begin, READ_S)
+            self.assertEqual([at for at, _ in log.packets if at == 1_794_000_000_000_000], 2 * [1_794_000_000_000_000])
+
+    def test_too_many_bytes_that_look_like_packets_are_refused(self):
+        packet = mavlink.common().encode("ATTITUDE", system=1, component=1)
+        with mock.patch.object(tlog, "_MOST_WRONG", 1000):
+            self.assertEqual(self.record((1, packet), (2, 900 * b"\xfe"), (3, packet)).counts(), {"ATTITUDE": 2})
+            for foreign in (2000 * b"\xfe", 2000 * b"\xfd"):
+                with self.assertRaisesRegex(cas.FormatError, "too many bytes that look like packets"):
+                    self.record((1, packet), (2, foreign + bytes(300)))
+
+    def test_what_does_not_fit_into_memory_is_refused(self):
+        for name in ("f.tlog", "f.ulg"):
+            (self.folder / name).touch()
+            os.truncate(self.folder / name, (512 << 20) + 1)
+            with self.assertRaisesRegex(cas.FormatError, "over 512 MiB"):
+                cas.read(name)
+
     def test_something_else_is_refused(self):
         (self.folder / "f.tlog").write_bytes(b"this is no log at all")
         with self.assertRaisesRegex(cas.FormatError, "no .tlog file"):
@@ -185,6 +217,39 @@ class DamagedUlogTest(FolderTest):
         for garbage in (bytes(3000), b"\xff" * 77, b"D\x00A\x10L" * 40):
             rows, log = self.read(messages=self.messages[:500] + [garbage] + self.messages[500:])
             self.assertEqual((rows, log.damaged), ({"alpha": 500, "beta": 500}, len(garbage)))
+
+    def test_foreign_bytes_are_jumped_over(self):
+        sync = self.message("S", b"\x2f\x73\x13\x20\x25\x0c\xbb\x12")
+        for foreign, lost in ((bytes(100 << 20), 100 << 20), (random.Random(1).randbytes(3 << 20), None),
+                              (1_000_000 * sync, 0), (1_000 * (30 * self.message("Z", b"1") + sync), 0)):
+            begin = time.monotonic()
+            rows, log = self.read(messages=[*self.messages[:500], foreign, *self.messages[500:]])
+            self.assertLess(time.monotonic() - begin, READ_S)
+            self.assertEqual(rows, {"alpha": 500, "beta": 500})
+            self.assertIn(lost, (log.damaged, None))  # of random bytes a few look like messages of a later logger
+
+    def test_too_many_places_that_look_like_messages_are_refused(self):
+        with mock.patch.object(ulog, "_MOST_WRONG", 10_000):
+            for foreign in (60_000 * b"F", 20_000 * b"I\x08uint8_t "):
+                with self.assertRaisesRegex(cas.FormatError, "too many places that look like a message"):
+                    self.read(messages=[foreign])
+
+    def test_a_definition_that_unfolds_without_end_costs_its_topic(self):
+        formats = [self.message("F", b"c:uint8_t x;"),
+                   self.message("F", b"b:" + b"".join(b"c f%d;" % i for i in range(5000))),
+                   self.message("F", b"a:" + b"".join(b"b f%d;" % i for i in range(5000))),
+                   self.message("F", b"wide:uint64_t timestamp;a x;"), self.message("F", b"odd:char timestamp;float x;")]
+        topics = [self.message("A", struct.pack("<BH", 0, 7) + b"wide"), self.message("A", struct.pack("<BH", 0, 8) + b"odd")]
+        rows, log = self.read(definitions=self.definitions + formats,
+                              messages=[*topics, self.message("D", struct.pack("<HQ", 7, 1)), *self.messages])
+        self.assertEqual((rows, log.lost), ({"alpha": 500, "beta": 500}, ["wide", "odd"]))
+
+    def test_short_and_odd_messages_cost_nothing_else(self):
+        odd = [self.message("D", b""), self.message("D", b"\0"), self.message("D", b"\1\0"),
+               self.message("P", b"\x0dfloat[\xc2\xb2] abc"), self.message("I", b"\x09char[1] xa"),
+               self.message("M", b"\0\x09char[1] xb"), self.message("M", b"\1\x09char[1] xc")]
+        rows, log = self.read(messages=odd + self.messages)
+        self.assertEqual((rows, log.info), ({"alpha": 500, "beta": 500}, {"x": ["b", "c"]}))
 
     def test_a_wrong_time_is_outvoted_and_a_gap_is_kept(self):
         hour = 3_600_000_000
