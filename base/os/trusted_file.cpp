@@ -42,6 +42,23 @@ void require_trusted(const std::filesystem::path& file) {
   if ((folder.st_mode & S_ISVTX) == 0 && !why_untrusted(folder).empty()) {
     refuse(file, "others may write into its folder (chmod go-w, or +t)");
   }
+  require_kept_folders(file);
+}
+
+void require_kept_folders(const std::filesystem::path& file) {
+  std::error_code unresolved;
+  for (const auto& path :
+       {std::filesystem::absolute(file), std::filesystem::weakly_canonical(file, unresolved)}) {
+    std::filesystem::path folder = path;
+    while (folder.has_relative_path()) {
+      folder = folder.parent_path();
+      struct stat status {};
+      if (::stat(folder.c_str(), &status) != 0) continue;  // then the file is not there either
+      if ((status.st_mode & S_IWOTH) != 0 && (status.st_mode & S_ISVTX) == 0) {
+        refuse(file, "everybody may write into " + folder.string() + " (chmod o-w, or +t)");
+      }
+    }
+  }
 }
 
 }  // namespace cas::base

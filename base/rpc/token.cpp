@@ -15,6 +15,7 @@
 #include "base/error.hpp"
 #include "base/os/descriptor.hpp"
 #include "base/os/runtime_folder.hpp"
+#include "base/os/trusted_file.hpp"
 #include "base/rpc/local_port.hpp"
 
 namespace cas::base::rpc {
@@ -79,6 +80,7 @@ int write_token(int fd) {
 std::string read_token(const std::filesystem::path& file) {
   const Descriptor fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
   if (!fd) fail(file, std::generic_category().message(errno));
+  require_kept_folders(file);
   std::string token = read_checked(fd.get(), file);
   if (token.size() < kShortestToken) fail(file, "the token has fewer than 16 characters");
   return token;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/report/results_folder.hpp"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -42,6 +43,27 @@ std::vector<std::filesystem::path> quoted_files(const RunRequest& request) {
   return files;
 }
 
+/// Whether only somebody else says what this name stands for.
+bool is_anothers(const struct stat& status) {
+  if (status.st_uid == 0 || status.st_uid == ::geteuid()) return false;
+  return S_ISLNK(status.st_mode) || (status.st_mode & S_IWOTH) != 0;
+}
+
+/// A symlink or a folder of another user may lead the results into files of this one.
+void refuse_anothers(const std::filesystem::path& folder) {
+  const auto name = folder.has_filename() ? folder : folder.parent_path();  // "out/" as "out"
+  struct stat link {};
+  struct stat target {};
+  if (::lstat(name.c_str(), &link) != 0) return;
+  if (is_anothers(link) || (::stat(name.c_str(), &target) == 0 && is_anothers(target))) {
+    throw base::ConfigError("--out: " + folder.string() + " is " +
+                            (S_ISLNK(link.st_mode) && is_anothers(link)
+                                 ? "a symlink of another user"
+                                 : "a folder of another user that everybody may write into") +
+                            "; give one of your own");
+  }
+}
+
 }  // namespace
 
 void make_results_folder(const std::filesystem::path& folder) {
@@ -49,6 +71,7 @@ void make_results_folder(const std::filesystem::path& folder) {
     throw base::ConfigError("--out: " + folder.string() + " cannot be " + what + ": " +
                             why.message());
   };
+  refuse_anothers(folder);
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) refuse("created", error);

@@ -8,7 +8,8 @@
 
 namespace cas::hils {
 
-/// Makes the folder that --out names, which this user can write in. @throws base::ConfigError
+/// Makes the folder that --out names, which this user can write in; refuses another user's symlink,
+/// and a folder of another user that everybody may write into. @throws base::ConfigError
 void make_results_folder(const std::filesystem::path& folder);
 
 /// Removes the verdict of an earlier run from a folder, and the report, the replay and the figures

@@ -47,6 +47,26 @@ TEST(TrustedFile, LiesInAFolderOfTheSame) {
   EXPECT_THROW(require_trusted(folder.path() / "none"), ConfigError);
 }
 
+TEST(TrustedFile, LiesBelowNoFolderThatEverybodyMayWriteInto) {
+  const test::TemporaryFolder folder;
+  const fs::path above = folder.path() / "above";
+  const fs::path elsewhere = folder.path() / "elsewhere";
+  fs::create_directories(above / "own");
+  fs::create_directories(elsewhere);
+  const fs::path file = above / "own/boards.yaml";
+  const fs::path link = elsewhere / "link.yaml";
+  std::ofstream(file) << "schema: 1\n";
+  fs::create_symlink(file, link);
+  EXPECT_NO_THROW(require_trusted(file));
+  ::chmod(above.c_str(), 0777);
+  EXPECT_THROW(require_trusted(file), ConfigError);
+  EXPECT_THROW(require_kept_folders(file), ConfigError);
+  EXPECT_THROW(require_kept_folders(link), ConfigError) << "the symlink's target lies there";
+  ::chmod(above.c_str(), 01777);
+  EXPECT_NO_THROW(require_trusted(file));
+  EXPECT_NO_THROW(require_kept_folders(link));
+}
+
 TEST(TrustedFile, IsReachedByNoSymlinkOfAnotherUser) {
   if (::geteuid() != 0) GTEST_SKIP() << "only root can lay a symlink for another user";
   const test::TemporaryFolder folder;
