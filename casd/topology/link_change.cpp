@@ -66,9 +66,12 @@ AcceptRule rule_of_strangers(const Topology& topology, const LinkConfig& link,
 /// Whether a file lies directly in a folder, behind all symlinks.
 bool is_in(const std::filesystem::path& file, const std::filesystem::path& folder) {
   std::error_code unresolved;
-  return std::filesystem::weakly_canonical(file, unresolved).parent_path() ==
-             std::filesystem::weakly_canonical(folder, unresolved) &&
-         !unresolved;
+  const auto resolve = [&unresolved](const std::filesystem::path& path) {
+    const auto whole =
+        std::filesystem::weakly_canonical(std::filesystem::absolute(path), unresolved);
+    return whole.has_filename() ? whole : whole.parent_path();
+  };
+  return resolve(file).parent_path() == resolve(folder) && !unresolved;
 }
 
 /// A client of the command port may be a user who may not read what casd may: logs come from the

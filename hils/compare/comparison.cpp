@@ -109,6 +109,7 @@ Scenario comparison_scenario(const Scenario& scenario, const ComparisonPlan& pla
 std::vector<VariantResult> run_comparison(const ComparisonPlan& plan,
                                           const std::filesystem::path& out, bool keep) {
   const Scenario scenario = comparison_scenario(plan.scenario, plan);
+  std::filesystem::create_directories(out);
   std::vector<VariantResult> results;
   for (const Variant& variant : plan.variants) results.push_back({.variant = variant});
   std::size_t done = 0;

@@ -521,6 +521,8 @@ INSTANTIATE_TEST_SUITE_P(
                              "--check", 0,
                              "  a: udp at [::1]:0, read-only\n"
                              "  b: serial /dev/x at 921600 baud, paced, may inject failures\n"
+                             "to vehicles not in HIL\n"
+                             "  all: b\n"
                              "routes\n"
                              "  a -> b: only HIL_SENSOR\n"
                              "expected load of the lines\n"

@@ -225,6 +225,7 @@ TEST(LinkFigures, SaysWhatItsTablesHadNoRoomFor) {
   LinkFigures figures;
   const auto link = figures.add_link(3, "fcu", LinkType::kSerial);
   PacketInfo info;
+  info.received = at({});
   for (; info.message_id < 5000; ++info.message_id) {
     link->rx.messages.add(info.message_id, {1, 1}, at({}));
     link->count_dropped(info, DropCause::kClosed, at({}));

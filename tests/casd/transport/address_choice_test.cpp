@@ -35,7 +35,7 @@ TEST(AddressChoice, TheOnlyAddressIsLookedUpAgainAfterSecondsOfRefusal) {
 
 TEST(AddressChoice, RefusalsCountWithoutAPauseOnly) {
   AddressChoice choice(1);
-  for (int i = 0; i < 10; ++i) {
+  for (int i = 1; i < AddressChoice::kCompare_s; ++i) {
     EXPECT_EQ(choice.on_second(kRefused), Step::kStay);
     EXPECT_EQ(choice.on_second(kSent), Step::kStay);
   }
