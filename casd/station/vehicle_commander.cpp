@@ -512,7 +512,13 @@ void VehicleCommander::set_param(std::uint8_t system, const std::string& name, d
     const bool spins = motion_of_parameter(name) == Motion::kSpins && !leads_into_hil(name, value);
     if (spins && interlocked(*vehicle, not_hil, now, done)) return;
     if (name == TakeoffHeight::kParameter) vehicle->takeoff_height.keep();
-    vehicle->params.set(name, value, now, std::move(done));
+    ParamExchange::Objection objection;
+    if (spins) {
+      objection = [this, &state = vehicle->state, not_hil](base::RunTime at) {
+        return interlock(state, Motion::kSpins, not_hil, at);
+      };
+    }
+    vehicle->params.set(name, value, now, std::move(done), std::move(objection));
   }
 }
 

@@ -190,7 +190,7 @@ class VehicleCommander final : public Station {
 
   void read_param(std::uint8_t system, const std::string& name, base::RunTime now, Done done);
   /// The interlock holds for what arms, permits to arm or drives an output, but not for the way
-  /// into HIL.
+  /// into HIL. Each repetition asks again.
   void set_param(std::uint8_t system, const std::string& name, double value, base::RunTime now,
                  Done done, bool not_hil = false);
   void list_params(std::uint8_t system, base::RunTime now, Done done);

@@ -97,11 +97,13 @@ void ParamExchange::read(const std::string& name, Time now, Done done) {
   start(std::move(request), now);
 }
 
-void ParamExchange::set(const std::string& name, double value, Time now, Done done) {
+void ParamExchange::set(const std::string& name, double value, Time now, Done done,
+                        Objection objection) {
   Request request;
   request.name = name;
   request.value = value;
   request.done = std::move(done);
+  request.objection = std::move(objection);
   start(std::move(request), now);
 }
 
@@ -122,7 +124,7 @@ void ParamExchange::start(Request request, Time now) {
     return;
   }
   active_.push_back(std::move(request));
-  transmit(active_.back(), now);
+  transmit(std::prev(active_.end()), now);
 }
 
 bool ParamExchange::fits(const Request& request) const {
@@ -135,13 +137,19 @@ Outcome ParamExchange::unfit(const Request& request) const {
                                             " and cannot hold " + number_text(*request.value));
 }
 
-void ParamExchange::transmit(Request& request, Time now) {
-  request.deadline = now + timing_.answer_timeout;
-  ++request.sent;
-  if (request.value && request.type_known) {
-    send_set(request);
+void ParamExchange::transmit(std::list<Request>::iterator request, Time now) {
+  const bool sets = request->value && request->type_known;
+  if (sets && request->objection) {
+    if (std::optional<Outcome> why = request->objection(now)) {
+      return finish(request, std::move(*why));
+    }
+  }
+  request->deadline = now + timing_.answer_timeout;
+  ++request->sent;
+  if (sets) {
+    send_set(*request);
   } else {
-    send_(read_by_name(request.name));
+    send_(read_by_name(request->name));
   }
 }
 
@@ -194,7 +202,7 @@ void ParamExchange::on_answer(std::list<Request>::iterator request, const Parame
   }
   request->type_known = true;
   request->sent = 0;
-  transmit(*request, now);
+  transmit(request, now);
 }
 
 void ParamExchange::on_set_answer(std::list<Request>::iterator request, const Parameter& in_force,
@@ -204,7 +212,7 @@ void ParamExchange::on_set_answer(std::list<Request>::iterator request, const Pa
   if (request->before) outcome.before[request->name] = *request->before;
   if (!same_value(in_force.type, *request->value, in_force.value)) {
     if (++request->mismatches < kMismatchesBelieved) {
-      transmit(*request, now);
+      transmit(request, now);
       return;
     }
     outcome.kind = OutcomeKind::kRefused;
@@ -242,7 +250,7 @@ void ParamExchange::tick(Time now) {
                                   [now](const Request& r) { return now >= r.deadline; });
     if (due == active_.end()) break;
     if (due->sent < timing_.tries) {
-      transmit(*due, now);
+      transmit(due, now);
       continue;
     }
     const bool reading = !due->value || !due->type_known;

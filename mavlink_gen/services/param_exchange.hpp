@@ -76,6 +76,8 @@ class ParamExchange {
   using Message = std::variant<mavlink::common::ParamSet, mavlink::common::ParamRequestRead,
                                mavlink::common::ParamRequestList>;
   using Send = std::function<void(const Message&)>;
+  /// Asked before each transmission of a value. @return why it may not be sent, if so
+  using Objection = std::function<std::optional<Outcome>(Time)>;
 
   explicit ParamExchange(Send send, ParamTiming timing = {})
       : send_(std::move(send)), timing_(timing) {}
@@ -83,7 +85,8 @@ class ParamExchange {
   /// Reads one parameter. Outcome.parameters has it.
   void read(const std::string& name, Time now, Done done);
   /// Sets one parameter, after asking for its type where that is not known yet.
-  void set(const std::string& name, double value, Time now, Done done);
+  /// @param objection  ends the request; empty: none
+  void set(const std::string& name, double value, Time now, Done done, Objection objection = {});
   /// Fetches all parameters; Outcome.parameters has them, or those that came.
   void list(Time now, Done done);
   /// Of the list under way; nullopt: none is.
@@ -105,6 +108,7 @@ class ParamExchange {
     std::optional<double> value;     ///< to set
     std::optional<double> before{};  ///< in force until it is set
     Done done;
+    Objection objection{};
     bool type_known = false;
     int sent = 0;
     int mismatches = 0;
@@ -122,7 +126,7 @@ class ParamExchange {
   };
 
   void start(Request request, Time now);
-  void transmit(Request& request, Time now);
+  void transmit(std::list<Request>::iterator request, Time now);
   void send_set(Request& request);
   bool fits(const Request& request) const;
   Outcome unfit(const Request& request) const;

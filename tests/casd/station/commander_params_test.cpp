@@ -65,6 +65,21 @@ TEST_F(VehicleCommanderTest, SetsWhatLetsAVehicleArmOnlyInHilOrWithConsent) {
   EXPECT_EQ(set("CBRK_SUPPLY_CHK", 894281, true), OutcomeKind::kAccepted);
 }
 
+TEST_F(VehicleCommanderTest, RepeatsNoSetOfWhatLetsAVehicleArmOnceItIsNotInHil) {
+  vehicle_.params = {{"CBRK_SUPPLY_CHK", {.value = 0, .type = MavParamType::kInt32}}};
+  meet();
+  commander_.read_param(1, "CBRK_SUPPLY_CHK", now_, done());
+  ASSERT_TRUE(finish().ok());
+  vehicle_.script.deaf_for = 1;
+  commander_.set_param(1, "CBRK_SUPPLY_CHK", 894281, now_, done());
+  vehicle_.script.deaf_for = 0;
+  vehicle_.base_mode = MavModeFlag::kCustomModeEnabled;
+  vehicle_.say_heartbeat(now_);
+  EXPECT_EQ(finish().kind, OutcomeKind::kInterlock);
+  EXPECT_EQ(vehicle_.param_sets.size(), 1U) << "the first one, which it missed";
+  EXPECT_EQ(vehicle_.params["CBRK_SUPPLY_CHK"].value, 0);
+}
+
 TEST_F(VehicleCommanderTest, SaysWhichValueTheVehicleKeeps) {
   vehicle_.params["MC_ROLL_P"] = {.value = 6.5, .high = 12};
   meet();
