@@ -13,7 +13,7 @@ LoopGuard::Verdict LoopGuard::judge(LinkId from, std::size_t place, Mark mark, M
                                     base::RunTime now) {
   Link& own = links_[from];
   if (own.loops) {
-    if (came_elsewhere(from, place, mark, 0, 0)) {
+    if (came_elsewhere(from, place, mark, Needs::kAny)) {
       own.calm_at = now + kCalm;
       return Verdict::kCopy;
     }
@@ -23,12 +23,12 @@ LoopGuard::Verdict LoopGuard::judge(LinkId from, std::size_t place, Mark mark, M
   // The packet came twice over this link: one turn, unless its sender repeated it.
   const std::uint32_t gap = mark.since(before);
   if (gap > units(kMemory)) return Verdict::kFine;
-  if (before.repeats_within(gap) || !came_elsewhere(from, place, before, 1, gap)) {
-    (*own.owned)[place].store(mark.with_period(gap).value, std::memory_order_relaxed);
+  if (before.repeats() || !came_elsewhere(from, place, before, Needs::kOnceBefore)) {
+    (*own.owned)[place].store(mark.with_note(kEnough).value, std::memory_order_relaxed);
     return Verdict::kFine;
   }
   if (gap > units(kSoon)) return Verdict::kFine;
-  const unsigned turns = before.turns() + 1;
+  const unsigned turns = before.note() + 1;
   if (turns < kEnough) {
     (*own.owned)[place].store(mark.with_note(turns).value, std::memory_order_relaxed);
     return Verdict::kFine;
@@ -38,15 +38,15 @@ LoopGuard::Verdict LoopGuard::judge(LinkId from, std::size_t place, Mark mark, M
   return Verdict::kFound;
 }
 
-bool LoopGuard::came_elsewhere(LinkId from, std::size_t place, Mark mark, std::uint32_t least,
-                               std::uint32_t gap) const {
+bool LoopGuard::came_elsewhere(LinkId from, std::size_t place, Mark mark, Needs needs) const {
+  const bool once = needs == Needs::kOnceBefore;
   for (std::size_t link = 0; link < links_.size(); ++link) {
     const Table* const table = links_[link].table.load(std::memory_order_acquire);
     if (table == nullptr || link == from) continue;
     const Mark there{(*table)[place].load(std::memory_order_relaxed)};
-    if (!there.is_same(mark) || (gap > 0 && there.repeats_within(gap))) continue;
+    if (!there.is_same(mark) || (once && there.repeats())) continue;
     const std::uint32_t ago = mark.since(there);
-    if (ago >= least && ago <= units(kMemory)) return true;
+    if (ago >= (once ? 1U : 0U) && ago <= units(kMemory)) return true;
   }
   return false;
 }

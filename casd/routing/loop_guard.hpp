@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <atomic>
-#include <bit>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -22,9 +20,8 @@ namespace cas::casd {
 ///
 /// A packet that comes over one link again and again, though another link has brought it once and
 /// not again, goes round. So many turns prove a loop; from then on the link's packets that others
-/// brought before are copies, until none has come for kCalm. A sender that repeats itself comes
-/// over its own link each time; one of several links may also be the only one from some time on:
-/// repetitions about as rare as those that a link has brought before prove nothing.
+/// brought before are copies, until none has come for kCalm. A packet that two links have brought
+/// twice proves nothing: its sender repeats itself, and one of its links may have died.
 ///
 /// It keeps a mark of each link's last packets, by sender and sequence number. `on_packet` for one
 /// link belongs to one thread at a time; different links may run on different threads.
@@ -58,24 +55,14 @@ class LoopGuard {
 
  private:
   /// From the top: 32 bits of content, a note of 4, 28 of time in units of 2^20 ns; 0: none. A note
-  /// below kEnough counts turns; from there on it tells that the sender repeats itself, and the
-  /// period's power of two.
+  /// below kEnough counts turns; kEnough tells that the sender repeats itself.
   struct Mark {
     std::uint64_t value = 0;
 
     static constexpr unsigned kTimeBits = 28;
-    static constexpr unsigned kLongest = 15 - kEnough;
     unsigned note() const { return static_cast<unsigned>(value >> kTimeBits) & 0xFU; }
     Mark with_note(unsigned note) const { return {value | std::uint64_t{note} << kTimeBits}; }
-    unsigned turns() const { return note() < kEnough ? note() : 0; }
-    Mark with_period(std::uint32_t gap) const {
-      const auto power = static_cast<unsigned>(std::bit_width(gap | 1U)) - 1;
-      return with_note(kEnough + std::min(power, kLongest));
-    }
-    /// Whether the sender was known to repeat itself about so often, or more often.
-    bool repeats_within(std::uint32_t gap) const {
-      return note() >= kEnough && 1U << (note() - kEnough) <= 2 * gap + 1;
-    }
+    bool repeats() const { return note() == kEnough; }
     bool is_same(Mark other) const { return (value ^ other.value) >> 32U == 0; }
     /// Units from the other mark to this one; many where the other one is later.
     std::uint32_t since(Mark other) const {
@@ -111,11 +98,10 @@ class LoopGuard {
 
   static Table* make_table(Link& link);
   Verdict judge(LinkId from, std::size_t place, Mark mark, Mark before, base::RunTime now);
-  /// Whether another link brought the packet last so many units before this mark, or more, but
-  /// within kMemory.
-  /// @param gap  a link does not count over which the sender repeats itself about so often
-  bool came_elsewhere(LinkId from, std::size_t place, Mark mark, std::uint32_t least,
-                      std::uint32_t gap) const;
+  enum class Needs : std::uint8_t { kAny, kOnceBefore };
+  /// Whether another link brought the packet within kMemory; kOnceBefore: before this mark, and
+  /// once.
+  bool came_elsewhere(LinkId from, std::size_t place, Mark mark, Needs needs) const;
 
   std::array<Link, kLinkSlots> links_;
 };

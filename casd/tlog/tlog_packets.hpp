@@ -23,8 +23,15 @@ bool for_each_tlog_packet(const std::filesystem::path& file, const mav::MessageT
                           Use&& use, TlogLoss* loss = nullptr) {
   TlogReader log;
   if (!log.open(file)) return false;
-  const auto stats = mav::services::for_each_tlog_packet([&log] { return log.next(); }, table,
-                                                         std::forward<Use>(use));
+  // A message that the table lacks may hold what looks like the start of one that it has.
+  const auto next_known = [&log, &table] {
+    auto record = log.next();
+    while (record && table.find(mav::view_packet(record->packet).message_id) == nullptr) {
+      record = log.next();
+    }
+    return record;
+  };
+  const auto stats = mav::services::for_each_tlog_packet(next_known, table, std::forward<Use>(use));
   if (loss != nullptr) *loss = {log.skipped_bytes(), stats.crc_errors};
   return true;
 }

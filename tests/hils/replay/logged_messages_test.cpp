@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,10 +27,13 @@ class Log {
     mav::Encoder encode({1, component});
     mav::services::append_tlog_record(stamp_us, encode(message), bytes_);
   }
-  nlohmann::ordered_json messages() const {
+  void add_packet(std::uint64_t stamp_us, std::span<const std::uint8_t> packet) {
+    mav::services::append_tlog_record(stamp_us, packet, bytes_);
+  }
+  nlohmann::ordered_json messages(LoggedLoss* lost = nullptr) const {
     const cas::test::TemporaryFolder folder;
     const std::string text(bytes_.begin(), bytes_.end());
-    return logged_messages(folder.write("flight.tlog", text), 1, {});
+    return logged_messages(folder.write("flight.tlog", text), 1, {}, lost);
   }
 
  private:
@@ -87,6 +91,25 @@ TEST(ReplayLog, TheModeIsTheAutopilotsAlone) {
   ASSERT_EQ(states.size(), 2U) << states;
   EXPECT_EQ(states[0][2], 7);
   EXPECT_EQ(states[1][2], 8);
+}
+
+TEST(ReplayLog, AMessageOfAnotherDialectThatHoldsAStartByteIsNoDamage) {
+  std::vector<std::uint8_t> packet{0xFD, 17, 0, 0, 0, 1, 1, 0x31, 0xD4, 0};  // id 54321
+  const std::vector<std::uint8_t> heartbeat_without_checksum{0xFE, 9, 0, 1, 1, 0, 1, 2, 3,
+                                                             4,    5, 6, 7, 8, 9, 1, 2};
+  packet.insert(packet.end(), heartbeat_without_checksum.begin(), heartbeat_without_checksum.end());
+  mav::Crc16 sum;
+  sum.update(std::span<const std::uint8_t>(packet).subspan(1));
+  const std::uint16_t checksum = sum.update(33).value();
+  packet.push_back(static_cast<std::uint8_t>(checksum));
+  packet.push_back(static_cast<std::uint8_t>(checksum >> 8U));
+  Log log;
+  log.add(1'790'000'000'000'000, mavlink::common::Heartbeat{});
+  log.add_packet(1'790'000'000'100'000, packet);
+  log.add(1'790'000'001'000'000, mavlink::common::Heartbeat{});
+  LoggedLoss lost;
+  EXPECT_DOUBLE_EQ(log.messages(&lost).at("duration_s"), 1);
+  EXPECT_EQ(lost.sentence(), "");
 }
 
 TEST(ReplayLog, ALongTextIsOne) {
