@@ -45,8 +45,8 @@ bool LoopGuard::came_elsewhere(LinkId from, std::size_t place, Mark mark, Needs 
     if (table == nullptr || link == from) continue;
     const Mark there{(*table)[place].load(std::memory_order_relaxed)};
     if (!there.is_same(mark) || (once && there.repeats())) continue;
-    const std::uint32_t ago = mark.since(there);
-    if (ago >= (once ? 1U : 0U) && ago <= units(kMemory)) return true;
+    // Both may be of one unit: a forwarder on this machine sends back within a millisecond.
+    if (mark.since(there) <= units(kMemory)) return true;
   }
   return false;
 }

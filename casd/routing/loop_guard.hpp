@@ -99,8 +99,8 @@ class LoopGuard {
   static Table* make_table(Link& link);
   Verdict judge(LinkId from, std::size_t place, Mark mark, Mark before, base::RunTime now);
   enum class Needs : std::uint8_t { kAny, kOnceBefore };
-  /// Whether another link brought the packet within kMemory; kOnceBefore: before this mark, and
-  /// once.
+  /// Whether another link brought the packet within kMemory; kOnceBefore: no later than this mark,
+  /// and once.
   bool came_elsewhere(LinkId from, std::size_t place, Mark mark, Needs needs) const;
 
   std::array<Link, kLinkSlots> links_;
