@@ -5,6 +5,21 @@
 
 namespace cas::casd {
 
+namespace {
+
+/// Whether both are addresses of one machine, whatever their ports.
+bool same_host(const sockaddr_storage& a, const sockaddr_storage& b) {
+  if (a.ss_family != b.ss_family) return false;
+  if (a.ss_family == AF_INET) {
+    return reinterpret_cast<const sockaddr_in&>(a).sin_addr.s_addr ==
+           reinterpret_cast<const sockaddr_in&>(b).sin_addr.s_addr;
+  }
+  return std::memcmp(&reinterpret_cast<const sockaddr_in6&>(a).sin6_addr,
+                     &reinterpret_cast<const sockaddr_in6&>(b).sin6_addr, sizeof(in6_addr)) == 0;
+}
+
+}  // namespace
+
 PeerTable::PeerTable(int max_peers, base::Duration expiry)
     : max_peers_(max_peers), expiry_(expiry), routes_(expiry) {}
 
@@ -23,11 +38,33 @@ std::optional<std::uint8_t> PeerTable::find(const sockaddr_storage& address) con
 
 std::optional<std::uint8_t> PeerTable::add(const sockaddr_storage& address, socklen_t size,
                                            base::RunTime now, std::uint8_t socket) {
-  if (count() >= max_peers_ && expire(now) == 0) return std::nullopt;
+  if (count() >= max_peers_ && expire(now) == 0 && !make_room(address)) return std::nullopt;
   const auto peer = static_cast<std::uint8_t>(std::countr_one(present_));
   peers_[peer] = {address, size, now, ++serials_, socket, false};
   present_ |= slot_bit(peer);
   return peer;
+}
+
+int PeerTable::count_of_host(const sockaddr_storage& address) const {
+  int of_host = 0;
+  for_each_slot(present_, [&](std::uint8_t peer) {
+    of_host += same_host(peers_[peer].address, address) ? 1 : 0;
+  });
+  return of_host;
+}
+
+bool PeerTable::make_room(const sockaddr_storage& address) {
+  int most = count_of_host(address) + 1;  // no gain in a mere exchange of places
+  std::optional<std::uint8_t> newest;
+  for_each_slot(present_, [&](std::uint8_t peer) {
+    const int of_host = count_of_host(peers_[peer].address);
+    if (of_host < most || (of_host == most && !newest)) return;
+    if (of_host == most && peers_[*newest].serial > peers_[peer].serial) return;
+    most = of_host;
+    newest = peer;
+  });
+  if (newest) remove(*newest);
+  return newest.has_value();
 }
 
 void PeerTable::heard(std::uint8_t peer, mav::Source source, base::RunTime now, bool rarely) {

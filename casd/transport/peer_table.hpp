@@ -28,7 +28,9 @@ class PeerTable {
 
   /// The slot of an address. @return nothing when it is unknown
   std::optional<std::uint8_t> find(const sockaddr_storage& address) const;
-  /// Takes a new address in. @return nothing when all slots are taken by peers that still speak
+  /// Takes a new address in. When all slots are taken by peers that still speak, the newest peer of
+  /// the machine that has most of them gives way to a machine that has two fewer. @return nothing
+  /// when there is none
   /// @param socket  of the server's, over which it was heard
   std::optional<std::uint8_t> add(const sockaddr_storage& address, socklen_t size,
                                   base::RunTime now, std::uint8_t socket = 0);
@@ -63,6 +65,9 @@ class PeerTable {
     bool rarely = false;
   };
   void remove(std::uint8_t peer);
+  int count_of_host(const sockaddr_storage& address) const;
+  /// Frees a slot for a peer of this address. @return false when its machine has its share
+  bool make_room(const sockaddr_storage& address);
 
   int max_peers_;
   std::uint32_t serials_ = 0;  ///< given so far

@@ -18,6 +18,7 @@
 #include "base/config/sensor_sheets.hpp"
 #include "base/error.hpp"
 #include "base/os/command_port.hpp"
+#include "base/os/confine_files.hpp"
 #include "base/os/cpu_latency.hpp"
 #include "base/os/log.hpp"
 #include "base/os/notify.hpp"
@@ -29,6 +30,7 @@
 #include "libsim/core/run/left_world.hpp"
 #include "libsim/core/run/sim_loop.hpp"
 #include "libsim/core/run/sim_runner.hpp"
+#include "libsim/hilsim/confinement.hpp"
 #include "libsim/hilsim/control_server.hpp"
 #include "libsim/hilsim/sim_report.hpp"
 #include "libsim/hilsim/vehicle_description.hpp"
@@ -117,22 +119,60 @@ int describe(const std::string& word, const std::optional<std::filesystem::path>
   return base::kExitOk;
 }
 
+/// The folders of all that the command line lets hilsim write.
+std::vector<std::filesystem::path> output_folders(const Flags& flags) {
+  std::vector<std::filesystem::path> folders{flags.output};
+  for (const std::optional<std::filesystem::path>& file : {flags.stats, flags.control}) {
+    if (!file) continue;
+    const std::filesystem::path named = std::filesystem::absolute(*file);
+    std::error_code error;
+    folders.push_back(named.parent_path());
+    folders.push_back(std::filesystem::weakly_canonical(named, error).parent_path());
+  }
+  return folders;
+}
+
+/// From here on hilsim and its plugins write below the folders of its results only.
+void confine_writes(const Flags& flags) {
+  std::vector<std::filesystem::path> places = output_folders(flags);
+  for (const char* device :
+       {"/dev/null", "/dev/tty", "/dev/pts", base::CpuLatencyRequest::kDevice}) {
+    places.emplace_back(device);
+  }
+  if (base::confine_files(base::FileUse::kWrite, places)) return;
+  base::log::debug("this kernel has no Landlock: plugins may write everywhere");
+}
+
+/// From here on they read there only, and what they write.
+void confine_reads(const Flags& flags, std::vector<std::filesystem::path> places) {
+  for (const std::filesystem::path& folder : output_folders(flags)) places.push_back(folder);
+  base::confine_files(base::FileUse::kRead, places);
+}
+
+sim::SimConfig load_config(const Flags& flags, const std::filesystem::path& file) {
+  sim::SimConfig config = sim::SimConfig::load(file);
+  if (flags.lockstep) config.pace.mode = sim::PaceMode::kLockstep;
+  if (flags.ignore_missing) config.world.missing = sim::Missing::kIgnore;
+  if (flags.ledger) order_ledgers(config, *flags.ledger);
+  return config;
+}
+
 int run(const Flags& flags) {
   if (flags.describe) return describe(*flags.describe, flags.svg);
   if (flags.config.empty()) {
     throw base::ConfigError(
         "config is required: the simulation to run (YAML), or --describe VEHICLE");
   }
-  sim::SimConfig config = sim::SimConfig::load(base::find_config(flags.config));
-  if (flags.lockstep) config.pace.mode = sim::PaceMode::kLockstep;
-  if (flags.ignore_missing) config.world.missing = sim::Missing::kIgnore;
-  if (flags.ledger) order_ledgers(config, *flags.ledger);
+  const std::filesystem::path file = base::find_config(flags.config);
+  sim::SimConfig config = load_config(flags, file);
   std::error_code error;
   std::filesystem::create_directories(flags.output, error);
   if (error) throw base::ConfigError(flags.output.string() + ": " + error.message());
 
+  confine_writes(flags);
   sim::SimRunner runner(std::move(config),
                         {.output_dir = flags.output, .plugin_dirs = flags.plugin_dirs});
+  confine_reads(flags, sim::readable_places(runner, file, flags.plugin_dirs));
   const sim::PaceConfig pace = runner.config().pace;
   sim::SimLoop loop(runner, pace);
   const auto control = base::bind_command_port(

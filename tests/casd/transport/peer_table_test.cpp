@@ -20,6 +20,12 @@ sockaddr_storage on_port(std::uint16_t port) {
   return storage;
 }
 
+sockaddr_storage on_host(std::uint32_t host, std::uint16_t port) {
+  sockaddr_storage storage = on_port(port);
+  reinterpret_cast<sockaddr_in&>(storage).sin_addr.s_addr = htonl(host);
+  return storage;
+}
+
 /// Stations 100, 101, ... on ports 1000, 1001, ...
 struct FilledTable : PeerTable {
   explicit FilledTable(int filled, int most = 64) : PeerTable(most, seconds(30)) {
@@ -48,6 +54,22 @@ TEST(PeerTable, NewPeerTakesThePlaceOfASilentOne) {
   peers.heard(0, {100, 190}, at(seconds(31)));
   EXPECT_EQ(peers.add(on_port(9), sizeof(sockaddr_in), at(seconds(31))), 1);
   EXPECT_FALSE(peers.find(on_port(1001)));
+}
+
+TEST(PeerTable, TheMachineWithMostPeersGivesWayToOneWithFewer) {
+  FilledTable peers(64);
+  const auto add = [&](std::uint32_t host, std::uint16_t port) {
+    return peers.add(on_host(host, port), sizeof(sockaddr_in), at({}));
+  };
+  EXPECT_EQ(add(7, 9), 63) << "in the place of the newest";
+  EXPECT_FALSE(peers.find(on_port(1063)));
+  for (std::uint16_t port = 10; port < 40; ++port) EXPECT_TRUE(add(7, port)) << port;
+  EXPECT_TRUE(add(7, 40)) << "half of the places";
+  EXPECT_FALSE(add(7, 41));
+  EXPECT_FALSE(add(0, 9)) << "nor has the other one fewer";
+  EXPECT_TRUE(add(8, 9));
+  EXPECT_TRUE(peers.find(on_port(1000))) << "an old station stays";
+  EXPECT_EQ(peers.count(), 64);
 }
 
 PacketInfo addressed(mav::Source target) {

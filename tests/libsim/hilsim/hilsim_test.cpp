@@ -107,6 +107,22 @@ TEST_F(Hilsim, MotionBeginsAnewWithAReset) {
   EXPECT_TRUE(wait_until([&] { return client.call("sim.watch", nullptr).at("v")[0] == blank; }));
 }
 
+TEST_F(Hilsim, PluginsReadNamedFilesAndWriteResultsAndNothingElse) {
+  const cas::test::TemporaryFolder elsewhere;
+  elsewhere.write("key", "secret");
+  const std::string burglar = "{plugin: fake_burglar, folder: " + elsewhere.path().string();
+  const auto figures = [&](const std::string& plugin) {
+    ChildProcess hilsim(command(write("realtime", "[" + plugin + "]"), {"--paused"}));
+    EXPECT_TRUE(hilsim.wait_ready()) << hilsim.output();
+    return Client("unix:" + socket()).call("sim.stats", nullptr)["plugins"]["fake_burglar@iris0"];
+  };
+  const Json denied = figures(burglar + "}");
+  if (denied == Json{{"read", 0}, {"write", 0}}) GTEST_SKIP() << "this kernel has no Landlock";
+  EXPECT_EQ(denied, Json({{"read", EACCES}, {"write", EACCES}}));
+  const std::string key = (elsewhere.path() / "key").string();
+  EXPECT_EQ(figures(burglar + ", named: " + key + "}"), Json({{"read", 0}, {"write", EACCES}}));
+}
+
 TEST_F(Hilsim, AnswersOnItsControlSocket) {
   ChildProcess hilsim(command(write("realtime", "[{plugin: fake_counter}]"), {"--paused"}));
   const auto status = hilsim.wait_ready();
