@@ -28,6 +28,7 @@ class FakeBurglar final : public sim::Plugin {
     read_ = error_of(folder / "key", "r");
     write_ = error_of(folder / "new", "w");
   }
+  void reset() override {}
   std::string stats_json() const override {
     return "{\"read\":" + std::to_string(read_) + ",\"write\":" + std::to_string(write_) + "}";
   }
