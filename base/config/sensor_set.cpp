@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <system_error>
 
 #include "base/config/install_paths.hpp"
 #include "base/suggestion.hpp"
@@ -32,15 +33,19 @@ void check_blocks(const ConfigNode& presets) {
 }
 
 /// Files of the shipped sets by their names. For a name in several folders the first folder's file
-/// counts.
+/// counts. @throws ConfigError when a folder is there and cannot be listed
 std::map<std::string, std::filesystem::path> shipped_sets() {
   std::map<std::string, std::filesystem::path> sets;
   for (const std::filesystem::path& folder : config_dirs()) {
+    const std::filesystem::path sheets = folder / "sensors";
     std::error_code error;
-    std::filesystem::directory_iterator entry(folder / "sensors", error);
+    std::filesystem::directory_iterator entry(sheets, error);
     for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
       const std::filesystem::path& file = entry->path();
       if (file.extension() == ".yaml") sets.emplace(file.stem().string(), file);
+    }
+    if (error && error != std::errc::no_such_file_or_directory) {
+      throw ConfigError(sheets.string() + ": cannot be listed: " + error.message());
     }
   }
   return sets;

@@ -22,8 +22,8 @@ std::vector<RouterFile> read_router_files(const std::filesystem::path& main,
   constexpr const char* kKind = "mavlink-router's configuration";
   std::vector<std::filesystem::path> paths;
   std::error_code error;
-  std::filesystem::directory_iterator entry(
-      folder.empty() ? main.parent_path() / "config.d" : folder, error);
+  const std::filesystem::path listed = folder.empty() ? main.parent_path() / "config.d" : folder;
+  std::filesystem::directory_iterator entry(listed, error);
   if (error && !folder.empty()) throw base::ConfigError("cannot read " + folder.string());
   for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
     std::error_code none;
@@ -32,6 +32,9 @@ std::vector<RouterFile> read_router_files(const std::filesystem::path& main,
       throw base::ConfigError(entry->path().parent_path().string() + ": has more than " +
                               std::to_string(kMostFiles) + " files");
     }
+  }
+  if (error && error != std::errc::no_such_file_or_directory) {
+    throw base::ConfigError("cannot read " + listed.string() + ": " + error.message());
   }
   std::sort(paths.begin(), paths.end());
   paths.insert(paths.begin(), main);

@@ -60,7 +60,7 @@ bool was_never_flown(const fs::path& out) {
        entry.increment(none)) {
     if (entry->file_size(none) > 0) return false;
   }
-  return true;
+  return !none || none == std::errc::no_such_file_or_directory;
 }
 
 /// The sweep's folder of a campaign: planned, or as it was planned before.

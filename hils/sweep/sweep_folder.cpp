@@ -230,9 +230,13 @@ void SweepFolder::for_each_result(const std::function<void(RowResult&&)>& visit)
        entry.increment(error)) {
     if (entry->path().extension() == ".jsonl") journals.push_back(entry->path());
   }
+  if (error && error != std::errc::no_such_file_or_directory) {
+    throw base::ConfigError((path / "journal").string() + ": " + error.message());
+  }
   std::ranges::sort(journals);
   for (const fs::path& journal : journals) {
     std::ifstream lines(journal, std::ios::binary);
+    if (!lines) throw base::ConfigError(journal.string() + ": cannot be read");
     for (std::string line; std::getline(lines, line);) {
       std::optional<RowResult> result = parse_journal_line(line);
       if (result && result->row <= table.rows.size()) visit(std::move(*result));
