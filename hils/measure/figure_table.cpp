@@ -49,7 +49,7 @@ void add_run(Rows& table) {
        {"late_p99_ms", "HIL_SENSOR sent late, 99 %", "ms", 2, kDown,
         "lag of HIL_SENSOR behind its own stamps", pace(&PaceFigures::late_p99_ms)},
        {"handover_p99_us", "handover between simulator and casd, 99 %", "us", 0, kDown,
-        "slowest UDP hop between simulator and casd; not of `ts`, where it waits for the line",
+        "the slowest UDP hop; not of `ts`, where it waits for the line",
         of(&Measurement::handover_p99_us)},
        {"reading_spread_us", "HIL_SENSOR read by the controller, 99 % less the median", "us", 0,
         kDown, "from casd's write to the controller's read; not of `ts`",
@@ -146,17 +146,19 @@ void add_rms(std::string_view block, std::string_view what, std::string_view mea
 }
 
 void add_motion(Rows& table) {
-  add_rms("rms", "true position", "true position against the reference", &Measurement::rms, table);
+  add_rms("rms", "true position", "against the reference, in the measured step", &Measurement::rms,
+          table);
   add_rms("rms_estimate", "estimate",
-          "the controller's own estimate, from the place of arming, against the reference",
+          "of the controller itself, from the place of arming, against the reference, in the "
+          "measured step",
           &Measurement::rms_estimate, table);
   add(Row::Part::kMotion,
       {{"peak_error_m", "largest error of the true position", "m", 3, kDown,
-        "farthest the true position is from the reference at any moment",
+        "farthest from the reference at any moment of the measured step",
         of(&Measurement::peak_error_m)},
        {"rotor_activity_rad_s2", "activity of the rotors", "rad/s^2", 1, kDown,
-        "RMS of the rotors' accelerations, from sample to sample of `truth.csv` (100 Hz): a "
-        "measure of control activity",
+        "RMS of the rotors' accelerations in the measured step, from sample to sample of "
+        "`truth.csv` (100 Hz): a measure of control activity",
         of(&Measurement::rotor_activity_rad_s2)}},
       table);
 }
@@ -174,12 +176,12 @@ Rows make_table() {
 
 template <class Of>
 std::string reference(const std::vector<Figure<Of>>& table) {
-  std::string text = "| key | in summary.json | unit | better | meaning |\n|---|---|---|---|---|\n";
+  std::string text =
+      "| key | figure | unit | better | meaning | in summary.json |\n|---|---|---|---|---|---|\n";
   for (const Figure<Of>& row : table) {
     const char* const better = row.better == kUp ? "up" : row.better == kDown ? "down" : "";
-    text += fmt::format("| `{}` | {} | {} | {} | {}: {} |\n", row.key,
-                        row.path.empty() ? "" : fmt::format("`{}`", row.path), row.unit, better,
-                        row.title, row.meaning);
+    text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", row.key, row.title, row.unit, better,
+                        row.meaning, row.path.empty() ? "" : fmt::format("`{}`", row.path));
   }
   return text;
 }

@@ -39,13 +39,13 @@ inline constexpr std::array<Delay, 5> kDelays{
      {"controls_downlink", "control to the simulator", "latency_us.controls_downlink",
       "from the controller to the simulator", &Measurement::controls_downlink},
      {"age_by_stamp", "age of the sample at use (made)", "age_at_use_us.by_stamp",
-      "age of the sample that a control was computed from, since its stamp in the simulator",
+      "of the one that a control was computed from, since its stamp in the simulator",
       &Measurement::age_by_stamp},
      {"age_by_arrival", "age of the sample at use (arrived)", "age_at_use_us.by_arrival",
-      "age of the sample that a control was computed from, since its arrival at the controller",
+      "of the one that a control was computed from, since its arrival at the controller",
       &Measurement::age_by_arrival}}};
 
-/// The tables in Markdown: key, place in summary.json, unit, direction and meaning, for
+/// The tables in Markdown: key, title, unit, direction, meaning and place in summary.json, for
 /// `hils run --figures` and docs/config.md.
 std::string figure_reference();
 

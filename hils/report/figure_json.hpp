@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "hils/scenario/figure.hpp"
+#include "hils/measure/figure_table.hpp"
 
 namespace cas::hils {
 

@@ -160,13 +160,14 @@ TEST(FigureTable, LeavesABlockWithoutAValueNullInASummary) {
 
 TEST(FigureTable, IsPrintedWithADirectionForEachFigureThatHasOne) {
   const std::string text = figure_reference();
-  EXPECT_NE(text.find("\n| `sensor_to_control_p99_us` | `latency_us.sensor_to_control.p99` | us | "
-                      "down | delay of the loop, 99 %: "),
+  EXPECT_NE(text.find("\n| `sensor_to_control_p99_us` | delay of the loop, 99 % | us | down | from "
+                      "HIL_SENSOR sent to its echo received, both at the simulator | "
+                      "`latency_us.sensor_to_control.p99` |\n"),
             text.npos)
       << text;
-  EXPECT_NE(text.find("\n| `real_time_factor` |  |  | up | "), text.npos) << text;
-  EXPECT_NE(text.find("\n| `settling_s` |  | s | down | "), text.npos) << text;
-  EXPECT_NE(text.find("\n| `wall_s` |  | s |  | "), text.npos) << text;
+  EXPECT_NE(text.find("\n| `real_time_factor` | real-time factor |  | up | "), text.npos) << text;
+  EXPECT_NE(text.find("\n| `settling_s` | settling time | s | down | "), text.npos) << text;
+  EXPECT_NE(text.find("\n| `wall_s` | elapsed time | s |  | "), text.npos) << text;
 }
 
 }  // namespace
