@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <stdexcept>
 #include <utility>
 
 namespace cas::hils {
@@ -205,6 +206,11 @@ const std::vector<Figure<StepResponse>>& response_table() {
       {"integrated_error_m_s", "integrated error", "m s", 3, kDown,
        "integral of the absolute error", [](R r) { return r.integrated_error; }}};
   return kTable;
+}
+
+const Figure<Measurement>& figure_row(std::string_view key) {
+  if (const Row* const row = find_figure(figure_table(), key)) return *row;
+  throw std::logic_error(fmt::format("there is no figure '{}'", key));
 }
 
 std::string figure_reference() {

@@ -45,6 +45,9 @@ inline constexpr std::array<Delay, 5> kDelays{
       "of the one that a control was computed from, since its arrival at the controller",
       &Measurement::age_by_arrival}}};
 
+/// The row of a key that the table has. @throws std::logic_error
+const Figure<Measurement>& figure_row(std::string_view key);
+
 /// The tables in Markdown: key, title, unit, direction, meaning and place in summary.json, for
 /// `hils run --figures` and docs/config.md.
 std::string figure_reference();

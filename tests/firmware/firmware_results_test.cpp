@@ -90,7 +90,7 @@ TEST_F(FirmwareResults, MissALimitThatTheFlightDoesNotKeep) {
   EXPECT_EQ(fly(), 1) << output();
   EXPECT_TRUE(says("rate of ATTITUDE ")) << output();
   EXPECT_TRUE(says("RMS error of the estimate in z_m is ")) << output();
-  EXPECT_EQ(summary().at("missed").size(), 2U);
+  EXPECT_EQ(summary().at("failures").size(), 2U);
 }
 
 TEST_F(FirmwareResults, HaveNoVerdictWhereAFaultNeverBegan) {
