@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "hils/report/figure_json.hpp"
+#include "hils/measure/figure_json.hpp"
 
 namespace cas::hils {
 namespace {
@@ -155,8 +155,7 @@ Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) 
     checks.push_back(check({.what = "drift", .unit = "m", .digits = 2, .bound = scenario.drift_m},
                            figures.drift_m, figures));
   }
-  check_motion({figures.rms, figures.rms_estimate, figures.peak_error_m}, scenario.limits, held,
-               checks);
+  check_figures(figures.motion(), scenario.limits.figures, held, checks);
   check_links(scenario, figures, checks);
   check_fence(scenario, figures, checks);
   checks.push_back(
