@@ -24,6 +24,7 @@
 #include "hils/boards/board_flags.hpp"
 #include "hils/boards/flight_boards.hpp"
 #include "hils/firmware/firmware_run.hpp"
+#include "hils/measure/figure_table.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/run_result.hpp"
 #include "hils/programs/live_run.hpp"
@@ -232,6 +233,8 @@ base::cli::Verb add_run(CLI::App& app) {
   Flags& flags = *kept;
   CLI::App* command = app.add_subcommand("run", "Fly one scenario");
   base::cli::add_keys_flag(*command, scenario_reference, "a scenario");
+  base::cli::add_reference_flag(*command, "--figures", figure_reference,
+                                "Print every figure with its key, unit, direction and meaning");
   command->add_option("SCENARIO", flags.scenario, "Scenario file")->required();
   command->add_option("--architecture", flags.architecture,
                       "One of direct, sitl, ts, loop or tcas");

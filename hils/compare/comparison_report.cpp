@@ -16,7 +16,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kSchema = 1;
+constexpr int kSchema = 2;
 
 std::string markdown_table(const Rows& rows) {
   std::string text;
@@ -50,16 +50,12 @@ Json mean_json(const std::optional<Mean>& mean) {
   return {{"mean", mean->mean}, {"half_width_95", mean->half_width}, {"runs", mean->count}};
 }
 
-Json figures_json(const VariantResult& result) {
-  Json groups = Json::object();
-  for (const ColumnGroup& group : comparison_groups()) {
-    Json columns = Json::object();
-    for (const Column& column : group.columns) {
-      columns[column.key] = mean_json(mean_of_valid(result, column));
-    }
-    groups[group.key] = std::move(columns);
-  }
-  return groups;
+/// By the keys of the figures. @param mean_of  takes a FigureColumn
+template <class MeanOf>
+Json figures_json(const MeanOf& mean_of) {
+  Json figures = Json::object();
+  for (const Figure<Measurement>& row : figure_table()) figures[row.key] = mean_json(mean_of(&row));
+  return figures;
 }
 
 Json variant_json(const VariantResult& result) {
@@ -67,14 +63,15 @@ Json variant_json(const VariantResult& result) {
             {"architecture", to_string(result.variant.architecture)},
             {"baud", result.variant.baud},
             {"validity", validity_words(result)}};
-  json["figures"] = figures_json(result);
+  json["figures"] =
+      figures_json([&](FigureColumn column) { return mean_of_valid(result, column); });
   json["sent"] = sent_of(result);
   json["losses"] = losses_of(result);
   Json runs = Json::array();
   for (std::size_t i = 0; i < result.runs.size(); ++i) {
     runs.push_back({{"seed", result.runs[i].seed},
                     {"valid", result.verdicts[i].valid},
-                    {"remarks", result.verdicts[i].failures}});
+                    {"failures", result.verdicts[i].failures}});
   }
   json["runs"] = std::move(runs);
   return json;
@@ -135,11 +132,8 @@ std::string comparison_json(const ComparisonPlan& plan, const std::vector<Varian
   json["differences"] = Json::array();
   for (const auto& [a, b] : comparison_pairs(results)) {
     Json pair{{"of", results[a].variant.name()}, {"less", results[b].variant.name()}};
-    for (const ColumnGroup& group : comparison_groups()) {
-      for (const Column& column : group.columns) {
-        pair[group.key][column.key] = mean_json(difference_of(results[a], results[b], column));
-      }
-    }
+    pair["figures"] = figures_json(
+        [&](FigureColumn column) { return difference_of(results[a], results[b], column); });
     json["differences"].push_back(std::move(pair));
   }
   return json.dump(2) + "\n";

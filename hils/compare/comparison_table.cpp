@@ -4,135 +4,35 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <initializer_list>
+#include <iterator>
 #include <map>
 #include <string_view>
 
+#include "hils/measure/figure_table.hpp"
 #include "hils/report/experiment.hpp"
 #include "hils/report/number_text.hpp"
-#include "hils/report/paper_figures.hpp"
 
 namespace cas::hils {
 
 namespace {
 
-Figure number(double (*get)(const Measurement&)) {
-  return [get](const Measurement& figures) -> std::optional<double> { return get(figures); };
+std::vector<FigureColumn> columns(std::initializer_list<std::string_view> keys) {
+  std::vector<FigureColumn> rows;
+  for (const std::string_view key : keys) rows.push_back(&figure_row(key));
+  return rows;
 }
 
-Figure rms(double RmsFigures::*member) {
-  return [member](const Measurement& figures) -> std::optional<double> {
-    if (!figures.rms) return std::nullopt;
-    return *figures.rms.*member;
-  };
+/// @param delay  of kDelays
+ColumnGroup delays(const std::string& title, const std::string& delay) {
+  return {title,
+          columns({delay + "_p50_us", delay + "_p90_us", delay + "_p99_us", delay + "_max_us"})};
 }
 
-Figure delay(DelayFigures Measurement::*which, double DelayFigures::*member) {
-  return [which, member](const Measurement& figures) -> std::optional<double> {
-    if ((figures.*which).count == 0) return std::nullopt;
-    return figures.*which.*member;
-  };
-}
-
-double delivered_pct(const RateFigures& rate) {
-  return rate.sent == 0
-             ? 0
-             : 100.0 * static_cast<double>(rate.received) / static_cast<double>(rate.sent);
-}
-
-/// Percentiles of one delay: p50, p90, p99, longest.
-void add_delay(ColumnGroup& group, const std::string& key, const std::string& title,
-               DelayFigures Measurement::*which) {
-  group.columns.push_back({key + "_p50_us", title + " p50", 0, delay(which, &DelayFigures::p50)});
-  group.columns.push_back({key + "_p90_us", "p90", 0, delay(which, &DelayFigures::p90)});
-  group.columns.push_back({key + "_p99_us", "p99", 0, delay(which, &DelayFigures::p99)});
-  group.columns.push_back({key + "_max_us", "max", 0, delay(which, &DelayFigures::max)});
-}
-
-ColumnGroup rates() {
-  using M = const Measurement&;
-  return {
-      "rates",
-      "Table 4. Rates at the receiver: mean and 95 % interval over the seeds; error: how far they "
-      "fall "
-      "short of the nominal rate, negative above it",
-      {{"sensor_hz", "IMU Hz", 4, number([](M m) { return m.rates.sensor.received_hz; })},
-       {"sensor_error_pct", "error %", 4, number([](M m) { return m.rates.sensor.error_pct; })},
-       {"gps_hz", "GPS Hz", 4, number([](M m) { return m.rates.gps.received_hz; })},
-       {"gps_error_pct", "error %", 4, number([](M m) { return m.rates.gps.error_pct; })},
-       {"controls_hz", "control Hz", 4, number([](M m) { return m.rates.controls.received_hz; })},
-       {"controls_error_pct", "error %", 4,
-        number([](M m) { return m.rates.controls.error_pct; })}}};
-}
-
-ColumnGroup rms_errors() {
-  ColumnGroup group{
-      "rms", "Table 5. RMS error while measured, true position against the reference", {}};
-  for (const RmsAxis& axis : kRmsAxes) {
-    group.columns.push_back(
-        {std::string(axis.key), fmt::format("{} {}", axis.name, axis.unit), 4, rms(axis.member)});
-  }
-  return group;
-}
-
-ColumnGroup delivery() {
-  using M = const Measurement&;
-  return {
-      "delivered",
-      "Delivered packets, and the rate as QGroundControl's averaging meter would have shown it",
-      {{"sensor_pct", "IMU %", 4, number([](M m) { return delivered_pct(m.rates.sensor); })},
-       {"gps_pct", "GPS %", 4, number([](M m) { return delivered_pct(m.rates.gps); })},
-       {"controls_pct", "control %", 4,
-        number([](M m) { return delivered_pct(m.rates.controls); })},
-       {"meter_sensor_hz", "IMU meter Hz", 2, number([](M m) { return m.meter.sensor_hz; })},
-       {"meter_gps_hz", "GPS meter", 3, number([](M m) { return m.meter.gps_hz; })},
-       {"meter_controls_hz", "control meter", 2, number([](M m) { return m.meter.controls_hz; })}}};
-}
-
-ColumnGroup delays(const std::string& key, const std::string& title,
-                   DelayFigures Measurement::*which) {
-  ColumnGroup group{key, title, {}};
-  add_delay(group, key, "us:", which);
-  return group;
-}
-
-ColumnGroup ages() {
-  ColumnGroup group{"age",
-                    "Age of the sample when the controller used it, us: since the simulator made "
-                    "it, and since it came to the controller",
-                    {}};
-  group.columns = {
-      {"by_stamp_p50_us", "made p50", 0, delay(&Measurement::age_by_stamp, &DelayFigures::p50)},
-      {"by_stamp_p99_us", "p99", 0, delay(&Measurement::age_by_stamp, &DelayFigures::p99)},
-      {"by_arrival_p50_us", "arrived p50", 0,
-       delay(&Measurement::age_by_arrival, &DelayFigures::p50)},
-      {"by_arrival_p99_us", "p99", 0, delay(&Measurement::age_by_arrival, &DelayFigures::p99)}};
-  return group;
-}
-
-/// Real time only: a virtual clock knows neither.
-ColumnGroup machine() {
-  const auto cpu = [](const Measurement& figures) -> std::optional<double> {
-    if (figures.virtual_clock) return std::nullopt;
-    double sum = 0;
-    for (const auto& [program, seconds] : figures.cpu_s) {
-      if (program == "casd") sum += seconds;
-    }
-    return figures.wall_s > 0 ? 100 * sum / figures.wall_s : 0;
-  };
-  const auto pace = [](const Measurement& figures) -> std::optional<double> {
-    if (figures.virtual_clock) return std::nullopt;
-    return figures.pace.real_time_factor;
-  };
-  const auto stall = [](const Measurement& figures) -> std::optional<double> {
-    if (figures.virtual_clock) return std::nullopt;
-    return figures.pace.worst_stall_ms;
-  };
-  return {"machine",
-          "The machine (real time only)",
-          {{"casd_cpu_pct", "casd, % of a processor", 2, cpu},
-           {"real_time_factor", "real-time factor", 4, pace},
-           {"worst_stall_ms", "longest stall ms", 1, stall}}};
+/// The virtual clock knows no figure of the machine.
+std::optional<double> value_of(FigureColumn column, const Measurement& figures) {
+  const bool of_machine = column->part == Figure<Measurement>::Part::kRun;
+  return of_machine && figures.virtual_clock ? std::nullopt : column->get(figures);
 }
 
 const VariantResult* find(const std::vector<VariantResult>& results, Architecture architecture,
@@ -144,66 +44,50 @@ const VariantResult* find(const std::vector<VariantResult>& results, Architectur
   return nullptr;
 }
 
-constexpr std::array<std::string_view, 11> kCompared{
-    "sensor_hz", "gps_hz",        "controls_hz",     "x_m",        "y_m", "z_m", "yaw_rad",
-    "gps_pct",   "uplink_p50_us", "downlink_p50_us", "loop_p99_us"};
-
-void add_paper_rows(const ColumnGroup& group, Rows& rows) {
-  if (group.key == "rates") {
-    for (const PaperRates& row : kPaperTable4) {
-      rows.push_back({fmt::format("[HILS] {}", row.name)});
-      for (const double value : {row.sensor_hz, row.sensor_error_pct, row.gps_hz, row.gps_error_pct,
-                                 row.controls_hz, row.controls_error_pct}) {
-        rows.back().push_back(fmt::format("{:.4f}", value));
-      }
-    }
-  }
-  if (group.key == "rms") {
-    for (const PaperRms& row : kPaperTable5) {
-      rows.push_back({fmt::format("[HILS] {}", row.name)});
-      for (const double value : {row.x_m, row.y_m, row.z_m, row.yaw_rad}) {
-        rows.back().push_back(fmt::format("{:.4f}", value));
-      }
-    }
-  }
-}
-
 }  // namespace
 
 const std::vector<ColumnGroup>& comparison_groups() {
   static const std::vector<ColumnGroup> kGroups{
-      rates(),
-      rms_errors(),
-      delivery(),
-      delays("uplink", "HIL_SENSOR from the simulator to the controller",
-             &Measurement::sensor_uplink),
-      delays("downlink", "Controls from the controller to the simulator",
-             &Measurement::controls_downlink),
-      delays("loop", "HIL_SENSOR out to the control made from it back",
-             &Measurement::sensor_to_control),
-      ages(),
-      machine()};
+      {"Table 4. Rates at the receiver: mean and 95 % interval over the seeds; error: how far they "
+       "fall short of the nominal rate, negative above it",
+       columns({"sensor_hz", "sensor_rate_error_pct", "gps_hz", "gps_rate_error_pct", "controls_hz",
+                "controls_rate_error_pct"}),
+       PaperTable::kRates},
+      {"Table 5. RMS error while measured, true position against the reference",
+       columns({"rms_x_m", "rms_y_m", "rms_z_m", "rms_yaw_rad"}), PaperTable::kRms},
+      {"Delivered packets, and the rate as QGroundControl's averaging meter would have shown it",
+       columns({"sensor_delivered_pct", "gps_delivered_pct", "controls_delivered_pct",
+                "sensor_meter_hz", "gps_meter_hz", "controls_meter_hz"})},
+      delays("HIL_SENSOR from the simulator to the controller", "sensor_uplink"),
+      delays("Controls from the controller to the simulator", "controls_downlink"),
+      delays("HIL_SENSOR out to the control made from it back", "sensor_to_control"),
+      {"Age of the sample when the controller used it, us: since the simulator made it, and since "
+       "it came to the controller",
+       columns({"age_by_stamp_p50_us", "age_by_stamp_p99_us", "age_by_arrival_p50_us",
+                "age_by_arrival_p99_us"})},
+      {"The machine (real time only)",
+       columns({"casd_cpu_pct", "real_time_factor", "worst_stall_ms"})}};
   return kGroups;
 }
 
-std::optional<Mean> mean_of_valid(const VariantResult& result, const Column& column) {
+std::optional<Mean> mean_of_valid(const VariantResult& result, FigureColumn column) {
   std::vector<double> values;
   for (std::size_t i = 0; i < result.runs.size(); ++i) {
     if (!result.verdicts[i].valid) continue;
-    if (const auto value = column.figure(result.runs[i])) values.push_back(*value);
+    if (const auto value = value_of(column, result.runs[i])) values.push_back(*value);
   }
   if (values.empty()) return std::nullopt;
   return mean_of(values);
 }
 
 std::optional<Mean> difference_of(const VariantResult& a, const VariantResult& b,
-                                  const Column& column) {
+                                  FigureColumn column) {
   std::vector<double> of_a;
   std::vector<double> of_b;
   for (std::size_t i = 0; i < std::min(a.runs.size(), b.runs.size()); ++i) {
     if (!a.verdicts[i].valid || !b.verdicts[i].valid) continue;
-    const auto value_a = column.figure(a.runs[i]);
-    const auto value_b = column.figure(b.runs[i]);
+    const auto value_a = value_of(column, a.runs[i]);
+    const auto value_b = value_of(column, b.runs[i]);
     if (!value_a || !value_b) continue;
     of_a.push_back(*value_a);
     of_b.push_back(*value_b);
@@ -254,7 +138,7 @@ std::uint64_t sent_of(const VariantResult& result) {
 
 bool has_figures(const ColumnGroup& group, const std::vector<VariantResult>& results) {
   return std::ranges::any_of(results, [&](const VariantResult& result) {
-    return std::ranges::any_of(group.columns, [&](const Column& column) {
+    return std::ranges::any_of(group.columns, [&](FigureColumn column) {
       return mean_of_valid(result, column).has_value();
     });
   });
@@ -262,17 +146,20 @@ bool has_figures(const ColumnGroup& group, const std::vector<VariantResult>& res
 
 Rows group_rows(const ColumnGroup& group, const std::vector<VariantResult>& results) {
   Rows rows{{""}};
-  for (const Column& column : group.columns) rows.front().push_back(column.title);
+  for (const FigureColumn column : group.columns) rows.front().push_back(column->key);
   for (const VariantResult& result : results) {
     rows.push_back({result.variant.name()});
-    for (const Column& column : group.columns) {
-      rows.back().push_back(to_text(mean_of_valid(result, column), column.digits));
+    for (const FigureColumn column : group.columns) {
+      rows.back().push_back(to_text(mean_of_valid(result, column), column->digits));
     }
   }
   const bool is_comparable = std::ranges::all_of(results, [](const VariantResult& result) {
     return std::ranges::all_of(result.runs, measures_station_keeping);
   });
-  if (group.key != "rms" || is_comparable) add_paper_rows(group, rows);
+  const bool has_rates = group.paper == PaperTable::kRates;
+  const bool has_rms = group.paper == PaperTable::kRms && is_comparable;
+  if (has_rates) std::ranges::move(paper_rate_rows(), std::back_inserter(rows));
+  if (has_rms) std::ranges::move(paper_rms_rows(), std::back_inserter(rows));
   return rows;
 }
 
@@ -294,18 +181,15 @@ Rows loss_rows(const std::vector<VariantResult>& results) {
 
 Rows difference_rows(const std::vector<VariantResult>& results) {
   Rows rows{{""}};
-  std::vector<Column> columns;
-  for (const ColumnGroup& group : comparison_groups()) {
-    for (const Column& column : group.columns) {
-      if (std::ranges::count(kCompared, column.key) == 0) continue;
-      columns.push_back(column);
-      rows.front().push_back(column.key);
-    }
-  }
+  static const std::vector<FigureColumn> kCompared =
+      columns({"sensor_hz", "gps_hz", "controls_hz", "rms_x_m", "rms_y_m", "rms_z_m", "rms_yaw_rad",
+               "gps_delivered_pct", "sensor_uplink_p50_us", "controls_downlink_p50_us",
+               "sensor_to_control_p99_us"});
+  for (const FigureColumn column : kCompared) rows.front().push_back(column->key);
   for (const auto& [a, b] : comparison_pairs(results)) {
     rows.push_back({results[a].variant.name() + " less " + results[b].variant.name()});
-    for (const Column& column : columns) {
-      rows.back().push_back(to_text(difference_of(results[a], results[b], column), column.digits));
+    for (const FigureColumn column : kCompared) {
+      rows.back().push_back(to_text(difference_of(results[a], results[b], column), column->digits));
     }
   }
   return rows;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -10,35 +9,32 @@
 
 #include "hils/compare/comparison.hpp"
 #include "hils/measure/statistics.hpp"
+#include "hils/report/figure_rows.hpp"
+#include "hils/scenario/figure.hpp"
 
 namespace cas::hils {
 
-/// A figure of one run; nullopt where the run has none.
-using Figure = std::function<std::optional<double>(const Measurement&)>;
+/// A column of a table: a row of figure_table().
+using FigureColumn = const Figure<Measurement>*;
 
-/// One column of a table: a figure and how it is written.
-struct Column {
-  std::string key;    ///< for comparison.json: "sensor_hz"
-  std::string title;  ///< for people: "IMU Hz"
-  int digits = 4;
-  Figure figure;
-};
+/// Whose rows stand below ours.
+enum class PaperTable { kNone, kRates, kRms };
 
 /// Columns that stand in one table.
 struct ColumnGroup {
-  std::string key;
   std::string title;
-  std::vector<Column> columns;
+  std::vector<FigureColumn> columns;
+  PaperTable paper = PaperTable::kNone;
 };
 
 /// All tables of a comparison: Tables 4 and 5 of [HILS] first, then figures beyond the paper.
 const std::vector<ColumnGroup>& comparison_groups();
 
 /// Mean and interval over the valid runs that have the figure.
-std::optional<Mean> mean_of_valid(const VariantResult& result, const Column& column);
+std::optional<Mean> mean_of_valid(const VariantResult& result, FigureColumn column);
 /// Of the differences a - b over the seeds that are valid in both.
 std::optional<Mean> difference_of(const VariantResult& a, const VariantResult& b,
-                                  const Column& column);
+                                  FigureColumn column);
 /// The pairs that are worth a difference: TCAS less each other one at the same baud rate, and less
 /// SITL.
 std::vector<std::pair<std::size_t, std::size_t>> comparison_pairs(
@@ -51,9 +47,6 @@ std::string to_text(const std::optional<Mean>& mean, int digits);
 std::map<std::string, std::uint64_t> losses_of(const VariantResult& result);
 /// Packets sent of all three messages in the valid runs.
 std::uint64_t sent_of(const VariantResult& result);
-
-/// A table as text: headings first, the first column names the row.
-using Rows = std::vector<std::vector<std::string>>;
 
 /// Whether any variant has any figure of the group.
 bool has_figures(const ColumnGroup& group, const std::vector<VariantResult>& results);

@@ -59,6 +59,7 @@ void measure_step(std::span<const PoseSample> truth, FirmwareFigures& figures) {
   if (stage == figures.stages.end()) return;
   const auto flown = between(truth, to_microseconds(stage->begin), to_microseconds(stage->end));
   if (flown.empty()) return;
+  figures.rotor_activity_rad_s2 = rotor_activity_rad_s2(flown);
   if (stage->step.kind != StepKind::kTrajectory) {
     return measure_hold(*stage, truth.front().pose, flown, figures);
   }
@@ -88,6 +89,15 @@ std::vector<Stage> FirmwareFigures::flown_stages() const {
   std::vector<Stage> flown = stages;
   if (under_way) flown.push_back(*under_way);
   return flown;
+}
+
+Measurement FirmwareFigures::motion() const {
+  Measurement figures;
+  figures.rms = rms;
+  figures.rms_estimate = rms_estimate;
+  figures.peak_error_m = peak_error_m;
+  figures.rotor_activity_rad_s2 = rotor_activity_rad_s2;
+  return figures;
 }
 
 std::string_view measured_about(const std::vector<Stage>& stages) {

@@ -45,6 +45,7 @@ struct FirmwareFigures {
   /// reference.
   std::optional<RmsFigures> rms;
   std::optional<double> peak_error_m;  ///< farthest from there
+  std::optional<double> rotor_activity_rad_s2;
   /// Of the estimate against the truth in the measured step, each relative to its value on the
   /// ground before takeoff.
   std::optional<RmsFigures> rms_estimate;
@@ -74,6 +75,8 @@ struct FirmwareFigures {
 
   /// With the one under way.
   std::vector<Stage> flown_stages() const;
+  /// What every flight has in the measured step, for the rows of figure_table().
+  Measurement motion() const;
 };
 
 /// Reference of FirmwareFigures::rms: "the reference" or "its mean".

@@ -32,12 +32,6 @@ void add_verdicts(HtmlPage& page, const FirmwareScenario& scenario,
   }
 }
 
-std::vector<std::string> rms_row(const std::string& name, const std::optional<RmsFigures>& rms) {
-  std::vector<std::string> row = rms_cells(rms);
-  row.insert(row.begin(), name);
-  return row;
-}
-
 /// @param who  "iris1: ", or nothing
 void add_flight(HtmlPage& page, const std::string& who, const FirmwareFigures& figures) {
   page.heading(who + "Flight");
@@ -62,10 +56,12 @@ void add_flight(HtmlPage& page, const std::string& who, const FirmwareFigures& f
   if (!figures.rms && !figures.rms_estimate) {
     return page.paragraph("The measured step was not flown to its end: it has no figures.");
   }
+  const Measurement motion = figures.motion();
   page.table("RMS errors in the measured step",
              {{"", "x, m", "y, m", "z, m", "yaw, rad"},
-              rms_row(fmt::format("truth about {}", measured_about(figures.stages)), figures.rms),
-              rms_row("estimate against truth", figures.rms_estimate)});
+              figure_cells(motion, fmt::format("truth about {}", measured_about(figures.stages)),
+                           rms_keys("rms")),
+              figure_cells(motion, "estimate against truth", rms_keys("rms_estimate"))});
   if (figures.peak_error_m) {
     page.paragraph(fmt::format("Farthest from {}: {:.2f} m.", measured_about(figures.stages),
                                *figures.peak_error_m));

@@ -11,16 +11,12 @@
 #include <utility>
 #include <vector>
 
+#include "hils/measure/figure_json.hpp"
+
 namespace cas::hils {
 namespace {
 
 using nlohmann::json;
-
-json rms_json(const RmsFigures& rms) {
-  json all;
-  for (const RmsAxis& axis : kRmsAxes) all[std::string(axis.key)] = rms.*axis.member;
-  return all;
-}
 
 LimitCheck check(const char* what, const std::string& wanted,
                  const std::optional<std::string>& missed) {
@@ -105,19 +101,17 @@ json vehicle_json(const FirmwareFigures& figures) {
   if (figures.params) {
     all["parameters"] = {{"count", figures.params->count}, {"sha256", figures.params->sha256}};
   }
-  const auto add = [&all](const char* key, std::optional<double> value) {
-    if (value) all[key] = *value;
-  };
-  add("height_error_m", figures.height_error_m);
-  add("drift_m", figures.drift_m);
-  add("peak_error_m", figures.peak_error_m);
+  all["height_error_m"] = figures.height_error_m ? json(*figures.height_error_m) : json();
+  all["drift_m"] = figures.drift_m ? json(*figures.drift_m) : json();
+  put_figures(figure_table(), Figure<Measurement>::Part::kMotion, figures.motion(), all);
+  if (figures.stream) {
+    put_figures(figure_table(), Figure<Measurement>::Part::kStream, *figures.stream, all);
+  }
   if (figures.setpoints.count > 0) {
     all["setpoints"] = {{"count", figures.setpoints.count},
                         {"longest_gap_s", figures.setpoints.longest_gap_s}};
   }
   if (figures.fence) all["fence"] = fence_json(*figures.fence);
-  if (figures.rms) all["rms"] = rms_json(*figures.rms);
-  if (figures.rms_estimate) all["rms_estimate"] = rms_json(*figures.rms_estimate);
   for (const BenchFaultScript::Span& fault : figures.faults) {
     json& entry = all["faults"].emplace_back();
     entry = {{"name", fault.name}, {"begin_s", base::to_seconds(fault.begin)}};
@@ -161,8 +155,7 @@ Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) 
     checks.push_back(check({.what = "drift", .unit = "m", .digits = 2, .bound = scenario.drift_m},
                            figures.drift_m, figures));
   }
-  check_motion({figures.rms, figures.rms_estimate, figures.peak_error_m}, scenario.limits, held,
-               checks);
+  check_figures(figures.motion(), scenario.limits.figures, held, checks);
   check_links(scenario, figures, checks);
   check_fence(scenario, figures, checks);
   checks.push_back(
@@ -195,11 +188,11 @@ Verdict judge_together(std::span<const FirmwareResult> vehicles) {
 json firmware_summary(const FirmwareScenario& scenario, std::span<const FirmwareResult> vehicles) {
   const FirmwareFigures& first = vehicles.front().figures;
   const Verdict together = judge_together(vehicles);
-  json all{{"schema", 1},
+  json all{{"schema", 2},
            {"scenario", scenario.name},
            {"valid", together.valid},
            {"passed", together.passed},
-           {"missed", together.failures},
+           {"failures", together.failures},
            {"remarks", together.remarks},
            {"simulated_s", first.simulated_s},
            {"wall_s", first.wall_s},
@@ -217,7 +210,7 @@ json firmware_summary(const FirmwareScenario& scenario, std::span<const Firmware
     entry["name"] = vehicle.vehicle;
     entry["system"] = vehicle.figures.system;
     entry["passed"] = vehicle.verdict.passed;
-    entry["missed"] = vehicle.verdict.failures;
+    entry["failures"] = vehicle.verdict.failures;
   }
   return all;
 }

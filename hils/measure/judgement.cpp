@@ -10,6 +10,8 @@
 #include <string_view>
 #include <utility>
 
+#include "hils/measure/figure_table.hpp"
+
 namespace cas::hils {
 
 namespace {
@@ -18,16 +20,6 @@ using Checks = std::vector<LimitCheck>;
 using Kind = LimitCheck::Kind;
 using Sense = LimitCheck::Sense;
 using NamedRate = std::pair<std::string_view, const RateFigures*>;
-
-/// @param key  of one of them: scenarios take no other
-const RmsAxis& axis_of(std::string_view key) {
-  return *std::ranges::find(kRmsAxes, key, &RmsAxis::key);
-}
-
-LimitCheck rms_check(std::string_view what, std::string_view axis) {
-  return {.what = fmt::format("RMS error of the {}, {}", what, axis),
-          .unit = std::string(axis_of(axis).unit)};
-}
 
 /// Marks the check as missed, for the reason that the sentence gives.
 LimitCheck missed(LimitCheck check, std::string sentence) {
@@ -271,51 +263,54 @@ void check_rate(std::string_view name, const RateFigures& rate, const Limits& li
   }
 }
 
-void check_most(std::string_view what, const char* unit, const StepResponse& response,
-                std::optional<double> value, std::optional<double> limit, Checks& checks) {
-  if (!limit) return;
-  add_bounded(checks,
-              {.what = fmt::format("{} of step '{}'", what, response.name),
-               .unit = unit,
-               .digits = 3,
-               .value = value,
-               .bound = limit,
-               .found = "never"},
-              value ? fmt::format("{} of step '{}' is {:.3f}; the limit is {:g}", what,
-                                  response.name, *value, *limit)
-                    : fmt::format("step '{}' ends before there is a {}", response.name, what));
+/// The check of a figure that has a bound: at most, or at least where up is better.
+template <class Of>
+LimitCheck bounded(const Figure<Of>& row, const std::string& of_what, double bound) {
+  return {.what = row.title + of_what,
+          .unit = row.unit,
+          .digits = row.digits,
+          .sense = row.better == Better::kUp ? Sense::kAtLeast : Sense::kAtMost,
+          .bound = bound};
 }
 
-void add_unjudged_response(const std::string& name, const ResponseLimits& limits, Checks& checks) {
-  const auto add = [&](std::string_view what, const char* unit, std::optional<double> bound) {
-    if (!bound) return;
-    checks.push_back({.what = fmt::format("{} of step '{}'", what, name),
-                      .unit = unit,
-                      .digits = 3,
-                      .bound = bound,
-                      .found = "not flown",
-                      .judged = false});
-  };
-  add("rise time", "s", limits.rise_s);
-  add("overshoot", "%", limits.overshoot_pct);
-  add("settling time", "s", limits.settling_s);
+/// Adds the check with its value, or with what was found instead.
+void add_figure(Checks& checks, LimitCheck check, std::optional<double> value,
+                const std::string& absent) {
+  const std::string unit = check.unit.empty() ? "" : " " + check.unit;
+  const std::string found = value ? fmt::format("{:.{}f}{}", *value, check.digits, unit) : absent;
+  const std::string sentence =
+      fmt::format("{}: {}; the limit is {:g}{}", check.what, found, *check.bound, unit);
+  check.value = value;
+  if (!value) check.found = absent;
+  add_bounded(checks, std::move(check), sentence);
+}
+
+void add_unjudged(Checks& checks, LimitCheck check, const std::string& found) {
+  check.found = found;
+  check.judged = false;
+  checks.push_back(std::move(check));
 }
 
 void check_responses(const std::vector<StepResponse>& responses,
-                     const std::map<std::string, ResponseLimits>& limits, Checks& checks) {
-  for (const auto& [name, limit] : limits) {
-    const auto found = std::ranges::find(responses, name, &StepResponse::name);
-    if (found == responses.end()) {
-      checks.push_back(
-          missed({.what = fmt::format("step '{}'", name), .found = "not flown", .wanted = "flown"},
-                 fmt::format("step '{}' was not flown", name)));
-      add_unjudged_response(name, limit, checks);
-      continue;
+                     const std::map<std::string, FigureLimits>& limits, Checks& checks) {
+  for (const auto& [name, bounds] : limits) {
+    const auto flown = std::ranges::find(responses, name, &StepResponse::name);
+    const bool is_flown = flown != responses.end();
+    const LimitCheck check{.what = fmt::format("step '{}'", name),
+                           .found = is_flown ? "flown" : "not flown",
+                           .wanted = "flown"};
+    checks.push_back(is_flown ? check
+                              : missed(check, fmt::format("step '{}' was not flown", name)));
+    for (const Figure<StepResponse>& row : response_table()) {
+      const auto bound = bounds.find(row.key);
+      if (bound == bounds.end()) continue;
+      LimitCheck figure = bounded(row, fmt::format(" of step '{}'", name), bound->second);
+      if (is_flown) {
+        add_figure(checks, std::move(figure), row.get(*flown), "never");
+      } else {
+        add_unjudged(checks, std::move(figure), "not flown");
+      }
     }
-    checks.push_back({.what = fmt::format("step '{}'", name), .found = "flown", .wanted = "flown"});
-    check_most("rise time", "s", *found, found->rise_s, limit.rise_s, checks);
-    check_most("overshoot", "%", *found, found->overshoot_pct, limit.overshoot_pct, checks);
-    check_most("settling time", "s", *found, found->settling_s, limit.settling_s, checks);
   }
 }
 
@@ -347,37 +342,6 @@ void check_incidents(const std::vector<Incident>& incidents, const Limits& limit
   }
 }
 
-void check_latency(const DelayFigures& loop, const Limits& limits, Checks& checks) {
-  if (!limits.latency_p99_us) return;
-  LimitCheck check{.what = "delay of the loop, 99 %",
-                   .unit = "us",
-                   .digits = 0,
-                   .bound = *limits.latency_p99_us,
-                   .found = "not measured"};
-  if (loop.count == 0) {
-    checks.push_back(
-        missed(std::move(check), "the loop's delay has a limit, but no packet to measure it by"));
-    return;
-  }
-  check.value = loop.p99;
-  add_bounded(checks, std::move(check),
-              fmt::format("the loop takes {:.0f} us in 99 % of the cases; the limit is {:g} us",
-                          loop.p99, *limits.latency_p99_us));
-}
-
-/// The measured step was not reached: there is nothing to judge, and the limits stand there all the
-/// same.
-void add_unjudged_rms(std::string_view what, const std::map<std::string, double>& limits,
-                      Checks& checks) {
-  for (const auto& [axis, limit] : limits) {
-    LimitCheck check = rms_check(what, axis);
-    check.bound = limit;
-    check.found = "not reached";
-    check.judged = false;
-    checks.push_back(std::move(check));
-  }
-}
-
 Checks flight_checks(const Measurement& figures, const Limits& limits) {
   Checks checks;
   check_incidents(figures.incidents, limits, checks);  // first: a crash is why it was not flown
@@ -385,10 +349,8 @@ Checks flight_checks(const Measurement& figures, const Limits& limits) {
   for (const auto& [name, rate] : named_rates(figures.rates)) {
     check_rate(name, *rate, limits, checks);
   }
-  check_latency(figures.sensor_to_control, limits, checks);
   check_responses(figures.responses, limits.responses, checks);
-  check_motion({figures.rms, figures.rms_estimate, figures.peak_error_m}, limits, figures.over_hold,
-               checks);
+  check_figures(figures, limits.figures, figures.over_hold, checks);
   return checks;
 }
 
@@ -406,46 +368,6 @@ Checks fault_checks(const std::vector<FaultThatNeverBegan>& faults) {
   return checks;
 }
 
-void check_rms(std::string_view what, const std::optional<RmsFigures>& rms,
-               const std::map<std::string, double>& limits, bool reached, Checks& checks) {
-  if (limits.empty()) return;
-  if (!reached) return add_unjudged_rms(what, limits, checks);
-  if (!rms || rms->samples == 0) {
-    checks.push_back(missed({.what = fmt::format("RMS error of the {}", what),
-                             .found = "none recorded",
-                             .wanted = "a record"},
-                            fmt::format("there is no {} to compare with the reference", what)));
-    return;
-  }
-  for (const auto& [axis, limit] : limits) {
-    const double value = *rms.*axis_of(axis).member;
-    LimitCheck check = rms_check(what, axis);
-    check.value = value;
-    check.bound = limit;
-    add_bounded(checks, std::move(check),
-                fmt::format("RMS error of the {} in {} is {:.4f}; the limit is {:g}", what, axis,
-                            value, limit));
-  }
-}
-
-void check_peak(std::optional<double> peak_m, std::optional<double> limit_m, bool reached,
-                Checks& checks) {
-  if (!limit_m) return;
-  LimitCheck check{.what = "largest error of the true position",
-                   .unit = "m",
-                   .digits = 3,
-                   .value = peak_m,
-                   .bound = limit_m,
-                   .found = reached ? "not measured" : "not reached",
-                   .judged = reached || peak_m};
-  if (!check.judged) return checks.push_back(std::move(check));
-  add_bounded(checks, std::move(check),
-              peak_m ? fmt::format("largest error of the true position is {:.3f} m; the limit is "
-                                   "{:g} m",
-                                   *peak_m, *limit_m)
-                     : "there is no true position to compare with the reference");
-}
-
 /// The remedy for a busy machine follows the last sentence that says so.
 std::vector<std::string> sentences_of(const Checks& checks) {
   std::vector<std::string> sentences;
@@ -461,15 +383,29 @@ std::vector<std::string> sentences_of(const Checks& checks) {
 
 }  // namespace
 
-void check_motion(const MotionFigures& figures, const Limits& limits, bool reached,
-                  std::vector<LimitCheck>& checks) {
-  check_rms("true position", figures.rms, limits.rms, reached, checks);
-  check_rms("estimate", figures.rms_estimate, limits.rms_estimate, reached, checks);
-  check_peak(figures.peak_error_m, limits.peak_error_m, reached, checks);
+void check_figures(const Measurement& figures, const FigureLimits& limits, bool reached,
+                   std::vector<LimitCheck>& checks) {
+  for (const Figure<Measurement>& row : figure_table()) {
+    const auto bound = limits.find(row.key);
+    if (bound == limits.end()) continue;
+    const std::optional<double> value = row.get(figures);
+    LimitCheck check = bounded(row, "", bound->second);
+    if (row.part == Figure<Measurement>::Part::kMotion && !reached && !value) {
+      add_unjudged(checks, std::move(check), "not reached");
+    } else {
+      add_figure(checks, std::move(check), value, "not measured");
+    }
+  }
 }
 
 std::optional<std::string> unlimited_motion(const Limits& limits) {
-  if (!limits.rms.empty() || limits.peak_error_m || !limits.responses.empty()) return std::nullopt;
+  const auto is_of_truth = [](const auto& limit) {
+    const std::string& key = limit.first;
+    return key == "peak_error_m" || (key.starts_with("rms_") && !key.starts_with("rms_estimate_"));
+  };
+  if (!limits.responses.empty() || std::ranges::any_of(limits.figures, is_of_truth)) {
+    return std::nullopt;
+  }
   return "the scenario limits neither rms nor peak_error_m: how well the measured step was flown "
          "is not judged";
 }

@@ -58,16 +58,11 @@ double most_late_ms(const Measurement& figures);
 /// The conditions that the machine must meet in a run in real time, whoever the controller is.
 std::vector<LimitCheck> machine_checks(const Measurement& figures);
 
-/// Motion in the measured step.
-struct MotionFigures {
-  const std::optional<RmsFigures>& rms;           ///< of the true position
-  const std::optional<RmsFigures>& rms_estimate;  ///< of the controller's estimate
-  std::optional<double> peak_error_m;             ///< of the true position
-};
-/// Holds it to its limits.
-/// @param reached  whether the flight came to its measured step; else the bounds are not judged
-void check_motion(const MotionFigures& figures, const Limits& limits, bool reached,
-                  std::vector<LimitCheck>& checks);
+/// Holds figures to their limits.
+/// @param reached  whether the flight came to its measured step; else bounds on the motion there
+///                 are not judged
+void check_figures(const Measurement& figures, const FigureLimits& limits, bool reached,
+                   std::vector<LimitCheck>& checks);
 /// A remark on a verdict whose limits leave a swing in the measured step unjudged; nullopt: they
 /// do not.
 std::optional<std::string> unlimited_motion(const Limits& limits);

@@ -20,6 +20,7 @@
 #include "base/time/clock.hpp"
 #include "hils/measure/check_json.hpp"
 #include "hils/measure/csv_row.hpp"
+#include "hils/measure/figure_json.hpp"
 #include "hils/programs/composition.hpp"
 #include "hils/replay/hop_record.hpp"
 #include "hils/replay/logged_messages.hpp"
@@ -184,12 +185,8 @@ Json events_json(const Measurement& figures) {
 Json responses_json(const Measurement& figures) {
   Json responses = Json::array();
   for (const StepResponse& response : figures.responses) {
-    responses.push_back({{"name", response.name},
-                         {"size_m", response.size},
-                         {"rise_s", number_or_null(response.rise_s)},
-                         {"overshoot_pct", number_or_null(response.overshoot_pct)},
-                         {"settling_s", number_or_null(response.settling_s)},
-                         {"integrated_error_m_s", number_or_null(response.integrated_error)}});
+    Json& own = responses.emplace_back(Json{{"name", response.name}});
+    put_figures(response_table(), Figure<StepResponse>::Part::kRun, response, own);
   }
   return responses;
 }

@@ -2,7 +2,8 @@
 #include "hils/report/delay_note.hpp"
 
 #include <algorithm>
-#include <array>
+
+#include "hils/measure/figure_table.hpp"
 
 namespace cas::hils {
 
@@ -17,9 +18,8 @@ bool is_negative(const DelayFigures& delay) {
 }  // namespace
 
 bool has_negative_delay(const Measurement& figures) {
-  const std::array delays{figures.sensor_to_control, figures.sensor_uplink,
-                          figures.controls_downlink, figures.age_by_stamp, figures.age_by_arrival};
-  return std::ranges::any_of(delays, is_negative);
+  return std::ranges::any_of(
+      kDelays, [&](const Delay& delay) { return is_negative(figures.*delay.figures); });
 }
 
 bool has_negative_hop(const Measurement& figures) {

@@ -3,9 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <initializer_list>
+#include <iterator>
 
 #include "base/time/clock.hpp"
+#include "hils/measure/figure_table.hpp"
 #include "hils/report/experiment.hpp"
 #include "hils/report/number_text.hpp"
 #include "hils/report/paper_figures.hpp"
@@ -14,63 +17,89 @@ namespace cas::hils {
 
 namespace {
 
-std::vector<std::string> row_of(const std::string& name, std::initializer_list<double> values) {
-  std::vector<std::string> row{name};
+std::vector<std::string> paper_row(std::string_view name, std::initializer_list<double> values) {
+  std::vector<std::string> row{fmt::format("[HILS] {}", name)};
   for (const double value : values) row.push_back(fixed(value, 4));
   return row;
 }
 
 }  // namespace
 
-Rows rate_rows(const Measurement& figures) {
-  const auto& [sensor, gps, controls] = figures.rates;
-  Rows rows{row_of(title_of(figures.architecture),
-                   {sensor.received_hz, sensor.error_pct, gps.received_hz, gps.error_pct,
-                    controls.received_hz, controls.error_pct})};
-  for (const PaperRates& paper : kPaperTable4) {
-    rows.push_back(row_of(fmt::format("[HILS] {}", paper.name),
-                          {paper.sensor_hz, paper.sensor_error_pct, paper.gps_hz,
-                           paper.gps_error_pct, paper.controls_hz, paper.controls_error_pct}));
-  }
-  return rows;
-}
-
-std::vector<std::string> rms_cells(const std::optional<RmsFigures>& rms) {
-  std::vector<std::string> cells;
-  cells.reserve(kRmsAxes.size());
-  for (const RmsAxis& axis : kRmsAxes) {
-    cells.push_back(rms ? fixed(*rms.*axis.member, 4) : "-");
+std::vector<std::string> figure_cells(const Measurement& figures, const std::string& name,
+                                      const std::vector<std::string>& keys) {
+  std::vector<std::string> cells{name};
+  for (const std::string& key : keys) {
+    const Figure<Measurement>& row = figure_row(key);
+    cells.push_back(fixed(row.get(figures), row.digits));
   }
   return cells;
 }
 
-void add_delay_cells(const DelayFigures& delay,
-                     std::initializer_list<double DelayFigures::*> figures,
-                     std::vector<std::string>& row) {
-  for (const auto member : figures) row.push_back(delay.count > 0 ? fixed(delay.*member, 0) : "-");
+Rows paper_rate_rows() {
+  Rows rows;
+  for (const PaperRates& paper : kPaperTable4) {
+    rows.push_back(
+        paper_row(paper.name, {paper.sensor_hz, paper.sensor_error_pct, paper.gps_hz,
+                               paper.gps_error_pct, paper.controls_hz, paper.controls_error_pct}));
+  }
+  return rows;
+}
+
+Rows paper_rms_rows() {
+  Rows rows;
+  for (const PaperRms& paper : kPaperTable5) {
+    rows.push_back(paper_row(paper.name, {paper.x_m, paper.y_m, paper.z_m, paper.yaw_rad}));
+  }
+  return rows;
+}
+
+Rows rate_rows(const Measurement& figures) {
+  Rows rows{figure_cells(figures, title_of(figures.architecture),
+                         {"sensor_hz", "sensor_rate_error_pct", "gps_hz", "gps_rate_error_pct",
+                          "controls_hz", "controls_rate_error_pct"})};
+  std::ranges::move(paper_rate_rows(), std::back_inserter(rows));
+  return rows;
+}
+
+Rows delay_rows(const Measurement& figures) {
+  Rows rows{{"Delay, us", "packets", "median", "99 %", "longest"}};
+  for (const Delay& delay : kDelays) {
+    const std::string key(delay.key);
+    rows.push_back(
+        figure_cells(figures, std::string(delay.title),
+                     {key + "_count", key + "_p50_us", key + "_p99_us", key + "_max_us"}));
+  }
+  return rows;
+}
+
+std::vector<std::string> rms_keys(std::string_view block) {
+  std::vector<std::string> keys;
+  for (const RmsAxis& axis : kRmsAxes) keys.push_back(fmt::format("{}_{}", block, axis.key));
+  return keys;
 }
 
 Rows rms_rows(const Measurement& figures, const std::array<std::string, 2>& names) {
   Rows rows;
-  for (const auto& [name, rms] :
-       {std::pair{&names[0], &figures.rms}, std::pair{&names[1], &figures.rms_estimate}}) {
-    if (*rms)
-      rows.push_back(row_of(*name, {(*rms)->x_m, (*rms)->y_m, (*rms)->z_m, (*rms)->yaw_rad}));
+  if (figures.rms) rows.push_back(figure_cells(figures, names[0], rms_keys("rms")));
+  if (figures.rms_estimate) {
+    rows.push_back(figure_cells(figures, names[1], rms_keys("rms_estimate")));
   }
-  if (!measures_station_keeping(figures)) return rows;
-  for (const PaperRms& paper : kPaperTable5) {
-    rows.push_back(row_of(fmt::format("[HILS] {}", paper.name),
-                          {paper.x_m, paper.y_m, paper.z_m, paper.yaw_rad}));
+  if (measures_station_keeping(figures)) {
+    std::ranges::move(paper_rms_rows(), std::back_inserter(rows));
   }
   return rows;
 }
 
 Rows response_rows(const Measurement& figures) {
-  Rows rows;
+  Rows rows{{"Step"}};
+  for (const Figure<StepResponse>& row : response_table()) {
+    rows.front().push_back(fmt::format("{}, {}", row.title, row.unit));
+  }
   for (const StepResponse& response : figures.responses) {
-    rows.push_back({response.name, fixed(response.size, 2), fixed(response.rise_s, 2),
-                    fixed(response.overshoot_pct, 1), fixed(response.settling_s, 2),
-                    fixed(response.integrated_error, 3)});
+    rows.push_back({response.name});
+    for (const Figure<StepResponse>& row : response_table()) {
+      rows.back().push_back(fixed(row.get(response), row.digits));
+    }
   }
   return rows;
 }

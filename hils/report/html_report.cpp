@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "base/read_file.hpp"
+#include "hils/measure/figure_table.hpp"
 #include "hils/report/change_table.hpp"
 #include "hils/report/delay_note.hpp"
 #include "hils/report/experiment.hpp"
@@ -48,12 +49,11 @@ void add_limits(HtmlPage& page, const std::string& who, const VehicleResult& veh
 
 void add_rates(HtmlPage& page, const Measurement& figures) {
   Rows rows{{"Message", "nominal Hz", "sent", "received", "lost", "received Hz", "error %"}};
-  for (const auto& [name, rate] :
-       {std::pair{"HIL_SENSOR", &figures.rates.sensor}, std::pair{"HIL_GPS", &figures.rates.gps},
-        std::pair{"controls", &figures.rates.controls}}) {
-    rows.push_back({name, fmt::format("{:g}", rate->nominal_hz), fmt::format("{}", rate->sent),
-                    fmt::format("{}", rate->received), fmt::format("{}", rate->lost),
-                    fixed(rate->received_hz, 4), fixed(rate->error_pct, 4)});
+  for (const Stream& stream : kStreams) {
+    const std::string key(stream.key);
+    rows.push_back(figure_cells(figures, std::string(stream.name),
+                                {key + "_nominal_hz", key + "_sent", key + "_received",
+                                 key + "_lost", key + "_hz", key + "_rate_error_pct"}));
   }
   page.table("Every packet followed by message and stamp, from sender to receiver", rows);
 
@@ -80,15 +80,12 @@ void add_rms(HtmlPage& page, const Measurement& figures) {
   page.table(title + ", beside Table 5 of [HILS]", rows, looks);
 }
 
-void add_delays(HtmlPage& page, const Measurement& figures) {
-  Rows rows{{"Delay, us", "packets", "median", "99 %", "longest"}};
-  for (const auto& [which, _, name] : kDelayRows) {
-    const DelayFigures& delay = figures.*which;
-    rows.push_back({name, fmt::format("{}", delay.count)});
-    add_delay_cells(delay, {&DelayFigures::p50, &DelayFigures::p99, &DelayFigures::max},
-                    rows.back());
+/// Figures of a delay in whole microseconds; dashes if no packet was timed.
+void add_delay_cells(const DelayFigures& delay, std::vector<std::string>& row) {
+  for (const auto member :
+       {&DelayFigures::p50, &DelayFigures::p90, &DelayFigures::p99, &DelayFigures::max}) {
+    row.push_back(delay.count > 0 ? fixed(delay.*member, 0) : "-");
   }
-  page.table("Delays", rows);
 }
 
 void add_hops(HtmlPage& page, const Measurement& figures) {
@@ -97,10 +94,7 @@ void add_hops(HtmlPage& page, const Measurement& figures) {
     for (const HopFigures& hop : path.hops) {
       rows.push_back(
           {path.message + ": " + hop.name, fmt::format("{}", hop.in), fmt::format("{}", hop.out)});
-      add_delay_cells(
-          hop.delay,
-          {&DelayFigures::p50, &DelayFigures::p90, &DelayFigures::p99, &DelayFigures::max},
-          rows.back());
+      add_delay_cells(hop.delay, rows.back());
       rows.back().push_back(hop.delay.count > 1 ? fixed(hop.jitter_us, 0) : "-");
     }
   }
@@ -140,9 +134,7 @@ void add_changes(HtmlPage& page, const std::string& who, const FlightChanges& ch
 
 void add_responses(HtmlPage& page, const Measurement& figures) {
   if (figures.responses.empty()) return;
-  Rows rows{{"Step", "size m", "rise s", "overshoot %", "settling s", "integrated error m s"}};
-  std::ranges::move(response_rows(figures), std::back_inserter(rows));
-  page.table("Responses to steps of the reference", rows);
+  page.table("Responses to steps of the reference", response_rows(figures));
 }
 
 void add_machine(HtmlPage& page, const Measurement& figures) {
@@ -166,11 +158,11 @@ void add_overview(HtmlPage& page, const RunResult& run) {
   Rows rows{{"Vehicle", "verdict", "HIL_SENSOR lost", "HIL_GPS lost", "controls lost", "RMS X m",
              "Y m", "Z m"}};
   for (const VehicleResult& vehicle : run.vehicles) {
-    const auto& [sensor, gps, controls] = vehicle.figures.rates;
-    const std::vector<std::string> rms = rms_cells(vehicle.figures.rms);
-    rows.push_back({vehicle.figures.vehicle, title_of(vehicle.verdict),
-                    fmt::format("{}", sensor.lost), fmt::format("{}", gps.lost),
-                    fmt::format("{}", controls.lost), rms[0], rms[1], rms[2]});
+    std::vector<std::string> row =
+        figure_cells(vehicle.figures, vehicle.figures.vehicle,
+                     {"sensor_lost", "gps_lost", "controls_lost", "rms_x_m", "rms_y_m", "rms_z_m"});
+    row.insert(row.begin() + 1, title_of(vehicle.verdict));
+    rows.push_back(std::move(row));
   }
   page.table("Vehicles", rows);
 }
@@ -180,7 +172,7 @@ void add_vehicle(HtmlPage& page, const std::string& who, const Measurement& figu
                  const NamedPlots& plots) {
   page.heading(who + "Communication");
   add_rates(page, figures);
-  add_delays(page, figures);
+  page.table("Delays", delay_rows(figures));
   add_hops(page, figures);
   page.heading(who + "Flight");
   add_responses(page, figures);

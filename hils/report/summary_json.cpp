@@ -6,32 +6,20 @@
 #include "base/time/clock.hpp"
 #include "hils/measure/check_json.hpp"
 #include "hils/report/change_table.hpp"
-#include "hils/report/number_text.hpp"
+#include "hils/measure/figure_json.hpp"
 #include "hils/report/plugin_section.hpp"
 
 namespace cas::hils {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using Part = Figure<Measurement>::Part;
 
 constexpr int kSchema = 1;
-
-Json rate_json(const RateFigures& rate) {
-  return {{"nominal_hz", rate.nominal_hz},   {"sent", rate.sent},
-          {"received", rate.received},       {"lost", rate.lost},
-          {"received_hz", rate.received_hz}, {"error_pct", rate.error_pct}};
-}
 
 Json delay_json(const DelayFigures& delay) {
   if (delay.count == 0) return nullptr;
   return {{"p50", delay.p50}, {"p90", delay.p90}, {"p99", delay.p99}, {"max", delay.max}};
-}
-
-Json rms_json(const std::optional<RmsFigures>& rms) {
-  if (!rms) return nullptr;
-  Json all;
-  for (const RmsAxis& axis : kRmsAxes) all[std::string(axis.key)] = *rms.*axis.member;
-  return all;
 }
 
 Json path_json(const PathAccount& path) {
@@ -54,12 +42,9 @@ Json fault_json(const BenchFaultScript::Span& fault) {
 }
 
 Json response_json(const StepResponse& response) {
-  return {{"step", response.name},
-          {"size_m", response.size},
-          {"rise_s", number_or_null(response.rise_s)},
-          {"overshoot_pct", response.overshoot_pct},
-          {"settling_s", number_or_null(response.settling_s)},
-          {"integrated_error_m_s", response.integrated_error}};
+  Json json{{"step", response.name}};
+  put_figures(response_table(), Figure<StepResponse>::Part::kRun, response, json);
+  return json;
 }
 
 Json stage_json(const Stage& stage) {
@@ -113,14 +98,7 @@ Json run_json(const Measurement& figures, const Verdict& verdict) {
   summary["remarks"] = verdict.remarks;
   summary["virtual_clock"] = figures.virtual_clock;
   summary["lockstep"] = figures.lockstep;
-  summary["real_time_factor"] = figures.pace.real_time_factor;
-  summary["worst_stall_ms"] = figures.pace.worst_stall_ms;
-  summary["late_p99_ms"] = figures.pace.late_p99_ms;
-  summary["handover_p99_us"] = number_or_null(figures.handover_p99_us);
-  summary["reading_spread_us"] = number_or_null(figures.reading_spread_us);
-  summary["cpu_pressure"] = figures.cpu_pressure ? Json(*figures.cpu_pressure) : Json(nullptr);
-  summary["simulated_s"] = figures.simulated_s;
-  summary["wall_s"] = figures.wall_s;
+  put_figures(figure_table(), Part::kRun, figures, summary);
   summary["cpu_s"] = Json::object();
   for (const auto& [program, seconds] : figures.cpu_s) summary["cpu_s"][program] = seconds;
   return summary;
@@ -130,17 +108,7 @@ Json run_json(const Measurement& figures, const Verdict& verdict) {
 void add_figures(const Measurement& figures, Json& summary) {
   summary["window_s"] = {{"begin", static_cast<double>(figures.window.begin_usec) * 1e-6},
                          {"end", static_cast<double>(figures.window.end_usec) * 1e-6}};
-  summary["rates"] = {{"HIL_SENSOR", rate_json(figures.rates.sensor)},
-                      {"HIL_GPS", rate_json(figures.rates.gps)},
-                      {"HIL_CONTROLS", rate_json(figures.rates.controls)}};
-  summary["latency_us"] = {{"sensor_to_control", delay_json(figures.sensor_to_control)},
-                           {"sensor_uplink", delay_json(figures.sensor_uplink)},
-                           {"controls_downlink", delay_json(figures.controls_downlink)}};
-  summary["age_at_use_us"] = {{"by_stamp", delay_json(figures.age_by_stamp)},
-                              {"by_arrival", delay_json(figures.age_by_arrival)}};
-  summary["meter_hz"] = {{"HIL_SENSOR", figures.meter.sensor_hz},
-                         {"HIL_GPS", figures.meter.gps_hz},
-                         {"HIL_CONTROLS", figures.meter.controls_hz}};
+  put_figures(figure_table(), Part::kStream, figures, summary);
   summary["from_device"] = figures.from_device;
   if (figures.from_device) summary["lost_by_sequence"] = figures.lost_by_sequence;
   summary["paths"] = Json::array();
@@ -161,9 +129,7 @@ void add_figures(const Measurement& figures, Json& summary) {
   for (const auto& response : figures.responses) {
     summary["responses"].push_back(response_json(response));
   }
-  summary["rms"] = rms_json(figures.rms);
-  summary["rms_estimate"] = rms_json(figures.rms_estimate);
-  summary["peak_error_m"] = number_or_null(figures.peak_error_m);
+  put_figures(figure_table(), Part::kMotion, figures, summary);
   summary["stages"] = stages_json(figures);
   summary["plugins"] = plugins_json(figures.plugins);
 }

@@ -94,14 +94,7 @@ std::string delay_table(const Measurement& figures) {
   if (figures.lockstep) {
     return "\nNo delays: in lockstep the line is left out, and packets take no simulated time.\n";
   }
-  Rows rows{{"Delay, us", "median", "99 %", "longest"}};
-  for (const auto& [which, name, _] : kDelayRows) {
-    const DelayFigures& delay = figures.*which;
-    rows.push_back({name});
-    add_delay_cells(delay, {&DelayFigures::p50, &DelayFigures::p99, &DelayFigures::max},
-                    rows.back());
-  }
-  std::string text = "\n" + lines(rows, std::array{34, 9, 9, 9});
+  std::string text = "\n" + lines(delay_rows(figures), std::array{34, 9, 9, 9, 9});
   if (has_negative_delay(figures)) text += fmt::format("{}\n", kNegativeDelayNote);
   return text;
 }
@@ -124,11 +117,7 @@ std::string loss_lines(const Measurement& figures) {
 
 std::string response_table(const Measurement& figures) {
   if (figures.responses.empty()) return {};
-  constexpr std::array kColumns{16, 8, 8, 12, 12, 16};
-  return "\n" +
-         lines({{"Step", "size m", "rise s", "overshoot %", "settling s", "int. error m s"}},
-               kColumns) +
-         lines(response_rows(figures), kColumns);
+  return "\n" + lines(response_rows(figures), std::array{16, 8, 13, 13, 17, 21});
 }
 
 /// Figures of the plugins: the value, or the range of a series.
@@ -150,15 +139,15 @@ std::string figures_text(const Measurement& figures) {
 
 /// One line for each vehicle.
 std::string overview_table(const RunResult& run) {
-  Rows rows{{"Vehicle", "verdict", "lost IMU/GPS/control", "RMS X m", "Y m", "Z m"}};
+  Rows rows{{"Vehicle", "verdict", "lost IMU", "GPS", "control", "RMS X m", "Y m", "Z m"}};
   for (const VehicleResult& vehicle : run.vehicles) {
-    const auto& [sensor, gps, controls] = vehicle.figures.rates;
-    const std::vector<std::string> rms = rms_cells(vehicle.figures.rms);
-    rows.push_back({vehicle.figures.vehicle, std::string(vehicle.verdict.word()),
-                    fmt::format("{} / {} / {}", sensor.lost, gps.lost, controls.lost), rms[0],
-                    rms[1], rms[2]});
+    std::vector<std::string> row =
+        figure_cells(vehicle.figures, vehicle.figures.vehicle,
+                     {"sensor_lost", "gps_lost", "controls_lost", "rms_x_m", "rms_y_m", "rms_z_m"});
+    row.insert(row.begin() + 1, std::string(vehicle.verdict.word()));
+    rows.push_back(std::move(row));
   }
-  return "\n" + lines(rows, std::array{24, 8, 20, 8, 8, 8});
+  return "\n" + lines(rows, std::array{24, 8, 8, 6, 8, 8, 8, 8});
 }
 
 }  // namespace

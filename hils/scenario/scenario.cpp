@@ -5,6 +5,8 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <functional>
+#include <optional>
 #include <string_view>
 #include <tuple>
 
@@ -17,7 +19,7 @@
 #include "base/suggestion.hpp"
 #include "base/text.hpp"
 #include "hils/flight/phase_check.hpp"
-#include "hils/flight/rms_figures.hpp"
+#include "hils/scenario/figure.hpp"
 #include "hils/scenario/scenario_reference.hpp"
 #include "plugins/fault/fault_spec.hpp"
 
@@ -34,49 +36,46 @@ using base::required;
 
 // Limits
 
-constexpr Range kLimit{0, 1e6};
+constexpr Range kBound{0, 1e9};
 constexpr Range kShare_pct{0, 100};
 
-/// A bound for each axis that is there.
-struct Axes {
-  static void read(const base::ConfigNode& node, std::map<std::string, double>& axes) {
-    for (const RmsAxis& axis : kRmsAxes) {
-      if (node.has(axis.key)) axes[std::string(axis.key)] = node.require_in(axis.key, 0, 1e6);
-    }
-  }
-};
+using Row = Figure<Measurement>;
 
-constexpr std::tuple kMotionKeys{
-    key<&Limits::rms>("rms", Axes{},
-                      "true position against the reference: {x_m, y_m, z_m, yaw_rad}"),
-    key<&Limits::rms_estimate>(
-        "rms_estimate", Axes{},
-        "the controller's own estimate against the reference, the same keys"),
-    key<&Limits::peak_error_m>("peak_error_m", kLimit,
-                               "farthest the true position is from the reference at any moment"),
-};
-
-constexpr std::tuple kStreamKeys{
+constexpr std::tuple kLimitKeys{
     key<&Limits::lost>("lost", base::Count{}, "lost packets of each HIL message"),
     key<&Limits::delivered_pct>("delivered_pct", kShare_pct,
                                 "least share of delivered packets of each HIL message"),
     key<&Limits::rate_error_pct>("rate_error_pct", kShare_pct,
                                  "deviation of the received rate from nominal, up or down"),
-    key<&Limits::latency_p99_us>("latency_p99_us", Range{0, 1e9},
-                                 "from HIL_SENSOR sent to its echo received, 99 % of the packets"),
+    key<&Limits::responses>("responses", ReadApart{"name -> block"},
+                            "response to the `trajectory: {shape: step}` of that name", "none"),
 };
 
-constexpr auto kLimitKeys =
-    std::tuple_cat(kStreamKeys, kMotionKeys,
-                   std::tuple{key<&Limits::responses>(
-                       "responses", ReadApart{"name -> block"},
-                       "response to the `trajectory: {shape: step}` of that name", "none")});
+/// Reads a bound for each figure of the table that has one.
+/// @param name_of  the figure's key in the block, or BLOCK.KEY; empty: it cannot have one here
+template <class Of, class NameOf>
+FigureLimits parse_figures(const base::ConfigNode& node, const std::vector<Figure<Of>>& table,
+                           const NameOf& name_of) {
+  FigureLimits limits;
+  for (const Figure<Of>& row : table) {
+    const std::string name = name_of(row);
+    if (name.empty()) continue;
+    const std::size_t dot = name.find('.');
+    const auto block = dot == name.npos ? std::optional(node) : node.find(name.substr(0, dot));
+    const std::string key = name.substr(dot == name.npos ? 0 : dot + 1);
+    if (!block || !block->has(key)) continue;
+    if (row.better == Better::kNeither) {
+      block->at(key).fail("this figure is not better up or down: it takes no limit");
+    }
+    limits[row.key] = block->require_in(key, kBound.low, kBound.high);
+  }
+  return limits;
+}
 
-constexpr std::tuple kResponseKeys{
-    key<&ResponseLimits::rise_s>("rise_s", kLimit, "from 10 to 90 %"),
-    key<&ResponseLimits::overshoot_pct>("overshoot_pct", kLimit, "beyond the new value"),
-    key<&ResponseLimits::settling_s>("settling_s", kLimit, "to within 5 % for good"),
-};
+/// The motion's limits are where summary.json has its figures, the others have the figures' keys.
+std::string limit_name(const Row& row) {
+  return row.part == Row::Part::kMotion ? row.place() : row.key;
+}
 
 bool has_response(const std::vector<FlightStep>& steps, std::string_view name) {
   return std::ranges::any_of(steps, [name](const FlightStep& step) {
@@ -85,15 +84,16 @@ bool has_response(const std::vector<FlightStep>& steps, std::string_view name) {
 }
 
 /// Each key is the name of a `trajectory: {shape: step}` of the flight.
-std::map<std::string, ResponseLimits> parse_responses(const base::ConfigNode& limits,
-                                                      const std::vector<FlightStep>& steps) {
-  std::map<std::string, ResponseLimits> responses;
+std::map<std::string, FigureLimits> parse_responses(const base::ConfigNode& limits,
+                                                    const std::vector<FlightStep>& steps) {
+  std::map<std::string, FigureLimits> responses;
   const std::optional<base::ConfigNode> node = limits.find("responses");
   if (!node) return responses;
   for (const auto& [name, body] : node->entries()) {
     if (!has_response(steps, name))
       body.fail("the flight has no 'trajectory: {shape: step}' of that name");
-    base::read_keys(body, kResponseKeys, responses[name]);
+    responses[name] =
+        parse_figures(body, response_table(), std::mem_fn(&Figure<StepResponse>::key));
   }
   return responses;
 }
@@ -102,6 +102,7 @@ std::map<std::string, ResponseLimits> parse_responses(const base::ConfigNode& li
 Limits parse_limits(const base::ConfigNode& node, const std::vector<FlightStep>& steps) {
   Limits limits;
   base::read_keys(node, kLimitKeys, limits);
+  limits.figures = parse_figures(node, figure_table(), limit_name);
   limits.responses = parse_responses(node, steps);
   return limits;
 }
@@ -372,10 +373,28 @@ constexpr std::tuple kKeys{
         "a list of the [incidents](#incidents) that do not fail the run", "none"),
 };
 
+/// Lines of a table of keys: the figures of a part that can have a limit.
+template <class Of>
+std::string figure_limit_lines(const std::vector<Figure<Of>>& table,
+                               typename Figure<Of>::Part part) {
+  std::vector<base::KeyRow> rows;
+  for (const Figure<Of>& row : table) {
+    if (row.part != part || row.better == Better::kNeither) continue;
+    rows.push_back({.key = row.place(),
+                    .standard = "none",
+                    .values = kBound.values(),
+                    .help = row.title + ": " + row.meaning,
+                    .samples = {}});
+  }
+  return base::key_lines(rows);
+}
+
 }  // namespace
 
 void parse_motion_limits(const base::ConfigNode& node, Limits& limits) {
-  base::read_keys(node, kMotionKeys, limits);
+  limits.figures = parse_figures(node, figure_table(), [](const Row& row) {
+    return row.part == Row::Part::kMotion ? row.place() : std::string();
+  });
 }
 
 void check_fault_plugins(const std::set<std::string>& plugins,
@@ -478,8 +497,12 @@ std::string scenario_reference() {
   return base::key_table(std::tuple_cat(kVehiclesKeys, kWorldKeys, kKeys), Scenario{}) +
          "\nOne of `vehicles`:\n\n" + base::key_table(kVehicleKeys, ScenarioVehicle{}) +
          "\n`limits`:\n\n" + base::key_table(kLimitKeys, Limits{}) +
-         "\nOne of the `responses` of `limits`:\n\n" +
-         base::key_table(kResponseKeys, ResponseLimits{});
+         figure_limit_lines(figure_table(), Row::Part::kMotion) +
+         "\nEach other [figure](#figures) that is better up or down has a limit under its key, "
+         "such "
+         "as `sensor_to_control_p99_us`.\n\nOne of the `responses` of `limits`:\n\n" +
+         "| key | default | values | meaning |\n|---|---|---|---|\n" +
+         figure_limit_lines(response_table(), Figure<StepResponse>::Part::kRun);
 }
 
 }  // namespace cas::hils

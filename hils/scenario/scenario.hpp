@@ -22,28 +22,21 @@
 
 namespace cas::hils {
 
-/// Most that the response to one step of a flight may show.
-struct ResponseLimits {
-  std::optional<double> rise_s;
-  std::optional<double> overshoot_pct;
-  std::optional<double> settling_s;
-};
+/// Bounds of figures by their keys: of figure_table() or response_table().
+using FigureLimits = std::map<std::string, double>;
 
 /// Limits of a run's figures; one that a scenario leaves out is not judged.
 struct Limits {
-  std::optional<std::uint64_t> lost;           ///< packets of each HIL message in the window
-  std::optional<double> rate_error_pct;        ///< received rate against nominal, either way
-  std::optional<double> delivered_pct;         ///< least share of each HIL message that arrives
-  std::optional<double> latency_p99_us;        ///< sensor to control
-  std::map<std::string, double> rms;           ///< x_m, y_m, z_m, yaw_rad: truth against reference
-  std::map<std::string, double> rms_estimate;  ///< the same axes: estimate against reference
-  std::optional<double> peak_error_m;          ///< farthest the true position is from the reference
-  std::map<std::string, ResponseLimits> responses;  ///< by the name of the step
-  std::set<IncidentKind> allow;                     ///< of the scenario: these fail no run
+  std::optional<std::uint64_t> lost;              ///< packets of each HIL message in the window
+  std::optional<double> rate_error_pct;           ///< received rate against nominal, either way
+  std::optional<double> delivered_pct;            ///< least share of each HIL message that arrives
+  FigureLimits figures;                           ///< of the vehicle
+  std::map<std::string, FigureLimits> responses;  ///< by the name of the step
+  std::set<IncidentKind> allow;                   ///< of the scenario: these fail no run
 };
 
-/// Reads the limits on the motion in the measured step, which every controller has: rms,
-/// rms_estimate, peak_error_m. @throws base::ConfigError
+/// Reads the limits on the motion in the measured step, which every controller has, from where
+/// summary.json has the figures: {rms: {x_m: 0.1}, peak_error_m: 1}. @throws base::ConfigError
 void parse_motion_limits(const base::ConfigNode& node, Limits& limits);
 
 /// Where a run is flown: keys `world`, `model_path` and `missing` of a simulation file.

@@ -11,6 +11,7 @@
 
 #include "base/text.hpp"
 #include "hils/flight/flight_step.hpp"
+#include "hils/measure/figure_table.hpp"
 #include "hils/measure/strike_fields.hpp"
 #include "hils/sweep/run_table.hpp"
 
@@ -36,27 +37,6 @@ struct Figures {
   std::vector<std::string> names{};
   std::vector<double> values{};
 };
-
-void add_rate(const std::string& name, const RateFigures& rate, Figures& figures) {
-  figures.add(name + "_sent", static_cast<double>(rate.sent));
-  figures.add(name + "_received", static_cast<double>(rate.received));
-  figures.add(name + "_lost", static_cast<double>(rate.lost));
-  figures.add(name + "_hz", rate.received_hz);
-  figures.add(name + "_rate_error_pct", rate.error_pct);
-}
-
-void add_delay(const std::string& name, const DelayFigures& delay, Figures& figures) {
-  const bool has = delay.count > 0;
-  figures.add(name + "_p50_us", has ? delay.p50 : kNone);
-  figures.add(name + "_p99_us", has ? delay.p99 : kNone);
-  figures.add(name + "_max_us", has ? delay.max : kNone);
-}
-
-void add_rms(const std::string& name, const std::optional<RmsFigures>& rms, Figures& figures) {
-  for (const RmsAxis& axis : kRmsAxes) {
-    figures.add(fmt::format("{}_{}", name, axis.key), rms ? *rms.*axis.member : kNone);
-  }
-}
 
 /// Smallest margin over all limits of the flight, % of the limit; negative beyond it.
 double least_margin_pct(const Verdict& verdict) {
@@ -96,24 +76,15 @@ std::vector<std::string> response_names(const Scenario& scenario) {
 }
 
 void add_vehicle(const Scenario& scenario, const Measurement& measured, Figures& figures) {
-  add_rate("sensor", measured.rates.sensor, figures);
-  add_rate("gps", measured.rates.gps, figures);
-  add_rate("controls", measured.rates.controls, figures);
-  add_delay("sensor_to_control", measured.sensor_to_control, figures);
-  add_delay("sensor_uplink", measured.sensor_uplink, figures);
-  add_delay("controls_downlink", measured.controls_downlink, figures);
-  add_delay("age_at_use", measured.age_by_stamp, figures);
-  add_rms("rms", measured.rms, figures);
-  add_rms("rms_estimate", measured.rms_estimate, figures);
-  figures.add("peak_error_m", measured.peak_error_m);
-  figures.add("rotor_activity_rad_s2", measured.rotor_activity_rad_s2);
+  for (const Figure<Measurement>& row : figure_table()) {
+    if (row.part != Figure<Measurement>::Part::kRun) figures.add(row.key, row.get(measured));
+  }
   for (const std::string& name : response_names(scenario)) {
     const auto found = std::ranges::find(measured.responses, name, &StepResponse::name);
     const bool has = found != measured.responses.end();
-    figures.add(name + "_rise_s", has ? found->rise_s : std::nullopt);
-    figures.add(name + "_overshoot_pct", has ? found->overshoot_pct : kNone);
-    figures.add(name + "_settling_s", has ? found->settling_s : std::nullopt);
-    figures.add(name + "_integrated_error_m_s", has ? found->integrated_error : kNone);
+    for (const Figure<StepResponse>& row : response_table()) {
+      figures.add(name + "_" + row.key, has ? row.get(*found) : std::nullopt);
+    }
   }
 }
 

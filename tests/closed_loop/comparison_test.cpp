@@ -6,10 +6,12 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "hils/compare/comparison_report.hpp"
 #include "hils/compare/comparison_table.hpp"
+#include "hils/measure/figure_table.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::hils {
@@ -76,6 +78,23 @@ TEST(Comparison, SaysHowManyRunsCountAndHowManyWereFlown) {
                      {.valid = false, .passed = false, .failures = {"the machine was too busy"}}};
   EXPECT_EQ(validity_words(result),
             "2 of 3 runs valid, 2 flown to the end; first remark: the flight was not completed");
+}
+
+TEST(Comparison, HasEachFigureUnderItsKeyInJson) {
+  VariantResult result;
+  for (const double p99_us : {1000.0, 3000.0, 9000.0}) {
+    result.runs.emplace_back().sensor_to_control = {.count = 5, .p99 = p99_us};
+    result.verdicts.emplace_back().valid = p99_us < 9000;
+  }
+  ComparisonPlan plan;
+  plan.seeds = {1, 2, 3};
+  const auto json = nlohmann::json::parse(comparison_json(plan, {result}));
+  EXPECT_EQ(json.at("schema"), 2);
+  const auto& figures = json.at("variants").at(0).at("figures");
+  EXPECT_EQ(figures.size(), figure_table().size());
+  EXPECT_EQ(figures.at("sensor_to_control_p99_us").at("mean"), 2000);
+  EXPECT_EQ(figures.at("sensor_to_control_p99_us").at("runs"), 2) << "one is not valid";
+  EXPECT_TRUE(figures.at("rms_x_m").is_null());
 }
 
 TEST(Comparison, EndsWithThreeWhereAVariantHasNoRunThatCounts) {

@@ -132,10 +132,10 @@ TEST_F(FirmwareFleet, FailsWithTheOneThatCannotGoOn) {
             1)
       << output();
   const nlohmann::json figures = summary();
-  EXPECT_NE(figures["vehicles"][1]["missed"].dump().find("was not done within 5 s"),
+  EXPECT_NE(figures["vehicles"][1]["failures"].dump().find("was not done within 5 s"),
             std::string::npos)
       << figures.dump(2);
-  EXPECT_NE(figures["vehicles"][0]["missed"].dump().find("it ended with that of right"),
+  EXPECT_NE(figures["vehicles"][0]["failures"].dump().find("it ended with that of right"),
             std::string::npos);
   EXPECT_NE(output().find("right: step 4 (goto) was not done within 5 s"), std::string::npos)
       << output();

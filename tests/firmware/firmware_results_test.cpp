@@ -89,8 +89,8 @@ TEST_F(FirmwareResults, MissALimitThatTheFlightDoesNotKeep) {
   start("obedient", "limits: {rates_hz: {ATTITUDE: 9000}, rms_estimate: {z_m: 0}}");
   EXPECT_EQ(fly(), 1) << output();
   EXPECT_TRUE(says("rate of ATTITUDE ")) << output();
-  EXPECT_TRUE(says("RMS error of the estimate in z_m is ")) << output();
-  EXPECT_EQ(summary().at("missed").size(), 2U);
+  EXPECT_TRUE(says("RMS error of the estimate, z_m: ")) << output();
+  EXPECT_EQ(summary().at("failures").size(), 2U);
 }
 
 TEST_F(FirmwareResults, HaveNoVerdictWhereAFaultNeverBegan) {

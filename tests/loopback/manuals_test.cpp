@@ -2,6 +2,7 @@
 // Each program's account of itself.
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <cstdlib>
 #include <string>
 #include <vector>
@@ -84,10 +85,13 @@ TEST_P(Keys, AreTheTablesOfTheDocumentation) {
 INSTANTIATE_TEST_SUITE_P(Programs, Keys,
                          testing::Values(KeysOf{"casd"}, KeysOf{"fcu_emulator"}, KeysOf{"hilsim"},
                                          KeysOf{"hilsim", "", "--sensor-keys", "plugins.md"},
-                                         KeysOf{"hils", "run"}),
+                                         KeysOf{"hils", "run"}, KeysOf{"hils", "run", "--figures"}),
                          [](const auto& test) {
-                           return test.param.program +
-                                  (test.param.flag == "--keys" ? "" : "OfSensors");
+                           std::string name = test.param.program;
+                           for (const char c : test.param.flag) {
+                             if (std::isalpha(static_cast<unsigned char>(c)) != 0) name += c;
+                           }
+                           return name;
                          });
 
 }  // namespace

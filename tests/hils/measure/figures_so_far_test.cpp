@@ -18,9 +18,8 @@ base::SimTime at(base::Duration since_start) { return base::SimTime(since_start)
 Limits limits() {
   Limits limits;
   limits.lost = 0;
-  limits.latency_p99_us = 5000;
-  limits.rms = {{"x_m", 0.5}, {"z_m", 0.1}};
-  limits.responses = {{"north", {.rise_s = 1.5, .overshoot_pct = {}, .settling_s = {}}}};
+  limits.figures = {{"sensor_to_control_p99_us", 5000}, {"rms_x_m", 0.5}, {"rms_z_m", 0.1}};
+  limits.responses["north"] = {{"rise_s", 1.5}};
   return limits;
 }
 
@@ -76,7 +75,7 @@ TEST(FiguresSoFar, ErrorsCountInTheMeasuredStepEachMomentOnce) {
 
 TEST(FiguresSoFar, AnEstimateCountsOnceAndWhileItIsFresh) {
   Limits bounds = limits();
-  bounds.rms_estimate = {{"z_m", 0.5}};
+  bounds.figures["rms_estimate_z_m"] = 0.5;
   FiguresSoFar figures;
   figures.add(hold_at(2), at(seconds(2)), above(2.2));
   for (int i = 1; i < 10; ++i) {  // the same message is looked at again, then it is old

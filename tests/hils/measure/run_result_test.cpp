@@ -71,8 +71,11 @@ TEST(SeveralResults, ShowEachVehicleUnderItsName) {
 
 TEST(SeveralResults, ShowADashForAnRmsThatWasNotMeasured) {
   using Cells = std::vector<std::string>;
-  EXPECT_EQ(rms_cells(std::nullopt), (Cells{"-", "-", "-", "-"}));
-  EXPECT_EQ(rms_cells(RmsFigures{.x_m = 0.25}), (Cells{"0.2500", "0.0000", "0.0000", "0.0000"}));
+  Measurement figures;
+  EXPECT_EQ(figure_cells(figures, "left", rms_keys("rms")), (Cells{"left", "-", "-", "-", "-"}));
+  figures.rms = RmsFigures{.x_m = 0.25};
+  EXPECT_EQ(figure_cells(figures, "left", rms_keys("rms")),
+            (Cells{"left", "0.2500", "0.0000", "0.0000", "0.0000"}));
 }
 
 TEST(SeveralResults, AreASuiteEachForContinuousIntegration) {

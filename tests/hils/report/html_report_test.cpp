@@ -51,7 +51,7 @@ Measurement step_response() {
 Limits limits() {
   Limits limits;
   limits.lost = 0;
-  limits.rms = {{"x_m", 0.25}};
+  limits.figures["rms_x_m"] = 0.25;
   return limits;
 }
 

@@ -123,7 +123,28 @@ TEST_F(ScenarioFile, TakesLimitsOnlyWhereTheyAreGiven) {
       Scenario::load(write(std::string(kHead) + kFlight + "limits: {lost: 0, rms: {x_m: 0.25}}\n"));
   EXPECT_EQ(scenario.limits.lost, 0U);
   EXPECT_FALSE(scenario.limits.rate_error_pct);
-  EXPECT_EQ(scenario.limits.rms.size(), 1U);
+  EXPECT_EQ(scenario.limits.figures, (FigureLimits{{"rms_x_m", 0.25}}));
+}
+
+TEST_F(ScenarioFile, TakesALimitOnEachFigureThatIsBetterUpOrDown) {
+  const std::string flight = std::string(kHead) + kFlight;
+  const Scenario scenario = Scenario::load(
+      write(flight + "limits: {gps_lost: 3, real_time_factor: 0.5, sensor_uplink_p90_us: 900,\n"
+                     "  rms_estimate: {z_m: 1}, rotor_activity_rad_s2: 90}\n"));
+  EXPECT_EQ(scenario.limits.figures, (FigureLimits{{"gps_lost", 3},
+                                                   {"real_time_factor", 0.5},
+                                                   {"sensor_uplink_p90_us", 900},
+                                                   {"rms_estimate_z_m", 1},
+                                                   {"rotor_activity_rad_s2", 90}}));
+  const auto error = [&](const std::string& limits) {
+    return error_of(flight + "limits: {" + limits + "}\n");
+  };
+  EXPECT_NE(error("wall_s: 3").find("limits.wall_s: this figure is not better up or down"),
+            std::string::npos)
+      << error("wall_s: 3");
+  EXPECT_NE(error("gps_lost: -1").find("limits.gps_lost"), std::string::npos);
+  EXPECT_NE(error("rms: {w_m: 1}").find("w_m"), std::string::npos);
+  EXPECT_NE(error("rms_w_m: 1").find("rms_w_m"), std::string::npos);
 }
 
 constexpr const char* kHeadWithoutVehicle = R"(schema: 1
