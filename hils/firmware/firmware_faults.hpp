@@ -26,7 +26,6 @@ class FirmwareFaults {
     base::rpc::Client& simulator;
     base::rpc::Client& casd;   ///< replaced when casd is started again
     std::string casd_address;  ///< to connect to it again
-    CallList& own_calls;
     /// Called before casd forgets the vehicles.
     /// @param ends  casd ends, and forgets its calls, too
     std::function<void(bool ends)> before_forgetting;

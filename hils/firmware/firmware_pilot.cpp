@@ -60,12 +60,8 @@ struct FlightDeck {
         bench(programs),
         supervisor(programs.supervisor()),
         run(places.run),
-        simulator("unix:" + places.simulator_control().string()),
-        casd("unix:" + places.command_port.string()) {
-    // Both end a connection on which nothing is asked; a firmware may take its time until then.
-    simulator.call("sim.status", nlohmann::json::object());
-    casd.call("casd.status", nlohmann::json::object());
-  }
+        simulator(connect("unix:" + places.simulator_control().string())),
+        casd(connect("unix:" + places.command_port.string())) {}
 
   const FirmwareScenario& scenario;
   FirmwareBench& bench;
@@ -73,7 +69,6 @@ struct FlightDeck {
   std::filesystem::path run;
   base::rpc::Client simulator;
   base::rpc::Client casd;
-  CallList own_calls;  ///< of hils, whichever vehicle they mean
 };
 
 /// Gives the commands of one vehicle's plan and looks at its true position.
@@ -88,13 +83,12 @@ class FirmwarePilot {
         simulator_(deck.simulator),
         casd_(deck.casd),
         plan_(plan),
-        own_calls_(deck.own_calls),
         vehicle_(vehicle) {
-    if (companion != nullptr) companion_.emplace(*companion, own_calls(), waiting());
+    if (companion != nullptr) companion_.emplace(*companion, calls(), waiting());
     if (scenario_.flies_several()) asked_ = figures_.system = system_of_instance(vehicle);
     if (!scenario_.fence) return;
     figures_.fence.emplace();
-    fence_.emplace(own_calls(),
+    fence_.emplace(calls(),
                    deck.run / fmt::format("fence_before{}.params", scenario_.suffix_of(vehicle)));
   }
 
@@ -201,7 +195,7 @@ class FirmwarePilot {
     if (command.kind == StepKind::kReboot) return reboot(command);
     if (companion_ && CompanionFlight::gives(command.kind)) return give_as_companion(command);
     const std::optional<Refusal> refusal =
-        hils::give(casd_, command, scenario_.not_hil, asked_, &own_calls_, acts_so_far_);
+        hils::give(casd_, command, scenario_.not_hil, asked_, acts_so_far_);
     const base::SimTime now = look();
     plan_.on_outcome(now, refusal);
     if (command.kind == StepKind::kDisarm && !refusal) gave_disarm_ = true;
@@ -283,10 +277,9 @@ class FirmwarePilot {
         false);
   }
 
-  CompanionFlight::Call own_calls() {
+  CompanionFlight::Call calls() {
     return [this](const std::string& method, Json params) {
       if (asked_ && !method.starts_with("link.")) params["vehicle"] = *asked_;
-      own_calls_.emplace_back(method, params.dump());
       return casd_.call(method, params, kCompanionPatience);
     };
   }
@@ -380,7 +373,7 @@ class FirmwarePilot {
   }
 
   OutsideHands hands_at_casd() {
-    OutsideHands hands = hils::outside_hands(casd_, own_calls_, asked_);
+    OutsideHands hands = hils::outside_hands(casd_, asked_);
     const std::string own =
         fmt::format("{} on link {}", CompanionStation::kSelfText, companion_link_name(vehicle_));
     if (companion_) std::erase_if(hands.acts, [&](const HeardAct& act) { return act.by == own; });
@@ -466,7 +459,6 @@ class FirmwarePilot {
     Json params = asked();
     params["command"] = static_cast<int>(mavlink::common::MavCmd::kRequestMessage);
     params["params"] = {mavlink::common::AutopilotVersion::kId};
-    own_calls_.emplace_back("vehicle.command", params.dump());
     try {
       casd_.call("vehicle.command", params);
     } catch (const base::rpc::CallError&) {
@@ -509,7 +501,6 @@ class FirmwarePilot {
   base::rpc::Client& simulator_;
   base::rpc::Client& casd_;
   FlightPlan& plan_;
-  CallList& own_calls_;
   std::size_t vehicle_;
   AskedVehicle asked_;  ///< how casd is to name it
   std::optional<CompanionFlight> companion_;
@@ -617,7 +608,6 @@ class FirmwareFleet {
             .simulator = deck_.simulator,
             .casd = deck_.casd,
             .casd_address = "unix:" + places.command_port.string(),
-            .own_calls = deck_.own_calls,
             .before_forgetting = [this](bool ends) {
               for (const auto& pilot : pilots_) pilot->keep_hands(ends);
             }};

@@ -270,27 +270,21 @@ std::optional<OutsideCall> forgotten_calls(const json& journal, const std::strin
                      .sim_s = 0};
 }
 
-std::vector<OutsideCall> outside_calls(const json& journal, CallList own, const std::string& port) {
+std::vector<OutsideCall> outside_calls(const json& journal, const std::string& own,
+                                       const std::string& port) {
   std::vector<OutsideCall> calls;
   for (const json& call : journal.at("calls")) {
-    const std::string params =
-        call.at("params").dump(-1, ' ', false, json::error_handler_t::replace);
-    const std::pair asked{call.at("method").get<std::string>(), params};
-    auto times = call.value("times", std::uint64_t{1});
-    for (auto mine = own.begin(); times > 0; --times) {
-      mine = std::find(mine, own.end(), asked);
-      if (mine == own.end()) break;
-      mine = own.erase(mine);
-    }
-    if (times == 0) continue;
-    calls.push_back({.log_us = call.at("unix_us").get<std::int64_t>(),
-                     .client = call.at("client").get<std::string>(),
-                     .method = call.at("method").get<std::string>(),
-                     .params = params,
-                     .system = call.value("vehicle", std::uint8_t{0}),
-                     .accepted = !call.contains("refusal"),
-                     .port = port,
-                     .sim_s = {}});
+    const auto client = call.at("client").get<std::string>();
+    if (client == own) continue;
+    calls.push_back(
+        {.log_us = call.at("unix_us").get<std::int64_t>(),
+         .client = client,
+         .method = call.at("method").get<std::string>(),
+         .params = call.at("params").dump(-1, ' ', false, json::error_handler_t::replace),
+         .system = call.value("vehicle", std::uint8_t{0}),
+         .accepted = !call.contains("refusal"),
+         .port = port,
+         .sim_s = {}});
     if (call.contains("time_s")) calls.back().sim_s = call["time_s"].get<double>();
   }
   return calls;

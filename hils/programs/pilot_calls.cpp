@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/programs/pilot_calls.hpp"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -13,6 +16,12 @@ namespace cas::hils {
 namespace {
 
 using base::rpc::Json;
+
+/// The client of this program's calls, in the journal of the program that is asked.
+std::string introduce(base::rpc::Client& client) {
+  return client.call("introduce", {{"name", fmt::format("hils-{}", ::getpid())}})
+      .get<std::string>();
+}
 
 Eigen::Vector3d vector_of(const Json& list) {
   return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
@@ -155,6 +164,12 @@ std::vector<Call> to_calls(const FlightStep& step) {
 
 }  // namespace
 
+base::rpc::Client connect(const std::string& address) {
+  base::rpc::Client client(address);
+  introduce(client);
+  return client;
+}
+
 Motion to_motion(const nlohmann::json& vehicle) {
   const Eigen::Vector3d p_W = vector_of(vehicle.at("p_W"));
   const Eigen::Vector3d v_W = vector_of(vehicle.at("v_W"));
@@ -173,8 +188,7 @@ VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle) {
 }
 
 std::optional<Refusal> give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
-                            AskedVehicle vehicle, CallList* asked,
-                            std::optional<std::uint64_t> acts_so_far) {
+                            AskedVehicle vehicle, std::optional<std::uint64_t> acts_so_far) {
   try {
     for (auto& [method, params] : to_calls(step)) {
       const bool moves = step.kind == StepKind::kArm || step.kind == StepKind::kTakeoff ||
@@ -182,9 +196,7 @@ std::optional<Refusal> give(base::rpc::Client& casd, const FlightStep& step, boo
       const bool sets = method == "param.set" || method == "gain.set";
       if ((moves || sets) && not_hil) params["not_hil"] = true;
       if (step.kind == StepKind::kArm && acts_so_far) params["acts_so_far"] = *acts_so_far;
-      const Json whole = to(vehicle, params);
-      if (asked != nullptr) asked->emplace_back(method, whole.dump());
-      casd.call(method, whole, kCommandPatience);
+      casd.call(method, to(vehicle, params), kCommandPatience);
     }
     return std::nullopt;
   } catch (const base::rpc::CallError& error) {
@@ -200,10 +212,10 @@ void send_phase(base::rpc::Client& simulator, std::string_view phase, std::strin
 
 // The state first: later acts keep casd from arming, and so do pending calls, which the journal may
 // lack yet.
-OutsideHands outside_hands(base::rpc::Client& casd, const CallList& own, AskedVehicle vehicle) {
+OutsideHands outside_hands(base::rpc::Client& casd, AskedVehicle vehicle) {
   const VehicleReport report = vehicle_report(casd, vehicle);
   const Json journal = casd.call("casd.journal", Json::object());
-  std::vector<OutsideCall> calls = outside_calls(journal, own);
+  std::vector<OutsideCall> calls = outside_calls(journal, introduce(casd));
   std::erase_if(calls, [vehicle](const OutsideCall& call) {
     return vehicle && call.system != 0 && call.system != *vehicle;
   });
@@ -213,14 +225,14 @@ OutsideHands outside_hands(base::rpc::Client& casd, const CallList& own, AskedVe
           .acts_so_far = report.acts_so_far};
 }
 
-std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd, const CallList& own) {
-  return outside_calls(casd.call("casd.journal", Json::object()), own);
+std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd) {
+  return outside_calls(casd.call("casd.journal", Json::object()), introduce(casd));
 }
 
-std::vector<OutsideCall> read_simulator_calls(base::rpc::Client& simulator, const CallList& own) {
+std::vector<OutsideCall> read_simulator_calls(base::rpc::Client& simulator) {
   constexpr const char* kPort = "hilsim's control socket";
   const Json journal = simulator.call("sim.journal", Json::object());
-  std::vector<OutsideCall> calls = outside_calls(journal, own, kPort);
+  std::vector<OutsideCall> calls = outside_calls(journal, introduce(simulator), kPort);
   if (auto older = forgotten_calls(journal, kPort)) calls.insert(calls.begin(), std::move(*older));
   return calls;
 }
