@@ -12,7 +12,6 @@
 #include "base/time/clock.hpp"
 #include "hils/firmware/firmware_bench.hpp"
 #include "hils/flight/bench_fault.hpp"
-#include "hils/programs/outside_hands.hpp"
 
 namespace cas::hils {
 

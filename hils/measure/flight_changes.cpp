@@ -22,7 +22,6 @@
 #include "mavlink/common/all.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
-#include "mavlink_gen/services/command.hpp"
 
 namespace cas::hils {
 
@@ -295,20 +294,6 @@ bool is_act(const OutsideCall& call) {
   if (call.method != "vehicle.command") return true;
   const json params = json::parse(call.params, nullptr, false);
   return !params.is_object() || !casd::only_asks(static_cast<MavCmd>(params.value("command", 0)));
-}
-
-bool may_disarm(const OutsideCall& call) {
-  if (call.method == "vehicle.disarm") return true;
-  if (call.method != "vehicle.command") return false;
-  const json params = json::parse(call.params, nullptr, false);
-  if (!params.is_object()) return true;  // too long to be kept
-  mav::services::VehicleCommand command{.id = static_cast<MavCmd>(params.value("command", 0))};
-  const json numbers = params.value("params", json::array());
-  for (std::size_t i = 0; i < std::min(numbers.size(), command.params.size()); ++i) {
-    const json& number = numbers[i];
-    command.params[i] = number.is_number() ? number.get<float>() : std::nanf("");
-  }
-  return mav::services::stops(command);
 }
 
 bool FlightChanges::from_outside() const {

@@ -41,9 +41,6 @@ std::optional<OutsideCall> forgotten_calls(const nlohmann::json& journal, const 
 /// Whether the call does something, and asks no mere question.
 bool is_act(const OutsideCall& call);
 
-/// Whether the call disarms or ends the flight, or may do so.
-bool may_disarm(const OutsideCall& call);
-
 /// A parameter of a vehicle that got another value during a run.
 struct ParameterChange {
   double time_s = 0;  ///< simulated

@@ -147,16 +147,7 @@ class LockstepPilot {
   /// @return why the vehicle refused, or nothing
   std::optional<Refusal> give(const FlightStep& step) {
     ask_home();
-    std::optional<std::uint64_t> acts_so_far;
-    if (step.kind == StepKind::kArm) {
-      const OutsideHands hands = outside_hands(casd_);
-      if (const auto fault = arm_fault(hands)) {
-        plan_.fail(*fault);
-        return Refusal{*fault};
-      }
-      acts_so_far = hands.acts_so_far;
-    }
-    return hils::give(casd_, step, false, {}, acts_so_far);
+    return hils::give(casd_, step, false);
   }
 
   /// The simulator's fault scripts ask for it.

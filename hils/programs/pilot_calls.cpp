@@ -27,16 +27,6 @@ Eigen::Vector3d vector_of(const Json& list) {
   return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
 }
 
-/// The vehicle's newest text about a disarming: PX4 v1.11 says DISARMED.
-void add_disarm_words(const Json& state, VehicleReport& report) {
-  for (const Json& said : state.value("statustexts", Json::array())) {
-    const std::string text = said.value("text", "");
-    if (!text.starts_with("Disarmed by ") && !text.starts_with("DISARMED by ")) continue;
-    report.disarm_words = text;
-    report.disarm_words_age_s = said.value("age_s", 0.0);
-  }
-}
-
 /// Its newest text about its fence: ArduCopter's is a notice.
 void add_fence_words(const Json& state, VehicleReport& report) {
   for (const Json& said : state.value("statustexts", Json::array())) {
@@ -60,8 +50,7 @@ void add_warning(const Json& state, VehicleReport& report) {
 void add_acts(const Json& state, VehicleReport& report) {
   for (const Json& act : state.value("interventions", Json::array())) {
     report.acts.push_back({.by = act.value("by", "") + " on link " + act.value("link", ""),
-                           .what = act.value("what", ""),
-                           .disarms = act.value("disarms", false)});
+                           .what = act.value("what", "")});
   }
 }
 
@@ -77,7 +66,6 @@ VehicleReport to_report(const nlohmann::json& state) {
   report.hil = state.value("hil", false);
   report.armed = state.value("armed", false);
   report.mode = state.value("mode", "");
-  report.acts_so_far = state.value("acts_so_far", std::uint64_t{0});
   const std::string landed = state.value("landed", "");
   report.in_air = landed == "in_air";
   report.on_ground = landed == "on_ground";
@@ -96,7 +84,6 @@ VehicleReport to_report(const nlohmann::json& state) {
     report.yaw_rad = a->value("yaw_rad", 0.0);
   }
   add_acts(state, report);
-  add_disarm_words(state, report);
   add_warning(state, report);
   add_fence_words(state, report);
   return report;
@@ -188,14 +175,13 @@ VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle) {
 }
 
 std::optional<Refusal> give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
-                            AskedVehicle vehicle, std::optional<std::uint64_t> acts_so_far) {
+                            AskedVehicle vehicle) {
   try {
     for (auto& [method, params] : to_calls(step)) {
       const bool moves = step.kind == StepKind::kArm || step.kind == StepKind::kTakeoff ||
                          step.kind == StepKind::kGoto;
       const bool sets = method == "param.set" || method == "gain.set";
       if ((moves || sets) && not_hil) params["not_hil"] = true;
-      if (step.kind == StepKind::kArm && acts_so_far) params["acts_so_far"] = *acts_so_far;
       casd.call(method, to(vehicle, params), kCommandPatience);
     }
     return std::nullopt;
@@ -208,21 +194,6 @@ void send_phase(base::rpc::Client& simulator, std::string_view phase, std::strin
   if (phase == sent) return;
   sent = phase;
   simulator.call("sim.phase", {{"name", sent}});
-}
-
-// The state first: later acts keep casd from arming, and so do pending calls, which the journal may
-// lack yet.
-OutsideHands outside_hands(base::rpc::Client& casd, AskedVehicle vehicle) {
-  const VehicleReport report = vehicle_report(casd, vehicle);
-  const Json journal = casd.call("casd.journal", Json::object());
-  std::vector<OutsideCall> calls = outside_calls(journal, introduce(casd));
-  std::erase_if(calls, [vehicle](const OutsideCall& call) {
-    return vehicle && call.system != 0 && call.system != *vehicle;
-  });
-  return {.calls = std::move(calls),
-          .acts = report.acts,
-          .forgotten_calls = journal.at("forgotten").get<std::uint64_t>(),
-          .acts_so_far = report.acts_so_far};
 }
 
 std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd) {

@@ -13,7 +13,6 @@
 #include "hils/flight/flight_plan.hpp"
 #include "hils/flight/flight_step.hpp"
 #include "hils/measure/flight_changes.hpp"
-#include "hils/programs/outside_hands.hpp"
 
 namespace cas::hils {
 
@@ -33,17 +32,12 @@ VehicleReport to_report(const nlohmann::json& state);
 VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle = {});
 
 /// Gives a step's commands through casd. @return why one was refused; nullopt: all were accepted
-/// @param acts_so_far  by VehicleReport: casd does not arm after a later command of another
 std::optional<Refusal> give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
-                            AskedVehicle vehicle = {},
-                            std::optional<std::uint64_t> acts_so_far = {});
+                            AskedVehicle vehicle = {});
 
 /// Sends the simulator the phase of the flight, for conditions of its fault scripts, if it has
 /// changed. @param sent  the newest phase sent
 void send_phase(base::rpc::Client& simulator, std::string_view phase, std::string& sent);
-
-/// Commands of others than hils to the vehicle, checked before it is armed.
-OutsideHands outside_hands(base::rpc::Client& casd, AskedVehicle vehicle = {});
 
 /// Calls to casd by others than hils (casd.journal). @param casd  made by connect(), as all of hils
 std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd);
