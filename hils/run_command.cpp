@@ -39,6 +39,7 @@
 #include "hils/run/station_endpoint.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "hils/scenario/scenario_reference.hpp"
+#include "hils/scenario_list.hpp"
 #include "hils/ulog/run_ulog.hpp"
 #include "hils/virtual/virtual_run.hpp"
 
@@ -117,23 +118,41 @@ void leave_replay(const RunRequest& request, const RunResult& result, const std:
   }
 }
 
-/// Takes the boards of a run and waits until they have booted; a board's error becomes the case of
-/// a junit.xml. A run whose boards are not even named rightly leaves no folder.
+/// Chooses the next free out/NAME, after the scenario's file, where there is no --out.
+/// @throws base::ConfigError
+void choose_folder(Flags& flags, const std::filesystem::path& file) {
+  if (!flags.out.empty()) return make_results_folder(std::filesystem::absolute(flags.out));
+  const std::string name = file.stem().string();
+  const std::filesystem::path folder =
+      "out" / make_next_folder(std::filesystem::absolute("out"), name).filename();
+  flags.out = folder.string();
+  if (folder.filename() == name) return;
+  fmt::print(stderr, "hils: out/{} is taken: the results go to {}\n", name, flags.out);
+}
+
+/// The folder of a run, which it holds, without what an earlier run left there.
+/// @throws base::ConfigError
+std::filesystem::path take_folder(Flags& flags, const std::filesystem::path& file,
+                                  std::optional<FolderLock>& lock) {
+  if (!lock) choose_folder(flags, file);
+  std::filesystem::path out = std::filesystem::absolute(flags.out);
+  if (!lock) lock.emplace(out);
+  clear_earlier_run(out);
+  return out;
+}
+
+/// Takes the boards of a run, its folder, and waits until the boards have booted; a board's error
+/// becomes the case of a junit.xml. A run whose boards are not even named rightly leaves no folder.
 /// @throws BoardError, RunStopped, base::ConfigError
-void prepare_boards(const std::vector<FcuChoice>& fcus, const Flags& flags, RunRequest& request,
+void prepare_boards(const std::vector<FcuChoice>& fcus, Flags& flags, RunRequest& request,
                     std::optional<FolderLock>& lock, std::optional<FlightBoards>& boards) {
-  const auto clear_folder = [&request, &lock] {
-    make_results_folder(request.out);
-    if (!lock) lock.emplace(request.out);
-    remove_verdict(request.out);
-  };
   try {
     boards.emplace(fcus, flags.boards.file(), "hils run " + flags.scenario,
                    flags.boards.patience());
-    clear_folder();
+    request.out = take_folder(flags, request.scenario.file, lock);
     request.fcu_devices = boards->prepare(request.out, request.scenario.names(), flags.fcu_baud);
   } catch (const BoardError& error) {
-    clear_folder();
+    request.out = take_folder(flags, request.scenario.file, lock);
     const Verdict verdict{.failures = {error.what()}};
     base::write_result({request.out, "junit.xml"},
                        junit_report("hils." + request.scenario.name, 0, verdict));
@@ -141,13 +160,11 @@ void prepare_boards(const std::vector<FcuChoice>& fcus, const Flags& flags, RunR
   }
 }
 
-int run_firmware(const Flags& flags, const std::filesystem::path& file) {
+int run_firmware(Flags& flags, const std::filesystem::path& file) {
   refuse_flags_of_our_controller(flags);
   const FirmwareScenario scenario = FirmwareScenario::load(file);
-  const std::filesystem::path out = std::filesystem::absolute(flags.out);
-  make_results_folder(out);
-  const FolderLock lock(out);
-  return fly_firmware(scenario, out);
+  std::optional<FolderLock> lock;
+  return fly_firmware(scenario, take_folder(flags, file, lock));
 }
 
 /// Refuses flags that a run on the virtual clock cannot heed. @throws base::ConfigError
@@ -188,7 +205,6 @@ RunRequest read_request(const Flags& flags, const std::filesystem::path& file) {
     throw base::ConfigError("--web: only a run in real time is shown in a browser");
   }
   request.announced = true;
-  request.out = std::filesystem::absolute(flags.out);
   return request;
 }
 
@@ -198,7 +214,7 @@ void write_ulogs(const RunRequest& request, const RunResult& result) {
   }
 }
 
-int run(const Flags& flags) {
+int run(Flags flags) {
   search_plugins_in(flags.plugin_dirs);
   const std::filesystem::path file = base::find_config(flags.scenario);
   if (FirmwareScenario::is(file)) return run_firmware(flags, file);
@@ -235,6 +251,13 @@ base::cli::Verb add_run(CLI::App& app) {
   base::cli::add_keys_flag(*command, scenario_reference, "a scenario");
   base::cli::add_reference_flag(*command, "--figures", figure_reference,
                                 "Print every figure with its key, unit, direction and meaning");
+  command->add_flag_callback(
+      "--list",
+      [] {
+        std::fputs(list_scenarios().c_str(), stdout);
+        throw CLI::Success();
+      },
+      "List the shipped scenarios with the controller that flies each, and end");
   command->add_option("SCENARIO", flags.scenario, "Scenario file")->required();
   command->add_option("--architecture", flags.architecture,
                       "One of direct, sitl, ts, loop or tcas");
@@ -243,8 +266,10 @@ base::cli::Verb add_run(CLI::App& app) {
   command->add_flag(
       "--lockstep", flags.lockstep,
       "Run the real processes on the stream's time: repeatable to the byte, and fast");
-  command->add_option("--out", flags.out, "Folder for the results (the last, if several)")
-      ->required()
+  command
+      ->add_option("--out", flags.out,
+                   "Folder for the results (the last, if several), cleared of an earlier run; "
+                   "without it out/SCENARIO, or the next free out/SCENARIO-2, ...")
       ->take_last();
   command
       ->add_option("--fcu", flags.fcus,

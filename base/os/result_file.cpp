@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "base/error.hpp"
+#include "base/os/disk_error.hpp"
 #include "base/os/file_at.hpp"
 
 namespace cas::base {
@@ -25,7 +26,9 @@ constexpr mode_t kNewFile = 0666;  // masked by the process's umask
 }
 
 [[noreturn]] void fail(const ResultPlace& place, int error) {
-  fail(place, std::generic_category().message(error));
+  throw_unwritten(
+      place.path().string() + ": cannot be written: " + std::generic_category().message(error),
+      error);
 }
 
 /// The file's path below `out`; empty: the file does not begin with `out`.

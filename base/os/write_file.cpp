@@ -11,6 +11,7 @@
 
 #include "base/error.hpp"
 #include "base/os/descriptor.hpp"
+#include "base/os/disk_error.hpp"
 #include "base/os/file_at.hpp"
 
 namespace cas::base {
@@ -64,8 +65,8 @@ void write_file(const fs::path& file, std::string_view text, Durability durabili
     error = replace_at(folder.get(), name, &old, text, durability);
   }
   if (error == 0) return;
-  throw ConfigError(file.string() +
-                    ": cannot be written: " + std::generic_category().message(error));
+  throw_unwritten(file.string() + ": cannot be written: " + std::generic_category().message(error),
+                  error);
 }
 
 }  // namespace cas::base

@@ -21,6 +21,9 @@ constexpr const char* kSessionMethods = R"json({
   "subscribe": {"summary": "From now on this client is sent the notifications of a topic.",
                 "params": {"topic": "string"}, "result": "boolean"},
   "unsubscribe": {"summary": "Ends a subscription.", "params": {"topic": "string"}, "result": "boolean"},
+  "introduce": {"summary": "Gives this client a name, which stands behind its address in audits and journals from now on.",
+                "params": {"name": "string: 1 to 32 letters, digits, dots, hyphens and underscores"},
+                "result": "string: address and name, the client of its calls"},
   "authorise": {"summary": "Lets a client in that knows the token: by the token, or by a nonce and then a proof.",
                 "params": {"token?": "string", "nonce?": "string", "proof?": "string"},
                 "result": "any: true, or the server's nonce and proof"}

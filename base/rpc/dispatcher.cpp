@@ -2,6 +2,7 @@
 #include "base/rpc/dispatcher.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <exception>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -86,6 +87,14 @@ std::string too_long(const Json& id, std::size_t room) {
                                 "the answer is larger than the " + std::to_string(room) +
                                     " bytes that may wait for this client: ask for less, or read",
                                 nullptr));
+}
+
+bool is_program_name(std::string_view name) {
+  constexpr std::size_t kLongest = 32;
+  const auto fits = [](unsigned char c) {
+    return c < 0x80 && (std::isalnum(c) != 0 || c == '.' || c == '-' || c == '_');
+  };
+  return !name.empty() && name.size() <= kLongest && std::ranges::all_of(name, fits);
 }
 
 /// Answers a line that is not JSON-RPC; no further line of the peer is read.
@@ -213,11 +222,10 @@ class Dispatcher::Call {
 };
 
 Dispatcher::Dispatcher()
-    : session_methods_{{"subscribe", &Dispatcher::subscribe},
-                       {"unsubscribe", &Dispatcher::unsubscribe},
-                       {"authorise", &Dispatcher::authorise},
-                       {"methods", &Dispatcher::methods},
-                       {"rpc.discover", &Dispatcher::discover}} {}
+    : session_methods_{
+          {"subscribe", &Dispatcher::subscribe}, {"unsubscribe", &Dispatcher::unsubscribe},
+          {"introduce", &Dispatcher::introduce}, {"authorise", &Dispatcher::authorise},
+          {"methods", &Dispatcher::methods},     {"rpc.discover", &Dispatcher::discover}} {}
 
 void Dispatcher::add_method(const std::string& name, Method method, double weight) {
   CAS_CHECK(!session_methods_.contains(name));
@@ -328,6 +336,25 @@ void Dispatcher::unsubscribe(const Json& params, Peer& peer, const TextReply& re
   const std::string topic = reader.text("topic");
   reader.finish();
   reply.result(peer.topics.erase(topic) > 0);
+}
+
+/// Answers with the whole name, by which an audit or a journal tells this client's calls.
+void Dispatcher::introduce(const Json& params, Peer& peer, const TextReply& reply) {
+  CallParams reader(params);
+  const std::string program = reader.text("name");
+  reader.finish();
+  if (!is_program_name(program)) {
+    return reply.error(kInvalidParams,
+                       "\"name\" has 1 to 32 letters, digits, dots, hyphens and underscores",
+                       nullptr);
+  }
+  if (!peer.program.empty() && peer.program != program) {
+    return reply.error(kInvalidParams, "this client has the name " + peer.program + " already",
+                       nullptr);
+  }
+  if (peer.program.empty()) peer.name += " (" + program + ")";
+  peer.program = program;
+  reply.result(peer.name);
 }
 
 std::vector<std::string> Dispatcher::method_names() const {

@@ -35,7 +35,9 @@ class CAS_BASE_EXPORT Peer {
   /// `refusal` was set by a line that has been answered: no further line is read.
   virtual void on_refused() {}
 
-  std::string name;              ///< for an audit: "127.0.0.1:40412", "unix:uid 1000"
+  /// For an audit: "127.0.0.1:40412", "unix:uid 1000", once introduced "unix:uid 1000 (hils-4711)".
+  std::string name;
+  std::string program;           ///< name that it gave itself; empty: none
   std::set<std::string> topics;  ///< subscribed
   ProofContext proof;            ///< `endpoint`, and the nonces once they are exchanged
   bool authorised = true;
@@ -94,6 +96,7 @@ class CAS_BASE_EXPORT Dispatcher {
   void call(const std::string& method, const Json& params, Peer& peer, const TextReply& reply);
   void subscribe(const Json& params, Peer& peer, const TextReply& reply);
   void unsubscribe(const Json& params, Peer& peer, const TextReply& reply);
+  void introduce(const Json& params, Peer& peer, const TextReply& reply);
   void authorise(const Json& params, Peer& peer, const TextReply& reply);
   void exchange_nonces(const std::string& nonce, Peer& peer, const TextReply& reply);
   bool proves_token(const std::string& proof, const Peer& peer) const;

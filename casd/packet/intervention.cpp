@@ -82,11 +82,12 @@ bool is_stamped(const mav::PacketView& packet, MavCmd command) {
          static_cast<unsigned>(command);
 }
 
-}  // namespace
-
+/// Whether a parameter says when the autopilot disarms itself on the ground.
 bool is_of_disarming(std::string_view parameter) {
   return parameter == "DISARM_DELAY" || parameter == "COM_DISARM_PRFLT";
 }
+
+}  // namespace
 
 bool only_asks(MavCmd command) {
   using enum MavCmd;
@@ -146,7 +147,6 @@ void Interventions::add(Intervention intervention) {
     known.act.disarms = known.act.disarms || intervention.act.disarms;
     return;
   }
-  ++kinds_;
   all_.push_back(std::move(intervention));
   if (all_.size() <= kMost) return;
   const auto idle =

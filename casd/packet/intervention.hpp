@@ -29,8 +29,6 @@ std::optional<Act> act_of(const mav::PacketView& packet);
 /// commanded the vehicle, perhaps over a link that casd does not see. The answer does not tell
 /// arming from disarming and counts as both.
 std::optional<Act> act_of(const mavlink::common::CommandAck& answer);
-/// Whether a parameter says when the autopilot disarms itself on the ground.
-bool is_of_disarming(std::string_view parameter);
 /// Whether a command only requests information.
 bool only_asks(mavlink::common::MavCmd command);
 /// Whether a packet is MAV_CMD_INJECT_FAILURE: casd's own station gives it to the simulator, and
@@ -56,12 +54,9 @@ class Interventions {
 
   void add(Intervention intervention);
   const std::deque<Intervention>& all() const { return all_; }
-  /// How many there were, repetitions not counted.
-  std::uint64_t kinds() const { return kinds_; }
 
  private:
   std::deque<Intervention> all_;
-  std::uint64_t kinds_ = 0;
 };
 
 }  // namespace cas::casd

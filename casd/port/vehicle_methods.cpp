@@ -292,10 +292,8 @@ VehicleMethods::Action VehicleMethods::moves(CallParams& params, auto verb, Args
 
 void VehicleMethods::add_arming_methods() {
   add_command("vehicle.arm", [this](CallParams& params) {
-    VehicleCommander::ArmOptions options{.force = params.flag("force"),
-                                         .not_hil = params.flag("not_hil")};
-    options.acts_so_far =
-        params.optional_integer("acts_so_far", 0, std::numeric_limits<std::int64_t>::max());
+    const VehicleCommander::ArmOptions options{.force = params.flag("force"),
+                                               .not_hil = params.flag("not_hil")};
     return calls(&VehicleCommander::arm, options);
   });
   add_command("vehicle.disarm", [this](CallParams& params) {
@@ -363,7 +361,6 @@ void VehicleMethods::add_state_methods() {
     const base::RunTime now = hooks_.now();
     json state = state_json(vehicle, hooks_.link_name, now);
     const Hands& hands = commander_.hands(vehicle.source().system);
-    state["acts_so_far"] = hands.acts_so_far();
     json others = interventions_json(hands.interventions, hooks_.link_name, now);
     if (!others.empty()) state["interventions"] = std::move(others);
     return state;

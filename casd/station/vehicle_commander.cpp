@@ -335,15 +335,6 @@ void VehicleCommander::arm(std::uint8_t system, ArmOptions options, base::RunTim
   KnownVehicle* const vehicle = known(system, done);
   if (vehicle == nullptr) return;
   Hands& hands = table_.hands(system);
-  // Arming would take the place of a disarm that waits for its answer.
-  const bool stopping = vehicle->commands.is_stopping();
-  if (options.acts_so_far && (stopping || hands.acts_so_far() != *options.acts_so_far)) {
-    const char* const why = stopping ? "a request to disarm it is under way"
-                                     : "somebody has disarmed or commanded it since acts_so_far "
-                                       "was read";
-    done(failure(OutcomeKind::kRefused, vehicle_text(vehicle->state) + " is not armed: " + why));
-    return;
-  }
   const bool not_hil = options.not_hil;
   const auto is_newest = [this, system, request = ++hands.arm_requests] {
     return table_.find(system) != nullptr && table_.hands(system).arm_requests == request;

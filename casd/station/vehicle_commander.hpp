@@ -128,8 +128,6 @@ class VehicleCommander final : public Station {
   struct ArmOptions {
     bool force = false;    ///< skip the vehicle's own checks
     bool not_hil = false;  ///< arm although the vehicle does not say that it is in HIL
-    /// Arm only if Hands::acts_so_far() is still this.
-    std::optional<std::uint64_t> acts_so_far{};
   };
   /// A refusal names the missing sensors and the status texts that followed the request. A PX4 that
   /// refuses in a stick mode is put into HOLD and asked again, unless a newer request to arm or

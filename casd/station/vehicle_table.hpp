@@ -28,9 +28,6 @@ struct Hands {
   Interventions interventions;     ///< of others than casd's own station
   std::uint64_t arm_requests = 0;  ///< to arm and to disarm, of all: the newest counts
   std::uint64_t disarms = 0;       ///< requests, of all, that disarm or end the flight
-
-  /// Grows with each request to disarm, and with each new kind of intervention.
-  std::uint64_t acts_so_far() const { return disarms + interventions.kinds(); }
 };
 
 /// A vehicle and the requests to it that are under way.

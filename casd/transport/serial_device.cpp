@@ -50,25 +50,29 @@ void ask_low_latency(int fd) {
 }  // namespace
 
 base::Descriptor open_serial(const std::string& device, const SerialOptions& options,
-                             std::string& error) {
+                             SerialRefusal& refusal) {
   const auto failed = [&](const char* what) {
-    error = device + ": " + what + error_text(errno);
+    refusal.sentence = device + ": " + what + error_text(errno);
     return base::Descriptor();
   };
   base::Descriptor line(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!line) {
     failed("");
-    if (errno == EPERM) error += ": a service may open the devices of its DeviceAllow alone";
-    if (errno == EACCES) error += ": casd's user is not in the device's group (dialout)";
+    if (errno == EPERM)
+      refusal.sentence += ": a service may open the devices of its DeviceAllow alone";
+    if (errno == EACCES) refusal.sentence += ": casd's user is not in the device's group (dialout)";
     return {};
   }
   if (base::identify_pty(line.get())) {
-    if (auto refusal = pty_refusal(line.get(), device, options.unlocked_pty)) {
-      error = std::move(*refusal);
+    if (auto sentence = pty_refusal(line.get(), device, options.unlocked_pty)) {
+      refusal.sentence = std::move(*sentence);
       return {};
     }
   }
-  if (::flock(line.get(), LOCK_EX | LOCK_NB) != 0) return failed("in use: ");
+  if (::flock(line.get(), LOCK_EX | LOCK_NB) != 0) {
+    refusal.in_use = errno == EWOULDBLOCK;
+    return failed("in use: ");
+  }
   if (!make_raw(line.get(), options)) return failed("not a terminal: ");
   ask_low_latency(line.get());
   ::ioctl(line.get(), TCFLSH, TCIOFLUSH);

@@ -14,12 +14,17 @@ struct SerialOptions {
   bool unlocked_pty = false;  ///< a pseudo-terminal needs no lock
 };
 
+/// Why a device was not opened.
+struct SerialRefusal {
+  std::string sentence;  ///< begins with the device
+  bool in_use = false;   ///< another program has it
+};
+
 /// Opens a serial device: raw, exclusive (flock), old input and output dropped, low latency where
 /// the driver supports it. A pseudo-terminal that is not ours to use is left untouched.
-/// @return nothing, with the reason in `error`; of a device that another program has, the reason
-///         begins with "DEVICE: in use"
+/// @return nothing, with the reason in `refusal`
 base::Descriptor open_serial(const std::string& device, const SerialOptions& options,
-                             std::string& error);
+                             SerialRefusal& refusal);
 
 /// Gives an open line another rate and drops the bytes of the old one.
 /// @return false with errno set

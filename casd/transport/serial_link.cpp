@@ -78,7 +78,7 @@ void SerialLink::serve(const PollSet& set, base::RunTime now) {
 
 void SerialLink::open(base::RunTime now) {
   const LinkConfig& config = core_.config();
-  std::string error;
+  SerialRefusal refusal;
   base::Descriptor line;
   tried_at_ = now;
   search_.begin(now);
@@ -87,10 +87,10 @@ void SerialLink::open(base::RunTime now) {
                        {.baud = search_.rate(),
                         .flow_control = config.flow_control,
                         .unlocked_pty = config.unlocked_pty},
-                       error);
+                       refusal);
     return static_cast<bool>(line);
   });
-  if (!found) return core_.went_down(error, now);
+  if (!found) return core_.went_down(refusal.sentence, now);
   fd_ = OpenDescriptor(line.get());
   opened_at_ = now;
   parser_.reset();

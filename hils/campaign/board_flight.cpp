@@ -52,7 +52,8 @@ RowResult fly_on_board(const RowTask& task, std::function<void()>& fetch_logs) {
   request.scenario = Scenario::load(request.out / "scenario.yaml");
   request.architecture = task.architecture;
   request.seed = task.seed;
-  remove_verdict(request.out);
+  const bool begun_before = fs::exists(request.out / "run");
+  clear_earlier_run(request.out);
 
   const auto own = std::make_shared<const FlightBoards>(
       parse_fcu_words(controllers.words, request.scenario.names()), controllers.boards,
@@ -60,7 +61,7 @@ RowResult fly_on_board(const RowTask& task, std::function<void()>& fetch_logs) {
   const FlightBoards& boards = *own;
   if (const auto missing = boards.missing_port()) throw BoardError(kExitBoardAbsent, *missing);
   // A flight of this row that was interrupted may have left the board armed.
-  if (task.row > 1 || fs::exists(request.out / "run")) {
+  if (task.row > 1 || begun_before) {
     boards.restart(request.out, controllers.baud);
   }
   request.fcu_devices = boards.prepare(request.out, request.scenario.names(), controllers.baud);

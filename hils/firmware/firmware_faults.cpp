@@ -7,6 +7,8 @@
 #include <set>
 #include <variant>
 
+#include "hils/programs/pilot_calls.hpp"
+
 namespace cas::hils {
 namespace {
 
@@ -60,8 +62,7 @@ void FirmwareFaults::restart(bool begins) {
     return reach_.bench.kill_casd();
   }
   reach_.bench.start_casd();
-  reach_.casd = base::rpc::Client(reach_.casd_address);
-  reach_.own_calls.clear();
+  reach_.casd = connect(reach_.casd_address);
   remove_cut_links();
 }
 
@@ -100,7 +101,6 @@ void FirmwareFaults::note_outage(bool begins) {
 }
 
 void FirmwareFaults::ask_casd(const std::string& method, const Json& params) {
-  reach_.own_calls.emplace_back(method, params.dump());
   reach_.casd.call(method, params);
 }
 

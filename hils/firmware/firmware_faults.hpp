@@ -12,7 +12,6 @@
 #include "base/time/clock.hpp"
 #include "hils/firmware/firmware_bench.hpp"
 #include "hils/flight/bench_fault.hpp"
-#include "hils/programs/outside_hands.hpp"
 
 namespace cas::hils {
 
@@ -26,7 +25,6 @@ class FirmwareFaults {
     base::rpc::Client& simulator;
     base::rpc::Client& casd;   ///< replaced when casd is started again
     std::string casd_address;  ///< to connect to it again
-    CallList& own_calls;
     /// Called before casd forgets the vehicles.
     /// @param ends  casd ends, and forgets its calls, too
     std::function<void(bool ends)> before_forgetting;

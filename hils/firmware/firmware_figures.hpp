@@ -36,8 +36,10 @@ struct FirmwareFigures {
   std::vector<Stage> stages;
   std::optional<Stage> under_way;             ///< the step that was not done when the flight ended
   std::optional<std::string> flight_failure;  ///< a sentence; nullopt when every step was done
-  std::string version;                        ///< of the firmware; empty: unknown
-  std::optional<ParamDigest> params;          ///< nullopt: they could not be read
+  /// It failed because the vehicle was disarmed before it took off, where it stood upright.
+  bool disarmed_on_ground = false;
+  std::string version;                ///< of the firmware; empty: unknown
+  std::optional<ParamDigest> params;  ///< nullopt: they could not be read
   /// Of the measured hold by the true flight; nullopt in a trajectory, too.
   std::optional<double> height_error_m;  ///< of its mean height
   std::optional<double> drift_m;         ///< farthest from where the hold began, horizontal

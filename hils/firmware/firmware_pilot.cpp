@@ -2,6 +2,7 @@
 #include "hils/firmware/firmware_pilot.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -16,11 +18,11 @@
 #include "base/rpc/client.hpp"
 #include "base/time/unix_time.hpp"
 #include "hils/firmware/companion_flight.hpp"
-#include "hils/firmware/disarming.hpp"
 #include "hils/firmware/fence_keeper.hpp"
 #include "hils/firmware/firmware_faults.hpp"
 #include "hils/firmware/firmware_reboot.hpp"
 #include "hils/firmware/first_sign.hpp"
+#include "hils/measure/incident.hpp"
 #include "hils/programs/pilot_calls.hpp"
 #include "hils/programs/progress.hpp"
 #include "hils/scenario/fleet_plan.hpp"
@@ -47,8 +49,10 @@ constexpr base::Duration kAskAgain = std::chrono::seconds(3);
 constexpr base::Duration kSilencePatience = std::chrono::seconds(30);
 /// For giving back the parameters of the fences of a run that is stopped.
 constexpr base::Duration kFencePatience = std::chrono::seconds(10);
-/// A vehicle's text about its disarming comes with the HEARTBEAT that shows it.
-constexpr base::Duration kWordsPatience = std::chrono::seconds(1);
+/// Higher than a landing gear springs, lower than any takeoff of a scenario.
+constexpr double kOnGround_m = 0.3;
+/// A vehicle on its gear; one that lies on its side or back is tilted by more.
+constexpr double kUpright_deg = 30;
 /// PX4 disarms 2 s after it has noticed a landing (v1.12.0, v1.16.1), ArduCopter 4.5.6 sooner.
 constexpr FirmwareHabits kHabits{
     .arms_early = true, .disarms_itself = std::chrono::seconds(5), .flies_setpoints = true};
@@ -60,12 +64,8 @@ struct FlightDeck {
         bench(programs),
         supervisor(programs.supervisor()),
         run(places.run),
-        simulator("unix:" + places.simulator_control().string()),
-        casd("unix:" + places.command_port.string()) {
-    // Both end a connection on which nothing is asked; a firmware may take its time until then.
-    simulator.call("sim.status", nlohmann::json::object());
-    casd.call("casd.status", nlohmann::json::object());
-  }
+        simulator(connect("unix:" + places.simulator_control().string())),
+        casd(connect("unix:" + places.command_port.string())) {}
 
   const FirmwareScenario& scenario;
   FirmwareBench& bench;
@@ -73,7 +73,6 @@ struct FlightDeck {
   std::filesystem::path run;
   base::rpc::Client simulator;
   base::rpc::Client casd;
-  CallList own_calls;  ///< of hils, whichever vehicle they mean
 };
 
 /// Gives the commands of one vehicle's plan and looks at its true position.
@@ -88,13 +87,12 @@ class FirmwarePilot {
         simulator_(deck.simulator),
         casd_(deck.casd),
         plan_(plan),
-        own_calls_(deck.own_calls),
         vehicle_(vehicle) {
-    if (companion != nullptr) companion_.emplace(*companion, own_calls(), waiting());
+    if (companion != nullptr) companion_.emplace(*companion, calls(), waiting());
     if (scenario_.flies_several()) asked_ = figures_.system = system_of_instance(vehicle);
     if (!scenario_.fence) return;
     figures_.fence.emplace();
-    fence_.emplace(own_calls(),
+    fence_.emplace(calls(),
                    deck.run / fmt::format("fence_before{}.params", scenario_.suffix_of(vehicle)));
   }
 
@@ -127,12 +125,11 @@ class FirmwarePilot {
   }
 
   /// The present state of the vehicle.
-  VehicleReport report(base::SimTime now) {
+  VehicleReport report() {
     VehicleReport vehicle = plan_.from_arming(vehicle_report(casd_, asked_));
     vehicle.truth = truth_;
     if (!vehicle.heard) return vehicle;
     if (companion_) vehicle.mission_reached = companion_->reached();
-    note_arming(now, vehicle);
     note_breach(vehicle);
     if (figures_.version.empty()) figures_.version = vehicle.firmware;
     return vehicle;
@@ -156,15 +153,10 @@ class FirmwarePilot {
     plan_.fail(*fault);
   }
 
-  /// Keeps casd's list of outside operators, which it is about to forget.
-  /// @param ends  casd ends, and forgets its calls, too
-  void keep_hands(bool ends) {
-    OutsideHands hands = hands_at_casd();
-    if (!ends) {
-      hands.calls.clear();
-      hands.forgotten_calls = 0;
-    }
-    add_hands(hands, hands_before_);
+  /// Notes the commands of others, of which casd is about to forget a part.
+  /// @param ends  casd ends
+  void before_forgetting(bool ends) {
+    note_interventions();
     if (ends) counts_before_.reset();  // casd's counters restart: no rates for this hold
   }
 
@@ -176,7 +168,7 @@ class FirmwarePilot {
     truth_ = to_motion(vehicle);
     if (!start_m_) start_m_ = truth_.p_m;
     truth_.p_m -= *start_m_;
-    highest_m_ = std::max(highest_m_, truth_.p_m.z());
+    highest_m_ = std::max(highest_m_, truth_.p_m.z() - armed_at_m_);
     figures_.real_time_factor = status.value("real_time_factor", 0.0);
     figures_.simulated_s = status.at("time_s").get<double>();
     figures_.log_clock.add(base::unix_us(), to_microseconds(newest_look()));
@@ -192,32 +184,14 @@ class FirmwarePilot {
 
   /// Has the vehicle do a step of its plan.
   void give(const FlightStep& command) {
-    if (command.kind == StepKind::kArm && was_armed_ && has_ended_flight()) begin_next_flight();
-    const bool again = command.kind == StepKind::kArm && was_armed_;
     if (command.kind == StepKind::kArm) {
-      const auto fault = again ? rearm_fault(disarming()) : arm_fault(outside_hands());
-      if (fault) return plan_.fail(*fault);
+      armed_at_m_ = truth_.p_m.z();
+      highest_m_ = 0;
     }
     if (command.kind == StepKind::kReboot) return reboot(command);
     if (companion_ && CompanionFlight::gives(command.kind)) return give_as_companion(command);
-    const std::optional<Refusal> refusal =
-        hils::give(casd_, command, scenario_.not_hil, asked_, &own_calls_, acts_so_far_);
-    const base::SimTime now = look();
-    plan_.on_outcome(now, refusal);
-    if (command.kind == StepKind::kDisarm && !refusal) gave_disarm_ = true;
-    if (command.kind != StepKind::kArm) return;
-    // A vehicle that was stopped at its board refuses: repeated requests would arm it in the moment
-    // of its release.
-    if (again && refusal) plan_.fail("the vehicle was disarmed, and refuses: " + refusal->why);
-    if (refusal) return;
-    if (again) ++armed_again_;
-    was_armed_ = true;
-    seen_armed_ = false;
-    armed_at_ = now;
-    armed_wall_ = base::steady_now();
-    disarmed_at_.reset();
-    gave_disarm_ = false;
-    stages_when_armed_ = plan_.stages().size();
+    const std::optional<Refusal> refusal = hils::give(casd_, command, scenario_.not_hil, asked_);
+    plan_.on_outcome(look(), refusal);
   }
 
   /// @param failure  of the flight, if it failed
@@ -225,8 +199,13 @@ class FirmwarePilot {
     figures_.under_way = plan_.under_way(look());
     figures_.stages = plan_.stages();
     figures_.flight_failure = failure;
-    if (failure && failure->starts_with(kDisarmedDuring)) {
-      *figures_.flight_failure += hands_words(outside_hands());
+    const Pose pose{.roll_rad = truth_.rpy_rad.x(), .pitch_rad = truth_.rpy_rad.y()};
+    figures_.disarmed_on_ground = plan_.disarmed_before_takeoff() && highest_m_ <= kOnGround_m &&
+                                  tilt_deg(pose) <= kUpright_deg;
+    note_interventions();
+    if (!interventions_.empty()) {
+      figures_.remarks.push_back(
+          fmt::format("input from outside the scenario: {}", fmt::join(interventions_, "; ")));
     }
     if (companion_) figures_.setpoints = companion_->setpoints();
     add_losses(casd_.call("link.list", Json::object()), figures_);
@@ -283,10 +262,9 @@ class FirmwarePilot {
         false);
   }
 
-  CompanionFlight::Call own_calls() {
+  CompanionFlight::Call calls() {
     return [this](const std::string& method, Json params) {
       if (asked_ && !method.starts_with("link.")) params["vehicle"] = *asked_;
-      own_calls_.emplace_back(method, params.dump());
       return casd_.call(method, params, kCompanionPatience);
     };
   }
@@ -330,7 +308,6 @@ class FirmwarePilot {
     if (vehicle_report(casd_, asked_).armed) {
       return plan_.fail("the vehicle is armed: its firmware is not rebooted");
     }
-    if (was_armed_ && has_ended_flight()) begin_next_flight();
     const FirmwareReboot reboot{
         .restart = [this] { bench_.reboot(vehicle_); },
         .look = [this] { return look(); },
@@ -345,73 +322,18 @@ class FirmwarePilot {
     plan_.on_outcome(look());
   }
 
-  void note_arming(base::SimTime now, const VehicleReport& vehicle) {
-    if (vehicle.armed) disarmed_at_.reset();
-    if (vehicle.armed && !armed_before_) gave_disarm_ = false;  // it was armed since
-    armed_before_ = vehicle.armed;
-    if (vehicle.armed && !was_armed_) armed_at_ = now;
-    if (was_armed_ && seen_armed_ && !vehicle.armed && !disarmed_at_) disarmed_at_ = now;
-    was_armed_ = was_armed_ || vehicle.armed;
-    seen_armed_ = seen_armed_ || vehicle.armed;
-  }
-
-  /// Whether a disarm step is over since the newest arming, and it is known that hils disarmed the
-  /// vehicle, or that it did so itself after landing.
-  bool has_ended_flight() {
-    const auto since = std::span(plan_.stages()).subspan(stages_when_armed_);
-    const auto disarms = [](const Stage& stage) { return stage.step.kind == StepKind::kDisarm; };
-    return std::ranges::any_of(since, disarms) && is_own_end(gave_disarm_, disarm_words());
-  }
-
-  /// The next arming is as the first one.
-  void begin_next_flight() {
-    was_armed_ = seen_armed_ = false;
-    armed_again_ = 0;
-    disarmed_at_.reset();
-    highest_m_ = 0;
-  }
-
-  /// Acts later than this look keep casd from arming.
-  OutsideHands outside_hands() {
-    OutsideHands hands = hands_at_casd();
-    acts_so_far_ = hands.acts_so_far;
-    add_hands(hands_before_, hands);
-    return hands;
-  }
-
-  OutsideHands hands_at_casd() {
-    OutsideHands hands = hils::outside_hands(casd_, own_calls_, asked_);
+  /// Commands of others to the vehicle, as casd saw them or was called for them.
+  void note_interventions() {
     const std::string own =
         fmt::format("{} on link {}", CompanionStation::kSelfText, companion_link_name(vehicle_));
-    if (companion_) std::erase_if(hands.acts, [&](const HeardAct& act) { return act.by == own; });
-    return hands;
-  }
-
-  static void add_hands(const OutsideHands& more, OutsideHands& hands) {
-    hands.calls.insert(hands.calls.end(), more.calls.begin(), more.calls.end());
-    hands.acts.insert(hands.acts.end(), more.acts.begin(), more.acts.end());
-    hands.forgotten_calls += more.forgotten_calls;
-  }
-
-  Disarming disarming() {
-    Disarming all{.words = disarm_words(), .highest_m = highest_m_, .armed_again = armed_again_};
-    all.autopilot = vehicle_report(casd_, asked_).autopilot;
-    if (disarmed_at_) all.armed_s = base::to_seconds(*disarmed_at_ - armed_at_);
-    if (all.autopilot == "ArduPilot") all.delay_s = parameter("DISARM_DELAY");
-    all.hands = outside_hands();  // last: the rest takes its time
-    return all;
-  }
-
-  /// The vehicle's text about its disarming since it was armed; waits for it.
-  std::string disarm_words() {
-    for (const base::RunTime deadline = base::steady_now() + kWordsPatience;;) {
-      const VehicleReport vehicle = vehicle_report(casd_, asked_);
-      const double armed_ago_s = base::to_seconds(base::steady_now() - armed_wall_);
-      if (!vehicle.disarm_words.empty() && vehicle.disarm_words_age_s < armed_ago_s) {
-        return vehicle.disarm_words;
-      }
-      if (base::steady_now() > deadline) return {};
-      supervisor_.wait(kPollPeriod);
+    for (const HeardAct& act : vehicle_report(casd_, asked_).acts) {
+      if (act.by != own) interventions_.insert(act.by + ": " + act.what);
+    }
+    for (const OutsideCall& call : read_outside_calls(casd_)) {
+      const bool its = !asked_ || call.system == 0 || call.system == *asked_;
+      if (!its || !is_act(call)) continue;
+      interventions_.insert(fmt::format("{} called {}{}", call.client, call.method,
+                                        call.params == "{}" ? "" : " " + call.params));
     }
   }
 
@@ -466,7 +388,6 @@ class FirmwarePilot {
     Json params = asked();
     params["command"] = static_cast<int>(mavlink::common::MavCmd::kRequestMessage);
     params["params"] = {mavlink::common::AutopilotVersion::kId};
-    own_calls_.emplace_back("vehicle.command", params.dump());
     try {
       casd_.call("vehicle.command", params);
     } catch (const base::rpc::CallError&) {
@@ -509,30 +430,20 @@ class FirmwarePilot {
   base::rpc::Client& simulator_;
   base::rpc::Client& casd_;
   FlightPlan& plan_;
-  CallList& own_calls_;
   std::size_t vehicle_;
   AskedVehicle asked_;  ///< how casd is to name it
   std::optional<CompanionFlight> companion_;
   std::optional<FenceKeeper> fence_;
   std::optional<base::RunTime> breach_began_;  ///< the first step of this kind
   bool has_ended_ = false;                     ///< its program, by itself
-  bool was_armed_ = false;                     ///< by HEARTBEAT or because it accepted
-  bool seen_armed_ = false;                    ///< by HEARTBEAT, since it last accepted
-  int armed_again_ = 0;
-  std::uint64_t acts_so_far_ = 0;
-  std::size_t stages_when_armed_ = 0;  ///< the last time
-  bool gave_disarm_ = false;           ///< since the newest arming, and it was accepted
-  bool armed_before_ = false;          ///< at the look before
-  base::SimTime armed_at_;
-  base::RunTime armed_wall_{};  ///< the same by this machine's clock
-  std::optional<base::SimTime> disarmed_at_;
-  double highest_m_ = 0;
+  double armed_at_m_ = 0;                      ///< true height at the newest arming, from start_m_
+  double highest_m_ = 0;                       ///< true height since then, above that place
+  std::set<std::string> interventions_;
   FirmwareFigures figures_;
   bool holding_ = false;
   double hold_begin_s_ = 0;
   /// When the measured hold began; nullopt: casd has ended since.
   std::optional<std::map<std::string, double>> counts_before_;
-  OutsideHands hands_before_;  ///< that casd does not know any more
   Motion truth_;
   std::optional<Eigen::Vector3d> start_m_;  ///< true, at the first look
 };
@@ -617,9 +528,8 @@ class FirmwareFleet {
             .simulator = deck_.simulator,
             .casd = deck_.casd,
             .casd_address = "unix:" + places.command_port.string(),
-            .own_calls = deck_.own_calls,
             .before_forgetting = [this](bool ends) {
-              for (const auto& pilot : pilots_) pilot->keep_hands(ends);
+              for (const auto& pilot : pilots_) pilot->before_forgetting(ends);
             }};
   }
 
@@ -629,7 +539,7 @@ class FirmwareFleet {
     reports_.resize(pilots_.size());
     for (std::size_t i = 0; i < pilots_.size(); ++i) {
       now = pilots_[i]->look();
-      if (!faults_.casd_is_away()) reports_[i] = pilots_[i]->report(now);
+      if (!faults_.casd_is_away()) reports_[i] = pilots_[i]->report();
     }
     return now;
   }

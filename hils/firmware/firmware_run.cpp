@@ -28,7 +28,6 @@
 #include "hils/replay/replay_page.hpp"
 #include "hils/replay/replay_record.hpp"
 #include "hils/report/junit_report.hpp"
-#include "hils/report/results_folder.hpp"
 #include "hils/run/run_places.hpp"
 
 namespace cas::hils {
@@ -133,7 +132,6 @@ void write_results(const FirmwareScenario& scenario, const FirmwarePlaces& place
 }  // namespace
 
 int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& out) {
-  remove_verdict(out);
   const RunDirectory sockets;
   FirmwarePlaces places{.out = out,
                         .run = out / "run",

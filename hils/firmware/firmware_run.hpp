@@ -8,8 +8,8 @@
 namespace cas::hils {
 
 /// Starts casd, hilsim and the firmware, flies the steps through casd, prints and writes the
-/// figures (summary.json, junit.xml, report.html, replay.html, truth.csv); those of an earlier run
-/// go first. @return exit code of hils. @throws RunStopped, base::ConfigError
+/// figures (summary.json, junit.xml, report.html, replay.html, truth.csv).
+/// @return exit code of hils. @throws RunStopped, base::ConfigError
 int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& out);
 
 }  // namespace cas::hils

@@ -134,6 +134,25 @@ json vehicle_json(const FirmwareFigures& figures) {
   return all;
 }
 
+/// Whether the vehicle stayed on the ground for no reason that the flight shows: its autopilot
+/// disarms it after a time, or somebody did. After an incident or a fault it has failed.
+bool has_no_verdict(const FirmwareFigures& figures) {
+  return figures.disarmed_on_ground && figures.incidents.empty() && figures.faults.empty() &&
+         !figures.unwatched;
+}
+
+LimitCheck disarmed_unhurt(const FirmwareFigures& figures) {
+  return {
+      .kind = LimitCheck::Kind::kValidity,
+      .what = "the vehicle armed until it takes off",
+      .found = "disarmed",
+      .wanted = "armed",
+      .kept = false,
+      .sentence = figures.flight_failure.value_or("") +
+                  "; it stands upright and unhurt, no fault has struck, and hils does not arm it "
+                  "again: the flight has no verdict"};
+}
+
 }  // namespace
 
 Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) {
@@ -143,6 +162,7 @@ Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) 
   const bool held =
       !figures.flight_failure ||
       std::ranges::any_of(figures.stages, [](const Stage& stage) { return stage.step.measure; });
+  if (has_no_verdict(figures)) validity.push_back(disarmed_unhurt(figures));
   checks.push_back(check("flight", "every step was done", figures.flight_failure));
   if (scenario.height_error_m) {
     checks.push_back(check({.what = "error of the mean height",

@@ -54,8 +54,7 @@ FlightPlan::FlightPlan(std::vector<FlightStep> steps, double start_yaw_rad, Firm
 VehicleReport FlightPlan::from_arming(VehicleReport vehicle) {
   if (!vehicle.heard) return vehicle;
   const FlightStep* step = current();
-  const bool waits = step != nullptr && !vehicle.armed && takes_off(*step);
-  if (waits || (step != nullptr && step->kind == StepKind::kArm)) armed_at_N_ = vehicle.p_N;
+  if (step != nullptr && step->kind == StepKind::kArm) armed_at_N_ = vehicle.p_N;
   vehicle.p_N -= armed_at_N_;
   return vehicle;
 }
@@ -75,13 +74,18 @@ std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleRep
     // A takeoff that was accepted has begun once the vehicle does not say that it is on the ground.
     if (takeoff_accepted_ && vehicle.heard && !vehicle.on_ground) lifted_off_ = true;
     const bool disarmed = begun_ && lost_its_arming(step, now, vehicle);
-    if (disarmed && !lifted_off_) phase_ = Phase::kBegin;
+    if (disarmed && !lifted_off_ && !airborne_) {
+      disarmed_before_takeoff_ = true;
+      failure_ = "the vehicle was disarmed before it took off, during " +
+                 words_for(current_, steps_) +
+                 (last_refusal_.empty() ? "" : ", which it had refused: " + last_refusal_);
+      break;
+    }
     if (begun_ && phase_ == Phase::kBegin && vehicle.heard && now >= retry_at_ &&
         !bides(step, now, vehicle)) {
       if (needs_command(step, vehicle)) {
         phase_ = Phase::kCommanding;
-        rearming_ = habits_.arms_early && takes_off(step) && !vehicle.armed;
-        return rearming_ ? FlightStep{.kind = StepKind::kArm} : in_vehicles_frame(step);
+        return in_vehicles_frame(step);
       }
       phase_ = Phase::kWaiting;
     }
@@ -89,7 +93,7 @@ std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleRep
     const bool cut = (disarmed && !lands(step)) || stopped;
     const bool fell = (airborne_ && !vehicle.armed) || (cut && lifted_off_);
     if (fell && vehicle.heard) {
-      failure_ = std::string(kDisarmedDuring) + words_for(current_, steps_);
+      failure_ = "the vehicle was disarmed during " + words_for(current_, steps_);
       break;
     }
     if (!begun_) break;
@@ -177,9 +181,7 @@ void FlightPlan::check_mode(const FlightStep& step, base::SimTime now,
 
 void FlightPlan::on_outcome(base::SimTime now, const std::optional<Refusal>& refusal) {
   last_refusal_ = refusal ? refusal->why : std::string();
-  const bool again = std::exchange(rearming_, false);
-  if (again && !refusal) armed_again_ = now;
-  if (!refusal && !again) {
+  if (!refusal) {
     phase_ = Phase::kWaiting;
     accepted_ = now;
     const StepKind kind = steps_[current_].kind;
@@ -216,25 +218,23 @@ std::optional<Stage> FlightPlan::measured() const {
 bool FlightPlan::needs_command(const FlightStep& step, const VehicleReport& vehicle) const {
   if (!is_command(step.kind)) return false;
   if (step.kind == StepKind::kDisarm) return vehicle.armed;
-  // Armed again in its takeoff mode, it takes off by itself.
-  if (takes_off(step)) return !lifted_off_;
   return true;
 }
 
-/// Whether a vehicle that accepted arming, or armed the takeoff, is not armed any more.
+/// Whether a vehicle that accepted arming is not armed any more, before or after it accepted its
+/// takeoff.
 bool FlightPlan::lost_its_arming(const FlightStep& step, base::SimTime now,
                                  const VehicleReport& vehicle) const {
+  if (!habits_.arms_early || !vehicle.heard || vehicle.armed) return false;
+  if (phase_ == Phase::kBegin) return takes_off(step);
   const bool needs_it = step.kind == StepKind::kArm || takes_off(step);
-  return habits_.arms_early && needs_it && phase_ == Phase::kWaiting && vehicle.heard &&
-         !vehicle.armed && now - accepted_ > kHeartbeats;
+  return needs_it && phase_ == Phase::kWaiting && now - accepted_ > kHeartbeats;
 }
 
 /// Whether the step's command would come too early.
 bool FlightPlan::bides(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle) {
   if (!vehicle.armed) {
-    const bool arms = step.kind == StepKind::kArm || takes_off(step);
-    if (!habits_.arms_early || !arms) return false;
-    if (armed_again_ && now - *armed_again_ <= kHeartbeats) return true;
+    if (!habits_.arms_early || step.kind != StepKind::kArm) return false;
     if (!vehicle.position_lack) return false;
     last_refusal_ = *vehicle.position_lack;
     return true;

@@ -21,11 +21,7 @@ namespace cas::hils {
 struct HeardAct {
   std::string by;    ///< "255/190 on link gcs"
   std::string what;  ///< "command 400 (disarm)"
-  bool disarms = false;
 };
-
-/// First words of the failure of a flight whose vehicle was disarmed.
-inline constexpr std::string_view kDisarmedDuring = "the vehicle was disarmed during ";
 
 /// Why a vehicle did not take a command.
 struct Refusal {
@@ -54,9 +50,6 @@ struct VehicleReport {
   double yaw_rad = 0;
   std::optional<Motion> truth{};  ///< the simulator's, where it is at hand
   std::vector<HeardAct> acts{};   ///< of others than casd's own station, oldest first
-  std::uint64_t acts_so_far = 0;  ///< as casd counts them
-  std::string disarm_words{};     ///< its text about its newest disarming: "Disarmed by landing"
-  double disarm_words_age_s = 0;  ///< by casd's clock
   std::string fence_words{};      ///< its newest text about a breach of its fence
   double fence_words_age_s = 0;   ///< by casd's clock
   std::string mode{};             ///< by its HEARTBEAT; empty: not asked for
@@ -81,9 +74,8 @@ struct Stage {
 /// Differences of stock firmware from our controller.
 struct FirmwareHabits {
   /// It accepts arming before it can take off, and disarms itself on the ground (PX4 v1.12.0 after
-  /// 8 s, ArduCopter 4.5.6 after 10 s), whether it has refused the takeoff or accepted it a moment
-  /// before. So it is armed once it has its position, and again if it is disarmed before it has
-  /// lifted off: the caller first checks the cause of the disarming (rearm_fault()).
+  /// 8 s, ArduCopter 4.5.6 after 10 s). So it is armed once it has its position, and a flight in
+  /// which it is disarmed before it has lifted off has failed: it is not armed again.
   bool arms_early = false;
   /// A landed vehicle disarms itself within this long; a disarm step leaves it the time.
   base::Duration disarms_itself{};
@@ -109,7 +101,7 @@ class FlightPlan {
 
   /// The report with its position from the place of arming, for each look before update(). A
   /// vehicle's origin lies off that place by as much as its estimate has moved since it was set.
-  /// The place is the last one while a step arms the vehicle, or it waits unarmed for its takeoff.
+  /// The place is the last one while a step arms the vehicle.
   VehicleReport from_arming(VehicleReport vehicle);
   /// The place of arming in the vehicle's own frame.
   const Eigen::Vector3d& armed_at_N() const { return armed_at_N_; }
@@ -135,6 +127,8 @@ class FlightPlan {
   bool stands_by() const { return !done() && steps_[current_].kind == StepKind::kStandBy; }
   /// Why the flight cannot go on; nullopt as long as it can.
   const std::optional<std::string>& failure() const { return failure_; }
+  /// Whether it failed because the vehicle was disarmed before it had lifted off (arms_early).
+  bool disarmed_before_takeoff() const { return disarmed_before_takeoff_; }
   /// The flight cannot go on for a reason that the plan does not see.
   void fail(std::string why) { failure_ = std::move(why); }
   /// The mission under way, once it is uploaded: where it goes and ends, and the item before its
@@ -195,9 +189,7 @@ class FlightPlan {
   base::SimTime retry_at_;
   base::SimTime accepted_;
   std::optional<base::SimTime> still_since_;
-  std::optional<base::SimTime> armed_again_;  ///< in a takeoff step, when that was accepted
   bool begun_ = false;
-  bool rearming_ = false;                   ///< the command under way arms, whatever the step is
   bool takeoff_accepted_ = false;           ///< in the step under way
   bool lifted_off_ = false;                 ///< in the step under way, after it was accepted
   bool airborne_ = false;                   ///< between takeoff and land: disarming is a crash
@@ -208,6 +200,7 @@ class FlightPlan {
   Eigen::Vector3d armed_at_N_ = Eigen::Vector3d::Zero();
   std::string last_refusal_;
   std::optional<std::string> failure_;
+  bool disarmed_before_takeoff_ = false;
   std::vector<Stage> stages_;
 };
 

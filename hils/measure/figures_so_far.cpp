@@ -63,7 +63,7 @@ std::vector<LimitCheck> FiguresSoFar::checks(const Limits& limits) const {
   });
   for (LimitCheck& check : verdict.checks) {
     check.judged = true;
-    if (flown && check.what.starts_with("RMS error of the ")) continue;
+    if (flown && check.about == LimitCheck::About::kRms) continue;
     check.value.reset();
     check.found = "not known yet";
     check.kept = true;

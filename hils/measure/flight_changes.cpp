@@ -22,7 +22,6 @@
 #include "mavlink/common/all.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
-#include "mavlink_gen/services/command.hpp"
 
 namespace cas::hils {
 
@@ -270,27 +269,21 @@ std::optional<OutsideCall> forgotten_calls(const json& journal, const std::strin
                      .sim_s = 0};
 }
 
-std::vector<OutsideCall> outside_calls(const json& journal, CallList own, const std::string& port) {
+std::vector<OutsideCall> outside_calls(const json& journal, const std::string& own,
+                                       const std::string& port) {
   std::vector<OutsideCall> calls;
   for (const json& call : journal.at("calls")) {
-    const std::string params =
-        call.at("params").dump(-1, ' ', false, json::error_handler_t::replace);
-    const std::pair asked{call.at("method").get<std::string>(), params};
-    auto times = call.value("times", std::uint64_t{1});
-    for (auto mine = own.begin(); times > 0; --times) {
-      mine = std::find(mine, own.end(), asked);
-      if (mine == own.end()) break;
-      mine = own.erase(mine);
-    }
-    if (times == 0) continue;
-    calls.push_back({.log_us = call.at("unix_us").get<std::int64_t>(),
-                     .client = call.at("client").get<std::string>(),
-                     .method = call.at("method").get<std::string>(),
-                     .params = params,
-                     .system = call.value("vehicle", std::uint8_t{0}),
-                     .accepted = !call.contains("refusal"),
-                     .port = port,
-                     .sim_s = {}});
+    const auto client = call.at("client").get<std::string>();
+    if (client == own) continue;
+    calls.push_back(
+        {.log_us = call.at("unix_us").get<std::int64_t>(),
+         .client = client,
+         .method = call.at("method").get<std::string>(),
+         .params = call.at("params").dump(-1, ' ', false, json::error_handler_t::replace),
+         .system = call.value("vehicle", std::uint8_t{0}),
+         .accepted = !call.contains("refusal"),
+         .port = port,
+         .sim_s = {}});
     if (call.contains("time_s")) calls.back().sim_s = call["time_s"].get<double>();
   }
   return calls;
@@ -301,20 +294,6 @@ bool is_act(const OutsideCall& call) {
   if (call.method != "vehicle.command") return true;
   const json params = json::parse(call.params, nullptr, false);
   return !params.is_object() || !casd::only_asks(static_cast<MavCmd>(params.value("command", 0)));
-}
-
-bool may_disarm(const OutsideCall& call) {
-  if (call.method == "vehicle.disarm") return true;
-  if (call.method != "vehicle.command") return false;
-  const json params = json::parse(call.params, nullptr, false);
-  if (!params.is_object()) return true;  // too long to be kept
-  mav::services::VehicleCommand command{.id = static_cast<MavCmd>(params.value("command", 0))};
-  const json numbers = params.value("params", json::array());
-  for (std::size_t i = 0; i < std::min(numbers.size(), command.params.size()); ++i) {
-    const json& number = numbers[i];
-    command.params[i] = number.is_number() ? number.get<float>() : std::nanf("");
-  }
-  return mav::services::stops(command);
 }
 
 bool FlightChanges::from_outside() const {

@@ -28,12 +28,10 @@ struct OutsideCall {
   std::optional<double> sim_s{};             ///< when, where the simulated time was noted
 };
 
-/// Methods of casd's command port that were called, with their parameters as JSON.
-using CallList = std::vector<std::pair<std::string, std::string>>;
-
-/// The calls in an answer of casd.journal or sim.journal without `own`, the calls of hils. Each of
-/// `own` removes one call. @param port  of the calls, for people
-std::vector<OutsideCall> outside_calls(const nlohmann::json& journal, CallList own,
+/// The calls in an answer of casd.journal or sim.journal without those of hils.
+/// @param own  client of hils's calls, as it introduced itself @param port  of the calls, for
+/// people
+std::vector<OutsideCall> outside_calls(const nlohmann::json& journal, const std::string& own,
                                        const std::string& port = "casd's command port");
 
 /// Stands for the calls that a full journal has dropped: their effect is unknown, so they count as
@@ -42,9 +40,6 @@ std::optional<OutsideCall> forgotten_calls(const nlohmann::json& journal, const 
 
 /// Whether the call does something, and asks no mere question.
 bool is_act(const OutsideCall& call);
-
-/// Whether the call disarms or ends the flight, or may do so.
-bool may_disarm(const OutsideCall& call);
 
 /// A parameter of a vehicle that got another value during a run.
 struct ParameterChange {

@@ -69,7 +69,6 @@ void check_account(std::string_view name, const RateFigures& rate, Checks& check
                     .wanted = "closes"});
 }
 
-constexpr std::string_view kTooBusy = "the machine was too busy: ";
 constexpr std::string_view kRemedy =
     "; end other programs, or give these real-time rights (docs/operations.md), or fly where time "
     "waits for the programs (--virtual, SITL)";
@@ -82,12 +81,13 @@ std::optional<double> milliseconds(std::optional<double> us) {
 /// A figure of the machine, ms or a factor, with its bound.
 void add_machine(Checks& checks, LimitCheck check, const std::string& sentence) {
   check.kind = Kind::kValidity;
+  check.about = LimitCheck::About::kMachine;
   if (!check.value) {
     check.found = "not measured";
     check.judged = false;
     return checks.push_back(std::move(check));
   }
-  add_bounded(checks, std::move(check), std::string(kTooBusy) + sentence);
+  add_bounded(checks, std::move(check), "the machine was too busy: " + sentence);
 }
 
 /// Whether simulator and programs kept up with real time, before any limit is looked at: a delay of
@@ -375,7 +375,7 @@ std::vector<std::string> sentences_of(const Checks& checks) {
   for (const LimitCheck& check : checks) {
     if (check.kept) continue;
     sentences.push_back(check.sentence);
-    if (check.sentence.starts_with(kTooBusy)) busy = sentences.size();
+    if (check.about == LimitCheck::About::kMachine) busy = sentences.size();
   }
   if (busy > 0) sentences[busy - 1] += kRemedy;
   return sentences;
@@ -390,6 +390,7 @@ void check_figures(const Measurement& figures, const FigureLimits& limits, bool 
     if (bound == limits.end()) continue;
     const std::optional<double> value = row.get(figures);
     LimitCheck check = bounded(row, "", bound->second);
+    if (row.key.starts_with("rms_")) check.about = LimitCheck::About::kRms;
     if (row.part == Figure<Measurement>::Part::kMotion && !reached && !value) {
       add_unjudged(checks, std::move(check), "not reached");
     } else {

@@ -13,6 +13,11 @@ struct LimitCheck {
     kFlight,    ///< how good it is
   };
   enum class Sense { kAtMost, kAtLeast };
+  enum class About {
+    kOther,
+    kMachine,  ///< whether it kept up with real time
+    kRms,      ///< RMS error of the true position or the estimate
+  };
 
   Kind kind = Kind::kFlight;
   std::string what{};             ///< "RMS error of the true position, x_m"
@@ -26,6 +31,7 @@ struct LimitCheck {
   bool judged = true;      ///< false: it decides nothing, because the run does not count
   bool kept = true;        ///< means nothing where it is not judged
   std::string sentence{};  ///< why it was missed; empty when it was kept
+  About about = About::kOther;
 
   /// How far the value is from the bound, in its unit; negative beyond it.
   std::optional<double> margin() const {

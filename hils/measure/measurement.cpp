@@ -88,7 +88,7 @@ std::optional<double> handover_p99_us(const std::vector<PathAccount>& paths) {
     if (path.hops.size() != kHopsThroughCasd) continue;
     for (const HopFigures& hop : {path.hops.front(), path.hops.back()}) {
       if (hop.delay.count < kLeastForAShareOf1Percent) continue;
-      if (hop.name == "simulator -> casd in" || hop.name == "casd out -> simulator") {
+      if (hop.from == HopPoint::kSimulator || hop.to == HopPoint::kSimulator) {
         slowest = std::max(slowest.value_or(0), hop.delay.p99);
       }
     }
@@ -100,8 +100,8 @@ std::optional<double> handover_p99_us(const std::vector<PathAccount>& paths) {
 std::optional<double> reading_spread_us(const std::vector<PathAccount>& paths) {
   for (const PathAccount& path : paths) {
     for (const HopFigures& hop : path.hops) {
-      if (path.message == "HIL_SENSOR" && hop.name == "casd out -> controller" &&
-          hop.delay.count > 0) {
+      const bool is_reading = hop.from == HopPoint::kCasdOut && hop.to == HopPoint::kController;
+      if (path.message == "HIL_SENSOR" && is_reading && hop.delay.count > 0) {
         return hop.delay.p99 - hop.delay.p50;
       }
     }

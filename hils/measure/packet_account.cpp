@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/measure/packet_account.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -56,7 +59,13 @@ constexpr StreamWindow kWhole{.begin_usec = 0, .end_usec = UINT64_MAX};
 struct Point {
   Moments moments;
   std::uint64_t repeated = 0;
-  std::string name{};
+  HopPoint place = HopPoint::kSimulator;
+
+  std::string_view name() const {
+    constexpr std::array<std::string_view, 4> kNames{"simulator", "casd in", "casd out",
+                                                     "controller"};
+    return kNames.at(static_cast<std::size_t>(place));
+  }
 };
 
 Point point_of(std::span<const base::LedgerEntry> ledger, Direction direction,
@@ -126,10 +135,12 @@ std::string way_words(bool upwards, std::size_t hop, std::size_t hops) {
   return on_line ? "on the serial line" : "in the socket of the receiver";
 }
 
-std::string hop_name(const Point& from, const Point& to) { return from.name + " -> " + to.name; }
+std::string hop_name(const Point& from, const Point& to) {
+  return fmt::format("{} -> {}", from.name(), to.name());
+}
 
 HopFigures hop_between(const Point& from, const Point& to) {
-  HopFigures hop{.name = hop_name(from, to)};
+  HopFigures hop{.from = from.place, .to = to.place, .name = hop_name(from, to)};
   hop.in = from.moments.size();
   std::vector<std::int64_t> delays = delays_between(from.moments, to.moments);
   double change = 0;
@@ -147,19 +158,19 @@ std::vector<Point> points_of(const PacketPath& path, std::span<const base::Ledge
                              const RelayLedgers* relay, StreamWindow window) {
   const bool up = path.upwards;
   std::vector<Point> points;
-  const auto add = [&points](std::string name, Point point) {
+  const auto add = [&points](HopPoint place, Point point) {
     points.push_back(std::move(point));
-    points.back().name = std::move(name);
+    points.back().place = place;
   };
-  add(up ? "simulator" : "controller",
+  add(up ? HopPoint::kSimulator : HopPoint::kController,
       point_of(up ? simulator : controller, Direction::kSent, path.message_id, window));
   if (relay != nullptr) {
     const casd::LinkLedger& in = up ? relay->simulator : relay->controller;
     const casd::LinkLedger& out = up ? relay->controller : relay->simulator;
-    add("casd in", point_of(in.received(), path.message_id, window));
-    add("casd out", point_of(out.sent(), path.message_id, window));
+    add(HopPoint::kCasdIn, point_of(in.received(), path.message_id, window));
+    add(HopPoint::kCasdOut, point_of(out.sent(), path.message_id, window));
   }
-  add(up ? "controller" : "simulator",
+  add(up ? HopPoint::kController : HopPoint::kSimulator,
       point_of(up ? controller : simulator, Direction::kReceived, path.message_id, window));
   return points;
 }
@@ -181,14 +192,14 @@ void check_points(const std::vector<Point>& points, PathAccount& account) {
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Point& point = points[i];
     if (point.repeated > 0) {
-      account.open = std::to_string(point.repeated) + " packets passed twice at " + point.name;
+      account.open = fmt::format("{} packets passed twice at {}", point.repeated, point.name());
     }
     if (i == 0) continue;
     Search before(points[i - 1].moments);
     for (const auto& [stamp, moment] : point.moments) {
       if (before.find(stamp) == nullptr) {
-        account.open =
-            "a packet came to " + point.name + " that had not passed " + points[i - 1].name;
+        account.open = fmt::format("a packet came to {} that had not passed {}", point.name(),
+                                   points[i - 1].name());
       }
     }
   }

@@ -109,9 +109,14 @@ struct PacketPath {
   bool upwards = true;  ///< from the simulator to the controller
 };
 
+/// A point that each HIL packet passes.
+enum class HopPoint { kSimulator, kCasdIn, kCasdOut, kController };
+
 /// One hop of the way: from one point to the next.
 struct HopFigures {
-  std::string name;  ///< "simulator -> casd"
+  HopPoint from = HopPoint::kSimulator;
+  HopPoint to = HopPoint::kController;
+  std::string name{};  ///< of both, for people: "simulator -> casd in"
   std::uint64_t in = 0;
   std::uint64_t out = 0;
   DelayFigures delay{};

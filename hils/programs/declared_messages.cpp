@@ -9,6 +9,19 @@
 
 namespace cas::hils {
 
+namespace {
+
+/// What the plugin of a key declares. @throws base::ConfigError at the key
+std::vector<std::string> words_of(sim::PluginLoader& loader, const base::ConfigNode& key) {
+  try {
+    return loader.sends(key.as<std::string>());
+  } catch (const base::ConfigError& error) {
+    key.fail(error.what());
+  }
+}
+
+}  // namespace
+
 std::vector<std::string> declared_messages(const Scenario& scenario, std::size_t vehicle) {
   std::vector<std::string> names;
   const auto file = base::ConfigNode::load(scenario.vehicles.at(vehicle).vehicle);
@@ -16,15 +29,13 @@ std::vector<std::string> declared_messages(const Scenario& scenario, std::size_t
   sim::PluginLoader loader({});
   for (const base::ConfigNode& further : scenario.plugins) {
     const base::ConfigNode key = further.at("plugin");
-    const auto plugin = key.as<std::string>();
-    try {
-      for (const std::string& word : loader.sends(plugin)) {
+    for (const std::string& word : words_of(loader, key)) {
+      try {
         const std::string name(sim::declared_message(word).name);
         if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+      } catch (const base::ConfigError& error) {
+        key.fail("plugin " + key.as<std::string>() + " " + error.what());
       }
-    } catch (const base::ConfigError& error) {
-      const std::string reason = error.what();
-      key.fail(reason.starts_with("declares ") ? "plugin " + plugin + " " + reason : reason);
     }
   }
   return names;

@@ -154,7 +154,7 @@ void refuse_emulator_faults(const RunRequest& request) {
 
 void check_devices(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request) {
   if (request.fcu_devices.empty()) return;
-  base::rpc::Client casd("unix:" + places.command_port.string());
+  base::rpc::Client casd = connect("unix:" + places.command_port.string());
   bool ready = true;
   for (const auto& [place, device] : request.fcu_devices) {
     const ScenarioVehicle& own = request.scenario.vehicles.at(place);

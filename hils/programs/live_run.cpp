@@ -242,7 +242,6 @@ Json LiveRun::inject(const Json& params, base::SimTime now, std::span<const Vehi
   }
   if (!parsed.vehicle.empty()) {
     const Json order{{"vehicle", scenario.vehicles[i].name}, {"fault", script}};
-    simulator_calls_.emplace_back("sim.fault", order.dump());
     simulator.call("sim.fault", order);
   }
   return {{"name", params.value("name", std::string("by hand"))},
@@ -253,10 +252,7 @@ Json LiveRun::inject(const Json& params, base::SimTime now, std::span<const Vehi
 
 bool LiveRun::page_has_ended() const { return web_ && web_->has_ended(); }
 
-void LiveRun::resume(base::rpc::Client& simulator) {
-  simulator_calls_.emplace_back("sim.resume", "{}");
-  simulator.call("sim.resume", Json::object());
-}
+void LiveRun::resume(base::rpc::Client& simulator) { simulator.call("sim.resume", Json::object()); }
 
 void LiveRun::tell_end(const std::string& sentence) {
   if (!port_ || std::exchange(told_, true)) return;

@@ -67,8 +67,6 @@ class LiveRun {
 
   /// Faults by hand, as acts of others.
   const std::vector<OutsideCall>& calls() const { return calls_; }
-  /// Its own calls to the simulator for them.
-  const CallList& simulator_calls() const { return simulator_calls_; }
 
  private:
   using Json = nlohmann::json;
@@ -86,7 +84,6 @@ class LiveRun {
   std::optional<WebView> web_;
   std::vector<FiguresSoFar> so_far_;  // by vehicle
   std::vector<OutsideCall> calls_;
-  CallList simulator_calls_;
   std::unique_ptr<Shown> shown_;  // last data shown to the page
   bool told_ = false;             // how the run ended
   base::RunTime next_status_{};

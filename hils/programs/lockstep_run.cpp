@@ -3,7 +3,9 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -68,9 +70,9 @@ class LockstepPilot {
  public:
   LockstepPilot(Supervisor& supervisor, const RunPlaces& places, std::vector<FlightStep> steps)
       : supervisor_(supervisor),
-        simulator_("unix:" + places.simulator_control().string()),
+        simulator_(connect("unix:" + places.simulator_control().string())),
         controller_("unix:" + places.vehicles.front().fcu_control().string()),
-        casd_("unix:" + places.command_port.string()),
+        casd_(connect("unix:" + places.command_port.string())),
         plan_(std::move(steps)) {}
 
   void fly(RunRecord& record) {
@@ -96,10 +98,8 @@ class LockstepPilot {
     record.stages = plan_.stages();
     record.under_way = plan_.under_way(now_);
     record.hold = plan_.measured();
-    record.outside_calls = read_outside_calls(casd_, own_calls_);
-    for (OutsideCall& call : read_simulator_calls(simulator_, {})) {
-      if (call.method != "sim.run_until") record.outside_calls.push_back(std::move(call));
-    }
+    record.outside_calls = read_outside_calls(casd_);
+    std::ranges::move(read_simulator_calls(simulator_), std::back_inserter(record.outside_calls));
   }
 
  private:
@@ -147,16 +147,7 @@ class LockstepPilot {
   /// @return why the vehicle refused, or nothing
   std::optional<Refusal> give(const FlightStep& step) {
     ask_home();
-    std::optional<std::uint64_t> acts_so_far;
-    if (step.kind == StepKind::kArm) {
-      const OutsideHands hands = outside_hands(casd_, own_calls_);
-      if (const auto fault = arm_fault(hands)) {
-        plan_.fail(*fault);
-        return Refusal{*fault};
-      }
-      acts_so_far = hands.acts_so_far;
-    }
-    return hils::give(casd_, step, false, {}, &own_calls_, acts_so_far);
+    return hils::give(casd_, step, false);
   }
 
   /// The simulator's fault scripts ask for it.
@@ -170,7 +161,6 @@ class LockstepPilot {
   base::rpc::Client simulator_;
   base::rpc::Client controller_;
   base::rpc::Client casd_;
-  CallList own_calls_;
   FlightPlan plan_;
   Progress progress_;
   std::string phase_;

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/programs/pilot_calls.hpp"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -14,18 +17,14 @@ namespace {
 
 using base::rpc::Json;
 
-Eigen::Vector3d vector_of(const Json& list) {
-  return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
+/// The client of this program's calls, in the journal of the program that is asked.
+std::string introduce(base::rpc::Client& client) {
+  return client.call("introduce", {{"name", fmt::format("hils-{}", ::getpid())}})
+      .get<std::string>();
 }
 
-/// The vehicle's newest text about a disarming: PX4 v1.11 says DISARMED.
-void add_disarm_words(const Json& state, VehicleReport& report) {
-  for (const Json& said : state.value("statustexts", Json::array())) {
-    const std::string text = said.value("text", "");
-    if (!text.starts_with("Disarmed by ") && !text.starts_with("DISARMED by ")) continue;
-    report.disarm_words = text;
-    report.disarm_words_age_s = said.value("age_s", 0.0);
-  }
+Eigen::Vector3d vector_of(const Json& list) {
+  return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
 }
 
 /// Its newest text about its fence: ArduCopter's is a notice.
@@ -51,8 +50,7 @@ void add_warning(const Json& state, VehicleReport& report) {
 void add_acts(const Json& state, VehicleReport& report) {
   for (const Json& act : state.value("interventions", Json::array())) {
     report.acts.push_back({.by = act.value("by", "") + " on link " + act.value("link", ""),
-                           .what = act.value("what", ""),
-                           .disarms = act.value("disarms", false)});
+                           .what = act.value("what", "")});
   }
 }
 
@@ -68,7 +66,6 @@ VehicleReport to_report(const nlohmann::json& state) {
   report.hil = state.value("hil", false);
   report.armed = state.value("armed", false);
   report.mode = state.value("mode", "");
-  report.acts_so_far = state.value("acts_so_far", std::uint64_t{0});
   const std::string landed = state.value("landed", "");
   report.in_air = landed == "in_air";
   report.on_ground = landed == "on_ground";
@@ -87,7 +84,6 @@ VehicleReport to_report(const nlohmann::json& state) {
     report.yaw_rad = a->value("yaw_rad", 0.0);
   }
   add_acts(state, report);
-  add_disarm_words(state, report);
   add_warning(state, report);
   add_fence_words(state, report);
   return report;
@@ -155,6 +151,12 @@ std::vector<Call> to_calls(const FlightStep& step) {
 
 }  // namespace
 
+base::rpc::Client connect(const std::string& address) {
+  base::rpc::Client client(address);
+  introduce(client);
+  return client;
+}
+
 Motion to_motion(const nlohmann::json& vehicle) {
   const Eigen::Vector3d p_W = vector_of(vehicle.at("p_W"));
   const Eigen::Vector3d v_W = vector_of(vehicle.at("v_W"));
@@ -173,18 +175,14 @@ VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle) {
 }
 
 std::optional<Refusal> give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
-                            AskedVehicle vehicle, CallList* asked,
-                            std::optional<std::uint64_t> acts_so_far) {
+                            AskedVehicle vehicle) {
   try {
     for (auto& [method, params] : to_calls(step)) {
       const bool moves = step.kind == StepKind::kArm || step.kind == StepKind::kTakeoff ||
                          step.kind == StepKind::kGoto;
       const bool sets = method == "param.set" || method == "gain.set";
       if ((moves || sets) && not_hil) params["not_hil"] = true;
-      if (step.kind == StepKind::kArm && acts_so_far) params["acts_so_far"] = *acts_so_far;
-      const Json whole = to(vehicle, params);
-      if (asked != nullptr) asked->emplace_back(method, whole.dump());
-      casd.call(method, whole, kCommandPatience);
+      casd.call(method, to(vehicle, params), kCommandPatience);
     }
     return std::nullopt;
   } catch (const base::rpc::CallError& error) {
@@ -198,29 +196,14 @@ void send_phase(base::rpc::Client& simulator, std::string_view phase, std::strin
   simulator.call("sim.phase", {{"name", sent}});
 }
 
-// The state first: later acts keep casd from arming, and so do pending calls, which the journal may
-// lack yet.
-OutsideHands outside_hands(base::rpc::Client& casd, const CallList& own, AskedVehicle vehicle) {
-  const VehicleReport report = vehicle_report(casd, vehicle);
-  const Json journal = casd.call("casd.journal", Json::object());
-  std::vector<OutsideCall> calls = outside_calls(journal, own);
-  std::erase_if(calls, [vehicle](const OutsideCall& call) {
-    return vehicle && call.system != 0 && call.system != *vehicle;
-  });
-  return {.calls = std::move(calls),
-          .acts = report.acts,
-          .forgotten_calls = journal.at("forgotten").get<std::uint64_t>(),
-          .acts_so_far = report.acts_so_far};
+std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd) {
+  return outside_calls(casd.call("casd.journal", Json::object()), introduce(casd));
 }
 
-std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd, const CallList& own) {
-  return outside_calls(casd.call("casd.journal", Json::object()), own);
-}
-
-std::vector<OutsideCall> read_simulator_calls(base::rpc::Client& simulator, const CallList& own) {
+std::vector<OutsideCall> read_simulator_calls(base::rpc::Client& simulator) {
   constexpr const char* kPort = "hilsim's control socket";
   const Json journal = simulator.call("sim.journal", Json::object());
-  std::vector<OutsideCall> calls = outside_calls(journal, own, kPort);
+  std::vector<OutsideCall> calls = outside_calls(journal, introduce(simulator), kPort);
   if (auto older = forgotten_calls(journal, kPort)) calls.insert(calls.begin(), std::move(*older));
   return calls;
 }

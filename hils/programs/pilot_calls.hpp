@@ -13,12 +13,15 @@
 #include "hils/flight/flight_plan.hpp"
 #include "hils/flight/flight_step.hpp"
 #include "hils/measure/flight_changes.hpp"
-#include "hils/programs/outside_hands.hpp"
 
 namespace cas::hils {
 
 /// Motion of a vehicle in sim.status, whose axes are W's: x east, y north.
 Motion to_motion(const nlohmann::json& vehicle);
+
+/// Connects to casd or hilsim and introduces this program: their journals tell its calls by that.
+/// @throws base::rpc::ConnectionError
+base::rpc::Client connect(const std::string& address);
 
 /// The vehicle that casd is asked about, by its MAVLink system; nullopt: the only one there is.
 using AskedVehicle = std::optional<std::uint8_t>;
@@ -29,23 +32,16 @@ VehicleReport to_report(const nlohmann::json& state);
 VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle = {});
 
 /// Gives a step's commands through casd. @return why one was refused; nullopt: all were accepted
-/// @param asked  the calls are added to it
-/// @param acts_so_far  by VehicleReport: casd does not arm after a later command of another
 std::optional<Refusal> give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
-                            AskedVehicle vehicle = {}, CallList* asked = nullptr,
-                            std::optional<std::uint64_t> acts_so_far = {});
+                            AskedVehicle vehicle = {});
 
 /// Sends the simulator the phase of the flight, for conditions of its fault scripts, if it has
 /// changed. @param sent  the newest phase sent
 void send_phase(base::rpc::Client& simulator, std::string_view phase, std::string& sent);
 
-/// Commands of others than hils to the vehicle, checked before it is armed.
-/// @param own  the calls of hils
-OutsideHands outside_hands(base::rpc::Client& casd, const CallList& own, AskedVehicle vehicle = {});
-
-/// Calls to casd by others than hils (casd.journal). @param own  the calls of hils
-std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd, const CallList& own);
-/// Calls to the simulator by others than hils (sim.journal). @param own  the calls of hils
-std::vector<OutsideCall> read_simulator_calls(base::rpc::Client& simulator, const CallList& own);
+/// Calls to casd by others than hils (casd.journal). @param casd  made by connect(), as all of hils
+std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd);
+/// Calls to the simulator by others than hils (sim.journal). @param simulator  as above
+std::vector<OutsideCall> read_simulator_calls(base::rpc::Client& simulator);
 
 }  // namespace cas::hils

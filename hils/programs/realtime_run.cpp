@@ -95,7 +95,6 @@ class RealtimePilot {
  private:
   base::SimTime simulated_time();
   void look();
-  OutsideHands hands_at(std::size_t vehicle);
   std::optional<Refusal> give(const FleetPlan::Command& command);
   void show(base::SimTime now);
   void watch_pause();
@@ -114,14 +113,10 @@ class RealtimePilot {
   GroundStationThread* ground_station_;
   LiveRun* live_;  ///< nullptr without a page
   base::rpc::Client simulator_;
-  std::optional<base::rpc::Client> casd_;  ///< nothing while casd is away
-  fcu::LineConfig line_;                   ///< as it is without faults
-  std::vector<std::uint8_t> systems_;      ///< of the vehicles
-  std::vector<AskedVehicle> asked_;        ///< how casd is to name each vehicle
-  CallList own_calls_;
+  std::optional<base::rpc::Client> casd_;   ///< nothing while casd is away
+  fcu::LineConfig line_;                    ///< as it is without faults
+  std::vector<AskedVehicle> asked_;         ///< how casd is to name each vehicle
   std::vector<OutsideCall> outside_calls_;  ///< by others, to casds that have ended
-  std::vector<std::vector<HeardAct>>
-      acts_before_;  ///< by others, of each vehicle, as those casds heard them
   FleetPlan plan_;
   BenchFaultScript faults_;
   Progress progress_;
@@ -146,15 +141,13 @@ RealtimePilot::RealtimePilot(Supervisor& supervisor, BenchPrograms& programs,
       places_(places),
       ground_station_(ground_station),
       live_(request.live),
-      simulator_(address(places.simulator_control())),
-      casd_(address(places.command_port)),
+      simulator_(connect(address(places.simulator_control()))),
+      casd_(connect(address(places.command_port))),
       line_(line_of(request)),
-      systems_(request.scenario.systems()),
-      acts_before_(request.scenario.vehicles.size()),
       plan_(request.scenario),
       faults_(request.scenario.faults.bench),
       vehicles_(request.scenario.vehicles.size()) {
-  for (const std::uint8_t system : systems_) {
+  for (const std::uint8_t system : request.scenario.systems()) {
     asked_.push_back(request.scenario.flies_several() ? AskedVehicle(system) : std::nullopt);
   }
 }
@@ -187,13 +180,8 @@ void RealtimePilot::fly(std::vector<RunRecord>& records) {
 
 void RealtimePilot::keep_outside_calls() {
   if (!casd_) return;
-  const std::vector<OutsideCall> calls = read_outside_calls(*casd_, own_calls_);
+  const std::vector<OutsideCall> calls = read_outside_calls(*casd_);
   outside_calls_.insert(outside_calls_.end(), calls.begin(), calls.end());
-  own_calls_.clear();
-  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
-    const std::vector<HeardAct> acts = vehicle_report(*casd_, asked_[i]).acts;
-    acts_before_[i].insert(acts_before_[i].end(), acts.begin(), acts.end());
-  }
 }
 
 /// Up to now, at casd, the simulator and the page.
@@ -202,8 +190,8 @@ std::vector<OutsideCall> RealtimePilot::calls_of_others() {
   const auto add = [&calls](const std::vector<OutsideCall>& more) {
     calls.insert(calls.end(), more.begin(), more.end());
   };
-  if (casd_) add(read_outside_calls(*casd_, own_calls_));
-  add(read_simulator_calls(simulator_, live_ == nullptr ? CallList() : live_->simulator_calls()));
+  if (casd_) add(read_outside_calls(*casd_));
+  add(read_simulator_calls(simulator_));
   if (live_ != nullptr) add(live_->calls());
   return calls;
 }
@@ -265,31 +253,10 @@ void RealtimePilot::show(base::SimTime now) {
                  pace_words(real_time_factor_, late_steps_), stream_);
 }
 
-/// Since the run began, also by a casd that a fault has ended.
-OutsideHands RealtimePilot::hands_at(std::size_t vehicle) {
-  OutsideHands hands = outside_hands(*casd_, own_calls_, asked_[vehicle]);
-  const std::uint8_t system = systems_[vehicle];
-  for (const OutsideCall& call : outside_calls_) {
-    if (call.system == 0 || call.system == system) hands.calls.push_back(call);
-  }
-  for (const HeardAct& act : acts_before_[vehicle]) hands.acts.push_back(act);
-  return hands;
-}
-
 /// @return why the vehicle refused, or nothing
 std::optional<Refusal> RealtimePilot::give(const FleetPlan::Command& command) {
   if (!casd_) return Refusal{"casd is away"};
-  const std::size_t i = command.vehicle;
-  std::optional<std::uint64_t> acts_so_far;
-  if (command.step.kind == StepKind::kArm) {
-    const OutsideHands hands = hands_at(i);
-    if (const auto fault = arm_fault(hands)) {
-      plan_.fail(i, *fault);
-      return Refusal{*fault};
-    }
-    acts_so_far = hands.acts_so_far;
-  }
-  return hils::give(*casd_, command.step, false, asked_[i], &own_calls_, acts_so_far);
+  return hils::give(*casd_, command.step, false, asked_[command.vehicle]);
 }
 
 /// A paused run waits for ever: names the caller, and resumes the run if casweb has ended
@@ -302,7 +269,7 @@ void RealtimePilot::watch_pause() {
   if (!said_paused_) {
     said_paused_ = true;
     std::string who = "somebody";
-    for (const OutsideCall& call : read_simulator_calls(simulator_, {})) {
+    for (const OutsideCall& call : read_simulator_calls(simulator_)) {
       if (call.method == "sim.pause") who = call.client;
     }
     fmt::print(stderr, "hils: paused by {}: the run waits for `sim.resume`\n", who);
@@ -333,7 +300,7 @@ void RealtimePilot::play(const BenchFault& fault, bool begins) {
     casd_.reset();
     if (begins) return programs_.kill_casd();
     programs_.start_casd();
-    casd_.emplace(address(places_.command_port));
+    casd_.emplace(connect(address(places_.command_port)));
   } else if (const auto* flood = std::get_if<FloodFault>(&fault.kind)) {
     if (ground_station_ != nullptr) ground_station_->flood(begins ? flood->packets_hz : 0);
   } else if (std::holds_alternative<ReloadFault>(fault.kind)) {

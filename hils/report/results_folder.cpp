@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/report/results_folder.hpp"
 
+#include <fmt/format.h>
+#include <fnmatch.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <filesystem>
+#include <functional>
 #include <system_error>
 #include <vector>
 
@@ -22,6 +26,37 @@
 namespace cas::hils {
 
 namespace {
+
+namespace fs = std::filesystem;
+
+/// What a program for continuous integration or a person would take for the verdict of this run.
+constexpr std::array kVerdict{"summary.json", "junit.xml",   "report.html",
+                              "replay.html",  "boards.json", "board.ulg"};
+/// Every run writes it first: the folder holds a run.
+constexpr const char* kRunMark = "run/hilsim.yaml";
+/// The other files and folders of a run, as fnmatch(3) has them.
+constexpr std::array kRecords{
+    "plugin_figures.json", "truth.csv",         "truth_*.csv",     "flight.tlog",   "flight.ulg",
+    "flight_*.ulg",        "sensors/*.csv",     "sensors_*/*.csv", "plots/*.svg",   "plots/*/*.svg",
+    "*/board.ulg",         "run/*.yaml",        "run/*.csv",       "run/*.json",    "run/*.json.gz",
+    "run/*.log",           "run/flight_*.tlog", "run/firmware",    "run/firmware_*"};
+
+/// Those below a folder of results, by their paths from there. No symlink is followed.
+std::vector<fs::path> left_by_run(const fs::path& folder) {
+  constexpr int kDeepest = 2;  // plots/VEHICLE/track.svg
+  std::vector<fs::path> left;
+  fs::recursive_directory_iterator entry(folder, fs::directory_options::skip_permission_denied);
+  for (; entry != fs::recursive_directory_iterator(); ++entry) {
+    const fs::path path = entry->path().lexically_relative(folder);
+    const auto fits = [&path](const char* pattern) {
+      return ::fnmatch(pattern, path.c_str(), FNM_PATHNAME | FNM_PERIOD) == 0;
+    };
+    const bool is_left = path != kRunMark && std::ranges::any_of(kRecords, fits);
+    if (is_left) left.push_back(path);
+    if (is_left || entry.depth() == kDeepest) entry.disable_recursion_pending();
+  }
+  return left;
+}
 
 void write_plots(const std::filesystem::path& out, const std::filesystem::path& folder,
                  const NamedPlots& plots) {
@@ -80,14 +115,42 @@ void make_results_folder(const std::filesystem::path& folder) {
   }
 }
 
-void remove_verdict(const std::filesystem::path& folder) {
-  for (const char* name : {"summary.json", "junit.xml", "report.html", "replay.html",
-                           "run/hilsim_stats.json", "boards.json", "board.ulg"}) {
+fs::path make_next_folder(const fs::path& parent, const std::string& name) {
+  make_results_folder(parent);
+  for (int number = 1;; ++number) {
+    const fs::path folder = parent / (number == 1 ? name : fmt::format("{}-{}", name, number));
+    if (::mkdir(folder.c_str(), 0777) == 0) return folder;
+    if (errno != EEXIST) {
+      throw base::ConfigError(folder.string() +
+                              " cannot be created: " + std::generic_category().message(errno));
+    }
+  }
+}
+
+void clear_earlier_run(const fs::path& folder) {
+  for (const char* const name : kVerdict) {
     // A folder of that name is no page of an earlier run; writing the page reports it.
-    const bool page = std::filesystem::path(name).extension() == ".html";
-    if (page && std::filesystem::is_directory(folder / name)) continue;
+    const bool page = fs::path(name).extension() == ".html";
+    if (page && fs::is_directory(folder / name)) continue;
     base::remove_result({folder, name});
   }
+  std::error_code none;
+  if (!fs::exists(fs::symlink_status(folder / kRunMark, none))) return;
+  std::vector<fs::path> folders;
+  for (const fs::path& left : left_by_run(folder)) {
+    if (fs::is_directory(fs::symlink_status(folder / left))) {
+      fs::remove_all(folder / left, none);
+    } else {
+      base::remove_result({folder, left});
+    }
+    for (fs::path above = left.parent_path(); !above.empty(); above = above.parent_path()) {
+      folders.push_back(above);
+    }
+  }
+  base::remove_result({folder, kRunMark});  // last: a clearing that broke off is taken up again
+  folders.emplace_back("run");
+  std::ranges::sort(folders, std::greater<>());  // a folder behind those in it
+  for (const fs::path& empty : folders) ::rmdir((folder / empty).c_str());  // keeps what is not
 }
 
 void write_results(const RunRequest& request, const RunResult& run) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "hils/measure/run_result.hpp"
 #include "hils/run/run_request.hpp"
@@ -12,9 +13,15 @@ namespace cas::hils {
 /// and a folder of another user that everybody may write into. @throws base::ConfigError
 void make_results_folder(const std::filesystem::path& folder);
 
-/// Removes the verdict of an earlier run from a folder, and the report, the replay and the figures
-/// of the simulator that tell of it: a run that dies leaves none. @throws base::ConfigError
-void remove_verdict(const std::filesystem::path& folder);
+/// Makes the first of `parent`/NAME, NAME-2, NAME-3, ... that does not exist, and `parent` if need
+/// be. Two programs never get the same one. @throws base::ConfigError
+std::filesystem::path make_next_folder(const std::filesystem::path& parent,
+                                       const std::string& name);
+
+/// Removes what an earlier run left in a folder, so that no file there is of another run than its
+/// neighbour, and a run that dies leaves no verdict. What no run writes stays, also in folders of a
+/// run; follows no symlink. @throws base::ConfigError
+void clear_earlier_run(const std::filesystem::path& folder);
 
 /// Writes summary.json, junit.xml, report.html and plots/*.svg of a run into its folder; with
 /// several vehicles each has a folder of its own below plots. @throws base::ConfigError

@@ -36,9 +36,6 @@ class FleetPlan {
   void on_outcome(std::size_t vehicle, base::SimTime now,
                   const std::optional<Refusal>& refusal = {});
 
-  /// A vehicle's flight cannot go on for a reason that its plan does not see.
-  void fail(std::size_t vehicle, std::string why) { plans_[vehicle].fail(std::move(why)); }
-
   /// Every vehicle is through, or one of them cannot go on.
   bool ended() const;
   /// Phase of the flight: the first step that not all vehicles have done.

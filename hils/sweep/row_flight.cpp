@@ -4,13 +4,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <nlohmann/json.hpp>
-#include <string_view>
 
 #include "base/error.hpp"
+#include "base/os/disk_error.hpp"
 #include "base/os/result_file.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/run_result.hpp"
@@ -109,12 +107,11 @@ int fly_row(const fs::path& folder, const FlyTask& fly) {
   } catch (const RunStopped& stopped) {
     if (stopped.interrupted()) return kExitInterrupted;
     result = row_without_figures(RowOutcome::kStopped, without_folder(stopped.what(), folder));
+  } catch (const base::DiskError& error) {
+    fmt::print(stderr, "{}\n", error.what());
+    return kExitMachine;
   } catch (const base::ConfigError& error) {
-    const std::string_view what = error.what();
-    const bool full = what.find("was not written to its end") != std::string_view::npos ||
-                      what.find(std::strerror(ENOSPC)) != std::string_view::npos ||
-                      what.find(std::strerror(EDQUOT)) != std::string_view::npos;
-    if (full || !can_write(folder)) {
+    if (!can_write(folder)) {
       fmt::print(stderr, "{}\n", error.what());
       return kExitMachine;
     }

@@ -384,8 +384,7 @@ std::string sweep_text(const SweepView& view, const std::vector<ShareCheck>& che
   }
   if (before == nullptr) return text;
   for (const ShareChange& change : compare_sweeps(*before, view)) {
-    const bool all = change.what.starts_with("all: ");
-    if (!all && !(change.p < kSignificant)) continue;
+    if (!change.of_all && !(change.p < kSignificant)) continue;
     text += fmt::format(
         "  {} {}: {} before, {} now, p {}\n",
         change.p < kSignificant ? (change.change() < 0 ? "WORSE " : "better") : "same  ",

@@ -42,12 +42,11 @@ constexpr double kMostSeconds = 600;
 constexpr double kMostHz = 2000;
 
 base::Descriptor open_line(const FcuDevice& device) {
-  std::string error;
+  casd::SerialRefusal refusal;
   base::Descriptor line = casd::open_serial(
-      device.path, {.baud = device.baud, .flow_control = false, .unlocked_pty = true}, error);
+      device.path, {.baud = device.baud, .flow_control = false, .unlocked_pty = true}, refusal);
   if (line) return line;
-  const bool in_use = error.starts_with(device.path + ": in use");
-  throw BoardError(in_use ? kExitBoardBusy : kExitBoardAbsent, error);
+  throw BoardError(refusal.in_use ? kExitBoardBusy : kExitBoardAbsent, refusal.sentence);
 }
 
 constexpr std::size_t kReadBytes = 4096;

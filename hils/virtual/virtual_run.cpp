@@ -15,6 +15,7 @@
 
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
+#include "base/os/disk_error.hpp"
 #include "base/os/result_file.hpp"
 #include "base/random.hpp"
 #include "base/time/clock.hpp"
@@ -61,11 +62,11 @@ class FlightLog {
     std::fwrite(record_.data(), 1, record_.size(), file_.get());
   }
 
-  /// @throws base::ConfigError when something could not be written
+  /// @throws base::DiskError when something could not be written
   void close() {
     const bool written = std::fflush(file_.get()) == 0 && std::ferror(file_.get()) == 0;
     if (written) return;
-    throw base::ConfigError(place_.path().string() + " was not written to its end");
+    throw base::DiskError(place_.path().string() + " was not written to its end");
   }
 
  private:

@@ -7,6 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "base/os/disk_error.hpp"
+
 namespace cas::sim {
 namespace {
 
@@ -117,8 +119,8 @@ void UlogFile::close() {
   const bool written = std::fflush(file_.get()) == 0 && std::ferror(file_.get()) == 0;
   file_.reset();
   if (written) return;
-  throw base::ConfigError(place_.path().string() +
-                          ": was not written to its end: " + std::strerror(errno));
+  throw base::DiskError(place_.path().string() +
+                        ": was not written to its end: " + std::strerror(errno));
 }
 
 }  // namespace cas::sim

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/os/disk_error.hpp"
 
 namespace cas::sim {
 namespace {
@@ -41,8 +42,8 @@ void CsvWriter::close() {
   const bool written = std::fflush(file_.get()) == 0 && std::ferror(file_.get()) == 0;
   file_.reset();
   if (written) return;
-  throw base::ConfigError(place_.path().string() +
-                          ": was not written to its end: " + std::strerror(errno));
+  throw base::DiskError(place_.path().string() +
+                        ": was not written to its end: " + std::strerror(errno));
 }
 
 }  // namespace cas::sim

@@ -375,7 +375,6 @@ StatusText = TypedDict("StatusText", {
     "text": str,
 })
 VehicleState = TypedDict("VehicleState", {
-    "acts_so_far": int,  # grows with each request to disarm and each new kind of intervention; see vehicle.arm
     "altitude_age_s": NotRequired[float],
     "altitude_m": NotRequired[float],  # above home
     "armed": bool,
@@ -737,16 +736,14 @@ class VehicleCalls:
         vehicle: Optional[int] = None,
         force: Optional[bool] = None,
         not_hil: Optional[bool] = None,
-        acts_so_far: Optional[int] = None,
     ) -> Acknowledgement:
         """Arms; answered when the vehicle has acknowledged.
 
         vehicle: system id
         force: without the vehicle's own checks
         not_hil: also one that does not say that it is in HIL. REAL PROPELLERS MAY SPIN
-        acts_so_far: only if vehicle.state still says so: nobody has disarmed since
         """
-        return cast(Acknowledgement, self._call("vehicle.arm", _given(vehicle=vehicle, force=force, not_hil=not_hil, acts_so_far=acts_so_far)))
+        return cast(Acknowledgement, self._call("vehicle.arm", _given(vehicle=vehicle, force=force, not_hil=not_hil)))
 
     def command(
         self,
@@ -1113,16 +1110,14 @@ class AsyncVehicleCalls:
         vehicle: Optional[int] = None,
         force: Optional[bool] = None,
         not_hil: Optional[bool] = None,
-        acts_so_far: Optional[int] = None,
     ) -> Acknowledgement:
         """Arms; answered when the vehicle has acknowledged.
 
         vehicle: system id
         force: without the vehicle's own checks
         not_hil: also one that does not say that it is in HIL. REAL PROPELLERS MAY SPIN
-        acts_so_far: only if vehicle.state still says so: nobody has disarmed since
         """
-        return cast(Acknowledgement, await self._call("vehicle.arm", _given(vehicle=vehicle, force=force, not_hil=not_hil, acts_so_far=acts_so_far)))
+        return cast(Acknowledgement, await self._call("vehicle.arm", _given(vehicle=vehicle, force=force, not_hil=not_hil)))
 
     async def command(
         self,

@@ -111,19 +111,8 @@ ScriptedPx4::Options px4_options(const std::string& word) {
   if (word == "ardupilot") return {.is_ardupilot = true};
   // Accepts its first takeoff in vain, and disarms itself.
   if (word == "idle") return {.stays_at_first = true};
-  // The same, and stays armed until it is disarmed.
-  if (word == "sleepy") return {.stays_at_first = true, .disarms_itself_after = kLong};
-  // Refuses to take off, stays armed until it is disarmed, and does not report the cause.
-  if (word == "taciturn") {
-    return {.takes_off_after = kNever, .disarms_itself_after = kLong, .tells_who_disarms = false};
-  }
-  // The same, and a person stops it at its board.
-  if (word == "stopped") {
-    return {.takes_off_after = kNever,
-            .disarms_itself_after = kLong,
-            .stopped_after = seconds(3),
-            .tells_who_disarms = false};
-  }
+  // Refuses to take off, and stays armed until it is disarmed.
+  if (word == "stubborn") return {.takes_off_after = kNever, .disarms_itself_after = kLong};
   return {};
 }
 

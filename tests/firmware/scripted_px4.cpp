@@ -444,7 +444,6 @@ bool ScriptedPx4::lies(const mav::PacketView& packet) {
 void ScriptedPx4::disarm_in_time() {
   if (!armed_early_at_) return;
   const base::Duration armed = clock_ - *armed_early_at_;
-  if (options_.stopped_after && armed >= *options_.stopped_after) return armed_early_at_.reset();
   if (armed < options_.disarms_itself_after) return;
   has_disarmed_itself_ = true;
   disarm("auto preflight disarming");
@@ -460,7 +459,6 @@ void ScriptedPx4::die_in_time() {
 
 void ScriptedPx4::disarm(const char* by) {
   armed_early_at_.reset();
-  if (!options_.tells_who_disarms) return;
   say(std::string("Disarmed by ") + by, mv::MavSeverity::kInfo);
 }
 

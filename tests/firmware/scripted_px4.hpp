@@ -76,9 +76,6 @@ class ScriptedPx4 {
     bool stays_at_first = false;
     /// SITL: an armed vehicle that does not take off disarms itself after this time (v1.12.0).
     base::Duration disarms_itself_after = std::chrono::seconds(8);
-    /// SITL: a person stops it at its board this long after arming, while it refuses to take off.
-    /// Only the HEARTBEAT shows it.
-    std::optional<base::Duration> stopped_after{};
     /// Ignores setpoints from this long after the first on (v1.16.1: COM_OF_LOSS_T later OFFBOARD
     /// is over).
     std::optional<base::Duration> loses_setpoints_after{};
@@ -90,8 +87,6 @@ class ScriptedPx4 {
     bool is_ardupilot = false;
     /// Reports flights that it has not flown.
     Px4Lie lie = Px4Lie::kNone;
-    /// Reports the cause of a disarming ("Disarmed by ..."), as v1.12.0 and v1.16.1 do.
-    bool tells_who_disarms = true;
     /// At its own fence.
     FenceManner fence = FenceManner::kKeeps;
     std::string vehicle = "iris_px4";

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -192,6 +193,38 @@ TEST(HilsProgram, KeepsItsVerdictWhereNoReplayCanBeWritten) {
   const Flight flight(short_flight(folder, "architecture: direct"), folder / "out", folder / "web");
   EXPECT_TRUE(flight.says("Results: ")) << flight.output();
   EXPECT_TRUE(flight.says("hils: the replay was not written: ")) << flight.output();
+}
+
+/// Without --out each run gets a folder of its own, after the scenario's file.
+TEST(HilsProgram, ChoosesTheNextFreeFolder) {
+  const TemporaryFolder folder;
+  const std::string scenario = short_flight(folder, "architecture: direct");
+  const std::string taken = "hils: out/own is taken: the results go to out/own-2\n";
+  for (const char* const name : {"out/own", "out/own-2"}) {
+    ChildProcess hils({"/usr/bin/env", "-C", folder.path().string(), "CAS_WEB_PATH=/nowhere",
+                       binary_dir() + "/bin/hils", "run", scenario});
+    EXPECT_EQ(hils.wait_exit(), 0) << hils.output();
+    EXPECT_NE(hils.output().find("Results: " + std::string(name) + "\n"), std::string::npos)
+        << hils.output();
+    EXPECT_EQ(hils.output().find(taken) != std::string::npos, std::string(name) != "out/own");
+    EXPECT_TRUE(std::filesystem::exists(folder / (std::string(name) + "/summary.json")));
+  }
+}
+
+TEST(HilsProgram, ListsTheShippedScenariosWithTheirControllers) {
+  ChildProcess hils({binary_dir() + "/bin/hils", "run", "--list"});
+  EXPECT_EQ(hils.wait_exit(), 0) << hils.output();
+  const auto has_line = [text = hils.output()](const std::string& pattern) {
+    return std::regex_search(text, std::regex("(^|\n)" + pattern + "(\n|$)"));
+  };
+  for (const auto& entry :
+       std::filesystem::directory_iterator(source_dir() + "/config/scenarios")) {
+    const std::string name = "scenarios/" + entry.path().filename().string();
+    EXPECT_TRUE(has_line(name + " +(emulator|PX4|ArduPilot)  +[^ ].*")) << hils.output();
+  }
+  EXPECT_TRUE(has_line("scenarios/hover.yaml +emulator +Hover at 2.5 m for 30 s, heading north"));
+  EXPECT_TRUE(has_line("scenarios/px4_sitl.yaml +PX4 .*"));
+  EXPECT_TRUE(has_line("scenarios/ardupilot.yaml +ArduPilot .*"));
 }
 
 TEST(HilsProgram, LeavesNoReplayOfAnEarlierRun) {

@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/os/command_port.hpp"
+#include "base/os/disk_error.hpp"
 #include "base/os/log.hpp"
 #include "base/random.hpp"
 
@@ -128,6 +129,8 @@ void PluginHost::configure(const std::vector<VehicleConfig>& vehicles,
         if (context.sent()) senders.emplace_back(instance.label, *context.sent());
       } catch (const base::CommandPortError& error) {
         throw base::CommandPortError("plugin " + instance.label + ": " + error.what());
+      } catch (const base::DiskError& error) {
+        throw base::DiskError("plugin " + instance.label + ": " + error.what());
       } catch (const base::ConfigError& error) {
         throw base::ConfigError("plugin " + instance.label + ": " + error.what());
       } catch (const std::exception& error) {

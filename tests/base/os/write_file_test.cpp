@@ -9,6 +9,7 @@
 #include <iterator>
 
 #include "base/error.hpp"
+#include "base/os/disk_error.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::base {
@@ -133,6 +134,18 @@ TEST(WriteFile, SaysWhichFileCannotBeWrittenAndWhy) {
               file.string() + ": cannot be written: No such file or directory");
   }
   EXPECT_EQ(files_in(folder.path()), 0);
+}
+
+TEST(WriteFile, TellsAFullDiskFromAWrongPlace) {
+  EXPECT_THROW(write_file("/dev/full", "x"), DiskError);
+  const test::TemporaryFolder folder;
+  try {
+    write_file(folder / "none/file", "x");
+    FAIL() << "it was written";
+  } catch (const DiskError& error) {
+    FAIL() << error.what();
+  } catch (const ConfigError&) {
+  }
 }
 
 }  // namespace

@@ -184,16 +184,38 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 TEST_F(DispatcherTest, ItsOwnMethodsRefuseUnknownParametersToo) {
-  for (const char* method : {"methods", "rpc.discover", "subscribe", "unsubscribe", "authorise"}) {
+  for (const char* method :
+       {"methods", "rpc.discover", "subscribe", "unsubscribe", "introduce", "authorise"}) {
     const Json request{{"jsonrpc", "2.0"},
                        {"id", 1},
                        {"method", method},
-                       {"params", {{"topic", "status"}, {"tokn", "x"}}}};
+                       {"params", {{"topic", "status"}, {"name", "x"}, {"tokn", "x"}}}};
     const Json error = answer(request.dump()).at("error");
     EXPECT_EQ(error.at("code"), kInvalidParams) << method;
     EXPECT_NE(error.at("message").get<std::string>().find("is no parameter"), std::string::npos)
         << error;
   }
+}
+
+TEST_F(DispatcherTest, KnowsAClientByTheNameThatItGaveItself) {
+  peer_->name = "unix:uid 1000";
+  dispatcher_.add_method("who",
+                         [](const Json&, const Reply& reply) { reply.result(reply.client); });
+  const auto introduce = [this](const Json& name) {
+    return answer(
+        Json{{"jsonrpc", "2.0"}, {"id", 1}, {"method", "introduce"}, {"params", {{"name", name}}}}
+            .dump());
+  };
+  const std::string who = R"({"jsonrpc":"2.0","id":2,"method":"who"})";
+  for (const Json& name :
+       {Json(""), Json("a name"), Json("n\n"), Json(std::string(33, 'n')), Json(1)}) {
+    EXPECT_EQ(introduce(name).at("error").at("code"), kInvalidParams) << name;
+  }
+  EXPECT_EQ(answer(who)["result"], "unix:uid 1000");
+  EXPECT_EQ(introduce("hils-4711")["result"], "unix:uid 1000 (hils-4711)");
+  EXPECT_EQ(introduce("hils-4711")["result"], "unix:uid 1000 (hils-4711)") << "again";
+  EXPECT_EQ(introduce("casweb").at("error").at("code"), kInvalidParams) << "another";
+  EXPECT_EQ(answer(who)["result"], "unix:uid 1000 (hils-4711)");
 }
 
 TEST_F(DispatcherTest, AnswersWhatAMethodThrows) {

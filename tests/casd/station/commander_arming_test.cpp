@@ -225,9 +225,9 @@ INSTANTIATE_TEST_SUITE_P(
 class StoppingCommand : public RawCommand {};
 
 TEST_P(StoppingCommand, IsNotHeldBackAndCounts) {
-  const std::uint64_t before = commander_.hands(1).acts_so_far();
+  const std::uint64_t before = commander_.hands(1).disarms;
   EXPECT_EQ(asked_of_a_vehicle_not_in_hil(), OutcomeKind::kAccepted);
-  EXPECT_EQ(commander_.hands(1).acts_so_far(), before + 1);
+  EXPECT_EQ(commander_.hands(1).disarms, before + 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(Raw, StoppingCommand,

@@ -210,44 +210,10 @@ TEST_F(Overheard, SoDoesCasdsOwnEndOfTheFlight) {
 TEST_F(Overheard, IsRememberedOfAVehicleThatWasForgotten) {
   meet();
   hear(command_to_vehicle(MavCmd::kComponentArmDisarm));
-  const std::uint64_t acts = commander_.hands(1).acts_so_far();
   commander_.forget(bit(test::kLink));
   ASSERT_EQ(commander_.find(1), nullptr);
   meet();
   EXPECT_EQ(heard(), "command 400 (disarm) !");
-  EXPECT_EQ(commander_.hands(1).acts_so_far(), acts);
-}
-
-TEST_F(Overheard, ArmingIsRefusedToWhoHasNotSeenTheNewestAct) {
-  meet();
-  const std::uint64_t seen = commander_.hands(1).acts_so_far();
-  hear(command_to_vehicle(MavCmd::kComponentArmDisarm));
-  const std::size_t sent = vehicle_.commands.size();
-  const Outcome outcome = arm({.acts_so_far = seen});
-  EXPECT_EQ(outcome.kind, OutcomeKind::kRefused);
-  EXPECT_EQ(outcome.message,
-            "vehicle 1 is not armed: somebody has disarmed or commanded it since acts_so_far was "
-            "read");
-  EXPECT_EQ(vehicle_.commands.size(), sent);
-  EXPECT_TRUE(arm({.acts_so_far = commander_.hands(1).acts_so_far()}).ok());
-}
-
-TEST_F(Overheard, ArmingIsRefusedWhileADisarmIsNotAnswered) {
-  meet();
-  vehicle_.script.answers = 0;
-  std::optional<Outcome> disarmed;
-  commander_.disarm(1, false, now_, [&](const Outcome& outcome) { disarmed = outcome; });
-  run_for(100ms);
-  const std::uint64_t seen = commander_.hands(1).acts_so_far();
-  const Outcome outcome = arm({.acts_so_far = seen});
-  EXPECT_EQ(outcome.kind, OutcomeKind::kRefused);
-  EXPECT_EQ(outcome.message, "vehicle 1 is not armed: a request to disarm it is under way");
-  EXPECT_FALSE(disarmed) << disarmed->message;
-  vehicle_.script.answers = 1;
-  run_for(1s);
-  ASSERT_TRUE(disarmed) << "it is repeated until the vehicle answers";
-  EXPECT_TRUE(disarmed->ok()) << disarmed->message;
-  EXPECT_TRUE(arm({.acts_so_far = seen}).ok());
 }
 
 TEST(Interventions, KeepTheDisarmAmongManyOthers) {

@@ -468,6 +468,51 @@ TEST(FirmwareFlight, ThatSwingsAboutItsHeightMissesItsLimitsAlthoughTheMeanIsRig
                 "largest error of the true position: 1.800 m; the limit is 0.6 m"}));
 }
 
+/// The vehicle was disarmed before it took off.
+FirmwareFigures never_left_the_ground() {
+  FirmwareFigures figures;
+  figures.flight_failure = "the vehicle was disarmed before it took off, during step 2 (takeoff)";
+  figures.disarmed_on_ground = true;
+  return figures;
+}
+
+TEST(FirmwareFlight, ThatEndsOnTheGroundUnhurtHasNoVerdict) {
+  const Verdict verdict = judge({}, never_left_the_ground());
+  EXPECT_EQ(verdict.exit_code(), kExitInvalid);
+  EXPECT_EQ(verdict.failures,
+            (std::vector<std::string>{
+                "the vehicle was disarmed before it took off, during step 2 (takeoff); it stands "
+                "upright and unhurt, no fault has struck, and hils does not arm it again: the "
+                "flight has no verdict"}));
+}
+
+struct Harm {
+  const char* name;
+  void (*strike)(FirmwareFigures&);
+};
+
+class HarmedOnTheGround : public testing::TestWithParam<Harm> {};
+
+TEST_P(HarmedOnTheGround, HasFailed) {
+  FirmwareFigures figures = never_left_the_ground();
+  GetParam().strike(figures);
+  const Verdict verdict = judge({}, figures);
+  EXPECT_EQ(verdict.exit_code(), kExitLimitsMissed);
+  ASSERT_FALSE(verdict.failures.empty());
+  EXPECT_EQ(verdict.failures.front(), *figures.flight_failure);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    FirmwareFlight, HarmedOnTheGround,
+    testing::Values(Harm{"TippedOver", [](FirmwareFigures& f) { f.disarmed_on_ground = false; }},
+                    Harm{"Struck",
+                         [](FirmwareFigures& f) {
+                           f.incidents = {{IncidentKind::kStrike, 5, "hit something with rotor 1"}};
+                         }},
+                    Harm{"AfterAFault", [](FirmwareFigures& f) { f.faults.emplace_back(); }},
+                    Harm{"Unwatched", [](FirmwareFigures& f) { f.unwatched = "no truth.csv"; }}),
+    [](const auto& test) { return std::string(test.param.name); });
+
 TEST(FirmwareFlight, WithoutALimitOnItsMotionSaysSo) {
   FirmwareScenario scenario;
   scenario.drift_m = 1;

@@ -237,7 +237,7 @@ TEST(FlightPlan, SaysWhatStockFirmwareLackedForItsPosition) {
 }
 
 // PX4 v1.12.0: armed 1.5 s after its start it refused to take off, and disarmed after 8 s.
-TEST(FlightPlan, ArmsStockFirmwareAgainThatDisarmedItselfBeforeTakeoff) {
+TEST(FlightPlan, EndsWhereStockFirmwareRefusedTheTakeoffAndDisarmedItself) {
   FlightPlan plan(hover(), 0, kStock);
   VehicleReport vehicle = on_ground();
   ASSERT_EQ(plan.update(at(seconds(0)), vehicle)->kind, StepKind::kArm);
@@ -245,40 +245,22 @@ TEST(FlightPlan, ArmsStockFirmwareAgainThatDisarmedItselfBeforeTakeoff) {
   vehicle.armed = true;
   ASSERT_EQ(plan.update(at(seconds(1)), vehicle)->kind, StepKind::kTakeoff);
   plan.on_outcome(at(seconds(1)), Refusal{"temporarily rejected"});
-  vehicle.armed = false;
-  ASSERT_EQ(plan.update(at(seconds(2)), vehicle)->kind, StepKind::kArm);
-  plan.on_outcome(at(seconds(2)));
-  EXPECT_FALSE(plan.update(at(milliseconds(2500)), vehicle));
-  vehicle.armed = true;
-  ASSERT_EQ(plan.update(at(seconds(3)), vehicle)->kind, StepKind::kTakeoff);
-  plan.on_outcome(at(seconds(3)));
-  plan.update(at(seconds(5)), hovering());
-  plan.update(at(seconds(6)), hovering());
-  EXPECT_EQ(plan.completed(), 2U) << plan.failure().value_or("");
+  EXPECT_FALSE(plan.update(at(seconds(2)), on_ground())) << "it is not armed again";
+  EXPECT_TRUE(plan.disarmed_before_takeoff());
+  EXPECT_EQ(plan.failure(),
+            "the vehicle was disarmed before it took off, during step 2 (takeoff), which it had "
+            "refused: temporarily rejected");
 }
 
-TEST(FlightPlan, ArmsStockFirmwareAgainThatWasNeverHeardArmed) {
+TEST(FlightPlan, EndsWhereStockFirmwareAcceptedArmingAndIsNotHeardArmed) {
   FlightPlan plan(hover(), 0, kStock);
   ASSERT_TRUE(plan.update(at(seconds(0)), on_ground()));
   plan.on_outcome(at(seconds(0)));
   EXPECT_FALSE(plan.update(at(seconds(2)), on_ground()));
-  const auto again = plan.update(at(seconds(4)), on_ground());
-  ASSERT_TRUE(again);
-  EXPECT_EQ(again->kind, StepKind::kArm);
-}
-
-TEST(FlightPlan, WaitsForTheHeartbeatThatShowsStockFirmwareArmedAgain) {
-  FlightPlan plan(hover(), 0, kStock);
-  VehicleReport vehicle = on_ground();
-  plan.update(at(seconds(0)), vehicle);
-  plan.on_outcome(at(seconds(0)));
-  vehicle.armed = true;
-  plan.update(at(seconds(1)), vehicle);
-  plan.on_outcome(at(seconds(1)), Refusal{"temporarily rejected"});
-  ASSERT_EQ(plan.update(at(seconds(2)), on_ground())->kind, StepKind::kArm);
-  plan.on_outcome(at(seconds(2)));
-  EXPECT_FALSE(plan.update(at(seconds(4)), on_ground())) << "no second arming for one disarming";
-  ASSERT_TRUE(plan.update(at(milliseconds(5100)), on_ground()));
+  EXPECT_FALSE(plan.failure()) << "its HEARTBEAT may be late";
+  EXPECT_FALSE(plan.update(at(seconds(4)), on_ground()));
+  EXPECT_TRUE(plan.disarmed_before_takeoff());
+  EXPECT_EQ(plan.failure(), "the vehicle was disarmed before it took off, during step 1 (arm)");
 }
 
 /// Armed, and its takeoff accepted after 1 s.
@@ -293,39 +275,22 @@ FlightPlan accepted_takeoff() {
   return plan;
 }
 
-TEST(FlightPlan, ArmsStockFirmwareAgainThatAcceptedTheTakeoffAndDisarmedItselfOnTheGround) {
+TEST(FlightPlan, EndsWhereStockFirmwareAcceptedTheTakeoffAndDisarmedItselfOnTheGround) {
   FlightPlan plan = accepted_takeoff();
-  EXPECT_FALSE(plan.update(at(seconds(3)), on_ground())) << "its HEARTBEAT may be late";
-  const auto again = plan.update(at(seconds(5)), on_ground());
-  ASSERT_TRUE(again) << plan.failure().value_or("");
-  EXPECT_EQ(again->kind, StepKind::kArm);
-  plan.on_outcome(at(seconds(5)));
-  VehicleReport vehicle = on_ground();
-  vehicle.armed = true;
-  const auto takeoff = plan.update(at(seconds(7)), vehicle);
-  ASSERT_TRUE(takeoff);
-  EXPECT_EQ(takeoff->kind, StepKind::kTakeoff);
+  EXPECT_FALSE(plan.update(at(seconds(3)), on_ground()));
+  EXPECT_FALSE(plan.failure()) << "its HEARTBEAT may be late";
+  EXPECT_FALSE(plan.update(at(seconds(5)), on_ground()));
+  EXPECT_TRUE(plan.disarmed_before_takeoff());
+  EXPECT_EQ(plan.failure(), "the vehicle was disarmed before it took off, during step 2 (takeoff)");
 }
 
-// PX4 that is armed in its takeoff mode lifts off, and refuses another takeoff in the air.
-TEST(FlightPlan, GivesNoSecondTakeoffToWhatLiftsOffAsSoonAsItIsArmedAgain) {
-  FlightPlan plan = accepted_takeoff();
-  ASSERT_TRUE(plan.update(at(seconds(5)), on_ground()));
-  plan.on_outcome(at(seconds(5)));
-  VehicleReport climbing{.heard = true, .armed = true, .has_position = true};
-  EXPECT_FALSE(plan.update(at(seconds(7)), climbing));
-  EXPECT_FALSE(plan.update(at(seconds(9)), hovering()));
-  plan.update(at(seconds(11)), hovering());
-  EXPECT_EQ(plan.completed(), 2U) << plan.failure().value_or("");
-}
-
-TEST(FlightPlan, DoesNotArmAgainWhatLiftedOffAndWasDisarmedBetweenTwoLooks) {
-  FlightPlan plan = accepted_takeoff();
-  ASSERT_TRUE(plan.update(at(seconds(5)), on_ground()));
-  plan.on_outcome(at(seconds(5)));
-  VehicleReport fallen{.heard = true, .has_position = true};
-  for (int s = 6; s < 20; ++s) EXPECT_FALSE(plan.update(at(seconds(s)), fallen));
-  EXPECT_EQ(plan.failure(), "the vehicle was disarmed during step 2 (takeoff)");
+TEST(FlightPlan, FliesAgainAfterADisarmStep) {
+  FlightPlan plan({{.kind = StepKind::kDisarm, .timeout = seconds(20)},
+                   {.kind = StepKind::kArm, .timeout = seconds(10)}},
+                  0, kStock);
+  const auto command = plan.update(at(seconds(0)), on_ground());
+  ASSERT_TRUE(command) << plan.failure().value_or("");
+  EXPECT_EQ(command->kind, StepKind::kArm);
 }
 
 TEST(FlightPlan, EndsWhereATakeoffHadBegunAndTheVehicleIsDisarmed) {
@@ -336,6 +301,7 @@ TEST(FlightPlan, EndsWhereATakeoffHadBegunAndTheVehicleIsDisarmed) {
   plan.update(at(seconds(2)), climbing);
   EXPECT_FALSE(plan.update(at(seconds(5)), on_ground()));
   EXPECT_EQ(plan.failure(), "the vehicle was disarmed during step 2 (takeoff)");
+  EXPECT_FALSE(plan.disarmed_before_takeoff());
 }
 
 TEST(FlightPlan, LeavesStockFirmwareTheTimeToDisarmItself) {

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cerrno>
+#include <string>
+
+#include "base/error.hpp"
+
+namespace cas::base {
+
+/// A file was not written, or not to its end, because the disk did not take it: not the fault of
+/// the one who named the file.
+class CAS_BASE_EXPORT DiskError : public ConfigError {
+ public:
+  using ConfigError::ConfigError;
+};
+
+/// @param error  errno of a write @throws DiskError if there was no room, else ConfigError
+[[noreturn]] inline void throw_unwritten(const std::string& sentence, int error) {
+  if (error == ENOSPC || error == EDQUOT) throw DiskError(sentence);
+  throw ConfigError(sentence);
+}
+
+}  // namespace cas::base

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/scenario_list.hpp"
+
+#include <filesystem>
+#include <map>
+#include <vector>
+
+#include "base/config/install_paths.hpp"
+#include "base/error.hpp"
+#include "hils/firmware/firmware_scenario.hpp"
+#include "hils/report/aligned_table.hpp"
+#include "hils/scenario/scenario.hpp"
+
+namespace cas::hils {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The files by what `hils run` takes: "scenarios/hover.yaml". Of one name the one that it finds.
+std::map<std::string, fs::path> shipped_scenarios() {
+  std::map<std::string, fs::path> files;
+  for (const fs::path& folder : base::config_dirs()) {
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(folder / "scenarios", none)) {
+      if (entry.path().extension() != ".yaml") continue;
+      files.emplace("scenarios/" + entry.path().filename().string(), entry.path());
+    }
+  }
+  return files;
+}
+
+/// Controller and description.
+std::vector<std::string> row_of(const fs::path& file) try {
+  if (!FirmwareScenario::is(file)) return {"emulator", Scenario::load(file).description};
+  const FirmwareScenario scenario = FirmwareScenario::load(file);
+  return {scenario.autopilot.empty() ? "stock firmware" : scenario.autopilot, scenario.description};
+} catch (const base::ConfigError& error) {
+  return {"-", error.what()};
+}
+
+}  // namespace
+
+std::string list_scenarios() {
+  std::vector<std::vector<std::string>> rows{{"SCENARIO", "CONTROLLER", "DESCRIPTION"}};
+  for (const auto& [name, file] : shipped_scenarios()) {
+    std::vector<std::string>& row = rows.emplace_back(row_of(file));
+    row.insert(row.begin(), name);
+  }
+  return aligned_table(rows, Cells::kLeft) +
+         "In place of the emulator --fcu flies a board. PX4 and ArduPilot are stock firmware of "
+         "this machine.\n";
+}
+
+}  // namespace cas::hils
