@@ -108,7 +108,7 @@ std::filesystem::path vehicle_file(const std::string& word) {
 
 int describe(const std::string& word, const std::optional<std::filesystem::path>& svg) {
   const base::Vehicle vehicle = base::Vehicle::load(vehicle_file(word));
-  const sim::VehicleModel model = sim::load_vehicle_model(vehicle.urdf);
+  const sim::VehicleModel model = sim::load_vehicle_model(vehicle.urdf, vehicle.parts);
   const std::string text =
       describe_vehicle(vehicle, model, base::load_frames(base::find_config("frames.yaml")));
   for (const std::string& warning : model.warnings) base::log::warn(warning);
