@@ -109,7 +109,7 @@ class MotorPlugin final : public Plugin {
       figures["rotor_strikes"].push_back(
           {{"rotor", strike.rotor + 1}, {"time_s", six_decimals(base::to_seconds(strike.time))}});
     }
-    if (refused_reverse_) figures["not_reversible_rotor"] = *refused_reverse_ + 1;
+    if (refused_reverse_) figures["warnings"].push_back(refusal());
     return figures.is_null() ? "" : figures.dump();
   }
 
@@ -151,9 +151,13 @@ class MotorPlugin final : public Plugin {
     if (refused_reverse_) return;
     refused_reverse_ = mixer_.refused_reverse(command);
     if (!refused_reverse_) return;
-    base::log::warn(name_ + ": rotor " + std::to_string(*refused_reverse_ + 1) +
-                    " is asked to turn the other way (an output below 0) and stays at idle: the "
-                    "vehicle file does not say that it is `reversible`");
+    base::log::warn(refusal());
+  }
+
+  std::string refusal() const {
+    return name_ + ": rotor " + std::to_string(*refused_reverse_ + 1) +
+           " was asked to turn the other way (an output below 0) and stayed at idle: the vehicle "
+           "file does not say that it is `reversible`";
   }
 
   /// Speeds that the controller asks for from now on.
