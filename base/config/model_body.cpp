@@ -18,7 +18,11 @@ constexpr double kTriangleSlack = 1e-6;  // of the largest moment: files round t
 
 const ModelLink* ModelBody::find(std::string_view link_name) const {
   const auto found = std::ranges::find(links, link_name, &ModelLink::name);
-  return found == links.end() ? nullptr : &*found;
+  if (found != links.end()) return &*found;
+  const std::string inside = "::" + std::string(link_name);
+  const auto is_it = [&inside](const ModelLink& link) { return link.name.ends_with(inside); };
+  const auto only = std::ranges::find_if(links, is_it);
+  return std::ranges::count_if(links, is_it) == 1 ? &*only : nullptr;
 }
 
 const ModelMotor* ModelBody::motor_of(const ModelLink& link) const {

@@ -64,7 +64,7 @@ struct CAS_BASE_EXPORT ModelBody {
   std::vector<ModelMotor> motors;
   std::vector<std::string> warnings;  ///< one sentence for each repair or omission
 
-  /// The link of that name, or nothing.
+  /// The link of that name, else the only one of that name in an included model, or nothing.
   const ModelLink* find(std::string_view link_name) const;
   /// The plugin that drives a link, or nothing.
   const ModelMotor* motor_of(const ModelLink& link) const;

@@ -59,6 +59,8 @@ TEST_F(PartsOfAModel, AnIncludedModelBesideTheVehiclesFolderIsAFixedMass) {
       "</joint>");
   EXPECT_NEAR(body.mass_kg, 1.5, kRounding);
   ASSERT_NE(body.find("gps0::link"), nullptr);
+  EXPECT_EQ(body.find("link"), body.find("gps0::link")) << "the only one of that name";
+  EXPECT_EQ(body.find("ink"), nullptr);
   // The include's pose takes the place of the model's own.
   EXPECT_TRUE(body.find("gps0::link")->position_R_m.isApprox(Eigen::Vector3d(1, 0, 0.5)));
   EXPECT_TRUE(body.warnings.empty());
