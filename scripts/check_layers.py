@@ -84,7 +84,7 @@ LAYERS = {
     # the one folder that knows ODE
     "libsim/core/ode": API | {"libsim/core", "libsim/core/body", "ODE"},
     "libsim/core/load":
-        API | {"libsim/core", "libsim/core/body", "urdfdom", "sdformat", "libpng"},
+        API | {"libsim/core", "libsim/core/body", "sdformat", "libpng"},
     "libsim/core/run": API | {"libsim/core"} | rooms("libsim/core", "body ode load"),
     # of the runtime: SHA-256
     "libsim/hilsim":

@@ -5,7 +5,8 @@
 #include <algorithm>
 
 #include "base/config/sdf_model.hpp"
-#include "base/config/urdf_body.hpp"
+#include "base/config/urdf_model.hpp"
+#include "base/error.hpp"
 #include "base/read_file.hpp"
 
 namespace cas::base {
@@ -13,44 +14,42 @@ namespace {
 
 constexpr double kTriangleSlack = 1e-6;  // of the largest moment: files round their figures
 
-Eigen::Matrix3d parallel_axis(double mass, const Eigen::Vector3d& p) {
-  return mass * (p.squaredNorm() * Eigen::Matrix3d::Identity() - p * p.transpose());
-}
-
 }  // namespace
 
-const ModelLink* ModelBody::find(std::string_view name) const {
-  const auto found = std::ranges::find(links, name, &ModelLink::name);
-  return found == links.end() ? nullptr : &*found;
+const ModelLink* ModelBody::find(std::string_view link_name) const {
+  const auto found = std::ranges::find(links, link_name, &ModelLink::name);
+  if (found != links.end()) return &*found;
+  const std::string inside = "::" + std::string(link_name);
+  const auto is_it = [&inside](const ModelLink& link) { return link.name.ends_with(inside); };
+  const auto only = std::ranges::find_if(links, is_it);
+  return std::ranges::count_if(links, is_it) == 1 ? &*only : nullptr;
 }
 
-void BodySum::add(const Inertial& inertial, const Eigen::Isometry3d& X_RL) {
-  if (first_line_ == 0) first_line_ = inertial.line;
-  const Eigen::Isometry3d X_RC = X_RL * inertial.X;
-  mass_kg_ += inertial.mass_kg;
-  moment_ += inertial.mass_kg * X_RC.translation();
-  inertia_ += parallel_axis(inertial.mass_kg, X_RC.translation());
-  if (inertial.mass_kg > 0 && !is_physical_inertia(inertial.inertia_kg_m2)) return;
-  inertia_ += X_RC.linear() * inertial.inertia_kg_m2 * X_RC.linear().transpose();
+const ModelMotor* ModelBody::motor_of(const ModelLink& link) const {
+  const auto found = std::ranges::find_if(motors, [&link](const ModelMotor& motor) {
+    return motor.link == link.name || (!motor.joint.empty() && motor.joint == link.joint);
+  });
+  return found == motors.end() ? nullptr : &*found;
 }
 
-void BodySum::finish(ModelBody& body) const {
-  body.mass_kg = mass_kg_;
-  body.inertial_line = first_line_;
-  if (mass_kg_ <= 0) return;
-  body.cog_R_m = moment_ / mass_kg_;
-  const Eigen::Matrix3d inertia = inertia_ - parallel_axis(mass_kg_, body.cog_R_m);
-  body.inertia_B_kg_m2 = 0.5 * (inertia + inertia.transpose());
+ModelBody parse_model_body(std::string_view text, const std::filesystem::path& file,
+                           const ModelParts& parts) {
+  // A template may parse, without the expansion of its macros.
+  if (const auto sentence = template_language(text)) {
+    throw ConfigError(file.string() + ": is no vehicle model: " + *sentence);
+  }
+  const XmlElement root = parse_xml(text, file.string());
+  if (root.name == "sdf") return read_sdf_model(root, file, parts);
+  if (root.name == "robot") return read_urdf_model(root, file, parts);
+  root.fail("is no vehicle model: its outermost element is <" + root.name +
+            ">, not <robot> (URDF) or <sdf>");
 }
 
-std::optional<ModelBody> read_model_body(const std::filesystem::path& file) {
+std::optional<ModelBody> read_model_body(const std::filesystem::path& file,
+                                         const ModelParts& parts) {
   std::error_code error;
   if (!std::filesystem::exists(file, error)) return std::nullopt;
-  const std::string xml = read_foreign_file(file, "vehicle model", kMaxModelBytes);
-  std::optional<ModelBody> body =
-      SdfModel::is_sdf(xml) ? SdfModel(xml, file).body() : read_urdf_body(xml);
-  if (body) body->file = file;
-  return body;
+  return parse_model_body(read_foreign_file(file, "vehicle model", kMaxModelBytes), file, parts);
 }
 
 bool is_physical_inertia(const Eigen::Matrix3d& inertia) {

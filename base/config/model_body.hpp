@@ -4,71 +4,92 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "base/config/model_parts.hpp"
 #include "base/export.hpp"
 
 namespace cas::base {
 
 /// A link of a model in the model's frame R: that of a URDF's root link, or of an SDF's <model>.
 struct ModelLink {
-  std::string name;
-  int line = 0;                           ///< of its joint, or of the root link
-  Eigen::Vector3d position_R_m{0, 0, 0};  ///< origin of its joint
-  std::optional<Eigen::Vector3d> axis_R;  ///< of the joint that it turns about without end, unit
+  std::string name{};                       ///< of an included model's link "gps0::link"
+  std::string joint{};                      ///< that carries it; empty: none
+  std::string place{};                      ///< FILE:LINE of that joint, else of the link
+  double mass_kg = 0;                       ///< its own
+  Eigen::Vector3d position_R_m{0, 0, 0};    ///< origin of its joint
+  std::optional<Eigen::Vector3d> axis_R{};  ///< of the joint that it turns about without end, unit
+};
+
+/// A <collision> or <visual> of a link.
+struct ModelShape {
+  enum class Form { kBox, kSphere, kCylinder, kMesh, kOther };
+  std::string link{};
+  std::string place{};  ///< FILE:LINE of its form
+  std::string word{};   ///< the form's element: "box"
+  Form form = Form::kOther;
+  bool visual = false;  ///< else it collides
+  bool turns = false;   ///< a rotor's
+  /// Edges of a box, (r, r, r) of a sphere, (r, r, length) of a cylinder: m; a mesh's scale.
+  Eigen::Vector3d size{0, 0, 0};
+  std::string uri{};                                       ///< of a mesh
+  std::filesystem::path file{};                            ///< that names the mesh
+  Eigen::Isometry3d X_RS = Eigen::Isometry3d::Identity();  ///< in R
+};
+
+/// A motor plugin of the model: Gazebo's coefficients of a rotor, by the vehicle file's keys.
+struct ModelMotor {
+  std::string place{};
+  std::string link{};   ///< empty: none is named
+  std::string joint{};  ///< empty: none is named
+  std::optional<int> spin{};
+  bool reversible = false;
+  std::map<std::string, double, std::less<>> keys{};
 };
 
 /// The whole vehicle according to a model file, with its rotors at rest.
 struct CAS_BASE_EXPORT ModelBody {
-  std::filesystem::path file;
-  double mass_kg = 0;     ///< 0 where no link has any
-  int inertial_line = 0;  ///< of the first <inertial>
+  std::filesystem::path file{};
+  std::string name{};
+  double mass_kg = 0;            ///< 0 where no link has any
+  std::string inertial_place{};  ///< FILE:LINE of the first <inertial>
   Eigen::Vector3d cog_R_m{0, 0, 0};
   Eigen::Matrix3d inertia_B_kg_m2 = Eigen::Matrix3d::Zero();  ///< about the centre of gravity
   std::vector<ModelLink> links;                               ///< a URDF's from the root outwards
+  std::vector<ModelShape> shapes;
+  std::vector<ModelMotor> motors;
+  std::vector<std::string> warnings;  ///< one sentence for each repair or omission
 
-  /// The link of that name, or nothing.
-  const ModelLink* find(std::string_view name) const;
+  /// The link of that name, else the only one of that name in an included model, or nothing.
+  const ModelLink* find(std::string_view link_name) const;
+  /// The plugin that drives a link, or nothing.
+  const ModelMotor* motor_of(const ModelLink& link) const;
   /// From the centre of gravity, in axes that are R's: forward, left, up.
   Eigen::Vector3d position_B_m(const ModelLink& link) const { return link.position_R_m - cog_R_m; }
 };
 
-/// Mass and inertia of a link, as its <inertial> has them.
-struct Inertial {
-  double mass_kg = 0;
-  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();  ///< of the centre of gravity in the link
-  Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about it, in its axes
-  int line = 0;
-};
+/// Largest file of a vehicle's model that is read, and most links of a vehicle.
+inline constexpr std::size_t kMaxModelBytes = std::size_t{4} << 20U;
+inline constexpr std::size_t kMaxModelLinks = 1000;
 
-/// Combines links by the parallel-axis theorem. A link whose inertia no body can have counts as a
-/// point mass.
-class BodySum {
- public:
-  /// @param X_RL  of the link in R
-  void add(const Inertial& inertial, const Eigen::Isometry3d& X_RL);
-  /// Writes mass, centre of gravity, inertia and line.
-  void finish(ModelBody& body) const;
+/// Reads a URDF or SDF file, whichever it is.
+///
+/// Links are combined by the parallel-axis theorem. A link whose inertia no body can have is named
+/// in `warnings` and counts as a point mass, and so are joints that move and are no rotors: they
+/// count as fixed.
+/// @return nullopt for a file that is missing
+/// @throws ConfigError "FILE:LINE: ..." for one that is no model of a vehicle, and for a name in
+///     `parts` that the model does not have
+CAS_BASE_EXPORT std::optional<ModelBody> read_model_body(const std::filesystem::path& file,
+                                                         const ModelParts& parts = {});
 
- private:
-  double mass_kg_ = 0;
-  int first_line_ = 0;
-  Eigen::Vector3d moment_ = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d inertia_ = Eigen::Matrix3d::Zero();  // about the origin of R
-};
-
-/// Largest file of a vehicle's model that is read.
-inline constexpr std::size_t kMaxModelBytes = std::size_t{16} << 20U;
-
-/// Reads mass, inertia and places from a URDF or SDF file, whichever it is.
-/// @return nullopt for a file that is missing or neither: the loader of the shapes reports the
-///     error
-/// @throws ConfigError for an SDF file that describes no single vehicle, and for a file that is not
-///     regular or too large
-CAS_BASE_EXPORT std::optional<ModelBody> read_model_body(const std::filesystem::path& file);
+/// The same of the text of a file. @param file  for errors, and to find included models
+CAS_BASE_EXPORT ModelBody parse_model_body(std::string_view text, const std::filesystem::path& file,
+                                           const ModelParts& parts = {});
 
 /// True when a body can have this inertia: symmetric, positive definite, and no principal moment
 /// larger than the sum of the others.

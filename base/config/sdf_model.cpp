@@ -2,221 +2,263 @@
 #include "base/config/sdf_model.hpp"
 
 #include <algorithm>
-#include <cctype>
-#include <charconv>
 #include <cmath>
+#include <deque>
 
-#include "base/angles.hpp"
+#include "base/config/model_builder.hpp"
+#include "base/config/model_motors.hpp"
+#include "base/config/sdf_include.hpp"
+#include "base/config/sdf_scope.hpp"
 #include "base/error.hpp"
 
 namespace cas::base {
 namespace {
 
-constexpr int kDeepest = 100;          // frames on frames; more is a circle
 constexpr double kEndless_rad = 1000;  // between a joint's limits
+constexpr double kStill = 1e-9;        // between the limits of a joint that does not move
+constexpr int kDeepestInclude = 10;
+constexpr std::size_t kMostIncludes = 100;
 
-constexpr std::string_view kModelFrame = "__model__";
-
-std::string child_text(const XmlElement& element, std::string_view name) {
-  const XmlElement* const child = element.child(name);
-  if (child == nullptr) return {};
-  const std::size_t begin = child->text.find_first_not_of(" \t\r\n");
-  if (begin == std::string::npos) return {};
-  return child->text.substr(begin, child->text.find_last_not_of(" \t\r\n") - begin + 1);
+Eigen::Vector3d vector(const XmlElement& element) {
+  const std::vector<double> v = element.numbers(3);
+  return {v[0], v[1], v[2]};
 }
 
-}  // namespace
+const XmlElement& need(const XmlElement& parent, std::string_view name) {
+  const XmlElement* const found = parent.child(name);
+  if (found == nullptr) parent.fail("<" + parent.name + "> has no <" + std::string(name) + ">");
+  return *found;
+}
 
-bool SdfModel::is_sdf(std::string_view text) {
-  // Before <sdf> there may be a declaration, a document type and comments.
-  for (std::size_t at = text.find('<'); at != text.npos; at = text.find('<', at + 1)) {
-    const std::string_view rest = text.substr(at);
-    if (rest.starts_with("<!--")) {
-      at = text.find("-->", at);
-      if (at == text.npos) return false;
-    } else if (!rest.starts_with("<?") && !rest.starts_with("<!")) {
-      return rest.starts_with("<sdf ") || rest.starts_with("<sdf>") || rest.starts_with("<sdf\n");
-    }
+double number(const XmlElement& parent, std::string_view name) {
+  return need(parent, name).numbers(1)[0];
+}
+
+const XmlElement& model_in(const XmlElement& sdf) {
+  const XmlElement* const model = sdf.child("model");
+  if (model == nullptr) sdf.fail("has no <model>; a world is no vehicle");
+  return *model;
+}
+
+/// Form and size of a <geometry>'s element. @throws ConfigError
+void take_form(const XmlElement& form, ModelShape& shape) {
+  using Form = ModelShape::Form;
+  shape.word = form.name;
+  shape.place = form.place();
+  if (form.name == "box") {
+    shape.form = Form::kBox;
+    shape.size = vector(need(form, "size"));
+  } else if (form.name == "sphere") {
+    shape.form = Form::kSphere;
+    shape.size.setConstant(number(form, "radius"));
+  } else if (form.name == "cylinder") {
+    shape.form = Form::kCylinder;
+    const double radius = number(form, "radius");
+    shape.size = {radius, radius, number(form, "length")};
+  } else if (form.name == "mesh") {
+    shape.form = Form::kMesh;
+    need(form, "uri");
+    shape.uri = form.child_text("uri");
+    const XmlElement* const scale = form.child("scale");
+    shape.size = scale != nullptr ? vector(*scale) : Eigen::Vector3d::Ones();
   }
-  return false;
 }
 
-SdfModel::SdfModel(std::string_view text, const std::filesystem::path& file)
-    : file_(file.string()), root_(parse_xml(text, file_)) {
-  model_ = root_.child("model");
-  if (model_ == nullptr) fail(root_, "has no <model>; a world is no vehicle");
-  const std::string_view version = root_.attribute("version");
-  const char* const version_end = version.data() + version.size();
-  const auto major = std::from_chars(version.data(), version_end, version_[0]);
-  if (major.ptr != version_end) std::from_chars(major.ptr + 1, version_end, version_[1]);
-  for (const XmlElement& child : model_->children) {
-    if (child.name == "include" || child.name == "model") {
-      fail(child, "<" + child.name +
-                      "> is not followed in a vehicle's model: name the file that has the links");
-    }
-    if (child.name != "link") continue;
-    links_.push_back({std::string(child.attribute("name")), pose(child, kModelFrame, 0), &child});
-  }
-  if (links_.empty()) fail(*model_, "has no <link>");
-}
-
-void SdfModel::fail(const XmlElement& at, const std::string& sentence) const {
-  throw ConfigError(file_ + ":" + std::to_string(at.line) + ": " + sentence);
-}
-
-std::vector<double> SdfModel::numbers(const XmlElement& element, std::size_t count) const {
-  std::vector<double> values;
-  const char* at = element.text.data();
-  const char* const end = at + element.text.size();
-  for (;;) {
-    while (at != end && std::isspace(static_cast<unsigned char>(*at)) != 0) ++at;
-    if (at == end) break;
-    if (*at == '+') ++at;
-    const auto result = std::from_chars(at, end, values.emplace_back());
-    if (result.ec != std::errc() || !std::isfinite(values.back())) {
-      fail(element, "<" + element.name + "> is not made of numbers");
-    }
-    at = result.ptr;
-  }
-  if (values.size() != count) {
-    fail(element, "<" + element.name + "> has " + std::to_string(values.size()) +
-                      " numbers instead of " + std::to_string(count));
-  }
-  return values;
-}
-
-double SdfModel::number(const XmlElement& element) const { return numbers(element, 1)[0]; }
-
-Eigen::Vector3d SdfModel::vector(const XmlElement& element) const {
-  const std::vector<double> values = numbers(element, 3);
-  return {values[0], values[1], values[2]};
-}
-
-// Poses.
-
-/// An element's own pose in the model's frame. @param parent  frame of the pose when it has no
-/// relative_to
-Eigen::Isometry3d SdfModel::pose(const XmlElement& element, std::string_view parent,
-                                 int depth) const {
-  const XmlElement* const own = element.child("pose");
-  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
-  if (own != nullptr) {
-    if (!own->attribute("relative_to").empty()) parent = own->attribute("relative_to");
-    const std::string_view format = own->attribute("rotation_format");
-    if (!format.empty() && format != "euler_rpy") fail(*own, "a <pose> must be in Euler angles");
-    const double unit =
-        own->attribute("degrees") == "true" || own->attribute("degrees") == "1" ? kRadPerDeg : 1.0;
-    const bool empty = own->text.find_first_not_of(" \t\r\n") == std::string::npos;
-    const std::vector<double> v = empty ? std::vector<double>(6, 0.0) : numbers(*own, 6);
-    X.translation() = Eigen::Vector3d(v[0], v[1], v[2]);
-    X.linear() = (Eigen::AngleAxisd(unit * v[5], Eigen::Vector3d::UnitZ()) *
-                  Eigen::AngleAxisd(unit * v[4], Eigen::Vector3d::UnitY()) *
-                  Eigen::AngleAxisd(unit * v[3], Eigen::Vector3d::UnitX()))
-                     .toRotationMatrix();
-  }
-  return frame(parent, element, depth + 1) * X;
-}
-
-/// A link, joint or frame by name, in the model's frame.
-Eigen::Isometry3d SdfModel::frame(std::string_view name, const XmlElement& asking,
-                                  int depth) const {
-  if (name == kModelFrame) return Eigen::Isometry3d::Identity();
-  if (depth > kDeepest) fail(asking, "poses go round in a circle");
-  for (const XmlElement& child : model_->children) {
-    if (child.attribute("name") != name) continue;
-    if (child.name == "link") return pose(child, kModelFrame, depth);
-    if (child.name == "joint") return pose(child, child_text(child, "child"), depth);
-    if (child.name == "frame") {
-      const std::string_view attached = child.attribute("attached_to");
-      return pose(child, attached.empty() ? kModelFrame : attached, depth);
-    }
-  }
-  fail(asking, "the model has no link, joint or frame '" + std::string(name) + "'");
-}
-
-Eigen::Isometry3d SdfModel::pose_of(const XmlElement& part, const SdfLink& link) const {
-  return pose(part, link.name, 0);
-}
-
-// The whole.
-
-bool SdfModel::turns(const XmlElement& joint) const {
-  const std::string_view type = joint.attribute("type");
-  if (type == "continuous") return true;
-  if (type != "revolute") return false;
-  const XmlElement* const axis = joint.child("axis");
-  const XmlElement* const limit = axis != nullptr ? axis->child("limit") : nullptr;
-  const XmlElement* const lower = limit != nullptr ? limit->child("lower") : nullptr;
-  const XmlElement* const upper = limit != nullptr ? limit->child("upper") : nullptr;
-  return lower == nullptr || upper == nullptr || number(*upper) - number(*lower) > kEndless_rad;
-}
-
-Eigen::Vector3d SdfModel::axis_R(const XmlElement& joint) const {
-  const XmlElement* const axis = joint.child("axis");
-  const XmlElement* const xyz = axis != nullptr ? axis->child("xyz") : nullptr;
-  const Eigen::Vector3d v = xyz != nullptr ? vector(*xyz) : Eigen::Vector3d::UnitZ();
-  if (v.norm() < 1e-9) fail(*xyz, "<xyz> of an axis is zero");
-  std::string_view in = joint.attribute("name");
-  if (xyz != nullptr && !xyz->attribute("expressed_in").empty())
-    in = xyz->attribute("expressed_in");
-  // Up to SDF 1.4 axes are in the model's frame, up to 1.6 where the file says so.
-  const bool in_model = version_[0] == 1 && version_[1] <= 4;
-  const std::string flag = axis != nullptr ? child_text(*axis, "use_parent_model_frame") : "";
-  if (in_model || flag == "1" || flag == "true") in = kModelFrame;
-  return (frame(in, joint, 0).linear() * v).normalized();
-}
-
-Inertial SdfModel::inertial(const SdfLink& link) const {
-  const XmlElement* const element = link.element->child("inertial");
+/// Mass and inertia of a link. @param X_LM  of the model in the link
+Inertial inertial_of(const XmlElement& link, const SdfScope& scope, const Eigen::Isometry3d& X_LM) {
+  const XmlElement* const element = link.child("inertial");
   const XmlElement* const mass = element != nullptr ? element->child("mass") : nullptr;
   const XmlElement* const inertia = element != nullptr ? element->child("inertia") : nullptr;
+  const std::string name(link.attribute("name"));
   if (mass == nullptr || inertia == nullptr) {
-    fail(element != nullptr ? *element : *link.element,
-         "link '" + link.name +
-             "' has no <inertial> with <mass> and <inertia>; SDF would have it weigh 1 kg");
+    (element != nullptr ? *element : link)
+        .fail("link '" + name +
+              "' has no <inertial> with <mass> and <inertia>; SDF would have it weigh 1 kg");
   }
-  Inertial result;
-  result.line = element->line;
-  result.mass_kg = number(*mass);
-  if (result.mass_kg < 0) fail(*mass, "<mass> must not be negative");
-  result.X = link.X_RL.inverse() * pose(*element, link.name, 0);
-  const auto moment = [&](std::string_view name, double fallback) {
-    const XmlElement* const entry = inertia->child(name);
-    return entry != nullptr ? number(*entry) : fallback;
+  Inertial result{
+      .mass_kg = mass->numbers(1)[0], .X = X_LM * scope.pose(*element, name), .element = element};
+  const auto moment = [&](std::string_view key, double fallback) {
+    const XmlElement* const entry = inertia->child(key);
+    return entry != nullptr ? entry->numbers(1)[0] : fallback;
   };
   const double ixy = moment("ixy", 0);
   const double ixz = moment("ixz", 0);
   const double iyz = moment("iyz", 0);
   result.inertia_kg_m2 << moment("ixx", 1), ixy, ixz, ixy, moment("iyy", 1), iyz, ixz, iyz,
       moment("izz", 1);
-  if (result.mass_kg > 0 && !result.inertia_kg_m2.isZero(0) &&
-      !is_physical_inertia(result.inertia_kg_m2)) {
-    fail(*inertia, "<inertia> of link '" + link.name +
-                       "' is one that no body has: its principal moments are above 0, and none is "
-                       "larger than the sum of the others");
-  }
   return result;
 }
 
-ModelBody SdfModel::body() const {
-  ModelBody body;
-  BodySum sum;
-  for (const SdfLink& link : links_) {
-    ModelLink& placed = body.links.emplace_back();
-    placed.name = link.name;
-    placed.line = link.element->line;
-    placed.position_R_m = link.X_RL.translation();
-    sum.add(inertial(link), link.X_RL);
-    const auto joint = std::ranges::find_if(model_->children, [&](const XmlElement& child) {
-      return child.name == "joint" && child_text(child, "child") == link.name;
-    });
-    if (joint == model_->children.end()) continue;
-    placed.line = joint->line;
-    placed.position_R_m = frame(joint->attribute("name"), *joint, 0).translation();
-    if (turns(*joint)) placed.axis_R = axis_R(*joint);
+class Sdf {
+ public:
+  Sdf(const XmlElement& sdf, const std::filesystem::path& file, const ModelParts& parts)
+      : builder_(file, parts), root_(model_in(sdf), sdf.attribute("version"), file) {
+    add_parts(root_, sdf.attribute("version"), 0);
+    place(root_, Eigen::Isometry3d::Identity());
   }
-  sum.finish(body);
-  return body;
+
+  ModelBody run() {
+    take_links(root_);
+    ModelBody body = builder_.finish(std::string(root_.model().attribute("name")));
+    if (body.links.empty()) root_.model().fail("has no <link>");
+    return body;
+  }
+
+ private:
+  /// The models in a model, and those in them.
+  void add_parts(SdfScope& scope, std::string_view version, int depth) {
+    for (const XmlElement& child : scope.model().children) {
+      if (child.name == "include") {
+        if (depth >= kDeepestInclude || files_.size() >= kMostIncludes) {
+          child.fail("models include each other without end");
+        }
+        include(child, scope, depth);
+      } else if (child.name == "model") {
+        if (builder_.leaves_out(child.attribute("name"))) continue;
+        auto part = std::make_unique<SdfScope>(child, version, scope.file(), scope, nullptr);
+        add_parts(*part, version, depth + 1);
+        scope.add(std::move(part));
+      }
+    }
+  }
+
+  void include(const XmlElement& element, SdfScope& scope, int depth) {
+    const std::string uri(element.child_text("uri"));
+    // Whichever name the vehicle file uses; the file itself may be missing.
+    const bool by_uri = builder_.leaves_out(std::filesystem::path(uri).filename().string());
+    if (builder_.leaves_out(element.child_text("name")) || by_uri) return;
+    const SdfFile& file = files_.emplace_back(read_sdf_include(element, scope.file()));
+    const XmlElement& model = model_in(file.root);
+    if (builder_.leaves_out(sdf_part_name(model, &element))) return;
+    const std::string_view version = file.root.attribute("version");
+    auto part = std::make_unique<SdfScope>(model, version, file.path, scope, &element);
+    add_parts(*part, version, depth + 1);
+    scope.add(std::move(part));
+  }
+
+  struct Joint {
+    const XmlElement* element;
+    const SdfScope* scope;
+  };
+
+  /// Frames and joints of a model and of those in it.
+  void place(const SdfScope& scope, const Eigen::Isometry3d& X_RM) {
+    frames_[&scope] = X_RM;
+    for (const XmlElement& joint : scope.model().children) {
+      if (joint.name != "joint") continue;
+      joints_.emplace(scope.prefix() + std::string(joint.child_text("child")),
+                      Joint{&joint, &scope});
+    }
+    for (const auto& part : scope.parts()) place(*part, X_RM * scope.placed(*part));
+  }
+
+  void take_links(const SdfScope& scope) {
+    for (const XmlElement& child : scope.model().children) {
+      if (child.name == "link") add_link(child, scope, frames_.at(&scope));
+      if (child.name != "plugin") continue;
+      if (auto motor = read_model_motor(child, scope.prefix())) builder_.add(*std::move(motor));
+    }
+    for (const auto& part : scope.parts()) take_links(*part);
+  }
+
+  void add_link(const XmlElement& link, const SdfScope& scope, const Eigen::Isometry3d& X_RM) {
+    const std::string_view own_name = link.attribute("name");
+    const std::string name = scope.prefix() + std::string(own_name);
+    const Eigen::Isometry3d X_ML = scope.pose(link, SdfScope::kModelFrame);
+    const Eigen::Isometry3d X_RL = X_RM * X_ML;
+    LinkJoint joint;
+    Eigen::Vector3d position_R_m = X_RL.translation();
+    if (const auto found = joints_.find(name); found != joints_.end()) {
+      joint = joint_of(found->second, position_R_m);
+    }
+    const auto turns = builder_.add(link, name, X_RL, joint, position_R_m,
+                                    inertial_of(link, scope, X_ML.inverse()));
+    if (!turns) return;
+    for (const XmlElement& part : link.children) {
+      const auto add = [&] { add_shape(part, name, scope, X_RM, *turns); };
+      if (part.name == "collision") add();
+      if (part.name == "visual") add_visual(add);
+    }
+  }
+
+  LinkJoint joint_of(const Joint& joint, Eigen::Vector3d& position_R_m) const {
+    const XmlElement& element = *joint.element;
+    const std::string_view name = element.attribute("name");
+    const Eigen::Isometry3d& X_RM = frames_.at(joint.scope);
+    position_R_m = X_RM * joint.scope->frame(name, element).translation();
+    LinkJoint result{.element = &element,
+                     .name = joint.scope->prefix() + std::string(name),
+                     .moves = range(element) > kStill};
+    if (range(element) > kEndless_rad) {
+      result.axis_R = (X_RM.linear() * axis_M(joint)).stableNormalized();
+    }
+    return result;
+  }
+
+  /// From limit to limit: infinite for one that turns, 1 for one that moves in another way.
+  static double range(const XmlElement& joint) {
+    const std::string_view type = joint.attribute("type");
+    if (type == "continuous") return HUGE_VAL;
+    if (type == "fixed") return 0;
+    const XmlElement* const axis = joint.child("axis");
+    const XmlElement* const limit = axis != nullptr ? axis->child("limit") : nullptr;
+    const XmlElement* const lower = limit != nullptr ? limit->child("lower") : nullptr;
+    const XmlElement* const upper = limit != nullptr ? limit->child("upper") : nullptr;
+    const bool limited = lower != nullptr && upper != nullptr;
+    const double between = limited ? upper->numbers(1)[0] - lower->numbers(1)[0] : HUGE_VAL;
+    return type == "revolute" ? between : std::min(between, 1.0);
+  }
+
+  static Eigen::Vector3d axis_M(const Joint& joint) {
+    const XmlElement& element = *joint.element;
+    const XmlElement* const axis = element.child("axis");
+    const XmlElement* const xyz = axis != nullptr ? axis->child("xyz") : nullptr;
+    const Eigen::Vector3d v = xyz != nullptr ? vector(*xyz) : Eigen::Vector3d::UnitZ();
+    if (v.norm() < 1e-9) xyz->fail("<xyz> of an axis is zero");
+    std::string_view in = element.attribute("name");
+    if (xyz != nullptr && !xyz->attribute("expressed_in").empty()) {
+      in = xyz->attribute("expressed_in");
+    }
+    // Up to SDF 1.4 axes are in the model's frame, up to 1.6 where the file says so.
+    const std::string_view flag = axis != nullptr ? axis->child_text("use_parent_model_frame") : "";
+    if (joint.scope->axes_in_model() || flag == "1" || flag == "true") in = SdfScope::kModelFrame;
+    return joint.scope->frame(in, element).linear() * v;
+  }
+
+  void add_shape(const XmlElement& part, const std::string& link, const SdfScope& scope,
+                 const Eigen::Isometry3d& X_RM, bool turns) {
+    const XmlElement* const geometry = part.child("geometry");
+    if (geometry == nullptr || geometry->children.empty()) return;
+    ModelShape shape{
+        .link = link,
+        .visual = part.name == "visual",
+        .turns = turns,
+        .file = scope.file(),
+        .X_RS = X_RM * scope.pose(part, std::string_view(link).substr(scope.prefix().size()))};
+    take_form(geometry->children.front(), shape);
+    builder_.add(std::move(shape));
+  }
+
+  /// A visual that cannot be drawn is left out: the flight does not need it.
+  template <class Add>
+  static void add_visual(const Add& add) try {
+    add();
+  } catch (const ConfigError&) {
+    // a size that is no number, say
+  }
+
+  ModelBuilder builder_;
+  std::deque<SdfFile> files_;  // included; scopes point into them
+  SdfScope root_;
+  std::map<std::string, Joint, std::less<>> joints_;  // by the link that is the child
+  std::map<const SdfScope*, Eigen::Isometry3d> frames_;
+};
+
+}  // namespace
+
+ModelBody read_sdf_model(const XmlElement& sdf, const std::filesystem::path& file,
+                         const ModelParts& parts) {
+  return Sdf(sdf, file, parts).run();
 }
 
 }  // namespace cas::base

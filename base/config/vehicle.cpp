@@ -60,8 +60,8 @@ ControlScales Vehicle::control_scales() const {
     const auto consider = [&](double tilt) {
       const Eigen::Vector4d u =
           control_inputs(wrench_of(rotor, rotor.tilted_axis_B(tilt))) * omega_sq;
-      most = most.cwiseMax(u);
-      least = least.cwiseMax(-u);
+      most = most.cwiseMax(rotor.params.reversible ? Eigen::Vector4d(u.cwiseAbs()) : u);
+      least = least.cwiseMax(rotor.params.reversible ? Eigen::Vector4d(u.cwiseAbs()) : -u);
     };
     consider(0);
     if (rotor.tilt) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/config/config.hpp"
+#include "base/config/model_parts.hpp"
 #include "base/export.hpp"
 
 namespace cas::base {
@@ -41,6 +42,7 @@ struct RotorParams {
   double flapping_gain = 0;              ///< tilt of the disc over the advance ratio, rad
   double flapping_stiffness_nm_rad = 0;  ///< moment at the hub over the tilt of the disc
   double esc_dead_time_s = 0;            ///< from a command to the first change of the current
+  bool reversible = false;  ///< outputs from -1 on turn it; thrust and torque change their signs
 };
 
 /// A servo that turns a rotor's axis: a tricopter's tail.
@@ -119,6 +121,10 @@ struct CAS_BASE_EXPORT Vehicle {
   std::optional<BatteryParams> battery;  ///< nullopt: the voltage never changes
   std::uint8_t system_id = 1;            ///< MAVLink system
   ConfigNode sensors = ConfigNode::empty();  ///< parameters by plugin name, see sensor_set()
+  ModelParts parts;  ///< of the model: those of the file, and turning links that are no rotors
+  /// What was taken otherwise than the files say, a sentence each; the model's own warnings are
+  /// with whoever reads its shapes.
+  std::vector<std::string> warnings;
 
   /// Reads a vehicle file and takes missing values from the model. Values in both must agree.
   /// @throws ConfigError when keys are missing (all of them in one sentence), unknown or out of

@@ -6,9 +6,11 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 #include "base/angles.hpp"
-#include "base/config/model_body.hpp"
+#include "base/config/missing_keys.hpp"
+#include "base/config/model_match.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/config/vehicle.hpp"
 
@@ -18,42 +20,14 @@ namespace {
 constexpr int kSchema = 1;
 constexpr double kHuge = 1e9;  // upper end where only the sign is checked
 
-// Two descriptions agree within the rounding of files.
-constexpr double kSameMass = 1e-3;     // of it
-constexpr double kSameInertia = 5e-3;  // of the largest moment
-constexpr double kSamePlace_m = 5e-4;
-constexpr double kSameAxis_rad = 5e-3;
-constexpr double kUpright_rad = 1e-6;  // CAD programs write angles with a rounding error
-
-constexpr std::array<std::string_view, 13> kRotorKeys{
-    "thrust_coefficient",    "torque_coefficient",
-    "omega_max_rad_s",       "omega_idle_rad_s",
-    "time_constant_up_s",    "time_constant_down_s",
-    "inertia_kg_m2",         "radius_m",
-    "drag_coefficient",      "rolling_moment_coefficient",
-    "zero_thrust_speed_m_s", "reference_density_kg_m3",
-    "ground_effect"};
-
 // Small readers.
 
 double non_negative(const ConfigNode& node, std::string_view key) {
   return node.require_in(key, 0.0, kHuge);
 }
 
-double positive(const ConfigNode& node, std::string_view key) {
-  const double value = node.require<double>(key);
-  if (value <= 0.0) node.at(key).fail("must be above zero");
-  return value;
-}
-
 double degrees(const ConfigNode& node, std::string_view key, double low, double high) {
   return radians(node.require_in(key, low, high));
-}
-
-Eigen::Vector3d unit_vector(const ConfigNode& node) {
-  const Eigen::Vector3d axis = node.as<Eigen::Vector3d>();
-  if (axis.norm() < 1e-9) node.fail("is a direction and must not be zero");
-  return axis.normalized();
 }
 
 /// An output's index, from its number 1..16.
@@ -65,57 +39,18 @@ int output_of(const ConfigNode& node) {
   return number - 1;
 }
 
-std::string text(double value) {
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "%.6g", value);
-  return digits;
-}
-
-std::string text(const Eigen::Vector3d& v) {
-  return "[" + text(v.x()) + ", " + text(v.y()) + ", " + text(v.z()) + "]";
-}
-
-/// Collects the keys that are not there, so that one sentence names them all.
-class MissingKeys {
- public:
-  void need(const ConfigNode& node, std::string_view key) {
-    if (!node.find(key)) add(node, key);
-  }
-  void add(const ConfigNode& node, std::string_view key) {
-    missing_.push_back({node, std::string(key)});
-  }
-  /// @throws ConfigError when there are any
-  void check(const ConfigNode& root) const {
-    if (missing_.empty()) return;
-    if (missing_.size() == 1) static_cast<void>(missing_[0].node.at(missing_[0].key));
-    std::string names;
-    for (const Missing& each : missing_) {
-      const std::string path = each.node.path();
-      names += (names.empty() ? "'" : ", '") + path + (path.empty() ? "" : ".") + each.key + "'";
-    }
-    root.fail("keys are missing: " + names);
-  }
-
- private:
-  struct Missing {
-    ConfigNode node;
-    std::string key;
-  };
-  std::vector<Missing> missing_;
-};
-
 // The rotors.
 
 RotorParams parse_rotor_params(const ConfigNode& node) {
   RotorParams rotor;
-  rotor.thrust_coefficient = positive(node, "thrust_coefficient");
-  rotor.torque_coefficient = positive(node, "torque_coefficient");
-  rotor.omega_max_rad_s = positive(node, "omega_max_rad_s");
+  rotor.thrust_coefficient = positive_value(node, "thrust_coefficient");
+  rotor.torque_coefficient = positive_value(node, "torque_coefficient");
+  rotor.omega_max_rad_s = positive_value(node, "omega_max_rad_s");
   rotor.omega_idle_rad_s = node.require_in("omega_idle_rad_s", 0.0, rotor.omega_max_rad_s);
   rotor.time_constant_up_s = non_negative(node, "time_constant_up_s");
   rotor.time_constant_down_s = non_negative(node, "time_constant_down_s");
   rotor.inertia_kg_m2 = non_negative(node, "inertia_kg_m2");
-  rotor.radius_m = positive(node, "radius_m");
+  rotor.radius_m = positive_value(node, "radius_m");
   rotor.drag_coefficient = non_negative(node, "drag_coefficient");
   rotor.rolling_moment_coefficient = non_negative(node, "rolling_moment_coefficient");
   rotor.zero_thrust_speed_m_s = non_negative(node, "zero_thrust_speed_m_s");
@@ -125,6 +60,10 @@ RotorParams parse_rotor_params(const ConfigNode& node) {
   rotor.flapping_gain = node.get_in("flapping_gain", 0.0, 0.0, 10.0);
   rotor.flapping_stiffness_nm_rad = node.get_in("flapping_stiffness_nm_rad", 0.0, 0.0, kHuge);
   rotor.esc_dead_time_s = node.get_in("esc_dead_time_s", 0.0, 0.0, 0.1);
+  rotor.reversible = node.get("reversible", false);
+  if (rotor.reversible && rotor.omega_idle_rad_s > 0) {
+    node.at("omega_idle_rad_s").fail("must be 0 for a rotor that is `reversible`: it stands at 0");
+  }
   if (rotor.inflow_thrust_slope > 0 && rotor.zero_thrust_speed_m_s > 0) {
     node.at("inflow_thrust_slope")
         .fail(
@@ -153,11 +92,27 @@ Wake parse_wake(const ConfigNode& node, int lower, int count) {
   return {.upper = upper, .thrust_share = node.require_in("wake_thrust_share", 0, 1)};
 }
 
+/// The coefficients of a motor plugin, as a vehicle file would have them.
+ConfigNode keys_of(const ModelMotor& motor) {
+  std::string yaml;
+  for (const auto& [key, value] : motor.keys) {
+    char digits[40];
+    std::snprintf(digits, sizeof digits, "%.17g", value);
+    yaml += key + ": " + digits + "\n";
+  }
+  if (motor.reversible) yaml += "reversible: true\n";
+  return ConfigNode::parse(yaml, motor.place);
+}
+
 /// A rotor's item in the list; place and axis come later.
-Rotor parse_rotor(const ConfigNode& item, const ConfigNode& common, int index, int count) {
+/// @param motor  has what the vehicle file lacks; nullptr: none
+Rotor parse_rotor(const ConfigNode& item, const ConfigNode& common, const ModelMotor* motor,
+                  int index, int count) {
   Rotor rotor;
-  rotor.params = parse_rotor_params(item.merged_over(common));
-  rotor.spin = item.require<int>("spin");
+  rotor.params = parse_rotor_params(
+      item.merged_over(motor != nullptr ? common.merged_over(keys_of(*motor)) : common));
+  const bool by_motor = motor != nullptr && motor->spin && !item.has("spin");
+  rotor.spin = by_motor ? *motor->spin : item.require<int>("spin");
   if (rotor.spin != 1 && rotor.spin != -1) {
     item.at("spin").fail(
         "must be 1 (counter-clockwise) or -1 (clockwise), seen from where the thrust points: "
@@ -192,155 +147,6 @@ void check_outputs(const ConfigNode& node, const std::vector<Rotor>& rotors) {
     if (rotors[i].tilt) take(items[i].at("tilt"), rotors[i].tilt->output);
   }
 }
-
-// Values that the model file gives as well.
-
-/// Holds the file's word against the model's, or takes the model's.
-class Description {
- public:
-  Description(const ConfigNode& node, std::optional<ModelBody> body)
-      : node_(node), body_(std::move(body)) {}
-
-  bool has_mass() const { return body_ && body_->mass_kg > 0; }
-
-  double mass_kg() const {
-    if (!node_.has("mass_kg")) return body_->mass_kg;
-    const double mass = positive(node_, "mass_kg");
-    if (has_mass() && std::abs(mass - body_->mass_kg) > kSameMass * mass) {
-      differ(node_.at("mass_kg"), text(mass), body_->inertial_line, text(body_->mass_kg),
-             "all links together");
-    }
-    return mass;
-  }
-
-  Eigen::Vector3d inertia_kg_m2() const {
-    if (!node_.has("inertia_kg_m2")) {
-      const Eigen::Vector3d model = body_->inertia_B_kg_m2.diagonal();
-      if ((model.array() <= 0.0).any()) {
-        node_.fail("key 'inertia_kg_m2' is missing, and " + at_line(body_->inertial_line) +
-                   " has no inertia of a rigid body");
-      }
-      return model;
-    }
-    const ConfigNode key = node_.at("inertia_kg_m2");
-    const Eigen::Vector3d inertia = key.as<Eigen::Vector3d>();
-    if ((inertia.array() <= 0.0).any()) key.fail("must be above zero in each axis");
-    if (2.0 * inertia.maxCoeff() > inertia.sum()) {
-      key.fail("belongs to no rigid body: one moment exceeds the sum of the other two");
-    }
-    if (!has_mass()) return inertia;
-    const Eigen::Vector3d model = body_->inertia_B_kg_m2.diagonal();
-    if ((inertia - model).cwiseAbs().maxCoeff() > kSameInertia * inertia.maxCoeff()) {
-      differ(key, text(inertia), body_->inertial_line, text(model),
-             "all links together, about their centre of gravity");
-    }
-    return inertia;
-  }
-
-  /// The link that carries a rotor: the one that `link` names, else rotor_N (from rotor_0 on where
-  /// there is one), else the turning link nearest to the place that the file gives. Nothing where
-  /// the model has no such link.
-  const ModelLink* link_of(const ConfigNode& item, int number) const {
-    if (const auto key = item.find("link")) {
-      const auto name = key->as<std::string>();
-      const ModelLink* const link = body_ ? body_->find(name) : nullptr;
-      if (link == nullptr) key->fail("the model has no link '" + name + "'" + turning_names());
-      return link;
-    }
-    if (!body_) return nullptr;
-    const int before_first = body_->find("rotor_0") != nullptr ? 1 : 0;  // as PX4's models count
-    const std::string name = std::string("rotor_") + std::to_string(number - before_first);
-    const ModelLink* const numbered = body_->find(name);
-    if (numbered != nullptr && numbered->axis_R) return numbered;
-    return item.has("position_B_m") ? nearest(item.require<Eigen::Vector3d>("position_B_m"))
-                                    : nullptr;
-  }
-
-  void place(const ConfigNode& item, const ModelLink* link, Rotor& rotor) const {
-    if (const auto key = item.find("position_B_m")) {
-      rotor.position_B_m = key->as<Eigen::Vector3d>();
-      if (link != nullptr) check_place(*key, *link, rotor.position_B_m);
-    } else {
-      rotor.position_B_m = body_->position_B_m(*link);
-    }
-    if (const auto key = item.find("axis_B")) {
-      rotor.axis_B = unit_vector(*key);
-      if (link != nullptr && link->axis_R) check_axis(*key, *link, rotor.axis_B);
-    } else if (link != nullptr && link->axis_R) {
-      rotor.axis_B = upward(*link->axis_R);
-    }
-  }
-
-  /// Each link that turns is one rotor's.
-  void check_all_listed(const ConfigNode& rotors,
-                        const std::vector<const ModelLink*>& taken) const {
-    for (std::size_t i = 0; i < taken.size(); ++i) {
-      if (taken[i] == nullptr) continue;
-      if (std::find(taken.begin(), taken.begin() + static_cast<std::ptrdiff_t>(i), taken[i]) !=
-          taken.begin() + static_cast<std::ptrdiff_t>(i)) {
-        rotors.items()[i].fail("its link '" + taken[i]->name + "' is another rotor's, too");
-      }
-    }
-    if (!body_) return;
-    for (const ModelLink& link : body_->links) {
-      if (!link.axis_R || std::find(taken.begin(), taken.end(), &link) != taken.end()) continue;
-      rotors.fail("lists " + std::to_string(taken.size()) + " rotors, but " + at_line(link.line) +
-                  " has one more: link '" + link.name +
-                  "' turns without end; list it, or make the joint fixed");
-    }
-  }
-
- private:
-  std::string at_line(int line) const { return body_->file.string() + ":" + std::to_string(line); }
-
-  [[noreturn]] void differ(const ConfigNode& key, const std::string& here, int line,
-                           const std::string& there, const std::string& what) const {
-    key.fail("is " + here + ", but " + at_line(line) + " has " + there + " (" + what +
-             "); mend one, or leave this key out");
-  }
-
-  void check_place(const ConfigNode& key, const ModelLink& link, const Eigen::Vector3d& p_B) const {
-    const Eigen::Vector3d model = body_->position_B_m(link);
-    if ((p_B - model).norm() <= kSamePlace_m) return;
-    differ(key, text(p_B), link.line, text(model),
-           "link '" + link.name + "' from the centre of gravity, which is at " +
-               text(body_->cog_R_m) + " of the model's frame");
-  }
-
-  void check_axis(const ConfigNode& key, const ModelLink& link, const Eigen::Vector3d& axis) const {
-    // A joint's axis may point either way: the sense of turning is `spin`.
-    if (axis.cross(*link.axis_R).norm() <= kSameAxis_rad) return;
-    differ(key, text(axis), link.line, text(upward(*link.axis_R)), "link '" + link.name + "'");
-  }
-
-  static Eigen::Vector3d upward(const Eigen::Vector3d& axis) {
-    if (axis.head<2>().norm() < kUpright_rad) return Eigen::Vector3d::UnitZ();
-    return axis.z() < -kUpright_rad ? Eigen::Vector3d(-axis) : axis;
-  }
-
-  const ModelLink* nearest(const Eigen::Vector3d& p_B) const {
-    const ModelLink* found = nullptr;
-    for (const ModelLink& link : body_->links) {
-      if (!link.axis_R) continue;
-      const double distance = (body_->position_B_m(link) - p_B).norm();
-      if (found == nullptr || distance < (body_->position_B_m(*found) - p_B).norm()) found = &link;
-    }
-    return found;
-  }
-
-  std::string turning_names() const {
-    std::string names;
-    if (body_) {
-      for (const ModelLink& link : body_->links) {
-        if (link.axis_R) names += (names.empty() ? "; those that turn are '" : "', '") + link.name;
-      }
-    }
-    return names.empty() ? "" : names + "'";
-  }
-
-  ConfigNode node_;
-  std::optional<ModelBody> body_;
-};
 
 /// The first of thrust, roll, pitch and yaw that four rotors do not give independently of those
 /// before it: [HILS] Eq. (3) has no inverse then. Nothing where they give all four.
@@ -378,18 +184,18 @@ void check_mixer(const ConfigNode& rotors, const Vehicle& vehicle) {
 
 ControlScales parse_scales(const ConfigNode& node) {
   ControlScales scales;
-  scales.u1_max_n = positive(node, "u1_max_n");
-  scales.u2_max_nm = positive(node, "u2_max_nm");
-  scales.u3_max_nm = positive(node, "u3_max_nm");
-  scales.u4_max_nm = positive(node, "u4_max_nm");
+  scales.u1_max_n = positive_value(node, "u1_max_n");
+  scales.u2_max_nm = positive_value(node, "u2_max_nm");
+  scales.u3_max_nm = positive_value(node, "u3_max_nm");
+  scales.u4_max_nm = positive_value(node, "u4_max_nm");
   return scales;
 }
 
 BatteryParams parse_battery(const ConfigNode& node) {
   BatteryParams battery;
-  battery.full_v = positive(node, "full_v");
+  battery.full_v = positive_value(node, "full_v");
   battery.empty_v = node.require_in("empty_v", 0.0, battery.full_v);
-  battery.capacity_ah = positive(node, "capacity_ah");
+  battery.capacity_ah = positive_value(node, "capacity_ah");
   battery.resistance_ohm = non_negative(node, "resistance_ohm");
   battery.efficiency = node.require_in("efficiency", 0.01, 1.0);
   return battery;
@@ -417,13 +223,18 @@ std::vector<ConfigNode> rotor_items(const ConfigNode& rotors) {
   return items;
 }
 
-void need_rotor_keys(const ConfigNode& node, const ConfigNode& common, const Description& model,
+void need_rotor_keys(const ConfigNode& node, const ConfigNode& common, const ModelMatch& model,
                      MissingKeys& missing) {
   const std::vector<ConfigNode> items = rotor_items(node.at("rotors"));
+  std::vector<const ModelMotor*> motors;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    motors.push_back(model.motor_of(model.link_of(items[i], static_cast<int>(i) + 1)));
+  }
   for (const std::string_view key : kRotorKeys) {
     if (common.has(key)) continue;
-    for (const ConfigNode& item : items) {
-      if (item.has(key)) continue;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+      const ModelMotor* const motor = motors[i];
+      if (items[i].has(key) || (motor != nullptr && motor->keys.contains(key))) continue;
       if (node.has("rotor")) {
         missing.add(common, key);
       } else {
@@ -433,7 +244,7 @@ void need_rotor_keys(const ConfigNode& node, const ConfigNode& common, const Des
     }
   }
   for (std::size_t i = 0; i < items.size(); ++i) {
-    missing.need(items[i], "spin");
+    if (motors[i] == nullptr || !motors[i]->spin) missing.need(items[i], "spin");
     if (!items[i].has("position_B_m") &&
         model.link_of(items[i], static_cast<int>(i) + 1) == nullptr) {
       missing.add(items[i], "position_B_m");
@@ -450,7 +261,9 @@ void need_rotor_keys(const ConfigNode& node, const ConfigNode& common, const Des
 }
 
 /// Every key that must be there and is not. @throws ConfigError naming them all
-void check_missing(const ConfigNode& node, const ConfigNode& common, const Description& model) {
+/// @param file  of the model
+void check_missing(const ConfigNode& node, const ConfigNode& common, const ModelMatch& model,
+                   const std::filesystem::path& file) {
   MissingKeys missing;
   for (const char* key : {"name", "system_id", "body_drag_linear_n_s_m", "rotors"}) {
     missing.need(node, key);
@@ -471,24 +284,77 @@ void check_missing(const ConfigNode& node, const ConfigNode& common, const Descr
       missing.need(*battery, key);
     }
   }
-  missing.check(node);
+  const bool unread = !model.has_model() && !file.empty();
+  missing.check(node, unread ? "; its model " + file.string() + " is not there" : "");
 }
 
-std::vector<Rotor> parse_rotors(const ConfigNode& node, const ConfigNode& common,
-                                const Description& model) {
+/// Says which keys of a rotor the motor plugin has given, once for those that gave the same.
+class MotorNotes {
+ public:
+  void note(const ConfigNode& item, const ConfigNode& common, const ModelMotor& motor) {
+    std::string keys;
+    const auto add = [&](std::string_view key) {
+      if (item.has(key) || common.has(key)) return;
+      keys += (keys.empty() ? "" : ", ") + std::string(key);
+    };
+    if (motor.spin && !item.has("spin")) add("spin");
+    for (const auto& [key, value] : motor.keys) add(key);
+    if (motor.reversible) add("reversible");
+    if (!keys.empty()) places_[keys].push_back(motor.place);
+  }
+  void write(std::vector<std::string>& warnings) const {
+    for (const auto& [keys, places] : places_) {
+      warnings.push_back(
+          places.front() + ": the model's motor plugin gives " + keys +
+          ", which the vehicle file does not have" +
+          (places.size() > 1 ? ", and so do " + std::to_string(places.size() - 1) + " more" : ""));
+    }
+  }
+
+ private:
+  std::map<std::string, std::vector<std::string>> places_;  // by the keys
+};
+
+void parse_rotors(const ConfigNode& node, const ConfigNode& common, const ModelMatch& model,
+                  Vehicle& vehicle) {
   const std::vector<ConfigNode> items = rotor_items(node);
-  std::vector<Rotor> rotors;
+  std::vector<Rotor>& rotors = vehicle.rotors;
   std::vector<const ModelLink*> links;
+  MotorNotes notes;
   for (std::size_t i = 0; i < items.size(); ++i) {
     const int index = static_cast<int>(i);
-    rotors.push_back(parse_rotor(items[i], common, index, static_cast<int>(items.size())));
     links.push_back(model.link_of(items[i], index + 1));
+    const ModelMotor* const motor = model.motor_of(links.back());
+    if (motor != nullptr) notes.note(items[i], common, *motor);
+    rotors.push_back(parse_rotor(items[i], common, motor, index, static_cast<int>(items.size())));
     model.place(items[i], links.back(), rotors.back());
   }
-  model.check_all_listed(node, links);
+  notes.write(vehicle.warnings);
+  model.settle_others(node, links, vehicle);
   check_wakes(node, rotors);
   check_outputs(node, rotors);
-  return rotors;
+}
+
+ModelParts parse_parts(const ConfigNode& node) {
+  ModelParts parts;
+  for (const auto& [name, use] : node.entries()) {
+    const auto word = use.as<std::string>();
+    if (word != "fixed" && word != "left_out") use.fail("must be fixed or left_out");
+    parts[name] = word == "fixed" ? PartUse::kFixed : PartUse::kLeftOut;
+  }
+  return parts;
+}
+
+/// The model that the file names; nothing where it is not there.
+std::optional<ModelBody> read_model(const ConfigNode& node, Vehicle& vehicle) {
+  const auto urdf = node.find("urdf");
+  const auto sdf = node.find("sdf");
+  if (urdf && sdf) sdf->fail("is a second model beside 'urdf'; leave one out");
+  if (const auto parts = node.find("parts")) vehicle.parts = parse_parts(*parts);
+  if (!urdf && !sdf) return std::nullopt;
+  const ConfigNode& key = urdf ? *urdf : *sdf;
+  vehicle.urdf = node.resolve(key.as<std::string>());
+  return read_model_body(vehicle.urdf, vehicle.parts);
 }
 
 }  // namespace
@@ -497,18 +363,14 @@ Vehicle Vehicle::load(const std::filesystem::path& file) {
   const ConfigNode node = ConfigNode::load(file);
   check_schema(node);
   Vehicle vehicle;
-  const auto urdf = node.find("urdf");
-  const auto sdf = node.find("sdf");
-  if (urdf && sdf) sdf->fail("is a second model beside 'urdf'; leave one out");
-  if (urdf || sdf) vehicle.urdf = node.resolve((urdf ? *urdf : *sdf).as<std::string>());
-  const Description model(node, urdf || sdf ? read_model_body(vehicle.urdf) : std::nullopt);
+  const ModelMatch model(node, read_model(node, vehicle));
   const ConfigNode common = node.find("rotor").value_or(ConfigNode::empty(file.string()));
-  check_missing(node, common, model);
+  check_missing(node, common, model, vehicle.urdf);
 
   vehicle.name = node.require<std::string>("name");
   vehicle.mass_kg = model.mass_kg();
   vehicle.inertia_kg_m2 = model.inertia_kg_m2();
-  vehicle.rotors = parse_rotors(node.at("rotors"), common, model);
+  parse_rotors(node.at("rotors"), common, model, vehicle);
   check_mixer(node.at("rotors"), vehicle);
   if (const auto scales = node.find("scales")) {
     vehicle.scales = parse_scales(*scales);

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "base/error.hpp"
+#include "base/number_text.hpp"
 
 namespace cas::base {
 
@@ -19,6 +20,7 @@ struct Builder {
   XmlElement top;  // holds the root
   std::vector<XmlElement*> open{&top};
   XML_Parser parser = nullptr;
+  std::shared_ptr<const std::string> file;
 
   static void on_start(void* user, const XML_Char* name, const XML_Char** attributes) {
     auto& self = *static_cast<Builder*>(user);
@@ -29,6 +31,7 @@ struct Builder {
     XmlElement& element = self.open.back()->children.emplace_back();
     element.name = name;
     element.line = static_cast<int>(XML_GetCurrentLineNumber(self.parser));
+    element.file = self.file;
     for (; *attributes != nullptr; attributes += 2)
       element.attributes[attributes[0]] = attributes[1];
     self.open.push_back(&element);
@@ -54,6 +57,20 @@ std::string without_comments(std::string_view text) {
   }
 }
 
+/// @param what  holds the numbers: "<pose>"
+std::vector<double> numbers_in(const XmlElement& at, const std::string& what, std::string_view text,
+                               std::size_t count) {
+  std::vector<double> values;
+  if (const auto word = read_numbers(text, values)) {
+    at.fail(what + " is not made of numbers: " + no_number(*word));
+  }
+  if (values.size() != count) {
+    at.fail(what + " has " + std::to_string(values.size()) + " numbers instead of " +
+            std::to_string(count));
+  }
+  return values;
+}
+
 }  // namespace
 
 std::string_view XmlElement::attribute(std::string_view key) const {
@@ -65,6 +82,29 @@ const XmlElement* XmlElement::child(std::string_view child_name) const {
   const auto found = std::find_if(children.begin(), children.end(),
                                   [&](const XmlElement& each) { return each.name == child_name; });
   return found == children.end() ? nullptr : &*found;
+}
+
+std::string_view XmlElement::child_text(std::string_view child_name) const {
+  const XmlElement* const found = child(child_name);
+  if (found == nullptr) return {};
+  const std::string_view whole = found->text;
+  const std::size_t first = whole.find_first_not_of(kNumberSpace);
+  if (first == whole.npos) return {};
+  return whole.substr(first, whole.find_last_not_of(kNumberSpace) - first + 1);
+}
+
+std::string XmlElement::place() const { return *file + ":" + std::to_string(line); }
+
+void XmlElement::fail(const std::string& sentence) const {
+  throw ConfigError(place() + ": " + sentence);
+}
+
+std::vector<double> XmlElement::numbers(std::size_t count) const {
+  return numbers_in(*this, "<" + name + ">", text, count);
+}
+
+std::vector<double> XmlElement::numbers(std::string_view key, std::size_t count) const {
+  return numbers_in(*this, "'" + std::string(key) + "' of <" + name + ">", attribute(key), count);
 }
 
 std::optional<std::string> template_language(std::string_view with_comments) {
@@ -84,13 +124,17 @@ XmlElement parse_xml(std::string_view text, const std::string& file) {
       XML_ParserCreate(nullptr), &XML_ParserFree);
   Builder builder;
   builder.parser = parser.get();
+  builder.file = std::make_shared<const std::string>(file);
   XML_SetUserData(parser.get(), &builder);
   XML_SetElementHandler(parser.get(), Builder::on_start, Builder::on_end);
   XML_SetCharacterDataHandler(parser.get(), Builder::on_text);
   if (XML_Parse(parser.get(), text.data(), static_cast<int>(text.size()), XML_TRUE) !=
       XML_STATUS_OK) {
+    const XML_Error error = XML_GetErrorCode(parser.get());
     throw ConfigError(file + ":" + std::to_string(XML_GetCurrentLineNumber(parser.get())) + ": " +
-                      XML_ErrorString(XML_GetErrorCode(parser.get())));
+                      (error == XML_ERROR_ABORTED
+                           ? "elements are nested more than " + std::to_string(kDeepest) + " deep"
+                           : std::string(XML_ErrorString(error))));
   }
   return std::move(builder.top.children.front());
 }

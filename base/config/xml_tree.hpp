@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -19,11 +20,22 @@ struct CAS_BASE_EXPORT XmlElement {
   std::map<std::string, std::string, std::less<>> attributes;
   std::string text;  ///< all character data directly inside
   std::vector<XmlElement> children;
+  std::shared_ptr<const std::string> file;  ///< name of its file
 
   /// The attribute's value; empty when there is none.
   std::string_view attribute(std::string_view key) const;
   /// The first child of that name, or nothing.
   const XmlElement* child(std::string_view child_name) const;
+  /// The text of that child without blanks at its ends; empty when there is none.
+  std::string_view child_text(std::string_view child_name) const;
+  /// "FILE:LINE", for errors.
+  std::string place() const;
+  /// @throws ConfigError "FILE:LINE: sentence"
+  [[noreturn]] void fail(const std::string& sentence) const;
+  /// The numbers that the element's text is made of. @throws ConfigError unless there are `count`
+  std::vector<double> numbers(std::size_t count) const;
+  /// The same of an attribute that is there.
+  std::vector<double> numbers(std::string_view key, std::size_t count) const;
 };
 
 /// A sentence for a text that a program has to fill in before it is a model: xacro, or ERB and

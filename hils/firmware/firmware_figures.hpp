@@ -71,8 +71,9 @@ struct FirmwareFigures {
   std::optional<std::string> unwatched;  ///< why incidents could not be looked for
   /// Steps reported as done that the true flight does not show: steps_not_flown().
   std::vector<std::string> not_flown;
-  std::vector<std::string> remarks;  ///< of the verdict
-  std::uint64_t dropped = 0;         ///< packets, by casd at all its links until the flight's end
+  std::vector<std::string> remarks;   ///< of the verdict
+  std::vector<std::string> warnings;  ///< of the simulator, about world and vehicle
+  std::uint64_t dropped = 0;          ///< packets, by casd at all its links until the flight's end
   std::uint64_t lost = 0;  ///< packets, by the gaps in the sequence numbers that casd heard
 
   /// With the one under way.

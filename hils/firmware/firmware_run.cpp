@@ -63,6 +63,7 @@ void print_figures(const FirmwareScenario& scenario, std::span<const FirmwareRes
              first.version.empty() ? "" : ", firmware v" + first.version);
   for (const std::string& sentence : verdict.failures) fmt::print("  - {}\n", sentence);
   for (const std::string& remark : verdict.remarks) fmt::print("  note: {}\n", remark);
+  for (const std::string& warning : verdict.warnings) fmt::print("  warning: {}\n", warning);
   fmt::print("  {:.1f} s simulated at {:.2f} x real time\n", first.simulated_s,
              first.real_time_factor);
   for (const FirmwareResult& vehicle : vehicles) {
@@ -99,6 +100,7 @@ FirmwareResult evaluate(const FirmwareScenario& scenario, const FirmwarePlaces& 
   for (const auto& fault : vehicle_faults(places.simulator_stats(), name)) {
     figures.faults.push_back(fault);
   }
+  figures.warnings = simulator_warnings(places.simulator_stats(), name);
   figures.never_began =
       faults_that_never_began(scenario.faults, vehicle, figures.faults, figures.flown_stages());
   if (scenario.flies_several()) {

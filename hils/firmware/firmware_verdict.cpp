@@ -190,6 +190,7 @@ Verdict judge(const FirmwareScenario& scenario, const FirmwareFigures& figures) 
   checks.push_back(check("true flight", "recorded", unrecorded));
   Verdict verdict = verdict_on(std::move(validity), std::move(checks), figures.never_began);
   verdict.remarks = figures.remarks;
+  verdict.warnings = figures.warnings;
   if (auto remark = unlimited_motion(scenario.limits)) {
     verdict.remarks.push_back(std::move(*remark));
   }
@@ -214,6 +215,7 @@ json firmware_summary(const FirmwareScenario& scenario, std::span<const Firmware
            {"passed", together.passed},
            {"failures", together.failures},
            {"remarks", together.remarks},
+           {"warnings", together.warnings},
            {"simulated_s", first.simulated_s},
            {"wall_s", first.wall_s},
            {"real_time_factor", first.real_time_factor},

@@ -450,23 +450,32 @@ Verdict verdict_on(Checks validity, Checks flight,
   return verdict;
 }
 
+namespace {
+
+/// Adds the sentences that are not there yet.
+void add_new(const std::vector<std::string>& sentences, std::vector<std::string>& all) {
+  for (const std::string& sentence : sentences) {
+    if (std::ranges::find(all, sentence) == all.end()) all.push_back(sentence);
+  }
+}
+
+}  // namespace
+
 void merge_verdict(const std::string& vehicle, const Verdict& own, Verdict& together) {
   together.valid &= own.valid;
   together.passed &= own.passed;
   for (const std::string& sentence : own.failures) {
     together.failures.push_back(vehicle + ": " + sentence);
   }
-  for (const std::string& remark : own.remarks) {
-    if (std::ranges::find(together.remarks, remark) == together.remarks.end()) {
-      together.remarks.push_back(remark);
-    }
-  }
+  add_new(own.remarks, together.remarks);
+  add_new(own.warnings, together.warnings);
 }
 
 Verdict judge(const Measurement& figures, const Limits& limits) {
   Verdict verdict =
       verdict_on(validity_checks(figures), flight_checks(figures, limits), figures.never_began);
   if (auto remark = unlimited_motion(limits)) verdict.remarks.push_back(std::move(*remark));
+  verdict.warnings = figures.warnings;
   return verdict;
 }
 

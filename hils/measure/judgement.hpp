@@ -33,6 +33,8 @@ struct Verdict {
   std::vector<std::string> failures;   ///< sentences: why it is not valid, else the missed limits
   std::vector<LimitCheck> checks{};    ///< all that it was held to, kept or not; of one vehicle
   std::vector<std::string> remarks{};  ///< what a reader of a green line must know; decide nothing
+  /// What was flown otherwise than the files of world and vehicle say; decide nothing.
+  std::vector<std::string> warnings{};
 
   ExitCode exit_code() const {
     if (!valid) return kExitInvalid;

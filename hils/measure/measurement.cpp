@@ -190,6 +190,7 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.never_began = faults_that_never_began(scenario.faults, vehicle_number(scenario, record),
                                                 record.faults, flown_stages(record));
   figures.changes = flight_changes(record, casd::GainMap::shipped(), scenario.ground_station);
+  figures.warnings = record.warnings;
   figures.plugins = read_plugin_figures(record.plugin_figures, record.vehicle);
   const std::vector<PoseSample> truth = read_truth(record.truth_csv);
   figures.responses = step_responses(record.stages, truth);

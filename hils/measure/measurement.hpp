@@ -82,6 +82,7 @@ struct Measurement {
   std::optional<RmsFigures> rms_estimate;       ///< estimate against reference during the hold
   std::optional<double> peak_error_m;           ///< farthest from the reference during the hold
   std::optional<double> rotor_activity_rad_s2;  ///< see rotor_activity_rad_s2(), during the hold
+  std::vector<std::string> warnings;            ///< of the simulator, a sentence each
   std::vector<PluginFigure> plugins;            ///< reported by the vehicle's plugins
 };
 

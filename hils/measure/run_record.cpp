@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string_view>
 
 #include "mavlink/common/hil_actuator_controls.hpp"
 #include "mavlink/common/hil_controls.hpp"
@@ -34,6 +35,11 @@ bool is_fault_of(const std::string& plugin, const std::string& vehicle) {
   return plugin.substr(0, plugin.find('#')) == "fault@" + vehicle;
 }
 
+bool is_plugin_of(const std::string& plugin, const std::string& vehicle) {
+  const std::string_view name = std::string_view(plugin).substr(0, plugin.find('#'));
+  return name.substr(std::min(name.find('@'), name.size())) == "@" + vehicle;
+}
+
 }  // namespace
 
 std::vector<BenchFaultScript::Span> vehicle_faults(const std::filesystem::path& simulator_stats,
@@ -47,6 +53,25 @@ std::vector<BenchFaultScript::Span> vehicle_faults(const std::filesystem::path& 
     for (const json& event : figures.value("events", json::array())) add_event(event, faults);
   }
   return faults;
+}
+
+std::vector<std::string> simulator_warnings(const std::filesystem::path& simulator_stats,
+                                            const std::string& vehicle) {
+  std::vector<std::string> warnings;
+  std::ifstream in(simulator_stats);
+  const json stats = json::parse(in, nullptr, false);
+  if (!stats.is_object()) return warnings;
+  for (const json& each : stats.value("warnings", json::array())) {
+    const auto whose = each.value("vehicle", std::string());
+    if (whose.empty() || whose == vehicle) warnings.push_back(each.value("warning", ""));
+  }
+  for (const auto& [plugin, figures] : stats.value("plugins", json::object()).items()) {
+    if (!is_plugin_of(plugin, vehicle) || !figures.is_object()) continue;
+    for (const json& each : figures.value("warnings", json::array())) {
+      if (each.is_string()) warnings.push_back(each.get<std::string>());
+    }
+  }
+  return warnings;
 }
 
 std::vector<RunRecord> records_of(const Scenario& scenario, const RunPlaces& places) {
@@ -63,7 +88,8 @@ std::vector<RunRecord> records_of(const Scenario& scenario, const RunPlaces& pla
   return records;
 }
 
-void add_vehicle_faults(const RunPlaces& places, RunRecord& record) {
+void add_simulator_report(const RunPlaces& places, RunRecord& record) {
+  record.warnings = simulator_warnings(places.simulator_stats(), record.vehicle);
   for (auto& fault : vehicle_faults(places.simulator_stats(), record.vehicle)) {
     record.faults.push_back(std::move(fault));
   }

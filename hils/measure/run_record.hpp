@@ -36,6 +36,7 @@ struct RunRecord {
   std::optional<Stage> under_way;  ///< the step that was not done when the flight ended
   std::optional<Stage> hold;       ///< the measured one; nullopt when the flight did not get there
   std::vector<BenchFaultScript::Span> faults;  ///< of the bench, as they went
+  std::vector<std::string> warnings;           ///< of the simulator, about world and vehicle
   std::vector<OutsideCall> outside_calls;      ///< of casd's command port, by others than hils
   ClockMap log_clock;                          ///< clock of the flight log -> simulated time
   std::optional<std::string> flight_failure;   ///< a sentence; nullopt when every step was done
@@ -50,13 +51,19 @@ struct RunRecord {
 /// A record for each vehicle of a scenario, with its names and where its files are.
 std::vector<RunRecord> records_of(const Scenario& scenario, const RunPlaces& places);
 
-/// Adds the faults that the vehicle's plugin `fault` played to those of the bench.
-void add_vehicle_faults(const RunPlaces& places, RunRecord& record);
+/// Adds the faults that the vehicle's plugin `fault` played to those of the bench, and the
+/// simulator's warnings.
+void add_simulator_report(const RunPlaces& places, RunRecord& record);
 
 /// Faults of one vehicle, as its plugin `fault` reports them in hilsim_stats.json; empty when there
 /// is no such file or plugin.
 std::vector<BenchFaultScript::Span> vehicle_faults(const std::filesystem::path& simulator_stats,
                                                    const std::string& vehicle);
+
+/// What the simulator did otherwise than the files of the world and of one vehicle say, and the
+/// `warnings` of its plugins, from hilsim_stats.json.
+std::vector<std::string> simulator_warnings(const std::filesystem::path& simulator_stats,
+                                            const std::string& vehicle);
 
 /// HIL_ACTUATOR_CONTROLS where the controller answered with it, else HIL_CONTROLS.
 std::uint32_t controls_message_id(const RunRecord& record);

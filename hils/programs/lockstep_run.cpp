@@ -235,7 +235,7 @@ std::vector<RunRecord> run_in_lockstep(const RunRequest& request) {
   record.cpu_s = supervisor.cpu_s();
   record.simulator = on_stream_time(base::PacketLedger::read(vehicle.simulator_ledger()));
   record.controller = on_stream_time(base::PacketLedger::read(vehicle.controller_ledger()));
-  add_vehicle_faults(places, record);
+  add_simulator_report(places, record);
   return records;
 }
 

@@ -361,7 +361,7 @@ void read_ledgers(const RunRequest& request, const RunPlaces& places,
   for (std::size_t i = 0; i < records.size(); ++i) {
     const VehiclePlaces& vehicle = places.vehicles[i];
     records[i].simulator = base::PacketLedger::read(vehicle.simulator_ledger());
-    add_vehicle_faults(places, records[i]);
+    add_simulator_report(places, records[i]);
     add_relay(relay, vehicle, records[i]);
     if (request.fcu_device(i) == nullptr) {
       records[i].controller = base::PacketLedger::read(vehicle.controller_ledger());

@@ -119,7 +119,7 @@ Json scene_json(const base::Vehicle& vehicle) {
   Json visuals = Json::array();
   Json meshes = Json::array();
   if (!vehicle.urdf.empty()) {
-    const sim::VehicleModel model = sim::load_vehicle_model(vehicle.urdf);
+    const sim::VehicleModel model = sim::load_vehicle_model(vehicle.urdf, vehicle.parts);
     parts = parts_json(model.shapes, meshes);
     visuals = parts_json(sim::load_visuals(model, kMostTriangles), meshes);
   }

@@ -32,12 +32,15 @@ void JunitSuite::add(const std::string& name, Outcome outcome, const std::string
                         why);
 }
 
+void JunitSuite::say(const std::string& line) { output_ += escape_xml(line) + "\n"; }
+
 std::string JunitSuite::element(std::optional<double> time_s) const {
   return fmt::format(
       "<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\"{}>\n"
-      "{}</testsuite>\n",
+      "{}{}</testsuite>\n",
       name_, tests_, failures_, errors_, skipped_,
-      time_s ? fmt::format(" time=\"{:.3f}\"", *time_s) : "", cases_);
+      time_s ? fmt::format(" time=\"{:.3f}\"", *time_s) : "", cases_,
+      output_.empty() ? "" : fmt::format("  <system-out>{}</system-out>\n", output_));
 }
 
 std::string JunitSuite::report(std::optional<double> time_s) const {

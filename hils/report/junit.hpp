@@ -24,6 +24,8 @@ class JunitSuite {
   /// @param group  names a part of the suite: "rotor_stopped"
   void add(const std::string& name, Outcome outcome, const std::string& message = "",
            std::optional<double> time_s = {}, const std::string& group = "");
+  /// Adds a line to the suite's `system-out`.
+  void say(const std::string& line);
   /// The element `testsuite`. @param time_s  of the whole suite
   std::string element(std::optional<double> time_s = {}) const;
   /// A whole report with this suite only.
@@ -32,6 +34,7 @@ class JunitSuite {
  private:
   std::string name_;
   std::string cases_;
+  std::string output_;  // lines
   std::size_t tests_ = 0, failures_ = 0, errors_ = 0, skipped_ = 0;
 };
 

@@ -28,6 +28,7 @@ std::string junit_suite(const std::string& name, double wall_s, const Verdict& v
                                  : Outcome::kFailed,
               check.judged ? check.sentence : "", 0);
   }
+  for (const std::string& warning : verdict.warnings) suite.say("warning: " + warning);
   return suite.element(wall_s);
 }
 

@@ -96,6 +96,7 @@ Json run_json(const Measurement& figures, const Verdict& verdict) {
   summary["passed"] = verdict.passed;
   summary["failures"] = verdict.failures;
   summary["remarks"] = verdict.remarks;
+  summary["warnings"] = verdict.warnings;
   summary["virtual_clock"] = figures.virtual_clock;
   summary["lockstep"] = figures.lockstep;
   put_figures(figure_table(), Part::kRun, figures, summary);

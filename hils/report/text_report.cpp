@@ -22,6 +22,7 @@ std::string verdict_text(const Measurement& figures, const Verdict& verdict) {
                                  how_it_ran(figures), figures.seed);
   for (const std::string& sentence : verdict.failures) text += "  - " + sentence + "\n";
   for (const std::string& remark : verdict.remarks) text += "  note: " + remark + "\n";
+  for (const std::string& warning : verdict.warnings) text += "  warning: " + warning + "\n";
   if (const auto unjudged = unjudged_failure(figures, verdict)) text += "  " + *unjudged + "\n";
   text += figures.virtual_clock
               ? fmt::format("  {:.1f} s simulated in {:.2f} s: {:.{}f} x real time\n",

@@ -19,6 +19,7 @@ void add_verdict(HtmlPage& page, const Verdict& verdict, const std::string& line
                                      : HtmlPage::Mood::kBad;
   page.verdict(mood, title_of(verdict), line, verdict.failures);
   for (const std::string& remark : verdict.remarks) page.paragraph("Note: " + remark + ".");
+  for (const std::string& warning : verdict.warnings) page.paragraph("Warning: " + warning + ".");
 }
 
 void add_limits(HtmlPage& page, const std::string& caption, const Verdict& verdict) {

@@ -339,7 +339,7 @@ std::vector<RunRecord> run_on_virtual_clock(const RunRequest& request) {
   std::vector<RunRecord> records = records_of(request.scenario, places);
   for (std::size_t i = 0; i < records.size(); ++i) {
     bench.fill(i, records[i]);
-    add_vehicle_faults(places, records[i]);
+    add_simulator_report(places, records[i]);
     records[i].virtual_clock = true;
     records[i].wall_s = wall_s;
   }

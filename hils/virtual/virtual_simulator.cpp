@@ -93,7 +93,8 @@ std::string VirtualSimulator::stats_json() const {
                              {"program", "hilsim"},
                              {"time_s", base::to_seconds(runner_.time())},
                              {"steps", runner_.steps()},
-                             {"plugins", sim::plugin_figures(runner_)}};
+                             {"plugins", sim::plugin_figures(runner_)},
+                             {"warnings", sim::warnings_report(runner_)}};
   return stats.dump(2) + "\n";
 }
 

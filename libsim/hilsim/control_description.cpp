@@ -39,9 +39,11 @@ constexpr const char* kText = R"json({
     "real_time_factor": "number", "late_steps": "integer", "lockstep_timeouts": "integer", "vehicles": ["VehicleTruth"]},
   "Distribution": {"p50": "number: us", "p99": "number: us", "max": "number: us", "count": "integer",
     "histogram": ["any: [upper end in us, entries]"]},
+  "SimWarning": {"vehicle": "string: its name, or empty for the world", "warning": "string"},
   "SimStats": {"schema": "integer", "program": "string", "time_s": "number: simulated", "steps": "integer", "wall_s": "number",
     "real_time_factor": "number", "late_steps": "integer", "lockstep_timeouts": "integer", "given_up_s": "number",
-    "step_us": "Distribution", "lateness_us": "Distribution", "plugins": {"*": "any"}}
+    "step_us": "Distribution", "lateness_us": "Distribution", "plugins": {"*": "any"},
+    "warnings": ["SimWarning"]}
 },
 "methods": {
   "sim.status": {"summary": "Time, pace and the true motion of each vehicle.", "params": {}, "result": "SimStatus"},

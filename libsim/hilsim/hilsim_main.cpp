@@ -25,6 +25,7 @@
 #include "base/os/program.hpp"
 #include "base/os/thread.hpp"
 #include "base/os/write_file.hpp"
+#include "libsim/core/load/plausibility.hpp"
 #include "libsim/core/load/sim_config.hpp"
 #include "libsim/core/load/simulation_reference.hpp"
 #include "libsim/core/run/left_world.hpp"
@@ -110,10 +111,12 @@ std::filesystem::path vehicle_file(const std::string& word) {
 
 int describe(const std::string& word, const std::optional<std::filesystem::path>& svg) {
   const base::Vehicle vehicle = base::Vehicle::load(vehicle_file(word));
-  const sim::VehicleModel model = sim::load_vehicle_model(vehicle.urdf);
+  const sim::VehicleModel model = sim::load_vehicle_model(vehicle.urdf, vehicle.parts);
   const std::string text =
       describe_vehicle(vehicle, model, base::load_frames(base::find_config("frames.yaml")));
-  for (const std::string& warning : model.warnings) base::log::warn(warning);
+  for (const auto& warnings : {vehicle.warnings, model.warnings, implausible(vehicle, model)}) {
+    for (const std::string& warning : warnings) base::log::warn(warning);
+  }
   std::fputs(text.c_str(), stdout);
   if (svg) base::write_file(*svg, draw_vehicle(vehicle, model));
   return base::kExitOk;

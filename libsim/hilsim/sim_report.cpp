@@ -64,6 +64,14 @@ Json plugin_figures(const SimRunner& runner) {
   return plugins;
 }
 
+Json warnings_report(const SimRunner& runner) {
+  Json warnings = Json::array();
+  for (const SimWarning& each : runner.warnings()) {
+    warnings.push_back({{"vehicle", each.vehicle}, {"warning", each.sentence}});
+  }
+  return warnings;
+}
+
 Json status_report(const SimLoop& loop) {
   const SimRunner& runner = loop.runner();
   const LoopFigures f = loop.figures();
@@ -95,7 +103,8 @@ Json stats_report(const SimLoop& loop) {
           {"given_up_s", f.given_up_s},
           {"step_us", histogram_us(loop.step_times())},
           {"lateness_us", histogram_us(loop.lateness())},
-          {"plugins", plugin_figures(loop.runner())}};
+          {"plugins", plugin_figures(loop.runner())},
+          {"warnings", warnings_report(loop.runner())}};
 }
 
 std::string endpoints_report(const SimRunner& runner) {

@@ -12,6 +12,8 @@ namespace cas::sim {
 nlohmann::json status_report(const SimLoop& loop);
 /// What its plugins report, by "PLUGIN@VEHICLE"; a text where that is no JSON.
 nlohmann::json plugin_figures(const SimRunner& runner);
+/// The run's warnings: [{"vehicle": NAME or "", "warning": SENTENCE}, ...].
+nlohmann::json warnings_report(const SimRunner& runner);
 /// The report of `--stats` and `sim.stats`.
 nlohmann::json stats_report(const SimLoop& loop);
 /// The local endpoints that plugins have bound, "udp 127.0.0.1:14560 ...", for the ready message.

@@ -93,13 +93,17 @@ void print_lift(std::string& text, const base::Vehicle& vehicle) {
         scales.u1_max_n, scales.u2_max_nm, scales.u3_max_nm, scales.u4_max_nm);
 }
 
-/// Rank of the effectiveness of rotors (and servos, at hover); forces and moments are scaled to one
-/// size first.
-Eigen::Index rank_of(Eigen::MatrixXd columns) {
+/// Rank of the effectiveness of rotors (and servos, at hover). Each row is scaled to 1; those that
+/// are rounding errors beside the other forces or moments count as 0, however small the vehicle is.
+/// @param forces  rows of them; those below are moments
+Eigen::Index rank_of(Eigen::MatrixXd columns, Eigen::Index forces) {
+  constexpr double kRounding = 1e-9;
+  const double most_force = columns.topRows(forces).cwiseAbs().maxCoeff();
+  const double most_moment = columns.bottomRows(columns.rows() - forces).cwiseAbs().maxCoeff();
   for (Eigen::Index row = 0; row < columns.rows(); ++row) {
     const double most = columns.row(row).cwiseAbs().maxCoeff();
-    const double all = columns.cwiseAbs().maxCoeff();
-    if (most > 1e-9 * all) columns.row(row) /= most;
+    const bool counts = most > kRounding * (row < forces ? most_force : most_moment);
+    columns.row(row) *= counts ? 1 / most : 0.0;
   }
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
   qr.setThreshold(1e-6);
@@ -138,13 +142,13 @@ void print_effectiveness(std::string& text, const base::Vehicle& vehicle) {
     print(text, "  %-6s%s", names[row], line.c_str());
   }
   const Eigen::MatrixXd all = with_servos(vehicle);
-  print(text, "rank               %ld of 6", static_cast<long>(rank_of(columns)));
+  print(text, "rank               %ld of 6", static_cast<long>(rank_of(columns, 3)));
   if (all.cols() > columns.cols()) {
-    print(text, "                   %ld with the servos", static_cast<long>(rank_of(all)));
+    print(text, "                   %ld with the servos", static_cast<long>(rank_of(all, 3)));
   }
   Eigen::MatrixXd four(4, all.cols());
   four << all.row(2), all.row(3), all.row(4), all.row(5);
-  print(text, rank_of(four) == 4
+  print(text, rank_of(four, 1) == 4
                   ? "                   thrust, roll, pitch and yaw can be set independently"
                   : "                   thrust, roll, pitch and yaw can NOT be set independently");
 }

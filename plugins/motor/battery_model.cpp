@@ -18,7 +18,7 @@ void BatteryModel::advance(const base::RotorVector& omega, double dt) {
   constexpr double kSecondsPerHour = 3600;
   const double open_v = params_.empty_v + charge_ * (params_.full_v - params_.empty_v);
   const double power_w =
-      (torque_coefficients_.array() * omega.array().cube()).sum() / params_.efficiency;
+      (torque_coefficients_.array() * omega.array().abs().cube()).sum() / params_.efficiency;
   const double r = params_.resistance_ohm;
 
   // V I = P with V = V0 - R I; beyond the most it can give, the battery gives half its voltage.

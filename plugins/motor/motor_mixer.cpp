@@ -42,6 +42,16 @@ base::RotorVector MotorMixer::targets(const MotorCommand& command) const {
                               value_of(command.values, 2), value_of(command.values, 3)});
 }
 
+std::optional<int> MotorMixer::refused_reverse(const MotorCommand& command) const {
+  constexpr double kNoise = 1e-3;  // of a full output: rounding on the wire
+  if (!command.armed || command.kind != MotorCommand::Kind::kMotorOutputs) return std::nullopt;
+  for (std::size_t i = 0; i < rotors_.size(); ++i) {
+    if (rotors_[i].params.reversible) continue;
+    if (value_of(command.values, rotors_[i].output) < -kNoise) return static_cast<int>(i);
+  }
+  return std::nullopt;
+}
+
 base::RotorVector MotorMixer::tilts(const MotorCommand& command) const {
   base::RotorVector tilts = base::RotorVector::Zero(static_cast<Eigen::Index>(rotors_.size()));
   if (!command.armed || command.kind != MotorCommand::Kind::kMotorOutputs) return tilts;
@@ -63,9 +73,11 @@ base::RotorVector MotorMixer::from_control_inputs(const Eigen::Vector4d& inputs)
   for (std::size_t i = 0; i < rotors_.size(); ++i) {
     double& value = omega[static_cast<Eigen::Index>(i)];
     const base::RotorParams& params = rotors_[i].params;
-    const double low = params.omega_idle_rad_s * params.omega_idle_rad_s;
     const double high = params.omega_max_rad_s * params.omega_max_rad_s;
-    value = std::sqrt(std::min(std::max(value, low), high));
+    const double low =
+        params.reversible ? -high : params.omega_idle_rad_s * params.omega_idle_rad_s;
+    value = std::min(std::max(value, low), high);
+    value = std::copysign(std::sqrt(std::abs(value)), value);
   }
   return omega;
 }
@@ -74,7 +86,8 @@ base::RotorVector MotorMixer::from_motor_outputs(const ActuatorValues& outputs) 
   base::RotorVector omega(static_cast<Eigen::Index>(rotors_.size()));
   for (std::size_t i = 0; i < rotors_.size(); ++i) {
     const base::RotorParams& params = rotors_[i].params;
-    const double u = std::clamp(value_of(outputs, rotors_[i].output), 0.0, 1.0);
+    const double least = params.reversible ? -1.0 : 0.0;
+    const double u = std::clamp(value_of(outputs, rotors_[i].output), least, 1.0);
     omega[static_cast<Eigen::Index>(i)] =
         params.omega_idle_rad_s + u * (params.omega_max_rad_s - params.omega_idle_rad_s);
   }

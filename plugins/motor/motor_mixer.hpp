@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "base/config/vehicle.hpp"
@@ -14,8 +15,8 @@ namespace cas::sim {
 /// Control inputs go through the inverse of [HILS] Eq. (3), with omega^2 held in
 /// [idle^2, max^2]; with more or fewer than four rotors through the pseudo-inverse. Motor outputs u
 /// in 0..1 give idle + u (max - idle), the law of PX4's simulated iris (100 + 1000 u, at most
-/// 1100 rad/s); servo outputs in -1..1 give tilts. A disarmed vehicle's rotors are asked to stop,
-/// its servos to stand upright.
+/// 1100 rad/s), and in -1..0 of a `reversible` rotor u max; servo outputs in -1..1 give tilts. A
+/// disarmed vehicle's rotors are asked to stop, its servos to stand upright.
 class MotorMixer {
  public:
   MotorMixer() = default;
@@ -25,6 +26,8 @@ class MotorMixer {
   base::RotorVector targets(const MotorCommand& command) const;
   /// @return target tilts, rad, one for each rotor; 0 where it has no servo
   base::RotorVector tilts(const MotorCommand& command) const;
+  /// The first rotor that is to turn the other way and is not `reversible`: it stays at idle.
+  std::optional<int> refused_reverse(const MotorCommand& command) const;
   bool has_servos() const { return has_servos_; }
 
  private:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -56,6 +57,7 @@ class MotorPlugin final : public Plugin {
     speeds_ = context.bus().advertise<RotorSpeeds>(context.topic("rotor_speeds"));
     command_ = context.bus().subscribe<MotorCommand>(context.topic("motor_command"),
                                                      [this](const MotorCommand& command) {
+                                                       look_for_reverse(command);
                                                        take(mixer_.targets(command));
                                                        tilt(command);
                                                        drive();
@@ -91,6 +93,7 @@ class MotorPlugin final : public Plugin {
     now_ = {};
     rotors_->set_tilt_targets(asked_);
     strikes_.clear();
+    refused_reverse_.reset();
     rotors_->release_all();
     rotors_->set_effectiveness(health_.thrust_share);
     drive();
@@ -106,6 +109,7 @@ class MotorPlugin final : public Plugin {
       figures["rotor_strikes"].push_back(
           {{"rotor", strike.rotor + 1}, {"time_s", six_decimals(base::to_seconds(strike.time))}});
     }
+    if (refused_reverse_) figures["warnings"].push_back(refusal());
     return figures.is_null() ? "" : figures.dump();
   }
 
@@ -132,7 +136,7 @@ class MotorPlugin final : public Plugin {
     for (std::size_t i = 0; i < discs_.size(); ++i) {
       const base::Rotor& disc = discs_[i];
       const double tilt_rad = disc.tilt ? states[servo++] : 0.0;
-      if (rotors_->is_stopped(i) || states[i] < kTurning_rad_s) continue;
+      if (rotors_->is_stopped(i) || std::abs(states[i]) < kTurning_rad_s) continue;
       const Eigen::Vector3d axis_B = disc.tilt ? disc.tilted_axis_B(tilt_rad) : disc.axis_B;
       if (!world.disc_touches(vehicle_, disc.position_B_m, axis_B, disc.params.radius_m)) continue;
       rotors_->stop(i);
@@ -140,6 +144,20 @@ class MotorPlugin final : public Plugin {
       base::log::warn(name_ + ": rotor " + std::to_string(i + 1) + " touched something at " +
                       std::to_string(base::to_seconds(step.time)) + " s and stopped");
     }
+  }
+
+  /// Says once that a controller wants a rotor to turn the other way, and it does not.
+  void look_for_reverse(const MotorCommand& command) {
+    if (refused_reverse_) return;
+    refused_reverse_ = mixer_.refused_reverse(command);
+    if (!refused_reverse_) return;
+    base::log::warn(refusal());
+  }
+
+  std::string refusal() const {
+    return name_ + ": rotor " + std::to_string(*refused_reverse_ + 1) +
+           " was asked to turn the other way (an output below 0) and stayed at idle: the vehicle "
+           "file does not say that it is `reversible`";
   }
 
   /// Speeds that the controller asks for from now on.
@@ -180,6 +198,7 @@ class MotorPlugin final : public Plugin {
   std::string name_;
   std::vector<base::Rotor> discs_;
   std::vector<Strike> strikes_;
+  std::optional<int> refused_reverse_;  ///< index of the rotor
   MotorMixer mixer_;
   EscDelay esc_;
   base::SimTime now_;  // between steps

@@ -35,8 +35,13 @@ RotorModel::RotorModel(const base::Vehicle& vehicle) : count_(vehicle.rotors.siz
 
 void RotorModel::initial_states(std::span<double> x) const { std::fill(x.begin(), x.end(), 0.0); }
 
+double RotorModel::lag(const base::RotorParams& params, double omega, double target) {
+  return std::abs(target) > std::abs(omega) ? params.time_constant_up_s
+                                            : params.time_constant_down_s;
+}
+
 double RotorModel::speed_derivative(const base::RotorParams& params, double omega, double target) {
-  const double tau = target > omega ? params.time_constant_up_s : params.time_constant_down_s;
+  const double tau = lag(params, omega, target);
   return tau > 0 ? (target - omega) / tau : 0.0;  // without lag, limit() sets the speed
 }
 
@@ -49,8 +54,8 @@ void RotorModel::limit(std::span<double> x) const {
     double& w = x[i];
     const base::RotorParams& params = hubs_[i].params;
     const double target = targets_[i];
-    const double tau = target > w ? params.time_constant_up_s : params.time_constant_down_s;
-    w = std::clamp(tau > 0 ? w : target, 0.0, params.omega_max_rad_s);
+    const double most = params.omega_max_rad_s;
+    w = std::clamp(lag(params, w, target) > 0 ? w : target, params.reversible ? -most : 0.0, most);
     if (stopped_[i]) w = 0.0;
   }
   for (std::size_t k = 0; k < servo_count_; ++k) {
@@ -149,8 +154,9 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
   const double omega = motion.omega;
   const double reference = params.reference_density_kg_m3;
   const double density = reference > 0 ? around.air_density_kg_m3 / reference : 1.0;
-  const double dynamic =  // w^2, less in thin air and with broken blades
-      effectiveness_[rotor] * density * omega * omega;
+  const double speed = std::abs(omega);
+  const double dynamic =  // w |w|, less in thin air and with broken blades
+      effectiveness_[rotor] * density * omega * speed;
 
   // Air past the hub: the part in the rotor plane drags and rolls, the axial part takes thrust.
   const Eigen::Vector3d v_hub_B = around.v_air_B + w_WB_B.cross(r_B);
@@ -164,7 +170,7 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
 
   // Forces at the hub: [HILS] Eq. (1), less the loss to the rotor above, and drag.
   double thrust = params.thrust_coefficient * dynamic * thrust_factor(params, v_axial, hub_height);
-  Eigen::Vector3d force_B = -params.drag_coefficient * omega * v_plane_B;
+  Eigen::Vector3d force_B = -params.drag_coefficient * speed * v_plane_B;
   if constexpr (kPlain) {
     force_B.z() += thrust;
   } else {
@@ -188,12 +194,12 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
     if (params.flapping_stiffness_nm_rad > 0) {
       // Beyond an advance ratio of 1 it fades with the rotor's speed: blades that stand do not
       // flap.
-      const double tip_speed = omega * params.radius_m;
-      const double speed = std::max(tip_speed, v_plane_B.norm());
+      const double tip_speed = speed * params.radius_m;
+      const double fastest = std::max(tip_speed, v_plane_B.norm());
       const double moment_per_speed =
-          speed > 0 ? effectiveness_[rotor] * params.flapping_stiffness_nm_rad *
-                          params.flapping_gain * tip_speed / (speed * speed)
-                    : 0.0;
+          fastest > 0 ? effectiveness_[rotor] * params.flapping_stiffness_nm_rad *
+                            params.flapping_gain * tip_speed / (fastest * fastest)
+                      : 0.0;
       wrench.torque_B -= moment_per_speed * motion.axis_B.cross(v_plane_B);
     }
   }

@@ -28,13 +28,15 @@ namespace cas::sim {
 /// L. Waslander, C. J. Tomlin, "Quadrotor helicopter flight dynamics and control: theory and
 /// experiment", AIAA 2007-6461); the force of the tilted disc is a part of the in-plane drag. A
 /// servo tilts the axis with a lag and a fastest rate; the rotor's angular momentum turns with it.
+/// A `reversible` rotor that turns the other way pulls the other way, as strongly.
 /// A coefficient of zero switches its effect off. Other interaction between rotors and the inertia
 /// of the tilted parts are not modelled.
 class RotorModel final : public ForceModel {
  public:
   explicit RotorModel(const base::Vehicle& vehicle);
 
-  /// Speeds asked for, rad/s, non-negative, one for each rotor; held until the next call.
+  /// Speeds asked for, rad/s, one for each rotor, below 0 of `reversible` ones only; held until the
+  /// next call.
   void set_targets(const base::RotorVector& omega) { copy(omega, targets_); }
   base::RotorVector targets() const {
     return base::RotorVector::Map(targets_.data(), rotor_count());
@@ -100,6 +102,7 @@ class RotorModel final : public ForceModel {
     }
   }
   Surroundings surroundings(const BodyState& body, const Environment& environment) const;
+  static double lag(const base::RotorParams& params, double omega, double target);
   static double speed_derivative(const base::RotorParams& params, double omega, double target);
   [[gnu::always_inline]] static inline double thrust_factor(const base::RotorParams& params,
                                                             double axial_speed, double hub_height);

@@ -113,6 +113,10 @@ Distribution = TypedDict("Distribution", {
     "p50": float,  # us
     "p99": float,  # us
 })
+SimWarning = TypedDict("SimWarning", {
+    "vehicle": str,  # its name, or empty for the world
+    "warning": str,
+})
 SimStats = TypedDict("SimStats", {
     "given_up_s": float,
     "late_steps": int,
@@ -126,6 +130,7 @@ SimStats = TypedDict("SimStats", {
     "steps": int,
     "time_s": float,  # simulated
     "wall_s": float,
+    "warnings": List[SimWarning],
 })
 ObstacleMotion = TypedDict("ObstacleMotion", {
     "p": List[float],  # m, in W

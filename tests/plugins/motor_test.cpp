@@ -143,6 +143,39 @@ TEST(RotorModel, WithoutLagSpeedsAreTheirTargets) {
   EXPECT_EQ(omega, (std::array<double, 4>{600, 400, 1000, 0}));
 }
 
+TEST(MotorMixer, AReversibleRotorTakesOutputsBelowZero) {
+  base::Vehicle vehicle = simple_vehicle();
+  set_all(vehicle, &base::RotorParams::omega_idle_rad_s, 0);
+  vehicle.rotors[1].params.reversible = true;
+  MotorCommand command;
+  command.armed = true;
+  command.kind = MotorCommand::Kind::kMotorOutputs;
+  command.values = Vector4d(0.5, -0.5, 0.25, 0);
+  const MotorMixer mixer(vehicle);
+  EXPECT_TRUE(mixer.targets(command).isApprox(Vector4d(500, -500, 250, 0)));
+  EXPECT_FALSE(mixer.refused_reverse(command));
+  command.values = Vector4d(-0.5, -2, 0, 0);
+  EXPECT_EQ(mixer.targets(command)[0], 0) << "not reversible";
+  EXPECT_EQ(mixer.targets(command)[1], -1000);
+  EXPECT_EQ(mixer.refused_reverse(command), 0);
+}
+
+TEST(RotorModel, AReversedRotorPullsTheOtherWay) {
+  base::Vehicle vehicle = simple_vehicle();
+  for (base::Rotor& rotor : vehicle.rotors) rotor.params.reversible = true;
+  RotorModel rotors(vehicle);
+  const Wrench up = evaluate(rotors, {500, 0, 0, 0}).wrench;
+  const Wrench down = evaluate(rotors, {-500, 0, 0, 0}).wrench;
+  EXPECT_LT((up.force_B + down.force_B).norm(), kExact);
+  EXPECT_LT((up.torque_B + down.torque_B).norm(), kExact);
+  EXPECT_GT(up.force_B.z(), 0);
+  // It speeds up with the lag upwards, whichever way it turns.
+  rotors.set_targets(Vector4d(-600, -400, 0, 0));
+  const Result result = evaluate(rotors, {-500, -500, 0, 0});
+  EXPECT_NEAR(result.omega_dot[0], -100 / 0.02, kExact);
+  EXPECT_NEAR(result.omega_dot[1], 100 / 0.04, kExact);
+}
+
 TEST(RotorModel, SpinUpTurnsTheBodyBack) {
   base::Vehicle vehicle = simple_vehicle();
   set_all(vehicle, &base::RotorParams::torque_coefficient, 0);

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "base/config/model_parts.hpp"
 #include "libsim/core/body/rigid_body.hpp"
 #include "libsim/core/body/shape.hpp"
 #include "libsim/core/export.hpp"
@@ -15,7 +16,7 @@ namespace cas::sim {
 
 /// A rotor as the model places it: the child of a continuous joint.
 struct ModelRotor {
-  std::string joint;             ///< of an SDF the link
+  std::string joint;
   Eigen::Vector3d position_B_m;  ///< joint origin from the centre of gravity
   Eigen::Vector3d axis_B;        ///< unit
 };
@@ -45,11 +46,14 @@ struct VehicleModel {
   std::vector<std::string> warnings;  ///< one sentence for each repair or omission
 };
 
-/// Reads an SDF file (base::SdfModel) or a URDF file, also one that SolidWorks exported (several
-/// links, package:// meshes). Links are combined by the parallel-axis theorem; rotors (continuous
-/// joints) count with their mass and inertia at rest. A link whose inertia no body can have is
-/// named and taken as a point mass. Other moving joints are taken as fixed. @throws
-/// base::ConfigError naming file and element
+/// Reads the model of a vehicle, an SDF or URDF file (base::read_model_body()), also one that
+/// SolidWorks exported (several links, package:// meshes). Rotors count with their mass and inertia
+/// at rest.
+/// @param parts  as the vehicle file has them
+/// @throws base::ConfigError naming file and element
+CAS_SIM_EXPORT VehicleModel load_vehicle_model(const std::filesystem::path& file,
+                                               const base::ModelParts& parts);
+/// The same of a vehicle without `parts`.
 CAS_SIM_EXPORT VehicleModel load_vehicle_model(const std::filesystem::path& file);
 
 /// True when a body can have this inertia: symmetric, positive definite, and no principal moment

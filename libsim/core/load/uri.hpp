@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+// The finders of base/config/model_uri.hpp under the names that this library exports.
+
 #include <filesystem>
 #include <optional>
 #include <span>

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <utility>
 
 #include "base/angles.hpp"
@@ -15,6 +16,7 @@
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "libsim/core/load/model_loader.hpp"
+#include "libsim/core/load/plausibility.hpp"
 #include "libsim/core/load/world_loader.hpp"
 #include "libsim/core/run/left_world.hpp"
 #include "libsim/core/run/plugin_host.hpp"
@@ -32,10 +34,6 @@ constexpr base::Duration kWaitSlice = std::chrono::milliseconds(50);
 constexpr double kMassTolerance = 0.01;
 constexpr const char* kFiguresFile = "plugin_figures.json";
 
-void log_warnings(const std::vector<std::string>& warnings) {
-  for (const std::string& sentence : warnings) base::log::warn(sentence);
-}
-
 base::Geodetic home_of(const SimConfig& config, const WorldModel& world) {
   if (config.home) return *config.home;
   if (world.home) return *world.home;
@@ -43,29 +41,32 @@ base::Geodetic home_of(const SimConfig& config, const WorldModel& world) {
                           ": has no <spherical_coordinates>, and the configuration no 'home'");
 }
 
-void compare_mass(const VehicleConfig& vehicle, const VehicleModel& model) {
-  const double urdf_kg = model.mass.mass_kg();
-  if (std::abs(urdf_kg - vehicle.vehicle.mass_kg) <= kMassTolerance * urdf_kg) return;
-  base::log::warn(vehicle.name + ": the URDF weighs " + std::to_string(urdf_kg) +
-                  " kg, which is flown; the vehicle file says " +
-                  std::to_string(vehicle.vehicle.mass_kg) + " kg");
+std::optional<std::string> other_mass(const VehicleConfig& vehicle, const VehicleModel& model) {
+  const double model_kg = model.mass.mass_kg();
+  if (std::abs(model_kg - vehicle.vehicle.mass_kg) <= kMassTolerance * model_kg) {
+    return std::nullopt;
+  }
+  return vehicle.name + ": the model weighs " + std::to_string(model_kg) +
+         " kg, which is flown; the vehicle file says " + std::to_string(vehicle.vehicle.mass_kg) +
+         " kg";
 }
 
 /// A controller that knows the Earth's field at its place takes the difference for its own heading.
-void compare_field(const WorldModel& model, const base::Geodetic& home, double decimal_year) {
-  if (!model.magnetic_field_W) return;
+std::optional<std::string> other_field(const WorldModel& model, const base::Geodetic& home,
+                                       double decimal_year) {
+  if (!model.magnetic_field_W) return std::nullopt;
   constexpr double kNoticeable_deg = 3;
   const Eigen::Vector3d own_N = base::swap_WN(*model.magnetic_field_W);
   const Eigen::Vector3d earth_N = base::magnetic_field_N(home, decimal_year);
   const double east_deg = base::kDegPerRad * base::wrap_angle(std::atan2(own_N.y(), own_N.x()) -
                                                               std::atan2(earth_N.y(), earth_N.x()));
-  if (std::abs(east_deg) < kNoticeable_deg) return;
+  if (std::abs(east_deg) < kNoticeable_deg) return std::nullopt;
   char degrees[16];
   std::snprintf(degrees, sizeof(degrees), "%.1f", std::abs(east_deg));
-  base::log::warn("world " + model.name + ": its <magnetic_field> points " + degrees + " degrees " +
-                  (east_deg > 0 ? "east" : "west") +
-                  " of the Earth's at home: a controller that expects the Earth's is off by as "
-                  "much in its heading; without the element it gets the Earth's");
+  return "world " + model.name + ": its <magnetic_field> points " + degrees + " degrees " +
+         (east_deg > 0 ? "east" : "west") +
+         " of the Earth's at home: a controller that expects the Earth's is off by as much in its "
+         "heading; without the element it gets the Earth's";
 }
 
 }  // namespace
@@ -79,16 +80,34 @@ struct SimRunner::Impl {
         world(model, base::LocalProjection(home_of(config, model)), config.decimal_year,
               config.integrator),
         plugins(options.plugin_dirs) {
-    log_warnings(model.warnings);
-    compare_field(model, world.projection().home(), config.decimal_year);
+    warn("", model.warnings);
+    warn("", other_field(model, world.projection().home(), config.decimal_year));
+    warn("", implausible_gravity(model.gravity_W));
     if (!config.pace.speed_given) config.pace.speed = model.real_time_factor.value_or(1.0);
-    for (const VehicleConfig& vehicle : config.vehicles) {
-      const VehicleModel& vehicle_model =
-          vehicle_models.emplace_back(load_vehicle_model(vehicle.vehicle.urdf));
-      log_warnings(vehicle_model.warnings);
-      compare_mass(vehicle, vehicle_model);
-      require_free_start(model, vehicle_model, vehicle);
-      plugins.load(world.add_vehicle(vehicle_model, vehicle.pose), vehicle);
+    for (const VehicleConfig& vehicle : config.vehicles) add_vehicle(vehicle);
+  }
+
+  void add_vehicle(const VehicleConfig& vehicle) {
+    const VehicleModel& vehicle_model = vehicle_models.emplace_back(
+        load_vehicle_model(vehicle.vehicle.urdf, vehicle.vehicle.parts));
+    warn(vehicle.name, vehicle.vehicle.warnings);
+    warn(vehicle.name, vehicle_model.warnings);
+    warn(vehicle.name, other_mass(vehicle, vehicle_model));
+    warn(vehicle.name, implausible(vehicle.vehicle, vehicle_model));
+    require_free_start(model, vehicle_model, vehicle);
+    plugins.load(world.add_vehicle(vehicle_model, vehicle.pose), vehicle);
+  }
+
+  /// Logs and keeps sentences. @param sentences  a range of them, or one that there may be
+  template <class Sentences>
+  void warn(const std::string& vehicle, const Sentences& sentences) {
+    if constexpr (requires { sentences.has_value(); }) {
+      if (sentences) warn(vehicle, std::vector{*sentences});
+    } else {
+      for (const std::string& sentence : sentences) {
+        base::log::warn(sentence);
+        warnings.push_back({vehicle, sentence});
+      }
     }
   }
 
@@ -132,6 +151,7 @@ struct SimRunner::Impl {
   SimOptions options;
   WorldModel model;
   std::vector<VehicleModel> vehicle_models;
+  std::vector<SimWarning> warnings;
   base::Duration step;
   TopicBus bus;
   SimWorld world;
@@ -218,6 +238,7 @@ const World& SimRunner::world() const { return impl_->world; }
 const SimConfig& SimRunner::config() const { return impl_->config; }
 const WorldModel& SimRunner::world_model() const { return impl_->model; }
 const std::vector<VehicleModel>& SimRunner::vehicle_models() const { return impl_->vehicle_models; }
+const std::vector<SimWarning>& SimRunner::warnings() const { return impl_->warnings; }
 std::uint64_t SimRunner::lockstep_timeouts() const { return impl_->lockstep_timeouts; }
 bool SimRunner::peers_in_step() const {
   const auto& peers = impl_->plugins.peers();

@@ -25,6 +25,13 @@ struct PluginFigures {
   std::string json;
 };
 
+/// What a run does otherwise than its files say: left out, replaced, taken from elsewhere, or
+/// hardly meant so.
+struct SimWarning {
+  std::string vehicle;  ///< its name; empty: the world
+  std::string sentence;
+};
+
 /// One world with its vehicles and plugins, stepped by its caller. Reads no clock.
 ///
 ///   construct --> bus() wiring by the host --> start() --> step() ... step() --> finish()
@@ -64,6 +71,8 @@ class CAS_SIM_EXPORT SimRunner {
   /// Of each vehicle, index = VehicleId; they never change.
   const std::vector<VehicleModel>& vehicle_models() const;
   std::vector<std::string> vehicle_names() const;  ///< index = VehicleId
+  /// Warnings about the files of world and vehicles; all of them from the start on.
+  const std::vector<SimWarning>& warnings() const;
   /// Lockstep: waits for the controls that are due, then tells whether nothing is on its way
   /// between simulator and controllers. True at any time in the other modes, and when the wait was
   /// in vain.

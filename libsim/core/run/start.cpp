@@ -17,7 +17,9 @@ namespace cas::sim {
 
 namespace {
 
-constexpr double kOverlap_m = 0.05;  // less is a start on a surface
+/// Less is a start on a surface: PX4's plane of asphalt lies 5 cm over the ground; and a millimetre
+/// of rounding.
+constexpr double kOverlap_m = 0.051;
 constexpr double kStep_s = 1e-3;
 constexpr double kHighest_m = 1e4;  // a ray down from here meets the topmost surface
 

@@ -12,6 +12,7 @@
 #include "hils/report/junit_report.hpp"
 #include "hils/report/summary_json.hpp"
 #include "hils/report/text_report.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
 namespace {
@@ -86,6 +87,40 @@ TEST(SeveralResults, AreASuiteEachForContinuousIntegration) {
   EXPECT_NE(xml.find("<testsuite name=\"hils.pair.tcas.right\" tests=\"1\" failures=\"1\""),
             std::string::npos)
       << xml;
+}
+
+TEST(OneResult, NamesItsWarningsInEachReport) {
+  Verdict verdict = kPassed;
+  verdict.warnings = {"v.urdf:3: link 'a': no body has this <inertia>; taken as a point mass"};
+  RunResult run;
+  run.vehicles = {flown("iris0", verdict)};
+  run.verdict = verdict;
+  EXPECT_EQ(nlohmann::json::parse(summary_json(run)).at("warnings"),
+            nlohmann::json(verdict.warnings));
+  EXPECT_NE(text_report(run).find("\n  warning: v.urdf:3: link 'a'"), std::string::npos);
+  EXPECT_NE(html_report(run, {{}}, {}).find("Warning: v.urdf:3: link"), std::string::npos);
+  EXPECT_NE(junit_report(run).find("<system-out>warning: v.urdf:3: link "), std::string::npos);
+  EXPECT_EQ(junit_report(run).find("this <inertia>"), std::string::npos) << "escaped";
+}
+
+TEST(SeveralResults, HaveEachWarningOnce) {
+  Verdict left = kPassed;
+  left.warnings = {"of the world", "of the left"};
+  Verdict right = kPassed;
+  right.warnings = {"of the world"};
+  EXPECT_EQ(together(left, right).verdict.warnings, left.warnings);
+}
+
+TEST(SimulatorWarnings, AreTheWorldsTheVehiclesOwnAndItsPlugins) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("hilsim_stats.json", R"({"plugins": {
+      "motor@left": {"warnings": ["of the left motor"]}, "motor@right": {"warnings": ["no"]},
+      "odd@left": "text"}, "warnings": [
+      {"vehicle": "", "warning": "of the world"}, {"vehicle": "right", "warning": "no"},
+      {"vehicle": "left", "warning": "of the left"}]})");
+  EXPECT_EQ(simulator_warnings(file, "left"),
+            (std::vector<std::string>{"of the world", "of the left", "of the left motor"}));
+  EXPECT_TRUE(simulator_warnings(folder / "nothing", "left").empty());
 }
 
 TEST(OneResult, ThatDoesNotCountIsAnErrorForContinuousIntegration) {

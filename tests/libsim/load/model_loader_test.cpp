@@ -279,7 +279,7 @@ TEST_F(ModelLoader, RefusesWhatCannotFly) {
               HasSubstr("has no <collision>"));
   EXPECT_THAT(refuse("<link name="), HasSubstr("v.urdf:1: "));
   EXPECT_THAT(refuse("<robot name='r'>\n<link>\n</robot>"), HasSubstr("v.urdf:3: mismatched tag"));
-  EXPECT_THAT(refuse("<robot name='r'/>"), HasSubstr("v.urdf: is not a URDF"));
+  EXPECT_THAT(refuse("<robot name='r'/>"), HasSubstr("v.urdf:1: <robot> has no <link>"));
   const auto sdf = folder_.write("v.sdf", "<sdf version='1.6'/>");
   EXPECT_THAT(test::refusal([&] { load_vehicle_model(sdf); }),
               HasSubstr("v.sdf:1: has no <model>; a world is no vehicle"));

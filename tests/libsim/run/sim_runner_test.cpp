@@ -42,6 +42,30 @@ TEST(SimRunner, CallsEachPhaseOncePerStep) {
   EXPECT_EQ(figure(runner, "fake_counter@iris0"), R"({"pre":10,"post":10,"endpoint":"fake 1"})");
 }
 
+TEST(SimRunner, KeepsItsWarningsWithTheVehicleThatTheyAreAbout) {
+  const cas::test::TemporaryFolder folder;
+  std::string model =
+      cas::test::TemporaryFolder::read(test::kSourceDir / "config/vehicles/quad_x.urdf");
+  const std::size_t end = model.rfind("</robot>");
+  ASSERT_NE(end, std::string::npos);
+  model.insert(end,
+               "<link name='camera'><inertial><mass value='1e-6'/><inertia ixx='-1' iyy='1' "
+               "izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link><joint name='c' "
+               "type='fixed'><parent link='base_link'/><child link='camera'/></joint>");
+  folder.write("quad_x.urdf", model);
+  const auto file = folder.write(
+      "quad.yaml",
+      cas::test::TemporaryFolder::read(test::kSourceDir / "config/vehicles/quad_x.yaml"));
+  const SimRunner runner(test::config(test::vehicle("iris0") + "  - {name: mine, vehicle: " +
+                                          file.string() + ", pose: {x_m: 5}, plugins: []}\n",
+                                      "", "world: {gravity_m_s2: 32.174, ground: true}\n"));
+  ASSERT_EQ(runner.warnings().size(), 2U);
+  EXPECT_EQ(runner.warnings()[0].vehicle, "") << "the world's";
+  EXPECT_THAT(runner.warnings()[0].sentence, HasSubstr("may be in ft/s^2"));
+  EXPECT_EQ(runner.warnings()[1].vehicle, "mine");
+  EXPECT_THAT(runner.warnings()[1].sentence, HasSubstr("taken as a point mass"));
+}
+
 TEST(SimRunner, HostSubscribesBeforeStart) {
   SimRunner runner(test::config(test::vehicle("iris0", "{}", "[{plugin: fake_counter}]")),
                    test::fake_plugins());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "libsim/core/load/uri.hpp"
+#include "base/config/model_uri.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-namespace cas::sim {
+namespace cas::base {
 
 namespace {
 
@@ -139,4 +139,9 @@ std::optional<fs::path> find_model_file(const std::string& uri, const fs::path& 
   return std::nullopt;
 }
 
-}  // namespace cas::sim
+std::vector<fs::path> folders_above(const fs::path& file) {
+  const fs::path folder = fs::absolute(file).lexically_normal().parent_path().parent_path();
+  return {folder, folder.parent_path()};
+}
+
+}  // namespace cas::base

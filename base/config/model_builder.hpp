@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <set>
+
+#include "base/config/model_body.hpp"
+#include "base/config/xml_tree.hpp"
+
+namespace cas::base {
+
+/// Mass and inertia of a link, as its <inertial> has them.
+struct Inertial {
+  double mass_kg = 0;
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();  ///< of the centre of gravity in the link
+  Eigen::Matrix3d inertia_kg_m2 = Eigen::Matrix3d::Zero();  ///< about it, in its axes
+  const XmlElement* element = nullptr;
+};
+
+/// A link's joint.
+struct LinkJoint {
+  const XmlElement* element = nullptr;  ///< nullptr: the link has none
+  std::string name{};
+  bool moves = false;                       ///< in the file
+  std::optional<Eigen::Vector3d> axis_R{};  ///< of one that turns without end
+};
+
+/// Puts the links of a model together, by the same rules for both formats.
+class ModelBuilder {
+ public:
+  ModelBuilder(const std::filesystem::path& file, const ModelParts& parts);
+
+  /// Whether the vehicle file leaves out the part of that name.
+  bool leaves_out(std::string_view name);
+
+  /// Adds a link and its mass. A link of the same name, and one too many, throws ConfigError.
+  /// @param position_R_m  of its joint's origin
+  /// @return whether its shapes count, and as turning: nullopt for a link that is left out
+  std::optional<bool> add(const XmlElement& element, const std::string& name,
+                          const Eigen::Isometry3d& X_RL, const LinkJoint& joint,
+                          const Eigen::Vector3d& position_R_m,
+                          const std::optional<Inertial>& inertial);
+  void add(ModelShape shape) { body_.shapes.push_back(std::move(shape)); }
+  void add(ModelMotor motor) { body_.motors.push_back(std::move(motor)); }
+  void warn(const XmlElement& at, const std::string& sentence);
+
+  /// The sum of all. @throws ConfigError for a part that the vehicle file names and nobody met
+  ModelBody finish(std::string name);
+
+ private:
+  bool is_used(std::string_view name, PartUse use);
+  void add_mass(const std::string& link, const Inertial& inertial, const Eigen::Isometry3d& X_RL);
+
+  const ModelParts& parts_;
+  std::set<std::string, std::less<>> met_;  // of parts_
+  std::set<std::string, std::less<>> names_;
+  ModelBody body_;
+  Eigen::Vector3d moment_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d inertia_ = Eigen::Matrix3d::Zero();  // about the origin of R
+};
+
+/// Rotation by roll, pitch and yaw about fixed axes, in both formats, rad.
+Eigen::Matrix3d rotation_rpy(double roll, double pitch, double yaw);
+
+}  // namespace cas::base

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/config/urdf_model.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "base/config/model_builder.hpp"
+#include "base/config/model_motors.hpp"
+#include "base/error.hpp"
+
+namespace cas::base {
+namespace {
+
+constexpr std::array<std::string_view, 6> kJointTypes{"revolute", "continuous", "prismatic",
+                                                      "fixed",    "floating",   "planar"};
+
+std::string in_quotes(std::string_view name) { return "'" + std::string(name) + "'"; }
+
+const XmlElement& need(const XmlElement& parent, std::string_view name) {
+  const XmlElement* const found = parent.child(name);
+  if (found == nullptr) parent.fail("<" + parent.name + "> has no <" + std::string(name) + ">");
+  return *found;
+}
+
+std::string_view need_attribute(const XmlElement& element, std::string_view key) {
+  const std::string_view value = element.attribute(key);
+  if (value.empty()) element.fail("<" + element.name + "> has no attribute " + in_quotes(key));
+  return value;
+}
+
+double number(const XmlElement& element, std::string_view key) {
+  need_attribute(element, key);
+  return element.numbers(key, 1)[0];
+}
+
+Eigen::Vector3d vector(const XmlElement& element, std::string_view key,
+                       const Eigen::Vector3d& fallback) {
+  if (!element.attributes.contains(key)) return fallback;
+  const std::vector<double> v = element.numbers(key, 3);
+  return {v[0], v[1], v[2]};
+}
+
+/// The <origin> of an element in its parent; the parent's own where there is none.
+Eigen::Isometry3d origin_of(const XmlElement& element) {
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  const XmlElement* const origin = element.child("origin");
+  if (origin == nullptr) return X;
+  const Eigen::Vector3d rpy = vector(*origin, "rpy", Eigen::Vector3d::Zero());
+  X.translation() = vector(*origin, "xyz", Eigen::Vector3d::Zero());
+  X.linear() = rotation_rpy(rpy.x(), rpy.y(), rpy.z());
+  return X;
+}
+
+std::optional<Inertial> inertial_of(const XmlElement& link) {
+  const XmlElement* const element = link.child("inertial");
+  if (element == nullptr) return std::nullopt;
+  Inertial result{.mass_kg = number(need(*element, "mass"), "value"),
+                  .X = origin_of(*element),
+                  .element = element};
+  const XmlElement& inertia = need(*element, "inertia");
+  const double ixy = number(inertia, "ixy");
+  const double ixz = number(inertia, "ixz");
+  const double iyz = number(inertia, "iyz");
+  result.inertia_kg_m2 << number(inertia, "ixx"), ixy, ixz, ixy, number(inertia, "iyy"), iyz, ixz,
+      iyz, number(inertia, "izz");
+  return result;
+}
+
+/// Form and size of a <geometry>'s element. @throws ConfigError
+void take_form(const XmlElement& form, ModelShape& shape) {
+  using Form = ModelShape::Form;
+  shape.word = form.name;
+  shape.place = form.place();
+  if (form.name == "box") {
+    shape.form = Form::kBox;
+    need_attribute(form, "size");
+    shape.size = vector(form, "size", {});
+  } else if (form.name == "sphere") {
+    shape.form = Form::kSphere;
+    shape.size.setConstant(number(form, "radius"));
+  } else if (form.name == "cylinder") {
+    shape.form = Form::kCylinder;
+    const double radius = number(form, "radius");
+    shape.size = {radius, radius, number(form, "length")};
+  } else if (form.name == "mesh") {
+    shape.form = Form::kMesh;
+    shape.uri = need_attribute(form, "filename");
+    shape.size = vector(form, "scale", Eigen::Vector3d::Ones());
+  }
+}
+
+struct Joint {
+  const XmlElement* element = nullptr;
+  std::string_view type;
+  std::string_view parent;
+  std::string_view child;
+};
+
+class Urdf {
+ public:
+  Urdf(const XmlElement& robot, const std::filesystem::path& file, const ModelParts& parts)
+      : robot_(robot), file_(file), builder_(file, parts) {}
+
+  ModelBody run() {
+    collect_links();
+    collect_joints();
+    walk();
+    take_motors();
+    return builder_.finish(std::string(robot_.attribute("name")));
+  }
+
+ private:
+  void collect_links() {
+    for (const XmlElement& link : robot_.children) {
+      if (link.name != "link") continue;
+      const std::string_view name = need_attribute(link, "name");
+      if (!links_.emplace(name, &link).second) {
+        link.fail("a second <link> is called " + in_quotes(name));
+      }
+    }
+    if (links_.empty()) robot_.fail("<robot> has no <link>");
+  }
+
+  void collect_joints() {
+    for (const XmlElement& element : robot_.children) {
+      if (element.name != "joint") continue;
+      need_attribute(element, "name");
+      const Joint joint{.element = &element,
+                        .type = need_attribute(element, "type"),
+                        .parent = link_named_in(need(element, "parent")),
+                        .child = link_named_in(need(element, "child"))};
+      if (std::ranges::find(kJointTypes, joint.type) == kJointTypes.end()) {
+        element.fail("joint " + in_quotes(element.attribute("name")) + " has the unknown type " +
+                     in_quotes(joint.type));
+      }
+      if (!carried_.insert(joint.child).second) {
+        element.fail("link " + in_quotes(joint.child) + " is the child of two joints");
+      }
+      outwards_[joint.parent].push_back(joint);
+    }
+  }
+
+  std::string_view link_named_in(const XmlElement& end) const {
+    const std::string_view name = need_attribute(end, "link");
+    if (!links_.contains(name)) {
+      end.fail("<" + end.name + "> of a joint names the link " + in_quotes(name) +
+               ", which is not there");
+    }
+    return name;
+  }
+
+  std::string_view root() const {
+    const XmlElement* first = nullptr;
+    for (const XmlElement& link : robot_.children) {
+      if (link.name != "link" || carried_.contains(link.attribute("name"))) continue;
+      if (first != nullptr) {
+        link.fail("link " + in_quotes(link.attribute("name")) +
+                  " hangs on no joint, and neither does " + in_quotes(first->attribute("name")) +
+                  ": a vehicle is one tree of links");
+      }
+      first = &link;
+    }
+    if (first == nullptr) robot_.fail("the joints go round in a circle: no link is the root");
+    return first->attribute("name");
+  }
+
+  /// From the root outwards, without recursion: a file may hang each link on the one before.
+  void walk() {
+    struct Visit {
+      std::string_view link;
+      Eigen::Isometry3d X_RL;
+      const Joint* joint;
+    };
+    std::vector<Visit> open{{root(), Eigen::Isometry3d::Identity(), nullptr}};
+    std::size_t visited = 0;
+    while (!open.empty()) {
+      const Visit at = open.back();
+      open.pop_back();
+      ++visited;
+      add(*links_.at(at.link), at.X_RL, at.joint);
+      const auto next = outwards_.find(at.link);
+      if (next == outwards_.end()) continue;
+      for (std::size_t i = next->second.size(); i-- > 0;) {
+        const Joint& joint = next->second[i];
+        open.push_back({joint.child, at.X_RL * origin_of(*joint.element), &joint});
+      }
+    }
+    if (visited != links_.size()) robot_.fail("some of the joints go round in a circle");
+  }
+
+  void add(const XmlElement& link, const Eigen::Isometry3d& X_RL, const Joint* joint) {
+    const auto turns = builder_.add(link, std::string(link.attribute("name")), X_RL,
+                                    joint_of(joint, X_RL), X_RL.translation(), inertial_of(link));
+    if (!turns) return;
+    for (const XmlElement& part : link.children) {
+      if (part.name == "collision") add_shape(link, part, X_RL, *turns);
+      if (part.name == "visual") add_visual(link, part, X_RL, *turns);
+    }
+  }
+
+  static LinkJoint joint_of(const Joint* joint, const Eigen::Isometry3d& X_RL) {
+    if (joint == nullptr) return {};
+    LinkJoint result{.element = joint->element,
+                     .name = std::string(joint->element->attribute("name")),
+                     .moves = joint->type != "fixed"};
+    if (joint->type != "continuous") return result;
+    const XmlElement* const axis = joint->element->child("axis");
+    const Eigen::Vector3d v = axis == nullptr ? Eigen::Vector3d(Eigen::Vector3d::UnitX())
+                                              : vector(*axis, "xyz", Eigen::Vector3d::UnitX());
+    if (v.norm() < 1e-9) axis->fail("joint " + in_quotes(result.name) + ": <axis> is zero");
+    result.axis_R = (X_RL.linear() * v).stableNormalized();
+    return result;
+  }
+
+  void add_shape(const XmlElement& link, const XmlElement& part, const Eigen::Isometry3d& X_RL,
+                 bool turns) {
+    const XmlElement& geometry = need(part, "geometry");
+    if (geometry.children.empty()) geometry.fail("<geometry> is empty");
+    ModelShape shape{.link = std::string(link.attribute("name")),
+                     .visual = part.name == "visual",
+                     .turns = turns,
+                     .file = file_,
+                     .X_RS = X_RL * origin_of(part)};
+    take_form(geometry.children.front(), shape);
+    builder_.add(std::move(shape));
+  }
+
+  /// A visual that cannot be drawn is left out: the flight does not need it.
+  void add_visual(const XmlElement& link, const XmlElement& part, const Eigen::Isometry3d& X_RL,
+                  bool turns) try {
+    add_shape(link, part, X_RL, turns);
+  } catch (const ConfigError&) {
+    // a size that is no number, say
+  }
+
+  void take_motors() {
+    for (const XmlElement& gazebo : robot_.children) {
+      if (gazebo.name != "gazebo") continue;
+      for (const XmlElement& plugin : gazebo.children) {
+        if (plugin.name != "plugin") continue;
+        if (auto motor = read_model_motor(plugin, "")) builder_.add(*std::move(motor));
+      }
+    }
+  }
+
+  const XmlElement& robot_;
+  const std::filesystem::path& file_;
+  ModelBuilder builder_;
+  std::map<std::string_view, const XmlElement*> links_;
+  std::map<std::string_view, std::vector<Joint>> outwards_;  // by their parents
+  std::set<std::string_view> carried_;                       // children of joints
+};
+
+}  // namespace
+
+ModelBody read_urdf_model(const XmlElement& robot, const std::filesystem::path& file,
+                          const ModelParts& parts) {
+  return Urdf(robot, file, parts).run();
+}
+
+}  // namespace cas::base

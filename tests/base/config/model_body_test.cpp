@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/config/model_body.hpp"
+
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+
+namespace cas::base {
+namespace {
+
+const std::string kInertia = "<inertia ixx='0.01' iyy='0.01' izz='0.01' ixy='0' ixz='0' iyz='0'/>";
+const std::string kBody = "<inertial><mass value='1'/>" + kInertia + "</inertial>";
+
+/// A body with an arm on it; an element a line.
+std::string urdf(const std::string& body = kBody, const std::string& more = "") {
+  return "<robot name='v'>\n<link name='base'>\n" + body +
+         "</link>\n<link name='arm'/>\n<joint name='j' type='fixed'>\n<origin xyz='1 0 0'/>"
+         "<parent link='base'/><child link='arm'/></joint>\n" +
+         more + "</robot>\n";
+}
+
+std::string refusal(const std::string& text) {
+  try {
+    parse_model_body(text, "v.urdf");
+  } catch (const ConfigError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+std::string changed(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+struct UrdfCase {
+  const char* name;
+  std::string text;
+  const char* message;
+};
+
+class WrongUrdf : public testing::TestWithParam<UrdfCase> {};
+
+TEST_P(WrongUrdf, IsRefusedByItsOwnFileAndLine) {
+  EXPECT_NE(refusal(GetParam().text).find(GetParam().message), std::string::npos)
+      << refusal(GetParam().text);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, WrongUrdf,
+    testing::Values(
+        UrdfCase{"NegativeMass", urdf(changed(kBody, "'1'", "'-1.16'")),
+                 "v.urdf:3: <mass> must not be negative"},
+        UrdfCase{"Comma", urdf(changed(kBody, "'1'", "'1,16'")),
+                 "v.urdf:3: 'value' of <mass> is not made of numbers: '1,16' is no number"},
+        UrdfCase{"Unit", urdf(changed(kBody, "'1'", "'1.16kg'")), "'1.16kg' is no number"},
+        UrdfCase{"TwoNumbers", urdf(changed(kBody, "'1'", "'1 16'")),
+                 "'value' of <mass> has 2 numbers instead of 1"},
+        UrdfCase{"NotFinite", urdf(changed(kBody, "ixx='0.01'", "ixx='NaN'")),
+                 "v.urdf:3: 'ixx' of <inertia> is not made of numbers"},
+        UrdfCase{"NoMoment", urdf(changed(kBody, "ixx='0.01'", "")),
+                 "v.urdf:3: <inertia> has no attribute 'ixx'"},
+        UrdfCase{"NoMass", urdf("<inertial>" + kInertia + "</inertial>"),
+                 "v.urdf:3: <inertial> has no <mass>"},
+        UrdfCase{"TwoRoots", urdf(kBody, "<link name='stand'/>"),
+                 "v.urdf:7: link 'stand' hangs on no joint, and neither does 'base'"},
+        UrdfCase{"NoSuchLink",
+                 urdf(kBody,
+                      "<joint name='k' type='fixed'><parent link='base'/>"
+                      "<child link='nolink'/></joint>"),
+                 "v.urdf:7: <child> of a joint names the link 'nolink', which is not there"},
+        UrdfCase{"TwoParents",
+                 urdf(kBody,
+                      "<joint name='k' type='fixed'><parent link='base'/>"
+                      "<child link='arm'/></joint>"),
+                 "v.urdf:7: link 'arm' is the child of two joints"},
+        UrdfCase{"Ring",
+                 urdf(kBody,
+                      "<joint name='k' type='fixed'><parent link='arm'/>"
+                      "<child link='base'/></joint>"),
+                 "the joints go round in a circle"},
+        UrdfCase{"RingBeside",
+                 urdf(kBody,
+                      "<link name='a'/><link name='b'/><joint name='k' type='fixed'>"
+                      "<parent link='a'/><child link='b'/></joint><joint name='l' type='fixed'>"
+                      "<parent link='b'/><child link='a'/></joint>"),
+                 "some of the joints go round in a circle"},
+        UrdfCase{"SameName", urdf(kBody, "<link name='arm'/>"),
+                 "v.urdf:7: a second <link> is called 'arm'"},
+        UrdfCase{"JointType", changed(urdf(), "'fixed'", "'hinge'"),
+                 "v.urdf:5: joint 'j' has the unknown type 'hinge'"},
+        UrdfCase{"Axis",
+                 changed(changed(urdf(), "'fixed'", "'continuous'"), "<child",
+                         "<axis xyz='0 0 0'/><child"),
+                 "v.urdf:6: joint 'j': <axis> is zero"},
+        UrdfCase{"Latin1", changed(urdf(), "'arm'", "'Fl\xFCgel'"), "v.urdf:4: not well-formed"},
+        UrdfCase{"Encoding", "<?xml version='1.0' encoding='GB2312'?>" + urdf(),
+                 "v.urdf:1: unknown encoding"},
+        UrdfCase{"Mesh", "<COLLADA/>", "v.urdf:1: is no vehicle model"},
+        UrdfCase{"Far",
+                 changed(changed(urdf(), "1 0 0", "1e308 0 0"), "name='arm'/>",
+                         "name='arm'>" + kBody + "</link>"),
+                 "give no finite sum"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(ModelBody, ABlankPlusIsANumberStill) {
+  EXPECT_EQ(parse_model_body(urdf(changed(kBody, "'1'", "' +1.16 '")), "v.urdf").mass_kg, 1.16);
+}
+
+/// A chain in which each link hangs on the one before.
+std::string chain(std::size_t links) {
+  std::string text = "<robot name='v'><link name='l0'>" + kBody + "</link>";
+  for (std::size_t i = 1; i < links; ++i) {
+    const std::string n = std::to_string(i);
+    text += "<link name='l" + n + "'/><joint name='j" + n + "' type='fixed'><parent link='l" +
+            std::to_string(i - 1) + "'/><child link='l" + n + "'/></joint>";
+  }
+  return text + "</robot>";
+}
+
+TEST(ModelBody, LinksAreBounded) {
+  EXPECT_EQ(parse_model_body(chain(kMaxModelLinks), "v.urdf").links.size(), kMaxModelLinks);
+  EXPECT_NE(refusal(chain(20'000)).find("more than the 1000 links"), std::string::npos);
+}
+
+TEST(ModelBody, DepthIsBounded) {
+  std::string deep;
+  for (int i = 0; i < 100'000; ++i) deep += "<a>";
+  EXPECT_EQ(refusal("<robot name='v'>" + deep), "v.urdf:1: elements are nested more than 200 deep");
+}
+
+/// Both formats judge an inertia alike: it is named, and the mass stays.
+TEST(ModelBody, AnInertiaThatNoBodyHasIsAPointMassInBothFormats) {
+  const std::string sdf =
+      "<sdf version='1.9'><model name='v'><link name='base'><inertial><mass>1</mass><inertia>"
+      "<ixx>-0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia></inertial></link></model></sdf>";
+  for (const std::string& text : {urdf(changed(kBody, "ixx='0.01'", "ixx='-0.01'")), sdf}) {
+    const ModelBody body = parse_model_body(text, "v");
+    EXPECT_EQ(body.mass_kg, 1);
+    EXPECT_TRUE(body.inertia_B_kg_m2.isZero());
+    ASSERT_EQ(body.warnings.size(), 1U);
+    EXPECT_NE(body.warnings[0].find("link 'base': no body has this <inertia>"), std::string::npos);
+  }
+}
+
+TEST(ModelBody, AJointThatMovesAndIsNoRotorIsNamedInBothFormats) {
+  const std::string sdf =
+      "<sdf version='1.9'><model name='v'><link name='base'><inertial><mass>1</mass><inertia/>"
+      "</inertial></link><joint name='j' type='revolute'><child>base</child><axis><limit>"
+      "<lower>-1</lower><upper>1</upper></limit></axis></joint></model></sdf>";
+  for (const std::string& text : {changed(urdf(), "'fixed'", "'revolute'"), sdf}) {
+    const ModelBody body = parse_model_body(text, "v");
+    ASSERT_EQ(body.warnings.size(), 1U);
+    EXPECT_NE(body.warnings[0].find("joint 'j' moves"), std::string::npos);
+  }
+  EXPECT_TRUE(
+      parse_model_body(changed(sdf, "<lower>-1</lower><upper>1<", "<lower>0</lower><upper>0<"), "v")
+          .warnings.empty())
+      << "between equal limits nothing moves";
+}
+
+}  // namespace
+}  // namespace cas::base

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// SDF models that are put together from parts.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/config/model_body.hpp"
+#include "base/config/vehicle.hpp"
+#include "base/error.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::base {
+namespace {
+
+constexpr double kRounding = 1e-12;
+
+std::string inertial(double mass) {
+  return "<inertial><mass>" + std::to_string(mass) +
+         "</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia></inertial>";
+}
+
+std::string model(const std::string& name, const std::string& inside) {
+  return "<sdf version='1.9'>\n<model name='" + name + "'>\n" + inside + "</model>\n</sdf>\n";
+}
+
+const std::string kBase = "<link name='base'>" + inertial(1) + "</link>\n";
+const std::string kTurning =
+    "<joint name='yaw' type='revolute'><parent>base</parent><child>camera</child><axis><xyz>0 0 "
+    "1</xyz><limit><lower>-1e16</lower><upper>1e16</upper></limit></axis></joint>";
+
+class PartsOfAModel : public testing::Test {
+ protected:
+  PartsOfAModel() {
+    folder_.write("gps/model.config", "<model><sdf version='1.6'>gps.sdf</sdf></model>");
+    folder_.write("gps/gps.sdf", model("gps",
+                                       "<pose>9 9 9 0 0 0</pose><link name='link'><pose>0 0 "
+                                       "0.5 0 0 0</pose>" +
+                                           inertial(0.5) + "</link>"));
+  }
+  ModelBody read(const std::string& inside, const ModelParts& parts = {}) {
+    return *read_model_body(folder_.write("v/model.sdf", model("v", inside)), parts);
+  }
+  std::string refusal(const std::string& inside, const ModelParts& parts = {}) {
+    try {
+      read(inside, parts);
+    } catch (const ConfigError& error) {
+      return error.what();
+    }
+    return "";
+  }
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(PartsOfAModel, AnIncludedModelBesideTheVehiclesFolderIsAFixedMass) {
+  const ModelBody body = read(
+      kBase +
+      "<include><uri>model://gps</uri><name>gps0</name><pose>1 0 0 0 0 1.5707963267948966</pose>"
+      "</include><joint name='g' type='fixed'><parent>base</parent><child>gps0::link</child>"
+      "</joint>");
+  EXPECT_NEAR(body.mass_kg, 1.5, kRounding);
+  ASSERT_NE(body.find("gps0::link"), nullptr);
+  EXPECT_EQ(body.find("link"), body.find("gps0::link")) << "the only one of that name";
+  EXPECT_EQ(body.find("ink"), nullptr);
+  // The include's pose takes the place of the model's own.
+  EXPECT_TRUE(body.find("gps0::link")->position_R_m.isApprox(Eigen::Vector3d(1, 0, 0.5)));
+  EXPECT_TRUE(body.warnings.empty());
+}
+
+TEST_F(PartsOfAModel, AMergedModelsLinksAreTheVehiclesOwn) {
+  folder_.write("frame/model.sdf",
+                model("frame", kBase +
+                                   "<link name='camera'><pose relative_to='base'>0 2 0 0 0 0"
+                                   "</pose>" +
+                                   inertial(0.1) + "</link>"));
+  const ModelBody body = read(
+      "<include merge='true'><uri>model://frame</uri><pose>0 0 3 0 0 0</pose></include>"
+      "<frame name='mount' attached_to='camera'><pose>0 0 1 0 0 0</pose></frame>"
+      "<link name='foot'><pose relative_to='mount'>1 0 0 0 0 0</pose>" +
+      inertial(0.2) + "</link>" + kTurning);
+  EXPECT_NEAR(body.mass_kg, 1.3, kRounding);
+  EXPECT_TRUE(body.find("foot")->position_R_m.isApprox(Eigen::Vector3d(1, 2, 4)));
+  EXPECT_TRUE(body.find("camera")->axis_R.has_value()) << "its joint is outside the merged model";
+}
+
+TEST_F(PartsOfAModel, ANestedModelStandsByItsPlacementFrame) {
+  const ModelBody body =
+      read(kBase +
+           "<model name='gps' placement_frame='link'><pose>0 0 1 0 0 0</pose><link name='link'>"
+           "<pose>0 0 5 0 0 0</pose>" +
+           inertial(0.5) + "</link><model name='antenna'><link name='link'>" + inertial(0.25) +
+           "</link></model></model>");
+  EXPECT_TRUE(body.find("gps::link")->position_R_m.isApprox(Eigen::Vector3d(0, 0, 1)));
+  EXPECT_TRUE(body.find("gps::antenna::link")->position_R_m.isApprox(Eigen::Vector3d(0, 0, -4)));
+  EXPECT_NEAR(body.mass_kg, 1.75, kRounding);
+}
+
+TEST_F(PartsOfAModel, AMissingIncludeIsNamedWithBothRemedies) {
+  const std::string inside =
+      kBase + "<include><uri>model://lidar</uri><name>front</name></include>";
+  const std::string why = refusal(inside);
+  for (const char* part : {"v/model.sdf:4: ", "model://lidar is nowhere to be found",
+                           "GZ_SIM_RESOURCE_PATH", "`parts: {front: left_out}`"}) {
+    EXPECT_NE(why.find(part), std::string::npos) << part << " in " << why;
+  }
+  EXPECT_NEAR(read(inside, {{"front", PartUse::kLeftOut}}).mass_kg, 1, kRounding);
+  EXPECT_NEAR(read(inside, {{"lidar", PartUse::kLeftOut}}).mass_kg, 1, kRounding);
+}
+
+TEST_F(PartsOfAModel, ATemplateBesideAnIncludedFileIsNamed) {
+  folder_.write("iris/model.config", "<model><sdf>iris.sdf</sdf></model>");
+  folder_.write("iris/iris.sdf.jinja", "{% set x = 1 %}");
+  EXPECT_NE(refusal("<include><uri>model://iris</uri></include>").find("iris.sdf.jinja is a"),
+            std::string::npos);
+}
+
+TEST_F(PartsOfAModel, ModelsThatIncludeThemselvesEnd) {
+  EXPECT_NE(refusal(kBase + "<include><uri>model://v</uri></include>").find("without end"),
+            std::string::npos);
+}
+
+TEST_F(PartsOfAModel, APartThatIsNotThereIsRefused) {
+  EXPECT_NE(refusal(kBase, {{"gimbal", PartUse::kFixed}}).find("'gimbal', which `parts`"),
+            std::string::npos);
+}
+
+TEST_F(PartsOfAModel, ALinkIsLeftOutOrFixedByItsNameOrItsJoints) {
+  const std::string inside = kBase + "<link name='camera'>" + inertial(0.5) + "</link>" + kTurning;
+  EXPECT_TRUE(read(inside).find("camera")->axis_R.has_value());
+  for (const char* name : {"camera", "yaw"}) {
+    const ModelBody fixed = read(inside, {{name, PartUse::kFixed}});
+    EXPECT_FALSE(fixed.find("camera")->axis_R.has_value()) << name;
+    EXPECT_NEAR(fixed.mass_kg, 1.5, kRounding);
+    EXPECT_NEAR(read(inside, {{name, PartUse::kLeftOut}}).mass_kg, 1, kRounding) << name;
+  }
+}
+
+// In the vehicle file.
+
+/// Four propellers, and whatever else.
+std::string quad(const std::string& more) {
+  std::string text = "<link name='base'>" + inertial(1) + "</link>";
+  const double places[4][2] = {{1, -1}, {-1, 1}, {1, 1}, {-1, -1}};
+  for (int i = 0; i < 4; ++i) {
+    const std::string n = std::to_string(i);
+    text += "<link name='rotor_" + n + "'><pose>" + std::to_string(0.2 * places[i][0]) + " " +
+            std::to_string(0.2 * places[i][1]) + " 0 0 0 0</pose>" + inertial(0.01) +
+            "</link><joint name='rotor_" + n +
+            "_joint' type='continuous'><parent>base</parent>"
+            "<child>rotor_" +
+            n + "</child><axis><xyz>0 0 1</xyz></axis></joint>";
+  }
+  return model("q", text + more);
+}
+
+std::string motor(int rotor, const std::string& more = "") {
+  return "<plugin name='m' filename='libgazebo_motor_model.so'><linkName>rotor_" +
+         std::to_string(rotor) + "</linkName><turningDirection>" + (rotor < 2 ? "ccw" : "cw") +
+         "</turningDirection><motorConstant>8e-06</motorConstant><momentConstant>0.02"
+         "</momentConstant><maxRotVelocity>1000</maxRotVelocity><timeConstantUp>0.0125"
+         "</timeConstantUp><timeConstantDown>0.025</timeConstantDown><rotorDragCoefficient>8e-05"
+         "</rotorDragCoefficient><rollingMomentCoefficient>1e-06</rollingMomentCoefficient>" +
+         more + "</plugin>\n";
+}
+
+constexpr const char* kYaml = R"(schema: 1
+name: q
+sdf: q.sdf
+body_drag_linear_n_s_m: 0
+system_id: 1
+rotor: {omega_idle_rad_s: 0, inertia_kg_m2: 3.0e-5, radius_m: 0.1, zero_thrust_speed_m_s: 0,
+  reference_density_kg_m3: 0, ground_effect: 0}
+)";
+
+TEST(VehicleOfParts, MotorPluginsGiveWhatTheFileDoesNotHaveAndItIsSaid) {
+  const test::TemporaryFolder folder;
+  folder.write("q.sdf",
+               quad(motor(0) + motor(1) + motor(2) + motor(3, "<reversible>1</reversible>")));
+  const Vehicle vehicle = Vehicle::load(folder.write(
+      "q.yaml", std::string(kYaml) + "rotors: [{thrust_coefficient: 9.0e-6}, {}, {}, {}]\n"));
+  EXPECT_EQ(vehicle.rotors[0].params.thrust_coefficient, 9e-6) << "the file's own";
+  EXPECT_EQ(vehicle.rotors[1].params.thrust_coefficient, 8e-6);
+  EXPECT_NEAR(vehicle.rotors[1].params.torque_coefficient, 1.6e-7, kRounding);
+  EXPECT_EQ(vehicle.rotors[2].params.omega_max_rad_s, 1000);
+  EXPECT_EQ(vehicle.rotors[0].spin, 1);
+  EXPECT_EQ(vehicle.rotors[3].spin, -1);
+  EXPECT_FALSE(vehicle.rotors[2].params.reversible);
+  EXPECT_TRUE(vehicle.rotors[3].params.reversible);
+  ASSERT_EQ(vehicle.warnings.size(), 3U) << "one for each set of keys";
+  for (const std::string& warning : vehicle.warnings) {
+    EXPECT_NE(warning.find("the model's motor plugin gives spin, "), std::string::npos) << warning;
+  }
+}
+
+TEST(VehicleOfParts, AReversibleRotorStandsAtZero) {
+  const test::TemporaryFolder folder;
+  std::string text = kYaml;
+  text.replace(text.find("omega_idle_rad_s: 0"), 19, "omega_idle_rad_s: 9");
+  folder.write("q.sdf", quad(motor(0) + motor(1) + motor(2) + motor(3)));
+  const auto file = folder.write("q.yaml", text + "rotors: [{reversible: true}, {}, {}, {}]\n");
+  try {
+    Vehicle::load(file);
+    FAIL() << "was accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("omega_idle_rad_s: must be 0"), std::string::npos)
+        << error.what();
+  }
+}
+
+/// A link that turns without end: a gimbal, or a propeller that the list forgot.
+std::string turning_link(const std::string& name, double mass) {
+  return "<link name='" + name + "'>" + inertial(mass) + "</link><joint name='" + name +
+         "_joint' type='revolute'><parent>base</parent><child>" + name + "</child></joint>";
+}
+
+TEST(VehicleOfParts, AGimbalIsFixedWithAWarningUnlessTheFileSaysSo) {
+  const test::TemporaryFolder folder;
+  folder.write("q.sdf",
+               quad(motor(0) + motor(1) + motor(2) + motor(3) + turning_link("gimbal", 0.3)));
+  const std::string yaml = std::string(kYaml) + "rotors: [{}, {}, {}, {}]\n";
+  const Vehicle vehicle = Vehicle::load(folder.write("q.yaml", yaml));
+  EXPECT_NEAR(vehicle.mass_kg, 1.34, kRounding);
+  EXPECT_EQ(vehicle.parts.at("gimbal"), PartUse::kFixed);
+  EXPECT_NE(vehicle.warnings.back().find("`parts: {gimbal: fixed}`"), std::string::npos);
+  const std::size_t warnings = vehicle.warnings.size();
+  const Vehicle said = Vehicle::load(folder.write("q.yaml", yaml + "parts: {gimbal: fixed}\n"));
+  EXPECT_EQ(said.warnings.size(), warnings - 1);
+  EXPECT_NEAR(Vehicle::load(folder.write("q.yaml", yaml + "parts: {gimbal: left_out}\n")).mass_kg,
+              1.04, kRounding);
+}
+
+TEST(VehicleOfParts, APropellerThatTheListForgetsIsRefused) {
+  const test::TemporaryFolder folder;
+  folder.write("q.sdf",
+               quad(motor(0) + motor(1) + motor(2) + motor(3) + turning_link("prop", 0.01)));
+  const auto file = folder.write("q.yaml", std::string(kYaml) + "rotors: [{}, {}, {}, {}]\n");
+  try {
+    Vehicle::load(file);
+    FAIL() << "was accepted";
+  } catch (const ConfigError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("has one more: link 'prop'"), std::string::npos) << text;
+    EXPECT_NE(text.find("`parts: {prop: fixed}`"), std::string::npos) << text;
+  }
+}
+
+}  // namespace
+}  // namespace cas::base

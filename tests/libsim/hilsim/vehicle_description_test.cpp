@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/hilsim/vehicle_description.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/libsim/support/sim_files.hpp"
+
+namespace cas::sim {
+namespace {
+
+using testing::HasSubstr;
+
+/// Torques of a vehicle of a tenth of the size are 1e-5 of the large one's.
+TEST(VehicleDescription, ANanoVehicleCanBeSteeredAsALargeOneCan) {
+  for (const char* name : {"quad_x", "hexa_x"}) {
+    const auto file = test::kSourceDir / "config/vehicles" / (std::string(name) + ".yaml");
+    for (const double s : {1.0, 0.1, 0.02}) {
+      base::Vehicle vehicle = base::Vehicle::load(file);
+      for (base::Rotor& rotor : vehicle.rotors) {
+        rotor.position_B_m *= s;
+        rotor.params.thrust_coefficient *= std::pow(s, 4);
+        rotor.params.torque_coefficient *= std::pow(s, 5);
+      }
+      const std::string text = describe_vehicle(vehicle, load_vehicle_model(vehicle.urdf), {});
+      EXPECT_THAT(text, HasSubstr("rank               4 of 6")) << name << " " << s;
+      EXPECT_THAT(text, HasSubstr("yaw can be set independently")) << name << " " << s;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cas::sim
