@@ -2,12 +2,12 @@
 #include "base/config/sdf_model.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 
 #include "base/angles.hpp"
 #include "base/error.hpp"
+#include "base/number_text.hpp"
 
 namespace cas::base {
 namespace {
@@ -66,17 +66,8 @@ void SdfModel::fail(const XmlElement& at, const std::string& sentence) const {
 
 std::vector<double> SdfModel::numbers(const XmlElement& element, std::size_t count) const {
   std::vector<double> values;
-  const char* at = element.text.data();
-  const char* const end = at + element.text.size();
-  for (;;) {
-    while (at != end && std::isspace(static_cast<unsigned char>(*at)) != 0) ++at;
-    if (at == end) break;
-    if (*at == '+') ++at;
-    const auto result = std::from_chars(at, end, values.emplace_back());
-    if (result.ec != std::errc() || !std::isfinite(values.back())) {
-      fail(element, "<" + element.name + "> is not made of numbers");
-    }
-    at = result.ptr;
+  if (const auto word = read_numbers(element.text, values)) {
+    fail(element, "<" + element.name + "> is not made of numbers: " + no_number(*word));
   }
   if (values.size() != count) {
     fail(element, "<" + element.name + "> has " + std::to_string(values.size()) +

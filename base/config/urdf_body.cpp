@@ -5,10 +5,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <memory>
+
+#include "base/number_text.hpp"
 
 namespace cas::base {
 namespace {
@@ -34,16 +35,8 @@ using Attributes = std::map<std::string, std::string, std::less<>>;
 
 std::vector<double> numbers(const std::string& text) {
   std::vector<double> values;
-  const char* at = text.data();
-  const char* const end = at + text.size();
-  for (;;) {
-    while (at != end && std::isspace(static_cast<unsigned char>(*at)) != 0) ++at;
-    if (at == end) return values;
-    if (*at == '+') ++at;
-    const auto result = std::from_chars(at, end, values.emplace_back());
-    if (result.ec != std::errc() || !std::isfinite(values.back())) throw NotReadable{};
-    at = result.ptr;
-  }
+  if (read_numbers(text, values)) throw NotReadable{};
+  return values;
 }
 
 double number(const Attributes& attributes, std::string_view key) {
