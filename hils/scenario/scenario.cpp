@@ -14,6 +14,7 @@
 #include "base/config/key_table.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/config/vehicle.hpp"
+#include "base/earth/wmm2025.hpp"
 #include "base/suggestion.hpp"
 #include "base/text.hpp"
 #include "hils/flight/phase_check.hpp"
@@ -274,6 +275,10 @@ constexpr std::tuple kWorldKeys{
         "missing",
         base::Words<bool, 2>{{{{"error", false}, {"ignore", true}}}, "is error or ignore"},
         "as in a [simulation](#simulation)"),
+    key<&Scenario::world, &ScenarioWorld::applies_up_axis>(
+        "collada_up_axis",
+        base::Words<bool, 2>{{{{"ignored", false}, {"applied", true}}}, "is ignored or applied"},
+        "as in a [simulation](#simulation)"),
 };
 
 /// Reads `world`, and the keys that have a meaning beside it. @throws base::ConfigError when there
@@ -312,6 +317,7 @@ struct Plugins {
 
 constexpr auto kPlaceKeys = base::geodetic_keys(-500, 9000);
 constexpr Range kControlRate_hz{50, 2000};
+constexpr Range kFieldYears{base::wmm2025::kEpochYear, base::wmm2025::kLastYear};
 
 constexpr std::tuple kRateKeys{
     required(key<&Rates::sensor_hz>("sensor_hz", kControlRate_hz, "nominal rate of HIL_SENSOR")),
@@ -325,8 +331,7 @@ constexpr std::tuple kKeys{
     key<&Scenario::description>("description", base::Text{}, "for reports"),
     key<&Scenario::home>("home", block<base::Geodetic>(kPlaceKeys),
                          "place of x = y = z = 0; required on flat ground", "the world's"),
-    key<&Scenario::decimal_year>("decimal_year", Range{2000, 2100},
-                                 "date of the magnetic field model"),
+    key<&Scenario::decimal_year>("decimal_year", kFieldYears, "date of the magnetic field model"),
     key<&Scenario::seed>("seed", base::Count{},
                          "seed of all random numbers; `--seed` overrides it"),
     key<&Scenario::architecture>("architecture", ArchitectureWord{},

@@ -46,11 +46,13 @@ struct Limits {
 /// rms_estimate, peak_error_m. @throws base::ConfigError
 void parse_motion_limits(const base::ConfigNode& node, Limits& limits);
 
-/// Where a run is flown: keys `world`, `model_path` and `missing` of a simulation file.
+/// Where a run is flown: keys `world`, `model_path`, `missing` and `collada_up_axis` of a
+/// simulation file.
 struct ScenarioWorld {
   std::filesystem::path sdf;  ///< empty: flat ground at the height of home
   std::vector<std::filesystem::path> model_path;
   bool ignore_missing = false;
+  bool applies_up_axis = false;
 };
 
 /// Start pose of a vehicle, as in a world: x east and y north of home, z of its

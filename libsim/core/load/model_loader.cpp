@@ -55,6 +55,11 @@ void take_as_box(const TriangleMesh& mesh, Shape& shape) {
   shape.pose.translate(centre);
 }
 
+/// Of the meshes of a vehicle's collisions.
+MeshOptions mesh_options(VehicleModel& model) {
+  return {.up_axis = model.up_axis, .warnings = &model.warnings};
+}
+
 void require_shapes(const std::filesystem::path& file, const VehicleModel& model) {
   if (!model.shapes.empty()) return;
   fail(file, "has no <collision> geometry: the vehicle would fall through the ground");
@@ -120,8 +125,10 @@ struct MassSum {
 /// Walks the tree of links once.
 class Assembler {
  public:
-  Assembler(const std::filesystem::path& file, const urdf::ModelInterface& urdf)
-      : file_(file), urdf_(urdf) {}
+  Assembler(const std::filesystem::path& file, const urdf::ModelInterface& urdf, UpAxis up_axis)
+      : file_(file), urdf_(urdf) {
+    model_.up_axis = up_axis;
+  }
 
   VehicleModel run() {
     model_.name = urdf_.getName();
@@ -202,11 +209,14 @@ class Assembler {
   }
 
   void take_mesh_as_box(const urdf::Link& link, const urdf::Mesh& mesh, Shape& shape) {
-    const auto found = find_package_file(mesh.filename, file_.parent_path());
+    const auto found = find_model_file(mesh.filename, file_.parent_path(), {});
     if (!found) {
-      fail(file_, "link '" + link.name + "': mesh '" + mesh.filename + "' is nowhere to be found");
+      fail(file_, "link '" + link.name + "': mesh '" + mesh.filename +
+                      "' is nowhere to be found; looked for it at " +
+                      searched_places(mesh.filename, file_.parent_path(), {}));
     }
-    take_as_box(load_mesh(*found, {mesh.scale.x, mesh.scale.y, mesh.scale.z}), shape);
+    take_as_box(load_mesh(*found, {mesh.scale.x, mesh.scale.y, mesh.scale.z}, mesh_options(model_)),
+                shape);
   }
 
   /// A visual that cannot be drawn is left out: the flight does not need it.
@@ -220,7 +230,7 @@ class Assembler {
       return;
     }
     const auto& mesh = static_cast<const urdf::Mesh&>(*visual.geometry);
-    const auto found = find_package_file(mesh.filename, file_.parent_path());
+    const auto found = find_model_file(mesh.filename, file_.parent_path(), {});
     if (!found) return;
     const MeshFile form{*found, {mesh.scale.x, mesh.scale.y, mesh.scale.z}};
     model_.visuals.push_back({link.name, form, X_RV});
@@ -239,8 +249,10 @@ class Assembler {
 /// The shapes of an SDF model; mass, places and axes are base::SdfModel's.
 class SdfShapes {
  public:
-  SdfShapes(const std::filesystem::path& file, const base::SdfModel& sdf)
-      : file_(file), sdf_(sdf) {}
+  SdfShapes(const std::filesystem::path& file, const base::SdfModel& sdf, UpAxis up_axis)
+      : file_(file), sdf_(sdf) {
+    model_.up_axis = up_axis;
+  }
 
   VehicleModel run() {
     const base::ModelBody body = sdf_.body();
@@ -295,8 +307,11 @@ class SdfShapes {
   void take_mesh(const base::XmlElement& mesh, Shape& shape) {
     const base::XmlElement& uri = part(mesh, "uri");
     const auto found = find_mesh(mesh);
-    if (!found) sdf_.fail(uri, "mesh '" + uri.text + "' is nowhere to be found");
-    take_as_box(load_mesh(found->path, found->scale), shape);
+    if (!found) {
+      sdf_.fail(uri, "mesh '" + uri.text + "' is nowhere to be found; looked for it at " +
+                         searched_places(uri.text, file_.parent_path(), {}));
+    }
+    take_as_box(load_mesh(found->path, found->scale, mesh_options(model_)), shape);
   }
 
   std::optional<MeshFile> find_mesh(const base::XmlElement& mesh) const {
@@ -349,14 +364,14 @@ bool is_physical_inertia(const Eigen::Matrix3d& inertia) {
   return base::is_physical_inertia(inertia);
 }
 
-VehicleModel load_vehicle_model(const std::filesystem::path& file) {
+VehicleModel load_vehicle_model(const std::filesystem::path& file, UpAxis up_axis) {
   const std::string text = base::read_foreign_file(file, "vehicle model", base::kMaxModelBytes);
   // A template may parse, without the expansion of its macros.
   if (const auto sentence = base::template_language(text))
     fail(file, "is not a URDF: " + *sentence);
   if (base::SdfModel::is_sdf(text)) {
     const base::SdfModel sdf(text, file);
-    return SdfShapes(file, sdf).run();
+    return SdfShapes(file, sdf, up_axis).run();
   }
   const UrdfMessages messages;
   const urdf::ModelInterfaceSharedPtr urdf = urdf::parseURDF(text);
@@ -364,7 +379,7 @@ VehicleModel load_vehicle_model(const std::filesystem::path& file) {
     base::parse_xml(text, file.string());  // broken XML ends here, with its line
     fail(file, "is not a URDF: " + (messages.first().empty() ? "no root link" : messages.first()));
   }
-  return Assembler(file, *urdf).run();
+  return Assembler(file, *urdf, up_axis).run();
 }
 
 }  // namespace cas::sim

@@ -10,6 +10,7 @@
 #include "libsim/core/body/rigid_body.hpp"
 #include "libsim/core/body/shape.hpp"
 #include "libsim/core/export.hpp"
+#include "libsim/core/load/mesh_options.hpp"
 
 namespace cas::sim {
 
@@ -39,8 +40,9 @@ struct VehicleModel {
   std::string name;
   MassProperties mass;
   Eigen::Vector3d cog_in_root_m = Eigen::Vector3d::Zero();
-  std::vector<Shape> shapes;    ///< poses in B; meshes as their bounding boxes
-  std::vector<Visual> visuals;  ///< poses in B; without those of rotors, which turn
+  std::vector<Shape> shapes;          ///< poses in B; meshes as their bounding boxes
+  std::vector<Visual> visuals;        ///< poses in B; without those of rotors, which turn
+  UpAxis up_axis = UpAxis::kIgnored;  ///< of its COLLADA meshes
   std::vector<ModelRotor> rotors;
   std::vector<std::string> warnings;  ///< one sentence for each repair or omission
 };
@@ -50,7 +52,8 @@ struct VehicleModel {
 /// joints) count with their mass and inertia at rest. A link whose inertia no body can have is
 /// named and taken as a point mass. Other moving joints are taken as fixed. @throws
 /// base::ConfigError naming file and element
-CAS_SIM_EXPORT VehicleModel load_vehicle_model(const std::filesystem::path& file);
+CAS_SIM_EXPORT VehicleModel load_vehicle_model(const std::filesystem::path& file,
+                                               UpAxis up_axis = UpAxis::kIgnored);
 
 /// True when a body can have this inertia: symmetric, positive definite, and no principal moment
 /// larger than the sum of the others.

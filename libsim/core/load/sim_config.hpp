@@ -13,6 +13,7 @@
 #include "base/os/thread.hpp"
 #include "base/time/clock.hpp"
 #include "libsim/core/export.hpp"
+#include "libsim/core/load/mesh_options.hpp"
 
 namespace cas::sim {
 
@@ -54,6 +55,7 @@ struct WorldConfig {
   std::optional<std::filesystem::path> sdf;       ///< replaces the keys below
   std::vector<std::filesystem::path> model_path;  ///< where model:// URIs are looked up
   Missing missing = Missing::kError;
+  UpAxis up_axis = UpAxis::kIgnored;  ///< of COLLADA meshes, also of vehicles
   double gravity_m_s2 = 0;
   bool ground = true;  ///< a horizontal plane at z = 0
 };

@@ -83,8 +83,8 @@ struct SimRunner::Impl {
     compare_field(model, world.projection().home(), config.decimal_year);
     if (!config.pace.speed_given) config.pace.speed = model.real_time_factor.value_or(1.0);
     for (const VehicleConfig& vehicle : config.vehicles) {
-      const VehicleModel& vehicle_model =
-          vehicle_models.emplace_back(load_vehicle_model(vehicle.vehicle.urdf));
+      const VehicleModel& vehicle_model = vehicle_models.emplace_back(
+          load_vehicle_model(vehicle.vehicle.urdf, config.world.up_axis));
       log_warnings(vehicle_model.warnings);
       compare_mass(vehicle, vehicle_model);
       require_free_start(model, vehicle_model, vehicle);

@@ -10,6 +10,7 @@
 #include "libsim/core/load/mesh_file.hpp"
 #include "libsim/core/load/uri.hpp"
 #include "libsim/core/run/sim_runner.hpp"
+#include "tests/libsim/support/sdf_elements.hpp"
 #include "tests/libsim/support/sim_files.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -17,6 +18,9 @@
 namespace cas::sim {
 namespace {
 
+using test::load_elements;
+using test::obstacle;
+using test::world_of;
 using testing::AllOf;
 using testing::Contains;
 using testing::Each;
@@ -99,7 +103,18 @@ TEST(SdfWorld, ColladaMeshesCollide) {
   const TriangleMesh& mesh = *std::get<Mesh>(shed->geometry).triangles;
   EXPECT_EQ(mesh.triangles.size(), 4u);
   Eigen::Vector3d centre;
-  EXPECT_LT((bounding_box(mesh, centre).size_m - Eigen::Vector3d(2, 3, 1)).norm(), 1e-9);
+  EXPECT_LT((bounding_box(mesh, centre).size_m - Eigen::Vector3d(2, 1, 3)).norm(), 1e-9)
+      << "its y is up, and Gazebo does not turn it";
+  EXPECT_THAT(model.warnings,
+              Contains(AllOf(HasSubstr("classic.world:44: collision 'pipe/shed': "),
+                             HasSubstr("shed.dae:6: <up_axis> Y_UP does not turn the mesh"))));
+  const WorldModel turned = load_world({.sdf = kData / "classic.world",
+                                        .model_path = {kWorlds / "models"},
+                                        .missing = Missing::kIgnore,
+                                        .up_axis = UpAxis::kApplied});
+  const Mesh& upright = std::get<Mesh>(find(turned, "pipe/shed")->geometry);
+  EXPECT_LT((bounding_box(*upright.triangles, centre).size_m - Eigen::Vector3d(2, 3, 1)).norm(),
+            1e-9);
 }
 
 TEST(SdfWorld, RefusesWhatIsNoWorld) {
@@ -121,24 +136,6 @@ TEST(SdfWorld, RefusesWhatIsNoWorld) {
               HasSubstr("it is a template"));
   EXPECT_THAT(test::refusal([] { load_sdf_world("/nowhere.sdf", {}); }),
               HasSubstr("/nowhere.sdf: world cannot be read"));
-}
-
-/// A world of one file with these elements in it.
-std::string world_of(const std::string& elements) {
-  return "<sdf version='1.6'>\n<world name='w'>\n" + elements + "\n</world></sdf>";
-}
-
-/// Loads a world of these elements.
-WorldModel load_elements(const std::string& elements) {
-  const cas::test::TemporaryFolder folder;
-  return load_sdf_world(folder.write("w.sdf", world_of(elements)), {});
-}
-
-std::string obstacle(const std::string& surface) {
-  return "<model name='m'><static>1</static><link name='l'><collision "
-         "name='c'><geometry><box><size>"
-         "1 1 1</size></box></geometry>\n<surface>" +
-         surface + "</surface></collision></link></model>";
 }
 
 TEST(SdfWorld, RefusesToGoWithoutAModelAndSaysWhereItLooked) {
@@ -166,6 +163,22 @@ TEST(SdfWorld, RefusesToGoWithoutAModelAndSaysWhereItLooked) {
 TEST(SdfWorld, AThirdSlashBehindModelIsNoRoot) {
   EXPECT_EQ(places_of_model_file("model:///oak/oak.dae", "/w", {}).at(0).string(),
             "/w/oak/oak.dae");
+}
+
+TEST(SdfWorld, AModelInAFolderAboveIsFound) {
+  const cas::test::TemporaryFolder folder;
+  folder.write("models/box/meshes/box.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  for (const char* uri : {"model://box/meshes/box.obj", "package://box/meshes/box.obj",
+                          "package://lost/meshes/box.obj"}) {
+    const auto file =
+        folder.write("models/box/worlds/w.sdf",
+                     world_of("<model name='m'><static>1</static><link name='l'><collision "
+                              "name='c'><geometry><mesh><uri>" +
+                              std::string(uri) +
+                              "</uri></mesh></geometry></collision></link>"
+                              "</model>"));
+    EXPECT_EQ(load_sdf_world(file, {}).statics.size(), 1u) << uri;
+  }
 }
 
 TEST(SdfWorld, FindsAFuelModelByItsNameInTheModelPath) {
