@@ -342,7 +342,7 @@ YAML::Node simulated_vehicle(const RunRequest& request, std::size_t vehicle, Tra
   node["vehicle"] = full_path(own.vehicle);
   node["pose"]["x_m"] = own.pose.x_m;
   node["pose"]["y_m"] = own.pose.y_m;
-  node["pose"]["z_m"] = own.pose.z_m;
+  if (own.pose.z_m) node["pose"]["z_m"] = *own.pose.z_m;
   node["pose"]["yaw_deg"] = own.pose.yaw_deg;
   node["sensors"] = sensors(scenario, vehicle);
   node["plugins"] = vehicle_plugins(request, vehicle, transport, places);

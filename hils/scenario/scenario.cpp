@@ -153,7 +153,8 @@ constexpr Range kPlace_m{-kFarthest_m, kFarthest_m};
 constexpr std::tuple kPoseKeys{
     required(key<&VehiclePose::x_m>("x_m", kPlace_m, "east of home")),
     required(key<&VehiclePose::y_m>("y_m", kPlace_m, "north of home")),
-    key<&VehiclePose::z_m>("z_m", kPlace_m, "height of its lowest point above z = 0"),
+    key<&VehiclePose::z_m>("z_m", kPlace_m, "height of its lowest point above z = 0",
+                           "on the uppermost surface"),
     key<&VehiclePose::yaw_deg>("yaw_deg", Range{-360, 360},
                                "of the nose, counter-clockwise from east"),
 };

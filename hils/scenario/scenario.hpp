@@ -55,13 +55,12 @@ struct ScenarioWorld {
   bool applies_up_axis = false;
 };
 
-/// Start pose of a vehicle, as in a world: x east and y north of home, z of its
-/// lowest point.
+/// Start pose of a vehicle, as in a world: x east and y north of home, z of its lowest point.
 struct VehiclePose {
   double x_m = 0;
   double y_m = 0;
-  double z_m = 0;
-  double yaw_deg = 90;  ///< of the nose, counter-clockwise from east: north
+  std::optional<double> z_m{};  ///< nullopt: on the uppermost surface
+  double yaw_deg = 90;          ///< of the nose, counter-clockwise from east: north
 };
 
 /// One vehicle of a scenario. Keys are the members' names.

@@ -141,7 +141,7 @@ struct VehicleName : base::Text {
 constexpr std::tuple kPoseKeys{
     key<&StartPose::x_m>("x_m", Number{}, "to the east"),
     key<&StartPose::y_m>("y_m", Number{}, "to the north"),
-    key<&StartPose::z_m>("z_m", Number{}, "height of its lowest point"),
+    key<&StartPose::z_m>("z_m", Number{}, "height of its lowest point", "on the uppermost surface"),
     key<&StartPose::yaw_deg>("yaw_deg", Number{}, "of the nose, counter-clockwise from east"),
 };
 

@@ -60,12 +60,12 @@ struct WorldConfig {
   bool ground = true;  ///< a horizontal plane at z = 0
 };
 
-/// Where a vehicle starts, in W: its lowest point is z_m above z = 0.
+/// Where a vehicle starts, in W.
 struct StartPose {
   double x_m = 0;
   double y_m = 0;
-  double z_m = 0;
-  double yaw_deg = 0;  ///< of the nose, counter-clockwise from east
+  std::optional<double> z_m{};  ///< of its lowest point; nullopt: on the uppermost surface
+  double yaw_deg = 0;           ///< of the nose, counter-clockwise from east
 };
 
 struct PluginConfig {

@@ -82,11 +82,14 @@ struct SimRunner::Impl {
     log_warnings(model.warnings);
     compare_field(model, world.projection().home(), config.decimal_year);
     if (!config.pace.speed_given) config.pace.speed = model.real_time_factor.value_or(1.0);
-    for (const VehicleConfig& vehicle : config.vehicles) {
+    for (VehicleConfig& vehicle : config.vehicles) {
       const VehicleModel& vehicle_model = vehicle_models.emplace_back(
           load_vehicle_model(vehicle.vehicle.urdf, config.world.up_axis));
       log_warnings(vehicle_model.warnings);
       compare_mass(vehicle, vehicle_model);
+      if (!vehicle.pose.z_m) {
+        vehicle.pose.z_m = standing_height(model, vehicle_model, vehicle.pose);
+      }
       require_free_start(model, vehicle_model, vehicle);
       plugins.load(world.add_vehicle(vehicle_model, vehicle.pose), vehicle);
     }

@@ -5,11 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "base/error.hpp"
 #include "libsim/core/load/mesh_file.hpp"
+#include "libsim/core/load/model_loader.hpp"
 #include "libsim/core/load/uri.hpp"
 #include "libsim/core/run/sim_runner.hpp"
+#include "libsim/core/run/start.hpp"
 #include "tests/libsim/support/sdf_elements.hpp"
 #include "tests/libsim/support/sim_files.hpp"
 #include "tests/support/paths.hpp"
@@ -365,6 +368,29 @@ TEST(SdfWorld, AStartInsideAnObstacleIsRefusedWithTheHeightAboveIt) {
                     HasSubstr("the uppermost surface there is at z_m 0.50")));
   EXPECT_NO_THROW(SimRunner(config_in(folder, box, "{x_m: 0, z_m: 0.49}")));
   EXPECT_NO_THROW(SimRunner(config_in(folder, box, "{x_m: 3, z_m: 0}")));
+}
+
+TEST(SdfWorld, AStartWithoutAHeightStandsOnTheUppermostSurface) {
+  const cas::test::TemporaryFolder folder;
+  const auto lowest = [&](const std::string& elements, std::optional<double> z_m, double x_m = 0) {
+    SimConfig config = config_in(folder, elements, "{x_m: 0, z_m: 0}");
+    config.vehicles[0].pose = {.x_m = x_m, .z_m = z_m};
+    const double at_zero =
+        start_state(load_vehicle_model(config.vehicles[0].vehicle.urdf), {}).p_WB.z();
+    SimRunner runner(config);
+    return runner.world().state(VehicleId{0}).p_WB.z() - at_zero;
+  };
+  const std::string box = obstacle("<friction/>");  // from -0.5 to 0.5 m
+  const std::string asphalt =
+      "<model name='asphalt'><static>1</static><link name='l'><collision name='c'><geometry><box>"
+      "<size>200 200 .1</size></box></geometry></collision></link></model>";
+  EXPECT_NEAR(lowest(box, std::nullopt), 0.5, 1e-9);
+  EXPECT_NEAR(lowest(asphalt, std::nullopt), 0.05, 1e-9);
+  EXPECT_NEAR(lowest(asphalt + box, std::nullopt), 0.5, 1e-9);
+  EXPECT_NEAR(lowest(asphalt + box, std::nullopt, 0.55), 0.5, 1e-9) << "half on the box";
+  EXPECT_NEAR(lowest(asphalt + box, std::nullopt, 5), 0.05, 1e-9);
+  EXPECT_EQ(lowest(box, std::nullopt, 5), 0) << "nothing there";
+  EXPECT_EQ(lowest(box, 3.0), 3);
 }
 
 TEST(SdfWorld, AStartInsideAClosedMeshIsRefusedToo) {
