@@ -6,7 +6,10 @@
 #include <cstdlib>
 #include <sstream>
 #include <string_view>
+#include <utility>
 #include <vector>
+
+#include "base/text.hpp"
 
 namespace cas::base {
 
@@ -36,21 +39,26 @@ std::optional<std::string> behind(const std::string& uri, std::string_view schem
   return uri.substr(scheme.size());
 }
 
-std::optional<fs::path> find_in_package(const fs::path& rest, const fs::path& folder) {
-  const fs::path name = *rest.begin();
+/// The folders from `folder` up to the last below the root.
+std::vector<fs::path> folders_above(const fs::path& folder) {
+  std::vector<fs::path> folders;
   for (fs::path up = fs::absolute(folder).lexically_normal(); up.has_relative_path();
        up = up.parent_path()) {
-    if (up.filename() == name) {
-      if (auto found = existing(up.parent_path() / rest)) return found;
-    }
-    if (auto found = existing(up / rest)) return found;
-    // An unpacked export may have lost its folder's name: meshes/ beside urdf/ is enough.
-    if (auto found = existing(up / rest.lexically_relative(name))) return found;
+    if (up.has_filename()) folders.push_back(up);  // else it ends in a slash
   }
-  for (const fs::path& root : path_list("ROS_PACKAGE_PATH")) {
-    if (auto found = existing(root / rest)) return found;
+  return folders;
+}
+
+/// Places of `package://NAME/rest`: NAME is among the folders above, as SolidWorks exports
+/// (NAME/urdf, NAME/meshes), or lost: meshes/ beside urdf/ is enough.
+void add_package(const fs::path& rest, const fs::path& folder, std::vector<fs::path>& places) {
+  if (rest.empty()) return;
+  const fs::path name = *rest.begin();
+  for (const fs::path& up : folders_above(folder)) {
+    if (up.filename() == name) places.push_back(up.parent_path() / rest);
+    places.push_back(up / rest);
+    places.push_back(up / rest.lexically_relative(name));
   }
-  return std::nullopt;
 }
 
 /// The parts of "server/1.0/Owner/models/Name/rest", without the version of the interface.
@@ -104,29 +112,29 @@ void add_fuel_cache(const std::string& url, std::vector<fs::path>& places) {
 
 }  // namespace
 
-std::optional<fs::path> find_package_file(const std::string& uri, const fs::path& folder) {
-  if (const auto rest = behind(uri, "package://")) {
-    return rest->empty() ? std::nullopt : find_in_package(*rest, folder);
-  }
-  if (const auto rest = behind(uri, "file://")) return existing(*rest);
-  return existing(folder / uri);
-}
-
 std::vector<fs::path> places_of_model_file(const std::string& uri, const fs::path& folder,
                                            std::span<const fs::path> model_path) {
   std::vector<fs::path> places;
   const auto url = behind(uri, "https://");
-  std::string name = url ? fuel_name(*url) : behind(uri, "model://").value_or(uri);
+  const auto package = behind(uri, "package://");
+  std::string name = url       ? fuel_name(*url)
+                     : package ? *package
+                               : behind(uri, "model://").value_or(uri);
   if (behind(uri, "model://")) name.erase(0, name.find_first_not_of('/'));  // model:///NAME
   if (const auto rest = behind(uri, "file://")) {
     places.push_back(folder / *rest);
     name = *rest;
   }
   if (url) add_fuel_cache(*url, places);
+  if (package) add_package(name, folder, places);
   if (!url) places.push_back(folder / name);
   for (const fs::path& root : model_path) places.push_back(root / name);
-  for (const char* variable : {"GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "SDF_PATH"}) {
+  for (const char* variable :
+       {"GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "SDF_PATH", "ROS_PACKAGE_PATH"}) {
     for (const fs::path& root : path_list(variable)) places.push_back(root / name);
+  }
+  if (behind(uri, "model://")) {
+    for (const fs::path& up : folders_above(folder)) places.push_back(up / name);
   }
   return places;
 }
@@ -139,9 +147,14 @@ std::optional<fs::path> find_model_file(const std::string& uri, const fs::path& 
   return std::nullopt;
 }
 
-std::vector<fs::path> folders_above(const fs::path& file) {
-  const fs::path folder = fs::absolute(file).lexically_normal().parent_path().parent_path();
-  return {folder, folder.parent_path()};
+std::string searched_places(const std::string& uri, const fs::path& folder,
+                            std::span<const fs::path> model_path) {
+  std::vector<std::string> places;
+  for (const fs::path& place : places_of_model_file(uri, folder, model_path)) {
+    std::string name = fs::absolute(place).lexically_normal().string();
+    if (std::ranges::find(places, name) == places.end()) places.push_back(std::move(name));
+  }
+  return joined(places, ", ");
 }
 
 }  // namespace cas::base

@@ -36,10 +36,8 @@ fs::path sdf_in(const fs::path& folder) {
 
 [[noreturn]] void fail_missing(const XmlElement& include, const std::string& uri,
                                const fs::path& file) {
-  const auto places = places_of_model_file(uri, file.parent_path(), folders_above(file));
   include.fail("the included model " + uri + " is nowhere to be found; looked for it at " +
-               joined(places, ", ", [](const fs::path& place) { return place.string(); }) +
-               ". Name its folder in GZ_SIM_RESOURCE_PATH, or leave it out by `parts: {" +
+               searched_places(uri, file.parent_path(), {}) + ". Name its folder in GZ_SIM_RESOURCE_PATH, or leave it out by `parts: {" +
                (include.child("name") != nullptr ? std::string(include.child_text("name"))
                                                  : fs::path(uri).filename().string()) +
                ": left_out}` in the vehicle file");
@@ -50,7 +48,7 @@ fs::path sdf_in(const fs::path& folder) {
 SdfFile read_sdf_include(const XmlElement& include, const fs::path& file) {
   const std::string uri(include.child_text("uri"));
   if (uri.empty()) include.fail("<include> has no <uri>");
-  const auto found = find_model_file(uri, file.parent_path(), folders_above(file));
+  const auto found = find_model_file(uri, file.parent_path(), {});
   if (!found) fail_missing(include, uri, file);
   std::error_code error;
   const fs::path path = fs::is_directory(*found, error) ? sdf_in(*found) : *found;

@@ -74,7 +74,7 @@ void take_form(const XmlElement& form, ModelShape& shape) {
   if (form.name == "box") {
     shape.form = Form::kBox;
     need_attribute(form, "size");
-    shape.size = vector(form, "size", {});
+    shape.size = vector(form, "size", Eigen::Vector3d::Zero());
   } else if (form.name == "sphere") {
     shape.form = Form::kSphere;
     shape.size.setConstant(number(form, "radius"));

@@ -14,6 +14,7 @@ namespace cas::base {
 namespace {
 
 constexpr std::size_t kDeepest = 200;
+constexpr std::size_t kMostElements = 1'000'000;  // with attributes: a few hundred megabytes
 
 /// The elements that are open, from the root inwards.
 struct Builder {
@@ -21,22 +22,36 @@ struct Builder {
   std::vector<XmlElement*> open{&top};
   XML_Parser parser = nullptr;
   std::shared_ptr<const std::string> file;
+  std::size_t elements = 0;
+  std::string refusal;
+
+  void refuse(std::string sentence) {
+    refusal = std::move(sentence);
+    XML_StopParser(parser, XML_FALSE);
+  }
 
   static void on_start(void* user, const XML_Char* name, const XML_Char** attributes) {
     auto& self = *static_cast<Builder*>(user);
+    if (!self.refusal.empty()) return;  // expat ends after this element
     if (self.open.size() > kDeepest) {
-      XML_StopParser(self.parser, XML_FALSE);
-      return;
+      return self.refuse("elements lie more than " + std::to_string(kDeepest) + " deep");
+    }
+    if (++self.elements > kMostElements) {
+      return self.refuse("has more than the " + std::to_string(kMostElements) +
+                         " elements and attributes that are read");
     }
     XmlElement& element = self.open.back()->children.emplace_back();
     element.name = name;
     element.line = static_cast<int>(XML_GetCurrentLineNumber(self.parser));
     element.file = self.file;
-    for (; *attributes != nullptr; attributes += 2)
+    for (; *attributes != nullptr; attributes += 2, ++self.elements)
       element.attributes[attributes[0]] = attributes[1];
     self.open.push_back(&element);
   }
-  static void on_end(void* user, const XML_Char*) { static_cast<Builder*>(user)->open.pop_back(); }
+  static void on_end(void* user, const XML_Char*) {
+    auto& self = *static_cast<Builder*>(user);
+    if (self.refusal.empty()) self.open.pop_back();
+  }
   static void on_text(void* user, const XML_Char* text, int length) {
     static_cast<Builder*>(user)->open.back()->text.append(text, static_cast<std::size_t>(length));
   }
@@ -130,11 +145,9 @@ XmlElement parse_xml(std::string_view text, const std::string& file) {
   XML_SetCharacterDataHandler(parser.get(), Builder::on_text);
   if (XML_Parse(parser.get(), text.data(), static_cast<int>(text.size()), XML_TRUE) !=
       XML_STATUS_OK) {
-    const XML_Error error = XML_GetErrorCode(parser.get());
     throw ConfigError(file + ":" + std::to_string(XML_GetCurrentLineNumber(parser.get())) + ": " +
-                      (error == XML_ERROR_ABORTED
-                           ? "elements are nested more than " + std::to_string(kDeepest) + " deep"
-                           : std::string(XML_ErrorString(error))));
+                      (builder.refusal.empty() ? XML_ErrorString(XML_GetErrorCode(parser.get()))
+                                               : builder.refusal));
   }
   return std::move(builder.top.children.front());
 }

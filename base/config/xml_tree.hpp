@@ -42,7 +42,8 @@ struct CAS_BASE_EXPORT XmlElement {
 /// other templates; nullopt for any other. Comments do not count.
 CAS_BASE_EXPORT std::optional<std::string> template_language(std::string_view text);
 
-/// Reads a whole XML text. @throws ConfigError "FILE:LINE: sentence"
+/// Reads a whole XML text of at most a million elements and attributes, at most 200 deep.
+/// @throws ConfigError "FILE:LINE: sentence"
 CAS_BASE_EXPORT XmlElement parse_xml(std::string_view text, const std::string& file);
 
 }  // namespace cas::base

@@ -111,7 +111,7 @@ std::string simulation_text(const base::ConfigNode& setup, std::uint64_t seed) {
       indented(key("home", "{lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}"), "  "),
       base::kUsualYear, setup.get("step_us", 1000), seed, kVehicle,
       base::find_config(setup.at("vehicle")).string(),
-      indented(key("pose", "{x_m: 0, y_m: 0, z_m: 0, yaw_deg: 0}"), "      "));
+      indented(key("pose", "{x_m: 0, y_m: 0, yaw_deg: 0}"), "      "));
   if (const auto sensors = setup.find("sensors")) {
     text += "    sensors:" + indented(sensors->dump(), "      ") + "\n";
   }

@@ -188,7 +188,7 @@ YAML::Node casd_routes(const RunRequest& request, const RunPlaces& places) {
   return routes;
 }
 
-/// Keys `world`, `model_path`, `missing` and `home`.
+/// Keys `world`, `model_path`, `missing`, `collada_up_axis` and `home`.
 void add_world(const Scenario& scenario, YAML::Node& root) {
   const ScenarioWorld& world = scenario.world;
   if (world.sdf.empty()) {
@@ -198,6 +198,7 @@ void add_world(const Scenario& scenario, YAML::Node& root) {
     root["world"] = full_path(world.sdf);
     for (const auto& folder : world.model_path) root["model_path"].push_back(folder.string());
     if (world.ignore_missing) root["missing"] = "ignore";
+    if (world.applies_up_axis) root["collada_up_axis"] = "applied";
   }
   if (!scenario.home) return;
   root["home"]["lat_deg"] = scenario.home->lat_deg;
@@ -341,7 +342,7 @@ YAML::Node simulated_vehicle(const RunRequest& request, std::size_t vehicle, Tra
   node["vehicle"] = full_path(own.vehicle);
   node["pose"]["x_m"] = own.pose.x_m;
   node["pose"]["y_m"] = own.pose.y_m;
-  node["pose"]["z_m"] = own.pose.z_m;
+  if (own.pose.z_m) node["pose"]["z_m"] = *own.pose.z_m;
   node["pose"]["yaw_deg"] = own.pose.yaw_deg;
   node["sensors"] = sensors(scenario, vehicle);
   node["plugins"] = vehicle_plugins(request, vehicle, transport, places);

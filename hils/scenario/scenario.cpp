@@ -16,6 +16,7 @@
 #include "base/config/key_table.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/config/vehicle.hpp"
+#include "base/earth/wmm2025.hpp"
 #include "base/suggestion.hpp"
 #include "base/text.hpp"
 #include "hils/flight/phase_check.hpp"
@@ -153,7 +154,8 @@ constexpr Range kPlace_m{-kFarthest_m, kFarthest_m};
 constexpr std::tuple kPoseKeys{
     required(key<&VehiclePose::x_m>("x_m", kPlace_m, "east of home")),
     required(key<&VehiclePose::y_m>("y_m", kPlace_m, "north of home")),
-    key<&VehiclePose::z_m>("z_m", kPlace_m, "height of its lowest point above z = 0"),
+    key<&VehiclePose::z_m>("z_m", kPlace_m, "height of its lowest point above z = 0",
+                           "on the uppermost surface"),
     key<&VehiclePose::yaw_deg>("yaw_deg", Range{-360, 360},
                                "of the nose, counter-clockwise from east"),
 };
@@ -275,6 +277,10 @@ constexpr std::tuple kWorldKeys{
         "missing",
         base::Words<bool, 2>{{{{"error", false}, {"ignore", true}}}, "is error or ignore"},
         "as in a [simulation](#simulation)"),
+    key<&Scenario::world, &ScenarioWorld::applies_up_axis>(
+        "collada_up_axis",
+        base::Words<bool, 2>{{{{"ignored", false}, {"applied", true}}}, "is ignored or applied"},
+        "as in a [simulation](#simulation)"),
 };
 
 /// Reads `world`, and the keys that have a meaning beside it. @throws base::ConfigError when there
@@ -313,6 +319,7 @@ struct Plugins {
 
 constexpr auto kPlaceKeys = base::geodetic_keys(-500, 9000);
 constexpr Range kControlRate_hz{50, 2000};
+constexpr Range kFieldYears{base::wmm2025::kEpochYear, base::wmm2025::kLastYear};
 
 constexpr std::tuple kRateKeys{
     required(key<&Rates::sensor_hz>("sensor_hz", kControlRate_hz, "nominal rate of HIL_SENSOR")),
@@ -326,8 +333,7 @@ constexpr std::tuple kKeys{
     key<&Scenario::description>("description", base::Text{}, "for reports"),
     key<&Scenario::home>("home", block<base::Geodetic>(kPlaceKeys),
                          "place of x = y = z = 0; required on flat ground", "the world's"),
-    key<&Scenario::decimal_year>("decimal_year", Range{2000, 2100},
-                                 "date of the magnetic field model"),
+    key<&Scenario::decimal_year>("decimal_year", kFieldYears, "date of the magnetic field model"),
     key<&Scenario::seed>("seed", base::Count{},
                          "seed of all random numbers; `--seed` overrides it"),
     key<&Scenario::architecture>("architecture", ArchitectureWord{},

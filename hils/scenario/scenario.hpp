@@ -39,20 +39,21 @@ struct Limits {
 /// summary.json has the figures: {rms: {x_m: 0.1}, peak_error_m: 1}. @throws base::ConfigError
 void parse_motion_limits(const base::ConfigNode& node, Limits& limits);
 
-/// Where a run is flown: keys `world`, `model_path` and `missing` of a simulation file.
+/// Where a run is flown: keys `world`, `model_path`, `missing` and `collada_up_axis` of a
+/// simulation file.
 struct ScenarioWorld {
   std::filesystem::path sdf;  ///< empty: flat ground at the height of home
   std::vector<std::filesystem::path> model_path;
   bool ignore_missing = false;
+  bool applies_up_axis = false;
 };
 
-/// Start pose of a vehicle, as in a world: x east and y north of home, z of its
-/// lowest point.
+/// Start pose of a vehicle, as in a world: x east and y north of home, z of its lowest point.
 struct VehiclePose {
   double x_m = 0;
   double y_m = 0;
-  double z_m = 0;
-  double yaw_deg = 90;  ///< of the nose, counter-clockwise from east: north
+  std::optional<double> z_m{};  ///< nullopt: on the uppermost surface
+  double yaw_deg = 90;          ///< of the nose, counter-clockwise from east: north
 };
 
 /// One vehicle of a scenario. Keys are the members' names.

@@ -172,8 +172,9 @@ mv::DistanceSensor to_distance_sensor(const RangeSample& sample) {
   packet.type = mv::MavDistanceSensor::kLaser;
   set_direction(packet, sample.direction_B);
   packet.covariance = kUnknownCovariance;
-  packet.signal_quality =
-      sample.valid && !std::isnan(sample.distance_m) ? kFullSignal : kInvalidSignal;
+  // Centimetres in 16 bits end at 655 m.
+  const bool fits = sample.distance_m >= 0 && sample.distance_m * 100.0 < kUnknown16;
+  packet.signal_quality = sample.valid && fits ? kFullSignal : kInvalidSignal;
   return packet;
 }
 

@@ -138,7 +138,7 @@ class Bench:
         self._params = dict(params or {})
         self._plugins = [*plugins, *([{"plugin": "wind", **wind}] if wind else []),
                          *([{"plugin": "fault", "faults": [dict(each) for each in faults]}] if faults else [])]
-        self._pose: dict[str, float] = {"x_m": 0, "y_m": 0, "z_m": 0, "yaw_deg": 90, **(pose or {})}
+        self._pose: dict[str, float] = {"x_m": 0, "y_m": 0, "yaw_deg": 90, **(pose or {})}
         self._world = world
         self._home = dict(home or {"lat_deg": 47.397742, "lon_deg": 8.545594, "alt_m": 488.0})
         self._seed = seed

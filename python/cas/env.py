@@ -97,7 +97,7 @@ class Env:
                            ("faults", [dict(each) for each in faults])):
             if value:
                 setup[key] = value if isinstance(value, (str, list)) else dict(cast(Mapping[str, Any], value))
-        setup["pose"] = {"x_m": 0, "y_m": 0, "z_m": 0, "yaw_deg": 90, **(pose or {})}
+        setup["pose"] = {"x_m": 0, "y_m": 0, "yaw_deg": 90, **(pose or {})}
         varied = json.dumps([dict(each) for each in vary]) if vary else ""
         core: _Core = _told(lambda: _extension().StepEnv(json.dumps(setup), varied, stand, observe, period_us))
         self._core = core

@@ -72,7 +72,7 @@ class CheckLayersTest(unittest.TestCase):
             ("libsim/core/run/sim_runner.cpp", "<ode/ode.h>"),
             ("libsim/core/run/sim_runner.cpp", "<CLI/CLI.hpp>"),
             ("libsim/core/body/shape.cpp", '"libsim/core/run/sim_world.hpp"'),
-            ("libsim/core/load/uri.cpp", '"libsim/core/run/sim_world.hpp"'),
+            ("libsim/core/load/mesh_file.cpp", '"libsim/core/run/sim_world.hpp"'),
             ("plugins/imu/imu_model.cpp", '"libsim/core/run/sim_world.hpp"'),
             ("plugins/imu/imu_model.cpp", '"mavlink/common/all.hpp"'),
             ("plugins/gps/gps_plugin.cpp", '"plugins/imu/imu_model.hpp"'),

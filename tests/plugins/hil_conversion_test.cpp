@@ -223,6 +223,18 @@ TEST(DistanceSensor, AReadingThatIsNotANumberIsInvalid) {
   EXPECT_EQ(packet.current_distance, 65535);
 }
 
+TEST(DistanceSensor, AReadingBeyondItsFieldIsInvalid) {
+  RangeSample sample;
+  sample.valid = true;
+  sample.max_m = 2000;
+  sample.distance_m = 655.3;
+  EXPECT_EQ(to_distance_sensor(sample).signal_quality, 100);
+  for (const double distance_m : {655.36, 700.0, 1500.0, 1e9, -0.1}) {
+    sample.distance_m = distance_m;
+    EXPECT_EQ(to_distance_sensor(sample).signal_quality, 1) << distance_m;
+  }
+}
+
 TEST(DistanceSensor, CarriesCentimetresDownwards) {
   RangeSample sample;
   sample.time = base::SimTime(std::chrono::milliseconds(1234));

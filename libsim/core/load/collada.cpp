@@ -1,233 +1,151 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/collada.hpp"
 
-#include <charconv>
+#include <algorithm>
 #include <cmath>
-#include <map>
+#include <initializer_list>
 #include <utility>
 
 #include "base/angles.hpp"
-#include "base/config/xml_tree.hpp"
-#include "base/error.hpp"
+#include "libsim/core/load/collada_document.hpp"
+#include "libsim/core/load/collada_geometry.hpp"
 
 namespace cas::sim {
 
-using base::parse_xml;
 using base::XmlElement;
 
 namespace {
 
-using Indices = std::vector<std::uint32_t>;
+constexpr int kDeepest = 64;             // a node library may name itself
+constexpr std::size_t kNodes = 100'000;  // nodes that name each other twice double with each level
 
-/// The numbers of a text, separated by white space.
-template <class Number>
-std::vector<Number> numbers(std::string_view text) {
-  constexpr std::string_view kSpace = " \t\r\n";
-  std::vector<Number> all;
-  for (std::size_t at = text.find_first_not_of(kSpace); at != std::string_view::npos;
-       at = text.find_first_not_of(kSpace, at)) {
-    Number value{};
-    const char* const begin = text.data() + at;
-    const auto [end, error] = std::from_chars(begin, text.data() + text.size(), value);
-    if (error != std::errc{}) break;
-    all.push_back(value);
-    at += static_cast<std::size_t>(end - begin);
-  }
-  return all;
+bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
+  return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-Eigen::Affine3d axis_rotation(const std::vector<double>& v) {
-  return Eigen::Affine3d(
-      Eigen::AngleAxisd(base::radians(v[3]), Eigen::Vector3d(v[0], v[1], v[2]).normalized()));
-}
-
-/// One of the transformations of a <node>, or nothing for its other children.
-bool apply(const XmlElement& element, Eigen::Affine3d& X) {
-  const auto takes = [&](std::string_view name, std::size_t count, std::vector<double>& v) {
-    if (element.name != name) return false;
-    v = numbers<double>(element.text);
-    return v.size() >= count;
-  };
-  std::vector<double> v;
-  if (takes("matrix", 16, v)) {
-    X = X * Eigen::Affine3d(
-                Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(v.data()).eval());
-  } else if (takes("translate", 3, v)) {
-    X.translate(Eigen::Vector3d(v[0], v[1], v[2]));
-  } else if (takes("rotate", 4, v)) {
-    X = X * axis_rotation(v);
-  } else if (takes("scale", 3, v)) {
-    X.scale(Eigen::Vector3d(v[0], v[1], v[2]));
-  } else {
-    return false;
-  }
-  return true;
-}
-
-class Collada {
+/// Follows the nodes of the scene.
+class Scene {
  public:
-  Collada(const XmlElement& root, std::string file) : root_(root), file_(std::move(file)) {
-    if (root_.name != "COLLADA") fail("is no COLLADA file");
-    index(root_);
-  }
+  Scene(const ColladaDocument& document, const MeshOptions& options)
+      : document_(document), options_(options), geometry_(document, options) {}
 
   TriangleMesh run() {
-    const Eigen::Affine3d X = to_metres_z_up();
-    const XmlElement* const scene = root_.child("scene");
+    const XmlElement& root = document_.root();
+    const Eigen::Affine3d X = to_metres();
+    const XmlElement* const scene = root.child("scene");
     const XmlElement* const instance = scene ? scene->child("instance_visual_scene") : nullptr;
     if (instance != nullptr) {
-      take_nodes(target(*instance, "url"), X, 0);
-    } else if (const XmlElement* library = root_.child("library_geometries")) {
-      for (const XmlElement& geometry : library->children) take_geometry(geometry, X);
+      take_nodes(document_.target(*instance, "url", "visual_scene"), X, 0);
+    } else if (const XmlElement* library = root.child("library_geometries")) {
+      for (const XmlElement& each : library->children) geometry_.take(each, X);
     }
-    return std::move(mesh_);
+    return geometry_.release();
   }
 
  private:
-  [[noreturn]] void fail(const std::string& sentence) const {
-    throw base::ConfigError(file_ + ": " + sentence);
-  }
-
-  void index(const XmlElement& element) {
-    if (const auto id = element.attribute("id"); !id.empty()) by_id_.emplace(id, &element);
-    for (const XmlElement& child : element.children) index(child);
-  }
-
-  /// The element that "#id" in an attribute names.
-  const XmlElement& target(const XmlElement& element, std::string_view key) const {
-    std::string_view url = element.attribute(key);
-    if (!url.empty() && url.front() == '#') url.remove_prefix(1);
-    const auto found = by_id_.find(url);
-    if (found == by_id_.end()) fail("names '" + std::string(url) + "', which it does not have");
-    return *found->second;
-  }
-
-  Eigen::Affine3d to_metres_z_up() const {
+  /// Unit and, if it is applied, up axis.
+  Eigen::Affine3d to_metres() const {
     Eigen::Affine3d X = Eigen::Affine3d::Identity();
-    const XmlElement* const asset = root_.child("asset");
-    if (asset == nullptr) return X;
-    const XmlElement* const up = asset->child("up_axis");
-    const bool z_up = up != nullptr && up->text.find("Z_UP") != std::string::npos;
-    const bool x_up = up != nullptr && up->text.find("X_UP") != std::string::npos;
-    if (x_up) X.rotate(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitY()));
-    if (!x_up && !z_up) X.rotate(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
-    if (const XmlElement* const unit = asset->child("unit")) {
-      const auto metres = numbers<double>(unit->attribute("meter"));
-      if (!metres.empty() && metres.front() > 0) X.scale(metres.front());
+    const XmlElement* const asset = document_.root().child("asset");
+    const XmlElement* const up = asset ? asset->child("up_axis") : nullptr;
+    std::string_view text = up ? up->text : std::string_view("Y_UP");  // COLLADA's default
+    const std::string_view axis = base::next_word(text);
+    if (!is_one_of(axis, {"X_UP", "Y_UP", "Z_UP"})) {
+      document_.fail(*up, "<up_axis> is X_UP, Y_UP or Z_UP");
+    }
+    if (options_.up_axis == UpAxis::kApplied) {
+      if (axis == "X_UP") X.rotate(Eigen::AngleAxisd(-M_PI / 2, Eigen::Vector3d::UnitY()));
+      if (axis == "Y_UP") X.rotate(Eigen::AngleAxisd(M_PI / 2, Eigen::Vector3d::UnitX()));
+    } else if (up != nullptr && axis != "Z_UP") {
+      options_.warn(document_.place(*up) + ": <up_axis> " + std::string(axis) +
+                    " does not turn the mesh, as in Gazebo; 'collada_up_axis: applied' does");
+    }
+    if (const XmlElement* const unit = asset ? asset->child("unit") : nullptr) {
+      if (unit->attributes.contains("meter")) X.scale(metres_of(*unit));
     }
     return X;
   }
 
+  double metres_of(const XmlElement& unit) const {
+    const double metres = document_.number<double>(unit, "meter");
+    if (metres <= 0) document_.fail(unit, "<unit>: 'meter' must be above 0");
+    return metres;
+  }
+
   /// The geometries of a scene or a node, and of the nodes below.
   void take_nodes(const XmlElement& parent, const Eigen::Affine3d& X_parent, int depth) {
-    constexpr int kDeepest = 64;  // a node library may name itself
-    if (depth > kDeepest) fail("has nodes that name each other without end");
+    if (depth > kDeepest) document_.fail(parent, "has nodes that name each other without end");
+    if (++nodes_ > kNodes) {
+      document_.fail(parent, "more than " + std::to_string(kNodes) +
+                                 " nodes are named from here, or they name each other");
+    }
     Eigen::Affine3d X = X_parent;
     for (const XmlElement& element : parent.children) {
-      if (apply(element, X)) continue;
-      if (element.name == "node") take_nodes(element, X, depth + 1);
-      if (element.name == "instance_node") take_nodes(target(element, "url"), X, depth + 1);
-      if (element.name == "instance_geometry") take_geometry(target(element, "url"), X);
-    }
-  }
-
-  void take_geometry(const XmlElement& geometry, const Eigen::Affine3d& X) {
-    const XmlElement* const mesh = geometry.child("mesh");
-    if (mesh == nullptr) return;
-    for (const XmlElement& part : mesh->children) {
-      if (part.name == "triangles" || part.name == "polylist" || part.name == "polygons") {
-        take_faces(part, X);
+      if (element.name == "node") {
+        take_nodes(element, X, depth + 1);
+      } else if (element.name == "instance_node") {
+        take_nodes(document_.target(element, "url", "node"), X, depth + 1);
+      } else if (element.name == "instance_geometry") {
+        geometry_.take(document_.target(element, "url", "geometry"), X);
+      } else if (element.name == "instance_controller") {
+        options_.warn(document_.place(element) +
+                      ": <instance_controller> is left out: skins and morphs are not read");
+      } else if (!apply(element, X)) {
+        document_.require_known(
+            element, {"asset", "extra", "instance_camera", "instance_light", "evaluate_scene"});
       }
     }
   }
 
-  void take_faces(const XmlElement& part, const Eigen::Affine3d& X) {
-    std::size_t stride = 0;
-    std::size_t offset = 0;
-    const XmlElement* vertices = nullptr;
-    for (const XmlElement& input : part.children) {
-      if (input.name != "input") continue;
-      const auto at = numbers<std::uint32_t>(input.attribute("offset"));
-      const std::size_t place = at.empty() ? 0 : at.front();
-      stride = std::max(stride, place + 1);
-      if (input.attribute("semantic") != "VERTEX") continue;
-      offset = place;
-      vertices = &target(input, "source");
-    }
-    if (vertices == nullptr) return;
-    const auto first = static_cast<std::uint32_t>(mesh_.vertices.size());
-    const std::size_t count = add_positions(*vertices, X);
-    const XmlElement* const lengths = part.child("vcount");
-    const Indices face_lengths = lengths ? numbers<std::uint32_t>(lengths->text) : Indices{};
-    for (const XmlElement& list : part.children) {
-      if (list.name != "p") continue;
-      const Indices all = numbers<std::uint32_t>(list.text);
-      Indices corners;
-      for (std::size_t i = offset; i < all.size(); i += stride) {
-        if (all[i] >= count) fail("has a face that names no vertex: " + std::to_string(all[i]));
-        corners.push_back(first + all[i]);
+  /// One of the transformations of a <node>. @return false for its other children
+  bool apply(const XmlElement& element, Eigen::Affine3d& X) const {
+    if (element.name == "matrix") {
+      X = X * matrix_of(element);
+    } else if (element.name == "translate") {
+      X.translate(vector_of(element));
+    } else if (element.name == "scale") {
+      X.scale(vector_of(element));
+    } else if (element.name == "rotate") {
+      const std::vector<double> v = document_.numbers<double>(element, 4);
+      const Eigen::Vector3d axis(v[0], v[1], v[2]);
+      if (axis.norm() > 0) {
+        X.rotate(Eigen::AngleAxisd(base::radians(v[3]), axis.normalized()));
+      } else if (v[3] != 0) {
+        document_.fail(element, "<rotate> has an axis of length zero");
       }
-      cut_into_faces(part.name, corners, face_lengths);
-    }
-  }
-
-  /// The positions behind <vertices>. @return how many
-  std::size_t add_positions(const XmlElement& vertices, const Eigen::Affine3d& X) {
-    for (const XmlElement& input : vertices.children) {
-      if (input.name != "input" || input.attribute("semantic") != "POSITION") continue;
-      const XmlElement& source = target(input, "source");
-      const XmlElement* const array = source.child("float_array");
-      if (array == nullptr) fail("has positions without numbers");
-      const std::vector<double> v = numbers<double>(array->text);
-      const std::size_t step = stride_of(source);
-      for (std::size_t i = 0; i + 2 < v.size(); i += step) {
-        mesh_.vertices.push_back(X * Eigen::Vector3d(v[i], v[i + 1], v[i + 2]));
-      }
-      return v.size() / step;
-    }
-    fail("has vertices without positions");
-  }
-
-  static std::size_t stride_of(const XmlElement& source) {
-    const XmlElement* const common = source.child("technique_common");
-    const XmlElement* const accessor = common ? common->child("accessor") : nullptr;
-    const auto stride =
-        accessor ? numbers<std::uint32_t>(accessor->attribute("stride")) : Indices{};
-    return stride.empty() || stride.front() < 3 ? 3 : stride.front();
-  }
-
-  void cut_into_faces(std::string_view kind, const Indices& corners, const Indices& lengths) {
-    if (kind == "triangles") {
-      for (std::size_t i = 0; i + 2 < corners.size(); i += 3) add_fan(corners, i, 3);
-    } else if (kind == "polygons") {
-      add_fan(corners, 0, corners.size());
     } else {
-      std::size_t at = 0;
-      for (const std::uint32_t length : lengths) {
-        if (at + length > corners.size()) fail("has a polylist with too few corners");
-        add_fan(corners, at, length);
-        at += length;
-      }
+      return false;
     }
+    if (!X.matrix().allFinite()) document_.fail(element, "<" + element.name + "> is too large");
+    return true;
   }
 
-  void add_fan(const Indices& corners, std::size_t at, std::size_t length) {
-    for (std::size_t i = 2; i < length; ++i) {
-      mesh_.triangles.push_back({corners[at], corners[at + i - 1], corners[at + i]});
-    }
+  Eigen::Vector3d vector_of(const XmlElement& element) const {
+    return Eigen::Vector3d(document_.numbers<double>(element, 3).data());
   }
 
-  const XmlElement& root_;
-  std::string file_;
-  std::map<std::string_view, const XmlElement*> by_id_;
-  TriangleMesh mesh_;
+  Eigen::Affine3d matrix_of(const XmlElement& element) const {
+    using Matrix = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
+    const std::vector<double> v = document_.numbers<double>(element, 16);
+    const Matrix matrix = Eigen::Map<const Matrix>(v.data());
+    if (!matrix.row(3).isApprox(Eigen::RowVector4d(0, 0, 0, 1), 1e-6)) {
+      document_.fail(element, "the last row of <matrix> must be 0 0 0 1");
+    }
+    return Eigen::Affine3d(matrix);
+  }
+
+  const ColladaDocument& document_;
+  const MeshOptions& options_;
+  ColladaGeometry geometry_;
+  std::size_t nodes_ = 0;
 };
 
 }  // namespace
 
-TriangleMesh parse_collada(std::string_view text, const std::string& file) {
-  const XmlElement root = parse_xml(text, file);
-  return Collada(root, file).run();
+TriangleMesh parse_collada(std::string_view text, const std::string& file,
+                           const MeshOptions& options) {
+  const ColladaDocument document(text, file);
+  return Scene(document, options).run();
 }
 
 }  // namespace cas::sim

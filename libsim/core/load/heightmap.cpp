@@ -3,10 +3,11 @@
 
 #include <png.h>
 
+#include <algorithm>
 #include <cstdint>
-#include <cstdio>
-#include <memory>
+#include <cstring>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/error.hpp"
@@ -16,7 +17,10 @@ namespace cas::sim {
 
 namespace {
 
-/// Heights of the pixels, 0 to 1, row by row.
+/// A file of the largest image that is not compressed, with room for texts in it.
+constexpr std::size_t kMostBytes = 32U << 20U;
+
+/// Brightness of the pixels, row by row.
 struct GreyImage {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
@@ -26,11 +30,10 @@ struct GreyImage {
 /// libpng's reader for one file; its errors become exceptions.
 class PngReader {
  public:
-  explicit PngReader(const std::filesystem::path& file)
-      : name_(file.string()), file_(base::open_foreign_file(file, "heightmap")) {
+  PngReader(std::string_view bytes, const std::string& file) : name_(file), rest_(bytes) {
     png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, &on_error, &on_warning);
     info_ = png_create_info_struct(png_);
-    png_init_io(png_, file_.get());
+    png_set_read_fn(png_, this, &on_read);
   }
   ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
   PngReader(const PngReader&) = delete;
@@ -73,7 +76,7 @@ class PngReader {
     for (std::size_t row = 0; row < image.height; ++row) {
       for (std::size_t column = 0; column < image.width; ++column) {
         const std::uint8_t* const pixel = &bytes[row * row_bytes + column * pixel_bytes];
-        image.values.push_back(wide ? (256.0 * pixel[0] + pixel[1]) / 65535.0 : pixel[0] / 255.0);
+        image.values.push_back(wide ? 256.0 * pixel[0] + pixel[1] : pixel[0]);
       }
     }
   }
@@ -83,18 +86,26 @@ class PngReader {
     throw base::ConfigError(self->name_ + ": is no PNG image: " + text);
   }
   static void on_warning(png_structp, png_const_charp) {}
+  static void on_read(png_structp png, png_bytep out, png_size_t size) {
+    auto* const self = static_cast<PngReader*>(png_get_io_ptr(png));
+    if (size > self->rest_.size()) png_error(png, "the file is cut");
+    std::memcpy(out, self->rest_.data(), size);
+    self->rest_.remove_prefix(size);
+  }
 
-  std::string name_;
-  base::OpenFile file_;
+  const std::string& name_;
+  std::string_view rest_;  // still to be read
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
 };
 
 }  // namespace
 
-TriangleMesh load_heightmap(const std::filesystem::path& file, const Eigen::Vector3d& size_m,
-                            const Eigen::Vector3d& offset_m) {
-  const GreyImage image = PngReader(file).read();
+TriangleMesh parse_heightmap(std::string_view bytes, const std::string& file,
+                             const Eigen::Vector3d& size_m, const Eigen::Vector3d& offset_m) {
+  const GreyImage image = PngReader(bytes, file).read();
+  const double brightest = std::ranges::max(image.values);
+  const double height_m = brightest > 0 ? size_m.z() / brightest : 0;  // of one step of brightness
   const Eigen::Vector3d first(-0.5 * size_m.x(), 0.5 * size_m.y(), 0);
   const Eigen::Vector3d step(size_m.x() / (image.width - 1), -size_m.y() / (image.height - 1), 0);
   TriangleMesh mesh;
@@ -103,7 +114,7 @@ TriangleMesh load_heightmap(const std::filesystem::path& file, const Eigen::Vect
   for (std::uint32_t row = 0; row < image.height; ++row) {
     for (std::uint32_t column = 0; column < image.width; ++column) {
       const std::uint32_t a = row * image.width + column;
-      const Eigen::Vector3d place(column * step.x(), row * step.y(), size_m.z() * image.values[a]);
+      const Eigen::Vector3d place(column * step.x(), row * step.y(), height_m * image.values[a]);
       mesh.vertices.push_back(offset_m + first + place);
       if (row == 0 || column == 0) continue;
       const std::uint32_t left = a - 1;
@@ -113,6 +124,12 @@ TriangleMesh load_heightmap(const std::filesystem::path& file, const Eigen::Vect
     }
   }
   return mesh;
+}
+
+TriangleMesh load_heightmap(const std::filesystem::path& file, const Eigen::Vector3d& size_m,
+                            const Eigen::Vector3d& offset_m) {
+  return parse_heightmap(base::read_foreign_file(file, "heightmap", kMostBytes), file.string(),
+                         size_m, offset_m);
 }
 
 }  // namespace cas::sim

@@ -1,137 +1,70 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/mesh_file.hpp"
 
-#include <algorithm>
-#include <bit>
-#include <cctype>
-#include <cstring>
 #include <limits>
-#include <sstream>
 #include <string>
+#include <utility>
 
-#include "base/byte_order_mark.hpp"
 #include "base/error.hpp"
 #include "base/read_file.hpp"
+#include "base/text.hpp"
 #include "libsim/core/load/collada.hpp"
+#include "libsim/core/load/obj.hpp"
+#include "libsim/core/load/stl.hpp"
 
 namespace cas::sim {
 
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "STL is read as it stands in memory");
-
 /// Five million triangles of binary STL.
 constexpr std::size_t kMostBytes = 256U << 20U;
+constexpr double kFarthest_m = 1e8;
 
-[[noreturn]] void fail(const std::filesystem::path& file, const std::string& sentence) {
-  throw base::ConfigError(file.string() + ": " + sentence);
+[[noreturn]] void fail(const std::string& file, const std::string& sentence) {
+  throw base::ConfigError(file + ": " + sentence);
 }
 
-void add_triangle(TriangleMesh& mesh, const std::array<Eigen::Vector3d, 3>& corners) {
-  const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-  mesh.vertices.insert(mesh.vertices.end(), corners.begin(), corners.end());
-  mesh.triangles.push_back({first, first + 1, first + 2});
-}
-
-// Binary STL: 80 bytes, a count, then per triangle 12 floats (normal, three corners) and 2 bytes.
-constexpr std::size_t kStlHeader = 84;
-constexpr std::size_t kStlTriangle = 50;
-
-std::uint32_t stl_count(const std::string& bytes) {
-  std::uint32_t count = 0;
-  std::memcpy(&count, bytes.data() + 80, sizeof(count));
-  return count;
-}
-
-bool is_binary_stl(const std::string& bytes) {
-  return bytes.size() >= kStlHeader &&
-         bytes.size() == kStlHeader + kStlTriangle * std::size_t{stl_count(bytes)};
-}
-
-TriangleMesh parse_binary_stl(const std::string& bytes) {
-  TriangleMesh mesh;
-  for (std::size_t i = 0; i < stl_count(bytes); ++i) {
-    std::array<float, 12> values;
-    std::memcpy(values.data(), bytes.data() + kStlHeader + i * kStlTriangle, sizeof(values));
-    std::array<Eigen::Vector3d, 3> corners;
-    for (std::size_t c = 0; c < 3; ++c) {
-      corners[c] = Eigen::Vector3f(&values[3 + 3 * c]).cast<double>();
-    }
-    add_triangle(mesh, corners);
-  }
-  return mesh;
-}
-
-TriangleMesh parse_text_stl(const std::filesystem::path& file, const std::string& bytes) {
-  TriangleMesh mesh;
-  std::istringstream in(bytes);
-  std::array<Eigen::Vector3d, 3> corners;
-  std::size_t corner = 0;
-  for (std::string word; in >> word;) {
-    if (word != "vertex") continue;
-    Eigen::Vector3d& v = corners[corner];
-    if (!(in >> v.x() >> v.y() >> v.z())) fail(file, "is neither binary nor text STL");
-    if (++corner < 3) continue;
-    add_triangle(mesh, corners);
-    corner = 0;
-  }
-  return mesh;
-}
-
-/// "7", "7/1/3" or "-1": vertex number, counted from 1 or from the end.
-std::uint32_t obj_index(const std::filesystem::path& file, const std::string& word,
-                        std::size_t vertices) {
-  const long number = std::strtol(word.c_str(), nullptr, 10);
-  const long index = number < 0 ? static_cast<long>(vertices) + number : number - 1;
-  if (index < 0 || index >= static_cast<long>(vertices))
-    fail(file, "face names no vertex: " + word);
-  return static_cast<std::uint32_t>(index);
-}
-
-TriangleMesh parse_obj(const std::filesystem::path& file, const std::string& bytes) {
-  TriangleMesh mesh;
-  std::istringstream lines{std::string(base::without_byte_order_mark(bytes))};
-  for (std::string line; std::getline(lines, line);) {
-    std::istringstream words(line);
-    std::string word;
-    words >> word;
-    if (word == "v") {
-      Eigen::Vector3d v;
-      if (!(words >> v.x() >> v.y() >> v.z())) fail(file, "vertex without three numbers");
-      mesh.vertices.push_back(v);
-    } else if (word == "f") {
-      std::vector<std::uint32_t> face;
-      while (words >> word) face.push_back(obj_index(file, word, mesh.vertices.size()));
-      for (std::size_t i = 2; i < face.size(); ++i) {
-        mesh.triangles.push_back({face[0], face[i - 1], face[i]});
-      }
+/// With a negative scale the mesh is mirrored: its triangles keep their outer side.
+void scale_by(const Eigen::Vector3d& scale, const std::string& file, TriangleMesh& mesh) {
+  for (Eigen::Vector3d& v : mesh.vertices) {
+    v = v.cwiseProduct(scale);
+    if (!(v.cwiseAbs().maxCoeff() <= kFarthest_m)) {
+      fail(file, "mesh has a vertex that is not finite, or farther away than 1e8 m");
     }
   }
-  return mesh;
+  if (scale.prod() > 0) return;
+  for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
 }
 
 }  // namespace
 
-TriangleMesh load_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale) {
-  const std::string bytes = base::read_foreign_file(file, "mesh", kMostBytes);
-  std::string kind = file.extension().string();
-  std::transform(kind.begin(), kind.end(), kind.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+TriangleMesh parse_mesh(std::string_view bytes, const std::filesystem::path& file,
+                        const MeshOptions& options) {
+  const std::string kind = base::lower(file.extension().string());
+  const std::string name = file.string();
   TriangleMesh mesh;
   if (kind == ".stl") {
-    mesh = is_binary_stl(bytes) ? parse_binary_stl(bytes) : parse_text_stl(file, bytes);
+    mesh = parse_stl(bytes, name, options);
   } else if (kind == ".obj") {
-    mesh = parse_obj(file, bytes);
+    mesh = parse_obj(bytes, name, options);
   } else if (kind == ".dae") {
-    mesh = parse_collada(bytes, file.string());
+    mesh = parse_collada(bytes, name, options);
   } else {
-    fail(file, "mesh format is not supported; convert it to STL, OBJ or COLLADA");
+    fail(name, "mesh format is not supported; convert it to STL, OBJ or COLLADA");
   }
-  if (mesh.triangles.empty()) fail(file, "mesh has no triangle");
-  for (Eigen::Vector3d& v : mesh.vertices) {
-    v = v.cwiseProduct(scale);
-    if (!v.allFinite()) fail(file, "mesh has a vertex that is not finite");
+  if (mesh.triangles.empty()) fail(name, "mesh has no triangle");
+  if (mesh.triangles.size() > kMostTriangles) {
+    fail(name, "mesh has more than the " + std::to_string(kMostTriangles) +
+                   " triangles that are simulated");
   }
+  return mesh;
+}
+
+TriangleMesh load_mesh(const std::filesystem::path& file, const Eigen::Vector3d& scale,
+                       const MeshOptions& options) {
+  if (!(scale.cwiseAbs().minCoeff() > 0)) fail(file.string(), "a mesh cannot be scaled by 0");
+  TriangleMesh mesh = parse_mesh(base::read_foreign_file(file, "mesh", kMostBytes), file, options);
+  scale_by(scale, file.string(), mesh);
   return mesh;
 }
 

@@ -3,17 +3,24 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <string_view>
 
 #include "libsim/core/body/shape.hpp"
 #include "libsim/core/export.hpp"
+#include "libsim/core/load/mesh_options.hpp"
 
 namespace cas::sim {
 
 /// Reads an STL (binary or text), Wavefront OBJ or COLLADA (.dae) file; `scale` is applied per
-/// axis. Materials, normals and colours are left out. @throws base::ConfigError for any other or a
-/// damaged file
+/// axis and may mirror. Materials, normals and colours are left out.
+/// @throws base::ConfigError naming the file, and of text the line, for any other or damaged file
 CAS_SIM_EXPORT TriangleMesh load_mesh(const std::filesystem::path& file,
-                                      const Eigen::Vector3d& scale = Eigen::Vector3d::Ones());
+                                      const Eigen::Vector3d& scale = Eigen::Vector3d::Ones(),
+                                      const MeshOptions& options = {});
+
+/// The same from what such a file holds, in its own units. @param file  whose name tells the format
+CAS_SIM_EXPORT TriangleMesh parse_mesh(std::string_view bytes, const std::filesystem::path& file,
+                                       const MeshOptions& options);
 
 /// The mesh's bounding box along its own axes, and the box's centre.
 CAS_SIM_EXPORT Box bounding_box(const TriangleMesh& mesh, Eigen::Vector3d& centre);

@@ -48,6 +48,11 @@ void take_as_box(const TriangleMesh& mesh, Shape& shape) {
   shape.pose.translate(centre);
 }
 
+/// Of the meshes of a vehicle's collisions.
+MeshOptions mesh_options(VehicleModel& model) {
+  return {.up_axis = model.up_axis, .warnings = &model.warnings};
+}
+
 void require_shapes(const std::filesystem::path& file, const VehicleModel& model) {
   if (!model.shapes.empty()) return;
   fail(file, "has no <collision> geometry: the vehicle would fall through the ground");
@@ -56,7 +61,9 @@ void require_shapes(const std::filesystem::path& file, const VehicleModel& model
 /// The shapes of a model file; mass, places and axes are base::ModelBody's.
 class ShapeReader {
  public:
-  explicit ShapeReader(const base::ModelBody& body) : body_(body) {}
+  ShapeReader(const base::ModelBody& body, UpAxis up_axis) : body_(body) {
+    model_.up_axis = up_axis;
+  }
 
   VehicleModel run() {
     take_mass();
@@ -99,9 +106,10 @@ class ShapeReader {
       const auto found = find_mesh(from);
       if (!found) {
         throw base::ConfigError(from.place + ": link '" + from.link + "': mesh '" + from.uri +
-                                "' is nowhere to be found");
+                                "' is nowhere to be found; looked for it at " +
+                                base::searched_places(from.uri, from.file.parent_path(), {}));
       }
-      take_as_box(load_mesh(*found, from.size), shape);
+      take_as_box(load_mesh(*found, from.size, mesh_options(model_)), shape);
     } else {
       model_.warnings.push_back(from.place + ": link '" + from.link + "': a <" + from.word +
                                 "> collision is left out; boxes, spheres, cylinders and meshes "
@@ -122,9 +130,7 @@ class ShapeReader {
 
   static std::optional<std::filesystem::path> find_mesh(const base::ModelShape& from) {
     if (from.form != base::ModelShape::Form::kMesh) return std::nullopt;
-    const std::filesystem::path folder = from.file.parent_path();
-    if (auto found = base::find_package_file(from.uri, folder)) return found;
-    return base::find_model_file(from.uri, folder, base::folders_above(from.file));
+    return base::find_model_file(from.uri, from.file.parent_path(), {});
   }
 
   /// Nothing for a mesh or a form that is not known.
@@ -151,10 +157,11 @@ bool is_physical_inertia(const Eigen::Matrix3d& inertia) {
   return base::is_physical_inertia(inertia);
 }
 
-VehicleModel load_vehicle_model(const std::filesystem::path& file, const base::ModelParts& parts) {
+VehicleModel load_vehicle_model(const std::filesystem::path& file, const base::ModelParts& parts,
+                                UpAxis up_axis) {
   const auto body = base::read_model_body(file, parts);
   if (!body) fail(file, "vehicle model cannot be read");
-  return ShapeReader(*body).run();
+  return ShapeReader(*body, up_axis).run();
 }
 
 VehicleModel load_vehicle_model(const std::filesystem::path& file) {

@@ -11,6 +11,7 @@
 #include "libsim/core/body/rigid_body.hpp"
 #include "libsim/core/body/shape.hpp"
 #include "libsim/core/export.hpp"
+#include "libsim/core/load/mesh_options.hpp"
 
 namespace cas::sim {
 
@@ -40,8 +41,9 @@ struct VehicleModel {
   std::string name;
   MassProperties mass;
   Eigen::Vector3d cog_in_root_m = Eigen::Vector3d::Zero();
-  std::vector<Shape> shapes;    ///< poses in B; meshes as their bounding boxes
-  std::vector<Visual> visuals;  ///< poses in B; without those of rotors, which turn
+  std::vector<Shape> shapes;          ///< poses in B; meshes as their bounding boxes
+  std::vector<Visual> visuals;        ///< poses in B; without those of rotors, which turn
+  UpAxis up_axis = UpAxis::kIgnored;  ///< of its COLLADA meshes
   std::vector<ModelRotor> rotors;
   std::vector<std::string> warnings;  ///< one sentence for each repair or omission
 };
@@ -49,10 +51,12 @@ struct VehicleModel {
 /// Reads the model of a vehicle, an SDF or URDF file (base::read_model_body()), also one that
 /// SolidWorks exported (several links, package:// meshes). Rotors count with their mass and inertia
 /// at rest.
-/// @param parts  as the vehicle file has them
+/// @param parts    as the vehicle file has them
+/// @param up_axis  of COLLADA meshes
 /// @throws base::ConfigError naming file and element
 CAS_SIM_EXPORT VehicleModel load_vehicle_model(const std::filesystem::path& file,
-                                               const base::ModelParts& parts);
+                                               const base::ModelParts& parts,
+                                               UpAxis up_axis = UpAxis::kIgnored);
 /// The same of a vehicle without `parts`.
 CAS_SIM_EXPORT VehicleModel load_vehicle_model(const std::filesystem::path& file);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/sdf_omissions.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -39,8 +40,21 @@ std::string text_of(double value) {
   return text.data();
 }
 
-std::string name_of(const sdf::Element& element) {
-  return element.HasAttribute("name") ? element.GetAttribute("name")->GetAsString() : std::string();
+std::string attribute(const sdf::Element& element, const std::string& key) {
+  return element.HasAttribute(key) ? element.GetAttribute(key)->GetAsString() : std::string();
+}
+
+std::string name_of(const sdf::Element& element) { return attribute(element, "name"); }
+
+/// Whether a plugin of Gazebo makes a flying vehicle of its model.
+bool turns_rotors(const std::string& plugin_file) {
+  constexpr std::array<std::string_view, 7> kPlugins{
+      "motor_model",         "motor-model",     "MulticopterMotorModel", "multicopter-motor-model",
+      "multicopter-control", "ArduPilotPlugin", "mavlink_interface"};
+  const auto is_part = [&](std::string_view name) {
+    return plugin_file.find(name) != std::string::npos;
+  };
+  return std::any_of(kPlugins.begin(), kPlugins.end(), is_part);
 }
 
 /// Collects sentences; the same place and sentence (a model that is included twice) counts once.
@@ -102,7 +116,16 @@ class Walk {
     if (const auto joint = child(model, "joint")) {
       note("joints", joint, who + " has joints; they are stiff here");
     }
+    bool is_vehicle = false;
     for_each(model, "plugin", [&](const sdf::ElementPtr& part) {
+      const std::string file = attribute(*part, "filename");
+      if (!is_vehicle && turns_rotors(file)) {
+        is_vehicle = true;
+        note("vehicle", part,
+             who + " is a vehicle (its <plugin> '" + name_of(*part) + "' is " + file +
+                 "): here it stands in the world as an obstacle beside the one that flies, which "
+                 "'vehicle' names; take it out");
+      }
       note("model plugin", part, who + ": <plugin" + named(*part) + "> is left out");
     });
     for_each(model, "link", [&](const sdf::ElementPtr& link) { look_at_link(link, path); });

@@ -12,6 +12,7 @@
 #include "base/config/install_paths.hpp"
 #include "base/config/key_table.hpp"
 #include "base/config/sensor_set.hpp"
+#include "base/earth/wmm2025.hpp"
 #include "base/os/cpu_latency.hpp"
 #include "base/os/thread_keys.hpp"
 #include "base/suggestion.hpp"
@@ -51,6 +52,8 @@ constexpr NearWords<Integrator, 2> kIntegrators{
     {{{{"rk4", Integrator::kRk4}, {"ode", Integrator::kOde}}}}};
 constexpr NearWords<Missing, 2> kMissing{
     {{{{"error", Missing::kError}, {"ignore", Missing::kIgnore}}}}};
+constexpr NearWords<UpAxis, 2> kUpAxes{
+    {{{{"ignored", UpAxis::kIgnored}, {"applied", UpAxis::kApplied}}}}};
 
 /// Folders beside the file.
 struct Folders {
@@ -92,6 +95,7 @@ constexpr std::tuple kPacingKeys{
                                          "as casd's; none: no limit on idle states"),
 };
 
+constexpr Range kFieldYears{base::wmm2025::kEpochYear, base::wmm2025::kLastYear};
 constexpr auto kPlaceKeys = base::geodetic_keys(-1000, 10'000);
 
 constexpr std::tuple kKeys{
@@ -103,9 +107,13 @@ constexpr std::tuple kKeys{
     key<&SimConfig::world, &WorldConfig::missing>(
         "missing", kMissing,
         "missing model or mesh of an SDF file: `ignore` warns and continues without it"),
+    key<&SimConfig::world, &WorldConfig::up_axis>(
+        "collada_up_axis", kUpAxes,
+        "`<up_axis>` of COLLADA meshes, also of vehicles: `ignored` as by Gazebo and RViz, or "
+        "`applied`"),
     key<&SimConfig::home>("home", block<base::Geodetic>(kPlaceKeys),
                           "place of x = y = z = 0; required in a flat world", "the world's"),
-    required(key<&SimConfig::decimal_year>("decimal_year", Range{1900, 2100},
+    required(key<&SimConfig::decimal_year>("decimal_year", kFieldYears,
                                            "date of the magnetic field model")),
     key<&SimConfig::step>("step_us", Range{100, 10'000, 1e-6}, "physics step",
                           "the world's, else 1000"),
@@ -133,7 +141,7 @@ struct VehicleName : base::Text {
 constexpr std::tuple kPoseKeys{
     key<&StartPose::x_m>("x_m", Number{}, "to the east"),
     key<&StartPose::y_m>("y_m", Number{}, "to the north"),
-    key<&StartPose::z_m>("z_m", Number{}, "height of its lowest point"),
+    key<&StartPose::z_m>("z_m", Number{}, "height of its lowest point", "on the uppermost surface"),
     key<&StartPose::yaw_deg>("yaw_deg", Number{}, "of the nose, counter-clockwise from east"),
 };
 

@@ -13,6 +13,7 @@
 #include "base/os/thread.hpp"
 #include "base/time/clock.hpp"
 #include "libsim/core/export.hpp"
+#include "libsim/core/load/mesh_options.hpp"
 
 namespace cas::sim {
 
@@ -54,16 +55,17 @@ struct WorldConfig {
   std::optional<std::filesystem::path> sdf;       ///< replaces the keys below
   std::vector<std::filesystem::path> model_path;  ///< where model:// URIs are looked up
   Missing missing = Missing::kError;
+  UpAxis up_axis = UpAxis::kIgnored;  ///< of COLLADA meshes, also of vehicles
   double gravity_m_s2 = 0;
   bool ground = true;  ///< a horizontal plane at z = 0
 };
 
-/// Where a vehicle starts, in W: its lowest point is z_m above z = 0.
+/// Where a vehicle starts, in W.
 struct StartPose {
   double x_m = 0;
   double y_m = 0;
-  double z_m = 0;
-  double yaw_deg = 0;  ///< of the nose, counter-clockwise from east
+  std::optional<double> z_m{};  ///< of its lowest point; nullopt: on the uppermost surface
+  double yaw_deg = 0;           ///< of the nose, counter-clockwise from east
 };
 
 struct PluginConfig {

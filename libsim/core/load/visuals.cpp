@@ -36,7 +36,8 @@ std::vector<Shape> load_visuals(const VehicleModel& model, std::size_t most_tria
   for (const Visual& visual : model.visuals) {
     Shape shape{.name = visual.name, .geometry = {}, .pose = visual.pose, .surface = {}};
     if (const auto* file = std::get_if<MeshFile>(&visual.form)) {
-      auto mesh = std::make_shared<const TriangleMesh>(load_mesh(file->path, file->scale));
+      auto mesh = std::make_shared<const TriangleMesh>(
+          load_mesh(file->path, file->scale, {.up_axis = model.up_axis}));
       triangles += mesh->triangles.size();
       if (triangles > most_triangles) return {};
       shape.geometry = Mesh{std::move(mesh)};

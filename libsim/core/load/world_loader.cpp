@@ -36,18 +36,16 @@ decltype(&cas_load_sdf_world) open_sdf_reader() {
 
 WorldModel load_sdf_world(const fs::path& file, const std::vector<fs::path>& model_path,
                           Missing missing) {
-  static const auto read = open_sdf_reader();
-  WorldModel model;
-  read(file, model_path, missing, model);
-  return model;
-}
-
-WorldModel load_sdf_world(const fs::path& file, const std::vector<fs::path>& model_path) {
-  return load_sdf_world(file, model_path, Missing::kError);
+  return load_world({.sdf = file, .model_path = model_path, .missing = missing});
 }
 
 WorldModel load_world(const WorldConfig& config) {
-  if (config.sdf) return load_sdf_world(*config.sdf, config.model_path, config.missing);
+  if (config.sdf) {
+    static const auto read = open_sdf_reader();
+    WorldModel model;
+    read(config, model);
+    return model;
+  }
   WorldModel model;
   model.gravity_W = {0, 0, -config.gravity_m_s2};
   if (config.ground) {

@@ -8,22 +8,22 @@
 namespace cas::sim {
 
 /// The world that a configuration describes: gravity and ground, or an SDF file.
-/// @throws base::ConfigError
+///
+/// Of an SDF file the first world is read, through libsdformat: models with their poses and their
+/// box, sphere, cylinder, plane, mesh (STL, OBJ, COLLADA) and heightmap (PNG) collisions with
+/// friction, stiffness and damping, nested models, <include> by path and model://, gravity, wind,
+/// spherical coordinates, physics step and real-time factor. Models do not move; `warnings` names
+/// unsupported parts of the file and meshes that cannot be read, with file and line. A collision
+/// without contacts (<collide_without_contact>, a <collide_bitmask> without a bit of a vehicle's)
+/// is no obstacle here.
+/// @throws base::ConfigError when there is no readable world, when a number is not read whole or
+/// lies beyond what a body or a place can have, for a world that libsdformat would take more than 4
+/// GB for, and when a model or mesh is not found and `missing` does not allow that
 CAS_SIM_EXPORT WorldModel load_world(const WorldConfig& config);
 
-/// Reads the first world of an SDF file through libsdformat: models with their poses and their box,
-/// sphere, cylinder, plane, mesh (STL, OBJ) and heightmap (PNG) collisions with friction, stiffness
-/// and damping, nested models, <include> by path and model://, gravity, wind, spherical
-/// coordinates, physics step and real-time factor. Models do not move; `warnings` names unsupported
-/// parts of the file, with file and line. A collision without contacts (<collide_without_contact>,
-/// a <collide_bitmask> without a bit of a vehicle's) is no obstacle here.
-/// @throws base::ConfigError when there is no readable world, or a model or mesh is not found and
-/// `missing` does not allow that
+/// load_world() of an SDF file.
 CAS_SIM_EXPORT WorldModel load_sdf_world(const std::filesystem::path& file,
                                          const std::vector<std::filesystem::path>& model_path,
-                                         Missing missing);
-/// The same; a model or mesh that is not found is an error.
-CAS_SIM_EXPORT WorldModel load_sdf_world(const std::filesystem::path& file,
-                                         const std::vector<std::filesystem::path>& model_path);
+                                         Missing missing = Missing::kError);
 
 }  // namespace cas::sim

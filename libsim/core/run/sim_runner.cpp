@@ -84,16 +84,17 @@ struct SimRunner::Impl {
     warn("", other_field(model, world.projection().home(), config.decimal_year));
     warn("", implausible_gravity(model.gravity_W));
     if (!config.pace.speed_given) config.pace.speed = model.real_time_factor.value_or(1.0);
-    for (const VehicleConfig& vehicle : config.vehicles) add_vehicle(vehicle);
+    for (VehicleConfig& vehicle : config.vehicles) add_vehicle(vehicle);
   }
 
-  void add_vehicle(const VehicleConfig& vehicle) {
+  void add_vehicle(VehicleConfig& vehicle) {
     const VehicleModel& vehicle_model = vehicle_models.emplace_back(
-        load_vehicle_model(vehicle.vehicle.urdf, vehicle.vehicle.parts));
+        load_vehicle_model(vehicle.vehicle.urdf, vehicle.vehicle.parts, config.world.up_axis));
     warn(vehicle.name, vehicle.vehicle.warnings);
     warn(vehicle.name, vehicle_model.warnings);
     warn(vehicle.name, other_mass(vehicle, vehicle_model));
     warn(vehicle.name, implausible(vehicle.vehicle, vehicle_model));
+    if (!vehicle.pose.z_m) vehicle.pose.z_m = standing_height(model, vehicle_model, vehicle.pose);
     require_free_start(model, vehicle_model, vehicle);
     plugins.load(world.add_vehicle(vehicle_model, vehicle.pose), vehicle);
   }

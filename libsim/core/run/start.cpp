@@ -73,16 +73,55 @@ bool is_near(Shape shape, const Eigen::Vector3d& p_W, double radius) {
 }
 
 /// z of the uppermost surface at a place.
-std::optional<double> surface_at(const WorldModel& world, double x_m, double y_m) {
-  ContactSolver solver(Eigen::Vector3d::Zero());
-  for (const Shape& shape : world.statics) solver.add_static(shape);
+std::optional<double> surface_at(const ContactSolver& solver, double x_m, double y_m) {
   const auto hit =
       solver.ray_to_world({x_m, y_m, kHighest_m}, -Eigen::Vector3d::UnitZ(), 2 * kHighest_m);
   if (!hit) return std::nullopt;
   return kHighest_m - *hit;
 }
 
+void add_statics(const WorldModel& world, ContactSolver& solver) {
+  for (const Shape& shape : world.statics) solver.add_static(shape);
+}
+
+Eigen::Matrix3d turned_by(const StartPose& pose) {
+  return Eigen::AngleAxisd(base::radians(pose.yaw_deg), Eigen::Vector3d::UnitZ())
+      .toRotationMatrix();
+}
+
+/// How far a vehicle reaches along a direction from its centre of gravity, m.
+double reach(const VehicleModel& model, const Eigen::Matrix3d& R_WB, const Eigen::Vector3d& d_W) {
+  const Eigen::Matrix3d down =
+      Eigen::Quaterniond::FromTwoVectors(d_W, -Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  double farthest = 0;
+  for (const Shape& shape : model.shapes) {
+    farthest = std::max(farthest, -lowest_point(shape, down * R_WB));
+  }
+  return farthest;
+}
+
 }  // namespace
+
+double standing_height(const WorldModel& world, const VehicleModel& model, const StartPose& pose) {
+  constexpr int kCells = 4;  // along an edge of the base
+  ContactSolver solver(Eigen::Vector3d::Zero());
+  add_statics(world, solver);
+  const Eigen::Matrix3d R_WB = turned_by(pose);
+  const Eigen::Vector2d low(-reach(model, R_WB, -Eigen::Vector3d::UnitX()),
+                            -reach(model, R_WB, -Eigen::Vector3d::UnitY()));
+  const Eigen::Vector2d high(reach(model, R_WB, Eigen::Vector3d::UnitX()),
+                             reach(model, R_WB, Eigen::Vector3d::UnitY()));
+  std::optional<double> top;
+  for (int i = 0; i <= kCells; ++i) {
+    for (int j = 0; j <= kCells; ++j) {
+      const Eigen::Vector2d part = Eigen::Vector2d(i, j) / kCells;
+      const Eigen::Vector2d place = low + part.cwiseProduct(high - low);
+      const auto z = surface_at(solver, pose.x_m + place.x(), pose.y_m + place.y());
+      if (z) top = std::max(top.value_or(*z), *z);
+    }
+  }
+  return top.value_or(0);
+}
 
 BodyState start_state(const VehicleModel& model, const StartPose& pose) {
   BodyState state;
@@ -92,7 +131,7 @@ BodyState start_state(const VehicleModel& model, const StartPose& pose) {
   for (const Shape& shape : model.shapes) {
     lowest = std::min(lowest, lowest_point(shape, state.q_WB.toRotationMatrix()));
   }
-  state.p_WB = {pose.x_m, pose.y_m, pose.z_m - lowest};
+  state.p_WB = {pose.x_m, pose.y_m, pose.z_m.value_or(0) - lowest};
   return state;
 }
 
@@ -105,10 +144,12 @@ void require_free_start(const WorldModel& world, const VehicleModel& model,
     const StartPose& pose = vehicle.pose;
     char text[240];
     std::snprintf(text, sizeof(text), "starts inside it: x_m %.2f, y_m %.2f, z_m %.2f", pose.x_m,
-                  pose.y_m, pose.z_m);
+                  pose.y_m, pose.z_m.value_or(0));
     std::string sentence =
         "vehicle '" + vehicle.name + "', obstacle '" + shape.name + "': the vehicle " + text;
-    if (const auto top = surface_at(world, pose.x_m, pose.y_m)) {
+    ContactSolver solver(Eigen::Vector3d::Zero());
+    add_statics(world, solver);
+    if (const auto top = surface_at(solver, pose.x_m, pose.y_m)) {
       std::snprintf(text, sizeof(text), "; the uppermost surface there is at z_m %.2f", *top);
       sentence += text;
     }

@@ -9,7 +9,12 @@
 
 namespace cas::sim {
 
-/// A vehicle at rest and level, its lowest point `pose.z_m` above z = 0.
+/// Height at which a vehicle stands on the uppermost surface below or beside its middle, m: the
+/// highest of 5 x 5 rays down over its base. 0 where there is none.
+CAS_SIM_EXPORT double standing_height(const WorldModel& world, const VehicleModel& model,
+                                      const StartPose& pose);
+
+/// A vehicle at rest and level, its lowest point `pose.z_m` above z = 0; without that at z = 0.
 CAS_SIM_EXPORT BodyState start_state(const VehicleModel& model, const StartPose& pose);
 
 /// Refuses a vehicle that starts inside something: its centre of gravity is in it, or it still

@@ -127,7 +127,7 @@ TEST(ModelBody, LinksAreBounded) {
 TEST(ModelBody, DepthIsBounded) {
   std::string deep;
   for (int i = 0; i < 100'000; ++i) deep += "<a>";
-  EXPECT_EQ(refusal("<robot name='v'>" + deep), "v.urdf:1: elements are nested more than 200 deep");
+  EXPECT_EQ(refusal("<robot name='v'>" + deep), "v.urdf:1: elements lie more than 200 deep");
 }
 
 /// Both formats judge an inertia alike: it is named, and the mass stays.

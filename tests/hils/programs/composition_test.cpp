@@ -112,7 +112,8 @@ TEST(CompositionOfAWorld, HandsTheSdfFileOnWithFullPaths) {
       "s.yaml",
       "schema: 1\nvehicle: " + cas::test::source_dir() +
           "/config/vehicles/iris_paper.yaml\nworld: w.sdf\nmodel_path: [models]\nmissing: "
-          "ignore\npose: {x_m: 1, y_m: 2, z_m: 3}\nrates: {sensor_hz: 500, gps_hz: 5, "
+          "ignore\ncollada_up_axis: applied\npose: {x_m: 1, y_m: 2, z_m: 3}\nrates: {sensor_hz: "
+          "500, gps_hz: 5, "
           "controls_hz: 400}\nplugins: [{plugin: wind, grid: grid.csv}, {plugin: of_mine, grid: "
           "10}]\nsteps:\n  - arm\n  - "
           "takeoff: {altitude_m: 2}\n  - hold: {duration_s: 1, measure: true}\n  - land\n");
@@ -127,6 +128,7 @@ TEST(CompositionOfAWorld, HandsTheSdfFileOnWithFullPaths) {
   EXPECT_EQ(config.require<std::string>("world"), full("w.sdf"));
   EXPECT_EQ(config.require<std::vector<std::string>>("model_path").at(0), full("models"));
   EXPECT_EQ(config.require<std::string>("missing"), "ignore");
+  EXPECT_EQ(config.require<std::string>("collada_up_axis"), "applied");
   EXPECT_EQ(config.require<double>("speed"), 1) << "not the world's real-time factor";
   EXPECT_FALSE(config.has("home")) << "the world's";
   const base::ConfigNode vehicle = config.at("vehicles").items().at(0);

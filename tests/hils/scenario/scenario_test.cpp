@@ -192,6 +192,9 @@ TEST_P(BadScenarioFile, IsRefusedWithFileLineAndReason) {
 INSTANTIATE_TEST_SUITE_P(
     All, BadScenarioFile,
     testing::Values(
+        BadScenario{"YearBeforeTheFieldModel",
+                    "decimal_year: 2015\nsteps: [arm, {hold: {duration_s: 1, measure: true}}]\n",
+                    "decimal_year: 2015 must lie in [2025, 2030]"},
         BadScenario{"UnknownStep", "steps: [arm, loop]\n", "there is no step 'loop'"},
         BadScenario{
             "UnknownIncident",

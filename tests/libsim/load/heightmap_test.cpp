@@ -73,6 +73,20 @@ TEST(Heightmap, FirstRowLiesNorthAndWhiteIsHigh) {
   }
 }
 
+TEST(Heightmap, TheBrightestPixelHasTheWholeHeight) {
+  const cas::test::TemporaryFolder folder;
+  const auto half = [](unsigned row, unsigned column) { return 0.5 * slope(row, column); };
+  for (const bool coloured : {false, true}) {
+    const auto file = write_png(folder.path() / "h.png", 3, 9, half, coloured);
+    const TriangleMesh mesh = load_heightmap(file, {4, 16, 2}, {0, 0, 1});
+    EXPECT_NEAR(mesh.vertices.front().z(), 3, 1e-12);
+    EXPECT_NEAR(mesh.vertices[12].z(), 2, 0.02) << "half of it";
+    EXPECT_NEAR(mesh.vertices.back().z(), 1, 1e-12);
+  }
+  const auto black = write_png(folder.path() / "b.png", 3, 3, [](unsigned, unsigned) { return 0; });
+  EXPECT_EQ(load_heightmap(black, {4, 16, 2}, {0, 0, 1}).vertices[4].z(), 1);
+}
+
 TEST(Heightmap, ReadsTheRedOfAColouredImage) {
   const cas::test::TemporaryFolder folder;
   const auto file = write_png(folder.path() / "h.png", 3, 9, slope, true);
@@ -97,7 +111,7 @@ TEST(Heightmap, RefusesWhatIsNoImageAndWhatIsTooLarge) {
               HasSubstr("2 to 1025 pixels along each edge, this one 1 x 9"));
   const auto whole = write_png(folder.path() / "whole.png", 65, 65, slope);
   std::filesystem::resize_file(whole, std::filesystem::file_size(whole) / 2);
-  EXPECT_THAT(refusal(whole), HasSubstr("whole.png: is no PNG image"));
+  EXPECT_THAT(refusal(whole), HasSubstr("whole.png: is no PNG image: the file is cut"));
 }
 
 /// A world of heightmaps with these heights, all of one image.

@@ -4,7 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdint>
+#include <limits>
+
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "libsim/core/body/shape.hpp"
 #include "tests/libsim/support/sim_files.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -12,7 +17,9 @@
 namespace cas::sim {
 namespace {
 
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 class MeshFile : public testing::Test {
  protected:
@@ -37,65 +44,144 @@ TEST_F(MeshFile, ReadsObjFacesOfAnyLength) {
   EXPECT_EQ(mesh.triangles[1], (std::array<std::uint32_t, 3>{0, 2, 3}));
 }
 
-/// A unit square in the file's x-y plane as `faces`, in a scene that moves it by 10 units along x.
-std::string collada(const std::string& asset, const std::string& faces) {
-  return "<?xml version='1.0'?><COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema'>"
-         "<asset>" +
-         asset +
-         "</asset><library_geometries><geometry id='g'><mesh>"
-         "<source id='p'><float_array id='a' count='12'>0 0 0  1 0 0  1 1 0\n 0 1 0</float_array>"
-         "<technique_common><accessor source='#a' count='4' "
-         "stride='3'/></technique_common></source>"
-         "<vertices id='v'><input semantic='POSITION' source='#p'/></vertices>" +
-         faces +
-         "</mesh></geometry></library_geometries><library_visual_scenes><visual_scene id='s'>"
-         "<node><translate>10 0 0</translate><node><matrix>1 0 0 0 0 1 0 0 0 0 1 2 0 0 0 1</matrix>"
-         "<instance_geometry url='#g'/></node></node></visual_scene></library_visual_scenes>"
-         "<scene><instance_visual_scene url='#s'/></scene></COLLADA>";
-}
-
-const std::string kTriangles =
-    "<triangles count='2'><input semantic='VERTEX' source='#v' offset='0'/>"
-    "<input semantic='NORMAL' source='#n' offset='1'/><p>0 0 1 0 2 0 0 0 2 0 3 0</p></triangles>";
-
-TEST_F(MeshFile, ReadsColladaScenesWithTheirNodes) {
-  const TriangleMesh mesh =
-      load_mesh(folder_.write("a.dae", collada("<up_axis>Z_UP</up_axis>", kTriangles)));
-  ASSERT_EQ(mesh.triangles.size(), 2u);
-  EXPECT_EQ(mesh.triangles[1], (std::array<std::uint32_t, 3>{0, 2, 3}));
-  EXPECT_LT((mesh.vertices[2] - Eigen::Vector3d(11, 1, 2)).norm(), 1e-12);
-}
-
-TEST_F(MeshFile, AppliesColladaUnitAndUpAxis) {
-  const TriangleMesh mesh = load_mesh(
-      folder_.write("a.dae", collada("<unit meter='0.1'/><up_axis>Y_UP</up_axis>", kTriangles)));
-  EXPECT_LT((mesh.vertices[2] - Eigen::Vector3d(1.1, -0.2, 0.1)).norm(), 1e-12) << "its y is up";
-}
-
-TEST_F(MeshFile, ReadsColladaPolylists) {
-  const TriangleMesh mesh = load_mesh(folder_.write(
-      "a.dae", collada("<up_axis>Z_UP</up_axis>",
-                       "<polylist count='1'><input semantic='VERTEX' source='#v' offset='0'/>"
-                       "<vcount>4</vcount><p>0 1 2 3</p></polylist>")));
-  ASSERT_EQ(mesh.triangles.size(), 2u);
-  EXPECT_EQ(mesh.triangles[1], (std::array<std::uint32_t, 3>{0, 2, 3}));
-}
-
 TEST_F(MeshFile, RefusesDamageAndOtherFormats) {
   const auto refuse = [&](const std::string& name, const std::string& text) {
     return test::refusal([&] { load_mesh(folder_.write(name, text)); });
   };
   EXPECT_THAT(refuse("a.fbx", "FBX"), HasSubstr("a.fbx: mesh format is not supported"));
-  EXPECT_THAT(refuse("a.dae", "<COLLADA/>"), HasSubstr("a.dae: mesh has no triangle"));
-  EXPECT_THAT(refuse("b.dae", "<COLLADA>\n<scene"), HasSubstr("b.dae:2: "));
-  EXPECT_THAT(refuse("c.dae", "<svg/>"), HasSubstr("c.dae: is no COLLADA file"));
-  EXPECT_THAT(
-      refuse("d.dae", "<COLLADA><scene><instance_visual_scene url='#x'/></scene></COLLADA>"),
-      HasSubstr("d.dae: names 'x'"));
   EXPECT_THAT(refuse("a.stl", "solid a\nendsolid\n"), HasSubstr("mesh has no triangle"));
-  EXPECT_THAT(refuse("b.stl", "solid\nvertex 1 2\n"), HasSubstr("neither binary nor text STL"));
-  EXPECT_THAT(refuse("a.obj", "v 0 0 0\nf 1 2 3\n"), HasSubstr("face names no vertex: 2"));
+  EXPECT_THAT(refuse("a.obj", "v 0 0 0\nf 1 2 3\n"), HasSubstr("a.obj:2: face names no vertex: 3"));
   EXPECT_THAT(test::refusal([] { load_mesh("/nowhere.stl"); }), HasSubstr("cannot be read"));
+}
+
+/// A square of 0.3 m in the x-y plane as binary STL.
+std::string binary_stl(std::uint32_t promised, const std::string& header = "binary") {
+  std::string bytes = header;
+  bytes.resize(80, '\0');
+  bytes.append(reinterpret_cast<const char*>(&promised), 4);
+  for (const float shift : {0.0F, 0.3F}) {
+    const std::array<float, 12> values{0, 0, 1, 0, 0, 0, 0.3F, 0, 0, shift, 0.3F, 0};
+    bytes.append(reinterpret_cast<const char*>(values.data()), 48).append(2, '\0');
+  }
+  return bytes;
+}
+
+std::string text_stl(const std::string& corner = "0 1 0") {
+  return "solid a part\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex " +
+         corner + "\nendloop\nendfacet\nendsolid a part\n";
+}
+
+struct Form {
+  const char* name;
+  const char* file;
+  std::string bytes;
+  std::size_t triangles;
+  const char* warning = nullptr;  ///< part of the only one
+};
+
+class ForeignForms : public testing::TestWithParam<Form> {};
+
+TEST_P(ForeignForms, AreRead) {
+  const Form& form = GetParam();
+  std::vector<std::string> warnings;
+  const TriangleMesh mesh = parse_mesh(form.bytes, form.file, {.warnings = &warnings});
+  EXPECT_EQ(mesh.triangles.size(), form.triangles);
+  if (form.warning == nullptr) {
+    EXPECT_THAT(warnings, IsEmpty());
+  } else {
+    EXPECT_THAT(warnings, ElementsAre(HasSubstr(form.warning)));
+  }
+}
+
+const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+INSTANTIATE_TEST_SUITE_P(
+    Mesh, ForeignForms,
+    testing::Values(
+        Form{"BinaryStlOfASolid", "a.stl", binary_stl(2, "solid base"), 2},
+        Form{"BinaryStlWithBytesBehind", "a.stl", binary_stl(2) + std::string(7, '\0'), 2,
+             "a.stl: its header promises 2 triangles, 184 bytes; it has 191 bytes: those behind"},
+        Form{"BinaryStlOfASolidWithBytesBehind", "a.stl",
+             binary_stl(2, "solid base") + "COLOR=abcd", 2, "those behind the triangles are left"},
+        Form{"BinaryStlThatPromisesLess", "a.stl", binary_stl(1), 1, "it has 184 bytes"},
+        Form{"TextStlInCapitals", "a.STL", base::upper(text_stl()), 1},
+        Form{"TextStlWithMark", "a.stl", "\xef\xbb\xbf" + text_stl(), 1},
+        Form{"TextStlWithoutSolid", "a.stl", text_stl().substr(13), 1},
+        Form{"TextStlOfTwoSolids", "a.stl", text_stl() + text_stl(), 2},
+        Form{"TextStlWithoutItsEnd", "a.stl", text_stl().substr(0, text_stl().find("endsolid")), 1,
+             "a.stl:9: has no 'endsolid': the STL file may be cut here"},
+        Form{"ObjWithMark", "a.obj", "\xef\xbb\xbf" + kSquare + "f 1 2 3 4\n", 2},
+        Form{"ObjContinuedLine", "a.obj", kSquare + "f 1 2 \\\n 3 \\\r\n4\n", 2},
+        Form{"ObjComments", "a.obj", "# v 0,5\n" + kSquare + "f 1 2 3 # below \\\nf 1 3 4#\n", 2},
+        Form{"ObjVertexLater", "a.obj", "f 1 2 3\n" + kSquare, 1},
+        Form{"ObjColoursAndWeights", "a.obj",
+             "v 0 0 0 1 0.5 0\nv 1 0 0 1\nv 1 1 0\nvt 0 0\nvn 0 0 1\nusemtl a,b\nf 1/1/1 2/1 "
+             "3//1\n",
+             1},
+        Form{"ObjLines", "a.obj", kSquare + "l 1 2\nf -4 -3 -2\n", 1},
+        Form{"ObjThinFaces", "a.obj", kSquare + "f 1 2\nf 3\nf 1 2 3\n", 1,
+             "a.obj:5: faces of fewer than three corners are left out"},
+        Form{"ObjSurface", "a.obj", kSquare + "surf 0 1 0 1 1 2\nsurf 0 1\nf 1 2 3\n", 1,
+             "a.obj:5: 'surf' is left out"}),
+    [](const auto& test) { return test.param.name; });
+
+struct Damage {
+  const char* name;
+  const char* file;
+  std::string bytes;
+  const char* sentence;
+};
+
+class DamagedMesh : public testing::TestWithParam<Damage> {};
+
+TEST_P(DamagedMesh, IsRefusedWithItsPlace) {
+  const Damage& damage = GetParam();
+  EXPECT_THAT(test::refusal([&] { parse_mesh(damage.bytes, damage.file, {}); }),
+              HasSubstr(damage.sentence));
+}
+
+const float kNotFinite = std::numeric_limits<float>::quiet_NaN();
+
+INSTANTIATE_TEST_SUITE_P(
+    Mesh, DamagedMesh,
+    testing::Values(
+        Damage{"CutBinaryStl", "a.stl", binary_stl(2).substr(0, 150),
+               "a.stl: the STL file is cut: its header promises 2 triangles, 184 bytes; it has 150 "
+               "bytes and ends within triangle 2"},
+        Damage{"BinaryStlOfTooFewTriangles", "a.stl", binary_stl(500), "promises 500 triangles"},
+        Damage{"BinaryStlHeaderAlone", "a.stl", "solid" + std::string(75, ' '),
+               "the STL file is cut"},
+        Damage{"ShortBinaryStl", "a.stl", std::string(20, '\0'), "it has 20 bytes: is it cut?"},
+        Damage{"EmptyStl", "a.stl", "", "it has 0 bytes"},
+        Damage{"BinaryStlNotFinite", "a.stl",
+               binary_stl(2).replace(84 + 12, 4, reinterpret_cast<const char*>(&kNotFinite), 4),
+               "a.stl: triangle 1 has a corner that is not finite"},
+        Damage{"CutTextStl", "a.stl", text_stl().substr(0, 60),
+               "a.stl:5: the STL file is cut: it ends within a facet"},
+        Damage{"CommaInTextStl", "a.stl", text_stl("0 0,5 0"), "a.stl:6: '0,5' is no number"},
+        Damage{"RestInTextStl", "a.stl", text_stl("0 1m 0"), "a.stl:6: '1m' is no number"},
+        Damage{"NanInTextStl", "a.stl", text_stl("0 nan 0"), "a.stl:6: 'nan' is no number"},
+        Damage{"TwoVerticesInTextStl", "a.stl",
+               "solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nendfacet\nendsolid",
+               "a.stl:5: a facet has three vertices, this one 2"},
+        Damage{"FourVerticesInTextStl", "a.stl", text_stl("0 1 0\nvertex 0 0 0"),
+               "a.stl:7: a facet has three vertices, this one more"},
+        Damage{"CommaInObj", "a.obj", "v 0 0,5 0\nf 1 1 1\n",
+               "a.obj:1: '0,5' is no number (decimals follow a point, not a comma)"},
+        Damage{"TwoNumbersInObj", "a.obj", "\nv 0 0\n",
+               "a.obj:2: a vertex has three numbers, this one 2"},
+        Damage{"FaceOfWords", "a.obj", "v 0 0 0\nf 1 1x 1\n", "a.obj:2: face names no vertex: 1x"},
+        Damage{"FaceOfZero", "a.obj", "v 0 0 0\nf 1 0 1\n", "a.obj:2: face names no vertex: 0"},
+        Damage{"FaceBeforeTheFirst", "a.obj", "v 0 0 0\nf 1 -2 1\n", "face names no vertex: -2"},
+        Damage{"FaceWithADamagedNormal", "a.obj", "v 0 0 0\nf 1 1//x 1\n", "vertex: 1//x"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST_F(MeshFile, AMirroredMeshKeepsItsOuterSide) {
+  const auto file = folder_.write("a.obj", kSquare + "f 1 2 3\n");
+  EXPECT_EQ(load_mesh(file, {-1, 1, 1}).triangles[0], (std::array<std::uint32_t, 3>{0, 2, 1}));
+  EXPECT_EQ(load_mesh(file, {-1, -1, 1}).triangles[0], (std::array<std::uint32_t, 3>{0, 1, 2}));
+  EXPECT_THAT(test::refusal([&] { load_mesh(file, {1, 0, 1}); }), HasSubstr("scaled by 0"));
+  EXPECT_THAT(test::refusal([&] { load_mesh(file, {1e9, 1, 1}); }), HasSubstr("farther away"));
 }
 
 TEST(Shape, LowestPointFollowsTheAttitude) {

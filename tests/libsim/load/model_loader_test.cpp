@@ -285,10 +285,11 @@ TEST_F(ModelLoader, RefusesWhatCannotFly) {
               HasSubstr("v.sdf:1: has no <model>; a world is no vehicle"));
   EXPECT_THAT(refuse("<robot name='r'><xacro:rotor n='1'/></robot>"),
               HasSubstr("it is a xacro file, a template; expand it first"));
-  EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", kBall) +
-                                      "<collision><geometry><mesh filename='package://a/b.stl'/>"
-                                      "</geometry></collision>")),
-              HasSubstr("link 'base': mesh 'package://a/b.stl' is nowhere to be found"));
+  EXPECT_THAT(
+      refuse(link("base", inertial(1, "0 0 0", "0 0 0", kBall) +
+                              "<collision><geometry><mesh filename='package://a/b.stl'/>"
+                              "</geometry></collision>")),
+      HasSubstr("link 'base': mesh 'package://a/b.stl' is nowhere to be found; looked for it at "));
   EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", kBall) +
                                       "<collision><geometry><box size='1 0 1'/></geometry>"
                                       "</collision>")),

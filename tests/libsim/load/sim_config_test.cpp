@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <regex>
+
 #include "tests/libsim/support/sim_files.hpp"
 
 namespace cas::sim {
@@ -82,6 +84,11 @@ INSTANTIATE_TEST_SUITE_P(
         ErrorCase{"UnknownPace", kGood + "pacing: {}\nintegrator: euler\n",
                   "integrator: 'euler' is none of: rk4, ode"},
         ErrorCase{"StepOutOfRange", kGood + "step_us: 50\n", "step_us: 50 must lie in"},
+        ErrorCase{"YearBeyondTheFieldModel",
+                  std::regex_replace(kGood, std::regex("2026.5"), "2015"),
+                  "sim.yaml:3: decimal_year: 2015 must lie in [2025, 2030]"},
+        ErrorCase{"UpAxis", kGood + "collada_up_axis: apply\n",
+                  "'apply' is none of: ignored, applied"},
         ErrorCase{"TwinNames", kGood + test::vehicle("a"), "two vehicles have the name 'a'"},
         ErrorCase{"SlashInName", kNoVehicles + "vehicles:\n" + test::vehicle("a/b"), "no '/'"},
         ErrorCase{"NoVehicleFile", kNoVehicles + "vehicles:\n  - {name: a, vehicle: none.yaml}\n",

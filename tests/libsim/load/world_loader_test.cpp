@@ -5,11 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
+#include "base/config/model_uri.hpp"
 #include "base/error.hpp"
 #include "libsim/core/load/mesh_file.hpp"
-#include "libsim/core/load/uri.hpp"
+#include "libsim/core/load/model_loader.hpp"
 #include "libsim/core/run/sim_runner.hpp"
+#include "libsim/core/run/start.hpp"
+#include "tests/libsim/support/sdf_elements.hpp"
 #include "tests/libsim/support/sim_files.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -17,6 +21,9 @@
 namespace cas::sim {
 namespace {
 
+using test::load_elements;
+using test::obstacle;
+using test::world_of;
 using testing::AllOf;
 using testing::Contains;
 using testing::Each;
@@ -99,7 +106,18 @@ TEST(SdfWorld, ColladaMeshesCollide) {
   const TriangleMesh& mesh = *std::get<Mesh>(shed->geometry).triangles;
   EXPECT_EQ(mesh.triangles.size(), 4u);
   Eigen::Vector3d centre;
-  EXPECT_LT((bounding_box(mesh, centre).size_m - Eigen::Vector3d(2, 3, 1)).norm(), 1e-9);
+  EXPECT_LT((bounding_box(mesh, centre).size_m - Eigen::Vector3d(2, 1, 3)).norm(), 1e-9)
+      << "its y is up, and Gazebo does not turn it";
+  EXPECT_THAT(model.warnings,
+              Contains(AllOf(HasSubstr("classic.world:44: collision 'pipe/shed': "),
+                             HasSubstr("shed.dae:6: <up_axis> Y_UP does not turn the mesh"))));
+  const WorldModel turned = load_world({.sdf = kData / "classic.world",
+                                        .model_path = {kWorlds / "models"},
+                                        .missing = Missing::kIgnore,
+                                        .up_axis = UpAxis::kApplied});
+  const Mesh& upright = std::get<Mesh>(find(turned, "pipe/shed")->geometry);
+  EXPECT_LT((bounding_box(*upright.triangles, centre).size_m - Eigen::Vector3d(2, 3, 1)).norm(),
+            1e-9);
 }
 
 TEST(SdfWorld, RefusesWhatIsNoWorld) {
@@ -121,24 +139,6 @@ TEST(SdfWorld, RefusesWhatIsNoWorld) {
               HasSubstr("it is a template"));
   EXPECT_THAT(test::refusal([] { load_sdf_world("/nowhere.sdf", {}); }),
               HasSubstr("/nowhere.sdf: world cannot be read"));
-}
-
-/// A world of one file with these elements in it.
-std::string world_of(const std::string& elements) {
-  return "<sdf version='1.6'>\n<world name='w'>\n" + elements + "\n</world></sdf>";
-}
-
-/// Loads a world of these elements.
-WorldModel load_elements(const std::string& elements) {
-  const cas::test::TemporaryFolder folder;
-  return load_sdf_world(folder.write("w.sdf", world_of(elements)), {});
-}
-
-std::string obstacle(const std::string& surface) {
-  return "<model name='m'><static>1</static><link name='l'><collision "
-         "name='c'><geometry><box><size>"
-         "1 1 1</size></box></geometry>\n<surface>" +
-         surface + "</surface></collision></link></model>";
 }
 
 TEST(SdfWorld, RefusesToGoWithoutAModelAndSaysWhereItLooked) {
@@ -164,8 +164,24 @@ TEST(SdfWorld, RefusesToGoWithoutAModelAndSaysWhereItLooked) {
 }
 
 TEST(SdfWorld, AThirdSlashBehindModelIsNoRoot) {
-  EXPECT_EQ(places_of_model_file("model:///oak/oak.dae", "/w", {}).at(0).string(),
+  EXPECT_EQ(base::places_of_model_file("model:///oak/oak.dae", "/w", {}).at(0).string(),
             "/w/oak/oak.dae");
+}
+
+TEST(SdfWorld, AModelInAFolderAboveIsFound) {
+  const cas::test::TemporaryFolder folder;
+  folder.write("models/box/meshes/box.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  for (const char* uri : {"model://box/meshes/box.obj", "package://box/meshes/box.obj",
+                          "package://lost/meshes/box.obj"}) {
+    const auto file =
+        folder.write("models/box/worlds/w.sdf",
+                     world_of("<model name='m'><static>1</static><link name='l'><collision "
+                              "name='c'><geometry><mesh><uri>" +
+                              std::string(uri) +
+                              "</uri></mesh></geometry></collision></link>"
+                              "</model>"));
+    EXPECT_EQ(load_sdf_world(file, {}).statics.size(), 1u) << uri;
+  }
 }
 
 TEST(SdfWorld, FindsAFuelModelByItsNameInTheModelPath) {
@@ -352,6 +368,29 @@ TEST(SdfWorld, AStartInsideAnObstacleIsRefusedWithTheHeightAboveIt) {
                     HasSubstr("the uppermost surface there is at z_m 0.50")));
   EXPECT_NO_THROW(SimRunner(config_in(folder, box, "{x_m: 0, z_m: 0.49}")));
   EXPECT_NO_THROW(SimRunner(config_in(folder, box, "{x_m: 3, z_m: 0}")));
+}
+
+TEST(SdfWorld, AStartWithoutAHeightStandsOnTheUppermostSurface) {
+  const cas::test::TemporaryFolder folder;
+  const auto lowest = [&](const std::string& elements, std::optional<double> z_m, double x_m = 0) {
+    SimConfig config = config_in(folder, elements, "{x_m: 0, z_m: 0}");
+    config.vehicles[0].pose = {.x_m = x_m, .z_m = z_m};
+    const double at_zero =
+        start_state(load_vehicle_model(config.vehicles[0].vehicle.urdf), {}).p_WB.z();
+    SimRunner runner(config);
+    return runner.world().state(VehicleId{0}).p_WB.z() - at_zero;
+  };
+  const std::string box = obstacle("<friction/>");  // from -0.5 to 0.5 m
+  const std::string asphalt =
+      "<model name='asphalt'><static>1</static><link name='l'><collision name='c'><geometry><box>"
+      "<size>200 200 .1</size></box></geometry></collision></link></model>";
+  EXPECT_NEAR(lowest(box, std::nullopt), 0.5, 1e-9);
+  EXPECT_NEAR(lowest(asphalt, std::nullopt), 0.05, 1e-9);
+  EXPECT_NEAR(lowest(asphalt + box, std::nullopt), 0.5, 1e-9);
+  EXPECT_NEAR(lowest(asphalt + box, std::nullopt, 0.55), 0.5, 1e-9) << "half on the box";
+  EXPECT_NEAR(lowest(asphalt + box, std::nullopt, 5), 0.05, 1e-9);
+  EXPECT_EQ(lowest(box, std::nullopt, 5), 0) << "nothing there";
+  EXPECT_EQ(lowest(box, 3.0), 3);
 }
 
 TEST(SdfWorld, AStartInsideAClosedMeshIsRefusedToo) {

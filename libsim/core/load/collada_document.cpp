@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/core/load/collada_document.hpp"
+
+#include <algorithm>
+
+#include "base/error.hpp"
+
+namespace cas::sim {
+
+using base::XmlElement;
+
+ColladaDocument::ColladaDocument(std::string_view text, std::string file)
+    : file_(std::move(file)), root_(base::parse_xml(text, file_)) {
+  if (root_.name != "COLLADA") throw base::ConfigError(file_ + ": is no COLLADA file");
+  index(root_);
+}
+
+void ColladaDocument::index(const XmlElement& element) {
+  if (const auto id = element.attribute("id"); !id.empty()) {
+    by_id_[{element.name, id}].push_back(&element);
+  }
+  for (const XmlElement& child : element.children) index(child);
+}
+
+std::string ColladaDocument::place(const XmlElement& element) const {
+  return file_ + ":" + std::to_string(element.line);
+}
+
+void ColladaDocument::fail(const XmlElement& at, const std::string& sentence) const {
+  throw base::ConfigError(place(at) + ": " + sentence);
+}
+
+const XmlElement& ColladaDocument::target(const XmlElement& element, std::string_view key,
+                                          std::string_view name, const XmlElement* scope) const {
+  std::string_view id = element.attribute(key);
+  if (id.starts_with('#')) id.remove_prefix(1);
+  std::vector<const XmlElement*> found;
+  if (scope != nullptr) {
+    for (const XmlElement& each : scope->children) {
+      if (each.name == name && each.attribute("id") == id) found.push_back(&each);
+    }
+  }
+  if (found.empty()) {
+    if (const auto all = by_id_.find({name, id}); all != by_id_.end()) found = all->second;
+  }
+  const std::string what =
+      "<" + element.name + "> names the <" + std::string(name) + "> '" + std::string(id) + "', ";
+  if (found.empty()) fail(element, what + "which the file does not have");
+  if (found.size() > 1) {
+    fail(element, what + "and that id occurs twice, in lines " + std::to_string(found[0]->line) +
+                      " and " + std::to_string(found[1]->line));
+  }
+  return *found.front();
+}
+
+void ColladaDocument::require_known(const XmlElement& element,
+                                    std::initializer_list<std::string_view> may_be_left_out) const {
+  if (std::ranges::find(may_be_left_out, element.name) != may_be_left_out.end()) return;
+  fail(element, "<" + element.name + "> is not read: without it the mesh has another shape");
+}
+
+void ColladaDocument::refuse_word(const XmlElement& at, std::string_view word) const {
+  fail(at, "<" + at.name + ">: " + base::no_number(word));
+}
+
+void ColladaDocument::refuse_count(const XmlElement& at, std::size_t is, std::size_t wanted) const {
+  fail(at, "<" + at.name + "> has " + std::to_string(is) + " numbers instead of " +
+               std::to_string(wanted));
+}
+
+void ColladaDocument::refuse_attribute(const XmlElement& at, std::string_view key) const {
+  fail(at, "<" + at.name + ">: '" + std::string(key) + "': " + base::no_number(at.attribute(key)));
+}
+
+}  // namespace cas::sim

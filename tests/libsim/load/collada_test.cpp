@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "libsim/core/load/collada.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "libsim/core/load/mesh_file.hpp"
+#include "tests/libsim/support/sim_files.hpp"
+
+namespace cas::sim {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+const std::string kZUp = "<up_axis>Z_UP</up_axis>";
+
+std::string document(const std::string& asset, const std::string& geometries,
+                     const std::string& nodes, const std::string& libraries = "") {
+  return "<COLLADA xmlns='http://www.collada.org/2005/11/COLLADASchema'>\n<asset>" + asset +
+         "</asset>\n<library_geometries>" + geometries + "</library_geometries>" + libraries +
+         "<library_visual_scenes><visual_scene id='s'>" + nodes +
+         "</visual_scene></library_visual_scenes>\n"
+         "<scene><instance_visual_scene url='#s'/></scene></COLLADA>";
+}
+
+/// A unit square of the x-y plane at this height; its own ids end in `ids`.
+std::string geometry(const std::string& id, const std::string& ids, const std::string& faces,
+                     const std::string& z = "0") {
+  return "<geometry id='" + id + "'><mesh><source id='p" + ids + "'><float_array id='a" + ids +
+         "' count='12'>0 0 " + z + "  1 0 " + z + "  1 1 " + z + "\n 0 1 " + z +
+         "</float_array><technique_common><accessor source='#a" + ids +
+         "' count='4' stride='3'/></technique_common></source><vertices id='v" + ids +
+         "'><input semantic='POSITION' source='#p" + ids + "'/></vertices>" + faces +
+         "</mesh></geometry>";
+}
+
+std::string faces(const std::string& name, const std::string& lists) {
+  return "<" + name + "><input semantic='VERTEX' source='#v' offset='0'/>" + lists + "</" + name +
+         ">";
+}
+
+const std::string kTriangles =
+    "<triangles count='2'><input semantic='VERTEX' source='#v' offset='0'/>"
+    "<input semantic='NORMAL' source='#n' offset='1'/><p>0 0 1 0 2 0 0 0 2 0 3 0</p></triangles>";
+const std::string kPlaced = "<node><instance_geometry url='#g'/></node>";
+
+TriangleMesh parse(const std::string& text, std::vector<std::string>* warnings = nullptr,
+                   UpAxis up_axis = UpAxis::kIgnored) {
+  return parse_mesh(text, "m.dae", {.up_axis = up_axis, .warnings = warnings});
+}
+
+std::string refusal(const std::string& text) {
+  return test::refusal([&] { parse(text); });
+}
+
+TEST(Collada, NodesPlaceTheirGeometries) {
+  const TriangleMesh mesh = parse(document(
+      kZUp, geometry("g", "", kTriangles),
+      "<node><translate>10 0 0</translate><node><matrix>1 0 0 0 0 1 0 0 0 0 1 2 0 0 0 1</matrix>"
+      "<rotate>0 0 1 0</rotate><instance_geometry url='#g'/></node></node>"));
+  ASSERT_EQ(mesh.triangles.size(), 2u);
+  EXPECT_EQ(mesh.triangles[1], (std::array<std::uint32_t, 3>{0, 2, 3}));
+  EXPECT_LT((mesh.vertices[2] - Eigen::Vector3d(11, 1, 2)).norm(), 1e-12);
+}
+
+TEST(Collada, AFileWithoutASceneHasAllItsGeometries) {
+  std::string text =
+      document(kZUp, geometry("g", "", kTriangles) + geometry("h", "", kTriangles), kPlaced);
+  text.erase(text.find("<scene>"),
+             std::string("<scene><instance_visual_scene url='#s'/></scene>").size());
+  EXPECT_EQ(parse(text).triangles.size(), 4u);
+}
+
+TEST(Collada, UpAxisTurnsTheMeshWhereThatIsWanted) {
+  const std::string text = document("<unit meter='0.1'/><up_axis>Y_UP</up_axis>",
+                                    geometry("g", "", kTriangles, "2"), kPlaced);
+  std::vector<std::string> warnings;
+  const TriangleMesh as_it_is = parse(text, &warnings);
+  EXPECT_LT((as_it_is.vertices[2] - Eigen::Vector3d(0.1, 0.1, 0.2)).norm(), 1e-12);
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("m.dae:2: <up_axis> Y_UP does not turn the mesh")));
+  warnings.clear();
+  const TriangleMesh turned = parse(text, &warnings, UpAxis::kApplied);
+  EXPECT_LT((turned.vertices[2] - Eigen::Vector3d(0.1, -0.2, 0.1)).norm(), 1e-12);
+  EXPECT_THAT(warnings, IsEmpty());
+  EXPECT_THAT(refusal(document("<up_axis>W_UP</up_axis>", geometry("g", "", kTriangles), kPlaced)),
+              HasSubstr("m.dae:2: <up_axis> is X_UP, Y_UP or Z_UP"));
+}
+
+TEST(Collada, EveryKindOfFaceIsCutIntoTriangles) {
+  const std::pair<std::string, std::size_t> cases[] = {
+      {faces("triangles", "<p>0 1 2</p><p>0 2 3</p>"), 2},
+      {faces("tristrips", "<p>0 1 3 2</p>"), 2},
+      {faces("trifans", "<p>0 1 2 3</p>"), 2},
+      {faces("polylist", "<vcount>4 3</vcount><p>0 1 2 3 0 1 2</p>"), 3},
+      {faces("polygons", "<p>0 1 2 3</p><p>0 1 2</p>"), 3}};
+  for (const auto& [part, triangles] : cases) {
+    const TriangleMesh mesh = parse(document(kZUp, geometry("g", "", part), kPlaced));
+    EXPECT_EQ(mesh.triangles.size(), triangles) << part;
+    for (const auto& [a, b, c] : mesh.triangles) {
+      const Eigen::Vector3d normal =
+          (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
+      EXPECT_GT(normal.z(), 0) << part;
+    }
+  }
+}
+
+TEST(Collada, EachGeometryHasItsOwnSourcesWhenAllHaveTheSameIds) {
+  const TriangleMesh mesh =
+      parse(document(kZUp, geometry("g", "", kTriangles, "1") + geometry("h", "", kTriangles, "5"),
+                     "<node id='g'><instance_geometry url='#g'/></node>"
+                     "<node id='h'><instance_geometry url='#h'/></node>"));
+  ASSERT_EQ(mesh.vertices.size(), 8u);
+  EXPECT_EQ(mesh.vertices[0].z(), 1);
+  EXPECT_EQ(mesh.vertices[4].z(), 5);
+}
+
+TEST(Collada, AnIdThatMeansTwoThingsIsRefused) {
+  EXPECT_THAT(
+      refusal(document(kZUp, geometry("g", "", kTriangles) + "\n" + geometry("g", "", kTriangles),
+                       kPlaced)),
+      HasSubstr("names the <geometry> 'g', and that id occurs twice, in lines 3 and 5"));
+}
+
+TEST(Collada, WhatIsNotReadIsNamed) {
+  const std::pair<std::string, const char*> cases[] = {
+      {document(kZUp, geometry("g", "", kTriangles),
+                kPlaced + "\n<node><instance_controller url='#c'/></node>"),
+       "<instance_controller> is left out: skins and morphs are not read"},
+      {document(kZUp, geometry("g", "", kTriangles + faces("polygons", "<ph><p>0 1 2</p></ph>")),
+                kPlaced),
+       "<ph> is left out: polygons with holes are not read"},
+      {document(kZUp, geometry("g", "", kTriangles) + "<geometry id='h'><spline/></geometry>",
+                kPlaced + "<node><instance_geometry url='#h'/></node>"),
+       "<spline> is left out"},
+      {document(kZUp,
+                geometry("g", "", kTriangles + faces("polylist", "<vcount>2</vcount><p>0 1</p>")),
+                kPlaced),
+       "faces of fewer than three corners are left out"}};
+  for (const auto& [text, sentence] : cases) {
+    std::vector<std::string> warnings;
+    EXPECT_EQ(parse(text, &warnings).triangles.size(), 2u);
+    EXPECT_THAT(warnings, ElementsAre(HasSubstr(sentence)));
+  }
+}
+
+struct Fault {
+  const char* name;
+  std::string text;
+  const char* sentence;
+};
+
+/// The good file with this node instead.
+std::string with_node(const std::string& transformation) {
+  return document(kZUp, geometry("g", "", kTriangles),
+                  "\n<node>" + transformation + "<instance_geometry url='#g'/></node>");
+}
+
+std::string with_faces(const std::string& part) {
+  return document(kZUp, geometry("g", "", "\n" + part), kPlaced);
+}
+
+class ColladaFault : public testing::TestWithParam<Fault> {};
+
+TEST_P(ColladaFault, IsRefusedWithItsLine) {
+  EXPECT_THAT(refusal(GetParam().text), HasSubstr(GetParam().sentence));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Files, ColladaFault,
+    testing::Values(
+        Fault{"Empty", "<COLLADA/>", "m.dae: mesh has no triangle"},
+        Fault{"Cut", "<COLLADA>\n<scene", "m.dae:2: "},
+        Fault{"AnotherFormat", "<svg/>", "m.dae: is no COLLADA file"},
+        Fault{"NoScene", "<COLLADA>\n<scene><instance_visual_scene url='#x'/></scene></COLLADA>",
+              "m.dae:2: <instance_visual_scene> names the <visual_scene> 'x', which the file does "
+              "not have"},
+        Fault{"CommaInUnit",
+              document("<unit meter='0,01'/>", geometry("g", "", kTriangles), kPlaced),
+              "m.dae:2: <unit>: 'meter': '0,01' is no number (decimals follow a point"},
+        Fault{"UnitOfZero", document("<unit meter='0'/>", geometry("g", "", kTriangles), kPlaced),
+              "m.dae:2: <unit>: 'meter' must be above 0"},
+        Fault{"CommaInAPosition", document(kZUp, geometry("g", "", kTriangles, "0,5"), kPlaced),
+              "m.dae:3: <float_array>: '0,5' is no number"},
+        Fault{"CommaInTranslate", with_node("<translate>0 0 -0,05</translate>"),
+              "m.dae:5: <translate>: '-0,05' is no number"},
+        Fault{"ShortTranslate", with_node("<translate>0 1</translate>"),
+              "m.dae:5: <translate> has 2 numbers instead of 3"},
+        Fault{"ShortMatrix", with_node("<matrix>1 0 0 0 0 1 0 0 0 0 1 0</matrix>"),
+              "<matrix> has 12 numbers instead of 16"},
+        Fault{"TransposedMatrix", with_node("<matrix>1 0 0 0 0 1 0 0 0 0 1 0 5 6 7 1</matrix>"),
+              "the last row of <matrix> must be 0 0 0 1"},
+        Fault{"RotateWithoutAxis", with_node("<rotate>0 0 0 90</rotate>"), "axis of length zero"},
+        Fault{"Skew", with_node("<skew>30 1 0 0 0 1 0</skew>"), "m.dae:5: <skew> is not read"},
+        Fault{"FaceOfNoVertex", with_faces(faces("triangles", "<p>0 1 4</p>")),
+              "m.dae:5: <p> names the vertex 4, and there are 4"},
+        Fault{"HalfATriangle", with_faces(faces("triangles", "<p>0 1 2 3</p>")),
+              "m.dae:5: <p> ends within a triangle"},
+        Fault{"NegativeIndex", with_faces(faces("triangles", "<p>0 1 -1</p>")),
+              "m.dae:5: <p>: '-1' is no number"},
+        Fault{"PolylistTooShort", with_faces(faces("polylist", "<vcount>4</vcount><p>0 1 2</p>")),
+              "fewer corners than <vcount> promises"},
+        Fault{"PolylistTooLong", with_faces(faces("polylist", "<vcount>3</vcount><p>0 1 2 3</p>")),
+              "more corners than <vcount> promises"},
+        Fault{"UnknownFaces", with_faces(faces("tripatches", "<p>0 1 2</p>")),
+              "m.dae:5: <tripatches> is not read: without it the mesh has another shape"},
+        Fault{"NoVertices", with_faces("<triangles><p>0 1 2</p></triangles>"),
+              "<triangles> has no <input semantic='VERTEX'>"},
+        Fault{"NodesInACircle",
+              document(kZUp, geometry("g", "", kTriangles), "<instance_node url='#n'/>",
+                       "<library_nodes><node id='n'><instance_node url='#n'/></node>"
+                       "</library_nodes>"),
+              "nodes that name each other without end"},
+        Fault{"NodesThatDouble",
+              document(kZUp, geometry("g", "", kTriangles), "<instance_node url='#n'/>",
+                       "<library_nodes><node id='n'><instance_node url='#m'/><instance_node "
+                       "url='#m'/></node><node id='m'><instance_node url='#n'/><instance_node "
+                       "url='#n'/></node></library_nodes>"),
+              "without end"}),
+    [](const auto& test) { return test.param.name; });
+
+/// Twenty nodes, each of which names the next one twice, have a million leaves.
+TEST(Collada, NodesThatDoubleAreCounted) {
+  std::string nodes;
+  for (int i = 0; i < 20; ++i) {
+    const std::string next = "<instance_node url='#n" + std::to_string(i + 1) + "'/>";
+    nodes += "<node id='n" + std::to_string(i) + "'>" + next + next + "</node>";
+  }
+  EXPECT_THAT(refusal(document(kZUp, geometry("g", "", kTriangles), "<instance_node url='#n0'/>",
+                               "<library_nodes>" + nodes + "<node id='n20'/></library_nodes>")),
+              HasSubstr("more than 100000 nodes are named from here"));
+}
+
+TEST(Collada, ElementsInEachOtherAreCounted) {
+  std::string text = "<COLLADA>\n";
+  for (int i = 0; i < 20'000; ++i) text += "<extra>";
+  EXPECT_THAT(refusal(text), HasSubstr("m.dae:2: elements lie more than 200 deep"));
+}
+
+}  // namespace
+}  // namespace cas::sim
