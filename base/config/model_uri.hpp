@@ -29,7 +29,7 @@ CAS_BASE_EXPORT std::optional<std::filesystem::path> find_model_file(
 
 /// The places of places_of_model_file() in a sentence, each once: "/w/oak, /models/oak".
 CAS_BASE_EXPORT std::string searched_places(const std::string& uri,
-                                           const std::filesystem::path& folder,
-                                           std::span<const std::filesystem::path> model_path);
+                                            const std::filesystem::path& folder,
+                                            std::span<const std::filesystem::path> model_path);
 
 }  // namespace cas::base

@@ -37,7 +37,8 @@ fs::path sdf_in(const fs::path& folder) {
 [[noreturn]] void fail_missing(const XmlElement& include, const std::string& uri,
                                const fs::path& file) {
   include.fail("the included model " + uri + " is nowhere to be found; looked for it at " +
-               searched_places(uri, file.parent_path(), {}) + ". Name its folder in GZ_SIM_RESOURCE_PATH, or leave it out by `parts: {" +
+               searched_places(uri, file.parent_path(), {}) +
+               ". Name its folder in GZ_SIM_RESOURCE_PATH, or leave it out by `parts: {" +
                (include.child("name") != nullptr ? std::string(include.child_text("name"))
                                                  : fs::path(uri).filename().string()) +
                ": left_out}` in the vehicle file");

@@ -66,7 +66,8 @@ TEST(Discover, DescribesEachMethodThatCanBeCalled) {
   EXPECT_EQ(document.at("info"), (Json{{"title", "kettle"}, {"version", "1.5"}}));
   std::map<std::string, Json> methods;
   for (const Json& method : document.at("methods")) methods[method.at("name")] = method;
-  for (const char* own : {"authorise", "introduce", "methods", "rpc.discover", "subscribe", "unsubscribe"}) {
+  for (const char* own :
+       {"authorise", "introduce", "methods", "rpc.discover", "subscribe", "unsubscribe"}) {
     EXPECT_TRUE(methods.contains(own)) << own;
     EXPECT_FALSE(methods[own].contains("x-undescribed")) << own;
   }
