@@ -16,16 +16,15 @@ struct RmsFigures {
   std::uint64_t samples = 0;
 };
 
-/// A component of RmsFigures, under its key in summary.json, in limits and in tables.
+/// A component of RmsFigures, under its key in summary.json and in limits.
 struct RmsAxis {
   std::string_view key;
-  std::string_view name;
   std::string_view unit;
   double RmsFigures::*member;
 };
-inline constexpr std::array<RmsAxis, 4> kRmsAxes{{{"x_m", "X", "m", &RmsFigures::x_m},
-                                                  {"y_m", "Y", "m", &RmsFigures::y_m},
-                                                  {"z_m", "Z", "m", &RmsFigures::z_m},
-                                                  {"yaw_rad", "yaw", "rad", &RmsFigures::yaw_rad}}};
+inline constexpr std::array<RmsAxis, 4> kRmsAxes{{{"x_m", "m", &RmsFigures::x_m},
+                                                  {"y_m", "m", &RmsFigures::y_m},
+                                                  {"z_m", "m", &RmsFigures::z_m},
+                                                  {"yaw_rad", "rad", &RmsFigures::yaw_rad}}};
 
 }  // namespace cas::hils

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
@@ -209,8 +210,9 @@ const std::vector<Figure<StepResponse>>& response_table() {
 }
 
 const Figure<Measurement>& figure_row(std::string_view key) {
-  if (const Row* const row = find_figure(figure_table(), key)) return *row;
-  throw std::logic_error(fmt::format("there is no figure '{}'", key));
+  const auto row = std::ranges::find(figure_table(), key, &Row::key);
+  if (row == figure_table().end()) throw std::logic_error(fmt::format("no figure '{}'", key));
+  return *row;
 }
 
 std::string figure_reference() {

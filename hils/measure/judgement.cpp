@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 #include <string_view>
@@ -19,7 +18,6 @@ namespace {
 using Checks = std::vector<LimitCheck>;
 using Kind = LimitCheck::Kind;
 using Sense = LimitCheck::Sense;
-using NamedRate = std::pair<std::string_view, const RateFigures*>;
 
 /// Marks the check as missed, for the reason that the sentence gives.
 LimitCheck missed(LimitCheck check, std::string sentence) {
@@ -35,9 +33,22 @@ void add_bounded(Checks& checks, LimitCheck check, const std::string& sentence) 
   checks.push_back(kept ? std::move(check) : missed(std::move(check), sentence));
 }
 
-std::array<NamedRate, 3> named_rates(const StreamFigures& rates) {
-  return {NamedRate{"HIL_SENSOR", &rates.sensor}, NamedRate{"HIL_GPS", &rates.gps},
-          NamedRate{"HIL_CONTROLS", &rates.controls}};
+/// The check of a figure that has a bound: at most, or at least where up is better.
+template <class Of>
+LimitCheck bounded(const Figure<Of>& row, const std::string& of_what, double bound) {
+  return {.what = row.title + of_what,
+          .unit = row.unit,
+          .digits = row.digits,
+          .sense = row.better == Better::kUp ? Sense::kAtLeast : Sense::kAtMost,
+          .bound = bound};
+}
+
+/// The same with its value. @param key  of figure_table()
+LimitCheck bounded(const Measurement& figures, std::string_view key, double bound) {
+  const Figure<Measurement>& row = figure_row(key);
+  LimitCheck check = bounded(row, "", bound);
+  check.value = row.get(figures);
+  return check;
 }
 
 void check_account(std::string_view name, const RateFigures& rate, Checks& checks) {
@@ -73,12 +84,7 @@ constexpr std::string_view kRemedy =
     "; end other programs, or give these real-time rights (docs/operations.md), or fly where time "
     "waits for the programs (--virtual, SITL)";
 
-std::optional<double> milliseconds(std::optional<double> us) {
-  if (us) *us *= 1e-3;
-  return us;
-}
-
-/// A figure of the machine, ms or a factor, with its bound.
+/// A condition that the machine must meet.
 void add_machine(Checks& checks, LimitCheck check, const std::string& sentence) {
   check.kind = Kind::kValidity;
   check.about = LimitCheck::About::kMachine;
@@ -94,36 +100,17 @@ void add_machine(Checks& checks, LimitCheck check, const std::string& sentence) 
 /// theirs is none of the vehicle's.
 void check_machine(const Measurement& figures, Checks& checks) {
   const PaceFigures& pace = figures.pace;
-  add_machine(checks,
-              {.what = "real-time factor",
-               .sense = Sense::kAtLeast,
-               .value = pace.real_time_factor,
-               .bound = kLeastRealTimeFactor},
+  add_machine(checks, bounded(figures, "real_time_factor", kLeastRealTimeFactor),
               fmt::format("the simulation ran at {:.3f} of real time, and {:.2f} is needed",
                           pace.real_time_factor, kLeastRealTimeFactor));
-  add_machine(checks,
-              {.what = "longest stall of the simulation",
-               .unit = "ms",
-               .digits = 1,
-               .value = pace.worst_stall_ms,
-               .bound = kMostStallMs},
+  add_machine(checks, bounded(figures, "worst_stall_ms", kMostStallMs),
               fmt::format("the simulation stood still for {:.0f} ms, and {:.0f} ms is the most",
                           pace.worst_stall_ms, kMostStallMs));
   const double most_ms = most_late_ms(figures);
-  add_machine(checks,
-              {.what = "HIL_SENSOR sent late, 99 %",
-               .unit = "ms",
-               .digits = 2,
-               .value = pace.late_p99_ms,
-               .bound = most_ms},
+  add_machine(checks, bounded(figures, "late_p99_ms", most_ms),
               fmt::format("1 % of HIL_SENSOR left {:.1f} ms late or later, and {:g} ms is the most",
                           pace.late_p99_ms, most_ms));
-  add_machine(checks,
-              {.what = "handover between simulator and casd, 99 %",
-               .unit = "ms",
-               .digits = 2,
-               .value = milliseconds(figures.handover_p99_us),
-               .bound = most_ms},
+  add_machine(checks, bounded(figures, "handover_p99_us", 1e3 * most_ms),
               fmt::format("simulator and casd took {:.1f} ms to hand a packet over in 1 % of the "
                           "cases, and {:g} ms is the most",
                           1e-3 * figures.handover_p99_us.value_or(0), most_ms));
@@ -135,25 +122,14 @@ void check_controller(const Measurement& figures, Checks& checks) {
   if (figures.from_device) return;
   // It stamps a sample when it reads it: later than others, when it had no processor.
   const double most_late = most_late_ms(figures);
-  const auto spread_ms = milliseconds(figures.reading_spread_us);
-  add_machine(checks,
-              {.what = "HIL_SENSOR read by the controller, 99 % less the median",
-               .unit = "ms",
-               .digits = 2,
-               .value = spread_ms,
-               .bound = most_late},
+  add_machine(checks, bounded(figures, "reading_spread_us", 1e3 * most_late),
               fmt::format("1 % of HIL_SENSOR was read {:.1f} ms later than the median one, and "
                           "{:g} ms is the most",
-                          spread_ms.value_or(0), most_late));
+                          1e-3 * figures.reading_spread_us.value_or(0), most_late));
   if (figures.age_by_arrival.count == 0) return;
   const double control_hz = figures.rates.controls.nominal_hz;
   const double most_ms = most_late + (control_hz > 0 ? 1e3 / control_hz : 0);
-  add_machine(checks,
-              {.what = "controller's answer to a sample, 99 %",
-               .unit = "ms",
-               .digits = 2,
-               .value = 1e-3 * figures.age_by_arrival.p99,
-               .bound = most_ms},
+  add_machine(checks, bounded(figures, "age_by_arrival_p99_us", 1e3 * most_ms),
               fmt::format("the controller took {:.1f} ms from a sample to its answer in 1 % of "
                           "the cases, and {:g} ms is the most",
                           1e-3 * figures.age_by_arrival.p99, most_ms));
@@ -178,12 +154,7 @@ void check_port(const Measurement& figures, Checks& checks) {
                           "{:g} % is the most",
                           sensor.lost, sensor.sent, kMostDropped_pct));
   add_machine(
-      checks,
-      {.what = "longest gap of HIL_SENSOR at the controller's port",
-       .unit = "ms",
-       .digits = 1,
-       .value = figures.port_gap_ms,
-       .bound = kMostStallMs},
+      checks, bounded(figures, "port_gap_ms", kMostStallMs),
       fmt::format("no HIL_SENSOR came to the controller's port for {:.0f} ms, and {:.0f} ms "
                   "is the most",
                   *figures.port_gap_ms, kMostStallMs));
@@ -206,8 +177,8 @@ Checks validity_checks(const Measurement& figures) {
                              .wanted = "there"},
                             "the record of the true flight is not whole: " + *figures.record_hole));
   }
-  for (const auto& [name, rate] : named_rates(figures.rates)) {
-    check_account(name, *rate, checks);
+  for (const Stream& stream : kStreams) {
+    check_account(stream.name, figures.rates.*stream.rate, checks);
   }
   for (const PathAccount& path : figures.paths) {
     const LimitCheck check{.kind = Kind::kValidity,
@@ -222,8 +193,10 @@ Checks validity_checks(const Measurement& figures) {
   return checks;
 }
 
-void check_rate(std::string_view name, const RateFigures& rate, const Limits& limits,
+void check_rate(const Stream& stream, const Measurement& figures, const Limits& limits,
                 Checks& checks) {
+  const auto& [key, name, member, _] = stream;
+  const RateFigures& rate = figures.rates.*member;
   if (rate.sent == 0) {
     checks.push_back(
         missed({.what = fmt::format("{} sent", name), .found = "none", .wanted = "some"},
@@ -232,25 +205,16 @@ void check_rate(std::string_view name, const RateFigures& rate, const Limits& li
   }
   if (limits.lost) {
     add_bounded(checks,
-                {.what = fmt::format("{} lost", name),
-                 .digits = 0,
-                 .value = static_cast<double>(rate.lost),
-                 .bound = static_cast<double>(*limits.lost)},
+                bounded(figures, fmt::format("{}_lost", key), static_cast<double>(*limits.lost)),
                 fmt::format("{} of {} {} were lost; the limit is {}", rate.lost, rate.sent, name,
                             *limits.lost));
   }
-  const double delivered =
-      100.0 * static_cast<double>(rate.received) / static_cast<double>(rate.sent);
   if (limits.delivered_pct) {
-    add_bounded(checks,
-                {.what = fmt::format("{} delivered", name),
-                 .unit = "%",
-                 .digits = 3,
-                 .sense = Sense::kAtLeast,
-                 .value = delivered,
-                 .bound = *limits.delivered_pct},
-                fmt::format("{:.3f} % of {} arrived; the limit is {:g} %", delivered, name,
-                            *limits.delivered_pct));
+    LimitCheck check =
+        bounded(figures, fmt::format("{}_delivered_pct", key), *limits.delivered_pct);
+    const std::string sentence = fmt::format("{:.3f} % of {} arrived; the limit is {:g} %",
+                                             *check.value, name, *limits.delivered_pct);
+    add_bounded(checks, std::move(check), sentence);
   }
   if (limits.rate_error_pct) {
     add_bounded(checks,
@@ -261,16 +225,6 @@ void check_rate(std::string_view name, const RateFigures& rate, const Limits& li
                 fmt::format("{} arrived at {:.2f} Hz instead of {:g} Hz; the limit is {:g} %", name,
                             rate.received_hz, rate.nominal_hz, *limits.rate_error_pct));
   }
-}
-
-/// The check of a figure that has a bound: at most, or at least where up is better.
-template <class Of>
-LimitCheck bounded(const Figure<Of>& row, const std::string& of_what, double bound) {
-  return {.what = row.title + of_what,
-          .unit = row.unit,
-          .digits = row.digits,
-          .sense = row.better == Better::kUp ? Sense::kAtLeast : Sense::kAtMost,
-          .bound = bound};
 }
 
 /// Adds the check with its value, or with what was found instead.
@@ -346,8 +300,8 @@ Checks flight_checks(const Measurement& figures, const Limits& limits) {
   Checks checks;
   check_incidents(figures.incidents, limits, checks);  // first: a crash is why it was not flown
   check_flown(figures, checks);
-  for (const auto& [name, rate] : named_rates(figures.rates)) {
-    check_rate(name, *rate, limits, checks);
+  for (const Stream& stream : kStreams) {
+    check_rate(stream, figures, limits, checks);
   }
   check_responses(figures.responses, limits.responses, checks);
   check_figures(figures, limits.figures, figures.over_hold, checks);

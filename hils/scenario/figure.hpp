@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
 #include <functional>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace cas::hils {
@@ -48,12 +46,5 @@ struct Figure {
 const std::vector<Figure<Measurement>>& figure_table();
 /// All figures of the response to a step of the reference.
 const std::vector<Figure<StepResponse>>& response_table();
-
-/// The row of a key; nullptr: there is none.
-template <class Of>
-const Figure<Of>* find_figure(const std::vector<Figure<Of>>& table, std::string_view key) {
-  const auto found = std::ranges::find(table, key, &Figure<Of>::key);
-  return found == table.end() ? nullptr : &*found;
-}
 
 }  // namespace cas::hils
