@@ -537,5 +537,21 @@ TEST(MotorPlugin, ARotorThatTouchesSomethingStopsForGood) {
   EXPECT_EQ(motor.stats_json(), "");
 }
 
+TEST(MotorPlugin, SaysThatARotorDoesNotTurnTheOtherWay) {
+  test::PluginHarness harness;
+  const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
+  const Plugin& motor = harness.add("motor", "{}");
+  MotorCommand outputs;
+  outputs.kind = MotorCommand::Kind::kMotorOutputs;
+  outputs.armed = true;
+  outputs.values = Vector4d(0.5, 0.5, 0, -0.3);
+  command.publish(outputs);
+  EXPECT_NE(motor.stats_json().find("{\"warnings\":[\"iris0: rotor 4 was asked to turn the other"),
+            std::string::npos)
+      << motor.stats_json();
+  harness.reset();
+  EXPECT_EQ(motor.stats_json(), "");
+}
+
 }  // namespace
 }  // namespace cas::sim

@@ -18,7 +18,7 @@ CAS_SIM_EXPORT double standing_height(const WorldModel& world, const VehicleMode
 CAS_SIM_EXPORT BodyState start_state(const VehicleModel& model, const StartPose& pose);
 
 /// Refuses a vehicle that starts inside something: its centre of gravity is in it, or it still
-/// touches it 5 cm higher. Vehicles are not compared with each other.
+/// touches it 5.1 cm higher. Vehicles are not compared with each other.
 /// @throws base::ConfigError naming vehicle, place and obstacle, and the height to start from
 CAS_SIM_EXPORT void require_free_start(const WorldModel& world, const VehicleModel& model,
                                        const VehicleConfig& vehicle);
