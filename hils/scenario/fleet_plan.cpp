@@ -7,6 +7,16 @@
 
 namespace cas::hils {
 
+namespace {
+
+/// The report of a vehicle that waits with its arming for what it or another one lacks.
+VehicleReport waiting_for(const std::string& lack, VehicleReport vehicle) {
+  if (!vehicle.position_lack) vehicle.position_lack = lack;
+  return vehicle;
+}
+
+}  // namespace
+
 FleetPlan::FleetPlan(const Scenario& scenario) : names_(scenario.names()) {
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
     plans_.emplace_back(steps_for(i, scenario.steps), scenario.vehicles[i].start_yaw_rad());
@@ -17,15 +27,32 @@ FleetPlan::FleetPlan(const Scenario& scenario) : names_(scenario.names()) {
 std::vector<FleetPlan::Command> FleetPlan::update(base::SimTime now,
                                                   std::span<const VehicleReport> vehicles) {
   std::vector<Command> commands;
+  const std::optional<std::string> lack = lack_before_arming(vehicles);
   std::size_t before = 0;
   do {
     before = progress();
     for (std::size_t i = 0; i < plans_.size(); ++i) {
-      std::optional<FlightStep> step = plans_[i].update(now, vehicles[i], others_through(i));
+      const auto look = [&](const VehicleReport& vehicle) {
+        return plans_[i].update(now, vehicle, others_through(i));
+      };
+      std::optional<FlightStep> step =
+          lack ? look(waiting_for(*lack, vehicles[i])) : look(vehicles[i]);
       if (step) commands.push_back({.vehicle = i, .step = std::move(*step)});
     }
   } while (plans_.size() > 1 && progress() != before);
   return commands;
+}
+
+/// What one of several vehicles lacks for its arming: the others wait for it, because a stock
+/// firmware that has been armed disarms itself after a while.
+std::optional<std::string> FleetPlan::lack_before_arming(
+    std::span<const VehicleReport> vehicles) const {
+  for (std::size_t i = 0; i < plans_.size() && plans_.size() > 1; ++i) {
+    const FlightStep* const step = plans_[i].current();
+    const bool arms = step != nullptr && step->kind == StepKind::kArm;
+    if (arms && vehicles[i].position_lack) return names_[i] + ": " + *vehicles[i].position_lack;
+  }
+  return std::nullopt;
 }
 
 void FleetPlan::on_outcome(std::size_t vehicle, base::SimTime now,

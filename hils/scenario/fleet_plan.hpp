@@ -49,6 +49,7 @@ class FleetPlan {
   std::optional<std::string> failure_of(std::size_t vehicle) const;
 
  private:
+  std::optional<std::string> lack_before_arming(std::span<const VehicleReport> vehicles) const;
   std::size_t slowest() const;
   std::size_t others_through(std::size_t vehicle) const;
   std::size_t progress() const;

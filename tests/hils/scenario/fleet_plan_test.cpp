@@ -127,5 +127,20 @@ TEST_F(Fleet, EndsForAllWhenOneCannotGoOn) {
   EXPECT_EQ(fleet.failure_of(kLeft), "it ended with that of right");
 }
 
+/// Stock firmware that has been armed disarms itself while it waits for another vehicle.
+TEST(StockFleet, ArmsNoneBeforeAllHaveTheirPosition) {
+  constexpr FirmwareHabits kStock{.arms_early = true};
+  const std::vector<FlightStep> steps{{.kind = StepKind::kArm, .timeout = seconds(60)}};
+  FleetPlan fleet({"iris0", "iris1"}, {FlightPlan(steps, 0, kStock), FlightPlan(steps, 0, kStock)});
+  std::vector<VehicleReport> vehicles(2, {.heard = true, .on_ground = true});
+  vehicles[1].position_lack = "the GPS has no fix yet";
+  EXPECT_TRUE(fleet.update(base::SimTime(seconds(0)), vehicles).empty());
+  vehicles[1].position_lack.reset();
+  const auto commands = fleet.update(base::SimTime(seconds(20)), vehicles);
+  ASSERT_EQ(commands.size(), 2U);
+  EXPECT_EQ(commands[0].step.kind, StepKind::kArm);
+  EXPECT_EQ(commands[1].step.kind, StepKind::kArm);
+}
+
 }  // namespace
 }  // namespace cas::hils
