@@ -19,6 +19,7 @@ bool starts(double top_m) {
   world.statics.push_back(plate);
   VehicleConfig vehicle;
   vehicle.name = "a";
+  vehicle.pose.z_m = 0;
   try {
     require_free_start(world, model, vehicle);
     return true;
