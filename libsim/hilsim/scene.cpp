@@ -23,7 +23,7 @@ using Json = nlohmann::json;
 
 constexpr double kLength = 1e-4;  // m, tolerance of a picture
 constexpr double kTurn = 1e-6;
-constexpr std::size_t kMostTriangles = 500'000;  // of a vehicle, that a browser still turns
+constexpr std::size_t kMostDrawnTriangles = 500'000;  // of a vehicle, that a browser still turns
 
 std::string sha256_hex(std::string_view bytes) {
   constexpr const char* kDigits = "0123456789abcdef";
@@ -135,7 +135,7 @@ Scene::Scene(const SimRunner& runner) {
                                  {"system", vehicle.vehicle.system_id},
                                  {"mass_kg", model.mass.mass_kg()},
                                  {"parts", shapes.list(model.shapes)},
-                                 {"visuals", shapes.list(load_visuals(model, kMostTriangles))},
+                                 {"visuals", shapes.list(load_visuals(model, kMostDrawnTriangles))},
                                  {"rotors", rotors_json(vehicle.vehicle)},
                                  {"rays", rays_json(vehicle)}});
   }
