@@ -109,7 +109,7 @@ TEST(SdfWorld, ColladaMeshesCollide) {
   EXPECT_LT((bounding_box(mesh, centre).size_m - Eigen::Vector3d(2, 1, 3)).norm(), 1e-9)
       << "its y is up, and Gazebo does not turn it";
   EXPECT_THAT(model.warnings,
-              Contains(AllOf(HasSubstr("classic.world:44: collision 'pipe/shed': "),
+              Contains(AllOf(HasSubstr("classic.world:43: collision 'pipe/shed': "),
                              HasSubstr("shed.dae:6: <up_axis> Y_UP does not turn the mesh"))));
   const WorldModel turned = load_world({.sdf = kData / "classic.world",
                                         .model_path = {kWorlds / "models"},
