@@ -198,11 +198,11 @@ void PageClient::hello(const Json& request) {
 
 void PageClient::add_methods() {
   add_own_methods();
-  for (const auto& [method_name, program, effect] : kPassed) {
+  for (const auto& [method_name, server, effect] : kPassed) {
     if (effect != Effect::kNone && access_.read_only) {
       add_refused(method_name);
     } else {
-      add_passed(method_name, upstream_of(hub_, program), effect == Effect::kChange);
+      add_passed(method_name, upstream_of(hub_, server), effect == Effect::kChange);
     }
   }
   for (const char* method_name :
