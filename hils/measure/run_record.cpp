@@ -65,7 +65,8 @@ std::vector<std::string> simulator_warnings(const std::filesystem::path& simulat
     const auto whose = each.value("vehicle", std::string());
     if (whose.empty() || whose == vehicle) warnings.push_back(each.value("warning", ""));
   }
-  for (const auto& [plugin, figures] : stats.value("plugins", json::object()).items()) {
+  const json plugins = stats.value("plugins", json::object());  // outlives the view of its items
+  for (const auto& [plugin, figures] : plugins.items()) {
     if (!is_plugin_of(plugin, vehicle) || !figures.is_object()) continue;
     for (const json& each : figures.value("warnings", json::array())) {
       if (each.is_string()) warnings.push_back(each.get<std::string>());
