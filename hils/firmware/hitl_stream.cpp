@@ -20,6 +20,8 @@ namespace {
 using mavlink::common::HilSensor;
 
 constexpr base::Duration kLeast = std::chrono::seconds(1);
+/// Of HIL_ACTUATOR_CONTROLS, as PX4 streams it in HIL mode.
+constexpr double kControls_hz = 200;
 
 bool has_sensors(const casd::LinkLedger::Entries& entries) {
   return std::ranges::any_of(entries,
@@ -100,7 +102,7 @@ std::optional<Measurement> measure_hitl_stream(const FirmwareScenario& scenario,
   stream.from_device = true;
   const double hz = sensor_hz(record.simulator, *window);
   if (hz == 0) return std::nullopt;
-  measure_stream({.sensor_hz = hz}, record, stream);
+  measure_stream({.sensor_hz = hz, .controls_hz = kControls_hz}, record, stream);
   if (record.relay) stream.port_gap_ms = longest_gap_ms(record, HilSensor::kId, *window);
   return stream;
 }
