@@ -43,7 +43,7 @@ class ModelBuilder {
   void add(ModelMotor motor) { body_.motors.push_back(std::move(motor)); }
   void warn(const XmlElement& at, const std::string& sentence);
 
-  /// The sum of all. @throws ConfigError for a part that the vehicle file names and nobody met
+  /// The sum of all. @throws ConfigError for a name in `parts` that no part of the model has
   ModelBody finish(std::string name);
 
  private:

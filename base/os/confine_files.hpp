@@ -17,8 +17,8 @@ enum class FileUse : std::uint8_t {
 
 /// Confines the calling thread, and threads and programs that it starts from now on, for good: from
 /// then on `use` is possible only at these files and below these folders; elsewhere the kernel says
-/// EACCES. What is open stays open, and a socket may still be connected to. Calls add up. A path
-/// that does not exist is passed over.
+/// EACCES. Open files stay open, and connecting to a socket stays possible. A second call can only
+/// confine further. A path that does not exist is passed over.
 /// @return false, and nothing is confined, where the kernel has no Landlock (Linux before 5.13, or
 /// switched off; Linux, Documentation/userspace-api/landlock.rst)
 CAS_BASE_EXPORT bool confine_files(FileUse use, const std::vector<std::filesystem::path>& places);
