@@ -16,6 +16,9 @@ class CAS_BASE_EXPORT ConfigError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A value of errno in words: "No such file or directory".
+CAS_BASE_EXPORT std::string error_text(int error);
+
 /// Exit codes of the daemons (sysexits.h where one fits).
 enum ExitCode : int {
   kExitOk = 0,            ///< stopped in good order

@@ -29,6 +29,7 @@
 #include "base/os/log.hpp"
 #include "base/os/notify.hpp"
 #include "base/os/write_file.hpp"
+#include "base/rpc/io_thread.hpp"
 #include "base/rpc/server.hpp"
 #include "base/text.hpp"
 #include "casd/link_changes.hpp"
@@ -144,8 +145,7 @@ void require_writable(const std::filesystem::path& file) {
     error = ::access(folder.c_str(), W_OK | X_OK) == 0 ? 0 : errno;
   }
   if (error == 0) return;
-  throw base::ConfigError(file.string() +
-                          ": cannot be written: " + std::generic_category().message(error));
+  throw base::ConfigError(file.string() + ": cannot be written: " + base::error_text(error));
 }
 
 /// Refuses, before anything starts, files that could not be written at the end.
@@ -288,15 +288,18 @@ struct App::Impl {
   /// Until a signal ends it.
   void run_links() {
     links.start();
-    do_wait_signal();
-    turns.begin();
-    do_second();
     settle_deadline = base::steady_now() + kSettlePatience;
-    do_settle();
-    io.run();
+    base::rpc::run_context(io, "main", [this] {
+      do_wait_signal();
+      turns.begin();
+      do_second();
+      if (!told_ready) do_settle();
+      server.start();
+    });
   }
 
   void do_wait_signal() {
+    signals.cancel();
     signals.async_wait([this](boost::system::error_code error, int signal) {
       if (error) return;
       if (signal != SIGHUP) return stop();
@@ -354,6 +357,7 @@ struct App::Impl {
     }
     figures.set_last_reload({.at = base::steady_now(), .trouble = trouble});
     settle_deadline = base::steady_now() + kSettlePatience;
+    told_ready = false;
     do_settle();
     return trouble;
   }
@@ -400,6 +404,7 @@ struct App::Impl {
       });
       return;
     }
+    told_ready = true;
     const std::string status = describe(ports) + " " + links.endpoints();
     // systemd takes no longer message: with all of a hundred links it would miss READY.
     constexpr std::size_t kMostNotified = 4000;
@@ -427,6 +432,7 @@ struct App::Impl {
   }};
   OpenPorts ports;
   base::RunTime settle_deadline{};
+  bool told_ready = false;
   base::RunTime next_summary{};
 };
 

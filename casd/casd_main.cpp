@@ -15,6 +15,7 @@
 #include "base/cli/keys_flag.hpp"
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
+#include "base/config/config_document.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
 #include "base/os/command_port.hpp"
@@ -119,13 +120,11 @@ std::vector<LinkConfig> endpoints_of(const Flags& flags) {
   return links;
 }
 
-constexpr std::size_t kMaxTopologyBytes = std::size_t{4} << 20U;
-
 /// Users of mavlink-router hand its file over as they are used to.
 void refuse_router_file(const std::filesystem::path& file) {
   std::error_code none;
   if (file.extension() != ".conf" || !std::filesystem::is_regular_file(file, none)) return;
-  std::istringstream text(base::read_foreign_file(file, "topology", kMaxTopologyBytes));
+  std::istringstream text(base::read_foreign_file(file, "topology", base::kMaxConfigBytes));
   for (std::string line; std::getline(text, line);) {
     const std::string_view words = base::trimmed(line);
     if (words.empty() || words.front() == '#') continue;

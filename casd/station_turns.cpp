@@ -30,7 +30,11 @@ StationTurns::StationTurns(asio::io_context& io, LinkSet& links, OwnStation& sta
 }
 
 void StationTurns::begin() {
-  packets_.assign(links_.local().descriptor());
+  if (packets_.is_open()) {
+    packets_.cancel();
+  } else {
+    packets_.assign(links_.local().descriptor());
+  }
   do_wait();
   if (lockstep()) {
     do_wall_tick();

@@ -3,6 +3,10 @@
 add_library(cas_options INTERFACE)
 target_include_directories(cas_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(cas_options INTERFACE -Wall -Wextra -Wpedantic -Wconversion -Wshadow)
+if(CAS_UNITY)
+  # A source sees the names of those that are compiled with it, and none of them is the main file.
+  target_compile_options(cas_options INTERFACE -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wshadow=local -Wno-subobject-linkage>)
+endif()
 if(CMAKE_CXX_COMPILER_ID MATCHES Clang)
   target_compile_options(cas_options INTERFACE -Wthread-safety)  # base/os/mutex.hpp
 endif()

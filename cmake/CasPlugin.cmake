@@ -14,6 +14,7 @@ function(cas_add_plugin name)
       set_target_properties(${target} PROPERTIES LINK_OPTIONS "")
     endif()
     target_link_libraries(${target} PRIVATE cas_options cas_sim_api cas_base)
+    set_source_files_properties(${name}_plugin.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)  # cas_plugin_models is without
     set_target_properties(${target} PROPERTIES LIBRARY_OUTPUT_DIRECTORY ${CAS_PLUGIN_BUILD_DIR})
     if(NOT CAS_PLUGIN_NO_INSTALL)
       set_property(GLOBAL APPEND PROPERTY CAS_PLUGINS ${target})

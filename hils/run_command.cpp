@@ -34,7 +34,7 @@
 #include "hils/replay/replay_page.hpp"
 #include "hils/report/junit_report.hpp"
 #include "hils/report/results_folder.hpp"
-#include "hils/report/text_report.hpp"
+#include "hils/report/run_report.hpp"
 #include "hils/run/folder_lock.hpp"
 #include "hils/run/station_endpoint.hpp"
 #include "hils/scenario/scenario.hpp"
@@ -79,6 +79,7 @@ void search_plugins_in(const std::vector<std::string>& folders) {
 }
 
 std::vector<RunRecord> fly(const RunRequest& request, bool on_virtual_clock) {
+  if (request.scenario.firmware) return run_firmware(request);
   if (on_virtual_clock || request.architecture == Architecture::kDirect) {
     return run_on_virtual_clock(request);
   }
@@ -86,23 +87,21 @@ std::vector<RunRecord> fly(const RunRequest& request, bool on_virtual_clock) {
   return run_in_real_time(request);
 }
 
-/// @throws base::ConfigError for the first flag that means nothing to stock firmware, with the
-/// setting that replaces it
-void refuse_flags_of_our_controller(const Flags& flags) {
-  const auto refuse = [&flags](bool given, const char* flag, const char* instead) {
-    if (!given) return;
-    throw base::ConfigError(flags.scenario + ": " + flag +
-                            " has no place in a flight of stock firmware: " + instead);
+/// Refuses flags that stock firmware cannot heed: it has a clock and wires of its own.
+/// @throws base::ConfigError for the first
+void refuse_flags_of_our_controller(const Flags& flags, const Firmware& firmware) {
+  const auto refuse = [&flags](bool given, const char* flag, const char* why) {
+    if (given) throw base::ConfigError(flags.scenario + ": " + flag + ": stock firmware " + why);
   };
-  refuse(flags.seed.has_value(), "--seed", "its world has `seed`");
-  refuse(flags.lockstep, "--lockstep", "its world says whether it is flown in lockstep");
-  refuse(flags.on_virtual_clock, "--virtual", "it has a clock of its own; its world has `speed`");
-  refuse(!flags.architecture.empty(), "--architecture", "its topology says how it is connected");
+  refuse(flags.on_virtual_clock, "--virtual", "is a program, and computes in time of its own");
+  refuse(flags.lockstep && firmware.on_serial_line, "--lockstep",
+         "on a serial line waits for nobody");
+  refuse(!flags.architecture.empty(), "--architecture", "is connected as its topology says");
   refuse(!flags.fcus.empty(), "--fcu",
-         "it is started as a program; for a board take the scenario pixhawk.yaml");
-  refuse(flags.fcu_baud.has_value(), "--fcu-baud", "its topology has the baud rate");
-  refuse(!flags.ground_station.empty(), "--gcs", "its topology has a link for a ground station");
-  refuse(flags.web, "--web", "start casweb beside it");
+         "is started as a program; for a board take the scenario pixhawk.yaml");
+  refuse(flags.fcu_baud.has_value(), "--fcu-baud", "has the baud rate of its topology");
+  refuse(flags.inject_failures && firmware.autopilot != "PX4", "--inject-failures",
+         "has no link of casd to its simulator");
 }
 
 /// A run without a replay keeps its verdict.
@@ -160,13 +159,6 @@ void prepare_boards(const std::vector<FcuChoice>& fcus, Flags& flags, RunRequest
   }
 }
 
-int run_firmware(Flags& flags, const std::filesystem::path& file) {
-  refuse_flags_of_our_controller(flags);
-  const FirmwareScenario scenario = FirmwareScenario::load(file);
-  std::optional<FolderLock> lock;
-  return fly_firmware(scenario, take_folder(flags, file, lock));
-}
-
 /// Refuses flags that a run on the virtual clock cannot heed. @throws base::ConfigError
 void refuse_flags_of_real_time(const Flags& flags) {
   if (flags.lockstep) {
@@ -189,7 +181,10 @@ RunRequest read_request(const Flags& flags, const std::filesystem::path& file) {
   request.scenario = Scenario::load(file);
   request.architecture = flags.architecture.empty() ? request.scenario.architecture
                                                     : parse_architecture(flags.architecture);
-  request.lockstep = flags.lockstep;
+  const std::optional<Firmware>& firmware = request.scenario.firmware;
+  if (firmware) refuse_flags_of_our_controller(flags, *firmware);
+  request.lockstep = flags.lockstep && !firmware;
+  request.unpaced = flags.lockstep && firmware;
   request.seed = flags.seed.value_or(request.scenario.seed);
   const bool on_virtual_clock =
       flags.on_virtual_clock || request.architecture == Architecture::kDirect;
@@ -204,6 +199,10 @@ RunRequest read_request(const Flags& flags, const std::filesystem::path& file) {
   if (flags.web && (on_virtual_clock || flags.lockstep)) {
     throw base::ConfigError("--web: only a run in real time is shown in a browser");
   }
+  if (request.unpaced && request.station) {
+    throw base::ConfigError(
+        "--gcs: a ground station has a clock of its own and no place in lockstep");
+  }
   request.announced = true;
   return request;
 }
@@ -217,7 +216,6 @@ void write_ulogs(const RunRequest& request, const RunResult& result) {
 int run(Flags flags) {
   search_plugins_in(flags.plugin_dirs);
   const std::filesystem::path file = base::find_config(flags.scenario);
-  if (FirmwareScenario::is(file)) return run_firmware(flags, file);
   RunRequest request = read_request(flags, file);
   std::optional<LiveRun> live;
   if (flags.web) request.live = &live.emplace();
@@ -232,7 +230,7 @@ int run(Flags flags) {
   // Each reads the same records and writes files of its own.
   auto results = std::async(std::launch::async, [&] { write_results(request, result); });
   auto logs = std::async(std::launch::async, [&] { write_ulogs(request, result); });
-  const std::string report = text_report(result);
+  const std::string report = write_text(run_report(result));
   results.get();
   fmt::print("{}\nResults: {}\n", report, flags.out);
   std::fflush(stdout);
@@ -265,7 +263,8 @@ base::cli::Verb add_run(CLI::App& app) {
                     "Compute time instead of waiting for it: exact and fast");
   command->add_flag(
       "--lockstep", flags.lockstep,
-      "Run the real processes on the stream's time: repeatable to the byte, and fast");
+      "Run the real processes on the stream's time: repeatable to the byte, and fast; stock "
+      "firmware in software as fast as it goes");
   command
       ->add_option("--out", flags.out,
                    "Folder for the results (the last, if several), cleared of an earlier run; "

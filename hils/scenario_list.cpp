@@ -7,8 +7,7 @@
 
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
-#include "hils/firmware/firmware_scenario.hpp"
-#include "hils/report/aligned_table.hpp"
+#include "hils/report/document.hpp"
 #include "hils/scenario/scenario.hpp"
 
 namespace cas::hils {
@@ -30,10 +29,11 @@ std::map<std::string, fs::path> shipped_scenarios() {
 }
 
 /// Controller and description.
-std::vector<std::string> row_of(const fs::path& file) try {
-  if (!FirmwareScenario::is(file)) return {"emulator", Scenario::load(file).description};
-  const FirmwareScenario scenario = FirmwareScenario::load(file);
-  return {scenario.autopilot.empty() ? "stock firmware" : scenario.autopilot, scenario.description};
+Row row_of(const fs::path& file) try {
+  const Scenario scenario = Scenario::load(file);
+  if (!scenario.firmware) return {"emulator", scenario.description};
+  const std::string& autopilot = scenario.firmware->autopilot;
+  return {autopilot.empty() ? "stock firmware" : autopilot, scenario.description};
 } catch (const base::ConfigError& error) {
   return {"-", error.what()};
 }
@@ -41,12 +41,12 @@ std::vector<std::string> row_of(const fs::path& file) try {
 }  // namespace
 
 std::string list_scenarios() {
-  std::vector<std::vector<std::string>> rows{{"SCENARIO", "CONTROLLER", "DESCRIPTION"}};
+  Rows rows{{"SCENARIO", "CONTROLLER", "DESCRIPTION"}};
   for (const auto& [name, file] : shipped_scenarios()) {
-    std::vector<std::string>& row = rows.emplace_back(row_of(file));
+    Row& row = rows.emplace_back(row_of(file));
     row.insert(row.begin(), name);
   }
-  return aligned_table(rows, Cells::kLeft) +
+  return aligned_table(rows, Align::kLeft) +
          "In place of the emulator --fcu flies a board. PX4 and ArduPilot are stock firmware of "
          "this machine.\n";
 }

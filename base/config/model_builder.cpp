@@ -70,7 +70,42 @@ std::optional<bool> ModelBuilder::add(const XmlElement& element, const std::stri
                          .position_R_m = position_R_m,
                          .axis_R = fixed ? std::nullopt : joint.axis_R});
   if (inertial) add_mass(name, *inertial, X_RL);
+  for (const XmlElement& part : element.children) {
+    if (part.name != "inertial" || !inertial || &part == inertial->element) continue;
+    warn(part, "link '" + name + "': a second <inertial> is left out");
+  }
   return body_.links.back().axis_R.has_value();
+}
+
+void ModelBuilder::add_shape(const XmlElement& part, FormValues values,
+                             const std::filesystem::path& file, bool turns,
+                             const std::function<Eigen::Isometry3d()>& X_RS) {
+  ModelShape shape{.link = body_.links.back().name,
+                   .visual = part.name == "visual",
+                   .turns = turns,
+                   .file = file};
+  if (!shape.visual) return take_shape(part, values, std::move(shape), X_RS);
+  const std::string link = shape.link;
+  try {
+    take_shape(part, values, std::move(shape), X_RS);
+  } catch (const ConfigError& error) {
+    body_.warnings.push_back(std::string(error.what()) + "; link '" + link +
+                             "' is drawn without this <visual>");
+  }
+}
+
+void ModelBuilder::take_shape(const XmlElement& part, FormValues values, ModelShape shape,
+                              const std::function<Eigen::Isometry3d()>& X_RS) {
+  const XmlElement& geometry = part.need("geometry");
+  if (geometry.children.empty()) geometry.fail("<geometry> is empty");
+  take_model_form(geometry.children.front(), values, shape);
+  if (geometry.children.size() > 1) {
+    warn(geometry.children[1], "link '" + shape.link +
+                                   "': of a <geometry> the first form counts, <" + shape.word +
+                                   ">; <" + geometry.children[1].name + "> is left out");
+  }
+  shape.X_RS = X_RS();
+  body_.shapes.push_back(std::move(shape));
 }
 
 void ModelBuilder::add_mass(const std::string& link, const Inertial& inertial,

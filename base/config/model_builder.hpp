@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <set>
 
 #include "base/config/model_body.hpp"
+#include "base/config/model_form.hpp"
 #include "base/config/xml_tree.hpp"
 
 namespace cas::base {
@@ -39,7 +41,11 @@ class ModelBuilder {
                           const Eigen::Isometry3d& X_RL, const LinkJoint& joint,
                           const Eigen::Vector3d& position_R_m,
                           const std::optional<Inertial>& inertial);
-  void add(ModelShape shape) { body_.shapes.push_back(std::move(shape)); }
+  /// Adds a <collision> or <visual> of a link that add() has a value for. A visual that cannot be
+  /// read is left out with a warning: the flight does not need it.
+  /// @param X_RS  gives its pose
+  void add_shape(const XmlElement& part, FormValues values, const std::filesystem::path& file,
+                 bool turns, const std::function<Eigen::Isometry3d()>& X_RS);
   void add(ModelMotor motor) { body_.motors.push_back(std::move(motor)); }
   void warn(const XmlElement& at, const std::string& sentence);
 
@@ -48,6 +54,8 @@ class ModelBuilder {
 
  private:
   bool is_used(std::string_view name, PartUse use);
+  void take_shape(const XmlElement& part, FormValues values, ModelShape shape,
+                  const std::function<Eigen::Isometry3d()>& X_RS);
   void add_mass(const std::string& link, const Inertial& inertial, const Eigen::Isometry3d& X_RL);
 
   const ModelParts& parts_;

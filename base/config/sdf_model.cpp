@@ -24,44 +24,10 @@ Eigen::Vector3d vector(const XmlElement& element) {
   return {v[0], v[1], v[2]};
 }
 
-const XmlElement& need(const XmlElement& parent, std::string_view name) {
-  const XmlElement* const found = parent.child(name);
-  if (found == nullptr) parent.fail("<" + parent.name + "> has no <" + std::string(name) + ">");
-  return *found;
-}
-
-double number(const XmlElement& parent, std::string_view name) {
-  return need(parent, name).numbers(1)[0];
-}
-
 const XmlElement& model_in(const XmlElement& sdf) {
   const XmlElement* const model = sdf.child("model");
   if (model == nullptr) sdf.fail("has no <model>; a world is no vehicle");
   return *model;
-}
-
-/// Form and size of a <geometry>'s element. @throws ConfigError
-void take_form(const XmlElement& form, ModelShape& shape) {
-  using Form = ModelShape::Form;
-  shape.word = form.name;
-  shape.place = form.place();
-  if (form.name == "box") {
-    shape.form = Form::kBox;
-    shape.size = vector(need(form, "size"));
-  } else if (form.name == "sphere") {
-    shape.form = Form::kSphere;
-    shape.size.setConstant(number(form, "radius"));
-  } else if (form.name == "cylinder") {
-    shape.form = Form::kCylinder;
-    const double radius = number(form, "radius");
-    shape.size = {radius, radius, number(form, "length")};
-  } else if (form.name == "mesh") {
-    shape.form = Form::kMesh;
-    need(form, "uri");
-    shape.uri = form.child_text("uri");
-    const XmlElement* const scale = form.child("scale");
-    shape.size = scale != nullptr ? vector(*scale) : Eigen::Vector3d::Ones();
-  }
 }
 
 /// Mass and inertia of a link. @param X_LM  of the model in the link
@@ -175,9 +141,9 @@ class Sdf {
                                     inertial_of(link, scope, X_ML.inverse()));
     if (!turns) return;
     for (const XmlElement& part : link.children) {
-      const auto add = [&] { add_shape(part, name, scope, X_RM, *turns); };
-      if (part.name == "collision") add();
-      if (part.name == "visual") add_visual(add);
+      if (part.name != "collision" && part.name != "visual") continue;
+      builder_.add_shape(part, FormValues::kElements, scope.file(), *turns,
+                         [&] { return X_RM * scope.pose(part, own_name); });
     }
   }
 
@@ -223,28 +189,6 @@ class Sdf {
     const std::string_view flag = axis != nullptr ? axis->child_text("use_parent_model_frame") : "";
     if (joint.scope->axes_in_model() || flag == "1" || flag == "true") in = SdfScope::kModelFrame;
     return joint.scope->frame(in, element).linear() * v;
-  }
-
-  void add_shape(const XmlElement& part, const std::string& link, const SdfScope& scope,
-                 const Eigen::Isometry3d& X_RM, bool turns) {
-    const XmlElement* const geometry = part.child("geometry");
-    if (geometry == nullptr || geometry->children.empty()) return;
-    ModelShape shape{
-        .link = link,
-        .visual = part.name == "visual",
-        .turns = turns,
-        .file = scope.file(),
-        .X_RS = X_RM * scope.pose(part, std::string_view(link).substr(scope.prefix().size()))};
-    take_form(geometry->children.front(), shape);
-    builder_.add(std::move(shape));
-  }
-
-  /// A visual that cannot be drawn is left out: the flight does not need it.
-  template <class Add>
-  static void add_visual(const Add& add) try {
-    add();
-  } catch (const ConfigError&) {
-    // a size that is no number, say
   }
 
   ModelBuilder builder_;

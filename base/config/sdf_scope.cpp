@@ -9,7 +9,7 @@
 namespace cas::base {
 namespace {
 
-constexpr int kDeepest = 100;  // frames on frames; more is a circle
+constexpr int kMostFrames = 100;  // frames on frames; more is a circle
 
 bool is_true(std::string_view flag) { return flag == "true" || flag == "1"; }
 
@@ -21,6 +21,27 @@ bool is_before_1_5(std::string_view version) {
   const auto dot = std::from_chars(version.data(), end, major);
   if (dot.ptr != end) std::from_chars(dot.ptr + 1, end, minor);
   return major == 1 && minor <= 4;
+}
+
+/// Of a <pose> that is not empty, in the frame that it names.
+Eigen::Isometry3d own_pose(const XmlElement& pose) {
+  const std::string_view format = pose.attribute("rotation_format");
+  const bool is_quaternion = format == "quat_xyzw";
+  if (!format.empty() && format != "euler_rpy" && !is_quaternion) {
+    pose.fail("the rotation_format of a <pose> is euler_rpy or quat_xyzw");
+  }
+  const std::vector<double> v = pose.numbers(is_quaternion ? 7 : 6);
+  Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+  X.translation() = Eigen::Vector3d(v[0], v[1], v[2]);
+  if (is_quaternion) {
+    const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
+    if (!(q.norm() > 1e-9)) pose.fail("the quaternion of a <pose> has no length");
+    X.linear() = q.normalized().toRotationMatrix();
+  } else {
+    const double unit = is_true(pose.attribute("degrees")) ? kRadPerDeg : 1.0;
+    X.linear() = rotation_rpy(unit * v[3], unit * v[4], unit * v[5]);
+  }
+  return X;
 }
 
 }  // namespace
@@ -52,14 +73,9 @@ Eigen::Isometry3d SdfScope::pose(const XmlElement& element, std::string_view par
   const XmlElement* const own = element.child("pose");
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
   if (own != nullptr) {
+    if (!own->attribute("frame").empty()) parent = own->attribute("frame");  // up to SDF 1.6
     if (!own->attribute("relative_to").empty()) parent = own->attribute("relative_to");
-    const std::string_view format = own->attribute("rotation_format");
-    if (!format.empty() && format != "euler_rpy") own->fail("a <pose> must be in Euler angles");
-    const double unit = is_true(own->attribute("degrees")) ? kRadPerDeg : 1.0;
-    const bool empty = element.child_text("pose").empty();
-    const std::vector<double> v = empty ? std::vector<double>(6, 0.0) : own->numbers(6);
-    X.translation() = Eigen::Vector3d(v[0], v[1], v[2]);
-    X.linear() = rotation_rpy(unit * v[3], unit * v[4], unit * v[5]);
+    if (!element.child_text("pose").empty()) X = own_pose(*own);
   }
   return frame(parent, element, depth + 1) * X;
 }
@@ -73,7 +89,7 @@ Eigen::Isometry3d SdfScope::frame(std::string_view name, const XmlElement& askin
 std::optional<Eigen::Isometry3d> SdfScope::find_frame(std::string_view name,
                                                       const XmlElement& asking, int depth) const {
   if (name == kModelFrame) return Eigen::Isometry3d::Identity();
-  if (depth > kDeepest) asking.fail("poses go round in a circle");
+  if (depth > kMostFrames) asking.fail("poses go round in a circle");
   if (const auto found = by_name_.find(name); found != by_name_.end()) {
     const XmlElement& child = *found->second;
     if (child.name == "link") return pose(child, kModelFrame, depth);

@@ -14,13 +14,12 @@ namespace {
 constexpr std::array<std::string_view, 6> kJointTypes{"revolute", "continuous", "prismatic",
                                                       "fixed",    "floating",   "planar"};
 
-std::string in_quotes(std::string_view name) { return "'" + std::string(name) + "'"; }
+/// Elements of a <link> that give it neither mass nor shape, or are read before its shapes.
+constexpr std::array<std::string_view, 7> kWithoutBody{
+    "inertial",    "contact", "sensor", "gazebo", "material", "self_collision_checking",
+    "audio_source"};
 
-const XmlElement& need(const XmlElement& parent, std::string_view name) {
-  const XmlElement* const found = parent.child(name);
-  if (found == nullptr) parent.fail("<" + parent.name + "> has no <" + std::string(name) + ">");
-  return *found;
-}
+std::string in_quotes(std::string_view name) { return "'" + std::string(name) + "'"; }
 
 std::string_view need_attribute(const XmlElement& element, std::string_view key) {
   const std::string_view value = element.attribute(key);
@@ -54,39 +53,16 @@ Eigen::Isometry3d origin_of(const XmlElement& element) {
 std::optional<Inertial> inertial_of(const XmlElement& link) {
   const XmlElement* const element = link.child("inertial");
   if (element == nullptr) return std::nullopt;
-  Inertial result{.mass_kg = number(need(*element, "mass"), "value"),
+  Inertial result{.mass_kg = number(element->need("mass"), "value"),
                   .X = origin_of(*element),
                   .element = element};
-  const XmlElement& inertia = need(*element, "inertia");
+  const XmlElement& inertia = element->need("inertia");
   const double ixy = number(inertia, "ixy");
   const double ixz = number(inertia, "ixz");
   const double iyz = number(inertia, "iyz");
   result.inertia_kg_m2 << number(inertia, "ixx"), ixy, ixz, ixy, number(inertia, "iyy"), iyz, ixz,
       iyz, number(inertia, "izz");
   return result;
-}
-
-/// Form and size of a <geometry>'s element. @throws ConfigError
-void take_form(const XmlElement& form, ModelShape& shape) {
-  using Form = ModelShape::Form;
-  shape.word = form.name;
-  shape.place = form.place();
-  if (form.name == "box") {
-    shape.form = Form::kBox;
-    need_attribute(form, "size");
-    shape.size = vector(form, "size", Eigen::Vector3d::Zero());
-  } else if (form.name == "sphere") {
-    shape.form = Form::kSphere;
-    shape.size.setConstant(number(form, "radius"));
-  } else if (form.name == "cylinder") {
-    shape.form = Form::kCylinder;
-    const double radius = number(form, "radius");
-    shape.size = {radius, radius, number(form, "length")};
-  } else if (form.name == "mesh") {
-    shape.form = Form::kMesh;
-    shape.uri = need_attribute(form, "filename");
-    shape.size = vector(form, "scale", Eigen::Vector3d::Ones());
-  }
 }
 
 struct Joint {
@@ -127,8 +103,8 @@ class Urdf {
       need_attribute(element, "name");
       const Joint joint{.element = &element,
                         .type = need_attribute(element, "type"),
-                        .parent = link_named_in(need(element, "parent")),
-                        .child = link_named_in(need(element, "child"))};
+                        .parent = link_named_in(element.need("parent")),
+                        .child = link_named_in(element.need("child"))};
       if (std::ranges::find(kJointTypes, joint.type) == kJointTypes.end()) {
         element.fail("joint " + in_quotes(element.attribute("name")) + " has the unknown type " +
                      in_quotes(joint.type));
@@ -193,8 +169,13 @@ class Urdf {
                                     joint_of(joint, X_RL), X_RL.translation(), inertial_of(link));
     if (!turns) return;
     for (const XmlElement& part : link.children) {
-      if (part.name == "collision") add_shape(link, part, X_RL, *turns);
-      if (part.name == "visual") add_visual(link, part, X_RL, *turns);
+      if (part.name == "collision" || part.name == "visual") {
+        builder_.add_shape(part, FormValues::kAttributes, file_, *turns,
+                           [&] { return X_RL * origin_of(part); });
+      } else if (std::ranges::find(kWithoutBody, part.name) == kWithoutBody.end()) {
+        builder_.warn(part, "link " + in_quotes(link.attribute("name")) + ": <" + part.name +
+                                "> is left out: no URDF has it in a <link>");
+      }
     }
   }
 
@@ -210,27 +191,6 @@ class Urdf {
     if (v.norm() < 1e-9) axis->fail("joint " + in_quotes(result.name) + ": <axis> is zero");
     result.axis_R = (X_RL.linear() * v).stableNormalized();
     return result;
-  }
-
-  void add_shape(const XmlElement& link, const XmlElement& part, const Eigen::Isometry3d& X_RL,
-                 bool turns) {
-    const XmlElement& geometry = need(part, "geometry");
-    if (geometry.children.empty()) geometry.fail("<geometry> is empty");
-    ModelShape shape{.link = std::string(link.attribute("name")),
-                     .visual = part.name == "visual",
-                     .turns = turns,
-                     .file = file_,
-                     .X_RS = X_RL * origin_of(part)};
-    take_form(geometry.children.front(), shape);
-    builder_.add(std::move(shape));
-  }
-
-  /// A visual that cannot be drawn is left out: the flight does not need it.
-  void add_visual(const XmlElement& link, const XmlElement& part, const Eigen::Isometry3d& X_RL,
-                  bool turns) try {
-    add_shape(link, part, X_RL, turns);
-  } catch (const ConfigError&) {
-    // a size that is no number, say
   }
 
   void take_motors() {

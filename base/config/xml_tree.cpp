@@ -99,6 +99,12 @@ const XmlElement* XmlElement::child(std::string_view child_name) const {
   return found == children.end() ? nullptr : &*found;
 }
 
+const XmlElement& XmlElement::need(std::string_view child_name) const {
+  const XmlElement* const found = child(child_name);
+  if (found == nullptr) fail("<" + name + "> has no <" + std::string(child_name) + ">");
+  return *found;
+}
+
 std::string_view XmlElement::child_text(std::string_view child_name) const {
   const XmlElement* const found = child(child_name);
   if (found == nullptr) return {};

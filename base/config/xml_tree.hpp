@@ -26,6 +26,8 @@ struct CAS_BASE_EXPORT XmlElement {
   std::string_view attribute(std::string_view key) const;
   /// The first child of that name, or nothing.
   const XmlElement* child(std::string_view child_name) const;
+  /// The same. @throws ConfigError when there is none
+  const XmlElement& need(std::string_view child_name) const;
   /// The text of that child without blanks at its ends; empty when there is none.
   std::string_view child_text(std::string_view child_name) const;
   /// "FILE:LINE", for errors.

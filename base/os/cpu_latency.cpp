@@ -7,8 +7,8 @@
 #include <cerrno>
 #include <cstdint>
 #include <string>
-#include <system_error>
 
+#include "base/error.hpp"
 #include "base/os/log.hpp"
 
 namespace cas::base {
@@ -19,8 +19,7 @@ CpuLatencyRequest::CpuLatencyRequest(std::optional<int> most_us,
   Descriptor opened(::open(device.c_str(), O_WRONLY | O_CLOEXEC));
   const std::int32_t value = *most_us;
   if (!opened || ::write(opened.get(), &value, sizeof value) != sizeof value) {
-    log::warn("idle processors may sleep, " + device.string() + ": " +
-              std::generic_category().message(errno));
+    log::warn("idle processors may sleep, " + device.string() + ": " + error_text(errno));
     return;
   }
   device_ = std::move(opened);

@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <cstdio>
 #include <deque>
-#include <system_error>
 #include <utility>
 
 #include "base/error.hpp"
@@ -29,9 +28,7 @@ constexpr int kMostLinks = 40;  // symlinks on one path: the kernel's own bound
   throw ConfigError(file.string() + ": cannot be written: " + why);
 }
 
-[[noreturn]] void fail(const fs::path& file, int error) {
-  fail(file, std::generic_category().message(error));
-}
+[[noreturn]] void fail(const fs::path& file, int error) { fail(file, error_text(error)); }
 
 /// Inserts the components of a path before those that are still to be opened.
 void put_in_front(const fs::path& path, std::deque<std::string>& left) {

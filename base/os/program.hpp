@@ -7,16 +7,19 @@
 
 #include "base/error.hpp"
 #include "base/os/command_port.hpp"
+#include "base/os/lack_of_memory.hpp"
 #include "base/os/log.hpp"
 
 namespace cas::base {
 
-/// Starts the log at `log_level` (a word of log::parse_level), runs a program's body and turns an
-/// exception of either into one line on standard error and an exit code.
+/// Keeps a memory reserve, starts the log at `log_level` (a word of log::parse_level), runs a
+/// program's body and turns an exception of either into one line on standard error and an exit
+/// code.
 /// @return the result of `body`, kExitCommandPort, kExitConfig or kExitInternal
 template <class Body>
 int run_program(const char* name, std::string_view log_level, Body&& body) {
   try {
+    keep_memory_reserve();
     log::init(name, log::parse_level(log_level));
     return body();
   } catch (const CommandPortError& error) {

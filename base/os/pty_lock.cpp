@@ -28,7 +28,7 @@ constexpr std::size_t kRecordBytes = 64;
 std::filesystem::path lock_file(std::filesystem::path link) { return link += ".lock"; }
 
 [[noreturn]] void fail(const std::filesystem::path& file) {
-  throw ConfigError(file.string() + ": " + std::generic_category().message(errno));
+  throw ConfigError(file.string() + ": " + error_text(errno));
 }
 
 bool is_at(int fd, const std::filesystem::path& file) {

@@ -26,9 +26,7 @@ constexpr mode_t kNewFile = 0666;  // masked by the process's umask
 }
 
 [[noreturn]] void fail(const ResultPlace& place, int error) {
-  throw_unwritten(
-      place.path().string() + ": cannot be written: " + std::generic_category().message(error),
-      error);
+  throw_unwritten(place.path().string() + ": cannot be written: " + error_text(error), error);
 }
 
 /// The file's path below `out`; empty: the file does not begin with `out`.
@@ -112,14 +110,14 @@ void remove_result(const ResultPlace& place) {
   if (!fs::exists(fs::symlink_status(place.path().parent_path(), none))) return;
   const Descriptor folder = open_below(place, below.parent_path(), Absent::kRefused);
   if (::unlinkat(folder.get(), below.filename().c_str(), 0) != 0 && errno != ENOENT) {
-    throw ConfigError(place.path().string() + " of an earlier run cannot be removed: " +
-                      std::generic_category().message(errno));
+    throw ConfigError(place.path().string() +
+                      " of an earlier run cannot be removed: " + error_text(errno));
   }
 }
 
-ResultStream open_result(const ResultPlace& place) {
+OpenFile open_result(const ResultPlace& place) {
   Descriptor file = make_result(place);
-  ResultStream stream(::fdopen(file.get(), "w"));
+  OpenFile stream(::fdopen(file.get(), "w"));
   if (!stream) fail(place, errno);
   static_cast<void>(file.release());
   return stream;

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <string_view>
 
 #include "base/export.hpp"
 #include "base/os/descriptor.hpp"
 #include "base/os/write_file.hpp"
+#include "base/read_file.hpp"
 
 namespace cas::base {
 
@@ -46,12 +45,7 @@ CAS_BASE_EXPORT void make_result_folder(const ResultPlace& folder);
 /// Removes a file, if it is there. @throws ConfigError
 CAS_BASE_EXPORT void remove_result(const ResultPlace& place);
 
-struct CloseStream {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using ResultStream = std::unique_ptr<std::FILE, CloseStream>;
-
 /// make_result() for buffered writing. @throws ConfigError
-CAS_BASE_EXPORT ResultStream open_result(const ResultPlace& place);
+CAS_BASE_EXPORT OpenFile open_result(const ResultPlace& place);
 
 }  // namespace cas::base

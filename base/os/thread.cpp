@@ -16,6 +16,7 @@
 #include <charconv>
 #include <system_error>
 
+#include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "base/os/thread_keys.hpp"
 
@@ -27,7 +28,7 @@ constexpr std::size_t kMaxThreadName = 15;  // pthread_setname_np, without the N
 /// Warns the first time only: eight threads without a right are one message, not eight.
 void warn_once(std::atomic<bool>& warned, const std::string& what, int error) {
   if (warned.exchange(true)) return;
-  log::warn(what + ": " + std::generic_category().message(error));
+  log::warn(what + ": " + error_text(error));
 }
 
 void set_fifo_priority(const std::string& name, int priority) {
@@ -113,7 +114,7 @@ int bind_to_cpus(const std::vector<int>& cpus) {
 bool lock_memory() {
   ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);
   if (::mlockall(MCL_CURRENT | MCL_FUTURE) == 0) return true;
-  log::warn("memory is not locked: " + std::generic_category().message(errno));
+  log::warn("memory is not locked: " + error_text(errno));
   return false;
 }
 

@@ -34,7 +34,7 @@ void require_trusted(const std::filesystem::path& file) {
   const std::filesystem::path parent = file.has_parent_path() ? file.parent_path() : ".";
   if (::lstat(file.c_str(), &link) != 0 || ::stat(file.c_str(), &target) != 0 ||
       ::stat(parent.c_str(), &folder) != 0) {
-    refuse(file, std::generic_category().message(errno));
+    refuse(file, error_text(errno));
   }
   if (!is_own(link.st_uid)) refuse(file, "belongs to another user");
   if (const std::string why = why_untrusted(target); !why.empty()) refuse(file, why);

@@ -65,8 +65,7 @@ void write_file(const fs::path& file, std::string_view text, Durability durabili
     error = replace_at(folder.get(), name, &old, text, durability);
   }
   if (error == 0) return;
-  throw_unwritten(file.string() + ": cannot be written: " + std::generic_category().message(error),
-                  error);
+  throw_unwritten(file.string() + ": cannot be written: " + error_text(error), error);
 }
 
 }  // namespace cas::base

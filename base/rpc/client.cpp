@@ -18,9 +18,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
-#include <system_error>
 #include <utility>
 
+#include "base/error.hpp"
 #include "base/os/descriptor.hpp"
 #include "base/os/host_port.hpp"
 #include "base/rpc/token.hpp"
@@ -32,8 +32,6 @@ namespace {
 constexpr std::size_t kMaxLine = 64U << 20;        // a server gone mad must not fill the memory
 constexpr std::size_t kMaxNotifications = 10'000;  // kept while a call waits; the oldest go first
 constexpr std::string_view kUnixPrefix = "unix:";
-
-std::string message_of(int error) { return std::generic_category().message(error); }
 
 [[noreturn]] void lost(const std::string& message) { throw ConnectionError(message, false); }
 
@@ -47,7 +45,7 @@ bool wait_for(int fd, short events, RunTime deadline) {
     const int ready = ::ppoll(&entry, 1, &timeout, nullptr);
     if (ready > 0) return true;
     if (ready == 0) return false;
-    if (errno != EINTR) lost(message_of(errno));
+    if (errno != EINTR) lost(error_text(errno));
   }
 }
 
@@ -89,7 +87,7 @@ struct Client::Impl {
 bool Client::Impl::try_connect(int family, const sockaddr* peer, socklen_t length,
                                RunTime deadline) {
   fd = Descriptor(::socket(family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (!fd) lost(message_of(errno));
+  if (!fd) lost(error_text(errno));
   if (::connect(fd.get(), peer, length) == 0) return true;
   connect_error = errno;
   if (connect_error != EINPROGRESS) return false;
@@ -109,7 +107,7 @@ void Client::Impl::connect_unix(const std::string& path, RunTime deadline) {
   }
   std::memcpy(peer.sun_path, path.data(), path.size());
   if (!try_connect(AF_UNIX, reinterpret_cast<const sockaddr*>(&peer), sizeof peer, deadline)) {
-    lost(address + ": " + message_of(connect_error));
+    lost(address + ": " + error_text(connect_error));
   }
 }
 
@@ -126,7 +124,7 @@ void Client::Impl::connect_tcp(const HostPort& target, RunTime deadline) {
     ::setsockopt(fd.get(), IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
     return;
   }
-  lost(address + ": " + message_of(connect_error));
+  lost(address + ": " + error_text(connect_error));
 }
 
 void Client::Impl::connect(const std::string& to, RunTime deadline) {
@@ -176,7 +174,7 @@ std::optional<Json> Client::Impl::receive(RunTime deadline) {
     } else if (errno != EINTR) {
       const int error = errno;
       fd.reset();
-      lost(address + ": " + message_of(error));
+      lost(address + ": " + error_text(error));
     }
   }
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/os/lack_of_memory.hpp"
 #include "base/rpc/call_params.hpp"
 #include "base/rpc/token.hpp"
 
@@ -177,7 +178,10 @@ class Dispatcher::Call {
   }
   Call(const Call&) = delete;
   Call& operator=(const Call&) = delete;
-  ~Call() { fail(kInternalError, "the method ended without an answer", nullptr); }
+  ~Call() {
+    outlive_lack_of_memory(
+        "call", [this] { fail(kInternalError, "the method ended without an answer", nullptr); });
+  }
 
   void succeed(const Json& result) {
     if (!answered_) answer(notification_ ? "" : result_line(to_line(result)));
@@ -200,11 +204,15 @@ class Dispatcher::Call {
     const std::shared_ptr<Peer> peer = peer_.lock();
     if (!peer) return;
     --peer->calls;
-    if (in_batch_) {
-      if (const auto batch = batch_.lock()) answer_in(*batch, std::move(line));
-    } else if (!notification_) {
-      peer->deliver(line.size() < peer->room() ? std::move(line) : too_long(id_, peer->room()));
-    }
+    const auto hand_over = [&] {
+      if (in_batch_) {
+        if (const auto batch = batch_.lock()) answer_in(*batch, std::move(line));
+      } else if (!notification_) {
+        peer->deliver(line.size() < peer->room() ? std::move(line) : too_long(id_, peer->room()));
+      }
+    };
+    // A client whose answer is lost must not wait for it.
+    if (!outlive_lack_of_memory(peer->name, hand_over)) peer->on_refused();
     peer->on_call_ended();
   }
 
@@ -243,8 +251,14 @@ void Dispatcher::add_topic(const std::string& topic) { topics_.insert(topic); }
 
 bool Dispatcher::handle(std::string_view line, const std::shared_ptr<Peer>& peer) {
   if (line.find_first_not_of(" \t\r\n") == std::string_view::npos) return false;
-  if (before_calls_) before_calls_();
-  handle_text(line, peer);
+  const auto serve = [&] {
+    if (before_calls_) before_calls_();
+    handle_text(line, peer);
+  };
+  if (!outlive_lack_of_memory(peer->name, serve)) {
+    // A request that has become a call has its own answer.
+    refuse_line(*peer, kInternalError, "no memory for this line");
+  }
   if (peer->refusal == Refusal::kNone) return true;
   peer->on_refused();
   return false;
@@ -317,6 +331,15 @@ void Dispatcher::call(const std::string& method, const Json& params, Peer& peer,
   peer.weight = std::max(peer.weight, found->second.weight);
   const std::shared_ptr<const Method> function = found->second.method;
   (*function)(params, reply);
+}
+
+void Dispatcher::call(const std::string& method, const Json& params, const Reply& reply) const {
+  const auto found = methods_.find(method);
+  if (found == methods_.end()) {
+    return reply.error(kMethodNotFound, "there is no method '" + method + "'", nullptr);
+  }
+  const std::shared_ptr<const Method> function = found->second.method;
+  run_answered(reply, [&] { (*function)(params, reply); });
 }
 
 void Dispatcher::subscribe(const Json& params, Peer& peer, const TextReply& reply) {

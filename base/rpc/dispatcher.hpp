@@ -67,6 +67,9 @@ class CAS_BASE_EXPORT Dispatcher {
   void set_token(std::string token) { token_ = std::move(token); }
   bool has_token() const { return token_.has_value(); }
 
+  /// Calls a method without a peer: none of those that are answered for a peer's session.
+  void call(const std::string& method, const Json& params, const Reply& reply) const;
+
   /// Handles one line; the answer may be delivered later. A peer that is gone by then misses it.
   /// A line that is no JSON, or holds something else than requests, is answered and refuses the
   /// peer. A blank line is skipped.

@@ -34,8 +34,6 @@ constexpr int kAcceptsPerRound = 16;  // then other handlers get their turn
 constexpr auto kRetryDelay = std::chrono::milliseconds(100);
 constexpr auto kFolderPatience = std::chrono::seconds(2);
 
-std::string message_of(int error) { return std::generic_category().message(error); }
-
 bool is_loopback(const sockaddr& address) {
   if (address.sa_family == AF_INET) {
     const auto& v4 = reinterpret_cast<const sockaddr_in&>(address);
@@ -59,13 +57,13 @@ std::uint16_t bound_port(int fd) {
 
 ListeningSocket listen_on(const addrinfo& found, const std::string& name) {
   Descriptor fd(::socket(found.ai_family, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
-  if (!fd) throw ConfigError(name + ": " + message_of(errno));
+  if (!fd) throw ConfigError(name + ": " + error_text(errno));
   const int on = 1;
   ::setsockopt(fd.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
   if (::bind(fd.get(), found.ai_addr, found.ai_addrlen) != 0 ||
       ::listen(fd.get(), SOMAXCONN) != 0) {
     const int error = errno;
-    const std::string text = name + ": cannot listen: " + message_of(error);
+    const std::string text = name + ": cannot listen: " + error_text(error);
     if (error == EADDRINUSE) throw AddressInUse(text);
     throw ConfigError(text);
   }
@@ -117,7 +115,7 @@ class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder)
       : fd_(::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    if (!fd_) throw ConfigError(folder.string() + ": " + message_of(errno));
+    if (!fd_) throw ConfigError(folder.string() + ": " + error_text(errno));
     const RunTime deadline = steady_now() + kFolderPatience;
     while (::flock(fd_.get(), LOCK_EX | LOCK_NB) != 0 && steady_now() < deadline) {
       if (errno != EWOULDBLOCK && errno != EINTR) return;  // a file system without locks
@@ -149,10 +147,10 @@ void share_with(const std::filesystem::path& path, gid_t group) {
   const bool known = ::lstat(path.c_str(), &status) == 0;
   if (!known ||
       (status.st_gid != group && ::lchown(path.c_str(), static_cast<uid_t>(-1), group) != 0)) {
-    throw ConfigError(path.string() + ": cannot be given to its group: " + message_of(errno));
+    throw ConfigError(path.string() + ": cannot be given to its group: " + error_text(errno));
   }
   if (::chmod(path.c_str(), S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP) != 0) {
-    throw ConfigError(path.string() + ": " + message_of(errno));
+    throw ConfigError(path.string() + ": " + error_text(errno));
   }
 }
 
@@ -193,12 +191,12 @@ ListeningSocket open_unix(const std::filesystem::path& path, const std::string& 
   // The mode set before bind() is the file's from its first moment.
   if (!fd || ::fchmod(fd.get(), S_IRUSR | S_IWUSR) != 0 ||
       ::bind(fd.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    throw ConfigError(path.string() + ": cannot listen: " + message_of(errno));
+    throw ConfigError(path.string() + ": cannot listen: " + error_text(errno));
   }
   try {
     if (shared != kNoGroup) share_with(path, shared);
     if (::listen(fd.get(), SOMAXCONN) != 0) {
-      throw ConfigError(path.string() + ": cannot listen: " + message_of(errno));
+      throw ConfigError(path.string() + ": cannot listen: " + error_text(errno));
     }
   } catch (const ConfigError&) {
     ::unlink(path.c_str());
@@ -239,6 +237,14 @@ Listener::Listener(boost::asio::io_context& io, ListeningSocket socket, OnClient
       on_client_(std::move(on_client)),
       patience_(std::move(patience)) {
   if (max_accepts_s > 0) rate_.emplace(max_accepts_s, steady_now());
+}
+
+void Listener::start() {
+  if (!descriptor_.is_open()) return;
+  boost::system::error_code ignored;
+  retry_.cancel();
+  descriptor_.cancel(ignored);
+  do_wait();
 }
 
 void Listener::do_wait() {
@@ -293,7 +299,7 @@ void Listener::accept_waiting() {
 // No descriptors are left: waiting on the listening socket would spin.
 void Listener::retry_later() {
   if (!std::exchange(starved_, true)) {
-    log::warn("clients are kept waiting: " + message_of(errno));
+    log::warn("clients are kept waiting: " + error_text(errno));
   }
   accept_after(kRetryDelay);
 }

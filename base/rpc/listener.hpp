@@ -58,7 +58,8 @@ class Listener final : public std::enable_shared_from_this<Listener> {
   Listener(boost::asio::io_context& io, ListeningSocket socket, OnClient on_client,
            double max_accepts_s = 0, std::function<Duration()> patience = {});
 
-  void start() { do_wait(); }
+  /// Waits for clients; also anew, after a handler has lacked memory.
+  void start();
   void close();
 
  private:

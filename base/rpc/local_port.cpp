@@ -68,8 +68,7 @@ std::vector<fs::path> sockets_in(const fs::path& folder) {
 fs::path make_runtime_folder() {
   const fs::path folder = runtime_folder(kServiceFolder);
   if (::mkdir(folder.c_str(), S_IRWXU) != 0 && errno != EEXIST) {
-    throw ConfigError(folder.string() +
-                      ": cannot be made: " + std::generic_category().message(errno));
+    throw ConfigError(folder.string() + ": cannot be made: " + error_text(errno));
   }
   struct stat status {};
   const bool there = ::lstat(folder.c_str(), &status) == 0;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/os/lack_of_memory.hpp"
 #include "base/rpc/client_places.hpp"
 #include "base/rpc/dispatcher.hpp"
 #include "base/rpc/listener.hpp"
@@ -38,6 +39,10 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
     listeners.back()->start();
   }
 
+  void start() {
+    for (const auto& listener : listeners) listener->start();
+  }
+
   void on_client(StreamSocket client) {
     const auto session = std::make_shared<Session>(
         std::move(client), dispatcher, limits, budget,
@@ -52,7 +57,7 @@ struct Server::Impl : std::enable_shared_from_this<Server::Impl> {
     }
     sessions.push_back(session);
     if (fault) return session->refuse(Refusal::kNoPlace, *fault);
-    session->start();
+    if (!outlive_lack_of_memory(session->name, [&] { session->start(); })) session->close();
   }
 
   bool needs_no_token(const ClientOrigin& client) const {
@@ -122,6 +127,10 @@ void Server::add_method(const std::string& name, Method method, double weight) {
   impl_->dispatcher->add_method(name, std::move(method), weight);
 }
 
+void Server::call(const std::string& name, const Json& params, const Reply& reply) {
+  impl_->dispatcher->call(name, params, reply);
+}
+
 void Server::describe(Description description) {
   impl_->dispatcher->describe(std::move(description));
 }
@@ -166,6 +175,8 @@ std::uint16_t Server::listen_tcp(const std::string& address, std::uint16_t port)
 void Server::listen_unix(const std::filesystem::path& path, const std::string& group) {
   impl_->start_listener(open_unix(path, group));
 }
+
+void Server::start() { impl_->start(); }
 
 void Server::close() { impl_->close(); }
 

@@ -58,6 +58,8 @@ class CAS_BASE_EXPORT Server {
   void add_method(const std::string& name, Method method, double weight = 1);
   /// Description of the methods for `rpc.discover`, beside their names.
   void describe(Description description);
+  /// Calls a method from this process itself; `reply` is used now or later.
+  void call(const std::string& name, const Json& params, const Reply& reply);
   /// Called before the requests of a line are served, to bring their data up to date.
   void before_calls(std::function<void()> callback);
   /// Sends {"method": name, "params": params} to each client that subscribed to `topic`.
@@ -79,6 +81,8 @@ class CAS_BASE_EXPORT Server {
   /// Mode 0600, or 0660 for the members of a group where one is named; a stale socket file of this
   /// user is replaced, anything else in its place refused. @throws ConfigError
   void listen_unix(const std::filesystem::path& path, const std::string& group = {});
+  /// Waits for clients anew, after a handler of the context has lacked memory.
+  void start();
   /// Ends all connections and listening sockets; calls under way are not answered.
   void close();
   /// Clients being served.

@@ -96,14 +96,14 @@ void Session::start() {
 // A silent client must not keep its place.
 void Session::await_first_request() {
   deadline_.expires_after(limits_.first_request_time);
-  deadline_.async_wait([self = shared_from_this()](const AsioError& error) {
-    if (error || self->closed_ || self->finishing_ || self->asked_) return;
-    if (self->authorised) {
-      self->refuse(Refusal::kNoRequest, "no request came in time");
+  deadline_.async_wait(guarded([](Session& self, const AsioError& error) {
+    if (error || self.closed_ || self.finishing_ || self.asked_) return;
+    if (self.authorised) {
+      self.refuse(Refusal::kNoRequest, "no request came in time");
     } else {
-      self->refuse(Refusal::kNoRequest, "no token came in time", kNotAuthorised);
+      self.refuse(Refusal::kNoRequest, "no token came in time", kNotAuthorised);
     }
-  });
+  }));
 }
 
 void Session::refuse(Refusal why, const std::string& message, int code) {
@@ -114,12 +114,12 @@ void Session::refuse(Refusal why, const std::string& message, int code) {
 
 void Session::do_read() {
   asio::async_read_until(socket_, asio::dynamic_buffer(rx_, limits_.max_line_bytes), '\n',
-                         [self = shared_from_this()](const AsioError& error, std::size_t size) {
-                           if (self->closed_ || self->finishing_) return;
-                           if (error) return self->on_read_end(error == asio::error::not_found);
-                           self->on_line(size);
-                           if (!self->closed_ && !self->finishing_) self->read_at_rate();
-                         });
+                         guarded([](Session& self, const AsioError& error, std::size_t size) {
+                           if (self.closed_ || self.finishing_) return;
+                           if (error) return self.on_read_end(error == asio::error::not_found);
+                           self.on_line(size);
+                           if (!self.closed_ && !self.finishing_) self.read_at_rate();
+                         }));
 }
 
 // A client above its rate is read more slowly and slows down no other. While all together exceed
@@ -130,10 +130,10 @@ void Session::read_at_rate() {
   if (wait == Duration::zero()) return do_read();
   budget_->wait_begins();
   pause_.expires_after(wait);
-  pause_.async_wait([self = shared_from_this()](const AsioError& error) {
-    self->budget_->wait_ends();
-    if (!error && !self->closed_ && !self->finishing_) self->do_read();
-  });
+  pause_.async_wait(guarded([](Session& self, const AsioError& error) {
+    self.budget_->wait_ends();
+    if (!error && !self.closed_ && !self.finishing_) self.do_read();
+  }));
 }
 
 void Session::on_line(std::size_t size) {
@@ -190,11 +190,11 @@ void Session::do_write() {
   }
   const std::size_t lines = buffers.size();
   asio::async_write(socket_, buffers,
-                    [self = shared_from_this(), lines](const AsioError& error, std::size_t) {
-                      if (self->closed_) return;
-                      if (error) return self->close();
-                      self->on_written(lines);
-                    });
+                    guarded([lines](Session& self, const AsioError& error, std::size_t) {
+                      if (self.closed_) return;
+                      if (error) return self.close();
+                      self.on_written(lines);
+                    }));
 }
 
 void Session::on_written(std::size_t lines) {
@@ -232,19 +232,19 @@ void Session::end_when_idle() {
 
 void Session::close_after(std::chrono::seconds time) {
   deadline_.expires_after(time);
-  deadline_.async_wait([self = shared_from_this()](const AsioError& error) {
-    if (!error) self->close();
-  });
+  deadline_.async_wait(guarded([](Session& self, const AsioError& error) {
+    if (!error) self.close();
+  }));
 }
 
 // A read of a line may still be under way, into rx_.
 void Session::do_drain() {
   socket_.async_read_some(asio::buffer(drained_),
-                          [self = shared_from_this()](const AsioError& error, std::size_t) {
-                            if (self->closed_) return;
-                            if (error) return self->close();
-                            self->do_drain();
-                          });
+                          guarded([](Session& self, const AsioError& error, std::size_t) {
+                            if (self.closed_) return;
+                            if (error) return self.close();
+                            self.do_drain();
+                          }));
 }
 
 void Session::close() {

@@ -11,6 +11,7 @@
 #include <memory>
 #include <string>
 
+#include "base/os/lack_of_memory.hpp"
 #include "base/rpc/client_places.hpp"
 #include "base/rpc/dispatcher.hpp"
 #include "base/rpc/line_rate.hpp"
@@ -56,6 +57,14 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   void on_call_ended() override;
   void on_refused() override { finish(); }
 
+  /// For Asio: `handler` with this session. Lack of memory in it closes the session.
+  template <class Handler>
+  auto guarded(Handler handler) {
+    return [self = shared_from_this(), handler](const auto&... arguments) {
+      const auto handle = [&] { handler(*self, arguments...); };
+      if (!outlive_lack_of_memory(self->name, handle)) self->close();
+    };
+  }
   void do_read();
   void read_at_rate();
   void await_first_request();

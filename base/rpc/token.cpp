@@ -9,7 +9,6 @@
 #include <array>
 #include <cerrno>
 #include <string_view>
-#include <system_error>
 
 #include "base/byte_order_mark.hpp"
 #include "base/error.hpp"
@@ -51,7 +50,7 @@ std::string read_checked(int fd, const std::filesystem::path& file) {
   }
   std::array<char, kLongestToken> buffer;
   const ssize_t size = ::read(fd, buffer.data(), buffer.size());
-  if (size < 0) fail(file, std::generic_category().message(errno));
+  if (size < 0) fail(file, error_text(errno));
   const std::string_view text =
       without_byte_order_mark({buffer.data(), static_cast<std::size_t>(size)});
   return std::string(text.substr(0, text.find_first_of("\r\n")));
@@ -79,7 +78,7 @@ int write_token(int fd) {
 
 std::string read_token(const std::filesystem::path& file) {
   const Descriptor fd(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
-  if (!fd) fail(file, std::generic_category().message(errno));
+  if (!fd) fail(file, error_text(errno));
   require_kept_folders(file);
   std::string token = read_checked(fd.get(), file);
   if (token.size() < kShortestToken) fail(file, "the token has fewer than 16 characters");
@@ -95,14 +94,14 @@ bool make_token(const std::filesystem::path& file) {
   ::unlink(beside.c_str());  // of a program with this number that was killed here
   Descriptor out(
       ::open(beside.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600));
-  if (!out) fail(file, "cannot be made: " + std::generic_category().message(errno));
+  if (!out) fail(file, "cannot be made: " + error_text(errno));
   const int error = write_token(out.get());
   const bool made = error == 0 && ::link(beside.c_str(), file.c_str()) == 0;
   const int not_linked = errno;
   ::unlink(beside.c_str());
   if (made) return true;
   if (error == 0 && not_linked == EEXIST) return false;  // another program was faster
-  fail(file, "cannot be made: " + std::generic_category().message(error != 0 ? error : not_linked));
+  fail(file, "cannot be made: " + error_text(error != 0 ? error : not_linked));
 }
 
 bool same_token(std::string_view expected, std::string_view given) {

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/os/lack_of_memory.hpp"
 #include "base/os/log.hpp"
 #include "casd/tlog/tlog_name.hpp"
 
@@ -38,7 +39,7 @@ bool write_all(int fd, std::span<const std::uint8_t> bytes) {
   return true;
 }
 
-std::string message_of(int error) { return std::generic_category().message(error); }
+constexpr const char* kWho = "logs of autopilots";
 
 }  // namespace
 
@@ -53,7 +54,15 @@ LogFiles::LogFiles(AutopilotLogConfig config)
     : config_(std::move(config)), folder_(config_.folder, {".ulg", ".bin"}, is_autopilot_log) {
   publish();
   try {
-    thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
+    thread_ = std::jthread([this](const std::stop_token& stop) {
+      // A folder that takes no files says so now, not at the first flight.
+      base::outlive_lack_of_memory(kWho, [this] {
+        if (!folder_.takes_files()) fail(base::error_text(errno));
+      });
+      for (bool goes_on = true; goes_on;) {
+        base::outlive_lack_of_memory(kWho, [&] { goes_on = work(stop); });
+      }
+    });
   } catch (const std::system_error& error) {
     throw base::ConfigError(std::string("cannot take logs of autopilots: no thread for it: ") +
                             error.what());
@@ -96,25 +105,29 @@ void LogFiles::enqueue(Job job) {
   jobs_.push_back(std::move(job));
 }
 
-void LogFiles::run(const std::stop_token& stop) {
-  if (!folder_.takes_files()) fail(message_of(errno));  // says so now, not at the first flight
-  for (bool ends = false; !ends;) {
-    std::deque<Job> jobs;
-    {
-      base::MutexLock lock(mutex_);
-      more_.wait_for(lock, stop, kFlushPeriod, [] { return false; });
-      ends = stop.stop_requested();
-      jobs.swap(jobs_);
-      waiting_bytes_ = 0;
-    }
-    for (; !jobs.empty(); jobs.pop_front()) carry_out(std::move(jobs.front()));
-    look_for_room();
-    publish();
+bool LogFiles::work(const std::stop_token& stop) {
+  bool goes_on = true;
+  std::deque<Job> jobs;
+  {
+    base::MutexLock lock(mutex_);
+    more_.wait_for(lock, stop, kFlushPeriod, [] { return false; });
+    goes_on = !stop.stop_requested();
+    jobs.swap(jobs_);
+    waiting_bytes_ = 0;
   }
-  while (!open_.empty()) close(open_.begin()->first);
+  for (; !jobs.empty(); jobs.pop_front()) {
+    const Job& job = jobs.front();
+    if (base::outlive_lack_of_memory(kWho, [&] { carry_out(job); })) continue;
+    open_.erase(job.file);  // what follows would have a gap before it
+    fail("no memory");
+  }
+  look_for_room();
+  publish();
+  while (!goes_on && !open_.empty()) close(open_.begin()->first);
+  return goes_on;
 }
 
-void LogFiles::carry_out(Job job) {
+void LogFiles::carry_out(const Job& job) {
   switch (job.kind) {
     case Job::Kind::kBegin:
       return make(job);
@@ -131,7 +144,7 @@ void LogFiles::make(const Job& job) {
   for (int number = 0; !file.fd; ++number) {
     file.name = job.name + (number > 0 ? "." + std::to_string(number) : "") + job.extension;
     file.fd = folder_.make(file.name);
-    if (!file.fd && (errno != EEXIST || number >= kMostFiles)) return fail(message_of(errno));
+    if (!file.fd && (errno != EEXIST || number >= kMostFiles)) return fail(base::error_text(errno));
   }
   if (config_.max_files > 0) {
     const auto keep = static_cast<std::size_t>(config_.max_files);
@@ -169,7 +182,7 @@ void LogFiles::append(File id, const LogPart& part) {
       base::log::warn((folder_.path() / file.name).string() + " ends in the middle of a message");
     }
     close(id);
-    return fail(message_of(error));
+    return fail(base::error_text(error));
   }
   const std::uint64_t before = file.size;
   file.size = std::max(file.size, part.at.value_or(0)) + part.bytes.size();

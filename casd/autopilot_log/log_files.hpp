@@ -81,8 +81,9 @@ class LogFiles {
   };
 
   void enqueue(Job job);
-  void run(const std::stop_token& stop);
-  void carry_out(Job job);
+  /// Waits for work and does it. @return false at the end
+  bool work(const std::stop_token& stop);
+  void carry_out(const Job& job);
   void make(const Job& job);
   void append(File file, const LogPart& part);
   void close(File file);

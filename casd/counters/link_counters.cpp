@@ -63,6 +63,7 @@ constexpr LinkCounterRow kRows[] = {
     row(counter_words("rx", "kernel_drops"), [](auto& link) { return &link.rx.kernel_drops; }),
     row(counter_words("rx", "foreign"), [](auto& link) { return &link.rx.foreign; }),
     row(counter_words("rx", "not_accepted"), [](auto& link) { return &link.rx.not_accepted; }),
+    row(counter_words("rx", "no_memory"), [](auto& link) { return &link.rx.no_memory; }),
     row(counter_words("tx", "packets"), [](auto& link) { return &link.tx.packets; }),
     row(counter_words("tx", "bytes"), [](auto& link) { return &link.tx.bytes; }),
     row(counter_words("tx", "refused"), [](auto& link) { return &link.tx.refused; }),

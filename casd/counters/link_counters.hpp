@@ -118,6 +118,7 @@ template <class N>
 struct RxCounts {
   N packets{}, bytes{}, crc_errors{}, lost{}, unknown{}, skipped_bytes{}, kernel_drops{}, foreign{};
   N not_accepted{};                       ///< left out by the link's `accept`
+  N no_memory{};                          ///< lost because casd got no memory
   N setup_signing{};                      ///< refused: a key never goes on
   N signing_time{};                       ///< mav::SigningTime of the link's key
   std::array<N, 8> signatures{};          ///< by mav::SignatureVerdict, on links with `signing`

@@ -154,14 +154,16 @@ void Ingress::tell_held(const Route& route) {
   base::log::warn(
       "link " + counters_->name + ": message " + std::to_string(route.info.message_id) + " of " +
       std::to_string(route.info.source.system) + "/" + std::to_string(route.info.source.component) +
-      " and others like it are held back: they may spin, move or mislead a vehicle that does "
-      "not say it is in HIL (to_not_hil: all lets them pass)");
+      " and others like it are held back: they may spin, move, drop or mislead a vehicle that "
+      "does not say it is in HIL (to_not_hil: all lets them pass)");
 }
 
 void Ingress::deliver(base::RunTime now) {
   if (batch_.empty()) return;
   if (auto ports = switchboard_.ports_after(ports_generation_)) ports_ = std::move(ports);
-  batch_.deliver(*ports_, now);
+  if (const std::size_t lost = batch_.deliver(*ports_, now); lost > 0) [[unlikely]] {
+    counters_->rx.no_memory.add(lost);
+  }
 }
 
 void Ingress::tick(base::RunTime now) { switchboard_.router().tick(link_, now); }

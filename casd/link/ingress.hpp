@@ -4,6 +4,7 @@
 #include <memory>
 #include <span>
 
+#include "base/os/lack_of_memory.hpp"
 #include "casd/counters/link_counters.hpp"
 #include "casd/link/switchboard.hpp"
 #include "casd/routing/routing_rules.hpp"
@@ -75,11 +76,14 @@ class Ingress {
   void admit_unknown(const mav::PacketView& packet, OnPacket& on_packet) {
     if (switchboard_.router().passes_unknown(link_)) admit(packet, on_packet);
   }
-  /// Only packets with a right signature count as received.
+  /// Only packets with a right signature count as received. Lack of memory costs this packet alone.
   template <class OnPacket>
   void admit(const mav::PacketView& packet, OnPacket& on_packet) {
-    if (!signing_) return on_packet(packet);
-    if (const auto admitted = signing_->admit(packet)) on_packet(*admitted);
+    const auto pass = [&] {
+      if (!signing_) return on_packet(packet);
+      if (const auto admitted = signing_->admit(packet)) on_packet(*admitted);
+    };
+    if (!base::outlive_lack_of_memory(counters_->name, pass)) counters_->rx.no_memory.add();
   }
   bool admit_packet(const mav::PacketView& packet, base::RunTime now);
   void account(const Route& route, const mav::PacketView& packet, base::RunTime now);

@@ -6,7 +6,6 @@
 
 #include <cerrno>
 #include <chrono>
-#include <system_error>
 #include <utility>
 
 #include "base/os/log.hpp"
@@ -44,8 +43,8 @@ void LinkCore::went_up(const std::string& endpoint) {
   was_up_ = true;
   last_reason_.clear();
   backoff_.reset();
-  context_.counters->set_endpoint(endpoint);
   context_.counters->state.store(LinkState::kUp, std::memory_order_relaxed);
+  context_.counters->set_endpoint(endpoint);
   base::log::info("link " + context_.config.name + ": up, " + endpoint);
 }
 
@@ -88,7 +87,5 @@ std::shared_ptr<TxPort> LinkCore::make_port() const {
   }
   return std::make_shared<DirectTxPort>(options, context_.counters, context_.wake);
 }
-
-std::string error_text(int error) { return std::generic_category().message(error); }
 
 }  // namespace cas::casd

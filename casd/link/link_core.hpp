@@ -105,7 +105,4 @@ class LinkCore {
   base::RunTime next_second_{};
 };
 
-/// errno in words.
-std::string error_text(int error);
-
 }  // namespace cas::casd

@@ -74,8 +74,8 @@ bool LinkHome::answers(base::RunTime now, base::Duration patience) {
 bool LinkHome::take_flooding(std::unique_ptr<Link>& link) {
   const base::MutexLock lock(mutex_);
   if (stays_ || !own_ || at_ == own_.get()) return false;
+  own_->add(std::move(link), this, true);
   at_ = own_.get();
-  at_->add(std::move(link), this, true);
   base::log::info("link " + own_->name() + ": floods, and has a thread of its own");
   return true;
 }
@@ -83,8 +83,8 @@ bool LinkHome::take_flooding(std::unique_ptr<Link>& link) {
 bool LinkHome::take_calm(std::unique_ptr<Link>& link) {
   const base::MutexLock lock(mutex_);
   if (stays_ || !shared_ || at_ == shared_.get()) return false;
+  shared_->add(std::move(link), this);
   at_ = shared_.get();
-  at_->add(std::move(link), this);
   base::log::info("link " + own_->name() + ": floods no more, and shares its thread again");
   return true;
 }

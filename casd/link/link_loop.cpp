@@ -18,6 +18,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/os/lack_of_memory.hpp"
 #include "base/os/log.hpp"
 #include "casd/link/core_seeker.hpp"
 #include "casd/link/link_home.hpp"
@@ -34,6 +35,7 @@ constexpr bool kMeterTurns = false;
 #endif
 
 constexpr auto kTroublePause = std::chrono::milliseconds(100);
+constexpr auto kNoMemoryPause = std::chrono::milliseconds(1);
 
 timespec until(base::RunTime end, base::RunTime now) {
   const std::int64_t left = std::max<std::int64_t>((end - now).count(), 0);
@@ -152,23 +154,26 @@ void LinkLoop::stop() {
   signal_.raise();
   if (thread_.joinable()) thread_.join();
   links_.clear();
+  taken_.clear();
   std::vector<std::function<void()>> never_run;
   const base::MutexLock lock(tasks_mutex_);
   never_run.swap(tasks_);
 }
 
-void LinkLoop::add(std::unique_ptr<Link> link, LinkHome* home, bool visits) {
+void LinkLoop::add(std::unique_ptr<Link>&& link, LinkHome* home, bool visits) {
   {
     const base::MutexLock lock(tasks_mutex_);
     // std::function must be copyable, a Link is not.
-    auto shared = std::make_shared<std::unique_ptr<Link>>(std::move(link));
+    const auto shared = std::make_shared<std::unique_ptr<Link>>();
     tasks_.emplace_back([this, shared, home, visits] {
+      links_.reserve(links_.size() + 1);
       if (links_.empty()) pace_ = LookPace();
       const std::uint64_t received = (*shared)->received();
       pace_.add_link(received);
       links_.push_back(
           {.link = std::move(*shared), .home = home, .visits = visits, .received = received});
     });
+    *shared = std::move(link);
   }
   signal_.raise();
 }
@@ -210,24 +215,49 @@ bool LinkLoop::answers(base::RunTime now, base::Duration patience) {
 
 void LinkLoop::run(const std::stop_token& stop) {
   thread_id_.store(std::this_thread::get_id(), std::memory_order_relaxed);
-  base::configure_this_thread("casd:" + name_, scheduling_);
+  std::optional<CoreSearch> core_search;
+  base::outlive_lack_of_memory(name_, [&] {
+    base::configure_this_thread("casd:" + name_, scheduling_);
+    core_search.emplace(name_, seek_core_);
+  });
   ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // pacing counts in parts of a millisecond
-  CoreSearch core_search(name_, seek_core_);
   MeteredTurn turn;
   base::RunTime now = base::steady_now();
   while (!stop.stop_requested()) {
     run_tasks();
-    now = wait(now);
+    const bool waited = base::outlive_lack_of_memory(name_, [&] { now = wait(now); });
     last_turn_ns_.store(now.time_since_epoch().count(), std::memory_order_relaxed);
+    if (!waited) {
+      now = base::steady_now();
+      std::this_thread::sleep_for(kTroublePause);
+      continue;
+    }
     turn.begin();
-    for (const Resident& resident : links_) resident.link->serve(poll_set_, now);
+    const bool served = serve(now);
     turn.end(name_);
-    pace_.looked(now, received());
-    move_links(now);
-    core_search.turned(now, pace_.busy(), links_.size(), [this] { return arrivals(); });
+    if (!served) std::this_thread::sleep_for(kNoMemoryPause);
+    base::outlive_lack_of_memory(name_, [&] {
+      if (pace_.looked(now, received(), idle_)) {
+        move_links(now);
+        note_received();
+      }
+      if (!core_search) return;
+      core_search->turned(now, pace_.busy(), links_.size(), [this] { return arrivals(); });
+    });
   }
   has_tasks_ = true;  // those that came with the stop
   run_tasks();
+}
+
+/// Lack of memory costs a link this turn: what it was about to do is due at the next one, too.
+/// @return false when one lacked memory
+bool LinkLoop::serve(base::RunTime now) {
+  bool served = true;
+  for (const Resident& resident : links_) {
+    const auto turn = [&] { resident.link->serve(poll_set_, now); };
+    served &= base::outlive_lack_of_memory(name_, turn);
+  }
+  return served;
 }
 
 /// @param now  may be a turn old: it serves to tell near deadlines. @return when the wait ended
@@ -240,19 +270,22 @@ base::RunTime LinkLoop::wait(base::RunTime now) {
   if (const base::RunTime rested = std::min(pace_.next_look(), due); rested > now) {
     rest_until(rested, base::steady_now());
   }
-  poll_until(due, now);
+  const base::RunTime began = base::steady_now();
+  poll_until(due, now, began);
   // Only events seen by this poll: a signal raised since then is for the next turn.
   if ((poll_set_.revents(kSignalEntry) & POLLIN) != 0) {
     signal_.lower();
     has_tasks_ = true;
   }
   if ((poll_set_.revents(kAlarmEntry) & POLLIN) != 0) alarm_.stop();
-  return base::steady_now();
+  const base::RunTime ended = base::steady_now();
+  idle_ += ended - began;
+  return ended;
 }
 
-void LinkLoop::poll_until(base::RunTime due, base::RunTime now) {
+void LinkLoop::poll_until(base::RunTime due, base::RunTime now, base::RunTime began) {
   std::optional<timespec> limit;
-  if (!alarm_.covers(due, now)) limit = until(due, base::steady_now());
+  if (!alarm_.covers(due, now)) limit = until(due, began);
   const int error = poll_set_.wait(limit);
   if (error == 0) {
     in_trouble_ = false;
@@ -270,8 +303,7 @@ void LinkLoop::rest_until(base::RunTime end, base::RunTime now) {
 
 // The link that floods leaves those that it shares the thread with, and comes back in the end.
 void LinkLoop::move_links(base::RunTime now) {
-  if (std::exchange(flooded_, pace_.busy()) != flooded_) note_flood();
-  if (pace_.flood_lasts(now) && links_.size() > 1) {
+  if (pace_.flood_lasts() && links_.size() > 1) {
     const auto leaving = busiest();
     if (leaving->home == nullptr || !leaving->home->has_own_loop(now)) return;
     poll_set_.release();
@@ -287,7 +319,7 @@ void LinkLoop::move_links(base::RunTime now) {
   }
 }
 
-void LinkLoop::note_flood() {
+void LinkLoop::note_received() {
   for (Resident& resident : links_) resident.received = resident.link->received();
 }
 
@@ -316,9 +348,9 @@ Arrivals LinkLoop::arrivals() const {
 // Out of memory, or more descriptors than the limit allows: the next turn would fail at once too.
 void LinkLoop::wait_in_trouble(int error) {
   if (!in_trouble_) {
-    base::log::error(
-        "links (" + name_ + ") cannot wait for their descriptors, trying again every " +
-        std::to_string(kTroublePause.count()) + " ms: " + std::generic_category().message(error));
+    base::log::error("links (" + name_ +
+                     ") cannot wait for their descriptors, trying again every " +
+                     std::to_string(kTroublePause.count()) + " ms: " + base::error_text(error));
   }
   in_trouble_ = true;
   std::this_thread::sleep_for(kTroublePause);
@@ -327,12 +359,16 @@ void LinkLoop::wait_in_trouble(int error) {
 // Whoever has a task for the thread raises its signal after that.
 void LinkLoop::run_tasks() {
   if (!std::exchange(has_tasks_, false)) return;
-  std::vector<std::function<void()>> tasks;
-  {
+  const bool again = !taken_.empty();
+  if (!again) {
     const base::MutexLock lock(tasks_mutex_);
-    tasks.swap(tasks_);
+    taken_.swap(tasks_);
   }
-  for (const auto& task : tasks) task();
+  std::erase_if(taken_,
+                [this](const auto& task) { return base::outlive_lack_of_memory(name_, task); });
+  if (!again && taken_.empty()) return;
+  has_tasks_ = true;  // also of those that came meanwhile
+  signal_.raise();
 }
 
 DistantAlarm::DistantAlarm()

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -21,7 +22,7 @@ namespace cas::casd {
 
 /// How often a thread looks at its links while they are flooded.
 ///
-/// Up to kBusyPackets a millisecond each packet is forwarded the moment it comes. What brings more
+/// Up to 50 packets a millisecond each packet is forwarded the moment it comes. What brings more
 /// is looked at once in kPause: then several packets are read, routed and written with a system
 /// call each time instead of one each, and who sends does not pay for waking this thread with every
 /// packet. Network cards moderate their interrupts in the same way. A HIL link of 500 Hz, and a
@@ -30,43 +31,84 @@ namespace cas::casd {
 /// delays more and gains little.
 class LookPace {
  public:
-  static constexpr std::uint64_t kBusyPackets = 50;  ///< in kSpan
-  static constexpr base::Duration kSpan = std::chrono::milliseconds(1);
   static constexpr base::Duration kPause = std::chrono::microseconds(150);
 
-  /// A flood that lasts at least this long is not a burst.
-  static constexpr base::Duration kFlood = std::chrono::milliseconds(10);
   /// Without a flood for so long: it is over.
   static constexpr base::Duration kCalm = std::chrono::seconds(5);
 
   /// @param received  packets that have come so far, all links of the thread together
-  void looked(base::RunTime now, std::uint64_t received) {
-    if (last_look_ == base::RunTime{}) changed_ = now;
+  /// @param idle      how long the thread has waited in poll so far; pauses do not count
+  /// @return whether a span of 50 ms has ended, for which flood_lasts() answers anew
+  bool looked(base::RunTime now, std::uint64_t received, base::Duration idle) {
+    if (last_look_ == base::RunTime{}) last_flood_ = now;
     last_look_ = now;
-    const base::Duration elapsed = now - span_begin_;
-    if (elapsed < kSpan) return;
-    // A link that was taken away takes its packets along.
-    const std::uint64_t came = received > received_before_ ? received - received_before_ : 0;
-    const bool busy = came * kSpan > kBusyPackets * elapsed;
-    if (std::exchange(busy_, busy) != busy) changed_ = now;
-    span_begin_ = now;
-    received_before_ = received;
+    if (const auto moment = moment_.looked(now, received, idle)) {
+      busy_ = moment->packets_ms > kBusyPackets;
+    }
+    const auto a_while = while_.looked(now, received, idle);
+    if (!a_while) return false;
+    flood_lasts_ = a_while->packets_ms > kBusyPackets ||
+                   (a_while->packets_ms > kManyPackets && a_while->idle_share < kNoRest);
+    // A thread of its own may bring rest to what goes on: the link stays there meanwhile.
+    if (flood_lasts_ || a_while->packets_ms > kManyPackets) last_flood_ = now;
+    return true;
   }
 
   /// Not before this: in the past, or not long ago, unless there is a flood.
   base::RunTime next_look() const { return busy_ ? last_look_ + kPause : last_look_; }
   bool busy() const { return busy_; }
-  bool flood_lasts(base::RunTime now) const { return busy_ && now - changed_ >= kFlood; }
-  bool flood_is_over(base::RunTime now) const { return !busy_ && now - changed_ >= kCalm; }
+  /// Judged by 50 ms: a burst is shorter, and a flood on a busy machine has gaps. A thread that is
+  /// hardly idle is flooded by fewer packets.
+  bool flood_lasts() const { return flood_lasts_; }
+  bool flood_is_over(base::RunTime now) const { return now - last_flood_ >= kCalm; }
   /// A link has joined; its earlier packets do not count.
-  void add_link(std::uint64_t received) { received_before_ += received; }
+  void add_link(std::uint64_t received) {
+    moment_.add_link(received);
+    while_.add_link(received);
+  }
 
  private:
-  base::RunTime changed_{};  ///< when busy() last changed, or the first look
-  base::RunTime span_begin_{};
+  static constexpr double kBusyPackets = 50;  ///< a millisecond
+  static constexpr double kManyPackets = 10;  ///< a millisecond, where the thread is hardly idle
+  static constexpr double kNoRest = 0.1;      ///< share of idle time that is hardly any
+
+  /// What came in spans of a given length.
+  class Span {
+   public:
+    struct Figures {
+      double packets_ms;  ///< packets a millisecond
+      double idle_share;  ///< 0 to 1
+    };
+    explicit Span(base::Duration length) : length_(length) {}
+
+    /// @return figures of the span that has ended
+    std::optional<Figures> looked(base::RunTime now, std::uint64_t received, base::Duration idle) {
+      const base::Duration elapsed = now - begin_;
+      if (elapsed < length_) return std::nullopt;
+      // A link that was taken away takes its packets along.
+      const std::uint64_t came = received > received_before_ ? received - received_before_ : 0;
+      const Figures figures{static_cast<double>(came) / (base::to_seconds(elapsed) * 1e3),
+                            base::to_seconds(idle - idle_before_) / base::to_seconds(elapsed)};
+      begin_ = now;
+      received_before_ = received;
+      idle_before_ = idle;
+      return figures;
+    }
+    void add_link(std::uint64_t received) { received_before_ += received; }
+
+   private:
+    base::Duration length_;
+    base::RunTime begin_{};
+    std::uint64_t received_before_ = 0;
+    base::Duration idle_before_{};
+  };
+
+  Span moment_{std::chrono::milliseconds(1)};
+  Span while_{std::chrono::milliseconds(50)};
   base::RunTime last_look_{};
-  std::uint64_t received_before_ = 0;
+  base::RunTime last_flood_{};  ///< of the last span with many packets; before: the first look
   bool busy_ = false;
+  bool flood_lasts_ = false;
 };
 
 /// Wakes a thread that waits in poll. Many calls before it looks cost one system call.
@@ -131,10 +173,11 @@ class LinkLoop {
   /// Ends the thread and closes its links.
   void stop();
 
-  /// From any thread; takes effect at the loop's next turn.
+  /// From any thread; takes effect at the loop's next turn. With an exception `link` stays with the
+  /// caller.
   /// @param home    may take the link away; nullptr: it stays
   /// @param visits  the link is here only while it floods; its home takes it back
-  void add(std::unique_ptr<Link> link, LinkHome* home = nullptr, bool visits = false);
+  void add(std::unique_ptr<Link>&& link, LinkHome* home = nullptr, bool visits = false);
   /// Closes the link; returns when it is closed. @return whether it was here
   bool remove(const Link* link);
   /// Runs `task` on the loop's thread; returns when it has run.
@@ -149,15 +192,16 @@ class LinkLoop {
     std::unique_ptr<Link> link;
     LinkHome* home = nullptr;
     bool visits = false;
-    std::uint64_t received = 0;  ///< when the flood began
+    std::uint64_t received = 0;  ///< before this while of the pace
   };
 
   void run(const std::stop_token& stop);
+  bool serve(base::RunTime now);
   base::RunTime wait(base::RunTime now);
-  void poll_until(base::RunTime due, base::RunTime now);
+  void poll_until(base::RunTime due, base::RunTime now, base::RunTime began);
   void rest_until(base::RunTime end, base::RunTime now);
   void move_links(base::RunTime now);
-  void note_flood();
+  void note_received();
   std::vector<Resident>::iterator busiest();
   std::uint64_t received() const;
   Arrivals arrivals() const;
@@ -172,14 +216,15 @@ class LinkLoop {
   std::atomic<std::int64_t> last_turn_ns_{0};  ///< RunTime; 0 before the first
   base::Mutex tasks_mutex_;
   std::vector<std::function<void()>> tasks_ CAS_GUARDED_BY(tasks_mutex_);
-  bool has_tasks_ = true;  ///< perhaps
+  std::vector<std::function<void()>> taken_;  ///< those under way; what lacks memory is tried again
+  bool has_tasks_ = true;                     ///< perhaps
   std::vector<Resident> links_;
   static constexpr std::size_t kSignalEntry = 0;  ///< of the poll set
   static constexpr std::size_t kAlarmEntry = 1;
   PollSet poll_set_;
   DistantAlarm alarm_;
   LookPace pace_;
-  bool flooded_ = false;     ///< at the last turn
+  base::Duration idle_{};    ///< in poll, so far
   bool in_trouble_ = false;  ///< waiting failed, and that was said
   std::jthread thread_;
 };

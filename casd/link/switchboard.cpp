@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "base/os/lack_of_memory.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
@@ -24,9 +25,13 @@ void DeliveryBatch::add(const PacketInfo& info, std::span<const std::uint8_t> by
   to.for_each([&](LinkId link) { by_link_[link].push_back(packet); });
 }
 
-void DeliveryBatch::deliver(const PortTable& ports, base::RunTime now) {
+std::size_t DeliveryBatch::deliver(const PortTable& ports, base::RunTime now) {
+  std::size_t lost = 0;
   const auto hand_over = [&](LinkId link) {
-    if (ports[link]) ports[link]->deliver(by_link_[link], now);
+    const auto give = [&] { ports[link]->deliver(by_link_[link], now); };
+    if (ports[link] && !base::outlive_lack_of_memory("delivery", give)) {
+      lost += by_link_[link].size();
+    }
     by_link_[link].clear();
   };
   // casd's own station first: in lockstep it has heard all that came before an answer when the
@@ -37,6 +42,7 @@ void DeliveryBatch::deliver(const PortTable& ports, base::RunTime now) {
   touched_ = {};
   infos_.clear();
   bytes_.clear();
+  return lost;
 }
 
 Switchboard::Switchboard(std::shared_ptr<const RoutingPlan> plan, base::Duration route_lifetime)

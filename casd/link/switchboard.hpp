@@ -3,6 +3,7 @@
 
 #include <array>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -32,7 +33,8 @@ class DeliveryBatch {
   bool empty() const { return infos_.empty(); }
   void add(const PacketInfo& info, std::span<const std::uint8_t> bytes, const LinkMask& to);
   /// Hands everything over and starts anew.
-  void deliver(const PortTable& ports, base::RunTime now);
+  /// @return how many packets a destination did not get for lack of memory
+  std::size_t deliver(const PortTable& ports, base::RunTime now);
 
  private:
   static constexpr std::size_t kMaxPackets = 256;

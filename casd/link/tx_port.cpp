@@ -183,6 +183,7 @@ bool TxPort::take_batch(base::RunTime now) {
   }
   queue_time_ = now;
   const std::size_t most = pacer_.limited() ? 1 : kBatchPackets;
+  batch_.reserve(kBatchPackets);  // all of them before a packet leaves the queue
   batch_infos_.reserve(kBatchPackets);
   batch_bytes_.reserve(kBatchBytes + mav::kMaxPacketBytes);
   while (batch_.size() < most && batch_bytes_.size() < kBatchBytes) {

@@ -41,6 +41,7 @@ constexpr std::size_t kMaxClients = 16;
 constexpr double kMaxClients_s = 20;  // and as many at once
 /// How long a page is used again.
 constexpr auto kPageLife = std::chrono::milliseconds(250);
+constexpr auto kAnswerTime = std::chrono::seconds(2);
 constexpr std::size_t kMaxHeaderBytes = 8 * 1024;
 constexpr auto kPatience = std::chrono::seconds(10);
 
@@ -127,7 +128,9 @@ struct MetricsPort::Impl : std::enable_shared_from_this<MetricsPort::Impl> {
   void answer(TakePage take) {
     if (base::steady_now() < page_ends) return take(page);
     waiting.push_back(std::move(take));
-    if (waiting.size() > 1) return;
+    const base::RunTime now = base::steady_now();
+    if (waiting.size() > 1 && now < ask_again) return;
+    ask_again = now + kAnswerTime;
     ask([weak = weak_from_this()](MetricsSource figures) {
       const auto self = weak.lock();
       if (!self) return;
@@ -149,6 +152,7 @@ struct MetricsPort::Impl : std::enable_shared_from_this<MetricsPort::Impl> {
   std::set<HttpSession*> sessions;
   std::string page;
   base::RunTime page_ends{};
+  base::RunTime ask_again{};  ///< an answer that has not come by then will not come
   std::vector<TakePage> waiting;
 };
 
@@ -163,8 +167,8 @@ std::uint16_t MetricsPort::listen(const std::string& address, std::uint16_t port
       impl_->io.context(), std::move(socket),
       [impl = impl_.get()](Listener::StreamSocket client) { impl->on_client(std::move(client)); },
       kMaxClients_s);
-  impl_->listener->start();
-  impl_->io.start([] { base::lower_this_thread("metrics"); });
+  impl_->io.start([] { base::lower_this_thread("metrics"); },
+                  [impl = impl_.get()] { impl->listener->start(); });
   return bound;
 }
 

@@ -36,7 +36,7 @@ constexpr const char* kText = R"json({
   "Route": {"from": "string", "to": "string", "allow?": ["string|integer"], "block?": ["string|integer"],
     "allow_systems?": ["integer"], "block_systems?": ["integer"], "allow_components?": ["integer"],
     "block_components?": ["integer"], "rates?": ["RateLimit"]},
-  "Unreadable": {"link": "string", "cause": "string: crc, kernel, foreign, not_accepted", "count": "integer"},
+  "Unreadable": {"link": "string", "cause": "string: crc, kernel, foreign, not_accepted, no_memory", "count": "integer"},
   "DroppedMessage": {"link": "string", "id": "integer", "name": "string", "system": "integer", "component": "integer",
     "count": "integer", "hz": "number", "age_s": "number", "cause": "string"},
   "Drops": {"unreadable": ["Unreadable"], "dropped": ["DroppedMessage"]},

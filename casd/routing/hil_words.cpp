@@ -33,10 +33,13 @@ void HilWords::on_packet(const Path& from, const mav::PacketView& packet, base::
                      .addressee = mav::services::addressee_of(*heartbeat)};
 }
 
-bool HilWords::permits(LinkId to, const mav::PacketView& packet, mav::Source target,
+bool HilWords::permits(LinkId to, const mav::PacketView& packet, mav::Source target, bool recorded,
                        base::RunTime now) {
+  const auto stops = [recorded](Motion motion, bool armed) {
+    return motion <= (recorded && armed ? Motion::kStops : Motion::kCuts);
+  };
   const Motion worst = motion_of(packet, Addressee{});
-  if (worst == Motion::kNone || worst == Motion::kStops) return true;
+  if (stops(worst, Addressee{}.armed)) return true;
   const base::MutexLock lock(mutex_);
   const auto link = links_.find(to);
   if (link == links_.end()) return worst == Motion::kMisleads;
@@ -45,7 +48,7 @@ bool HilWords::permits(LinkId to, const mav::PacketView& packet, mav::Source tar
     if (target.system != 0 && target.system != sender.first.system) continue;
     addressed = true;
     const bool in_hil = word.hil && now - word.at <= mav::services::kVehicleTimeout;
-    if (!in_hil && motion_of(packet, word.addressee) >= Motion::kMisleads) return false;
+    if (!in_hil && !stops(motion_of(packet, word.addressee), word.addressee.armed)) return false;
   }
   if (link->second.full) return false;
   return addressed || worst == Motion::kMisleads;

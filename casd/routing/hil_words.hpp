@@ -31,7 +31,10 @@ class HilWords {
   /// Whether the packet may go to a link: it stops its target there at most, or each vehicle there
   /// that it addresses has said that it is in HIL, with its newest HEARTBEAT and lately. A link on
   /// which no such vehicle was heard gets nothing that may move one.
-  bool permits(LinkId to, const mav::PacketView& packet, mav::Source target, base::RunTime now);
+  /// @param recorded  it comes from a log, so that nobody sees the vehicle that it would stop: what
+  ///                  cuts the motors counts as moving an armed vehicle
+  bool permits(LinkId to, const mav::PacketView& packet, mav::Source target, bool recorded,
+               base::RunTime now);
   void forget(LinkId link);
 
   /// Whether the packet may move or spin some vehicle.

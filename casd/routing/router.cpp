@@ -113,10 +113,11 @@ void Router::hold_back(Route& route, const RoutingPlan& plan, const mav::PacketV
   hil_words_.on_packet({.link = from, .peer = route.info.from_serial}, packet, now);
   if (!plan.stops_only.has(from)) return;
   if (route.sniffers != nullptr && HilWords::may_move(packet)) route.sniffers = nullptr;
+  const bool recorded = plan.recordings.has(from);
   LinkMask others = route.to;
   others.remove(kLocalLink);
   others.for_each([&](LinkId to) {
-    if (hil_words_.permits(to, packet, route.info.target, now)) return;
+    if (hil_words_.permits(to, packet, route.info.target, recorded, now)) return;
     route.to.remove(to);
     ++route.held;
   });

@@ -37,6 +37,7 @@ struct RoutingPlan {
   LinkMask sniffers;      ///< links that get every packet; no rule names them
   /// Links whose packets may stop a vehicle that is not in HIL, and neither spin nor move it.
   LinkMask stops_only;
+  LinkMask recordings;      ///< links that play a log
   bool holds_back = false;  ///< whether `stops_only` has any
 
   RoutingPlan() { group.fill(-1); }

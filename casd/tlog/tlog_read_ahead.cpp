@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/tlog/tlog_read_ahead.hpp"
 
-#include <exception>
 #include <span>
 #include <thread>
 #include <utility>
 
+#include "base/os/lack_of_memory.hpp"
 #include "base/os/thread.hpp"
 #include "casd/tlog/tlog_files.hpp"
 
@@ -15,9 +15,7 @@ TlogReadAhead::TlogReadAhead(const std::filesystem::path& file)
     : shared_(std::make_shared<Shared>()) {
   std::thread([file, shared = shared_] {
     base::lower_this_thread("casd:read tlog");
-    try {
-      read(file, *shared);
-    } catch (const std::exception&) {  // out of memory: the log ends here
+    if (!base::outlive_lack_of_memory("played log", [&] { read(file, *shared); })) {
       shared->unreadable = true;
       shared->last = true;
       shared->records.clear();

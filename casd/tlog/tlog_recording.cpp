@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <system_error>
 #include <utility>
 
 #include "base/error.hpp"
@@ -14,9 +13,7 @@ namespace {
 
 constexpr base::Duration kScanPeriod = std::chrono::seconds(1);
 
-std::string message_of(int error) { return std::generic_category().message(error); }
-
-bool lacks_room(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }
+bool is_full(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }
 
 }  // namespace
 
@@ -29,11 +26,11 @@ void TlogRecording::begin(Options options, base::RunTime now) {
   lost_ = 0;
   if (files_.begin(options_.files, now)) return;
   const int error = errno;
-  if (!options_.insist && !lacks_room(error)) {
+  if (!options_.insist && !is_full(error)) {
     throw base::ConfigError("recording " + options_.files.name + " in " +
-                            files_.folder().path().string() + ": " + message_of(error));
+                            files_.folder().path().string() + ": " + base::error_text(error));
   }
-  pause(message_of(error), now);
+  pause(base::error_text(error), now);
 }
 
 std::size_t TlogRecording::write(std::span<const std::uint8_t> records, base::RunTime now) {
@@ -48,7 +45,7 @@ std::size_t TlogRecording::write(std::span<const std::uint8_t> records, base::Ru
     if (records.empty()) {
       go_on();
     } else {
-      pause(message_of(error), now);
+      pause(base::error_text(error), now);
     }
   }
   if (!records.empty()) lost_ += count_tlog_records(records);

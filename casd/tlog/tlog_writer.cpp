@@ -4,11 +4,13 @@
 #include <cerrno>
 #include <chrono>
 #include <future>
+#include <new>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/os/lack_of_memory.hpp"
 #include "base/os/log.hpp"
 
 namespace cas::casd {
@@ -20,6 +22,8 @@ constexpr auto kFlushPeriod = std::chrono::milliseconds(200);
 constexpr base::Duration kLookPeriod = std::chrono::seconds(10);
 // A larger step back is another clock: it was set back, or a simulation has restarted.
 constexpr std::uint64_t kClockStep_us = 1'000'000;
+
+constexpr const char* kWho = "recording";
 
 void ignore(const std::optional<std::string>& /*fault*/, const TlogStatus& /*status*/) {}
 
@@ -56,8 +60,10 @@ void TlogWriter::start_thread(std::function<void()> first) {
   if (thread_.joinable()) return;
   try {
     thread_ = std::jthread([this, first = std::move(first)](const std::stop_token& stop) {
-      if (first) first();
-      run(stop);
+      if (first) base::outlive_lack_of_memory(kWho, first);
+      for (bool goes_on = true; goes_on;) {
+        base::outlive_lack_of_memory(kWho, [&] { goes_on = work(stop); });
+      }
     });
   } catch (const std::system_error& error) {
     throw base::ConfigError(std::string("cannot record: no thread for it: ") + error.what());
@@ -143,7 +149,9 @@ void TlogWriter::record(std::span<const std::uint8_t> packet, base::RunTime now)
     stretch_began_ = now;
     set_zero(base::steady_now());
   }
-  append_tlog_record(stamp_of(now), packet, waiting_);
+  const bool kept = base::outlive_lack_of_memory(
+      kWho, [&]() CAS_REQUIRES(mutex_) { append_tlog_record(stamp_of(now), packet, waiting_); });
+  if (!kept) ++overflowed_;
 }
 
 /// A thread brings its packet a moment after it was read, so packets come out of order; readers of
@@ -174,7 +182,7 @@ TlogWriter::Load TlogWriter::take_waiting() {
           .overflowed = std::exchange(overflowed_, 0)};
 }
 
-void TlogWriter::write(Load load, base::RunTime now) {
+void TlogWriter::write(const Load& load, base::RunTime now) {
   const auto take_out_deleted = [this] {
     const std::uint64_t deleted = recording_.leave_deleted();
     recorded_ -= deleted;
@@ -184,7 +192,8 @@ void TlogWriter::write(Load load, base::RunTime now) {
   left_out_ += load.overflowed;
   for (const std::vector<std::uint8_t>* taken : {&load.before, &load.records}) {
     if (taken->empty()) continue;
-    const std::size_t written = recording_.write(*taken, now);
+    std::size_t written = 0;
+    base::outlive_lack_of_memory(kWho, [&] { written = recording_.write(*taken, now); });
     recorded_ += written;
     left_out_ += count_tlog_records(*taken) - written;
   }
@@ -209,7 +218,7 @@ void TlogWriter::look_at_folder(base::RunTime now) {
   if (!why && !folder_->takes_files()) {
     const bool makes_room =
         errno == ENOSPC && limits_.delete_oldest && limits_.free_space_min_bytes > 0;
-    if (!makes_room) why = std::generic_category().message(errno);
+    if (!makes_room) why = base::error_text(errno);
   }
   const std::string folder = folder_->path().string();
   if (why && !fault_between_) {
@@ -222,49 +231,49 @@ void TlogWriter::look_at_folder(base::RunTime now) {
 }
 
 /// Orders first: packets that wait belong to the recording that was begun last.
-void TlogWriter::run(const std::stop_token& stop) {
-  for (;;) {
-    std::deque<Order> orders;
-    Load load;
-    bool looks = false;
-    {
-      base::MutexLock lock(mutex_);
-      const auto has_orders = [this]() CAS_REQUIRES(mutex_) { return !orders_.empty(); };
-      const auto works = [&]() CAS_REQUIRES(mutex_) { return has_orders() || active(); };
-      if (folder_) {
-        more_.wait_for(lock, stop, fault_between_ ? TlogRecording::kRetryPeriod : kLookPeriod,
-                       works);
-      } else {
-        more_.wait(lock, stop, works);
-      }
-      if (works()) more_.wait_for(lock, stop, kFlushPeriod, has_orders);
-      if (stop.stop_requested() && orders_.empty()) return;
-      looks = folder_ && !works();
-      orders.swap(orders_);
-      ordered_bytes_ = 0;
-      if (active()) load = take_waiting();
+bool TlogWriter::work(const std::stop_token& stop) {
+  std::deque<Order> orders;
+  Load load;
+  bool looks = false;
+  {
+    base::MutexLock lock(mutex_);
+    const auto has_orders = [this]() CAS_REQUIRES(mutex_) { return !orders_.empty(); };
+    const auto works = [&]() CAS_REQUIRES(mutex_) { return has_orders() || active(); };
+    if (folder_) {
+      more_.wait_for(lock, stop, fault_between_ ? TlogRecording::kRetryPeriod : kLookPeriod, works);
+    } else {
+      more_.wait(lock, stop, works);
     }
-    const base::RunTime now = base::steady_now();
-    {
-      const base::MutexLock lock(status_mutex_);
-      asked_disk_ = now;
-    }
-    for (; !orders.empty(); orders.pop_front()) {
-      carry_out(std::move(orders.front()), orders.size() == 1, now);
-    }
-    if (open_) write(std::move(load), now);
-    if (looks && !open_) look_at_folder(now);
-    publish();
-    const base::MutexLock lock(status_mutex_);
-    asked_disk_.reset();
+    if (works()) more_.wait_for(lock, stop, kFlushPeriod, has_orders);
+    if (stop.stop_requested() && orders_.empty()) return false;
+    looks = folder_ && !works();
+    orders.swap(orders_);
+    ordered_bytes_ = 0;
+    if (active()) load = take_waiting();
   }
+  const base::RunTime now = base::steady_now();
+  {
+    const base::MutexLock lock(status_mutex_);
+    asked_disk_ = now;
+  }
+  for (; !orders.empty(); orders.pop_front()) {
+    Order& order = orders.front();
+    const auto carry = [&] { carry_out(order, orders.size() == 1, now); };
+    if (!base::outlive_lack_of_memory(kWho, carry)) order.done("no memory", {});
+  }
+  if (open_) write(load, now);
+  if (looks && !open_) look_at_folder(now);
+  publish();
+  const base::MutexLock lock(status_mutex_);
+  asked_disk_.reset();
+  return true;
 }
 
 /// @param newest  whether it is the last that was taken
-void TlogWriter::carry_out(Order order, bool newest, base::RunTime now) {
-  if (order.begin) return begin_recording(std::move(order), newest, now);
+void TlogWriter::carry_out(Order& order, bool newest, base::RunTime now) {
+  if (order.begin) return begin_recording(order, newest, now);
   if (open_) {
-    write(std::move(order.rest), now);
+    write(order.rest, now);
     fault_between_ = recording_.pause();
     fault_since_ = recording_.paused_since();
     recording_.end();
@@ -273,7 +282,7 @@ void TlogWriter::carry_out(Order order, bool newest, base::RunTime now) {
   order.done(std::nullopt, publish());
 }
 
-void TlogWriter::begin_recording(Order order, bool newest, base::RunTime now) {
+void TlogWriter::begin_recording(Order& order, bool newest, base::RunTime now) {
   std::optional<std::string> fault;
   try {
     recording_.begin(std::move(*order.begin), now);
@@ -282,9 +291,12 @@ void TlogWriter::begin_recording(Order order, bool newest, base::RunTime now) {
     open_ = true;
   } catch (const base::ConfigError& error) {
     fault = error.what();
-    if (newest) begin_failed();
+  } catch (const std::bad_alloc&) {
+    fault = "no memory";
   }
-  const TlogStatus status = publish();
+  if (fault && newest) begin_failed();
+  TlogStatus status;
+  base::outlive_lack_of_memory(kWho, [&] { status = publish(); });
   {
     const base::MutexLock lock(status_mutex_);
     --beginning_;

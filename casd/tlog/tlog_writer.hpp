@@ -108,16 +108,17 @@ class TlogWriter {
   };
 
   void start_thread(std::function<void()> first = {});
-  void run(const std::stop_token& stop);
+  /// Waits for work and does it. @return false at the end
+  bool work(const std::stop_token& stop);
   void look_at_folder(base::RunTime now);
-  void carry_out(Order order, bool newest, base::RunTime now);
-  void begin_recording(Order order, bool newest, base::RunTime now);
+  void carry_out(Order& order, bool newest, base::RunTime now);
+  void begin_recording(Order& order, bool newest, base::RunTime now);
   void begin_failed();
   void order_end(Done done) CAS_REQUIRES(mutex_);
   void set_zero(base::RunTime now) CAS_REQUIRES(mutex_);
   std::uint64_t stamp_of(base::RunTime now) CAS_REQUIRES(mutex_);
   Load take_waiting() CAS_REQUIRES(mutex_);
-  void write(Load load, base::RunTime now);
+  void write(const Load& load, base::RunTime now);
   TlogStatus publish();
 
   std::atomic<Phase> phase_{Phase::kOff};

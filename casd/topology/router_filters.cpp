@@ -10,15 +10,13 @@
 namespace cas::casd {
 namespace {
 
-using Ids = RouterConfig::Ids;
-
 std::string word(std::uint32_t id, bool messages) {
   const mav::MessageInfo* known = messages ? mav::public_table().find(id) : nullptr;
   return known == nullptr ? std::to_string(id) : std::string(known->name);
 }
 
-Ids simulator_messages() {
-  Ids ids;
+RouterConfig::Ids simulator_messages() {
+  RouterConfig::Ids ids;
   for (const std::string_view name : kSimulatorMessages)
     ids.insert(mav::public_table().find(name)->id);
   return ids;
@@ -33,20 +31,20 @@ std::string id_list(const char* key, const RouterConfig::Ids& list, bool message
 
 std::string rule_between(const RouterFilters& from, const RouterFilters& to) {
   std::string text;
-  const auto add = [&](const char* key, const Ids& list, bool messages) {
+  const auto add = [&](const char* key, const RouterConfig::Ids& list, bool messages) {
     if (!list.empty()) text += ", " + id_list(key, list, messages);
   };
-  const auto both = [](Ids one, Ids other) {
+  const auto both = [](RouterConfig::Ids one, RouterConfig::Ids other) {
     one.merge(other);
     return one;
   };
   add("allow", to.allow_messages_out, true);
-  Ids block = both(from.block_messages_in, to.block_messages_out);
+  RouterConfig::Ids block = both(from.block_messages_in, to.block_messages_out);
   if (to.allow_messages_out.empty()) block.merge(simulator_messages());
   add("block", block, true);
   add("allow_systems", to.allow_systems_out, false);
   add("block_systems", to.block_systems_out, false);
-  Ids components = both(from.allow_components_in, to.allow_components_out);
+  RouterConfig::Ids components = both(from.allow_components_in, to.allow_components_out);
   if (!from.allow_components_in.empty() && !to.allow_components_out.empty()) {
     std::erase_if(components, [&](std::uint32_t id) {
       return !from.allow_components_in.contains(id) || !to.allow_components_out.contains(id);

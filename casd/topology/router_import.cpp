@@ -24,7 +24,6 @@ constexpr unsigned kDefaultBaud = 115200;
 constexpr std::uint64_t kLongestDuplicateWindow_ms = 60'000;  // of a topology
 
 using base::lower;
-using Ids = RouterConfig::Ids;
 
 /// An IPv6 address needs brackets before its port; mavlink-router's files have them or not.
 std::string bracketed(const std::string& host) {
@@ -251,11 +250,11 @@ class Import {
       endpoint.more += ", group: " + yaml_string(group->text);
     }
     std::string& accept = endpoint.accept;
-    const auto accept_ids = [&](const char* key, const Ids& list, bool messages) {
+    const auto accept_ids = [&](const char* key, const RouterConfig::Ids& list, bool messages) {
       if (!list.empty()) accept += (accept.empty() ? "" : ", ") + id_list(key, list, messages);
     };
     accept_ids("messages", config_.messages(section, "AllowMsgIdIn"), true);
-    const Ids systems = config_.sources(section, "AllowSrcSysIn");
+    const RouterConfig::Ids systems = config_.sources(section, "AllowSrcSysIn");
     accept_ids("systems", systems, false);
     endpoint.only_systems.assign(systems.begin(), systems.end());
     accept_ids("block_systems", config_.sources(section, "BlockSrcSysIn"), false);

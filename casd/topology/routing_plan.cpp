@@ -77,6 +77,7 @@ std::shared_ptr<const RoutingPlan> make_plan(const Topology& topology, const Lin
   for (const LinkConfig& link : topology.links) {
     if (link.pass_unknown) plan->pass_unknown.add(slots.at(link.name));
     if (link.sniffer) plan->sniffers.add(slots.at(link.name));
+    if (link.type == LinkType::kTlog) plan->recordings.add(slots.at(link.name));
     if (link.to_not_hil == ToNotHil::kStopsOnly) plan->stops_only.add(slots.at(link.name));
   }
   plan->holds_back = !plan->stops_only.empty();

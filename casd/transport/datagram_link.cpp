@@ -6,6 +6,8 @@
 #include <cerrno>
 #include <utility>
 
+#include "base/error.hpp"
+#include "base/os/lack_of_memory.hpp"
 #include "casd/counters/link_counters.hpp"
 #include "casd/transport/socket_address.hpp"
 
@@ -55,13 +57,15 @@ void DatagramLink::replace(std::unique_ptr<PacketWriter> writer, std::span<const
                            base::RunTime now) {
   closed_arrivals_ = arrivals();
   sockets_.clear();
+  std::vector<std::unique_ptr<Socket>> opened;
   for (const int fd : sockets) {
-    sockets_.push_back(std::make_unique<Socket>(fd, static_cast<std::uint8_t>(sockets_.size())));
+    opened.push_back(std::make_unique<Socket>(fd, static_cast<std::uint8_t>(opened.size())));
   }
   packets_.reset();
   denied_ = 0;
   core_.counters().note_send(0);
   port_->attach(std::move(writer), now);
+  sockets_ = std::move(opened);
 }
 
 Arrivals DatagramLink::arrivals() const {
@@ -81,10 +85,13 @@ void DatagramLink::read(Socket& socket, base::RunTime now) {
   DatagramReader& reader = socket.reader;
   for (int round = 0; round < kMaxRounds; ++round) {
     const int count = reader.read(socket.fd.get(), now);
-    if (count < 0) return close(error_text(errno), now);
+    if (count < 0) return close(base::error_text(errno), now);
     core_.counters().count_tx_refused(reader.take_refused());
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-      take_datagram(reader, i, now);
+      const auto take = [&] { take_datagram(reader, i, now); };
+      if (!base::outlive_lack_of_memory(core_.counters().name, take)) {
+        core_.counters().rx.no_memory.add();
+      }
     }
     core_.ingress().deliver(now);
     if (const std::uint64_t cut = reader.take_cut_bytes(); cut > 0) [[unlikely]] {
@@ -105,7 +112,7 @@ void DatagramLink::judge_sending(base::RunTime now) {
   const int denied = any_sent ? 0 : counters.send_denied.load(std::memory_order_relaxed);
   if (denied == std::exchange(denied_, denied)) return;
   if (denied != 0) {
-    return core_.went_down("nothing may be sent: " + error_text(denied) +
+    return core_.went_down("nothing may be sent: " + base::error_text(denied) +
                                " (a firewall, or the service's IPAddressAllow)",
                            now);
   }

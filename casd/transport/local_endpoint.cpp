@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "base/os/lack_of_memory.hpp"
 #include "casd/packet/intervention.hpp"
 #include "casd/station/vehicle_commander.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
@@ -43,15 +44,15 @@ void LocalEndpoint::dispatch(Station& station, base::RunTime now) {
   for (; !dispatching_.empty(); dispatching_.pop()) {
     const QueuedPacket packet = dispatching_.front();
     const Origin origin{{packet.info.from, packet.info.from_serial}, packet.info.from_group};
-    station.on_packet(origin, mav::view_packet(packet.bytes), now);
+    const auto hear = [&] { station.on_packet(origin, mav::view_packet(packet.bytes), now); };
+    base::outlive_lack_of_memory("casd's station", hear);
   }
 }
 
 bool LocalEndpoint::send(std::span<const std::uint8_t> packet, std::span<const Path> to,
                          base::RunTime now) {
   bool sent = false;
-  Parser parser = make_parser();
-  parser.feed(packet, [&](const mav::PacketView& view) {
+  const auto take = [&](const mav::PacketView& view) {
     if (view.bytes.size() != packet.size()) return;
     if (to.empty()) {
       ingress_.take_packet(view, now);
@@ -59,7 +60,8 @@ bool LocalEndpoint::send(std::span<const std::uint8_t> packet, std::span<const P
       ingress_.take_addressed(view, to, now);
     }
     sent = true;
-  });
+  };
+  base::outlive_lack_of_memory("casd's station", [&] { make_parser().feed(packet, take); });
   ingress_.deliver(now);
   return sent;
 }

@@ -10,6 +10,7 @@
 
 #include <cerrno>
 
+#include "base/error.hpp"
 #include "base/os/pty_lock.hpp"
 #include "casd/link/link_core.hpp"
 #include "casd/transport/pty_admission.hpp"
@@ -52,7 +53,7 @@ void ask_low_latency(int fd) {
 base::Descriptor open_serial(const std::string& device, const SerialOptions& options,
                              SerialRefusal& refusal) {
   const auto failed = [&](const char* what) {
-    refusal.sentence = device + ": " + what + error_text(errno);
+    refusal.sentence = device + ": " + what + base::error_text(errno);
     return base::Descriptor();
   };
   base::Descriptor line(::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));

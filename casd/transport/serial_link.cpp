@@ -12,6 +12,7 @@
 #include <string>
 #include <utility>
 
+#include "base/error.hpp"
 #include "base/os/pty_lock.hpp"
 #include "casd/link/blocking_tx_port.hpp"
 #include "casd/transport/serial_device.hpp"
@@ -20,12 +21,12 @@
 namespace cas::casd {
 namespace {
 
-constexpr std::size_t kReadBytes = 16 * 1024;
+constexpr std::size_t kLineReadBytes = 16 * 1024;
 constexpr int kBlockingPatience_ms = kBlockingPatience / std::chrono::milliseconds(1);
 // Faster changes in the folder of a missing device are handled together.
 constexpr base::Duration kBetweenLooks = std::chrono::milliseconds(10);
 // A line that breaks sooner is reopened only then: it may break each time.
-constexpr base::Duration kLeastUptime = std::chrono::milliseconds(50);
+constexpr base::Duration kLeastLineUptime = std::chrono::milliseconds(50);
 
 }  // namespace
 
@@ -35,7 +36,7 @@ SerialLink::SerialLink(LinkContext context)
       path_watch_(core_.config().device),
       search_(core_.config().baud),
       parser_(make_parser()),
-      buffer_(kReadBytes) {}
+      buffer_(kLineReadBytes) {}
 
 void SerialLink::watch(PollSet& set, base::RunTime) {
   if (!fd_) {
@@ -105,7 +106,7 @@ void SerialLink::listen(short events, base::RunTime now) {
   if ((events & (POLLIN | POLLHUP | POLLERR)) != 0) {
     const ssize_t count = ::read(fd_.get(), buffer_.data(), buffer_.size());
     if (count == 0) return close("hung up", now);
-    if (count < 0 && errno != EAGAIN && errno != EINTR) return close(error_text(errno), now);
+    if (count < 0 && errno != EAGAIN && errno != EINTR) return close(base::error_text(errno), now);
     const std::span bytes(buffer_.data(), static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
     std::size_t packets = 0;
     parser_.feed(bytes, [&](const mav::PacketView&) { ++packets; });
@@ -119,19 +120,21 @@ void SerialLink::listen(short events, base::RunTime now) {
   }
   if (!search_.advance(now)) return;
   parser_.reset();
-  if (!set_baud(fd_.get(), search_.rate())) close(error_text(errno), now);
+  if (!set_baud(fd_.get(), search_.rate())) close(base::error_text(errno), now);
 }
 
 /// The rate is known: packets go both ways from now on.
 void SerialLink::begin(base::Descriptor line, base::RunTime now) {
   const LinkConfig& config = core_.config();
   const unsigned baud = search_.rate();
+  const OpenDescriptor opened = std::exchange(fd_, {});  // until the port has the line
   // A pseudo-terminal has no line, and its count of unsent bytes no meaning.
-  const bool pty = base::identify_pty(fd_.get()).has_value();
+  const bool pty = base::identify_pty(opened.get()).has_value();
   const auto kind = pty ? StreamWriter::Kind::kPseudoTerminal : StreamWriter::Kind::kSerial;
   const bool has_rate = !pty || config.pace_pty || core_.blocking();
   port_->attach(std::make_unique<StreamWriter>(std::move(line), kind), now,
                 has_rate ? paced_bytes_s(config, baud) : 0);
+  fd_ = opened;
   core_.counters().baud.set(baud);
   core_.went_up(config.device + (baud > 0 ? " " + std::to_string(baud) : ""));
 }
@@ -147,7 +150,7 @@ void SerialLink::read(base::RunTime now) {
     return check_rate(static_cast<std::size_t>(count), before, now);
   }
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
-  close(count == 0 ? "hung up" : error_text(errno), now);
+  close(count == 0 ? "hung up" : base::error_text(errno), now);
 }
 
 /// The vehicle may have come back from a restart with another rate.
@@ -174,7 +177,7 @@ void SerialLink::read_blocking(base::RunTime now) {
       if (!parser_.inside_packet() || ::poll(&more, 1, kBlockingPatience_ms) <= 0) break;
     } else {
       core_.ingress().deliver(now);
-      return close(count == 0 ? "hung up" : error_text(errno), now);
+      return close(count == 0 ? "hung up" : base::error_text(errno), now);
     }
   } while (!waited || parser_.inside_packet());
   core_.ingress().deliver(now);
@@ -194,7 +197,7 @@ void SerialLink::close(const std::string& reason, base::RunTime now) {
   port_->detach(now);
   core_.went_down(reason, now);
   // It may be back already, before its path was watched.
-  core_.backoff().look_at(std::max(now, opened_at_ + kLeastUptime));
+  core_.backoff().look_at(std::max(now, opened_at_ + kLeastLineUptime));
 }
 
 }  // namespace cas::casd

@@ -8,10 +8,12 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <system_error>
 #include <thread>
 #include <utility>
 
 #include "base/os/host_port.hpp"
+#include "base/os/lack_of_memory.hpp"
 
 namespace cas::casd {
 namespace {
@@ -120,11 +122,22 @@ AddressLookup::AddressLookup(const std::string& endpoint) : shared_(std::make_sh
     return;
   }
   shared_->is_name = true;
-  std::thread([parts, shared = shared_] {
-    const int error = look_up_name(parts, shared->addresses);
-    if (error != 0) shared->error = parts.host + ": " + ::gai_strerror(error);
-    shared->state.store(error == 0 ? State::kFound : State::kFailed, std::memory_order_release);
-  }).detach();
+  const auto work = [parts, shared = shared_] {
+    State state = State::kFailed;
+    const bool done = base::outlive_lack_of_memory("name look-up", [&] {
+      const int error = look_up_name(parts, shared->addresses);
+      if (error != 0) shared->error = parts.host + ": " + ::gai_strerror(error);
+      if (error == 0) state = State::kFound;
+    });
+    if (!done) shared->error = "no memory";  // short enough to need none
+    shared->state.store(state, std::memory_order_release);
+  };
+  try {
+    std::thread(work).detach();
+  } catch (const std::system_error& error) {
+    shared_->error = parts.host + ": no thread to look it up: " + error.code().message();
+    shared_->state = State::kFailed;
+  }
 }
 
 AddressLookup::State AddressLookup::state() const {

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <utility>
 
+#include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "casd/transport/stream_writer.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
@@ -127,7 +128,7 @@ void TcpLink::connect_to(const SocketAddress& address, base::RunTime now) {
   if (bound) prepare_tcp(connecting_.get());
   if (!bound ||
       (::connect(connecting_.get(), address.get(), address.size) != 0 && errno != EINPROGRESS)) {
-    return try_next(core_.config().remote + ": " + error_text(errno), now);
+    return try_next(core_.config().remote + ": " + base::error_text(errno), now);
   }
   fd_ = OpenDescriptor(connecting_.get());
   connect_deadline_ = now + kConnectPatience;
@@ -137,11 +138,13 @@ void TcpLink::finish_connect(base::RunTime now) {
   int error = 0;
   socklen_t size = sizeof error;
   ::getsockopt(connecting_.get(), SOL_SOCKET, SO_ERROR, &error, &size);
-  if (error != 0) return try_next(core_.config().remote + ": " + error_text(error), now);
+  if (error != 0) return try_next(core_.config().remote + ": " + base::error_text(error), now);
   base::Descriptor connected = std::move(connecting_);
+  const OpenDescriptor opened = std::exchange(fd_, {});  // until the port has the connection
   parser_.reset();
   port_->attach(std::make_unique<StreamWriter>(std::move(connected), StreamWriter::Kind::kSocket),
                 now);
+  fd_ = opened;
   connected_at_ = now;
   before_connection_ = core_.backoff();
   core_.went_up(core_.config().remote);
@@ -164,7 +167,7 @@ void TcpLink::read(base::RunTime now) {
     return;
   }
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) return;
-  close(count == 0 ? "the peer closed" : error_text(errno), now);
+  close(count == 0 ? "the peer closed" : base::error_text(errno), now);
 }
 
 void TcpLink::close(const std::string& reason, base::RunTime now) {
@@ -282,7 +285,7 @@ void TcpServerLink::listen(base::RunTime now) {
   OpenSockets open = open_at_each(
       local_.addresses(), [&](const SocketAddress& address) { return open_listener(address); });
   if (open.sockets.empty()) {
-    return core_.went_down(core_.config().local + ": " + error_text(open.error), now);
+    return core_.went_down(core_.config().local + ": " + base::error_text(open.error), now);
   }
   core_.went_up(to_text(numbers_of(open.sockets)));
   for (base::Descriptor& socket : open.sockets) {
@@ -323,6 +326,7 @@ void TcpServerLink::accept(int listener, base::RunTime now) {
     return log_thinned(name + " finds no room", now);
   }
   prepare_tcp(socket.get());
+  clients_.reserve(clients_.size() + 1);
   auto client = std::make_unique<Client>();
   client->slot = static_cast<std::uint8_t>(std::countr_one(slots_));
   client->serial = ++serials_;
@@ -379,7 +383,7 @@ std::optional<std::string> TcpServerLink::read(Client& client, base::RunTime now
     return std::nullopt;
   }
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) return std::nullopt;
-  return count == 0 ? std::string("closed") : error_text(errno);
+  return count == 0 ? std::string("closed") : base::error_text(errno);
 }
 
 void TcpServerLink::take_packet(Client& client, const mav::PacketView& packet, base::RunTime now) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "base/error.hpp"
 #include "base/os/descriptor.hpp"
 #include "casd/counters/link_counters.hpp"
 #include "casd/packet/packet_port.hpp"
@@ -105,7 +106,7 @@ void UdpLink::open(base::RunTime now) {
   choice_ = AddressChoice(remote_.addresses().size());
   last_second();
   base::Descriptor socket = open_socket();
-  if (!socket) return core_.went_down(error_text(errno), now);
+  if (!socket) return core_.went_down(base::error_text(errno), now);
   const int fd = socket.get();
   begin(writer_of(std::move(socket)), {&fd, 1}, now);
 }
@@ -154,7 +155,7 @@ AddressChoice::Second UdpLink::last_second() {
 void UdpLink::move_to_choice(base::RunTime now) {
   let_go(now);  // a configured `local` is free only then
   base::Descriptor socket = open_socket();
-  if (!socket) return core_.went_down(error_text(errno), now);
+  if (!socket) return core_.went_down(base::error_text(errno), now);
   const int fd = socket.get();
   replace(writer_of(std::move(socket)), {&fd, 1}, now);
   core_.counters().set_endpoint(to_text(local_address(fd)));

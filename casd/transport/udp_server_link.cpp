@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.hpp"
 #include "base/os/descriptor.hpp"
 #include "casd/counters/link_counters.hpp"
 #include "casd/packet/own_numbers.hpp"
@@ -222,7 +223,7 @@ void UdpServerLink::open(base::RunTime now) {
     return base::Descriptor();
   });
   if (open.sockets.empty()) {
-    return core_.went_down(core_.config().local + ": " + error_text(open.error), now);
+    return core_.went_down(core_.config().local + ": " + base::error_text(open.error), now);
   }
   const std::vector<int> numbers = numbers_of(open.sockets);
   begin(std::make_unique<UdpServerWriter>(std::move(open.sockets), core_.id(), peers_,

@@ -29,6 +29,7 @@ enum class DropCause : std::uint8_t {
   kKernel,
   kNotAccepted,
   kForeign,
+  kNoMemory,
 };
 inline constexpr int kDropCauses = static_cast<int>(DropCause::kSuperseded) + 1;
 
@@ -71,12 +72,13 @@ inline constexpr auto kCauses = std::to_array<CauseWords>({
     {DropCause::kKernel, "kernel", "the socket's buffer was full: casd came too late"},
     {DropCause::kNotAccepted, "not_accepted", "the link takes in no such packets (accept)"},
     {DropCause::kForeign, "foreign", "no room for one more peer, or not the peer"},
+    {DropCause::kNoMemory, "no_memory", "casd got no memory for it"},
 });
 static_assert([] {
   for (std::size_t i = 0; i < kCauses.size(); ++i) {
     if (kCauses[i].cause != static_cast<DropCause>(i)) return false;
   }
-  return kCauses.back().cause == DropCause::kForeign;
+  return kCauses.back().cause == DropCause::kNoMemory;
 }());
 
 constexpr const CauseWords& words_of(DropCause cause) {

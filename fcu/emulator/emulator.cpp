@@ -16,6 +16,7 @@
 #include "base/measure/ledger.hpp"
 #include "base/os/command_port.hpp"
 #include "base/os/log.hpp"
+#include "base/rpc/io_thread.hpp"
 #include "base/time/clock.hpp"
 #include "base/time/stream_clock.hpp"
 #include "fcu/emulator/emulator_control.hpp"
@@ -71,6 +72,7 @@ struct Emulator::Impl final : EmulatorView {
   void make_controller();
   void save_params();
   void attach();
+  void begin();
   void wait_readable();
   void wait_writable();
   void read_master();
@@ -150,11 +152,30 @@ std::string Emulator::Impl::endpoints() const {
 
 // The loop.
 
+/// Waits for all that may come: at first, and after a handler has lacked memory.
+void Emulator::Impl::begin() {
+  signals.cancel();
+  signals.async_wait([this](const boost::system::error_code& error, int) {
+    if (!error) io.stop();
+  });
+  if (control) control->begin();
+  if (master.is_open()) {
+    master.cancel();
+    reading = writing = false;
+    wait_readable();
+  } else {
+    plug_in_after(kReplugPause);
+  }
+  armed_for.reset();
+  pump();
+}
+
 void Emulator::Impl::wait_readable() {
   if (reading || !master.is_open()) return;
   reading = true;
   master.async_wait(asio::posix::stream_descriptor::wait_read,
                     [this](const boost::system::error_code& error) {
+                      if (error == asio::error::operation_aborted) return;
                       reading = false;
                       if (error) return;
                       read_master();
@@ -228,6 +249,7 @@ void Emulator::Impl::wait_writable() {
   writing = true;
   master.async_wait(asio::posix::stream_descriptor::wait_write,
                     [this](const boost::system::error_code& error) {
+                      if (error == asio::error::operation_aborted) return;
                       writing = false;
                       if (error) return;
                       line.hold(false);
@@ -305,11 +327,7 @@ Emulator::~Emulator() = default;
 std::string Emulator::endpoints() const { return impl_->endpoints(); }
 
 void Emulator::run() {
-  impl_->signals.async_wait([this](const boost::system::error_code& error, int) {
-    if (!error) impl_->io.stop();
-  });
-  impl_->pump();
-  impl_->io.run();
+  base::rpc::run_context(impl_->io, "controller", [this] { impl_->begin(); });
   impl_->finish();
 }
 

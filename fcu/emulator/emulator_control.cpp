@@ -125,6 +125,8 @@ EmulatorControl::EmulatorControl(boost::asio::io_context& io, EmulatorView& view
   server.listen_unix(socket);
 }
 
+void EmulatorControl::begin() { impl_->server.start(); }
+
 EmulatorControl::~EmulatorControl() { impl_->server.close(); }
 
 void write_stats(const std::filesystem::path& file, EmulatorView& view) {

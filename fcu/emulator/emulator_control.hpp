@@ -35,6 +35,8 @@ class EmulatorControl {
   EmulatorControl(boost::asio::io_context& io, EmulatorView& view,
                   const std::filesystem::path& socket);
   ~EmulatorControl();
+  /// Waits for clients anew, after a handler has lacked memory.
+  void begin();
 
  private:
   struct Impl;

@@ -27,7 +27,7 @@ Matrix3d cross(const Vector3d& v) {
   return m;
 }
 
-double square(double x) { return x * x; }
+double squared(double x) { return x * x; }
 
 class Riccati {
  public:
@@ -52,24 +52,24 @@ class Riccati {
     const double gyro = assumed_walks ? p_.gyro_bias_walk_rad_s : figures.gyro_bias_walk_rad_s;
     const double accel = assumed_walks ? p_.accel_bias_walk_m_s2 : figures.accel_bias_walk_m_s2;
     const double baro = assumed_walks ? p_.baro_offset_walk_m : figures.baro_offset_walk_m;
-    noise_.diagonal().segment<3>(9).setConstant(dt * square(gyro));
-    noise_.diagonal().segment<3>(12).setConstant(dt * square(accel));
+    noise_.diagonal().segment<3>(9).setConstant(dt * squared(gyro));
+    noise_.diagonal().segment<3>(12).setConstant(dt * squared(accel));
     if (assumed_walks) {
-      noise_.diagonal().segment<3>(15).setConstant(dt * square(p_.earth_field_walk_gauss));
-      noise_.diagonal().segment<3>(18).setConstant(dt * square(p_.body_field_walk_gauss));
+      noise_.diagonal().segment<3>(15).setConstant(dt * squared(p_.earth_field_walk_gauss));
+      noise_.diagonal().segment<3>(18).setConstant(dt * squared(p_.body_field_walk_gauss));
     }
-    noise_(21, 21) = dt * square(baro);
+    noise_(21, 21) = dt * squared(baro);
 
     covariance_.setZero();
     auto d = covariance_.diagonal();
-    d.segment<3>(0).setConstant(square(p_.tilt_initial_rad));
-    d.segment<3>(3).setConstant(square(0.5));
-    d.segment<3>(6).setConstant(square(100));
-    d.segment<3>(9).setConstant(square(p_.gyro_bias_initial_rad_s));
-    d.segment<3>(12).setConstant(square(p_.accel_bias_initial_m_s2));
-    d.segment<3>(15).setConstant(square(p_.earth_field_initial_gauss));
-    d.segment<3>(18).setConstant(square(p_.body_field_initial_gauss));
-    d[21] = square(p_.baro_offset_initial_m);
+    d.segment<3>(0).setConstant(squared(p_.tilt_initial_rad));
+    d.segment<3>(3).setConstant(squared(0.5));
+    d.segment<3>(6).setConstant(squared(100));
+    d.segment<3>(9).setConstant(squared(p_.gyro_bias_initial_rad_s));
+    d.segment<3>(12).setConstant(squared(p_.accel_bias_initial_m_s2));
+    d.segment<3>(15).setConstant(squared(p_.earth_field_initial_gauss));
+    d.segment<3>(18).setConstant(squared(p_.body_field_initial_gauss));
+    d[21] = squared(p_.baro_offset_initial_m);
   }
 
   /// One IMU period.
@@ -79,8 +79,8 @@ class Riccati {
     covariance_ = transition_ * covariance_ * transition_.transpose() + noise_;
     if (at_rest) {
       for (int axis = 0; axis < 3; ++axis) {
-        update(unit(9 + axis), square(p_.gyro_noise_rad_s[axis]));
-        update(unit(3 + axis), square(kRestVelocity_m_s));
+        update(unit(9 + axis), squared(p_.gyro_noise_rad_s[axis]));
+        update(unit(3 + axis), squared(kRestVelocity_m_s));
       }
     }
     if (mag_gate_.due(time)) {
@@ -88,14 +88,14 @@ class Riccati {
       for (int axis = 0; axis < 3; ++axis) {
         Vector h = unit(15 + axis) + unit(18 + axis);
         h.segment<3>(0) = turn.row(axis).transpose();
-        update(h, square(p_.mag_noise_gauss));
+        update(h, squared(p_.mag_noise_gauss));
       }
     }
-    if (baro_gate_.due(time)) update(unit(21) - unit(8), square(p_.baro_noise_m));
+    if (baro_gate_.due(time)) update(unit(21) - unit(8), squared(p_.baro_noise_m));
     if (!gps_gate_.due(time)) return;
     for (int axis = 0; axis < 3; ++axis) {
-      update(unit(6 + axis), square(axis < 2 ? p_.gps_position_noise_m : p_.gps_height_noise_m));
-      update(unit(3 + axis), square(p_.gps_velocity_noise_m_s));
+      update(unit(6 + axis), squared(axis < 2 ? p_.gps_position_noise_m : p_.gps_height_noise_m));
+      update(unit(3 + axis), squared(p_.gps_velocity_noise_m_s));
     }
   }
 

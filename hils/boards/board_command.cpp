@@ -29,7 +29,7 @@
 #include "hils/boards/board_log.hpp"
 #include "hils/boards/board_unlock.hpp"
 #include "hils/boards/foreground.hpp"
-#include "hils/report/aligned_table.hpp"
+#include "hils/report/document.hpp"
 
 namespace cas::hils {
 
@@ -87,8 +87,7 @@ int show_list(const BoardList& list, bool as_json) {
   const fs::path folder = lock_folder(list);
   const auto or_dash = [](const std::string& text) { return text.empty() ? "-" : text; };
   Json all = Json::array();
-  std::vector<std::vector<std::string>> rows{
-      {"BOARD", "KIND", "DEVICE", "FIRMWARE", "CALIBRATION", "LOCK"}};
+  Rows rows{{"BOARD", "KIND", "DEVICE", "FIRMWARE", "CALIBRATION", "LOCK"}};
   for (const Board& board : list.boards) {
     const auto device = find_device(board, list.by_id);
     const LockState lock = look_at_lock(board, folder);
@@ -97,7 +96,7 @@ int show_list(const BoardList& list, bool as_json) {
                     or_dash(board.firmware), std::string(to_string(board.calibration)),
                     to_words(lock)});
   }
-  fmt::print("{}", as_json ? all.dump(2) + "\n" : aligned_table(rows, Cells::kLeft));
+  fmt::print("{}", as_json ? all.dump(2) + "\n" : aligned_table(rows, Align::kLeft));
   return kExitPassed;
 }
 

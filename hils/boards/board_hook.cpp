@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr base::Duration kLook = std::chrono::milliseconds(100);
+constexpr base::Duration kHookLook = std::chrono::milliseconds(100);
 constexpr base::Duration kLastPatience = std::chrono::seconds(3);  ///< from SIGTERM to SIGKILL
 constexpr std::size_t kToldLines = 10;
 
@@ -137,7 +137,7 @@ void run_hook(Supervisor& supervisor, const HookCommand& command, const fs::path
     supervisor.check();
     const base::Duration passed = base::steady_now() - hook.begin();
     if (passed >= command.timeout) break;
-    hook.wait_exit(std::min(passed + kLook, command.timeout));
+    hook.wait_exit(std::min(passed + kHookLook, command.timeout));
   }
   const bool ended = hook.poll_exit().has_value();
   if (!ended) {

@@ -36,8 +36,8 @@ constexpr const char* kHolderVariable = "CAS_BOARD_HOLDER";
 constexpr mode_t kOfTheGroup = 0660;  ///< several users may share a folder
 constexpr int kLookMs = 100;
 
-[[noreturn]] void fail(const fs::path& file) {
-  throw base::ConfigError(file.string() + ": " + std::generic_category().message(errno));
+[[noreturn]] void fail_lock(const fs::path& file) {
+  throw base::ConfigError(file.string() + ": " + base::error_text(errno));
 }
 
 fs::path place(const fs::path& folder, const Board& board, const char* kind) {
@@ -63,7 +63,7 @@ base::Descriptor open_for_lock(const fs::path& file) {
     fd = base::Descriptor(::open(file.c_str(), kFlags | O_CREAT, kOfTheGroup));
     if (fd) ::fchmod(fd.get(), kOfTheGroup);  // whatever the umask is
   }
-  if (!fd) fail(file);
+  if (!fd) fail_lock(file);
   return fd;
 }
 
@@ -162,7 +162,7 @@ class Ticket {
     const fs::path hidden = queue / ("." + name_);
     lock_ = open_for_lock(hidden);
     if (!base::take_file_lock(lock_.get()) || ::rename(hidden.c_str(), file_.c_str()) != 0) {
-      fail(hidden);
+      fail_lock(hidden);
     }
   }
   ~Ticket() { ::unlink(file_.c_str()); }

@@ -14,12 +14,14 @@
 #include "base/os/result_file.hpp"
 #include "hils/boards/board_error.hpp"
 #include "hils/boards/flight_boards.hpp"
+#include "hils/firmware/firmware_run.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/run_result.hpp"
 #include "hils/programs/realtime_run.hpp"
 #include "hils/programs/supervisor.hpp"
 #include "hils/replay/replay_command.hpp"
 #include "hils/report/results_folder.hpp"
+#include "hils/sweep/flight_digest.hpp"
 #include "hils/sweep/row_flight.hpp"
 #include "hils/sweep/sweep_runner.hpp"
 #include "hils/ulog/run_ulog.hpp"
@@ -29,7 +31,7 @@ namespace cas::hils {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 /// Those of hils run. A flight without a replay keeps its verdict.
 void write_artefacts(const RunRequest& request, const RunResult& run) {
@@ -81,10 +83,30 @@ RowResult fly_on_board(const RowTask& task, std::function<void()>& fetch_logs) {
   return result;
 }
 
+/// Stock firmware in software flies no two flights alike, so each keeps its report and replay. What
+/// the firmware itself wrote goes: a log of its own is ten times as large.
+RowResult fly_on_firmware(const RowTask& task, const fs::path&) {
+  RunRequest request;
+  request.out = task.scenario.parent_path() / "again" / fmt::format("row_{}", task.row);
+  write_scenario(task.scenario, task.values, task.study_folder, request.out);
+  request.scenario = Scenario::load(request.out / "scenario.yaml");
+  request.architecture = request.scenario.architecture;
+  request.seed = task.seed;
+  request.unpaced = true;
+  clear_earlier_run(request.out);
+  const RunResult run = evaluate(request, run_firmware(request));
+  write_artefacts(request, run);
+  std::error_code ignored;
+  fs::remove_all(request.out / "run" / "firmware", ignored);
+  RowResult result = row_of(request.scenario, run);
+  result.truth_sha256 = truth_sha256(run);
+  return result;
+}
+
 }  // namespace
 
 void CampaignControllers::save(const fs::path& folder) const {
-  Json json{{"fcu", words}, {"boards", boards.empty() ? "" : fs::absolute(boards).string()}};
+  OrderedJson json{{"fcu", words}, {"boards", boards.empty() ? "" : fs::absolute(boards).string()}};
   if (baud) json["baud"] = *baud;
   base::write_result({folder, kControllersFile}, json.dump(2) + "\n");
 }
@@ -92,18 +114,22 @@ void CampaignControllers::save(const fs::path& folder) const {
 CampaignControllers CampaignControllers::load(const fs::path& folder) {
   const fs::path file = folder / kControllersFile;
   try {
-    const Json json = Json::parse(text_of_file(file));
+    const OrderedJson json = OrderedJson::parse(text_of_file(file));
     CampaignControllers controllers{.words = json.at("fcu").get<std::vector<std::string>>(),
                                     .boards = json.at("boards").get<std::string>(),
                                     .baud = {}};
     if (json.contains("baud")) controllers.baud = json["baud"].get<unsigned>();
     return controllers;
-  } catch (const Json::exception& error) {
+  } catch (const OrderedJson::exception& error) {
     throw base::ConfigError(file.string() + ": " + error.what());
   }
 }
 
-int fly_board_row(const fs::path& folder) {
+int fly_campaign_row(const fs::path& folder) {
+  const fs::path scenario = RowTask::load(folder / "task.json").scenario;
+  if (!fs::exists(scenario.parent_path() / kControllersFile)) {
+    return fly_row(folder, fly_on_firmware);
+  }
   try {
     std::function<void()> fetch_logs;
     const int code = fly_row(folder, [&fetch_logs](const RowTask& task, const fs::path&) {

@@ -26,6 +26,6 @@ struct CampaignControllers {
 ///
 /// @return exit code, as fly_row(); if a board stops it, the exit code of hils, with the sentence
 /// in kBoardSentence
-int fly_board_row(const std::filesystem::path& folder);
+int fly_campaign_row(const std::filesystem::path& folder);
 
 }  // namespace cas::hils

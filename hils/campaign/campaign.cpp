@@ -25,13 +25,7 @@ namespace cas::hils {
 
 namespace {
 
-constexpr int kSchema = 1;
-
-void check_name(const base::ConfigNode& node, const std::string& name) {
-  if (!is_plain_name(name)) {
-    node.fail("its name '" + name + "' is made of letters, digits and _ . - [ ]");
-  }
-}
+constexpr int kCampaignSchema = 1;
 
 /// Text that goes to a terminal. @throws base::ConfigError
 std::string parse_line(const base::ConfigNode& root, const char* key, const std::string& usual) {
@@ -52,13 +46,22 @@ std::vector<CampaignPhase> parse_phases(const base::ConfigNode& map, const Scena
   return phases;
 }
 
-const Failure& parse_failure_name(const base::ConfigNode& node) {
+/// The shipped failures and those of the campaign's own file. @throws base::ConfigError
+FailureCatalogue parse_catalogue(const base::ConfigNode& root) {
+  FailureCatalogue catalogue = FailureCatalogue::shipped();
+  if (const auto own = root.find("catalogue")) {
+    catalogue.add(base::find_config(*own));
+  }
+  return catalogue;
+}
+
+const Failure& parse_failure_name(const base::ConfigNode& node, const FailureCatalogue& catalogue) {
   const auto name = node.as<std::string>();
-  if (const Failure* failure = find_failure(name)) return *failure;
+  if (const Failure* failure = catalogue.find(name)) return *failure;
   std::vector<std::string_view> known;
-  for (const Failure& each : failure_catalogue()) known.push_back(each.name);
-  node.fail("the catalogue has no failure '" + name + "'; 'hils campaign --list' prints it" +
-            base::did_you_mean(name, known));
+  for (const Failure& each : catalogue.failures()) known.push_back(each.name);
+  node.fail("the catalogue has no failure '" + name + "'; 'hils campaign " + node.file().string() +
+            " --list' prints it" + base::did_you_mean(name, known));
 }
 
 /// The block `with`: parameters of the failure, and how long it lasts.
@@ -68,8 +71,9 @@ std::map<std::string, double, std::less<>> parse_values(const base::ConfigNode& 
   const auto with = node.find("with");
   if (!with) return values;
   for (const FailureParameter& each : failure.parameters) {
-    const std::string name(each.name);
-    if (with->has(name)) values[name] = with->require_in(name, each.least, each.most);
+    if (with->has(each.name)) {
+      values[each.name] = with->require_in(each.name, each.least, each.most);
+    }
   }
   if (with->has(kDuration)) {
     values[std::string(kDuration)] = with->require_in(kDuration, 0.001, 3600);
@@ -94,13 +98,13 @@ std::set<std::string> parse_own_phases(const base::ConfigNode& node,
   return own;
 }
 
-CampaignFailure parse_failure(const base::ConfigNode& node,
+CampaignFailure parse_failure(const base::ConfigNode& node, const FailureCatalogue& catalogue,
                               const std::vector<CampaignPhase>& phases) {
   CampaignFailure failure;
-  failure.failure = &parse_failure_name(node.at("failure"));
-  failure.name = node.get<std::string>("name", std::string(failure.failure->name));
+  failure.failure = parse_failure_name(node.at("failure"), catalogue);
+  failure.name = node.get<std::string>("name", failure.failure.name);
   check_name(node, failure.name);
-  failure.values = parse_values(node, *failure.failure);
+  failure.values = parse_values(node, failure.failure);
   const std::set<std::string> own = parse_own_phases(node, phases);
   std::optional<std::vector<Expectation>> usual;
   if (const auto list = node.find("expect")) usual = parse_expectations(*list);
@@ -123,8 +127,7 @@ CampaignFailure parse_failure(const base::ConfigNode& node,
 std::string faults_of_cell(const Campaign& campaign, const CampaignCell& cell) {
   const CampaignFailure& failure = campaign.failures[cell.failure];
   const CampaignPhase& phase = campaign.phases[cell.phase];
-  return faults_of(*failure.failure, failure.name + " in " + phase.name, phase.when,
-                   failure.values);
+  return faults_of(failure.failure, failure.name + " in " + phase.name, phase.when, failure.values);
 }
 
 /// The highest rotor that a fault names, from 1; 0: it names none.
@@ -173,6 +176,36 @@ Scenario scenario_of(const base::ConfigNode& root, const Campaign& campaign) {
   }
 }
 
+/// The plugins of a campaign's vehicle.
+std::set<std::string> plugins_of(const Scenario& scenario) {
+  std::set<std::string> plugins = plugin_names(scenario.plugins);
+  const auto world = base::ConfigNode::load(scenario.firmware->world);
+  plugins.merge(plugin_names(world.at("vehicles").items().front().at("plugins").items()));
+  return plugins;
+}
+
+/// Finds out which failures the bench cannot play: stock firmware may have sensors of its own.
+void note_obstacles(Campaign& campaign, const Scenario& scenario) {
+  const CampaignBench bench = campaign.is_on_boards() ? CampaignBench::kBoard
+                              : campaign.on_firmware  ? CampaignBench::kFirmware
+                                                      : CampaignBench::kVirtualClock;
+  for (std::size_t i = 0; i < campaign.failures.size(); ++i) {
+    CampaignFailure& failure = campaign.failures[i];
+    if (const auto why = obstacle(failure.failure, bench)) failure.obstacle = std::string(*why);
+    if (!campaign.on_firmware || failure.obstacle || failure.expected.empty()) continue;
+    const std::set<std::string> plugins = plugins_of(scenario);
+    const std::string text = "faults: " + faults_of_cell(campaign, {i, 0});
+    const auto faults = parse_scenario_faults(base::ConfigNode::parse(text).at("faults"),
+                                              scenario.line, scenario.names());
+    for (const VehicleFault& fault : faults.vehicle) {
+      const std::string needed = sim::needed_plugin(sim::parse_fault(fault.script, 1).kind);
+      if (needed.empty() || plugins.contains(needed)) continue;
+      failure.obstacle = fmt::format(
+          "needs plugin {} in the simulator, and this autopilot has sensors of its own", needed);
+    }
+  }
+}
+
 /// Leaves the failures of these names alone. @throws base::ConfigError
 void choose_failures(Campaign& campaign, const std::vector<std::string>& only,
                      const std::filesystem::path& file) {
@@ -195,7 +228,8 @@ void choose_failures(Campaign& campaign, const std::vector<std::string>& only,
 
 Campaign Campaign::load(const std::filesystem::path& file, const CampaignChoice& choice) {
   const base::ConfigNode root = base::ConfigNode::load(file);
-  if (root.require<int>("schema") != kSchema) root.at("schema").fail("this program reads schema 1");
+  if (root.require<int>("schema") != kCampaignSchema)
+    root.at("schema").fail("this program reads schema 1");
   Campaign campaign;
   campaign.folder = std::filesystem::absolute(file).parent_path();
   campaign.name = parse_line(root, "name", file.stem().string());
@@ -208,6 +242,16 @@ Campaign Campaign::load(const std::filesystem::path& file, const CampaignChoice&
   }
   campaign.settings = parse_settings(root);
   const Scenario scenario = scenario_of(root, campaign);
+  campaign.on_firmware = scenario.firmware.has_value();
+  if (campaign.on_firmware) {
+    campaign.architecture = scenario.architecture;
+    if (scenario.firmware->on_serial_line) {
+      root.at("scenario")
+          .fail(
+              "flies in real time on one serial line; a campaign flies firmware in "
+              "software");
+    }
+  }
   if (scenario.flies_several()) {
     root.at("scenario").fail("flies several vehicles; that of a campaign flies one");
   }
@@ -216,9 +260,10 @@ Campaign Campaign::load(const std::filesystem::path& file, const CampaignChoice&
   campaign.seeds =
       root.has("seeds") ? parse_seed_list(root.at("seeds")) : std::vector{std::uint64_t{1}};
   campaign.deadline_s = root.get_in("deadline_s", campaign.deadline_s, 1, 1e6);
+  const FailureCatalogue catalogue = parse_catalogue(root);
   std::set<std::string> names;
   for (const base::ConfigNode& node : root.at("failures").items()) {
-    campaign.failures.push_back(parse_failure(node, campaign.phases));
+    campaign.failures.push_back(parse_failure(node, catalogue, campaign.phases));
     if (!names.insert(campaign.failures.back().name).second) {
       node.fail("two failures are called '" + campaign.failures.back().name +
                 "'; give one another 'name'");
@@ -228,18 +273,26 @@ Campaign Campaign::load(const std::filesystem::path& file, const CampaignChoice&
   root.reject_unused();
   choose_failures(campaign, choice.only, file);
   campaign.controllers = choice.controllers;
+  if (campaign.on_firmware && campaign.is_on_boards()) {
+    root.at("scenario").fail("is flown by stock firmware, and --fcu by a board: take another one");
+  }
   if (campaign.is_on_boards() && campaign.architecture == Architecture::kDirect) {
     campaign.architecture = Architecture::kTcas;  // direct has no line at whose end a board is
   }
+  note_obstacles(campaign, scenario);
   if (cells_of(campaign).empty()) root.at("failures").fail("has nothing that can be flown");
   return campaign;
+}
+
+FailureCatalogue catalogue_of(const std::filesystem::path& campaign) {
+  return parse_catalogue(base::ConfigNode::load(campaign));
 }
 
 std::vector<CampaignCell> cells_of(const Campaign& campaign) {
   std::vector<CampaignCell> cells;
   for (std::size_t i = 0; i < campaign.failures.size(); ++i) {
     const CampaignFailure& failure = campaign.failures[i];
-    if (obstacle(*failure.failure, campaign.is_on_boards())) continue;
+    if (failure.obstacle) continue;
     for (std::size_t j = 0; j < campaign.phases.size(); ++j) {
       if (failure.expected.contains(campaign.phases[j].name)) cells.push_back({i, j});
     }

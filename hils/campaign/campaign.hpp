@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,10 +24,11 @@ struct CampaignPhase {
 
 /// One failure of a campaign, and its expectation in each phase.
 struct CampaignFailure {
-  std::string name;                  ///< of the row: the failure's where none is given
-  const Failure* failure = nullptr;  ///< of the catalogue
+  std::string name;  ///< of the row: the failure's where none is given
+  Failure failure;   ///< of the catalogue
   std::map<std::string, double, std::less<>> values{};         ///< of its parameters
   std::map<std::string, std::vector<Expectation>> expected{};  ///< by phase; none: it is not flown
+  std::optional<std::string> obstacle{};  ///< why it is not flown: "needs casd as a program"
 };
 
 /// Part of a campaign to fly, and its controllers.
@@ -42,6 +44,7 @@ struct Campaign {
   std::filesystem::path scenario;
   std::filesystem::path folder{};  ///< of its file: values of `set` may name files in it
   Architecture architecture = Architecture::kDirect;
+  bool on_firmware = false;  ///< stock firmware in software flies it
   std::vector<CampaignPhase> phases{};
   std::vector<std::uint64_t> seeds{};
   double deadline_s = 300;
@@ -52,9 +55,15 @@ struct Campaign {
 
   /// In real time, with boards.
   bool is_on_boards() const { return !controllers.empty(); }
+  /// Whether a flight is repeatable to the byte: our controller's on the virtual clock.
+  bool is_repeatable() const { return !is_on_boards() && !on_firmware; }
   /// Reads and checks a campaign file and its scenario. @throws base::ConfigError
   static Campaign load(const std::filesystem::path& file, const CampaignChoice& choice = {});
 };
+
+/// The failures that a campaign file may name: the shipped ones, and those of its own file.
+/// @throws base::ConfigError
+FailureCatalogue catalogue_of(const std::filesystem::path& campaign);
 
 /// A failure in a phase.
 struct CampaignCell {

@@ -7,7 +7,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "base/cli/whole_number.hpp"
@@ -106,12 +105,15 @@ std::vector<std::size_t> shown_rows(const CampaignMatrix& matrix, std::size_t mo
   return rows;
 }
 
-void write_results(const CampaignMatrix& matrix, const SweepFolder& sweep) {
+/// @return the report
+Document write_results(const CampaignMatrix& matrix, const SweepFolder& sweep) {
+  Document report = campaign_report(matrix, sweep.path / "again");
   base::write_result({sweep.path, "results.json"}, campaign_json(matrix), base::Durability::kDisk);
   base::write_result({sweep.path, "results.csv"}, campaign_csv(matrix), base::Durability::kDisk);
   base::write_result({sweep.path, "junit.xml"}, campaign_junit(matrix), base::Durability::kDisk);
-  base::write_result({sweep.path, "campaign.html"}, campaign_html(matrix, sweep.path / "again"),
-                     base::Durability::kDisk);
+  base::write_result({sweep.path, "campaign.md"}, write_markdown(report), base::Durability::kDisk);
+  base::write_result({sweep.path, "campaign.html"}, write_html(report), base::Durability::kDisk);
+  return report;
 }
 
 /// @throws base::ConfigError
@@ -158,8 +160,8 @@ int fly_on_boards(const Campaign& campaign, const CampaignControllers& controlle
     CampaignMatrix matrix =
         CampaignMatrix::of(campaign, sweep.results(1, sweep.table.rows.size() + 1));
     matrix.stopped = stopped;
-    write_results(matrix, sweep);
-    fmt::print("{}\nResults: {}\n", campaign_text(matrix), sweep.path.string());
+    const Document own = write_results(matrix, sweep);
+    fmt::print("{}\nResults: {}\n", write_text(own), sweep.path.string());
     return matrix.exit_code();
   };
   try {
@@ -176,17 +178,19 @@ int fly_on_boards(const Campaign& campaign, const CampaignControllers& controlle
 
 int run(const Flags& flags) {
   if (flags.list) {
-    fmt::print("{}", flags.markdown ? catalogue_markdown() : catalogue_text());
+    const FailureCatalogue catalogue = flags.file.empty()
+                                           ? FailureCatalogue::shipped()
+                                           : catalogue_of(base::find_config(flags.file));
+    fmt::print("{}", flags.markdown ? catalogue.markdown() : catalogue.text());
     return kExitPassed;
   }
-  if (!flags.task.empty()) return fly_board_row(flags.task);
+  if (!flags.task.empty()) return fly_campaign_row(flags.task);
   if (flags.file.empty() || flags.out.empty()) {
     throw base::ConfigError("campaign takes CAMPAIGN.yaml and --out DIR, or --list");
   }
   const fs::path out = fs::absolute(flags.out);
   const Campaign campaign = Campaign::load(base::find_config(flags.file),
                                            {.controllers = flags.fcus, .only = flags.only});
-  const std::size_t jobs = flags.jobs.value_or(std::max(1U, std::thread::hardware_concurrency()));
   if (campaign.is_on_boards()) {
     refuse_flags_of_the_virtual_clock(flags.plan, flags.jobs);
     return fly_on_boards(
@@ -198,15 +202,16 @@ int run(const Flags& flags) {
   }
   const SweepFolder sweep = announced_plan_of(campaign, out);
   if (flags.plan) return kExitPassed;
-  run_sweep(sweep, {.jobs = jobs, .retry = flags.retry});
+  const std::size_t jobs = flags.jobs.value_or(usual_jobs(sweep));
+  run_sweep(sweep, {.jobs = jobs, .retry = flags.retry, .keeps_flights = campaign.on_firmware});
   const std::vector<RowResult> results = sweep.results(1, sweep.table.rows.size() + 1);
   CampaignMatrix matrix = CampaignMatrix::of(campaign, results);
   write_results(matrix, sweep);
   for (const std::size_t row : fly_again(sweep, shown_rows(matrix, flags.replays), jobs)) {
     if (flew_otherwise(sweep, results[row - 1])) matrix.flown_otherwise.insert(row);
   }
-  write_results(matrix, sweep);  // with links to the replays
-  fmt::print("{}\nResults: {}\n", campaign_text(matrix), flags.out);
+  const Document report = write_results(matrix, sweep);  // with links to the replays
+  fmt::print("{}\nResults: {}\n", write_text(report), flags.out);
   return matrix.exit_code();
 }
 
@@ -220,7 +225,9 @@ base::cli::Verb add_campaign(CLI::App& app) {
   campaign->add_option("CAMPAIGN", flags.file, "Campaign file (docs/campaign.md)");
   campaign->add_option("--out", flags.out, "Folder for the results (the last, if several)")
       ->take_last();
-  campaign->add_option("--jobs", flags.jobs, "Flights at once (as many as processors)")
+  campaign
+      ->add_option("--jobs", flags.jobs,
+                   "Flights at once (as many as processors; of stock firmware 1)")
       ->check(base::cli::whole_number)
       ->check(CLI::Range(1, 4096));
   campaign->add_option("--only", flags.only, "Fly these failures of the campaign alone: NAME,NAME")
@@ -243,7 +250,9 @@ base::cli::Verb add_campaign(CLI::App& app) {
                    "expected come first (200)")
       ->check(base::cli::whole_number);
   campaign->add_flag("--retry", flags.retry, "Fly what died or hung once more");
-  campaign->add_flag("--list", flags.list, "Print the catalogue of failures, and end");
+  campaign->add_flag(
+      "--list", flags.list,
+      "Print the failures that may strike, with those of CAMPAIGN's own file, and end");
   campaign->add_flag("--markdown", flags.markdown, "With --list: as a table in Markdown");
   return {campaign, [kept] { return run(*kept); }};
 }

@@ -3,18 +3,16 @@
 
 #include <filesystem>
 #include <string>
-#include <vector>
 
 #include "hils/campaign/matrix.hpp"
+#include "hils/report/document.hpp"
 
 namespace cas::hils {
 
-/// The matrix for a terminal, and a sentence for each cell that is not as expected.
-std::string campaign_text(const CampaignMatrix& matrix);
-
-/// One page. @param again  folder with the shown flights' reports and replays, row_N each; those
-/// that are there are linked, from the page's own folder
-std::string campaign_html(const CampaignMatrix& matrix, const std::filesystem::path& again);
+/// The matrix, a row for each cell that is not as expected; on a page also all flights.
+/// @param again  folder with the shown flights' reports and replays, row_N each; those that are
+///               there are linked, from the page's own folder
+Document campaign_report(const CampaignMatrix& matrix, const std::filesystem::path& again);
 
 /// A test case for each cell.
 std::string campaign_junit(const CampaignMatrix& matrix);

@@ -133,7 +133,7 @@ CampaignMatrix CampaignMatrix::of(Campaign campaign, const std::vector<RowResult
     const CampaignFailure& failure = matrix.campaign.failures[cell.failure];
     const std::vector<Expectation>& expected = failure.expected.at(phase);
     for (std::size_t i = 0; i < seeds.size(); ++i) {
-      const bool repeats = !failure.failure->unrecorded && !matrix.campaign.is_on_boards();
+      const bool repeats = !failure.failure.unrecorded && matrix.campaign.is_repeatable();
       const RowResult* reference = repeats ? &references[i] : nullptr;
       ++row;
       result.flights.push_back(judge_flight(expected, result_of(row), reference, row, seeds[i]));

@@ -24,7 +24,7 @@ namespace cas::hils {
 namespace {
 
 struct Flags {
-  std::string scenario;
+  std::vector<std::string> scenarios;
   std::vector<std::string> architectures{"direct", "sitl", "ts", "loop", "tcas"};
   std::vector<unsigned> bauds{460800, 921600};
   std::size_t seeds = 5;
@@ -39,12 +39,23 @@ struct Flags {
 
 ComparisonPlan make_plan(const Flags& flags) {
   ComparisonPlan plan;
-  plan.scenario = Scenario::load(base::find_config(flags.scenario));
-  std::vector<Architecture> architectures;
-  for (const std::string& word : flags.architectures) {
-    architectures.push_back(parse_architecture(word));
+  for (const std::string& file : flags.scenarios) {
+    plan.scenarios.push_back(Scenario::load(base::find_config(file)));
   }
-  plan.variants = make_variants(architectures, flags.bauds);
+  if (plan.has_several()) {
+    plan.variants = make_variants(plan.scenarios);
+  } else {
+    std::vector<Architecture> architectures;
+    for (const std::string& word : flags.architectures) {
+      architectures.push_back(parse_architecture(word));
+    }
+    if (plan.scenarios.front().firmware) {
+      throw base::ConfigError(flags.scenarios.front() +
+                              ": stock firmware is connected in one way; compare it with another "
+                              "scenario: hils compare A.yaml B.yaml");
+    }
+    plan.variants = make_variants(architectures, flags.bauds);
+  }
   for (std::uint64_t i = 0; i < flags.seeds; ++i) plan.seeds.push_back(flags.first_seed + i);
   plan.warm_up_s = flags.warm_up_s;
   plan.hold_s = flags.hold_s;
@@ -64,9 +75,10 @@ int compare(const Flags& flags) {
   const std::vector<VariantResult> results = run_comparison(plan, out, flags.keep);
   const double wall_s = base::to_seconds(base::steady_now() - begin);
 
-  base::write_result({out, "comparison.md"}, comparison_text(plan, results, TableStyle::kMarkdown));
+  const Document report = comparison_report(plan, results);
+  base::write_result({out, "comparison.md"}, write_markdown(report));
   base::write_result({out, "comparison.json"}, comparison_json(plan, results));
-  base::write_result({out, "comparison.html"}, comparison_html(plan, results));
+  base::write_result({out, "comparison.html"}, write_html(report));
   for (const auto& [name, plot] : comparison_plots(results)) {
     base::write_result({out, std::filesystem::path("plots") / (name + ".svg")}, to_svg(plot));
   }
@@ -75,9 +87,9 @@ int compare(const Flags& flags) {
     for (const Measurement& figures : result.runs) simulated_s += figures.simulated_s;
   }
   const bool markdown = flags.markdown || ::isatty(STDOUT_FILENO) == 0;
-  const TableStyle style = markdown ? TableStyle::kMarkdown : TableStyle::kAligned;
   fmt::print("{}\n{:.0f} s simulated in {:.1f} s\nResults: {}\n",
-             comparison_text(plan, results, style), simulated_s, wall_s, flags.out);
+             markdown ? write_markdown(report) : write_text(report), simulated_s, wall_s,
+             flags.out);
   return exit_code(results);
 }
 
@@ -87,9 +99,16 @@ base::cli::Verb add_compare(CLI::App& app) {
   const auto kept = std::make_shared<Flags>();
   Flags& flags = *kept;
   CLI::App* command = app.add_subcommand(
-      "compare", "Fly one scenario in several architectures, as [HILS] Sect. 4 does");
-  command->add_option("SCENARIO", flags.scenario, "Scenario file")->required();
-  command->add_option("--architectures", flags.architectures, "Some of direct,sitl,ts,loop,tcas")
+      "compare",
+      "Fly one scenario in several architectures, as [HILS] Sect. 4 does, or several scenarios");
+  command
+      ->add_option("SCENARIO", flags.scenarios,
+                   "Scenario file; of several each is flown as it is: one vehicle with our "
+                   "controller, PX4 and ArduPilot")
+      ->required();
+  command
+      ->add_option("--architectures", flags.architectures,
+                   "Of one scenario: some of direct,sitl,ts,loop,tcas")
       ->delimiter(',');
   command->add_option("--baud", flags.bauds, "Of the line where there is one: 460800,921600")
       ->delimiter(',')
@@ -99,8 +118,9 @@ base::cli::Verb add_compare(CLI::App& app) {
       ->add_option("--first-seed", flags.first_seed,
                    "Seed of the first run; the others follow it (1)")
       ->check(base::cli::whole_number);
-  command->add_option("--warm-up", flags.warm_up_s, "Seconds of hover before the measurement (10)");
-  command->add_option("--hold", flags.hold_s, "Seconds measured (60)");
+  command->add_option("--warm-up", flags.warm_up_s,
+                      "Of one scenario: seconds of hover before the measurement (10)");
+  command->add_option("--hold", flags.hold_s, "Of one scenario: seconds measured (60)");
   command->add_flag("--virtual", flags.on_virtual_clock,
                     "Compute time instead of waiting for it: the same to the byte each time");
   command->add_flag("--markdown", flags.markdown,

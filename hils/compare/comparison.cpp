@@ -9,6 +9,7 @@
 
 #include "base/os/result_file.hpp"
 #include "base/time/clock.hpp"
+#include "hils/firmware/firmware_run.hpp"
 #include "hils/programs/batch_progress.hpp"
 #include "hils/programs/realtime_run.hpp"
 #include "hils/report/summary_json.hpp"
@@ -38,6 +39,13 @@ std::string folder_of(const Variant& variant, std::uint64_t seed) {
 
 RunRequest request_of(const Scenario& scenario, const Variant& variant, std::uint64_t seed,
                       const std::filesystem::path& out, bool keep) {
+  if (!variant.scenario_name.empty()) {
+    return {.scenario = scenario,
+            .architecture = scenario.architecture,
+            .seed = seed,
+            .keeps_sensors = keep,
+            .out = out / "runs" / fmt::format("{}_seed{}", variant.scenario_name, seed)};
+  }
   return {.scenario = scenario,
           .architecture = variant.architecture,
           .seed = seed,
@@ -46,11 +54,15 @@ RunRequest request_of(const Scenario& scenario, const Variant& variant, std::uin
           .out = out / "runs" / folder_of(variant, seed)};
 }
 
+std::vector<RunRecord> fly(const ComparisonPlan& plan, const RunRequest& request) {
+  if (request.scenario.firmware) return run_firmware(request);
+  const bool on_virtual_clock = plan.virtual_clock || request.architecture == Architecture::kDirect;
+  return on_virtual_clock ? run_on_virtual_clock(request) : run_in_real_time(request);
+}
+
 void run_one(const ComparisonPlan& plan, const RunRequest& request, bool keep,
              VariantResult& result) {
-  const bool on_virtual_clock = plan.virtual_clock || request.architecture == Architecture::kDirect;
-  const RunRecord record =
-      (on_virtual_clock ? run_on_virtual_clock(request) : run_in_real_time(request)).front();
+  const RunRecord record = fly(plan, request).front();
   const Measurement figures = measure(request, record);
   const Verdict verdict = judge(figures, request.scenario.limits);
   if (!plan.virtual_clock)
@@ -68,6 +80,7 @@ void run_one(const ComparisonPlan& plan, const RunRequest& request, bool keep,
 }  // namespace
 
 std::string Variant::name() const {
+  if (!scenario_name.empty()) return scenario_name;
   const std::string name = title_of(architecture);
   return baud > 0 ? fmt::format("{} {}", name, baud) : name;
 }
@@ -82,6 +95,23 @@ std::vector<Variant> make_variants(const std::vector<Architecture>& architecture
     for (const Architecture architecture : architectures) {
       if (has_line(architecture)) variants.push_back({.architecture = architecture, .baud = baud});
     }
+  }
+  return variants;
+}
+
+std::vector<Variant> make_variants(const std::vector<Scenario>& scenarios) {
+  std::vector<Variant> variants;
+  for (const Scenario& scenario : scenarios) {
+    if (scenario.flies_several()) {
+      throw base::ConfigError(scenario.file.string() + ": a comparison flies one vehicle");
+    }
+    if (std::ranges::find(variants, scenario.name, &Variant::scenario_name) != variants.end()) {
+      throw base::ConfigError("two of the scenarios have the name '" + scenario.name +
+                              "': in a comparison each has one of its own");
+    }
+    variants.push_back({.architecture = scenario.architecture,
+                        .scenario = variants.size(),
+                        .scenario_name = scenario.name});
   }
   return variants;
 }
@@ -108,7 +138,8 @@ Scenario comparison_scenario(const Scenario& scenario, const ComparisonPlan& pla
 
 std::vector<VariantResult> run_comparison(const ComparisonPlan& plan,
                                           const std::filesystem::path& out, bool keep) {
-  const Scenario scenario = comparison_scenario(plan.scenario, plan);
+  std::vector<Scenario> scenarios = plan.scenarios;
+  if (!plan.has_several()) scenarios.front() = comparison_scenario(scenarios.front(), plan);
   std::filesystem::create_directories(out);
   std::vector<VariantResult> results;
   for (const Variant& variant : plan.variants) results.push_back({.variant = variant});
@@ -122,7 +153,8 @@ std::vector<VariantResult> run_comparison(const ComparisonPlan& plan,
       fmt::print(stderr, "{}; {}, seed {}\n", batch_line("compare", done, all, elapsed),
                  result.variant.name(), seed);
       ++done;
-      const RunRequest request = request_of(scenario, result.variant, seed, out, keep);
+      const RunRequest request =
+          request_of(scenarios[result.variant.scenario], result.variant, seed, out, keep);
       base::make_result_folder({out, request.out});
       run_one(plan, request, keep, result);
     }

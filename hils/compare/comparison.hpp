@@ -13,26 +13,34 @@
 
 namespace cas::hils {
 
-/// One way to connect simulator and controller: an architecture, and a line where it has one.
+/// What is compared: of one scenario the ways to connect simulator and controller, an architecture
+/// and a line where it has one; of several the scenarios, each as it is.
 struct Variant {
   Architecture architecture = Architecture::kTcas;
-  unsigned baud = 0;         ///< 0: no byte-clocked line
-  std::string name() const;  ///< "TCAS 460800"
+  unsigned baud = 0;            ///< 0: no byte-clocked line
+  std::size_t scenario = 0;     ///< its place in the plan
+  std::string scenario_name{};  ///< of several; empty: the plan has one
+  std::string name() const;     ///< "TCAS 460800", or the scenario's
 };
 
 /// Which runs a comparison is made of.
 struct ComparisonPlan {
-  Scenario scenario;
+  std::vector<Scenario> scenarios;  ///< one or more
   std::vector<Variant> variants;
   std::vector<std::uint64_t> seeds;
   double warm_up_s = 10;
   double hold_s = 60;
-  bool virtual_clock = false;
+  bool virtual_clock = false;  ///< but for stock firmware, which has a clock of its own
+
+  bool has_several() const { return scenarios.size() > 1; }
 };
 
 /// The five architectures: those with a line once for each baud rate, the others once.
 std::vector<Variant> make_variants(const std::vector<Architecture>& architectures,
                                    const std::vector<unsigned>& bauds);
+
+/// A variant for each of several scenarios. @throws base::ConfigError for two of one name
+std::vector<Variant> make_variants(const std::vector<Scenario>& scenarios);
 
 /// The scenario with the times of the plan and the cross traffic that all variants get alike: a
 /// ground station. @throws base::ConfigError when no hold precedes the measured one

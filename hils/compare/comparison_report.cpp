@@ -3,71 +3,55 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "hils/compare/comparison_table.hpp"
-#include "hils/report/aligned_table.hpp"
-#include "hils/report/html_page.hpp"
+#include "hils/measure/figure_table.hpp"
+#include "hils/report/experiment.hpp"
 
 namespace cas::hils {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr int kSchema = 2;
-
-std::string markdown_table(const Rows& rows) {
-  std::string text;
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    text += "|";
-    for (const std::string& cell : rows[r]) text += " " + cell + " |";
-    text += "\n";
-    if (r > 0) continue;
-    text += "|";
-    for (std::size_t i = 0; i < rows[r].size(); ++i) text += i == 0 ? "---|" : "---:|";
-    text += "\n";
-  }
-  return text;
-}
-
-std::string table_text(const Rows& rows, TableStyle style) {
-  return style == TableStyle::kMarkdown ? markdown_table(rows) : aligned_table(rows, Cells::kRight);
-}
 
 /// Columns become rows: a page is less wide than it is long.
 Rows transposed(const Rows& rows) {
   Rows result(rows.front().size());
-  for (const std::vector<std::string>& row : rows) {
+  for (const Row& row : rows) {
     for (std::size_t i = 0; i < row.size(); ++i) result[i].push_back(row[i]);
   }
   return result;
 }
 
-Json mean_json(const std::optional<Mean>& mean) {
+OrderedJson mean_json(const std::optional<Mean>& mean) {
   if (!mean) return nullptr;
   return {{"mean", mean->mean}, {"half_width_95", mean->half_width}, {"runs", mean->count}};
 }
 
 /// By the keys of the figures. @param mean_of  takes a FigureColumn
 template <class MeanOf>
-Json figures_json(const MeanOf& mean_of) {
-  Json figures = Json::object();
+OrderedJson figures_json(const MeanOf& mean_of) {
+  OrderedJson figures = OrderedJson::object();
   for (const Figure<Measurement>& row : figure_table()) figures[row.key] = mean_json(mean_of(&row));
   return figures;
 }
 
-Json variant_json(const VariantResult& result) {
-  Json json{{"name", result.variant.name()},
-            {"architecture", to_string(result.variant.architecture)},
-            {"baud", result.variant.baud},
-            {"validity", validity_words(result)}};
+OrderedJson variant_json(const VariantResult& result) {
+  OrderedJson json{{"name", result.variant.name()},
+                   {"architecture", to_string(result.variant.architecture)},
+                   {"baud", result.variant.baud},
+                   {"validity", validity_words(result)}};
   json["figures"] =
       figures_json([&](FigureColumn column) { return mean_of_valid(result, column); });
   json["sent"] = sent_of(result);
   json["losses"] = losses_of(result);
-  Json runs = Json::array();
+  OrderedJson runs = OrderedJson::array();
   for (std::size_t i = 0; i < result.runs.size(); ++i) {
     runs.push_back({{"seed", result.runs[i].seed},
                     {"valid", result.verdicts[i].valid},
@@ -80,11 +64,18 @@ Json variant_json(const VariantResult& result) {
 }  // namespace
 
 std::string comparison_headline(const ComparisonPlan& plan) {
+  if (plan.has_several()) {
+    return fmt::format(
+        "{} scenarios as they are; {} seeds ({} to {}), interleaved; {}; stock "
+        "firmware in its own time",
+        plan.scenarios.size(), plan.seeds.size(), plan.seeds.front(), plan.seeds.back(),
+        plan.virtual_clock ? "virtual clock" : "real time");
+  }
   return fmt::format(
       "{}: {} seeds ({} to {}), interleaved; {:g} s warm-up, then {:g} s measured; {}; cross "
       "traffic: telemetry, a ground station that loads the parameters every 20 s",
-      plan.scenario.name, plan.seeds.size(), plan.seeds.front(), plan.seeds.back(), plan.warm_up_s,
-      plan.hold_s, plan.virtual_clock ? "virtual clock" : "real time");
+      plan.scenarios.front().name, plan.seeds.size(), plan.seeds.front(), plan.seeds.back(),
+      plan.warm_up_s, plan.hold_s, plan.virtual_clock ? "virtual clock" : "real time");
 }
 
 std::string validity_words(const VariantResult& result) {
@@ -102,36 +93,18 @@ std::string validity_words(const VariantResult& result) {
                      flown, reason.empty() ? "" : "; first remark: ", reason);
 }
 
-std::string comparison_text(const ComparisonPlan& plan, const std::vector<VariantResult>& results,
-                            TableStyle style) {
-  std::string text = comparison_headline(plan) + "\n\n";
-  for (const VariantResult& result : results) {
-    text += fmt::format("- {}: {}\n", result.variant.name(), validity_words(result));
-  }
-  for (const ColumnGroup& group : comparison_groups()) {
-    if (!has_figures(group, results)) continue;
-    text += fmt::format("\n{}\n\n{}", group.title, table_text(group_rows(group, results), style));
-  }
-  text += "\nLost packets, by cause, of all valid runs\n\n" + table_text(loss_rows(results), style);
-  const Rows pairs = difference_rows(results);
-  if (pairs.size() > 1) {
-    text += "\nPaired differences by seed: mean and 95 % interval\n\n" + table_text(pairs, style);
-  }
-  return text;
-}
-
 std::string comparison_json(const ComparisonPlan& plan, const std::vector<VariantResult>& results) {
-  Json json{{"schema", kSchema},
-            {"scenario", plan.scenario.name},
-            {"virtual_clock", plan.virtual_clock},
-            {"warm_up_s", plan.warm_up_s},
-            {"hold_s", plan.hold_s},
-            {"seeds", plan.seeds}};
-  json["variants"] = Json::array();
+  OrderedJson json{{"schema", kSchema},
+                   {"scenario", plan.scenarios.front().name},
+                   {"virtual_clock", plan.virtual_clock},
+                   {"warm_up_s", plan.warm_up_s},
+                   {"hold_s", plan.hold_s},
+                   {"seeds", plan.seeds}};
+  json["variants"] = OrderedJson::array();
   for (const VariantResult& result : results) json["variants"].push_back(variant_json(result));
-  json["differences"] = Json::array();
+  json["differences"] = OrderedJson::array();
   for (const auto& [a, b] : comparison_pairs(results)) {
-    Json pair{{"of", results[a].variant.name()}, {"less", results[b].variant.name()}};
+    OrderedJson pair{{"of", results[a].variant.name()}, {"less", results[b].variant.name()}};
     pair["figures"] = figures_json(
         [&](FigureColumn column) { return difference_of(results[a], results[b], column); });
     json["differences"].push_back(std::move(pair));
@@ -173,32 +146,125 @@ std::vector<std::pair<std::string, Plot>> comparison_plots(
   return plots;
 }
 
-std::string comparison_html(const ComparisonPlan& plan, const std::vector<VariantResult>& results) {
-  HtmlPage page("Comparison: " + plan.scenario.name);
+namespace {
+
+/// Mean over the valid runs.
+std::optional<Mean> mean_of_runs(
+    const VariantResult& result,
+    const std::function<std::optional<double>(const Measurement&)>& value_of) {
+  std::vector<double> values;
+  for (std::size_t i = 0; i < result.runs.size(); ++i) {
+    const auto value = result.verdicts[i].valid ? value_of(result.runs[i]) : std::nullopt;
+    if (value) values.push_back(*value);
+  }
+  return values.empty() ? std::nullopt : std::optional(mean_of(values));
+}
+
+/// How each took the first fault of its scenario.
+void add_strikes(const std::vector<VariantResult>& results, Document& page) {
+  struct Column {
+    const char* title;
+    std::optional<double> (*get)(const StrikeResponse&);
+  };
+  static constexpr std::array<Column, 4> kColumns{
+      {{"noticed after s", [](const StrikeResponse& s) { return s.detected_s; }},
+       {"reacted after s", [](const StrikeResponse& s) { return s.reacted_s; }},
+       {"farthest m", [](const StrikeResponse& s) { return std::optional(s.farthest_m); }},
+       {"largest tilt deg",
+        [](const StrikeResponse& s) { return std::optional(s.peak_tilt_deg); }}}};
+  Rows rows{{"", "fault"}};
+  for (const Column& column : kColumns) rows.front().push_back(column.title);
+  for (const VariantResult& result : results) {
+    const auto struck = std::ranges::find_if(
+        result.runs, [](const Measurement& run) { return run.strike.has_value(); });
+    if (struck == result.runs.end()) continue;
+    Row row{result.variant.name(), struck->strike->fault};
+    for (const Column& column : kColumns) {
+      row.push_back(to_text(mean_of_runs(result,
+                                         [&column](const Measurement& run) {
+                                           return run.strike ? column.get(*run.strike)
+                                                             : std::nullopt;
+                                         }),
+                            2));
+    }
+    rows.push_back(std::move(row));
+  }
+  if (rows.size() > 1) page.table("Reaction to the first fault", std::move(rows));
+}
+
+/// How each followed the steps of its reference.
+void add_responses(const std::vector<VariantResult>& results, Document& page) {
+  Rows rows{{"", "step"}};
+  for (const Figure<StepResponse>& row : response_table()) {
+    rows.front().push_back(fmt::format("{}, {}", row.title, row.unit));
+  }
+  for (const VariantResult& result : results) {
+    if (result.runs.empty()) continue;
+    for (const StepResponse& first : result.runs.front().responses) {
+      Row row{result.variant.name(), first.name};
+      for (const Figure<StepResponse>& figure : response_table()) {
+        const auto value_of = [&](const Measurement& run) -> std::optional<double> {
+          const auto found = std::ranges::find(run.responses, first.name, &StepResponse::name);
+          return found == run.responses.end() ? std::nullopt : figure.get(*found);
+        };
+        row.push_back(to_text(mean_of_runs(result, value_of), figure.digits));
+      }
+      rows.push_back(std::move(row));
+    }
+  }
+  if (rows.size() > 1) page.table("Responses to steps of the reference", std::move(rows));
+}
+
+/// What differs from controller to controller: reactions and pace.
+void add_behaviour(const std::vector<VariantResult>& results, Document& page) {
+  add_responses(results, page);
+  add_strikes(results, page);
+  Rows rows{{"", "controller", "pace"}};
+  for (const VariantResult& result : results) {
+    if (result.runs.empty()) continue;
+    rows.push_back({result.variant.name(), how_it_ran(result.runs.front()),
+                    to_text(mean_of_runs(result,
+                                         [](const Measurement& run) {
+                                           return std::optional(run.pace.real_time_factor);
+                                         }),
+                            2)});
+  }
+  page.table("Who flew", std::move(rows), {}, Align::kLeft);
+}
+
+}  // namespace
+
+Document comparison_report(const ComparisonPlan& plan, const std::vector<VariantResult>& results) {
+  std::string names;
+  for (const Scenario& scenario : plan.scenarios) {
+    names += (names.empty() ? "" : ", ") + scenario.name;
+  }
+  Document page{"Comparison: " + names};
   std::vector<std::string> remarks;
   bool all_valid = true;
   for (const VariantResult& result : results) {
     remarks.push_back(result.variant.name() + ": " + validity_words(result));
     for (const Verdict& verdict : result.verdicts) all_valid = all_valid && verdict.valid;
   }
-  page.verdict(all_valid ? HtmlPage::Mood::kGood : HtmlPage::Mood::kNeutral,
-               all_valid ? "All runs valid" : "Not all runs valid", comparison_headline(plan),
-               remarks);
+  page.add(Document::Verdict{all_valid ? Mood::kGood : Mood::kNeutral,
+                             all_valid ? "All runs valid" : "Not all runs valid",
+                             comparison_headline(plan), std::move(remarks)});
   for (const ColumnGroup& group : comparison_groups()) {
     if (!has_figures(group, results)) continue;
-    const Rows rows = group_rows(group, results);
-    std::vector<HtmlPage::Row> looks(results.size(), HtmlPage::Row::kPlain);
-    looks.resize(rows.size() - 1, HtmlPage::Row::kQuiet);
-    page.table(group.title, rows, looks);
+    Rows rows = group_rows(group, results);
+    std::vector<Look> looks(results.size(), Look::kPlain);
+    looks.resize(rows.size() - 1, Look::kQuiet);
+    page.table(group.title, std::move(rows), std::move(looks));
   }
+  if (plan.has_several()) add_behaviour(results, page);
   page.table("Lost packets, by cause, of all valid runs", loss_rows(results));
   const Rows pairs = difference_rows(results);
   if (pairs.size() > 1) {
     page.table("Paired differences by seed: mean and 95 % interval", transposed(pairs));
   }
-  page.heading("First seed");
-  for (const auto& [name, plot] : comparison_plots(results)) page.plot(plot);
-  return page.finish();
+  page.heading("First seed", Extent::kPage);
+  for (auto& [name, plot] : comparison_plots(results)) page.add(std::move(plot));
+  return page;
 }
 
 }  // namespace cas::hils

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hils/compare/comparison.hpp"
-#include "hils/report/plot.hpp"
+#include "hils/report/document.hpp"
 
 namespace cas::hils {
 
@@ -16,19 +16,12 @@ std::string comparison_headline(const ComparisonPlan& plan);
 /// others are not.
 std::string validity_words(const VariantResult& result);
 
-/// Style of tables: Markdown for a page, or aligned columns for a terminal.
-enum class TableStyle { kMarkdown, kAligned };
-
-/// For files, docs and the terminal: each table with the rows of [HILS] beside ours where it has
-/// any.
-std::string comparison_text(const ComparisonPlan& plan, const std::vector<VariantResult>& results,
-                            TableStyle style);
+/// Each table with the rows of [HILS] below ours where it has any.
+Document comparison_report(const ComparisonPlan& plan, const std::vector<VariantResult>& results);
 /// comparison.json. On the virtual clock it is the same to the byte for the same plan.
 std::string comparison_json(const ComparisonPlan& plan, const std::vector<VariantResult>& results);
 /// [HILS] Fig. 16 (received rates over time) and Fig. 17 (position and heading), first seed.
 std::vector<std::pair<std::string, Plot>> comparison_plots(
     const std::vector<VariantResult>& results);
-/// One self-contained page.
-std::string comparison_html(const ComparisonPlan& plan, const std::vector<VariantResult>& results);
 
 }  // namespace cas::hils

@@ -55,6 +55,10 @@ const std::vector<ColumnGroup>& comparison_groups() {
        PaperTable::kRates},
       {"Table 5. RMS error while measured, true position against the reference",
        columns({"rms_x_m", "rms_y_m", "rms_z_m", "rms_yaw_rad"}), PaperTable::kRms},
+      {"Motion in the measured step; of stock firmware a hold about its mean",
+       columns({"peak_error_m", "height_error_m", "drift_m", "rotor_activity_rad_s2",
+                "rms_estimate_x_m", "rms_estimate_y_m", "rms_estimate_z_m",
+                "rms_estimate_yaw_rad"})},
       {"Delivered packets, and the rate as QGroundControl's averaging meter would have shown it",
        columns({"sensor_delivered_pct", "gps_delivered_pct", "controls_delivered_pct",
                 "sensor_meter_hz", "gps_meter_hz", "controls_meter_hz"})},
@@ -100,7 +104,8 @@ std::vector<std::pair<std::size_t, std::size_t>> comparison_pairs(
     const std::vector<VariantResult>& results) {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   for (std::size_t i = 0; i < results.size(); ++i) {
-    if (results[i].variant.architecture != Architecture::kTcas) continue;
+    const Variant& variant = results[i].variant;
+    if (variant.architecture != Architecture::kTcas || !variant.scenario_name.empty()) continue;
     for (const Architecture other : {Architecture::kTs, Architecture::kLoop, Architecture::kSitl}) {
       const unsigned baud = other == Architecture::kSitl ? 0 : results[i].variant.baud;
       std::size_t j = 0;
@@ -153,12 +158,15 @@ Rows group_rows(const ColumnGroup& group, const std::vector<VariantResult>& resu
       rows.back().push_back(to_text(mean_of_valid(result, column), column->digits));
     }
   }
-  const bool is_comparable = std::ranges::all_of(results, [](const VariantResult& result) {
-    return std::ranges::all_of(result.runs, measures_station_keeping);
-  });
+  const bool is_of_one_scenario = results.empty() || results[0].variant.scenario_name.empty();
+  const bool is_comparable =
+      is_of_one_scenario && std::ranges::all_of(results, [](const VariantResult& result) {
+        return std::ranges::all_of(result.runs, measures_station_keeping);
+      });
   const bool has_rates = group.paper == PaperTable::kRates;
   const bool has_rms = group.paper == PaperTable::kRms && is_comparable;
-  if (has_rates) std::ranges::move(paper_rate_rows(), std::back_inserter(rows));
+  if (has_rates && is_of_one_scenario)
+    std::ranges::move(paper_rate_rows(), std::back_inserter(rows));
   if (has_rms) std::ranges::move(paper_rms_rows(), std::back_inserter(rows));
   return rows;
 }

@@ -95,7 +95,7 @@ Squares squares_of(const fcu::Estimator& estimator, const DirectFlight::Truth& t
 }
 
 /// Takes off and goes from place to place, turning; not-a-number where it never took off.
-FlightSquares fly(std::uint64_t seed) {
+FlightSquares fly_seed(std::uint64_t seed) {
   FlightSquares squares;
   for (Squares& each : squares) each.fill(std::numeric_limits<double>::quiet_NaN());
   DirectFlight flight({.seed = seed});
@@ -124,7 +124,7 @@ ConsistencyInterval consistency_interval(int dimension, int flights) {
 }
 
 std::vector<FlightFigure> consistency_figures(const FlightBatch& batch) {
-  const auto flights = fly_batch<FlightSquares>(batch, fly);
+  const auto flights = fly_batch<FlightSquares>(batch, fly_seed);
   std::vector<FlightFigure> figures;
   for (std::size_t i = 0; i < kQuantities.size(); ++i) {
     const auto [name, dimension] = kQuantities[i];

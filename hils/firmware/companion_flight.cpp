@@ -13,8 +13,6 @@
 namespace cas::hils {
 namespace {
 
-using Json = nlohmann::json;
-
 /// PX4 v1.12 and v1.16 enter OFFBOARD while setpoints come; this is twice their window.
 constexpr base::Duration kLead = std::chrono::seconds(1);
 /// In real time, of a simulation that may run slower than that.
@@ -26,7 +24,7 @@ bool is_ardupilot(const CompanionFlight::Vehicle& vehicle) {
 }
 
 /// The parameters of a call that moves the vehicle.
-Json consenting(Json params, const CompanionFlight::Vehicle& vehicle) {
+nlohmann::json consenting(nlohmann::json params, const CompanionFlight::Vehicle& vehicle) {
   if (vehicle.not_hil) params["not_hil"] = true;
   return params;
 }
@@ -59,8 +57,8 @@ bool CompanionFlight::gives(StepKind kind) {
 }
 
 void CompanionFlight::join(const std::string& name) {
-  const Json state = call_("vehicle.state", Json::object());
-  for (const Json& link : call_("link.list", Json::object())) {
+  const nlohmann::json state = call_("vehicle.state", nlohmann::json::object());
+  for (const nlohmann::json& link : call_("link.list", nlohmann::json::object())) {
     if (link.value("name", "") != name) continue;
     const mav::Source vehicle{.system = state.at("system").get<std::uint8_t>(),
                               .component = state.at("component").get<std::uint8_t>()};
@@ -156,7 +154,7 @@ void CompanionFlight::end_breach() {
 
 CompanionFlight::Answer CompanionFlight::fly_mission(const MissionPlan& plan,
                                                      const Vehicle& vehicle) {
-  const Json state = call_("vehicle.state", Json::object());
+  const nlohmann::json state = call_("vehicle.state", nlohmann::json::object());
   const auto home = state.find("home");
   if (home == state.end()) return {.refusal = "the vehicle has not told its home yet"};
   Answer answer;
@@ -168,8 +166,8 @@ CompanionFlight::Answer CompanionFlight::fly_mission(const MissionPlan& plan,
   }
   if (is_ardupilot(vehicle)) {
     // From the ground AUTO alone waits for a raised throttle.
-    const Json start{{"command", static_cast<int>(mavlink::common::MavCmd::kMissionStart)},
-                     {"params", {0, 0}}};
+    const nlohmann::json start{
+        {"command", static_cast<int>(mavlink::common::MavCmd::kMissionStart)}, {"params", {0, 0}}};
     call_("vehicle.command", consenting(start, vehicle));
   } else {
     call_("vehicle.mode", consenting({{"mode", "MISSION"}}, vehicle));
@@ -213,7 +211,7 @@ std::optional<std::uint16_t> CompanionFlight::reached() {
   return link_.with_station([](const auto& station) { return station.reached(); });
 }
 
-SetpointStream::Figures CompanionFlight::setpoints() {
+SetpointFigures CompanionFlight::setpoints() {
   if (!link_.connected()) return {};
   return link_.with_station([](const auto& station) { return station.setpoints().figures(); });
 }

@@ -67,7 +67,7 @@ class CompanionFlight {
 
   /// The item of the mission under way that was reached last.
   std::optional<std::uint16_t> reached();
-  SetpointStream::Figures setpoints();
+  SetpointFigures setpoints();
 
  private:
   Answer begin_trajectory(const FlightStep& step, const Vehicle& vehicle);

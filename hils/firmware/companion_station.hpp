@@ -9,6 +9,7 @@
 
 #include "base/time/clock.hpp"
 #include "hils/firmware/setpoint_stream.hpp"
+#include "hils/measure/firmware_record.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "mavlink_gen/services/mission_exchange.hpp"
@@ -21,10 +22,8 @@ class CompanionStation {
  public:
   using Send = std::function<void(std::span<const std::uint8_t>)>;
 
-  /// Its own ids: those of no vehicle (1..), of casd (254/190) and of no usual station (255/190).
-  static constexpr mav::Source kSelf{253, 191};
-  /// The same as casd names them in vehicle.state, and the link in the topology.
-  static constexpr std::string_view kSelfText = "253/191";
+  static constexpr mav::Source kSelf = kCompanion;
+  /// In the topology.
   static constexpr std::string_view kLink = "hils_companion";
 
   /// @param vehicle  system and component of the autopilot

@@ -24,29 +24,32 @@ std::filesystem::path program(const std::string& name) {
 
 }  // namespace
 
-FirmwareBench::FirmwareBench(const FirmwareScenario& scenario, const FirmwarePlaces& places)
-    : scenario_(scenario), places_(places), logs_(places.flight_tlog(), places.run) {
-  for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+FirmwareBench::FirmwareBench(const RunRequest& request, const RunPlaces& places)
+    : request_(request),
+      scenario_(request.scenario),
+      places_(places),
+      logs_(places.flight_tlog(), places.run) {
+  for (std::size_t i = 0; i < scenario_.vehicles.size(); ++i) {
     firmware_options_.push_back(firmware_options(i));
     check_program(firmware_options_.back());
   }
-  if (scenario.firmware.on_serial_line) cable_.emplace(places.casd_tty(), places.firmware_tty());
+  if (scenario_.firmware->on_serial_line) cable_.emplace(places.casd_tty(), places.firmware_tty());
 }
 
 void FirmwareBench::start() {
   for (const auto& options : firmware_options_) prepare_folder(options.cwd);
-  for (const auto& ledger : {places_.simulator_ledger(), places_.casd_ledger()}) {
+  const std::filesystem::path simulator_ledger = places_.vehicles.front().simulator_ledger();
+  for (const auto& ledger : {simulator_ledger, places_.casd_ledger()}) {
     std::filesystem::remove(ledger);  // of an earlier flight
   }
   start_casd();
-  tell_how_to_watch(places_.command_port, std::nullopt);
+  if (request_.announced) tell_how_to_watch(places_.command_port, request_.station);
   std::vector<std::string> hilsim{program("hilsim"), places_.simulator_config(),
                                   "--control",       places_.simulator_control(),
                                   "--output",        places_.out,
                                   "--stats",         places_.simulator_stats()};
   if (keeps_ledgers()) {
-    hilsim.insert(hilsim.end(),
-                  {"--ledger", places_.simulator_ledger().lexically_relative(places_.out)});
+    hilsim.insert(hilsim.end(), {"--ledger", simulator_ledger.lexically_relative(places_.out)});
   }
   for (const std::filesystem::path& folder : base::plugin_dirs()) {
     hilsim.insert(hilsim.end(), {"--plugin-dir", folder});
@@ -78,19 +81,25 @@ std::optional<std::string> FirmwareBench::own_end(std::size_t vehicle, std::size
   return firmware.name() + " " + *words + "; its last lines:" + firmware.log_tail(lines);
 }
 
+std::uintmax_t FirmwareBench::output_bytes(std::size_t vehicle) const {
+  std::error_code none;
+  const std::uintmax_t size = std::filesystem::file_size(firmware_options_[vehicle].log_file, none);
+  return none ? 0 : size;
+}
+
 /// hils, casd and hilsim would start first, and the firmware fail after them.
 void FirmwareBench::check_program(const ChildProcess::Options& options) const {
   const std::filesystem::path program = options.cwd / options.arguments.front();
   const bool is_file = !std::filesystem::is_directory(program);
   if (::access(program.c_str(), X_OK) == 0 && is_file) return;
   const int error = is_file ? errno : EISDIR;
-  scenario_.firmware.node.at("command").fail("cannot start '" + program.string() +
-                                             "': " + std::strerror(error) + " (errno " +
-                                             std::to_string(error) + ")");
+  scenario_.firmware->node.at("command").fail("cannot start '" + program.string() +
+                                              "': " + std::strerror(error) + " (errno " +
+                                              std::to_string(error) + ")");
 }
 
 void FirmwareBench::prepare_folder(const std::filesystem::path& folder) {
-  if (scenario_.firmware.cwd.empty()) {
+  if (scenario_.firmware->cwd.empty()) {
     std::filesystem::remove_all(folder);
   } else if (std::filesystem::exists(folder) && !std::filesystem::is_empty(folder)) {
     remarks_.push_back("the firmware's folder " + folder.string() +
@@ -132,15 +141,15 @@ ChildProcess::Options FirmwareBench::firmware_options(std::size_t instance) cons
       {"CAS_SYSTEM", std::to_string(system_of_instance(instance))}};
   const auto text = [&own](const std::string& written) { return with_variables(written, own); };
   std::vector<std::string> arguments;
-  for (const std::string& word : scenario_.firmware.command) arguments.push_back(text(word));
+  for (const std::string& word : scenario_.firmware->command) arguments.push_back(text(word));
   ChildProcess::Options options =
       this->options("firmware" + scenario_.suffix_of(instance), arguments);
   options.says_ready = false;
   options.ends_run = false;
-  options.cwd = scenario_.firmware.cwd.empty()
+  options.cwd = scenario_.firmware->cwd.empty()
                     ? places_.run / options.name
-                    : std::filesystem::path(text(scenario_.firmware.cwd));
-  for (const auto& [name, value] : scenario_.firmware.environment) {
+                    : std::filesystem::path(text(scenario_.firmware->cwd));
+  for (const auto& [name, value] : scenario_.firmware->environment) {
     options.environment.push_back(name + "=" + text(value));
   }
   return options;

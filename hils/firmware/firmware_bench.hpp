@@ -8,10 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "hils/firmware/firmware_scenario.hpp"
 #include "hils/firmware/pty_cable.hpp"
 #include "hils/programs/flight_logs.hpp"
 #include "hils/programs/supervisor.hpp"
+#include "hils/run/run_places.hpp"
+#include "hils/run/run_request.hpp"
 
 namespace cas::hils {
 
@@ -20,7 +21,7 @@ namespace cas::hils {
 class FirmwareBench {
  public:
   /// @throws base::ConfigError if the firmware's program is not there, or may not be started
-  FirmwareBench(const FirmwareScenario& scenario, const FirmwarePlaces& places);
+  FirmwareBench(const RunRequest& request, const RunPlaces& places);
 
   /// Empties the folder of each firmware in the results first: parameters that an earlier flight
   /// left there would be in force. A `cwd` of the scenario is left as it is.
@@ -32,6 +33,8 @@ class FirmwareBench {
   const std::vector<std::string>& remarks() const { return remarks_; }
   /// How the firmware of a vehicle ended by itself, with its last lines; nullopt: it runs.
   std::optional<std::string> own_end(std::size_t vehicle, std::size_t lines);
+  /// Size of its output so far: what grows is alive.
+  std::uintmax_t output_bytes(std::size_t vehicle) const;
   /// The last lines of its output.
   std::string last_lines(std::size_t vehicle) const { return firmware_[vehicle]->log_tail(); }
 
@@ -50,14 +53,15 @@ class FirmwareBench {
 
  private:
   /// In HITL the machine must keep up with real time; in software time waits for the firmware.
-  bool keeps_ledgers() const { return scenario_.firmware.on_serial_line; }
+  bool keeps_ledgers() const { return scenario_.firmware->on_serial_line; }
   ChildProcess::Options options(const std::string& name, std::vector<std::string> arguments) const;
   ChildProcess::Options firmware_options(std::size_t instance) const;
   void check_program(const ChildProcess::Options& options) const;
   void prepare_folder(const std::filesystem::path& folder);
 
-  const FirmwareScenario& scenario_;
-  const FirmwarePlaces& places_;
+  const RunRequest& request_;
+  const Scenario& scenario_;
+  const RunPlaces& places_;
   Supervisor supervisor_;
   std::optional<PtyCable> cable_;
   FlightLogs logs_;

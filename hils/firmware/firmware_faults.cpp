@@ -20,22 +20,17 @@ constexpr base::Duration kHeardAgain = std::chrono::seconds(30);
 
 }  // namespace
 
-void FirmwareFaults::play(base::SimTime now, std::span<const VehicleReport> vehicles,
-                          std::string_view phase) {
-  for (const auto& [fault, begins] : script_.update(now, vehicles, phase)) play(*fault, begins);
-}
-
 bool FirmwareFaults::excuses_silence(base::RunTime now) const {
   return outages_ > 0 || now < excused_until_;
 }
 
-void FirmwareFaults::play(const BenchFault& fault, bool begins) {
+void FirmwareFaults::play(const BenchFaultScript& script, const BenchFault& fault, bool begins) {
   if (std::holds_alternative<LineFault>(fault.kind)) {
-    const LineFault* line = script_.line_of(fault.vehicle);  // another one may go on
-    reach_.bench.cable().set_line(line == nullptr ? fcu::LineConfig{} : line->line);
+    const LineFault* line = script.line_of(fault.vehicle);  // another one may go on
+    deck_.bench.cable().set_line(line == nullptr ? fcu::LineConfig{} : line->line);
   } else if (std::holds_alternative<UnplugFault>(fault.kind)) {
     note_outage(begins);
-    reach_.bench.cable().set_plugged(!begins);
+    deck_.bench.cable().set_plugged(!begins);
   } else if (std::holds_alternative<RestartFault>(fault.kind)) {
     restart(begins);
   } else if (std::holds_alternative<ReloadFault>(fault.kind)) {
@@ -48,9 +43,9 @@ void FirmwareFaults::play(const BenchFault& fault, bool begins) {
 }
 
 void FirmwareFaults::pause(base::Duration wall) {
-  reach_.simulator.call("sim.pause", Json::object());
-  reach_.bench.supervisor().wait(wall);
-  reach_.simulator.call("sim.resume", Json::object());
+  deck_.simulator.client().call("sim.pause", Json::object());
+  deck_.supervisor.wait(wall);
+  deck_.simulator.client().call("sim.resume", Json::object());
 }
 
 void FirmwareFaults::restart(bool begins) {
@@ -58,11 +53,11 @@ void FirmwareFaults::restart(bool begins) {
   note_outage(begins);
   casd_is_away_ = begins;
   if (begins) {
-    reach_.before_forgetting(true);
-    return reach_.bench.kill_casd();
+    before_casd_ends_();
+    return deck_.bench.kill_casd();
   }
-  reach_.bench.start_casd();
-  reach_.casd = connect(reach_.casd_address);
+  deck_.bench.start_casd();
+  deck_.casd = connect(deck_.casd_address);
   remove_cut_links();
 }
 
@@ -73,7 +68,6 @@ void FirmwareFaults::cut(const std::string& link, bool begins) {
     cut_links_.erase(std::ranges::find(cut_links_, link));
     return reload();
   }
-  if (!casd_is_away_) reach_.before_forgetting(false);
   const bool is_cut = std::ranges::find(cut_links_, link) != cut_links_.end();
   cut_links_.push_back(link);
   if (!casd_is_away_ && !is_cut) remove(link);
@@ -82,7 +76,7 @@ void FirmwareFaults::cut(const std::string& link, bool begins) {
 /// A casd that is away reads it as it comes.
 void FirmwareFaults::reload() {
   if (casd_is_away_) return;
-  ask_casd("casd.reload", Json::object());
+  deck_.casd.call("casd.reload", Json::object());
   remove_cut_links();
 }
 
@@ -92,16 +86,12 @@ void FirmwareFaults::remove_cut_links() {
 }
 
 void FirmwareFaults::remove(const std::string& link) {
-  ask_casd("link.remove", {{"link", link}, {"force", true}});
+  deck_.casd.call("link.remove", {{"link", link}, {"force", true}});
 }
 
 void FirmwareFaults::note_outage(bool begins) {
   outages_ += begins ? 1 : -1;
   excused_until_ = base::steady_now() + kHeardAgain;
-}
-
-void FirmwareFaults::ask_casd(const std::string& method, const Json& params) {
-  reach_.casd.call(method, params);
 }
 
 }  // namespace cas::hils

@@ -4,173 +4,140 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdint>
-#include <cstdio>
+#include <chrono>
+#include <exception>
+#include <filesystem>
 #include <iterator>
 #include <memory>
-#include <nlohmann/json.hpp>
-#include <span>
 #include <string>
 #include <utility>
-#include <vector>
+#include <variant>
 
-#include "base/os/result_file.hpp"
+#include "base/os/private_network.hpp"
 #include "base/rpc/client.hpp"
+#include "base/time/clock.hpp"
+#include "casd/counters/link_ledger.hpp"
 #include "hils/firmware/firmware_bench.hpp"
-#include "hils/firmware/firmware_figures.hpp"
+#include "hils/firmware/firmware_composition.hpp"
 #include "hils/firmware/firmware_pilot.hpp"
-#include "hils/firmware/firmware_report.hpp"
-#include "hils/firmware/firmware_verdict.hpp"
-#include "hils/firmware/hitl_stream.hpp"
 #include "hils/firmware/own_home.hpp"
-#include "hils/measure/judgement.hpp"
-#include "hils/replay/replay_command.hpp"
-#include "hils/replay/replay_page.hpp"
-#include "hils/replay/replay_record.hpp"
-#include "hils/report/junit_report.hpp"
+#include "hils/programs/fcu_device.hpp"
+#include "hils/programs/live_run.hpp"
 #include "hils/run/run_places.hpp"
+#include "mavlink/common/hil_sensor.hpp"
 
 namespace cas::hils {
 namespace {
 
-void print_vehicle(const FirmwareFigures& figures) {
-  if (figures.height_error_m && figures.drift_m) {
-    fmt::print("  error of the mean height {:.2f} m, drift {:.2f} m\n", *figures.height_error_m,
-               *figures.drift_m);
-  }
-  if (const auto& fence = figures.fence; fence && fence->farthest_m) {
-    fmt::print("  farthest from home {:.2f} m; of its fence the autopilot said '{}'\n",
-               *fence->farthest_m, fence->words);
-  }
-  if (const auto& rms = figures.rms) {
-    fmt::print("  RMS of the true position about {}: {:.3f}, {:.3f}, {:.3f} m, {:.4f} rad",
-               measured_about(figures.stages), rms->x_m, rms->y_m, rms->z_m, rms->yaw_rad);
-    fmt::print("; farthest {:.2f} m\n", figures.peak_error_m.value_or(0));
-  } else {
-    fmt::print("  the measured step was not flown to its end: it has no figures\n");
-  }
-  if (const auto& rms = figures.rms_estimate) {
-    fmt::print("  RMS of the estimate against the truth: {:.3f}, {:.3f}, {:.3f} m, {:.4f} rad\n",
-               rms->x_m, rms->y_m, rms->z_m, rms->yaw_rad);
-  }
+using mavlink::common::HilSensor;
+
+bool has_sensors(const casd::LinkLedger::Entries& entries) {
+  return std::ranges::any_of(entries,
+                             [](const auto& entry) { return entry.message_id == HilSensor::kId; });
 }
 
-void print_figures(const FirmwareScenario& scenario, std::span<const FirmwareResult> vehicles,
-                   std::uint64_t lost_bytes) {
-  const FirmwareFigures& first = vehicles.front().figures;
-  const Verdict verdict = judge_together(vehicles);
-  fmt::print("{}: {}{}\n", verdict.word(), scenario.name,
-             first.version.empty() ? "" : ", firmware v" + first.version);
-  for (const std::string& sentence : verdict.failures) fmt::print("  - {}\n", sentence);
-  for (const std::string& remark : verdict.remarks) fmt::print("  note: {}\n", remark);
-  for (const std::string& warning : verdict.warnings) fmt::print("  warning: {}\n", warning);
-  fmt::print("  {:.1f} s simulated at {:.2f} x real time\n", first.simulated_s,
-             first.real_time_factor);
-  for (const FirmwareResult& vehicle : vehicles) {
-    if (vehicles.size() > 1) {
-      fmt::print(" {}: {}\n", vehicle.vehicle, vehicle.verdict.word());
+/// The ledger of a casd that was killed, or of a link that was closed, is lost; the next begins
+/// later.
+bool loses_ledger(const Scenario& scenario) {
+  return std::ranges::any_of(scenario.faults.bench, [](const BenchFault& fault) {
+    return std::holds_alternative<RestartFault>(fault.kind) ||
+           std::holds_alternative<CutFault>(fault.kind);
+  });
+}
+
+/// casd's ledgers of the links that take HIL_SENSOR in and send it.
+RelayLedgers read_relay(const std::filesystem::path& file) {
+  RelayLedgers relay;
+  for (auto& [link, ledger] : casd::read_link_ledgers(file)) {
+    if (has_sensors(ledger.received())) {
+      relay.simulator = std::move(ledger);
+    } else if (has_sensors(ledger.sent())) {
+      relay.controller = std::move(ledger);
     }
-    print_vehicle(vehicle.figures);
   }
-  fmt::print(
-      "  casd dropped {} packets and missed {} by their numbers; not judged, nor is the pace\n",
-      first.dropped, first.lost);
-  if (lost_bytes > 0) {
-    fmt::print("  the serial line lost {} bytes that were not read in time\n", lost_bytes);
+  return relay;
+}
+
+/// The HIL stream between the simulator and casd's serial port, in HITL.
+void read_ledgers(const Scenario& scenario, const RunPlaces& places, RunRecord& record) {
+  const std::filesystem::path ledger = places.vehicles.front().simulator_ledger();
+  if (!scenario.firmware->on_serial_line || !std::filesystem::exists(ledger)) return;
+  record.simulator = base::PacketLedger::read(ledger);
+  if (!loses_ledger(scenario) && std::filesystem::exists(places.casd_ledger())) {
+    record.relay = read_relay(places.casd_ledger());
+  }
+  stand_in_for_controller(record);
+}
+
+/// Flights at once must not share the ports of world and topology.
+void take_own_ports() {
+  if (const auto why = base::enter_private_network()) {
+    fmt::print(stderr, "hils: the flight uses this machine's ports, one flight at a time: {}\n",
+               *why);
   }
 }
 
-/// A flight without a replay keeps its verdict.
-void leave_replay(const std::filesystem::path& out) {
-  try {
-    const auto file = write_replay(out, tlog_record(out / "flight.tlog"));
-    fmt::print("Replay:  {}\n", file.empty() ? std::string(why_no_page()) : file.string());
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "hils: the replay was not written: {}\n", error.what());
+/// Adds what the programs left behind.
+void add_recordings(const Scenario& scenario, const RunPlaces& places,
+                    std::vector<RunRecord>& records) {
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    add_simulator_report(places, records[i]);
+    read_ledgers(scenario, places, records[i]);
+    if (!scenario.flies_several()) continue;
+    const auto other = home_fault(scenario, i, places.flight_tlog(), records[i].system);
+    if (other) records[i].firmware->not_its_own.push_back(*other);
   }
 }
 
-/// Reads the recordings of one vehicle and judges its flight.
-FirmwareResult evaluate(const FirmwareScenario& scenario, const FirmwarePlaces& places,
-                        std::size_t vehicle, FirmwareFigures figures) {
-  const std::string& name = scenario.vehicles[vehicle];
-  const std::filesystem::path truth = places.truth_csv(scenario.suffix_of(vehicle));
-  add_truth(truth, figures);
-  add_estimate(truth, places.flight_tlog(), figures);
-  for (const auto& fault : vehicle_faults(places.simulator_stats(), name)) {
-    figures.faults.push_back(fault);
-  }
-  figures.warnings = simulator_warnings(places.simulator_stats(), name);
-  figures.never_began =
-      faults_that_never_began(scenario.faults, vehicle, figures.faults, figures.flown_stages());
-  if (scenario.flies_several()) {
-    const auto other = home_fault(scenario, vehicle, places.flight_tlog(), figures.system);
-    if (other) figures.not_flown.push_back(*other);
-  }
-  if (scenario.firmware.on_serial_line) {
-    figures.stream = measure_hitl_stream(scenario, places, figures);
-  }
-  const Verdict verdict = judge(scenario, figures);
-  return {.vehicle = name, .figures = std::move(figures), .verdict = verdict};
-}
-
-void write_results(const FirmwareScenario& scenario, const FirmwarePlaces& places,
-                   std::span<const FirmwareResult> vehicles) {
-  const auto write = [&places](const char* file, const std::string& text) {
-    base::write_result({places.out, file}, text);
-  };
-  std::vector<std::pair<std::string, Verdict>> suites;
-  for (const FirmwareResult& vehicle : vehicles) {
-    suites.emplace_back("hils." + scenario.name + "." + vehicle.vehicle, vehicle.verdict);
-  }
-  const FirmwareResult& first = vehicles.front();
-  write("summary.json", firmware_summary(scenario, vehicles).dump(2) + "\n");
-  write("junit.xml", vehicles.size() > 1 ? junit_report(suites, first.figures.wall_s)
-                                         : junit_report("hils." + scenario.name,
-                                                        first.figures.wall_s, first.verdict));
-  write("report.html", firmware_report(scenario, places, vehicles));
-}
-
-}  // namespace
-
-int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& out) {
+std::vector<RunRecord> fly_firmware(const RunRequest& request) {
+  const Scenario& scenario = request.scenario;
+  if (request.unpaced) take_own_ports();
   const RunDirectory sockets;
-  FirmwarePlaces places{.out = out,
-                        .run = out / "run",
-                        .sockets = sockets.path(),
-                        .command_port = sockets.command_socket()};
+  RunPlaces places = RunPlaces::of(scenario, request.out, sockets.path());
+  places.command_port = sockets.command_socket();
   std::vector<std::unique_ptr<CompanionLink>> companions;
-  if (scenario.needs_companion()) {
+  if (needs_companion(scenario)) {
     for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
       companions.push_back(std::make_unique<CompanionLink>());
       places.companions.push_back(companions.back()->port());
     }
   }
-  write_firmware_configs(scenario, places);
-  FirmwareBench bench(scenario, places);
+  write_firmware_configs(request, places);
+  std::vector<RunRecord> records = records_of(scenario, places);
+  FirmwareBench bench(request, places);
   const base::RunTime begin = base::steady_now();
-  std::vector<FirmwareFigures> flown;
   try {
     bench.start();
-    flown = pilot_firmware(scenario, places, bench, companions);
+    if (request.live != nullptr) request.live->start(request, places, bench.supervisor());
+    pilot_firmware(request, places, bench, companions, records);
   } catch (const base::rpc::ConnectionError& error) {
     bench.supervisor().wait(std::chrono::milliseconds(500));  // a program that died is noticed
     throw RunStopped(std::string("a control connection failed: ") + error.what(), false);
   }
   bench.stop();
-  const double wall_s = base::to_seconds(base::steady_now() - begin);
-  std::vector<FirmwareResult> vehicles;
-  for (FirmwareFigures& figures : flown) {
-    figures.wall_s = wall_s;
-    std::ranges::copy(bench.remarks(), std::back_inserter(figures.remarks));
-    vehicles.push_back(evaluate(scenario, places, vehicles.size(), std::move(figures)));
+  for (RunRecord& record : records) {
+    record.wall_s = base::to_seconds(base::steady_now() - begin);
+    record.cpu_s = bench.supervisor().cpu_s();
+    std::ranges::copy(bench.remarks(), std::back_inserter(record.firmware->remarks));
+    if (bench.lost_bytes() > 0) {
+      record.firmware->remarks.push_back("the serial line lost " +
+                                         std::to_string(bench.lost_bytes()) +
+                                         " bytes that were not read in time");
+    }
   }
-  write_results(scenario, places, vehicles);
-  print_figures(scenario, vehicles, bench.lost_bytes());
-  fmt::print("Results: {}\n", out.string());
-  std::fflush(stdout);
-  leave_replay(out);
-  return judge_together(vehicles).exit_code();
+  add_recordings(scenario, places, records);
+  return records;
+}
+
+}  // namespace
+
+std::vector<RunRecord> run_firmware(const RunRequest& request) {
+  try {
+    return fly_firmware(request);
+  } catch (const std::exception& error) {
+    if (request.live != nullptr) request.live->tell_end(error.what());
+    throw;
+  }
 }
 
 }  // namespace cas::hils

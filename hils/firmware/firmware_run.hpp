@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <filesystem>
+#include <vector>
 
-#include "hils/firmware/firmware_scenario.hpp"
+#include "hils/measure/run_record.hpp"
+#include "hils/run/run_request.hpp"
 
 namespace cas::hils {
 
-/// Starts casd, hilsim and the firmware, flies the steps through casd, prints and writes the
-/// figures (summary.json, junit.xml, report.html, replay.html, truth.csv).
-/// @return exit code of hils. @throws RunStopped, base::ConfigError
-int fly_firmware(const FirmwareScenario& scenario, const std::filesystem::path& out);
+/// Flies a scenario that stock firmware flies: starts casd, hilsim and the firmware, and takes the
+/// vehicles through their steps through casd.
+/// @return a record of each vehicle. @throws RunStopped, base::ConfigError
+std::vector<RunRecord> run_firmware(const RunRequest& request);
 
 }  // namespace cas::hils

@@ -17,12 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-struct Interface {
-  std::string_view plugin;
-  std::string_view autopilot;
-};
-constexpr std::array<Interface, 2> kInterfaces{
-    {{"mavlink_interface", "PX4"}, {"ardupilot_json", "ArduPilot"}}};
+constexpr std::array kInterfaces{"mavlink_interface", "ardupilot_json"};
 
 /// At the port of the simulator that the firmware itself opens or sends to.
 /// @return whether the simulator has one
@@ -35,8 +30,8 @@ bool look_at_simulator(const json& stats, const std::string& vehicle, FirstSign&
     sign.anything |= came;
     words.push_back(what);
   };
-  for (const Interface& interface : kInterfaces) {
-    const auto found = plugins.find(fmt::format("{}@{}", interface.plugin, vehicle));
+  for (const char* interface : kInterfaces) {
+    const auto found = plugins.find(fmt::format("{}@{}", interface, vehicle));
     if (found == plugins.end() || !found->is_object()) continue;
     const std::string endpoint = found->value("endpoint", "");
     if (found->contains("packets")) {
@@ -90,11 +85,6 @@ FirstSign first_sign(const json& stats, const json& links, const std::string& ve
   if (!has_port) sign.anything = came;
   sign.words = fmt::format("{}", fmt::join(words, "; "));
   return sign;
-}
-
-std::string_view autopilot_of_plugin(std::string_view plugin) {
-  const auto found = std::ranges::find(kInterfaces, plugin, &Interface::plugin);
-  return found == kInterfaces.end() ? std::string_view() : found->autopilot;
 }
 
 std::optional<std::string> mismatch(const VehicleReport& vehicle, std::string_view wanted) {

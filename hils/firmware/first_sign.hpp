@@ -25,9 +25,6 @@ struct FirstSign {
 FirstSign first_sign(const nlohmann::json& stats, const nlohmann::json& links,
                      const std::string& vehicle, bool on_serial_line);
 
-/// The autopilot that a world's interface plugin serves: "PX4", "ArduPilot"; empty: none.
-std::string_view autopilot_of_plugin(std::string_view plugin);
-
 /// Why this vehicle does not fit the scenario; nullopt: it does.
 /// @param wanted  autopilot_of_plugin() of its world, where each vehicle is a multirotor
 std::optional<std::string> mismatch(const VehicleReport& vehicle, std::string_view wanted);

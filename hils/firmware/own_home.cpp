@@ -9,7 +9,6 @@
 #include <optional>
 #include <vector>
 
-#include "base/config/config.hpp"
 #include "base/earth/deg_e7.hpp"
 #include "base/earth/geodesy.hpp"
 #include "casd/tlog/tlog_packets.hpp"
@@ -22,24 +21,6 @@ namespace {
 
 /// A stock autopilot's home is off by as much.
 constexpr double kOff_m = 2;
-
-base::Geodetic origin_of(const base::ConfigNode& world) {
-  const base::ConfigNode home = world.at("home");
-  return {.lat_deg = home.require<double>("lat_deg"),
-          .lon_deg = home.require<double>("lon_deg"),
-          .alt_m = home.require<double>("alt_m")};
-}
-
-/// Where the vehicles start: north, east. A pose is x to the east, y to the north.
-std::vector<Eigen::Vector2d> starts_m(const base::ConfigNode& world, std::size_t count) {
-  std::vector<Eigen::Vector2d> starts;
-  const auto vehicles = world.at("vehicles").items();
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto pose = vehicles.at(i).find("pose");
-    starts.emplace_back(pose ? pose->get("y_m", 0.0) : 0.0, pose ? pose->get("x_m", 0.0) : 0.0);
-  }
-  return starts;
-}
 
 std::optional<base::Geodetic> first_home(const std::filesystem::path& tlog, std::uint8_t system) {
   std::optional<base::Geodetic> first;
@@ -56,22 +37,23 @@ std::optional<base::Geodetic> first_home(const std::filesystem::path& tlog, std:
 
 }  // namespace
 
-std::optional<std::string> home_fault(const FirmwareScenario& scenario, std::size_t vehicle,
+std::optional<std::string> home_fault(const Scenario& scenario, std::size_t vehicle,
                                       const std::filesystem::path& tlog, std::uint8_t system) {
   const auto home = first_home(tlog, system);
-  const base::ConfigNode world = base::ConfigNode::load(scenario.world);
-  if (!home || !world.has("home")) return std::nullopt;
-  const base::Geodetic origin = origin_of(world);
-  const Eigen::Vector2d home_m = base::LocalProjection(origin)
-                                     .to_local({home->lat_deg, home->lon_deg, origin.alt_m})
+  if (!home || !scenario.home) return std::nullopt;
+  const Eigen::Vector2d home_m = base::LocalProjection(*scenario.home)
+                                     .to_local({home->lat_deg, home->lon_deg, scenario.home->alt_m})
                                      .head<2>();
-  const auto starts = starts_m(world, scenario.vehicles.size());
+  std::vector<Eigen::Vector2d> starts;  // north, east; a pose is x to the east, y to the north
+  for (const ScenarioVehicle& each : scenario.vehicles) {
+    starts.emplace_back(each.pose.y_m, each.pose.x_m);
+  }
   const auto off_m = [&home_m](const Eigen::Vector2d& start) { return (home_m - start).norm(); };
   const auto nearest = std::ranges::min_element(starts, {}, off_m);
   if (off_m(starts.at(vehicle)) <= off_m(*nearest) + kOff_m) return std::nullopt;
   return fmt::format("system {} has its home where vehicle '{}' started, and not '{}'", system,
-                     scenario.vehicles.at(static_cast<std::size_t>(nearest - starts.begin())),
-                     scenario.vehicles.at(vehicle));
+                     scenario.vehicles.at(static_cast<std::size_t>(nearest - starts.begin())).name,
+                     scenario.vehicles.at(vehicle).name);
 }
 
 }  // namespace cas::hils

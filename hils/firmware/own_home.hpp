@@ -7,7 +7,7 @@
 #include <optional>
 #include <string>
 
-#include "hils/firmware/firmware_scenario.hpp"
+#include "hils/scenario/scenario.hpp"
 
 namespace cas::hils {
 
@@ -17,8 +17,7 @@ namespace cas::hils {
 /// @param tlog  the flight log. An instance without a HOME_POSITION in it counts as the right one
 /// @param system  of the instance
 /// @return a sentence without a full stop; nullopt: it is the right one
-/// @throws base::ConfigError when the world cannot be read
-std::optional<std::string> home_fault(const FirmwareScenario& scenario, std::size_t vehicle,
+std::optional<std::string> home_fault(const Scenario& scenario, std::size_t vehicle,
                                       const std::filesystem::path& tlog, std::uint8_t system);
 
 }  // namespace cas::hils

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/os/lack_of_memory.hpp"
 #include "base/os/log.hpp"
 
 namespace cas::hils {
@@ -68,8 +69,10 @@ void PtyCable::carry(const std::stop_token& stop) {
   Wire there(first_, second_, kSeedThere);
   Wire back(second_, first_, kSeedBack);
   while (!stop.stop_requested()) {
-    take_orders(there, back);
-    wait(there, back);
+    base::outlive_lack_of_memory("serial line", [&] {
+      take_orders(there, back);
+      wait(there, back);
+    });
   }
 }
 

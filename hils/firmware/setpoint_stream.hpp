@@ -2,12 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <optional>
 
 #include "base/time/clock.hpp"
 #include "base/time/rate_gate.hpp"
 #include "fcu/flight/trajectory.hpp"
+#include "hils/measure/firmware_record.hpp"
 #include "mavlink/common/set_position_target_local_ned.hpp"
 
 namespace cas::hils {
@@ -18,12 +18,6 @@ class SetpointStream {
  public:
   /// PX4 takes 2 Hz for a stream that lives; a position loop follows 50 Hz without steps.
   static constexpr double kRate_hz = 50;
-
-  /// Setpoints sent since the first hover().
-  struct Figures {
-    std::uint64_t count = 0;
-    double longest_gap_s = 0;  ///< between two setpoints of one stream, by the vehicle's clock
-  };
 
   /// From now on one place, north-east-down in m, and a heading in rad.
   void hover(const Eigen::Vector3d& p_N, double yaw_rad);
@@ -38,7 +32,8 @@ class SetpointStream {
 
   /// For how long the stream has lived without a gap of `kAlive`, by the vehicle's clock.
   base::Duration alive_for() const { return began_ ? newest_ - *began_ : base::Duration{}; }
-  const Figures& figures() const { return figures_; }
+  /// Since the first hover().
+  const SetpointFigures& figures() const { return figures_; }
 
  private:
   /// A flight straight ahead from the centre.
@@ -59,7 +54,7 @@ class SetpointStream {
   base::RateGate gate_{kRate_hz};
   std::optional<base::Duration> began_;
   base::Duration newest_{};
-  Figures figures_;
+  SetpointFigures figures_;
 };
 
 }  // namespace cas::hils

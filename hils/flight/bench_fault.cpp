@@ -142,6 +142,14 @@ void refuse_faults(const ConfigNode& faults, std::span<const std::string_view> k
   }
 }
 
+std::vector<VehicleFault> ScenarioFaults::of_vehicle(std::size_t number) const {
+  std::vector<VehicleFault> own;
+  std::ranges::copy_if(vehicle, std::back_inserter(own), [number](const VehicleFault& fault) {
+    return fault.vehicle.value_or(number) == number;
+  });
+  return own;
+}
+
 BenchFaultScript::BenchFaultScript(std::vector<BenchFault> faults) {
   for (BenchFault& fault : faults) add(std::move(fault));
 }

@@ -84,6 +84,8 @@ struct ScenarioFaults {
   std::vector<BenchFault> bench;
   std::vector<VehicleFault> vehicle;
   bool empty() const { return bench.empty() && vehicle.empty(); }
+  /// Those that plugin `fault` of one vehicle plays.
+  std::vector<VehicleFault> of_vehicle(std::size_t vehicle) const;
 };
 
 /// Reads the list `faults` of a scenario. Every entry has at_s or when, and one effect; the bench's

@@ -18,6 +18,11 @@ constexpr base::Duration kRetry = seconds(1);
 constexpr base::Duration kHeartbeats = seconds(3);
 /// A vehicle hangs still when it has stayed this near and this slow for this long, by its estimate.
 constexpr double kNearM = 0.5;
+/// At the end of a mission it has stayed this near to the last item and as slow for this long. An
+/// autopilot takes an item for reached within an acceptance radius (PX4's NAV_ACC_RAD of
+/// multicopters: 2 m), may hover there, and creeps for some seconds.
+constexpr double kAcceptedNearM = 4;
+constexpr base::Duration kStillAtItemFor = seconds(6);
 constexpr double kSlowMS = 0.4;
 constexpr base::Duration kStillFor = seconds(1);
 /// A landing by position is this near: drift of a stock estimator, and half a vehicle.
@@ -287,8 +292,13 @@ bool FlightPlan::condition_holds(const FlightStep& step, base::SimTime now,
 
 bool FlightPlan::hangs_still(base::SimTime now, const VehicleReport& vehicle) {
   const Eigen::Vector3d p_up(vehicle.p_N.x(), vehicle.p_N.y(), -vehicle.p_N.z());
-  return stays(now, vehicle.has_position && (p_up - reference_m_).norm() < kNearM &&
-                        vehicle.v_N.norm() < kSlowMS);
+  const bool in_mission = steps_[current_].kind == StepKind::kMission;
+  const double near_m = in_mission ? kAcceptedNearM : kNearM;
+  if (!stays(now, vehicle.has_position && (p_up - reference_m_).norm() < near_m &&
+                      vehicle.v_N.norm() < kSlowMS)) {
+    return false;
+  }
+  return !in_mission || now - *still_since_ >= kStillAtItemFor;
 }
 
 bool FlightPlan::stays(base::SimTime now, bool still) {

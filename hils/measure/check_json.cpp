@@ -6,14 +6,14 @@
 
 namespace cas::hils {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
-Json number_or_null(const std::optional<double>& value) {
-  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
+OrderedJson number_or_null(const std::optional<double>& value) {
+  return value && std::isfinite(*value) ? OrderedJson(*value) : OrderedJson(nullptr);
 }
 
-Json checks_json(std::span<const LimitCheck> checks) {
-  Json list = Json::array();
+OrderedJson checks_json(std::span<const LimitCheck> checks) {
+  OrderedJson list = OrderedJson::array();
   for (const LimitCheck& check : checks) {
     list.push_back({{"what", check.what},
                     {"validity", check.kind == LimitCheck::Kind::kValidity},

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
 
@@ -14,9 +15,18 @@ using Row = Figure<Measurement>;
 using Rows = std::vector<Row>;
 using enum Better;
 
+/// Firmware in software has no figures of its HIL stream.
+std::function<std::optional<double>(const Measurement&)> where_streamed(
+    std::function<std::optional<double>(const Measurement&)> get) {
+  return [get = std::move(get)](const Measurement& m) -> std::optional<double> {
+    return m.streamed ? get(m) : std::nullopt;
+  };
+}
+
 void add(Row::Part part, Rows rows, Rows& table) {
   for (Row& row : rows) {
     row.part = part;
+    if (part == Row::Part::kStream) row.get = where_streamed(std::move(row.get));
     table.push_back(std::move(row));
   }
 }
@@ -40,6 +50,11 @@ std::optional<double> casd_cpu_pct(const Measurement& figures) {
   return 100 * *sum_s / figures.wall_s;
 }
 
+std::optional<double> slowest_way_us(const Measurement& figures) {
+  if (!figures.firmware) return std::nullopt;
+  return slowest_hop_us(nlohmann::json::parse(figures.firmware->hops));
+}
+
 // The table.
 
 void add_run(Rows& table) {
@@ -47,15 +62,18 @@ void add_run(Rows& table) {
       {{"real_time_factor", "real-time factor", "", 4, kUp, "simulated over elapsed time",
         pace(&PaceFigures::real_time_factor)},
        {"worst_stall_ms", "longest stall of the simulation", "ms", 1, kDown,
-        "largest lag of HIL_SENSOR behind its own stamps", pace(&PaceFigures::worst_stall_ms)},
+        "largest lag of HIL_SENSOR behind its own stamps",
+        where_streamed(pace(&PaceFigures::worst_stall_ms))},
        {"late_p99_ms", "HIL_SENSOR sent late, 99 %", "ms", 2, kDown,
-        "lag of HIL_SENSOR behind its own stamps", pace(&PaceFigures::late_p99_ms)},
+        "lag of HIL_SENSOR behind its own stamps", where_streamed(pace(&PaceFigures::late_p99_ms))},
        {"handover_p99_us", "handover between simulator and casd, 99 %", "us", 0, kDown,
         "the slowest UDP hop; not of `ts`, where it waits for the line",
         of(&Measurement::handover_p99_us)},
        {"reading_spread_us", "HIL_SENSOR read by the controller, 99 % less the median", "us", 0,
         kDown, "from casd's write to the controller's read; not of `ts`",
         of(&Measurement::reading_spread_us)},
+       {"hop_p99_us", "slowest way through casd, 99 %", "us", 0, kDown,
+        "from one link's read to another's write; of stock firmware", slowest_way_us},
        {"port_gap_ms", "longest gap of HIL_SENSOR at the controller's port", "ms", 1, kDown,
         "where stock firmware is flown in HITL", of(&Measurement::port_gap_ms)},
        {"cpu_pressure", "pressure on the processors", "", 3, kDown,
@@ -158,6 +176,14 @@ void add_motion(Rows& table) {
       {{"peak_error_m", "largest error of the true position", "m", 3, kDown,
         "farthest from the reference at any moment of the measured step",
         of(&Measurement::peak_error_m)},
+       {"height_error_m", "error of the mean height", "m", 3, kDown,
+        "mean true height of the measured hold against the plan's; not of a trajectory. A swing "
+        "about the mean does not show in it",
+        of(&Measurement::height_error_m)},
+       {"drift_m", "drift", "m", 3, kDown,
+        "farthest horizontal distance of the true position from where the measured hold began; "
+        "not of a trajectory",
+        of(&Measurement::drift_m)},
        {"rotor_activity_rad_s2", "activity of the rotors", "rad/s^2", 1, kDown,
         "RMS of the rotors' accelerations in the measured step, from sample to sample of "
         "`truth.csv` (100 Hz): a measure of control activity",

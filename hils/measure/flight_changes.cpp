@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -18,6 +19,7 @@
 #include "casd/station/services.hpp"
 #include "casd/tlog/tlog_packets.hpp"
 #include "hils/flight/flight_step.hpp"
+#include "hils/measure/firmware_record.hpp"
 #include "hils/measure/run_record.hpp"
 #include "mavlink/common/all.hpp"
 #include "mavlink/common/table.hpp"
@@ -79,15 +81,14 @@ bool is_failure(const OutsideCall& call) {
 class ChangeReader {
  public:
   ChangeReader(const RunRecord& record, const casd::GainMap& gains, bool own_station)
-      : record_(record), gains_(gains), own_station_(own_station) {}
+      : record_(record), gains_(gains), own_station_(own_station), stages_(record.flown_stages()) {}
 
   void on_packet(std::int64_t log_us, const mav::PacketView& packet) {
     if (packet.source.system == record_.system) {
       if (packet.source.component == kAutopilot) on_vehicle(log_us, packet);
       return;
     }
-    // Commands of casd's station come from its command port: from hils or from the listed calls.
-    if (packet.source == casd::kOwnStation) return;
+    if (is_own(packet.source)) return;
     on_other(log_us, packet);
   }
 
@@ -117,6 +118,11 @@ class ChangeReader {
     return call.port + " (" + call.client + ")";
   }
 
+  /// Commands of casd's station come from its command port: from hils or from the listed calls.
+  static bool is_own(mav::Source source) {
+    return source == casd::kOwnStation || source == kCompanion;
+  }
+
   const std::vector<casd::GainLoop>& loops() const { return gains_.loops(autopilot_); }
   double seconds(std::int64_t log_us) const {
     return static_cast<double>(record_.log_clock.to_sim_us(log_us)) * 1e-6;
@@ -126,6 +132,7 @@ class ChangeReader {
     if (const auto beat = mav::decode<Heartbeat>(packet)) {
       autopilot_ = casd::autopilot_family(beat->autopilot);
     }
+    if (const auto answer = mav::decode<CommandAck>(packet)) on_answer(log_us, *answer);
     const auto told = mav::decode<ParamValue>(packet);
     if (!told) return;
     const auto encoding = autopilot_ == casd::Autopilot::kArduPilot
@@ -133,6 +140,18 @@ class ChangeReader {
                               : casd::ParamEncoding::kBytewise;
     on_value(log_us, name_of(told->param_id),
              casd::from_wire(encoding, told->param_type, told->param_value));
+  }
+
+  /// The addressee may have commanded the vehicle over a link that casd does not see.
+  void on_answer(std::int64_t log_us, const CommandAck& answer) {
+    const mav::Source asker{answer.target_system, answer.target_component};
+    const std::optional<casd::Act> act = casd::act_of(answer);
+    if (!act || asker.system == 0 || is_own(asker) || heard_.contains(asker)) return;
+    add_act(log_us, station_words(asker), act->what);
+  }
+
+  static std::string station_words(mav::Source source) {
+    return fmt::format("ground station {}/{}", source.system, source.component);
   }
 
   void on_value(std::int64_t log_us, const std::string& name, double value) {
@@ -195,7 +214,7 @@ class ChangeReader {
   /// The step of the scenario that set this value; the clocks of log and flight are this far apart.
   const Stage* stage_for(double time_s, const std::string& name, double value) const {
     constexpr double kClocksApart_s = 1;
-    for (const Stage& stage : record_.stages) {
+    for (const Stage& stage : stages_) {
       if (time_s < base::to_seconds(stage.begin) - kClocksApart_s) continue;
       if (time_s > base::to_seconds(stage.end) + kClocksApart_s) continue;
       const std::map<std::string, double> values = values_of(stage.step, loops());
@@ -208,8 +227,7 @@ class ChangeReader {
   bool is_meant(std::uint8_t target) const { return target == 0 || target == record_.system; }
 
   void on_other(std::int64_t log_us, const mav::PacketView& packet) {
-    const std::string by =
-        fmt::format("ground station {}/{}", packet.source.system, packet.source.component);
+    const std::string by = station_words(packet.source);
     if (const auto wish = mav::decode<ParamSet>(packet)) {
       if (is_meant(wish->target_system)) wishes_[name_of(wish->param_id)] = {by, log_us};
       return;
@@ -217,6 +235,7 @@ class ChangeReader {
     const std::optional<casd::Act> act = casd::act_of(packet);
     if (!act || !is_meant(act->target.system)) return;
     if (own_station_ && packet.message_id == ManualControl::kId) return;
+    heard_.insert(packet.source);
     // A failure lasts: it counts whenever it was.
     casd::is_failure(packet) ? keep_act(seconds(log_us), by, act->what)
                              : add_act(log_us, by, act->what);
@@ -225,10 +244,10 @@ class ChangeReader {
   /// Only acts in the flight count: before it a ground station greets the vehicle.
   void add_act(std::int64_t log_us, const std::string& by, const std::string& what) {
     const double time_s = seconds(log_us);
-    if (record_.stages.empty() || time_s < base::to_seconds(record_.stages.front().begin)) return;
-    // The step that failed is no stage: a command from outside during it may be the cause.
+    if (stages_.empty() || time_s < base::to_seconds(stages_.front().begin)) return;
+    // What comes after the step that failed may tell its cause.
     const bool completed = !record_.flight_failure;
-    if (completed && time_s > base::to_seconds(record_.stages.back().end)) return;
+    if (completed && time_s > base::to_seconds(stages_.back().end)) return;
     keep_act(time_s, by, what);
   }
 
@@ -250,8 +269,10 @@ class ChangeReader {
   const RunRecord& record_;
   const casd::GainMap& gains_;
   bool own_station_;
+  std::vector<Stage> stages_;  ///< with the one that was not done when the flight ended
   casd::Autopilot autopilot_ = casd::Autopilot::kPx4;
   std::map<std::string, double> values_;  ///< newest received
+  std::set<mav::Source> heard_;           ///< of which acts have come
   /// Parameters that stations set: station and time.
   std::map<std::string, std::pair<std::string, std::int64_t>> wishes_;
   FlightChanges changes_;

@@ -2,6 +2,7 @@
 #include "hils/measure/judgement.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -160,10 +161,35 @@ void check_port(const Measurement& figures, Checks& checks) {
                   *figures.port_gap_ms, kMostStallMs));
 }
 
+/// The conditions that the machine must meet in a run in real time, whoever the controller is.
+Checks machine_checks(const Measurement& figures) {
+  Checks checks;
+  check_machine(figures, checks);
+  check_controller(figures, checks);
+  check_port(figures, checks);
+  return checks;
+}
+
+/// The vehicle stayed on the ground for no reason that the flight shows: its autopilot disarms it
+/// after a time, or somebody did. After an incident or a fault it has failed.
+void check_arming(const Measurement& figures, Checks& checks) {
+  if (!figures.firmware || !figures.firmware->disarmed_on_ground) return;
+  const bool is_recorded = figures.truth_samples > 0 && !figures.record_hole;
+  if (!figures.incidents.empty() || !figures.faults.empty() || !is_recorded) return;
+  checks.push_back(missed({.kind = Kind::kValidity,
+                           .what = "the vehicle armed until it takes off",
+                           .found = "disarmed",
+                           .wanted = "armed"},
+                          figures.flight_failure.value_or("") +
+                              "; it stands upright and unhurt, no fault has struck, and hils does "
+                              "not arm it again: the flight has no verdict"));
+}
+
 /// Whether the figures mean anything.
 Checks validity_checks(const Measurement& figures) {
   Checks checks;
-  if (!figures.virtual_clock) checks = machine_checks(figures);
+  if (!figures.virtual_clock && figures.streamed) checks = machine_checks(figures);
+  check_arming(figures, checks);
   if (!figures.stages.empty() && figures.truth_samples == 0) {
     checks.push_back(missed({.kind = Kind::kValidity,
                              .what = "record of the true flight",
@@ -177,6 +203,7 @@ Checks validity_checks(const Measurement& figures) {
                              .wanted = "there"},
                             "the record of the true flight is not whole: " + *figures.record_hole));
   }
+  if (figures.firmware) return checks;  // its own end of the stream keeps no ledger
   for (const Stream& stream : kStreams) {
     check_account(stream.name, figures.rates.*stream.rate, checks);
   }
@@ -268,6 +295,21 @@ void check_responses(const std::vector<StepResponse>& responses,
   }
 }
 
+/// Holds figures to their limits.
+/// @param reached  whether the flight came to its measured step; else bounds on the motion there
+///                 are not judged
+void check_figures(const Measurement& figures, const FigureLimits& limits, bool reached,
+                   Checks& checks) {
+  for (const Figure<Measurement>& row : figure_table()) {
+    const auto bound = limits.find(row.key);
+    if (bound == limits.end()) continue;
+    LimitCheck check = bounded(row, "", bound->second);
+    if (row.key.starts_with("rms_")) check.about = LimitCheck::About::kRms;
+    check_bound(std::move(check), row.get(figures),
+                reached || row.part != Figure<Measurement>::Part::kMotion, checks);
+  }
+}
+
 void check_flown(const Measurement& figures, Checks& checks) {
   const LimitCheck check{.what = "flight",
                          .found = figures.flight_failure ? "not completed" : "completed",
@@ -296,15 +338,46 @@ void check_incidents(const std::vector<Incident>& incidents, const Limits& limit
   }
 }
 
+/// Checks of stock firmware: its messages, its fence, and whether it flew what it says.
+void check_firmware(const Measurement& figures, const Limits& limits, Checks& checks) {
+  const FirmwareRecord& firmware = *figures.firmware;
+  for (const auto& [name, least_hz] : limits.rates_hz) {
+    LimitCheck check{.what = "rate of " + name,
+                     .unit = "Hz",
+                     .digits = 1,
+                     .sense = Sense::kAtLeast,
+                     .bound = least_hz};
+    std::optional<double> rate;
+    if (!firmware.rates_hz.empty()) rate = 0;
+    if (const auto own = firmware.rates_hz.find(name); own != firmware.rates_hz.end()) {
+      rate = own->second;
+    }
+    check_bound(std::move(check), rate, figures.over_hold, checks);
+  }
+  if (figures.fence && firmware.fence) {
+    std::vector<Stage> flown = figures.stages;
+    if (figures.under_way) flown.push_back(*figures.under_way);
+    std::ranges::move(fence_checks(*figures.fence, *firmware.fence, flown),
+                      std::back_inserter(checks));
+  }
+  const LimitCheck steps{.what = "steps by the true flight",
+                         .found = figures.not_flown.empty() ? "flown" : "not flown",
+                         .wanted = "flown"};
+  const std::string sentence = fmt::format("{}", fmt::join(figures.not_flown, "; "));
+  checks.push_back(figures.not_flown.empty() ? steps : missed(steps, sentence));
+}
+
 Checks flight_checks(const Measurement& figures, const Limits& limits) {
   Checks checks;
   check_incidents(figures.incidents, limits, checks);  // first: a crash is why it was not flown
   check_flown(figures, checks);
-  for (const Stream& stream : kStreams) {
-    check_rate(stream, figures, limits, checks);
+  const bool is_limited = limits.lost || limits.delivered_pct || limits.rate_error_pct;
+  if (!figures.firmware || (figures.port_gap_ms && is_limited)) {
+    for (const Stream& stream : kStreams) check_rate(stream, figures, limits, checks);
   }
   check_responses(figures.responses, limits.responses, checks);
   check_figures(figures, limits.figures, figures.over_hold, checks);
+  if (figures.firmware) check_firmware(figures, limits, checks);
   return checks;
 }
 
@@ -335,24 +408,8 @@ std::vector<std::string> sentences_of(const Checks& checks) {
   return sentences;
 }
 
-}  // namespace
-
-void check_figures(const Measurement& figures, const FigureLimits& limits, bool reached,
-                   std::vector<LimitCheck>& checks) {
-  for (const Figure<Measurement>& row : figure_table()) {
-    const auto bound = limits.find(row.key);
-    if (bound == limits.end()) continue;
-    const std::optional<double> value = row.get(figures);
-    LimitCheck check = bounded(row, "", bound->second);
-    if (row.key.starts_with("rms_")) check.about = LimitCheck::About::kRms;
-    if (row.part == Figure<Measurement>::Part::kMotion && !reached && !value) {
-      add_unjudged(checks, std::move(check), "not reached");
-    } else {
-      add_figure(checks, std::move(check), value, "not measured");
-    }
-  }
-}
-
+/// A remark on a verdict whose limits leave a swing in the measured step unjudged; nullopt: they
+/// do not.
 std::optional<std::string> unlimited_motion(const Limits& limits) {
   const auto is_of_truth = [](const auto& limit) {
     const std::string& key = limit.first;
@@ -365,20 +422,9 @@ std::optional<std::string> unlimited_motion(const Limits& limits) {
          "is not judged";
 }
 
-std::vector<LimitCheck> machine_checks(const Measurement& figures) {
-  Checks checks;
-  check_machine(figures, checks);
-  check_controller(figures, checks);
-  check_port(figures, checks);
-  return checks;
-}
-
-double most_late_ms(const Measurement& figures) {
-  constexpr double kSlowest_hz = 200;  // a stream that has no rate of its own
-  const double hz = figures.rates.sensor.nominal_hz;
-  return 1e3 / (hz > 0 ? hz : kSlowest_hz);
-}
-
+/// The verdict on a run. A flight that would have passed has none when a fault never began; one
+/// that failed may have ended before its faults, so those are remarks.
+/// @param validity  whether the run counts; the flight of one that does not is not judged
 Verdict verdict_on(Checks validity, Checks flight,
                    const std::vector<FaultThatNeverBegan>& never_began) {
   Verdict verdict{.failures = sentences_of(validity)};
@@ -404,8 +450,6 @@ Verdict verdict_on(Checks validity, Checks flight,
   return verdict;
 }
 
-namespace {
-
 /// Adds the sentences that are not there yet.
 void add_new(const std::vector<std::string>& sentences, std::vector<std::string>& all) {
   for (const std::string& sentence : sentences) {
@@ -414,6 +458,18 @@ void add_new(const std::vector<std::string>& sentences, std::vector<std::string>
 }
 
 }  // namespace
+
+void check_bound(LimitCheck bounded, std::optional<double> value, bool reached,
+                 std::vector<LimitCheck>& checks) {
+  if (value || reached) return add_figure(checks, std::move(bounded), value, "not measured");
+  add_unjudged(checks, std::move(bounded), "not reached");
+}
+
+double most_late_ms(const Measurement& figures) {
+  constexpr double kSlowest_hz = 200;  // a stream that has no rate of its own
+  const double hz = figures.rates.sensor.nominal_hz;
+  return 1e3 / (hz > 0 ? hz : kSlowest_hz);
+}
 
 void merge_verdict(const std::string& vehicle, const Verdict& own, Verdict& together) {
   together.valid &= own.valid;
@@ -428,6 +484,7 @@ void merge_verdict(const std::string& vehicle, const Verdict& own, Verdict& toge
 Verdict judge(const Measurement& figures, const Limits& limits) {
   Verdict verdict =
       verdict_on(validity_checks(figures), flight_checks(figures, limits), figures.never_began);
+  if (figures.firmware) verdict.remarks = figures.firmware->remarks;
   if (auto remark = unlimited_motion(limits)) verdict.remarks.push_back(std::move(*remark));
   verdict.warnings = figures.warnings;
   return verdict;

@@ -57,23 +57,12 @@ inline constexpr double kMostStallMs = 50.0;
 /// was due. At 500 Hz these 2 ms cost a rate loop that crosses over at 40 rad/s 5 degrees of phase.
 double most_late_ms(const Measurement& figures);
 
-/// The conditions that the machine must meet in a run in real time, whoever the controller is.
-std::vector<LimitCheck> machine_checks(const Measurement& figures);
-
-/// Holds figures to their limits.
-/// @param reached  whether the flight came to its measured step; else bounds on the motion there
-///                 are not judged
-void check_figures(const Measurement& figures, const FigureLimits& limits, bool reached,
-                   std::vector<LimitCheck>& checks);
-/// A remark on a verdict whose limits leave a swing in the measured step unjudged; nullopt: they
-/// do not.
-std::optional<std::string> unlimited_motion(const Limits& limits);
-
-/// The verdict on a run. A flight that would have passed has none when a fault never began; one
-/// that failed may have ended before its faults, so those are remarks.
-/// @param validity  whether the run counts; the flight of one that does not is not judged
-Verdict verdict_on(std::vector<LimitCheck> validity, std::vector<LimitCheck> flight,
-                   const std::vector<FaultThatNeverBegan>& never_began);
+/// Holds a value to its bound.
+/// @param bounded  name, unit, digits, sense and bound
+/// @param reached  whether the flight came so far that it could be measured; else a value that is
+///                 missing is not judged
+void check_bound(LimitCheck bounded, std::optional<double> value, bool reached,
+                 std::vector<LimitCheck>& checks);
 
 /// Adds one vehicle's verdict to that on several, which begins as valid and passed.
 void merge_verdict(const std::string& vehicle, const Verdict& own, Verdict& together);

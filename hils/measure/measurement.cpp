@@ -2,12 +2,17 @@
 #include "hils/measure/measurement.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <span>
 
 #include "base/time/clock.hpp"
 #include "casd/station/gain_map.hpp"
+#include "hils/measure/hold_motion.hpp"
 #include "hils/measure/packet_account.hpp"
 #include "hils/measure/record_hole.hpp"
 #include "hils/measure/tracking.hpp"
+#include "hils/measure/true_steps.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 
@@ -30,26 +35,6 @@ StreamWindow whole_stream(const RunRecord& record) {
 
 StreamWindow window_of(const Stage& hold) {
   return {.begin_usec = base::to_time_usec(hold.begin), .end_usec = base::to_time_usec(hold.end)};
-}
-
-void measure_hold(const RunRecord& record, const std::vector<PoseSample>& truth,
-                  Measurement& figures) {
-  const Stage& hold = *record.hold;
-  const std::int64_t begin = to_microseconds(hold.begin);
-  const std::int64_t end = to_microseconds(hold.end);
-  const auto flown = between(truth, begin, end);
-  if (!flown.empty()) {
-    const ReferenceAt reference = reference_in_truth(hold, truth);
-    figures.rms = rms_about(flown, reference);
-    figures.peak_error_m = peak_error_m(flown, reference);
-    figures.rotor_activity_rad_s2 = rotor_activity_rad_s2(flown);
-  }
-  const std::vector<PoseSample> estimate =
-      read_estimate(record.flight_tlog, record.system, record.log_clock);
-  const auto in_hold = between(estimate, begin, end);
-  if (in_hold.empty()) return;
-  figures.rms_estimate = rms_about(
-      in_hold, [&hold](std::int64_t time_us) { return reference_in_estimate(hold, time_us); });
 }
 
 /// The meter starts with the stream and is read at the end of the window.
@@ -109,17 +94,51 @@ std::optional<double> reading_spread_us(const std::vector<PathAccount>& paths) {
   return std::nullopt;
 }
 
-/// With the one under way.
-std::vector<Stage> flown_stages(const RunRecord& record) {
-  std::vector<Stage> flown = record.stages;
-  if (record.under_way) flown.push_back(*record.under_way);
-  return flown;
-}
-
 /// Place of the record's vehicle among the scenario's.
 std::size_t vehicle_number(const Scenario& scenario, const RunRecord& record) {
   const VehicleNames names = scenario.names();
   return static_cast<std::size_t>(std::ranges::find(names, record.vehicle) - names.begin());
+}
+
+/// Rate of HIL_SENSOR by its stamps.
+double stamped_hz(const std::vector<base::LedgerEntry>& ledger, StreamWindow window) {
+  std::uint64_t count = 0;
+  std::uint64_t first = 0;
+  std::uint64_t last = 0;
+  for (const base::LedgerEntry& entry : ledger) {
+    if (entry.direction != base::LedgerEntry::Direction::kSent) continue;
+    if (entry.message_id != HilSensor::kId || !window.holds(entry.time_usec)) continue;
+    if (count++ == 0) first = entry.time_usec;
+    last = entry.time_usec;
+  }
+  return last > first ? 1e6 * static_cast<double>(count - 1) / static_cast<double>(last - first)
+                      : 0;
+}
+
+/// The stream of stock firmware between the simulator and casd's serial port, as that of a real
+/// controller. Firmware in software has none: it waits for each packet.
+void measure_firmware_stream(const RunRecord& record, Measurement& figures) {
+  constexpr double kControls_hz = 200;  // HIL_ACTUATOR_CONTROLS, as PX4 streams it in HIL mode
+  const auto window = machine_window(record, figures.incidents);
+  const double hz = window ? stamped_hz(record.simulator, *window) : 0;
+  figures.streamed = hz > 0;
+  if (!figures.streamed) {
+    figures.pace.real_time_factor = record.firmware->real_time_factor;
+    return;
+  }
+  figures.window = *window;
+  measure_stream({.sensor_hz = hz, .controls_hz = kControls_hz}, record, figures);
+  if (record.relay) figures.port_gap_ms = longest_gap_ms(record, HilSensor::kId, *window);
+}
+
+/// What only stock firmware has.
+void measure_firmware(const Scenario& scenario, const RunRecord& record,
+                      std::span<const PoseSample> truth, Measurement& figures) {
+  figures.firmware = record.firmware;
+  if (figures.firmware->fence) add_reach(truth, *figures.firmware->fence);
+  if (scenario.fence) figures.fence = kept_by(record.firmware->version, *scenario.fence);
+  figures.not_flown = steps_not_flown(record.stages, truth);
+  std::ranges::copy(record.firmware->not_its_own, std::back_inserter(figures.not_flown));
 }
 
 }  // namespace
@@ -188,23 +207,30 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.under_way = record.under_way;
   figures.faults = record.faults;
   figures.never_began = faults_that_never_began(scenario.faults, vehicle_number(scenario, record),
-                                                record.faults, flown_stages(record));
+                                                record.faults, record.flown_stages());
   figures.changes = flight_changes(record, casd::GainMap::shipped(), scenario.ground_station);
   figures.warnings = record.warnings;
   figures.plugins = read_plugin_figures(record.plugin_figures, record.vehicle);
-  const std::vector<PoseSample> truth = read_truth(record.truth_csv);
+  const bool is_recorded = !record.firmware || std::filesystem::exists(record.truth_csv);
+  const std::vector<PoseSample> truth =
+      is_recorded ? read_truth(record.truth_csv) : std::vector<PoseSample>{};
   figures.responses = step_responses(record.stages, truth);
   figures.truth_samples = truth.size();
-  figures.record_hole = record_hole(flown_stages(record), truth);
-  figures.incidents = find_incidents(flown_stages(record), truth);
+  figures.record_hole = record_hole(record.flown_stages(), truth);
+  figures.incidents = find_incidents(record.flown_stages(), truth);
   figures.strike = read_strike_response(record, scenario.steps, scenario.faults.vehicle, truth);
   figures.over_hold = record.hold.has_value();
   figures.window = record.hold ? window_of(*record.hold) : whole_stream(record);
-  measure_stream(scenario.rates, record, figures);
+  if (record.firmware) {
+    measure_firmware(scenario, record, truth, figures);
+    measure_firmware_stream(record, figures);
+  } else {
+    measure_stream(scenario.rates, record, figures);
+  }
   if (record.virtual_clock && record.wall_s > 0) {
     figures.pace.real_time_factor = record.simulated_s / record.wall_s;
   }
-  if (record.hold) measure_hold(record, truth, figures);
+  if (record.hold) measure_motion(record, truth, figures);
   return figures;
 }
 

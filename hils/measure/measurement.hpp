@@ -81,9 +81,16 @@ struct Measurement {
   std::optional<RmsFigures> rms;                ///< truth against reference during the hold
   std::optional<RmsFigures> rms_estimate;       ///< estimate against reference during the hold
   std::optional<double> peak_error_m;           ///< farthest from the reference during the hold
+  std::optional<double> height_error_m;         ///< see height_error_m(); nullopt in a trajectory
+  std::optional<double> drift_m;                ///< see drift_m(); nullopt in a trajectory
   std::optional<double> rotor_activity_rad_s2;  ///< see rotor_activity_rad_s2(), during the hold
   std::vector<std::string> warnings;            ///< of the simulator, a sentence each
-  std::vector<PluginFigure> plugins;            ///< reported by the vehicle's plugins
+  std::optional<FirmwareRecord> firmware;       ///< of stock firmware
+  bool streamed =
+      true;  ///< the HIL stream was recorded; firmware in software waits for each packet
+  std::optional<Geofence> fence;       ///< as the firmware keeps it
+  std::vector<std::string> not_flown;  ///< steps reported as done that the truth does not show
+  std::vector<PluginFigure> plugins;   ///< reported by the vehicle's plugins
 };
 
 /// Works out rates, delays, accounts and pace of the HIL stream in the window of the figures.

@@ -75,6 +75,12 @@ std::vector<std::string> simulator_warnings(const std::filesystem::path& simulat
   return warnings;
 }
 
+std::vector<Stage> RunRecord::flown_stages() const {
+  std::vector<Stage> flown = stages;
+  if (under_way) flown.push_back(*under_way);
+  return flown;
+}
+
 std::vector<RunRecord> records_of(const Scenario& scenario, const RunPlaces& places) {
   std::vector<RunRecord> records;
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {

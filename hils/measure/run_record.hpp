@@ -11,6 +11,7 @@
 #include "base/measure/ledger.hpp"
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_plan.hpp"
+#include "hils/measure/firmware_record.hpp"
 #include "hils/measure/flight_changes.hpp"
 #include "hils/measure/packet_account.hpp"
 #include "hils/measure/tracking.hpp"
@@ -45,7 +46,11 @@ struct RunRecord {
   double simulated_s = 0;                      ///< length of the whole run
   double wall_s = 0;
   std::vector<std::pair<std::string, double>> cpu_s;  ///< processor time by program
-  std::optional<double> cpu_pressure;  ///< share of the hold in which some task had to wait
+  std::optional<double> cpu_pressure;      ///< share of the hold in which some task had to wait
+  std::optional<FirmwareRecord> firmware;  ///< of stock firmware
+
+  /// With the one under way.
+  std::vector<Stage> flown_stages() const;
 };
 
 /// A record for each vehicle of a scenario, with its names and where its files are.

@@ -151,6 +151,24 @@ double peak_error_m(std::span<const PoseSample> samples, const ReferenceAt& refe
   return peak;
 }
 
+double height_error_m(std::span<const PoseSample> samples, const ReferenceAt& reference_at) {
+  double sum_m = 0;
+  for (const PoseSample& sample : samples) {
+    sum_m += sample.pose.z_m - reference_at(sample.time_us).z_m;
+  }
+  return samples.empty() ? 0 : std::abs(sum_m / static_cast<double>(samples.size()));
+}
+
+double drift_m(std::span<const PoseSample> samples) {
+  double farthest_m = 0;
+  for (const PoseSample& sample : samples) {
+    const Pose& begin = samples.front().pose;
+    farthest_m =
+        std::max(farthest_m, std::hypot(sample.pose.x_m - begin.x_m, sample.pose.y_m - begin.y_m));
+  }
+  return farthest_m;
+}
+
 double rotor_activity_rad_s2(std::span<const PoseSample> samples) {
   double squares = 0;
   double count = 0;

@@ -86,6 +86,10 @@ RmsFigures rms_about(std::span<const PoseSample> samples, const ReferenceAt& ref
 
 /// Farthest distance of the samples from a reference.
 double peak_error_m(std::span<const PoseSample> samples, const ReferenceAt& reference_at);
+/// How far the mean height of the samples is from that of the reference.
+double height_error_m(std::span<const PoseSample> samples, const ReferenceAt& reference_at);
+/// Farthest horizontal distance from the first sample.
+double drift_m(std::span<const PoseSample> samples);
 /// How much the rotors are made to work: root mean square of their accelerations from sample to
 /// sample, over all of them, rad/s^2. A hover without noise has 0.
 double rotor_activity_rad_s2(std::span<const PoseSample> samples);

@@ -84,13 +84,13 @@ std::vector<std::string> environment_with(const std::string& notify_socket,
   ::_exit(kExecFailed);
 }
 
-double seconds(const timeval& time) {
+double seconds_of(const timeval& time) {
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
 }
 
 ExitStatus to_exit_status(int status, const rusage& usage) {
   ExitStatus exit;
-  exit.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
+  exit.cpu_s = seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime);
   exit.max_rss_mib = static_cast<double>(usage.ru_maxrss) / 1024;
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);

@@ -14,20 +14,17 @@
 #include "base/config/config_origin.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/earth/gravity.hpp"
+#include "base/error.hpp"
 #include "base/os/result_file.hpp"
 #include "base/random.hpp"
 #include "casd/packet/own_station.hpp"
 #include "fcu/line/line_model.hpp"
+#include "hils/programs/composed_parts.hpp"
 #include "hils/programs/declared_messages.hpp"
 
 namespace cas::hils {
 
 namespace {
-
-YAML::Node copy(const base::ConfigNode& node) {
-  YAML::Node result = YAML::Load(node.dump());
-  return result.IsMap() ? result : YAML::Node(YAML::NodeType::Map);
-}
 
 void overlay(YAML::Node node, const YAML::Node& own) {
   for (const auto& entry : own) {
@@ -40,19 +37,8 @@ void overlay(YAML::Node node, const YAML::Node& own) {
   }
 }
 
-std::string to_text(const YAML::Node& node) {
-  YAML::Emitter emitter;
-  emitter << node;
-  return std::string(emitter.c_str()) + "\n";
-}
-
 std::string full_path(const std::filesystem::path& path) {
   return std::filesystem::weakly_canonical(path).string();
-}
-
-/// A file of results as the simulator's plugins take it.
-std::string below_out(const VehiclePlaces& places, const std::filesystem::path& file) {
-  return file.lexically_relative(places.out).string();
 }
 
 std::string local_port(std::uint16_t port) { return fmt::format("127.0.0.1:{}", port); }
@@ -108,23 +94,6 @@ void add_vehicle_links(const RunRequest& request, std::size_t vehicle, const Veh
   // A device named by the user is meant; casd still refuses the terminal of a session.
   if (device != nullptr) controller["unlocked_pty"] = true;
   links.push_back(controller);
-}
-
-/// A link that accepts packets of ground stations, and none in the name of a vehicle.
-YAML::Node ground_link(const RunRequest& request, const std::string& name,
-                       const StationEndpoint& station) {
-  YAML::Node link;
-  link["name"] = name;
-  link["type"] = station.type;
-  link[station.is_server() ? "local" : "remote"] = station.address;
-  link["accept"]["traffic"] = "ground_station";
-  for (const std::uint8_t vehicle : request.scenario.systems()) {
-    link["accept"]["block_systems"].push_back(static_cast<int>(vehicle));
-  }
-  // Packets of casd's own station are not taken for an outside act.
-  link["accept"]["block_systems"].push_back(static_cast<int>(casd::kOwnStation.system));
-  if (station.inject_failures) link["inject_failures"] = true;
-  return link;
 }
 
 YAML::Node casd_links(const RunRequest& request, const RunPlaces& places) {
@@ -209,12 +178,6 @@ void add_world(const Scenario& scenario, YAML::Node& root) {
 constexpr int kLockstepTimeoutMs = 10'000;  ///< a controller that died, not a machine that is busy
 constexpr int kSimulatorComponent = 200;    ///< the simulator beside autopilot 1 of its system
 
-YAML::Node plugin(const char* name) {
-  YAML::Node node(YAML::NodeType::Map);
-  node["plugin"] = name;
-  return node;
-}
-
 /// Block `sensors`, the same for simulator and controller: the scenario's set at the scenario's
 /// rates. A set in a file is given by its full path, because the generated files lie elsewhere.
 YAML::Node sensors(const Scenario& scenario, std::size_t vehicle) {
@@ -254,31 +217,6 @@ YAML::Node interface_plugin(const Scenario& scenario, std::size_t vehicle, Trans
   return node;
 }
 
-/// Entry of a plugin of the scenario; the file that `wind` names is given by its full path.
-YAML::Node further_plugin(const base::ConfigNode& entry) {
-  YAML::Node node = copy(entry);
-  if (entry.at("plugin").as<std::string>() != "wind") return node;
-  if (const auto grid = entry.find("grid")) node["grid"] = full_path(base::find_config(*grid));
-  return node;
-}
-
-/// Entry of plugin `fault` for this vehicle; nullopt when it has no faults.
-/// @param by_hand  it takes further ones in flight
-std::optional<YAML::Node> fault_plugin(const Scenario& scenario, std::size_t vehicle,
-                                       bool by_hand) {
-  YAML::Node faults;
-  for (const VehicleFault& fault : scenario.faults.vehicle) {
-    if (fault.vehicle.value_or(vehicle) != vehicle) continue;
-    faults.push_back(copy(fault.script));
-    faults[faults.size() - 1].remove("vehicle");
-  }
-  if (faults.size() == 0 && !by_hand) return std::nullopt;
-  YAML::Node node = plugin("fault");
-  if (faults.size() > 0) node["faults"] = faults;
-  if (by_hand) node["by_hand"] = true;
-  return node;
-}
-
 /// Plugins that every vehicle has, in front of the scenario's.
 constexpr std::array kFirstPlugins{"motor", "imu", "gps", "magnetometer", "barometer"};
 
@@ -286,41 +224,17 @@ constexpr std::array kFirstPlugins{"motor", "imu", "gps", "magnetometer", "barom
 std::string vehicle_origins(const Scenario& scenario, std::size_t vehicle) {
   const std::string where = fmt::format("vehicles[{}].", vehicle);
   const base::ConfigNode& sensors = scenario.sensors_of(vehicle);
-  std::string notes =
-      base::origin_notes(where + (sensors.is_scalar() ? "sensors.preset" : "sensors"), sensors);
-  std::size_t plugin = kFirstPlugins.size();
-  for (const base::ConfigNode& further : scenario.plugins) {
-    notes += base::origin_notes(fmt::format("{}plugins[{}]", where, plugin++), further);
-  }
-  std::size_t number = 0;
-  for (const VehicleFault& fault : scenario.faults.vehicle) {
-    if (fault.vehicle.value_or(vehicle) != vehicle) continue;
-    notes += base::origin_notes(fmt::format("{}plugins[{}].faults[{}]", where, plugin, number++),
-                                fault.script);
-  }
-  return notes;
+  return base::origin_notes(where + (sensors.is_scalar() ? "sensors.preset" : "sensors"), sensors) +
+         plugin_origins(scenario, vehicle, kFirstPlugins.size());
 }
 
 YAML::Node vehicle_plugins(const RunRequest& request, std::size_t vehicle, Transport transport,
                            const VehiclePlaces& places) {
-  const Scenario& scenario = request.scenario;
   YAML::Node plugins;
   for (const char* name : kFirstPlugins) plugins.push_back(plugin(name));
-  for (const base::ConfigNode& further : scenario.plugins) {
-    plugins.push_back(further_plugin(further));
-  }
-  const bool by_hand =
-      request.live != nullptr || (request.station && request.station->inject_failures);
-  if (const auto faults = fault_plugin(scenario, vehicle, by_hand)) {
-    plugins.push_back(*faults);
-  }
-  plugins.push_back(interface_plugin(scenario, vehicle, transport, places));
-  YAML::Node recorder;
-  recorder["plugin"] = "recorder";
-  recorder["file"] = below_out(places, places.truth_csv());
-  recorder["rate_hz"] = kTruthHz;
-  if (request.keeps_sensors) recorder["sensor_dir"] = below_out(places, places.sensors());
-  plugins.push_back(recorder);
+  add_scenario_plugins(request, vehicle, plugins);
+  plugins.push_back(interface_plugin(request.scenario, vehicle, transport, places));
+  plugins.push_back(recorder_plugin(request, places));
   return plugins;
 }
 
@@ -431,6 +345,11 @@ fcu::LineConfig line_of(const RunRequest& request) {
 }
 
 void write_configs(const RunRequest& request, Transport transport, const RunPlaces& places) {
+  if (request.scenario.firmware) {
+    throw base::ConfigError(request.scenario.file.string() +
+                            ": stock firmware flies this scenario: take `hils run`, `compare`, "
+                            "`sweep` or `campaign`, without --fcu");
+  }
   base::make_result_folder({places.out, places.run});
   base::remove_result({places.out, places.plugin_figures()});  // of an earlier run in this folder
   const auto write = [&places](const std::filesystem::path& file, const std::string& text) {

@@ -22,7 +22,7 @@ void FlightLogs::join() {
   const std::filesystem::path last = folder_ / "flight_last.tlog";
   std::filesystem::rename(log_, last);
   earlier_.push_back(last);
-  const base::ResultStream whole = base::open_result({log_.parent_path(), log_.filename()});
+  const base::OpenFile whole = base::open_result({log_.parent_path(), log_.filename()});
   for (const std::filesystem::path& part : earlier_) {
     const std::string text = base::read_file(part).value_or("");
     std::fwrite(text.data(), 1, text.size(), whole.get());

@@ -14,6 +14,7 @@
 #include "base/rpc/client.hpp"
 #include "base/time/clock.hpp"
 #include "hils/flight/bench_fault.hpp"
+#include "hils/flight/fleet_plan.hpp"
 #include "hils/measure/figures_so_far.hpp"
 #include "hils/measure/flight_changes.hpp"
 #include "hils/measure/run_result.hpp"
@@ -22,7 +23,6 @@
 #include "hils/programs/web_view.hpp"
 #include "hils/run/run_places.hpp"
 #include "hils/run/run_request.hpp"
-#include "hils/scenario/fleet_plan.hpp"
 
 namespace cas::hils {
 

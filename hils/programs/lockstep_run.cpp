@@ -9,16 +9,20 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "base/os/cpu_latency.hpp"
 #include "base/rpc/client.hpp"
 #include "base/time/clock.hpp"
 #include "casd/tlog/tlog_writer.hpp"
+#include "hils/flight/flight_loop.hpp"
 #include "hils/programs/bench_programs.hpp"
 #include "hils/programs/composition.hpp"
+#include "hils/programs/flown_simulator.hpp"
 #include "hils/programs/pilot_calls.hpp"
 #include "hils/programs/progress.hpp"
+#include "hils/programs/scenario_flight.hpp"
 #include "hils/programs/supervisor.hpp"
 #include "hils/run/run_places.hpp"
 #include "mavlink/common/enums.hpp"
@@ -32,13 +36,13 @@ using base::rpc::Json;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-/// For a stretch of the stream, on a machine that may be very busy.
-constexpr base::Duration kCallPatience = seconds(120);
+/// Until casd has heard the controller, on a machine that may be very busy.
+constexpr base::Duration kMeetPatience = seconds(120);
 /// The stream goes on for this long after the flight, so that the pipe is drained.
 constexpr base::Duration kDrain = seconds(1);
 
 /// The answer of fcu.status as a report.
-VehicleReport to_report(const Json& status) {
+VehicleReport controller_report(const Json& status) {
   const auto vector = [&](const char* key) {
     Eigen::Vector3d v = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < 3; ++i) {
@@ -63,75 +67,64 @@ VehicleReport to_report(const Json& status) {
   return report;
 }
 
-/// Flies the plan: reads the state and gives commands while simulated time is stopped.
+/// The programs in lockstep: states are read and commands given while simulated time is stopped.
 ///
 ///   run_until(next look) -> fcu.status -> plan -> command, acknowledged -> run_until ...
-class LockstepPilot {
+class LockstepBench final : public FlightBench {
  public:
-  LockstepPilot(Supervisor& supervisor, const RunPlaces& places, std::vector<FlightStep> steps)
+  LockstepBench(Supervisor& supervisor, const RunPlaces& places)
       : supervisor_(supervisor),
-        simulator_(connect("unix:" + places.simulator_control().string())),
+        simulator_(places.simulator_control()),
         controller_("unix:" + places.vehicles.front().fcu_control().string()),
-        casd_(connect("unix:" + places.command_port.string())),
-        plan_(std::move(steps)) {}
-
-  void fly(RunRecord& record) {
-    meet();
-    while (true) {
-      const VehicleReport vehicle = look();
-      const std::optional<FlightStep> command = plan_.update(now_, vehicle);
-      tell_phase();
-      if (plan_.done() || plan_.failure()) break;
-      progress_.show(now_, plan_, vehicle, pace_words(factor_));
-      if (command) plan_.on_outcome(now_, give(*command));
-      advance(plan_.next_look(now_));
-    }
-    advance(now_ + kDrain);
-    progress_.clear();
-    if (timeouts_ > 0) {
-      throw RunStopped("the controller left " + std::to_string(timeouts_) +
-                           " sensor messages without the control that was due",
-                       false);
-    }
-    record.simulated_s = base::to_seconds(now_);
-    record.flight_failure = plan_.failure();
-    record.stages = plan_.stages();
-    record.under_way = plan_.under_way(now_);
-    record.hold = plan_.measured();
-    record.outside_calls = read_outside_calls(casd_);
-    std::ranges::move(read_simulator_calls(simulator_), std::back_inserter(record.outside_calls));
-  }
-
- private:
-  void advance(base::SimTime time) {
-    supervisor_.check();
-    const Json status =
-        simulator_.call("sim.run_until", {{"time_s", base::to_seconds(time)}}, kCallPatience);
-    now_ = base::SimTime(base::from_seconds(status.at("time_s").get<double>()));
-    factor_ = status.at("real_time_factor").get<double>();
-    timeouts_ = status.at("lockstep_timeouts").get<std::uint64_t>();
-    truth_ = to_motion(status.at("vehicles").at(0));
-    if (!start_m_) start_m_ = truth_->p_m;
-    truth_->p_m -= *start_m_;
-  }
+        casd_(connect("unix:" + places.command_port.string())) {}
 
   /// Lets the vehicle say its first words.
   void meet() {
     advance(base::SimTime(FlightPlan::kLookPeriod));
-    const base::RunTime deadline = base::steady_now() + kCallPatience;
+    const base::RunTime deadline = base::steady_now() + kMeetPatience;
     while (!vehicle_report(casd_).heard) {
       if (base::steady_now() > deadline) throw RunStopped("casd never heard the controller", false);
       supervisor_.wait(milliseconds(2));
     }
   }
 
-  VehicleReport look() {
-    VehicleReport report =
-        plan_.from_arming(to_report(controller_.call("fcu.status", Json::object())));
-    report.truth = truth_;
-    return report;
+  void advance(base::SimTime time) {
+    supervisor_.check();
+    simulator_.run_until(time);
   }
 
+  base::SimTime look() override { return simulator_.status().time; }
+  Motion truth(std::size_t vehicle) const override { return simulator_.status().truth.at(vehicle); }
+  std::optional<VehicleReport> report(std::size_t) override {
+    return controller_report(controller_.call("fcu.status", Json::object()));
+  }
+  void tell_phase(std::string_view phase) override { simulator_.tell_phase(phase); }
+  void play(const Flight&, const BenchFault&, bool) override {}  // refuse_other_clocks()
+  void show(base::SimTime now, const FlightPlan& plan, const VehicleReport& vehicle) override {
+    progress_.show(now, plan, vehicle, pace_words(simulator_.status().real_time_factor));
+  }
+  void give(Flight&, std::size_t, const FlightStep& step, Answer answer) override {
+    ask_home();
+    answer(simulator_.status().time, hils::give(casd_, step, false));
+  }
+
+  /// The flight is over.
+  void finish(const Flight& flight, RunRecord& record) {
+    advance(simulator_.status().time + kDrain);
+    progress_.clear();
+    if (simulator_.status().lockstep_timeouts > 0) {
+      throw RunStopped("the controller left " +
+                           std::to_string(simulator_.status().lockstep_timeouts) +
+                           " sensor messages without the control that was due",
+                       false);
+    }
+    record_flight(flight, 0, simulator_.status().time, record);
+    record.outside_calls = read_outside_calls(casd_);
+    std::ranges::move(read_simulator_calls(simulator_.client()),
+                      std::back_inserter(record.outside_calls));
+  }
+
+ private:
   /// Asks for the home position, which commands build on. The answer comes after all that the
   /// vehicle has said: casd knows it by then.
   void ask_home() {
@@ -144,32 +137,21 @@ class LockstepPilot {
     }
   }
 
-  /// @return why the vehicle refused, or nothing
-  std::optional<Refusal> give(const FlightStep& step) {
-    ask_home();
-    return hils::give(casd_, step, false);
-  }
-
-  /// The simulator's fault scripts ask for it.
-  void tell_phase() {
-    if (plan_.phase() == phase_) return;
-    phase_ = plan_.phase();
-    simulator_.call("sim.phase", {{"name", phase_}});
-  }
-
   Supervisor& supervisor_;
-  base::rpc::Client simulator_;
+  FlownSimulator simulator_;
   base::rpc::Client controller_;
   base::rpc::Client casd_;
-  FlightPlan plan_;
   Progress progress_;
-  std::string phase_;
-  base::SimTime now_{};
-  double factor_ = 0;
-  std::uint64_t timeouts_ = 0;
-  std::optional<Motion> truth_;
-  std::optional<Eigen::Vector3d> start_m_;
 };
+
+void fly(const RunRequest& request, const RunPlaces& places, Supervisor& supervisor,
+         RunRecord& record) {
+  LockstepBench bench(supervisor, places);
+  bench.meet();
+  FlightLoop loop(flight_of(request.scenario), bench);
+  loop.fly([&](bool) { bench.advance(loop.flight().plan.plan(0).next_look(bench.look())); });
+  bench.finish(loop.flight(), record);
+}
 
 /// A ledger by the stream's clock, on which a packet is under way for no time.
 std::vector<base::LedgerEntry> on_stream_time(std::vector<base::LedgerEntry> entries) {
@@ -225,7 +207,7 @@ std::vector<RunRecord> run_in_lockstep(const RunRequest& request) {
   programs.start(true);
   const base::RunTime begin = base::steady_now();
   try {
-    LockstepPilot(supervisor, places, request.scenario.steps).fly(record);
+    fly(request, places, supervisor, record);
   } catch (const base::rpc::ConnectionError& error) {
     supervisor.wait(milliseconds(500));  // a program that died is noticed within this time
     throw RunStopped(std::string("a control connection failed: ") + error.what(), false);

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
 #include <vector>
@@ -21,10 +20,6 @@ using base::rpc::Json;
 std::string introduce(base::rpc::Client& client) {
   return client.call("introduce", {{"name", fmt::format("hils-{}", ::getpid())}})
       .get<std::string>();
-}
-
-Eigen::Vector3d vector_of(const Json& list) {
-  return {list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>()};
 }
 
 /// Its newest text about its fence: ArduCopter's is a notice.
@@ -91,20 +86,23 @@ VehicleReport to_report(const nlohmann::json& state) {
 
 namespace {
 
-/// Arming, another mode and arming again: longer than casd takes to give all three up.
-constexpr base::Duration kCommandPatience = std::chrono::seconds(20);
-
-/// The parameters of a call that means this vehicle.
-Json to(AskedVehicle vehicle, Json params) {
-  if (vehicle) params["vehicle"] = *vehicle;
+Json gain_params(const FlightStep& step) {
+  Json params{{"loop", step.loop}};
+  if (step.p) params["p"] = *step.p;
+  if (step.i) params["i"] = *step.i;
+  if (step.d) params["d"] = *step.d;
   return params;
 }
 
-/// A method of casd's command port and its parameters.
-using Call = std::pair<std::string, Json>;
+std::vector<CasdCall> param_calls(const FlightStep& step) {
+  std::vector<CasdCall> calls;
+  for (const auto& [name, value] : step.params) {
+    calls.emplace_back("param.set", Json{{"name", name}, {"value", value}});
+  }
+  return calls;
+}
 
-/// Calls to casd for a step of the flight, one after the other.
-std::vector<Call> to_calls(const FlightStep& step) {
+std::vector<CasdCall> calls_of(const FlightStep& step) {
   switch (step.kind) {
     case StepKind::kArm:
       return {{"vehicle.arm", Json::object()}};
@@ -115,23 +113,13 @@ std::vector<Call> to_calls(const FlightStep& step) {
                {{"north_m", step.place_m.x()},
                 {"east_m", step.place_m.y()},
                 {"down_m", -step.place_m.z()},
-                {"yaw_deg", base::degrees(step.yaw_rad)}}}};
-    case StepKind::kSetGain: {
-      Json params{{"loop", step.loop}};
-      if (step.p) params["p"] = *step.p;
-      if (step.i) params["i"] = *step.i;
-      if (step.d) params["d"] = *step.d;
-      return {{"gain.set", params}};
-    }
+                {"yaw_deg", step.yaw_rad * base::kDegPerRad}}}};
+    case StepKind::kSetGain:
+      return {{"gain.set", gain_params(step)}};
     case StepKind::kSetParam:
     case StepKind::kTrajectory:
-    case StepKind::kEndTrajectory: {
-      std::vector<Call> calls;
-      for (const auto& [name, value] : step.params) {
-        calls.emplace_back("param.set", Json{{"name", name}, {"value", value}});
-      }
-      return calls;
-    }
+    case StepKind::kEndTrajectory:
+      return param_calls(step);
     case StepKind::kLand:
       return {{"vehicle.land", Json::object()}};
     case StepKind::kRtl:
@@ -149,6 +137,14 @@ std::vector<Call> to_calls(const FlightStep& step) {
   return {};
 }
 
+/// What stops a vehicle takes no consent.
+bool takes_consent(StepKind kind) {
+  return kind != StepKind::kLand && kind != StepKind::kRtl && kind != StepKind::kDisarm;
+}
+
+/// Arming, another mode and arming again: longer than casd takes to give all three up.
+constexpr base::Duration kCommandPatience = std::chrono::seconds(20);
+
 }  // namespace
 
 base::rpc::Client connect(const std::string& address) {
@@ -157,43 +153,39 @@ base::rpc::Client connect(const std::string& address) {
   return client;
 }
 
-Motion to_motion(const nlohmann::json& vehicle) {
-  const Eigen::Vector3d p_W = vector_of(vehicle.at("p_W"));
-  const Eigen::Vector3d v_W = vector_of(vehicle.at("v_W"));
-  return {.p_m = {p_W.y(), p_W.x(), p_W.z()},
-          .v_m_s = {v_W.y(), v_W.x(), v_W.z()},
-          .rpy_rad = vector_of(vehicle.at("rpy_ND_rad"))};
-}
-
 VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle) {
   try {
-    return to_report(casd.call("vehicle.state", to(vehicle, Json::object())));
+    return to_report(casd.call("vehicle.state", about(vehicle, Json::object())));
   } catch (const base::rpc::CallError& error) {
     if (error.code() == base::rpc::kNoSuchVehicle) return {};  // not heard yet
     throw;
   }
 }
 
+nlohmann::json about(AskedVehicle vehicle, nlohmann::json params) {
+  if (vehicle) params["vehicle"] = *vehicle;
+  return params;
+}
+
+std::vector<CasdCall> step_calls(const FlightStep& step, bool not_hil, AskedVehicle vehicle) {
+  std::vector<CasdCall> calls = calls_of(step);
+  for (auto& [method, params] : calls) {
+    if (not_hil && takes_consent(step.kind)) params["not_hil"] = true;
+    params = about(vehicle, std::move(params));
+  }
+  return calls;
+}
+
 std::optional<Refusal> give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
                             AskedVehicle vehicle) {
   try {
-    for (auto& [method, params] : to_calls(step)) {
-      const bool moves = step.kind == StepKind::kArm || step.kind == StepKind::kTakeoff ||
-                         step.kind == StepKind::kGoto;
-      const bool sets = method == "param.set" || method == "gain.set";
-      if ((moves || sets) && not_hil) params["not_hil"] = true;
-      casd.call(method, to(vehicle, params), kCommandPatience);
+    for (const auto& [method, params] : step_calls(step, not_hil, vehicle)) {
+      casd.call(method, params, kCommandPatience);
     }
     return std::nullopt;
   } catch (const base::rpc::CallError& error) {
     return Refusal{error.what()};
   }
-}
-
-void send_phase(base::rpc::Client& simulator, std::string_view phase, std::string& sent) {
-  if (phase == sent) return;
-  sent = phase;
-  simulator.call("sim.phase", {{"name", sent}});
 }
 
 std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd) {

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -20,18 +21,21 @@
 #include "base/time/unix_time.hpp"
 #include "fcu/line/line_keys.hpp"
 #include "hils/flight/bench_fault.hpp"
+#include "hils/flight/flight_loop.hpp"
 #include "hils/measure/run_record.hpp"
 #include "hils/programs/bench_programs.hpp"
 #include "hils/programs/composition.hpp"
 #include "hils/programs/cpu_pressure.hpp"
 #include "hils/programs/fcu_device.hpp"
+#include "hils/programs/flown_simulator.hpp"
 #include "hils/programs/ground_station.hpp"
 #include "hils/programs/live_run.hpp"
+#include "hils/programs/page_watch.hpp"
 #include "hils/programs/pilot_calls.hpp"
 #include "hils/programs/progress.hpp"
+#include "hils/programs/scenario_flight.hpp"
 #include "hils/programs/supervisor.hpp"
 #include "hils/run/run_places.hpp"
-#include "hils/scenario/fleet_plan.hpp"
 
 namespace cas::hils {
 
@@ -80,251 +84,133 @@ std::string stream_words(const Json& status, const Json& messages) {
 
 std::string address(const std::filesystem::path& socket) { return "unix:" + socket.string(); }
 
-/// Flies the vehicles of a scenario in real time over the control connections of simulator and
-/// casd, and plays the faults of the bench.
-class RealtimePilot {
+/// The programs of a run in real time: flown over the control connections of simulator and casd.
+class RealtimeBench final : public FlightBench {
  public:
   /// @param ground_station  nothing where the run has none
-  RealtimePilot(Supervisor& supervisor, BenchPrograms& programs, const RunPlaces& places,
-                const RunRequest& request, GroundStationThread* ground_station);
+  RealtimeBench(Supervisor& supervisor, BenchPrograms& programs, const RunPlaces& places,
+                const RunRequest& request, GroundStationThread* ground_station)
+      : supervisor_(supervisor),
+        programs_(programs),
+        places_(places),
+        ground_station_(ground_station),
+        live_(request.live),
+        simulator_(places.simulator_control()),
+        casd_(connect(address(places.command_port))),
+        line_(line_of(request)),
+        watch_(request.live, simulator_, [this] { return casd_ ? &*casd_ : nullptr; }) {
+    for (const std::uint8_t system : request.scenario.systems()) {
+      asked_.push_back(request.scenario.flies_several() ? AskedVehicle(system) : std::nullopt);
+    }
+  }
 
-  /// To the end of the plan, or until it fails. @throws RunStopped, base::rpc::ConnectionError
-  /// @param records  of the vehicles, which it fills in
-  void fly(std::vector<RunRecord>& records);
+  base::SimTime look() override {
+    const base::SimTime now = simulator_.look();
+    log_clock_.add(base::unix_us(), to_microseconds(now));
+    return now;
+  }
+
+  Motion truth(std::size_t vehicle) const override { return simulator_.status().truth.at(vehicle); }
+
+  std::optional<VehicleReport> report(std::size_t vehicle) override {
+    return casd_ ? vehicle_report(*casd_, asked_[vehicle]) : VehicleReport{};
+  }
+
+  void before_steps(Flight&, base::SimTime) override { watch_.before_steps(); }
+
+  void after_steps(Flight& flight, base::SimTime now) override {
+    watch_.after_steps(flight, now, [&](const BenchFault& fault) { play(flight, fault, true); });
+    watch_machine(flight);
+  }
+
+  void tell_phase(std::string_view phase) override { simulator_.tell_phase(phase); }
+
+  void play(const Flight& flight, const BenchFault& fault, bool begins) override {
+    const VehiclePlaces& vehicle = places_.vehicles[fault.vehicle];
+    if (const auto* line = std::get_if<LineFault>(&fault.kind)) {
+      base::rpc::Client fcu(address(vehicle.fcu_control()));
+      if (!begins) line = flight.faults.line_of(fault.vehicle);  // another one may go on
+      fcu.call("line.set", to_json(line == nullptr ? line_ : line->line));
+    } else if (std::holds_alternative<UnplugFault>(fault.kind)) {
+      if (!begins) return;  // the emulator plugs itself in again
+      base::rpc::Client fcu(address(vehicle.fcu_control()));
+      fcu.call("line.hangup", {{"ms", 1e3 * base::to_seconds(fault.lasting)}});
+    } else if (std::holds_alternative<RestartFault>(fault.kind)) {
+      if (begins) watch_.before_casd_ends();
+      casd_.reset();
+      if (begins) return programs_.kill_casd();
+      programs_.start_casd();
+      casd_.emplace(connect(address(places_.command_port)));
+    } else if (const auto* flood = std::get_if<FloodFault>(&fault.kind)) {
+      if (ground_station_ != nullptr) ground_station_->flood(begins ? flood->packets_hz : 0);
+    } else if (std::holds_alternative<ReloadFault>(fault.kind)) {
+      if (begins && casd_) casd_->call("casd.reload", Json::object());
+    }
+  }
+
+  void show(base::SimTime now, const FlightPlan& plan, const VehicleReport& vehicle) override {
+    watch_stream();
+    const FlownSimulator::Status& status = simulator_.status();
+    progress_.show(now, plan, vehicle, pace_words(status.real_time_factor, status.late_steps),
+                   stream_);
+  }
+
+  void give(Flight&, std::size_t vehicle, const FlightStep& step, Answer answer) override {
+    const std::optional<Refusal> refusal =
+        casd_ ? hils::give(*casd_, step, false, asked_[vehicle]) : Refusal{"casd is away"};
+    answer(simulator_.look(), refusal);
+  }
+
+  /// The flight is over. @param records  of the vehicles, which it fills in
+  void finish(const Flight& flight, std::vector<RunRecord>& records) {
+    if (live_ != nullptr) live_->end_flight();
+    supervisor_.wait(kDrain);
+    const base::SimTime now = simulator_.look();
+    const std::vector<OutsideCall> calls = watch_.finish();
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      record_flight(flight, i, now, records[i]);
+      records[i].log_clock = log_clock_;
+      records[i].outside_calls = calls;
+      records[i].cpu_pressure = pressure_.share();
+    }
+  }
 
  private:
-  base::SimTime simulated_time();
-  void look();
-  std::optional<Refusal> give(const FleetPlan::Command& command);
-  void show(base::SimTime now);
-  void watch_pause();
-  void play_faults(base::SimTime now);
-  void play(const BenchFault& fault, bool begins);
-  void keep_outside_calls();
-  std::vector<OutsideCall> calls_of_others();
-  void show_page(base::SimTime now);
-  void fill(std::vector<RunRecord>& records, const ClockMap& log_clock);
-  void watch_machine();
-  void watch_stream();
+  /// Once a second, and only when standard error is a terminal.
+  void watch_stream() {
+    const base::RunTime now = base::steady_now();
+    if (!progress_.shows() || !casd_ || now < next_stream_look_) return;
+    next_stream_look_ = now + kStreamLook;
+    stream_ = stream_words(casd_->call("casd.status", Json::object()),
+                           casd_->call("message.list", Json::object()));
+  }
+
+  /// Looks at the machine's load during the measured step.
+  void watch_machine(const Flight& flight) {
+    const FlightStep* step = flight.plan.plan(flight.plan.leader()).current();
+    const bool measuring = step != nullptr && step->measure;
+    if (measuring && !measuring_) pressure_.start();
+    if (!measuring && measuring_) pressure_.stop();
+    measuring_ = measuring;
+  }
 
   Supervisor& supervisor_;
   BenchPrograms& programs_;
   const RunPlaces& places_;
   GroundStationThread* ground_station_;
   LiveRun* live_;  ///< nullptr without a page
-  base::rpc::Client simulator_;
-  std::optional<base::rpc::Client> casd_;   ///< nothing while casd is away
-  fcu::LineConfig line_;                    ///< as it is without faults
-  std::vector<AskedVehicle> asked_;         ///< how casd is to name each vehicle
-  std::vector<OutsideCall> outside_calls_;  ///< by others, to casds that have ended
-  FleetPlan plan_;
-  BenchFaultScript faults_;
+  FlownSimulator simulator_;
+  std::optional<base::rpc::Client> casd_;  ///< nothing while casd is away
+  fcu::LineConfig line_;                   ///< as it is without faults
+  std::vector<AskedVehicle> asked_;        ///< how casd is to name each vehicle
+  PageWatch watch_;
+  ClockMap log_clock_;
   Progress progress_;
   CpuPressure pressure_;
-  std::string phase_;
   std::string stream_;  ///< rates and drops in words, for the terminal
   base::RunTime next_stream_look_{};
   bool measuring_ = false;
-  double real_time_factor_ = 0;
-  std::uint64_t late_steps_ = 0;
-  bool paused_ = false;
-  bool said_paused_ = false;
-  std::vector<VehicleReport> vehicles_;
-  std::vector<Eigen::Vector3d> start_m_;  ///< where they stood when the run began
 };
-
-RealtimePilot::RealtimePilot(Supervisor& supervisor, BenchPrograms& programs,
-                             const RunPlaces& places, const RunRequest& request,
-                             GroundStationThread* ground_station)
-    : supervisor_(supervisor),
-      programs_(programs),
-      places_(places),
-      ground_station_(ground_station),
-      live_(request.live),
-      simulator_(connect(address(places.simulator_control()))),
-      casd_(connect(address(places.command_port))),
-      line_(line_of(request)),
-      plan_(request.scenario),
-      faults_(request.scenario.faults.bench),
-      vehicles_(request.scenario.vehicles.size()) {
-  for (const std::uint8_t system : request.scenario.systems()) {
-    asked_.push_back(request.scenario.flies_several() ? AskedVehicle(system) : std::nullopt);
-  }
-}
-
-void RealtimePilot::fly(std::vector<RunRecord>& records) {
-  ClockMap log_clock;
-  while (true) {
-    const base::SimTime now = simulated_time();
-    log_clock.add(base::unix_us(), to_microseconds(now));
-    look();
-    watch_pause();
-    const std::vector<FleetPlan::Command> commands = plan_.update(now, vehicles_);
-    send_phase(simulator_, plan_.phase(), phase_);
-    show_page(now);
-    play_faults(now);
-    watch_machine();
-    if (plan_.ended()) break;
-    show(now);
-    for (const FleetPlan::Command& command : commands) {
-      if (plan_.ended()) break;
-      const std::optional<Refusal> refusal = give(command);
-      plan_.on_outcome(command.vehicle, simulated_time(), refusal);
-    }
-    if (commands.empty()) supervisor_.wait(kPollPeriod);
-  }
-  if (live_ != nullptr) live_->end_flight();
-  supervisor_.wait(kDrain);
-  fill(records, log_clock);
-}
-
-void RealtimePilot::keep_outside_calls() {
-  if (!casd_) return;
-  const std::vector<OutsideCall> calls = read_outside_calls(*casd_);
-  outside_calls_.insert(outside_calls_.end(), calls.begin(), calls.end());
-}
-
-/// Up to now, at casd, the simulator and the page.
-std::vector<OutsideCall> RealtimePilot::calls_of_others() {
-  std::vector<OutsideCall> calls = outside_calls_;
-  const auto add = [&calls](const std::vector<OutsideCall>& more) {
-    calls.insert(calls.end(), more.begin(), more.end());
-  };
-  if (casd_) add(read_outside_calls(*casd_));
-  add(read_simulator_calls(simulator_));
-  if (live_ != nullptr) add(live_->calls());
-  return calls;
-}
-
-/// With a page: sends the figures that it shows, and takes the faults that it orders.
-void RealtimePilot::show_page(base::SimTime now) {
-  if (live_ == nullptr || plan_.ended()) return;
-  if (live_->wants_calls()) live_->show_calls(calls_of_others());
-  live_->look(now, plan_, vehicles_, start_m_);
-  live_->play_faults(now, vehicles_, faults_, simulator_,
-                     [this](const BenchFault& fault) { play(fault, true); });
-}
-
-void RealtimePilot::fill(std::vector<RunRecord>& records, const ClockMap& log_clock) {
-  const base::SimTime now = simulated_time();
-  const std::vector<OutsideCall> calls = calls_of_others();
-  if (live_ != nullptr) live_->show_calls(calls);
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    RunRecord& record = records[i];
-    record.log_clock = log_clock;
-    record.simulated_s = base::to_seconds(now);
-    record.flight_failure = plan_.failure_of(i);
-    record.stages = plan_.plan(i).stages();
-    record.under_way = plan_.plan(i).under_way(now);
-    record.hold = plan_.plan(i).measured();
-    record.faults = faults_.history_of(i);
-    record.outside_calls = calls;
-    record.cpu_pressure = pressure_.share();
-  }
-}
-
-base::SimTime RealtimePilot::simulated_time() {
-  const Json status = simulator_.call("sim.status", Json::object());
-  real_time_factor_ = status.value("real_time_factor", 0.0);
-  late_steps_ = status.value("late_steps", std::uint64_t{0});
-  paused_ = status.value("paused", false);
-  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
-    Motion truth = to_motion(status.at("vehicles").at(i));
-    if (i == start_m_.size()) start_m_.push_back(truth.p_m);
-    truth.p_m -= start_m_[i];
-    vehicles_[i].truth = truth;
-  }
-  return base::SimTime(base::from_seconds(status.at("time_s").get<double>()));
-}
-
-void RealtimePilot::look() {
-  for (std::size_t i = 0; i < vehicles_.size(); ++i) {
-    VehicleReport report;
-    if (casd_) report = vehicle_report(*casd_, asked_[i]);
-    report.truth = vehicles_[i].truth;
-    vehicles_[i] = plan_.plan(i).from_arming(std::move(report));
-  }
-}
-
-void RealtimePilot::show(base::SimTime now) {
-  watch_stream();
-  const std::size_t leader = plan_.leader();
-  progress_.show(now, plan_.plan(leader), vehicles_[leader],
-                 pace_words(real_time_factor_, late_steps_), stream_);
-}
-
-/// @return why the vehicle refused, or nothing
-std::optional<Refusal> RealtimePilot::give(const FleetPlan::Command& command) {
-  if (!casd_) return Refusal{"casd is away"};
-  return hils::give(*casd_, command.step, false, asked_[command.vehicle]);
-}
-
-/// A paused run waits for ever: names the caller, and resumes the run if casweb has ended
-/// meanwhile.
-void RealtimePilot::watch_pause() {
-  if (!paused_) {
-    said_paused_ = false;
-    return;
-  }
-  if (!said_paused_) {
-    said_paused_ = true;
-    std::string who = "somebody";
-    for (const OutsideCall& call : read_simulator_calls(simulator_)) {
-      if (call.method == "sim.pause") who = call.client;
-    }
-    fmt::print(stderr, "hils: paused by {}: the run waits for `sim.resume`\n", who);
-  }
-  if (live_ == nullptr || !live_->page_has_ended()) return;
-  fmt::print(stderr, "hils: casweb has ended, so the page cannot resume the run: it goes on\n");
-  live_->resume(simulator_);
-}
-
-void RealtimePilot::play_faults(base::SimTime now) {
-  for (const auto& [fault, begins] : faults_.update(now, vehicles_, plan_.phase())) {
-    play(*fault, begins);
-  }
-}
-
-void RealtimePilot::play(const BenchFault& fault, bool begins) {
-  const VehiclePlaces& vehicle = places_.vehicles[fault.vehicle];
-  if (const auto* line = std::get_if<LineFault>(&fault.kind)) {
-    base::rpc::Client fcu(address(vehicle.fcu_control()));
-    if (!begins) line = faults_.line_of(fault.vehicle);  // another one may go on
-    fcu.call("line.set", to_json(line == nullptr ? line_ : line->line));
-  } else if (std::holds_alternative<UnplugFault>(fault.kind)) {
-    if (!begins) return;  // the emulator plugs itself in again
-    base::rpc::Client fcu(address(vehicle.fcu_control()));
-    fcu.call("line.hangup", {{"ms", 1e3 * base::to_seconds(fault.lasting)}});
-  } else if (std::holds_alternative<RestartFault>(fault.kind)) {
-    if (begins) keep_outside_calls();  // casd's journal ends with it
-    casd_.reset();
-    if (begins) return programs_.kill_casd();
-    programs_.start_casd();
-    casd_.emplace(connect(address(places_.command_port)));
-  } else if (const auto* flood = std::get_if<FloodFault>(&fault.kind)) {
-    if (ground_station_ != nullptr) ground_station_->flood(begins ? flood->packets_hz : 0);
-  } else if (std::holds_alternative<ReloadFault>(fault.kind)) {
-    if (begins && casd_) casd_->call("casd.reload", Json::object());
-  }
-}
-
-/// Once a second, and only when standard error is a terminal.
-void RealtimePilot::watch_stream() {
-  const base::RunTime now = base::steady_now();
-  if (!progress_.shows() || !casd_ || now < next_stream_look_) return;
-  next_stream_look_ = now + kStreamLook;
-  stream_ = stream_words(casd_->call("casd.status", Json::object()),
-                         casd_->call("message.list", Json::object()));
-}
-
-/// Looks at the machine's load during the measured step.
-void RealtimePilot::watch_machine() {
-  const FlightStep* step = plan_.plan(plan_.leader()).current();
-  const bool measuring = step != nullptr && step->measure;
-  if (measuring && !measuring_) pressure_.start();
-  if (!measuring && measuring_) pressure_.stop();
-  measuring_ = measuring;
-}
 
 /// Empty when a fault kills casd: its ledger is lost with it.
 std::map<std::string, casd::LinkLedger> read_relay_ledgers(const RunPlaces& places,
@@ -393,9 +279,13 @@ std::vector<RunRecord> fly_in_real_time(const RunRequest& request) {
   if (request.live != nullptr) request.live->start(request, places, supervisor);
   try {
     check_devices(supervisor, places, request);
-    RealtimePilot(supervisor, programs, places, request,
-                  ground_station ? &*ground_station : nullptr)
-        .fly(records);
+    RealtimeBench bench(supervisor, programs, places, request,
+                        ground_station ? &*ground_station : nullptr);
+    FlightLoop loop(flight_of(request.scenario), bench);
+    loop.fly([&supervisor](bool commanded) {
+      if (!commanded) supervisor.wait(kPollPeriod);
+    });
+    bench.finish(loop.flight(), records);
   } catch (const base::rpc::ConnectionError& error) {
     supervisor.wait(
         std::chrono::milliseconds(500));  // a program that died is noticed within this time

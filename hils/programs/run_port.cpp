@@ -84,7 +84,8 @@ struct RunPort::Impl {
 RunPort::RunPort(const std::filesystem::path& socket) : impl_(std::make_unique<Impl>()) {
   impl_->add_methods();
   impl_->server.listen_unix(socket);
-  impl_->io.start([] { base::configure_this_thread("run port", {}); });
+  impl_->io.start([] { base::configure_this_thread("run port", {}); },
+                  [impl = impl_.get()] { impl->server.start(); });
 }
 
 RunPort::~RunPort() {

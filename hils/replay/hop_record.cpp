@@ -21,7 +21,7 @@ namespace cas::hils {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using Direction = base::LedgerEntry::Direction;
 using mavlink::common::HilGps;
 using mavlink::common::HilSensor;
@@ -145,11 +145,11 @@ std::map<std::uint64_t, Bin> bins_of(const Stretch& stretch) {
 double rounded_us(double us) { return std::round(us * 10) / 10; }
 
 /// [second, left, arrived, median us, 99 % us]
-Json bins_json(const Stretch& stretch, bool with_delays) {
-  Json rows = Json::array();
+OrderedJson bins_json(const Stretch& stretch, bool with_delays) {
+  OrderedJson rows = OrderedJson::array();
   for (auto& [second, bin] : bins_of(stretch)) {
     const DelayFigures delay = summarise(bin.delays_ns);
-    Json row{second, bin.left, bin.arrived};
+    OrderedJson row{second, bin.left, bin.arrived};
     if (with_delays && delay.count > 0) {
       row.push_back(rounded_us(delay.p50));
       row.push_back(rounded_us(delay.p99));
@@ -159,10 +159,10 @@ Json bins_json(const Stretch& stretch, bool with_delays) {
   return rows;
 }
 
-Json hops_json(const std::vector<Hop>& hops, bool with_delays) {
-  Json list = Json::array();
+OrderedJson hops_json(const std::vector<Hop>& hops, bool with_delays) {
+  OrderedJson list = OrderedJson::array();
   for (const Hop& hop : hops) {
-    Json messages = Json::array();
+    OrderedJson messages = OrderedJson::array();
     for (const Stretch& stretch : hop.stretches) {
       if (stretch.from.empty()) continue;
       messages.push_back({{"id", stretch.message_id},
@@ -179,12 +179,12 @@ Json hops_json(const std::vector<Hop>& hops, bool with_delays) {
 
 /// From a sensor message to the control that echoes its stamp: [second, answers, median, 99 %,
 /// longest].
-Json loop_json(const RunRecord& record) {
+OrderedJson loop_json(const RunRecord& record) {
   const Passings sent = passings(record.simulator, Direction::kSent, HilSensor::kId);
   const Passings answered =
       passings(record.simulator, Direction::kReceived, controls_message_id(record));
   const Stretch loop{.message_id = HilSensor::kId, .message = "loop", .from = sent, .to = answered};
-  Json rows = Json::array();
+  OrderedJson rows = OrderedJson::array();
   for (auto& [second, bin] : bins_of(loop)) {
     const DelayFigures delay = summarise(bin.delays_ns);
     if (delay.count == 0) continue;
@@ -246,8 +246,8 @@ std::vector<Travel> travels_of(const Hop& hop) {
 }
 
 /// Those that leave within a tape: [message id, us after its begin, us on the way].
-Json tape_json(const std::vector<Travel>& travels, std::int64_t begin_ns) {
-  Json packets = Json::array();
+OrderedJson tape_json(const std::vector<Travel>& travels, std::int64_t begin_ns) {
+  OrderedJson packets = OrderedJson::array();
   auto travel = std::ranges::lower_bound(travels, begin_ns, {}, &Travel::left_ns);
   for (; travel != travels.end() && travel->left_ns - begin_ns < kTapeNs; ++travel) {
     const std::int64_t after_us = (travel->left_ns - begin_ns) / 1000;
@@ -261,19 +261,19 @@ Json tape_json(const std::vector<Travel>& travels, std::int64_t begin_ns) {
   return packets;
 }
 
-Json tapes_json(const std::vector<Hop>& hops) {
+OrderedJson tapes_json(const std::vector<Hop>& hops) {
   std::vector<std::vector<Travel>> travels;
   travels.reserve(hops.size());
   for (const Hop& hop : hops) travels.push_back(travels_of(hop));
   const Passings& stamps = hops.front().stretches.front().from;
   std::vector<std::pair<std::uint64_t, std::int64_t>> sensors(stamps.begin(), stamps.end());
   std::ranges::sort(sensors);
-  Json tapes = Json::array();
+  OrderedJson tapes = OrderedJson::array();
   for (const auto& [begin, around_loss] : tape_begins(hops)) {
     const auto first = std::ranges::lower_bound(sensors, begin, {},
                                                 &std::pair<std::uint64_t, std::int64_t>::first);
     if (first == sensors.end()) continue;
-    Json by_hop = Json::object();
+    OrderedJson by_hop = OrderedJson::object();
     for (std::size_t i = 0; i < hops.size(); ++i) {
       by_hop[hops[i].from + ">" + hops[i].to] = tape_json(travels[i], first->second);
     }
@@ -287,14 +287,14 @@ Json tapes_json(const std::vector<Hop>& hops) {
 
 }  // namespace
 
-Json hop_record(const RunRecord& record) {
+OrderedJson hop_record(const RunRecord& record) {
   if (record.simulator.empty()) return nullptr;
   const bool with_delays = !record.from_device && !record.foreign_stamps;
   const Hops hops = hops_of(record);
   return {{"hops", hops_json(hops.wires, with_delays)},
           {"relay", hops_json(hops.relay, with_delays)},
-          {"loop", record.foreign_stamps ? Json::array() : loop_json(record)},
-          {"tapes", with_delays ? tapes_json(hops.wires) : Json::array()}};
+          {"loop", record.foreign_stamps ? OrderedJson::array() : loop_json(record)},
+          {"tapes", with_delays ? tapes_json(hops.wires) : OrderedJson::array()}};
 }
 
 }  // namespace cas::hils

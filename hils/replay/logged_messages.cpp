@@ -31,7 +31,7 @@ namespace cas::hils {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::size_t kMostElements = 8;  // of an array
 // What a page shows without trouble. A longer log gets fewer samples a second.
@@ -134,8 +134,8 @@ class Listener {
     if (numbers_ > kMostNumbers) bound_numbers();
   }
 
-  Json json() const {
-    Json messages = Json::array();
+  OrderedJson json() const {
+    OrderedJson messages = OrderedJson::array();
     for (const auto& [name, logged] : messages_) messages.push_back(logged.json(name));
     return {{"messages", std::move(messages)},
             {"texts", texts_},
@@ -200,8 +200,8 @@ class Listener {
   std::map<std::string, LoggedSeries> messages_;
   double period_s_ = kSeriesPeriod_s;
   std::size_t numbers_ = 0;
-  Json texts_ = Json::array();
-  Json states_ = Json::array();
+  OrderedJson texts_ = OrderedJson::array();
+  OrderedJson states_ = OrderedJson::array();
   std::array<std::uint32_t, 3> state_{};
   bool heard_ = false;
   mav::services::StatusTextJoiner joiner_;
@@ -210,8 +210,8 @@ class Listener {
 
 }  // namespace
 
-Json logged_messages(const std::filesystem::path& tlog, std::uint8_t system, const ClockMap& clock,
-                     LoggedLoss* lost) {
+OrderedJson logged_messages(const std::filesystem::path& tlog, std::uint8_t system,
+                            const ClockMap& clock, LoggedLoss* lost) {
   Listener listener;
   LogTime time(clock);
   const casd::TlogLoss loss =

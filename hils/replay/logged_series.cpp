@@ -13,7 +13,7 @@ namespace cas::hils {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr double kTimeStep_s = 0.001;
 constexpr std::size_t kMaxSeconds = 200'000;  // two days; later seconds are not counted
@@ -87,13 +87,13 @@ std::size_t LoggedSeries::numbers() const {
   return sum;
 }
 
-Json LoggedSeries::json(const std::string& name) const {
-  Json rates = Json::array();
+OrderedJson LoggedSeries::json(const std::string& name) const {
+  OrderedJson rates = OrderedJson::array();
   for (const auto& [second, count] : per_second_) rates.push_back({second, count});
-  Json fields = Json::array();
+  OrderedJson fields = OrderedJson::array();
   for (const Field& field : fields_) {
     if (field.values.size() != times_s_.size()) continue;  // an array that grew
-    Json entry{{"name", field.name}};
+    OrderedJson entry{{"name", field.name}};
     if (!field.unit.empty()) entry["unit"] = field.unit;
     entry["values"] = column_json(field.values, step_of(field.values, field.fine));
     fields.push_back(std::move(entry));

@@ -15,8 +15,8 @@ namespace cas::hils {
 
 namespace {
 
-constexpr int kGzip = 16 + MAX_WBITS;                           // a gzip header, not zlib's
-constexpr std::size_t kMaxRecordBytes = std::size_t{1} << 30U;  // inflated
+constexpr int kGzip = 16 + MAX_WBITS;                         // a gzip header, not zlib's
+constexpr std::size_t kMaxPageBytes = std::size_t{1} << 30U;  // inflated
 constexpr std::string_view kPlace = "<!--RECORDS-->";
 
 std::filesystem::path template_file() {
@@ -54,12 +54,12 @@ void check_gzip(std::string_view bytes) {
   stream.avail_in = static_cast<uInt>(bytes.size());
   std::array<char, 65536> part{};  // discarded
   int state = Z_OK;
-  while (state == Z_OK && stream.total_out <= kMaxRecordBytes) {
+  while (state == Z_OK && stream.total_out <= kMaxPageBytes) {
     stream.next_out = reinterpret_cast<Bytef*>(part.data());
     stream.avail_out = static_cast<uInt>(part.size());
     state = inflate(&stream, Z_NO_FLUSH);
   }
-  const bool too_large = stream.total_out > kMaxRecordBytes;
+  const bool too_large = stream.total_out > kMaxPageBytes;
   inflateEnd(&stream);
   if (too_large) throw base::ConfigError("this is no record: it inflates to over 1 GiB");
   if (state != Z_STREAM_END) throw base::ConfigError("this is no record: it is not gzip, or cut");

@@ -15,6 +15,7 @@
 
 #include "base/config/vehicle.hpp"
 #include "base/error.hpp"
+#include "base/os/log.hpp"
 #include "base/read_file.hpp"
 #include "base/rpc/base64.hpp"
 #include "base/time/clock.hpp"
@@ -34,16 +35,16 @@ namespace cas::hils {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr int kFormat = 1;
 
-std::string dump(const Json& json) {
+std::string dump(const OrderedJson& json) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 /// truth.csv at 50 Hz; null where there is none.
-Json truth_json(const std::filesystem::path& file) {
+OrderedJson truth_json(const std::filesystem::path& file) {
   std::ifstream in(file);
   TruthColumns truth;
   std::string line;
@@ -55,7 +56,7 @@ Json truth_json(const std::filesystem::path& file) {
 }
 
 /// Where the vehicle was to be, in the axes of the truth, from its first climb to its landing.
-Json reference_json(const RunRecord& record) {
+OrderedJson reference_json(const RunRecord& record) {
   const std::vector<PoseSample> truth = read_truth(record.truth_csv);
   const Pose start = truth.empty() ? Pose{} : truth.front().pose;
   ReferenceColumns reference;
@@ -75,13 +76,13 @@ Json reference_json(const RunRecord& record) {
   return reference.json();
 }
 
-Json vector_json(const Eigen::Vector3d& v) {
+OrderedJson vector_json(const Eigen::Vector3d& v) {
   const auto rounded = [](double x) { return std::round(x * 1e4) / 1e4; };
   return {rounded(v.x()), rounded(v.y()), rounded(v.z())};
 }
 
-Json part_json(const sim::Shape& shape) {
-  Json part;
+OrderedJson part_json(const sim::Shape& shape) {
+  OrderedJson part;
   if (const auto* box = std::get_if<sim::Box>(&shape.geometry)) {
     part = {{"shape", "box"}, {"size_m", vector_json(box->size_m)}};
   } else if (const auto* ball = std::get_if<sim::Sphere>(&shape.geometry)) {
@@ -99,10 +100,10 @@ Json part_json(const sim::Shape& shape) {
 }
 
 /// Its shapes; a mesh is named by its place in `meshes`.
-Json parts_json(const std::vector<sim::Shape>& shapes, Json& meshes) {
-  Json parts = Json::array();
+OrderedJson parts_json(const std::vector<sim::Shape>& shapes, OrderedJson& meshes) {
+  OrderedJson parts = OrderedJson::array();
   for (const sim::Shape& shape : shapes) {
-    Json part = part_json(shape);
+    OrderedJson part = part_json(shape);
     if (const auto* mesh = std::get_if<sim::Mesh>(&shape.geometry)) {
       part["mesh"] = std::to_string(meshes.size());
       meshes.push_back(base::rpc::to_base64(sim::mesh_bytes(*mesh->triangles)));
@@ -113,17 +114,19 @@ Json parts_json(const std::vector<sim::Shape>& shapes, Json& meshes) {
 }
 
 /// The vehicle as sim.scene describes it: shapes, small meshes, rotors.
-Json scene_json(const base::Vehicle& vehicle) {
+OrderedJson scene_json(const base::Vehicle& vehicle) {
   constexpr std::size_t kMostTriangles = 10'000;  // a third of a megabyte when it is compressed
-  Json parts = Json::array();
-  Json visuals = Json::array();
-  Json meshes = Json::array();
+  OrderedJson parts = OrderedJson::array();
+  OrderedJson visuals = OrderedJson::array();
+  OrderedJson meshes = OrderedJson::array();
   if (!vehicle.urdf.empty()) {
     const sim::VehicleModel model = sim::load_vehicle_model(vehicle.urdf, vehicle.parts);
     parts = parts_json(model.shapes, meshes);
-    visuals = parts_json(sim::load_visuals(model, kMostTriangles), meshes);
+    std::vector<std::string> warnings;
+    visuals = parts_json(sim::load_visuals(model, kMostTriangles, warnings), meshes);
+    for (const std::string& warning : warnings) base::log::warn(warning);
   }
-  Json rotors = Json::array();
+  OrderedJson rotors = OrderedJson::array();
   for (const base::Rotor& rotor : vehicle.rotors) {
     rotors.push_back({{"p_B", vector_json(rotor.position_B_m)},
                       {"axis_B", vector_json(rotor.axis_B)},
@@ -137,8 +140,8 @@ Json scene_json(const base::Vehicle& vehicle) {
           {"meshes", std::move(meshes)}, {"rotors", std::move(rotors)}};
 }
 
-Json stages_json(const RunRecord& record) {
-  Json stages = Json::array();
+OrderedJson stages_json(const RunRecord& record) {
+  OrderedJson stages = OrderedJson::array();
   for (const Stage& stage : record.stages) {
     if (stage.step.kind == StepKind::kEndTrajectory) continue;  // follows each trajectory by itself
     stages.push_back({{"name", phase_of(stage.step)},
@@ -150,30 +153,31 @@ Json stages_json(const RunRecord& record) {
   return stages;
 }
 
-Json faults_json(const RunRecord& record) {
-  Json faults = Json::array();
+OrderedJson faults_json(const RunRecord& record) {
+  OrderedJson faults = OrderedJson::array();
   for (const auto& fault : record.faults) {
-    faults.push_back({{"name", fault.name},
-                      {"begin_s", base::to_seconds(fault.begin)},
-                      {"end_s", fault.end ? Json(base::to_seconds(*fault.end)) : Json(nullptr)}});
+    faults.push_back(
+        {{"name", fault.name},
+         {"begin_s", base::to_seconds(fault.begin)},
+         {"end_s", fault.end ? OrderedJson(base::to_seconds(*fault.end)) : OrderedJson(nullptr)}});
   }
   return faults;
 }
 
 /// Crashes and their kin, changed parameters, and commands from outside.
-Json events_json(const Measurement& figures) {
-  Json events = Json::array();
+OrderedJson events_json(const Measurement& figures) {
+  OrderedJson events = OrderedJson::array();
   for (const Incident& incident : figures.incidents) {
     events.push_back(
         {{"t_s", incident.time_s}, {"kind", "incident"}, {"text", "the vehicle " + incident.what}});
   }
   for (const ParameterChange& change : figures.changes.parameters) {
-    Json event{{"t_s", change.time_s},
-               {"kind", "parameter"},
-               {"text", change.parameter},
-               {"before", number_or_null(change.before)},
-               {"after", number_or_null(change.after)},
-               {"by", change.by}};
+    OrderedJson event{{"t_s", change.time_s},
+                      {"kind", "parameter"},
+                      {"text", change.parameter},
+                      {"before", number_or_null(change.before)},
+                      {"after", number_or_null(change.after)},
+                      {"by", change.by}};
     events.push_back(std::move(event));
   }
   for (const OutsideAct& act : figures.changes.acts) {
@@ -182,39 +186,43 @@ Json events_json(const Measurement& figures) {
   return events;
 }
 
-Json responses_json(const Measurement& figures) {
-  Json responses = Json::array();
+OrderedJson responses_json(const Measurement& figures) {
+  OrderedJson responses = OrderedJson::array();
   for (const StepResponse& response : figures.responses) {
-    Json& own = responses.emplace_back(Json{{"name", response.name}});
+    OrderedJson& own = responses.emplace_back(OrderedJson{{"name", response.name}});
     put_figures(response_table(), Figure<StepResponse>::Part::kRun, response, own);
   }
   return responses;
 }
 
-Json vehicle_json(const RunRequest& request, std::size_t i, const VehicleResult& result) {
+OrderedJson vehicle_json(const RunRequest& request, std::size_t i, const VehicleResult& result) {
   const RunRecord& record = result.record;
-  Json vehicle{{"name", record.vehicle},
-               {"system", record.system},
-               {"scene", scene_json(base::Vehicle::load(request.scenario.vehicles.at(i).vehicle))},
-               {"passed", result.verdict.passed},
-               {"touched", result.figures.changes.from_outside()},
-               {"checks", checks_json(result.verdict.checks)},
-               {"stages", stages_json(record)},
-               {"faults", faults_json(record)},
-               {"events", events_json(result.figures)},
-               {"responses", responses_json(result.figures)},
-               {"truth", truth_json(record.truth_csv)},
-               {"reference", reference_json(record)},
-               {"link", hop_record(record)}};
+  OrderedJson vehicle{
+      {"name", record.vehicle},
+      {"system", record.system},
+      {"scene", scene_json(base::Vehicle::load(request.scenario.vehicles.at(i).vehicle))},
+      {"passed", result.verdict.passed},
+      {"touched", result.figures.changes.from_outside()},
+      {"checks", checks_json(result.verdict.checks)},
+      {"stages", stages_json(record)},
+      {"faults", faults_json(record)},
+      {"events", events_json(result.figures)},
+      {"responses", responses_json(result.figures)},
+      {"truth", truth_json(record.truth_csv)},
+      {"reference", reference_json(record)},
+      {"link", hop_record(record)}};
   vehicle["log"] = std::filesystem::exists(record.flight_tlog)
                        ? logged_messages(record.flight_tlog, record.system, record.log_clock)
-                       : Json(nullptr);
+                       : OrderedJson(nullptr);
   return vehicle;
 }
 
 /// Lines between casd and the controllers: serial with their rate, if all have one, UDP, or in
 /// lockstep none with a speed.
-Json line_json(const RunRequest& request) {
+OrderedJson line_json(const RunRequest& request) {
+  if (request.scenario.firmware) {
+    return {{"type", request.scenario.firmware->on_serial_line ? "serial" : "udp"}};
+  }
   if (request.architecture == Architecture::kDirect) return {{"type", "none"}};
   if (request.architecture == Architecture::kSitl) return {{"type", "udp"}};
   if (request.lockstep) return {{"type", "lockstep"}};
@@ -223,7 +231,7 @@ Json line_json(const RunRequest& request) {
     const FcuDevice* device = request.fcu_device(i);
     bauds.insert(device == nullptr ? static_cast<double>(line_of(request).baud) : device->baud);
   }
-  Json line = Json::object();
+  OrderedJson line = OrderedJson::object();
   line["type"] = "serial";
   if (bauds.size() == 1) line["baud"] = *bauds.begin();
   return line;
@@ -232,6 +240,7 @@ Json line_json(const RunRequest& request) {
 /// The controllers: "fcu_emulator", or for each vehicle that or the port of a real one.
 std::string controllers(const RunRequest& request) {
   constexpr const char* kEmulator = "fcu_emulator";
+  if (request.scenario.firmware) return request.scenario.firmware->autopilot;
   if (request.fcu_devices.empty()) return kEmulator;
   std::string all;
   for (std::size_t i = 0; i < request.scenario.vehicles.size(); ++i) {
@@ -242,42 +251,42 @@ std::string controllers(const RunRequest& request) {
 }
 
 /// The record of a log alone. @param vehicle  its data from the log
-std::string log_record(const std::filesystem::path& file, const Json& vehicle) {
-  Json named{{"name", file.stem().string()}};
+std::string log_record(const std::filesystem::path& file, const OrderedJson& vehicle) {
+  OrderedJson named{{"name", file.stem().string()}};
   named.update(vehicle);
   return dump({{"format", kFormat},
                {"cas", CAS_VERSION},
                {"name", file.filename().string()},
                {"duration_s", named["log"]["duration_s"]},
                {"controller", named.value("controller", "")},
-               {"vehicles", Json::array({named})}});
+               {"vehicles", OrderedJson::array({named})}});
 }
 
 }  // namespace
 
 std::string replay_record(const RunRequest& request, const RunResult& run) {
   const Measurement whole = run.whole();
-  Json record{{"format", kFormat},
-              {"cas", CAS_VERSION},
-              {"name", request.scenario.name},
-              {"description", request.scenario.description},
-              {"seed", request.seed},
-              {"architecture", to_string(request.architecture)},
-              {"virtual", whole.virtual_clock},
-              {"duration_s", whole.simulated_s},
-              {"rate", whole.pace.real_time_factor},
-              {"nominal_hz",
-               {{"HIL_SENSOR", request.scenario.rates.sensor_hz},
-                {"HIL_GPS", request.scenario.rates.gps_hz},
-                {"HIL_CONTROLS", request.scenario.rates.controls_hz},
-                {"HIL_ACTUATOR_CONTROLS", request.scenario.rates.controls_hz}}},
-              {"line", line_json(request)},
-              {"controller", controllers(request)},
-              {"verdict",
-               {{"valid", run.verdict.valid},
-                {"passed", run.verdict.passed},
-                {"failures", run.verdict.failures}}},
-              {"vehicles", Json::array()}};
+  OrderedJson record{{"format", kFormat},
+                     {"cas", CAS_VERSION},
+                     {"name", request.scenario.name},
+                     {"description", request.scenario.description},
+                     {"seed", request.seed},
+                     {"architecture", to_string(request.architecture)},
+                     {"virtual", whole.virtual_clock},
+                     {"duration_s", whole.simulated_s},
+                     {"rate", whole.pace.real_time_factor},
+                     {"nominal_hz",
+                      {{"HIL_SENSOR", request.scenario.rates.sensor_hz},
+                       {"HIL_GPS", request.scenario.rates.gps_hz},
+                       {"HIL_CONTROLS", request.scenario.rates.controls_hz},
+                       {"HIL_ACTUATOR_CONTROLS", request.scenario.rates.controls_hz}}},
+                     {"line", line_json(request)},
+                     {"controller", controllers(request)},
+                     {"verdict",
+                      {{"valid", run.verdict.valid},
+                       {"passed", run.verdict.passed},
+                       {"failures", run.verdict.failures}}},
+                     {"vehicles", OrderedJson::array()}};
   for (std::size_t i = 0; i < run.vehicles.size(); ++i) {
     record["vehicles"].push_back(vehicle_json(request, i, run.vehicles[i]));
   }
@@ -288,7 +297,7 @@ std::string tlog_record(const std::filesystem::path& tlog) {
   const std::uint8_t system = first_autopilot(tlog);
   if (system == 0) throw base::ConfigError(tlog.string() + ": no autopilot is in this log");
   LoggedLoss loss;
-  Json messages = logged_messages(tlog, system, {}, &loss);
+  OrderedJson messages = logged_messages(tlog, system, {}, &loss);
   const std::string lacks = loss.sentence();
   if (!lacks.empty()) fmt::print(stderr, "{}: the log is not whole: {}\n", tlog.string(), lacks);
   return log_record(tlog, {{"system", system}, {"log", std::move(messages)}});
@@ -299,7 +308,7 @@ std::string ulog_record(const std::filesystem::path& ulog) {
   const std::string bytes = base::read_foreign_file(ulog, "log", kMaxUlogBytes);
   try {
     UlogLoss loss;
-    const Json vehicle = ulog_messages(bytes, kMostUlogNumbers, &loss);
+    const OrderedJson vehicle = ulog_messages(bytes, kMostUlogNumbers, &loss);
     const std::string lacks = loss.sentence();
     if (!lacks.empty()) fmt::print(stderr, "{}: the log is not whole: {}\n", ulog.string(), lacks);
     return log_record(ulog, vehicle);

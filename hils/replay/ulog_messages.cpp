@@ -28,7 +28,7 @@ namespace cas::hils {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 /// Topics from which the page draws the vehicle; their numbers always come at 20 Hz.
 const std::set<std::string, std::less<>> kDrawn{"vehicle_local_position", "vehicle_attitude",
@@ -228,19 +228,19 @@ class Contents final : public UlogListener {
   }
   bool empty() const { return messages_.empty(); }
 
-  Json take() {
+  OrderedJson take() {
     for (const auto& [second, missing] : missing_) tell(second, missing);
-    Json messages = Json::array();
+    OrderedJson messages = OrderedJson::array();
     for (const auto& [name, logged] : messages_) messages.push_back(logged.json(name));
-    Json log{{"messages", std::move(messages)},
-             {"texts", std::move(texts_)},
-             {"states", std::move(states_)},
-             {"autopilot", "PX4"},
-             {"duration_s", time_.newest_s()}};
-    Json vehicle{{"system", system()},
-                 {"controller", controller_},
-                 {"log", std::move(log)},
-                 {"events", std::move(events_)}};
+    OrderedJson log{{"messages", std::move(messages)},
+                    {"texts", std::move(texts_)},
+                    {"states", std::move(states_)},
+                    {"autopilot", "PX4"},
+                    {"duration_s", time_.newest_s()}};
+    OrderedJson vehicle{{"system", system()},
+                        {"controller", controller_},
+                        {"log", std::move(log)},
+                        {"events", std::move(events_)}};
     truth_.add_to(vehicle);
     return vehicle;
   }
@@ -328,9 +328,9 @@ class Contents final : public UlogListener {
   std::map<std::string, double, std::less<>> parameters_;
   std::map<std::int64_t, UlogLoss> missing_;  // by second
   std::size_t wrong_stamps_ = 0;
-  Json events_ = Json::array();
-  Json texts_ = Json::array();
-  Json states_ = Json::array();
+  OrderedJson events_ = OrderedJson::array();
+  OrderedJson texts_ = OrderedJson::array();
+  OrderedJson states_ = OrderedJson::array();
   State now_{};
   std::optional<State> told_;
   bool heard_ = false;
@@ -350,7 +350,7 @@ std::string UlogLoss::sentence() const {
   return text;
 }
 
-Json ulog_messages(std::string_view bytes, std::size_t most_numbers, UlogLoss* loss) {
+OrderedJson ulog_messages(std::string_view bytes, std::size_t most_numbers, UlogLoss* loss) {
   Sizes sizes;
   read_ulog(bytes, sizes);
   if (sizes.empty()) throw base::ConfigError("no message is in this log");

@@ -7,41 +7,30 @@
 #include <nlohmann/json.hpp>
 
 #include "casd/station/services.hpp"
-#include "hils/report/aligned_table.hpp"
+#include "hils/report/document.hpp"
 #include "hils/report/number_text.hpp"
 
 namespace cas::hils {
 
-using Rows = std::vector<std::vector<std::string>>;
-
-Rows parameter_rows(const FlightChanges& changes) {
-  Rows rows{{"Time s", "by", "loop", "parameter", "old -> new"}};
+void add_changes(const FlightChanges& changes, const std::string& who, Document& report) {
+  if (changes.from_outside()) {
+    report.paragraph(who +
+                     "Somebody acted from outside in this flight: it is not the scenario alone.");
+  }
+  Rows parameters{{"Time s", "by", "loop", "parameter", "old -> new"}};
   for (const ParameterChange& change : changes.parameters) {
-    rows.push_back({fixed(change.time_s, 2), change.by, change.loop.empty() ? "-" : change.loop,
-                    change.parameter,
-                    fmt::format("{} -> {}", change.before ? casd::number_text(*change.before) : "?",
-                                casd::number_text(change.after))});
+    parameters.push_back(
+        {fixed(change.time_s, 2), change.by, change.loop.empty() ? "-" : change.loop,
+         change.parameter,
+         fmt::format("{} -> {}", change.before ? casd::number_text(*change.before) : "?",
+                     casd::number_text(change.after))});
   }
-  return rows;
-}
-
-Rows act_rows(const FlightChanges& changes) {
-  Rows rows{{"Time s", "by", "what", "times"}};
+  if (parameters.size() > 1) report.table(who + "Changed in flight", parameters, {}, Align::kLeft);
+  Rows acts{{"Time s", "by", "what", "times"}};
   for (const OutsideAct& act : changes.acts) {
-    rows.push_back({fixed(act.time_s, 2), act.by, act.what, fmt::format("{}", act.times)});
+    acts.push_back({fixed(act.time_s, 2), act.by, act.what, fmt::format("{}", act.times)});
   }
-  return rows;
-}
-
-std::string changes_text(const FlightChanges& changes) {
-  std::string text;
-  if (changes.from_outside()) text += fmt::format("\n{}\n", kOutsideNote);
-  if (!changes.parameters.empty()) {
-    text += "\nChanged in flight\n" + aligned_table(parameter_rows(changes), Cells::kLeft);
-  }
-  if (!changes.acts.empty())
-    text += "\nCommands from outside\n" + aligned_table(act_rows(changes), Cells::kLeft);
-  return text;
+  if (acts.size() > 1) report.table(who + "Commands from outside", acts, {}, Align::kLeft);
 }
 
 void add_changes(const FlightChanges& changes, nlohmann::ordered_json& summary) {

@@ -3,24 +3,16 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "hils/measure/flight_changes.hpp"
+#include "hils/report/document.hpp"
 
 namespace cas::hils {
 
-/// Note below the verdict of a flight with outside acts.
-inline constexpr std::string_view kOutsideNote =
-    "Somebody acted from outside in this flight: it is not the scenario alone.";
-
-/// A heading and a row for each: when, by whom, which parameter of which loop, old -> new.
-std::vector<std::vector<std::string>> parameter_rows(const FlightChanges& changes);
-/// A heading and a row for each: time, operator, act, number of times.
-std::vector<std::vector<std::string>> act_rows(const FlightChanges& changes);
-
-/// Both in aligned columns, below the note; empty where nothing was changed.
-std::string changes_text(const FlightChanges& changes);
+/// A note on a flight with outside acts, a table of changed parameters (when, by whom, of which
+/// loop, old -> new) and one of acts; nothing where there are none.
+/// @param who  in front of them: "left: ", or nothing
+void add_changes(const FlightChanges& changes, const std::string& who, Document& report);
 
 /// Adds `from_outside`, `changes` and `acts`.
 void add_changes(const FlightChanges& changes, nlohmann::ordered_json& summary);

@@ -43,6 +43,13 @@ std::string experiment_of(const Measurement& figures) {
 }
 
 std::string how_it_ran(const Measurement& figures) {
+  if (figures.firmware) {
+    const FirmwareRecord& firmware = *figures.firmware;
+    const std::string name = firmware.autopilot.empty() ? "firmware" : firmware.autopilot;
+    return fmt::format("stock {}{}{}", name, firmware.version.empty() ? "" : " v",
+                       firmware.version) +
+           (figures.streamed ? " in HITL" : " in software");
+  }
   return title_of(figures.architecture) + (figures.lockstep        ? " in lockstep"
                                            : figures.virtual_clock ? " on the virtual clock"
                                                                    : "");
@@ -53,7 +60,13 @@ std::optional<std::string> unjudged_failure(const Measurement& figures, const Ve
   return "Not judged: the flight was not completed: " + *figures.flight_failure;
 }
 
+std::string controller_name(const Measurement& figures) {
+  const bool has_name = figures.firmware && !figures.firmware->autopilot.empty();
+  return has_name ? figures.firmware->autopilot : title_of(figures.architecture);
+}
+
 bool measures_station_keeping(const Measurement& figures) {
+  if (figures.firmware) return false;
   const FlightStep* step = measured_step(figures);
   return step == nullptr || step->kind != StepKind::kTrajectory;
 }
@@ -72,7 +85,7 @@ std::string report_title(const Measurement& figures) {
   const std::string kind = experiment_of(figures);
   const std::string scenario =
       figures.scenario == kind ? kind : fmt::format("{}: {}", figures.scenario, kind);
-  return fmt::format("{}, {}", scenario, title_of(figures.architecture));
+  return fmt::format("{}, {}", scenario, controller_name(figures));
 }
 
 }  // namespace cas::hils

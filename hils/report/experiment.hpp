@@ -17,6 +17,9 @@ std::string experiment_of(const Measurement& figures);
 /// "circle 'name'"; "whole flight" where the measured step was not completed.
 std::string measured_part(const Measurement& figures);
 
+/// Who is measured, in tables: the stock autopilot, "PX4", or our architecture, "TCAS".
+std::string controller_name(const Measurement& figures);
+
 /// Whether the vehicle was to stay where it was while it was measured, as in Table 5 of [HILS].
 bool measures_station_keeping(const Measurement& figures);
 

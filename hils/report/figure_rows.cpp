@@ -17,17 +17,17 @@ namespace cas::hils {
 
 namespace {
 
-std::vector<std::string> paper_row(std::string_view name, std::initializer_list<double> values) {
-  std::vector<std::string> row{fmt::format("[HILS] {}", name)};
+Row paper_row(std::string_view name, std::initializer_list<double> values) {
+  Row row{fmt::format("[HILS] {}", name)};
   for (const double value : values) row.push_back(fixed(value, 4));
   return row;
 }
 
 }  // namespace
 
-std::vector<std::string> figure_cells(const Measurement& figures, const std::string& name,
-                                      const std::vector<std::string>& keys) {
-  std::vector<std::string> cells{name};
+Row figure_cells(const Measurement& figures, const std::string& name,
+                 const std::vector<std::string>& keys) {
+  Row cells{name};
   for (const std::string& key : keys) {
     const Figure<Measurement>& row = figure_row(key);
     cells.push_back(fixed(row.get(figures), row.digits));
@@ -54,7 +54,7 @@ Rows paper_rms_rows() {
 }
 
 Rows rate_rows(const Measurement& figures) {
-  Rows rows{figure_cells(figures, title_of(figures.architecture),
+  Rows rows{figure_cells(figures, controller_name(figures),
                          {"sensor_hz", "sensor_rate_error_pct", "gps_hz", "gps_rate_error_pct",
                           "controls_hz", "controls_rate_error_pct"})};
   std::ranges::move(paper_rate_rows(), std::back_inserter(rows));
@@ -104,13 +104,14 @@ Rows response_rows(const Measurement& figures) {
   return rows;
 }
 
-Rows fault_rows(const Measurement& figures) {
-  Rows rows;
-  for (const auto& fault : figures.faults) {
+Rows fault_rows(const std::vector<BenchFaultScript::Span>& faults,
+                const std::vector<FaultThatNeverBegan>& never_began) {
+  Rows rows{{"Fault", "begin s", "end s"}};
+  for (const BenchFaultScript::Span& fault : faults) {
     rows.push_back({fault.name, fixed(base::to_seconds(fault.begin), 2),
                     fault.end ? fixed(base::to_seconds(*fault.end), 2) : "-"});
   }
-  for (const FaultThatNeverBegan& fault : figures.never_began) {
+  for (const FaultThatNeverBegan& fault : never_began) {
     rows.push_back({fault.name, "never", "-"});
   }
   return rows;

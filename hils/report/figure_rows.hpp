@@ -7,15 +7,13 @@
 #include <vector>
 
 #include "hils/measure/measurement.hpp"
+#include "hils/report/document.hpp"
 
 namespace cas::hils {
 
-/// Cells of a table, row by row.
-using Rows = std::vector<std::vector<std::string>>;
-
 /// A row: its name, then figures by their keys; a dash for one that was not measured.
-std::vector<std::string> figure_cells(const Measurement& figures, const std::string& name,
-                                      const std::vector<std::string>& keys);
+Row figure_cells(const Measurement& figures, const std::string& name,
+                 const std::vector<std::string>& keys);
 /// [HILS] Tables 4 and 5.
 Rows paper_rate_rows();
 Rows paper_rms_rows();
@@ -34,7 +32,9 @@ Rows delay_rows(const Measurement& figures);
 /// The figures of each step response; headings first.
 Rows response_rows(const Measurement& figures);
 
-/// Name, begin and end, s, of each fault of the flight; also of those that never began.
-Rows fault_rows(const Measurement& figures);
+/// Name, begin and end, s, of each fault of a flight, also of those that never began; headings
+/// first.
+Rows fault_rows(const std::vector<BenchFaultScript::Span>& faults,
+                const std::vector<FaultThatNeverBegan>& never_began);
 
 }  // namespace cas::hils

@@ -20,7 +20,7 @@ namespace cas::hils {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using Points = std::vector<std::pair<double, double>>;
 
 constexpr std::size_t kMostPoints = 3000;  // of a curve: three for each pixel
@@ -73,7 +73,7 @@ Points drawn_points(const Points& points, const Plot& plot) {
 
 /// As finely as any zoom shows: a power of ten below a hundred thousandth of the range, or of the
 /// smallest value where the axis has decades.
-Json column(const std::vector<double>& values, bool logarithmic) {
+OrderedJson column(const std::vector<double>& values, bool logarithmic) {
   double least = std::numeric_limits<double>::infinity();
   double most = 0;
   for (const double value : values) {
@@ -86,14 +86,14 @@ Json column(const std::vector<double>& values, bool logarithmic) {
   return column_json(values, known ? std::pow(10.0, std::floor(std::log10(range * kFineness))) : 1);
 }
 
-Json curve_json(const Series& series, const Plot& plot) {
+OrderedJson curve_json(const Series& series, const Plot& plot) {
   std::vector<double> x;
   std::vector<double> y;
   for (const auto& [at, value] : drawn_points(series.points, plot)) {
     x.push_back(at);
     y.push_back(value);
   }
-  Json y_column = column(y, plot.log_y);
+  OrderedJson y_column = column(y, plot.log_y);
   for (std::size_t i = 0; i < y.size(); ++i) {
     if (!std::isfinite(y[i])) y_column["d"][i] = nullptr;
   }
@@ -109,17 +109,17 @@ std::string content_of(const std::filesystem::path& file) {
 
 std::string plot_block(const Plot& plot) {
   if (plot.equal_scales || !script_folder()) return {};
-  Json data{{"title", plot.title}, {"x_label", plot.x_label}, {"y_label", plot.y_label},
-            {"log_x", plot.log_x}, {"log_y", plot.log_y},     {"from_zero", plot.from_zero}};
-  data["series"] = Json::array();
+  OrderedJson data{{"title", plot.title}, {"x_label", plot.x_label}, {"y_label", plot.y_label},
+                   {"log_x", plot.log_x}, {"log_y", plot.log_y},     {"from_zero", plot.from_zero}};
+  data["series"] = OrderedJson::array();
   for (const Series& series : plot.series) data["series"].push_back(curve_json(series, plot));
-  data["marks"] = Json::array();
+  data["marks"] = OrderedJson::array();
   for (const Mark& mark : plot.marks) {
     data["marks"].push_back({{"x", mark.x}, {"text", mark.text}, {"fault", mark.fault}});
   }
   const auto& [begin, end] = plot.shaded;
   if (end > begin) data["shaded"] = {begin, end};
-  std::string text = data.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text = data.dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
   // No text of a run ends the element.
   for (std::size_t i = 0; (i = text.find('<', i)) != std::string::npos;) {
     text.replace(i, 1, "\\u003c");

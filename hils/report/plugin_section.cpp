@@ -34,15 +34,9 @@ std::string plot_name(const PluginFigure& figure, const NamedPlots& plots) {
 
 }  // namespace
 
-std::string value_text(const PluginFigure& figure) {
-  if (!figure.series || !figure.least) return text(figure.last);
-  return text(figure.least) + " to " + text(figure.greatest);
-}
-
-void add_plugin_tables(HtmlPage& page, const std::vector<PluginFigure>& figures) {
-  std::vector<std::vector<std::string>> values{{"Plugin", "figure", "value", "unit"}};
-  std::vector<std::vector<std::string>> series{
-      {"Plugin", "series", "unit", "samples", "least", "mean", "greatest", "last"}};
+void add_plugin_tables(const std::vector<PluginFigure>& figures, Document& report) {
+  Rows values{{"Plugin", "figure", "value", "unit"}};
+  Rows series{{"Plugin", "series", "unit", "samples", "least", "mean", "greatest", "last"}};
   std::uint64_t not_finite = 0;
   for (const PluginFigure& figure : figures) {
     not_finite += figure.not_finite;
@@ -54,10 +48,10 @@ void add_plugin_tables(HtmlPage& page, const std::vector<PluginFigure>& figures)
       values.push_back({figure.plugin, figure.name, text(figure.last), figure.unit});
     }
   }
-  if (values.size() > 1) page.table("Figures that plugins report", values);
-  if (series.size() > 1) page.table("Series that plugins report", series);
+  if (values.size() > 1) report.table("Figures that plugins report", values);
+  if (series.size() > 1) report.table("Series that plugins report", series);
   if (not_finite > 0) {
-    page.paragraph(
+    report.paragraph(
         fmt::format("{} values of plugins were not finite numbers and are left out.", not_finite));
   }
 }

@@ -6,16 +6,13 @@
 #include <vector>
 
 #include "hils/measure/plugin_figure.hpp"
-#include "hils/report/html_page.hpp"
+#include "hils/report/document.hpp"
 #include "hils/report/run_plots.hpp"
 
 namespace cas::hils {
 
-/// The last value of a figure, or "least to greatest" of a series; a dash when it has none.
-std::string value_text(const PluginFigure& figure);
-
 /// Tables of the figures of plugins: values, then series.
-void add_plugin_tables(HtmlPage& page, const std::vector<PluginFigure>& figures);
+void add_plugin_tables(const std::vector<PluginFigure>& figures, Document& report);
 
 /// A plot of each series, named "plugin_PLUGIN_NAME" in letters, digits and _.
 void add_plugin_plots(const std::vector<PluginFigure>& figures, NamedPlots& plots);

@@ -16,10 +16,10 @@
 
 #include "base/error.hpp"
 #include "base/os/result_file.hpp"
-#include "hils/report/html_report.hpp"
 #include "hils/report/junit_report.hpp"
 #include "hils/report/plot.hpp"
 #include "hils/report/run_plots.hpp"
+#include "hils/report/run_report.hpp"
 #include "hils/report/summary_json.hpp"
 #include "hils/run/run_places.hpp"
 
@@ -74,6 +74,7 @@ std::vector<std::filesystem::path> quoted_files(const RunRequest& request) {
   }
   files.push_back(places.simulator_config());
   files.push_back(places.casd_config());
+  if (request.scenario.firmware) return files;
   for (const VehiclePlaces& vehicle : places.vehicles) files.push_back(vehicle.fcu_config());
   return files;
 }
@@ -121,8 +122,7 @@ fs::path make_next_folder(const fs::path& parent, const std::string& name) {
     const fs::path folder = parent / (number == 1 ? name : fmt::format("{}-{}", name, number));
     if (::mkdir(folder.c_str(), 0777) == 0) return folder;
     if (errno != EEXIST) {
-      throw base::ConfigError(folder.string() +
-                              " cannot be created: " + std::generic_category().message(errno));
+      throw base::ConfigError(folder.string() + " cannot be created: " + base::error_text(errno));
     }
   }
 }
@@ -159,11 +159,12 @@ void write_results(const RunRequest& request, const RunResult& run) {
   base::write_result({out, "junit.xml"}, junit_report(run));
   std::vector<NamedPlots> plots;
   for (const VehicleResult& vehicle : run.vehicles) {
-    plots.push_back(run_plots(request.scenario, vehicle.record, vehicle.figures));
+    plots.push_back(run_plots(vehicle.record, vehicle.figures));
     const std::filesystem::path folder = "plots";
     write_plots(out, run.has_several() ? folder / vehicle.figures.vehicle : folder, plots.back());
   }
-  base::write_result({out, "report.html"}, html_report(run, plots, quoted_files(request)));
+  base::write_result({out, "report.html"},
+                     write_html(run_report(run, plots, quoted_files(request))));
 }
 
 }  // namespace cas::hils

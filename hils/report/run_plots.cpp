@@ -80,6 +80,20 @@ std::vector<Mark> stage_marks(const std::vector<Stage>& stages) {
   return marks;
 }
 
+/// The steps, the faults and the measured stretch, in each plot over time.
+void add_marks(const RunRecord& record, StreamWindow window, NamedPlots& plots) {
+  std::vector<Mark> marks = stage_marks(record.stages);
+  for (const auto& fault : record.faults) {
+    marks.push_back({.x = base::to_seconds(fault.begin), .text = fault.name, .fault = true});
+    if (fault.end) marks.push_back({.x = base::to_seconds(*fault.end), .text = {}, .fault = true});
+  }
+  for (auto& [name, plot] : plots) {
+    if (plot.x_label != kTimeLabel) continue;
+    plot.marks = marks;
+    plot.shaded = {seconds(window.begin_usec), seconds(window.end_usec)};
+  }
+}
+
 void add_over_time(const char* name, const char* title, const char* y_label,
                    std::vector<Series> series, NamedPlots& plots, bool from_zero = false) {
   plots.emplace_back(name, Plot{.title = title,
@@ -89,14 +103,14 @@ void add_over_time(const char* name, const char* title, const char* y_label,
                                 .from_zero = from_zero});
 }
 
-void add_stream_plots(const Scenario& scenario, const RunRecord& record, const Measurement& figures,
-                      NamedPlots& plots) {
+void add_stream_plots(const RunRecord& record, const Measurement& figures, NamedPlots& plots) {
+  const StreamFigures& rates = figures.rates;
   const std::uint32_t controls = controls_message_id(record);
   add_over_time(
       "rates", "Received per second, share of nominal", "%",
-      {rate_series("HIL_SENSOR", record.controller, HilSensor::kId, scenario.rates.sensor_hz),
-       rate_series("HIL_GPS", record.controller, HilGps::kId, scenario.rates.gps_hz),
-       rate_series("controls", record.simulator, controls, scenario.rates.controls_hz)},
+      {rate_series("HIL_SENSOR", record.controller, HilSensor::kId, rates.sensor.nominal_hz),
+       rate_series("HIL_GPS", record.controller, HilGps::kId, rates.gps.nominal_hz),
+       rate_series("controls", record.simulator, controls, rates.controls.nominal_hz)},
       plots, true);
   add_over_time("losses", "Lost per second", "packets",
                 {loss_series("HIL_SENSOR", record.simulator, record.controller, HilSensor::kId),
@@ -125,6 +139,38 @@ void add_stream_plots(const Scenario& scenario, const RunRecord& record, const M
   add_hops("delays_down", "Delays of the controls by hop, measured stretch",
            {"controls", controls, false}, "loop",
            echo_delays_ns(record.simulator, HilSensor::kId, controls, window));
+}
+
+/// A component of the pose over time, less `offset`, times `scale`.
+Series pose_series(const std::string& name, const std::vector<PoseSample>& samples,
+                   double Pose::*member, double offset, double scale = 1) {
+  Series series{.name = name};
+  for (const PoseSample& sample : samples) {
+    series.points.emplace_back(static_cast<double>(sample.time_us) * 1e-6,
+                               scale * (sample.pose.*member - offset));
+  }
+  return series;
+}
+
+/// A component of the reference that the steps set.
+Series reference_series(const std::vector<Stage>& stages, double Pose::*member) {
+  Series series{.name = "reference", .dashed = true};
+  const auto add = [&](const Stage& stage, std::int64_t time_us) {
+    series.points.emplace_back(1e-6 * static_cast<double>(time_us),
+                               reference_at(stage, time_us).*member);
+  };
+  for (const Stage& stage : stages) {
+    const std::int64_t begin = to_microseconds(stage.begin);
+    const std::int64_t end = to_microseconds(stage.end);
+    add(stage, begin);
+    if (stage.step.kind == StepKind::kTrajectory) {
+      for (std::int64_t t = begin + kReferencePeriodUs; t < end; t += kReferencePeriodUs) {
+        add(stage, t);
+      }
+    }
+    add(stage, end);
+  }
+  return series;
 }
 
 /// Where a vehicle was, seen from above: east to the right, north upwards.
@@ -304,6 +350,10 @@ void add_motion_plots(const RunRecord& record, StreamWindow window, NamedPlots& 
       time_series(truth, {"north", "east", "up"},
                   [](const PoseSample& sample, std::size_t axis) { return sample.v_m_s[axis]; }),
       plots);
+  add_over_time("heading", "Heading", "rad",
+                {pose_series("truth", truth, &Pose::yaw_rad, 0),
+                 pose_series("estimate", estimate, &Pose::yaw_rad, 0)},
+                plots);
   add_over_time("attitude", "Attitude (true)", "deg",
                 {pose_series("roll", truth, &Pose::roll_rad, 0, base::kDegPerRad),
                  pose_series("pitch", truth, &Pose::pitch_rad, 0, base::kDegPerRad),
@@ -344,36 +394,6 @@ Series rate_series(const std::string& name, const std::vector<base::LedgerEntry>
   return series;
 }
 
-Series pose_series(const std::string& name, const std::vector<PoseSample>& samples,
-                   double Pose::*member, double offset, double scale) {
-  Series series{.name = name};
-  for (const PoseSample& sample : samples) {
-    series.points.emplace_back(static_cast<double>(sample.time_us) * 1e-6,
-                               scale * (sample.pose.*member - offset));
-  }
-  return series;
-}
-
-Series reference_series(const std::vector<Stage>& stages, double Pose::*member) {
-  Series series{.name = "reference", .dashed = true};
-  const auto add = [&](const Stage& stage, std::int64_t time_us) {
-    series.points.emplace_back(1e-6 * static_cast<double>(time_us),
-                               reference_at(stage, time_us).*member);
-  };
-  for (const Stage& stage : stages) {
-    const std::int64_t begin = to_microseconds(stage.begin);
-    const std::int64_t end = to_microseconds(stage.end);
-    add(stage, begin);
-    if (stage.step.kind == StepKind::kTrajectory) {
-      for (std::int64_t t = begin + kReferencePeriodUs; t < end; t += kReferencePeriodUs) {
-        add(stage, t);
-      }
-    }
-    add(stage, end);
-  }
-  return series;
-}
-
 RunCurves run_curves(const std::string& name, const Scenario& scenario, const RunRecord& record) {
   const std::vector<PoseSample> truth = read_truth(record.truth_csv);
   const Pose start = truth.empty() ? Pose{} : truth.front().pose;
@@ -392,22 +412,12 @@ RunCurves run_curves(const std::string& name, const Scenario& scenario, const Ru
   };
 }
 
-NamedPlots run_plots(const Scenario& scenario, const RunRecord& record,
-                     const Measurement& figures) {
+NamedPlots run_plots(const RunRecord& record, const Measurement& figures) {
   NamedPlots plots;
   add_motion_plots(record, figures.window, plots);
-  add_stream_plots(scenario, record, figures, plots);
+  if (figures.streamed) add_stream_plots(record, figures, plots);
   add_plugin_plots(figures.plugins, plots);
-  std::vector<Mark> marks = stage_marks(record.stages);
-  for (const auto& fault : record.faults) {
-    marks.push_back({.x = base::to_seconds(fault.begin), .text = fault.name, .fault = true});
-    if (fault.end) marks.push_back({.x = base::to_seconds(*fault.end), .text = {}, .fault = true});
-  }
-  for (auto& [name, plot] : plots) {
-    if (plot.x_label != kTimeLabel) continue;
-    plot.marks = marks;
-    plot.shaded = {seconds(figures.window.begin_usec), seconds(figures.window.end_usec)};
-  }
+  add_marks(record, figures.window, plots);
   return plots;
 }
 

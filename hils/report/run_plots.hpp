@@ -16,11 +16,6 @@ namespace cas::hils {
 /// Packets received in each second of the stamps, as a share of the nominal count in percent.
 Series rate_series(const std::string& name, const std::vector<base::LedgerEntry>& ledger,
                    std::uint32_t message_id, double nominal_hz);
-/// A component of the pose over time, less `offset`, times `scale`.
-Series pose_series(const std::string& name, const std::vector<PoseSample>& samples,
-                   double Pose::*member, double offset, double scale = 1);
-/// A component of the reference that the steps set.
-Series reference_series(const std::vector<Stage>& stages, double Pose::*member);
 /// Packets of a message in each second of their own stamps.
 std::map<std::int64_t, int> packets_per_second(const std::vector<base::LedgerEntry>& ledger,
                                                base::LedgerEntry::Direction direction,
@@ -38,9 +33,8 @@ RunCurves run_curves(const std::string& name, const Scenario& scenario, const Ru
 inline constexpr const char* kTimeLabel = "simulated time, s";
 
 using NamedPlots = std::vector<std::pair<std::string, Plot>>;
-
 /// The curves of one vehicle of a run, by short name ("rates", "position_x", ...), on simulated
 /// time.
-NamedPlots run_plots(const Scenario& scenario, const RunRecord& record, const Measurement& figures);
+NamedPlots run_plots(const RunRecord& record, const Measurement& figures);
 
 }  // namespace cas::hils

@@ -12,18 +12,18 @@
 namespace cas::hils {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using Part = Figure<Measurement>::Part;
 
 constexpr int kSchema = 1;
 
-Json delay_json(const DelayFigures& delay) {
+OrderedJson delay_json(const DelayFigures& delay) {
   if (delay.count == 0) return nullptr;
   return {{"p50", delay.p50}, {"p90", delay.p90}, {"p99", delay.p99}, {"max", delay.max}};
 }
 
-Json path_json(const PathAccount& path) {
-  Json hops = Json::array();
+OrderedJson path_json(const PathAccount& path) {
+  OrderedJson hops = OrderedJson::array();
   for (const HopFigures& hop : path.hops) {
     hops.push_back({{"hop", hop.name},
                     {"in", hop.in},
@@ -35,19 +35,19 @@ Json path_json(const PathAccount& path) {
           {"closes", path.closes()}, {"losses", path.losses}, {"hops", std::move(hops)}};
 }
 
-Json fault_json(const BenchFaultScript::Span& fault) {
+OrderedJson fault_json(const BenchFaultScript::Span& fault) {
   return {{"name", fault.name},
           {"begin_s", base::to_seconds(fault.begin)},
-          {"end_s", fault.end ? Json(base::to_seconds(*fault.end)) : Json(nullptr)}};
+          {"end_s", fault.end ? OrderedJson(base::to_seconds(*fault.end)) : OrderedJson(nullptr)}};
 }
 
-Json response_json(const StepResponse& response) {
-  Json json{{"step", response.name}};
+OrderedJson response_json(const StepResponse& response) {
+  OrderedJson json{{"step", response.name}};
   put_figures(response_table(), Figure<StepResponse>::Part::kRun, response, json);
   return json;
 }
 
-Json stage_json(const Stage& stage) {
+OrderedJson stage_json(const Stage& stage) {
   return {{"step", to_string(stage.step.kind)},
           {"name", phase_of(stage.step)},
           {"begin_s", base::to_seconds(stage.begin)},
@@ -55,8 +55,8 @@ Json stage_json(const Stage& stage) {
 }
 
 /// Steps of the flight; the last one may not have been finished.
-Json stages_json(const Measurement& figures) {
-  Json list = Json::array();
+OrderedJson stages_json(const Measurement& figures) {
+  OrderedJson list = OrderedJson::array();
   for (const Stage& stage : figures.stages) list.push_back(stage_json(stage));
   if (figures.under_way) {
     list.push_back(stage_json(*figures.under_way));
@@ -65,11 +65,32 @@ Json stages_json(const Measurement& figures) {
   return list;
 }
 
+/// What only stock firmware has.
+void add_firmware(const Measurement& figures, OrderedJson& summary) {
+  const FirmwareRecord& firmware = *figures.firmware;
+  summary["firmware"] = firmware.version;
+  summary["autopilot"] = firmware.autopilot;
+  if (firmware.params) {
+    summary["parameters"] = {{"count", firmware.params->count},
+                             {"sha256", firmware.params->sha256}};
+  }
+  summary["rates_hz"] = firmware.rates_hz;
+  if (firmware.setpoints.count > 0) {
+    summary["setpoints"] = {{"count", firmware.setpoints.count},
+                            {"longest_gap_s", firmware.setpoints.longest_gap_s}};
+  }
+  if (firmware.fence) summary["fence"] = fence_json(*firmware.fence);
+  summary["dropped"] = firmware.dropped;
+  summary["lost"] = firmware.lost;
+  summary["messages"] = OrderedJson::parse(firmware.messages);
+  summary["hops_us"] = OrderedJson::parse(firmware.hops);
+}
+
 /// By plugin and name.
-Json plugins_json(const std::vector<PluginFigure>& figures) {
-  Json plugins = Json::object();
+OrderedJson plugins_json(const std::vector<PluginFigure>& figures) {
+  OrderedJson plugins = OrderedJson::object();
   for (const PluginFigure& figure : figures) {
-    Json& own = plugins[figure.plugin][figure.name];
+    OrderedJson& own = plugins[figure.plugin][figure.name];
     own["unit"] = figure.unit;
     if (figure.series) {
       own["samples"] = figure.samples;
@@ -85,58 +106,69 @@ Json plugins_json(const std::vector<PluginFigure>& figures) {
   return plugins;
 }
 
-/// Fields that every run has.
-Json run_json(const Measurement& figures, const Verdict& verdict) {
-  Json summary;
-  summary["schema"] = kSchema;
-  summary["scenario"] = figures.scenario;
-  summary["architecture"] = to_string(figures.architecture);
-  summary["seed"] = figures.seed;
+/// Validity, verdict and its sentences.
+void put_verdict(const Verdict& verdict, OrderedJson& summary) {
   summary["valid"] = verdict.valid;
   summary["passed"] = verdict.passed;
   summary["failures"] = verdict.failures;
   summary["remarks"] = verdict.remarks;
   summary["warnings"] = verdict.warnings;
-  summary["virtual_clock"] = figures.virtual_clock;
-  summary["lockstep"] = figures.lockstep;
-  put_figures(figure_table(), Part::kRun, figures, summary);
-  summary["cpu_s"] = Json::object();
-  for (const auto& [program, seconds] : figures.cpu_s) summary["cpu_s"][program] = seconds;
-  return summary;
 }
 
-/// Appends the figures of one vehicle.
-void add_figures(const Measurement& figures, Json& summary) {
-  summary["window_s"] = {{"begin", static_cast<double>(figures.window.begin_usec) * 1e-6},
-                         {"end", static_cast<double>(figures.window.end_usec) * 1e-6}};
-  put_figures(figure_table(), Part::kStream, figures, summary);
-  summary["from_device"] = figures.from_device;
-  if (figures.from_device) summary["lost_by_sequence"] = figures.lost_by_sequence;
-  summary["paths"] = Json::array();
-  for (const PathAccount& path : figures.paths) summary["paths"].push_back(path_json(path));
-  summary["faults"] = Json::array();
+/// Faults, incidents, motion and steps.
+void put_flight(const Measurement& figures, OrderedJson& summary) {
+  summary["faults"] = OrderedJson::array();
   for (const auto& fault : figures.faults) summary["faults"].push_back(fault_json(fault));
   for (const FaultThatNeverBegan& fault : figures.never_began) {
     summary["faults"].push_back(
         {{"name", fault.name}, {"begin_s", nullptr}, {"end_s", nullptr}, {"began", "never"}});
   }
-  summary["incidents"] = Json::array();
+  summary["incidents"] = OrderedJson::array();
   for (const Incident& incident : figures.incidents) {
     summary["incidents"].push_back(
         {{"kind", to_string(incident.kind)}, {"time_s", incident.time_s}, {"what", incident.what}});
   }
+  put_figures(figure_table(), Part::kMotion, figures, summary);
+  summary["stages"] = stages_json(figures);
+}
+
+/// Fields that every run has.
+OrderedJson run_json(const Measurement& figures, const Verdict& verdict) {
+  OrderedJson summary;
+  summary["schema"] = kSchema;
+  summary["scenario"] = figures.scenario;
+  summary["architecture"] = to_string(figures.architecture);
+  summary["seed"] = figures.seed;
+  put_verdict(verdict, summary);
+  summary["virtual_clock"] = figures.virtual_clock;
+  summary["lockstep"] = figures.lockstep;
+  put_figures(figure_table(), Part::kRun, figures, summary);
+  summary["cpu_s"] = OrderedJson::object();
+  for (const auto& [program, seconds] : figures.cpu_s) summary["cpu_s"][program] = seconds;
+  return summary;
+}
+
+/// Appends the figures of one vehicle.
+void add_figures(const Measurement& figures, OrderedJson& summary) {
+  summary["window_s"] = {{"begin", static_cast<double>(figures.window.begin_usec) * 1e-6},
+                         {"end", static_cast<double>(figures.window.end_usec) * 1e-6}};
+  if (figures.streamed) put_figures(figure_table(), Part::kStream, figures, summary);
+  summary["from_device"] = figures.from_device;
+  if (figures.from_device) summary["lost_by_sequence"] = figures.lost_by_sequence;
+  summary["paths"] = OrderedJson::array();
+  for (const PathAccount& path : figures.paths) summary["paths"].push_back(path_json(path));
   add_changes(figures.changes, summary);
-  summary["responses"] = Json::array();
+  summary["responses"] = OrderedJson::array();
   for (const auto& response : figures.responses) {
     summary["responses"].push_back(response_json(response));
   }
-  put_figures(figure_table(), Part::kMotion, figures, summary);
-  summary["stages"] = stages_json(figures);
+  put_flight(figures, summary);
   summary["plugins"] = plugins_json(figures.plugins);
+  if (figures.firmware) add_firmware(figures, summary);
 }
 
-Json vehicle_json(const Measurement& figures, const Verdict& verdict) {
-  Json summary = run_json(figures, verdict);
+OrderedJson vehicle_json(const Measurement& figures, const Verdict& verdict) {
+  OrderedJson summary = run_json(figures, verdict);
   add_figures(figures, summary);
   return summary;
 }
@@ -149,10 +181,10 @@ std::string summary_json(const Measurement& figures, const Verdict& verdict) {
 
 std::string summary_json(const RunResult& run) {
   if (!run.has_several()) return summary_json(run.vehicles.front().figures, run.verdict);
-  Json summary = run_json(run.whole(), run.verdict);
-  summary["vehicles"] = Json::array();
+  OrderedJson summary = run_json(run.whole(), run.verdict);
+  summary["vehicles"] = OrderedJson::array();
   for (const VehicleResult& vehicle : run.vehicles) {
-    Json entry{{"name", vehicle.figures.vehicle}};
+    OrderedJson entry{{"name", vehicle.figures.vehicle}, {"system", vehicle.record.system}};
     entry.update(vehicle_json(vehicle.figures, vehicle.verdict));
     summary["vehicles"].push_back(std::move(entry));
   }

@@ -2,19 +2,20 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "hils/measure/judgement.hpp"
-#include "hils/report/html_page.hpp"
+#include "hils/report/document.hpp"
 
 namespace cas::hils {
 
-/// "Passed", "Failed" or "Not valid".
-std::string title_of(const Verdict& verdict);
+/// The verdict on top of a report, with failures, remarks and warnings.
+/// @param line  behind the word: the flight
+Document::Verdict verdict_block(const Verdict& verdict, const std::string& line);
 
-/// The verdict on top of a report, in its colour. @param line  below the word: the flight
-void add_verdict(HtmlPage& page, const Verdict& verdict, const std::string& line);
-
-/// A table of the run's limits; the deciding ones come first.
-void add_limits(HtmlPage& page, const std::string& caption, const Verdict& verdict);
+/// Limits of a run: name, value, bound, margin and whether it was kept. The margin is how far the
+/// value is from the bound, negative beyond it, with its share of the bound. Those that decide come
+/// first.
+Document::Table limit_table(const std::string& caption, const Verdict& verdict);
 
 }  // namespace cas::hils

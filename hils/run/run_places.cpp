@@ -66,8 +66,8 @@ RunPlaces RunPlaces::of(const Scenario& scenario, const std::filesystem::path& o
     vehicle.run = places.run;
     vehicle.sockets = places.sockets;
     vehicle.tty = "fcu" + std::to_string(i);
+    vehicle.suffix = scenario.suffix_of(i);
     if (!scenario.flies_several()) continue;
-    vehicle.suffix = "_" + scenario.vehicles[i].name;
     vehicle.simulator_link += std::to_string(i + 1);
     vehicle.controller_link += std::to_string(i + 1);
   }

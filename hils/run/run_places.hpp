@@ -66,9 +66,10 @@ struct RunPlaces {
   std::filesystem::path out;      ///< results: flight.tlog, summary.json
   std::filesystem::path run;      ///< effective configurations, ledgers, figures, program output
   std::filesystem::path sockets;  ///< short-lived: control sockets
-  std::filesystem::path command_port{};   ///< casd's Unix socket
-  std::uint16_t ground_station_port = 0;  ///< where casd's link "gcs" sends; 0: no such link
-  std::vector<VehiclePlaces> vehicles;    ///< in the order of the scenario
+  std::filesystem::path command_port{};     ///< casd's Unix socket
+  std::uint16_t ground_station_port = 0;    ///< where casd's link "gcs" sends; 0: no such link
+  std::vector<std::uint16_t> companions{};  ///< UDP ports of hils, for a link of casd each
+  std::vector<VehiclePlaces> vehicles;      ///< in the order of the scenario
 
   /// Places below `out`; no port is chosen yet.
   static RunPlaces of(const Scenario& scenario, const std::filesystem::path& out,
@@ -86,6 +87,9 @@ struct RunPlaces {
   std::filesystem::path simulator_control() const { return sockets / "hilsim"; }
   std::filesystem::path run_port() const { return sockets / "hils"; }
   std::filesystem::path command_token() const { return sockets / "casd.token"; }
+  /// The ends of the serial line of stock firmware.
+  std::filesystem::path casd_tty() const { return sockets / "casd_tty"; }
+  std::filesystem::path firmware_tty() const { return sockets / "firmware_tty"; }
 };
 
 }  // namespace cas::hils

@@ -31,12 +31,13 @@ struct RunRequest {
   /// emulator.
   std::map<std::size_t, FcuDevice> fcu_devices{};
   bool lockstep = false;                     ///< the processes run on the stream's time
+  bool unpaced = false;                      ///< firmware in software flies as fast as it goes
   bool announced = false;                    ///< says how to watch it once casd is ready
   bool keeps_sensors = true;                 ///< leaves each sensor's samples as CSV
   LiveRun* live = nullptr;                   ///< shows it in a browser; nullptr: it is not shown
   std::optional<StationEndpoint> station{};  ///< where a ground station may join; nullopt: none
   std::filesystem::path
-      out;  ///< folder of the results; the programs' configurations are in out/run
+      out{};  ///< folder of the results; the programs' configurations are in out/run
 
   /// The vehicle's real controller; nullptr: it has the emulator.
   const FcuDevice* fcu_device(std::size_t vehicle) const {

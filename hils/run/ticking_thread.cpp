@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/os/lack_of_memory.hpp"
 
 namespace cas::hils {
 
@@ -23,7 +24,7 @@ TickingThread::TickingThread(int fd, base::Duration period, std::function<void()
     while (!stop.stop_requested()) {
       std::array<pollfd, 2> ends{pollfd{fd, POLLIN, 0}, pollfd{wake, POLLIN, 0}};
       ::poll(ends.data(), ends.size(), static_cast<int>(patience.count()));
-      if (!stop.stop_requested()) work();
+      if (!stop.stop_requested()) base::outlive_lack_of_memory("a station of hils", work);
     }
   };
   thread_ = std::jthread(run);

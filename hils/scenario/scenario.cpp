@@ -397,12 +397,6 @@ std::string figure_limit_lines(const std::vector<Figure<Of>>& table,
 
 }  // namespace
 
-void parse_motion_limits(const base::ConfigNode& node, Limits& limits) {
-  limits.figures = parse_figures(node, figure_table(), [](const Row& row) {
-    return row.part == Row::Part::kMotion ? row.place() : std::string();
-  });
-}
-
 void check_fault_plugins(const std::set<std::string>& plugins,
                          const std::vector<VehicleFault>& faults) {
   std::size_t number = 0;
@@ -449,6 +443,12 @@ std::vector<std::uint8_t> Scenario::systems() const {
   return systems;
 }
 
+std::vector<double> Scenario::start_yaws_rad() const {
+  std::vector<double> yaws;
+  for (const ScenarioVehicle& vehicle : vehicles) yaws.push_back(vehicle.start_yaw_rad());
+  return yaws;
+}
+
 const base::ConfigNode& Scenario::sensors_of(std::size_t vehicle) const {
   const std::optional<base::ConfigNode>& own = vehicles.at(vehicle).sensors;
   return own ? *own : sensors;
@@ -459,18 +459,10 @@ const Limits& Scenario::limits_of(std::size_t vehicle) const {
   return own ? *own : limits;
 }
 
-Scenario Scenario::load(const std::filesystem::path& file) {
-  const base::ConfigNode root = base::ConfigNode::load(file);
-  if (root.require<int>("schema") != kSchema) root.at("schema").fail("this program reads schema 1");
-  if (root.has("firmware")) {
-    root.at("firmware")
-        .fail(
-            "only `hils run` flies stock firmware: here our controller flies, and "
-            "each scenario with `vehicle` will do");
-  }
-  Scenario scenario;
-  scenario.file = file;
-  scenario.name = file.stem().string();
+namespace {
+
+/// Reads the keys of a scenario that our controller flies. @throws base::ConfigError
+void read_own(const base::ConfigNode& root, Scenario& scenario) {
   scenario.vehicles = parse_vehicles(root);
   parse_world(root, scenario);
   if (scenario.world.sdf.empty()) root.at("home");  // says that it is missing
@@ -480,16 +472,31 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   }
   scenario.steps = parse_flight(root.at("steps"), casd::GainMap::shipped(), scenario.names());
   refuse_firmware_steps(root.at("steps"));
-  if (root.has("faults")) {
-    scenario.faults = parse_scenario_faults(root.at("faults"), scenario.line, scenario.names());
-    refuse_faults(root.at("faults"), std::array<std::string_view, 2>{"pause", "cut"},
-                  "is a fault of a flight of stock firmware");
-    std::set<std::string> plugins = plugin_names(scenario.plugins);
-    plugins.insert({"motor", "imu", "gps", "magnetometer", "barometer"});  // of each vehicle
-    check_fault_plugins(plugins, scenario.faults.vehicle);
-    check_fault_phases(root.at("faults"), scenario.steps);
+  if (!root.has("faults")) return;
+  scenario.faults = parse_scenario_faults(root.at("faults"), scenario.line, scenario.names());
+  refuse_faults(root.at("faults"), std::array<std::string_view, 2>{"pause", "cut"},
+                "is a fault of a flight of stock firmware");
+  std::set<std::string> plugins = plugin_names(scenario.plugins);
+  plugins.insert({"motor", "imu", "gps", "magnetometer", "barometer"});  // of each vehicle
+  check_fault_plugins(plugins, scenario.faults.vehicle);
+  check_fault_phases(root.at("faults"), scenario.steps);
+}
+
+}  // namespace
+
+Scenario Scenario::load(const std::filesystem::path& file) {
+  const base::ConfigNode root = base::ConfigNode::load(file);
+  if (root.require<int>("schema") != kSchema) root.at("schema").fail("this program reads schema 1");
+  Scenario scenario;
+  scenario.file = file;
+  scenario.name = root.get<std::string>("name", file.stem().string());
+  scenario.description = root.get<std::string>("description", "");
+  root.has("firmware") ? read_firmware(root, scenario) : read_own(root, scenario);
+  if (const auto limits = root.find("limits")) {
+    const auto rates_hz = std::move(scenario.limits.rates_hz);
+    scenario.limits = parse_limits(*limits, scenario.steps);
+    scenario.limits.rates_hz = rates_hz;
   }
-  if (root.has("limits")) scenario.limits = parse_limits(root.at("limits"), scenario.steps);
   parse_vehicle_limits(root, scenario.steps, scenario.vehicles);
   scenario.limits.allow = parse_allow(root);
   for (ScenarioVehicle& vehicle : scenario.vehicles) {

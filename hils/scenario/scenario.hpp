@@ -19,6 +19,7 @@
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_step.hpp"
 #include "hils/flight/incident_kind.hpp"
+#include "hils/scenario/firmware.hpp"
 
 namespace cas::hils {
 
@@ -32,12 +33,9 @@ struct Limits {
   std::optional<double> delivered_pct;            ///< least share of each HIL message that arrives
   FigureLimits figures;                           ///< of the vehicle
   std::map<std::string, FigureLimits> responses;  ///< by the name of the step
-  std::set<IncidentKind> allow;                   ///< of the scenario: these fail no run
+  std::map<std::string, double> rates_hz;  ///< least of stock firmware's messages in the hold
+  std::set<IncidentKind> allow;            ///< of the scenario: these fail no run
 };
-
-/// Reads the limits on the motion in the measured step, which every controller has, from where
-/// summary.json has the figures: {rms: {x_m: 0.1}, peak_error_m: 1}. @throws base::ConfigError
-void parse_motion_limits(const base::ConfigNode& node, Limits& limits);
 
 /// Where a run is flown: keys `world`, `model_path`, `missing` and `collada_up_axis` of a
 /// simulation file.
@@ -131,11 +129,19 @@ struct Scenario {
   bool ground_station = false;  ///< one that listens and loads the parameter list now and then
   std::vector<FlightStep> steps;
   ScenarioFaults faults;
-  Limits limits;  ///< of every vehicle that has none of its own
+  Limits limits;                     ///< of every vehicle that has none of its own
+  std::optional<Firmware> firmware;  ///< which flies; nullopt: our controller, or a real one
+  std::optional<Geofence> fence;     ///< of stock autopilots, for this flight
 
   bool flies_several() const { return vehicles.size() > 1; }
+  /// Suffix of the names of a vehicle's files and program: "_left"; empty for a single vehicle.
+  std::string suffix_of(std::size_t vehicle) const {
+    return flies_several() ? "_" + vehicles[vehicle].name : "";
+  }
   VehicleNames names() const;
   std::vector<std::uint8_t> systems() const;
+  /// Headings of the vehicles at the start, in N.
+  std::vector<double> start_yaws_rad() const;
   const base::ConfigNode& sensors_of(std::size_t vehicle) const;
   const Limits& limits_of(std::size_t vehicle) const;
 

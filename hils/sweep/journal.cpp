@@ -18,7 +18,7 @@ namespace cas::hils {
 
 namespace {
 
-[[noreturn]] void fail(const std::filesystem::path& file, const std::string& what) {
+[[noreturn]] void fail_journal(const std::filesystem::path& file, const std::string& what) {
   throw base::ConfigError(file.string() + ": " + what + ": " + std::strerror(errno));
 }
 
@@ -44,15 +44,16 @@ off_t whole_lines(int fd, off_t size) {
 Journal::Journal(const std::filesystem::path& file)
     : file_(file),
       out_(::open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_NOFOLLOW | O_CLOEXEC, 0644)) {
-  if (!out_) fail(file, "cannot be written");
+  if (!out_) fail_journal(file, "cannot be written");
   if (::flock(out_.get(), LOCK_EX | LOCK_NB) != 0) {
-    if (errno != EWOULDBLOCK) fail(file, "cannot be locked");
+    if (errno != EWOULDBLOCK) fail_journal(file, "cannot be locked");
     throw base::ConfigError(file.string() + ": another process flies this part of the sweep");
   }
   struct stat now {};
-  if (::fstat(out_.get(), &now) != 0) fail(file, "cannot be read");
+  if (::fstat(out_.get(), &now) != 0) fail_journal(file, "cannot be read");
   const off_t whole = whole_lines(out_.get(), now.st_size);
-  if (whole != now.st_size && ::ftruncate(out_.get(), whole) != 0) fail(file, "cannot be cut");
+  if (whole != now.st_size && ::ftruncate(out_.get(), whole) != 0)
+    fail_journal(file, "cannot be cut");
   const base::Descriptor folder(
       ::open(file.parent_path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (folder) ::fsync(folder.get());  // the journal's name is on the disk
@@ -64,10 +65,10 @@ void Journal::append(const RowResult& result) {
   while (!rest.empty()) {
     const ssize_t written = ::write(out_.get(), rest.data(), rest.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) fail(file_, "cannot be written");
+    if (written <= 0) fail_journal(file_, "cannot be written");
     rest.remove_prefix(static_cast<std::size_t>(written));
   }
-  if (::fdatasync(out_.get()) != 0) fail(file_, "cannot be written");
+  if (::fdatasync(out_.get()) != 0) fail_journal(file_, "cannot be written");
 }
 
 }  // namespace cas::hils

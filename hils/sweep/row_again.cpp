@@ -44,10 +44,14 @@ void write_row_again(const SweepFolder& sweep, std::size_t row) {
 
 std::vector<std::string> command_again(const SweepFolder& sweep, std::size_t row) {
   const fs::path folder = sweep.again(row);
-  std::vector<std::string> words{own_program().string(), "run", (folder / "scenario.yaml").string(),
-                                 "--architecture",
-                                 std::string(to_string(sweep.study.architecture))};
-  if (sweep.study.architecture != Architecture::kDirect) words.emplace_back("--virtual");
+  std::vector<std::string> words{own_program().string(), "run",
+                                 (folder / "scenario.yaml").string()};
+  if (Scenario::load(sweep.scenario()).firmware) {
+    words.emplace_back("--lockstep");
+  } else {
+    words.insert(words.end(), {"--architecture", std::string(to_string(sweep.study.architecture))});
+    if (sweep.study.architecture != Architecture::kDirect) words.emplace_back("--virtual");
+  }
   words.insert(words.end(),
                {"--seed", std::to_string(sweep.row(row).seed), "--out", folder.string()});
   return words;

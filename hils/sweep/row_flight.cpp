@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "base/os/disk_error.hpp"
 #include "base/os/result_file.hpp"
+#include "hils/firmware/firmware_run.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/run_result.hpp"
 #include "hils/programs/supervisor.hpp"
@@ -21,7 +22,7 @@ namespace cas::hils {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 /// Whether files can be written: if so, a failure is the run's own fault.
 bool can_write(const fs::path& folder) {
@@ -38,7 +39,7 @@ bool can_write(const fs::path& folder) {
 
 }  // namespace
 
-RowResult fly_virtually(const RowTask& task, const fs::path& folder) {
+RowResult fly_alone(const RowTask& task, const fs::path& folder) {
   write_scenario(task.scenario, task.values, task.study_folder, folder);
   RunRequest request;
   request.scenario = Scenario::load(folder / "scenario.yaml");
@@ -47,12 +48,16 @@ RowResult fly_virtually(const RowTask& task, const fs::path& folder) {
         "the run has other figures than the columns of its table: steps and vehicles have the same "
         "names in each run");
   }
-  request.architecture = task.architecture;
+  request.architecture =
+      request.scenario.firmware ? request.scenario.architecture : task.architecture;
   request.seed = task.seed;
   request.keeps_sensors = false;  // no row needs them
   request.out = folder / "out";
   fs::create_directories(request.out);
-  const RunResult run = evaluate(request, run_on_virtual_clock(request));
+  const bool is_firmware = request.scenario.firmware.has_value();
+  request.unpaced = is_firmware;
+  const RunResult run =
+      evaluate(request, is_firmware ? run_firmware(request) : run_on_virtual_clock(request));
   RowResult result = row_of(request.scenario, run);
   result.truth_sha256 = truth_sha256(run);
   const bool varies_faults = std::ranges::any_of(
@@ -73,7 +78,7 @@ RowTask RowTask::of(const SweepFolder& sweep, std::size_t row) {
 }
 
 void RowTask::save(const fs::path& file) const {
-  Json json;
+  OrderedJson json;
   json["row"] = row;
   json["seed"] = seed;
   json["architecture"] = to_string(architecture);
@@ -86,7 +91,7 @@ void RowTask::save(const fs::path& file) const {
 
 RowTask RowTask::load(const fs::path& file) {
   try {
-    const Json json = Json::parse(text_of_file(file));
+    const OrderedJson json = OrderedJson::parse(text_of_file(file));
     return {.row = json.at("row").get<std::size_t>(),
             .seed = json.at("seed").get<std::uint64_t>(),
             .architecture = parse_architecture(json.at("architecture").get<std::string>()),
@@ -94,7 +99,7 @@ RowTask RowTask::load(const fs::path& file) {
             .study_folder = json.at("study_folder").get<std::string>(),
             .values = json.at("values").get<std::vector<KeyValue>>(),
             .figures = json.at("figures").get<std::vector<std::string>>()};
-  } catch (const Json::exception& error) {
+  } catch (const OrderedJson::exception& error) {
     throw base::ConfigError(file.string() + ": " + error.what());
   }
 }

@@ -35,13 +35,13 @@ inline constexpr int kExitMachine = 75;  // EX_TEMPFAIL of sysexits.h
 
 /// Flies a task. @param folder  of its files, which is gone afterwards
 using FlyTask = std::function<RowResult(const RowTask& task, const std::filesystem::path& folder)>;
-/// On the virtual clock.
-RowResult fly_virtually(const RowTask& task, const std::filesystem::path& folder);
+/// On the virtual clock; stock firmware in software in its own time, as fast as it goes.
+RowResult fly_alone(const RowTask& task, const std::filesystem::path& folder);
 
 /// Flies the task of `folder`/task.json in this process and leaves `folder`/result.json.
 ///
 /// @return exit code: 0 when there is a result, whatever it is; kExitMachine; kExitInterrupted
-int fly_row(const std::filesystem::path& folder, const FlyTask& fly = fly_virtually);
+int fly_row(const std::filesystem::path& folder, const FlyTask& fly = fly_alone);
 
 /// Written into a flight's folder by one that a board has stopped: why.
 inline constexpr const char* kBoardSentence = "board.txt";

@@ -19,8 +19,6 @@ namespace cas::hils {
 
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// Collects figures under their names, so that both stand in one place.
@@ -118,15 +116,15 @@ std::string number_field(double value) {
   return std::isfinite(value) ? fmt::format("{}", value == 0 ? 0.0 : value) : std::string();
 }
 
-Json strike_json(const StrikeResponse& strike) {
-  Json json;
+nlohmann::json strike_json(const StrikeResponse& strike) {
+  nlohmann::json json;
   for_each_strike_field(StrikeOutput::kJournal, [&](const auto& field) {
-    json[field.key] = field_json<Json>(strike, field);
+    json[field.key] = field_json<nlohmann::json>(strike, field);
   });
   return json;
 }
 
-StrikeResponse parse_strike(const Json& json) {
+StrikeResponse parse_strike(const nlohmann::json& json) {
   StrikeResponse strike;
   for_each_strike_field(StrikeOutput::kJournal,
                         [&](const auto& field) { read_field(json.at(field.key), field, strike); });
@@ -172,16 +170,17 @@ RowResult row_without_figures(RowOutcome outcome, std::string cause) {
 }
 
 std::string journal_line(const RowResult& result) {
-  Json json;
+  nlohmann::json json;
   json["row"] = result.row;
   json["outcome"] = to_string(result.outcome);
   json["cause"] = result.cause;
   json["incident"] = result.incident;
   json["version"] = result.version;
   json["truth_sha256"] = result.truth_sha256;
-  json["figures"] = Json::array();
+  json["figures"] = nlohmann::json::array();
   for (const double value : result.figures) {
-    json["figures"].push_back(std::isfinite(value) ? Json(value) : Json(nullptr));
+    json["figures"].push_back(std::isfinite(value) ? nlohmann::json(value)
+                                                   : nlohmann::json(nullptr));
   }
   json["machine"] = {{"wall_s", result.machine.wall_s},
                      {"cpu_s", result.machine.cpu_s},
@@ -190,11 +189,11 @@ std::string journal_line(const RowResult& result) {
   if (!result.run_sha256.empty()) json["run_sha256"] = result.run_sha256;
   if (!result.key.empty()) json["key"] = result.key;
   if (result.strike) json["strike"] = strike_json(*result.strike);
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
 std::optional<RowResult> parse_journal_line(std::string_view line) {
-  const Json json = Json::parse(line, nullptr, false);
+  const nlohmann::json json = nlohmann::json::parse(line, nullptr, false);
   if (!json.is_object()) return std::nullopt;
   try {
     RowResult result;
@@ -206,10 +205,10 @@ std::optional<RowResult> parse_journal_line(std::string_view line) {
     result.incident = json.at("incident").get<std::string>();
     result.version = json.at("version").get<std::string>();
     result.truth_sha256 = json.at("truth_sha256").get<std::string>();
-    for (const Json& value : json.at("figures")) {
+    for (const nlohmann::json& value : json.at("figures")) {
       result.figures.push_back(value.is_null() ? kNone : value.get<double>());
     }
-    const Json& machine = json.at("machine");
+    const nlohmann::json& machine = json.at("machine");
     result.machine = {.wall_s = machine.at("wall_s").get<double>(),
                       .cpu_s = machine.at("cpu_s").get<double>(),
                       .max_rss_mib = machine.at("max_rss_mib").get<double>(),
@@ -218,7 +217,7 @@ std::optional<RowResult> parse_journal_line(std::string_view line) {
     result.key = json.value("key", "");
     if (json.contains("strike")) result.strike = parse_strike(json.at("strike"));
     return result;
-  } catch (const Json::exception&) {
+  } catch (const nlohmann::json::exception&) {
     return std::nullopt;
   }
 }

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMostChunks = 1000;
 
 /// In single quotes for a POSIX shell.
-std::string quoted(const std::string& text) {
+std::string in_quotes(const std::string& text) {
   std::string result = "'";
   for (const char c : text) {
     if (c == '\'') {
@@ -67,7 +67,7 @@ std::string slurm_script(const SlurmArray& array) {
   text += fmt::format(
       "exec {} sweep run {} --chunk \"$SLURM_ARRAY_TASK_ID/{}\" --jobs {} "
       "--scratch \"${{TMPDIR:-/tmp}}\"\n",
-      quoted(array.program.string()), quoted(array.sweep.string()), array.chunks, array.jobs);
+      in_quotes(array.program.string()), in_quotes(array.sweep.string()), array.chunks, array.jobs);
   return text;
 }
 

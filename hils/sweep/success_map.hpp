@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "hils/report/document.hpp"
 #include "hils/sweep/sweep_statistics.hpp"
 
 namespace cas::hils {
@@ -41,8 +42,9 @@ std::vector<ShareCell> count_by(const Bins& bins, const std::vector<std::optiona
 std::vector<ShareCell> count_by(const Bins& x, const Bins& y,
                                 const std::vector<std::optional<bool>>& success);
 
-/// Draws the map as an SVG element for an HTML page: colour and number are the share in percent; a
-/// thick line is where cells whose interval is above one half end; a "?" has its interval about it.
-std::string success_map(const Bins& x, const Bins& y, const std::vector<ShareCell>& cells);
+/// The map as a table, the first bin of y at the bottom as in a plot: colour and number are the
+/// share in percent; a frame is around cells whose interval is above one half; a "?" has its
+/// interval about it.
+Document::Table success_map(const Bins& x, const Bins& y, const std::vector<ShareCell>& cells);
 
 }  // namespace cas::hils

@@ -10,7 +10,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
@@ -42,7 +41,7 @@ using base::cli::Verb;
 struct Flags {
   std::string study;
   std::string folder;
-  std::size_t jobs = std::max(1U, std::thread::hardware_concurrency());
+  std::optional<std::size_t> jobs;
   std::string chunk = "1/1";
   std::string scratch;
   bool retry = false;
@@ -144,9 +143,9 @@ int collect_sweep(const fs::path& folder, const Flags& flags) {
       {page.worst.begin(),
        page.worst.begin() + static_cast<std::ptrdiff_t>(std::min(flags.again, page.worst.size()))},
       1);
-  base::write_result({folder, "sweep.html"}, sweep_html(view, checks, page),
-                     base::Durability::kDisk);
-  fmt::print("{}Results: {}\n", sweep_text(view, checks, page.before), folder.string());
+  const Document report = sweep_report(view, checks, page);
+  base::write_result({folder, "sweep.html"}, write_html(report), base::Durability::kDisk);
+  fmt::print("{}\nResults: {}\n", write_text(report), folder.string());
   if (counts.flown < counts.rows) return kExitInvalid;
   return std::ranges::all_of(checks, &ShareCheck::kept) ? kExitPassed : kExitLimitsMissed;
 }
@@ -165,13 +164,13 @@ int run_rest(const Flags& flags) {
   const SweepFolder sweep = SweepFolder::open(flags.folder);
   if (flags.slurm) {
     JobArrayOptions array = flags.array;
-    array.jobs = flags.jobs;
+    array.jobs = flags.jobs.value_or(usual_jobs(sweep));
     submit_job_array(sweep, array);
     return kExitPassed;
   }
   return run_part(sweep,
                   {.chunk = Chunk::parse(flags.chunk),
-                   .jobs = flags.jobs,
+                   .jobs = flags.jobs.value_or(usual_jobs(sweep)),
                    .scratch = flags.scratch.empty() ? fs::path() : fs::absolute(flags.scratch),
                    .retry = flags.retry});
 }
@@ -190,12 +189,13 @@ SweepFolder plan_sweep(const Flags& flags) {
 /// Plan, run and collect in one. @return exit code
 int fly_sweep(const Flags& flags) {
   const SweepFolder sweep = plan_sweep(flags);
-  run_part(sweep, {.jobs = flags.jobs});
+  run_part(sweep, {.jobs = flags.jobs.value_or(usual_jobs(sweep))});
   return collect_sweep(sweep.path, flags);
 }
 
 void add_jobs(CLI::App& command, Flags& flags) {
-  command.add_option("--jobs", flags.jobs, "Runs at once (as many as processors)")
+  command
+      .add_option("--jobs", flags.jobs, "Runs at once (as many as processors; of stock firmware 1)")
       ->check(base::cli::whole_number)
       ->check(CLI::Range(1, 4096));
 }

@@ -12,16 +12,12 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "hils/report/html_page.hpp"
 #include "hils/report/number_text.hpp"
-#include "hils/report/plot.hpp"
 #include "hils/sweep/sweep_statistics.hpp"
 
 namespace cas::hils {
 
 namespace {
-
-using Rows = std::vector<std::vector<std::string>>;
 
 constexpr std::size_t kMostMapped = 4;  ///< parameters with a map of each pair
 constexpr double kSignificant = 0.05;
@@ -107,11 +103,10 @@ std::size_t parameter_named(const SweepView& view, const std::string& name) {
   return static_cast<std::size_t>(found - names.begin());
 }
 
-void add_limits(const std::vector<ShareCheck>& checks, HtmlPage& html) {
+void add_limits(const std::vector<ShareCheck>& checks, Document& report) {
   if (checks.empty()) return;
-  html.heading("Limits");
-  Rows rows{{"Share", "Runs", "Share of them", "At least", "At confidence", "Limit", "Result"}};
-  std::vector<HtmlPage::Row> looks;
+  Rows rows{{"Limit", "runs", "share of them", "at least", "at confidence", "limit", "result"}};
+  std::vector<Look> looks;
   looks.reserve(checks.size());
   for (const ShareCheck& check : checks) {
     const ShareCell cell{check.successes, check.trials};
@@ -119,14 +114,13 @@ void add_limits(const std::vector<ShareCheck>& checks, HtmlPage& html) {
                     fmt::format("{} of {}", check.successes, check.trials), percent(cell.share()),
                     percent(check.low), fmt::format("{:g} %", check.limit.confidence * 100),
                     fmt::format("{:g} %", check.limit.at_least * 100),
-                    check.kept ? "kept" : "missed"});
-    looks.push_back(check.kept ? HtmlPage::Row::kPlain : HtmlPage::Row::kMissed);
+                    check.kept ? "kept" : "MISSED"});
+    looks.push_back(check.kept ? Look::kPlain : Look::kMissed);
   }
-  html.table("At least: one-sided lower bound of Clopper and Pearson", rows, looks);
+  report.table("Limits; at least: one-sided lower bound of Clopper and Pearson", rows, looks);
 }
 
-void add_outcomes(const SweepView& view, const SweepCounts& counts, HtmlPage& html) {
-  html.heading("Outcomes");
+void add_outcomes(const SweepView& view, const SweepCounts& counts, Document& report) {
   std::map<std::string, std::size_t> outcomes;
   std::map<std::string, std::size_t> causes;
   for (const RowResult& result : view.results) {
@@ -147,7 +141,7 @@ void add_outcomes(const SweepView& view, const SweepCounts& counts, HtmlPage& ht
   if (counts.flown < counts.rows) {
     rows.push_back({"not flown", std::to_string(counts.rows - counts.flown), "-"});
   }
-  html.table("Runs by outcome (interval of Clopper and Pearson)", rows);
+  report.table("Runs by outcome (interval of Clopper and Pearson)", rows);
   if (causes.empty()) return;
   std::vector<std::pair<std::string, std::size_t>> sorted(causes.begin(), causes.end());
   std::ranges::stable_sort(sorted, std::ranges::greater(),
@@ -156,11 +150,11 @@ void add_outcomes(const SweepView& view, const SweepCounts& counts, HtmlPage& ht
   if (sorted.size() > kMost) sorted.resize(kMost);
   Rows table{{"Cause", "Runs"}};
   for (const auto& [cause, number] : sorted) table.push_back({cause, std::to_string(number)});
-  html.table("Why runs did not stay up, or have no verdict", table);
+  report.table("Why runs did not stay up, or have no verdict", table);
 }
 
 void add_maps(const SweepView& view, const SweepPage& page, const std::vector<std::size_t>& order,
-              HtmlPage& html) {
+              Document& report) {
   std::vector<std::pair<std::size_t, std::size_t>> pairs;
   for (const auto& [x, y] : page.maps) {
     pairs.emplace_back(parameter_named(view, x), parameter_named(view, y));
@@ -170,22 +164,22 @@ void add_maps(const SweepView& view, const SweepPage& page, const std::vector<st
     for (std::size_t j = i + 1; j < mapped; ++j) pairs.emplace_back(order[i], order[j]);
   }
   if (pairs.empty()) return;
-  html.heading("Success maps");
-  html.paragraph(
-      "Colour and number: the share of runs that stay up, in percent. A thick line is the boundary "
-      "of the cells in which more than one half stays up at 95 % confidence (Clopper and Pearson); "
-      "a question mark: the interval has one half inside. --map A,B draws any two parameters.");
+  report.heading("Success maps", Extent::kPage);
+  report.paragraph(
+      "Colour and number: the share of runs that stay up, in percent. A frame is around the cells "
+      "in which more than one half stays up at 95 % confidence (Clopper and Pearson); a question "
+      "mark: the interval has one half inside. --map A,B draws any two parameters.");
   const std::vector<std::optional<bool>> up = view.up();
   for (const auto& [x, y] : pairs) {
     const Bins x_bins = view.bins(x);
     const Bins y_bins = view.bins(y);
-    html.figure(success_map(x_bins, y_bins, count_by(x_bins, y_bins, up)));
+    report.add(success_map(x_bins, y_bins, count_by(x_bins, y_bins, up)));
   }
 }
 
 /// Share of runs that stay up along a parameter, with the ends of the interval.
-void add_shares(const SweepView& view, const std::vector<std::size_t>& order, HtmlPage& html) {
-  html.heading("Along each parameter");
+void add_shares(const SweepView& view, const std::vector<std::size_t>& order, Document& report) {
+  report.heading("Along each parameter", Extent::kPage);
   const std::vector<std::optional<bool>> up = view.up();
   for (const std::size_t parameter : order) {
     const Bins bins = view.bins(parameter);
@@ -199,7 +193,7 @@ void add_shares(const SweepView& view, const std::vector<std::size_t>& order, Ht
                       fmt::format("{:.2f} to {:.2f} %", range.low * 100, range.high * 100)});
       if (rows.size() > 50) break;
     }
-    html.table("Stays up by " + bins.name, rows);
+    report.table("Stays up by " + bins.name, rows);
   }
 }
 
@@ -225,40 +219,41 @@ std::optional<Plot> histogram(const std::string& title, std::vector<double> valu
   return plot;
 }
 
-void add_distributions(const SweepView& view, HtmlPage& html) {
+void add_distributions(const SweepView& view, Document& report) {
   bool any = false;
   for (const auto& [name, title] : shown_figures(view)) {
     const auto index = view.figure_index(name);
     if (!index || *index == kUpFigure) continue;
     const auto plot = histogram(title, view.figure(*index));
     if (!plot) continue;
-    if (!any) html.heading("Distributions");
+    if (!any) report.heading("Distributions", Extent::kPage);
     any = true;
-    html.plot(*plot);
+    report.add(*plot);
   }
 }
 
-void add_sensitivity(const SweepView& view, const std::vector<Sensitivity>& table, HtmlPage& html) {
+void add_sensitivity(const SweepView& view, const std::vector<Sensitivity>& table,
+                     Document& report) {
   if (table.empty()) return;
-  html.heading("Sensitivity");
+  report.heading("Sensitivity", Extent::kPage);
   Rows rows{{"Spearman's rank correlation of"}};
   for (const std::string& name : view.sweep.table.names) rows.front().push_back(name);
   for (const Sensitivity& figure : table) {
-    std::vector<std::string> row{figure.figure};
+    Row row{figure.figure};
     for (const auto& rho : figure.by_parameter) {
       row.push_back(!rho ? "-" : fixed(rho->rho, 2) + (rho->is_significant() ? " *" : ""));
     }
     rows.push_back(std::move(row));
   }
-  html.table(
+  report.table(
       "From -1 (the more, the less) to 1; * differs from 0 at 95 %. It sees what rises or falls, "
       "not what has a best value in the middle",
       rows);
 }
 
-void add_worst(const SweepView& view, const SweepPage& page, HtmlPage& html) {
+void add_worst(const SweepView& view, const SweepPage& page, Document& report) {
   if (page.worst.empty()) return;
-  html.heading("Worst runs");
+  report.heading("Worst runs", Extent::kPage);
   Rows rows{{"Row", "Outcome", "First incident, s", "Least margin, %"}};
   for (const std::string& name : view.sweep.table.names) rows.front().push_back(name);
   rows.front().insert(rows.front().end(), {"Seed", "Cause"});
@@ -270,8 +265,8 @@ void add_worst(const SweepView& view, const SweepPage& page, HtmlPage& html) {
       if (index >= result.figures.size() || !std::isfinite(result.figures[index])) return {};
       return result.figures[index];
     };
-    std::vector<std::string> cells{std::to_string(number), std::string(to_string(result.outcome)),
-                                   fixed(figure(kCrashFigure), 2), fixed(figure(kMarginFigure), 1)};
+    Row cells{std::to_string(number), std::string(to_string(result.outcome)),
+              fixed(figure(kCrashFigure), 2), fixed(figure(kMarginFigure), 1)};
     cells.insert(cells.end(), row.values.begin(), row.values.end());
     cells.insert(cells.end(), {std::to_string(row.seed), result.cause});
     rows.push_back(std::move(cells));
@@ -280,31 +275,34 @@ void add_worst(const SweepView& view, const SweepPage& page, HtmlPage& html) {
                          fmt::format("Row {}: the run again, with its report", number));
     }
   }
-  html.table("First those that did not stay up, by the time of the first incident", rows);
-  if (!links.empty()) html.links(links);
-  html.paragraph(fmt::format("hils sweep show {} ROW prints the command that flies a row again.",
-                             view.sweep.path.string()));
+  report.table("First those that did not stay up, by the time of the first incident", rows);
+  if (!links.empty()) report.add(Document::Links{links});
+  report.paragraph(fmt::format("hils sweep show {} ROW prints the command that flies a row again.",
+                               view.sweep.path.string()));
 }
 
-void add_comparison(const SweepView& view, const SweepView& before, HtmlPage& html) {
-  html.heading("Against " + before.sweep.path.string());
-  Rows rows{{"Share", "Before", "Now", "Change", "p"}};
-  std::vector<HtmlPage::Row> looks;
+void add_comparison(const SweepView& view, const SweepView& before, Document& report) {
+  report.heading("Against " + before.sweep.path.string());
+  Rows rows{{"Share", "before", "now", "change", "p", "result"}};
+  std::vector<Look> looks;
   for (const ShareChange& change : compare_sweeps(before, view)) {
     if (change.before.trials == 0 && change.after.trials == 0) continue;
     rows.push_back({change.what, share_text(change.before), share_text(change.after),
-                    fmt::format("{:+.2f} %", change.change() * 100), p_text(change.p)});
+                    fmt::format("{:+.2f} %", change.change() * 100), p_text(change.p),
+                    change.p >= kSignificant ? "same"
+                    : change.change() < 0    ? "WORSE"
+                                             : "better"});
     const bool worse = change.p < kSignificant && change.change() < 0;
-    looks.push_back(worse ? HtmlPage::Row::kMissed : HtmlPage::Row::kPlain);
+    looks.push_back(worse ? Look::kMissed : Look::kPlain);
     if (rows.size() > 40) break;
   }
-  html.table(
+  report.table(
       "p: Fisher's exact test, how likely chance alone makes such a change; of the bins "
       "corrected by Holm's method. In red: worse, and p below 0.05",
       rows, looks);
   const ChangedRows changed = changed_rows(before, view);
   if (!changed.same_table) {
-    html.paragraph("The tables are not the same: single rows are not compared.");
+    report.paragraph("The tables are not the same: single rows are not compared.");
     return;
   }
   const auto list = [](const std::vector<std::size_t>& numbers) {
@@ -314,21 +312,21 @@ void add_comparison(const SweepView& view, const SweepView& before, HtmlPage& ht
     }
     return text + (numbers.size() > 20 ? ", ..." : "");
   };
-  html.paragraph(fmt::format(
+  report.paragraph(fmt::format(
       "Same table: {} rows stayed up before and do not now{}; {} rows do "
       "now and did not before{}.",
       changed.worse.size(), list(changed.worse), changed.better.size(), list(changed.better)));
 }
 
-}  // namespace
-
-std::string sweep_html(const SweepView& view, const std::vector<ShareCheck>& checks,
-                       const SweepPage& page) {
-  const SweepCounts counts = view.counts();
-  const Study& study = view.sweep.study;
-  HtmlPage html("Sweep: " + study.name);
+Document::Verdict verdict_of(const SweepView& view, const SweepCounts& counts,
+                             const std::vector<ShareCheck>& checks) {
+  if (counts.flown == 0) {
+    return {Mood::kNeutral, "Nothing was flown",
+            fmt::format("{}, {} runs; 'hils sweep run {}' flies them", view.sweep.study.name,
+                        counts.rows, view.sweep.path.string())};
+  }
+  const bool kept = std::ranges::all_of(checks, &ShareCheck::kept);
   const bool missing = counts.flown < counts.rows;
-  const bool kept = counts.flown == 0 || std::ranges::all_of(checks, &ShareCheck::kept);
   std::vector<std::string> sentences;
   for (const ShareCheck& check : checks) {
     if (!check.kept) sentences.push_back(check.sentence());
@@ -339,59 +337,42 @@ std::string sweep_html(const SweepView& view, const std::vector<ShareCheck>& che
   if (counts.judged < counts.flown) {
     sentences.push_back(fmt::format("{} runs have no verdict", counts.flown - counts.judged));
   }
-  const std::string word = counts.flown == 0 ? "Nothing was flown"
-                           : !kept           ? "Limits missed"
-                           : checks.empty()  ? "Flown"
-                                             : "Limits kept";
-  const HtmlPage::Mood mood = !kept                       ? HtmlPage::Mood::kBad
-                              : missing || checks.empty() ? HtmlPage::Mood::kNeutral
-                                                          : HtmlPage::Mood::kGood;
-  html.verdict(mood, word,
-               fmt::format("{} runs of {}: {}; stays up: {}", counts.flown, counts.rows,
-                           study.description.empty() ? study.name : study.description,
-                           share_text({counts.up, counts.judged})),
-               sentences);
-  const std::vector<Sensitivity> table = sensitivities(view);
-  const std::vector<std::size_t> order = by_importance(view, table);
-  add_limits(checks, html);
-  if (page.before != nullptr) add_comparison(view, *page.before, html);
-  add_outcomes(view, counts, html);
-  add_maps(view, page, order, html);
-  add_sensitivity(view, table, html);
-  add_worst(view, page, html);
-  add_shares(view, order, html);
-  add_distributions(view, html);
-  html.heading("Configuration");
-  html.folded("study.yaml", text_of_file(view.sweep.path / "study.yaml"));
-  html.folded("scenario.yaml", text_of_file(view.sweep.scenario()));
-  return html.finish();
+  return {!kept                       ? Mood::kBad
+          : missing || checks.empty() ? Mood::kNeutral
+                                      : Mood::kGood,
+          !kept            ? "Limits missed"
+          : checks.empty() ? "Flown"
+                           : "Limits kept",
+          fmt::format("{}: {} of {} runs flown, {} with a verdict; stays up: {}; passed: {}",
+                      view.sweep.study.name, counts.flown, counts.rows, counts.judged,
+                      share_text({counts.up, counts.judged}),
+                      share_text({counts.passed, counts.judged})),
+          std::move(sentences)};
 }
 
-std::string sweep_text(const SweepView& view, const std::vector<ShareCheck>& checks,
-                       const SweepView* before) {
+}  // namespace
+
+Document sweep_report(const SweepView& view, const std::vector<ShareCheck>& checks,
+                      const SweepPage& page) {
   const SweepCounts counts = view.counts();
-  if (counts.flown == 0) {
-    return fmt::format("{}: nothing was flown of {} runs; 'hils sweep run {}' flies them\n",
-                       view.sweep.study.name, counts.rows, view.sweep.path.string());
-  }
-  std::string text = fmt::format(
-      "{}: {} of {} runs flown, {} with a verdict\n  stays up: {}\n"
-      "  passed:   {}\n",
-      view.sweep.study.name, counts.flown, counts.rows, counts.judged,
-      share_text({counts.up, counts.judged}), share_text({counts.passed, counts.judged}));
-  for (const ShareCheck& check : checks) {
-    text += fmt::format("  {} {}\n", check.kept ? "kept  " : "MISSED", check.sentence());
-  }
-  if (before == nullptr) return text;
-  for (const ShareChange& change : compare_sweeps(*before, view)) {
-    if (!change.of_all && !(change.p < kSignificant)) continue;
-    text += fmt::format(
-        "  {} {}: {} before, {} now, p {}\n",
-        change.p < kSignificant ? (change.change() < 0 ? "WORSE " : "better") : "same  ",
-        change.what, percent(change.before.share()), percent(change.after.share()),
-        p_text(change.p));
-  }
-  return text;
+  const Study& study = view.sweep.study;
+  Document report{"Sweep: " + study.name};
+  report.add(verdict_of(view, counts, checks));
+  if (!study.description.empty()) report.paragraph(study.description);
+  const std::vector<Sensitivity> table = sensitivities(view);
+  const std::vector<std::size_t> order = by_importance(view, table);
+  if (counts.flown > 0) add_limits(checks, report);
+  add_outcomes(view, counts, report);
+  if (page.before != nullptr) add_comparison(view, *page.before, report);
+  add_maps(view, page, order, report);
+  add_sensitivity(view, table, report);
+  add_worst(view, page, report);
+  add_shares(view, order, report);
+  add_distributions(view, report);
+  report.heading("Configuration", Extent::kPage);
+  report.add(Document::Folded{"study.yaml", text_of_file(view.sweep.path / "study.yaml")});
+  report.add(Document::Folded{"scenario.yaml", text_of_file(view.sweep.scenario())});
+  return report;
 }
 
 }  // namespace cas::hils

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "hils/report/document.hpp"
 #include "hils/sweep/share_limits.hpp"
 #include "hils/sweep/sweep_view.hpp"
 
@@ -19,14 +20,10 @@ struct SweepPage {
   std::vector<std::size_t> flown_again{};  ///< of those: their reports lie in again/
 };
 
-/// One self-contained page: verdict, limits, success maps, shares along each parameter,
-/// distributions, sensitivity, worst runs, comparison.
+/// Verdict, limits, outcomes, comparison; on a page also success maps, shares along each parameter,
+/// distributions, sensitivity, worst runs.
 /// @throws base::ConfigError when a map asks for a parameter that is not there
-std::string sweep_html(const SweepView& view, const std::vector<ShareCheck>& checks,
-                       const SweepPage& page);
-
-/// The same for a terminal, in a few lines.
-std::string sweep_text(const SweepView& view, const std::vector<ShareCheck>& checks,
-                       const SweepView* before);
+Document sweep_report(const SweepView& view, const std::vector<ShareCheck>& checks,
+                      const SweepPage& page);
 
 }  // namespace cas::hils

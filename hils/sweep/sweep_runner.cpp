@@ -3,7 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
+#include <thread>
 #include <vector>
 
 #include "base/error.hpp"
@@ -44,8 +46,9 @@ class Runner {
   void fly() {
     // We hold the journal's lock, so files there belong to a killed runner.
     pool_.emplace(scratch_ / options_.chunk.name(), sweep_.study.deadline_s + options_.after_s,
-                  options_.on_boards ? std::vector<std::string>{"campaign", "--fly"}
-                                     : std::vector<std::string>{"sweep", "fly"});
+                  options_.on_boards || options_.keeps_flights
+                      ? std::vector<std::string>{"campaign", "--fly"}
+                      : std::vector<std::string>{"sweep", "fly"});
     const StopRequest stop;
     while (next_ < pending_.size() || pool_->size() > 0) {
       while (next_ < pending_.size() && pool_->size() < options_.jobs) {
@@ -130,6 +133,11 @@ class Runner {
 };
 
 }  // namespace
+
+std::size_t usual_jobs(const SweepFolder& sweep) {
+  if (Scenario::load(sweep.scenario()).firmware) return 1;
+  return std::max(1U, std::thread::hardware_concurrency());
+}
 
 void refuse_rows_of_boards(const SweepFolder& sweep) {
   if (!fs::exists(sweep.path / kControllersFile)) return;

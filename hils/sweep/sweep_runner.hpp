@@ -17,6 +17,7 @@ struct SweepRunOptions {
   bool retry = false;               ///< flies runs that died or hung once more
   double after_s = 0;               ///< extra time for a run beyond its study's deadline
   bool on_boards = false;           ///< as `controllers.json` in the sweep's folder says
+  bool keeps_flights = false;       ///< each leaves its report and replay: `hils campaign --fly`
 };
 /// Its file says with which boards the rows of a folder are flown, and that they are.
 inline constexpr const char* kControllersFile = "controllers.json";
@@ -29,6 +30,10 @@ struct SweepRunResult {
   std::string first_cause{};  ///< of the first of them
   bool all_refused = false;   ///< no run of the chunk was possible
 };
+
+/// How many rows are flown at once where nobody says: as many as there are processors; of stock
+/// firmware one, because PX4 holds a lock of its instance in /tmp, which all flights share.
+std::size_t usual_jobs(const SweepFolder& sweep);
 
 /// @throws base::ConfigError where the rows of a folder are flown with boards
 void refuse_rows_of_boards(const SweepFolder& sweep);

@@ -140,7 +140,6 @@ std::vector<ShareChange> compare_sweeps(const SweepView& before, const SweepView
       change_of("all: stays up", {a.up, a.judged}, {b.up, b.judged}),
       change_of("all: passed", {a.passed, a.judged}, {b.passed, b.judged}),
       change_of("all: has a verdict", {a.judged, a.flown}, {b.judged, b.flown})};
-  for (ShareChange& change : changes) change.of_all = true;
   std::vector<ShareChange> bins;
   const std::vector<std::string>& old_names = before.sweep.table.names;
   for (std::size_t i = 0; i < after.sweep.table.names.size(); ++i) {

@@ -43,7 +43,6 @@ struct ShareChange {
   std::string what{};  ///< "all: stays up", "wind_m_s 4..6: stays up"
   ShareCell before{};
   ShareCell after{};
-  bool of_all = false;  ///< the share of all runs; else of those of a bin
   double p = 1;  ///< Fisher's exact test; of the bins, corrected by Holm's method for their number
 
   double change() const { return after.share() - before.share(); }

@@ -129,7 +129,7 @@ int run(const Flags& flags) {
   if (!flags.json.empty()) {
     base::write_file(flags.json, timing_json(report), base::Durability::kCache);
   }
-  fmt::print("{}", timing_text(report));
+  fmt::print("{}", write_text(timing_report(report)));
   return report.verdict.code;
 }
 

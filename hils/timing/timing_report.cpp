@@ -6,15 +6,12 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "hils/report/aligned_table.hpp"
 #include "hils/report/number_text.hpp"
+#include "hils/report/verdict_section.hpp"
 
 namespace cas::hils {
 
 namespace {
-
-using Json = nlohmann::json;
-using Rows = std::vector<std::vector<std::string>>;
 
 std::string kilobytes(double bytes_s) { return fixed(bytes_s / 1e3, 1); }
 
@@ -22,8 +19,8 @@ std::string lost_words(const EchoFigures& echoes) {
   return fmt::format("{} of {}", echoes.lost(), echoes.asked);
 }
 
-std::string echo_table(const LineFigures& figures) {
-  Rows rows{{"ROUND TRIP, MS", "LEAST", "MEDIAN", "P99", "LONGEST", "JITTER", "LOST"}};
+Rows echo_rows(const LineFigures& figures) {
+  Rows rows{{"of", "least", "median", "99 %", "longest", "jitter", "lost"}};
   const auto add = [&rows](std::string_view name, const EchoFigures& echoes) {
     rows.push_back({std::string(name), fixed(echoes.least_ms, 2), fixed(echoes.median_ms, 2),
                     fixed(echoes.p99_ms, 2), fixed(echoes.longest_ms, 2),
@@ -31,12 +28,12 @@ std::string echo_table(const LineFigures& figures) {
   };
   add(to_string(QuestionKind::kPing), figures.ping);
   add(to_string(QuestionKind::kTimesync), figures.timesync);
-  return aligned_table(rows, Cells::kRight);
+  return rows;
 }
 
-std::string load_table(const LineFigures& figures) {
-  Rows rows{{"LOAD, HIL_SENSOR HZ", "TO, KB/S", "FROM, KB/S", "MEDIAN, MS", "P99", "LONGEST", "GAP",
-             "BYTES A READ", "LOST", ""}};
+Rows load_rows(const LineFigures& figures) {
+  Rows rows{{"HIL_SENSOR Hz", "to kB/s", "from kB/s", "median ms", "99 %", "longest", "gap ms",
+             "bytes a read", "lost", ""}};
   const auto add = [&rows](const LoadFigures& load) {
     rows.push_back({fmt::format("{:g}", load.sensor_hz), kilobytes(load.to_bytes_s),
                     kilobytes(load.from_bytes_s), fixed(load.echoes.median_ms, 2),
@@ -46,7 +43,7 @@ std::string load_table(const LineFigures& figures) {
   };
   for (const LoadFigures& load : figures.loads) add(load);
   for (const LoadFigures& load : figures.slower) add(load);
-  return aligned_table(rows, Cells::kRight);
+  return rows;
 }
 
 std::string frame_words(const std::optional<base::Duration>& frame) {
@@ -54,14 +51,14 @@ std::string frame_words(const std::optional<base::Duration>& frame) {
   return fmt::format("answers come in frames of {:g} ms", 1e3 * base::to_seconds(*frame));
 }
 
-Json echo_json(const EchoFigures& echoes) {
+nlohmann::json echo_json(const EchoFigures& echoes) {
   return {{"asked", echoes.asked},        {"lost", echoes.lost()},
           {"least_ms", echoes.least_ms},  {"median_ms", echoes.median_ms},
           {"p99_ms", echoes.p99_ms},      {"longest_ms", echoes.longest_ms},
           {"jitter_ms", echoes.jitter_ms}};
 }
 
-Json load_json(const LoadFigures& load) {
+nlohmann::json load_json(const LoadFigures& load) {
   return {{"sensor_hz", load.sensor_hz},
           {"round_trip", echo_json(load.echoes)},
           {"to_bytes_s", load.to_bytes_s},
@@ -72,55 +69,65 @@ Json load_json(const LoadFigures& load) {
           {"kept", load.kept()}};
 }
 
-Json loads_json(const std::vector<LoadFigures>& loads) {
-  Json all = Json::array();
+nlohmann::json loads_json(const std::vector<LoadFigures>& loads) {
+  nlohmann::json all = nlohmann::json::array();
   for (const LoadFigures& load : loads) all.push_back(load_json(load));
   return all;
 }
 
-Json verdict_json(const TimingVerdict& verdict) {
-  Json json{{"fits", verdict.code == kExitPassed}, {"exit_code", static_cast<int>(verdict.code)},
-            {"sentence", verdict.sentence},        {"spare", verdict.spare},
-            {"fitting_sensor_hz", nullptr},        {"notes", verdict.notes}};
+nlohmann::json verdict_json(const TimingVerdict& verdict) {
+  nlohmann::json json{
+      {"fits", verdict.code == kExitPassed}, {"exit_code", static_cast<int>(verdict.code)},
+      {"sentence", verdict.sentence},        {"spare", verdict.spare},
+      {"fitting_sensor_hz", nullptr},        {"notes", verdict.notes}};
   if (verdict.fitting_sensor_hz) json["fitting_sensor_hz"] = *verdict.fitting_sensor_hz;
   return json;
 }
 
 }  // namespace
 
-std::string timing_text(const TimingReport& report) {
+Document timing_report(const TimingReport& report) {
   const LineFigures& figures = report.figures;
-  std::string text = fmt::format(
-      "{} at {} baud: system {}, disarmed, {}; it sends {} kB/s by itself\n\n{}\n{}\n"
-      "throughput: {} kB/s to it, {} kB/s from it\n\n{}\n",
-      report.device, report.baud, figures.autopilot.system,
-      figures.in_hil ? "in HIL" : "not in HIL", kilobytes(figures.background_bytes_s),
-      echo_table(figures), frame_words(figures.frame), kilobytes(figures.to_bytes_s),
-      kilobytes(figures.from_bytes_s), load_table(figures));
-  for (const std::string& note : report.verdict.notes) text += "note: " + note + "\n";
-  return text + report.verdict.sentence + "\n";
+  const TimingVerdict& verdict = report.verdict;
+  Document page{"Timing of " + report.device};
+  page.add(verdict_block({.valid = verdict.code != kExitInvalid,
+                          .passed = verdict.code == kExitPassed,
+                          .failures = {},
+                          .checks = {},
+                          .remarks = verdict.notes},
+                         verdict.sentence));
+  page.paragraph(fmt::format(
+      "{} at {} baud: system {}, disarmed, {}; it sends {} kB/s by itself; {}.", report.device,
+      report.baud, figures.autopilot.system, figures.in_hil ? "in HIL" : "not in HIL",
+      kilobytes(figures.background_bytes_s), frame_words(figures.frame)));
+  page.table("Round trip, ms", echo_rows(figures));
+  page.table(
+      "Throughput, kB/s",
+      {{"to it", "from it"}, {kilobytes(figures.to_bytes_s), kilobytes(figures.from_bytes_s)}});
+  page.table("Under load", load_rows(figures));
+  return page;
 }
 
 std::string timing_json(const TimingReport& report) {
   const LineFigures& figures = report.figures;
-  Json json{{"device", report.device},
-            {"baud", report.baud},
-            {"system", figures.autopilot.system},
-            {"in_hil", figures.in_hil},
-            {"demand",
-             {{"sensor_hz", report.demand.sensor_hz},
-              {"gps_hz", report.demand.gps_hz},
-              {"controls_hz", report.demand.controls_hz}}},
-            {"background_bytes_s", figures.background_bytes_s},
-            {"ping", echo_json(figures.ping)},
-            {"timesync", echo_json(figures.timesync)},
-            {"frame_us", nullptr},
-            {"to_bytes_s", figures.to_bytes_s},
-            {"from_bytes_s", figures.from_bytes_s},
-            {"crc_errors", figures.crc_errors},
-            {"loads", loads_json(figures.loads)},
-            {"slower", loads_json(figures.slower)},
-            {"verdict", verdict_json(report.verdict)}};
+  nlohmann::json json{{"device", report.device},
+                      {"baud", report.baud},
+                      {"system", figures.autopilot.system},
+                      {"in_hil", figures.in_hil},
+                      {"demand",
+                       {{"sensor_hz", report.demand.sensor_hz},
+                        {"gps_hz", report.demand.gps_hz},
+                        {"controls_hz", report.demand.controls_hz}}},
+                      {"background_bytes_s", figures.background_bytes_s},
+                      {"ping", echo_json(figures.ping)},
+                      {"timesync", echo_json(figures.timesync)},
+                      {"frame_us", nullptr},
+                      {"to_bytes_s", figures.to_bytes_s},
+                      {"from_bytes_s", figures.from_bytes_s},
+                      {"crc_errors", figures.crc_errors},
+                      {"loads", loads_json(figures.loads)},
+                      {"slower", loads_json(figures.slower)},
+                      {"verdict", verdict_json(report.verdict)}};
   if (figures.frame) json["frame_us"] = 1e6 * base::to_seconds(*figures.frame);
   return json.dump(2) + "\n";
 }

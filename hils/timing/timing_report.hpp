@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "hils/report/document.hpp"
 #include "hils/timing/timing_verdict.hpp"
 
 namespace cas::hils {
@@ -16,8 +17,8 @@ struct TimingReport {
   TimingVerdict verdict{};
 };
 
-/// For a terminal.
-std::string timing_text(const TimingReport& report);
+/// Verdict, round trips, throughput and loads.
+Document timing_report(const TimingReport& report);
 /// The same figures as a JSON object, units in the names.
 std::string timing_json(const TimingReport& report);
 

@@ -16,18 +16,20 @@ namespace cas::hils {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::size_t kLongestId = 256;
 constexpr const char* kWrongId = "'id' is a number, a word, true or false, of at most 256 bytes";
 
-std::string line_of(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+std::string line_of(const OrderedJson& json) {
+  return json.dump(-1, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+OrderedJson number(double value) {
+  return std::isfinite(value) ? OrderedJson(value) : OrderedJson(nullptr);
+}
 
-void read_parameters(const Json& values, const std::vector<Parameter>& known,
+void read_parameters(const OrderedJson& values, const std::vector<Parameter>& known,
                      EvalRequest& request) {
   if (!values.is_object()) throw base::ConfigError("'parameters' is a map of names and values");
   std::vector<std::string> names;
@@ -45,7 +47,7 @@ void read_parameters(const Json& values, const std::vector<Parameter>& known,
   }
 }
 
-void read(const Json& json, const std::vector<Parameter>& known, EvalRequest& request) {
+void read(const OrderedJson& json, const std::vector<Parameter>& known, EvalRequest& request) {
   if (!json.is_object()) throw base::ConfigError("the line is no JSON map");
   for (const auto& [key, value] : json.items()) {
     if (key == "parameters") {
@@ -64,11 +66,11 @@ void read(const Json& json, const std::vector<Parameter>& known, EvalRequest& re
 EvalRequest EvalRequest::parse(std::string_view line, const std::vector<Parameter>& parameters,
                                std::uint64_t seed) {
   EvalRequest request{.seed = seed};
-  const Json json = Json::parse(line, nullptr, false);
+  const OrderedJson json = OrderedJson::parse(line, nullptr, false);
   try {
     if (json.is_object() && json.contains("id")) {
       if (json["id"].is_structured()) throw base::ConfigError(kWrongId);
-      std::string id = json["id"].dump(-1, ' ', false, Json::error_handler_t::replace);
+      std::string id = json["id"].dump(-1, ' ', false, OrderedJson::error_handler_t::replace);
       if (id.size() > kLongestId) throw base::ConfigError(kWrongId);
       request.id = std::move(id);
     }
@@ -81,17 +83,17 @@ EvalRequest EvalRequest::parse(std::string_view line, const std::vector<Paramete
 
 std::string eval_answer(const EvalRequest& request, const RowResult& result,
                         const std::vector<std::string>& figures) {
-  Json json;
-  json["id"] = Json::parse(request.id);
+  OrderedJson json;
+  json["id"] = OrderedJson::parse(request.id);
   json["outcome"] = to_string(result.outcome);
   const auto figure = [&](std::size_t i) {
-    return i < result.figures.size() ? number(result.figures[i]) : Json(nullptr);
+    return i < result.figures.size() ? number(result.figures[i]) : OrderedJson(nullptr);
   };
-  json["up"] = is_judged(result.outcome) ? figure(kUpFigure) : Json(nullptr);
+  json["up"] = is_judged(result.outcome) ? figure(kUpFigure) : OrderedJson(nullptr);
   json["cause"] = result.cause;
   json["incident"] = result.incident;
   json["seed"] = request.seed;
-  json["figures"] = Json::object();
+  json["figures"] = OrderedJson::object();
   for (std::size_t i = 0; i < figures.size(); ++i) json["figures"][figures[i]] = figure(i);
   json["truth_sha256"] = result.truth_sha256;
   json["wall_s"] = result.machine.wall_s;
@@ -99,19 +101,19 @@ std::string eval_answer(const EvalRequest& request, const RowResult& result,
 }
 
 std::string eval_error(const EvalRequest& request, const std::string& sentence) {
-  Json json;
-  json["id"] = Json::parse(request.id);
+  OrderedJson json;
+  json["id"] = OrderedJson::parse(request.id);
   json["error"] = sentence;
   return line_of(json);
 }
 
 std::string eval_description(const Study& study, const std::vector<std::string>& figures) {
-  Json json;
+  OrderedJson json;
   json["schema"] = kEvalSchema;
   json["study"] = study.name;
-  json["parameters"] = Json::array();
+  json["parameters"] = OrderedJson::array();
   for (const Parameter& each : study.parameters) {
-    Json own{{"name", each.name}, {"keys", each.keys}};
+    OrderedJson own{{"name", each.name}, {"keys", each.keys}};
     if (!each.values.empty()) own["values"] = each.values;
     if (each.distribution) {
       if (each.distribution->least) own["least"] = *each.distribution->least;

@@ -82,8 +82,9 @@ int run_tune(const std::string& study_file, const fs::path& out, std::size_t job
       steps.push_back(std::move(plot));
     }
   }
-  base::write_result({out, "tune.html"}, tune_html(study, result, steps), base::Durability::kDisk);
-  fmt::print("{}\nResults: {}\n", tune_text(study, result), out.string());
+  const Document report = tune_report(study, result, steps);
+  base::write_result({out, "tune.html"}, write_html(report), base::Durability::kDisk);
+  fmt::print("{}\nResults: {}\n", write_text(report), out.string());
   return result.best != 0 ? kExitPassed : kExitLimitsMissed;
 }
 

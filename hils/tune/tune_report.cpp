@@ -7,15 +7,11 @@
 #include <cmath>
 #include <string_view>
 
-#include "hils/report/aligned_table.hpp"
-#include "hils/report/html_page.hpp"
 #include "hils/sweep/run_table.hpp"
 
 namespace cas::hils {
 
 namespace {
-
-using Rows = std::vector<std::vector<std::string>>;
 
 constexpr std::string_view kParams = "controller.params.";
 
@@ -91,7 +87,7 @@ std::string verdict_line(const TuneResult& result) {
 
 std::string verification_line(const TuneResult& result) {
   return fmt::format(
-      "Seeds that the search never used; of {} flights with each, {} did not stay up before and {} "
+      "seeds that the search never used; of {} flights with each, {} did not stay up before and {} "
       "after",
       result.verify_flights, result.fallen_before, result.fallen_after);
 }
@@ -160,56 +156,43 @@ std::string gains_params(const TuneStudy& study, const Candidate& candidate) {
   return text;
 }
 
-std::string tune_html(const TuneStudy& study, const TuneResult& result,
-                      const std::vector<Plot>& steps) {
-  HtmlPage page("Tuning " + study.name);
+Document tune_report(const TuneStudy& study, const TuneResult& result,
+                     const std::vector<Plot>& steps) {
+  Document page{"Tuning " + study.name};
   const bool better = result.best != 0;
-  page.verdict(better && !falls_more(result) ? HtmlPage::Mood::kGood : HtmlPage::Mood::kNeutral,
-               better ? "BETTER" : "NONE BETTER", verdict_line(result), {});
+  page.add(Document::Verdict{better && !falls_more(result) ? Mood::kGood : Mood::kNeutral,
+                             better ? "BETTER" : "NONE BETTER",
+                             study.name + ": " + verdict_line(result)});
   if (!study.description.empty()) page.paragraph(study.description);
-  page.heading("Before and after");
   page.table("Values", value_rows(study, result));
   page.table("Over the search's scenarios and seeds: mean of the seeds, worst of the scenarios",
              objective_rows(study, result));
   if (!result.verification.empty()) {
-    page.heading("Verification");
-    page.table(verification_line(result), verification_rows(result));
+    page.table("Verification: " + verification_line(result), verification_rows(result));
   }
-  if (!steps.empty()) page.heading("Step responses");
-  for (const Plot& plot : steps) page.plot(plot);
+  if (!steps.empty()) page.heading("Step responses", Extent::kPage);
+  for (const Plot& plot : steps) page.add(plot);
   if (!result.front.empty() && study.objectives.size() > 1) {
-    page.heading("Front");
+    page.heading("Front", Extent::kPage);
     page.paragraph(fmt::format(
         "{} of {} candidates hold all guards and are beaten by no other in all objectives: "
         "front.csv. candidates.csv has all of them.",
         result.front.size(), result.candidates.size()));
     for (std::size_t y = 1; y < study.objectives.size(); ++y) {
-      page.plot(front_plot(study, result, 0, y));
+      page.add(front_plot(study, result, 0, y));
     }
   }
-  page.heading("Flights");
-  std::vector<std::pair<std::string, std::string>> links;
+  page.heading("Flights", Extent::kPage);
+  Document::Links flights;
   for (const TuneScenario& each : study.scenarios) {
     for (const char* when : {"before", "after"}) {
-      links.emplace_back(fmt::format("{}/{}/report.html", when, each.name),
-                         fmt::format("{}, {}", each.name, when));
+      flights.list.emplace_back(fmt::format("{}/{}/report.html", when, each.name),
+                                fmt::format("{}, {}", each.name, when));
     }
   }
-  page.links(links);
-  page.folded("gains.yaml", gains_yaml(study, result.candidates[result.best]));
-  return page.finish();
-}
-
-std::string tune_text(const TuneStudy& study, const TuneResult& result) {
-  std::string text = fmt::format("{}: {}: {}\n\n", result.best != 0 ? "BETTER" : "NONE BETTER",
-                                 study.name, verdict_line(result));
-  text += aligned_table(value_rows(study, result), Cells::kRight) + "\n" +
-          aligned_table(objective_rows(study, result), Cells::kRight);
-  if (!result.verification.empty()) {
-    text += "\n" + verification_line(result) + "\n" +
-            aligned_table(verification_rows(result), Cells::kRight);
-  }
-  return text;
+  page.add(std::move(flights));
+  page.add(Document::Folded{"gains.yaml", gains_yaml(study, result.candidates[result.best])});
+  return page;
 }
 
 }  // namespace cas::hils

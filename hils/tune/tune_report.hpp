@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "hils/report/plot.hpp"
+#include "hils/report/document.hpp"
 #include "hils/tune/tune_run.hpp"
 
 namespace cas::hils {
@@ -22,13 +22,10 @@ std::string gains_yaml(const TuneStudy& study, const Candidate& candidate);
 /// is a parameter of the controller.
 std::string gains_params(const TuneStudy& study, const Candidate& candidate);
 
-/// One self-contained page: verdict, values, objectives and guards before and after, front,
-/// verification, step responses.
+/// Verdict, values, objectives and guards before and after, verification; on a page also step
+/// responses and front.
 /// @param steps  plots of the step responses
-std::string tune_html(const TuneStudy& study, const TuneResult& result,
-                      const std::vector<Plot>& steps);
-
-/// The same tables for a terminal, without the front.
-std::string tune_text(const TuneStudy& study, const TuneResult& result);
+Document tune_report(const TuneStudy& study, const TuneResult& result,
+                     const std::vector<Plot>& steps);
 
 }  // namespace cas::hils

@@ -14,7 +14,7 @@ namespace cas::hils {
 
 namespace {
 
-constexpr int kSchema = 1;
+constexpr int kStudySchema = 1;
 constexpr double kMostNumber = 1e300;
 constexpr int kMostPopulation = 10'000;
 constexpr int kMostGenerations = 1'000'000;
@@ -143,7 +143,8 @@ double TuneParameter::place() const {
 
 TuneStudy TuneStudy::load(const std::filesystem::path& file) {
   const base::ConfigNode root = base::ConfigNode::load(file);
-  if (root.require<int>("schema") != kSchema) root.at("schema").fail("this program reads schema 1");
+  if (root.require<int>("schema") != kStudySchema)
+    root.at("schema").fail("this program reads schema 1");
   TuneStudy study;
   study.name = root.get<std::string>("name", file.stem().string());
   study.description = root.get<std::string>("description", "");

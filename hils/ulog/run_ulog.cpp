@@ -36,7 +36,7 @@ namespace {
 using base::SimTime;
 using sim::UlogRecord;
 using Topic = UlogTopicId;
-using Row = std::vector<double>;
+using TopicRow = std::vector<double>;
 
 /// One file of the run, read from its begin to its end.
 class Track {
@@ -51,7 +51,7 @@ class Track {
 /// A CSV file with the time in its first column.
 class CsvTrack final : public Track {
  public:
-  using Write = std::function<void(SimTime, const Row&)>;
+  using Write = std::function<void(SimTime, const TopicRow&)>;
 
   /// @param file  one that is not there has no rows: no such sensor
   CsvTrack(std::filesystem::path file, std::size_t columns, Write write)
@@ -87,7 +87,7 @@ class CsvTrack final : public Track {
   std::ifstream in_;
   Write write_;
   int number_ = 1;  ///< of the line, after the header
-  Row row_;
+  TopicRow row_;
   std::optional<SimTime> time_;
 };
 
@@ -131,7 +131,7 @@ class TlogTrack final : public Track {
   SimTime time_{};
 };
 
-UlogRecord& put_three(UlogRecord& record, const Row& row, std::size_t first) {
+UlogRecord& put_three(UlogRecord& record, const TopicRow& row, std::size_t first) {
   return record.put_float(row[first]).put_float(row[first + 1]).put_float(row[first + 2]);
 }
 
@@ -153,7 +153,7 @@ std::size_t rotor_columns(const std::filesystem::path& truth_csv) {
 ///
 /// @param home  the origin's place on earth; nullopt: the run has none
 void write_truth(sim::UlogFile& file, const std::optional<base::Geodetic>& home, SimTime time,
-                 const Row& row) {
+                 const TopicRow& row) {
   const Eigen::Vector3d p_N(row[1], row[2], -row[3]);
   const Eigen::Vector3d v_N(row[4], row[5], -row[6]);
   const Eigen::Quaterniond q = base::quaternion_rpy(row[7], row[8], row[9]);
@@ -171,12 +171,12 @@ void write_truth(sim::UlogFile& file, const std::optional<base::Geodetic>& home,
         UlogRecord(time).put(place.lat_deg).put(place.lon_deg).put_float(place.alt_m));
 }
 
-void write_imu(sim::UlogFile& file, SimTime time, const Row& row) {
+void write_imu(sim::UlogFile& file, SimTime time, const TopicRow& row) {
   UlogRecord record(time);
   write(file, Topic::kSensorCombined, put_three(put_three(record, row, 1), row, 4));
 }
 
-void write_gps(sim::UlogFile& file, SimTime time, const Row& row) {
+void write_gps(sim::UlogFile& file, SimTime time, const TopicRow& row) {
   const double north = row[6];
   const double east = row[7];
   write(file, Topic::kGpsPosition,
@@ -195,12 +195,12 @@ void write_gps(sim::UlogFile& file, SimTime time, const Row& row) {
             .put(static_cast<std::uint8_t>(row[2])));
 }
 
-void write_magnetometer(sim::UlogFile& file, SimTime time, const Row& row) {
+void write_magnetometer(sim::UlogFile& file, SimTime time, const TopicRow& row) {
   UlogRecord record(time);
   write(file, Topic::kMagnetometer, put_three(record, row, 1));
 }
 
-void write_barometer(sim::UlogFile& file, SimTime time, const Row& row) {
+void write_barometer(sim::UlogFile& file, SimTime time, const TopicRow& row) {
   write(file, Topic::kAirData,
         UlogRecord(time)
             .put_float(base::isa::altitude_m(row[1]))
@@ -208,7 +208,7 @@ void write_barometer(sim::UlogFile& file, SimTime time, const Row& row) {
             .put_float(row[2]));
 }
 
-void write_rangefinder(sim::UlogFile& file, SimTime time, const Row& row) {
+void write_rangefinder(sim::UlogFile& file, SimTime time, const TopicRow& row) {
   constexpr std::int8_t kUnknown = -1;  // of distance_sensor.msg; 0: no signal
   write(file, Topic::kDistance,
         UlogRecord(time).put_float(row[1]).put(row[2] > 0 ? kUnknown : std::int8_t{0}));
@@ -218,7 +218,7 @@ void write_rangefinder(sim::UlogFile& file, SimTime time, const Row& row) {
 std::vector<sim::UlogParam> initial_params(const RunRequest& request, std::size_t vehicle,
                                            const VehiclePlaces& places) {
   std::vector<sim::UlogParam> params;
-  if (request.fcu_device(vehicle) != nullptr) return params;
+  if (request.scenario.firmware || request.fcu_device(vehicle) != nullptr) return params;
   const fcu::FlightController controller(fcu::FcuConfig::load(places.fcu_config()), [](auto) {});
   const fcu::ParamStore& store = controller.params();
   for (std::size_t i = 0; i < store.size(); ++i) {
@@ -250,7 +250,9 @@ std::vector<sim::UlogInfo> infos(const RunRequest& request, const RunRecord& rec
       UlogInfo::text("cas_vehicle", record.vehicle),
       UlogInfo::text("cas_architecture", to_string(request.architecture)),
       UlogInfo::text("cas_seed", std::to_string(request.seed))};
-  if (!record.from_device) {
+  if (record.firmware) {
+    infos.push_back(UlogInfo::text("ver_sw", record.firmware->version));
+  } else if (!record.from_device) {
     infos.push_back(UlogInfo::text("ver_hw", "fcu_emulator"));
     infos.push_back(UlogInfo::text("ver_sw", CAS_VERSION));
     infos.push_back(UlogInfo::uint32("ver_sw_release", version_number(CAS_VERSION)));
@@ -272,10 +274,11 @@ void write_ulog(const RunRequest& request, const RunRecord& record, std::size_t 
   std::vector<std::unique_ptr<Track>> tracks;
   const auto add_csv = [&](const std::filesystem::path& path, std::size_t columns, auto write) {
     tracks.push_back(std::make_unique<CsvTrack>(
-        path, columns, [&file, write](SimTime time, const Row& row) { write(file, time, row); }));
+        path, columns,
+        [&file, write](SimTime time, const TopicRow& row) { write(file, time, row); }));
   };
   add_csv(record.truth_csv, kFirstRotor + rotors,
-          [&home](sim::UlogFile& to, SimTime time, const Row& row) {
+          [&home](sim::UlogFile& to, SimTime time, const TopicRow& row) {
             write_truth(to, home, time, row);
           });
   add_csv(record.sensors / "imu.csv", 7, write_imu);

@@ -17,7 +17,7 @@ namespace {
 
 constexpr base::Duration kSecond = std::chrono::seconds(1);
 /// A thread that waits for room on a line looks this often.
-constexpr base::Duration kLook = std::chrono::milliseconds(1);
+constexpr base::Duration kTurnOfRelay = std::chrono::milliseconds(1);
 
 /// Input buffer of a terminal, and of a UDP socket with the usual rmem_max: more is lost.
 constexpr std::size_t kTtyBytes = 16'384;
@@ -278,7 +278,7 @@ void VirtualRelay::until(base::RunTime when) {
 }
 
 void VirtualRelay::for_room(int, base::Duration at_most) {
-  now_ = busy_until_ = now_ + std::min(at_most, kLook);
+  now_ = busy_until_ = now_ + std::min(at_most, kTurnOfRelay);
 }
 
 /// The one thread's loop, as far as it gets by `now`.

@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -22,13 +23,15 @@
 #include "casd/tlog/tlog_files.hpp"
 #include "casd/tlog/tlog_writer.hpp"
 #include "casd/topology/topology.hpp"
+#include "hils/flight/flight_loop.hpp"
 #include "hils/measure/run_record.hpp"
 #include "hils/programs/composition.hpp"
 #include "hils/programs/ground_station.hpp"
 #include "hils/programs/progress.hpp"
+#include "hils/programs/scenario_flight.hpp"
 #include "hils/programs/supervisor.hpp"
 #include "hils/virtual/virtual_controller.hpp"
-#include "hils/virtual/virtual_pilot.hpp"
+#include "hils/virtual/virtual_port.hpp"
 #include "hils/virtual/virtual_relay.hpp"
 #include "hils/virtual/virtual_simulator.hpp"
 #include "libsim/core/run/left_world.hpp"
@@ -70,7 +73,7 @@ class FlightLog {
   }
 
  private:
-  base::ResultStream file_;
+  base::OpenFile file_;
   base::ResultPlace place_;
   std::vector<std::uint8_t> record_;
 };
@@ -134,7 +137,7 @@ class Seat {
 };
 
 /// The whole bench as one discrete-event simulation.
-class VirtualBench {
+class VirtualBench final : public FlightBench {
  public:
   VirtualBench(const RunRequest& request, const RunPlaces& places)
       : scenario_(request.scenario),
@@ -146,9 +149,9 @@ class VirtualBench {
         seats_(seats(places)),
         simulator_(sim::SimConfig::load(places.simulator_config()),
                    {.output_dir = places.out, .plugin_dirs = base::plugin_dirs()}, ways_out()),
-        pilot_(relay_.commander(), scenario_, casd::GainMap::load(topology_.gains),
-               [this](std::size_t vehicle) { return simulator_.motion(vehicle); }),
-        faults_(scenario_.faults.bench) {
+        port_(relay_.commander(), casd::GainMap::load(topology_.gains),
+              [this] { return port_now_; }),
+        loop_(flight_of(scenario_), *this) {
     for (std::size_t i = 0; i < seats_.size(); ++i) {
       relay_.connect(seats_[i]->to_simulator(), [this, i](auto bytes, auto now) {
         simulator_.wire(i).write(bytes, now);
@@ -164,18 +167,16 @@ class VirtualBench {
   }
 
   void fly() {
-    const base::RunTime begin = base::steady_now();
     std::optional<base::RunTime> end;
     base::RunTime latest{};
     for (base::RunTime now{}; !end || now < *end; now = next_event(now)) {
       advance(now);
-      if (pilot_.plan().ended()) {
+      if (loop_.flight().plan.ended()) {
         if (!end) latest = now + kLongestFall;
         // A falling vehicle is followed to the ground.
         if (!end || (something_falls() && now < latest)) end = now + kDrain;
       }
       if (InterruptGuard::raised()) throw RunStopped("interrupted", true);
-      show(now, begin);
     }
     progress_.clear();
     simulator_.finish();
@@ -184,19 +185,53 @@ class VirtualBench {
   }
 
   void fill(std::size_t vehicle, RunRecord& record) const {
-    const FlightPlan& plan = pilot_.plan().plan(vehicle);
+    record_flight(loop_.flight(), vehicle, simulator_.time(), record);
     const Seat& seat = *seats_[vehicle];
     record.simulator = simulator_.wire(vehicle).ledger();
     record.controller = seat.controller().ledger();
     record.relay = RelayLedgers{.simulator = relay_.ledger(seat.to_simulator()),
                                 .controller = relay_.ledger(seat.to_controller())};
-    record.stages = plan.stages();
-    record.under_way = plan.under_way(simulator_.time());
-    record.hold = plan.measured();
     record.log_clock.add(kLogEpochUs, 0);
-    record.faults = faults_.history_of(vehicle);
-    record.flight_failure = pilot_.plan().failure_of(vehicle);
-    record.simulated_s = base::to_seconds(simulator_.time());
+  }
+
+  base::SimTime look() override { return base::SimTime(now_.time_since_epoch()); }
+  Motion truth(std::size_t vehicle) const override { return simulator_.motion(vehicle); }
+  std::optional<VehicleReport> report(std::size_t vehicle) override {
+    return port_.report(scenario_.vehicles[vehicle].system_id);
+  }
+  void tell_phase(std::string_view phase) override { simulator_.set_flight_phase(phase); }
+
+  /// casd reports on its own ticks and packets.
+  void give(Flight&, std::size_t vehicle, const FlightStep& step, Answer answer) override {
+    port_.give(step, scenario_.vehicles[vehicle].system_id,
+               [this, answer = std::move(answer)](const std::optional<Refusal>& refusal) {
+                 answer(base::SimTime(port_now_.time_since_epoch()), refusal);
+               });
+  }
+
+  void play(const Flight&, const BenchFault& fault, bool begins) override {
+    Seat& seat = *seats_[fault.vehicle];
+    if (const auto* line = std::get_if<LineFault>(&fault.kind)) {
+      seat.set_line(*line, begins);
+    } else if (std::holds_alternative<UnplugFault>(fault.kind)) {
+      seat.unplug(begins);
+    } else if (std::holds_alternative<RestartFault>(fault.kind)) {
+      begins ? relay_.kill() : relay_.restart();
+    } else if (const auto* flood = std::get_if<FloodFault>(&fault.kind)) {
+      if (ground_station_) ground_station_->flood(begins ? flood->packets_hz : 0);
+    } else if (std::holds_alternative<SilenceFault>(fault.kind)) {
+      relay_.silence(begins);
+      if (ground_station_) ground_station_->silence(begins);
+    } else if (const auto* starve = std::get_if<StarveFault>(&fault.kind)) {
+      relay_.set_wake_up(wake_up(begins ? starve->wake_up : scenario_.wake_up));
+    }
+  }
+
+  void show(base::SimTime now, const FlightPlan& plan, const VehicleReport& vehicle) override {
+    if (now < next_show_) return;
+    next_show_ = now + kShowPeriod;
+    const double wall_s = std::max(base::to_seconds(base::steady_now() - begin_), 1e-9);
+    progress_.show(now, plan, vehicle, pace_words(base::to_seconds(now) / wall_s));
   }
 
  private:
@@ -235,7 +270,7 @@ class VirtualBench {
 
   bool something_falls() const {
     constexpr double kFalls_m_s = 2;  // a landing comes down at 0.7
-    return std::ranges::any_of(pilot_.vehicles(), [](const VehicleReport& vehicle) {
+    return std::ranges::any_of(loop_.flight().vehicles, [](const VehicleReport& vehicle) {
       return vehicle.truth && vehicle.truth->v_m_s.z() < -kFalls_m_s;
     });
   }
@@ -246,11 +281,10 @@ class VirtualBench {
     if (now >= simulator_.next_event()) simulator_.step(now);
     relay_.run(now);
     for (const auto& seat : seats_) seat->controller().run(now);
-    pilot_.set_now(now);
-    if (now >= pilot_.next_event()) {
-      pilot_.run(now);
-      simulator_.set_flight_phase(pilot_.plan().phase());
-      play_faults(now);
+    port_now_ = now;
+    if (now >= next_turn_) {
+      next_turn_ = now + FlightPlan::kLookPeriod;
+      loop_.turn();
     }
     if (ground_station_ && now >= next_ground_tick_) {
       ground_station_->tick(now);
@@ -258,43 +292,11 @@ class VirtualBench {
     }
   }
 
-  void play_faults(base::RunTime now) {
-    const base::SimTime time(now.time_since_epoch());
-    for (const auto& [fault, begins] :
-         faults_.update(time, pilot_.vehicles(), pilot_.plan().phase())) {
-      Seat& seat = *seats_[fault->vehicle];
-      if (const auto* line = std::get_if<LineFault>(&fault->kind)) {
-        seat.set_line(*line, begins);
-      } else if (std::holds_alternative<UnplugFault>(fault->kind)) {
-        seat.unplug(begins);
-      } else if (std::holds_alternative<RestartFault>(fault->kind)) {
-        begins ? relay_.kill() : relay_.restart();
-      } else if (const auto* flood = std::get_if<FloodFault>(&fault->kind)) {
-        if (ground_station_) ground_station_->flood(begins ? flood->packets_hz : 0);
-      } else if (std::holds_alternative<SilenceFault>(fault->kind)) {
-        relay_.silence(begins);
-        if (ground_station_) ground_station_->silence(begins);
-      } else if (const auto* starve = std::get_if<StarveFault>(&fault->kind)) {
-        relay_.set_wake_up(wake_up(begins ? starve->wake_up : scenario_.wake_up));
-      }
-    }
-  }
-
   base::RunTime next_event(base::RunTime now) const {
-    base::RunTime next =
-        std::min({simulator_.next_event(), relay_.next_event(), pilot_.next_event()});
+    base::RunTime next = std::min({simulator_.next_event(), relay_.next_event(), next_turn_});
     for (const auto& seat : seats_) next = std::min(next, seat->controller().next_event(now));
     if (ground_station_) next = std::min(next, next_ground_tick_);
     return std::max(next, now + base::Duration(1));  // time always goes on
-  }
-
-  void show(base::RunTime now, base::RunTime begin) {
-    if (now < next_show_) return;
-    next_show_ = now + kShowPeriod;
-    const double wall_s = std::max(base::to_seconds(base::steady_now() - begin), 1e-9);
-    const std::size_t leader = pilot_.plan().leader();
-    progress_.show(base::SimTime(now.time_since_epoch()), pilot_.plan().plan(leader),
-                   pilot_.vehicles()[leader], pace_words(base::to_seconds(now) / wall_s));
   }
 
   const Scenario& scenario_;
@@ -305,13 +307,16 @@ class VirtualBench {
   VirtualRelay relay_;
   std::vector<std::unique_ptr<Seat>> seats_;
   VirtualSimulator simulator_;
-  VirtualPilot pilot_;
-  BenchFaultScript faults_;
+  VirtualPort port_;
+  FlightLoop loop_;
   std::optional<GroundStation> ground_station_;
   Progress progress_;
+  const base::RunTime begin_ = base::steady_now();
   base::RunTime now_{};
+  base::RunTime port_now_{};  ///< of the port's answers: the last moment that is done
+  base::RunTime next_turn_{};
   base::RunTime next_ground_tick_{};
-  base::RunTime next_show_{};
+  base::SimTime next_show_{};
 };
 
 }  // namespace

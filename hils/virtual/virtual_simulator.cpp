@@ -78,12 +78,6 @@ void VirtualSimulator::step(base::RunTime now) {
   runner_.step();
 }
 
-void VirtualSimulator::set_flight_phase(std::string_view name) {
-  if (name == phase_) return;
-  phase_ = name;
-  runner_.set_flight_phase(name);
-}
-
 base::RunTime VirtualSimulator::next_event() const {
   return base::RunTime((runner_.time() + runner_.step_size()).time_since_epoch());
 }

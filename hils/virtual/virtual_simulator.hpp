@@ -87,7 +87,7 @@ class VirtualSimulator {
   /// When the next step ends.
   base::RunTime next_event() const;
   /// Phase of the flight, for the plugins.
-  void set_flight_phase(std::string_view name);
+  void set_flight_phase(std::string_view name) { runner_.set_flight_phase(name); }
   /// Writes the files of the run.
   void finish() { runner_.finish(); }
 
@@ -104,7 +104,6 @@ class VirtualSimulator {
  private:
   sim::SimRunner runner_;
   std::vector<std::unique_ptr<VirtualWire>> wires_;
-  std::string phase_;
 };
 
 }  // namespace cas::hils

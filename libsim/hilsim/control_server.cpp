@@ -253,7 +253,16 @@ struct ControlServer::Impl {
     });
   }
 
+  /// Waits for all that may come: at first, and after a handler has lacked memory.
+  void begin() {
+    if (closing) return;
+    wait_for_signal();
+    if (loop.runner().config().pace.mode == PaceMode::kRealtime) watch_pace();
+    server.start();
+  }
+
   void wait_for_signal() {
+    signals.cancel();
     signals.async_wait([this](const boost::system::error_code& error, int signal) {
       if (error) return;
       on_signal(signal);
@@ -322,12 +331,11 @@ ControlServer::ControlServer(SimLoop& loop, const std::optional<std::filesystem:
   for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGHUP, status_signal()}) {
     impl_->signals.add(signal);
   }
-  impl_->wait_for_signal();
-  if (loop.runner().config().pace.mode == PaceMode::kRealtime) impl_->watch_pace();
   impl_->add_methods();
   impl_->add_picture_methods();
   if (unix_path) impl_->server.listen_unix(*unix_path);
-  impl_->io.start([] { base::configure_this_thread("control", {}); });
+  impl_->io.start([] { base::configure_this_thread("control", {}); },
+                  [impl = impl_.get()] { impl->begin(); });
 }
 
 ControlServer::~ControlServer() {

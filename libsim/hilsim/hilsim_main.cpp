@@ -3,8 +3,10 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <memory>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -136,14 +138,14 @@ std::vector<std::filesystem::path> output_folders(const Flags& flags) {
 }
 
 /// From here on hilsim and its plugins write below the folders of its results only.
-void confine_writes(const Flags& flags) {
+/// @return false where the kernel cannot confine them
+bool confine_writes(const Flags& flags) {
   std::vector<std::filesystem::path> places = output_folders(flags);
   for (const char* device :
        {"/dev/null", "/dev/tty", "/dev/pts", base::CpuLatencyRequest::kDevice}) {
     places.emplace_back(device);
   }
-  if (base::confine_files(base::FileUse::kWrite, places)) return;
-  base::log::debug("this kernel has no Landlock: plugins may write everywhere");
+  return base::confine_files(base::FileUse::kWrite, places);
 }
 
 /// From here on they read there only, and what they write.
@@ -172,7 +174,7 @@ int run(const Flags& flags) {
   std::filesystem::create_directories(flags.output, error);
   if (error) throw base::ConfigError(flags.output.string() + ": " + error.message());
 
-  confine_writes(flags);
+  const bool confined = confine_writes(flags);
   sim::SimRunner runner(std::move(config),
                         {.output_dir = flags.output, .plugin_dirs = flags.plugin_dirs});
   confine_reads(flags, sim::readable_places(runner, file, flags.plugin_dirs));
@@ -189,14 +191,18 @@ int run(const Flags& flags) {
   if (flags.paused) loop.post([&loop] { loop.pause(); });
 
   base::notify("READY=1\nSTATUS=" + sim::endpoints_report(runner));
-  base::log::info("running");
+  base::log::info(confined ? "running"
+                           : "running; this kernel has no Landlock, so that plugins may read and "
+                             "write whatever this user may");
   std::optional<base::SimTime> until;
   if (flags.duration_s) until = base::SimTime(base::from_seconds(*flags.duration_s));
-  std::optional<sim::LeftWorldError> lost;
+  std::exception_ptr trouble;  // recordings are still written
   try {
     loop.run(until);
-  } catch (const sim::LeftWorldError& fallen) {
-    lost = fallen;  // recordings are still written
+  } catch (const sim::LeftWorldError&) {
+    trouble = std::current_exception();
+  } catch (const std::bad_alloc&) {
+    trouble = std::current_exception();
   }
 
   base::notify("STOPPING=1");
@@ -208,7 +214,7 @@ int run(const Flags& flags) {
                 base::to_seconds(f.time), f.real_time_factor,
                 static_cast<unsigned long long>(f.late_steps));
   base::log::info(line);
-  if (lost) throw *lost;
+  if (trouble) std::rethrow_exception(trouble);
   return base::kExitOk;
 }
 

@@ -4,11 +4,14 @@
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string>
 #include <type_traits>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "base/config/sensor_sheets.hpp"
+#include "base/os/log.hpp"
 #include "libsim/core/body/world_model.hpp"
 #include "libsim/core/load/model_loader.hpp"
 #include "libsim/core/load/visuals.hpp"
@@ -130,12 +133,15 @@ Scene::Scene(const SimRunner& runner) {
   for (std::size_t i = 0; i < runner.config().vehicles.size(); ++i) {
     const VehicleConfig& vehicle = runner.config().vehicles[i];
     const VehicleModel& model = runner.vehicle_models()[i];
+    std::vector<std::string> warnings;
+    const std::vector<Shape> visuals = load_visuals(model, kMostDrawnTriangles, warnings);
+    for (const std::string& warning : warnings) base::log::warn(warning);
     scene["vehicles"].push_back({{"name", vehicle.name},
                                  {"type", vehicle.vehicle.name},
                                  {"system", vehicle.vehicle.system_id},
                                  {"mass_kg", model.mass.mass_kg()},
                                  {"parts", shapes.list(model.shapes)},
-                                 {"visuals", shapes.list(load_visuals(model, kMostDrawnTriangles))},
+                                 {"visuals", shapes.list(visuals)},
                                  {"rotors", rotors_json(vehicle.vehicle)},
                                  {"rays", rays_json(vehicle)}});
   }

@@ -39,7 +39,7 @@ std::string prose(std::string_view text) {
   return out;
 }
 
-std::string quoted(std::string_view text) { return '\'' + std::string(text) + '\''; }
+std::string in_quotes(std::string_view text) { return '\'' + std::string(text) + '\''; }
 
 bool ElementReader::expect_child(const Element& parent, const Element& child, Names allowed) {
   if (std::find(allowed.begin(), allowed.end(), child.name) != allowed.end()) return true;
@@ -55,7 +55,7 @@ void ElementReader::expect_attributes(const Element& element, Names allowed) {
     if (std::find(allowed.begin(), allowed.end(), attribute.name) != allowed.end()) continue;
     if (attribute.name.find(':') != std::string::npos) continue;  // another XML vocabulary
     diagnostics_.warning(attribute.position,
-                         "<" + element.name + "> has no attribute " + quoted(attribute.name) +
+                         "<" + element.name + "> has no attribute " + in_quotes(attribute.name) +
                              ", it is ignored" +
                              diagnostics_.suggest(Severity::kWarning, attribute.name,
                                                   {allowed.begin(), allowed.end()}));
@@ -66,7 +66,7 @@ const Attribute* ElementReader::require(const Element& element, std::string_view
   const auto* attribute = element.find(name);
   if (attribute == nullptr) {
     diagnostics_.error(element.position,
-                       "<" + element.name + "> lacks the attribute " + quoted(name));
+                       "<" + element.name + "> lacks the attribute " + in_quotes(name));
   }
   return attribute;
 }
@@ -78,7 +78,7 @@ std::string ElementReader::require_name(const Element& element) {
   if (is_identifier(name)) return name;
   diagnostics_.error(
       attribute->position,
-      quoted(attribute->value) + " is no name: letters, digits and underscores, no digit first");
+      in_quotes(attribute->value) + " is no name: letters, digits and underscores, no digit first");
   return {};
 }
 
@@ -93,7 +93,8 @@ bool ElementReader::parse_flag(const Element& element, std::string_view name) {
   const auto value = trimmed(attribute->value);
   if (value == "true" || value == "1") return true;
   if (value != "false" && value != "0") {
-    diagnostics_.warning(attribute->position, quoted(attribute->value) + " for " + quoted(name) +
+    diagnostics_.warning(attribute->position, in_quotes(attribute->value) + " for " +
+                                                  in_quotes(name) +
                                                   " is neither true nor false, false is taken");
   }
   return false;

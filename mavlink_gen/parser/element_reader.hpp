@@ -18,7 +18,7 @@ std::string trimmed(std::string_view text);
 std::string prose(std::string_view text);
 
 /// The text in quotation marks, for diagnostics.
-std::string quoted(std::string_view text);
+std::string in_quotes(std::string_view text);
 
 /// Reads the parts that all elements of a dialect file share, and reports violations of the schema.
 class ElementReader final {

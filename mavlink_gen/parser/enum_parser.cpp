@@ -73,9 +73,9 @@ class EnumParser final {
     }
     const auto value = parse_enum_value(trimmed(attribute->value));
     if (!value) {
-      reader_.error(
-          attribute->position,
-          quoted(attribute->value) + " is no enum value: decimal, 0x, 0b or 2**n, at most 64 bit");
+      reader_.error(attribute->position,
+                    in_quotes(attribute->value) +
+                        " is no enum value: decimal, 0x, 0b or 2**n, at most 64 bit");
     }
     return value;
   }
@@ -89,7 +89,7 @@ class EnumParser final {
     if (index == nullptr) return;
     const auto number = parse_number(trimmed(index->value), kMaxParams);
     if (!number || *number == 0) {
-      reader_.error(index->position, quoted(index->value) + " is no parameter index: 1 to 7");
+      reader_.error(index->position, in_quotes(index->value) + " is no parameter index: 1 to 7");
       return;
     }
     Param param;

@@ -43,7 +43,7 @@ class FileParser final {
     const auto text = trimmed(element.text);
     const auto value = parse_number(text, max);
     if (!value) {
-      reader_.error(element.text_position, "<" + element.name + "> holds " + quoted(text) +
+      reader_.error(element.text_position, "<" + element.name + "> holds " + in_quotes(text) +
                                                ", not a number from 0 to " + std::to_string(max));
     } else if (out) {
       reader_.error(element.position, "<" + element.name + "> stands twice");

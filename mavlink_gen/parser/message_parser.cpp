@@ -55,7 +55,7 @@ class MessageParser final {
     if (attribute == nullptr) return false;
     const auto id = parse_number(trimmed(attribute->value), kMaxMessageId);
     if (!id) {
-      reader_.error(attribute->position, quoted(attribute->value) + " is no message id: 0 to " +
+      reader_.error(attribute->position, in_quotes(attribute->value) + " is no message id: 0 to " +
                                              std::to_string(kMaxMessageId));
       return false;
     }
@@ -133,7 +133,7 @@ class MessageParser final {
       const auto length = closed ? parse_number(digits, kMaxArrayLength) : std::nullopt;
       if (!length || *length == 0) {
         reader_.error(attribute->position,
-                      quoted(attribute->value) + " has no array length from 1 to 255");
+                      in_quotes(attribute->value) + " has no array length from 1 to 255");
         return false;
       }
       field.array_length = static_cast<int>(*length);
@@ -153,7 +153,7 @@ class MessageParser final {
       return true;
     }
     known.push_back("uint8_t_mavlink_version");
-    reader_.error(attribute->position, "unknown type " + quoted(base) + suggestion(base, known));
+    reader_.error(attribute->position, "unknown type " + in_quotes(base) + suggestion(base, known));
     return false;
   }
 

@@ -14,7 +14,7 @@ using Opcode = mavlink::common::MavFtpOpcode;
 
 namespace {
 
-constexpr std::size_t kMaxWaiting = 16;                // requests,
+constexpr std::size_t kMaxRequests = 16;               // requests,
 constexpr std::size_t kMaxSums = 4;                    // of them for checksums
 constexpr std::size_t kMaxAnswers = 32;                // that are kept,
 constexpr std::size_t kMaxAnswersOfOne = 4;            // of one client,
@@ -64,7 +64,7 @@ void FtpServer::on_request(const Message& message, Source from, Time now) {
   const bool under_way = std::ranges::find(waiting_, request) != waiting_.end() ||
                          (checksum_ && checksum_->request == request);
   const auto sums = std::ranges::count_if(waiting_, is_for_sum);
-  const bool full = waiting_.size() == kMaxWaiting ||
+  const bool full = waiting_.size() == kMaxRequests ||
                     (is_for_sum(request) && sums == static_cast<std::ptrdiff_t>(kMaxSums));
   if (!under_way && !full) {
     waiting_.push_back(request);

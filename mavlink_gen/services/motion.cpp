@@ -46,19 +46,24 @@ bool is(float parameter, int number) { return parameter == static_cast<float>(nu
 
 bool loads_or_stores(float parameter) { return is(parameter, 0) || is(parameter, 1); }
 
+/// Whether a command stops the motors at once.
+bool cuts(const VehicleCommand& command) {
+  constexpr unsigned kSetSafetySwitch = 5300;
+  if (is_command(command, kSetSafetySwitch)) return is(command.params[0], 0);
+  return stops(command);
+}
+
 /// Commands that stop the vehicle with some parameters and move it with others.
 bool stays(const VehicleCommand& command) {
   constexpr unsigned kPauseContinue = 193;
   constexpr unsigned kOverrideGoto = 252;
   constexpr unsigned kSetStandardMode = 262;
-  constexpr unsigned kSetSafetySwitch = 5300;
   const auto& params = command.params;
   if (is_command(command, kPauseContinue)) return is(params[0], 0);
   // MAV_GOTO_DO_HOLD, MAV_GOTO_HOLD_AT_CURRENT_POSITION
   if (is_command(command, kOverrideGoto)) return is(params[0], 0) && is(params[1], 2);
   // MAV_STANDARD_MODE_SAFE_RECOVERY, MAV_STANDARD_MODE_LAND
   if (is_command(command, kSetStandardMode)) return is(params[0], 5) || is(params[0], 7);
-  if (is_command(command, kSetSafetySwitch)) return is(params[0], 0);
   return holds(kStopCommands, static_cast<unsigned>(command.id));
 }
 
@@ -88,8 +93,7 @@ bool is_still_ardupilot(MavType type, std::uint32_t mode) {
 
 bool is_still_px4(std::uint32_t mode) {
   constexpr std::array kStill{px4_mode("HOLD").number, px4_mode("RTL").number,
-                              px4_mode("LAND").number, px4_mode("PRECLAND").number,
-                              px4_mode("TERMINATION").number};
+                              px4_mode("LAND").number, px4_mode("PRECLAND").number};
   return holds(kStill, mode);
 }
 
@@ -103,6 +107,9 @@ Motion motion_of_mode(MavModeFlag flags, std::uint32_t mode, const Addressee& to
   const bool known = to.autopilot != Autopilot::kOther;
   const bool arms = has(flags, MavModeFlag::kSafetyArmed) && !(known && to.armed);
   if (arms) return Motion::kSpins;
+  if (custom && to.autopilot == Autopilot::kPx4 && mode == px4_mode("TERMINATION").number) {
+    return Motion::kCuts;
+  }
   return still ? Motion::kStops : Motion::kMoves;
 }
 
@@ -204,7 +211,8 @@ Addressee addressee_of(const Heartbeat& heartbeat) {
 Motion motion_of(const VehicleCommand& command, const Addressee& to) {
   if (command.id == MavCmd::kDoSetMode) return motion_of_set_mode(command, to);
   if (spins(command)) return Motion::kSpins;
-  if (stops(command) || stays(command)) return Motion::kStops;
+  if (cuts(command)) return Motion::kCuts;
+  if (stays(command)) return Motion::kStops;
   if (holds(kQuietCommands, static_cast<unsigned>(command.id))) return Motion::kNone;
   switch (command.id) {
     case MavCmd::kPreflightCalibration:  // the last two: with motors, of ESCs, of airspeed

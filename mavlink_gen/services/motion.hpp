@@ -15,7 +15,8 @@ namespace cas::mav::services {
 /// The most that a packet or command may have a vehicle do, in rising order of danger.
 enum class Motion : std::uint8_t {
   kNone,      ///< nothing: telemetry, questions, answers
-  kStops,     ///< stops motors, ends the flight, stays where it is, lands, returns
+  kStops,     ///< stays where it is, lands, returns
+  kCuts,      ///< stops motors at once, ends the flight: a flying vehicle falls
   kMisleads,  ///< may change what the vehicle takes for its place or surroundings
   kMoves,     ///< may move an armed vehicle or change how it flies
   kSpins,     ///< may start motors

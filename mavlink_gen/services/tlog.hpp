@@ -52,10 +52,14 @@ inline std::uint64_t tlog_stamp_us(std::span<const std::uint8_t> record) {
 /// Appends a record to `records`. @param unix_us  microseconds since 1970
 inline void append_tlog_record(std::uint64_t unix_us, std::span<const std::uint8_t> packet,
                                std::vector<std::uint8_t>& records) {
+  const std::size_t begin = records.size();
+  records.resize(begin + kTlogStampBytes + packet.size());  // all of it, or with an exception none
+  const auto record = records.begin() + static_cast<std::ptrdiff_t>(begin);
+  auto end = record;
   for (int shift = 56; shift >= 0; shift -= 8) {
-    records.push_back(static_cast<std::uint8_t>(unix_us >> static_cast<unsigned>(shift)));
+    *end++ = static_cast<std::uint8_t>(unix_us >> static_cast<unsigned>(shift));
   }
-  records.insert(records.end(), packet.begin(), packet.end());
+  std::copy(packet.begin(), packet.end(), end);
 }
 
 /// The message of a whole record.

@@ -91,7 +91,7 @@ class UlogFile {
   void write_message(char type, std::span<const std::uint8_t> head,
                      std::span<const std::uint8_t> body);
 
-  base::ResultStream file_;
+  base::OpenFile file_;
   base::ResultPlace place_;
 };
 

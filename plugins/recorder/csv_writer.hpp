@@ -24,7 +24,7 @@ class CsvWriter {
   void close();
 
  private:
-  base::ResultStream file_;
+  base::OpenFile file_;
   base::ResultPlace place_;
 };
 

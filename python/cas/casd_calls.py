@@ -66,6 +66,7 @@ LinkReceived = TypedDict("LinkReceived", {
     "foreign": int,  # Datagrams from somebody else than the peer.
     "kernel_drops": int,  # Datagrams that the socket's buffer lost.
     "lost": int,  # Gaps in the sequence numbers of senders.
+    "no_memory": int,  # Packets that a destination did not get because casd got no memory.
     "not_accepted": int,  # Packets that the link's accept leaves out.
     "packets": int,  # Packets received.
     "signatures": NotRequired[Counts],
@@ -221,7 +222,7 @@ DroppedMessage = TypedDict("DroppedMessage", {
     "system": int,
 })
 Unreadable = TypedDict("Unreadable", {
-    "cause": str,  # crc, kernel, foreign, not_accepted
+    "cause": str,  # crc, kernel, foreign, not_accepted, no_memory
     "count": int,
     "link": str,
 })

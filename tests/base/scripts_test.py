@@ -3,6 +3,7 @@
 """Tests of the exit codes of scripts: each is run in a tree of its own, among programs that do as the test says."""
 
 import contextlib
+import hashlib
 import importlib.machinery
 import importlib.util
 import json
@@ -263,6 +264,40 @@ sys.exit(0 if virtual else int(os.environ["HILS"]))
 
     def test_a_flight_that_failed_is_none(self):
         self.assertNotIn(self.code(1.5, hils=2), (0, 77))
+
+
+class HashFlights(Script):
+    """A hils whose truth is the name of the mode and $TRUTH, and which ends with $HILS."""
+
+    def fly(self, truth, hils=0):
+        self.write("build/release/bin/hils", f"""#!{sys.executable}
+import os, pathlib, sys
+out = pathlib.Path(sys.argv[sys.argv.index("--out") + 1])
+out.mkdir(parents=True)
+(out / "truth.csv").write_text(sys.argv[3] + os.environ["TRUTH"])
+(out / "flight.tlog").write_text("")
+sys.exit(int(os.environ["HILS"]))
+""")
+        self.write("bin/ldd", "#!/bin/sh\necho ldd 1\n")
+        self.write("build/release/CMakeCache.txt", f"CMAKE_CXX_COMPILER:FILEPATH={self.tree / 'bin/ldd'}\n")
+        self.write("config/scenarios/hover.yaml", "name: hover\n")
+        self.write("config/scenarios/px4.yaml", "name: px4\nfirmware:\n  command: [px4]\n")
+        return self.run_script("hash_flights", TRUTH=truth, HILS=str(hils))
+
+    def test_prints_what_each_flight_left(self):
+        done = self.fly("a")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        lines = done.stdout.splitlines()
+        self.assertEqual(lines[0], "# ldd 1; libm of ldd 1")
+        self.assertEqual([line.split("  ")[1] for line in lines[1:]],
+                         ["hover virtual truth.csv", "hover virtual flight.tlog", "hover lockstep truth.csv",
+                          "hover lockstep flight.tlog"])
+        self.assertEqual(lines[1].split()[0], hashlib.sha256(b"--virtuala").hexdigest())
+
+    def test_a_flight_that_failed_has_no_lines(self):
+        done = self.fly("a", hils=3)
+        self.assertEqual(done.returncode, 1)
+        self.assertEqual(len(done.stdout.splitlines()), 1)
 
 
 class TestPackages(Script):

@@ -12,9 +12,9 @@
 
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/measurement.hpp"
-#include "hils/report/text_report.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "hils/virtual/virtual_run.hpp"
+#include "tests/hils/report/run_text.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::hils::test {
@@ -46,7 +46,7 @@ class Flight {
 
   const Measurement& figures() const { return figures_; }
   const Verdict& verdict() const { return verdict_; }
-  std::string text() const { return text_report(figures_, verdict_); }
+  std::string text() const { return run_text(figures_, verdict_); }
   const std::string& truth() const { return truth_; }
   const std::string& log() const { return log_; }
   const std::string& simulator_stats() const { return simulator_stats_; }

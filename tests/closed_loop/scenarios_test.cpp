@@ -10,9 +10,9 @@
 
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/measurement.hpp"
-#include "hils/report/text_report.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "hils/virtual/virtual_run.hpp"
+#include "tests/hils/report/run_text.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::hils {
@@ -36,7 +36,7 @@ Flown fly(const std::string& name) {
   const RunRecord record = run_on_virtual_clock(request).front();
   Flown flown{.figures = measure(request, record), .verdict = {}, .text = {}};
   flown.verdict = judge(flown.figures, request.scenario.limits);
-  flown.text = text_report(flown.figures, flown.verdict);
+  flown.text = test::run_text(flown.figures, flown.verdict);
   std::filesystem::remove_all(folder);
   return flown;
 }

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "hils/measure/run_result.hpp"
-#include "hils/report/text_report.hpp"
+#include "hils/report/run_report.hpp"
 #include "tests/closed_loop/flight_fixture.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -46,7 +46,7 @@ Flown fly(const Scenario& scenario, Architecture architecture = Architecture::kT
   flown.left_truth = test::content(folder / "truth_left.csv");
   flown.right_truth = test::content(folder / "truth_right.csv");
   flown.log = test::content(folder / "flight.tlog");
-  flown.text = text_report(flown.run);
+  flown.text = write_text(run_report(flown.run));
   return flown;
 }
 

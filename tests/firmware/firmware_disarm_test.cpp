@@ -45,8 +45,7 @@ TEST_F(FirmwareDisarm, ByAStationIsNotUndoneAndIsTold) {
   });
   EXPECT_EQ(code, 3) << output();
   EXPECT_TRUE(says(kNotAgain)) << output();
-  EXPECT_TRUE(says("input from outside the scenario: 255/190 on link gcs: command 400 (disarm)"))
-      << output();
+  EXPECT_TRUE(says("ground station 255/190  command 400 (disarm)")) << output();
   EXPECT_EQ(armings(), 1) << output();
 }
 
@@ -63,8 +62,7 @@ TEST_F(FirmwareDisarm, ByAStationThatCasdDoesNotHearIsTold) {
   });
   EXPECT_EQ(code, 3) << output();
   EXPECT_TRUE(
-      says("input from outside the scenario: 200/190 on link px4: command 400 (arm or disarm), by "
-           "the vehicle's answer to it"))
+      says("ground station 200/190  command 400 (arm or disarm), by the vehicle's answer to it"))
       << output();
   EXPECT_EQ(armings(), 1) << output();
 }

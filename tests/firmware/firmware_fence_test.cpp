@@ -118,7 +118,7 @@ TEST_F(FirmwareFence, ThatNeverActsIsAFailure) {
   EXPECT_EQ(fly(), 1) << output();
   EXPECT_TRUE(says("(breach) was not done within 40 s")) << output();
   EXPECT_TRUE(says("the autopilot did not announce a breach of its fence")) << output();
-  EXPECT_TRUE(says("farthest from home ")) << output();
+  EXPECT_TRUE(says("farthest from home: ")) << output();
   expect_restored();
 }
 

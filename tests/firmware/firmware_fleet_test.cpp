@@ -101,10 +101,11 @@ TEST_F(FirmwareFleet, FliesItsStepsTogetherAndIsJudgedOneByOne) {
   for (const auto kind : {mv::MavCmd::kComponentArmDisarm, mv::MavCmd::kNavTakeoff}) {
     EXPECT_EQ(first_commands(folder_.path() / "out/flight.tlog", kind).size(), 2U);
   }
-  for (const char* words : {"left: Flight", "right: Flight", "Limits: right"}) {
+  for (const char* words : {"left: Flight", "right: Flight", "right: Limits"}) {
     EXPECT_NE(content(folder_.path() / "out/report.html").find(words), std::string::npos) << words;
   }
-  EXPECT_NE(content(folder_.path() / "out/junit.xml").find("hils.fleet.right"), std::string::npos);
+  EXPECT_NE(content(folder_.path() / "out/junit.xml").find("hils.fleet.sitl.right"),
+            std::string::npos);
 }
 
 TEST_F(FirmwareFleet, FailsWhereEachFliesTheVehicleOfTheOther) {
@@ -137,7 +138,9 @@ TEST_F(FirmwareFleet, FailsWithTheOneThatCannotGoOn) {
       << figures.dump(2);
   EXPECT_NE(figures["vehicles"][0]["failures"].dump().find("it ended with that of right"),
             std::string::npos);
-  EXPECT_NE(output().find("right: step 4 (goto) was not done within 5 s"), std::string::npos)
+  EXPECT_NE(
+      output().find("right: the flight was not completed: step 4 (goto) was not done within 5 s"),
+      std::string::npos)
       << output();
 }
 

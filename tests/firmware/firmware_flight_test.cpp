@@ -127,7 +127,7 @@ TEST_F(FirmwareFlightOnASerialLine, Px4HitlFliesAfterEachFaultOfTheBenchHasHitIt
   ASSERT_EQ(summary.at("faults").size(), 5U) << summary.dump(2);
   for (const nlohmann::json& fault : summary.at("faults")) {
     EXPECT_FALSE(fault.contains("began")) << fault;
-    EXPECT_TRUE(fault.contains("end_s")) << fault;
+    EXPECT_TRUE(fault.at("end_s").is_number()) << fault;
   }
   EXPECT_TRUE(std::filesystem::exists(folder_ / "out/run/flight_1.tlog")) << "of the first casd";
   std::set<std::string> said;

@@ -44,11 +44,20 @@ class SitlFlight : public testing::Test {
   /// @param steps  after first_step_
   void start(const std::string& word, const std::string& more = "",
              const std::string& steps = kOneFlight) {
+    const auto scenario = write_scenario(word, more, steps);
+    hils_.emplace(std::vector<std::string>{binary_dir() + "/bin/hils", "run", scenario.string(),
+                                           "--out", folder_ / "out"});
+    station_.set_remote(port_of("127.0.0.1:" + ports_.ground_station));
+  }
+
+  /// The scenario's file, with those of world and topology beside it.
+  std::filesystem::path write_scenario(const std::string& word, const std::string& more = "",
+                                       const std::string& steps = kOneFlight) {
     ports_.ground_station = std::to_string(free_port());
     folder_.write("world.yaml",
                   with_whole_paths(replaced(px4_sitl_world(ports_), "\nspeed: 1\n", pace_)));
     folder_.write("topology.yaml", with_whole_paths(px4_sitl_topology(ports_)));
-    const auto scenario = folder_.write("scenario.yaml", R"(schema: 1
+    return folder_.write("scenario.yaml", R"(schema: 1
 name: disarm
 world: world.yaml
 topology: topology.yaml
@@ -57,11 +66,8 @@ steps:
 )" + first_step_ + steps + more + R"(
 firmware:
   hint: a hint of the scenario
-)" + (cwd_.empty() ? "" : "  cwd: '" + cwd_ + "'\n") + "  command: " +
-                                                             command_with(word) + "\n");
-    hils_.emplace(std::vector<std::string>{binary_dir() + "/bin/hils", "run", scenario.string(),
-                                           "--out", folder_ / "out"});
-    station_.set_remote(port_of("127.0.0.1:" + ports_.ground_station));
+)" + (cwd_.empty() ? "" : "  cwd: '" + cwd_ + "'\n") +
+                                              "  command: " + command_with(word) + "\n");
   }
 
   std::string command_with(const std::string& word) const {

@@ -11,7 +11,7 @@
 namespace cas::test {
 namespace {
 
-constexpr std::uint64_t kPackets = 200;
+constexpr std::uint64_t kSent = 200;
 
 /// Packets in datagrams that are sent before the simulator must have them all. With the garbage
 /// between them they fit into a socket's buffer, so that a late casd loses none.
@@ -26,7 +26,7 @@ void expect_only_whole_packets(CasdFixture& fixture, bool stream,
   const auto arrived = [&](std::uint64_t packets) {
     return fixture.collect_until([&] { return fixture.at_sim.count(kHilControls) == packets; });
   };
-  for (std::uint64_t i = 1; i <= kPackets; ++i) {
+  for (std::uint64_t i = 1; i <= kSent; ++i) {
     const auto whole = sender(hil_controls(i));
     std::vector<std::uint8_t> bytes(whole.begin(), whole.end());
     std::vector<std::uint8_t> rubbish(random() % 40);
@@ -45,10 +45,10 @@ void expect_only_whole_packets(CasdFixture& fixture, bool stream,
   // A stream may end in a false start: later bytes decide about it.
   const std::vector<std::uint8_t> silence(600, 0);
   if (stream) send(silence);
-  ASSERT_TRUE(arrived(kPackets));
-  EXPECT_EQ(numbers(fixture.at_sim, kHilControls).back(), kPackets);
+  ASSERT_TRUE(arrived(kSent));
+  EXPECT_EQ(numbers(fixture.at_sim, kHilControls).back(), kSent);
   EXPECT_EQ(fixture.at_sim.garbage(), 0U);
-  EXPECT_EQ(fixture.at_sim.packets().size(), kPackets);
+  EXPECT_EQ(fixture.at_sim.packets().size(), kSent);
 }
 
 /// On a loaded machine nothing is dropped by age.

@@ -123,7 +123,9 @@ class Station {
       ftp_.on_packet(packet.view(), self_, now);
       mission_.on_packet(packet.view(), self_, now);
     }
+    is_late_ = true;
     ftp_.tick(now);
+    is_late_ = false;
     mission_.tick(now);
   }
 
@@ -135,7 +137,8 @@ class Station {
   /// Answers to file requests of another station with this one's ids, and late ones to requests
   /// that this one has repeated.
   std::uint64_t stray() const { return ftp_.oddities().stray; }
-  /// File requests that it sent again, because a busy machine's answer was late.
+  /// File requests, repeated or for the missing rest, that it sent because a busy machine's answer
+  /// was late.
   int repeats() const { return repeats_; }
 
  private:
@@ -147,7 +150,7 @@ class Station {
         encoder_(self),
         ftp_(
             [this](const auto& m) {
-              if (std::exchange(asked_, m.payload) == m.payload) ++repeats_;
+              if (is_late_) ++repeats_;
               send(mav::services::addressed(m, kVehicle));
             },
             {}, first_number),
@@ -175,7 +178,7 @@ class Station {
   bool hears_vehicle_ = false;
   bool was_asked_ = false;
   int others_ = 0;
-  decltype(FileTransferProtocol::payload) asked_{};  ///< the newest file request
+  bool is_late_ = false;  ///< while ftp_ repeats a request after its time-out
   int repeats_ = 0;
 };
 

@@ -12,7 +12,7 @@ using mavlink::common::Heartbeat;
 using mavlink::common::SetupSigning;
 
 // The routes name two messages; the sniffer is in none of them.
-constexpr const char* kTopology = R"(schema: 1
+constexpr const char* kSnifferTopology = R"(schema: 1
 links:
   - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM", queue: {hil_max_age_ms: 60000}}
   - {name: fcu, type: serial, device: "$FCU", queue: {hil_max_age_ms: 60000}}
@@ -25,7 +25,7 @@ routes:
 class CasdSniffer : public testing::Test {
  protected:
   CasdSniffer() {
-    fixture.start(kTopology);
+    fixture.start(kSnifferTopology);
     for (UdpPeer* peer : {&first, &second}) {
       peer->set_remote(fixture.port("tap"));
       peer->send(of_listener(Heartbeat{}));

@@ -20,7 +20,7 @@ namespace {
 
 using State = Supervisor::State;
 
-const std::string kCasd = cas::test::binary_dir() + "/bin/casd";
+const std::string kCasdProgram = cas::test::binary_dir() + "/bin/casd";
 
 UnitFile shipped_unit() {
   return UnitFile::load(cas::test::source_dir() + "/config/systemd/casd.service");
@@ -42,7 +42,7 @@ class CasdService : public testing::Test {
     fixture.sim.set_remote(port);
   }
   std::map<std::string, std::string> words() const {
-    return {{"/usr/bin/casd", kCasd}, {"/etc/cas/casd.yaml", topology}};
+    return {{"/usr/bin/casd", kCasdProgram}, {"/etc/cas/casd.yaml", topology}};
   }
   /// Streams HIL_SENSOR, stamped with the time of sending, until one that was sent after `moment`
   /// has reached the controller.

@@ -29,11 +29,13 @@ CALLS = {"read": "Input/output error", "write": "No space left on device", "open
          "accept": "Too many open files", "fsync": "Input/output error", "malloc": "bad_alloc"}
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 PACKETS = 300
+STRETCH = 40  # allocations in a row that fail
 PATIENCE_S = 20.0
 Run = collections.namedtuple("Run", "code output reached")  # code None: it hung
 
 
 def environment(build, call, n, program, mark):
+    """@param program  with ":THREAD" only that thread of it"""
     return {**os.environ, "LD_PRELOAD": str(build / "tests/failing_calls.so"),
             "CAS_TEST_FAIL": f"{call}:{n}:{program}", "CAS_TEST_FAILED": str(mark)}
 
@@ -79,7 +81,7 @@ def recorded(folder):
     return numbers
 
 
-def run_casd(build, folder, call, n):
+def run_casd(build, folder, call, n, program="casd"):
     port, command = free_port(socket.SOCK_DGRAM), free_port(socket.SOCK_STREAM)
     (folder / "rec").mkdir()
     (folder / "casd.yaml").write_text(
@@ -89,7 +91,7 @@ def run_casd(build, folder, call, n):
     log, mark = folder / "out", folder / "failed"
     with log.open("wb") as out:
         casd = subprocess.Popen([build / "bin/casd", folder / "casd.yaml"], stdout=out, stderr=out,
-                                env=environment(build, call, n, "casd", mark))
+                                env=environment(build, call, n, program, mark))
     answered, code = False, None
     try:
         wait_for(lambda: casd.poll() is not None or b"ready:" in log.read_bytes(), PATIENCE_S)
@@ -148,8 +150,8 @@ def outcome(call, run, whole):
 def try_call(build, program, call, n, reference):
     with tempfile.TemporaryDirectory(prefix="cas-failing-") as name:
         folder = pathlib.Path(name)
-        if program == "casd":
-            run, whole = run_casd(build, folder, call, n)
+        if program.startswith("casd"):
+            run, whole = run_casd(build, folder, call, n, program)
         else:
             run, whole = run_hils(build, folder, call, n)
             whole = whole and (reference is None or is_same_flight(folder / "out", reference))
@@ -181,6 +183,20 @@ def count_outcomes(build, program, call, sample, reference):
     return counts
 
 
+def in_words(counts):
+    return ", ".join(f"{count} {what}" for what, count in sorted(counts.items())) or "makes none"
+
+
+def lacks_memory_for_a_while(build, sample):
+    """From its n-th allocation on a thread of casd gets no memory for a stretch: the reserve is not enough."""
+    counts = collections.Counter()
+    for n in numbers(sample):
+        for thread in ("casd:links", "casd"):
+            counts[try_call(build, f"casd:{thread}", "malloc", f"{n}+{STRETCH}", None)] += 1
+    counts.pop("not reached", 0)
+    return counts
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("build", type=pathlib.Path)
@@ -197,8 +213,10 @@ def main():
                 counts = count_outcomes(build, program, call, wish.sample, pathlib.Path(name) / "out")
                 bad += sum(count for what, count in counts.items() if what.startswith("!!"))
                 reached = sum(counts.values()) - counts.pop("not reached", 0)
-                words = ", ".join(f"{count} {what}" for what, count in sorted(counts.items())) or "makes none"
-                print(f"| `{call}` | {program} | {reached} | {words} |", flush=True)
+                print(f"| `{call}` | {program} | {reached} | {in_words(counts)} |", flush=True)
+    counts = lacks_memory_for_a_while(build, wish.sample)
+    bad += sum(count for what, count in counts.items() if what.startswith("!!"))
+    print(f"| `malloc`, {STRETCH} in a row | casd, by thread | {sum(counts.values())} | {in_words(counts)} |")
     sys.exit(1 if bad else 0)
 
 

@@ -22,16 +22,16 @@ base::ConfigNode scalar(const std::string& text) {
   return base::ConfigNode::parse("a: " + text).at("a");
 }
 
-constexpr std::array<std::uint8_t, 3> kThree{1, 2, 3};
+constexpr std::array<std::uint8_t, 3> kThreeBytes{1, 2, 3};
 
 TEST(UdpPort, SendsAndReceivesWithTheMomentOfArrival) {
   Peer peer;
   UdpPort port(scalar("127.0.0.1:0"), scalar(peer.endpoint()));
-  ASSERT_TRUE(port.send(kThree));
+  ASSERT_TRUE(port.send(kThreeBytes));
   EXPECT_EQ(peer.receive(), (std::vector<std::uint8_t>{1, 2, 3}));
 
   const base::RunTime before = base::steady_now();
-  for (int i = 0; i < 40; ++i) peer.send_to(port.endpoint(), kThree);  // more than one batch
+  for (int i = 0; i < 40; ++i) peer.send_to(port.endpoint(), kThreeBytes);  // more than one batch
   ASSERT_TRUE(port.wait(kPatience));
   int datagrams = 0;
   constexpr base::Duration kClockReading = milliseconds(5);  // two clocks are read, not one
@@ -48,7 +48,7 @@ TEST(UdpPort, ListensToItsPeerOnly) {
   Peer peer;
   Peer stranger;
   UdpPort port(scalar("127.0.0.1:0"), scalar(peer.endpoint()));
-  stranger.send_to(port.endpoint(), kThree);
+  stranger.send_to(port.endpoint(), kThreeBytes);
   ASSERT_TRUE(port.wait(kPatience));
   port.poll([](std::span<const std::uint8_t>, base::RunTime) { ADD_FAILURE() << "a stranger"; });
   nlohmann::ordered_json figures;
@@ -59,11 +59,11 @@ TEST(UdpPort, ListensToItsPeerOnly) {
 TEST(UdpPort, WithoutARemoteAnswersWhoeverSpeaksFirst) {
   Peer peer;
   UdpPort port(scalar("127.0.0.1:0"), std::nullopt);
-  EXPECT_FALSE(port.send(kThree));
-  peer.send_to(port.endpoint(), kThree);
+  EXPECT_FALSE(port.send(kThreeBytes));
+  peer.send_to(port.endpoint(), kThreeBytes);
   ASSERT_TRUE(port.wait(kPatience));
   port.poll([](std::span<const std::uint8_t>, base::RunTime) {});
-  EXPECT_TRUE(port.send(kThree));
+  EXPECT_TRUE(port.send(kThreeBytes));
   EXPECT_EQ(peer.receive().size(), 3U);
 }
 
@@ -74,7 +74,7 @@ TEST(UdpPort, APeerThatIsNotThereCostsNothing) {
     nobody = gone.endpoint();
   }
   UdpPort port(scalar("127.0.0.1:0"), scalar(nobody));
-  for (int i = 0; i < 10; ++i) EXPECT_TRUE(port.send(kThree));
+  for (int i = 0; i < 10; ++i) EXPECT_TRUE(port.send(kThreeBytes));
 }
 
 TEST(UdpPort, RefusesWhatIsNoAddress) {

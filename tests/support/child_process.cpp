@@ -70,6 +70,10 @@ std::optional<std::string> ChildProcess::wait_ready(base::Duration patience) {
 void ChildProcess::signal(int number) { ::kill(pid_, number); }
 
 std::optional<int> ChildProcess::wait_exit(base::Duration patience) {
+// A flight under a sanitizer, beside others, takes many times as long.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  patience *= 6;
+#endif
   wait_until([&] { return ended(); }, patience);
   return exit_code_;
 }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Preloaded into a program under test: the n-th call of one kind fails. $CAS_TEST_FAIL is
-// CALL:N[:PROGRAM], with CALL one of read, write, open, accept, fsync and malloc; with PROGRAM only
-// in the program of that name. The file $CAS_TEST_FAILED is made when the call has failed.
+// CALL:N[+MORE][:PROGRAM[:THREAD]], with CALL one of read, write, open, accept, fsync and malloc;
+// with MORE so many after it fail, too; with PROGRAM only in the program of that name, with THREAD
+// only on its threads of that name. The file $CAS_TEST_FAILED is made when a call has failed.
 #include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
@@ -24,15 +26,26 @@ enum class Call { kNone, kRead, kWrite, kOpen, kAccept, kFsync, kMalloc };
 constexpr const char* kNames[] = {"", "read", "write", "open", "accept", "fsync", "malloc"};
 
 Call call = Call::kNone;
+constexpr std::size_t kMaxName = 16;  // of the kernel
+
 std::atomic<long> left{0};
+long more = 0;
+char thread[kMaxName] = "";  // empty: all
 
 void read_wish() {
   const char* const wish = std::getenv("CAS_TEST_FAIL");
   const char* const count = wish == nullptr ? nullptr : std::strchr(wish, ':');
   if (count == nullptr) return;
-  const char* const wanted = std::strchr(count + 1, ':');
-  if (wanted != nullptr && std::strcmp(wanted + 1, program_invocation_short_name) != 0) return;
-  left = std::strtol(count + 1, nullptr, 10);
+  const char* wanted = std::strchr(count + 1, ':');
+  if (wanted != nullptr) {
+    const std::size_t length = std::strcspn(++wanted, ":");
+    const char* const name = program_invocation_short_name;
+    if (std::strlen(name) != length || std::strncmp(wanted, name, length) != 0) return;
+    if (wanted[length] == ':') std::strncpy(thread, wanted + length + 1, kMaxName - 1);
+  }
+  char* end = nullptr;
+  left = std::strtol(count + 1, &end, 10);
+  if (*end == '+') more = std::strtol(end + 1, nullptr, 10);
   for (int i = 1; i <= static_cast<int>(Call::kMalloc); ++i) {
     if (std::strncmp(wish, kNames[i], static_cast<std::size_t>(count - wish)) == 0 &&
         kNames[i][count - wish] == '\0') {
@@ -57,8 +70,17 @@ void leave_mark() {
   if (fd >= 0) ::syscall(SYS_close, fd);
 }
 
+bool is_wanted_thread() {
+  if (thread[0] == 0) return true;
+  char name[kMaxName] = "";
+  ::prctl(PR_GET_NAME, name);
+  return std::strcmp(name, thread) == 0;
+}
+
 bool fails(Call kind, int error) {
-  if (kind != call || left.fetch_sub(1, std::memory_order_relaxed) != 1) return false;
+  if (kind != call || !is_wanted_thread()) return false;
+  const long at = left.fetch_sub(1, std::memory_order_relaxed);
+  if (at > 1 || at < 1 - more) return false;
   leave_mark();
   errno = error;
   return true;

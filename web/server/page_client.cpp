@@ -26,7 +26,7 @@ constexpr std::size_t kShortestNonce = 16;
 constexpr std::size_t kLongestNonce = 256;
 constexpr std::size_t kMaxCalls = 64;  // under way
 constexpr double kMaxChanges_s = 16;
-constexpr std::size_t kMaxFields = 24;
+constexpr std::size_t kMaxPageFields = 24;
 constexpr double kMaxValue_hz = 10;
 constexpr double kLowest_hz = 0.01;
 constexpr int kPolicyViolation = 1008;  // [RFC 6455] 7.4.1
@@ -335,7 +335,7 @@ void PageClient::watch_message(const Json& params, const Reply& reply) {
   for (const std::string& field : watch.fields) key += (key.back() == '/' ? "" : ",") + field;
   const std::size_t fields = watch.fields.size();
   if (fields == 0 || (!values_.contains(key) &&
-                      (watched_fields() + fields > kMaxFields || !hub_.has_room_for(fields)))) {
+                      (watched_fields() + fields > kMaxPageFields || !hub_.has_room_for(fields)))) {
     throw CallError(base::rpc::kRefused,
                     "a page watches 1 to 24 fields, and all pages together 96");
   }

@@ -18,7 +18,7 @@ using base::rpc::Json;
 using Error = boost::system::error_code;
 
 constexpr std::size_t kMaxLine = 16U << 20;
-constexpr std::size_t kMaxWaiting = 1024;  // lines that a program has not read yet
+constexpr std::size_t kMaxLines = 1024;  // lines that a program has not read yet
 constexpr auto kRetryPause = std::chrono::milliseconds(250);
 constexpr auto kCallTime = std::chrono::minutes(2);
 constexpr auto kDeadlineLook = std::chrono::seconds(1);
@@ -128,7 +128,7 @@ void Upstream::on_line(const std::string& line) {
 
 void Upstream::call(const std::string& method, const Json& params, base::rpc::Reply reply) {
   if (!up_) return reply.error(base::rpc::kRefused, name_ + " is not there: " + reason_, nullptr);
-  if (tx_.size() >= kMaxWaiting) {
+  if (tx_.size() >= kMaxLines) {
     return reply.error(base::rpc::kRefused, name_ + " does not read", nullptr);
   }
   const std::uint64_t id = ++last_id_;

@@ -40,12 +40,23 @@ void ColladaGeometry::take_faces(const XmlElement& mesh, const XmlElement& part,
   const Corners corners = corners_of(mesh, part);
   const std::size_t first = mesh_.vertices.size();
   const std::size_t count = add_positions(mesh, *corners.vertices, X);
+  const std::size_t first_triangle = mesh_.triangles.size();
+  if (part.child("p") == nullptr && part.child("ph") == nullptr &&
+      document_.number<std::size_t>(part, "count", 0) > 0) {
+    options_.warn(document_.place(part) + ": <" + part.name +
+                  "> has no <p>: its faces are missing");
+  }
   for (const XmlElement& list : part.children) {
     if (list.name == "p") cut(part, list, read_list(list, corners, first, count));
     if (list.name == "ph") {
       options_.warn(document_.place(list) + ": <ph> is left out: polygons with holes are not read");
     }
     require_few(list);
+  }
+  if (X.linear().determinant() >= 0) return;
+  // Mirrored: triangles keep their outer side.
+  for (std::size_t i = first_triangle; i < mesh_.triangles.size(); ++i) {
+    std::swap(mesh_.triangles[i][1], mesh_.triangles[i][2]);
   }
 }
 

@@ -18,7 +18,7 @@ namespace cas::sim {
 namespace {
 
 /// A file of the largest image that is not compressed, with room for texts in it.
-constexpr std::size_t kMostBytes = 32U << 20U;
+constexpr std::size_t kMostHeightmapBytes = 32U << 20U;
 
 /// Brightness of the pixels, row by row.
 struct GreyImage {
@@ -128,8 +128,8 @@ TriangleMesh parse_heightmap(std::string_view bytes, const std::string& file,
 
 TriangleMesh load_heightmap(const std::filesystem::path& file, const Eigen::Vector3d& size_m,
                             const Eigen::Vector3d& offset_m) {
-  return parse_heightmap(base::read_foreign_file(file, "heightmap", kMostBytes), file.string(),
-                         size_m, offset_m);
+  return parse_heightmap(base::read_foreign_file(file, "heightmap", kMostHeightmapBytes),
+                         file.string(), size_m, offset_m);
 }
 
 }  // namespace cas::sim

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/mesh_file.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <limits>
+#include <numeric>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/error.hpp"
 #include "base/read_file.hpp"
@@ -36,10 +41,65 @@ void scale_by(const Eigen::Vector3d& scale, const std::string& file, TriangleMes
   for (auto& triangle : mesh.triangles) std::swap(triangle[1], triangle[2]);
 }
 
+/// For each vertex the number of one in the same place, the same for all of them.
+std::vector<std::uint32_t> places_of(const std::vector<Eigen::Vector3d>& vertices) {
+  std::vector<std::uint32_t> sorted(vertices.size());
+  std::iota(sorted.begin(), sorted.end(), 0U);
+  std::sort(sorted.begin(), sorted.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::lexicographical_compare(vertices[a].begin(), vertices[a].end(), vertices[b].begin(),
+                                        vertices[b].end());
+  });
+  std::vector<std::uint32_t> places(vertices.size());
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    const bool again = i > 0 && vertices[sorted[i]] == vertices[sorted[i - 1]];
+    places[sorted[i]] = again ? places[sorted[i - 1]] : sorted[i];
+  }
+  return places;
+}
+
+/// A triangle that stands in the file many times adds nothing to a body, but ODE's tree of boxes
+/// cannot part such triangles and takes the square of their number to build.
+void leave_out_repeats(const std::string& file, const MeshOptions& options, TriangleMesh& mesh) {
+  const std::vector<std::uint32_t> places = places_of(mesh.vertices);
+  // Corners, the smallest first, and the triangle's number.
+  std::vector<std::array<std::uint32_t, 4>> sorted;
+  for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+    const auto [a, b, c] = mesh.triangles[i];
+    std::array<std::uint32_t, 3> corners{places[a], places[b], places[c]};
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+    sorted.push_back({corners[0], corners[1], corners[2], i});
+  }
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<bool> repeats(sorted.size());
+  for (std::size_t i = 1; i < sorted.size(); ++i) {
+    repeats[sorted[i][3]] =
+        std::equal(sorted[i].begin(), sorted[i].begin() + 3, sorted[i - 1].begin());
+  }
+  std::vector<std::array<std::uint32_t, 3>> kept;
+  for (std::size_t i = 0; i < repeats.size(); ++i) {
+    if (!repeats[i]) kept.push_back(mesh.triangles[i]);
+  }
+  const std::size_t left_out = mesh.triangles.size() - kept.size();
+  if (left_out == 0) return;
+  mesh.triangles = std::move(kept);
+  options.warn(file + ": triangles left out that repeat others corner for corner: " +
+               std::to_string(left_out));
+}
+
 }  // namespace
+
+std::optional<std::string> mesh_kind_refusal(const std::filesystem::path& file) {
+  const std::string kind = base::lower(file.extension().string());
+  if (kind == ".stl" || kind == ".obj" || kind == ".dae") return std::nullopt;
+  return file.string() + ": mesh format is not supported; convert it to STL, OBJ or COLLADA";
+}
 
 TriangleMesh parse_mesh(std::string_view bytes, const std::filesystem::path& file,
                         const MeshOptions& options) {
+  if (bytes.starts_with("version https://git-lfs.github.com/spec/")) {
+    fail(file.string(), "is a pointer of Git LFS, not the mesh; get that by 'git lfs pull'");
+  }
+  if (const auto refusal = mesh_kind_refusal(file)) throw base::ConfigError(*refusal);
   const std::string kind = base::lower(file.extension().string());
   const std::string name = file.string();
   TriangleMesh mesh;
@@ -47,10 +107,8 @@ TriangleMesh parse_mesh(std::string_view bytes, const std::filesystem::path& fil
     mesh = parse_stl(bytes, name, options);
   } else if (kind == ".obj") {
     mesh = parse_obj(bytes, name, options);
-  } else if (kind == ".dae") {
-    mesh = parse_collada(bytes, name, options);
   } else {
-    fail(name, "mesh format is not supported; convert it to STL, OBJ or COLLADA");
+    mesh = parse_collada(bytes, name, options);
   }
   if (mesh.triangles.empty()) fail(name, "mesh has no triangle");
   if (mesh.triangles.size() > kMostTriangles) {
@@ -65,6 +123,7 @@ TriangleMesh load_mesh(const std::filesystem::path& file, const Eigen::Vector3d&
   if (!(scale.cwiseAbs().minCoeff() > 0)) fail(file.string(), "a mesh cannot be scaled by 0");
   TriangleMesh mesh = parse_mesh(base::read_foreign_file(file, "mesh", kMostBytes), file, options);
   scale_by(scale, file.string(), mesh);
+  leave_out_repeats(file.string(), options, mesh);
   return mesh;
 }
 

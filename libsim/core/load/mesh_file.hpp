@@ -3,6 +3,8 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <string_view>
 
 #include "libsim/core/body/shape.hpp"
@@ -10,6 +12,9 @@
 #include "libsim/core/load/mesh_options.hpp"
 
 namespace cas::sim {
+
+/// A sentence for a file whose name is none of a mesh that is read; nullopt for one that is.
+CAS_SIM_EXPORT std::optional<std::string> mesh_kind_refusal(const std::filesystem::path& file);
 
 /// Reads an STL (binary or text), Wavefront OBJ or COLLADA (.dae) file; `scale` is applied per
 /// axis and may mirror. Materials, normals and colours are left out.

@@ -32,11 +32,16 @@ bool has_extent(const Geometry& geometry) {
   return size_m.allFinite() && (size_m.array() > 0).all();
 }
 
+/// The beginning of a sentence about a shape.
+std::string place_of(const base::ModelShape& shape) {
+  return shape.place + ": link '" + shape.link + "': ";
+}
+
 /// The contact solver knows no body without extent.
 void check_size(const base::ModelShape& shape, const Geometry& geometry) {
   if (has_extent(geometry)) return;
-  throw base::ConfigError(shape.place + ": link '" + shape.link +
-                          "': a <collision> geometry has a size that is not above 0");
+  throw base::ConfigError(place_of(shape) +
+                          "a <collision> geometry has a size that is not above 0");
 }
 
 /// A mesh's bounding box; its centre moves the shape's pose.
@@ -104,14 +109,10 @@ class ShapeReader {
       shape.geometry = *solid;
     } else if (from.form == base::ModelShape::Form::kMesh) {
       const auto found = find_mesh(from);
-      if (!found) {
-        throw base::ConfigError(from.place + ": link '" + from.link + "': mesh '" + from.uri +
-                                "' is nowhere to be found; looked for it at " +
-                                base::searched_places(from.uri, from.file.parent_path(), {}));
-      }
+      if (!found) throw base::ConfigError(place_of(from) + missing_mesh(from));
       take_as_box(load_mesh(*found, from.size, mesh_options(model_)), shape);
     } else {
-      model_.warnings.push_back(from.place + ": link '" + from.link + "': a <" + from.word +
+      model_.warnings.push_back(place_of(from) + "a <" + from.word +
                                 "> collision is left out; boxes, spheres, cylinders and meshes "
                                 "touch the ground");
       return;
@@ -122,10 +123,29 @@ class ShapeReader {
   /// A visual that cannot be drawn is left out: the flight does not need it.
   void take_visual(const base::ModelShape& from) {
     if (const auto solid = solid_of(from)) {
-      if (has_extent(*solid)) model_.visuals.push_back({from.link, *solid, from.X_RS});
-    } else if (const auto mesh = find_mesh(from)) {
+      if (has_extent(*solid)) {
+        model_.visuals.push_back({from.link, *solid, from.X_RS});
+      } else {
+        leave_out_visual(from, "it has a size that is not above 0");
+      }
+    } else if (from.form != base::ModelShape::Form::kMesh) {
+      leave_out_visual(from, "a <" + from.word + "> is not drawn");
+    } else if (const auto mesh = find_mesh(from); !mesh) {
+      leave_out_visual(from, missing_mesh(from));
+    } else if (const auto refusal = mesh_kind_refusal(*mesh)) {
+      leave_out_visual(from, *refusal);
+    } else {
       model_.visuals.push_back({from.link, MeshFile{*mesh, from.size}, from.X_RS});
     }
+  }
+
+  void leave_out_visual(const base::ModelShape& from, const std::string& why) {
+    model_.warnings.push_back(place_of(from) + "this <visual> is left out: " + why);
+  }
+
+  static std::string missing_mesh(const base::ModelShape& from) {
+    return "mesh '" + from.uri + "' is nowhere to be found; looked for it at " +
+           base::searched_places(from.uri, from.file.parent_path(), {});
   }
 
   static std::optional<std::filesystem::path> find_mesh(const base::ModelShape& from) {

@@ -41,12 +41,12 @@ class ObjReader {
     line_ += std::exchange(lines_, 0);
     text_.clear();
     for (bool goes_on = true; goes_on && !rest_.empty();) {
-      const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-      std::string_view piece = rest_.substr(0, end);
-      rest_.remove_prefix(std::min(end + 1, rest_.size()));
+      std::string_view piece = rest_.substr(0, rest_.find_first_of("\r\n"));
+      rest_.remove_prefix(piece.size());
+      rest_.remove_prefix(rest_.starts_with("\r\n") ? 2 : std::min<std::size_t>(1, rest_.size()));
       ++lines_;
       piece = piece.substr(0, piece.find('#'));
-      while (piece.ends_with('\r') || piece.ends_with(' ')) piece.remove_suffix(1);
+      while (piece.ends_with('\t') || piece.ends_with(' ')) piece.remove_suffix(1);
       goes_on = piece.ends_with('\\');
       if (goes_on) piece.remove_suffix(1);
       text_ += piece;

@@ -21,16 +21,25 @@ constexpr std::array<std::string_view, 18> kWithoutEffect{
     "state",  "population", "road", "audio", "battery", "inertial", "projector", "particle_emitter",
     "skin",   "animation"};
 
-/// How many numbers a type has; 0 for types that are no floating-point numbers.
+bool is_integer(std::string_view type) { return type == "int" || type == "unsigned int"; }
+
+/// How many numbers a type has; 0 for types that are no numbers.
 std::size_t numbers_of(std::string_view type) {
-  if (type == "double" || type == "float") return 1;
+  if (type == "double" || type == "float" || is_integer(type)) return 1;
   if (type == "vector3") return 3;
   return type == "pose" ? 7 : 0;  // a quaternion makes seven; libsdformat counts
 }
 
+/// "0xFFFF", as bitmasks are written.
+bool is_hexadecimal(std::string_view word) {
+  const std::string_view digits =
+      word.starts_with("0x") || word.starts_with("0X") ? word.substr(2) : std::string_view();
+  return !digits.empty() && digits.find_first_not_of("0123456789abcdefABCDEF") == digits.npos;
+}
+
 /// Infinity is one here: a friction may be infinite.
 bool is_number(std::string_view word) {
-  if (base::number_of<double>(word)) return true;
+  if (base::number_of<double>(word) || is_hexadecimal(word)) return true;
   std::string small = base::lower(word);
   if (small.starts_with('-') || small.starts_with('+')) small.erase(0, 1);
   return small == "inf" || small == "infinity";

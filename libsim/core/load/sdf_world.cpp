@@ -288,10 +288,15 @@ class Translator {
   std::size_t triangles_ = 0;  ///< of meshes_
 };
 
-/// libsdformat throws for some damage, too.
-sdf::Errors load_root(const fs::path& file, const sdf::ParserConfig& parser, sdf::Root& root) {
+/// libsdformat throws for some damage, too. @param description  is filled
+sdf::Errors load_root(const fs::path& file, const sdf::ParserConfig& parser,
+                      const sdf::SDFPtr& description, sdf::Root& root) {
   try {
-    return root.Load(file.string(), parser);
+    sdf::Errors errors;
+    if (!sdf::readFile(file.string(), parser, description, errors)) return errors;
+    const sdf::Errors more = root.Load(description, parser);
+    errors.insert(errors.end(), more.begin(), more.end());
+    return errors;
   } catch (const std::exception& error) {
     throw base::ConfigError(file.string() + ": libsdformat cannot read it: " + error.what());
   }
@@ -308,14 +313,14 @@ void cas_load_sdf_world(const WorldConfig& config, WorldModel& model) {
   const auto find = [&](const std::string& uri) {
     return base::find_model_file(uri, file.parent_path(), model_path);
   };
-  require_readable_extent(file, find);
+  const SdfDescription description = require_readable_extent(file, find);
   sdf::ParserConfig parser;
   parser.SetFindCallback([&](const std::string& uri) {
     const auto found = find(uri);
     return found ? found->string() : std::string();
   });
   sdf::Root root;
-  const sdf::Errors errors = load_root(file, parser, root);
+  const sdf::Errors errors = load_root(file, parser, description.sdf(), root);
   if (root.WorldCount() == 0) refuse_sdf(file, errors);
   const sdf::World& world = *root.WorldByIndex(0);
   require_whole_numbers(world.Element());

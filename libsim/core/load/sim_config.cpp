@@ -70,7 +70,7 @@ constexpr std::tuple kFlatWorldKeys{
 };
 
 /// An SDF file, or a flat world.
-struct World : base::Block<WorldConfig, decltype(kFlatWorldKeys)> {
+struct WorldBlock : base::Block<WorldConfig, decltype(kFlatWorldKeys)> {
   void read(const ConfigNode& node, WorldConfig& world) const {
     if (!node.is_scalar()) return Block::read(node, world);
     world.sdf = base::find_config(node);
@@ -99,7 +99,7 @@ constexpr Range kFieldYears{base::wmm2025::kEpochYear, base::wmm2025::kLastYear}
 constexpr auto kPlaceKeys = base::geodetic_keys(-1000, 10'000);
 
 constexpr std::tuple kKeys{
-    required(key<&SimConfig::world>("world", World{{kFlatWorldKeys}},
+    required(key<&SimConfig::world>("world", WorldBlock{{kFlatWorldKeys}},
                                     "an SDF file ([simulator.md](simulator.md#worlds)), or a flat "
                                     "world")),
     key<&SimConfig::world, &WorldConfig::model_path>("model_path", Folders{},

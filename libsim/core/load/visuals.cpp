@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/visuals.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <cstring>
@@ -24,20 +23,30 @@ void append(std::string& bytes, Number value) {
   bytes.append(raw, sizeof raw);
 }
 
+/// Nothing, and a warning, for a mesh that cannot be read.
+std::shared_ptr<const TriangleMesh> mesh_of(const MeshFile& file, const Visual& visual,
+                                            UpAxis up_axis, std::vector<std::string>& warnings) {
+  try {
+    return std::make_shared<const TriangleMesh>(
+        load_mesh(file.path, file.scale, {.up_axis = up_axis}));
+  } catch (const base::ConfigError& error) {
+    warnings.push_back(std::string(error.what()) + "; link '" + visual.name +
+                       "' is drawn without this mesh");
+    return nullptr;
+  }
+}
+
 }  // namespace
 
-std::vector<Shape> load_visuals(const VehicleModel& model, std::size_t most_triangles) try {
-  const auto is_mesh = [](const Visual& visual) {
-    return std::holds_alternative<MeshFile>(visual.form);
-  };
-  if (std::ranges::none_of(model.visuals, is_mesh)) return {};
+std::vector<Shape> load_visuals(const VehicleModel& model, std::size_t most_triangles,
+                                std::vector<std::string>& warnings) {
   std::vector<Shape> shapes;
   std::size_t triangles = 0;
   for (const Visual& visual : model.visuals) {
     Shape shape{.name = visual.name, .geometry = {}, .pose = visual.pose, .surface = {}};
     if (const auto* file = std::get_if<MeshFile>(&visual.form)) {
-      auto mesh = std::make_shared<const TriangleMesh>(
-          load_mesh(file->path, file->scale, {.up_axis = model.up_axis}));
+      auto mesh = mesh_of(*file, visual, model.up_axis, warnings);
+      if (!mesh) continue;
       triangles += mesh->triangles.size();
       if (triangles > most_triangles) return {};
       shape.geometry = Mesh{std::move(mesh)};
@@ -46,9 +55,8 @@ std::vector<Shape> load_visuals(const VehicleModel& model, std::size_t most_tria
     }
     shapes.push_back(std::move(shape));
   }
+  if (triangles == 0) shapes.clear();
   return shapes;
-} catch (const base::ConfigError&) {
-  return {};
 }
 
 std::string mesh_bytes(const TriangleMesh& mesh) {

@@ -12,7 +12,7 @@ namespace cas::sim {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kBeyondAll = std::numeric_limits<double>::infinity();
 constexpr double kSameNormal = 0.9659;  // cosine of 15 degrees
 constexpr double kSameFace = 0.766;     // cosine of 40 degrees
 constexpr double kDeeper = 1e-4;        // m
@@ -39,7 +39,7 @@ template <class Measure>
 std::size_t farthest(std::span<const ContactPoint> points, const Patch& patch, double& largest,
                      Measure measure) {
   std::size_t best = patch.deepest;
-  largest = -kInfinity;
+  largest = -kBeyondAll;
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!patch.holds(points[i])) continue;
     const double value = measure(points[i].p_W);
@@ -54,7 +54,7 @@ std::size_t farthest(std::span<const ContactPoint> points, const Patch& patch, d
 }
 
 Eigen::Vector3d middle(std::span<const ContactPoint> points, const Patch& patch) {
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(kInfinity);
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(kBeyondAll);
   Eigen::Vector3d high = -low;
   for (const ContactPoint& point : points) {
     if (!patch.holds(point)) continue;

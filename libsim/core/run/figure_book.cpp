@@ -46,7 +46,7 @@ bool is_shown(std::string_view text) {
 }
 
 /// Only text that is_shown() accepts gets here.
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') result += '\\';
@@ -102,13 +102,13 @@ std::string FigureRecord::json() const {
   const auto value = [this](double v) { return samples_ == 0 ? "null" : number(v); };
   std::string text;
   const auto field = [&text](std::string_view key, const std::string& written) {
-    text.append(text.empty() ? "{" : ",").append(quoted(key)).append(":").append(written);
+    text.append(text.empty() ? "{" : ",").append(in_quotes(key)).append(":").append(written);
   };
-  field("vehicle", quoted(spec_.vehicle));
-  field("plugin", quoted(spec_.plugin));
-  field("name", quoted(spec_.name));
-  field("unit", quoted(spec_.unit));
-  field("kind", quoted(series ? "series" : "scalar"));
+  field("vehicle", in_quotes(spec_.vehicle));
+  field("plugin", in_quotes(spec_.plugin));
+  field("name", in_quotes(spec_.name));
+  field("unit", in_quotes(spec_.unit));
+  field("kind", in_quotes(series ? "series" : "scalar"));
   field("samples", std::to_string(samples_));
   field("not_finite", std::to_string(not_finite_));
   field("last", value(last_));

@@ -144,6 +144,26 @@ TEST(ModelBody, AnInertiaThatNoBodyHasIsAPointMassInBothFormats) {
   }
 }
 
+TEST(ModelBody, WhatIsNotReadOfALinkIsNamed) {
+  const std::string box = "<geometry><box size='1 1 1'/>";
+  const std::pair<std::string, const char*> cases[] = {
+      {kBody + "\n" + kBody, "v.urdf:4: link 'base': a second <inertial> is left out"},
+      {kBody + "\n<colision>" + box + "</geometry></colision>",
+       "v.urdf:4: link 'base': <colision> is left out: no URDF has it in a <link>"},
+      {kBody + "<collision>" + box + "\n<sphere radius='9'/></geometry></collision>",
+       "v.urdf:4: link 'base': of a <geometry> the first form counts, <box>; <sphere> is left"},
+      {kBody + "<visual>\n" + changed(box, "1 1 1", "1 1 1,5") + "</geometry></visual>",
+       "'1,5' is no number (decimals follow a point, not a comma); link 'base' is drawn without"}};
+  for (const auto& [inside, sentence] : cases) {
+    const ModelBody body = parse_model_body(urdf(inside), "v.urdf");
+    EXPECT_EQ(body.mass_kg, 1);
+    ASSERT_EQ(body.warnings.size(), 1U) << sentence;
+    EXPECT_NE(body.warnings[0].find(sentence), std::string::npos) << body.warnings[0];
+  }
+  EXPECT_NE(refusal(urdf(kBody + "<collision/>")).find("v.urdf:3: <collision> has no <geometry>"),
+            std::string::npos);
+}
+
 TEST(ModelBody, AJointThatMovesAndIsNoRotorIsNamedInBothFormats) {
   const std::string sdf =
       "<sdf version='1.9'><model name='v'><link name='base'><inertial><mass>1</mass><inertia/>"

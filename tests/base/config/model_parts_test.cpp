@@ -48,7 +48,7 @@ class PartsOfAModel : public testing::Test {
     }
     return "";
   }
-  test::TemporaryFolder folder_;
+  cas::test::TemporaryFolder folder_;
 };
 
 TEST_F(PartsOfAModel, AnIncludedModelBesideTheVehiclesFolderIsAFixedMass) {
@@ -64,6 +64,24 @@ TEST_F(PartsOfAModel, AnIncludedModelBesideTheVehiclesFolderIsAFixedMass) {
   // The include's pose takes the place of the model's own.
   EXPECT_TRUE(body.find("gps0::link")->position_R_m.isApprox(Eigen::Vector3d(1, 0, 0.5)));
   EXPECT_TRUE(body.warnings.empty());
+}
+
+TEST_F(PartsOfAModel, PosesOfOtherVersionsAreRead) {
+  const auto foot_with = [&](const std::string& pose) {
+    return kBase + "<link name='arm'><pose>1 0 0 0 0 1.5707963267948966</pose>" + inertial(0.1) +
+           "</link><link name='foot'>" + pose + inertial(0.1) + "</link>";
+  };
+  for (const char* pose :
+       {"<pose frame='arm'>2 0 0 0 0 0</pose>",  // SDF 1.5 and 1.6
+        "<pose relative_to='arm' rotation_format='quat_xyzw'>2 0 0 0 0 0.7 0.7</pose>"}) {
+    const ModelBody body = read(foot_with(pose));
+    EXPECT_TRUE(body.find("foot")->position_R_m.isApprox(Eigen::Vector3d(1, 2, 0))) << pose;
+  }
+  EXPECT_NE(refusal(foot_with("<pose frame='leg'>0 0 0 0 0 0</pose>")).find("frame 'leg'"),
+            std::string::npos);
+  EXPECT_NE(refusal(foot_with("<pose rotation_format='quat_xyzw'>0 0 0 0 0 0 0</pose>"))
+                .find("the quaternion of a <pose> has no length"),
+            std::string::npos);
 }
 
 TEST_F(PartsOfAModel, AMergedModelsLinksAreTheVehiclesOwn) {
@@ -172,7 +190,7 @@ rotor: {omega_idle_rad_s: 0, inertia_kg_m2: 3.0e-5, radius_m: 0.1, zero_thrust_s
 )";
 
 TEST(VehicleOfParts, MotorPluginsGiveWhatTheFileDoesNotHaveAndItIsSaid) {
-  const test::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   folder.write("q.sdf",
                quad(motor(0) + motor(1) + motor(2) + motor(3, "<reversible>1</reversible>")));
   const Vehicle vehicle = Vehicle::load(folder.write(
@@ -192,7 +210,7 @@ TEST(VehicleOfParts, MotorPluginsGiveWhatTheFileDoesNotHaveAndItIsSaid) {
 }
 
 TEST(VehicleOfParts, AReversibleRotorStandsAtZero) {
-  const test::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   std::string text = kYaml;
   text.replace(text.find("omega_idle_rad_s: 0"), 19, "omega_idle_rad_s: 9");
   folder.write("q.sdf", quad(motor(0) + motor(1) + motor(2) + motor(3)));
@@ -213,7 +231,7 @@ std::string turning_link(const std::string& name, double mass) {
 }
 
 TEST(VehicleOfParts, AGimbalIsFixedWithAWarningUnlessTheFileSaysSo) {
-  const test::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   folder.write("q.sdf",
                quad(motor(0) + motor(1) + motor(2) + motor(3) + turning_link("gimbal", 0.3)));
   const std::string yaml = std::string(kYaml) + "rotors: [{}, {}, {}, {}]\n";
@@ -229,7 +247,7 @@ TEST(VehicleOfParts, AGimbalIsFixedWithAWarningUnlessTheFileSaysSo) {
 }
 
 TEST(VehicleOfParts, APropellerThatTheListForgetsIsRefused) {
-  const test::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   folder.write("q.sdf",
                quad(motor(0) + motor(1) + motor(2) + motor(3) + turning_link("prop", 0.01)));
   const auto file = folder.write("q.yaml", std::string(kYaml) + "rotors: [{}, {}, {}, {}]\n");

@@ -48,7 +48,7 @@ class ConfineFiles : public testing::Test {
     if (no_landlock_) GTEST_SKIP() << "this kernel has no Landlock";
   }
 
-  test::TemporaryFolder folder_;
+  cas::test::TemporaryFolder folder_;
   std::filesystem::path own_ = folder_ / "own";
   std::filesystem::path other_ = folder_ / "other";
   bool no_landlock_ = false;

@@ -49,7 +49,7 @@ TEST(Notify, WithoutAServiceManagerDoesNothing) {
 }
 
 TEST(Notify, SendsTheStateToAPath) {
-  const test::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   const std::string path = (folder.path() / "notify").string();
   const NotifySocket manager(path);
   const ScopedEnvironment variable("NOTIFY_SOCKET", path.c_str());

@@ -48,7 +48,7 @@ INSTANTIATE_TEST_SUITE_P(
                       "properties":{"a":{"type":"string"},"b":{"type":"string"}}})"}),
     [](const auto& test) { return test.param.name; });
 
-class FakePeer final : public Peer {
+class SilentPeer final : public Peer {
  public:
   void deliver(std::string line) override { answer = Json::parse(line); }
   Json answer;
@@ -59,7 +59,7 @@ TEST(Discover, DescribesEachMethodThatCanBeCalled) {
   dispatcher.add_method("kettle.heat", [](const Json&, Reply) {});
   dispatcher.add_method("kettle.whistle", [](const Json&, Reply) {});
   dispatcher.describe({kText, "1.5"});
-  const auto peer = std::make_shared<FakePeer>();
+  const auto peer = std::make_shared<SilentPeer>();
   dispatcher.handle(R"({"jsonrpc":"2.0","id":1,"method":"rpc.discover"})", peer);
 
   const Json document = peer->answer.at("result");

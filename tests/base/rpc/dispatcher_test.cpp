@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <new>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <vector>
@@ -71,6 +72,22 @@ class DispatcherTest : public testing::Test {
   std::shared_ptr<FakePeer> peer_ = std::make_shared<FakePeer>();
 };
 
+TEST_F(DispatcherTest, CallsAMethodForItsOwnProcess) {
+  std::vector<Json> results;
+  std::vector<int> errors;
+  const Reply reply{.result = [&](const Json& result) { results.push_back(result); },
+                    .error = [&](int code, auto&&...) { errors.push_back(code); }};
+  dispatcher_.set_token("secret");
+  dispatcher_.call("echo", {{"x", 1.5}}, reply);
+  EXPECT_EQ(results, std::vector<Json>({Json{{"x", 1.5}}}));
+  dispatcher_.call("speed", Json::object(), reply);
+  dispatcher_.call("subscribe", Json::object(), reply);
+  EXPECT_EQ(errors, std::vector<int>({kInvalidParams, kMethodNotFound}));
+  dispatcher_.call("keep", Json::object(), reply);
+  kept_.back().result(true);
+  EXPECT_EQ(results.back(), true);
+}
+
 TEST_F(DispatcherTest, AnnouncesEachLineBeforeItsCalls) {
   int announced = 0;
   dispatcher_.before_calls([&] {
@@ -82,6 +99,21 @@ TEST_F(DispatcherTest, AnnouncesEachLineBeforeItsCalls) {
   handle("  ");
   EXPECT_EQ(announced, 2);
   EXPECT_EQ(counted_, 2);
+}
+
+TEST_F(DispatcherTest, ACallThatLacksMemoryIsAnError) {
+  dispatcher_.add_method("lacking", [](const Json&, Reply) { throw std::bad_alloc(); });
+  const Json reply = answer(R"({"jsonrpc":"2.0","id":7,"method":"lacking"})");
+  EXPECT_EQ(reply["id"], 7);
+  EXPECT_EQ(reply["error"]["code"], kInternalError);
+}
+
+TEST_F(DispatcherTest, ALineThatLacksMemoryIsAnErrorAndTheLast) {
+  dispatcher_.before_calls([] { throw std::bad_alloc(); });
+  const Json reply = answer(R"({"jsonrpc":"2.0","id":7,"method":"count"})");
+  EXPECT_EQ(reply["error"]["code"], kInternalError);
+  EXPECT_TRUE(peer_->refused);
+  EXPECT_EQ(counted_, 0);
 }
 
 TEST_F(DispatcherTest, WeighsALineByTheHeaviestOfItsCalls) {

@@ -20,8 +20,8 @@
 namespace cas::base::rpc {
 namespace {
 
-constexpr const char* kKeep = R"({"jsonrpc":"2.0","id":2,"method":"keep"})";
-constexpr const char* kEcho = R"({"jsonrpc":"2.0","id":1,"method":"echo","params":[1]})";
+constexpr const char* kKeepCall = R"({"jsonrpc":"2.0","id":2,"method":"keep"})";
+constexpr const char* kEchoCall = R"({"jsonrpc":"2.0","id":1,"method":"echo","params":[1]})";
 
 TEST(ServerAbuse, AnEndlessLineIsAnsweredAndEnded) {
   RunningServer server;
@@ -53,12 +53,12 @@ TEST(ServerAbuse, AClientThatNeverReadsIsClosedAndOthersAreServed) {
   for (int i = 0; open && i < 100'000; ++i) {
     open = greedy.send(request);
     if (i % 100 == 0) {
-      EXPECT_EQ(other.ask(kEcho)["id"], 1);
+      EXPECT_EQ(other.ask(kEchoCall)["id"], 1);
     }
   }
   EXPECT_FALSE(open) << "10 GB of answers were kept";
   EXPECT_TRUE(server.wait_for_clients(1));
-  EXPECT_EQ(other.ask(kEcho)["id"], 1);
+  EXPECT_EQ(other.ask(kEchoCall)["id"], 1);
 }
 
 TEST(ServerAbuse, AnAnswerThatIsTooLongLeavesTheConnectionOpen) {
@@ -69,12 +69,12 @@ TEST(ServerAbuse, AnAnswerThatIsTooLongLeavesTheConnectionOpen) {
   const Json answer = client.ask(R"({"jsonrpc":"2.0","id":7,"method":"big"})");
   EXPECT_EQ(answer["id"], 7);
   EXPECT_EQ(answer["error"]["code"], kInternalError);
-  EXPECT_EQ(client.ask(kEcho)["id"], 1);
+  EXPECT_EQ(client.ask(kEchoCall)["id"], 1);
 }
 
 TEST(ServerAbuse, UnfinishedBatchesOfAClientThatLeavesLeaveNothing) {
   RunningServer server;
-  const std::string batch = "[" + std::string(kKeep) + "," + std::string(kEcho) + "]\n";
+  const std::string batch = "[" + std::string(kKeepCall) + "," + std::string(kEchoCall) + "]\n";
   {
     RawClient client(server.port());
     client.send(batch);
@@ -82,7 +82,7 @@ TEST(ServerAbuse, UnfinishedBatchesOfAClientThatLeavesLeaveNothing) {
   }
   server.answer_kept();
   EXPECT_TRUE(server.wait_for_clients(0));
-  EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
+  EXPECT_EQ(RawClient(server.port()).ask(kEchoCall)["id"], 1);
 }
 
 TEST(ServerAbuse, ASubscriberThatNeverReadsIsClosedAndOthersAreServed) {
@@ -101,7 +101,7 @@ TEST(ServerAbuse, ASubscriberThatNeverReadsIsClosedAndOthersAreServed) {
     EXPECT_EQ(reader.json()["method"], "status");
   }
   EXPECT_LT(published, 10'000);
-  EXPECT_EQ(reader.ask(kEcho)["id"], 1);
+  EXPECT_EQ(reader.ask(kEchoCall)["id"], 1);
 }
 
 TEST(ServerAbuse, AThousandQuickClientsAreAllServed) {
@@ -122,11 +122,11 @@ TEST(ServerAbuse, AThousandClientsThatLeaveAtOnceLeaveNothingBehind) {
   RunningServer server;
   for (int i = 0; i < 1000; ++i) {
     RawClient client(server.port());
-    if (i % 3 == 0) client.send(std::string(kEcho) + "\n");
+    if (i % 3 == 0) client.send(std::string(kEchoCall) + "\n");
     if (i % 3 == 1) client.send("half a line");
   }
   EXPECT_TRUE(server.wait_for_clients(0));
-  EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
+  EXPECT_EQ(RawClient(server.port()).ask(kEchoCall)["id"], 1);
 }
 
 TEST(ServerAbuse, AClientBeyondItsShareIsToldAndClosed) {
@@ -136,10 +136,10 @@ TEST(ServerAbuse, AClientBeyondItsShareIsToldAndClosed) {
   std::vector<RawClient> clients;
   for (const char* from : {"127.0.0.1", "127.0.0.2"}) {
     clients.emplace_back(server.port(), from);
-    EXPECT_EQ(clients.back().ask(kEcho)["id"], 1);
+    EXPECT_EQ(clients.back().ask(kEchoCall)["id"], 1);
   }
   RawClient third(server.port(), "127.0.0.3");  // all of loopback is one address
-  third.send(std::string(kEcho) + "\n");
+  third.send(std::string(kEchoCall) + "\n");
   const Json refusal = third.json();
   EXPECT_TRUE(refusal["id"].is_null());
   EXPECT_EQ(refusal["error"]["code"], kInternalError);
@@ -148,7 +148,7 @@ TEST(ServerAbuse, AClientBeyondItsShareIsToldAndClosed) {
   clients.pop_back();
   EXPECT_TRUE(server.wait_for_refused(Refusal::kNoPlace, 1));
   EXPECT_TRUE(server.wait_for_clients(1));
-  EXPECT_EQ(RawClient(server.port(), "127.0.0.2").ask(kEcho)["id"], 1);
+  EXPECT_EQ(RawClient(server.port(), "127.0.0.2").ask(kEchoCall)["id"], 1);
 }
 
 /// A server that listens on a Unix socket too.
@@ -178,11 +178,11 @@ TEST_F(UnixAbuse, SilentClientsEverywhereLeaveAPlaceForTheOwner) {
 TEST(ServerAbuse, SilentClientsOfOneAddressLockNobodyOut) {
   RunningServer server;
   RawClient served(server.port());
-  EXPECT_EQ(served.ask(kEcho)["id"], 1);
+  EXPECT_EQ(served.ask(kEchoCall)["id"], 1);
   std::vector<RawClient> silent;
   for (int i = 0; i < 200; ++i) silent.emplace_back(server.port());
-  EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
-  EXPECT_EQ(served.ask(kEcho)["id"], 1) << "who has asked keeps its place";
+  EXPECT_EQ(RawClient(server.port()).ask(kEchoCall)["id"], 1);
+  EXPECT_EQ(served.ask(kEchoCall)["id"], 1) << "who has asked keeps its place";
 }
 
 TEST(ServerAbuse, ClientsThatHaveLeftAgainKeepNobodyWaiting) {
@@ -195,7 +195,7 @@ TEST(ServerAbuse, ClientsThatHaveLeftAgainKeepNobodyWaiting) {
   }),
             0);
   const RunTime start = steady_now();
-  EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
+  EXPECT_EQ(RawClient(server.port()).ask(kEchoCall)["id"], 1);
   EXPECT_LT(steady_now() - start, std::chrono::seconds(20)) << "1000 at 20 a second take 50 s";
 }
 
@@ -206,12 +206,12 @@ TEST_F(UnixAbuse, ClientsThatHaveAskedKeepTheirPlaces) {
   std::vector<RawClient> served;
   for (int i = 0; i < 4; ++i) {
     served.emplace_back(path_);
-    EXPECT_EQ(served.back().ask(kEcho)["id"], 1);
+    EXPECT_EQ(served.back().ask(kEchoCall)["id"], 1);
   }
   RawClient fifth(path_);
   EXPECT_EQ(fifth.json()["error"]["code"], kInternalError);
   EXPECT_TRUE(fifth.closed_by_server());
-  for (RawClient& client : served) EXPECT_EQ(client.ask(kEcho)["id"], 1);
+  for (RawClient& client : served) EXPECT_EQ(client.ask(kEchoCall)["id"], 1);
 }
 
 TEST_F(UnixAbuse, SilentClientsLoseTheirPlaces) {
@@ -237,7 +237,7 @@ TEST_F(UnixAbuse, ACrowdOfOneAddressLeavesTheOtherPlaces) {
   std::vector<RawClient> others;
   for (int i = 0; i < 32; ++i) {
     others.emplace_back(path_);
-    EXPECT_EQ(others.back().ask(kEcho)["id"], 1);
+    EXPECT_EQ(others.back().ask(kEchoCall)["id"], 1);
   }
   EXPECT_EQ(server_->run([&] { return server_->server().clients(); }), 64U);
 }
@@ -256,7 +256,7 @@ TEST(ServerAbuse, SilentTcpClientsLoseTheirPlaces) {
     client.close();
   }
   EXPECT_TRUE(server.wait_for_refused(Refusal::kNoRequest, 32));
-  EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
+  EXPECT_EQ(RawClient(server.port()).ask(kEchoCall)["id"], 1);
 }
 
 // Data in flight while the server closes a connection is dropped.
@@ -268,10 +268,10 @@ TEST(ServerAbuse, AClientThatSendsAfterItsRefusalHarmsNobody) {
   late.send("begun, not ended");
   EXPECT_TRUE(late.json()["id"].is_null());
   for (int i = 0; i < 20; ++i) late.send(std::string(512, 'x'));
-  late.send(std::string(kEcho) + "\n");
+  late.send(std::string(kEchoCall) + "\n");
   EXPECT_EQ(late.line(), std::nullopt) << "nothing is called any more";
   EXPECT_TRUE(server.wait_for_refused(Refusal::kNoRequest, 1));
-  EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
+  EXPECT_EQ(RawClient(server.port()).ask(kEchoCall)["id"], 1);
 }
 
 TEST(ServerAbuse, AClientMayBeSilentAfterItsFirstRequest) {
@@ -279,16 +279,16 @@ TEST(ServerAbuse, AClientMayBeSilentAfterItsFirstRequest) {
   limits.first_request_time = std::chrono::seconds(1);
   RunningServer server(limits);
   RawClient watcher(server.port());
-  EXPECT_EQ(watcher.ask(kEcho)["id"], 1);
+  EXPECT_EQ(watcher.ask(kEchoCall)["id"], 1);
   RawClient silent(server.port());  // its end proves that the time is over for the watcher too
   EXPECT_TRUE(silent.closed_by_server());
-  EXPECT_EQ(watcher.ask(kEcho)["id"], 1);
+  EXPECT_EQ(watcher.ask(kEchoCall)["id"], 1);
 }
 
 TEST(ServerAbuse, ARequestInTheBodyOfAWebPageIsNotCalled) {
   RunningServer server;
   RawClient browser(server.port());
-  const std::string body = std::string(kKeep) + "\n";
+  const std::string body = std::string(kKeepCall) + "\n";
   EXPECT_TRUE(browser.send("POST / HTTP/1.1\r\nHost: 127.0.0.1:" + std::to_string(server.port()) +
                            "\r\nUser-Agent: curl/7.88.1\r\nAccept: */*\r\nContent-Length: " +
                            std::to_string(body.size()) +
@@ -306,7 +306,7 @@ TEST(ServerAbuse, CurlCallsNothing) {
   if (::access(curl.c_str(), X_OK) != 0) GTEST_SKIP() << curl << " is not installed";
   RunningServer server;
   const std::string command = curl + " --silent --noproxy '*' --max-time 20 --data-binary '" +
-                              kKeep + "\n' http://" + server.address() + "/ >/dev/null 2>&1";
+                              kKeepCall + "\n' http://" + server.address() + "/ >/dev/null 2>&1";
   EXPECT_NE(std::system(command.c_str()), 0) << "an answer that is not HTTP";
   EXPECT_TRUE(server.wait_for_refused(Refusal::kNotJsonRpc, 1));
   EXPECT_TRUE(server.wait_for_clients(0));
@@ -320,7 +320,7 @@ TEST(ServerAbuse, ABurstOfConnectionsLeavesTheServerWhole) {
     for (int i = 0; i < 300; ++i) burst.emplace_back(server.port());
   }
   EXPECT_TRUE(server.wait_for_clients(0));
-  EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
+  EXPECT_EQ(RawClient(server.port()).ask(kEchoCall)["id"], 1);
 }
 
 TEST(ServerAbuse, WithoutDescriptorsClientsWaitAndAreServedLater) {
@@ -331,7 +331,7 @@ TEST(ServerAbuse, WithoutDescriptorsClientsWaitAndAreServedLater) {
   rlimit before{};
   ::getrlimit(RLIMIT_NOFILE, &before);
   RawClient client(server.port());
-  EXPECT_EQ(client.ask(kEcho)["id"], 1);
+  EXPECT_EQ(client.ask(kEchoCall)["id"], 1);
   const RawClient probe(server.port());
   EXPECT_TRUE(server.wait_for_clients(2));
   const int lowest_free = ::dup(0);
@@ -340,9 +340,9 @@ TEST(ServerAbuse, WithoutDescriptorsClientsWaitAndAreServedLater) {
   tight.rlim_cur = static_cast<rlim_t>(lowest_free) + 1;
   ::setrlimit(RLIMIT_NOFILE, &tight);
   RawClient late(server.port());  // takes the last one; accepting needs one more
-  EXPECT_EQ(client.ask(kEcho)["id"], 1);
+  EXPECT_EQ(client.ask(kEchoCall)["id"], 1);
   ::setrlimit(RLIMIT_NOFILE, &before);
-  EXPECT_EQ(late.ask(kEcho)["id"], 1);
+  EXPECT_EQ(late.ask(kEchoCall)["id"], 1);
 }
 
 TEST(ServerAbuse, AClientThatAsksTooFastIsSlowedDownAndOthersAreNot) {
@@ -376,7 +376,7 @@ TEST(ServerAbuse, RandomBytesNeverEndTheServer) {
     client.end_of_input();
     EXPECT_TRUE(client.closed_by_server());
   }
-  EXPECT_EQ(RawClient(server.port()).ask(kEcho)["id"], 1);
+  EXPECT_EQ(RawClient(server.port()).ask(kEchoCall)["id"], 1);
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace cas::base::rpc {
 namespace {
 
-constexpr const char* kToken = "correct horse battery staple";
+constexpr const char* kProvenToken = "correct horse battery staple";
 
 TEST(HmacSha256, IsThatOfRfc4231) {
   EXPECT_EQ(hmac_sha256("Jefe", "what do ya want for nothing?"),
@@ -27,16 +27,16 @@ TEST(HmacSha256, IsThatOfRfc4231) {
 
 TEST(TokenProof, DependsOnAllThatItIsBoundTo) {
   const ProofContext context{"127.0.0.1:5790", "nonce of the client", "nonce of the server"};
-  const std::string proof = token_proof(kToken, Prover::kServer, context);
+  const std::string proof = token_proof(kProvenToken, Prover::kServer, context);
   EXPECT_EQ(proof.size(), 64U);
-  EXPECT_EQ(token_proof(kToken, Prover::kServer, context), proof);
+  EXPECT_EQ(token_proof(kProvenToken, Prover::kServer, context), proof);
   EXPECT_NE(token_proof("another token, also long", Prover::kServer, context), proof);
-  EXPECT_NE(token_proof(kToken, Prover::kClient, context), proof);
+  EXPECT_NE(token_proof(kProvenToken, Prover::kClient, context), proof);
   for (std::string ProofContext::*part :
        {&ProofContext::endpoint, &ProofContext::client_nonce, &ProofContext::server_nonce}) {
     ProofContext other = context;
     other.*part += "1";
-    EXPECT_NE(token_proof(kToken, Prover::kServer, other), proof);
+    EXPECT_NE(token_proof(kProvenToken, Prover::kServer, other), proof);
   }
 }
 
@@ -45,7 +45,7 @@ TEST(TokenProof, EachNonceIsAnother) { EXPECT_NE(make_nonce(), make_nonce()); }
 class ProvenClient : public testing::Test {
  protected:
   ProvenClient() {
-    const auto file = folder_.write("token", kToken);
+    const auto file = folder_.write("token", kProvenToken);
     ::chmod(file.c_str(), 0600);
     server_.run([&] { server_.server().require_token(file); });
   }
@@ -56,7 +56,7 @@ class ProvenClient : public testing::Test {
 
 TEST_F(ProvenClient, IsAuthorisedByOneOfItsTokens) {
   Client client(server_.address());
-  EXPECT_TRUE(client.authorise_by_proof({"the token of another server", kToken}));
+  EXPECT_TRUE(client.authorise_by_proof({"the token of another server", kProvenToken}));
   EXPECT_EQ(client.call("echo", {1}, kPatience), Json({1}));
 }
 
@@ -71,7 +71,7 @@ TEST_F(ProvenClient, IsNotAuthorisedWithoutTheToken) {
 
 TEST_F(ProvenClient, GetsNowhereWithAProofBeforeTheNonces) {
   Client client(server_.address());
-  const std::string proof = token_proof(kToken, Prover::kClient, {server_.address(), "", ""});
+  const std::string proof = token_proof(kProvenToken, Prover::kClient, {server_.address(), "", ""});
   EXPECT_THROW(client.call("authorise", {{"proof", proof}}, kPatience), CallError);
   EXPECT_TRUE(server_.wait_for_refused(Refusal::kWrongToken, 1));
 }
@@ -97,13 +97,13 @@ TEST_F(ProvenClient, IsAnsweredWhateverTypesItSends) {
   EXPECT_TRUE(
       other.call("authorise", {{"token", nullptr}, {"nonce", nonce}}, kPatience).is_object());
   Client client(server_.address());
-  EXPECT_TRUE(client.authorise_by_proof({kToken})) << "the server lives";
+  EXPECT_TRUE(client.authorise_by_proof({kProvenToken})) << "the server lives";
 }
 
 TEST_F(ProvenClient, NeedsANonceThatIsNoGuess) {
   Client client(server_.address());
   EXPECT_THROW(client.call("authorise", {{"nonce", "short"}}, kPatience), CallError);
-  EXPECT_TRUE(client.authorise_by_proof({kToken})) << "a bad nonce is no wrong token";
+  EXPECT_TRUE(client.authorise_by_proof({kProvenToken})) << "a bad nonce is no wrong token";
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr std::size_t kPieceBytes = 249;
-constexpr base::RunTime kStart{seconds(100)};
+constexpr base::RunTime kUlogStart{seconds(100)};
 
 /// A log of one topic with so many messages, each with its number.
 std::string log_of(int messages, std::uint64_t start_us = 1'000'000) {
@@ -86,7 +86,8 @@ TEST(UlogStream, GivesTheLogAsItIs) {
   const std::string log = log_of(200);
   UlogStream stream;
   std::string file;
-  for (const UlogStream::Piece& piece : pieces_of(log)) append(file, stream.take(piece, kStart));
+  for (const UlogStream::Piece& piece : pieces_of(log))
+    append(file, stream.take(piece, kUlogStart));
   EXPECT_EQ(file, log);
 }
 
@@ -95,7 +96,7 @@ TEST(UlogStream, MarksALossAsADropoutAndGoesOnAtTheNextMessage) {
   const auto pieces = pieces_of(log);
   UlogStream stream;
   std::string file;
-  base::RunTime now = kStart;
+  base::RunTime now = kUlogStart;
   for (const UlogStream::Piece& piece : pieces) {
     now += milliseconds(20);
     if (piece.sequence == 7 || piece.sequence == 8) continue;
@@ -116,8 +117,8 @@ TEST(UlogStream, TakesAPieceThatComesAgainOnce) {
   UlogStream stream;
   std::string file;
   for (const UlogStream::Piece& piece : pieces_of(log)) {
-    append(file, stream.take(piece, kStart));
-    append(file, stream.take(piece, kStart));
+    append(file, stream.take(piece, kUlogStart));
+    append(file, stream.take(piece, kUlogStart));
   }
   EXPECT_EQ(file, log);
 }
@@ -127,7 +128,7 @@ TEST(UlogStream, CountsOnBeyondTheLargestSequence) {
   UlogStream stream;
   std::string file;
   for (const UlogStream::Piece& piece : pieces_of(log, 65530)) {
-    append(file, stream.take(piece, kStart));
+    append(file, stream.take(piece, kUlogStart));
   }
   EXPECT_EQ(file, log);
 }
@@ -136,25 +137,25 @@ TEST(UlogStream, IsNothingBeforeTheHeader) {
   const std::string log = log_of(200);
   const auto pieces = pieces_of(log);
   UlogStream stream;
-  EXPECT_TRUE(stream.take(pieces[1], kStart).empty());
+  EXPECT_TRUE(stream.take(pieces[1], kUlogStart).empty());
   EXPECT_FALSE(stream.began());
 }
 
 TEST(UlogStream, HoldsNoMoreThanOneMessageWhateverItsLengthSays) {
   UlogStream stream;
   const std::string log = log_of(1);
-  stream.take(pieces_of(log)[0], kStart);
+  stream.take(pieces_of(log)[0], kUlogStart);
   std::vector<std::uint8_t> noise(kPieceBytes, 0xFF);
   std::size_t out = 0;
   for (std::uint16_t i = 1; i < 2000; ++i) {
-    out += stream.take({i, UlogStream::kNoMessage, noise}, kStart).size();
+    out += stream.take({i, UlogStream::kNoMessage, noise}, kUlogStart).size();
   }
   const std::size_t in = 1999 * noise.size();
   EXPECT_GT(out + 70'000, in) << "what is not given out is kept";
 }
 
 /// A pull with a test in the place of casd.
-struct Bench {
+struct UlogBench {
   UlogPull pull{{.send =
                      [this](const VehicleCommander::LogAnswer& said) {
                        acks.push_back(std::get<mavlink::common::LoggingAck>(said).sequence);
@@ -209,16 +210,16 @@ Outcome refusal(mavlink::common::MavResult result) {
 }
 
 TEST(UlogPull, AsksOnceAndAcknowledgesEachPieceThatWantsIt) {
-  Bench bench;
-  bench.pull.tick(kStart);
-  bench.pull.tick(kStart + seconds(1));
+  UlogBench bench;
+  bench.pull.tick(kUlogStart);
+  bench.pull.tick(kUlogStart + seconds(1));
   ASSERT_EQ(bench.starts(), 1U) << "the request is under way";
   bench.answer(Outcome{});
   const std::string log = log_of(20);
   const auto pieces = pieces_of(log);
-  bench.say<mavlink::common::LoggingDataAcked>(pieces[0], kStart);
-  bench.say<mavlink::common::LoggingDataAcked>(pieces[0], kStart);
-  bench.say(pieces[1], kStart);
+  bench.say<mavlink::common::LoggingDataAcked>(pieces[0], kUlogStart);
+  bench.say<mavlink::common::LoggingDataAcked>(pieces[0], kUlogStart);
+  bench.say(pieces[1], kUlogStart);
   EXPECT_EQ(bench.acks, (std::vector<std::uint16_t>{0, 0}));
   EXPECT_EQ(bench.began, std::vector<std::string>{"ulg"});
   EXPECT_EQ(bench.file, log.substr(0, bench.file.size()));
@@ -226,18 +227,18 @@ TEST(UlogPull, AsksOnceAndAcknowledgesEachPieceThatWantsIt) {
 }
 
 TEST(UlogPull, EndsALogOfBeforeThatRunsAndAsksAgain) {
-  Bench bench;
-  bench.pull.tick(kStart);
+  UlogBench bench;
+  bench.pull.tick(kUlogStart);
   bench.answer(refusal(mavlink::common::MavResult::kTemporarilyRejected));
   EXPECT_EQ(bench.commands.back(), mavlink::common::MavCmd::kLoggingStop);
   EXPECT_TRUE(bench.warnings.empty());
-  bench.pull.tick(kStart + UlogPull::kFirstRetry);
+  bench.pull.tick(kUlogStart + UlogPull::kFirstRetry);
   EXPECT_EQ(bench.commands.back(), mavlink::common::MavCmd::kLoggingStart);
 }
 
 TEST(UlogPull, TellsOnceWhyNothingComesAndAsksSeldom) {
-  Bench bench;
-  base::RunTime now = kStart;
+  UlogBench bench;
+  base::RunTime now = kUlogStart;
   for (int tick = 0; tick < 600; ++tick, now += milliseconds(500)) {
     bench.pull.tick(now);
     if (bench.answer) std::exchange(bench.answer, {})(refusal(mavlink::common::MavResult::kDenied));
@@ -247,14 +248,14 @@ TEST(UlogPull, TellsOnceWhyNothingComesAndAsksSeldom) {
 }
 
 TEST(UlogPull, AsksAgainAfterSilenceAndAfterARestart) {
-  Bench bench;
-  bench.pull.tick(kStart);
+  UlogBench bench;
+  bench.pull.tick(kUlogStart);
   bench.answer(Outcome{});
   const std::string log = log_of(20);
-  bench.say(pieces_of(log)[0], kStart);
-  bench.pull.tick(kStart + UlogPull::kSilence);
+  bench.say(pieces_of(log)[0], kUlogStart);
+  bench.pull.tick(kUlogStart + UlogPull::kSilence);
   EXPECT_EQ(bench.starts(), 1U);
-  base::RunTime now = kStart + UlogPull::kSilence + milliseconds(1);
+  base::RunTime now = kUlogStart + UlogPull::kSilence + milliseconds(1);
   bench.pull.tick(now);
   EXPECT_EQ(bench.starts(), 2U);
   const int ended = bench.ended;
@@ -266,10 +267,10 @@ TEST(UlogPull, AsksAgainAfterSilenceAndAfterARestart) {
 }
 
 TEST(UlogPull, MakesNoFileForEachHeader) {
-  Bench bench;
-  bench.pull.tick(kStart);
+  UlogBench bench;
+  bench.pull.tick(kUlogStart);
   bench.answer(Outcome{});
-  base::RunTime now = kStart;
+  base::RunTime now = kUlogStart;
   for (std::uint64_t i = 0; i < 1000; ++i, now += milliseconds(10)) {
     const std::string log = log_of(20, 1'000'000 + i);
     bench.say(pieces_of(log)[0], now);
@@ -278,16 +279,16 @@ TEST(UlogPull, MakesNoFileForEachHeader) {
 }
 
 TEST(UlogPull, EndsTheLogWhereTheDiskDoesNotKeepUp) {
-  Bench bench;
-  bench.pull.tick(kStart);
+  UlogBench bench;
+  bench.pull.tick(kUlogStart);
   bench.answer(Outcome{});
   bench.room = false;
   const std::string log = log_of(20);
-  bench.say(pieces_of(log)[0], kStart);
+  bench.say(pieces_of(log)[0], kUlogStart);
   EXPECT_EQ(bench.commands.back(), mavlink::common::MavCmd::kLoggingStop);
-  bench.pull.tick(kStart + seconds(1));
+  bench.pull.tick(kUlogStart + seconds(1));
   EXPECT_EQ(bench.starts(), 1U);
-  bench.pull.tick(kStart + UlogPull::kSilence);
+  bench.pull.tick(kUlogStart + UlogPull::kSilence);
   EXPECT_EQ(bench.starts(), 2U);
 }
 

@@ -28,7 +28,7 @@ TEST(LinkLedger, KeepsOnlyStampedPackets) {
 }
 
 TEST(LinkLedger, ComesBackFromAFileAsItWas) {
-  const test::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   LinkLedger ledger;
   ledger.received(info(107, 2000, 5));
   ledger.sent(info(91, 2000, 6), base::RunTime(base::Duration(9)));
@@ -47,7 +47,7 @@ TEST(LinkLedger, ComesBackFromAFileAsItWas) {
 }
 
 TEST(LinkLedger, RefusesAFileThatIsNone) {
-  const test::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   EXPECT_THROW(read_link_ledgers(folder / "missing.csv"), base::ConfigError);
   std::ofstream(folder / "bad.csv") << "link,event,message_id,time_usec,at_ns\nfcu,eaten,1,2,3\n";
   EXPECT_THROW(read_link_ledgers(folder / "bad.csv"), base::ConfigError);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <new>
 
 #include "tests/casd/packets.hpp"
 #include "tests/support/wait_until.hpp"
@@ -16,6 +17,9 @@ using cas::test::wait_until;
 /// A thread that finds a steady stream.
 class Looker {
  public:
+  /// @param cost  what the thread needs for a packet
+  explicit Looker(base::Duration cost = {}) : cost_(cost) {}
+
   /// @return looks in `time` at `packets_s`, each as late as packet or pace demand
   int watch(base::Duration time, double packets_s) {
     int looks = 0;
@@ -23,18 +27,26 @@ class Looker {
     const auto packet = [&](int number) { return begin + base::from_seconds(number / packets_s); };
     const int last = static_cast<int>(base::to_seconds(time) * packets_s);
     for (int next = 1; next <= last;) {
-      now_ = std::max(packet(next), pace_.next_look());
+      now_ = std::max(now_, pace_.next_look());
+      idle_ += std::max(packet(next) - now_, base::Duration{});
+      now_ = std::max(packet(next), now_);
+      const std::uint64_t before = received_;
       for (; next <= last && packet(next) <= now_; ++next) ++received_;
-      pace_.looked(now_, received_);
+      now_ += (received_ - before) * cost_;
+      pace_.looked(now_, received_, idle_);
       ++looks;
     }
     return looks;
   }
+  const LookPace& pace() const { return pace_; }
+  base::RunTime now() const { return now_; }
 
  private:
   LookPace pace_;
   base::RunTime now_ = at(std::chrono::seconds(1));
   std::uint64_t received_ = 0;
+  base::Duration idle_{};
+  base::Duration cost_;
 };
 
 TEST(LookPace, LooksAtEachPacketOfAControlLoop) {
@@ -61,38 +73,67 @@ TEST(LookPace, LooksAtEachPacketAgainAfterAFlood) {
 
 TEST(LookPace, TakesWhatComesAfterALongSilenceForNoFlood) {
   LookPace pace;
-  pace.looked(at(std::chrono::seconds(10)), 64);
+  pace.looked(at(std::chrono::seconds(10)), 64, {});
   EXPECT_EQ(pace.next_look(), at(std::chrono::seconds(10)));
 }
 
 TEST(LookPace, TellsAFloodFromABurst) {
-  using std::chrono::microseconds;
-  LookPace pace;
-  std::uint64_t received = 0;
-  base::RunTime now = at(std::chrono::seconds(1));
-  const auto look = [&](std::uint64_t packets) {
-    now += microseconds(150);
-    received += packets;
-    pace.looked(now, received);
+  Looker looker;
+  looker.watch(std::chrono::milliseconds(10), 200'000);
+  EXPECT_TRUE(looker.pace().busy());
+  for (int i = 0; i < 100; ++i) {
+    looker.watch(std::chrono::milliseconds(1), 4'000);
+    EXPECT_FALSE(looker.pace().flood_lasts()) << i;
+  }
+  EXPECT_FALSE(looker.pace().busy());
+}
+
+TEST(LookPace, SeesTheFloodOfABusyMachineThroughItsGaps) {
+  Looker looker;
+  for (int i = 0; i < 30; ++i) {
+    looker.watch(std::chrono::milliseconds(1), 400'000);
+    looker.watch(std::chrono::milliseconds(3), 1'000);
+    EXPECT_FALSE(looker.pace().busy());
+  }
+  EXPECT_TRUE(looker.pace().flood_lasts());
+  EXPECT_FALSE(looker.pace().flood_is_over(looker.now()));
+  looker.watch(std::chrono::milliseconds(100), 1'000);
+  EXPECT_FALSE(looker.pace().flood_lasts());
+  EXPECT_FALSE(looker.pace().flood_is_over(looker.now())) << "it may go on";
+  EXPECT_TRUE(looker.pace().flood_is_over(looker.now() + LookPace::kCalm));
+}
+
+TEST(LookPace, SeesAFloodInWhatLeavesAThreadNoRest) {
+  for (const auto cost : {std::chrono::microseconds(10), std::chrono::microseconds(40)}) {
+    Looker looker(cost);
+    looker.watch(std::chrono::milliseconds(200), 30'000);
+    EXPECT_EQ(looker.pace().flood_lasts(), cost == std::chrono::microseconds(40));
+  }
+  LookPace relieved;  // by a thread of its own, on which the same packets leave it rest
+  const auto look = [&](int ms, std::uint64_t received, base::Duration idle) {
+    relieved.looked(at(std::chrono::seconds(1)) + std::chrono::milliseconds(ms), received, idle);
   };
-  for (int i = 0; i < 60; ++i) look(30);
-  EXPECT_TRUE(pace.busy());
-  EXPECT_FALSE(pace.flood_lasts(now)) << "9 ms";
-  for (int i = 0; i < 20; ++i) look(30);
-  EXPECT_TRUE(pace.flood_lasts(now));
-  for (int i = 0; i < 20; ++i) look(1);
-  EXPECT_FALSE(pace.flood_lasts(now));
-  EXPECT_FALSE(pace.flood_is_over(now)) << "it may go on";
-  EXPECT_TRUE(pace.flood_is_over(now + LookPace::kCalm));
+  for (int ms = 0; ms < 6000; ++ms) look(ms, 30U * static_cast<unsigned>(ms), {});
+  EXPECT_TRUE(relieved.flood_lasts());
+  for (int ms = 6000; ms < 12'000; ++ms) {
+    look(ms, 30U * static_cast<unsigned>(ms), std::chrono::milliseconds(ms - 6000) / 2);
+  }
+  EXPECT_FALSE(relieved.flood_lasts());
+  EXPECT_FALSE(relieved.flood_is_over(at(std::chrono::seconds(13)))) << "they go on";
+  Looker slow(std::chrono::milliseconds(1));  // a machine that is too slow for a HIL loop
+  slow.watch(std::chrono::milliseconds(200), 905);
+  EXPECT_FALSE(slow.pace().flood_lasts());
 }
 
 TEST(LookPace, TakesALinkThatComesForNoFlood) {
   LookPace pace;
   const base::RunTime begin = at(std::chrono::seconds(1));
-  pace.looked(begin, 0);
+  pace.looked(begin, 0, {});
   pace.add_link(1'000'000);
-  pace.looked(begin + std::chrono::milliseconds(2), 1'000'001);
+  pace.looked(begin + std::chrono::milliseconds(2), 1'000'001, {});
   EXPECT_FALSE(pace.busy());
+  pace.looked(begin + std::chrono::milliseconds(102), 1'000'100, {});
+  EXPECT_FALSE(pace.flood_lasts());
 }
 
 class CountingLink final : public Link {
@@ -137,6 +178,49 @@ TEST(LinkLoop, PausesAndSaysItOnceWhenItCannotWait) {
   const std::size_t first = said.find("cannot wait for their descriptors");
   ASSERT_NE(first, std::string::npos) << said;
   EXPECT_EQ(said.find("cannot wait", first + 1), std::string::npos) << said;
+}
+
+/// Gets no memory in its first turns.
+class LackingLink final : public Link {
+ public:
+  explicit LackingLink(std::atomic<int>& turns) : turns_(turns) {}
+  void watch(PollSet& set, base::RunTime now) override {
+    set.wake_by(now + std::chrono::milliseconds(1));
+  }
+  void serve(const PollSet&, base::RunTime) override {
+    if (++turns_ <= 3) throw std::bad_alloc();
+  }
+  std::uint64_t received() const override { return 0; }
+  std::shared_ptr<PacketPort> port() override { return nullptr; }
+
+ private:
+  std::atomic<int>& turns_;
+};
+
+TEST(LinkLoop, LackOfMemoryCostsALinkItsTurnAndNoOther) {
+  testing::internal::CaptureStderr();
+  std::atomic<int> lacking{0};
+  std::atomic<int> turns{0};
+  std::atomic<bool> closed{false};
+  LinkLoop loop("fixture", {});
+  loop.add(std::make_unique<LackingLink>(lacking));
+  loop.add(std::make_unique<CountingLink>(turns, closed));
+  loop.start();
+  EXPECT_TRUE(wait_until([&] { return lacking > 5 && turns > 5; }));
+  loop.stop();
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_NE(said.find("fixture: no memory"), std::string::npos) << said;
+}
+
+TEST(LinkLoop, ATaskThatLacksMemoryIsTriedAgain) {
+  LinkLoop loop("fixture", {});
+  loop.start();
+  std::atomic<int> tries{0};
+  loop.run_on_loop([&] {
+    if (++tries < 3) throw std::bad_alloc();
+  });
+  EXPECT_EQ(tries, 3);
+  loop.stop();
 }
 
 }  // namespace

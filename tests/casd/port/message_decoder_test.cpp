@@ -57,7 +57,7 @@ TEST(MessageDecoder, KnowsNoFieldsOfAnUnknownMessage) {
 }
 
 TEST(MessageDecoder, ShowsALaboratorysOwnDialectWithoutARebuild) {
-  const test::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   const auto xml = folder.write("lab.xml", R"(<?xml version="1.0"?>
 <mavlink><messages>
   <message id="54321" name="LAB_THING">
@@ -76,7 +76,7 @@ TEST(MessageDecoder, ShowsALaboratorysOwnDialectWithoutARebuild) {
 }
 
 TEST(MessageDecoder, SaysWhatIsWrongWithADialect) {
-  const test::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   MessageDecoder decoder;
   EXPECT_THROW(add_dialect(folder.write("bad.xml", "<mavlink><messages>"), decoder),
                base::ConfigError);

@@ -115,7 +115,9 @@ TEST(RouterInterlock, AVehicleThatCameBackAsAnotherPeerIsJudgedByItsNewHeartbeat
   HilWords words;
   const auto in_hil = packet(heartbeat_of(true), {1, 1});
   const auto arm = packet(arming(1), {255, 190});
-  const auto permits = [&](base::RunTime now) { return words.permits(1, view(arm), {1, 1}, now); };
+  const auto permits = [&](base::RunTime now) {
+    return words.permits(1, view(arm), {1, 1}, false, now);
+  };
   words.on_packet({.link = 1, .peer = 7}, view(in_hil), at({}));
   EXPECT_TRUE(permits(at({})));
   const auto soon = at(std::chrono::seconds(5));
@@ -127,6 +129,35 @@ TEST(RouterInterlock, AVehicleThatCameBackAsAnotherPeerIsJudgedByItsNewHeartbeat
     words.on_packet({.link = 1, .peer = peer}, view(in_hil), now);
     EXPECT_TRUE(permits(now)) << peer;
   }
+}
+
+TEST(RouterInterlock, ARecordedDisarmDropsNoVehicleThatIsArmed) {
+  using mavlink::common::MavModeFlag;
+  const auto plan = guarded(2);
+  plan->recordings = bit(0);
+  Router router(plan, mav::public_table());
+  const auto disarm = packet(command_to(1, 1), {255, 190});
+  const auto say = [&](MavModeFlag flags) {
+    Heartbeat message = heartbeat_of(false);
+    message.base_mode = flags;
+    router.on_packet(1, view(packet(message, {1, 1})), at({}));
+  };
+  say(MavModeFlag::kCustomModeEnabled);
+  EXPECT_EQ(router.on_packet(0, view(disarm), at({})).decision, kForward);
+  say(MavModeFlag::kCustomModeEnabled | MavModeFlag::kSafetyArmed);
+  EXPECT_EQ(router.on_packet(0, view(disarm), at({})).decision, kNotHil);
+  say(MavModeFlag::kHilEnabled | MavModeFlag::kSafetyArmed);
+  EXPECT_EQ(router.on_packet(0, view(disarm), at({})).decision, kForward);
+}
+
+TEST(RouterInterlock, APersonsDisarmStopsAVehicleThatIsArmed) {
+  using mavlink::common::MavModeFlag;
+  Router router(guarded(2), mav::public_table());
+  Heartbeat armed = heartbeat_of(false);
+  armed.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kSafetyArmed;
+  router.on_packet(1, view(packet(armed, {1, 1})), at({}));
+  const auto disarm = packet(command_to(1, 1), {255, 190});
+  EXPECT_EQ(router.on_packet(0, view(disarm), at({})).decision, kForward);
 }
 
 TEST(RouterInterlock, AVehicleWithoutAHeartbeatIsNotInHil) {

@@ -17,10 +17,10 @@ std::vector<std::string> warnings(const std::string& gcs, const std::string& rou
                               gcs + "}\n" + routes)));
 }
 
-const std::string kSimulator = "routes:\n  - {from: sim, to: fcu, allow: [HIL_SENSOR]}\n";
+const std::string kSimRoute = "routes:\n  - {from: sim, to: fcu, allow: [HIL_SENSOR]}\n";
 
 TEST(Injection, AnOpenRouteToAControllerIsTold) {
-  const auto told = warnings("", kSimulator + "  - {from: gcs, to: fcu}\n");
+  const auto told = warnings("", kSimRoute + "  - {from: gcs, to: fcu}\n");
   ASSERT_EQ(told.size(), 1U);
   EXPECT_EQ(told[0].rfind("whoever is at link gcs can send HIL_SENSOR to fcu", 0), 0U) << told[0];
 }
@@ -49,7 +49,7 @@ struct QuietCase {
 class NoInjection : public testing::TestWithParam<QuietCase> {};
 
 TEST_P(NoInjection, WhereHilSensorIsKeptOut) {
-  const auto told = warnings(GetParam().gcs, kSimulator + GetParam().route);
+  const auto told = warnings(GetParam().gcs, kSimRoute + GetParam().route);
   EXPECT_TRUE(told.empty()) << told.front();
 }
 
@@ -66,7 +66,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(Injection, NamedMessagesOpenStationTrafficAgain) {
   EXPECT_EQ(warnings(", accept: {traffic: ground_station, messages: [HIL_SENSOR]}",
-                     kSimulator + "  - {from: gcs, to: fcu}\n")
+                     kSimRoute + "  - {from: gcs, to: fcu}\n")
                 .size(),
             1U);
 }

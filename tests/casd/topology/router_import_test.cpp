@@ -323,7 +323,7 @@ TEST_P(RouterImportKeys, AreTakenOrExplained) {
 
 TEST_P(RouterImportKeys, AreOnThePageAboutMavlinkRouter) {
   const std::string page =
-      test::TemporaryFolder::read(test::source_dir() + "/docs/from_mavlink_router.md");
+      cas::test::TemporaryFolder::read(cas::test::source_dir() + "/docs/from_mavlink_router.md");
   EXPECT_TRUE(std::regex_search(page, std::regex("`" + GetParam().key + "\\b"))) << GetParam().key;
 }
 

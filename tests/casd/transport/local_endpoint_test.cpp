@@ -4,9 +4,13 @@
 #include <gtest/gtest.h>
 #include <poll.h>
 
+#include <array>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <new>
+#include <span>
 #include <vector>
 
 #include "casd/station/vehicle_commander.hpp"
@@ -87,6 +91,52 @@ TEST_F(LocalEndpointTest, WhatWaitsIsDispatchedWithoutAWakeUp) {
   endpoint_.wake_for_all(true);
   deliver_telemetry();
   EXPECT_TRUE(wakes());
+}
+
+/// Gets no memory for its first packet.
+class LackingListener final : public Station {
+ public:
+  void on_packet(const Origin&, const mav::PacketView&, base::RunTime) override {
+    if (++packets == 1) throw std::bad_alloc();
+  }
+  void tick(base::RunTime) override {}
+
+  int packets = 0;
+};
+
+TEST_F(LocalEndpointTest, LackOfMemoryCostsOnePacket) {
+  deliver_telemetry();
+  deliver_answer();
+  LackingListener listener;
+  endpoint_.dispatch(listener, at(milliseconds(0)));
+  EXPECT_EQ(listener.packets, 2);
+}
+
+class LackingPort final : public PacketPort {
+ public:
+  void deliver(std::span<const PacketRef>, base::RunTime) override { throw std::bad_alloc(); }
+};
+
+class CountingPort final : public PacketPort {
+ public:
+  void deliver(std::span<const PacketRef> packets, base::RunTime) override {
+    count += packets.size();
+  }
+  std::size_t count = 0;
+};
+
+TEST(DeliveryBatch, ADestinationThatLacksMemoryCostsTheOthersNothing) {
+  const auto taking = std::make_shared<CountingPort>();
+  PortTable ports{};
+  ports[1] = std::make_shared<LackingPort>();
+  ports[2] = taking;
+  DeliveryBatch batch;
+  const std::array<std::uint8_t, 3> bytes{1, 2, 3};
+  batch.add({}, bytes, bit(1) | bit(2));
+  batch.add({}, bytes, bit(1) | bit(2));
+  EXPECT_EQ(batch.deliver(ports, at(milliseconds(0))), 2U);
+  EXPECT_EQ(taking->count, 2U);
+  EXPECT_TRUE(batch.empty());
 }
 
 }  // namespace

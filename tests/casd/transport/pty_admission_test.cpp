@@ -14,8 +14,8 @@
 namespace cas::casd {
 namespace {
 
-using test::PtyPair;
-using test::TemporaryFolder;
+using cas::test::PtyPair;
+using cas::test::TemporaryFolder;
 
 /// Substitute for /proc.
 class PtyAdmission : public testing::Test {

@@ -16,7 +16,7 @@ namespace {
 using Eigen::Vector4d;
 
 constexpr double kHover_n = 15.2;
-constexpr double kTolerance = 1e-9;  // of numbers of order one to ten
+constexpr double kMixerTolerance = 1e-9;  // of numbers of order one to ten
 
 base::Vehicle load(const char* name) {
   return base::Vehicle::load(cas::test::source_dir() + "/config/vehicles/" + name + ".yaml");
@@ -26,15 +26,15 @@ TEST(Mixer, PassesWhatTheRotorsCanDo) {
   const Mixer mixer(load("iris_paper"));
   const Vector4d demand(kHover_n, 0.3, -0.4, 0.05);
   const MixerResult result = mixer.mix(demand);
-  EXPECT_TRUE(result.u.isApprox(demand, kTolerance));
+  EXPECT_TRUE(result.u.isApprox(demand, kMixerTolerance));
   for (const Saturation& s : result.torque) EXPECT_FALSE(s.up || s.down);
 }
 
 TEST(Mixer, GivesUpYawBeforeThrust) {
   const Mixer mixer(load("iris_paper"));
   const MixerResult result = mixer.mix({kHover_n, 0, 0, 5});
-  EXPECT_NEAR(result.u[0], kHover_n, kTolerance);
-  EXPECT_NEAR(result.u[1], 0, kTolerance);
+  EXPECT_NEAR(result.u[0], kHover_n, kMixerTolerance);
+  EXPECT_NEAR(result.u[1], 0, kMixerTolerance);
   EXPECT_LT(result.u[3], 5);
   EXPECT_GT(result.u[3], 0.1);
   EXPECT_TRUE(result.torque[2].up);
@@ -43,8 +43,8 @@ TEST(Mixer, GivesUpYawBeforeThrust) {
 TEST(Mixer, GivesUpThrustBeforeRollAndPitch) {
   const Mixer mixer(load("iris_paper"));
   const MixerResult result = mixer.mix({28.0, 1.0, 0.5, 0.2});
-  EXPECT_NEAR(result.u[1], 1.0, kTolerance);
-  EXPECT_NEAR(result.u[2], 0.5, kTolerance);
+  EXPECT_NEAR(result.u[1], 1.0, kMixerTolerance);
+  EXPECT_NEAR(result.u[2], 0.5, kMixerTolerance);
   EXPECT_LT(result.u[0], 28.0);
   EXPECT_TRUE(result.thrust.up);
 }
@@ -61,8 +61,8 @@ TEST(Mixer, RaisesThrustForRollInTheAirButNotOnTheGround) {
   const Mixer mixer(load("iris_paper"));
   const Vector4d demand(1.0, 1.0, 0, 0);
   EXPECT_GT(mixer.mix(demand, true).u[0], 2);
-  EXPECT_LE(mixer.mix(demand, false).u[0], 1.0 + kTolerance);
-  EXPECT_NEAR(mixer.mix(demand, true).u[1], 1.0, kTolerance);
+  EXPECT_LE(mixer.mix(demand, false).u[0], 1.0 + kMixerTolerance);
+  EXPECT_NEAR(mixer.mix(demand, true).u[1], 1.0, kMixerTolerance);
 }
 
 class MixerOnAnyVehicle : public testing::TestWithParam<const char*> {};

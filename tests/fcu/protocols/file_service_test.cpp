@@ -72,7 +72,7 @@ class FileService {
 
  private:
   static FcuConfig config(const std::string& preset) {
-    const std::string file = test::source_dir() + "/config/fcu/iris_paper.yaml";
+    const std::string file = cas::test::source_dir() + "/config/fcu/iris_paper.yaml";
     FcuConfig config = FcuConfig::load(file);
     config.line = LineConfig::from_preset(preset);
     return config;
@@ -150,7 +150,7 @@ TEST_F(FileServiceOnALine, LeavesItToTheHilStreamWhenAskedInMavlink1) {
 }
 
 TEST_F(FileServiceOnALine, LeavesItToTheHilStreamWhenItLists) {
-  test::TemporaryFolder folder;
+  cas::test::TemporaryFolder folder;
   for (int i = 0; i < 200; ++i) folder.write("file_number_" + std::to_string(i), "");
   ServedFolder served(folder.path());
   service_.serve(served);
@@ -160,7 +160,7 @@ TEST_F(FileServiceOnALine, LeavesItToTheHilStreamWhenItLists) {
 }
 
 TEST(ServedFolder, WhatHasTakenAFilesPlaceIsNotWaitedFor) {
-  test::TemporaryFolder folder;
+  cas::test::TemporaryFolder folder;
   const auto file = folder.write("a", "abc");
   ServedFolder served(folder.path());
   std::array<std::uint8_t, 10> buffer{};
@@ -176,7 +176,7 @@ TEST(ServedFolder, WhatHasTakenAFilesPlaceIsNotWaitedFor) {
 
 TEST(ServedFolder, FileThatMayNotBeReadIsNoEmptyOne) {
   if (::geteuid() == 0) GTEST_SKIP() << "root may read everything";
-  test::TemporaryFolder folder;
+  cas::test::TemporaryFolder folder;
   ASSERT_EQ(::chmod(folder.write("a", "abc").c_str(), 0), 0);
   ServedFolder served(folder.path());
   std::uint32_t length = 0;
@@ -187,7 +187,7 @@ TEST(ServedFolder, FileThatMayNotBeReadIsNoEmptyOne) {
 }
 
 TEST(ServedFolder, ListsSoManyEntriesAndHidesLinksThatLeadOut) {
-  test::TemporaryFolder folder;
+  cas::test::TemporaryFolder folder;
   folder.write("secret", "");
   folder.write("served/file", "abc");
   std::filesystem::create_symlink("file", folder / "served/in");

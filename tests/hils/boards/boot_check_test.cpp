@@ -6,7 +6,7 @@
 namespace cas::hils {
 namespace {
 
-const Board kBoard{.name = "a", .serial = "7", .firmware = "1.15", .commit = "12ab"};
+const Board kBootBoard{.name = "a", .serial = "7", .firmware = "1.15", .commit = "12ab"};
 
 BoardFacts booted() {
   return {.device = "/dev/ttyACM0",
@@ -35,7 +35,7 @@ BootCase differing(const char* name, void (*change)(BoardFacts&), ExitCode code,
 class Boot : public testing::TestWithParam<BootCase> {};
 
 TEST_P(Boot, HasACodeAndASentence) {
-  const BootVerdict verdict = judge_boot(GetParam().facts, kBoard);
+  const BootVerdict verdict = judge_boot(GetParam().facts, kBootBoard);
   EXPECT_EQ(verdict.code, GetParam().code);
   EXPECT_EQ(verdict.sentence, GetParam().sentence);
 }

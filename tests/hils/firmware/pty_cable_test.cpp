@@ -44,7 +44,7 @@ class PtyCableTest : public testing::Test {
   /// Writes as the port takes it. @return whether everything went
   static bool write_all(const Port& port, const std::string& bytes) {
     std::size_t written = 0;
-    return test::wait_until([&] {
+    return cas::test::wait_until([&] {
       const ssize_t size = ::write(port.get(), bytes.data() + written, bytes.size() - written);
       if (size > 0) written += static_cast<std::size_t>(size);
       return written == bytes.size();
@@ -71,7 +71,7 @@ TEST_F(PtyCableTest, CarriesBothWays) {
   ASSERT_TRUE(write_all(second_, "back"));
   std::string at_first;
   std::string at_second;
-  EXPECT_TRUE(test::wait_until([&] {
+  EXPECT_TRUE(cas::test::wait_until([&] {
     read_into(at_first, first_);
     read_into(at_second, second_);
     return at_first == "back" && at_second == "there";
@@ -82,18 +82,18 @@ TEST_F(PtyCableTest, CarriesBothWays) {
 TEST_F(PtyCableTest, UnpluggedAtItsFirstEndComesBackUnderTheSameName) {
   const auto link = folder_.path() / "first";
   relay_.set_plugged(false);
-  ASSERT_TRUE(test::wait_until([&] { return !std::filesystem::exists(link); }));
+  ASSERT_TRUE(cas::test::wait_until([&] { return !std::filesystem::exists(link); }));
   char byte = 0;
-  EXPECT_TRUE(test::wait_until([&] {
+  EXPECT_TRUE(cas::test::wait_until([&] {
     const ssize_t size = ::read(first_.get(), &byte, 1);
     return size == 0 || (size < 0 && errno == EIO);
   })) << "the port is gone";
   ASSERT_TRUE(write_all(second_, "lost"));
   relay_.set_plugged(true);
-  ASSERT_TRUE(test::wait_until([&] { return std::filesystem::exists(link); }));
+  ASSERT_TRUE(cas::test::wait_until([&] { return std::filesystem::exists(link); }));
   const Port again(link);
   std::string got;
-  EXPECT_TRUE(test::wait_until([&] {
+  EXPECT_TRUE(cas::test::wait_until([&] {
     (void)!::write(second_.get(), "b", 1);
     read_into(got, again);
     return !got.empty();
@@ -108,14 +108,16 @@ TEST_F(PtyCableTest, DoesToBothDirectionsWhatItsLineDoes) {
   relay_.set_line(twice);
   for (const auto& [from, to] : {std::pair(&first_, &second_), std::pair(&second_, &first_)}) {
     std::string got;
-    EXPECT_TRUE(test::wait_until([&] {  // the first one may be carried before the order is taken
-      got.clear();
-      return write_all(*from, "packet") && test::wait_until([&] {
-               read_into(got, *to);
-               return got.size() >= 6;
-             }) &&
-             got.starts_with("packetpacket");
-    })) << got;
+    EXPECT_TRUE(
+        cas::test::wait_until([&] {  // the first one may be carried before the order is taken
+          got.clear();
+          return write_all(*from, "packet") && cas::test::wait_until([&] {
+                   read_into(got, *to);
+                   return got.size() >= 6;
+                 }) &&
+                 got.starts_with("packetpacket");
+        }))
+        << got;
   }
 }
 
@@ -124,7 +126,7 @@ TEST_F(PtyCableTest, KeepsWhatAPortThatIsReadLateHasNoRoomFor) {
   const std::string sent = numbered(75'000);
   ASSERT_TRUE(write_all(first_, sent));
   std::string got;
-  EXPECT_TRUE(test::wait_until([&] {
+  EXPECT_TRUE(cas::test::wait_until([&] {
     read_into(got, second_);
     return got.size() == sent.size();
   })) << got.size();
@@ -135,9 +137,9 @@ TEST_F(PtyCableTest, KeepsWhatAPortThatIsReadLateHasNoRoomFor) {
 TEST_F(PtyCableTest, CountsWhatAPortThatNobodyReadsLoses) {
   const std::string sent = numbered(1'000'000);
   ASSERT_TRUE(write_all(first_, sent));
-  ASSERT_TRUE(test::wait_until([&] { return relay_.lost_bytes() > 0; }));
+  ASSERT_TRUE(cas::test::wait_until([&] { return relay_.lost_bytes() > 0; }));
   std::string got;
-  EXPECT_TRUE(test::wait_until([&] {
+  EXPECT_TRUE(cas::test::wait_until([&] {
     read_into(got, second_);
     return got.size() + relay_.lost_bytes() == sent.size();
   })) << got.size()

@@ -12,7 +12,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-base::SimTime at(base::Duration since_start) { return base::SimTime(since_start); }
+base::SimTime at_time(base::Duration since_start) { return base::SimTime(since_start); }
 
 ScenarioFaults faults_of(const std::string& text, const VehicleNames& names = only_vehicle()) {
   const auto line = base::ConfigNode::parse("{preset: baud_460800}", "line");
@@ -111,7 +111,7 @@ TEST(BenchFaultScript, AsksTheVehicleThatTheFaultIsAbout) {
           .bench);
   std::vector<VehicleReport> vehicles(2);
   vehicles[1].p_N = {0, 0, -3};
-  const auto events = script.update(at(seconds(1)), vehicles, "hold");
+  const auto events = script.update(at_time(seconds(1)), vehicles, "hold");
   ASSERT_EQ(events.size(), 2U);
   EXPECT_EQ(events[0].fault->vehicle, 1U);
   EXPECT_EQ(script.history_of(0).size(), 1U);  // a fault of casd hits both
@@ -121,18 +121,18 @@ TEST(BenchFaultScript, AsksTheVehicleThatTheFaultIsAbout) {
 TEST(BenchFaultScript, BeginsAndEndsEachFaultOnce) {
   BenchFaultScript script(faults_of("[{at_s: 1, for_s: 2, unplug: fcu}]").bench);
   const std::vector<VehicleReport> alone(1);
-  EXPECT_TRUE(script.update(at(milliseconds(900)), alone, "hold").empty());
-  const auto begun = script.update(at(seconds(1)), alone, "hold");
+  EXPECT_TRUE(script.update(at_time(milliseconds(900)), alone, "hold").empty());
+  const auto begun = script.update(at_time(seconds(1)), alone, "hold");
   ASSERT_EQ(begun.size(), 1U);
   EXPECT_TRUE(begun[0].begins);
-  EXPECT_TRUE(script.update(at(seconds(2)), alone, "hold").empty());
-  const auto ended = script.update(at(seconds(3)), alone, "hold");
+  EXPECT_TRUE(script.update(at_time(seconds(2)), alone, "hold").empty());
+  const auto ended = script.update(at_time(seconds(3)), alone, "hold");
   ASSERT_EQ(ended.size(), 1U);
   EXPECT_FALSE(ended[0].begins);
-  EXPECT_TRUE(script.update(at(seconds(9)), alone, "hold").empty());
+  EXPECT_TRUE(script.update(at_time(seconds(9)), alone, "hold").empty());
   ASSERT_EQ(script.history_of(0).size(), 1U);
-  EXPECT_EQ(script.history_of(0)[0].begin, at(seconds(1)));
-  EXPECT_EQ(script.history_of(0)[0].end, at(seconds(3)));
+  EXPECT_EQ(script.history_of(0)[0].begin, at_time(seconds(1)));
+  EXPECT_EQ(script.history_of(0)[0].end, at_time(seconds(3)));
 }
 
 TEST(BenchFaultScript, ALineHasThePropertiesOfTheFaultThatBeganLastAndGoesOn) {
@@ -142,17 +142,17 @@ TEST(BenchFaultScript, ALineHasThePropertiesOfTheFaultThatBeganLastAndGoesOn) {
       faults_of("[{name: hand, at_s: 9, for_s: 1, line: {baud: 115200}}]").bench.front();
   const std::vector<VehicleReport> alone(1);
   EXPECT_FALSE(script.line_is_faulty(0));
-  script.update(at(seconds(1)), alone, "hold");
+  script.update(at_time(seconds(1)), alone, "hold");
   EXPECT_TRUE(script.line_is_faulty(0));
   EXPECT_FALSE(script.line_is_faulty(1));
-  script.add_begun(std::move(by_hand), at(seconds(2)));
+  script.add_begun(std::move(by_hand), at_time(seconds(2)));
   EXPECT_EQ(script.line_of(0)->line.baud, 115200);
-  const auto ended = script.update(at(seconds(3)), alone, "hold");
+  const auto ended = script.update(at_time(seconds(3)), alone, "hold");
   ASSERT_EQ(ended.size(), 1U) << "one begun by hand is not begun again";
   EXPECT_EQ(ended[0].fault->name, "hand");
   ASSERT_NE(script.line_of(0), nullptr);
   EXPECT_EQ(script.line_of(0)->line.baud, 57600) << "it does not heal the other";
-  script.update(at(seconds(6)), alone, "hold");
+  script.update(at_time(seconds(6)), alone, "hold");
   EXPECT_EQ(script.line_of(0), nullptr);
 }
 
@@ -164,10 +164,10 @@ TEST(BenchFaultScript, AsksTheEstimateOrTheTruth) {
   std::vector<VehicleReport> vehicles(1);
   VehicleReport& vehicle = vehicles.front();
   vehicle.p_N = {0, 0, -3};
-  EXPECT_TRUE(script.update(at(seconds(1)), vehicles, "takeoff").empty());
-  ASSERT_EQ(script.update(at(seconds(2)), vehicles, "hold").size(), 1U);
+  EXPECT_TRUE(script.update(at_time(seconds(1)), vehicles, "takeoff").empty());
+  ASSERT_EQ(script.update(at_time(seconds(2)), vehicles, "hold").size(), 1U);
   vehicle.truth = Motion{.p_m = {0, 0, 2.5}};
-  const auto events = script.update(at(milliseconds(2500)), vehicles, "hold");
+  const auto events = script.update(at_time(milliseconds(2500)), vehicles, "hold");
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].fault->name, "b");
 }

@@ -12,7 +12,7 @@
 #include "base/error.hpp"
 #include "base/rpc/client.hpp"
 #include "hils/firmware/fence_keeper.hpp"
-#include "hils/firmware/fence_verdict.hpp"
+#include "hils/measure/fence_verdict.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
@@ -110,7 +110,7 @@ class FenceKeeping : public testing::Test {
     return {std::istreambuf_iterator<char>(in), {}};
   }
 
-  const test::TemporaryFolder folder_;
+  const cas::test::TemporaryFolder folder_;
   Vehicle vehicle_;
   FenceKeeper keeper_{
       [this](const std::string& method, json params) { return vehicle_.call(method, params); },
@@ -167,9 +167,10 @@ std::string missed(const FenceFigures& figures, bool flew_there = true) {
 
 TEST(FenceVerdict, PassesWithinTheMarginOnly) {
   EXPECT_EQ(missed({.words = "Fence Breached", .farthest_m = 17, .highest_m = 5}), "");
-  EXPECT_NE(missed({.words = "Fence Breached", .farthest_m = 20.5}).find("20.50 m, limit 20.00 m"),
-            std::string::npos);
-  EXPECT_NE(missed({.words = "Fence Breached"}).find("was not measured"), std::string::npos);
+  EXPECT_NE(
+      missed({.words = "Fence Breached", .farthest_m = 20.5}).find("20.50 m; the limit is 20 m"),
+      std::string::npos);
+  EXPECT_NE(missed({.words = "Fence Breached"}).find("not measured"), std::string::npos);
 }
 
 TEST(FenceVerdict, FailsAFenceThatDidNotActOrSaidNothing) {

@@ -71,7 +71,7 @@ TEST(MissionPlan, ThatReturnsEndsAtHome) {
 }
 
 TEST(MissionPlan, IsReadFromAPlanOfQGroundControl) {
-  const test::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   const auto file = folder.write("field.plan", R"({"fileType": "Plan", "mission": {"items": [
 {"type": "SimpleItem", "command": 22, "frame": 3, "params": [0, 0, 0, null, 47.397742, 8.545594, 7]},
 {"type": "SimpleItem", "command": 16, "frame": 0, "params": [0, 0, 0, null, 47.3980115, 8.545594, 498]},
@@ -108,7 +108,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 TEST(MissionPlan, NamesTheLineOfAPlanThatIsWrong) {
-  const test::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   const auto file = folder.write("field.plan", R"({"mission": {"items": [
 {"type": "SimpleItem", "command": 16, "frame": 3, "params": [0, 0, 0, null, 47.4, 8.5, 5]},
 {"type": "ComplexItem", "complexItemType": "survey"}]}})");

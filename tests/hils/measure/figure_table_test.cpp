@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/measure/figure_table.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -47,11 +48,14 @@ Measurement filled() {
   m.rms = rms();
   m.rms_estimate = rms();
   m.peak_error_m = ++next;
+  m.height_error_m = ++next;
+  m.drift_m = ++next;
   m.rotor_activity_rad_s2 = ++next;
   m.pace = {.real_time_factor = ++next, .worst_stall_ms = ++next, .late_p99_ms = ++next};
   m.handover_p99_us = ++next;
   m.reading_spread_us = ++next;
   m.port_gap_ms = ++next;
+  m.firmware.emplace().hops = fmt::format(R"([{{"routes": [{{"p99": {}}}]}}])", ++next);
   m.cpu_pressure = ++next;
   m.simulated_s = ++next;
   m.wall_s = 5000;
@@ -125,9 +129,10 @@ TEST(FigureTable, ReadsTheFigureOfItsName) {
 
 TEST(FigureTable, HasNoValueOfWhatWasNotMeasured) {
   const Measurement nothing;
-  for (const char* key : {"handover_p99_us", "reading_spread_us", "cpu_pressure", "casd_cpu_pct",
-                          "sensor_delivered_pct", "sensor_to_control_count", "sensor_uplink_p50_us",
-                          "rms_x_m", "rms_estimate_z_m", "peak_error_m", "rotor_activity_rad_s2"}) {
+  for (const char* key :
+       {"handover_p99_us", "reading_spread_us", "cpu_pressure", "casd_cpu_pct",
+        "sensor_delivered_pct", "sensor_to_control_count", "sensor_uplink_p50_us", "rms_x_m",
+        "rms_estimate_z_m", "peak_error_m", "height_error_m", "drift_m", "rotor_activity_rad_s2"}) {
     EXPECT_FALSE(figure_row(key).get(nothing)) << key;
   }
 }

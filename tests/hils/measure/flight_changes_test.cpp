@@ -29,6 +29,12 @@ namespace {
 using namespace mavlink::common;  // NOLINT: the test speaks MAVLink
 using nlohmann::json;
 
+std::string text_of(const FlightChanges& changes) {
+  Document report;
+  add_changes(changes, "", report);
+  return write_text(report);
+}
+
 /// A flight log that the test writes, of a vehicle whose flight goes from 10 s to 60 s.
 class FlightChangesTest : public testing::Test {
  protected:
@@ -89,7 +95,7 @@ TEST_F(FlightChangesTest, AValueThatStaysIsNoChange) {
   const FlightChanges changes = read();
   EXPECT_TRUE(changes.parameters.empty());
   EXPECT_FALSE(changes.from_outside());
-  EXPECT_EQ(changes_text(changes), "");
+  EXPECT_EQ(text_of(changes), "");
 }
 
 TEST_F(FlightChangesTest, NamesLoopOldAndNewAndWhoHadCasdSetAGain) {
@@ -106,7 +112,7 @@ TEST_F(FlightChangesTest, NamesLoopOldAndNewAndWhoHadCasdSetAGain) {
   EXPECT_FLOAT_EQ(static_cast<float>(*change.before), 1.5F);
   EXPECT_TRUE(changes.from_outside());
   EXPECT_TRUE(changes.acts.empty()) << "the table of parameters has it";
-  EXPECT_NE(changes_text(changes).find("1.5 -> 1.2"), std::string::npos) << changes_text(changes);
+  EXPECT_NE(text_of(changes).find("1.5 -> 1.2"), std::string::npos) << text_of(changes);
   nlohmann::ordered_json summary;
   add_changes(changes, summary);
   EXPECT_EQ(summary.at("from_outside"), true);
@@ -221,6 +227,17 @@ TEST_F(FlightChangesTest, WhatEndedAFlightIsAnAct) {
   EXPECT_TRUE(read().acts.empty()) << "the flight was over";
   record_.flight_failure = "the vehicle was disarmed during hold";
   EXPECT_EQ(read().acts.size(), 1U);
+}
+
+TEST_F(FlightChangesTest, WhatEndedAFlightInItsFirstStepIsAnAct) {
+  record_.under_way = record_.stages.front();
+  record_.stages.clear();
+  record_.flight_failure = "the vehicle was disarmed before it took off, during step 1 (arm)";
+  CommandLong command;
+  command.target_system = 1;
+  command.command = MavCmd::kComponentArmDisarm;
+  say(10.5, ground_, command);
+  ASSERT_EQ(read().acts.size(), 1U);
 }
 
 TEST_F(FlightChangesTest, ANameFromTheWireIsFitForATerminalAndForJson) {

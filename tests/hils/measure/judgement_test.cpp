@@ -9,7 +9,7 @@
 
 #include "hils/programs/cpu_pressure.hpp"
 #include "hils/report/summary_json.hpp"
-#include "hils/report/text_report.hpp"
+#include "tests/hils/report/run_text.hpp"
 
 namespace cas::hils {
 namespace {
@@ -268,7 +268,7 @@ TEST(Judgement, RemarksOnAMeasuredStepWithoutLimits) {
   Verdict verdict = judge(good(), Limits{});
   EXPECT_TRUE(verdict.passed);
   ASSERT_EQ(verdict.remarks.size(), 1U);
-  EXPECT_NE(text_report(good(), verdict).find("note: the scenario limits neither rms nor "),
+  EXPECT_NE(test::run_text(good(), verdict).find("note: the scenario limits neither rms nor "),
             std::string::npos);
   EXPECT_NE(summary_json(good(), verdict).find("the scenario limits neither rms nor "),
             std::string::npos);
@@ -287,8 +287,8 @@ TEST(Judgement, ShowsNoFigureOfTheMachineThatWasNotMeasured) {
   EXPECT_FALSE(check->value);
   EXPECT_FALSE(check->judged);
   EXPECT_EQ(check->found, "not measured");
-  const std::string text = text_report(nothing, verdict);
-  EXPECT_NE(text.find("delay of the loop" + std::string(26, ' ') + "-"), std::string::npos) << text;
+  const std::string text = test::run_text(nothing, verdict);
+  EXPECT_NE(text.find("delay of the loop" + std::string(25, ' ') + "-"), std::string::npos) << text;
 }
 
 /// Ways in which the machine did not keep up, each just beyond its bound. Every limit is kept.
@@ -420,7 +420,7 @@ TEST(Judgement, GivesNoVerdictWhenTheAccountDoesNotClose) {
 TEST(TextReport, SaysWhyAFlightWithoutAVerdictEnded) {
   Measurement figures = good();
   figures.flight_failure = "the vehicle disarmed";
-  const auto text = [&] { return text_report(figures, judge(figures, hover_limits())); };
+  const auto text = [&] { return test::run_text(figures, judge(figures, hover_limits())); };
   const std::string unjudged = "Not judged: the flight was not completed: the vehicle disarmed\n";
   EXPECT_EQ(text().find(unjudged), std::string::npos) << "the verdict says so:\n" << text();
   figures.rates.sensor.unexplained = 1;
@@ -429,7 +429,7 @@ TEST(TextReport, SaysWhyAFlightWithoutAVerdictEnded) {
 
 TEST(TextReport, NamesTheClockAndMeasuresNoDelayInLockstep) {
   Measurement figures = good();
-  const auto text = [&] { return text_report(figures, judge(figures, hover_limits())); };
+  const auto text = [&] { return test::run_text(figures, judge(figures, hover_limits())); };
   EXPECT_EQ(text().find("lockstep"), std::string::npos) << text();
   EXPECT_NE(text().find("Delay, us"), std::string::npos) << text();
   figures.virtual_clock = true;
@@ -457,7 +457,7 @@ TEST(Summary, HasTheFieldsThatProgramsReadOff) {
 
 TEST(TextReport, ShowsThePapersRowsBelowOurs) {
   const Measurement figures = good();
-  const std::string text = text_report(figures, judge(figures, hover_limits()));
+  const std::string text = test::run_text(figures, judge(figures, hover_limits()));
   EXPECT_EQ(text.rfind("PASSED: hover, TCAS", 0), 0U) << text;
   EXPECT_NE(text.find("431.8999"), std::string::npos);
   EXPECT_NE(text.find("0.0996"), std::string::npos);

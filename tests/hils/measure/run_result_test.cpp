@@ -8,10 +8,9 @@
 #include <string>
 
 #include "hils/report/figure_rows.hpp"
-#include "hils/report/html_report.hpp"
 #include "hils/report/junit_report.hpp"
+#include "hils/report/run_report.hpp"
 #include "hils/report/summary_json.hpp"
-#include "hils/report/text_report.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
@@ -62,16 +61,15 @@ TEST(SeveralResults, ShowEachVehicleUnderItsName) {
   EXPECT_TRUE(summary.at("vehicles")[0].at("passed"));
   auto alone = nlohmann::json::parse(summary_json(run.vehicles[1].figures, kMissed));
   alone["name"] = "right";
+  alone["system"] = summary.at("vehicles")[1].at("system");
   EXPECT_EQ(summary.at("vehicles")[1], alone);  // the keys of a run with one vehicle
-  const std::string text = text_report(run);
-  EXPECT_NE(text.find("== left =="), std::string::npos) << text;
-  EXPECT_NE(text.find("== right =="), std::string::npos) << text;
-  const std::string html = html_report(run, {{}, {}}, {});
-  EXPECT_NE(html.find("<h2>right: Flight</h2>"), std::string::npos) << html;
+  const std::string text = write_text(run_report(run));
+  EXPECT_NE(text.find("== left: Flight =="), std::string::npos) << text;
+  EXPECT_NE(text.find("== right: Flight =="), std::string::npos) << text;
 }
 
 TEST(SeveralResults, ShowADashForAnRmsThatWasNotMeasured) {
-  using Cells = std::vector<std::string>;
+  using Cells = Row;
   Measurement figures;
   EXPECT_EQ(figure_cells(figures, "left", rms_keys("rms")), (Cells{"left", "-", "-", "-", "-"}));
   figures.rms = RmsFigures{.x_m = 0.25};
@@ -97,8 +95,8 @@ TEST(OneResult, NamesItsWarningsInEachReport) {
   run.verdict = verdict;
   EXPECT_EQ(nlohmann::json::parse(summary_json(run)).at("warnings"),
             nlohmann::json(verdict.warnings));
-  EXPECT_NE(text_report(run).find("\n  warning: v.urdf:3: link 'a'"), std::string::npos);
-  EXPECT_NE(html_report(run, {{}}, {}).find("Warning: v.urdf:3: link"), std::string::npos);
+  EXPECT_NE(write_text(run_report(run)).find("\n  - warning: v.urdf:3: link 'a'"),
+            std::string::npos);
   EXPECT_NE(junit_report(run).find("<system-out>warning: v.urdf:3: link "), std::string::npos);
   EXPECT_EQ(junit_report(run).find("this <inertia>"), std::string::npos) << "escaped";
 }
@@ -112,7 +110,7 @@ TEST(SeveralResults, HaveEachWarningOnce) {
 }
 
 TEST(SimulatorWarnings, AreTheWorldsTheVehiclesOwnAndItsPlugins) {
-  const test::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   const auto file = folder.write("hilsim_stats.json", R"({"plugins": {
       "motor@left": {"warnings": ["of the left motor"]}, "motor@right": {"warnings": ["no"]},
       "odd@left": "text"}, "warnings": [
@@ -131,7 +129,7 @@ TEST(OneResult, ThatDoesNotCountIsAnErrorForContinuousIntegration) {
   EXPECT_NE(xml.find("tests=\"1\" failures=\"0\" errors=\"1\""), std::string::npos) << xml;
   EXPECT_NE(xml.find("<error message=\"the account does not close\"/>"), std::string::npos) << xml;
   EXPECT_NE(xml.find("name=\"verdict\" time"), std::string::npos) << xml;
-  EXPECT_EQ(text_report(run).rfind("INVALID: ", 0), 0U) << text_report(run);
+  EXPECT_TRUE(write_text(run_report(run)).starts_with("INVALID: "));
   EXPECT_FALSE(nlohmann::json::parse(summary_json(run)).at("valid"));
 }
 
@@ -163,7 +161,7 @@ TEST(OneResult, IsReportedWithoutAName) {
   RunResult run;
   run.vehicles = {flown("iris0", kPassed)};
   run.verdict = kPassed;
-  EXPECT_EQ(text_report(run), text_report(run.vehicles[0].figures, kPassed));
+  EXPECT_EQ(write_text(run_report(run)).find("iris0"), std::string::npos);
   EXPECT_EQ(summary_json(run), summary_json(run.vehicles[0].figures, kPassed));
   EXPECT_EQ(junit_report(run).find("iris0"), std::string::npos);
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "base/error.hpp"
 #include "casd/topology/topology.hpp"
 #include "fcu/core/fcu_config.hpp"
 #include "tests/support/paths.hpp"
@@ -226,6 +227,21 @@ TEST_F(ErrorsOfGeneratedFiles, NameTheParameterThatWasMeant) {
   } catch (const base::ConfigError& error) {
     EXPECT_EQ(error.what(), mine(":8: controller.params.MPC_XY_VELP_ACC: there is no parameter "
                                  "MPC_XY_VELP_ACC; did you mean 'MPC_XY_VEL_P_ACC'?"));
+  }
+}
+
+TEST(Composition, OfStockFirmwareIsLeftToItsOwnBench) {
+  const RunRequest request{
+      .scenario = Scenario::load(cas::test::source_dir() + "/config/scenarios/px4_sitl.yaml")};
+  const test::TemporaryFolder folder;
+  const RunPlaces places = RunPlaces::of(request.scenario, folder.path(), folder.path());
+  try {
+    write_configs(request, Transport::kBus, places);
+    FAIL() << "our controller in a scenario of PX4";
+  } catch (const base::ConfigError& error) {
+    EXPECT_NE(std::string(error.what()).find("px4_sitl.yaml: stock firmware flies this scenario"),
+              std::string::npos)
+        << error.what();
   }
 }
 

@@ -15,7 +15,7 @@ namespace cas::hils {
 namespace {
 
 using cas::test::UlogBytes;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::uint64_t kStart = 5'000'000;
 constexpr std::uint64_t kSecond = 1'000'000;
@@ -49,8 +49,8 @@ std::string place(double lat) {
 }
 
 /// A message of a record by its name.
-Json message(const Json& vehicle, const std::string& name) {
-  for (const Json& each : vehicle["log"]["messages"]) {
+OrderedJson message(const OrderedJson& vehicle, const std::string& name) {
+  for (const OrderedJson& each : vehicle["log"]["messages"]) {
     if (each["name"] == name) return each;
   }
   return {};
@@ -66,7 +66,7 @@ TEST(ReplayUlog, SaysWhoItIsAndWhatItDid) {
       .data(1, kStart + 3 * kSecond, std::string(1, '\0'))
       .data(0, kStart + 4 * kSecond, status(2, 99))
       .sentence('4', kStart + 5 * kSecond, "low battery\t");
-  const Json vehicle = ulog_messages(bytes.bytes());
+  const OrderedJson vehicle = ulog_messages(bytes.bytes());
   EXPECT_EQ(vehicle["system"], 3);
   EXPECT_EQ(vehicle["controller"], "PX4_FMU_V5X");
   EXPECT_EQ(vehicle["log"]["autopilot"], "PX4");
@@ -95,7 +95,7 @@ TEST(ReplayUlog, FieldsThatChangePlacesKeepTheirValues) {
       .format("pair:uint64_t timestamp;uint8_t b;uint8_t a;uint8_t c;")
       .subscribe(1, "pair");
   bytes.data(0, kStart, "\x01\x02").data(1, kStart + kSecond, "\x05\x03\x09");
-  const Json fields = message(ulog_messages(bytes.bytes()), "pair")["fields"];
+  const OrderedJson fields = message(ulog_messages(bytes.bytes()), "pair")["fields"];
   ASSERT_EQ(fields.size(), 2U) << "c is not in each message";
   EXPECT_EQ(fields[0]["values"]["d"].dump(), "[1,2]") << "a: 1, 3";
   EXPECT_EQ(fields[1]["values"]["d"].dump(), "[2,3]") << "b: 2, 5";
@@ -109,13 +109,14 @@ TEST(ReplayUlog, HasEachTopicAtNoMoreThan20HzAndTheAttitudeAsAngles) {
                UlogBytes::number(0.70710678F) + UlogBytes::number(0.F) + UlogBytes::number(0.F) +
                    UlogBytes::number(0.70710678F));
   }
-  const Json attitude = message(ulog_messages(bytes.bytes()), "vehicle_attitude");
+  const OrderedJson attitude = message(ulog_messages(bytes.bytes()), "vehicle_attitude");
   EXPECT_EQ(attitude["rates"].dump(), "[[0,100]]");
   EXPECT_EQ(attitude["t"]["d"].size(), 20U);
   std::string names;
-  for (const Json& field : attitude["fields"]) names += field["name"].get<std::string>() + " ";
+  for (const OrderedJson& field : attitude["fields"])
+    names += field["name"].get<std::string>() + " ";
   EXPECT_EQ(names, "q[0] q[1] q[2] q[3] roll pitch yaw ");
-  const Json yaw = attitude["fields"][6]["values"];
+  const OrderedJson yaw = attitude["fields"][6]["values"];
   EXPECT_NEAR(yaw["k"].get<double>() * yaw["d"][0].get<double>(), 1.5708, 1e-3);
 }
 
@@ -123,10 +124,10 @@ TEST(ReplayUlog, ResolvesDegreesOfLatitudeAndKeepsInstancesApart) {
   UlogBytes bytes = log();
   bytes.data(3, kStart, place(47.397742)).data(3, kStart + kSecond, place(47.397752));  // 1.1 m
   bytes.data(4, kStart, place(1.5));
-  const Json vehicle = ulog_messages(bytes.bytes());
-  const Json fields = message(vehicle, "place")["fields"];
+  const OrderedJson vehicle = ulog_messages(bytes.bytes());
+  const OrderedJson fields = message(vehicle, "place")["fields"];
   ASSERT_EQ(fields.size(), 1U) << "no further time, no text";
-  const Json lat = fields[0]["values"];
+  const OrderedJson lat = fields[0]["values"];
   EXPECT_NEAR(lat["k"].get<double>() * lat["d"][1].get<double>(), 1e-5, 1e-7);
   EXPECT_EQ(message(vehicle, "place[1]")["t"]["d"].size(), 1U);
 }
@@ -215,7 +216,7 @@ TEST(ReplayUlog, ThinsWhatWouldBeTooMuchButNotWhatIsDrawn) {
     bytes.data(0, kStart + i * 50'000, std::string(64, '\0'));
     bytes.data(1, kStart + i * 50'000, std::string(16, '\0'));
   }
-  const Json vehicle = ulog_messages(bytes.bytes(), 16 * kMessages / 2);
+  const OrderedJson vehicle = ulog_messages(bytes.bytes(), 16 * kMessages / 2);
   const std::size_t kept = message(vehicle, "many")["t"]["d"].size();
   EXPECT_GT(kept, kMessages / 8);
   EXPECT_LT(kept, kMessages / 2);

@@ -16,18 +16,18 @@ namespace cas::hils {
 namespace {
 
 using cas::test::UlogBytes;
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
-constexpr std::uint64_t kStart = 5'000'000;
+constexpr std::uint64_t kTruthStart = 5'000'000;
 constexpr std::uint64_t kPeriod_us = 20'000;
 
 /// Ids of the log's topics.
 enum Id : std::uint16_t { kAttitude, kRates, kTruth, kRotors, kEstimate, kSetpoint };
 
-UlogBytes log() {
+UlogBytes truth_log() {
   const std::string home =
       "double ref_lat;double ref_lon;float ref_alt;bool xy_global;bool z_global;";
-  return UlogBytes(kStart)
+  return UlogBytes(kTruthStart)
       .format("vehicle_attitude_groundtruth:uint64_t timestamp;float[4] q;")
       .format("vehicle_angular_velocity_groundtruth:uint64_t timestamp;float[3] xyz;")
       .format(
@@ -69,21 +69,21 @@ UlogBytes& add_attitude(UlogBytes& bytes, std::uint64_t time_us) {
 }
 
 /// The last number of a column.
-double last(const Json& column) {
+double last(const OrderedJson& column) {
   double sum = 0;
-  for (const Json& difference : column["d"]) sum += difference.get<double>();
+  for (const OrderedJson& difference : column["d"]) sum += difference.get<double>();
   return sum * column["k"].get<double>();
 }
 
 TEST(UlogTruth, IsTheMotionOnTheAxesOfTruthCsv) {
-  UlogBytes bytes = log();
+  UlogBytes bytes = truth_log();
   for (std::uint64_t i = 0; i < 2; ++i) {
-    const std::uint64_t time_us = kStart + i * kPeriod_us;
+    const std::uint64_t time_us = kTruthStart + i * kPeriod_us;
     add_attitude(bytes, time_us)
         .data(kTruth, time_us, floats<6>({1, 2, -3, 0.4F, 0.5F, -0.6F}) + kNowhere)
         .data(kRotors, time_us, floats<2>({500, 600}));
   }
-  const Json truth = ulog_messages(bytes.bytes())["truth"];
+  const OrderedJson truth = ulog_messages(bytes.bytes())["truth"];
   ASSERT_TRUE(truth.is_object());
   EXPECT_EQ(truth["t"]["d"].size(), 2U);
   constexpr double kStep = 0.002;  // resolution of the record
@@ -105,22 +105,22 @@ TEST(UlogTruth, IsTheMotionOnTheAxesOfTruthCsv) {
 }
 
 TEST(UlogTruth, WithoutAnAttitudeThereIsNone) {
-  UlogBytes bytes = log();
-  bytes.data(kTruth, kStart, floats<6>({}) + kNowhere)
-      .data(kAttitude, kStart, floats<4>({0, 0, 0, 0}))
-      .data(kTruth, kStart + kPeriod_us, floats<6>({}) + kNowhere);
+  UlogBytes bytes = truth_log();
+  bytes.data(kTruth, kTruthStart, floats<6>({}) + kNowhere)
+      .data(kAttitude, kTruthStart, floats<4>({0, 0, 0, 0}))
+      .data(kTruth, kTruthStart + kPeriod_us, floats<6>({}) + kNowhere);
   EXPECT_TRUE(ulog_messages(bytes.bytes())["truth"].is_null());
 }
 
 TEST(UlogTruth, TheEstimateCountsFromItsOwnPlaceOnEarth) {
-  UlogBytes bytes = log();
-  add_attitude(bytes, kStart);
-  bytes.data(kEstimate, kStart, kNowhere)
-      .data(kEstimate, kStart,
+  UlogBytes bytes = truth_log();
+  add_attitude(bytes, kTruthStart);
+  bytes.data(kEstimate, kTruthStart, kNowhere)
+      .data(kEstimate, kTruthStart,
             home(47.001, 8, 490))  // 111.2 m north of the truth's home, 2 m above
-      .data(kTruth, kStart, floats<6>({100, 0, 0, 0, 0, 0}) + home(47, 8, 488))
-      .data(kSetpoint, kStart, floats<4>({5, 6, -7, 1}));
-  const Json vehicle = ulog_messages(bytes.bytes());
+      .data(kTruth, kTruthStart, floats<6>({100, 0, 0, 0, 0, 0}) + home(47, 8, 488))
+      .data(kSetpoint, kTruthStart, floats<4>({5, 6, -7, 1}));
+  const OrderedJson vehicle = ulog_messages(bytes.bytes());
   EXPECT_NEAR(vehicle["origin"][0].get<double>(), 0, 0.01);
   EXPECT_NEAR(vehicle["origin"][1].get<double>(), 111.19, 0.01);
   EXPECT_NEAR(vehicle["origin"][2].get<double>(), 2, 0.01);
@@ -131,15 +131,15 @@ TEST(UlogTruth, TheEstimateCountsFromItsOwnPlaceOnEarth) {
 }
 
 TEST(UlogTruth, WithoutPlacesTheEstimateCountsFromTheStart) {
-  UlogBytes bytes = log();
-  add_attitude(bytes, kStart);
-  bytes.data(kTruth, kStart, floats<6>({10, 20, -30, 0, 0, 0}) + kNowhere);
+  UlogBytes bytes = truth_log();
+  add_attitude(bytes, kTruthStart);
+  bytes.data(kTruth, kTruthStart, floats<6>({10, 20, -30, 0, 0, 0}) + kNowhere);
   EXPECT_EQ(ulog_messages(bytes.bytes())["origin"].dump(), "[20.0,10.0,30.0]");
 }
 
 TEST(UlogTruth, AnAxisWithoutASetpointIsNoReference) {
-  UlogBytes bytes = log();
-  bytes.data(kSetpoint, kStart, floats<4>({5, std::nanf(""), -7, 1}));
+  UlogBytes bytes = truth_log();
+  bytes.data(kSetpoint, kTruthStart, floats<4>({5, std::nanf(""), -7, 1}));
   EXPECT_TRUE(ulog_messages(bytes.bytes())["reference"].is_null());
 }
 

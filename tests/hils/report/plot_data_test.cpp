@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "hils/report/html_page.hpp"
+#include "hils/report/document.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
@@ -104,11 +104,11 @@ TEST_F(PlotData, AReportWithPlotsHasTheScriptOnce) {
 }
 
 TEST_F(PlotData, EachPageOfHilsHasItsPlotsAsDrawingsAndForTheScript) {
-  HtmlPage page("sweep");
+  Document page{"sweep"};
   Plot plot{.y_label = "y"};
   plot.series.push_back({.name = "best", .points = {{1, 2}}, .dots = true});
-  page.plot(plot);
-  const std::string html = page.finish();
+  page.add(plot);
+  const std::string html = write_html(page);
   EXPECT_NE(html.find("<figure><svg"), std::string::npos) << html;
   EXPECT_NE(html.find("<script type=\"application/json\" class=\"plot\">"), std::string::npos);
   EXPECT_NE(html.find("<script>draw();</script>\n</body>"), std::string::npos);

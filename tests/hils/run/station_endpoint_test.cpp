@@ -59,7 +59,7 @@ TEST(WatchLine, NamesTheAddressAndTheStationWhereThereAreAny) {
 }
 
 TEST(WatchLine, NamesACasctlThatTheShellFinds) {
-  const test::TemporaryFolder folder;
+  const cas::test::TemporaryFolder folder;
   const auto make = [&folder](const std::string& name) {
     std::filesystem::permissions(folder.write(name, ""), std::filesystem::perms::owner_all);
   };

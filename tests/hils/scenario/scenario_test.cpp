@@ -9,7 +9,6 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "hils/firmware/firmware_scenario.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::hils {
@@ -283,17 +282,6 @@ INSTANTIATE_TEST_SUITE_P(
                     "rate_error_pct"}),
     [](const auto& test) { return test.param.name; });
 
-TEST(FirmwareScenarioFile, IsRefusedWhereOurControllerWouldFlyIt) {
-  try {
-    Scenario::load(cas::test::source_dir() + "/config/scenarios/px4_sitl.yaml");
-    FAIL() << "stock firmware in a comparison";
-  } catch (const base::ConfigError& error) {
-    const std::string said = error.what();
-    EXPECT_NE(said.find(": firmware: only `hils run` flies stock firmware"), std::string::npos)
-        << said;
-  }
-}
-
 TEST_F(ScenarioFile, RefusesUnknownKeys) {
   const std::string error = error_of(std::string(kHead) + kFlight + "limit: {lost: 0}\n");
   EXPECT_NE(error.find("limit"), std::string::npos) << error;
@@ -307,8 +295,8 @@ std::vector<std::filesystem::path> shipped() {
   std::vector<std::filesystem::path> files;
   for (const auto& entry :
        std::filesystem::directory_iterator(cas::test::source_dir() + "/config/scenarios")) {
-    const bool is_scenario =
-        entry.path().extension() == ".yaml" && !FirmwareScenario::is(entry.path());
+    const bool is_scenario = entry.path().extension() == ".yaml" &&
+                             !base::ConfigNode::load(entry.path()).has("firmware");
     if (is_scenario) files.push_back(entry.path());
   }
   return files;

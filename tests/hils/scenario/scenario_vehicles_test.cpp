@@ -17,13 +17,13 @@ namespace {
 
 const std::string kVehicle =
     "vehicle: " + cas::test::source_dir() + "/config/vehicles/iris_paper.yaml";
-const std::string kHead = R"(schema: 1
+const std::string kFleetHead = R"(schema: 1
 home: {lat_deg: 47, lon_deg: 8, alt_m: 488}
 rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
 )";
 const std::string kTwo = "vehicles:\n  - {name: left, pose: {x_m: 0, y_m: 0}, " + kVehicle +
                          "}\n  - {name: right, pose: {x_m: 3, y_m: 0, yaw_deg: 0}, " + kVehicle;
-const std::string kFlight = R"(steps:
+const std::string kFleetFlight = R"(steps:
   - arm
   - takeoff: {altitude_m: 2.5}
   - goto: {vehicle: right, north_m: 1, east_m: 0, up_m: 2}
@@ -48,7 +48,7 @@ class SeveralVehicles : public testing::Test {
 };
 
 TEST_F(SeveralVehicles, AreNumberedInTheOrderOfTheList) {
-  const Scenario scenario = load(kHead + kTwo + "}\n" + kFlight);
+  const Scenario scenario = load(kFleetHead + kTwo + "}\n" + kFleetFlight);
   ASSERT_EQ(scenario.vehicles.size(), 2U);
   EXPECT_EQ(scenario.systems(), (std::vector<std::uint8_t>{1, 2}));
   EXPECT_EQ(scenario.names(), (VehicleNames{"left", "right"}));
@@ -58,9 +58,9 @@ TEST_F(SeveralVehicles, AreNumberedInTheOrderOfTheList) {
 
 TEST_F(SeveralVehicles, HaveWhatTheyAreGivenBeforeWhatAllHave) {
   const Scenario scenario =
-      load(kHead + kTwo + ", sensors: rtk, controller: {params: {CAS_TRJ_SIZE: 2}}, " +
+      load(kFleetHead + kTwo + ", sensors: rtk, controller: {params: {CAS_TRJ_SIZE: 2}}, " +
            "limits: {lost: 0}}\nsensors: ideal\ncontroller: {stamp: arrival}\n" +
-           "limits: {rate_error_pct: 1}\n" + kFlight);
+           "limits: {rate_error_pct: 1}\n" + kFleetFlight);
   EXPECT_EQ(scenario.sensors_of(0).as<std::string>(), "ideal");
   EXPECT_EQ(scenario.sensors_of(1).as<std::string>(), "rtk");
   EXPECT_FALSE(scenario.limits_of(0).lost);
@@ -78,7 +78,7 @@ TEST_F(SeveralVehicles, HaveWhatTheyAreGivenBeforeWhatAllHave) {
 }
 
 TEST_F(SeveralVehicles, StandByInTheStepsOfOthers) {
-  const Scenario scenario = load(kHead + kTwo + "}\n" + kFlight);
+  const Scenario scenario = load(kFleetHead + kTwo + "}\n" + kFleetFlight);
   EXPECT_EQ(steps_for(0, scenario.steps)[2].kind, StepKind::kStandBy);
   EXPECT_EQ(steps_for(1, scenario.steps)[2].kind, StepKind::kGoto);
   EXPECT_EQ(phase_of(steps_for(0, scenario.steps)[2]), "goto");
@@ -86,16 +86,16 @@ TEST_F(SeveralVehicles, StandByInTheStepsOfOthers) {
 }
 
 TEST_F(SeveralVehicles, AreJudgedOnlyByTheResponsesThatTheyFly) {
-  const Scenario scenario =
-      load(kHead + kTwo + "}\nsteps: [arm, {takeoff: {altitude_m: 2}}, {trajectory: {name: jump, " +
-           "vehicle: left, shape: step, size_m: 1, duration_s: 9, measure: true}}, land]\n" +
-           "limits: {responses: {jump: {rise_s: 2}}}\n");
+  const Scenario scenario = load(
+      kFleetHead + kTwo + "}\nsteps: [arm, {takeoff: {altitude_m: 2}}, {trajectory: {name: jump, " +
+      "vehicle: left, shape: step, size_m: 1, duration_s: 9, measure: true}}, land]\n" +
+      "limits: {responses: {jump: {rise_s: 2}}}\n");
   EXPECT_EQ(scenario.limits_of(0).responses.size(), 1U);
   EXPECT_TRUE(scenario.limits_of(1).responses.empty());
 }
 
 TEST_F(SeveralVehicles, AreRefusedWhereOneFlies) {
-  const Scenario scenario = load(kHead + kTwo + "}\n" + kFlight);
+  const Scenario scenario = load(kFleetHead + kTwo + "}\n" + kFleetFlight);
   const RunRequest lockstep{.scenario = scenario, .lockstep = true, .out = folder_.path()};
   EXPECT_THROW(run_in_lockstep(lockstep), base::ConfigError);
   EXPECT_THROW(comparison_scenario(scenario, {}), base::ConfigError);
@@ -110,7 +110,7 @@ struct BadVehicles {
 class BadVehiclesFile : public SeveralVehicles, public testing::WithParamInterface<BadVehicles> {};
 
 TEST_P(BadVehiclesFile, IsRefusedWithFileLineKeyAndReason) {
-  const std::string error = error_of(kHead + GetParam().text);
+  const std::string error = error_of(kFleetHead + GetParam().text);
   EXPECT_NE(error.find("several.yaml:"), std::string::npos) << error;
   EXPECT_NE(error.find(GetParam().sentence), std::string::npos) << error;
 }
@@ -122,27 +122,27 @@ INSTANTIATE_TEST_SUITE_P(
                     ":7: steps[1].land.vehicle: there is no vehicle 'middle'; vehicles are left, "
                     "right"},
         BadVehicles{"UnknownNameInAFault",
-                    kTwo + "}\n" + kFlight + "faults: [{vehicle: both, at_s: 1, drop: gps}]\n",
+                    kTwo + "}\n" + kFleetFlight + "faults: [{vehicle: both, at_s: 1, drop: gps}]\n",
                     ":13: faults[0].vehicle: there is no vehicle 'both'; vehicles are left, right"},
-        BadVehicles{"BothKeys", kTwo + "}\n" + kVehicle + "\n" + kFlight,
+        BadVehicles{"BothKeys", kTwo + "}\n" + kVehicle + "\n" + kFleetFlight,
                     "vehicles: a scenario has 'vehicle' or 'vehicles', not both"},
-        BadVehicles{
-            "AListOfOne",
-            "vehicles:\n  - {name: alone, pose: {x_m: 0, y_m: 0}, " + kVehicle + "}\n" + kFlight,
-            "a list of two or more"},
+        BadVehicles{"AListOfOne",
+                    "vehicles:\n  - {name: alone, pose: {x_m: 0, y_m: 0}, " + kVehicle + "}\n" +
+                        kFleetFlight,
+                    "a list of two or more"},
         BadVehicles{
             "TheSameNameTwice",
-            kTwo + "}\n  - {name: left, pose: {x_m: 9, y_m: 0}, " + kVehicle + "}\n" + kFlight,
+            kTwo + "}\n  - {name: left, pose: {x_m: 9, y_m: 0}, " + kVehicle + "}\n" + kFleetFlight,
             "vehicles[2].name: two vehicles have the name 'left'"},
         BadVehicles{
             "ANameForNoFile",
-            kTwo + "}\n  - {name: a/b, pose: {x_m: 9, y_m: 0}, " + kVehicle + "}\n" + kFlight,
+            kTwo + "}\n  - {name: a/b, pose: {x_m: 9, y_m: 0}, " + kVehicle + "}\n" + kFleetFlight,
             "letters, digits and underscores"},
-        BadVehicles{
-            "OneOnTopOfTheOther",
-            kTwo + "}\n  - {name: top, pose: {x_m: 3.5, y_m: 0}, " + kVehicle + "}\n" + kFlight,
-            "vehicles[2].pose: stands less than 1 m from 'right'"},
-        BadVehicles{"UnknownKey", kTwo + ", weight: 3}\n" + kFlight, "vehicles[1].weight"},
+        BadVehicles{"OneOnTopOfTheOther",
+                    kTwo + "}\n  - {name: top, pose: {x_m: 3.5, y_m: 0}, " + kVehicle + "}\n" +
+                        kFleetFlight,
+                    "vehicles[2].pose: stands less than 1 m from 'right'"},
+        BadVehicles{"UnknownKey", kTwo + ", weight: 3}\n" + kFleetFlight, "vehicles[1].weight"},
         BadVehicles{"OneLeftInTheAir",
                     kTwo + "}\nsteps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: 1, " +
                         "measure: true}}, {land: {vehicle: left}}]\n",

@@ -86,8 +86,8 @@ TEST_F(Tune, BeatsASluggishLoopAndGivesTheSameAfterAnEndInTheMiddle) {
   EXPECT_TRUE(read(whole / "gains.params").starts_with("MPC_XY_P ")) << said;
   EXPECT_NE(read(whole / "gains.yaml").find("params:\n  MPC_XY_P: "), std::string::npos);
   const std::string page = read(whole / "tune.html");
-  for (const char* part : {"Before and after", "Verification", "Step responses", "hop, jump",
-                           "after/hop/report.html"}) {
+  for (const char* part :
+       {"Values", "Verification", "Step responses", "hop, jump", "after/hop/report.html"}) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
   }
 

@@ -12,10 +12,10 @@
 namespace cas::sim {
 namespace {
 
-constexpr double kGravity = 9.80665;  // m/s^2
-constexpr double kStep = 1e-3;        // s
+constexpr double kG = 9.80665;  // m/s^2
+constexpr double kStep = 1e-3;  // s
 
-base::Vehicle iris() {
+base::Vehicle iris_vehicle() {
   return base::Vehicle::load(std::filesystem::path(cas::test::source_dir()) /
                              "config/vehicles/iris_paper.yaml");
 }
@@ -68,7 +68,7 @@ struct Eq4 {
         std::cos(phi) * std::cos(psi) * std::sin(theta) + std::sin(phi) * std::sin(psi),
         std::cos(phi) * std::sin(psi) * std::sin(theta) - std::sin(phi) * std::cos(psi),
         std::cos(phi) * std::cos(theta));
-    const Eigen::Vector3d a = u[0] / v.mass_kg * thrust_axis - Eigen::Vector3d(0, 0, kGravity);
+    const Eigen::Vector3d a = u[0] / v.mass_kg * thrust_axis - Eigen::Vector3d(0, 0, kG);
     position += dt * velocity + 0.5 * dt * dt * a;
     velocity += dt * a;
     angle += dt * rate + 0.5 * dt * dt * acceleration;
@@ -77,9 +77,9 @@ struct Eq4 {
 };
 
 TEST(Eq4, IsTheSmallAngleReadingOfNewtonEuler) {
-  const base::Vehicle vehicle = iris();
+  const base::Vehicle vehicle = iris_vehicle();
   const double hover =
-      std::sqrt(vehicle.mass_kg * kGravity / (4 * vehicle.rotors[0].params.thrust_coefficient));
+      std::sqrt(vehicle.mass_kg * kG / (4 * vehicle.rotors[0].params.thrust_coefficient));
   // A little of each moment.
   const Eigen::Vector4d omega = Eigen::Vector4d(hover + 2.4, hover - 1.0, hover + 0.4, hover - 2.0);
   const SteadyRotors rotors(vehicle, omega);
@@ -87,7 +87,7 @@ TEST(Eq4, IsTheSmallAngleReadingOfNewtonEuler) {
   forces.add(rotors);
   const MassProperties mass(vehicle.mass_kg, vehicle.inertia_kg_m2.asDiagonal());
   Environment environment;
-  environment.gravity_W = {0, 0, -kGravity};
+  environment.gravity_W = {0, 0, -kG};
 
   BodyState body;
   body.q_WB = base::q_WB_from_q_ND(Eigen::Quaterniond::Identity());  // facing north
@@ -111,7 +111,7 @@ TEST(Eq4, IsTheSmallAngleReadingOfNewtonEuler) {
 TEST(Eq4, PitchTermAsPrintedWouldMakeEnergyFromNothing) {
   // Torque-free but for the rotors' momentum: -w x h does no work. With the printed sign of the
   // pitch equation rotational energy grows; the simulator keeps it.
-  const base::Vehicle vehicle = iris();
+  const base::Vehicle vehicle = iris_vehicle();
   const Eigen::Vector3d& i = vehicle.inertia_kg_m2;
   const double j_omega = vehicle.rotors[0].params.inertia_kg_m2 * 400;
   const auto energy = [&](const Eigen::Vector3d& w) { return 0.5 * w.dot(i.cwiseProduct(w)); };

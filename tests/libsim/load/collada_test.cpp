@@ -108,6 +108,18 @@ TEST(Collada, EveryKindOfFaceIsCutIntoTriangles) {
   }
 }
 
+TEST(Collada, AMirroredNodeKeepsTheOuterSidesOfItsTriangles) {
+  const std::string place = "<instance_geometry url='#g'/></node>";
+  const TriangleMesh mesh =
+      parse(document(kZUp, geometry("g", "", kTriangles),
+                     "<node>" + place + "<node><scale>-1 1 1</scale>" + place +
+                         "<node><matrix>0 1 0 0 1 0 0 0 0 0 -1 0 0 0 0 1</matrix>" + place));
+  ASSERT_EQ(mesh.triangles.size(), 6u);
+  EXPECT_EQ(mesh.triangles[0], (std::array<std::uint32_t, 3>{0, 1, 2}));
+  EXPECT_EQ(mesh.triangles[2], (std::array<std::uint32_t, 3>{4, 6, 5}));
+  EXPECT_EQ(mesh.triangles[4], (std::array<std::uint32_t, 3>{8, 9, 10})) << "no mirror: it turns";
+}
+
 TEST(Collada, EachGeometryHasItsOwnSourcesWhenAllHaveTheSameIds) {
   const TriangleMesh mesh =
       parse(document(kZUp, geometry("g", "", kTriangles, "1") + geometry("h", "", kTriangles, "5"),
@@ -133,6 +145,12 @@ TEST(Collada, WhatIsNotReadIsNamed) {
       {document(kZUp, geometry("g", "", kTriangles + faces("polygons", "<ph><p>0 1 2</p></ph>")),
                 kPlaced),
        "<ph> is left out: polygons with holes are not read"},
+      {document(kZUp,
+                geometry("g", "",
+                         kTriangles + "<triangles count='4'><input semantic='VERTEX' source='#v' "
+                                      "offset='0'/></triangles>"),
+                kPlaced),
+       "<triangles> has no <p>: its faces are missing"},
       {document(kZUp, geometry("g", "", kTriangles) + "<geometry id='h'><spline/></geometry>",
                 kPlaced + "<node><instance_geometry url='#h'/></node>"),
        "<spline> is left out"},

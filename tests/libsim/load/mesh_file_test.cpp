@@ -7,6 +7,8 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -44,10 +46,27 @@ TEST_F(MeshFile, ReadsObjFacesOfAnyLength) {
   EXPECT_EQ(mesh.triangles[1], (std::array<std::uint32_t, 3>{0, 2, 3}));
 }
 
+TEST_F(MeshFile, LeavesOutTrianglesThatRepeatOthers) {
+  // The square's halves, one of them again from another corner, and its other side.
+  const auto file = folder_.write("a.obj",
+                                  "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 1 0\n"
+                                  "f 1 2 3\nf 1 3 4\nf 5 1 2\nf 3 2 1\n");
+  std::vector<std::string> warnings;
+  const TriangleMesh mesh =
+      load_mesh(file, Eigen::Vector3d::Ones(), {.up_axis = {}, .warnings = &warnings});
+  ASSERT_EQ(mesh.triangles.size(), 3u);
+  EXPECT_EQ(mesh.triangles[2], (std::array<std::uint32_t, 3>{2, 1, 0}));
+  EXPECT_THAT(
+      warnings,
+      ElementsAre(HasSubstr("a.obj: triangles left out that repeat others corner for corner: 1")));
+}
+
 TEST_F(MeshFile, RefusesDamageAndOtherFormats) {
   const auto refuse = [&](const std::string& name, const std::string& text) {
     return test::refusal([&] { load_mesh(folder_.write(name, text)); });
   };
+  EXPECT_THAT(mesh_kind_refusal("a.gltf").value_or(""), HasSubstr("convert it to STL, OBJ or"));
+  EXPECT_EQ(mesh_kind_refusal("a.DAE"), std::nullopt);
   EXPECT_THAT(refuse("a.fbx", "FBX"), HasSubstr("a.fbx: mesh format is not supported"));
   EXPECT_THAT(refuse("a.stl", "solid a\nendsolid\n"), HasSubstr("mesh has no triangle"));
   EXPECT_THAT(refuse("a.obj", "v 0 0 0\nf 1 2 3\n"), HasSubstr("a.obj:2: face names no vertex: 3"));
@@ -112,6 +131,10 @@ INSTANTIATE_TEST_SUITE_P(
              "a.stl:9: has no 'endsolid': the STL file may be cut here"},
         Form{"ObjWithMark", "a.obj", "\xef\xbb\xbf" + kSquare + "f 1 2 3 4\n", 2},
         Form{"ObjContinuedLine", "a.obj", kSquare + "f 1 2 \\\n 3 \\\r\n4\n", 2},
+        Form{"ObjCarriageReturns", "a.obj",
+             "v 0 0 0\rv 1 0 0\rv 1 1 0\r# a\rf 1 2 \\\r3\r\rf 1 2 3\r", 2},
+        Form{"ObjBlanksBehindABackslash", "a.obj", kSquare + "f 1 2 \\ \t\n3 4\n", 2},
+        Form{"ObjMissingNormals", "a.obj", kSquare + "f 1// 2/ 3/7\n", 1},
         Form{"ObjComments", "a.obj", "# v 0,5\n" + kSquare + "f 1 2 3 # below \\\nf 1 3 4#\n", 2},
         Form{"ObjVertexLater", "a.obj", "f 1 2 3\n" + kSquare, 1},
         Form{"ObjColoursAndWeights", "a.obj",
@@ -166,6 +189,9 @@ INSTANTIATE_TEST_SUITE_P(
                "a.stl:5: a facet has three vertices, this one 2"},
         Damage{"FourVerticesInTextStl", "a.stl", text_stl("0 1 0\nvertex 0 0 0"),
                "a.stl:7: a facet has three vertices, this one more"},
+        Damage{"PointerOfGitLfs", "a.stl",
+               "version https://git-lfs.github.com/spec/v1\noid sha256:0",
+               "a.stl: is a pointer of Git LFS, not the mesh"},
         Damage{"CommaInObj", "a.obj", "v 0 0,5 0\nf 1 1 1\n",
                "a.obj:1: '0,5' is no number (decimals follow a point, not a comma)"},
         Damage{"TwoNumbersInObj", "a.obj", "\nv 0 0\n",

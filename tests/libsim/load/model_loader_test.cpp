@@ -16,7 +16,9 @@
 namespace cas::sim {
 namespace {
 
+using testing::AllOf;
 using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -164,19 +166,50 @@ TEST_F(ModelLoader, AVehicleIsDrawnByItsMeshesWithoutItsRotors) {
       link("base", inertial(1, "0 0 0.2", "0 0 0", kBall) + kCollision + mesh + box +
                        visual("<mesh filename='nowhere.stl'/>") + visual("<sphere radius='0'/>")) +
       link("prop", visual("<box size='1 1 1'/>")) + joint("continuous", "prop", "0.2 0.2 0"));
-  const std::vector<Shape> shapes = load_visuals(model, 1);
+  EXPECT_THAT(
+      model.warnings,
+      ElementsAre(
+          HasSubstr("link 'base': this <visual> is left out: mesh 'nowhere.stl' is nowhere"),
+          HasSubstr("v.urdf:1: link 'base': this <visual> is left out: it has a size")));
+  std::vector<std::string> warnings;
+  const std::vector<Shape> shapes = load_visuals(model, 1, warnings);
   ASSERT_EQ(shapes.size(), 2U);
   const Mesh& drawn = std::get<Mesh>(shapes[0].geometry);
   EXPECT_TRUE(drawn.triangles->vertices.at(1).isApprox(Eigen::Vector3d(0.1, 0, 0), 1e-6));
   EXPECT_NEAR(shapes[0].pose.translation().z(), 0.3, 1e-9) << "about the centre of gravity";
   EXPECT_TRUE(std::get<Box>(shapes[1].geometry).size_m.isApprox(Eigen::Vector3d(0.1, 0.2, 0.3)));
-  EXPECT_THAT(load_visuals(model, 0), IsEmpty()) << "too many triangles";
+  EXPECT_THAT(load_visuals(model, 0, warnings), IsEmpty()) << "too many triangles";
+  EXPECT_THAT(warnings, IsEmpty());
 
   folder_.write("frame.stl", "no mesh");
-  EXPECT_THAT(load_visuals(model, 1), IsEmpty()) << "a stand-in is drawn, and the vehicle flies";
+  EXPECT_THAT(load_visuals(model, 1, warnings), IsEmpty()) << "a stand-in is drawn";
+  EXPECT_THAT(warnings, ElementsAre(AllOf(HasSubstr("frame.stl: "), HasSubstr("link 'base'"))));
   const VehicleModel plain =
       load(link("base", inertial(1, "0 0 0", "0 0 0", kBall) + kCollision + box));
-  EXPECT_THAT(load_visuals(plain, 1), IsEmpty()) << "nothing that the stand-in does not show";
+  EXPECT_THAT(load_visuals(plain, 1, warnings), IsEmpty()) << "as the stand-in";
+}
+
+TEST_F(ModelLoader, AVisualThatCannotBeReadCostsItselfAlone) {
+  folder_.write("frame.stl", kTriangle);
+  folder_.write("cut.stl", "solid s\nfacet");
+  folder_.write("body.gltf", "{}");
+  const VehicleModel model = load(
+      link("base", inertial(1, "0 0 0", "0 0 0", kBall) + visual("<mesh filename='body.gltf'/>") +
+                       visual("<box size='1 1,5 1'/>") + visual("<mesh filename='cut.stl'/>") +
+                       visual("<mesh filename='frame.stl'/>") + "<visual/>" + kCollision));
+  EXPECT_EQ(model.shapes.size(), 1U) << "the collision stays";
+  EXPECT_THAT(model.warnings,
+              ElementsAre(HasSubstr("'1,5' is no number"),
+                          HasSubstr("v.urdf:1: <visual> has no <geometry>; link 'base' is drawn"),
+                          HasSubstr("body.gltf: mesh format is not supported")));
+  std::vector<std::string> warnings;
+  EXPECT_EQ(load_visuals(model, 1, warnings).size(), 1U);
+  EXPECT_THAT(warnings, ElementsAre(HasSubstr("cut.stl:2: the STL file is cut")));
+  EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", kBall) +
+                                      "<collision><geometry><mesh filename='cut.stl'/></geometry>"
+                                      "</collision>")),
+              HasSubstr("cut.stl:2: the STL file is cut"))
+      << "of a collision it is an error";
 }
 
 TEST_F(ModelLoader, AnSdfModelIsDrawnByItsMeshes) {
@@ -191,10 +224,13 @@ TEST_F(ModelLoader, AnSdfModelIsDrawnByItsMeshes) {
             visual + "</geometry></visual></link></model></sdf>"));
   };
   const VehicleModel model = model_with("<mesh><uri>frame.stl</uri><scale>2 2 2</scale></mesh>");
-  const std::vector<Shape> shapes = load_visuals(model, 1);
+  std::vector<std::string> warnings;
+  const std::vector<Shape> shapes = load_visuals(model, 1, warnings);
   ASSERT_EQ(shapes.size(), 1U);
   EXPECT_EQ(std::get<Mesh>(shapes[0].geometry).triangles->vertices.at(1).x(), 2);
-  EXPECT_THAT(model_with("<box><size>wide</size></box>").visuals, IsEmpty());
+  const VehicleModel undrawn = model_with("<box><size>wide</size></box>");
+  EXPECT_THAT(undrawn.visuals, IsEmpty());
+  EXPECT_THAT(undrawn.warnings, ElementsAre(HasSubstr("'wide' is no number")));
 }
 
 TEST_F(ModelLoader, OtherMovingJointsAreTakenAsFixed) {

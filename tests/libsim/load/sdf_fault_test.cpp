@@ -15,6 +15,7 @@ namespace {
 using test::load_elements;
 using test::world_of;
 using testing::Contains;
+using testing::ElementsAre;
 using testing::HasSubstr;
 
 /// A static model with this in its collision.
@@ -63,6 +64,19 @@ INSTANTIATE_TEST_SUITE_P(
                     "w.sdf:4: <pose>: '1,57' is no number"},
         FaultyWorld{"CommaInAFriction", solid(kBox, ode("<mu>0,5</mu>", "")),
                     "w.sdf:4: <mu>: '0,5' is no number"},
+        FaultyWorld{"LetterInABitmask",
+                    solid(kBox,
+                          "<surface><contact><collide_bitmask>1x</collide_bitmask></contact>"
+                          "</surface>"),
+                    "w.sdf:4: <collide_bitmask>: '1x' is no number"},
+        FaultyWorld{"CommaInAMeshScale",
+                    solid("<mesh><uri>m.stl</uri><scale>1 1 0,001</scale></mesh>"),
+                    "w.sdf:4: <scale>: '0,001' is no number"},
+        FaultyWorld{"CommaInANormal", solid("<plane><normal>0 0,1 1</normal></plane>"),
+                    "w.sdf: holds no SDF world: line 4: Error reading element <normal>"},
+        FaultyWorld{"CommaInAHeightmap",
+                    solid("<heightmap><uri>m.png</uri><size>9 9 1,5</size></heightmap>"),
+                    "w.sdf:4: <size>: '1,5' is no number"},
         FaultyWorld{"CommaInAStep",
                     "<physics type='ode'><max_step_size>0,001</max_step_size></physics>",
                     "w.sdf:3: <max_step_size>: '0,001' is no number"},
@@ -155,6 +169,19 @@ TEST(SdfWorld, AVehicleAmongTheModelsIsTold) {
                                  "libgazebo_motor_model.so)")));
 }
 
+/// Each used to take two megabytes: 4.8 GB.
+TEST(SdfWorld, ManyModelsOfAWorldsOwnFileTakeLittle) {
+  constexpr std::size_t kModels = 2'000;
+  std::string models;
+  for (std::size_t i = 0; i < kModels; ++i) {
+    std::string model = solid(kBox);
+    models += model.replace(model.find("'m'"), 3, "'m" + std::to_string(i) + "'") + "\n";
+  }
+  const WorldModel world = load_elements(models);
+  EXPECT_EQ(world.statics.size(), kModels);
+  EXPECT_TRUE(world.warnings.empty());
+}
+
 TEST(SdfWorld, ElementsAreCountedBeforeTheyAreRead) {
   const cas::test::TemporaryFolder folder;
   const auto refuse = [&](const std::string& name, const std::string& text) {
@@ -164,9 +191,9 @@ TEST(SdfWorld, ElementsAreCountedBeforeTheyAreRead) {
   for (int i = 0; i < 20'000; ++i) deep += "<model name='m'>";
   EXPECT_THAT(refuse("deep.sdf", deep), HasSubstr("deep.sdf: elements lie more than 200 deep"));
 
-  std::string many;
+  std::string many = "<model name='o'>";
   for (int i = 0; i < 1'800; ++i) many += solid("<sphere><radius>1</radius></sphere>");
-  EXPECT_THAT(refuse("many.sdf", world_of(many)),
+  EXPECT_THAT(refuse("many.sdf", world_of(many + "</model>")),
               HasSubstr("many.sdf: libsdformat takes about 4 GB for this world"));
 
   std::string twice;

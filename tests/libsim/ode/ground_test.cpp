@@ -21,8 +21,8 @@ using test::kGravity;
 using test::make_world;
 using test::standing;
 
-constexpr VehicleId kFirst{0};
-constexpr double kStep = 1e-3;
+constexpr VehicleId kVehicle{0};
+constexpr double kStep_s = 1e-3;
 
 /// Accelerometer of the quietest real sensor set (pixhawk_icm42605): 6.9e-4 m/s^2/sqrt(Hz) at 500
 /// Hz.
@@ -39,11 +39,11 @@ TEST_P(Triangles, CarryABoxThatStandsStill) {
     int samples = 0;
     for (int i = 0; i < 4000; ++i) {
       // Small forces that never hold quite still: the solver is asked in every step.
-      world->add_wrench(kFirst, {{0.03 * std::sin(0.03 * i), 0, 0.03 * std::cos(0.02 * i)},
-                                 Eigen::Vector3d::Zero()});
-      world->advance(kStep);
+      world->add_wrench(kVehicle, {{0.03 * std::sin(0.03 * i), 0, 0.03 * std::cos(0.02 * i)},
+                                   Eigen::Vector3d::Zero()});
+      world->advance(kStep_s);
       if (i < 1500) continue;
-      squares += world->state(kFirst).a_WB.squaredNorm();
+      squares += world->state(kVehicle).a_WB.squaredNorm();
       ++samples;
     }
     const double std_m_s2 = std::sqrt(squares / samples);
@@ -84,10 +84,10 @@ TEST_P(Friction, IsCoulombsInEveryDirection) {
     const auto world = make_world(slope(a, heading, friction, cell_m));
     world->add_vehicle(crate(), {});
     world->start();
-    for (int i = 0; i < 300; ++i) world->advance(kStep);
-    const Eigen::Vector3d before = world->state(kFirst).v_WB;
-    for (int i = 0; i < 700; ++i) world->advance(kStep);
-    const Eigen::Vector3d gained = (world->state(kFirst).v_WB - before) / 0.7;
+    for (int i = 0; i < 300; ++i) world->advance(kStep_s);
+    const Eigen::Vector3d before = world->state(kVehicle).v_WB;
+    for (int i = 0; i < 700; ++i) world->advance(kStep_s);
+    const Eigen::Vector3d gained = (world->state(kVehicle).v_WB - before) / 0.7;
     const Eigen::Vector3d down(std::cos(heading), std::sin(heading), 0);
     EXPECT_NEAR(gained.dot(down), expected, 0.005 * expected) << "heading " << heading_deg;
     EXPECT_LT((gained - gained.dot(down) * down).norm(), 0.005 * expected)
@@ -112,10 +112,10 @@ TEST(Ground, HoldsBelowTheFrictionAngleInEveryDirection) {
     const auto world = make_world(slope(a, heading_deg * M_PI / 180, kFriction, 0));
     world->add_vehicle(crate(), {});
     world->start();
-    for (int i = 0; i < 300; ++i) world->advance(kStep);
-    const Eigen::Vector3d before = world->state(kFirst).p_WB;
-    for (int i = 0; i < 2000; ++i) world->advance(kStep);
-    EXPECT_LT((world->state(kFirst).p_WB - before).norm(), 1e-5) << "heading " << heading_deg;
+    for (int i = 0; i < 300; ++i) world->advance(kStep_s);
+    const Eigen::Vector3d before = world->state(kVehicle).p_WB;
+    for (int i = 0; i < 2000; ++i) world->advance(kStep_s);
+    EXPECT_LT((world->state(kVehicle).p_WB - before).norm(), 1e-5) << "heading " << heading_deg;
   }
 }
 
@@ -125,20 +125,20 @@ TEST(Ground, WhatSlidesAcrossASlopeTurnsDownhill) {
   const auto world = make_world(slope(kSlope, 0, kFriction, 0));
   world->add_vehicle(crate(), {});
   world->start();
-  world->add_wrench(kFirst, {{0, kCrateMass * 1.0 / kStep, 0}, Eigen::Vector3d::Zero()});
-  world->advance(kStep);
+  world->add_wrench(kVehicle, {{0, kCrateMass * 1.0 / kStep_s, 0}, Eigen::Vector3d::Zero()});
+  world->advance(kStep_s);
   // A point mass under the same friction.
-  Eigen::Vector2d v = world->state(kFirst).v_WB.head<2>();
+  Eigen::Vector2d v = world->state(kVehicle).v_WB.head<2>();
   const Eigen::Vector2d pull(kGravity * std::sin(kSlope), 0);
   const double drag = kFriction * kGravity * std::cos(kSlope);
   constexpr int kParts = 100;
   for (int i = 0; i < 800; ++i) {
-    world->advance(kStep);
+    world->advance(kStep_s);
     for (int part = 0; part < kParts; ++part) {
-      v += kStep / kParts * (pull - drag * v.normalized());
+      v += kStep_s / kParts * (pull - drag * v.normalized());
     }
   }
-  EXPECT_LT((world->state(kFirst).v_WB.head<2>() - v).norm(), 0.01 * v.norm());
+  EXPECT_LT((world->state(kVehicle).v_WB.head<2>() - v).norm(), 0.01 * v.norm());
 }
 
 /// Slides a crate from the middle of the ground at 1 m/s. @return the world after `seconds`
@@ -146,10 +146,10 @@ std::unique_ptr<SimWorld> slide(const WorldModel& model, double seconds) {
   auto world = make_world(model);
   world->add_vehicle(crate(), {.yaw_deg = 20});
   world->start();
-  const Eigen::Vector3d push_W(kCrateMass * 1.0 / kStep, 0, 0);
-  world->add_wrench(kFirst,
-                    {world->state(kFirst).q_WB.conjugate() * push_W, Eigen::Vector3d::Zero()});
-  for (int i = 0; i < static_cast<int>(seconds / kStep); ++i) world->advance(kStep);
+  const Eigen::Vector3d push_W(kCrateMass * 1.0 / kStep_s, 0, 0);
+  world->add_wrench(kVehicle,
+                    {world->state(kVehicle).q_WB.conjugate() * push_W, Eigen::Vector3d::Zero()});
+  for (int i = 0; i < static_cast<int>(seconds / kStep_s); ++i) world->advance(kStep_s);
   return world;
 }
 
@@ -158,20 +158,20 @@ TEST(Ground, WhatSlidesOnSmallTrianglesGoesAsFarAsOnAPlane) {
   const auto on_plane = slide(flat_world(kFriction), 1.5);
   const auto on_mesh = slide(ground_of_triangles(0.1, kFriction), 1.5);
   constexpr double kSame = 1e-4;  // m: contacts are searched again each 10 cm
-  EXPECT_GT(on_plane->state(kFirst).p_WB.x(), 0.4);
-  EXPECT_LT((on_mesh->state(kFirst).p_WB - on_plane->state(kFirst).p_WB).norm(), kSame);
+  EXPECT_GT(on_plane->state(kVehicle).p_WB.x(), 0.4);
+  EXPECT_LT((on_mesh->state(kVehicle).p_WB - on_plane->state(kVehicle).p_WB).norm(), kSame);
 }
 
 TEST(Ground, WhatSlidesOnAMeshFallsOverItsEdgeAndStopsAtAWall) {
   WorldModel edge = ground_of_triangles(0.1, 0.05);
   edge.statics.front().pose.translation().x() = -2.6;  // its edge 0.4 m ahead
-  EXPECT_LT(slide(edge, 1.5)->state(kFirst).p_WB.z(), -0.5);
+  EXPECT_LT(slide(edge, 1.5)->state(kVehicle).p_WB.z(), -0.5);
 
   WorldModel wall = ground_of_triangles(0.1, 0.05);
   wall.statics.push_back(standing("wall", Box{{0.2, 4, 1}}, {0.6, 0, 0.5}));  // 0.5 m ahead
   double reach = 0;
   for (const double time_s : {0.3, 0.6, 1.5}) {
-    reach = std::max(reach, slide(wall, time_s)->state(kFirst).p_WB.x());
+    reach = std::max(reach, slide(wall, time_s)->state(kVehicle).p_WB.x());
   }
   EXPECT_LT(reach, 0.5 - kCrateSize.x() / 2 + 0.02);
   EXPECT_GT(reach, 0.15) << "it comes as far as the wall";
@@ -194,7 +194,7 @@ TEST_P(Landing, AtOneMetrePerSecondIsFeltBelow15G) {
   const double fall = 1.0 / (2 * kGravity);  // to 1 m/s
   world->add_vehicle(model, {.z_m = fall + (tilt_deg > 0 ? 0.15 : 0)});
   test::SteadyThrust hover(mass_kg * kGravity);
-  if (tilt_deg > 0) world->add_force_model(kFirst, hover);
+  if (tilt_deg > 0) world->add_force_model(kVehicle, hover);
   world->start();
   if (tilt_deg > 0) {
     // Tilted within 0.1 s, then set sinking; thrust alone acts.
@@ -202,11 +202,11 @@ TEST_P(Landing, AtOneMetrePerSecondIsFeltBelow15G) {
     const Eigen::Vector3d turn =  // rad/s
         tilt_deg * M_PI / 180 / 0.1 * Eigen::Vector3d(std::cos(axis), std::sin(axis), 0);
     const double i_xx = model.mass.inertia_B()(0, 0);  // and i_yy
-    world->add_wrench(kFirst, {Eigen::Vector3d::Zero(), i_xx / dt * turn});
+    world->add_wrench(kVehicle, {Eigen::Vector3d::Zero(), i_xx / dt * turn});
     for (int i = 0; i < static_cast<int>(std::lround(0.1 / dt)); ++i) world->advance(dt);
     const Eigen::Vector3d down_B =
-        world->state(kFirst).q_WB.conjugate() * Eigen::Vector3d(0, 0, -mass_kg / dt);
-    world->add_wrench(kFirst, {down_B, -i_xx / dt * turn});
+        world->state(kVehicle).q_WB.conjugate() * Eigen::Vector3d(0, 0, -mass_kg / dt);
+    world->add_wrench(kVehicle, {down_B, -i_xx / dt * turn});
   }
   double largest = 0;
   double rebound = 0;
@@ -214,10 +214,10 @@ TEST_P(Landing, AtOneMetrePerSecondIsFeltBelow15G) {
   for (int i = 0; i < static_cast<int>(1.0 / dt); ++i) {
     world->advance(dt);
     if (i == 0) continue;
-    landed = landed || world->in_contact(kFirst);
-    const Eigen::Vector3d felt = world->state(kFirst).a_WB + Eigen::Vector3d(0, 0, kGravity);
+    landed = landed || world->in_contact(kVehicle);
+    const Eigen::Vector3d felt = world->state(kVehicle).a_WB + Eigen::Vector3d(0, 0, kGravity);
     largest = std::max(largest, felt.norm());
-    if (landed) rebound = std::max(rebound, world->state(kFirst).v_WB.z());
+    if (landed) rebound = std::max(rebound, world->state(kVehicle).v_WB.z());
   }
   RecordProperty("largest_g", std::to_string(largest / kGravity));
   EXPECT_TRUE(landed);
@@ -253,8 +253,8 @@ TEST(Ground, StiffnessOfTheFileSaysHowDeepItGives) {
   const auto world = make_world(model);
   world->add_vehicle(crate(), {});
   world->start();
-  for (int i = 0; i < 2000; ++i) world->advance(kStep);
-  const double sunk = kCrateSize.z() / 2 - world->state(kFirst).p_WB.z();
+  for (int i = 0; i < 2000; ++i) world->advance(kStep_s);
+  const double sunk = kCrateSize.z() / 2 - world->state(kVehicle).p_WB.z();
   EXPECT_NEAR(sunk, kCrateMass * kGravity / (4 * kStiffness), 2e-5) << "a spring at each corner";
 }
 
@@ -268,8 +268,8 @@ TEST(Ground, OdeDoesNotComplainOfTrianglesAndCorners) {
   world->start();
   for (int i = 0; i < 4000; ++i) {
     const double side = 12 * std::sin(0.004 * i);
-    world->add_wrench(kFirst, {{side, 3, 0}, {0.1, 0.2 * std::sin(0.02 * i), 0}});
-    world->advance(kStep);
+    world->add_wrench(kVehicle, {{side, 3, 0}, {0.1, 0.2 * std::sin(0.02 * i), 0}});
+    world->advance(kStep_s);
   }
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   EXPECT_EQ(ContactSolver::complaints(), before);
@@ -304,9 +304,10 @@ TEST_P(DiscTouches, WhatStandsInItsWay) {
     const double x = -(reach_m + kArm + kRadius + gap);
     world->add_vehicle(crate({0.1, 0.1, 0.1}), {.x_m = x, .z_m = -0.05});
     world->start();
-    EXPECT_EQ(world->disc_touches(kFirst, {kArm, 0, 0}, Eigen::Vector3d::UnitZ(), kRadius), gap < 0)
+    EXPECT_EQ(world->disc_touches(kVehicle, {kArm, 0, 0}, Eigen::Vector3d::UnitZ(), kRadius),
+              gap < 0)
         << gap;
-    EXPECT_FALSE(world->disc_touches(kFirst, {-kArm, 0, 0}, Eigen::Vector3d::UnitZ(), kRadius));
+    EXPECT_FALSE(world->disc_touches(kVehicle, {-kArm, 0, 0}, Eigen::Vector3d::UnitZ(), kRadius));
   }
 }
 
@@ -322,13 +323,13 @@ TEST(Disc, TouchesTheGroundWhenTiltedAndOtherVehicles) {
   world->add_vehicle(crate(), {});
   world->add_vehicle(crate(), {.x_m = 0.6});
   world->start();
-  EXPECT_FALSE(world->disc_touches(kFirst, {-0.2, 0, 0.02}, Eigen::Vector3d::UnitZ(), 0.128))
+  EXPECT_FALSE(world->disc_touches(kVehicle, {-0.2, 0, 0.02}, Eigen::Vector3d::UnitZ(), 0.128))
       << "level, above the ground";
-  EXPECT_TRUE(world->disc_touches(kFirst, {-0.2, 0, -0.06}, Eigen::Vector3d::UnitZ(), 0.128))
+  EXPECT_TRUE(world->disc_touches(kVehicle, {-0.2, 0, -0.06}, Eigen::Vector3d::UnitZ(), 0.128))
       << "below it";
-  EXPECT_FALSE(world->disc_touches(kFirst, {0.2, 0, 0.02}, Eigen::Vector3d::UnitZ(), 0.128))
+  EXPECT_FALSE(world->disc_touches(kVehicle, {0.2, 0, 0.02}, Eigen::Vector3d::UnitZ(), 0.128))
       << "72 mm off the other";
-  EXPECT_TRUE(world->disc_touches(kFirst, {0.3, 0, 0.02}, Eigen::Vector3d::UnitZ(), 0.128));
+  EXPECT_TRUE(world->disc_touches(kVehicle, {0.3, 0, 0.02}, Eigen::Vector3d::UnitZ(), 0.128));
 }
 
 /// A disc whose axis leans by an angle a reaches R sin(a) below its centre, on one side.
@@ -340,11 +341,11 @@ TEST(Disc, LeansWithItsAxis) {
   constexpr double kLean = 0.5;
   constexpr double kGap = 1e-3;  // m: the disc has a small thickness
   const Eigen::Vector3d axis_B(0, -std::sin(kLean), std::cos(kLean));
-  const double ground_B = -world->state(kFirst).p_WB.z();  // the vehicle is level
+  const double ground_B = -world->state(kVehicle).p_WB.z();  // the vehicle is level
   const double lowest = kRadius * std::sin(kLean);
-  EXPECT_FALSE(world->disc_touches(kFirst, {0, 0, ground_B + lowest + kGap}, axis_B, kRadius));
-  EXPECT_TRUE(world->disc_touches(kFirst, {0, 0, ground_B + lowest - kGap}, axis_B, kRadius));
-  EXPECT_FALSE(world->disc_touches(kFirst, {0, 0, ground_B + lowest - kGap},
+  EXPECT_FALSE(world->disc_touches(kVehicle, {0, 0, ground_B + lowest + kGap}, axis_B, kRadius));
+  EXPECT_TRUE(world->disc_touches(kVehicle, {0, 0, ground_B + lowest - kGap}, axis_B, kRadius));
+  EXPECT_FALSE(world->disc_touches(kVehicle, {0, 0, ground_B + lowest - kGap},
                                    Eigen::Vector3d::UnitZ(), kRadius));
 }
 

@@ -5,6 +5,7 @@
 
 #include "libsim/core/load/sim_config.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::sim::test {
 
@@ -36,15 +37,6 @@ inline SimConfig config(const std::string& vehicles, const std::string& more = "
 
 inline SimOptions fake_plugins() { return {.output_dir = ".", .plugin_dirs = {kFakePluginDir}}; }
 
-/// The message of the ConfigError that `action` throws; empty when it throws none.
-template <class Action>
-std::string refusal(Action&& action) {
-  try {
-    action();
-  } catch (const base::ConfigError& error) {
-    return error.what();
-  }
-  return {};
-}
+using cas::test::refusal;
 
 }  // namespace cas::sim::test

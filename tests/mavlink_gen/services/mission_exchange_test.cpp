@@ -14,7 +14,7 @@ namespace {
 using namespace std::chrono_literals;
 using namespace mavlink::common;
 
-constexpr Source kSelf{255, 190};
+constexpr Source kThisStation{255, 190};
 
 /// A transfer with a vehicle that the test plays, on a virtual clock.
 class Mission : public testing::Test {
@@ -31,10 +31,10 @@ class Mission : public testing::Test {
     };
   }
   template <class M>
-  void say(M message, Source to = kSelf) {
+  void say(M message, Source to = kThisStation) {
     message.target_system = to.system;
     message.target_component = to.component;
-    exchange_.on_packet(view_packet(encode_packet_(message)), kSelf, now_);
+    exchange_.on_packet(view_packet(encode_packet_(message)), kThisStation, now_);
   }
   void request(std::uint16_t seq) {
     MissionRequestInt message;

@@ -30,7 +30,7 @@ constexpr Addressee kPx4{Autopilot::kPx4, MavType::kQuadrotor, false};
 constexpr Addressee kPx4Armed{Autopilot::kPx4, MavType::kQuadrotor, true};
 constexpr Addressee kCopterArmed{Autopilot::kArduPilot, MavType::kQuadrotor, true};
 constexpr Addressee kPlaneArmed{Autopilot::kArduPilot, MavType::kFixedWing, true};
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kCustom = 1;
 constexpr float kCustomArmed = 129;
 
@@ -56,7 +56,7 @@ INSTANTIATE_TEST_SUITE_P(
     Commands, CommandMotion,
     testing::Values(
         CommandCase{"Arm", 400, {1}, kSpins}, CommandCase{"ArmByANumber", 400, {0.3F}, kSpins},
-        CommandCase{"ArmByNan", 400, {kNan}, kSpins}, CommandCase{"Disarm", 400, {0}, kStops},
+        CommandCase{"ArmByNan", 400, {kNaN}, kSpins}, CommandCase{"Disarm", 400, {0}, kCuts},
         CommandCase{"Takeoff", 22, {}, kSpins}, CommandCase{"LocalTakeoff", 24, {}, kSpins},
         CommandCase{"VtolTakeoff", 84, {}, kSpins}, CommandCase{"MissionStart", 300, {}, kSpins},
         CommandCase{"MotorTest", 209, {1, 0, 5}, kSpins},
@@ -65,10 +65,10 @@ INSTANTIATE_TEST_SUITE_P(
         CommandCase{"EscCalibration", 241, {0, 0, 0, 0, 0, 0, 1}, kSpins},
         CommandCase{"GyroCalibration", 241, {1}, kNone},
         CommandCase{"AuxArm", 218, {153, 2}, kSpins},
-        CommandCase{"AuxDisarm", 218, {153, 0}, kStops},
+        CommandCase{"AuxDisarm", 218, {153, 0}, kCuts},
         CommandCase{"AuxStopReleased", 218, {31, 0}, kSpins},
         CommandCase{"AuxOff", 218, {9, 0}, kMoves}, CommandCase{"EngineStart", 223, {1}, kSpins},
-        CommandCase{"Termination", 185, {1}, kStops},
+        CommandCase{"Termination", 185, {1}, kCuts},
         CommandCase{"TerminationTakenBack", 185, {0}, kSpins},
         CommandCase{"TerminationTakenBackByAFraction", 185, {0.3F}, kSpins},
         CommandCase{"RebootInFlight", 246, {1}, kMoves, kPx4Armed},
@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(
         CommandCase{"ParametersReset", 245, {2}, kMoves},
         CommandCase{"ParametersStored", 245, {1}, kNone},
         CommandCase{"RequestMessage", 512, {242}, kNone},
-        CommandCase{"SafetyOff", 5300, {1}, kSpins}, CommandCase{"SafetyOn", 5300, {0}, kStops},
+        CommandCase{"SafetyOff", 5300, {1}, kSpins}, CommandCase{"SafetyOn", 5300, {0}, kCuts},
         CommandCase{"SoloPauses", 42003, {}, kStops},
         CommandCase{"SoloPowersOff", 42000, {}, kMoves},
         CommandCase{"UnknownOne", 31010, {}, kMoves}),
@@ -96,6 +96,7 @@ INSTANTIATE_TEST_SUITE_P(
     Modes, CommandMotion,
     testing::Values(
         CommandCase{"Px4Hold", 176, {kCustom, 4, 3}, kStops, kPx4},
+        CommandCase{"Px4Termination", 176, {kCustom, 10}, kCuts, kPx4Armed},
         CommandCase{"Px4HoldThatKeepsArmed", 176, {kCustomArmed, 4, 3}, kStops, kPx4Armed},
         CommandCase{"Px4HoldThatArms", 176, {kCustomArmed, 4, 3}, kSpins, kPx4},
         CommandCase{"Px4Mission", 176, {kCustom, 4, 4}, kMoves, kPx4Armed},
@@ -107,7 +108,7 @@ INSTANTIATE_TEST_SUITE_P(
         CommandCase{"OfAnUnknownOneWithTheArmedFlag", 176, {kCustomArmed, 4, 3}, kSpins},
         CommandCase{"WithoutItsFlag", 176, {0, 4, 3}, kMoves, kPx4Armed},
         CommandCase{"NoSetOfFlags", 176, {1e9F, 4, 3}, kSpins, kPx4Armed},
-        CommandCase{"NoNumber", 176, {kCustom, kNan, 3}, kMoves, kPx4Armed}),
+        CommandCase{"NoNumber", 176, {kCustom, kNaN, 3}, kMoves, kPx4Armed}),
     [](const auto& test) { return test.param.name; });
 
 /// A packet with nothing but its message and payload.
@@ -133,7 +134,7 @@ TEST(Motion, OfACommandIsTheSameInBothForms) {
   EXPECT_EQ(motion_of_message(in_long), kSpins);
   mavlink::common::CommandInt in_int;
   in_int.command = MavCmd::kComponentArmDisarm;
-  EXPECT_EQ(motion_of_message(in_int), kStops);
+  EXPECT_EQ(motion_of_message(in_int), kCuts);
   in_int.param1 = 1;
   EXPECT_EQ(motion_of_message(in_int), kSpins);
 }

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/firmware/firmware_composition.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+
+#include "base/config/config_origin.hpp"
+#include "base/config/install_paths.hpp"
+#include "base/error.hpp"
+#include "base/os/result_file.hpp"
+#include "hils/firmware/companion_flight.hpp"
+#include "hils/programs/composed_parts.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+/// Full path of the file that a key names, because the generated file lies elsewhere.
+std::string full_path(const base::ConfigNode& key) {
+  return std::filesystem::weakly_canonical(base::find_config(key)).string();
+}
+
+/// Names files of the world by their whole paths.
+void resolve_files(const base::ConfigNode& source, YAML::Node world) {
+  const auto scene = source.at("world");
+  if (scene.is_scalar()) world["world"] = full_path(scene);
+  const auto folders = source.get("model_path", std::vector<std::string>{});
+  for (std::size_t i = 0; i < folders.size(); ++i) {
+    world["model_path"][i] = std::filesystem::weakly_canonical(source.resolve(folders[i])).string();
+  }
+  const auto vehicles = source.at("vehicles").items();
+  for (std::size_t i = 0; i < vehicles.size(); ++i) {
+    world["vehicles"][i]["vehicle"] = full_path(vehicles[i].at("vehicle"));
+  }
+}
+
+std::string world_text(const RunRequest& request, const RunPlaces& places) {
+  const Scenario& scenario = request.scenario;
+  const Firmware& firmware = *scenario.firmware;
+  YAML::Node world = YAML::LoadFile(firmware.world.string());
+  const auto source = base::ConfigNode::load(firmware.world);
+  resolve_files(source, world);
+  world["seed"] = request.seed;
+  if (request.unpaced && !firmware.on_serial_line) world.remove("speed");
+  const auto vehicles = source.at("vehicles").items();
+  std::string notes = base::origin_notes("", source);
+  for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+    YAML::Node vehicle = world["vehicles"][i];
+    if (firmware.sensors) vehicle["sensors"] = YAML::Load(firmware.sensors->dump());
+    add_scenario_plugins(request, i, vehicle["plugins"]);
+    vehicle["plugins"].push_back(recorder_plugin(request, places.vehicles.at(i)));
+    notes += plugin_origins(scenario, i, vehicles.at(i).at("plugins").items().size());
+  }
+  return to_text(world) + notes;
+}
+
+bool is_for_a_station(const YAML::Node& link) {
+  const YAML::Node accept = link["accept"];
+  return accept && accept["traffic"] && accept["traffic"].as<std::string>() == "ground_station";
+}
+
+/// Adds the link of --gcs, with the routes of the topology's own link for a ground station.
+void add_station(const RunRequest& request, YAML::Node topology) {
+  constexpr const char* kLink = kFirmwareStationLink;
+  const YAML::Node links = topology["links"];
+  const auto own = std::find_if(links.begin(), links.end(), is_for_a_station);
+  if (topology["routes"] && own == links.end()) {
+    throw base::ConfigError(request.scenario.firmware->topology.string() +
+                            ": --gcs: it has routes, and no link of a ground station to copy");
+  }
+  if (topology["routes"]) {
+    const auto name = (*own)["name"].as<std::string>();
+    std::vector<YAML::Node> copies;
+    for (const YAML::Node& route : topology["routes"]) {
+      YAML::Node copy = YAML::Clone(route);
+      bool names_it = false;
+      for (const char* end : {"from", "to"}) {
+        if (route[end].as<std::string>() != name) continue;
+        copy[end] = kLink;
+        names_it = true;
+      }
+      if (names_it) copies.push_back(copy);
+    }
+    for (const YAML::Node& copy : copies) topology["routes"].push_back(copy);
+  }
+  topology["links"].push_back(ground_link(request, kLink, *request.station));
+}
+
+std::string topology_text(const RunRequest& request, const RunPlaces& places) {
+  const Firmware& firmware = *request.scenario.firmware;
+  YAML::Node topology = YAML::LoadFile(firmware.topology.string());
+  topology["command_port"]["port"] = 0;
+  topology["command_port"]["unix"] = places.command_port.string();
+  topology["command_port"]["token_file"] = places.command_token().string();
+  topology["log"] = YAML::Node(YAML::NodeType::Map);
+  topology["log"]["folder"] = places.out.string();
+  topology["log"]["tlog"] = "flight.tlog";
+  topology["log"]["overwrite"] = true;
+  const auto source = base::ConfigNode::load(firmware.topology);
+  for (const char* key : {"gains", "dialect"}) {
+    if (const auto named = source.find(key)) topology[key] = full_path(*named);
+  }
+  for (YAML::Node link : topology["links"]) {
+    if (firmware.on_serial_line && link["type"].as<std::string>() == "serial") {
+      link["device"] = places.casd_tty().string();
+    }
+  }
+  if (request.station) add_station(request, topology);
+  for (std::size_t i = 0; i < places.companions.size(); ++i) {
+    YAML::Node link;
+    link["name"] = companion_link_name(i);
+    link["type"] = "udp";
+    link["local"] = "127.0.0.1:0";
+    link["remote"] = "127.0.0.1:" + std::to_string(places.companions[i]);
+    topology["links"].push_back(link);
+  }
+  return to_text(topology) + base::origin_notes("", source);
+}
+
+}  // namespace
+
+std::string companion_link_name(std::size_t vehicle) {
+  return std::string(CompanionStation::kLink) + (vehicle == 0 ? "" : std::to_string(vehicle + 1));
+}
+
+bool needs_companion(const Scenario& scenario) {
+  return std::ranges::any_of(
+      scenario.steps, [](const FlightStep& step) { return CompanionFlight::gives(step.kind); });
+}
+
+void write_firmware_configs(const RunRequest& request, const RunPlaces& places) {
+  base::make_result_folder({places.out, places.run});
+  base::write_result({places.out, places.simulator_config()}, world_text(request, places));
+  base::write_result({places.out, places.casd_config()}, topology_text(request, places));
+}
+
+}  // namespace cas::hils

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "hils/run/run_places.hpp"
+#include "hils/run/run_request.hpp"
+
+namespace cas::hils {
+
+/// Name of casd's link for hils's own packets to a vehicle.
+std::string companion_link_name(std::size_t vehicle);
+/// Name of casd's link for RunRequest::station.
+inline constexpr const char* kFirmwareStationLink = "hils_gcs";
+
+/// Whether a flight has steps that hils flies on a link of its own: trajectories, missions,
+/// breaches.
+bool needs_companion(const Scenario& scenario);
+
+/// Writes the scenario's world and topology as the programs are given them: with the run's seed, a
+/// recorder, control sockets in the run's folder and casd's serial link at the firmware's line.
+/// @throws base::ConfigError
+void write_firmware_configs(const RunRequest& request, const RunPlaces& places);
+
+}  // namespace cas::hils

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/programs/composed_parts.hpp"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include "base/config/config_origin.hpp"
+#include "base/config/install_paths.hpp"
+#include "casd/packet/own_station.hpp"
+#include "hils/programs/composition.hpp"
+
+namespace cas::hils {
+
+YAML::Node copy(const base::ConfigNode& node) {
+  YAML::Node result = YAML::Load(node.dump());
+  return result.IsMap() ? result : YAML::Node(YAML::NodeType::Map);
+}
+
+std::string to_text(const YAML::Node& node) {
+  YAML::Emitter emitter;
+  emitter << node;
+  return std::string(emitter.c_str()) + "\n";
+}
+
+YAML::Node plugin(const char* name) {
+  YAML::Node node(YAML::NodeType::Map);
+  node["plugin"] = name;
+  return node;
+}
+
+namespace {
+
+/// Entry of a plugin of the scenario; the file that `wind` names is given by its full path.
+YAML::Node further_plugin(const base::ConfigNode& entry) {
+  YAML::Node node = copy(entry);
+  if (entry.at("plugin").as<std::string>() != "wind") return node;
+  if (const auto grid = entry.find("grid"))
+    node["grid"] = std::filesystem::weakly_canonical(base::find_config(*grid)).string();
+  return node;
+}
+
+/// Entry of plugin `fault` for this vehicle; nullopt when it has no faults.
+/// @param by_hand  it takes further ones in flight
+std::optional<YAML::Node> fault_plugin(const Scenario& scenario, std::size_t vehicle,
+                                       bool by_hand) {
+  YAML::Node faults;
+  for (const VehicleFault& fault : scenario.faults.of_vehicle(vehicle)) {
+    faults.push_back(copy(fault.script));
+    faults[faults.size() - 1].remove("vehicle");
+  }
+  if (faults.size() == 0 && !by_hand) return std::nullopt;
+  YAML::Node node = plugin("fault");
+  if (faults.size() > 0) node["faults"] = faults;
+  if (by_hand) node["by_hand"] = true;
+  return node;
+}
+
+}  // namespace
+
+void add_scenario_plugins(const RunRequest& request, std::size_t vehicle,
+                          const YAML::Node& plugins) {
+  YAML::Node list = plugins;  // the same list: a node is a handle
+  const Scenario& scenario = request.scenario;
+  for (const base::ConfigNode& further : scenario.plugins) {
+    list.push_back(further_plugin(further));
+  }
+  const bool by_hand =
+      request.live != nullptr || (request.station && request.station->inject_failures);
+  if (const auto faults = fault_plugin(scenario, vehicle, by_hand)) list.push_back(*faults);
+}
+
+std::string plugin_origins(const Scenario& scenario, std::size_t vehicle, std::size_t first) {
+  const auto path = [vehicle](std::size_t number) {
+    return fmt::format("vehicles[{}].plugins[{}]", vehicle, number);
+  };
+  std::string notes;
+  std::size_t plugin = first;
+  for (const base::ConfigNode& further : scenario.plugins) {
+    notes += base::origin_notes(path(plugin++), further);
+  }
+  std::size_t number = 0;
+  for (const VehicleFault& fault : scenario.faults.of_vehicle(vehicle)) {
+    notes += base::origin_notes(fmt::format("{}.faults[{}]", path(plugin), number++), fault.script);
+  }
+  return notes;
+}
+
+std::string below_out(const VehiclePlaces& places, const std::filesystem::path& file) {
+  return file.lexically_relative(places.out).string();
+}
+
+YAML::Node recorder_plugin(const RunRequest& request, const VehiclePlaces& places) {
+  YAML::Node recorder = plugin("recorder");
+  recorder["file"] = below_out(places, places.truth_csv());
+  recorder["rate_hz"] = kTruthHz;
+  if (request.keeps_sensors) recorder["sensor_dir"] = below_out(places, places.sensors());
+  return recorder;
+}
+
+YAML::Node ground_link(const RunRequest& request, const std::string& name,
+                       const StationEndpoint& station) {
+  YAML::Node link;
+  link["name"] = name;
+  link["type"] = station.type;
+  link[station.is_server() ? "local" : "remote"] = station.address;
+  link["accept"]["traffic"] = "ground_station";
+  for (const std::uint8_t vehicle : request.scenario.systems()) {
+    link["accept"]["block_systems"].push_back(static_cast<int>(vehicle));
+  }
+  // Packets of casd's own station are not taken for an outside act.
+  link["accept"]["block_systems"].push_back(static_cast<int>(casd::kOwnStation.system));
+  if (station.inject_failures) link["inject_failures"] = true;
+  return link;
+}
+
+}  // namespace cas::hils

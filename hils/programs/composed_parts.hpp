@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <string>
+
+#include "base/config/config.hpp"
+#include "hils/run/run_places.hpp"
+#include "hils/run/run_request.hpp"
+
+namespace YAML {
+class Node;
+}
+
+namespace cas::hils {
+
+/// The entries of a map; an empty one of what is none.
+YAML::Node copy(const base::ConfigNode& node);
+std::string to_text(const YAML::Node& node);
+/// {plugin: NAME}
+YAML::Node plugin(const char* name);
+
+/// Adds the scenario's further plugins to those of a vehicle of the simulator, and plugin `fault`
+/// where it has faults, or takes further ones in flight.
+void add_scenario_plugins(const RunRequest& request, std::size_t vehicle,
+                          const YAML::Node& plugins);
+/// Where their values came from, for errors (base/config/config_origin.hpp).
+/// @param first  place of the first of them among the vehicle's plugins
+std::string plugin_origins(const Scenario& scenario, std::size_t vehicle, std::size_t first);
+
+/// A file of results as the simulator's plugins take it.
+std::string below_out(const VehiclePlaces& places, const std::filesystem::path& file);
+/// The plugin that writes truth.csv, and the samples of the sensors where the run keeps them.
+YAML::Node recorder_plugin(const RunRequest& request, const VehiclePlaces& places);
+
+/// A link of casd that accepts packets of ground stations, and none in the name of a vehicle.
+YAML::Node ground_link(const RunRequest& request, const std::string& name,
+                       const StationEndpoint& station);
+
+}  // namespace cas::hils

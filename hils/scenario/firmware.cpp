@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/scenario/firmware.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdlib>
+#include <optional>
+
+#include "base/config/config_whole.hpp"
+#include "base/config/install_paths.hpp"
+#include "base/error.hpp"
+#include "base/suggestion.hpp"
+#include "hils/flight/phase_check.hpp"
+#include "hils/scenario/scenario.hpp"
+#include "mavlink_gen/runtime/public_table.hpp"
+
+namespace cas::hils {
+
+namespace {
+
+bool names_instance(const std::string& text) {
+  return text.find("${CAS_INSTANCE}") != std::string::npos;
+}
+
+/// Several programs need ports and folders of their own. @throws base::ConfigError
+void check_instances(const base::ConfigNode& node, const Firmware& firmware) {
+  if (firmware.instances == 1) return;
+  if (firmware.on_serial_line) {
+    node.at("on_serial_line").fail("several instances fly in software only, without a serial line");
+  }
+  const bool differ = std::ranges::any_of(firmware.command, names_instance) ||
+                      std::ranges::any_of(firmware.environment, names_instance,
+                                          [](const auto& entry) { return entry.second; });
+  if (!differ) {
+    node.at("command").fail(
+        "several instances need ${CAS_INSTANCE} in it, the number from 0 of each (PX4: -i, "
+        "ArduPilot: -I)");
+  }
+  if (!firmware.cwd.empty() && !names_instance(firmware.cwd)) {
+    node.at("cwd").fail("several instances need ${CAS_INSTANCE} in it, a folder for each");
+  }
+}
+
+/// The world's first vehicles, which are flown. Their system ids are those of PX4's instances; the
+/// first HEARTBEAT of a single one may tell another. @throws base::ConfigError
+std::vector<ScenarioVehicle> flown_vehicles(const base::ConfigNode& firmware,
+                                            const base::ConfigNode& world, int instances) {
+  const auto listed = world.at("vehicles").items();
+  const auto count = static_cast<std::size_t>(instances);
+  if (listed.size() < count) {
+    firmware.at("instances")
+        .fail("the world has only " + std::to_string(listed.size()) + " of them");
+  }
+  std::vector<ScenarioVehicle> vehicles(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    vehicles[i].name = listed[i].get<std::string>("name", std::string(kVehicleName));
+    vehicles[i].vehicle = base::find_config(listed[i].at("vehicle"));
+    vehicles[i].system_id = system_of_instance(i);
+    if (const auto pose = listed[i].find("pose")) {
+      vehicles[i].pose.x_m = pose->get("x_m", 0.0);
+      vehicles[i].pose.y_m = pose->get("y_m", 0.0);
+      vehicles[i].pose.yaw_deg = pose->get("yaw_deg", 0.0);
+    } else {
+      vehicles[i].pose.yaw_deg = 0;
+    }
+  }
+  return vehicles;
+}
+
+/// The world's own, for the seed and place of a run.
+void read_world(const base::ConfigNode& world, Scenario& scenario) {
+  scenario.seed = world.get("seed", scenario.seed);
+  scenario.decimal_year = world.get("decimal_year", scenario.decimal_year);
+  if (const auto home = world.find("home")) {
+    scenario.home = base::Geodetic{.lat_deg = home->require<double>("lat_deg"),
+                                   .lon_deg = home->require<double>("lon_deg"),
+                                   .alt_m = home->get("alt_m", 0.0)};
+  }
+}
+
+std::string served_autopilot(const base::ConfigNode& vehicle) {
+  for (const base::ConfigNode& plugin : vehicle.at("plugins").items()) {
+    const auto served = autopilot_of_plugin(plugin.get<std::string>("plugin", ""));
+    if (!served.empty()) return std::string(served);
+  }
+  return {};
+}
+
+Firmware parse_firmware(const base::ConfigNode& node) {
+  Firmware firmware;
+  firmware.node = node;
+  firmware.command = node.require<std::vector<std::string>>("command");
+  if (firmware.command.empty()) node.at("command").fail("names no program");
+  firmware.start = node.get<std::string>("start", "");
+  if (!firmware.start.empty()) {
+    firmware.command.insert(firmware.command.end(), {"-s", firmware.start});
+  }
+  firmware.least_version = node.get<std::string>("least_version", "");
+  if (firmware.least_version.find_first_not_of("0123456789.") != std::string::npos) {
+    node.at("least_version").fail("is numbers with dots between them, such as '1.12'");
+  }
+  firmware.hint = node.get<std::string>("hint", "");
+  firmware.cwd = node.get<std::string>("cwd", "");
+  if (const auto variables = node.find("environment")) {
+    for (const auto& [name, value] : variables->entries()) {
+      firmware.environment[name] = value.as<std::string>();
+    }
+  }
+  firmware.on_serial_line = node.get("on_serial_line", false);
+  firmware.instances = base::get_whole_in<int>(node, "instances", 1, 1, kMostInstances);
+  check_instances(node, firmware);
+  return firmware;
+}
+
+/// A vehicle on a trajectory leaves its start, so a limit on drift is refused.
+/// @throws base::ConfigError
+void refuse_drift(const base::ConfigNode& limits, const std::vector<FlightStep>& flight) {
+  const bool moves = std::ranges::any_of(flight, [](const FlightStep& step) {
+    return step.measure && step.kind == StepKind::kTrajectory;
+  });
+  for (const char* const key : {"drift_m", "height_error_m"}) {
+    if (moves && limits.has(key)) {
+      limits.at(key).fail("the measured step is a trajectory: it is held to rms");
+    }
+  }
+}
+
+bool is_breach(const FlightStep& step) { return step.kind == StepKind::kBreach; }
+
+/// Whether the fence and its margin leave a place to the vehicle.
+bool allows(const Geofence& fence, const Eigen::Vector3d& place_m) {
+  const bool low = !fence.altitude_m || place_m.z() <= *fence.altitude_m + fence.margin_m;
+  return place_m.head<2>().norm() <= fence.radius_m + fence.margin_m && low;
+}
+
+/// A fence that nothing flies to would never act. @throws base::ConfigError
+void parse_fence(const base::ConfigNode& root, Scenario& scenario) {
+  const bool flies_there = std::ranges::any_of(scenario.steps, is_breach);
+  if (!root.has("geofence")) {
+    if (flies_there) root.at("steps").fail("a breach step needs the section geofence");
+    return;
+  }
+  const base::ConfigNode node = root.at("geofence");
+  scenario.fence = parse_geofence(node);
+  if (!flies_there) node.fail("no breach step flies to this fence: it would never act");
+  for (FlightStep& step : scenario.steps) {
+    if (!is_breach(step)) continue;
+    step.fence = scenario.fence->action;
+    if (allows(*scenario.fence, step.place_m)) {
+      node.fail("the place of a breach step is not beyond the fence and its margin");
+    }
+  }
+}
+
+/// The loops that casd will know with this topology.
+casd::GainMap gains_of(const std::filesystem::path& topology) {
+  const auto gains = base::ConfigNode::load(topology).find("gains");
+  return gains ? casd::GainMap::load(base::find_config(*gains)) : casd::GainMap::shipped();
+}
+
+/// Rates by the name of a message.
+std::map<std::string, double> parse_rates(const base::ConfigNode& limits) {
+  constexpr double kMost_hz = 10'000;
+  std::map<std::string, double> rates;
+  const auto node = limits.find("rates_hz");
+  if (!node) return rates;
+  for (const auto& [name, value] : node->entries()) {
+    if (mav::public_table().find(mav::TextView(name)) == nullptr) {
+      value.fail("'" + name + "' is no message");
+    }
+    rates[name] = node->require_in(name, 0, kMost_hz);
+  }
+  return rates;
+}
+
+/// A fault that closes a link names one of the topology. @throws base::ConfigError
+void check_cuts(const base::ConfigNode& faults, const std::filesystem::path& topology) {
+  std::vector<std::string> names;
+  for (const base::ConfigNode& link : base::ConfigNode::load(topology).at("links").items()) {
+    names.push_back(link.get<std::string>("name", ""));
+  }
+  for (const base::ConfigNode& fault : faults.items()) {
+    const auto cut = fault.find("cut");
+    if (!cut || std::ranges::find(names, cut->as<std::string>()) != names.end()) continue;
+    cut->fail("the topology has no link of this name" +
+              base::did_you_mean(cut->as<std::string>(), names));
+  }
+}
+
+/// The faults of the flight. @throws base::ConfigError for those that cannot be played
+void parse_faults(const base::ConfigNode& node, const base::ConfigNode& world, Scenario& scenario) {
+  const Firmware& firmware = *scenario.firmware;
+  scenario.faults = parse_scenario_faults(node, base::ConfigNode::empty("line"), scenario.names());
+  refuse_faults(node, std::array<std::string_view, 3>{"flood_hz", "silence", "starve"},
+                "a flight of stock firmware does not have this fault");
+  if (!firmware.on_serial_line) {
+    refuse_faults(node, std::array<std::string_view, 2>{"line", "unplug"},
+                  "this firmware has no serial line of hils (firmware: on_serial_line)");
+  }
+  check_cuts(node, firmware.topology);
+  for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+    auto plugins = world.at("vehicles").items().at(i).at("plugins").items();
+    plugins.insert(plugins.end(), scenario.plugins.begin(), scenario.plugins.end());
+    check_fault_plugins(plugin_names(plugins), scenario.faults.of_vehicle(i));
+  }
+  check_fault_phases(node, scenario.steps);
+}
+
+/// Limits that mean something to stock firmware beside those of every controller.
+/// @throws base::ConfigError
+void parse_limits(const base::ConfigNode& limits, Scenario& scenario) {
+  refuse_drift(limits, scenario.steps);
+  scenario.limits.rates_hz = parse_rates(limits);
+  for (const char* const key : {"lost", "delivered_pct", "rate_error_pct"}) {
+    if (!scenario.firmware->on_serial_line && limits.has(key)) {
+      limits.at(key).fail(
+          "firmware in software waits for each packet: its HIL stream has no limit");
+    }
+  }
+}
+
+}  // namespace
+
+std::string_view autopilot_of_plugin(std::string_view plugin) {
+  if (plugin == "mavlink_interface") return "PX4";
+  return plugin == "ardupilot_json" ? "ArduPilot" : "";
+}
+
+bool is_of_a_tree_without_tags(const std::string& version) {
+  return version == "1.8.0" || version == "0.0.0";
+}
+
+bool is_at_least(const std::string& version, const std::string& least) {
+  const auto numbers = [](const std::string& text) {
+    std::vector<int> all;
+    for (const char* at = text.data(); at < text.data() + text.size();) {
+      int number = 0;
+      const auto [end, error] = std::from_chars(at, text.data() + text.size(), number);
+      all.push_back(number);
+      at = end + 1;  // behind the dot
+    }
+    return all;
+  };
+  return numbers(version) >= numbers(least);
+}
+
+std::string with_variables(const std::string& text,
+                           const std::map<std::string, std::string>& more) {
+  std::string result;
+  std::size_t at = 0;
+  for (std::size_t begin = text.find("${"); begin != std::string::npos;
+       begin = text.find("${", at)) {
+    const std::size_t end = text.find('}', begin);
+    if (end == std::string::npos) break;
+    const std::string inside = text.substr(begin + 2, end - begin - 2);
+    const std::size_t colon = inside.find(":-");
+    const std::string name = inside.substr(0, colon);
+    const std::string fallback = colon == std::string::npos ? "" : inside.substr(colon + 2);
+    const auto own = more.find(name);
+    const char* value = own == more.end() ? std::getenv(name.c_str()) : own->second.c_str();
+    if (value == nullptr && colon != std::string::npos) value = fallback.c_str();
+    if (value == nullptr) {
+      throw base::ConfigError("set the environment variable " + name +
+                              ": it says where the firmware is ('" + text + "')");
+    }
+    result += text.substr(at, begin - at) + value;
+    at = end + 1;
+  }
+  return result + text.substr(at);
+}
+
+void read_firmware(const base::ConfigNode& root, Scenario& scenario) {
+  Firmware firmware = parse_firmware(root.at("firmware"));
+  firmware.world = base::find_config(root.at("world"));
+  firmware.topology = base::find_config(root.at("topology"));
+  firmware.not_hil = root.get("not_hil", false);
+  firmware.sensors = root.find("sensors");
+  if (firmware.sensors) firmware.sensors->mark_used();
+  const base::ConfigNode world = base::ConfigNode::load(firmware.world);
+  scenario.vehicles = flown_vehicles(root.at("firmware"), world, firmware.instances);
+  firmware.autopilot = served_autopilot(world.at("vehicles").items().front());
+  scenario.architecture = firmware.on_serial_line ? Architecture::kTcas : Architecture::kSitl;
+  read_world(world, scenario);
+  scenario.steps = parse_flight(root.at("steps"), gains_of(firmware.topology), scenario.names());
+  scenario.firmware = std::move(firmware);
+  parse_fence(root, scenario);
+  if (root.has("plugins")) {
+    scenario.plugins = root.at("plugins").items();
+    root.at("plugins").mark_used();
+  }
+  if (root.has("faults")) parse_faults(root.at("faults"), world, scenario);
+  if (root.has("limits")) parse_limits(root.at("limits"), scenario);
+}
+
+}  // namespace cas::hils

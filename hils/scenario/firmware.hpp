@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/config/config.hpp"
+
+namespace cas::hils {
+
+struct Scenario;
+
+/// A stock flight controller that is started as a program of this machine, and the world and
+/// topology in which one would start it by hand. In each text ${NAME} is a variable of the
+/// environment, with which the user says where the firmware is.
+struct Firmware {
+  std::vector<std::string> command;  ///< argv, the program first
+  /// PX4's start script, behind the command as `-s FILE`: without one v1.12 runs the board's own
+  /// script, which mounts and formats, and ends with 255. Empty: none.
+  std::string start;
+  std::string least_version;  ///< "1.12": oldest version that is flown; empty: any
+  std::string hint;           ///< remedy if it ends before its first HEARTBEAT
+  std::string cwd;            ///< where it runs; empty: a folder in the results
+  std::map<std::string, std::string> environment;
+  int instances = 1;            ///< of the program: one for each of the world's first vehicles
+  bool on_serial_line = false;  ///< ${CAS_FCU_TTY} is the end of a pseudo-terminal, casd has the
+                                ///< other: HITL, in real time
+  std::filesystem::path world;
+  std::filesystem::path topology;
+  std::string autopilot;                    ///< autopilot_of_plugin() of the world's first vehicle
+  bool not_hil = false;                     ///< arm although it does not say that it is in HIL
+  std::optional<base::ConfigNode> sensors;  ///< in the place of those of the flown vehicles
+  base::ConfigNode node = base::ConfigNode::empty("firmware");  ///< for errors on its keys
+};
+
+/// Most programs of one run, as most vehicles of a scenario of our controller.
+inline constexpr int kMostInstances = 16;
+
+/// The system id of the vehicle that an instance flies, from 1: PX4 in software takes this one by
+/// itself.
+constexpr std::uint8_t system_of_instance(std::size_t instance) {
+  return static_cast<std::uint8_t>(instance + 1);
+}
+
+/// Whether it is no version, but what a build says of a tree that was cloned without tags: PX4
+/// 1.8.0, others 0.0.0.
+bool is_of_a_tree_without_tags(const std::string& version);
+/// Whether a version is a later one or the same: "1.16.1" is at least "1.12".
+bool is_at_least(const std::string& version, const std::string& least);
+
+/// The autopilot that a world's interface plugin serves: "PX4", "ArduPilot"; empty: none.
+std::string_view autopilot_of_plugin(std::string_view plugin);
+
+/// Puts the environment's variables in for ${NAME} and ${NAME:-fallback}. `more` goes before the
+/// environment.
+/// @throws base::ConfigError that names the missing variable
+std::string with_variables(const std::string& text, const std::map<std::string, std::string>& more);
+
+/// Reads the keys of a scenario that stock firmware flies, but for those of every scenario
+/// (Scenario::load): `firmware`, its `world` with the vehicles, `topology`, `geofence`, `sensors`.
+/// @throws base::ConfigError with file, line and key path
+void read_firmware(const base::ConfigNode& root, Scenario& scenario);
+
+}  // namespace cas::hils

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Many flights of stock firmware: a sweep with several at once, and a comparison with ours.
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "tests/firmware/sitl_flight.hpp"
+#include "tests/support/paths.hpp"
+
+namespace cas::test {
+namespace {
+
+class FirmwareMany : public SitlFlight {
+ protected:
+  /// Runs hils to its end. @return its exit code
+  std::optional<int> hils(std::vector<std::string> words) {
+    words.insert(words.begin(), binary_dir() + "/bin/hils");
+    hils_.emplace(words);
+    return hils_->wait_exit(3 * kFlightPatience);  // several flights, perhaps one after the other
+  }
+  std::string left(const std::string& file) const { return content(folder_.path() / "out" / file); }
+};
+
+/// Whether this system gives a process a network of its own.
+bool has_private_networks() {
+  const int status = std::system("unshare -n true 2>/dev/null || unshare -rn true 2>/dev/null");
+  return status == 0;
+}
+
+TEST_F(FirmwareMany, SweptFlySeveralAtOnceOnTheSamePorts) {
+  if (!has_private_networks()) GTEST_SKIP() << "no network namespaces here";
+  write_scenario("obedient");
+  const auto study = folder_.write("study.yaml", R"(schema: 1
+scenario: scenario.yaml
+seeds: [3]
+vary: [{name: height, key: "steps[takeoff].altitude_m", values: [2, 2.5, 3]}]
+)");
+  ASSERT_EQ(hils({"sweep", study.string(), "--jobs", "3", "--out", folder_ / "out"}), 0)
+      << output();
+  const std::string results = left("results.csv");
+  std::size_t passed = 0;
+  for (std::size_t at = results.find(",passed,"); at != results.npos;
+       at = results.find(",passed,", at + 1)) {
+    ++passed;
+  }
+  EXPECT_EQ(passed, 3U) << results;
+}
+
+TEST_F(FirmwareMany, AreComparedWithOurController) {
+  const auto stock = write_scenario("obedient");
+  const std::string ours = source_dir() + "/config/scenarios/step.yaml";
+  ASSERT_EQ(hils({"compare", stock.string(), ours, "--virtual", "--seeds", "1", "--out",
+                  folder_ / "out"}),
+            0)
+      << output();
+  const auto comparison = nlohmann::json::parse(left("comparison.json"));
+  ASSERT_EQ(comparison.at("variants").size(), 2U);
+  for (const auto& variant : comparison.at("variants")) {
+    EXPECT_FALSE(variant.at("figures").at("rms_z_m").is_null()) << variant.dump(2);
+  }
+  EXPECT_TRUE(comparison.at("variants").at(0).at("figures").at("sensor_lost").is_null())
+      << "firmware in software has no stream of packets";
+  EXPECT_TRUE(says("stock PX4")) << output();
+}
+
+TEST_F(FirmwareMany, LeaveWhatEveryRunLeaves) {
+  write_scenario("obedient");
+  ASSERT_EQ(hils({"run", folder_ / "scenario.yaml", "--seed", "9", "--lockstep", "--out",
+                  folder_ / "out"}),
+            0)
+      << output();
+  EXPECT_EQ(nlohmann::json::parse(left("summary.json")).at("seed"), 9);
+  for (const char* file :
+       {"junit.xml", "report.html", "plots/track.svg", "flight.ulg", "sensors/imu.csv"}) {
+    EXPECT_FALSE(left(file).empty()) << file;
+  }
+}
+
+}  // namespace
+}  // namespace cas::test
