@@ -128,7 +128,6 @@ LAYERS = {
 
     "fcu/line": BASE,
     "fcu/estimation": BASE | {"Eigen"},
-    "fcu/estimation_bound": BASE | PROGRAM | {"fcu/estimation", "Eigen"},
     "fcu/control": BASE | rooms("fcu", "estimation") | {"Eigen"},
     "fcu/params": BASE | rooms("fcu", "estimation control") | {"Eigen"},
     "fcu/flight": BASE | MAVLINK | SERVICES | rooms("fcu", "estimation control params") | {"Eigen"},
@@ -167,7 +166,6 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/env": rooms("hils", "run sweep"),
     "hils/tune": rooms("hils", "flight scenario run measure report programs sweep"),
     "hils/campaign": rooms("hils", "flight scenario run measure report ulog replay programs boards sweep firmware"),
-    "hils/figures": rooms("hils", "measure report programs virtual"),
     "hils": rooms("hils", "flight scenario run measure report ulog replay programs boards timing virtual firmware compare sweep tune campaign"),
 }.items()}
 

@@ -80,9 +80,10 @@ void add_files(const fs::path& folder, const fs::path& extension, std::vector<st
   }
 }
 
-/// "; did you mean scenarios/hover.yaml?" for hoover.yaml, or nothing: files that are shipped, and
-/// those of `folder`, where one is given.
-std::string meant_shipped(const fs::path& name, const fs::path& folder = {}) {
+/// "; did you mean scenarios/hover.yaml?" for hoover.yaml and for hover, or nothing: files that are
+/// shipped, and those of `folder`, where one is given.
+std::string meant_shipped(fs::path name, const fs::path& folder = {}) {
+  if (!name.has_extension()) name.replace_extension(".yaml");
   std::vector<std::string> files;
   std::vector<std::string> stems;
   if (!folder.empty()) add_files(folder, name.extension(), files, stems);
@@ -149,6 +150,13 @@ fs::path find_config(const fs::path& name) {
     searched += " or in " + folder.string();
   }
   throw ConfigError(name.string() + ": no such file " + searched + meant_shipped(name));
+}
+
+fs::path shipped_config(const std::string& name) {
+  for (const fs::path& folder : config_dirs()) {
+    if (is_there(folder / name)) return folder / name;
+  }
+  throw ConfigError(name + ": is in no folder of shipped configuration");
 }
 
 fs::path find_config(const ConfigNode& node) {

@@ -28,6 +28,10 @@ CAS_BASE_EXPORT std::optional<std::filesystem::path> web_dir();
 /// below one of config_dirs(), "vehicles/iris_paper.yaml". @throws ConfigError when it is nowhere
 CAS_BASE_EXPORT std::filesystem::path find_config(const std::filesystem::path& name);
 
+/// A file that belongs to CAS itself, below one of config_dirs(): never one of the working folder,
+/// where a file of this name is somebody's own. @throws ConfigError when it is nowhere
+CAS_BASE_EXPORT std::filesystem::path shipped_config(const std::string& name);
+
 /// The file that the value of a key names: relative to the file that has the key, else below one of
 /// config_dirs(). In the latter case leading "../" are dropped, so that a copy of a shipped file
 /// ("../vehicles/iris_paper.yaml") still finds the files that it names. @throws ConfigError

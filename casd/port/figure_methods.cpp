@@ -231,7 +231,9 @@ json FigureMethods::links() const {
     if (const LinkConfig* const config = find_link(topology.links, link.name)) {
       const std::uint64_t baud = config->baud.size() == 1 ? config->baud.front() : link.baud;
       if (baud > 0) entry["baud"] = baud;
-      if (config->to_not_hil == ToNotHil::kStopsOnly) entry["to_not_hil"] = "stops_only";
+      if (!config->accept.read_only) {
+        entry["to_not_hil"] = config->to_not_hil == ToNotHil::kStopsOnly ? "stops_only" : "all";
+      }
       if (config->type == LinkType::kUdp && !config->remote.empty()) {
         entry["remote"] = config->remote;
       }

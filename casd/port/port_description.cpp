@@ -30,7 +30,7 @@ constexpr const char* kText = R"json({
   "Link": {"name": "string", "type": "string: udp, udp_server, serial, tcp, tcp_server, tlog",
     "state": "string: up, down, opening", "endpoint": "string: bound address or device, or why it is down",
     "remote?": "string: where a udp link sends, as the topology has it", "baud?": "integer", "added?": "boolean: true where it was added at run time", "sniffer?": "boolean: gets every packet", "group?": "string: of redundant paths",
-    "to_not_hil?": "string: stops_only where what may spin or move a vehicle that is not in HIL is held back", @link, "rx": "LinkReceived", "tx": "LinkSent",
+    "to_not_hil?": "string: all, or stops_only where what may spin or move a vehicle that is not in HIL is held back; absent where the link only listens", @link, "rx": "LinkReceived", "tx": "LinkSent",
     "signing?": "LinkSigning"},
   "RateLimit": {"message": "string|integer", "max_hz?": "number", "every?": "integer"},
   "Route": {"from": "string", "to": "string", "allow?": ["string|integer"], "block?": ["string|integer"],

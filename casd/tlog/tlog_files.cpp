@@ -4,11 +4,13 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
 #include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "casd/tlog/tlog_name.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
@@ -172,10 +174,12 @@ bool TlogFiles::is_full(std::size_t next_bytes, base::RunTime now) const {
 bool TlogReader::open(const std::filesystem::path& file) {
   records_ = mav::services::TlogSplitter(&mav::public_table());
   ended_ = false;
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) return false;  // a FIFO would block the link
-  file_ = std::ifstream(file, std::ios::binary);
-  return file_.is_open();
+  try {
+    file_ = base::open_foreign_file(file, "log");
+  } catch (const base::ConfigError&) {
+    return false;
+  }
+  return true;
 }
 
 std::optional<TlogReader::Record> TlogReader::next() {
@@ -188,9 +192,9 @@ std::optional<TlogReader::Record> TlogReader::next() {
 
 bool TlogReader::read_more() {
   std::vector<std::uint8_t> chunk(kChunkBytes);
-  file_.read(reinterpret_cast<char*>(chunk.data()), kChunkBytes);
-  ended_ = file_.gcount() == 0;
-  records_.feed(std::span(chunk).first(static_cast<std::size_t>(file_.gcount())));
+  const std::size_t size = std::fread(chunk.data(), 1, chunk.size(), file_.get());
+  ended_ = size == 0;
+  records_.feed(std::span(chunk).first(size));
   return !ended_;
 }
 

@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
-#include <fstream>
 #include <optional>
 #include <span>
 #include <string>
 
 #include "base/os/descriptor.hpp"
+#include "base/read_file.hpp"
 #include "base/time/clock.hpp"
 #include "casd/tlog/tlog_folder.hpp"
 #include "mavlink_gen/services/tlog.hpp"
@@ -103,7 +103,7 @@ class TlogReader {
   std::uint64_t skipped_bytes() const { return records_.skipped_bytes(); }
 
  private:
-  std::ifstream file_;
+  base::OpenFile file_;
   mav::services::TlogSplitter records_;
   bool ended_ = false;  ///< all of the file is fed
 };

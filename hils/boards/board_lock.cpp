@@ -56,7 +56,7 @@ fs::path queue_of(const fs::path& folder, const Board& board) {
 }
 
 base::Descriptor open_for_lock(const fs::path& file) {
-  constexpr int kFlags = O_RDWR | O_NOFOLLOW | O_NOCTTY | O_CLOEXEC;
+  constexpr int kFlags = O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
   // With O_CREAT the kernel may refuse another user's file in a sticky folder.
   base::Descriptor fd(::open(file.c_str(), kFlags));
   if (!fd && errno == ENOENT) {
@@ -68,7 +68,18 @@ base::Descriptor open_for_lock(const fs::path& file) {
 }
 
 std::optional<LockHolder> read_holder(const fs::path& file) {
-  return LockHolder::parse(base::read_file(file).value_or(""));
+  constexpr std::size_t kMostBytes = 65536;
+  try {
+    return LockHolder::parse(base::read_foreign_file(file, "lock", kMostBytes));
+  } catch (const base::ConfigError&) {
+    return std::nullopt;
+  }
+}
+
+/// A file that another user may have laid; a FIFO does not block.
+base::Descriptor open_to_look(const fs::path& file) {
+  constexpr int kFlags = O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC;
+  return base::Descriptor(::open(file.c_str(), kFlags));
 }
 
 std::string user_name() {
@@ -101,7 +112,7 @@ bool is_in_place(int fd, const fs::path& file) {
 
 /// Whether a guest is at work.
 bool is_shared(const fs::path& guests) {
-  const base::Descriptor file(::open(guests.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  const base::Descriptor file = open_to_look(guests);
   struct flock lock = base::whole_file(F_WRLCK);
   return file && ::fcntl(file.get(), F_OFD_GETLK, &lock) == 0 && lock.l_type == F_RDLCK;
 }
@@ -131,7 +142,7 @@ std::vector<std::string> living_tickets(const fs::path& queue) {
        at.increment(error)) {
     const std::string name = at->path().filename().string();
     if (name.starts_with(".")) continue;  // its lock is not taken yet
-    const base::Descriptor ticket(::open(at->path().c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+    const base::Descriptor ticket = open_to_look(at->path());
     if (!ticket) continue;
     if (base::is_file_locked(ticket.get())) {
       alive.push_back(name);
@@ -284,13 +295,15 @@ fs::path lock_folder(const BoardList& list) {
   if (list.lock_folder.empty()) return own_lock_folder("/var/tmp");
   const fs::path& folder = list.lock_folder;
   std::error_code error;
-  fs::create_directories(folder, error);
+  const bool made = fs::create_directories(folder, error);
   if (error) throw base::ConfigError(folder.string() + ": cannot be made: " + error.message());
+  if (made) fs::permissions(folder, fs::perms::sticky_bit, fs::perm_options::add);
   constexpr mode_t kOthersWrite = S_IWGRP | S_IWOTH;
   struct stat status {};
   const bool known = ::stat(folder.c_str(), &status) == 0;
   if (known && (status.st_mode & kOthersWrite) != 0 && (status.st_mode & S_ISVTX) == 0) {
-    fmt::print(stderr, "hils: {}: others may delete locks there (chmod +t)\n", folder.string());
+    throw base::ConfigError(folder.string() +
+                            ": others may delete locks there; make it sticky (chmod +t)");
   }
   return folder;
 }
@@ -298,7 +311,7 @@ fs::path lock_folder(const BoardList& list) {
 LockState look_at_lock(const Board& board, const fs::path& folder) {
   LockState state;
   const fs::path file = lock_file(folder, board);
-  const base::Descriptor lock(::open(file.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
+  const base::Descriptor lock = open_to_look(file);
   state.waiting = living_tickets(queue_of(folder, board)).size();
   state.held = lock && base::is_file_locked(lock.get());
   if (state.held) state.holder = read_holder(file);

@@ -38,8 +38,8 @@ using mav::services::FtpTiming;
 using mav::services::Outcome;
 
 constexpr mav::Source kSelf = casd::kOwnStation;
-constexpr base::Duration kLook = std::chrono::milliseconds(2);
-constexpr base::Duration kHeartbeatPatience = std::chrono::seconds(5);
+constexpr base::Duration kBytesLook = std::chrono::milliseconds(2);
+constexpr base::Duration kHeardPatience = std::chrono::seconds(5);
 constexpr double kBytesOfMib = 1024.0 * 1024.0;
 constexpr std::size_t kMostFolders = 3;  ///< that are looked into until one has a log
 constexpr int kDepth = 2;                ///< of folders below that of the logs
@@ -62,7 +62,7 @@ class BoardFiles {
 
   /// Until the autopilot has been heard. @throws std::runtime_error
   void find_autopilot() {
-    const base::RunTime end = base::steady_now() + kHeartbeatPatience;
+    const base::RunTime end = base::steady_now() + kHeardPatience;
     while (!board_ && base::steady_now() < end) look();
     if (!board_) fail("it says nothing");
   }
@@ -107,7 +107,7 @@ class BoardFiles {
   }
   void look() {
     std::span<const std::uint8_t> bytes = port_.read();
-    if (bytes.empty()) supervisor_.wait(kLook);
+    if (bytes.empty()) supervisor_.wait(kBytesLook);
     for (; !bytes.empty(); bytes = port_.read()) {
       parser_.feed(bytes, [this](const mav::PacketView& packet) { on_packet(packet); });
     }

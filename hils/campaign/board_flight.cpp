@@ -44,13 +44,20 @@ void write_artefacts(const RunRequest& request, const RunResult& run) {
   }
 }
 
+/// Makes the folder of a row's flight, which stays, and writes its scenario there.
+fs::path write_row_scenario(const RowTask& task) {
+  const fs::path campaign = task.scenario.parent_path();
+  const fs::path folder = campaign / "again" / fmt::format("row_{}", task.row);
+  base::make_result_folder({campaign, folder});
+  write_scenario(task.scenario, task.values, task.study_folder, folder);
+  return folder;
+}
+
 /// @param fetch_logs  set where there may be logs: for after the result has been written
 RowResult fly_on_board(const RowTask& task, std::function<void()>& fetch_logs) {
-  const fs::path campaign = task.scenario.parent_path();
-  const CampaignControllers controllers = CampaignControllers::load(campaign);
+  const CampaignControllers controllers = CampaignControllers::load(task.scenario.parent_path());
   RunRequest request;
-  request.out = campaign / "again" / fmt::format("row_{}", task.row);
-  write_scenario(task.scenario, task.values, task.study_folder, request.out);
+  request.out = write_row_scenario(task);
   request.scenario = Scenario::load(request.out / "scenario.yaml");
   request.architecture = task.architecture;
   request.seed = task.seed;
@@ -87,8 +94,7 @@ RowResult fly_on_board(const RowTask& task, std::function<void()>& fetch_logs) {
 /// the firmware itself wrote goes: a log of its own is ten times as large.
 RowResult fly_on_firmware(const RowTask& task, const fs::path&) {
   RunRequest request;
-  request.out = task.scenario.parent_path() / "again" / fmt::format("row_{}", task.row);
-  write_scenario(task.scenario, task.values, task.study_folder, request.out);
+  request.out = write_row_scenario(task);
   request.scenario = Scenario::load(request.out / "scenario.yaml");
   request.architecture = request.scenario.architecture;
   request.seed = task.seed;

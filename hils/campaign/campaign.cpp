@@ -82,6 +82,13 @@ std::map<std::string, double, std::less<>> parse_values(const base::ConfigNode& 
   return values;
 }
 
+void check_phase(const base::ConfigNode& node, const std::string& name,
+                 const std::set<std::string>& known) {
+  if (known.contains(name)) return;
+  const std::vector<std::string_view> words(known.begin(), known.end());
+  node.fail("the campaign has no phase '" + name + "'" + base::did_you_mean(name, words));
+}
+
 /// The phases in which a failure strikes: all, or those of its list `phases`.
 std::set<std::string> parse_own_phases(const base::ConfigNode& node,
                                        const std::vector<CampaignPhase>& phases) {
@@ -92,7 +99,7 @@ std::set<std::string> parse_own_phases(const base::ConfigNode& node,
   std::set<std::string> own;
   for (const base::ConfigNode& item : list->items()) {
     const auto name = item.as<std::string>();
-    if (!known.contains(name)) item.fail("the campaign has no phase '" + name + "'");
+    check_phase(item, name, known);
     own.insert(name);
   }
   return own;
@@ -109,6 +116,7 @@ CampaignFailure parse_failure(const base::ConfigNode& node, const FailureCatalog
   std::optional<std::vector<Expectation>> usual;
   if (const auto list = node.find("expect")) usual = parse_expectations(*list);
   const base::ConfigNode other = node.find("expect_in").value_or(base::ConfigNode::empty());
+  for (const auto& [phase, list] : other.entries()) check_phase(list, phase, own);
   for (const CampaignPhase& phase : phases) {
     if (!own.contains(phase.name)) continue;
     if (const auto list = other.find(phase.name)) {
@@ -120,7 +128,6 @@ CampaignFailure parse_failure(const base::ConfigNode& node, const FailureCatalog
                 "' neither in 'expect' nor in 'expect_in' what must happen");
     }
   }
-  other.reject_unused();
   return failure;
 }
 

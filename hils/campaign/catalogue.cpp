@@ -170,15 +170,9 @@ void check_name(const base::ConfigNode& node, const std::string& name) {
 }
 
 FailureCatalogue FailureCatalogue::shipped() {
-  // Not in the working folder: a file of this name there is somebody's own.
-  for (const std::filesystem::path& folder : base::config_dirs()) {
-    const std::filesystem::path file = folder / "failures.yaml";
-    if (!std::filesystem::exists(file)) continue;
-    FailureCatalogue catalogue;
-    catalogue.add(file);
-    return catalogue;
-  }
-  throw base::ConfigError("failures.yaml: is in no folder of shipped configuration");
+  FailureCatalogue catalogue;
+  catalogue.add(base::shipped_config("failures.yaml"));
+  return catalogue;
 }
 
 void FailureCatalogue::add(const std::filesystem::path& file) {

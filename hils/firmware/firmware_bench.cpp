@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/config/install_paths.hpp"
+#include "base/os/result_file.hpp"
 #include "hils/programs/watch_line.hpp"
 
 namespace cas::hils {
@@ -100,6 +101,7 @@ void FirmwareBench::check_program(const ChildProcess::Options& options) const {
 
 void FirmwareBench::prepare_folder(const std::filesystem::path& folder) {
   if (scenario_.firmware->cwd.empty()) {
+    base::make_result_folder({places_.out, folder});  // no symlink leads away from there
     std::filesystem::remove_all(folder);
   } else if (std::filesystem::exists(folder) && !std::filesystem::is_empty(folder)) {
     remarks_.push_back("the firmware's folder " + folder.string() +

@@ -38,8 +38,8 @@ void resolve_files(const base::ConfigNode& source, YAML::Node world) {
 std::string world_text(const RunRequest& request, const RunPlaces& places) {
   const Scenario& scenario = request.scenario;
   const Firmware& firmware = *scenario.firmware;
-  YAML::Node world = YAML::LoadFile(firmware.world.string());
   const auto source = base::ConfigNode::load(firmware.world);
+  YAML::Node world = YAML::Load(source.dump());
   resolve_files(source, world);
   world["seed"] = request.seed;
   if (request.unpaced && !firmware.on_serial_line) world.remove("speed");
@@ -89,7 +89,8 @@ void add_station(const RunRequest& request, YAML::Node topology) {
 
 std::string topology_text(const RunRequest& request, const RunPlaces& places) {
   const Firmware& firmware = *request.scenario.firmware;
-  YAML::Node topology = YAML::LoadFile(firmware.topology.string());
+  const auto source = base::ConfigNode::load(firmware.topology);
+  YAML::Node topology = YAML::Load(source.dump());
   topology["command_port"]["port"] = 0;
   topology["command_port"]["unix"] = places.command_port.string();
   topology["command_port"]["token_file"] = places.command_token().string();
@@ -97,7 +98,6 @@ std::string topology_text(const RunRequest& request, const RunPlaces& places) {
   topology["log"]["folder"] = places.out.string();
   topology["log"]["tlog"] = "flight.tlog";
   topology["log"]["overwrite"] = true;
-  const auto source = base::ConfigNode::load(firmware.topology);
   for (const char* key : {"gains", "dialect"}) {
     if (const auto named = source.find(key)) topology[key] = full_path(*named);
   }

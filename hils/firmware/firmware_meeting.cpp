@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hils/firmware/first_sign.hpp"
+#include "hils/flight/flight_loop.hpp"
 #include "mavlink/common/autopilot_version.hpp"
 #include "mavlink/common/enums.hpp"
 
@@ -16,7 +17,6 @@ namespace {
 
 using base::rpc::Json;
 
-constexpr base::Duration kMeetingPoll = std::chrono::milliseconds(50);
 /// All in real time.
 constexpr base::Duration kVersionPatience = std::chrono::seconds(20);
 /// A firmware that has neither connected nor sent a byte nor printed one for so long will not come.
@@ -54,7 +54,7 @@ class FirmwareMeeting {
       if (now - begin > patience || now - spoke > kFirstSignPatience) {
         check_first_sign(now - begin, now - begin > patience);
       }
-      deck_.supervisor.wait(kMeetingPoll);
+      deck_.supervisor.wait(kLookPeriod);
     }
     if (const auto why = mismatch(vehicle, deck_.scenario.firmware->autopilot)) {
       throw RunStopped(*why, false);
@@ -75,7 +75,7 @@ class FirmwareMeeting {
         ask_for_version();
         ask_at = base::steady_now() + kAskAgain;
       }
-      deck_.supervisor.wait(kMeetingPoll);
+      deck_.supervisor.wait(kLookPeriod);
     }
     if (wanted && is_of_a_tree_without_tags(record_.firmware->version)) {
       record_.firmware->remarks.push_back(fmt::format(

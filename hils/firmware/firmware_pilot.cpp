@@ -30,7 +30,6 @@ namespace {
 
 using base::rpc::Json;
 
-constexpr base::Duration kPollPeriod = std::chrono::milliseconds(50);
 constexpr base::Duration kCompanionPatience = std::chrono::seconds(20);
 constexpr base::Duration kSilencePatience = std::chrono::seconds(30);
 /// For giving back the parameters of the fences of a run that is stopped.
@@ -376,7 +375,7 @@ class FirmwareFlight final : public FlightBench {
     for (const auto& vehicle : vehicles_) vehicle->set_fence();
     if (loop_.flight().plan.ended()) return;
     loop_.fly([this](bool commanded) {
-      if (!commanded) deck_.supervisor.wait(kPollPeriod);
+      if (!commanded) deck_.supervisor.wait(kLookPeriod);
     });
   }
 

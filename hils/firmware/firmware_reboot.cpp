@@ -6,10 +6,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hils/flight/flight_loop.hpp"
+
 namespace cas::hils {
 namespace {
 
-constexpr base::Duration kRebootPoll = std::chrono::milliseconds(50);
 /// PX4 (v1.12.0) writes changed parameters to its file 0.3 s later, and at most every 2 s.
 constexpr base::Duration kStores = std::chrono::seconds(5);
 /// MAVLink carries parameters as float.
@@ -39,7 +40,7 @@ std::optional<std::string> FirmwareReboot::run(const WrittenParams& written,
   const base::RunTime deadline = base::steady_now() + patience;
   while (!written.empty() && look() < written_at + kStores) {
     if (base::steady_now() > deadline) return "simulated time stands still before the reboot";
-    wait(kRebootPoll);
+    wait(kLookPeriod);
   }
   restart();
   if (auto fault = wait_until_heard(deadline)) return fault;
@@ -47,8 +48,8 @@ std::optional<std::string> FirmwareReboot::run(const WrittenParams& written,
 }
 
 std::optional<std::string> FirmwareReboot::wait_until_heard(base::RunTime deadline) const {
-  wait(kRebootPoll);  // now all HEARTBEATs of the old program are counted
-  for (const double before = heartbeats(); heartbeats() <= before; wait(kRebootPoll)) {
+  wait(kLookPeriod);  // now all HEARTBEATs of the old program are counted
+  for (const double before = heartbeats(); heartbeats() <= before; wait(kLookPeriod)) {
     if (base::steady_now() > deadline) {
       return "the firmware was not heard again after its reboot; its log in the run folder of the "
              "results has what it says";
@@ -61,7 +62,7 @@ std::optional<std::string> FirmwareReboot::compare(const WrittenParams& written,
                                                    base::RunTime deadline) const {
   for (const auto& [name, value] : written) {
     std::optional<double> now = parameter(name);
-    for (; !now && base::steady_now() < deadline; now = parameter(name)) wait(kRebootPoll);
+    for (; !now && base::steady_now() < deadline; now = parameter(name)) wait(kLookPeriod);
     if (!now) return fmt::format("the firmware did not tell {} after its reboot", name);
     if (!is_same(value, *now)) {
       return fmt::format("the reboot has lost a parameter: {} was set to {:g}, and is {:g}", name,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -17,6 +18,11 @@
 #include "hils/flight/flight_step.hpp"
 
 namespace cas::hils {
+
+/// Between two looks at a flight whose time is the machine's.
+inline constexpr base::Duration kLookPeriod = std::chrono::milliseconds(50);
+/// The stream goes on for this long after the flight, so that the pipe is drained.
+inline constexpr base::Duration kDrain = std::chrono::seconds(1);
 
 /// A flight under way.
 struct Flight {

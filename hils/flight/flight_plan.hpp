@@ -17,12 +17,6 @@
 
 namespace cas::hils {
 
-/// A command to the vehicle from a sender other than hils, as casd heard it.
-struct HeardAct {
-  std::string by;    ///< "255/190 on link gcs"
-  std::string what;  ///< "command 400 (disarm)"
-};
-
 /// Why a vehicle did not take a command.
 struct Refusal {
   std::string why;
@@ -49,7 +43,6 @@ struct VehicleReport {
   double pitch_rad = 0;
   double yaw_rad = 0;
   std::optional<Motion> truth{};  ///< the simulator's, where it is at hand
-  std::vector<HeardAct> acts{};   ///< of others than casd's own station, oldest first
   std::string fence_words{};      ///< its newest text about a breach of its fence
   double fence_words_age_s = 0;   ///< by casd's clock
   std::string mode{};             ///< by its HEARTBEAT; empty: not asked for

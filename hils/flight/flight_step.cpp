@@ -75,7 +75,10 @@ void parse_gain(const base::ConfigNode& body, FlightStep& step) {
   step.p = optional_number(body, "p");
   step.i = optional_number(body, "i");
   step.d = optional_number(body, "d");
-  if (!step.p && !step.i && !step.d) body.fail("a setgain step names at least one of p, i and d");
+  if (step.p || step.i || step.d) return;
+  for (const char* const of_any_step : {"name", "timeout_s"}) body.has(of_any_step);
+  body.reject_unused();  // "P" has a better answer than that p is missing
+  body.fail("a setgain step names at least one of p, i and d");
 }
 
 /// The scenario does not name the autopilot: a gain that any of them has is accepted.
@@ -140,6 +143,9 @@ void parse_breach(const base::ConfigNode& body, FlightStep& step) {
 }
 
 void parse_params(const base::ConfigNode& body, FlightStep& step) {
+  if (const auto value = body.find("value")) {
+    value->fail("a setparam step has each parameter as a key, such as 'MPC_XY_P: 0.95'");
+  }
   for (const auto& [name, value] : body.entries()) {
     if (name == "name" || name == "timeout_s" || name == "vehicle") continue;
     step.params.emplace_back(name, value.as<double>());

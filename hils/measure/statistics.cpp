@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/measure/statistics.hpp"
 
-#include <array>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <vector>
 
@@ -9,24 +9,10 @@
 
 namespace cas::hils {
 
-namespace {
-
-// Two-sided 95 % quantiles for 1..30 degrees of freedom (any table of Student's distribution).
-constexpr std::array<double, 30> kStudent95{12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306,
-                                            2.262,  2.228, 2.201, 2.179, 2.160, 2.145, 2.131, 2.120,
-                                            2.110,  2.101, 2.093, 2.086, 2.080, 2.074, 2.069, 2.064,
-                                            2.060,  2.056, 2.052, 2.048, 2.045, 2.042};
-
-}  // namespace
-
 double student_t_95(std::size_t degrees) {
   CAS_CHECK(degrees > 0);
-  if (degrees <= kStudent95.size()) return kStudent95[degrees - 1];
-  // First terms of the expansion in 1/n about the normal quantile: 1e-4 beyond 30.
-  const double n = static_cast<double>(degrees);
-  const double z = kNormal95;
-  return z + (z * z * z + z) / (4 * n) +
-         (5 * std::pow(z, 5) + 16 * z * z * z + 3 * z) / (96 * n * n);
+  constexpr double kUpper = 0.975;  // 2.5 % lie beyond it on each side
+  return boost::math::quantile(boost::math::students_t(static_cast<double>(degrees)), kUpper);
 }
 
 Mean mean_of(std::span<const double> values) {

@@ -284,7 +284,7 @@ std::string casd_config(const RunRequest& request, const RunPlaces& places) {
   root["links"] = casd_links(request, places);
   root["routes"] = casd_routes(request, places);
   root["commanding"]["heartbeat_hz"] = 1;
-  root["gains"] = full_path(base::find_config("gains.yaml"));
+  root["gains"] = full_path(base::shipped_config("gains.yaml"));
   root["log"]["folder"] = full_path(places.out);
   root["log"]["tlog"] = places.flight_tlog().filename().string();
   root["log"]["overwrite"] = true;

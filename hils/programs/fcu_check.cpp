@@ -77,7 +77,7 @@ bool is_quad_x(const base::Vehicle& vehicle) {
 bool is_numbered_as_px4(const base::Vehicle& vehicle) {
   if (vehicle.rotors.size() == kQuadX.size()) return is_quad_x(vehicle);
   return std::ranges::any_of(
-      base::load_frames(base::find_config("frames.yaml")),
+      base::load_frames(base::shipped_config("frames.yaml")),
       [&vehicle](const base::Frame& frame) { return frame.px4_airframe && frame.fits(vehicle); });
 }
 

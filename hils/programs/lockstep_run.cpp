@@ -38,8 +38,6 @@ using std::chrono::seconds;
 
 /// Until casd has heard the controller, on a machine that may be very busy.
 constexpr base::Duration kMeetPatience = seconds(120);
-/// The stream goes on for this long after the flight, so that the pipe is drained.
-constexpr base::Duration kDrain = seconds(1);
 
 /// The answer of fcu.status as a report.
 VehicleReport controller_report(const Json& status) {

@@ -42,13 +42,6 @@ void add_warning(const Json& state, VehicleReport& report) {
   }
 }
 
-void add_acts(const Json& state, VehicleReport& report) {
-  for (const Json& act : state.value("interventions", Json::array())) {
-    report.acts.push_back({.by = act.value("by", "") + " on link " + act.value("link", ""),
-                           .what = act.value("what", "")});
-  }
-}
-
 }  // namespace
 
 VehicleReport to_report(const nlohmann::json& state) {
@@ -78,7 +71,6 @@ VehicleReport to_report(const nlohmann::json& state) {
     report.pitch_rad = a->value("pitch_rad", 0.0);
     report.yaw_rad = a->value("yaw_rad", 0.0);
   }
-  add_acts(state, report);
   add_warning(state, report);
   add_fence_words(state, report);
   return report;

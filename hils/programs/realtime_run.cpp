@@ -42,13 +42,9 @@ namespace cas::hils {
 namespace {
 
 using base::rpc::Json;
-using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr base::Duration kPollPeriod = milliseconds(50);
 constexpr base::Duration kStreamLook = seconds(1);
-/// The stream goes on for this long after the flight, so that the pipe is drained.
-constexpr base::Duration kDrain = seconds(1);
 
 Json to_json(const fcu::LineConfig& line) {
   Json json;
@@ -283,7 +279,7 @@ std::vector<RunRecord> fly_in_real_time(const RunRequest& request) {
                         ground_station ? &*ground_station : nullptr);
     FlightLoop loop(flight_of(request.scenario), bench);
     loop.fly([&supervisor](bool commanded) {
-      if (!commanded) supervisor.wait(kPollPeriod);
+      if (!commanded) supervisor.wait(kLookPeriod);
     });
     bench.finish(loop.flight(), records);
   } catch (const base::rpc::ConnectionError& error) {

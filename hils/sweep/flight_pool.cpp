@@ -53,18 +53,23 @@ std::string tail_of(const fs::path& log_file) {
 
 }  // namespace
 
-FlightPool::FlightPool(fs::path folder, double deadline_s, std::vector<std::string> flown_by)
-    : folder_(std::move(folder)),
+FlightPool::FlightPool(const base::ResultPlace& folder, double deadline_s,
+                       std::vector<std::string> flown_by)
+    : folder_(folder.path()),
       deadline_s_(deadline_s),
       flown_by_(std::move(flown_by)),
       host_(host_name()) {
-  fs::remove_all(folder_);
-  std::error_code error;  // another runner may remove the parent at its end
-  for (int i = 0; i < 10; ++i) {
-    fs::create_directories(folder_, error);
-    if (!error) return;
+  constexpr int kTries = 10;  // another runner may remove the parent at its end
+  for (int i = 1;; ++i) {
+    try {
+      base::make_result_folder(folder);  // no symlink leads away: what is there is a runner's
+      fs::remove_all(folder_);
+      base::make_result_folder(folder);
+      return;
+    } catch (const base::ConfigError&) {
+      if (i == kTries) throw;
+    }
   }
-  throw base::ConfigError(folder_.string() + ": cannot be made: " + error.message());
 }
 
 FlightPool::~FlightPool() {

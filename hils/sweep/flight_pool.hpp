@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/os/result_file.hpp"
 #include "base/time/clock.hpp"
 #include "hils/programs/child_process.hpp"
 #include "hils/sweep/row_flight.hpp"
@@ -22,7 +23,7 @@ class FlightPool {
   /// @param folder      for the files of runs under way; made here, and gone with the object
   /// @param deadline_s  wall-clock time after which a run has hung
   /// @param flown_by    words of this program that fly the task of a folder, which comes last
-  FlightPool(std::filesystem::path folder, double deadline_s,
+  FlightPool(const base::ResultPlace& folder, double deadline_s,
              std::vector<std::string> flown_by = {"sweep", "fly"});
   /// Ends the flights under way.
   ~FlightPool();

@@ -103,7 +103,7 @@ void submit(const SweepFolder& sweep, SlurmArray array) {
       throw base::ConfigError("'" + text + "': a job array takes no \", \\, % or line break here");
     }
   }
-  fs::create_directories(array.logs);
+  base::make_result_folder({sweep.path, array.logs});
   const bool is_first = !fs::exists(chunks_file(sweep));
   if (is_first) {
     base::write_result({sweep.path, chunks_file(sweep)}, fmt::format("{}\n", array.chunks),

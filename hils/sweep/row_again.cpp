@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "base/os/result_file.hpp"
 #include "base/time/clock.hpp"
 #include "hils/programs/child_process.hpp"
 #include "hils/sweep/flight_digest.hpp"
@@ -38,6 +39,7 @@ std::unique_ptr<ChildProcess> start_again(const SweepFolder& sweep, std::size_t 
 
 void write_row_again(const SweepFolder& sweep, std::size_t row) {
   refuse_rows_of_boards(sweep);
+  base::make_result_folder({sweep.path, sweep.again(row)});
   write_scenario(sweep.scenario(), sweep.values_of(sweep.row(row)), sweep.study_folder,
                  sweep.again(row));
 }

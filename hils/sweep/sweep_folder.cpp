@@ -69,6 +69,7 @@ std::vector<std::size_t> rows_to_check(const RunTable& table) {
 /// Reads the scenarios of some rows, to find faults of all rows. @throws base::ConfigError
 void check_rows(const SweepFolder& folder) {
   const fs::path scratch = folder.path / "work" / "check";
+  base::make_result_folder({folder.path, scratch});
   for (const std::size_t number : rows_to_check(folder.table)) {
     const TableRow& row = folder.row(number);
     try {

@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::size_t kMostMapped = 4;  ///< parameters with a map of each pair
 constexpr double kSignificant = 0.05;
+constexpr const char* kStaysUp = "up";  ///< column of the results
 
 std::string percent(double share) { return fmt::format("{:.2f} %", share * 100); }
 
@@ -44,7 +45,7 @@ std::vector<std::pair<std::string, std::string>> shown_figures(const SweepView& 
     }
   }
   std::vector<std::pair<std::string, std::string>> figures{
-      {"up", "stays up"},
+      {kStaysUp, "stays up"},
       {"crash_s", "first incident, s"},
       {"least_margin_pct", "least margin to a limit, %"}};
   for (const char* name : {"rms_x_m", "rms_y_m", "rms_z_m", "rms_yaw_rad",
@@ -55,7 +56,8 @@ std::vector<std::pair<std::string, std::string>> shown_figures(const SweepView& 
 }
 
 struct Sensitivity {
-  std::string figure;
+  std::string figure;  ///< its column
+  std::string title;
   std::vector<std::optional<RankCorrelation>> by_parameter;
 };
 
@@ -69,7 +71,7 @@ std::vector<Sensitivity> sensitivities(const SweepView& view) {
     const auto index = view.figure_index(name);
     if (!index) continue;
     const std::vector<double> values = view.figure(*index);
-    Sensitivity row{.figure = title, .by_parameter = {}};
+    Sensitivity row{.figure = name, .title = title, .by_parameter = {}};
     for (const std::vector<double>& parameter : parameters) {
       row.by_parameter.push_back(spearman(parameter, values));
     }
@@ -84,7 +86,7 @@ std::vector<std::size_t> by_importance(const SweepView& view,
                                        const std::vector<Sensitivity>& table) {
   std::vector<std::size_t> order(view.sweep.table.names.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  const auto up = std::ranges::find(table, "stays up", &Sensitivity::figure);
+  const auto up = std::ranges::find(table, kStaysUp, &Sensitivity::figure);
   if (up == table.end()) return order;
   std::ranges::stable_sort(order, std::ranges::greater(), [&](std::size_t i) {
     const auto& rho = up->by_parameter[i];
@@ -239,7 +241,7 @@ void add_sensitivity(const SweepView& view, const std::vector<Sensitivity>& tabl
   Rows rows{{"Spearman's rank correlation of"}};
   for (const std::string& name : view.sweep.table.names) rows.front().push_back(name);
   for (const Sensitivity& figure : table) {
-    Row row{figure.figure};
+    Row row{figure.title};
     for (const auto& rho : figure.by_parameter) {
       row.push_back(!rho ? "-" : fixed(rho->rho, 2) + (rho->is_significant() ? " *" : ""));
     }

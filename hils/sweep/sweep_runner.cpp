@@ -45,7 +45,9 @@ class Runner {
 
   void fly() {
     // We hold the journal's lock, so files there belong to a killed runner.
-    pool_.emplace(scratch_ / options_.chunk.name(), sweep_.study.deadline_s + options_.after_s,
+    const fs::path& root = options_.scratch.empty() ? sweep_.path : scratch_;
+    pool_.emplace(base::ResultPlace{root, scratch_ / options_.chunk.name()},
+                  sweep_.study.deadline_s + options_.after_s,
                   options_.on_boards || options_.keeps_flights
                       ? std::vector<std::string>{"campaign", "--fly"}
                       : std::vector<std::string>{"sweep", "fly"});

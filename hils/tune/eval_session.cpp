@@ -112,7 +112,7 @@ class EvalSession {
 
   void make_pool() {
     pool_.reset();
-    pool_ = std::make_unique<FlightPool>(folder_ / "work", study_.deadline_s);
+    pool_ = std::make_unique<FlightPool>(base::ResultPlace{folder_, "work"}, study_.deadline_s);
   }
 
   void take(const std::string& line) {

@@ -29,10 +29,11 @@ namespace fs = std::filesystem;
 namespace {
 
 /// Flies each scenario of the search once more with a whole report.
-void fly_reports(const TuneStudy& study, const TuneFlights& flights, const fs::path& folder,
-                 const std::vector<std::string>& values) {
+/// @param before_or_after  folder below `out`
+void fly_reports(const TuneStudy& study, const TuneFlights& flights, const fs::path& out,
+                 const char* before_or_after, const std::vector<std::string>& values) {
   for (std::size_t i = 0; i < study.scenarios.size(); ++i) {
-    const fs::path own = folder / study.scenarios[i].name;
+    const fs::path own = out / before_or_after / study.scenarios[i].name;
     std::string text;
     for (const auto& [key, value] : study.values_of(values)) {
       text += fmt::format("\"{}\": {}\n", key, value);
@@ -41,7 +42,8 @@ void fly_reports(const TuneStudy& study, const TuneFlights& flights, const fs::p
     if (fs::exists(own / "report.html") && fs::exists(flown) && text_of_file(flown) == text) {
       continue;
     }
-    fs::remove_all(own);  // of other values
+    base::make_result_folder({out, own});  // no symlink leads away from there
+    fs::remove_all(own);                   // of other values
     write_scenario(flights.scenario(i), study.values_of(values), {}, own);
     std::vector<std::string> command{kSameProgram, "run", (own / "scenario.yaml").string(),
                                      "--architecture", std::string(to_string(study.architecture))};
@@ -72,8 +74,8 @@ int run_tune(const std::string& study_file, const fs::path& out, std::size_t job
   const Candidate& best = result.candidates[result.best];
   base::write_result({out, "gains.yaml"}, gains_yaml(study, best), base::Durability::kDisk);
   base::write_result({out, "gains.params"}, gains_params(study, best), base::Durability::kDisk);
-  fly_reports(study, flights, out / "before", study.before());
-  fly_reports(study, flights, out / "after", best.values);
+  fly_reports(study, flights, out, "before", study.before());
+  fly_reports(study, flights, out, "after", best.values);
   std::vector<Plot> steps;
   for (std::size_t i = 0; i < study.scenarios.size(); ++i) {
     const std::string& name = study.scenarios[i].name;

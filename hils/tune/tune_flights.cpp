@@ -83,6 +83,7 @@ void TuneFlights::prepare(const fs::path& study_file) {
   for (std::size_t i = 0; i < scenarios_.size(); ++i) {
     const TuneScenario& own = scenarios_[i];
     if (!fs::exists(frozen)) {
+      base::make_result_folder({folder_, scenario(i).parent_path()});
       write_scenario(own.scenario, own.settings, study_folder_, scenario(i).parent_path(),
                      {"vehicle"});
     }
@@ -146,7 +147,7 @@ std::vector<RowResult> TuneFlights::fly(const std::vector<TuneFlight>& flights) 
     keys_of_rows[row] = key;
     pending.push_back(task_of(flight, row));
   }
-  FlightPool pool(folder_ / "work", study_.deadline_s);
+  FlightPool pool({folder_, "work"}, study_.deadline_s);
   const StopRequest stop;
   while (!pending.empty() || pool.size() > 0) {
     for (; !pending.empty() && pool.size() < jobs_; pending.pop_front()) {

@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view kParams = "controller.params.";
 
 /// Four digits, without a power of ten where it is some thousands.
-std::string number(double value) {
+std::string four_digits(double value) {
   if (!std::isfinite(value)) return "-";
   const double size = std::abs(value);
   return size >= 1e4 && size < 1e7 ? fmt::format("{:.0f}", value) : fmt::format("{:.4g}", value);
@@ -35,7 +35,7 @@ Rows value_rows(const TuneStudy& study, const TuneResult& result) {
   for (std::size_t i = 0; i < study.vary.size(); ++i) {
     const Distribution& spread = *study.vary[i].parameter.distribution;
     rows.push_back({study.vary[i].parameter.name, result.candidates[0].values[i], after.values[i],
-                    number(*spread.least), number(*spread.most)});
+                    four_digits(*spread.least), four_digits(*spread.most)});
   }
   return rows;
 }
@@ -45,18 +45,18 @@ Rows objective_rows(const TuneStudy& study, const TuneResult& result) {
   const Candidate& before = result.candidates[0];
   const Candidate& after = result.candidates[result.best];
   for (std::size_t i = 0; i < study.objectives.size(); ++i) {
-    rows.push_back({study.objectives[i].figure.name, number(before.objectives[i]),
-                    number(after.objectives[i]), change(before.objectives[i], after.objectives[i]),
-                    ""});
+    rows.push_back({study.objectives[i].figure.name, four_digits(before.objectives[i]),
+                    four_digits(after.objectives[i]),
+                    change(before.objectives[i], after.objectives[i]), ""});
   }
   for (std::size_t i = 0; i < study.guards.size(); ++i) {
-    rows.push_back(
-        {study.guards[i].figure.name, number(before.guards[i]), number(after.guards[i]),
-         change(before.guards[i], after.guards[i]),
-         fmt::format("{} {}", study.guards[i].at_least ? ">=" : "<=", number(result.bounds[i]))});
+    rows.push_back({study.guards[i].figure.name, four_digits(before.guards[i]),
+                    four_digits(after.guards[i]), change(before.guards[i], after.guards[i]),
+                    fmt::format("{} {}", study.guards[i].at_least ? ">=" : "<=",
+                                four_digits(result.bounds[i]))});
   }
-  rows.push_back(
-      {"weighted sum", number(before.sum), number(after.sum), change(before.sum, after.sum), ""});
+  rows.push_back({"weighted sum", four_digits(before.sum), four_digits(after.sum),
+                  change(before.sum, after.sum), ""});
   return rows;
 }
 
@@ -64,7 +64,8 @@ Rows verification_rows(const TuneResult& result) {
   Rows rows{{"Scenario", "figure", "before", "after", "change", "seeds better"}};
   for (const Verification& each : result.verification) {
     rows.push_back({each.scenario + (each.in_search ? "" : " (new)"), each.figure,
-                    number(each.before), number(each.after), change(each.before, each.after),
+                    four_digits(each.before), four_digits(each.after),
+                    change(each.before, each.after),
                     fmt::format("{} of {}", each.better, each.seeds)});
   }
   return rows;
@@ -79,8 +80,8 @@ std::string verdict_line(const TuneResult& result) {
                        result.candidates.size() - 1);
   }
   std::string line = fmt::format("candidate {} of {}: weighted sum {} instead of {}", after.number,
-                                 result.candidates.size() - 1, number(after.sum),
-                                 number(result.candidates[0].sum));
+                                 result.candidates.size() - 1, four_digits(after.sum),
+                                 four_digits(result.candidates[0].sum));
   if (falls_more(result)) line += "; but more flights of the verification fell than before";
   return line;
 }

@@ -115,7 +115,7 @@ int describe(const std::string& word, const std::optional<std::filesystem::path>
   const base::Vehicle vehicle = base::Vehicle::load(vehicle_file(word));
   const sim::VehicleModel model = sim::load_vehicle_model(vehicle.urdf, vehicle.parts);
   const std::string text =
-      describe_vehicle(vehicle, model, base::load_frames(base::find_config("frames.yaml")));
+      describe_vehicle(vehicle, model, base::load_frames(base::shipped_config("frames.yaml")));
   for (const auto& warnings : {vehicle.warnings, model.warnings, implausible(vehicle, model)}) {
     for (const std::string& warning : warnings) base::log::warn(warning);
   }

@@ -115,7 +115,7 @@ Link = TypedDict("Link", {
     "signing": NotRequired[LinkSigning],
     "sniffer": NotRequired[bool],  # gets every packet
     "state": str,  # up, down, opening
-    "to_not_hil": NotRequired[str],  # stops_only where what may spin or move a vehicle that is not in HIL is held back
+    "to_not_hil": NotRequired[str],  # all, or stops_only where what may spin or move a vehicle that is not in HIL is held back; absent where the link only listens
     "tx": LinkSent,
     "type": str,  # udp, udp_server, serial, tcp, tcp_server, tlog
     "uncounted": int,  # Packets that casd_messages_total had no room for.

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import stat
 from pathlib import Path
 
 from .errors import FormatError
@@ -13,8 +14,11 @@ MOST_MIB = 512
 
 
 def read_log(path: Path) -> bytes:
-    """The bytes of a log. FormatError: there are over MOST_MIB of them."""
-    with open(path, "rb") as file:
-        if os.fstat(file.fileno()).st_size <= MOST_MIB << 20:
+    """The bytes of a log. FormatError: it is no regular file, or has over MOST_MIB."""
+    with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC), "rb") as file:
+        status = os.fstat(file.fileno())
+        if not stat.S_ISREG(status.st_mode):
+            raise FormatError(f"{path} is no regular file")
+        if status.st_size <= MOST_MIB << 20:
             return file.read()
     raise FormatError(f"{path} has over {MOST_MIB} MiB, more than is read into memory here; cut it, or use hils replay")

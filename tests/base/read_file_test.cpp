@@ -8,8 +8,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/error.hpp"
 #include "base/os/descriptor.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::base {
@@ -47,12 +47,7 @@ TEST(ReadFile, GivesNothingOfAProcessThatHasEnded) {
 }
 
 std::string refusal(const std::filesystem::path& file, std::size_t most_bytes = 100) {
-  try {
-    read_foreign_file(file, "mesh", most_bytes);
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "none";
+  return test::refusal([&] { read_foreign_file(file, "mesh", most_bytes); });
 }
 
 TEST(ReadForeignFile, GivesAllBytesUpToItsBound) {

@@ -20,7 +20,7 @@ systemd-analyze security --offline=true --threshold=14 --no-pager "$folder/casd.
 
 # Settings that the service depends on.
 for line in Type=notify Restart=on-failure RestartPreventExitStatus=78 WatchdogSec= DynamicUser=yes \
-    Environment=CAS_RUNTIME_DIR=%t/cas Group=cas RuntimeDirectory=cas; do
+    Environment=CAS_RUNTIME_DIR=%t/cas Group=cas RuntimeDirectory=cas MemoryMax=; do
   grep -q "^$line" "$config/systemd/casd.service" || { echo "$line is missing"; exit 1; }
 done
 # Serial lines that the pages name, and networks that stations are in.

@@ -10,12 +10,12 @@
 #include <sstream>
 #include <utility>
 
-#include "base/error.hpp"
 #include "base/rpc/client.hpp"
 #include "tests/casd/key_changes.hpp"
 #include "tests/loopback/casd_fixture.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/refusal.hpp"
 
 // Effect of a reload on each key of a topology: the new value is in force when the call answers, or
 // the answer names the key and nothing has changed. The keys are those that casd reads.
@@ -326,12 +326,8 @@ TEST(ReloadKeys, RefuseAnotherSigningKeyInTheSameFile) {
   casd::LinkSet links(fixture.parse(yaml));
   links.reload(fixture.parse(yaml));
   write_key(fixture.folder, "a.key", "a pass phrase of another\n");
-  try {
-    links.reload(fixture.parse(yaml));
-    ADD_FAILURE() << "taken";
-  } catch (const base::ConfigError& error) {
-    EXPECT_NE(std::string(error.what()).find("a.key"), std::string::npos) << error.what();
-  }
+  const std::string said = refusal([&] { links.reload(fixture.parse(yaml)); });
+  EXPECT_NE(said.find("a.key"), std::string::npos) << said;
 }
 
 // Keys of a route: how many of two HIL_CONTROLS get through from the controller to the simulator.

@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "mavlink_gen/runtime/signing.hpp"
 #include "tests/loopback/casd_fixture.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::test {
 namespace {
@@ -273,12 +274,8 @@ TEST_F(CasdSigning, NeverLetsAKeyPass) {
 
 TEST_F(CasdSigning, RefusesAKeyFileThatOthersMayRead) {
   write_key(0640);
-  try {
-    fixture.start(topology());
-    FAIL() << "started";
-  } catch (const base::ConfigError& error) {
-    EXPECT_NE(std::string(error.what()).find("0600"), std::string::npos) << error.what();
-  }
+  const std::string said = refusal([&] { fixture.start(topology()); });
+  EXPECT_NE(said.find("0600"), std::string::npos) << said;
 }
 
 }  // namespace

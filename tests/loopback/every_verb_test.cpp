@@ -35,6 +35,7 @@ const std::vector<Verb>& verbs() {
       {"param set", {"param", "set", "MC_ROLL_P", "6.4"}, 0, " -> 6.4"},
       {"param save", {"param", "save", "@params.txt"}, 0, "parameters saved to"},
       {"param load", {"param", "load", "@params.txt"}, 0, "are in force"},
+      {"param load (a device)", {"param", "load", "/dev/zero"}, 1, "is no regular file"},
       {"gains", {"gains", "roll"}, 0, "6.4"},
       {"setgain", {"setgain", "roll", "6.5"}, 0, "roll: P 6.4 -> 6.5"},
       {"message-interval", {"message-interval", "ATTITUDE", "20"}, 0, "ATTITUDE at 20.0 Hz"},

@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "base/error.hpp"
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 #include "plugins/mavlink_interface/hil_interface.hpp"
 #include "tests/plugins/recording_port.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::sim {
 namespace {
@@ -83,13 +83,8 @@ TEST(PluginMessages, Lets250OfAMessagePassInASecond) {
 }
 
 TEST(PluginMessages, RefusesDeclarationsOfWhatIsNoneOrTheLoops) {
-  const auto refusal = [](const std::string& word) -> std::string {
-    try {
-      PluginMessages messages(sender({word}));
-    } catch (const base::ConfigError& error) {
-      return error.what();
-    }
-    return "";
+  const auto refusal = [](const std::string& word) {
+    return test::refusal([&] { PluginMessages messages(sender({word})); });
   };
   EXPECT_EQ(refusal("NO_SUCH"),
             "plugin battery declares NO_SUCH, which is no message of the public MAVLink dialects");

@@ -15,6 +15,7 @@
 #include "plugins/recorder/flight_csv.hpp"
 #include "tests/plugins/plugin_harness.hpp"
 #include "tests/plugins/ulog_reader.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::sim {
 namespace {
@@ -51,12 +52,8 @@ TEST(CsvWriter, WritesNumbersThatReadBackExactly) {
 }
 
 TEST(CsvWriter, SaysWhichFileCannotBeWritten) {
-  try {
-    CsvWriter csv({"/proc", "no/such.csv"}, "a");
-    FAIL() << "opened";
-  } catch (const base::ConfigError& error) {
-    EXPECT_NE(std::string(error.what()).find("/proc/no/such.csv"), std::string::npos);
-  }
+  const std::string said = test::refusal([] { CsvWriter csv({"/proc", "no/such.csv"}, "a"); });
+  EXPECT_NE(said.find("/proc/no/such.csv"), std::string::npos) << said;
 }
 
 TEST(TruthRow, HasNorthEastUpAndAnglesOfForwardRightDown) {
@@ -97,14 +94,9 @@ TEST(RecorderPlugin, WritesBelowItsFolderAlone) {
         "{file: truth.csv, rate_hz: 100, sensor_dir: a/../..}",
         "{file: truth.csv, rate_hz: 100, ulog: ../flight.ulg}"}) {
     test::PluginHarness harness(std::chrono::milliseconds(1), folder.path());
-    try {
-      harness.add("recorder", keys);
-      FAIL() << keys;
-    } catch (const base::ConfigError& error) {
-      EXPECT_NE(std::string(error.what()).find("below the folder of results alone"),
-                std::string::npos)
-          << error.what();
-    }
+    const std::string said = test::refusal([&] { harness.add("recorder", keys); });
+    EXPECT_NE(said.find("below the folder of results alone"), std::string::npos)
+        << keys << ": " << said;
   }
 }
 

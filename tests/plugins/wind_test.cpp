@@ -11,6 +11,7 @@
 #include "plugins/wind/wind_model.hpp"
 #include "tests/plugins/plugin_harness.hpp"
 #include "tests/plugins/statistics.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::sim {
@@ -196,13 +197,8 @@ TEST(WindGrid, IsLinearBetweenItsPlacesAndConstantOutside) {
 
 TEST(WindGrid, RefusesWhatIsNoGridWithItsLine) {
   const cas::test::TemporaryFolder folder;
-  const auto refusal = [&](const std::string& text) -> std::string {
-    try {
-      WindGrid::load(folder.write("g.csv", text));
-    } catch (const base::ConfigError& error) {
-      return error.what();
-    }
-    return "";
+  const auto refusal = [&](const std::string& text) {
+    return test::refusal([&] { WindGrid::load(folder.write("g.csv", text)); });
   };
   const std::string grid = kGrid;
   const auto npos = std::string::npos;

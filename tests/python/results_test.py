@@ -135,6 +135,13 @@ class TlogTest(FolderTest):
             with self.assertRaisesRegex(cas.FormatError, "over 512 MiB"):
                 cas.read(name)
 
+    def test_what_is_no_regular_file_is_refused_at_once(self):
+        os.mkfifo(self.folder / "f.tlog")
+        os.symlink("/dev/zero", self.folder / "g.tlog")
+        for name in ("f.tlog", "g.tlog"):
+            with self.assertRaisesRegex(cas.FormatError, "no regular file"):
+                tlog.Tlog(self.folder / name)
+
     def test_something_else_is_refused(self):
         (self.folder / "f.tlog").write_bytes(b"this is no log at all")
         with self.assertRaisesRegex(cas.FormatError, "no .tlog file"):

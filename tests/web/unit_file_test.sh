@@ -15,3 +15,4 @@ complaints=$(systemd-analyze verify --man=no "$folder/casweb.service" 2>&1) || c
 [ "$code" -eq 0 ] && [ -z "$complaints" ] || { echo "$complaints"; exit 1; }
 # In tenths.
 systemd-analyze security --offline=true --threshold=12 --no-pager "$folder/casweb.service" | tail -1
+grep -q '^MemoryMax=' "$unit" || { echo "MemoryMax= is missing"; exit 1; }

@@ -2,7 +2,11 @@
 #include "casd/casctl/doctor/link_findings.hpp"
 
 #include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
 
+#include "base/text.hpp"
 #include "casd/casctl/session/link_counter.hpp"
 #include "casd/casctl/session/table.hpp"
 
@@ -136,6 +140,20 @@ void check_held_back(const json& link, Findings& all) {
        "the vehicle does not say that it is in HIL; `to_not_hil: all` of the link lets them pass");
 }
 
+/// Says what each link may do to a vehicle that is not in HIL.
+void tell_interlock(const DoctorFacts& facts, Findings& all) {
+  std::map<std::string, std::vector<std::string>> links;  // by the rule
+  for (const json& link : facts.after.value("links", json::array())) {
+    links[link.value("to_not_hil", "")].push_back(link.value("name", "?"));
+  }
+  if (links.contains("all")) {
+    good(all, "to vehicles not in HIL: all from " + base::joined(links["all"], ", "));
+  }
+  if (links.contains("stops_only")) {
+    good(all, "to vehicles not in HIL: stops only from " + base::joined(links["stops_only"], ", "));
+  }
+}
+
 double signature_growth(const DoctorFacts& facts, const json& link, const char* word) {
   return grown(facts, link, [word](const json& of) {
     const json rx = of.value("rx", json::object());
@@ -164,15 +182,14 @@ void check_links(const DoctorFacts& facts, Findings& all) {
     check_own_drops(facts, link, own);
     check_refusals(facts, link, own);
     if (own.empty()) {
-      const bool stops_only = link.value("to_not_hil", "") == "stops_only";
       const bool silent = growth(facts, link, casd::counter_words("rx", "packets")) <= 0;
       good(own, name + " is up, nothing lost or damaged in " + fixed(facts.seconds, 1) + " s" +
                     (silent ? ", nothing received" : "") + earlier_drops_text(link) +
-                    filtered_text(facts, link) + casd_only_text(facts, link) +
-                    (stops_only ? "; it may only stop vehicles that are not in HIL" : ""));
+                    filtered_text(facts, link) + casd_only_text(facts, link));
     }
     all.insert(all.end(), own.begin(), own.end());
   }
+  tell_interlock(facts, all);
 }
 
 void check_signing(const DoctorFacts& facts, Findings& all) {

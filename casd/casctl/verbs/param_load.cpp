@@ -193,9 +193,9 @@ void report_fate(const Session& session, const Fate& fate, const std::string& fi
 }  // namespace
 
 int load_params(Session& session, const std::string& file, bool strict, bool not_hil) {
-  const std::optional<std::string> text = base::read_file(file);
-  if (!text) throw std::runtime_error("cannot read " + file);
-  std::vector<ParamWish> wishes = parse_param_file(*text, file);
+  constexpr std::size_t kMostBytes = std::size_t{16} << 20U;
+  const std::string text = base::read_foreign_file(file, "parameter file", kMostBytes);
+  std::vector<ParamWish> wishes = parse_param_file(text, file);
   const std::size_t asked = wishes.size();
   Loading loading(session, std::move(wishes), strict, not_hil);
   try {

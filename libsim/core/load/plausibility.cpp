@@ -2,6 +2,7 @@
 #include "libsim/core/load/plausibility.hpp"
 
 #include <Eigen/Geometry>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -23,6 +24,7 @@ constexpr double kTooNear = 0.03;  // of the largest extent
 constexpr double kShapesBesideRotors = 50;
 constexpr double kLeastThrust = 1.05;  // over the weight
 constexpr double kMostThrust = 20;
+constexpr double kLeastShare = 0.05;  // of the hover thrust, of the rotor that gives most of it
 constexpr double kSound_m_s = 340.3;  // at sea level, standard atmosphere
 constexpr double kMostMach = 0.95;
 constexpr double kLongestLag_s = 0.6;
@@ -86,6 +88,7 @@ class Check {
     check_size();
     if (warnings_.empty()) check_inertia();
     check_thrust();
+    check_balance();
     check_tips();
     check_lag();
     return std::move(warnings_);
@@ -147,6 +150,23 @@ class Check {
           (ratio / per_rpm > kLeastThrust
                ? ": omega_max_rad_s may be in rev/min, or thrust_coefficient of a force in g"
                : ""));
+    }
+  }
+
+  /// Level hover with no moment left: each rotor has its share of the weight.
+  void check_balance() {
+    if (std::ranges::any_of(vehicle_.rotors,
+                            [](const auto& each) { return each.tilt.has_value(); }))
+      return;
+    Eigen::Matrix<double, 4, Eigen::Dynamic> rows = vehicle_.effectiveness().bottomRows<4>();
+    for (auto row : rows.rowwise()) {
+      if (const double most = row.cwiseAbs().maxCoeff(); most > 0) row /= most;
+    }
+    const Eigen::Vector4d weight = Eigen::Vector4d::UnitX();
+    const Eigen::VectorXd shares = rows.completeOrthogonalDecomposition().solve(weight);
+    const bool balances = (rows * shares).isApprox(weight, kLeastShare);
+    if (!balances || shares.minCoeff() < kLeastShare * shares.maxCoeff()) {
+      say("its rotors cannot share its weight and leave no moment: a spin or a place may be wrong");
     }
   }
 

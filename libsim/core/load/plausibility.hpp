@@ -13,7 +13,8 @@
 namespace cas::sim {
 
 /// Figures of a vehicle that hardly go together, a sentence each with the unit that they may be in:
-/// its size and its mass, its inertia, thrust to weight, speed of the rotors' tips, and their lag.
+/// its size and its mass, its inertia, thrust to weight, balance in hover, speed of the rotors'
+/// tips, and their lag.
 /// The bounds are wide: each lies well outside anything that flies by rotors, from 20 g to 200 kg.
 CAS_SIM_EXPORT std::vector<std::string> implausible(const base::Vehicle& vehicle,
                                                     const VehicleModel& model);

@@ -3,25 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
-#include <functional>
 #include <sstream>
 
 #include "base/config/config.hpp"
 #include "base/config/config_origin.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::base {
 namespace {
-
-/// The message of the ConfigError that `read` throws.
-std::string message_of(const std::function<void()>& read) {
-  try {
-    read();
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "nothing was thrown";
-}
 
 using Read = void (*)(const ConfigNode& node);
 
@@ -36,7 +26,7 @@ class ConfigErrors : public testing::TestWithParam<ErrorCase> {};
 
 TEST_P(ConfigErrors, NameThePlace) {
   const ErrorCase& c = GetParam();
-  EXPECT_EQ(message_of([&c] { c.read(ConfigNode::parse(c.text, "t.yaml")); }), c.message);
+  EXPECT_EQ(test::refusal([&c] { c.read(ConfigNode::parse(c.text, "t.yaml")); }), c.message);
 }
 
 const Read kJustParse = [](const ConfigNode&) {};
@@ -159,12 +149,12 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(ConfigLimits, NestingEndsAt64Levels) {
   const std::string deep = std::string(80, '[') + std::string(80, ']');
-  EXPECT_NE(message_of([&] { ConfigNode::parse(deep, "t.yaml"); }).find("64 levels"),
+  EXPECT_NE(test::refusal([&] { ConfigNode::parse(deep, "t.yaml"); }).find("64 levels"),
             std::string::npos);
 }
 
 TEST(ConfigLimits, AnAnchorThatHoldsItselfIsRefused) {
-  EXPECT_NE(message_of([] { ConfigNode::parse("a: &x [*x]", "t.yaml"); }).find("t.yaml:1:"),
+  EXPECT_NE(test::refusal([] { ConfigNode::parse("a: &x [*x]", "t.yaml"); }).find("t.yaml:1:"),
             std::string::npos);
 }
 
@@ -176,7 +166,7 @@ TEST(ConfigLimits, AnchorsThatMultiplyAreRefused) {
     for (int j = 0; j < 10; ++j) text << (j == 0 ? "*a" : ", *a") << i - 1;
     text << "]\n";
   }
-  EXPECT_NE(message_of([&] { ConfigNode::parse(text.str()); }).find("50000"), std::string::npos);
+  EXPECT_NE(test::refusal([&] { ConfigNode::parse(text.str()); }).find("50000"), std::string::npos);
 }
 
 std::string many_keys(int count) {
@@ -186,24 +176,25 @@ std::string many_keys(int count) {
 }
 
 TEST(ConfigLimits, AFileOfManyKeysIsRefusedBeforeItIsKept) {
-  const std::string sentence = message_of([] { ConfigNode::parse(many_keys(100'000), "t.yaml"); });
+  const std::string sentence =
+      test::refusal([] { ConfigNode::parse(many_keys(100'000), "t.yaml"); });
   EXPECT_NE(sentence.find("over 50000 values"), std::string::npos) << sentence;
   EXPECT_EQ(ConfigNode::parse(many_keys(40'000)).entries().size(), 40'000U);
 }
 
 TEST(ConfigLimits, AFileAboveItsSizeIsRefused) {
-  EXPECT_EQ(message_of([] { ConfigNode::parse(std::string(5U << 20U, ' '), "t.yaml"); }),
+  EXPECT_EQ(test::refusal([] { ConfigNode::parse(std::string(5U << 20U, ' '), "t.yaml"); }),
             "t.yaml: is larger than 4 MiB");
 }
 
 TEST(ConfigFiles, AMissingFileIsNamed) {
-  EXPECT_EQ(message_of([] { ConfigNode::load("/nowhere/x.yaml"); }),
+  EXPECT_EQ(test::refusal([] { ConfigNode::load("/nowhere/x.yaml"); }),
             "/nowhere/x.yaml: YAML file cannot be read");
 }
 
 TEST(ConfigFiles, AFolderIsNamed) {
   const test::TemporaryFolder folder;
-  EXPECT_EQ(message_of([&] { ConfigNode::load(folder.path()); }),
+  EXPECT_EQ(test::refusal([&] { ConfigNode::load(folder.path()); }),
             folder.path().string() + ": YAML file is a folder, not a file");
 }
 
@@ -213,11 +204,11 @@ TEST(ConfigOrigin, AnErrorOfACopyNamesThePlaceItWasCopiedFrom) {
       "schema: 1\nmine:\n  - {x: 1, y: 2, z: 3}\n" + origin_notes("mine", own.at("list")),
       "generated.yaml");
   const ConfigNode item = copy.at("mine").items()[0];
-  EXPECT_EQ(message_of([&] { item.at("y").fail("is odd"); }), "own.yaml:3: list[0].y: is odd");
-  EXPECT_EQ(message_of([&] { item.at("z").fail("is odd"); }), "own.yaml:3: list[0].z: is odd")
+  EXPECT_EQ(test::refusal([&] { item.at("y").fail("is odd"); }), "own.yaml:3: list[0].y: is odd");
+  EXPECT_EQ(test::refusal([&] { item.at("z").fail("is odd"); }), "own.yaml:3: list[0].z: is odd")
       << "a key that the copy alone has is named by what stands above it";
-  EXPECT_EQ(message_of([&] { item.at("yy"); }), "own.yaml:3: list[0]: key 'yy' is missing");
-  EXPECT_EQ(message_of([&] { copy.at("schema").fail("is odd"); }),
+  EXPECT_EQ(test::refusal([&] { item.at("yy"); }), "own.yaml:3: list[0]: key 'yy' is missing");
+  EXPECT_EQ(test::refusal([&] { copy.at("schema").fail("is odd"); }),
             "generated.yaml:1: schema: is odd");
 }
 
@@ -225,7 +216,8 @@ TEST(ConfigOrigin, ACommentThatIsNoNoteSaysNothing) {
   for (const char* comment : {"#: a <- nowhere", "#: a <- f.yaml:x: b", "#: a", "#: <- f:1: b",
                               "#:", "#: a <- :1: b", "#: a <- : "}) {
     const auto node = ConfigNode::parse(std::string("a: 1\n") + comment + "\n", "t.yaml");
-    EXPECT_EQ(message_of([&] { node.at("a").fail("is odd"); }), "t.yaml:1: a: is odd") << comment;
+    EXPECT_EQ(test::refusal([&] { node.at("a").fail("is odd"); }), "t.yaml:1: a: is odd")
+        << comment;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::base {
 namespace {
@@ -20,12 +21,8 @@ TEST_P(WrongWholeNumber, IsRefusedWithFileLineAndKeyPath) {
   const auto& [name, value, error] = GetParam();
   const ConfigNode root =
       ConfigNode::parse("link:\n  max_peers: " + std::string(value) + "\n", "t.yaml");
-  try {
-    get_whole_in<int>(root.at("link"), "max_peers", 8, 1, 64);
-    FAIL() << "taken";
-  } catch (const ConfigError& thrown) {
-    EXPECT_EQ(std::string(thrown.what()), "t.yaml:2: link.max_peers: " + std::string(error));
-  }
+  EXPECT_EQ(test::refusal([&] { get_whole_in<int>(root.at("link"), "max_peers", 8, 1, 64); }),
+            "t.yaml:2: link.max_peers: " + std::string(error));
 }
 
 INSTANTIATE_TEST_SUITE_P(

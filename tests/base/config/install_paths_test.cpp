@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "tests/base/config/scoped_environment.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::base {
@@ -36,29 +37,32 @@ TEST(InstallPaths, AnExistingFileIsTakenAsItStands) {
   EXPECT_EQ(find_config(file), file);
 }
 
+TEST(InstallPaths, AShippedFileIsNeverThatOfTheWorkingFolder) {
+  const test::TemporaryFolder folder;
+  folder.write("frames.yaml", "of: somebody\n");
+  const fs::path before = fs::current_path();
+  fs::current_path(folder.path());
+  EXPECT_NE(shipped_config("frames.yaml").parent_path(), folder.path());
+  EXPECT_EQ(find_config("frames.yaml"), "frames.yaml");
+  EXPECT_THROW(shipped_config("none.yaml"), ConfigError);
+  fs::current_path(before);
+}
+
 TEST(InstallPaths, AMissingFileSaysWhereItWasSearched) {
   const test::TemporaryFolder folder;
   const ScopedEnvironment variable("CAS_CONFIG_PATH", folder.path().c_str());
-  try {
-    find_config("vehicles/none.yaml");
-    FAIL();
-  } catch (const ConfigError& error) {
-    EXPECT_NE(std::string(error.what()).find(folder.path().filename()), std::string::npos);
-  }
+  const std::string said = test::refusal([] { find_config("vehicles/none.yaml"); });
+  EXPECT_NE(said.find(folder.path().filename()), std::string::npos) << said;
   EXPECT_THROW(find_config("/nowhere/x.yaml"), ConfigError);
 }
 
 TEST(InstallPaths, AMissingFileIsToldTheNearestShippedOne) {
   const ScopedEnvironment no_path("CAS_CONFIG_PATH", nullptr);
-  for (const char* name : {"hoover.yaml", "hover.yaml", "scenario/hover.yaml"}) {
-    try {
-      find_config(name);
-      FAIL() << name;
-    } catch (const ConfigError& error) {
-      const std::string text = error.what();
-      EXPECT_NE(text.find("no such file here or in "), std::string::npos) << text;
-      EXPECT_NE(text.find("did you mean scenarios/hover.yaml?"), std::string::npos) << text;
-    }
+  for (const char* name : {"hoover.yaml", "hover.yaml", "scenario/hover.yaml", "hover"}) {
+    const std::string text = test::refusal([&] { find_config(name); });
+    EXPECT_NE(text.find("no such file here or in "), std::string::npos) << name << ": " << text;
+    EXPECT_NE(text.find("did you mean scenarios/hover.yaml?"), std::string::npos)
+        << name << ": " << text;
   }
 }
 
@@ -83,31 +87,20 @@ TEST(InstallPaths, AKeyThatNamesNoFileSaysWhereItWasSearched) {
   const test::TemporaryFolder folder;
   const ScopedEnvironment variable("CAS_CONFIG_PATH", folder.path().c_str());
   const fs::path file = folder.write("a/mine.yaml", "schema: 1\nvehicle: vehicles/none.yaml\n");
-  try {
-    find_config(vehicle_key(file));
-    FAIL();
-  } catch (const ConfigError& error) {
-    const std::string text = error.what();
-    EXPECT_EQ(text.rfind(file.string() + ":2: vehicle: there is no file 'vehicles/none.yaml'", 0),
-              0U)
-        << text;
-    EXPECT_NE(text.find((folder.path() / "a/vehicles").string()), std::string::npos) << text;
-    EXPECT_NE(text.find("below " + fs::canonical(folder.path()).string()), std::string::npos)
-        << text;
-  }
+  const std::string text = test::refusal([&] { find_config(vehicle_key(file)); });
+  EXPECT_EQ(text.rfind(file.string() + ":2: vehicle: there is no file 'vehicles/none.yaml'", 0), 0U)
+      << text;
+  EXPECT_NE(text.find((folder.path() / "a/vehicles").string()), std::string::npos) << text;
+  EXPECT_NE(text.find("below " + fs::canonical(folder.path()).string()), std::string::npos) << text;
 }
 
 TEST(InstallPaths, AKeyThatNamesNoFileIsToldTheNearestOne) {
   const ScopedEnvironment no_path("CAS_CONFIG_PATH", nullptr);
   const test::TemporaryFolder folder;
   folder.write("a/tower.sdf", "");
-  const auto meant = [&folder](const std::string& text) -> std::string {
-    try {
-      find_config(ConfigNode::load(folder.write("a/mine.yaml", text)).at("file"));
-    } catch (const ConfigError& error) {
-      return error.what();
-    }
-    return "";
+  const auto meant = [&folder](const std::string& text) {
+    return test::refusal(
+        [&] { find_config(ConfigNode::load(folder.write("a/mine.yaml", text)).at("file")); });
   };
   const std::string shipped = meant("file: ../vehicles/iris_papre.yaml\n");
   EXPECT_NE(shipped.find("; did you mean vehicles/iris_paper.yaml?"), std::string::npos) << shipped;

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/error.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::base {
 namespace {
@@ -20,12 +20,7 @@ std::string urdf(const std::string& body = kBody, const std::string& more = "") 
 }
 
 std::string refusal(const std::string& text) {
-  try {
-    parse_model_body(text, "v.urdf");
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return "";
+  return cas::test::refusal([&] { parse_model_body(text, "v.urdf"); });
 }
 
 std::string changed(std::string text, const std::string& from, const std::string& to) {

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::base {
@@ -26,12 +27,7 @@ class Ledger : public testing::Test {
   }
   std::string error_of(const std::string& written) const {
     std::ofstream(file_) << written;
-    try {
-      PacketLedger::read(file_);
-      return "";
-    } catch (const ConfigError& error) {
-      return error.what();
-    }
+    return test::refusal([&] { PacketLedger::read(file_); });
   }
 
   test::TemporaryFolder folder_;

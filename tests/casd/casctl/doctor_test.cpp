@@ -143,13 +143,21 @@ TEST(Doctor, TellsFilteredPacketsBesideALinkThatLosesNone) {
       << findings(facts);
 }
 
+TEST(Doctor, NamesWhatEachLinkMayDoToVehiclesNotInHil) {
+  DoctorFacts facts = good_setup();
+  facts.after["links"][0]["to_not_hil"] = "all";
+  facts.after["links"][1]["to_not_hil"] = "stops_only";
+  facts.after["links"][1]["state"] = "down";
+  for (const char* const rule : {"all from sim\n", "stops only from fcu\n"}) {
+    EXPECT_NE(findings(facts).find(std::string("to vehicles not in HIL: ") + rule),
+              std::string::npos)
+        << findings(facts);
+  }
+}
+
 TEST(Doctor, WarnsOfPacketsThatWereHeldBackFromVehiclesNotInHil) {
   DoctorFacts facts = good_setup();
-  facts.after["links"][1]["to_not_hil"] = "stops_only";
   EXPECT_EQ(complaints(facts), "");
-  EXPECT_NE(findings(facts).find("it may only stop vehicles that are not in HIL\n"),
-            std::string::npos)
-      << findings(facts);
   facts.after["links"][1]["rx"]["verdicts"] = {{"not_hil", 3}};
   facts.after["links"][1]["state"] = "down";  // the log is over
   EXPECT_NE(complaints(facts).find("3 packets were held back"), std::string::npos)

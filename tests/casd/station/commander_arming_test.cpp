@@ -316,6 +316,22 @@ INSTANTIATE_TEST_SUITE_P(
                              }}),
     [](const auto& test) { return test.param.name; });
 
+TEST_F(ConsentingCommanderTest, SendsNoArmedVehicleThatIsNotInHilToAPlaceWithoutConsent) {
+  vehicle_.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kSafetyArmed;
+  meet();
+  mavlink::common::HomePosition home;
+  home.latitude = 473977420;
+  home.longitude = 85455940;
+  vehicle_.say(home, now_);
+  run_for(50ms);
+  commander_.go_to(1, {.north_m = 1, .yaw_deg = {}}, now_, done());
+  EXPECT_EQ(finish().kind, OutcomeKind::kInterlock);
+  EXPECT_TRUE(vehicle_.int_commands.empty());
+  commander_.go_to(1, {.north_m = 1, .yaw_deg = {}}, now_, done(), true);
+  EXPECT_NE(finish().kind, OutcomeKind::kInterlock);
+  EXPECT_FALSE(vehicle_.int_commands.empty());
+}
+
 TEST_F(VehicleCommanderTest, StopsAnArmedVehicleThatIsNotInHilWithoutConsent) {
   vehicle_.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kSafetyArmed;
   meet();

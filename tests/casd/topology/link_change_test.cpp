@@ -9,6 +9,7 @@
 
 #include "base/config/config.hpp"
 #include "base/error.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::casd::test {
 namespace {
@@ -30,12 +31,7 @@ Topology with(const std::string& request, const std::vector<std::uint8_t>& vehic
 }
 
 std::string fault_of(const std::string& request) {
-  try {
-    with(request);
-  } catch (const base::ConfigError& error) {
-    return error.what();
-  }
-  return "";
+  return cas::test::refusal([&] { with(request); });
 }
 
 TEST(LinkChange, WhatIsLeftOutIsNarrow) {

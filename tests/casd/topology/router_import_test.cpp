@@ -14,6 +14,7 @@
 #include "base/error.hpp"
 #include "casd/topology/topology.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::casd {
@@ -88,6 +89,9 @@ TEST(RouterImport, KeepsEndpointsAndFilters) {
   EXPECT_EQ(topology.command_port.port, 5791) << "casd's usual one is taken";
 
   EXPECT_TRUE(topology.links[0].pass_unknown);
+  for (const LinkConfig& link : topology.links) {
+    EXPECT_EQ(link.to_not_hil, ToNotHil::kAll) << link.name << " may be a person's station";
+  }
 
   // Clients of the TCP server hear each other.
   EXPECT_EQ(topology.routes.size(), 21U);
@@ -210,13 +214,8 @@ TEST(RouterImport, SaysThatItConnectsAgainWhereMavlinkRouterWouldNot) {
 }
 
 TEST(RouterImport, RefusesWhatWouldLoseALinkOrALog) {
-  const auto refusal = [](const std::string& text) -> std::string {
-    try {
-      import_text(text, "f");
-    } catch (const base::ConfigError& error) {
-      return error.what();
-    }
-    return "";
+  const auto refusal = [](const std::string& text) {
+    return cas::test::refusal([&] { import_text(text, "f"); });
   };
   const std::string uart = "[UartEndpoint a]\nDevice=/dev/a\n";
   EXPECT_EQ(refusal(uart + "[UartEndpont b]\nDevice=/dev/b\n"),
@@ -355,13 +354,12 @@ TEST(RouterImport, LaterFilesOverrideKeysAndAddEndpoints) {
   EXPECT_EQ(topology.links[1].remote, "h:1");
   EXPECT_EQ(imported.notes, std::vector<std::string>{"config.d/1.conf:3: Odd: is unknown"});
   EXPECT_NE(imported.yaml.find("# From main.conf 1.conf 2.conf of"), std::string::npos);
-  try {
-    import_mavlink_router({{"main.conf", "[General]\n"}, {"config.d/1.conf", "Baud=1\n"}});
-    FAIL() << "a key of the second file belongs to no section of the first";
-  } catch (const base::ConfigError& error) {
-    EXPECT_EQ(std::string(error.what()),
-              "config.d/1.conf:1: a key stands before the first section");
-  }
+  EXPECT_EQ(
+      cas::test::refusal([] {
+        import_mavlink_router({{"main.conf", "[General]\n"}, {"config.d/1.conf", "Baud=1\n"}});
+      }),
+      "config.d/1.conf:1: a key stands before the first section")
+      << "a key of the second file belongs to no section of the first";
 }
 
 TEST(RouterImport, TheEndpointOfTheSnifferAloneIsALinkThatSniffs) {
@@ -394,12 +392,8 @@ struct Broken {
 class BrokenConf : public testing::TestWithParam<Broken> {};
 
 TEST_P(BrokenConf, IsRefusedAtItsLine) {
-  try {
-    import_text(GetParam().text, "main.conf");
-    FAIL() << "was taken";
-  } catch (const base::ConfigError& error) {
-    EXPECT_EQ(std::string(error.what()), "main.conf:" + GetParam().sentence);
-  }
+  EXPECT_EQ(cas::test::refusal([] { import_text(GetParam().text, "main.conf"); }),
+            "main.conf:" + GetParam().sentence);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "casd/topology/topology.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::casd::test {
@@ -42,17 +43,12 @@ class TopologyFiles : public testing::Test {
   }
   /// The error, without the path of the folder.
   std::string fault(const std::string& base = kBase) {
-    try {
-      load(base);
-    } catch (const base::ConfigError& error) {
-      std::string text = error.what();
-      const std::string path = folder_.path().string() + "/";
-      for (std::size_t at = text.find(path); at != text.npos; at = text.find(path)) {
-        text.erase(at, path.size());
-      }
-      return text;
+    std::string text = cas::test::refusal([&] { load(base); });
+    const std::string path = folder_.path().string() + "/";
+    for (std::size_t at = text.find(path); at != text.npos; at = text.find(path)) {
+      text.erase(at, path.size());
     }
-    return "";
+    return text;
   }
   cas::test::TemporaryFolder folder_;
 };
@@ -128,13 +124,9 @@ TEST_F(TopologyFiles, RestartKeysAreRefusedAtTheFileThatHasThem) {
   const Topology before = load();
   overlay("a.yaml", "threads: single\n");
   const auto files = load_topology_files(folder_ / "t.yaml");
-  try {
-    refuse_restart_keys(before, Topology::parse(files), overlaid(files));
-    FAIL();
-  } catch (const base::ConfigError& error) {
-    EXPECT_EQ(std::string(error.what()),
-              folder_.path().string() + "/t.d/a.yaml:2: threads: takes a restart");
-  }
+  EXPECT_EQ(cas::test::refusal(
+                [&] { refuse_restart_keys(before, Topology::parse(files), overlaid(files)); }),
+            folder_.path().string() + "/t.d/a.yaml:2: threads: takes a restart");
 }
 
 TEST_F(TopologyFiles, OtherFilesOfTheFolderAreLeftAlone) {

@@ -12,6 +12,7 @@
 #include "casd/topology/topology_text.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 #include "tests/casd/packets.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::casd::test {
@@ -152,14 +153,9 @@ struct BadCase {
 class BadTopology : public testing::TestWithParam<BadCase> {};
 
 TEST_P(BadTopology, IsRefusedWithItsPlaceAndASentence) {
-  try {
-    parse(GetParam().yaml);
-    FAIL() << "accepted";
-  } catch (const base::ConfigError& error) {
-    const std::string text = error.what();
-    EXPECT_EQ(text.rfind("t.yaml", 0), 0U) << text;
-    EXPECT_NE(text.find(GetParam().says), std::string::npos) << text;
-  }
+  const std::string text = cas::test::refusal([] { parse(GetParam().yaml); });
+  EXPECT_EQ(text.rfind("t.yaml", 0), 0U) << text;
+  EXPECT_NE(text.find(GetParam().says), std::string::npos) << text;
 }
 
 std::string host_name() {

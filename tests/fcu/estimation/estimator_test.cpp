@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "fcu/estimation_bound/estimation_bound.hpp"
+#include "tests/bench/estimation_bound/estimation_bound.hpp"
 #include "tests/fcu/support/closed_loop.hpp"
 #include "tests/fcu/support/flight_statistics.hpp"
 #include "tests/support/paths.hpp"

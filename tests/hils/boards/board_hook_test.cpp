@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::hils {
 namespace {
@@ -11,12 +12,7 @@ namespace {
 const Board kBoard{.name = "bench1", .serial = "3A0027", .kind = "fmu-v6x", .firmware = "1.15"};
 
 std::string error_of(const std::vector<std::string>& command, const HookVariables& variables) {
-  try {
-    fill_in(command, variables);
-  } catch (const base::ConfigError& error) {
-    return error.what();
-  }
-  return {};
+  return test::refusal([&] { fill_in(command, variables); });
 }
 
 TEST(BoardHook, IsToldWhichBoardItIsAbout) {

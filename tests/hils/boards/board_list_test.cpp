@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
@@ -65,14 +66,9 @@ struct BadList {
 class BadBoardList : public testing::TestWithParam<BadList> {};
 
 TEST_P(BadBoardList, IsRefusedWithTheLineAndTheReason) {
-  try {
-    parse(GetParam().boards);
-    FAIL() << "no error";
-  } catch (const base::ConfigError& error) {
-    const std::string text = error.what();
-    EXPECT_EQ(text.find("/shelf/boards.yaml:"), 0U) << text;
-    EXPECT_NE(text.find(GetParam().sentence), std::string::npos) << text;
-  }
+  const std::string text = test::refusal([] { parse(GetParam().boards); });
+  EXPECT_EQ(text.find("/shelf/boards.yaml:"), 0U) << text;
+  EXPECT_NE(text.find(GetParam().sentence), std::string::npos) << text;
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -93,13 +89,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(BoardList, SaysWhichBoardMayHaveBeenMeant) {
   const BoardList list = parse("  bench1: {serial: 1}\n");
-  try {
-    list.board("bensh1");
-    FAIL() << "no error";
-  } catch (const base::ConfigError& error) {
-    EXPECT_STREQ(error.what(),
-                 "/shelf/boards.yaml: there is no board 'bensh1'; did you mean 'bench1'?");
-  }
+  EXPECT_EQ(test::refusal([&] { list.board("bensh1"); }),
+            "/shelf/boards.yaml: there is no board 'bensh1'; did you mean 'bench1'?");
 }
 
 TEST(BoardList, IsNeverFoundInTheWorkingFolder) {

@@ -2,6 +2,7 @@
 #include "hils/boards/board_lock.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -41,6 +42,34 @@ TEST(LockFolder, IsTheUsersAlone) {
   fs::remove(folder);
   fs::create_directory_symlink(parent.path(), folder);
   EXPECT_THROW(own_lock_folder(parent.path()), base::ConfigError);
+}
+
+TEST(LockFolder, IsRefusedWhereOthersMayDeleteALock) {
+  const test::TemporaryFolder parent;
+  BoardList list;
+  list.lock_folder = parent / "locks";
+  fs::create_directory(list.lock_folder);
+  fs::permissions(list.lock_folder, fs::perms(0770));
+  EXPECT_THROW(lock_folder(list), base::ConfigError);
+  EXPECT_EQ(fs::status(list.lock_folder).permissions(), fs::perms(0770)) << "it is not ours";
+  fs::permissions(list.lock_folder, fs::perms(01770));
+  EXPECT_NO_THROW(lock_folder(list));
+}
+
+TEST(BoardLock, IsForTheGroupAndWaitsForNoForeignFile) {
+  const test::TemporaryFolder folder;
+  const Board board{.name = "a", .serial = "SN1"};
+  const fs::path file = lock_file(folder.path(), board);
+  {
+    const mode_t before = ::umask(077);
+    const BoardLock lock(board, folder.path(), "first", std::nullopt);
+    ::umask(before);
+    EXPECT_EQ(fs::status(file).permissions(), fs::perms(0660));
+  }
+  ::unsetenv("CAS_BOARD_HOLDER");
+  fs::remove(file);
+  ASSERT_EQ(::mkfifo(file.c_str(), 0660), 0);
+  EXPECT_FALSE(look_at_lock(board, folder.path()).held);
 }
 
 TEST(BoardLock, IsThatOfTheFileThatIsThereThoughOneWaitedForAnother) {

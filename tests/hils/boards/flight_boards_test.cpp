@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "hils/boards/board_flags.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::hils {
 namespace {
@@ -13,12 +14,7 @@ const VehicleNames kOne{"iris0"};
 const VehicleNames kTwo{"left", "right"};
 
 std::string error_of(const std::vector<std::string>& words, const VehicleNames& vehicles) {
-  try {
-    parse_fcu_words(words, vehicles);
-  } catch (const base::ConfigError& error) {
-    return error.what();
-  }
-  return {};
+  return test::refusal([&] { parse_fcu_words(words, vehicles); });
 }
 
 TEST(FcuWords, NameTheControllerOfTheOnlyVehicle) {

@@ -192,7 +192,9 @@ INSTANTIATE_TEST_SUITE_P(
                     "two failures are called 'gps_lost'"},
         BadCampaign{"ExpectsInNoPhase",
                     "  - {failure: gps_lost, expect: [lands], expect_in: {cruise: [lands]}}\n",
-                    "cruise"}),
+                    "cruise"},
+        BadCampaign{"MisspeltPhase", "  - {failure: gps_lost, expect_in: {upp: [lands]}}\n",
+                    "the campaign has no phase 'upp'; did you mean 'up'?"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(ShippedCampaign, ReadsAndHasAtLeastThirtyFailuresInThreePhases) {

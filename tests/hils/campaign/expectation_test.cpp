@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::hils {
 namespace {
@@ -124,19 +125,11 @@ TEST(Expectation, RefusesWhatItDoesNotKnow) {
         "[{no_farther_than_m: 1, tilts_less_than_deg: 2}]"}) {
     EXPECT_THROW(expectations(list), base::ConfigError) << list;
   }
-  try {
-    expectations("[stay_up]");
-  } catch (const base::ConfigError& error) {
-    EXPECT_NE(std::string(error.what()).find("did you mean 'stays_up'"), std::string::npos)
-        << error.what();
-  }
-  try {
-    expectations("[{failsafe: LNAD}]");
-  } catch (const base::ConfigError& error) {
-    const std::string what = error.what();
-    EXPECT_NE(what.find("failsafe: there is no mode 'LNAD'; there are "), std::string::npos);
-    EXPECT_NE(what.find("did you mean 'LAND'"), std::string::npos) << what;
-  }
+  const std::string word = test::refusal([] { expectations("[stay_up]"); });
+  EXPECT_NE(word.find("did you mean 'stays_up'"), std::string::npos) << word;
+  const std::string mode = test::refusal([] { expectations("[{failsafe: LNAD}]"); });
+  EXPECT_NE(mode.find("failsafe: there is no mode 'LNAD'; there are "), std::string::npos) << mode;
+  EXPECT_NE(mode.find("did you mean 'LAND'"), std::string::npos) << mode;
 }
 
 TEST(Expectation, TakesTheModesOfBothAutopilots) {

@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::hils {
 namespace {
@@ -32,17 +33,6 @@ std::vector<double> fly(StepEnv& env, const std::vector<double>& action, int ste
   std::vector<double> observation(env.observation_names().size());
   env.observe(observation);
   return observation;
-}
-
-/// The message of the ConfigError that `action` throws; empty when it throws none.
-template <class Action>
-std::string refusal(Action&& action) {
-  try {
-    action();
-  } catch (const base::ConfigError& error) {
-    return error.what();
-  }
-  return {};
 }
 
 TEST(StepEnv, FliesAtTheVelocityThatIsAskedFor) {
@@ -124,7 +114,7 @@ TEST(StepEnv, RefusesASecondEpisodeUntilTheFirstEnds) {
   StepEnv first(high_up(Stand::kMotors, View::kTruth));
   StepEnv second(high_up(Stand::kMotors, View::kTruth));
   first.reset(1);
-  EXPECT_EQ(refusal([&] { second.reset(1); }),
+  EXPECT_EQ(test::refusal([&] { second.reset(1); }),
             "another environment of this process is in an episode: close or free it first");
   EXPECT_THROW(StepEnv(high_up(Stand::kMotors, View::kTruth)), base::ConfigError);
   first.close();
@@ -137,7 +127,7 @@ TEST(StepEnv, HasNoEpisodeAfterAResetThatFailed) {
   StepEnv env(options);
   env.reset(1);
   EXPECT_THROW(env.reset(2), base::ConfigError);
-  EXPECT_EQ(refusal([&] { env.step(std::vector<double>(4)); }),
+  EXPECT_EQ(test::refusal([&] { env.step(std::vector<double>(4)); }),
             "there is no episode: the last reset() failed, or there was none");
   EXPECT_NO_THROW(env.reset(3));
 }

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/figures/flight_figures.hpp"
+#include "tests/bench/figures/flight_figures.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "hils/figures/consistency_figures.hpp"
 #include "hils/measure/judgement.hpp"
+#include "tests/bench/figures/consistency_figures.hpp"
 
 namespace cas::hils {
 namespace {

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/refusal.hpp"
+
 namespace cas::hils {
 namespace {
 
@@ -20,12 +22,7 @@ ScenarioFaults faults_of(const std::string& text, const VehicleNames& names = on
 }
 
 std::string error_of(const std::string& text) {
-  try {
-    faults_of(text);
-  } catch (const base::ConfigError& error) {
-    return error.what();
-  }
-  return "no error";
+  return test::refusal([&] { faults_of(text); });
 }
 
 TEST(ScenarioFaults, BelongToTheBenchOrToTheVehicle) {

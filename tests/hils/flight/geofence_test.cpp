@@ -9,10 +9,10 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "base/error.hpp"
 #include "base/rpc/client.hpp"
 #include "hils/firmware/fence_keeper.hpp"
 #include "hils/measure/fence_verdict.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
@@ -54,13 +54,8 @@ struct BadFence {
 class GeofenceThatIsNone : public testing::TestWithParam<BadFence> {};
 
 TEST_P(GeofenceThatIsNone, IsRefused) {
-  try {
-    fence(GetParam().text);
-    FAIL();
-  } catch (const base::ConfigError& error) {
-    EXPECT_NE(std::string(error.what()).find(GetParam().sentence), std::string::npos)
-        << error.what();
-  }
+  const std::string said = test::refusal([] { fence(GetParam().text); });
+  EXPECT_NE(said.find(GetParam().sentence), std::string::npos) << said;
 }
 
 INSTANTIATE_TEST_SUITE_P(

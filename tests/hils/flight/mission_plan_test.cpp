@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "base/error.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
@@ -23,12 +23,7 @@ MissionPlan parse(const std::string& text) {
 }
 
 std::string error_of(const std::string& text) {
-  try {
-    parse(text);
-  } catch (const base::ConfigError& error) {
-    return error.what();
-  }
-  return "no error";
+  return test::refusal([&] { parse(text); });
 }
 
 constexpr const char* kThere = R"(items:

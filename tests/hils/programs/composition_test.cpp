@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <map>
 
-#include "base/error.hpp"
 #include "casd/topology/topology.hpp"
 #include "fcu/core/fcu_config.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
@@ -166,12 +166,7 @@ class ErrorsOfGeneratedFiles : public testing::Test {
     return base::ConfigNode::parse(simulator_config(request, Transport::kBus, places), "sim.yaml");
   }
   static std::string error(const base::ConfigNode& node) {
-    try {
-      node.reject_unused();
-    } catch (const base::ConfigError& error) {
-      return error.what();
-    }
-    return "";
+    return test::refusal([&] { node.reject_unused(); });
   }
   std::string mine(const std::string& rest) const {
     return (folder_ / "own/mine.yaml").string() + rest;
@@ -187,12 +182,8 @@ TEST_F(ErrorsOfGeneratedFiles, NameThePlaceOfAPluginsKeyInTheScenario) {
   EXPECT_EQ(plugin.require<std::string>("plugin"), "rangefinder");
   plugin.find("rate_hz");
   EXPECT_EQ(error(plugin), mine(":11: plugins[1].rate: unknown key; did you mean 'rate_hz'?"));
-  try {
-    plugin.require<double>("max_m");
-    FAIL();
-  } catch (const base::ConfigError& missing) {
-    EXPECT_EQ(missing.what(), mine(":10: plugins[1]: key 'max_m' is missing"));
-  }
+  EXPECT_EQ(test::refusal([&] { plugin.require<double>("max_m"); }),
+            mine(":10: plugins[1]: key 'max_m' is missing"));
 }
 
 TEST_F(ErrorsOfGeneratedFiles, NameSensorsFaultsControllerAndLineOfTheScenario) {
@@ -202,12 +193,8 @@ TEST_F(ErrorsOfGeneratedFiles, NameSensorsFaultsControllerAndLineOfTheScenario) 
       "controller:\n  params: {MPC_XYZ: 1}\n"
       "line:\n  preset: usb\n");
   const base::ConfigNode vehicle = simulator(own).at("vehicles").items()[0];
-  const auto fail = [](const base::ConfigNode& node) -> std::string {
-    try {
-      node.fail("is odd");
-    } catch (const base::ConfigError& error) {
-      return error.what();
-    }
+  const auto fail = [](const base::ConfigNode& node) {
+    return test::refusal([&] { node.fail("is odd"); });
   };
   EXPECT_EQ(fail(vehicle.at("sensors").at("imu").at("oddity")),
             mine(":9: sensors.imu.oddity: is odd"));
@@ -221,13 +208,11 @@ TEST_F(ErrorsOfGeneratedFiles, NameSensorsFaultsControllerAndLineOfTheScenario) 
 
 TEST_F(ErrorsOfGeneratedFiles, NameTheParameterThatWasMeant) {
   const RunRequest own = request("controller:\n  params: {MPC_XY_VELP_ACC: 1}\n");
-  try {
-    fcu::FcuConfig::parse(base::ConfigNode::parse(fcu_config(own, 0), "fcu.yaml"));
-    FAIL();
-  } catch (const base::ConfigError& error) {
-    EXPECT_EQ(error.what(), mine(":8: controller.params.MPC_XY_VELP_ACC: there is no parameter "
-                                 "MPC_XY_VELP_ACC; did you mean 'MPC_XY_VEL_P_ACC'?"));
-  }
+  EXPECT_EQ(test::refusal([&] {
+              fcu::FcuConfig::parse(base::ConfigNode::parse(fcu_config(own, 0), "fcu.yaml"));
+            }),
+            mine(":8: controller.params.MPC_XY_VELP_ACC: there is no parameter "
+                 "MPC_XY_VELP_ACC; did you mean 'MPC_XY_VEL_P_ACC'?"));
 }
 
 TEST(Composition, OfStockFirmwareIsLeftToItsOwnBench) {
@@ -235,14 +220,9 @@ TEST(Composition, OfStockFirmwareIsLeftToItsOwnBench) {
       .scenario = Scenario::load(cas::test::source_dir() + "/config/scenarios/px4_sitl.yaml")};
   const test::TemporaryFolder folder;
   const RunPlaces places = RunPlaces::of(request.scenario, folder.path(), folder.path());
-  try {
-    write_configs(request, Transport::kBus, places);
-    FAIL() << "our controller in a scenario of PX4";
-  } catch (const base::ConfigError& error) {
-    EXPECT_NE(std::string(error.what()).find("px4_sitl.yaml: stock firmware flies this scenario"),
-              std::string::npos)
-        << error.what();
-  }
+  const std::string said = test::refusal([&] { write_configs(request, Transport::kBus, places); });
+  EXPECT_NE(said.find("px4_sitl.yaml: stock firmware flies this scenario"), std::string::npos)
+      << said;
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "base/error.hpp"
 #include "tests/hils/ulog/ulog_bytes.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::hils {
 namespace {
@@ -224,12 +224,7 @@ TEST(ReplayUlog, ThinsWhatWouldBeTooMuchButNotWhatIsDrawn) {
 }
 
 TEST(ReplayUlog, WithoutAMessageIsRefused) {
-  try {
-    ulog_messages(log().bytes());
-    FAIL() << "was read";
-  } catch (const base::ConfigError& error) {
-    EXPECT_STREQ(error.what(), "no message is in this log");
-  }
+  EXPECT_EQ(test::refusal([] { ulog_messages(log().bytes()); }), "no message is in this log");
 }
 
 }  // namespace

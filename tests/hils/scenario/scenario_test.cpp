@@ -8,8 +8,8 @@
 #include <fstream>
 #include <string>
 
-#include "base/error.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::hils {
 namespace {
@@ -35,12 +35,7 @@ class ScenarioFile : public testing::Test {
     return file_;
   }
   std::string error_of(const std::string& text) const {
-    try {
-      Scenario::load(write(text));
-    } catch (const base::ConfigError& error) {
-      return error.what();
-    }
-    return "no error";
+    return test::refusal([&] { Scenario::load(write(text)); });
   }
   void TearDown() override { std::filesystem::remove(file_); }
 
@@ -246,6 +241,11 @@ INSTANTIATE_TEST_SUITE_P(
                     "; did you mean 'airsim_mpu6000'?"},
         BadScenario{"GainThatTheLoopLacks", "steps: [arm, {setgain: {loop: roll, i: 1}}]\n",
                     "loop roll has no I gain"},
+        BadScenario{"GainInAnotherCase", "steps: [arm, {setgain: {loop: roll, P: 1}}]\n",
+                    ":5: steps[1].setgain.P: "},
+        BadScenario{"ParameterByNameAndValue",
+                    "steps: [arm, {setparam: {name: MPC_XY_P, value: 1}}]\n",
+                    ":5: steps[1].setparam.value: a setparam step has each parameter as a key"},
         BadScenario{"GustWithoutWind",
                     "steps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: 1, measure: "
                     "true}}, land]\nfaults: [{at_s: 1, gust: {amplitude_m_s: [3, 0, 0], length_m: "

@@ -10,6 +10,7 @@
 #include "hils/programs/lockstep_run.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
@@ -37,12 +38,7 @@ class SeveralVehicles : public testing::Test {
     return Scenario::load(folder_.write("several.yaml", text));
   }
   std::string error_of(const std::string& text) const {
-    try {
-      load(text);
-    } catch (const base::ConfigError& error) {
-      return error.what();
-    }
-    return "no error";
+    return test::refusal([&] { load(text); });
   }
   test::TemporaryFolder folder_;
 };

@@ -9,6 +9,7 @@
 
 #include "base/config/config.hpp"
 #include "base/error.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
@@ -47,12 +48,7 @@ class KeyPath : public testing::Test {
     return base::ConfigNode::load(folder_ / "out/scenario.yaml");
   }
   std::string refusal(const std::string& path) {
-    try {
-      written({{path, "1"}});
-    } catch (const base::ConfigError& error) {
-      return error.what();
-    }
-    return "taken";
+    return test::refusal([&] { written({{path, "1"}}); });
   }
 
   test::TemporaryFolder folder_;

@@ -5,8 +5,8 @@
 
 #include <string>
 
-#include "base/error.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::hils {
@@ -33,12 +33,7 @@ class TuneStudyTest : public testing::Test {
     return TuneStudy::load(folder_.write("study.yaml", text));
   }
   std::string error_of(const std::string& text) const {
-    try {
-      load(text);
-    } catch (const base::ConfigError& error) {
-      return error.what();
-    }
-    return {};
+    return test::refusal([&] { load(text); });
   }
   static std::string with(const std::string& from, const std::string& to) {
     std::string text = kStudy;

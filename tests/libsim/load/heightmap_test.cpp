@@ -11,9 +11,9 @@
 #include <functional>
 #include <vector>
 
-#include "base/error.hpp"
 #include "libsim/core/load/world_loader.hpp"
 #include "tests/libsim/support/crate.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::sim {
@@ -96,13 +96,8 @@ TEST(Heightmap, ReadsTheRedOfAColouredImage) {
 TEST(Heightmap, RefusesWhatIsNoImageAndWhatIsTooLarge) {
   const cas::test::TemporaryFolder folder;
   const auto text = folder.write("text.png", "no image");
-  const auto refusal = [](const std::filesystem::path& file) -> std::string {
-    try {
-      load_heightmap(file, {1, 1, 1}, {0, 0, 0});
-      return "";
-    } catch (const base::ConfigError& error) {
-      return error.what();
-    }
+  const auto refusal = [](const std::filesystem::path& file) {
+    return cas::test::refusal([&] { load_heightmap(file, {1, 1, 1}, {0, 0, 0}); });
   };
   EXPECT_THAT(refusal(text), HasSubstr("text.png: is no PNG image"));
   EXPECT_THAT(refusal(folder.path() / "none.png"), HasSubstr("cannot be read"));
@@ -142,13 +137,9 @@ TEST(Heightmap, OfManyModelsIsLoadedOnce) {
 TEST(Heightmap, RefusesAWorldOfMoreTrianglesThanAreSimulated) {
   const cas::test::TemporaryFolder folder;
   write_png(folder.path() / "h.png", 1025, 1025, [](unsigned, unsigned) { return 0.0; });
-  const auto refusal = [&](const std::vector<double>& heights) -> std::string {
-    try {
-      load_sdf_world(folder.write("w.sdf", world_of(heights)), {});
-      return "";
-    } catch (const base::ConfigError& error) {
-      return error.what();
-    }
+  const auto refusal = [&](const std::vector<double>& heights) {
+    return cas::test::refusal(
+        [&] { load_sdf_world(folder.write("w.sdf", world_of(heights)), {}); });
   };
   EXPECT_EQ(refusal({1, 2, 2, 2}), "") << "two that differ";
   EXPECT_THAT(refusal({1, 2, 3}),

@@ -78,6 +78,7 @@ struct UnitCase {
   const char* sentence;
 };
 
+/// A mistake in one figure of quad_x, most of them of its unit.
 class WrongUnit : public testing::TestWithParam<UnitCase> {};
 
 TEST_P(WrongUnit, IsNamedOnceWithTheLikelyOne) {
@@ -110,6 +111,10 @@ INSTANTIATE_TEST_SUITE_P(
             "CoefficientPerRpm",
             [](Flown& f) { each_rotor(f, [](auto& r) { r.params.thrust_coefficient /= 91.2; }); },
             "thrust_coefficient may be in N over (rev/min)^2"},
+        UnitCase{"SpinOfOneRotor", [](Flown& f) { f.vehicle.rotors[1].spin *= -1; },
+                 "a spin or a place may be wrong"},
+        UnitCase{"AllSpinsTheSame", [](Flown& f) { each_rotor(f, [](auto& r) { r.spin = 1; }); },
+                 "a spin or a place may be wrong"},
         UnitCase{"LagInMilliseconds",
                  [](Flown& f) { f.vehicle.rotors[2].params.time_constant_up_s = 20; },
                  "time constant of 20 s: it may be in ms"},

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "base/error.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::sim {
 namespace {
@@ -20,12 +20,7 @@ bool starts(double top_m) {
   VehicleConfig vehicle;
   vehicle.name = "a";
   vehicle.pose.z_m = 0;
-  try {
-    require_free_start(world, model, vehicle);
-    return true;
-  } catch (const base::ConfigError&) {
-    return false;
-  }
+  return test::refusal([&] { require_free_start(world, model, vehicle); }).empty();
 }
 
 /// PX4's worlds have a plate of asphalt whose upper side is 5 cm above the ground.

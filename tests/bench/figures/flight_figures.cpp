@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/figures/flight_figures.hpp"
+#include "tests/bench/figures/flight_figures.hpp"
 
 #include <fmt/format.h>
 
@@ -14,10 +14,10 @@
 #include "base/earth/frames.hpp"
 #include "base/random.hpp"
 #include "fcu/estimation/sensor_figures.hpp"
-#include "fcu/estimation_bound/estimation_bound.hpp"
-#include "hils/figures/flight_batch.hpp"
 #include "hils/measure/judgement.hpp"
-#include "hils/virtual/direct_flight.hpp"
+#include "tests/bench/estimation_bound/estimation_bound.hpp"
+#include "tests/bench/figures/direct_flight.hpp"
+#include "tests/bench/figures/flight_batch.hpp"
 
 namespace cas::hils {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/figures/consistency_figures.hpp"
+#include "tests/bench/figures/consistency_figures.hpp"
 
 #include <fmt/format.h>
 
@@ -15,8 +15,8 @@
 
 #include "base/time/clock.hpp"
 #include "fcu/estimation/estimator.hpp"
-#include "hils/figures/flight_batch.hpp"
-#include "hils/virtual/direct_flight.hpp"
+#include "tests/bench/figures/direct_flight.hpp"
+#include "tests/bench/figures/flight_batch.hpp"
 
 namespace cas::hils {
 

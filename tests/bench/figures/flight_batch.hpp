@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "hils/figures/flight_figures.hpp"
+#include "tests/bench/figures/flight_figures.hpp"
 
 namespace cas::hils {
 

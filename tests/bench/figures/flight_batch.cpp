@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/figures/flight_batch.hpp"
+#include "tests/bench/figures/flight_batch.hpp"
 
 #include <signal.h>
 #include <sys/wait.h>

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "hils/figures/flight_figures.hpp"
+#include "tests/bench/figures/flight_figures.hpp"
 
 namespace cas::hils {
 

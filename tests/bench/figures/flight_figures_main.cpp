@@ -16,9 +16,9 @@
 #include "base/cli/whole_number.hpp"
 #include "base/error.hpp"
 #include "base/os/log.hpp"
-#include "hils/figures/consistency_figures.hpp"
-#include "hils/figures/flight_figures.hpp"
 #include "hils/measure/judgement.hpp"
+#include "tests/bench/figures/consistency_figures.hpp"
+#include "tests/bench/figures/flight_figures.hpp"
 
 namespace {
 

@@ -8,7 +8,7 @@
 #include "base/config/sensor_set.hpp"
 #include "base/error.hpp"
 #include "base/os/program.hpp"
-#include "fcu/estimation_bound/estimation_bound.hpp"
+#include "tests/bench/estimation_bound/estimation_bound.hpp"
 
 namespace {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fcu/estimation_bound/estimation_bound.hpp"
+#include "tests/bench/estimation_bound/estimation_bound.hpp"
 
 #include <Eigen/LU>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/virtual/direct_flight.hpp"
+#include "tests/bench/figures/direct_flight.hpp"
 
 #include <fmt/format.h>
 
