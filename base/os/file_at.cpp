@@ -77,9 +77,7 @@ void sync_folder(int folder) {
 
 }  // namespace
 
-bool is_trusted_link(const struct stat& link) {
-  return link.st_uid == ::geteuid() || link.st_uid == 0;
-}
+bool is_trusted_owner(const struct stat& of) { return of.st_uid == ::geteuid() || of.st_uid == 0; }
 
 Descriptor open_folder(int start, const fs::path& folder, Symlinks symlinks, Absent absent,
                        const fs::path& file) {
@@ -99,7 +97,7 @@ Descriptor open_folder(int start, const fs::path& folder, Symlinks symlinks, Abs
     if (!next || ::fstat(next.get(), &status) != 0) fail(file, errno);
     if (S_ISLNK(status.st_mode)) {
       if (symlinks == Symlinks::kNone) fail(file, "'" + name + "' is a symlink");
-      if (!is_trusted_link(status)) {
+      if (!is_trusted_owner(status)) {
         fail(file, "'" + name + "' is a symlink that another user laid");
       }
       if (++followed > kMostLinks) fail(file, ELOOP);
@@ -109,6 +107,9 @@ Descriptor open_folder(int start, const fs::path& folder, Symlinks symlinks, Abs
       continue;
     }
     if (!S_ISDIR(status.st_mode)) fail(file, ENOTDIR);
+    if (symlinks == Symlinks::kNone && !is_trusted_owner(status)) {
+      fail(file, "'" + name + "' is a folder of another user, who may lay symlinks there");
+    }
     at = std::move(next);
   }
   return at;

@@ -15,7 +15,7 @@ namespace cas::base {
 /// Which symlinks on the way to a folder are followed.
 enum class Symlinks {
   kTrusted,  ///< those that root or this user laid: in a shared folder any user may lay one
-  kNone,
+  kNone,     ///< and no folder of another user is entered
 };
 
 /// Treatment of a folder that does not exist.
@@ -29,8 +29,8 @@ enum class Absent { kRefused, kMade };
 Descriptor open_folder(int start, const std::filesystem::path& folder, Symlinks symlinks,
                        Absent absent, const std::filesystem::path& file);
 
-/// Whether root or this user laid the symlink.
-bool is_trusted_link(const struct stat& link);
+/// Whether root or this user laid it.
+bool is_trusted_owner(const struct stat& of);
 
 /// Writes a file beside `name` in an open folder ("NAME.PID.new", never over anything) and renames
 /// it. @param old  its mode is kept; may be null @return errno, 0 when it is done

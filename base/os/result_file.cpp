@@ -104,6 +104,19 @@ void make_result_folder(const ResultPlace& folder) {
   open_below(folder, below_out(folder), Absent::kMade);
 }
 
+void remove_result_folder(const ResultPlace& folder) {
+  const fs::path below = below_out(folder);
+  std::error_code error;
+  if (!fs::exists(fs::symlink_status(folder.path().parent_path(), error))) return;
+  const Descriptor parent = open_below(folder, below.parent_path(), Absent::kRefused);
+  const fs::path opened = "/proc/self/fd/" + std::to_string(parent.get());
+  fs::remove_all(opened / below.filename(), error);
+  if (error) {
+    throw ConfigError(folder.path().string() +
+                      " of an earlier run cannot be removed: " + error.message());
+  }
+}
+
 void remove_result(const ResultPlace& place) {
   const fs::path below = below_out(place);
   std::error_code none;

@@ -42,6 +42,10 @@ CAS_BASE_EXPORT Descriptor append_result(const ResultPlace& place);
 /// Makes a folder below `out`, which must exist. @throws ConfigError
 CAS_BASE_EXPORT void make_result_folder(const ResultPlace& folder);
 
+/// Removes a folder below `out` with all that it holds, if it is there; of a symlink the symlink.
+/// @throws ConfigError
+CAS_BASE_EXPORT void remove_result_folder(const ResultPlace& folder);
+
 /// Removes a file, if it is there. @throws ConfigError
 CAS_BASE_EXPORT void remove_result(const ResultPlace& place);
 

@@ -51,7 +51,7 @@ void write_file(const fs::path& file, std::string_view text, Durability durabili
                        S_ISLNK(link.st_mode);
   const bool exists = ::fstatat(folder.get(), name.c_str(), &old, 0) == 0;
   int error = 0;
-  if (is_link && !(exists && is_trusted_link(link))) {
+  if (is_link && !(exists && is_trusted_owner(link))) {
     throw ConfigError(file.string() + ": cannot be written: it is a symlink " +
                       (exists ? "that another user laid" : "to nothing"));
   }

@@ -95,7 +95,8 @@ class LookPace {
   Span moment_{std::chrono::milliseconds(1)};
   Span while_{std::chrono::milliseconds(50)};
   base::RunTime last_look_{};
-  base::RunTime last_flood_{};  ///< end of the last span with many packets
+  base::RunTime
+      last_flood_{};  ///< end of the last span with many packets; at first, of the first look
   bool busy_ = false;
   bool flood_lasts_ = false;
 };

@@ -64,16 +64,18 @@ base::Descriptor open_for_lock(const fs::path& file) {
     if (fd) ::fchmod(fd.get(), kOfTheGroup);  // whatever the umask is
   }
   if (!fd) fail_lock(file);
+  struct stat status {};
+  const bool is_lock =
+      ::fstat(fd.get(), &status) == 0 && S_ISREG(status.st_mode) && status.st_nlink == 1;
+  if (!is_lock) throw base::ConfigError(file.string() + ": is no lock");
   return fd;
 }
 
-std::optional<LockHolder> read_holder(const fs::path& file) {
-  constexpr std::size_t kMostBytes = 65536;
-  try {
-    return LockHolder::parse(base::read_foreign_file(file, "lock", kMostBytes));
-  } catch (const base::ConfigError&) {
-    return std::nullopt;
-  }
+std::optional<LockHolder> read_holder(int lock) {
+  std::string text(65536, '\0');
+  const ssize_t size = ::pread(lock, text.data(), text.size(), 0);
+  text.resize(static_cast<std::size_t>(std::max<ssize_t>(size, 0)));
+  return LockHolder::parse(text);
 }
 
 /// A file that another user may have laid; a FIFO does not block.
@@ -134,16 +136,30 @@ std::string utc_now() {
   return text;
 }
 
+/// The queue's folder itself: tickets are cleared away there, and behind a symlink are files of
+/// somebody else.
+base::Descriptor open_queue(const fs::path& queue) {
+  return base::Descriptor(::open(queue.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
+}
+
+/// A path that leads to the open folder, whatever has its name now.
+fs::path path_of(const base::Descriptor& folder) {
+  return fmt::format("/proc/self/fd/{}", folder.get());
+}
+
 /// Tickets of waiters that are still there; those of others are cleared away.
 std::vector<std::string> living_tickets(const fs::path& queue) {
   std::vector<std::string> alive;
+  const base::Descriptor folder = open_queue(queue);
+  if (!folder) return alive;
   std::error_code error;
-  for (fs::directory_iterator at(queue, error); !error && at != fs::directory_iterator();
+  for (fs::directory_iterator at(path_of(folder), error); !error && at != fs::directory_iterator();
        at.increment(error)) {
     const std::string name = at->path().filename().string();
     if (name.starts_with(".")) continue;  // its lock is not taken yet
     const base::Descriptor ticket = open_to_look(at->path());
-    if (!ticket) continue;
+    struct stat status {};
+    if (!ticket || ::fstat(ticket.get(), &status) != 0 || !S_ISREG(status.st_mode)) continue;
     if (base::is_file_locked(ticket.get())) {
       alive.push_back(name);
     } else {
@@ -168,9 +184,11 @@ class Ticket {
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     name_ = ticket_name(std::chrono::nanoseconds(now).count(), ::getpid());
     make_queue(queue);
-    file_ = queue / name_;
+    queue_ = open_queue(queue);
+    if (!queue_) fail_lock(queue);
+    file_ = path_of(queue_) / name_;
     // Others see it once its lock is taken: before, they would clear it away.
-    const fs::path hidden = queue / ("." + name_);
+    const fs::path hidden = path_of(queue_) / ("." + name_);
     lock_ = open_for_lock(hidden);
     if (!base::take_file_lock(lock_.get()) || ::rename(hidden.c_str(), file_.c_str()) != 0) {
       fail_lock(hidden);
@@ -184,6 +202,7 @@ class Ticket {
 
  private:
   std::string name_;
+  base::Descriptor queue_;
   fs::path file_;
   base::Descriptor lock_;
 };
@@ -295,9 +314,12 @@ fs::path lock_folder(const BoardList& list) {
   if (list.lock_folder.empty()) return own_lock_folder("/var/tmp");
   const fs::path& folder = list.lock_folder;
   std::error_code error;
-  const bool made = fs::create_directories(folder, error);
-  if (error) throw base::ConfigError(folder.string() + ": cannot be made: " + error.message());
-  if (made) fs::permissions(folder, fs::perms::sticky_bit, fs::perm_options::add);
+  fs::create_directories(fs::absolute(folder).parent_path(), error);
+  constexpr mode_t kStickyFolder = S_ISVTX | 0777;  // masked by the process's umask
+  if (error || (::mkdir(folder.c_str(), kStickyFolder) != 0 && errno != EEXIST)) {
+    const std::string why = error ? error.message() : base::error_text(errno);
+    throw base::ConfigError(folder.string() + ": cannot be made: " + why);
+  }
   constexpr mode_t kOthersWrite = S_IWGRP | S_IWOTH;
   struct stat status {};
   const bool known = ::stat(folder.c_str(), &status) == 0;
@@ -314,7 +336,7 @@ LockState look_at_lock(const Board& board, const fs::path& folder) {
   const base::Descriptor lock = open_to_look(file);
   state.waiting = living_tickets(queue_of(folder, board)).size();
   state.held = lock && base::is_file_locked(lock.get());
-  if (state.held) state.holder = read_holder(file);
+  if (state.held) state.holder = read_holder(lock.get());
   state.has_guests = is_shared(guests_file(folder, board));
   state.held = state.held || state.has_guests;
   const bool gone = state.holder && ::kill(state.holder->pid, 0) != 0 && errno == ESRCH;

@@ -19,7 +19,8 @@ namespace cas::hils {
 std::filesystem::path own_lock_folder(const std::filesystem::path& parent);
 
 /// Where the locks are: the list's `lock_folder`, else the user's own in /var/tmp, which no
-/// environment moves and no logout clears; made where it is missing. @throws base::ConfigError
+/// environment moves and no logout clears; made where it is missing. @throws base::ConfigError also
+/// where others may delete a lock
 std::filesystem::path lock_folder(const BoardList& list);
 
 /// "CAS_BOARD_HOLDER=TOKENS": for programs that may use the boards that this one holds or uses as a

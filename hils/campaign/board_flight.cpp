@@ -102,8 +102,7 @@ RowResult fly_on_firmware(const RowTask& task, const fs::path&) {
   clear_earlier_run(request.out);
   const RunResult run = evaluate(request, run_firmware(request));
   write_artefacts(request, run);
-  std::error_code ignored;
-  fs::remove_all(request.out / "run" / "firmware", ignored);
+  base::remove_result_folder({request.out, "run/firmware"});
   RowResult result = row_of(request.scenario, run);
   result.truth_sha256 = truth_sha256(run);
   return result;

@@ -83,9 +83,10 @@ std::map<std::string, double, std::less<>> parse_values(const base::ConfigNode& 
 }
 
 void check_phase(const base::ConfigNode& node, const std::string& name,
-                 const std::set<std::string>& known) {
-  if (known.contains(name)) return;
-  const std::vector<std::string_view> words(known.begin(), known.end());
+                 const std::vector<CampaignPhase>& phases) {
+  if (std::ranges::find(phases, name, &CampaignPhase::name) != phases.end()) return;
+  std::vector<std::string_view> words;
+  for (const CampaignPhase& phase : phases) words.push_back(phase.name);
   node.fail("the campaign has no phase '" + name + "'" + base::did_you_mean(name, words));
 }
 
@@ -99,7 +100,7 @@ std::set<std::string> parse_own_phases(const base::ConfigNode& node,
   std::set<std::string> own;
   for (const base::ConfigNode& item : list->items()) {
     const auto name = item.as<std::string>();
-    check_phase(item, name, known);
+    check_phase(item, name, phases);
     own.insert(name);
   }
   return own;
@@ -116,7 +117,10 @@ CampaignFailure parse_failure(const base::ConfigNode& node, const FailureCatalog
   std::optional<std::vector<Expectation>> usual;
   if (const auto list = node.find("expect")) usual = parse_expectations(*list);
   const base::ConfigNode other = node.find("expect_in").value_or(base::ConfigNode::empty());
-  for (const auto& [phase, list] : other.entries()) check_phase(list, phase, own);
+  for (const auto& [phase, list] : other.entries()) {
+    check_phase(list, phase, phases);
+    if (!own.contains(phase)) list.fail("the failure does not strike in phase '" + phase + "'");
+  }
   for (const CampaignPhase& phase : phases) {
     if (!own.contains(phase.name)) continue;
     if (const auto list = other.find(phase.name)) {

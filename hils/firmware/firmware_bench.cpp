@@ -101,8 +101,8 @@ void FirmwareBench::check_program(const ChildProcess::Options& options) const {
 
 void FirmwareBench::prepare_folder(const std::filesystem::path& folder) {
   if (scenario_.firmware->cwd.empty()) {
-    base::make_result_folder({places_.out, folder});  // no symlink leads away from there
-    std::filesystem::remove_all(folder);
+    base::remove_result_folder({places_.out, folder});
+    base::make_result_folder({places_.out, folder});
   } else if (std::filesystem::exists(folder) && !std::filesystem::is_empty(folder)) {
     remarks_.push_back("the firmware's folder " + folder.string() +
                        " was not empty: parameters of earlier flights may have been in force");
@@ -135,7 +135,7 @@ ChildProcess::Options FirmwareBench::options(const std::string& name,
 }
 
 ChildProcess::Options FirmwareBench::firmware_options(std::size_t instance) const {
-  const auto config = base::find_config("firmware/quad_x.parm").parent_path().parent_path();
+  const auto config = base::shipped_config("firmware/quad_x.parm").parent_path().parent_path();
   const std::map<std::string, std::string> own{
       {"CAS_FCU_TTY", places_.firmware_tty().string()},
       {"CAS_CONFIG", config.string()},

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "hils/firmware/first_sign.hpp"
-#include "hils/flight/flight_loop.hpp"
+#include "hils/flight/flight_plan.hpp"
 #include "mavlink/common/autopilot_version.hpp"
 #include "mavlink/common/enums.hpp"
 
@@ -54,7 +54,7 @@ class FirmwareMeeting {
       if (now - begin > patience || now - spoke > kFirstSignPatience) {
         check_first_sign(now - begin, now - begin > patience);
       }
-      deck_.supervisor.wait(kLookPeriod);
+      deck_.supervisor.wait(FlightPlan::kLookPeriod);
     }
     if (const auto why = mismatch(vehicle, deck_.scenario.firmware->autopilot)) {
       throw RunStopped(*why, false);
@@ -75,7 +75,7 @@ class FirmwareMeeting {
         ask_for_version();
         ask_at = base::steady_now() + kAskAgain;
       }
-      deck_.supervisor.wait(kLookPeriod);
+      deck_.supervisor.wait(FlightPlan::kLookPeriod);
     }
     if (wanted && is_of_a_tree_without_tags(record_.firmware->version)) {
       record_.firmware->remarks.push_back(fmt::format(

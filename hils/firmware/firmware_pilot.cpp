@@ -375,7 +375,7 @@ class FirmwareFlight final : public FlightBench {
     for (const auto& vehicle : vehicles_) vehicle->set_fence();
     if (loop_.flight().plan.ended()) return;
     loop_.fly([this](bool commanded) {
-      if (!commanded) deck_.supervisor.wait(kLookPeriod);
+      if (!commanded) deck_.supervisor.wait(FlightPlan::kLookPeriod);
     });
   }
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hils/flight/flight_loop.hpp"
+#include "hils/flight/flight_plan.hpp"
 
 namespace cas::hils {
 namespace {
@@ -40,7 +40,7 @@ std::optional<std::string> FirmwareReboot::run(const WrittenParams& written,
   const base::RunTime deadline = base::steady_now() + patience;
   while (!written.empty() && look() < written_at + kStores) {
     if (base::steady_now() > deadline) return "simulated time stands still before the reboot";
-    wait(kLookPeriod);
+    wait(FlightPlan::kLookPeriod);
   }
   restart();
   if (auto fault = wait_until_heard(deadline)) return fault;
@@ -48,8 +48,8 @@ std::optional<std::string> FirmwareReboot::run(const WrittenParams& written,
 }
 
 std::optional<std::string> FirmwareReboot::wait_until_heard(base::RunTime deadline) const {
-  wait(kLookPeriod);  // now all HEARTBEATs of the old program are counted
-  for (const double before = heartbeats(); heartbeats() <= before; wait(kLookPeriod)) {
+  wait(FlightPlan::kLookPeriod);  // now all HEARTBEATs of the old program are counted
+  for (const double before = heartbeats(); heartbeats() <= before; wait(FlightPlan::kLookPeriod)) {
     if (base::steady_now() > deadline) {
       return "the firmware was not heard again after its reboot; its log in the run folder of the "
              "results has what it says";
@@ -62,7 +62,8 @@ std::optional<std::string> FirmwareReboot::compare(const WrittenParams& written,
                                                    base::RunTime deadline) const {
   for (const auto& [name, value] : written) {
     std::optional<double> now = parameter(name);
-    for (; !now && base::steady_now() < deadline; now = parameter(name)) wait(kLookPeriod);
+    for (; !now && base::steady_now() < deadline; now = parameter(name))
+      wait(FlightPlan::kLookPeriod);
     if (!now) return fmt::format("the firmware did not tell {} after its reboot", name);
     if (!is_same(value, *now)) {
       return fmt::format("the reboot has lost a parameter: {} was set to {:g}, and is {:g}", name,

@@ -19,8 +19,6 @@
 
 namespace cas::hils {
 
-/// Between two looks at a flight whose time is the machine's.
-inline constexpr base::Duration kLookPeriod = std::chrono::milliseconds(50);
 /// The stream goes on for this long after the flight, so that the pipe is drained.
 inline constexpr base::Duration kDrain = std::chrono::seconds(1);
 

@@ -76,8 +76,9 @@ void parse_gain(const base::ConfigNode& body, FlightStep& step) {
   step.i = optional_number(body, "i");
   step.d = optional_number(body, "d");
   if (step.p || step.i || step.d) return;
-  for (const char* const of_any_step : {"name", "timeout_s"}) body.has(of_any_step);
-  body.reject_unused();  // "P" has a better answer than that p is missing
+  // An unknown key such as "P" is named, with the key that was meant; these two are read later.
+  for (const char* const key : {"name", "timeout_s"}) body.has(key);
+  body.reject_unused();
   body.fail("a setgain step names at least one of p, i and d");
 }
 

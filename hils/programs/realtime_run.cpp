@@ -279,7 +279,7 @@ std::vector<RunRecord> fly_in_real_time(const RunRequest& request) {
                         ground_station ? &*ground_station : nullptr);
     FlightLoop loop(flight_of(request.scenario), bench);
     loop.fly([&supervisor](bool commanded) {
-      if (!commanded) supervisor.wait(kLookPeriod);
+      if (!commanded) supervisor.wait(FlightPlan::kLookPeriod);
     });
     bench.finish(loop.flight(), records);
   } catch (const base::rpc::ConnectionError& error) {

@@ -55,15 +55,11 @@ std::string tail_of(const fs::path& log_file) {
 
 FlightPool::FlightPool(const base::ResultPlace& folder, double deadline_s,
                        std::vector<std::string> flown_by)
-    : folder_(folder.path()),
-      deadline_s_(deadline_s),
-      flown_by_(std::move(flown_by)),
-      host_(host_name()) {
+    : place_(folder), deadline_s_(deadline_s), flown_by_(std::move(flown_by)), host_(host_name()) {
   constexpr int kTries = 10;  // another runner may remove the parent at its end
   for (int i = 1;; ++i) {
     try {
-      base::make_result_folder(folder);  // no symlink leads away: what is there is a runner's
-      fs::remove_all(folder_);
+      base::remove_result_folder(folder);  // of a killed runner
       base::make_result_folder(folder);
       return;
     } catch (const base::ConfigError&) {
@@ -74,13 +70,20 @@ FlightPool::FlightPool(const base::ResultPlace& folder, double deadline_s,
 
 FlightPool::~FlightPool() {
   flights_.clear();
-  std::error_code ignored;
-  fs::remove_all(folder_, ignored);
+  clear(place_);
+}
+
+/// What stays there does no harm.
+void FlightPool::clear(const base::ResultPlace& folder) {
+  try {
+    base::remove_result_folder(folder);
+  } catch (const base::ConfigError&) {
+  }
 }
 
 void FlightPool::start(const RowTask& task) {
-  const fs::path folder = folder_ / std::to_string(task.row);
-  fs::create_directories(folder);
+  const fs::path folder = place_.path() / std::to_string(task.row);
+  base::make_result_folder({place_.out, folder});
   task.save(folder / "task.json");
   std::vector<std::string> arguments{kSameProgram};
   arguments.insert(arguments.end(), flown_by_.begin(), flown_by_.end());
@@ -124,8 +127,7 @@ void FlightPool::take_ended(const std::function<void(RowResult&&)>& take) {
                       .max_rss_mib = end.max_rss_mib,
                       .host = host_};
     take(std::move(result));
-    std::error_code ignored;
-    fs::remove_all(flight->folder, ignored);
+    clear({place_.out, flight->folder});
     flight = flights_.erase(flight);
   }
 }

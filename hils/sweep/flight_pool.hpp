@@ -50,7 +50,9 @@ class FlightPool {
   RowResult result_of(const Flight& flight, const ExitStatus& end) const;
   static std::optional<RowResult> written_result(const Flight& flight);
 
-  std::filesystem::path folder_;
+  static void clear(const base::ResultPlace& folder);
+
+  base::ResultPlace place_;
   double deadline_s_;
   std::vector<std::string> flown_by_;
   std::string host_;

@@ -76,12 +76,12 @@ void check_rows(const SweepFolder& folder) {
       write_scenario(folder.scenario(), folder.values_of(row), folder.study_folder, scratch);
       Scenario::load(scratch / "scenario.yaml");
     } catch (const base::ConfigError& error) {
-      fs::remove_all(scratch);
+      base::remove_result_folder({folder.path, scratch});
       throw base::ConfigError(
           fmt::format("row {}: {}", number, without_folder(error.what(), scratch)));
     }
   }
-  fs::remove_all(scratch);
+  base::remove_result_folder({folder.path, scratch});
   std::error_code others;
   fs::remove(folder.path / "work", others);  // unless others have files there
 }

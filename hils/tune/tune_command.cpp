@@ -42,8 +42,8 @@ void fly_reports(const TuneStudy& study, const TuneFlights& flights, const fs::p
     if (fs::exists(own / "report.html") && fs::exists(flown) && text_of_file(flown) == text) {
       continue;
     }
-    base::make_result_folder({out, own});  // no symlink leads away from there
-    fs::remove_all(own);                   // of other values
+    base::remove_result_folder({out, own});  // of other values
+    base::make_result_folder({out, own});
     write_scenario(flights.scenario(i), study.values_of(values), {}, own);
     std::vector<std::string> command{kSameProgram, "run", (own / "scenario.yaml").string(),
                                      "--architecture", std::string(to_string(study.architecture))};

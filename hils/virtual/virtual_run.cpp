@@ -43,8 +43,6 @@ namespace {
 /// Time zero of the virtual clock in flight.tlog, so that a log is the same whenever it is made.
 constexpr std::int64_t kLogEpochUs =
     std::chrono::microseconds(casd::TlogWriter::kStreamEpoch).count();
-/// The stream goes on for this long after the flight, so that the pipe is drained.
-constexpr base::Duration kDrain = std::chrono::seconds(1);
 /// For as long as that a vehicle that falls is followed after the flight.
 constexpr base::Duration kLongestFall = std::chrono::seconds(10);
 /// Placeholder for a port: the links of this topology are never opened.

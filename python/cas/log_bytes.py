@@ -15,10 +15,12 @@ MOST_MIB = 512
 
 def read_log(path: Path) -> bytes:
     """The bytes of a log. FormatError: it is no regular file, or has over MOST_MIB."""
-    with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC), "rb") as file:
-        status = os.fstat(file.fileno())
-        if not stat.S_ISREG(status.st_mode):
-            raise FormatError(f"{path} is no regular file")
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
+    status = os.fstat(descriptor)
+    if not stat.S_ISREG(status.st_mode):
+        os.close(descriptor)
+        raise FormatError(f"{path} is no regular file")
+    with open(descriptor, "rb") as file:
         if status.st_size <= MOST_MIB << 20:
             return file.read()
     raise FormatError(f"{path} has over {MOST_MIB} MiB, more than is read into memory here; cut it, or use hils replay")

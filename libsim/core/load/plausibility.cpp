@@ -24,7 +24,8 @@ constexpr double kTooNear = 0.03;  // of the largest extent
 constexpr double kShapesBesideRotors = 50;
 constexpr double kLeastThrust = 1.05;  // over the weight
 constexpr double kMostThrust = 20;
-constexpr double kLeastShare = 0.05;  // of the hover thrust, of the rotor that gives most of it
+constexpr double kLeastShare = 0.05;  // of the thrust of the rotor that gives most of it in hover
+constexpr double kRounding = 1e-6;
 constexpr double kSound_m_s = 340.3;  // at sea level, standard atmosphere
 constexpr double kMostMach = 0.95;
 constexpr double kLongestLag_s = 0.6;
@@ -153,20 +154,27 @@ class Check {
     }
   }
 
-  /// Level hover with no moment left: each rotor has its share of the weight.
+  /// Four rotors that do not tilt share the weight in one way alone, and none has next to nothing.
   void check_balance() {
-    if (std::ranges::any_of(vehicle_.rotors,
-                            [](const auto& each) { return each.tilt.has_value(); }))
-      return;
-    Eigen::Matrix<double, 4, Eigen::Dynamic> rows = vehicle_.effectiveness().bottomRows<4>();
-    for (auto row : rows.rowwise()) {
-      if (const double most = row.cwiseAbs().maxCoeff(); most > 0) row /= most;
+    const base::Effectiveness all = vehicle_.effectiveness();
+    Eigen::Matrix4d shares_to_wrench;  // thrust and moments of each lifting rotor, by its thrust
+    Eigen::Index lifting = 0;
+    for (Eigen::Index i = 0; i < all.cols(); ++i) {
+      if (vehicle_.rotors[static_cast<std::size_t>(i)].tilt) return;
+      if (all(2, i) <= 0) continue;
+      if (lifting == 4) return;
+      shares_to_wrench.col(lifting++) = all.col(i).tail<4>() / all(2, i);
+    }
+    if (lifting < 4) return;
+    for (Eigen::Index row = 0; row < 4; ++row) {
+      const double most = shares_to_wrench.row(row).cwiseAbs().maxCoeff();
+      if (most > 0) shares_to_wrench.row(row) /= most;
     }
     const Eigen::Vector4d weight = Eigen::Vector4d::UnitX();
-    const Eigen::VectorXd shares = rows.completeOrthogonalDecomposition().solve(weight);
-    const bool balances = (rows * shares).isApprox(weight, kLeastShare);
+    const Eigen::Vector4d shares = shares_to_wrench.completeOrthogonalDecomposition().solve(weight);
+    const bool balances = (shares_to_wrench * shares - weight).norm() < kRounding;
     if (!balances || shares.minCoeff() < kLeastShare * shares.maxCoeff()) {
-      say("its rotors cannot share its weight and leave no moment: a spin or a place may be wrong");
+      say("its rotors cannot carry it and leave no moment: a spin or a place may be wrong");
     }
   }
 

@@ -42,8 +42,8 @@ TEST(InstallPaths, AShippedFileIsNeverThatOfTheWorkingFolder) {
   folder.write("frames.yaml", "of: somebody\n");
   const fs::path before = fs::current_path();
   fs::current_path(folder.path());
-  EXPECT_NE(shipped_config("frames.yaml").parent_path(), folder.path());
-  EXPECT_EQ(find_config("frames.yaml"), "frames.yaml");
+  EXPECT_FALSE(fs::equivalent(shipped_config("frames.yaml"), folder.path() / "frames.yaml"));
+  EXPECT_TRUE(fs::equivalent(find_config("frames.yaml"), folder.path() / "frames.yaml"));
   EXPECT_THROW(shipped_config("none.yaml"), ConfigError);
   fs::current_path(before);
 }

@@ -145,5 +145,28 @@ TEST_F(ResultFile, PathsOfAConfigurationAreRelativeAndGoDownOnly) {
   EXPECT_NE(fault_of_result_path(""), "");
 }
 
+TEST(ResultFolder, IsRemovedWithWhatItHoldsAndNothingBehindASymlink) {
+  const test::TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  folder.write("out/run/a/b", "");
+  folder.write("theirs/row_1/file", "");
+  remove_result_folder({out, "run"});
+  EXPECT_FALSE(fs::exists(out / "run"));
+  remove_result_folder({out, "none/row_1"});
+  fs::create_directory_symlink(folder / "theirs", out / "run");
+  EXPECT_THROW(remove_result_folder({out, "run/row_1"}), ConfigError);
+  remove_result_folder({out, "run"});
+  EXPECT_FALSE(fs::exists(fs::symlink_status(out / "run")));
+  EXPECT_TRUE(fs::exists(folder / "theirs/row_1/file"));
+}
+
+TEST(ResultFolder, OfAnotherUserIsNotEntered) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can lay files for another user";
+  const test::TemporaryFolder folder;
+  fs::create_directories(folder / "out/work");
+  ASSERT_EQ(::chown((folder / "out/work").c_str(), 1234, 1234), 0);
+  EXPECT_THROW(make_result_folder({folder / "out", "work/row_1"}), ConfigError);
+}
+
 }  // namespace
 }  // namespace cas::base

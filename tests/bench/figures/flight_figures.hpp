@@ -30,7 +30,7 @@ struct FlightBatch {
 };
 
 /// Hover at (0, 0, 2.5) m, 60 s a flight of which the last 40 count, pooled; beside the best
-/// possible errors of the sensor set (fcu/estimation_bound/estimation_bound.hpp).
+/// possible errors of the sensor set (tests/bench/estimation_bound/estimation_bound.hpp).
 ///
 /// @param estimate_factor, tracking_factor  factors on the bound; 0: not judged
 std::vector<FlightFigure> hover_figures(const std::string& sensors, double estimate_factor,

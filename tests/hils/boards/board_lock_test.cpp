@@ -70,6 +70,24 @@ TEST(BoardLock, IsForTheGroupAndWaitsForNoForeignFile) {
   fs::remove(file);
   ASSERT_EQ(::mkfifo(file.c_str(), 0660), 0);
   EXPECT_FALSE(look_at_lock(board, folder.path()).held);
+  EXPECT_THROW(BoardLock(board, folder.path(), "second", std::nullopt), base::ConfigError);
+}
+
+TEST(BoardLock, ClearsNothingAwayBehindASymlinkInThePlaceOfTheQueue) {
+  const test::TemporaryFolder folder;
+  const Board board{.name = "a", .serial = "SN1"};
+  folder.write("theirs/file", "");
+  fs::create_directory(folder / "locks");
+  fs::path queue = lock_file(folder / "locks", board);
+  queue.replace_extension(".queue");
+  fs::create_directory_symlink(folder / "theirs", queue);
+  EXPECT_EQ(look_at_lock(board, folder / "locks").waiting, 0U);
+  EXPECT_TRUE(fs::exists(folder / "theirs/file"));
+  fs::remove(queue);
+  fs::create_directory(queue);
+  folder.write("locks/" + queue.filename().string() + "/of_a_waiter_that_ended", "");
+  look_at_lock(board, folder / "locks");
+  EXPECT_TRUE(fs::is_empty(queue)) << "a ticket without a waiter is cleared away";
 }
 
 TEST(BoardLock, IsThatOfTheFileThatIsThereThoughOneWaitedForAnother) {

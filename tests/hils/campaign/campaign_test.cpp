@@ -193,6 +193,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadCampaign{"ExpectsInNoPhase",
                     "  - {failure: gps_lost, expect: [lands], expect_in: {cruise: [lands]}}\n",
                     "cruise"},
+        BadCampaign{"ExpectsWhereItDoesNotStrike",
+                    "  - {failure: gps_lost, phases: [up], expect_in: {hover: [lands]}}\n",
+                    "the failure does not strike in phase 'hover'"},
         BadCampaign{"MisspeltPhase", "  - {failure: gps_lost, expect_in: {upp: [lands]}}\n",
                     "the campaign has no phase 'upp'; did you mean 'up'?"}),
     [](const auto& test) { return test.param.name; });
