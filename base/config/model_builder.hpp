@@ -18,6 +18,19 @@ struct Inertial {
   const XmlElement* element = nullptr;
 };
 
+/// The tensor of the moments "ixx" to "izz". Each is read before the matrix is filled: Eigen aborts
+/// where an error breaks off the filling.
+template <class Moment>
+Eigen::Matrix3d inertia_tensor(Moment&& moment) {
+  const double ixx = moment("ixx");
+  const double iyy = moment("iyy");
+  const double izz = moment("izz");
+  const double ixy = moment("ixy");
+  const double ixz = moment("ixz");
+  const double iyz = moment("iyz");
+  return (Eigen::Matrix3d() << ixx, ixy, ixz, ixy, iyy, iyz, ixz, iyz, izz).finished();
+}
+
 /// A link's joint.
 struct LinkJoint {
   const XmlElement* element = nullptr;  ///< nullptr: the link has none

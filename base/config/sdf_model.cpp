@@ -43,15 +43,10 @@ Inertial inertial_of(const XmlElement& link, const SdfScope& scope, const Eigen:
   }
   Inertial result{
       .mass_kg = mass->numbers(1)[0], .X = X_LM * scope.pose(*element, name), .element = element};
-  const auto moment = [&](std::string_view key, double fallback) {
+  result.inertia_kg_m2 = inertia_tensor([&](std::string_view key) {
     const XmlElement* const entry = inertia->child(key);
-    return entry != nullptr ? entry->numbers(1)[0] : fallback;
-  };
-  const double ixy = moment("ixy", 0);
-  const double ixz = moment("ixz", 0);
-  const double iyz = moment("iyz", 0);
-  result.inertia_kg_m2 << moment("ixx", 1), ixy, ixz, ixy, moment("iyy", 1), iyz, ixz, iyz,
-      moment("izz", 1);
+    return entry != nullptr ? entry->numbers(1)[0] : key[1] == key[2] ? 1.0 : 0.0;
+  });
   return result;
 }
 

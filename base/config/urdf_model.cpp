@@ -57,11 +57,7 @@ std::optional<Inertial> inertial_of(const XmlElement& link) {
                   .X = origin_of(*element),
                   .element = element};
   const XmlElement& inertia = element->need("inertia");
-  const double ixy = number(inertia, "ixy");
-  const double ixz = number(inertia, "ixz");
-  const double iyz = number(inertia, "iyz");
-  result.inertia_kg_m2 << number(inertia, "ixx"), ixy, ixz, ixy, number(inertia, "iyy"), iyz, ixz,
-      iyz, number(inertia, "izz");
+  result.inertia_kg_m2 = inertia_tensor([&](const char* key) { return number(inertia, key); });
   return result;
 }
 
