@@ -29,6 +29,7 @@ constexpr std::uint32_t kLockstepBuild = 1;
 constexpr int kArmed = 128;
 constexpr base::Duration kActuatorPeriod = std::chrono::milliseconds(5);  // 200 Hz at most
 constexpr base::Duration kStreamPatience = std::chrono::seconds(1);
+constexpr base::Duration kComesDown = std::chrono::milliseconds(340);  // a gap in hover, HITL
 
 fcu::FcuConfig controller_config(const ScriptedPx4::Options& options) {
   fcu::FcuConfig config;
@@ -244,7 +245,7 @@ void ScriptedPx4::tick(base::RunTime now) {
 void ScriptedPx4::on_controller_packet(std::span<const std::uint8_t> bytes) {
   const mav::PacketView packet = mav::view_packet(bytes);
   if (const auto controls = mav::decode<mv::HilActuatorControls>(packet)) {
-    armed_ = (static_cast<int>(controls->mode) & kArmed) != 0;
+    armed_ = (static_cast<int>(controls->mode) & kArmed) != 0 || stays_armed();
     std::copy_n(controls->controls.begin(), motors_.size(), motors_.begin());
     return;
   }
@@ -255,8 +256,9 @@ void ScriptedPx4::on_controller_packet(std::span<const std::uint8_t> bytes) {
     const bool boots = options_.release == Px4Release::k1_16 && !ready_ && !armed_;
     if (boots) heartbeat->system_status = mv::MavState::kUninit;
     if (terminated_) heartbeat->system_status = mv::MavState::kFlightTermination;
+    if (stays_armed()) heartbeat->base_mode |= mv::MavModeFlag::kSafetyArmed;
     if (options_.mode == Px4Mode::kSitl) return ground_.send(in_software(*heartbeat));
-    if (terminated_ || boots) return ground_.send(*heartbeat);
+    if (stays_armed() || boots) return ground_.send(*heartbeat);
   }
   // An answer to its own command.
   const auto ack = mav::decode<mv::CommandAck>(packet);
@@ -323,16 +325,20 @@ void ScriptedPx4::hold_return_or_land(ScriptedFence::Action action) {
   controller_.on_bytes(as_itself_(command), clock_);
 }
 
+/// A gap in the samples disarms our controller, but not v1.16.1, which stays armed in TERMINATION.
+bool ScriptedPx4::stays_armed() const {
+  return terminated_ || (comes_down_ && clock_ - last_sample_at_ >= kComesDown);
+}
+
 /// HITL, v1.16.1: in hover a gap of 0.34 s in its samples brings it to the ground, one of 1 s into
 /// TERMINATION.
 void ScriptedPx4::watch_gap(base::RunTime now) {
-  constexpr base::Duration kComesDown = std::chrono::milliseconds(340);
   constexpr base::Duration kTerminates = std::chrono::seconds(1);
   const base::Duration gap = now - last_sample_at_;
-  if (options_.release != Px4Release::k1_16 || !armed_ || !in_air_ || gap < kComesDown) return;
-  if (gap >= kTerminates) {
+  if (options_.release != Px4Release::k1_16 || !armed_ || gap < kComesDown) return;
+  if (comes_down_ && gap >= kTerminates) {
     if (!std::exchange(terminated_, true)) complain("Flight termination active");
-  } else if (!std::exchange(comes_down_, true)) {
+  } else if (in_air_ && !std::exchange(comes_down_, true)) {
     complain("angular velocity no longer valid");
     hold_return_or_land(ScriptedFence::Action::kLand);
   }

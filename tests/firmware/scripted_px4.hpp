@@ -158,6 +158,7 @@ class ScriptedPx4 {
   void watch_fence(const mav::PacketView& packet);
   void hold_return_or_land(ScriptedFence::Action action);
   void watch_gap(base::RunTime now);
+  bool stays_armed() const;
   mavlink::common::Heartbeat in_software(mavlink::common::Heartbeat heartbeat) const;
   void complain(const std::string& text);
   void say(const std::string& text, mavlink::common::MavSeverity severity);
