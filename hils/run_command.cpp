@@ -20,16 +20,14 @@
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
 #include "base/os/result_file.hpp"
+#include "hils/bench/fly.hpp"
 #include "hils/boards/board_error.hpp"
 #include "hils/boards/board_flags.hpp"
 #include "hils/boards/flight_boards.hpp"
-#include "hils/firmware/firmware_run.hpp"
 #include "hils/measure/figure_table.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/run_result.hpp"
 #include "hils/programs/live_run.hpp"
-#include "hils/programs/lockstep_run.hpp"
-#include "hils/programs/realtime_run.hpp"
 #include "hils/replay/replay_command.hpp"
 #include "hils/replay/replay_page.hpp"
 #include "hils/report/junit_report.hpp"
@@ -41,7 +39,6 @@
 #include "hils/scenario/scenario_reference.hpp"
 #include "hils/scenario_list.hpp"
 #include "hils/ulog/run_ulog.hpp"
-#include "hils/virtual/virtual_run.hpp"
 
 namespace cas::hils {
 
@@ -76,32 +73,6 @@ void search_plugins_in(const std::vector<std::string>& folders) {
   if (path.empty()) return;
   const char* before = std::getenv("CAS_PLUGIN_PATH");
   ::setenv("CAS_PLUGIN_PATH", (path + (before != nullptr ? before : "")).c_str(), 1);
-}
-
-std::vector<RunRecord> fly(const RunRequest& request, bool on_virtual_clock) {
-  if (request.scenario.firmware) return run_firmware(request);
-  if (on_virtual_clock || request.architecture == Architecture::kDirect) {
-    return run_on_virtual_clock(request);
-  }
-  if (request.lockstep) return run_in_lockstep(request);
-  return run_in_real_time(request);
-}
-
-/// Refuses flags that stock firmware cannot heed: it has a clock and wires of its own.
-/// @throws base::ConfigError for the first
-void refuse_flags_of_our_controller(const Flags& flags, const Firmware& firmware) {
-  const auto refuse = [&flags](bool given, const char* flag, const char* why) {
-    if (given) throw base::ConfigError(flags.scenario + ": " + flag + ": stock firmware " + why);
-  };
-  refuse(flags.on_virtual_clock, "--virtual", "is a program, and computes in time of its own");
-  refuse(flags.lockstep && firmware.on_serial_line, "--lockstep",
-         "on a serial line waits for nobody");
-  refuse(!flags.architecture.empty(), "--architecture", "is connected as its topology says");
-  refuse(!flags.fcus.empty(), "--fcu",
-         "is started as a program; for a board take the scenario pixhawk.yaml");
-  refuse(flags.fcu_baud.has_value(), "--fcu-baud", "has the baud rate of its topology");
-  refuse(flags.inject_failures && firmware.autopilot != "PX4", "--inject-failures",
-         "has no link of casd to its simulator");
 }
 
 /// A run without a replay keeps its verdict.
@@ -159,19 +130,46 @@ void prepare_boards(const std::vector<FcuChoice>& fcus, Flags& flags, RunRequest
   }
 }
 
-/// Refuses flags that a run on the virtual clock cannot heed. @throws base::ConfigError
-void refuse_flags_of_real_time(const Flags& flags) {
-  if (flags.lockstep) {
-    throw base::ConfigError(
-        "--lockstep: a run on the virtual clock (" +
-        std::string(flags.on_virtual_clock ? "--virtual" : "architecture direct") +
-        ") has no programs to keep in step");
-  }
-  if (!flags.fcus.empty()) {
-    throw base::ConfigError("a real controller cannot be flown on the virtual clock");
-  }
-  if (!flags.ground_station.empty()) {
-    throw base::ConfigError("--gcs: a ground station cannot join a run on the virtual clock");
+/// Refuses flags that the controller or the clock of a run cannot heed.
+/// @throws base::ConfigError for the first
+void refuse_flags(const Flags& flags, const RunRequest& request) {
+  const std::optional<Firmware>& firmware = request.scenario.firmware;
+  const bool on_line = firmware && firmware->on_serial_line;
+  const bool is_computed = request.is_computed();
+  const bool has_fcu = !flags.fcus.empty();
+  const bool has_station = !flags.ground_station.empty();
+  struct Refusal {
+    bool applies;
+    const char* flag;
+    const char* why;
+  };
+  const Refusal refusals[] = {
+      {firmware && flags.on_virtual_clock, "--virtual",
+       "stock firmware is a program, and computes in time of its own"},
+      {on_line && flags.lockstep, "--lockstep", "stock firmware on a serial line waits for nobody"},
+      {firmware && !flags.architecture.empty(), "--architecture",
+       "stock firmware is connected as its topology says"},
+      {firmware && has_fcu, "--fcu",
+       "stock firmware is started as a program; for a board take the scenario pixhawk.yaml"},
+      {firmware && flags.fcu_baud, "--fcu-baud",
+       "stock firmware has the baud rate of its topology"},
+      {firmware && flags.inject_failures && firmware->autopilot != "PX4", "--inject-failures",
+       "stock firmware other than PX4 has no link of casd to its simulator"},
+      {is_computed && flags.lockstep, "--lockstep",
+       "a run on the virtual clock (--virtual or architecture direct) has no programs to keep in "
+       "step"},
+      {is_computed && has_fcu, "--fcu", "a real controller cannot be flown on the virtual clock"},
+      {is_computed && has_station, "--gcs",
+       "a ground station cannot join a run on the virtual clock"},
+      {is_computed && flags.web, "--web", "only a run in real time is shown in a browser"},
+      {flags.lockstep && has_fcu, "--fcu",
+       "a real controller has a clock of its own and no place in lockstep"},
+      {flags.lockstep && has_station, "--gcs",
+       "a ground station has a clock of its own and no place in lockstep"},
+      {flags.lockstep && flags.web, "--web", "only a run in real time is shown in a browser"},
+  };
+  for (const auto& [applies, flag, why] : refusals) {
+    if (applies) throw base::ConfigError(fmt::format("{}: {}: {}", flags.scenario, flag, why));
   }
 }
 
@@ -181,27 +179,13 @@ RunRequest read_request(const Flags& flags, const std::filesystem::path& file) {
   request.scenario = Scenario::load(file);
   request.architecture = flags.architecture.empty() ? request.scenario.architecture
                                                     : parse_architecture(flags.architecture);
-  const std::optional<Firmware>& firmware = request.scenario.firmware;
-  if (firmware) refuse_flags_of_our_controller(flags, *firmware);
-  request.lockstep = flags.lockstep && !firmware;
-  request.unpaced = flags.lockstep && firmware;
   request.seed = flags.seed.value_or(request.scenario.seed);
-  const bool on_virtual_clock =
-      flags.on_virtual_clock || request.architecture == Architecture::kDirect;
-  if (on_virtual_clock) refuse_flags_of_real_time(flags);
-  if (!flags.fcus.empty() && flags.lockstep) {
-    throw base::ConfigError("a real controller has a clock of its own and no place in lockstep");
-  }
+  if (flags.lockstep) request.clock = Clock::kLockstep;
+  if (flags.on_virtual_clock) request.clock = Clock::kVirtual;
+  refuse_flags(flags, request);
   if (!flags.ground_station.empty()) {
     request.station = StationEndpoint::parse(flags.ground_station);
     request.station->inject_failures = flags.inject_failures;
-  }
-  if (flags.web && (on_virtual_clock || flags.lockstep)) {
-    throw base::ConfigError("--web: only a run in real time is shown in a browser");
-  }
-  if (request.unpaced && request.station) {
-    throw base::ConfigError(
-        "--gcs: a ground station has a clock of its own and no place in lockstep");
   }
   request.announced = true;
   return request;
@@ -224,7 +208,7 @@ int run(Flags flags) {
   prepare_boards(parse_fcu_words(flags.fcus, request.scenario.names()), flags, request, lock,
                  boards);
 
-  RunResult result = evaluate(request, fly(request, flags.on_virtual_clock));
+  RunResult result = evaluate(request, fly(request));
   fail_absent(boards->absences(), result);
   if (live) live->tell(result);
   // Each reads the same records and writes files of its own.

@@ -161,12 +161,13 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/timing": rooms("hils", "run measure report boards"),
     "hils/virtual": rooms("hils", "flight scenario run measure programs"),
     "hils/firmware": rooms("hils", "flight scenario run measure programs"),
-    "hils/compare": rooms("hils", "scenario run measure report programs virtual firmware"),
-    "hils/sweep": rooms("hils", "flight scenario run measure report programs boards virtual firmware"),
+    "hils/bench": rooms("hils", "run measure programs virtual firmware"),
+    "hils/compare": rooms("hils", "scenario run measure report programs bench"),
+    "hils/sweep": rooms("hils", "flight scenario run measure report programs boards bench"),
     "hils/env": rooms("hils", "run sweep"),
     "hils/tune": rooms("hils", "flight scenario run measure report programs sweep"),
-    "hils/campaign": rooms("hils", "flight scenario run measure report ulog replay programs boards sweep firmware"),
-    "hils": rooms("hils", "flight scenario run measure report ulog replay programs boards timing virtual firmware compare sweep tune campaign"),
+    "hils/campaign": rooms("hils", "flight scenario run measure report ulog replay programs boards sweep bench"),
+    "hils": rooms("hils", "flight scenario run measure report ulog replay programs boards timing bench compare sweep tune campaign"),
 }.items()}
 
 # Slow to compile: they stay out of headers, so that not everybody pays. Their light parts may stay.

@@ -12,12 +12,11 @@
 
 #include "base/error.hpp"
 #include "base/os/result_file.hpp"
+#include "hils/bench/fly.hpp"
 #include "hils/boards/board_error.hpp"
 #include "hils/boards/flight_boards.hpp"
-#include "hils/firmware/firmware_run.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/run_result.hpp"
-#include "hils/programs/realtime_run.hpp"
 #include "hils/programs/supervisor.hpp"
 #include "hils/replay/replay_command.hpp"
 #include "hils/report/results_folder.hpp"
@@ -74,7 +73,7 @@ RowResult fly_on_board(const RowTask& task, std::function<void()>& fetch_logs) {
     boards.restart(request.out, controllers.baud);
   }
   request.fcu_devices = boards.prepare(request.out, request.scenario.names(), controllers.baud);
-  RunResult run = evaluate(request, run_in_real_time(request));
+  RunResult run = evaluate(request, fly(request));
   std::map<std::size_t, std::string> gone = boards.absences();
   if (auto missing = boards.missing_port()) gone[0] = std::move(*missing);
   fail_absent(gone, run);
@@ -98,9 +97,9 @@ RowResult fly_on_firmware(const RowTask& task, const fs::path&) {
   request.scenario = Scenario::load(request.out / "scenario.yaml");
   request.architecture = request.scenario.architecture;
   request.seed = task.seed;
-  request.unpaced = true;
+  request.clock = fastest_clock(request.scenario);
   clear_earlier_run(request.out);
-  const RunResult run = evaluate(request, run_firmware(request));
+  const RunResult run = evaluate(request, fly(request));
   write_artefacts(request, run);
   base::remove_result_folder({request.out, "run/firmware"});
   RowResult result = row_of(request.scenario, run);

@@ -9,11 +9,10 @@
 
 #include "base/os/result_file.hpp"
 #include "base/time/clock.hpp"
-#include "hils/firmware/firmware_run.hpp"
+#include "hils/bench/fly.hpp"
+#include "hils/measure/run_result.hpp"
 #include "hils/programs/batch_progress.hpp"
-#include "hils/programs/realtime_run.hpp"
 #include "hils/report/summary_json.hpp"
-#include "hils/virtual/virtual_run.hpp"
 
 namespace cas::hils {
 
@@ -54,19 +53,12 @@ RunRequest request_of(const Scenario& scenario, const Variant& variant, std::uin
           .out = out / "runs" / folder_of(variant, seed)};
 }
 
-std::vector<RunRecord> fly(const ComparisonPlan& plan, const RunRequest& request) {
-  if (request.scenario.firmware) return run_firmware(request);
-  const bool on_virtual_clock = plan.virtual_clock || request.architecture == Architecture::kDirect;
-  return on_virtual_clock ? run_on_virtual_clock(request) : run_in_real_time(request);
-}
-
-void run_one(const ComparisonPlan& plan, const RunRequest& request, bool keep,
-             VariantResult& result) {
-  const RunRecord record = fly(plan, request).front();
-  const Measurement figures = measure(request, record);
-  const Verdict verdict = judge(figures, request.scenario.limits);
-  if (!plan.virtual_clock)
-    base::write_result({request.out, "summary.json"}, summary_json(figures, verdict));
+void run_one(const RunRequest& request, bool keep, VariantResult& result) {
+  const RunResult run = evaluate(request, fly(request));
+  if (request.clock == Clock::kWall) {
+    base::write_result({request.out, "summary.json"}, summary_json(run));
+  }
+  const auto& [record, figures, verdict] = run.vehicles.front();
   if (result.runs.empty()) {
     result.curves = run_curves(result.variant.name(), request.scenario, record);
   }
@@ -153,10 +145,11 @@ std::vector<VariantResult> run_comparison(const ComparisonPlan& plan,
       fmt::print(stderr, "{}; {}, seed {}\n", batch_line("compare", done, all, elapsed),
                  result.variant.name(), seed);
       ++done;
-      const RunRequest request =
+      RunRequest request =
           request_of(scenarios[result.variant.scenario], result.variant, seed, out, keep);
+      if (plan.virtual_clock && !request.scenario.firmware) request.clock = Clock::kVirtual;
       base::make_result_folder({out, request.out});
-      run_one(plan, request, keep, result);
+      run_one(request, keep, result);
     }
   }
   return results;

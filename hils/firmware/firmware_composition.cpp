@@ -42,7 +42,8 @@ std::string world_text(const RunRequest& request, const RunPlaces& places) {
   YAML::Node world = YAML::Load(source.dump());
   resolve_files(source, world);
   world["seed"] = request.seed;
-  if (request.unpaced && !firmware.on_serial_line) world.remove("speed");
+  const bool is_paced = firmware.on_serial_line || request.clock == Clock::kWall;
+  if (!is_paced) world.remove("speed");
   const auto vehicles = source.at("vehicles").items();
   std::string notes = base::origin_notes("", source);
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {

@@ -91,7 +91,7 @@ void add_recordings(const Scenario& scenario, const RunPlaces& places,
 
 std::vector<RunRecord> fly_firmware(const RunRequest& request) {
   const Scenario& scenario = request.scenario;
-  if (request.unpaced) take_own_ports();
+  if (request.clock == Clock::kLockstep) take_own_ports();
   const RunDirectory sockets;
   RunPlaces places = RunPlaces::of(scenario, request.out, sockets.path());
   places.command_port = sockets.command_socket();

@@ -43,8 +43,10 @@ std::string full_path(const std::filesystem::path& path) {
 
 std::string local_port(std::uint16_t port) { return fmt::format("127.0.0.1:{}", port); }
 
+bool in_lockstep(const RunRequest& request) { return request.clock == Clock::kLockstep; }
+
 const char* pace_word(const RunRequest& request) {
-  return request.lockstep ? "lockstep" : "realtime";
+  return in_lockstep(request) ? "lockstep" : "realtime";
 }
 
 constexpr const char* kGroundLink = "gcs";
@@ -72,7 +74,7 @@ std::string_view threads(Architecture architecture) {
 /// Key `baud` of casd's serial link; 0 for USB, which has no bit rate to pace by.
 int serial_baud(const RunRequest& request, const FcuDevice* device) {
   if (device != nullptr) return static_cast<int>(device->baud);
-  if (request.lockstep) return 0;
+  if (in_lockstep(request)) return 0;
   const fcu::LineConfig line = line_of(request);
   return line.batch > base::Duration::zero() ? 0 : static_cast<int>(line.baud);
 }
@@ -302,8 +304,8 @@ std::string simulator_config(const RunRequest& request, Transport transport,
   root["step_us"] = scenario.step_us;
   root["pace"] = transport == Transport::kBus ? "free_run" : pace_word(request);
   // A world's own real-time factor is no part of an experiment.
-  if (transport == Transport::kUdp && !request.lockstep) root["speed"] = 1;
-  if (request.lockstep) root["pacing"]["lockstep_timeout_ms"] = kLockstepTimeoutMs;
+  if (transport == Transport::kUdp && !in_lockstep(request)) root["speed"] = 1;
+  if (in_lockstep(request)) root["pacing"]["lockstep_timeout_ms"] = kLockstepTimeoutMs;
   root["seed"] = request.seed;
   root["integrator"] = scenario.integrator;
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
@@ -329,10 +331,10 @@ std::string fcu_config(const RunRequest& request, std::size_t vehicle) {
   root["seed"] = vehicle == 0 ? request.seed : base::derive_seed(request.seed, own.name);
   root["pace"] = pace_word(request);
   // In lockstep an emulated line would only cost wall-clock time.
-  if (!request.lockstep) root["line"] = line_node(request);
+  if (!in_lockstep(request)) root["line"] = line_node(request);
   std::string text = to_text(root) + base::origin_notes("", scenario.controller) +
                      base::origin_notes("", own.controller);
-  if (!request.lockstep) text += base::origin_notes("line", scenario.line);
+  if (!in_lockstep(request)) text += base::origin_notes("line", scenario.line);
   return text;
 }
 

@@ -225,7 +225,7 @@ OrderedJson line_json(const RunRequest& request) {
   }
   if (request.architecture == Architecture::kDirect) return {{"type", "none"}};
   if (request.architecture == Architecture::kSitl) return {{"type", "udp"}};
-  if (request.lockstep) return {{"type", "lockstep"}};
+  if (request.clock == Clock::kLockstep) return {{"type", "lockstep"}};
   std::set<double> bauds;
   for (std::size_t i = 0; i < request.scenario.vehicles.size(); ++i) {
     const FcuDevice* device = request.fcu_device(i);

@@ -21,6 +21,18 @@ struct FcuDevice {
   unsigned baud = 921600;
 };
 
+/// What moves the time of a run on.
+enum class Clock : std::uint8_t {
+  kWall,      ///< real time
+  kLockstep,  ///< the stream's: the programs wait for each other, as fast as it goes
+  kVirtual,   ///< it is computed, in one process; not for stock firmware
+};
+
+/// The clock of a run that nobody watches.
+inline Clock fastest_clock(const Scenario& scenario) {
+  return scenario.firmware ? Clock::kLockstep : Clock::kVirtual;
+}
+
 /// One run of a scenario.
 struct RunRequest {
   Scenario scenario;
@@ -30,8 +42,7 @@ struct RunRequest {
   /// Real controllers, by the vehicle's place in the scenario; the other vehicles have the
   /// emulator.
   std::map<std::size_t, FcuDevice> fcu_devices{};
-  bool lockstep = false;                     ///< the processes run on the stream's time
-  bool unpaced = false;                      ///< firmware in software flies as fast as it goes
+  Clock clock = Clock::kWall;
   bool announced = false;                    ///< says how to watch it once casd is ready
   bool keeps_sensors = true;                 ///< leaves each sensor's samples as CSV
   LiveRun* live = nullptr;                   ///< shows it in a browser; nullptr: it is not shown
@@ -39,6 +50,11 @@ struct RunRequest {
   std::filesystem::path
       out{};  ///< folder of the results; the programs' configurations are in out/run
 
+  /// Whether the virtual clock flies it.
+  bool is_computed() const {
+    return !scenario.firmware &&
+           (clock == Clock::kVirtual || architecture == Architecture::kDirect);
+  }
   /// The vehicle's real controller; nullptr: it has the emulator.
   const FcuDevice* fcu_device(std::size_t vehicle) const {
     const auto found = fcu_devices.find(vehicle);

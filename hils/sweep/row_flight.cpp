@@ -10,12 +10,11 @@
 #include "base/error.hpp"
 #include "base/os/disk_error.hpp"
 #include "base/os/result_file.hpp"
-#include "hils/firmware/firmware_run.hpp"
+#include "hils/bench/fly.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/run_result.hpp"
 #include "hils/programs/supervisor.hpp"
 #include "hils/sweep/flight_digest.hpp"
-#include "hils/virtual/virtual_run.hpp"
 
 namespace cas::hils {
 
@@ -54,10 +53,8 @@ RowResult fly_alone(const RowTask& task, const fs::path& folder) {
   request.keeps_sensors = false;  // no row needs them
   request.out = folder / "out";
   fs::create_directories(request.out);
-  const bool is_firmware = request.scenario.firmware.has_value();
-  request.unpaced = is_firmware;
-  const RunResult run =
-      evaluate(request, is_firmware ? run_firmware(request) : run_on_virtual_clock(request));
+  request.clock = fastest_clock(request.scenario);
+  const RunResult run = evaluate(request, fly(request));
   RowResult result = row_of(request.scenario, run);
   result.truth_sha256 = truth_sha256(run);
   const bool varies_faults = std::ranges::any_of(

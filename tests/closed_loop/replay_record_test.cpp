@@ -58,7 +58,7 @@ TEST_F(FlightRecord, TellsOfALineOnlyWhereItsSpeedCounts) {
   lockstep.scenario = Scenario::load(cas::test::source_dir() + "/config/scenarios/hover.yaml");
   lockstep.seed = 2;
   lockstep.out = folder_->path();
-  lockstep.lockstep = true;
+  lockstep.clock = Clock::kLockstep;
   EXPECT_EQ(json::parse(replay_record(lockstep, *run_)).at("line"), json({{"type", "lockstep"}}));
 }
 

@@ -92,7 +92,7 @@ TEST_F(SeveralVehicles, AreJudgedOnlyByTheResponsesThatTheyFly) {
 
 TEST_F(SeveralVehicles, AreRefusedWhereOneFlies) {
   const Scenario scenario = load(kFleetHead + kTwo + "}\n" + kFleetFlight);
-  const RunRequest lockstep{.scenario = scenario, .lockstep = true, .out = folder_.path()};
+  const RunRequest lockstep{.scenario = scenario, .clock = Clock::kLockstep, .out = folder_.path()};
   EXPECT_THROW(run_in_lockstep(lockstep), base::ConfigError);
   EXPECT_THROW(comparison_scenario(scenario, {}), base::ConfigError);
 }
