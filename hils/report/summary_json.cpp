@@ -15,7 +15,7 @@ namespace {
 using OrderedJson = nlohmann::ordered_json;
 using Part = Figure<Measurement>::Part;
 
-constexpr int kSchema = 1;
+constexpr int kSchema = 2;
 
 OrderedJson delay_json(const DelayFigures& delay) {
   if (delay.count == 0) return nullptr;
@@ -132,7 +132,7 @@ void put_flight(const Measurement& figures, OrderedJson& summary) {
   summary["stages"] = stages_json(figures);
 }
 
-/// Fields that every run has.
+/// What the vehicles of a run have in common.
 OrderedJson run_json(const Measurement& figures, const Verdict& verdict) {
   OrderedJson summary;
   summary["schema"] = kSchema;
@@ -148,8 +148,10 @@ OrderedJson run_json(const Measurement& figures, const Verdict& verdict) {
   return summary;
 }
 
-/// Appends the figures of one vehicle.
-void add_figures(const Measurement& figures, OrderedJson& summary) {
+OrderedJson vehicle_json(const VehicleResult& vehicle) {
+  const Measurement& figures = vehicle.figures;
+  OrderedJson summary{{"name", figures.vehicle}, {"system", vehicle.record.system}};
+  put_verdict(vehicle.verdict, summary);
   summary["window_s"] = {{"begin", static_cast<double>(figures.window.begin_usec) * 1e-6},
                          {"end", static_cast<double>(figures.window.end_usec) * 1e-6}};
   if (figures.streamed) put_figures(figure_table(), Part::kStream, figures, summary);
@@ -165,28 +167,16 @@ void add_figures(const Measurement& figures, OrderedJson& summary) {
   put_flight(figures, summary);
   summary["plugins"] = plugins_json(figures.plugins);
   if (figures.firmware) add_firmware(figures, summary);
-}
-
-OrderedJson vehicle_json(const Measurement& figures, const Verdict& verdict) {
-  OrderedJson summary = run_json(figures, verdict);
-  add_figures(figures, summary);
   return summary;
 }
 
 }  // namespace
 
-std::string summary_json(const Measurement& figures, const Verdict& verdict) {
-  return vehicle_json(figures, verdict).dump(2) + "\n";
-}
-
 std::string summary_json(const RunResult& run) {
-  if (!run.has_several()) return summary_json(run.vehicles.front().figures, run.verdict);
   OrderedJson summary = run_json(run.whole(), run.verdict);
   summary["vehicles"] = OrderedJson::array();
   for (const VehicleResult& vehicle : run.vehicles) {
-    OrderedJson entry{{"name", vehicle.figures.vehicle}, {"system", vehicle.record.system}};
-    entry.update(vehicle_json(vehicle.figures, vehicle.verdict));
-    summary["vehicles"].push_back(std::move(entry));
+    summary["vehicles"].push_back(vehicle_json(vehicle));
   }
   return summary.dump(2) + "\n";
 }

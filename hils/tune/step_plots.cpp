@@ -18,11 +18,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// When a step of that name began and ended in a flight, by its summary.json; s.
+/// When a step of that name of the first vehicle began and ended, by summary.json; s.
 std::optional<std::pair<double, double>> stage_of(const fs::path& flight, const std::string& name) {
   const auto summary = nlohmann::json::parse(text_of_file(flight / "summary.json"), nullptr, false);
-  if (!summary.is_object() || !summary.contains("stages")) return std::nullopt;
-  for (const auto& stage : summary["stages"]) {
+  const nlohmann::json::json_pointer stages("/vehicles/0/stages");
+  if (!summary.is_object() || !summary.contains(stages)) return std::nullopt;
+  for (const auto& stage : summary[stages]) {
     if (stage.value("name", "") != name) continue;
     return std::pair{stage.value("begin_s", 0.0), stage.value("end_s", 0.0)};
   }

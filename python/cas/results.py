@@ -13,12 +13,15 @@ from .table import Table, read_csv
 from .tlog import Tlog
 from .ulog import Ulog
 
+#: Of the summary.json that hils of this version writes.
+SUMMARY_SCHEMA = 2
+
 
 class Run:
     """The folder of one run.
 
-    `summary` is summary.json; of several vehicles `vehicle(NAME)` has the figures of one, and `truth`, `sensors`
-    and `ulog` are the first's.
+    `summary` is summary.json; `vehicle(NAME)` has the figures of one vehicle, and `truth`, `sensors` and `ulog` are the
+    first's.
     """
 
     def __init__(self, folder: Union[str, Path], exit_code: int = 0, output: str = "") -> None:
@@ -32,8 +35,12 @@ class Run:
 
     @functools.cached_property
     def summary(self) -> dict[str, Any]:
-        """Verdict and figures: `passed`, `rates`, `rms`, `latency_us`, ..."""
-        summary: dict[str, Any] = json.loads((self.folder / "summary.json").read_text(encoding="utf-8"))
+        """Verdict, pace and the list of vehicles: `passed`, `failures`, `wall_s`, `vehicles`, ..."""
+        file = self.folder / "summary.json"
+        summary: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+        if summary.get("schema") != SUMMARY_SCHEMA:
+            raise FormatError(f"{file} has schema {summary.get('schema')}, and this package reads {SUMMARY_SCHEMA}: fly "
+                              "the scenario again")
         return summary
 
     @property
@@ -48,20 +55,20 @@ class Run:
 
     @property
     def vehicles(self) -> list[str]:
-        """The names of several vehicles; empty where there is one without a name."""
-        return [each["name"] for each in self.summary.get("vehicles", [])]
+        """The names of the vehicles."""
+        return [each["name"] for each in self.summary["vehicles"]]
 
-    def vehicle(self, name: str) -> dict[str, Any]:
-        """The figures of one of several vehicles."""
-        for each in self.summary.get("vehicles", []):
-            if each["name"] == name:
+    def vehicle(self, name: str = "") -> dict[str, Any]:
+        """Verdict and figures of one vehicle, the first without a name: `passed`, `rates`, `rms`, `latency_us`, ..."""
+        for each in self.summary["vehicles"]:
+            if name in ("", each["name"]):
                 found: dict[str, Any] = each
                 return found
-        raise KeyError(f"the run has no vehicle {name}; it has {', '.join(self.vehicles) or 'one without a name'}")
+        raise KeyError(f"the run has no vehicle {name}; it has {', '.join(self.vehicles)}")
 
     def _of(self, stem: str, suffix: str, name: str) -> Path:
-        own = name or (self.vehicles[0] if self.vehicles else "")
-        return self.folder / (f"{stem}_{own}{suffix}" if own else stem + suffix)
+        own = self.vehicle(name)["name"]
+        return self.folder / (f"{stem}_{own}{suffix}" if len(self.vehicles) > 1 else stem + suffix)
 
     def truth_of(self, name: str = "") -> Table:
         """True motion at 100 Hz: `time_s`, x north, y east, z up (m), velocity, roll, pitch, yaw (rad, forward-

@@ -245,7 +245,7 @@ out = pathlib.Path(words[words.index("--out") + 1])
 out.mkdir(parents=True, exist_ok=True)
 virtual = "--virtual" in words
 rms = 1 + int(words[words.index("--seed") + 1]) % 2 if virtual else float(os.environ["REAL"])
-(out / "summary.json").write_text(json.dumps({{"rms": {{name: rms for name in {NAMES!r}}}}}))
+(out / "summary.json").write_text(json.dumps({{"vehicles": [{{"rms": {{name: rms for name in {NAMES!r}}}}}]}}))
 sys.exit(0 if virtual else int(os.environ["HILS"]))
 """)
         return self.run_script("realtime_agreement", "--flights", "2", "--virtual", "2", "--scenario", "hover.yaml",

@@ -9,6 +9,7 @@
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/vehicle_summary.hpp"
 #include "tests/support/wait_until.hpp"
 
 namespace cas::hils {
@@ -85,7 +86,7 @@ TEST(RealTime, FliesAControllerThatIsThereAlready) {
   ChildProcess hils({cas::test::binary_dir() + "/bin/hils", "run", scenario.string(), "--fcu",
                      port.string(), "--out", out.string()});
   EXPECT_EQ(hils.wait_exit(std::chrono::seconds(120)), 0) << hils.output();
-  const auto summary = nlohmann::json::parse(std::ifstream(out / "summary.json"));
+  const nlohmann::json summary = test::vehicle_summary(out);
   EXPECT_TRUE(summary.at("from_device"));
   EXPECT_EQ(summary.at("rates").at("HIL_SENSOR").at("lost"), 0);
 }

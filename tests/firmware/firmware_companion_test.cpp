@@ -12,9 +12,6 @@ constexpr const char* kThreeTimesRealTime = "\nspeed: 3\n";
 
 class FirmwareCompanion : public SitlFlight {
  protected:
-  nlohmann::json summary() const {
-    return nlohmann::json::parse(content(folder_.path() / "out/summary.json"));
-  }
   /// Simulated times at which the vehicle was in a mode of PX4, by the flight log.
   bool was_in(std::uint32_t custom_mode) const {
     bool was = false;

@@ -8,10 +8,7 @@
 namespace cas::test {
 namespace {
 
-class FirmwareEnd : public SitlFlight {
- protected:
-  std::string left(const std::string& file) const { return content(folder_.path() / "out" / file); }
-};
+class FirmwareEnd : public SitlFlight {};
 
 TEST_F(FirmwareEnd, InFlightIsAFailedFlightWithItsReports) {
   start("dies");
@@ -20,7 +17,7 @@ TEST_F(FirmwareEnd, InFlightIsAFailedFlightWithItsReports) {
   EXPECT_TRUE(says("scripted: a bug")) << output();
   EXPECT_NE(left("junit.xml").find("was ended by signal 6"), std::string::npos);
   EXPECT_NE(left("report.html").find("was ended by signal 6"), std::string::npos);
-  EXPECT_FALSE(nlohmann::json::parse(left("summary.json")).at("passed").get<bool>());
+  EXPECT_FALSE(summary().at("passed").get<bool>());
   EXPECT_FALSE(says("a hint of the scenario")) << "it was heard: its airframe is right";
 }
 
@@ -75,12 +72,12 @@ TEST_F(FirmwareEnd, OfAnEarlierFlightLeavesNoParametersBehind) {
   start("obedient");
   ASSERT_EQ(fly(), 0) << output();
   ASSERT_NE(left("run/firmware/parameters").find("MPC_Z_VEL_MAX_UP 1.5"), std::string::npos);
-  const auto first = nlohmann::json::parse(left("summary.json")).at("parameters");
+  const auto first = summary().at("parameters");
   first_step_ = "  - arm: {timeout_s: 100}\n";
   start("obedient");
   ASSERT_EQ(fly(), 0) << output();
   EXPECT_EQ(left("run/firmware/parameters").find("MPC_Z_VEL_MAX_UP 1.5"), std::string::npos);
-  EXPECT_EQ(nlohmann::json::parse(left("summary.json")).at("parameters"), first)
+  EXPECT_EQ(summary().at("parameters"), first)
       << "both began with the parameters that the firmware comes with";
   EXPECT_GT(first.at("count").get<int>(), 50);
 }

@@ -50,9 +50,6 @@ class FirmwareFence : public SitlFlight {
   }
   static std::string shipped_fence() { return paragraph("px4_geofence", "geofence:"); }
 
-  nlohmann::json summary() const {
-    return nlohmann::json::parse(content(folder_.path() / "out/summary.json"));
-  }
   void expect_restored() const {
     const auto values = written(folder_.path() / "out/flight.tlog");
     ASSERT_TRUE(values.contains("GF_ACTION"));

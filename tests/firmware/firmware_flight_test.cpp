@@ -19,6 +19,7 @@
 #include "tests/support/free_port.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/vehicle_summary.hpp"
 
 namespace cas::test {
 namespace {
@@ -123,7 +124,7 @@ TEST_F(FirmwareFlightOnASerialLine, Px4HitlFliesAfterEachFaultOfTheBenchHasHitIt
 )";
   const std::string text = scenario("px4_hitl", kFirmware);
   ASSERT_EQ(fly_hitl(replaced(text, "steps:\n", steps) + faults), 0) << log();
-  const nlohmann::json summary = nlohmann::json::parse(content(folder_ / "out/summary.json"));
+  const nlohmann::json summary = vehicle_summary(folder_ / "out");
   ASSERT_EQ(summary.at("faults").size(), 5U) << summary.dump(2);
   for (const nlohmann::json& fault : summary.at("faults")) {
     EXPECT_FALSE(fault.contains("began")) << fault;
@@ -148,7 +149,7 @@ std::string with_a_cut(const std::string& scenario, const char* for_s) {
 
 TEST_F(FirmwareFlightOnASerialLine, Px4HitlFliesOnAfterALineThatWasCutFor50Ms) {
   EXPECT_EQ(fly_hitl(with_a_cut(scenario("px4_hitl", kFirmware), "0.05")), 0) << log();
-  const nlohmann::json summary = nlohmann::json::parse(content(folder_ / "out/summary.json"));
+  const nlohmann::json summary = vehicle_summary(folder_ / "out");
   ASSERT_EQ(summary.at("faults").size(), 1U);
   EXPECT_FALSE(summary.at("faults").at(0).contains("began"));
 }

@@ -17,7 +17,6 @@ class FirmwareMany : public SitlFlight {
     hils_.emplace(words);
     return hils_->wait_exit(3 * kFlightPatience);  // several flights, perhaps one after the other
   }
-  std::string left(const std::string& file) const { return content(folder_.path() / "out" / file); }
 };
 
 /// Whether this system gives a process a network of its own.

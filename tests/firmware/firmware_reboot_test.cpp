@@ -19,9 +19,6 @@ constexpr const char* kRebootFirst = R"(  - setparam: {MPC_Z_VEL_MAX_UP: 1.5, MI
 
 class FirmwareRebooted : public SitlFlight {
  protected:
-  nlohmann::json summary() const {
-    return nlohmann::json::parse(content(folder_.path() / "out/summary.json"));
-  }
   /// Stages of the flight by their step's word.
   std::vector<std::string> stages() const {
     std::vector<std::string> words;

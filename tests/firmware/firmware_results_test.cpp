@@ -9,11 +9,7 @@
 namespace cas::test {
 namespace {
 
-class FirmwareResults : public SitlFlight {
- protected:
-  std::string left(const std::string& file) const { return content(folder_.path() / "out" / file); }
-  nlohmann::json summary() const { return nlohmann::json::parse(left("summary.json")); }
-};
+class FirmwareResults : public SitlFlight {};
 
 TEST_F(FirmwareResults, HaveFaultsFiguresAndAReport) {
   start("obedient", R"(sensors: {preset: rtk, imu: {rate_hz: 250}}

@@ -17,6 +17,7 @@
 #include "tests/support/free_port.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/udp_peer.hpp"
+#include "tests/support/vehicle_summary.hpp"
 #include "tests/support/wait_until.hpp"
 
 namespace cas::test {
@@ -75,6 +76,10 @@ firmware:
     return "['" + binary_dir() + "/tests/scripted_firmware', px4-sitl, " + ports_.arguments() +
            ", " + word + "]";
   }
+
+  /// A file of the results.
+  std::string left(const std::string& file) const { return content(folder_.path() / "out" / file); }
+  nlohmann::json summary() const { return vehicle_summary(folder_.path() / "out"); }
 
   /// Goes on until hils has ended; sends HEARTBEATs and passes packets from casd on.
   std::optional<int> fly(const std::function<void(const mav::PacketView&)>& on_packet = {}) {

@@ -9,6 +9,7 @@
 
 #include "tests/loopback/board_shelf.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/vehicle_summary.hpp"
 #include "tests/support/wait_until.hpp"
 
 namespace cas::test {
@@ -113,7 +114,7 @@ TEST(BoardDay, LockFlashBootFlyCrashPowerCycleFlyAgain) {
       {"run", hop, "--fcu", "a", "--out", (shelf.folder / "second").string()}, {ticket});
   const int flown = second->wait_exit(kFlightPatience).value_or(-1);
   expect_flown(shelf, {flown, second->output()}, "second");
-  EXPECT_EQ(steps_of(json::parse(shelf.said("second/summary.json"))),
+  EXPECT_EQ(steps_of(vehicle_summary(shelf.folder / "second")),
             (std::set<std::string>{"arm", "takeoff", "hold", "land"}));
   const json boards = json::parse(shelf.said("second/boards.json"));
   EXPECT_EQ(boards.at(0).at("firmware"), "1.15.0");

@@ -9,7 +9,6 @@
 #include <array>
 #include <csignal>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -28,6 +27,7 @@
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/udp_peer.hpp"
+#include "tests/support/vehicle_summary.hpp"
 #include "tests/support/wait_until.hpp"
 
 namespace cas::test {
@@ -310,13 +310,13 @@ TEST_F(HilsWatch, APageShowsTheRunAtTheAddressInTheFileThatItNames) {
   EXPECT_TRUE(run.wait_exit()) << run.output();
   EXPECT_FALSE(fs::exists(file));
 
-  const auto summary = nlohmann::json::parse(TemporaryFolder::read(folder_ / "out/summary.json"));
-  EXPECT_EQ(summary["from_outside"], true);
-  const std::string acts = summary["acts"].dump();
+  const nlohmann::json summary = vehicle_summary(folder_ / "out");
+  EXPECT_EQ(summary.at("from_outside"), true);
+  const std::string acts = summary.at("acts").dump();
   for (const char* act : {"sim.pause", "sim.resume", "fault.inject"}) {
     EXPECT_NE(acts.find(act), std::string::npos) << act << " in " << acts;
   }
-  EXPECT_EQ(summary["faults"][0]["name"], "no fix") << summary["faults"];
+  EXPECT_EQ(summary.at("faults").at(0).at("name"), "no fix") << summary.at("faults");
 }
 
 TEST_F(HilsWatch, RefusesAPortThatAnotherProgramHas) {
@@ -341,20 +341,18 @@ TEST_F(HilsWatch, ARunInWhichSomebodyTunesSaysSo) {
   EXPECT_TRUE(std::regex_search(set.output, std::regex("velocity: P ([0-9.]+ -> )?1.2,")))
       << set.output;
   // Whether the machine is quick enough for a verdict is no matter here.
-  const fs::path summary_file = folder_ / "out/summary.json";
   ASSERT_TRUE(wait_until([&] { return run.output().find("Results: ") != std::string::npos; },
                          std::chrono::seconds(120)))
       << run.output();
-  std::ifstream file(summary_file);
-  const auto summary = nlohmann::json::parse(file);
-  EXPECT_EQ(summary["from_outside"], true);
-  ASSERT_EQ(summary["changes"].size(), 1U) << summary["changes"];
-  const nlohmann::json& change = summary["changes"][0];
-  EXPECT_EQ(change["loop"], "velocity P");
-  EXPECT_EQ(change["parameter"], "MPC_XY_VEL_P_ACC");
-  EXPECT_FLOAT_EQ(change["new"].get<float>(), 1.2F);
-  EXPECT_TRUE(change["old"].is_number()) << change;
-  EXPECT_NE(change["by"].get<std::string>().find("casd's command port ("), std::string::npos);
+  const nlohmann::json summary = vehicle_summary(folder_ / "out");
+  EXPECT_EQ(summary.at("from_outside"), true);
+  ASSERT_EQ(summary.at("changes").size(), 1U) << summary.at("changes");
+  const nlohmann::json& change = summary.at("changes").at(0);
+  EXPECT_EQ(change.at("loop"), "velocity P");
+  EXPECT_EQ(change.at("parameter"), "MPC_XY_VEL_P_ACC");
+  EXPECT_FLOAT_EQ(change.at("new").get<float>(), 1.2F);
+  EXPECT_TRUE(change.at("old").is_number()) << change;
+  EXPECT_NE(change.at("by").get<std::string>().find("casd's command port ("), std::string::npos);
   EXPECT_NE(run.output().find("Changed in flight\n"), std::string::npos) << run.output();
 }
 

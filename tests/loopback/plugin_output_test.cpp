@@ -13,6 +13,7 @@
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
+#include "tests/support/vehicle_summary.hpp"
 
 namespace cas::test {
 namespace {
@@ -109,7 +110,7 @@ TEST_F(PluginOutput, PassesTheRoutesOfARunWhenItIsDeclared) {
 TEST_F(PluginOutput, LeavesTheRoutesAloneWhereNothingIsDeclared) {
   run("  - {plugin: fake_listener}\n", {"--virtual"}, 0);
   EXPECT_EQ(allowed(), (std::vector<std::string>{"HEARTBEAT", "HIL_SENSOR", "HIL_GPS"}));
-  EXPECT_EQ(figures("summary.json").at("plugins"), json::object());
+  EXPECT_EQ(vehicle_summary(out()).at("plugins"), json::object());
   EXPECT_EQ(text("report.html").find(">Plugins<"), std::string::npos);
 }
 
@@ -126,7 +127,7 @@ TEST_F(PluginOutput, ABatteryOfTheVehicleFilePassesTheRoutesOfARun) {
 
 TEST_F(PluginOutput, IsInSummaryAndReportUnderNamesThatAreText) {
   run("  - {plugin: fake_sender}\n", {"--virtual"}, 0);
-  const json own = figures("summary.json").at("plugins").at("fake_sender");
+  const json own = vehicle_summary(out()).at("plugins").at("fake_sender");
   const json sine = own.at("<script>alert(\"sine\")</script>");
   EXPECT_EQ(sine.at("unit"), "\"&<b>");
   EXPECT_GT(sine.at("samples"), 30);
@@ -156,7 +157,7 @@ TEST_F(PluginOutput, ComesFromThisRunAlone) {
   EXPECT_TRUE(is_regular_file(out() / "plugin_figures.json"));
   run("  - {plugin: fake_listener}\n", {"--virtual"}, 0);
   EXPECT_FALSE(is_regular_file(out() / "plugin_figures.json"));
-  EXPECT_EQ(figures("summary.json").at("plugins"), json::object());
+  EXPECT_EQ(vehicle_summary(out()).at("plugins"), json::object());
 }
 
 TEST_F(PluginOutput, IsRefusedWhereItMayNotBe) {

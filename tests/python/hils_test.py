@@ -30,7 +30,7 @@ if code == "killed":
     print("waiting", flush=True)
     os.kill(os.getpid(), signal.SIGKILL)
 if code in (0, 1, 3):
-    json.dump({{"passed": code == 0, "valid": code != 3}}, open(os.path.join(out, "summary.json"), "w"))
+    json.dump({{"schema": 2, "passed": code == 0, "valid": code != 3}}, open(os.path.join(out, "summary.json"), "w"))
     json.dump({{"figures": ["up", "crash_s", "rms_x_m"]}}, open(os.path.join(out, "plan.json"), "w"))
     open(os.path.join(out, "results.csv"), "w").write(
         "row,up,crash_s,rms_x_m,incident,cause\\n1,1,,0.5,,\\n2,,,,,\\"died, twice\\"\\n")

@@ -282,7 +282,8 @@ class DamagedUlogTest(FolderTest):
 class RunTest(FolderTest):
     def test_a_folder_of_several_vehicles_is_read_by_name(self):
         vehicles = [{"name": "left", "passed": True}, {"name": "right", "passed": False}]
-        (self.folder / "summary.json").write_text(json.dumps({"passed": False, "valid": True, "vehicles": vehicles}))
+        (self.folder / "summary.json").write_text(json.dumps({"schema": 2, "passed": False, "valid": True,
+                                                              "vehicles": vehicles}))
         for name in ("left", "right"):
             (self.folder / f"truth_{name}.csv").write_text(f"time_s,x_m\n0,{len(name)}\n")
         run = cas.read(self.folder)
@@ -290,8 +291,20 @@ class RunTest(FolderTest):
         self.assertEqual(list(run.truth["x_m"]), [4])
         self.assertEqual(list(run.truth_of("right")["x_m"]), [5])
         self.assertFalse(run.vehicle("right")["passed"])
+        self.assertEqual(run.vehicle(), run.vehicle("left"))
         with self.assertRaisesRegex(KeyError, "no vehicle middle; it has left, right"):
             run.vehicle("middle")
+
+    def test_the_files_of_one_vehicle_bear_no_name(self):
+        (self.folder / "summary.json").write_text(json.dumps({"schema": 2, "vehicles": [{"name": "iris0"}]}))
+        (self.folder / "truth.csv").write_text("time_s,x_m\n0,7\n")
+        run = cas.read(self.folder)
+        self.assertEqual((run.vehicles, list(run.truth["x_m"])), (["iris0"], [7]))
+
+    def test_a_summary_of_another_schema_is_refused_by_name(self):
+        (self.folder / "summary.json").write_text(json.dumps({"schema": 1, "passed": True}))
+        with self.assertRaisesRegex(cas.FormatError, "summary.json has schema 1, and this package reads 2"):
+            _ = cas.read(self.folder).passed
 
     def test_what_is_no_run_says_what_makes_one(self):
         with self.assertRaisesRegex(cas.FormatError, "`hils run SCENARIO --out"):

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "hils/report/summary_json.hpp"
+#include "tests/hils/report/run_text.hpp"
 
 namespace cas::hils {
 namespace {
@@ -139,8 +139,10 @@ TEST(FigureTable, HasNoValueOfWhatWasNotMeasured) {
 
 TEST(FigureTable, IsWhatASummaryHasAtEachPlace) {
   const Measurement figures = filled();
-  const auto summary = nlohmann::json::parse(summary_json(figures, Verdict{}));
+  const auto run = test::run_summary(figures, Verdict{});
   for (const auto& row : figure_table()) {
+    const bool is_of_run = row.part == Figure<Measurement>::Part::kRun;
+    const nlohmann::json& summary = is_of_run ? run : run.at("vehicles").at(0);
     std::string path = "/" + row.place();
     std::ranges::replace(path, '.', '/');
     const nlohmann::json::json_pointer place(path);
@@ -151,15 +153,16 @@ TEST(FigureTable, IsWhatASummaryHasAtEachPlace) {
 }
 
 TEST(FigureTable, LeavesABlockWithoutAValueNullInASummary) {
-  const auto summary = nlohmann::json::parse(summary_json(Measurement{}, Verdict{}));
+  EXPECT_TRUE(test::run_summary(Measurement{}, Verdict{}).at("cpu_pressure").is_null());
+  const auto summary = test::vehicle_summary(Measurement{}, Verdict{});
   for (const char* block : {"/latency_us/sensor_uplink", "/age_at_use_us/by_stamp", "/rms",
-                            "/rms_estimate", "/peak_error_m", "/cpu_pressure"}) {
+                            "/rms_estimate", "/peak_error_m"}) {
     const nlohmann::json::json_pointer place(block);
     ASSERT_TRUE(summary.contains(place)) << block;
     EXPECT_TRUE(summary.at(place).is_null()) << block;
   }
-  EXPECT_EQ(summary["rates"]["HIL_GPS"]["lost"], 0);
-  EXPECT_TRUE(summary["rates"]["HIL_GPS"]["delivered_pct"].is_null());
+  EXPECT_EQ(summary.at("rates").at("HIL_GPS").at("lost"), 0);
+  EXPECT_TRUE(summary.at("rates").at("HIL_GPS").at("delivered_pct").is_null());
 }
 
 TEST(FigureTable, IsPrintedWithADirectionForEachFigureThatHasOne) {

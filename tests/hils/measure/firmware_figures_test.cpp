@@ -19,8 +19,8 @@
 #include "hils/measure/hold_motion.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/programs/fcu_device.hpp"
-#include "hils/report/summary_json.hpp"
 #include "mavlink/common/hil_sensor.hpp"
+#include "tests/hils/report/run_text.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -129,7 +129,7 @@ TEST_F(FirmwareFlightFigures, OfAHoldThatWasNotFlownAreNone) {
   record.hold.reset();
   record.flight_failure = "step 3 (hold) ended";
   const Measurement figures = measured(record);
-  const auto summary = nlohmann::json::parse(summary_json(figures, judge(figures, {})));
+  const auto summary = test::vehicle_summary(figures, judge(figures, {}));
   for (const char* key : {"height_error_m", "drift_m", "peak_error_m", "rms", "rms_estimate"}) {
     EXPECT_TRUE(summary.at(key).is_null()) << key;
   }

@@ -8,7 +8,6 @@
 #include <nlohmann/json.hpp>
 
 #include "hils/programs/cpu_pressure.hpp"
-#include "hils/report/summary_json.hpp"
 #include "tests/hils/report/run_text.hpp"
 
 namespace cas::hils {
@@ -158,7 +157,7 @@ TEST(Judgement, AFaultThatNeverBeganLeavesAGoodFlightWithoutAVerdict) {
   EXPECT_EQ(verdict.failures, (std::vector<std::string>{
                                   "fault 'no GPS' never began: its condition never came true",
                                   "fault 'late' never began: the flight ended before its time"}));
-  const auto json = nlohmann::json::parse(summary_json(figures, verdict));
+  const auto json = test::vehicle_summary(figures, verdict);
   EXPECT_EQ(json.at("faults").at(0).at("name"), "no GPS");
   EXPECT_EQ(json.at("faults").at(0).at("began"), "never");
 }
@@ -206,7 +205,7 @@ TEST(Judgement, TheStepUnderWayAtTheEndIsAmongTheStages) {
   Measurement figures = good();
   figures.stages.emplace_back().step.name = "corner1";
   figures.under_way.emplace().step.name = "corner2";
-  const auto stages = nlohmann::json::parse(summary_json(figures, judge(figures, {}))).at("stages");
+  const auto stages = test::vehicle_summary(figures, judge(figures, {})).at("stages");
   ASSERT_EQ(stages.size(), 2U);
   EXPECT_FALSE(stages.at(0).contains("finished"));
   EXPECT_EQ(stages.at(1).at("name"), "corner2");
@@ -270,7 +269,7 @@ TEST(Judgement, RemarksOnAMeasuredStepWithoutLimits) {
   ASSERT_EQ(verdict.remarks.size(), 1U);
   EXPECT_NE(test::run_text(good(), verdict).find("note: the scenario limits neither rms nor "),
             std::string::npos);
-  EXPECT_NE(summary_json(good(), verdict).find("the scenario limits neither rms nor "),
+  EXPECT_NE(test::run_summary(good(), verdict).dump().find("the scenario limits neither rms nor "),
             std::string::npos);
   EXPECT_TRUE(judge(good(), hover_limits()).remarks.empty());
 }
@@ -441,10 +440,13 @@ TEST(TextReport, NamesTheClockAndMeasuresNoDelayInLockstep) {
 
 TEST(Summary, HasTheFieldsThatProgramsReadOff) {
   const Measurement figures = good();
-  const auto summary = nlohmann::json::parse(summary_json(figures, judge(figures, hover_limits())));
-  for (const char* key : {"schema", "scenario", "architecture", "valid", "passed", "failures"}) {
-    EXPECT_TRUE(summary.contains(key)) << key;
+  const auto run = test::run_summary(figures, judge(figures, hover_limits()));
+  EXPECT_EQ(run.at("schema"), 2);
+  for (const char* key : {"scenario", "architecture", "valid", "passed", "failures"}) {
+    EXPECT_TRUE(run.contains(key)) << key;
   }
+  ASSERT_EQ(run.at("vehicles").size(), 1U);
+  nlohmann::json summary = run.at("vehicles").at(0);
   for (const char* message : {"HIL_SENSOR", "HIL_GPS", "HIL_CONTROLS"}) {
     for (const char* key : {"nominal_hz", "sent", "received", "lost", "received_hz", "error_pct"}) {
       EXPECT_TRUE(summary["rates"][message].contains(key)) << message << " " << key;

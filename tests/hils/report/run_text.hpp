@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "hils/report/run_report.hpp"
+#include "hils/report/summary_json.hpp"
 
 namespace cas::hils::test {
 
@@ -15,6 +17,16 @@ inline RunResult run_of(const Measurement& figures, const Verdict& verdict) {
 /// Its report on a terminal.
 inline std::string run_text(const Measurement& figures, const Verdict& verdict) {
   return write_text(run_report(run_of(figures, verdict)));
+}
+
+/// Its summary.json.
+inline nlohmann::json run_summary(const Measurement& figures, const Verdict& verdict) {
+  return nlohmann::json::parse(summary_json(run_of(figures, verdict)));
+}
+
+/// The vehicle's part of it.
+inline nlohmann::json vehicle_summary(const Measurement& figures, const Verdict& verdict) {
+  return run_summary(figures, verdict).at("vehicles").at(0);
 }
 
 }  // namespace cas::hils::test

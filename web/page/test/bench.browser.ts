@@ -80,8 +80,10 @@ test('a run is watched, touched and judged in the browser', {skip: missing.lengt
     assert.deepEqual(errors, []);
     await until(page, 'the verdict is told', (now) => ['passed', 'failed', 'invalid'].includes(now.verdict ?? ''));
     await ended;
-    const summary = JSON.parse(readFileSync(join(folder, 'out/summary.json'), 'utf8')) as {from_outside: boolean};
-    assert.equal(summary.from_outside, true);
+    const summary = JSON.parse(readFileSync(join(folder, 'out/summary.json'), 'utf8')) as {
+      vehicles: {from_outside: boolean}[];
+    };
+    assert.equal(summary.vehicles[0].from_outside, true);
   } finally {
     await browser.close();
     hils.kill('SIGINT');
