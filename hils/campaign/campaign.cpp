@@ -190,7 +190,7 @@ Scenario scenario_of(const base::ConfigNode& root, const Campaign& campaign) {
 /// The plugins of a campaign's vehicle.
 std::set<std::string> plugins_of(const Scenario& scenario) {
   std::set<std::string> plugins = plugin_names(scenario.plugins);
-  const auto world = base::ConfigNode::load(scenario.firmware->world);
+  const base::ConfigNode& world = scenario.firmware->world;
   plugins.merge(plugin_names(world.at("vehicles").items().front().at("plugins").items()));
   return plugins;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/firmware/firmware_bench.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -21,6 +22,11 @@ constexpr base::Duration kStopPatience = std::chrono::seconds(5);
 
 std::filesystem::path program(const std::string& name) {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;
+}
+
+/// A world's home as ArduPilot's --home takes it: "LAT,LON,ALT,HEADING".
+std::string home_text(const base::Geodetic& home) {
+  return fmt::format("{:.7f},{:.7f},{},0", home.lat_deg, home.lon_deg, home.alt_m);
 }
 
 }  // namespace
@@ -136,11 +142,12 @@ ChildProcess::Options FirmwareBench::options(const std::string& name,
 
 ChildProcess::Options FirmwareBench::firmware_options(std::size_t instance) const {
   const auto config = base::shipped_config("firmware/quad_x.parm").parent_path().parent_path();
-  const std::map<std::string, std::string> own{
+  std::map<std::string, std::string> own{
       {"CAS_FCU_TTY", places_.firmware_tty().string()},
       {"CAS_CONFIG", config.string()},
       {"CAS_INSTANCE", std::to_string(instance)},
       {"CAS_SYSTEM", std::to_string(system_of_instance(instance))}};
+  if (scenario_.home) own["CAS_HOME"] = home_text(*scenario_.home);
   const auto text = [&own](const std::string& written) { return with_variables(written, own); };
   std::vector<std::string> arguments;
   for (const std::string& word : scenario_.firmware->command) arguments.push_back(text(word));

@@ -38,7 +38,7 @@ void resolve_files(const base::ConfigNode& source, YAML::Node world) {
 std::string world_text(const RunRequest& request, const RunPlaces& places) {
   const Scenario& scenario = request.scenario;
   const Firmware& firmware = *scenario.firmware;
-  const auto source = base::ConfigNode::load(firmware.world);
+  const base::ConfigNode& source = firmware.world;
   YAML::Node world = YAML::Load(source.dump());
   resolve_files(source, world);
   world["seed"] = request.seed;
@@ -48,7 +48,9 @@ std::string world_text(const RunRequest& request, const RunPlaces& places) {
   std::string notes = base::origin_notes("", source);
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
     YAML::Node vehicle = world["vehicles"][i];
-    if (firmware.sensors) vehicle["sensors"] = YAML::Load(firmware.sensors->dump());
+    const auto& own = scenario.vehicles[i].sensors;
+    if (const auto& set = own ? own : firmware.sensors)
+      vehicle["sensors"] = YAML::Load(set->dump());
     add_scenario_plugins(request, i, vehicle["plugins"]);
     vehicle["plugins"].push_back(recorder_plugin(request, places.vehicles.at(i)));
     notes += plugin_origins(scenario, i, vehicles.at(i).at("plugins").items().size());
@@ -67,7 +69,7 @@ void add_station(const RunRequest& request, YAML::Node topology) {
   const YAML::Node links = topology["links"];
   const auto own = std::find_if(links.begin(), links.end(), is_for_a_station);
   if (topology["routes"] && own == links.end()) {
-    throw base::ConfigError(request.scenario.firmware->topology.string() +
+    throw base::ConfigError(request.scenario.firmware->topology.file().string() +
                             ": --gcs: it has routes, and no link of a ground station to copy");
   }
   if (topology["routes"]) {
@@ -90,7 +92,7 @@ void add_station(const RunRequest& request, YAML::Node topology) {
 
 std::string topology_text(const RunRequest& request, const RunPlaces& places) {
   const Firmware& firmware = *request.scenario.firmware;
-  const auto source = base::ConfigNode::load(firmware.topology);
+  const base::ConfigNode& source = firmware.topology;
   YAML::Node topology = YAML::Load(source.dump());
   topology["command_port"]["port"] = 0;
   topology["command_port"]["unix"] = places.command_port.string();

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
-#include <array>
 #include <initializer_list>
 #include <optional>
 #include <string>
@@ -13,7 +12,6 @@
 
 #include "base/config/config_origin.hpp"
 #include "base/config/install_paths.hpp"
-#include "base/earth/gravity.hpp"
 #include "base/error.hpp"
 #include "base/os/result_file.hpp"
 #include "base/random.hpp"
@@ -21,6 +19,7 @@
 #include "fcu/line/line_model.hpp"
 #include "hils/programs/composed_parts.hpp"
 #include "hils/programs/declared_messages.hpp"
+#include "hils/scenario/simulation_parts.hpp"
 
 namespace cas::hils {
 
@@ -159,24 +158,6 @@ YAML::Node casd_routes(const RunRequest& request, const RunPlaces& places) {
   return routes;
 }
 
-/// Keys `world`, `model_path`, `missing`, `collada_up_axis` and `home`.
-void add_world(const Scenario& scenario, YAML::Node& root) {
-  const ScenarioWorld& world = scenario.world;
-  if (world.sdf.empty()) {
-    root["world"]["gravity_m_s2"] = base::kStandardGravity_m_s2;
-    root["world"]["ground"] = true;
-  } else {
-    root["world"] = full_path(world.sdf);
-    for (const auto& folder : world.model_path) root["model_path"].push_back(folder.string());
-    if (world.ignore_missing) root["missing"] = "ignore";
-    if (world.applies_up_axis) root["collada_up_axis"] = "applied";
-  }
-  if (!scenario.home) return;
-  root["home"]["lat_deg"] = scenario.home->lat_deg;
-  root["home"]["lon_deg"] = scenario.home->lon_deg;
-  root["home"]["alt_m"] = scenario.home->alt_m;
-}
-
 constexpr int kLockstepTimeoutMs = 10'000;  ///< a controller that died, not a machine that is busy
 constexpr int kSimulatorComponent = 200;    ///< the simulator beside autopilot 1 of its system
 
@@ -219,9 +200,6 @@ YAML::Node interface_plugin(const Scenario& scenario, std::size_t vehicle, Trans
   return node;
 }
 
-/// Plugins that every vehicle has, in front of the scenario's.
-constexpr std::array kFirstPlugins{"motor", "imu", "gps", "magnetometer", "barometer"};
-
 /// Where values of a vehicle came from, for errors of plugins (base/config/config_origin.hpp).
 std::string vehicle_origins(const Scenario& scenario, std::size_t vehicle) {
   const std::string where = fmt::format("vehicles[{}].", vehicle);
@@ -252,14 +230,7 @@ YAML::Node line_node(const RunRequest& request) {
 YAML::Node simulated_vehicle(const RunRequest& request, std::size_t vehicle, Transport transport,
                              const VehiclePlaces& places) {
   const Scenario& scenario = request.scenario;
-  const ScenarioVehicle& own = scenario.vehicles[vehicle];
-  YAML::Node node;
-  node["name"] = own.name;
-  node["vehicle"] = full_path(own.vehicle);
-  node["pose"]["x_m"] = own.pose.x_m;
-  node["pose"]["y_m"] = own.pose.y_m;
-  if (own.pose.z_m) node["pose"]["z_m"] = *own.pose.z_m;
-  node["pose"]["yaw_deg"] = own.pose.yaw_deg;
+  YAML::Node node = vehicle_node(scenario.vehicles[vehicle]);
   node["sensors"] = sensors(scenario, vehicle);
   node["plugins"] = vehicle_plugins(request, vehicle, transport, places);
   return node;
@@ -299,8 +270,7 @@ std::string simulator_config(const RunRequest& request, Transport transport,
   const Scenario& scenario = request.scenario;
   YAML::Node root;
   root["schema"] = 1;
-  add_world(scenario, root);
-  root["decimal_year"] = scenario.decimal_year;
+  put_world(scenario, root);
   root["step_us"] = scenario.step_us;
   root["pace"] = transport == Transport::kBus ? "free_run" : pace_word(request);
   // A world's own real-time factor is no part of an experiment.

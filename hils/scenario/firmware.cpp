@@ -7,11 +7,11 @@
 #include <cstdlib>
 #include <optional>
 
-#include "base/config/config_whole.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
 #include "base/suggestion.hpp"
 #include "hils/flight/phase_check.hpp"
+#include "hils/scenario/firmware_files.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
@@ -24,8 +24,9 @@ bool names_instance(const std::string& text) {
 }
 
 /// Several programs need ports and folders of their own. @throws base::ConfigError
-void check_instances(const base::ConfigNode& node, const Firmware& firmware) {
-  if (firmware.instances == 1) return;
+void check_instances(const base::ConfigNode& node, const Firmware& firmware,
+                     std::size_t instances) {
+  if (instances == 1) return;
   if (firmware.on_serial_line) {
     node.at("on_serial_line").fail("several instances fly in software only, without a serial line");
   }
@@ -42,21 +43,15 @@ void check_instances(const base::ConfigNode& node, const Firmware& firmware) {
   }
 }
 
-/// The world's first vehicles, which are flown. Their system ids are those of PX4's instances; the
-/// first HEARTBEAT of a single one may tell another. @throws base::ConfigError
-std::vector<ScenarioVehicle> flown_vehicles(const base::ConfigNode& firmware,
-                                            const base::ConfigNode& world, int instances) {
+/// The vehicles of a world's file. @throws base::ConfigError
+std::vector<ScenarioVehicle> flown_vehicles(const base::ConfigNode& world) {
   const auto listed = world.at("vehicles").items();
-  const auto count = static_cast<std::size_t>(instances);
-  if (listed.size() < count) {
-    firmware.at("instances")
-        .fail("the world has only " + std::to_string(listed.size()) + " of them");
-  }
-  std::vector<ScenarioVehicle> vehicles(count);
-  for (std::size_t i = 0; i < count; ++i) {
+  if (listed.empty()) world.at("vehicles").fail("names no vehicle");
+  if (listed.size() > kMostInstances) world.at("vehicles").fail("a run has at most 16 vehicles");
+  std::vector<ScenarioVehicle> vehicles(listed.size());
+  for (std::size_t i = 0; i < listed.size(); ++i) {
     vehicles[i].name = listed[i].get<std::string>("name", std::string(kVehicleName));
     vehicles[i].vehicle = base::find_config(listed[i].at("vehicle"));
-    vehicles[i].system_id = system_of_instance(i);
     if (const auto pose = listed[i].find("pose")) {
       vehicles[i].pose.x_m = pose->get("x_m", 0.0);
       vehicles[i].pose.y_m = pose->get("y_m", 0.0);
@@ -66,6 +61,13 @@ std::vector<ScenarioVehicle> flown_vehicles(const base::ConfigNode& firmware,
     }
   }
   return vehicles;
+}
+
+/// The system ids of PX4's instances; the first HEARTBEAT of a single one may tell another.
+void name_systems(Scenario& scenario) {
+  for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+    scenario.vehicles[i].system_id = system_of_instance(i);
+  }
 }
 
 /// The world's own, for the seed and place of a run.
@@ -108,8 +110,10 @@ Firmware parse_firmware(const base::ConfigNode& node) {
     }
   }
   firmware.on_serial_line = node.get("on_serial_line", false);
-  firmware.instances = base::get_whole_in<int>(node, "instances", 1, 1, kMostInstances);
-  check_instances(node, firmware);
+  if (const auto removed = node.find("instances")) {
+    removed->fail(
+        "is no key: each vehicle of the world has an instance; or name them in `vehicles`");
+  }
   return firmware;
 }
 
@@ -154,8 +158,8 @@ void parse_fence(const base::ConfigNode& root, Scenario& scenario) {
 }
 
 /// The loops that casd will know with this topology.
-casd::GainMap gains_of(const std::filesystem::path& topology) {
-  const auto gains = base::ConfigNode::load(topology).find("gains");
+casd::GainMap gains_of(const base::ConfigNode& topology) {
+  const auto gains = topology.find("gains");
   return gains ? casd::GainMap::load(base::find_config(*gains)) : casd::GainMap::shipped();
 }
 
@@ -175,9 +179,9 @@ std::map<std::string, double> parse_rates(const base::ConfigNode& limits) {
 }
 
 /// A fault that closes a link names one of the topology. @throws base::ConfigError
-void check_cuts(const base::ConfigNode& faults, const std::filesystem::path& topology) {
+void check_cuts(const base::ConfigNode& faults, const base::ConfigNode& topology) {
   std::vector<std::string> names;
-  for (const base::ConfigNode& link : base::ConfigNode::load(topology).at("links").items()) {
+  for (const base::ConfigNode& link : topology.at("links").items()) {
     names.push_back(link.get<std::string>("name", ""));
   }
   for (const base::ConfigNode& fault : faults.items()) {
@@ -189,7 +193,7 @@ void check_cuts(const base::ConfigNode& faults, const std::filesystem::path& top
 }
 
 /// The faults of the flight. @throws base::ConfigError for those that cannot be played
-void parse_faults(const base::ConfigNode& node, const base::ConfigNode& world, Scenario& scenario) {
+void parse_faults(const base::ConfigNode& node, Scenario& scenario) {
   const Firmware& firmware = *scenario.firmware;
   scenario.faults = parse_scenario_faults(node, base::ConfigNode::empty("line"), scenario.names());
   refuse_faults(node, std::array<std::string_view, 3>{"flood_hz", "silence", "starve"},
@@ -200,11 +204,48 @@ void parse_faults(const base::ConfigNode& node, const base::ConfigNode& world, S
   }
   check_cuts(node, firmware.topology);
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
-    auto plugins = world.at("vehicles").items().at(i).at("plugins").items();
+    auto plugins = firmware.world.at("vehicles").items().at(i).at("plugins").items();
     plugins.insert(plugins.end(), scenario.plugins.begin(), scenario.plugins.end());
     check_fault_plugins(plugin_names(plugins), scenario.faults.of_vehicle(i));
   }
   check_fault_phases(node, scenario.steps);
+}
+
+/// Takes simulation and topology from files. @throws base::ConfigError
+void read_files(const base::ConfigNode& root, Scenario& scenario, Firmware& firmware) {
+  firmware.world = base::ConfigNode::load(base::find_config(root.at("world")));
+  firmware.topology = base::ConfigNode::load(base::find_config(root.at("topology")));
+  if (const auto autopilot = root.at("firmware").find("autopilot")) {
+    autopilot->fail("the world's interface plugin says it; it goes with `vehicle` or `vehicles`");
+  }
+  scenario.vehicles = flown_vehicles(firmware.world);
+  name_systems(scenario);
+  firmware.autopilot = served_autopilot(firmware.world.at("vehicles").items().front());
+  read_world(firmware.world, scenario);
+}
+
+/// Makes simulation and topology for the vehicles of the scenario. @throws base::ConfigError
+void make_files(const base::ConfigNode& root, Scenario& scenario, Firmware& firmware) {
+  const base::ConfigNode autopilot = root.at("firmware").at("autopilot");
+  firmware.autopilot = autopilot.as<std::string>();
+  if (firmware.autopilot != "PX4" && firmware.autopilot != "ArduPilot") {
+    autopilot.fail("is PX4 or ArduPilot");
+  }
+  if (firmware.on_serial_line && firmware.autopilot != "PX4") {
+    autopilot.fail("on a serial line is PX4");
+  }
+  if (firmware.autopilot == "ArduPilot" && root.has("step_us")) {
+    root.at("step_us").fail("ArduPilot asks for its own steps, 1200 a second");
+  }
+  const auto vehicles = root.find("vehicles");
+  for (const auto& vehicle : vehicles ? vehicles->items() : std::vector<base::ConfigNode>{}) {
+    if (const auto own = vehicle.find("controller")) {
+      own->fail("stock firmware has parameters of its own");
+    }
+  }
+  name_systems(scenario);
+  firmware.world = firmware_world(scenario, firmware);
+  firmware.topology = firmware_topology(scenario, firmware);
 }
 
 /// Limits that mean something to stock firmware beside those of every controller.
@@ -272,16 +313,13 @@ std::string with_variables(const std::string& text,
 
 void read_firmware(const base::ConfigNode& root, Scenario& scenario) {
   Firmware firmware = parse_firmware(root.at("firmware"));
-  firmware.world = base::find_config(root.at("world"));
-  firmware.topology = base::find_config(root.at("topology"));
   firmware.not_hil = root.get("not_hil", false);
   firmware.sensors = root.find("sensors");
   if (firmware.sensors) firmware.sensors->mark_used();
-  const base::ConfigNode world = base::ConfigNode::load(firmware.world);
-  scenario.vehicles = flown_vehicles(root.at("firmware"), world, firmware.instances);
-  firmware.autopilot = served_autopilot(world.at("vehicles").items().front());
+  scenario.vehicles.empty() ? read_files(root, scenario, firmware)
+                            : make_files(root, scenario, firmware);
+  check_instances(root.at("firmware"), firmware, scenario.vehicles.size());
   scenario.architecture = firmware.on_serial_line ? Architecture::kTcas : Architecture::kSitl;
-  read_world(world, scenario);
   scenario.steps = parse_flight(root.at("steps"), gains_of(firmware.topology), scenario.names());
   scenario.firmware = std::move(firmware);
   parse_fence(root, scenario);
@@ -289,7 +327,7 @@ void read_firmware(const base::ConfigNode& root, Scenario& scenario) {
     scenario.plugins = root.at("plugins").items();
     root.at("plugins").mark_used();
   }
-  if (root.has("faults")) parse_faults(root.at("faults"), world, scenario);
+  if (root.has("faults")) parse_faults(root.at("faults"), scenario);
   if (root.has("limits")) parse_limits(root.at("limits"), scenario);
 }
 

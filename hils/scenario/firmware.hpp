@@ -16,8 +16,9 @@ namespace cas::hils {
 
 struct Scenario;
 
-/// A stock flight controller that is started as a program of this machine, and the world and
-/// topology in which one would start it by hand. In each text ${NAME} is a variable of the
+/// A stock flight controller that is started as a program of this machine, and the simulation and
+/// topology in which one would start it by hand: files, or made for the vehicles that the scenario
+/// names (firmware_files.hpp). In each text ${NAME} is a variable of the
 /// environment, with which the user says where the firmware is.
 struct Firmware {
   std::vector<std::string> command;  ///< argv, the program first
@@ -28,13 +29,12 @@ struct Firmware {
   std::string hint;           ///< remedy if it ends before its first HEARTBEAT
   std::string cwd;            ///< where it runs; empty: a folder in the results
   std::map<std::string, std::string> environment;
-  int instances = 1;            ///< of the program: one for each of the world's first vehicles
   bool on_serial_line = false;  ///< ${CAS_FCU_TTY} is the end of a pseudo-terminal, casd has the
                                 ///< other: HITL, in real time
-  std::filesystem::path world;
-  std::filesystem::path topology;
-  std::string autopilot;                    ///< autopilot_of_plugin() of the world's first vehicle
-  bool not_hil = false;                     ///< arm although it does not say that it is in HIL
+  base::ConfigNode world = base::ConfigNode::empty("world");
+  base::ConfigNode topology = base::ConfigNode::empty("topology");
+  std::string autopilot;  ///< "PX4", "ArduPilot": autopilot_of_plugin() of the first vehicle
+  bool not_hil = false;   ///< arm although it does not say that it is in HIL
   std::optional<base::ConfigNode> sensors;  ///< in the place of those of the flown vehicles
   base::ConfigNode node = base::ConfigNode::empty("firmware");  ///< for errors on its keys
 };
@@ -63,7 +63,8 @@ std::string_view autopilot_of_plugin(std::string_view plugin);
 std::string with_variables(const std::string& text, const std::map<std::string, std::string>& more);
 
 /// Reads the keys of a scenario that stock firmware flies, but for those of every scenario
-/// (Scenario::load): `firmware`, its `world` with the vehicles, `topology`, `geofence`, `sensors`.
+/// (Scenario::load): `firmware`, its `world` with the vehicles unless the scenario has named them,
+/// `topology`, `geofence`, `sensors`.
 /// @throws base::ConfigError with file, line and key path
 void read_firmware(const base::ConfigNode& root, Scenario& scenario);
 

@@ -328,7 +328,8 @@ constexpr std::tuple kRateKeys{
                                       "of the controls; no more than `sensor_hz`")),
 };
 
-constexpr std::tuple kKeys{
+/// Keys of every scenario that names its vehicles.
+constexpr std::tuple kPlaceAndTimeKeys{
     key<&Scenario::name>("name", base::Text{}, "for reports", "file name"),
     key<&Scenario::description>("description", base::Text{}, "for reports"),
     key<&Scenario::home>("home", block<base::Geodetic>(kPlaceKeys),
@@ -336,9 +337,12 @@ constexpr std::tuple kKeys{
     key<&Scenario::decimal_year>("decimal_year", kFieldYears, "date of the magnetic field model"),
     key<&Scenario::seed>("seed", base::Count{},
                          "seed of all random numbers; `--seed` overrides it"),
+    key<&Scenario::step_us>("step_us", base::Whole{100, 10'000}, "physics step"),
+};
+
+constexpr std::tuple kKeys{
     key<&Scenario::architecture>("architecture", ArchitectureWord{},
                                  "see below; `--architecture` overrides it"),
-    key<&Scenario::step_us>("step_us", base::Whole{100, 10'000}, "physics step"),
     key<&Scenario::integrator>("integrator",
                                base::Words<std::string_view, 2>{{{{"rk4", "rk4"}, {"ode", "ode"}}},
                                                                 "the integrator is rk4 or ode"},
@@ -461,11 +465,17 @@ const Limits& Scenario::limits_of(std::size_t vehicle) const {
 
 namespace {
 
-/// Reads the keys of a scenario that our controller flies. @throws base::ConfigError
-void read_own(const base::ConfigNode& root, Scenario& scenario) {
+/// Reads the vehicles, their world and place. @throws base::ConfigError
+void read_vehicles(const base::ConfigNode& root, Scenario& scenario) {
   scenario.vehicles = parse_vehicles(root);
   parse_world(root, scenario);
   if (scenario.world.sdf.empty()) root.at("home");  // says that it is missing
+  base::read_keys(root, kPlaceAndTimeKeys, scenario);
+}
+
+/// Reads the keys of a scenario that our controller flies. @throws base::ConfigError
+void read_own(const base::ConfigNode& root, Scenario& scenario) {
+  read_vehicles(root, scenario);
   base::read_keys(root, kKeys, scenario);
   if (scenario.rates.controls_hz > scenario.rates.sensor_hz) {
     root.at("rates").at("controls_hz").fail("controls answer HIL_SENSOR: no more than sensor_hz");
@@ -491,7 +501,13 @@ Scenario Scenario::load(const std::filesystem::path& file) {
   scenario.file = file;
   scenario.name = root.get<std::string>("name", file.stem().string());
   scenario.description = root.get<std::string>("description", "");
-  root.has("firmware") ? read_firmware(root, scenario) : read_own(root, scenario);
+  if (!root.has("firmware")) {
+    read_own(root, scenario);
+  } else {
+    const bool names_vehicles = root.has("vehicle") || root.has("vehicles");
+    if (names_vehicles) read_vehicles(root, scenario);
+    read_firmware(root, scenario);
+  }
   if (const auto limits = root.find("limits")) {
     const auto rates_hz = std::move(scenario.limits.rates_hz);
     scenario.limits = parse_limits(*limits, scenario.steps);
@@ -507,7 +523,8 @@ Scenario Scenario::load(const std::filesystem::path& file) {
 }
 
 std::string scenario_reference() {
-  return base::key_table(std::tuple_cat(kVehiclesKeys, kWorldKeys, kKeys), Scenario{}) +
+  return base::key_table(std::tuple_cat(kVehiclesKeys, kWorldKeys, kPlaceAndTimeKeys, kKeys),
+                         Scenario{}) +
          "\nOne of `vehicles`:\n\n" + base::key_table(kVehicleKeys, ScenarioVehicle{}) +
          "\n`limits`:\n\n" + base::key_table(kLimitKeys, Limits{}) +
          figure_limit_lines(figure_table(), Row::Part::kMotion) +

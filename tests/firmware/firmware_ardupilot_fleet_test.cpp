@@ -30,21 +30,26 @@ class ArdupilotFleet : public testing::Test {
   std::optional<int> fly(const std::string& steps) {
     const std::string json[2] = {std::to_string(free_port()), std::to_string(free_port())};
     const std::string here = std::to_string(free_port());
-    std::string world = content(kConfig / "worlds/ardupilot_two.yaml");
-    world = replaced(replaced(world, "127.0.0.1:9002", "127.0.0.1:" + json[0]), "127.0.0.1:9012",
-                     "127.0.0.1:" + json[1]);
-    // with_whole_paths() knows of one vehicle.
-    folder_.write("world.yaml", with_whole_paths(with_whole_paths(world)));
-    folder_.write(
-        "topology.yaml",
-        with_whole_paths(replaced(replaced(content(kConfig / "topologies/ardupilot_sitl_two.yaml"),
-                                           "local: 127.0.0.1:14550", "local: 127.0.0.1:" + here),
-                                  "local: 127.0.0.1:14551", "local: 127.0.0.1:0")));
+    std::string world = with_whole_paths(content(kConfig / "worlds/ardupilot.yaml"));
+    const std::size_t at = world.find("  - name: copter0");
+    const std::string vehicle = world.substr(at);
+    world.resize(at);
+    for (int i = 0; i < 2; ++i) {
+      std::string own = replaced(vehicle, "copter0", i == 0 ? "left" : "right");
+      own = replaced(own, "{yaw_deg: 90}", "{x_m: " + std::to_string(5 * i) + ", yaw_deg: 90}");
+      world += replaced(own, "# local: 127.0.0.1:9002", "local: 127.0.0.1:" + json[i] + "  #");
+    }
+    folder_.write("world.yaml", world);
+    std::string topology = with_whole_paths(content(kConfig / "topologies/ardupilot_sitl.yaml"));
+    topology = replaced(topology, "type: udp, local: 127.0.0.1:14550",
+                        "type: udp_server, local: 127.0.0.1:" + here);
+    folder_.write("topology.yaml",
+                  replaced(topology, "local: 127.0.0.1:14551", "local: 127.0.0.1:0"));
     const auto scenario =
         folder_.write("scenario.yaml",
                       "schema: 1\nname: copters\nworld: world.yaml\ntopology: topology.yaml\n"
                       "not_hil: true\n" +
-                          steps + "firmware: {instances: 2, command: ['" + binary_dir() +
+                          steps + "firmware: {command: ['" + binary_dir() +
                           "/tests/scripted_firmware', ardupilot, '" + json[0] + "," + json[1] +
                           "', '" + here + "', plain, -i, '${CAS_INSTANCE}']}\n");
     hils_.emplace(std::vector<std::string>{binary_dir() + "/bin/hils", "run", scenario.string(),

@@ -38,7 +38,7 @@ world: world.yaml
 topology: topology.yaml
 not_hil: true
 steps:
-)" + steps + more + "firmware: {instances: 2, command: ['" +
+)" + steps + more + "firmware: {command: ['" +
                              binary_dir() + "/tests/scripted_firmware', px4-sitl, " +
                              ports_.arguments() + ", " + word + ", -i, '${CAS_INSTANCE}']}\n");
     hils_.emplace(std::vector<std::string>{binary_dir() + "/bin/hils", "run", scenario.string(),

@@ -44,6 +44,26 @@ vary: [{name: height, key: "steps[takeoff].altitude_m", values: [2, 2.5, 3]}]
   EXPECT_EQ(passed, 3U) << results;
 }
 
+/// The shipped ports of its simulation and topology are those of its private network.
+TEST_F(FirmwareMany, FlyAVehicleThatTheScenarioNamesWithoutFurtherFiles) {
+  if (!has_private_networks()) GTEST_SKIP() << "no network namespaces here";
+  const std::string vehicle = source_dir() + "/config/vehicles/iris_px4.yaml";
+  const auto scenario = folder_.write(
+      "own.yaml", "schema: 1\nvehicle: " + vehicle + R"(
+home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
+not_hil: true
+firmware:
+  autopilot: PX4
+  command: [')" + binary_dir() +
+                      R"(/tests/scripted_firmware', px4-sitl, '4560', '18570', '14550', obedient]
+steps:
+  - arm: {timeout_s: 100}
+)" + kOneFlight + "limits: {height_error_m: 0.5}\n");
+  ASSERT_EQ(hils({"run", scenario.string(), "--lockstep", "--out", folder_ / "out"}), 0)
+      << output();
+  EXPECT_LT(summary().at("height_error_m").get<double>(), 0.5);
+}
+
 TEST_F(FirmwareMany, AreComparedWithOurController) {
   const auto stock = write_scenario("obedient");
   const std::string ours = source_dir() + "/config/scenarios/step.yaml";

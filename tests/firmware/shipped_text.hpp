@@ -51,7 +51,7 @@ struct Px4SitlPorts {
   }
 };
 
-/// The same for two of them, px4_sitl_two: `simulator` and `firmware` are lists.
+/// The same for two of them: `simulator` and `firmware` are lists.
 struct TwoPx4SitlPorts {
   std::string simulator[2] = {std::to_string(free_port()), std::to_string(free_port())};
   std::string firmware[2] = {std::to_string(free_port()), std::to_string(free_port())};
@@ -61,19 +61,29 @@ struct TwoPx4SitlPorts {
     return "'" + simulator[0] + "," + simulator[1] + "', '" + firmware[0] + "," + firmware[1] +
            "', '" + casd + "'";
   }
+  /// The shipped world with its vehicle twice, as fast as it goes.
   std::string world() const {
-    std::string text = content(kConfig / "worlds/px4_sitl_two.yaml");
+    std::string text = with_whole_paths(content(kConfig / "worlds/px4_sitl.yaml"));
+    text = replaced(text, "\nspeed: 1\n", "\n");
+    const std::size_t at = text.find("  - name: iris0");
+    const std::string vehicle = text.substr(at);
+    text.resize(at);
     for (int i = 0; i < 2; ++i) {
-      text = with_whole_paths(replaced(text, "instance: " + std::to_string(i),
-                                       "local: '127.0.0.1:" + simulator[i] + "'"));
+      std::string own = replaced(vehicle, "iris0", i == 0 ? "left" : "right");
+      own = replaced(own, "{yaw_deg: 90}", "{x_m: " + std::to_string(5 * i) + ", yaw_deg: 90}");
+      text += replaced(own, "# instance: 1",
+                       "local: '127.0.0.1:" + simulator[i] +
+                           "'\n        system_id: " + std::to_string(i + 1) + "  #");
     }
-    return replaced(text, "\nspeed: 1\n", "\n");
+    return text;
   }
+  /// A link that hears and answers both.
   std::string topology() const {
-    const std::string text = content(kConfig / "topologies/px4_sitl_two.yaml");
-    return with_whole_paths(
-        replaced(replaced(text, "local: 127.0.0.1:14550", "local: 127.0.0.1:" + casd),
-                 "local: 127.0.0.1:14551", "local: 127.0.0.1:0"));
+    std::string text = with_whole_paths(content(kConfig / "topologies/px4_sitl.yaml"));
+    text = replaced(text, "type: udp, local: 127.0.0.1:14550, remote: 127.0.0.1:18570",
+                    "type: udp_server, local: 127.0.0.1:" + casd);
+    text = replaced(text, "block_systems: [1]", "block_systems: [1, 2]");
+    return replaced(text, "local: 127.0.0.1:14551", "local: 127.0.0.1:0");
   }
 };
 

@@ -244,10 +244,7 @@ INSTANTIATE_TEST_SUITE_P(Each, ShippedTopology,
                                          TopologyCase{"pixhawk_usb", "fcu", "sim", true},
                                          TopologyCase{"pixhawk_telem", "fcu", "sim", true},
                                          TopologyCase{"px4_sitl", "px4", "", false},
-                                         TopologyCase{"px4_sitl_two", "px4", "", false},
-                                         TopologyCase{"ardupilot_sitl", "ardupilot", "", false},
-                                         TopologyCase{"ardupilot_sitl_two", "ardupilot", "",
-                                                      false}),
+                                         TopologyCase{"ardupilot_sitl", "ardupilot", "", false}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 TEST(ShippedTopologies, AllPlayAboveAreAllThatThereAre) {
@@ -256,9 +253,9 @@ TEST(ShippedTopologies, AllPlayAboveAreAllThatThereAre) {
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     files.insert(entry.path().stem());
   }
-  EXPECT_EQ(files, (std::set<std::string>{"bench_pty", "bench_single_thread", "two_vehicles",
-                                          "pixhawk_usb", "pixhawk_telem", "px4_sitl",
-                                          "px4_sitl_two", "ardupilot_sitl", "ardupilot_sitl_two"}));
+  EXPECT_EQ(files,
+            (std::set<std::string>{"bench_pty", "bench_single_thread", "two_vehicles",
+                                   "pixhawk_usb", "pixhawk_telem", "px4_sitl", "ardupilot_sitl"}));
 }
 
 }  // namespace

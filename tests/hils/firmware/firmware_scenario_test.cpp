@@ -6,8 +6,10 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -211,15 +213,85 @@ TEST_P(SeveralInstances, AreRefusedWhereTheyCannotFly) {
 
 INSTANTIATE_TEST_SUITE_P(
     FirmwareScenario, SeveralInstances,
-    testing::Values(Refused{"MoreThanTheWorldHas", "instances: 2", "instances: 3",
-                            "firmware.instances: the world has only 2 of them"},
+    testing::Values(Refused{"ByAKeyThatIsNone", "autopilot: PX4", "instances: 2",
+                            "firmware.instances: is no key: each vehicle of the world"},
                     Refused{"AllTheSame", "-i, \"${CAS_INSTANCE}\", ", "",
                             "several instances need ${CAS_INSTANCE} in it"},
-                    Refused{"OneFolderForAll", "instances: 2", "instances: 2\n  cwd: /tmp/px4",
+                    Refused{"OneFolderForAll", "autopilot: PX4", "autopilot: PX4\n  cwd: /tmp/px4",
                             "firmware.cwd: several instances need ${CAS_INSTANCE} in it"},
-                    Refused{"OnASerialLine", "instances: 2", "instances: 2\n  on_serial_line: true",
-                            "fly in software only"},
-                    Refused{"TooMany", "instances: 2", "instances: 17", "firmware.instances"}),
+                    Refused{"OnASerialLine", "autopilot: PX4",
+                            "autopilot: PX4\n  on_serial_line: true", "fly in software only"},
+                    Refused{"ByAnAutopilotThatIsNone", "autopilot: PX4", "autopilot: px4",
+                            "firmware.autopilot: is PX4 or ArduPilot"},
+                    Refused{"ByNoAutopilot", "  autopilot: PX4\n", "", "autopilot"},
+                    Refused{"WithKeysOfOurController", "pose: {x_m: 5, y_m: 0}",
+                            "pose: {x_m: 5, y_m: 0}, controller: {stamp: arrival}",
+                            "vehicles[1].controller: stock firmware has parameters of its own"},
+                    Refused{"WithoutAPlace", "home: {", "# home: {", "home"}),
+    [](const auto& test) { return test.param.name; });
+
+/// A node's value as JSON-like text, whatever style it was written in.
+std::string plain(const base::ConfigNode& node) {
+  if (node.is_map()) {
+    std::map<std::string, std::string> entries;
+    for (const auto& [name, value] : node.entries()) entries[name] = plain(value);
+    std::string text = "{";
+    for (const auto& [name, value] : entries) text += name + ": " + value + ", ";
+    return text + "}";
+  }
+  if (node.is_list()) {
+    std::string text = "[";
+    for (const base::ConfigNode& item : node.items()) text += plain(item) + ", ";
+    return text + "]";
+  }
+  const auto word = node.as<std::string>();
+  char* end = nullptr;
+  const double number = std::strtod(word.c_str(), &end);
+  return *end == 0 && !word.empty() ? std::to_string(number) : word;
+}
+
+struct MadeWorld {
+  const char* name;
+  const char* autopilot;
+  const char* world;
+};
+
+class MadeForNamedVehicles : public testing::TestWithParam<MadeWorld> {};
+
+/// What a user starts by hand and what hils makes are the same simulation.
+TEST_P(MadeForNamedVehicles, TheWorldIsTheShippedOne) {
+  const test::TemporaryFolder folder;
+  const auto config = cas::test::source_dir() + "/config";
+  const auto shipped = base::ConfigNode::load(config + "/worlds/" + GetParam().world);
+  const auto name = shipped.at("vehicles").items().front().require<std::string>("name");
+  const auto file =
+      folder.write("own.yaml", "schema: 1\nvehicle: " + config +
+                                   "/vehicles/iris_px4.yaml\ndecimal_year: 2026.5\n"
+                                   "home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}\n"
+                                   "firmware: {command: [x], " +
+                                   GetParam().autopilot + "}\nsteps: [arm]\n");
+  const base::ConfigNode made = Scenario::load(file).firmware->world;
+  for (const auto& [key, value] : shipped.entries()) {
+    if (key == "vehicles") continue;
+    EXPECT_EQ(plain(made.at(key)), plain(value)) << key;
+  }
+  const auto plugins_of = [](const base::ConfigNode& world) {
+    std::vector<std::string> names;
+    for (const auto& plugin : world.at("vehicles").items().front().at("plugins").items()) {
+      names.push_back(plugin.require<std::string>("plugin") + " " +
+                      plugin.get<std::string>("transport", ""));
+    }
+    return names;
+  };
+  EXPECT_EQ(plugins_of(made), plugins_of(shipped));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    FirmwareScenario, MadeForNamedVehicles,
+    testing::Values(MadeWorld{"Px4", "autopilot: PX4", "px4_sitl.yaml"},
+                    MadeWorld{"Px4OnASerialLine", "autopilot: PX4, on_serial_line: true",
+                              "px4_hitl.yaml"},
+                    MadeWorld{"ArduPilot", "autopilot: ArduPilot", "ardupilot.yaml"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(FirmwareScenario, OfTwoGivesEachItsFaultsAndItsRecorder) {
@@ -295,10 +367,11 @@ TEST(FirmwareScenario, FindsTheShippedWorldAndTopologyFromAFolderOfOnesOwn) {
   const auto copy = folder.path() / "mine.yaml";
   std::filesystem::copy_file(kScenarios / "px4_sitl.yaml", copy);
   const Scenario scenario = Scenario::load(copy);
-  EXPECT_TRUE(std::filesystem::equivalent(
-      scenario.firmware->world, cas::test::source_dir() + "/config/worlds/px4_sitl.yaml"));
-  EXPECT_TRUE(std::filesystem::equivalent(
-      scenario.firmware->topology, cas::test::source_dir() + "/config/topologies/px4_sitl.yaml"));
+  const std::string config = cas::test::source_dir() + "/config";
+  EXPECT_TRUE(std::filesystem::equivalent(scenario.firmware->world.file(),
+                                          config + "/worlds/px4_sitl.yaml"));
+  EXPECT_TRUE(std::filesystem::equivalent(scenario.firmware->topology.file(),
+                                          config + "/topologies/px4_sitl.yaml"));
 }
 
 TEST(FirmwareScenario, NamesShippedFilesByTheirWholePathInWhatItWrites) {
@@ -310,8 +383,9 @@ TEST(FirmwareScenario, NamesShippedFilesByTheirWholePathInWhatItWrites) {
         folder.path() / kind / "px4_sitl.yaml");
   }
   Scenario scenario;
-  scenario.firmware.emplace().world = folder.path() / "worlds/px4_sitl.yaml";
-  scenario.firmware->topology = folder.path() / "topologies/px4_sitl.yaml";
+  scenario.firmware.emplace().world =
+      base::ConfigNode::load(folder.path() / "worlds/px4_sitl.yaml");
+  scenario.firmware->topology = base::ConfigNode::load(folder.path() / "topologies/px4_sitl.yaml");
   const base::ConfigNode world = composed(folder, {.scenario = scenario});
   const RunPlaces places = RunPlaces::of(scenario, folder.path(), folder.path());
   const auto vehicle = world.at("vehicles").items().at(0).require<std::string>("vehicle");
@@ -358,7 +432,7 @@ TEST(FirmwareScenario, HasTheSeedOfItsRunAndNoPaceWhereItFliesAsFastAsItGoes) {
   RunRequest request{.scenario = Scenario::load(kScenarios / "px4_sitl.yaml"), .seed = 7};
   EXPECT_EQ(composed(folder, request).require<int>("seed"), 7);
   EXPECT_TRUE(composed(folder, request).has("speed"));
-  request.unpaced = true;
+  request.clock = Clock::kLockstep;
   EXPECT_FALSE(composed(folder, request).has("speed"));
 }
 
