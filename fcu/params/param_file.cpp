@@ -2,17 +2,18 @@
 #include "fcu/params/param_file.hpp"
 
 #include <cstdint>
-#include <fstream>
 #include <optional>
 #include <sstream>
 #include <system_error>
 
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
+#include "base/read_file.hpp"
 
 namespace cas::fcu {
 namespace {
 
+constexpr std::size_t kMostBytes = std::size_t{1} << 20U;
 constexpr std::string_view kEnd = "# end ";
 
 /// FNV-1a over the text, so that a cut or changed file shows.
@@ -29,11 +30,12 @@ std::string with_end(const std::string& lines) {
 }
 
 std::optional<std::vector<ParamFile::Entry>> read_whole(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) return std::nullopt;
-  std::stringstream buffer;
-  buffer << in.rdbuf();
-  const std::string text = buffer.str();
+  std::string text;
+  try {
+    text = base::read_foreign_file(file, "parameter file", kMostBytes);
+  } catch (const base::ConfigError&) {
+    return std::nullopt;
+  }
   const std::size_t end = text.rfind(kEnd);
   if (end == std::string::npos || with_end(text.substr(0, end)) != text) return std::nullopt;
   return ParamFile::parse(text.substr(0, end));

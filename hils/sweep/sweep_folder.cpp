@@ -5,13 +5,13 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "base/error.hpp"
 #include "base/os/result_file.hpp"
+#include "base/read_file.hpp"
 #include "base/text.hpp"
 #include "hils/report/results_folder.hpp"
 #include "hils/scenario/scenario.hpp"
@@ -23,6 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kPlanSchema = 1;
+constexpr std::size_t kMostBytes = std::size_t{1} << 30U;  // of a file: 10 000 rows have 20 MB
 /// Most rows whose scenario is checked when a study is planned: those with the ends of a parameter.
 constexpr std::size_t kMostChecked = 64;
 
@@ -122,9 +123,7 @@ std::string without_folder(std::string text, const fs::path& folder) {
 }
 
 std::string text_of_file(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  if (!stream) throw base::ConfigError(file.string() + ": cannot be read");
-  return {std::istreambuf_iterator<char>(stream), {}};
+  return base::read_foreign_file(file, "file", kMostBytes);
 }
 
 Chunk Chunk::parse(const std::string& text) {
@@ -236,8 +235,7 @@ void SweepFolder::for_each_result(const std::function<void(RowResult&&)>& visit)
   }
   std::ranges::sort(journals);
   for (const fs::path& journal : journals) {
-    std::ifstream lines(journal, std::ios::binary);
-    if (!lines) throw base::ConfigError(journal.string() + ": cannot be read");
+    std::istringstream lines(text_of_file(journal));
     for (std::string line; std::getline(lines, line);) {
       std::optional<RowResult> result = parse_journal_line(line);
       if (result && result->row <= table.rows.size()) visit(std::move(*result));

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <fstream>
 #include <limits>
+#include <sstream>
 #include <utility>
 
 #include "base/error.hpp"
@@ -101,7 +101,7 @@ void TuneFlights::prepare(const fs::path& study_file) {
 }
 
 void TuneFlights::load_journal() {
-  std::ifstream lines(folder_ / kJournal, std::ios::binary);
+  std::istringstream lines(text_of_file(folder_ / kJournal));
   for (std::string line; std::getline(lines, line);) {
     std::optional<RowResult> result = parse_journal_line(line);
     // Broken runs, too: an interrupted search asks for the same flights in the same order.

@@ -3,16 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 #include <string>
 
 #include "base/byte_order_mark.hpp"
 #include "base/error.hpp"
+#include "base/read_file.hpp"
 
 namespace cas::sim {
 namespace {
 
+constexpr std::size_t kMostBytes = std::size_t{256} << 20U;
 constexpr const char* kHeader = "x_m,y_m,z_m,u_m_s,v_m_s,w_m_s";
 
 struct Row {
@@ -22,9 +23,8 @@ struct Row {
 
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& file) : file_(file), stream_(file) {
-    if (!stream_) throw base::ConfigError(file.string() + ": wind grid cannot be read");
-  }
+  explicit Reader(const std::filesystem::path& file)
+      : file_(file), stream_(base::read_foreign_file(file, "wind grid", kMostBytes)) {}
 
   std::vector<Row> rows() {
     std::vector<Row> rows;
@@ -63,7 +63,7 @@ class Reader {
   }
 
   std::filesystem::path file_;
-  std::ifstream stream_;
+  std::istringstream stream_;
   int line_ = 0;
 };
 

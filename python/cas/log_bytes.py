@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Bytes of a log that fits into memory."""
+"""Bytes of a log or table that fits into memory."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MOST_MIB = 512
 
 
 def read_log(path: Path) -> bytes:
-    """The bytes of a log. FormatError: it is no regular file, or has over MOST_MIB."""
+    """The bytes of a log or table. FormatError: it is no regular file, or has over MOST_MIB."""
     descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
     status = os.fstat(descriptor)
     if not stat.S_ISREG(status.st_mode):

@@ -6,11 +6,13 @@ from __future__ import annotations
 import array
 import bisect
 import csv
+import io
 import math
 from pathlib import Path
 from typing import Any, Collection, Iterable, Iterator, Mapping, Sequence, Union
 
 from .errors import FormatError
+from .log_bytes import read_log
 
 try:
     import numpy
@@ -98,17 +100,16 @@ def _numbers(texts: list[str]) -> Sequence[Any]:
 def read_csv(path: Union[str, Path], numbers: Collection[str] = ()) -> Table:
     """A CSV file with a head, as CAS writes it. An empty cell among numbers is not a number; a column in which all are
     empty is text, unless `numbers` names it."""
-    with open(path, newline="", encoding="utf-8-sig") as lines:
-        rows = csv.reader(lines)
-        head = next(rows, None)
-        if head is None:
-            raise FormatError(f"{path} is empty")
-        columns: list[list[str]] = [[] for _ in head]
-        for row in rows:
-            if len(row) != len(head):
-                break  # of a run that was cut off in the middle of a line
-            for values, text in zip(columns, row):
-                values.append(text)
+    rows = csv.reader(io.StringIO(read_log(Path(path)).decode("utf-8-sig"), newline=""))
+    head = next(rows, None)
+    if head is None:
+        raise FormatError(f"{path} is empty")
+    columns: list[list[str]] = [[] for _ in head]
+    for row in rows:
+        if len(row) != len(head):
+            break  # of a run that was cut off in the middle of a line
+        for values, text in zip(columns, row):
+            values.append(text)
     return Table({name: [math.nan] * len(texts) if name in numbers and not any(texts) else _numbers(texts)
                   for name, texts in zip(head, columns)})
 

@@ -141,6 +141,9 @@ class TlogTest(FolderTest):
         for name in ("f.tlog", "g.tlog"):
             with self.assertRaisesRegex(cas.FormatError, "no regular file"):
                 tlog.Tlog(self.folder / name)
+        os.mkfifo(self.folder / "f.csv")
+        with self.assertRaisesRegex(cas.FormatError, "no regular file"):
+            cas.table.read_csv(self.folder / "f.csv")
 
     def test_something_else_is_refused(self):
         (self.folder / "f.tlog").write_bytes(b"this is no log at all")
