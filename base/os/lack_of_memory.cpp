@@ -16,7 +16,7 @@
 namespace cas::base {
 namespace {
 
-/// Enough for what a thread does until it can say what is wrong.
+/// Memory for the steps between a refused allocation and the line of the log that reports it.
 constexpr std::size_t kReserveBytes = std::size_t{256} << 10U;
 /// A refusal so soon after the reserve went asks for more than there is.
 constexpr std::chrono::nanoseconds kBetweenReserves = std::chrono::milliseconds(100);

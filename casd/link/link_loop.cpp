@@ -249,7 +249,8 @@ void LinkLoop::run(const std::stop_token& stop) {
   run_tasks();
 }
 
-/// Lack of memory costs a link this turn: what it was about to do is due at the next one, too.
+/// Gives each link its turn. A link that lacks memory loses this turn alone: its work is still due
+/// at the next one.
 /// @return false when one lacked memory
 bool LinkLoop::serve(base::RunTime now) {
   bool served = true;
