@@ -132,7 +132,7 @@ LAYERS = {
     "fcu/params": BASE | rooms("fcu", "estimation control") | {"Eigen"},
     "fcu/flight": BASE | MAVLINK | SERVICES | rooms("fcu", "estimation control params") | {"Eigen"},
     "fcu/core":
-        BASE | MAVLINK | rooms("fcu", "line estimation control params flight") | {"Eigen"},
+        BASE | MAVLINK | rooms("fcu", "line estimation control params flight") | {"Eigen", "fmt"},
     "fcu/protocols":
         BASE | MAVLINK | SERVICES | rooms("fcu", "core estimation flight params") | {"Eigen"},
     "fcu": BASE | MAVLINK | rooms("fcu", "core flight protocols") | {"Eigen"},

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <cstdio>
 
 #include "base/cli/keys_flag.hpp"
 #include "base/cli/manual.hpp"
@@ -10,6 +11,7 @@
 #include "base/os/notify.hpp"
 #include "base/os/program.hpp"
 #include "base/os/runtime_folder.hpp"
+#include "fcu/core/controller_description.hpp"
 #include "fcu/core/controller_reference.hpp"
 #include "fcu/emulator/emulator.hpp"
 
@@ -23,6 +25,7 @@ struct Flags {
   fcu::EmulatorOptions options;
   std::string log_level = "info";
   bool lockstep = false;
+  bool describe = false;
 };
 
 void add_flags(CLI::App& app, Flags& flags) {
@@ -41,6 +44,9 @@ void add_flags(CLI::App& app, Flags& flags) {
                  "Folder to serve over MAVLink FTP as 'files', read only");
   app.add_flag("--lockstep", flags.lockstep,
                "Run every timer on the stream's time, as 'pace: lockstep' does");
+  app.add_flag("--describe", flags.describe,
+               "Print crossover, phase and gain margin of the rate loops with this vehicle, these "
+               "parameters and this line, and end");
   app.add_option("--log-level", flags.log_level, "Level: debug, info, warn, error or off");
   app.set_version_flag("--version", "fcu_emulator " CAS_VERSION);
   base::cli::add_manual(app, "fcu_emulator", CAS_VERSION);
@@ -49,6 +55,10 @@ void add_flags(CLI::App& app, Flags& flags) {
 int run(Flags& flags) {
   fcu::FcuConfig config = fcu::FcuConfig::load(base::find_config(flags.config));
   if (flags.lockstep) config.pace = fcu::Pace::kLockstep;
+  if (flags.describe) {
+    std::fputs(fcu::describe_controller(config).c_str(), stdout);
+    return base::kExitOk;
+  }
   flags.options.link = base::expand_variables(flags.link);
   fcu::Emulator emulator(config, flags.options);
   base::log::info("running on " + emulator.endpoints());

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "base/angles.hpp"
-#include "base/earth/gravity.hpp"
+#include "fcu/control/loop_design.hpp"
 #include "fcu/control/mixer.hpp"
 
 namespace cas::fcu {
@@ -247,32 +247,15 @@ int vehicle_type(int rotors) {
   return kGenericMultirotor;
 }
 
-/// Gains and limits that depend on the airframe.
-void set_defaults(const base::Vehicle& vehicle, ControlParams& c) {
-  // Rate loops: crossover in rad/s -> full-scale torque per rad/s for this airframe.
-  constexpr double kTiltCrossover_rad_s = 20;
-  constexpr double kYawCrossover_rad_s = 7;
-  const Eigen::Vector3d& inertia = vehicle.inertia_kg_m2;
-  const auto& scales = vehicle.scales;
-  const auto set = [](PidGains& gains, double p, double i_per_p, double d_per_p) {
-    gains.p = p;
-    gains.i = i_per_p * p;
-    gains.d = d_per_p * p;
-  };
-  set(c.rate_roll, kTiltCrossover_rad_s * inertia.x() / scales.u2_max_nm, 1.5, 0.012);
-  set(c.rate_pitch, kTiltCrossover_rad_s * inertia.y() / scales.u3_max_nm, 1.5, 0.012);
-  set(c.rate_yaw, kYawCrossover_rad_s * inertia.z() / scales.u4_max_nm, 0.8, 0);
-  c.hover_thrust = vehicle.mass_kg * base::kStandardGravity_m_s2 / scales.u1_max_n;
-  c.detect_rotor_loss = true;
-  c.side_share = 0.7;
-}
-
 }  // namespace
 
 std::vector<Param> default_params(const base::Vehicle& vehicle, const EstimatorParams& figures) {
   Settings defaults;
   defaults.estimator = figures;
-  set_defaults(vehicle, defaults.control);
+  // A vehicle that tilts slowly cannot follow a quick change of acceleration.
+  const double share = derive_gains(vehicle, defaults.control);
+  defaults.flight.jerk_m_s3 *= share;
+  defaults.flight.acceleration_m_s2 *= share;
   Visitor lister;
   visit_params(lister,
                {.system_id = vehicle.system_id,

@@ -15,7 +15,8 @@ def hover(loss):
 rows = []
 for percent in (0, 5, 20, 40):
     run = cas.run(hover(percent / 100), f"out/loss_{percent}", virtual=True)
-    sensors, rms = run.summary["rates"]["HIL_SENSOR"], run.summary["rms"]
+    own = run.vehicle()
+    sensors, rms = own["rates"]["HIL_SENSOR"], own["rms"]
     rows.append((percent, 100 * sensors["lost"] / sensors["sent"], rms["x_m"], rms["z_m"]))
 
 print(cas.text_table(("asked %", "lost %", "RMS x m", "RMS z m"), rows))

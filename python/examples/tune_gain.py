@@ -15,7 +15,7 @@ def jump_of_3_m(gain):
 responses = {}
 for gain in (0.6, 1.0, 1.5, 2.5):
     run = cas.run(jump_of_3_m(gain), f"out/gain_{gain}", architecture="direct")
-    responses[gain] = run.summary["responses"][0]
+    responses[gain] = run.vehicle()["responses"][0]
 
 columns = ("rise_s", "overshoot_pct", "settling_s", "integrated_error_m_s")
 print(cas.text_table(("gain", *columns), [(gain, *(each[key] for key in columns))

@@ -18,12 +18,12 @@
 namespace cas::fcu {
 namespace {
 
-base::Vehicle iris() {
+base::Vehicle paper_iris() {
   return base::Vehicle::load(cas::test::source_dir() + "/config/vehicles/iris_paper.yaml");
 }
 
 TEST(Params, AreSortedUniqueAndFitTheWire) {
-  const ParamStore store(iris());
+  const ParamStore store(paper_iris());
   std::set<std::string> names;
   for (std::size_t i = 0; i < store.size(); ++i) {
     const Param& p = store.at(i);
@@ -39,7 +39,7 @@ TEST(Params, AreSortedUniqueAndFitTheWire) {
 }
 
 TEST(Params, IntegersTravelBytewise) {
-  ParamStore store(iris());
+  ParamStore store(paper_iris());
   ASSERT_EQ(store.set("NAV_DLL_ACT", 3), ParamSetResult::kOk);
   const Param& p = store.at(*store.index_of("NAV_DLL_ACT"));
   EXPECT_EQ(std::bit_cast<std::int32_t>(ParamStore::to_wire(p)), 3);
@@ -48,7 +48,7 @@ TEST(Params, IntegersTravelBytewise) {
 }
 
 TEST(Params, RefuseWhatIsOutOfRangeOrNoNumber) {
-  ParamStore store(iris());
+  ParamStore store(paper_iris());
   const double before = store.get("MC_ROLL_P");
   EXPECT_EQ(store.set("MC_ROLL_P", 1e6), ParamSetResult::kOutOfRange);
   EXPECT_EQ(store.set("MC_ROLL_P", NAN), ParamSetResult::kNotANumber);
@@ -57,7 +57,7 @@ TEST(Params, RefuseWhatIsOutOfRangeOrNoNumber) {
 }
 
 TEST(Params, CountEachChangeOnce) {
-  ParamStore store(iris());
+  ParamStore store(paper_iris());
   const auto before = store.revision();
   store.set("MC_ROLL_P", 5);
   store.set("MC_ROLL_P", 5);
@@ -65,7 +65,7 @@ TEST(Params, CountEachChangeOnce) {
 }
 
 TEST(Params, WhatIsSavedIsWhatDiffersFromTheStart) {
-  ParamStore store(iris());
+  ParamStore store(paper_iris());
   const double initial = store.get("MC_ROLL_P");
   store.set("MC_ROLL_P", 6);  // by the configuration
   store.mark_start();
@@ -76,14 +76,14 @@ TEST(Params, WhatIsSavedIsWhatDiffersFromTheStart) {
 }
 
 TEST(Params, HashChangesWithAnyValue) {
-  ParamStore store(iris());
+  ParamStore store(paper_iris());
   const auto before = store.hash();
   store.set("MPC_XY_P", 1.25);
   EXPECT_NE(store.hash(), before);
 }
 
 TEST(Params, ReachTheGainsTheyName) {
-  ParamStore store(iris());
+  ParamStore store(paper_iris());
   store.set("MC_PITCHRATE_D", 0.004);
   store.set("MC_PITCHRATE_K", 2);
   store.set("MPC_Z_VEL_I_ACC", 1.5);
@@ -94,7 +94,7 @@ TEST(Params, ReachTheGainsTheyName) {
 
 TEST(Params, HaveTheDefaultsOfTheSettings) {
   const Settings defaults;
-  const Settings settings = read_settings(ParamStore(iris()));
+  const Settings settings = read_settings(ParamStore(paper_iris()));
   EXPECT_FLOAT_EQ(static_cast<float>(settings.flight.land_tilt_rad),
                   static_cast<float>(defaults.flight.land_tilt_rad));
   EXPECT_EQ(settings.flight.battery_action, defaults.flight.battery_action);
@@ -104,7 +104,7 @@ TEST(Params, HaveTheDefaultsOfTheSettings) {
 }
 
 TEST(Params, AreReadInTheUnitsOfTheSettings) {
-  ParamStore store(iris());
+  ParamStore store(paper_iris());
   store.set("MPC_TILTMAX_AIR", 30);
   store.set("EKF2_GPS_DELAY", 120);
   store.set("CBRK_FLIGHTTERM", 121212);

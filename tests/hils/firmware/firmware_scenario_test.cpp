@@ -269,7 +269,9 @@ TEST_P(MadeForNamedVehicles, TheWorldIsTheShippedOne) {
                                    "/vehicles/iris_px4.yaml\ndecimal_year: 2026.5\n"
                                    "home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}\n"
                                    "firmware: {command: [x], " +
-                                   GetParam().autopilot + "}\nsteps: [arm]\n");
+                                   GetParam().autopilot +
+                                   "}\nsteps: [arm, takeoff: {altitude_m: 2}, hold: {duration_s: "
+                                   "1, measure: true}, land]\n");
   const base::ConfigNode made = Scenario::load(file).firmware->world;
   for (const auto& [key, value] : shipped.entries()) {
     if (key == "vehicles") continue;
