@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/ode/contact_patch.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <utility>
 
 namespace cas::sim {
 
@@ -124,6 +127,109 @@ void drop_inner_edges(std::vector<ContactPoint>& points) {
   const auto edges = std::partition(points.begin(), points.end(), lies_on_face);
   const auto last = std::remove_if(edges, points.end(), continues_a_face);
   points.erase(last, points.end());
+}
+
+namespace {
+
+/// Depth-weighted moments of the points of one patch, in its plane.
+struct Moments {
+  double weight = 0;  // sum of the depths, m
+  Eigen::Vector3d centre_W = Eigen::Vector3d::Zero();
+  Eigen::Vector3d n_W = Eigen::Vector3d::Zero();     // mean normal, unit
+  double depth_m = 0;                                // mean
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();  // second moments about the centre, m^2
+
+  explicit Moments(std::span<const ContactPoint> patch) {
+    for (const ContactPoint& point : patch) {
+      weight += point.depth_m;
+      centre_W += point.depth_m * point.p_W;
+      n_W += point.depth_m * point.n_W;
+      depth_m += point.depth_m * point.depth_m;
+    }
+    if (!(weight > 0)) return;
+    centre_W /= weight;
+    depth_m /= weight;
+    n_W.normalize();
+    for (const ContactPoint& point : patch) {
+      const Eigen::Vector3d d = point.p_W - centre_W;
+      const Eigen::Vector3d flat = d - n_W.dot(d) * n_W;
+      spread += point.depth_m / weight * flat * flat.transpose();
+    }
+  }
+
+  /// Change of depth along a unit vector of the plane, by least squares.
+  double slope_along(const Eigen::Vector3d& axis_W, double second_moment,
+                     std::span<const ContactPoint> patch) const {
+    double product = 0;
+    for (const ContactPoint& point : patch) {
+      product +=
+          point.depth_m / weight * axis_W.dot(point.p_W - centre_W) * (point.depth_m - depth_m);
+    }
+    return product / second_moment;
+  }
+};
+
+/// Appends the points that stand for a curved patch.
+void add_support(std::span<const ContactPoint> patch, std::vector<ContactPoint>& out) {
+  constexpr double kNoExtent_m2 = 1e-6;
+  const Moments moments(patch);
+  ContactPoint centre = patch.front();
+  if (!(moments.weight > 0)) return out.push_back(centre);
+  centre.p_W = moments.centre_W;
+  centre.n_W = moments.n_W;
+  centre.depth_m = moments.depth_m;
+  centre.face_W.setZero();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(moments.spread);
+  const bool is_wide = axes.eigenvalues()[1] > kNoExtent_m2;
+  const std::size_t before = out.size();
+  for (const Eigen::Index i : {2, 1}) {
+    const double second_moment = axes.eigenvalues()[i];
+    if (second_moment <= kNoExtent_m2) continue;
+    const Eigen::Vector3d axis_W = axes.eigenvectors().col(i);
+    const double slope = moments.slope_along(axis_W, second_moment, patch);
+    const double reach = std::sqrt(is_wide ? 2 * second_moment : second_moment);
+    for (const double side : {reach, -reach}) {
+      ContactPoint point = centre;
+      point.p_W += side * axis_W;
+      point.depth_m += side * slope;
+      out.push_back(point);
+    }
+  }
+  if (out.size() == before) out.push_back(centre);
+}
+
+}  // namespace
+
+bool face_more_than_one_way(std::span<const ContactPoint> points) {
+  constexpr double kOneFace = 1 - 1e-6;  // cosine of 0.08 degree
+  if (points.empty() || points.front().face_W.isZero(0.0)) return false;
+  return std::any_of(points.begin(), points.end(), [&](const ContactPoint& point) {
+    return std::abs(point.face_W.dot(points.front().face_W)) < kOneFace;
+  });
+}
+
+void spread_curved_patches(std::vector<ContactPoint>& points) {
+  if (!face_more_than_one_way(points)) return;
+  std::vector<ContactPoint> spread;
+  std::span<ContactPoint> left = points;
+  for (std::size_t n = 0; n < kMostPatches && !left.empty(); ++n) {
+    // Each patch is moved to the front of what is left, its deepest point first.
+    const auto deepest =
+        std::max_element(left.begin(), left.end(),
+                         [](const auto& a, const auto& b) { return a.depth_m < b.depth_m; });
+    std::iter_swap(left.begin(), deepest);
+    const Patch patch{.deepest = 0, .n_W = left.front().n_W, .kind = left.front().kind};
+    const auto end = std::stable_partition(
+        left.begin(), left.end(), [&patch](const auto& point) { return patch.holds(point); });
+    const std::span<ContactPoint> own(left.begin(), end);
+    if (face_more_than_one_way(own)) {
+      add_support(own, spread);
+    } else {
+      spread.insert(spread.end(), own.begin(), own.end());
+    }
+    left = std::span(end, left.end());
+  }
+  points = std::move(spread);
 }
 
 void keep_outermost(std::span<const ContactPoint> points, std::vector<KeptContact>& kept) {

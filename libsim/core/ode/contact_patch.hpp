@@ -37,6 +37,18 @@ inline constexpr std::size_t kMostContacts = 16;
 /// another point's is, and the two triangles face the same way within 40 degrees.
 CAS_SIM_EXPORT void drop_inner_edges(std::vector<ContactPoint>& points);
 
+/// Whether the points are with triangles of which some face another way than the first.
+CAS_SIM_EXPORT bool face_more_than_one_way(std::span<const ContactPoint> points);
+
+/// Replaces the points of each patch on triangles that do not face one way by up to four.
+///
+/// On uneven ground the rim of an overlap has no depth, and which points a collision finds changes
+/// with every micrometre: a body on the outermost or deepest of them never comes to rest. The four
+/// move steadily with the body: they lie about the centre of the points' depths, along the
+/// principal axes, with the second moments, the mean normal and the plane of depths of all (least
+/// squares). A patch without extent along an axis has two points, or one.
+CAS_SIM_EXPORT void spread_curved_patches(std::vector<ContactPoint>& points);
+
 /// Chooses those contacts that carry a body: the outermost of each patch.
 ///
 /// Points of one kind whose normals differ by less than 15 degrees are one patch. Each patch keeps,

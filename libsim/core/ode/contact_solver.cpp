@@ -33,7 +33,10 @@ constexpr double kDeepestPush = 5.0;     // m/s: speed at which overlapping bodi
 constexpr double kNoSlip = 1e-9;         // m/s: below, slip has no direction
 constexpr double kStill = 2e-5;          // m: below, a body keeps its contacts
 constexpr double kSlide = 0.1;           // m: the same on a flat mesh, along it
-constexpr double kOnFace = 1 - 1e-6;     // cosine of 0.08 degree: normal of a contact and face
+constexpr double kSlow_m_s = 0.1;        // a body below this settles on triangles
+constexpr double kOutOfPlace = 5e-3;     // m: farther, a point found earlier says nothing more
+constexpr std::size_t kMostRemembered = 64;
+constexpr double kOnFace = 1 - 1e-6;  // cosine of 0.08 degree: normal of a contact and face
 constexpr unsigned long kOdeSeed = 1;
 
 dMass ode_mass(const MassProperties& mass) {
@@ -108,6 +111,13 @@ struct Pair {
   bool operator==(const Pair&) const = default;
 };
 
+/// A point of an overlap, as it was found.
+struct FoundPoint {
+  ContactPoint point;
+  Pair pair;
+  double slid_m = 0;  // since then
+};
+
 /// A contact that takes part in the step.
 struct Contact {
   ContactPoint point;
@@ -128,6 +138,7 @@ struct Body {
 
   // Contacts with the static world, and where the body was when they were looked for.
   std::vector<Contact> world_contacts;
+  std::vector<FoundPoint> found;  // on triangles, of the last search and of those before
   bool looked = false;
   bool on_flat_mesh = false;  // and nothing else is near
   Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();
@@ -170,7 +181,7 @@ struct ContactSolver::Impl {
   Impl() : geoms(kMostFound) {
     contacts.reserve(kMostFound);
     pairs.reserve(kMostFound);
-    points.reserve(kMostFound);
+    points.reserve(kMostFound + kMostRemembered);
     kept.reserve(kMostContacts);
   }
 
@@ -246,6 +257,7 @@ struct ContactSolver::Impl {
   /// Those of `points` that carry the body, appended to `out`.
   void keep_points(std::vector<Contact>& out) {
     drop_inner_edges(points);
+    spread_curved_patches(points);
     keep_outermost(points, kept);
     for (const KeptContact& k : kept) {
       const ContactPoint& point = points[k.index];
@@ -289,12 +301,59 @@ struct ContactSolver::Impl {
     return true;
   }
 
+  /// Adds points that earlier searches found on uneven ground and this one did not, while the body
+  /// is slow and overlaps there: of one overlap ODE finds now these corners, now those, and a body
+  /// that stands on either in turn never comes to rest.
+  void remember_points(Body& body) {
+    if (!is_slow(body) || !face_more_than_one_way(points)) return body.found.clear();
+    const std::size_t fresh = points.size();
+    const auto found_again = [&](const FoundPoint& old) {
+      const auto end = points.begin() + static_cast<std::ptrdiff_t>(fresh);
+      return std::any_of(points.begin(), end, [&](const ContactPoint& point) {
+        return pairs[point.kind] == old.pair && is_same(point, old.point);
+      });
+    };
+    std::erase_if(body.found, [&](FoundPoint& old) {
+      follow(body, old);
+      return old.point.depth_m < 0 || old.slid_m > kOutOfPlace || found_again(old);
+    });
+    for (const FoundPoint& old : body.found) {
+      points.push_back(old.point);
+      points.back().kind = kind_of(old.pair);
+    }
+    for (std::size_t i = 0; i < fresh && body.found.size() < kMostRemembered; ++i) {
+      if (points[i].face_W.isZero(0.0) || points[i].depth_m <= 0) continue;
+      body.found.push_back({points[i], pairs[points[i].kind], 0});
+    }
+  }
+
+  /// Moves a point with the body, since the last search.
+  static void follow(const Body& body, FoundPoint& found) {
+    const Eigen::Quaterniond turn = attitude(body.id) * body.q_WB.conjugate();
+    ContactPoint& point = found.point;
+    const Eigen::Vector3d p_W =
+        from_ode(dBodyGetPosition(body.id)) + turn * (point.p_W - body.p_WB);
+    point.depth_m -= point.n_W.dot(p_W - point.p_W);
+    found.slid_m += (p_W - point.p_W).norm();
+    point.p_W = p_W;
+  }
+
+  static bool is_same(const ContactPoint& a, const ContactPoint& b) {
+    return (a.p_W - b.p_W).norm() < kOutOfPlace && std::abs(a.face_W.dot(b.face_W)) > kOnFace;
+  }
+
+  static bool is_slow(const Body& body) {
+    const double turning_m_s = from_ode(dBodyGetAngularVel(body.id)).norm() * body.radius;
+    return from_ode(dBodyGetLinearVel(body.id)).norm() + turning_m_s < kSlow_m_s;
+  }
+
   void look_for_world_contacts(Body& body) {
     points.clear();
     pairs.clear();
     body.world_contacts.clear();
     dSpaceCollide2(reinterpret_cast<dGeomID>(body.space), reinterpret_cast<dGeomID>(statics), this,
                    &on_pair);
+    remember_points(body);
     keep_points(body.world_contacts);
     body.p_WB = from_ode(dBodyGetPosition(body.id));
     body.q_WB = attitude(body.id);
@@ -523,6 +582,7 @@ void ContactSolver::add_body(std::span<const Shape> shapes, const MassProperties
   }
   dBodyDisable(body.id);
   body.world_contacts.reserve(kMostContacts);
+  body.found.reserve(kMostRemembered);
   impl_->bodies.push_back(std::move(body));
   set_mass(impl_->bodies.size() - 1, mass);
 }
