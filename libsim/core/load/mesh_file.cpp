@@ -102,6 +102,9 @@ TriangleMesh parse_mesh(std::string_view bytes, const std::filesystem::path& fil
   if (const auto refusal = mesh_kind_refusal(file)) throw base::ConfigError(*refusal);
   const std::string kind = base::lower(file.extension().string());
   const std::string name = file.string();
+  if (kind != ".dae" && (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff"))) {
+    fail(name, "is text in UTF-16; save it as UTF-8");
+  }
   TriangleMesh mesh;
   if (kind == ".stl") {
     mesh = parse_stl(bytes, name, options);
@@ -130,9 +133,11 @@ TriangleMesh load_mesh(const std::filesystem::path& file, const Eigen::Vector3d&
 Box bounding_box(const TriangleMesh& mesh, Eigen::Vector3d& centre) {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d high = -low;
-  for (const Eigen::Vector3d& v : mesh.vertices) {
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t corner : triangle) {
+      low = low.cwiseMin(mesh.vertices[corner]);
+      high = high.cwiseMax(mesh.vertices[corner]);
+    }
   }
   centre = 0.5 * (low + high);
   return Box{high - low};
