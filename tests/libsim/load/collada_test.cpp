@@ -225,6 +225,8 @@ INSTANTIATE_TEST_SUITE_P(
     Files, ColladaFault,
     testing::Values(
         Fault{"Empty", "<COLLADA/>", "m.dae: mesh has no triangle"},
+        Fault{"SkinAlone", document(kZUp, "", "\n<node><instance_controller url='#c'/></node>"),
+              "m.dae: mesh has no triangle; m.dae:4: <instance_controller> is left out"},
         Fault{"Cut", "<COLLADA>\n<scene", "m.dae:2: "},
         Fault{"AnotherFormat", "<svg/>", "m.dae: is no COLLADA file"},
         Fault{"NoScene", "<COLLADA>\n<scene><instance_visual_scene url='#x'/></scene></COLLADA>",
