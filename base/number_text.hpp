@@ -53,13 +53,16 @@ std::optional<std::string_view> read_numbers(std::string_view text, std::vector<
   return std::nullopt;
 }
 
-/// "'0,5' is no number (a decimal point is a point, not a comma)": for errors.
+/// The end of a sentence about a word that is no number: a hint where it has a comma.
+inline std::string comma_hint(std::string_view word) {
+  return word.find(',') == word.npos ? "" : " (decimals follow a point, not a comma)";
+}
+
+/// "'0,5' is no number (decimals follow a point, not a comma)": for errors.
 inline std::string no_number(std::string_view word) {
   constexpr std::size_t kLongest = 40;
-  std::string sentence = "'" + std::string(word.substr(0, kLongest)) +
-                         (word.size() > kLongest ? "..." : "") + "' is no number";
-  if (word.find(',') != word.npos) sentence += " (decimals follow a point, not a comma)";
-  return sentence;
+  return "'" + std::string(word.substr(0, kLongest)) + (word.size() > kLongest ? "..." : "") +
+         "' is no number" + comma_hint(word);
 }
 
 }  // namespace cas::base

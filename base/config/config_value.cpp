@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Values of ConfigNode: from a scalar's text to numbers, words and vectors.
 #include <Eigen/Core>
-#include <charconv>
-#include <cmath>
 #include <iterator>
 #include <type_traits>
 
@@ -10,18 +8,10 @@
 #include "base/config/config_document.hpp"
 #include "base/config/config_impl.hpp"
 #include "base/config/config_whole.hpp"
+#include "base/number_text.hpp"
 
 namespace cas::base {
 namespace {
-
-/// Parses the whole of `text`; a leading '+' is allowed.
-template <class T>
-bool parse_whole(std::string_view text, T& value) {
-  if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
-  const char* const end = text.data() + text.size();
-  const auto result = std::from_chars(text.data(), end, value);
-  return result.ec == std::errc() && result.ptr == end;
-}
 
 /// A plain (unquoted) scalar's text, or a failure that names the expected kind.
 const std::string& plain_scalar(const ConfigNode& node, const ConfigTree& tree,
@@ -38,22 +28,16 @@ T to_integer(const ConfigNode& node, const ConfigTree& tree) {
   const char* const expected =
       std::is_unsigned_v<T> ? "a whole number, not negative" : "a whole number";
   const std::string& text = plain_scalar(node, tree, expected);
-  T value{};
-  if (!parse_whole(text, value)) {
-    double fraction = 0;
-    const bool is_number = parse_whole(text, fraction) && text.find_first_of(".eE") != text.npos;
-    if (is_number) node.fail(in_quotes(text) + " must be a whole number");
-    node.fail(in_quotes(text) + " is not " + expected + " in range");
-  }
-  return value;
+  if (const auto value = number_of<T>(text)) return *value;
+  const bool is_fraction = number_of<double>(text) && text.find_first_of(".eE") != text.npos;
+  if (is_fraction) node.fail(in_quotes(text) + " must be a whole number");
+  node.fail(in_quotes(text) + " is not " + expected + " in range");
 }
 
 double to_double(const ConfigNode& node, const ConfigTree& tree) {
   const std::string& text = plain_scalar(node, tree, "a number");
-  double value = 0;
-  if (!parse_whole(text, value)) node.fail(in_quotes(text) + " is not a number, or out of range");
-  if (!std::isfinite(value)) node.fail(in_quotes(text) + " is not a finite number");
-  return value;
+  if (const auto value = number_of<double>(text)) return *value;
+  node.fail(in_quotes(text) + " is not a number, or out of range" + comma_hint(text));
 }
 
 bool to_bool(const ConfigNode& node, const ConfigTree& tree) {

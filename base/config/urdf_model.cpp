@@ -6,6 +6,7 @@
 
 #include "base/config/model_builder.hpp"
 #include "base/config/model_motors.hpp"
+#include "base/config/urdf_unread.hpp"
 #include "base/error.hpp"
 
 namespace cas::base {
@@ -14,10 +15,14 @@ namespace {
 constexpr std::array<std::string_view, 6> kJointTypes{"revolute", "continuous", "prismatic",
                                                       "fixed",    "floating",   "planar"};
 
-/// Elements of a <link> that give it neither mass nor shape, or are read before its shapes.
-constexpr std::array<std::string_view, 7> kWithoutBody{
-    "inertial",    "contact", "sensor", "gazebo", "material", "self_collision_checking",
-    "audio_source"};
+/// Elements of a <link> that give it neither mass nor shape.
+constexpr std::array<std::string_view, 6> kWithoutBody{
+    "contact", "sensor", "gazebo", "material", "self_collision_checking", "audio_source"};
+
+/// Elements of a <robot>; those but for links and joints say nothing about its body.
+constexpr std::array<std::string_view, 12> kOfRobot{
+    "link",       "joint",  "gazebo", "material", "transmission", "sensor",
+    "properties", "mujoco", "plugin", "author",   "version",      "license"};
 
 std::string in_quotes(std::string_view name) { return "'" + std::string(name) + "'"; }
 
@@ -78,6 +83,7 @@ class Urdf {
     collect_joints();
     walk();
     take_motors();
+    warn_of_others();
     return builder_.finish(std::string(robot_.attribute("name")));
   }
 
@@ -96,15 +102,18 @@ class Urdf {
   void collect_joints() {
     for (const XmlElement& element : robot_.children) {
       if (element.name != "joint") continue;
-      need_attribute(element, "name");
+      const std::string_view name = need_attribute(element, "name");
+      if (!joints_.insert(name).second) {
+        element.fail("a second <joint> is called " + in_quotes(name));
+      }
       const Joint joint{.element = &element,
                         .type = need_attribute(element, "type"),
                         .parent = link_named_in(element.need("parent")),
                         .child = link_named_in(element.need("child"))};
       if (std::ranges::find(kJointTypes, joint.type) == kJointTypes.end()) {
-        element.fail("joint " + in_quotes(element.attribute("name")) + " has the unknown type " +
-                     in_quotes(joint.type));
+        element.fail("joint " + in_quotes(name) + " has the unknown type " + in_quotes(joint.type));
       }
+      warn_of_unread_urdf(element, "joint " + in_quotes(name), builder_);
       if (!carried_.insert(joint.child).second) {
         element.fail("link " + in_quotes(joint.child) + " is the child of two joints");
       }
@@ -164,14 +173,25 @@ class Urdf {
     const auto turns = builder_.add(link, std::string(link.attribute("name")), X_RL,
                                     joint_of(joint, X_RL), X_RL.translation(), inertial_of(link));
     if (!turns) return;
+    const std::string who = "link " + in_quotes(link.attribute("name"));
     for (const XmlElement& part : link.children) {
       if (part.name == "collision" || part.name == "visual") {
         builder_.add_shape(part, FormValues::kAttributes, file_, *turns,
                            [&] { return X_RL * origin_of(part); });
-      } else if (std::ranges::find(kWithoutBody, part.name) == kWithoutBody.end()) {
-        builder_.warn(part, "link " + in_quotes(link.attribute("name")) + ": <" + part.name +
-                                "> is left out: no URDF has it in a <link>");
+      } else if (part.name != "inertial" &&
+                 std::ranges::find(kWithoutBody, part.name) == kWithoutBody.end()) {
+        builder_.warn(part, who + ": <" + part.name + "> is left out: no URDF has it in a <link>");
       }
+      warn_of_unread_urdf(part, who, builder_);
+    }
+  }
+
+  /// A template's macro with another prefix than xacro's leaves links out.
+  void warn_of_others() {
+    for (const XmlElement& part : robot_.children) {
+      if (std::ranges::find(kOfRobot, part.name) != kOfRobot.end()) continue;
+      if (part.name.starts_with("drake:")) continue;
+      builder_.warn(part, "<" + part.name + "> of <robot> is left out: no URDF has it there");
     }
   }
 
@@ -205,6 +225,7 @@ class Urdf {
   std::map<std::string_view, const XmlElement*> links_;
   std::map<std::string_view, std::vector<Joint>> outwards_;  // by their parents
   std::set<std::string_view> carried_;                       // children of joints
+  std::set<std::string_view> joints_;                        // by name
 };
 
 }  // namespace

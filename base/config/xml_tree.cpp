@@ -86,6 +86,22 @@ std::vector<double> numbers_in(const XmlElement& at, const std::string& what, st
   return values;
 }
 
+/// Why expat has refused the text.
+std::string fault_of(const Builder& builder) {
+  if (!builder.refusal.empty()) return builder.refusal;
+  const XML_Error error = XML_GetErrorCode(builder.parser);
+  const std::string words = XML_ErrorString(error);
+  if (error == XML_ERROR_UNKNOWN_ENCODING) return words + ": save the file as UTF-8";
+  if (error != XML_ERROR_NO_ELEMENTS && error != XML_ERROR_UNCLOSED_TOKEN &&
+      error != XML_ERROR_PARTIAL_CHAR && error != XML_ERROR_UNCLOSED_CDATA_SECTION) {
+    return words;
+  }
+  if (builder.open.size() == 1) return words + ": the file is empty, or cut";
+  const XmlElement& last = *builder.open.back();
+  return words + ": the file is cut, it ends within <" + last.name + "> of line " +
+         std::to_string(last.line);
+}
+
 }  // namespace
 
 std::string_view XmlElement::attribute(std::string_view key) const {
@@ -152,8 +168,7 @@ XmlElement parse_xml(std::string_view text, const std::string& file) {
   if (XML_Parse(parser.get(), text.data(), static_cast<int>(text.size()), XML_TRUE) !=
       XML_STATUS_OK) {
     throw ConfigError(file + ":" + std::to_string(XML_GetCurrentLineNumber(parser.get())) + ": " +
-                      (builder.refusal.empty() ? XML_ErrorString(XML_GetErrorCode(parser.get()))
-                                               : builder.refusal));
+                      fault_of(builder));
   }
   return std::move(builder.top.children.front());
 }

@@ -45,7 +45,7 @@ struct CAS_BASE_EXPORT XmlElement {
 CAS_BASE_EXPORT std::optional<std::string> template_language(std::string_view text);
 
 /// Reads a whole XML text of at most a million elements and attributes, at most 200 deep.
-/// @throws ConfigError "FILE:LINE: sentence"
+/// @throws ConfigError "FILE:LINE: sentence"; of a file that is cut it names the open element
 CAS_BASE_EXPORT XmlElement parse_xml(std::string_view text, const std::string& file);
 
 }  // namespace cas::base

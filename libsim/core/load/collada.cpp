@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/angles.hpp"
+#include "base/text.hpp"
 #include "libsim/core/load/collada_document.hpp"
 #include "libsim/core/load/collada_geometry.hpp"
 
@@ -16,8 +17,10 @@ using base::XmlElement;
 
 namespace {
 
-constexpr int kDeepest = 64;             // a node library may name itself
-constexpr std::size_t kNodes = 100'000;  // nodes that name each other twice double with each level
+constexpr int kDeepest = 64;  // a node library may name itself
+/// Elements of nodes, each as often as it is named: nodes that name each other twice double with
+/// each level.
+constexpr std::size_t kMostVisits = 1'000'000;
 
 bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
   return std::find(words.begin(), words.end(), word) != words.end();
@@ -30,19 +33,43 @@ class Scene {
       : document_(document), options_(options), geometry_(document, options) {}
 
   TriangleMesh run() {
-    const XmlElement& root = document_.root();
     const Eigen::Affine3d X = to_metres();
-    const XmlElement* const scene = root.child("scene");
-    const XmlElement* const instance = scene ? scene->child("instance_visual_scene") : nullptr;
-    if (instance != nullptr) {
-      take_nodes(document_.target(*instance, "url", "visual_scene"), X, 0);
-    } else if (const XmlElement* library = root.child("library_geometries")) {
-      for (const XmlElement& each : library->children) geometry_.take(each, X);
+    if (const XmlElement* const scene = visual_scene()) {
+      take_nodes(*scene, X, 0);
+    } else {
+      for (const XmlElement* each : of_libraries("library_geometries", "geometry")) {
+        geometry_.take(*each, X);
+      }
     }
     return geometry_.release();
   }
 
  private:
+  /// What <scene> shows; in a file without one the only <visual_scene>, or nothing.
+  const XmlElement* visual_scene() const {
+    const XmlElement* const scene = document_.root().child("scene");
+    const XmlElement* const instance = scene ? scene->child("instance_visual_scene") : nullptr;
+    if (instance != nullptr) return &document_.target(*instance, "url", "visual_scene");
+    const auto all = of_libraries("library_visual_scenes", "visual_scene");
+    if (all.size() > 1) {
+      document_.fail(*all[1], "is a second <visual_scene>, and no <scene> says which one counts");
+    }
+    return all.empty() ? nullptr : all.front();
+  }
+
+  /// The elements of one kind; a file may have several libraries of it.
+  std::vector<const XmlElement*> of_libraries(std::string_view library,
+                                              std::string_view name) const {
+    std::vector<const XmlElement*> all;
+    for (const XmlElement& each : document_.root().children) {
+      if (each.name != library) continue;
+      for (const XmlElement& element : each.children) {
+        if (element.name == name) all.push_back(&element);
+      }
+    }
+    return all;
+  }
+
   /// Unit and, if it is applied, up axis.
   Eigen::Affine3d to_metres() const {
     Eigen::Affine3d X = Eigen::Affine3d::Identity();
@@ -61,12 +88,20 @@ class Scene {
                     " does not turn the mesh, as in Gazebo; 'collada_up_axis: applied' does");
     }
     if (const XmlElement* const unit = asset ? asset->child("unit") : nullptr) {
-      if (unit->attributes.contains("meter")) X.scale(metres_of(*unit));
+      X.scale(metres_of(*unit));
     }
     return X;
   }
 
   double metres_of(const XmlElement& unit) const {
+    if (!unit.attributes.contains("meter")) {  // COLLADA's default, also of <unit name="inch"/>
+      const std::string name = base::lower(unit.attribute("name"));
+      if (!is_one_of(name, {"", "m", "meter", "metre"})) {
+        options_.warn(document_.place(unit) + ": <unit> '" + name +
+                      "' has no 'meter': the numbers are taken as metres");
+      }
+      return 1;
+    }
     const double metres = document_.number<double>(unit, "meter");
     if (metres <= 0) document_.fail(unit, "<unit>: 'meter' must be above 0");
     return metres;
@@ -75,11 +110,13 @@ class Scene {
   /// The geometries of a scene or a node, and of the nodes below.
   void take_nodes(const XmlElement& parent, const Eigen::Affine3d& X_parent, int depth) {
     if (depth > kDeepest) document_.fail(parent, "has nodes that name each other without end");
-    if (++nodes_ > kNodes) {
-      document_.fail(parent, "more than " + std::to_string(kNodes) +
-                                 " nodes are named from here, or they name each other");
+    if ((visits_ += 1 + parent.children.size()) > kMostVisits) {
+      document_.fail(parent,
+                     "more than " + std::to_string(kMostVisits) +
+                         " elements of nodes are named from here, or nodes name each other");
     }
     Eigen::Affine3d X = X_parent;
+    for (const XmlElement& element : parent.children) apply(element, X);
     for (const XmlElement& element : parent.children) {
       if (element.name == "node") {
         take_nodes(element, X, depth + 1);
@@ -90,15 +127,16 @@ class Scene {
       } else if (element.name == "instance_controller") {
         options_.warn(document_.place(element) +
                       ": <instance_controller> is left out: skins and morphs are not read");
-      } else if (!apply(element, X)) {
+      } else {
         document_.require_known(
-            element, {"asset", "extra", "instance_camera", "instance_light", "evaluate_scene"});
+            element, {"matrix", "translate", "scale", "rotate", "asset", "extra", "instance_camera",
+                      "instance_light", "evaluate_scene"});
       }
     }
   }
 
-  /// One of the transformations of a <node>. @return false for its other children
-  bool apply(const XmlElement& element, Eigen::Affine3d& X) const {
+  /// One of the transformations of a <node>, in their order, or nothing of its other children.
+  void apply(const XmlElement& element, Eigen::Affine3d& X) const {
     if (element.name == "matrix") {
       X = X * matrix_of(element);
     } else if (element.name == "translate") {
@@ -113,11 +151,8 @@ class Scene {
       } else if (v[3] != 0) {
         document_.fail(element, "<rotate> has an axis of length zero");
       }
-    } else {
-      return false;
     }
     if (!X.matrix().allFinite()) document_.fail(element, "<" + element.name + "> is too large");
-    return true;
   }
 
   Eigen::Vector3d vector_of(const XmlElement& element) const {
@@ -137,7 +172,7 @@ class Scene {
   const ColladaDocument& document_;
   const MeshOptions& options_;
   ColladaGeometry geometry_;
-  std::size_t nodes_ = 0;
+  std::size_t visits_ = 0;
 };
 
 }  // namespace

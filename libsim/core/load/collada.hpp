@@ -14,7 +14,7 @@ namespace cas::sim {
 /// The unit is applied, <up_axis> by `options`. Materials and normals are left out without a word;
 /// other geometry that is not read (skins, splines, holes) with a warning.
 /// @throws base::ConfigError "FILE:LINE: ..." for a number, reference or transformation that cannot
-///     be read, and for a file that grows beyond kMostTriangles or 100 000 nodes
+///     be read, and for a file that grows beyond kMostTriangles or a million elements of nodes
 TriangleMesh parse_collada(std::string_view text, const std::string& file,
                            const MeshOptions& options);
 

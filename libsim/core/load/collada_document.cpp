@@ -12,14 +12,15 @@ using base::XmlElement;
 ColladaDocument::ColladaDocument(std::string_view text, std::string file)
     : file_(std::move(file)), root_(base::parse_xml(text, file_)) {
   if (root_.name != "COLLADA") throw base::ConfigError(file_ + ": is no COLLADA file");
-  index(root_);
+  index(root_, nullptr);
 }
 
-void ColladaDocument::index(const XmlElement& element) {
+void ColladaDocument::index(const XmlElement& element, const XmlElement* parent) {
   if (const auto id = element.attribute("id"); !id.empty()) {
-    by_id_[{element.name, id}].push_back(&element);
+    by_id_[{element.name, id, nullptr}].push_back(&element);
+    if (parent != nullptr) by_id_[{element.name, id, parent}].push_back(&element);
   }
-  for (const XmlElement& child : element.children) index(child);
+  for (const XmlElement& child : element.children) index(child, &element);
 }
 
 std::string ColladaDocument::place(const XmlElement& element) const {
@@ -34,23 +35,20 @@ const XmlElement& ColladaDocument::target(const XmlElement& element, std::string
                                           std::string_view name, const XmlElement* scope) const {
   std::string_view id = element.attribute(key);
   if (id.starts_with('#')) id.remove_prefix(1);
-  std::vector<const XmlElement*> found;
-  if (scope != nullptr) {
-    for (const XmlElement& each : scope->children) {
-      if (each.name == name && each.attribute("id") == id) found.push_back(&each);
-    }
-  }
-  if (found.empty()) {
-    if (const auto all = by_id_.find({name, id}); all != by_id_.end()) found = all->second;
-  }
+  auto found = scope != nullptr ? by_id_.find({name, id, scope}) : by_id_.end();
+  if (found == by_id_.end()) found = by_id_.find({name, id, nullptr});
   const std::string what =
       "<" + element.name + "> names the <" + std::string(name) + "> '" + std::string(id) + "', ";
-  if (found.empty()) fail(element, what + "which the file does not have");
-  if (found.size() > 1) {
-    fail(element, what + "and that id occurs twice, in lines " + std::to_string(found[0]->line) +
-                      " and " + std::to_string(found[1]->line));
+  if (found == by_id_.end()) {
+    fail(element, what + (id.find('#') == id.npos ? "which the file does not have"
+                                                  : "and other files are not read with this one"));
   }
-  return *found.front();
+  const std::vector<const XmlElement*>& all = found->second;
+  if (all.size() > 1) {
+    fail(element, what + "and that id occurs twice, in lines " + std::to_string(all[0]->line) +
+                      " and " + std::to_string(all[1]->line));
+  }
+  return *all.front();
 }
 
 void ColladaDocument::require_known(const XmlElement& element,

@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -27,7 +28,8 @@ class ColladaDocument {
 
   /// The element of this name that "#id" in an attribute means. It is looked for among the
   /// children of `scope` first, if there is one: exporters give the sources of every geometry the
-  /// same ids. @throws base::ConfigError when there is none, or more than one
+  /// same ids. @throws base::ConfigError when there is none, or more than one, and for an element
+  /// of another file
   const base::XmlElement& target(const base::XmlElement& element, std::string_view key,
                                  std::string_view name,
                                  const base::XmlElement* scope = nullptr) const;
@@ -59,7 +61,7 @@ class ColladaDocument {
                      std::initializer_list<std::string_view> may_be_left_out) const;
 
  private:
-  void index(const base::XmlElement& element);
+  void index(const base::XmlElement& element, const base::XmlElement* parent);
   [[noreturn]] void refuse_word(const base::XmlElement& at, std::string_view word) const;
   [[noreturn]] void refuse_count(const base::XmlElement& at, std::size_t is,
                                  std::size_t wanted) const;
@@ -67,9 +69,10 @@ class ColladaDocument {
 
   std::string file_;
   base::XmlElement root_;
-  // By name of the element and id: geometries and their nodes often share one.
-  std::map<std::pair<std::string_view, std::string_view>, std::vector<const base::XmlElement*>>
-      by_id_;
+  // By name of the element, as geometries and their nodes often share an id, and by its parent;
+  // nullptr: anywhere in the file.
+  using Id = std::tuple<std::string_view, std::string_view, const base::XmlElement*>;
+  std::map<Id, std::vector<const base::XmlElement*>> by_id_;
 };
 
 }  // namespace cas::sim

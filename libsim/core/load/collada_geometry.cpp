@@ -20,6 +20,8 @@ constexpr std::size_t kMostNumbers = 20 * kMostTriangles;
 
 void ColladaGeometry::take(const XmlElement& geometry, const Eigen::Affine3d& X) {
   for (const XmlElement& each : geometry.children) {
+    numbers_ += each.children.size() + 1;
+    require_few(each);
     if (each.name == "mesh") {
       for (const XmlElement& part : each.children) {
         if (std::ranges::find(kFaces, part.name) != kFaces.end()) {
@@ -41,18 +43,20 @@ void ColladaGeometry::take_faces(const XmlElement& mesh, const XmlElement& part,
   const std::size_t first = mesh_.vertices.size();
   const std::size_t count = add_positions(mesh, *corners.vertices, X);
   const std::size_t first_triangle = mesh_.triangles.size();
-  if (part.child("p") == nullptr && part.child("ph") == nullptr &&
-      document_.number<std::size_t>(part, "count", 0) > 0) {
-    options_.warn(document_.place(part) + ": <" + part.name +
-                  "> has no <p>: its faces are missing");
-  }
+  faces_ = 0;
+  numbers_ += part.children.size();
   for (const XmlElement& list : part.children) {
-    if (list.name == "p") cut(part, list, read_list(list, corners, first, count));
-    if (list.name == "ph") {
+    if (list.name == "p") {
+      cut(part, list, read_list(list, corners, first, count));
+    } else if (list.name == "ph") {
+      ++faces_;
       options_.warn(document_.place(list) + ": <ph> is left out: polygons with holes are not read");
+    } else {
+      document_.require_known(list, {"input", "vcount", "extra"});
     }
     require_few(list);
   }
+  compare_count(part);
   if (X.linear().determinant() >= 0) return;
   // Mirrored: triangles keep their outer side.
   for (std::size_t i = first_triangle; i < mesh_.triangles.size(); ++i) {
@@ -95,8 +99,12 @@ std::size_t ColladaGeometry::add_positions(const XmlElement& mesh, const XmlElem
     const std::vector<double> v =
         document_.numbers<double>(*array, document_.number<std::size_t>(*array, "count", 0));
     numbers_ += v.size();
-    const auto stride = std::max<std::size_t>(
-        3, accessor ? document_.number<std::uint32_t>(*accessor, "stride", 3) : 3);
+    const std::size_t stride =
+        accessor ? document_.number<std::uint32_t>(*accessor, "stride", 3) : 3;
+    if (stride < 3) {
+      document_.fail(*accessor,
+                     "a position has three numbers, and 'stride' is " + std::to_string(stride));
+    }
     const std::size_t begin =
         accessor ? document_.number<std::uint32_t>(*accessor, "offset", 0) : 0;
     std::size_t count = 0;
@@ -136,7 +144,9 @@ void ColladaGeometry::cut(const XmlElement& part, const XmlElement& list, const 
   if (part.name == "triangles") {
     if (size % 3 != 0) document_.fail(list, "<p> ends within a triangle");
     for (std::size_t i = 0; i < size; i += 3) add_fan(list, corners, i, 3);
+    faces_ += size / 3;
   } else if (part.name == "tristrips") {
+    ++faces_;
     for (std::size_t i = 2; i < size; ++i) {  // every other one is wound the other way round
       const bool odd = i % 2 != 0;
       mesh_.triangles.push_back(
@@ -145,6 +155,7 @@ void ColladaGeometry::cut(const XmlElement& part, const XmlElement& list, const 
   } else if (part.name == "polylist") {
     cut_polylist(part, list, corners);
   } else {  // trifans, polygons
+    ++faces_;
     add_fan(list, corners, 0, size);
   }
 }
@@ -156,6 +167,7 @@ void ColladaGeometry::cut_polylist(const XmlElement& part, const XmlElement& lis
   std::size_t at = 0;
   const Indices all = document_.numbers<std::uint32_t>(*lengths);
   numbers_ += all.size();
+  faces_ += all.size();
   for (const std::uint32_t length : all) {
     if (length > corners.size() - at) {
       document_.fail(list, "<p> has fewer corners than <vcount> promises");
@@ -174,6 +186,14 @@ void ColladaGeometry::add_fan(const XmlElement& list, const Indices& corners, st
   for (std::size_t i = 2; i < length; ++i) {
     mesh_.triangles.push_back({corners[at], corners[at + i - 1], corners[at + i]});
   }
+}
+
+/// Of a damaged export, and of a script that has edited one, faces are missing.
+void ColladaGeometry::compare_count(const XmlElement& part) const {
+  const auto promised = document_.number<std::size_t>(part, "count", faces_);
+  if (promised == faces_) return;
+  options_.warn(document_.place(part) + ": <" + part.name + "> promises " +
+                std::to_string(promised) + " faces and has " + std::to_string(faces_));
 }
 
 void ColladaGeometry::require_few(const XmlElement& at) const {

@@ -47,12 +47,14 @@ class ColladaGeometry {
                     const Indices& corners);
   void add_fan(const base::XmlElement& list, const Indices& corners, std::size_t at,
                std::size_t length);
+  void compare_count(const base::XmlElement& part) const;
   void require_few(const base::XmlElement& at) const;
 
   const ColladaDocument& document_;
   const MeshOptions& options_;
   TriangleMesh mesh_;
-  std::size_t numbers_ = 0;  ///< read so far
+  std::size_t numbers_ = 0;  ///< read so far, and elements of geometries
+  std::size_t faces_ = 0;    ///< of the part that is being read
   bool has_thin_faces_ = false;
 };
 

@@ -30,7 +30,8 @@ struct GreyImage {
 /// libpng's reader for one file; its errors become exceptions.
 class PngReader {
  public:
-  PngReader(std::string_view bytes, const std::string& file) : name_(file), rest_(bytes) {
+  PngReader(std::string_view bytes, const std::string& file)
+      : name_(file), size_(bytes.size()), rest_(bytes) {
     png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, &on_error, &on_warning);
     info_ = png_create_info_struct(png_);
     png_set_read_fn(png_, this, &on_read);
@@ -52,6 +53,7 @@ class PngReader {
     std::vector<std::uint8_t> bytes(row_bytes * image.height);
     for (int pass = 0; pass < passes; ++pass) {
       for (std::uint32_t row = 0; row < image.height; ++row) {
+        whole_rows_ = row;
         png_read_row(png_, &bytes[row * row_bytes], nullptr);
       }
     }
@@ -88,13 +90,19 @@ class PngReader {
   static void on_warning(png_structp, png_const_charp) {}
   static void on_read(png_structp png, png_bytep out, png_size_t size) {
     auto* const self = static_cast<PngReader*>(png_get_io_ptr(png));
-    if (size > self->rest_.size()) png_error(png, "the file is cut");
+    if (size > self->rest_.size()) {
+      throw base::ConfigError(self->name_ + ": the PNG file is cut: it ends behind " +
+                              std::to_string(self->size_) + " bytes, and " +
+                              std::to_string(self->whole_rows_) + " whole rows of pixels");
+    }
     std::memcpy(out, self->rest_.data(), size);
     self->rest_.remove_prefix(size);
   }
 
   const std::string& name_;
+  std::size_t size_;
   std::string_view rest_;  // still to be read
+  std::uint32_t whole_rows_ = 0;
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
 };

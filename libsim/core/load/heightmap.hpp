@@ -21,8 +21,8 @@ inline constexpr unsigned kLargestHeightmap = 1025;
 /// between four pixels.
 /// @param size_m    east, north and up, m
 /// @param offset_m  of the middle of the ground, in the shape's frame
-/// @throws base::ConfigError when the file is no such image, or has fewer than 2 or more than
-///         kLargestHeightmap pixels along an edge
+/// @throws base::ConfigError when the file is no such image, is cut, or has fewer than 2 or more
+///         than kLargestHeightmap pixels along an edge
 CAS_SIM_EXPORT TriangleMesh load_heightmap(const std::filesystem::path& file,
                                            const Eigen::Vector3d& size_m,
                                            const Eigen::Vector3d& offset_m);

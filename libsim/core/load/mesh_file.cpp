@@ -86,6 +86,17 @@ void leave_out_repeats(const std::string& file, const MeshOptions& options, Tria
                std::to_string(left_out));
 }
 
+TriangleMesh parse_kind(std::string_view bytes, const std::filesystem::path& file,
+                        const MeshOptions& options) {
+  const std::string kind = base::lower(file.extension().string());
+  const std::string name = file.string();
+  if (kind == ".dae") return parse_collada(bytes, name, options);
+  if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff")) {
+    fail(name, "is text in UTF-16; save it as UTF-8");
+  }
+  return kind == ".stl" ? parse_stl(bytes, name, options) : parse_obj(bytes, name, options);
+}
+
 }  // namespace
 
 std::optional<std::string> mesh_kind_refusal(const std::filesystem::path& file) {
@@ -100,20 +111,15 @@ TriangleMesh parse_mesh(std::string_view bytes, const std::filesystem::path& fil
     fail(file.string(), "is a pointer of Git LFS, not the mesh; get that by 'git lfs pull'");
   }
   if (const auto refusal = mesh_kind_refusal(file)) throw base::ConfigError(*refusal);
-  const std::string kind = base::lower(file.extension().string());
-  const std::string name = file.string();
-  TriangleMesh mesh;
-  if (kind == ".stl") {
-    mesh = parse_stl(bytes, name, options);
-  } else if (kind == ".obj") {
-    mesh = parse_obj(bytes, name, options);
-  } else {
-    mesh = parse_collada(bytes, name, options);
+  std::vector<std::string> notes;
+  TriangleMesh mesh = parse_kind(bytes, file, {.up_axis = options.up_axis, .warnings = &notes});
+  if (mesh.triangles.empty()) {
+    fail(file.string(), "mesh has no triangle" + (notes.empty() ? "" : "; " + notes.front()));
   }
-  if (mesh.triangles.empty()) fail(name, "mesh has no triangle");
+  for (std::string& note : notes) options.warn(std::move(note));
   if (mesh.triangles.size() > kMostTriangles) {
-    fail(name, "mesh has more than the " + std::to_string(kMostTriangles) +
-                   " triangles that are simulated");
+    fail(file.string(), "mesh has more than the " + std::to_string(kMostTriangles) +
+                            " triangles that are simulated");
   }
   return mesh;
 }
@@ -130,9 +136,11 @@ TriangleMesh load_mesh(const std::filesystem::path& file, const Eigen::Vector3d&
 Box bounding_box(const TriangleMesh& mesh, Eigen::Vector3d& centre) {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d high = -low;
-  for (const Eigen::Vector3d& v : mesh.vertices) {
-    low = low.cwiseMin(v);
-    high = high.cwiseMax(v);
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t corner : triangle) {
+      low = low.cwiseMin(mesh.vertices[corner]);
+      high = high.cwiseMax(mesh.vertices[corner]);
+    }
   }
   centre = 0.5 * (low + high);
   return Box{high - low};

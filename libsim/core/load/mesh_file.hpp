@@ -27,7 +27,8 @@ CAS_SIM_EXPORT TriangleMesh load_mesh(const std::filesystem::path& file,
 CAS_SIM_EXPORT TriangleMesh parse_mesh(std::string_view bytes, const std::filesystem::path& file,
                                        const MeshOptions& options);
 
-/// The mesh's bounding box along its own axes, and the box's centre.
+/// The bounding box of the triangles along the mesh's own axes, and the box's centre. A vertex that
+/// no triangle has, as of a line, does not count.
 CAS_SIM_EXPORT Box bounding_box(const TriangleMesh& mesh, Eigen::Vector3d& centre);
 
 }  // namespace cas::sim

@@ -53,14 +53,29 @@ void take_as_box(const TriangleMesh& mesh, Shape& shape) {
   shape.pose.translate(centre);
 }
 
-/// Of the meshes of a vehicle's collisions.
-MeshOptions mesh_options(VehicleModel& model) {
-  return {.up_axis = model.up_axis, .warnings = &model.warnings};
+/// The mesh of a collision. What is said about the file names the link, too.
+TriangleMesh read_mesh(const std::filesystem::path& file, const base::ModelShape& from,
+                       VehicleModel& model) {
+  const std::string who = "; it is a <collision> of link '" + from.link + "', " + from.place;
+  std::vector<std::string> notes;
+  try {
+    TriangleMesh mesh = load_mesh(file, from.size, {.up_axis = model.up_axis, .warnings = &notes});
+    for (const std::string& note : notes) model.warnings.push_back(note + who);
+    return mesh;
+  } catch (const base::ConfigError& error) {
+    throw base::ConfigError(error.what() + who);
+  }
+}
+
+/// For an error that some of them may explain.
+std::string all_of(const std::vector<std::string>& warnings) {
+  return base::joined(warnings, "", [](const std::string& each) { return "; " + each; });
 }
 
 void require_shapes(const std::filesystem::path& file, const VehicleModel& model) {
   if (!model.shapes.empty()) return;
-  fail(file, "has no <collision> geometry: the vehicle would fall through the ground");
+  fail(file, "has no <collision> geometry: the vehicle would fall through the ground" +
+                 all_of(model.warnings));
 }
 
 /// The shapes of a model file; mass, places and axes are base::ModelBody's.
@@ -91,8 +106,7 @@ class ShapeReader {
     if (body_.mass_kg <= 0) fail(body_.file, "no link has an <inertial> with a mass");
     if (!is_physical_inertia(body_.inertia_B_kg_m2)) {
       fail(body_.file, "the vehicle's inertia about its centre of gravity is not that of a body" +
-                           base::joined(body_.warnings, "",
-                                        [](const std::string& each) { return "; " + each; }));
+                           all_of(body_.warnings));
     }
     model_.name = body_.name;
     model_.mass = MassProperties(body_.mass_kg, body_.inertia_B_kg_m2);
@@ -110,7 +124,7 @@ class ShapeReader {
     } else if (from.form == base::ModelShape::Form::kMesh) {
       const auto found = find_mesh(from);
       if (!found) throw base::ConfigError(place_of(from) + missing_mesh(from));
-      take_as_box(load_mesh(*found, from.size, mesh_options(model_)), shape);
+      take_as_box(read_mesh(*found, from, model_), shape);
     } else {
       model_.warnings.push_back(place_of(from) + "a <" + from.word +
                                 "> collision is left out; boxes, spheres, cylinders and meshes "

@@ -23,14 +23,19 @@ constexpr std::array<std::string_view, 16> kWithoutSurface{
 class ObjReader {
  public:
   ObjReader(std::string_view bytes, const std::string& file, const MeshOptions& options)
-      : rest_(base::without_byte_order_mark(bytes)), file_(file), options_(options) {}
+      : rest_(base::without_byte_order_mark(bytes)),
+        file_(file),
+        options_(options),
+        ends_a_line_(bytes.ends_with('\n') || bytes.ends_with('\r')) {}
 
   TriangleMesh run() {
     while (next_line()) take_line();
+    ends_a_line_ = true;  // what follows is no fault of the last line
     if (last_named_ > mesh_.vertices.size()) {
       line_ = last_named_line_;
       fail_index(std::to_string(last_named_));
     }
+    if (!names_others_) require_faces();
     return std::move(mesh_);
   }
 
@@ -62,34 +67,60 @@ class ObjReader {
       take_vertex();
     } else if (word == "f" || word == "fo") {
       take_face();
-    } else if (!word.empty() && std::ranges::find(kWithoutSurface, word) == kWithoutSurface.end() &&
-               unknown_.size() < kNamed && unknown_.emplace(word.substr(0, 20)).second) {
+    } else if (!word.empty()) {
+      const bool known = std::ranges::find(kWithoutSurface, word) != kWithoutSurface.end();
+      names_others_ = names_others_ || !known || word == "l" || word == "p";
+      if (known || unknown_.size() == kNamed || !unknown_.emplace(word.substr(0, 20)).second)
+        return;
       options_.warn(place() + ": '" + std::string(word.substr(0, 20)) +
                     "' is left out: of an OBJ file the faces are read");
     }
   }
 
   void take_vertex() {
-    std::vector<double> v;  // x y z, then a weight or a colour
-    if (const auto word = base::read_numbers(words_, v)) fail(base::no_number(*word));
-    if (v.size() < 3) fail("a vertex has three numbers, this one " + std::to_string(v.size()));
-    mesh_.vertices.emplace_back(v[0], v[1], v[2]);
+    Eigen::Vector3d v;
+    for (int i = 0; i < 3; ++i) {
+      const std::string_view word = base::next_word(words_);
+      if (word.empty()) fail("a vertex has three numbers, this one " + std::to_string(i));
+      const auto value = base::number_of<double>(word);
+      if (!value) fail(base::no_number(word));
+      v[i] = *value;
+    }
+    mesh_.vertices.push_back(v);  // behind it: a weight, or a colour, even of 'nan'
+    if (mesh_.vertices.size() > 3 * kMostTriangles) {
+      fail("here the mesh grows beyond " + std::to_string(3 * kMostTriangles) + " vertices");
+    }
   }
 
   void take_face() {
     std::vector<std::uint32_t> face;
     for (auto word = base::next_word(words_); !word.empty(); word = base::next_word(words_)) {
       face.push_back(index_of(word));
+      if (mesh_.triangles.size() + face.size() > kMostTriangles + 2) {
+        fail("here the mesh grows beyond " + std::to_string(kMostTriangles) + " triangles");
+      }
     }
-    if (face.size() < 3 && !std::exchange(has_thin_faces_, true)) {
-      options_.warn(place() + ": faces of fewer than three corners are left out");
+    if (face.size() < 3 && (is_cut_here() || !std::exchange(has_thin_faces_, true))) {
+      options_.warn(place() + ": faces of fewer than three corners are left out" + cut_hint());
     }
     for (std::size_t i = 2; i < face.size(); ++i) {
       mesh_.triangles.push_back({face[0], face[i - 1], face[i]});
     }
-    if (mesh_.triangles.size() > kMostTriangles) {
-      fail("here the mesh grows beyond " + std::to_string(kMostTriangles) + " triangles");
+  }
+
+  /// The faces come last in a file, and are what it lacks when it is cut.
+  void require_faces() const {
+    if (mesh_.vertices.empty()) return;
+    if (mesh_.triangles.empty()) fail("the file ends without a face: is it cut?");
+    std::vector<bool> named(mesh_.vertices.size());
+    for (const auto& triangle : mesh_.triangles) {
+      for (const std::uint32_t corner : triangle) named[corner] = true;
     }
+    const auto unnamed = std::ranges::count(named, false);
+    if (unnamed == 0) return;
+    const auto first = std::ranges::find(named, false) - named.begin() + 1;
+    options_.warn(place() + ": vertices of no face are left out: " + std::to_string(unnamed) +
+                  " (the first is vertex " + std::to_string(first) + "); is the file cut here?");
   }
 
   /// "7", "7/1/3", "7//3" or "-1": the vertex's number, counted from 1 or, of those so far, from
@@ -114,9 +145,14 @@ class ObjReader {
     return static_cast<std::uint32_t>(index);
   }
 
+  /// Whether the line that is being read ends with the file, and without an end of its own.
+  bool is_cut_here() const { return rest_.empty() && !ends_a_line_; }
+  std::string cut_hint() const {
+    return is_cut_here() ? "; the file ends within this line: is it cut?" : "";
+  }
   std::string place() const { return file_ + ":" + std::to_string(line_); }
   [[noreturn]] void fail(const std::string& sentence) const {
-    throw base::ConfigError(place() + ": " + sentence);
+    throw base::ConfigError(place() + ": " + sentence + cut_hint());
   }
   [[noreturn]] void fail_index(std::string_view word) const {
     fail("face names no vertex: " + std::string(word.substr(0, 40)));
@@ -128,6 +164,7 @@ class ObjReader {
   std::string_view rest_;
   const std::string& file_;
   const MeshOptions& options_;
+  bool ends_a_line_;            // the file
   std::string text_;            // of this line
   std::string_view words_;      // of text_, still to be read
   std::size_t line_ = 1;        // first of text_
@@ -136,6 +173,7 @@ class ObjReader {
   std::size_t last_named_line_ = 0;
   std::set<std::string> unknown_;
   bool has_thin_faces_ = false;
+  bool names_others_ = false;  // vertices, by lines, points or unknown elements
   TriangleMesh mesh_;
 };
 

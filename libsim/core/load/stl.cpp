@@ -6,6 +6,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 
 #include "base/byte_order_mark.hpp"
 #include "base/error.hpp"
@@ -63,6 +64,8 @@ TriangleMesh parse_binary(std::string_view bytes, const std::string& file,
                             std::to_string((bytes.size() - kHeader) / kTriangle + 1));
   }
   if (promised < bytes.size()) {
+    if (count == 0)
+      throw base::ConfigError(file + ": no triangle is read of the STL file: " + header);
     options.warn(file + ": " + header + ": those behind the triangles are left out");
   }
   TriangleMesh mesh;
@@ -108,6 +111,7 @@ class TextStl {
       if (in_facet_) fail("a facet within a facet");
       in_facet_ = true;
       corner_ = 0;
+      of_normal_ = 0;
     } else if (word == "vertex") {
       take_vertex();
     } else if (word == "endfacet") {
@@ -116,7 +120,16 @@ class TextStl {
       }
       add_triangle(mesh_, corners_);
       in_facet_ = false;
-    }  // other words: normals, loops
+    } else if (word == "normal") {
+      of_normal_ = 3;
+    } else if (in_facet_ && word != "outer" && word != "loop" && word != "endloop") {
+      if (of_normal_ > 0) {
+        --of_normal_;  // right or wrong: the corners make the facet
+      } else if (!std::exchange(has_other_words_, true)) {
+        options_.warn(place() + ": '" + word.substr(0, 20) +
+                      "' is left out: of a facet three vertices of three numbers are read");
+      }
+    }
   }
 
   void take_vertex() {
@@ -150,8 +163,10 @@ class TextStl {
   TriangleMesh mesh_;
   Corners corners_;
   std::size_t corner_ = 0;
+  int of_normal_ = 0;  // numbers of the facet's normal that are still to come
   bool in_solid_ = false;
   bool in_facet_ = false;
+  bool has_other_words_ = false;
 };
 
 }  // namespace

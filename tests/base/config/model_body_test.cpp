@@ -83,6 +83,16 @@ INSTANTIATE_TEST_SUITE_P(
                  "some of the joints go round in a circle"},
         UrdfCase{"SameName", urdf(kBody, "<link name='arm'/>"),
                  "v.urdf:7: a second <link> is called 'arm'"},
+        UrdfCase{"SameJoint",
+                 urdf(kBody,
+                      "<link name='leg'/><joint name='j' type='fixed'><parent link='base'/>"
+                      "<child link='leg'/></joint>"),
+                 "v.urdf:7: a second <joint> is called 'j'"},
+        UrdfCase{"CutInATag", urdf().substr(0, urdf().find("='arm'")),
+                 "v.urdf:4: unclosed token: the file is cut, it ends within <robot> of line 1"},
+        UrdfCase{"CutBehindATag", urdf().substr(0, urdf().find("<parent")),
+                 "v.urdf:6: no element found: the file is cut, it ends within <joint> of line 5"},
+        UrdfCase{"Empty", "", "v.urdf:1: no element found: the file is empty, or cut"},
         UrdfCase{"JointType", changed(urdf(), "'fixed'", "'hinge'"),
                  "v.urdf:5: joint 'j' has the unknown type 'hinge'"},
         UrdfCase{"Axis",
@@ -148,10 +158,31 @@ TEST(ModelBody, WhatIsNotReadOfALinkIsNamed) {
       {kBody + "<collision>" + box + "\n<sphere radius='9'/></geometry></collision>",
        "v.urdf:4: link 'base': of a <geometry> the first form counts, <box>; <sphere> is left"},
       {kBody + "<visual>\n" + changed(box, "1 1 1", "1 1 1,5") + "</geometry></visual>",
-       "'1,5' is no number (decimals follow a point, not a comma); link 'base' is drawn without"}};
+       "'1,5' is no number (decimals follow a point, not a comma); link 'base' is drawn without"},
+      {kBody + "<collision>\n<orgin xyz='0 0 1'/>" + box + "</geometry></collision>",
+       "v.urdf:4: link 'base': <orgin> of <collision> is left out: no URDF has it there"},
+      {kBody + "<collision>\n<origin xzy='0 0 1'/>" + box + "</geometry></collision>",
+       "v.urdf:4: link 'base': 'xzy' of <origin> is left out: no URDF has it there"},
+      {kBody + "<collision><origin/>\n<origin xyz='0 0 1'/>" + box + "</geometry></collision>",
+       "v.urdf:4: link 'base': a second <origin> of <collision> is left out"},
+      {kBody + "<collision>" + box + "</geometry>\n" + box + "</geometry></collision>",
+       "v.urdf:4: link 'base': a second <geometry> of <collision> is left out"},
+      {kBody + "<collision><geometry>\n<box size='1 1 1' scale='2'/></geometry></collision>",
+       "v.urdf:4: link 'base': 'scale' of <box> is left out"},
+      {changed(kBody, "<mass", "\n<pose>0 0 1</pose><mass"),
+       "v.urdf:4: link 'base': <pose> of <inertial> is left out"}};
   for (const auto& [inside, sentence] : cases) {
     const ModelBody body = parse_model_body(urdf(inside), "v.urdf");
     EXPECT_EQ(body.mass_kg, 1);
+    ASSERT_EQ(body.warnings.size(), 1U) << sentence;
+    EXPECT_NE(body.warnings[0].find(sentence), std::string::npos) << body.warnings[0];
+  }
+  const std::string joint = changed(urdf(), "'1 0 0'", "'1 0 0' quat='0 0 0 1'");
+  const std::string macro = urdf(kBody, "<x:rotor n='1'/><drake:joint/><material/>");
+  for (const auto& [text, sentence] :
+       {std::pair(joint, "v.urdf:6: joint 'j': 'quat' of <origin> is left out"),
+        std::pair(macro, "v.urdf:7: <x:rotor> of <robot> is left out: no URDF has it there")}) {
+    const ModelBody body = parse_model_body(text, "v.urdf");
     ASSERT_EQ(body.warnings.size(), 1U) << sentence;
     EXPECT_NE(body.warnings[0].find(sentence), std::string::npos) << body.warnings[0];
   }

@@ -57,6 +57,12 @@ std::string refusal(const std::string& text) {
   return test::refusal([&] { parse(text); });
 }
 
+std::string changed(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
 TEST(Collada, NodesPlaceTheirGeometries) {
   const TriangleMesh mesh = parse(document(
       kZUp, geometry("g", "", kTriangles),
@@ -72,7 +78,25 @@ TEST(Collada, AFileWithoutASceneHasAllItsGeometries) {
       document(kZUp, geometry("g", "", kTriangles) + geometry("h", "", kTriangles), kPlaced);
   text.erase(text.find("<scene>"),
              std::string("<scene><instance_visual_scene url='#s'/></scene>").size());
-  EXPECT_EQ(parse(text).triangles.size(), 4u);
+  EXPECT_EQ(parse(text).triangles.size(), 2u) << "those of its visual scene";
+  const std::size_t scenes = text.find("<library_visual_scenes>");
+  text.insert(scenes, "<library_geometries><asset/>" + geometry("k", "", kTriangles) +
+                          "</library_geometries>");
+  EXPECT_EQ(parse(text).triangles.size(), 2u);
+  const std::string two = changed(text, "</visual_scene>", "</visual_scene><visual_scene/>");
+  EXPECT_THAT(refusal(two), HasSubstr("is a second <visual_scene>, and no <scene> says which"));
+  const std::size_t end = text.find("</library_visual_scenes>");
+  text.erase(text.find("<visual_scene id"), end - text.find("<visual_scene id"));
+  EXPECT_EQ(parse(text).triangles.size(), 6u) << "of both libraries";
+}
+
+TEST(Collada, ATransformationBehindAGeometryPlacesIt) {
+  const TriangleMesh mesh =
+      parse(document(kZUp, geometry("g", "", kTriangles),
+                     "<node><instance_geometry url='#g'/><node><instance_geometry url='#g'/></node>"
+                     "<translate>0 0 7</translate></node>"));
+  ASSERT_EQ(mesh.vertices.size(), 8u);
+  for (const Eigen::Vector3d& v : mesh.vertices) EXPECT_EQ(v.z(), 7);
 }
 
 TEST(Collada, UpAxisTurnsTheMeshWhereThatIsWanted) {
@@ -150,7 +174,17 @@ TEST(Collada, WhatIsNotReadIsNamed) {
                          kTriangles + "<triangles count='4'><input semantic='VERTEX' source='#v' "
                                       "offset='0'/></triangles>"),
                 kPlaced),
-       "<triangles> has no <p>: its faces are missing"},
+       "<triangles> promises 4 faces and has 0"},
+      {document(kZUp, geometry("g", "", changed(kTriangles, "count='2'", "count='12'")), kPlaced),
+       "m.dae:4: <triangles> promises 12 faces and has 2"},
+      {document(kZUp,
+                geometry("g", "",
+                         changed(faces("polygons", "<p>0 1 2</p><p>0 2 3</p>"), "<polygons",
+                                 "<polygons count='3'")),
+                kPlaced),
+       "<polygons> promises 3 faces and has 2"},
+      {document("<unit name='inch'/>" + kZUp, geometry("g", "", kTriangles), kPlaced),
+       "m.dae:2: <unit> 'inch' has no 'meter': the numbers are taken as metres"},
       {document(kZUp, geometry("g", "", kTriangles) + "<geometry id='h'><spline/></geometry>",
                 kPlaced + "<node><instance_geometry url='#h'/></node>"),
        "<spline> is left out"},
@@ -191,6 +225,8 @@ INSTANTIATE_TEST_SUITE_P(
     Files, ColladaFault,
     testing::Values(
         Fault{"Empty", "<COLLADA/>", "m.dae: mesh has no triangle"},
+        Fault{"SkinAlone", document(kZUp, "", "\n<node><instance_controller url='#c'/></node>"),
+              "m.dae: mesh has no triangle; m.dae:4: <instance_controller> is left out"},
         Fault{"Cut", "<COLLADA>\n<scene", "m.dae:2: "},
         Fault{"AnotherFormat", "<svg/>", "m.dae: is no COLLADA file"},
         Fault{"NoScene", "<COLLADA>\n<scene><instance_visual_scene url='#x'/></scene></COLLADA>",
@@ -223,6 +259,15 @@ INSTANTIATE_TEST_SUITE_P(
               "fewer corners than <vcount> promises"},
         Fault{"PolylistTooLong", with_faces(faces("polylist", "<vcount>3</vcount><p>0 1 2 3</p>")),
               "more corners than <vcount> promises"},
+        Fault{"TwoNumbersAPosition",
+              document(kZUp, changed(geometry("g", "", kTriangles), "stride='3'", "stride='2'"),
+                       kPlaced),
+              "m.dae:4: a position has three numbers, and 'stride' is 2"},
+        Fault{"AnotherFile", changed(with_node(""), "'#g'", "'other.dae#g'"),
+              "m.dae:5: <instance_geometry> names the <geometry> 'other.dae#g', and other files "
+              "are not read with this one"},
+        Fault{"UnknownList", with_faces(faces("polylist", "<vcount>3</vcount><pp>0 1 2</pp>")),
+              "<pp> is not read"},
         Fault{"UnknownFaces", with_faces(faces("tripatches", "<p>0 1 2</p>")),
               "m.dae:5: <tripatches> is not read: without it the mesh has another shape"},
         Fault{"NoVertices", with_faces("<triangles><p>0 1 2</p></triangles>"),
@@ -249,7 +294,30 @@ TEST(Collada, NodesThatDoubleAreCounted) {
   }
   EXPECT_THAT(refusal(document(kZUp, geometry("g", "", kTriangles), "<instance_node url='#n0'/>",
                                "<library_nodes>" + nodes + "<node id='n20'/></library_nodes>")),
-              HasSubstr("more than 100000 nodes are named from here"));
+              HasSubstr("more than 1000000 elements of nodes are named from here"));
+}
+
+/// A thousand times a thousand elements without a triangle.
+TEST(Collada, ElementsOfNodesAreCountedAsOftenAsTheyAreNamed) {
+  std::string turns;
+  std::string uses;
+  for (int i = 0; i < 1000; ++i) turns += "<rotate>0 0 1 0</rotate>";
+  for (int i = 0; i < 1000; ++i) uses += "<instance_node url='#n'/>";
+  EXPECT_THAT(refusal(document(kZUp, geometry("g", "", kTriangles), uses,
+                               "<library_nodes><node id='n'>" + turns + "</node></library_nodes>")),
+              HasSubstr("more than 1000000 elements of nodes"));
+}
+
+/// Each <triangles> looks for its vertices: among many, too, without a search through all.
+TEST(Collada, ManyPartsOfAMeshAreRead) {
+  std::string sources;
+  std::string parts;
+  for (int i = 0; i < 20'000; ++i) {
+    sources += "<source id='s" + std::to_string(i) + "'/>";
+    parts += faces("triangles", "<p>0 1 2</p>");
+  }
+  EXPECT_EQ(parse(document(kZUp, geometry("g", "", sources + parts), kPlaced)).triangles.size(),
+            20'000u);
 }
 
 TEST(Collada, ElementsInEachOtherAreCounted) {

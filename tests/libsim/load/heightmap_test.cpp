@@ -106,7 +106,9 @@ TEST(Heightmap, RefusesWhatIsNoImageAndWhatIsTooLarge) {
               HasSubstr("2 to 1025 pixels along each edge, this one 1 x 9"));
   const auto whole = write_png(folder.path() / "whole.png", 65, 65, slope);
   std::filesystem::resize_file(whole, std::filesystem::file_size(whole) / 2);
-  EXPECT_THAT(refusal(whole), HasSubstr("whole.png: is no PNG image: the file is cut"));
+  EXPECT_THAT(refusal(whole), HasSubstr("whole.png: the PNG file is cut: it ends behind "));
+  std::filesystem::resize_file(whole, 20);
+  EXPECT_THAT(refusal(whole), HasSubstr("behind 20 bytes, and 0 whole rows of pixels"));
 }
 
 /// A world of heightmaps with these heights, all of one image.

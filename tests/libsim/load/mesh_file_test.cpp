@@ -113,6 +113,7 @@ TEST_P(ForeignForms, AreRead) {
 }
 
 const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+const std::string kCorner = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
 
 INSTANTIATE_TEST_SUITE_P(
     Mesh, ForeignForms,
@@ -129,23 +130,36 @@ INSTANTIATE_TEST_SUITE_P(
         Form{"TextStlOfTwoSolids", "a.stl", text_stl() + text_stl(), 2},
         Form{"TextStlWithoutItsEnd", "a.stl", text_stl().substr(0, text_stl().find("endsolid")), 1,
              "a.stl:9: has no 'endsolid': the STL file may be cut here"},
+        Form{"TextStlOfFourNumbers", "a.stl", text_stl("0 1 0 5"), 1,
+             "a.stl:6: '5' is left out: of a facet three vertices of three numbers are read"},
+        Form{"TextStlOfTwoNumbersANormal", "a.stl",
+             "solid\nfacet normal 0 nan\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+             "endloop\nendfacet\nendsolid\nCOLOR 1 1 1\n",
+             1},
         Form{"ObjWithMark", "a.obj", "\xef\xbb\xbf" + kSquare + "f 1 2 3 4\n", 2},
         Form{"ObjContinuedLine", "a.obj", kSquare + "f 1 2 \\\n 3 \\\r\n4\n", 2},
         Form{"ObjCarriageReturns", "a.obj",
              "v 0 0 0\rv 1 0 0\rv 1 1 0\r# a\rf 1 2 \\\r3\r\rf 1 2 3\r", 2},
         Form{"ObjBlanksBehindABackslash", "a.obj", kSquare + "f 1 2 \\ \t\n3 4\n", 2},
-        Form{"ObjMissingNormals", "a.obj", kSquare + "f 1// 2/ 3/7\n", 1},
+        Form{"ObjMissingNormals", "a.obj", kCorner + "f 1// 2/ 3/7\n", 1},
         Form{"ObjComments", "a.obj", "# v 0,5\n" + kSquare + "f 1 2 3 # below \\\nf 1 3 4#\n", 2},
-        Form{"ObjVertexLater", "a.obj", "f 1 2 3\n" + kSquare, 1},
+        Form{"ObjVertexLater", "a.obj", "f 1 2 3\n" + kCorner, 1},
         Form{"ObjColoursAndWeights", "a.obj",
-             "v 0 0 0 1 0.5 0\nv 1 0 0 1\nv 1 1 0\nvt 0 0\nvn 0 0 1\nusemtl a,b\nf 1/1/1 2/1 "
+             "v 0 0 0 1 0.5 0\nv 1 0 0 1\nv 1 1 0 nan nan nan\nvt 0 0\nvn 0 0 1\nusemtl a,b\nf "
+             "1/1/1 2/1 "
              "3//1\n",
              1},
         Form{"ObjLines", "a.obj", kSquare + "l 1 2\nf -4 -3 -2\n", 1},
-        Form{"ObjThinFaces", "a.obj", kSquare + "f 1 2\nf 3\nf 1 2 3\n", 1,
-             "a.obj:5: faces of fewer than three corners are left out"},
+        Form{"ObjThinFaces", "a.obj", kCorner + "f 1 2\nf 3\nf 1 2 3\n", 1,
+             "a.obj:4: faces of fewer than three corners are left out"},
         Form{"ObjSurface", "a.obj", kSquare + "surf 0 1 0 1 1 2\nsurf 0 1\nf 1 2 3\n", 1,
-             "a.obj:5: 'surf' is left out"}),
+             "a.obj:5: 'surf' is left out"},
+        Form{"ObjCutWithinAFace", "a.obj", kSquare + "f 1 2 3 4\nf 4 3", 2,
+             "a.obj:6: faces of fewer than three corners are left out; the file ends within this "
+             "line: is it cut?"},
+        Form{"ObjCutBehindAFace", "a.obj", kSquare + "v 0 0 1\nv 0 0 2\nf 1 2 3 4\n", 2,
+             "a.obj:7: vertices of no face are left out: 2 (the first is vertex 5); is the file "
+             "cut"}),
     [](const auto& test) { return test.param.name; });
 
 struct Damage {
@@ -168,6 +182,9 @@ const float kNotFinite = std::numeric_limits<float>::quiet_NaN();
 INSTANTIATE_TEST_SUITE_P(
     Mesh, DamagedMesh,
     testing::Values(
+        Damage{"BinaryStlOfNoTriangles", "a.stl", binary_stl(0),
+               "a.stl: no triangle is read of the STL file: its header promises 0 triangles, 84 "
+               "bytes; it has 184"},
         Damage{"CutBinaryStl", "a.stl", binary_stl(2).substr(0, 150),
                "a.stl: the STL file is cut: its header promises 2 triangles, 184 bytes; it has 150 "
                "bytes and ends within triangle 2"},
@@ -189,6 +206,8 @@ INSTANTIATE_TEST_SUITE_P(
                "a.stl:5: a facet has three vertices, this one 2"},
         Damage{"FourVerticesInTextStl", "a.stl", text_stl("0 1 0\nvertex 0 0 0"),
                "a.stl:7: a facet has three vertices, this one more"},
+        Damage{"Utf16", "a.obj", std::string("\xff\xfev\0 \0", 6),
+               "a.obj: is text in UTF-16; save it as UTF-8"},
         Damage{"PointerOfGitLfs", "a.stl",
                "version https://git-lfs.github.com/spec/v1\noid sha256:0",
                "a.stl: is a pointer of Git LFS, not the mesh"},
@@ -196,11 +215,23 @@ INSTANTIATE_TEST_SUITE_P(
                "a.obj:1: '0,5' is no number (decimals follow a point, not a comma)"},
         Damage{"TwoNumbersInObj", "a.obj", "\nv 0 0\n",
                "a.obj:2: a vertex has three numbers, this one 2"},
+        Damage{"ObjCutWithinAVertex", "a.obj", "v 0 0 0\nv 1 0",
+               "a.obj:2: a vertex has three numbers, this one 2; the file ends within this line: "
+               "is it cut?"},
+        Damage{"ObjCutBehindAVertex", "a.obj", kSquare,
+               "a.obj:4: the file ends without a face: is it cut?"},
         Damage{"FaceOfWords", "a.obj", "v 0 0 0\nf 1 1x 1\n", "a.obj:2: face names no vertex: 1x"},
         Damage{"FaceOfZero", "a.obj", "v 0 0 0\nf 1 0 1\n", "a.obj:2: face names no vertex: 0"},
         Damage{"FaceBeforeTheFirst", "a.obj", "v 0 0 0\nf 1 -2 1\n", "face names no vertex: -2"},
         Damage{"FaceWithADamagedNormal", "a.obj", "v 0 0 0\nf 1 1//x 1\n", "vertex: 1//x"}),
     [](const auto& test) { return test.param.name; });
+
+TEST_F(MeshFile, TheBoxIsThatOfTheTriangles) {
+  const auto file = folder_.write("a.obj", "v 9 9 9\nl 1 2\n" + kSquare + "f 2 3 4 5\n");
+  Eigen::Vector3d centre;
+  EXPECT_EQ(bounding_box(load_mesh(file), centre).size_m, Eigen::Vector3d(1, 1, 0));
+  EXPECT_EQ(centre, Eigen::Vector3d(0.5, 0.5, 0));
+}
 
 TEST_F(MeshFile, AMirroredMeshKeepsItsOuterSide) {
   const auto file = folder_.write("a.obj", kSquare + "f 1 2 3\n");

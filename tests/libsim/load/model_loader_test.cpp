@@ -212,6 +212,23 @@ TEST_F(ModelLoader, AVisualThatCannotBeReadCostsItselfAlone) {
       << "of a collision it is an error";
 }
 
+TEST_F(ModelLoader, WhatIsSaidAboutAMeshNamesItsLink) {
+  folder_.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 9 9 9\nf 1 2 3\n");
+  const auto base_of = [](const std::string& mesh) {
+    return link("base", inertial(1, "0 0 0", "0 0 0", kBall) + "<collision><geometry>\n<mesh " +
+                            mesh + "/></geometry></collision>");
+  };
+  const VehicleModel model = load(base_of("filename='m.obj'"));
+  EXPECT_THAT(model.warnings,
+              ElementsAre(AllOf(HasSubstr("m.obj:5: vertices of no face are left out: 1"),
+                                HasSubstr("; it is a <collision> of link 'base', "),
+                                HasSubstr("v.urdf:2"))));
+  EXPECT_EQ(std::get<Box>(model.shapes.at(0).geometry).size_m.y(), 2) << "without that vertex";
+  EXPECT_THAT(refuse(base_of("filename='m.obj' scale='1 0 1'")),
+              AllOf(HasSubstr("m.obj: a mesh cannot be scaled by 0; it is a <collision> of link"),
+                    HasSubstr("v.urdf:2")));
+}
+
 TEST_F(ModelLoader, AnSdfModelIsDrawnByItsMeshes) {
   folder_.write("frame.stl", kTriangle);
   const auto model_with = [&](const std::string& visual) {
@@ -313,6 +330,11 @@ TEST_F(ModelLoader, RefusesWhatCannotFly) {
   EXPECT_THAT(refuse(link("base", kCollision)), HasSubstr("no link has an <inertial>"));
   EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", kBall))),
               HasSubstr("has no <collision>"));
+  EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", kBall) +
+                                      "<collision><geometry><capsule radius='1' length='1'/>"
+                                      "</geometry></collision>")),
+              AllOf(HasSubstr("has no <collision>"), HasSubstr("; "),
+                    HasSubstr("v.urdf:1: link 'base': a <capsule> collision is left out")));
   EXPECT_THAT(refuse("<link name="), HasSubstr("v.urdf:1: "));
   EXPECT_THAT(refuse("<robot name='r'>\n<link>\n</robot>"), HasSubstr("v.urdf:3: mismatched tag"));
   EXPECT_THAT(refuse("<robot name='r'/>"), HasSubstr("v.urdf:1: <robot> has no <link>"));
