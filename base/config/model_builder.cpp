@@ -35,6 +35,8 @@ bool ModelBuilder::is_used(std::string_view name, PartUse use) {
 
 bool ModelBuilder::leaves_out(std::string_view name) { return is_used(name, PartUse::kLeftOut); }
 
+bool ModelBuilder::fixes(std::string_view name) { return is_used(name, PartUse::kFixed); }
+
 void ModelBuilder::warn(const XmlElement& at, const std::string& sentence) {
   body_.warnings.push_back(at.place() + ": " + sentence);
 }

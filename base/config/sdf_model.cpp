@@ -2,8 +2,11 @@
 #include "base/config/sdf_model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
+#include <initializer_list>
+#include <set>
 
 #include "base/config/model_builder.hpp"
 #include "base/config/model_motors.hpp"
@@ -47,8 +50,21 @@ double limit_of(const XmlElement& limit) {
   return limit.numbers(1)[0];
 }
 
+/// The moments of a link, by SDF's defaults where the file has none.
+Eigen::Matrix3d inertia_of(const XmlElement& inertia, const std::string& link,
+                           ModelBuilder& builder) {
+  return inertia_tensor([&](std::string_view key) {
+    if (const XmlElement* const entry = inertia.child(key)) return entry->numbers(1)[0];
+    if (key[1] != key[2]) return 0.0;
+    builder.warn(inertia, "link '" + link + "': <inertia> has no <" + std::string(key) +
+                              ">: 1 kg m^2, as SDF has it");
+    return 1.0;
+  });
+}
+
 /// Mass and inertia of a link. @param X_LM  of the model in the link
-Inertial inertial_of(const XmlElement& link, const SdfScope& scope, const Eigen::Isometry3d& X_LM) {
+Inertial inertial_of(const XmlElement& link, const SdfScope& scope, const Eigen::Isometry3d& X_LM,
+                     ModelBuilder& builder) {
   const XmlElement* const element = link.child("inertial");
   const XmlElement* const mass = element != nullptr ? element->child("mass") : nullptr;
   const XmlElement* const inertia = element != nullptr ? element->child("inertia") : nullptr;
@@ -58,16 +74,25 @@ Inertial inertial_of(const XmlElement& link, const SdfScope& scope, const Eigen:
         .fail("link '" + name +
               "' has no <inertial> with <mass> and <inertia>; SDF would have it weigh 1 kg");
   }
-  Inertial result{
-      .mass_kg = mass->numbers(1)[0], .X = X_LM * scope.pose(*element, name), .element = element};
-  result.inertia_kg_m2 = inertia_tensor([&](std::string_view key) {
-    const XmlElement* const entry = inertia->child(key);
-    return entry != nullptr ? entry->numbers(1)[0] : key[1] == key[2] ? 1.0 : 0.0;
-  });
+  Inertial result{.mass_kg = mass->numbers(1)[0],
+                  .X = X_LM * scope.pose(*element, name),
+                  .inertia_kg_m2 = inertia_of(*inertia, name, builder),
+                  .element = element};
   if (result.mass_kg == 0 && !result.inertia_kg_m2.isZero(0)) {
     mass->fail("link '" + name + "' has an <inertia>, and a <mass> of 0");
   }
   return result;
+}
+
+/// @throws ConfigError for a type that SDF does not have
+std::string_view type_of(const XmlElement& joint) {
+  constexpr std::array<std::string_view, 9> kTypes{"fixed", "continuous", "revolute",
+                                                   "ball",  "revolute2",  "prismatic",
+                                                   "screw", "universal",  "gearbox"};
+  const std::string_view type = joint.attribute("type");
+  if (std::ranges::find(kTypes, type) != kTypes.end()) return type;
+  joint.fail("joint '" + std::string(joint.attribute("name")) + "' has the type '" +
+             std::string(type) + "', which SDF does not have");
 }
 
 class Sdf {
@@ -115,16 +140,15 @@ class Sdf {
           continue;
         }
         auto part = std::make_unique<SdfScope>(child, version, scope.file(), scope, nullptr);
-        add_parts(*part, version, depth + 1);
-        scope.add(std::move(part));
+        add(std::move(part), scope, version, depth, {child.attribute("name")});
       }
     }
   }
 
   void include(const XmlElement& element, SdfScope& scope, int depth) {
-    const std::string uri(element.child_text("uri"));
+    const std::string in_uri = std::filesystem::path(element.child_text("uri")).filename().string();
     // Whichever name the vehicle file uses; the file itself may be missing.
-    const bool by_uri = builder_.leaves_out(std::filesystem::path(uri).filename().string());
+    const bool by_uri = builder_.leaves_out(in_uri);
     const bool merged = is_true(element.attribute("merge"));
     if (builder_.leaves_out(element.child_text("name")) || by_uri) {
       const std::string_view name = element.child_text("name");
@@ -139,6 +163,15 @@ class Sdf {
     warn_of_others(file.root);
     const std::string_view version = file.root.attribute("version");
     auto part = std::make_unique<SdfScope>(model, version, file.path, scope, &element);
+    add(std::move(part), scope, version, depth, {sdf_part_name(model, &element), in_uri});
+  }
+
+  /// @param names  by which the vehicle file may fix the part
+  void add(std::unique_ptr<SdfScope> part, SdfScope& scope, std::string_view version, int depth,
+           std::initializer_list<std::string_view> names) {
+    bool fixed = fixed_.contains(&scope);
+    for (const std::string_view name : names) fixed |= builder_.fixes(name);
+    if (fixed) fixed_.insert(part.get());
     add_parts(*part, version, depth + 1);
     scope.add(std::move(part));
   }
@@ -148,6 +181,10 @@ class Sdf {
     frames_[&scope] = X_RM;
     warn_of_unread(scope.model(), builder_);
     joints_.add(scope, builder_);
+    for (const XmlElement& frame : scope.model().children) {
+      const std::string_view name = frame.attribute("name");
+      if (frame.name == "frame" && scope.link_of(name, frame)) scope.frame(name, frame);
+    }
     for (const auto& part : scope.parts()) place(*part, X_RM * scope.placed(*part));
   }
 
@@ -177,8 +214,12 @@ class Sdf {
     if (const SdfJoints::Joint* const carrier = joints_.carrier_of(name)) {
       joint = joint_of(*carrier, position_R_m);
     }
+    if (fixed_.contains(&scope)) {
+      joint.moves = false;
+      joint.axis_R.reset();
+    }
     const auto turns = builder_.add(link, name, X_RL, joint, position_R_m,
-                                    inertial_of(link, scope, X_ML.inverse()));
+                                    inertial_of(link, scope, X_ML.inverse(), builder_));
     if (!turns) return;
     links_.push_back(name);
     for (const XmlElement& part : link.children) {
@@ -204,7 +245,7 @@ class Sdf {
 
   /// From limit to limit: infinite for one that turns, 1 for one that moves in another way.
   static double range(const XmlElement& joint) {
-    const std::string_view type = joint.attribute("type");
+    const std::string_view type = type_of(joint);
     if (type == "continuous") return HUGE_VAL;
     if (type == "fixed") return 0;
     const XmlElement* const axis = joint.child("axis");
@@ -232,6 +273,7 @@ class Sdf {
   ModelBuilder builder_;
   std::deque<SdfFile> files_;  // included; scopes point into them
   SdfScope root_;
+  std::set<const SdfScope*> fixed_;  // models none of whose links is a rotor
   SdfJoints joints_;
   std::vector<std::string> links_;  // that are not left out
   std::map<const SdfScope*, Eigen::Isometry3d> frames_;

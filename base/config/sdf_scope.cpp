@@ -147,9 +147,9 @@ std::optional<std::string> SdfScope::find_link(std::string_view name, const XmlE
   if (const auto found = by_name_.find(name); found != by_name_.end()) {
     const XmlElement& child = *found->second;
     if (child.name == "link") return prefix_ + std::string(name);
-    if (child.name == "joint") return find_link(child.child_text("child"), asking, depth + 1);
+    if (child.name == "joint") return link_of(child.child_text("child"), child, depth + 1);
     const std::string_view attached = child.attribute("attached_to");
-    return find_link(attached.empty() ? kModelFrame : attached, asking, depth + 1);
+    return link_of(attached.empty() ? kModelFrame : attached, child, depth + 1);
   }
   for (const auto& part : parts_) {
     const auto inside = name_in(*part, name);

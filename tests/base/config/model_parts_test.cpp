@@ -179,6 +179,15 @@ TEST_F(PartsOfAModel, AJointToALinkThatIsNotThereIsRefused) {
                 .find("model.sdf:4: the model has no link, joint or frame 'camrea'"),
             std::string::npos);
   EXPECT_NE(refusal(kBase + joint("yaw", "bas", "base")).find("frame 'bas'"), std::string::npos);
+  EXPECT_NE(refusal(kBase + "<frame name='f' attached_to='leg'/>").find("frame 'leg'"),
+            std::string::npos);
+  EXPECT_NE(refusal(kBase + "<frame name='f' attached_to='f'/>").find("in a circle"),
+            std::string::npos);
+  EXPECT_NE(refusal(kBase + "<link name='arm'>" + inertial(1) +
+                    "</link><joint name='j' type='revolut'><parent>base</parent><child>arm</child>"
+                    "</joint>")
+                .find("the type 'revolut', which SDF does not have"),
+            std::string::npos);
   const std::string lidar = "<include><uri>model://lidar</uri><name>front</name></include>" +
                             joint("mount", "base", "front::link");
   EXPECT_NEAR(read(kBase + lidar, {{"front", PartUse::kLeftOut}}).mass_kg, 1, kRounding)
@@ -212,6 +221,10 @@ TEST_F(PartsOfAModel, WhatNobodyReadsIsToldWithItsLine) {
        "model.sdf:5: <pose> in <link name='arm'> is left out: it is a second one"},
       {arm + "<pose relativ_to='base'>1 0 0 0 0 0</pose>" + held,
        "model.sdf:4: <pose>: 'relativ_to' is left out: no such attribute"},
+      {"<link name='arm'><inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy>"
+       "</inertia></inertial>" +
+           held,
+       "link 'arm': <inertia> has no <izz>: 1 kg m^2, as SDF has it"},
       {arm + "<gravity>false</gravity>" + held, "<link name='arm'> has no <gravity> in Gazebo"},
       {arm + "<collision name='c'>" + shape +
            "<surface><contact><ode><kp>1e4</kp></ode></contact></surface></collision>" + held,
@@ -235,6 +248,19 @@ TEST_F(PartsOfAModel, WhatNobodyReadsIsToldWithItsLine) {
     EXPECT_NE(warnings_of(kBase + inside).find(sentence), std::string::npos)
         << sentence << " in " << warnings_of(kBase + inside);
   }
+}
+
+TEST_F(PartsOfAModel, AnIncludedModelIsFixedWithAllItsJoints) {
+  const std::string gimbal = "<model name='gimbal'><link name='yaw'>" + inertial(0.2) +
+                             "</link><model name='inner'><link name='roll'>" + inertial(0.1) +
+                             "</link></model>" + joint("j", "yaw", "inner::roll") + "</model>" +
+                             joint("k", "base", "gimbal::yaw");
+  EXPECT_TRUE(read(kBase + gimbal).find("yaw")->axis_R.has_value());
+  const ModelBody fixed = read(kBase + gimbal, {{"gimbal", PartUse::kFixed}});
+  EXPECT_FALSE(fixed.find("yaw")->axis_R.has_value());
+  EXPECT_FALSE(fixed.find("roll")->axis_R.has_value());
+  EXPECT_NEAR(fixed.mass_kg, 1.3, kRounding);
+  EXPECT_TRUE(fixed.warnings.empty());
 }
 
 TEST_F(PartsOfAModel, ASecondModelOfAFileIsTold) {

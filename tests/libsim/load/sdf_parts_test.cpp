@@ -139,6 +139,9 @@ TEST(SdfWorldParts, WhatSdfDoesNotKnowIsTold) {
        "w.sdf:5: a second <link name='l'> in <model name='m'> is left out"},
       {solid("m", link("l", kBox)) + "\n" + solid("m", link("l", kBox)),
        "w.sdf:5: a second <model name='m'> in <world name='w'> is left out"},
+      {"<spherical_coordinates><surface_model>EARTH_WGS84</surface_model><latitude_deg>47"
+       "</latitude_deg><elevation>4</elevation></spherical_coordinates>",
+       "w.sdf:3: <spherical_coordinates> has no <longitude_deg>: 0, as SDF has it"},
       {"<actor name='a'>" + link("l", "<ellipsoid><radii>1 1 1</radii></ellipsoid>") + "</actor>",
        "w.sdf:3: collision 'a/c': <ellipsoid> is left out"}};
   for (const auto& [elements, sentence] : cases) {
