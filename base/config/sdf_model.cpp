@@ -106,10 +106,7 @@ class Sdf {
 
   ModelBody run() {
     take_links(root_);
-    for (const std::string& link : joints_.loose(links_)) {
-      builder_.warn(root_.model(), "no joint holds link '" + link + "' to '" + links_.front() +
-                                       "': in Gazebo it falls off; taken as fixed");
-    }
+    warn_of_loose(joints_.loose(links_));
     ModelBody body = builder_.finish(std::string(root_.model().attribute("name")));
     if (body.links.empty()) root_.model().fail("has no <link>");
     return body;
@@ -124,6 +121,15 @@ class Sdf {
       builder_.warn(child, "<" + child.name + " name='" + std::string(child.attribute("name")) +
                                "'> is left out: the vehicle is the first <model> of a file");
     }
+  }
+
+  /// @param loose  links that no joint holds
+  void warn_of_loose(const std::vector<std::string>& loose) {
+    if (loose.empty()) return;
+    const std::string more =
+        loose.size() > 1 ? " nor " + std::to_string(loose.size() - 1) + " more" : "";
+    builder_.warn(root_.model(), "no joint holds link '" + loose.front() + "'" + more + " to '" +
+                                     links_.front() + "': in Gazebo they fall off; taken as fixed");
   }
 
   /// The models in a model, and those in them.

@@ -61,6 +61,10 @@ TEST_F(PartsOfAModel, AnIncludedModelBesideTheVehiclesFolderIsAFixedMass) {
   EXPECT_TRUE(body.warnings.empty());
 }
 
+TEST_F(PartsOfAModel, AnIncludedModelMayBeNamedWithoutAScheme) {
+  EXPECT_NEAR(read(kBase + "<include><uri>gps</uri></include>").mass_kg, 1.5, kRounding);
+}
+
 TEST_F(PartsOfAModel, PosesOfOtherVersionsAreRead) {
   const auto foot_with = [&](const std::string& pose) {
     return kBase + "<link name='arm'><pose>1 0 0 0 0 1.5707963267948966</pose>" + inertial(0.1) +
@@ -243,7 +247,7 @@ TEST_F(PartsOfAModel, WhatNobodyReadsIsToldWithItsLine) {
       {arm + held + joint("k", "base", "arm"),
        "joint 'k' carries link 'arm', which another joint carries: left out"},
       {arm + held + joint("k", "world", "base"), "joint 'k' holds the model to the world"},
-      {arm + "</link>", "no joint holds link 'arm' to 'base': in Gazebo it falls off"}};
+      {arm + "</link>", "no joint holds link 'arm' to 'base': in Gazebo they fall off"}};
   for (const auto& [inside, sentence] : cases) {
     EXPECT_NE(warnings_of(kBase + inside).find(sentence), std::string::npos)
         << sentence << " in " << warnings_of(kBase + inside);
