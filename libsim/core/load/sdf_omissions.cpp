@@ -161,7 +161,8 @@ class Walk {
       const std::string where = " in <" + parent->GetName() + named(*parent) + ">";
       if (!part->GetExplicitlySetInFile() || has_no_effect(name)) continue;
       if (part->GetRequired().empty()) {  // every element that SDF knows has an entry there
-        if (parent->GetName() == "geometry" && name == "cone") continue;  // look_at_geometry()
+        const bool is_foreign = name.find(':') != std::string::npos;  // another program's
+        if (is_foreign || (parent->GetName() == "geometry" && name == "cone")) continue;
         note("unknown " + name, parent, what + where + " is left out: no such element");
         continue;
       }
