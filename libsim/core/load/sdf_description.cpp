@@ -56,7 +56,10 @@ sdf::ElementPtr reduced(const sdf::Element& from, const SdfDescription::IsUsed& 
   sdf::ElementPtr copy = copy_of(from);
   for (std::size_t i = 0; i < from.GetElementDescriptionCount(); ++i) {
     const sdf::ElementPtr part = from.GetElementDescription(static_cast<unsigned int>(i));
-    if (is_kept(*part, is_used)) copy->AddElementDescription(reduced(*part, is_used));
+    if (!is_kept(*part, is_used)) continue;
+    // libsdformat asks a sensor for the element of its type, and goes on without looking.
+    const bool whole = part->GetName() == "sensor";
+    copy->AddElementDescription(whole ? part : reduced(*part, is_used));
   }
   return copy;
 }

@@ -161,9 +161,9 @@ class Walk {
       const std::string where = " in <" + parent->GetName() + named(*parent) + ">";
       if (!part->GetExplicitlySetInFile() || has_no_effect(name)) continue;
       if (part->GetRequired().empty()) {  // every element that SDF knows has an entry there
-        const bool is_foreign = name.find(':') != std::string::npos;  // another program's
-        if (is_foreign || (parent->GetName() == "geometry" && name == "cone")) continue;
-        note("unknown " + name, parent, what + where + " is left out: no such element");
+        if (!is_read_elsewhere(parent->GetName(), name)) {
+          note("unknown " + name, parent, what + where + " is left out: no such element");
+        }
         continue;
       }
       const bool is_single = part->GetRequired() == "0" || part->GetRequired() == "1";
@@ -172,6 +172,12 @@ class Walk {
       }
       look_at_elements(part);
     }
+  }
+
+  /// An element of another program, or one of a younger or older SDF.
+  static bool is_read_elsewhere(const std::string& parent, const std::string& name) {
+    return name.find(':') != std::string::npos || (parent == "geometry" && name == "cone") ||
+           (parent == "physics" && name == "magnetic_field");
   }
 
   void look_at_link(const sdf::ElementPtr& link, const std::string& model) {

@@ -74,9 +74,11 @@ bool is_missing_model(const sdf::Error& error) {
   return error.Code() == sdf::ErrorCode::URI_LOOKUP;
 }
 
-/// Second elements of a name are sdf_omissions()'s; a prefix of an attribute is another program's.
+/// Second elements of a name are sdf_omissions()'s; a prefix of an attribute is another program's;
+/// the sum of all errors says nothing.
 bool is_told_elsewhere(const sdf::Error& error) {
   return error.Code() == sdf::ErrorCode::DUPLICATE_NAME ||
+         error.Message() == "Failed to load a world." ||
          (error.Code() == sdf::ErrorCode::ATTRIBUTE_INCORRECT_TYPE &&
           (error.Message().find(':') != std::string::npos ||
            error.Message().find("[xmlns]") != std::string::npos));
