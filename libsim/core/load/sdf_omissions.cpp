@@ -191,7 +191,7 @@ class Walk {
       const auto surface = child(collision, "surface");
       look_at_friction(child(surface, "friction"), who);
       look_at_contact(surface, who);
-      look_at_geometry(child(collision, "geometry"), who);
+      look_at_geometry(collision, who);
     });
   }
 
@@ -247,7 +247,8 @@ class Walk {
     }
   }
 
-  void look_at_geometry(const sdf::ElementPtr& geometry, const std::string& who) {
+  void look_at_geometry(const sdf::ElementPtr& collision, const std::string& who) {
+    const sdf::ElementPtr geometry = child(collision, "geometry");
     if (const auto part = descendant(geometry, {"mesh", "submesh"})) {
       note("submesh", part, who + " names a <submesh>; the whole mesh collides here");
     }
@@ -263,6 +264,9 @@ class Walk {
              left_out + "box, sphere, cylinder, plane, mesh and heightmap can be touched");
       }
       if (taken.empty()) taken = name;
+    }
+    if (taken.empty() && !child(geometry, "empty")) {
+      note("no form", collision, who + " has no form in its <geometry>: left out");
     }
     look_at_defaults(geometry, who);
   }

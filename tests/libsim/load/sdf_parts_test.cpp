@@ -133,6 +133,7 @@ TEST(SdfWorldParts, WhatSdfDoesNotKnowIsTold) {
        "w.sdf:4: XML Attribute[relativ_to] in element[pose] not defined in SDF"},
       {solid("m", link("l", kBox + "<sphere><radius>1</radius></sphere>")),
        "collision 'm/c': <sphere> is left out: one form of a <geometry> counts, <box> here"},
+      {solid("m", link("l", "")), "w.sdf:4: collision 'm/c' has no form in its <geometry>"},
       {solid("m", link("l", kBox, "<pose>1 0 0 0 0 0</pose><pose>2 0 0 0 0 0</pose>")),
        "w.sdf:4: a second <pose> in <link name='l'> is left out"},
       {solid("m", link("l", kBox) + "\n" + link("l", kBox)),
