@@ -9,6 +9,9 @@ void SdfJoints::add(const SdfScope& scope, ModelBuilder& builder) {
   for (const XmlElement& joint : scope.model().children) {
     if (joint.name != "joint") continue;
     const std::string who = "joint '" + std::string(joint.attribute("name")) + "'";
+    for (const char* end : {"parent", "child"}) {
+      if (joint.child_text(end).empty()) joint.fail(who + " has no <" + end + ">");
+    }
     if (joint.child_text("parent") == "world" || joint.child_text("child") == "world") {
       builder.warn(joint, who + " holds the model to the world: left out, a vehicle flies");
       continue;

@@ -192,6 +192,9 @@ TEST_F(PartsOfAModel, AJointToALinkThatIsNotThereIsRefused) {
                     "</joint>")
                 .find("the type 'revolut', which SDF does not have"),
             std::string::npos);
+  EXPECT_NE(refusal(kBase + "<joint name='j' type='fixed'><child>base</child></joint>")
+                .find("joint 'j' has no <parent>"),
+            std::string::npos);
   const std::string lidar = "<include><uri>model://lidar</uri><name>front</name></include>" +
                             joint("mount", "base", "front::link");
   EXPECT_NEAR(read(kBase + lidar, {{"front", PartUse::kLeftOut}}).mass_kg, 1, kRounding)
