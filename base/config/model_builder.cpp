@@ -35,6 +35,8 @@ bool ModelBuilder::is_used(std::string_view name, PartUse use) {
 
 bool ModelBuilder::leaves_out(std::string_view name) { return is_used(name, PartUse::kLeftOut); }
 
+bool ModelBuilder::fixes(std::string_view name) { return is_used(name, PartUse::kFixed); }
+
 void ModelBuilder::warn(const XmlElement& at, const std::string& sentence) {
   body_.warnings.push_back(at.place() + ": " + sentence);
 }
@@ -98,7 +100,11 @@ void ModelBuilder::take_shape(const XmlElement& part, FormValues values, ModelSh
                               const std::function<Eigen::Isometry3d()>& X_RS) {
   const XmlElement& geometry = part.need("geometry");
   if (geometry.children.empty()) geometry.fail("<geometry> is empty");
-  take_model_form(geometry.children.front(), values, shape);
+  const XmlElement& form = geometry.children.front();
+  take_model_form(form, values, shape);
+  if (const XmlElement* const submesh = form.child("submesh"); submesh && !shape.visual) {
+    warn(*submesh, "link '" + shape.link + "' names a <submesh>; the whole mesh collides here");
+  }
   if (geometry.children.size() > 1) {
     warn(geometry.children[1], "link '" + shape.link +
                                    "': of a <geometry> the first form counts, <" + shape.word +
@@ -130,6 +136,11 @@ ModelBody ModelBuilder::finish(std::string name) {
     if (met_.contains(part)) continue;
     throw ConfigError(body_.file.string() + ": has no link, joint or included model '" + part +
                       "', which `parts` of the vehicle file names");
+  }
+  for (const ModelMotor& motor : body_.motors) {
+    if (motor.link.empty() || names_.contains(motor.link)) continue;
+    body_.warnings.push_back(motor.place + ": a motor plugin drives link '" + motor.link +
+                             "', which the model does not have: left out");
   }
   body_.name = std::move(name);
   for (const ModelShape& shape : body_.shapes) {

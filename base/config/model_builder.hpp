@@ -46,6 +46,8 @@ class ModelBuilder {
 
   /// Whether the vehicle file leaves out the part of that name.
   bool leaves_out(std::string_view name);
+  /// Whether it says of the part of that name that nothing in it is a rotor.
+  bool fixes(std::string_view name);
 
   /// Adds a link and its mass. A link of the same name, and one too many, throws ConfigError.
   /// @param position_R_m  of its joint's origin

@@ -9,7 +9,7 @@ namespace cas::base {
 
 /// What a vehicle file makes of a part of its model.
 enum class PartUse {
-  kFixed,    ///< a link or joint that turns, but is no rotor: its mass counts, at rest
+  kFixed,    ///< a link, joint or included model that turns, but is no rotor: a mass at rest
   kLeftOut,  ///< a link or included model: neither mass nor shapes count
 };
 

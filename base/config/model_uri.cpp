@@ -133,7 +133,8 @@ std::vector<fs::path> places_of_model_file(const std::string& uri, const fs::pat
        {"GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "SDF_PATH", "ROS_PACKAGE_PATH"}) {
     for (const fs::path& root : path_list(variable)) places.push_back(root / name);
   }
-  if (behind(uri, "model://")) {
+  const bool is_bare = uri.find("://") == uri.npos && fs::path(uri).is_relative();
+  if (behind(uri, "model://") || is_bare) {
     for (const fs::path& up : folders_above(folder)) places.push_back(up / name);
   }
   return places;

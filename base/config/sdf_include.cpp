@@ -4,7 +4,6 @@
 #include "base/config/model_body.hpp"
 #include "base/config/model_uri.hpp"
 #include "base/read_file.hpp"
-#include "base/text.hpp"
 
 namespace cas::base {
 namespace {
@@ -20,7 +19,7 @@ fs::path sdf_in(const fs::path& folder) {
       parse_xml(read_foreign_file(config, "model.config", kMaxModelBytes), config.string());
   std::string_view name = "model.sdf";
   for (const XmlElement& child : root.children) {
-    if (child.name == "sdf") name = trimmed(child.text);
+    if (child.name == "sdf") name = without_space(child.text);
   }
   return folder / name;
 }

@@ -2,14 +2,20 @@
 #include "base/config/sdf_model.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
+#include <initializer_list>
+#include <set>
 
 #include "base/config/model_builder.hpp"
 #include "base/config/model_motors.hpp"
+#include "base/config/sdf_elements.hpp"
 #include "base/config/sdf_include.hpp"
+#include "base/config/sdf_joints.hpp"
 #include "base/config/sdf_scope.hpp"
 #include "base/error.hpp"
+#include "base/text.hpp"
 
 namespace cas::base {
 namespace {
@@ -26,12 +32,39 @@ Eigen::Vector3d vector(const XmlElement& element) {
 
 const XmlElement& model_in(const XmlElement& sdf) {
   const XmlElement* const model = sdf.child("model");
-  if (model == nullptr) sdf.fail("has no <model>; a world is no vehicle");
-  return *model;
+  if (model != nullptr) return *model;
+  const XmlElement* const world = sdf.child("world");
+  const XmlElement* const inside = world != nullptr ? world->child("model") : nullptr;
+  sdf.fail("has no <model>; a world is no vehicle" +
+           (inside == nullptr
+                ? std::string()
+                : ": write its <model name='" + std::string(inside->attribute("name")) +
+                      "'> to a file of its own"));
+}
+
+/// Of a joint; it may be infinite.
+double limit_of(const XmlElement& limit) {
+  const std::string word = lower(without_space(limit.text));
+  if (word == "inf" || word == "+inf" || word == "infinity") return HUGE_VAL;
+  if (word == "-inf" || word == "-infinity") return -HUGE_VAL;
+  return limit.numbers(1)[0];
+}
+
+/// The moments of a link, by SDF's defaults where the file has none.
+Eigen::Matrix3d inertia_of(const XmlElement& inertia, const std::string& link,
+                           ModelBuilder& builder) {
+  return inertia_tensor([&](std::string_view key) {
+    if (const XmlElement* const entry = inertia.child(key)) return entry->numbers(1)[0];
+    if (key[1] != key[2]) return 0.0;
+    builder.warn(inertia, "link '" + link + "': <inertia> has no <" + std::string(key) +
+                              ">: 1 kg m^2, as SDF has it");
+    return 1.0;
+  });
 }
 
 /// Mass and inertia of a link. @param X_LM  of the model in the link
-Inertial inertial_of(const XmlElement& link, const SdfScope& scope, const Eigen::Isometry3d& X_LM) {
+Inertial inertial_of(const XmlElement& link, const SdfScope& scope, const Eigen::Isometry3d& X_LM,
+                     ModelBuilder& builder) {
   const XmlElement* const element = link.child("inertial");
   const XmlElement* const mass = element != nullptr ? element->child("mass") : nullptr;
   const XmlElement* const inertia = element != nullptr ? element->child("inertia") : nullptr;
@@ -41,31 +74,64 @@ Inertial inertial_of(const XmlElement& link, const SdfScope& scope, const Eigen:
         .fail("link '" + name +
               "' has no <inertial> with <mass> and <inertia>; SDF would have it weigh 1 kg");
   }
-  Inertial result{
-      .mass_kg = mass->numbers(1)[0], .X = X_LM * scope.pose(*element, name), .element = element};
-  result.inertia_kg_m2 = inertia_tensor([&](std::string_view key) {
-    const XmlElement* const entry = inertia->child(key);
-    return entry != nullptr ? entry->numbers(1)[0] : key[1] == key[2] ? 1.0 : 0.0;
-  });
+  Inertial result{.mass_kg = mass->numbers(1)[0],
+                  .X = X_LM * scope.pose(*element, name),
+                  .inertia_kg_m2 = inertia_of(*inertia, name, builder),
+                  .element = element};
+  if (result.mass_kg == 0 && !result.inertia_kg_m2.isZero(0)) {
+    mass->fail("link '" + name + "' has an <inertia>, and a <mass> of 0");
+  }
   return result;
+}
+
+/// @throws ConfigError for a type that SDF does not have
+std::string_view type_of(const XmlElement& joint) {
+  constexpr std::array<std::string_view, 9> kTypes{"fixed", "continuous", "revolute",
+                                                   "ball",  "revolute2",  "prismatic",
+                                                   "screw", "universal",  "gearbox"};
+  const std::string_view type = joint.attribute("type");
+  if (std::ranges::find(kTypes, type) != kTypes.end()) return type;
+  joint.fail("joint '" + std::string(joint.attribute("name")) + "' has the type '" +
+             std::string(type) + "', which SDF does not have");
 }
 
 class Sdf {
  public:
   Sdf(const XmlElement& sdf, const std::filesystem::path& file, const ModelParts& parts)
       : builder_(file, parts), root_(model_in(sdf), sdf.attribute("version"), file) {
+    warn_of_others(sdf);
     add_parts(root_, sdf.attribute("version"), 0);
     place(root_, Eigen::Isometry3d::Identity());
   }
 
   ModelBody run() {
     take_links(root_);
+    warn_of_loose(joints_.loose(links_));
     ModelBody body = builder_.finish(std::string(root_.model().attribute("name")));
     if (body.links.empty()) root_.model().fail("has no <link>");
     return body;
   }
 
  private:
+  /// A vehicle is one model.
+  void warn_of_others(const XmlElement& sdf) {
+    const XmlElement* const model = sdf.child("model");
+    for (const XmlElement& child : sdf.children) {
+      if (&child == model || (child.name != "model" && child.name != "world")) continue;
+      builder_.warn(child, "<" + child.name + " name='" + std::string(child.attribute("name")) +
+                               "'> is left out: the vehicle is the first <model> of a file");
+    }
+  }
+
+  /// @param loose  links that no joint holds
+  void warn_of_loose(const std::vector<std::string>& loose) {
+    if (loose.empty()) return;
+    const std::string more =
+        loose.size() > 1 ? " nor " + std::to_string(loose.size() - 1) + " more" : "";
+    builder_.warn(root_.model(), "no joint holds link '" + loose.front() + "'" + more + " to '" +
+                                     links_.front() + "': in Gazebo they fall off; taken as fixed");
+  }
+
   /// The models in a model, and those in them.
   void add_parts(SdfScope& scope, std::string_view version, int depth) {
     for (const XmlElement& child : scope.model().children) {
@@ -75,40 +141,55 @@ class Sdf {
         }
         include(child, scope, depth);
       } else if (child.name == "model") {
-        if (builder_.leaves_out(child.attribute("name"))) continue;
+        if (builder_.leaves_out(child.attribute("name"))) {
+          scope.leave_out(child.attribute("name"), false);
+          continue;
+        }
         auto part = std::make_unique<SdfScope>(child, version, scope.file(), scope, nullptr);
-        add_parts(*part, version, depth + 1);
-        scope.add(std::move(part));
+        add(std::move(part), scope, version, depth, {child.attribute("name")});
       }
     }
   }
 
   void include(const XmlElement& element, SdfScope& scope, int depth) {
-    const std::string uri(element.child_text("uri"));
+    const std::string in_uri = std::filesystem::path(element.child_text("uri")).filename().string();
     // Whichever name the vehicle file uses; the file itself may be missing.
-    const bool by_uri = builder_.leaves_out(std::filesystem::path(uri).filename().string());
-    if (builder_.leaves_out(element.child_text("name")) || by_uri) return;
+    const bool by_uri = builder_.leaves_out(in_uri);
+    const bool merged = is_true(element.attribute("merge"));
+    if (builder_.leaves_out(element.child_text("name")) || by_uri) {
+      const std::string_view name = element.child_text("name");
+      // Without a <name> its own counts, which nobody has read.
+      return scope.leave_out(name, merged || name.empty());
+    }
     const SdfFile& file = files_.emplace_back(read_sdf_include(element, scope.file()));
     const XmlElement& model = model_in(file.root);
-    if (builder_.leaves_out(sdf_part_name(model, &element))) return;
+    if (const auto name = sdf_part_name(model, &element); builder_.leaves_out(name)) {
+      return scope.leave_out(name, merged);
+    }
+    warn_of_others(file.root);
     const std::string_view version = file.root.attribute("version");
     auto part = std::make_unique<SdfScope>(model, version, file.path, scope, &element);
+    add(std::move(part), scope, version, depth, {sdf_part_name(model, &element), in_uri});
+  }
+
+  /// @param names  by which the vehicle file may fix the part
+  void add(std::unique_ptr<SdfScope> part, SdfScope& scope, std::string_view version, int depth,
+           std::initializer_list<std::string_view> names) {
+    bool fixed = fixed_.contains(&scope);
+    for (const std::string_view name : names) fixed |= builder_.fixes(name);
+    if (fixed) fixed_.insert(part.get());
     add_parts(*part, version, depth + 1);
     scope.add(std::move(part));
   }
 
-  struct Joint {
-    const XmlElement* element;
-    const SdfScope* scope;
-  };
-
   /// Frames and joints of a model and of those in it.
   void place(const SdfScope& scope, const Eigen::Isometry3d& X_RM) {
     frames_[&scope] = X_RM;
-    for (const XmlElement& joint : scope.model().children) {
-      if (joint.name != "joint") continue;
-      joints_.emplace(scope.prefix() + std::string(joint.child_text("child")),
-                      Joint{&joint, &scope});
+    warn_of_unread(scope.model(), builder_);
+    joints_.add(scope, builder_);
+    for (const XmlElement& frame : scope.model().children) {
+      const std::string_view name = frame.attribute("name");
+      if (frame.name == "frame" && scope.link_of(name, frame)) scope.frame(name, frame);
     }
     for (const auto& part : scope.parts()) place(*part, X_RM * scope.placed(*part));
   }
@@ -116,10 +197,17 @@ class Sdf {
   void take_links(const SdfScope& scope) {
     for (const XmlElement& child : scope.model().children) {
       if (child.name == "link") add_link(child, scope, frames_.at(&scope));
+    }
+    take_motors(scope.model(), scope);
+    if (scope.include() != nullptr) take_motors(*scope.include(), scope);
+    for (const auto& part : scope.parts()) take_links(*part);
+  }
+
+  void take_motors(const XmlElement& element, const SdfScope& scope) {
+    for (const XmlElement& child : element.children) {
       if (child.name != "plugin") continue;
       if (auto motor = read_model_motor(child, scope.prefix())) builder_.add(*std::move(motor));
     }
-    for (const auto& part : scope.parts()) take_links(*part);
   }
 
   void add_link(const XmlElement& link, const SdfScope& scope, const Eigen::Isometry3d& X_RM) {
@@ -129,12 +217,17 @@ class Sdf {
     const Eigen::Isometry3d X_RL = X_RM * X_ML;
     LinkJoint joint;
     Eigen::Vector3d position_R_m = X_RL.translation();
-    if (const auto found = joints_.find(name); found != joints_.end()) {
-      joint = joint_of(found->second, position_R_m);
+    if (const SdfJoints::Joint* const carrier = joints_.carrier_of(name)) {
+      joint = joint_of(*carrier, position_R_m);
+    }
+    if (fixed_.contains(&scope)) {
+      joint.moves = false;
+      joint.axis_R.reset();
     }
     const auto turns = builder_.add(link, name, X_RL, joint, position_R_m,
-                                    inertial_of(link, scope, X_ML.inverse()));
+                                    inertial_of(link, scope, X_ML.inverse(), builder_));
     if (!turns) return;
+    links_.push_back(name);
     for (const XmlElement& part : link.children) {
       if (part.name != "collision" && part.name != "visual") continue;
       builder_.add_shape(part, FormValues::kElements, scope.file(), *turns,
@@ -142,23 +235,23 @@ class Sdf {
     }
   }
 
-  LinkJoint joint_of(const Joint& joint, Eigen::Vector3d& position_R_m) const {
+  LinkJoint joint_of(const SdfJoints::Joint& joint, Eigen::Vector3d& position_R_m) const {
     const XmlElement& element = *joint.element;
-    const std::string_view name = element.attribute("name");
     const Eigen::Isometry3d& X_RM = frames_.at(joint.scope);
-    position_R_m = X_RM * joint.scope->frame(name, element).translation();
+    const Eigen::Isometry3d X_MJ = joint.scope->pose(element, element.child_text("child"));
+    position_R_m = X_RM * X_MJ.translation();
     LinkJoint result{.element = &element,
-                     .name = joint.scope->prefix() + std::string(name),
+                     .name = joint.scope->prefix() + std::string(element.attribute("name")),
                      .moves = range(element) > kStill};
     if (range(element) > kEndless_rad) {
-      result.axis_R = (X_RM.linear() * axis_M(joint)).stableNormalized();
+      result.axis_R = (X_RM.linear() * axis_M(joint, X_MJ)).stableNormalized();
     }
     return result;
   }
 
   /// From limit to limit: infinite for one that turns, 1 for one that moves in another way.
   static double range(const XmlElement& joint) {
-    const std::string_view type = joint.attribute("type");
+    const std::string_view type = type_of(joint);
     if (type == "continuous") return HUGE_VAL;
     if (type == "fixed") return 0;
     const XmlElement* const axis = joint.child("axis");
@@ -166,30 +259,29 @@ class Sdf {
     const XmlElement* const lower = limit != nullptr ? limit->child("lower") : nullptr;
     const XmlElement* const upper = limit != nullptr ? limit->child("upper") : nullptr;
     const bool limited = lower != nullptr && upper != nullptr;
-    const double between = limited ? upper->numbers(1)[0] - lower->numbers(1)[0] : HUGE_VAL;
+    const double between = limited ? limit_of(*upper) - limit_of(*lower) : HUGE_VAL;
     return type == "revolute" ? between : std::min(between, 1.0);
   }
 
-  static Eigen::Vector3d axis_M(const Joint& joint) {
+  static Eigen::Vector3d axis_M(const SdfJoints::Joint& joint, const Eigen::Isometry3d& X_MJ) {
     const XmlElement& element = *joint.element;
     const XmlElement* const axis = element.child("axis");
     const XmlElement* const xyz = axis != nullptr ? axis->child("xyz") : nullptr;
     const Eigen::Vector3d v = xyz != nullptr ? vector(*xyz) : Eigen::Vector3d::UnitZ();
     if (v.norm() < 1e-9) xyz->fail("<xyz> of an axis is zero");
-    std::string_view in = element.attribute("name");
-    if (xyz != nullptr && !xyz->attribute("expressed_in").empty()) {
-      in = xyz->attribute("expressed_in");
-    }
     // Up to SDF 1.4 axes are in the model's frame, up to 1.6 where the file says so.
-    const std::string_view flag = axis != nullptr ? axis->child_text("use_parent_model_frame") : "";
-    if (joint.scope->axes_in_model() || flag == "1" || flag == "true") in = SdfScope::kModelFrame;
-    return joint.scope->frame(in, element).linear() * v;
+    const bool in_model = axis != nullptr && is_true(axis->child_text("use_parent_model_frame"));
+    if (joint.scope->axes_in_model() || in_model) return v;
+    const std::string_view in = xyz != nullptr ? xyz->attribute("expressed_in") : "";
+    return (in.empty() ? X_MJ : joint.scope->frame(in, element)).linear() * v;
   }
 
   ModelBuilder builder_;
   std::deque<SdfFile> files_;  // included; scopes point into them
   SdfScope root_;
-  std::map<std::string, Joint, std::less<>> joints_;  // by the link that is the child
+  std::set<const SdfScope*> fixed_;  // models none of whose links is a rotor
+  SdfJoints joints_;
+  std::vector<std::string> links_;  // that are not left out
   std::map<const SdfScope*, Eigen::Isometry3d> frames_;
 };
 

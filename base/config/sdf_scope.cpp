@@ -5,13 +5,16 @@
 
 #include "base/angles.hpp"
 #include "base/config/model_builder.hpp"
+#include "base/text.hpp"
 
 namespace cas::base {
 namespace {
 
 constexpr int kMostFrames = 100;  // frames on frames; more is a circle
 
-bool is_true(std::string_view flag) { return flag == "true" || flag == "1"; }
+[[noreturn]] void fail_missing(std::string_view name, const XmlElement& asking) {
+  asking.fail("the model has no link, joint or frame '" + std::string(name) + "'");
+}
 
 /// Whether "1.4" or another version before 1.5 is meant; a file without a version is none.
 bool is_before_1_5(std::string_view version) {
@@ -46,6 +49,8 @@ Eigen::Isometry3d own_pose(const XmlElement& pose) {
 
 }  // namespace
 
+bool is_true(std::string_view flag) { return lower(flag) == "true" || flag == "1"; }
+
 std::string_view sdf_part_name(const XmlElement& model, const XmlElement* include) {
   const std::string_view given = include != nullptr ? include->child_text("name") : "";
   return given.empty() ? model.attribute("name") : given;
@@ -53,9 +58,10 @@ std::string_view sdf_part_name(const XmlElement& model, const XmlElement* includ
 
 SdfScope::SdfScope(const XmlElement& model, std::string_view version, std::filesystem::path file)
     : model_(model), file_(std::move(file)), axes_in_model_(is_before_1_5(version)) {
-  for (const XmlElement& child : model.children) {
-    if (child.name != "link" && child.name != "joint" && child.name != "frame") continue;
-    by_name_.emplace(child.attribute("name"), &child);
+  for (const char* kind : {"link", "frame", "joint"}) {  // up to SDF 1.6 they may share a name
+    for (const XmlElement& child : model.children) {
+      if (child.name == kind) by_name_.emplace(child.attribute("name"), &child);
+    }
   }
 }
 
@@ -83,7 +89,7 @@ Eigen::Isometry3d SdfScope::pose(const XmlElement& element, std::string_view par
 Eigen::Isometry3d SdfScope::frame(std::string_view name, const XmlElement& asking,
                                   int depth) const {
   if (const auto X = find_frame(name, asking, depth)) return *X;
-  asking.fail("the model has no link, joint or frame '" + std::string(name) + "'");
+  fail_missing(name, asking);
 }
 
 std::optional<Eigen::Isometry3d> SdfScope::find_frame(std::string_view name,
@@ -98,19 +104,67 @@ std::optional<Eigen::Isometry3d> SdfScope::find_frame(std::string_view name,
     return pose(child, attached.empty() ? kModelFrame : attached, depth);
   }
   for (const auto& part : parts_) {
-    std::string_view inside = name;
-    if (!part->merged_) {
-      if (!inside.starts_with(part->name_)) continue;
-      inside.remove_prefix(part->name_.size());
-      if (inside.empty()) return placed(*part, depth + 1);
-      if (!inside.starts_with("::")) continue;
-      inside.remove_prefix(2);
-    }
-    if (const auto X = part->find_frame(inside, asking, depth + 1)) {
+    const auto inside = name_in(*part, name);
+    if (!inside) continue;
+    if (const auto X = part->find_frame(*inside, asking, depth + 1)) {
       return placed(*part, depth + 1) * *X;
     }
   }
   return std::nullopt;
+}
+
+/// A name of this model as a part has it; that of its own frame for the part itself.
+std::optional<std::string_view> SdfScope::name_in(const SdfScope& part,
+                                                  std::string_view name) const {
+  if (part.merged_) return name;
+  if (!name.starts_with(part.name_)) return std::nullopt;
+  name.remove_prefix(part.name_.size());
+  if (name.empty()) return kModelFrame;
+  if (!name.starts_with("::")) return std::nullopt;
+  return name.substr(2);
+}
+
+void SdfScope::leave_out(std::string_view name, bool merged) {
+  left_out_.emplace(name);
+  misses_names_ |= merged;
+}
+
+bool SdfScope::is_left_out(std::string_view name) const {
+  return misses_names_ || left_out_.contains(name.substr(0, name.find("::")));
+}
+
+std::optional<std::string> SdfScope::link_of(std::string_view name, const XmlElement& asking,
+                                             int depth) const {
+  if (auto link = find_link(name, asking, depth)) return link;
+  if (is_left_out(name)) return std::nullopt;
+  fail_missing(name, asking);
+}
+
+std::optional<std::string> SdfScope::find_link(std::string_view name, const XmlElement& asking,
+                                               int depth) const {
+  if (depth > kMostFrames) asking.fail("frames are attached to each other in a circle");
+  if (name == kModelFrame) name = frame_of_model();
+  if (const auto found = by_name_.find(name); found != by_name_.end()) {
+    const XmlElement& child = *found->second;
+    if (child.name == "link") return prefix_ + std::string(name);
+    if (child.name == "joint") return link_of(child.child_text("child"), child, depth + 1);
+    const std::string_view attached = child.attribute("attached_to");
+    return link_of(attached.empty() ? kModelFrame : attached, child, depth + 1);
+  }
+  for (const auto& part : parts_) {
+    const auto inside = name_in(*part, name);
+    if (!inside) continue;
+    if (auto link = part->find_link(*inside, asking, depth + 1)) return link;
+  }
+  return std::nullopt;
+}
+
+/// The link that a model's own frame is attached to, or the part that has it.
+std::string_view SdfScope::frame_of_model() const {
+  if (!model_.attribute("canonical_link").empty()) return model_.attribute("canonical_link");
+  if (const XmlElement* const first = model_.child("link")) return first->attribute("name");
+  if (parts_.empty()) return "";
+  return parts_.front()->merged_ ? parts_.front()->frame_of_model() : parts_.front()->name_;
 }
 
 Eigen::Isometry3d SdfScope::placed(const SdfScope& part, int depth) const {

@@ -123,11 +123,7 @@ const XmlElement& XmlElement::need(std::string_view child_name) const {
 
 std::string_view XmlElement::child_text(std::string_view child_name) const {
   const XmlElement* const found = child(child_name);
-  if (found == nullptr) return {};
-  const std::string_view whole = found->text;
-  const std::size_t first = whole.find_first_not_of(kNumberSpace);
-  if (first == whole.npos) return {};
-  return whole.substr(first, whole.find_last_not_of(kNumberSpace) - first + 1);
+  return found != nullptr ? without_space(found->text) : std::string_view();
 }
 
 std::string XmlElement::place() const { return *file + ":" + std::to_string(line); }
@@ -142,6 +138,12 @@ std::vector<double> XmlElement::numbers(std::size_t count) const {
 
 std::vector<double> XmlElement::numbers(std::string_view key, std::size_t count) const {
   return numbers_in(*this, "'" + std::string(key) + "' of <" + name + ">", attribute(key), count);
+}
+
+std::string_view without_space(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(kNumberSpace);
+  if (first == text.npos) return {};
+  return text.substr(first, text.find_last_not_of(kNumberSpace) - first + 1);
 }
 
 std::optional<std::string> template_language(std::string_view with_comments) {

@@ -40,6 +40,9 @@ struct CAS_BASE_EXPORT XmlElement {
   std::vector<double> numbers(std::string_view key, std::size_t count) const;
 };
 
+/// A text of an XML file without the white space at its ends.
+CAS_BASE_EXPORT std::string_view without_space(std::string_view text);
+
 /// A sentence for a text that a program has to fill in before it is a model: xacro, or ERB and
 /// other templates; nullopt for any other. Comments do not count.
 CAS_BASE_EXPORT std::optional<std::string> template_language(std::string_view text);

@@ -10,23 +10,25 @@ namespace cas::sim {
 
 namespace {
 
-/// Elements that libsdformat's conversions from older versions may bring into a file.
-constexpr std::array<std::string_view, 11> kOfConversions{"angular_velocity",
-                                                          "friction",
-                                                          "linear_acceleration",
-                                                          "noise",
-                                                          "range",
-                                                          "script",
-                                                          "specular",
-                                                          "x",
-                                                          "y",
-                                                          "z",
-                                                          "velocity_decay"};
+/// Elements that libsdformat may bring into a file: its conversions from older versions, and for
+/// merged models.
+constexpr std::array<std::string_view, 12> kBroughtIn{"angular_velocity",
+                                                      "frame",
+                                                      "friction",
+                                                      "linear_acceleration",
+                                                      "noise",
+                                                      "range",
+                                                      "script",
+                                                      "specular",
+                                                      "x",
+                                                      "y",
+                                                      "z",
+                                                      "velocity_decay"};
 
 bool is_kept(const sdf::Element& description, const SdfDescription::IsUsed& is_used) {
   const std::string& name = description.GetName();
   return description.GetElementDescriptionCount() == 0 || description.GetRequired() == "1" ||
-         std::ranges::find(kOfConversions, name) != kOfConversions.end() || is_used(name);
+         std::ranges::find(kBroughtIn, name) != kBroughtIn.end() || is_used(name);
 }
 
 /// An element's description without what is in it: Element::Clone() copies all.
@@ -54,7 +56,10 @@ sdf::ElementPtr reduced(const sdf::Element& from, const SdfDescription::IsUsed& 
   sdf::ElementPtr copy = copy_of(from);
   for (std::size_t i = 0; i < from.GetElementDescriptionCount(); ++i) {
     const sdf::ElementPtr part = from.GetElementDescription(static_cast<unsigned int>(i));
-    if (is_kept(*part, is_used)) copy->AddElementDescription(reduced(*part, is_used));
+    if (!is_kept(*part, is_used)) continue;
+    // libsdformat asks a sensor for the element of its type, and goes on without looking.
+    const bool whole = part->GetName() == "sensor";
+    copy->AddElementDescription(whole ? part : reduced(*part, is_used));
   }
   return copy;
 }

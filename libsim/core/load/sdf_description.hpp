@@ -19,7 +19,7 @@ class SdfDescription {
   /// Of the whole of SDF.
   SdfDescription();
   /// Without the elements that are not used and have others in them, unless every file has them.
-  /// Values stay: their defaults count.
+  /// Values stay, because their defaults count, and so does all that is in a sensor.
   SdfDescription(const SdfDescription& whole, const IsUsed& is_used);
 
   /// What libsdformat takes for an element of that name.

@@ -86,6 +86,12 @@ class Surroundings {
                               "<longitude_deg> in [-180, 180], <elevation> in [-1000, 10000] m");
     }
     model_.home = home;
+    const sdf::ElementPtr element = set_child(world.Element(), "spherical_coordinates");
+    for (const char* name : {"latitude_deg", "longitude_deg"}) {
+      if (!element || set_child(element, name)) continue;
+      warn(place_of(*element),
+           "<spherical_coordinates> has no <" + std::string(name) + ">: 0, as SDF has it");
+    }
     if (std::abs(place->HeadingOffset().Degree()) > 1e-9) {
       warn(place_of(*world.Element()->GetElement("spherical_coordinates")),
            "<heading_deg> is left out: x is east here");

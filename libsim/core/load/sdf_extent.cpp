@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "base/config/xml_tree.hpp"
 #include "base/error.hpp"
 #include "base/number_text.hpp"
 #include "base/read_file.hpp"
@@ -23,7 +24,7 @@ constexpr std::size_t kDeepestInclude = 20;
 /// Goes through the marks of a text.
 class Marks {
  public:
-  explicit Marks(std::string_view text) : rest_(text) {}
+  explicit Marks(std::string_view text) : text_(text), rest_(text) {}
 
   SdfExtent run() {
     for (std::size_t at = rest_.find('<'); at != rest_.npos; at = rest_.find('<')) {
@@ -54,10 +55,10 @@ class Marks {
     extent_.deepest = std::max(extent_.deepest, ++depth_);
     if (name == "model") ++models_;
     if (name == "include") in_include_ = true;
-    if (name == "uri" && in_include_) {
-      std::string_view text = rest_.substr(0, rest_.find('<'));
-      extent_.includes.emplace_back(base::next_word(text));
-    }
+    if (!in_include_) return;
+    const std::string_view text = rest_.substr(0, rest_.find('<'));
+    if (name == "pose") extent_.poses.push_back({std::string(text), line()});
+    if (name == "uri") extent_.includes.push_back({std::string(base::without_space(text)), line()});
   }
 
   void leave_element() {
@@ -87,33 +88,57 @@ class Marks {
     return true;
   }
 
+  /// Of the place that has been reached.
+  std::size_t line() {
+    const std::size_t here = text_.size() - rest_.size();
+    for (; counted_ < here; ++counted_) line_ += text_[counted_] == '\n' ? 1 : 0;
+    return line_;
+  }
+
   void skip_behind(std::string_view mark) {
     const std::size_t at = rest_.find(mark);
     rest_.remove_prefix(at == rest_.npos ? rest_.size() : at + mark.size());
   }
 
+  std::string_view text_;
   std::string_view rest_;
+  std::size_t counted_ = 0;  // characters of text_ whose lines are in line_
+  std::size_t line_ = 1;
   SdfExtent extent_;
   std::size_t depth_ = 0;
   std::size_t models_ = 0;  // that are open
   bool in_include_ = false;
 };
 
+/// A pose has 6 numbers, 7 with a quaternion, or none.
+void require_pose(const SdfWord& pose, const fs::path& file) {
+  std::vector<double> numbers;
+  const auto no_number = base::read_numbers(pose.text, numbers);
+  if (!no_number && (numbers.empty() || numbers.size() == 6 || numbers.size() == 7)) return;
+  throw base::ConfigError(
+      file.string() + ":" + std::to_string(pose.line) + ": the <pose> of an <include> " +
+      (no_number ? "is no pose: " + base::no_number(*no_number)
+                 : "has " + std::to_string(numbers.size()) + " numbers instead of 6"));
+}
+
 /// Sums what libsdformat takes.
 class Cost {
  public:
   explicit Cost(const FindFile& find) : find_(find) {}
 
-  /// Of the world's file with its includes. @return the description that it is read with
-  std::pair<std::size_t, SdfDescription> of_world(const fs::path& file) {
+  /// Of the world's file with its includes, in kilobytes.
+  std::size_t of_world(const fs::path& file) {
     const SdfExtent extent = extent_of(file, "world");
-    SdfDescription used(whole_, [&extent](const std::string& element) {
+    used_ = SdfDescription(whole_, [&extent](const std::string& element) {
       return extent.elements.contains(element) || extent.nested.contains(element);
     });
     known_[file] = std::nullopt;
-    std::size_t kilobytes = of(extent.elements, used) + of(extent.nested, whole_);
-    kilobytes += of_includes(extent, 1);
-    return {kilobytes, std::move(used)};
+    return of(extent.elements, used_) + of(extent.nested, whole_) + of_includes(extent, file, 1);
+  }
+
+  /// What has been met on the way.
+  SdfContents contents() && {
+    return {std::move(used_), std::move(included_), std::move(missing_)};
   }
 
  private:
@@ -130,10 +155,17 @@ class Cost {
     return kilobytes;
   }
 
-  std::size_t of_includes(const SdfExtent& extent, std::size_t depth) {
+  /// @param depth  of the included files: 1 for those that the world's own file names
+  std::size_t of_includes(const SdfExtent& extent, const fs::path& file, std::size_t depth) {
     std::size_t kilobytes = 0;
-    for (const std::string& uri : extent.includes) {
-      if (const auto model = model_file(uri)) kilobytes += of_model(*model, depth);
+    for (const SdfWord& pose : extent.poses) require_pose(pose, file);
+    for (const SdfWord& uri : extent.includes) {
+      const std::string place = file.string() + ":" + std::to_string(uri.line);
+      if (const auto model = model_file(uri.text, file, place)) {
+        kilobytes += of_model(*model, depth);
+      } else if (depth > 1) {
+        missing_.push_back({"model " + uri.text, place, uri.text, file.parent_path()});
+      }
       kilobytes = std::min(kilobytes, 1000 * kMostKilobytes);  // enough to be refused
     }
     return kilobytes;
@@ -151,34 +183,45 @@ class Cost {
     }
     known_[file] = std::nullopt;  // until its includes are counted
     const SdfExtent extent = extent_of(file, "model");
-    const std::size_t kilobytes =
-        of(extent.elements, whole_) + of(extent.nested, whole_) + of_includes(extent, depth + 1);
+    const std::size_t kilobytes = of(extent.elements, whole_) + of(extent.nested, whole_) +
+                                  of_includes(extent, file, depth + 1);
     known_[file] = kilobytes;
     return kilobytes;
   }
 
   /// The file that libsdformat reads for an <include>; nullopt for one that it will miss.
-  std::optional<fs::path> model_file(const std::string& uri) const {
-    const auto found = find_(uri);
+  std::optional<fs::path> model_file(const std::string& uri, const fs::path& file,
+                                     const std::string& place) {
+    const auto found = find_(uri, file.parent_path());
     if (!found) return std::nullopt;
+    const fs::path& known = included_.emplace(uri, *found).first->second;
+    if (known != *found) {
+      throw base::ConfigError(place + ": the <uri> " + uri + " means " + found->string() +
+                              " here, and in another file " + known.string() +
+                              "; name one of them by a path of its own");
+    }
     std::error_code error;
     if (!fs::is_directory(*found, error)) return *found;
-    const fs::path file = sdf::getModelFilePath(found->string());
-    return fs::is_regular_file(file, error) ? std::optional(file) : std::nullopt;
+    const fs::path model = sdf::getModelFilePath(found->string());
+    return fs::is_regular_file(model, error) ? std::optional(model) : std::nullopt;
   }
 
   const FindFile& find_;
   const SdfDescription whole_;
+  SdfDescription used_ = whole_;
   std::map<fs::path, std::optional<std::size_t>> known_;
+  std::map<std::string, fs::path> included_;
+  std::vector<MissingFile> missing_;
 };
 
 }  // namespace
 
 SdfExtent sdf_extent(std::string_view text) { return Marks(text).run(); }
 
-SdfDescription require_readable_extent(const fs::path& world, const FindFile& find) {
-  auto [kilobytes, description] = Cost(find).of_world(world);
-  if (kilobytes <= kMostKilobytes) return std::move(description);
+SdfContents require_readable_extent(const fs::path& world, const FindFile& find) {
+  Cost cost(find);
+  const std::size_t kilobytes = cost.of_world(world);
+  if (kilobytes <= kMostKilobytes) return std::move(cost).contents();
   throw base::ConfigError(
       world.string() + ": libsdformat takes about " + std::to_string(kilobytes / 1'000'000) +
       " GB for this world with all that it includes, and at most " +

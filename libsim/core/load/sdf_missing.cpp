@@ -11,7 +11,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Names the reference to each missing file, and the places searched.
-std::string sentence_of(const std::vector<MissingFile>& missing, const fs::path& file,
+std::string sentence_of(const std::vector<MissingFile>& missing,
                         const std::vector<fs::path>& model_path) {
   std::string text = missing.front().place + ": ";
   for (const MissingFile& each : missing) {
@@ -20,7 +20,7 @@ std::string sentence_of(const std::vector<MissingFile>& missing, const fs::path&
   }
   text += missing.size() == 1 ? " is nowhere to be found" : " are nowhere to be found";
   text += missing.size() == 1 ? "; looked for it at " : "; looked for the first of them at ";
-  return text + base::searched_places(missing.front().uri, file.parent_path(), model_path) +
+  return text + base::searched_places(missing.front().uri, missing.front().folder, model_path) +
          ". Name its folder in 'model_path' or GZ_SIM_RESOURCE_PATH; 'missing: ignore' "
          "(--ignore-missing) goes without it";
 }
@@ -30,14 +30,12 @@ std::string sentence_of(const std::vector<MissingFile>& missing, const fs::path&
 void require_all(const std::vector<MissingFile>& missing, const WorldConfig& config,
                  const std::vector<fs::path>& model_path, WorldModel& model) {
   if (missing.empty()) return;
-  const fs::path& file = *config.sdf;
-  if (config.missing == Missing::kError)
-    throw base::ConfigError(sentence_of(missing, file, model_path));
+  if (config.missing == Missing::kError) throw base::ConfigError(sentence_of(missing, model_path));
   for (const MissingFile& each : missing) {
     model.warnings.push_back(each.place + ": " + each.what + " is nowhere to be found; left out");
   }
   if (model.statics.empty()) {
-    throw base::ConfigError(file.string() + ": without " + missing.front().what +
+    throw base::ConfigError(config.sdf->string() + ": without " + missing.front().what +
                             " nothing is left that could carry a vehicle");
   }
 }

@@ -15,6 +15,7 @@ struct MissingFile {
   std::string what;   ///< "model model://oak_tree"
   std::string place;  ///< FILE:LINE of the reference
   std::string uri;
+  std::filesystem::path folder;  ///< of the file that names it
 };
 
 /// Refuses a world that names missing files, or warns of each, as `config` has it.

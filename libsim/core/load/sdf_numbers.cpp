@@ -64,9 +64,13 @@ void check(const sdf::Element& element, const sdf::Param& value) {
 
 }  // namespace
 
+bool has_no_effect(std::string_view element) {
+  return std::ranges::find(kWithoutEffect, element) != kWithoutEffect.end();
+}
+
 void require_whole_numbers(const sdf::ElementPtr& world) {
   for (auto part = world->GetFirstElement(); part; part = part->GetNextElement()) {
-    if (std::ranges::find(kWithoutEffect, part->GetName()) != kWithoutEffect.end()) continue;
+    if (has_no_effect(part->GetName())) continue;
     if (const auto value = part->GetValue()) check(*part, *value);
     require_whole_numbers(part);
   }

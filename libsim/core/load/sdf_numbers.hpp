@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string_view>
+
 #include "libsim/core/load/sdf_headers.hpp"
 
 namespace cas::sim {
+
+/// Whether nothing in an element of that name matters to a flight: visuals, sensors, plugins.
+bool has_no_effect(std::string_view element);
 
 /// Looks at the numbers of a <world> that matter to a flight, as the file has them: libsdformat
 /// reads "-9,8" as -9 and says nothing.

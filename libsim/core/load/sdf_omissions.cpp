@@ -10,12 +10,23 @@
 #include <set>
 #include <string_view>
 
+#include "libsim/core/load/sdf_numbers.hpp"
+
 namespace cas::sim {
 
 namespace {
 
 constexpr std::size_t kNamed = 3;  // of one kind; the others are counted
 constexpr unsigned kEveryBit = 0xFFFF;
+
+/// The forms of a <geometry>, in the order in which libsdformat looks for the one that it takes.
+constexpr std::array<const char*, 11> kForms{"box",   "capsule", "cylinder", "ellipsoid",
+                                             "plane", "sphere",  "mesh",     "heightmap",
+                                             "image", "cone",    "polyline"};
+
+/// Elements of which a parent has one of each name.
+constexpr std::array<std::string_view, 5> kNamedElements{"model", "actor", "link", "collision",
+                                                         "frame"};
 
 /// The child, or nothing; reading it never makes one up.
 sdf::ElementPtr child(const sdf::ElementPtr& element, const std::string& name) {
@@ -92,7 +103,9 @@ class Walk {
     look_at_world(world);
     for (sdf::ElementPtr part = world->GetFirstElement(); part; part = part->GetNextElement()) {
       if (part->GetName() == "model") look_at_model(part, "");
+      if (part->GetName() == "actor") look_at_actor(part);
     }
+    look_at_elements(world);
     return omissions_.sentences();
   }
 
@@ -133,6 +146,40 @@ class Walk {
              [&](const sdf::ElementPtr& inner) { look_at_model(inner, path + "::"); });
   }
 
+  void look_at_actor(const sdf::ElementPtr& actor) {
+    for_each(actor, "link",
+             [&](const sdf::ElementPtr& link) { look_at_link(link, name_of(*actor)); });
+  }
+
+  /// What libsdformat copies without knowing it, and what it reads once only.
+  void look_at_elements(const sdf::ElementPtr& parent) {
+    std::set<std::string> met;
+    for (sdf::ElementPtr part = parent->GetFirstElement(); part; part = part->GetNextElement()) {
+      const std::string& name = part->GetName();
+      const bool is_named = std::ranges::find(kNamedElements, name) != kNamedElements.end();
+      const std::string what = "<" + name + (is_named ? named(*part) : "") + ">";
+      const std::string where = " in <" + parent->GetName() + named(*parent) + ">";
+      if (!part->GetExplicitlySetInFile() || has_no_effect(name)) continue;
+      if (part->GetRequired().empty()) {  // every element that SDF knows has an entry there
+        if (!is_read_elsewhere(parent->GetName(), name)) {
+          note("unknown " + name, parent, what + where + " is left out: no such element");
+        }
+        continue;
+      }
+      const bool is_single = part->GetRequired() == "0" || part->GetRequired() == "1";
+      if (!met.insert(what).second && (is_single || is_named)) {
+        note("second " + name, part, "a second " + what + where + " is left out");
+      }
+      look_at_elements(part);
+    }
+  }
+
+  /// An element of another program, or one of a younger or older SDF.
+  static bool is_read_elsewhere(const std::string& parent, const std::string& name) {
+    return name.find(':') != std::string::npos || (parent == "geometry" && name == "cone") ||
+           (parent == "physics" && name == "magnetic_field");
+  }
+
   void look_at_link(const sdf::ElementPtr& link, const std::string& model) {
     for_each(link, "sensor", [&](const sdf::ElementPtr& sensor) {
       note("sensor", sensor,
@@ -144,7 +191,7 @@ class Walk {
       const auto surface = child(collision, "surface");
       look_at_friction(child(surface, "friction"), who);
       look_at_contact(surface, who);
-      look_at_geometry(child(collision, "geometry"), who);
+      look_at_geometry(collision, who);
     });
   }
 
@@ -200,16 +247,44 @@ class Walk {
     }
   }
 
-  void look_at_geometry(const sdf::ElementPtr& geometry, const std::string& who) {
+  void look_at_geometry(const sdf::ElementPtr& collision, const std::string& who) {
+    const sdf::ElementPtr geometry = child(collision, "geometry");
     if (const auto part = descendant(geometry, {"mesh", "submesh"})) {
       note("submesh", part, who + " names a <submesh>; the whole mesh collides here");
     }
-    for (const char* name : {"image", "polyline", "ellipsoid", "capsule", "cone"}) {
-      if (const auto shape = child(geometry, name)) {
+    std::string taken;
+    for (const char* name : kForms) {
+      const auto shape = child(geometry, name);
+      if (!shape) continue;
+      const std::string left_out = who + ": <" + name + "> is left out: ";
+      if (!taken.empty()) {
+        note("forms", shape, left_out + "one form of a <geometry> counts, <" + taken + "> here");
+      } else if (!is_touched(name)) {
         note("geometry", shape,
-             who + ": <" + name +
-                 "> is left out: box, sphere, cylinder, plane, mesh and heightmap can be touched");
+             left_out + "box, sphere, cylinder, plane, mesh and heightmap can be touched");
       }
+      if (taken.empty()) taken = name;
+    }
+    if (taken.empty() && !child(geometry, "empty")) {
+      note("no form", collision, who + " has no form in its <geometry>: left out");
+    }
+    look_at_defaults(geometry, who);
+  }
+
+  static bool is_touched(std::string_view form) {
+    constexpr std::array<std::string_view, 5> kLeftOut{"image", "polyline", "ellipsoid", "capsule",
+                                                       "cone"};
+    return std::ranges::find(kLeftOut, form) == kLeftOut.end();
+  }
+
+  /// A size that the file does not have.
+  void look_at_defaults(const sdf::ElementPtr& geometry, const std::string& who) {
+    constexpr std::array<std::pair<const char*, const char*>, 4> kSizes{
+        {{"box", "size"}, {"sphere", "radius"}, {"cylinder", "radius"}, {"cylinder", "length"}}};
+    for (const auto& [form, size] : kSizes) {
+      const auto shape = child(geometry, form);
+      if (!shape || child(shape, size)) continue;
+      note("default", shape, who + ": <" + form + "> has no <" + size + ">: 1 m, as SDF has it");
     }
   }
 

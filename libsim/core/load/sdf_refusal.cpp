@@ -2,6 +2,7 @@
 #include "libsim/core/load/sdf_refusal.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <string>
 
 #include "base/config/xml_tree.hpp"
@@ -16,6 +17,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Why an included file cannot be read: libsdformat keeps that to itself.
+/// @param complaint  "Unable to read file[PATH]"
+std::string reason_in(const std::string& complaint) {
+  const std::size_t begin = complaint.find('[') + 1;
+  const std::string file = complaint.substr(begin, complaint.rfind(']') - begin);
+  try {
+    base::parse_xml(base::read_file(file).value_or(""), file);
+  } catch (const base::ConfigError& error) {
+    return error.what();
+  }
+  const auto description = std::make_shared<sdf::SDF>();
+  sdf::init(description);
+  sdf::Errors errors;
+  sdf::readFile(file, description, errors);
+  for (const sdf::Error& error : errors) {
+    if (error.LineNumber() && error.Code() != sdf::ErrorCode::URI_LOOKUP) {
+      return file + ":" + std::to_string(*error.LineNumber()) + ": " + error.Message();
+    }
+  }
+  return file + " is no model";
+}
+
 /// The first complaints with their lines.
 std::string joined(const sdf::Errors& errors) {
   constexpr std::size_t kNamed = 3;
@@ -24,6 +47,9 @@ std::string joined(const sdf::Errors& errors) {
     const auto line = errors[i].LineNumber();
     text += (i == 0 ? "" : "; ") + (line ? "line " + std::to_string(*line) + ": " : std::string()) +
             errors[i].Message();
+    if (errors[i].Code() == sdf::ErrorCode::FILE_READ) {
+      text += " (" + reason_in(errors[i].Message()) + ")";
+    }
   }
   return text.empty() ? "it has no <world>" : text;
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -10,6 +11,7 @@
 
 #include "base/config/install_paths.hpp"
 #include "base/config/model_uri.hpp"
+#include "base/config/xml_tree.hpp"
 #include "base/error.hpp"
 #include "libsim/core/load/heightmap.hpp"
 #include "libsim/core/load/mesh_file.hpp"
@@ -29,11 +31,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Pose of a part in its parent; if unresolvable, the pose in the file.
+/// Where a part stands if not in its parent; empty for most.
+template <class Part>
+std::string frame_of(const Part& part) {
+  if (!part.PoseRelativeTo().empty()) return part.PoseRelativeTo();
+  if constexpr (requires { part.PlacementFrameName(); }) return part.PlacementFrameName();
+  return "";
+}
+
+/// Pose of a part in its parent. Without a frame of its own it is the pose in the file, whether or
+/// not libsdformat makes sense of the joints around it.
 template <class Part>
 Eigen::Isometry3d pose_of(const Part& part) {
   ignition::math::Pose3d pose = part.RawPose();
-  part.SemanticPose().Resolve(pose);
+  if (!part.SemanticPose().Resolve(pose).empty() && !frame_of(part).empty()) {
+    throw base::ConfigError(place_of(*part.Element()) + ": <" + part.Element()->GetName() +
+                            " name='" + part.Name() + "'> stands in the frame '" + frame_of(part) +
+                            "', which is nowhere to be found");
+  }
   return to_eigen(pose);
 }
 
@@ -59,6 +74,21 @@ bool is_missing_model(const sdf::Error& error) {
   return error.Code() == sdf::ErrorCode::URI_LOOKUP;
 }
 
+/// Second elements of a name are sdf_omissions()'s; a prefix of an attribute is another program's;
+/// the sum of all errors says nothing.
+bool is_told_elsewhere(const sdf::Error& error) {
+  return error.Code() == sdf::ErrorCode::DUPLICATE_NAME ||
+         error.Message() == "Failed to load a world." ||
+         (error.Code() == sdf::ErrorCode::ATTRIBUTE_INCORRECT_TYPE &&
+          (error.Message().find(':') != std::string::npos ||
+           error.Message().find("[xmlns]") != std::string::npos));
+}
+
+std::string one_line(std::string text) {
+  std::ranges::replace(text, '\n', ' ');
+  return std::string(base::without_space(text));
+}
+
 /// "Unable to find uri[model://x]": the URI; else the whole sentence.
 std::string uri_in(const std::string& message) {
   const std::size_t begin = message.find("uri[");
@@ -70,19 +100,29 @@ std::string uri_in(const std::string& message) {
 /// Turns the DOM into a WorldModel; names omitted parts.
 class Translator {
  public:
-  Translator(const WorldConfig& config, const std::vector<fs::path>& model_path)
-      : config_(config), file_(*config.sdf), model_path_(model_path) {}
+  /// @param missing  of the included files
+  Translator(const WorldConfig& config, const std::vector<fs::path>& model_path,
+             std::vector<MissingFile> missing)
+      : config_(config),
+        file_(*config.sdf),
+        model_path_(model_path),
+        missing_(std::move(missing)) {}
 
-  /// Names three of libsdformat's errors: joints that do not resolve come by the dozen.
+  /// Warns of what libsdformat complains of. Of errors without a line three are named: joints that
+  /// do not resolve come by the dozen.
   void take_errors(const sdf::Errors& errors) {
     constexpr std::size_t kNamed = 3;
     std::set<std::string> others;
     for (const sdf::Error& error : errors) {
       if (is_missing_model(error)) {
         const std::string uri = uri_in(error.Message());
-        missing_.push_back({"model " + uri, place_of_error(error, file_), uri});
-      } else if (others.insert(error.Message()).second && others.size() <= kNamed) {
-        warn(place_of_error(error, file_), error.Message());
+        missing_.push_back(
+            {"model " + uri, place_of_error(error, file_), uri, file_.parent_path()});
+      } else if (is_told_elsewhere(error)) {
+        continue;
+      } else if (error.LineNumber() ||
+                 (others.insert(error.Message()).second && others.size() <= kNamed)) {
+        warn(place_of_error(error, file_), one_line(error.Message()));
       }
     }
     if (others.size() > kNamed) {
@@ -151,7 +191,13 @@ class Translator {
     std::vector<Waypoint> waypoints = waypoints_of(actor, place);
     if (shapes.empty()) {
       return warn(place, "<actor name='" + actor.Name() +
-                             "'> has no <link> with a <collision>: it is a picture, and left out");
+                             "'> has no <collision> that can be touched: it is a picture, and left "
+                             "out");
+    }
+    if (!actor.PoseRelativeTo().empty()) {
+      warn(place, "<actor name='" + actor.Name() +
+                      "'>: its <pose> is taken in the world, not in '" + actor.PoseRelativeTo() +
+                      "'");
     }
     if (waypoints.empty()) waypoints.push_back({0, to_eigen(actor.RawPose())});
     model_.moving.push_back(
@@ -246,7 +292,7 @@ class Translator {
     const fs::path folder = (use.named_in.empty() ? file_ : use.named_in).parent_path();
     const auto found = base::find_model_file(use.uri, folder, model_path_);
     if (!found) {
-      missing_.push_back({use.kind + " " + use.uri, place, use.uri});
+      missing_.push_back({use.kind + " " + use.uri, place, use.uri, folder});
       return false;
     }
     auto& mesh = meshes_[*found][std::pair(numbers(use.size_m), numbers(use.offset_m))];
@@ -288,6 +334,21 @@ class Translator {
   std::size_t triangles_ = 0;  ///< of meshes_
 };
 
+/// Included files are read as libsdformat's global configuration has it, whoever reads the file
+/// that includes them.
+class GlobalParser {
+ public:
+  explicit GlobalParser(const sdf::ParserConfig& parser) { current() = parser; }
+  ~GlobalParser() { current() = before_; }
+  GlobalParser(const GlobalParser&) = delete;
+  GlobalParser& operator=(const GlobalParser&) = delete;
+
+ private:
+  static sdf::ParserConfig& current() { return sdf::ParserConfig::GlobalConfig(); }
+
+  const sdf::ParserConfig before_ = current();
+};
+
 /// libsdformat throws for some damage, too. @param description  is filled
 sdf::Errors load_root(const fs::path& file, const sdf::ParserConfig& parser,
                       const sdf::SDFPtr& description, sdf::Root& root) {
@@ -310,21 +371,26 @@ void cas_load_sdf_world(const WorldConfig& config, WorldModel& model) {
   model_path.push_back(file.parent_path() / "models");
   for (const fs::path& dir : base::config_dirs()) model_path.push_back(dir / "worlds/models");
   sdf::Console::Instance()->SetQuiet(true);  // it returns the same messages as errors
-  const auto find = [&](const std::string& uri) {
-    return base::find_model_file(uri, file.parent_path(), model_path);
+  const auto find = [&](const std::string& uri, const fs::path& folder) {
+    return base::find_model_file(uri, folder, model_path);
   };
-  const SdfDescription description = require_readable_extent(file, find);
+  const SdfContents contents = require_readable_extent(file, find);
   sdf::ParserConfig parser;
-  parser.SetFindCallback([&](const std::string& uri) {
-    const auto found = find(uri);
-    return found ? found->string() : std::string();
+  parser.SetFindCallback([&](const std::string& word) {
+    const std::string uri(base::without_space(word));
+    const auto known = contents.included.find(uri);
+    if (known != contents.included.end()) return known->second.string();
+    return find(uri, file.parent_path()).value_or("").string();  // its text has entities
   });
+  const GlobalParser for_includes(parser);  // it prints their warnings, if they are errors
+  parser.SetWarningsPolicy(sdf::EnforcementPolicy::ERR);
+  parser.SetDeprecatedElementsPolicy(sdf::EnforcementPolicy::WARN);
   sdf::Root root;
-  const sdf::Errors errors = load_root(file, parser, description.sdf(), root);
+  const sdf::Errors errors = load_root(file, parser, contents.description.sdf(), root);
   if (root.WorldCount() == 0) refuse_sdf(file, errors);
   const sdf::World& world = *root.WorldByIndex(0);
   require_whole_numbers(world.Element());
-  Translator translator(config, model_path);
+  Translator translator(config, model_path, contents.missing);
   translator.take_errors(errors);
   model = translator.run(world);
   for (std::uint64_t i = 1; i < root.WorldCount(); ++i) {

@@ -191,9 +191,12 @@ TEST(ModelBody, WhatIsNotReadOfALinkIsNamed) {
 }
 
 TEST(ModelBody, AJointThatMovesAndIsNoRotorIsNamedInBothFormats) {
+  const std::string inertial =
+      "<inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>";
   const std::string sdf =
-      "<sdf version='1.9'><model name='v'><link name='base'><inertial><mass>1</mass><inertia/>"
-      "</inertial></link><joint name='j' type='revolute'><child>base</child><axis><limit>"
+      "<sdf version='1.9'><model name='v'><link name='base'>" + inertial +
+      "</link><link name='arm'>" + inertial +
+      "</link><joint name='j' type='revolute'><parent>base</parent><child>arm</child><axis><limit>"
       "<lower>-1</lower><upper>1</upper></limit></axis></joint></model></sdf>";
   for (const std::string& text : {changed(urdf(), "'fixed'", "'revolute'"), sdf}) {
     const ModelBody body = parse_model_body(text, "v");

@@ -61,6 +61,10 @@ TEST_F(PartsOfAModel, AnIncludedModelBesideTheVehiclesFolderIsAFixedMass) {
   EXPECT_TRUE(body.warnings.empty());
 }
 
+TEST_F(PartsOfAModel, AnIncludedModelMayBeNamedWithoutAScheme) {
+  EXPECT_NEAR(read(kBase + "<include><uri>gps</uri></include>").mass_kg, 1.5, kRounding);
+}
+
 TEST_F(PartsOfAModel, PosesOfOtherVersionsAreRead) {
   const auto foot_with = [&](const std::string& pose) {
     return kBase + "<link name='arm'><pose>1 0 0 0 0 1.5707963267948966</pose>" + inertial(0.1) +
@@ -145,6 +149,150 @@ TEST_F(PartsOfAModel, ALinkIsLeftOutOrFixedByItsNameOrItsJoints) {
     EXPECT_NEAR(fixed.mass_kg, 1.5, kRounding);
     EXPECT_NEAR(read(inside, {{name, PartUse::kLeftOut}}).mass_kg, 1, kRounding) << name;
   }
+}
+
+std::string joint(const std::string& name, const std::string& parent, const std::string& child,
+                  const std::string& more = "") {
+  return "<joint name='" + name + "' type='revolute'><parent>" + parent + "</parent><child>" +
+         child + "</child>" + more + "</joint>\n";
+}
+
+TEST_F(PartsOfAModel, AJointMayNameAFrameOrAModelInsteadOfALink) {
+  const std::string camera = "<link name='camera'>" + inertial(0.5) + "</link>\n";
+  for (const char* child : {"mount", "arm", "camera"}) {
+    const ModelBody body = read(kBase + camera +
+                                "<frame name='mount' attached_to='camera'/>"
+                                "<frame name='arm' attached_to='mount'/>" +
+                                joint("yaw", "base", child));
+    EXPECT_TRUE(body.find("camera")->axis_R.has_value()) << child;
+    EXPECT_TRUE(body.warnings.empty()) << child;
+  }
+  const ModelBody nested =
+      read(kBase + "<model name='gimbal'>" + camera + "</model>" + joint("yaw", "base", "gimbal"));
+  EXPECT_TRUE(nested.find("gimbal::camera")->axis_R.has_value());
+}
+
+TEST_F(PartsOfAModel, AJointAndALinkMayShareAName) {
+  const ModelBody body = read(joint("camera", "base", "camera") + kBase + "<link name='camera'>" +
+                              inertial(0.5) + "</link>");
+  EXPECT_TRUE(body.find("camera")->axis_R.has_value());
+}
+
+TEST_F(PartsOfAModel, AJointToALinkThatIsNotThereIsRefused) {
+  EXPECT_NE(refusal(kBase + joint("yaw", "base", "camrea"))
+                .find("model.sdf:4: the model has no link, joint or frame 'camrea'"),
+            std::string::npos);
+  EXPECT_NE(refusal(kBase + joint("yaw", "bas", "base")).find("frame 'bas'"), std::string::npos);
+  EXPECT_NE(refusal(kBase + "<frame name='f' attached_to='leg'/>").find("frame 'leg'"),
+            std::string::npos);
+  EXPECT_NE(refusal(kBase + "<frame name='f' attached_to='f'/>").find("in a circle"),
+            std::string::npos);
+  EXPECT_NE(refusal(kBase + "<link name='arm'>" + inertial(1) +
+                    "</link><joint name='j' type='revolut'><parent>base</parent><child>arm</child>"
+                    "</joint>")
+                .find("the type 'revolut', which SDF does not have"),
+            std::string::npos);
+  EXPECT_NE(refusal(kBase + "<joint name='j' type='fixed'><child>base</child></joint>")
+                .find("joint 'j' has no <parent>"),
+            std::string::npos);
+  const std::string lidar = "<include><uri>model://lidar</uri><name>front</name></include>" +
+                            joint("mount", "base", "front::link");
+  EXPECT_NEAR(read(kBase + lidar, {{"front", PartUse::kLeftOut}}).mass_kg, 1, kRounding)
+      << "a joint of what is left out is left out";
+}
+
+TEST_F(PartsOfAModel, ALimitMayBeInfinite) {
+  const ModelBody body =
+      read(kBase + "<link name='camera'>" + inertial(0.5) + "</link>" +
+           joint("yaw", "base", "camera",
+                 "<axis><limit><lower>-inf</lower><upper> INF </upper></limit></axis>"));
+  EXPECT_TRUE(body.find("camera")->axis_R.has_value());
+}
+
+TEST_F(PartsOfAModel, WhatNobodyReadsIsToldWithItsLine) {
+  const auto warnings_of = [&](const std::string& inside) {
+    std::string all;
+    for (const std::string& warning : read(inside).warnings) all += warning + "\n";
+    return all;
+  };
+  const std::string arm = "<link name='arm'>" + inertial(0.1);
+  const std::string shape = "<geometry><box><size>1 1 1</size></box></geometry>";
+  const std::string held = "</link>" + joint("j", "base", "arm",
+                                             "<axis><limit><lower>0</lower>"
+                                             "<upper>0</upper></limit></axis>");
+  EXPECT_EQ(warnings_of(kBase + arm + held), "");
+  const std::pair<std::string, const char*> cases[] = {
+      {arm + "<colision name='c'/>" + held,
+       "model.sdf:4: <colision> in <link name='arm'> is left out: no such element"},
+      {arm + "<pose>1 0 0 0 0 0</pose>\n<pose>2 0 0 0 0 0</pose>" + held,
+       "model.sdf:5: <pose> in <link name='arm'> is left out: it is a second one"},
+      {arm + "<pose relativ_to='base'>1 0 0 0 0 0</pose>" + held,
+       "model.sdf:4: <pose>: 'relativ_to' is left out: no such attribute"},
+      {"<link name='arm'><inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy>"
+       "</inertia></inertial>" +
+           held,
+       "link 'arm': <inertia> has no <izz>: 1 kg m^2, as SDF has it"},
+      {arm + "<gravity>false</gravity>" + held, "<link name='arm'> has no <gravity> in Gazebo"},
+      {arm + "<collision name='c'>" + shape +
+           "<surface><contact><ode><kp>1e4</kp></ode></contact></surface></collision>" + held,
+       "a <surface> of a vehicle is left out"},
+      {arm +
+           "<collision name='c'><geometry><mesh><uri>m.stl</uri><submesh><name>leg</name>"
+           "</submesh></mesh></geometry></collision>" +
+           held,
+       "link 'arm' names a <submesh>; the whole mesh collides here"},
+      {arm + held + "<plugin name='wing' filename='libLiftDragPlugin.so'/>",
+       "<plugin name='wing'> acts on the model in Gazebo, and is left out here"},
+      {arm + held +
+           "<plugin name='m' filename='libgazebo_motor_model.so'><linkName>rotor_7</linkName>"
+           "<motorConstant>1e-6</motorConstant></plugin>",
+       "a motor plugin drives link 'rotor_7', which the model does not have"},
+      {arm + held + joint("k", "base", "arm"),
+       "joint 'k' carries link 'arm', which another joint carries: left out"},
+      {arm + held + joint("k", "world", "base"), "joint 'k' holds the model to the world"},
+      {arm + "</link>", "no joint holds link 'arm' to 'base': in Gazebo they fall off"}};
+  for (const auto& [inside, sentence] : cases) {
+    EXPECT_NE(warnings_of(kBase + inside).find(sentence), std::string::npos)
+        << sentence << " in " << warnings_of(kBase + inside);
+  }
+}
+
+TEST_F(PartsOfAModel, AnIncludedModelIsFixedWithAllItsJoints) {
+  const std::string gimbal = "<model name='gimbal'><link name='yaw'>" + inertial(0.2) +
+                             "</link><model name='inner'><link name='roll'>" + inertial(0.1) +
+                             "</link></model>" + joint("j", "yaw", "inner::roll") + "</model>" +
+                             joint("k", "base", "gimbal::yaw");
+  EXPECT_TRUE(read(kBase + gimbal).find("yaw")->axis_R.has_value());
+  const ModelBody fixed = read(kBase + gimbal, {{"gimbal", PartUse::kFixed}});
+  EXPECT_FALSE(fixed.find("yaw")->axis_R.has_value());
+  EXPECT_FALSE(fixed.find("roll")->axis_R.has_value());
+  EXPECT_NEAR(fixed.mass_kg, 1.3, kRounding);
+  EXPECT_TRUE(fixed.warnings.empty());
+}
+
+TEST_F(PartsOfAModel, ASecondModelOfAFileIsTold) {
+  const auto file = folder_.write("v/two.sdf", "<sdf version='1.9'><model name='a'>" + kBase +
+                                                   "</model>\n<model name='b'/></sdf>");
+  const ModelBody body = *read_model_body(file);
+  ASSERT_EQ(body.warnings.size(), 1U);
+  EXPECT_NE(body.warnings[0].find("two.sdf:3: <model name='b'> is left out"), std::string::npos);
+}
+
+TEST_F(PartsOfAModel, AWorldIsNoVehicleAndItsModelIsNamed) {
+  const auto file = folder_.write(
+      "v/w.sdf", "<sdf version='1.9'><world name='w'><model name='iris'/></world></sdf>");
+  EXPECT_NE(cas::test::refusal([&] {
+              read_model_body(file);
+            }).find("a world is no vehicle: write its <model name='iris'> to a file of its own"),
+            std::string::npos);
+}
+
+TEST_F(PartsOfAModel, WhatWouldMakeAnotherModelIsRefused) {
+  EXPECT_NE(refusal(kBase + "<include><uri>model://gps</uri><experimental:params/></include>")
+                .find("parameters of an <include> are not read"),
+            std::string::npos);
+  EXPECT_NE(refusal("<link name='base'>" + inertial(0) + "</link>").find("a <mass> of 0"),
+            std::string::npos);
 }
 
 // In the vehicle file.

@@ -169,6 +169,15 @@ TEST(SdfWorld, AVehicleAmongTheModelsIsTold) {
                                  "libgazebo_motor_model.so)")));
 }
 
+TEST(SdfWorld, ASensorWithoutTheElementOfItsTypeIsRead) {
+  for (const char* type : {"imu", "navsat", "camera", "gpu_lidar", "altimeter", "force_torque"}) {
+    const std::string sensor = "<sensor name='s' type='" + std::string(type) + "'/>";
+    const WorldModel model = load_elements("<model name='m'><static>1</static><link name='l'>" +
+                                           sensor + "</link></model>");
+    EXPECT_THAT(model.warnings, ElementsAre(HasSubstr("<sensor name='s'> is left out"))) << type;
+  }
+}
+
 /// Each used to take two megabytes: 4.8 GB.
 TEST(SdfWorld, ManyModelsOfAWorldsOwnFileTakeLittle) {
   constexpr std::size_t kModels = 2'000;
