@@ -78,9 +78,9 @@ inline constexpr std::size_t kMaxModelLinks = 1000;
 
 /// Reads a URDF or SDF file, whichever it is.
 ///
-/// Links are combined by the parallel-axis theorem. A link whose inertia no body can have is named
-/// in `warnings` and counts as a point mass, and so are joints that move and are no rotors: they
-/// count as fixed.
+/// Links are combined by the parallel-axis theorem. A link whose inertia no body of its mass can
+/// have is named in `warnings` and counts as a point mass, and so are joints that move and are no
+/// rotors: they count as fixed.
 /// @return nullopt for a file that is missing
 /// @throws ConfigError "FILE:LINE: ..." for one that is no model of a vehicle, and for a name in
 ///     `parts` that the model does not have

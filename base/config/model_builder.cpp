@@ -123,7 +123,12 @@ void ModelBuilder::add_mass(const std::string& link, const Inertial& inertial,
   moment_ += inertial.mass_kg * X_RC.translation();
   inertia_ += parallel_axis(inertial.mass_kg, X_RC.translation());
   const Eigen::Matrix3d& own = inertial.inertia_kg_m2;
-  if (inertial.mass_kg > 0 && !own.isZero(0) && !is_physical_inertia(own)) {
+  if (own.isZero(0)) return;
+  if (inertial.mass_kg <= 0) {
+    warn(*inertial.element, "link '" + link + "': no body without mass has an <inertia>; left out");
+    return;
+  }
+  if (!is_physical_inertia(own)) {
     warn(*inertial.element,
          "link '" + link + "': no body has this <inertia>; taken as a point mass");
     return;

@@ -132,11 +132,14 @@ void print_effectiveness(std::string& text, const base::Vehicle& vehicle) {
   const base::Effectiveness columns = vehicle.effectiveness();
   const char* const names[] = {"Fx N", "Fy N", "Fz N", "Mx Nm", "My Nm", "Mz Nm"};
   print(text, "effectiveness      of each rotor at 1000 rad/s, forward, left, up");
+  constexpr double kSmall = 0.1;  // a nano vehicle's: its numbers need a power of ten
+  const double most = kThousand_rad2_s2 * columns.cwiseAbs().maxCoeff();
   for (Eigen::Index row = 0; row < columns.rows(); ++row) {
     std::string line;
     char number[32];
     for (Eigen::Index i = 0; i < columns.cols(); ++i) {
-      std::snprintf(number, sizeof number, " %9.4f", tidy(columns(row, i) * kThousand_rad2_s2, 1));
+      const double own = tidy(columns(row, i) * kThousand_rad2_s2, most);
+      std::snprintf(number, sizeof number, most < kSmall ? " %9.2e" : " %9.4f", own);
       line += number;
     }
     print(text, "  %-6s%s", names[row], line.c_str());

@@ -76,10 +76,15 @@ class FaultPlugin final : public Plugin {
                         {"fault", shown(schedule_.faults()[event.fault].name)},
                         {"event", event.begins ? "begin" : "end"}});
     }
-    return Json{{"events", std::move(events)}}.dump();
+    Json figures{{"events", std::move(events)}};
+    if (blows_at_nothing_) figures["warnings"].push_back(kNoWind);
+    return figures.dump();
   }
 
  private:
+  static constexpr const char* kNoWind =
+      "plugin fault: a fault starts a gust, but the vehicle has no plugin wind";
+
   template <class Action>
   void for_each_tap(Action&& action) {
     std::apply([&](auto&... tap) { (action(tap), ...); }, taps_);
@@ -206,9 +211,8 @@ class FaultPlugin final : public Plugin {
 
   void begin_run(World& world) {
     if (changes_mass_) world.scale_mass(vehicle_, 1.0);
-    if (blows_ && !by_hand_ && !gust_.has_subscribers()) {
-      base::log::warn("a fault starts a gust, but the vehicle has no plugin wind");
-    }
+    blows_at_nothing_ = blows_ && !by_hand_ && !gust_.has_subscribers();
+    if (blows_at_nothing_) base::log::warn(kNoWind);
   }
 
   Facts facts(base::SimTime now, const World& world) const {
@@ -318,6 +322,7 @@ class FaultPlugin final : public Plugin {
   bool breaks_propulsion_ = false;
   bool changes_mass_ = false;
   bool blows_ = false;
+  bool blows_at_nothing_ = false;
   bool armed_ = false;
   FlightPhase phase_;
   std::vector<double> torque_coefficients_;

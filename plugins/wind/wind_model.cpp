@@ -6,7 +6,6 @@
 #include <string>
 
 #include "base/angles.hpp"
-#include "base/os/log.hpp"
 
 namespace cas::sim {
 namespace {
@@ -116,14 +115,12 @@ Eigen::Vector3d GustModel::advance_N(double speed_m_s, double dt) {
 WindModel::WindModel(const WindParams& params, std::uint64_t seed)
     : params_(params), dryden_(seed) {}
 
-void WindModel::start(const GustCommand& gust) {
+bool WindModel::start(const GustCommand& gust) {
   const auto free = std::find_if(gusts_.begin(), gusts_.end(),
                                  [](const GustModel& other) { return other.over(); });
-  if (free == gusts_.end()) {
-    base::log::warn("a gust is left out: " + std::to_string(gusts_.size()) + " blow already");
-    return;
-  }
+  if (free == gusts_.end()) return false;
   *free = GustModel(gust);
+  return true;
 }
 
 Eigen::Vector3d WindModel::advance_N(base::SimTime now, double dt, double height_m,

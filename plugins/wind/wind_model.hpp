@@ -68,8 +68,8 @@ class WindModel {
   WindModel() = default;
   WindModel(const WindParams& params, std::uint64_t seed);
 
-  /// Begins a gust; the ninth at a time is left out.
-  void start(const GustCommand& gust);
+  /// Begins a gust. @return false for the ninth at a time, which is left out
+  bool start(const GustCommand& gust);
   /// Air velocity in N for the step that begins at `now`.
   /// @param v_N  vehicle's velocity over ground, m/s
   /// @param field_N  air velocity besides, at its place: of the world, of a grid

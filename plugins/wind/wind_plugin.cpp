@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 
 #include "base/config/install_paths.hpp"
 #include "base/earth/frames.hpp"
+#include "base/os/log.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/wind/wind_grid.hpp"
@@ -22,8 +25,7 @@ class WindPlugin final : public Plugin {
     model_ = initial_;
     if (const auto grid = params.find("grid")) grid_ = WindGrid::load(base::find_config(*grid));
     gusts_ = context.bus().subscribe<GustCommand>(
-        context.topic("gust"), [this](const GustCommand& gust) { model_.start(gust); },
-        Need::kOptional);
+        context.topic("gust"), [this](const GustCommand& gust) { start(gust); }, Need::kOptional);
   }
 
   void pre_step(const StepInfo& step, World& world) override {
@@ -40,12 +42,30 @@ class WindPlugin final : public Plugin {
     world.set_wind_W(vehicle_, base::swap_WN(wind_N));
   }
 
-  void reset() override { model_ = initial_; }
+  void reset() override {
+    model_ = initial_;
+    left_out_ = 0;
+  }
+
+  std::string stats_json() const override {
+    if (left_out_ == 0) return {};
+    nlohmann::json figures;
+    figures["warnings"].push_back(std::string(kLeftOut) + ": " + std::to_string(left_out_));
+    return figures.dump();
+  }
 
  private:
+  static constexpr const char* kLeftOut =
+      "plugin wind: gusts that are left out, because as many blow already as it has room for";
+
+  void start(const GustCommand& gust) {
+    if (!model_.start(gust) && left_out_++ == 0) base::log::warn(kLeftOut);
+  }
+
   VehicleId vehicle_{};
   WindModel initial_;
   WindModel model_;
+  int left_out_ = 0;  ///< gusts
   std::optional<WindGrid> grid_;
   std::optional<Eigen::Vector3d> world_wind_W_;
   Subscription gusts_;

@@ -392,6 +392,14 @@ TEST_F(FaultyVehicle, AsksTheWindForAGust) {
   EXPECT_NEAR(harness_.world.air.wind_W.y(), 3, 0.05);
 }
 
+TEST_F(FaultyVehicle, WarnsOfAGustWithoutWind) {
+  start("{faults: [{at_s: 0.1, gust: {amplitude_m_s: [3, 0, 0], length_m: 2}}]}");
+  run(milliseconds(1));
+  EXPECT_NE(plugin_->stats_json().find(R"("warnings":["plugin fault: a fault starts a gust)"),
+            std::string::npos)
+      << plugin_->stats_json();
+}
+
 TEST_F(FaultyVehicle, TakesFaultsByHandAndForgetsThemAtAReset) {
   const auto orders = harness_.bus.advertise<FaultOrder>("iris0/fault_order");
   const auto order = [&orders](const std::string& script) {

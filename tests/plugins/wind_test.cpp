@@ -247,6 +247,25 @@ TEST(WindPlugin, AddsToTheWindOfTheWorldAndToAGrid) {
   }
 }
 
+TEST(WindPlugin, WarnsOfGustsThatItLeavesOut) {
+  test::PluginHarness harness;
+  const auto gusts = harness.bus.advertise<GustCommand>("iris0/gust");
+  const Plugin& wind = harness.add("wind", "{}");
+  const auto blow = [&gusts](int times) {
+    for (int i = 0; i < times; ++i) {
+      gusts.publish({.amplitude_N_m_s = {3, 0, 0}, .length_m = 2, .hold_s = 9});
+    }
+  };
+  blow(8);
+  EXPECT_EQ(wind.stats_json(), "");
+  blow(2);
+  EXPECT_NE(wind.stats_json().find(R"({"warnings":["plugin wind: gusts that are left out)"),
+            std::string::npos);
+  EXPECT_NE(wind.stats_json().find(": 2\"]}"), std::string::npos) << wind.stats_json();
+  harness.reset();
+  EXPECT_EQ(wind.stats_json(), "");
+}
+
 TEST(RangefinderPlugin, MeasuresAlongItsRay) {
   test::PluginHarness harness;
   harness.add("rangefinder",

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <span>
@@ -30,7 +31,9 @@ constexpr double kSound_m_s = 340.3;  // at sea level, standard atmosphere
 constexpr double kMostMach = 0.95;
 constexpr double kLongestLag_s = 0.6;
 constexpr double kMostGravity_m_s2 = 25;  // Jupiter's
+constexpr double kOneG = 0.02;            // from 1 m/s^2, which no planet or moon has
 constexpr double kRadPerS = 9.549;        // revolutions a minute of one
+constexpr double kRevPerS = 6.283;        // rad/s of one
 
 struct Unit {
   const char* name;
@@ -142,16 +145,33 @@ class Check {
     const double ratio = vehicle_.control_scales().u1_max_n / weight_n;
     const double per_rpm = kRadPerS * kRadPerS;
     if (ratio < kLeastThrust) {
-      say("its rotors lift " + text(ratio) + " of its weight" +
-          (ratio * per_rpm > kLeastThrust && ratio * per_rpm < kMostThrust
-               ? ": thrust_coefficient may be in N over (rev/min)^2 instead of N s^2"
-               : ""));
+      say("its rotors lift " + text(ratio) + " of its weight" + weak_by_unit(ratio));
     } else if (ratio > kMostThrust) {
       say("its rotors lift " + text(ratio) + " times its weight" +
           (ratio / per_rpm > kLeastThrust
                ? ": omega_max_rad_s may be in rev/min, or thrust_coefficient of a force in g"
                : ""));
     }
+  }
+
+  /// The unit by which rotors that carry nothing would carry the vehicle, nearest to what is usual.
+  static std::string weak_by_unit(double ratio) {
+    constexpr double kUsual = 3;
+    constexpr double kMostUsual = 8;
+    struct Guess {
+      double factor;
+      const char* unit;
+    };
+    constexpr std::array kGuesses{
+        Guess{kRadPerS * kRadPerS,
+              "thrust_coefficient may be in N over (rev/min)^2 instead of N s^2"},
+        Guess{kRevPerS * kRevPerS, "omega_max_rad_s may be in rev/s instead of rad/s"},
+        Guess{base::kStandardGravity_m_s2, "thrust_coefficient may be of a force in kg"}};
+    const auto nearest = std::ranges::min_element(kGuesses, {}, [ratio](const Guess& guess) {
+      return std::abs(std::log(ratio * guess.factor / kUsual));
+    });
+    const double then = ratio * nearest->factor;
+    return then > kLeastThrust && then < kMostUsual ? std::string(": ") + nearest->unit : "";
   }
 
   /// Four rotors that do not tilt share the weight in one way alone, and none has next to nothing.
@@ -229,6 +249,9 @@ std::optional<std::string> implausible_gravity(const Eigen::Vector3d& gravity_W)
   if (size > kMostGravity_m_s2) {
     return "gravity is " + text(size) + " m/s^2" +
            (feet ? ": it may be in ft/s^2 instead of m/s^2" : "");
+  }
+  if (std::abs(size - 1) < kOneG) {
+    return "gravity is " + text(size) + " m/s^2: it may be in g instead of m/s^2";
   }
   if (size > 0 && gravity_W.z() > -0.5 * size) return "gravity does not point down";
   return std::nullopt;

@@ -8,7 +8,6 @@
 #include "base/error.hpp"
 #include "base/os/command_port.hpp"
 #include "base/os/disk_error.hpp"
-#include "base/os/log.hpp"
 #include "base/random.hpp"
 
 namespace cas::sim {
@@ -112,8 +111,8 @@ void PluginHost::load(VehicleId id, const VehicleConfig& vehicle) {
   }
 }
 
-void PluginHost::configure(const std::vector<VehicleConfig>& vehicles,
-                           const PluginSurroundings& around) {
+std::vector<std::string> PluginHost::configure(const std::vector<VehicleConfig>& vehicles,
+                                               const PluginSurroundings& around) {
   std::vector<std::pair<std::string, Publisher<MavlinkMessage>>> senders;
   std::size_t next = 0;
   for (const VehicleConfig& vehicle : vehicles) {
@@ -141,12 +140,11 @@ void PluginHost::configure(const std::vector<VehicleConfig>& vehicles,
       }
     }
   }
+  std::vector<std::string> unsent;
   for (const auto& [label, sender] : senders) {
-    if (sender.has_subscribers()) continue;
-    base::log::warn(
-        "plugin " + label +
-        ": its MAVLink messages are not sent, because the vehicle has no mavlink_interface");
+    if (!sender.has_subscribers()) unsent.push_back(label);
   }
+  return unsent;
 }
 
 }  // namespace cas::sim

@@ -39,8 +39,11 @@ class PluginHost {
 
   /// Creates the plugins of a vehicle. @throws base::ConfigError
   void load(VehicleId id, const VehicleConfig& vehicle);
-  /// Configures all in order. @throws base::ConfigError that names the plugin and the vehicle
-  void configure(const std::vector<VehicleConfig>& vehicles, const PluginSurroundings& around);
+  /// Configures all in order.
+  /// @return labels of the plugins whose MAVLink messages no mavlink_interface sends
+  /// @throws base::ConfigError that names the plugin and the vehicle
+  std::vector<std::string> configure(const std::vector<VehicleConfig>& vehicles,
+                                     const PluginSurroundings& around);
 
   void pre_step(const StepInfo& step, World& world) {
     for (const PluginInstance& p : plugins_) p.plugin->pre_step(step, world);

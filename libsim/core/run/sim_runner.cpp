@@ -18,6 +18,7 @@
 #include "libsim/core/load/model_loader.hpp"
 #include "libsim/core/load/plausibility.hpp"
 #include "libsim/core/load/world_loader.hpp"
+#include "libsim/core/ode/contact_solver.hpp"
 #include "libsim/core/run/left_world.hpp"
 #include "libsim/core/run/plugin_host.hpp"
 #include "libsim/core/run/sim_world.hpp"
@@ -112,6 +113,30 @@ struct SimRunner::Impl {
     }
   }
 
+  /// What is connected to nothing. @param unsent  labels of plugins: "battery@iris0"
+  void warn_of_idle(const std::vector<std::string>& unsent) {
+    for (const std::string& label : unsent) {
+      const std::string vehicle = label.substr(label.find('@') + 1);
+      warn(vehicle.substr(0, vehicle.find('#')),
+           std::optional("plugin " + label +
+                         ": its MAVLink messages are not sent, because the "
+                         "vehicle has no mavlink_interface"));
+    }
+    for (const std::string& topic : bus.unpublished()) {
+      warn(topic.substr(0, topic.find('/')),
+           std::optional("topic '" + topic + "' has subscribers and no publisher"));
+    }
+  }
+
+  /// The motion in contact is not to be trusted where the solver found no forces.
+  void warn_of_contacts() {
+    const std::uint64_t count = ContactSolver::complaints() - complaints_before;
+    if (count == 0) return;
+    warn("", std::optional("the contact solver complained " + std::to_string(count) +
+                           " times of contacts that contradict each other; the motion in them is "
+                           "doubtful"));
+  }
+
   /// @throws LeftWorldError
   void require_in_world(VehicleId id) const {
     if (!world.is_below_everything(id)) return;
@@ -161,6 +186,7 @@ struct SimRunner::Impl {
   base::SimTime time{};
   std::uint64_t steps = 0;
   std::uint64_t lockstep_timeouts = 0;
+  std::uint64_t complaints_before = ContactSolver::complaints();
   bool finished = false;
   const std::atomic<bool>* interrupt = nullptr;
 };
@@ -178,11 +204,9 @@ void SimRunner::start() {
   for (const VehicleConfig& vehicle : impl_->config.vehicles) {
     impl_->phases.push_back(impl_->bus.advertise<FlightPhase>(vehicle.name + "/flight_phase"));
   }
-  impl_->plugins.configure(impl_->config.vehicles, around);
+  const auto unsent = impl_->plugins.configure(impl_->config.vehicles, around);
   impl_->bus.freeze();
-  for (const std::string& topic : impl_->bus.unpublished()) {
-    base::log::warn("topic '" + topic + "' has subscribers and no publisher");
-  }
+  impl_->warn_of_idle(unsent);
   impl_->world.start();
 }
 
@@ -219,6 +243,7 @@ void SimRunner::reset() {
 void SimRunner::finish() {
   if (std::exchange(impl_->finished, true)) return;
   impl_->plugins.finish();
+  impl_->warn_of_contacts();
   const FigureBook& figures = impl_->plugins.figures();
   if (figures.empty()) return;
   base::write_result({impl_->options.output_dir, kFiguresFile}, figures.json());

@@ -71,7 +71,7 @@ class CAS_SIM_EXPORT SimRunner {
   /// Of each vehicle, index = VehicleId; they never change.
   const std::vector<VehicleModel>& vehicle_models() const;
   std::vector<std::string> vehicle_names() const;  ///< index = VehicleId
-  /// Warnings about the files of world and vehicles; all of them from the start on.
+  /// About the files; from start() on also about idle connections, after finish() about contacts.
   const std::vector<SimWarning>& warnings() const;
   /// Lockstep: waits for the controls that are due, then tells whether nothing is on its way
   /// between simulator and controllers. True at any time in the other modes, and when the wait was

@@ -120,6 +120,15 @@ TEST_F(ModelLoader, NamesInertiasThatNoBodyHas) {
   EXPECT_TRUE(is_physical_inertia(model.mass.inertia_B()));
 }
 
+TEST_F(ModelLoader, LeavesTheInertiaOfALinkWithoutMassOut) {
+  const VehicleModel model =
+      load(link("base", inertial(1, "0 0 0", "0 0 0", kBall) + kCollision) +
+           link("frame", inertial(0, "0 0 0", "0 0 0", kBall)) + joint("fixed", "frame", "0 0 0"));
+  const VehicleModel alone = load(link("base", inertial(1, "0 0 0", "0 0 0", kBall) + kCollision));
+  EXPECT_EQ(model.mass.inertia_B(), alone.mass.inertia_B());
+  EXPECT_THAT(model.warnings, ElementsAre(HasSubstr("link 'frame': no body without mass has an")));
+}
+
 TEST_F(ModelLoader, ReadsASolidWorksExport) {
   // NAME/urdf and NAME/meshes, package:// URIs, links joined rigidly.
   std::string stl(80, ' ');

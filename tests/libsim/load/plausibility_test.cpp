@@ -111,6 +111,15 @@ INSTANTIATE_TEST_SUITE_P(
             "CoefficientPerRpm",
             [](Flown& f) { each_rotor(f, [](auto& r) { r.params.thrust_coefficient /= 91.2; }); },
             "thrust_coefficient may be in N over (rev/min)^2"},
+        UnitCase{
+            "SpeedInRevolutionsASecond",
+            [](Flown& f) { each_rotor(f, [](auto& r) { r.params.omega_max_rad_s /= 2 * M_PI; }); },
+            "omega_max_rad_s may be in rev/s"},
+        UnitCase{"CoefficientOfAForceInKilograms",
+                 [](Flown& f) {
+                   each_rotor(f, [](auto& r) { r.params.thrust_coefficient /= 9.80665; });
+                 },
+                 "thrust_coefficient may be of a force in kg"},
         UnitCase{"SpinOfOneRotor", [](Flown& f) { f.vehicle.rotors[1].spin *= -1; },
                  "a spin or a place may be wrong"},
         UnitCase{"AllSpinsTheSame", [](Flown& f) { each_rotor(f, [](auto& r) { r.spin = 1; }); },
@@ -136,6 +145,7 @@ TEST(Plausibility, GravityPointsDownInMetres) {
   EXPECT_FALSE(implausible_gravity({0, 0, -1.62})) << "the Moon";
   EXPECT_FALSE(implausible_gravity({0, 0, 0}));
   EXPECT_THAT(implausible_gravity({0, 0, -32.174}).value_or(""), HasSubstr("may be in ft/s^2"));
+  EXPECT_THAT(implausible_gravity({0, 0, -1}).value_or(""), HasSubstr("may be in g instead"));
   EXPECT_THAT(implausible_gravity({0, 0, 9.80665}).value_or(""), HasSubstr("does not point down"));
 }
 

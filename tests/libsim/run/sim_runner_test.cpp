@@ -66,6 +66,24 @@ TEST(SimRunner, KeepsItsWarningsWithTheVehicleThatTheyAreAbout) {
   EXPECT_THAT(runner.warnings()[1].sentence, HasSubstr("taken as a point mass"));
 }
 
+TEST(SimRunner, WarnsOfWhatIsConnectedToNothing) {
+  const cas::test::TemporaryFolder folder;
+  SimRunner runner(test::config(test::vehicle("a", "{}", "[{plugin: fake_listener}]") +
+                                test::vehicle("b", "{x_m: 5}", "[{plugin: fake_sender}]")),
+                   {.output_dir = folder.path(), .plugin_dirs = {test::kFakePluginDir}});
+  EXPECT_TRUE(runner.warnings().empty());
+  runner.start();
+  ASSERT_EQ(runner.warnings().size(), 2U);
+  EXPECT_EQ(runner.warnings()[0].vehicle, "b");
+  EXPECT_THAT(runner.warnings()[0].sentence,
+              HasSubstr("plugin fake_sender@b: its MAVLink messages are not sent"));
+  EXPECT_EQ(runner.warnings()[1].vehicle, "a");
+  EXPECT_EQ(runner.warnings()[1].sentence, "topic 'a/imu' has subscribers and no publisher");
+  runner.step();
+  runner.finish();
+  EXPECT_EQ(runner.warnings().size(), 2U) << "nothing to say of the contacts";
+}
+
 TEST(SimRunner, HostSubscribesBeforeStart) {
   SimRunner runner(test::config(test::vehicle("iris0", "{}", "[{plugin: fake_counter}]")),
                    test::fake_plugins());
