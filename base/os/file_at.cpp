@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Both are masked by the process's umask.
-constexpr mode_t kNewFile = 0666;
+constexpr mode_t kNewFileMode = 0666;
 constexpr mode_t kNewFolder = 0777;
 constexpr int kMostNames = 16;  // tried for the file beside the one that is written
 constexpr int kMostLinks = 40;  // symlinks on one path: the kernel's own bound
@@ -55,7 +55,7 @@ Descriptor make_beside(int folder, const std::string& name, std::string& beside)
   for (int number = 0; !out && number < kMostNames; ++number) {
     beside = stem + (number > 0 ? "." + std::to_string(number) : "") + ".new";
     out = Descriptor(::openat(folder, beside.c_str(),
-                              O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kNewFile));
+                              O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kNewFileMode));
     if (!out && errno != EEXIST) break;
   }
   return out;
