@@ -29,9 +29,10 @@ struct Disc {
 /// as one infinite sample; contact_law.hpp) and Coulomb friction in the plane, solved exactly by
 /// ODE's Dantzig solver: a resting body does not creep. ODE limits friction by a box; its first
 /// side is laid along the direction in which the contact would slip, which makes friction the same
-/// in every direction. Of many contacts the outermost carry the body (contact_patch.hpp); those of
-/// a body that has moved less than 20 um, or slid less than 10 cm on a flat mesh (flat_ground.hpp),
-/// are kept. Restitution and rolling friction are not modelled.
+/// in every direction. Of many contacts the outermost carry the body, on uneven ground four that
+/// stand for all (contact_patch.hpp); those of a body that has moved less than 20 um, or slid less
+/// than 10 cm on a flat mesh (flat_ground.hpp), are kept. Restitution and rolling friction are not
+/// modelled.
 ///
 /// Per step: begin() -> place() and collide_*() for bodies that may touch -> apply() for those that
 /// are touching() -> step() -> read().

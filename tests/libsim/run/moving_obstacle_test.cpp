@@ -138,7 +138,8 @@ TEST_F(ActorFile, WithACollisionAndATrajectoryIsAMovingObstacle) {
 TEST_F(ActorFile, WithoutACollisionIsAPicture) {
   const WorldModel model = load("<skin><filename>walk.dae</filename></skin>");
   EXPECT_TRUE(model.moving.empty());
-  EXPECT_THAT(model.warnings, Contains(HasSubstr("w.sdf:3: <actor name='bus'> has no <collision>")));
+  EXPECT_THAT(model.warnings,
+              Contains(HasSubstr("w.sdf:3: <actor name='bus'> has no <collision>")));
 }
 
 TEST_F(ActorFile, RefusesTimesThatDoNotRise) {
