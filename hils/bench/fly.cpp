@@ -10,7 +10,9 @@ namespace cas::hils {
 
 std::vector<RunRecord> fly(const RunRequest& request) {
   if (request.scenario.firmware) return run_firmware(request);
-  if (request.is_computed()) return run_on_virtual_clock(request);
+  // A board is flown in its own time, whatever the architecture: a computed flight would be the
+  // emulator's.
+  if (request.fcu_devices.empty() && request.is_computed()) return run_on_virtual_clock(request);
   if (request.clock == Clock::kLockstep) return run_in_lockstep(request);
   return run_in_real_time(request);
 }

@@ -208,9 +208,9 @@ bool face_more_than_one_way(std::span<const ContactPoint> points) {
   });
 }
 
-void spread_curved_patches(std::vector<ContactPoint>& points) {
+void spread_curved_patches(std::vector<ContactPoint>& points, std::vector<ContactPoint>& room) {
   if (!face_more_than_one_way(points)) return;
-  std::vector<ContactPoint> spread;
+  room.clear();
   std::span<ContactPoint> left = points;
   for (std::size_t n = 0; n < kMostPatches && !left.empty(); ++n) {
     // Each patch is moved to the front of what is left, its deepest point first.
@@ -219,17 +219,17 @@ void spread_curved_patches(std::vector<ContactPoint>& points) {
                          [](const auto& a, const auto& b) { return a.depth_m < b.depth_m; });
     std::iter_swap(left.begin(), deepest);
     const Patch patch{.deepest = 0, .n_W = left.front().n_W, .kind = left.front().kind};
-    const auto end = std::stable_partition(
-        left.begin(), left.end(), [&patch](const auto& point) { return patch.holds(point); });
+    const auto end = std::partition(left.begin(), left.end(),
+                                    [&patch](const auto& point) { return patch.holds(point); });
     const std::span<ContactPoint> own(left.begin(), end);
     if (face_more_than_one_way(own)) {
-      add_support(own, spread);
+      add_support(own, room);
     } else {
-      spread.insert(spread.end(), own.begin(), own.end());
+      room.insert(room.end(), own.begin(), own.end());
     }
     left = std::span(end, left.end());
   }
-  points = std::move(spread);
+  points.swap(room);
 }
 
 void keep_outermost(std::span<const ContactPoint> points, std::vector<KeptContact>& kept) {

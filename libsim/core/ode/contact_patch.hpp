@@ -47,7 +47,9 @@ CAS_SIM_EXPORT bool face_more_than_one_way(std::span<const ContactPoint> points)
 /// move steadily with the body: they lie about the centre of the points' depths, along the
 /// principal axes, with the second moments, the mean normal and the plane of depths of all (least
 /// squares). A patch without extent along an axis has two points, or one.
-CAS_SIM_EXPORT void spread_curved_patches(std::vector<ContactPoint>& points);
+/// @param room  to work in, so that nothing is taken from the heap in a step
+CAS_SIM_EXPORT void spread_curved_patches(std::vector<ContactPoint>& points,
+                                          std::vector<ContactPoint>& room);
 
 /// Chooses those contacts that carry a body: the outermost of each patch.
 ///

@@ -176,12 +176,14 @@ struct ContactSolver::Impl {
   std::vector<dContactGeom> geoms;                // of one pair of shapes
   std::vector<ContactPoint> points;               // of one body with the world, or with another
   std::vector<Pair> pairs;                        // numbered by their `kind`
+  std::vector<ContactPoint> spread;               // room for spread_curved_patches()
   std::vector<KeptContact> kept;
 
   Impl() : geoms(kMostFound) {
     contacts.reserve(kMostFound);
     pairs.reserve(kMostFound);
     points.reserve(kMostFound + kMostRemembered);
+    spread.reserve(kMostFound + kMostRemembered);
     kept.reserve(kMostContacts);
   }
 
@@ -257,7 +259,7 @@ struct ContactSolver::Impl {
   /// Those of `points` that carry the body, appended to `out`.
   void keep_points(std::vector<Contact>& out) {
     drop_inner_edges(points);
-    spread_curved_patches(points);
+    spread_curved_patches(points, spread);
     keep_outermost(points, kept);
     for (const KeptContact& k : kept) {
       const ContactPoint& point = points[k.index];
@@ -717,7 +719,10 @@ std::uint64_t ContactSolver::complaints() { return OdeMessages::count(); }
 
 void ContactSolver::reset() {
   dRandSetSeed(kOdeSeed);
-  for (Body& body : impl_->bodies) body.looked = false;
+  for (Body& body : impl_->bodies) {
+    body.looked = false;
+    body.found.clear();
+  }
 }
 
 }  // namespace cas::sim

@@ -116,6 +116,20 @@ TEST_P(UnevenGround, CarriesABoxThatStandsStill) {
   EXPECT_GE(quiet, kPlaces - 2);
 }
 
+/// Nothing of the flight before is left in the contacts.
+TEST_P(UnevenGround, IsTheSameToTheBitAfterAReset) {
+  const auto world = make_world(ground_of_triangles(0.25, 1.0, hilly_m));
+  world->add_vehicle(standing_on_hills(GetParam().has_feet), {.z_m = hilly_m(0, 0) + 0.2});
+  world->start();
+  const auto settled = [&] {
+    for (int i = 0; i < 1500; ++i) world->advance(kStep_s);
+    return world->state(kVehicle).p_WB;
+  };
+  const Eigen::Vector3d first = settled();
+  world->reset();
+  EXPECT_EQ(settled(), first);
+}
+
 INSTANTIATE_TEST_SUITE_P(On, UnevenGround,
                          testing::Values(Stand{"ItsFace", false}, Stand{"FourBalls", true}),
                          [](const auto& test) { return std::string(test.param.name); });
