@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Many flights of stock firmware: a sweep with several at once, and a comparison with ours.
+// Many flights of stock firmware: a sweep with several at once, a campaign, and a comparison with
+// ours.
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
@@ -42,6 +43,35 @@ vary: [{name: height, key: "steps[takeoff].altitude_m", values: [2, 2.5, 3]}]
     ++passed;
   }
   EXPECT_EQ(passed, 3U) << results;
+}
+
+/// Two failures strike in the hover: one that it flies through, and one that it does not survive.
+TEST_F(FirmwareMany, AreStruckByACampaign) {
+  if (!has_private_networks()) GTEST_SKIP() << "no network namespaces here";
+  write_scenario("obedient", "", R"(  - takeoff: {altitude_m: 2, timeout_s: 200}
+  - hold: {name: hover, duration_s: 4, measure: true}
+  - land: {timeout_s: 100}
+  - disarm: {timeout_s: 50}
+)");
+  const auto campaign = folder_.write("campaign.yaml", R"(schema: 1
+name: struck
+scenario: scenario.yaml
+phases: {hover: phase == hover}
+failures:
+  - {failure: battery_sag, expect: [stays_up, no_farther_than_m: 3]}
+  - {failure: rotor_stopped, expect: [stays_up]}
+)");
+  EXPECT_EQ(hils({"campaign", campaign.string(), "--jobs", "2", "--replays", "1", "--out",
+                  folder_ / "out"}),
+            1)
+      << output();
+  EXPECT_TRUE(says("1 of 2 cells as expected, 1 missed, 0 without a verdict")) << output();
+  const auto results = nlohmann::json::parse(left("results.json"));
+  ASSERT_EQ(results.at("cells").size(), 2U);
+  for (const auto& cell : results.at("cells")) {
+    EXPECT_GT(cell.at("flights").at(0).at("strike_s").get<double>(), 1) << cell;
+  }
+  EXPECT_FALSE(left("again/row_2/report.html").empty()) << "the missed flight is there to look at";
 }
 
 /// The shipped ports of its simulation and topology are those of its private network.
@@ -88,8 +118,8 @@ TEST_F(FirmwareMany, LeaveWhatEveryRunLeaves) {
             0)
       << output();
   EXPECT_EQ(nlohmann::json::parse(left("summary.json")).at("seed"), 9);
-  for (const char* file :
-       {"junit.xml", "report.html", "plots/track.svg", "flight.ulg", "sensors/imu.csv"}) {
+  for (const char* file : {"junit.xml", "report.html", "plots/track.svg", "flight.ulg",
+                           "flight.tlog", "replay.html", "sensors/imu.csv"}) {
     EXPECT_FALSE(left(file).empty()) << file;
   }
 }

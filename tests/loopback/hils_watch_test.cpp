@@ -20,6 +20,7 @@
 #include "base/os/descriptor.hpp"
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
+#include "tests/firmware/shipped_text.hpp"
 #include "tests/loopback/web_page.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/free_port.hpp"
@@ -229,6 +230,36 @@ TEST_F(HilsWatch, ARunBesideAnotherCasdNamesItsAddress) {
   end(*run);
 }
 
+/// The page of a run, and the file that names its address.
+struct OpenPage {
+  std::unique_ptr<WebPage> page;  ///< null if none opened
+  fs::path address_file;
+};
+
+/// Opens the page whose address a run with --web tells.
+OpenPage open_page(const ChildProcess& run) {
+  std::smatch told;
+  std::string text;
+  const std::regex line(
+      "Page: (http://127\\.0\\.0\\.1:([0-9]+)/) \\(the address with its token is in (.*)\\)\n");
+  if (!wait_until([&] { return std::regex_search(text = run.output(), told, line); })) {
+    ADD_FAILURE() << run.output();
+    return {};
+  }
+  EXPECT_EQ(text.find("#k="), std::string::npos) << "what is no terminal is told no token";
+  OpenPage open{nullptr, told[3].str()};
+  EXPECT_EQ(fs::status(open.address_file).permissions(),
+            fs::perms::owner_read | fs::perms::owner_write);
+  const std::string address = TemporaryFolder::read(open.address_file);
+  const std::string begin = told[1].str() + "#k=";
+  EXPECT_TRUE(address.starts_with(begin)) << address;
+  auto page = std::make_unique<WebPage>(static_cast<std::uint16_t>(std::stoi(told[2])));
+  const std::string token = address.substr(begin.size(), address.size() - begin.size() - 1);
+  EXPECT_TRUE(page->hello(token).contains("result"));
+  open.page = std::move(page);
+  return open;
+}
+
 /// Takes snapshots of a topic until one is as it should be.
 std::optional<nlohmann::json> snapshot(WebPage& page, const std::string& topic,
                                        const std::function<bool(const nlohmann::json&)>& wanted) {
@@ -246,24 +277,9 @@ TEST_F(HilsWatch, APageShowsTheRunAtTheAddressInTheFileThatItNames) {
   ChildProcess run(
       in_session("hils", {"run", folder_.write("short.yaml", scenario_text(3) + limits).string(),
                           "--web", "--out", folder_ / "out"}));
-  std::smatch told;
-  std::string text;
-  ASSERT_TRUE(wait_until([&] {
-    text = run.output();
-    return std::regex_search(
-        text, told,
-        std::regex("Page: (http://127\\.0\\.0\\.1:([0-9]+)/) \\(the address with its token is in "
-                   "(.*)\\)\n"));
-  })) << run.output();
-  EXPECT_EQ(text.find("#k="), std::string::npos) << "what is no terminal is told no token";
-  const fs::path file = told[3].str();
-  EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
-  const std::string address = TemporaryFolder::read(file);
-  const std::string begin = told[1].str() + "#k=";
-  ASSERT_TRUE(address.starts_with(begin)) << address;
-  WebPage page(static_cast<std::uint16_t>(std::stoi(told[2])));
-  const std::string token = address.substr(begin.size(), address.size() - begin.size() - 1);
-  ASSERT_TRUE(page.hello(token).contains("result"));
+  const OpenPage open = open_page(run);
+  ASSERT_TRUE(open.page);
+  WebPage& page = *open.page;
   EXPECT_FALSE(fs::exists(session_.path() / "cas" / "casweb.token")) << "it ends with the run";
   EXPECT_TRUE(wait_until([&] {
     return page.call("sim.scene", nlohmann::json::object()).contains("result") &&
@@ -308,7 +324,7 @@ TEST_F(HilsWatch, APageShowsTheRunAtTheAddressInTheFileThatItNames) {
   EXPECT_NE(verdict->at("state"), "running");
   EXPECT_FALSE(verdict->at("touched").empty());
   EXPECT_TRUE(run.wait_exit()) << run.output();
-  EXPECT_FALSE(fs::exists(file));
+  EXPECT_FALSE(fs::exists(open.address_file));
 
   const nlohmann::json summary = vehicle_summary(folder_ / "out");
   EXPECT_EQ(summary.at("from_outside"), true);
@@ -317,6 +333,50 @@ TEST_F(HilsWatch, APageShowsTheRunAtTheAddressInTheFileThatItNames) {
     EXPECT_NE(acts.find(act), std::string::npos) << act << " in " << acts;
   }
   EXPECT_EQ(summary.at("faults").at(0).at("name"), "no fix") << summary.at("faults");
+}
+
+/// As the shipped scenarios of stock firmware are flown, by the scripted PX4, at twice real time.
+TEST_F(HilsWatch, APageAndAGroundStationSeeStockFirmwareToo) {
+  const Px4SitlPorts ports;
+  folder_.write("world.yaml",
+                with_whole_paths(replaced(px4_sitl_world(ports), "\nspeed: 1\n", "\nspeed: 2\n")));
+  folder_.write("topology.yaml", with_whole_paths(px4_sitl_topology(ports)));
+  const fs::path scenario = folder_.write("stock.yaml", R"(schema: 1
+name: stock
+world: world.yaml
+topology: topology.yaml
+not_hil: true
+steps:
+  - arm: {timeout_s: 100}
+  - takeoff: {altitude_m: 2, timeout_s: 100}
+  - hold: {duration_s: 4, measure: true}
+  - land: {timeout_s: 100}
+  - disarm: {timeout_s: 50}
+firmware:
+  command: [')" + binary_dir() + "/tests/scripted_firmware', px4-sitl, " +
+                                                            ports.arguments() + ", obedient]\n");
+  Station station;
+  ChildProcess run(
+      in_session("hils", {"run", scenario.string(), "--web", "--gcs",
+                          "udp:" + std::to_string(station.port()), "--out", folder_ / "out"}));
+  const OpenPage open = open_page(run);
+  ASSERT_TRUE(open.page);
+  EXPECT_TRUE(wait_until([&] {
+    return open.page->call("sim.scene", nlohmann::json::object()).contains("result");
+  })) << run.output();
+  EXPECT_TRUE(wait_until([&] {
+    station.speak_and_hear();
+    return station.heard(mv::Heartbeat::kId) && station.heard(mv::LocalPositionNed::kId);
+  })) << run.output();
+  open.page->call("watch", {{"topics", {{"ref", 20}, {"verdict", 2}}}});
+  const auto reference =
+      snapshot(*open.page, "ref", [](const auto& snap) { return snap.at("v")[0].is_object(); });
+  ASSERT_TRUE(reference) << run.output();
+  EXPECT_NEAR(reference->at("v")[0].at("p_W")[2].template get<double>(), 2, 0.3) << *reference;
+  const auto verdict = open.page->next("event.verdict");
+  ASSERT_TRUE(verdict) << run.output();
+  EXPECT_NE(verdict->at("state"), "running");
+  EXPECT_EQ(run.wait_exit(), 0) << run.output();
 }
 
 TEST_F(HilsWatch, RefusesAPortThatAnotherProgramHas) {
