@@ -72,12 +72,12 @@ struct BoardSession::Impl {
       : supervisor(owner), board(its), device(std::move(path)) {
     const std::filesystem::path config = folder.path() / "casd.yaml";
     base::write_file(config, topology(board, device, peer_port, folder), base::Durability::kCache);
-    casd = &supervisor.start({.name = "casd",
-                              .arguments = {(own_program().parent_path() / "casd").string(),
-                                            config.string(), "--name", board.name},
-                              .log_file = folder.path() / "casd.log",
-                              .notify_socket = folder.path() / "casd.notify"},
-                             Supervisor::kReadyTimeout);
+    casd = &supervisor.start(
+        {.name = "casd",
+         .arguments = {sibling_program("casd"), config.string(), "--name", board.name},
+         .log_file = folder.path() / "casd.log",
+         .notify_socket = folder.path() / "casd.notify"},
+        Supervisor::kReadyTimeout);
     client.emplace("unix:" + folder.command_socket().string());
   }
   ~Impl() {

@@ -13,16 +13,11 @@
 
 #include "base/config/install_paths.hpp"
 #include "base/os/result_file.hpp"
-#include "hils/programs/watch_line.hpp"
 
 namespace cas::hils {
 namespace {
 
 constexpr base::Duration kStopPatience = std::chrono::seconds(5);
-
-std::filesystem::path program(const std::string& name) {
-  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / name;
-}
 
 /// A world's home as ArduPilot's --home takes it: "LAT,LON,ALT,HEADING".
 std::string home_text(const base::Geodetic& home) {
@@ -32,10 +27,9 @@ std::string home_text(const base::Geodetic& home) {
 }  // namespace
 
 FirmwareBench::FirmwareBench(const RunRequest& request, const RunPlaces& places)
-    : request_(request),
-      scenario_(request.scenario),
+    : scenario_(request.scenario),
       places_(places),
-      logs_(places.flight_tlog(), places.run) {
+      programs_(supervisor_, places, request, keeps_ledgers()) {
   for (std::size_t i = 0; i < scenario_.vehicles.size(); ++i) {
     firmware_options_.push_back(firmware_options(i));
     check_program(firmware_options_.back());
@@ -49,19 +43,12 @@ void FirmwareBench::start() {
   for (const auto& ledger : {simulator_ledger, places_.casd_ledger()}) {
     std::filesystem::remove(ledger);  // of an earlier flight
   }
-  start_casd();
-  if (request_.announced) tell_how_to_watch(places_.command_port, request_.station);
-  std::vector<std::string> hilsim{program("hilsim"), places_.simulator_config(),
-                                  "--control",       places_.simulator_control(),
-                                  "--output",        places_.out,
-                                  "--stats",         places_.simulator_stats()};
+  programs_.start_first_casd();
+  std::vector<std::string> ledger;
   if (keeps_ledgers()) {
-    hilsim.insert(hilsim.end(), {"--ledger", simulator_ledger.lexically_relative(places_.out)});
+    ledger = {"--ledger", simulator_ledger.lexically_relative(places_.out)};
   }
-  for (const std::filesystem::path& folder : base::plugin_dirs()) {
-    hilsim.insert(hilsim.end(), {"--plugin-dir", folder});
-  }
-  hilsim_ = &supervisor_.start(options("hilsim", hilsim), Supervisor::kReadyTimeout);
+  supervisor_.wait_ready(programs_.launch_hilsim(ledger), Supervisor::kReadyTimeout);
   for (const auto& options : firmware_options_) {
     firmware_.push_back(&supervisor_.start(options, Supervisor::kReadyTimeout));
   }
@@ -69,9 +56,9 @@ void FirmwareBench::start() {
 
 void FirmwareBench::stop() {
   for (ChildProcess* firmware : firmware_) supervisor_.stop(*firmware, kStopPatience);
-  supervisor_.stop(*hilsim_, kStopPatience);
-  if (casd_ != nullptr) supervisor_.stop(*casd_, kStopPatience);
-  logs_.join();
+  supervisor_.stop(*programs_.hilsim(), kStopPatience);
+  if (programs_.casd() != nullptr) supervisor_.stop(*programs_.casd(), kStopPatience);
+  programs_.join_logs();
 }
 
 void FirmwareBench::reboot(std::size_t vehicle) {
@@ -116,30 +103,6 @@ void FirmwareBench::prepare_folder(const std::filesystem::path& folder) {
   std::filesystem::create_directories(folder);
 }
 
-void FirmwareBench::kill_casd() {
-  if (casd_ == nullptr) return;
-  supervisor_.kill(*casd_);
-  casd_ = nullptr;
-  logs_.set_aside();
-}
-
-void FirmwareBench::start_casd() {
-  if (casd_ != nullptr) return;
-  std::vector<std::string> casd{program("casd"), places_.casd_config(), "--name", scenario_.name};
-  if (keeps_ledgers()) casd.insert(casd.end(), {"--ledger", places_.casd_ledger()});
-  casd_ = &supervisor_.start(options("casd", std::move(casd)), Supervisor::kReadyTimeout);
-}
-
-ChildProcess::Options FirmwareBench::options(const std::string& name,
-                                             std::vector<std::string> arguments) const {
-  ChildProcess::Options options;
-  options.name = name;
-  options.arguments = std::move(arguments);
-  options.log_file = places_.run / (name + ".log");
-  options.notify_socket = places_.sockets / (name + ".notify");
-  return options;
-}
-
 ChildProcess::Options FirmwareBench::firmware_options(std::size_t instance) const {
   const auto config = base::shipped_config("firmware/quad_x.parm").parent_path().parent_path();
   std::map<std::string, std::string> own{
@@ -152,7 +115,7 @@ ChildProcess::Options FirmwareBench::firmware_options(std::size_t instance) cons
   std::vector<std::string> arguments;
   for (const std::string& word : scenario_.firmware->command) arguments.push_back(text(word));
   ChildProcess::Options options =
-      this->options("firmware" + scenario_.suffix_of(instance), arguments);
+      programs_.options("firmware" + scenario_.suffix_of(instance), arguments);
   options.says_ready = false;
   options.ends_run = false;
   options.cwd = scenario_.firmware->cwd.empty()

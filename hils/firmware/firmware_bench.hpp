@@ -9,10 +9,7 @@
 #include <vector>
 
 #include "hils/firmware/pty_cable.hpp"
-#include "hils/programs/flight_logs.hpp"
-#include "hils/programs/supervisor.hpp"
-#include "hils/run/run_places.hpp"
-#include "hils/run/run_request.hpp"
+#include "hils/programs/run_programs.hpp"
 
 namespace cas::hils {
 
@@ -42,8 +39,8 @@ class FirmwareBench {
   void reboot(std::size_t vehicle);
 
   /// A fault: casd is gone at once.
-  void kill_casd();
-  void start_casd();
+  void kill_casd() { programs_.kill_casd(); }
+  void start_casd() { programs_.start_casd(); }
   /// The serial line of a firmware that has one.
   PtyCable& cable() { return *cable_; }
 
@@ -54,19 +51,15 @@ class FirmwareBench {
  private:
   /// In HITL the machine must keep up with real time; in software time waits for the firmware.
   bool keeps_ledgers() const { return scenario_.firmware->on_serial_line; }
-  ChildProcess::Options options(const std::string& name, std::vector<std::string> arguments) const;
   ChildProcess::Options firmware_options(std::size_t instance) const;
   void check_program(const ChildProcess::Options& options) const;
   void prepare_folder(const std::filesystem::path& folder);
 
-  const RunRequest& request_;
   const Scenario& scenario_;
   const RunPlaces& places_;
   Supervisor supervisor_;
+  RunPrograms programs_;
   std::optional<PtyCable> cable_;
-  FlightLogs logs_;
-  ChildProcess* casd_ = nullptr;
-  ChildProcess* hilsim_ = nullptr;
   std::vector<ChildProcess::Options> firmware_options_;  ///< of each vehicle
   std::vector<ChildProcess*> firmware_;
   std::vector<std::string> remarks_;

@@ -65,7 +65,6 @@ bool is_for_a_station(const YAML::Node& link) {
 
 /// Adds the link of --gcs, with the routes of the topology's own link for a ground station.
 void add_station(const RunRequest& request, YAML::Node topology) {
-  constexpr const char* kLink = kFirmwareStationLink;
   const YAML::Node links = topology["links"];
   const auto own = std::find_if(links.begin(), links.end(), is_for_a_station);
   if (topology["routes"] && own == links.end()) {
@@ -80,14 +79,14 @@ void add_station(const RunRequest& request, YAML::Node topology) {
       bool names_it = false;
       for (const char* end : {"from", "to"}) {
         if (route[end].as<std::string>() != name) continue;
-        copy[end] = kLink;
+        copy[end] = kStationLink;
         names_it = true;
       }
       if (names_it) copies.push_back(copy);
     }
     for (const YAML::Node& copy : copies) topology["routes"].push_back(copy);
   }
-  topology["links"].push_back(ground_link(request, kLink, *request.station));
+  topology["links"].push_back(ground_link(request, kStationLink, *request.station));
 }
 
 std::string topology_text(const RunRequest& request, const RunPlaces& places) {

@@ -11,8 +11,6 @@ namespace cas::hils {
 
 /// Name of casd's link for hils's own packets to a vehicle.
 std::string companion_link_name(std::size_t vehicle);
-/// Name of casd's link for RunRequest::station.
-inline constexpr const char* kFirmwareStationLink = "hils_gcs";
 
 /// Whether a flight has steps that hils flies on a link of its own: trajectories, missions,
 /// breaches.

@@ -1,24 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <string>
 #include <vector>
 
-#include "hils/programs/composition.hpp"
-#include "hils/programs/flight_logs.hpp"
-#include "hils/programs/supervisor.hpp"
+#include "hils/programs/run_programs.hpp"
 
 namespace cas::hils {
 
-/// The programs of a run in real time: hilsim, casd and a controller for each vehicle.
+/// The programs of a run of our controller: hilsim, casd and a controller for each vehicle.
 class BenchPrograms {
  public:
-  /// Both outlive it. A controller is fcu_emulator where the request names no device.
+  /// All outlive it. A controller is fcu_emulator where the request names no device.
   BenchPrograms(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request)
       : supervisor_(supervisor),
         places_(places),
         request_(request),
-        logs_(places.flight_tlog(), places.run) {}
+        programs_(supervisor, places, request, true) {}
 
   /// The controllers first (they make the PTYs), then casd, then the simulator, which starts the
   /// stream; one that is paused loads at the same time as the controllers. @throws RunStopped,
@@ -31,25 +28,17 @@ class BenchPrograms {
   void stop(bool nothing_under_way = false);
 
   /// A fault: casd is gone at once.
-  void kill_casd();
-  void start_casd();
+  void kill_casd() { programs_.kill_casd(); }
+  void start_casd() { programs_.start_casd(); }
 
  private:
   void launch_emulator(const VehiclePlaces& places);
-  void launch_hilsim(bool paused);
-  /// @throws base::ConfigError when casd cannot open the link for a ground station
-  void refuse_closed_station() const;
-  ChildProcess::Options options(const std::string& name, const std::string& program,
-                                const std::filesystem::path& config,
-                                const std::vector<std::string>& further) const;
 
   Supervisor& supervisor_;
   const RunPlaces& places_;
   const RunRequest& request_;
+  RunPrograms programs_;
   std::vector<ChildProcess*> emulators_;
-  ChildProcess* casd_ = nullptr;
-  ChildProcess* hilsim_ = nullptr;
-  FlightLogs logs_;
 };
 
 }  // namespace cas::hils

@@ -200,4 +200,8 @@ std::string ChildProcess::log_tail(std::size_t lines) const {
 
 std::filesystem::path own_program() { return std::filesystem::read_symlink(kSameProgram); }
 
+std::filesystem::path sibling_program(const std::string& name) {
+  return own_program().parent_path() / name;
+}
+
 }  // namespace cas::hils

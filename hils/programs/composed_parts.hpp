@@ -34,6 +34,8 @@ std::string below_out(const VehiclePlaces& places, const std::filesystem::path& 
 /// The plugin that writes truth.csv, and the samples of the sensors where the run keeps them.
 YAML::Node recorder_plugin(const RunRequest& request, const VehiclePlaces& places);
 
+/// Name of casd's link for RunRequest::station.
+inline constexpr const char* kStationLink = "hils_gcs";
 /// A link of casd that accepts packets of ground stations, and none in the name of a vehicle.
 YAML::Node ground_link(const RunRequest& request, const std::string& name,
                        const StationEndpoint& station);

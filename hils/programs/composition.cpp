@@ -107,7 +107,7 @@ YAML::Node casd_links(const RunRequest& request, const RunPlaces& places) {
     links.push_back(ground_link(request, kGroundLink, own));
   }
   if (request.station) {
-    links.push_back(ground_link(request, station_link(places), *request.station));
+    links.push_back(ground_link(request, kStationLink, *request.station));
   }
   return links;
 }
@@ -153,7 +153,7 @@ YAML::Node casd_routes(const RunRequest& request, const RunPlaces& places) {
     request.architecture == Architecture::kTs
         ? add_routes_without_filter(vehicle, ground, routes)
         : add_routes(vehicle, ground, declared_messages(request.scenario, i), routes);
-    if (request.station) add_ground_routes(vehicle, station_link(places), routes);
+    if (request.station) add_ground_routes(vehicle, kStationLink, routes);
   }
   return routes;
 }
@@ -237,10 +237,6 @@ YAML::Node simulated_vehicle(const RunRequest& request, std::size_t vehicle, Tra
 }
 
 }  // namespace
-
-std::string station_link(const RunPlaces& places) {
-  return places.ground_station_port == 0 ? kGroundLink : "gcs2";
-}
 
 std::string casd_config(const RunRequest& request, const RunPlaces& places) {
   YAML::Node root;

@@ -23,8 +23,6 @@ std::string simulator_config(const RunRequest& request, Transport transport,
 ///
 /// @param vehicle  whose, by its place in the scenario
 std::string fcu_config(const RunRequest& request, std::size_t vehicle = 0);
-/// Name of casd's link for RunRequest::station, beside that of the scenario's own ground station.
-std::string station_link(const RunPlaces& places);
 /// The topology of casd, as YAML text.
 std::string casd_config(const RunRequest& request, const RunPlaces& places);
 /// The serial line of a run: the scenario's with the request's preset; ideal without a line.

@@ -15,6 +15,7 @@
 
 #include "base/error.hpp"
 #include "hils/firmware/firmware_composition.hpp"
+#include "hils/programs/composed_parts.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/refusal.hpp"
@@ -420,7 +421,7 @@ base::ConfigNode topology_with_station(const test::TemporaryFolder& folder, cons
 TEST(FirmwareScenario, LetsAStationJoinWhereItsTopologyLetsOne) {
   const test::TemporaryFolder folder;
   const auto links = topology_with_station(folder, "px4_sitl.yaml").at("links").items();
-  EXPECT_EQ(links.back().require<std::string>("name"), kFirmwareStationLink);
+  EXPECT_EQ(links.back().require<std::string>("name"), kStationLink);
   EXPECT_EQ(links.back().require<std::string>("type"), "udp_server");
   std::string routes;
   for (const auto& route : topology_with_station(folder, "px4_hitl.yaml").at("routes").items()) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/programs/composition.hpp"
+#include "hils/programs/composed_parts.hpp"
 
 #include <gtest/gtest.h>
 
@@ -49,15 +50,15 @@ TEST_P(Composition, LetsNoGroundStationSpeakForVehicleOrSimulator) {
 
 TEST_P(Composition, GivesAStationThatJoinsALinkBesideTheScenariosOwn) {
   const casd::Topology two = topology("two_vehicles", "", "tcp_server:5761");
-  const casd::LinkConfig& joined = link(two, "gcs2");
+  const casd::LinkConfig& joined = link(two, kStationLink);
   EXPECT_EQ(joined.type, casd::LinkType::kTcpServer);
   EXPECT_EQ(joined.local, "127.0.0.1:5761");
   EXPECT_TRUE(joined.accept.ground_station);
   EXPECT_EQ(joined.accept.block_systems, (std::vector<std::uint8_t>{1, 2, 254}));
   std::vector<std::string> partners;
   for (const casd::RouteConfig& route : two.routes) {
-    if (route.from == "gcs2") partners.push_back("to " + route.to);
-    if (route.to == "gcs2") partners.push_back("from " + route.from);
+    if (route.from == kStationLink) partners.push_back("to " + route.to);
+    if (route.to == kStationLink) partners.push_back("from " + route.from);
   }
   EXPECT_EQ(partners, (std::vector<std::string>{"from fcu1", "to fcu1", "from fcu2", "to fcu2"}));
 }
@@ -91,7 +92,7 @@ TEST(CompositionOfAStation, LetsItInjectFailuresOnlyWhereItIsSaid) {
     const RunPlaces places = RunPlaces::of(request.scenario, folder.path(), folder.path());
     const auto topology =
         casd::Topology::parse(base::ConfigNode::parse(casd_config(request, places), "casd.yaml"));
-    EXPECT_EQ(link(topology, station_link(places)).inject_failures, may);
+    EXPECT_EQ(link(topology, kStationLink).inject_failures, may);
     EXPECT_FALSE(link(topology, "fcu").inject_failures);
     const base::ConfigNode simulator =
         base::ConfigNode::parse(simulator_config(request, Transport::kUdp, places), "hilsim.yaml");

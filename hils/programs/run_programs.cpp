@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/programs/run_programs.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "base/config/install_paths.hpp"
+#include "base/error.hpp"
+#include "base/rpc/client.hpp"
+#include "hils/programs/composed_parts.hpp"
+#include "hils/programs/watch_line.hpp"
+
+namespace cas::hils {
+
+RunPrograms::RunPrograms(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request,
+                         bool ledgers)
+    : supervisor_(supervisor),
+      places_(places),
+      request_(request),
+      ledgers_(ledgers),
+      logs_(places.flight_tlog(), places.run) {}
+
+void RunPrograms::start_casd() {
+  if (casd_ != nullptr) return;
+  std::vector<std::string> arguments{
+      sibling_program("casd"), places_.casd_config(), "--stats", places_.casd_stats(), "--name",
+      request_.scenario.name};
+  if (ledgers_) arguments.insert(arguments.end(), {"--ledger", places_.casd_ledger()});
+  casd_ = &supervisor_.start(options("casd", std::move(arguments)), Supervisor::kReadyTimeout);
+}
+
+void RunPrograms::start_first_casd() {
+  start_casd();
+  refuse_closed_station();
+  if (request_.announced) tell_how_to_watch(places_.command_port, request_.station);
+}
+
+void RunPrograms::kill_casd() {
+  if (casd_ == nullptr) return;
+  supervisor_.kill(*casd_);
+  casd_ = nullptr;
+  logs_.set_aside();
+}
+
+ChildProcess& RunPrograms::launch_hilsim(const std::vector<std::string>& further) {
+  std::vector<std::string> arguments{sibling_program("hilsim"),
+                                     places_.simulator_config(),
+                                     "--control",
+                                     places_.simulator_control(),
+                                     "--output",
+                                     places_.out,
+                                     "--stats",
+                                     places_.simulator_stats()};
+  for (const std::filesystem::path& folder : base::plugin_dirs()) {
+    arguments.insert(arguments.end(), {"--plugin-dir", folder});
+  }
+  arguments.insert(arguments.end(), further.begin(), further.end());
+  hilsim_ = &supervisor_.launch(options("hilsim", std::move(arguments)));
+  return *hilsim_;
+}
+
+void RunPrograms::refuse_closed_station() const {
+  if (!request_.station) return;
+  base::rpc::Client casd("unix:" + places_.command_port.string());
+  for (const base::rpc::Json& link : casd.call("link.list", base::rpc::Json::object())) {
+    if (link.value("name", "") != kStationLink || link.value("state", "") == "up") continue;
+    throw base::ConfigError(fmt::format(
+        "--gcs: {} cannot be opened; does another program have this port? {} has the reason",
+        request_.station->address, (places_.run / "casd.log").string()));
+  }
+}
+
+ChildProcess::Options RunPrograms::options(const std::string& name,
+                                           std::vector<std::string> arguments) const {
+  ChildProcess::Options options;
+  options.name = name;
+  options.arguments = std::move(arguments);
+  options.log_file = places_.run / (name + ".log");
+  options.notify_socket = places_.sockets / (name + ".notify");
+  return options;
+}
+
+}  // namespace cas::hils
