@@ -62,7 +62,7 @@ void add_run(Rows& table) {
       {{"real_time_factor", "real-time factor", "", 4, kUp, "simulated over elapsed time",
         pace(&PaceFigures::real_time_factor)},
        {"worst_stall_ms", "longest stall of the simulation", "ms", 1, kDown,
-        "largest lag of HIL_SENSOR behind its own stamps",
+        "most that HIL_SENSOR fell behind its own stamps within a second",
         where_streamed(pace(&PaceFigures::worst_stall_ms))},
        {"late_p99_ms", "HIL_SENSOR sent late, 99 %", "ms", 2, kDown,
         "lag of HIL_SENSOR behind its own stamps", where_streamed(pace(&PaceFigures::late_p99_ms))},

@@ -104,9 +104,11 @@ void check_machine(const Measurement& figures, Checks& checks) {
   add_machine(checks, bounded(figures, "real_time_factor", kLeastRealTimeFactor),
               fmt::format("the simulation ran at {:.3f} of real time, and {:.2f} is needed",
                           pace.real_time_factor, kLeastRealTimeFactor));
-  add_machine(checks, bounded(figures, "worst_stall_ms", kMostStallMs),
-              fmt::format("the simulation stood still for {:.0f} ms, and {:.0f} ms is the most",
-                          pace.worst_stall_ms, kMostStallMs));
+  add_machine(
+      checks, bounded(figures, "worst_stall_ms", kMostStallMs),
+      fmt::format(
+          "the simulation fell behind by {:.0f} ms within a second, and {:.0f} ms is the most",
+          pace.worst_stall_ms, kMostStallMs));
   const double most_ms = most_late_ms(figures);
   add_machine(checks, bounded(figures, "late_p99_ms", most_ms),
               fmt::format("1 % of HIL_SENSOR left {:.1f} ms late or later, and {:g} ms is the most",

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <deque>
 #include <limits>
 #include <string_view>
 
@@ -214,6 +215,27 @@ double silence_s(std::uint64_t gap_usec, double nominal_hz) {
   return gap_s > kJitter * period_s ? gap_s - period_s : 0;
 }
 
+/// A sent packet: its stamp, and how far its sending lay behind that.
+struct Lag {
+  std::uint64_t time_usec;
+  std::int64_t ns;
+};
+
+/// Most that the lag rose within a second of the stream: lag that is not made up counts once.
+std::int64_t largest_rise_ns(std::span<const Lag> lags) {
+  constexpr std::uint64_t kSpan_usec = 1'000'000;
+  std::int64_t largest = 0;
+  std::deque<Lag> least;  // of the last second: the first is the least, each after it is greater
+  for (const Lag& lag : lags) {
+    while (!least.empty() && least.front().time_usec + kSpan_usec < lag.time_usec)
+      least.pop_front();
+    if (!least.empty()) largest = std::max(largest, lag.ns - least.front().ns);
+    while (!least.empty() && least.back().ns >= lag.ns) least.pop_back();
+    least.push_back(lag);
+  }
+  return largest;
+}
+
 }  // namespace
 
 RateFigures account(std::span<const base::LedgerEntry> sender,
@@ -293,7 +315,7 @@ std::vector<std::int64_t> hop_delays_ns(std::span<const base::LedgerEntry> sende
 PaceFigures pace(std::span<const base::LedgerEntry> sender, std::uint32_t message_id,
                  StreamWindow window) {
   PaceFigures figures;
-  std::vector<std::int64_t> lags;
+  std::vector<Lag> lags;
   const base::LedgerEntry* first = nullptr;
   const base::LedgerEntry* last = nullptr;
   for (const base::LedgerEntry& entry : sender) {
@@ -301,17 +323,17 @@ PaceFigures pace(std::span<const base::LedgerEntry> sender, std::uint32_t messag
     if (!window.holds(entry.time_usec)) continue;
     if (first == nullptr) first = &entry;
     last = &entry;
-    const std::int64_t lag = entry.at_ns - static_cast<std::int64_t>(entry.time_usec) * 1000;
-    lags.push_back(lag);
+    lags.push_back(
+        {entry.time_usec, entry.at_ns - static_cast<std::int64_t>(entry.time_usec) * 1000});
   }
   if (first == nullptr || last->at_ns <= first->at_ns) return figures;
   figures.real_time_factor = static_cast<double>(last->time_usec - first->time_usec) * 1000.0 /
                              static_cast<double>(last->at_ns - first->at_ns);
-  const std::int64_t least_lag = *std::ranges::min_element(lags);
-  for (std::int64_t& lag : lags) lag -= least_lag;
-  const DelayFigures behind = summarise(std::move(lags));
-  figures.worst_stall_ms = 1e-3 * behind.max;
-  figures.late_p99_ms = 1e-3 * behind.p99;
+  const std::int64_t least = std::ranges::min(lags, {}, &Lag::ns).ns;
+  std::vector<std::int64_t> behind_ns;
+  for (const Lag& lag : lags) behind_ns.push_back(lag.ns - least);
+  figures.worst_stall_ms = 1e-6 * static_cast<double>(largest_rise_ns(lags));
+  figures.late_p99_ms = 1e-3 * summarise(std::move(behind_ns)).p99;
   return figures;
 }
 

@@ -298,7 +298,7 @@ const MissCase kStarved[] = {
      [](Measurement& m) { m.pace.real_time_factor = std::numeric_limits<double>::quiet_NaN(); },
      "the simulation ran at nan of real time"},
     {"Stall", [](Measurement& m) { m.pace.worst_stall_ms = 51; },
-     "the simulation stood still for 51 ms, and 50 ms is the most"},
+     "the simulation fell behind by 51 ms within a second, and 50 ms is the most"},
     {"LateSteps", [](Measurement& m) { m.pace.late_p99_ms = 2.2; },
      "1 % of HIL_SENSOR left 2.2 ms late or later, and 2 ms is the most"},
     {"SlowController",

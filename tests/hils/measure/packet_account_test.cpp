@@ -174,6 +174,15 @@ TEST(Pace, ShowsAStallThatWasCaughtUp) {
   EXPECT_DOUBLE_EQ(figures.worst_stall_ms, 50.0);
 }
 
+TEST(Pace, CountsLagThatIsNeverMadeUpOnceOnly) {
+  auto out = sensor_stream(4);
+  for (LedgerEntry& entry : out) {  // 30 ms are given up at 1.5 s, and again at 2.6 s
+    if (entry.time_usec >= 1'500'000) entry.at_ns += 30 * kMs;
+    if (entry.time_usec >= 2'600'000) entry.at_ns += 30 * kMs;
+  }
+  EXPECT_DOUBLE_EQ(pace(out, kSensor, kOneToThree).worst_stall_ms, 30.0);
+}
+
 // Hop by hop.
 
 constexpr StreamWindow kWindow{.begin_usec = 1, .end_usec = 100};
