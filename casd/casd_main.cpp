@@ -228,7 +228,7 @@ int run(const Flags& flags) {
     }
     return base::kExitOk;
   }
-  if (topology.lock_memory) base::lock_memory();
+  if (topology.runs_in_real_time()) base::lock_memory();
   const base::CpuLatencyRequest latency(topology.cpu_dma_latency_us);
   App app({.topology_file = place,
            .ledger_file = flags.ledger,

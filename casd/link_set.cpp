@@ -43,7 +43,7 @@ std::unique_ptr<Link> make_link(LinkContext context) {
 LinkSet::LinkSet(Topology topology, RetryTimes retry)
     : retry_(retry),
       topology_(std::move(topology)),
-      switchboard_(make_plan(topology_, slots_in_order(topology_)), topology_.route_lifetime),
+      switchboard_(make_plan(topology_, slots_in_order(topology_))),
       local_(std::make_shared<LocalEndpoint>(switchboard_, topology_.self)) {
   commit(prepare(topology_, {}));
 }

@@ -9,8 +9,8 @@
 
 namespace cas::base {
 
-/// The keys of a list whose value is not the default, each with its value, "queue.hil_kib 64";
-/// those of blocks by their path. Keys that their owner reads (ReadApart) are left out.
+/// The keys of a list whose value is not the default, each with its value, "queue.hil_max_age_ms
+/// 64"; those of blocks by their path. Keys that their owner reads (ReadApart) are left out.
 /// @param standard  a struct as it is before it is read
 template <class Keys, class Struct>
 void add_changed_keys(const Keys& keys, const Struct& given, const Struct& standard,

@@ -26,7 +26,7 @@ namespace cas::base {
 
 /// A key as a reference shows it.
 struct KeyRow {
-  std::string key;                     ///< path from the struct: "queue.hil_kib"
+  std::string key;                     ///< path from the struct: "queue.hil_max_age_ms"
   std::string standard;                ///< its default; empty for a key that must be given
   std::string values;                  ///< "0.1 to 60000"; empty: any text
   std::string help;                    ///< its meaning

@@ -45,9 +45,8 @@ std::size_t DeliveryBatch::deliver(const PortTable& ports, base::RunTime now) {
   return lost;
 }
 
-Switchboard::Switchboard(std::shared_ptr<const RoutingPlan> plan, base::Duration route_lifetime)
-    : router_(std::move(plan), mav::public_table(), route_lifetime),
-      ports_(std::make_shared<PortTable>()) {}
+Switchboard::Switchboard(std::shared_ptr<const RoutingPlan> plan)
+    : router_(std::move(plan), mav::public_table()), ports_(std::make_shared<PortTable>()) {}
 
 void Switchboard::set_ports(std::shared_ptr<const PortTable> ports) {
   const base::MutexLock lock(mutex_);

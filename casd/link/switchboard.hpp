@@ -48,7 +48,7 @@ class DeliveryBatch {
 /// What all links share: the router that decides, the ports that take packets, the log.
 class Switchboard {
  public:
-  explicit Switchboard(std::shared_ptr<const RoutingPlan> plan, base::Duration route_lifetime);
+  explicit Switchboard(std::shared_ptr<const RoutingPlan> plan);
 
   Router& router() { return router_; }
   TlogWriter& tlog() { return tlog_; }

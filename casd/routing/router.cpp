@@ -12,11 +12,10 @@ std::string_view to_string(Route::Decision decision) {
   return decision == Route::Decision::kForward ? "forwarded" : to_string(cause_of(decision));
 }
 
-Router::Router(std::shared_ptr<const RoutingPlan> plan, const mav::MessageTable& table,
-               base::Duration route_lifetime)
+Router::Router(std::shared_ptr<const RoutingPlan> plan, const mav::MessageTable& table)
     : table_(table),
-      routes_{RouteTable(route_lifetime), RouteTable(route_lifetime), RouteTable(route_lifetime),
-              RouteTable(route_lifetime)},
+      routes_{RouteTable(kRouteLifetime), RouteTable(kRouteLifetime), RouteTable(kRouteLifetime),
+              RouteTable(kRouteLifetime)},
       plan_(std::move(plan)) {}
 
 /// Word by word, as many as the plan's links fill: 63 links cost one.

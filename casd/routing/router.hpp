@@ -94,8 +94,7 @@ class Router {
   static constexpr base::Duration kDuplicateWindow = std::chrono::milliseconds(500);
   static constexpr int kMaxGroups = kMaxLinks;
 
-  Router(std::shared_ptr<const RoutingPlan> plan, const mav::MessageTable& table,
-         base::Duration route_lifetime = kRouteLifetime);
+  Router(std::shared_ptr<const RoutingPlan> plan, const mav::MessageTable& table);
 
   /// @param from_peer  which peer of a server link sent it
   Route on_packet(LinkId from, const mav::PacketView& packet, base::RunTime now,

@@ -7,6 +7,7 @@
 
 #include "base/config/changed_keys.hpp"
 #include "base/config/config_keys.hpp"
+#include "base/config/removed_keys.hpp"
 #include "base/os/host_port.hpp"
 #include "base/os/runtime_folder.hpp"
 #include "base/os/thread_keys.hpp"
@@ -138,7 +139,6 @@ void check_signing(const ConfigNode& node, const SigningConfig& signing) {
 // `queue`
 
 constexpr Range kAge_ms{0.1, 60'000, 1e-3};
-constexpr Range kMemory_kib{1, 65536, 1024};
 
 constexpr std::tuple kQueueKeys{
     key<&TxQueueOptions::hil_max_age>("hil_max_age_ms", kAge_ms, "how long HIL packets wait"),
@@ -148,12 +148,13 @@ constexpr std::tuple kQueueKeys{
         "how long setpoints wait; 500 ms is the time after which PX4 takes sticks for lost"),
     key<&TxQueueOptions::telemetry_max_age>("telemetry_max_age_ms", kAge_ms,
                                             "how long telemetry waits"),
-    key<&TxQueueOptions::command_bytes>("command_kib", kMemory_kib,
-                                        "memory for commands and parameters"),
-    key<&TxQueueOptions::hil_bytes>("hil_kib", kMemory_kib, "memory for HIL packets"),
-    key<&TxQueueOptions::gps_bytes>("gps_kib", kMemory_kib, "memory for HIL_GPS"),
-    key<&TxQueueOptions::telemetry_bytes>("telemetry_kib", kMemory_kib, "memory for telemetry"),
 };
+
+void refuse_memory(const ConfigNode& node, const TxQueueOptions& /*queue*/) {
+  constexpr const char* kNow = "each class of packets has memory of a fixed size";
+  base::refuse_removed(
+      node, {{"command_kib", kNow}, {"hil_kib", kNow}, {"gps_kib", kNow}, {"telemetry_kib", kNow}});
+}
 
 // `accept`
 
@@ -300,8 +301,8 @@ constexpr std::tuple kCommonKeys{
         "at all; see below"),
     key<&LinkConfig::signing>("signing", block<SigningConfig>(kSigningKeys, check_signing),
                               "MAVLink 2 signing of this link; see below"),
-    key<&LinkConfig::queue>("queue", block<TxQueueOptions>(kQueueKeys),
-                            "how long packets are worth sending, and their memory; see below"),
+    key<&LinkConfig::queue>("queue", block<TxQueueOptions>(kQueueKeys, refuse_memory),
+                            "how long packets are worth sending; see below"),
     key<&LinkConfig::scheduling>("scheduling", block<base::ThreadOptions>(base::kThreadKeys),
                                  "of the link's thread, instead of the topology's; with `threads: "
                                  "auto` the link gets a thread of its own; without effect with "

@@ -100,7 +100,7 @@ std::string words_of_rates(const std::vector<unsigned>& baud);
 /// One entry of `links`. @throws base::ConfigError
 LinkConfig parse_link(const base::ConfigNode& node);
 
-/// The keys of a link whose value is not the default, "queue.hil_kib 64".
+/// The keys of a link whose value is not the default, "queue.hil_max_age_ms 64".
 std::vector<std::string> changed_keys(const LinkConfig& link);
 
 /// Keys of a link of that type, those of every link left out; without a type those of every link.

@@ -10,6 +10,7 @@
 #include "base/config/changed_keys.hpp"
 #include "base/config/config_keys.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/config/removed_keys.hpp"
 #include "base/os/cpu_latency.hpp"
 #include "base/os/thread_keys.hpp"
 #include "casd/tlog/tlog_name.hpp"
@@ -237,15 +238,11 @@ constexpr std::tuple kRestartKeys{
         "seek_core", Flag{},
         "a link thread of 100 to 5000 packets a second tries its processors and stays on the one "
         "where a packet costs least ([operations.md](operations.md#real-time))"),
-    key<&Topology::lock_memory>("lock_memory", Flag{}, "keeps casd's memory from being paged out"),
     key<&Topology::cpu_dma_latency_us>(
         "cpu_dma_latency_us", Whole{0, base::CpuLatencyRequest::kLongest_us},
         "longest time that an idle processor may take to wake while casd runs; 0: the lightest "
         "idle state there is, on x86 it polls, which costs power "
         "([operations.md](operations.md#real-time))"),
-    key<&Topology::route_lifetime>("route_lifetime_s", Range{1, 86400},
-                                   "a system that was silent for longer is no target any more; "
-                                   "one that sends HIGH_LATENCY2 not before 200 s"),
     key<&Topology::command_port>(
         "command_port", block<CommandPortConfig>(kCommandPortKeys, check_command_port), ""),
     key<&Topology::metrics>("metrics", block<MetricsConfig>(kMetricsKeys),
@@ -343,6 +340,11 @@ Topology Topology::parse(const std::vector<base::ConfigNode>& files) {
     if (const int schema = file.require<int>("schema"); schema != kSchema) {
       file.at("schema").fail("schema " + std::to_string(schema) + " is not 1");
     }
+    base::refuse_removed(
+        file, {{"lock_memory", "memory is locked where `scheduling` has a fifo_priority"},
+               {"route_lifetime_s",
+                "a system is no target any more after 60 s of silence, one that sends "
+                "HIGH_LATENCY2 after 200 s"}});
   }
   const base::ConfigNode root = overlaid(files);
   Topology topology = standard_topology();
@@ -354,6 +356,13 @@ Topology Topology::parse(const std::vector<base::ConfigNode>& files) {
   if (topology.pace == Pace::kLockstep) topology.set_lockstep();
   root.reject_unused();
   return topology;
+}
+
+bool Topology::runs_in_real_time() const {
+  const auto has_priority = [](const LinkConfig& link) {
+    return link.scheduling.fifo_priority.has_value();
+  };
+  return scheduling.fifo_priority || std::ranges::any_of(links, has_priority);
 }
 
 void Topology::set_lockstep() {

@@ -74,12 +74,10 @@ struct Topology {
   ThreadModel threads = ThreadModel::kAuto;
   base::Duration drain_tick = LineDrain::kDefaultTick;  ///< threads: blocking
   Pace pace = Pace::kRealtime;
-  base::ThreadOptions scheduling;  ///< of all link threads, unless a link has its own
-  bool seek_core = true;           ///< CoreSeeker
-  bool lock_memory = false;
+  base::ThreadOptions scheduling;         ///< of all link threads, unless a link has its own
+  bool seek_core = true;                  ///< CoreSeeker
   std::optional<int> cpu_dma_latency_us;  ///< base::CpuLatencyRequest
-  base::Duration route_lifetime = Router::kRouteLifetime;
-  base::Duration duplicate_window{};  ///< RoutingPlan::duplicate_window
+  base::Duration duplicate_window{};      ///< RoutingPlan::duplicate_window
   CommandPortConfig command_port;
   std::optional<MetricsConfig> metrics;  ///< nothing: no HTTP port
   CommandingConfig commanding;
@@ -99,6 +97,8 @@ struct Topology {
   /// Puts `pace` to lockstep. Its lines are not paced and nothing in a queue grows old: simulated
   /// time stands still meanwhile.
   void set_lockstep();
+  /// Whether a thread of the links has a real-time priority: casd's memory is locked, too.
+  bool runs_in_real_time() const;
 
   friend bool operator==(const Topology&, const Topology&) = default;
 };

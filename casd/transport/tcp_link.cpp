@@ -236,7 +236,7 @@ SlotMask TcpFanOut::wanted_by(const PacketInfo& info) const {
 
 TcpServerLink::TcpServerLink(LinkContext context)
     : core_(std::move(context)),
-      fan_out_(std::make_shared<TcpFanOut>(core_.id(), Router::kRouteLifetime)),
+      fan_out_(std::make_shared<TcpFanOut>(core_.id())),
       buffer_(kReadBytes) {}
 
 TcpServerLink::~TcpServerLink() {

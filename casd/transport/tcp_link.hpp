@@ -15,6 +15,7 @@
 #include "casd/link/log_thinning.hpp"
 #include "casd/link/tx_port.hpp"
 #include "casd/routing/route_table.hpp"
+#include "casd/routing/router.hpp"
 #include "casd/transport/socket_address.hpp"
 
 namespace cas::casd {
@@ -62,7 +63,7 @@ class TcpLink final : public Link {
 /// is shared by all who write and only keeps the table of clients from changing meanwhile.
 class TcpFanOut final : public PacketPort {
  public:
-  TcpFanOut(LinkId own, base::Duration route_lifetime) : own_(own), routes_(route_lifetime) {}
+  explicit TcpFanOut(LinkId own) : own_(own), routes_(Router::kRouteLifetime) {}
 
   void deliver(std::span<const PacketRef> packets, base::RunTime now) override;
 

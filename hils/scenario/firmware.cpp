@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/config/install_paths.hpp"
+#include "base/config/removed_keys.hpp"
 #include "base/error.hpp"
 #include "base/suggestion.hpp"
 #include "hils/flight/phase_check.hpp"
@@ -110,10 +111,9 @@ Firmware parse_firmware(const base::ConfigNode& node) {
     }
   }
   firmware.on_serial_line = node.get("on_serial_line", false);
-  if (const auto removed = node.find("instances")) {
-    removed->fail(
-        "is no key: each vehicle of the world has an instance; or name them in `vehicles`");
-  }
+  base::refuse_removed(
+      node,
+      {{"instances", "each vehicle of the world has an instance; or name them in `vehicles`"}});
   return firmware;
 }
 

@@ -83,7 +83,7 @@ VirtualRelay::VirtualRelay(const casd::Topology& topology, WakeUp wake_up)
               topology.threads == casd::ThreadModel::kAuto),
       wake_up_(wake_up),
       slots_(casd::slots_in_order(topology)),
-      switchboard_(casd::make_plan(topology, slots_), topology.route_lifetime),
+      switchboard_(casd::make_plan(topology, slots_)),
       local_(std::make_shared<casd::LocalEndpoint>(switchboard_, topology.self)),
       commander_(casd::commander_options(topology),
                  [this](std::span<const std::uint8_t> packet, std::span<const casd::Path> to) {

@@ -183,7 +183,7 @@ int run(const Flags& flags) {
   const auto control = base::bind_command_port(
       [&] { return std::make_unique<sim::ControlServer>(loop, flags.control); });
   runner.start();
-  if (pace.lock_memory) base::lock_memory();
+  if (pace.thread.fifo_priority) base::lock_memory();
   const base::CpuLatencyRequest latency(pace.cpu_dma_latency_us);
   base::configure_this_thread("hilsim",
                               pace.thread);        // of the main thread: the name of the process

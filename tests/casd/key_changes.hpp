@@ -26,10 +26,10 @@ struct KeyChange {
   }
 };
 
-/// "queue.hil_kib" -> "9".
+/// "queue.hil_max_age_ms" -> "9".
 using Keys = std::map<std::string, std::string>;
 
-/// The keys as one entry of a list, "{name: a, queue: {hil_kib: 9}}", or as lines.
+/// The keys as one entry of a list, "{name: a, queue: {hil_max_age_ms: 9}}", or as lines.
 inline std::string yaml_of(const Keys& keys, bool lines = false) {
   std::map<std::string, std::string> values;
   std::map<std::string, Keys> blocks;

@@ -11,6 +11,7 @@
 #include "base/config/geodetic_keys.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/config/key_table.hpp"
+#include "base/config/removed_keys.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/earth/wmm2025.hpp"
 #include "base/os/cpu_latency.hpp"
@@ -88,12 +89,15 @@ constexpr std::tuple kPacingKeys{
                                        "longest wait for the controls that are due"),
     key<&PaceConfig::thread>("thread", block<base::ThreadOptions>(base::kThreadKeys),
                              "of the simulation"),
-    key<&PaceConfig::lock_memory>("lock_memory", base::Flag{},
-                                  "keeps hilsim's memory from being paged out"),
     key<&PaceConfig::cpu_dma_latency_us>("cpu_dma_latency_us",
                                          base::Whole{0, base::CpuLatencyRequest::kLongest_us},
                                          "as casd's; none: no limit on idle states"),
 };
+
+void refuse_lock_memory(const ConfigNode& node, const PaceConfig& /*pace*/) {
+  base::refuse_removed(node,
+                       {{"lock_memory", "memory is locked where `thread` has a fifo_priority"}});
+}
 
 constexpr Range kFieldYears{base::wmm2025::kEpochYear, base::wmm2025::kLastYear};
 constexpr auto kPlaceKeys = base::geodetic_keys(-1000, 10'000);
@@ -123,7 +127,7 @@ constexpr std::tuple kKeys{
     key<&SimConfig::pace, &PaceConfig::speed>(
         "speed", Range{1e-3, 1e3},
         "simulated seconds per second; without the key, lockstep runs as fast as it can"),
-    key<&SimConfig::pace>("pacing", block<PaceConfig>(kPacingKeys), ""),
+    key<&SimConfig::pace>("pacing", block<PaceConfig>(kPacingKeys, refuse_lock_memory), ""),
     key<&SimConfig::seed>("seed", base::Count{}, "seed of all random numbers"),
     key<&SimConfig::integrator>("integrator", kIntegrators, "of free flight"),
     required(key<&SimConfig::vehicles>("vehicles", ReadApart{"list"}, "see below")),

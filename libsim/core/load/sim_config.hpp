@@ -40,8 +40,7 @@ struct PaceConfig {
   /// Wall clock that a late wake-up may make up for at once, in a burst.
   base::Duration largest_burst = std::chrono::milliseconds(10);
   base::Duration lockstep_timeout = std::chrono::seconds(1);
-  base::ThreadOptions thread{};  ///< of the simulation thread
-  bool lock_memory = false;
+  base::ThreadOptions thread{};             ///< of the simulation thread
   std::optional<int> cpu_dma_latency_us{};  ///< base::CpuLatencyRequest
 };
 

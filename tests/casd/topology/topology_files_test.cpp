@@ -23,7 +23,7 @@ const std::string kBase =
     "system_id: 200\n"
     "command_port: {port: 1, address: '::1'}\n"
     "links:\n"
-    "  - {name: fcu, type: serial, device: /dev/a, baud: 57600, queue: {hil_kib: 9}}\n"
+    "  - {name: fcu, type: serial, device: /dev/a, baud: 57600, queue: {hil_max_age_ms: 9}}\n"
     "  - {name: gcs, type: udp_server, local: '127.0.0.1:1', accept: nothing}\n"
     "routes:\n"
     "  - {from: fcu, to: gcs, block: [HEARTBEAT]}\n"
@@ -57,7 +57,7 @@ TEST_F(TopologyFiles, LaterFilesOverrideKeysOfBlocksAndLinksInTheOrderOfTheirNam
   overlay("20-b.yaml", "system_id: 202\nlinks: [{name: fcu, baud: [57600, 921600]}]\n");
   overlay("10-a.yaml",
           "system_id: 201\ncommand_port: {port: 2}\n"
-          "links: [{name: fcu, device: /dev/b, queue: {gps_kib: 8}}]\n");
+          "links: [{name: fcu, device: /dev/b, queue: {gps_max_age_ms: 8}}]\n");
   const Topology topology = load();
   EXPECT_EQ(topology.self.system, 202);
   EXPECT_EQ(topology.command_port.port, 2);
@@ -66,8 +66,8 @@ TEST_F(TopologyFiles, LaterFilesOverrideKeysOfBlocksAndLinksInTheOrderOfTheirNam
   const LinkConfig& fcu = topology.links[0];
   EXPECT_EQ(fcu.device, "/dev/b");
   EXPECT_EQ(fcu.baud, (std::vector<unsigned>{57600, 921600}));
-  EXPECT_EQ(fcu.queue.hil_bytes, 9U * 1024);
-  EXPECT_EQ(fcu.queue.gps_bytes, 8U * 1024);
+  EXPECT_EQ(fcu.queue.hil_max_age, std::chrono::milliseconds(9));
+  EXPECT_EQ(fcu.queue.gps_max_age, std::chrono::milliseconds(8));
   EXPECT_TRUE(topology.links[1].accept.read_only);
 }
 

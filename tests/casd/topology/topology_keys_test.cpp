@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "casd/topology/topology.hpp"
 #include "tests/casd/key_changes.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 // Each key that casd reads, taken from the lists that it reads them by.
@@ -80,8 +81,30 @@ TEST_F(TopologyKeys, TakeARestartOrAreInForce) {
 TEST_F(TopologyKeys, AreRefusedOutsideOfTheirBounds) {
   EXPECT_THROW(with_lines("system_id: 0\n"), base::ConfigError);
   EXPECT_THROW(with_lines("cpu_dma_latency_us: 10001\n"), base::ConfigError);
-  EXPECT_THROW(with_link("{name: x, type: udp, local: 'h:1', queue: {hil_kib: 0.5}}"),
+  EXPECT_THROW(with_link("{name: x, type: udp, local: 'h:1', queue: {hil_max_age_ms: 0.05}}"),
                base::ConfigError);
+}
+
+// A key of earlier days is not a misspelt one.
+TEST_F(TopologyKeys, ThatAreGoneAreNamedWithWhatHoldsWithoutThem) {
+  const auto expect = [](const std::string& refusal, const std::string& sentence) {
+    EXPECT_NE(refusal.find(sentence), std::string::npos) << refusal;
+  };
+  const std::string link = "{name: x, type: udp, local: '127.0.0.1:0', queue: {gps_kib: 8}}";
+  expect(cas::test::refusal([&] { with_lines("lock_memory: true\n"); }),
+         "lock_memory: is no longer a key: memory is locked where");
+  expect(cas::test::refusal([&] { with_lines("route_lifetime_s: 60\n"); }),
+         "route_lifetime_s: is no longer a key: a system is no target");
+  expect(cas::test::refusal([&] { with_link(link); }),
+         "links[0].queue.gps_kib: is no longer a key");
+}
+
+TEST_F(TopologyKeys, OfAPriorityMeanRealTime) {
+  EXPECT_FALSE(with_lines("").runs_in_real_time());
+  EXPECT_TRUE(with_lines("scheduling: {fifo_priority: 20}\n").runs_in_real_time());
+  EXPECT_TRUE(
+      with_link("{name: x, type: udp, local: '127.0.0.1:0', scheduling: {fifo_priority: 1}}")
+          .runs_in_real_time());
 }
 
 }  // namespace

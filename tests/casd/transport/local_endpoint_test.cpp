@@ -62,7 +62,7 @@ class LocalEndpointTest : public testing::Test {
     return listener.heard.size();
   }
 
-  Switchboard switchboard_{std::make_shared<RoutingPlan>(), std::chrono::seconds(60)};
+  Switchboard switchboard_{std::make_shared<RoutingPlan>()};
   LocalEndpoint endpoint_{switchboard_, kSelf};
 };
 

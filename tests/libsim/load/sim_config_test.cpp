@@ -29,7 +29,6 @@ pacing:
   max_lag_ms: 40
   lockstep_timeout_ms: 300
   thread: {fifo_priority: 20, cpus: [1]}
-  lock_memory: true
   cpu_dma_latency_us: 50
 vehicles:
   - name: a
@@ -45,7 +44,6 @@ vehicles:
   EXPECT_EQ(config.pace.max_lag, 40ms);
   EXPECT_EQ(config.pace.lockstep_timeout, 300ms);
   EXPECT_EQ(config.pace.thread.fifo_priority, 20);
-  EXPECT_TRUE(config.pace.lock_memory);
   EXPECT_EQ(config.pace.cpu_dma_latency_us, 50);
   EXPECT_EQ(config.seed, 77u);
   EXPECT_EQ(config.integrator, Integrator::kOde);
