@@ -115,17 +115,22 @@ CompanionFlight::Answer CompanionFlight::begin_trajectory(const FlightStep& step
   return answer;
 }
 
-/// Back to the middle, and there in HOLD (ArduCopter: GUIDED). Setpoints come until it is accepted:
-/// PX4 would take their end for a lost companion.
+/// Back to the middle, and there in HOLD (ArduCopter: GUIDED). PX4 gets setpoints until it accepts:
+/// it would take their end for a lost companion. ArduCopter obeys whatever came last, so they end
+/// first: one that a busy machine delays must not undo the next command.
 CompanionFlight::Answer CompanionFlight::end_trajectory(const Vehicle& vehicle) {
+  const auto stop = [this] {
+    link_.with_station([](auto& station) { station.setpoints().stop(); });
+  };
   link_.with_station(
       [&](auto& station) { station.setpoints().hover(vehicle.hover_N, vehicle.yaw_rad); });
+  if (is_ardupilot(vehicle)) stop();
   call_("vehicle.goto", consenting({{"north_m", vehicle.hover_N.x()},
                                     {"east_m", vehicle.hover_N.y()},
                                     {"down_m", vehicle.hover_N.z()},
                                     {"yaw_deg", vehicle.yaw_rad * base::kDegPerRad}},
                                    vehicle));
-  link_.with_station([](auto& station) { station.setpoints().stop(); });
+  stop();
   return {};
 }
 
