@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "hils/compare/comparison_table.hpp"
@@ -34,12 +35,39 @@ OrderedJson mean_json(const std::optional<Mean>& mean) {
   return {{"mean", mean->mean}, {"half_width_95", mean->half_width}, {"runs", mean->count}};
 }
 
+OrderedJson number_json(const std::optional<double>& value) {
+  return value ? OrderedJson(*value) : OrderedJson(nullptr);
+}
+
 /// By the keys of the figures. @param mean_of  takes a FigureColumn
 template <class MeanOf>
 OrderedJson figures_json(const MeanOf& mean_of) {
   OrderedJson figures = OrderedJson::object();
   for (const Figure<Measurement>& row : figure_table()) figures[row.key] = mean_json(mean_of(&row));
   return figures;
+}
+
+/// To the steps of the reference, by the keys of response_table().
+OrderedJson responses_json(const Measurement& run) {
+  OrderedJson responses = OrderedJson::array();
+  for (const StepResponse& response : run.responses) {
+    OrderedJson json{{"step", response.name}};
+    for (const Figure<StepResponse>& figure : response_table()) {
+      json[figure.key] = number_json(figure.get(response));
+    }
+    responses.push_back(std::move(json));
+  }
+  return responses;
+}
+
+/// Null: no fault struck.
+OrderedJson strike_json(const Measurement& run) {
+  if (!run.strike) return nullptr;
+  return {{"fault", run.strike->fault},
+          {"detected_s", number_json(run.strike->detected_s)},
+          {"reacted_s", number_json(run.strike->reacted_s)},
+          {"hold_farthest_m", number_json(run.strike->hold_farthest_m)},
+          {"hold_tilt_deg", number_json(run.strike->hold_tilt_deg)}};
 }
 
 OrderedJson variant_json(const VariantResult& result) {
@@ -55,7 +83,9 @@ OrderedJson variant_json(const VariantResult& result) {
   for (std::size_t i = 0; i < result.runs.size(); ++i) {
     runs.push_back({{"seed", result.runs[i].seed},
                     {"valid", result.verdicts[i].valid},
-                    {"failures", result.verdicts[i].failures}});
+                    {"failures", result.verdicts[i].failures},
+                    {"responses", responses_json(result.runs[i])},
+                    {"strike", strike_json(result.runs[i])}});
   }
   json["runs"] = std::move(runs);
   return json;
@@ -160,76 +190,151 @@ std::optional<Mean> mean_of_runs(
   return values.empty() ? std::nullopt : std::optional(mean_of(values));
 }
 
-/// How each took the first fault of its scenario.
-void add_strikes(const std::vector<VariantResult>& results, Document& page) {
-  struct Column {
+/// A figure of the side-by-side table.
+struct SideBySide {
+  std::string title;
+  int digits;
+  std::function<std::optional<double>(const Measurement&)> get;
+};
+
+/// Of the same measurements as the groups of the page, those that a vehicle is chosen by.
+std::vector<SideBySide> stream_and_hold() {
+  struct Choice {
+    const char* key;
+    const char* title;
+  };
+  static constexpr std::array<Choice, 14> kChoices{
+      {{"real_time_factor", "pace"},
+       {"sensor_hz", "HIL_SENSOR, Hz"},
+       {"gps_hz", "HIL_GPS, Hz"},
+       {"controls_hz", "controls, Hz"},
+       {"sensor_delivered_pct", "HIL_SENSOR delivered, %"},
+       {"controls_delivered_pct", "controls delivered, %"},
+       {"sensor_to_control_p50_us", "HIL_SENSOR to control, p50, us"},
+       {"sensor_to_control_p99_us", "HIL_SENSOR to control, p99, us"},
+       {"rms_x_m", "hold: RMS north, m"},
+       {"rms_y_m", "hold: RMS east, m"},
+       {"rms_z_m", "hold: RMS height, m"},
+       {"rms_yaw_rad", "hold: RMS yaw, rad"},
+       {"peak_error_m", "hold: farthest, m"},
+       {"rotor_activity_rad_s2", "hold: rotor activity, rad/s2"}}};
+  std::vector<SideBySide> rows;
+  for (const auto& [key, title] : kChoices) {
+    const Figure<Measurement>& figure = figure_row(key);
+    rows.push_back({title, figure.digits, [&figure](const Measurement& run) {
+                      const bool of_machine = figure.part == Figure<Measurement>::Part::kRun;
+                      return of_machine && run.virtual_clock ? std::nullopt : figure.get(run);
+                    }});
+  }
+  return rows;
+}
+
+/// What stock firmware sent its ground station: its own HIL stream is on no packet account when it
+/// waits for each packet.
+std::vector<SideBySide> telemetry() {
+  const auto rate = [](std::string message) {
+    return [message](const Measurement& run) -> std::optional<double> {
+      if (!run.firmware || !run.firmware->rates_hz.contains(message)) return std::nullopt;
+      return run.firmware->rates_hz.at(message);
+    };
+  };
+  return {{"telemetry: ATTITUDE, Hz", 2, rate("ATTITUDE")},
+          {"telemetry: packets missed by their numbers", 0,
+           [](const Measurement& run) -> std::optional<double> {
+             if (!run.firmware) return std::nullopt;
+             return static_cast<double>(run.firmware->lost);
+           }}};
+}
+
+/// How a vehicle took the first fault of its scenario.
+std::vector<SideBySide> reaction(const std::string& fault) {
+  struct Part {
     const char* title;
     std::optional<double> (*get)(const StrikeResponse&);
   };
-  static constexpr std::array<Column, 4> kColumns{
-      {{"noticed after s", [](const StrikeResponse& s) { return s.detected_s; }},
-       {"reacted after s", [](const StrikeResponse& s) { return s.reacted_s; }},
-       {"farthest m", [](const StrikeResponse& s) { return std::optional(s.farthest_m); }},
-       {"largest tilt deg",
-        [](const StrikeResponse& s) { return std::optional(s.peak_tilt_deg); }}}};
-  Rows rows{{"", "fault"}};
-  for (const Column& column : kColumns) rows.front().push_back(column.title);
-  for (const VariantResult& result : results) {
-    const auto struck = std::ranges::find_if(
-        result.runs, [](const Measurement& run) { return run.strike.has_value(); });
-    if (struck == result.runs.end()) continue;
-    Row row{result.variant.name(), struck->strike->fault};
-    for (const Column& column : kColumns) {
-      row.push_back(to_text(mean_of_runs(result,
-                                         [&column](const Measurement& run) {
-                                           return run.strike ? column.get(*run.strike)
-                                                             : std::nullopt;
-                                         }),
-                            2));
-    }
-    rows.push_back(std::move(row));
+  static constexpr std::array<Part, 4> kParts{
+      {{"noticed after, s", [](const StrikeResponse& s) { return s.detected_s; }},
+       {"reacted after, s", [](const StrikeResponse& s) { return s.reacted_s; }},
+       {"in the hold: farthest from where it struck, m",
+        [](const StrikeResponse& s) { return s.hold_farthest_m; }},
+       {"in the hold: largest tilt, deg",
+        [](const StrikeResponse& s) { return s.hold_tilt_deg; }}}};
+  std::vector<SideBySide> rows;
+  for (const auto& [title, get] : kParts) {
+    rows.push_back({fault + ": " + title, 2, [fault, get](const Measurement& run) {
+                      return run.strike && run.strike->fault == fault ? get(*run.strike)
+                                                                      : std::nullopt;
+                    }});
   }
-  if (rows.size() > 1) page.table("Reaction to the first fault", std::move(rows));
+  return rows;
 }
 
-/// How each followed the steps of its reference.
-void add_responses(const std::vector<VariantResult>& results, Document& page) {
-  Rows rows{{"", "step"}};
-  for (const Figure<StepResponse>& row : response_table()) {
-    rows.front().push_back(fmt::format("{}, {}", row.title, row.unit));
+/// How a vehicle followed one step of its reference.
+std::vector<SideBySide> response(const std::string& step) {
+  std::vector<SideBySide> rows;
+  for (const Figure<StepResponse>& figure : response_table()) {
+    rows.push_back({fmt::format("{}: {}, {}", step, figure.title, figure.unit), figure.digits,
+                    [step, &figure](const Measurement& run) -> std::optional<double> {
+                      const auto found =
+                          std::ranges::find(run.responses, step, &StepResponse::name);
+                      return found == run.responses.end() ? std::nullopt : figure.get(*found);
+                    }});
   }
+  return rows;
+}
+
+/// Names of faults or steps, each once, in the order in which they come.
+template <class NamesOf>
+std::vector<std::string> names_in(const std::vector<VariantResult>& results,
+                                  const NamesOf& names_of) {
+  std::vector<std::string> names;
   for (const VariantResult& result : results) {
-    if (result.runs.empty()) continue;
-    for (const StepResponse& first : result.runs.front().responses) {
-      Row row{result.variant.name(), first.name};
-      for (const Figure<StepResponse>& figure : response_table()) {
-        const auto value_of = [&](const Measurement& run) -> std::optional<double> {
-          const auto found = std::ranges::find(run.responses, first.name, &StepResponse::name);
-          return found == run.responses.end() ? std::nullopt : figure.get(*found);
-        };
-        row.push_back(to_text(mean_of_runs(result, value_of), figure.digits));
+    for (const Measurement& run : result.runs) {
+      for (const std::string& name : names_of(run)) {
+        if (std::ranges::find(names, name) == names.end()) names.push_back(name);
       }
-      rows.push_back(std::move(row));
     }
   }
-  if (rows.size() > 1) page.table("Responses to steps of the reference", std::move(rows));
+  return names;
 }
 
-/// What differs from controller to controller: reactions and pace.
-void add_behaviour(const std::vector<VariantResult>& results, Document& page) {
-  add_responses(results, page);
-  add_strikes(results, page);
-  Rows rows{{"", "controller", "pace"}};
+std::vector<SideBySide> side_by_side(const std::vector<VariantResult>& results) {
+  std::vector<SideBySide> rows = stream_and_hold();
+  const auto append = [&rows](std::vector<SideBySide> more) {
+    std::ranges::move(more, std::back_inserter(rows));
+  };
+  append(telemetry());
+  const auto faults = names_in(results, [](const Measurement& run) {
+    return run.strike ? std::vector{run.strike->fault} : std::vector<std::string>{};
+  });
+  for (const std::string& fault : faults) append(reaction(fault));
+  const auto steps = names_in(results, [](const Measurement& run) {
+    std::vector<std::string> names;
+    for (const StepResponse& each : run.responses) names.push_back(each.name);
+    return names;
+  });
+  for (const std::string& step : steps) append(response(step));
+  return rows;
+}
+
+/// Several scenarios in one table: a column for each, a row for each figure that one of them has.
+void add_side_by_side(const std::vector<VariantResult>& results, Document& page) {
+  Rows rows{{""}, {"controller"}};
   for (const VariantResult& result : results) {
-    if (result.runs.empty()) continue;
-    rows.push_back({result.variant.name(), how_it_ran(result.runs.front()),
-                    to_text(mean_of_runs(result,
-                                         [](const Measurement& run) {
-                                           return std::optional(run.pace.real_time_factor);
-                                         }),
-                            2)});
+    rows[0].push_back(result.variant.name());
+    rows[1].push_back(result.runs.empty() ? "-" : how_it_ran(result.runs.front()));
   }
-  page.table("Who flew", std::move(rows), {}, Align::kLeft);
+  for (const SideBySide& figure : side_by_side(results)) {
+    Row row{figure.title};
+    bool is_known = false;
+    for (const VariantResult& result : results) {
+      const auto mean = mean_of_runs(result, figure.get);
+      is_known |= mean.has_value();
+      row.push_back(to_text(mean, figure.digits));
+    }
+    if (is_known) rows.push_back(std::move(row));
+  }
+  page.table("Side by side: mean and 95 % interval of the valid runs", std::move(rows));
 }
 
 }  // namespace
@@ -249,6 +354,7 @@ Document comparison_report(const ComparisonPlan& plan, const std::vector<Variant
   page.add(Document::Verdict{all_valid ? Mood::kGood : Mood::kNeutral,
                              all_valid ? "All runs valid" : "Not all runs valid",
                              comparison_headline(plan), std::move(remarks)});
+  if (plan.has_several()) add_side_by_side(results, page);
   for (const ColumnGroup& group : comparison_groups()) {
     if (!has_figures(group, results)) continue;
     Rows rows = group_rows(group, results);
@@ -256,7 +362,6 @@ Document comparison_report(const ComparisonPlan& plan, const std::vector<Variant
     looks.resize(rows.size() - 1, Look::kQuiet);
     page.table(group.title, std::move(rows), std::move(looks));
   }
-  if (plan.has_several()) add_behaviour(results, page);
   page.table("Lost packets, by cause, of all valid runs", loss_rows(results));
   const Rows pairs = difference_rows(results);
   if (pairs.size() > 1) {

@@ -176,7 +176,9 @@ Rows loss_rows(const std::vector<VariantResult>& results) {
   for (const VariantResult& result : results) {
     const std::uint64_t sent = sent_of(result);
     const auto losses = losses_of(result);
-    if (losses.empty()) {
+    if (sent == 0) {  // firmware in software, which waits for each packet, or no valid run
+      rows.push_back({result.variant.name(), "-", "-", "not counted"});
+    } else if (losses.empty()) {
       rows.push_back({result.variant.name(), "0", fmt::format("{}", sent), ""});
     }
     for (const auto& [cause, count] : losses) {

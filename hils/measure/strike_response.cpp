@@ -161,6 +161,10 @@ class PlannedPath {
   double slack_m_ = 0;  ///< trajectories fly about their place
 };
 
+bool keeps_place(const Stage& stage) {
+  return stage.step.kind == StepKind::kHold || stage.step.kind == StepKind::kWaitUntil;
+}
+
 bool is_crash(IncidentKind kind) { return kind != IncidentKind::kGround; }
 bool is_impact(IncidentKind kind) {
   return kind == IncidentKind::kCrash || kind == IncidentKind::kStrike;
@@ -192,9 +196,7 @@ class PlannedPlace {
     });
     if (next == stages_.begin()) return path_.distance_m(p);
     const Stage& stage = *std::prev(next);
-    const bool holds =
-        stage.step.kind == StepKind::kHold || stage.step.kind == StepKind::kWaitUntil;
-    if (!holds || landed_before(next)) return path_.distance_m(p);
+    if (!keeps_place(stage) || landed_before(next)) return path_.distance_m(p);
     return std::max(0.0, (p - stage.reference_m).norm() - path_.slack_m());
   }
 
@@ -269,6 +271,24 @@ Contact look_at_motion(const StrikeEvidence& evidence, StrikeResponse& response)
   response.crashed |= -last.v_m_s[2] > kCrashSpeed_m_s;
   response.rest_m = (end - place(after.front(), start)).head<2>().norm();
   return contact;
+}
+
+/// A fault that a vehicle withstands shows in the hold that it struck: steps that follow move and
+/// tilt the vehicle by themselves.
+void look_at_hold(const StrikeEvidence& evidence, StrikeResponse& response) {
+  const auto struck = std::ranges::find_if(evidence.stages, [&](const Stage& stage) {
+    return keeps_place(stage) && base::to_seconds(stage.begin) <= evidence.strike_s &&
+           evidence.strike_s < base::to_seconds(stage.end);
+  });
+  if (struck == evidence.stages.end()) return;
+  const auto hold = between(evidence.truth, microseconds(evidence.strike_s),
+                            static_cast<std::int64_t>(base::to_time_usec(struck->end)));
+  if (!std::ranges::all_of(hold, is_finite)) return;
+  for (const PoseSample& sample : hold) {
+    response.hold_farthest_m =
+        std::max(response.hold_farthest_m.value_or(0), place(sample, hold.front()).norm());
+    response.hold_tilt_deg = std::max(response.hold_tilt_deg.value_or(0), tilt_deg(sample.pose));
+  }
 }
 
 /// Whether the vehicle is in the air at a moment.
@@ -370,6 +390,7 @@ StrikeResponse strike_response(const StrikeEvidence& evidence) {
   response.no_verdict = why_no_verdict(evidence);
   response.tried_to_arm = tried_to_arm(evidence);
   const Contact contact = look_at_motion(evidence, response);
+  look_at_hold(evidence, response);
   const double until_s =
       std::min({contact.impact_s, evidence.end_s ? *evidence.end_s + kHeartbeat_s : kNever_s,
                 flight_end_s(evidence)});

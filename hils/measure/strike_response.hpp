@@ -48,6 +48,9 @@ struct StrikeResponse {
   /// infinite when its true motion was no number.
   double farthest_m = 0;
   double peak_tilt_deg = 0;  ///< before it hit or touched something
+  /// The same two in the hold that was under way, from where it was struck; nullopt: no hold was.
+  std::optional<double> hold_farthest_m{};
+  std::optional<double> hold_tilt_deg{};
 };
 
 /// Armed or disarmed, by its HEARTBEATs.

@@ -99,6 +99,39 @@ TEST(Comparison, HasEachFigureUnderItsKeyInJson) {
   EXPECT_TRUE(figures.at("rms_x_m").is_null());
 }
 
+/// A run of one scenario among several.
+VariantResult run_of(const std::string& scenario, double tilt_deg) {
+  VariantResult result{.variant = {.scenario_name = scenario}};
+  Measurement& run = result.runs.emplace_back();
+  run.strike = {.fault = "gust", .peak_tilt_deg = 40, .hold_tilt_deg = tilt_deg};
+  run.responses = {{.name = "step", .size = 4, .rise_s = 1.25}};
+  result.verdicts.emplace_back().valid = true;
+  return result;
+}
+
+TEST(Comparison, OfSeveralScenariosHasOneTableWithAColumnForEach) {
+  ComparisonPlan plan;
+  plan.scenarios.resize(2);
+  plan.seeds = {1};
+  std::vector<VariantResult> results{run_of("ours", 17), run_of("stock", 12)};
+  results.back().runs.front().firmware = {.autopilot = "PX4", .version = "1.16.0", .lost = 22};
+  results.back().runs.front().streamed = false;
+  const std::string page = write_markdown(comparison_report(plan, results));
+  EXPECT_NE(page.find("| controller | TCAS | stock PX4 v1.16.0 in software |"), std::string::npos)
+      << page;
+  EXPECT_NE(page.find("| gust: in the hold: largest tilt, deg | 17.00 | 12.00 |"),
+            std::string::npos)
+      << page;
+  EXPECT_NE(page.find("| step: rise time, s | 1.25 | 1.25 |"), std::string::npos) << page;
+  EXPECT_NE(page.find("| telemetry: packets missed by their numbers | - | 22 |"), std::string::npos)
+      << page;
+  EXPECT_NE(page.find("| stock | - | - | not counted |"), std::string::npos) << page;
+  const auto json = nlohmann::json::parse(comparison_json(plan, results));
+  const auto& run = json.at("variants").at(1).at("runs").at(0);
+  EXPECT_EQ(run.at("strike").at("hold_tilt_deg"), 12);
+  EXPECT_EQ(run.at("responses").at(0).at("rise_s"), 1.25);
+}
+
 TEST(Comparison, EndsWithThreeWhereAVariantHasNoRunThatCounts) {
   VariantResult good;
   good.verdicts = {{.valid = false, .passed = false, .failures = {"the machine was too busy"}},

@@ -110,6 +110,32 @@ TEST_F(Struck, IsMeasuredFromTheLinesBetweenThePlacesOfThePlan) {
   EXPECT_NEAR(got.peak_tilt_deg, std::acos(std::cos(0.5) * std::cos(0.5)) * 180 / M_PI, 1e-9);
 }
 
+TEST_F(Struck, OfAHoldIsMeasuredByItselfWhateverTheNextStepDoes) {
+  steps_.clear();
+  stages_.clear();
+  add(StepKind::kTakeoff, 1, 5).altitude_m = 10;
+  add(StepKind::kHold, 5, 15);
+  add(StepKind::kTrajectory, 15, 20).trajectory.size_m = 4;
+  const StrikeResponse got = response(
+      [](double t, PoseSample& sample) {
+        const bool moves_off = t > 11 && t < 12;
+        sample.pose.x_m = t > 16 ? 4 : moves_off ? 0.3 * std::sin((t - 11) * M_PI) : 0;
+        sample.pose.z_m = 10;
+        sample.pose.pitch_rad = t > 16 ? 0.6 : moves_off ? 0.2 : 0;
+      },
+      20);
+  ASSERT_TRUE(got.hold_farthest_m && got.hold_tilt_deg);
+  EXPECT_NEAR(*got.hold_farthest_m, 0.3, 1e-3);
+  EXPECT_NEAR(*got.hold_tilt_deg, 0.2 * 180 / M_PI, 1e-9);
+  EXPECT_NEAR(got.peak_tilt_deg, 0.6 * 180 / M_PI, 1e-9);
+}
+
+TEST_F(Struck, InNoHoldHasNoFiguresOfAHold) {
+  const StrikeResponse got = response([](double, PoseSample&) {});
+  EXPECT_FALSE(got.hold_farthest_m);
+  EXPECT_FALSE(got.hold_tilt_deg);
+}
+
 TEST_F(Struck, WhatCameBeforeTheStrikeDoesNotCount) {
   const StrikeResponse got = response(
       [](double t, PoseSample& sample) {
