@@ -11,6 +11,7 @@
 #include "hils/compare/comparison_table.hpp"
 #include "hils/measure/figure_table.hpp"
 #include "hils/report/experiment.hpp"
+#include "hils/report/flight_warnings.hpp"
 
 namespace cas::hils {
 
@@ -42,6 +43,12 @@ OrderedJson figures_json(const MeanOf& mean_of) {
   return figures;
 }
 
+FlightWarnings warnings_of(const VariantResult& result) {
+  FlightWarnings warnings;
+  for (const Verdict& verdict : result.verdicts) warnings.add(verdict.warnings);
+  return warnings;
+}
+
 OrderedJson variant_json(const VariantResult& result) {
   OrderedJson json{{"name", result.variant.name()},
                    {"architecture", to_string(result.variant.architecture)},
@@ -58,6 +65,7 @@ OrderedJson variant_json(const VariantResult& result) {
                     {"failures", result.verdicts[i].failures}});
   }
   json["runs"] = std::move(runs);
+  json["warnings"] = warnings_json<OrderedJson>(warnings_of(result));
   return json;
 }
 
@@ -244,6 +252,9 @@ Document comparison_report(const ComparisonPlan& plan, const std::vector<Variant
   bool all_valid = true;
   for (const VariantResult& result : results) {
     remarks.push_back(result.variant.name() + ": " + validity_words(result));
+    for (const std::string& sentence : warnings_of(result).sentences()) {
+      remarks.push_back(result.variant.name() + ": " + sentence);
+    }
     for (const Verdict& verdict : result.verdicts) all_valid = all_valid && verdict.valid;
   }
   page.add(Document::Verdict{all_valid ? Mood::kGood : Mood::kNeutral,
