@@ -72,10 +72,6 @@ std::optional<bool> ModelBuilder::add(const XmlElement& element, const std::stri
                          .position_R_m = position_R_m,
                          .axis_R = fixed ? std::nullopt : joint.axis_R});
   if (inertial) add_mass(name, *inertial, X_RL);
-  for (const XmlElement& part : element.children) {
-    if (part.name != "inertial" || !inertial || &part == inertial->element) continue;
-    warn(part, "link '" + name + "': a second <inertial> is left out");
-  }
   return body_.links.back().axis_R.has_value();
 }
 

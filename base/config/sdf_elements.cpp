@@ -3,30 +3,21 @@
 
 #include <algorithm>
 #include <array>
-#include <set>
 #include <string_view>
 
-#include "base/number_text.hpp"
+#include "base/config/unread_elements.hpp"
 #include "base/text.hpp"
 
 namespace cas::base {
 namespace {
 
-/// What may be in an element, by names with a blank between them.
-struct Known {
-  std::string_view element;
-  std::string_view single;
-  std::string_view many;
-  std::string_view attributes;
-};
-
 /// SDF 1.2 to 1.12, as far as it describes a body.
-constexpr std::array<Known, 15> kKnown{{
+constexpr std::array<KnownElement, 15> kSdfElements{{
     {"model", "static self_collide allow_auto_disable enable_wind pose",
      "frame link joint plugin gripper include model", "name canonical_link placement_frame"},
     {"include", "uri name static pose placement_frame", "plugin", "merge"},
-    {"link", "pose gravity enable_wind self_collide kinematic must_be_base_link",
-     "inertial collision visual sensor projector audio_sink audio_source battery light "
+    {"link", "pose gravity enable_wind self_collide kinematic must_be_base_link inertial",
+     "collision visual sensor projector audio_sink audio_source battery light "
      "particle_emitter velocity_decay frame plugin",
      "name"},
     {"inertial", "mass pose inertia density fluid_added_mass", "frame", "auto"},
@@ -47,21 +38,6 @@ constexpr std::array<Known, 15> kKnown{{
     {"xyz", "", "", "expressed_in"},
 }};
 
-bool has_word(std::string_view names, std::string_view name) {
-  for (std::string_view word = next_word(names); !word.empty(); word = next_word(names)) {
-    if (word == name) return true;
-  }
-  return false;
-}
-
-/// Another program's, or of the XML itself.
-bool is_foreign(std::string_view name) { return name.find(':') != name.npos || name == "xmlns"; }
-
-std::string named(const XmlElement& element) {
-  const std::string_view name = element.attribute("name");
-  return "<" + element.name + (name.empty() ? "" : " name='" + std::string(name) + "'") + ">";
-}
-
 /// Whether a plugin of Gazebo pushes or turns a body, apart from its rotors.
 bool acts_on_body(const XmlElement& plugin) {
   constexpr std::array<std::string_view, 8> kNames{"liftdrag",  "lift-drag",   "lift_drag",
@@ -77,37 +53,19 @@ class Check {
  public:
   explicit Check(ModelBuilder& builder) : builder_(builder) {}
 
-  void run(const XmlElement& element) {
-    const auto known = std::ranges::find(kKnown, element.name, &Known::element);
-    if (known == kKnown.end()) return;
-    for (const auto& [key, value] : element.attributes) {
-      if (is_foreign(key) || has_word(known->attributes, key)) continue;
-      builder_.warn(element, named(element) + ": '" + key + "' is left out: no such attribute");
-    }
-    std::set<std::string_view> met;
-    for (const XmlElement& child : element.children) {
-      const bool single = has_word(known->single, child.name);
-      if (child.name == "experimental:params") {
-        child.fail("parameters of an <include> are not read; write them into the included model");
-      } else if (is_foreign(child.name)) {
-        continue;
-      } else if (!single && !has_word(known->many, child.name)) {
-        leave_out(child, element, "no such element");
-      } else if (single && !met.insert(child.name).second) {
-        leave_out(child, element, "it is a second one");
-      }
-      look_at(child);
-      if (child.name != "model") run(child);
-    }
+  void run(const XmlElement& model) {
+    warn_of_unread(model, kSdfElements, builder_, [this](const XmlElement& element) {
+      look_at(element);
+      return element.name != "model";
+    });
   }
 
  private:
-  void leave_out(const XmlElement& child, const XmlElement& parent, const char* why) {
-    builder_.warn(child, "<" + child.name + "> in " + named(parent) + " is left out: " + why);
-  }
-
   void look_at(const XmlElement& element) {
-    const std::string who = named(element);
+    if (element.name == "experimental:params") {
+      element.fail("parameters of an <include> are not read; write them into the included model");
+    }
+    const std::string who = tag_of(element);
     if (element.name == "plugin" && acts_on_body(element)) {
       builder_.warn(element, who + " acts on the model in Gazebo, and is left out here");
     }
@@ -137,6 +95,8 @@ class Check {
 
 }  // namespace
 
-void warn_of_unread(const XmlElement& model, ModelBuilder& builder) { Check(builder).run(model); }
+void check_sdf_elements(const XmlElement& model, ModelBuilder& builder) {
+  Check(builder).run(model);
+}
 
 }  // namespace cas::base

@@ -6,11 +6,10 @@
 
 namespace cas::base {
 
-/// Warns of what a vehicle's <model> holds and nobody reads: elements and attributes that SDF does
-/// not know, second ones of which the first counts, and what acts on a vehicle in Gazebo alone.
-/// Models in it are left to calls of their own; visuals, sensors and the contents of plugins do not
-/// count.
+/// Warns of what a vehicle's <model> holds and nobody reads (unread_elements.hpp), and of what acts
+/// on a vehicle in Gazebo alone. Models in it are left to calls of their own; visuals, sensors and
+/// the contents of plugins do not count.
 /// @throws ConfigError for parameters of an <include>, which would make another model of it
-void warn_of_unread(const XmlElement& model, ModelBuilder& builder);
+void check_sdf_elements(const XmlElement& model, ModelBuilder& builder);
 
 }  // namespace cas::base

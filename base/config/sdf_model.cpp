@@ -185,7 +185,7 @@ class Sdf {
   /// Frames and joints of a model and of those in it.
   void place(const SdfScope& scope, const Eigen::Isometry3d& X_RM) {
     frames_[&scope] = X_RM;
-    warn_of_unread(scope.model(), builder_);
+    check_sdf_elements(scope.model(), builder_);
     joints_.add(scope, builder_);
     for (const XmlElement& frame : scope.model().children) {
       const std::string_view name = frame.attribute("name");

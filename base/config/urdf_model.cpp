@@ -6,7 +6,7 @@
 
 #include "base/config/model_builder.hpp"
 #include "base/config/model_motors.hpp"
-#include "base/config/urdf_unread.hpp"
+#include "base/config/unread_elements.hpp"
 #include "base/error.hpp"
 
 namespace cas::base {
@@ -15,9 +15,28 @@ namespace {
 constexpr std::array<std::string_view, 6> kJointTypes{"revolute", "continuous", "prismatic",
                                                       "fixed",    "floating",   "planar"};
 
-/// Elements of a <link> that give it neither mass nor shape.
-constexpr std::array<std::string_view, 6> kWithoutBody{
-    "contact", "sensor", "gazebo", "material", "self_collision_checking", "audio_source"};
+constexpr std::array<KnownElement, 15> kUrdfElements{
+    {{"link", "inertial",
+      "collision visual contact sensor gazebo material self_collision_checking audio_source",
+      "name type"},
+     {"inertial", "origin mass inertia", "", "name"},
+     {"collision", "origin geometry material verbose contact_coefficients", "",
+      "name group concave"},
+     {"visual", "origin geometry material", "", "name"},
+     {"joint",
+      "origin parent child axis limit dynamics mimic calibration safety_controller "
+      "joint_properties",
+      "", "name type"},
+     {"origin", "", "", "xyz rpy"},
+     {"axis", "", "", "xyz rpy"},
+     {"parent", "", "", "link"},
+     {"child", "", "", "link"},
+     {"mass", "", "", "value"},
+     {"inertia", "", "", "ixx ixy ixz iyy iyz izz"},
+     {"box", "", "", "size"},
+     {"sphere", "", "", "radius"},
+     {"cylinder", "", "", "radius length"},
+     {"mesh", "", "", "filename scale"}}};
 
 /// Elements of a <robot>; those but for links and joints say nothing about its body.
 constexpr std::array<std::string_view, 12> kOfRobot{
@@ -113,7 +132,7 @@ class Urdf {
       if (std::ranges::find(kJointTypes, joint.type) == kJointTypes.end()) {
         element.fail("joint " + in_quotes(name) + " has the unknown type " + in_quotes(joint.type));
       }
-      warn_of_unread_urdf(element, "joint " + in_quotes(name), builder_);
+      warn_of_unread(element, kUrdfElements, builder_);
       if (!carried_.insert(joint.child).second) {
         element.fail("link " + in_quotes(joint.child) + " is the child of two joints");
       }
@@ -173,16 +192,11 @@ class Urdf {
     const auto turns = builder_.add(link, std::string(link.attribute("name")), X_RL,
                                     joint_of(joint, X_RL), X_RL.translation(), inertial_of(link));
     if (!turns) return;
-    const std::string who = "link " + in_quotes(link.attribute("name"));
+    warn_of_unread(link, kUrdfElements, builder_);
     for (const XmlElement& part : link.children) {
-      if (part.name == "collision" || part.name == "visual") {
-        builder_.add_shape(part, FormValues::kAttributes, file_, *turns,
-                           [&] { return X_RL * origin_of(part); });
-      } else if (part.name != "inertial" &&
-                 std::ranges::find(kWithoutBody, part.name) == kWithoutBody.end()) {
-        builder_.warn(part, who + ": <" + part.name + "> is left out: no URDF has it in a <link>");
-      }
-      warn_of_unread_urdf(part, who, builder_);
+      if (part.name != "collision" && part.name != "visual") continue;
+      builder_.add_shape(part, FormValues::kAttributes, file_, *turns,
+                         [&] { return X_RL * origin_of(part); });
     }
   }
 
@@ -191,7 +205,7 @@ class Urdf {
     for (const XmlElement& part : robot_.children) {
       if (std::ranges::find(kOfRobot, part.name) != kOfRobot.end()) continue;
       if (part.name.starts_with("drake:")) continue;
-      builder_.warn(part, "<" + part.name + "> of <robot> is left out: no URDF has it there");
+      builder_.warn(part, "<" + part.name + "> in <robot> is left out: no such element");
     }
   }
 

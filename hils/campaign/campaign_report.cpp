@@ -104,6 +104,7 @@ std::vector<std::string> remarks(const CampaignMatrix& matrix) {
         "row {}: another flight when it was flown again; its replay does not show what was judged",
         row));
   }
+  std::ranges::copy(matrix.warnings.sentences(), std::back_inserter(sentences));
   return sentences;
 }
 
@@ -278,6 +279,7 @@ std::string campaign_junit(const CampaignMatrix& matrix) {
   }
   for (const std::string& name : matrix.campaign.left_out) skip(name, "left out by --only");
   if (!matrix.stopped.empty()) suite.add("board", Outcome::kError, matrix.stopped);
+  for (const std::string& sentence : matrix.warnings.sentences()) suite.say(sentence);
   return suite.report();
 }
 
@@ -293,6 +295,7 @@ std::string campaign_json(const CampaignMatrix& matrix) {
                    {"stopped", matrix.stopped},
                    {"without_failure", matrix.without_failure},
                    {"flown_otherwise", matrix.flown_otherwise},
+                   {"warnings", warnings_json<OrderedJson>(matrix.warnings)},
                    {"cells", OrderedJson::array()}};
   for (const CampaignFailure* failure : not_flown(matrix)) {
     json["not_flown"].push_back(failure->name);

@@ -112,6 +112,7 @@ double CellResult::peak_tilt_deg() const {
 
 CampaignMatrix CampaignMatrix::of(Campaign campaign, const std::vector<RowResult>& results) {
   CampaignMatrix matrix{.campaign = std::move(campaign), .cells = {}};
+  matrix.warnings = warnings_of(results);
   const std::vector<CampaignCell> cells = cells_of(matrix.campaign);
   const std::vector<std::uint64_t>& seeds = matrix.campaign.seeds;
   const auto result_of = [&results](std::size_t row) {

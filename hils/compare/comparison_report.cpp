@@ -12,6 +12,7 @@
 #include "hils/compare/comparison_table.hpp"
 #include "hils/measure/figure_table.hpp"
 #include "hils/report/experiment.hpp"
+#include "hils/report/flight_warnings.hpp"
 
 namespace cas::hils {
 
@@ -70,6 +71,12 @@ OrderedJson strike_json(const Measurement& run) {
           {"hold_tilt_deg", number_json(run.strike->hold_tilt_deg)}};
 }
 
+FlightWarnings warnings_of(const VariantResult& result) {
+  FlightWarnings warnings;
+  for (const Verdict& verdict : result.verdicts) warnings.add(verdict.warnings);
+  return warnings;
+}
+
 OrderedJson variant_json(const VariantResult& result) {
   OrderedJson json{{"name", result.variant.name()},
                    {"architecture", to_string(result.variant.architecture)},
@@ -88,6 +95,7 @@ OrderedJson variant_json(const VariantResult& result) {
                     {"strike", strike_json(result.runs[i])}});
   }
   json["runs"] = std::move(runs);
+  json["warnings"] = warnings_json<OrderedJson>(warnings_of(result));
   return json;
 }
 
@@ -349,6 +357,9 @@ Document comparison_report(const ComparisonPlan& plan, const std::vector<Variant
   bool all_valid = true;
   for (const VariantResult& result : results) {
     remarks.push_back(result.variant.name() + ": " + validity_words(result));
+    for (const std::string& sentence : warnings_of(result).sentences()) {
+      remarks.push_back(result.variant.name() + ": " + sentence);
+    }
     for (const Verdict& verdict : result.verdicts) all_valid = all_valid && verdict.valid;
   }
   page.add(Document::Verdict{all_valid ? Mood::kGood : Mood::kNeutral,

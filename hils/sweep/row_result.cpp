@@ -14,6 +14,7 @@
 #include "hils/measure/figure_table.hpp"
 #include "hils/measure/strike_fields.hpp"
 #include "hils/sweep/run_table.hpp"
+#include "hils/sweep/sweep_folder.hpp"
 
 namespace cas::hils {
 
@@ -160,7 +161,18 @@ RowResult row_of(const Scenario& scenario, const RunResult& run) {
   }
   result.figures = collect(scenario, &run).values;
   result.strike = run.vehicles.front().figures.strike;
+  for (const std::string& warning : run.verdict.warnings) {
+    result.warnings.push_back(one_line(without_folder(warning, scenario.file.parent_path())));
+  }
   return result;
+}
+
+FlightWarnings warnings_of(const std::vector<RowResult>& results) {
+  FlightWarnings warnings;
+  for (const RowResult& result : results) {
+    if (result.row != 0) warnings.add(result.warnings);
+  }
+  return warnings;
 }
 
 RowResult row_without_figures(RowOutcome outcome, std::string cause) {
@@ -189,6 +201,7 @@ std::string journal_line(const RowResult& result) {
   if (!result.run_sha256.empty()) json["run_sha256"] = result.run_sha256;
   if (!result.key.empty()) json["key"] = result.key;
   if (result.strike) json["strike"] = strike_json(*result.strike);
+  if (!result.warnings.empty()) json["warnings"] = result.warnings;
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
@@ -216,6 +229,7 @@ std::optional<RowResult> parse_journal_line(std::string_view line) {
     result.run_sha256 = json.value("run_sha256", "");
     result.key = json.value("key", "");
     if (json.contains("strike")) result.strike = parse_strike(json.at("strike"));
+    result.warnings = json.value("warnings", result.warnings);
     return result;
   } catch (const nlohmann::json::exception&) {
     return std::nullopt;

@@ -10,6 +10,7 @@
 #include "base/enum_words.hpp"
 #include "hils/measure/run_result.hpp"
 #include "hils/measure/strike_response.hpp"
+#include "hils/report/flight_warnings.hpp"
 #include "hils/scenario/scenario.hpp"
 
 namespace cas::hils {
@@ -56,6 +57,7 @@ struct RowResult {
   MachineFigures machine{};
   std::string key{};                       ///< identifies the flight where no table of runs does
   std::optional<StrikeResponse> strike{};  ///< of the first vehicle, where a fault struck
+  std::vector<std::string> warnings{};     ///< as Verdict::warnings, of all vehicles
 };
 
 /// Names of the figures, the same for every run of a study: first those of the run, then those of
@@ -71,8 +73,12 @@ enum RunFigure : std::size_t {
   kRunFigures,       ///< how many: those of the vehicles begin here
 };
 
-/// Outcome, cause, incident and figures of a flight; the rest of the row is not set.
+/// Outcome, cause, incident, warnings and figures of a flight; the rest of the row is not set. The
+/// folder of the scenario, which is another for each row, is left out of the warnings.
 RowResult row_of(const Scenario& scenario, const RunResult& run);
+
+/// Warnings of the rows that have been flown.
+FlightWarnings warnings_of(const std::vector<RowResult>& results);
 
 /// A row of a run that gave no figures.
 RowResult row_without_figures(RowOutcome outcome, std::string cause);

@@ -56,7 +56,7 @@ std::vector<ShareCheck> check_shares(const std::vector<ShareLimit>& limits,
 }
 
 std::string sweep_junit(const std::string& name, const SweepCounts& counts,
-                        const std::vector<ShareCheck>& checks) {
+                        const std::vector<ShareCheck>& checks, const FlightWarnings& warnings) {
   using Outcome = JunitSuite::Outcome;
   JunitSuite suite("hils.sweep." + name);
   const bool all_flown = counts.flown >= counts.rows;
@@ -72,6 +72,7 @@ std::string sweep_junit(const std::string& name, const SweepCounts& counts,
                                  : Outcome::kError,
               check.kept ? "" : check.sentence());
   }
+  for (const std::string& sentence : warnings.sentences()) suite.say(sentence);
   return suite.report();
 }
 

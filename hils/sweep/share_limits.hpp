@@ -37,6 +37,6 @@ std::vector<ShareCheck> check_shares(const std::vector<ShareLimit>& limits,
 
 /// JUnit XML: a case for each limit, and one that fails when runs are missing.
 std::string sweep_junit(const std::string& name, const SweepCounts& counts,
-                        const std::vector<ShareCheck>& checks);
+                        const std::vector<ShareCheck>& checks, const FlightWarnings& warnings);
 
 }  // namespace cas::hils

@@ -99,6 +99,7 @@ void print_row(const SweepFolder& sweep, std::size_t number) {
   } else {
     fmt::print("Outcome: {}{}\n", to_string(result.outcome),
                result.cause.empty() ? "" : ": " + result.cause);
+    for (const std::string& warning : result.warnings) fmt::print("  warning: {}\n", warning);
     for (std::size_t i = 0; i < std::min(result.figures.size(), sweep.figures.size()); ++i) {
       if (std::isfinite(result.figures[i])) {
         fmt::print("  {} = {}\n", sweep.figures[i], result.figures[i]);
@@ -136,7 +137,8 @@ int collect_sweep(const fs::path& folder, const Flags& flags) {
   base::write_result({folder, "machine.csv"}, view.sweep.machine_csv_of(view.results),
                      base::Durability::kDisk);
   write_sqlite(view, folder / "sweep.sqlite");
-  base::write_result({folder, "junit.xml"}, sweep_junit(view.sweep.study.name, counts, checks),
+  base::write_result({folder, "junit.xml"},
+                     sweep_junit(view.sweep.study.name, counts, checks, warnings_of(view.results)),
                      base::Durability::kDisk);
   page.flown_again = fly_again(
       view.sweep,

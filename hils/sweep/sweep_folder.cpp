@@ -115,6 +115,7 @@ void write_plan(const SweepFolder& sweep, const std::string& study) {
 }  // namespace
 
 std::string without_folder(std::string text, const fs::path& folder) {
+  if (folder.empty()) return text;
   const std::string prefix = folder.string() + "/";
   for (std::size_t at = text.find(prefix); at != std::string::npos; at = text.find(prefix)) {
     text.erase(at, prefix.size());

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <optional>
 
@@ -339,6 +340,7 @@ Document::Verdict verdict_of(const SweepView& view, const SweepCounts& counts,
   if (counts.judged < counts.flown) {
     sentences.push_back(fmt::format("{} runs have no verdict", counts.flown - counts.judged));
   }
+  std::ranges::copy(warnings_of(view.results).sentences(), std::back_inserter(sentences));
   return {!kept                       ? Mood::kBad
           : missing || checks.empty() ? Mood::kNeutral
                                       : Mood::kGood,

@@ -92,6 +92,7 @@ std::string eval_answer(const EvalRequest& request, const RowResult& result,
   json["up"] = is_judged(result.outcome) ? figure(kUpFigure) : OrderedJson(nullptr);
   json["cause"] = result.cause;
   json["incident"] = result.incident;
+  json["warnings"] = result.warnings;
   json["seed"] = request.seed;
   json["figures"] = OrderedJson::object();
   for (std::size_t i = 0; i < figures.size(); ++i) json["figures"][figures[i]] = figure(i);

@@ -175,6 +175,12 @@ std::vector<RowResult> TuneFlights::fly(const std::vector<TuneFlight>& flights) 
   return results;
 }
 
+FlightWarnings TuneFlights::warnings() const {
+  FlightWarnings warnings;
+  for (const auto& [key, result] : results_) warnings.add(result.warnings);
+  return warnings;
+}
+
 double TuneFlights::figure(std::size_t scenario, const RowResult& result,
                            const std::string& name) const {
   const auto value = [&](std::size_t index) {

@@ -52,6 +52,9 @@ class TuneFlights {
   /// A figure of a flight; not a number where it has none.
   double figure(std::size_t scenario, const RowResult& result, const std::string& name) const;
 
+  /// Warnings of all flights so far.
+  FlightWarnings warnings() const;
+
   /// How many flights there will be about, for the progress.
   void expect(std::size_t flights) { state_.all = flights; }
 

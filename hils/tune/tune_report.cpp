@@ -163,7 +163,8 @@ Document tune_report(const TuneStudy& study, const TuneResult& result,
   const bool better = result.best != 0;
   page.add(Document::Verdict{better && !falls_more(result) ? Mood::kGood : Mood::kNeutral,
                              better ? "BETTER" : "NONE BETTER",
-                             study.name + ": " + verdict_line(result)});
+                             study.name + ": " + verdict_line(result),
+                             result.warnings.sentences()});
   if (!study.description.empty()) page.paragraph(study.description);
   page.table("Values", value_rows(study, result));
   page.table("Over the search's scenarios and seeds: mean of the seeds, worst of the scenarios",

@@ -288,6 +288,7 @@ TuneResult tune(const TuneStudy& study, TuneFlights& flights) {
   if (!study.verify_seeds.empty()) {
     Verifier(study, flights).verify(study.before(), result.candidates[result.best].values, result);
   }
+  result.warnings = flights.warnings();
   return result;
 }
 

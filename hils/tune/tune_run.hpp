@@ -32,6 +32,7 @@ struct TuneResult {
   std::size_t verify_flights = 0;  ///< with each candidate, without those of delay ramps
   std::size_t fallen_before = 0;   ///< of those, that did not stay up
   std::size_t fallen_after = 0;
+  FlightWarnings warnings;  ///< of all flights
 };
 
 /// Flies the candidate before, searches, and verifies the best one. The same study gives the same.

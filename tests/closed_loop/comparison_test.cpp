@@ -81,6 +81,19 @@ TEST(Comparison, SaysHowManyRunsCountAndHowManyWereFlown) {
             "2 of 3 runs valid, 2 flown to the end; first remark: the flight was not completed");
 }
 
+TEST(Comparison, HasTheWarningsOfEachVariant) {
+  const ComparisonPlan plan{.scenarios = {Scenario{}}, .variants = {}, .seeds = {1, 2}};
+  VariantResult result{.variant = {.architecture = Architecture::kSitl}};
+  result.runs.resize(2);
+  result.verdicts.resize(2);
+  result.verdicts[0].warnings = {"a mass of 1 g"};
+  const std::string text = write_text(comparison_report(plan, {result}));
+  EXPECT_NE(text.find("SITL: warning in 1 of 2 flights: a mass of 1 g"), std::string::npos) << text;
+  const auto json = nlohmann::json::parse(comparison_json(plan, {result}));
+  EXPECT_EQ(json.at("variants").at(0).at("warnings"),
+            nlohmann::json::parse(R"([{"warning": "a mass of 1 g", "flights": 1}])"));
+}
+
 TEST(Comparison, HasEachFigureUnderItsKeyInJson) {
   VariantResult result;
   for (const double p99_us : {1000.0, 3000.0, 9000.0}) {

@@ -104,7 +104,7 @@ class ShapeReader {
  private:
   void take_mass() {
     if (body_.mass_kg <= 0) fail(body_.file, "no link has an <inertial> with a mass");
-    if (!is_physical_inertia(body_.inertia_B_kg_m2)) {
+    if (!base::is_physical_inertia(body_.inertia_B_kg_m2)) {
       fail(body_.file, "the vehicle's inertia about its centre of gravity is not that of a body" +
                            all_of(body_.warnings));
     }
@@ -186,10 +186,6 @@ class ShapeReader {
 };
 
 }  // namespace
-
-bool is_physical_inertia(const Eigen::Matrix3d& inertia) {
-  return base::is_physical_inertia(inertia);
-}
 
 VehicleModel load_vehicle_model(const std::filesystem::path& file, const base::ModelParts& parts,
                                 UpAxis up_axis) {

@@ -60,8 +60,4 @@ CAS_SIM_EXPORT VehicleModel load_vehicle_model(const std::filesystem::path& file
 /// The same of a vehicle without `parts`.
 CAS_SIM_EXPORT VehicleModel load_vehicle_model(const std::filesystem::path& file);
 
-/// True when a body can have this inertia: symmetric, positive definite, and no principal moment
-/// larger than the sum of the others.
-CAS_SIM_EXPORT bool is_physical_inertia(const Eigen::Matrix3d& inertia);
-
 }  // namespace cas::sim

@@ -152,25 +152,25 @@ TEST(ModelBody, AnInertiaThatNoBodyHasIsAPointMassInBothFormats) {
 TEST(ModelBody, WhatIsNotReadOfALinkIsNamed) {
   const std::string box = "<geometry><box size='1 1 1'/>";
   const std::pair<std::string, const char*> cases[] = {
-      {kBody + "\n" + kBody, "v.urdf:4: link 'base': a second <inertial> is left out"},
+      {kBody + "\n" + kBody, "v.urdf:4: a second <inertial> in <link name='base'> is left out"},
       {kBody + "\n<colision>" + box + "</geometry></colision>",
-       "v.urdf:4: link 'base': <colision> is left out: no URDF has it in a <link>"},
+       "v.urdf:4: <colision> in <link name='base'> is left out: no such element"},
       {kBody + "<collision>" + box + "\n<sphere radius='9'/></geometry></collision>",
        "v.urdf:4: link 'base': of a <geometry> the first form counts, <box>; <sphere> is left"},
       {kBody + "<visual>\n" + changed(box, "1 1 1", "1 1 1,5") + "</geometry></visual>",
        "'1,5' is no number (decimals follow a point, not a comma); link 'base' is drawn without"},
       {kBody + "<collision>\n<orgin xyz='0 0 1'/>" + box + "</geometry></collision>",
-       "v.urdf:4: link 'base': <orgin> of <collision> is left out: no URDF has it there"},
+       "v.urdf:4: <orgin> in <collision> of <link name='base'> is left out: no such element"},
       {kBody + "<collision>\n<origin xzy='0 0 1'/>" + box + "</geometry></collision>",
-       "v.urdf:4: link 'base': 'xzy' of <origin> is left out: no URDF has it there"},
+       "v.urdf:4: 'xzy' of <origin> of <link name='base'> is left out: no such attribute"},
       {kBody + "<collision><origin/>\n<origin xyz='0 0 1'/>" + box + "</geometry></collision>",
-       "v.urdf:4: link 'base': a second <origin> of <collision> is left out"},
+       "v.urdf:4: a second <origin> in <collision> of <link name='base'> is left out"},
       {kBody + "<collision>" + box + "</geometry>\n" + box + "</geometry></collision>",
-       "v.urdf:4: link 'base': a second <geometry> of <collision> is left out"},
+       "v.urdf:4: a second <geometry> in <collision> of <link name='base'> is left out"},
       {kBody + "<collision><geometry>\n<box size='1 1 1' scale='2'/></geometry></collision>",
-       "v.urdf:4: link 'base': 'scale' of <box> is left out"},
+       "v.urdf:4: 'scale' of <box> of <link name='base'> is left out"},
       {changed(kBody, "<mass", "\n<pose>0 0 1</pose><mass"),
-       "v.urdf:4: link 'base': <pose> of <inertial> is left out"}};
+       "v.urdf:4: <pose> in <inertial> of <link name='base'> is left out"}};
   for (const auto& [inside, sentence] : cases) {
     const ModelBody body = parse_model_body(urdf(inside), "v.urdf");
     EXPECT_EQ(body.mass_kg, 1);
@@ -180,8 +180,8 @@ TEST(ModelBody, WhatIsNotReadOfALinkIsNamed) {
   const std::string joint = changed(urdf(), "'1 0 0'", "'1 0 0' quat='0 0 0 1'");
   const std::string macro = urdf(kBody, "<x:rotor n='1'/><drake:joint/><material/>");
   for (const auto& [text, sentence] :
-       {std::pair(joint, "v.urdf:6: joint 'j': 'quat' of <origin> is left out"),
-        std::pair(macro, "v.urdf:7: <x:rotor> of <robot> is left out: no URDF has it there")}) {
+       {std::pair(joint, "v.urdf:6: 'quat' of <origin> of <joint name='j'> is left out"),
+        std::pair(macro, "v.urdf:7: <x:rotor> in <robot> is left out: no such element")}) {
     const ModelBody body = parse_model_body(text, "v.urdf");
     ASSERT_EQ(body.warnings.size(), 1U) << sentence;
     EXPECT_NE(body.warnings[0].find(sentence), std::string::npos) << body.warnings[0];

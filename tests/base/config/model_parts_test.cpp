@@ -225,9 +225,9 @@ TEST_F(PartsOfAModel, WhatNobodyReadsIsToldWithItsLine) {
       {arm + "<colision name='c'/>" + held,
        "model.sdf:4: <colision> in <link name='arm'> is left out: no such element"},
       {arm + "<pose>1 0 0 0 0 0</pose>\n<pose>2 0 0 0 0 0</pose>" + held,
-       "model.sdf:5: <pose> in <link name='arm'> is left out: it is a second one"},
+       "model.sdf:5: a second <pose> in <link name='arm'> is left out"},
       {arm + "<pose relativ_to='base'>1 0 0 0 0 0</pose>" + held,
-       "model.sdf:4: <pose>: 'relativ_to' is left out: no such attribute"},
+       "model.sdf:4: 'relativ_to' of <pose> of <link name='arm'> is left out: no such attribute"},
       {"<link name='arm'><inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy>"
        "</inertia></inertial>" +
            held,
@@ -236,6 +236,11 @@ TEST_F(PartsOfAModel, WhatNobodyReadsIsToldWithItsLine) {
       {arm + "<collision name='c'>" + shape +
            "<surface><contact><ode><kp>1e4</kp></ode></contact></surface></collision>" + held,
        "a <surface> of a vehicle is left out"},
+      {arm +
+           "<collision name='c'><geometry><box><size>1 1 1</size><sise/></box></geometry>"
+           "</collision>" +
+           held,
+       "model.sdf:4: <sise> in <box> of <collision name='c'> is left out: no such element"},
       {arm +
            "<collision name='c'><geometry><mesh><uri>m.stl</uri><submesh><name>leg</name>"
            "</submesh></mesh></geometry></collision>" +

@@ -217,6 +217,17 @@ TEST(CampaignReport, LinksTheReplaysThatAreThereAndEscapesWhatVehiclesSay) {
   EXPECT_EQ(escape_xml("a\x1b[31m<"), "a?[31m&lt;") << "XML has no control characters";
 }
 
+TEST(CampaignReport, HasTheWarningsOfAllFlights) {
+  std::vector<RowResult> rows = all_up();
+  rows[0].warnings = rows[9].warnings = {"a mass of 1 g"};
+  const CampaignMatrix matrix = CampaignMatrix::of(campaign(), rows);
+  const std::string sentence = "warning in 2 of 10 flights: a mass of 1 g";
+  EXPECT_NE(text_of(matrix).find(sentence), std::string::npos) << text_of(matrix);
+  EXPECT_NE(campaign_junit(matrix).find(sentence), std::string::npos);
+  EXPECT_EQ(nlohmann::json::parse(campaign_json(matrix))["warnings"],
+            nlohmann::json::parse(R"([{"warning": "a mass of 1 g", "flights": 2}])"));
+}
+
 TEST(CampaignReport, NamesTheFailuresThatWereLeftOut) {
   Campaign chosen = campaign();
   chosen.left_out = {"heavy", "l&m"};

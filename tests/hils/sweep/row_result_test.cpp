@@ -51,6 +51,22 @@ TEST(RowResult, HasEachFigureOfTheTableUnderItsKey) {
   EXPECT_TRUE(std::isnan(figure(scenario, row, "rms_x_m"))) << "it was not measured";
 }
 
+TEST(RowResult, KeepsTheWarningsOfItsFlightWithoutTheFolderOfTheRow) {
+  Scenario scenario = jump();
+  scenario.file = "/tmp/work/row_7/scenario.yaml";
+  RunResult run;
+  run.vehicles.resize(1);
+  run.verdict.warnings = {"/tmp/work/row_7/vehicle.yaml:4: hardly\nmeant so"};
+  RowResult row = row_of(scenario, run);
+  EXPECT_EQ(row.warnings, std::vector<std::string>{"vehicle.yaml:4: hardly meant so"});
+  row.row = 7;
+  const auto read = parse_journal_line(journal_line(row));
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->warnings, row.warnings);
+  EXPECT_EQ(warnings_of({*read, RowResult{}}).sentences(),
+            std::vector<std::string>{"warning in 1 of 1 flights: vehicle.yaml:4: hardly meant so"});
+}
+
 /// The machine's figures differ each time, and rows are the same bytes.
 TEST(RowResult, HasNoFigureOfTheMachine) {
   const std::vector<std::string> names = figure_names(jump());

@@ -48,19 +48,22 @@ TEST(ShareLimits, AreCasesForContinuousIntegration) {
   const SweepCounts counts{.rows = 20, .flown = 10, .judged = 10, .up = 10, .passed = 1};
   const auto checks = check_shares(
       {{.share = Share::kUp, .at_least = 0.5}, {.share = Share::kPassed, .at_least = 0.5}}, counts);
-  const std::string junit = sweep_junit("a<b", counts, checks);
+  FlightWarnings warnings;
+  warnings.add({"a mass of 1 g"});
+  const std::string junit = sweep_junit("a<b", counts, checks, warnings);
   EXPECT_NE(junit.find("name=\"hils.sweep.a&lt;b\" tests=\"3\" failures=\"1\" errors=\"1\""),
             std::string::npos)
       << junit;
   EXPECT_NE(junit.find("10 of 20 runs are missing"), std::string::npos);
   EXPECT_NE(junit.find("passed: 1 of 10 (10.00 %)"), std::string::npos);
+  EXPECT_NE(junit.find("warning in 1 of 1 flights: a mass of 1 g"), std::string::npos) << junit;
 }
 
 TEST(ShareLimits, AreNotMissedWhereNothingWasFlown) {
   const SweepCounts counts{.rows = 20};
   const auto checks = check_shares({{.share = Share::kUp, .at_least = 0.5}}, counts);
   EXPECT_EQ(checks[0].sentence(), "up: nothing was flown");
-  const std::string junit = sweep_junit("a", counts, checks);
+  const std::string junit = sweep_junit("a", counts, checks, {});
   EXPECT_NE(junit.find("failures=\"0\" errors=\"2\""), std::string::npos) << junit;
 }
 

@@ -201,6 +201,25 @@ TEST_F(Sweep, AFlightThatDoesNotReachItsMeasuredStepHasNoMargin) {
   EXPECT_EQ(column(table, "least_margin_pct"), std::vector<std::string>{""}) << table;
 }
 
+TEST_F(Sweep, WarningsOfItsFlightsAreInItsResults) {
+  folder_.write("w.sdf",
+                "<sdf version='1.6'>\n<world name='w'>\n<model name='m'><static>1</static>\n"
+                "<link name='l'><colision name='c'/></link></model>\n</world></sdf>");
+  folder_.write("there.yaml", std::string(kScenario) + "world: w.sdf\n");
+  const fs::path study =
+      folder_.write("there_study.yaml",
+                    "schema: 1\nname: there\nscenario: there.yaml\nvary:\n"
+                    "  - {name: loss, key: line.packet_loss, values: [0, 0.01]}\n");
+  const std::string warning = "warning in 2 of 2 flights: " + (folder_ / "w.sdf").string() + ":4: ";
+  const std::string said =
+      sweep({study.string(), "--out", folder_ / "there", "--again", "0", "--jobs", "2"});
+  EXPECT_NE(said.find(warning), std::string::npos) << said;
+  for (const char* file : {"sweep.html", "junit.xml"}) {
+    EXPECT_NE(TemporaryFolder::read(folder_ / "there" / file).find(warning), std::string::npos)
+        << file;
+  }
+}
+
 TEST_F(Sweep, ThreeChunksAreTheWholeToTheByte) {
   const fs::path cut = plan("cut", study_);
   std::string together;

@@ -80,12 +80,14 @@ TEST(EvalAnswer, IsOneLineOfFiguresByName) {
   const EvalRequest request = EvalRequest::parse(R"({"id": "a", "seed": 4})", parameters(), 1);
   RowResult result{.row = 1, .outcome = RowOutcome::kFailed, .cause = "x: 1\xff"};
   result.figures = {1, std::numeric_limits<double>::quiet_NaN()};
+  result.warnings = {"a mass of 1 g"};
   const std::string line = eval_answer(request, result, {"up", "crash_s", "rms_x_m"});
   EXPECT_EQ(std::ranges::count(line, '\n'), 1);
   const auto answer = nlohmann::json::parse(line);
   EXPECT_EQ(answer.at("id"), "a");
   EXPECT_EQ(answer.at("outcome"), "failed");
   EXPECT_EQ(answer.at("up"), 1);
+  EXPECT_EQ(answer.at("warnings"), nlohmann::json::array({"a mass of 1 g"}));
   EXPECT_EQ(answer.at("seed"), 4);
   EXPECT_EQ(answer.at("figures").at("up"), 1);
   EXPECT_TRUE(answer.at("figures").at("crash_s").is_null());

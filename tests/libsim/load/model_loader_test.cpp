@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "base/config/model_body.hpp"
 #include "base/config/vehicle.hpp"
 #include "base/error.hpp"
 #include "libsim/core/load/visuals.hpp"
@@ -117,7 +118,7 @@ TEST_F(ModelLoader, NamesInertiasThatNoBodyHas) {
            joint("fixed", "prop", "0 0 0"));
   ASSERT_EQ(model.warnings.size(), 1u);
   EXPECT_THAT(model.warnings[0], HasSubstr("link 'prop': no body has this <inertia>"));
-  EXPECT_TRUE(is_physical_inertia(model.mass.inertia_B()));
+  EXPECT_TRUE(base::is_physical_inertia(model.mass.inertia_B()));
 }
 
 TEST_F(ModelLoader, LeavesTheInertiaOfALinkWithoutMassOut) {

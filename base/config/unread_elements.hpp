@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string_view>
+
+#include "base/config/model_builder.hpp"
+#include "base/config/xml_tree.hpp"
+
+namespace cas::base {
+
+/// What may be in an element of a format: names with a blank between them.
+struct KnownElement {
+  std::string_view element;
+  std::string_view single;  ///< children of which the first counts
+  std::string_view many;    ///< further children
+  std::string_view attributes;
+};
+
+/// Warns of what an element and those in it hold and nobody reads: attributes and children that
+/// their rows do not have, as of a slip of the pen (<orgin>), and second ones of which the first
+/// counts. An element without a row may hold anything; of a <geometry> the first form is looked at.
+/// Names of other programs' namespaces are passed over.
+/// @param visit  is called with each child, and says whether to look into it
+void warn_of_unread(
+    const XmlElement& element, std::span<const KnownElement> rows, ModelBuilder& builder,
+    const std::function<bool(const XmlElement&)>& visit = [](const XmlElement&) { return true; });
+
+/// "<link name='arm'>", "<sphere>".
+std::string tag_of(const XmlElement& element);
+
+}  // namespace cas::base
