@@ -143,12 +143,13 @@ bool fails(Call kind, int error) {
   return true;
 }
 
-/// What no disk, line or network stands behind does not fail: an eventfd or a timer.
+/// What no disk, line or network stands behind does not fail: an eventfd, a timer, a pipe.
 bool fails(Call kind, int error, int fd) {
   if (kind != call) return false;
   struct stat status {};
-  const bool is_anonymous = ::fstat(fd, &status) == 0 && (status.st_mode & S_IFMT) == 0;
-  return !is_anonymous && fails(kind, error);
+  const bool known = ::fstat(fd, &status) == 0;
+  const bool in_memory = known && ((status.st_mode & S_IFMT) == 0 || S_ISFIFO(status.st_mode));
+  return !in_memory && fails(kind, error);
 }
 
 /// As after a call of stdio that failed: ferror() tells it.
