@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <utility>
@@ -39,6 +40,26 @@ std::optional<std::string> rest_of(std::FILE& in, std::size_t most_bytes) {
   return text;
 }
 
+[[noreturn]] void fail_larger(const std::filesystem::path& file, std::string_view kind,
+                              std::size_t most_bytes) {
+  fail(file, kind, "is larger than the " + size_text(most_bytes) + " that are read");
+}
+
+OpenFile open_foreign_file(const std::filesystem::path& file, std::string_view kind,
+                           std::size_t most_bytes) {
+  const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  OpenFile opened(fd < 0 ? nullptr : ::fdopen(fd, "rb"));
+  if (!opened && fd >= 0) ::close(fd);
+  struct stat status {};
+  if (!opened || ::fstat(fd, &status) != 0) fail(file, kind, "cannot be read");
+  if (S_ISDIR(status.st_mode)) fail(file, kind, "is a folder, not a file");
+  if (!S_ISREG(status.st_mode)) fail(file, kind, "is no regular file");
+  if (static_cast<std::uintmax_t>(status.st_size) > most_bytes) {
+    fail_larger(file, kind, most_bytes);
+  }
+  return opened;
+}
+
 }  // namespace
 
 std::optional<std::string> read_file(const std::filesystem::path& file) {
@@ -48,24 +69,15 @@ std::optional<std::string> read_file(const std::filesystem::path& file) {
 }
 
 OpenFile open_foreign_file(const std::filesystem::path& file, std::string_view kind) {
-  const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-  OpenFile opened(fd < 0 ? nullptr : ::fdopen(fd, "rb"));
-  if (!opened && fd >= 0) ::close(fd);
-  struct stat status {};
-  if (!opened || ::fstat(fd, &status) != 0) fail(file, kind, "cannot be read");
-  if (S_ISDIR(status.st_mode)) fail(file, kind, "is a folder, not a file");
-  if (!S_ISREG(status.st_mode)) fail(file, kind, "is no regular file");
-  return opened;
+  return open_foreign_file(file, kind, std::numeric_limits<std::size_t>::max());
 }
 
 std::string read_foreign_file(const std::filesystem::path& file, std::string_view kind,
                               std::size_t most_bytes) {
-  const OpenFile opened = open_foreign_file(file, kind);
+  const OpenFile opened = open_foreign_file(file, kind, most_bytes);
   std::optional<std::string> text = rest_of(*opened, most_bytes);
   if (!text) fail(file, kind, "cannot be read");
-  if (text->size() > most_bytes) {
-    fail(file, kind, "is larger than the " + size_text(most_bytes) + " that are read");
-  }
+  if (text->size() > most_bytes) fail_larger(file, kind, most_bytes);  // it grew meanwhile
   return std::move(*text);
 }
 

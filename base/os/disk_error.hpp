@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <unistd.h>
+
 #include <cerrno>
 #include <string>
 
 #include "base/error.hpp"
+#include "base/os/descriptor.hpp"
 
 namespace cas::base {
 
@@ -19,6 +22,13 @@ class CAS_BASE_EXPORT DiskError : public ConfigError {
 [[noreturn]] inline void throw_unwritten(const std::string& sentence, int error) {
   if (error == ENOSPC || error == EDQUOT) throw DiskError(sentence);
   throw ConfigError(sentence);
+}
+
+/// Closes a file that was written, if it is open. @return errno of a file system that keeps the
+/// failure of a write back until then; 0
+inline int close_written(Descriptor& file) {
+  const int fd = file.release();
+  return fd < 0 || ::close(fd) == 0 ? 0 : errno;
 }
 
 }  // namespace cas::base

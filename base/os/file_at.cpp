@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/os/disk_error.hpp"
 
 namespace cas::base {
 namespace {
@@ -66,7 +67,7 @@ int fill(Descriptor out, const struct stat* old, std::string_view text, Durabili
   if (old != nullptr && ::fchmod(out.get(), old->st_mode & 07777U) != 0) return errno;
   if (const int error = write_all(out.get(), text); error != 0) return error;
   if (durability == Durability::kDisk && ::fsync(out.get()) != 0) return errno;
-  return ::close(out.release()) == 0 ? 0 : errno;
+  return close_written(out);
 }
 
 /// Writes the rename to the disk. On file systems that cannot sync a folder it gets there later.

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <string>
 #include <system_error>
 
@@ -134,6 +135,15 @@ OpenFile open_result(const ResultPlace& place) {
   if (!stream) fail(place, errno);
   static_cast<void>(file.release());
   return stream;
+}
+
+void close_result(OpenFile file, const ResultPlace& place) {
+  int error = std::fflush(file.get()) == 0 ? 0 : errno;
+  const bool failed_before = std::ferror(file.get()) != 0;
+  if (std::fclose(file.release()) != 0 && error == 0) error = errno;
+  if (error == 0 && !failed_before) return;
+  throw DiskError(place.path().string() + ": was not written to its end" +
+                  (error != 0 ? ": " + error_text(error) : ""));
 }
 
 }  // namespace cas::base

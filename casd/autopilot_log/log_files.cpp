@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/os/disk_error.hpp"
 #include "base/os/lack_of_memory.hpp"
 #include "base/os/log.hpp"
 #include "casd/tlog/tlog_name.hpp"
@@ -194,8 +195,14 @@ void LogFiles::append(File id, const LogPart& part) {
 void LogFiles::close(File id) {
   const auto found = open_.find(id);
   if (found == open_.end()) return;
-  const Open& file = found->second;
-  if (is_deleted(file.fd)) {
+  Open& file = found->second;
+  const bool deleted = is_deleted(file.fd);
+  const int error = base::close_written(file.fd);
+  if (error != 0) {
+    base::log::error("the autopilot's log " + (folder_.path() / file.name).string() +
+                     " may lack its end: closing it failed: " + base::error_text(error));
+  }
+  if (deleted) {
     base::log::error("the autopilot's log " + (folder_.path() / file.name).string() +
                      " was deleted while it was written, with " + std::to_string(file.size) +
                      " bytes in it");

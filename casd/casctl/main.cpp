@@ -2,7 +2,9 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -137,7 +139,7 @@ int run_verb(const CommandLine& line) {
 }  // namespace
 }  // namespace cas::casctl
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   using namespace cas::casctl;
   std::signal(SIGPIPE, SIG_DFL);
   CommandLine line;
@@ -156,4 +158,7 @@ int main(int argc, char** argv) {
   cas::base::cli::add_manual(line.app(), "casctl", CAS_VERSION, completion_words());
   if (const auto ended = cas::base::cli::parse(line.app(), argc, argv, kUsage)) return *ended;
   return run_verb(line);
+} catch (const std::exception& error) {  // no memory for the command line
+  std::fprintf(stderr, "casctl: %s\n", error.what());
+  return cas::casctl::kUsage;
 }

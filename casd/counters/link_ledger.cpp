@@ -3,11 +3,11 @@
 
 #include <array>
 #include <charconv>
-#include <fstream>
 #include <string_view>
 
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
+#include "base/read_file.hpp"
 
 namespace cas::casd {
 namespace {
@@ -15,7 +15,8 @@ namespace {
 constexpr std::string_view kHeader = "link,event,message_id,time_usec,at_ns";
 constexpr std::string_view kDropped = "dropped.";
 
-constexpr std::size_t kUsualRow = 64;  // bytes
+constexpr std::size_t kUsualRow = 64;                      // bytes
+constexpr std::size_t kMostBytes = std::size_t{1} << 30U;  // of a file
 
 template <class Number>
 void add_cell(std::string& text, Number number) {
@@ -35,6 +36,13 @@ void add_rows(std::string& text, const std::string& link, std::string_view event
     add_cell(text, entry.at_ns);
     text += '\n';
   }
+}
+
+std::string_view take_line(std::string_view& text) {
+  const std::size_t end = text.find('\n');
+  const std::string_view line = text.substr(0, end);
+  text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  return line;
 }
 
 std::string_view take_cell(std::string_view& line) {
@@ -71,14 +79,13 @@ void write_link_ledgers(const std::filesystem::path& file,
 }
 
 std::map<std::string, LinkLedger> read_link_ledgers(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  std::string text;
-  if (!in || !std::getline(in, text) || text != kHeader) {
+  const std::string whole = base::read_foreign_file(file, "ledger of links", kMostBytes);
+  std::string_view text = whole;
+  if (take_line(text) != kHeader)
     throw base::ConfigError(file.string() + ": is no ledger of links");
-  }
   std::map<std::string, LinkLedger> ledgers;
-  for (int number = 2; std::getline(in, text); ++number) {
-    std::string_view line(text);
+  for (int number = 2; !text.empty(); ++number) {
+    std::string_view line = take_line(text);
     const std::string_view link = take_cell(line);
     const std::string_view event = take_cell(line);
     LinkLedgerEntry entry;

@@ -11,6 +11,7 @@
 #include "base/os/log.hpp"
 #include "casd/link/blocking_tx_port.hpp"
 #include "casd/link/direct_tx_port.hpp"
+#include "casd/link/turn_meter.hpp"
 
 namespace cas::casd {
 namespace {
@@ -21,11 +22,13 @@ class SteadyWait final : public LineWait {
   void until(base::RunTime when) override {
     const std::int64_t total = when.time_since_epoch().count();
     const timespec end{static_cast<time_t>(total / 1'000'000'000), total % 1'000'000'000};
+    count_wanted_wait();
     while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &end, nullptr) == EINTR) {
     }
   }
   void for_room(int descriptor, base::Duration at_most) override {
     pollfd room{descriptor, POLLOUT, 0};
+    count_wanted_wait();
     ::poll(&room, 1, static_cast<int>(at_most / std::chrono::milliseconds(1)));
   }
 };

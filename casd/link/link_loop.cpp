@@ -22,7 +22,6 @@
 #include "base/os/log.hpp"
 #include "casd/link/core_seeker.hpp"
 #include "casd/link/link_home.hpp"
-#include "casd/link/turn_meter.hpp"
 
 namespace cas::casd {
 namespace {
@@ -113,31 +112,13 @@ class CoreSearch {
   Arrivals arrived_before_;
 };
 
-/// Aborts after a turn that has taken too much, in builds that measure turns.
-class MeteredTurn {
- public:
-  MeteredTurn() {
-    if (kMeterTurns) meter_.emplace();
-  }
-  void begin() {
-    if (meter_) meter_->begin();
-  }
-  void end(const std::string& name) const {
-    if (!meter_) return;
-    const std::optional<std::string> fault = excess(meter_->end());
-    if (!fault) return;
-    base::log::error("links (" + name + "): one turn " + *fault);
-    std::abort();
-  }
-
- private:
-  std::optional<TurnMeter> meter_;
-};
-
 }  // namespace
 
 LinkLoop::LinkLoop(std::string name, base::ThreadOptions scheduling, bool seek_core)
-    : name_(std::move(name)), scheduling_(std::move(scheduling)), seek_core_(seek_core) {}
+    : name_(std::move(name)),
+      scheduling_(std::move(scheduling)),
+      seek_core_(seek_core),
+      metered_(kMeterTurns) {}
 
 LinkLoop::~LinkLoop() { stop(); }
 
@@ -221,7 +202,8 @@ void LinkLoop::run(const std::stop_token& stop) {
     core_search.emplace(name_, seek_core_);
   });
   ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // pacing counts in parts of a millisecond
-  MeteredTurn turn;
+  if (metered_) meter_.emplace();
+  begin_turn();
   base::RunTime now = base::steady_now();
   while (!stop.stop_requested()) {
     run_tasks();
@@ -232,10 +214,7 @@ void LinkLoop::run(const std::stop_token& stop) {
       std::this_thread::sleep_for(kTroublePause);
       continue;
     }
-    turn.begin();
-    const bool served = serve(now);
-    turn.end(name_);
-    if (!served) std::this_thread::sleep_for(kNoMemoryPause);
+    if (!serve(now)) std::this_thread::sleep_for(kNoMemoryPause);
     base::outlive_lack_of_memory(name_, [&] {
       if (pace_.looked(now, received(), idle_)) {
         move_links(now);
@@ -267,12 +246,14 @@ base::RunTime LinkLoop::wait(base::RunTime now) {
   poll_set_.add(signal_.descriptor(), POLLIN);  // kSignalEntry
   poll_set_.add(alarm_.descriptor(), POLLIN);   // kAlarmEntry
   for (const Resident& resident : links_) resident.link->watch(poll_set_, now);
+  end_turn();
   const base::RunTime due = poll_set_.deadline();
   if (const base::RunTime rested = std::min(pace_.next_look(), due); rested > now) {
     rest_until(rested, base::steady_now());
   }
   const base::RunTime began = base::steady_now();
   poll_until(due, now, began);
+  begin_turn();
   // Only events seen by this poll: a signal raised since then is for the next turn.
   if ((poll_set_.revents(kSignalEntry) & POLLIN) != 0) {
     signal_.lower();
@@ -282,6 +263,18 @@ base::RunTime LinkLoop::wait(base::RunTime now) {
   const base::RunTime ended = base::steady_now();
   idle_ += ended - began;
   return ended;
+}
+
+void LinkLoop::begin_turn() {
+  if (meter_) meter_->begin();
+}
+
+void LinkLoop::end_turn() const {
+  if (!meter_) return;
+  const std::optional<std::string> fault = excess(meter_->end(), links_.size());
+  if (!fault) return;
+  base::log::error("links (" + name_ + "): one turn " + *fault);
+  std::abort();
 }
 
 void LinkLoop::poll_until(base::RunTime due, base::RunTime now, base::RunTime began) {

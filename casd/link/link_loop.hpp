@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -17,6 +18,7 @@
 #include "base/time/clock.hpp"
 #include "casd/link/link.hpp"
 #include "casd/link/look_pace.hpp"
+#include "casd/link/turn_meter.hpp"
 
 namespace cas::casd {
 
@@ -77,6 +79,9 @@ class LinkLoop {
   LinkLoop& operator=(const LinkLoop&) = delete;
 
   const std::string& name() const { return name_; }
+  /// Before start(): the thread aborts after a turn that has taken too much, with all that it did
+  /// between two rests. Builds with sanitizers or with CAS_METER_TURNS do so in any case.
+  void meter_turns() { metered_ = true; }
   /// Starts the thread. @throws base::ConfigError when there is none to be had
   void start();
   /// Ends the thread and closes its links.
@@ -107,6 +112,8 @@ class LinkLoop {
   void run(const std::stop_token& stop);
   bool serve(base::RunTime now);
   base::RunTime wait(base::RunTime now);
+  void begin_turn();
+  void end_turn() const;
   void poll_until(base::RunTime due, base::RunTime now, base::RunTime began);
   void rest_until(base::RunTime end, base::RunTime now);
   void move_links(base::RunTime now);
@@ -120,6 +127,7 @@ class LinkLoop {
   const std::string name_;
   const base::ThreadOptions scheduling_;
   const bool seek_core_;
+  bool metered_;
   WakeSignal signal_;
   std::atomic<std::thread::id> thread_id_{};
   std::atomic<std::int64_t> last_turn_ns_{0};  ///< RunTime; 0 before the first
@@ -133,6 +141,7 @@ class LinkLoop {
   PollSet poll_set_;
   DistantAlarm alarm_;
   LookPace pace_;
+  std::optional<TurnMeter> meter_;
   base::Duration idle_{};    ///< in poll, so far
   bool in_trouble_ = false;  ///< waiting failed, and that was said
   std::jthread thread_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -15,11 +16,16 @@ namespace cas::casd {
 struct TurnUse {
   std::chrono::nanoseconds processor{};
   std::uint64_t read_bytes = 0;  ///< by read(2) and its kin, of files and of descriptors
-  std::uint64_t waits = 0;       ///< how often it slept: for a disk, a lock or a timer
+  std::uint64_t waits = 0;       ///< how often it slept unasked: for a disk or a lock
 };
 
 /// The sentence about a turn that has taken too much; nullopt for a turn within its bounds.
-std::optional<std::string> excess(const TurnUse& use);
+/// @param links  that the thread serves
+std::optional<std::string> excess(const TurnUse& use, std::size_t links);
+
+/// Before a sleep that a thread is there for: `threads: blocking` waits for its line. It is not
+/// counted as a wait of the turn.
+void count_wanted_wait();
 
 /// Measures the turns of the thread that made it.
 class TurnMeter {

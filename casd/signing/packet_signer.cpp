@@ -7,14 +7,18 @@
 #include <chrono>
 #include <cstdlib>
 #include <cstring>
-#include <fstream>
+#include <filesystem>
+#include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "base/os/write_file.hpp"
+#include "base/read_file.hpp"
 #include "base/rpc/token.hpp"
 #include "casd/packet/signing_clock.hpp"
 #include "mavlink_gen/runtime/crc.hpp"
@@ -164,7 +168,14 @@ SigningTimeFile::SigningTimeFile(const std::filesystem::path& key_file) {
 }
 
 mav::SigningTime SigningTimeFile::load() const {
-  std::ifstream in(path_);
+  std::error_code none;
+  if (!std::filesystem::exists(path_, none) && !none) return 0;
+  const std::optional<std::string> text = base::read_file(path_);
+  if (!text) {
+    throw base::ConfigError(path_.string() +
+                            ": cannot be read; the time of signatures must outlive a restart");
+  }
+  std::istringstream in(*text);
   mav::SigningTime bound = 0;
   return in >> bound && bound <= mav::kMaxSigningTime ? bound : 0;
 }

@@ -23,7 +23,8 @@ class SigningTimeFile {
   /// Beside the key file, or in systemd's $STATE_DIRECTORY where there is one.
   explicit SigningTimeFile(const std::filesystem::path& key_file);
 
-  /// The stored bound; 0 when there is none or it cannot be read as one.
+  /// The stored bound; 0 when there is none, or no number in the file.
+  /// @throws base::ConfigError when the file is there and cannot be read
   mav::SigningTime load() const;
   /// Replaces the file. @return false when it cannot be written
   bool store(mav::SigningTime bound) const;

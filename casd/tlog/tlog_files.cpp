@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/os/disk_error.hpp"
 #include "base/os/log.hpp"
 #include "casd/tlog/tlog_name.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
@@ -112,7 +113,12 @@ std::size_t TlogFiles::append(std::span<const std::uint8_t> records) {
   return whole;
 }
 
-void TlogFiles::close() { fd_.reset(); }
+void TlogFiles::close() {
+  const int error = base::close_written(fd_);
+  if (error == 0) return;
+  base::log::error("recording: " + current().string() +
+                   " may lack packets: closing it failed: " + base::error_text(error));
+}
 
 std::optional<TlogFiles::Content> TlogFiles::leave_deleted() {
   if (!is_deleted(fd_)) return std::nullopt;
@@ -123,7 +129,7 @@ std::optional<TlogFiles::Content> TlogFiles::leave_deleted() {
 
 /// Another file follows this one, which goes where nothing is in it.
 void TlogFiles::give_up_file() {
-  fd_.reset();
+  close();
   if (size_ > 0) return;
   folder_.remove(made_.back());
   made_.pop_back();
@@ -141,6 +147,7 @@ bool TlogFiles::make_next(base::RunTime now) {
     if (next) break;
     if (errno != EEXIST || number_ >= kMostFiles) return false;
   }
+  close();
   fd_ = std::move(next);
   size_ = 0;
   packets_ = 0;
@@ -173,6 +180,7 @@ bool TlogFiles::is_full(std::size_t next_bytes, base::RunTime now) const {
 bool TlogReader::open(const std::filesystem::path& file) {
   records_ = mav::services::TlogSplitter(&mav::public_table());
   ended_ = false;
+  failed_ = false;
   try {
     file_ = base::open_foreign_file(file, "log");
   } catch (const base::ConfigError&) {
@@ -193,6 +201,7 @@ bool TlogReader::read_more() {
   std::vector<std::uint8_t> chunk(kChunkBytes);
   const std::size_t size = std::fread(chunk.data(), 1, chunk.size(), file_.get());
   ended_ = size == 0;
+  failed_ = ended_ && std::ferror(file_.get()) != 0;
   records_.feed(std::span(chunk).first(size));
   return !ended_;
 }

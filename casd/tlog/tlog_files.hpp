@@ -51,6 +51,7 @@ class TlogFiles {
   /// next one.
   /// @return how many of the bytes are in the files; fewer than all with errno set
   std::size_t write(std::span<const std::uint8_t> records, base::RunTime now);
+  /// Logs when the disk lost packets of the file and says so only now.
   void close();
 
   struct Content {
@@ -100,12 +101,15 @@ class TlogReader {
   std::optional<Record> next_read() { return records_.next(ended_); }
   /// Reads one piece of the file. @return false at its end
   bool read_more();
+  /// Whether the end that was found is where reading failed.
+  bool failed() const { return failed_; }
   std::uint64_t skipped_bytes() const { return records_.skipped_bytes(); }
 
  private:
   base::OpenFile file_;
   mav::services::TlogSplitter records_;
   bool ended_ = false;  ///< all of the file is fed
+  bool failed_ = false;
 };
 
 }  // namespace cas::casd

@@ -17,7 +17,7 @@ struct TlogLoss {
 };
 
 /// Hands each intact packet of a telemetry log to `use(unix_us, packet)`; a damaged record costs no
-/// other one. @param loss  what was left out @return false when the log cannot be read
+/// other one. @param loss  what was left out @return false when the log cannot be read to its end
 template <class Use>
 bool for_each_tlog_packet(const std::filesystem::path& file, const mav::MessageTable& table,
                           Use&& use, TlogLoss* loss = nullptr) {
@@ -33,7 +33,7 @@ bool for_each_tlog_packet(const std::filesystem::path& file, const mav::MessageT
   };
   const auto stats = mav::services::for_each_tlog_packet(next_known, table, std::forward<Use>(use));
   if (loss != nullptr) *loss = {log.skipped_bytes(), stats.crc_errors};
-  return true;
+  return !log.failed();
 }
 
 }  // namespace cas::casd

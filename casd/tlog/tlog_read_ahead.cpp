@@ -64,6 +64,7 @@ void TlogReadAhead::read(const std::filesystem::path& file, Shared& shared) {
       append_tlog_record(record->unix_us, record->packet, shared.records);
     }
     shared.last = !more;
+    shared.unreadable |= log.failed();
     shared.skipped_bytes = log.skipped_bytes();
     if (more && shared.records.empty()) continue;
     if (!hand_over(shared)) return;

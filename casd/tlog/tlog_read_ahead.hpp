@@ -34,7 +34,7 @@ class TlogReadAhead {
   std::optional<Record> next();
   /// No record follows.
   bool ended() const { return last_ && at_ == records_.size(); }
-  /// The file could not be opened; known once ended() is true.
+  /// The file could not be opened, or not read to its end; known once ended() is true.
   bool unreadable() const { return unreadable_; }
   /// Bytes that are no record, up to the last piece that was taken.
   std::uint64_t skipped_bytes() const { return skipped_bytes_; }

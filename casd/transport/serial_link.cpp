@@ -15,6 +15,7 @@
 #include "base/error.hpp"
 #include "base/os/pty_lock.hpp"
 #include "casd/link/blocking_tx_port.hpp"
+#include "casd/link/turn_meter.hpp"
 #include "casd/transport/serial_device.hpp"
 #include "casd/transport/stream_writer.hpp"
 
@@ -174,6 +175,7 @@ void SerialLink::read_blocking(base::RunTime now) {
     } else if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
       pollfd more{fd_.get(), POLLIN, 0};
       waited = true;
+      count_wanted_wait();
       if (!parser_.inside_packet() || ::poll(&more, 1, kBlockingPatience_ms) <= 0) break;
     } else {
       core_.ingress().deliver(now);

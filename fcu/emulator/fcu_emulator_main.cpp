@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <exception>
 
 #include "base/cli/keys_flag.hpp"
 #include "base/cli/manual.hpp"
@@ -71,10 +72,13 @@ int run(Flags& flags) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   CLI::App app("Emulates a flight controller on a pseudo-terminal.", "fcu_emulator");
   Flags flags;
   add_flags(app, flags);
   if (const auto ended = base::cli::parse(app, argc, argv, base::kExitConfig)) return *ended;
   return base::run_program("fcu_emulator", flags.log_level, [&] { return run(flags); });
+} catch (const std::exception& error) {  // no memory for the command line
+  std::fprintf(stderr, "fcu_emulator: internal error: %s\n", error.what());
+  return base::kExitInternal;
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "base/error.hpp"
+
 namespace cas::hils {
 
 std::optional<std::vector<double>> parse_csv_row(std::string_view line) {
@@ -19,6 +21,12 @@ std::optional<std::vector<double>> parse_csv_row(std::string_view line) {
     if (line.front() != ',') return std::nullopt;
     line.remove_prefix(1);
   }
+}
+
+bool next_line(std::istream& in, std::string& line, const std::filesystem::path& file) {
+  if (std::getline(in, line)) return true;
+  if (in.bad()) throw base::ConfigError(file.string() + ": cannot be read to its end");
+  return false;
 }
 
 }  // namespace cas::hils

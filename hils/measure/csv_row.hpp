@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
+#include <istream>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -9,5 +12,9 @@ namespace cas::hils {
 
 /// Numbers between commas; nullopt where anything else is in the line.
 std::optional<std::vector<double>> parse_csv_row(std::string_view line);
+
+/// The next line of a file. @return false at its end
+/// @param file  for the error @throws base::ConfigError when reading fails before the end
+bool next_line(std::istream& in, std::string& line, const std::filesystem::path& file);
 
 }  // namespace cas::hils

@@ -16,8 +16,8 @@ std::vector<GyroSample> read_gyro(const std::filesystem::path& file) {
   std::vector<GyroSample> samples;
   std::ifstream in(file);
   std::string line;
-  std::getline(in, line);  // header
-  for (int number = 2; std::getline(in, line); ++number) {
+  next_line(in, line, file);  // header
+  for (int number = 2; next_line(in, line, file); ++number) {
     const std::optional<std::vector<double>> row = parse_csv_row(line);
     if (!row || row->size() < kLeastColumns) {
       throw base::ConfigError(file.string() + ":" + std::to_string(number) +

@@ -73,8 +73,8 @@ std::vector<PoseSample> read_truth(const std::filesystem::path& file) {
   if (!in) throw base::ConfigError("cannot read " + file.string());
   std::vector<PoseSample> samples;
   std::string line;
-  std::getline(in, line);  // header
-  for (int number = 2; std::getline(in, line); ++number) {
+  next_line(in, line, file);  // header
+  for (int number = 2; next_line(in, line, file); ++number) {
     const std::optional<std::vector<double>> row = parse_csv_row(line);
     if (!row || row->size() < kColumns) {
       throw base::ConfigError(file.string() + ":" + std::to_string(number) +

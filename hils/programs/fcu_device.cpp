@@ -6,10 +6,14 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
-#include <fstream>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <variant>
 
+#include "base/error.hpp"
+#include "base/read_file.hpp"
 #include "base/rpc/client.hpp"
 #include "base/text.hpp"
 #include "base/time/clock.hpp"
@@ -28,8 +32,9 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 std::uint64_t sequence_gaps(const std::filesystem::path& casd_stats, const std::string& name) {
-  std::ifstream in(casd_stats);
-  const Json stats = Json::parse(in, nullptr, false);
+  const std::optional<std::string> text = base::read_file(casd_stats);
+  if (!text) throw base::ConfigError(casd_stats.string() + ": figures of casd cannot be read");
+  const Json stats = Json::parse(*text, nullptr, false);
   if (!stats.is_object()) return 0;
   for (const Json& link : stats.value("links", Json::array())) {
     if (link.value("name", "") == name) {

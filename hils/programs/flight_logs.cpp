@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <optional>
 #include <string>
+#include <utility>
 
+#include "base/error.hpp"
 #include "base/os/result_file.hpp"
 #include "base/read_file.hpp"
-#include "hils/programs/supervisor.hpp"
 
 namespace cas::hils {
 
@@ -22,14 +24,14 @@ void FlightLogs::join() {
   const std::filesystem::path last = folder_ / "flight_last.tlog";
   std::filesystem::rename(log_, last);
   earlier_.push_back(last);
-  const base::OpenFile whole = base::open_result({log_.parent_path(), log_.filename()});
+  const base::ResultPlace place{log_.parent_path(), log_.filename()};
+  base::OpenFile whole = base::open_result(place);
   for (const std::filesystem::path& part : earlier_) {
-    const std::string text = base::read_file(part).value_or("");
-    std::fwrite(text.data(), 1, text.size(), whole.get());
+    const std::optional<std::string> text = base::read_file(part);
+    if (!text) throw base::ConfigError(part.string() + ": a part of the flight log cannot be read");
+    std::fwrite(text->data(), 1, text->size(), whole.get());
   }
-  if (std::fflush(whole.get()) != 0 || std::ferror(whole.get()) != 0) {
-    throw RunStopped(log_.string() + " cannot be written", false);
-  }
+  base::close_result(std::move(whole), place);
 }
 
 }  // namespace cas::hils

@@ -18,7 +18,7 @@ class FlightLogs {
 
   /// casd has been killed.
   void set_aside();
-  /// The last casd has ended. @throws RunStopped when the log cannot be written
+  /// The last casd has ended. @throws base::ConfigError when a log cannot be read or written
   void join();
 
  private:

@@ -48,8 +48,8 @@ OrderedJson truth_json(const std::filesystem::path& file) {
   std::ifstream in(file);
   TruthColumns truth;
   std::string line;
-  std::getline(in, line);  // header
-  while (std::getline(in, line)) {
+  next_line(in, line, file);  // header
+  while (next_line(in, line, file)) {
     if (const auto row = parse_csv_row(line)) truth.add(*row);  // the last line may be cut
   }
   return truth.json();

@@ -8,11 +8,13 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/config/install_paths.hpp"
+#include "base/error.hpp"
 #include "base/read_file.hpp"
 #include "hils/measure/column.hpp"
 
@@ -102,7 +104,9 @@ OrderedJson curve_json(const Series& series, const Plot& plot) {
 }
 
 std::string content_of(const std::filesystem::path& file) {
-  return base::read_file(file).value_or("");
+  std::optional<std::string> text = base::read_file(file);
+  if (!text) throw base::ConfigError(file.string() + ": cannot be read");
+  return *std::move(text);
 }
 
 }  // namespace

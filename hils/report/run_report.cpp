@@ -276,7 +276,8 @@ Document run_report(const RunResult& run, const std::vector<NamedPlots>& plots,
   page.heading("Configuration", Extent::kPage);
   add_machine(page, whole);
   for (const std::filesystem::path& file : config_files) {
-    page.add(Document::Folded{file.filename().string(), base::read_file(file).value_or("")});
+    page.add(Document::Folded{file.filename().string(),
+                              base::read_file(file).value_or("It cannot be read.")});
   }
   return page;
 }

@@ -57,7 +57,7 @@ class CsvTrack final : public Track {
   CsvTrack(std::filesystem::path file, std::size_t columns, Write write)
       : path_(std::move(file)), columns_(columns), in_(path_), write_(std::move(write)) {
     std::string header;
-    std::getline(in_, header);
+    next_line(in_, header, path_);
     read();
   }
 
@@ -71,7 +71,7 @@ class CsvTrack final : public Track {
   void read() {
     std::string line;
     time_.reset();
-    if (!std::getline(in_, line)) return;
+    if (!next_line(in_, line, path_)) return;
     ++number_;
     auto row = parse_csv_row(line);
     if (!row || row->size() < columns_) {
@@ -95,7 +95,8 @@ class CsvTrack final : public Track {
 class TlogTrack final : public Track {
  public:
   TlogTrack(const RunRecord& record, sim::UlogFile& file, std::span<const sim::UlogParam> params)
-      : clock_(record.log_clock),
+      : path_(record.flight_tlog),
+        clock_(record.log_clock),
         telemetry_(file, record.system, params),
         parser_(mavlink::common::table()) {
     if (!log_.open(record.flight_tlog)) {
@@ -117,12 +118,14 @@ class TlogTrack final : public Track {
  private:
   void read() {
     entry_ = log_.next();
+    if (log_.failed()) throw base::ConfigError("cannot read " + path_.string() + " to its end");
     if (!entry_) return;
     const std::int64_t us = clock_.to_sim_us(static_cast<std::int64_t>(entry_->unix_us));
     // A wall clock that is set back, or a log that begins before the simulation: time goes on.
     time_ = std::max(time_, SimTime(std::chrono::microseconds(us)));
   }
 
+  const std::filesystem::path path_;
   const ClockMap& clock_;
   TelemetryUlog telemetry_;
   casd::TlogReader log_;
@@ -141,7 +144,7 @@ constexpr std::size_t kFirstRotor = 13;  ///< column of truth.csv
 std::size_t rotor_columns(const std::filesystem::path& truth_csv) {
   std::ifstream in(truth_csv);
   std::string header;
-  std::getline(in, header);
+  next_line(in, header, truth_csv);
   const auto columns = static_cast<std::size_t>(std::ranges::count(header, ',')) + 1;
   if (columns <= kFirstRotor || columns > kFirstRotor + base::kMaxRotors) {
     throw base::ConfigError(truth_csv.string() + ": not a header of truth.csv");

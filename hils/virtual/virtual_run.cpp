@@ -16,7 +16,6 @@
 
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
-#include "base/os/disk_error.hpp"
 #include "base/os/result_file.hpp"
 #include "base/random.hpp"
 #include "base/time/clock.hpp"
@@ -64,11 +63,7 @@ class FlightLog {
   }
 
   /// @throws base::DiskError when something could not be written
-  void close() {
-    const bool written = std::fflush(file_.get()) == 0 && std::ferror(file_.get()) == 0;
-    if (written) return;
-    throw base::DiskError(place_.path().string() + " was not written to its end");
-  }
+  void close() { base::close_result(std::move(file_), place_); }
 
  private:
   base::OpenFile file_;

@@ -220,10 +220,13 @@ int run(const Flags& flags) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   CLI::App app("Simulates vehicles and their sensors for hardware-in-the-loop flight.", "hilsim");
   Flags flags;
   add_flags(app, flags);
   if (const auto ended = base::cli::parse(app, argc, argv, base::kExitConfig)) return *ended;
   return base::run_program("hilsim", flags.log_level, [&] { return run(flags); });
+} catch (const std::exception& error) {  // no memory for the command line
+  std::fprintf(stderr, "hilsim: internal error: %s\n", error.what());
+  return base::kExitInternal;
 }

@@ -2,12 +2,9 @@
 #include "plugins/common/ulog_file.hpp"
 
 #include <bit>
-#include <cerrno>
 #include <cstdio>
 #include <string>
 #include <utility>
-
-#include "base/os/disk_error.hpp"
 
 namespace cas::sim {
 namespace {
@@ -115,12 +112,7 @@ void UlogFile::write_message(char type, std::span<const std::uint8_t> head,
 }
 
 void UlogFile::close() {
-  if (!file_) return;
-  const bool written = std::fflush(file_.get()) == 0 && std::ferror(file_.get()) == 0;
-  file_.reset();
-  if (written) return;
-  throw base::DiskError(place_.path().string() +
-                        ": was not written to its end: " + std::strerror(errno));
+  if (file_) base::close_result(std::move(file_), place_);
 }
 
 }  // namespace cas::sim

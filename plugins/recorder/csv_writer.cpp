@@ -2,14 +2,11 @@
 #include "plugins/recorder/csv_writer.hpp"
 
 #include <array>
-#include <cerrno>
 #include <charconv>
-#include <cstring>
 #include <string>
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/os/disk_error.hpp"
 
 namespace cas::sim {
 namespace {
@@ -38,12 +35,7 @@ void CsvWriter::row(std::span<const double> values) {
 }
 
 void CsvWriter::close() {
-  if (!file_) return;
-  const bool written = std::fflush(file_.get()) == 0 && std::ferror(file_.get()) == 0;
-  file_.reset();
-  if (written) return;
-  throw base::DiskError(place_.path().string() +
-                        ": was not written to its end: " + std::strerror(errno));
+  if (file_) base::close_result(std::move(file_), place_);
 }
 
 }  // namespace cas::sim

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <fstream>
 #include <numeric>
+#include <string>
+#include <string_view>
 
 #include "casd/tlog/tlog_files.hpp"
 #include "casd/tlog/tlog_read_ahead.hpp"
@@ -168,16 +170,24 @@ class TlogOfAStation : public Tlog {
   }
   /// Plays it while vehicle 1, in HIL or not, is heard; until the status text has come.
   testing::AssertionResult played(const std::string& more, bool in_hil) {
-    using namespace mavlink::common;
     replay(more);
+    const bool came = fixture.collect_until([&] {
+      say(in_hil);
+      return fixture.at_sim.count(mavlink::common::Statustext::kId) > 0;
+    });
+    return came ? testing::AssertionSuccess() : testing::AssertionFailure() << "nothing played";
+  }
+  /// The vehicle's HEARTBEAT.
+  void say(bool in_hil) {
+    using namespace mavlink::common;
     Heartbeat word;
     word.autopilot = MavAutopilot::kPx4;
     word.base_mode = in_hil ? MavModeFlag::kHilEnabled : MavModeFlag::kCustomModeEnabled;
-    const bool came = fixture.collect_until([&] {
-      fixture.sim.send(fixture.from_fcu(word));
-      return fixture.at_sim.count(Statustext::kId) > 0;
-    });
-    return came ? testing::AssertionSuccess() : testing::AssertionFailure() << "nothing played";
+    fixture.sim.send(fixture.from_fcu(word));
+  }
+  std::uint64_t held_back() const {
+    constexpr auto kNotHil = static_cast<std::size_t>(casd::Route::Decision::kNotHil);
+    return fixture.status("log").rx.decisions[kNotHil];
   }
   std::size_t commands() { return fixture.at_sim.count(mavlink::common::CommandLong::kId); }
 
@@ -207,8 +217,21 @@ TEST_F(TlogOfAStation, PlaysCommandsToAVehicleInHilWhereToldTo) {
 TEST_F(TlogOfAStation, ArmsNoVehicleThatIsNotInHil) {
   ASSERT_TRUE(played(", commands: true", false));
   EXPECT_EQ(commands(), 1U);  // the disarm
-  using Decision = casd::Route::Decision;
-  EXPECT_EQ(fixture.status("log").rx.decisions[static_cast<std::size_t>(Decision::kNotHil)], 1U);
+  EXPECT_EQ(held_back(), 1U);
+}
+
+TEST_F(TlogOfAStation, WhatIsHeldBackIsToldOnce) {
+  testing::internal::CaptureStderr();
+  ASSERT_TRUE(played(", commands: true, repeat: true, speed: 10", false));
+  EXPECT_TRUE(fixture.collect_until([&] {
+    say(false);
+    return held_back() >= 3;
+  }));
+  const std::string said = testing::internal::GetCapturedStderr();
+  constexpr std::string_view kLine = "and others like it are held back";
+  const std::size_t first = said.find(kLine);
+  ASSERT_NE(first, std::string::npos) << said;
+  EXPECT_EQ(said.find(kLine, first + 1), std::string::npos) << said;
 }
 
 TEST_F(TlogOfAStation, PlaysAllWhereToldTo) {
@@ -275,6 +298,20 @@ TEST_F(Tlog, PlaysOnBehindAHole) {
       .write(reinterpret_cast<const char*>(more.data()), static_cast<std::streamsize>(more.size()));
   replay("");
   EXPECT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilSensor) == 8; }));
+}
+
+TEST_F(Tlog, ZerosOfManyMegabytesHoldUpNoOtherLink) {
+  write("in.tlog", records(3));
+  append_zeros(fixture.folder / "in.tlog", std::uintmax_t{16} << 30U);  // no byte is written
+  const std::string topology = kHilTopology;
+  fixture.start(topology.substr(0, topology.find("routes:")) +
+                "  - {name: log, type: tlog, file: $DIR/in.tlog}\n" +
+                topology.substr(topology.find("routes:")));
+  for (std::uint64_t i = 1; i <= 200; ++i) {
+    fixture.sim.send(fixture.from_sim(hil_sensor(i)));
+    ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == i; }));
+  }
+  EXPECT_EQ(fixture.status("log").state, casd::LinkState::kUp) << "they waited for its end";
 }
 
 TEST_F(Tlog, AFileWithoutAPacketIsReadOnce) {

@@ -2,15 +2,26 @@
 // A page over casweb against the real hilsim, casd and fcu_emulator.
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <cstring>
+#include <deque>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <stop_token>
 #include <string>
+#include <thread>
 #include <utility>
 
+#include "base/rpc/client.hpp"
+#include "base/rpc/token.hpp"
 #include "mavlink_gen/runtime/sha256.hpp"
 #include "tests/loopback/casweb_fixture.hpp"
 #include "tests/loopback/emulator_fixture.hpp"
+#include "tests/loopback/tcp_peer.hpp"
+#include "tests/support/udp_peer.hpp"
 
 namespace cas::test {
 namespace {
@@ -224,6 +235,69 @@ TEST(CaswebScene, HasTheMeshesOfTheWorldByTheirContent) {
     const json& rays = motion->at("v")[0].at("rays");
     return rays.size() == 1 && rays[0].is_number() && rays[0] < 0.5;
   }));
+}
+
+/// Strangers that connect to a port one after the other for as long as it lives. The newest of them
+/// stay.
+class Flood {
+ public:
+  explicit Flood(std::uint16_t port)
+      : thread_([this, port](const std::stop_token& stop) {
+          std::deque<TcpPeer> strangers;
+          while (!stop.stop_requested()) {
+            strangers.emplace_back(port);
+            ++connected_;
+            if (strangers.size() > kMost) strangers.pop_front();
+          }
+        }) {}
+  int connected() const { return connected_; }
+
+ private:
+  static constexpr std::size_t kMost = 300;  // more than casd has places
+  std::atomic<int> connected_{0};
+  std::jthread thread_;
+};
+
+TEST(CaswebFlooded, ServesThePageAndCasdTheClientWithTheToken) {
+  const TemporaryFolder folder;
+  const auto topology = folder.write(
+      "casd.yaml", "schema: 1\ncommand_port: {port: 0, unix: '" + (folder / "casd.sock").string() +
+                       "', token_file: '" + (folder / "casd.token").string() +
+                       "'}\nlinks: [{name: a, type: udp, local: '127.0.0.1:0'}]\n");
+  ChildProcess casd({cas::test::binary_dir() + "/bin/casd", topology.string()});
+  const std::optional<std::string> ready = casd.wait_ready();
+  ASSERT_TRUE(ready) << casd.output();
+  const std::size_t at = ready->find("command_port ") + 13;
+  const std::string address = ready->substr(at, ready->find(' ', at) - at);
+  const json token{{"token", base::rpc::read_token(folder / "casd.token")}};
+  CaswebFixture casweb(folder.path());
+
+  base::rpc::Client client(address);
+  ASSERT_EQ(client.call("authorise", token), true);
+  const Flood flood(port_of(address));
+  ASSERT_TRUE(wait_until([&] { return flood.connected() > 500; }));
+  constexpr auto kPatienceOfAPerson = std::chrono::seconds(10);
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE(
+        client.call("casd.status", json::object(), kPatienceOfAPerson).contains("vehicles"));
+  }
+  // One that comes while the port is flooded; a stranger may take its place before it has asked.
+  EXPECT_TRUE(wait_until([&] {
+    try {
+      base::rpc::Client newcomer(address);
+      return newcomer.call("authorise", token) == true &&
+             newcomer.call("casd.status", json::object()).contains("vehicles");
+    } catch (const std::runtime_error&) {
+      return false;
+    }
+  }));
+  EXPECT_EQ(http_request(casweb.port(), "GET", "/", casweb.host()).status, 200);
+  auto page = casweb.open_page();
+  EXPECT_TRUE(wait_until([&] {
+    return page->call("link.list", json::object()).contains("result");
+  })) << "casweb asks casd";
+  const int before = flood.connected();
+  EXPECT_TRUE(wait_until([&] { return flood.connected() > before; })) << "it was flooded all along";
 }
 
 }  // namespace

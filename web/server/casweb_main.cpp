@@ -8,6 +8,7 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -172,10 +173,13 @@ int run(const Flags& flags) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   CLI::App app("Serves the page that shows and commands a bench in a browser.", "casweb");
   Flags flags;
   add_flags(app, flags);
   if (const auto ended = base::cli::parse(app, argc, argv, base::kExitConfig)) return *ended;
   return base::run_program("casweb", flags.log_level, [&] { return run(flags); });
+} catch (const std::exception& error) {  // no memory for the command line
+  std::fprintf(stderr, "casweb: internal error: %s\n", error.what());
+  return base::kExitInternal;
 }

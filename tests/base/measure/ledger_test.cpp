@@ -65,6 +65,13 @@ TEST_F(Ledger, SaysWhichLineIsWrong) {
   }
 }
 
+TEST_F(Ledger, OfMoreThanAGibibyteIsRefused) {
+  std::ofstream(file_) << kHeader;
+  std::filesystem::resize_file(file_, (std::uintmax_t{1} << 30U) + 1);  // no byte is written
+  EXPECT_EQ(test::refusal([&] { PacketLedger::read(file_); }),
+            file_.string() + ": packet ledger is larger than the 1024 MiB that are read");
+}
+
 TEST_F(Ledger, OfAFileThatIsNotThereIsAnError) {
   EXPECT_THROW(PacketLedger::read(folder_.path() / "none.csv"), ConfigError);
 }

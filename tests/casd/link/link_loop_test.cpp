@@ -1,10 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/link/link_loop.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <ctime>
+#include <functional>
 #include <new>
+#include <vector>
 
 #include "tests/casd/packets.hpp"
 #include "tests/support/wait_until.hpp"
@@ -210,6 +219,108 @@ TEST(LinkLoop, LackOfMemoryCostsALinkItsTurnAndNoOther) {
   loop.stop();
   const std::string said = testing::internal::GetCapturedStderr();
   EXPECT_NE(said.find("fixture: no memory"), std::string::npos) << said;
+}
+
+/// Does something in watch() or in serve().
+class BusyLink final : public Link {
+ public:
+  BusyLink(std::function<void()> watching, std::function<void()> serving)
+      : watching_(std::move(watching)), serving_(std::move(serving)) {}
+  void watch(PollSet& set, base::RunTime now) override {
+    set.wake_by(now + std::chrono::milliseconds(1));
+    watching_();
+  }
+  void serve(const PollSet&, base::RunTime) override { serving_(); }
+  std::uint64_t received() const override { return 0; }
+  std::shared_ptr<PacketPort> port() override { return nullptr; }
+
+ private:
+  std::function<void()> watching_;
+  std::function<void()> serving_;
+};
+
+void compute(base::Duration processor) {
+  const auto used = [] {
+    timespec time{};
+    ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+    return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
+  };
+  const auto end = used() + processor;
+  while (used() < end) {
+  }
+}
+
+void sleep_often() {
+  for (int i = 0; i < 200; ++i) ::poll(nullptr, 0, 1);
+}
+
+void read_much() {
+  const base::Descriptor zero(::open("/dev/zero", O_RDONLY | O_CLOEXEC));
+  std::vector<char> bytes(std::size_t{1} << 20U);
+  if (::read(zero.get(), bytes.data(), bytes.size()) <= 0) std::exit(1);
+}
+
+enum class At : std::uint8_t { kTask, kWatch, kServe };
+
+/// A metered loop does this until it ends, or for some turns.
+void turn_with(At at, const std::function<void()>& work) {
+  std::atomic<int> turns{0};
+  const auto none = [] {};
+  LinkLoop loop("fixture", {});
+  loop.meter_turns();
+  loop.add(std::make_unique<BusyLink>(at == At::kWatch ? work : none, [&] {
+    ++turns;
+    if (at == At::kServe) work();
+  }));
+  loop.start();
+  if (at == At::kTask) loop.run_on_loop(work);
+  wait_until([&] { return turns >= 10; });
+  loop.stop();
+}
+
+struct TurnCase {
+  const char* name;
+  At at;
+  void (*work)();
+  const char* says;
+};
+
+class MeteredTurn : public testing::TestWithParam<TurnCase> {
+ protected:
+  void SetUp() override { testing::FLAGS_gtest_death_test_style = "threadsafe"; }
+};
+
+TEST_P(MeteredTurn, AbortsWhenItTakesTooMuch) {
+  const auto& [name, at, work, says] = GetParam();
+  if (work == read_much && ::access("/proc/thread-self/io", R_OK) != 0) {
+    GTEST_SKIP() << "this kernel counts no bytes";
+  }
+  EXPECT_DEATH(turn_with(at, work), says);
+}
+
+constexpr auto kTooLong = [] { compute(std::chrono::milliseconds(150)); };
+
+INSTANTIATE_TEST_SUITE_P(
+    Turns, MeteredTurn,
+    testing::Values(TurnCase{"TaskThatComputes", At::kTask, kTooLong, "one turn took"},
+                    TurnCase{"TaskThatWaits", At::kTask, sleep_often, "one turn waited"},
+                    TurnCase{"WatchThatComputes", At::kWatch, kTooLong, "one turn took"},
+                    TurnCase{"WatchThatReads", At::kWatch, read_much, "one turn read"},
+                    TurnCase{"ServeThatComputes", At::kServe, kTooLong, "one turn took"},
+                    TurnCase{"ServeThatWaits", At::kServe, sleep_often, "one turn waited"},
+                    TurnCase{"ServeThatReads", At::kServe, read_much, "one turn read"}),
+    [](const auto& test) { return test.param.name; });
+
+TEST(MeteredTurnWithinItsBounds, GoesOn) {
+  for (const At at : {At::kTask, At::kWatch, At::kServe}) {
+    std::atomic<int> ran{0};
+    turn_with(at, [&ran] {
+      ++ran;
+      compute(std::chrono::milliseconds(1));
+      ::poll(nullptr, 0, 1);
+    });
+    EXPECT_GE(ran, 1);
+  }
 }
 
 TEST(LinkLoop, ATaskThatLacksMemoryIsTriedAgain) {
