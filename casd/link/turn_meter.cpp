@@ -17,7 +17,7 @@ namespace {
 // Controls at 400 Hz leave 2.5 ms to a turn. Sanitizers cost a factor of twenty, and a hypervisor
 // that counts the time it took from the machine as ours, as much again. Links that begin open in
 // one turn, each with calls for its lock, its device and its line in the log.
-constexpr std::chrono::milliseconds kMostProcessor{100};
+constexpr std::chrono::milliseconds kMostProcessor{200};
 constexpr std::chrono::milliseconds kMostToOpen{5};
 // At a turn a link reads one buffer of 64 KiB; and as much again for the figures of the thread.
 constexpr std::uint64_t kMostBytesOfLink = std::uint64_t{64} << 10U;
