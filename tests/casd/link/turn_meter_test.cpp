@@ -30,7 +30,7 @@ INSTANTIATE_TEST_SUITE_P(
     Turns, TurnExcess,
     testing::Values(
         ExcessCase{"Usual", {.processor = milliseconds(1), .read_bytes = 65536, .waits = 3}, false},
-        ExcessCase{"Processor", {.processor = milliseconds(111)}, true},
+        ExcessCase{"Processor", {.processor = milliseconds(211)}, true},
         ExcessCase{"Bytes", {.read_bytes = 3 * 65536 + 1}, true},
         ExcessCase{"Waits", {.waits = 145}, true}),
     [](const auto& test) { return test.param.name; });
