@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/firmware/firmware_composition.hpp"
 
+#include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -49,8 +50,10 @@ std::string world_text(const RunRequest& request, const RunPlaces& places) {
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
     YAML::Node vehicle = world["vehicles"][i];
     const auto& own = scenario.vehicles[i].sensors;
-    if (const auto& set = own ? own : firmware.sensors)
+    if (const auto& set = own ? own : firmware.sensors) {
       vehicle["sensors"] = YAML::Load(set->dump());
+      notes += sensors_origins(fmt::format("vehicles[{}].sensors", i), *set);
+    }
     add_scenario_plugins(request, i, vehicle["plugins"]);
     vehicle["plugins"].push_back(recorder_plugin(request, places.vehicles.at(i)));
     notes += plugin_origins(scenario, i, vehicles.at(i).at("plugins").items().size());

@@ -11,17 +11,6 @@
 
 namespace cas::hils {
 
-YAML::Node copy(const base::ConfigNode& node) {
-  YAML::Node result = YAML::Load(node.dump());
-  return result.IsMap() ? result : YAML::Node(YAML::NodeType::Map);
-}
-
-std::string to_text(const YAML::Node& node) {
-  YAML::Emitter emitter;
-  emitter << node;
-  return std::string(emitter.c_str()) + "\n";
-}
-
 YAML::Node plugin(const char* name) {
   YAML::Node node(YAML::NodeType::Map);
   node["plugin"] = name;

@@ -8,6 +8,7 @@
 #include "base/config/config.hpp"
 #include "hils/run/run_places.hpp"
 #include "hils/run/run_request.hpp"
+#include "hils/scenario/simulation_parts.hpp"
 
 namespace YAML {
 class Node;
@@ -15,9 +16,6 @@ class Node;
 
 namespace cas::hils {
 
-/// The entries of a map; an empty one of what is none.
-YAML::Node copy(const base::ConfigNode& node);
-std::string to_text(const YAML::Node& node);
 /// {plugin: NAME}
 YAML::Node plugin(const char* name);
 

@@ -25,17 +25,6 @@ namespace cas::hils {
 
 namespace {
 
-void overlay(YAML::Node node, const YAML::Node& own) {
-  for (const auto& entry : own) {
-    const auto key = entry.first.as<std::string>();
-    if (entry.second.IsMap() && node[key] && node[key].IsMap()) {
-      overlay(node[key], entry.second);
-    } else {
-      node[key] = entry.second;
-    }
-  }
-}
-
 std::string full_path(const std::filesystem::path& path) {
   return std::filesystem::weakly_canonical(path).string();
 }
@@ -161,27 +150,6 @@ YAML::Node casd_routes(const RunRequest& request, const RunPlaces& places) {
 constexpr int kLockstepTimeoutMs = 10'000;  ///< a controller that died, not a machine that is busy
 constexpr int kSimulatorComponent = 200;    ///< the simulator beside autopilot 1 of its system
 
-/// Block `sensors`, the same for simulator and controller: the scenario's set at the scenario's
-/// rates. A set in a file is given by its full path, because the generated files lie elsewhere.
-YAML::Node sensors(const Scenario& scenario, std::size_t vehicle) {
-  const base::ConfigNode& set_or_keys = scenario.sensors_of(vehicle);
-  YAML::Node node(YAML::NodeType::Map);
-  if (set_or_keys.is_scalar()) {
-    node["preset"] = set_or_keys.as<std::string>();
-  } else {
-    node = copy(set_or_keys);
-  }
-  if (node["preset"]) {
-    const auto set = node["preset"].as<std::string>();
-    const auto file = set_or_keys.resolve(set);
-    const bool is_name = std::filesystem::path(set).extension().empty();
-    if (!is_name && std::filesystem::is_regular_file(file)) node["preset"] = full_path(file);
-  }
-  node["imu"]["rate_hz"] = scenario.rates.sensor_hz;
-  node["gps"]["rate_hz"] = scenario.rates.gps_hz;
-  return node;
-}
-
 YAML::Node interface_plugin(const Scenario& scenario, std::size_t vehicle, Transport transport,
                             const VehiclePlaces& places) {
   YAML::Node node;
@@ -203,8 +171,7 @@ YAML::Node interface_plugin(const Scenario& scenario, std::size_t vehicle, Trans
 /// Where values of a vehicle came from, for errors of plugins (base/config/config_origin.hpp).
 std::string vehicle_origins(const Scenario& scenario, std::size_t vehicle) {
   const std::string where = fmt::format("vehicles[{}].", vehicle);
-  const base::ConfigNode& sensors = scenario.sensors_of(vehicle);
-  return base::origin_notes(where + (sensors.is_scalar() ? "sensors.preset" : "sensors"), sensors) +
+  return sensors_origins(where + "sensors", scenario.sensors_of(vehicle)) +
          plugin_origins(scenario, vehicle, kFirstPlugins.size());
 }
 
@@ -231,7 +198,7 @@ YAML::Node simulated_vehicle(const RunRequest& request, std::size_t vehicle, Tra
                              const VehiclePlaces& places) {
   const Scenario& scenario = request.scenario;
   YAML::Node node = vehicle_node(scenario.vehicles[vehicle]);
-  node["sensors"] = sensors(scenario, vehicle);
+  node["sensors"] = sensors_node(scenario, vehicle);
   node["plugins"] = vehicle_plugins(request, vehicle, transport, places);
   return node;
 }
@@ -285,21 +252,13 @@ std::string simulator_config(const RunRequest& request, Transport transport,
 std::string fcu_config(const RunRequest& request, std::size_t vehicle) {
   const Scenario& scenario = request.scenario;
   const ScenarioVehicle& own = scenario.vehicles.at(vehicle);
-  YAML::Node root = copy(scenario.controller);
-  overlay(root, copy(own.controller));
-  root["schema"] = 1;
-  root["vehicle"] = full_path(own.vehicle);
-  if (scenario.flies_several()) root["system_id"] = static_cast<int>(own.system_id);
-  if (!root["sensors"]) root["sensors"] = sensors(scenario, vehicle);
-  root["decimal_year"] = scenario.decimal_year;
-  root["control_rate_hz"] = scenario.rates.controls_hz;
+  YAML::Node root = controller_node(scenario, vehicle);
   // Each vehicle's line draws its own errors.
   root["seed"] = vehicle == 0 ? request.seed : base::derive_seed(request.seed, own.name);
   root["pace"] = pace_word(request);
   // In lockstep an emulated line would only cost wall-clock time.
   if (!in_lockstep(request)) root["line"] = line_node(request);
-  std::string text = to_text(root) + base::origin_notes("", scenario.controller) +
-                     base::origin_notes("", own.controller);
+  std::string text = to_text(root) + controller_origins(scenario, vehicle);
   if (!in_lockstep(request)) text += base::origin_notes("line", scenario.line);
   return text;
 }

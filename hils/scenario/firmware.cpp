@@ -13,6 +13,7 @@
 #include "base/suggestion.hpp"
 #include "hils/flight/phase_check.hpp"
 #include "hils/scenario/firmware_files.hpp"
+#include "hils/scenario/handed_on_keys.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
@@ -327,6 +328,7 @@ void read_firmware(const base::ConfigNode& root, Scenario& scenario) {
     scenario.plugins = root.at("plugins").items();
     root.at("plugins").mark_used();
   }
+  check_firmware_sensors(scenario);
   if (root.has("faults")) parse_faults(root.at("faults"), scenario);
   if (root.has("limits")) parse_limits(root.at("limits"), scenario);
 }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/scenario/scenario.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -21,6 +23,7 @@
 #include "base/text.hpp"
 #include "hils/flight/phase_check.hpp"
 #include "hils/scenario/figure.hpp"
+#include "hils/scenario/handed_on_keys.hpp"
 #include "hils/scenario/scenario_reference.hpp"
 #include "plugins/fault/fault_spec.hpp"
 
@@ -318,11 +321,14 @@ struct Plugins {
 };
 
 constexpr auto kPlaceKeys = base::geodetic_keys(-500, 9000);
-constexpr Range kControlRate_hz{50, 2000};
+constexpr Range kSensorRate_hz{50, 2000};
+constexpr Range kControlRate_hz{50, 1000};  // of the controller
 constexpr Range kFieldYears{base::wmm2025::kEpochYear, base::wmm2025::kLastYear};
 
 constexpr std::tuple kRateKeys{
-    required(key<&Rates::sensor_hz>("sensor_hz", kControlRate_hz, "nominal rate of HIL_SENSOR")),
+    required(key<&Rates::sensor_hz>("sensor_hz", kSensorRate_hz,
+                                    "nominal rate of HIL_SENSOR; no more than the steps of "
+                                    "`step_us`")),
     required(key<&Rates::gps_hz>("gps_hz", Range{1, 50}, "of HIL_GPS")),
     required(key<&Rates::controls_hz>("controls_hz", kControlRate_hz,
                                       "of the controls; no more than `sensor_hz`")),
@@ -353,7 +359,7 @@ constexpr std::tuple kKeys{
                          "{preset: ideal}"),
     key<&Scenario::controller>("controller", HandedOn{},
                                "keys of the [controller](#controller) file: `stamp`, `actuators`, "
-                               "`params`, ..."),
+                               "`params`, ...; those that hils sets itself are refused"),
     key<&Scenario::sensors>(
         "sensors", Sensors{},
         "the [sensor set](plugins.md#sensor-sets) of simulator and controller: `sensors: rtk`, or "
@@ -477,11 +483,18 @@ void read_vehicles(const base::ConfigNode& root, Scenario& scenario) {
 void read_own(const base::ConfigNode& root, Scenario& scenario) {
   read_vehicles(root, scenario);
   base::read_keys(root, kKeys, scenario);
+  const double steps_hz = 1e6 / scenario.step_us;
+  if (scenario.rates.sensor_hz > steps_hz) {
+    root.at("rates")
+        .at("sensor_hz")
+        .fail(fmt::format("exceeds the simulation's own rate of {:g} Hz (step_us)", steps_hz));
+  }
   if (scenario.rates.controls_hz > scenario.rates.sensor_hz) {
     root.at("rates").at("controls_hz").fail("controls answer HIL_SENSOR: no more than sensor_hz");
   }
   scenario.steps = parse_flight(root.at("steps"), casd::GainMap::shipped(), scenario.names());
   refuse_firmware_steps(root.at("steps"));
+  check_handed_on_keys(scenario);
   if (!root.has("faults")) return;
   scenario.faults = parse_scenario_faults(root.at("faults"), scenario.line, scenario.names());
   refuse_faults(root.at("faults"), std::array<std::string_view, 2>{"pause", "cut"},

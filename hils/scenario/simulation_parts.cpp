@@ -3,9 +3,40 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include "base/config/config_origin.hpp"
 #include "base/earth/gravity.hpp"
 
 namespace cas::hils {
+
+namespace {
+
+void overlay(YAML::Node node, const YAML::Node& own) {
+  for (const auto& entry : own) {
+    const auto key = entry.first.as<std::string>();
+    if (entry.second.IsMap() && node[key] && node[key].IsMap()) {
+      overlay(node[key], entry.second);
+    } else {
+      node[key] = entry.second;
+    }
+  }
+}
+
+std::string full_path(const std::filesystem::path& path) {
+  return std::filesystem::weakly_canonical(path).string();
+}
+
+}  // namespace
+
+YAML::Node copy(const base::ConfigNode& node) {
+  YAML::Node result = YAML::Load(node.dump());
+  return result.IsMap() ? result : YAML::Node(YAML::NodeType::Map);
+}
+
+std::string to_text(const YAML::Node& node) {
+  YAML::Emitter emitter;
+  emitter << node;
+  return std::string(emitter.c_str()) + "\n";
+}
 
 void put_world(const Scenario& scenario, YAML::Node& root) {
   const ScenarioWorld& world = scenario.world;
@@ -13,7 +44,7 @@ void put_world(const Scenario& scenario, YAML::Node& root) {
     root["world"]["gravity_m_s2"] = base::kStandardGravity_m_s2;
     root["world"]["ground"] = true;
   } else {
-    root["world"] = std::filesystem::weakly_canonical(world.sdf).string();
+    root["world"] = full_path(world.sdf);
     for (const auto& folder : world.model_path) root["model_path"].push_back(folder.string());
     if (world.ignore_missing) root["missing"] = "ignore";
     if (world.applies_up_axis) root["collada_up_axis"] = "applied";
@@ -29,12 +60,54 @@ void put_world(const Scenario& scenario, YAML::Node& root) {
 YAML::Node vehicle_node(const ScenarioVehicle& vehicle) {
   YAML::Node node;
   node["name"] = vehicle.name;
-  node["vehicle"] = std::filesystem::weakly_canonical(vehicle.vehicle).string();
+  node["vehicle"] = full_path(vehicle.vehicle);
   node["pose"]["x_m"] = vehicle.pose.x_m;
   node["pose"]["y_m"] = vehicle.pose.y_m;
   if (vehicle.pose.z_m) node["pose"]["z_m"] = *vehicle.pose.z_m;
   node["pose"]["yaw_deg"] = vehicle.pose.yaw_deg;
   return node;
+}
+
+YAML::Node sensors_node(const Scenario& scenario, std::size_t vehicle) {
+  const base::ConfigNode& set_or_keys = scenario.sensors_of(vehicle);
+  YAML::Node node(YAML::NodeType::Map);
+  if (set_or_keys.is_scalar()) {
+    node["preset"] = set_or_keys.as<std::string>();
+  } else {
+    node = copy(set_or_keys);
+  }
+  if (node["preset"]) {
+    const auto set = node["preset"].as<std::string>();
+    const auto file = set_or_keys.resolve(set);
+    const bool is_name = std::filesystem::path(set).extension().empty();
+    if (!is_name && std::filesystem::is_regular_file(file)) node["preset"] = full_path(file);
+  }
+  node["imu"]["rate_hz"] = scenario.rates.sensor_hz;
+  node["gps"]["rate_hz"] = scenario.rates.gps_hz;
+  return node;
+}
+
+std::string sensors_origins(const std::string& path, const base::ConfigNode& set_or_keys) {
+  return base::origin_notes(path + (set_or_keys.is_scalar() ? ".preset" : ""), set_or_keys);
+}
+
+YAML::Node controller_node(const Scenario& scenario, std::size_t vehicle) {
+  const ScenarioVehicle& own = scenario.vehicles.at(vehicle);
+  YAML::Node root = copy(scenario.controller);
+  overlay(root, copy(own.controller));
+  root["schema"] = 1;
+  root["vehicle"] = full_path(own.vehicle);
+  if (scenario.flies_several()) root["system_id"] = static_cast<int>(own.system_id);
+  if (!root["sensors"]) root["sensors"] = sensors_node(scenario, vehicle);
+  root["decimal_year"] = scenario.decimal_year;
+  root["control_rate_hz"] = scenario.rates.controls_hz;
+  return root;
+}
+
+std::string controller_origins(const Scenario& scenario, std::size_t vehicle) {
+  return sensors_origins("sensors", scenario.sensors_of(vehicle)) +
+         base::origin_notes("", scenario.controller) +
+         base::origin_notes("", scenario.vehicles.at(vehicle).controller);
 }
 
 }  // namespace cas::hils

@@ -133,10 +133,10 @@ std::vector<std::string> PluginHost::configure(const std::vector<VehicleConfig>&
       } catch (const base::ConfigError& error) {
         throw base::ConfigError("plugin " + instance.label + ": " + error.what());
       } catch (const std::exception& error) {
-        throw base::ConfigError("plugin " + instance.label + ": configure failed: " + error.what());
+        config.params.fail("plugin " + instance.label + ": configure failed: " + error.what());
       } catch (...) {
-        throw base::ConfigError("plugin " + instance.label +
-                                ": configure failed with an unknown exception");
+        config.params.fail("plugin " + instance.label +
+                           ": configure failed with an unknown exception");
       }
     }
   }

@@ -189,31 +189,24 @@ TEST_F(ErrorsOfGeneratedFiles, NameThePlaceOfAPluginsKeyInTheScenario) {
 
 TEST_F(ErrorsOfGeneratedFiles, NameSensorsFaultsControllerAndLineOfTheScenario) {
   const RunRequest own = request(
-      "sensors:\n  preset: airsim_mpu6000\n  imu: {oddity: 1}\n"
+      "sensors:\n  preset: airsim_mpu6000\n  imu: {position_B_m: [0, 0, 0]}\n"
       "faults:\n  - {at_s: 1, for_s: 1, rotor: {number: 1, stop: true}}\n"
-      "controller:\n  params: {MPC_XYZ: 1}\n"
+      "controller:\n  params: {MPC_XY_P: 1}\n"
       "line:\n  preset: usb\n");
   const base::ConfigNode vehicle = simulator(own).at("vehicles").items()[0];
   const auto fail = [](const base::ConfigNode& node) {
     return test::refusal([&] { node.fail("is odd"); });
   };
-  EXPECT_EQ(fail(vehicle.at("sensors").at("imu").at("oddity")),
-            mine(":9: sensors.imu.oddity: is odd"));
+  EXPECT_EQ(fail(vehicle.at("sensors").at("imu").at("position_B_m")),
+            mine(":9: sensors.imu.position_B_m: is odd"));
   EXPECT_EQ(fail(vehicle.at("plugins").items()[5].at("faults").items()[0].at("rotor")),
             mine(":11: faults[0].rotor: is odd"));
   const auto fcu = base::ConfigNode::parse(fcu_config(own, 0), "fcu.yaml");
-  EXPECT_EQ(fail(fcu.at("params").at("MPC_XYZ")), mine(":13: controller.params.MPC_XYZ: is odd"));
+  EXPECT_EQ(fail(fcu.at("params").at("MPC_XY_P")), mine(":13: controller.params.MPC_XY_P: is odd"));
+  EXPECT_EQ(fail(fcu.at("sensors").at("imu").at("position_B_m")),
+            mine(":9: sensors.imu.position_B_m: is odd"));
   EXPECT_EQ(fail(fcu.at("line").at("preset")), mine(":15: line.preset: is odd"));
   EXPECT_EQ(fail(fcu.at("vehicle")).rfind("fcu.yaml:", 0), 0U) << "hils's own word";
-}
-
-TEST_F(ErrorsOfGeneratedFiles, NameTheParameterThatWasMeant) {
-  const RunRequest own = request("controller:\n  params: {MPC_XY_VELP_ACC: 1}\n");
-  EXPECT_EQ(test::refusal([&] {
-              fcu::FcuConfig::parse(base::ConfigNode::parse(fcu_config(own, 0), "fcu.yaml"));
-            }),
-            mine(":8: controller.params.MPC_XY_VELP_ACC: there is no parameter "
-                 "MPC_XY_VELP_ACC; did you mean 'MPC_XY_VEL_P_ACC'?"));
 }
 
 TEST(Composition, OfStockFirmwareIsLeftToItsOwnBench) {

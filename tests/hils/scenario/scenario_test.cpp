@@ -112,6 +112,57 @@ TEST_F(ScenarioFile, RefusesMoreControlsThanSensorsAndStepsWithoutTheirValues) {
       << text;
 }
 
+TEST_F(ScenarioFile, RefusesKeysOfSimulatorAndControllerWithItsOwnLine) {
+  const std::pair<std::string, const char*> cases[] = {
+      {"line: {packet_los: 0.1}", "line.packet_los: unknown key; did you mean 'packet_loss'?"},
+      {"line: {packet_loss: 3}", "line.packet_loss: 3 must lie in [0, 1]"},
+      {"line: {preset: nope}", "line.preset: line preset 'nope' is unknown"},
+      {"line: [1]", "line: expected a map"},
+      {"controller: {stam: 1}", "controller.stam: unknown key; did you mean 'stamp'?"},
+      {"controller: {stamp: 1}", "controller.stamp: must be message or arrival"},
+      {"controller: {params: {MPC_XY_VELP_ACC: 1}}",
+       "controller.params.MPC_XY_VELP_ACC: there is no parameter MPC_XY_VELP_ACC; did you mean "
+       "'MPC_XY_VEL_P_ACC'?"},
+      {"controller: {params: {MPC_XY_P: 9999}}", "controller.params.MPC_XY_P: is out of range"},
+      {"controller: {sensors: {gps: {delay_s: -4}}}",
+       "controller.sensors.gps.delay_s: -4 must lie in [0, 10]"},
+      {"controller: [1]", "controller: expected a map"},
+      {"controller: {seed: 7}",
+       "controller.seed: hils sets this key: its value is the scenario's 'seed', or --seed"},
+      {"controller: {control_rate_hz: 100}",
+       "controller.control_rate_hz: hils sets this key: its value is the scenario's "
+       "'rates.controls_hz'"},
+      {"controller: {line: {preset: usb}}",
+       "controller.line: hils sets this key: its value is the scenario's 'line'"},
+      {"sensors: {imu: {rate: 3}}", "sensors.imu.rate: unknown key; did you mean 'rate_hz'?"},
+      {"sensors: {gps: {delay_s: -4}}", "sensors.gps.delay_s: -4 must lie in [0, 10]"},
+      {"sensors: {magnetometer: {rate_hz: 3333}}",
+       "sensors.magnetometer.rate_hz: exceeds the simulation's own rate of 1000"},
+      {"sensors: {barometer: {noise: 1}}", "sensors.barometer.noise: unknown key"},
+      {"sensors: {radar: {rate_hz: 3}}", "sensors.radar: the vehicle has no plugin 'radar'"},
+      {"sensors: {imu: {rate_hz: 100}}",
+       "sensors.imu.rate_hz: hils sets this key: its value is the scenario's 'rates.sensor_hz'"},
+      {"plugins: [{plugin: imu}]",
+       "plugins[0].plugin: each vehicle has plugin imu already; its keys are those of 'sensors: "
+       "{imu: ...}'"}};
+  for (const auto& [keys, sentence] : cases) {
+    const std::string said = error_of(kHead + keys + "\n" + kFlight);
+    EXPECT_EQ(said.find(file_.string() + ":5: " + sentence), 0U) << said;
+  }
+}
+
+TEST_F(ScenarioFile, RefusesRatesBeyondTheSimulatorsStepsAndTheControllers) {
+  std::string head = kHead;
+  head.replace(head.find("sensor_hz: 500"), 14, "sensor_hz: 2000");
+  EXPECT_EQ(error_of(head + kFlight),
+            file_.string() +
+                ":4: rates.sensor_hz: exceeds the simulation's own rate of 1000 Hz (step_us)");
+  EXPECT_EQ(error_of(head + "step_us: 500\n" + kFlight), "");
+  head.replace(head.find("controls_hz: 400"), 16, "controls_hz: 1500");
+  EXPECT_EQ(error_of(head + "step_us: 500\n" + kFlight),
+            file_.string() + ":4: rates.controls_hz: 1500 must lie in [50, 1000]");
+}
+
 TEST_F(ScenarioFile, TakesLimitsOnlyWhereTheyAreGiven) {
   const Scenario scenario =
       Scenario::load(write(std::string(kHead) + kFlight + "limits: {lost: 0, rms: {x_m: 0.25}}\n"));

@@ -284,8 +284,17 @@ TEST_F(Sweep, WhatNoRunTakesEndsWithTwoAndTheKey) {
   const fs::path study = folder_.write("wrong.yaml",
                                        "schema: 1\nname: wrong\nscenario: hop.yaml\nvary:\n"
                                        "  - {key: line.packet_los, values: [0.1, 0.2]}\n");
-  const fs::path wrong = plan("wrong", study);
-  EXPECT_NE(sweep({"run", wrong.string()}, 2).find("packet_los"), std::string::npos);
+  EXPECT_NE(
+      sweep({"plan", study.string(), "--out", folder_ / "wrong"}, 2).find("row 1: scenario.yaml:"),
+      std::string::npos);
+  // Keys of a further plugin are read in flight.
+  const fs::path later =
+      folder_.write("later.yaml",
+                    "schema: 1\nname: later\nscenario: hop.yaml\nvary:\n"
+                    "  - {key: plugins, values: ['[{plugin: wind, gost: 1}]']}\n");
+  const std::string said = sweep({"run", plan("later", later).string()}, 2);
+  EXPECT_NE(said.find("scenario.yaml:"), std::string::npos) << said;
+  EXPECT_NE(said.find("plugins[0].gost: unknown key"), std::string::npos) << said;
 }
 
 TEST_F(Sweep, ARowWithOtherFiguresThanItsTableIsRefused) {
