@@ -215,7 +215,7 @@ TEST_P(SeveralInstances, AreRefusedWhereTheyCannotFly) {
 INSTANTIATE_TEST_SUITE_P(
     FirmwareScenario, SeveralInstances,
     testing::Values(Refused{"ByAKeyThatIsNone", "autopilot: PX4", "instances: 2",
-                            "firmware.instances: is no key: each vehicle of the world"},
+                            "firmware.instances: is no longer a key: each vehicle of the world"},
                     Refused{"AllTheSame", "-i, \"${CAS_INSTANCE}\", ", "",
                             "several instances need ${CAS_INSTANCE} in it"},
                     Refused{"OneFolderForAll", "autopilot: PX4", "autopilot: PX4\n  cwd: /tmp/px4",
