@@ -152,8 +152,9 @@ class PlannedPath {
           length2 > 0 ? std::clamp((p - places_[i - 1]).dot(along) / length2, 0.0, 1.0) : 0.0;
       least = std::min(least, (p - places_[i - 1] - share * along).norm());
     }
-    return std::max(0.0, least - slack_m_);
+    return least;
   }
+  /// How far its trajectories lead from it.
   double slack_m() const { return slack_m_; }
 
  private:
@@ -163,6 +164,10 @@ class PlannedPath {
 
 bool keeps_place(const Stage& stage) {
   return stage.step.kind == StepKind::kHold || stage.step.kind == StepKind::kWaitUntil;
+}
+
+bool is_pattern(const Stage& stage) {
+  return stage.step.kind == StepKind::kTrajectory || stage.step.kind == StepKind::kEndTrajectory;
 }
 
 bool is_crash(IncidentKind kind) { return kind != IncidentKind::kGround; }
@@ -184,7 +189,8 @@ bool has_turning_rotor(const PoseSample& sample) {
                              [](double omega_rad_s) { return omega_rad_s > kTurning_rad_s; });
 }
 
-/// Where the plan has a vehicle at a moment: in a hold at its place, else on the path.
+/// Where the plan has a vehicle at a moment: in a hold at its place, else on the path; within its
+/// size in a trajectory, and in the step after it, where the vehicle flies back.
 class PlannedPlace {
  public:
   explicit PlannedPlace(const StrikeEvidence& evidence)
@@ -195,9 +201,12 @@ class PlannedPlace {
       return static_cast<std::int64_t>(base::to_time_usec(stage.begin));
     });
     if (next == stages_.begin()) return path_.distance_m(p);
-    const Stage& stage = *std::prev(next);
-    if (!keeps_place(stage) || landed_before(next)) return path_.distance_m(p);
-    return std::max(0.0, (p - stage.reference_m).norm() - path_.slack_m());
+    const auto stage = std::prev(next);
+    const bool at_place = keeps_place(*stage) && !landed_before(next);
+    const double off_m = at_place ? (p - stage->reference_m).norm() : path_.distance_m(p);
+    const bool flies_pattern =
+        is_pattern(*stage) || (stage != stages_.begin() && is_pattern(*std::prev(stage)));
+    return flies_pattern ? std::max(0.0, off_m - path_.slack_m()) : off_m;
   }
 
  private:

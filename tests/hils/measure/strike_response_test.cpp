@@ -47,6 +47,9 @@ class Struck : public testing::Test {
                        .reference_m = {20, 0, 10}});
     return steps_.back();
   }
+  void hang_over_the_start() {
+    for (Stage& stage : stages_) stage.reference_m = {0, 0, 10};
+  }
   static PoseSample planned(double t) {
     PoseSample sample;
     sample.pose.z_m = t < 1 ? 0 : t < 5 ? 2.5 * (t - 1) : t < 15 ? 10 : std::max(0.0, 25 - t);
@@ -116,11 +119,12 @@ TEST_F(Struck, OfAHoldIsMeasuredByItselfWhateverTheNextStepDoes) {
   add(StepKind::kTakeoff, 1, 5).altitude_m = 10;
   add(StepKind::kHold, 5, 15);
   add(StepKind::kTrajectory, 15, 20).trajectory.size_m = 4;
+  hang_over_the_start();
   const StrikeResponse got = response(
       [](double t, PoseSample& sample) {
         const bool moves_off = t > 11 && t < 12;
         sample.pose.x_m = t > 16 ? 4 : moves_off ? 0.3 * std::sin((t - 11) * M_PI) : 0;
-        sample.pose.z_m = 10;
+        if (t > 5) sample.pose.z_m = 10;
         sample.pose.pitch_rad = t > 16 ? 0.6 : moves_off ? 0.2 : 0;
       },
       20);
@@ -128,6 +132,33 @@ TEST_F(Struck, OfAHoldIsMeasuredByItselfWhateverTheNextStepDoes) {
   EXPECT_NEAR(*got.hold_farthest_m, 0.3, 1e-3);
   EXPECT_NEAR(*got.hold_tilt_deg, 0.2 * 180 / M_PI, 1e-9);
   EXPECT_NEAR(got.peak_tilt_deg, 0.6 * 180 / M_PI, 1e-9);
+  EXPECT_NEAR(got.farthest_m, 0.3, 1e-3) << "a trajectory's size is allowed in the trajectory";
+}
+
+TEST_F(Struck, MayStillFlyBackInTheStepAfterATrajectory) {
+  steps_.clear();
+  stages_.clear();
+  add(StepKind::kTakeoff, 1, 5).altitude_m = 10;
+  add(StepKind::kTrajectory, 5, 9).trajectory.size_m = 4;
+  add(StepKind::kHold, 9, 15);
+  add(StepKind::kHold, 15, 20);
+  hang_over_the_start();
+  const auto flown = [&](double off_from_s, double off_m) {
+    return response(
+        [=](double t, PoseSample& sample) {
+          sample.pose.x_m = t > off_from_s ? off_m : 0;
+          if (t > 5) sample.pose.z_m = 10;
+        },
+        20);
+  };
+  EXPECT_NEAR(flown(12, 4.5).farthest_m, 4.5, 1e-6) << "it stays there in the last hold";
+  const StrikeResponse back = response(
+      [](double t, PoseSample& sample) {
+        sample.pose.x_m = t < 5 ? 0 : t < 12 ? 4 : 0.5;
+        if (t > 5) sample.pose.z_m = 10;
+      },
+      20);
+  EXPECT_NEAR(back.farthest_m, 0.5, 1e-6);
 }
 
 TEST_F(Struck, InNoHoldHasNoFiguresOfAHold) {
