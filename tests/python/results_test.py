@@ -115,9 +115,9 @@ class TlogTest(FolderTest):
         record = (1_794_000_000_000_000).to_bytes(8, "big") + packet
         for foreign in (bytes(200 << 20), random.Random(1).randbytes(3 << 20)):
             (self.folder / "f.tlog").write_bytes(record + foreign + record)
-            begin = time.monotonic()
+            begin = time.process_time()
             log = cas.read("f.tlog")
-            self.assertLess(time.monotonic() - begin, READ_S)
+            self.assertLess(time.process_time() - begin, READ_S)
             self.assertEqual([at for at, _ in log.packets if at == 1_794_000_000_000_000], 2 * [1_794_000_000_000_000])
 
     def test_too_many_bytes_that_look_like_packets_are_refused(self):
@@ -232,9 +232,9 @@ class DamagedUlogTest(FolderTest):
         sync = self.message("S", b"\x2f\x73\x13\x20\x25\x0c\xbb\x12")
         for foreign, lost in ((bytes(100 << 20), 100 << 20), (random.Random(1).randbytes(3 << 20), None),
                               (1_000_000 * sync, 0), (1_000 * (30 * self.message("Z", b"1") + sync), 0)):
-            begin = time.monotonic()
+            begin = time.process_time()
             rows, log = self.read(messages=[*self.messages[:500], foreign, *self.messages[500:]])
-            self.assertLess(time.monotonic() - begin, READ_S)
+            self.assertLess(time.process_time() - begin, READ_S)
             self.assertEqual(rows, {"alpha": 500, "beta": 500})
             self.assertIn(lost, (log.damaged, None))  # of random bytes a few look like messages of a later logger
 
