@@ -255,7 +255,7 @@ TEST_F(Tlog, PlaysOnInItsRhythmWhereTheRecordersClockWasSet) {
   }
   write("in.tlog", bytes);
   replay(", speed: 10");
-  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilSensor) == 1; }));
+  ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilSensor) >= 1; }));
   const base::RunTime started = base::steady_now();
   ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilSensor) == kRecords; }));
   // 2.95 s of flight; each of the four steps costs at most one period.
