@@ -167,15 +167,18 @@ TEST_F(CaswebGuard, StrangersLockNobodyOut) {
 TEST_F(CaswebGuard, HalfRequestsOfStrangersKeepNobodyOut) {
   const std::string text = "GET / HTTP/1.1\r\nHo";
   const std::vector<std::uint8_t> half(text.begin(), text.end());
-  for (int i = 0; i < 5000; ++i) {
+  for (int i = 0; i < 2000; ++i) {
     TcpPeer stranger(casweb_.port());
     ASSERT_TRUE(stranger.connected());
     stranger.send(half);
   }
-  // On a busy machine many of them are still to be taken in, and the newest caller may pay for
-  // that.
+  // On a busy machine, where casweb steps back (nice 10), many of them are still to be taken in,
+  // and the newest caller may pay for that.
+  constexpr auto kTakenIn = std::chrono::seconds(90);
   EXPECT_TRUE(wait_until(
-      [&] { return http_request(casweb_.port(), "GET", "/", casweb_.host()).status == 200; }));
+      [&] { return http_request(casweb_.port(), "GET", "/", casweb_.host()).status == 200; },
+      kTakenIn));
+  EXPECT_TRUE(wait_until([&] { return WebPage(casweb_.port()).refusal() == 0; }, kTakenIn));
   EXPECT_TRUE(casweb_.open_page()->call("bench.status", json::object()).contains("result"));
 }
 
