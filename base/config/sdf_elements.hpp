@@ -6,9 +6,9 @@
 
 namespace cas::base {
 
-/// Warns of what a vehicle's <model> holds and nobody reads (unread_elements.hpp), and of what acts
-/// on a vehicle in Gazebo alone. Models in it are left to calls of their own; visuals, sensors and
-/// the contents of plugins do not count.
+/// Warns of unread parts of a vehicle's <model> (unread_elements.hpp), and of plugins and settings
+/// that act on a vehicle in Gazebo alone. Models in it are left to calls of their own; visuals,
+/// sensors and the contents of plugins do not count.
 /// @throws ConfigError for parameters of an <include>, which would make another model of it
 void check_sdf_elements(const XmlElement& model, ModelBuilder& builder);
 

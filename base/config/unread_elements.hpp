@@ -18,8 +18,8 @@ struct KnownElement {
   std::string_view attributes;
 };
 
-/// Warns of what an element and those in it hold and nobody reads: attributes and children that
-/// their rows do not have, as of a slip of the pen (<orgin>), and second ones of which the first
+/// Warns of unread parts of an element and of the elements in it: attributes and children that the
+/// table does not have, such as misspelt ones (<orgin>), and repeated children, of which the first
 /// counts. An element without a row may hold anything; of a <geometry> the first form is looked at.
 /// Names of other programs' namespaces are passed over.
 /// @param visit  is called with each child, and says whether to look into it

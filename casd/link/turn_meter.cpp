@@ -14,9 +14,9 @@
 namespace cas::casd {
 namespace {
 
-// Controls at 400 Hz leave 2.5 ms to a turn. Sanitizers cost a factor of twenty, and a hypervisor
-// that counts the time it took from the machine as ours, as much again. Links that begin open in
-// one turn, each with calls for its lock, its device and its line in the log.
+// Controls at 400 Hz leave 2.5 ms to a turn. Sanitizers cost a factor of twenty; a virtual machine
+// on shared processors counts time that it did not get as ours, up to four times as much. Links
+// that begin open in one turn, each with calls for its lock, its device and its line in the log.
 constexpr std::chrono::milliseconds kMostProcessor{200};
 constexpr std::chrono::milliseconds kMostToOpen{5};
 // At a turn a link reads one buffer of 64 KiB; and as much again for the figures of the thread.

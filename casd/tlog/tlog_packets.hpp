@@ -17,7 +17,8 @@ struct TlogLoss {
 };
 
 /// Hands each intact packet of a telemetry log to `use(unix_us, packet)`; a damaged record costs no
-/// other one. @param loss  what was left out @return false when the log cannot be read to its end
+/// other one. @param loss  bytes and records that were left out
+/// @return false if the log cannot be opened, or not read to its end
 template <class Use>
 bool for_each_tlog_packet(const std::filesystem::path& file, const mav::MessageTable& table,
                           Use&& use, TlogLoss* loss = nullptr) {

@@ -25,10 +25,6 @@ namespace cas::hils {
 
 namespace {
 
-std::string full_path(const std::filesystem::path& path) {
-  return std::filesystem::weakly_canonical(path).string();
-}
-
 std::string local_port(std::uint16_t port) { return fmt::format("127.0.0.1:{}", port); }
 
 bool in_lockstep(const RunRequest& request) { return request.clock == Clock::kLockstep; }

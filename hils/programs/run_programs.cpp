@@ -16,11 +16,11 @@
 namespace cas::hils {
 
 RunPrograms::RunPrograms(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request,
-                         bool ledgers)
+                         bool casd_ledger)
     : supervisor_(supervisor),
       places_(places),
       request_(request),
-      ledgers_(ledgers),
+      casd_ledger_(casd_ledger),
       logs_(places.flight_tlog(), places.run) {}
 
 void RunPrograms::start_casd() {
@@ -28,7 +28,7 @@ void RunPrograms::start_casd() {
   std::vector<std::string> arguments{
       sibling_program("casd"), places_.casd_config(), "--stats", places_.casd_stats(), "--name",
       request_.scenario.name};
-  if (ledgers_) arguments.insert(arguments.end(), {"--ledger", places_.casd_ledger()});
+  if (casd_ledger_) arguments.insert(arguments.end(), {"--ledger", places_.casd_ledger()});
   casd_ = &supervisor_.start(options("casd", std::move(arguments)), Supervisor::kReadyTimeout);
 }
 

@@ -17,9 +17,9 @@ namespace cas::hils {
 /// opens, stock firmware looks for its peers.
 class RunPrograms {
  public:
-  /// All outlive it. @param ledgers  hilsim and casd write down each HIL packet
+  /// All outlive it. @param casd_ledger  casd writes down each HIL packet
   RunPrograms(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request,
-              bool ledgers);
+              bool casd_ledger);
 
   /// Starts casd and waits until it is ready; nothing happens where it runs. @throws RunStopped,
   /// base::ConfigError
@@ -34,7 +34,7 @@ class RunPrograms {
 
   ChildProcess* casd() const { return casd_; }
   ChildProcess* hilsim() const { return hilsim_; }
-  /// All have ended: the log of the flight becomes one again. @throws RunStopped
+  /// All have ended: the log of the flight becomes one again. @throws base::ConfigError
   void join_logs() { logs_.join(); }
 
   /// Where a program of the run writes, and says that it is ready. @param arguments  its program
@@ -47,7 +47,7 @@ class RunPrograms {
   Supervisor& supervisor_;
   const RunPlaces& places_;
   const RunRequest& request_;
-  bool ledgers_;
+  bool casd_ledger_;
   ChildProcess* casd_ = nullptr;
   ChildProcess* hilsim_ = nullptr;
   FlightLogs logs_;

@@ -21,10 +21,6 @@ void overlay(YAML::Node node, const YAML::Node& own) {
   }
 }
 
-std::string full_path(const std::filesystem::path& path) {
-  return std::filesystem::weakly_canonical(path).string();
-}
-
 }  // namespace
 
 YAML::Node copy(const base::ConfigNode& node) {
@@ -36,6 +32,10 @@ std::string to_text(const YAML::Node& node) {
   YAML::Emitter emitter;
   emitter << node;
   return std::string(emitter.c_str()) + "\n";
+}
+
+std::string full_path(const std::filesystem::path& path) {
+  return std::filesystem::weakly_canonical(path).string();
 }
 
 void put_world(const Scenario& scenario, YAML::Node& root) {

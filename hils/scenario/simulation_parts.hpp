@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <filesystem>
 #include <string>
 
 #include "hils/scenario/scenario.hpp"
@@ -15,9 +16,11 @@ namespace cas::hils {
 /// Plugins that a vehicle has in front of the scenario's, where the simulator makes its sensors.
 inline constexpr std::array kFirstPlugins{"motor", "imu", "gps", "magnetometer", "barometer"};
 
-/// The entries of a map; an empty one of what is none.
+/// A copy of a map; of any other node an empty map.
 YAML::Node copy(const base::ConfigNode& node);
 std::string to_text(const YAML::Node& node);
+/// A path that holds from every folder.
+std::string full_path(const std::filesystem::path& path);
 
 /// Puts the keys `world`, `model_path`, `missing`, `collada_up_axis`, `home` and `decimal_year` of
 /// a simulation file.

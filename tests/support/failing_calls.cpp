@@ -176,7 +176,7 @@ int synced(int fd) {
   return fd;
 }
 
-/// A close of this descriptor fails: what was written late never reached the disk.
+/// Whether closing this descriptor fails: bytes that were written since the last fsync are lost.
 bool close_fails(int fd) {
   struct stat status {};
   if (!take_unsynced(fd) || ::fstat(fd, &status) != 0 || !S_ISREG(status.st_mode)) return false;
