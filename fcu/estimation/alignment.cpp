@@ -19,10 +19,27 @@ constexpr double kShortest_s = 0.5;
 constexpr int kMagSamples = 10;
 // Within this time a receiver of 1 Hz sends the fix that gives the declination.
 constexpr double kWithoutHeading_s = 2.0;
+constexpr double kPatience_s = 5.0;       // longer, motion is not waited out
+constexpr double kRestRate_rad_s = 0.15;  // larger rates are not rest
+constexpr double kRestForce_m_s2 = 1.0;   // larger deviations from gravity are not rest
 
 }  // namespace
 
-void Alignment::on_accelerometer(base::SimTime time, const Vector3d& accel_D) {
+bool indicates_rest(const Vector3d& gyro_D, const Vector3d& accel_D, double gravity_m_s2) {
+  return gyro_D.norm() < kRestRate_rad_s &&
+         std::abs(accel_D.norm() - gravity_m_s2) < kRestForce_m_s2;
+}
+
+void Alignment::begin_anew() {
+  accel_samples_ = 0;
+  mag_samples_ = 0;
+  accel_sum_.setZero();
+  mag_sum_.setZero();
+}
+
+void Alignment::on_accelerometer(base::SimTime time, const Vector3d& accel_D, bool at_rest) {
+  if (!first_) first_ = time;
+  if (!at_rest && base::to_seconds(time - *first_) < kPatience_s) return begin_anew();
   if (accel_samples_ == 0) start_ = time;
   last_ = time;
   ++accel_samples_;
@@ -37,6 +54,7 @@ void Alignment::on_magnetometer(const Vector3d& field_D) {
 bool Alignment::has_heading() const { return mag_samples_ >= kMagSamples; }
 
 bool Alignment::complete(bool heading_usable) const {
+  if (accel_samples_ == 0) return false;
   return base::to_seconds(last_ - start_) >= (heading_usable ? kShortest_s : kWithoutHeading_s);
 }
 

@@ -3,17 +3,27 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <optional>
 
 #include "base/time/clock.hpp"
 
 namespace cas::fcu {
 
+/// Whether one inertial sample is that of a vehicle at rest: hardly a rate, and gravity alone.
+/// @param gyro_D   rad/s
+/// @param accel_D  specific force, m/s^2
+bool indicates_rest(const Eigen::Vector3d& gyro_D, const Eigen::Vector3d& accel_D,
+                    double gravity_m_s2);
+
 /// How the estimate begins: tilt from gravity and heading from the magnetic field, both averaged
-/// while the vehicle is at rest.
+/// while the vehicle is at rest. A vehicle that falls onto a slope and tips over shows another
+/// direction than gravity, so the averages begin anew with every sample of motion; after 5 s of
+/// waiting, on a ship say, they take what comes.
 class Alignment {
  public:
   /// @param accel_D  specific force, m/s^2
-  void on_accelerometer(base::SimTime time, const Eigen::Vector3d& accel_D);
+  /// @param at_rest  see indicates_rest()
+  void on_accelerometer(base::SimTime time, const Eigen::Vector3d& accel_D, bool at_rest);
   /// @param field_D  any unit
   void on_magnetometer(const Eigen::Vector3d& field_D);
 
@@ -28,7 +38,10 @@ class Alignment {
   Eigen::Quaterniond attitude(const Eigen::Vector3d& earth_field_N, bool with_heading) const;
 
  private:
-  base::SimTime start_;
+  void begin_anew();
+
+  std::optional<base::SimTime> first_;  // sample of all
+  base::SimTime start_;                 // of the averages
   base::SimTime last_;
   int accel_samples_ = 0;
   int mag_samples_ = 0;

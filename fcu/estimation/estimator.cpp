@@ -20,8 +20,6 @@ using Eigen::Vector3d;
 constexpr double kLongestStep_s = 0.1;       // a longer gap in the samples is not integrated
 constexpr double kFusionTimeout_s = 5.0;     // dead reckoning is trusted this long
 constexpr double kRejectionTimeout_s = 4.0;  // then the measurements are believed again
-constexpr double kRestRate_rad_s = 0.15;     // larger rates are not rest
-constexpr double kRestForce_m_s2 = 1.0;      // larger deviations from gravity are not rest
 constexpr int kRestSamples = 10;             // IMU samples per rest measurement
 constexpr double kFlightForce_g = 2.5;       // specific force of the hardest manoeuvre
 constexpr double kVelocityUsable_m_s = 1.0;  // larger deviations: no velocity
@@ -69,7 +67,8 @@ void Estimator::set_field_from_model(const base::Geodetic& place) {
 // Alignment.
 
 void Estimator::align(const ImuInput& imu) {
-  alignment_.on_accelerometer(imu.time, imu.accel_D);
+  alignment_.on_accelerometer(imu.time, imu.accel_D,
+                              indicates_rest(imu.gyro_D, imu.accel_D, params_.gravity_m_s2));
   const bool with_heading = alignment_.has_heading() && field_known_;
   if (!alignment_.complete(with_heading)) return;
   state_.time = imu.time;
@@ -190,9 +189,7 @@ void Estimator::apply_errors() {
 
 void Estimator::fuse_rest(base::SimTime now) {
   const Vector3d& gyro = last_imu_->gyro_D;
-  const bool quiet = gyro.norm() < kRestRate_rad_s &&
-                     std::abs(last_imu_->accel_D.norm() - params_.gravity_m_s2) < kRestForce_m_s2;
-  if (!quiet) {
+  if (!indicates_rest(gyro, last_imu_->accel_D, params_.gravity_m_s2)) {
     rest_samples_ = 0;
     rest_gyro_sum_.setZero();
     rest_since_.reset();
