@@ -97,6 +97,7 @@ struct SimRunner::Impl {
     warn(vehicle.name, implausible(vehicle.vehicle, vehicle_model));
     if (!vehicle.pose.z_m) vehicle.pose.z_m = standing_height(model, vehicle_model, vehicle.pose);
     require_free_start(model, vehicle_model, vehicle);
+    if (config.world.sdf) require_ground(model, vehicle_model, vehicle, *config.world.sdf);
     plugins.load(world.add_vehicle(vehicle_model, vehicle.pose), vehicle);
   }
 

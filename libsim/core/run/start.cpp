@@ -2,6 +2,7 @@
 #include "libsim/core/run/start.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -100,25 +101,34 @@ double reach(const VehicleModel& model, const Eigen::Matrix3d& R_WB, const Eigen
   return farthest;
 }
 
-}  // namespace
-
-double standing_height(const WorldModel& world, const VehicleModel& model, const StartPose& pose) {
-  constexpr int kCells = 4;  // along an edge of the base
-  ContactSolver solver(Eigen::Vector3d::Zero());
-  add_statics(world, solver);
+/// Places all over the base of a vehicle, 5 x 5.
+std::array<Eigen::Vector2d, 25> base_of(const VehicleModel& model, const StartPose& pose) {
+  constexpr int kCells = 4;  // along an edge
   const Eigen::Matrix3d R_WB = turned_by(pose);
   const Eigen::Vector2d low(-reach(model, R_WB, -Eigen::Vector3d::UnitX()),
                             -reach(model, R_WB, -Eigen::Vector3d::UnitY()));
   const Eigen::Vector2d high(reach(model, R_WB, Eigen::Vector3d::UnitX()),
                              reach(model, R_WB, Eigen::Vector3d::UnitY()));
-  std::optional<double> top;
+  std::array<Eigen::Vector2d, 25> places;
+  std::size_t n = 0;
   for (int i = 0; i <= kCells; ++i) {
     for (int j = 0; j <= kCells; ++j) {
       const Eigen::Vector2d part = Eigen::Vector2d(i, j) / kCells;
-      const Eigen::Vector2d place = low + part.cwiseProduct(high - low);
-      const auto z = surface_at(solver, pose.x_m + place.x(), pose.y_m + place.y());
-      if (z) top = std::max(top.value_or(*z), *z);
+      places[n++] = Eigen::Vector2d(pose.x_m, pose.y_m) + low + part.cwiseProduct(high - low);
     }
+  }
+  return places;
+}
+
+}  // namespace
+
+double standing_height(const WorldModel& world, const VehicleModel& model, const StartPose& pose) {
+  ContactSolver solver(Eigen::Vector3d::Zero());
+  add_statics(world, solver);
+  std::optional<double> top;
+  for (const Eigen::Vector2d& place : base_of(model, pose)) {
+    const auto z = surface_at(solver, place.x(), place.y());
+    if (z) top = std::max(top.value_or(*z), *z);
   }
   return top.value_or(0);
 }
@@ -155,6 +165,35 @@ void require_free_start(const WorldModel& world, const VehicleModel& model,
     }
     throw base::ConfigError(sentence + "; give it another 'pose'");
   }
+}
+
+void require_ground(const WorldModel& world, const VehicleModel& model,
+                    const VehicleConfig& vehicle, const std::filesystem::path& file) {
+  if (!(world.gravity_W.z() < 0)) return;
+  ContactSolver solver(Eigen::Vector3d::Zero());
+  add_statics(world, solver);
+  for (const MovingObstacle& obstacle : world.moving) {
+    const BodyState at_start = obstacle.path.at(0);
+    for (Shape shape : obstacle.shapes) {
+      shape.pose = Eigen::Translation3d(at_start.p_WB) * at_start.q_WB * shape.pose;
+      solver.add_static(shape);
+    }
+  }
+  const double from_m = start_state(model, vehicle.pose).p_WB.z();
+  const auto is_over_something = [&](const Eigen::Vector2d& place) {
+    const Eigen::Vector3d origin_W(place.x(), place.y(), from_m);
+    return solver.ray_to_world(origin_W, -Eigen::Vector3d::UnitZ(), 2 * kHighest_m).has_value();
+  };
+  const auto places = base_of(model, vehicle.pose);
+  if (std::any_of(places.begin(), places.end(), is_over_something)) return;
+  char place[120];
+  std::snprintf(place, sizeof(place), "x_m %.2f, y_m %.2f, z_m %.2f", vehicle.pose.x_m,
+                vehicle.pose.y_m, vehicle.pose.z_m.value_or(0));
+  throw base::ConfigError(
+      file.string() + ": the world '" + world.name +
+      "' has no ground below the start of vehicle '" + vehicle.name + "' (" + place +
+      "), which would fall for ever; give it a 'pose' over something, or the world a ground: "
+      "<include><uri>model://ground_plane</uri></include>");
 }
 
 }  // namespace cas::sim

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <filesystem>
+
 #include "libsim/api/world.hpp"
 #include "libsim/core/body/world_model.hpp"
 #include "libsim/core/export.hpp"
@@ -22,5 +24,12 @@ CAS_SIM_EXPORT BodyState start_state(const VehicleModel& model, const StartPose&
 /// @throws base::ConfigError naming vehicle, place and obstacle, and the height to start from
 CAS_SIM_EXPORT void require_free_start(const WorldModel& world, const VehicleModel& model,
                                        const VehicleConfig& vehicle);
+
+/// Refuses a vehicle in a world with gravity that has nothing below its start: it would fall for
+/// ever. Looked for by 5 x 5 rays down over its base.
+/// @param file  of the world, for the sentence
+/// @throws base::ConfigError naming world, vehicle and place, and what to write
+CAS_SIM_EXPORT void require_ground(const WorldModel& world, const VehicleModel& model,
+                                   const VehicleConfig& vehicle, const std::filesystem::path& file);
 
 }  // namespace cas::sim
