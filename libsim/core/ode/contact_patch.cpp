@@ -18,6 +18,7 @@ namespace {
 constexpr double kBeyondAll = std::numeric_limits<double>::infinity();
 constexpr double kSameNormal = 0.9659;  // cosine of 15 degrees
 constexpr double kSameFace = 0.766;     // cosine of 40 degrees
+constexpr double kOneFace = 1 - 1e-6;   // cosine of 0.08 degree
 constexpr double kDeeper = 1e-4;        // m
 constexpr double kApart = 1e-4;         // m: points nearer than this count once
 constexpr double kSame = 1e-9;          // m: points as far as this from something are as far
@@ -201,7 +202,6 @@ void add_support(std::span<const ContactPoint> patch, std::vector<ContactPoint>&
 }  // namespace
 
 bool face_more_than_one_way(std::span<const ContactPoint> points) {
-  constexpr double kOneFace = 1 - 1e-6;  // cosine of 0.08 degree
   if (points.empty() || points.front().face_W.isZero(0.0)) return false;
   return std::any_of(points.begin(), points.end(), [&](const ContactPoint& point) {
     return std::abs(point.face_W.dot(points.front().face_W)) < kOneFace;

@@ -15,10 +15,13 @@
 #include <vector>
 
 #include "base/os/log.hpp"
+#include "libsim/core/ode/ball_on_mesh.hpp"
 #include "libsim/core/ode/contact_law.hpp"
 #include "libsim/core/ode/contact_patch.hpp"
+#include "libsim/core/ode/cylinder_base.hpp"
 #include "libsim/core/ode/flat_ground.hpp"
 #include "libsim/core/ode/geometry.hpp"
+#include "libsim/core/ode/remembered_points.hpp"
 #include "libsim/core/ode/static_bounds.hpp"
 
 namespace cas::sim {
@@ -32,11 +35,8 @@ constexpr std::size_t kMostFound = 512;  // contacts of one pair of shapes that 
 constexpr double kDeepestPush = 5.0;     // m/s: speed at which overlapping bodies are parted
 constexpr double kNoSlip = 1e-9;         // m/s: below, slip has no direction
 constexpr double kStill = 2e-5;          // m: below, a body keeps its contacts
-constexpr double kSlide = 0.1;           // m: the same on a flat mesh, along it
+constexpr double kSlide = 0.1;           // m: ground that is flat so far around is asked for again
 constexpr double kSlow_m_s = 0.1;        // a body below this settles on triangles
-constexpr double kOutOfPlace = 5e-3;     // m: farther, a point found earlier says nothing more
-constexpr std::size_t kMostRemembered = 64;
-constexpr double kOnFace = 1 - 1e-6;  // cosine of 0.08 degree: normal of a contact and face
 constexpr unsigned long kOdeSeed = 1;
 
 dMass ode_mass(const MassProperties& mass) {
@@ -111,13 +111,6 @@ struct Pair {
   bool operator==(const Pair&) const = default;
 };
 
-/// A point of an overlap, as it was found.
-struct FoundPoint {
-  ContactPoint point;
-  Pair pair;
-  double slid_m = 0;  // since then
-};
-
 /// A contact that takes part in the step.
 struct Contact {
   ContactPoint point;
@@ -138,11 +131,15 @@ struct Body {
 
   // Contacts with the static world, and where the body was when they were looked for.
   std::vector<Contact> world_contacts;
-  std::vector<FoundPoint> found;  // on triangles, of the last search and of those before
+  RememberedPoints remembered;
   bool looked = false;
-  bool on_flat_mesh = false;  // and nothing else is near
   Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
+
+  // The flat surface around the body, if there is one, and where it was asked for.
+  std::optional<FlatSurface> flat;
+  bool asked = false;
+  Eigen::Vector3d asked_at_W = Eigen::Vector3d::Zero();
 
   // Velocities that the body would have after the step if nothing touched it.
   Eigen::Vector3d v_W = Eigen::Vector3d::Zero();
@@ -162,7 +159,9 @@ struct ContactSolver::Impl {
   dSpaceID statics = dHashSpaceCreate(nullptr);
   dJointGroupID joints = dJointGroupCreate(0);
   dGeomID ray = dCreateRay(nullptr, 1.0);
+  dGeomID plane = dCreatePlane(nullptr, 0, 0, 1, 0);  // stands for a flat surface of triangles
   FlatGround flat_ground;
+  BallOnMesh ball_on_mesh;
   MeshStore meshes;
   std::deque<Owner> owners;
   std::vector<Surface> surfaces;
@@ -175,20 +174,21 @@ struct ContactSolver::Impl {
   std::vector<Contact> contacts;                  // of the step
   std::vector<dContactGeom> geoms;                // of one pair of shapes
   std::vector<ContactPoint> points;               // of one body with the world, or with another
-  std::vector<Pair> pairs;                        // numbered by their `kind`
+  std::vector<Pair> pairs;                        // all that have touched, by their `kind`
   std::vector<ContactPoint> spread;               // room for spread_curved_patches()
   std::vector<KeptContact> kept;
 
   Impl() : geoms(kMostFound) {
     contacts.reserve(kMostFound);
     pairs.reserve(kMostFound);
-    points.reserve(kMostFound + kMostRemembered);
-    spread.reserve(kMostFound + kMostRemembered);
+    points.reserve(kMostFound + RememberedPoints::kMost);
+    spread.reserve(kMostFound + RememberedPoints::kMost);
     kept.reserve(kMostContacts);
   }
 
   ~Impl() {
     dGeomDestroy(ray);
+    dGeomDestroy(plane);
     for (const auto& [radius, geom] : discs) dGeomDestroy(geom);
     dJointGroupDestroy(joints);
     for (const Body& body : bodies) dSpaceDestroy(body.space);
@@ -211,9 +211,16 @@ struct ContactSolver::Impl {
   static void on_pair(void* self, dGeomID a, dGeomID b) { static_cast<Impl*>(self)->collide(a, b); }
 
   void collide(dGeomID a, dGeomID b) {
-    const int n = dCollide(a, b, static_cast<int>(kMostFound), geoms.data(),
-                           static_cast<int>(sizeof(dContactGeom)));
-    for (int i = 0; i < n; ++i) add_point(geoms[static_cast<std::size_t>(i)]);
+    const std::size_t n = find_contacts(a, b);
+    for (std::size_t i = 0; i < n; ++i) add_point(geoms[i]);
+  }
+
+  /// Writes the contacts of two shapes to `geoms`. @return their number
+  std::size_t find_contacts(dGeomID a, dGeomID b) {
+    if (const auto count = collide_base(a, b, geoms)) return *count;
+    if (const auto count = ball_on_mesh.collide(a, b, geoms)) return *count;
+    return static_cast<std::size_t>(dCollide(a, b, static_cast<int>(kMostFound), geoms.data(),
+                                             static_cast<int>(sizeof(dContactGeom))));
   }
 
   /// Books a contact from the side of a body; of two bodies, of the one that ODE names first.
@@ -232,7 +239,7 @@ struct ContactSolver::Impl {
                       .face_W = face_of(geom)});
   }
 
-  /// Number of the pair among those of this search.
+  /// Number of the pair among all that have touched.
   std::size_t kind_of(const Pair& pair) {
     const auto same = std::find(pairs.begin(), pairs.end(), pair);
     if (same == pairs.end()) {
@@ -248,12 +255,7 @@ struct ContactSolver::Impl {
     const dGeomID mesh = first ? geom.g1 : geom.g2;
     const int triangle = first ? geom.side1 : geom.side2;
     if (dGeomGetClass(mesh) != dTriMeshClass || triangle < 0) return Eigen::Vector3d::Zero();
-    std::array<dVector3, 3> corners;
-    dGeomTriMeshGetTriangle(mesh, triangle, &corners[0], &corners[1], &corners[2]);
-    const Eigen::Vector3d a = from_ode(corners[0]);
-    const Eigen::Vector3d n = (from_ode(corners[1]) - a).cross(from_ode(corners[2]) - a);
-    const double area = n.norm();
-    return area > 0 ? Eigen::Vector3d(n / area) : Eigen::Vector3d::Zero();
+    return normal_of(triangle_of(mesh, triangle));
   }
 
   /// Those of `points` that carry the body, appended to `out`.
@@ -273,75 +275,18 @@ struct ContactSolver::Impl {
     }
   }
 
-  /// Whether the body's last contacts still hold: it has not moved since, or on a flat mesh only
-  /// along it.
+  /// Whether the body's last contacts still hold: it has not moved since.
   static bool touches_the_same(const Body& body) {
     const Eigen::Vector3d moved = from_ode(dBodyGetPosition(body.id)) - body.p_WB;
     const Eigen::Vector3d turned = 2.0 * (attitude(body.id) * body.q_WB.conjugate()).vec();
-    if (moved.norm() + turned.norm() * body.radius <= kStill) return true;
-    if (!body.on_flat_mesh || moved.norm() > kSlide) return false;
-    const Eigen::Vector3d& n_W = body.world_contacts.front().point.n_W;
-    const double off_plane = std::abs(n_W.dot(moved));
-    const double tilted = (turned - n_W.dot(turned) * n_W).norm();
-    return off_plane + tilted * body.radius <= kStill;
+    return moved.norm() + turned.norm() * body.radius <= kStill;
   }
 
-  /// Whether the body is on a flat mesh and will meet nothing else when it slides on. Its contacts
-  /// then push along the face: of a body that leans a little, ODE has some along the body's own
-  /// axis.
-  bool settle_on_flat_mesh(Body& body) {
-    if (body.world_contacts.empty()) return false;
-    const Eigen::Vector3d face_W = body.world_contacts.front().point.face_W;
-    for (const Contact& contact : body.world_contacts) {
-      const ContactPoint& point = contact.point;
-      if (contact.patch != 0 || std::abs(point.n_W.dot(point.face_W)) < kOnFace) return false;
-    }
-    if (!flat_ground.is_all_within(statics, face_W, body.p_WB, body.radius + kSlide)) return false;
-    for (Contact& contact : body.world_contacts) {
-      contact.point.n_W = contact.point.n_W.dot(face_W) > 0 ? face_W : Eigen::Vector3d(-face_W);
-    }
-    return true;
-  }
-
-  /// Adds points that earlier searches found on uneven ground and this one did not, while the body
-  /// is slow and overlaps there: of one overlap ODE finds now these corners, now those, and a body
-  /// that stands on either in turn never comes to rest.
-  void remember_points(Body& body) {
-    if (!is_slow(body) || !face_more_than_one_way(points)) return body.found.clear();
-    const std::size_t fresh = points.size();
-    const auto found_again = [&](const FoundPoint& old) {
-      const auto end = points.begin() + static_cast<std::ptrdiff_t>(fresh);
-      return std::any_of(points.begin(), end, [&](const ContactPoint& point) {
-        return pairs[point.kind] == old.pair && is_same(point, old.point);
-      });
-    };
-    std::erase_if(body.found, [&](FoundPoint& old) {
-      follow(body, old);
-      return old.point.depth_m < 0 || old.slid_m > kOutOfPlace || found_again(old);
-    });
-    for (const FoundPoint& old : body.found) {
-      points.push_back(old.point);
-      points.back().kind = kind_of(old.pair);
-    }
-    for (std::size_t i = 0; i < fresh && body.found.size() < kMostRemembered; ++i) {
-      if (points[i].face_W.isZero(0.0) || points[i].depth_m <= 0) continue;
-      body.found.push_back({points[i], pairs[points[i].kind], 0});
-    }
-  }
-
-  /// Moves a point with the body, since the last search.
-  static void follow(const Body& body, FoundPoint& found) {
-    const Eigen::Quaterniond turn = attitude(body.id) * body.q_WB.conjugate();
-    ContactPoint& point = found.point;
-    const Eigen::Vector3d p_W =
-        from_ode(dBodyGetPosition(body.id)) + turn * (point.p_W - body.p_WB);
-    point.depth_m -= point.n_W.dot(p_W - point.p_W);
-    found.slid_m += (p_W - point.p_W).norm();
-    point.p_W = p_W;
-  }
-
-  static bool is_same(const ContactPoint& a, const ContactPoint& b) {
-    return (a.p_W - b.p_W).norm() < kOutOfPlace && std::abs(a.face_W.dot(b.face_W)) > kOnFace;
+  /// Where the body was at its last search, and is now.
+  static BodyMove move_of(const Body& body) {
+    return {.from_W = body.p_WB,
+            .to_W = from_ode(dBodyGetPosition(body.id)),
+            .turn = attitude(body.id) * body.q_WB.conjugate()};
   }
 
   static bool is_slow(const Body& body) {
@@ -351,26 +296,58 @@ struct ContactSolver::Impl {
 
   void look_for_world_contacts(Body& body) {
     points.clear();
-    pairs.clear();
+    find_world_points(body);
+    if (is_slow(body) && face_more_than_one_way(points)) {
+      body.remembered.add_to(points, move_of(body));
+    } else {
+      body.remembered.forget();
+    }
     body.world_contacts.clear();
-    dSpaceCollide2(reinterpret_cast<dGeomID>(body.space), reinterpret_cast<dGeomID>(statics), this,
-                   &on_pair);
-    remember_points(body);
     keep_points(body.world_contacts);
     body.p_WB = from_ode(dBodyGetPosition(body.id));
     body.q_WB = attitude(body.id);
-    body.on_flat_mesh = settle_on_flat_mesh(body);
     body.looked = true;
+  }
+
+  /// Where a mesh is flat all around, a plane stands for its triangles: thousands of small ones
+  /// would cost milliseconds, and have the same contacts. Asked again each 10 cm, and in the air
+  /// not at all.
+  void find_world_points(Body& body) {
+    const Eigen::Vector3d p_W = from_ode(dBodyGetPosition(body.id));
+    const bool is_asked = body.asked && (p_W - body.asked_at_W).norm() <= kSlide;
+    if (is_asked && body.flat) return find_points_on(*body.flat, body);
+    if (is_asked) return find_points_on_shapes(body);
+    const bool touched = !body.world_contacts.empty();
+    if (!touched) find_points_on_shapes(body);
+    if (!touched && points.empty()) return;
+    body.flat = flat_ground.around(statics, p_W, body.radius + kSlide);
+    body.asked = true;
+    body.asked_at_W = p_W;
+    if (body.flat) {
+      points.clear();
+      find_points_on(*body.flat, body);
+    } else if (touched) {
+      find_points_on_shapes(body);
+    }
+  }
+
+  void find_points_on_shapes(Body& body) {
+    dSpaceCollide2(reinterpret_cast<dGeomID>(body.space), reinterpret_cast<dGeomID>(statics), this,
+                   &on_pair);
+  }
+
+  void find_points_on(const FlatSurface& surface, Body& body) {
+    const HalfSpace& ground = surface.ground;
+    dGeomPlaneSetParams(plane, ground.n_W.x(), ground.n_W.y(), ground.n_W.z(), ground.height_m);
+    dGeomSetData(plane, dGeomGetData(surface.mesh));
+    dSpaceCollide2(reinterpret_cast<dGeomID>(body.space), plane, this, &on_pair);
   }
 
   /// Adds the body's contacts with the world, each as deep as it is by now.
   void add_world_contacts(Body& body) {
-    const Eigen::Vector3d p_WB = from_ode(dBodyGetPosition(body.id));
-    const Eigen::Quaterniond turn = attitude(body.id) * body.q_WB.conjugate();
+    const BodyMove move = move_of(body);
     for (Contact contact : body.world_contacts) {
-      const Eigen::Vector3d p_W = p_WB + turn * (contact.point.p_W - body.p_WB);
-      contact.point.depth_m -= contact.point.n_W.dot(p_W - contact.point.p_W);
-      contact.point.p_W = p_W;
+      move.carry(contact.point);
       if (contact.point.depth_m < 0) continue;
       contacts.push_back(contact);
       body.touching = true;
@@ -584,7 +561,6 @@ void ContactSolver::add_body(std::span<const Shape> shapes, const MassProperties
   }
   dBodyDisable(body.id);
   body.world_contacts.reserve(kMostContacts);
-  body.found.reserve(kMostRemembered);
   impl_->bodies.push_back(std::move(body));
   set_mass(impl_->bodies.size() - 1, mass);
 }
@@ -642,7 +618,6 @@ void ContactSolver::collide_world(std::size_t index) {
 
 bool ContactSolver::collide_bodies(std::size_t a, std::size_t b) {
   impl_->points.clear();
-  impl_->pairs.clear();
   dSpaceCollide2(reinterpret_cast<dGeomID>(impl_->bodies[a].space),
                  reinterpret_cast<dGeomID>(impl_->bodies[b].space), impl_.get(), &Impl::on_pair);
   if (impl_->points.empty()) return false;
@@ -721,7 +696,9 @@ void ContactSolver::reset() {
   dRandSetSeed(kOdeSeed);
   for (Body& body : impl_->bodies) {
     body.looked = false;
-    body.found.clear();
+    body.asked = false;
+    body.remembered.forget();
+    body.world_contacts.clear();
   }
 }
 

@@ -67,15 +67,20 @@ FlatGround::FlatGround() : probe_(dCreateSphere(nullptr, 1.0)) {
 
 FlatGround::~FlatGround() { dGeomDestroy(probe_); }
 
-bool FlatGround::is_all_within(dSpaceID statics, const Eigen::Vector3d& n_W,
-                               const Eigen::Vector3d& centre_W, double radius_m) {
+std::optional<FlatSurface> FlatGround::around(dSpaceID statics, const Eigen::Vector3d& centre_W,
+                                              double radius_m) {
   triangles_.clear();
   mesh_ = nullptr;
   alone_ = true;
   dGeomSphereSetRadius(probe_, radius_m);
   dGeomSetPosition(probe_, centre_W.x(), centre_W.y(), centre_W.z());
   dSpaceCollide2(probe_, reinterpret_cast<dGeomID>(statics), this, &on_near);
-  return alone_ && is_flat_within(triangles_, n_W, centre_W, radius_m, sides_);
+  if (!alone_ || triangles_.empty()) return std::nullopt;
+  Eigen::Vector3d n_W = normal_of(triangles_.front());
+  const Eigen::Vector3d& corner_W = triangles_.front().front();
+  if (n_W.dot(centre_W - corner_W) < 0) n_W = -n_W;
+  if (!is_flat_within(triangles_, n_W, centre_W, radius_m, sides_)) return std::nullopt;
+  return FlatSurface{.ground = {.n_W = n_W, .height_m = n_W.dot(corner_W)}, .mesh = mesh_};
 }
 
 void FlatGround::on_near(void* self, dGeomID a, dGeomID b) {
@@ -97,9 +102,7 @@ void FlatGround::on_triangles(dGeomID mesh, dGeomID probe, const int* indices, i
   ground.alone_ = ground.alone_ && ground.mesh_ == nullptr;
   ground.mesh_ = mesh;
   for (const int index : std::span(indices, static_cast<std::size_t>(count))) {
-    std::array<dVector3, 3> corners;
-    dGeomTriMeshGetTriangle(mesh, index, &corners[0], &corners[1], &corners[2]);
-    ground.triangles_.push_back({from_ode(corners[0]), from_ode(corners[1]), from_ode(corners[2])});
+    ground.triangles_.push_back(triangle_of(mesh, index));
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,9 +11,6 @@
 #include "libsim/core/ode/geometry.hpp"
 
 namespace cas::sim {
-
-/// Corners of a triangle in W, m.
-using Triangle = std::array<Eigen::Vector3d, 3>;
 
 /// A side of a triangle, its corners in one order whatever triangle it is of.
 struct TriangleSide {
@@ -29,7 +27,13 @@ CAS_SIM_EXPORT bool is_flat_within(std::span<const Triangle> triangles, const Ei
                                    const Eigen::Vector3d& centre_W, double radius_m,
                                    std::vector<TriangleSide>& sides);
 
-/// Finds out how far a body may slide without meeting anything new.
+/// A flat surface of triangles.
+struct FlatSurface {
+  HalfSpace ground;  ///< outwards to the side that was asked from
+  dGeomID mesh;      ///< whose triangles they are
+};
+
+/// Finds surfaces of triangles that are flat as far as a body reaches.
 class FlatGround {
  public:
   FlatGround();
@@ -37,10 +41,10 @@ class FlatGround {
   FlatGround(const FlatGround&) = delete;
   FlatGround& operator=(const FlatGround&) = delete;
 
-  /// Whether nothing but one flat surface of one mesh, across n_W, reaches into a sphere: a body
-  /// that touches it and stays within keeps its contacts. False for ground without triangles.
-  bool is_all_within(dSpaceID statics, const Eigen::Vector3d& n_W, const Eigen::Vector3d& centre_W,
-                     double radius_m);
+  /// The flat surface of one mesh that is all that reaches into a sphere: a body that stays within
+  /// may have a plane instead. None for ground without triangles.
+  std::optional<FlatSurface> around(dSpaceID statics, const Eigen::Vector3d& centre_W,
+                                    double radius_m);
 
  private:
   static void on_near(void* self, dGeomID a, dGeomID b);

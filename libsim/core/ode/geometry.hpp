@@ -5,6 +5,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
 #include <map>
 #include <memory>
 
@@ -18,6 +19,30 @@ inline void to_ode(const Eigen::Quaterniond& q, dReal (&out)[4]) {
   out[1] = q.x();
   out[2] = q.y();
   out[3] = q.z();
+}
+
+/// A half-space: solid where n_W . p < height_m.
+struct HalfSpace {
+  Eigen::Vector3d n_W;  ///< unit, outwards
+  double height_m;
+};
+
+/// Corners of a triangle in W, m.
+using Triangle = std::array<Eigen::Vector3d, 3>;
+
+/// A triangle of a mesh, in its place.
+inline Triangle triangle_of(dGeomID mesh, int index) {
+  std::array<dVector3, 3> corners;
+  dGeomTriMeshGetTriangle(mesh, index, &corners[0], &corners[1], &corners[2]);
+  return {from_ode(corners[0]), from_ode(corners[1]), from_ode(corners[2])};
+}
+
+/// Unit normal by the order of the corners; zero for a triangle without area.
+inline Eigen::Vector3d normal_of(const Triangle& triangle) {
+  const auto& [a, b, c] = triangle;
+  const Eigen::Vector3d n = (b - a).cross(c - a);
+  const double area = n.norm();
+  return area > 0 ? Eigen::Vector3d(n / area) : Eigen::Vector3d::Zero();
 }
 
 /// Owns ODE's triangle meshes and their vertex data. Shapes of one mesh share it.

@@ -53,7 +53,7 @@ TEST_P(Triangles, CarryABoxThatStandsStill) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Size, Triangles, testing::Values(10, 20, 50),
+INSTANTIATE_TEST_SUITE_P(Size, Triangles, testing::Values(2, 10, 20, 50),
                          [](const auto& test) { return std::to_string(test.param) + "cm"; });
 
 /// Hills of 0.3 m and bumps of 3 cm, no two places alike.
