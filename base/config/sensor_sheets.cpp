@@ -284,10 +284,6 @@ constexpr auto kBarometerKeys = std::tuple_cat(
     std::tuple{rate_key<&BarometerSheet::rate_hz>()}, noise_keys<&BarometerSheet::noise>(kPressure),
     drift_keys<&BarometerSheet::drift>(kPressureDrift),
     std::tuple{
-        key<&BarometerSheet::qnh_hpa>("qnh_hpa", Range{850, 1100},
-                                      "pressure of the day at sea level"),
-        key<&BarometerSheet::temperature_offset_degc>("temperature_offset_degc", Range{-80, 80},
-                                                      "of the day against the standard atmosphere"),
         key<&BarometerSheet::self_heating_degc>("self_heating_degc", Range{-50, 100},
                                                 "of the sensor against the air"),
         key<&BarometerSheet::wind_pressure_coefficient>(

@@ -89,8 +89,6 @@ struct BarometerSheet {
   double rate_hz = 0;
   WhiteNoise noise;  ///< Pa
   Drift drift;
-  double qnh_hpa = 1013.25;  ///< ISO 2533
-  double temperature_offset_degc = 0;
   double self_heating_degc = 0;
   double wind_pressure_coefficient = 0;
   double lsb_pa = 0;

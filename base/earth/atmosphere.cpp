@@ -2,6 +2,7 @@
 #include "base/earth/atmosphere.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/earth/gravity.hpp"
@@ -12,26 +13,75 @@ namespace {
 // ISO 2533:1975, table of primary constants.
 constexpr double kGasConstant = 287.05287;  // J/(kg K), dry air
 
+constexpr double kZeroCelsius_K = 273.15;
+constexpr double kVapourToAir = 18.01528 / 28.964420;  // molar masses, g/mol; of air [ISO 2533]
+constexpr double kColdestVapour_degc = -100;           // at which air is dry, before [Buck]'s pole
+
+/// Layers above the troposphere, [ISO 2533].
+struct Layer {
+  double bottom_m;
+  double top_m;
+  double gradient_K_m;
+};
+constexpr double kTropopause_m = 11'000;
+constexpr std::array<Layer, 6> kLayersAbove{{{kTropopause_m, 20'000, 0},
+                                             {20'000, 32'000, 0.001},
+                                             {32'000, 47'000, 0.0028},
+                                             {47'000, 51'000, 0},
+                                             {51'000, 71'000, -0.0028},
+                                             {71'000, 80'000, -0.002}}};
+
 /// A gradient of less is none: over 10 km it makes less than a thousandth of a kelvin.
 constexpr double kLeastGradient_K_m = 1e-7;
 constexpr double kLeastTemperature_K = 1;
 
+/// Of the pressures at the top and the bottom of a stretch of even gradient.
+double pressure_ratio(double bottom_K, double top_K, double gradient_K_m, double height_m) {
+  if (std::abs(gradient_K_m) < kLeastGradient_K_m) {
+    return std::exp(-kStandardGravity_m_s2 * height_m / (kGasConstant * bottom_K));
+  }
+  return std::pow(top_K / bottom_K, kStandardGravity_m_s2 / (kGasConstant * -gradient_K_m));
+}
+
 }  // namespace
 
 double Atmosphere::temperature_kelvin(double alt_m) const {
-  return std::max(temperature_K + temperature_gradient_K_m * alt_m, kLeastTemperature_K);
+  const double within = std::min(alt_m, kTropopause_m);
+  double kelvin = std::max(temperature_K + temperature_gradient_K_m * within, kLeastTemperature_K);
+  for (const Layer& layer : kLayersAbove) {
+    if (alt_m <= layer.bottom_m) break;
+    const double rise = std::min(alt_m, layer.top_m) - layer.bottom_m;
+    kelvin = std::max(kelvin + layer.gradient_K_m * rise, kLeastTemperature_K);
+  }
+  return kelvin;
 }
 
 double Atmosphere::pressure_pa(double alt_m) const {
-  if (std::abs(temperature_gradient_K_m) < kLeastGradient_K_m) {
-    return pressure_Pa * std::exp(-kStandardGravity_m_s2 * alt_m / (kGasConstant * temperature_K));
+  const double within = std::min(alt_m, kTropopause_m);
+  double pa = pressure_Pa * pressure_ratio(temperature_K, temperature_kelvin(within),
+                                           temperature_gradient_K_m, within);
+  for (const Layer& layer : kLayersAbove) {
+    if (alt_m <= layer.bottom_m) break;
+    const double top = std::min(alt_m, layer.top_m);
+    pa *= pressure_ratio(temperature_kelvin(layer.bottom_m), temperature_kelvin(top),
+                         layer.gradient_K_m, top - layer.bottom_m);
   }
-  const double exponent = kStandardGravity_m_s2 / (kGasConstant * -temperature_gradient_K_m);
-  return pressure_Pa * std::pow(temperature_kelvin(alt_m) / temperature_K, exponent);
+  return pa;
 }
 
 double Atmosphere::density_kg_m3(double alt_m) const {
-  return pressure_pa(alt_m) / (kGasConstant * temperature_kelvin(alt_m));
+  const double kelvin = temperature_kelvin(alt_m);
+  double pa = pressure_pa(alt_m);
+  if (relative_humidity > 0) {
+    const double vapour_pa = std::min(pa, relative_humidity * saturation_pressure_pa(kelvin));
+    pa -= (1 - kVapourToAir) * vapour_pa;
+  }
+  return pa / (kGasConstant * kelvin);
+}
+
+double saturation_pressure_pa(double temperature_kelvin) {
+  const double degc = std::max(temperature_kelvin - kZeroCelsius_K, kColdestVapour_degc);
+  return 611.21 * std::exp(17.502 * degc / (240.97 + degc));
 }
 
 namespace isa {

@@ -18,6 +18,7 @@
 #include "base/config/key_table.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/config/vehicle.hpp"
+#include "base/config/weather_keys.hpp"
 #include "base/earth/wmm2025.hpp"
 #include "base/suggestion.hpp"
 #include "base/text.hpp"
@@ -341,6 +342,8 @@ constexpr std::tuple kPlaceAndTimeKeys{
     key<&Scenario::home>("home", block<base::Geodetic>(kPlaceKeys),
                          "place of x = y = z = 0; required on flat ground", "the world's"),
     key<&Scenario::decimal_year>("decimal_year", kFieldYears, "date of the magnetic field model"),
+    key<&Scenario::weather>("weather", base::kWeatherBlock,
+                            "[air of the day](#weather), for barometer and rotors", "the world\'s"),
     key<&Scenario::seed>("seed", base::Count{},
                          "seed of all random numbers; `--seed` overrides it"),
     key<&Scenario::step_us>("step_us", base::Whole{100, 10'000}, "physics step"),

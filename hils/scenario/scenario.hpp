@@ -14,6 +14,7 @@
 #include "base/config/config.hpp"
 #include "base/earth/geodesy.hpp"
 #include "base/earth/magnetic_field.hpp"
+#include "base/earth/weather.hpp"
 #include "base/enum_words.hpp"
 #include "base/time/clock.hpp"
 #include "hils/flight/bench_fault.hpp"
@@ -115,6 +116,7 @@ struct Scenario {
   ScenarioWorld world;
   std::optional<base::Geodetic> home;  ///< nullopt: that of the world
   double decimal_year = base::kUsualYear;
+  base::Weather weather;
   std::uint64_t seed = 1;
   Architecture architecture = Architecture::kTcas;
   int step_us = 1000;

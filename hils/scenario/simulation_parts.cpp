@@ -55,6 +55,13 @@ void put_world(const Scenario& scenario, YAML::Node& root) {
     root["home"]["alt_m"] = scenario.home->alt_m;
   }
   root["decimal_year"] = scenario.decimal_year;
+  const auto put_weather = [&root](const char* name, const std::optional<double>& value) {
+    if (value) root["weather"][name] = *value;
+  };
+  put_weather("temperature_degc", scenario.weather.temperature_degc);
+  put_weather("temperature_offset_degc", scenario.weather.temperature_offset_degc);
+  put_weather("qnh_hpa", scenario.weather.qnh_hpa);
+  put_weather("humidity", scenario.weather.humidity);
 }
 
 YAML::Node vehicle_node(const ScenarioVehicle& vehicle) {

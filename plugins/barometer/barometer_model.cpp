@@ -9,8 +9,7 @@
 namespace cas::sim {
 namespace {
 
-constexpr double kStandardQnh = 1013.25;  // hPa, ISO 2533
-constexpr double kZeroCelsius = 273.15;   // K
+constexpr double kZeroCelsius = 273.15;  // K
 
 }  // namespace
 
@@ -21,8 +20,6 @@ BarometerParams parse_barometer_params(const base::ConfigNode& node, double step
   return {.rate_hz = sheet.rate_hz,
           .stddev_pa = white_noise(sheet.noise, 1.0, sheet.rate_hz).x(),
           .drift = {drift.walk.head<1>(), drift.time_constant_s},
-          .qnh_hpa = sheet.qnh_hpa,
-          .temperature_offset_degc = sheet.temperature_offset_degc,
           .self_heating_degc = sheet.self_heating_degc,
           .wind_pressure_coefficient = sheet.wind_pressure_coefficient,
           .lsb_pa = sheet.lsb_pa};
@@ -38,14 +35,13 @@ BarometerSample BarometerModel::sample(base::SimTime time, double alt_m, double 
   const double dynamic_pa = 0.5 * air_density_kg_m3 * airspeed_m_s * airspeed_m_s;
   BarometerSample sample;
   sample.time = time;
-  sample.pressure_pa = air.pressure_pa(alt_m) * (params_.qnh_hpa / kStandardQnh) +
-                       params_.wind_pressure_coefficient * dynamic_pa + drift_.advance(random_)[0] +
-                       params_.stddev_pa * random_();
+  sample.pressure_pa = air.pressure_pa(alt_m) + params_.wind_pressure_coefficient * dynamic_pa +
+                       drift_.advance(random_)[0] + params_.stddev_pa * random_();
   if (params_.lsb_pa > 0) {
     sample.pressure_pa = std::round(sample.pressure_pa / params_.lsb_pa) * params_.lsb_pa;
   }
-  sample.temperature_degc = air.temperature_kelvin(alt_m) - kZeroCelsius +
-                            params_.temperature_offset_degc + params_.self_heating_degc;
+  sample.temperature_degc =
+      air.temperature_kelvin(alt_m) - kZeroCelsius + params_.self_heating_degc;
   return sample;
 }
 

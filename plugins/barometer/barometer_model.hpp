@@ -16,8 +16,6 @@ struct BarometerParams {
   double rate_hz = 0;
   double stddev_pa = 0;  ///< white, one sample
   GaussMarkovParams<1> drift;
-  double qnh_hpa = 0;                    ///< pressure at sea level
-  double temperature_offset_degc = 0;    ///< of the day against the standard atmosphere
   double self_heating_degc = 0;          ///< of the sensor against the air
   double wind_pressure_coefficient = 0;  ///< share of the dynamic pressure that is read
   double lsb_pa = 0;
@@ -26,9 +24,8 @@ struct BarometerParams {
 /// Reads the block `barometer`: its keys are those of its sheet (base/config/sensor_sheets.hpp).
 BarometerParams parse_barometer_params(const base::ConfigNode& node, double step_s);
 
-/// Static pressure of the world's air (where it says nothing, of the standard atmosphere, ISO 2533)
-/// scaled to the day's QNH, with white noise, drift and the pressure that the airflow leaves on the
-/// sensor.
+/// Static pressure of the world's air on the day (without a word on it, of the standard atmosphere,
+/// ISO 2533), with white noise, drift and the pressure that the airflow leaves on the sensor.
 class BarometerModel {
  public:
   BarometerModel() = default;

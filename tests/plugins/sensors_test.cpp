@@ -198,7 +198,6 @@ BarometerParams quiet_barometer() {
   BarometerParams params;
   params.rate_hz = 50;
   params.stddev_pa = 1e-9;
-  params.qnh_hpa = 1013.25;
   return params;
 }
 
@@ -211,16 +210,14 @@ TEST(Barometer, ReadsTheStandardAtmosphere) {
   EXPECT_NEAR(per_metre, -11.46, 0.01);
 }
 
-TEST(Barometer, KnowsTheDaysPressureTheSensorsHeatAndTheWind) {
+TEST(Barometer, KnowsTheSensorsHeatAndTheWind) {
   BarometerParams params = quiet_barometer();
-  params.qnh_hpa = 1003.25;
-  params.temperature_offset_degc = 5;
   params.self_heating_degc = 20;
   params.wind_pressure_coefficient = -0.5;
   BarometerModel barometer(params, 1);
   const BarometerSample sample = barometer.sample({}, 0, 10, 1.2);
-  EXPECT_NEAR(sample.pressure_pa, 100325 - 0.5 * 60, 1e-6);
-  EXPECT_NEAR(sample.temperature_degc, 40, 1e-9);
+  EXPECT_NEAR(sample.pressure_pa, 101325 - 0.5 * 60, 1e-6);
+  EXPECT_NEAR(sample.temperature_degc, 35, 1e-9);
 }
 
 TEST(Barometer, ReadsTheWorldsOwnAir) {

@@ -13,6 +13,7 @@
 #include "base/config/key_table.hpp"
 #include "base/config/removed_keys.hpp"
 #include "base/config/sensor_set.hpp"
+#include "base/config/weather_keys.hpp"
 #include "base/earth/wmm2025.hpp"
 #include "base/os/cpu_latency.hpp"
 #include "base/os/thread_keys.hpp"
@@ -119,6 +120,9 @@ constexpr std::tuple kKeys{
                           "place of x = y = z = 0; required in a flat world", "the world's"),
     required(key<&SimConfig::decimal_year>("decimal_year", kFieldYears,
                                            "date of the magnetic field model")),
+    key<&SimConfig::weather>("weather", base::kWeatherBlock,
+                             "[air of the day](#weather), for barometer and rotors",
+                             "the world\'s"),
     key<&SimConfig::step>("step_us", Range{100, 10'000, 1e-6}, "physics step",
                           "the world's, else 1000"),
     key<&SimConfig::pace, &PaceConfig::mode>(

@@ -10,6 +10,7 @@
 #include "base/config/config.hpp"
 #include "base/config/vehicle.hpp"
 #include "base/earth/geodesy.hpp"
+#include "base/earth/weather.hpp"
 #include "base/os/thread.hpp"
 #include "base/time/clock.hpp"
 #include "libsim/core/export.hpp"
@@ -87,6 +88,7 @@ struct CAS_SIM_EXPORT SimConfig {
   WorldConfig world;
   std::optional<base::Geodetic> home;  ///< empty: the SDF world's spherical coordinates
   double decimal_year = 0;
+  base::Weather weather;
   std::optional<base::Duration> step;  ///< empty: the SDF world's, else 1 ms
   PaceConfig pace;
   std::uint64_t seed = 1;

@@ -70,13 +70,19 @@ std::optional<std::string> other_field(const WorldModel& model, const base::Geod
          "heading; without the element it gets the Earth's";
 }
 
+WorldModel world_of(const SimConfig& config) {
+  WorldModel model = load_world(config.world);
+  model.atmosphere = base::air_of(config.weather, model.atmosphere, home_of(config, model).alt_m);
+  return model;
+}
+
 }  // namespace
 
 struct SimRunner::Impl {
   Impl(SimConfig config_in, SimOptions options_in)
       : config(std::move(config_in)),
         options(std::move(options_in)),
-        model(load_world(config.world)),
+        model(world_of(config)),
         step(config.step.value_or(model.step.value_or(kDefaultStep))),
         world(model, base::LocalProjection(home_of(config, model)), config.decimal_year,
               config.integrator),

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "base/earth/weather.hpp"
+
 namespace cas::base {
 namespace {
 
@@ -29,7 +31,14 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(IsaCase{"SeaLevel", 0, 288.150, 101325, 1.2250},
                     IsaCase{"OneKilometre", 1000, 281.650, 89874.6, 1.11164},
                     IsaCase{"FiveKilometres", 5000, 255.650, 54019.9, 0.736116},
-                    IsaCase{"TenKilometres", 10000, 223.150, 26436.3, 0.412707}),
+                    IsaCase{"TenKilometres", 10000, 223.150, 26436.3, 0.412707},
+                    IsaCase{"Tropopause", 11000, 216.650, 22632.0, 0.363918},
+                    IsaCase{"FifteenKilometres", 15000, 216.650, 12044.6, 0.193674},
+                    IsaCase{"TwentyKilometres", 20000, 216.650, 5474.87, 0.0880349},
+                    IsaCase{"ThirtyTwoKilometres", 32000, 228.650, 868.014, 0.0132250},
+                    IsaCase{"FortySevenKilometres", 47000, 270.650, 110.906, 0.00142752},
+                    IsaCase{"FiftyOneKilometres", 51000, 270.650, 66.9384, 0.000861600},
+                    IsaCase{"SeventyOneKilometres", 71000, 214.650, 3.95639, 0.0000642105}),
     [](const auto& test) { return test.param.name; });
 
 TEST(IsaInverse, AltitudeOfPressureReturnsTheAltitude) {
@@ -96,6 +105,67 @@ TEST(Atmosphere, AGradientThatFadesLeadsToTheIsothermalOne) {
   const Atmosphere faint{.temperature_K = 280, .temperature_gradient_K_m = -2e-7};
   const Atmosphere none{.temperature_K = 280, .temperature_gradient_K_m = 0};
   EXPECT_NEAR(faint.pressure_pa(3000), none.pressure_pa(3000), 0.2);
+}
+
+TEST(HumidAir, SaturatesAsTheSteamTablesSay) {
+  constexpr double kOfBuck = 2e-3;  // the formula's own 0.1 %, and as much for vapour without air
+  struct Steam {
+    double degc, pa;  // [IAPWS]
+  };
+  for (const auto& [degc, pa] : {Steam{0.01, 611.657}, Steam{10, 1228.2}, Steam{20, 2339.3},
+                                 Steam{30, 4247.0}, Steam{40, 7384.9}}) {
+    EXPECT_NEAR(saturation_pressure_pa(degc + 273.15), pa, pa * kOfBuck) << degc;
+  }
+}
+
+/// [OIML R 111] Eq. (E.3-1), good to 2e-4 near the ground.
+double oiml_density(double pressure_hpa, double degc, double humidity_pct) {
+  return (0.34848 * pressure_hpa - 0.009 * humidity_pct * std::exp(0.061 * degc)) / (273.15 + degc);
+}
+
+TEST(HumidAir, IsAsLightAsTheFormulaOfTheWeightsSays) {
+  constexpr double kIdealGas = 6e-4;  // compressibility and carbon dioxide, which are left out
+  for (const double degc : {15.0, 20.0, 27.0}) {
+    for (const double humidity : {0.2, 0.5, 0.8}) {
+      const Atmosphere air{.temperature_K = degc + 273.15, .relative_humidity = humidity};
+      const double published = oiml_density(1013.25, degc, 100 * humidity);
+      EXPECT_NEAR(air.density_kg_m3(0), published, published * kIdealGas)
+          << degc << ' ' << humidity;
+      EXPECT_EQ(air.pressure_pa(300), Atmosphere{.temperature_K = degc + 273.15}.pressure_pa(300));
+    }
+  }
+}
+
+TEST(HumidAir, HasNumbersHoweverColdAndThin) {
+  const Atmosphere air{.relative_humidity = 1};
+  for (double alt_m = -400; alt_m < 90'000; alt_m += 500) {
+    EXPECT_GT(air.density_kg_m3(alt_m), 0) << alt_m;
+  }
+}
+
+constexpr double kHome_m = 488;
+
+TEST(Weather, WithoutAWordLeavesTheAirAsItIs) {
+  for (const Atmosphere& air : kAirs) EXPECT_EQ(air_of({}, air, kHome_m), air);
+}
+
+TEST(Weather, HasItsTemperatureAndPressureAtHome) {
+  const Atmosphere air = air_of({.temperature_degc = 35, .qnh_hpa = 1003.25}, {}, kHome_m);
+  EXPECT_NEAR(air.temperature_kelvin(kHome_m), 308.15, 1e-9);
+  EXPECT_NEAR(air.temperature_kelvin(kHome_m + 1000), 301.65, 1e-9);
+  // QNH is the pressure at home, reduced to sea level by the standard atmosphere.
+  const double home_pa = 100'325 * isa::pressure_pa(kHome_m) / 101'325;
+  EXPECT_NEAR(air.pressure_pa(kHome_m), home_pa, 1e-6);
+  EXPECT_NEAR(air.density_kg_m3(kHome_m), home_pa / (287.05287 * 308.15), 1e-9);
+}
+
+TEST(Weather, OffsetCountsAtEveryAltitudeAndLeavesThePressureAtHome) {
+  const Atmosphere air = air_of({.temperature_offset_degc = -20}, {}, kHome_m);
+  for (const double alt_m : {0.0, kHome_m, 9000.0, 15'000.0}) {
+    EXPECT_NEAR(air.temperature_kelvin(alt_m), isa::temperature_kelvin(alt_m) - 20, 1e-9) << alt_m;
+  }
+  EXPECT_NEAR(air.pressure_pa(kHome_m), isa::pressure_pa(kHome_m), 1e-6);
+  EXPECT_LT(air.pressure_pa(3000), isa::pressure_pa(3000)) << "cold air is heavy";
 }
 
 }  // namespace

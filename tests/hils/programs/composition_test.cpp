@@ -114,7 +114,9 @@ TEST(CompositionOfAWorld, HandsTheSdfFileOnWithFullPaths) {
       "s.yaml",
       "schema: 1\nvehicle: " + cas::test::source_dir() +
           "/config/vehicles/iris_paper.yaml\nworld: w.sdf\nmodel_path: [models]\nmissing: "
-          "ignore\ncollada_up_axis: applied\npose: {x_m: 1, y_m: 2, z_m: 3}\nrates: {sensor_hz: "
+          "ignore\ncollada_up_axis: applied\nweather: {temperature_offset_degc: -5, qnh_hpa: "
+          "1003.5, "
+          "humidity: 0.25}\npose: {x_m: 1, y_m: 2, z_m: 3}\nrates: {sensor_hz: "
           "500, gps_hz: 5, "
           "controls_hz: 400}\nplugins: [{plugin: wind, grid: grid.csv}, {plugin: of_mine, grid: "
           "10}]\nsteps:\n  - arm\n  - "
@@ -128,6 +130,11 @@ TEST(CompositionOfAWorld, HandsTheSdfFileOnWithFullPaths) {
     return std::filesystem::weakly_canonical(folder / name).string();
   };
   EXPECT_EQ(config.require<std::string>("world"), full("w.sdf"));
+  const base::ConfigNode weather = config.at("weather");
+  EXPECT_EQ(weather.require<double>("temperature_offset_degc"), -5);
+  EXPECT_EQ(weather.require<double>("qnh_hpa"), 1003.5);
+  EXPECT_EQ(weather.require<double>("humidity"), 0.25);
+  EXPECT_FALSE(weather.has("temperature_degc"));
   EXPECT_EQ(config.require<std::vector<std::string>>("model_path").at(0), full("models"));
   EXPECT_EQ(config.require<std::string>("missing"), "ignore");
   EXPECT_EQ(config.require<std::string>("collada_up_axis"), "applied");

@@ -24,6 +24,7 @@ step_us: 4000
 speed: 2.5
 seed: 77
 integrator: ode
+weather: {temperature_offset_degc: 15, qnh_hpa: 1003.5, humidity: 0.6}
 pacing:
   catch_up_rate: 1.5
   max_lag_ms: 40
@@ -48,6 +49,8 @@ vehicles:
   EXPECT_EQ(config.seed, 77u);
   EXPECT_EQ(config.integrator, Integrator::kOde);
   EXPECT_EQ(config.home->alt_m, 488.0);
+  EXPECT_EQ(config.weather,
+            (base::Weather{.temperature_offset_degc = 15, .qnh_hpa = 1003.5, .humidity = 0.6}));
   ASSERT_EQ(config.vehicles.size(), 1u);
   EXPECT_EQ(config.vehicles[0].pose.yaw_deg, 4);
 }
@@ -85,6 +88,16 @@ INSTANTIATE_TEST_SUITE_P(
         ErrorCase{"YearBeyondTheFieldModel",
                   std::regex_replace(kGood, std::regex("2026.5"), "2015"),
                   "sim.yaml:3: decimal_year: 2015 must lie in [2025, 2030]"},
+        ErrorCase{"TooCold", kGood + "weather:\n  temperature_degc: -200\n",
+                  ": weather.temperature_degc: -200 must lie in [-90, 60]"},
+        ErrorCase{"TwoTemperatures",
+                  kGood + "weather: {temperature_degc: 20, temperature_offset_degc: 5}\n",
+                  "weather.temperature_offset_degc: the temperature is given by "
+                  "'temperature_degc' already"},
+        ErrorCase{"PressureInPascal", kGood + "weather: {qnh_hpa: 101325}\n",
+                  "weather.qnh_hpa: 101325 must lie in [850, 1100]"},
+        ErrorCase{"HumidityInPerCent", kGood + "weather: {humidity: 60}\n",
+                  "weather.humidity: 60 must lie in [0, 1]"},
         ErrorCase{"UpAxis", kGood + "collada_up_axis: apply\n",
                   "'apply' is none of: ignored, applied"},
         ErrorCase{"TwinNames", kGood + test::vehicle("a"), "two vehicles have the name 'a'"},

@@ -197,5 +197,20 @@ TEST(SimRunner, IrisFromItsFilesHovers) {
   EXPECT_NEAR(runner.world().state(kFirst).a_WB.norm(), 0, 1e-6);
 }
 
+TEST(SimRunner, HasOneAirForPressureAndDensityOfTheDay) {
+  SimRunner runner(
+      test::config(test::vehicle("iris0"),
+                   "weather: {temperature_degc: 35, qnh_hpa: 1003.25, humidity: 0.8}\n"));
+  runner.start();
+  runner.step();
+  const base::Atmosphere air = runner.world().atmosphere();
+  const double alt_m = 488 + runner.world().state(kFirst).p_WB.z();
+  EXPECT_NEAR(air.temperature_kelvin(488), 308.15, 1e-9);
+  EXPECT_NEAR(air.pressure_pa(488), 100'325 * base::isa::pressure_pa(488) / 101'325, 1e-6);
+  const double density = runner.world().environment(kFirst).air_density_kg_m3;
+  EXPECT_EQ(density, air.density_kg_m3(alt_m));
+  EXPECT_LT(density, 0.92 * base::isa::density_kg_m3(alt_m)) << "hot, humid and low: thin";
+}
+
 }  // namespace
 }  // namespace cas::sim
