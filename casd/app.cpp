@@ -41,11 +41,11 @@
 #include "casd/port/metrics_port.hpp"
 #include "casd/port/open_ports.hpp"
 #include "casd/port/vehicle_methods.hpp"
-#include "casd/station/failure_desk.hpp"
+#include "casd/station/failure_injector.hpp"
 #include "casd/station/gain_map.hpp"
 #include "casd/station/vehicle_commander.hpp"
 #include "casd/station_options.hpp"
-#include "casd/station_turns.hpp"
+#include "casd/station_scheduler.hpp"
 #include "casd/topology/line_budget.hpp"
 #include "casd/topology/topology_files.hpp"
 #include "mavlink/common/hil_sensor.hpp"
@@ -420,10 +420,10 @@ struct App::Impl {
   base::rpc::Server server;
   mutable LinkSet links;
   VehicleCommander commander;
-  FailureDesk failures;
+  FailureInjector failures;
   OwnStation station{commander, failures};
   Recorder recorder;
-  StationTurns turns{io, links, station, recorder};
+  StationScheduler turns{io, links, station, recorder};
   LinkChanges changes{io, links, commander, failures, turns};
   VehicleMethods vehicle_methods;
   FigureMethods figures;

@@ -9,9 +9,9 @@
 #include <string>
 
 #include "casd/link_set.hpp"
-#include "casd/station/failure_desk.hpp"
+#include "casd/station/failure_injector.hpp"
 #include "casd/station/vehicle_commander.hpp"
-#include "casd/station_turns.hpp"
+#include "casd/station_scheduler.hpp"
 
 namespace cas::casd {
 
@@ -20,7 +20,7 @@ class LinkChanges {
  public:
   /// All outlive it.
   LinkChanges(boost::asio::io_context& io, LinkSet& links, VehicleCommander& commander,
-              FailureDesk& failures, StationTurns& turns)
+              FailureInjector& failures, StationScheduler& turns)
       : io_(io), links_(links), commander_(commander), failures_(failures), turns_(turns) {}
 
   /// Puts the links and routes of a topology in force. @throws std::exception, and nothing has
@@ -48,8 +48,8 @@ class LinkChanges {
   boost::asio::io_context& io_;
   LinkSet& links_;
   VehicleCommander& commander_;
-  FailureDesk& failures_;
-  StationTurns& turns_;
+  FailureInjector& failures_;
+  StationScheduler& turns_;
   std::set<std::string> added_;
 };
 

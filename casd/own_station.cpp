@@ -25,7 +25,7 @@ std::optional<AutopilotLogsStatus> OwnStation::logs(base::RunTime now) const {
 
 void OwnStation::on_packet(const Origin& from, const mav::PacketView& packet, base::RunTime now) {
   const auto verdict = failures_.on_packet(from, packet, base::steady_now());
-  if (verdict != FailureDesk::Verdict::kRefused) commander_.on_packet(from, packet, now);
+  if (verdict != FailureInjector::Verdict::kRefused) commander_.on_packet(from, packet, now);
   if (log_taking_) log_taking_->logs.on_packet(from, packet, now);
 }
 

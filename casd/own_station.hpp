@@ -6,7 +6,7 @@
 #include "base/time/clock.hpp"
 #include "casd/autopilot_log/autopilot_logs.hpp"
 #include "casd/autopilot_log/log_files.hpp"
-#include "casd/station/failure_desk.hpp"
+#include "casd/station/failure_injector.hpp"
 #include "casd/station/vehicle_commander.hpp"
 
 namespace cas::casd {
@@ -18,7 +18,7 @@ struct TlogConfig;
 class OwnStation final : public Station {
  public:
   /// Both outlive it.
-  OwnStation(VehicleCommander& commander, FailureDesk& failures)
+  OwnStation(VehicleCommander& commander, FailureInjector& failures)
       : commander_(commander), failures_(failures) {}
 
   /// Takes the logs of autopilots from now on, if the configuration wants them.
@@ -53,7 +53,7 @@ class OwnStation final : public Station {
   };
 
   VehicleCommander& commander_;
-  FailureDesk& failures_;
+  FailureInjector& failures_;
   std::optional<LogTaking> log_taking_;
 };
 

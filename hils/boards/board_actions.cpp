@@ -14,7 +14,7 @@
 #include "hils/boards/board_device.hpp"
 #include "hils/boards/board_error.hpp"
 #include "hils/boards/board_hook.hpp"
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 
 namespace cas::hils {
 

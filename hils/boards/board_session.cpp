@@ -12,7 +12,7 @@
 #include "base/os/write_file.hpp"
 #include "base/rpc/client.hpp"
 #include "hils/boards/board_error.hpp"
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 #include "mavlink/common/autopilot_version.hpp"
 #include "mavlink/common/enums.hpp"
 

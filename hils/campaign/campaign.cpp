@@ -15,7 +15,7 @@
 #include "base/config/vehicle.hpp"
 #include "base/suggestion.hpp"
 #include "hils/flight/phase_check.hpp"
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 #include "hils/sweep/key_path.hpp"
 #include "hils/sweep/study.hpp"
 #include "hils/sweep/sweep_folder.hpp"

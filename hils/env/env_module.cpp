@@ -100,12 +100,12 @@ PYBIND11_MODULE(_cas_env, module) {
   // Each episode would tell of its faults and crashes.
   cas::base::log::init("cas.env", cas::base::log::Level::kError);
   py::class_<StepEnv>(module, "StepEnv")
-      .def(py::init([](const std::string& setup, const std::string& vary, const std::string& stand,
-                       const std::string& view, int period_us) {
+      .def(py::init([](const std::string& setup, const std::string& vary,
+                       const std::string& action_level, const std::string& view, int period_us) {
         return std::make_unique<StepEnv>(
             cas::hils::StepEnvOptions{.setup = setup,
                                       .vary = vary,
-                                      .stand = cas::hils::parse_stand(stand),
+                                      .action_level = cas::hils::parse_action_level(action_level),
                                       .view = cas::hils::parse_view(view),
                                       .period_us = period_us});
       }))

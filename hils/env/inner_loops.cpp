@@ -13,9 +13,9 @@ namespace cas::hils {
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 
-InnerLoops::InnerLoops(Stand stand, const base::Vehicle& vehicle,
+InnerLoops::InnerLoops(ActionLevel action_level, const base::Vehicle& vehicle,
                        const std::vector<std::pair<std::string, double>>& params)
-    : stand_(stand), vehicle_(vehicle), cascade_(vehicle) {
+    : level_(action_level), vehicle_(vehicle), cascade_(vehicle) {
   fcu::ParamStore store(vehicle);
   for (const auto& [name, value] : params) {
     const fcu::ParamSetResult result = store.set(name, value);
@@ -38,13 +38,14 @@ sim::MotorCommand InnerLoops::update(std::span<const double> action,
                             .kind = sim::MotorCommand::Kind::kMotorOutputs,
                             .armed = true,
                             .values = {}};
-  if (stand_ == Stand::kMotors) {
+  if (level_ == ActionLevel::kMotors) {
     command.values = motors(action);
     return command;
   }
   const fcu::MixerResult& result =
-      stand_ == Stand::kRates ? follow_rates(action, gyro_D, dt)
-                              : follow(setpoint(action, state, in_contact), state, gyro_D, dt);
+      level_ == ActionLevel::kRates
+          ? follow_rates(action, gyro_D, dt)
+          : follow(setpoint(action, state, in_contact), state, gyro_D, dt);
   const auto outputs = cascade_.mixer().outputs(result);
   command.values = sim::ActuatorValues::Map(outputs.data(), std::ssize(outputs));
   return command;
@@ -84,7 +85,7 @@ fcu::ControlSetpoint InnerLoops::setpoint(std::span<const double> action,
                                           const fcu::EstimatorState& state, bool in_contact) {
   fcu::ControlSetpoint setpoint;
   setpoint.may_touch = in_contact;
-  if (stand_ == Stand::kAttitude) {
+  if (level_ == ActionLevel::kAttitude) {
     setpoint.attitude = fcu::AttitudeSetpoint{
         .q_ND = base::quaternion_rpy(action[0], action[1], action[2]),
         .yaw_rate_rad_s = 0,

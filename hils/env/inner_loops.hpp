@@ -20,7 +20,7 @@ namespace cas::hils {
 class InnerLoops {
  public:
   /// @param params  of the controller, by name @throws base::ConfigError
-  InnerLoops(Stand stand, const base::Vehicle& vehicle,
+  InnerLoops(ActionLevel action_level, const base::Vehicle& vehicle,
              const std::vector<std::pair<std::string, double>>& params);
 
   /// One control period.
@@ -40,10 +40,10 @@ class InnerLoops {
   fcu::ControlSetpoint setpoint(std::span<const double> action, const fcu::EstimatorState& state,
                                 bool in_contact);
 
-  Stand stand_;
+  ActionLevel level_;
   base::Vehicle vehicle_;
   fcu::ControlCascade cascade_;
-  fcu::RateController rates_;  // of Stand::kRates, which has no loop above it
+  fcu::RateController rates_;  // of ActionLevel::kRates, which has no loop above it
   fcu::MixerResult mixed_;
   bool begun_ = false;
 };

@@ -38,11 +38,11 @@ constexpr const char* kNoEpisode =
     "there is no episode: the last reset() failed, or there was none";
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
-constexpr std::array<std::pair<std::string_view, Stand>, 4> kStands{
-    {{"motors", Stand::kMotors},
-     {"rates", Stand::kRates},
-     {"attitude", Stand::kAttitude},
-     {"velocity", Stand::kVelocity}}};
+constexpr std::array<std::pair<std::string_view, ActionLevel>, 4> kActionLevels{
+    {{"motors", ActionLevel::kMotors},
+     {"rates", ActionLevel::kRates},
+     {"attitude", ActionLevel::kAttitude},
+     {"velocity", ActionLevel::kVelocity}}};
 
 /// Whether an EpisodePlace exists.
 std::atomic<bool> episode_place_taken = false;
@@ -196,12 +196,12 @@ class Writer {
 
 }  // namespace
 
-Stand parse_stand(std::string_view word) {
-  for (const auto& [name, stand] : kStands) {
-    if (name == word) return stand;
+ActionLevel parse_action_level(std::string_view word) {
+  for (const auto& [name, action_level] : kActionLevels) {
+    if (name == word) return action_level;
   }
   throw base::ConfigError(
-      fmt::format("stand is motors, rates, attitude or velocity, not '{}'", word));
+      fmt::format("action_level is motors, rates, attitude or velocity, not '{}'", word));
 }
 
 View parse_view(std::string_view word) {
@@ -218,7 +218,8 @@ class StepEnv::Episode {
             sim::SimConfig::parse(base::ConfigNode::parse(simulation_text(setup, seed), "env")),
             {.output_dir = std::filesystem::current_path(), .plugin_dirs = base::plugin_dirs()}),
         view_(options.view),
-        loops_(options.stand, runner_.config().vehicles.front().vehicle, controller_params(setup)),
+        loops_(options.action_level, runner_.config().vehicles.front().vehicle,
+               controller_params(setup)),
         steps_(steps_of(options.period_us)),
         period_s_(options.period_us * 1e-6) {
     const std::string topics = std::string(kVehicle) + "/";
@@ -385,23 +386,23 @@ void StepEnv::name_actions() {
   const auto add_free = [&](const std::vector<std::string>& names) {
     for (const std::string& name : names) add(name, -kInfinite, kInfinite);
   };
-  switch (options_.stand) {
-    case Stand::kMotors:
+  switch (options_.action_level) {
+    case ActionLevel::kMotors:
       for (int i = 1; i <= vehicle.rotor_count(); ++i) add(fmt::format("motor{}", i), 0, 1);
       for (int i = 1; i <= vehicle.rotor_count(); ++i) {
         const bool tilts = vehicle.rotors[static_cast<std::size_t>(i - 1)].tilt.has_value();
         if (tilts) add(fmt::format("servo{}", i), -1, 1);
       }
       break;
-    case Stand::kRates:
+    case ActionLevel::kRates:
       add_free(with_axes("rate", {"x", "y", "z"}, "rad_s"));
       add("thrust", 0, 1);
       break;
-    case Stand::kAttitude:
+    case ActionLevel::kAttitude:
       add_free({"roll_rad", "pitch_rad", "yaw_rad"});
       add("thrust", 0, 1);
       break;
-    case Stand::kVelocity:
+    case ActionLevel::kVelocity:
       add_free(with_axes("velocity", {"north", "east", "down"}, "m_s"));
       add_free({"yaw_rate_rad_s"});
       break;

@@ -15,7 +15,7 @@
 namespace cas::hils {
 
 /// Meaning of an action: the stage of the controller of [HILS] Fig. 8 that the user replaces.
-enum class Stand {
+enum class ActionLevel {
   kMotors,    ///< in its place: outputs of motors (0..1) and servos (-1..1)
   kRates,     ///< above the rate loop: body rates in D, rad/s, and thrust, a share of full
   kAttitude,  ///< above the attitude loop: roll, pitch, yaw, rad, and thrust, a share of full
@@ -29,7 +29,7 @@ enum class View {
 };
 
 /// @throws base::ConfigError for another word than motors, rates, attitude, velocity
-Stand parse_stand(std::string_view word);
+ActionLevel parse_action_level(std::string_view word);
 /// @throws base::ConfigError for another word than truth, sensors
 View parse_view(std::string_view word);
 
@@ -39,7 +39,7 @@ struct StepEnvOptions {
   std::string setup;
   /// YAML list as `vary` of a study (docs/sweep.md); its keys lead into `setup`. Empty: nothing.
   std::string vary;
-  Stand stand = Stand::kMotors;
+  ActionLevel action_level = ActionLevel::kMotors;
   View view = View::kTruth;
   int period_us = 2000;  ///< simulated time of a step: a control period
 };

@@ -26,27 +26,27 @@ std::string home_text(const base::Geodetic& home) {
 
 }  // namespace
 
-FirmwareBench::FirmwareBench(const RunRequest& request, const RunPlaces& places)
+FirmwareBench::FirmwareBench(const RunRequest& request, const RunPaths& paths)
     : scenario_(request.scenario),
-      places_(places),
-      programs_(supervisor_, places, request, keeps_ledgers()) {
+      paths_(paths),
+      programs_(supervisor_, paths, request, keeps_ledgers()) {
   for (std::size_t i = 0; i < scenario_.vehicles.size(); ++i) {
     firmware_options_.push_back(firmware_options(i));
     check_program(firmware_options_.back());
   }
-  if (scenario_.firmware->on_serial_line) cable_.emplace(places.casd_tty(), places.firmware_tty());
+  if (scenario_.firmware->on_serial_line) cable_.emplace(paths.casd_tty(), paths.firmware_tty());
 }
 
 void FirmwareBench::start() {
   for (const auto& options : firmware_options_) prepare_folder(options.cwd);
-  const std::filesystem::path simulator_ledger = places_.vehicles.front().simulator_ledger();
-  for (const auto& ledger : {simulator_ledger, places_.casd_ledger()}) {
+  const std::filesystem::path simulator_ledger = paths_.vehicles.front().simulator_ledger();
+  for (const auto& ledger : {simulator_ledger, paths_.casd_ledger()}) {
     std::filesystem::remove(ledger);  // of an earlier flight
   }
   programs_.start_first_casd();
   std::vector<std::string> ledger;
   if (keeps_ledgers()) {
-    ledger = {"--ledger", simulator_ledger.lexically_relative(places_.out)};
+    ledger = {"--ledger", simulator_ledger.lexically_relative(paths_.out)};
   }
   supervisor_.wait_ready(programs_.launch_hilsim(ledger), Supervisor::kReadyTimeout);
   for (const auto& options : firmware_options_) {
@@ -94,8 +94,8 @@ void FirmwareBench::check_program(const ChildProcess::Options& options) const {
 
 void FirmwareBench::prepare_folder(const std::filesystem::path& folder) {
   if (scenario_.firmware->cwd.empty()) {
-    base::remove_result_folder({places_.out, folder});
-    base::make_result_folder({places_.out, folder});
+    base::remove_result_folder({paths_.out, folder});
+    base::make_result_folder({paths_.out, folder});
   } else if (std::filesystem::exists(folder) && !std::filesystem::is_empty(folder)) {
     remarks_.push_back("the firmware's folder " + folder.string() +
                        " was not empty: parameters of earlier flights may have been in force");
@@ -106,7 +106,7 @@ void FirmwareBench::prepare_folder(const std::filesystem::path& folder) {
 ChildProcess::Options FirmwareBench::firmware_options(std::size_t instance) const {
   const auto config = base::shipped_config("firmware/quad_x.parm").parent_path().parent_path();
   std::map<std::string, std::string> own{
-      {"CAS_FCU_TTY", places_.firmware_tty().string()},
+      {"CAS_FCU_TTY", paths_.firmware_tty().string()},
       {"CAS_CONFIG", config.string()},
       {"CAS_INSTANCE", std::to_string(instance)},
       {"CAS_SYSTEM", std::to_string(system_of_instance(instance))}};
@@ -119,7 +119,7 @@ ChildProcess::Options FirmwareBench::firmware_options(std::size_t instance) cons
   options.says_ready = false;
   options.ends_run = false;
   options.cwd = scenario_.firmware->cwd.empty()
-                    ? places_.run / options.name
+                    ? paths_.run / options.name
                     : std::filesystem::path(text(scenario_.firmware->cwd));
   for (const auto& [name, value] : scenario_.firmware->environment) {
     options.environment.push_back(name + "=" + text(value));

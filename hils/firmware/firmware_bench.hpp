@@ -18,7 +18,7 @@ namespace cas::hils {
 class FirmwareBench {
  public:
   /// @throws base::ConfigError if the firmware's program is not there, or may not be started
-  FirmwareBench(const RunRequest& request, const RunPlaces& places);
+  FirmwareBench(const RunRequest& request, const RunPaths& paths);
 
   /// Empties the folder of each firmware in the results first: parameters that an earlier flight
   /// left there would be in force. A `cwd` of the scenario is left as it is.
@@ -56,7 +56,7 @@ class FirmwareBench {
   void prepare_folder(const std::filesystem::path& folder);
 
   const Scenario& scenario_;
-  const RunPlaces& places_;
+  const RunPaths& paths_;
   Supervisor supervisor_;
   RunPrograms programs_;
   std::optional<PtyCable> cable_;

@@ -36,7 +36,7 @@ void resolve_files(const base::ConfigNode& source, YAML::Node world) {
   }
 }
 
-std::string world_text(const RunRequest& request, const RunPlaces& places) {
+std::string world_text(const RunRequest& request, const RunPaths& paths) {
   const Scenario& scenario = request.scenario;
   const Firmware& firmware = *scenario.firmware;
   const base::ConfigNode& source = firmware.world;
@@ -55,7 +55,7 @@ std::string world_text(const RunRequest& request, const RunPlaces& places) {
       notes += sensors_origins(fmt::format("vehicles[{}].sensors", i), *set);
     }
     add_scenario_plugins(request, i, vehicle["plugins"]);
-    vehicle["plugins"].push_back(recorder_plugin(request, places.vehicles.at(i)));
+    vehicle["plugins"].push_back(recorder_plugin(request, paths.vehicles.at(i)));
     notes += plugin_origins(scenario, i, vehicles.at(i).at("plugins").items().size());
   }
   return to_text(world) + notes;
@@ -92,15 +92,15 @@ void add_station(const RunRequest& request, YAML::Node topology) {
   topology["links"].push_back(ground_link(request, kStationLink, *request.station));
 }
 
-std::string topology_text(const RunRequest& request, const RunPlaces& places) {
+std::string topology_text(const RunRequest& request, const RunPaths& paths) {
   const Firmware& firmware = *request.scenario.firmware;
   const base::ConfigNode& source = firmware.topology;
   YAML::Node topology = YAML::Load(source.dump());
   topology["command_port"]["port"] = 0;
-  topology["command_port"]["unix"] = places.command_port.string();
-  topology["command_port"]["token_file"] = places.command_token().string();
+  topology["command_port"]["unix"] = paths.command_port.string();
+  topology["command_port"]["token_file"] = paths.command_token().string();
   topology["log"] = YAML::Node(YAML::NodeType::Map);
-  topology["log"]["folder"] = places.out.string();
+  topology["log"]["folder"] = paths.out.string();
   topology["log"]["tlog"] = "flight.tlog";
   topology["log"]["overwrite"] = true;
   for (const char* key : {"gains", "dialect"}) {
@@ -108,16 +108,16 @@ std::string topology_text(const RunRequest& request, const RunPlaces& places) {
   }
   for (YAML::Node link : topology["links"]) {
     if (firmware.on_serial_line && link["type"].as<std::string>() == "serial") {
-      link["device"] = places.casd_tty().string();
+      link["device"] = paths.casd_tty().string();
     }
   }
   if (request.station) add_station(request, topology);
-  for (std::size_t i = 0; i < places.companions.size(); ++i) {
+  for (std::size_t i = 0; i < paths.companions.size(); ++i) {
     YAML::Node link;
     link["name"] = companion_link_name(i);
     link["type"] = "udp";
     link["local"] = "127.0.0.1:0";
-    link["remote"] = "127.0.0.1:" + std::to_string(places.companions[i]);
+    link["remote"] = "127.0.0.1:" + std::to_string(paths.companions[i]);
     topology["links"].push_back(link);
   }
   return to_text(topology) + base::origin_notes("", source);
@@ -134,10 +134,10 @@ bool needs_companion(const Scenario& scenario) {
       scenario.steps, [](const FlightStep& step) { return CompanionFlight::gives(step.kind); });
 }
 
-void write_firmware_configs(const RunRequest& request, const RunPlaces& places) {
-  base::make_result_folder({places.out, places.run});
-  base::write_result({places.out, places.simulator_config()}, world_text(request, places));
-  base::write_result({places.out, places.casd_config()}, topology_text(request, places));
+void write_firmware_configs(const RunRequest& request, const RunPaths& paths) {
+  base::make_result_folder({paths.out, paths.run});
+  base::write_result({paths.out, paths.simulator_config()}, world_text(request, paths));
+  base::write_result({paths.out, paths.casd_config()}, topology_text(request, paths));
 }
 
 }  // namespace cas::hils

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 #include "hils/run/run_request.hpp"
 
 namespace cas::hils {
@@ -19,6 +19,6 @@ bool needs_companion(const Scenario& scenario);
 /// Writes the scenario's world and topology as the programs are given them: with the run's seed, a
 /// recorder, control sockets in the run's folder and casd's serial link at the firmware's line.
 /// @throws base::ConfigError
-void write_firmware_configs(const RunRequest& request, const RunPlaces& places);
+void write_firmware_configs(const RunRequest& request, const RunPaths& paths);
 
 }  // namespace cas::hils

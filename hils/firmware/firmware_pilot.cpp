@@ -283,10 +283,10 @@ class FirmwareVehicle {
 /// Flies vehicles with stock firmware.
 class FirmwareFlight final : public FlightBench {
  public:
-  FirmwareFlight(const RunRequest& request, const RunPlaces& places, FirmwareBench& bench,
+  FirmwareFlight(const RunRequest& request, const RunPaths& paths, FirmwareBench& bench,
                  std::span<const std::unique_ptr<CompanionLink>> links,
                  std::vector<RunRecord>& records)
-      : deck_(request.scenario, places, bench),
+      : deck_(request.scenario, paths, bench),
         records_(records),
         live_(request.live),
         watch_(request.live, deck_.simulator,
@@ -424,10 +424,10 @@ std::optional<std::string> silence_fault(const VehicleReport& vehicle) {
       base::to_seconds(kSilencePatience));
 }
 
-void pilot_firmware(const RunRequest& request, const RunPlaces& places, FirmwareBench& bench,
+void pilot_firmware(const RunRequest& request, const RunPaths& paths, FirmwareBench& bench,
                     std::span<const std::unique_ptr<CompanionLink>> links,
                     std::vector<RunRecord>& records) {
-  FirmwareFlight(request, places, bench, links, records).fly();
+  FirmwareFlight(request, paths, bench, links, records).fly();
 }
 
 }  // namespace cas::hils

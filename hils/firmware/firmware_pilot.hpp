@@ -21,7 +21,7 @@ std::optional<std::string> silence_fault(const VehicleReport& vehicle);
 /// positions.
 /// @param links  of each vehicle, where the scenario needs_companion(); else none
 /// @param records  of the vehicles, which it fills in, but for what the programs leave behind
-void pilot_firmware(const RunRequest& request, const RunPlaces& places, FirmwareBench& bench,
+void pilot_firmware(const RunRequest& request, const RunPaths& paths, FirmwareBench& bench,
                     std::span<const std::unique_ptr<CompanionLink>> links,
                     std::vector<RunRecord>& records);
 

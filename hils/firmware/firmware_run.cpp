@@ -23,7 +23,7 @@
 #include "hils/firmware/own_home.hpp"
 #include "hils/programs/fcu_device.hpp"
 #include "hils/programs/live_run.hpp"
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 
 namespace cas::hils {
@@ -59,12 +59,12 @@ RelayLedgers read_relay(const std::filesystem::path& file) {
 }
 
 /// The HIL stream between the simulator and casd's serial port, in HITL.
-void read_ledgers(const Scenario& scenario, const RunPlaces& places, RunRecord& record) {
-  const std::filesystem::path ledger = places.vehicles.front().simulator_ledger();
+void read_ledgers(const Scenario& scenario, const RunPaths& paths, RunRecord& record) {
+  const std::filesystem::path ledger = paths.vehicles.front().simulator_ledger();
   if (!scenario.firmware->on_serial_line || !std::filesystem::exists(ledger)) return;
   record.simulator = base::PacketLedger::read(ledger);
-  if (!loses_ledger(scenario) && std::filesystem::exists(places.casd_ledger())) {
-    record.relay = read_relay(places.casd_ledger());
+  if (!loses_ledger(scenario) && std::filesystem::exists(paths.casd_ledger())) {
+    record.relay = read_relay(paths.casd_ledger());
   }
   stand_in_for_controller(record);
 }
@@ -78,13 +78,13 @@ void take_own_ports() {
 }
 
 /// Adds what the programs left behind.
-void add_recordings(const Scenario& scenario, const RunPlaces& places,
+void add_recordings(const Scenario& scenario, const RunPaths& paths,
                     std::vector<RunRecord>& records) {
   for (std::size_t i = 0; i < records.size(); ++i) {
-    add_simulator_report(places, records[i]);
-    read_ledgers(scenario, places, records[i]);
+    add_simulator_report(paths, records[i]);
+    read_ledgers(scenario, paths, records[i]);
     if (!scenario.flies_several()) continue;
-    const auto other = home_fault(scenario, i, places.flight_tlog(), records[i].system);
+    const auto other = home_fault(scenario, i, paths.flight_tlog(), records[i].system);
     if (other) records[i].firmware->not_its_own.push_back(*other);
   }
 }
@@ -93,23 +93,23 @@ std::vector<RunRecord> fly_firmware(const RunRequest& request) {
   const Scenario& scenario = request.scenario;
   if (request.clock == Clock::kLockstep) take_own_ports();
   const RunDirectory sockets;
-  RunPlaces places = RunPlaces::of(scenario, request.out, sockets.path());
-  places.command_port = sockets.command_socket();
+  RunPaths paths = RunPaths::of(scenario, request.out, sockets.path());
+  paths.command_port = sockets.command_socket();
   std::vector<std::unique_ptr<CompanionLink>> companions;
   if (needs_companion(scenario)) {
     for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
       companions.push_back(std::make_unique<CompanionLink>());
-      places.companions.push_back(companions.back()->port());
+      paths.companions.push_back(companions.back()->port());
     }
   }
-  write_firmware_configs(request, places);
-  std::vector<RunRecord> records = records_of(scenario, places);
-  FirmwareBench bench(request, places);
+  write_firmware_configs(request, paths);
+  std::vector<RunRecord> records = records_of(scenario, paths);
+  FirmwareBench bench(request, paths);
   const base::RunTime begin = base::steady_now();
   try {
     bench.start();
-    if (request.live != nullptr) request.live->start(request, places, bench.supervisor());
-    pilot_firmware(request, places, bench, companions, records);
+    if (request.live != nullptr) request.live->start(request, paths, bench.supervisor());
+    pilot_firmware(request, paths, bench, companions, records);
   } catch (const base::rpc::ConnectionError& error) {
     bench.supervisor().wait(std::chrono::milliseconds(500));  // a program that died is noticed
     throw RunStopped(std::string("a control connection failed: ") + error.what(), false);
@@ -125,7 +125,7 @@ std::vector<RunRecord> fly_firmware(const RunRequest& request) {
                                          " bytes that were not read in time");
     }
   }
-  add_recordings(scenario, places, records);
+  add_recordings(scenario, paths, records);
   return records;
 }
 

@@ -17,13 +17,13 @@ namespace cas::hils {
 
 /// What all vehicles of a flight of stock firmware share.
 struct FlightDeck {
-  FlightDeck(const Scenario& flown, const RunPlaces& places, FirmwareBench& programs)
+  FlightDeck(const Scenario& flown, const RunPaths& paths, FirmwareBench& programs)
       : scenario(flown),
         bench(programs),
         supervisor(programs.supervisor()),
-        run(places.run),
-        casd_address("unix:" + places.command_port.string()),
-        simulator(places.simulator_control()),
+        run(paths.run),
+        casd_address("unix:" + paths.command_port.string()),
+        simulator(paths.simulator_control()),
         casd(connect(casd_address)) {}
 
   const Scenario& scenario;

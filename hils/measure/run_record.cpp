@@ -81,23 +81,23 @@ std::vector<Stage> RunRecord::flown_stages() const {
   return flown;
 }
 
-std::vector<RunRecord> records_of(const Scenario& scenario, const RunPlaces& places) {
+std::vector<RunRecord> records_of(const Scenario& scenario, const RunPaths& paths) {
   std::vector<RunRecord> records;
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
     RunRecord& record = records.emplace_back();
     record.vehicle = scenario.vehicles[i].name;
     record.system = scenario.vehicles[i].system_id;
-    record.truth_csv = places.vehicles[i].truth_csv();
-    record.sensors = places.vehicles[i].sensors();
-    record.flight_tlog = places.flight_tlog();
-    record.plugin_figures = places.plugin_figures();
+    record.truth_csv = paths.vehicles[i].truth_csv();
+    record.sensors = paths.vehicles[i].sensors();
+    record.flight_tlog = paths.flight_tlog();
+    record.plugin_figures = paths.plugin_figures();
   }
   return records;
 }
 
-void add_simulator_report(const RunPlaces& places, RunRecord& record) {
-  record.warnings = simulator_warnings(places.simulator_stats(), record.vehicle);
-  for (auto& fault : vehicle_faults(places.simulator_stats(), record.vehicle)) {
+void add_simulator_report(const RunPaths& paths, RunRecord& record) {
+  record.warnings = simulator_warnings(paths.simulator_stats(), record.vehicle);
+  for (auto& fault : vehicle_faults(paths.simulator_stats(), record.vehicle)) {
     record.faults.push_back(std::move(fault));
   }
 }

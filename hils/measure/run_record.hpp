@@ -15,7 +15,7 @@
 #include "hils/measure/flight_changes.hpp"
 #include "hils/measure/packet_account.hpp"
 #include "hils/measure/tracking.hpp"
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 
 namespace cas::hils {
 
@@ -54,11 +54,11 @@ struct RunRecord {
 };
 
 /// A record for each vehicle of a scenario, with its names and where its files are.
-std::vector<RunRecord> records_of(const Scenario& scenario, const RunPlaces& places);
+std::vector<RunRecord> records_of(const Scenario& scenario, const RunPaths& paths);
 
 /// Adds the faults that the vehicle's plugin `fault` played to those of the bench, and the
 /// simulator's warnings.
-void add_simulator_report(const RunPlaces& places, RunRecord& record);
+void add_simulator_report(const RunPaths& paths, RunRecord& record);
 
 /// Faults of one vehicle, as its plugin `fault` reports them in hilsim_stats.json; empty when there
 /// is no such file or plugin.

@@ -11,7 +11,7 @@
 #include <variant>
 
 #include "base/time/clock.hpp"
-#include "casd/station/failure_desk.hpp"
+#include "casd/station/failure_injector.hpp"
 #include "casd/station/vehicle_state.hpp"
 #include "casd/tlog/tlog_packets.hpp"
 #include "hils/measure/incident.hpp"
@@ -62,9 +62,9 @@ bool refuses_command(std::string_view text) {
 }
 
 /// Goes through a flight log and notes the vehicle's signs.
-class TaleReader {
+class MessageReader {
  public:
-  explicit TaleReader(const RunRecord& record) : record_(record) {}
+  explicit MessageReader(const RunRecord& record) : record_(record) {}
 
   void on_packet(std::int64_t log_us, const mav::PacketView& packet) {
     constexpr std::uint8_t kAutopilot = 1;
@@ -75,12 +75,12 @@ class TaleReader {
     if (const auto status = mav::decode<SysStatus>(packet)) on_status(*status);
   }
 
-  VehicleTale finish() { return std::move(tale_); }
+  VehicleMessages finish() { return std::move(messages_); }
 
  private:
   void on_heartbeat(const Heartbeat& beat) {
     const bool armed = has(beat.base_mode, MavModeFlag::kSafetyArmed);
-    if (armed != armed_) tale_.armed.push_back({now_s_, armed});
+    if (armed != armed_) messages_.armed.push_back({now_s_, armed});
     armed_ = armed;
     const bool critical = beat.system_status == MavState::kCritical ||
                           beat.system_status == MavState::kEmergency ||
@@ -88,7 +88,7 @@ class TaleReader {
     const auto autopilot = casd::autopilot_family(beat.autopilot);
     const std::string mode = mode_name(autopilot, beat.base_mode, beat.custom_mode);
     if (critical && (!critical_ || mode != mode_)) {
-      tale_.signs.push_back({.time_s = now_s_, .what = mode, .is_reaction = true});
+      messages_.signs.push_back({.time_s = now_s_, .what = mode, .is_reaction = true});
     }
     critical_ = critical;
     mode_ = mode;
@@ -99,8 +99,8 @@ class TaleReader {
     std::string text(mav::text(message.text));
     std::ranges::replace_if(
         text, [](char c) { return c < ' ' || c > '~'; }, '?');
-    if (text.starts_with(casd::kDeskPrefix) || refuses_command(text)) return;
-    tale_.signs.push_back({.time_s = now_s_, .what = "'" + text + "'"});
+    if (text.starts_with(casd::kInjectorPrefix) || refuses_command(text)) return;
+    messages_.signs.push_back({.time_s = now_s_, .what = "'" + text + "'"});
   }
 
   void on_status(const SysStatus& status) {
@@ -111,7 +111,7 @@ class TaleReader {
       if (fell) fallen += (fallen.empty() ? "" : ", ") + std::string(name);
     }
     healthy_ = status.onboard_control_sensors_health;
-    if (!fallen.empty()) tale_.signs.push_back({.time_s = now_s_, .what = "health: " + fallen});
+    if (!fallen.empty()) messages_.signs.push_back({.time_s = now_s_, .what = "health: " + fallen});
   }
 
   const RunRecord& record_;
@@ -120,7 +120,7 @@ class TaleReader {
   bool critical_ = false;
   std::string mode_;
   MavSysStatusSensor healthy_{};
-  VehicleTale tale_;
+  VehicleMessages messages_;
 };
 
 Eigen::Vector3d place(const PoseSample& sample, const PoseSample& start) {
@@ -311,12 +311,12 @@ bool is_in_air(const StrikeEvidence& evidence, double time_s) {
 double flight_end_s(const StrikeEvidence& evidence) {
   if (evidence.stages.empty() || !is_in_air(evidence, evidence.strike_s)) return kNever_s;
   const auto landed =
-      std::ranges::find_if(evidence.tale.armed, [&evidence](const ArmedChange& change) {
+      std::ranges::find_if(evidence.messages.armed, [&evidence](const ArmedChange& change) {
         return !change.armed && change.time_s >= evidence.strike_s &&
                !is_in_air(evidence, change.time_s);
       });
   return std::min(base::to_seconds(evidence.stages.back().end),
-                  landed == evidence.tale.armed.end() ? kNever_s : landed->time_s);
+                  landed == evidence.messages.armed.end() ? kNever_s : landed->time_s);
 }
 
 /// Whether the vehicle had landed and was disarmed, and no step would arm it again.
@@ -325,9 +325,9 @@ bool flight_was_over(const StrikeEvidence& evidence) {
     return stage.step.kind == StepKind::kArm && base::to_seconds(stage.end) > evidence.strike_s;
   };
   if (std::ranges::any_of(evidence.stages, armed_steps)) return false;
-  const auto earlier =
-      std::ranges::lower_bound(evidence.tale.armed, evidence.strike_s, {}, &ArmedChange::time_s);
-  if (earlier == evidence.tale.armed.begin() || std::prev(earlier)->armed) return false;
+  const auto earlier = std::ranges::lower_bound(evidence.messages.armed, evidence.strike_s, {},
+                                                &ArmedChange::time_s);
+  if (earlier == evidence.messages.armed.begin() || std::prev(earlier)->armed) return false;
   const bool flew = std::ranges::any_of(
       between(evidence.truth, 0, microseconds(evidence.strike_s)), [&](const PoseSample& sample) {
         return place(sample, evidence.truth.front()).z() > kInAir_m;
@@ -384,8 +384,8 @@ void note(const StrikeEvidence& evidence, const VehicleSign& sign, StrikeRespons
 
 }  // namespace
 
-VehicleTale read_vehicle_tale(const RunRecord& record) {
-  TaleReader reader(record);
+VehicleMessages read_vehicle_messages(const RunRecord& record) {
+  MessageReader reader(record);
   casd::for_each_tlog_packet(record.flight_tlog, table(),
                              [&](std::uint64_t unix_us, const mav::PacketView& packet) {
                                reader.on_packet(static_cast<std::int64_t>(unix_us), packet);
@@ -403,13 +403,13 @@ StrikeResponse strike_response(const StrikeEvidence& evidence) {
   const double until_s =
       std::min({contact.impact_s, evidence.end_s ? *evidence.end_s + kHeartbeat_s : kNever_s,
                 flight_end_s(evidence)});
-  for (const VehicleSign& sign : evidence.tale.signs) {
+  for (const VehicleSign& sign : evidence.messages.signs) {
     if (sign.time_s < evidence.strike_s || sign.time_s > until_s) continue;
     note(evidence, sign, response);
     response.terminated |=
         sign.is_reaction && sign.what == "TERMINATION" && sign.time_s <= contact.first_s();
   }
-  for (const auto& [time_s, armed] : evidence.tale.armed) {
+  for (const auto& [time_s, armed] : evidence.messages.armed) {
     if (time_s < evidence.strike_s) {
       response.armed_before = armed;
       continue;
@@ -446,7 +446,7 @@ std::optional<StrikeResponse> read_strike_response(const RunRecord& record,
                           .steps = steps,
                           .completed = !record.flight_failure,
                           .truth = truth,
-                          .tale = read_vehicle_tale(record)});
+                          .messages = read_vehicle_messages(record)});
 }
 
 }  // namespace cas::hils

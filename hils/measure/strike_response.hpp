@@ -60,7 +60,7 @@ struct ArmedChange {
 };
 
 /// Signs and armed states in a vehicle's messages, in the order of time.
-struct VehicleTale {
+struct VehicleMessages {
   /// STATUSTEXTs of warnings and worse that refuse no command; a health flag of SYS_STATUS that
   /// falls (that of the arming checks on the ground alone); MAV_STATE critical or worse. HEARTBEATs
   /// come each second, so that a reaction is known up to 1 s late.
@@ -68,7 +68,7 @@ struct VehicleTale {
   std::vector<ArmedChange> armed;
 };
 /// Reads the flight log of a run.
-VehicleTale read_vehicle_tale(const RunRecord& record);
+VehicleMessages read_vehicle_messages(const RunRecord& record);
 
 /// Evidence that the response is derived from.
 struct StrikeEvidence {
@@ -80,7 +80,7 @@ struct StrikeEvidence {
   std::span<const FlightStep> steps{};
   bool completed = false;
   std::span<const PoseSample> truth{};
-  VehicleTale tale{};
+  VehicleMessages messages{};
 };
 /// Signs count until the first impact, or one HEARTBEAT after the fault's end, or the end of the
 /// flight: of its last step, or disarmed on the ground; of a strike on the ground after that, too.

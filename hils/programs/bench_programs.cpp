@@ -12,8 +12,8 @@ constexpr base::Duration kStopPatience = std::chrono::seconds(10);
 }  // namespace
 
 void BenchPrograms::start(bool paused) {
-  for (std::size_t i = 0; i < places_.vehicles.size(); ++i) {
-    if (request_.fcu_device(i) == nullptr) launch_emulator(places_.vehicles[i]);
+  for (std::size_t i = 0; i < paths_.vehicles.size(); ++i) {
+    if (request_.fcu_device(i) == nullptr) launch_emulator(paths_.vehicles[i]);
   }
   if (paused) programs_.launch_hilsim({"--paused"});  // it sends nothing yet, so it may load
   for (const ChildProcess* emulator : emulators_)
@@ -23,12 +23,12 @@ void BenchPrograms::start(bool paused) {
   supervisor_.wait_ready(*programs_.hilsim(), Supervisor::kReadyTimeout);
 }
 
-void BenchPrograms::launch_emulator(const VehiclePlaces& places) {
+void BenchPrograms::launch_emulator(const VehiclePaths& paths) {
   emulators_.push_back(&supervisor_.launch(programs_.options(
-      places.emulator(),
-      {sibling_program("fcu_emulator"), places.fcu_config(), "--stats",
-       places_.run / (places.emulator() + "_stats.json"), "--link", places.fcu_link(), "--ledger",
-       places.controller_ledger(), "--control", places.fcu_control()})));
+      paths.emulator(),
+      {sibling_program("fcu_emulator"), paths.fcu_config(), "--stats",
+       paths_.run / (paths.emulator() + "_stats.json"), "--link", paths.fcu_link(), "--ledger",
+       paths.controller_ledger(), "--control", paths.fcu_control()})));
 }
 
 void BenchPrograms::stop(bool nothing_under_way) {

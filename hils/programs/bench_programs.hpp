@@ -11,11 +11,11 @@ namespace cas::hils {
 class BenchPrograms {
  public:
   /// All outlive it. A controller is fcu_emulator where the request names no device.
-  BenchPrograms(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request)
+  BenchPrograms(Supervisor& supervisor, const RunPaths& paths, const RunRequest& request)
       : supervisor_(supervisor),
-        places_(places),
+        paths_(paths),
         request_(request),
-        programs_(supervisor, places, request, true) {}
+        programs_(supervisor, paths, request, true) {}
 
   /// The controllers first (they make the PTYs), then casd, then the simulator, which starts the
   /// stream; one that is paused loads at the same time as the controllers. @throws RunStopped,
@@ -32,10 +32,10 @@ class BenchPrograms {
   void start_casd() { programs_.start_casd(); }
 
  private:
-  void launch_emulator(const VehiclePlaces& places);
+  void launch_emulator(const VehiclePaths& paths);
 
   Supervisor& supervisor_;
-  const RunPlaces& places_;
+  const RunPaths& paths_;
   const RunRequest& request_;
   RunPrograms programs_;
   std::vector<ChildProcess*> emulators_;

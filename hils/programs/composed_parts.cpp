@@ -74,15 +74,15 @@ std::string plugin_origins(const Scenario& scenario, std::size_t vehicle, std::s
   return notes;
 }
 
-std::string below_out(const VehiclePlaces& places, const std::filesystem::path& file) {
-  return file.lexically_relative(places.out).string();
+std::string below_out(const VehiclePaths& paths, const std::filesystem::path& file) {
+  return file.lexically_relative(paths.out).string();
 }
 
-YAML::Node recorder_plugin(const RunRequest& request, const VehiclePlaces& places) {
+YAML::Node recorder_plugin(const RunRequest& request, const VehiclePaths& paths) {
   YAML::Node recorder = plugin("recorder");
-  recorder["file"] = below_out(places, places.truth_csv());
+  recorder["file"] = below_out(paths, paths.truth_csv());
   recorder["rate_hz"] = kTruthHz;
-  if (request.keeps_sensors) recorder["sensor_dir"] = below_out(places, places.sensors());
+  if (request.keeps_sensors) recorder["sensor_dir"] = below_out(paths, paths.sensors());
   return recorder;
 }
 

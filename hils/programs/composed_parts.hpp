@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/config/config.hpp"
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 #include "hils/run/run_request.hpp"
 #include "hils/scenario/simulation_parts.hpp"
 
@@ -28,9 +28,9 @@ void add_scenario_plugins(const RunRequest& request, std::size_t vehicle,
 std::string plugin_origins(const Scenario& scenario, std::size_t vehicle, std::size_t first);
 
 /// A file of results as the simulator's plugins take it.
-std::string below_out(const VehiclePlaces& places, const std::filesystem::path& file);
+std::string below_out(const VehiclePaths& paths, const std::filesystem::path& file);
 /// The plugin that writes truth.csv, and the samples of the sensors where the run keeps them.
-YAML::Node recorder_plugin(const RunRequest& request, const VehiclePlaces& places);
+YAML::Node recorder_plugin(const RunRequest& request, const VehiclePaths& paths);
 
 /// Name of casd's link for RunRequest::station.
 inline constexpr const char* kStationLink = "hils_gcs";

@@ -63,32 +63,32 @@ int serial_baud(const RunRequest& request, const FcuDevice* device) {
   return line.batch > base::Duration::zero() ? 0 : static_cast<int>(line.baud);
 }
 
-void add_vehicle_links(const RunRequest& request, std::size_t vehicle, const VehiclePlaces& places,
+void add_vehicle_links(const RunRequest& request, std::size_t vehicle, const VehiclePaths& paths,
                        YAML::Node& links) {
   YAML::Node simulator;
-  simulator["name"] = places.simulator_link;
+  simulator["name"] = paths.simulator_link;
   simulator["type"] = "udp";
-  simulator["local"] = local_port(places.casd_port);
-  simulator["remote"] = local_port(places.simulator_port);
+  simulator["local"] = local_port(paths.casd_port);
+  simulator["remote"] = local_port(paths.simulator_port);
   links.push_back(simulator);
   YAML::Node controller;
-  controller["name"] = places.controller_link;
+  controller["name"] = paths.controller_link;
   controller["type"] = "serial";
   const FcuDevice* device = request.fcu_device(vehicle);
-  controller["device"] = device == nullptr ? places.fcu_link().string() : device->path;
+  controller["device"] = device == nullptr ? paths.fcu_link().string() : device->path;
   controller["baud"] = serial_baud(request, device);
   // A device named by the user is meant; casd still refuses the terminal of a session.
   if (device != nullptr) controller["unlocked_pty"] = true;
   links.push_back(controller);
 }
 
-YAML::Node casd_links(const RunRequest& request, const RunPlaces& places) {
+YAML::Node casd_links(const RunRequest& request, const RunPaths& paths) {
   YAML::Node links;
-  for (std::size_t i = 0; i < places.vehicles.size(); ++i) {
-    add_vehicle_links(request, i, places.vehicles[i], links);
+  for (std::size_t i = 0; i < paths.vehicles.size(); ++i) {
+    add_vehicle_links(request, i, paths.vehicles[i], links);
   }
-  if (places.ground_station_port != 0) {
-    const StationEndpoint own{.type = "udp", .address = local_port(places.ground_station_port)};
+  if (paths.ground_station_port != 0) {
+    const StationEndpoint own{.type = "udp", .address = local_port(paths.ground_station_port)};
     links.push_back(ground_link(request, kGroundLink, own));
   }
   if (request.station) {
@@ -98,8 +98,8 @@ YAML::Node casd_links(const RunRequest& request, const RunPlaces& places) {
 }
 
 /// The traditional set-up forwards every packet to every other link of the same vehicle.
-void add_routes_without_filter(const VehiclePlaces& places, bool ground, YAML::Node& routes) {
-  std::vector<std::string> names{places.simulator_link, places.controller_link};
+void add_routes_without_filter(const VehiclePaths& paths, bool ground, YAML::Node& routes) {
+  std::vector<std::string> names{paths.simulator_link, paths.controller_link};
   if (ground) names.push_back(kGroundLink);
   for (const std::string& from : names) {
     for (const std::string& to : names) {
@@ -108,33 +108,33 @@ void add_routes_without_filter(const VehiclePlaces& places, bool ground, YAML::N
   }
 }
 
-void add_ground_routes(const VehiclePlaces& places, const std::string& link, YAML::Node& routes) {
-  YAML::Node to_ground = route(places.controller_link, link);
+void add_ground_routes(const VehiclePaths& paths, const std::string& link, YAML::Node& routes) {
+  YAML::Node to_ground = route(paths.controller_link, link);
   to_ground["block"] = list({"HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
   routes.push_back(to_ground);
-  routes.push_back(route(link, places.controller_link));
+  routes.push_back(route(link, paths.controller_link));
 }
 
 /// @param declared  messages of plugins that pass to the controller, too
-void add_routes(const VehiclePlaces& places, bool ground, const std::vector<std::string>& declared,
+void add_routes(const VehiclePaths& paths, bool ground, const std::vector<std::string>& declared,
                 YAML::Node& routes) {
-  YAML::Node to_controller = route(places.simulator_link, places.controller_link);
+  YAML::Node to_controller = route(paths.simulator_link, paths.controller_link);
   to_controller["allow"] = list({"HEARTBEAT", "HIL_SENSOR", "HIL_GPS"});
   for (const std::string& message : declared) to_controller["allow"].push_back(message);
-  YAML::Node to_simulator = route(places.controller_link, places.simulator_link);
+  YAML::Node to_simulator = route(paths.controller_link, paths.simulator_link);
   to_simulator["allow"] = list({"HEARTBEAT", "HIL_CONTROLS", "HIL_ACTUATOR_CONTROLS"});
   routes.push_back(to_controller);
   routes.push_back(to_simulator);
-  if (ground) add_ground_routes(places, kGroundLink, routes);
+  if (ground) add_ground_routes(paths, kGroundLink, routes);
 }
 
 /// No packet of one vehicle goes to another. A station that joins gets the same from every
 /// architecture.
-YAML::Node casd_routes(const RunRequest& request, const RunPlaces& places) {
-  const bool ground = places.ground_station_port != 0;
+YAML::Node casd_routes(const RunRequest& request, const RunPaths& paths) {
+  const bool ground = paths.ground_station_port != 0;
   YAML::Node routes;
-  for (std::size_t i = 0; i < places.vehicles.size(); ++i) {
-    const VehiclePlaces& vehicle = places.vehicles[i];
+  for (std::size_t i = 0; i < paths.vehicles.size(); ++i) {
+    const VehiclePaths& vehicle = paths.vehicles[i];
     request.architecture == Architecture::kTs
         ? add_routes_without_filter(vehicle, ground, routes)
         : add_routes(vehicle, ground, declared_messages(request.scenario, i), routes);
@@ -147,7 +147,7 @@ constexpr int kLockstepTimeoutMs = 10'000;  ///< a controller that died, not a m
 constexpr int kSimulatorComponent = 200;    ///< the simulator beside autopilot 1 of its system
 
 YAML::Node interface_plugin(const Scenario& scenario, std::size_t vehicle, Transport transport,
-                            const VehiclePlaces& places) {
+                            const VehiclePaths& paths) {
   YAML::Node node;
   node["plugin"] = "mavlink_interface";
   node["control_rate_hz"] = scenario.rates.controls_hz;
@@ -155,9 +155,9 @@ YAML::Node interface_plugin(const Scenario& scenario, std::size_t vehicle, Trans
     node["transport"] = "bus";
   } else {
     node["transport"] = "udp";
-    node["local"] = local_port(places.simulator_port);
-    node["remote"] = local_port(places.casd_port);
-    node["ledger"] = below_out(places, places.simulator_ledger());
+    node["local"] = local_port(paths.simulator_port);
+    node["remote"] = local_port(paths.casd_port);
+    node["ledger"] = below_out(paths, paths.simulator_ledger());
   }
   node["system_id"] = static_cast<int>(scenario.vehicles[vehicle].system_id);
   node["component_id"] = kSimulatorComponent;
@@ -172,12 +172,12 @@ std::string vehicle_origins(const Scenario& scenario, std::size_t vehicle) {
 }
 
 YAML::Node vehicle_plugins(const RunRequest& request, std::size_t vehicle, Transport transport,
-                           const VehiclePlaces& places) {
+                           const VehiclePaths& paths) {
   YAML::Node plugins;
   for (const char* name : kFirstPlugins) plugins.push_back(plugin(name));
   add_scenario_plugins(request, vehicle, plugins);
-  plugins.push_back(interface_plugin(request.scenario, vehicle, transport, places));
-  plugins.push_back(recorder_plugin(request, places));
+  plugins.push_back(interface_plugin(request.scenario, vehicle, transport, paths));
+  plugins.push_back(recorder_plugin(request, paths));
   return plugins;
 }
 
@@ -191,17 +191,17 @@ YAML::Node line_node(const RunRequest& request) {
 }
 
 YAML::Node simulated_vehicle(const RunRequest& request, std::size_t vehicle, Transport transport,
-                             const VehiclePlaces& places) {
+                             const VehiclePaths& paths) {
   const Scenario& scenario = request.scenario;
   YAML::Node node = vehicle_node(scenario.vehicles[vehicle]);
   node["sensors"] = sensors_node(scenario, vehicle);
-  node["plugins"] = vehicle_plugins(request, vehicle, transport, places);
+  node["plugins"] = vehicle_plugins(request, vehicle, transport, paths);
   return node;
 }
 
 }  // namespace
 
-std::string casd_config(const RunRequest& request, const RunPlaces& places) {
+std::string casd_config(const RunRequest& request, const RunPaths& paths) {
   YAML::Node root;
   root["schema"] = 1;
   root["system_id"] = static_cast<int>(casd::kOwnStation.system);
@@ -211,21 +211,21 @@ std::string casd_config(const RunRequest& request, const RunPlaces& places) {
   root["drain_tick_ms"] = request.scenario.drain_tick_ms;
   root["command_port"]["address"] = "127.0.0.1";
   root["command_port"]["port"] = 0;
-  root["command_port"]["unix"] = places.command_port.string();
-  root["command_port"]["token_file"] = places.command_token().string();
-  root["links"] = casd_links(request, places);
-  root["routes"] = casd_routes(request, places);
+  root["command_port"]["unix"] = paths.command_port.string();
+  root["command_port"]["token_file"] = paths.command_token().string();
+  root["links"] = casd_links(request, paths);
+  root["routes"] = casd_routes(request, paths);
   root["commanding"]["heartbeat_hz"] = 1;
   root["gains"] = full_path(base::shipped_config("gains.yaml"));
-  root["log"]["folder"] = full_path(places.out);
-  root["log"]["tlog"] = places.flight_tlog().filename().string();
+  root["log"]["folder"] = full_path(paths.out);
+  root["log"]["tlog"] = paths.flight_tlog().filename().string();
   root["log"]["overwrite"] = true;
   root["log"]["free_space_min_mib"] = 0;  // half a log is no use to a run
   return to_text(root);
 }
 
 std::string simulator_config(const RunRequest& request, Transport transport,
-                             const RunPlaces& places) {
+                             const RunPaths& paths) {
   const Scenario& scenario = request.scenario;
   YAML::Node root;
   root["schema"] = 1;
@@ -238,7 +238,7 @@ std::string simulator_config(const RunRequest& request, Transport transport,
   root["seed"] = request.seed;
   root["integrator"] = scenario.integrator;
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
-    root["vehicles"].push_back(simulated_vehicle(request, i, transport, places.vehicles.at(i)));
+    root["vehicles"].push_back(simulated_vehicle(request, i, transport, paths.vehicles.at(i)));
   }
   std::string text = to_text(root);
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) text += vehicle_origins(scenario, i);
@@ -267,22 +267,22 @@ fcu::LineConfig line_of(const RunRequest& request) {
       base::ConfigNode::parse(text, request.scenario.file.string()).at("line"));
 }
 
-void write_configs(const RunRequest& request, Transport transport, const RunPlaces& places) {
+void write_configs(const RunRequest& request, Transport transport, const RunPaths& paths) {
   if (request.scenario.firmware) {
     throw base::ConfigError(request.scenario.file.string() +
                             ": stock firmware flies this scenario: take `hils run`, `compare`, "
                             "`sweep` or `campaign`, without --fcu");
   }
-  base::make_result_folder({places.out, places.run});
-  base::remove_result({places.out, places.plugin_figures()});  // of an earlier run in this folder
+  base::make_result_folder({paths.out, paths.run});
+  base::remove_result({paths.out, paths.plugin_figures()});  // of an earlier run in this folder
   const auto write = [&places](const std::filesystem::path& file, const std::string& text) {
-    base::write_result({places.out, file}, text);
+    base::write_result({paths.out, file}, text);
   };
-  write(places.simulator_config(), simulator_config(request, transport, places));
-  for (std::size_t i = 0; i < places.vehicles.size(); ++i) {
-    write(places.vehicles[i].fcu_config(), fcu_config(request, i));
+  write(paths.simulator_config(), simulator_config(request, transport, paths));
+  for (std::size_t i = 0; i < paths.vehicles.size(); ++i) {
+    write(paths.vehicles[i].fcu_config(), fcu_config(request, i));
   }
-  write(places.casd_config(), casd_config(request, places));
+  write(paths.casd_config(), casd_config(request, paths));
 }
 
 }  // namespace cas::hils

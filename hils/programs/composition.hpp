@@ -5,7 +5,7 @@
 #include <string>
 
 #include "fcu/line/line_model.hpp"
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 #include "hils/run/run_request.hpp"
 
 namespace cas::hils {
@@ -17,17 +17,16 @@ inline constexpr double kTruthHz = 100;
 enum class Transport { kUdp, kBus };
 
 /// The configuration of hilsim for a run, as YAML text.
-std::string simulator_config(const RunRequest& request, Transport transport,
-                             const RunPlaces& places);
+std::string simulator_config(const RunRequest& request, Transport transport, const RunPaths& paths);
 /// The configuration of fcu_emulator (and of the controller on the virtual clock), as YAML text.
 ///
 /// @param vehicle  whose, by its place in the scenario
 std::string fcu_config(const RunRequest& request, std::size_t vehicle = 0);
 /// The topology of casd, as YAML text.
-std::string casd_config(const RunRequest& request, const RunPlaces& places);
+std::string casd_config(const RunRequest& request, const RunPaths& paths);
 /// The serial line of a run: the scenario's with the request's preset; ideal without a line.
 fcu::LineConfig line_of(const RunRequest& request);
-/// Writes them all into `places.run`. @throws base::ConfigError
-void write_configs(const RunRequest& request, Transport transport, const RunPlaces& places);
+/// Writes them all into `paths.run`. @throws base::ConfigError
+void write_configs(const RunRequest& request, Transport transport, const RunPaths& paths);
 
 }  // namespace cas::hils

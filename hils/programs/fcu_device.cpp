@@ -157,14 +157,14 @@ void refuse_emulator_faults(const RunRequest& request) {
   }
 }
 
-void check_devices(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request) {
+void check_devices(Supervisor& supervisor, const RunPaths& paths, const RunRequest& request) {
   if (request.fcu_devices.empty()) return;
-  base::rpc::Client casd = connect("unix:" + places.command_port.string());
+  base::rpc::Client casd = connect("unix:" + paths.command_port.string());
   bool ready = true;
   for (const auto& [place, device] : request.fcu_devices) {
     const ScenarioVehicle& own = request.scenario.vehicles.at(place);
     const ProbedFcu fcu{
-        .link = places.vehicles.at(place).controller_link,
+        .link = paths.vehicles.at(place).controller_link,
         .vehicle = request.scenario.flies_several() ? AskedVehicle(own.system_id) : std::nullopt};
     const FcuFacts facts = probe_fcu(casd, supervisor, fcu, device.path);
     const std::vector<FcuFinding> findings =
@@ -177,9 +177,9 @@ void check_devices(Supervisor& supervisor, const RunPlaces& places, const RunReq
   }
 }
 
-void stand_in_for_controller(const RunPlaces& places, const VehiclePlaces& vehicle,
+void stand_in_for_controller(const RunPaths& paths, const VehiclePaths& vehicle,
                              RunRecord& record) {
-  record.lost_by_sequence = sequence_gaps(places.casd_stats(), vehicle.controller_link);
+  record.lost_by_sequence = sequence_gaps(paths.casd_stats(), vehicle.controller_link);
   stand_in_for_controller(record);
 }
 

@@ -13,13 +13,12 @@ void refuse_emulator_faults(const RunRequest& request);
 
 /// Checks the real controllers before the flight and prints the settings they need.
 /// @throws RunStopped when one must not be flown
-void check_devices(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request);
+void check_devices(Supervisor& supervisor, const RunPaths& paths, const RunRequest& request);
 
 /// Fills in the controller's part of the record. A real controller keeps no ledger: casd's port
 /// counts as its end, and gaps between sequence numbers show losses beyond the port.
 /// @param vehicle  whose record it is
-void stand_in_for_controller(const RunPlaces& places, const VehiclePlaces& vehicle,
-                             RunRecord& record);
+void stand_in_for_controller(const RunPaths& paths, const VehiclePaths& vehicle, RunRecord& record);
 
 /// The same without those gaps, from casd's ledgers in the record alone.
 void stand_in_for_controller(RunRecord& record);

@@ -90,22 +90,22 @@ struct LiveRun::Shown {
 LiveRun::LiveRun() : shown_(std::make_unique<Shown>()) {}
 LiveRun::~LiveRun() { tell_end("hils ended without a verdict"); }
 
-void LiveRun::start(const RunRequest& request, const RunPlaces& places,
+void LiveRun::start(const RunRequest& request, const RunPaths& paths,
                     const Supervisor& supervisor) {
   request_ = &request;
   so_far_.resize(request.scenario.vehicles.size());
-  for (const VehiclePlaces& vehicle : places.vehicles) {
+  for (const VehiclePaths& vehicle : paths.vehicles) {
     emulated_.push_back(std::filesystem::exists(vehicle.fcu_control()));
   }
   try {
-    port_ = std::make_unique<RunPort>(places.run_port());
+    port_ = std::make_unique<RunPort>(paths.run_port());
   } catch (const std::exception& error) {
     fmt::print(stderr, "hils: the run goes on without a page: {}\n", error.what());
     return;
   }
   const bool has_line = std::ranges::find(emulated_, true) != emulated_.end();
   port_->show("fault.list", fault_kinds(request.scenario, has_line));
-  web_.emplace(places, supervisor);
+  web_.emplace(paths, supervisor);
 }
 
 void LiveRun::look(base::SimTime now, const FleetPlan& plan,

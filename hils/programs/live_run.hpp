@@ -21,7 +21,7 @@
 #include "hils/programs/run_port.hpp"
 #include "hils/programs/supervisor.hpp"
 #include "hils/programs/web_view.hpp"
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 #include "hils/run/run_request.hpp"
 
 namespace cas::hils {
@@ -38,7 +38,7 @@ class LiveRun {
 
   /// The programs of the run listen. A page that cannot be shown stops no run.
   /// @param request  outlives the flight
-  void start(const RunRequest& request, const RunPlaces& places, const Supervisor& supervisor);
+  void start(const RunRequest& request, const RunPaths& paths, const Supervisor& supervisor);
 
   /// One look at the flight.
   /// @param start_m  where the vehicles stood at first: north, east, up

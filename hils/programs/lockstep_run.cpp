@@ -24,7 +24,7 @@
 #include "hils/programs/progress.hpp"
 #include "hils/programs/scenario_flight.hpp"
 #include "hils/programs/supervisor.hpp"
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 #include "mavlink/common/enums.hpp"
 #include "mavlink/common/home_position.hpp"
 
@@ -70,11 +70,11 @@ VehicleReport controller_report(const Json& status) {
 ///   run_until(next look) -> fcu.status -> plan -> command, acknowledged -> run_until ...
 class LockstepBench final : public FlightBench {
  public:
-  LockstepBench(Supervisor& supervisor, const RunPlaces& places)
+  LockstepBench(Supervisor& supervisor, const RunPaths& paths)
       : supervisor_(supervisor),
-        simulator_(places.simulator_control()),
-        controller_("unix:" + places.vehicles.front().fcu_control().string()),
-        casd_(connect("unix:" + places.command_port.string())) {}
+        simulator_(paths.simulator_control()),
+        controller_("unix:" + paths.vehicles.front().fcu_control().string()),
+        casd_(connect("unix:" + paths.command_port.string())) {}
 
   /// Lets the vehicle say its first words.
   void meet() {
@@ -142,9 +142,9 @@ class LockstepBench final : public FlightBench {
   Progress progress_;
 };
 
-void fly(const RunRequest& request, const RunPlaces& places, Supervisor& supervisor,
+void fly(const RunRequest& request, const RunPaths& paths, Supervisor& supervisor,
          RunRecord& record) {
-  LockstepBench bench(supervisor, places);
+  LockstepBench bench(supervisor, paths);
   bench.meet();
   FlightLoop loop(flight_of(request.scenario), bench);
   loop.fly([&](bool) { bench.advance(loop.flight().plan.plan(0).next_look(bench.look())); });
@@ -188,24 +188,24 @@ void refuse_other_clocks(const RunRequest& request) {
 std::vector<RunRecord> run_in_lockstep(const RunRequest& request) {
   refuse_other_clocks(request);
   const RunDirectory sockets;
-  RunPlaces places = RunPlaces::of(request.scenario, request.out, sockets.path());
-  places.command_port = sockets.command_socket();
-  places.choose_ports();
-  const VehiclePlaces& vehicle = places.vehicles.front();
+  RunPaths paths = RunPaths::of(request.scenario, request.out, sockets.path());
+  paths.command_port = sockets.command_socket();
+  paths.choose_ports();
+  const VehiclePaths& vehicle = paths.vehicles.front();
   Supervisor supervisor;  // before any thread: it blocks signals for all of them
-  write_configs(request, Transport::kUdp, places);
+  write_configs(request, Transport::kUdp, paths);
 
-  std::vector<RunRecord> records = records_of(request.scenario, places);
+  std::vector<RunRecord> records = records_of(request.scenario, paths);
   RunRecord& record = records.front();
   record.virtual_clock = true;
   record.lockstep = true;
   record.log_clock.add(std::chrono::microseconds(casd::TlogWriter::kStreamEpoch).count(), 0);
   const base::CpuLatencyRequest awake = keep_processors_awake();
-  BenchPrograms programs(supervisor, places, request);
+  BenchPrograms programs(supervisor, paths, request);
   programs.start(true);
   const base::RunTime begin = base::steady_now();
   try {
-    fly(request, places, supervisor, record);
+    fly(request, paths, supervisor, record);
   } catch (const base::rpc::ConnectionError& error) {
     supervisor.wait(milliseconds(500));  // a program that died is noticed within this time
     throw RunStopped(std::string("a control connection failed: ") + error.what(), false);
@@ -215,7 +215,7 @@ std::vector<RunRecord> run_in_lockstep(const RunRequest& request) {
   record.cpu_s = supervisor.cpu_s();
   record.simulator = on_stream_time(base::PacketLedger::read(vehicle.simulator_ledger()));
   record.controller = on_stream_time(base::PacketLedger::read(vehicle.controller_ledger()));
-  add_simulator_report(places, record);
+  add_simulator_report(paths, record);
   return records;
 }
 

@@ -35,7 +35,7 @@
 #include "hils/programs/progress.hpp"
 #include "hils/programs/scenario_flight.hpp"
 #include "hils/programs/supervisor.hpp"
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 
 namespace cas::hils {
 
@@ -84,15 +84,15 @@ std::string address(const std::filesystem::path& socket) { return "unix:" + sock
 class RealtimeBench final : public FlightBench {
  public:
   /// @param ground_station  nothing where the run has none
-  RealtimeBench(Supervisor& supervisor, BenchPrograms& programs, const RunPlaces& places,
+  RealtimeBench(Supervisor& supervisor, BenchPrograms& programs, const RunPaths& paths,
                 const RunRequest& request, GroundStationThread* ground_station)
       : supervisor_(supervisor),
         programs_(programs),
-        places_(places),
+        paths_(paths),
         ground_station_(ground_station),
         live_(request.live),
-        simulator_(places.simulator_control()),
-        casd_(connect(address(places.command_port))),
+        simulator_(paths.simulator_control()),
+        casd_(connect(address(paths.command_port))),
         line_(line_of(request)),
         watch_(request.live, simulator_, [this] { return casd_ ? &*casd_ : nullptr; }) {
     for (const std::uint8_t system : request.scenario.systems()) {
@@ -122,7 +122,7 @@ class RealtimeBench final : public FlightBench {
   void tell_phase(std::string_view phase) override { simulator_.tell_phase(phase); }
 
   void play(const Flight& flight, const BenchFault& fault, bool begins) override {
-    const VehiclePlaces& vehicle = places_.vehicles[fault.vehicle];
+    const VehiclePaths& vehicle = paths_.vehicles[fault.vehicle];
     if (const auto* line = std::get_if<LineFault>(&fault.kind)) {
       base::rpc::Client fcu(address(vehicle.fcu_control()));
       if (!begins) line = flight.faults.line_of(fault.vehicle);  // another one may go on
@@ -136,7 +136,7 @@ class RealtimeBench final : public FlightBench {
       casd_.reset();
       if (begins) return programs_.kill_casd();
       programs_.start_casd();
-      casd_.emplace(connect(address(places_.command_port)));
+      casd_.emplace(connect(address(paths_.command_port)));
     } else if (const auto* flood = std::get_if<FloodFault>(&fault.kind)) {
       if (ground_station_ != nullptr) ground_station_->flood(begins ? flood->packets_hz : 0);
     } else if (std::holds_alternative<ReloadFault>(fault.kind)) {
@@ -192,7 +192,7 @@ class RealtimeBench final : public FlightBench {
 
   Supervisor& supervisor_;
   BenchPrograms& programs_;
-  const RunPlaces& places_;
+  const RunPaths& paths_;
   GroundStationThread* ground_station_;
   LiveRun* live_;  ///< nullptr without a page
   FlownSimulator simulator_;
@@ -209,18 +209,18 @@ class RealtimeBench final : public FlightBench {
 };
 
 /// Empty when a fault kills casd: its ledger is lost with it.
-std::map<std::string, casd::LinkLedger> read_relay_ledgers(const RunPlaces& places,
+std::map<std::string, casd::LinkLedger> read_relay_ledgers(const RunPaths& paths,
                                                            const Scenario& scenario) {
   for (const BenchFault& fault : scenario.faults.bench) {
     if (std::holds_alternative<RestartFault>(fault.kind)) return {};
   }
-  return casd::read_link_ledgers(places.casd_ledger());
+  return casd::read_link_ledgers(paths.casd_ledger());
 }
 
-void add_relay(std::map<std::string, casd::LinkLedger>& ledgers, const VehiclePlaces& places,
+void add_relay(std::map<std::string, casd::LinkLedger>& ledgers, const VehiclePaths& paths,
                RunRecord& record) {
-  const auto simulator = ledgers.find(places.simulator_link);
-  const auto controller = ledgers.find(places.controller_link);
+  const auto simulator = ledgers.find(paths.simulator_link);
+  const auto controller = ledgers.find(paths.controller_link);
   if (simulator == ledgers.end() || controller == ledgers.end()) return;
   record.relay = RelayLedgers{.simulator = std::move(simulator->second),
                               .controller = std::move(controller->second)};
@@ -237,18 +237,18 @@ void refuse_virtual_faults(const RunRequest& request) {
 }
 
 /// Reads the ledgers that the programs wrote when they ended.
-void read_ledgers(const RunRequest& request, const RunPlaces& places,
+void read_ledgers(const RunRequest& request, const RunPaths& paths,
                   std::vector<RunRecord>& records) {
-  auto relay = read_relay_ledgers(places, request.scenario);
+  auto relay = read_relay_ledgers(paths, request.scenario);
   for (std::size_t i = 0; i < records.size(); ++i) {
-    const VehiclePlaces& vehicle = places.vehicles[i];
+    const VehiclePaths& vehicle = paths.vehicles[i];
     records[i].simulator = base::PacketLedger::read(vehicle.simulator_ledger());
-    add_simulator_report(places, records[i]);
+    add_simulator_report(paths, records[i]);
     add_relay(relay, vehicle, records[i]);
     if (request.fcu_device(i) == nullptr) {
       records[i].controller = base::PacketLedger::read(vehicle.controller_ledger());
     } else {
-      stand_in_for_controller(places, vehicle, records[i]);
+      stand_in_for_controller(paths, vehicle, records[i]);
     }
   }
 }
@@ -258,24 +258,24 @@ std::vector<RunRecord> fly_in_real_time(const RunRequest& request) {
   refuse_virtual_faults(request);
   const base::RunTime begin = base::steady_now();
   const RunDirectory sockets;
-  RunPlaces places = RunPlaces::of(request.scenario, request.out, sockets.path());
-  places.command_port = sockets.command_socket();
-  places.choose_ports();
+  RunPaths paths = RunPaths::of(request.scenario, request.out, sockets.path());
+  paths.command_port = sockets.command_socket();
+  paths.choose_ports();
   Supervisor supervisor;  // before any thread: it blocks signals for all of them
   std::optional<GroundStationThread> ground_station;
   if (request.scenario.ground_station) {
     ground_station.emplace(request.scenario.systems());
-    places.ground_station_port = ground_station->port();
+    paths.ground_station_port = ground_station->port();
   }
-  write_configs(request, Transport::kUdp, places);
+  write_configs(request, Transport::kUdp, paths);
 
-  std::vector<RunRecord> records = records_of(request.scenario, places);
-  BenchPrograms programs(supervisor, places, request);
+  std::vector<RunRecord> records = records_of(request.scenario, paths);
+  BenchPrograms programs(supervisor, paths, request);
   programs.start();
-  if (request.live != nullptr) request.live->start(request, places, supervisor);
+  if (request.live != nullptr) request.live->start(request, paths, supervisor);
   try {
-    check_devices(supervisor, places, request);
-    RealtimeBench bench(supervisor, programs, places, request,
+    check_devices(supervisor, paths, request);
+    RealtimeBench bench(supervisor, programs, paths, request,
                         ground_station ? &*ground_station : nullptr);
     FlightLoop loop(flight_of(request.scenario), bench);
     loop.fly([&supervisor](bool commanded) {
@@ -293,7 +293,7 @@ std::vector<RunRecord> fly_in_real_time(const RunRequest& request) {
     record.wall_s = wall_s;
     record.cpu_s = supervisor.cpu_s();
   }
-  read_ledgers(request, places, records);
+  read_ledgers(request, paths, records);
   return records;
 }
 

@@ -15,27 +15,27 @@
 
 namespace cas::hils {
 
-RunPrograms::RunPrograms(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request,
+RunPrograms::RunPrograms(Supervisor& supervisor, const RunPaths& paths, const RunRequest& request,
                          bool casd_ledger)
     : supervisor_(supervisor),
-      places_(places),
+      paths_(paths),
       request_(request),
       casd_ledger_(casd_ledger),
-      logs_(places.flight_tlog(), places.run) {}
+      logs_(paths.flight_tlog(), paths.run) {}
 
 void RunPrograms::start_casd() {
   if (casd_ != nullptr) return;
   std::vector<std::string> arguments{
-      sibling_program("casd"), places_.casd_config(), "--stats", places_.casd_stats(), "--name",
+      sibling_program("casd"), paths_.casd_config(), "--stats", paths_.casd_stats(), "--name",
       request_.scenario.name};
-  if (casd_ledger_) arguments.insert(arguments.end(), {"--ledger", places_.casd_ledger()});
+  if (casd_ledger_) arguments.insert(arguments.end(), {"--ledger", paths_.casd_ledger()});
   casd_ = &supervisor_.start(options("casd", std::move(arguments)), Supervisor::kReadyTimeout);
 }
 
 void RunPrograms::start_first_casd() {
   start_casd();
   refuse_closed_station();
-  if (request_.announced) tell_how_to_watch(places_.command_port, request_.station);
+  if (request_.announced) tell_how_to_watch(paths_.command_port, request_.station);
 }
 
 void RunPrograms::kill_casd() {
@@ -47,13 +47,13 @@ void RunPrograms::kill_casd() {
 
 ChildProcess& RunPrograms::launch_hilsim(const std::vector<std::string>& further) {
   std::vector<std::string> arguments{sibling_program("hilsim"),
-                                     places_.simulator_config(),
+                                     paths_.simulator_config(),
                                      "--control",
-                                     places_.simulator_control(),
+                                     paths_.simulator_control(),
                                      "--output",
-                                     places_.out,
+                                     paths_.out,
                                      "--stats",
-                                     places_.simulator_stats()};
+                                     paths_.simulator_stats()};
   for (const std::filesystem::path& folder : base::plugin_dirs()) {
     arguments.insert(arguments.end(), {"--plugin-dir", folder});
   }
@@ -64,12 +64,12 @@ ChildProcess& RunPrograms::launch_hilsim(const std::vector<std::string>& further
 
 void RunPrograms::refuse_closed_station() const {
   if (!request_.station) return;
-  base::rpc::Client casd("unix:" + places_.command_port.string());
+  base::rpc::Client casd("unix:" + paths_.command_port.string());
   for (const base::rpc::Json& link : casd.call("link.list", base::rpc::Json::object())) {
     if (link.value("name", "") != kStationLink || link.value("state", "") == "up") continue;
     throw base::ConfigError(fmt::format(
         "--gcs: {} cannot be opened; does another program have this port? {} has the reason",
-        request_.station->address, (places_.run / "casd.log").string()));
+        request_.station->address, (paths_.run / "casd.log").string()));
   }
 }
 
@@ -78,8 +78,8 @@ ChildProcess::Options RunPrograms::options(const std::string& name,
   ChildProcess::Options options;
   options.name = name;
   options.arguments = std::move(arguments);
-  options.log_file = places_.run / (name + ".log");
-  options.notify_socket = places_.sockets / (name + ".notify");
+  options.log_file = paths_.run / (name + ".log");
+  options.notify_socket = paths_.sockets / (name + ".notify");
   return options;
 }
 

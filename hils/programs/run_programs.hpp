@@ -6,7 +6,7 @@
 
 #include "hils/programs/flight_logs.hpp"
 #include "hils/programs/supervisor.hpp"
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 #include "hils/run/run_request.hpp"
 
 namespace cas::hils {
@@ -18,7 +18,7 @@ namespace cas::hils {
 class RunPrograms {
  public:
   /// All outlive it. @param casd_ledger  casd writes down each HIL packet
-  RunPrograms(Supervisor& supervisor, const RunPlaces& places, const RunRequest& request,
+  RunPrograms(Supervisor& supervisor, const RunPaths& paths, const RunRequest& request,
               bool casd_ledger);
 
   /// Starts casd and waits until it is ready; nothing happens where it runs. @throws RunStopped,
@@ -45,7 +45,7 @@ class RunPrograms {
   void refuse_closed_station() const;
 
   Supervisor& supervisor_;
-  const RunPlaces& places_;
+  const RunPaths& paths_;
   const RunRequest& request_;
   bool casd_ledger_;
   ChildProcess* casd_ = nullptr;

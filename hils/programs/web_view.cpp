@@ -21,8 +21,8 @@ namespace {
 
 constexpr int kPoll_ms = 50;
 
-std::filesystem::path address_file(const RunPlaces& places) {
-  return places.sockets / "casweb.address";
+std::filesystem::path address_file(const RunPaths& paths) {
+  return paths.sockets / "casweb.address";
 }
 
 /// The token is shown on a terminal alone: logs are kept, and others read them.
@@ -36,13 +36,13 @@ std::string address_words(const std::filesystem::path& file) {
 
 }  // namespace
 
-WebView::WebView(const RunPlaces& places, const Supervisor& supervisor) {
+WebView::WebView(const RunPaths& paths, const Supervisor& supervisor) {
   std::string fault;
   try {
     const bool listens =
-        start(places, supervisor, "127.0.0.1:5791") ||
+        start(paths, supervisor, "127.0.0.1:5791") ||
         (casweb_->poll_exit() && casweb_->poll_exit()->code == base::kExitCommandPort &&
-         start(places, supervisor, "127.0.0.1:0"));
+         start(paths, supervisor, "127.0.0.1:0"));
     if (!listens) fault = "casweb did not start; its last lines:" + casweb_->log_tail();
   } catch (const base::ConfigError& error) {
     fault = error.what();
@@ -52,11 +52,11 @@ WebView::WebView(const RunPlaces& places, const Supervisor& supervisor) {
     fmt::print(stderr, "hils: the run goes on without a page: {}\n", fault);
     return;
   }
-  fmt::print(stderr, "Page: {}\n", address_words(address_file(places)));
+  fmt::print(stderr, "Page: {}\n", address_words(address_file(paths)));
   if (!base::web_dir()) fmt::print(stderr, "hils: {}\n", built_without_page());
 }
 
-bool WebView::start(const RunPlaces& places, const Supervisor& supervisor,
+bool WebView::start(const RunPaths& paths, const Supervisor& supervisor,
                     const std::string& listen) {
   const std::filesystem::path programs = own_program().parent_path();
   ChildProcess::Options options;
@@ -67,17 +67,17 @@ bool WebView::start(const RunPlaces& places, const Supervisor& supervisor,
                        "--listen",
                        listen,
                        "--casd",
-                       places.command_port,
+                       paths.command_port,
                        "--hilsim",
-                       places.simulator_control(),
+                       paths.simulator_control(),
                        "--hils",
-                       places.run_port(),
+                       paths.run_port(),
                        "--token-file",
-                       places.sockets / "casweb.token",
+                       paths.sockets / "casweb.token",
                        "--address-file",
-                       address_file(places)};
-  options.log_file = places.run / "casweb.log";
-  options.notify_socket = places.sockets / "casweb.notify";
+                       address_file(paths)};
+  options.log_file = paths.run / "casweb.log";
+  options.notify_socket = paths.sockets / "casweb.notify";
   casweb_ = std::make_unique<ChildProcess>(std::move(options));
   const base::RunTime deadline = base::steady_now() + Supervisor::kReadyTimeout;
   while (!casweb_->take_notifications()) {

@@ -7,7 +7,7 @@
 
 #include "hils/programs/child_process.hpp"
 #include "hils/programs/supervisor.hpp"
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 
 namespace cas::hils {
 
@@ -24,14 +24,14 @@ class WebView {
   /// and says on standard error where the page is. The token is one of this run alone; only a
   /// terminal is shown it. Where casweb does not start it says why, and the run goes on.
   /// @throws RunStopped when the run is stopped meanwhile
-  WebView(const RunPlaces& places, const Supervisor& supervisor);
+  WebView(const RunPaths& paths, const Supervisor& supervisor);
 
   /// It was started, and is there no more.
   bool has_ended() const { return casweb_ && casweb_->poll_exit().has_value(); }
 
  private:
   /// @return whether it listens
-  bool start(const RunPlaces& places, const Supervisor& supervisor, const std::string& listen);
+  bool start(const RunPaths& paths, const Supervisor& supervisor, const std::string& listen);
 
   std::unique_ptr<ChildProcess> casweb_;
 };

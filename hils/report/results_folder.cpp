@@ -21,7 +21,7 @@
 #include "hils/report/run_plots.hpp"
 #include "hils/report/run_report.hpp"
 #include "hils/report/summary_json.hpp"
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 
 namespace cas::hils {
 
@@ -67,15 +67,15 @@ void write_plots(const std::filesystem::path& out, const std::filesystem::path& 
 
 /// The scenario, its vehicle files and the configurations generated from them; each file once.
 std::vector<std::filesystem::path> quoted_files(const RunRequest& request) {
-  const RunPlaces places = RunPlaces::of(request.scenario, request.out, request.out / "run");
+  const RunPaths paths = RunPaths::of(request.scenario, request.out, request.out / "run");
   std::vector<std::filesystem::path> files{request.scenario.file};
   for (const ScenarioVehicle& vehicle : request.scenario.vehicles) {
     if (std::ranges::find(files, vehicle.vehicle) == files.end()) files.push_back(vehicle.vehicle);
   }
-  files.push_back(places.simulator_config());
-  files.push_back(places.casd_config());
+  files.push_back(paths.simulator_config());
+  files.push_back(paths.casd_config());
   if (request.scenario.firmware) return files;
-  for (const VehiclePlaces& vehicle : places.vehicles) files.push_back(vehicle.fcu_config());
+  for (const VehiclePaths& vehicle : paths.vehicles) files.push_back(vehicle.fcu_config());
   return files;
 }
 

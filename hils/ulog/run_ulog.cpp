@@ -219,10 +219,10 @@ void write_rangefinder(sim::UlogFile& file, SimTime time, const TopicRow& row) {
 
 /// The emulated controller's initial parameters; empty for a real one, whose file is not available.
 std::vector<sim::UlogParam> initial_params(const RunRequest& request, std::size_t vehicle,
-                                           const VehiclePlaces& places) {
+                                           const VehiclePaths& paths) {
   std::vector<sim::UlogParam> params;
   if (request.scenario.firmware || request.fcu_device(vehicle) != nullptr) return params;
-  const fcu::FlightController controller(fcu::FcuConfig::load(places.fcu_config()), [](auto) {});
+  const fcu::FlightController controller(fcu::FcuConfig::load(paths.fcu_config()), [](auto) {});
   const fcu::ParamStore& store = controller.params();
   for (std::size_t i = 0; i < store.size(); ++i) {
     const fcu::Param& param = store.at(i);
@@ -266,8 +266,8 @@ std::vector<sim::UlogInfo> infos(const RunRequest& request, const RunRecord& rec
 }  // namespace
 
 void write_ulog(const RunRequest& request, const RunRecord& record, std::size_t vehicle) {
-  const RunPlaces places = RunPlaces::of(request.scenario, request.out, request.out / "run");
-  const VehiclePlaces& own = places.vehicles.at(vehicle);
+  const RunPaths paths = RunPaths::of(request.scenario, request.out, request.out / "run");
+  const VehiclePaths& own = paths.vehicles.at(vehicle);
   const std::vector<sim::UlogParam> params = initial_params(request, vehicle, own);
   const std::size_t rotors = rotor_columns(record.truth_csv);
   sim::UlogFile file({own.out, own.flight_ulog()}, ulog_topics(static_cast<int>(rotors)),

@@ -98,13 +98,13 @@ class InterruptGuard {
 };
 
 /// One vehicle's part of the bench: casd's links for it, and its controller behind a line.
-class Seat {
+class BenchVehicle {
  public:
-  Seat(VirtualRelay& relay, const VehiclePlaces& places)
-      : to_simulator_(relay.link(places.simulator_link)),
-        to_controller_(relay.link(places.controller_link)),
+  BenchVehicle(VirtualRelay& relay, const VehiclePaths& paths)
+      : to_simulator_(relay.link(paths.simulator_link)),
+        to_controller_(relay.link(paths.controller_link)),
         controller_(
-            fcu::FcuConfig::load(places.fcu_config()),
+            fcu::FcuConfig::load(paths.fcu_config()),
             [this, &relay](auto bytes, auto now) { relay.receive(to_controller_, bytes, now); }),
         line_(controller_.line().config()) {
     relay.connect(to_controller_,
@@ -132,21 +132,21 @@ class Seat {
 /// The whole bench as one discrete-event simulation.
 class VirtualBench final : public FlightBench {
  public:
-  VirtualBench(const RunRequest& request, const RunPlaces& places)
+  VirtualBench(const RunRequest& request, const RunPaths& paths)
       : scenario_(request.scenario),
-        stats_file_{places.out, places.simulator_stats()},
-        log_({places.out, places.flight_tlog()}),
-        topology_(casd::Topology::load(places.casd_config())),
+        stats_file_{paths.out, paths.simulator_stats()},
+        log_({paths.out, paths.flight_tlog()}),
+        topology_(casd::Topology::load(paths.casd_config())),
         seed_(request.seed),
         relay_(topology_, wake_up(request.scenario.wake_up)),
-        seats_(seats(places)),
-        simulator_(sim::SimConfig::load(places.simulator_config()),
-                   {.output_dir = places.out, .plugin_dirs = base::plugin_dirs()}, ways_out()),
+        vehicles_(bench_vehicles(paths)),
+        simulator_(sim::SimConfig::load(paths.simulator_config()),
+                   {.output_dir = paths.out, .plugin_dirs = base::plugin_dirs()}, ways_out()),
         port_(relay_.commander(), casd::GainMap::load(topology_.gains),
               [this] { return port_now_; }),
         loop_(flight_of(scenario_), *this) {
-    for (std::size_t i = 0; i < seats_.size(); ++i) {
-      relay_.connect(seats_[i]->to_simulator(), [this, i](auto bytes, auto now) {
+    for (std::size_t i = 0; i < vehicles_.size(); ++i) {
+      relay_.connect(vehicles_[i]->to_simulator(), [this, i](auto bytes, auto now) {
         simulator_.wire(i).write(bytes, now);
         return bytes.size();
       });
@@ -154,7 +154,7 @@ class VirtualBench final : public FlightBench {
     if (scenario_.ground_station) connect_ground_station();
     relay_.on_packet([this](casd::LinkId from, const mav::PacketView& packet, base::RunTime now) {
       const bool from_controller = std::ranges::any_of(
-          seats_, [from](const auto& seat) { return seat->to_controller() == from; });
+          vehicles_, [from](const auto& vehicle) { return vehicle->to_controller() == from; });
       if (from_controller) log_.write(now.time_since_epoch(), packet.bytes);
     });
   }
@@ -179,11 +179,11 @@ class VirtualBench final : public FlightBench {
 
   void fill(std::size_t vehicle, RunRecord& record) const {
     record_flight(loop_.flight(), vehicle, simulator_.time(), record);
-    const Seat& seat = *seats_[vehicle];
+    const BenchVehicle& on_bench = *vehicles_[vehicle];
     record.simulator = simulator_.wire(vehicle).ledger();
-    record.controller = seat.controller().ledger();
-    record.relay = RelayLedgers{.simulator = relay_.ledger(seat.to_simulator()),
-                                .controller = relay_.ledger(seat.to_controller())};
+    record.controller = on_bench.controller().ledger();
+    record.relay = RelayLedgers{.simulator = relay_.ledger(on_bench.to_simulator()),
+                                .controller = relay_.ledger(on_bench.to_controller())};
     record.log_clock.add(kLogEpochUs, 0);
   }
 
@@ -203,11 +203,11 @@ class VirtualBench final : public FlightBench {
   }
 
   void play(const Flight&, const BenchFault& fault, bool begins) override {
-    Seat& seat = *seats_[fault.vehicle];
+    BenchVehicle& vehicle = *vehicles_[fault.vehicle];
     if (const auto* line = std::get_if<LineFault>(&fault.kind)) {
-      seat.set_line(*line, begins);
+      vehicle.set_line(*line, begins);
     } else if (std::holds_alternative<UnplugFault>(fault.kind)) {
-      seat.unplug(begins);
+      vehicle.unplug(begins);
     } else if (std::holds_alternative<RestartFault>(fault.kind)) {
       begins ? relay_.kill() : relay_.restart();
     } else if (const auto* flood = std::get_if<FloodFault>(&fault.kind)) {
@@ -232,19 +232,19 @@ class VirtualBench final : public FlightBench {
     return {figures, base::derive_seed(seed_, "wake_up")};
   }
 
-  std::vector<std::unique_ptr<Seat>> seats(const RunPlaces& places) {
-    std::vector<std::unique_ptr<Seat>> seats;
-    for (const VehiclePlaces& vehicle : places.vehicles) {
-      seats.push_back(std::make_unique<Seat>(relay_, vehicle));
+  std::vector<std::unique_ptr<BenchVehicle>> bench_vehicles(const RunPaths& paths) {
+    std::vector<std::unique_ptr<BenchVehicle>> vehicles;
+    for (const VehiclePaths& vehicle : paths.vehicles) {
+      vehicles.push_back(std::make_unique<BenchVehicle>(relay_, vehicle));
     }
-    return seats;
+    return vehicles;
   }
 
   /// Packets of the simulator enter casd by the vehicle's link.
   std::vector<VirtualSimulator::OnBytes> ways_out() {
     std::vector<VirtualSimulator::OnBytes> ways;
-    for (const auto& seat : seats_) {
-      ways.emplace_back([this, link = seat->to_simulator()](auto bytes, auto now) {
+    for (const auto& vehicle : vehicles_) {
+      ways.emplace_back([this, link = vehicle->to_simulator()](auto bytes, auto now) {
         relay_.receive(link, bytes, now);
       });
     }
@@ -273,7 +273,7 @@ class VirtualBench final : public FlightBench {
     now_ = now;
     if (now >= simulator_.next_event()) simulator_.step(now);
     relay_.run(now);
-    for (const auto& seat : seats_) seat->controller().run(now);
+    for (const auto& vehicle : vehicles_) vehicle->controller().run(now);
     port_now_ = now;
     if (now >= next_turn_) {
       next_turn_ = now + FlightPlan::kLookPeriod;
@@ -287,7 +287,8 @@ class VirtualBench final : public FlightBench {
 
   base::RunTime next_event(base::RunTime now) const {
     base::RunTime next = std::min({simulator_.next_event(), relay_.next_event(), next_turn_});
-    for (const auto& seat : seats_) next = std::min(next, seat->controller().next_event(now));
+    for (const auto& vehicle : vehicles_)
+      next = std::min(next, vehicle->controller().next_event(now));
     if (ground_station_) next = std::min(next, next_ground_tick_);
     return std::max(next, now + base::Duration(1));  // time always goes on
   }
@@ -298,7 +299,7 @@ class VirtualBench final : public FlightBench {
   casd::Topology topology_;
   std::uint64_t seed_;
   VirtualRelay relay_;
-  std::vector<std::unique_ptr<Seat>> seats_;
+  std::vector<std::unique_ptr<BenchVehicle>> vehicles_;
   VirtualSimulator simulator_;
   VirtualPort port_;
   FlightLoop loop_;
@@ -323,21 +324,21 @@ std::vector<RunRecord> run_on_virtual_clock(const RunRequest& request) {
         "fault '" + fault.name +
         "': reload needs casd as a program; on the virtual clock there is none");
   }
-  RunPlaces places = RunPlaces::of(request.scenario, request.out, request.out / "run");
-  if (request.scenario.ground_station) places.ground_station_port = kAnyPort;
-  write_configs(request, Transport::kBus, places);
+  RunPaths paths = RunPaths::of(request.scenario, request.out, request.out / "run");
+  if (request.scenario.ground_station) paths.ground_station_port = kAnyPort;
+  write_configs(request, Transport::kBus, paths);
 
-  VirtualBench bench(request, places);
+  VirtualBench bench(request, paths);
   try {
     bench.fly();
   } catch (const sim::LeftWorldError& error) {
     throw RunStopped(error.what(), false);
   }
   const double wall_s = base::to_seconds(base::steady_now() - begin);
-  std::vector<RunRecord> records = records_of(request.scenario, places);
+  std::vector<RunRecord> records = records_of(request.scenario, paths);
   for (std::size_t i = 0; i < records.size(); ++i) {
     bench.fill(i, records[i]);
-    add_simulator_report(places, records[i]);
+    add_simulator_report(paths, records[i]);
     records[i].virtual_clock = true;
     records[i].wall_s = wall_s;
   }

@@ -25,7 +25,7 @@
 #include "base/rpc/server.hpp"
 #include "base/time/unix_time.hpp"
 #include "libsim/hilsim/control_description.hpp"
-#include "libsim/hilsim/fault_desk.hpp"
+#include "libsim/hilsim/fault_injector.hpp"
 #include "libsim/hilsim/motion_watch.hpp"
 #include "libsim/hilsim/pace_watch.hpp"
 #include "libsim/hilsim/run_journal.hpp"
@@ -311,7 +311,7 @@ struct ControlServer::Impl {
 
   SimLoop& loop;
   MotionWatch motion{loop};
-  FaultDesk faults{loop.runner()};
+  FaultInjector faults{loop.runner()};
   base::Mutex journal_mutex;
   RunJournal journal CAS_GUARDED_BY(journal_mutex);
   std::unique_ptr<const Scene> scene;  // made at the first request

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The simulator as an environment: reset, and step by one control period, inside this process.
 
-    env = cas.env.Env(stand="rates", pose={"z_m": 20})
+    env = cas.env.Env(action_level="rates", pose={"z_m": 20})
     action, observation = env.new_action(), env.new_observation()
     env.reset(observation, seed=1)
     env.step(action, observation)
@@ -65,7 +65,7 @@ def _extension() -> Any:
 class Env:
     """One vehicle in the simulator, moved by one control period a call. One at a time in a process: close() ends one.
 
-    stand        where you stand, and so what an action is: "motors" (each 0..1, then servos), "rates" (body rates in D,
+    action_level what an action is: "motors" (each 0..1, then servos), "rates" (body rates in D,
                  rad/s, and thrust, a share of full), "attitude" (roll, pitch, yaw, rad, and thrust) or "velocity"
                  (north, east, down, m/s, and yaw rate, rad/s). The loops below you are the emulated controller's
                  own; they read attitude and velocity as they are, without an estimator
@@ -82,7 +82,7 @@ class Env:
     or float32 ("f"). The same seed and actions give the same bytes.
     """
 
-    def __init__(self, *, stand: str = "motors", observe: str = "truth",
+    def __init__(self, *, action_level: str = "motors", observe: str = "truth",
                  vehicle: Union[str, "os.PathLike[str]"] = "vehicles/iris_paper.yaml",
                  sensors: Union[None, str, Mapping[str, Any]] = None, world: Optional[str] = None,
                  home: Optional[Mapping[str, float]] = None, pose: Optional[Mapping[str, float]] = None,
@@ -99,7 +99,7 @@ class Env:
                 setup[key] = value if isinstance(value, (str, list)) else dict(cast(Mapping[str, Any], value))
         setup["pose"] = {"x_m": 0, "y_m": 0, "yaw_deg": 90, **(pose or {})}
         varied = json.dumps([dict(each) for each in vary]) if vary else ""
-        core: _Core = _told(lambda: _extension().StepEnv(json.dumps(setup), varied, stand, observe, period_us))
+        core: _Core = _told(lambda: _extension().StepEnv(json.dumps(setup), varied, action_level, observe, period_us))
         self._core = core
         self._last_seed = 0
         #: Meaning of each number of an action, with its unit; its least and greatest value.

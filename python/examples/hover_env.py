@@ -3,7 +3,7 @@ import time
 
 import cas.env
 
-env = cas.env.Env(stand="attitude", pose={"z_m": 10}, sensors="table1",
+env = cas.env.Env(action_level="attitude", pose={"z_m": 10}, sensors="table1",
                   faults=[{"name": "payload", "at_s": 0, "mass_factor": 1.0}],
                   vary=[{"name": "mass", "key": "faults[payload].mass_factor", "uniform": [0.8, 1.3]}])
 action, observation = env.new_action(), env.new_observation()

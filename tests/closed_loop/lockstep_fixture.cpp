@@ -9,7 +9,7 @@
 
 #include "base/rpc/message.hpp"
 #include "casd/tlog/tlog_files.hpp"
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "tests/support/paths.hpp"

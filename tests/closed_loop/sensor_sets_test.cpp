@@ -40,7 +40,7 @@ Scenario short_hover(const std::string& lines) {
 
 std::string simulator_text(const RunRequest& request) {
   return simulator_config(request, Transport::kBus,
-                          RunPlaces::of(request.scenario, request.out, request.out));
+                          RunPaths::of(request.scenario, request.out, request.out));
 }
 
 double horizontal_rms_m(const Flight& flight) {

@@ -47,7 +47,7 @@ class EnvTest(FolderTest):
     def test_the_same_seed_and_actions_give_the_same_bytes(self):
         vary = [{"name": "mass", "key": "faults[payload].mass_factor",
                  "normal": {"mean": 1, "deviation": 0.1, "least": 0.7}}]
-        env = cas.env.Env(stand="rates", observe="sensors", sensors="table1", pose=HIGH, vary=vary,
+        env = cas.env.Env(action_level="rates", observe="sensors", sensors="table1", pose=HIGH, vary=vary,
                           wind={"mean_m_s": 3, "from_deg": 90, "turbulence": "light"},
                           faults=[{"name": "payload", "at_s": 0, "mass_factor": 1}])
         first, other, again = (fly(env, [0.1, 0, 0, 0.6], 500, seed).tobytes() for seed in (7, 8, 7))
@@ -55,7 +55,7 @@ class EnvTest(FolderTest):
         self.assertNotEqual(first, other)
 
     def test_motors_are_driven_as_they_are(self):
-        env = cas.env.Env(stand="motors", pose=HIGH)
+        env = cas.env.Env(action_level="motors", pose=HIGH)
         self.assertEqual(env.action_names, ["motor1", "motor2", "motor3", "motor4"])
         self.assertEqual(env.action_limits, [(0.0, 1.0)] * 4)
         rising = seen(env, fly(env, [1, 1, 1, 1], 500))
@@ -65,13 +65,13 @@ class EnvTest(FolderTest):
         self.assertGreater(falling["velocity_down_m_s"], 8)
 
     def test_rates_are_followed(self):
-        env = cas.env.Env(stand="rates", pose=HIGH)
+        env = cas.env.Env(action_level="rates", pose=HIGH)
         after = seen(env, fly(env, [0.5, -0.4, 0.3, 0.55], 250))
         for axis, asked in (("x", 0.5), ("y", -0.4), ("z", 0.3)):
             self.assertAlmostEqual(after[f"rate_{axis}_rad_s"], asked, delta=0.1)
 
     def test_attitude_is_followed(self):
-        env = cas.env.Env(stand="attitude", pose={**HIGH, "yaw_deg": 90})  # nose north
+        env = cas.env.Env(action_level="attitude", pose={**HIGH, "yaw_deg": 90})  # nose north
         after = seen(env, fly(env, [0.1, 0, 0, 0.55], 1000))
         w, x, y, z = (after[f"q_ND_{part}"] for part in "wxyz")
         roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
@@ -79,7 +79,7 @@ class EnvTest(FolderTest):
         self.assertGreater(after["velocity_east_m_s"], 1)
 
     def test_velocity_is_followed_and_the_heading_kept(self):
-        env = cas.env.Env(stand="velocity", pose={**HIGH, "yaw_deg": 90})
+        env = cas.env.Env(action_level="velocity", pose={**HIGH, "yaw_deg": 90})
         after = seen(env, fly(env, [2, -1, -0.5, 0], 2500))
         for axis, asked in (("north", 2), ("east", -1), ("down", -0.5)):
             self.assertAlmostEqual(after[f"velocity_{axis}_m_s"], asked, delta=0.2)
@@ -131,7 +131,7 @@ class EnvTest(FolderTest):
         self.assertNotEqual(ends[0], ends[1])
 
     def test_single_precision_is_taken_and_given(self):
-        env = cas.env.Env(stand="velocity", pose=HIGH)
+        env = cas.env.Env(action_level="velocity", pose=HIGH)
         single = array.array("f", bytes(4 * len(env.observation_names)))
         env.reset(single, 1)
         env.step(array.array("f", [0, 0, 0, 0]), single)
@@ -153,11 +153,11 @@ class EnvTest(FolderTest):
                 (lambda: env.step(action, observation), "there is no episode"),
                 (lambda: env.reset(array.array("d", [0])), "the observation has"),
                 (lambda: env.reset(array.array("i", [0])), "float64 or float32"),
-                (lambda: cas.env.Env(stand="wheels"), "stand is motors, rates"),
+                (lambda: cas.env.Env(action_level="wheels"), "action_level is motors, rates"),
                 (lambda: cas.env.Env(observe="stars"), "observe is truth"),
                 (lambda: cas.env.Env(period_us=1500), "no multiple"),
                 (lambda: cas.env.Env(vehicle="vehicles/none.yaml"), "none.yaml"),
-                (lambda: cas.env.Env(stand="rates", params={"NO_SUCH": 1}), "no parameter NO_SUCH"),
+                (lambda: cas.env.Env(action_level="rates", params={"NO_SUCH": 1}), "no parameter NO_SUCH"),
                 (lambda: cas.env.Env(vary=[{"key": "line.packet_loss", "uniform": [0, 1]}]), "line"),
                 (lambda: cas.env.Env(vary=[{"key": "pose.yaw_deg", "uniform": [1]}]), "uniform")):
             with self.assertRaisesRegex(cas.CasError, words):
@@ -227,7 +227,7 @@ class GymnasiumTest(FolderTest):
         self.addCleanup(patch.stop)
 
     def make(self, **more):
-        env = cas.env.Env(stand="velocity", pose={"z_m": 10}, observe="truth",
+        env = cas.env.Env(action_level="velocity", pose={"z_m": 10}, observe="truth",
                           vary=[{"key": "pose.x_m", "uniform": [-5, 5]}])
         made = cas.env.gymnasium_env(env, reward=lambda seen, action: -abs(seen[2] + 10), **more)
         self.addCleanup(made.close)

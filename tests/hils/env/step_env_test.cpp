@@ -18,11 +18,11 @@ namespace {
 constexpr std::size_t kNorth = 0;
 constexpr std::size_t kVelocityNorth = 3;
 
-StepEnvOptions high_up(Stand stand, View view) {
+StepEnvOptions high_up(ActionLevel action_level, View view) {
   return {.setup = "{vehicle: " + test::source_dir() +
                    "/config/vehicles/iris_paper.yaml, sensors: table1, pose: {z_m: 50}}",
           .vary = {},
-          .stand = stand,
+          .action_level = action_level,
           .view = view};
 }
 
@@ -36,7 +36,7 @@ std::vector<double> fly(StepEnv& env, const std::vector<double>& action, int ste
 }
 
 TEST(StepEnv, FliesAtTheVelocityThatIsAskedFor) {
-  StepEnv env(high_up(Stand::kVelocity, View::kTruth));
+  StepEnv env(high_up(ActionLevel::kVelocity, View::kTruth));
   const auto seen = fly(env, {1, 0, 0, 0}, 2000, 1);
   EXPECT_NEAR(seen[kVelocityNorth], 1, 0.1);
   EXPECT_GT(seen[kNorth], 2);
@@ -44,7 +44,7 @@ TEST(StepEnv, FliesAtTheVelocityThatIsAskedFor) {
 }
 
 TEST(StepEnv, RepeatsAnEpisodeByItsSeed) {
-  StepEnv env(high_up(Stand::kRates, View::kSensors));
+  StepEnv env(high_up(ActionLevel::kRates, View::kSensors));
   const auto first = fly(env, {0.1, 0, 0, 0.6}, 300, 5);
   const auto other = fly(env, {0.1, 0, 0, 0.6}, 300, 6);
   EXPECT_EQ(fly(env, {0.1, 0, 0, 0.6}, 300, 5), first);
@@ -52,7 +52,7 @@ TEST(StepEnv, RepeatsAnEpisodeByItsSeed) {
 }
 
 TEST(StepEnv, DrawsWhatAStudyWouldDraw) {
-  auto options = high_up(Stand::kMotors, View::kTruth);
+  auto options = high_up(ActionLevel::kMotors, View::kTruth);
   options.vary =
       "[{name: x, key: pose.x_m, uniform: [2, 3]}, {key: pose.yaw_deg, values: [0, 90]}]";
   StepEnv env(options);
@@ -69,7 +69,7 @@ TEST(StepEnv, DrawsWhatAStudyWouldDraw) {
 }
 
 TEST(StepEnv, PushesATiltedHexacopterSidewaysAsTheEmulatedControllerDoes) {
-  auto options = high_up(Stand::kVelocity, View::kTruth);
+  auto options = high_up(ActionLevel::kVelocity, View::kTruth);
   options.setup = "{vehicle: " + test::source_dir() +
                   "/config/vehicles/hexa_tilt.yaml, sensors: table1, pose: {z_m: 50}}";
   const auto most_tilt = [](const StepEnvOptions& with) {
@@ -95,7 +95,7 @@ TEST(StepEnv, PushesATiltedHexacopterSidewaysAsTheEmulatedControllerDoes) {
 }
 
 TEST(StepEnv, TakesItsRowOfAGridOfAnySize) {
-  auto options = high_up(Stand::kMotors, View::kTruth);
+  auto options = high_up(ActionLevel::kMotors, View::kTruth);
   std::string values;
   for (int i = 0; i < 100; ++i) values += (i > 0 ? ", " : "") + std::to_string(i);
   for (const char* key : {"x_m", "y_m", "z_m", "yaw_deg"}) {
@@ -111,18 +111,18 @@ TEST(StepEnv, TakesItsRowOfAGridOfAnySize) {
 }
 
 TEST(StepEnv, RefusesASecondEpisodeUntilTheFirstEnds) {
-  StepEnv first(high_up(Stand::kMotors, View::kTruth));
-  StepEnv second(high_up(Stand::kMotors, View::kTruth));
+  StepEnv first(high_up(ActionLevel::kMotors, View::kTruth));
+  StepEnv second(high_up(ActionLevel::kMotors, View::kTruth));
   first.reset(1);
   EXPECT_EQ(test::refusal([&] { second.reset(1); }),
             "another environment of this process is in an episode: close or free it first");
-  EXPECT_THROW(StepEnv(high_up(Stand::kMotors, View::kTruth)), base::ConfigError);
+  EXPECT_THROW(StepEnv(high_up(ActionLevel::kMotors, View::kTruth)), base::ConfigError);
   first.close();
   EXPECT_NO_THROW(second.reset(1));
 }
 
 TEST(StepEnv, HasNoEpisodeAfterAResetThatFailed) {
-  auto options = high_up(Stand::kMotors, View::kTruth);
+  auto options = high_up(ActionLevel::kMotors, View::kTruth);
   options.vary = "[{key: vehicle.rotor.thrust_coefficient, values: [-1, 5.84e-6]}]";
   StepEnv env(options);
   env.reset(1);
@@ -133,7 +133,7 @@ TEST(StepEnv, HasNoEpisodeAfterAResetThatFailed) {
 }
 
 TEST(StepEnv, RefusesAnActionOfAnotherSizeAndAStepBeforeTheFirstReset) {
-  StepEnv env(high_up(Stand::kMotors, View::kTruth));
+  StepEnv env(high_up(ActionLevel::kMotors, View::kTruth));
   const std::vector<double> three(3);
   const std::vector<double> four(4);
   EXPECT_THROW(env.step(four), base::ConfigError);

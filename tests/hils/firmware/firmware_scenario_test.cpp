@@ -81,10 +81,10 @@ TEST(FirmwareScenario, GivesTrajectoriesAndMissionsALinkOfCasd) {
   const auto links_with = [&](const std::string& step) {
     const auto file = changed(folder, "  - land: {timeout_s: 60}", step + "  - land");
     const Scenario scenario = Scenario::load(file);
-    RunPlaces places = RunPlaces::of(scenario, folder.path(), folder.path());
-    if (needs_companion(scenario)) places.companions = {4321};
-    write_firmware_configs({.scenario = scenario}, places);
-    return base::ConfigNode::load(places.casd_config()).at("links").items();
+    RunPaths paths = RunPaths::of(scenario, folder.path(), folder.path());
+    if (needs_companion(scenario)) paths.companions = {4321};
+    write_firmware_configs({.scenario = scenario}, paths);
+    return base::ConfigNode::load(paths.casd_config()).at("links").items();
   };
   EXPECT_EQ(links_with("").back().require<std::string>("name"), "gcs");
   const auto links =
@@ -101,9 +101,9 @@ TEST(FirmwareScenario, RefusesAVersionThatIsNone) {
 
 /// The world as it is given to hilsim.
 base::ConfigNode composed(const test::TemporaryFolder& folder, const RunRequest& request) {
-  const RunPlaces places = RunPlaces::of(request.scenario, folder.path(), folder.path());
-  write_firmware_configs(request, places);
-  return base::ConfigNode::load(places.simulator_config());
+  const RunPaths paths = RunPaths::of(request.scenario, folder.path(), folder.path());
+  write_firmware_configs(request, paths);
+  return base::ConfigNode::load(paths.simulator_config());
 }
 
 /// The scenario with further keys. @return its world as it is given to hilsim
@@ -390,11 +390,11 @@ TEST(FirmwareScenario, NamesShippedFilesByTheirWholePathInWhatItWrites) {
       base::ConfigNode::load(folder.path() / "worlds/px4_sitl.yaml");
   scenario.firmware->topology = base::ConfigNode::load(folder.path() / "topologies/px4_sitl.yaml");
   const base::ConfigNode world = composed(folder, {.scenario = scenario});
-  const RunPlaces places = RunPlaces::of(scenario, folder.path(), folder.path());
+  const RunPaths paths = RunPaths::of(scenario, folder.path(), folder.path());
   const auto vehicle = world.at("vehicles").items().at(0).require<std::string>("vehicle");
   EXPECT_TRUE(std::filesystem::path(vehicle).is_absolute()) << vehicle;
   EXPECT_TRUE(std::filesystem::exists(vehicle)) << vehicle;
-  const auto gains = base::ConfigNode::load(places.casd_config()).require<std::string>("gains");
+  const auto gains = base::ConfigNode::load(paths.casd_config()).require<std::string>("gains");
   EXPECT_TRUE(std::filesystem::path(gains).is_absolute()) << gains;
   EXPECT_TRUE(std::filesystem::exists(gains)) << gains;
 }
@@ -415,7 +415,7 @@ base::ConfigNode topology_with_station(const test::TemporaryFolder& folder, cons
   request.station = StationEndpoint::parse("udp_server:14600");
   composed(folder, request);
   return base::ConfigNode::load(
-      RunPlaces::of(request.scenario, folder.path(), folder.path()).casd_config());
+      RunPaths::of(request.scenario, folder.path(), folder.path()).casd_config());
 }
 
 TEST(FirmwareScenario, LetsAStationJoinWhereItsTopologyLetsOne) {

@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 #include "tests/support/wait_until.hpp"
 
 namespace cas::hils {

@@ -58,7 +58,7 @@ class Struck : public testing::Test {
   }
   /// 100 samples a second of a path, from 0 to `until_s`, of a fault at 10 s.
   StrikeResponse response(const std::function<void(double, PoseSample&)>& path, double until_s = 30,
-                          VehicleTale tale = {}) {
+                          VehicleMessages messages = {}) {
     std::vector<PoseSample> truth;
     for (int i = 0; i <= static_cast<int>(100 * until_s); ++i) {
       PoseSample sample = planned(0.01 * i);
@@ -80,7 +80,7 @@ class Struck : public testing::Test {
                             .steps = steps_,
                             .completed = completed_,
                             .truth = truth,
-                            .tale = std::move(tale)});
+                            .messages = std::move(messages)});
   }
 
   std::vector<FlightStep> steps_;
@@ -204,12 +204,13 @@ TEST_F(Struck, AFallIsACrashAlsoInTheStepThatWasNotDone) {
 }
 
 TEST_F(Struck, TheFirstSignDetectsAndTheFirstFailsafeReacts) {
-  const VehicleTale tale{.signs = {{.time_s = 9.5, .what = "'before'"},
-                                   {.time_s = 10.4, .what = "health: GPS"},
-                                   {.time_s = 12, .what = "LAND", .is_reaction = true},
-                                   {.time_s = 13, .what = "TERMINATION", .is_reaction = true}},
-                         .armed = {{.time_s = 1, .armed = true}}};
-  const StrikeResponse got = response([](double, PoseSample&) {}, 30, tale);
+  const VehicleMessages messages{
+      .signs = {{.time_s = 9.5, .what = "'before'"},
+                {.time_s = 10.4, .what = "health: GPS"},
+                {.time_s = 12, .what = "LAND", .is_reaction = true},
+                {.time_s = 13, .what = "TERMINATION", .is_reaction = true}},
+      .armed = {{.time_s = 1, .armed = true}}};
+  const StrikeResponse got = response([](double, PoseSample&) {}, 30, messages);
   ASSERT_TRUE(got.detected_s && got.reacted_s);
   EXPECT_NEAR(*got.detected_s, 0.4, 1e-9);
   EXPECT_EQ(got.detected_by, "health: GPS");
@@ -219,12 +220,12 @@ TEST_F(Struck, TheFirstSignDetectsAndTheFirstFailsafeReacts) {
 }
 
 TEST_F(Struck, DisarmingIsAReactionInTheAirAlone) {
-  const VehicleTale landed{.signs = {},
-                           .armed = {{.time_s = 1, .armed = true}, {.time_s = 28, .armed = false}}};
+  const VehicleMessages landed{
+      .signs = {}, .armed = {{.time_s = 1, .armed = true}, {.time_s = 28, .armed = false}}};
   const StrikeResponse good = response([](double, PoseSample&) {}, 30, landed);
   EXPECT_FALSE(good.terminated);
   EXPECT_FALSE(good.reacted_s);
-  const VehicleTale dropped{
+  const VehicleMessages dropped{
       .signs = {}, .armed = {{.time_s = 1, .armed = true}, {.time_s = 11, .armed = false}}};
   const StrikeResponse bad = response([](double, PoseSample&) {}, 30, dropped);
   EXPECT_TRUE(bad.terminated);
@@ -242,7 +243,7 @@ TEST_F(Struck, AfterTheFlightThereIsNoVerdict) {
             "never acted: it struck after the flight");
   add(StepKind::kDisarm, 25, 30);  // landed, and disarmed before the step asks for it
   strike_s_ = 28;
-  const VehicleTale disarmed{
+  const VehicleMessages disarmed{
       .signs = {}, .armed = {{.time_s = 1, .armed = true}, {.time_s = 27, .armed = false}}};
   EXPECT_EQ(response([](double, PoseSample&) {}, 30, disarmed).no_verdict,
             "never acted: it struck after the flight");
@@ -262,7 +263,7 @@ TEST_F(Struck, KnowsWhetherItFlewAndWhetherItWasToBeArmed) {
 TEST_F(Struck, SignsCountUntilAHeartbeatAfterTheFaultsEnd) {
   end_s_ = 12;
   const auto sign_at = [](double time_s) {
-    return VehicleTale{.signs = {{.time_s = time_s, .what = "'Low battery'"}}, .armed = {}};
+    return VehicleMessages{.signs = {{.time_s = time_s, .what = "'Low battery'"}}, .armed = {}};
   };
   EXPECT_TRUE(response([](double, PoseSample&) {}, 30, sign_at(13)).detected_s);
   EXPECT_FALSE(response([](double, PoseSample&) {}, 30, sign_at(13.1)).detected_s);
@@ -295,15 +296,16 @@ void fall(double t, PoseSample& sample) {
 }
 
 TEST_F(Struck, WhatComesAfterTheImpactDoesNotCount) {
-  const VehicleTale late{.signs = {{.time_s = 12.6, .what = "TERMINATION", .is_reaction = true}},
-                         .armed = {{.time_s = 1, .armed = true}, {.time_s = 12.7, .armed = false}}};
+  const VehicleMessages late{
+      .signs = {{.time_s = 12.6, .what = "TERMINATION", .is_reaction = true}},
+      .armed = {{.time_s = 1, .armed = true}, {.time_s = 12.7, .armed = false}}};
   const StrikeResponse got = response(fall, 30, late);
   EXPECT_TRUE(got.crashed);
   EXPECT_FALSE(got.terminated);
   EXPECT_FALSE(got.detected_s);
   EXPECT_FALSE(got.reacted_s);
   EXPECT_LT(got.peak_tilt_deg, 1);
-  VehicleTale in_time = late;
+  VehicleMessages in_time = late;
   in_time.armed.back().time_s = 12;
   EXPECT_TRUE(response(fall, 30, in_time).terminated);
 }
@@ -320,8 +322,8 @@ TEST_F(Struck, RotorsThatStandStillInTheAirNeedNoWord) {
   EXPECT_FALSE(response(fall).terminated) << "they were not seen to turn";
   stops_rotors_ = true;
   EXPECT_FALSE(response(stop_at(11.5)).terminated) << "the fault did";
-  const VehicleTale said{.signs = {},
-                         .armed = {{.time_s = 1, .armed = true}, {.time_s = 12, .armed = false}}};
+  const VehicleMessages said{
+      .signs = {}, .armed = {{.time_s = 1, .armed = true}, {.time_s = 12, .armed = false}}};
   EXPECT_TRUE(response(stop_at(11.5), 30, said).terminated);
 }
 
@@ -360,7 +362,7 @@ TEST_F(Struck, WhatIsNoNumberIsInfinitelyFarAway) {
 }
 
 /// A flight log of one vehicle.
-class Tale : public testing::Test {
+class VehicleMessagesTest : public testing::Test {
  protected:
   template <class Message>
   void say(double time_s, const Message& message, mav::Source from = {1, 1}) {
@@ -389,12 +391,12 @@ class Tale : public testing::Test {
     m.onboard_control_sensors_health = healthy;
     say(time_s, m);
   }
-  VehicleTale read() {
+  VehicleMessages read() {
     RunRecord record;
     record.flight_tlog = folder_.write(
         "flight.tlog", std::string_view(reinterpret_cast<const char*>(log_.data()), log_.size()));
     record.log_clock.add(static_cast<std::int64_t>(kEpoch_us), 0);
-    return read_vehicle_tale(record);
+    return read_vehicle_messages(record);
   }
 
   static constexpr double kEpoch_us = 1.7e15;
@@ -405,7 +407,7 @@ class Tale : public testing::Test {
   std::uint8_t sequence_ = 0;
 };
 
-TEST_F(Tale, HasWarningsFallenFlagsAndTheModesOfAFailsafe) {
+TEST_F(VehicleMessagesTest, HasWarningsFallenFlagsAndTheModesOfAFailsafe) {
   using S = MavSysStatusSensor;
   beat(1, true, MavState::kActive, kHold);
   health(1, S::kGps | S::k3dMag | S::kPrearmCheck);
@@ -419,20 +421,20 @@ TEST_F(Tale, HasWarningsFallenFlagsAndTheModesOfAFailsafe) {
   beat(6, true, MavState::kCritical, kLand);
   beat(7, true, MavState::kCritical, kLand);
   beat(8, false, MavState::kStandby, kLand);
-  const VehicleTale tale = read();
-  ASSERT_EQ(tale.signs.size(), 3U);
-  EXPECT_EQ(tale.signs[0].what, "health: GPS");
-  EXPECT_NEAR(tale.signs[0].time_s, 3, 1e-6);
-  EXPECT_EQ(tale.signs[1].what, "'Low battery'");
-  EXPECT_EQ(tale.signs[2].what, "LAND");
-  EXPECT_TRUE(tale.signs[2].is_reaction);
-  EXPECT_NEAR(tale.signs[2].time_s, 6, 1e-6);
-  ASSERT_EQ(tale.armed.size(), 2U);
-  EXPECT_TRUE(tale.armed[0].armed);
-  EXPECT_FALSE(tale.armed[1].armed);
+  const VehicleMessages messages = read();
+  ASSERT_EQ(messages.signs.size(), 3U);
+  EXPECT_EQ(messages.signs[0].what, "health: GPS");
+  EXPECT_NEAR(messages.signs[0].time_s, 3, 1e-6);
+  EXPECT_EQ(messages.signs[1].what, "'Low battery'");
+  EXPECT_EQ(messages.signs[2].what, "LAND");
+  EXPECT_TRUE(messages.signs[2].is_reaction);
+  EXPECT_NEAR(messages.signs[2].time_s, 6, 1e-6);
+  ASSERT_EQ(messages.armed.size(), 2U);
+  EXPECT_TRUE(messages.armed[0].armed);
+  EXPECT_FALSE(messages.armed[1].armed);
 }
 
-TEST_F(Tale, IsOfTheVehicleAlone) {
+TEST_F(VehicleMessagesTest, IsOfTheVehicleAlone) {
   Statustext other;
   other.severity = MavSeverity::kCritical;
   say(1, other, {2, 1});

@@ -27,10 +27,9 @@ class Composition : public testing::TestWithParam<Architecture> {
     request.architecture = GetParam();
     if (!device.empty()) request.fcu_devices[0] = {.path = device};
     if (!station.empty()) request.station = StationEndpoint::parse(station);
-    RunPlaces places = RunPlaces::of(request.scenario, folder_.path(), folder_.path());
-    places.ground_station_port = 14550;
-    return casd::Topology::parse(
-        base::ConfigNode::parse(casd_config(request, places), "casd.yaml"));
+    RunPaths paths = RunPaths::of(request.scenario, folder_.path(), folder_.path());
+    paths.ground_station_port = 14550;
+    return casd::Topology::parse(base::ConfigNode::parse(casd_config(request, paths), "casd.yaml"));
   }
   cas::test::TemporaryFolder folder_;
 };
@@ -72,9 +71,9 @@ TEST(CompositionOfARecorder, WritesNoSensorFileWhereNobodyKeepsIt) {
   const cas::test::TemporaryFolder folder;
   RunRequest request;
   request.scenario = Scenario::load(cas::test::source_dir() + "/config/scenarios/hover.yaml");
-  const RunPlaces places = RunPlaces::of(request.scenario, folder.path(), folder.path());
+  const RunPaths paths = RunPaths::of(request.scenario, folder.path(), folder.path());
   const auto names_a_folder = [&] {
-    return simulator_config(request, Transport::kBus, places).find("sensor_dir") !=
+    return simulator_config(request, Transport::kBus, paths).find("sensor_dir") !=
            std::string::npos;
   };
   EXPECT_TRUE(names_a_folder());
@@ -89,13 +88,13 @@ TEST(CompositionOfAStation, LetsItInjectFailuresOnlyWhereItIsSaid) {
     request.scenario = Scenario::load(cas::test::source_dir() + "/config/scenarios/hover.yaml");
     request.station = StationEndpoint::parse("udp_server:14550");
     request.station->inject_failures = may;
-    const RunPlaces places = RunPlaces::of(request.scenario, folder.path(), folder.path());
+    const RunPaths paths = RunPaths::of(request.scenario, folder.path(), folder.path());
     const auto topology =
-        casd::Topology::parse(base::ConfigNode::parse(casd_config(request, places), "casd.yaml"));
+        casd::Topology::parse(base::ConfigNode::parse(casd_config(request, paths), "casd.yaml"));
     EXPECT_EQ(link(topology, kStationLink).inject_failures, may);
     EXPECT_FALSE(link(topology, "fcu").inject_failures);
     const base::ConfigNode simulator =
-        base::ConfigNode::parse(simulator_config(request, Transport::kUdp, places), "hilsim.yaml");
+        base::ConfigNode::parse(simulator_config(request, Transport::kUdp, paths), "hilsim.yaml");
     bool takes_orders = false;
     for (const base::ConfigNode& plugin :
          simulator.at("vehicles").items().at(0).at("plugins").items()) {
@@ -123,9 +122,9 @@ TEST(CompositionOfAWorld, HandsTheSdfFileOnWithFullPaths) {
           "takeoff: {altitude_m: 2}\n  - hold: {duration_s: 1, measure: true}\n  - land\n");
   RunRequest request;
   request.scenario = Scenario::load(file);
-  const RunPlaces places = RunPlaces::of(request.scenario, folder.path(), folder.path());
+  const RunPaths paths = RunPaths::of(request.scenario, folder.path(), folder.path());
   const base::ConfigNode config =
-      base::ConfigNode::parse(simulator_config(request, Transport::kUdp, places), "hilsim.yaml");
+      base::ConfigNode::parse(simulator_config(request, Transport::kUdp, paths), "hilsim.yaml");
   const auto full = [&](const char* name) {
     return std::filesystem::weakly_canonical(folder / name).string();
   };
@@ -170,8 +169,8 @@ class ErrorsOfGeneratedFiles : public testing::Test {
     return request;
   }
   base::ConfigNode simulator(const RunRequest& request) {
-    const RunPlaces places = RunPlaces::of(request.scenario, folder_.path(), folder_.path());
-    return base::ConfigNode::parse(simulator_config(request, Transport::kBus, places), "sim.yaml");
+    const RunPaths paths = RunPaths::of(request.scenario, folder_.path(), folder_.path());
+    return base::ConfigNode::parse(simulator_config(request, Transport::kBus, paths), "sim.yaml");
   }
   static std::string error(const base::ConfigNode& node) {
     return test::refusal([&] { node.reject_unused(); });
@@ -220,8 +219,8 @@ TEST(Composition, OfStockFirmwareIsLeftToItsOwnBench) {
   const RunRequest request{
       .scenario = Scenario::load(cas::test::source_dir() + "/config/scenarios/px4_sitl.yaml")};
   const test::TemporaryFolder folder;
-  const RunPlaces places = RunPlaces::of(request.scenario, folder.path(), folder.path());
-  const std::string said = test::refusal([&] { write_configs(request, Transport::kBus, places); });
+  const RunPaths paths = RunPaths::of(request.scenario, folder.path(), folder.path());
+  const std::string said = test::refusal([&] { write_configs(request, Transport::kBus, paths); });
   EXPECT_NE(said.find("px4_sitl.yaml: stock firmware flies this scenario"), std::string::npos)
       << said;
 }

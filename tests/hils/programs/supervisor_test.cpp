@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::hils {

@@ -36,7 +36,7 @@ std::vector<std::uint16_t> free_udp_ports(std::size_t count);
 
 /// Paths and names of the parts of one vehicle of a run. With several vehicles the names of files
 /// bear the vehicle's and those of links its number.
-struct VehiclePlaces {
+struct VehiclePaths {
   std::filesystem::path out;            ///< results: truth.csv, sensors/, flight.ulg
   std::filesystem::path run;            ///< effective configuration, ledgers
   std::filesystem::path sockets;        ///< short-lived: control socket, the PTY's link
@@ -62,18 +62,18 @@ struct VehiclePlaces {
 };
 
 /// Where the pieces of one run are.
-struct RunPlaces {
+struct RunPaths {
   std::filesystem::path out;      ///< results: flight.tlog, summary.json
   std::filesystem::path run;      ///< effective configurations, ledgers, figures, program output
   std::filesystem::path sockets;  ///< short-lived: control sockets
   std::filesystem::path command_port{};     ///< casd's Unix socket
   std::uint16_t ground_station_port = 0;    ///< where casd's link "gcs" sends; 0: no such link
   std::vector<std::uint16_t> companions{};  ///< UDP ports of hils, for a link of casd each
-  std::vector<VehiclePlaces> vehicles;      ///< in the order of the scenario
+  std::vector<VehiclePaths> vehicles;       ///< in the order of the scenario
 
   /// Places below `out`; no port is chosen yet.
-  static RunPlaces of(const Scenario& scenario, const std::filesystem::path& out,
-                      const std::filesystem::path& sockets);
+  static RunPaths of(const Scenario& scenario, const std::filesystem::path& out,
+                     const std::filesystem::path& sockets);
   /// Gives each vehicle's link two ports that are free now. @throws base::ConfigError
   void choose_ports();
 

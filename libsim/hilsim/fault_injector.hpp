@@ -12,10 +12,10 @@
 namespace cas::sim {
 
 /// Passes faults that are ordered in flight to the vehicles' plugins `fault`.
-class FaultDesk {
+class FaultInjector {
  public:
   /// Before the runner starts: afterwards nothing is wired.
-  explicit FaultDesk(SimRunner& runner);
+  explicit FaultInjector(SimRunner& runner);
 
   /// On the simulation thread, between two steps.
   /// @param vehicle  its name @param fault  an entry of `faults` without `at_s` and `when`

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Who may inject failures, where, and the answers to requests.
-#include "casd/station/failure_desk.hpp"
+#include "casd/station/failure_injector.hpp"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ using namespace std::chrono_literals;
 using mav::services::FailureOrder;
 using Unit = mav::services::FailureUnit;
 using Type = mav::services::FailureType;
-using Verdict = FailureDesk::Verdict;
+using Verdict = FailureInjector::Verdict;
 
 constexpr mav::Source kSelf{254, 190};
 constexpr mav::Source kAsker{255, 190};
@@ -35,8 +35,8 @@ constexpr Origin kForbidden{{3}};
 constexpr FailureOrder kGpsOff{Unit::kGps, Type::kOff};
 constexpr MavModeFlag kHil = MavModeFlag::kHilEnabled;
 
-/// A desk, the vehicle 1 and its simulator; sent packets, with their paths.
-class Desk : public testing::Test {
+/// An injector, the vehicle 1 and its simulator; sent packets, with their paths.
+class FailureInjection : public testing::Test {
  protected:
   struct Sent {
     mav::Source source;
@@ -46,9 +46,9 @@ class Desk : public testing::Test {
     std::string text;
   };
 
-  Desk()
+  FailureInjection()
       : commander_({.heartbeat_hz = 0, .ask_on_sight = false}, [](auto, auto) {}),
-        desk_(
+        injector_(
             kSelf, commander_,
             {.send = [this](auto bytes, auto to) { keep(mav::view_packet(bytes), to.front()); },
              .permits = [this](LinkId link) { return permitted_ && link == kPermitted.path.link; },
@@ -73,7 +73,7 @@ class Desk : public testing::Test {
     packet.size = mav::encode(message, source, sequence_++, packet.bytes);
     const mav::PacketView view = mav::view_packet(packet.view());
     commander_.on_packet(from, view, now_);
-    return desk_.on_packet(from, view, now_);
+    return injector_.on_packet(from, view, now_);
   }
   void beat(MavModeFlag mode = kHil) {
     Heartbeat heartbeat;
@@ -127,11 +127,11 @@ class Desk : public testing::Test {
   std::optional<Simulator> simulator_ = Simulator{kHilsim, kSimulatorLink.path};
   std::vector<Sent> sent_;
   std::vector<std::string> audit_;
-  FailureDesk desk_;
+  FailureInjector injector_;
   std::uint8_t sequence_ = 0;
 };
 
-TEST_F(Desk, HasAFailureStrikeInTheSimulatorAndAnswersForTheVehicle) {
+TEST_F(FailureInjection, HasAFailureStrikeInTheSimulatorAndAnswersForTheVehicle) {
   beat();
   EXPECT_EQ(ask(kPermitted), Verdict::kTaken);
   ASSERT_EQ(sent_.size(), 1U);
@@ -153,7 +153,7 @@ TEST_F(Desk, HasAFailureStrikeInTheSimulatorAndAnswersForTheVehicle) {
       << "the only vehicle is meant";
 }
 
-TEST_F(Desk, TakesThePlacedCommandToo) {
+TEST_F(FailureInjection, TakesThePlacedCommandToo) {
   beat();
   CommandInt command;
   command.target_system = 1;
@@ -178,7 +178,7 @@ struct RefusalCase {
   const char* text;
 };
 
-class Refusal : public Desk, public testing::WithParamInterface<RefusalCase> {};
+class Refusal : public FailureInjection, public testing::WithParamInterface<RefusalCase> {};
 
 TEST_P(Refusal, SaysWhyAndReachesNobody) {
   const RefusalCase& test = GetParam();
@@ -230,7 +230,7 @@ INSTANTIATE_TEST_SUITE_P(Cases, Refusal,
                                                      "casd: no simulator feeds this vehicle"}),
                          [](const auto& test) { return test.param.name; });
 
-TEST_F(Desk, RefusesWhatIsNoNumber) {
+TEST_F(FailureInjection, RefusesWhatIsNoNumber) {
   beat();
   CommandLong command = mav::services::command_of(kGpsOff, {1, 1});
   command.param2 = 1.5F;
@@ -239,7 +239,7 @@ TEST_F(Desk, RefusesWhatIsNoNumber) {
   EXPECT_EQ(result(), MavResult::kDenied);
 }
 
-TEST_F(Desk, TakesNoAutopilotForASimulator) {
+TEST_F(FailureInjection, TakesNoAutopilotForASimulator) {
   beat();
   for (const mav::Source source : {mav::Source{1, 1}, {2, 1}}) {
     simulator_->source = source;
@@ -248,14 +248,14 @@ TEST_F(Desk, TakesNoAutopilotForASimulator) {
   EXPECT_TRUE(commands().empty());
 }
 
-TEST_F(Desk, RefusesAVehicleThatHasFallenSilent) {
+TEST_F(FailureInjection, RefusesAVehicleThatHasFallenSilent) {
   beat();
   now_ += 10s;
   EXPECT_EQ(ask(kPermitted), Verdict::kRefused);
   EXPECT_EQ(result(), MavResult::kDenied);
 }
 
-TEST_F(Desk, PassesTheSimulatorsRefusalOn) {
+TEST_F(FailureInjection, PassesTheSimulatorsRefusalOn) {
   beat();
   ask(kPermitted);
   simulator_says(MavResult::kUnsupported);
@@ -263,7 +263,7 @@ TEST_F(Desk, PassesTheSimulatorsRefusalOn) {
   EXPECT_EQ(sent_[1].text, "casd: the simulator refused the failure");
 }
 
-TEST_F(Desk, PassesTheSimulatorsReasonOn) {
+TEST_F(FailureInjection, PassesTheSimulatorsReasonOn) {
   beat();
   std::set<std::string> texts;
   for (std::uint8_t reason = 1; reason <= 6; ++reason) {
@@ -279,21 +279,21 @@ TEST_F(Desk, PassesTheSimulatorsReasonOn) {
   EXPECT_FALSE(texts.contains("casd: the simulator refused the failure"));
 }
 
-TEST_F(Desk, BelievesTheSimulatorAlone) {
+TEST_F(FailureInjection, BelievesTheSimulatorAlone) {
   beat();
   ask(kPermitted);
   simulator_says(MavResult::kAccepted, kForbidden);
   EXPECT_EQ(result(), std::nullopt);
-  EXPECT_EQ(desk_.due(), now_ + FailureDesk::kPatience);
-  now_ += FailureDesk::kPatience;
-  desk_.tick(now_);
+  EXPECT_EQ(injector_.due(), now_ + FailureInjector::kPatience);
+  now_ += FailureInjector::kPatience;
+  injector_.tick(now_);
   EXPECT_EQ(result(), MavResult::kFailed);
-  EXPECT_EQ(desk_.due(), base::RunTime::max());
+  EXPECT_EQ(injector_.due(), base::RunTime::max());
   simulator_says(MavResult::kAccepted);  // too late
   EXPECT_EQ(result(), MavResult::kFailed);
 }
 
-TEST_F(Desk, SendsARepetitionOnceAndOneFailureAfterTheOther) {
+TEST_F(FailureInjection, SendsARepetitionOnceAndOneFailureAfterTheOther) {
   beat();
   EXPECT_EQ(ask(kPermitted), Verdict::kTaken);
   EXPECT_EQ(ask(kPermitted), Verdict::kRefused) << "it waits for its answer";
@@ -305,7 +305,7 @@ TEST_F(Desk, SendsARepetitionOnceAndOneFailureAfterTheOther) {
   EXPECT_NE(commands()[0].param7, commands()[1].param7);
 }
 
-TEST_F(Desk, TwoStationsWithOneIdBothGetAnAnswer) {
+TEST_F(FailureInjection, TwoStationsWithOneIdBothGetAnAnswer) {
   beat();
   Origin other = kPermitted;
   other.path.peer += 1;
@@ -320,7 +320,7 @@ TEST_F(Desk, TwoStationsWithOneIdBothGetAnAnswer) {
   EXPECT_EQ(answered, (std::vector<Path>{kPermitted.path, other.path}));
 }
 
-TEST_F(Desk, AsksForHilAgainBeforeTheNextIsSent) {
+TEST_F(FailureInjection, AsksForHilAgainBeforeTheNextIsSent) {
   beat();
   ask(kPermitted);
   ask(kPermitted, {Unit::kBaro, Type::kStuck});
@@ -331,23 +331,23 @@ TEST_F(Desk, AsksForHilAgainBeforeTheNextIsSent) {
   EXPECT_EQ(sent_.back().ack->result, MavResult::kDenied);
 }
 
-TEST_F(Desk, HoldsAFewAndRefusesMore) {
+TEST_F(FailureInjection, HoldsAFewAndRefusesMore) {
   beat();
-  for (std::uint8_t i = 0; i <= FailureDesk::kMostWaiting; ++i) {
+  for (std::uint8_t i = 0; i <= FailureInjector::kMostWaiting; ++i) {
     ask(kPermitted, {Unit::kMotor, Type::kOff, i});
   }
   EXPECT_EQ(result(), MavResult::kTemporarilyRejected);
 }
 
-TEST_F(Desk, AnswersNobodyOnALinkThatIsGoneAndDropsWhatWaits) {
+TEST_F(FailureInjection, AnswersNobodyOnALinkThatIsGoneAndDropsWhatWaits) {
   beat();
   ask(kPermitted);
   ask(kPermitted, {Unit::kBaro, Type::kStuck});
-  desk_.begin_reload(bit(kPermitted.path.link), now_);
+  injector_.begin_reload(bit(kPermitted.path.link), now_);
   EXPECT_EQ(audit_.size(), 1U) << "what waited";
   EXPECT_EQ(ask(kPermitted, {Unit::kMag, Type::kOff}), Verdict::kRefused) << "it was on its way";
   EXPECT_EQ(audit_.size(), 2U);
-  desk_.end_reload();
+  injector_.end_reload();
   simulator_says(MavResult::kAccepted);
   EXPECT_EQ(result(), std::nullopt);
   EXPECT_EQ(commands().size(), 1U);
@@ -356,7 +356,7 @@ TEST_F(Desk, AnswersNobodyOnALinkThatIsGoneAndDropsWhatWaits) {
   EXPECT_EQ(ask(kPermitted), Verdict::kTaken) << "a new link with this number";
 }
 
-TEST_F(Desk, AsksForThePermissionAgainBeforeTheNextIsSent) {
+TEST_F(FailureInjection, AsksForThePermissionAgainBeforeTheNextIsSent) {
   beat();
   ask(kPermitted);
   ask(kPermitted, {Unit::kBaro, Type::kStuck});
@@ -375,7 +375,7 @@ TEST(IsFailure, KnowsTheCommandWithATimeToo) {
   EXPECT_TRUE(is_failure(packet));
 }
 
-TEST_F(Desk, TakesNothingInItsOwnName) {
+TEST_F(FailureInjection, TakesNothingInItsOwnName) {
   beat();
   EXPECT_EQ(hear(kPermitted, kSelf, mav::services::command_of(kGpsOff, {1, 1})), Verdict::kRefused);
   EXPECT_TRUE(commands().empty());
@@ -383,27 +383,27 @@ TEST_F(Desk, TakesNothingInItsOwnName) {
   EXPECT_NE(audit_[0].find("the sender has casd's own ids"), std::string::npos) << audit_[0];
 }
 
-TEST_F(Desk, LeavesFewLinesOfAFlood) {
+TEST_F(FailureInjection, LeavesFewLinesOfAFlood) {
   beat();
   for (int i = 0; i < 1000; ++i) ask(kForbidden);
   EXPECT_LE(audit_.size(), 20U);
   EXPECT_FALSE(audit_.empty());
 }
 
-TEST_F(Desk, TakesTheCommandPortsOrders) {
+TEST_F(FailureInjection, TakesTheCommandPortsOrders) {
   beat();
   const VehicleCommand gps_off{.id = MavCmd::kInjectFailure, .params = {4, 1}};
   std::optional<Outcome> outcome;
-  desk_.inject(1, gps_off, now_, [&](const Outcome& told) { outcome = told; });
+  injector_.inject(1, gps_off, now_, [&](const Outcome& told) { outcome = told; });
   EXPECT_EQ(commands().size(), 1U);
   simulator_says(MavResult::kAccepted);
   ASSERT_TRUE(outcome);
   EXPECT_TRUE(outcome->ok());
   beat(MavModeFlag::kCustomModeEnabled);
-  desk_.inject(1, gps_off, now_, [&](const Outcome& told) { outcome = told; });
+  injector_.inject(1, gps_off, now_, [&](const Outcome& told) { outcome = told; });
   EXPECT_EQ(outcome->kind, OutcomeKind::kInterlock);
-  desk_.inject(1, {.id = MavCmd::kInjectFailure, .params = {4, 1.5F}}, now_,
-               [&](const Outcome& told) { outcome = told; });
+  injector_.inject(1, {.id = MavCmd::kInjectFailure, .params = {4, 1.5F}}, now_,
+                   [&](const Outcome& told) { outcome = told; });
   EXPECT_EQ(outcome->kind, OutcomeKind::kInvalid);
   EXPECT_TRUE(audit_.empty()) << "the port leaves a line of its own";
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/station_turns.hpp"
+#include "casd/station_scheduler.hpp"
 
 #include <boost/asio/post.hpp>
 #include <chrono>
@@ -20,8 +20,8 @@ constexpr auto kTurnPatience = std::chrono::seconds(1);
 
 }  // namespace
 
-StationTurns::StationTurns(asio::io_context& io, LinkSet& links, OwnStation& station,
-                           Recorder& recorder)
+StationScheduler::StationScheduler(asio::io_context& io, LinkSet& links, OwnStation& station,
+                                   Recorder& recorder)
     : io_(io), links_(links), station_(station), recorder_(recorder), timer_(io), packets_(io) {
   if (!lockstep()) return;
   links_.stream_time().enable([this](base::RunTime now) { hold_for_turn(now); });
@@ -29,7 +29,7 @@ StationTurns::StationTurns(asio::io_context& io, LinkSet& links, OwnStation& sta
   links_.local().wake_for_all(false);
 }
 
-void StationTurns::begin() {
+void StationScheduler::begin() {
   if (packets_.is_open()) {
     packets_.cancel();
   } else {
@@ -43,49 +43,49 @@ void StationTurns::begin() {
   }
 }
 
-void StationTurns::end() {
+void StationScheduler::end() {
   ending_.store(true);
   if (packets_.is_open()) packets_.release();
 }
 
-base::RunTime StationTurns::now() const {
+base::RunTime StationScheduler::now() const {
   return lockstep() ? links_.stream_time().now() : base::steady_now();
 }
 
-std::int64_t StationTurns::log_clock_us() const {
+std::int64_t StationScheduler::log_clock_us() const {
   if (!lockstep()) return base::unix_us();
   return std::chrono::duration_cast<std::chrono::microseconds>(
              TlogWriter::kStreamEpoch + links_.stream_time().now().time_since_epoch())
       .count();
 }
 
-void StationTurns::hear() { hear(now()); }
+void StationScheduler::hear() { hear(now()); }
 
-void StationTurns::plan() {
+void StationScheduler::plan() {
   if (lockstep()) return;
   const base::RunTime due = station_.next_tick(base::steady_now());
   if (due < next_tick_) do_tick(due);
 }
 
-void StationTurns::before_call() {
+void StationScheduler::before_call() {
   if (!lockstep()) return asio::post(io_, [this] { plan(); });  // the call may be a request
   links_.local().wake_for_all(true);
   hear();
 }
 
-void StationTurns::hear(base::RunTime now) {
+void StationScheduler::hear(base::RunTime now) {
   links_.local().dispatch(station_, now);
   recorder_.on_vehicles(station_.any_armed(now), now);
 }
 
-void StationTurns::take_turn(base::RunTime now) {
+void StationScheduler::take_turn(base::RunTime now) {
   links_.local().wake_for_all(false);
   hear(now);
   station_.tick(now);
 }
 
 /// On a link's thread.
-void StationTurns::hold_for_turn(base::RunTime now) {
+void StationScheduler::hold_for_turn(base::RunTime now) {
   if (ending_.load()) return;
   const auto over = std::make_shared<std::promise<void>>();
   asio::post(io_, [this, now, over] {
@@ -95,7 +95,7 @@ void StationTurns::hold_for_turn(base::RunTime now) {
   over->get_future().wait_for(kTurnPatience);
 }
 
-void StationTurns::do_wait() {
+void StationScheduler::do_wait() {
   packets_.async_wait(asio::posix::stream_descriptor::wait_read,
                       [this](boost::system::error_code error) {
                         if (error) return;
@@ -105,7 +105,7 @@ void StationTurns::do_wait() {
                       });
 }
 
-void StationTurns::do_tick(base::RunTime due) {
+void StationScheduler::do_tick(base::RunTime due) {
   next_tick_ = due;
   timer_.expires_after(due - base::steady_now());
   timer_.async_wait([this](boost::system::error_code error) {
@@ -120,7 +120,7 @@ void StationTurns::do_tick(base::RunTime due) {
 
 /// Ends requests to a vehicle whose simulator is paused, and takes packets that arrived after the
 /// last turn.
-void StationTurns::do_wall_tick() {
+void StationScheduler::do_wall_tick() {
   timer_.expires_after(kWallTick);
   timer_.async_wait([this](boost::system::error_code error) {
     if (error) return;

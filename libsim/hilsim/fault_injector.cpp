@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "libsim/hilsim/fault_desk.hpp"
+#include "libsim/hilsim/fault_injector.hpp"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -9,14 +9,14 @@
 
 namespace cas::sim {
 
-FaultDesk::FaultDesk(SimRunner& runner) {
+FaultInjector::FaultInjector(SimRunner& runner) {
   for (const VehicleConfig& vehicle : std::as_const(runner).config().vehicles) {
     const std::string topic = vehicle.name + "/" + std::string(kFaultOrders);
     entries_.push_back({vehicle.name, runner.bus().advertise<FaultOrder>(topic)});
   }
 }
 
-void FaultDesk::order(const std::string& vehicle, nlohmann::json fault) const {
+void FaultInjector::order(const std::string& vehicle, nlohmann::json fault) const {
   const auto entry = std::ranges::find(entries_, vehicle, &Entry::vehicle);
   if (entry == entries_.end()) throw base::ConfigError("there is no vehicle '" + vehicle + "'");
   if (!entry->orders.has_subscribers()) {

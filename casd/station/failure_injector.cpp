@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/station/failure_desk.hpp"
+#include "casd/station/failure_injector.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -69,11 +69,13 @@ std::string ids(mav::Source source) {
 
 }  // namespace
 
-FailureDesk::FailureDesk(mav::Source self, const VehicleCommander& commander, FailureHooks hooks)
+FailureInjector::FailureInjector(mav::Source self, const VehicleCommander& commander,
+                                 FailureHooks hooks)
     : encoder_(self), commander_(commander), hooks_(std::move(hooks)) {}
 
-FailureDesk::Verdict FailureDesk::on_packet(const Origin& from, const mav::PacketView& packet,
-                                            base::RunTime now) {
+FailureInjector::Verdict FailureInjector::on_packet(const Origin& from,
+                                                    const mav::PacketView& packet,
+                                                    base::RunTime now) {
   if (packet.message_id == CommandAck::kId) on_ack(from, packet, now);
   const auto command = mav::services::failure_command(packet);
   if (!command) return Verdict::kNotOurs;
@@ -101,7 +103,7 @@ FailureDesk::Verdict FailureDesk::on_packet(const Origin& from, const mav::Packe
   return Verdict::kTaken;
 }
 
-FailureDesk::Addressee FailureDesk::addressee(mav::Source target) const {
+FailureInjector::Addressee FailureInjector::addressee(mav::Source target) const {
   const std::uint8_t component =
       target.component != 0 ? target.component : mav::services::kAutopilot;
   std::optional<std::uint8_t> asked;
@@ -115,9 +117,10 @@ FailureDesk::Addressee FailureDesk::addressee(mav::Source target) const {
                              std::get<Outcome>(resolved).message)};
 }
 
-FailureDesk::Request FailureDesk::request_of(const Origin& from, const mav::PacketView& packet,
-                                             const std::optional<FailureOrder>& order,
-                                             mav::Source vehicle) {
+FailureInjector::Request FailureInjector::request_of(const Origin& from,
+                                                     const mav::PacketView& packet,
+                                                     const std::optional<FailureOrder>& order,
+                                                     mav::Source vehicle) {
   std::string line = ids(packet.source) + " on link " + hooks_.link_name(from.path.link) +
                      " MAV_CMD_INJECT_FAILURE" + (order ? " '" + to_words(*order) + "'" : "") +
                      " vehicle " + std::to_string(vehicle.system) + ": ";
@@ -130,8 +133,8 @@ FailureDesk::Request FailureDesk::request_of(const Origin& from, const mav::Pack
           .peer = from.path.peer};
 }
 
-void FailureDesk::inject(std::uint8_t system, const VehicleCommand& command, base::RunTime now,
-                         Done done) {
+void FailureInjector::inject(std::uint8_t system, const VehicleCommand& command, base::RunTime now,
+                             Done done) {
   const auto& params = command.params;
   const auto order = mav::services::failure_order(params[0], params[1], params[2]);
   if (!order) {
@@ -149,7 +152,7 @@ void FailureDesk::inject(std::uint8_t system, const VehicleCommand& command, bas
 }
 
 /// Why this station may not inject failures at all.
-std::optional<Outcome> FailureDesk::refusal(mav::Source by, LinkId link) const {
+std::optional<Outcome> FailureInjector::refusal(mav::Source by, LinkId link) const {
   if (by == encoder_.source()) {
     return refused(MavResult::kDenied, "the sender has casd's own ids");
   }
@@ -159,8 +162,8 @@ std::optional<Outcome> FailureDesk::refusal(mav::Source by, LinkId link) const {
 }
 
 /// Why no failure can be injected into this vehicle.
-std::optional<Outcome> FailureDesk::refusal(std::uint8_t system,
-                                            const std::optional<Simulator>& simulator) const {
+std::optional<Outcome> FailureInjector::refusal(std::uint8_t system,
+                                                const std::optional<Simulator>& simulator) const {
   if (const auto doubt = hooks_.hil_doubt(system)) {
     Outcome why = refused(MavResult::kDenied, "the vehicle is not known to be in HIL", *doubt);
     why.kind = OutcomeKind::kInterlock;
@@ -174,15 +177,15 @@ std::optional<Outcome> FailureDesk::refusal(std::uint8_t system,
 }
 
 /// Whether these ids are a vehicle's: it gets no failure, even if it sends HIL_SENSOR.
-bool FailureDesk::is_autopilot(mav::Source source) const {
+bool FailureInjector::is_autopilot(mav::Source source) const {
   const VehicleState* const vehicle = commander_.find(source.system);
   return source.component == mav::services::kAutopilot ||
          (vehicle != nullptr && vehicle->source() == source);
 }
 
 /// Whether it repeats a request that waits for its answer.
-bool FailureDesk::is_repetition(const Origin& from, const mav::PacketView& packet,
-                                std::uint8_t system, const FailureOrder& order) const {
+bool FailureInjector::is_repetition(const Origin& from, const mav::PacketView& packet,
+                                    std::uint8_t system, const FailureOrder& order) const {
   const auto found = waiting_.find(system);
   return found != waiting_.end() && std::ranges::any_of(found->second, [&](const Request& request) {
            return request.by == packet.source && request.link == from.path.link &&
@@ -190,7 +193,7 @@ bool FailureDesk::is_repetition(const Origin& from, const mav::PacketView& packe
          });
 }
 
-void FailureDesk::add(std::uint8_t system, Request request, base::RunTime now) {
+void FailureInjector::add(std::uint8_t system, Request request, base::RunTime now) {
   std::deque<Request>& waiting = waiting_[system];
   if (waiting.size() == kMostWaiting) {
     return end(request, refused(MavResult::kTemporarilyRejected, "too many failures wait"), now);
@@ -199,7 +202,7 @@ void FailureDesk::add(std::uint8_t system, Request request, base::RunTime now) {
   if (waiting.size() == 1) send_first(system, now);
 }
 
-void FailureDesk::send_first(std::uint8_t system, base::RunTime now) {
+void FailureInjector::send_first(std::uint8_t system, base::RunTime now) {
   // Permissions and simulator may have changed while it waited.
   Request& request = waiting_.at(system).front();
   const auto simulator = hooks_.simulator(system);
@@ -214,7 +217,7 @@ void FailureDesk::send_first(std::uint8_t system, base::RunTime now) {
   hooks_.send(encoder_(command), {&request.simulator.path, 1});
 }
 
-void FailureDesk::on_ack(const Origin& from, const mav::PacketView& packet, base::RunTime now) {
+void FailureInjector::on_ack(const Origin& from, const mav::PacketView& packet, base::RunTime now) {
   const auto ack = mav::decode<CommandAck>(packet);
   if (!ack || ack->command != MavCmd::kInjectFailure) return;
   if (!mav::services::is_for(*ack, encoder_.source())) return;
@@ -229,7 +232,7 @@ void FailureDesk::on_ack(const Origin& from, const mav::PacketView& packet, base
   }
 }
 
-void FailureDesk::tick(base::RunTime now) {
+void FailureInjector::tick(base::RunTime now) {
   for (auto& [system, waiting] : waiting_) {
     if (waiting.empty() || now < waiting.front().deadline) continue;
     finish(system,
@@ -239,7 +242,7 @@ void FailureDesk::tick(base::RunTime now) {
   }
 }
 
-base::RunTime FailureDesk::due() const {
+base::RunTime FailureInjector::due() const {
   base::RunTime due = base::RunTime::max();
   for (const auto& [system, waiting] : waiting_) {
     if (!waiting.empty()) due = std::min(due, waiting.front().deadline);
@@ -248,7 +251,7 @@ base::RunTime FailureDesk::due() const {
 }
 
 /// The request under way has ended; the next one is sent.
-void FailureDesk::finish(std::uint8_t system, const Outcome& outcome, base::RunTime now) {
+void FailureInjector::finish(std::uint8_t system, const Outcome& outcome, base::RunTime now) {
   std::deque<Request>& waiting = waiting_.at(system);
   const Request request = std::move(waiting.front());
   waiting.pop_front();
@@ -257,14 +260,14 @@ void FailureDesk::finish(std::uint8_t system, const Outcome& outcome, base::RunT
 }
 
 /// Leaves the audit's line, and answers.
-void FailureDesk::end(const Request& request, const Outcome& outcome, base::RunTime now) {
+void FailureInjector::end(const Request& request, const Outcome& outcome, base::RunTime now) {
   if (!request.line.empty()) {
     leave_line(request.line + (outcome.ok() ? "accepted" : sentence(outcome)), outcome.ok(), now);
   }
   if (request.answer) request.answer(outcome);
 }
 
-void FailureDesk::begin_reload(const LinkMask& gone, base::RunTime now) {
+void FailureInjector::begin_reload(const LinkMask& gone, base::RunTime now) {
   gone_ = gone;
   for (auto& [system, waiting] : waiting_) {
     for (Request& request : waiting) {
@@ -281,12 +284,12 @@ void FailureDesk::begin_reload(const LinkMask& gone, base::RunTime now) {
 }
 
 /// COMMAND_ACK, and for a refusal STATUSTEXT, from the vehicle's ids.
-void FailureDesk::answer(const Path& to, mav::Source asker, mav::Source vehicle,
-                         const Outcome& outcome) {
+void FailureInjector::answer(const Path& to, mav::Source asker, mav::Source vehicle,
+                             const Outcome& outcome) {
   if (!outcome.ok()) {
     Statustext text;
     text.severity = MavSeverity::kWarning;
-    mav::set_text(text.text, std::string(kDeskPrefix) + outcome.message);
+    mav::set_text(text.text, std::string(kInjectorPrefix) + outcome.message);
     send_as(vehicle, text, to);
   }
   CommandAck ack = mav::services::addressed(CommandAck{}, asker);
@@ -296,14 +299,14 @@ void FailureDesk::answer(const Path& to, mav::Source asker, mav::Source vehicle,
 }
 
 template <class M>
-void FailureDesk::send_as(mav::Source source, const M& message, const Path& to) {
+void FailureInjector::send_as(mav::Source source, const M& message, const Path& to) {
   mav::PacketBuffer packet;
   packet.size = mav::encode(message, source, sequence_++, packet.bytes);
   hooks_.send({packet.bytes.data(), packet.size}, {&to, 1});
 }
 
 /// A flood of refused commands leaves few lines.
-void FailureDesk::leave_line(const std::string& line, bool accepted, base::RunTime now) {
+void FailureInjector::leave_line(const std::string& line, bool accepted, base::RunTime now) {
   if (accepted || refusals_.take(now)) hooks_.audit(line);
 }
 

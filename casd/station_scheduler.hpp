@@ -19,12 +19,12 @@ namespace cas::casd {
 ///
 /// In lockstep the stream of HIL_SENSOR gives the turns, by its own clock: it is held on its link's
 /// thread while the station has its turn on the main thread.
-class StationTurns {
+class StationScheduler {
  public:
   /// In lockstep takes over the stream's turns: to be made before the links start. All outlive it.
-  StationTurns(boost::asio::io_context& io, LinkSet& links, OwnStation& station,
-               Recorder& recorder);
-  ~StationTurns() { end(); }
+  StationScheduler(boost::asio::io_context& io, LinkSet& links, OwnStation& station,
+                   Recorder& recorder);
+  ~StationScheduler() { end(); }
 
   /// Starts the timers and the wait for packets. To be called after the links have started.
   void begin();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/run/run_places.hpp"
+#include "hils/run/run_paths.hpp"
 
 #include <sys/un.h>
 
@@ -53,28 +53,28 @@ std::vector<std::uint16_t> free_udp_ports(std::size_t count) {
   return ports;
 }
 
-RunPlaces RunPlaces::of(const Scenario& scenario, const std::filesystem::path& out,
-                        const std::filesystem::path& sockets) {
-  RunPlaces places{.out = out,
-                   .run = out / "run",
-                   .sockets = sockets,
-                   .command_port = sockets / "casd",
-                   .vehicles = {}};
+RunPaths RunPaths::of(const Scenario& scenario, const std::filesystem::path& out,
+                      const std::filesystem::path& sockets) {
+  RunPaths paths{.out = out,
+                 .run = out / "run",
+                 .sockets = sockets,
+                 .command_port = sockets / "casd",
+                 .vehicles = {}};
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
-    VehiclePlaces& vehicle = places.vehicles.emplace_back();
-    vehicle.out = places.out;
-    vehicle.run = places.run;
-    vehicle.sockets = places.sockets;
+    VehiclePaths& vehicle = paths.vehicles.emplace_back();
+    vehicle.out = paths.out;
+    vehicle.run = paths.run;
+    vehicle.sockets = paths.sockets;
     vehicle.tty = "fcu" + std::to_string(i);
     vehicle.suffix = scenario.suffix_of(i);
     if (!scenario.flies_several()) continue;
     vehicle.simulator_link += std::to_string(i + 1);
     vehicle.controller_link += std::to_string(i + 1);
   }
-  return places;
+  return paths;
 }
 
-void RunPlaces::choose_ports() {
+void RunPaths::choose_ports() {
   const std::vector<std::uint16_t> ports = free_udp_ports(2 * vehicles.size());
   for (std::size_t i = 0; i < vehicles.size(); ++i) {
     vehicles[i].simulator_port = ports[2 * i];

@@ -21,7 +21,7 @@
 namespace cas::casd {
 
 /// Begins each STATUSTEXT that casd sends with a vehicle's ids.
-inline constexpr std::string_view kDeskPrefix = "casd: ";
+inline constexpr std::string_view kInjectorPrefix = "casd: ";
 
 /// A simulator whose sensor data goes to a vehicle.
 struct Simulator {
@@ -29,7 +29,7 @@ struct Simulator {
   Path path;
 };
 
-/// Callbacks of a FailureDesk into the rest of casd.
+/// Callbacks of a FailureInjector into the rest of casd.
 struct FailureHooks {
   SendPacket send{};
   /// Whether the topology lets stations on this link inject failures.
@@ -51,13 +51,13 @@ struct FailureHooks {
 /// The answer has the vehicle's ids, because ground stations expect it from there; a refusal also
 /// sends a STATUSTEXT with the reason. Failures of a vehicle are sent one at a time. Pure: the time
 /// comes in as an argument, that of this machine's clock, also in lockstep.
-class FailureDesk {
+class FailureInjector {
  public:
   static constexpr base::Duration kPatience = std::chrono::seconds(1);
   static constexpr std::size_t kMostWaiting = 16;  ///< of one vehicle
 
   /// @param commander  knows the vehicles; outlives this object
-  FailureDesk(mav::Source self, const VehicleCommander& commander, FailureHooks hooks);
+  FailureInjector(mav::Source self, const VehicleCommander& commander, FailureHooks hooks);
 
   /// Result for a packet.
   enum class Verdict : std::uint8_t {
