@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <fmt/format.h>
+
 #include <cstdint>
-#include <cstdio>
 #include <optional>
 #include <string>
 
@@ -10,8 +11,9 @@
 
 namespace cas::sim {
 
-/// Tells while a run goes on that it falls behind the clock: between two looks the simulation ran
-/// slower than ordered, or more than 1 % of its steps began more than a step late. Pure.
+/// Tells while a run goes on that it does not keep up with the clock. Between two looks the
+/// simulation ran slower than ordered (it falls behind), or more than 1 % of its steps began more
+/// than a step late. Pure.
 class PaceWatch {
  public:
   /// @param speed  ordered, simulated seconds per second
@@ -34,12 +36,8 @@ class PaceWatch {
     if (!slow && static_cast<double>(late) <= kMostLate * static_cast<double>(steps)) {
       return std::nullopt;
     }
-    char line[120];
-    std::snprintf(line, sizeof line,
-                  "falls behind: %.2f x real time, %llu of %llu steps late in the last %.0f s",
-                  factor, static_cast<unsigned long long>(late),
-                  static_cast<unsigned long long>(steps), wall_s);
-    return line;
+    return fmt::format("{}: {:.2f} x real time, {} of {} steps late in the last {:.0f} s",
+                       slow ? "falls behind" : "steps begin late", factor, late, steps, wall_s);
   }
 
  private:
