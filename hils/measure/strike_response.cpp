@@ -11,21 +11,12 @@
 #include <variant>
 
 #include "base/time/clock.hpp"
-#include "casd/station/failure_injector.hpp"
-#include "casd/station/vehicle_state.hpp"
-#include "casd/tlog/tlog_packets.hpp"
 #include "hils/measure/incident.hpp"
+#include "hils/measure/planned_place.hpp"
 #include "hils/measure/run_record.hpp"
-#include "mavlink/common/heartbeat.hpp"
-#include "mavlink/common/statustext.hpp"
-#include "mavlink/common/sys_status.hpp"
-#include "mavlink/common/table.hpp"
-#include "mavlink_gen/runtime/codec.hpp"
 #include "plugins/fault/fault_spec.hpp"
 
 namespace cas::hils {
-
-using namespace mavlink::common;  // NOLINT: the file is about its messages
 
 namespace {
 
@@ -37,137 +28,9 @@ constexpr double kStill_m_s = 0.2;
 /// A HEARTBEAT shows a change since the previous one.
 constexpr double kHeartbeat_s = 1.0;
 
-struct HealthFlag {
-  MavSysStatusSensor flag;
-  std::string_view name;
-};
-constexpr std::array<HealthFlag, 12> kHealthFlags{
-    {{MavSysStatusSensor::k3dGyro, "gyro"},
-     {MavSysStatusSensor::k3dAccel, "accelerometer"},
-     {MavSysStatusSensor::k3dMag, "compass"},
-     {MavSysStatusSensor::kAbsolutePressure, "barometer"},
-     {MavSysStatusSensor::kGps, "GPS"},
-     {MavSysStatusSensor::kAhrs, "attitude estimate"},
-     {MavSysStatusSensor::kYawPosition, "heading"},
-     {MavSysStatusSensor::kZAltitudeControl, "height"},
-     {MavSysStatusSensor::kXyPositionControl, "position"},
-     {MavSysStatusSensor::kMotorOutputs, "motors"},
-     {MavSysStatusSensor::kBattery, "battery"},
-     {MavSysStatusSensor::kPrearmCheck, "arming checks"}}};
-
-/// Whether a text answers a command, and is no sign of a fault by itself.
-bool refuses_command(std::string_view text) {
-  return text.starts_with("Arm: ") || text.find(" denied") != std::string_view::npos ||
-         text.find(" refused") != std::string_view::npos;
-}
-
-/// Goes through a flight log and notes the vehicle's signs.
-class MessageReader {
- public:
-  explicit MessageReader(const RunRecord& record) : record_(record) {}
-
-  void on_packet(std::int64_t log_us, const mav::PacketView& packet) {
-    constexpr std::uint8_t kAutopilot = 1;
-    if (packet.source.system != record_.system || packet.source.component != kAutopilot) return;
-    now_s_ = 1e-6 * static_cast<double>(record_.log_clock.to_sim_us(log_us));
-    if (const auto beat = mav::decode<Heartbeat>(packet)) on_heartbeat(*beat);
-    if (const auto text = mav::decode<Statustext>(packet)) on_text(*text);
-    if (const auto status = mav::decode<SysStatus>(packet)) on_status(*status);
-  }
-
-  VehicleMessages finish() { return std::move(messages_); }
-
- private:
-  void on_heartbeat(const Heartbeat& beat) {
-    const bool armed = has(beat.base_mode, MavModeFlag::kSafetyArmed);
-    if (armed != armed_) messages_.armed.push_back({now_s_, armed});
-    armed_ = armed;
-    const bool critical = beat.system_status == MavState::kCritical ||
-                          beat.system_status == MavState::kEmergency ||
-                          beat.system_status == MavState::kFlightTermination;
-    const auto autopilot = casd::autopilot_family(beat.autopilot);
-    const std::string mode = mode_name(autopilot, beat.base_mode, beat.custom_mode);
-    if (critical && (!critical_ || mode != mode_)) {
-      messages_.signs.push_back({.time_s = now_s_, .what = mode, .is_reaction = true});
-    }
-    critical_ = critical;
-    mode_ = mode;
-  }
-
-  void on_text(const Statustext& message) {
-    if (message.severity > MavSeverity::kWarning) return;
-    std::string text(mav::text(message.text));
-    std::ranges::replace_if(
-        text, [](char c) { return c < ' ' || c > '~'; }, '?');
-    if (text.starts_with(casd::kInjectorPrefix) || refuses_command(text)) return;
-    messages_.signs.push_back({.time_s = now_s_, .what = "'" + text + "'"});
-  }
-
-  void on_status(const SysStatus& status) {
-    std::string fallen;
-    for (const auto& [flag, name] : kHealthFlags) {
-      if (flag == MavSysStatusSensor::kPrearmCheck && armed_) continue;
-      const bool fell = has(healthy_, flag) && !has(status.onboard_control_sensors_health, flag);
-      if (fell) fallen += (fallen.empty() ? "" : ", ") + std::string(name);
-    }
-    healthy_ = status.onboard_control_sensors_health;
-    if (!fallen.empty()) messages_.signs.push_back({.time_s = now_s_, .what = "health: " + fallen});
-  }
-
-  const RunRecord& record_;
-  double now_s_ = 0;
-  bool armed_ = false;
-  bool critical_ = false;
-  std::string mode_;
-  MavSysStatusSensor healthy_{};
-  VehicleMessages messages_;
-};
-
 Eigen::Vector3d place(const PoseSample& sample, const PoseSample& start) {
   return {sample.pose.x_m - start.pose.x_m, sample.pose.y_m - start.pose.y_m,
           sample.pose.z_m - start.pose.z_m};
-}
-
-/// The lines between the places of a plan, from the start to the landing.
-class PlannedPath {
- public:
-  explicit PlannedPath(std::span<const FlightStep> steps) {
-    for (const FlightStep& step : steps) {
-      if (step.kind == StepKind::kTakeoff) places_.emplace_back(0, 0, step.altitude_m);
-      if (step.kind == StepKind::kGoto) places_.push_back(step.place_m);
-      if (step.kind == StepKind::kTrajectory) slack_m_ = std::max(slack_m_, step.trajectory.size_m);
-      if (step.kind == StepKind::kRtl) places_.emplace_back(0, 0, places_.back().z());
-      if (lands(step)) {
-        places_.emplace_back(places_.back().x(), places_.back().y(), 0);
-      }
-    }
-  }
-
-  double distance_m(const Eigen::Vector3d& p) const {
-    double least = (p - places_.front()).norm();
-    for (std::size_t i = 1; i < places_.size(); ++i) {
-      const Eigen::Vector3d along = places_[i] - places_[i - 1];
-      const double length2 = along.squaredNorm();
-      const double share =
-          length2 > 0 ? std::clamp((p - places_[i - 1]).dot(along) / length2, 0.0, 1.0) : 0.0;
-      least = std::min(least, (p - places_[i - 1] - share * along).norm());
-    }
-    return least;
-  }
-  /// How far its trajectories lead from it.
-  double slack_m() const { return slack_m_; }
-
- private:
-  std::vector<Eigen::Vector3d> places_{Eigen::Vector3d::Zero()};
-  double slack_m_ = 0;  ///< trajectories fly about their place
-};
-
-bool keeps_place(const Stage& stage) {
-  return stage.step.kind == StepKind::kHold || stage.step.kind == StepKind::kWaitUntil;
-}
-
-bool is_pattern(const Stage& stage) {
-  return stage.step.kind == StepKind::kTrajectory || stage.step.kind == StepKind::kEndTrajectory;
 }
 
 bool is_crash(IncidentKind kind) { return kind != IncidentKind::kGround; }
@@ -188,41 +51,6 @@ bool has_turning_rotor(const PoseSample& sample) {
   return std::ranges::any_of(sample.omega_rad_s,
                              [](double omega_rad_s) { return omega_rad_s > kTurning_rad_s; });
 }
-
-/// Where the plan has a vehicle at a moment: in a hold at its place, else on the path; within its
-/// size in a trajectory, and in the step after it, where the vehicle flies back.
-class PlannedPlace {
- public:
-  explicit PlannedPlace(const StrikeEvidence& evidence)
-      : stages_(evidence.stages), path_(evidence.steps) {}
-
-  double distance_m(std::int64_t time_us, const Eigen::Vector3d& p) const {
-    const auto next = std::ranges::upper_bound(stages_, time_us, {}, [](const Stage& stage) {
-      return static_cast<std::int64_t>(base::to_time_usec(stage.begin));
-    });
-    if (next == stages_.begin()) return path_.distance_m(p);
-    const auto stage = std::prev(next);
-    const bool at_place = keeps_place(*stage) && !landed_before(next);
-    const double off_m = at_place ? (p - stage->reference_m).norm() : path_.distance_m(p);
-    const bool flies_pattern =
-        is_pattern(*stage) || (stage != stages_.begin() && is_pattern(*std::prev(stage)));
-    return flies_pattern ? std::max(0.0, off_m - path_.slack_m()) : off_m;
-  }
-
- private:
-  /// A landing keeps the reference of the step before it.
-  bool landed_before(std::span<const Stage>::iterator end) const {
-    bool landed = false;
-    for (auto each = stages_.begin(); each != end; ++each) {
-      if (lands(each->step)) landed = true;
-      if (takes_off(each->step)) landed = false;
-    }
-    return landed;
-  }
-
-  std::span<const Stage> stages_;
-  PlannedPath path_;
-};
 
 constexpr double kNever_s = std::numeric_limits<double>::infinity();
 
@@ -254,7 +82,7 @@ Contact look_at_motion(const StrikeEvidence& evidence, StrikeResponse& response)
   look_at_incidents(evidence, response, contact);
   const PoseSample& start = evidence.truth.front();
   const PoseSample& last = evidence.truth.back();
-  const PlannedPlace plan(evidence);
+  const PlannedPlace plan(evidence.stages, evidence.steps);
   bool turned = false;
   for (const PoseSample& sample : after) {
     if (!is_finite(sample)) {
@@ -383,15 +211,6 @@ void note(const StrikeEvidence& evidence, const VehicleSign& sign, StrikeRespons
 }
 
 }  // namespace
-
-VehicleMessages read_vehicle_messages(const RunRecord& record) {
-  MessageReader reader(record);
-  casd::for_each_tlog_packet(record.flight_tlog, table(),
-                             [&](std::uint64_t unix_us, const mav::PacketView& packet) {
-                               reader.on_packet(static_cast<std::int64_t>(unix_us), packet);
-                             });
-  return reader.finish();
-}
 
 StrikeResponse strike_response(const StrikeEvidence& evidence) {
   StrikeResponse response{

@@ -11,17 +11,11 @@
 #include "hils/flight/flight_plan.hpp"
 #include "hils/flight/incident_kind.hpp"
 #include "hils/measure/tracking.hpp"
+#include "hils/measure/vehicle_messages.hpp"
 
 namespace cas::hils {
 
 struct RunRecord;
-
-/// A message of a vehicle that shows that it noticed a fault or reacted to it.
-struct VehicleSign {
-  double time_s = 0;  ///< simulated
-  std::string what;   ///< "STATUSTEXT 'Position lost: descending'", "health: GPS", "LAND"
-  bool is_reaction = false;
-};
 
 /// How a vehicle took the first fault of a flight. Times behind strike_s count from it.
 struct StrikeResponse {
@@ -52,23 +46,6 @@ struct StrikeResponse {
   std::optional<double> hold_farthest_m{};
   std::optional<double> hold_tilt_deg{};
 };
-
-/// Armed or disarmed, by its HEARTBEATs.
-struct ArmedChange {
-  double time_s = 0;  ///< simulated
-  bool armed = false;
-};
-
-/// Signs and armed states in a vehicle's messages, in the order of time.
-struct VehicleMessages {
-  /// STATUSTEXTs of warnings and worse that refuse no command; a health flag of SYS_STATUS that
-  /// falls (that of the arming checks on the ground alone); MAV_STATE critical or worse. HEARTBEATs
-  /// come each second, so that a reaction is known up to 1 s late.
-  std::vector<VehicleSign> signs;
-  std::vector<ArmedChange> armed;
-};
-/// Reads the flight log of a run.
-VehicleMessages read_vehicle_messages(const RunRecord& record);
 
 /// Evidence that the response is derived from.
 struct StrikeEvidence {

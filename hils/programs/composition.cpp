@@ -275,7 +275,7 @@ void write_configs(const RunRequest& request, Transport transport, const RunPath
   }
   base::make_result_folder({paths.out, paths.run});
   base::remove_result({paths.out, paths.plugin_figures()});  // of an earlier run in this folder
-  const auto write = [&places](const std::filesystem::path& file, const std::string& text) {
+  const auto write = [&paths](const std::filesystem::path& file, const std::string& text) {
     base::write_result({paths.out, file}, text);
   };
   write(paths.simulator_config(), simulator_config(request, transport, paths));
