@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
@@ -173,7 +174,13 @@ void add_motion(Rows& table) {
           "measured step",
           &Measurement::rms_estimate, table);
   add(Row::Part::kMotion,
-      {{"peak_error_m", "largest error of the true position", "m", 3, kDown,
+      {{"rms_position_m", "RMS error of the true position", "m", 4, kDown,
+        "distance from the reference in space, in the measured step",
+        [](const Measurement& m) -> std::optional<double> {
+          if (!m.rms) return std::nullopt;
+          return std::hypot(m.rms->x_m, m.rms->y_m, m.rms->z_m);
+        }},
+       {"peak_error_m", "largest error of the true position", "m", 3, kDown,
         "farthest from the reference at any moment of the measured step",
         of(&Measurement::peak_error_m)},
        {"height_error_m", "error of the mean height", "m", 3, kDown,

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -123,16 +124,18 @@ TEST(FigureTable, ReadsTheFigureOfItsName) {
   EXPECT_EQ(value("sensor_to_control_p99_us"), figures.sensor_to_control.p99);
   EXPECT_EQ(value("age_by_arrival_max_us"), figures.age_by_arrival.max);
   EXPECT_EQ(value("rms_estimate_yaw_rad"), figures.rms_estimate->yaw_rad);
+  EXPECT_EQ(value("rms_position_m"),
+            std::hypot(figures.rms->x_m, figures.rms->y_m, figures.rms->z_m));
   EXPECT_EQ(value("peak_error_m"), *figures.peak_error_m);
   EXPECT_NEAR(value("casd_cpu_pct"), 0.2, 1e-12);
 }
 
 TEST(FigureTable, HasNoValueOfWhatWasNotMeasured) {
   const Measurement nothing;
-  for (const char* key :
-       {"handover_p99_us", "reading_spread_us", "cpu_pressure", "casd_cpu_pct",
-        "sensor_delivered_pct", "sensor_to_control_count", "sensor_uplink_p50_us", "rms_x_m",
-        "rms_estimate_z_m", "peak_error_m", "height_error_m", "drift_m", "rotor_activity_rad_s2"}) {
+  for (const char* key : {"handover_p99_us", "reading_spread_us", "cpu_pressure", "casd_cpu_pct",
+                          "sensor_delivered_pct", "sensor_to_control_count", "sensor_uplink_p50_us",
+                          "rms_x_m", "rms_estimate_z_m", "rms_position_m", "peak_error_m",
+                          "height_error_m", "drift_m", "rotor_activity_rad_s2"}) {
     EXPECT_FALSE(figure_row(key).get(nothing)) << key;
   }
 }
