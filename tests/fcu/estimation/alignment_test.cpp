@@ -13,7 +13,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGravity = base::kStandardGravity_m_s2;
 const Vector3d kField_N(0.2, 0.01, 0.4);
 constexpr double kRoll = -0.18;  // rad, of the slope
 
@@ -21,14 +20,17 @@ base::SimTime at(double seconds) { return base::SimTime(base::from_seconds(secon
 
 /// Specific force of a vehicle at rest with that roll.
 Vector3d at_rest(double roll_rad) {
-  return base::quaternion_rpy(roll_rad, 0, 0).conjugate() * Vector3d(0, 0, -kGravity);
+  return base::quaternion_rpy(roll_rad, 0, 0).conjugate() *
+         Vector3d(0, 0, -base::kStandardGravity_m_s2);
 }
 
 TEST(Rest, IsGravityAndHardlyARate) {
-  EXPECT_TRUE(indicates_rest({0.1, 0, 0}, at_rest(kRoll), kGravity));
-  EXPECT_FALSE(indicates_rest({0.2, 0, 0}, at_rest(kRoll), kGravity)) << "it tips over";
-  EXPECT_FALSE(indicates_rest(Vector3d::Zero(), 0.1 * at_rest(0), kGravity)) << "it falls";
-  EXPECT_FALSE(indicates_rest(Vector3d::Zero(), 1.5 * at_rest(0), kGravity))
+  EXPECT_TRUE(indicates_rest({0.1, 0, 0}, at_rest(kRoll), base::kStandardGravity_m_s2));
+  EXPECT_FALSE(indicates_rest({0.2, 0, 0}, at_rest(kRoll), base::kStandardGravity_m_s2))
+      << "it tips over";
+  EXPECT_FALSE(indicates_rest(Vector3d::Zero(), 0.1 * at_rest(0), base::kStandardGravity_m_s2))
+      << "it falls";
+  EXPECT_FALSE(indicates_rest(Vector3d::Zero(), 1.5 * at_rest(0), base::kStandardGravity_m_s2))
       << "it hits the ground";
 }
 
