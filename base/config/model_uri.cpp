@@ -39,10 +39,11 @@ std::optional<std::string> behind(const std::string& uri, std::string_view schem
   return uri.substr(scheme.size());
 }
 
-/// The folders from `folder` up to the last below the root.
+/// The folders from `folder` up to the last below the root. An empty one is the working folder.
 std::vector<fs::path> folders_above(const fs::path& folder) {
   std::vector<fs::path> folders;
-  for (fs::path up = fs::absolute(folder).lexically_normal(); up.has_relative_path();
+  const fs::path named = folder.empty() ? fs::path(".") : folder;
+  for (fs::path up = fs::absolute(named).lexically_normal(); up.has_relative_path();
        up = up.parent_path()) {
     if (up.has_filename()) folders.push_back(up);  // else it ends in a slash
   }

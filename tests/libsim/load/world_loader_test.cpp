@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+
 #include <cmath>
 #include <optional>
 
@@ -166,6 +168,13 @@ TEST(SdfWorld, RefusesToGoWithoutAModelAndSaysWhereItLooked) {
 TEST(SdfWorld, AThirdSlashBehindModelIsNoRoot) {
   EXPECT_EQ(base::places_of_model_file("model:///oak/oak.dae", "/w", {}).at(0).string(),
             "/w/oak/oak.dae");
+}
+
+TEST(SdfWorld, AFileWithoutAFolderIsInTheWorkingFolder) {
+  const std::string here = std::filesystem::current_path().string();
+  for (const char* uri : {"oak.dae", "model://oak/oak.dae", "package://oak/oak.dae"}) {
+    EXPECT_THAT(base::searched_places(uri, "", {}), HasSubstr(here)) << uri;
+  }
 }
 
 TEST(SdfWorld, AModelInAFolderAboveIsFound) {
