@@ -18,15 +18,11 @@ using test::ground_of_triangles;
 using test::kCrateMass;
 using test::kCrateSize;
 using test::kGravity;
+using test::kSensorStd;
+using test::kStep_s;
+using test::kVehicle;
 using test::make_world;
 using test::standing;
-
-constexpr VehicleId kVehicle{0};
-constexpr double kStep_s = 1e-3;
-
-/// Accelerometer of the quietest real sensor set (pixhawk_icm42605): 6.9e-4 m/s^2/sqrt(Hz) at 500
-/// Hz.
-constexpr double kSensorStd = 0.015;  // m/s^2
 
 class Triangles : public testing::TestWithParam<int> {};
 

@@ -10,10 +10,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-const Vector3d kUp = Vector3d::UnitZ();
 const Vector3d kLeaning = Vector3d(0.3, 0, 1).normalized();
 
-ContactPoint on_triangle(const Vector3d& p_W, const Vector3d& face_W = kUp, double depth_m = 1e-3) {
+ContactPoint on_triangle(const Vector3d& p_W, const Vector3d& face_W = Vector3d::UnitZ(),
+                         double depth_m = 1e-3) {
   return {.p_W = p_W, .n_W = face_W, .depth_m = depth_m, .kind = 0, .face_W = face_W};
 }
 

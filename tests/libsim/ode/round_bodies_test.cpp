@@ -19,14 +19,11 @@ using test::crate;
 using test::flat_world;
 using test::ground_of_triangles;
 using test::kGravity;
+using test::kSensorStd;
+using test::kStep_s;
+using test::kVehicle;
 using test::make_world;
 using test::standing;
-
-constexpr VehicleId kVehicle{0};
-constexpr double kStep_s = 1e-3;
-
-/// Accelerometer of the quietest real sensor set (pixhawk_icm42605).
-constexpr double kSensorStd = 0.015;  // m/s^2
 
 /// Four thrusts that differ by some per cent of each.
 class UnequalThrusts final : public ForceModel {

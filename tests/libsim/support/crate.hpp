@@ -9,6 +9,13 @@ inline constexpr double kGravity = 9.80665;              // m/s^2
 inline constexpr double kCrateMass = 1.5;                // kg
 inline const Eigen::Vector3d kCrateSize{0.4, 0.4, 0.1};  // m
 
+inline constexpr VehicleId kVehicle{0};
+inline constexpr double kStep_s = 1e-3;
+
+/// Noise of the accelerometer of the quietest real sensor set (pixhawk_icm42605), m/s^2:
+/// 6.9e-4 m/s^2/sqrt(Hz) at 500 Hz.
+inline constexpr double kSensorStd = 0.015;
+
 /// A vehicle that is a flat box of even density.
 inline VehicleModel crate(const Eigen::Vector3d& size = kCrateSize, double mass = kCrateMass) {
   const Eigen::Vector3d s = size.cwiseAbs2();
