@@ -77,7 +77,8 @@ std::string read_foreign_file(const std::filesystem::path& file, std::string_vie
   const OpenFile opened = open_foreign_file(file, kind, most_bytes);
   std::optional<std::string> text = rest_of(*opened, most_bytes);
   if (!text) fail(file, kind, "cannot be read");
-  if (text->size() > most_bytes) fail_larger(file, kind, most_bytes);  // it grew meanwhile
+  if (text->size() > most_bytes)
+    fail_larger(file, kind, most_bytes);  // the file has grown meanwhile
   return std::move(*text);
 }
 

@@ -14,8 +14,8 @@
 
 namespace cas::casd {
 
-/// When casd's own station hears its packets and does its work: on the thread of `io`, as soon as a
-/// packet has come or something is due.
+/// Decides when casd's own station gets its packets and does its work: on the thread of `io`, as
+/// soon as a packet has come or something is due.
 ///
 /// In lockstep the stream of HIL_SENSOR gives the turns, by its own clock: it is held on its link's
 /// thread while the station has its turn on the main thread.

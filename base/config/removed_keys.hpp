@@ -8,13 +8,14 @@
 
 namespace cas::base {
 
-/// A key that files written for earlier versions may have.
+/// A key of earlier versions that files may still have.
 struct RemovedKey {
   const char* name;
-  const char* now;  ///< what holds without it: "a system is kept for 60 s"
+  const char* now;  ///< the rule in its place: "a system is kept for 60 s"
 };
 
-/// Refuses the first of these that a block has, so that it is not taken for a misspelt one.
+/// Refuses a block that has one of the keys. Without this a removed key would be reported as a
+/// misspelt one.
 /// @throws ConfigError "FILE:LINE: key.path: is no longer a key: NOW"
 inline void refuse_removed(const ConfigNode& block, std::initializer_list<RemovedKey> keys) {
   for (const RemovedKey& key : keys) {

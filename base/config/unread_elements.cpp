@@ -17,9 +17,10 @@ bool has_word(std::string_view names, std::string_view name) {
   return false;
 }
 
-/// Another program's, or of the XML itself.
+/// Whether a name belongs to another program's namespace or to XML itself.
 bool is_foreign(std::string_view name) { return name.find(':') != name.npos || name == "xmlns"; }
 
+/// Walks through an element and what it contains.
 class Look {
  public:
   Look(std::span<const KnownElement> rows, ModelBuilder& builder,

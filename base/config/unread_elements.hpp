@@ -10,7 +10,7 @@
 
 namespace cas::base {
 
-/// What may be in an element of a format: names with a blank between them.
+/// Children and attributes that a format allows in an element: names with a blank between them.
 struct KnownElement {
   std::string_view element;
   std::string_view single;  ///< children of which the first counts
@@ -20,14 +20,14 @@ struct KnownElement {
 
 /// Warns of unread parts of an element and of the elements in it: attributes and children that the
 /// table does not have, such as misspelt ones (<orgin>), and repeated children, of which the first
-/// counts. An element without a row may hold anything; of a <geometry> the first form is looked at.
-/// Names of other programs' namespaces are passed over.
+/// counts. An element without a row may hold anything; of a <geometry> only the first form is
+/// checked. Names of other programs' namespaces are skipped.
 /// @param visit  is called with each child, and says whether to look into it
 void warn_of_unread(
     const XmlElement& element, std::span<const KnownElement> rows, ModelBuilder& builder,
     const std::function<bool(const XmlElement&)>& visit = [](const XmlElement&) { return true; });
 
-/// "<link name='arm'>", "<sphere>".
+/// An element's tag for a sentence: "<link name='arm'>", "<sphere>".
 std::string tag_of(const XmlElement& element);
 
 }  // namespace cas::base

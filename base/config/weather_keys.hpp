@@ -8,6 +8,7 @@
 
 namespace cas::base {
 
+/// Keys of block `weather`.
 inline constexpr std::tuple kWeatherKeys{
     key<&Weather::temperature_degc>("temperature_degc", Range{-90, 60}, "of the air at home",
                                     "the world's"),
@@ -20,6 +21,7 @@ inline constexpr std::tuple kWeatherKeys{
     key<&Weather::humidity>("humidity", Range{0, 1}, "relative, at every altitude", "0"),
 };
 
+/// @throws ConfigError if a block gives the temperature twice
 inline void check_weather(const ConfigNode& node, const Weather& weather) {
   if (!weather.temperature_degc || !weather.temperature_offset_degc) return;
   node.at("temperature_offset_degc").fail("the temperature is given by 'temperature_degc' already");

@@ -15,7 +15,8 @@ constexpr double kGasConstant = 287.05287;  // J/(kg K), dry air
 
 constexpr double kZeroCelsius_K = 273.15;
 constexpr double kVapourToAir = 18.01528 / 28.964420;  // molar masses, g/mol; of air [ISO 2533]
-constexpr double kColdestVapour_degc = -100;           // at which air is dry, before [Buck]'s pole
+// Colder air is practically dry; the formula of [Buck] has a pole at -240.97 degC.
+constexpr double kColdestVapour_degc = -100;
 
 /// Layers above the troposphere, [ISO 2533].
 struct Layer {
@@ -31,11 +32,11 @@ constexpr std::array<Layer, 6> kLayersAbove{{{kTropopause_m, 20'000, 0},
                                              {51'000, 71'000, -0.0028},
                                              {71'000, 80'000, -0.002}}};
 
-/// A gradient of less is none: over 10 km it makes less than a thousandth of a kelvin.
+/// Smaller gradients count as zero: over 10 km they make less than a thousandth of a kelvin.
 constexpr double kLeastGradient_K_m = 1e-7;
 constexpr double kLeastTemperature_K = 1;
 
-/// Of the pressures at the top and the bottom of a stretch of even gradient.
+/// Pressure at the top of a layer of constant gradient over that at its bottom, [ISO 2533].
 double pressure_ratio(double bottom_K, double top_K, double gradient_K_m, double height_m) {
   if (std::abs(gradient_K_m) < kLeastGradient_K_m) {
     return std::exp(-kStandardGravity_m_s2 * height_m / (kGasConstant * bottom_K));

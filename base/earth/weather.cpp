@@ -17,7 +17,7 @@ Atmosphere air_of(const Weather& weather, const Atmosphere& world, double home_a
         *weather.temperature_degc + kZeroCelsius_K - world.temperature_kelvin(home_alt_m);
   }
   if (weather.temperature_offset_degc) air.temperature_K += *weather.temperature_offset_degc;
-  // The pressure at home is what is measured; the air above and below it has its own weight.
+  // The measured pressure is that at home; from there it follows the weight of the changed air.
   const double home_pa = weather.qnh_hpa
                              ? *weather.qnh_hpa * kPascalsOfHpa * isa::pressure_pa(home_alt_m) /
                                    Atmosphere().pressure_Pa

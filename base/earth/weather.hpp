@@ -8,7 +8,7 @@
 
 namespace cas::base {
 
-/// The air of a day at a place, as an airfield reports it. What is left out is the world's.
+/// Air of a day at home, as an airfield reports it. Values left out are those of the world's air.
 struct Weather {
   std::optional<double> temperature_degc{};         ///< at home
   std::optional<double> temperature_offset_degc{};  ///< against the world's air, at every altitude
@@ -18,8 +18,8 @@ struct Weather {
   bool operator==(const Weather&) const = default;
 };
 
-/// The world's air on such a day.
-/// @param home_alt_m  above mean sea level
+/// The world's air, changed by the weather.
+/// @param home_alt_m  height of home above mean sea level
 CAS_BASE_EXPORT Atmosphere air_of(const Weather& weather, const Atmosphere& world,
                                   double home_alt_m);
 

@@ -24,8 +24,8 @@ class CAS_BASE_EXPORT DiskError : public ConfigError {
   throw ConfigError(sentence);
 }
 
-/// Closes a file that was written, if it is open. @return errno of a file system that keeps the
-/// failure of a write back until then; 0
+/// Closes a written file, if it is open. @return errno of close(2), by which some file systems
+/// report an earlier write that failed; 0 without an error
 inline int close_written(Descriptor& file) {
   const int fd = file.release();
   return fd < 0 || ::close(fd) == 0 ? 0 : errno;

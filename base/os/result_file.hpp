@@ -52,7 +52,7 @@ CAS_BASE_EXPORT void remove_result(const ResultPlace& place);
 /// make_result() for buffered writing. @throws ConfigError
 CAS_BASE_EXPORT OpenFile open_result(const ResultPlace& place);
 
-/// Closes such a file. @throws DiskError when something that was written is not in it
+/// Closes a file of open_result(). @throws DiskError when the file lacks written bytes
 CAS_BASE_EXPORT void close_result(OpenFile file, const ResultPlace& place);
 
 }  // namespace cas::base

@@ -158,7 +158,7 @@ int main(int argc, char** argv) try {
   cas::base::cli::add_manual(line.app(), "casctl", CAS_VERSION, completion_words());
   if (const auto ended = cas::base::cli::parse(line.app(), argc, argv, kUsage)) return *ended;
   return run_verb(line);
-} catch (const std::exception& error) {  // no memory for the command line
+} catch (const std::exception& error) {  // no memory to read the command line
   std::fprintf(stderr, "casctl: %s\n", error.what());
   return cas::casctl::kUsage;
 }

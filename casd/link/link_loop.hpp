@@ -79,8 +79,9 @@ class LinkLoop {
   LinkLoop& operator=(const LinkLoop&) = delete;
 
   const std::string& name() const { return name_; }
-  /// Before start(): the thread aborts after a turn that has taken too much, with all that it did
-  /// between two rests. Builds with sanitizers or with CAS_METER_TURNS do so in any case.
+  /// Measures each turn, all work between two rests, and aborts after one that exceeds a bound of
+  /// excess(). To be called before start(). Builds with sanitizers or CAS_METER_TURNS always
+  /// measure.
   void meter_turns() { metered_ = true; }
   /// Starts the thread. @throws base::ConfigError when there is none to be had
   void start();

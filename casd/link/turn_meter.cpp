@@ -14,15 +14,16 @@
 namespace cas::casd {
 namespace {
 
-// Controls at 400 Hz leave 2.5 ms to a turn. Sanitizers cost a factor of twenty; a virtual machine
-// on shared processors counts time that it did not get as ours, up to four times as much. Links
-// that begin open in one turn, each with calls for its lock, its device and its line in the log.
+// Controls at 400 Hz leave 2.5 ms for a turn. Sanitizers cost a factor of twenty. A virtual machine
+// on shared processors charges time to the thread that it did not get, a factor of up to four. All
+// links open in the first turn, each with calls for its lock, its device and its line in the log.
 constexpr std::chrono::milliseconds kMostProcessor{200};
 constexpr std::chrono::milliseconds kMostToOpen{5};
-// At a turn a link reads one buffer of 64 KiB; and as much again for the figures of the thread.
+// In a turn each link reads one buffer of 64 KiB, and the thread as much again for its figures.
 constexpr std::uint64_t kMostBytesOfLink = std::uint64_t{64} << 10U;
-// Whom a turn waits for holds a lock for a copy, and seldom: one of the 256 packets that a link
-// takes at a turn. A call for each packet, or piece by piece through a file, waits more often.
+// Locks are held for a copy, so a turn seldom waits for one: far less than once for each of the 256
+// packets that a link takes in a turn. A blocking call for each packet, or a file that is read in
+// pieces, waits more often.
 constexpr std::uint64_t kMostWaits = 128;
 constexpr std::uint64_t kMostWaitsToOpen = 8;
 

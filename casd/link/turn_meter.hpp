@@ -16,15 +16,15 @@ namespace cas::casd {
 struct TurnUse {
   std::chrono::nanoseconds processor{};
   std::uint64_t read_bytes = 0;  ///< by read(2) and its kin, of files and of descriptors
-  std::uint64_t waits = 0;       ///< how often it slept unasked: for a disk or a lock
+  std::uint64_t waits = 0;       ///< sleeps for a disk or a lock
 };
 
 /// The sentence about a turn that has taken too much; nullopt for a turn within its bounds.
-/// @param links  that the thread serves
+/// @param links  number of links that the thread serves
 std::optional<std::string> excess(const TurnUse& use, std::size_t links);
 
-/// Before a sleep that a thread is there for: `threads: blocking` waits for its line. It is not
-/// counted as a wait of the turn.
+/// To be called before a sleep that belongs to the thread's work, as with `threads: blocking` the
+/// wait for the line. Such a sleep does not count among TurnUse::waits.
 void count_wanted_wait();
 
 /// Measures the turns of the thread that made it.

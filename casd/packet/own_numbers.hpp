@@ -36,7 +36,7 @@ class OwnNumbers {
   std::span<const PacketRef> renumber(std::span<const PacketRef> packets);
   std::uint8_t& next_of(mav::Source source);
 
-  std::vector<Next> next_;  ///< by sender: casd's station, and its injector of failures
+  std::vector<Next> next_;  ///< by sender: casd's station and its failure injector
   std::vector<std::array<std::uint8_t, mav::kMaxPacketBytes>> bytes_;
   std::vector<PacketRef> packets_;
 };

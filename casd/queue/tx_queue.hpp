@@ -24,7 +24,7 @@ struct TxQueueOptions {
   /// The time after which PX4 takes sticks for lost.
   base::Duration setpoint_max_age = std::chrono::milliseconds(500);
   base::Duration telemetry_max_age = std::chrono::seconds(1);
-  // Memory of each class:
+  // Memory of each class of packets:
   std::size_t command_bytes = 256 * 1024;
   std::size_t hil_bytes = 1024 * 1024;
   std::size_t gps_bytes = 32 * 1024;

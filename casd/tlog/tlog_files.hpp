@@ -51,7 +51,7 @@ class TlogFiles {
   /// next one.
   /// @return how many of the bytes are in the files; fewer than all with errno set
   std::size_t write(std::span<const std::uint8_t> records, base::RunTime now);
-  /// Logs when the disk lost packets of the file and says so only now.
+  /// Closes the file. Logs an error if the disk reports lost packets at the close.
   void close();
 
   struct Content {
@@ -101,7 +101,7 @@ class TlogReader {
   std::optional<Record> next_read() { return records_.next(ended_); }
   /// Reads one piece of the file. @return false at its end
   bool read_more();
-  /// Whether the end that was found is where reading failed.
+  /// Whether reading failed before the end of the file.
   bool failed() const { return failed_; }
   std::uint64_t skipped_bytes() const { return records_.skipped_bytes(); }
 

@@ -97,7 +97,7 @@ struct Topology {
   /// Puts `pace` to lockstep. Its lines are not paced and nothing in a queue grows old: simulated
   /// time stands still meanwhile.
   void set_lockstep();
-  /// Whether a thread of the links has a real-time priority: casd's memory is locked, too.
+  /// Whether a link thread has a real-time priority; casd then locks its memory, too.
   bool runs_in_real_time() const;
 
   friend bool operator==(const Topology&, const Topology&) = default;

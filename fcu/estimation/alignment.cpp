@@ -19,7 +19,7 @@ constexpr double kShortest_s = 0.5;
 constexpr int kMagSamples = 10;
 // Within this time a receiver of 1 Hz sends the fix that gives the declination.
 constexpr double kWithoutHeading_s = 2.0;
-constexpr double kPatience_s = 5.0;       // longer, motion is not waited out
+constexpr double kPatience_s = 5.0;       // after it, samples of motion are averaged, too
 constexpr double kRestRate_rad_s = 0.15;  // larger rates are not rest
 constexpr double kRestForce_m_s2 = 1.0;   // larger deviations from gravity are not rest
 

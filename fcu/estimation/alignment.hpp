@@ -9,16 +9,17 @@
 
 namespace cas::fcu {
 
-/// Whether one inertial sample is that of a vehicle at rest: hardly a rate, and gravity alone.
+/// Whether one inertial sample is that of a vehicle at rest: a rate below 0.15 rad/s, and a
+/// specific force within 1 m/s^2 of gravity's magnitude.
 /// @param gyro_D   rad/s
 /// @param accel_D  specific force, m/s^2
 bool indicates_rest(const Eigen::Vector3d& gyro_D, const Eigen::Vector3d& accel_D,
                     double gravity_m_s2);
 
-/// How the estimate begins: tilt from gravity and heading from the magnetic field, both averaged
-/// while the vehicle is at rest. A vehicle that falls onto a slope and tips over shows another
-/// direction than gravity, so the averages begin anew with every sample of motion; after 5 s of
-/// waiting, on a ship say, they take what comes.
+/// Initial attitude of the estimate: tilt from gravity and heading from the magnetic field, both
+/// averaged while the vehicle is at rest. The specific force of a vehicle that falls onto a slope
+/// and tips over does not point along gravity, so each sample of motion restarts the averages.
+/// After 5 s without rest, on a ship for example, samples of motion are averaged as well.
 class Alignment {
  public:
   /// @param accel_D  specific force, m/s^2
@@ -40,8 +41,8 @@ class Alignment {
  private:
   void begin_anew();
 
-  std::optional<base::SimTime> first_;  // sample of all
-  base::SimTime start_;                 // of the averages
+  std::optional<base::SimTime> first_;  // time of the first sample
+  base::SimTime start_;                 // time of the first sample in the averages
   base::SimTime last_;
   int accel_samples_ = 0;
   int mag_samples_ = 0;

@@ -179,7 +179,7 @@ int main(int argc, char** argv) try {
   add_flags(app, flags);
   if (const auto ended = base::cli::parse(app, argc, argv, base::kExitConfig)) return *ended;
   return base::run_program("casweb", flags.log_level, [&] { return run(flags); });
-} catch (const std::exception& error) {  // no memory for the command line
+} catch (const std::exception& error) {  // no memory to read the command line
   std::fprintf(stderr, "casweb: internal error: %s\n", error.what());
   return base::kExitInternal;
 }
