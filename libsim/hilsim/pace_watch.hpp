@@ -11,15 +11,15 @@
 
 namespace cas::sim {
 
-/// Tells while a run goes on that it does not keep up with the clock. Between two looks the
-/// simulation ran slower than ordered (it falls behind), or more than 1 % of its steps began more
-/// than a step late. Pure.
+/// Reports during a run that the simulation does not keep up with the clock: between two looks it
+/// ran slower than ordered (it falls behind), or more than 1 % of its steps began more than a step
+/// late. Pure.
 class PaceWatch {
  public:
   /// @param speed  ordered, simulated seconds per second
   explicit PaceWatch(double speed) : speed_(speed) {}
 
-  /// @return a sentence when the loop fell behind since the last look
+  /// @return a sentence if the loop did not keep up since the last look
   std::optional<std::string> look(const LoopFigures& now) {
     constexpr double kLeastFactor = 0.99;
     constexpr double kMostLate = 0.01;

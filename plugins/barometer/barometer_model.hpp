@@ -24,8 +24,8 @@ struct BarometerParams {
 /// Reads the block `barometer`: its keys are those of its sheet (base/config/sensor_sheets.hpp).
 BarometerParams parse_barometer_params(const base::ConfigNode& node, double step_s);
 
-/// Static pressure of the world's air on the day (without a word on it, of the standard atmosphere,
-/// ISO 2533), with white noise, drift and the pressure that the airflow leaves on the sensor.
+/// Static pressure of the world's air with the weather of the day (standard atmosphere, ISO 2533,
+/// where neither is given), white noise, drift and the pressure of the airflow on the sensor.
 class BarometerModel {
  public:
   BarometerModel() = default;

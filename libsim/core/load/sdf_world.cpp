@@ -85,10 +85,10 @@ bool is_told_elsewhere(const sdf::Error& error) {
            error.Message().find("[xmlns]") != std::string::npos));
 }
 
-/// What so many small triangles cost, if they do.
+/// A warning about a mesh of many small triangles, which make steps slow; nullopt for other meshes.
 std::optional<std::string> fine_triangles(const TriangleMesh& mesh) {
-  constexpr double kFine_m = 0.05;     // some hundred below a vehicle, and a millisecond a step
-  constexpr std::size_t kFew = 5'000;  // a small thing of fine triangles
+  constexpr double kFine_m = 0.05;     // hundreds lie below a vehicle: a step takes a millisecond
+  constexpr std::size_t kFew = 5'000;  // fewer are a small object
   const std::size_t count = mesh.triangles.size();
   if (count < kFew) return std::nullopt;
   double area = 0;
@@ -96,7 +96,7 @@ std::optional<std::string> fine_triangles(const TriangleMesh& mesh) {
     const Eigen::Vector3d side = mesh.vertices[b] - mesh.vertices[a];
     area += 0.5 * side.cross(mesh.vertices[c] - mesh.vertices[a]).norm();
   }
-  const double wide_m = std::sqrt(2 * area / static_cast<double>(count));  // halves of squares
+  const double wide_m = std::sqrt(2 * area / static_cast<double>(count));  // as halves of squares
   if (wide_m >= kFine_m) return std::nullopt;
   char text[200];
   std::snprintf(text, sizeof(text),

@@ -121,8 +121,7 @@ constexpr std::tuple kKeys{
     required(key<&SimConfig::decimal_year>("decimal_year", kFieldYears,
                                            "date of the magnetic field model")),
     key<&SimConfig::weather>("weather", base::kWeatherBlock,
-                             "[air of the day](#weather), for barometer and rotors",
-                             "the world\'s"),
+                             "[air of the day](#weather), for barometer and rotors", "the world's"),
     key<&SimConfig::step>("step_us", Range{100, 10'000, 1e-6}, "physics step",
                           "the world's, else 1000"),
     key<&SimConfig::pace, &PaceConfig::mode>(

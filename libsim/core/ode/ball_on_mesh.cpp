@@ -9,9 +9,9 @@ namespace cas::sim {
 
 namespace {
 
-constexpr double kAcrossFace = 1 - 1e-9;     // cosine of 0.003 degree: normal of a contact and face
-constexpr double kNoDistance = 1e-12;        // m: a centre in the triangle has no way out
-constexpr std::size_t kUsualContacts = 256;  // contacts of one pair
+constexpr double kAcrossFace = 1 - 1e-9;     // cosine of 0.003 degree, between contact and face
+constexpr double kNoDistance = 1e-12;        // m: below, the centre lies in the triangle
+constexpr std::size_t kUsualContacts = 256;  // room for the contacts of one pair
 
 }  // namespace
 
@@ -81,7 +81,7 @@ std::optional<std::size_t> BallOnMesh::collide(dGeomID a, dGeomID b, std::span<d
     dContactGeom& contact = out[i];
     contact = {};
     std::copy_n(found.p_W.data(), 3, contact.pos);
-    std::copy_n(found.n_W.data(), 3, contact.normal);  // into the first
+    std::copy_n(found.n_W.data(), 3, contact.normal);  // into g1, the ball
     contact.depth = found.depth_m;
     contact.g1 = ball;
     contact.g2 = mesh;

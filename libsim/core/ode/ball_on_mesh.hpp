@@ -12,25 +12,25 @@
 
 namespace cas::sim {
 
-/// The point of a triangle that is nearest to `p`, [Ericson] 5.1.5.
+/// The point of a triangle nearest to `p`, both in W, m. Source: [Ericson] 5.1.5.
 CAS_SIM_EXPORT Eigen::Vector3d nearest_point(const Triangle& triangle, const Eigen::Vector3d& p);
 
-/// A triangle that reaches into a ball.
+/// A contact of a ball with a triangle.
 struct BallContact {
-  int triangle;          ///< its number in the mesh
-  Eigen::Vector3d p_W;   ///< its point nearest to the centre
-  Eigen::Vector3d n_W;   ///< unit, from there to the centre
-  double depth_m;        ///< of that point in the ball
-  bool is_face = false;  ///< the point lies inside the triangle, not on a side or corner
+  int triangle;          ///< number of the triangle in the mesh
+  Eigen::Vector3d p_W;   ///< point of the triangle nearest to the ball's centre, m
+  Eigen::Vector3d n_W;   ///< unit, from p_W to the centre
+  double depth_m;        ///< of p_W in the ball
+  bool is_face = false;  ///< p_W lies inside the triangle, not on a side or corner
 };
 
-/// Takes out contacts with sides and corners that lie in a face on which the ball has a contact
-/// already, to within the depth of that: where triangles continue a surface, a ball that sinks
-/// into it overlaps the sides around, and they would push it sideways.
+/// Removes contacts with sides and corners that lie in the plane of another contact's face, within
+/// the depth of that contact. Where triangles continue a surface, a ball that sinks into one also
+/// overlaps the sides around it, and these contacts would push the ball sideways.
 CAS_SIM_EXPORT void drop_sides_of_faces(std::vector<BallContact>& contacts);
 
-/// Contacts of balls with triangles. ODE makes one of all triangles, whose mean normal leans
-/// towards the smaller ones: a ball would roll by itself on flat ground, and feet would shake.
+/// Contacts of balls with triangles, one for each triangle. ODE makes one contact of all triangles,
+/// whose mean normal leans towards the smaller ones: a ball would roll by itself on flat ground.
 class BallOnMesh {
  public:
   BallOnMesh();
@@ -38,7 +38,8 @@ class BallOnMesh {
   BallOnMesh(const BallOnMesh&) = delete;
   BallOnMesh& operator=(const BallOnMesh&) = delete;
 
-  /// Contacts of a ball and a mesh, the faces' first; nullopt for other pairs.
+  /// Writes the contacts of a ball and a mesh to `out`, those with faces first.
+  /// @return their number; nullopt for other pairs of shapes
   std::optional<std::size_t> collide(dGeomID a, dGeomID b, std::span<dContactGeom> out);
 
  private:

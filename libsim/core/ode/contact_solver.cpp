@@ -35,7 +35,7 @@ constexpr std::size_t kMostFound = 512;  // contacts of one pair of shapes that 
 constexpr double kDeepestPush = 5.0;     // m/s: speed at which overlapping bodies are parted
 constexpr double kNoSlip = 1e-9;         // m/s: below, slip has no direction
 constexpr double kStill = 2e-5;          // m: below, a body keeps its contacts
-constexpr double kSlide = 0.1;           // m: ground that is flat so far around is asked for again
+constexpr double kSlide = 0.1;           // m: way between two searches for flat ground
 constexpr double kSlow_m_s = 0.1;        // a body below this settles on triangles
 constexpr unsigned long kOdeSeed = 1;
 
@@ -136,7 +136,7 @@ struct Body {
   Eigen::Vector3d p_WB = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_WB = Eigen::Quaterniond::Identity();
 
-  // The flat surface around the body, if there is one, and where it was asked for.
+  // The flat surface around the body, if there is one, and where it was searched for.
   std::optional<FlatSurface> flat;
   bool asked = false;
   Eigen::Vector3d asked_at_W = Eigen::Vector3d::Zero();
@@ -282,7 +282,7 @@ struct ContactSolver::Impl {
     return moved.norm() + turned.norm() * body.radius <= kStill;
   }
 
-  /// Where the body was at its last search, and is now.
+  /// The body's motion since its last search for contacts.
   static BodyMove move_of(const Body& body) {
     return {.from_W = body.p_WB,
             .to_W = from_ode(dBodyGetPosition(body.id)),
@@ -309,9 +309,9 @@ struct ContactSolver::Impl {
     body.looked = true;
   }
 
-  /// Where a mesh is flat all around, a plane stands for its triangles: thousands of small ones
-  /// would cost milliseconds, and have the same contacts. Asked again each 10 cm, and in the air
-  /// not at all.
+  /// Finds the body's points on the world. A plane replaces the triangles of a mesh that is flat
+  /// all around the body: it has the same contacts, and thousands of small triangles would take
+  /// milliseconds. A body in contact searches for flat ground again after each 10 cm.
   void find_world_points(Body& body) {
     const Eigen::Vector3d p_W = from_ode(dBodyGetPosition(body.id));
     const bool is_asked = body.asked && (p_W - body.asked_at_W).norm() <= kSlide;

@@ -30,8 +30,8 @@ struct Disc {
 /// ODE's Dantzig solver: a resting body does not creep. ODE limits friction by a box; its first
 /// side is laid along the direction in which the contact would slip, which makes friction the same
 /// in every direction. Of many contacts the outermost carry the body, on uneven ground four that
-/// stand for all (contact_patch.hpp, remembered_points.hpp); a flat mesh is a plane
-/// (flat_ground.hpp). Those of a body that has moved less than 20 um are kept. Restitution and
+/// stand for all (contact_patch.hpp, remembered_points.hpp); a plane replaces a flat mesh
+/// (flat_ground.hpp). A body that has moved less than 20 um keeps its contacts. Restitution and
 /// rolling friction are not modelled.
 ///
 /// Per step: begin() -> place() and collide_*() for bodies that may touch -> apply() for those that

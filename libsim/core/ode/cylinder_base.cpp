@@ -39,7 +39,7 @@ HalfSpace plane_of(dGeomID geom) {
   return {.n_W = from_ode(p), .height_m = p[3]};
 }
 
-/// The half-space of the face of a box that a point is farthest beyond.
+/// The face of a box that a point lies farthest beyond, and the half-space below it.
 struct Face {
   HalfSpace ground;
   Eigen::Vector3d centre_W;
@@ -75,10 +75,10 @@ std::array<Eigen::Vector3d, 5> base_points(const PlacedCylinder& cylinder,
   const Eigen::Vector3d to_lower_W = (up < 0 ? 0.5 : -0.5) * length * axis_W;
   const Eigen::Vector3d lower_W = centre_W + to_lower_W;
   const Eigen::Vector3d down_W = up * axis_W - ground.n_W;  // in the base
-  const double lean = down_W.norm();                        // its sine
+  const double lean = down_W.norm();                        // sine of the angle to the ground
   const Eigen::Vector3d x_C = R_WC.col(0);
   const Eigen::Vector3d lowest_W = lean > kLevel ? Eigen::Vector3d(down_W / lean) : x_C;
-  // Of four points a quarter of a turn apart the highest is so much above the middle.
+  // Height of the highest of the four points above the middle of the base.
   const double rise =
       radius * std::max(std::abs(down_W.dot(x_C)), std::abs(down_W.dot(R_WC.col(1))));
   const bool is_in_all_around = depth_of(ground, lower_W) >= rise;
@@ -110,7 +110,7 @@ std::optional<std::size_t> collide_base(dGeomID a, dGeomID b, std::span<dContact
     dContactGeom& contact = out[count++];
     contact = {};
     std::copy_n(p_W.data(), 3, contact.pos);
-    std::copy_n(ground.n_W.data(), 3, contact.normal);  // into the first
+    std::copy_n(ground.n_W.data(), 3, contact.normal);  // into g1, the cylinder
     contact.depth = depth;
     contact.g1 = base;
     contact.g2 = flat;

@@ -14,25 +14,25 @@
 
 namespace cas::sim {
 
-/// A cylinder in its place.
+/// A cylinder with its position and attitude.
 struct PlacedCylinder {
   Eigen::Vector3d centre_W;  ///< m
-  Eigen::Matrix3d R_WC;      ///< z of C along its axis
+  Eigen::Matrix3d R_WC;      ///< frame C of the cylinder: z along the axis
   double radius_m;
   double length_m;
 };
 
-/// Points by which a cylinder stands on flat ground: four at the rim of its lower base, a quarter
-/// of a turn apart, and the lowest of its upper base (which touches when it lies). A base that is
-/// in the ground all around has them in place on the cylinder, as the corners of a box are; of one
-/// that leans further the first is its lowest point. So a standing cylinder rests as a box does,
-/// and a leaning one rolls on its rim.
+/// Points in W, m, at which a cylinder can touch flat ground: four at the rim of its lower base, a
+/// quarter of a turn apart, and the lowest point of its upper base (for a cylinder that lies). If
+/// the whole rim is in the ground, the four are fixed to the cylinder, as the corners are to a box;
+/// else the first is the lowest point of the rim. So a standing cylinder rests like a box, and a
+/// leaning one rolls on its rim.
 CAS_SIM_EXPORT std::array<Eigen::Vector3d, 5> base_points(const PlacedCylinder& cylinder,
                                                           const HalfSpace& ground);
 
-/// Contacts of a cylinder with a plane, or with a box over one face of which its whole base is, by
-/// base_points(); `out` has room for five. nullopt for other pairs: ODE has contacts of their own
-/// for them.
+/// Writes the contacts of a cylinder with a plane, or with a box whose face lies below the whole
+/// base, to `out`: those of base_points() that are in the ground. `out` has room for five.
+/// @return their number; nullopt for other pairs of shapes, whose contacts ODE finds
 std::optional<std::size_t> collide_base(dGeomID a, dGeomID b, std::span<dContactGeom> out);
 
 }  // namespace cas::sim

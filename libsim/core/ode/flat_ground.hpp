@@ -27,10 +27,10 @@ CAS_SIM_EXPORT bool is_flat_within(std::span<const Triangle> triangles, const Ei
                                    const Eigen::Vector3d& centre_W, double radius_m,
                                    std::vector<TriangleSide>& sides);
 
-/// A flat surface of triangles.
+/// A flat surface of a mesh.
 struct FlatSurface {
-  HalfSpace ground;  ///< outwards to the side that was asked from
-  dGeomID mesh;      ///< whose triangles they are
+  HalfSpace ground;  ///< its normal points to the side of the sphere's centre
+  dGeomID mesh;
 };
 
 /// Finds surfaces of triangles that are flat as far as a body reaches.
@@ -41,8 +41,10 @@ class FlatGround {
   FlatGround(const FlatGround&) = delete;
   FlatGround& operator=(const FlatGround&) = delete;
 
-  /// The flat surface of one mesh that is all that reaches into a sphere: a body that stays within
-  /// may have a plane instead. None for ground without triangles.
+  /// The flat surface of one mesh, if nothing else reaches into a sphere: for a body that stays
+  /// inside the sphere, a plane can replace the mesh. nullopt else, and for ground without
+  /// triangles.
+  /// @param centre_W  centre of the sphere, m
   std::optional<FlatSurface> around(dSpaceID statics, const Eigen::Vector3d& centre_W,
                                     double radius_m);
 

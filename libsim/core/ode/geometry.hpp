@@ -24,13 +24,13 @@ inline void to_ode(const Eigen::Quaterniond& q, dReal (&out)[4]) {
 /// A half-space: solid where n_W . p < height_m.
 struct HalfSpace {
   Eigen::Vector3d n_W;  ///< unit, outwards
-  double height_m;
+  double height_m;      ///< of the surface above the origin, along n_W
 };
 
 /// Corners of a triangle in W, m.
 using Triangle = std::array<Eigen::Vector3d, 3>;
 
-/// A triangle of a mesh, in its place.
+/// A triangle of a mesh, as the mesh stands in the world.
 inline Triangle triangle_of(dGeomID mesh, int index) {
   std::array<dVector3, 3> corners;
   dGeomTriMeshGetTriangle(mesh, index, &corners[0], &corners[1], &corners[2]);

@@ -8,7 +8,7 @@ namespace cas::sim {
 
 namespace {
 
-constexpr double kOutOfPlace = 5e-3;      // m: farther, a point found earlier says nothing more
+constexpr double kOutOfPlace = 5e-3;      // m: a point that has moved farther is another one
 constexpr double kFacesAlike = 1 - 1e-6;  // cosine of 0.08 degree
 
 bool is_same(const ContactPoint& a, const ContactPoint& b) {

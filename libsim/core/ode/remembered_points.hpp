@@ -11,14 +11,14 @@
 
 namespace cas::sim {
 
-/// How a body has moved between two searches for its contacts.
+/// Motion of a body between two searches for its contacts.
 struct BodyMove {
-  Eigen::Vector3d from_W;   ///< its centre of gravity then, m
-  Eigen::Vector3d to_W;     ///< and now
-  Eigen::Quaterniond turn;  ///< in W
+  Eigen::Vector3d from_W;   ///< centre of gravity at the first search, m
+  Eigen::Vector3d to_W;     ///< centre of gravity at the second, m
+  Eigen::Quaterniond turn;  ///< rotation between them, in W
 
-  /// Moves a point of the body along; the depth changes by its way out of the touched shape.
-  /// @return its way, m
+  /// Moves a contact point with the body, and changes its depth by its way along the normal.
+  /// @return length of the way, m
   double carry(ContactPoint& point) const {
     const Eigen::Vector3d p_W = to_W + turn * (point.p_W - from_W);
     const Eigen::Vector3d way_W = p_W - point.p_W;
@@ -28,11 +28,11 @@ struct BodyMove {
   }
 };
 
-/// Points that earlier searches found of a body on uneven ground.
+/// Contact points of a body on uneven ground that earlier searches found.
 ///
-/// Of one overlap a collision finds now these corners, now those, and a body that stands on either
-/// in turn never comes to rest. A point is remembered with the body until it has left the ground or
-/// slid by 5 mm.
+/// Each search finds other corners of the same overlap, and a body whose support changes with each
+/// of them never comes to rest. So a point is remembered, and moves with the body, until it has
+/// left the ground or slid by 5 mm.
 class CAS_SIM_EXPORT RememberedPoints {
  public:
   /// Most points of one body.
@@ -40,8 +40,8 @@ class CAS_SIM_EXPORT RememberedPoints {
 
   RememberedPoints() { found_.reserve(kMost); }
 
-  /// Adds those that this search did not find to `points`, and remembers the others of `points`
-  /// that are on triangles. `points` have the same `kind` in each search.
+  /// Adds to `points`, the result of this search, the remembered points that it lacks; remembers
+  /// new points on triangles. ContactPoint::kind must mean the same in each search.
   void add_to(std::vector<ContactPoint>& points, const BodyMove& since_last);
   void forget() { found_.clear(); }
   std::size_t size() const { return found_.size(); }
@@ -49,7 +49,7 @@ class CAS_SIM_EXPORT RememberedPoints {
  private:
   struct Found {
     ContactPoint point;
-    double slid_m = 0;  // since it was found
+    double slid_m = 0;  // way since it was found
   };
   std::vector<Found> found_;
 };

@@ -101,7 +101,7 @@ double reach(const VehicleModel& model, const Eigen::Matrix3d& R_WB, const Eigen
   return farthest;
 }
 
-/// Places all over the base of a vehicle, 5 x 5.
+/// A grid of 5 x 5 places over the base of a vehicle: x, y in W, m.
 std::array<Eigen::Vector2d, 25> base_of(const VehicleModel& model, const StartPose& pose) {
   constexpr int kCells = 4;  // along an edge
   const Eigen::Matrix3d R_WB = turned_by(pose);

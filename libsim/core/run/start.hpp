@@ -25,10 +25,10 @@ CAS_SIM_EXPORT BodyState start_state(const VehicleModel& model, const StartPose&
 CAS_SIM_EXPORT void require_free_start(const WorldModel& world, const VehicleModel& model,
                                        const VehicleConfig& vehicle);
 
-/// Refuses a vehicle in a world with gravity that has nothing below its start: it would fall for
-/// ever. Looked for by 5 x 5 rays down over its base.
-/// @param file  of the world, for the sentence
-/// @throws base::ConfigError naming world, vehicle and place, and what to write
+/// Refuses a vehicle that would fall for ever: in a world with gravity, none of 5 x 5 rays from the
+/// base of the vehicle straight down meets anything.
+/// @param file  of the world, for the error message
+/// @throws base::ConfigError with world, vehicle, place and remedy
 CAS_SIM_EXPORT void require_ground(const WorldModel& world, const VehicleModel& model,
                                    const VehicleConfig& vehicle, const std::filesystem::path& file);
 
