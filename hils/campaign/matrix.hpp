@@ -50,7 +50,7 @@ struct CampaignMatrix {
   std::vector<std::string> without_failure{};  ///< sentences on those that did not pass
   std::set<std::size_t> flown_otherwise{};     ///< rows that were another flight when flown again
   std::string stopped{};                       ///< fault of a board that stopped the campaign
-  FlightWarnings warnings{};                   ///< of all flights, with a failure or without
+  FlightWarnings warnings{};                   ///< of all flights, with and without failures
 
   /// @param results  of rows 1 to the last; row 0 where one was not flown. After the cells' come
   ///                 those without a failure: a flight that is the same has seen none, and one that

@@ -48,7 +48,7 @@ OrderedJson figures_json(const MeanOf& mean_of) {
   return figures;
 }
 
-/// To the steps of the reference, by the keys of response_table().
+/// Responses to the steps of the reference, by the keys of response_table().
 OrderedJson responses_json(const Measurement& run) {
   OrderedJson responses = OrderedJson::array();
   for (const StepResponse& response : run.responses) {
@@ -61,7 +61,7 @@ OrderedJson responses_json(const Measurement& run) {
   return responses;
 }
 
-/// Null: no fault struck.
+/// Response to the fault that struck; null if none did.
 OrderedJson strike_json(const Measurement& run) {
   if (!run.strike) return nullptr;
   return {{"fault", run.strike->fault},
@@ -198,14 +198,14 @@ std::optional<Mean> mean_of_runs(
   return values.empty() ? std::nullopt : std::optional(mean_of(values));
 }
 
-/// A figure of the side-by-side table.
+/// A row of the side-by-side table.
 struct SideBySide {
   std::string title;
   int digits;
   std::function<std::optional<double>(const Measurement&)> get;
 };
 
-/// Of the same measurements as the groups of the page, those that a vehicle is chosen by.
+/// Figures of the stream and of the measured hold by which vehicles are compared.
 std::vector<SideBySide> stream_and_hold() {
   struct Choice {
     const char* key;
@@ -237,8 +237,8 @@ std::vector<SideBySide> stream_and_hold() {
   return rows;
 }
 
-/// What stock firmware sent its ground station: its own HIL stream is on no packet account when it
-/// waits for each packet.
+/// Telemetry of stock firmware to its ground station. Firmware in software waits for each packet of
+/// its HIL stream, so that stream has no account.
 std::vector<SideBySide> telemetry() {
   const auto rate = [](std::string message) {
     return [message](const Measurement& run) -> std::optional<double> {
@@ -254,7 +254,7 @@ std::vector<SideBySide> telemetry() {
            }}};
 }
 
-/// How a vehicle took the first fault of its scenario.
+/// Reaction of a vehicle to the first fault of its scenario.
 std::vector<SideBySide> reaction(const std::string& fault) {
   struct Part {
     const char* title;
@@ -277,7 +277,7 @@ std::vector<SideBySide> reaction(const std::string& fault) {
   return rows;
 }
 
-/// How a vehicle followed one step of its reference.
+/// Response of a vehicle to one step of its reference.
 std::vector<SideBySide> response(const std::string& step) {
   std::vector<SideBySide> rows;
   for (const Figure<StepResponse>& figure : response_table()) {

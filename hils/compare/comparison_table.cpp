@@ -176,7 +176,7 @@ Rows loss_rows(const std::vector<VariantResult>& results) {
   for (const VariantResult& result : results) {
     const std::uint64_t sent = sent_of(result);
     const auto losses = losses_of(result);
-    if (sent == 0) {  // firmware in software, which waits for each packet, or no valid run
+    if (sent == 0) {  // firmware in software, or no valid run
       rows.push_back({result.variant.name(), "-", "-", "not counted"});
     } else if (losses.empty()) {
       rows.push_back({result.variant.name(), "0", fmt::format("{}", sent), ""});

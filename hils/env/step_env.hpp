@@ -16,7 +16,7 @@ namespace cas::hils {
 
 /// Meaning of an action: the stage of the controller of [HILS] Fig. 8 that the user replaces.
 enum class ActionLevel {
-  kMotors,    ///< in its place: outputs of motors (0..1) and servos (-1..1)
+  kMotors,    ///< below all loops: outputs of motors (0..1) and servos (-1..1)
   kRates,     ///< above the rate loop: body rates in D, rad/s, and thrust, a share of full
   kAttitude,  ///< above the attitude loop: roll, pitch, yaw, rad, and thrust, a share of full
   kVelocity   ///< above the velocity loop: north, east, down, m/s, and yaw rate, rad/s

@@ -115,9 +115,9 @@ CompanionFlight::Answer CompanionFlight::begin_trajectory(const FlightStep& step
   return answer;
 }
 
-/// Back to the middle, and there in HOLD (ArduCopter: GUIDED). PX4 gets setpoints until it accepts:
-/// it would take their end for a lost companion. ArduCopter obeys whatever came last, so they end
-/// first: one that a busy machine delays must not undo the next command.
+/// Flies back to the middle and stays there in HOLD (ArduCopter: GUIDED). PX4 gets setpoints until
+/// it accepts the command, because it takes their end for a lost companion. ArduCopter obeys the
+/// last packet, so its setpoints end before the command: a delayed setpoint must not undo it.
 CompanionFlight::Answer CompanionFlight::end_trajectory(const Vehicle& vehicle) {
   const auto stop = [this] {
     link_.with_station([](auto& station) { station.setpoints().stop(); });

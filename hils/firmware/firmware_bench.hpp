@@ -38,7 +38,7 @@ class FirmwareBench {
   /// Ends the firmware of one vehicle, and starts it again in its folder. Its log goes on.
   void reboot(std::size_t vehicle);
 
-  /// A fault: casd is gone at once.
+  /// Kills casd at once, as a fault of the scenario.
   void kill_casd() { programs_.kill_casd(); }
   void start_casd() { programs_.start_casd(); }
   /// The serial line of a firmware that has one.

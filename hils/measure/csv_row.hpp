@@ -13,8 +13,9 @@ namespace cas::hils {
 /// Numbers between commas; nullopt where anything else is in the line.
 std::optional<std::vector<double>> parse_csv_row(std::string_view line);
 
-/// The next line of a file. @return false at its end
-/// @param file  for the error @throws base::ConfigError when reading fails before the end
+/// Reads the next line of a file. @return false at its end
+/// @param file  its path, for the error message
+/// @throws base::ConfigError when reading fails before the end
 bool next_line(std::istream& in, std::string& line, const std::filesystem::path& file);
 
 }  // namespace cas::hils

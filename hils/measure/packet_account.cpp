@@ -215,17 +215,17 @@ double silence_s(std::uint64_t gap_usec, double nominal_hz) {
   return gap_s > kJitter * period_s ? gap_s - period_s : 0;
 }
 
-/// A sent packet: its stamp, and how far its sending lay behind that.
+/// Lag of a sent packet behind its stamp, to within a constant.
 struct Lag {
-  std::uint64_t time_usec;
+  std::uint64_t time_usec;  // the stamp
   std::int64_t ns;
 };
 
-/// Most that the lag rose within a second of the stream: lag that is not made up counts once.
+/// Largest rise of the lag within a second of the stream. A lag that is never made up counts once.
 std::int64_t largest_rise_ns(std::span<const Lag> lags) {
   constexpr std::uint64_t kSpan_usec = 1'000'000;
   std::int64_t largest = 0;
-  std::deque<Lag> least;  // of the last second: the first is the least, each after it is greater
+  std::deque<Lag> least;  // candidates of the last second, in rising order: the first is the least
   for (const Lag& lag : lags) {
     while (!least.empty() && least.front().time_usec + kSpan_usec < lag.time_usec)
       least.pop_front();

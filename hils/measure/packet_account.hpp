@@ -82,7 +82,7 @@ std::vector<std::int64_t> hop_delays_ns(std::span<const base::LedgerEntry> sende
 /// How well the sender kept to real time.
 struct PaceFigures {
   double real_time_factor = 0;  ///< simulated over elapsed time in the window
-  double worst_stall_ms = 0;    ///< most that the stream fell behind its stamps within a second
+  double worst_stall_ms = 0;    ///< largest rise of its lag within a second
   double late_p99_ms = 0;       ///< 99 % of the stream fell behind its own stamps by less
 };
 PaceFigures pace(std::span<const base::LedgerEntry> sender, std::uint32_t message_id,

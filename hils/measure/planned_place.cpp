@@ -58,7 +58,7 @@ double PlannedPlace::distance_m(std::int64_t time_us, const Eigen::Vector3d& p) 
   return flies_pattern ? std::max(0.0, off_m - path_.slack_m()) : off_m;
 }
 
-/// A landing keeps the reference of the step before it.
+/// After a landing a hold still has the reference of the flight before.
 bool PlannedPlace::landed_before(std::span<const Stage>::iterator end) const {
   bool landed = false;
   for (auto each = stages_.begin(); each != end; ++each) {

@@ -13,30 +13,33 @@ namespace cas::hils {
 /// Whether a step keeps the vehicle at one place.
 bool keeps_place(const Stage& stage);
 
-/// The lines between the places of a plan, from the start to the landing.
+/// The lines between the places of a plan, from the start to the landing; north, east, up from the
+/// start, m.
 class PlannedPath {
  public:
   explicit PlannedPath(std::span<const FlightStep> steps);
 
+  /// Distance of a point from the nearest line.
   double distance_m(const Eigen::Vector3d& p) const;
-  /// How far its trajectories lead from it.
+  /// Largest size of a trajectory: so far may a vehicle leave the lines while it flies one.
   double slack_m() const { return slack_m_; }
 
  private:
   std::vector<Eigen::Vector3d> places_{Eigen::Vector3d::Zero()};
-  double slack_m_ = 0;  ///< trajectories fly about their place
+  double slack_m_ = 0;
 };
 
-/// Where the plan has a vehicle at a moment: in a hold at its place, else on the path; within its
-/// size in a trajectory, and in the step after it, where the vehicle flies back.
+/// Planned place of a vehicle at a moment: the place of a hold, else the path. A trajectory, and
+/// the step after it in which the vehicle flies back, may leave the path by PlannedPath::slack_m().
 class PlannedPlace {
  public:
   /// @param stages  as flown; they outlive this object
   PlannedPlace(std::span<const Stage> stages, std::span<const FlightStep> steps)
       : stages_(stages), path_(steps) {}
 
-  /// How far a vehicle is from there, m.
-  /// @param time_us  simulated @param p  from where it stood, north, east, up, m
+  /// Distance of a vehicle from its planned place, m.
+  /// @param time_us  simulated
+  /// @param p  place of the vehicle: north, east, up from the start, m
   double distance_m(std::int64_t time_us, const Eigen::Vector3d& p) const;
 
  private:

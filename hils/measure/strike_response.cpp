@@ -110,8 +110,8 @@ Contact look_at_motion(const StrikeEvidence& evidence, StrikeResponse& response)
   return contact;
 }
 
-/// A fault that a vehicle withstands shows in the hold that it struck: steps that follow move and
-/// tilt the vehicle by themselves.
+/// Measures the response within the hold that the fault struck: the steps after it move and tilt
+/// the vehicle by themselves.
 void look_at_hold(const StrikeEvidence& evidence, StrikeResponse& response) {
   const auto struck = std::ranges::find_if(evidence.stages, [&](const Stage& stage) {
     return keeps_place(stage) && base::to_seconds(stage.begin) <= evidence.strike_s &&

@@ -17,7 +17,7 @@ namespace cas::hils {
 
 struct RunRecord;
 
-/// How a vehicle took the first fault of a flight. Times behind strike_s count from it.
+/// Response of a vehicle to the first fault of a flight. Later times count from strike_s.
 struct StrikeResponse {
   double strike_s = 0;                      ///< simulated
   std::string fault{};                      ///< its name
@@ -42,7 +42,8 @@ struct StrikeResponse {
   /// infinite when its true motion was no number.
   double farthest_m = 0;
   double peak_tilt_deg = 0;  ///< before it hit or touched something
-  /// The same two in the hold that was under way, from where it was struck; nullopt: no hold was.
+  /// Farthest distance and largest tilt within the hold that the fault struck, the distance from
+  /// the place of the strike; nullopt: it struck in no hold.
   std::optional<double> hold_farthest_m{};
   std::optional<double> hold_tilt_deg{};
 };

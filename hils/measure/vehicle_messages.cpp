@@ -41,13 +41,13 @@ constexpr std::array<HealthFlag, 12> kHealthFlags{
      {MavSysStatusSensor::kBattery, "battery"},
      {MavSysStatusSensor::kPrearmCheck, "arming checks"}}};
 
-/// Whether a text answers a command, and is no sign of a fault by itself.
+/// Whether a text refuses a command: it is no sign of a fault by itself.
 bool refuses_command(std::string_view text) {
   return text.starts_with("Arm: ") || text.find(" denied") != std::string_view::npos ||
          text.find(" refused") != std::string_view::npos;
 }
 
-/// Goes through a flight log and notes the vehicle's signs.
+/// Collects a vehicle's signs and armed states from the packets of a flight log.
 class MessageReader {
  public:
   explicit MessageReader(const RunRecord& record) : record_(record) {}

@@ -8,14 +8,14 @@ namespace cas::hils {
 
 struct RunRecord;
 
-/// A message of a vehicle that shows that it noticed a fault or reacted to it.
+/// A message by which a vehicle shows that it noticed a fault or reacted to it.
 struct VehicleSign {
   double time_s = 0;  ///< simulated
   std::string what;   ///< "STATUSTEXT 'Position lost: descending'", "health: GPS", "LAND"
   bool is_reaction = false;
 };
 
-/// Armed or disarmed, by its HEARTBEATs.
+/// A change of the armed state in a vehicle's HEARTBEATs.
 struct ArmedChange {
   double time_s = 0;  ///< simulated
   bool armed = false;
@@ -30,7 +30,7 @@ struct VehicleMessages {
   std::vector<ArmedChange> armed;
 };
 
-/// Reads the flight log of a run.
+/// Reads the messages of a run's vehicle from the flight log.
 VehicleMessages read_vehicle_messages(const RunRecord& record);
 
 }  // namespace cas::hils

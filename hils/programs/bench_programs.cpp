@@ -15,7 +15,7 @@ void BenchPrograms::start(bool paused) {
   for (std::size_t i = 0; i < paths_.vehicles.size(); ++i) {
     if (request_.fcu_device(i) == nullptr) launch_emulator(paths_.vehicles[i]);
   }
-  if (paused) programs_.launch_hilsim({"--paused"});  // it sends nothing yet, so it may load
+  if (paused) programs_.launch_hilsim({"--paused"});  // it sends nothing yet: it loads meanwhile
   for (const ChildProcess* emulator : emulators_)
     supervisor_.wait_ready(*emulator, Supervisor::kReadyTimeout);
   programs_.start_first_casd();

@@ -7,7 +7,7 @@
 
 namespace cas::hils {
 
-/// The programs of a run of our controller: hilsim, casd and a controller for each vehicle.
+/// The programs of a run without stock firmware: hilsim, casd and a controller for each vehicle.
 class BenchPrograms {
  public:
   /// All outlive it. A controller is fcu_emulator where the request names no device.
@@ -27,7 +27,7 @@ class BenchPrograms {
   /// @param nothing_under_way  as at the end of lockstep: casd ends at the same time
   void stop(bool nothing_under_way = false);
 
-  /// A fault: casd is gone at once.
+  /// Kills casd at once, as a fault of the scenario.
   void kill_casd() { programs_.kill_casd(); }
   void start_casd() { programs_.start_casd(); }
 

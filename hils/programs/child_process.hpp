@@ -84,7 +84,7 @@ std::vector<char*> exec_words(std::vector<std::string>& words);
 inline constexpr const char* kSameProgram = "/proc/self/exe";
 /// Where the running program lies, for commands that are printed or written.
 std::filesystem::path own_program();
-/// Another program of CAS, which lies beside it.
+/// Path of another program of CAS, which lies beside the running one.
 std::filesystem::path sibling_program(const std::string& name);
 
 }  // namespace cas::hils

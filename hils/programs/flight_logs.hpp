@@ -16,9 +16,10 @@ class FlightLogs {
   FlightLogs(std::filesystem::path log, std::filesystem::path folder)
       : log_(std::move(log)), folder_(std::move(folder)) {}
 
-  /// casd has been killed.
+  /// To be called after casd has been killed: keeps its log from being overwritten.
   void set_aside();
-  /// The last casd has ended. @throws base::ConfigError when a log cannot be read or written
+  /// To be called after the last casd has ended.
+  /// @throws base::ConfigError when a log cannot be read or written
   void join();
 
  private:

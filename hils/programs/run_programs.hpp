@@ -11,34 +11,38 @@
 
 namespace cas::hils {
 
-/// hilsim and casd of a run as programs, the same whoever controls.
+/// hilsim and casd of a run as programs, the same for every controller.
 ///
-/// A bench adds its controllers, and chooses who starts first: emulators make the PTYs that casd
-/// opens, stock firmware looks for its peers.
+/// A bench adds its controllers and chooses the order of starts: emulators make the PTYs that casd
+/// opens, while stock firmware needs its peers to listen.
 class RunPrograms {
  public:
-  /// All outlive it. @param casd_ledger  casd writes down each HIL packet
+  /// The references must outlive this object. @param casd_ledger  casd keeps its ledger of HIL
+  /// packets
   RunPrograms(Supervisor& supervisor, const RunPaths& paths, const RunRequest& request,
               bool casd_ledger);
 
-  /// Starts casd and waits until it is ready; nothing happens where it runs. @throws RunStopped,
-  /// base::ConfigError
+  /// Starts casd, unless it runs, and waits until it is ready.
+  /// @throws RunStopped, base::ConfigError
   void start_casd();
-  /// The run's first casd: refuses one that cannot open the link of --gcs, and tells the user how
-  /// to watch the run. @throws RunStopped, base::ConfigError
+  /// Starts the run's first casd, and prints how to watch the run.
+  /// @throws RunStopped, base::ConfigError, also if casd cannot open the link of --gcs
   void start_first_casd();
-  /// A fault: casd is gone at once.
+  /// Kills casd at once, as a fault of the scenario.
   void kill_casd();
-  /// Launches hilsim, which the caller waits for. @param further  arguments
+  /// Launches hilsim; the caller waits until it is ready. @param further  arguments
   ChildProcess& launch_hilsim(const std::vector<std::string>& further = {});
 
+  /// nullptr while it does not run.
   ChildProcess* casd() const { return casd_; }
   ChildProcess* hilsim() const { return hilsim_; }
-  /// All have ended: the log of the flight becomes one again. @throws base::ConfigError
+  /// Joins the logs of the flight into one. To be called after all programs have ended.
+  /// @throws base::ConfigError
   void join_logs() { logs_.join(); }
 
-  /// Where a program of the run writes, and says that it is ready. @param arguments  its program
-  /// first
+  /// Options of a program of the run: its log file and the socket on which it says that it is
+  /// ready.
+  /// @param arguments  the program first
   ChildProcess::Options options(const std::string& name, std::vector<std::string> arguments) const;
 
  private:

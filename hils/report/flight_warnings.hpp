@@ -14,12 +14,12 @@ class FlightWarnings {
   /// Adds the warnings of one flight.
   void add(const std::vector<std::string>& warnings);
 
-  /// How many flights were added.
+  /// Number of flights that were added.
   std::size_t flights() const { return flights_; }
   /// Sentences and numbers of flights, in the order in which they were first met.
   const std::vector<std::pair<std::string, std::size_t>>& all() const { return all_; }
-  /// "warning in 3 of 24 flights: ...", those of most flights first. Beyond the first twenty the
-  /// last sentence says how many there are.
+  /// "warning in 3 of 24 flights: ...", the most frequent first. After twenty the last sentence
+  /// says how many more there are.
   std::vector<std::string> sentences() const;
 
  private:
@@ -27,7 +27,7 @@ class FlightWarnings {
   std::vector<std::pair<std::string, std::size_t>> all_;
 };
 
-/// A list of `warning` and `flights`, of a JSON type with lists and maps.
+/// The warnings as a list of {warning, flights}. @tparam Json  a type of nlohmann::basic_json
 template <class Json>
 Json warnings_json(const FlightWarnings& warnings) {
   Json list = Json::array();

@@ -61,7 +61,7 @@ struct VehiclePaths {
   std::filesystem::path csv(const char* name) const { return run / (name + suffix + ".csv"); }
 };
 
-/// Where the pieces of one run are.
+/// Paths and ports of one run.
 struct RunPaths {
   std::filesystem::path out;      ///< results: flight.tlog, summary.json
   std::filesystem::path run;      ///< effective configurations, ledgers, figures, program output
@@ -71,7 +71,7 @@ struct RunPaths {
   std::vector<std::uint16_t> companions{};  ///< UDP ports of hils, for a link of casd each
   std::vector<VehiclePaths> vehicles;       ///< in the order of the scenario
 
-  /// Places below `out`; no port is chosen yet.
+  /// Paths below `out`; no port is chosen yet.
   static RunPaths of(const Scenario& scenario, const std::filesystem::path& out,
                      const std::filesystem::path& sockets);
   /// Gives each vehicle's link two ports that are free now. @throws base::ConfigError

@@ -4,7 +4,10 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <array>
+#include <set>
+#include <string>
 #include <string_view>
 
 #include "base/config/sensor_set.hpp"
@@ -33,7 +36,7 @@ constexpr std::array<SensorReader, 4> kSensorReaders{
      {"barometer",
       [](const auto& block, double step_s) { sim::parse_barometer_params(block, step_s); }}}};
 
-/// A key of another program's file that hils writes, and where its value comes from.
+/// A key that hils itself writes into another program's file, and the source of its value.
 struct OwnKey {
   std::string_view key;
   std::string_view source;
@@ -53,15 +56,17 @@ void refuse_own(const base::ConfigNode& key, std::string_view source) {
   key.fail(fmt::format("hils sets this key: its value is {}", source));
 }
 
-/// Whether a block of sensors or of the controller has keys. @throws base::ConfigError for one that
-/// is neither empty nor a map
+/// Whether a block of sensors or of the controller has keys.
+/// @throws base::ConfigError for a block that is neither empty nor a map
 bool has_keys(const base::ConfigNode& block) {
   if (block.is_null()) return false;
   block.entries();
   return true;
 }
 
-/// @param over  blocks of the plugins whose keys count before those of the set
+/// Reads a sensor set with the readers of the plugins.
+/// @param behind  the vehicle's own sensors
+/// @param over  blocks of the plugins that replace keys of the set
 void read_sensors(const base::ConfigNode& set_or_keys, const base::ConfigNode& behind,
                   const base::ConfigNode& over, double step_s) {
   const base::ConfigNode set = over.merged_over(base::sensor_set(set_or_keys, behind));
@@ -73,7 +78,7 @@ void read_sensors(const base::ConfigNode& set_or_keys, const base::ConfigNode& b
   }
 }
 
-/// @param plugins  of the vehicle
+/// Refuses sensors that the vehicle has no plugin for. @param plugins  of the vehicle
 void refuse_others(const base::ConfigNode& keys, const std::set<std::string>& plugins) {
   if (keys.is_scalar() || !has_keys(keys)) return;
   for (const auto& [name, block] : keys.entries()) {
@@ -124,7 +129,7 @@ void check_controller(const Scenario& scenario, std::size_t vehicle,
                                                 scenario.file.string()));
 }
 
-/// The names of the further plugins, none of which a vehicle has anyway.
+/// Names of the scenario's plugins. @throws base::ConfigError for one that each vehicle has anyway
 std::set<std::string> further_plugins(const Scenario& scenario) {
   for (const base::ConfigNode& plugin : scenario.plugins) {
     const base::ConfigNode name = plugin.at("plugin");

@@ -5,13 +5,13 @@
 
 namespace cas::hils {
 
-/// Reads the blocks of a scenario that simulator and controller read in flight, with their readers:
-/// `line`, `controller`, `sensors` and the names of `plugins`. So an error names the scenario's
-/// line before anything is started. The keys of further plugins are read by the plugins alone.
+/// Reads `line`, `controller`, `sensors` and the names of `plugins` of a scenario with the readers
+/// of simulator and controller, so that an error names the line of the scenario before a program is
+/// started. Keys of further plugins are read by the plugins, when they start.
 /// @throws base::ConfigError
 void check_handed_on_keys(const Scenario& scenario);
-/// Finds sensors of a scenario of stock firmware that its simulation does not have. Their keys are
-/// read together with those of the simulation's file. @throws base::ConfigError
+/// Refuses `sensors` of a scenario of stock firmware for which the simulation has no plugin. hilsim
+/// reads their keys. @throws base::ConfigError
 void check_firmware_sensors(const Scenario& scenario);
 
 }  // namespace cas::hils

@@ -343,7 +343,7 @@ constexpr std::tuple kPlaceAndTimeKeys{
                          "place of x = y = z = 0; required on flat ground", "the world's"),
     key<&Scenario::decimal_year>("decimal_year", kFieldYears, "date of the magnetic field model"),
     key<&Scenario::weather>("weather", base::kWeatherBlock,
-                            "[air of the day](#weather), for barometer and rotors", "the world\'s"),
+                            "[air of the day](#weather), for barometer and rotors", "the world's"),
     key<&Scenario::seed>("seed", base::Count{},
                          "seed of all random numbers; `--seed` overrides it"),
     key<&Scenario::step_us>("step_us", base::Whole{100, 10'000}, "physics step"),

@@ -10,6 +10,7 @@ namespace cas::hils {
 
 namespace {
 
+/// Replaces keys of a map by those of another, block by block.
 void overlay(YAML::Node node, const YAML::Node& own) {
   for (const auto& entry : own) {
     const auto key = entry.first.as<std::string>();

@@ -16,14 +16,15 @@ namespace cas::hils {
 /// Plugins that a vehicle has in front of the scenario's, where the simulator makes its sensors.
 inline constexpr std::array kFirstPlugins{"motor", "imu", "gps", "magnetometer", "barometer"};
 
-/// A copy of a map; of any other node an empty map.
+/// A copy of a map; an empty map for any other node.
 YAML::Node copy(const base::ConfigNode& node);
+/// YAML text with a line break at its end.
 std::string to_text(const YAML::Node& node);
-/// A path that holds from every folder.
+/// The path without relative parts and, as far as it exists, without symlinks.
 std::string full_path(const std::filesystem::path& path);
 
-/// Puts the keys `world`, `model_path`, `missing`, `collada_up_axis`, `home` and `decimal_year` of
-/// a simulation file.
+/// Puts the keys `world`, `model_path`, `missing`, `collada_up_axis`, `home`, `decimal_year` and
+/// `weather` of a simulation file.
 void put_world(const Scenario& scenario, YAML::Node& root);
 
 /// A vehicle of a simulation file, as yet without sensors and plugins: `name`, `vehicle`, `pose`.
@@ -32,13 +33,13 @@ YAML::Node vehicle_node(const ScenarioVehicle& vehicle);
 /// Block `sensors`, the same for simulator and controller: the scenario's set at the scenario's
 /// rates. A set in a file is given by its full path, because the generated files lie elsewhere.
 YAML::Node sensors_node(const Scenario& scenario, std::size_t vehicle);
-/// Where the values of such a block came from, for errors (base/config/config_origin.hpp).
-/// @param path  of the block
+/// Notes on the origin of a block of sensors, for errors (base/config/config_origin.hpp).
+/// @param path  key path of the block in the generated file
 std::string sensors_origins(const std::string& path, const base::ConfigNode& set_or_keys);
 
 /// A vehicle's controller file, as yet without `seed`, `pace` and `line`.
 YAML::Node controller_node(const Scenario& scenario, std::size_t vehicle);
-/// Where its values came from.
+/// Notes on the origin of a controller file's values, for errors.
 std::string controller_origins(const Scenario& scenario, std::size_t vehicle);
 
 }  // namespace cas::hils

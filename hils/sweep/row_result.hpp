@@ -74,10 +74,10 @@ enum RunFigure : std::size_t {
 };
 
 /// Outcome, cause, incident, warnings and figures of a flight; the rest of the row is not set. The
-/// folder of the scenario, which is another for each row, is left out of the warnings.
+/// warnings do not name the scenario's folder, which differs from row to row.
 RowResult row_of(const Scenario& scenario, const RunResult& run);
 
-/// Warnings of the rows that have been flown.
+/// Warnings of the flown rows, those with a number.
 FlightWarnings warnings_of(const std::vector<RowResult>& results);
 
 /// A row of a run that gave no figures.
