@@ -88,7 +88,7 @@ LAYERS = {
     "libsim/core/run": API | {"libsim/core"} | rooms("libsim/core", "body ode load"),
     # of the runtime: SHA-256
     "libsim/hilsim":
-        API | RPC | PROGRAM | rooms("libsim/core", "body load run") | {"mavlink_gen/runtime", "Asio"},
+        API | RPC | PROGRAM | rooms("libsim/core", "body load run") | {"mavlink_gen/runtime", "Asio", "fmt"},
 
     "plugins/common": BASE | {"Eigen"},
     "plugins": PLUGIN,  # each of plugins/<name>
