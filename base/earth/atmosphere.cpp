@@ -13,7 +13,6 @@ namespace {
 // ISO 2533:1975, table of primary constants.
 constexpr double kGasConstant = 287.05287;  // J/(kg K), dry air
 
-constexpr double kZeroCelsius_K = 273.15;
 constexpr double kVapourToAir = 18.01528 / 28.964420;  // molar masses, g/mol; of air [ISO 2533]
 // Colder air is practically dry; the formula of [Buck] has a pole at -240.97 degC.
 constexpr double kColdestVapour_degc = -100;

@@ -5,6 +5,9 @@
 
 namespace cas::base {
 
+/// 0 degC in K, [ISO 2533].
+inline constexpr double kZeroCelsius_K = 273.15;
+
 /// Air in hydrostatic balance whose temperature changes evenly with altitude in each layer; the
 /// defaults are the International Standard Atmosphere, [ISO 2533]. Below 11 km it is the model of
 /// `<atmosphere type="adiabatic">` in SDF 1.10; above, the temperature changes as in the standard

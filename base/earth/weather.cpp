@@ -5,7 +5,6 @@ namespace cas::base {
 
 namespace {
 
-constexpr double kZeroCelsius_K = 273.15;
 constexpr double kPascalsOfHpa = 100;
 
 }  // namespace

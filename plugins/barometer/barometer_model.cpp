@@ -7,11 +7,6 @@
 #include "plugins/common/noise_params.hpp"
 
 namespace cas::sim {
-namespace {
-
-constexpr double kZeroCelsius = 273.15;  // K
-
-}  // namespace
 
 BarometerParams parse_barometer_params(const base::ConfigNode& node, double step_s) {
   const base::BarometerSheet sheet = base::read_barometer_sheet(node);
@@ -41,7 +36,7 @@ BarometerSample BarometerModel::sample(base::SimTime time, double alt_m, double 
     sample.pressure_pa = std::round(sample.pressure_pa / params_.lsb_pa) * params_.lsb_pa;
   }
   sample.temperature_degc =
-      air.temperature_kelvin(alt_m) - kZeroCelsius + params_.self_heating_degc;
+      air.temperature_kelvin(alt_m) - base::kZeroCelsius_K + params_.self_heating_degc;
   return sample;
 }
 
