@@ -58,12 +58,11 @@ WebView::WebView(const RunPaths& paths, const Supervisor& supervisor) {
 
 bool WebView::start(const RunPaths& paths, const Supervisor& supervisor,
                     const std::string& listen) {
-  const std::filesystem::path programs = own_program().parent_path();
   ChildProcess::Options options;
   options.name = "casweb";
   // A token of this run: a page that stays open must tell the next program at this port none that
   // it takes.
-  options.arguments = {(programs / "casweb").string(),
+  options.arguments = {sibling_program("casweb"),
                        "--listen",
                        listen,
                        "--casd",

@@ -18,7 +18,11 @@ void FlightWarnings::add(const std::vector<std::string>& warnings) {
   ++flights_;
   for (const std::string& sentence : std::set(warnings.begin(), warnings.end())) {
     const auto known = std::ranges::find(all_, sentence, &Counted::first);
-    known == all_.end() ? void(all_.emplace_back(sentence, 1)) : void(++known->second);
+    if (known == all_.end()) {
+      all_.emplace_back(sentence, 1);
+    } else {
+      ++known->second;
+    }
   }
 }
 
