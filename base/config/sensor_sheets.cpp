@@ -8,6 +8,7 @@
 #include "base/config/axes.hpp"
 #include "base/config/config_keys.hpp"
 #include "base/config/key_table.hpp"
+#include "base/config/removed_keys.hpp"
 
 namespace cas::base {
 namespace {
@@ -350,6 +351,8 @@ MagnetometerSheet read_magnetometer_sheet(const ConfigNode& node) {
 }
 
 BarometerSheet read_barometer_sheet(const ConfigNode& node) {
+  constexpr const char* kNow = "the air of the day is `weather` of the scenario or simulation";
+  refuse_removed(node, {{"qnh_hpa", kNow}, {"temperature_offset_degc", kNow}});
   const auto sheet = read_sheet<BarometerSheet>(node, kBarometerKeys);
   check_noise(node, kPressure, sheet.noise);
   check_drift(node, kPressureDrift, sheet.drift);

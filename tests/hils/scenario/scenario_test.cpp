@@ -139,6 +139,8 @@ TEST_F(ScenarioFile, RefusesKeysOfSimulatorAndControllerWithItsOwnLine) {
       {"sensors: {magnetometer: {rate_hz: 3333}}",
        "sensors.magnetometer.rate_hz: exceeds the simulation's own rate of 1000"},
       {"sensors: {barometer: {noise: 1}}", "sensors.barometer.noise: unknown key"},
+      {"sensors: {barometer: {qnh_hpa: 1003}}",
+       "sensors.barometer.qnh_hpa: is no longer a key: the air of the day is `weather`"},
       {"sensors: {radar: {rate_hz: 3}}", "sensors.radar: the vehicle has no plugin 'radar'"},
       {"sensors: {imu: {rate_hz: 100}}",
        "sensors.imu.rate_hz: hils sets this key: its value is the scenario's 'rates.sensor_hz'"},
