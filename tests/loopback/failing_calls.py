@@ -36,17 +36,19 @@ STRETCH = 40  # allocations in a row that fail
 PATIENCE_S = 20.0
 SAMPLE = (1, 4, 20)
 ALL_UP_TO = 50  # beyond it every n is a quarter more than the one before
-# code None: it hung; words: where a sentence about the failure must be; made: calls of that kind, where counted
+# code: exit code, None for a run that hangs; words: output with the sentence about the failure;
+# reached: a call has failed; made: number of calls of that kind
 Run = collections.namedtuple("Run", "code words reached made")
 
 
 def environment(build, call, n, program, mark):
-    """@param program  with ":THREAD" only that thread of it"""
+    """Environment of a program under test. @param program  its name, with ":THREAD" that of one thread"""
     return {**os.environ, "LD_PRELOAD": str(build / "tests/failing_calls.so"),
             "CAS_TEST_FAIL": f"{call}:{n}:{program}", "CAS_TEST_FAILED": str(mark)}
 
 
 def run_of(code, words, mark):
+    """The Run that left this mark."""
     made = 0
     with contextlib.suppress(OSError, ValueError):
         made = int(mark.with_name(mark.name + ".count").read_text())
@@ -78,7 +80,7 @@ def wait_for(condition, seconds):
 
 
 def ask_status(port):
-    """A client whose connection ends knows that, and asks again."""
+    """Whether casd answers a client, which asks again if its connection ends."""
     for _ in range(2):
         with contextlib.suppress(OSError):
             with socket.create_connection(("127.0.0.1", port), 5) as client:
@@ -131,7 +133,7 @@ def run_casd(build, folder, call, n, thread=""):
 
 
 def run_to_its_end(build, command, call, n, program, mark):
-    """@return the Run, and whether the program ended well"""
+    """Runs a program until it ends. @return the Run, and whether the program ended well"""
     try:
         ended = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False,
                                timeout=6 * PATIENCE_S, env=environment(build, call, n, program, mark))
@@ -141,7 +143,7 @@ def run_to_its_end(build, command, call, n, program, mark):
 
 
 def run_hils(build, folder, call, n):
-    """One process on the virtual clock."""
+    """hils flies in one process, on the virtual clock."""
     return run_to_its_end(build, [build / "bin/hils", "run", SOURCE / "config/scenarios/hover.yaml", "--architecture",
                                   "direct", "--out", folder / "out"], call, n, "hils", folder / "failed")
 
@@ -160,7 +162,7 @@ def simulation(folder):
 
 
 def run_hilsim(build, folder, call, n):
-    """Alone, and as fast as it goes. It may write below `out` alone."""
+    """hilsim runs alone, as fast as it can. It may write below `out` only."""
     out = folder / "out"
     out.mkdir()
     return run_to_its_end(build, [build / "bin/hilsim", simulation(folder), "--output", out, "--duration", "5",
@@ -169,7 +171,7 @@ def run_hilsim(build, folder, call, n):
 
 
 def run_lockstep(build, folder, call, n):
-    """hilsim of a flight of all programs, with its sockets."""
+    """hilsim takes part in a lockstep flight of all programs, with its sockets."""
     scenario = (SOURCE / "config/scenarios/hover.yaml").read_text()
     short = scenario.replace("../vehicles", str(SOURCE / "config/vehicles")).replace("duration_s: 30", "duration_s: 1")
     (folder / "short.yaml").write_text(short[:short.index("limits:")] + "limits: {lost: 0}\n")
@@ -184,7 +186,7 @@ RESULTS = ("truth.csv", "flight.ulg", "flight.tlog", "sensors/imu.csv", "sensors
 
 
 def figures(folder):
-    """Of the flight; those of the machine differ from run to run."""
+    """Figures of the flight, without those of the machine, which differ from run to run."""
     file = folder / "summary.json"
     return json.loads(file.read_text())["vehicles"] if file.exists() else None
 
@@ -237,7 +239,7 @@ def numbers(made, sample):
 
 
 def reference_of(build, program, folder):
-    """What a run without a failing call makes. Exits where that fails."""
+    """Results of a run without a failing call. Exits if that run fails."""
     if program == "casd":
         run, whole = run_casd(build, folder, "none", 0)
     else:
@@ -248,9 +250,12 @@ def reference_of(build, program, folder):
 
 
 def count_outcomes(build, program, call, sample, reference):
-    """@return outcomes, and how many of these calls a run makes"""
-    _, made = try_call(build, program, call, 0, reference)
+    """Fails one call after the other. @return the outcomes, and the number of these calls in a run"""
+    found, made = try_call(build, program, call, 0, reference)
+    if call == "malloc" and made == 0:
+        sys.exit(f"{program}: no allocation was counted; is failing_calls.so preloaded?")
     counts = collections.Counter(try_call(build, program, call, n, reference)[0] for n in numbers(made, sample))
+    counts[found] += 1
     return counts, made
 
 
