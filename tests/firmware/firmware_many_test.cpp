@@ -45,7 +45,7 @@ vary: [{name: height, key: "steps[takeoff].altitude_m", values: [2, 2.5, 3]}]
   EXPECT_EQ(passed, 3U) << results;
 }
 
-/// Two failures strike in the hover: one that it flies through, and one that it does not survive.
+/// Two failures strike in the hover: the vehicle withstands one, and does not survive the other.
 TEST_F(FirmwareMany, AreStruckByACampaign) {
   if (!has_private_networks()) GTEST_SKIP() << "no network namespaces here";
   write_scenario("obedient", "", R"(  - takeoff: {altitude_m: 2, timeout_s: 200}

@@ -90,7 +90,8 @@ class CommandPort : public testing::Test {
     return status_.substr(begin, status_.find(' ', begin) - begin);
   }
   std::uint16_t port() const { return port_of(tcp_); }
-  /// Port of a link, which on a busy machine may open after casd is ready; 0 if it does not.
+  /// Waits for a link, which on a busy machine may open after casd is ready. @return its port; 0:
+  /// it did not open
   std::uint16_t link_port(const std::string& name) const {
     Client client("unix:" + word("command_socket"));
     std::uint16_t port = 0;

@@ -177,7 +177,7 @@ class TlogOfAStation : public Tlog {
     });
     return came ? testing::AssertionSuccess() : testing::AssertionFailure() << "nothing played";
   }
-  /// The vehicle's HEARTBEAT.
+  /// Sends the vehicle's HEARTBEAT.
   void say(bool in_hil) {
     using namespace mavlink::common;
     Heartbeat word;

@@ -237,8 +237,7 @@ TEST(CaswebScene, HasTheMeshesOfTheWorldByTheirContent) {
   }));
 }
 
-/// Strangers that connect to a port one after the other for as long as it lives. The newest of them
-/// stay.
+/// Strangers that connect to a port one after the other while this object lives. The newest stay.
 class Flood {
  public:
   explicit Flood(std::uint16_t port)
@@ -281,7 +280,7 @@ TEST(CaswebFlooded, ServesThePageAndCasdTheClientWithTheToken) {
     EXPECT_TRUE(
         client.call("casd.status", json::object(), kPatienceOfAPerson).contains("vehicles"));
   }
-  // One that comes while the port is flooded; a stranger may take its place before it has asked.
+  // A new client of the flooded port; a stranger may take its place before it asks.
   EXPECT_TRUE(wait_until([&] {
     try {
       base::rpc::Client newcomer(address);

@@ -230,7 +230,7 @@ TEST_F(HilsWatch, ARunBesideAnotherCasdNamesItsAddress) {
   end(*run);
 }
 
-/// The page of a run, and the file that names its address.
+/// The page of a run, and the file with its address.
 struct OpenPage {
   std::unique_ptr<WebPage> page;  ///< null if none opened
   fs::path address_file;
@@ -335,7 +335,7 @@ TEST_F(HilsWatch, APageShowsTheRunAtTheAddressInTheFileThatItNames) {
   EXPECT_EQ(summary.at("faults").at(0).at("name"), "no fix") << summary.at("faults");
 }
 
-/// As the shipped scenarios of stock firmware are flown, by the scripted PX4, at twice real time.
+/// The scripted PX4 flies as in the shipped scenarios of stock firmware, at twice real time.
 TEST_F(HilsWatch, APageAndAGroundStationSeeStockFirmwareToo) {
   const Px4SitlPorts ports;
   folder_.write("world.yaml",

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Preloaded into a program under test: the n-th call of one kind fails. $CAS_TEST_FAIL is
-// KIND:N[+MORE][:PROGRAM[:THREAD]]; with MORE so many after it fail, too; with PROGRAM only in the
-// program of that name, with THREAD only on its threads of that name. N 0 fails none. The file
-// $CAS_TEST_FAILED is made when a call has failed, and $CAS_TEST_FAILED.count gets the number of
-// calls when the program ends.
+// KIND:N[+MORE][:PROGRAM[:THREAD]]. With MORE that many calls after the n-th fail, too; with
+// PROGRAM calls fail only in the program of that name, with THREAD only on its threads of that
+// name. With N 0 none fails. The file $CAS_TEST_FAILED is made when a call has failed;
+// $CAS_TEST_FAILED.count gets the number of calls when the program ends.
 //
 //   read     read, readv, pread, fread, readdir
 //   write    write, writev, pwrite, fwrite, fputs, fputc, fflush
@@ -70,7 +70,7 @@ constexpr std::size_t kMaxPath = 4096;
 constexpr std::size_t kDescriptors = 1024;
 
 std::atomic<long> calls{0};
-long first = 0;  // that fails; 0: none
+long first = 0;  // number of the first call that fails; 0: none
 long last = 0;
 char thread[kMaxName] = "";  // empty: all
 std::array<std::atomic<bool>, kDescriptors> unsynced{};
@@ -105,8 +105,8 @@ int start_program(int argc, char** argv, char** environment) {
   return program(argc, argv, environment);
 }
 
-/// By system calls alone: it may run inside malloc.
-/// @param ending  of the file's name
+/// Writes the file $CAS_TEST_FAILED, by system calls alone: it may run inside malloc.
+/// @param ending  end of the file's name
 void leave_mark(const char* ending, const char* text) {
   const char* const mark = std::getenv("CAS_TEST_FAILED");
   std::array<char, kMaxPath> path{};
@@ -143,7 +143,8 @@ bool fails(Call kind, int error) {
   return true;
 }
 
-/// What no disk, line or network stands behind does not fail: an eventfd, a timer, a pipe.
+/// A call on a descriptor. An eventfd, a timer or a pipe does not fail: it has no disk, line or
+/// network.
 bool fails(Call kind, int error, int fd) {
   if (kind != call) return false;
   struct stat status {};
@@ -152,7 +153,7 @@ bool fails(Call kind, int error, int fd) {
   return !in_memory && fails(kind, error);
 }
 
-/// As after a call of stdio that failed: ferror() tells it.
+/// A call of stdio: ferror() is set, as after a real failure.
 bool fails(Call kind, int error, FILE* stream) {
   if (!fails(kind, error)) return false;
   constexpr int kErrorSeen = 0x20;  // _IO_ERR_SEEN

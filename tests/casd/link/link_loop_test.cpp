@@ -221,7 +221,7 @@ TEST(LinkLoop, LackOfMemoryCostsALinkItsTurnAndNoOther) {
   EXPECT_NE(said.find("fixture: no memory"), std::string::npos) << said;
 }
 
-/// Does something in watch() or in serve().
+/// A link that works in watch() or in serve().
 class BusyLink final : public Link {
  public:
   BusyLink(std::function<void()> watching, std::function<void()> serving)
@@ -262,7 +262,7 @@ void read_much() {
 
 enum class At : std::uint8_t { kTask, kWatch, kServe };
 
-/// A metered loop does this until it ends, or for some turns.
+/// Runs a metered loop that does the work once (kTask) or in each turn, for ten turns.
 void turn_with(At at, const std::function<void()>& work) {
   std::atomic<int> turns{0};
   const auto none = [] {};

@@ -55,7 +55,7 @@ TEST(TurnMeter, CountsWaits) {
 
 TEST(TurnMeter, LeavesOutWaitsThatAreWanted) {
   TurnMeter meter;
-  for (int i = 0; i < 5; ++i) {  // some credit, should one of those below not sleep
+  for (int i = 0; i < 5; ++i) {  // a reserve, in case a poll below does not sleep
     count_wanted_wait();
     ::poll(nullptr, 0, 1);
   }

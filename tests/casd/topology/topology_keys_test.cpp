@@ -85,7 +85,7 @@ TEST_F(TopologyKeys, AreRefusedOutsideOfTheirBounds) {
                base::ConfigError);
 }
 
-// A key of earlier days is not a misspelt one.
+// A removed key is not reported as a misspelt one.
 TEST_F(TopologyKeys, ThatAreGoneAreNamedWithWhatHoldsWithoutThem) {
   const auto expect = [](const std::string& refusal, const std::string& sentence) {
     EXPECT_NE(refusal.find(sentence), std::string::npos) << refusal;

@@ -34,7 +34,8 @@ TEST(Rest, IsGravityAndHardlyARate) {
       << "it hits the ground";
 }
 
-/// 500 samples in a second. @return when the alignment was complete, s; -1: not within `end_s`
+/// Feeds 500 samples a second. @return time at which the alignment was complete, s; -1: not within
+/// `end_s`
 template <class Motion>
 double completed(Alignment& alignment, double end_s, const Motion& is_at_rest) {
   for (int i = 0; i < static_cast<int>(500 * end_s); ++i) {

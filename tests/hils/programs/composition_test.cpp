@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/programs/composition.hpp"
-#include "hils/programs/composed_parts.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +8,7 @@
 
 #include "casd/topology/topology.hpp"
 #include "fcu/core/fcu_config.hpp"
+#include "hils/programs/composed_parts.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -112,14 +112,14 @@ TEST(CompositionOfAWorld, HandsTheSdfFileOnWithFullPaths) {
   const auto file = folder.write(
       "s.yaml",
       "schema: 1\nvehicle: " + cas::test::source_dir() +
-          "/config/vehicles/iris_paper.yaml\nworld: w.sdf\nmodel_path: [models]\nmissing: "
-          "ignore\ncollada_up_axis: applied\nweather: {temperature_offset_degc: -5, qnh_hpa: "
-          "1003.5, "
-          "humidity: 0.25}\npose: {x_m: 1, y_m: 2, z_m: 3}\nrates: {sensor_hz: "
-          "500, gps_hz: 5, "
-          "controls_hz: 400}\nplugins: [{plugin: wind, grid: grid.csv}, {plugin: of_mine, grid: "
-          "10}]\nsteps:\n  - arm\n  - "
-          "takeoff: {altitude_m: 2}\n  - hold: {duration_s: 1, measure: true}\n  - land\n");
+          "/config/vehicles/iris_paper.yaml\n"
+          "world: w.sdf\nmodel_path: [models]\nmissing: ignore\ncollada_up_axis: applied\n"
+          "weather: {temperature_offset_degc: -5, qnh_hpa: 1003.5, humidity: 0.25}\n"
+          "pose: {x_m: 1, y_m: 2, z_m: 3}\n"
+          "rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}\n"
+          "plugins: [{plugin: wind, grid: grid.csv}, {plugin: of_mine, grid: 10}]\n"
+          "steps:\n  - arm\n  - takeoff: {altitude_m: 2}\n"
+          "  - hold: {duration_s: 1, measure: true}\n  - land\n");
   RunRequest request;
   request.scenario = Scenario::load(file);
   const RunPaths paths = RunPaths::of(request.scenario, folder.path(), folder.path());

@@ -22,7 +22,8 @@ BodyMove moved(const Vector3d& way_W) {
 }
 const BodyMove kStill = moved(Vector3d::Zero());
 
-/// Room of an earlier search at the origin, asked again after a move with what a search found.
+/// Result of a second search after a move, when the first search had found `before`.
+/// @param points  found by the second search
 std::vector<ContactPoint> after(const BodyMove& move, std::vector<ContactPoint> points,
                                 const ContactPoint& before = on_triangle({0.1, 0, 0})) {
   RememberedPoints remembered;

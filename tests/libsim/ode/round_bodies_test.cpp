@@ -49,7 +49,7 @@ class UnequalThrusts final : public ForceModel {
   double arm_m_;
 };
 
-/// A crate of that size whose shape is a standing cylinder.
+/// A vehicle whose shape is a standing cylinder; its inertia is that of a crate of the same size.
 VehicleModel can(double radius, double length, double mass) {
   VehicleModel model = crate({2 * radius, 2 * radius, length}, mass);
   model.shapes.front().geometry = Cylinder{radius, length};
@@ -179,7 +179,7 @@ class Ball : public testing::TestWithParam<RollCase> {};
 
 /// A solid ball that does not slip rolls down at 5/7 of g sin a.
 TEST_P(Ball, RollsDownASlopeAsTheClosedFormSays) {
-  // Friction is laid along the slip of a step's begin, and the spring takes a while to settle.
+  // Friction follows the slip at the begin of a step, and the spring takes a while to settle.
   constexpr double kOfSteps = 0.005;
   constexpr double kSlope = 5 * M_PI / 180;
   constexpr double kRadius = 0.05;

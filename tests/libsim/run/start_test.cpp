@@ -35,7 +35,7 @@ VehicleConfig vehicle_at(double x_m, double z_m) {
   return vehicle;
 }
 
-/// Whether the body may start at z = 0 over such a plate.
+/// Whether the body may start at z = 0 over a plate whose upper side is at `top_m`.
 bool starts(double top_m) {
   return test::refusal([&] { require_free_start(plate(top_m, 200), body(), vehicle_at(0, 0)); })
       .empty();
