@@ -173,13 +173,13 @@ struct App::Impl {
         recorder(links.tlog(), links.topology().log),
         vehicle_methods(
             server, commander, load_gains(links.topology()),
-            {.now = [this] { return turns.now(); },
+            {.now = [this] { return scheduler.now(); },
              .link_name = [this](LinkId id) { return link_name(id); },
              .audit = [](const std::string& line) { base::log::info("audit: " + line); },
-             .unix_us = [this] { return turns.log_clock_us(); }}),
+             .unix_us = [this] { return scheduler.log_clock_us(); }}),
         figures(server,
                 make_figures_source(options, links, changes, vehicle_methods, recorder, station)) {
-    server.before_calls([this] { turns.before_call(); });
+    server.before_calls([this] { scheduler.before_call(); });
     figures.set_memory([this](const MessageTaps::Key& key) { return remembered(key); });
     commander.on_notice([](const std::string& notice) { base::log::warn(notice); });
     commander.on_failure([this](std::uint8_t system, const VehicleCommand& command, Done done) {
@@ -209,16 +209,17 @@ struct App::Impl {
   }
 
   FailureHooks failure_hooks() {
-    return {.send =
-                [this](std::span<const std::uint8_t> packet, std::span<const Path> to) {
-                  links.local().send(packet, to, base::steady_now());
-                },
-            .permits = [this](LinkId id) { return may_inject(id); },
-            .link_name = [this](LinkId id) { return link_name(id); },
-            .hil_doubt =
-                [this](std::uint8_t system) { return commander.hil_doubt(system, turns.now()); },
-            .simulator = [this](std::uint8_t system) { return simulator_of(system); },
-            .audit = [](const std::string& line) { base::log::info("audit: " + line); }};
+    return {
+        .send =
+            [this](std::span<const std::uint8_t> packet, std::span<const Path> to) {
+              links.local().send(packet, to, base::steady_now());
+            },
+        .permits = [this](LinkId id) { return may_inject(id); },
+        .link_name = [this](LinkId id) { return link_name(id); },
+        .hil_doubt =
+            [this](std::uint8_t system) { return commander.hil_doubt(system, scheduler.now()); },
+        .simulator = [this](std::uint8_t system) { return simulator_of(system); },
+        .audit = [](const std::string& line) { base::log::info("audit: " + line); }};
   }
 
   std::vector<MessageRate> request_rates(LinkId id) const {
@@ -251,7 +252,7 @@ struct App::Impl {
     MessageTaps::Sample sample;
     sample.size = std::min(kept->payload.size(), sample.payload.size());
     std::copy_n(kept->payload.begin(), sample.size, sample.payload.begin());
-    sample.at = base::steady_now() - (turns.now() - kept->at);  // lockstep has another clock
+    sample.at = base::steady_now() - (scheduler.now() - kept->at);  // lockstep has another clock
     return sample;
   }
 
@@ -270,13 +271,13 @@ struct App::Impl {
     try {
       run_links();
     } catch (...) {  // link threads end before the objects that they call
-      turns.end();
+      scheduler.end();
       links.stop();
       throw;
     }
     base::notify("STOPPING=1");
-    turns.end();
-    station.end_logs(turns.now());
+    scheduler.end();
+    station.end_logs(scheduler.now());
     links.stop();
     recorder.stop();
     if (!options.stats_file.empty()) write_stats(options.stats_file, figures);
@@ -291,7 +292,7 @@ struct App::Impl {
     settle_deadline = base::steady_now() + kSettlePatience;
     base::rpc::run_context(io, "main", [this] {
       do_wait_signal();
-      turns.begin();
+      scheduler.begin();
       do_second();
       if (!told_ready) do_settle();
       server.start();
@@ -337,7 +338,7 @@ struct App::Impl {
     const CommandingConfig& commanding = links.topology().commanding;
     commander.set_commanding(commanding.heartbeat_hz, commanding.allow_not_hil,
                              commanding.ask_on_sight && links.topology().pace != Pace::kLockstep);
-    turns.plan();
+    scheduler.plan();
     vehicle_methods.set_gains(std::move(gains));
     figures.set_decoder(std::move(decoder));
   }
@@ -423,8 +424,8 @@ struct App::Impl {
   FailureInjector failures;
   OwnStation station{commander, failures};
   Recorder recorder;
-  StationScheduler turns{io, links, station, recorder};
-  LinkChanges changes{io, links, commander, failures, turns};
+  StationScheduler scheduler{io, links, station, recorder};
+  LinkChanges changes{io, links, commander, failures, scheduler};
   VehicleMethods vehicle_methods;
   FigureMethods figures;
   MetricsPort metrics{[this](MetricsPort::Take take) {

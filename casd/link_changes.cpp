@@ -21,7 +21,7 @@ void LinkChanges::apply(Topology topology) {
   const LinkMask gone = links_.reload(std::move(topology));
   // A new link may get the number of one that is gone: packets of the old one are heard first.
   failures_.begin_reload(gone, base::steady_now());
-  turns_.hear();
+  scheduler_.hear();
   failures_.end_reload();
   commander_.forget(gone);
 }
@@ -82,7 +82,7 @@ void LinkChanges::apply_at_run_time(Topology topology) {
 
 /// Why an armed vehicle needs the link: casd hears it on no other, or its HIL_SENSOR comes there.
 std::optional<std::string> LinkChanges::need_in_flight(const std::string& link) const {
-  const base::RunTime now = turns_.now();
+  const base::RunTime now = scheduler_.now();
   const auto name_of = [this](LinkId id) { return links_.figures().name(id); };
   for (const VehicleState* vehicle : commander_.vehicles()) {
     if (!vehicle->armed()) continue;

@@ -20,8 +20,8 @@ class LinkChanges {
  public:
   /// All outlive it.
   LinkChanges(boost::asio::io_context& io, LinkSet& links, VehicleCommander& commander,
-              FailureInjector& failures, StationScheduler& turns)
-      : io_(io), links_(links), commander_(commander), failures_(failures), turns_(turns) {}
+              FailureInjector& failures, StationScheduler& scheduler)
+      : io_(io), links_(links), commander_(commander), failures_(failures), scheduler_(scheduler) {}
 
   /// Puts the links and routes of a topology in force. @throws std::exception, and nothing has
   /// changed
@@ -49,7 +49,7 @@ class LinkChanges {
   LinkSet& links_;
   VehicleCommander& commander_;
   FailureInjector& failures_;
-  StationScheduler& turns_;
+  StationScheduler& scheduler_;
   std::set<std::string> added_;
 };
 
