@@ -384,7 +384,8 @@ std::string sensor_reference() {
          "\n" +
          section<BarometerSheet>("barometer",
                                  "Truth is the standard atmosphere, or the world's "
-                                 "[`<atmosphere>`](simulator.md#worlds).",
+                                 "[`<atmosphere>`](simulator.md#worlds), on the day of "
+                                 "[`weather`](config.md#weather).",
                                  kBarometerKeys) +
          "\n" +
          section<RangefinderSheet>("rangefinder", "Truth is the length of a ray into the world.",

@@ -47,6 +47,7 @@ void Alignment::on_accelerometer(base::SimTime time, const Vector3d& accel_D, bo
 }
 
 void Alignment::on_magnetometer(const Vector3d& field_D) {
+  if (accel_samples_ == 0) return;  // the vehicle still moves
   ++mag_samples_;
   mag_sum_ += field_D;
 }

@@ -25,7 +25,7 @@ class Alignment {
   /// @param accel_D  specific force, m/s^2
   /// @param at_rest  see indicates_rest()
   void on_accelerometer(base::SimTime time, const Eigen::Vector3d& accel_D, bool at_rest);
-  /// @param field_D  any unit
+  /// Counts once the vehicle rests. @param field_D  any unit
   void on_magnetometer(const Eigen::Vector3d& field_D);
 
   /// Enough samples for a heading.

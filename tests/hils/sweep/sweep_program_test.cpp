@@ -202,9 +202,11 @@ TEST_F(Sweep, AFlightThatDoesNotReachItsMeasuredStepHasNoMargin) {
 }
 
 TEST_F(Sweep, WarningsOfItsFlightsAreInItsResults) {
-  folder_.write("w.sdf",
-                "<sdf version='1.6'>\n<world name='w'>\n<model name='m'><static>1</static>\n"
-                "<link name='l'><colision name='c'/></link></model>\n</world></sdf>");
+  folder_.write(
+      "w.sdf",
+      "<sdf version='1.6'>\n<world name='w'>\n<model name='m'><static>1</static>\n"
+      "<link name='l'><colision name='c'/><collision name='d'><geometry><plane/></geometry>"
+      "</collision></link></model>\n</world></sdf>");
   folder_.write("there.yaml", std::string(kScenario) + "world: w.sdf\n");
   const fs::path study =
       folder_.write("there_study.yaml",
