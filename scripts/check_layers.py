@@ -86,9 +86,6 @@ LAYERS = {
     "libsim/core/load":
         API | {"libsim/core", "libsim/core/body", "sdformat", "libpng"},
     "libsim/core/run": API | {"libsim/core"} | rooms("libsim/core", "body ode load"),
-    # of the runtime: SHA-256
-    "libsim/hilsim":
-        API | RPC | PROGRAM | rooms("libsim/core", "body load run") | {"mavlink_gen/runtime", "Asio", "fmt"},
 
     "plugins/common": BASE | {"Eigen"},
     "plugins": PLUGIN,  # each of plugins/<name>
@@ -128,17 +125,22 @@ LAYERS = {
 
     "fcu/line": BASE,
     "fcu/estimation": BASE | {"Eigen"},
-    "fcu/control": BASE | rooms("fcu", "estimation") | {"Eigen"},
+    "fcu/control": BASE | rooms("fcu", "estimation") | {"Eigen", "fmt"},
     "fcu/params": BASE | rooms("fcu", "estimation control") | {"Eigen"},
     "fcu/flight": BASE | MAVLINK | SERVICES | rooms("fcu", "estimation control params") | {"Eigen"},
     "fcu/core":
-        BASE | MAVLINK | rooms("fcu", "line estimation control params flight") | {"Eigen", "fmt"},
+        BASE | MAVLINK | rooms("fcu", "line estimation control params flight") | {"Eigen"},
     "fcu/protocols":
         BASE | MAVLINK | SERVICES | rooms("fcu", "core estimation flight params") | {"Eigen"},
     "fcu": BASE | MAVLINK | rooms("fcu", "core flight protocols") | {"Eigen"},
     "fcu/emulator":
         BASE | MAVLINK | SERVICES | RPC | PROGRAM | rooms("fcu", "core line params")
         | {"fcu", "Eigen", "Asio"},
+
+    # of the runtime: SHA-256; of fcu: the design of the rate loops, for --describe
+    "libsim/hilsim":
+        API | RPC | PROGRAM | rooms("libsim/core", "body load run")
+        | {"mavlink_gen/runtime", "fcu/control", "Asio", "fmt"},
 
     # of casd and hilsim it knows the sockets alone
     "web/server": BASE | RPC | PROGRAM | {"Asio"},

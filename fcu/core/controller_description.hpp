@@ -12,8 +12,11 @@ namespace cas::fcu {
 /// s.
 double loop_delay_s(const FcuConfig& config);
 
-/// Crossover, phase and gain margin of each rate loop of this controller as it would fly, in lines
-/// for people, with a warning where less than 30 degrees or a factor of 2 are left.
+/// The part of it that a controller knows, for which it derives its default gains: by baud rate and
+/// control rate, without extra_delay, jitter and batches of the line; kUsualDelay_s at least.
+double design_delay_s(const FcuConfig& config);
+
+/// The rate loops of this controller as it would fly: loop_table().
 std::string describe_controller(const FcuConfig& config);
 
 }  // namespace cas::fcu

@@ -8,6 +8,7 @@
 #include "base/time/clock.hpp"
 #include "fcu/control/control_cascade.hpp"
 #include "fcu/core/battery.hpp"
+#include "fcu/core/controller_description.hpp"
 #include "fcu/core/fcu_config.hpp"
 #include "fcu/core/home.hpp"
 #include "fcu/core/outbox.hpp"
@@ -27,7 +28,7 @@ namespace cas::fcu {
 struct FcuCore {
   FcuCore(const FcuConfig& configuration, PacketSink send)
       : config(configuration),
-        params(config.vehicle, sensor_figures(config.sensors).params),
+        params(config.vehicle, sensor_figures(config.sensors).params, design_delay_s(config)),
         outbox({config.system_id, config.component_id}, std::move(send)),
         estimator({}, config.decimal_year),
         cascade(config.vehicle),

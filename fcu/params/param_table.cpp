@@ -249,11 +249,12 @@ int vehicle_type(int rotors) {
 
 }  // namespace
 
-std::vector<Param> default_params(const base::Vehicle& vehicle, const EstimatorParams& figures) {
+std::vector<Param> default_params(const base::Vehicle& vehicle, const EstimatorParams& figures,
+                                  double delay_s) {
   Settings defaults;
   defaults.estimator = figures;
   // A vehicle that tilts slowly cannot follow a quick change of acceleration.
-  const double share = derive_gains(vehicle, defaults.control);
+  const double share = derive_gains(vehicle, delay_s, defaults.control);
   defaults.flight.jerk_m_s3 *= share;
   defaults.flight.acceleration_m_s2 *= share;
   Visitor lister;

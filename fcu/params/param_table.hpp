@@ -12,7 +12,9 @@ namespace cas::fcu {
 
 /// All parameters of an airframe with their defaults and ranges, unsorted.
 /// @param figures  of the sensors' data sheets: the estimator's defaults
-std::vector<Param> default_params(const base::Vehicle& vehicle, const EstimatorParams& figures);
+/// @param delay_s  from the gyro to the motors: the gains' defaults
+std::vector<Param> default_params(const base::Vehicle& vehicle, const EstimatorParams& figures,
+                                  double delay_s);
 
 /// The settings that the values of a store stand for.
 Settings read_settings(const ParamStore& store);

@@ -38,8 +38,9 @@ std::string lines(const std::vector<Param>& params, bool (*wanted)(const Param&)
 
 }  // namespace
 
-ParamStore::ParamStore(const base::Vehicle& vehicle, const EstimatorParams& estimator)
-    : params_(default_params(vehicle, estimator)) {
+ParamStore::ParamStore(const base::Vehicle& vehicle, const EstimatorParams& estimator,
+                       double delay_s)
+    : params_(default_params(vehicle, estimator, delay_s)) {
   for (Param& param : params_) {
     CAS_CHECK(param.name.size() <= 16);
     param.value = param.start = param.initial = representable(param.type, param.initial);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/config/vehicle.hpp"
+#include "fcu/control/loop_design.hpp"
 #include "fcu/estimation/estimator_params.hpp"
 
 namespace cas::fcu {
@@ -33,7 +34,9 @@ enum class ParamSetResult { kOk, kUnknown, kOutOfRange, kNotANumber };
 class ParamStore {
  public:
   /// @param estimator  figures of the sensors' data sheets
-  explicit ParamStore(const base::Vehicle& vehicle, const EstimatorParams& estimator = {});
+  /// @param delay_s    from the gyro to the motors, for which gains are derived
+  explicit ParamStore(const base::Vehicle& vehicle, const EstimatorParams& estimator = {},
+                      double delay_s = kUsualDelay_s);
 
   std::size_t size() const { return params_.size(); }
   const Param& at(std::size_t index) const { return params_[index]; }

@@ -27,6 +27,7 @@
 #include "base/os/program.hpp"
 #include "base/os/thread.hpp"
 #include "base/os/write_file.hpp"
+#include "fcu/control/loop_table.hpp"
 #include "libsim/core/load/plausibility.hpp"
 #include "libsim/core/load/sim_config.hpp"
 #include "libsim/core/load/simulation_reference.hpp"
@@ -63,10 +64,10 @@ void add_flags(CLI::App& app, Flags& flags) {
       app.add_option("config", flags.config, "Simulation to run (YAML); needed to run one");
   base::cli::add_keys_flag(app, sim::simulation_reference, "a simulation");
   base::cli::add_keys_flag(app, base::sensor_reference, "a sensor set", "--sensor-keys");
-  CLI::Option* const describe = app.add_option(
-      "--describe", flags.describe,
-      "Print mass, rotors, hover, effectiveness matrix and frame of a vehicle (a name of "
-      "a shipped one, or a file) and end");
+  CLI::Option* const describe = app.add_option("--describe", flags.describe,
+                                               "Print mass, rotors, hover, effectiveness matrix, "
+                                               "frame and rate loops of a vehicle (a name of "
+                                               "a shipped one, or a file) and end");
   describe->excludes(config);
   app.add_option("--svg", flags.svg,
                  "With --describe: draw the vehicle from above and from the side into this file")
@@ -114,8 +115,11 @@ std::filesystem::path vehicle_file(const std::string& word) {
 int describe(const std::string& word, const std::optional<std::filesystem::path>& svg) {
   const base::Vehicle vehicle = base::Vehicle::load(vehicle_file(word));
   const sim::VehicleModel model = sim::load_vehicle_model(vehicle.urdf, vehicle.parts);
+  fcu::ControlParams gains;
+  fcu::derive_gains(vehicle, fcu::kUsualDelay_s, gains);
   const std::string text =
-      describe_vehicle(vehicle, model, base::load_frames(base::shipped_config("frames.yaml")));
+      describe_vehicle(vehicle, model, base::load_frames(base::shipped_config("frames.yaml"))) +
+      fcu::loop_table(fcu::rate_loops(vehicle, gains, fcu::kUsualDelay_s));
   for (const auto& warnings : {vehicle.warnings, model.warnings, implausible(vehicle, model)}) {
     for (const std::string& warning : warnings) base::log::warn(warning);
   }

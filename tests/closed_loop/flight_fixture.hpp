@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -48,6 +50,24 @@ class Flight {
   const Verdict& verdict() const { return verdict_; }
   std::string text() const { return run_text(figures_, verdict_); }
   const std::string& truth() const { return truth_; }
+  /// A column of it.
+  std::vector<double> truth(const std::string& name) const {
+    std::istringstream lines(truth_);
+    std::string line;
+    std::string field;
+    std::getline(lines, line);
+    std::istringstream names(line);
+    std::ptrdiff_t column = 0;
+    while (std::getline(names, field, ',') && field != name) ++column;
+    EXPECT_EQ(field, name);
+    std::vector<double> values;
+    while (std::getline(lines, line)) {
+      std::istringstream fields(line);
+      for (std::ptrdiff_t i = 0; i <= column; ++i) std::getline(fields, field, ',');
+      values.push_back(std::stod(field));
+    }
+    return values;
+  }
   const std::string& log() const { return log_; }
   const std::string& simulator_stats() const { return simulator_stats_; }
 
