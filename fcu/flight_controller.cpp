@@ -182,6 +182,7 @@ void FlightController::Impl::tell_of_losses() {
   const std::string rotor = "Rotor " + std::to_string(loss->rotor + 1);
   core.texts.critical(loss->left_out ? rotor + " lost: flying on without it"
                                      : rotor + " lost: the others cannot do without it");
+  if (!loss->holds_heading) core.texts.critical("Heading given up: yaw to one side only");
 }
 
 // Around the loop.

@@ -16,13 +16,19 @@ void AttitudeController::set_params(const ControlParams& params) {
   rate_limit_ = params.rate_limit_rad_s;
 }
 
-Vector3d AttitudeController::update(const AttitudeSetpoint& setpoint,
-                                    const Quaterniond& q_ND) const {
+Vector3d AttitudeController::update(const AttitudeSetpoint& setpoint, const Quaterniond& q_ND,
+                                    double turn_limit_rad_s) const {
   // Tilt only: the shortest rotation that brings Dz onto the wanted Dz.
   const Vector3d z_now = q_ND * Vector3d::UnitZ();
   const Vector3d z_wanted = setpoint.q_ND * Vector3d::UnitZ();
   const Quaterniond q_tilt_N = Quaterniond::FromTwoVectors(z_now, z_wanted);
   const Quaterniond q_reduced = q_tilt_N * q_ND;
+  if (turn_limit_rad_s <= 0) {
+    const Quaterniond q_tilt = q_ND.inverse() * q_reduced;
+    Vector3d rates = 2 * gain_.cwiseProduct(q_tilt.vec());
+    rates.z() = 0;
+    return rates.cwiseMax(-rate_limit_).cwiseMin(rate_limit_);
+  }
 
   // The rest is a turn about Dz; a part of it is demanded at once.
   Quaterniond q_turn = q_reduced.inverse() * setpoint.q_ND;
@@ -32,8 +38,9 @@ Vector3d AttitudeController::update(const AttitudeSetpoint& setpoint,
   Quaterniond q_error = q_ND.inverse() * (q_reduced * q_part);
   if (q_error.w() < 0) q_error.coeffs() = -q_error.coeffs();
 
-  const Vector3d rates = 2 * gain_.cwiseProduct(q_error.vec()) +
-                         q_ND.inverse() * Vector3d(0, 0, setpoint.yaw_rate_rad_s);
+  Vector3d rates = 2 * gain_.cwiseProduct(q_error.vec()) +
+                   q_ND.inverse() * Vector3d(0, 0, setpoint.yaw_rate_rad_s);
+  rates.z() = std::clamp(rates.z(), -turn_limit_rad_s, turn_limit_rad_s);
   return rates.cwiseMax(-rate_limit_).cwiseMin(rate_limit_);
 }
 

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
 
 #include "fcu/control/control_params.hpp"
 #include "fcu/control/setpoint.hpp"
@@ -18,8 +19,10 @@ class AttitudeController {
  public:
   void set_params(const ControlParams& params);
 
+  /// @param turn_limit_rad_s  of a turn to a heading; 0: any heading will do, but no turning
   /// @return wanted body rates, axes of D, rad/s
-  Eigen::Vector3d update(const AttitudeSetpoint& setpoint, const Eigen::Quaterniond& q_ND) const;
+  Eigen::Vector3d update(const AttitudeSetpoint& setpoint, const Eigen::Quaterniond& q_ND,
+                         double turn_limit_rad_s = INFINITY) const;
 
  private:
   Eigen::Vector3d gain_{6.5, 6.5, 2.8};

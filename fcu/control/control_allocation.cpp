@@ -117,6 +117,7 @@ ControlAllocation::ControlAllocation(const AllocationSetup& setup, RotorSet lost
     scale[rotors + static_cast<Index>(k)] = scale[servos_[k].rotor];
   }
   invert(scale);
+  if (lost != 0) invert_without_each(scale, lost);
   level_ = thrust_range(RotorVector::Zero(columns));
 }
 
@@ -162,6 +163,17 @@ void ControlAllocation::invert(const RotorVector& scale) {
   }
 }
 
+void ControlAllocation::invert_without_each(const RotorVector& scale, RotorSet lost) {
+  if (!has_yaw_) return;
+  for (Index i = 0; i < low_.size(); ++i) {
+    RotorVector others = scale;
+    others[i] = 0;
+    const Inversion inversion = pseudo_inverse(wrench_D_.topRows(4), others);
+    Inverse<1>& turn = turn_without_.emplace_back(Inverse<1>::Zero(wrench_D_.cols(), 1));
+    if (inversion.rank == 4 && !has(lost, static_cast<int>(i))) turn = inversion.inverse.col(3);
+  }
+}
+
 // One step.
 
 MixerResult ControlAllocation::allocate(const ControlDemand& demand, bool may_lift) const {
@@ -169,11 +181,7 @@ MixerResult ControlAllocation::allocate(const ControlDemand& demand, bool may_li
   RotorVector x = level_flight(demand.u, may_lift);
 
   // As much of yaw as fits.
-  if (has_yaw_) {
-    const double missing = demand.u[3] - wrench_D_.row(3).dot(x);
-    const RotorVector step = turn_.col(0) * missing;
-    x += step * largest_part(x, step);
-  }
+  if (has_yaw_) turn(demand.u[3], x);
 
   // As much of the force sideways as is left.
   if (has_side_[0] || has_side_[1]) {
@@ -190,6 +198,19 @@ MixerResult ControlAllocation::allocate(const ControlDemand& demand, bool may_li
         saturation_of(demand.u[axis + 1], result.u[axis + 1], 1.0);
   }
   return result;
+}
+
+void ControlAllocation::turn(double wanted_nm, RotorVector& x) const {
+  const auto missing_nm = [&] { return wanted_nm - wrench_D_.row(3).dot(x); };
+  const RotorVector step = turn_.col(0) * missing_nm();
+  x += step * largest_part(x, step);
+  for (std::size_t i = 0; i < turn_without_.size(); ++i) {
+    const auto index = static_cast<Index>(i);
+    const double to_limit = (step[index] > 0 ? high_[index] : low_[index]) - x[index];
+    if (step[index] == 0 || std::abs(to_limit) > kNothing * high_[index]) continue;
+    const RotorVector rest = turn_without_[i].col(0) * missing_nm();
+    x += rest * largest_part(x, rest);
+  }
 }
 
 RotorVector ControlAllocation::level_flight(const Vector4d& u, bool may_lift) const {
@@ -364,6 +385,17 @@ bool ControlAllocation::carries(double thrust_n) const {
     if (speed < low_[i] + margin || speed > high_[i] - margin) return false;
   }
   return true;
+}
+
+ControlAllocation::YawReach ControlAllocation::yaw_reach(double thrust_n) const {
+  if (!has_yaw_) return {};
+  const auto yaw_nm = [&](double wanted_nm) {
+    return allocate({{thrust_n, 0, 0, wanted_nm}, Vector2d::Zero()}).u[3];
+  };
+  const double beyond_nm = wrench_D_.row(3).head(high_.size()).cwiseAbs().dot(high_) + thrust_n;
+  const double right_nm = yaw_nm(beyond_nm);
+  const double left_nm = -yaw_nm(-beyond_nm);
+  return {std::min(right_nm, left_nm), std::max(right_nm, left_nm)};
 }
 
 double ControlAllocation::side_force_n(double thrust_n) const {

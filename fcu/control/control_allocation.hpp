@@ -57,7 +57,8 @@ struct AllocationSetup {
 ///   2. thrust, as near to the demand as the limits allow;
 ///   3. yaw, from the value that 1 and 2 happen to give towards the demand: it may be given up
 ///      wholly, even if the vehicle then turns against the demand; if another yaw leaves 1 and 2
-///      more room, that one is taken;
+///      more room, that one is taken. Where a rotor is lost, a second step without the rotor that
+///      ends the first takes what is left of it (redistributed pseudo-inverse);
 ///   4. force sideways.
 ///
 /// Scaling keeps directions and the order of priority, as W. C. Durham ("Constrained control
@@ -84,6 +85,13 @@ class ControlAllocation {
   /// How many of U1..U4 and the two sideways forces can be had independently, 0..6.
   int rank() const { return rank_; }
   bool has_yaw() const { return has_yaw_; }
+  /// U4 that can be had beside `thrust_n` without rolling or pitching: the less of both senses, and
+  /// the more. The less is negative where the rotors turn the vehicle one way whatever they do.
+  struct YawReach {
+    double less_nm = 0;
+    double more_nm = 0;
+  };
+  YawReach yaw_reach(double thrust_n) const;
   /// Whether roll and pitch can go both ways while the rotors carry `thrust_n` without a moment.
   bool carries(double thrust_n) const;
   /// The most thrust without a moment, N.
@@ -105,6 +113,8 @@ class ControlAllocation {
       Eigen::Matrix<double, Eigen::Dynamic, columns, Eigen::ColMajor, base::kMaxRotors, columns>;
 
   void invert(const base::RotorVector& scale);
+  void invert_without_each(const base::RotorVector& scale, RotorSet lost);
+  void turn(double wanted_nm, base::RotorVector& x) const;
   Range thrust_range(const base::RotorVector& base) const;
   double largest_tilt(const base::RotorVector& tilt) const;
   double largest_part(const base::RotorVector& base, const base::RotorVector& step) const;
@@ -119,6 +129,8 @@ class ControlAllocation {
   std::vector<AllocationSetup::Servo> servos_;
   Inverse<3> lift_;  // of U1, U2, U3
   Inverse<1> turn_;  // of U4
+  /// Of U4 with one of the rotors as it is; only where a rotor is lost.
+  std::vector<Inverse<1>> turn_without_;
   Inverse<2> side_;  // of the forces along Dx, Dy
   bool has_lift_ = false, has_yaw_ = false;
   bool lift_turns_ = false;  // thrust, roll and pitch alone would turn the vehicle

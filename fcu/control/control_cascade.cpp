@@ -21,6 +21,7 @@ using Eigen::Vector4d;
 ControlCascade::ControlCascade(const base::Vehicle& vehicle)
     : u1_max_(vehicle.scales.u1_max_n),
       torque_max_(vehicle.scales.u2_max_nm, vehicle.scales.u3_max_nm, vehicle.scales.u4_max_nm),
+      yaw_inertia_kg_m2_(vehicle.inertia_kg_m2.z()),
       mixer_(vehicle),
       detector_(vehicle) {}
 
@@ -109,12 +110,18 @@ void ControlCascade::follow_trajectory(const TrajectorySetpoint& setpoint, doubl
 }
 
 void ControlCascade::follow_attitude(const EstimatorState& estimate, double dt) {
-  rate_setpoint_ = attitude_.update(attitude_setpoint_, estimate.q_ND);
+  rate_setpoint_ = attitude_.update(attitude_setpoint_, estimate.q_ND, turn_limit_rad_s());
   const Vector3d torque = rates_.update(rate_setpoint_, output_.torque, dt);
   Vector4d demand;
   demand << attitude_setpoint_.thrust_n, torque.cwiseProduct(torque_max_);
   const Vector3d side_D = estimate.q_ND.conjugate() * Vector3d(side_N_n_.x(), side_N_n_.y(), 0);
   output_ = mixer_.mix(demand, !near_ground_, side_D.head<2>());
+}
+
+/// Speed of a turn that the heading's loop can brake with what the rotors have to both sides.
+double ControlCascade::turn_limit_rad_s() const {
+  const double brakes_rad_s2 = mixer_.heading_torque_nm() / yaw_inertia_kg_m2_;
+  return params_.yaw_p > 0 ? brakes_rad_s2 / params_.yaw_p : brakes_rad_s2;
 }
 
 /// The part of a horizontal acceleration that the rotors give without tilting the vehicle, N.
@@ -139,7 +146,7 @@ void ControlCascade::look_for_losses(const EstimatorState& estimate, double dt) 
   told_lost_ |= 1U << *rotor;
   const RotorSet found = found_lost_ | 1U << *rotor;
   const bool left_out = mixer_.set_lost(params_.rotors_lost | found);
-  loss_ = RotorLoss{*rotor, left_out};
+  loss_ = RotorLoss{*rotor, left_out, mixer_.heading_torque_nm() > 0};
   if (!left_out) return;
   found_lost_ = found;
   // The integrators have learnt to make up for the lost rotor, and nothing is missing any more.

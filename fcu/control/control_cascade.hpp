@@ -19,8 +19,9 @@ namespace cas::fcu {
 
 /// A rotor that was found to be lost.
 struct RotorLoss {
-  int rotor = 0;          ///< 0..
-  bool left_out = false;  ///< the others carry on without it; else nothing has changed
+  int rotor = 0;              ///< 0..
+  bool left_out = false;      ///< the others carry on without it; else nothing has changed
+  bool holds_heading = true;  ///< else turning is damped, as far as the others can
 };
 
 /// The tracking controller of [HILS] Fig. 8: setpoint and estimate in, U1..U4 out.
@@ -62,12 +63,14 @@ class ControlCascade {
   void follow_trajectory(const TrajectorySetpoint& setpoint, double tilt_limit_rad,
                          const EstimatorState& estimate, double dt);
   void follow_attitude(const EstimatorState& estimate, double dt);
+  double turn_limit_rad_s() const;
   Eigen::Vector2d side_force(const Eigen::Vector2d& a_xy, double mass_kg) const;
   void look_for_losses(const EstimatorState& estimate, double dt);
 
   ControlParams params_;
   double u1_max_;
   Eigen::Vector3d torque_max_;
+  double yaw_inertia_kg_m2_;
   PositionController position_;
   AltitudeController altitude_;
   AttitudeController attitude_;

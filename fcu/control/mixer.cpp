@@ -43,6 +43,14 @@ double largest_part(const Vector4d& base, const Vector4d& step, double low, doub
   return std::clamp(part, 0.0, 1.0);
 }
 
+double heading_torque_of(const ControlAllocation& allocation, double hover_n) {
+  constexpr double kAlike = 0.25;     // of the other sense
+  constexpr double kNothing = 0.005;  // by chance
+  const auto [less_nm, more_nm] = allocation.yaw_reach(hover_n);
+  if (less_nm <= kNothing * more_nm) return 0;
+  return less_nm < kAlike * more_nm ? less_nm : std::numeric_limits<double>::infinity();
+}
+
 }  // namespace
 
 bool Mixer::is_eq3(const base::Vehicle& vehicle) {
@@ -73,6 +81,7 @@ Mixer::Mixer(const base::Vehicle& vehicle)
                             "': its rotors cannot give thrust, roll and pitch independently");
   }
   side_force_n_ = allocation_->side_force_n(hover_n_);
+  heading_torque_nm_ = heading_torque_of(*allocation_, hover_n_);
 }
 
 MixerResult Mixer::mix(const Vector4d& demand, bool may_lift, const Vector2d& side_D_n) const {
@@ -162,6 +171,7 @@ bool Mixer::set_lost(RotorSet lost) {
   allocation_ = without;
   lost_ = lost;
   side_force_n_ = without.side_force_n(hover_n_);
+  heading_torque_nm_ = heading_torque_of(without, hover_n_);
   return true;
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "base/config/vehicle.hpp"
@@ -48,6 +49,11 @@ class Mixer {
   /// way.
   double side_force_n() const { return side_force_n_; }
 
+  /// Yaw moment in hover that can be counted on in both senses, N m: infinite where the rotors yaw
+  /// the vehicle about equally well both ways, 0 where they yaw it one way only. Rotors without the
+  /// other sense would turn it ever faster, if they were asked for a heading.
+  double heading_torque_nm() const { return heading_torque_nm_; }
+
   /// Sets all rotors to leave out; a rotor that is not in `lost` is used again. @return false if
   /// the others cannot carry the vehicle: then nothing changes
   bool set_lost(RotorSet lost);
@@ -61,6 +67,7 @@ class Mixer {
   std::array<OutputKind, base::kMaxOutputs> kinds_{};
   double hover_n_ = 0;
   double side_force_n_ = 0;
+  double heading_torque_nm_ = std::numeric_limits<double>::infinity();
   RotorSet lost_ = 0;
 
   // Any rotors; not for those of Eq. (3).

@@ -3,6 +3,7 @@
 // m/s of wind; and a hexarotor that loses a rotor.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 #include "hils/scenario/scenario.hpp"
@@ -48,6 +49,10 @@ TEST_P(LostRotorOfHexa, IsFoundAndFlownWithout) {
   EXPECT_TRUE(flight.verdict().passed) << flight.text();
   EXPECT_NE(flight.log().find("Rotor " + number + " lost: flying on without it"),
             std::string::npos);
+  EXPECT_NE(flight.log().find("Heading given up"), std::string::npos);
+  for (const double r_rad_s : flight.truth("r_rad_s")) {
+    ASSERT_LT(std::abs(r_rad_s), 1.2) << "turning is damped";
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Each, LostRotorOfHexa, testing::Range(1, 7));

@@ -39,6 +39,7 @@ struct Worst {
   double vertical_m = 0;
   double tilt_rad = 0;
   double yaw_rad = 0;
+  double yaw_rate_rad_s = 0;
 
   void add(ClosedLoop& loop, double north_m, double east_m, double up_m) {
     const auto& truth = loop.truth();
@@ -47,6 +48,7 @@ struct Worst {
     vertical_m = std::max(vertical_m, std::abs(truth.p_N.z() + up_m));
     tilt_rad = std::max(tilt_rad, std::acos((truth.q_ND * Eigen::Vector3d::UnitZ()).z()));
     yaw_rad = std::max(yaw_rad, std::abs(loop.yaw()));
+    yaw_rate_rad_s = std::max(yaw_rate_rad_s, std::abs(truth.w_D.z()));
   }
 };
 
@@ -156,6 +158,8 @@ TEST_P(LostInFlight, AHexaFindsTheLostRotorAndFliesOn) {
   EXPECT_LT(after.horizontal_m, 1);
   EXPECT_LT(after.vertical_m, 0.5);
   EXPECT_LT(after.tilt_rad, 0.3);
+  EXPECT_TRUE(loop.said("Heading given up"));
+  EXPECT_LT(after.yaw_rate_rad_s, 0.5) << "turning is damped";
   loop.command(mavlink::common::MavCmd::kNavLand);
   EXPECT_TRUE(loop.run_until([&] { return !loop.fcu().status().armed; }, 60));
 }
@@ -189,6 +193,29 @@ TEST_P(LostElsewhere, TheHeadingIsKept) {
 INSTANTIATE_TEST_SUITE_P(All, LostElsewhere,
                          testing::Values(Loss{"Octo", test::octo_x}, Loss{"X8", test::x8}),
                          [](const auto& test) { return test.param.name; });
+
+class LostOfTilted : public testing::TestWithParam<int> {};
+
+/// On five tilted rotors it yaws a little to one side and far to the other: it turns back slowly.
+TEST_P(LostOfTilted, TheHeadingIsTakenUpAgain) {
+  test::LoopOptions options;
+  options.vehicle = "hexa_tilt";
+  ClosedLoop loop(options);
+  ASSERT_TRUE(loop.fly_to_hover(10));
+  loop.run(5);
+  loop.multirotor().weaken_rotor(GetParam(), 0);
+  const std::string text = "Rotor " + std::to_string(GetParam() + 1) + " lost: flying on";
+  EXPECT_TRUE(loop.run_until([&] { return loop.said(text); }, 1.5));
+  EXPECT_FALSE(loop.said("Heading given up"));
+  loop.run(30);
+  const Worst after = watch(loop, 10, 0, 0, 10);
+  EXPECT_LT(after.horizontal_m, 1);
+  EXPECT_LT(after.vertical_m, 0.5);
+  EXPECT_LT(after.tilt_rad, 0.5);
+  EXPECT_LT(after.yaw_rad, 0.15);
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, LostOfTilted, testing::Range(0, 6));
 
 TEST(LostRotor, IsLeftOutWhenTheParameterSaysSo) {
   test::LoopOptions options = options_of(test::hexa_x());

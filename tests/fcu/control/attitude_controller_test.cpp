@@ -54,6 +54,19 @@ TEST(AttitudeController, RightsTheVehicleBeforeItTurns) {
   EXPECT_GT(w.head<2>().dot(tilt_axis.head<2>()), 2.0);
 }
 
+/// The tilt alone, as if the vehicle headed where it shall.
+TEST(AttitudeController, RightsTheVehicleAtAnyHeadingWhereNoneIsHeld) {
+  AttitudeSetpoint level;
+  level.yaw_rate_rad_s = 0.3;
+  for (const double yaw_rad : {0.0, 1.0, 3.0}) {
+    const Quaterniond q = base::quaternion_rpy(0, 0, yaw_rad) * base::quaternion_rpy(0.1, -0.05, 0);
+    const Vector3d w = controller().update(level, q, 0);
+    EXPECT_NEAR(w.x(), -0.1 * ControlParams{}.roll_p, 2e-3) << yaw_rad;
+    EXPECT_NEAR(w.y(), 0.05 * ControlParams{}.pitch_p, 2e-3) << yaw_rad;
+    EXPECT_EQ(w.z(), 0) << yaw_rad;
+  }
+}
+
 TEST(AttitudeController, KeepsWithinTheRateLimits) {
   ControlParams params;
   params.rate_limit_rad_s = {1, 2, 0.5};

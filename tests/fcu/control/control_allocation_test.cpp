@@ -301,6 +301,11 @@ TEST_P(AnyFrame, OnTheGroundRollAndPitchRaiseNothing) {
   });
 }
 
+TEST_P(AnyFrame, YawsBothWaysAsLongAsItIsWhole) {
+  const auto [less_nm, more_nm] = allocation_.yaw_reach(hover_n(vehicle_));
+  EXPECT_GT(less_nm, 0.5 * more_nm);
+}
+
 INSTANTIATE_TEST_SUITE_P(
     All, AnyFrame,
     testing::Values(Ring{"Quad", iris}, Ring{"Hexa", test::hexa_x}, Ring{"Octo", test::octo_x},
@@ -373,6 +378,58 @@ TEST_P(HexaWithoutOne, LeavesFourRotorsWhoseMatrixHasRankThree) {
   EXPECT_EQ(rank(four), 3);
 }
 
+TEST_P(HexaWithoutOne, GivesUpTheHeading) {
+  Mixer mixer(test::hexa_x());
+  EXPECT_TRUE(std::isinf(mixer.heading_torque_nm()));
+  EXPECT_TRUE(mixer.set_lost(1U << GetParam()));
+  EXPECT_EQ(mixer.heading_torque_nm(), 0);
+  EXPECT_TRUE(mixer.set_lost(0));
+  EXPECT_TRUE(std::isinf(mixer.heading_torque_nm()));
+}
+
+/// The largest yaw moment to either side of a hover on five rotors lies at a corner of the set of
+/// their speeds: two rotors at limits, three that follow from thrust, roll and pitch.
+ControlAllocation::YawReach corners(const base::Vehicle& vehicle, int lost) {
+  const Eigen::MatrixXd all = vehicle.effectiveness().bottomRows(4);
+  const double low = std::pow(vehicle.rotors[0].params.omega_idle_rad_s, 2);
+  const double high = std::pow(vehicle.rotors[0].params.omega_max_rad_s, 2);
+  double least = INFINITY;
+  double most = -INFINITY;
+  for (int corner = 0; corner < 6 * 6 * 4; ++corner) {
+    const int a = corner % 6;
+    const int b = corner / 6 % 6;
+    if (a >= b || a == lost || b == lost) continue;
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(6);
+    x[a] = corner / 36 % 2 == 0 ? low : high;
+    x[b] = corner / 72 == 0 ? low : high;
+    Eigen::Matrix3d three;
+    std::vector<int> others;
+    for (int i = 0; i < 6; ++i) {
+      if (i == a || i == b || i == lost) continue;
+      three.col(static_cast<int>(others.size())) = all.col(i).head<3>();
+      others.push_back(i);
+    }
+    const Eigen::Vector3d level(hover_n(vehicle), 0, 0);
+    const Eigen::Vector3d rest = three.fullPivLu().solve(level - all.topRows(3) * x);
+    if (!(three * rest).isApprox(level - all.topRows(3) * x, 1e-6)) continue;
+    if (rest.minCoeff() < low * (1 - 1e-9) || rest.maxCoeff() > high * (1 + 1e-9)) continue;
+    for (int k = 0; k < 3; ++k) x[others[static_cast<std::size_t>(k)]] = rest[k];
+    least = std::min(least, all.row(3).dot(x));
+    most = std::max(most, all.row(3).dot(x));
+  }
+  return {std::min(-least, most), std::max(-least, most)};
+}
+
+TEST_P(HexaWithoutOne, WithTiltedRotorsYawsAsFarAsTheyCan) {
+  const base::Vehicle vehicle = test::tilted_hexa(0.35);
+  const ControlAllocation allocation(AllocationSetup::of(vehicle), 1U << GetParam());
+  const ControlAllocation::YawReach most = corners(vehicle, GetParam());
+  const ControlAllocation::YawReach own = allocation.yaw_reach(hover_n(vehicle));
+  EXPECT_GT(most.less_nm, 0);
+  EXPECT_NEAR(own.less_nm, most.less_nm, 0.05 * most.less_nm);
+  EXPECT_GT(own.more_nm, 0.5 * most.more_nm);
+}
+
 INSTANTIATE_TEST_SUITE_P(Each, HexaWithoutOne, testing::Range(0, 6));
 
 /// Du, Quan and Cai's PPNNPN stays controllable after the loss of one of its rotors 1 to 4.
@@ -386,6 +443,7 @@ TEST(LostRotor, LeavesYawToAHexaWithItsSpinsInPairs) {
       return allocation.allocate({u, {}}).u.isApprox(u, kTolerance);
     };
     EXPECT_EQ(gives(0.02) && gives(-0.02), lost < 4) << lost;
+    EXPECT_EQ(allocation.yaw_reach(hover_n(vehicle)).less_nm > 0, lost < 4) << lost;
   }
 }
 
