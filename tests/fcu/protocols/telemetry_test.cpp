@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
+#include <string>
 
 #include "base/earth/frames.hpp"
 #include "mavlink/common/altitude.hpp"
@@ -26,6 +28,7 @@
 #include "mavlink/common/servo_output_raw.hpp"
 #include "mavlink/common/sys_status.hpp"
 #include "mavlink/common/system_time.hpp"
+#include "mavlink/common/table.hpp"
 #include "mavlink/common/vfr_hud.hpp"
 #include "mavlink/common/vibration.hpp"
 #include "tests/fcu/support/closed_loop.hpp"
@@ -249,6 +252,61 @@ INSTANTIATE_TEST_SUITE_P(
                                  MavSysStatusSensor::kAbsolutePressure},
                     SilentSensor{"Gps", &ClosedLoop::gps_on, MavSysStatusSensor::kGps}),
     [](const auto& test) { return test.param.name; });
+
+/// Ten seconds at rest behind a line of this rate.
+class TelemetryOnALine : public testing::Test {
+ protected:
+  void listen(double baud, double control_rate_hz) {
+    LoopOptions options;
+    options.configure = [&](FcuConfig& config) {
+      config.line.baud = baud;
+      config.control_rate_hz = control_rate_hz;
+    };
+    ClosedLoop loop(options);
+    loop.run(3);
+    const auto before = loop.fcu().stats().sent;
+    loop.run(kTime_s);
+    for (auto [name, count] : loop.fcu().stats().sent) {
+      const auto found = before.find(name);
+      if (found != before.end()) count -= found->second;
+      rate_hz_[name] = static_cast<double>(count) / kTime_s;
+      constexpr int kAroundPayload = 12;
+      const double bytes = table().find(std::string_view(name))->min_length + kAroundPayload;
+      (name == "HIL_CONTROLS" ? controls_b_s_ : telemetry_b_s_) += rate_hz_[name] * bytes;
+    }
+  }
+
+  static constexpr double kTime_s = 10;
+  std::map<std::string, double> rate_hz_;
+  double controls_b_s_ = 0;
+  double telemetry_b_s_ = 0;
+};
+
+TEST_F(TelemetryOnALine, IsWholeOnTheUsualOne) {
+  listen(921600, 400);
+  EXPECT_NEAR(rate_hz_["HIL_CONTROLS"], 400, 1);
+  EXPECT_NEAR(rate_hz_["ATTITUDE"], 50, 0.3);
+  EXPECT_NEAR(rate_hz_["LOCAL_POSITION_NED"], 30, 0.3);
+}
+
+TEST_F(TelemetryOnALine, TakesHalfOfWhatTheControlsLeaveOfASlowOne) {
+  listen(57600, 50);
+  EXPECT_NEAR(rate_hz_["HIL_CONTROLS"], 50, 0.2);
+  EXPECT_LE(telemetry_b_s_, 1.02 * 0.5 * (5760 - controls_b_s_));
+  EXPECT_GE(telemetry_b_s_, 0.7 * 0.5 * (5760 - controls_b_s_));
+  constexpr double kWaiting = 0.2;  // for each other's packets, some tenths of an interval
+  EXPECT_NEAR(rate_hz_["ATTITUDE"] / rate_hz_["LOCAL_POSITION_NED"], 50.0 / 30, kWaiting);
+  EXPECT_NEAR(rate_hz_["HEARTBEAT"], 1, 0.1) << "a ground station lives on it";
+  EXPECT_NEAR(rate_hz_["SYS_STATUS"], 1, 0.1);
+}
+
+/// Controls of the configured 400 Hz alone are too much for it.
+TEST_F(TelemetryOnALine, IsATwentiethAtLeast) {
+  listen(57600, 400);
+  EXPECT_NEAR(rate_hz_["HIL_CONTROLS"], 400, 1);
+  EXPECT_NEAR(rate_hz_["ATTITUDE"], 50 / 20.0, 0.3);
+  EXPECT_GT(rate_hz_["HEARTBEAT"], 0.5);
+}
 
 }  // namespace
 }  // namespace cas::fcu
