@@ -24,13 +24,6 @@ RotorModel::RotorModel(const base::Vehicle& vehicle) : count_(vehicle.rotors.siz
     plain_ = plain_ && !rotor.wake && !rotor.tilt && hub.axis_B == Eigen::Vector3d::UnitZ() &&
              hub.params.flapping_stiffness_nm_rad == 0 && hub.params.inflow_thrust_slope == 0;
   }
-  if (std::ranges::any_of(vehicle.rotors, [](const base::Rotor& rotor) {
-        return rotor.params.inflow_thrust_slope > 0;
-      })) {
-    for (const base::Rotor& rotor : vehicle.rotors) {
-      axial_.emplace_back(rotor.params.inflow_thrust_slope);
-    }
-  }
 }
 
 void RotorModel::initial_states(std::span<double> x) const { std::fill(x.begin(), x.end(), 0.0); }
@@ -43,6 +36,12 @@ double RotorModel::lag(const base::RotorParams& params, double omega, double tar
 double RotorModel::speed_derivative(const base::RotorParams& params, double omega, double target) {
   const double tau = lag(params, omega, target);
   return tau > 0 ? (target - omega) / tau : 0.0;  // without lag, limit() sets the speed
+}
+
+double RotorModel::dynamic_speed(std::size_t rotor, double omega, double air_density_kg_m3) const {
+  const double reference = hubs_[rotor].params.reference_density_kg_m3;
+  const double density = reference > 0 ? air_density_kg_m3 / reference : 1.0;
+  return effectiveness_[rotor] * density * omega * std::abs(omega);
 }
 
 double RotorModel::tilt_rate(const base::TiltServo& servo, double tilt, double target) {
@@ -145,6 +144,48 @@ RotorModel::Motion RotorModel::motion(std::size_t rotor, std::span<const double>
   return motion;
 }
 
+RotorLoad RotorModel::inflow_load(std::size_t rotor, double omega, const Eigen::Vector3d& axis_B,
+                                  const Eigen::Vector3d& w_WB_B, const Surroundings& around) const {
+  const base::RotorParams& params = hubs_[rotor].params;
+  const Eigen::Vector3d& r_B = hubs_[rotor].position_B_m;
+  const Eigen::Vector3d v_hub_B = around.v_air_B + w_WB_B.cross(r_B);
+  const double v_axial = axis_B.dot(v_hub_B);
+  const double dynamic = dynamic_speed(rotor, omega, around.air_density_kg_m3);
+  const double thrust = params.thrust_coefficient * dynamic *
+                        thrust_factor(params, v_axial, around.height_m + around.up_B.dot(r_B));
+  if (thrust == 0) return {};  // one that stands, or has no blades
+  return rotor_load({// The slope goes with the area of the blades over the root of their thrust.
+                     .slope = std::sqrt(effectiveness_[rotor]) * params.inflow_thrust_slope,
+                     .radius_m = params.radius_m,
+                     .omega_rad_s = std::abs(omega),
+                     .density_kg_m3 = around.air_density_kg_m3,
+                     .hover_thrust_n = std::abs(thrust),
+                     .hover_torque_n_m = params.torque_coefficient * std::abs(dynamic),
+                     .climb_m_s = std::copysign(1.0, thrust) * v_axial,
+                     .edgewise_m_s = (v_hub_B - v_axial * axis_B).norm()});
+}
+
+base::RotorVector RotorModel::shaft_powers(const BodyState& body, const Environment& environment,
+                                           std::span<const double> x) const {
+  const Surroundings around = surroundings(body, environment);
+  const std::array<double, kMaxStates> at_rest{};  // a power does not depend on derivatives
+  base::RotorVector powers(rotor_count());
+  for (std::size_t i = 0; i < count_; ++i) {
+    const base::RotorParams& params = hubs_[i].params;
+    const double speed = std::abs(x[i]);
+    double power = params.torque_coefficient * (speed * speed * speed);
+    if (params.inflow_thrust_slope > 0) {
+      const RotorLoad load =
+          inflow_load(i, x[i], motion(i, x, at_rest).axis_B, body.w_WB_B, around);
+      power = params.torque_coefficient *
+              std::abs(dynamic_speed(i, x[i], around.air_density_kg_m3)) * speed *
+              std::max(0.0, load.torque);
+    }
+    powers[static_cast<Eigen::Index>(i)] = power;
+  }
+  return powers;
+}
+
 template <bool kPlain>
 void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen::Vector3d& w_WB_B,
                            const Surroundings& around, Wrench& wrench) const {
@@ -152,11 +193,8 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
   const base::RotorParams& params = hub.params;
   const Eigen::Vector3d& r_B = hub.position_B_m;
   const double omega = motion.omega;
-  const double reference = params.reference_density_kg_m3;
-  const double density = reference > 0 ? around.air_density_kg_m3 / reference : 1.0;
   const double speed = std::abs(omega);
-  const double dynamic =  // w |w|, less in thin air and with broken blades
-      effectiveness_[rotor] * density * omega * speed;
+  const double dynamic = dynamic_speed(rotor, omega, around.air_density_kg_m3);
 
   // Air past the hub: the part in the rotor plane drags and rolls, the axial part takes thrust.
   const Eigen::Vector3d v_hub_B = around.v_air_B + w_WB_B.cross(r_B);
@@ -170,14 +208,15 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
 
   // Forces at the hub: [HILS] Eq. (1), less the loss to the rotor above, and drag.
   double thrust = params.thrust_coefficient * dynamic * thrust_factor(params, v_axial, hub_height);
+  double torque = params.torque_coefficient * dynamic;
   Eigen::Vector3d force_B = -params.drag_coefficient * speed * v_plane_B;
   if constexpr (kPlain) {
     force_B.z() += thrust;
   } else {
-    if (!axial_.empty() && thrust > 0) {
-      const double area = M_PI * params.radius_m * params.radius_m;
-      const double v_hover = std::sqrt(thrust / (2 * around.air_density_kg_m3 * area));
-      thrust *= axial_[rotor].share(v_axial / v_hover);
+    if (params.inflow_thrust_slope > 0) {
+      const RotorLoad load = inflow_load(rotor, omega, motion.axis_B, w_WB_B, around);
+      thrust *= load.thrust;
+      torque *= load.torque;
     }
     if (hub.wake_loss > 0 && omega > 0) {
       thrust *= std::max(0.0, 1.0 - hub.wake_loss * motion.upper_omega / omega);
@@ -203,8 +242,7 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
       wrench.torque_B -= moment_per_speed * motion.axis_B.cross(v_plane_B);
     }
   }
-  const double reaction =
-      hub.spin * (params.torque_coefficient * dynamic + params.inertia_kg_m2 * motion.omega_dot);
+  const double reaction = hub.spin * (torque + params.inertia_kg_m2 * motion.omega_dot);
   if constexpr (kPlain) {
     wrench.torque_B.z() -= reaction;
   } else {

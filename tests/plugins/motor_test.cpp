@@ -318,24 +318,23 @@ constexpr base::BatteryParams kBattery{
     .full_v = 16, .empty_v = 12, .capacity_ah = 1, .resistance_ohm = 0.1, .efficiency = 0.5};
 
 TEST(Battery, SagsUnderLoad) {
-  BatteryModel battery(kBattery, base::RotorVector::Constant(4, 2e-7));
+  BatteryModel battery(kBattery);
   EXPECT_DOUBLE_EQ(battery.speed_share(), 1.0);
-  const Vector4d omega = Vector4d::Constant(500);  // 4 * 2e-7 * 500^3 / 0.5 = 200 W
-  battery.advance(omega, 0.0);
+  battery.advance(100, 0.0);  // 200 W from the battery
   // V (V0 - V) / R = P: V = (16 + sqrt(256 - 4 * 0.1 * 200)) / 2.
   EXPECT_NEAR(battery.voltage_v(), (16 + std::sqrt(176.0)) / 2, kExact);
   EXPECT_NEAR(battery.voltage_v() * battery.current_a(), 200, 1e-9);
 }
 
 TEST(Battery, EmptiesByItsCurrent) {
-  BatteryModel battery(kBattery, base::RotorVector::Constant(4, 2e-7));
+  BatteryModel battery(kBattery);
   double used_ah = 0;
   for (int i = 0; i < 60; ++i) {
-    battery.advance(Vector4d::Constant(500), 1.0);
+    battery.advance(100, 1.0);
     used_ah += battery.current_a() / 3600;
   }
   EXPECT_NEAR(battery.charge(), 1 - used_ah, kExact);
-  for (int i = 0; i < 1000; ++i) battery.advance(Vector4d::Constant(500), 1.0);
+  for (int i = 0; i < 1000; ++i) battery.advance(100, 1.0);
   EXPECT_DOUBLE_EQ(battery.charge(), 0);
   EXPECT_DOUBLE_EQ(battery.voltage_v(), 0) << "empty, it gives nothing";
   EXPECT_DOUBLE_EQ(battery.current_a(), 0);
@@ -435,8 +434,8 @@ TEST(MotorPlugin, WithoutABatteryTellsOfNone) {
 }
 
 TEST(Battery, GivesHalfItsVoltageBeyondWhatItCanGive) {
-  BatteryModel battery(kBattery, base::RotorVector::Constant(4, 1.0));
-  battery.advance(Vector4d::Constant(500), 0.0);
+  BatteryModel battery(kBattery);
+  battery.advance(5e8, 0.0);
   EXPECT_DOUBLE_EQ(battery.voltage_v(), 8);
 }
 
