@@ -8,17 +8,30 @@
 
 namespace cas::sim {
 
-/// Lengths and intensities of low-altitude turbulence, MIL-F-8785C Sect. 3.7.3.4.
+inline constexpr double kMetresPerSecondPerKnot = 0.514444;
+
+/// Lengths and intensities of turbulence, MIL-F-8785C.
+///
+/// Up to 1000 ft those of Sect. 3.7.3.4; from 2000 ft on those of Sect. 3.7.2: 1750 ft in all
+/// directions, and the intensity of Figure 7 for the turbulence that is exceeded with a probability
+/// of 1e-2 (light), 1e-3 (moderate) or 1e-5 (severe), which depends on the height alone. Between
+/// them all four go linearly with height.
 struct DrydenScales {
   double length_horizontal_m = 0;   ///< L_u = L_v
   double length_vertical_m = 0;     ///< L_w
   double sigma_horizontal_m_s = 0;  ///< sigma_u = sigma_v
   double sigma_vertical_m_s = 0;    ///< sigma_w
 
-  /// @param w20_m_s   wind at 20 ft: 7.7 light, 15.4 moderate, 23.1 severe
-  /// @param height_m  above ground; held to 10..1000 ft, where the formulas hold
+  /// @param w20_m_s   wind at 20 ft: 7.7 light, 15.4 moderate, 23.1 severe; between them, and
+  /// beyond,
+  ///                  Figure 7 is taken linearly
+  /// @param height_m  above ground; 10 ft below that
   static DrydenScales at(double w20_m_s, double height_m);
 };
+
+/// Intensity of Figure 7 of MIL-F-8785C, in its figures between its heights, linear.
+/// @param w20_m_s  as in DrydenScales::at()
+double high_altitude_sigma_m_s(double w20_m_s, double height_m);
 
 /// A filter (1 + c tau s) / (1 + tau s)^2 on white noise, stepped by its exact solution. Its output
 /// has variance 1 and, with c = sqrt(3), the lateral and vertical spectrum of Dryden.

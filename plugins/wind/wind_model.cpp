@@ -11,7 +11,6 @@ namespace cas::sim {
 namespace {
 
 constexpr double kSlowestSweep = 1.0;  // m/s: else the field would not move in a hover in still air
-constexpr double kMetresPerSecondPerKnot = 0.514444;
 
 WindLaw parse_law(const base::ConfigNode& node) {
   const auto word = node.as<std::string>();
@@ -127,7 +126,9 @@ Eigen::Vector3d WindModel::advance_N(base::SimTime now, double dt, double height
                                      const Eigen::Vector3d& v_N, const Eigen::Vector3d& field_N) {
   Eigen::Vector3d wind_N = field_N + params_.mean_N_m_s * params_.profile.share_at(height_m);
   const double sweep = std::max((v_N - wind_N).norm(), kSlowestSweep);
-  wind_N += turbulence_N(height_m, sweep, dt);
+  // A profile does not turn the mean wind, whose direction holds on the ground, too.
+  const Eigen::Vector3d along_N = field_N.isZero(0) ? params_.mean_N_m_s : wind_N;
+  wind_N += turbulence_N(height_m, sweep, dt, along_N);
   for (; next_gust_ < params_.gusts.size() && params_.gusts[next_gust_].start <= now;
        ++next_gust_) {
     start(params_.gusts[next_gust_].gust);
@@ -138,12 +139,13 @@ Eigen::Vector3d WindModel::advance_N(base::SimTime now, double dt, double height
   return wind_N;
 }
 
-Eigen::Vector3d WindModel::turbulence_N(double height_m, double speed_m_s, double dt) {
+Eigen::Vector3d WindModel::turbulence_N(double height_m, double speed_m_s, double dt,
+                                        const Eigen::Vector3d& along_N) {
   if (params_.turbulence_w20_m_s <= 0) return Eigen::Vector3d::Zero();
   const Eigen::Vector3d uvw =
       dryden_.advance(DrydenScales::at(params_.turbulence_w20_m_s, height_m), speed_m_s, dt);
-  // u along the mean wind (north in still air), v to its right, w up.
-  const double direction = std::atan2(params_.mean_N_m_s.y(), params_.mean_N_m_s.x());
+  // u along the wind (north in still air), v to its right, w up.
+  const double direction = std::atan2(along_N.y(), along_N.x());
   const double c = std::cos(direction);
   const double s = std::sin(direction);
   return {c * uvw[0] - s * uvw[1], s * uvw[0] + c * uvw[1], -uvw[2]};

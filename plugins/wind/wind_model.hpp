@@ -78,7 +78,9 @@ class WindModel {
                             const Eigen::Vector3d& field_N = Eigen::Vector3d::Zero());
 
  private:
-  Eigen::Vector3d turbulence_N(double height_m, double speed_m_s, double dt);
+  /// @param along_N  wind besides turbulence and gusts, of any length
+  Eigen::Vector3d turbulence_N(double height_m, double speed_m_s, double dt,
+                               const Eigen::Vector3d& along_N);
 
   WindParams params_;
   std::size_t next_gust_ = 0;

@@ -31,11 +31,42 @@ TEST(DrydenScales, AreThoseOfTheSpecification) {
   EXPECT_NEAR(scales.sigma_horizontal_m_s, 3 * kKnot / std::pow(0.2593, 0.4), 1e-9);
 }
 
-TEST(DrydenScales, AreHeldBelowTenAndAboveAThousandFeet) {
+TEST(DrydenScales, AreHeldBelowTenFeet) {
   EXPECT_EQ(DrydenScales::at(10, 0).length_vertical_m,
             DrydenScales::at(10, 3.048).length_vertical_m);
-  EXPECT_EQ(DrydenScales::at(10, 900).length_vertical_m,
-            DrydenScales::at(10, 304.8).length_vertical_m);
+}
+
+TEST(DrydenScales, AreThoseOfFigure7FromTwoThousandFeetOn) {
+  constexpr double kFoot = 0.3048;
+  const auto sigma_ft_s = [](double w20_kt, double height_ft) {
+    const DrydenScales scales = DrydenScales::at(w20_kt * kKnot, height_ft * kFoot);
+    EXPECT_NEAR(scales.length_horizontal_m, 1750 * kFoot, 1e-9);
+    EXPECT_NEAR(scales.length_vertical_m, 1750 * kFoot, 1e-9);
+    EXPECT_NEAR(scales.sigma_horizontal_m_s, scales.sigma_vertical_m_s, 1e-9);
+    return scales.sigma_vertical_m_s / kFoot;
+  };
+  EXPECT_NEAR(sigma_ft_s(15, 7500), 6.7, 1e-9);
+  EXPECT_NEAR(sigma_ft_s(30, 3750), 10.6, 1e-9);
+  EXPECT_NEAR(sigma_ft_s(45, 80000), 5.1, 1e-9);
+  EXPECT_NEAR(sigma_ft_s(45, 90000), 5.1, 1e-9) << "as at the end of the figure";
+  EXPECT_NEAR(sigma_ft_s(30, 5625), (10.6 + 10.1) / 2, 1e-9) << "between heights";
+  EXPECT_NEAR(sigma_ft_s(37.5, 7500), (10.1 + 23.6) / 2, 1e-9) << "between curves";
+  EXPECT_NEAR(sigma_ft_s(60, 7500), 23.6 + (23.6 - 10.1), 1e-9);
+  EXPECT_NEAR(sigma_ft_s(7.5, 7500), 6.7 / 2, 1e-9);
+}
+
+TEST(DrydenScales, GoLinearlyFromOneThousandToTwoThousandFeet) {
+  constexpr double kFoot = 0.3048;
+  const DrydenScales low = DrydenScales::at(10, 1000 * kFoot);
+  const DrydenScales middle = DrydenScales::at(10, 1500 * kFoot);
+  const DrydenScales high = DrydenScales::at(10, 2000 * kFoot);
+  EXPECT_NEAR(low.length_vertical_m, 1000 * kFoot, 1e-9);
+  for (const auto member :
+       {&DrydenScales::length_horizontal_m, &DrydenScales::length_vertical_m,
+        &DrydenScales::sigma_horizontal_m_s, &DrydenScales::sigma_vertical_m_s}) {
+    EXPECT_NEAR(middle.*member, (low.*member + high.*member) / 2, 1e-9);
+    EXPECT_NEAR(DrydenScales::at(10, 1000.001 * kFoot).*member, low.*member, 1e-3) << "no jump";
+  }
 }
 
 constexpr DrydenScales kScales{.length_horizontal_m = 40,
@@ -172,6 +203,27 @@ TEST(Wind, AddsToTheFieldAtItsPlace) {
   WindModel wind(parse("{mean_m_s: 5, from_deg: 270}"), 1);
   EXPECT_TRUE(
       wind.advance_N({}, 1e-3, 10, Vector3d::Zero(), {1, 2, 3}).isApprox(Vector3d(1, 7, 3), 1e-12));
+}
+
+/// Turbulence along the wind and across it differ by the length of the filter alone, so the same
+/// seed gives the same numbers in axes that turn with the wind.
+TEST(Wind, TurbulenceHasTheAxesOfTheWindThatBlows) {
+  const auto turbulence = [](const std::string& mean, const Vector3d& field_N) {
+    WindModel calm(parse("{" + mean + "}"), 1);
+    WindModel rough(parse("{" + mean + (mean.empty() ? "" : ", ") + "turbulence: light}"), 1);
+    Vector3d difference = Vector3d::Zero();
+    for (int i = 0; i < 100; ++i) {
+      difference = rough.advance_N({}, 0.01, 50, Vector3d::Zero(), field_N) -
+                   calm.advance_N({}, 0.01, 50, Vector3d::Zero(), field_N);
+    }
+    return difference;
+  };
+  const Vector3d south = turbulence("mean_m_s: 6, from_deg: 180", Vector3d::Zero());
+  const Vector3d west = turbulence("mean_m_s: 6, from_deg: 270", Vector3d::Zero());
+  EXPECT_TRUE(west.isApprox(Vector3d(-south.y(), south.x(), south.z()), 1e-9));
+  // Of a grid or of the world, alone and with a mean.
+  EXPECT_TRUE(turbulence("", {0, 6, 0}).isApprox(west, 1e-9));
+  EXPECT_TRUE(turbulence("mean_m_s: 6, from_deg: 180", {-6, 6, 0}).isApprox(west, 1e-9));
 }
 
 /// Rises by 1 m/s per 10 m eastwards at the ground, twice as fast at 100 m; north is always 3.
