@@ -77,6 +77,22 @@ RotorModel::Surroundings RotorModel::surroundings(const BodyState& body,
           .height_m = environment.height_above_ground_m};
 }
 
+Eigen::Matrix3d RotorModel::wind_gradient_B(const BodyState& body, const Environment& environment) {
+  const Eigen::Matrix3d R_WB = body.q_WB.toRotationMatrix();
+  return R_WB.transpose() * *environment.wind_gradient_W * R_WB;
+}
+
+template <bool kPlain>
+Eigen::Vector3d RotorModel::air_velocity_B(const Surroundings& around,
+                                           const Eigen::Vector3d& w_WB_B,
+                                           const Eigen::Vector3d& r_B) {
+  Eigen::Vector3d v_B = around.v_air_B + w_WB_B.cross(r_B);
+  if constexpr (!kPlain) {
+    if (around.wind_gradient_B != nullptr) v_B -= *around.wind_gradient_B * r_B;
+  }
+  return v_B;
+}
+
 double RotorModel::thrust_factor(const base::RotorParams& params, double axial_speed,
                                  double hub_height) {
   double factor = 1.0;
@@ -92,7 +108,13 @@ double RotorModel::thrust_factor(const base::RotorParams& params, double axial_s
 void RotorModel::evaluate(const BodyState& body, const Environment& environment,
                           std::span<const double> x, std::span<double> x_dot,
                           Wrench& wrench) const {
-  const Surroundings around = surroundings(body, environment);
+  Surroundings around = surroundings(body, environment);
+  if (environment.wind_gradient_W) {
+    const Eigen::Matrix3d gradient_B = wind_gradient_B(body, environment);
+    around.wind_gradient_B = &gradient_B;
+    add_all<false>(around, body.w_WB_B, x, x_dot, wrench);
+    return;
+  }
   if (plain_) {
     add_all<true>(around, body.w_WB_B, x, x_dot, wrench);
   } else {
@@ -148,7 +170,7 @@ RotorLoad RotorModel::inflow_load(std::size_t rotor, double omega, const Eigen::
                                   const Eigen::Vector3d& w_WB_B, const Surroundings& around) const {
   const base::RotorParams& params = hubs_[rotor].params;
   const Eigen::Vector3d& r_B = hubs_[rotor].position_B_m;
-  const Eigen::Vector3d v_hub_B = around.v_air_B + w_WB_B.cross(r_B);
+  const Eigen::Vector3d v_hub_B = air_velocity_B<false>(around, w_WB_B, r_B);
   const double v_axial = axis_B.dot(v_hub_B);
   const double dynamic = dynamic_speed(rotor, omega, around.air_density_kg_m3);
   const double thrust = params.thrust_coefficient * dynamic *
@@ -167,7 +189,12 @@ RotorLoad RotorModel::inflow_load(std::size_t rotor, double omega, const Eigen::
 
 base::RotorVector RotorModel::shaft_powers(const BodyState& body, const Environment& environment,
                                            std::span<const double> x) const {
-  const Surroundings around = surroundings(body, environment);
+  Surroundings around = surroundings(body, environment);
+  Eigen::Matrix3d gradient_B;
+  if (environment.wind_gradient_W) {
+    gradient_B = wind_gradient_B(body, environment);
+    around.wind_gradient_B = &gradient_B;
+  }
   const std::array<double, kMaxStates> at_rest{};  // a power does not depend on derivatives
   base::RotorVector powers(rotor_count());
   for (std::size_t i = 0; i < count_; ++i) {
@@ -197,7 +224,7 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
   const double dynamic = dynamic_speed(rotor, omega, around.air_density_kg_m3);
 
   // Air past the hub: the part in the rotor plane drags and rolls, the axial part takes thrust.
-  const Eigen::Vector3d v_hub_B = around.v_air_B + w_WB_B.cross(r_B);
+  const Eigen::Vector3d v_hub_B = air_velocity_B<kPlain>(around, w_WB_B, r_B);
   const double hub_height = around.height_m + around.up_B.dot(r_B);
   double v_axial = v_hub_B.z();
   Eigen::Vector3d v_plane_B(v_hub_B.x(), v_hub_B.y(), 0.0);
@@ -208,7 +235,7 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
 
   // Forces at the hub: [HILS] Eq. (1), less the loss to the rotor above, and drag.
   double thrust = params.thrust_coefficient * dynamic * thrust_factor(params, v_axial, hub_height);
-  double torque = params.torque_coefficient * dynamic;
+  double torque_share = 1;
   Eigen::Vector3d force_B = -params.drag_coefficient * speed * v_plane_B;
   if constexpr (kPlain) {
     force_B.z() += thrust;
@@ -216,7 +243,7 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
     if (params.inflow_thrust_slope > 0) {
       const RotorLoad load = inflow_load(rotor, omega, motion.axis_B, w_WB_B, around);
       thrust *= load.thrust;
-      torque *= load.torque;
+      torque_share = load.torque;
     }
     if (hub.wake_loss > 0 && omega > 0) {
       thrust *= std::max(0.0, 1.0 - hub.wake_loss * motion.upper_omega / omega);
@@ -242,7 +269,8 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
       wrench.torque_B -= moment_per_speed * motion.axis_B.cross(v_plane_B);
     }
   }
-  const double reaction = hub.spin * (torque + params.inertia_kg_m2 * motion.omega_dot);
+  const double reaction = hub.spin * (torque_share * (params.torque_coefficient * dynamic) +
+                                      params.inertia_kg_m2 * motion.omega_dot);
   if constexpr (kPlain) {
     wrench.torque_B.z() -= reaction;
   } else {

@@ -76,7 +76,8 @@ class RotorModel final : public ForceModel {
     Eigen::Vector3d v_air_B;  // of the centre of gravity through the air
     Eigen::Vector3d up_B;
     double air_density_kg_m3;
-    double height_m;  // of the centre of gravity
+    double height_m;                                   // of the centre of gravity
+    const Eigen::Matrix3d* wind_gradient_B = nullptr;  // 1/s, where the wind has one
   };
   /// One rotor; keeps the values that a step reads close together.
   struct Hub {
@@ -105,7 +106,13 @@ class RotorModel final : public ForceModel {
       to[static_cast<std::size_t>(i)] = from[i];
     }
   }
+  /// Of a place r_B of the body through the air; a plain step's wind has no gradient.
+  template <bool kPlain>
+  [[gnu::always_inline]] static inline Eigen::Vector3d air_velocity_B(const Surroundings& around,
+                                                                      const Eigen::Vector3d& w_WB_B,
+                                                                      const Eigen::Vector3d& r_B);
   Surroundings surroundings(const BodyState& body, const Environment& environment) const;
+  static Eigen::Matrix3d wind_gradient_B(const BodyState& body, const Environment& environment);
   static double lag(const base::RotorParams& params, double omega, double target);
   static double speed_derivative(const base::RotorParams& params, double omega, double target);
   [[gnu::always_inline]] static inline double thrust_factor(const base::RotorParams& params,

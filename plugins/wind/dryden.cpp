@@ -45,6 +45,13 @@ struct StepCovariance {
   }
 };
 
+/// First-order lag of an input that goes from `before` to `now` in a straight line.
+/// @param theta  step over time constant
+double lag(double value, double before, double now, double theta) {
+  const double share = -std::expm1(-theta);
+  return value + share * (before - value) + (1 - share / theta) * (now - before);
+}
+
 }  // namespace
 
 DrydenScales DrydenScales::at(double w20_m_s, double height_m) {
@@ -124,6 +131,38 @@ Eigen::Vector3d Dryden::advance(const DrydenScales& scales, double speed_m_s, do
   const double w = w_.advance(theta_w, random_);
   return {scales.sigma_horizontal_m_s * u_, scales.sigma_horizontal_m_s * v,
           scales.sigma_vertical_m_s * w};
+}
+
+DrydenRates::DrydenRates(double span_m, std::uint64_t seed)
+    : span_m_(span_m), random_(seed), p_(random_()) {}
+
+double DrydenRates::sigma_p(const DrydenScales& scales, double span_m) {
+  const double length = scales.length_vertical_m;
+  return scales.sigma_vertical_m_s * M_PI * std::sqrt(0.1 / (span_m * length)) *
+         std::pow(M_PI * length / (4 * span_m), 1.0 / 6.0);
+}
+
+Eigen::Matrix3d DrydenRates::advance(const DrydenScales& scales, double speed_m_s, double dt,
+                                     const Eigen::Vector3d& uvw) {
+  const double time_w = 4 * span_m_ / (M_PI * speed_m_s);
+  const double time_v = 3 * span_m_ / (M_PI * speed_m_s);
+  if (!begun_) {
+    uvw_ = uvw;
+    v_ = uvw[1];
+    w_ = uvw[2];
+    begun_ = true;
+  }
+  // s / (1 + T s) is what the lag has still to do, over T.
+  v_ = lag(v_, uvw_[1], uvw[1], dt / time_v);
+  w_ = lag(w_, uvw_[2], uvw[2], dt / time_w);
+  uvw_ = uvw;
+  p_ = std::exp(-dt / time_w) * p_ + std::sqrt(-std::expm1(-2 * dt / time_w)) * random_();
+
+  Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();
+  gradient(1, 0) = -(uvw[1] - v_) / (time_v * speed_m_s);
+  gradient(2, 0) = -(uvw[2] - w_) / (time_w * speed_m_s);
+  gradient(2, 1) = sigma_p(scales, span_m_) * p_;
+  return gradient;
 }
 
 }  // namespace cas::sim

@@ -66,4 +66,34 @@ class Dryden {
   DrydenLateral w_;
 };
 
+/// How Dryden turbulence changes over a vehicle: the gusts p, q, r of MIL-F-8785C, which turn it.
+///
+/// q and r are the changes of w and v along the flow, which moves past with the speed V: time
+/// derivatives over -V, with a lag of 4 b / (pi V) and 3 b / (pi V) for the span b of the vehicle,
+/// over which they are averaged. p, of w across the flow, has the spectrum
+/// sigma_w^2 / (V L_w) 0.8 (pi L_w / 4 b)^(1/3) / (1 + (4 b omega / (pi V))^2), which counts from 0
+/// to infinity.
+class DrydenRates {
+ public:
+  DrydenRates() = default;
+  DrydenRates(double span_m, std::uint64_t seed);
+
+  /// @param uvw  of Dryden::advance() for the same step
+  /// @return change of (u, v, w) along its own axes, 1/s: row by component, column by direction
+  Eigen::Matrix3d advance(const DrydenScales& scales, double speed_m_s, double dt,
+                          const Eigen::Vector3d& uvw);
+
+  /// Standing deviation of p, 1/s.
+  static double sigma_p(const DrydenScales& scales, double span_m);
+
+ private:
+  double span_m_ = 0;
+  base::NormalRandom random_;
+  double p_ = 0;                                   // variance 1
+  Eigen::Vector3d uvw_ = Eigen::Vector3d::Zero();  // of the step before
+  double v_ = 0;                                   // lagging
+  double w_ = 0;
+  bool begun_ = false;
+};
+
 }  // namespace cas::sim

@@ -287,6 +287,32 @@ TEST(BodyDrag, IsProportionalToTheSpeedThroughTheAir) {
   EXPECT_EQ(wrench.torque_B, Vector3d::Zero());
 }
 
+TEST(RotorModel, MeetsTheWindAtTheHubOfEachRotor) {
+  base::Vehicle vehicle = simple_vehicle();
+  set_all(vehicle, &base::RotorParams::thrust_coefficient, 0);
+  set_all(vehicle, &base::RotorParams::torque_coefficient, 0);
+  set_all(vehicle, &base::RotorParams::drag_coefficient, 1e-4);
+  const RotorModel rotors(vehicle);
+  BodyState body;
+  body.q_WB = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitZ());  // forward is north, +y of W
+  Environment air;
+  air.wind_W = {1, 0, 0};
+  Eigen::Matrix3d gradient_W = Eigen::Matrix3d::Zero();
+  gradient_W(0, 1) = 4;  // east wind's speed rises northwards
+  air.wind_gradient_W = gradient_W;
+  // At a hub x forward of the centre the air moves east, to the right, with 1 + 4 x.
+  Vector3d force_B = Vector3d::Zero();
+  Vector3d torque_B = Vector3d::Zero();
+  for (const base::Rotor& rotor : vehicle.rotors) {
+    const Vector3d drag_B(0, -1e-4 * 500 * (1 + 4 * rotor.position_B_m.x()), 0);
+    force_B += drag_B;
+    torque_B += rotor.position_B_m.cross(drag_B);
+  }
+  const Wrench wrench = evaluate(rotors, Vector4d::Constant(500), body, air).wrench;
+  EXPECT_TRUE(wrench.force_B.isApprox(force_B, kExact));
+  EXPECT_TRUE(wrench.torque_B.isApprox(torque_B, kExact)) << wrench.torque_B.transpose();
+}
+
 TEST(MotorPlugin, DrivesItsForceModelFromTheBus) {
   test::PluginHarness harness;
   const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/config/frame_table.hpp"
+#include "libsim/core/body/rigid_body.hpp"
 #include "plugins/motor/motor_mixer.hpp"
 #include "plugins/motor/rotor_model.hpp"
 #include "tests/plugins/plugin_harness.hpp"
@@ -227,6 +228,51 @@ TEST(Rotors, ThatComeToRestInAWindLoseTheirThrustWithTheSquareOfTheirSpeed) {
   for (double omega = 1; omega > 1e-200; omega *= 1e-3) per_square(omega);
   const Wrench still = answer_of(model, {0}, body, air).wrench;
   EXPECT_TRUE(still.force_B.isZero(0) && still.torque_B.isZero(0));
+}
+
+/// Swings on a spring through hover, climb and sink, leaning.
+class Spring final : public ForceModel {
+ public:
+  int state_count() const override { return 0; }
+  void initial_states(std::span<double>) const override {}
+  void evaluate(const BodyState& body, const Environment&, std::span<const double>,
+                std::span<double>, Wrench& wrench) const override {
+    wrench.force_B -= body.q_WB.conjugate() * (20.0 * body.p_WB);
+  }
+};
+
+Vector3d place_after_ten_seconds(const RotorModel& model, double dt) {
+  const Spring spring;
+  ForceSet forces;
+  forces.add(model);
+  forces.add(spring);
+  BodyState body;
+  body.v_WB = {2, 0, 3};
+  body.q_WB = Eigen::AngleAxisd(0.1, Vector3d::UnitY());
+  Environment air;
+  air.gravity_W = {0, 0, -9.80665};
+  air.air_density_kg_m3 = 1.225;
+  air.height_above_ground_m = 100;
+  const MassProperties mass(1, Vector3d(0.03, 0.03, 0.056).asDiagonal());
+  for (int i = 0; i < std::lround(10 / dt); ++i) integrate_free(body, forces, mass, air, {}, dt);
+  return body.p_WB;
+}
+
+TEST(Rotors, InWindAreIntegratedToAMicrometre) {
+  std::vector<base::Rotor> rotors;
+  for (const double side : {-0.2, 0.2}) {
+    for (const double end : {-0.2, 0.2}) {
+      base::Rotor rotor = simple_rotor();
+      rotor.position_B_m = {end, side, 0.02};
+      rotor.spin = side * end > 0 ? 1 : -1;
+      rotor.params.inflow_thrust_slope = 0.7;
+      rotors.push_back(rotor);
+    }
+  }
+  RotorModel model(vehicle_of(std::move(rotors)));
+  model.set_targets(base::RotorVector::Constant(4, 495));  // 9.8 N
+  EXPECT_LT((place_after_ten_seconds(model, 1e-3) - place_after_ten_seconds(model, 1e-4)).norm(),
+            1e-6);
 }
 
 /// Hoffmann et al.: the disc tilts back, a stiff hub lifts the nose by K a, a = A v / (w R).

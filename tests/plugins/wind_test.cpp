@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plugins/wind/dryden.hpp"
@@ -142,6 +143,44 @@ TEST(Dryden, HasTheSpectraOfTheSpecification) {
     EXPECT_NEAR(density_at(u, kStep, omega) / longitudinal(2, tau, omega), 1, kLimit) << omega;
     EXPECT_NEAR(density_at(v, kStep, omega) / lateral(2, tau, omega), 1, kLimit) << omega;
     EXPECT_NEAR(density_at(w, kStep, omega) / lateral(1, tau_w, omega), 1, kLimit) << omega;
+  }
+}
+
+TEST(DrydenRates, HaveTheSpectraOfTheSpecification) {
+  constexpr double kSpan = 0.6;
+  constexpr double kStep = 0.01;
+  Dryden dryden(5);
+  DrydenRates rates(kSpan, 6);
+  std::vector<double> along_v, along_w, across_w;
+  double others = 0;
+  for (int i = 0; i < 1'000'000; ++i) {
+    Eigen::Matrix3d gradient =
+        rates.advance(kScales, kSpeed, kStep, dryden.advance(kScales, kSpeed, kStep));
+    along_v.push_back(std::exchange(gradient(1, 0), 0));
+    along_w.push_back(std::exchange(gradient(2, 0), 0));
+    across_w.push_back(std::exchange(gradient(2, 1), 0));
+    others += gradient.cwiseAbs().sum();
+  }
+  EXPECT_EQ(others, 0);
+  const double lag_v = 3 * kSpan / (M_PI * kSpeed);
+  const double lag_w = 4 * kSpan / (M_PI * kSpeed);
+  const auto along = [](double sigma, double length, double lag, double omega) {
+    const double x = std::pow(length / kSpeed * omega, 2);
+    const double gust = sigma * sigma * length / kSpeed / M_PI * (1 + 3 * x) / std::pow(1 + x, 2);
+    return gust * std::pow(omega / kSpeed, 2) / (1 + std::pow(lag * omega, 2));
+  };
+  const double length = kScales.length_vertical_m;
+  constexpr double kLimit = 0.2;  // as above
+  for (const double omega : {0.3, 1.0, 3.0, 10.0}) {
+    EXPECT_NEAR(
+        density_at(along_v, kStep, omega) / along(2, kScales.length_horizontal_m, lag_v, omega), 1,
+        kLimit)
+        << omega;
+    EXPECT_NEAR(density_at(along_w, kStep, omega) / along(1, length, lag_w, omega), 1, kLimit)
+        << omega;
+    const double p = 0.8 * std::cbrt(M_PI * length / (4 * kSpan)) / (kSpeed * length) /
+                     (1 + std::pow(lag_w * omega, 2));
+    EXPECT_NEAR(density_at(across_w, kStep, omega) / p, 1, kLimit) << omega;
   }
 }
 
@@ -297,6 +336,44 @@ TEST(WindPlugin, AddsToTheWindOfTheWorldAndToAGrid) {
     EXPECT_TRUE(harness.world.air.wind_W.isApprox(Vector3d(1 + 5 + 1, 3, 0), 1e-12))
         << harness.world.air.wind_W.transpose();
   }
+}
+
+TEST(WindPlugin, WithASpanGivesTheGradientOfProfileAndGrid) {
+  const cas::test::TemporaryFolder folder;
+  test::PluginHarness harness;
+  harness.world.body.p_WB = {5, 0, 50};
+  harness.world.air.height_above_ground_m = 50;
+  harness.add("wind",
+              "{mean_m_s: 5, from_deg: 270, profile: {law: power, reference_m: 10, "
+              "exponent: 0.5}, span_m: 0.5, grid: " +
+                  folder.write("g.csv", kGrid).string() + "}");
+  harness.step();
+  ASSERT_TRUE(harness.world.air.wind_gradient_W);
+  Eigen::Matrix3d expected = Eigen::Matrix3d::Zero();
+  expected(0, 0) = 0.15;       // of the grid, half way up
+  expected(0, 2) = 0.5 / 100;  // at x = 5 from 0.5 to 1 m/s
+  expected(2, 2) = -1.0 / 100;
+  expected(0, 2) += 0.5 * 5 / std::sqrt(10 * 50);  // d/dh of 5 (h / 10)^0.5
+  EXPECT_TRUE(harness.world.air.wind_gradient_W->isApprox(expected, 1e-4))
+      << *harness.world.air.wind_gradient_W;
+}
+
+TEST(WindPlugin, WithoutASpanLeavesTheWindAsAtTheCentre) {
+  test::PluginHarness harness;
+  harness.add("wind", "{mean_m_s: 5, from_deg: 0, profile: log, turbulence: moderate}");
+  harness.step();
+  EXPECT_FALSE(harness.world.air.wind_gradient_W);
+}
+
+TEST(Wind, ASpanDoesNotChangeTheWindAtTheCentre) {
+  WindModel narrow(parse("{mean_m_s: 5, from_deg: 30, turbulence: light}"), 3);
+  WindModel wide(parse("{mean_m_s: 5, from_deg: 30, turbulence: light, span_m: 0.5}"), 3);
+  for (int i = 0; i < 1000; ++i) {
+    ASSERT_EQ(narrow.advance_N({}, 0.01, 20, Vector3d::Zero()),
+              wide.advance_N({}, 0.01, 20, Vector3d::Zero()));
+  }
+  EXPECT_TRUE(narrow.gradient_N().isZero(0));
+  EXPECT_FALSE(wide.gradient_N().isZero(1e-6));
 }
 
 TEST(WindPlugin, WarnsOfGustsThatItLeavesOut) {
