@@ -50,8 +50,8 @@ class MotorPlugin final : public Plugin {
     }
     battery_ = full_battery_;
     context.add_force_model(*rotors_);
-    if (vehicle.body_drag_linear_n_s_m > 0) {
-      drag_.emplace(vehicle.body_drag_linear_n_s_m);
+    if (vehicle.body_drag_linear_n_s_m > 0 || vehicle.body_drag) {
+      drag_.emplace(vehicle.body_drag_linear_n_s_m, vehicle.body_drag);
       context.add_force_model(*drag_);
     }
     speeds_ = context.bus().advertise<RotorSpeeds>(context.topic("rotor_speeds"));

@@ -287,6 +287,30 @@ TEST(BodyDrag, IsProportionalToTheSpeedThroughTheAir) {
   EXPECT_EQ(wrench.torque_B, Vector3d::Zero());
 }
 
+TEST(BodyDrag, GrowsWithTheSquareByAxisAndTurnsTheBodyAboutItsCentre) {
+  const Vector3d centre_B(-0.1, 0, 0.05);
+  const BodyDrag drag(0,
+                      base::BodyDragParams{.area_m2 = {0.01, 0.02, 0.04}, .centre_B_m = centre_B});
+  BodyState body;
+  body.q_WB = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized());
+  body.v_WB = body.q_WB * Vector3d(5, 0, 1);
+  body.w_WB_B = {0, 10, 0};
+  Environment environment;
+  environment.air_density_kg_m3 = 1.2;
+  environment.wind_W = body.q_WB * Vector3d(1, 2, 0);
+  // The wind dies away towards the tail: at the centre of pressure less by 3 m/s forward.
+  Eigen::Matrix3d gradient_B = Eigen::Matrix3d::Zero();
+  gradient_B(0, 0) = 30;
+  environment.wind_gradient_W = body.q_WB * gradient_B * body.q_WB.conjugate();
+  Wrench wrench;
+  drag.evaluate(body, environment, {}, {}, wrench);
+  // Of the centre of gravity (4, -2, 1), of the turn (0.5, 0, 1), of the gradient (3, 0, 0).
+  const Vector3d v_B(7.5, -2, 2);
+  const Vector3d force_B = -0.6 * v_B.norm() * Vector3d(0.01 * 7.5, 0.02 * -2, 0.04 * 2);
+  EXPECT_TRUE(wrench.force_B.isApprox(force_B, kExact)) << wrench.force_B.transpose();
+  EXPECT_TRUE(wrench.torque_B.isApprox(centre_B.cross(force_B), kExact));
+}
+
 TEST(RotorModel, MeetsTheWindAtTheHubOfEachRotor) {
   base::Vehicle vehicle = simple_vehicle();
   set_all(vehicle, &base::RotorParams::thrust_coefficient, 0);
