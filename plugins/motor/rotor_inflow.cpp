@@ -104,8 +104,8 @@ RotorInflow rotor_inflow(double slope, double advance_ratio, const RotorAir& air
 }
 
 RotorLoad rotor_load(const RotorFlight& flight) {
-  constexpr double kInducedPowerFactor = 1.15;  // Leishman, Sect. 2.8: from measurements
-  constexpr double kProfilePowerRise = 4.65;    // over mu^2, the same book, Sect. 5.4.2
+  constexpr double kInducedPowerFactor = 1.15;  // Leishman, Ch. 2: from measurements
+  constexpr double kProfilePowerRise = 4.65;    // over mu^2, the same book, Ch. 5
   const double area = M_PI * flight.radius_m * flight.radius_m;
   const double tip_speed = flight.omega_rad_s * flight.radius_m;
   const double v_hover = std::sqrt(flight.hover_thrust_n / (2 * flight.density_kg_m3 * area));

@@ -18,12 +18,12 @@ struct RotorInflow {
 
 /// Thrust over that of a hover with v = 1, of a rotor that induces v: t = v sqrt(x^2 + (z + v)^2)
 /// (H. Glauert, A General Theory of the Autogyro, ARC R&M 1111, 1926; Leishman, Principles of
-/// Helicopter Aerodynamics, 2nd ed., Sect. 2.14), the momentum theory of climb and of the windmill
-/// brake state where x is 0.
+/// Helicopter Aerodynamics, 2nd ed., Ch. 2), the momentum theory of climb and of the windmill brake
+/// state where x is 0.
 ///
 /// Momentum theory has no flow in the vortex ring state. There, for 1.5 x^2 + (2 z + 3 sqrt(t))^2 <
 /// t, the curve is Johnson's fit to measurements, v = z ((0.373 z^2 + 0.598 x^2) / t - 1.991) (W.
-/// Johnson, NDARC Theory, NASA/TP-2009-215402, rotor inflow), which meets momentum theory at the
+/// Johnson, NDARC, NASA/TP-2009-215402, the rotor's inflow), which meets momentum theory at the
 /// border to 1 %; a cubic of the left side over t, from 1 to 1.2, blends them. t rises with v
 /// everywhere, and t(-v, -z) = -t(v, z).
 ///
@@ -35,7 +35,7 @@ double induced_velocity(const RotorAir& air);
 
 /// Thrust and inflow on which the blades and momentum theory agree.
 ///
-/// Blade-element theory, averaged over the disc (Leishman, Sect. 3.2 and 3.5): C_T grows with the
+/// Blade-element theory, averaged over the disc (Leishman, Ch. 3): C_T grows with the
 /// advance ratio mu and falls linearly with the inflow, so that
 ///
 ///   t = (1 + g) (1 + 3/2 mu^2) - g (z + v),   g = sigma a / (8 lambda_h)
@@ -66,8 +66,7 @@ struct RotorLoad {
   double torque = 1;
 };
 
-/// Thrust by rotor_inflow(), torque by the power that the rotor takes (Leishman, Sect. 5.4
-/// and 5.5):
+/// Thrust by rotor_inflow(), torque by the power that the rotor takes (Leishman, Ch. 5):
 ///
 ///   Q w = k T v_i + T V + P_0 (1 + 4.65 mu^2)
 ///
