@@ -175,16 +175,18 @@ RotorLoad RotorModel::inflow_load(std::size_t rotor, double omega, const Eigen::
   const double dynamic = dynamic_speed(rotor, omega, around.air_density_kg_m3);
   const double thrust = params.thrust_coefficient * dynamic *
                         thrust_factor(params, v_axial, around.height_m + around.up_B.dot(r_B));
-  if (thrust == 0) return {};  // one that stands, or has no blades
-  return rotor_load({// The slope goes with the area of the blades over the root of their thrust.
-                     .slope = std::sqrt(effectiveness_[rotor]) * params.inflow_thrust_slope,
-                     .radius_m = params.radius_m,
-                     .omega_rad_s = std::abs(omega),
-                     .density_kg_m3 = around.air_density_kg_m3,
-                     .hover_thrust_n = std::abs(thrust),
-                     .hover_torque_n_m = params.torque_coefficient * std::abs(dynamic),
-                     .climb_m_s = std::copysign(1.0, thrust) * v_axial,
-                     .edgewise_m_s = (v_hub_B - v_axial * axis_B).norm()});
+  const double density = around.air_density_kg_m3;
+  if (thrust == 0 || density <= 0) return {};  // it stands, has no blades, or is in no air
+  return rotor_load(
+      {// The slope goes with the area of the blades over the root of their thrust.
+       .slope = std::sqrt(std::abs(effectiveness_[rotor])) * params.inflow_thrust_slope,
+       .radius_m = params.radius_m,
+       .omega_rad_s = std::abs(omega),
+       .density_kg_m3 = density,
+       .hover_thrust_n = std::abs(thrust),
+       .hover_torque_n_m = params.torque_coefficient * std::abs(dynamic),
+       .climb_m_s = std::copysign(1.0, thrust) * v_axial,
+       .edgewise_m_s = (v_hub_B - v_axial * axis_B).norm()});
 }
 
 base::RotorVector RotorModel::shaft_powers(const BodyState& body, const Environment& environment,

@@ -210,6 +210,31 @@ TEST(Rotors, ThrustAndTorqueFollowTheInflow) {
   }
 }
 
+TEST(Rotors, WithBrokenBladesOrWithoutAirHaveAFiniteInflow) {
+  base::Rotor rotor = simple_rotor();
+  rotor.params.inertia_kg_m2 = 0;
+  rotor.params.inflow_thrust_slope = 0.7;
+  RotorModel model(vehicle_of({rotor}));
+  Environment air;
+  air.air_density_kg_m3 = 1.2;
+  BodyState body;
+  body.v_WB = {8, 0, 2};
+  const auto thrust = [&](double share) {
+    model.set_effectiveness(base::RotorVector::Constant(1, share));
+    const Wrench wrench = answer_of(model, {500}, body, air).wrench;
+    EXPECT_TRUE(wrench.force_B.allFinite() && wrench.torque_B.allFinite()) << share;
+    return wrench.force_B.z();
+  };
+  EXPECT_EQ(thrust(0), 0);
+  EXPECT_GT(thrust(0.5), 0);
+  body.v_WB.z() = -2;
+  const double up = thrust(0.5);
+  body.v_WB.z() = 2;
+  EXPECT_NEAR(thrust(-0.5), -up, 1e-9) << "it pulls the other way";
+  air.air_density_kg_m3 = 0;
+  EXPECT_NEAR(thrust(1), 2.5, 1e-9) << "k_f holds in any air";
+}
+
 TEST(Rotors, ThatComeToRestInAWindLoseTheirThrustWithTheSquareOfTheirSpeed) {
   base::Rotor rotor = simple_rotor();
   rotor.params.inflow_thrust_slope = 0.7;
