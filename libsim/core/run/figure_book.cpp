@@ -14,7 +14,7 @@ namespace cas::sim {
 
 namespace {
 
-constexpr std::size_t kMostNameBytes = 48;
+constexpr std::size_t kMostFigureNameBytes = 48;
 
 /// Length of the UTF-8 character that `text` begins with; 0 when there is none. Overlong forms,
 /// surrogates and control characters are none.
@@ -36,7 +36,7 @@ std::size_t character_bytes(std::string_view text) {
 }
 
 bool is_shown(std::string_view text) {
-  if (text.size() > kMostNameBytes) return false;
+  if (text.size() > kMostFigureNameBytes) return false;
   while (!text.empty()) {
     const std::size_t size = character_bytes(text);
     if (size == 0) return false;
