@@ -38,7 +38,7 @@ struct RotorParams {
   double reference_density_kg_m3 = 0;     ///< air in which k_f and k_m hold; 0: in any air
   double ground_effect = 0;               ///< share of Cheeseman and Bennett's thrust gain, 0..1
   // May be left out of the file: 0.
-  double inflow_thrust_slope = 0;        ///< sigma a / (8 lambda_h): thrust over axial inflow
+  double inflow_thrust_slope = 0;        ///< g = sigma a / (8 lambda_h): thrust over inflow
   double flapping_gain = 0;              ///< tilt of the disc over the advance ratio, rad
   double flapping_stiffness_nm_rad = 0;  ///< moment at the hub over the tilt of the disc
   double esc_dead_time_s = 0;            ///< from a command to the first change of the current
@@ -107,6 +107,14 @@ struct BatteryParams {
   double efficiency = 0;      ///< shaft power over electrical power
 };
 
+/// Drag of the fuselage that grows with the square of the airspeed: -1/2 rho |v| (A_x v_x, A_y v_y,
+/// A_z v_z), with v of the place where it acts.
+struct BodyDragParams {
+  Eigen::Vector3d area_m2 = Eigen::Vector3d::Zero();  ///< A = C_d S of air along forward, left, up
+  Eigen::Vector3d centre_B_m =
+      Eigen::Vector3d::Zero();  ///< of pressure, from the centre of gravity
+};
+
 /// An airframe as config/vehicles/*.yaml describes it, for simulator and controller alike.
 struct CAS_BASE_EXPORT Vehicle {
   std::string name;
@@ -114,12 +122,13 @@ struct CAS_BASE_EXPORT Vehicle {
       urdf;            ///< the body's model, a URDF or SDF file; resolved against the YAML's folder
   double mass_kg = 0;  ///< rotors included; the file's, or the model's
   Eigen::Vector3d inertia_kg_m2 =
-      Eigen::Vector3d::Zero();           ///< Ixx, Iyy, Izz about the centre of gravity
-  std::vector<Rotor> rotors;             ///< 1 to kMaxRotors
-  ControlScales scales;                  ///< computed by control_scales() where the file has none
-  double body_drag_linear_n_s_m = 0;     ///< fuselage drag, N per m/s of airspeed
-  std::optional<BatteryParams> battery;  ///< nullopt: the voltage never changes
-  std::uint8_t system_id = 1;            ///< MAVLink system
+      Eigen::Vector3d::Zero();        ///< Ixx, Iyy, Izz about the centre of gravity
+  std::vector<Rotor> rotors;          ///< 1 to kMaxRotors
+  ControlScales scales;               ///< computed by control_scales() where the file has none
+  double body_drag_linear_n_s_m = 0;  ///< fuselage drag, N per m/s of airspeed
+  std::optional<BodyDragParams> body_drag;   ///< nullopt: none with the square of the airspeed
+  std::optional<BatteryParams> battery;      ///< nullopt: the voltage never changes
+  std::uint8_t system_id = 1;                ///< MAVLink system
   ConfigNode sensors = ConfigNode::empty();  ///< parameters by plugin name, see sensor_set()
   ModelParts parts;  ///< of the model: those of the file, and turning links that are no rotors
   /// What was taken otherwise than the files say, a sentence each; the model's own warnings are

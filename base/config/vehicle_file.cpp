@@ -191,6 +191,17 @@ ControlScales parse_scales(const ConfigNode& node) {
   return scales;
 }
 
+BodyDragParams parse_body_drag(const ConfigNode& node) {
+  BodyDragParams drag;
+  const ConfigNode area = node.at("area_m2");
+  drag.area_m2 = area.as<Eigen::Vector3d>();
+  if (!(drag.area_m2.minCoeff() >= 0 && drag.area_m2.maxCoeff() <= kHuge)) {
+    area.fail("must be three numbers, none below 0");
+  }
+  if (const auto centre = node.find("centre_B_m")) drag.centre_B_m = centre->as<Eigen::Vector3d>();
+  return drag;
+}
+
 BatteryParams parse_battery(const ConfigNode& node) {
   BatteryParams battery;
   battery.full_v = positive_value(node, "full_v");
@@ -279,6 +290,7 @@ void check_missing(const ConfigNode& node, const ConfigNode& common, const Model
       missing.need(*scales, key);
     }
   }
+  if (const auto drag = node.find("body_drag")) missing.need(*drag, "area_m2");
   if (const auto battery = node.find("battery")) {
     for (const char* key : {"full_v", "empty_v", "capacity_ah", "resistance_ohm", "efficiency"}) {
       missing.need(*battery, key);
@@ -378,6 +390,7 @@ Vehicle Vehicle::load(const std::filesystem::path& file) {
     vehicle.scales = vehicle.control_scales();
   }
   vehicle.body_drag_linear_n_s_m = non_negative(node, "body_drag_linear_n_s_m");
+  if (const auto drag = node.find("body_drag")) vehicle.body_drag = parse_body_drag(*drag);
   if (const auto battery = node.find("battery")) vehicle.battery = parse_battery(*battery);
   vehicle.system_id = parse_system_id(node.at("system_id"));
   if (const auto sensors = node.find("sensors")) {

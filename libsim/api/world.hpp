@@ -37,6 +37,9 @@ struct Wrench {
 struct Environment {
   Eigen::Vector3d gravity_W{0, 0, 0};                ///< m/s^2
   Eigen::Vector3d wind_W = Eigen::Vector3d::Zero();  ///< air velocity, m/s
+  /// 1/s: at r_W from the centre of gravity the air moves with wind_W + wind_gradient_W r_W;
+  /// nullopt: as at the centre.
+  std::optional<Eigen::Matrix3d> wind_gradient_W;
   double air_density_kg_m3 = 0;  ///< of World::atmosphere() at the vehicle's altitude
   /// Of the centre of gravity over the surface below; infinite where there is none.
   double height_above_ground_m = 0;
@@ -109,6 +112,12 @@ class World {
   /// The magnetic field in W, gauss, where the world has one of its own that is the same
   /// everywhere; nullopt: it is the Earth's.
   virtual std::optional<Eigen::Vector3d> magnetic_field_W() const { return std::nullopt; }
+
+  /// How the wind changes over the vehicle, 1/s, from the coming step on. A host without such a
+  /// wind ignores it.
+  virtual void set_wind_gradient_W(VehicleId vehicle, const Eigen::Matrix3d& gradient_W) {
+    (void)vehicle, (void)gradient_W;
+  }
 
   /// The air by altitude above mean sea level.
   virtual base::Atmosphere atmosphere() const { return {}; }

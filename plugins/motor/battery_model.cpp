@@ -6,19 +6,17 @@
 
 namespace cas::sim {
 
-BatteryModel::BatteryModel(const base::BatteryParams& params,
-                           const base::RotorVector& torque_coefficients)
-    : params_(params), torque_coefficients_(torque_coefficients), voltage_v_(params.full_v) {}
+BatteryModel::BatteryModel(const base::BatteryParams& params)
+    : params_(params), voltage_v_(params.full_v) {}
 
-void BatteryModel::advance(const base::RotorVector& omega, double dt) {
+void BatteryModel::advance(double shaft_power_w, double dt) {
   if (charge_ <= 0) {
     voltage_v_ = current_a_ = 0;
     return;
   }
   constexpr double kSecondsPerHour = 3600;
   const double open_v = params_.empty_v + charge_ * (params_.full_v - params_.empty_v);
-  const double power_w =
-      (torque_coefficients_.array() * omega.array().abs().cube()).sum() / params_.efficiency;
+  const double power_w = shaft_power_w / params_.efficiency;
   const double r = params_.resistance_ohm;
 
   // V I = P with V = V0 - R I; beyond the most it can give, the battery gives half its voltage.

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
-
 #include "base/config/vehicle.hpp"
 
 namespace cas::sim {
@@ -13,11 +11,10 @@ namespace cas::sim {
 class BatteryModel {
  public:
   BatteryModel() = default;
-  /// @param torque_coefficients  k_m of each rotor, N m s^2
-  BatteryModel(const base::BatteryParams& params, const base::RotorVector& torque_coefficients);
+  explicit BatteryModel(const base::BatteryParams& params);
 
-  /// Draws the power of the rotors at their speeds: P = sum k_m w^3 / efficiency.
-  void advance(const base::RotorVector& omega, double dt);
+  /// Draws the power of the rotors' shafts over the efficiency.
+  void advance(double shaft_power_w, double dt);
 
   double voltage_v() const { return voltage_v_; }
   double current_a() const { return current_a_; }
@@ -28,7 +25,6 @@ class BatteryModel {
 
  private:
   base::BatteryParams params_;
-  base::RotorVector torque_coefficients_;
   double charge_ = 1;
   double voltage_v_ = 0;
   double current_a_ = 0;

@@ -45,13 +45,13 @@ class MotorPlugin final : public Plugin {
     esc_ = EscDelay(vehicle, context.step());
     rotors_ = std::make_unique<RotorModel>(vehicle);
     if (vehicle.battery) {
-      full_battery_.emplace(*vehicle.battery, torque_coefficients(vehicle));
+      full_battery_.emplace(*vehicle.battery);
       measured_ = context.bus().advertise<BatterySample>(context.topic("battery"));
     }
     battery_ = full_battery_;
     context.add_force_model(*rotors_);
-    if (vehicle.body_drag_linear_n_s_m > 0) {
-      drag_.emplace(vehicle.body_drag_linear_n_s_m);
+    if (vehicle.body_drag_linear_n_s_m > 0 || vehicle.body_drag) {
+      drag_.emplace(vehicle.body_drag_linear_n_s_m, vehicle.body_drag);
       context.add_force_model(*drag_);
     }
     speeds_ = context.bus().advertise<RotorSpeeds>(context.topic("rotor_speeds"));
@@ -79,7 +79,7 @@ class MotorPlugin final : public Plugin {
     look_for_strikes(step, world, states);
     now_ = step.time;
     if (esc_.is_used()) asked_ = esc_.held(now_);
-    if (battery_) advance_battery(step, omega);
+    if (battery_) advance_battery(step, world, states);
     if (battery_ || esc_.is_used()) drive();
   }
 
@@ -120,8 +120,10 @@ class MotorPlugin final : public Plugin {
   };
 
   /// The measured voltage includes the loss caused by a fault.
-  void advance_battery(const StepInfo& step, const base::RotorVector& omega) {
-    battery_->advance(omega, base::to_seconds(step.dt));
+  void advance_battery(const StepInfo& step, const World& world, std::span<const double> states) {
+    const base::RotorVector powers_w =
+        rotors_->shaft_powers(world.state(vehicle_), world.environment(vehicle_), states);
+    battery_->advance(powers_w.sum(), base::to_seconds(step.dt));
     if (!battery_due_.due(step.time)) return;
     measured_.publish({.time = step.time,
                        .voltage_v = health_.voltage_share * battery_->voltage_v(),
@@ -184,14 +186,6 @@ class MotorPlugin final : public Plugin {
 
   void tilt(const MotorCommand& command) {
     if (mixer_.has_servos()) rotors_->set_tilt_targets(mixer_.tilts(command));
-  }
-
-  static base::RotorVector torque_coefficients(const base::Vehicle& vehicle) {
-    base::RotorVector all(vehicle.rotor_count());
-    for (int i = 0; i < vehicle.rotor_count(); ++i) {
-      all[i] = vehicle.rotors[static_cast<std::size_t>(i)].params.torque_coefficient;
-    }
-    return all;
   }
 
   VehicleId vehicle_{};

@@ -24,13 +24,6 @@ RotorModel::RotorModel(const base::Vehicle& vehicle) : count_(vehicle.rotors.siz
     plain_ = plain_ && !rotor.wake && !rotor.tilt && hub.axis_B == Eigen::Vector3d::UnitZ() &&
              hub.params.flapping_stiffness_nm_rad == 0 && hub.params.inflow_thrust_slope == 0;
   }
-  if (std::ranges::any_of(vehicle.rotors, [](const base::Rotor& rotor) {
-        return rotor.params.inflow_thrust_slope > 0;
-      })) {
-    for (const base::Rotor& rotor : vehicle.rotors) {
-      axial_.emplace_back(rotor.params.inflow_thrust_slope);
-    }
-  }
 }
 
 void RotorModel::initial_states(std::span<double> x) const { std::fill(x.begin(), x.end(), 0.0); }
@@ -43,6 +36,12 @@ double RotorModel::lag(const base::RotorParams& params, double omega, double tar
 double RotorModel::speed_derivative(const base::RotorParams& params, double omega, double target) {
   const double tau = lag(params, omega, target);
   return tau > 0 ? (target - omega) / tau : 0.0;  // without lag, limit() sets the speed
+}
+
+double RotorModel::dynamic_speed(std::size_t rotor, double omega, double air_density_kg_m3) const {
+  const double reference = hubs_[rotor].params.reference_density_kg_m3;
+  const double density = reference > 0 ? air_density_kg_m3 / reference : 1.0;
+  return effectiveness_[rotor] * density * omega * std::abs(omega);
 }
 
 double RotorModel::tilt_rate(const base::TiltServo& servo, double tilt, double target) {
@@ -78,6 +77,22 @@ RotorModel::Surroundings RotorModel::surroundings(const BodyState& body,
           .height_m = environment.height_above_ground_m};
 }
 
+Eigen::Matrix3d RotorModel::wind_gradient_B(const BodyState& body, const Environment& environment) {
+  const Eigen::Matrix3d R_WB = body.q_WB.toRotationMatrix();
+  return R_WB.transpose() * *environment.wind_gradient_W * R_WB;
+}
+
+template <bool kPlain>
+Eigen::Vector3d RotorModel::air_velocity_B(const Surroundings& around,
+                                           const Eigen::Vector3d& w_WB_B,
+                                           const Eigen::Vector3d& r_B) {
+  Eigen::Vector3d v_B = around.v_air_B + w_WB_B.cross(r_B);
+  if constexpr (!kPlain) {
+    if (around.wind_gradient_B != nullptr) v_B -= *around.wind_gradient_B * r_B;
+  }
+  return v_B;
+}
+
 double RotorModel::thrust_factor(const base::RotorParams& params, double axial_speed,
                                  double hub_height) {
   double factor = 1.0;
@@ -93,7 +108,13 @@ double RotorModel::thrust_factor(const base::RotorParams& params, double axial_s
 void RotorModel::evaluate(const BodyState& body, const Environment& environment,
                           std::span<const double> x, std::span<double> x_dot,
                           Wrench& wrench) const {
-  const Surroundings around = surroundings(body, environment);
+  Surroundings around = surroundings(body, environment);
+  if (environment.wind_gradient_W) {
+    const Eigen::Matrix3d gradient_B = wind_gradient_B(body, environment);
+    around.wind_gradient_B = &gradient_B;
+    add_all<false>(around, body.w_WB_B, x, x_dot, wrench);
+    return;
+  }
   if (plain_) {
     add_all<true>(around, body.w_WB_B, x, x_dot, wrench);
   } else {
@@ -145,6 +166,55 @@ RotorModel::Motion RotorModel::motion(std::size_t rotor, std::span<const double>
   return motion;
 }
 
+RotorLoad RotorModel::inflow_load(std::size_t rotor, double omega, const Eigen::Vector3d& axis_B,
+                                  const Eigen::Vector3d& w_WB_B, const Surroundings& around) const {
+  const base::RotorParams& params = hubs_[rotor].params;
+  const Eigen::Vector3d& r_B = hubs_[rotor].position_B_m;
+  const Eigen::Vector3d v_hub_B = air_velocity_B<false>(around, w_WB_B, r_B);
+  const double v_axial = axis_B.dot(v_hub_B);
+  const double dynamic = dynamic_speed(rotor, omega, around.air_density_kg_m3);
+  const double thrust = params.thrust_coefficient * dynamic *
+                        thrust_factor(params, v_axial, around.height_m + around.up_B.dot(r_B));
+  const double density = around.air_density_kg_m3;
+  if (thrust == 0 || density <= 0) return {};  // it stands, has no blades, or is in no air
+  return rotor_load(
+      {// The slope goes with the area of the blades over the root of their thrust.
+       .slope = std::sqrt(std::abs(effectiveness_[rotor])) * params.inflow_thrust_slope,
+       .radius_m = params.radius_m,
+       .omega_rad_s = std::abs(omega),
+       .density_kg_m3 = density,
+       .hover_thrust_n = std::abs(thrust),
+       .hover_torque_n_m = params.torque_coefficient * std::abs(dynamic),
+       .climb_m_s = std::copysign(1.0, thrust) * v_axial,
+       .edgewise_m_s = (v_hub_B - v_axial * axis_B).norm()});
+}
+
+base::RotorVector RotorModel::shaft_powers(const BodyState& body, const Environment& environment,
+                                           std::span<const double> x) const {
+  Surroundings around = surroundings(body, environment);
+  Eigen::Matrix3d gradient_B;
+  if (environment.wind_gradient_W) {
+    gradient_B = wind_gradient_B(body, environment);
+    around.wind_gradient_B = &gradient_B;
+  }
+  const std::array<double, kMaxStates> at_rest{};  // a power does not depend on derivatives
+  base::RotorVector powers(rotor_count());
+  for (std::size_t i = 0; i < count_; ++i) {
+    const base::RotorParams& params = hubs_[i].params;
+    const double speed = std::abs(x[i]);
+    double power = params.torque_coefficient * (speed * speed * speed);
+    if (params.inflow_thrust_slope > 0) {
+      const RotorLoad load =
+          inflow_load(i, x[i], motion(i, x, at_rest).axis_B, body.w_WB_B, around);
+      power = params.torque_coefficient *
+              std::abs(dynamic_speed(i, x[i], around.air_density_kg_m3)) * speed *
+              std::max(0.0, load.torque);
+    }
+    powers[static_cast<Eigen::Index>(i)] = power;
+  }
+  return powers;
+}
+
 template <bool kPlain>
 void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen::Vector3d& w_WB_B,
                            const Surroundings& around, Wrench& wrench) const {
@@ -152,14 +222,11 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
   const base::RotorParams& params = hub.params;
   const Eigen::Vector3d& r_B = hub.position_B_m;
   const double omega = motion.omega;
-  const double reference = params.reference_density_kg_m3;
-  const double density = reference > 0 ? around.air_density_kg_m3 / reference : 1.0;
   const double speed = std::abs(omega);
-  const double dynamic =  // w |w|, less in thin air and with broken blades
-      effectiveness_[rotor] * density * omega * speed;
+  const double dynamic = dynamic_speed(rotor, omega, around.air_density_kg_m3);
 
   // Air past the hub: the part in the rotor plane drags and rolls, the axial part takes thrust.
-  const Eigen::Vector3d v_hub_B = around.v_air_B + w_WB_B.cross(r_B);
+  const Eigen::Vector3d v_hub_B = air_velocity_B<kPlain>(around, w_WB_B, r_B);
   const double hub_height = around.height_m + around.up_B.dot(r_B);
   double v_axial = v_hub_B.z();
   Eigen::Vector3d v_plane_B(v_hub_B.x(), v_hub_B.y(), 0.0);
@@ -170,14 +237,15 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
 
   // Forces at the hub: [HILS] Eq. (1), less the loss to the rotor above, and drag.
   double thrust = params.thrust_coefficient * dynamic * thrust_factor(params, v_axial, hub_height);
+  double torque_share = 1;
   Eigen::Vector3d force_B = -params.drag_coefficient * speed * v_plane_B;
   if constexpr (kPlain) {
     force_B.z() += thrust;
   } else {
-    if (!axial_.empty() && thrust > 0) {
-      const double area = M_PI * params.radius_m * params.radius_m;
-      const double v_hover = std::sqrt(thrust / (2 * around.air_density_kg_m3 * area));
-      thrust *= axial_[rotor].share(v_axial / v_hover);
+    if (params.inflow_thrust_slope > 0) {
+      const RotorLoad load = inflow_load(rotor, omega, motion.axis_B, w_WB_B, around);
+      thrust *= load.thrust;
+      torque_share = load.torque;
     }
     if (hub.wake_loss > 0 && omega > 0) {
       thrust *= std::max(0.0, 1.0 - hub.wake_loss * motion.upper_omega / omega);
@@ -203,8 +271,8 @@ void RotorModel::add_rotor(std::size_t rotor, const Motion& motion, const Eigen:
       wrench.torque_B -= moment_per_speed * motion.axis_B.cross(v_plane_B);
     }
   }
-  const double reaction =
-      hub.spin * (params.torque_coefficient * dynamic + params.inertia_kg_m2 * motion.omega_dot);
+  const double reaction = hub.spin * (torque_share * (params.torque_coefficient * dynamic) +
+                                      params.inertia_kg_m2 * motion.omega_dot);
   if constexpr (kPlain) {
     wrench.torque_B.z() -= reaction;
   } else {

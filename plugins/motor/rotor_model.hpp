@@ -5,11 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <span>
-#include <vector>
 
 #include "base/config/vehicle.hpp"
 #include "libsim/api/world.hpp"
-#include "plugins/motor/axial_thrust.hpp"
+#include "plugins/motor/rotor_inflow.hpp"
 
 namespace cas::sim {
 
@@ -22,15 +21,15 @@ namespace cas::sim {
 /// w v and the rolling moment of the advancing blade with airspeed v in the rotor plane; thrust
 /// grows near the ground (Cheeseman and Bennett 1955) and with air density, and falls to zero at
 /// the axial speed where the blades meet the air flat. The lower rotor of a coaxial pair loses
-/// thrust as base::Wake says. In climb and descent thrust follows the inflow (AxialThrust). Blades
-/// that flap tilt the disc back by a = A v / (w R), with v / (w R) held at 1, and a stiff hub
-/// passes the moment K a on, which lifts the nose in forward flight (G. M. Hoffmann, H. Huang, S.
-/// L. Waslander, C. J. Tomlin, "Quadrotor helicopter flight dynamics and control: theory and
-/// experiment", AIAA 2007-6461); the force of the tilted disc is a part of the in-plane drag. A
-/// servo tilts the axis with a lag and a fastest rate; the rotor's angular momentum turns with it.
-/// A `reversible` rotor that turns the other way pulls the other way, as strongly.
-/// A coefficient of zero switches its effect off. Other interaction between rotors and the inertia
-/// of the tilted parts are not modelled.
+/// thrust as base::Wake says. Thrust and torque follow the inflow (rotor_inflow()) where a rotor
+/// has an `inflow_thrust_slope`. Blades that flap tilt the disc back by a = A v / (w R), with v /
+/// (w R) held at 1, and a stiff hub passes the moment K a on, which lifts the nose in forward
+/// flight (G. M. Hoffmann, H. Huang, S. L. Waslander, C. J. Tomlin, "Quadrotor helicopter flight
+/// dynamics and control: theory and experiment", AIAA 2007-6461); the force of the tilted disc is a
+/// part of the in-plane drag. A servo tilts the axis with a lag and a fastest rate; the rotor's
+/// angular momentum turns with it. A `reversible` rotor that turns the other way pulls the other
+/// way, as strongly. A coefficient of zero switches its effect off. Other interaction between
+/// rotors and the inertia of the tilted parts are not modelled.
 class RotorModel final : public ForceModel {
  public:
   explicit RotorModel(const base::Vehicle& vehicle);
@@ -60,6 +59,11 @@ class RotorModel final : public ForceModel {
                 std::span<double> x_dot, Wrench& wrench) const override;
   void limit(std::span<double> x) const override;
 
+  /// Power at the shaft of each rotor, W: k_m w^3, or by the inflow as evaluate() has it; not below
+  /// 0, for a controller of a motor takes nothing back.
+  base::RotorVector shaft_powers(const BodyState& body, const Environment& environment,
+                                 std::span<const double> x) const;
+
   /// Thrust out of ground over thrust at height `height_m` of the hub: 1 / (1 - (R / 4 z)^2), held
   /// below z = R / 2 where the formula ends.
   static double ground_effect(double height_m, double radius_m);
@@ -72,7 +76,8 @@ class RotorModel final : public ForceModel {
     Eigen::Vector3d v_air_B;  // of the centre of gravity through the air
     Eigen::Vector3d up_B;
     double air_density_kg_m3;
-    double height_m;  // of the centre of gravity
+    double height_m;                                   // of the centre of gravity
+    const Eigen::Matrix3d* wind_gradient_B = nullptr;  // 1/s, where the wind has one
   };
   /// One rotor; keeps the values that a step reads close together.
   struct Hub {
@@ -101,12 +106,23 @@ class RotorModel final : public ForceModel {
       to[static_cast<std::size_t>(i)] = from[i];
     }
   }
+  /// Of a place r_B of the body through the air; a plain step's wind has no gradient.
+  template <bool kPlain>
+  [[gnu::always_inline]] static inline Eigen::Vector3d air_velocity_B(const Surroundings& around,
+                                                                      const Eigen::Vector3d& w_WB_B,
+                                                                      const Eigen::Vector3d& r_B);
   Surroundings surroundings(const BodyState& body, const Environment& environment) const;
+  static Eigen::Matrix3d wind_gradient_B(const BodyState& body, const Environment& environment);
   static double lag(const base::RotorParams& params, double omega, double target);
   static double speed_derivative(const base::RotorParams& params, double omega, double target);
   [[gnu::always_inline]] static inline double thrust_factor(const base::RotorParams& params,
                                                             double axial_speed, double hub_height);
+  /// w |w|, less in thin air and with broken blades.
+  [[gnu::always_inline]] inline double dynamic_speed(std::size_t rotor, double omega,
+                                                     double air_density_kg_m3) const;
   static double tilt_rate(const base::TiltServo& servo, double tilt, double target);
+  RotorLoad inflow_load(std::size_t rotor, double omega, const Eigen::Vector3d& axis_B,
+                        const Eigen::Vector3d& w_WB_B, const Surroundings& around) const;
   Motion motion(std::size_t rotor, std::span<const double> x, std::span<const double> x_dot) const;
   template <bool kPlain>
   void add_all(const Surroundings& around, const Eigen::Vector3d& w_WB_B, std::span<const double> x,
@@ -121,7 +137,6 @@ class RotorModel final : public ForceModel {
   std::size_t servo_count_ = 0;
   // No rotor leans, is in a wake, flaps or feels its inflow: each term of a step is shorter.
   bool plain_ = true;
-  std::vector<AxialThrust> axial_;  // one for each rotor where any thrust depends on the inflow
   std::array<Hub, kMost> hubs_;
   std::array<Servo, kMost> servos_;
   std::array<double, kMost> targets_{};

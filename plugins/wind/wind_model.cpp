@@ -11,7 +11,6 @@ namespace cas::sim {
 namespace {
 
 constexpr double kSlowestSweep = 1.0;  // m/s: else the field would not move in a hover in still air
-constexpr double kMetresPerSecondPerKnot = 0.514444;
 
 WindLaw parse_law(const base::ConfigNode& node) {
   const auto word = node.as<std::string>();
@@ -87,6 +86,7 @@ WindParams parse_wind_params(const base::ConfigNode& node) {
   if (const auto profile = node.find("profile")) params.profile = parse_profile(*profile);
   if (const auto word = node.find("turbulence"))
     params.turbulence_w20_m_s = parse_turbulence(*word);
+  if (node.has("span_m")) params.span_m = node.require_in("span_m", 0.05, 100);
   if (const auto gusts = node.find("gusts")) {
     for (const base::ConfigNode& gust : gusts->items()) params.gusts.push_back(parse_gust(gust));
   }
@@ -113,7 +113,7 @@ Eigen::Vector3d GustModel::advance_N(double speed_m_s, double dt) {
 }
 
 WindModel::WindModel(const WindParams& params, std::uint64_t seed)
-    : params_(params), dryden_(seed) {}
+    : params_(params), dryden_(seed), rates_(params.span_m, base::derive_seed(seed, "span")) {}
 
 bool WindModel::start(const GustCommand& gust) {
   const auto free = std::find_if(gusts_.begin(), gusts_.end(),
@@ -126,8 +126,17 @@ bool WindModel::start(const GustCommand& gust) {
 Eigen::Vector3d WindModel::advance_N(base::SimTime now, double dt, double height_m,
                                      const Eigen::Vector3d& v_N, const Eigen::Vector3d& field_N) {
   Eigen::Vector3d wind_N = field_N + params_.mean_N_m_s * params_.profile.share_at(height_m);
+  gradient_N_.setZero();
+  if (params_.span_m > 0) {
+    const double half = 0.5 * params_.span_m;
+    const double rise =
+        params_.profile.share_at(height_m + half) - params_.profile.share_at(height_m - half);
+    gradient_N_.col(2) = -rise / params_.span_m * params_.mean_N_m_s;  // N points down
+  }
   const double sweep = std::max((v_N - wind_N).norm(), kSlowestSweep);
-  wind_N += turbulence_N(height_m, sweep, dt);
+  // A profile does not turn the mean wind, whose direction holds on the ground, too.
+  const Eigen::Vector3d along_N = field_N.isZero(0) ? params_.mean_N_m_s : wind_N;
+  wind_N += turbulence_N(height_m, sweep, dt, along_N);
   for (; next_gust_ < params_.gusts.size() && params_.gusts[next_gust_].start <= now;
        ++next_gust_) {
     start(params_.gusts[next_gust_].gust);
@@ -138,14 +147,20 @@ Eigen::Vector3d WindModel::advance_N(base::SimTime now, double dt, double height
   return wind_N;
 }
 
-Eigen::Vector3d WindModel::turbulence_N(double height_m, double speed_m_s, double dt) {
+Eigen::Vector3d WindModel::turbulence_N(double height_m, double speed_m_s, double dt,
+                                        const Eigen::Vector3d& along_N) {
   if (params_.turbulence_w20_m_s <= 0) return Eigen::Vector3d::Zero();
-  const Eigen::Vector3d uvw =
-      dryden_.advance(DrydenScales::at(params_.turbulence_w20_m_s, height_m), speed_m_s, dt);
-  // u along the mean wind (north in still air), v to its right, w up.
-  const double direction = std::atan2(params_.mean_N_m_s.y(), params_.mean_N_m_s.x());
+  const DrydenScales scales = DrydenScales::at(params_.turbulence_w20_m_s, height_m);
+  const Eigen::Vector3d uvw = dryden_.advance(scales, speed_m_s, dt);
+  // u along the wind (north in still air), v to its right, w up.
+  const double direction = std::atan2(along_N.y(), along_N.x());
   const double c = std::cos(direction);
   const double s = std::sin(direction);
+  if (params_.span_m > 0) {
+    Eigen::Matrix3d axes;  // of u, v, w in N
+    axes << c, -s, 0, s, c, 0, 0, 0, -1;
+    gradient_N_ += axes * rates_.advance(scales, speed_m_s, dt, uvw) * axes.transpose();
+  }
   return {c * uvw[0] - s * uvw[1], s * uvw[0] + c * uvw[1], -uvw[2]};
 }
 

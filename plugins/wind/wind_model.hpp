@@ -34,6 +34,7 @@ struct WindParams {
   Eigen::Vector3d mean_N_m_s = Eigen::Vector3d::Zero();  ///< air velocity at the reference height
   WindProfile profile;
   double turbulence_w20_m_s = 0;  ///< 0: none
+  double span_m = 0;              ///< of the vehicle, over which the wind changes; 0: it does not
   struct Gust {
     base::SimTime start;
     GustCommand gust;
@@ -76,14 +77,22 @@ class WindModel {
   Eigen::Vector3d advance_N(base::SimTime now, double dt, double height_m,
                             const Eigen::Vector3d& v_N,
                             const Eigen::Vector3d& field_N = Eigen::Vector3d::Zero());
+  /// Change of that wind over the vehicle, 1/s: of the profile and of turbulence; 0 without a span.
+  /// A gust has none.
+  const Eigen::Matrix3d& gradient_N() const { return gradient_N_; }
+  double span_m() const { return params_.span_m; }
 
  private:
-  Eigen::Vector3d turbulence_N(double height_m, double speed_m_s, double dt);
+  /// @param along_N  wind besides turbulence and gusts, of any length
+  Eigen::Vector3d turbulence_N(double height_m, double speed_m_s, double dt,
+                               const Eigen::Vector3d& along_N);
 
   WindParams params_;
   std::size_t next_gust_ = 0;
   std::array<GustModel, 8> gusts_;
   Dryden dryden_;
+  DrydenRates rates_;
+  Eigen::Matrix3d gradient_N_ = Eigen::Matrix3d::Zero();
 };
 
 }  // namespace cas::sim

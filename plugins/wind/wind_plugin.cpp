@@ -40,6 +40,7 @@ class WindPlugin final : public Plugin {
                          std::isfinite(height) ? height : body.p_WB.z(),  // over nothing
                          base::swap_WN(body.v_WB), base::swap_WN(field_W));
     world.set_wind_W(vehicle_, base::swap_WN(wind_N));
+    if (model_.span_m() > 0) world.set_wind_gradient_W(vehicle_, gradient_W(body.p_WB));
   }
 
   void reset() override {
@@ -55,6 +56,19 @@ class WindPlugin final : public Plugin {
   }
 
  private:
+  /// Of the wind at a place, 1/s, that of the grid over the vehicle's span.
+  Eigen::Matrix3d gradient_W(const Eigen::Vector3d& p_W) const {
+    Eigen::Matrix3d swap_WN;
+    swap_WN << 0, 1, 0, 1, 0, 0, 0, 0, -1;
+    Eigen::Matrix3d gradient = swap_WN * model_.gradient_N() * swap_WN;
+    if (!grid_) return gradient;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d half = 0.5 * model_.span_m() * Eigen::Vector3d::Unit(axis);
+      gradient.col(axis) += (grid_->at(p_W + half) - grid_->at(p_W - half)) / model_.span_m();
+    }
+    return gradient;
+  }
+
   static constexpr const char* kLeftOut =
       "plugin wind: gusts that are left out, because as many blow already as it has room for";
 

@@ -100,8 +100,8 @@ void WindStep(benchmark::State& bench) {
 }
 BENCHMARK(WindStep);
 
-void RotorDerivatives(benchmark::State& bench) {  // four of them per RK4 step
-  RotorModel rotors(iris());
+void rotor_derivatives(benchmark::State& bench, const base::Vehicle& vehicle) {
+  RotorModel rotors(vehicle);
   rotors.set_targets(Eigen::Vector4d::Constant(805));
   const BodyState state = moving();
   Environment air;
@@ -115,7 +115,21 @@ void RotorDerivatives(benchmark::State& bench) {  // four of them per RK4 step
     benchmark::DoNotOptimize(wrench);
   }
 }
+
+void RotorDerivatives(benchmark::State& bench) {  // four of them per RK4 step
+  rotor_derivatives(bench, iris());
+}
 BENCHMARK(RotorDerivatives);
+
+void RotorDerivativesWithInflow(benchmark::State& bench) {
+  base::Vehicle vehicle = iris();
+  for (base::Rotor& rotor : vehicle.rotors) {
+    rotor.params.zero_thrust_speed_m_s = 0;
+    rotor.params.inflow_thrust_slope = 0.7;
+  }
+  rotor_derivatives(bench, vehicle);
+}
+BENCHMARK(RotorDerivativesWithInflow);
 
 void MixControls(benchmark::State& bench) {
   const MotorMixer mixer(iris());

@@ -287,6 +287,56 @@ TEST(BodyDrag, IsProportionalToTheSpeedThroughTheAir) {
   EXPECT_EQ(wrench.torque_B, Vector3d::Zero());
 }
 
+TEST(BodyDrag, GrowsWithTheSquareByAxisAndTurnsTheBodyAboutItsCentre) {
+  const Vector3d centre_B(-0.1, 0, 0.05);
+  const BodyDrag drag(0,
+                      base::BodyDragParams{.area_m2 = {0.01, 0.02, 0.04}, .centre_B_m = centre_B});
+  BodyState body;
+  body.q_WB = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized());
+  body.v_WB = body.q_WB * Vector3d(5, 0, 1);
+  body.w_WB_B = {0, 10, 0};
+  Environment environment;
+  environment.air_density_kg_m3 = 1.2;
+  environment.wind_W = body.q_WB * Vector3d(1, 2, 0);
+  // The wind dies away towards the tail: at the centre of pressure less by 3 m/s forward.
+  Eigen::Matrix3d gradient_B = Eigen::Matrix3d::Zero();
+  gradient_B(0, 0) = 30;
+  environment.wind_gradient_W = body.q_WB * gradient_B * body.q_WB.conjugate();
+  Wrench wrench;
+  drag.evaluate(body, environment, {}, {}, wrench);
+  // Of the centre of gravity (4, -2, 1), of the turn (0.5, 0, 1), of the gradient (3, 0, 0).
+  const Vector3d v_B(7.5, -2, 2);
+  const Vector3d force_B = -0.6 * v_B.norm() * Vector3d(0.01 * 7.5, 0.02 * -2, 0.04 * 2);
+  EXPECT_TRUE(wrench.force_B.isApprox(force_B, kExact)) << wrench.force_B.transpose();
+  EXPECT_TRUE(wrench.torque_B.isApprox(centre_B.cross(force_B), kExact));
+}
+
+TEST(RotorModel, MeetsTheWindAtTheHubOfEachRotor) {
+  base::Vehicle vehicle = simple_vehicle();
+  set_all(vehicle, &base::RotorParams::thrust_coefficient, 0);
+  set_all(vehicle, &base::RotorParams::torque_coefficient, 0);
+  set_all(vehicle, &base::RotorParams::drag_coefficient, 1e-4);
+  const RotorModel rotors(vehicle);
+  BodyState body;
+  body.q_WB = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitZ());  // forward is north, +y of W
+  Environment air;
+  air.wind_W = {1, 0, 0};
+  Eigen::Matrix3d gradient_W = Eigen::Matrix3d::Zero();
+  gradient_W(0, 1) = 4;  // east wind's speed rises northwards
+  air.wind_gradient_W = gradient_W;
+  // At a hub x forward of the centre the air moves east, to the right, with 1 + 4 x.
+  Vector3d force_B = Vector3d::Zero();
+  Vector3d torque_B = Vector3d::Zero();
+  for (const base::Rotor& rotor : vehicle.rotors) {
+    const Vector3d drag_B(0, -1e-4 * 500 * (1 + 4 * rotor.position_B_m.x()), 0);
+    force_B += drag_B;
+    torque_B += rotor.position_B_m.cross(drag_B);
+  }
+  const Wrench wrench = evaluate(rotors, Vector4d::Constant(500), body, air).wrench;
+  EXPECT_TRUE(wrench.force_B.isApprox(force_B, kExact));
+  EXPECT_TRUE(wrench.torque_B.isApprox(torque_B, kExact)) << wrench.torque_B.transpose();
+}
+
 TEST(MotorPlugin, DrivesItsForceModelFromTheBus) {
   test::PluginHarness harness;
   const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
@@ -318,24 +368,23 @@ constexpr base::BatteryParams kBattery{
     .full_v = 16, .empty_v = 12, .capacity_ah = 1, .resistance_ohm = 0.1, .efficiency = 0.5};
 
 TEST(Battery, SagsUnderLoad) {
-  BatteryModel battery(kBattery, base::RotorVector::Constant(4, 2e-7));
+  BatteryModel battery(kBattery);
   EXPECT_DOUBLE_EQ(battery.speed_share(), 1.0);
-  const Vector4d omega = Vector4d::Constant(500);  // 4 * 2e-7 * 500^3 / 0.5 = 200 W
-  battery.advance(omega, 0.0);
+  battery.advance(100, 0.0);  // 200 W from the battery
   // V (V0 - V) / R = P: V = (16 + sqrt(256 - 4 * 0.1 * 200)) / 2.
   EXPECT_NEAR(battery.voltage_v(), (16 + std::sqrt(176.0)) / 2, kExact);
   EXPECT_NEAR(battery.voltage_v() * battery.current_a(), 200, 1e-9);
 }
 
 TEST(Battery, EmptiesByItsCurrent) {
-  BatteryModel battery(kBattery, base::RotorVector::Constant(4, 2e-7));
+  BatteryModel battery(kBattery);
   double used_ah = 0;
   for (int i = 0; i < 60; ++i) {
-    battery.advance(Vector4d::Constant(500), 1.0);
+    battery.advance(100, 1.0);
     used_ah += battery.current_a() / 3600;
   }
   EXPECT_NEAR(battery.charge(), 1 - used_ah, kExact);
-  for (int i = 0; i < 1000; ++i) battery.advance(Vector4d::Constant(500), 1.0);
+  for (int i = 0; i < 1000; ++i) battery.advance(100, 1.0);
   EXPECT_DOUBLE_EQ(battery.charge(), 0);
   EXPECT_DOUBLE_EQ(battery.voltage_v(), 0) << "empty, it gives nothing";
   EXPECT_DOUBLE_EQ(battery.current_a(), 0);
@@ -435,8 +484,8 @@ TEST(MotorPlugin, WithoutABatteryTellsOfNone) {
 }
 
 TEST(Battery, GivesHalfItsVoltageBeyondWhatItCanGive) {
-  BatteryModel battery(kBattery, base::RotorVector::Constant(4, 1.0));
-  battery.advance(Vector4d::Constant(500), 0.0);
+  BatteryModel battery(kBattery);
+  battery.advance(5e8, 0.0);
   EXPECT_DOUBLE_EQ(battery.voltage_v(), 8);
 }
 

@@ -51,6 +51,9 @@ class ScriptedWorld final : public sim::World {
     return distance;
   }
   void set_wind_W(sim::VehicleId, const Eigen::Vector3d& wind_W) override { air.wind_W = wind_W; }
+  void set_wind_gradient_W(sim::VehicleId, const Eigen::Matrix3d& gradient_W) override {
+    air.wind_gradient_W = gradient_W;
+  }
   void add_wrench(sim::VehicleId, const sim::Wrench& wrench) override {
     added.force_B += wrench.force_B;
     added.torque_B += wrench.torque_B;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/config/frame_table.hpp"
+#include "libsim/core/body/rigid_body.hpp"
 #include "plugins/motor/motor_mixer.hpp"
 #include "plugins/motor/rotor_model.hpp"
 #include "tests/plugins/plugin_harness.hpp"
@@ -47,8 +48,8 @@ struct Answer {
   std::vector<double> x_dot;
 };
 
-Answer evaluate(const RotorModel& model, const std::vector<double>& x, const BodyState& body = {},
-                const Environment& air = {}) {
+Answer answer_of(const RotorModel& model, const std::vector<double>& x, const BodyState& body = {},
+                 const Environment& air = {}) {
   Answer answer;
   answer.x_dot.resize(x.size());
   model.evaluate(body, air, x, answer.x_dot, answer.wrench);
@@ -96,7 +97,7 @@ TEST(Rotors, GiveWhatTheEffectivenessMatrixSays) {
     base::RotorVector held(count);
     for (int i = 0; i < count; ++i) held[i] = tilt[static_cast<std::size_t>(i)];
     model.set_tilt_targets(held);
-    const Wrench wrench = evaluate(model, x).wrench;
+    const Wrench wrench = answer_of(model, x).wrench;
     const Eigen::Matrix<double, 6, 1> expected =
         vehicle.effectiveness(tilt) * base::RotorVector::Constant(count, omega * omega);
     EXPECT_TRUE(wrench.force_B.isApprox(expected.head<3>(), kRounding)) << count;
@@ -115,8 +116,8 @@ TEST(Rotors, UprightOnesTakeTheShortWayToTheSameWrench) {
   body.w_WB_B = {0.5, -0.3, 0.7};
   body.q_WB = Eigen::Quaterniond(0.9, 0.1, -0.2, 0.3).normalized();
   const std::vector<double> x{700, 720, 690, 710};
-  const Wrench a = evaluate(upright, x, body).wrench;
-  const Wrench b = evaluate(any, x, body).wrench;
+  const Wrench a = answer_of(upright, x, body).wrench;
+  const Wrench b = answer_of(any, x, body).wrench;
   EXPECT_TRUE(a.force_B.isApprox(b.force_B, kRounding));
   EXPECT_TRUE(a.torque_B.isApprox(b.torque_B, kRounding));
 }
@@ -144,7 +145,7 @@ TEST(Rotors, ATiltedHexarotorPushesSideways) {
   for (int i = 0; i < 6; ++i) x[static_cast<std::size_t>(i)] = std::sqrt(omega_sq[i]);
   RotorModel model(vehicle);
   model.set_targets(base::RotorVector::Map(x.data(), 6));
-  const Wrench wrench = evaluate(model, x).wrench;
+  const Wrench wrench = answer_of(model, x).wrench;
   constexpr double kSolved = 1e-9;  // by the linear solver
   EXPECT_TRUE(wrench.force_B.isApprox(Vector3d(0, 1, 9.80665), kSolved));
   EXPECT_LT(wrench.torque_B.norm(), kSolved);
@@ -161,7 +162,7 @@ TEST(Rotors, AGyroscopeTurnsAboutItsOwnAxis) {
   // t = -w x H - J w_dot a, with H = J w a and w_dot = (600 - 500) / 0.02 s.
   const Vector3d momentum = 3e-5 * 500 * rotor.axis_B;
   const Vector3d expected = -body.w_WB_B.cross(momentum) - 3e-5 * 100 / 0.02 * rotor.axis_B;
-  EXPECT_TRUE(evaluate(model, {500}, body).wrench.torque_B.isApprox(expected, kRounding));
+  EXPECT_TRUE(answer_of(model, {500}, body).wrench.torque_B.isApprox(expected, kRounding));
 }
 
 TEST(Rotors, DragLiesInTheRotorsOwnPlaneAndThrustFadesAlongItsAxis) {
@@ -174,67 +175,129 @@ TEST(Rotors, DragLiesInTheRotorsOwnPlaneAndThrustFadesAlongItsAxis) {
   body.v_WB = 5 * rotor.axis_B + Vector3d(2, 0, 0);  // 5 m/s along the axis, 2 m/s across it
   const double thrust = 1e-5 * 500 * 500 * (1 - 5.0 / 20);
   const Vector3d expected = thrust * rotor.axis_B - 1e-4 * 500 * Vector3d(2, 0, 0);
-  EXPECT_TRUE(evaluate(model, {500}, body).wrench.force_B.isApprox(expected, kRounding));
+  EXPECT_TRUE(answer_of(model, {500}, body).wrench.force_B.isApprox(expected, kRounding));
 }
 
-/// Momentum theory, and Leishman's figures between -2 and 0 of the induced velocity in hover.
-TEST(AxialThrust, InducedVelocityIsTheBooks) {
-  EXPECT_NEAR(AxialThrust::induced_velocity(0), 1, kRounding);
-  EXPECT_NEAR(AxialThrust::induced_velocity(1.5), 0.5, kRounding);   // -0.75 + sqrt(0.5625 + 1)
-  EXPECT_NEAR(AxialThrust::induced_velocity(-2.5), 0.5, kRounding);  // 1.25 - sqrt(1.5625 - 1)
-  EXPECT_NEAR(AxialThrust::induced_velocity(-1), 1 + 1.125 - 1.372 + 1.718 - 0.655, kRounding);
-  EXPECT_NEAR(AxialThrust::induced_velocity(-0.5),
-              1 + 1.125 / 2 - 1.372 / 4 + 1.718 / 8 - 0.655 / 16, kRounding);
-  // The transition from the fit to the windmill-brake state has no jump.
-  for (double climb = -2.2; climb < 0.2; climb += 1e-3) {
-    EXPECT_NEAR(AxialThrust::induced_velocity(climb), AxialThrust::induced_velocity(climb + 1e-3),
-                0.02)
-        << climb;
-  }
-}
-
-TEST(AxialThrust, IsWhatBladeAndMomentumAgreeOn) {
-  constexpr double kSlope = 1.3;
-  constexpr double kTable = 1e-3;
-  const AxialThrust thrust(kSlope);
-  EXPECT_NEAR(thrust.share(0), 1, kTable);
-  // In climb s = sqrt(V^2 / 4 + t) solves s^2 + g s = V^2 / 4 + 1 + g - g V / 2.
-  for (const double climb : {0.1, 0.5, 1.0, 1.4}) {
-    const double right = climb * climb / 4 + 1 + kSlope - kSlope * climb / 2;
-    const double s = (-kSlope + std::sqrt(kSlope * kSlope + 4 * right)) / 2;
-    EXPECT_NEAR(thrust.share(climb), s * s - climb * climb / 4, kTable) << climb;
-  }
-  // In descent: the model fits the book's induced velocity for that thrust.
-  for (const double climb : {-0.3, -0.8, -1.2, -2.0, -4.0}) {
-    const double t = thrust.share(climb);
-    const double root = std::sqrt(t);
-    const double induced = root * AxialThrust::induced_velocity(climb / root);
-    EXPECT_NEAR(t, 1 - kSlope * (climb + induced - 1), 10 * kTable) << climb;
-  }
-  // A vortex ring gives no more thrust for sinking; momentum theory alone would.
-  EXPECT_LT(thrust.share(-0.3), 1.05);
-  EXPECT_GT(thrust.share(-4), 2);
-  EXPECT_EQ(thrust.share(6), 0) << "no thrust, and none downwards";
-}
-
-TEST(Rotors, ThrustFollowsTheInflowAlongTheirAxis) {
+TEST(Rotors, ThrustAndTorqueFollowTheInflow) {
   base::Rotor rotor = simple_rotor();
-  rotor.params.inflow_thrust_slope = 1.2;
+  rotor.params.inertia_kg_m2 = 0;
+  rotor.params.inflow_thrust_slope = 0.7;
+  rotor.params.reversible = true;
   rotor.axis_B = Vector3d(0, -0.6, 0.8);
   const RotorModel model(vehicle_of({rotor}));
   Environment air;
   air.air_density_kg_m3 = 1.2;
-  const double hover = 1e-5 * 500 * 500;
-  const double v_hover = std::sqrt(hover / (2 * 1.2 * M_PI * 0.1 * 0.1));
-  const AxialThrust book(1.2);
-  for (const double climb : {-1.5, -0.5, 0.0, 0.7}) {
-    BodyState body;
-    body.v_WB = climb * v_hover * rotor.axis_B;
-    EXPECT_TRUE(evaluate(model, {500}, body, air)
-                    .wrench.force_B.isApprox(hover * book.share(climb) * rotor.axis_B, 1e-9))
-        << climb;
+  const Vector3d across_B(0, 0.8, 0.6);
+  for (const double omega : {500.0, -500.0}) {
+    for (const double climb : {-3.0, -0.5, 0.0, 4.0}) {  // m/s
+      BodyState body;
+      body.v_WB = climb * rotor.axis_B + 6 * across_B;
+      const double sign = std::copysign(1.0, omega);
+      const RotorLoad load = rotor_load({.slope = 0.7,
+                                         .radius_m = 0.1,
+                                         .omega_rad_s = 500,
+                                         .density_kg_m3 = 1.2,
+                                         .hover_thrust_n = 1e-5 * 500 * 500,
+                                         .hover_torque_n_m = 2e-7 * 500 * 500,
+                                         .climb_m_s = sign * climb,
+                                         .edgewise_m_s = 6});
+      const Answer answer = answer_of(model, {omega}, body, air);
+      EXPECT_TRUE(answer.wrench.force_B.isApprox(sign * 2.5 * load.thrust * rotor.axis_B, 1e-9));
+      EXPECT_TRUE(answer.wrench.torque_B.isApprox(-sign * 0.05 * load.torque * rotor.axis_B, 1e-9));
+      EXPECT_NEAR(model.shaft_powers(body, air, std::vector{omega})[0],
+                  std::max(0.0, 500 * 0.05 * load.torque), 1e-9);
+    }
   }
-  EXPECT_EQ(evaluate(model, {0}, {}, air).wrench.force_B, Vector3d::Zero());
+}
+
+TEST(Rotors, WithBrokenBladesOrWithoutAirHaveAFiniteInflow) {
+  base::Rotor rotor = simple_rotor();
+  rotor.params.inertia_kg_m2 = 0;
+  rotor.params.inflow_thrust_slope = 0.7;
+  RotorModel model(vehicle_of({rotor}));
+  Environment air;
+  air.air_density_kg_m3 = 1.2;
+  BodyState body;
+  body.v_WB = {8, 0, 2};
+  const auto thrust = [&](double share) {
+    model.set_effectiveness(base::RotorVector::Constant(1, share));
+    const Wrench wrench = answer_of(model, {500}, body, air).wrench;
+    EXPECT_TRUE(wrench.force_B.allFinite() && wrench.torque_B.allFinite()) << share;
+    return wrench.force_B.z();
+  };
+  EXPECT_EQ(thrust(0), 0);
+  EXPECT_GT(thrust(0.5), 0);
+  body.v_WB.z() = -2;
+  const double up = thrust(0.5);
+  body.v_WB.z() = 2;
+  EXPECT_NEAR(thrust(-0.5), -up, 1e-9) << "it pulls the other way";
+  air.air_density_kg_m3 = 0;
+  EXPECT_NEAR(thrust(1), 2.5, 1e-9) << "k_f holds in any air";
+}
+
+TEST(Rotors, ThatComeToRestInAWindLoseTheirThrustWithTheSquareOfTheirSpeed) {
+  base::Rotor rotor = simple_rotor();
+  rotor.params.inflow_thrust_slope = 0.7;
+  const RotorModel model(vehicle_of({rotor}));
+  Environment air;
+  air.air_density_kg_m3 = 1.2;
+  BodyState body;
+  body.v_WB = {8, 0, -4};
+  const auto per_square = [&](double omega) {
+    const Wrench wrench = answer_of(model, {omega}, body, air).wrench;
+    EXPECT_TRUE(wrench.force_B.allFinite() && wrench.torque_B.allFinite()) << omega;
+    return wrench.force_B.z() / (omega * omega);
+  };
+  EXPECT_NEAR(per_square(1) / per_square(0.1), 1, 1e-3);
+  EXPECT_LT(per_square(1e-3), 1e-3);  // N s^2; the still rotor's is 1e-5
+  for (double omega = 1; omega > 1e-200; omega *= 1e-3) per_square(omega);
+  const Wrench still = answer_of(model, {0}, body, air).wrench;
+  EXPECT_TRUE(still.force_B.isZero(0) && still.torque_B.isZero(0));
+}
+
+/// Swings on a spring through hover, climb and sink, leaning.
+class Spring final : public ForceModel {
+ public:
+  int state_count() const override { return 0; }
+  void initial_states(std::span<double>) const override {}
+  void evaluate(const BodyState& body, const Environment&, std::span<const double>,
+                std::span<double>, Wrench& wrench) const override {
+    wrench.force_B -= body.q_WB.conjugate() * (20.0 * body.p_WB);
+  }
+};
+
+Vector3d place_after_ten_seconds(const RotorModel& model, double dt) {
+  const Spring spring;
+  ForceSet forces;
+  forces.add(model);
+  forces.add(spring);
+  BodyState body;
+  body.v_WB = {2, 0, 3};
+  body.q_WB = Eigen::AngleAxisd(0.1, Vector3d::UnitY());
+  Environment air;
+  air.gravity_W = {0, 0, -9.80665};
+  air.air_density_kg_m3 = 1.225;
+  air.height_above_ground_m = 100;
+  const MassProperties mass(1, Vector3d(0.03, 0.03, 0.056).asDiagonal());
+  for (int i = 0; i < std::lround(10 / dt); ++i) integrate_free(body, forces, mass, air, {}, dt);
+  return body.p_WB;
+}
+
+TEST(Rotors, InWindAreIntegratedToAMicrometre) {
+  std::vector<base::Rotor> rotors;
+  for (const double side : {-0.2, 0.2}) {
+    for (const double end : {-0.2, 0.2}) {
+      base::Rotor rotor = simple_rotor();
+      rotor.position_B_m = {end, side, 0.02};
+      rotor.spin = side * end > 0 ? 1 : -1;
+      rotor.params.inflow_thrust_slope = 0.7;
+      rotors.push_back(rotor);
+    }
+  }
+  RotorModel model(vehicle_of(std::move(rotors)));
+  model.set_targets(base::RotorVector::Constant(4, 495));  // 9.8 N
+  EXPECT_LT((place_after_ten_seconds(model, 1e-3) - place_after_ten_seconds(model, 1e-4)).norm(),
+            1e-6);
 }
 
 /// Hoffmann et al.: the disc tilts back, a stiff hub lifts the nose by K a, a = A v / (w R).
@@ -247,7 +310,7 @@ TEST(Rotors, AStiffHubPassesFlappingOn) {
   const RotorModel model(vehicle_of({rotor}));
   BodyState body;
   body.v_WB = {6, 0, 2};
-  const auto moment = [&](double omega) { return evaluate(model, {omega}, body).wrench.torque_B; };
+  const auto moment = [&](double omega) { return answer_of(model, {omega}, body).wrench.torque_B; };
   // Nose up is about -By. The tips are at 50 m/s; no part of it comes of climbing.
   EXPECT_TRUE(moment(500).isApprox(Vector3d(0, -0.25 * 0.4 * 6 / 50, 0), kRounding));
   EXPECT_TRUE(moment(60).isApprox(Vector3d(0, -0.25 * 0.4, 0), kRounding)) << "advance ratio 1";
@@ -264,7 +327,7 @@ TEST(CoaxialPair, TheLowerRotorLosesThrustToTheUpper) {
   lower.wake = {.upper = 0, .thrust_share = 0.7};
   RotorModel model(vehicle_of({upper, lower}));
   const auto thrust = [&](double upper_omega, double lower_omega) {
-    return evaluate(model, {upper_omega, lower_omega}).wrench.force_B.z();
+    return answer_of(model, {upper_omega, lower_omega}).wrench.force_B.z();
   };
   const double one = 1e-5 * 500 * 500;
   EXPECT_NEAR(thrust(500, 500), 1.7 * one, kRounding);
@@ -273,7 +336,7 @@ TEST(CoaxialPair, TheLowerRotorLosesThrustToTheUpper) {
   // k w (w - 0.3 w_upper)
   EXPECT_NEAR(thrust(400, 500) - 1e-5 * 400 * 400, 1e-5 * 500 * (500 - 0.3 * 400), kRounding);
   EXPECT_NEAR(thrust(1000, 200), 1e-5 * 1000 * 1000, kRounding) << "it does not pull downwards";
-  EXPECT_NEAR(evaluate(model, {500, 500}).wrench.torque_B.z(), 0, kRounding);
+  EXPECT_NEAR(answer_of(model, {500, 500}).wrench.torque_B.z(), 0, kRounding);
   model.set_effectiveness(Eigen::Vector2d(0, 1));
   EXPECT_NEAR(thrust(500, 500), one, kRounding) << "no wake from one without blades";
   model.set_effectiveness(Eigen::Vector2d(1, 1));
@@ -297,7 +360,7 @@ TEST(TiltServo, TurnsTheThrustOfATricoptersTail) {
   RotorModel model(tail_rotor());
   model.set_targets(base::RotorVector::Constant(1, 500));
   model.set_tilt_targets(base::RotorVector::Constant(1, 0.2));
-  const Wrench wrench = evaluate(model, {500, 0.2}).wrench;
+  const Wrench wrench = answer_of(model, {500, 0.2}).wrench;
   const double thrust = 1e-5 * 500 * 500;
   const double torque = 2e-7 * 500 * 500;
   // Up turns to the right (-y) about the nose; behind the centre that yaws the nose to the left.
@@ -314,24 +377,24 @@ TEST(TiltServo, TurnsTheRotorsMomentumWithIt) {
   model.set_targets(base::RotorVector::Constant(1, 500));
   model.set_tilt_targets(base::RotorVector::Constant(1, 0.1));
   // 0.1 rad over 0.05 s is 2 rad/s; t = -J w d(axis)/dt with d(axis)/dt = 2 x * z = -2 y.
-  const Wrench wrench = evaluate(model, {500, 0.0}).wrench;
+  const Wrench wrench = answer_of(model, {500, 0.0}).wrench;
   EXPECT_TRUE(wrench.torque_B.isApprox(Vector3d(0, 2 * 3e-5 * 500, 0), kRounding));
 }
 
 TEST(TiltServo, LagsAndIsNoFasterThanItsRate) {
   RotorModel model(tail_rotor());
   model.set_tilt_targets(base::RotorVector::Constant(1, 0.1));
-  EXPECT_NEAR(evaluate(model, {0, 0.0}).x_dot[1], 0.1 / 0.05, kRounding);
+  EXPECT_NEAR(answer_of(model, {0, 0.0}).x_dot[1], 0.1 / 0.05, kRounding);
   model.set_tilt_targets(base::RotorVector::Constant(1, 0.5));
-  EXPECT_NEAR(evaluate(model, {0, 0.0}).x_dot[1], 5, kRounding);
+  EXPECT_NEAR(answer_of(model, {0, 0.0}).x_dot[1], 5, kRounding);
 
   // 5 rad/s until 0.25 rad are left, then exp(-t / 0.05 s).
   double tilt = 0;
   const auto run = [&](double seconds) {
     constexpr double kStep_s = 1e-4;
     for (int i = 0; i < std::lround(seconds / kStep_s); ++i) {
-      const double middle = tilt + 0.5 * kStep_s * evaluate(model, {0, tilt}).x_dot[1];
-      tilt += kStep_s * evaluate(model, {0, middle}).x_dot[1];
+      const double middle = tilt + 0.5 * kStep_s * answer_of(model, {0, tilt}).x_dot[1];
+      tilt += kStep_s * answer_of(model, {0, middle}).x_dot[1];
     }
     return tilt;
   };
@@ -419,7 +482,7 @@ TEST(X500, GivesWhatGazebosMotorModelGives) {
   body.v_WB = {3, 0, 5};
   Environment air;
   air.air_density_kg_m3 = 1.0;
-  const Wrench wrench = evaluate(model, x, body, air).wrench;
+  const Wrench wrench = answer_of(model, x, body, air).wrench;
   EXPECT_NEAR(wrench.force_B.z(), 4 * 8.54858e-06 * 769 * 769, 1e-9) << "thrust does not fade";
   EXPECT_NEAR(wrench.force_B.x(), -4 * 769 * 8.06428e-05 * 3, 1e-9);
   const base::RotorParams params = load_vehicle("x500").rotors[0].params;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "plugins/wind/dryden.hpp"
@@ -31,11 +32,42 @@ TEST(DrydenScales, AreThoseOfTheSpecification) {
   EXPECT_NEAR(scales.sigma_horizontal_m_s, 3 * kKnot / std::pow(0.2593, 0.4), 1e-9);
 }
 
-TEST(DrydenScales, AreHeldBelowTenAndAboveAThousandFeet) {
+TEST(DrydenScales, AreHeldBelowTenFeet) {
   EXPECT_EQ(DrydenScales::at(10, 0).length_vertical_m,
             DrydenScales::at(10, 3.048).length_vertical_m);
-  EXPECT_EQ(DrydenScales::at(10, 900).length_vertical_m,
-            DrydenScales::at(10, 304.8).length_vertical_m);
+}
+
+TEST(DrydenScales, AreThoseOfFigure7FromTwoThousandFeetOn) {
+  constexpr double kFoot = 0.3048;
+  const auto sigma_ft_s = [](double w20_kt, double height_ft) {
+    const DrydenScales scales = DrydenScales::at(w20_kt * kKnot, height_ft * kFoot);
+    EXPECT_NEAR(scales.length_horizontal_m, 1750 * kFoot, 1e-9);
+    EXPECT_NEAR(scales.length_vertical_m, 1750 * kFoot, 1e-9);
+    EXPECT_NEAR(scales.sigma_horizontal_m_s, scales.sigma_vertical_m_s, 1e-9);
+    return scales.sigma_vertical_m_s / kFoot;
+  };
+  EXPECT_NEAR(sigma_ft_s(15, 7500), 6.7, 1e-9);
+  EXPECT_NEAR(sigma_ft_s(30, 3750), 10.6, 1e-9);
+  EXPECT_NEAR(sigma_ft_s(45, 80000), 5.1, 1e-9);
+  EXPECT_NEAR(sigma_ft_s(45, 90000), 5.1, 1e-9) << "as at the end of the figure";
+  EXPECT_NEAR(sigma_ft_s(30, 5625), (10.6 + 10.1) / 2, 1e-9) << "between heights";
+  EXPECT_NEAR(sigma_ft_s(37.5, 7500), (10.1 + 23.6) / 2, 1e-9) << "between curves";
+  EXPECT_NEAR(sigma_ft_s(60, 7500), 23.6 + (23.6 - 10.1), 1e-9);
+  EXPECT_NEAR(sigma_ft_s(7.5, 7500), 6.7 / 2, 1e-9);
+}
+
+TEST(DrydenScales, GoLinearlyFromOneThousandToTwoThousandFeet) {
+  constexpr double kFoot = 0.3048;
+  const DrydenScales low = DrydenScales::at(10, 1000 * kFoot);
+  const DrydenScales middle = DrydenScales::at(10, 1500 * kFoot);
+  const DrydenScales high = DrydenScales::at(10, 2000 * kFoot);
+  EXPECT_NEAR(low.length_vertical_m, 1000 * kFoot, 1e-9);
+  for (const auto member :
+       {&DrydenScales::length_horizontal_m, &DrydenScales::length_vertical_m,
+        &DrydenScales::sigma_horizontal_m_s, &DrydenScales::sigma_vertical_m_s}) {
+    EXPECT_NEAR(middle.*member, (low.*member + high.*member) / 2, 1e-9);
+    EXPECT_NEAR(DrydenScales::at(10, 1000.001 * kFoot).*member, low.*member, 1e-3) << "no jump";
+  }
 }
 
 constexpr DrydenScales kScales{.length_horizontal_m = 40,
@@ -114,6 +146,44 @@ TEST(Dryden, HasTheSpectraOfTheSpecification) {
   }
 }
 
+TEST(DrydenRates, HaveTheSpectraOfTheSpecification) {
+  constexpr double kSpan = 0.6;
+  constexpr double kStep = 0.01;
+  Dryden dryden(5);
+  DrydenRates rates(kSpan, 6);
+  std::vector<double> along_v, along_w, across_w;
+  double others = 0;
+  for (int i = 0; i < 1'000'000; ++i) {
+    Eigen::Matrix3d gradient =
+        rates.advance(kScales, kSpeed, kStep, dryden.advance(kScales, kSpeed, kStep));
+    along_v.push_back(std::exchange(gradient(1, 0), 0));
+    along_w.push_back(std::exchange(gradient(2, 0), 0));
+    across_w.push_back(std::exchange(gradient(2, 1), 0));
+    others += gradient.cwiseAbs().sum();
+  }
+  EXPECT_EQ(others, 0);
+  const double lag_v = 3 * kSpan / (M_PI * kSpeed);
+  const double lag_w = 4 * kSpan / (M_PI * kSpeed);
+  const auto along = [](double sigma, double length, double lag, double omega) {
+    const double x = std::pow(length / kSpeed * omega, 2);
+    const double gust = sigma * sigma * length / kSpeed / M_PI * (1 + 3 * x) / std::pow(1 + x, 2);
+    return gust * std::pow(omega / kSpeed, 2) / (1 + std::pow(lag * omega, 2));
+  };
+  const double length = kScales.length_vertical_m;
+  constexpr double kLimit = 0.2;  // as above
+  for (const double omega : {0.3, 1.0, 3.0, 10.0}) {
+    EXPECT_NEAR(
+        density_at(along_v, kStep, omega) / along(2, kScales.length_horizontal_m, lag_v, omega), 1,
+        kLimit)
+        << omega;
+    EXPECT_NEAR(density_at(along_w, kStep, omega) / along(1, length, lag_w, omega), 1, kLimit)
+        << omega;
+    const double p = 0.8 * std::cbrt(M_PI * length / (4 * kSpan)) / (kSpeed * length) /
+                     (1 + std::pow(lag_w * omega, 2));
+    EXPECT_NEAR(density_at(across_w, kStep, omega) / p, 1, kLimit) << omega;
+  }
+}
+
 WindParams parse(const std::string& yaml) {
   return parse_wind_params(base::ConfigNode::parse(yaml));
 }
@@ -172,6 +242,27 @@ TEST(Wind, AddsToTheFieldAtItsPlace) {
   WindModel wind(parse("{mean_m_s: 5, from_deg: 270}"), 1);
   EXPECT_TRUE(
       wind.advance_N({}, 1e-3, 10, Vector3d::Zero(), {1, 2, 3}).isApprox(Vector3d(1, 7, 3), 1e-12));
+}
+
+/// Turbulence along the wind and across it differ by the length of the filter alone, so the same
+/// seed gives the same numbers in axes that turn with the wind.
+TEST(Wind, TurbulenceHasTheAxesOfTheWindThatBlows) {
+  const auto turbulence = [](const std::string& mean, const Vector3d& field_N) {
+    WindModel calm(parse("{" + mean + "}"), 1);
+    WindModel rough(parse("{" + mean + (mean.empty() ? "" : ", ") + "turbulence: light}"), 1);
+    Vector3d difference = Vector3d::Zero();
+    for (int i = 0; i < 100; ++i) {
+      difference = rough.advance_N({}, 0.01, 50, Vector3d::Zero(), field_N) -
+                   calm.advance_N({}, 0.01, 50, Vector3d::Zero(), field_N);
+    }
+    return difference;
+  };
+  const Vector3d south = turbulence("mean_m_s: 6, from_deg: 180", Vector3d::Zero());
+  const Vector3d west = turbulence("mean_m_s: 6, from_deg: 270", Vector3d::Zero());
+  EXPECT_TRUE(west.isApprox(Vector3d(-south.y(), south.x(), south.z()), 1e-9));
+  // Of a grid or of the world, alone and with a mean.
+  EXPECT_TRUE(turbulence("", {0, 6, 0}).isApprox(west, 1e-9));
+  EXPECT_TRUE(turbulence("mean_m_s: 6, from_deg: 180", {-6, 6, 0}).isApprox(west, 1e-9));
 }
 
 /// Rises by 1 m/s per 10 m eastwards at the ground, twice as fast at 100 m; north is always 3.
@@ -245,6 +336,44 @@ TEST(WindPlugin, AddsToTheWindOfTheWorldAndToAGrid) {
     EXPECT_TRUE(harness.world.air.wind_W.isApprox(Vector3d(1 + 5 + 1, 3, 0), 1e-12))
         << harness.world.air.wind_W.transpose();
   }
+}
+
+TEST(WindPlugin, WithASpanGivesTheGradientOfProfileAndGrid) {
+  const cas::test::TemporaryFolder folder;
+  test::PluginHarness harness;
+  harness.world.body.p_WB = {5, 0, 50};
+  harness.world.air.height_above_ground_m = 50;
+  harness.add("wind",
+              "{mean_m_s: 5, from_deg: 270, profile: {law: power, reference_m: 10, "
+              "exponent: 0.5}, span_m: 0.5, grid: " +
+                  folder.write("g.csv", kGrid).string() + "}");
+  harness.step();
+  ASSERT_TRUE(harness.world.air.wind_gradient_W);
+  Eigen::Matrix3d expected = Eigen::Matrix3d::Zero();
+  expected(0, 0) = 0.15;       // of the grid, half way up
+  expected(0, 2) = 0.5 / 100;  // at x = 5 from 0.5 to 1 m/s
+  expected(2, 2) = -1.0 / 100;
+  expected(0, 2) += 0.5 * 5 / std::sqrt(10 * 50);  // d/dh of 5 (h / 10)^0.5
+  EXPECT_TRUE(harness.world.air.wind_gradient_W->isApprox(expected, 1e-4))
+      << *harness.world.air.wind_gradient_W;
+}
+
+TEST(WindPlugin, WithoutASpanLeavesTheWindAsAtTheCentre) {
+  test::PluginHarness harness;
+  harness.add("wind", "{mean_m_s: 5, from_deg: 0, profile: log, turbulence: moderate}");
+  harness.step();
+  EXPECT_FALSE(harness.world.air.wind_gradient_W);
+}
+
+TEST(Wind, ASpanDoesNotChangeTheWindAtTheCentre) {
+  WindModel narrow(parse("{mean_m_s: 5, from_deg: 30, turbulence: light}"), 3);
+  WindModel wide(parse("{mean_m_s: 5, from_deg: 30, turbulence: light, span_m: 0.5}"), 3);
+  for (int i = 0; i < 1000; ++i) {
+    ASSERT_EQ(narrow.advance_N({}, 0.01, 20, Vector3d::Zero()),
+              wide.advance_N({}, 0.01, 20, Vector3d::Zero()));
+  }
+  EXPECT_TRUE(narrow.gradient_N().isZero(0));
+  EXPECT_FALSE(wide.gradient_N().isZero(1e-6));
 }
 
 TEST(WindPlugin, WarnsOfGustsThatItLeavesOut) {

@@ -93,6 +93,7 @@ void SimWorld::set_to_start(VehicleBody& body) {
   body.state = body.start;
   body.forces.reset_states();
   body.environment.wind_W = wind_W_;
+  body.environment.wind_gradient_W.reset();
   body.extra = {};
   body.touching = body.rest_at_start.has_value();
   body.mode = body.touching ? Mode::kHeld : Mode::kFree;
@@ -375,6 +376,10 @@ bool SimWorld::disc_touches(VehicleId vehicle, const Eigen::Vector3d& centre_B,
 
 void SimWorld::set_wind_W(VehicleId vehicle, const Eigen::Vector3d& wind_W) {
   at(vehicle).environment.wind_W = wind_W;
+}
+
+void SimWorld::set_wind_gradient_W(VehicleId vehicle, const Eigen::Matrix3d& gradient_W) {
+  at(vehicle).environment.wind_gradient_W = gradient_W;
 }
 
 void SimWorld::add_wrench(VehicleId vehicle, const Wrench& wrench) {

@@ -66,6 +66,7 @@ class CAS_SIM_EXPORT SimWorld final : public World {
   base::Atmosphere atmosphere() const override { return atmosphere_; }
 
   void set_wind_W(VehicleId vehicle, const Eigen::Vector3d& wind_W) override;
+  void set_wind_gradient_W(VehicleId vehicle, const Eigen::Matrix3d& gradient_W) override;
   void add_wrench(VehicleId vehicle, const Wrench& wrench) override;
   void scale_mass(VehicleId vehicle, double factor) override;
 

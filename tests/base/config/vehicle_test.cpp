@@ -268,6 +268,31 @@ INSTANTIATE_TEST_SUITE_P(
         RotorCase{"LinkOfNoModel", ", link: prop", "the model has no link 'prop'"}),
     [](const auto& test) { return test.param.name; });
 
+TEST(Vehicle, ReadsTheDragOfItsBody) {
+  const test::TemporaryFolder folder;
+  const auto load = [&](const std::string& drag) {
+    return Vehicle::load(folder.write("v.yaml", round_vehicle(3) + drag));
+  };
+  EXPECT_FALSE(load("").body_drag);
+  const auto drag = load("body_drag: {area_m2: [0.01, 0.02, 0.04]}\n").body_drag;
+  ASSERT_TRUE(drag);
+  EXPECT_EQ(drag->area_m2, Eigen::Vector3d(0.01, 0.02, 0.04));
+  EXPECT_EQ(drag->centre_B_m, Eigen::Vector3d::Zero());
+  EXPECT_EQ(
+      load("body_drag: {area_m2: [0, 0, 1], centre_B_m: [0, 0, -0.1]}\n").body_drag->centre_B_m,
+      Eigen::Vector3d(0, 0, -0.1));
+  const auto npos = std::string::npos;
+  EXPECT_NE(test::refusal([&] {
+              load("body_drag: {area_m2: [0, -1, 0]}\n");
+            }).find("body_drag.area_m2: must be three numbers, none below 0"),
+            npos);
+  EXPECT_NE(test::refusal([&] { load("body_drag: {}\n"); }).find("body_drag.area_m2"), npos);
+  EXPECT_NE(test::refusal([&] {
+              load("body_drag: {area_m2: [0, 0, 0], cp: 1}\n");
+            }).find("body_drag.cp: unknown key"),
+            npos);
+}
+
 struct SingularCase {
   const char* name;
   const char* rotors;
