@@ -85,12 +85,13 @@ ControlSetpoint HoldTask::update(const TaskContext& context) {
 void TakeoffTask::activate(const TaskContext& context) {
   mover_.reset(context.estimate.p_N, Vector3d::Zero(), context.yaw_rad);
   clear_ = false;
+  usual_height_m_ = context.params.takeoff_altitude_m;
   aim(context);
 }
 
 void TakeoffTask::aim(const TaskContext& context) {
   Vector3d target = mover_.target();
-  target.z() = wanted_z_.value_or(context.ground_z - context.params.takeoff_altitude_m);
+  target.z() = wanted_z_.value_or(context.ground_z - usual_height_m_);
   mover_.set_target(target);
   if (std::isfinite(wanted_yaw_)) mover_.set_yaw(wanted_yaw_);
 }

@@ -109,7 +109,8 @@ class TakeoffTask final : public MovingTask {
   bool done(const TaskContext& context) const override;
   bool wants_takeoff(const TaskContext&) const override { return true; }
 
-  /// Height to climb to: z (down) in N. Without one, MIS_TAKEOFF_ALT above the ground.
+  /// Height to climb to: z (down) in N. Without one, MIS_TAKEOFF_ALT above the ground, as it is
+  /// when the mode begins: who has written it for this takeoff may restore it during the climb.
   void set_target_z(std::optional<double> z) { wanted_z_ = z; }
   void set_yaw(double yaw_rad) { wanted_yaw_ = yaw_rad; }
 
@@ -117,6 +118,7 @@ class TakeoffTask final : public MovingTask {
   void aim(const TaskContext& context);
 
   std::optional<double> wanted_z_;
+  double usual_height_m_ = 0;
   double wanted_yaw_ = kUnset;
   bool clear_ = false;  ///< of the ground
 };

@@ -142,9 +142,11 @@ INSTANTIATE_TEST_SUITE_P(
         SlowCase{"QuadOf100kg", quad_of_100_kg}, SlowCase{"QuadOf500kg", quad_of_500_kg}),
     [](const auto& test) { return test.param.name; });
 
+class SlowLine : public testing::TestWithParam<const char*> {};
+
 /// HIL_SENSOR fills two thirds of this line upwards. Downwards the controls and all telemetry are
 /// more than it carries; and it delays the rate loops by 44 ms.
-TEST(SlowLine, Of57600BaudCarriesTheControlsFirst) {
+TEST_P(SlowLine, Of57600BaudCarriesTheControlsFirst) {
   const TemporaryFolder folder;
   const auto file = folder.write("slow_line.yaml", R"(schema: 1
 home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
@@ -160,11 +162,16 @@ steps:
   - hold: {duration_s: 10, measure: true}
   - land: {timeout_s: 60}
 limits: {lost: 0, rms: {x_m: 0.2, y_m: 0.2, z_m: 0.2}}
-vehicle: )" + cas::test::source_dir() + "/config/vehicles/iris_paper.yaml\n");
+vehicle: )" + cas::test::source_dir() + "/config/vehicles/" +
+                                                       GetParam() + ".yaml\n");
   const Flight flight(Scenario::load(file), 1, "slow_line");
   EXPECT_TRUE(flight.verdict().passed) << flight.text();
   EXPECT_LT(most_tilt_deg(flight), 30);
 }
+
+/// HIL_CONTROLS, and HIL_ACTUATOR_CONTROLS, which is twice as long.
+INSTANTIATE_TEST_SUITE_P(All, SlowLine, testing::Values("iris_paper", "hexa_x"),
+                         [](const auto& test) { return std::string(test.param); });
 
 }  // namespace
 }  // namespace cas::hils::test

@@ -64,6 +64,19 @@ SetPositionTargetLocalNed position(float x, float y, float z, float yaw) {
   return m;
 }
 
+/// casd restores the parameter that it has written for a takeoff once the vehicle climbs.
+TEST_F(Modes, ATakeoffKeepsTheHeightThatItsParameterHadAtTheBeginning) {
+  ASSERT_TRUE(loop_.run_until([&] { return loop_.fcu().status().estimator_ready; }, 20));
+  EXPECT_TRUE(loop_.fcu().set_param("MIS_TAKEOFF_ALT", 6));
+  ASSERT_TRUE(loop_.arm());
+  EXPECT_EQ(loop_.command(MavCmd::kNavTakeoff, {0, 0, 0, NAN, NAN, NAN, NAN}),
+            MavResult::kAccepted);
+  loop_.run(3);
+  EXPECT_TRUE(loop_.fcu().set_param("MIS_TAKEOFF_ALT", 2.5));
+  loop_.run(15);
+  EXPECT_TRUE(near(0, 0, 6, 0.5)) << loop_.truth().p_N.transpose();
+}
+
 TEST_F(Modes, OffboardFollowsPositionAndYaw) {
   hover();
   loop_.send(position(2, 1, -3, 0.8F));
