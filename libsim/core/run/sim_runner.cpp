@@ -101,9 +101,9 @@ struct SimRunner::Impl {
     warn(vehicle.name, vehicle_model.warnings);
     warn(vehicle.name, other_mass(vehicle, vehicle_model));
     warn(vehicle.name, implausible(vehicle.vehicle, vehicle_model));
-    if (!vehicle.pose.z_m) vehicle.pose.z_m = standing_height(model, vehicle_model, vehicle.pose);
-    require_free_start(model, vehicle_model, vehicle);
-    if (config.world.sdf) require_ground(model, vehicle_model, vehicle, *config.world.sdf);
+    if (!vehicle.pose.z_m) vehicle.pose.z_m = standing_height(world, vehicle_model, vehicle.pose);
+    require_free_start(world, model, vehicle_model, vehicle);
+    if (config.world.sdf) require_ground(world, model, vehicle_model, vehicle, *config.world.sdf);
     plugins.load(world.add_vehicle(vehicle_model, vehicle.pose), vehicle);
   }
 

@@ -341,6 +341,12 @@ std::optional<double> SimWorld::ray_distance(VehicleId vehicle, const Eigen::Vec
   return nearest;
 }
 
+std::optional<double> SimWorld::ray_to_statics(const Eigen::Vector3d& origin_W,
+                                               const Eigen::Vector3d& direction_W,
+                                               double range_m) const {
+  return solver_->ray_to_world(origin_W, direction_W, range_m);
+}
+
 bool SimWorld::is_below_everything(VehicleId vehicle) const {
   return floor_.is_above(state(vehicle).p_WB, solver_->radius(static_cast<std::size_t>(vehicle)));
 }

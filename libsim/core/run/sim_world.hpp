@@ -44,6 +44,10 @@ class CAS_SIM_EXPORT SimWorld final : public World {
   void reset();
   /// Advances everything by `dt` s.
   void advance(double dt);
+  /// Distance along a ray to the first surface that never moves, m; nullopt: none within the range.
+  /// @param direction_W  unit
+  std::optional<double> ray_to_statics(const Eigen::Vector3d& origin_W,
+                                       const Eigen::Vector3d& direction_W, double range_m) const;
   /// Whether the vehicle has fallen out of the world: nothing is left below it.
   bool is_below_everything(VehicleId vehicle) const;
 

@@ -13,6 +13,7 @@
 #include "base/angles.hpp"
 #include "base/error.hpp"
 #include "libsim/core/ode/contact_solver.hpp"
+#include "libsim/core/run/sim_world.hpp"
 
 namespace cas::sim {
 
@@ -74,15 +75,11 @@ bool is_near(Shape shape, const Eigen::Vector3d& p_W, double radius) {
 }
 
 /// z of the uppermost surface at a place.
-std::optional<double> surface_at(const ContactSolver& solver, double x_m, double y_m) {
+std::optional<double> surface_at(const SimWorld& world, double x_m, double y_m) {
   const auto hit =
-      solver.ray_to_world({x_m, y_m, kHighest_m}, -Eigen::Vector3d::UnitZ(), 2 * kHighest_m);
+      world.ray_to_statics({x_m, y_m, kHighest_m}, -Eigen::Vector3d::UnitZ(), 2 * kHighest_m);
   if (!hit) return std::nullopt;
   return kHighest_m - *hit;
-}
-
-void add_statics(const WorldModel& world, ContactSolver& solver) {
-  for (const Shape& shape : world.statics) solver.add_static(shape);
 }
 
 Eigen::Matrix3d turned_by(const StartPose& pose) {
@@ -122,12 +119,10 @@ std::array<Eigen::Vector2d, 25> base_of(const VehicleModel& model, const StartPo
 
 }  // namespace
 
-double standing_height(const WorldModel& world, const VehicleModel& model, const StartPose& pose) {
-  ContactSolver solver(Eigen::Vector3d::Zero());
-  add_statics(world, solver);
+double standing_height(const SimWorld& world, const VehicleModel& model, const StartPose& pose) {
   std::optional<double> top;
   for (const Eigen::Vector2d& place : base_of(model, pose)) {
-    const auto z = surface_at(solver, place.x(), place.y());
+    const auto z = surface_at(world, place.x(), place.y());
     if (z) top = std::max(top.value_or(*z), *z);
   }
   return top.value_or(0);
@@ -145,11 +140,11 @@ BodyState start_state(const VehicleModel& model, const StartPose& pose) {
   return state;
 }
 
-void require_free_start(const WorldModel& world, const VehicleModel& model,
-                        const VehicleConfig& vehicle) {
+void require_free_start(const SimWorld& world, const WorldModel& world_model,
+                        const VehicleModel& model, const VehicleConfig& vehicle) {
   const BodyState state = start_state(model, vehicle.pose);
   const double radius = radius_of(model);
-  for (const Shape& shape : world.statics) {
+  for (const Shape& shape : world_model.statics) {
     if (!is_near(shape, state.p_WB, radius) || !overlaps(shape, model, state)) continue;
     const StartPose& pose = vehicle.pose;
     char text[240];
@@ -157,9 +152,7 @@ void require_free_start(const WorldModel& world, const VehicleModel& model,
                   pose.y_m, pose.z_m.value_or(0));
     std::string sentence =
         "vehicle '" + vehicle.name + "', obstacle '" + shape.name + "': the vehicle " + text;
-    ContactSolver solver(Eigen::Vector3d::Zero());
-    add_statics(world, solver);
-    if (const auto top = surface_at(solver, pose.x_m, pose.y_m)) {
+    if (const auto top = surface_at(world, pose.x_m, pose.y_m)) {
       std::snprintf(text, sizeof(text), "; the uppermost surface there is at z_m %.2f", *top);
       sentence += text;
     }
@@ -167,22 +160,23 @@ void require_free_start(const WorldModel& world, const VehicleModel& model,
   }
 }
 
-void require_ground(const WorldModel& world, const VehicleModel& model,
+void require_ground(const SimWorld& world, const WorldModel& world_model, const VehicleModel& model,
                     const VehicleConfig& vehicle, const std::filesystem::path& file) {
-  if (!(world.gravity_W.z() < 0)) return;
-  ContactSolver solver(Eigen::Vector3d::Zero());
-  add_statics(world, solver);
-  for (const MovingObstacle& obstacle : world.moving) {
+  if (!(world_model.gravity_W.z() < 0)) return;
+  ContactSolver obstacles(Eigen::Vector3d::Zero());
+  for (const MovingObstacle& obstacle : world_model.moving) {
     const BodyState at_start = obstacle.path.at(0);
     for (Shape shape : obstacle.shapes) {
       shape.pose = Eigen::Translation3d(at_start.p_WB) * at_start.q_WB * shape.pose;
-      solver.add_static(shape);
+      obstacles.add_static(shape);
     }
   }
   const double from_m = start_state(model, vehicle.pose).p_WB.z();
   const auto is_over_something = [&](const Eigen::Vector2d& place) {
     const Eigen::Vector3d origin_W(place.x(), place.y(), from_m);
-    return solver.ray_to_world(origin_W, -Eigen::Vector3d::UnitZ(), 2 * kHighest_m).has_value();
+    const Eigen::Vector3d down_W = -Eigen::Vector3d::UnitZ();
+    return world.ray_to_statics(origin_W, down_W, 2 * kHighest_m) ||
+           obstacles.ray_to_world(origin_W, down_W, 2 * kHighest_m);
   };
   const auto places = base_of(model, vehicle.pose);
   if (std::any_of(places.begin(), places.end(), is_over_something)) return;
@@ -190,7 +184,7 @@ void require_ground(const WorldModel& world, const VehicleModel& model,
   std::snprintf(place, sizeof(place), "x_m %.2f, y_m %.2f, z_m %.2f", vehicle.pose.x_m,
                 vehicle.pose.y_m, vehicle.pose.z_m.value_or(0));
   throw base::ConfigError(
-      file.string() + ": the world '" + world.name +
+      file.string() + ": the world '" + world_model.name +
       "' has no ground below the start of vehicle '" + vehicle.name + "' (" + place +
       "), which would fall for ever; give it a 'pose' over something, or the world a ground: "
       "<include><uri>model://ground_plane</uri></include>");

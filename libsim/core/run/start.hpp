@@ -11,9 +11,11 @@
 
 namespace cas::sim {
 
+class SimWorld;
+
 /// Height at which a vehicle stands on the uppermost surface below or beside its middle, m: the
 /// highest of 5 x 5 rays down over its base. 0 where there is none.
-CAS_SIM_EXPORT double standing_height(const WorldModel& world, const VehicleModel& model,
+CAS_SIM_EXPORT double standing_height(const SimWorld& world, const VehicleModel& model,
                                       const StartPose& pose);
 
 /// A vehicle at rest and level, its lowest point `pose.z_m` above z = 0; without that at z = 0.
@@ -21,15 +23,17 @@ CAS_SIM_EXPORT BodyState start_state(const VehicleModel& model, const StartPose&
 
 /// Refuses a vehicle that starts inside something: its centre of gravity is in it, or it still
 /// touches it 5.1 cm higher. Vehicles are not compared with each other.
+/// @param world_model  what `world` was made of
 /// @throws base::ConfigError naming vehicle, place and obstacle, and the height to start from
-CAS_SIM_EXPORT void require_free_start(const WorldModel& world, const VehicleModel& model,
-                                       const VehicleConfig& vehicle);
+CAS_SIM_EXPORT void require_free_start(const SimWorld& world, const WorldModel& world_model,
+                                       const VehicleModel& model, const VehicleConfig& vehicle);
 
 /// Refuses a vehicle that would fall for ever: in a world with gravity, none of 5 x 5 rays from the
 /// base of the vehicle straight down meets anything.
 /// @param file  of the world, for the error message
 /// @throws base::ConfigError with world, vehicle, place and remedy
-CAS_SIM_EXPORT void require_ground(const WorldModel& world, const VehicleModel& model,
-                                   const VehicleConfig& vehicle, const std::filesystem::path& file);
+CAS_SIM_EXPORT void require_ground(const SimWorld& world, const WorldModel& world_model,
+                                   const VehicleModel& model, const VehicleConfig& vehicle,
+                                   const std::filesystem::path& file);
 
 }  // namespace cas::sim

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/libsim/support/crate.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace cas::sim {
@@ -37,7 +38,9 @@ VehicleConfig vehicle_at(double x_m, double z_m) {
 
 /// Whether the body may start at z = 0 over a plate whose upper side is at `top_m`.
 bool starts(double top_m) {
-  return test::refusal([&] { require_free_start(plate(top_m, 200), body(), vehicle_at(0, 0)); })
+  const WorldModel model = plate(top_m, 200);
+  const auto world = test::make_world(model);
+  return cas::test::refusal([&] { require_free_start(*world, model, body(), vehicle_at(0, 0)); })
       .empty();
 }
 
@@ -49,8 +52,10 @@ TEST(Start, APlateOfFiveCentimetresIsASurfaceWhateverIsRounded) {
   EXPECT_FALSE(starts(0.055));
 }
 
-std::string refused_ground(const WorldModel& world, double x_m, double z_m) {
-  return test::refusal([&] { require_ground(world, body(), vehicle_at(x_m, z_m), "w.sdf"); });
+std::string refused_ground(const WorldModel& model, double x_m, double z_m) {
+  const auto world = test::make_world(model);
+  return cas::test::refusal(
+      [&] { require_ground(*world, model, body(), vehicle_at(x_m, z_m), "w.sdf"); });
 }
 
 TEST(Start, NeedsGroundBelowIt) {
