@@ -375,7 +375,7 @@ class ConfigReference(unittest.TestCase):
                 ("`body_drag_linear_n_s_m`", "`nothing`", "'body_drag_linear_n_s_m' is read by"),
                 ("| `body_drag_linear_n_s_m` |", "| `body_drag_linear_n_s_m`, `no_such_key` |", "'no_such_key' is described")):
             with self.tree() as tree:
-                page = tree / "docs" / "config.md"
+                page = tree / "docs/reference/config.md"
                 text = page.read_text()
                 self.assertIn(before, text)
                 self.assertNotIn(complaint, self.code(tree).stdout)

@@ -322,7 +322,7 @@ TEST_P(RouterImportKeys, AreTakenOrExplained) {
 
 TEST_P(RouterImportKeys, AreOnThePageAboutEndpoints) {
   const std::string page =
-      cas::test::TemporaryFolder::read(cas::test::source_dir() + "/docs/endpoints.md");
+      cas::test::TemporaryFolder::read(cas::test::source_dir() + "/docs/reference/endpoints.md");
   EXPECT_TRUE(std::regex_search(page, std::regex("`" + GetParam().key + "\\b"))) << GetParam().key;
 }
 
