@@ -34,10 +34,12 @@
 #include "hils/report/results_folder.hpp"
 #include "hils/report/run_report.hpp"
 #include "hils/run/folder_lock.hpp"
+#include "hils/run/scratch_folder.hpp"
 #include "hils/run/station_endpoint.hpp"
 #include "hils/scenario/scenario.hpp"
 #include "hils/scenario/scenario_reference.hpp"
 #include "hils/scenario_list.hpp"
+#include "hils/sweep/key_path.hpp"
 #include "hils/ulog/run_ulog.hpp"
 
 namespace cas::hils {
@@ -55,6 +57,9 @@ struct Flags {
   std::string ground_station;
   bool inject_failures = false;
   std::vector<std::string> plugin_dirs;
+  std::vector<std::string> settings;  ///< KEY=VALUE
+  bool only_check = false;
+  bool beside_paper = false;
   bool on_virtual_clock = false;
   bool lockstep = false;
   bool web = false;
@@ -104,11 +109,26 @@ void choose_folder(Flags& flags, const std::filesystem::path& file) {
 /// @throws base::ConfigError
 std::filesystem::path take_folder(Flags& flags, const std::filesystem::path& file,
                                   std::optional<FolderLock>& lock) {
-  if (!lock) choose_folder(flags, file);
+  if (lock) return std::filesystem::absolute(flags.out);
+  choose_folder(flags, file);
   std::filesystem::path out = std::filesystem::absolute(flags.out);
-  if (!lock) lock.emplace(out);
+  lock.emplace(out);
   clear_earlier_run(out);
   return out;
+}
+
+/// Values of --set by their paths of keys. @throws base::ConfigError
+std::vector<KeyValue> parse_settings(const std::vector<std::string>& words) {
+  std::vector<KeyValue> values;
+  for (const std::string& word : words) {
+    const std::size_t split = word.find('=');
+    if (split == std::string::npos || split == 0) {
+      throw base::ConfigError(
+          fmt::format("--set {}: is not KEY=VALUE, such as line.packet_loss=0.1", word));
+    }
+    values.emplace_back(word.substr(0, split), word.substr(split + 1));
+  }
+  return values;
 }
 
 /// Takes the boards of a run, its folder, and waits until the boards have booted; a board's error
@@ -188,6 +208,7 @@ RunRequest read_request(const Flags& flags, const std::filesystem::path& file) {
     request.station->inject_failures = flags.inject_failures;
   }
   request.announced = true;
+  request.beside_paper = flags.beside_paper;
   return request;
 }
 
@@ -197,24 +218,49 @@ void write_ulogs(const RunRequest& request, const RunResult& result) {
   }
 }
 
+/// Says that a scenario can be flown with these flags. A changed one is read in a folder of its
+/// own, which goes again.
+int check(const Flags& flags, const std::filesystem::path& file) {
+  const ScratchFolder scratch(std::filesystem::temp_directory_path(), "hils-check");
+  const std::vector<KeyValue> values = parse_settings(flags.settings);
+  if (!values.empty()) {
+    write_scenario(file, values, std::filesystem::current_path(), scratch.path());
+  }
+  const RunRequest request =
+      read_request(flags, values.empty() ? file : scratch.path() / "scenario.yaml");
+  parse_fcu_words(flags.fcus, request.scenario.names());
+  fmt::print("{}: {} can be flown\n", flags.scenario, request.scenario.name);
+  return kExitPassed;
+}
+
 int run(Flags flags) {
   search_plugins_in(flags.plugin_dirs);
-  const std::filesystem::path file = base::find_config(flags.scenario);
+  std::filesystem::path file = base::find_config(flags.scenario);
+  if (flags.only_check) return check(flags, file);
+  std::optional<FolderLock> lock;
+  const std::vector<KeyValue> values = parse_settings(flags.settings);
+  if (!values.empty()) {
+    const std::filesystem::path folder = take_folder(flags, file, lock) / "run/scenario";
+    write_scenario(file, values, std::filesystem::current_path(), folder);
+    file = folder / "scenario.yaml";
+  }
   RunRequest request = read_request(flags, file);
   std::optional<LiveRun> live;
   if (flags.web) request.live = &live.emplace();
-  std::optional<FolderLock> lock;
   std::optional<FlightBoards> boards;
   prepare_boards(parse_fcu_words(flags.fcus, request.scenario.names()), flags, request, lock,
                  boards);
 
   RunResult result = evaluate(request, fly(request));
+  for (const std::string& setting : flags.settings) {
+    result.verdict.remarks.push_back("set by --set: " + setting);
+  }
   fail_absent(boards->absences(), result);
   if (live) live->tell(result);
   // Each reads the same records and writes files of its own.
   auto results = std::async(std::launch::async, [&] { write_results(request, result); });
   auto logs = std::async(std::launch::async, [&] { write_ulogs(request, result); });
-  const std::string report = write_text(run_report(result));
+  const std::string report = write_text(run_lines(result, request.beside_paper));
   results.get();
   fmt::print("{}\nResults: {}\n", report, flags.out);
   std::fflush(stdout);
@@ -276,6 +322,16 @@ base::cli::Verb add_run(CLI::App& app) {
                     "Show the run in a browser: starts casweb and prints the address");
   command->add_option("--plugin-dir", flags.plugin_dirs,
                       "Folder searched for plugins first, before CAS_PLUGIN_PATH");
+  command
+      ->add_option("--set", flags.settings,
+                   "KEY=VALUE: another value for a key of the scenario, or of a file that it names "
+                   "(line.packet_loss=0.1, plugins[wind].mean_m_s=8, "
+                   "vehicle.rotor.omega_max_rad_s=800); may be repeated")
+      ->allow_extra_args(false);
+  command->add_flag("--paper", flags.beside_paper,
+                    "Show the figures of [HILS] Tables 4 and 5 below those of the run");
+  command->add_flag("--check", flags.only_check,
+                    "Read the scenario with these flags, say whether it can be flown, and end");
   command->add_option("--seed", flags.seed, "Seed instead of the scenario's")
       ->check(base::cli::whole_number);
   return {command, [kept] { return run(*kept); }};

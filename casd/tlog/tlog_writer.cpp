@@ -149,8 +149,10 @@ void TlogWriter::record(std::span<const std::uint8_t> packet, base::RunTime now)
     stretch_began_ = now;
     set_zero(base::steady_now());
   }
-  const bool kept = base::outlive_lack_of_memory(
-      kWho, [&]() CAS_REQUIRES(mutex_) { append_tlog_record(stamp_of(now), packet, waiting_); });
+  const std::uint64_t stamp = stamp_of(now);
+  std::vector<std::uint8_t>& waiting = waiting_;  // a lambda does not know that the lock is held
+  const bool kept =
+      base::outlive_lack_of_memory(kWho, [&] { append_tlog_record(stamp, packet, waiting); });
   if (!kept) ++overflowed_;
 }
 

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/flight/flight_plan.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace cas::hils {
@@ -43,6 +46,51 @@ std::string words_for(std::size_t index, const std::vector<FlightStep>& steps) {
 /// "; it said 'No offboard signal'"
 std::string said(const VehicleReport& vehicle) {
   return vehicle.warning.empty() ? "" : "; it said '" + vehicle.warning + "'";
+}
+
+double tilt_deg(const VehicleReport& vehicle) {
+  const double upright = std::cos(vehicle.roll_rad) * std::cos(vehicle.pitch_rad);
+  return std::acos(std::clamp(upright, -1.0, 1.0)) * 180 / std::numbers::pi;
+}
+
+/// "6.0 m/s, where 0.4 is the most, tilted by 45 deg", for a vehicle that should hang still.
+std::string restless(const VehicleReport& vehicle) {
+  return fmt::format("{:.1f} m/s, where {} is the most, tilted by {:.0f} deg", vehicle.v_N.norm(),
+                     kSlowMS, tilt_deg(vehicle));
+}
+
+/// What the vehicle's estimate lacks for the end of a step that it has begun; empty where the step
+/// says no more than its name.
+/// @param reference_m  where it should be: north, east, up from the place of arming
+std::string lack(const FlightStep& step, const VehicleReport& vehicle,
+                 const Eigen::Vector3d& reference_m) {
+  const Eigen::Vector3d p_m = vehicle.estimate().p_m;
+  const Eigen::Vector3d off_m = p_m - reference_m;
+  switch (step.kind) {
+    case StepKind::kArm:
+      return "it does not say that it is armed";
+    case StepKind::kTakeoff:
+    case StepKind::kGoto:
+    case StepKind::kRtl:
+      if (!vehicle.has_position) return "it has no position";
+      if (!vehicle.in_air && step.kind != StepKind::kRtl) {
+        return fmt::format("it does not say that it is in the air; {:.1f} m high", p_m.z());
+      }
+      return fmt::format("{:.1f} m of {:.1f} m high, {:.1f} m aside, {}", p_m.z(), reference_m.z(),
+                         off_m.head<2>().norm(), restless(vehicle));
+    case StepKind::kLand:
+      return fmt::format("it does not say that it is on the ground; {:.1f} m high, {:.1f} m/s",
+                         p_m.z(), vehicle.v_N.norm());
+    case StepKind::kWaitUntil:
+      return fmt::format("its condition did not hold; {:.1f} m north, {:.1f} m east, {:.1f} m high",
+                         p_m.x(), p_m.y(), p_m.z());
+    case StepKind::kMission:
+      return fmt::format("{:.1f} m from its end, {}", off_m.norm(), restless(vehicle));
+    case StepKind::kDisarm:
+      return "it does not say that it is disarmed";
+    default:
+      return "";
+  }
 }
 
 }  // namespace
@@ -144,7 +192,12 @@ void FlightPlan::check_time(const FlightStep& step, base::SimTime now,
                     std::to_string(static_cast<int>(base::to_seconds(step.timeout))) + " s";
   if (!vehicle.heard) why += ": the vehicle was not heard";
   if (!last_refusal_.empty()) why += ": " + last_refusal_;
-  if (habits_.flies_setpoints && last_refusal_.empty()) why += said(vehicle);
+  if (last_refusal_.empty()) {
+    const bool begun = vehicle.heard && phase_ == Phase::kWaiting;
+    const std::string what = begun ? lack(step, vehicle, reference_m_) : "";
+    if (!what.empty()) why += ": " + what;
+    if (habits_.flies_setpoints) why += said(vehicle);
+  }
   failure_ = std::move(why);
 }
 

@@ -73,6 +73,10 @@ void add_run(Rows& table) {
        {"reading_spread_us", "HIL_SENSOR read by the controller, 99 % less the median", "us", 0,
         kDown, "from casd's write to the controller's read; not of `ts`",
         of(&Measurement::reading_spread_us)},
+       {"paused_ms", "pauses of a hop between two programs", "ms", 1, kDown,
+        "time for which packets were held up by 25 ms or more, at the hop that paused most; "
+        "not of `ts`",
+        of(&Measurement::paused_ms)},
        {"hop_p99_us", "slowest way through casd, 99 %", "us", 0, kDown,
         "from one link's read to another's write; of stock firmware", slowest_way_us},
        {"port_gap_ms", "longest gap of HIL_SENSOR at the controller's port", "ms", 1, kDown,

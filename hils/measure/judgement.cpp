@@ -173,6 +173,32 @@ Checks machine_checks(const Measurement& figures) {
   return checks;
 }
 
+/// Whether the limits on losses are missed by this stream.
+bool loses_too_many(const RateFigures& rate, const Limits& limits) {
+  if (rate.sent == 0) return false;
+  const double delivered_pct =
+      100.0 * static_cast<double>(rate.received) / static_cast<double>(rate.sent);
+  return (limits.lost && rate.lost > *limits.lost) ||
+         (limits.delivered_pct && delivered_pct < *limits.delivered_pct);
+}
+
+/// Losses that pauses of this machine explain: no more packets than were due in them. They may be
+/// too few for the 99 % marks to show.
+void check_pauses(const Measurement& figures, const Limits& limits, Checks& checks) {
+  const double paused_ms = figures.paused_ms.value_or(0);
+  if (paused_ms <= 0 || !figures.faults.empty()) return;  // a fault may hold packets up
+  for (const Stream& stream : kStreams) {
+    const RateFigures& rate = figures.rates.*stream.rate;
+    const double due = std::ceil(1e-3 * paused_ms * rate.nominal_hz);
+    if (!loses_too_many(rate, limits) || static_cast<double>(rate.lost) > due) continue;
+    add_machine(checks, bounded(figures, "paused_ms", 0),
+                fmt::format("{} of {} {} were lost, and as many were due while packets stood "
+                            "still for {:.0f} ms between two programs",
+                            rate.lost, rate.sent, stream.name, paused_ms));
+    return;
+  }
+}
+
 /// The vehicle stayed on the ground for no reason that the flight shows: its autopilot disarms it
 /// after a time, or somebody did. After an incident or a fault it has failed.
 void check_arming(const Measurement& figures, Checks& checks) {
@@ -189,9 +215,12 @@ void check_arming(const Measurement& figures, Checks& checks) {
 }
 
 /// Whether the figures mean anything.
-Checks validity_checks(const Measurement& figures) {
+Checks validity_checks(const Measurement& figures, const Limits& limits) {
   Checks checks;
-  if (!figures.virtual_clock && figures.streamed) checks = machine_checks(figures);
+  if (!figures.virtual_clock && figures.streamed) {
+    checks = machine_checks(figures);
+    check_pauses(figures, limits, checks);
+  }
   check_arming(figures, checks);
   if (!figures.stages.empty() && figures.truth_samples == 0) {
     checks.push_back(missed({.kind = Kind::kValidity,
@@ -485,8 +514,8 @@ void merge_verdict(const std::string& vehicle, const Verdict& own, Verdict& toge
 }
 
 Verdict judge(const Measurement& figures, const Limits& limits) {
-  Verdict verdict =
-      verdict_on(validity_checks(figures), flight_checks(figures, limits), figures.never_began);
+  Verdict verdict = verdict_on(validity_checks(figures, limits), flight_checks(figures, limits),
+                               figures.never_began);
   if (figures.firmware) verdict.remarks = figures.firmware->remarks;
   if (auto remark = unlimited_motion(limits)) verdict.remarks.push_back(std::move(*remark));
   verdict.warnings = figures.warnings;

@@ -81,6 +81,19 @@ std::optional<double> handover_p99_us(const std::vector<PathAccount>& paths) {
   return slowest;
 }
 
+/// Pauses of the hop that paused most. Within casd a packet waits for those before it, not for the
+/// machine.
+std::optional<double> paused_ms(const std::vector<PathAccount>& paths) {
+  std::optional<double> most;
+  for (const PathAccount& path : paths) {
+    for (const HopFigures& hop : path.hops) {
+      if (path.hops.size() > 1 && hop.from != HopPoint::kCasdIn)
+        most = std::max(most.value_or(0), hop.paused_ms);
+    }
+  }
+  return most;
+}
+
 /// How much later than the median the controller reads casd's packets from the line.
 std::optional<double> reading_spread_us(const std::vector<PathAccount>& paths) {
   for (const PathAccount& path : paths) {
@@ -169,6 +182,7 @@ void measure_stream(const Rates& nominal, const RunRecord& record, Measurement& 
   if (figures.architecture == Architecture::kTs) return;
   figures.handover_p99_us = handover_p99_us(figures.paths);
   figures.reading_spread_us = reading_spread_us(figures.paths);
+  figures.paused_ms = paused_ms(figures.paths);
 }
 
 std::optional<double> longest_gap_ms(const RunRecord& record, std::uint32_t message_id,

@@ -66,6 +66,7 @@ struct Measurement {
   std::vector<PathAccount> paths;  ///< hop by hop: sensor, GPS, controls
   PaceFigures pace;
   std::optional<double> handover_p99_us;  ///< slowest hop between two programs of the bench
+  std::optional<double> paused_ms;        ///< sum of the pauses of the hop that paused most
   /// p99 less p50 of HIL_SENSOR from casd to the controller's read.
   std::optional<double> reading_spread_us;
   /// A controller that is a program of this machine behind a pseudo-terminal: the longest time

@@ -140,10 +140,29 @@ std::string hop_name(const Point& from, const Point& to) {
   return fmt::format("{} -> {}", from.name(), to.name());
 }
 
+/// Time for which a hop stood still. Its first packet after a pause waited longest; those behind it
+/// came later and waited less.
+/// @param delays_ns  in the order of the stamps
+double paused_ms(std::span<const std::int64_t> delays_ns) {
+  constexpr std::int64_t kLeast_ns = 25'000'000;  // as long as casd keeps a HIL packet by default
+  if (delays_ns.empty() || std::ranges::max(delays_ns) < kLeast_ns) return 0;
+  const double median_us = summarise({delays_ns.begin(), delays_ns.end()}).p50;
+  const auto usual_ns = static_cast<std::int64_t>(1e3 * median_us);
+  std::int64_t sum_ns = 0;
+  bool in_pause = false;
+  for (const std::int64_t delay_ns : delays_ns) {
+    const std::int64_t held_up_ns = delay_ns - usual_ns;
+    if (held_up_ns >= kLeast_ns && !in_pause) sum_ns += held_up_ns;
+    in_pause = held_up_ns >= kLeast_ns;
+  }
+  return 1e-6 * static_cast<double>(sum_ns);
+}
+
 HopFigures hop_between(const Point& from, const Point& to) {
   HopFigures hop{.from = from.place, .to = to.place, .name = hop_name(from, to)};
   hop.in = from.moments.size();
   std::vector<std::int64_t> delays = delays_between(from.moments, to.moments);
+  hop.paused_ms = paused_ms(delays);
   double change = 0;
   for (std::size_t i = 1; i < delays.size(); ++i) {
     change += std::abs(static_cast<double>(delays[i] - delays[i - 1]));

@@ -121,6 +121,7 @@ struct HopFigures {
   std::uint64_t out = 0;
   DelayFigures delay{};
   double jitter_us = 0;  ///< mean change of the delay from one packet to the next
+  double paused_ms = 0;  ///< sum of its pauses, each as long as its first packet was held up
 };
 
 /// Where the packets of one message went, within a window of their own stamps.

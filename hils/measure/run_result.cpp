@@ -15,6 +15,7 @@ Measurement RunResult::whole() const {
     whole.pace.late_p99_ms = std::max(whole.pace.late_p99_ms, pace.late_p99_ms);
     whole.reading_spread_us = std::max(whole.reading_spread_us, vehicle.figures.reading_spread_us);
     whole.handover_p99_us = std::max(whole.handover_p99_us, vehicle.figures.handover_p99_us);
+    whole.paused_ms = std::max(whole.paused_ms, vehicle.figures.paused_ms);
   }
   return whole;
 }

@@ -97,7 +97,7 @@ struct Document {
 /// counted in characters of UTF-8.
 std::string aligned_table(const Rows& rows, Align align);
 
-/// For a terminal: the verdict first, which names the subject; no title. Plots, links
+/// For a terminal, where the verdict names the subject; no title. Plots, links
 /// and folded texts are of pages alone, as are sections of Extent::kPage.
 std::string write_text(const Document& document);
 

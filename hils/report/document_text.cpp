@@ -24,6 +24,7 @@ struct TextBlocks {
   std::string text{};
 
   void operator()(const Document::Verdict& verdict) {
+    if (!text.empty()) text += "\n";
     text += verdict.word + ": " + verdict.line + "\n" + list_of(verdict.sentences, "  - ");
   }
   void operator()(const Document::Heading& heading) { text += "\n== " + heading.text + " ==\n"; }

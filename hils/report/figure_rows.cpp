@@ -53,12 +53,10 @@ Rows paper_rms_rows() {
   return rows;
 }
 
-Rows rate_rows(const Measurement& figures) {
-  Rows rows{figure_cells(figures, controller_name(figures),
-                         {"sensor_hz", "sensor_rate_error_pct", "gps_hz", "gps_rate_error_pct",
-                          "controls_hz", "controls_rate_error_pct"})};
-  std::ranges::move(paper_rate_rows(), std::back_inserter(rows));
-  return rows;
+Row rate_row(const Measurement& figures) {
+  return figure_cells(figures, controller_name(figures),
+                      {"sensor_hz", "sensor_rate_error_pct", "gps_hz", "gps_rate_error_pct",
+                       "controls_hz", "controls_rate_error_pct"});
 }
 
 Rows delay_rows(const Measurement& figures) {
@@ -83,9 +81,6 @@ Rows rms_rows(const Measurement& figures, const std::array<std::string, 2>& name
   if (figures.rms) rows.push_back(figure_cells(figures, names[0], rms_keys("rms")));
   if (figures.rms_estimate) {
     rows.push_back(figure_cells(figures, names[1], rms_keys("rms_estimate")));
-  }
-  if (measures_station_keeping(figures)) {
-    std::ranges::move(paper_rms_rows(), std::back_inserter(rows));
   }
   return rows;
 }

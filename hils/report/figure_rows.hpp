@@ -17,14 +17,13 @@ Row figure_cells(const Measurement& figures, const std::string& name,
 /// [HILS] Tables 4 and 5.
 Rows paper_rate_rows();
 Rows paper_rms_rows();
-/// Received rate, Hz, and its error, %, of IMU, GPS and controls: the run's, then [HILS] Table 4.
-Rows rate_rows(const Measurement& figures);
+/// Received rate, Hz, and its error, %, of IMU, GPS and controls, as in [HILS] Table 4.
+Row rate_row(const Measurement& figures);
 
 /// Keys of the RMS errors in each axis. @param block  "rms" or "rms_estimate"
 std::vector<std::string> rms_keys(std::string_view block);
-/// RMS errors of the true position and of the estimate, if known. Then those of [HILS] Table 5 if
-/// the run kept its station.
-/// @param names  of the first two rows
+/// RMS errors of the true position and of the estimate, if known, as in [HILS] Table 5.
+/// @param names  of the rows
 Rows rms_rows(const Measurement& figures, const std::array<std::string, 2>& names);
 
 /// Each delay: packets, median, 99 % and longest; headings first.

@@ -36,10 +36,11 @@ constexpr std::array kVerdict{"summary.json", "junit.xml",   "report.html",
 constexpr const char* kRunMark = "run/hilsim.yaml";
 /// The other files and folders of a run, as fnmatch(3) has them.
 constexpr std::array kRecords{
-    "plugin_figures.json", "truth.csv",         "truth_*.csv",     "flight.tlog",   "flight.ulg",
-    "flight_*.ulg",        "sensors/*.csv",     "sensors_*/*.csv", "plots/*.svg",   "plots/*/*.svg",
-    "*/board.ulg",         "run/*.yaml",        "run/*.csv",       "run/*.json",    "run/*.json.gz",
-    "run/*.log",           "run/flight_*.tlog", "run/firmware",    "run/firmware_*"};
+    "plugin_figures.json", "truth.csv",     "truth_*.csv",    "flight.tlog",
+    "flight.ulg",          "flight_*.ulg",  "sensors/*.csv",  "sensors_*/*.csv",
+    "plots/*.svg",         "plots/*/*.svg", "*/board.ulg",    "run/*.yaml",
+    "run/*.csv",           "run/*.json",    "run/*.json.gz",  "run/*.log",
+    "run/flight_*.tlog",   "run/firmware",  "run/firmware_*", "run/scenario"};
 
 /// Those below a folder of results, by their paths from there. No symlink is followed.
 std::vector<fs::path> left_by_run(const fs::path& folder) {
@@ -164,7 +165,9 @@ void write_results(const RunRequest& request, const RunResult& run) {
     write_plots(out, run.has_several() ? folder / vehicle.figures.vehicle : folder, plots.back());
   }
   base::write_result({out, "report.html"},
-                     write_html(run_report(run, plots, quoted_files(request))));
+                     write_html(run_report(run, {.beside_paper = request.beside_paper,
+                                                 .plots = plots,
+                                                 .config_files = quoted_files(request)})));
 }
 
 }  // namespace cas::hils

@@ -5,6 +5,7 @@
 #include <sys/utsname.h>
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <thread>
 
@@ -45,7 +46,10 @@ Document::Verdict verdict_of(const Measurement& figures, const Verdict& verdict)
   return block;
 }
 
-void add_rates(Document& page, const Measurement& figures) {
+/// Whether rows of [HILS] stand below ours.
+enum class Paper { kLeftOut, kBeside };
+
+void add_rates(Document& page, const Measurement& figures, Paper paper) {
   Rows rows{{"Message", "nominal Hz", "sent", "received", "lost", "received Hz", "error %"}};
   for (const Stream& stream : kStreams) {
     const std::string key(stream.key);
@@ -55,18 +59,20 @@ void add_rates(Document& page, const Measurement& figures) {
   }
   page.table("Every packet followed by message and stamp, from sender to receiver", rows);
 
-  Rows paper{{"Name", "IMU Hz", "error %", "GPS Hz", "error %", "control Hz", "error %"}};
-  std::ranges::move(rate_rows(figures), std::back_inserter(paper));
+  if (paper == Paper::kLeftOut) return;
+  Rows rates{{"Name", "IMU Hz", "error %", "GPS Hz", "error %", "control Hz", "error %"},
+             rate_row(figures)};
+  std::ranges::move(paper_rate_rows(), std::back_inserter(rates));
   page.table(
       fmt::format("Rates at the receiver over {:.1f} s of {}, beside Table 4 of [HILS]; error: how "
                   "far they fall short of the nominal rate, negative above it",
                   1e-6 * static_cast<double>(figures.window.end_usec - figures.window.begin_usec),
                   figures.over_hold ? measured_part(figures)
                                     : "flight (the measured step was not completed)"),
-      paper, {Look::kPlain, Look::kQuiet, Look::kQuiet, Look::kQuiet});
+      rates, {Look::kPlain, Look::kQuiet, Look::kQuiet, Look::kQuiet});
 }
 
-void add_rms(Document& page, const Measurement& figures) {
+void add_rms(Document& page, const Measurement& figures, Paper paper) {
   if (!figures.rms) return;
   const std::string name = controller_name(figures);
   Rows rows{{"Name", "X m", "Y m", "Z m", "yaw rad"}};
@@ -78,9 +84,12 @@ void add_rms(Document& page, const Measurement& figures) {
     return page.paragraph(fmt::format("The true position about {}, the estimate about the truth.",
                                       measured_about(figures)));
   }
-  if (!measures_station_keeping(figures)) return page.table(title, rows);
+  if (paper == Paper::kLeftOut || !measures_station_keeping(figures)) {
+    return page.table(title, rows);
+  }
   std::vector<Look> looks(rows.size() - 1, Look::kPlain);
-  std::fill_n(looks.rbegin(), kPaperTable5.size(), Look::kQuiet);
+  std::ranges::move(paper_rms_rows(), std::back_inserter(rows));
+  looks.resize(rows.size() - 1, Look::kQuiet);
   page.table(title + ", beside Table 5 of [HILS]", rows, looks);
 }
 
@@ -218,8 +227,8 @@ void add_fence(Document& page, const FenceFigures& fence) {
 }
 
 /// @param who  in front of the headings: "left: ", or nothing
-void add_vehicle(Document& page, const std::string& who, const Measurement& figures,
-                 const NamedPlots& plots) {
+void add_vehicle(Document& page, const std::string& who, const Measurement& figures, Paper paper,
+                 const NamedPlots& plots = {}) {
   const auto add_plots = [&](bool of_plugins) {
     for (const auto& [name, plot] : plots) {
       if (is_of_plugin(name) == of_plugins) page.add(plot);
@@ -227,7 +236,7 @@ void add_vehicle(Document& page, const std::string& who, const Measurement& figu
   };
   page.heading(who + "Communication");
   if (figures.streamed) {
-    add_rates(page, figures);
+    add_rates(page, figures, paper);
     add_delays(page, figures);
     add_losses(page, figures);
   }
@@ -239,7 +248,7 @@ void add_vehicle(Document& page, const std::string& who, const Measurement& figu
   page.heading(who + "Flight");
   if (figures.firmware && figures.firmware->fence) add_fence(page, *figures.firmware->fence);
   add_responses(page, figures);
-  add_rms(page, figures);
+  add_rms(page, figures, paper);
   add_plots(false);
   if (figures.plugins.empty()) return;
   page.heading(who + "Plugins");
@@ -247,39 +256,69 @@ void add_vehicle(Document& page, const std::string& who, const Measurement& figu
   add_plots(true);
 }
 
+/// In front of a vehicle's headings where there are several: "left: ".
+std::string prefix_of(const RunResult& run, const VehicleResult& vehicle) {
+  return run.has_several() ? vehicle.figures.vehicle + ": " : "";
+}
+
+void add_events(Document& page, const RunResult& run) {
+  for (const VehicleResult& vehicle : run.vehicles) {
+    add_changes(vehicle.figures.changes, prefix_of(run, vehicle), page);
+    add_faults(page, prefix_of(run, vehicle), vehicle.figures);
+  }
+}
+
+Paper paper_of(bool beside_paper) { return beside_paper ? Paper::kBeside : Paper::kLeftOut; }
+
+/// Whether a check says more on a terminal than that nothing unusual happened.
+bool is_told(const LimitCheck& check) { return !check.kept || check.bound.has_value(); }
+
 }  // namespace
 
-Document run_report(const RunResult& run, const std::vector<NamedPlots>& plots,
-                    const std::vector<std::filesystem::path>& config_files) {
+Document run_report(const RunResult& run, const RunReportParts& parts) {
   const Measurement whole = run.whole();
   Document page{report_title(whole)};
   page.add(verdict_of(whole, run.verdict));
   add_overview(page, run);
-  const auto name_of = [&run](const VehicleResult& vehicle) {
-    return run.has_several() ? vehicle.figures.vehicle + ": " : "";
-  };
+  add_events(page, run);
+  page.heading("Limits");
   for (const VehicleResult& vehicle : run.vehicles) {
-    add_changes(vehicle.figures.changes, name_of(vehicle), page);
-    add_faults(page, name_of(vehicle), vehicle.figures);
-  }
-  page.heading("Limits", Extent::kPage);
-  for (const VehicleResult& vehicle : run.vehicles) {
-    page.add(limit_table(name_of(vehicle) + "Limits", vehicle.verdict));
+    page.add(limit_table(prefix_of(run, vehicle) + "Limits", vehicle.verdict));
   }
   if (whole.virtual_clock || !whole.streamed) {
-    page.paragraph("Nothing is asked of the machine: time was computed, not waited for.");
+    page.paragraph("Virtual clock: the speed of this machine does not affect the result.");
   }
   for (std::size_t i = 0; i < run.vehicles.size(); ++i) {
     const VehicleResult& vehicle = run.vehicles[i];
-    add_vehicle(page, name_of(vehicle), vehicle.figures, plots.empty() ? NamedPlots{} : plots[i]);
+    add_vehicle(page, prefix_of(run, vehicle), vehicle.figures, paper_of(parts.beside_paper),
+                parts.plots.empty() ? NamedPlots{} : parts.plots[i]);
   }
-  page.heading("Configuration", Extent::kPage);
+  page.heading("Configuration");
   add_machine(page, whole);
-  for (const std::filesystem::path& file : config_files) {
+  for (const std::filesystem::path& file : parts.config_files) {
     page.add(Document::Folded{file.filename().string(),
                               base::read_file(file).value_or("It cannot be read.")});
   }
   return page;
+}
+
+Document run_lines(const RunResult& run, bool beside_paper) {
+  const Measurement whole = run.whole();
+  Document lines{report_title(whole)};
+  add_overview(lines, run);
+  add_events(lines, run);
+  for (const VehicleResult& vehicle : run.vehicles) {
+    add_vehicle(lines, prefix_of(run, vehicle), vehicle.figures, paper_of(beside_paper));
+  }
+  lines.heading("Limits");
+  for (const VehicleResult& vehicle : run.vehicles) {
+    Verdict told = vehicle.verdict;
+    std::erase_if(told.checks, std::not_fn(is_told));
+    Document::Table table = limit_table(prefix_of(run, vehicle) + "Limits", told);
+    if (table.rows.size() > 1) lines.add(std::move(table));
+  }
+  lines.add(verdict_of(whole, run.verdict));
+  return lines;
 }
 
 }  // namespace cas::hils

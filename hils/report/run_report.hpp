@@ -10,13 +10,21 @@
 
 namespace cas::hils {
 
-/// The report of a run: the verdict, then of each vehicle tables as [HILS] Tables 4 and 5, with its
-/// rows below ours; on a page also limits, hops, curves and the configuration.
-///
-/// @param plots  of each vehicle, or none
-/// @param config_files  files that are quoted in it, such as the scenario and generated
-/// configurations
-Document run_report(const RunResult& run, const std::vector<NamedPlots>& plots = {},
-                    const std::vector<std::filesystem::path>& config_files = {});
+/// What the page of a run shows besides its figures.
+struct RunReportParts {
+  bool beside_paper = false;        ///< rows of [HILS] Tables 4 and 5 below ours
+  std::vector<NamedPlots> plots{};  ///< of each vehicle, or none
+  /// Files that are quoted, such as the scenario and generated configurations.
+  std::vector<std::filesystem::path> config_files{};
+};
+
+/// The page of a run: the verdict, its limits, then of each vehicle communication, hops, flight and
+/// curves, and the configuration.
+Document run_report(const RunResult& run, const RunReportParts& parts = {});
+
+/// The same for a terminal, where the last lines are read first: figures of each vehicle, limits
+/// with their margins, and the verdict at the end.
+/// @param beside_paper  rows of [HILS] Tables 4 and 5 below ours
+Document run_lines(const RunResult& run, bool beside_paper = false);
 
 }  // namespace cas::hils

@@ -44,6 +44,7 @@ struct RunRequest {
   std::map<std::size_t, FcuDevice> fcu_devices{};
   Clock clock = Clock::kWall;
   bool announced = false;                    ///< says how to watch it once casd is ready
+  bool beside_paper = false;                 ///< reports show the rows of [HILS] below ours
   bool keeps_sensors = true;                 ///< leaves each sensor's samples as CSV
   LiveRun* live = nullptr;                   ///< shows it in a browser; nullptr: it is not shown
   std::optional<StationEndpoint> station{};  ///< where a ground station may join; nullopt: none

@@ -300,6 +300,67 @@ sys.exit(int(os.environ["HILS"]))
         self.assertEqual(len(done.stdout.splitlines()), 1)
 
 
+class Results(Script):
+    """scripts/results: what it runs, and what comes onto the page."""
+
+    PAGE = """# Speed
+
+Made by `bin/measure` on 1 May 2026 at commit 00000000.
+
+| part | us | |
+|---|---|---|
+| step | 3 | fast |
+| start | 7 | |
+
+Steps are fast.
+"""
+    OUTPUT = "measured:\n| part | us | |\n|---|---|---|\n| step | 4 | fast |\n| end | 1 | |\n"
+
+    def setUp(self):
+        super().setUp()
+        self.write("bin/git", "#!/bin/sh\ncase \"$*\" in *log*) echo 12345678;; esac\n")
+        self.page = self.tree / "docs/develop/results/speed.md"
+        self.write("docs/develop/results/speed.md", self.PAGE)
+
+    def measures(self, text, code=0):
+        self.write("bin/measure", f"#!/bin/sh\ncat <<END\n{text}END\nexit {code}\n")
+
+    def test_a_table_takes_the_place_of_the_one_before(self):
+        self.measures(self.OUTPUT)
+        run = self.run_script("results")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        page = self.page.read_text()
+        self.assertIn("| step | 4 | fast |\n| end | 1 | |\n\nSteps are fast.", page)
+        self.assertNotIn("start", page)
+        self.assertIn("at commit 12345678.", page)
+        self.assertNotIn("1 May 2026", page)
+        for sentence in ("3 figures moved", "step: us 3 -> 4", "end: new", "start: gone"):
+            self.assertIn(sentence, run.stdout)
+
+    def test_a_whole_page(self):
+        self.measures("# Speed\n\nAnother page.\n")
+        self.assertEqual(self.run_script("results", "speed.md").returncode, 0)
+        self.assertEqual(self.page.read_text(), "# Speed\n\nAnother page.\n")
+
+    def test_what_fails_or_prints_no_table_leaves_the_page(self):
+        for text, code in ((self.OUTPUT, 3), ("no table\n", 0)):
+            self.measures(text, code)
+            self.assertEqual(self.run_script("results").returncode, 1)
+            self.assertEqual(self.page.read_text(), self.PAGE)
+
+    def test_a_command_without_its_folder_is_left_out(self):
+        page = self.PAGE.replace("bin/measure", "bin/measure $CAS_NO_SUCH_FOLDER")
+        self.write("docs/develop/results/speed.md", page)
+        self.measures(self.OUTPUT)
+        run = self.run_script("results")
+        self.assertEqual(run.returncode, 0)
+        self.assertIn("LEFT OUT, CAS_NO_SUCH_FOLDER is not set", run.stdout)
+        self.assertEqual(self.page.read_text(), page)
+
+    def test_a_page_that_is_not_there(self):
+        self.assertEqual(self.run_script("results", "none.md").returncode, 2)
+
+
 class TestPackages(Script):
     """A root folder in which nothing runs: chroot notes its arguments and fails at those in $FAILS."""
 

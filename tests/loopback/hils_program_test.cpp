@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <string>
 #include <utility>
@@ -67,6 +68,43 @@ TEST(HilsProgram, LetsAGroundStationJoinInRealTimeAlone) {
             std::string::npos);
   EXPECT_NE(refused("14550", {}).find("--gcs '14550' is none of udp:PORT"), std::string::npos);
   EXPECT_NE(refused("udp:0", {}).find("no port from 1 to 65535"), std::string::npos);
+}
+
+int exit_code(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), {cas::test::binary_dir() + "/bin/hils", "run"});
+  ChildProcess hils(arguments);
+  return hils.wait_exit().value_or(-1);
+}
+
+TEST(HilsProgram, FliesAScenarioWithOtherValues) {
+  const TemporaryFolder folder;
+  const std::string out = folder / "out";
+  const std::string setting = "line.packet_loss=0.05";
+  std::vector<std::string> arguments{source_dir() + "/config/scenarios/hover.yaml", "--virtual",
+                                     "--out", out};
+  const std::vector<std::string> plain = arguments;
+  arguments.insert(arguments.end(), {"--set", setting, "--set", "limits={}"});
+  EXPECT_EQ(exit_code(arguments), 0);
+  const auto summary = nlohmann::json::parse(TemporaryFolder::read(out + "/summary.json"));
+  EXPECT_GT(summary["vehicles"][0]["rates"]["sensor"]["lost"].get<int>(), 300);
+  EXPECT_NE(summary["remarks"].dump().find(setting), std::string::npos) << summary["remarks"];
+  EXPECT_EQ(exit_code(plain), 0);
+  EXPECT_FALSE(std::filesystem::exists(out + "/run/scenario")) << "of the run before";
+}
+
+TEST(HilsProgram, ChecksAScenarioWithoutAFlight) {
+  const std::string hover = source_dir() + "/config/scenarios/hover.yaml";
+  EXPECT_EQ(exit_code({hover, "--check"}), 0);
+  EXPECT_EQ(exit_code({hover, "--check", "--set", "vehicle.rotor.omega_max_rad_s=1200"}), 0);
+  for (const auto& [setting, sentence] :
+       {std::pair{"line.packet_loss=2", "line.packet_loss: must lie in [0, 1]"},
+        std::pair{"line.packet_los=0.1", "line.packet_los"},
+        std::pair{"vehicle.rotor.radius_m=-1", "rotor.radius_m"},
+        std::pair{"steps[nowhere].name=x", "no entry of the list is called 'nowhere'"},
+        std::pair{"seed", "is not KEY=VALUE"}}) {
+    const std::string text = refusal({hover, "--check", "--set", setting});
+    EXPECT_NE(text.find(sentence), std::string::npos) << text;
+  }
 }
 
 TEST(HilsProgram, LeavesTheFolderOfAnotherRunAlone) {

@@ -174,7 +174,35 @@ TEST(FlightPlan, FailsWhenTheConditionIsNeverMet) {
   FlightPlan plan({wait_until("altitude > 50")});
   plan.update(at(seconds(0)), hovering());
   plan.update(at(milliseconds(10'100)), hovering());
-  EXPECT_EQ(plan.failure(), "step 1 (wait_until) was not done within 10 s");
+  EXPECT_EQ(plan.failure(),
+            "step 1 (wait_until) was not done within 10 s: its condition did not hold; 0.0 m "
+            "north, 0.0 m east, 2.5 m high");
+}
+
+TEST(FlightPlan, SaysWhatAStepLacks) {
+  const auto failure = [](StepKind kind, VehicleReport vehicle) {
+    FlightPlan plan({{.kind = kind, .timeout = seconds(30), .altitude_m = 5}});
+    plan.update(at(seconds(0)), on_ground());
+    plan.on_outcome(at(seconds(0)));
+    plan.update(at(seconds(31)), vehicle);
+    return plan.failure().value_or("");
+  };
+  VehicleReport storm = hovering();
+  storm.p_N = {3, -4, -5.1};
+  storm.v_N = {6, 0, 0};
+  storm.pitch_rad = 0.7854;
+  EXPECT_EQ(failure(StepKind::kTakeoff, storm),
+            "step 1 (takeoff) was not done within 30 s: 5.1 m of 5.0 m high, 5.0 m aside, 6.0 m/s, "
+            "where 0.4 is the most, tilted by 45 deg");
+  EXPECT_EQ(failure(StepKind::kTakeoff, on_ground()),
+            "step 1 (takeoff) was not done within 30 s: it does not say that it is in the air; 0.0 "
+            "m high");
+  EXPECT_EQ(failure(StepKind::kLand, storm),
+            "step 1 (land) was not done within 30 s: it does not say that it is on the ground; 5.1 "
+            "m high, 6.0 m/s");
+  storm.has_position = false;
+  EXPECT_EQ(failure(StepKind::kTakeoff, storm),
+            "step 1 (takeoff) was not done within 30 s: it has no position");
 }
 
 TEST(FlightPlan, NamesTheStepThatFailedAsTheScenarioCountsIt) {
@@ -186,7 +214,10 @@ TEST(FlightPlan, NamesTheStepThatFailedAsTheScenarioCountsIt) {
   plan.update(at(seconds(0)), hovering());
   plan.on_outcome(at(seconds(0)));
   plan.update(at(seconds(2)), hovering());
-  EXPECT_EQ(plan.failure(), "step 2, 'corner3' (goto), was not done within 1 s");
+  EXPECT_EQ(
+      plan.failure(),
+      "step 2, 'corner3' (goto), was not done within 1 s: 2.5 m of 0.0 m high, 0.0 m aside, 0.0 "
+      "m/s, where 0.4 is the most, tilted by 0 deg");
 }
 
 TEST(FlightPlan, CountsATrajectoryFromTheVehiclesAnswer) {

@@ -54,6 +54,7 @@ Measurement filled() {
   m.rotor_activity_rad_s2 = ++next;
   m.pace = {.real_time_factor = ++next, .worst_stall_ms = ++next, .late_p99_ms = ++next};
   m.handover_p99_us = ++next;
+  m.paused_ms = ++next;
   m.reading_spread_us = ++next;
   m.port_gap_ms = ++next;
   m.firmware.emplace().hops = fmt::format(R"([{{"routes": [{{"p99": {}}}]}}])", ++next);

@@ -354,6 +354,31 @@ TEST(Judgement, SaysOnceWhatHelpsABusyMachine) {
   EXPECT_TRUE(helps(verdict.failures[2])) << "behind the last of them";
 }
 
+TEST(Judgement, GivesNoVerdictOnLossesThatAPauseOfTheMachineExplains) {
+  Measurement figures = good();
+  figures.rates.sensor.lost = 10;
+  figures.rates.sensor.received -= 10;
+  EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitLimitsMissed);
+  figures.paused_ms = 19;  // in which 9.5 were due
+  const Verdict verdict = judge(figures, hover_limits());
+  EXPECT_EQ(verdict.exit_code(), kExitInvalid);
+  ASSERT_EQ(verdict.failures.size(), 1U);
+  EXPECT_NE(verdict.failures.front().find("10 of 15001 HIL_SENSOR were lost, and as many were due "
+                                          "while packets stood still for 19 ms"),
+            std::string::npos)
+      << verdict.failures.front();
+
+  Limits lenient = hover_limits();
+  lenient.lost = 10;
+  EXPECT_EQ(judge(figures, lenient).exit_code(), kExitPassed) << "a pause alone is no matter";
+  figures.rates.sensor.lost = 11;
+  EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitLimitsMissed) << "more than were due";
+  figures.rates.sensor.lost = 10;
+  figures.faults.resize(1);
+  EXPECT_EQ(judge(figures, hover_limits()).exit_code(), kExitLimitsMissed)
+      << "a fault may hold packets up";
+}
+
 TEST(Judgement, HoldsAMachineThatJustKeepsUpForGood) {
   Measurement figures = good();
   figures.pace = {.real_time_factor = 0.99, .worst_stall_ms = 50, .late_p99_ms = 2};

@@ -238,6 +238,22 @@ TEST(HopAccount, FollowsEachPacketFromHopToHop) {
   EXPECT_DOUBLE_EQ(account.hops[2].jitter_us, 0);
 }
 
+TEST(HopAccount, AddsUpItsPauses) {
+  HopLedgers ledgers;
+  for (std::uint64_t stamp = 1; stamp <= 100; ++stamp) ledgers.pass(stamp);
+  // Held up between casd and the controller: two pauses, the first with packets behind it that
+  // waited less.
+  constexpr std::int64_t kMs = 1'000'000;
+  ledgers.controller[20].at_ns += 41 * kMs;
+  ledgers.controller[21].at_ns += 39 * kMs;
+  ledgers.controller[22].at_ns += 20 * kMs;
+  ledgers.controller[60].at_ns += 30 * kMs;
+  ledgers.controller[80].at_ns += 24 * kMs;  // no pause: casd keeps packets for longer
+  const PathAccount account = ledgers.account();
+  EXPECT_DOUBLE_EQ(account.hops[2].paused_ms, 71);
+  EXPECT_DOUBLE_EQ(account.hops[0].paused_ms, 0);
+}
+
 TEST(HopAccount, NamesTheCauseOfEachLoss) {
   HopLedgers ledgers;
   ledgers.pass(1);

@@ -62,7 +62,7 @@ TEST(SeveralResults, ShowEachVehicleUnderItsName) {
   EXPECT_TRUE(summary.at("vehicles")[0].at("passed"));
   const auto& alone = run.vehicles[1];
   EXPECT_EQ(summary.at("vehicles")[1], test::vehicle_summary(alone.figures, alone.verdict));
-  const std::string text = write_text(run_report(run));
+  const std::string text = write_text(run_lines(run));
   EXPECT_NE(text.find("== left: Flight =="), std::string::npos) << text;
   EXPECT_NE(text.find("== right: Flight =="), std::string::npos) << text;
 }
@@ -94,7 +94,7 @@ TEST(OneResult, NamesItsWarningsInEachReport) {
   run.verdict = verdict;
   EXPECT_EQ(nlohmann::json::parse(summary_json(run)).at("warnings"),
             nlohmann::json(verdict.warnings));
-  EXPECT_NE(write_text(run_report(run)).find("\n  - warning: v.urdf:3: link 'a'"),
+  EXPECT_NE(write_text(run_lines(run)).find("\n  - warning: v.urdf:3: link 'a'"),
             std::string::npos);
   EXPECT_NE(junit_report(run).find("<system-out>warning: v.urdf:3: link "), std::string::npos);
   EXPECT_EQ(junit_report(run).find("this <inertia>"), std::string::npos) << "escaped";

@@ -103,13 +103,32 @@ TEST(RunReport, JudgesNoLimitOfARunThatDoesNotCount) {
 
 TEST(RunReport, CallsAnExperimentByItsName) {
   EXPECT_TRUE(contains(html_of(hover()), "<h1>hover, TCAS</h1>"));
-  EXPECT_TRUE(contains(text_of(hover()), "RMS error of the hover, beside Table 5 of [HILS]\n"));
+  EXPECT_TRUE(contains(text_of(hover()), "\nRMS error of the hover\n"));
   EXPECT_TRUE(contains(html_of(step_response()), "<h1>gain_tuning: step responses, TCAS</h1>"));
-  const std::string text = text_of(step_response());
+  const std::string text = test::run_text(step_response(), judge(step_response(), limits()), true);
   EXPECT_TRUE(contains(text, "over 30.0 s of step response 'after', beside")) << text;
   EXPECT_TRUE(contains(text, "\nRMS error of the step response 'after'\n")) << text;
   EXPECT_FALSE(contains(text, "hover")) << text;
   EXPECT_FALSE(contains(text, "Table 5"));  // its rows are of a hover
+}
+
+TEST(RunReport, ShowsThePaperOnRequestAlone) {
+  EXPECT_FALSE(contains(text_of(hover()), "[HILS]"));
+  const std::string text = test::run_text(hover(), judge(hover(), limits()), true);
+  EXPECT_TRUE(contains(text, "beside Table 4 of [HILS]")) << text;
+  EXPECT_TRUE(contains(text, "RMS error of the hover, beside Table 5 of [HILS]\n")) << text;
+}
+
+TEST(RunReport, EndsOnATerminalWithLimitsAndVerdict) {
+  const std::string text = text_of(hover());
+  const std::size_t limits = text.find("\n== Limits ==\n");
+  const std::size_t verdict = text.find("\nPASSED: hover, TCAS");
+  ASSERT_NE(limits, std::string::npos) << text;
+  EXPECT_LT(text.find("== Flight =="), limits);
+  EXPECT_LT(limits, verdict);
+  EXPECT_EQ(text.find("\n\n", verdict), std::string::npos) << "nothing follows";
+  EXPECT_TRUE(contains(text, "RMS error of the true position, x_m"));
+  EXPECT_FALSE(contains(text, "incident: crash")) << "that did not happen";
 }
 
 TEST(RunReport, NamesTheFaultsOfAFlight) {

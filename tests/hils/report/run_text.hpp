@@ -14,9 +14,10 @@ inline RunResult run_of(const Measurement& figures, const Verdict& verdict) {
   return {.vehicles = {{.record = {}, .figures = figures, .verdict = verdict}}, .verdict = verdict};
 }
 
-/// Its report on a terminal.
-inline std::string run_text(const Measurement& figures, const Verdict& verdict) {
-  return write_text(run_report(run_of(figures, verdict)));
+/// What a terminal shows of it.
+inline std::string run_text(const Measurement& figures, const Verdict& verdict,
+                            bool beside_paper = false) {
+  return write_text(run_lines(run_of(figures, verdict), beside_paper));
 }
 
 /// Its summary.json.
