@@ -268,7 +268,7 @@ constexpr std::array kRefused{
             "'component_id' of a topology is casd's own"},
     Refused{"--source-system,--hb-systemid", true, "'system_id' of a topology is casd's own"},
     Refused{"--hb-period", true, "'commanding: {heartbeat_hz: HZ}' of a topology sets the rate"},
-    Refused{"--daemon", false, "a service of systemd runs casd (docs/operations.md)"},
+    Refused{"--daemon", false, "a service of systemd runs casd (docs/use/operations.md)"},
     Refused{"--aircraft,--logfile,--dump-path,--dump-duration", true, "'--log FOLDER' records"},
     Refused{"--dump", false, "'--log FOLDER --telemetry-log' records"},
     Refused{"--print,--console", false,

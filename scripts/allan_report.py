@@ -101,7 +101,7 @@ def main():
     parser.add_argument("--hilsim", type=pathlib.Path, default=PROJECT / "build/release/bin/hilsim")
     parser.add_argument("--presets", nargs="+",
                         default=["table1", "gazebo_classic", "rotors_adis16448", "pixhawk"])
-    parser.add_argument("--output", type=pathlib.Path, default=PROJECT / "docs/results")
+    parser.add_argument("--output", type=pathlib.Path, default=PROJECT / "docs/develop/results")
     parser.add_argument("--hours", type=float, default=1.0)
     arguments = parser.parse_args()
     try:

@@ -109,7 +109,7 @@ void add_see_also(std::string& text, const std::string& program) {
   }
   text +=
       "\n.PP\nWhat the configuration files may say stands in "
-      "/usr/share/doc/cas-common/docs/config.md.\n";
+      "/usr/share/doc/cas-common/docs/reference/config.md.\n";
 }
 
 }  // namespace

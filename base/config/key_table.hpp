@@ -14,8 +14,8 @@ namespace cas::base {
 /// @param first  text before each: a column of its own, "restart | "
 CAS_BASE_EXPORT std::string key_lines(const std::vector<KeyRow>& rows, std::string_view first = "");
 
-/// A whole table of the keys of a list, as a program's --keys prints it and docs/config.md shows
-/// it.
+/// A whole table of the keys of a list, as a program's --keys prints it and
+/// docs/reference/config.md shows it.
 /// @param defaults  a struct as it is before it is read
 template <class Keys, class Struct>
 std::string key_table(const Keys& keys, const Struct& defaults) {

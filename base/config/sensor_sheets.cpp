@@ -385,7 +385,7 @@ std::string sensor_reference() {
          section<BarometerSheet>("barometer",
                                  "Truth is the standard atmosphere, or the world's "
                                  "[`<atmosphere>`](simulator.md#worlds), on the day of "
-                                 "[`weather`](config.md#weather).",
+                                 "[`weather`](../reference/config.md#weather).",
                                  kBarometerKeys) +
          "\n" +
          section<RangefinderSheet>("rangefinder", "Truth is the length of a ray into the world.",

@@ -112,7 +112,7 @@ CAS_BASE_EXPORT BarometerSheet read_barometer_sheet(const ConfigNode& node);
 CAS_BASE_EXPORT RangefinderSheet read_rangefinder_sheet(const ConfigNode& node);
 
 /// Every key of these sheets with its default and meaning, as tables in Markdown: for `hilsim
-/// --sensor-keys` and docs/plugins.md.
+/// --sensor-keys` and docs/use/plugins.md.
 CAS_BASE_EXPORT std::string sensor_reference();
 
 }  // namespace cas::base

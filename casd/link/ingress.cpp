@@ -72,7 +72,7 @@ void Ingress::log_loop() const {
   base::log::warn("link " + counters_->name +
                   ": a loop: packets of other links come back here again and again, because "
                   "somebody forwards what casd sends. Such copies are dropped as duplicates "
-                  "(docs/troubleshooting.md)");
+                  "(docs/use/troubleshooting.md)");
 }
 
 void Ingress::take_addressed(const mav::PacketView& packet, std::span<const Path> to,

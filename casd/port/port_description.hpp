@@ -8,7 +8,7 @@
 namespace cas::casd {
 
 /// Description of casd's methods and topics, for `rpc.discover`. tests/python compares it with
-/// docs/protocol.md and with the calls and answers of a running casd.
+/// docs/develop/protocol.md and with the calls and answers of a running casd.
 ///
 /// @param version  of casd
 base::rpc::Description port_description(std::string version);

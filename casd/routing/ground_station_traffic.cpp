@@ -13,7 +13,7 @@
 namespace cas::casd {
 namespace {
 
-// By kind; docs/config.md sums them up.
+// By kind; docs/reference/config.md sums them up.
 constexpr std::string_view kGroundStationMessages[] = {
     "HEARTBEAT", "PING", "TIMESYNC", "SYSTEM_TIME", "STATUSTEXT", "AUTH_KEY", "SETUP_SIGNING",
     "CHANGE_OPERATOR_CONTROL", "SECURE_COMMAND",

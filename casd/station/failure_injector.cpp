@@ -40,9 +40,9 @@ Outcome outcome_of(const CommandAck& ack) {
   };
   switch (static_cast<FailureRefusal>(ack.progress)) {
     case FailureRefusal::kUnit:
-      return why("the simulator has no such unit", "docs/campaign.md has the units");
+      return why("the simulator has no such unit", "docs/use/campaign.md has the units");
     case FailureRefusal::kType:
-      return why("that unit does not fail in this way", "docs/campaign.md has its ways");
+      return why("that unit does not fail in this way", "docs/use/campaign.md has its ways");
     case FailureRefusal::kPart:
       return why("the simulated vehicle has no such part", "or it has not sent anything yet");
     case FailureRefusal::kInstance:

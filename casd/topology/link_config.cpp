@@ -294,7 +294,7 @@ constexpr std::tuple kCommonKeys{
     key<&LinkConfig::inject_failures>(
         "inject_failures", Flag{},
         "stations here may have failures strike in the simulator "
-        "([MAV_CMD_INJECT_FAILURE](campaign.md#failures-injected-by-a-ground-station))"),
+        "([MAV_CMD_INJECT_FAILURE](../use/campaign.md#failures-injected-by-a-ground-station))"),
     key<&LinkConfig::request_rates>(
         "request_rates", RequestRates{},
         "what casd asks vehicles that it hears here for, by MAV_CMD_SET_MESSAGE_INTERVAL; 0: not "

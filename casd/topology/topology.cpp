@@ -228,21 +228,22 @@ constexpr std::tuple kRestartKeys{
     key<&Topology::drain_tick>("drain_tick_ms", DrainTick{{0, 10, 1e-3}},
                                "with `threads: blocking`: how often the thread looks whether the "
                                "line is through; 0: woken the moment it is"),
-    key<&Topology::pace>("pace", kPaces,
-                         "`lockstep`: casd's station runs on the time of the HIL_SENSOR stream, "
-                         "lines are not paced and nothing in a queue grows old "
-                         "([simulator.md](simulator.md#lockstep)); `--lockstep` does the same"),
+    key<&Topology::pace>(
+        "pace", kPaces,
+        "`lockstep`: casd's station runs on the time of the HIL_SENSOR stream, "
+        "lines are not paced and nothing in a queue grows old "
+        "([simulator.md](../use/simulator.md#lockstep)); `--lockstep` does the same"),
     key<&Topology::scheduling>("scheduling", block<base::ThreadOptions>(base::kThreadKeys),
                                "of the link threads"),
     key<&Topology::seek_core>(
         "seek_core", Flag{},
         "a link thread of 100 to 5000 packets a second tries its processors and stays on the one "
-        "where a packet costs least ([operations.md](operations.md#real-time))"),
+        "where a packet costs least ([operations.md](../use/operations.md#real-time))"),
     key<&Topology::cpu_dma_latency_us>(
         "cpu_dma_latency_us", Whole{0, base::CpuLatencyRequest::kLongest_us},
         "longest time that an idle processor may take to wake while casd runs; 0: the lightest "
         "idle state there is, on x86 it polls, which costs power "
-        "([operations.md](operations.md#real-time))"),
+        "([operations.md](../use/operations.md#real-time))"),
     key<&Topology::command_port>(
         "command_port", block<CommandPortConfig>(kCommandPortKeys, check_command_port), ""),
     key<&Topology::metrics>("metrics", block<MetricsConfig>(kMetricsKeys),

@@ -6,7 +6,7 @@
 namespace cas::casd {
 
 /// Every key of a topology with its default and meaning, as tables in Markdown: what `casd --keys`
-/// prints and docs/config.md shows.
+/// prints and docs/reference/config.md shows.
 std::string topology_reference();
 
 }  // namespace cas::casd

@@ -6,7 +6,7 @@
 namespace cas::fcu {
 
 /// Every key of FcuConfig with its default and meaning, and those of its line, as tables in
-/// Markdown: for `fcu_emulator --keys` and docs/config.md.
+/// Markdown: for `fcu_emulator --keys` and docs/reference/config.md.
 std::string controller_reference();
 
 }  // namespace cas::fcu

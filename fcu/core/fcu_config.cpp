@@ -51,15 +51,16 @@ constexpr std::tuple kKeys{
     base::required(key<&FcuConfig::vehicle>("vehicle", ReadApart{"file"}, "vehicle file")),
     key<&FcuConfig::system_id>("system_id", kId, "of the vehicle in MAVLink", "the vehicle's"),
     key<&FcuConfig::component_id>("component_id", kId, "its component"),
-    key<&FcuConfig::sensors>("sensors", base::SensorSet{},
-                             "the [sensor set](plugins.md#sensor-sets) with the data sheets for "
-                             "the estimator",
-                             "the vehicle's"),
+    key<&FcuConfig::sensors>(
+        "sensors", base::SensorSet{},
+        "the [sensor set](../use/plugins.md#sensor-sets) with the data sheets for "
+        "the estimator",
+        "the vehicle's"),
     key<&FcuConfig::line>("line", base::Parsed<LineConfig::parse>{},
                           "the [serial line](#serial-line)", "ideal"),
     key<&FcuConfig::pace>("pace", kPaces,
                           "`lockstep`: telemetry, time-outs and failsafes run on the time of the "
-                          "HIL_SENSOR stream ([simulator.md](simulator.md#lockstep)); "
+                          "HIL_SENSOR stream ([simulator.md](../use/simulator.md#lockstep)); "
                           "`--lockstep` does the same"),
     key<&FcuConfig::stamp>("stamp", kStamps,
                            "time of a sensor sample: its own stamp, or its arrival, as with PX4 "

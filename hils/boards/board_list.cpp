@@ -190,7 +190,7 @@ std::string no_board_list() {
   const fs::path user = user_config();
   return "there is no boards.yaml: neither --boards nor CAS_BOARDS names one, and there is no " +
          (user.empty() ? "" : user.string() + " or ") +
-         "/etc/cas/boards.yaml (docs/ci_with_boards.md)";
+         "/etc/cas/boards.yaml (docs/use/ci_with_boards.md)";
 }
 
 }  // namespace cas::hils

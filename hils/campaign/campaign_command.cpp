@@ -222,7 +222,7 @@ base::cli::Verb add_campaign(CLI::App& app) {
   Flags& flags = *kept;
   CLI::App* campaign =
       app.add_subcommand("campaign", "Let failures strike in a flight and check what must happen");
-  campaign->add_option("CAMPAIGN", flags.file, "Campaign file (docs/campaign.md)");
+  campaign->add_option("CAMPAIGN", flags.file, "Campaign file (docs/use/campaign.md)");
   campaign->add_option("--out", flags.out, "Folder for the results (the last, if several)")
       ->take_last();
   campaign

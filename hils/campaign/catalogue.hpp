@@ -65,7 +65,7 @@ class FailureCatalogue {
   /// @return nullptr when there is none of that name
   const Failure* find(std::string_view name) const;
 
-  /// For a terminal, and as the table of docs/campaign.md.
+  /// For a terminal, and as the table of docs/reference/failures.md.
   std::string text() const;
   std::string markdown() const;
 

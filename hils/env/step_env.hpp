@@ -37,7 +37,8 @@ struct StepEnvOptions {
   /// YAML: `vehicle`, and where wanted `sensors`, `home`, `pose`, `world`, `step_us`, `plugins`,
   /// `faults` (of plugin fault) and `params` (of the controller) as in a scenario.
   std::string setup;
-  /// YAML list as `vary` of a study (docs/sweep.md); its keys lead into `setup`. Empty: nothing.
+  /// YAML list as `vary` of a study (docs/use/sweep.md); its keys lead into `setup`. Empty:
+  /// nothing.
   std::string vary;
   ActionLevel action_level = ActionLevel::kMotors;
   View view = View::kTruth;

@@ -12,7 +12,7 @@ namespace cas::hils {
 /// Null where there is none, or no number.
 nlohmann::ordered_json number_or_null(const std::optional<double>& value);
 
-/// The checks of a run, in the page's format (docs/web_protocol.md, "Runs").
+/// The checks of a run, in the page's format (docs/develop/web_protocol.md, "Runs").
 nlohmann::ordered_json checks_json(std::span<const LimitCheck> checks);
 
 }  // namespace cas::hils

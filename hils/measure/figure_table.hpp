@@ -49,7 +49,7 @@ inline constexpr std::array<Delay, 5> kDelays{
 const Figure<Measurement>& figure_row(std::string_view key);
 
 /// The tables in Markdown: key, title, unit, direction, meaning and place in summary.json, for
-/// `hils run --figures` and docs/config.md.
+/// `hils run --figures` and docs/reference/config.md.
 std::string figure_reference();
 
 }  // namespace cas::hils

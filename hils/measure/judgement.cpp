@@ -82,7 +82,8 @@ void check_account(std::string_view name, const RateFigures& rate, Checks& check
 }
 
 constexpr std::string_view kRemedy =
-    "; end other programs, or give these real-time rights (docs/operations.md), or fly where time "
+    "; end other programs, or give these real-time rights (docs/use/operations.md), or fly where "
+    "time "
     "waits for the programs (--virtual, SITL)";
 
 /// A condition that the machine must meet.

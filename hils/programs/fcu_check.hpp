@@ -41,7 +41,7 @@ struct FcuFinding {
 std::vector<FcuFinding> check_fcu(const FcuFacts& facts, const Rates& nominal,
                                   const base::Vehicle& vehicle);
 
-/// For the terminal, one line each; the remedies are steps of docs/pixhawk.md.
+/// For the terminal, one line each; the remedies are steps of docs/use/pixhawk.md.
 std::string findings_text(const std::vector<FcuFinding>& findings);
 bool may_fly(const std::vector<FcuFinding>& findings);
 

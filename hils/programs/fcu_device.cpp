@@ -173,7 +173,7 @@ void check_devices(Supervisor& supervisor, const RunPaths& paths, const RunReque
     ready = ready && may_fly(findings);
   }
   if (!ready) {
-    throw RunStopped("the controller is not ready; the steps are in docs/pixhawk.md", false);
+    throw RunStopped("the controller is not ready; the steps are in docs/use/pixhawk.md", false);
   }
 }
 

@@ -91,7 +91,8 @@ bool WebView::start(const RunPaths& paths, const Supervisor& supervisor,
 std::string built_without_page(const std::filesystem::path& page_folder) {
   const auto cause = base::read_file(page_folder / "left_out.txt");
   return "CAS was built without the page" +
-         (cause ? ": " + cause->substr(0, cause->find('\n')) : std::string()) + " (docs/web.md)";
+         (cause ? ": " + cause->substr(0, cause->find('\n')) : std::string()) +
+         " (docs/use/web.md)";
 }
 
 std::string built_without_page() {

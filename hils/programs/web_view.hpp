@@ -11,8 +11,8 @@
 
 namespace cas::hils {
 
-/// "CAS was built without the page: CAUSE (docs/web.md)", with the cause that the build left where
-/// the page would be, if it left one.
+/// "CAS was built without the page: CAUSE (docs/use/web.md)", with the cause that the build left
+/// where the page would be, if it left one.
 std::string built_without_page(const std::filesystem::path& page_folder);
 /// That of this program, in the build tree and in an installation.
 std::string built_without_page();

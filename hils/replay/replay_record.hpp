@@ -9,10 +9,10 @@
 
 namespace cas::hils {
 
-/// A finished run as the page replays it (docs/web.md, "The record"), as JSON text: of each vehicle
-/// its shape, truth, estimate, reference, messages, hops, stages, faults and checks, and a list of
-/// events. The same run gives the same bytes. @throws base::ConfigError when its files cannot be
-/// read
+/// A finished run as the page replays it (docs/use/web.md, "The record"), as JSON text: of each
+/// vehicle its shape, truth, estimate, reference, messages, hops, stages, faults and checks, and a
+/// list of events. The same run gives the same bytes. @throws base::ConfigError when its files
+/// cannot be read
 std::string replay_record(const RunRequest& request, const RunResult& run);
 
 /// The record of a flight log alone: no truth, no hops, no verdict. @throws base::ConfigError when

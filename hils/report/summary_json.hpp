@@ -7,8 +7,8 @@
 
 namespace cas::hils {
 
-/// The figures of a run for programs, as JSON (docs/config.md names the fields): what its vehicles
-/// have in common, then a list of them.
+/// The figures of a run for programs, as JSON (docs/reference/config.md names the fields): what its
+/// vehicles have in common, then a list of them.
 std::string summary_json(const RunResult& run);
 
 }  // namespace cas::hils

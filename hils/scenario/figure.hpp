@@ -15,7 +15,7 @@ struct StepResponse;
 enum class Better { kNeither, kUp, kDown };
 
 /// A figure of a flight as it is shown everywhere: in summary.json, in the columns of sweeps and
-/// comparisons, on the line of `hils eval`, in limits, in reports and in docs/config.md.
+/// comparisons, on the line of `hils eval`, in limits, in reports and in docs/reference/config.md.
 /// @tparam Of  what it is a figure of
 template <class Of>
 struct Figure {

@@ -272,7 +272,8 @@ constexpr std::tuple kVehiclesKeys{
 constexpr std::tuple kWorldKeys{
     key<&Scenario::world, &ScenarioWorld::sdf>(
         "world", ReadApart{"file"},
-        "SDF file as [a simulation's](simulator.md#worlds), with its gravity, wind and obstacles; "
+        "SDF file as [a simulation's](../use/simulator.md#worlds), with its gravity, wind and "
+        "obstacles; "
         "`config/scenarios/village.yaml` has one. Its real-time factor and step are ignored",
         "flat ground"),
     key<&Scenario::world, &ScenarioWorld::model_path>("model_path", Folders{},
@@ -365,14 +366,15 @@ constexpr std::tuple kKeys{
                                "`params`, ...; those that hils sets itself are refused"),
     key<&Scenario::sensors>(
         "sensors", Sensors{},
-        "the [sensor set](plugins.md#sensor-sets) of simulator and controller: `sensors: rtk`, or "
+        "the [sensor set](../use/plugins.md#sensor-sets) of simulator and controller: `sensors: "
+        "rtk`, or "
         "with changes `{preset: rtk, gps: {delay_s: 0.2}}`; IMU and GPS take their rates from "
         "`rates`",
         "the vehicle's"),
     key<&Scenario::plugins>(
         "plugins", Plugins{},
         "additional plugins of each vehicle, each `{plugin: NAME, ...}`; MAVLink messages that "
-        "they [declare](plugins.md#sending-to-the-controller) reach the controller"),
+        "they [declare](../use/plugins.md#sending-to-the-controller) reach the controller"),
     key<&Scenario::wake_up>("wake_up", base::Parsed<parse_wake_up>{},
                             "`{p50_us, p99_us}`, virtual clock: wake-up delay of casd's threads "
                             "(log-normal)",

@@ -6,7 +6,7 @@
 namespace cas::hils {
 
 /// Every key of Scenario with its default and meaning, as tables in Markdown: for `hils run --keys`
-/// and docs/config.md.
+/// and docs/reference/config.md.
 std::string scenario_reference();
 
 }  // namespace cas::hils

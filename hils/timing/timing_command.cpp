@@ -102,7 +102,7 @@ LineFigures measure(const FcuDevice& device, const ProbePlan& plan) {
   switch (probe.figures().end) {
     case ProbeEnd::kSilent:
       throw BoardError(kExitInvalid, fmt::format("no HEARTBEAT came from {} at {} baud: compare "
-                                                 "the baud rates (docs/pixhawk.md)",
+                                                 "the baud rates (docs/use/pixhawk.md)",
                                                  device.path, device.baud));
     case ProbeEnd::kArmed:
       throw BoardError(kExitBoardFailed,

@@ -62,7 +62,7 @@ void add_notes(const LineFigures& figures, const LineDemand& demand, TimingVerdi
     verdict.notes.push_back(std::move(sentence));
   };
   if (!figures.in_hil) {
-    note("the board does not say that it is in HIL: it would not be flown (docs/pixhawk.md)");
+    note("the board does not say that it is in HIL: it would not be flown (docs/use/pixhawk.md)");
   }
   if (figures.crc_errors > 0) {
     note(

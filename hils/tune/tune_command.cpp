@@ -101,7 +101,7 @@ base::cli::Verb add_tune(CLI::App& app) {
   const auto flags = std::make_shared<Flags>();
   CLI::App* tune =
       app.add_subcommand("tune", "Search gains, or any numbers, for what a study weighs");
-  tune->add_option("STUDY", flags->study, "Study file (docs/tune.md)")->required();
+  tune->add_option("STUDY", flags->study, "Study file (docs/use/tune.md)")->required();
   tune->add_option("--out", flags->out, "Folder for the results (the last, if several)")
       ->required()
       ->take_last();
@@ -121,7 +121,7 @@ base::cli::Verb add_eval(CLI::App& app) {
   const auto flags = std::make_shared<Flags>();
   CLI::App* eval = app.add_subcommand(
       "eval", "Fly a study for each line of parameters on standard input, for an optimiser");
-  eval->add_option("STUDY", flags->study, "Study file (docs/sweep.md)")->required();
+  eval->add_option("STUDY", flags->study, "Study file (docs/use/sweep.md)")->required();
   eval->add_option("--jobs", flags->jobs, "Flights at once, answered as they end (1)")
       ->check(base::cli::whole_number)
       ->check(CLI::Range(1, 4096));

@@ -127,10 +127,10 @@ void check_figures(const TuneStudy& study, const TuneFlights& flights) {
     for (const std::size_t scenario : figure.in) {
       for (const std::string& name : figure.figures) {
         if (flights.has_figure(scenario, name)) continue;
-        throw base::ConfigError(
-            fmt::format("'{}': scenario '{}' has no figure '{}'; docs/sweep.md lists the columns{}",
-                        figure.name, study.scenarios[scenario].name, name,
-                        name == kDelayMargin ? ", and this one takes a 'delay_ramp'" : ""));
+        throw base::ConfigError(fmt::format(
+            "'{}': scenario '{}' has no figure '{}'; docs/use/sweep.md lists the columns{}",
+            figure.name, study.scenarios[scenario].name, name,
+            name == kDelayMargin ? ", and this one takes a 'delay_ramp'" : ""));
       }
     }
   };

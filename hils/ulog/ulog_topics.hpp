@@ -9,7 +9,8 @@
 namespace cas::hils {
 
 /// Topics of a run's ULog, by message id. Names and fields are PX4's, so that the views people have
-/// for its logs fit; a field that no run has a value for is left out. docs/config.md has the table.
+/// for its logs fit; a field that no run has a value for is left out. docs/reference/config.md has
+/// the table.
 enum class UlogTopicId : std::uint16_t {
   // The controller's own word.
   kAttitude,

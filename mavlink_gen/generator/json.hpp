@@ -7,7 +7,8 @@
 
 namespace cas::mav::gen {
 
-/// Everything known of a dialect as one JSON object; docs/mavlink_gen.md describes its members.
+/// Everything known of a dialect as one JSON object; docs/develop/mavlink_gen.md describes its
+/// members.
 std::string write_json(const xml::Dialect& dialect);
 
 }  // namespace cas::mav::gen

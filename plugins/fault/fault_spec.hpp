@@ -115,7 +115,7 @@ struct FaultSpec {
 
 /// Reads one fault. @param number  names it where it has no name, from 1
 FaultSpec parse_fault(const base::ConfigNode& node, std::size_t number);
-/// Reads the list `faults` of plugin `fault`: keys are described in docs/plugins.md.
+/// Reads the list `faults` of plugin `fault`: keys are described in docs/use/plugins.md.
 std::vector<FaultSpec> parse_faults(const base::ConfigNode& node);
 
 /// The beginning or the end of a fault, as it is logged.

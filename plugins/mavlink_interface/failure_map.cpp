@@ -19,8 +19,8 @@ struct Failure {
   std::array<std::string_view, 2> effects;  ///< of plugin `fault`; the second may be empty
 };
 
-// Sizes are those of docs/campaign.md's catalogue where it has them; garbage is at least ten times
-// the sensor's own noise.
+// Sizes are those of docs/use/campaign.md's catalogue where it has them; garbage is at least ten
+// times the sensor's own noise.
 constexpr std::array kFailures{
     Failure{Unit::kGyro, Type::kStuck, {"freeze: {sensor: imu, field: angular_rate}"}},
     Failure{Unit::kGyro, Type::kGarbage, {"noise: {sensor: imu, angular_rate_deg_s: 200}"}},

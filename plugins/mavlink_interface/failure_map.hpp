@@ -29,7 +29,7 @@ struct VehicleParts {
 /// first the end of an earlier failure there, then, unless it is FAILURE_TYPE_OK, the new one.
 ///
 /// One table holds every unit and type; they act like the failures of a campaign
-/// (docs/campaign.md). Gyro and accelerometer are one chip, whose samples come together: single
+/// (docs/use/campaign.md). Gyro and accelerometer are one chip, whose samples come together: single
 /// ones stick or read wrong, but do not fall silent.
 /// @return nullopt if there is no such physical failure, or the vehicle lacks the part
 std::optional<std::vector<std::string>> fault_orders(const mav::services::FailureOrder& failure,

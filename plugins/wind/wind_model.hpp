@@ -42,7 +42,7 @@ struct WindParams {
   std::vector<Gust> gusts;
 };
 
-/// Reads the parameters of plugin `wind`: keys are described in docs/plugins.md.
+/// Reads the parameters of plugin `wind`: keys are described in docs/use/plugins.md.
 WindParams parse_wind_params(const base::ConfigNode& node);
 
 /// Air velocity by a 1-cosine gust, MIL-F-8785C Sect. 3.7.3.3: rises over a length of air, holds,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""CAS from Python: hardware-in-the-loop simulation of UAVs, scripted. docs/python.md shows how.
+"""CAS from Python: hardware-in-the-loop simulation of UAVs, scripted. docs/use/python.md shows how.
 
     Casd, AsyncCasd     casd's command port
     Sim, AsyncSim       hilsim's control socket
@@ -10,7 +10,7 @@
     mavlink             a small codec
     env                 the simulator by reset and step, in this process (import cas.env)
 
-Units are in the names. Frames are those of docs/frames_and_units.md: N is north-east-down, W east-north-up, B
+Units are in the names. Frames are those of docs/use/frames_and_units.md: N is north-east-down, W east-north-up, B
 forward-left-up, D forward-right-down.
 """
 

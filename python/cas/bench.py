@@ -114,9 +114,9 @@ class Bench:
     pose         where it stands: {"x_m", "y_m", "z_m", "yaw_deg"}: east and north of home, m; yaw of the nose from
                  east, counter-clockwise, degrees; 90 (north) where it is left out
     world        an SDF file; left out: flat ground
-    line         keys of the emulated serial line (docs/config.md); in real time only
+    line         keys of the emulated serial line (docs/reference/config.md); in real time only
     controller   False: no emulator; one's own sends MAVLink over UDP to `controller_address`
-    links, routes  further links and routes of casd (docs/config.md, Topology), e.g. for a ground station
+    links, routes  further links and routes of casd (docs/reference/config.md, Topology), e.g. for a ground station
     folder       where logs, configurations, truth.csv, sensors/ and flight.tlog are left; left out: nowhere
 
     The programs end with the thread that entered the block. Within it: `casd` (Casd), `sim` (Sim), `fcu` (rpc.Client

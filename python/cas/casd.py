@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The command port of casd (docs/protocol.md)."""
+"""The command port of casd (docs/develop/protocol.md)."""
 
 from __future__ import annotations
 

@@ -74,7 +74,7 @@ class Env:
     vehicle, sensors, world, home, pose, wind, faults, plugins, params
                  as in cas.Bench; the vehicle starts at rest at `pose`, its rotors stopped, and needs no arming.
                  Plugins write their files into the working directory
-    vary         what each episode's seed draws: entries as `vary` of a study (docs/sweep.md), e.g. {"key":
+    vary         what each episode's seed draws: entries as `vary` of a study (docs/use/sweep.md), e.g. {"key":
                  "faults[payload].mass_factor", "uniform": [0.8, 1.2]}; keys lead into the arguments above
     period_us    simulated time of a step, microseconds; a multiple of `step_us`, the simulator's own
 

@@ -35,7 +35,7 @@ class FormatError(CasError):
 
 
 class CallError(CasError):
-    """A call that was answered with an error (docs/protocol.md, Errors).
+    """A call that was answered with an error (docs/develop/protocol.md, Errors).
 
     `code` is its number, `data` what a program may decide on: `status_texts`, `result`, `result_code`,
     `parameters`.

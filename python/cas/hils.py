@@ -18,7 +18,7 @@ from .places import program
 from .results import Comparison, Run, Sweep, Tuning
 
 Scenario = Union[str, "os.PathLike[str]", Mapping[str, Any]]
-"""A scenario's file, or its keys (docs/config.md, Scenario) in a dict."""
+"""A scenario's file, or its keys (docs/reference/config.md, Scenario) in a dict."""
 
 Progress = Callable[[str], None]
 R = TypeVar("R", Run, Comparison, Sweep, Tuning)
@@ -171,7 +171,7 @@ def compare(scenario: Scenario, out: Union[str, "os.PathLike[str]"], *, architec
 def sweep(study: Scenario, out: Union[str, "os.PathLike[str]"], *, jobs: Optional[int] = None,
           again: Optional[int] = 0, flags: Sequence[str] = (), progress: Optional[Progress] = None,
           timeout_s: Optional[float] = None, check: bool = True) -> Sweep:
-    """Flies a study (`hils sweep`, docs/sweep.md) on `jobs` processors, all by default, and reads results.csv.
+    """Flies a study (`hils sweep`, docs/use/sweep.md) on `jobs` processors, all by default, and reads results.csv.
 
     `study` is a file or its keys in a dict; files that a dict names are looked for among the shipped ones, or have
     their full path. `again` is how many of the worst runs are flown once more for their reports. A sweep that was
@@ -186,7 +186,7 @@ def sweep(study: Scenario, out: Union[str, "os.PathLike[str]"], *, jobs: Optiona
 def tune(study: Scenario, out: Union[str, "os.PathLike[str]"], *, jobs: Optional[int] = None,
          flags: Sequence[str] = (), progress: Optional[Progress] = None, timeout_s: Optional[float] = None,
          check: bool = True) -> Tuning:
-    """Searches gains (`hils tune`, docs/tune.md) on `jobs` processors, all by default, and reads its tables.
+    """Searches gains (`hils tune`, docs/use/tune.md) on `jobs` processors, all by default, and reads its tables.
 
     `study` is a file or its keys in a dict, as in sweep(). A search that was interrupted goes on with the same `out`.
     Raises as run(); LimitMissed where no candidate is better than the values before.

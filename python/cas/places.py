@@ -36,7 +36,7 @@ def program(name: str) -> str:
 
 
 def runtime_folder() -> Path:
-    """Where the programs of one user find each other (docs/protocol.md, Who may call)."""
+    """Where the programs of one user find each other (docs/develop/protocol.md, Who may call)."""
     if own := os.environ.get("CAS_RUNTIME_DIR"):
         return Path(own)
     xdg = os.environ.get("XDG_RUNTIME_DIR")

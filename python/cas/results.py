@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The results of `hils` in its folder (docs/config.md, Results), read on demand."""
+"""The results of `hils` in its folder (docs/reference/config.md, Results), read on demand."""
 
 from __future__ import annotations
 
@@ -126,7 +126,7 @@ class Comparison:
 
 
 class Sweep:
-    """The folder of `hils sweep` (docs/sweep.md)."""
+    """The folder of `hils sweep` (docs/use/sweep.md)."""
 
     def __init__(self, folder: Union[str, Path], exit_code: int = 0, output: str = "") -> None:
         self.folder = Path(folder)
@@ -151,7 +151,7 @@ class Sweep:
 
 
 class Tuning:
-    """The folder of `hils tune` (docs/tune.md)."""
+    """The folder of `hils tune` (docs/use/tune.md)."""
 
     def __init__(self, folder: Union[str, Path], exit_code: int = 0, output: str = "") -> None:
         self.folder = Path(folder)

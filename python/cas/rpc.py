@@ -64,7 +64,7 @@ def refuse_stranger(address: Address) -> None:
 
 
 def token_proof(token: str, who: str, endpoint: str, client_nonce: str, server_nonce: str) -> str:
-    """That one end knows the token, without telling it (docs/protocol.md, Who may call).
+    """That one end knows the token, without telling it (docs/develop/protocol.md, Who may call).
 
     `who` is "server" or "client", `endpoint` the server's end of the connection as it sees it.
     """

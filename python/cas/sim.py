@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The control socket of hilsim (docs/simulator.md, Control)."""
+"""The control socket of hilsim (docs/use/simulator.md, Control)."""
 
 from __future__ import annotations
 

@@ -319,8 +319,8 @@ Steps are fast.
     def setUp(self):
         super().setUp()
         self.write("bin/git", "#!/bin/sh\ncase \"$*\" in *log*) echo 12345678;; esac\n")
-        self.page = self.tree / "docs/results/speed.md"
-        self.write("docs/results/speed.md", self.PAGE)
+        self.page = self.tree / "docs/develop/results/speed.md"
+        self.write("docs/develop/results/speed.md", self.PAGE)
 
     def measures(self, text, code=0):
         self.write("bin/measure", f"#!/bin/sh\ncat <<END\n{text}END\nexit {code}\n")
@@ -350,7 +350,7 @@ Steps are fast.
 
     def test_a_command_without_its_folder_is_left_out(self):
         page = self.PAGE.replace("bin/measure", "bin/measure $CAS_NO_SUCH_FOLDER")
-        self.write("docs/results/speed.md", page)
+        self.write("docs/develop/results/speed.md", page)
         self.measures(self.OUTPUT)
         run = self.run_script("results")
         self.assertEqual(run.returncode, 0)
@@ -436,7 +436,7 @@ class ConfigReference(unittest.TestCase):
                 ("`body_drag_linear_n_s_m`", "`nothing`", "'body_drag_linear_n_s_m' is read by"),
                 ("| `body_drag_linear_n_s_m` |", "| `body_drag_linear_n_s_m`, `no_such_key` |", "'no_such_key' is described")):
             with self.tree() as tree:
-                page = tree / "docs" / "config.md"
+                page = tree / "docs/reference/config.md"
                 text = page.read_text()
                 self.assertIn(before, text)
                 self.assertNotIn(complaint, self.code(tree).stdout)

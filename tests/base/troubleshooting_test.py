@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Holds docs/troubleshooting.md to the sources: each quoted message is one of the programs or of the C library.
+"""Holds docs/use/troubleshooting.md to the sources: each quoted message is one of the programs or of the C library.
 
 Usage: troubleshooting_test.py [SOURCE_TREE]
 """
@@ -64,13 +64,13 @@ def main():
     errors = [os.strerror(number) for number in errno.errorcode]
     complaints = []
     count = 0
-    for number, cells in rows((ROOT / "docs" / "troubleshooting.md").read_text()):
+    for number, cells in rows((ROOT / "docs/use/troubleshooting.md").read_text()):
         if FOREIGN.search(cells[0]):
             continue
         count += len(list(messages(cells[0])))
-        complaints += [f"docs/troubleshooting.md:{number}: {what}" for what in unsaid(cells[0], text, errors)]
+        complaints += [f"docs/use/troubleshooting.md:{number}: {what}" for what in unsaid(cells[0], text, errors)]
     if count == 0:
-        complaints.append("docs/troubleshooting.md quotes nothing")
+        complaints.append("docs/use/troubleshooting.md quotes nothing")
     print("\n".join(complaints) or f"the {count} quoted messages are what the programs say")
     return 1 if complaints else 0
 

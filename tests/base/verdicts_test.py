@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Holds docs/verdicts.md to the tree: each test that it names is in the file that it names, with that case, and the
+"""Holds docs/develop/verdicts.md to the tree: each test that it names is in the file that it names, with that case, and the
 words that it says are printed stand in a source. A row that names no test says "not tested".
 
 Usage: verdicts_test.py [SOURCE_TREE]
@@ -74,15 +74,15 @@ def missing_words(cell, text):
 
 
 def main():
-    page = (ROOT / "docs" / "verdicts.md").read_text()
+    page = (ROOT / "docs/develop/verdicts.md").read_text()
     files = test_files()
     lists = "\n".join(file.read_text() for file in TESTS.rglob("CMakeLists.txt"))
     text = sources()
-    complaints = [f"docs/verdicts.md: {what}" for what in missing_ctests(page, lists)]
+    complaints = [f"docs/develop/verdicts.md: {what}" for what in missing_ctests(page, lists)]
     count = 0
     for number, cells in rows(page):
         count += 1
-        where = f"docs/verdicts.md:{number}: "
+        where = f"docs/develop/verdicts.md:{number}: "
         if len(cells) != 4:
             complaints.append(where + f"{len(cells)} cells instead of 4")
             continue
@@ -94,7 +94,7 @@ def main():
         complaints += [where + what for what in missing_google_tests(last, files)]
         complaints += [where + what for what in missing_words(cells[0], text)]
     if count == 0:
-        complaints.append("docs/verdicts.md has no table")
+        complaints.append("docs/develop/verdicts.md has no table")
     print("\n".join(complaints) or f"the {count} rows name tests that are there and words that are printed")
     return 1 if complaints else 0
 

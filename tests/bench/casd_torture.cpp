@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Does to a running casd what a bench does to it, with HIL_SENSOR at 500 Hz going through, and
-// prints losses and durations: the rows of docs/results/casd_torture.md.
+// prints losses and durations: the rows of docs/develop/results/casd_torture.md.
 #include <signal.h>
 
 #include <CLI/CLI.hpp>

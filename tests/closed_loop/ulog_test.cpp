@@ -237,7 +237,7 @@ TEST_F(FlightUlog, IsInOrderAndTheSameEachTime) {
 }
 
 TEST_F(FlightUlog, HasTheTopicsAndFieldsOfItsPage) {
-  const std::string page = test::content(cas::test::source_dir() + "/docs/ulog.md");
+  const std::string page = test::content(cas::test::source_dir() + "/docs/use/ulog.md");
   for (const auto& [topic, format] : log_->formats()) {
     const std::size_t row = page.find("| `" + topic + "`");
     ASSERT_NE(row, std::string::npos) << topic;

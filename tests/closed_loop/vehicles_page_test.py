@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Follows docs/vehicles.md as a reader would: writes its files into an empty folder, calls its programs and
+"""Follows docs/use/vehicles.md as a reader would: writes its files into an empty folder, calls its programs and
 compares what they print with the page; then breaks the vehicle as the page says, and flies it.
 
 Usage: vehicles_page_test.py BUILD_TREE [--print]    (--print: what the page should have, to paste)
@@ -14,7 +14,7 @@ import tempfile
 import xml.etree.ElementTree
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs/vehicles.md").read_text()
+PAGE = (ROOT / "docs/use/vehicles.md").read_text()
 BIN = pathlib.Path(sys.argv[1]).resolve() / "bin"
 
 

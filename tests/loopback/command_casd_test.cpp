@@ -307,7 +307,7 @@ TEST_F(CommandCasdTest, IsDrivenFromItsPageByPythonAlone) {
   }));
   ChildProcess python({"/usr/bin/env", "python3",
                        cas::test::source_dir() + "/tests/loopback/protocol_client.py",
-                       cas::test::source_dir() + "/docs/protocol.md", address_});
+                       cas::test::source_dir() + "/docs/develop/protocol.md", address_});
   EXPECT_EQ(python.wait_exit(std::chrono::seconds(60)), 0) << python.output();
 }
 

@@ -4,7 +4,7 @@
 
 Each run ends right (the recording, or the results, have everything), or it says in one sentence what
 failed, with another exit code or a recording that lacks no more than it says. A crash, a hang or a
-silent loss makes this test fail. Prints a table for docs/results/casd_torture.md.
+silent loss makes this test fail. Prints a table for docs/develop/results/casd_torture.md.
 tests/support/failing_calls.cpp lists the calls of each kind.
 
   failing_calls.py BUILD_FOLDER           every n up to a bound, then fewer and fewer (long)

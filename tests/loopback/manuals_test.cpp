@@ -59,7 +59,7 @@ struct KeysOf {
   std::string program;
   std::string verb{};
   std::string flag = "--keys";
-  std::string page = "config.md";
+  std::string page = "reference/config.md";
 };
 
 class Keys : public testing::TestWithParam<KeysOf> {};
@@ -84,7 +84,7 @@ TEST_P(Keys, AreTheTablesOfTheDocumentation) {
 
 INSTANTIATE_TEST_SUITE_P(Programs, Keys,
                          testing::Values(KeysOf{"casd"}, KeysOf{"fcu_emulator"}, KeysOf{"hilsim"},
-                                         KeysOf{"hilsim", "", "--sensor-keys", "plugins.md"},
+                                         KeysOf{"hilsim", "", "--sensor-keys", "use/plugins.md"},
                                          KeysOf{"hils", "run"}, KeysOf{"hils", "run", "--figures"}),
                          [](const auto& test) {
                            std::string name = test.param.program;

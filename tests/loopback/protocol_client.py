@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Sends every example request of docs/protocol.md to a running casd and compares the answers.
+"""Sends every example request of docs/develop/protocol.md to a running casd and compares the answers.
 
 Usage: protocol_client.py PAGE HOST:PORT     exit 0: casd answers as the page says
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The example programs of docs/mavlink_gen.md, each run with a recorded stream.
+// The example programs of docs/develop/mavlink_gen.md, each run with a recorded stream.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>

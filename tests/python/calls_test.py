@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Compares the descriptions of casd and hilsim with docs/protocol.md and with their calls and answers."""
+"""Compares the descriptions of casd and hilsim with docs/develop/protocol.md and with their calls and answers."""
 
 import contextlib
 import re
@@ -83,7 +83,7 @@ class DescriptionTest(FolderTest):
         cls.document = cls.casd.describe()
 
     def test_the_page_has_the_methods_and_parameters_that_casd_describes(self):
-        page = heads((SOURCE / "docs/protocol.md").read_text(encoding="utf-8"))
+        page = heads((SOURCE / "docs/develop/protocol.md").read_text(encoding="utf-8"))
         own = {name: {key + ("" if each["required"] else "?") for key, each in params.items()}
                for name, params in described(self.document).items()}
         self.assertEqual({name: page.get(name) for name in own}, own)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""docs/python.md: each of its programs is an example, letter by letter, or is pasted into a file and run."""
+"""docs/use/python.md: each of its programs is an example, letter by letter, or is pasted into a file and run."""
 
 import re
 import subprocess
@@ -8,7 +8,7 @@ import unittest
 
 from helpers import SOURCE, FolderTest
 
-PAGE = SOURCE / "docs" / "python.md"
+PAGE = SOURCE / "docs/use/python.md"
 EXAMPLES = SOURCE / "python" / "examples"
 LONGEST_S = 120  # for one program, on a machine that may be busy
 LICENCE = "# SPDX-License-Identifier: BSD-3-Clause\n"
@@ -26,7 +26,7 @@ def examples():
 class PageTest(FolderTest):
     def test_every_example_is_on_the_page(self):
         for name, text in examples().items():
-            self.assertIn(text, blocks(), f"{name} is not on docs/python.md as it is")
+            self.assertIn(text, blocks(), f"{name} is not on docs/use/python.md as it is")
 
     def test_what_else_is_on_the_page_runs(self):
         others = [block for block in blocks() if block not in examples().values()]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// node shots.mjs REPLAY.html FOLDER [TIME_S]: pictures of a replay in light, dark and narrow, for docs/web/.
+// node shots.mjs REPLAY.html FOLDER [TIME_S]: pictures of a replay in light, dark and narrow, for docs/pictures/.
 // ONLY=replay-1280 takes those of that name, CAMERA=2 presses the key of a camera before.
 import {mkdirSync} from 'node:fs';
 import {join, resolve} from 'node:path';

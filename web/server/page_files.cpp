@@ -30,7 +30,7 @@ constexpr std::string_view kHashed = "/assets/";
 
 constexpr const char* kNoPage =
     "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>CAS</title>"
-    "<p>casweb runs, but the page is not built: see docs/web.md.</p></html>\n";
+    "<p>casweb runs, but the page is not built: see docs/use/web.md.</p></html>\n";
 
 const char* type_of(const fs::path& file) {
   for (const auto& [ending, type] : kTypes) {

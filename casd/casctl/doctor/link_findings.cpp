@@ -52,7 +52,7 @@ std::string remedy_for_down(const json& link) {
   const std::string reason = link.value("endpoint", "");
   if (reason.find("Operation not permitted") != std::string::npos ||
       reason.find("Permission denied") != std::string::npos) {
-    return "docs/troubleshooting.md, \"Not permitted\": casd's user, a rule of its service "
+    return "docs/use/troubleshooting.md, \"Not permitted\": casd's user, a rule of its service "
            "(DeviceAllow, IPAddressAllow), or a firewall denies it";
   }
   if (link.value("type", "") != "serial") {
@@ -60,7 +60,7 @@ std::string remedy_for_down(const json& link) {
   }
   if (link.value("endpoint", "").find(": pseudo-terminal ") != std::string::npos) {
     return "start the emulator (again): casd writes to no terminal that it cannot tell from "
-           "somebody's; docs/troubleshooting.md has more";
+           "somebody's; docs/use/troubleshooting.md has more";
   }
   if (link.value("endpoint", "").find(": No such file") != std::string::npos) {
     return "start the emulator (fcu_emulator), or plug the board in, and compare `device` in the "
@@ -75,10 +75,11 @@ void check_own_drops(const DoctorFacts& facts, const json& link, Findings& own) 
     const std::string cause(words.word);
     const double drops = words.trouble ? drop_growth(facts, link, cause) : 0;
     if (drops <= 0) continue;
-    warn(own,
-         "link " + link.value("name", "?") + ": casd dropped " +
-             std::to_string(static_cast<std::uint64_t>(drops)) + " packets (" + cause + ")",
-         "`casctl drops` names the messages; docs/troubleshooting.md has a line for each cause");
+    warn(
+        own,
+        "link " + link.value("name", "?") + ": casd dropped " +
+            std::to_string(static_cast<std::uint64_t>(drops)) + " packets (" + cause + ")",
+        "`casctl drops` names the messages; docs/use/troubleshooting.md has a line for each cause");
   }
 }
 
@@ -202,7 +203,8 @@ void check_signing(const DoctorFacts& facts, Findings& all) {
       bad(all,
           name + ": " + stream_text(future) + " signs " +
               duration_text(future.value("ahead_s", 0.0)) + " ahead of casd's clock and is refused",
-          "put that sender's clock right, or this machine's (`date`); see docs/troubleshooting.md");
+          "put that sender's clock right, or this machine's (`date`); see "
+          "docs/use/troubleshooting.md");
     }
     if (signing->value("too_far_ahead", false)) {
       const bool moved = future.value("ahead_s", 0.0) > 0 && !future.value("refused", true);
@@ -212,7 +214,7 @@ void check_signing(const DoctorFacts& facts, Findings& all) {
               (moved ? ", moved there by " + stream_text(future) : "") +
               "; other senders are refused as too old",
           "put the clocks right, stop casd, remove " + signing->value("time_file", "KEY.time") +
-              ", start casd; see docs/troubleshooting.md");
+              ", start casd; see docs/use/troubleshooting.md");
     }
   }
 }

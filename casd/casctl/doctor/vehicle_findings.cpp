@@ -85,7 +85,7 @@ std::string remedy_for_no_hil(const DoctorFacts& facts, const json& vehicle) {
   }
   return "PX4: casctl param set SYS_HITL 1, then casctl reboot; a firmware in software (SITL) "
          "never "
-         "says so: see docs/firmware";
+         "says so: see docs/use/firmware";
 }
 
 /// The arming checks of a disarmed vehicle.

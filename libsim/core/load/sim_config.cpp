@@ -104,9 +104,10 @@ constexpr Range kFieldYears{base::wmm2025::kEpochYear, base::wmm2025::kLastYear}
 constexpr auto kPlaceKeys = base::geodetic_keys(-1000, 10'000);
 
 constexpr std::tuple kKeys{
-    required(key<&SimConfig::world>("world", WorldBlock{{kFlatWorldKeys}},
-                                    "an SDF file ([simulator.md](simulator.md#worlds)), or a flat "
-                                    "world")),
+    required(key<&SimConfig::world>(
+        "world", WorldBlock{{kFlatWorldKeys}},
+        "an SDF file ([simulator.md](../use/simulator.md#worlds)), or a flat "
+        "world")),
     key<&SimConfig::world, &WorldConfig::model_path>("model_path", Folders{},
                                                      "folders of the models of an SDF file"),
     key<&SimConfig::world, &WorldConfig::missing>(
@@ -158,7 +159,7 @@ constexpr std::tuple kVehicleKeys{
     key<&VehicleConfig::pose>("pose", block<StartPose>(kPoseKeys), "where it starts"),
     key<&VehicleConfig::vehicle, &base::Vehicle::sensors>(
         "sensors", ReadApart{"a set, or keys of one"},
-        "the [sensor set](plugins.md#sensor-sets): `rtk`, or `{preset: rtk, imu: {...}}`",
+        "the [sensor set](../use/plugins.md#sensor-sets): `rtk`, or `{preset: rtk, imu: {...}}`",
         "the vehicle's"),
     key<&VehicleConfig::plugins>("plugins", ReadApart{"list"},
                                  "each `{plugin: NAME, ...}`, run in this order; their keys "

@@ -8,7 +8,7 @@
 namespace cas::sim {
 
 /// Every key of SimConfig with its default and meaning, as tables in Markdown: for `hilsim --keys`
-/// and docs/config.md.
+/// and docs/reference/config.md.
 CAS_SIM_EXPORT std::string simulation_reference();
 
 }  // namespace cas::sim

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Holds docs/config.md and docs/plugins.md to the parsers: a key that is read is described in the section of its
+"""Holds docs/reference/config.md and docs/use/plugins.md to the parsers: a key that is read is described in the section of its
 file, and a key that a table or an example there names stands in the sources of that program. The tables of
 topologies, simulations, controllers, scenarios and sensors are their programs' own words (tests/loopback/manuals_test.cpp).
 
@@ -13,6 +13,8 @@ import sys
 
 ROOT = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else __file__).resolve()
 ROOT = ROOT if ROOT.is_dir() else ROOT.parents[3]
+
+PAGES = {"config": "docs/reference/config.md", "plugins": "docs/use/plugins.md"}
 
 # Section of a page -> the files that read its keys.
 SECTIONS = {
@@ -48,10 +50,10 @@ VALUES = {
 
 def section(page, title):
     """The text below a heading, with its sub-headings."""
-    text = (ROOT / "docs" / f"{page}.md").read_text()
+    text = (ROOT / PAGES[page]).read_text()
     found = re.search(rf"^(#+) {re.escape(title)}$", text, re.MULTILINE)
     if not found:
-        raise SystemExit(f"docs/{page}.md has no heading '{title}'")
+        raise SystemExit(f"{PAGES[page]} has no heading '{title}'")
     rest = text[found.end():]
     end = re.search(rf"^#{{1,{len(found[1])}}} ", rest, re.MULTILINE)
     return rest[:end.start()] if end else rest
@@ -100,10 +102,10 @@ def main():
         text = section(page, title)
         read = read_keys(globs)
         for key in sorted(read - described(text) - EVERYWHERE):
-            complaints.append(f"docs/{page}.md, {title}: '{key}' is read by {' '.join(globs)} and not described")
+            complaints.append(f"{PAGES[page]}, {title}: '{key}' is read by {' '.join(globs)} and not described")
         for key in sorted(named(text) - words_near(globs + FURTHER.get((page, title), [])) - EVERYWHERE - VALUES[page]):
             if not COMPOSED.match(key) and not key.endswith("_"):
-                complaints.append(f"docs/{page}.md, {title}: '{key}' is described and read by no parser")
+                complaints.append(f"{PAGES[page]}, {title}: '{key}' is described and read by no parser")
     print("\n".join(complaints) or "the reference and the parsers name the same keys")
     return 1 if complaints else 0
 

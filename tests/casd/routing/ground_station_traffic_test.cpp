@@ -57,7 +57,7 @@ TEST(StationTraffic, NamesEachMessageOnceInOrder) {
 
 TEST(StationTraffic, IsWhatTheReferenceSays) {
   const std::string whole =
-      cas::test::TemporaryFolder::read(cas::test::source_dir() + "/docs/config.md");
+      cas::test::TemporaryFolder::read(cas::test::source_dir() + "/docs/reference/config.md");
   const std::size_t begin = whole.find("\n`traffic: ground_station` is ");
   ASSERT_NE(begin, std::string::npos);
   const std::string text = whole.substr(begin, whole.find("\n\n", begin) - begin);

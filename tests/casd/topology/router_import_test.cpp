@@ -320,9 +320,9 @@ TEST_P(RouterImportKeys, AreTakenOrExplained) {
   }
 }
 
-TEST_P(RouterImportKeys, AreOnThePageAboutMavlinkRouter) {
+TEST_P(RouterImportKeys, AreOnThePageAboutEndpoints) {
   const std::string page =
-      cas::test::TemporaryFolder::read(cas::test::source_dir() + "/docs/from_mavlink_router.md");
+      cas::test::TemporaryFolder::read(cas::test::source_dir() + "/docs/reference/endpoints.md");
   EXPECT_TRUE(std::regex_search(page, std::regex("`" + GetParam().key + "\\b"))) << GetParam().key;
 }
 

@@ -132,13 +132,13 @@ TEST(Catalogue, PutsParametersIntoTheFault) {
 }
 
 TEST(Catalogue, IsTheTableOfTheDocumentation) {
-  std::ifstream stream(test::source_dir() + "/docs/campaign.md");
+  std::ifstream stream(test::source_dir() + "/docs/reference/failures.md");
   std::ostringstream page;
   page << stream.rdbuf();
   std::istringstream table(shipped().markdown());
   for (std::string line; std::getline(table, line);) {
     EXPECT_NE(page.str().find(line), std::string::npos)
-        << "docs/campaign.md lacks what 'hils campaign --list --markdown' prints:\n"
+        << "docs/reference/failures.md lacks what 'hils campaign --list --markdown' prints:\n"
         << line;
   }
 }

@@ -58,10 +58,10 @@ TEST(ReplayPage, HasTheRecordsInTheirPlace) {
 
 TEST(ReplayPage, ThatWasNotBuiltHasTheCauseThatTheBuildLeft) {
   const cas::test::TemporaryFolder folder;
-  EXPECT_EQ(built_without_page(folder.path()), "CAS was built without the page (docs/web.md)");
+  EXPECT_EQ(built_without_page(folder.path()), "CAS was built without the page (docs/use/web.md)");
   base::write_file(folder.path() / "left_out.txt", "npm cannot install: no network\n");
   EXPECT_EQ(built_without_page(folder.path()),
-            "CAS was built without the page: npm cannot install: no network (docs/web.md)");
+            "CAS was built without the page: npm cannot install: no network (docs/use/web.md)");
 }
 
 TEST(ReplayPage, OfAnotherMakeIsRefused) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Frames as docs/frames_and_units.md has them: W east north up, N north east (up here), B forward
+// Frames as docs/use/frames_and_units.md has them: W east north up, N north east (up here), B forward
 // left up. Quaternions are w, x, y, z. Pure.
 
 export type Vec3 = [number, number, number];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The types of docs/web_protocol.md. Unknown keys are ignored.
+// The types of docs/develop/web_protocol.md. Unknown keys are ignored.
 import type {Place, Quat, Vec3} from './frames.ts';
 
 export interface Part {

@@ -203,7 +203,7 @@ function makePart(part: Part, material: MeshLambertMaterial): Object3D | null {
   return null;
 }
 
-/** Triangles as docs/web_protocol.md has them: of a record the record's own, else by their hash; null where there are none. */
+/** Triangles as docs/develop/web_protocol.md has them: of a record the record's own, else by their hash; null where there are none. */
 async function loadTriangles(mesh: string, own?: string[]): Promise<BufferGeometry | null> {
   const packed = own?.[Number(mesh)];
   let bytes: ArrayBuffer;

@@ -14,7 +14,7 @@ export interface Player {
 
 /**
  * Where the page has its data from: a bench that flies (LiveSource) or a record (RecordSource).
- * Both feed the same messages of docs/web_protocol.md into the Bench.
+ * Both feed the same messages of docs/develop/web_protocol.md into the Bench.
  */
 export interface Source {
   readonly kind: 'live' | 'record';

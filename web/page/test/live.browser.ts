@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The page against a casweb that is a few lines: docs/web_protocol.md, spoken by the test.
+// The page against a casweb that is a few lines: docs/develop/web_protocol.md, spoken by the test.
 import assert from 'node:assert/strict';
 import {readdirSync, readFileSync} from 'node:fs';
 import {extname, join} from 'node:path';
