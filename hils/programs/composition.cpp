@@ -220,7 +220,7 @@ std::string casd_config(const RunRequest& request, const RunPaths& paths) {
   root["log"]["folder"] = full_path(paths.out);
   root["log"]["tlog"] = paths.flight_tlog().filename().string();
   root["log"]["overwrite"] = true;
-  root["log"]["free_space_min_mib"] = 0;  // half a log is no use to a run
+  root["log"]["keep"]["free_space_min_mib"] = 0;  // half a log is no use to a run
   return to_text(root);
 }
 
