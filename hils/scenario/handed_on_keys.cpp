@@ -14,6 +14,7 @@
 #include "base/config/vehicle.hpp"
 #include "fcu/core/fcu_config.hpp"
 #include "hils/scenario/simulation_parts.hpp"
+#include "plugins/airspeed/airspeed_model.hpp"
 #include "plugins/barometer/barometer_model.hpp"
 #include "plugins/gps/gps_model.hpp"
 #include "plugins/imu/imu_model.hpp"
@@ -28,13 +29,15 @@ struct SensorReader {
   void (*read)(const base::ConfigNode& block, double step_s);
 };
 
-constexpr std::array<SensorReader, 4> kSensorReaders{
+constexpr std::array<SensorReader, 5> kSensorReaders{
     {{"imu", [](const auto& block, double step_s) { sim::parse_imu_params(block, step_s); }},
      {"gps", [](const auto& block, double step_s) { sim::parse_gps_params(block, step_s); }},
      {"magnetometer",
       [](const auto& block, double step_s) { sim::parse_magnetometer_params(block, step_s); }},
      {"barometer",
-      [](const auto& block, double step_s) { sim::parse_barometer_params(block, step_s); }}}};
+      [](const auto& block, double step_s) { sim::parse_barometer_params(block, step_s); }},
+     {"airspeed",
+      [](const auto& block, double step_s) { sim::parse_airspeed_params(block, step_s); }}}};
 
 /// A key that hils itself writes into another program's file, and the source of its value.
 struct OwnKey {

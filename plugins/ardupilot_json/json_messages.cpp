@@ -88,6 +88,11 @@ void append(std::string& text, const char* key, const Eigen::Vector3d& values) {
 
 }  // namespace
 
+double to_airspeed_m_s(double differential_pressure_pa, double air_density_kg_m3) {
+  const double speed = std::sqrt(2 * std::abs(differential_pressure_pa) / air_density_kg_m3);
+  return std::copysign(speed, differential_pressure_pa);
+}
+
 JsonState to_json_state(base::SimTime time, const BodyState& body, const Environment& air) {
   const Eigen::Matrix3d R_BW = body.q_WB.conjugate().toRotationMatrix();
   JsonState state;
@@ -113,6 +118,10 @@ std::string to_text(const JsonState& state) {
   if (state.range_m) {
     text += ",\"rng_1\":";
     append(text, *state.range_m);
+  }
+  if (state.airspeed_m_s) {
+    text += ",\"airspeed\":";
+    append(text, *state.airspeed_m_s);
   }
   return text + "}\n";
 }

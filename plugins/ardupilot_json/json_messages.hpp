@@ -38,8 +38,13 @@ struct JsonState {
   Eigen::Vector3d p_N = Eigen::Vector3d::Zero();      ///< from home, m
   Eigen::Vector3d v_N = Eigen::Vector3d::Zero();      ///< m/s
   Eigen::Quaterniond q_ND = Eigen::Quaterniond::Identity();
-  std::optional<double> range_m;  ///< of a rangefinder, when there is one
+  std::optional<double> range_m;       ///< of a rangefinder, when there is one
+  std::optional<double> airspeed_m_s;  ///< true airspeed by a pitot tube, when there is one
 };
+
+/// True airspeed of a pitot tube's pressure, which ArduPilot 4.6 turns into a pressure again by its
+/// own standard atmosphere; below zero for air from behind.
+double to_airspeed_m_s(double differential_pressure_pa, double air_density_kg_m3);
 
 JsonState to_json_state(base::SimTime time, const BodyState& body, const Environment& air);
 

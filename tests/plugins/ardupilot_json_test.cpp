@@ -127,6 +127,9 @@ TEST(JsonState, IsOneLineWithoutASpaceBetweenNewlines) {
   EXPECT_EQ(text.find(' '), std::string::npos);
   state.range_m = 1.5;
   EXPECT_NE(to_text(state).find(",\"rng_1\":1.500000000}\n"), std::string::npos);
+  state.airspeed_m_s = to_airspeed_m_s(245, 1.225);
+  EXPECT_NE(to_text(state).find(",\"airspeed\":20.000000000}\n"), std::string::npos);
+  EXPECT_DOUBLE_EQ(to_airspeed_m_s(-245, 1.225), -20);
 }
 
 TEST(JsonState, NeverWritesWhatIsNoNumber) {
