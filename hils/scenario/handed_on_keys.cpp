@@ -137,11 +137,12 @@ std::set<std::string> further_plugins(const Scenario& scenario) {
   for (const base::ConfigNode& plugin : scenario.plugins) {
     const base::ConfigNode name = plugin.at("plugin");
     const auto word = name.as<std::string>();
-    if (word != "mavlink_interface" &&
+    if (word != "mavlink_interface" && word != kAeroPlugin &&
         std::ranges::find(kFirstPlugins, word) == kFirstPlugins.end())
       continue;
-    name.fail("each vehicle has plugin " + word + " already" +
-              (word == kFirstPlugins.front() || word == "mavlink_interface"
+    name.fail((word == kAeroPlugin ? "each vehicle with wings" : "each vehicle") +
+              std::string(" has plugin ") + word + " already" +
+              (word == kFirstPlugins.front() || word == "mavlink_interface" || word == kAeroPlugin
                    ? ""
                    : "; its keys are those of 'sensors: {" + word + ": ...}'"));
   }

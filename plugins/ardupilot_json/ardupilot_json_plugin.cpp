@@ -39,7 +39,7 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   void configure(PluginContext& context, const base::ConfigNode& node) override {
     step_ = context.step();
     vehicle_ = context.vehicle_id();
-    rotors_ = context.vehicle().rotors;
+    airframe_ = context.vehicle();
     link_ = open_link(node);
     clock_ = ServoClock(step_);
     range_ = context.bus().subscribe<RangeSample>(
@@ -75,7 +75,7 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   void pre_step(const StepInfo& step, World&) override {
     now_ = step.time;
     receive();
-    if (packet_) command_.publish(to_motor_command(*packet_, rotors_));
+    if (packet_) command_.publish(to_motor_command(*packet_, airframe_));
     packet_.reset();
   }
 
@@ -143,7 +143,7 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
 
   std::unique_ptr<JsonLink> link_;
   VehicleId vehicle_{};
-  std::vector<base::Rotor> rotors_;
+  base::Vehicle airframe_;
   base::Duration step_{};
   ServoClock clock_{base::Duration(1)};
   bool heard_ = false;

@@ -42,7 +42,7 @@ std::optional<ServoPacket> parse_servo_packet(std::span<const std::uint8_t> byte
   return packet;
 }
 
-MotorCommand to_motor_command(const ServoPacket& packet, std::span<const base::Rotor> rotors) {
+MotorCommand to_motor_command(const ServoPacket& packet, const base::Vehicle& vehicle) {
   MotorCommand command;
   command.kind = MotorCommand::Kind::kMotorOutputs;
   command.values.setZero(base::kMaxOutputs);
@@ -50,10 +50,15 @@ MotorCommand to_motor_command(const ServoPacket& packet, std::span<const base::R
     const double pwm_us = packet.pwm_us[static_cast<std::size_t>(output)];
     return std::clamp((pwm_us - kStopped_us) / kRange_us, 0.0, 1.0);
   };
-  for (const base::Rotor& rotor : rotors) {
+  for (const base::Rotor& rotor : vehicle.rotors) {
     command.values[rotor.output] = share(rotor.output);
     command.armed = command.armed || command.values[rotor.output] > 0;
     if (rotor.tilt) command.values[rotor.tilt->output] = 2 * share(rotor.tilt->output) - 1;
+  }
+  if (!vehicle.aero) return command;
+  for (const base::ControlSurface& surface : vehicle.aero->surfaces) {
+    const bool has_pulse = packet.pwm_us[static_cast<std::size_t>(surface.output)] > 0;
+    if (has_pulse) command.values[surface.output] = 2 * share(surface.output) - 1;
   }
   return command;
 }

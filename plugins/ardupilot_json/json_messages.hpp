@@ -26,9 +26,9 @@ struct ServoPacket {
 std::optional<ServoPacket> parse_servo_packet(std::span<const std::uint8_t> bytes);
 
 /// Outputs 1..16 from channels 1..16: a rotor's is (pwm - 1000) / 1000, held to 0..1, a servo's
-/// (pwm - 1500) / 500, held to -1..1. All rotors at or below 1000 us is disarmed: armed ones idle
-/// above that.
-MotorCommand to_motor_command(const ServoPacket& packet, std::span<const base::Rotor> rotors);
+/// (pwm - 1500) / 500, held to -1..1; a control surface without a pulse stays at 0. All rotors at
+/// or below 1000 us is disarmed: armed ones idle above that.
+MotorCommand to_motor_command(const ServoPacket& packet, const base::Vehicle& vehicle);
 
 /// The true motion of a vehicle on ArduPilot's terms: forward-right-down and north-east-down, SI.
 struct JsonState {

@@ -33,6 +33,10 @@ int command_values(const base::Vehicle& vehicle) {
     most = std::max(most, rotor.output + 1);
     if (rotor.tilt) most = std::max(most, rotor.tilt->output + 1);
   }
+  if (!vehicle.aero) return most;
+  for (const base::ControlSurface& surface : vehicle.aero->surfaces) {
+    most = std::max(most, surface.output + 1);
+  }
   return most;
 }
 
