@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/config/aero.hpp"
 #include "base/config/config.hpp"
 #include "base/config/model_parts.hpp"
 #include "base/export.hpp"
@@ -128,6 +129,7 @@ struct CAS_BASE_EXPORT Vehicle {
   double body_drag_linear_n_s_m = 0;  ///< fuselage drag, N per m/s of airspeed
   std::optional<BodyDragParams> body_drag;   ///< nullopt: none with the square of the airspeed
   std::optional<BatteryParams> battery;      ///< nullopt: the voltage never changes
+  std::optional<AeroParams> aero;            ///< nullopt: no wings
   std::uint8_t system_id = 1;                ///< MAVLink system
   ConfigNode sensors = ConfigNode::empty();  ///< parameters by plugin name, see sensor_set()
   ModelParts parts;  ///< of the model: those of the file, and turning links that are no rotors

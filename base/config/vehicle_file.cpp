@@ -9,8 +9,10 @@
 #include <map>
 
 #include "base/angles.hpp"
+#include "base/config/aero_file.hpp"
 #include "base/config/missing_keys.hpp"
 #include "base/config/model_match.hpp"
+#include "base/config/output_use.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/config/vehicle.hpp"
 
@@ -28,15 +30,6 @@ double non_negative(const ConfigNode& node, std::string_view key) {
 
 double degrees(const ConfigNode& node, std::string_view key, double low, double high) {
   return radians(node.require_in(key, low, high));
-}
-
-/// An output's index, from its number 1..16.
-int output_of(const ConfigNode& node) {
-  const int number = node.as<int>();
-  if (number < 1 || number > kMaxOutputs) {
-    node.fail("must lie in [1, " + std::to_string(kMaxOutputs) + "]");
-  }
-  return number - 1;
 }
 
 // The rotors.
@@ -134,17 +127,12 @@ void check_wakes(const ConfigNode& node, const std::vector<Rotor>& rotors) {
   }
 }
 
-void check_outputs(const ConfigNode& node, const std::vector<Rotor>& rotors) {
-  std::array<int, kMaxOutputs> users{};
-  const auto take = [&](const ConfigNode& at, int output) {
-    if (++users[static_cast<std::size_t>(output)] > 1) {
-      at.fail("output " + std::to_string(output + 1) + " drives something else already");
-    }
-  };
+/// Takes the outputs of rotors and tilt servos.
+void take_outputs(const ConfigNode& node, const std::vector<Rotor>& rotors, OutputUse& outputs) {
   const std::vector<ConfigNode> items = node.items();
   for (std::size_t i = 0; i < rotors.size(); ++i) {
-    take(items[i], rotors[i].output);
-    if (rotors[i].tilt) take(items[i].at("tilt"), rotors[i].tilt->output);
+    outputs.take(items[i], rotors[i].output);
+    if (rotors[i].tilt) outputs.take(items[i].at("tilt"), rotors[i].tilt->output);
   }
 }
 
@@ -344,7 +332,6 @@ void parse_rotors(const ConfigNode& node, const ConfigNode& common, const ModelM
   notes.write(vehicle.warnings);
   model.settle_others(node, links, vehicle);
   check_wakes(node, rotors);
-  check_outputs(node, rotors);
 }
 
 ModelParts parse_parts(const ConfigNode& node) {
@@ -383,7 +370,10 @@ Vehicle Vehicle::load(const std::filesystem::path& file) {
   vehicle.mass_kg = model.mass_kg();
   vehicle.inertia_kg_m2 = model.inertia_kg_m2();
   parse_rotors(node.at("rotors"), common, model, vehicle);
+  OutputUse outputs;
+  take_outputs(node.at("rotors"), vehicle.rotors, outputs);
   check_mixer(node.at("rotors"), vehicle);
+  if (const auto aero = node.find("aero")) vehicle.aero = read_aero(*aero, outputs);
   if (const auto scales = node.find("scales")) {
     vehicle.scales = parse_scales(*scales);
   } else {
