@@ -301,14 +301,8 @@ void add_refused_options(CLI::App& cli) {
   }
 }
 
-}  // namespace
-}  // namespace cas::casd
-
-int main(int argc, char** argv) try {
-  using namespace cas;
-  casd::Flags flags;
-  CLI::App cli("Routes MAVLink between simulator, flight controller and ground stations.", "casd");
-  cli.set_version_flag("-V,--version", std::string("casd ") + CAS_VERSION);
+/// The topology, or the endpoints that one is made of.
+void add_topology_options(CLI::App& cli, Flags& flags) {
   cli.add_option("topology", flags.places,
                  "A file with links and routes (YAML; FILE.d/*.yaml overlay it), a folder of such "
                  "files, or endpoints: serial:DEVICE:BAUD, udp:PORT, udp:HOST:PORT, tcp:PORT, "
@@ -322,7 +316,7 @@ int main(int argc, char** argv) try {
                           "Send by UDP to HOST:PORT, as MAVProxy and mavlink-router do; without a "
                           "port to 14550 or the next one"))
       ->type_name("HOST[:PORT]")
-      ->check(casd::refuse_flag);
+      ->check(refuse_flag);
   one_each(cli.add_option("-p,--tcp-endpoint", flags.tcp_peers, "Connect by TCP to HOST:PORT"))
       ->type_name("HOST:PORT");
   one_each(cli.add_option("-t,--tcp-port", flags.tcp_ports,
@@ -334,7 +328,7 @@ int main(int argc, char** argv) try {
   cli.add_option("-l,--log", flags.log.folder,
                  "With endpoints: record the autopilots' logs into this folder")
       ->type_name("FOLDER")
-      ->check(casd::refuse_flag);
+      ->check(refuse_flag);
   cli.add_flag("-T,--telemetry-log", flags.log.telemetry, "With --log: record telemetry, too");
   cli.add_option("--command-port", flags.command_port,
                  "TCP port for casctl, with endpoints; 0: a free one")
@@ -343,10 +337,14 @@ int main(int argc, char** argv) try {
       "--silent", flags.silent,
       "With endpoints: no HEARTBEAT of casd's own and no questions to vehicles that appear, "
       "as mavlink-router does (--log still asks for logs)");
+}
+
+/// What is printed in place of a run.
+void add_printing_options(CLI::App& cli, Flags& flags) {
   cli.add_flag("--as-topology", flags.as_topology,
                "Print the endpoints as a topology file, and end");
   cli.add_flag("--check", flags.check, "Read the topology, say what is wrong, and end");
-  base::cli::add_keys_flag(cli, casd::topology_reference, "a topology");
+  base::cli::add_keys_flag(cli, topology_reference, "a topology");
   cli.add_option("--import", flags.import_file,
                  "Print mavlink-router's configuration (with config.d beside the file) as a "
                  "topology file, and end")
@@ -354,6 +352,9 @@ int main(int argc, char** argv) try {
   cli.add_option("-d,--conf-dir", flags.import_folder,
                  "With --import: another folder than config.d beside the file")
       ->type_name("FOLDER");
+}
+
+void add_run_options(CLI::App& cli, Flags& flags) {
   cli.add_option("--ledger", flags.ledger,
                  "Write each HIL packet at each link to this file at the end");
   cli.add_flag("--lockstep", flags.lockstep,
@@ -368,6 +369,19 @@ int main(int argc, char** argv) try {
       });
   cli.add_flag_callback(
       "-v,--verbose", [&flags] { flags.log_level = "debug"; }, "As --log-level debug");
+}
+
+}  // namespace
+}  // namespace cas::casd
+
+int main(int argc, char** argv) try {
+  using namespace cas;
+  casd::Flags flags;
+  CLI::App cli("Routes MAVLink between simulator, flight controller and ground stations.", "casd");
+  cli.set_version_flag("-V,--version", std::string("casd ") + CAS_VERSION);
+  casd::add_topology_options(cli, flags);
+  casd::add_printing_options(cli, flags);
+  casd::add_run_options(cli, flags);
   casd::add_refused_options(cli);
   base::cli::add_manual(cli, "casd", CAS_VERSION);
   if (const auto ended = base::cli::parse(cli, argc, argv, base::kExitConfig)) return *ended;

@@ -3,15 +3,11 @@
 
 #include <algorithm>
 
-#include "casd/tlog/recorder.hpp"
-
 namespace cas::casd {
 
 void OwnStation::take_logs(const TlogConfig& config, mav::Source self) {
   if (!config.autopilot) return;
-  AutopilotLogConfig wanted = *config.autopilot;
-  if (wanted.folder.empty()) wanted.folder = config.folder;
-  log_taking_.emplace(wanted, self, commander_);
+  log_taking_.emplace(config, self, commander_);
 }
 
 void OwnStation::end_logs(base::RunTime now) {

@@ -8,10 +8,9 @@
 #include "casd/autopilot_log/log_files.hpp"
 #include "casd/station/failure_injector.hpp"
 #include "casd/station/vehicle_commander.hpp"
+#include "casd/tlog/recorder.hpp"
 
 namespace cas::casd {
-
-struct TlogConfig;
 
 /// casd's own station: failures go to the simulator, logs of autopilots to their files, all else to
 /// the commander.
@@ -45,8 +44,8 @@ class OwnStation final : public Station {
  private:
   /// The logs of autopilots and the files that they go to.
   struct LogTaking {
-    LogTaking(const AutopilotLogConfig& config, mav::Source self, VehicleCommander& commander)
-        : files(config), logs(config, self, commander, files) {}
+    LogTaking(const TlogConfig& config, mav::Source self, VehicleCommander& commander)
+        : files(config.folder, config.keep), logs(*config.autopilot, self, commander, files) {}
 
     LogFiles files;
     AutopilotLogs logs;

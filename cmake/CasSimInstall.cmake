@@ -22,7 +22,7 @@ endforeach()
 include(CasForward)
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tests/plugins/example_plugin/
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/cas/examples/airspeed COMPONENT dev
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/cas/examples/pitot COMPONENT dev
         PATTERN build_and_run EXCLUDE)
 
 install(EXPORT cas-targets NAMESPACE cas:: DESTINATION ${package_dir} COMPONENT dev)

@@ -149,7 +149,7 @@ LAYERS = {
 }
 
 # hils stands above all others: its rooms list each other, and may include everything below.
-BELOW_HILS = set(LAYERS) - {"tests"} | SYSTEM | MAVLINK | rooms("plugins", "barometer fault gps imu magnetometer") | set(EXTERNALS) - {"gtest"}
+BELOW_HILS = set(LAYERS) - {"tests"} | SYSTEM | MAVLINK | rooms("plugins", "airspeed barometer fault gps imu magnetometer") | set(EXTERNALS) - {"gtest"}
 LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/flight": set(),
     "hils/scenario": rooms("hils", "flight"),

@@ -260,7 +260,7 @@ constexpr auto kGpsKeys = std::tuple_cat(
                                  "must be sphere or wgs84"},
             "`sphere`: Eq. (5)", "the world's")});
 
-// magnetometer, barometer, rangefinder
+// magnetometer, barometer, rangefinder, airspeed
 
 constexpr NoiseNames kField{"stddev_gauss", "density_gauss_per_sqrt_hz"};
 constexpr DriftNames kFieldDrift{"bias_walk_gauss_per_sqrt_s", "bias_time_constant_s",
@@ -306,6 +306,20 @@ constexpr auto kRangefinderKeys = std::tuple_cat(
         key<&RangefinderSheet::lsb_m>("lsb_m", Range{0, 10}, "rounds to multiples", kOff),
         key<&RangefinderSheet::position_B_m>("position_B_m", Axes{}, "from the centre of gravity"),
         key<&RangefinderSheet::direction_B>("direction_B", Direction{}, "of its ray")});
+
+// Names of noise and drift are the barometer's: both are pressures.
+constexpr auto kAirspeedKeys = std::tuple_cat(
+    std::tuple{rate_key<&AirspeedSheet::rate_hz>()}, noise_keys<&AirspeedSheet::noise>(kPressure),
+    drift_keys<&AirspeedSheet::drift>(kPressureDrift),
+    std::tuple{
+        key<&AirspeedSheet::bias_pa>("bias_pa", Range{-1000, 1000}, "the same in each run", kOff),
+        key<&AirspeedSheet::position_error>(
+            "position_error", Range{-0.5, 0.5},
+            "fraction that the place of the tube adds to the dynamic pressure", kOff),
+        key<&AirspeedSheet::lag_s>("lag_s", Range{0, 10}, "time constant of hoses and filter",
+                                   kOff),
+        key<&AirspeedSheet::position_B_m>("position_B_m", Axes{}, "from the centre of gravity"),
+        key<&AirspeedSheet::direction_B>("direction_B", Direction{}, "of the tube")});
 
 template <class Sheet, class Keys>
 Sheet read_sheet(const ConfigNode& node, const Keys& keys) {
@@ -366,6 +380,13 @@ RangefinderSheet read_rangefinder_sheet(const ConfigNode& node) {
   return sheet;
 }
 
+AirspeedSheet read_airspeed_sheet(const ConfigNode& node) {
+  const auto sheet = read_sheet<AirspeedSheet>(node, kAirspeedKeys);
+  check_noise(node, kPressure, sheet.noise);
+  check_drift(node, kPressureDrift, sheet.drift);
+  return sheet;
+}
+
 std::string sensor_reference() {
   return section<ImuSheet>("imu",
                            "Truth is the mean over the sample period. At rest and level, the "
@@ -389,7 +410,12 @@ std::string sensor_reference() {
                                  kBarometerKeys) +
          "\n" +
          section<RangefinderSheet>("rangefinder", "Truth is the length of a ray into the world.",
-                                   kRangefinderKeys);
+                                   kRangefinderKeys) +
+         "\n" +
+         section<AirspeedSheet>("airspeed",
+                                "Truth is the dynamic pressure 1/2 rho u\\|u\\| of the air that "
+                                "meets the tube: density and wind are those at the vehicle.",
+                                kAirspeedKeys);
 }
 
 }  // namespace cas::base

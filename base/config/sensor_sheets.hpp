@@ -104,12 +104,24 @@ struct RangefinderSheet {
   Eigen::Vector3d direction_B{0, 0, -1};  ///< unit vector
 };
 
+struct AirspeedSheet {
+  double rate_hz = 0;
+  WhiteNoise noise;  ///< Pa
+  double bias_pa = 0;
+  Drift drift;
+  double position_error = 0;  ///< fraction of the dynamic pressure
+  double lag_s = 0;
+  Eigen::Vector3d position_B_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d direction_B{1, 0, 0};  ///< unit vector
+};
+
 // Each reads one block. @throws ConfigError "FILE:LINE: key.path: sentence"
 CAS_BASE_EXPORT ImuSheet read_imu_sheet(const ConfigNode& node);
 CAS_BASE_EXPORT GpsSheet read_gps_sheet(const ConfigNode& node);
 CAS_BASE_EXPORT MagnetometerSheet read_magnetometer_sheet(const ConfigNode& node);
 CAS_BASE_EXPORT BarometerSheet read_barometer_sheet(const ConfigNode& node);
 CAS_BASE_EXPORT RangefinderSheet read_rangefinder_sheet(const ConfigNode& node);
+CAS_BASE_EXPORT AirspeedSheet read_airspeed_sheet(const ConfigNode& node);
 
 /// Every key of these sheets with its default and meaning, as tables in Markdown: for `hilsim
 /// --sensor-keys` and docs/use/plugins.md.

@@ -2,8 +2,10 @@
 #include "base/config/vehicle.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
+#include "base/earth/gravity.hpp"
 #include "base/error.hpp"
 
 namespace cas::base {
@@ -32,11 +34,47 @@ double balanced(double positive, double negative) {
   return smaller > 0 ? smaller : std::max(positive, negative);
 }
 
+/// Vehicle::hover_output() where the thrust is no polynomial of the output. It grows with it.
+std::optional<double> searched_hover_output(const Vehicle& vehicle, double weight_n) {
+  const auto missing = [&](double output) {
+    double lift = 0;
+    for (const Rotor& rotor : vehicle.rotors) {
+      const double omega = rotor.speed_at(output);
+      lift += wrench_of(rotor, rotor.axis_B)[2] * omega * omega;
+    }
+    return weight_n - lift;
+  };
+  double low = 0;
+  double high = 1;
+  if (missing(low) < 0 || missing(high) > 0) return std::nullopt;
+  constexpr int kHalvings = 52;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    (missing(middle) > 0 ? low : high) = middle;
+  }
+  return high;
+}
+
 }  // namespace
 
 Eigen::Vector3d Rotor::tilted_axis_B(double tilt_rad) const {
   if (!tilt) return axis_B;
   return Eigen::AngleAxisd(tilt_rad, tilt->axis_B) * axis_B;
+}
+
+double Rotor::speed_at(double output_value) const {
+  const double idle = params.omega_idle_rad_s;
+  if (!electric) return idle + output_value * (params.omega_max_rad_s - idle);
+  const double least = electric->steady_duty(idle, params.torque_coefficient);
+  return electric->steady_speed_rad_s(least + output_value * (1 - least),
+                                      params.torque_coefficient);
+}
+
+double Rotor::output_at(double omega_rad_s) const {
+  const double idle = params.omega_idle_rad_s;
+  if (!electric) return (omega_rad_s - idle) / (params.omega_max_rad_s - idle);
+  const double least = electric->steady_duty(idle, params.torque_coefficient);
+  return (electric->steady_duty(omega_rad_s, params.torque_coefficient) - least) / (1 - least);
 }
 
 Effectiveness Vehicle::effectiveness(std::span<const double> tilt_rad) const {
@@ -77,7 +115,19 @@ ControlScales Vehicle::control_scales() const {
           .u4_max_nm = balanced(positive[3], negative[3])};
 }
 
+void Vehicle::settle_lags() {
+  const double output = hover_output(kStandardGravity_m_s2).value_or(1.0);
+  for (Rotor& rotor : rotors) {
+    if (!rotor.electric) continue;
+    rotor.params.time_constant_up_s = rotor.params.time_constant_down_s = rotor.electric->lag_s(
+        rotor.params.inertia_kg_m2, rotor.params.torque_coefficient, rotor.speed_at(output));
+  }
+}
+
 std::optional<double> Vehicle::hover_output(double gravity_m_s2) const {
+  if (std::ranges::any_of(rotors, [](const Rotor& rotor) { return rotor.electric.has_value(); })) {
+    return searched_hover_output(*this, mass_kg * gravity_m_s2);
+  }
   // Upward thrust as a polynomial of u: each rotor's is quadratic.
   double constant = 0;
   double linear = 0;

@@ -10,8 +10,10 @@
 #include <string>
 #include <vector>
 
+#include "base/config/aero.hpp"
 #include "base/config/config.hpp"
 #include "base/config/model_parts.hpp"
+#include "base/config/propulsion.hpp"
 #include "base/export.hpp"
 
 namespace cas::base {
@@ -79,9 +81,20 @@ struct CAS_BASE_EXPORT Rotor {
   RotorParams params;
   std::optional<Wake> wake;       ///< the lower rotor of a coaxial pair
   std::optional<TiltServo> tilt;  ///< nullopt: the axis is fixed
+  /// Thrust and torque by advance ratio; k_f and k_m are then its own in still air.
+  std::optional<Propeller> propeller;
+  /// nullopt: the speed follows its target with a lag. Of all rotors or none; the lag and the
+  /// fastest speed in `params` are then the circuit's in hover and at full output.
+  std::optional<ElectricMotor> electric;
 
   /// Direction of thrust with the servo at `tilt_rad`; axis_B without a servo.
   Eigen::Vector3d tilted_axis_B(double tilt_rad) const;
+  /// Speed that an output asks for, rad/s: idle + u (max - idle); with a circuit, that at which it
+  /// settles in still air by a full battery, the duty being idle + u (1 - idle).
+  /// @param output_value  0..1, from -1 where `reversible`
+  double speed_at(double output_value) const;
+  /// The output that asks for a speed; beyond [0, 1] where none does.
+  double output_at(double omega_rad_s) const;
 };
 
 /// One value for each rotor; no heap.
@@ -96,15 +109,6 @@ struct ControlScales {
   double u2_max_nm = 0;  ///< roll moment at roll_ailerons 1
   double u3_max_nm = 0;  ///< pitch moment at pitch_elevator 1
   double u4_max_nm = 0;  ///< yaw moment at yaw_rudder 1
-};
-
-/// A battery whose voltage sags under load and falls with its charge; rotor speeds fall with it.
-struct BatteryParams {
-  double full_v = 0;          ///< at rest, charged
-  double empty_v = 0;         ///< at rest, discharged
-  double capacity_ah = 0;     ///< charge from full to empty
-  double resistance_ohm = 0;  ///< inner resistance and leads
-  double efficiency = 0;      ///< shaft power over electrical power
 };
 
 /// Drag of the fuselage that grows with the square of the airspeed: -1/2 rho |v| (A_x v_x, A_y v_y,
@@ -128,6 +132,7 @@ struct CAS_BASE_EXPORT Vehicle {
   double body_drag_linear_n_s_m = 0;  ///< fuselage drag, N per m/s of airspeed
   std::optional<BodyDragParams> body_drag;   ///< nullopt: none with the square of the airspeed
   std::optional<BatteryParams> battery;      ///< nullopt: the voltage never changes
+  std::optional<AeroParams> aero;            ///< nullopt: no wings
   std::uint8_t system_id = 1;                ///< MAVLink system
   ConfigNode sensors = ConfigNode::empty();  ///< parameters by plugin name, see sensor_set()
   ModelParts parts;  ///< of the model: those of the file, and turning links that are no rotors
@@ -149,11 +154,15 @@ struct CAS_BASE_EXPORT Vehicle {
   /// @param tilt_rad  one for each rotor, ignored for rotors without a servo; empty: no tilt
   Effectiveness effectiveness(std::span<const double> tilt_rad = {}) const;
 
+  /// The lag of each rotor with a circuit: about its speed in hover, or at full output where the
+  /// rotors cannot carry the vehicle.
+  void settle_lags();
+
   /// The most that the rotors give on each axis of (U1, U2, U3, U4) alone, from effectiveness().
   ControlScales control_scales() const;
 
-  /// Output u, the same for all rotors, 0..1, at which their upward thrust carries the weight;
-  /// a rotor turns at idle + u (max - idle). nullopt where they cannot carry it.
+  /// Output u, the same for all rotors, 0..1, at which their upward thrust in still air carries the
+  /// weight; a rotor turns at speed_at(u). nullopt where they cannot carry it.
   std::optional<double> hover_output(double gravity_m_s2) const;
 
   /// M of (U1, U2, U3, U4) = M * omega^2 (rad^2/s^2; N, N m) in the axes of D, from rotor positions

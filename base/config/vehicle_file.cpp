@@ -9,8 +9,11 @@
 #include <map>
 
 #include "base/angles.hpp"
+#include "base/config/aero_file.hpp"
 #include "base/config/missing_keys.hpp"
 #include "base/config/model_match.hpp"
+#include "base/config/output_use.hpp"
+#include "base/config/propulsion_file.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/config/vehicle.hpp"
 
@@ -30,30 +33,28 @@ double degrees(const ConfigNode& node, std::string_view key, double low, double 
   return radians(node.require_in(key, low, high));
 }
 
-/// An output's index, from its number 1..16.
-int output_of(const ConfigNode& node) {
-  const int number = node.as<int>();
-  if (number < 1 || number > kMaxOutputs) {
-    node.fail("must lie in [1, " + std::to_string(kMaxOutputs) + "]");
-  }
-  return number - 1;
-}
-
 // The rotors.
 
-RotorParams parse_rotor_params(const ConfigNode& node) {
+/// What the rotor's blocks do not replace.
+/// @param node  the rotor's keys over those of the block `rotor`
+RotorParams parse_rotor_params(const ConfigNode& node, bool propeller, bool electric) {
   RotorParams rotor;
-  rotor.thrust_coefficient = positive_value(node, "thrust_coefficient");
-  rotor.torque_coefficient = positive_value(node, "torque_coefficient");
-  rotor.omega_max_rad_s = positive_value(node, "omega_max_rad_s");
-  rotor.omega_idle_rad_s = node.require_in("omega_idle_rad_s", 0.0, rotor.omega_max_rad_s);
-  rotor.time_constant_up_s = non_negative(node, "time_constant_up_s");
-  rotor.time_constant_down_s = non_negative(node, "time_constant_down_s");
+  if (!propeller) {
+    rotor.thrust_coefficient = positive_value(node, "thrust_coefficient");
+    rotor.torque_coefficient = positive_value(node, "torque_coefficient");
+    rotor.radius_m = positive_value(node, "radius_m");
+    rotor.zero_thrust_speed_m_s = non_negative(node, "zero_thrust_speed_m_s");
+  }
+  if (!electric) {
+    rotor.omega_max_rad_s = positive_value(node, "omega_max_rad_s");
+    rotor.time_constant_up_s = non_negative(node, "time_constant_up_s");
+    rotor.time_constant_down_s = non_negative(node, "time_constant_down_s");
+  }
+  rotor.omega_idle_rad_s =
+      node.require_in("omega_idle_rad_s", 0.0, electric ? kHuge : rotor.omega_max_rad_s);
   rotor.inertia_kg_m2 = non_negative(node, "inertia_kg_m2");
-  rotor.radius_m = positive_value(node, "radius_m");
   rotor.drag_coefficient = non_negative(node, "drag_coefficient");
   rotor.rolling_moment_coefficient = non_negative(node, "rolling_moment_coefficient");
-  rotor.zero_thrust_speed_m_s = non_negative(node, "zero_thrust_speed_m_s");
   rotor.reference_density_kg_m3 = non_negative(node, "reference_density_kg_m3");
   rotor.ground_effect = node.require_in("ground_effect", 0.0, 1.0);
   rotor.inflow_thrust_slope = node.get_in("inflow_thrust_slope", 0.0, 0.0, 10.0);
@@ -105,12 +106,17 @@ ConfigNode keys_of(const ModelMotor& motor) {
 }
 
 /// A rotor's item in the list; place and axis come later.
-/// @param motor  has what the vehicle file lacks; nullptr: none
+/// @param motor    has what the vehicle file lacks; nullptr: none
+/// @param battery  of the vehicle
 Rotor parse_rotor(const ConfigNode& item, const ConfigNode& common, const ModelMotor* motor,
-                  int index, int count) {
+                  int index, int count, const std::optional<BatteryParams>& battery) {
   Rotor rotor;
   rotor.params = parse_rotor_params(
-      item.merged_over(motor != nullptr ? common.merged_over(keys_of(*motor)) : common));
+      item.merged_over(motor != nullptr ? common.merged_over(keys_of(*motor)) : common),
+      rotor_block(item, common, "propeller").has_value(),
+      rotor_block(item, common, "electric").has_value());
+  read_propeller(item, common, rotor);
+  read_electric(item, common, battery, rotor);
   const bool by_motor = motor != nullptr && motor->spin && !item.has("spin");
   rotor.spin = by_motor ? *motor->spin : item.require<int>("spin");
   if (rotor.spin != 1 && rotor.spin != -1) {
@@ -134,17 +140,12 @@ void check_wakes(const ConfigNode& node, const std::vector<Rotor>& rotors) {
   }
 }
 
-void check_outputs(const ConfigNode& node, const std::vector<Rotor>& rotors) {
-  std::array<int, kMaxOutputs> users{};
-  const auto take = [&](const ConfigNode& at, int output) {
-    if (++users[static_cast<std::size_t>(output)] > 1) {
-      at.fail("output " + std::to_string(output + 1) + " drives something else already");
-    }
-  };
+/// Takes the outputs of rotors and tilt servos.
+void take_outputs(const ConfigNode& node, const std::vector<Rotor>& rotors, OutputUse& outputs) {
   const std::vector<ConfigNode> items = node.items();
   for (std::size_t i = 0; i < rotors.size(); ++i) {
-    take(items[i], rotors[i].output);
-    if (rotors[i].tilt) take(items[i].at("tilt"), rotors[i].tilt->output);
+    outputs.take(items[i], rotors[i].output);
+    if (rotors[i].tilt) outputs.take(items[i].at("tilt"), rotors[i].tilt->output);
   }
 }
 
@@ -202,16 +203,6 @@ BodyDragParams parse_body_drag(const ConfigNode& node) {
   return drag;
 }
 
-BatteryParams parse_battery(const ConfigNode& node) {
-  BatteryParams battery;
-  battery.full_v = positive_value(node, "full_v");
-  battery.empty_v = node.require_in("empty_v", 0.0, battery.full_v);
-  battery.capacity_ah = positive_value(node, "capacity_ah");
-  battery.resistance_ohm = non_negative(node, "resistance_ohm");
-  battery.efficiency = node.require_in("efficiency", 0.01, 1.0);
-  return battery;
-}
-
 std::uint8_t parse_system_id(const ConfigNode& node) {
   const int id = node.as<int>();
   if (id < 1 || id > 255) node.fail("must lie in [1, 255]");
@@ -234,6 +225,13 @@ std::vector<ConfigNode> rotor_items(const ConfigNode& rotors) {
   return items;
 }
 
+/// Whether rotors have the block `electric`.
+bool has_circuits(const ConfigNode& node, const ConfigNode& common) {
+  return common.has("electric") ||
+         std::ranges::any_of(rotor_items(node.at("rotors")),
+                             [](const ConfigNode& item) { return item.has("electric"); });
+}
+
 void need_rotor_keys(const ConfigNode& node, const ConfigNode& common, const ModelMatch& model,
                      MissingKeys& missing) {
   const std::vector<ConfigNode> items = rotor_items(node.at("rotors"));
@@ -241,11 +239,15 @@ void need_rotor_keys(const ConfigNode& node, const ConfigNode& common, const Mod
   for (std::size_t i = 0; i < items.size(); ++i) {
     motors.push_back(model.motor_of(model.link_of(items[i], static_cast<int>(i) + 1)));
   }
+  need_propulsion_keys(common, missing);
   for (const std::string_view key : kRotorKeys) {
     if (common.has(key)) continue;
     for (std::size_t i = 0; i < items.size(); ++i) {
       const ModelMotor* const motor = motors[i];
-      if (items[i].has(key) || (motor != nullptr && motor->keys.contains(key))) continue;
+      if (items[i].has(key) || is_replaced(items[i], common, key) ||
+          (motor != nullptr && motor->keys.contains(key))) {
+        continue;
+      }
       if (node.has("rotor")) {
         missing.add(common, key);
       } else {
@@ -255,6 +257,7 @@ void need_rotor_keys(const ConfigNode& node, const ConfigNode& common, const Mod
     }
   }
   for (std::size_t i = 0; i < items.size(); ++i) {
+    need_propulsion_keys(items[i], missing);
     if (motors[i] == nullptr || !motors[i]->spin) missing.need(items[i], "spin");
     if (!items[i].has("position_B_m") &&
         model.link_of(items[i], static_cast<int>(i) + 1) == nullptr) {
@@ -292,9 +295,7 @@ void check_missing(const ConfigNode& node, const ConfigNode& common, const Model
   }
   if (const auto drag = node.find("body_drag")) missing.need(*drag, "area_m2");
   if (const auto battery = node.find("battery")) {
-    for (const char* key : {"full_v", "empty_v", "capacity_ah", "resistance_ohm", "efficiency"}) {
-      missing.need(*battery, key);
-    }
+    need_battery_keys(*battery, node.has("rotors") && has_circuits(node, common), missing);
   }
   const bool unread = !model.has_model() && !file.empty();
   missing.check(node, unread ? "; its model " + file.string() + " is not there" : "");
@@ -306,7 +307,7 @@ class MotorNotes {
   void note(const ConfigNode& item, const ConfigNode& common, const ModelMotor& motor) {
     std::string keys;
     const auto add = [&](std::string_view key) {
-      if (item.has(key) || common.has(key)) return;
+      if (item.has(key) || common.has(key) || is_replaced(item, common, key)) return;
       keys += (keys.empty() ? "" : ", ") + std::string(key);
     };
     if (motor.spin && !item.has("spin")) add("spin");
@@ -338,13 +339,17 @@ void parse_rotors(const ConfigNode& node, const ConfigNode& common, const ModelM
     links.push_back(model.link_of(items[i], index + 1));
     const ModelMotor* const motor = model.motor_of(links.back());
     if (motor != nullptr) notes.note(items[i], common, *motor);
-    rotors.push_back(parse_rotor(items[i], common, motor, index, static_cast<int>(items.size())));
+    rotors.push_back(parse_rotor(items[i], common, motor, index, static_cast<int>(items.size()),
+                                 vehicle.battery));
+    if (rotors.back().electric.has_value() != rotors.front().electric.has_value()) {
+      items[i].fail(
+          "has a motor of another kind than rotor 1: give all of them `electric`, or none");
+    }
     model.place(items[i], links.back(), rotors.back());
   }
   notes.write(vehicle.warnings);
   model.settle_others(node, links, vehicle);
   check_wakes(node, rotors);
-  check_outputs(node, rotors);
 }
 
 ModelParts parse_parts(const ConfigNode& node) {
@@ -382,8 +387,15 @@ Vehicle Vehicle::load(const std::filesystem::path& file) {
   vehicle.name = node.require<std::string>("name");
   vehicle.mass_kg = model.mass_kg();
   vehicle.inertia_kg_m2 = model.inertia_kg_m2();
+  if (const auto battery = node.find("battery")) {
+    vehicle.battery = read_battery(*battery, has_circuits(node, common));
+  }
   parse_rotors(node.at("rotors"), common, model, vehicle);
+  vehicle.settle_lags();
+  OutputUse outputs;
+  take_outputs(node.at("rotors"), vehicle.rotors, outputs);
   check_mixer(node.at("rotors"), vehicle);
+  if (const auto aero = node.find("aero")) vehicle.aero = read_aero(*aero, outputs);
   if (const auto scales = node.find("scales")) {
     vehicle.scales = parse_scales(*scales);
   } else {
@@ -391,7 +403,6 @@ Vehicle Vehicle::load(const std::filesystem::path& file) {
   }
   vehicle.body_drag_linear_n_s_m = non_negative(node, "body_drag_linear_n_s_m");
   if (const auto drag = node.find("body_drag")) vehicle.body_drag = parse_body_drag(*drag);
-  if (const auto battery = node.find("battery")) vehicle.battery = parse_battery(*battery);
   vehicle.system_id = parse_system_id(node.at("system_id"));
   if (const auto sensors = node.find("sensors")) {
     vehicle.sensors = sensor_set(*sensors);

@@ -7,7 +7,6 @@
 #include <cerrno>
 #include <chrono>
 #include <regex>
-#include <span>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -22,22 +21,15 @@ namespace cas::casd {
 namespace {
 
 constexpr auto kFlushPeriod = std::chrono::milliseconds(200);
-constexpr base::Duration kUsedPeriod = std::chrono::seconds(1);
-constexpr base::Duration kFreePeriod = kFlushPeriod;
 /// Room that must be free before logs go on.
 constexpr std::uint64_t kRoomToGoOn = 1024 * 1024;
 constexpr int kMostFiles = 10'000;  // names that are tried
 
-/// @return whether all of it is written; else errno says why not
-bool write_all(int fd, std::span<const std::uint8_t> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written == 0) errno = ENOSPC;
-    if (written <= 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
-  return true;
+/// Any peer can send logs: their size is bounded unless the topology says otherwise.
+LogLimits bounded(LogLimits limits) {
+  constexpr std::uint64_t kMaxBytes = std::uint64_t{4} * 1024 * 1024 * 1024;
+  if (!limits.max_bytes) limits.max_bytes = kMaxBytes;
+  return limits;
 }
 
 constexpr const char* kWho = "logs of autopilots";
@@ -51,8 +43,8 @@ bool is_autopilot_log(std::string_view file) {
   return std::regex_match(rest.begin(), rest.end(), kRest);
 }
 
-LogFiles::LogFiles(AutopilotLogConfig config)
-    : config_(std::move(config)), folder_(config_.folder, {".ulg", ".bin"}, is_autopilot_log) {
+LogFiles::LogFiles(std::filesystem::path folder, LogLimits limits)
+    : folder_(std::move(folder), {".ulg", ".bin"}, is_autopilot_log), room_(bounded(limits)) {
   publish();
   try {
     thread_ = std::jthread([this](const std::stop_token& stop) {
@@ -147,14 +139,8 @@ void LogFiles::make(const Job& job) {
     file.fd = folder_.make(file.name);
     if (!file.fd && (errno != EEXIST || number >= kMostFiles)) return fail(base::error_text(errno));
   }
-  if (config_.max_files > 0) {
-    const auto keep = static_cast<std::size_t>(config_.max_files);
-    for (const std::string& name : folder_.remove_oldest(keep, file.name)) {
-      base::log::info("removed " + (folder_.path() / name).string() + ": " + std::to_string(keep) +
-                      " files may stay");
-    }
-    used_counted_at_.reset();
-  }
+  folder_.keep_newest(room_.limits().max_files, file.name);
+  room_.look_again();
   open_.emplace(job.file, std::move(file));
 }
 
@@ -168,7 +154,7 @@ void LogFiles::append(File id, const LogPart& part) {
     open_.erase(found);
     return fail(name + " was deleted while it was written");
   }
-  if (const auto why = lack(part.bytes.size())) {
+  if (const auto why = room_.lack(folder_, part.bytes.size(), {}, base::steady_now())) {
     close(id);
     return fail(*why);
   }
@@ -177,7 +163,7 @@ void LogFiles::append(File id, const LogPart& part) {
   }
   const bool padded = !part.at || *part.at <= file.size ||
                       ::ftruncate(file.fd.get(), static_cast<off_t>(*part.at)) == 0;
-  if (!padded || !write_all(file.fd.get(), part.bytes)) {
+  if (!padded || write_some(file.fd.get(), part.bytes) < part.bytes.size()) {
     const int error = errno;
     if (::ftruncate(file.fd.get(), static_cast<off_t>(file.size)) != 0) {
       base::log::warn((folder_.path() / file.name).string() + " ends in the middle of a message");
@@ -187,9 +173,7 @@ void LogFiles::append(File id, const LogPart& part) {
   }
   const std::uint64_t before = file.size;
   file.size = std::max(file.size, part.at.value_or(0)) + part.bytes.size();
-  const std::uint64_t more = file.size - before;
-  space_.used_bytes += more;
-  space_.free_bytes -= std::min(more, space_.free_bytes);
+  room_.wrote(file.size - before);
 }
 
 void LogFiles::close(File id) {
@@ -230,15 +214,8 @@ void LogFiles::fail(const std::string& why) {
 void LogFiles::look_for_room() {
   if (!retry_at_ || base::steady_now() < *retry_at_) return;
   retry_at_ = base::steady_now() + kRetryPeriod;
-  used_counted_at_.reset();
-  free_read_at_.reset();
-  // Old logs make room when there is a new one, not before.
-  const TlogLimits& limits = config_.limits;
-  if (folder_.lack(limits, kRoomToGoOn, {})) return;
-  const bool full = folder_.look(false).free_bytes < kRoomToGoOn;
-  const bool makes_room = limits.delete_oldest && limits.free_space_min_bytes > 0;
-  if (full && !makes_room) return;
-  if (!folder_.takes_files() && !(makes_room && errno == ENOSPC)) return;
+  room_.look_again();
+  if (folder_.hindrance(room_.limits(), kRoomToGoOn)) return;
   retry_at_.reset();
   paused_.reset();
   takes_.store(true, std::memory_order_relaxed);
@@ -262,33 +239,6 @@ void LogFiles::publish() {
   const base::MutexLock lock(status_mutex_);
   status_ = std::move(status);
   status_paused_since_ = paused_since_;
-}
-
-std::optional<std::string> LogFiles::lack(std::uint64_t more) {
-  if (config_.limits == TlogLimits{}) return std::nullopt;
-  const base::RunTime now = base::steady_now();
-  if (!free_read_at_ || now - *free_read_at_ >= kFreePeriod) {
-    free_read_at_ = now;
-    space_.free_bytes = folder_.look(false).free_bytes;
-  }
-  const bool counted = used_counted_at_ && now - *used_counted_at_ < kUsedPeriod;
-  if (config_.limits.max_bytes > 0 && !counted) {
-    used_counted_at_ = now;
-    space_.used_bytes = folder_.look(true).used_bytes;
-  }
-  const auto why = lack_of_room(config_.limits, space_, more);
-  if (!why || !config_.limits.delete_oldest || !make_room(more)) return why;
-  space_ = folder_.look(config_.limits.max_bytes > 0);
-  return lack_of_room(config_.limits, space_, more);
-}
-
-/// @return whether a file had to go
-bool LogFiles::make_room(std::uint64_t more) {
-  const auto gone = folder_.make_room(config_.limits, more, {});
-  for (const std::string& name : gone) {
-    base::log::info("logs: deleted " + (folder_.path() / name).string() + " to make room");
-  }
-  return !gone.empty();
 }
 
 }  // namespace cas::casd

@@ -17,8 +17,8 @@
 #include "base/os/mutex.hpp"
 #include "base/time/clock.hpp"
 #include "casd/autopilot_log/log_pull.hpp"
-#include "casd/tlog/autopilot_log_config.hpp"
-#include "casd/tlog/tlog_folder.hpp"
+#include "casd/tlog/log_folder.hpp"
+#include "casd/tlog/log_room.hpp"
 
 namespace cas::casd {
 
@@ -50,7 +50,7 @@ class LogFiles {
   static constexpr base::Duration kRetryPeriod = std::chrono::seconds(5);
 
   /// @throws base::ConfigError when the machine has no thread for it
-  explicit LogFiles(AutopilotLogConfig config);
+  LogFiles(std::filesystem::path folder, LogLimits limits);
   /// Writes the rest of the queue.
   ~LogFiles();
   LogFiles(const LogFiles&) = delete;
@@ -90,11 +90,7 @@ class LogFiles {
   void fail(const std::string& why);
   void look_for_room();
   void publish();
-  /// Why so many bytes do not fit; nullopt: they do.
-  std::optional<std::string> lack(std::uint64_t more);
-  bool make_room(std::uint64_t more);
 
-  AutopilotLogConfig config_;
   std::atomic<bool> takes_{true};
 
   base::Mutex mutex_;
@@ -104,11 +100,9 @@ class LogFiles {
   File next_ CAS_GUARDED_BY(mutex_) = 1;
 
   // Only the writing thread uses these.
-  TlogFolder folder_;
+  LogFolder folder_;
+  LogRoom room_;
   std::map<File, Open> open_;
-  TlogSpace space_;
-  std::optional<base::RunTime> free_read_at_;     ///< when space_.free_bytes was read
-  std::optional<base::RunTime> used_counted_at_;  ///< when space_.used_bytes was counted
   std::optional<base::RunTime> retry_at_;
   std::optional<std::string> paused_;  ///< why no file is written
   base::RunTime paused_since_{};

@@ -7,7 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/os/log.hpp"
-#include "casd/tlog/tlog_folder.hpp"
+#include "casd/tlog/log_folder.hpp"
 #include "casd/tlog/tlog_name.hpp"
 
 namespace cas::casd {
@@ -29,7 +29,7 @@ Recorder::Recorder(TlogWriter& writer, TlogConfig config)
 }
 
 void Recorder::begin() {
-  if (config_.while_armed) return writer_.stand_by(TlogFolder(config_.folder), config_.limits);
+  if (config_.while_armed) return writer_.stand_by(LogFolder(config_.folder), config_.keep);
   if (config_.tlog.empty()) return;
   TlogRecording::Options wanted = options(config_.tlog, config_.rotation);
   if (config_.overwrite) wanted.files.name = bare_tlog_name(config_.tlog);
@@ -84,8 +84,8 @@ TlogRecording::Options Recorder::options(const std::string& name,
   options.files.folder = config_.folder;
   options.files.name = dated(bare_tlog_name(name));
   options.files.rotation = rotation;
-  options.files.max_files = config_.max_files;
-  options.limits = config_.limits;
+  options.files.max_files = config_.keep.max_files;
+  options.limits = config_.keep;
   return options;
 }
 

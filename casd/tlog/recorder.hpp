@@ -12,14 +12,13 @@
 
 namespace cas::casd {
 
-/// Recordings, as the topology has them (`log`).
+/// Logs, as the topology has them (`log`).
 struct TlogConfig {
   std::filesystem::path folder{};  ///< empty: the working folder
   std::string tlog{};              ///< name of the recording from the start; empty: none
   TlogRotation rotation{};
-  TlogLimits limits{};
+  LogLimits keep{};  ///< of the telemetry logs, and of the autopilots' logs
   std::optional<AutopilotLogConfig> autopilot{};  ///< nullopt: no log is taken from an autopilot
-  int max_files = 0;         ///< recorded files with a date that stay in the folder; 0: all
   bool while_armed = false;  ///< not from the start, but while any vehicle is armed
   bool overwrite = false;    ///< replaces NAME.tlog; false: each recording has its own dated name
 

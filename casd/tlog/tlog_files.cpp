@@ -18,19 +18,6 @@
 namespace cas::casd {
 namespace {
 
-/// @return how many bytes are gone; fewer than all with errno set
-std::size_t write_some(int fd, std::span<const std::uint8_t> bytes) {
-  std::size_t gone = 0;
-  while (gone < bytes.size()) {
-    const ssize_t written = ::write(fd, bytes.data() + gone, bytes.size() - gone);
-    if (written < 0 && errno == EINTR) continue;
-    if (written == 0) errno = ENOSPC;
-    if (written <= 0) break;
-    gone += static_cast<std::size_t>(written);
-  }
-  return gone;
-}
-
 /// The length of the first record; of all bytes where they are no record, which is not ours to
 /// judge.
 std::size_t first_record_bytes(std::span<const std::uint8_t> records) {
@@ -66,7 +53,7 @@ std::size_t count_tlog_records(std::span<const std::uint8_t> records) {
 bool TlogFiles::begin(Options options, base::RunTime now) {
   close();
   options_ = std::move(options);
-  folder_ = TlogFolder(options_.folder);
+  folder_ = LogFolder(options_.folder);
   number_ = 0;
   made_.clear();
   is_deleted_ = false;
@@ -159,16 +146,8 @@ bool TlogFiles::make_next(base::RunTime now) {
     folder_.remove(made_.front());
     made_.pop_front();
   }
-  if (options_.max_files > 0) remove_old();
+  folder_.keep_newest(options_.max_files, made_.back());
   return true;
-}
-
-void TlogFiles::remove_old() {
-  const auto keep = static_cast<std::size_t>(options_.max_files);
-  for (const std::string& name : folder_.remove_oldest(keep, made_.back())) {
-    base::log::info("recordings: deleted " + (folder_.path() / name).string() + ", " +
-                    std::to_string(keep) + " files may stay");
-  }
 }
 
 bool TlogFiles::is_full(std::size_t next_bytes, base::RunTime now) const {

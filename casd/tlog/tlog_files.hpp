@@ -12,7 +12,7 @@
 #include "base/os/descriptor.hpp"
 #include "base/read_file.hpp"
 #include "base/time/clock.hpp"
-#include "casd/tlog/tlog_folder.hpp"
+#include "casd/tlog/log_folder.hpp"
 #include "mavlink_gen/services/tlog.hpp"
 #include "mavlink_gen/services/tlog_clock.hpp"
 
@@ -62,18 +62,17 @@ class TlogFiles {
   /// @return the content of the deleted file; nullopt if none is open or it still exists
   std::optional<Content> leave_deleted();
 
-  const TlogFolder& folder() const { return folder_; }
+  const LogFolder& folder() const { return folder_; }
   /// The file that is written, or the last one; empty: none could be made.
   std::filesystem::path current() const;
 
  private:
   bool make_next(base::RunTime now);
-  void remove_old();
   std::size_t append(std::span<const std::uint8_t> records);
   void give_up_file();
   bool is_full(std::size_t next_bytes, base::RunTime now) const;
 
-  TlogFolder folder_;
+  LogFolder folder_;
   Options options_;
   int number_ = 0;  ///< of the next file
   base::Descriptor fd_;

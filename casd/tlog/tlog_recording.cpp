@@ -11,8 +11,6 @@
 namespace cas::casd {
 namespace {
 
-constexpr base::Duration kScanPeriod = std::chrono::seconds(1);
-
 bool is_full(int error) { return error == ENOSPC || error == EDQUOT || error == EFBIG; }
 
 }  // namespace
@@ -21,7 +19,7 @@ void TlogRecording::begin(Options options, base::RunTime now) {
   options_ = std::move(options);
   pause_.reset();
   retry_at_.reset();
-  scanned_.reset();
+  room_ = LogRoom(options_.limits);
   bytes_ = 0;
   lost_ = 0;
   if (files_.begin(options_.files, now)) return;
@@ -40,7 +38,7 @@ std::size_t TlogRecording::write(std::span<const std::uint8_t> records, base::Ru
     const int error = errno;
     written = count_tlog_records(records.first(done));
     bytes_ += done;
-    space_.used_bytes += done;
+    room_.wrote(done);
     records = records.subspan(done);
     if (records.empty()) {
       go_on();
@@ -66,39 +64,13 @@ std::uint64_t TlogRecording::leave_deleted() {
 bool TlogRecording::may_write(std::size_t more, base::RunTime now) {
   if (retry_at_ && now < *retry_at_) return false;
   const std::size_t wanted = retry_at_ ? std::max(more, kRoomToGoOn) : more;
-  if (const auto why = lack(wanted, now)) {
+  const std::string current = files_.current().filename();
+  if (const auto why = room_.lack(files_.folder(), wanted, current, now)) {
     pause(*why, now);
     return false;
   }
   retry_at_.reset();
   return true;
-}
-
-std::optional<std::string> TlogRecording::lack(std::size_t more, base::RunTime now) {
-  const TlogLimits& limits = options_.limits;
-  if (limits == TlogLimits{}) return std::nullopt;
-  const bool scan = limits.max_bytes > 0 && (!scanned_ || now - *scanned_ >= kScanPeriod);
-  const std::uint64_t used = space_.used_bytes;
-  space_ = files_.folder().look(scan);
-  if (scan) {
-    scanned_ = now;
-  } else {
-    space_.used_bytes = used;
-  }
-  const auto why = lack_of_room(limits, space_, more);
-  if (!why || !limits.delete_oldest || !make_room(more)) return why;
-  space_ = files_.folder().look(limits.max_bytes > 0);
-  return lack_of_room(limits, space_, more);
-}
-
-/// @return whether a file had to go
-bool TlogRecording::make_room(std::size_t more) {
-  const TlogFolder& folder = files_.folder();
-  const auto gone = folder.make_room(options_.limits, more, files_.current().filename());
-  for (const std::string& name : gone) {
-    base::log::info("recordings: deleted " + (folder.path() / name).string() + " to make room");
-  }
-  return !gone.empty();
 }
 
 void TlogRecording::pause(std::string why, base::RunTime now) {

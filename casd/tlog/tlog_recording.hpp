@@ -10,6 +10,7 @@
 #include <string>
 
 #include "base/time/clock.hpp"
+#include "casd/tlog/log_room.hpp"
 #include "casd/tlog/tlog_files.hpp"
 
 namespace cas::casd {
@@ -20,7 +21,7 @@ class TlogRecording {
  public:
   struct Options {
     TlogFiles::Options files;
-    TlogLimits limits;
+    LogLimits limits;
     /// Also waits when the first file cannot be made for another reason than lack of room.
     bool insist = false;
   };
@@ -52,8 +53,6 @@ class TlogRecording {
   bool may_write(std::size_t more, base::RunTime now);
   void pause(std::string why, base::RunTime now);
   void go_on();
-  std::optional<std::string> lack(std::size_t more, base::RunTime now);
-  bool make_room(std::size_t more);
 
   Options options_;
   TlogFiles files_;
@@ -62,8 +61,7 @@ class TlogRecording {
   std::optional<base::RunTime> retry_at_;
   std::uint64_t bytes_ = 0;
   std::uint64_t lost_ = 0;  ///< packets since the pause began
-  TlogSpace space_;
-  std::optional<base::RunTime> scanned_;
+  LogRoom room_;
 };
 
 }  // namespace cas::casd

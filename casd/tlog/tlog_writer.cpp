@@ -71,7 +71,7 @@ void TlogWriter::start_thread(std::function<void()> first) {
 }
 
 // A machine without a free thread or with a bad folder shows it now, not at the first flight.
-void TlogWriter::stand_by(TlogFolder folder, TlogLimits limits) {
+void TlogWriter::stand_by(LogFolder folder, LogLimits limits) {
   start_thread([this, folder = std::move(folder), limits] {
     folder_ = folder;
     limits_ = limits;
@@ -216,12 +216,7 @@ TlogStatus TlogWriter::publish() {
 
 /// Between recordings: could one begin?
 void TlogWriter::look_at_folder(base::RunTime now) {
-  std::optional<std::string> why = folder_->lack(limits_, TlogRecording::kRoomToGoOn, {});
-  if (!why && !folder_->takes_files()) {
-    const bool makes_room =
-        errno == ENOSPC && limits_.delete_oldest && limits_.free_space_min_bytes > 0;
-    if (!makes_room) why = base::error_text(errno);
-  }
+  const auto why = folder_->hindrance(limits_, TlogRecording::kRoomToGoOn);
   const std::string folder = folder_->path().string();
   if (why && !fault_between_) {
     fault_since_ = now;

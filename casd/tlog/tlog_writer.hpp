@@ -16,7 +16,7 @@
 
 #include "base/os/mutex.hpp"
 #include "base/time/clock.hpp"
-#include "casd/tlog/tlog_folder.hpp"
+#include "casd/tlog/log_folder.hpp"
 #include "casd/tlog/tlog_recording.hpp"
 
 namespace cas::casd {
@@ -72,7 +72,7 @@ class TlogWriter {
   /// From now on the newest packets are kept while nothing is recorded, for the next start(). If
   /// the folder could take no recording, the log says so soon, and status() until it could.
   /// @throws base::ConfigError when the machine has no thread for it
-  void stand_by(TlogFolder folder, TlogLimits limits);
+  void stand_by(LogFolder folder, LogLimits limits);
   /// In lockstep run time is not this machine's clock: sets the time of day at run time zero for
   /// the next logs. Without it logs have the time of day.
   void set_epoch(std::chrono::nanoseconds since_1970) { epoch_ = since_1970; }
@@ -141,8 +141,8 @@ class TlogWriter {
   bool open_ = false;  ///< a recording has begun and not ended
   std::uint64_t recorded_ = 0;
   std::uint64_t left_out_ = 0;
-  std::optional<TlogFolder> folder_;  ///< of stand_by()
-  TlogLimits limits_;
+  std::optional<LogFolder> folder_;  ///< of stand_by()
+  LogLimits limits_;
   std::optional<std::string> fault_between_;  ///< TlogStatus::paused while nothing is recorded
   base::RunTime fault_since_{};
 

@@ -30,7 +30,7 @@ std::string bracketed(const std::string& host) {
   return host.find(':') == host.npos || host.starts_with('[') ? host : "[" + host + "]";
 }
 
-struct Endpoint {
+struct ImportedEndpoint {
   LinkConfig link;
   std::string more;                           ///< further keys of the entry, ", key: value"
   std::string accept;                         ///< keys of its `accept`
@@ -127,39 +127,36 @@ class Import {
       config_.fail(mode->place, "LogMode: is always or while-armed");
     }
     std::string autopilot = armed ? "while_armed: true" : "while_armed: false";
-    autopilot += ", max_mib: 0";  // mavlink-router has no such limit
     if (telemetry) log_ += armed ? "  while_armed: true\n" : "  tlog: flight\n";
-    constexpr std::uint64_t kMib = 1024 * 1024;
-    if (space != nullptr) {
-      const std::uint64_t bytes = config_.number(space->text, *space, UINT64_MAX - kMib);
-      const std::string mib = std::to_string((bytes + kMib - 1) / kMib);
-      const std::string key = "free_space_min_mib: " + mib;
-      log_ += "  " + key + "\n";
-      autopilot += ", " + key;
-      if (bytes > 0) {
-        log_ += "  delete_oldest: true\n";
-        autopilot += ", delete_oldest: true";
-      }
-    }
+    const std::uint64_t most =
+        files == nullptr ? 0 : config_.number(files->text, *files, 1'000'000);
+    log_ += kept_logs(space, most);
     if (const RouterValue* system = config_.find(section, "LogSystemId")) {
       const std::string id = std::to_string(config_.number(system->text, *system, 255));
       if (id != "0") autopilot += ", systems: [" + id + "]";
       if (telemetry) note(system->place, "LogSystemId: a .tlog has every system");
     }
-    const std::uint64_t most =
-        files == nullptr ? 0 : config_.number(files->text, *files, 1'000'000);
-    if (most > 0) {
-      const std::string key = "max_files: " + std::to_string(most);
-      log_ += "  " + key + "\n";
-      autopilot += ", " + key;
-      if (telemetry)
-        note(files->place, "MaxLogFiles: so many .tlog and so many logs of autopilots");
+    if (most > 0 && telemetry) {
+      note(files->place, "MaxLogFiles: so many .tlog and so many logs of autopilots");
     }
     log_ += "  autopilot: {" + autopilot + "}\n";
   }
 
+  /// mavlink-router has no limit of their size. A block `keep` has old logs deleted.
+  std::string kept_logs(const RouterValue* space, std::uint64_t most_files) const {
+    if (space == nullptr && most_files == 0) return "";
+    std::string keep = "max_mib: 0";
+    if (space != nullptr) {
+      constexpr std::uint64_t kMib = 1024 * 1024;
+      const std::uint64_t bytes = config_.number(space->text, *space, UINT64_MAX - kMib);
+      keep += ", free_space_min_mib: " + std::to_string((bytes + kMib - 1) / kMib);
+    }
+    if (most_files > 0) keep += ", max_files: " + std::to_string(most_files);
+    return "  keep: {" + keep + "}\n";
+  }
+
   void take_uart(RouterSection& section) {
-    Endpoint endpoint;
+    ImportedEndpoint endpoint;
     endpoint.link.type = LinkType::kSerial;
     endpoint.link.device = config_.required(section, "Device");
     endpoint.link.baud = {kDefaultBaud};
@@ -198,7 +195,7 @@ class Import {
   void take_udp(RouterSection& section) {
     const std::string address = host_of(section);
     const std::string mode = lower(config_.required(section, "Mode"));
-    Endpoint endpoint;
+    ImportedEndpoint endpoint;
     if (mode == "server" || mode == "eavesdropping") {
       const std::optional<unsigned> given = config_.port(section, "Port");
       if (!given) config_.fail(section.place, "endpoint '" + section.name + "' has no Port");
@@ -218,12 +215,12 @@ class Import {
 
   std::vector<LinkConfig> links_so_far() const {
     std::vector<LinkConfig> links;
-    for (const Endpoint& endpoint : endpoints_) links.push_back(endpoint.link);
+    for (const ImportedEndpoint& endpoint : endpoints_) links.push_back(endpoint.link);
     return links;
   }
 
   void take_tcp(RouterSection& section) {
-    Endpoint endpoint;
+    ImportedEndpoint endpoint;
     endpoint.link.type = LinkType::kTcp;
     config_.required(section, "Port");
     endpoint.link.remote = host_of(section) + ":" + std::to_string(*remote_port(section));
@@ -235,7 +232,7 @@ class Import {
     add(section, std::move(endpoint));
   }
 
-  void add(RouterSection& section, Endpoint endpoint) {
+  void add(RouterSection& section, ImportedEndpoint endpoint) {
     endpoint.section = &section;
     endpoint.link.name = free_name(section.name.empty() ? section.kind : section.name);
     const std::vector<LinkConfig> others = links_so_far();
@@ -283,7 +280,7 @@ class Import {
         '_');
     const auto taken = [&] {
       return std::any_of(endpoints_.begin(), endpoints_.end(),
-                         [&](const Endpoint& each) { return each.link.name == name; });
+                         [&](const ImportedEndpoint& each) { return each.link.name == name; });
     };
     while (taken()) name += "_";
     return name;
@@ -291,12 +288,12 @@ class Import {
 
   void add_tcp_server() {
     if (tcp_server_port_ == 0) return;
-    Endpoint endpoint;
+    ImportedEndpoint endpoint;
     const std::string open = ", where TCP clients are served (TcpServerPort=0: none are)";
     endpoint.link.type = LinkType::kTcpServer;
     endpoint.link.name = free_name("tcp");
     endpoint.link.local = "0.0.0.0:" + std::to_string(tcp_server_port_);
-    for (const Endpoint& each : endpoints_) {
+    for (const ImportedEndpoint& each : endpoints_) {
       if (!endpoint_conflict(endpoint.link, std::vector{each.link})) continue;
       config_.fail(each.section->place,
                    "endpoint '" + each.link.name + "' meets " + endpoint.link.local + open);
@@ -309,7 +306,7 @@ class Import {
   void choose_sniffer() {
     if (sniffer_ == 0) return;
     const std::string id = std::to_string(sniffer_);
-    const auto is_alone = [&](const Endpoint& each) {
+    const auto is_alone = [&](const ImportedEndpoint& each) {
       return each.link.type != LinkType::kSerial && each.only_systems == std::vector{sniffer_};
     };
     const auto found = std::find_if(endpoints_.begin(), endpoints_.end(), is_alone);
@@ -355,10 +352,10 @@ class Import {
 
   std::string routes() const {
     std::string text;
-    for (const Endpoint& to : endpoints_) {
+    for (const ImportedEndpoint& to : endpoints_) {
       if (to.sniffs) continue;
       std::map<std::string, std::string> senders;  // rule -> names
-      for (const Endpoint& from : endpoints_) {
+      for (const ImportedEndpoint& from : endpoints_) {
         if (&from == &to || from.sniffs) continue;
         std::string& names = senders[rule_between(from.filters, to.filters)];
         names += (names.empty() ? "" : ", ") + yaml_string(from.link.name);
@@ -384,7 +381,7 @@ class Import {
   std::string command_port() const {
     CommandPortConfig port;
     const auto is_taken = [&] {
-      return std::ranges::any_of(endpoints_, [&](const Endpoint& each) {
+      return std::ranges::any_of(endpoints_, [&](const ImportedEndpoint& each) {
         return endpoint_conflict(each.link, port).has_value();
       });
     };
@@ -408,7 +405,7 @@ class Import {
         "station;\n# with ask_on_sight casd asks them for what its commands need.\n"
         "commanding: {heartbeat_hz: 0, ask_on_sight: false}\n" +
         duplicate_window() + command_port() + log_ + "links:\n";
-    for (const Endpoint& endpoint : endpoints_) {
+    for (const ImportedEndpoint& endpoint : endpoints_) {
       std::string entry = link_entry(endpoint.link);
       std::string more = endpoint.more;
       if (!endpoint.accept.empty()) more += ", accept: {" + endpoint.accept + "}";
@@ -419,7 +416,7 @@ class Import {
   }
 
   RouterConfig config_;
-  std::vector<Endpoint> endpoints_;
+  std::vector<ImportedEndpoint> endpoints_;
   std::vector<Note> notes_;
   std::string log_;
   std::uint64_t duplicate_window_ms_ = 0;

@@ -132,56 +132,46 @@ constexpr std::tuple kCommandingKeys{
 
 constexpr double kMib = 1024 * 1024;
 
+constexpr std::tuple kKeepKeys{
+    key<&LogLimits::max_bytes>("max_mib", Range{0, 1e8, kMib},
+                               "all .tlog files together, and all .ulg and .bin files; 0: any",
+                               "0, of logs of autopilots 4096"),
+    key<&LogLimits::max_files>("max_files", Whole{0, 1'000'000},
+                               "so many dated .tlog files, and so many dated .ulg and .bin files; "
+                               "0: all"),
+    key<&LogLimits::free_space_min_bytes>("free_space_min_mib", Range{0, 1e8, kMib},
+                                          "stays free on the disk"),
+};
+
+/// Whoever says how much stays wants the rest deleted.
+struct Keep : base::Block<LogLimits, decltype(kKeepKeys)> {
+  void read(const ConfigNode& node, LogLimits& limits) const {
+    if (!node.is_map()) {
+      node.fail("is a block {max_mib, max_files, free_space_min_mib} that holds for all logs");
+    }
+    Block::read(node, limits);
+    limits.delete_oldest = true;
+  }
+};
+
 constexpr std::tuple kAutopilotLogKeys{
-    key<&AutopilotLogConfig::folder>("folder", Folder{},
-                                     "the folder of these logs, made where it alone is missing",
-                                     "`log.folder`"),
     key<&AutopilotLogConfig::while_armed>("while_armed", Flag{},
                                           "of each vehicle while it is armed; false: always"),
     key<&AutopilotLogConfig::systems>("systems", Ids{}, "of these vehicles (system ids) alone",
                                       "all"),
-    key<&AutopilotLogConfig::limits, &TlogLimits::max_bytes>(
-        "max_mib", Range{0, 1e8, kMib},
-        "logs pause when all .ulg and .bin files of the folder would take more; 0: any"),
-    key<&AutopilotLogConfig::max_files>("max_files", Whole{0, 1'000'000},
-                                        "dated .ulg and .bin files that stay: a new one has casd "
-                                        "delete the oldest; 0: all"),
-    key<&AutopilotLogConfig::limits, &TlogLimits::free_space_min_bytes>(
-        "free_space_min_mib", Range{0, 1e8, kMib},
-        "logs pause when less would stay free on the disk"),
-    key<&AutopilotLogConfig::limits, &TlogLimits::delete_oldest>(
-        "delete_oldest", Flag{},
-        "at a limit casd deletes the oldest dated .ulg and .bin files; logs pause when none is "
-        "left"),
 };
 
 constexpr std::tuple kLogKeys{
     key<&TlogConfig::tlog>("tlog", TlogName{},
                            "a recording of that name begins with casd, or with each flight"),
     key<&TlogConfig::folder>("folder", Folder{},
-                             "the folder of all recordings, made where it alone is missing",
+                             "the folder of all logs, made where it alone is missing",
                              "`$LOGS_DIRECTORY` (the service has /var/log/cas), else the working "
                              "folder"),
     key<&TlogConfig::rotation, &TlogRotation::max_bytes>(
         "rotate_mib", Range{0, 1e8, kMib},
         "a file of that size is followed by the next, DATE-NAME.1.tlog; 0: any"),
-    key<&TlogConfig::rotation, &TlogRotation::max_age>(
-        "rotate_minutes", Range{0, 1e6, 60}, "a file of that age is followed by the next; 0: any"),
-    key<&TlogConfig::rotation, &TlogRotation::keep>("keep", Whole{0, 1'000'000},
-                                                    "files of one recording that stay; 0: all"),
-    key<&TlogConfig::limits, &TlogLimits::max_bytes>(
-        "max_mib", Range{0, 1e8, kMib},
-        "a recording pauses when all .tlog files of the folder would take more; 0: any"),
-    key<&TlogConfig::max_files>("max_files", Whole{0, 1'000'000},
-                                "files with a date in the folder that stay: a new one has casd "
-                                "delete the oldest, see below; 0: all"),
-    key<&TlogConfig::limits, &TlogLimits::free_space_min_bytes>(
-        "free_space_min_mib", Range{0, 1e8, kMib},
-        "a recording pauses when less would stay free on the disk"),
-    key<&TlogConfig::limits, &TlogLimits::delete_oldest>(
-        "delete_oldest", Flag{},
-        "at a limit casd deletes the oldest files with a date; a recording pauses when none is "
-        "left"),
+    key<&TlogConfig::keep>("keep", Keep{{kKeepKeys}}, ""),
     key<&TlogConfig::autopilot>("autopilot", block<AutopilotLogConfig>(kAutopilotLogKeys),
                                 "takes the logs of autopilots, too; see below"),
     key<&TlogConfig::while_armed>("while_armed", Flag{},
@@ -191,14 +181,21 @@ constexpr std::tuple kLogKeys{
                                 "file"),
 };
 
-void check_limits(const ConfigNode& node, const TlogLimits& limits) {
-  if (limits.delete_oldest && limits.free_space_min_bytes == 0 && limits.max_bytes == 0) {
-    node.at("delete_oldest").fail("needs a limit: max_mib or free_space_min_mib");
-  }
+void refuse_limits(const ConfigNode& node) {
+  constexpr const char* kNow = "write it in `log: {keep: {...}}`, which holds for all logs";
+  base::refuse_removed(
+      node,
+      {{"max_mib", kNow},
+       {"max_files", kNow},
+       {"free_space_min_mib", kNow},
+       {"delete_oldest", "with `log: {keep: {...}}` the oldest are deleted, without it none"}});
 }
 
 void check_log(const ConfigNode& node, const TlogConfig& log) {
-  check_limits(node, log.limits);
+  refuse_limits(node);
+  base::refuse_removed(node, {{"rotate_minutes",
+                               "files of a recording are divided by size (`rotate_mib`), or by "
+                               "time if `casctl log start --rotate-minutes` began it"}});
   if (log.overwrite && log.while_armed) {
     node.at("overwrite").fail("each flight of while_armed has a file of its own");
   }
@@ -207,7 +204,8 @@ void check_log(const ConfigNode& node, const TlogConfig& log) {
   if (!autopilot->is_map()) {
     autopilot->fail("is a block, of which every key may be left out: {}");
   }
-  check_limits(*autopilot, log.autopilot->limits);
+  refuse_limits(*autopilot);
+  base::refuse_removed(*autopilot, {{"folder", "all logs go to the `folder` of `log`"}});
   const auto systems = autopilot->find("systems");
   if (systems && log.autopilot->systems.empty()) systems->fail("names no vehicle");
   if (std::ranges::count(log.autopilot->systems, 0) > 0) systems->fail("0 is no vehicle's id");
@@ -271,8 +269,8 @@ constexpr std::tuple kReloadKeys{
 /// The defaults.
 Topology standard_topology() {
   Topology topology;
-  topology.log.folder = default_tlog_folder();
-  topology.log.limits.free_space_min_bytes = TlogLimits::kFreeSpaceMin;
+  topology.log.folder = default_log_folder();
+  topology.log.keep.free_space_min_bytes = LogLimits::kFreeSpaceMin;
   return topology;
 }
 

@@ -145,10 +145,8 @@ std::array<double, base::kMaxOutputs> Mixer::outputs(const MixerResult& result) 
     const base::Rotor& rotor = vehicle_.rotors[i];
     const auto index = static_cast<Eigen::Index>(i);
     const double omega_sq = index < result.omega_sq.size() ? result.omega_sq[index] : 0.0;
-    const double idle = rotor.params.omega_idle_rad_s;
-    const double span = rotor.params.omega_max_rad_s - idle;
-    const double above_idle = std::sqrt(std::max(omega_sq, 0.0)) - idle;
-    out[static_cast<std::size_t>(rotor.output)] = std::clamp(above_idle / span, 0.0, 1.0);
+    const double omega = std::sqrt(std::max(omega_sq, 0.0));
+    out[static_cast<std::size_t>(rotor.output)] = std::clamp(rotor.output_at(omega), 0.0, 1.0);
     if (!rotor.tilt || index >= result.tilt_rad.size()) continue;
     const double tilt = result.tilt_rad[index];
     const double full = tilt > 0 ? rotor.tilt->max_rad : -rotor.tilt->min_rad;

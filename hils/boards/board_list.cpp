@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <system_error>
 
-#include "base/config/config_whole.hpp"
+#include "base/config/config_keys.hpp"
 #include "base/enum_words.hpp"
 #include "base/os/trusted_file.hpp"
 #include "base/suggestion.hpp"
@@ -16,14 +16,17 @@ namespace cas::hils {
 namespace {
 
 namespace fs = std::filesystem;
+using base::key;
+using base::Range;
+using base::required;
+using base::Text;
+using base::Whole;
+using base::Words;
 
 constexpr std::size_t kLongestName = 40;  ///< it is a part of file names
-constexpr double kLongestBoot_s = 600;
 constexpr double kLongestHook_s = 3600;
 constexpr double kFlashTimeout_s = 180;
 constexpr double kHookTimeout_s = 30;
-constexpr unsigned kHighestBaud = 12'000'000;
-constexpr unsigned kMostInterfaces = 255;
 
 bool is_plain(std::string_view name) {
   return !name.empty() && name.size() <= kLongestName &&
@@ -55,57 +58,51 @@ std::map<HookKind, BoardHook> parse_hooks(const base::ConfigNode& node) {
   return hooks;
 }
 
-Calibration parse_calibration(const base::ConfigNode& node) {
-  const auto word = node.as<std::string>();
-  for (const auto state : {Calibration::kUnknown, Calibration::kDone, Calibration::kMissing}) {
-    if (word == to_string(state)) return state;
+constexpr Words<Calibration, 3> kCalibrations{{{{"unknown", Calibration::kUnknown},
+                                                {"done", Calibration::kDone},
+                                                {"missing", Calibration::kMissing}}}};
+
+/// A folder on the board.
+struct BoardFolder : Text {
+  static void read(const base::ConfigNode& node, std::string& folder) {
+    Text::read(node, folder);
+    while (folder.ends_with('/')) folder.pop_back();
+    if (folder.empty()) node.fail("names a folder below the board's root");
   }
-  node.fail("'" + word + "' is none of unknown, done, missing");
-}
+};
 
-BoardLog parse_log(const base::ConfigNode& node) {
-  constexpr double kLargestMib = 1024;
-  constexpr double kLongest_s = 3600;
-  BoardLog log{.folder = node.require<std::string>("folder")};
-  while (log.folder.ends_with('/')) log.folder.pop_back();
-  if (log.folder.empty()) node.at("folder").fail("names a folder below the board's root");
-  log.largest_mib = node.get_in("largest_mib", log.largest_mib, 0.001, kLargestMib);
-  log.timeout =
-      base::from_seconds(node.get_in("timeout_s", base::to_seconds(log.timeout), 1, kLongest_s));
-  return log;
-}
+constexpr std::tuple kLogKeys{
+    required(key<&BoardLog::folder>("folder", BoardFolder{}, "")),
+    key<&BoardLog::largest_mib>("largest_mib", Range{0.001, 1024}, ""),
+    key<&BoardLog::timeout>("timeout_s", Range{1, 3600}, ""),
+};
 
-/// Text, also where YAML takes it for a number: firmware: 1.15.
-std::string text_of(const base::ConfigNode& node, std::string_view key) {
-  return node.get<std::string>(key, "");
-}
+constexpr std::tuple kBoardKeys{
+    key<&Board::serial>("serial", Text{}, ""),
+    key<&Board::device>("device", base::PathBeside{}, ""),
+    key<&Board::interface>("interface", Whole{0, 255}, ""),
+    key<&Board::baud>("baud", Whole{0, 12'000'000}, ""),
+    key<&Board::kind>("kind", Text{}, ""),
+    key<&Board::firmware>("firmware", Text{}, ""),
+    key<&Board::commit>("commit", Text{}, ""),
+    key<&Board::calibration>("calibration", kCalibrations, ""),
+    key<&Board::boot_timeout>("boot_timeout_s", Range{1, 600}, ""),
+    key<&Board::off_time>("off_time_s", Range{0, 60}, ""),
+    key<&Board::log>("log", base::block<BoardLog>(kLogKeys), ""),
+};
 
 Board parse_board(const std::string& name, const base::ConfigNode& node) {
   Board board{.name = name};
   if (!is_plain(name)) {
     node.fail("a board's name is made of up to 40 letters, digits, and _ - .");
   }
-  board.serial = text_of(node, "serial");
-  if (const auto device = node.find("device"))
-    board.device = node.resolve(device->as<std::string>());
+  base::read_keys(node, kBoardKeys, board);
   if (board.serial.empty() == board.device.empty()) {
     node.fail("has a `serial` (its USB serial number) or a `device` (a path), one of them");
   }
-  board.interface =
-      base::get_whole_in<unsigned>(node, "interface", board.interface, 0, kMostInterfaces);
-  board.baud = base::get_whole_in<unsigned>(node, "baud", board.baud, 0, kHighestBaud);
-  board.kind = text_of(node, "kind");
-  board.firmware = text_of(node, "firmware");
-  board.commit = text_of(node, "commit");
   if (!is_hexadecimal(board.commit)) {
     node.at("commit").fail("is hexadecimal, in small letters");
   }
-  if (const auto state = node.find("calibration")) board.calibration = parse_calibration(*state);
-  board.boot_timeout = base::from_seconds(
-      node.get_in("boot_timeout_s", base::to_seconds(board.boot_timeout), 1, kLongestBoot_s));
-  board.off_time =
-      base::from_seconds(node.get_in("off_time_s", base::to_seconds(board.off_time), 0, 60));
-  if (const auto log = node.find("log")) board.log = parse_log(*log);
   if (const auto hooks = node.find("hooks")) board.hooks = parse_hooks(*hooks);
   return board;
 }
@@ -125,10 +122,7 @@ std::string_view to_string(HookKind kind) {
   return kWords[kind];
 }
 
-std::string_view to_string(Calibration state) {
-  static constexpr base::EnumWords<Calibration::kMissing> kWords{"unknown", "done", "missing"};
-  return kWords[state];
-}
+std::string_view to_string(Calibration state) { return kCalibrations.word(state); }
 
 bool is_hexadecimal(std::string_view commit) {
   return commit.find_first_not_of("0123456789abcdef") == std::string_view::npos;

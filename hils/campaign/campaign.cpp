@@ -18,6 +18,7 @@
 #include "hils/run/run_paths.hpp"
 #include "hils/sweep/key_path.hpp"
 #include "hils/sweep/study.hpp"
+#include "hils/sweep/study_keys.hpp"
 #include "hils/sweep/sweep_folder.hpp"
 #include "plugins/fault/fault_spec.hpp"
 
@@ -25,14 +26,10 @@ namespace cas::hils {
 
 namespace {
 
-constexpr int kCampaignSchema = 1;
-
 /// Text that goes to a terminal. @throws base::ConfigError
-std::string parse_line(const base::ConfigNode& root, const char* key, const std::string& usual) {
-  const auto text = root.get<std::string>(key, usual);
+void check_line(const base::ConfigNode& root, const char* key, const std::string& text) {
   const auto is_control = [](unsigned char c) { return std::iscntrl(c) != 0; };
   if (std::ranges::any_of(text, is_control)) root.at(key).fail("has a control character in it");
-  return text;
 }
 
 std::vector<CampaignPhase> parse_phases(const base::ConfigNode& map, const Scenario& scenario) {
@@ -235,42 +232,32 @@ void choose_failures(Campaign& campaign, const std::vector<std::string>& only,
   });
 }
 
-}  // namespace
-
-Campaign Campaign::load(const std::filesystem::path& file, const CampaignChoice& choice) {
-  const base::ConfigNode root = base::ConfigNode::load(file);
-  if (root.require<int>("schema") != kCampaignSchema)
-    root.at("schema").fail("this program reads schema 1");
+/// What a campaign is called, and what it flies. @throws base::ConfigError
+Campaign parse_head(const base::ConfigNode& root, const std::filesystem::path& file) {
   Campaign campaign;
   campaign.folder = std::filesystem::absolute(file).parent_path();
-  campaign.name = parse_line(root, "name", file.stem().string());
-  campaign.description = parse_line(root, "description", "");
+  read_study_keys(root, file, campaign);
+  check_line(root, "name", campaign.name);
+  check_line(root, "description", campaign.description);
   campaign.scenario = std::filesystem::absolute(base::find_config(root.at("scenario")));
-  try {
-    campaign.architecture = parse_architecture(root.get<std::string>("architecture", "direct"));
-  } catch (const base::ConfigError& error) {
-    root.at("architecture").fail(error.what());
-  }
   campaign.settings = parse_settings(root);
-  const Scenario scenario = scenario_of(root, campaign);
-  campaign.on_firmware = scenario.firmware.has_value();
-  if (campaign.on_firmware) {
-    campaign.architecture = scenario.architecture;
-    if (scenario.firmware->on_serial_line) {
-      root.at("scenario")
-          .fail(
-              "flies in real time on one serial line; a campaign flies firmware in "
-              "software");
-    }
-  }
-  if (scenario.flies_several()) {
-    root.at("scenario").fail("flies several vehicles; that of a campaign flies one");
-  }
-  const auto vehicle = base::Vehicle::load(scenario.vehicles.front().vehicle);
-  campaign.phases = parse_phases(root.at("phases"), scenario);
   campaign.seeds =
       root.has("seeds") ? parse_seed_list(root.at("seeds")) : std::vector{std::uint64_t{1}};
-  campaign.deadline_s = root.get_in("deadline_s", campaign.deadline_s, 1, 1e6);
+  return campaign;
+}
+
+/// Refuses a scenario that campaigns do not fly. @throws base::ConfigError
+void check_scenario(const base::ConfigNode& node, const Scenario& scenario) {
+  if (scenario.firmware && scenario.firmware->on_serial_line) {
+    node.fail("flies in real time on one serial line; a campaign flies firmware in software");
+  }
+  if (scenario.flies_several()) {
+    node.fail("flies several vehicles; that of a campaign flies one");
+  }
+}
+
+void parse_failures(const base::ConfigNode& root, const Scenario& scenario, Campaign& campaign) {
+  const auto vehicle = base::Vehicle::load(scenario.vehicles.front().vehicle);
   const FailureCatalogue catalogue = parse_catalogue(root);
   std::set<std::string> names;
   for (const base::ConfigNode& node : root.at("failures").items()) {
@@ -281,8 +268,14 @@ Campaign Campaign::load(const std::filesystem::path& file, const CampaignChoice&
     }
     check_failure(node, campaign, scenario, vehicle);
   }
-  root.reject_unused();
-  choose_failures(campaign, choice.only, file);
+}
+
+/// Who flies it: stock firmware, boards, or our controller on the virtual clock.
+/// @throws base::ConfigError
+void choose_bench(const base::ConfigNode& root, const Scenario& scenario,
+                  const CampaignChoice& choice, Campaign& campaign) {
+  campaign.on_firmware = scenario.firmware.has_value();
+  if (campaign.on_firmware) campaign.architecture = scenario.architecture;
   campaign.controllers = choice.controllers;
   if (campaign.on_firmware && campaign.is_on_boards()) {
     root.at("scenario").fail("is flown by stock firmware, and --fcu by a board: take another one");
@@ -290,6 +283,20 @@ Campaign Campaign::load(const std::filesystem::path& file, const CampaignChoice&
   if (campaign.is_on_boards() && campaign.architecture == Architecture::kDirect) {
     campaign.architecture = Architecture::kTcas;  // direct has no line at whose end a board is
   }
+}
+
+}  // namespace
+
+Campaign Campaign::load(const std::filesystem::path& file, const CampaignChoice& choice) {
+  const base::ConfigNode root = base::ConfigNode::load(file);
+  Campaign campaign = parse_head(root, file);
+  const Scenario scenario = scenario_of(root, campaign);
+  check_scenario(root.at("scenario"), scenario);
+  campaign.phases = parse_phases(root.at("phases"), scenario);
+  parse_failures(root, scenario, campaign);
+  root.reject_unused();
+  choose_failures(campaign, choice.only, file);
+  choose_bench(root, scenario, choice, campaign);
   note_obstacles(campaign, scenario);
   if (cells_of(campaign).empty()) root.at("failures").fail("has nothing that can be flown");
   return campaign;

@@ -116,11 +116,15 @@ std::string simulation_text(const base::ConfigNode& setup, std::uint64_t seed) {
     text += "    sensors:" + indented(sensors->dump(), "      ") + "\n";
   }
   text += "    plugins:\n";
-  for (const char* plugin : {"motor", "imu", "gps", "magnetometer", "barometer"}) {
+  std::vector<std::string> plugins{"motor", "imu", "gps", "magnetometer", "barometer"};
+  if (base::ConfigNode::load(base::find_config(setup.at("vehicle"))).has("aero")) {
+    plugins.insert(plugins.begin() + 1, "aero");
+  }
+  for (const std::string& plugin : plugins) {
     text += fmt::format("      - {{plugin: {}}}\n", plugin);
   }
-  if (const auto plugins = setup.find("plugins")) {
-    for (const base::ConfigNode& each : plugins->items()) {
+  if (const auto own = setup.find("plugins")) {
+    for (const base::ConfigNode& each : own->items()) {
       text += "      -" + indented(each.dump(), "        ") + "\n";
     }
   }

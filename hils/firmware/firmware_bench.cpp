@@ -29,7 +29,7 @@ std::string home_text(const base::Geodetic& home) {
 FirmwareBench::FirmwareBench(const RunRequest& request, const RunPaths& paths)
     : scenario_(request.scenario),
       paths_(paths),
-      programs_(supervisor_, paths, request, keeps_ledgers()) {
+      programs_(supervisor_, paths, request, {.casd_ledger = keeps_ledgers()}) {
   for (std::size_t i = 0; i < scenario_.vehicles.size(); ++i) {
     firmware_options_.push_back(firmware_options(i));
     check_program(firmware_options_.back());
@@ -87,9 +87,8 @@ void FirmwareBench::check_program(const ChildProcess::Options& options) const {
   const bool is_file = !std::filesystem::is_directory(program);
   if (::access(program.c_str(), X_OK) == 0 && is_file) return;
   const int error = is_file ? errno : EISDIR;
-  scenario_.firmware->node.at("command").fail("cannot start '" + program.string() +
-                                              "': " + std::strerror(error) + " (errno " +
-                                              std::to_string(error) + ")");
+  scenario_.firmware->node.at("command").fail(fmt::format(
+      "cannot start '{}': {} (errno {})", program.string(), std::strerror(error), error));
 }
 
 void FirmwareBench::prepare_folder(const std::filesystem::path& folder) {

@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "casd/tlog/tlog_packets.hpp"
 #include "hils/measure/csv_row.hpp"
+#include "hils/measure/truth_header.hpp"
 #include "mavlink/common/attitude.hpp"
 #include "mavlink/common/local_position_ned.hpp"
 #include "mavlink/common/table.hpp"
@@ -30,11 +31,9 @@ enum Column : std::size_t {
   kRoll = 7,
   kPitch,
   kYaw,
-  kOmega = 13,
-  kColumns = 14,  ///< at least: one rotor
 };
 
-PoseSample to_sample(const std::vector<double>& row) {
+PoseSample to_sample(const std::vector<double>& row, const TruthHeader& header) {
   PoseSample sample{.time_us = std::llround(row[kTime] * 1e6),
                     .pose = {.x_m = row[kX],
                              .y_m = row[kY],
@@ -43,9 +42,9 @@ PoseSample to_sample(const std::vector<double>& row) {
                              .pitch_rad = row[kPitch],
                              .yaw_rad = row[kYaw]},
                     .v_m_s = {row[kVx], row[kVx + 1], row[kVx + 2]}};
-  const std::size_t rotors = std::min(row.size() - kOmega, sample.omega_rad_s.size());
-  sample.rotors = static_cast<int>(rotors);
-  std::copy_n(row.begin() + kOmega, rotors, sample.omega_rad_s.begin());
+  sample.rotors = static_cast<int>(header.rotors);
+  std::copy_n(row.begin() + TruthHeader::kFirstRotor, header.rotors, sample.omega_rad_s.begin());
+  if (header.airspeed) sample.airspeed_m_s = row[*header.airspeed];
   return sample;
 }
 
@@ -72,15 +71,17 @@ std::vector<PoseSample> read_truth(const std::filesystem::path& file) {
   std::ifstream in(file);
   if (!in) throw base::ConfigError("cannot read " + file.string());
   std::vector<PoseSample> samples;
+  const TruthHeader header = TruthHeader::read(in, file);
+  const std::size_t columns =
+      std::max(TruthHeader::kFirstRotor + header.rotors, header.airspeed.value_or(0) + 1);
   std::string line;
-  next_line(in, line, file);  // header
   for (int number = 2; next_line(in, line, file); ++number) {
     const std::optional<std::vector<double>> row = parse_csv_row(line);
-    if (!row || row->size() < kColumns) {
+    if (!row || row->size() < columns) {
       throw base::ConfigError(file.string() + ":" + std::to_string(number) +
                               ": not a row of truth.csv");
     }
-    samples.push_back(to_sample(*row));
+    samples.push_back(to_sample(*row, header));
   }
   return samples;
 }

@@ -48,6 +48,7 @@ struct PoseSample {
   int rotors = 0;                 ///< none in an estimate
   /// Rotors 1 to `rotors`; zero beyond.
   std::array<double, base::kMaxRotors> omega_rad_s{};
+  std::optional<double> airspeed_m_s{};  ///< true; of a vehicle with a pitot tube
 };
 
 /// Simulated time as PoseSample has it, rounded down.

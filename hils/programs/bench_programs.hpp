@@ -15,7 +15,7 @@ class BenchPrograms {
       : supervisor_(supervisor),
         paths_(paths),
         request_(request),
-        programs_(supervisor, paths, request, true) {}
+        programs_(supervisor, paths, request, {.casd_ledger = true}) {}
 
   /// The controllers first (they make the PTYs), then casd, then the simulator, which starts the
   /// stream; one that is paused loads at the same time as the controllers. @throws RunStopped,

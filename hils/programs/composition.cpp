@@ -168,13 +168,15 @@ YAML::Node interface_plugin(const Scenario& scenario, std::size_t vehicle, Trans
 std::string vehicle_origins(const Scenario& scenario, std::size_t vehicle) {
   const std::string where = fmt::format("vehicles[{}].", vehicle);
   return sensors_origins(where + "sensors", scenario.sensors_of(vehicle)) +
-         plugin_origins(scenario, vehicle, kFirstPlugins.size());
+         plugin_origins(scenario, vehicle, first_plugins(scenario.vehicles[vehicle]).size());
 }
 
 YAML::Node vehicle_plugins(const RunRequest& request, std::size_t vehicle, Transport transport,
                            const VehiclePaths& paths) {
   YAML::Node plugins;
-  for (const char* name : kFirstPlugins) plugins.push_back(plugin(name));
+  for (const std::string& name : first_plugins(request.scenario.vehicles[vehicle])) {
+    plugins.push_back(plugin(name.c_str()));
+  }
   add_scenario_plugins(request, vehicle, plugins);
   plugins.push_back(interface_plugin(request.scenario, vehicle, transport, paths));
   plugins.push_back(recorder_plugin(request, paths));
@@ -220,7 +222,7 @@ std::string casd_config(const RunRequest& request, const RunPaths& paths) {
   root["log"]["folder"] = full_path(paths.out);
   root["log"]["tlog"] = paths.flight_tlog().filename().string();
   root["log"]["overwrite"] = true;
-  root["log"]["free_space_min_mib"] = 0;  // half a log is no use to a run
+  root["log"]["keep"]["free_space_min_mib"] = 0;  // half a log is no use to a run
   return to_text(root);
 }
 

@@ -253,30 +253,23 @@ void read_ledgers(const RunRequest& request, const RunPaths& paths,
   }
 }
 
-std::vector<RunRecord> fly_in_real_time(const RunRequest& request) {
-  refuse_emulator_faults(request);
-  refuse_virtual_faults(request);
-  const base::RunTime begin = base::steady_now();
-  const RunDirectory sockets;
+/// Where everything of the run lies. @param ground_station  nullptr: the run has none
+RunPaths paths_of(const RunRequest& request, const RunDirectory& sockets,
+                  const GroundStationThread* ground_station) {
   RunPaths paths = RunPaths::of(request.scenario, request.out, sockets.path());
   paths.command_port = sockets.command_socket();
   paths.choose_ports();
-  Supervisor supervisor;  // before any thread: it blocks signals for all of them
-  std::optional<GroundStationThread> ground_station;
-  if (request.scenario.ground_station) {
-    ground_station.emplace(request.scenario.systems());
-    paths.ground_station_port = ground_station->port();
-  }
-  write_configs(request, Transport::kUdp, paths);
+  if (ground_station != nullptr) paths.ground_station_port = ground_station->port();
+  return paths;
+}
 
-  std::vector<RunRecord> records = records_of(request.scenario, paths);
-  BenchPrograms programs(supervisor, paths, request);
-  programs.start();
-  if (request.live != nullptr) request.live->start(request, paths, supervisor);
+/// Flies with programs that run. @throws RunStopped
+void fly_with(Supervisor& supervisor, BenchPrograms& programs, const RunPaths& paths,
+              const RunRequest& request, GroundStationThread* ground_station,
+              std::vector<RunRecord>& records) {
   try {
     check_devices(supervisor, paths, request);
-    RealtimeBench bench(supervisor, programs, paths, request,
-                        ground_station ? &*ground_station : nullptr);
+    RealtimeBench bench(supervisor, programs, paths, request, ground_station);
     FlightLoop loop(flight_of(request.scenario), bench);
     loop.fly([&supervisor](bool commanded) {
       if (!commanded) supervisor.wait(FlightPlan::kLookPeriod);
@@ -287,6 +280,25 @@ std::vector<RunRecord> fly_in_real_time(const RunRequest& request) {
         std::chrono::milliseconds(500));  // a program that died is noticed within this time
     throw RunStopped(std::string("a control connection failed: ") + error.what(), false);
   }
+}
+
+std::vector<RunRecord> fly_in_real_time(const RunRequest& request) {
+  refuse_emulator_faults(request);
+  refuse_virtual_faults(request);
+  const base::RunTime begin = base::steady_now();
+  const RunDirectory sockets;
+  Supervisor supervisor;  // before any thread: it blocks signals for all of them
+  std::optional<GroundStationThread> ground_station;
+  if (request.scenario.ground_station) ground_station.emplace(request.scenario.systems());
+  GroundStationThread* const station = ground_station ? &*ground_station : nullptr;
+  const RunPaths paths = paths_of(request, sockets, station);
+  write_configs(request, Transport::kUdp, paths);
+
+  std::vector<RunRecord> records = records_of(request.scenario, paths);
+  BenchPrograms programs(supervisor, paths, request);
+  programs.start();
+  if (request.live != nullptr) request.live->start(request, paths, supervisor);
+  fly_with(supervisor, programs, paths, request, station, records);
   programs.stop();
   const double wall_s = base::to_seconds(base::steady_now() - begin);
   for (RunRecord& record : records) {

@@ -16,11 +16,11 @@
 namespace cas::hils {
 
 RunPrograms::RunPrograms(Supervisor& supervisor, const RunPaths& paths, const RunRequest& request,
-                         bool casd_ledger)
+                         Records records)
     : supervisor_(supervisor),
       paths_(paths),
       request_(request),
-      casd_ledger_(casd_ledger),
+      records_(records),
       logs_(paths.flight_tlog(), paths.run) {}
 
 void RunPrograms::start_casd() {
@@ -28,7 +28,7 @@ void RunPrograms::start_casd() {
   std::vector<std::string> arguments{
       sibling_program("casd"), paths_.casd_config(), "--stats", paths_.casd_stats(), "--name",
       request_.scenario.name};
-  if (casd_ledger_) arguments.insert(arguments.end(), {"--ledger", paths_.casd_ledger()});
+  if (records_.casd_ledger) arguments.insert(arguments.end(), {"--ledger", paths_.casd_ledger()});
   casd_ = &supervisor_.start(options("casd", std::move(arguments)), Supervisor::kReadyTimeout);
 }
 

@@ -17,10 +17,13 @@ namespace cas::hils {
 /// opens, while stock firmware needs its peers to listen.
 class RunPrograms {
  public:
-  /// The references must outlive this object. @param casd_ledger  casd keeps its ledger of HIL
-  /// packets
+  struct Records {
+    bool casd_ledger = false;  ///< casd keeps its ledger of HIL packets
+  };
+
+  /// The references must outlive this object.
   RunPrograms(Supervisor& supervisor, const RunPaths& paths, const RunRequest& request,
-              bool casd_ledger);
+              Records records);
 
   /// Starts casd, unless it runs, and waits until it is ready.
   /// @throws RunStopped, base::ConfigError
@@ -51,7 +54,7 @@ class RunPrograms {
   Supervisor& supervisor_;
   const RunPaths& paths_;
   const RunRequest& request_;
-  bool casd_ledger_;
+  Records records_;
   ChildProcess* casd_ = nullptr;
   ChildProcess* hilsim_ = nullptr;
   FlightLogs logs_;

@@ -52,11 +52,9 @@ YAML::Node interface_plugin(const Firmware& firmware, std::size_t instance) {
 }
 
 /// ArduPilot makes compass, barometer, GPS and their noise itself, from the true motion.
-YAML::Node plugins(const Firmware& firmware, std::size_t instance) {
+YAML::Node plugins(const ScenarioVehicle& vehicle, const Firmware& firmware, std::size_t instance) {
   YAML::Node list;
-  for (const char* const name : kFirstPlugins) {
-    const bool is_sensor = name != kFirstPlugins.front();
-    if (is_sensor && firmware.autopilot != "PX4") continue;
+  for (const std::string& name : first_plugins(vehicle, firmware.autopilot == "PX4")) {
     YAML::Node node;
     node["plugin"] = name;
     list.push_back(node);
@@ -93,7 +91,7 @@ base::ConfigNode firmware_world(const Scenario& scenario, const Firmware& firmwa
   root["seed"] = scenario.seed;
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
     YAML::Node vehicle = vehicle_node(scenario.vehicles[i]);
-    vehicle["plugins"] = plugins(firmware, i);
+    vehicle["plugins"] = plugins(scenario.vehicles[i], firmware, i);
     root["vehicles"].push_back(vehicle);
   }
   return node_of(root, scenario, "world");

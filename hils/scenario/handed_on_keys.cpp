@@ -14,6 +14,7 @@
 #include "base/config/vehicle.hpp"
 #include "fcu/core/fcu_config.hpp"
 #include "hils/scenario/simulation_parts.hpp"
+#include "plugins/airspeed/airspeed_model.hpp"
 #include "plugins/barometer/barometer_model.hpp"
 #include "plugins/gps/gps_model.hpp"
 #include "plugins/imu/imu_model.hpp"
@@ -28,13 +29,15 @@ struct SensorReader {
   void (*read)(const base::ConfigNode& block, double step_s);
 };
 
-constexpr std::array<SensorReader, 4> kSensorReaders{
+constexpr std::array<SensorReader, 5> kSensorReaders{
     {{"imu", [](const auto& block, double step_s) { sim::parse_imu_params(block, step_s); }},
      {"gps", [](const auto& block, double step_s) { sim::parse_gps_params(block, step_s); }},
      {"magnetometer",
       [](const auto& block, double step_s) { sim::parse_magnetometer_params(block, step_s); }},
      {"barometer",
-      [](const auto& block, double step_s) { sim::parse_barometer_params(block, step_s); }}}};
+      [](const auto& block, double step_s) { sim::parse_barometer_params(block, step_s); }},
+     {"airspeed",
+      [](const auto& block, double step_s) { sim::parse_airspeed_params(block, step_s); }}}};
 
 /// A key that hils itself writes into another program's file, and the source of its value.
 struct OwnKey {
@@ -134,11 +137,12 @@ std::set<std::string> further_plugins(const Scenario& scenario) {
   for (const base::ConfigNode& plugin : scenario.plugins) {
     const base::ConfigNode name = plugin.at("plugin");
     const auto word = name.as<std::string>();
-    if (word != "mavlink_interface" &&
+    if (word != "mavlink_interface" && word != kAeroPlugin &&
         std::ranges::find(kFirstPlugins, word) == kFirstPlugins.end())
       continue;
-    name.fail("each vehicle has plugin " + word + " already" +
-              (word == kFirstPlugins.front() || word == "mavlink_interface"
+    name.fail((word == kAeroPlugin ? "each vehicle with wings" : "each vehicle") +
+              std::string(" has plugin ") + word + " already" +
+              (word == kFirstPlugins.front() || word == "mavlink_interface" || word == kAeroPlugin
                    ? ""
                    : "; its keys are those of 'sensors: {" + word + ": ...}'"));
   }

@@ -24,6 +24,14 @@ void overlay(YAML::Node node, const YAML::Node& own) {
 
 }  // namespace
 
+std::vector<std::string> first_plugins(const ScenarioVehicle& vehicle, bool sensors) {
+  std::vector<std::string> names(kFirstPlugins.begin(), kFirstPlugins.end());
+  if (!sensors) names.resize(1);
+  const bool has_wings = base::ConfigNode::load(vehicle.vehicle).has(kAeroPlugin);
+  if (has_wings) names.insert(names.begin() + 1, kAeroPlugin);
+  return names;
+}
+
 YAML::Node copy(const base::ConfigNode& node) {
   YAML::Node result = YAML::Load(node.dump());
   return result.IsMap() ? result : YAML::Node(YAML::NodeType::Map);

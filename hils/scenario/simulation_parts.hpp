@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "hils/scenario/scenario.hpp"
 
@@ -13,8 +14,15 @@ class Node;
 
 namespace cas::hils {
 
-/// Plugins that a vehicle has in front of the scenario's, where the simulator makes its sensors.
+/// Plugins that each vehicle has in front of the scenario's, where the simulator makes its sensors.
 inline constexpr std::array kFirstPlugins{"motor", "imu", "gps", "magnetometer", "barometer"};
+/// The plugin of vehicles whose file has a block of this name, behind the first.
+inline constexpr const char* kAeroPlugin = "aero";
+
+/// Forces and sensors in front of the scenario's plugins: kFirstPlugins, and kAeroPlugin for a
+/// vehicle with wings.
+/// @param sensors  the simulator makes them; else forces alone
+std::vector<std::string> first_plugins(const ScenarioVehicle& vehicle, bool sensors = true);
 
 /// A copy of a map; an empty map for any other node.
 YAML::Node copy(const base::ConfigNode& node);

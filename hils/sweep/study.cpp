@@ -13,16 +13,20 @@
 
 #include "base/config/config_whole.hpp"
 #include "base/config/install_paths.hpp"
-#include "base/enum_words.hpp"
 #include "base/text.hpp"
 #include "hils/sweep/key_path.hpp"
 #include "hils/sweep/run_table.hpp"
+#include "hils/sweep/study_keys.hpp"
 
 namespace cas::hils {
 
 namespace {
 
-constexpr int kSchema = 1;
+using base::key;
+using base::Range;
+using base::required;
+using base::Words;
+
 constexpr int kMostPoints = 10'000'000;
 constexpr double kMostNumber = 1e300;
 
@@ -67,13 +71,19 @@ std::vector<std::string> parse_values(const base::ConfigNode& node) {
   return values;
 }
 
+constexpr Range kNumber{-kMostNumber, kMostNumber};
+
+constexpr std::tuple kNormalKeys{
+    required(key<&Distribution::mean>("mean", kNumber, "")),
+    required(key<&Distribution::deviation>("deviation", Range{0, kMostNumber}, "")),
+    key<&Distribution::least>("least", kNumber, ""),
+    key<&Distribution::most>("most", kNumber, ""),
+};
+
 Distribution parse_normal(const base::ConfigNode& node) {
   Distribution normal{.kind = Distribution::Kind::kNormal};
-  normal.mean = node.require_in("mean", -kMostNumber, kMostNumber);
-  normal.deviation = node.require_in("deviation", 0, kMostNumber);
+  base::read_keys(node, kNormalKeys, normal);
   if (!(normal.deviation > 0)) node.at("deviation").fail("must be above 0");
-  if (node.has("least")) normal.least = node.require_in("least", -kMostNumber, kMostNumber);
-  if (node.has("most")) normal.most = node.require_in("most", -kMostNumber, kMostNumber);
   if (normal.least && normal.most && !(*normal.least < *normal.most)) {
     node.fail("'least' must be below 'most'");
   }
@@ -133,8 +143,10 @@ Parameter parse_parameter(const base::ConfigNode& node) {
   return parameter;
 }
 
-constexpr base::EnumWords<Sampling::kSobol> kSamplings{"none", "random", "latin_hypercube",
-                                                       "sobol"};
+constexpr Words<Sampling, 3> kSamplings{{{{"random", Sampling::kRandom},
+                                          {"latin_hypercube", Sampling::kLatinHypercube},
+                                          {"sobol", Sampling::kSobol}}},
+                                        "is random, latin_hypercube or sobol"};
 
 Sampling parse_sampling(const base::ConfigNode& root, const std::vector<Parameter>& parameters) {
   const bool drawn = std::ranges::any_of(
@@ -149,9 +161,9 @@ Sampling parse_sampling(const base::ConfigNode& root, const std::vector<Paramete
     return Sampling::kNone;
   }
   if (!drawn) node->fail("is for parameters with a distribution, and there is none");
-  const auto sampling = kSamplings.find(node->as<std::string>());
-  if (sampling && *sampling != Sampling::kNone) return *sampling;
-  node->fail("is random, latin_hypercube or sobol");
+  Sampling sampling{};
+  kSamplings.read(*node, sampling);
+  return sampling;
 }
 
 /// `seeds: [1, 2]`, `{first: 1, count: 5}` or `{first: 1, each: row}`.
@@ -168,22 +180,15 @@ void parse_seeds(const base::ConfigNode& root, Study& study) {
   study.seeds = parse_seed_list(*node);
 }
 
-ShareLimit parse_limit(const base::ConfigNode& node) {
-  ShareLimit limit;
-  const auto word = node.require<std::string>("share");
-  if (word == to_string(Share::kUp)) {
-    limit.share = Share::kUp;
-  } else if (word == to_string(Share::kPassed)) {
-    limit.share = Share::kPassed;
-  } else if (word == to_string(Share::kJudged)) {
-    limit.share = Share::kJudged;
-  } else {
-    node.at("share").fail("is up, passed or judged");
-  }
-  limit.at_least = node.require_in("at_least", 0, 1);
-  limit.confidence = node.get_in("confidence", limit.confidence, 0.5, 0.999999);
-  return limit;
-}
+constexpr Words<Share, 3> kShares{
+    {{{"up", Share::kUp}, {"passed", Share::kPassed}, {"judged", Share::kJudged}}},
+    "is up, passed or judged"};
+
+constexpr std::tuple kLimitKeys{
+    required(key<&ShareLimit::share>("share", kShares, "")),
+    required(key<&ShareLimit::at_least>("at_least", Range{0, 1}, "")),
+    key<&ShareLimit::confidence>("confidence", Range{0.5, 0.999999}, ""),
+};
 
 }  // namespace
 
@@ -240,10 +245,7 @@ std::vector<std::uint64_t> parse_seed_list(const base::ConfigNode& node) {
   return seeds;
 }
 
-std::string_view to_string(Share share) {
-  static constexpr base::EnumWords<Share::kJudged> kWords{"up", "passed", "judged"};
-  return kWords[share];
-}
+std::string_view to_string(Share share) { return kShares.word(share); }
 
 double Distribution::quantile(double u) const {
   switch (kind) {
@@ -267,16 +269,9 @@ double Distribution::quantile(double u) const {
 
 Study Study::load(const std::filesystem::path& file) {
   const base::ConfigNode root = base::ConfigNode::load(file);
-  if (root.require<int>("schema") != kSchema) root.at("schema").fail("this program reads schema 1");
   Study study;
-  study.name = root.get<std::string>("name", file.stem().string());
-  study.description = root.get<std::string>("description", "");
+  read_study_keys(root, file, study);
   study.scenario = root.require<std::string>("scenario");
-  try {
-    study.architecture = parse_architecture(root.get<std::string>("architecture", "direct"));
-  } catch (const base::ConfigError& error) {
-    root.at("architecture").fail(error.what());
-  }
   study.parameters = parse_parameters(root);
   study.sampling = parse_sampling(root, study.parameters);
   if (study.sampling != Sampling::kNone) {
@@ -286,10 +281,11 @@ Study Study::load(const std::filesystem::path& file) {
   }
   study.seed = root.get<std::uint64_t>("seed", study.seed);
   parse_seeds(root, study);
-  study.deadline_s = root.get_in("deadline_s", study.deadline_s, 1, 1e6);
   study.settings = parse_settings(root);
   if (const auto limits = root.find("limits")) {
-    for (const base::ConfigNode& node : limits->items()) study.limits.push_back(parse_limit(node));
+    for (const base::ConfigNode& node : limits->items()) {
+      base::read_keys(node, kLimitKeys, study.limits.emplace_back());
+    }
   }
   root.reject_unused();
   return study;

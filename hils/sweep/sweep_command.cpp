@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -233,53 +232,72 @@ void add_run_options(CLI::App& run, Flags& flags) {
       ->check(CLI::Range(1e-3, 1e6));
 }
 
-/// The verbs behind `sweep`.
-std::vector<Verb> add_verbs(CLI::App& sweep, const std::shared_ptr<Flags>& kept) {
-  Flags& flags = *kept;
-  std::vector<Verb> verbs;
-  const auto add = [&](const char* name, const char* description, std::function<int()> run) {
-    CLI::App* verb = sweep.add_subcommand(name, description);
-    verbs.push_back({verb, std::move(run)});
-    return verb;
-  };
-  const auto add_of_folder = [&](const char* name, const char* description,
-                                 std::function<int()> run) {
-    CLI::App* verb = add(name, description, std::move(run));
-    verb->add_option("DIR", flags.folder, "Folder of the sweep")->required();
-    return verb;
-  };
-  CLI::App* plan = add("plan", "Write the table of runs, and fly nothing", [kept] {
-    plan_sweep(*kept);
-    return kExitPassed;
-  });
-  plan->add_option("STUDY", flags.study, "Study file")->required();
-  plan->add_option("--out", flags.folder, "Folder of the sweep (the last, if several)")
+using Kept = std::shared_ptr<Flags>;
+
+Verb add_plan(CLI::App& sweep, const Kept& kept) {
+  CLI::App* plan = sweep.add_subcommand("plan", "Write the table of runs, and fly nothing");
+  plan->add_option("STUDY", kept->study, "Study file")->required();
+  plan->add_option("--out", kept->folder, "Folder of the sweep (the last, if several)")
       ->required()
       ->take_last();
-  CLI::App* run =
-      add_of_folder("run", "Fly what has not been flown", [kept] { return run_rest(*kept); });
-  add_run_options(*run, flags);
-  add_of_folder("status", "Say how far a sweep is", [kept] {
-    print_status(SweepFolder::open(kept->folder));
-    return kExitPassed;
-  });
+  return {plan, [kept] {
+            plan_sweep(*kept);
+            return kExitPassed;
+          }};
+}
+
+/// A verb about a folder that was planned.
+CLI::App* add_of_folder(CLI::App& sweep, const Kept& kept, const char* name,
+                        const char* description) {
+  CLI::App* verb = sweep.add_subcommand(name, description);
+  verb->add_option("DIR", kept->folder, "Folder of the sweep")->required();
+  return verb;
+}
+
+Verb add_run(CLI::App& sweep, const Kept& kept) {
+  CLI::App* run = add_of_folder(sweep, kept, "run", "Fly what has not been flown");
+  add_run_options(*run, *kept);
+  return {run, [kept] { return run_rest(*kept); }};
+}
+
+Verb add_status(CLI::App& sweep, const Kept& kept) {
+  return {add_of_folder(sweep, kept, "status", "Say how far a sweep is"), [kept] {
+            print_status(SweepFolder::open(kept->folder));
+            return kExitPassed;
+          }};
+}
+
+Verb add_show(CLI::App& sweep, const Kept& kept) {
   CLI::App* show =
-      add_of_folder("show", "Print a row, and the command that flies it again", [kept] {
-        print_row(SweepFolder::open(kept->folder), kept->row);
-        return kExitPassed;
-      });
-  show->add_option("ROW", flags.row, "Number of the row, from 1")
+      add_of_folder(sweep, kept, "show", "Print a row, and the command that flies it again");
+  show->add_option("ROW", kept->row, "Number of the row, from 1")
       ->required()
       ->check(base::cli::whole_number);
+  return {show, [kept] {
+            print_row(SweepFolder::open(kept->folder), kept->row);
+            return kExitPassed;
+          }};
+}
+
+Verb add_collect(CLI::App& sweep, const Kept& kept) {
   CLI::App* collect =
-      add_of_folder("collect", "Make one table, one database and one page of a sweep",
-                    [kept] { return collect_sweep(fs::absolute(kept->folder), *kept); });
-  add_pages(*collect, flags);
-  CLI::App* fly = add("fly", "Fly the task of a folder in this process",
-                      [kept] { return fly_row(kept->folder); });
-  fly->group("");  // of the runner, for its processes
-  fly->add_option("FOLDER", flags.folder, "Folder with task.json")->required();
-  return verbs;
+      add_of_folder(sweep, kept, "collect", "Make one table, one database and one page of a sweep");
+  add_pages(*collect, *kept);
+  return {collect, [kept] { return collect_sweep(fs::absolute(kept->folder), *kept); }};
+}
+
+/// Of the runner, for its processes.
+Verb add_fly(CLI::App& sweep, const Kept& kept) {
+  CLI::App* fly = sweep.add_subcommand("fly", "Fly the task of a folder in this process");
+  fly->group("");
+  fly->add_option("FOLDER", kept->folder, "Folder with task.json")->required();
+  return {fly, [kept] { return fly_row(kept->folder); }};
+}
+
+/// The verbs behind `sweep`.
+std::vector<Verb> add_verbs(CLI::App& sweep, const Kept& kept) {
+  return {add_plan(sweep, kept), add_run(sweep, kept),     add_status(sweep, kept),
+          add_show(sweep, kept), add_collect(sweep, kept), add_fly(sweep, kept)};
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
 #include <utility>
 
@@ -243,6 +242,47 @@ class Verifier {
   TuneFlights& flights_;
 };
 
+/// What the search flies: judges each point, and notes each candidate once.
+class CandidateFlights {
+ public:
+  CandidateFlights(const TuneStudy& study, Evaluator& evaluator, const TuneScore& score,
+                   std::vector<Candidate>& candidates)
+      : study_(study), evaluator_(evaluator), score_(score), candidates_(candidates) {
+    candidates_.push_back(score.before());
+    known_.insert(study.before());
+  }
+
+  /// @return the fitness of each point
+  std::vector<std::vector<double>> fly(const UnitPoints& points) {
+    std::vector<Values> all;
+    for (const std::vector<double>& point : points) all.push_back(values_at(point));
+    std::vector<std::vector<double>> fitness;
+    for (Candidate& measured_one : evaluator_.measure(all)) {
+      Candidate candidate = score_.judged(std::move(measured_one));
+      fitness.push_back(score_.fitness(candidate));
+      if (study_.method == SearchMethod::kCmaes) fitness.back() = {candidate.sum};
+      candidate.number = candidates_.size();
+      if (known_.insert(candidate.values).second) candidates_.push_back(std::move(candidate));
+    }
+    return fitness;
+  }
+
+ private:
+  Values values_at(const std::vector<double>& point) const {
+    Values values;
+    for (std::size_t i = 0; i < point.size(); ++i) {
+      values.push_back(study_.vary[i].value_at(point[i]));
+    }
+    return values;
+  }
+
+  const TuneStudy& study_;
+  Evaluator& evaluator_;
+  const TuneScore& score_;
+  std::vector<Candidate>& candidates_;
+  std::set<Values> known_;
+};
+
 }  // namespace
 
 TuneResult tune(const TuneStudy& study, TuneFlights& flights) {
@@ -255,34 +295,13 @@ TuneResult tune(const TuneStudy& study, TuneFlights& flights) {
   evaluator.check_before(score.before());
 
   TuneResult result;
-  result.candidates.push_back(score.before());
   for (std::size_t i = 0; i < study.guards.size(); ++i) result.bounds.push_back(score.bound(i));
-  std::map<Values, std::size_t> known{{study.before(), 0}};
-  const FlyPoints fly = [&](const UnitPoints& points) {
-    std::vector<Values> all;
-    for (const std::vector<double>& point : points) {
-      Values& values = all.emplace_back();
-      for (std::size_t i = 0; i < point.size(); ++i) {
-        values.push_back(study.vary[i].value_at(point[i]));
-      }
-    }
-    std::vector<std::vector<double>> fitness;
-    for (Candidate& measured_one : evaluator.measure(all)) {
-      Candidate candidate = score.judged(std::move(measured_one));
-      fitness.push_back(score.fitness(candidate));
-      if (study.method == SearchMethod::kCmaes) fitness.back() = {candidate.sum};
-      candidate.number = result.candidates.size();
-      if (known.try_emplace(candidate.values, candidate.number).second) {
-        result.candidates.push_back(std::move(candidate));
-      }
-    }
-    return fitness;
-  };
+  CandidateFlights candidates(study, evaluator, score, result.candidates);
   search({.method = study.method,
           .generations = study.generations,
           .seed = study.seed,
           .first = first_generation(study)},
-         fly);
+         [&candidates](const UnitPoints& points) { return candidates.fly(points); });
   result.front = pareto_front(result.candidates);
   result.best = best_of(result.candidates);
   if (!study.verify_seeds.empty()) {

@@ -7,17 +7,14 @@
 #include <cmath>
 #include <set>
 
-#include "base/config/config_whole.hpp"
 #include "base/config/install_paths.hpp"
+#include "hils/sweep/study_keys.hpp"
 
 namespace cas::hils {
 
 namespace {
 
-constexpr int kStudySchema = 1;
 constexpr double kMostNumber = 1e300;
-constexpr int kMostPopulation = 10'000;
-constexpr int kMostGenerations = 1'000'000;
 
 /// All digits that tell it apart. @param whole  rounded
 std::string number_text(double value, bool whole) {
@@ -104,17 +101,20 @@ Guard parse_guard(const base::ConfigNode& node, const std::vector<TuneScenario>&
   return guard;
 }
 
+constexpr base::Words<SearchMethod, 2> kMethods{
+    {{{"nsga2", SearchMethod::kNsga2}, {"cmaes", SearchMethod::kCmaes}}}, "is nsga2 or cmaes"};
+
+constexpr std::tuple kSearchKeys{
+    base::key<&TuneStudy::method>("method", kMethods, ""),
+    base::key<&TuneStudy::population>("population", base::Whole{5, 10'000}, ""),
+    base::key<&TuneStudy::generations>("generations", base::Whole{0, 1'000'000}, ""),
+    base::key<&TuneStudy::seed>("seed", base::Count{}, ""),
+};
+
 void parse_search(const base::ConfigNode& root, TuneStudy& study) {
   const auto node = root.find("search");
   if (!node) return;
-  const auto word = node->get<std::string>("method", "nsga2");
-  if (word != "nsga2" && word != "cmaes") node->at("method").fail("is nsga2 or cmaes");
-  study.method = word == "nsga2" ? SearchMethod::kNsga2 : SearchMethod::kCmaes;
-  study.population = static_cast<std::size_t>(
-      base::get_whole_in<int>(*node, "population", 16, 5, kMostPopulation));
-  study.generations = static_cast<std::size_t>(
-      base::get_whole_in<int>(*node, "generations", 10, 0, kMostGenerations));
-  study.seed = node->get<std::uint64_t>("seed", study.seed);
+  base::read_keys(*node, kSearchKeys, study);
   if (study.method == SearchMethod::kNsga2 && (study.population < 8 || study.population % 4 != 0)) {
     node->fail("'population' of nsga2 is a multiple of 4, 8 or more");
   }
@@ -143,16 +143,8 @@ double TuneParameter::place() const {
 
 TuneStudy TuneStudy::load(const std::filesystem::path& file) {
   const base::ConfigNode root = base::ConfigNode::load(file);
-  if (root.require<int>("schema") != kStudySchema)
-    root.at("schema").fail("this program reads schema 1");
   TuneStudy study;
-  study.name = root.get<std::string>("name", file.stem().string());
-  study.description = root.get<std::string>("description", "");
-  try {
-    study.architecture = parse_architecture(root.get<std::string>("architecture", "direct"));
-  } catch (const base::ConfigError& error) {
-    root.at("architecture").fail(error.what());
-  }
+  read_study_keys(root, file, study);
   std::set<std::string> names;
   study.scenarios = parse_scenarios(root.at("scenarios"), names);
   if (study.scenarios.empty()) root.at("scenarios").fail("is an empty list");
@@ -180,7 +172,6 @@ TuneStudy TuneStudy::load(const std::filesystem::path& file) {
       study.verify_scenarios = parse_scenarios(*list, names);
     }
   }
-  study.deadline_s = root.get_in("deadline_s", study.deadline_s, 1, 1e6);
   root.reject_unused();
   return study;
 }

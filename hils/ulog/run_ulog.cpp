@@ -24,6 +24,7 @@
 #include "fcu/flight_controller.hpp"
 #include "fcu/params/params.hpp"
 #include "hils/measure/csv_row.hpp"
+#include "hils/measure/truth_header.hpp"
 #include "hils/ulog/telemetry_ulog.hpp"
 #include "hils/ulog/ulog_topics.hpp"
 #include "mavlink/common/table.hpp"
@@ -138,25 +139,11 @@ UlogRecord& put_three(UlogRecord& record, const TopicRow& row, std::size_t first
   return record.put_float(row[first]).put_float(row[first + 1]).put_float(row[first + 2]);
 }
 
-constexpr std::size_t kFirstRotor = 13;  ///< column of truth.csv
-
-/// How many rotors truth.csv has, by its header.
-std::size_t rotor_columns(const std::filesystem::path& truth_csv) {
-  std::ifstream in(truth_csv);
-  std::string header;
-  next_line(in, header, truth_csv);
-  const auto columns = static_cast<std::size_t>(std::ranges::count(header, ',')) + 1;
-  if (columns <= kFirstRotor || columns > kFirstRotor + base::kMaxRotors) {
-    throw base::ConfigError(truth_csv.string() + ": not a header of truth.csv");
-  }
-  return columns - kFirstRotor;
-}
-
 /// A row of truth.csv: z up there, down here.
 ///
 /// @param home  the origin's place on earth; nullopt: the run has none
-void write_truth(sim::UlogFile& file, const std::optional<base::Geodetic>& home, SimTime time,
-                 const TopicRow& row) {
+void write_truth(sim::UlogFile& file, const std::optional<base::Geodetic>& home,
+                 const TruthHeader& header, SimTime time, const TopicRow& row) {
   const Eigen::Vector3d p_N(row[1], row[2], -row[3]);
   const Eigen::Vector3d v_N(row[4], row[5], -row[6]);
   const Eigen::Quaterniond q = base::quaternion_rpy(row[7], row[8], row[9]);
@@ -166,8 +153,13 @@ void write_truth(sim::UlogFile& file, const std::optional<base::Geodetic>& home,
   write(file, Topic::kAngularVelocityTruth, put_three(rates, row, 10));
   write(file, Topic::kLocalPositionTruth, UlogRecord(time).put_floats(p_N).put_floats(v_N));
   UlogRecord speeds(time);
-  for (std::size_t i = kFirstRotor; i < row.size(); ++i) speeds.put_float(row[i]);
+  for (std::size_t i = 0; i < header.rotors; ++i) {
+    speeds.put_float(row[TruthHeader::kFirstRotor + i]);
+  }
   write(file, Topic::kRotorSpeeds, speeds);
+  if (header.airspeed) {
+    write(file, Topic::kAirspeedTruth, UlogRecord(time).put_float(row.at(*header.airspeed)));
+  }
   if (!home) return;
   const base::Geodetic place = base::LocalProjection(*home).to_geodetic(p_N);
   write(file, Topic::kGlobalPositionTruth,
@@ -215,6 +207,10 @@ void write_rangefinder(sim::UlogFile& file, SimTime time, const TopicRow& row) {
   constexpr std::int8_t kUnknown = -1;  // of distance_sensor.msg; 0: no signal
   write(file, Topic::kDistance,
         UlogRecord(time).put_float(row[1]).put(row[2] > 0 ? kUnknown : std::int8_t{0}));
+}
+
+void write_pressure_difference(sim::UlogFile& file, SimTime time, const TopicRow& row) {
+  write(file, Topic::kDifferentialPressure, UlogRecord(time).put_float(row[1]));
 }
 
 /// The emulated controller's initial parameters; empty for a real one, whose file is not available.
@@ -269,8 +265,10 @@ void write_ulog(const RunRequest& request, const RunRecord& record, std::size_t 
   const RunPaths paths = RunPaths::of(request.scenario, request.out, request.out / "run");
   const VehiclePaths& own = paths.vehicles.at(vehicle);
   const std::vector<sim::UlogParam> params = initial_params(request, vehicle, own);
-  const std::size_t rotors = rotor_columns(record.truth_csv);
-  sim::UlogFile file({own.out, own.flight_ulog()}, ulog_topics(static_cast<int>(rotors)),
+  std::ifstream truth(record.truth_csv);
+  const TruthHeader header = TruthHeader::read(truth, record.truth_csv);
+  sim::UlogFile file({own.out, own.flight_ulog()},
+                     ulog_topics(static_cast<int>(header.rotors), header.airspeed.has_value()),
                      infos(request, record), params);
   const std::optional<base::Geodetic> home = request.scenario.home;
 
@@ -280,15 +278,16 @@ void write_ulog(const RunRequest& request, const RunRecord& record, std::size_t 
         path, columns,
         [&file, write](SimTime time, const TopicRow& row) { write(file, time, row); }));
   };
-  add_csv(record.truth_csv, kFirstRotor + rotors,
-          [&home](sim::UlogFile& to, SimTime time, const TopicRow& row) {
-            write_truth(to, home, time, row);
+  add_csv(record.truth_csv, TruthHeader::kFirstRotor + header.rotors,
+          [&](sim::UlogFile& to, SimTime time, const TopicRow& row) {
+            write_truth(to, home, header, time, row);
           });
   add_csv(record.sensors / "imu.csv", 7, write_imu);
   add_csv(record.sensors / "gps.csv", 11, write_gps);
   add_csv(record.sensors / "magnetometer.csv", 4, write_magnetometer);
   add_csv(record.sensors / "barometer.csv", 3, write_barometer);
   add_csv(record.sensors / "rangefinder.csv", 3, write_rangefinder);
+  if (header.airspeed) add_csv(record.sensors / "airspeed.csv", 2, write_pressure_difference);
   tracks.push_back(std::make_unique<TlogTrack>(record, file, params));
 
   // Whatever is next in time, from whichever file; of the same moment in the order above.

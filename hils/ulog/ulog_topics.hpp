@@ -40,10 +40,14 @@ enum class UlogTopicId : std::uint16_t {
   kLocalPositionTruth,
   kGlobalPositionTruth,
   kRotorSpeeds,
+  // Of a vehicle with a pitot tube.
+  kAirspeedTruth,
+  kDifferentialPressure,
 };
 
 /// Definitions of all of them, in the order of UlogTopicId, for a vehicle of 1 to 16 rotors.
-std::vector<sim::UlogTopic> ulog_topics(int rotors);
+/// @param has_airspeed  a pitot tube: without one the last two are left out
+std::vector<sim::UlogTopic> ulog_topics(int rotors, bool has_airspeed);
 
 /// Writes a message of a topic.
 inline void write(sim::UlogFile& file, UlogTopicId topic, const sim::UlogRecord& record) {

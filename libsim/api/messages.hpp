@@ -42,6 +42,14 @@ struct RotorSpeeds {
   base::RotorVector omega_rad_s = base::RotorVector::Zero(4);
 };
 
+/// Deflections of the control surfaces after the step, rad, in the order of the vehicle file.
+struct SurfaceDeflections {
+  static constexpr std::string_view kTypeName = "cas.SurfaceDeflections";
+  static constexpr unsigned kTypeVersion = 1;
+  base::SimTime time;
+  ActuatorValues angle_rad = ActuatorValues::Zero(0);
+};
+
 /// Specific force and angular rate at the sensor, in B. Level and at rest: (0, 0, +g).
 struct ImuSample {
   static constexpr std::string_view kTypeName = "cas.ImuSample";

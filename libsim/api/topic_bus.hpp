@@ -146,6 +146,12 @@ class TopicBus {
   /// Ends the wiring: from now on advertise(), subscribe() and intercept() throw.
   void freeze() { frozen_ = true; }
 
+  /// Whether a plugin that was configured before has the right to publish on a topic.
+  bool is_advertised(const std::string& name) const {
+    const auto topic = topics_.find(name);
+    return topic != topics_.end() && topic->second->advertised;
+  }
+
   /// Required topics without a publisher, for a warning in the log.
   std::vector<std::string> unpublished() const {
     std::vector<std::string> names;

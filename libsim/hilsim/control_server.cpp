@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/hilsim/control_server.hpp"
 
+#include <fmt/format.h>
+
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
 #include <csignal>
-#include <cstdio>
 #include <exception>
 #include <functional>
 #include <nlohmann/json.hpp>
@@ -52,11 +53,8 @@ constexpr std::size_t kMeshPiece = 256 * 1024;  // bytes of one answer
 int status_signal() { return SIGRTMIN; }
 
 std::string status_line(const LoopFigures& f) {
-  char line[120];
-  std::snprintf(line, sizeof(line), "%.3f s, %s, %.2f x real time, %llu late steps",
-                base::to_seconds(f.time), f.paused ? "paused" : "running", f.real_time_factor,
-                static_cast<unsigned long long>(f.late_steps));
-  return line;
+  return fmt::format("{:.3f} s, {}, {:.2f} x real time, {} late steps", base::to_seconds(f.time),
+                     f.paused ? "paused" : "running", f.real_time_factor, f.late_steps);
 }
 
 }  // namespace
@@ -123,7 +121,13 @@ struct ControlServer::Impl {
     add_act("sim.resume", [this] { loop.resume(); });
     add_act("sim.reset", [this] { loop.reset(); });
     add_act("sim.quit", [this] { loop.stop(); });
+    add_figure_methods();
+    add_step_methods();
     add_fault_method();
+    add_picture_methods();
+  }
+
+  void add_figure_methods() {
     server.add_method("sim.journal", [this](const Json& params, const Reply& reply) {
       CallParams(params).finish();
       reply.result(noted());
@@ -132,6 +136,9 @@ struct ControlServer::Impl {
       CallParams(params).finish();
       loop.post([this, reply = std::move(reply)] { answer(reply, stats_report(loop)); });
     });
+  }
+
+  void add_step_methods() {
     server.add_method("sim.step", [this](const Json& params, const Reply& reply) {
       CallParams reader(params);
       const std::int64_t n = reader.optional_integer("n", 1, kLongest).value_or(1);
@@ -332,7 +339,6 @@ ControlServer::ControlServer(SimLoop& loop, const std::optional<std::filesystem:
     impl_->signals.add(signal);
   }
   impl_->add_methods();
-  impl_->add_picture_methods();
   if (unix_path) impl_->server.listen_unix(*unix_path);
   impl_->io.start([] { base::configure_this_thread("control", {}); },
                   [impl = impl_.get()] { impl->begin(); });

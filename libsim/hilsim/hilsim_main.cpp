@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <sys/prctl.h>
 
 #include <CLI/CLI.hpp>
@@ -166,6 +167,40 @@ sim::SimConfig load_config(const Flags& flags, const std::filesystem::path& file
   return config;
 }
 
+/// Priority, memory, wake-ups and name of the thread that steps.
+void configure_loop_thread(const base::ThreadOptions& thread) {
+  if (thread.fifo_priority) base::lock_memory();
+  base::configure_this_thread("hilsim", thread);   // of the main thread: the name of the process
+  ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // wake at the deadline, not up to 50 us later
+}
+
+void say_ready(const sim::SimRunner& runner, bool confined) {
+  base::notify("READY=1\nSTATUS=" + sim::endpoints_report(runner));
+  base::log::info(confined ? "running"
+                           : "running; this kernel has no Landlock, so that plugins may read and "
+                             "write whatever this user may");
+}
+
+/// Steps until the end. @return the error that ended it; recordings are still to be written
+std::exception_ptr run_loop(sim::SimLoop& loop, const std::optional<double>& duration_s) {
+  std::optional<base::SimTime> until;
+  if (duration_s) until = base::SimTime(base::from_seconds(*duration_s));
+  try {
+    loop.run(until);
+  } catch (const sim::LeftWorldError&) {
+    return std::current_exception();
+  } catch (const std::bad_alloc&) {
+    return std::current_exception();
+  }
+  return nullptr;
+}
+
+void say_stopped(const sim::LoopFigures& figures) {
+  base::log::info(fmt::format("stopped at {:.3f} s: {:.2f} x real time, {} late steps",
+                              base::to_seconds(figures.time), figures.real_time_factor,
+                              figures.late_steps));
+}
+
 int run(const Flags& flags) {
   if (flags.describe) return describe(*flags.describe, flags.svg);
   if (flags.config.empty()) {
@@ -187,37 +222,17 @@ int run(const Flags& flags) {
   const auto control = base::bind_command_port(
       [&] { return std::make_unique<sim::ControlServer>(loop, flags.control); });
   runner.start();
-  if (pace.thread.fifo_priority) base::lock_memory();
   const base::CpuLatencyRequest latency(pace.cpu_dma_latency_us);
-  base::configure_this_thread("hilsim",
-                              pace.thread);        // of the main thread: the name of the process
-  ::prctl(PR_SET_TIMERSLACK, 1UL, 0UL, 0UL, 0UL);  // wake at the deadline, not up to 50 us later
+  configure_loop_thread(pace.thread);
   if (flags.paused) loop.post([&loop] { loop.pause(); });
 
-  base::notify("READY=1\nSTATUS=" + sim::endpoints_report(runner));
-  base::log::info(confined ? "running"
-                           : "running; this kernel has no Landlock, so that plugins may read and "
-                             "write whatever this user may");
-  std::optional<base::SimTime> until;
-  if (flags.duration_s) until = base::SimTime(base::from_seconds(*flags.duration_s));
-  std::exception_ptr trouble;  // recordings are still written
-  try {
-    loop.run(until);
-  } catch (const sim::LeftWorldError&) {
-    trouble = std::current_exception();
-  } catch (const std::bad_alloc&) {
-    trouble = std::current_exception();
-  }
+  say_ready(runner, confined);
+  const std::exception_ptr trouble = run_loop(loop, flags.duration_s);
 
   base::notify("STOPPING=1");
   runner.finish();
   if (flags.stats) sim::write_report(*flags.stats, sim::stats_report(loop));
-  const sim::LoopFigures f = loop.figures();
-  char line[160];
-  std::snprintf(line, sizeof(line), "stopped at %.3f s: %.2f x real time, %llu late steps",
-                base::to_seconds(f.time), f.real_time_factor,
-                static_cast<unsigned long long>(f.late_steps));
-  base::log::info(line);
+  say_stopped(loop.figures());
   if (trouble) std::rethrow_exception(trouble);
   return base::kExitOk;
 }

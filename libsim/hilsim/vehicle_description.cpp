@@ -74,19 +74,66 @@ void print_rotors(std::string& text, const base::Vehicle& vehicle) {
   }
 }
 
+/// Motors with circuits on their battery in still air.
+struct Drain {
+  double voltage_v = 0;
+  double current_a = 0;
+  double thrust_n = 0;  ///< upwards
+};
+
+/// @param output   of all rotors, by a full battery
+/// @param sagging  whether the battery's resistance takes its part of the voltage
+Drain drain_at(const base::Vehicle& vehicle, double output, bool sagging) {
+  const base::BatteryParams& battery = *vehicle.battery;
+  const base::Effectiveness wrench_B = vehicle.effectiveness();
+  const auto at = [&](double voltage_v) {
+    Drain drain{.voltage_v = voltage_v};
+    for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
+      const base::Rotor& rotor = vehicle.rotors[i];
+      const double k_m = rotor.params.torque_coefficient;
+      base::ElectricMotor motor = *rotor.electric;
+      const double duty = motor.steady_duty(rotor.speed_at(output), k_m);
+      motor.supply_v = voltage_v;
+      const double omega = motor.steady_speed_rad_s(duty, k_m);
+      drain.current_a += duty * motor.current_a(duty * voltage_v, omega);
+      drain.thrust_n += wrench_B(2, static_cast<Eigen::Index>(i)) * omega * omega;
+    }
+    return drain;
+  };
+  if (!sagging) return at(battery.full_v);
+  double low = 0;
+  double high = battery.full_v;
+  constexpr int kHalvings = 40;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = 0.5 * (low + high);
+    const double rest_v = battery.full_v - battery.resistance_ohm * at(middle).current_a - middle;
+    (rest_v > 0 ? low : high) = middle;
+  }
+  return at(high);
+}
+
+void print_battery(std::string& text, const base::Vehicle& vehicle, double weight_n) {
+  const Drain full = drain_at(vehicle, 1, true);
+  print(text, "battery            %.1f A at full output, at %.2f V: thrust to weight %.2f",
+        full.current_a, full.voltage_v, full.thrust_n / weight_n);
+  if (const auto hover = vehicle.hover_output(base::kStandardGravity_m_s2)) {
+    print(text, "                   %.1f A in hover", drain_at(vehicle, *hover, false).current_a);
+  }
+}
+
 void print_lift(std::string& text, const base::Vehicle& vehicle) {
   const double weight_n = vehicle.mass_kg * base::kStandardGravity_m_s2;
   const base::ControlScales most = vehicle.control_scales();
   if (const auto hover = vehicle.hover_output(base::kStandardGravity_m_s2)) {
-    const base::RotorParams& first = vehicle.rotors.front().params;
     print(text, "hover              output %.3f of each rotor, %.0f rad/s at rotor 1", *hover,
-          first.omega_idle_rad_s + *hover * (first.omega_max_rad_s - first.omega_idle_rad_s));
+          vehicle.rotors.front().speed_at(*hover));
   } else {
     print(text, "hover              no: at no output the same for all do the rotors carry %.2f N",
           weight_n);
   }
   print(text, "thrust to weight   %.2f (%.2f N to %.2f N)", most.u1_max_n / weight_n, most.u1_max_n,
         weight_n);
+  if (vehicle.rotors.front().electric) print_battery(text, vehicle, weight_n);
   const base::ControlScales& scales = vehicle.scales;
   print(text,
         "scales             {u1_max_n: %.6g, u2_max_nm: %.6g, u3_max_nm: %.6g, u4_max_nm: %.6g}",

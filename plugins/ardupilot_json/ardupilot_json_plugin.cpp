@@ -39,13 +39,19 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   void configure(PluginContext& context, const base::ConfigNode& node) override {
     step_ = context.step();
     vehicle_ = context.vehicle_id();
-    rotors_ = context.vehicle().rotors;
+    airframe_ = context.vehicle();
     link_ = open_link(node);
     clock_ = ServoClock(step_);
     range_ = context.bus().subscribe<RangeSample>(
         context.topic("rangefinder"),
         [this](const RangeSample& sample) {
           newest_range_m_ = sample.valid ? std::optional(sample.distance_m) : std::nullopt;
+        },
+        Need::kOptional);
+    pitot_ = context.bus().subscribe<AirspeedSample>(
+        context.topic("airspeed"),
+        [this](const AirspeedSample& sample) {
+          differential_pressure_pa_ = sample.differential_pressure_pa;
         },
         Need::kOptional);
     command_ = context.bus().advertise<MotorCommand>(context.topic("motor_command"));
@@ -69,16 +75,19 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   void pre_step(const StepInfo& step, World&) override {
     now_ = step.time;
     receive();
-    if (packet_) command_.publish(to_motor_command(*packet_, rotors_));
+    if (packet_) command_.publish(to_motor_command(*packet_, airframe_));
     packet_.reset();
   }
 
   void post_step(const StepInfo& step, const World& world) override {
     receive();  // a repeat of the pending packet gets one answer, not two
     if (!clock_.due(step.time)) return;
-    JsonState state =
-        to_json_state(step.time + epoch_, world.state(vehicle_), world.environment(vehicle_));
+    const Environment& air = world.environment(vehicle_);
+    JsonState state = to_json_state(step.time + epoch_, world.state(vehicle_), air);
     state.range_m = newest_range_m_;
+    if (differential_pressure_pa_) {
+      state.airspeed_m_s = to_airspeed_m_s(*differential_pressure_pa_, air.air_density_kg_m3);
+    }
     answer_ = to_text(state);
     newest_ = step.time;
     clock_.answered();
@@ -134,7 +143,7 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
 
   std::unique_ptr<JsonLink> link_;
   VehicleId vehicle_{};
-  std::vector<base::Rotor> rotors_;
+  base::Vehicle airframe_;
   base::Duration step_{};
   ServoClock clock_{base::Duration(1)};
   bool heard_ = false;
@@ -144,10 +153,12 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   std::optional<ServoPacket> packet_;
   std::string answer_;  // the last, to be repeated
   std::optional<double> newest_range_m_;
+  std::optional<double> differential_pressure_pa_;  // newest of a pitot tube
   std::uint64_t bad_packets_ = 0;
   std::uint64_t send_errors_ = 0;
   Publisher<MotorCommand> command_;
   Subscription range_;
+  Subscription pitot_;
 };
 
 }  // namespace

@@ -42,7 +42,7 @@ std::optional<ServoPacket> parse_servo_packet(std::span<const std::uint8_t> byte
   return packet;
 }
 
-MotorCommand to_motor_command(const ServoPacket& packet, std::span<const base::Rotor> rotors) {
+MotorCommand to_motor_command(const ServoPacket& packet, const base::Vehicle& vehicle) {
   MotorCommand command;
   command.kind = MotorCommand::Kind::kMotorOutputs;
   command.values.setZero(base::kMaxOutputs);
@@ -50,10 +50,15 @@ MotorCommand to_motor_command(const ServoPacket& packet, std::span<const base::R
     const double pwm_us = packet.pwm_us[static_cast<std::size_t>(output)];
     return std::clamp((pwm_us - kStopped_us) / kRange_us, 0.0, 1.0);
   };
-  for (const base::Rotor& rotor : rotors) {
+  for (const base::Rotor& rotor : vehicle.rotors) {
     command.values[rotor.output] = share(rotor.output);
     command.armed = command.armed || command.values[rotor.output] > 0;
     if (rotor.tilt) command.values[rotor.tilt->output] = 2 * share(rotor.tilt->output) - 1;
+  }
+  if (!vehicle.aero) return command;
+  for (const base::ControlSurface& surface : vehicle.aero->surfaces) {
+    const bool has_pulse = packet.pwm_us[static_cast<std::size_t>(surface.output)] > 0;
+    if (has_pulse) command.values[surface.output] = 2 * share(surface.output) - 1;
   }
   return command;
 }
@@ -88,6 +93,11 @@ void append(std::string& text, const char* key, const Eigen::Vector3d& values) {
 
 }  // namespace
 
+double to_airspeed_m_s(double differential_pressure_pa, double air_density_kg_m3) {
+  const double speed = std::sqrt(2 * std::abs(differential_pressure_pa) / air_density_kg_m3);
+  return std::copysign(speed, differential_pressure_pa);
+}
+
 JsonState to_json_state(base::SimTime time, const BodyState& body, const Environment& air) {
   const Eigen::Matrix3d R_BW = body.q_WB.conjugate().toRotationMatrix();
   JsonState state;
@@ -113,6 +123,10 @@ std::string to_text(const JsonState& state) {
   if (state.range_m) {
     text += ",\"rng_1\":";
     append(text, *state.range_m);
+  }
+  if (state.airspeed_m_s) {
+    text += ",\"airspeed\":";
+    append(text, *state.airspeed_m_s);
   }
   return text + "}\n";
 }

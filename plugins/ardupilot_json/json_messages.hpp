@@ -26,9 +26,9 @@ struct ServoPacket {
 std::optional<ServoPacket> parse_servo_packet(std::span<const std::uint8_t> bytes);
 
 /// Outputs 1..16 from channels 1..16: a rotor's is (pwm - 1000) / 1000, held to 0..1, a servo's
-/// (pwm - 1500) / 500, held to -1..1. All rotors at or below 1000 us is disarmed: armed ones idle
-/// above that.
-MotorCommand to_motor_command(const ServoPacket& packet, std::span<const base::Rotor> rotors);
+/// (pwm - 1500) / 500, held to -1..1; a control surface without a pulse stays at 0. All rotors at
+/// or below 1000 us is disarmed: armed ones idle above that.
+MotorCommand to_motor_command(const ServoPacket& packet, const base::Vehicle& vehicle);
 
 /// The true motion of a vehicle on ArduPilot's terms: forward-right-down and north-east-down, SI.
 struct JsonState {
@@ -38,8 +38,13 @@ struct JsonState {
   Eigen::Vector3d p_N = Eigen::Vector3d::Zero();      ///< from home, m
   Eigen::Vector3d v_N = Eigen::Vector3d::Zero();      ///< m/s
   Eigen::Quaterniond q_ND = Eigen::Quaterniond::Identity();
-  std::optional<double> range_m;  ///< of a rangefinder, when there is one
+  std::optional<double> range_m;       ///< of a rangefinder, when there is one
+  std::optional<double> airspeed_m_s;  ///< true airspeed by a pitot tube, when there is one
 };
+
+/// True airspeed of a pitot tube's pressure, which ArduPilot 4.6 turns into a pressure again by its
+/// own standard atmosphere; below zero for air from behind.
+double to_airspeed_m_s(double differential_pressure_pa, double air_density_kg_m3);
 
 JsonState to_json_state(base::SimTime time, const BodyState& body, const Environment& air);
 

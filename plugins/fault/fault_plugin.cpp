@@ -118,6 +118,7 @@ class FaultPlugin final : public Plugin {
     open_tap<MagnetometerSample>(context, SensorTopic::kMagnetometer, "magnetometer");
     open_tap<BarometerSample>(context, SensorTopic::kBarometer, "barometer");
     open_tap<RangeSample>(context, SensorTopic::kRangefinder, "rangefinder");
+    open_tap<AirspeedSample>(context, SensorTopic::kAirspeed, "airspeed");
   }
 
   void open_topics(PluginContext& context) {
@@ -264,6 +265,8 @@ class FaultPlugin final : public Plugin {
         return apply(std::get<SensorTap<BarometerSample>>(taps_));
       case SensorTopic::kRangefinder:
         return apply(std::get<SensorTap<RangeSample>>(taps_));
+      case SensorTopic::kAirspeed:
+        return apply(std::get<SensorTap<AirspeedSample>>(taps_));
     }
   }
 
@@ -329,7 +332,7 @@ class FaultPlugin final : public Plugin {
   double hover_power_ = 0;
   double power_ = 0;  // k_m w^3 of all rotors
   std::tuple<SensorTap<ImuSample>, SensorTap<GpsSample>, SensorTap<MagnetometerSample>,
-             SensorTap<BarometerSample>, SensorTap<RangeSample>>
+             SensorTap<BarometerSample>, SensorTap<RangeSample>, SensorTap<AirspeedSample>>
       taps_;
   Publisher<PropulsionHealth> health_;
   Publisher<GustCommand> gust_;

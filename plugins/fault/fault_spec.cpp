@@ -31,7 +31,7 @@ struct FieldName {
   SampleField field;
 };
 
-constexpr std::array<FieldName, 8> kFields{
+constexpr std::array<FieldName, 9> kFields{
     {{SensorTopic::kImu, "specific_force", "m_s2", 1.0, SampleField::kSpecificForce},
      {SensorTopic::kImu, "angular_rate", "deg_s", base::kRadPerDeg, SampleField::kAngularRate},
      {SensorTopic::kGps, "position", "m", 1.0, SampleField::kPosition},
@@ -39,17 +39,19 @@ constexpr std::array<FieldName, 8> kFields{
      {SensorTopic::kMagnetometer, "field", "gauss", 1.0, SampleField::kField},
      {SensorTopic::kBarometer, "pressure", "pa", 1.0, SampleField::kPressure},
      {SensorTopic::kBarometer, "temperature", "degc", 1.0, SampleField::kTemperature},
-     {SensorTopic::kRangefinder, "distance", "m", 1.0, SampleField::kDistance}}};
+     {SensorTopic::kRangefinder, "distance", "m", 1.0, SampleField::kDistance},
+     {SensorTopic::kAirspeed, "differential_pressure", "pa", 1.0,
+      SampleField::kDifferentialPressure}}};
 
 /// In the order of SensorTopic; also the names of their plugins.
-constexpr std::array<std::string_view, 5> kSensorWords{"imu", "gps", "magnetometer", "barometer",
-                                                       "rangefinder"};
+constexpr std::array<std::string_view, 6> kSensorWords{"imu",       "gps",         "magnetometer",
+                                                       "barometer", "rangefinder", "airspeed"};
 
 SensorTopic parse_topic(const ConfigNode& node) {
   const auto word = node.as<std::string>();
   const auto found = std::ranges::find(kSensorWords, word);
   if (found != kSensorWords.end()) return static_cast<SensorTopic>(found - kSensorWords.begin());
-  node.fail("must be imu, gps, magnetometer, barometer or rangefinder" +
+  node.fail("must be imu, gps, magnetometer, barometer, rangefinder or airspeed" +
             base::did_you_mean(word, kSensorWords));
 }
 

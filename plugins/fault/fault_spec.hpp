@@ -15,7 +15,14 @@
 
 namespace cas::sim {
 
-enum class SensorTopic : std::uint8_t { kImu, kGps, kMagnetometer, kBarometer, kRangefinder };
+enum class SensorTopic : std::uint8_t {
+  kImu,
+  kGps,
+  kMagnetometer,
+  kBarometer,
+  kRangefinder,
+  kAirspeed,
+};
 
 /// The part of a sample that a fault changes.
 enum class SampleField : std::uint8_t {
@@ -27,6 +34,7 @@ enum class SampleField : std::uint8_t {
   kPressure,
   kTemperature,
   kDistance,
+  kDifferentialPressure,
 };
 
 enum class SensorEffect : std::uint8_t {

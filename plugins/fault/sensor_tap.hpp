@@ -53,6 +53,12 @@ class SampleAccess {
   void write(RangeSample& s, SampleField, const Eigen::Vector3d& value) const {
     s.distance_m = value.x();
   }
+  Eigen::Vector3d read(const AirspeedSample& s, SampleField) const {
+    return {s.differential_pressure_pa, 0, 0};
+  }
+  void write(AirspeedSample& s, SampleField, const Eigen::Vector3d& value) const {
+    s.differential_pressure_pa = value.x();
+  }
 
   static void turn(ImuSample& s, const Eigen::Matrix3d& turn) {
     s.specific_force_B = turn * s.specific_force_B;

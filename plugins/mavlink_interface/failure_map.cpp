@@ -64,6 +64,17 @@ constexpr std::array kFailures{
     Failure{
         Unit::kDistanceSensor, Type::kIntermittent, {"drop: {sensor: rangefinder, share: 0.5}"}},
 
+    Failure{Unit::kAirspeed, Type::kOff, {"drop: airspeed"}},
+    Failure{Unit::kAirspeed, Type::kStuck, {"freeze: airspeed"}},
+    Failure{Unit::kAirspeed,
+            Type::kGarbage,
+            {"noise: {sensor: airspeed, differential_pressure_pa: 500}"}},
+    Failure{
+        Unit::kAirspeed, Type::kWrong, {"scale: {sensor: airspeed, differential_pressure: 0.5}"}},
+    Failure{Unit::kAirspeed, Type::kSlow, {"drop: {sensor: airspeed, all_but: 10}"}},
+    Failure{Unit::kAirspeed, Type::kDelayed, {"delay: {sensor: airspeed, by_s: 0.5}"}},
+    Failure{Unit::kAirspeed, Type::kIntermittent, {"drop: {sensor: airspeed, share: 0.5}"}},
+
     Failure{Unit::kBattery, Type::kOff, {"voltage_share: 0"}},
 
     Failure{Unit::kMotor, Type::kOff, {"rotor: {number: $rotor, stop: true}"}},
@@ -87,6 +98,8 @@ std::uint8_t sensor_of(Unit unit) {
       return kPartGps;
     case Unit::kDistanceSensor:
       return kPartRangefinder;
+    case Unit::kAirspeed:
+      return kPartAirspeed;
     default:
       return 0;
   }

@@ -17,6 +17,7 @@ enum VehiclePart : std::uint8_t {
   kPartMagnetometer = 1U << 2U,
   kPartBarometer = 1U << 3U,
   kPartRangefinder = 1U << 4U,
+  kPartAirspeed = 1U << 5U,
 };
 
 /// Parts of a vehicle that can fail.

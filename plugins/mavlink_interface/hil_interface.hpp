@@ -89,7 +89,7 @@ class HilInterface {
     take(magnetometer_, sample, kPartMagnetometer);
   }
   void on_barometer(const BarometerSample& sample) { take(barometer_, sample, kPartBarometer); }
-  void on_airspeed(const AirspeedSample& sample) { airspeed_ = sample; }
+  void on_airspeed(const AirspeedSample& sample) { take(airspeed_, sample, kPartAirspeed); }
   void on_range(const RangeSample& sample) { take(range_, sample, kPartRangefinder); }
   void on_battery(const BatterySample& sample) { battery_ = sample; }
   /// A message of a plugin, for the next flush(). @return false when too many wait already

@@ -15,7 +15,7 @@ void BatteryModel::advance(double shaft_power_w, double dt) {
     return;
   }
   constexpr double kSecondsPerHour = 3600;
-  const double open_v = params_.empty_v + charge_ * (params_.full_v - params_.empty_v);
+  const double open_v = params_.open_v(charge_) - rc_v_[0] - rc_v_[1];
   const double power_w = shaft_power_w / params_.efficiency;
   const double r = params_.resistance_ohm;
 
@@ -25,6 +25,11 @@ void BatteryModel::advance(double shaft_power_w, double dt) {
   current_a_ = voltage_v_ > 0 ? power_w / voltage_v_ : 0.0;
   const double used_ah = current_a_ * dt / kSecondsPerHour;
   charge_ = std::max(0.0, charge_ - used_ah / params_.capacity_ah);
+  for (std::size_t k = 0; k < rc_v_.size(); ++k) {
+    const base::RcPair& pair = params_.rc_pairs[k];
+    rc_v_[k] +=
+        (pair.resistance_ohm * current_a_ - rc_v_[k]) * -std::expm1(-dt / pair.time_constant_s);
+  }
 }
 
 }  // namespace cas::sim

@@ -1,13 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
+
 #include "base/config/vehicle.hpp"
 
 namespace cas::sim {
 
-/// A battery that feeds the rotors: open-circuit voltage falls linearly with the charge, the inner
-/// resistance takes the rest; empty, it gives nothing any more. Temperature and recovery after load
-/// are not modelled.
+/// A battery at a moment.
+struct BatteryReading {
+  double voltage_v = 0;
+  double current_a = 0;
+  double used_ah = 0;
+  double charge = 1;  ///< 1 full, 0 empty
+};
+
+/// A battery that feeds rotors by the power of their shafts: base::BatteryParams; empty, it gives
+/// nothing any more. Motors with a circuit have MotorCircuit instead.
 class BatteryModel {
  public:
   BatteryModel() = default;
@@ -22,10 +31,12 @@ class BatteryModel {
   double used_ah() const { return (1 - charge_) * params_.capacity_ah; }
   /// Speed that a rotor reaches over the speed it would reach on a full battery at rest.
   double speed_share() const { return voltage_v_ / params_.full_v; }
+  BatteryReading reading() const { return {voltage_v_, current_a_, used_ah(), charge_}; }
 
  private:
   base::BatteryParams params_;
   double charge_ = 1;
+  std::array<double, 2> rc_v_{};  // of the RC pairs
   double voltage_v_ = 0;
   double current_a_ = 0;
 };

@@ -88,8 +88,7 @@ base::RotorVector MotorMixer::from_motor_outputs(const ActuatorValues& outputs) 
     const base::RotorParams& params = rotors_[i].params;
     const double least = params.reversible ? -1.0 : 0.0;
     const double u = std::clamp(value_of(outputs, rotors_[i].output), least, 1.0);
-    omega[static_cast<Eigen::Index>(i)] =
-        params.omega_idle_rad_s + u * (params.omega_max_rad_s - params.omega_idle_rad_s);
+    omega[static_cast<Eigen::Index>(i)] = rotors_[i].speed_at(u);
   }
   return omega;
 }

@@ -15,8 +15,9 @@ namespace cas::sim {
 /// Control inputs go through the inverse of [HILS] Eq. (3), with omega^2 held in
 /// [idle^2, max^2]; with more or fewer than four rotors through the pseudo-inverse. Motor outputs u
 /// in 0..1 give idle + u (max - idle), the law of PX4's simulated iris (100 + 1000 u, at most
-/// 1100 rad/s), and in -1..0 of a `reversible` rotor u max; servo outputs in -1..1 give tilts. A
-/// disarmed vehicle's rotors are asked to stop, its servos to stand upright.
+/// 1100 rad/s), or what a circuit makes of that duty, and in -1..0 of a `reversible` rotor u max;
+/// servo outputs in -1..1 give tilts. A disarmed vehicle's rotors are asked to stop, its servos to
+/// stand upright.
 class MotorMixer {
  public:
   MotorMixer() = default;

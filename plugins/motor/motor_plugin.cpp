@@ -27,6 +27,8 @@ namespace {
 constexpr double kTurning_rad_s = 1.0;
 /// Samples of the battery: often enough for a failsafe, and little on a serial line.
 constexpr double kBattery_hz = 2.0;
+/// As many values as a figure keeps.
+constexpr double kFigures_hz = 50.0;
 
 /// The vehicle's forces of propulsion and air: drives the rotors from topic `motor_command`;
 /// publishes their speeds on `rotor_speeds` and the battery, if any, on `battery`. Topic
@@ -45,8 +47,13 @@ class MotorPlugin final : public Plugin {
     esc_ = EscDelay(vehicle, context.step());
     rotors_ = std::make_unique<RotorModel>(vehicle);
     if (vehicle.battery) {
-      full_battery_.emplace(*vehicle.battery);
+      if (!rotors_->has_circuit()) full_battery_.emplace(*vehicle.battery);
       measured_ = context.bus().advertise<BatterySample>(context.topic("battery"));
+    }
+    if (rotors_->has_circuit()) {
+      for (int i = 1; i <= vehicle.rotor_count(); ++i) {
+        motor_currents_.push_back(context.figure("current of motor " + std::to_string(i), "A"));
+      }
     }
     battery_ = full_battery_;
     context.add_force_model(*rotors_);
@@ -80,12 +87,15 @@ class MotorPlugin final : public Plugin {
     now_ = step.time;
     if (esc_.is_used()) asked_ = esc_.held(now_);
     if (battery_) advance_battery(step, world, states);
+    if (rotors_->has_circuit()) look_at_circuit(step, states);
     if (battery_ || esc_.is_used()) drive();
   }
 
   void reset() override {
     battery_ = full_battery_;
+    reading_ = {};
     battery_due_.reset();
+    figures_due_.reset();
     health_ = {};
     asked_.setZero();
     driven_.setZero();
@@ -101,9 +111,10 @@ class MotorPlugin final : public Plugin {
 
   std::string stats_json() const override {
     nlohmann::ordered_json figures;
-    if (battery_) {
-      figures["battery_v"] = six_decimals(battery_->voltage_v());
-      figures["battery_charge"] = six_decimals(battery_->charge());
+    if (battery_ || rotors_->has_circuit()) {
+      const BatteryReading last = battery_ ? battery_->reading() : reading_;
+      figures["battery_v"] = six_decimals(last.voltage_v);
+      figures["battery_charge"] = six_decimals(last.charge);
     }
     for (const Strike& strike : strikes_) {
       figures["rotor_strikes"].push_back(
@@ -125,11 +136,28 @@ class MotorPlugin final : public Plugin {
         rotors_->shaft_powers(world.state(vehicle_), world.environment(vehicle_), states);
     battery_->advance(powers_w.sum(), base::to_seconds(step.dt));
     if (!battery_due_.due(step.time)) return;
-    measured_.publish({.time = step.time,
-                       .voltage_v = health_.voltage_share * battery_->voltage_v(),
-                       .current_a = battery_->current_a(),
-                       .used_ah = battery_->used_ah(),
-                       .charge = battery_->charge()});
+    BatteryReading reading = battery_->reading();
+    reading.voltage_v *= health_.voltage_share;
+    publish(step.time, reading);
+  }
+
+  /// The circuits' battery was carried by the integrator.
+  void look_at_circuit(const StepInfo& step, std::span<const double> states) {
+    const MotorCircuit::Supply supply = rotors_->supply(states);
+    reading_ = rotors_->battery(supply, states);
+    if (battery_due_.due(step.time)) publish(step.time, reading_);
+    if (!figures_due_.due(step.time)) return;
+    for (std::size_t i = 0; i < motor_currents_.size(); ++i) {
+      motor_currents_[i].publish({step.time, supply.motor_a[i]});
+    }
+  }
+
+  void publish(base::SimTime time, const BatteryReading& reading) {
+    measured_.publish({.time = time,
+                       .voltage_v = reading.voltage_v,
+                       .current_a = reading.current_a,
+                       .used_ah = reading.used_ah,
+                       .charge = reading.charge});
   }
 
   /// A turning rotor whose disc touches the world or another vehicle stops, and stays so.
@@ -172,9 +200,13 @@ class MotorPlugin final : public Plugin {
     }
   }
 
-  /// Passes on the speeds that battery and rotors can follow.
+  /// Passes on the speeds that battery and rotors can follow; circuits feel the voltage themselves.
   void drive() {
-    const double voltage_share = health_.voltage_share * (battery_ ? battery_->speed_share() : 1.0);
+    double voltage_share = health_.voltage_share * (battery_ ? battery_->speed_share() : 1.0);
+    if (rotors_->has_circuit()) {
+      rotors_->set_voltage_share(health_.voltage_share);
+      voltage_share = 1;
+    }
     for (Eigen::Index i = 0; i < driven_.size(); ++i) {
       const auto rotor = static_cast<std::size_t>(i);
       if (health_.stuck[rotor]) continue;
@@ -200,12 +232,15 @@ class MotorPlugin final : public Plugin {
   std::optional<BodyDrag> drag_;
   std::optional<BatteryModel> full_battery_;
   std::optional<BatteryModel> battery_;
+  BatteryReading reading_;  ///< of the circuits' battery
   base::RateGate battery_due_{kBattery_hz};
+  base::RateGate figures_due_{kFigures_hz};
   PropulsionHealth health_;
   base::RotorVector asked_;
   base::RotorVector driven_;  ///< speeds that the rotors are to reach
   Publisher<RotorSpeeds> speeds_;
   Publisher<BatterySample> measured_;
+  std::vector<Publisher<FigureSample>> motor_currents_;
   Subscription command_;
   Subscription health_topic_;
 };

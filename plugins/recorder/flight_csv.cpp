@@ -19,10 +19,11 @@ std::string command_header(int values) {
 
 }  // namespace
 
-std::string truth_header(int rotors) {
+std::string truth_header(int rotors, bool has_airspeed) {
   std::string header =
       "time_s,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,roll_rad,pitch_rad,yaw_rad,p_rad_s,q_rad_s,r_rad_s";
   for (int i = 1; i <= rotors; ++i) header += ",omega" + std::to_string(i) + "_rad_s";
+  if (has_airspeed) header += ",airspeed_m_s";
   return header;
 }
 
@@ -32,21 +33,32 @@ int command_values(const base::Vehicle& vehicle) {
     most = std::max(most, rotor.output + 1);
     if (rotor.tilt) most = std::max(most, rotor.tilt->output + 1);
   }
+  if (!vehicle.aero) return most;
+  for (const base::ControlSurface& surface : vehicle.aero->surfaces) {
+    most = std::max(most, surface.output + 1);
+  }
   return most;
 }
 
-TruthRow truth_row(base::SimTime time, const BodyState& state, const base::RotorVector& omega) {
+TruthRow truth_row(base::SimTime time, const BodyState& state, const base::RotorVector& omega,
+                   std::optional<double> airspeed_m_s) {
   const Eigen::Vector3d p_N = base::swap_WN(state.p_WB);
   const Eigen::Vector3d v_N = base::swap_WN(state.v_WB);
   const Eigen::Vector3d rpy = base::euler_rpy(base::q_ND_from_q_WB(state.q_WB));
   const Eigen::Vector3d w_D = base::swap_BD(state.w_WB_B);
-  TruthRow row(kMotionColumns + omega.size());
-  row << base::to_seconds(time), p_N.x(), p_N.y(), -p_N.z(), v_N.x(), v_N.y(), -v_N.z(), rpy, w_D,
-      omega;
+  const Eigen::Index before = kMotionColumns + omega.size();
+  TruthRow row(before + (airspeed_m_s ? kAirspeedColumns : 0));
+  row.head(before) << base::to_seconds(time), p_N.x(), p_N.y(), -p_N.z(), v_N.x(), v_N.y(),
+      -v_N.z(), rpy, w_D, omega;
+  if (airspeed_m_s) row[before] = *airspeed_m_s;
   return row;
 }
 
-SensorCsv::SensorCsv(const base::ResultPlace& folder, int commands)
+double true_airspeed_m_s(const BodyState& state, const Environment& air) {
+  return (state.v_WB - air.wind_W).norm();
+}
+
+SensorCsv::SensorCsv(const base::ResultPlace& folder, int commands, bool has_airspeed)
     : imu_({folder.out, folder.file / "imu.csv"},
            "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2"),
       gps_({folder.out, folder.file / "gps.csv"},
@@ -57,7 +69,12 @@ SensorCsv::SensorCsv(const base::ResultPlace& folder, int commands)
                  "time_s,pressure_pa,temperature_degc"),
       range_({folder.out, folder.file / "rangefinder.csv"}, "time_s,distance_m,valid"),
       command_({folder.out, folder.file / "motor_command.csv"}, command_header(commands)),
-      commands_(commands) {}
+      commands_(commands) {
+  if (has_airspeed) {
+    airspeed_ =
+        CsvWriter({folder.out, folder.file / "airspeed.csv"}, "time_s,differential_pressure_pa");
+  }
+}
 
 void SensorCsv::write(const ImuSample& sample) {
   const Eigen::Vector3d w_D = base::swap_BD(sample.angular_rate_B);
@@ -86,6 +103,10 @@ void SensorCsv::write(const RangeSample& sample) {
   range_.row({base::to_seconds(sample.time), sample.distance_m, sample.valid ? 1.0 : 0.0});
 }
 
+void SensorCsv::write(const AirspeedSample& sample) {
+  airspeed_.row({base::to_seconds(sample.time), sample.differential_pressure_pa});
+}
+
 void SensorCsv::write(base::SimTime time, const MotorCommand& command) {
   constexpr std::size_t kBefore = 4;
   std::array<double, kBefore + base::kMaxOutputs> row{
@@ -100,7 +121,8 @@ void SensorCsv::write(base::SimTime time, const MotorCommand& command) {
 }
 
 void SensorCsv::close() {
-  for (CsvWriter* file : {&imu_, &gps_, &magnetometer_, &barometer_, &range_, &command_}) {
+  for (CsvWriter* file :
+       {&imu_, &gps_, &magnetometer_, &barometer_, &range_, &airspeed_, &command_}) {
     file->close();
   }
 }

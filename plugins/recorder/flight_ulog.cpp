@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 #include <string>
 
 #include "base/earth/frames.hpp"
@@ -21,6 +22,8 @@ enum Topic : std::uint16_t {
   kRange,
   kRotors,
   kCommand,
+  kAirspeedTruth,  // this and the next: of a vehicle with a pitot tube
+  kDifferentialPressure,
   kTopics,
 };
 
@@ -36,10 +39,12 @@ constexpr std::array<UlogTopic, kTopics> kLogged{
      {"sensor_baro", "float pressure;float temperature"},
      {"distance_sensor", "float current_distance;float min_distance;float max_distance;bool valid"},
      {"rotor_speeds", "omega_rad_s"},
-     {"motor_command", "values;uint8_t kind;bool armed"}}};
+     {"motor_command", "values;uint8_t kind;bool armed"},
+     {"airspeed_groundtruth", "float true_airspeed_m_s"},
+     {"differential_pressure", "float differential_pressure_pa"}}};
 
-/// Opens a log of the topics above, the last two of them with arrays of the vehicle's lengths.
-UlogFile open_log(const base::ResultPlace& place, int rotors, int commands) {
+/// Opens a log of the topics above, rotors and command with arrays of the vehicle's lengths.
+UlogFile open_log(const base::ResultPlace& place, int rotors, int commands, bool has_airspeed) {
   const auto array = [](int length, std::string_view fields) {
     return "float[" + std::to_string(length) + "] " + std::string(fields);
   };
@@ -48,15 +53,16 @@ UlogFile open_log(const base::ResultPlace& place, int rotors, int commands) {
   const std::string values = array(commands, logged[kCommand].fields);
   logged[kRotors].fields = speeds;
   logged[kCommand].fields = values;
-  return UlogFile(place, logged);
+  return UlogFile(place, std::span(logged).first(has_airspeed ? kTopics : kAirspeedTruth));
 }
 
 }  // namespace
 
-FlightUlog::FlightUlog(const base::ResultPlace& place, int rotors, int commands)
-    : commands_(commands), file_(open_log(place, rotors, commands)) {}
+FlightUlog::FlightUlog(const base::ResultPlace& place, int rotors, int commands, bool has_airspeed)
+    : commands_(commands), file_(open_log(place, rotors, commands, has_airspeed)) {}
 
-void FlightUlog::write_truth(base::SimTime time, const BodyState& state) {
+void FlightUlog::write_truth(base::SimTime time, const BodyState& state,
+                             std::optional<double> airspeed_m_s) {
   const Eigen::Quaterniond q = base::q_ND_from_q_WB(state.q_WB);
   file_.write(
       kPosition,
@@ -64,6 +70,7 @@ void FlightUlog::write_truth(base::SimTime time, const BodyState& state) {
   file_.write(kAttitude,
               UlogRecord(time).put_float(q.w()).put_float(q.x()).put_float(q.y()).put_float(q.z()));
   file_.write(kAngularVelocity, UlogRecord(time).put_floats(base::swap_BD(state.w_WB_B)));
+  if (airspeed_m_s) file_.write(kAirspeedTruth, UlogRecord(time).put_float(*airspeed_m_s));
 }
 
 void FlightUlog::write(const ImuSample& sample) {
@@ -101,6 +108,11 @@ void FlightUlog::write(const RangeSample& sample) {
                           .put_float(sample.min_m)
                           .put_float(sample.max_m)
                           .put(sample.valid));
+}
+
+void FlightUlog::write(const AirspeedSample& sample) {
+  file_.write(kDifferentialPressure,
+              UlogRecord(sample.time).put_float(sample.differential_pressure_pa));
 }
 
 void FlightUlog::write(const RotorSpeeds& speeds) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
+
 #include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/world.hpp"
@@ -14,15 +16,18 @@ class FlightUlog {
  public:
   FlightUlog() = default;
   /// @param rotors    of the vehicle
-  /// @param commands  see command_values(). @throws base::ConfigError
-  FlightUlog(const base::ResultPlace& place, int rotors, int commands);
+  /// @param commands  see command_values()
+  /// @param has_airspeed  the vehicle has a pitot tube. @throws base::ConfigError
+  FlightUlog(const base::ResultPlace& place, int rotors, int commands, bool has_airspeed);
 
-  void write_truth(base::SimTime time, const BodyState& state);
+  /// @param airspeed_m_s  of a vehicle with a pitot tube
+  void write_truth(base::SimTime time, const BodyState& state, std::optional<double> airspeed_m_s);
   void write(const ImuSample& sample);
   void write(const GpsSample& sample);
   void write(const MagnetometerSample& sample);
   void write(const BarometerSample& sample);
   void write(const RangeSample& sample);
+  void write(const AirspeedSample& sample);
   void write(const RotorSpeeds& speeds);
   void write(base::SimTime time, const MotorCommand& command);
   void close() { file_.close(); }

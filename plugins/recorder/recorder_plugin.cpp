@@ -24,6 +24,7 @@ class RecorderPlugin final : public Plugin {
     vehicle_ = context.vehicle_id();
     rotors_ = context.vehicle().rotor_count();
     commands_ = command_values(context.vehicle());
+    has_airspeed_ = context.bus().is_advertised(context.topic("airspeed"));
     speeds_ = standing();
     rate_ = base::RateGate(parse_rate(params, base::to_seconds(context.step())));
     output_ = context.output_dir();
@@ -63,10 +64,13 @@ class RecorderPlugin final : public Plugin {
 
  private:
   void open() {
-    truth_ = CsvWriter({output_, truth_file_}, truth_header(rotors_));
-    if (!sensor_dir_.empty()) sensors_.emplace(base::ResultPlace{output_, sensor_dir_}, commands_);
-    if (!ulog_file_.empty())
-      ulog_.emplace(base::ResultPlace{output_, ulog_file_}, rotors_, commands_);
+    truth_ = CsvWriter({output_, truth_file_}, truth_header(rotors_, has_airspeed_));
+    if (!sensor_dir_.empty()) {
+      sensors_.emplace(base::ResultPlace{output_, sensor_dir_}, commands_, has_airspeed_);
+    }
+    if (!ulog_file_.empty()) {
+      ulog_.emplace(base::ResultPlace{output_, ulog_file_}, rotors_, commands_, has_airspeed_);
+    }
   }
 
   RotorSpeeds standing() const {
@@ -75,9 +79,11 @@ class RecorderPlugin final : public Plugin {
 
   void write_truth(base::SimTime time, const World& world) {
     const BodyState& state = world.state(vehicle_);
-    const TruthRow row = truth_row(time, state, speeds_.omega_rad_s);
+    std::optional<double> airspeed_m_s;
+    if (has_airspeed_) airspeed_m_s = true_airspeed_m_s(state, world.environment(vehicle_));
+    const TruthRow row = truth_row(time, state, speeds_.omega_rad_s, airspeed_m_s);
     truth_.row({row.data(), static_cast<std::size_t>(row.size())});
-    if (ulog_) ulog_->write_truth(time, state);
+    if (ulog_) ulog_->write_truth(time, state, airspeed_m_s);
   }
 
   template <class Sample>
@@ -101,6 +107,7 @@ class RecorderPlugin final : public Plugin {
     listen<MagnetometerSample>(context, "magnetometer");
     listen<BarometerSample>(context, "barometer");
     listen<RangeSample>(context, "rangefinder");
+    if (has_airspeed_) listen<AirspeedSample>(context, "airspeed");
     subscriptions_.push_back(context.bus().subscribe<MotorCommand>(
         context.topic("motor_command"),
         [this](const MotorCommand& command) {
@@ -113,6 +120,7 @@ class RecorderPlugin final : public Plugin {
   VehicleId vehicle_{};
   int rotors_ = 0;
   int commands_ = 0;
+  bool has_airspeed_ = false;  // a plugin in front of this one publishes `airspeed`
   base::RateGate rate_;
   std::filesystem::path output_;
   std::filesystem::path truth_file_;  // relative to output_, as the next two

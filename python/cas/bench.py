@@ -240,7 +240,7 @@ class Bench:
             link = {"name": "fcu", "type": "serial", "device": "${CAS_RUNTIME_DIR}/fcu0",
                     "baud": 0 if self.lockstep else int(self._line.get("baud", 0))}
         log = {"log": {"folder": str(self.folder), "tlog": "flight.tlog", "overwrite": True,
-                       "free_space_min_mib": 0}} if self._keep else {}
+                       "keep": {"free_space_min_mib": 0}}} if self._keep else {}
         return {"schema": 1, "pace": self._pace(), "gains": "gains.yaml",
                 "command_port": {"address": "127.0.0.1", "port": 0, "unix": str(self._places / "casd.sock")},
                 "links": [{"name": "sim", "type": "udp", "local": "127.0.0.1:0", **queue}, {**link, **queue}, *self._links],

@@ -310,7 +310,7 @@ void replug(int times) {
   }
   row("line pulled for 0.2 s and plugged in again, x " + std::to_string(times),
       text("back p50 %.1f ms, max %.1f ms; ", quantile(back_ms, 0.5), quantile(back_ms, 1)) +
-          std::to_string(stale) + " HIL_SENSOR of before");
+          std::to_string(stale) + " HIL_SENSOR from before the pull");
 }
 
 void reload(int times) {

@@ -28,9 +28,12 @@ using mav::services::RemoteLogBlockStatus;
 
 class CasdAutopilotLog : public testing::Test {
  protected:
-  /// @param keys  of log.autopilot beside its folder
-  void start(const std::string& keys, const std::string& link_keys = "") {
-    start_with("{autopilot: {folder: " + (folder / "rec").string() + keys + "}}", link_keys);
+  /// @param keep  keys of log.keep
+  void start(const std::string& keep, const std::string& link_keys = "",
+             const std::string& autopilot = "") {
+    start_with("{folder: " + (folder / "rec").string() + ", keep: {" + keep + "}, autopilot: {" +
+                   autopilot + "}}",
+               link_keys);
   }
   void start_with(const std::string& log, const std::string& link_keys = "") {
     const std::string topology = folder.write(
@@ -83,7 +86,7 @@ std::string message(std::uint64_t time_us) {
 }
 
 TEST_F(CasdAutopilotLog, Px4sLogIsAFileWithADropoutWhereAPieceIsLost) {
-  start(", free_space_min_mib: 0");
+  start("free_space_min_mib: 0");
   UdpAutopilot px4(MavAutopilot::kPx4);
   px4.socket.set_remote(port);
   px4.answers = false;
@@ -114,7 +117,7 @@ TEST_F(CasdAutopilotLog, Px4sLogIsAFileWithADropoutWhereAPieceIsLost) {
 }
 
 TEST_F(CasdAutopilotLog, ArduPilotsBlocksAreInTheirPlaces) {
-  start(", free_space_min_mib: 0");
+  start("free_space_min_mib: 0");
   UdpAutopilot apm(MavAutopilot::kArdupilotmega);
   apm.socket.set_remote(port);
   ASSERT_TRUE(speaks_until(apm, [&] {
@@ -138,7 +141,7 @@ TEST_F(CasdAutopilotLog, ArduPilotsBlocksAreInTheirPlaces) {
 }
 
 TEST_F(CasdAutopilotLog, RunsFromArmingToDisarming) {
-  start(", free_space_min_mib: 0, while_armed: true");
+  start("free_space_min_mib: 0", "", "while_armed: true");
   UdpAutopilot px4(MavAutopilot::kPx4);
   px4.socket.set_remote(port);
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.requests >= 2; })) << "it is known";
@@ -154,7 +157,7 @@ TEST_F(CasdAutopilotLog, RunsFromArmingToDisarming) {
 }
 
 TEST_F(CasdAutopilotLog, OfOtherVehiclesThanThoseOfTheTopologyAreNotTaken) {
-  start(", free_space_min_mib: 0, systems: [2]");
+  start("free_space_min_mib: 0", "", "systems: [2]");
   UdpAutopilot other(MavAutopilot::kPx4);
   other.socket.set_remote(port);
   UdpAutopilot wanted(MavAutopilot::kPx4);
@@ -171,7 +174,7 @@ TEST_F(CasdAutopilotLog, OfOtherVehiclesThanThoseOfTheTopologyAreNotTaken) {
 }
 
 TEST_F(CasdAutopilotLog, InventedVehiclesOfALinkKeepNoneOfAnotherLinkOut) {
-  start(", free_space_min_mib: 0", "}\n  - {name: line, type: udp_server, local: \"127.0.0.1:0\"");
+  start("free_space_min_mib: 0", "}\n  - {name: line, type: udp_server, local: \"127.0.0.1:0\"");
   std::deque<UdpAutopilot> flood;
   for (std::uint8_t system = 101; system <= 118; ++system) {
     flood.emplace_back(MavAutopilot::kPx4).encoder = mav::Encoder({system, 1});
@@ -228,7 +231,7 @@ TEST_F(CasdAutopilotLog, SaysAtTheStartThatAFolderTakesNoFiles) {
 }
 
 TEST_F(CasdAutopilotLog, PausesAtALimitAndSaysSo) {
-  start(", free_space_min_mib: 1e8");  // more than any disk has
+  start("free_space_min_mib: 1e8");  // more than any disk has
   UdpAutopilot px4(MavAutopilot::kPx4);
   px4.socket.set_remote(port);
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts == 1; }));
@@ -250,7 +253,7 @@ TEST_F(CasdAutopilotLog, StatusTellsOfEachVehiclesLogAndTheOldestFilesGo) {
   folder.write("rec/2026-01-01T00-00-00Z-v1.ulg", "x");
   folder.write("rec/2026-01-02T00-00-00Z-v7.bin", "x");
   folder.write("rec/mine.ulg", "x");
-  start(", free_space_min_mib: 0, max_files: 2");
+  start("free_space_min_mib: 0, max_files: 2");
   EXPECT_NE(casctl({"status"}).find("/rec; no vehicle yet"), std::string::npos);
   UdpAutopilot px4(MavAutopilot::kPx4);
   px4.socket.set_remote(port);
@@ -273,7 +276,7 @@ TEST_F(CasdAutopilotLog, StatusTellsOfEachVehiclesLogAndTheOldestFilesGo) {
 }
 
 TEST_F(CasdAutopilotLog, DoctorTellsOfAnArmedAutopilotThatSendsNone) {
-  start(", free_space_min_mib: 0");
+  start("free_space_min_mib: 0");
   UdpAutopilot px4(MavAutopilot::kPx4);
   px4.socket.set_remote(port);
   px4.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kSafetyArmed;
@@ -286,7 +289,7 @@ TEST_F(CasdAutopilotLog, DoctorTellsOfAnArmedAutopilotThatSendsNone) {
 }
 
 TEST_F(CasdAutopilotLog, BeginsAnotherFileForOneThatWasDeleted) {
-  start(", free_space_min_mib: 0");
+  start("free_space_min_mib: 0");
   UdpAutopilot px4(MavAutopilot::kPx4);
   px4.socket.set_remote(port);
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts == 1; }));
@@ -317,7 +320,7 @@ TEST_F(CasdAutopilotLog, BeginsAnotherFileForOneThatWasDeleted) {
 TEST_F(CasdAutopilotLog, PausesBeforeAllLogsTakeMoreThanTheyMay) {
   constexpr std::uintmax_t kMost = 1024 * 1024;
   folder.write("rec/old.ulg", std::string(kMost - 500, 'x'));
-  start(", free_space_min_mib: 0, max_mib: 1");
+  start("free_space_min_mib: 0, max_mib: 1");
   const auto taken = [&] {
     std::uintmax_t sum = 0;
     for (const fs::path& file : files()) sum += fs::file_size(file);
@@ -351,7 +354,7 @@ TEST_F(CasdAutopilotLog, OldLogsMakeRoomForNewOnesWhereTheTopologySaysSo) {
   const fs::path old =
       folder.write("rec/2026-01-01T00-00-00Z-v1.ulg", std::string(1024 * 1024 - 500, 'x'));
   const fs::path mine = folder.write("rec/mine.ulg", "x");
-  start(", free_space_min_mib: 0, max_mib: 1, delete_oldest: true");
+  start("free_space_min_mib: 0, max_mib: 1");
   UdpAutopilot px4(MavAutopilot::kPx4);
   px4.socket.set_remote(port);
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts == 1; }));
@@ -370,7 +373,7 @@ TEST_F(CasdAutopilotLog, OldLogsMakeRoomForNewOnesWhereTheTopologySaysSo) {
 }
 
 TEST_F(CasdAutopilotLog, GoesOnInAnotherFileWhenFilesMayGrowAgain) {
-  start(", free_space_min_mib: 0");
+  start("free_space_min_mib: 0");
   UdpAutopilot px4(MavAutopilot::kPx4);
   px4.socket.set_remote(port);
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts == 1; }));

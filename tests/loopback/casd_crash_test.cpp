@@ -57,7 +57,7 @@ TEST(CasdCrash, AVehicleFliesOnThroughKillRestartAndReload) {
     fixture.casd().signal(SIGKILL);
     fixture.connect();
     expect_flying(fixture, "kill " + std::to_string(round));
-    EXPECT_EQ(logs_in(fixture.folder.path()), round + 1) << "the log of before was written over";
+    EXPECT_EQ(logs_in(fixture.folder.path()), round + 1) << "the older log was written over";
   }
   fixture.casd().restart();
   fixture.connect();

@@ -123,7 +123,7 @@ class CasdRecording : public testing::Test {
 };
 
 TEST_F(CasdRecording, StaysInItsFolderWhateverAClientAsksFor) {
-  start("free_space_min_mib: 0");
+  start("keep: {free_space_min_mib: 0}");
   const auto around = files_in(fixture.folder.path());
   for (const char* name : {"/tmp/x.tlog", "../x", "a/../../x", "a/b", ".x", "..", "a\u0001b"}) {
     const std::string said = refusal("log.start", {{"file", name}});
@@ -145,7 +145,7 @@ TEST_F(CasdRecording, StaysInItsFolderWhateverAClientAsksFor) {
 }
 
 TEST_F(CasdRecording, FollowsNoSymlinkAndEmptiesNoFile) {
-  start("free_space_min_mib: 0");
+  start("keep: {free_space_min_mib: 0}");
   const fs::path victim = fixture.folder.write("victim", "theirs");
   const fs::path nothing = fixture.folder / "nothing";
   // A user with write access to the folder can predict the names.
@@ -166,7 +166,7 @@ TEST_F(CasdRecording, FollowsNoSymlinkAndEmptiesNoFile) {
 }
 
 TEST_F(CasdRecording, FromTheStartIsNamedByItsDateOrWrittenAnew) {
-  start("tlog: flight, free_space_min_mib: 0");
+  start("tlog: flight, keep: {free_space_min_mib: 0}");
   const std::string dated = call("log.status").at("file");
   EXPECT_NE(dated.find("Z-flight.tlog"), std::string::npos) << dated;
 
@@ -191,7 +191,7 @@ TEST_F(CasdRecording, OfOldOnesTheNewestStayAndNothingElseGoes) {
     fixture.folder.write(std::string("rec/") + name, "old");
   }
   fs::create_symlink(victim, fixture.folder / "rec/2026-10-01T00-00-00Z-a.tlog");
-  start("tlog: flight, free_space_min_mib: 0, max_files: 2");
+  start("tlog: flight, keep: {free_space_min_mib: 0, max_files: 2}");
   EXPECT_EQ(files_in(recordings), 4) << "the link, mine.tlog, the newest old one, the new one";
   EXPECT_TRUE(fs::exists(recordings / "2026-11-03T00-00-00Z-a.tlog"));
   EXPECT_NE(casd->output().find("2026-11-01T00-00-00Z-a.tlog, 2 files may stay"), std::string::npos)
@@ -210,7 +210,7 @@ TEST_F(CasdRecording, OfOldOnesTheNewestStayAndNothingElseGoes) {
 TEST_F(CasdRecording, DeletesOldOnesForANewOneWhereTheTopologySaysSo) {
   fixture.folder.write("rec/2026-11-01T00-00-00Z-a.tlog", std::string(1024 * 1024, 'x'));
   fixture.folder.write("rec/mine.tlog", "old");
-  start("tlog: flight, free_space_min_mib: 0, max_mib: 1, delete_oldest: true");
+  start("tlog: flight, keep: {free_space_min_mib: 0, max_mib: 1}");
   ASSERT_TRUE(send_until([&] { return call("log.status").at("recorded") > 5; }));
   EXPECT_FALSE(fs::exists(recordings / "2026-11-01T00-00-00Z-a.tlog"));
   EXPECT_TRUE(fs::exists(recordings / "mine.tlog"));
@@ -219,7 +219,7 @@ TEST_F(CasdRecording, DeletesOldOnesForANewOneWhereTheTopologySaysSo) {
 }
 
 TEST_F(CasdRecording, PausesWhileFilesMayNotGrowAndGoesOnByItself) {
-  start("tlog: flight, free_space_min_mib: 0");
+  start("tlog: flight, keep: {free_space_min_mib: 0}");
   ASSERT_TRUE(send_until([&] { return call("log.status").at("recorded") > 5; }));
   {
     const FileSizeLimit full(0, casd->pid());
@@ -245,7 +245,7 @@ TEST_F(CasdRecording, PausesWhileFilesMayNotGrowAndGoesOnByItself) {
 }
 
 TEST_F(CasdRecording, DoesNotCountWhatADeletedFileTookAlong) {
-  start("tlog: flight, free_space_min_mib: 0");
+  start("tlog: flight, keep: {free_space_min_mib: 0}");
   ASSERT_TRUE(send_until([&] { return call("log.status").at("recorded") > 5; }));
   const std::string deleted = call("log.status").at("file");
   fs::remove(deleted);
@@ -259,7 +259,7 @@ TEST_F(CasdRecording, DoesNotCountWhatADeletedFileTookAlong) {
 }
 
 TEST_F(CasdRecording, SaysWhichRecordingACallHasEnded) {
-  start("keep: 0");
+  start("rotate_mib: 0");
   EXPECT_NE(casctl({"log", "stop"}).find("no recording ran"), std::string::npos);
   EXPECT_EQ(casctl({"log", "start", "a"}).find("ended"), std::string::npos);
   const std::string file = call("log.status").at("file");
@@ -276,7 +276,8 @@ TEST_F(CasdRecording, GoesOnWhenAFullDiskHasRoomAgain) {
   fs::create_directory(fixture.folder / "rec");
   ChildProcess probe({"/usr/bin/unshare", "-rm", "/bin/sh", "-c", mount});
   if (probe.wait_exit() != 0) GTEST_SKIP() << "no disk can be mounted here: " << probe.output();
-  start("tlog: flight, free_space_min_mib: 0", {"/usr/bin/unshare", "-rm", "/bin/sh", "-c", mount});
+  start("tlog: flight, keep: {free_space_min_mib: 0}",
+        {"/usr/bin/unshare", "-rm", "/bin/sh", "-c", mount});
   const fs::path disk = "/proc/" + std::to_string(casd->pid()) + "/root" + recordings.string();
 
   std::ofstream(disk / "filler") << std::string(200 * 1024, 'x');
@@ -296,7 +297,7 @@ TEST_F(CasdRecording, GoesOnWhenAFullDiskHasRoomAgain) {
 }
 
 TEST_F(CasdRecording, LeavesRoomOnTheDisk) {
-  start("tlog: flight, free_space_min_mib: 1e8");  // more than any disk has
+  start("tlog: flight, keep: {free_space_min_mib: 1e8}");  // more than any disk has
   ASSERT_TRUE(send_until([&] { return is_paused(); }));
   const json status = call("log.status");
   EXPECT_EQ(status.at("paused"), "less than 100000000 MiB would stay free");
@@ -305,7 +306,7 @@ TEST_F(CasdRecording, LeavesRoomOnTheDisk) {
 }
 
 TEST_F(CasdRecording, RunsWhileAVehicleIsArmedAndKeepsWhatCameBefore) {
-  start("tlog: wing, while_armed: true, free_space_min_mib: 0");
+  start("tlog: wing, while_armed: true, keep: {free_space_min_mib: 0}");
   mavlink::common::Heartbeat heartbeat;
   heartbeat.type = mavlink::common::MavType::kQuadrotor;
   heartbeat.autopilot = mavlink::common::MavAutopilot::kPx4;
@@ -360,7 +361,7 @@ TEST_F(CasdRecording, ADiskThatHangsDelaysNobodyButTheRecording) {
   GTEST_SKIP() << "sanitizers want to be the first library";
 #endif
   const fs::path hang = fixture.folder.write("hang", "");
-  start("tlog: wing, while_armed: true, free_space_min_mib: 0",
+  start("tlog: wing, while_armed: true, keep: {free_space_min_mib: 0}",
         {"/usr/bin/env", "LD_PRELOAD=" + binary_dir() + "/tests/hanging_open.so",
          "CAS_TEST_HANG=" + hang.string(), "CAS_TEST_HANG_AT=.tlog", "/bin/sh", "-c", "true"});
   mavlink::common::Heartbeat heartbeat;
@@ -405,7 +406,7 @@ TEST_F(CasdRecording, ADiskThatHangsKeepsOnlyWhoAskedForARecordingWaiting) {
   GTEST_SKIP() << "sanitizers want to be the first library";
 #endif
   const fs::path hang = fixture.folder.write("hang", "");
-  start("free_space_min_mib: 0",
+  start("keep: {free_space_min_mib: 0}",
         {"/usr/bin/env", "LD_PRELOAD=" + binary_dir() + "/tests/hanging_open.so",
          "CAS_TEST_HANG=" + hang.string(), "CAS_TEST_HANG_AT=.tlog", "/bin/sh", "-c", "true"});
   ChildProcess asker({binary_dir() + "/bin/casctl", "--address", address, "log", "start", "mine"});

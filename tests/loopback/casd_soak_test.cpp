@@ -119,7 +119,7 @@ TEST(CasdSoak, NeedsNoMoreMemoryAfterTenMinutesUnderLoadThanAfterOne) {
   const auto file = fixture.folder.write(
       "topology.yaml", fixture.expand(R"(command_port: {port: 0, loopback_without_token: true}
 metrics: {port: 0}
-log: {folder: $DIR, tlog: soak, rotate_mib: 1, keep: 2}
+log: {folder: $DIR, tlog: soak, rotate_mib: 1, keep: {max_files: 2}}
 schema: 1
 links:
   - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}

@@ -56,7 +56,7 @@ class CasdService : public testing::Test {
   }
   void expect_nothing_old() {
     const auto seen = numbers(fixture.at_fcu, kHilSensor);
-    EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end())) << "a packet of before came late";
+    EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end())) << "an older packet came late";
   }
 
   CasdFixture fixture;

@@ -49,39 +49,50 @@ TEST(ServoPacket, RefusesWhatIsNeither) {
   EXPECT_FALSE(parse_servo_packet({}));
 }
 
-std::vector<base::Rotor> rotors_on(std::initializer_list<int> outputs) {
-  std::vector<base::Rotor> rotors;
-  for (const int output : outputs) rotors.emplace_back().output = output;
-  return rotors;
+base::Vehicle rotors_on(std::initializer_list<int> outputs) {
+  base::Vehicle vehicle;
+  for (const int output : outputs) vehicle.rotors.emplace_back().output = output;
+  return vehicle;
 }
 
 TEST(ServoPacket, PulsesBecomeOutputsAndThousandIsDisarmed) {
   ServoPacket packet;
   packet.pwm_us.fill(1000);
-  const std::vector<base::Rotor> rotors = rotors_on({0, 1, 2, 3});
-  EXPECT_FALSE(to_motor_command(packet, rotors).armed);
+  const base::Vehicle quad = rotors_on({0, 1, 2, 3});
+  EXPECT_FALSE(to_motor_command(packet, quad).armed);
   packet.pwm_us = {1703, 1150, 2100, 900};
-  const MotorCommand command = to_motor_command(packet, rotors);
+  const MotorCommand command = to_motor_command(packet, quad);
   EXPECT_TRUE(command.armed);
   EXPECT_EQ(command.kind, MotorCommand::Kind::kMotorOutputs);
   EXPECT_TRUE(command.values.head<4>().isApprox(Eigen::Vector4d(0.703, 0.15, 1, 0), 1e-12));
   packet.pwm_us = {};  // no output yet
-  EXPECT_FALSE(to_motor_command(packet, rotors).armed);
+  EXPECT_FALSE(to_motor_command(packet, quad).armed);
 }
 
 TEST(ServoPacket, TricoptersTailServoIsNoMotor) {
-  std::vector<base::Rotor> rotors = rotors_on({0, 1, 3});  // ArduPilot's: 1, 2, 4 and servo 7
-  rotors[2].tilt = base::TiltServo{.min_rad = -0.5, .max_rad = 0.5, .output = 6};
+  base::Vehicle tri = rotors_on({0, 1, 3});  // ArduPilot's: 1, 2, 4 and servo 7
+  tri.rotors[2].tilt = base::TiltServo{.min_rad = -0.5, .max_rad = 0.5, .output = 6};
   ServoPacket packet;
   packet.pwm_us.fill(1000);
   packet.pwm_us[6] = 1500;
-  EXPECT_FALSE(to_motor_command(packet, rotors).armed);  // a centred servo arms nothing
+  EXPECT_FALSE(to_motor_command(packet, tri).armed);  // a centred servo arms nothing
   packet.pwm_us[3] = 1400;
   packet.pwm_us[6] = 1250;
-  const MotorCommand command = to_motor_command(packet, rotors);
+  const MotorCommand command = to_motor_command(packet, tri);
   EXPECT_TRUE(command.armed);
   EXPECT_NEAR(command.values[3], 0.4, 1e-12);
   EXPECT_NEAR(command.values[6], -0.5, 1e-12);
+}
+
+TEST(ServoPacket, TurnsTheSurfacesOfAPlane) {
+  base::Vehicle plane = rotors_on({2});
+  plane.aero.emplace();
+  for (const int output : {0, 1, 3}) plane.aero->surfaces.emplace_back().output = output;
+  ServoPacket packet;
+  packet.pwm_us = {1250, 1500, 1600, 0};
+  const MotorCommand command = to_motor_command(packet, plane);
+  EXPECT_TRUE(command.armed);
+  EXPECT_TRUE(command.values.head<4>().isApprox(Eigen::Vector4d(-0.5, 0, 0.6, 0), 1e-12));
 }
 
 TEST(JsonState, IsForwardRightDownAndNorthEastDown) {
@@ -127,6 +138,9 @@ TEST(JsonState, IsOneLineWithoutASpaceBetweenNewlines) {
   EXPECT_EQ(text.find(' '), std::string::npos);
   state.range_m = 1.5;
   EXPECT_NE(to_text(state).find(",\"rng_1\":1.500000000}\n"), std::string::npos);
+  state.airspeed_m_s = to_airspeed_m_s(245, 1.225);
+  EXPECT_NE(to_text(state).find(",\"airspeed\":20.000000000}\n"), std::string::npos);
+  EXPECT_DOUBLE_EQ(to_airspeed_m_s(-245, 1.225), -20);
 }
 
 TEST(JsonState, NeverWritesWhatIsNoNumber) {

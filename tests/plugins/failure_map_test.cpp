@@ -72,7 +72,12 @@ INSTANTIATE_TEST_SUITE_P(
         MapCase{"ThereIsNoFifthMotor", {Unit::kMotor, Type::kOff, 5}, kQuad, {}},
         MapCase{"NoGyroAloneFallsSilent", {Unit::kGyro, Type::kOff}, kQuad, {}},
         MapCase{"NoServos", {Unit::kServo, Type::kOff}, kQuad, {}},
-        MapCase{"NoAirspeedEndsEither", {Unit::kAirspeed, Type::kOk}, kQuad, {}},
+        MapCase{"NoTubeNoFailure", {Unit::kAirspeed, Type::kOk}, kQuad, {}},
+        MapCase{"ATubeIsBlocked",
+                {Unit::kAirspeed, Type::kStuck},
+                {.sensors = kPartAirspeed, .rotors = 1},
+                {"{end: 'injected airspeed'}",
+                 "{name: 'injected airspeed', at_s: 0, freeze: airspeed}"}},
         MapCase{"AnUnknownUnit", {static_cast<Unit>(42), Type::kOff}, kQuad, {}},
         MapCase{"AnUnknownType", {Unit::kGps, static_cast<Type>(99)}, kQuad, {}}),
     [](const auto& test) { return test.param.name; });

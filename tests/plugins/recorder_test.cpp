@@ -80,7 +80,7 @@ TEST(RecorderPlugin, WritesFromTimeZeroAtItsRate) {
   harness.finish();
   const auto lines = lines_of(folder / "truth.csv");
   ASSERT_EQ(lines.size(), 102U);  // header, time zero, 100 samples
-  EXPECT_EQ(lines[0], truth_header(4));
+  EXPECT_EQ(lines[0], truth_header(4, false));
   EXPECT_EQ(lines[1].substr(0, 2), "0,");
   EXPECT_EQ(lines[2].substr(0, 5), "0.01,");
   EXPECT_EQ(lines[101].substr(0, 2), "1,");

@@ -35,12 +35,12 @@ void check_recording(const DoctorFacts& facts, Findings& all) {
                "casd cannot record in " + recording.value("folder", "?") + ": " +
                    recording["paused"].get<std::string>(),
                "mend this folder (`folder` of `log` in the topology): it must exist, "
-               "be casd's to write, and have room under `max_mib` and `free_space_min_mib`");
+               "be casd's to write, and have room under `keep` of `log`");
   }
   const std::string missing = recording.at("left_out").dump() + " packets are missing in it";
   if (recording.contains("paused")) {
     bad(all, "the recording pauses: " + recording["paused"].get<std::string>() + "; " + missing,
-        "mend the folder for recordings, or make room in it under free_space_min_mib and max_mib "
+        "mend the folder for recordings, or make room in it under `keep` "
         "of `log`; it goes on by itself");
   } else if (recording.value("left_out", 0) > 0) {
     warn(all, "the recording has gaps: " + missing,
@@ -75,7 +75,7 @@ void check_autopilot_logs(const DoctorFacts& facts, Findings& all) {
     return bad(all, "the logs of autopilots pause: " + logs->value("paused", "?"),
                "mend " + logs->value("folder", "?") +
                    ": it must be a folder that casd may write to, with room under "
-                   "free_space_min_mib and max_mib of `log.autopilot`; they go on by themselves");
+                   "`keep` of `log`; they go on by themselves");
   }
   for (const json& log : logs->value("vehicles", json::array())) {
     const json vehicle = log.at("vehicle");

@@ -18,7 +18,6 @@ namespace {
 constexpr double kBeyondAll = std::numeric_limits<double>::infinity();
 constexpr double kSameNormal = 0.9659;  // cosine of 15 degrees
 constexpr double kSameFace = 0.766;     // cosine of 40 degrees
-constexpr double kOneFace = 1 - 1e-6;   // cosine of 0.08 degree
 constexpr double kDeeper = 1e-4;        // m
 constexpr double kApart = 1e-4;         // m: points nearer than this count once
 constexpr double kSame = 1e-9;          // m: points as far as this from something are as far

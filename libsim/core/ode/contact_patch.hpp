@@ -10,6 +10,9 @@
 
 namespace cas::sim {
 
+/// Faces whose normals have a larger cosine between them (0.08 degree) count as one.
+inline constexpr double kOneFace = 1 - 1e-6;
+
 /// A point where two shapes overlap, as a collision finds it.
 struct ContactPoint {
   Eigen::Vector3d p_W = Eigen::Vector3d::Zero();   ///< m

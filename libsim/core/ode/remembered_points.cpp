@@ -8,12 +8,11 @@ namespace cas::sim {
 
 namespace {
 
-constexpr double kOutOfPlace = 5e-3;      // m: a point that has moved farther is another one
-constexpr double kFacesAlike = 1 - 1e-6;  // cosine of 0.08 degree
+constexpr double kOutOfPlace = 5e-3;  // m: a point that has moved farther is another one
 
 bool is_same(const ContactPoint& a, const ContactPoint& b) {
   return a.kind == b.kind && (a.p_W - b.p_W).norm() < kOutOfPlace &&
-         std::abs(a.face_W.dot(b.face_W)) > kFacesAlike;
+         std::abs(a.face_W.dot(b.face_W)) > kOneFace;
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ TEST_F(RecorderTest, SaysBetweenFlightsWhetherItCouldRecord) {
 
 TEST_F(RecorderTest, SaysBetweenFlightsThatALimitIsReached) {
   const auto filler = folder.write("old.tlog", std::string(1024 * 1024, 'x'));
-  Recorder recorder = make({.limits = {.max_bytes = 1024 * 1024}, .while_armed = true});
+  Recorder recorder = make({.keep = {.max_bytes = 1024 * 1024}, .while_armed = true});
   recorder.begin();
   const auto fault = [&] { return recorder.status(base::steady_now()).paused.value_or(""); };
   EXPECT_TRUE(cas::test::wait_until(
@@ -89,7 +89,7 @@ TEST_F(RecorderTest, SaysBetweenFlightsThatALimitIsReached) {
 TEST_F(RecorderTest, SaysBetweenFlightsThatNothingIsLeftToMakeRoom) {
   folder.write("2026-11-01T00-00-00Z-a.tlog", std::string(1024 * 1024, 'x'));
   Recorder recorder =
-      make({.limits = {.max_bytes = 1024 * 1024, .delete_oldest = true}, .while_armed = true});
+      make({.keep = {.max_bytes = 1024 * 1024, .delete_oldest = true}, .while_armed = true});
   recorder.begin();
   const auto fault = [&] { return recorder.status(base::steady_now()).paused.value_or(""); };
   folder.write("mine.tlog", std::string(1024 * 1024, 'x'));

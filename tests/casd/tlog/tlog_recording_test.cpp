@@ -24,8 +24,8 @@ constexpr std::uint64_t kGib = 1024 * kMib;
 
 struct RoomCase {
   const char* name;
-  TlogLimits limits;
-  TlogSpace space;
+  LogLimits limits;
+  LogSpace space;
   std::uint64_t more;
   std::optional<std::string> why;
 };

@@ -106,15 +106,12 @@ TEST(RouterImport, KeepsEndpointsAndFilters) {
             std::vector<std::uint8_t>{1});
   EXPECT_TRUE(topology.log.while_armed);
   EXPECT_EQ(topology.log.folder, "/var/log/flight-stack");
-  EXPECT_EQ(topology.log.limits.free_space_min_bytes, 1U << 30U);
-  EXPECT_TRUE(topology.log.limits.delete_oldest);
-  EXPECT_EQ(topology.log.max_files, 20);
+  EXPECT_EQ(topology.log.keep.free_space_min_bytes, 1U << 30U);
+  EXPECT_TRUE(topology.log.keep.delete_oldest);
+  EXPECT_EQ(topology.log.keep.max_files, 20);
+  EXPECT_EQ(topology.log.keep.max_bytes, 0U) << "would delete below 4 GiB";
   ASSERT_TRUE(topology.log.autopilot);
-  EXPECT_EQ(topology.log.autopilot->max_files, 20);
   EXPECT_TRUE(topology.log.autopilot->while_armed);
-  EXPECT_EQ(topology.log.autopilot->limits.free_space_min_bytes, 1U << 30U);
-  EXPECT_TRUE(topology.log.autopilot->limits.delete_oldest);
-  EXPECT_EQ(topology.log.autopilot->limits.max_bytes, 0U) << "would delete below 4 GiB";
   EXPECT_EQ(topology.duplicate_window, base::Duration::zero());
 }
 

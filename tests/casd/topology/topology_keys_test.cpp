@@ -97,6 +97,28 @@ TEST_F(TopologyKeys, ThatAreGoneAreNamedWithWhatHoldsWithoutThem) {
          "route_lifetime_s: is no longer a key: a system is no target");
   expect(cas::test::refusal([&] { with_link(link); }),
          "links[0].queue.gps_kib: is no longer a key");
+  for (const std::string key : {"max_mib", "max_files", "free_space_min_mib"}) {
+    expect(cas::test::refusal([&] { with_lines("log: {" + key + ": 1}\n"); }),
+           "log." + key + ": is no longer a key: write it in `log: {keep: {...}}`");
+    expect(cas::test::refusal([&] { with_lines("log: {autopilot: {" + key + ": 1}}\n"); }),
+           "log.autopilot." + key + ": is no longer a key: write it in `log: {keep: {...}}`");
+  }
+  expect(cas::test::refusal([&] { with_lines("log: {delete_oldest: true}\n"); }),
+         "log.delete_oldest: is no longer a key: with `log: {keep: {...}}` the oldest");
+  expect(cas::test::refusal([&] { with_lines("log: {autopilot: {delete_oldest: true}}\n"); }),
+         "log.autopilot.delete_oldest: is no longer a key: with `log: {keep: {...}}`");
+  expect(cas::test::refusal([&] { with_lines("log: {rotate_minutes: 1}\n"); }),
+         "log.rotate_minutes: is no longer a key: files of a recording are divided by size");
+  expect(cas::test::refusal([&] { with_lines("log: {autopilot: {folder: a}}\n"); }),
+         "log.autopilot.folder: is no longer a key: all logs go to the `folder` of `log`");
+}
+
+// Without the block casd deletes nothing.
+TEST_F(TopologyKeys, OfTheBlockKeepLetCasdDeleteOldLogs) {
+  EXPECT_FALSE(with_lines("log: {tlog: a}\n").log.keep.delete_oldest);
+  EXPECT_TRUE(with_lines("log: {keep: {}}\n").log.keep.delete_oldest);
+  EXPECT_EQ(with_lines("log: {keep: {}}\n").log.keep.max_bytes, std::nullopt);
+  EXPECT_EQ(with_lines("log: {keep: {max_mib: 0}}\n").log.keep.max_bytes, 0U);
 }
 
 TEST_F(TopologyKeys, OfAPriorityMeanRealTime) {

@@ -103,7 +103,7 @@ TEST(Topology, ReadsWhatGuardsALink) {
   const Topology topology = parse("dialect: " + dialect.string() + R"(
 schema: 1
 metrics: {}
-log: {folder: d, tlog: f.tlog, rotate_mib: 2, rotate_minutes: 1, keep: 5, max_mib: 10, while_armed: true}
+log: {folder: d, tlog: f.tlog, rotate_mib: 2, keep: {max_files: 5, max_mib: 10}, while_armed: true}
 links:
   - {name: a, type: udp, local: "[::1]:1", accept: {messages: [HEARTBEAT, 4242], systems: 1}}
   - {name: b, type: udp, local: "[::1]:2", signing: {key_file: k, link_id: 9, sign: false}}
@@ -117,10 +117,11 @@ links:
   EXPECT_EQ(topology.links[2].speed, 2);
   EXPECT_EQ(topology.dialect, dialect);
   EXPECT_EQ(topology.log.rotation.max_bytes, 2U * 1024 * 1024);
-  EXPECT_EQ(topology.log.rotation.max_age, std::chrono::minutes(1));
   EXPECT_EQ(topology.log.folder, "d");
-  EXPECT_EQ(topology.log.limits.max_bytes, 10U * 1024 * 1024);
-  EXPECT_EQ(topology.log.limits.free_space_min_bytes, 64U * 1024 * 1024);
+  EXPECT_EQ(topology.log.keep.max_bytes, 10U * 1024 * 1024);
+  EXPECT_EQ(topology.log.keep.max_files, 5);
+  EXPECT_EQ(topology.log.keep.free_space_min_bytes, 64U * 1024 * 1024);
+  EXPECT_TRUE(topology.log.keep.delete_oldest);
   EXPECT_TRUE(topology.log.while_armed);
   ASSERT_TRUE(topology.metrics);
   EXPECT_EQ(topology.metrics->port, 9790);
@@ -182,12 +183,8 @@ INSTANTIATE_TEST_SUITE_P(
                 "57600.5"},
         BadCase{"FractionOfAPeer", link("name: a, type: tcp_server, local: 'h:1', max_peers: 1.7"),
                 "1.7"},
-        BadCase{"DeletesAtNoLimit", kLinks + "log: {delete_oldest: true, free_space_min_mib: 0}\n",
-                "log.delete_oldest: needs a limit"},
-        BadCase{
-            "DeletesLogsOfAutopilotsAtNoLimit",
-            kLinks + "log: {autopilot: {delete_oldest: true, free_space_min_mib: 0, max_mib: 0}}\n",
-            "log.autopilot.delete_oldest: needs a limit"},
+        BadCase{"KeepsANumberOfFiles", kLinks + "log: {keep: 5}\n",
+                "log.keep: is a block {max_mib, max_files, free_space_min_mib} that holds for all"},
         BadCase{"NoUnixPath", kLinks + "command_port: {unix: ''}\n", "`none` means no Unix socket"},
         BadCase{"GroupWithoutASocket", kLinks + "command_port: {unix: none, unix_group: cas}\n",
                 "has no meaning with `unix: none`"},

@@ -20,6 +20,10 @@
 namespace cas::hils {
 namespace {
 
+constexpr const char* kHeader =
+    "time_s,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,roll_rad,pitch_rad,yaw_rad,p_rad_s,q_rad_s,r_rad_s,"
+    "omega1_rad_s,omega2_rad_s,omega3_rad_s,omega4_rad_s";
+
 class TrajectoryFile : public testing::Test {
  protected:
   void TearDown() override { std::filesystem::remove(file_); }
@@ -30,7 +34,8 @@ class TrajectoryFile : public testing::Test {
 };
 
 TEST_F(TrajectoryFile, ReadsTruthInTheRecordersColumns) {
-  std::ofstream(file_) << "time_s,x_m,...\n"
+  std::ofstream(file_) << kHeader
+                       << "\n"
                           "0,1,2,3,0,0,0,0.1,0.2,0.3,0,0,0,500,500,500,500\n"
                           "0.01,1.5,2,3e-1,0,0,0,0.1,0.2,-0.3,0,0,0,500,500,500,500\n";
   const auto samples = read_truth(file_);
@@ -41,8 +46,25 @@ TEST_F(TrajectoryFile, ReadsTruthInTheRecordersColumns) {
   EXPECT_DOUBLE_EQ(samples[1].pose.yaw_rad, -0.3);
 }
 
+TEST_F(TrajectoryFile, ReadsTheAirspeedBehindTheRotors) {
+  std::ofstream(file_) << kHeader
+                       << ",airspeed_m_s\n"
+                          "0,1,2,3,0,0,0,0.1,0.2,0.3,0,0,0,500,600,700,800,15.5\n";
+  const auto samples = read_truth(file_);
+  ASSERT_EQ(samples.size(), 1U);
+  EXPECT_EQ(samples[0].rotors, 4);
+  EXPECT_DOUBLE_EQ(samples[0].omega_rad_s[3], 800);
+  EXPECT_EQ(samples[0].airspeed_m_s, 15.5);
+}
+
+TEST_F(TrajectoryFile, RefusesAnotherHeader) {
+  std::ofstream(file_) << "time_s,x_m\n0,1\n";
+  const std::string said = test::refusal([&] { read_truth(file_); });
+  EXPECT_NE(said.find(":1: not a header of truth.csv"), std::string::npos) << said;
+}
+
 TEST_F(TrajectoryFile, NamesTheLineThatIsNoRow) {
-  std::ofstream(file_) << "time_s\n0,1,2,oops\n";
+  std::ofstream(file_) << kHeader << "\n0,1,2,oops\n";
   const std::string said = test::refusal([&] { read_truth(file_); });
   EXPECT_NE(said.find(":2:"), std::string::npos) << said;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/tlog/tlog_folder.hpp"
+#include "casd/tlog/log_folder.hpp"
 #include "casd/autopilot_log/log_files.hpp"
 
 #include <fcntl.h>
@@ -52,7 +52,7 @@ class OldRecordings : public testing::Test {
   }
   Names remove(std::size_t keep, const std::string& current = "") {
     write_all_at_once(folder_.path());
-    return TlogFolder(folder_.path()).remove_oldest(keep, current);
+    return LogFolder(folder_.path()).remove_oldest(keep, current);
   }
   cas::test::TemporaryFolder folder_;
 };
@@ -69,7 +69,7 @@ TEST_F(OldRecordings, GoByDateThenByNumber) {
 TEST_F(OldRecordings, GoByTheirLastWriteWhateverTheClockSaidAtFirst) {
   write_all_at_once(folder_.path());
   fs::last_write_time(folder_ / kOld, fs::file_time_type::clock::now() + std::chrono::hours(1));
-  const TlogFolder folder(folder_.path());
+  const LogFolder folder(folder_.path());
   EXPECT_EQ(folder.remove_oldest(1, ""), (Names{kMiddle, kNew}));
 }
 
@@ -100,7 +100,7 @@ TEST_F(OldRecordings, OthersFilesSymlinksAndTheCurrentOneStay) {
 }
 
 TEST_F(OldRecordings, AFileThatIsBeingWrittenStays) {
-  const TlogFolder folder(folder_.path());
+  const LogFolder folder(folder_.path());
   const std::string written = "2026-11-01T10-00-00Z-other.tlog";
   {
     const base::Descriptor file = folder.make(written);
@@ -129,10 +129,10 @@ TEST_F(OldRecordings, GoWhenARecordingBeginsAndWhenItContinues) {
 }
 
 TEST_F(OldRecordings, MakeRoomAsFarAsItIsNeeded) {
-  const TlogFolder folder(folder_.path());
+  const LogFolder folder(folder_.path());
   folder_.write("mine.tlog", "xxxx");  // counts, and stays
   write_all_at_once(folder_.path());
-  const TlogLimits limits{.free_space_min_bytes = 0, .max_bytes = 8, .delete_oldest = true};
+  const LogLimits limits{.free_space_min_bytes = 0, .max_bytes = 8, .delete_oldest = true};
   EXPECT_EQ(folder.make_room(limits, 1, ""), Names{});
   EXPECT_EQ(folder.make_room(limits, 3, ""), (Names{kOld, kMiddle}));
   EXPECT_EQ(folder.make_room(limits, 4, kNew), Names{}) << "it is written";
@@ -141,14 +141,14 @@ TEST_F(OldRecordings, MakeRoomAsFarAsItIsNeeded) {
 }
 
 TEST_F(OldRecordings, StayWhereAllOfThemWouldNotSuffice) {
-  const TlogFolder folder(folder_.path());
-  const TlogLimits small{.free_space_min_bytes = 0, .max_bytes = 8, .delete_oldest = true};
+  const LogFolder folder(folder_.path());
+  const LogLimits small{.free_space_min_bytes = 0, .max_bytes = 8, .delete_oldest = true};
   EXPECT_EQ(folder.make_room(small, 9, ""), Names{});
   EXPECT_EQ(folder.lack(small, 9, ""),
             "the recordings have the 0 MiB that they may take, and no old files would make enough "
             "room");
   EXPECT_EQ(folder.lack(small, 8, ""), std::nullopt);
-  const TlogLimits others{.free_space_min_bytes = std::uint64_t{1} << 60U, .delete_oldest = true};
+  const LogLimits others{.free_space_min_bytes = std::uint64_t{1} << 60U, .delete_oldest = true};
   EXPECT_EQ(folder.make_room(others, 1, ""), Names{}) << "another program fills the disk";
   EXPECT_EQ(names_in(folder_.path()).size(), 3U);
 }
@@ -162,7 +162,7 @@ TEST(DatedTlog, IsAFileThatCasdNamed) {
   }
 }
 
-TEST(TlogFolder, RemovesTheOldestOfItsOwnKindAlone) {
+TEST(LogFolder, RemovesTheOldestOfItsOwnKindAlone) {
   const cas::test::TemporaryFolder place;
   for (const char* name :
        {"2026-11-20T10-00-00Z-v1.ulg", "2026-11-20T10-00-00Z-v1.1.ulg",
@@ -171,7 +171,7 @@ TEST(TlogFolder, RemovesTheOldestOfItsOwnKindAlone) {
     place.write(name, "x");
   }
   write_all_at_once(place.path());
-  const TlogFolder folder(place.path(), {".ulg", ".bin"}, is_autopilot_log);
+  const LogFolder folder(place.path(), {".ulg", ".bin"}, is_autopilot_log);
   EXPECT_EQ(folder.look(true).used_bytes, 6U);
   EXPECT_EQ(
       folder.remove_oldest(2, "2026-11-22T10-00-00Z-v1.ulg"),
@@ -181,10 +181,10 @@ TEST(TlogFolder, RemovesTheOldestOfItsOwnKindAlone) {
   EXPECT_TRUE(fs::exists(place / "old.ulg"));
 }
 
-TEST(TlogFolder, SaysWhetherItTakesFilesToSeveralThreadsAtOnce) {
+TEST(LogFolder, SaysWhetherItTakesFilesToSeveralThreadsAtOnce) {
   for (int i = 0; i < 50; ++i) {
     const cas::test::TemporaryFolder place;
-    const TlogFolder folder(place / "rec");
+    const LogFolder folder(place / "rec");
     std::vector<std::future<bool>> answers;
     for (int n = 0; n < 4; ++n) {
       answers.push_back(std::async(std::launch::async, [&] { return folder.takes_files(); }));
@@ -194,13 +194,13 @@ TEST(TlogFolder, SaysWhetherItTakesFilesToSeveralThreadsAtOnce) {
   }
 }
 
-TEST(TlogFolder, SaysWhyItTakesNoFiles) {
+TEST(LogFolder, SaysWhyItTakesNoFiles) {
   const cas::test::TemporaryFolder place;
   place.write("file", "x");
   fs::create_symlink(place / "nowhere", place / "leads_nowhere");
   for (const auto& [name, error] :
        {std::pair{"file", ENOTDIR}, {"leads_nowhere", ENOENT}, {"no/parent", ENOENT}}) {
-    EXPECT_FALSE(TlogFolder(place / name).takes_files());
+    EXPECT_FALSE(LogFolder(place / name).takes_files());
     EXPECT_EQ(errno, error) << name;
   }
 }

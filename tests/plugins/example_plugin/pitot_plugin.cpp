@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "airspeed_model.hpp"
 #include "base/time/rate_gate.hpp"
 #include "libsim/api/plugin.hpp"
+#include "pitot_model.hpp"
 
-namespace airspeed {
+namespace pitot {
 namespace {
 
 using namespace cas;
 
 /// Publishes the pressure in a pitot tube on topic `airspeed`.
-class AirspeedPlugin final : public sim::Plugin {
+class PitotPlugin final : public sim::Plugin {
  public:
   void configure(sim::PluginContext& context, const base::ConfigNode& params) override {
     vehicle_ = context.vehicle_id();
     seed_ = context.seed();
     stddev_pa_ = params.require_in("stddev_pa", 0, 1000);
     rate_ = base::RateGate(params.require_in("rate_hz", 0.001, 1000));
-    model_ = AirspeedModel(stddev_pa_, seed_);
+    model_ = PitotModel(stddev_pa_, seed_);
     airspeed_ = context.bus().advertise<AirspeedSample>(context.topic("airspeed"));
   }
 
@@ -30,7 +30,7 @@ class AirspeedPlugin final : public sim::Plugin {
   }
 
   void reset() override {
-    model_ = AirspeedModel(stddev_pa_, seed_);
+    model_ = PitotModel(stddev_pa_, seed_);
     rate_.reset();
     samples_ = 0;
   }
@@ -43,13 +43,13 @@ class AirspeedPlugin final : public sim::Plugin {
   sim::VehicleId vehicle_{};
   std::uint64_t seed_ = 0;
   double stddev_pa_ = 0;
-  AirspeedModel model_;
+  PitotModel model_;
   base::RateGate rate_;
   std::uint64_t samples_ = 0;
   sim::Publisher<AirspeedSample> airspeed_;
 };
 
 }  // namespace
-}  // namespace airspeed
+}  // namespace pitot
 
-CAS_PLUGIN(airspeed::AirspeedPlugin, "airspeed")
+CAS_PLUGIN(pitot::PitotPlugin, "pitot")

@@ -9,16 +9,16 @@
 #include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
 
-namespace airspeed {
+namespace pitot {
 
 using cas::sim::AirspeedSample;
 
 /// A pitot tube along Bx: q = 1/2 rho v^2 of the air from ahead, with white noise.
-class AirspeedModel {
+class PitotModel {
  public:
-  AirspeedModel() = default;
+  PitotModel() = default;
   /// @param stddev_pa  deviation of one sample
-  AirspeedModel(double stddev_pa, std::uint64_t seed) : stddev_pa_(stddev_pa), random_(seed) {}
+  PitotModel(double stddev_pa, std::uint64_t seed) : stddev_pa_(stddev_pa), random_(seed) {}
 
   /// @param v_air_W  velocity through the air in W, m/s
   AirspeedSample sample(cas::base::SimTime time, const Eigen::Quaterniond& q_WB,
@@ -29,4 +29,4 @@ class AirspeedModel {
   cas::base::NormalRandom random_;
 };
 
-}  // namespace airspeed
+}  // namespace pitot

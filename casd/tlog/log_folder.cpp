@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/tlog/tlog_folder.hpp"
+#include "casd/tlog/log_folder.hpp"
 
 #include <dirent.h>
 #include <fcntl.h>
@@ -16,7 +16,9 @@
 #include <string_view>
 #include <utility>
 
+#include "base/error.hpp"
 #include "base/os/file_lock.hpp"
+#include "base/os/log.hpp"
 
 namespace cas::casd {
 namespace {
@@ -32,7 +34,7 @@ std::string mib(std::uint64_t bytes) { return std::to_string(bytes / (1024 * 102
 
 /// Calls visit(name, status) for each regular file of a folder with one of the extensions.
 template <class Visit>
-void for_each_recording(const std::filesystem::path& path, const TlogFolder::Extensions& extensions,
+void for_each_recording(const std::filesystem::path& path, const LogFolder::Extensions& extensions,
                         Visit&& visit) {
   const std::unique_ptr<DIR, int (*)(DIR*)> folder(::opendir(path.c_str()), &::closedir);
   while (folder) {
@@ -58,23 +60,24 @@ bool is_written(int folder, const std::string& name) {
 
 }  // namespace
 
-std::optional<std::string> lack_of_room(const TlogLimits& limits, const TlogSpace& space,
+std::optional<std::string> lack_of_room(const LogLimits& limits, const LogSpace& space,
                                         std::uint64_t more) {
   if (limits.free_space_min_bytes > 0 && space.free_bytes < limits.free_space_min_bytes + more) {
     return "less than " + mib(limits.free_space_min_bytes) + " would stay free";
   }
-  if (limits.max_bytes > 0 && space.used_bytes + more > limits.max_bytes) {
-    return "the recordings have the " + mib(limits.max_bytes) + " that they may take";
+  const std::uint64_t most = limits.max_bytes.value_or(0);
+  if (most > 0 && space.used_bytes + more > most) {
+    return "the recordings have the " + mib(most) + " that they may take";
   }
   return std::nullopt;
 }
 
-TlogFolder::TlogFolder(std::filesystem::path path, Extensions extensions, IsOwn is_own)
+LogFolder::LogFolder(std::filesystem::path path, Extensions extensions, IsOwn is_own)
     : path_(path.empty() ? "." : std::move(path)),
       extensions_(std::move(extensions)),
       is_own_(is_own) {}
 
-base::Descriptor TlogFolder::make(const std::string& name) const {
+base::Descriptor LogFolder::make(const std::string& name) const {
   base::Descriptor folder = open_folder(path_);
   if (!folder && errno == ENOENT) {
     // EEXIST: another thread made it meanwhile, or it is a symlink that leads nowhere, ENOENT then.
@@ -88,7 +91,7 @@ base::Descriptor TlogFolder::make(const std::string& name) const {
   return file;
 }
 
-bool TlogFolder::takes_files() const {
+bool LogFolder::takes_files() const {
   static std::atomic<unsigned> calls{0};
   const std::string name =
       ".casd-" + std::to_string(::getpid()) + "-" + std::to_string(calls.fetch_add(1));
@@ -102,12 +105,12 @@ bool TlogFolder::takes_files() const {
   return written == 1;
 }
 
-bool TlogFolder::remove(const std::string& name) const {
+bool LogFolder::remove(const std::string& name) const {
   const base::Descriptor folder = open_folder(path_);
   return folder && ::unlinkat(folder.get(), name.c_str(), 0) == 0;
 }
 
-std::vector<TlogFolder::File> TlogFolder::removable(const std::string& current) const {
+std::vector<LogFolder::File> LogFolder::removable(const std::string& current) const {
   constexpr std::size_t kMostFiles = 100'000;  // that are looked at
   std::vector<File> files;
   const base::Descriptor folder = open_folder(path_);
@@ -128,8 +131,25 @@ std::vector<TlogFolder::File> TlogFolder::removable(const std::string& current) 
   return files;
 }
 
-std::vector<std::string> TlogFolder::remove_oldest(std::size_t keep,
-                                                   const std::string& current) const {
+std::optional<std::string> LogFolder::hindrance(const LogLimits& limits, std::uint64_t room) const {
+  if (auto why = lack(limits, room, {})) return why;
+  // Old logs make room when there is a new one, not before.
+  const bool makes_room = limits.delete_oldest && limits.free_space_min_bytes > 0;
+  if (!makes_room && look(false).free_bytes < room) return base::error_text(ENOSPC);
+  if (takes_files() || (makes_room && errno == ENOSPC)) return std::nullopt;
+  return base::error_text(errno);
+}
+
+void LogFolder::keep_newest(int max_files, const std::string& current) const {
+  if (max_files <= 0) return;
+  for (const std::string& name : remove_oldest(static_cast<std::size_t>(max_files), current)) {
+    base::log::info("logs: deleted " + (path_ / name).string() + ", " + std::to_string(max_files) +
+                    " files may stay");
+  }
+}
+
+std::vector<std::string> LogFolder::remove_oldest(std::size_t keep,
+                                                  const std::string& current) const {
   std::size_t all = 0;
   for_each_recording(path_, extensions_, [&](std::string_view name, const struct stat& status) {
     all += status.st_uid == ::geteuid() && is_own_(name) ? 1U : 0U;
@@ -143,9 +163,9 @@ std::vector<std::string> TlogFolder::remove_oldest(std::size_t keep,
   return gone;
 }
 
-std::optional<std::string> TlogFolder::lack(const TlogLimits& limits, std::uint64_t more,
-                                            const std::string& current) const {
-  TlogSpace space = look(limits.max_bytes > 0);
+std::optional<std::string> LogFolder::lack(const LogLimits& limits, std::uint64_t more,
+                                           const std::string& current) const {
+  LogSpace space = look(limits.max_bytes > 0U);
   const auto now = lack_of_room(limits, space, more);
   if (!now || !limits.delete_oldest) return now;
   for (const File& file : removable(current)) {
@@ -157,24 +177,25 @@ std::optional<std::string> TlogFolder::lack(const TlogLimits& limits, std::uint6
   return why;
 }
 
-std::vector<std::string> TlogFolder::make_room(const TlogLimits& limits, std::uint64_t more,
-                                               const std::string& current) const {
+std::vector<std::string> LogFolder::make_room(const LogLimits& limits, std::uint64_t more,
+                                              const std::string& current) const {
   std::vector<std::string> gone;
   if (lack(limits, more, current)) return gone;
   // By their sizes: a file system may take a while to give the space back.
-  TlogSpace space = look(limits.max_bytes > 0);
+  LogSpace space = look(limits.max_bytes > 0U);
   for (File& file : removable(current)) {
     if (!lack_of_room(limits, space, more)) break;
     if (!remove(file.name)) continue;
     space.free_bytes += file.bytes;
     space.used_bytes -= std::min(file.bytes, space.used_bytes);
+    base::log::info("logs: deleted " + (path_ / file.name).string() + " to make room");
     gone.push_back(std::move(file.name));
   }
   return gone;
 }
 
-TlogSpace TlogFolder::look(bool scan) const {
-  TlogSpace space;
+LogSpace LogFolder::look(bool scan) const {
+  LogSpace space;
   struct statvfs disk {};
   const bool known = ::statvfs(path_.c_str(), &disk) == 0;
   space.free_bytes = known ? std::uint64_t{disk.f_bavail} * disk.f_frsize
@@ -186,12 +207,24 @@ TlogSpace TlogFolder::look(bool scan) const {
   return space;
 }
 
+std::size_t write_some(int fd, std::span<const std::uint8_t> bytes) {
+  std::size_t gone = 0;
+  while (gone < bytes.size()) {
+    const ssize_t written = ::write(fd, bytes.data() + gone, bytes.size() - gone);
+    if (written < 0 && errno == EINTR) continue;
+    if (written == 0) errno = ENOSPC;
+    if (written <= 0) break;
+    gone += static_cast<std::size_t>(written);
+  }
+  return gone;
+}
+
 bool is_deleted(const base::Descriptor& file) {
   struct stat status {};
   return file && ::fstat(file.get(), &status) == 0 && status.st_nlink == 0;
 }
 
-std::filesystem::path default_tlog_folder() {
+std::filesystem::path default_log_folder() {
   const char* given = std::getenv("LOGS_DIRECTORY");  // systemd, from LogsDirectory=
   if (given == nullptr || *given == '\0') return ".";
   const std::string_view folders = given;

@@ -2,12 +2,12 @@
 #include <cmath>
 #include <cstdio>
 
-#include "airspeed_model.hpp"
 #include "base/clock.hpp"  // the short name of base/time/clock.hpp is installed as well
+#include "pitot_model.hpp"
 
 /// 10 m/s from ahead in sea-level air: 61.25 Pa; from behind: nothing.
 int main() {
-  airspeed::AirspeedModel tube(1e-9, 1);
+  pitot::PitotModel tube(1e-9, 1);
   const auto east = Eigen::Quaterniond::Identity();
   const double ahead = tube.sample({}, east, {10, 0, 0}, 1.225).differential_pressure_pa;
   const double behind = tube.sample({}, east, {-10, 0, 0}, 1.225).differential_pressure_pa;

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "base/config/aero.hpp"
+#include "base/config/config.hpp"
+#include "base/config/output_use.hpp"
+
+namespace cas::base {
+
+/// Reads block `aero` of a vehicle file.
+/// @param outputs  of the rotors; those of the control surfaces are added
+/// @throws ConfigError when keys are missing (all of a block in one sentence) or out of range, when
+///         an output is taken, and when a coefficient or panel names a surface that is not there
+AeroParams read_aero(const ConfigNode& node, OutputUse& outputs);
+
+}  // namespace cas::base

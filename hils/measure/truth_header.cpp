@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "hils/measure/truth_header.hpp"
+
+#include <string>
+#include <string_view>
+
+#include "base/config/vehicle.hpp"
+#include "base/error.hpp"
+#include "hils/measure/csv_row.hpp"
+
+namespace cas::hils {
+
+TruthHeader TruthHeader::read(std::istream& in, const std::filesystem::path& file) {
+  std::string line;
+  next_line(in, line, file);
+  TruthHeader header;
+  std::size_t column = 0;
+  for (std::string_view rest = line; !rest.empty(); ++column) {
+    const std::size_t comma = rest.find(',');
+    const std::string_view name = rest.substr(0, comma);
+    rest = comma == std::string_view::npos ? std::string_view() : rest.substr(comma + 1);
+    if (column >= kFirstRotor && name.starts_with("omega")) ++header.rotors;
+    if (name == "airspeed_m_s") header.airspeed = column;
+  }
+  if (column <= kFirstRotor || header.rotors == 0 || header.rotors > base::kMaxRotors) {
+    throw base::ConfigError(file.string() + ":1: not a header of truth.csv");
+  }
+  return header;
+}
+
+}  // namespace cas::hils

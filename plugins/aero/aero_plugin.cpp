@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <memory>
+#include <span>
+
+#include "libsim/api/messages.hpp"
+#include "libsim/api/plugin.hpp"
+#include "plugins/aero/aero_model.hpp"
+
+namespace cas::sim {
+namespace {
+
+/// The air on wings and tail: turns the control surfaces by topic `motor_command`, and publishes
+/// their deflections on `surface_deflections`. Its parameters are block `aero` of the vehicle file.
+class AeroPlugin final : public Plugin {
+ public:
+  void configure(PluginContext& context, const base::ConfigNode& params) override {
+    const std::optional<base::AeroParams>& aero = context.vehicle().aero;
+    if (!aero) params.fail("plugin aero needs block 'aero' in the vehicle file");
+    model_ = std::make_unique<AeroModel>(*aero);
+    context.add_force_model(*model_);
+    deflections_ =
+        context.bus().advertise<SurfaceDeflections>(context.topic("surface_deflections"));
+    command_ = context.bus().subscribe<MotorCommand>(
+        context.topic("motor_command"),
+        [this](const MotorCommand& command) { model_->take(command); });
+  }
+
+  void post_step(const StepInfo& step, const World& world) override {
+    const std::span<const double> angles = world.states_of(*model_);
+    deflections_.publish(
+        {step.time, ActuatorValues::Map(angles.data(), static_cast<Eigen::Index>(angles.size()))});
+  }
+
+  void reset() override { model_->release(); }
+
+ private:
+  std::unique_ptr<AeroModel> model_;
+  Publisher<SurfaceDeflections> deflections_;
+  Subscription command_;
+};
+
+}  // namespace
+}  // namespace cas::sim
+
+CAS_PLUGIN(cas::sim::AeroPlugin, "aero")

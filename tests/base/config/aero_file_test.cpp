@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Block `aero` of a vehicle file.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "base/config/vehicle.hpp"
+#include "tests/support/paths.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace cas::base {
+namespace {
+
+const std::string kPlanes = test::source_dir() + "/tests/plugins/data/";
+
+/// A plane of the tests with one change of its text, from a folder of its own.
+Vehicle load_changed(const std::string& plane, const std::string& from, const std::string& to) {
+  const test::TemporaryFolder folder;
+  std::string text = test::TemporaryFolder::read(kPlanes + plane + ".yaml");
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  text.replace(at, from.size(), to);
+  folder.write(plane + ".urdf", test::TemporaryFolder::read(kPlanes + plane + ".urdf"));
+  return Vehicle::load(folder.write("plane.yaml", text));
+}
+
+TEST(AeroFile, ReadsSurfacesDerivativesAndPanels) {
+  const Vehicle aerosonde = Vehicle::load(kPlanes + "aerosonde.yaml");
+  ASSERT_TRUE(aerosonde.aero && aerosonde.aero->derivatives);
+  EXPECT_EQ(aerosonde.aero->cruise_m_s, 25);
+  ASSERT_EQ(aerosonde.aero->surfaces.size(), 3U);
+  EXPECT_EQ(aerosonde.aero->surfaces[1].output, 1);
+  const DerivativeParams& body = *aerosonde.aero->derivatives;
+  EXPECT_NEAR(body.stall_rad, 0.47, 1e-9);
+  EXPECT_EQ(body.lift.alpha, 5.61);
+  EXPECT_EQ(body.yaw.surfaces, (std::vector{-0.011, 0.0, -0.069}));
+
+  const Vehicle plane = Vehicle::load(kPlanes + "panel_plane.yaml");
+  ASSERT_EQ(plane.aero->panels.size(), 6U);
+  const PanelParams& elevator = plane.aero->panels[4];
+  EXPECT_EQ(elevator.area_m2, 0.01);  // its own goes before the common one
+  EXPECT_EQ(elevator.surface, 4);
+  EXPECT_EQ(elevator.lift_slope_per_rad, 4.7527987);
+  EXPECT_EQ(plane.aero->panels[5].normal_B, Eigen::Vector3d::UnitY());
+  const ControlSurface& flap = plane.aero->surfaces[1];  // turned round
+  EXPECT_NEAR(flap.angle_rad(1), -M_PI / 6, 1e-12);
+  EXPECT_NEAR(flap.angle_rad(-0.5), M_PI / 12, 1e-12);
+}
+
+TEST(AeroFile, ADerivativePerDegreeIsTheSameAsOnePerRadian) {
+  const Vehicle vehicle =
+      load_changed("aerosonde", "per_rad: {elevator: -0.99}", "per_deg: {elevator: -0.0172787596}");
+  EXPECT_NEAR(vehicle.aero->derivatives->pitch.surfaces[1], -0.99, 1e-8);
+}
+
+struct WrongAero {
+  const char* name;
+  const char* plane;
+  const char* from;
+  const char* to;
+  const char* place;  // end of FILE:LINE: path: sentence
+};
+
+class WrongAeroBlock : public testing::TestWithParam<WrongAero> {};
+
+TEST_P(WrongAeroBlock, IsRefusedWithItsPlace) {
+  const auto& [name, plane, from, to, place] = GetParam();
+  const std::string message = test::refusal([&] { load_changed(plane, from, to); });
+  EXPECT_NE(message.find("plane.yaml:"), std::string::npos) << message;
+  EXPECT_NE(message.find(place), std::string::npos) << message;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Aero, WrongAeroBlock,
+    testing::Values(
+        WrongAero{"NegativeChord", "aerosonde", "chord_m: 0.18994", "chord_m: -0.18994",
+                  ":34: aero.derivatives.chord_m: must be above zero"},
+        WrongAero{"AnOutputTwice", "aerosonde", "name: rudder, output: 3",
+                  "name: rudder, output: 2",
+                  ":29: aero.surfaces[2].output: output 2 drives something else already"},
+        WrongAero{"ARotorsOutput", "aerosonde", "name: rudder, output: 3",
+                  "name: rudder, output: 4",
+                  ":29: aero.surfaces[2].output: output 4 drives something else already"},
+        WrongAero{"ANameTwice", "aerosonde", "name: rudder,", "name: elevator,",
+                  "aero.surfaces[2].name: is the name of another surface, too"},
+        WrongAero{
+            "SurfaceThatIsNotThere", "panel_plane", "surface: elevator,", "surface: elevatr,",
+            "aero.panels[4].surface: 'elevatr' is none of the surfaces of 'aero.surfaces'; did "
+            "you mean 'elevator'?"},
+        WrongAero{"SurfaceOfARowThatIsNotThere", "aerosonde", "per_rad: {elevator: 0.13}",
+                  "per_rad: {flap: 0.13}",
+                  "aero.derivatives.lift.per_rad.flap: 'flap' is none of the surfaces"},
+        WrongAero{
+            "SurfaceWithoutEffect", "panel_plane", ", surface: right_flap", "",
+            "aero.surfaces[5].name: has no effect: no row of 'derivatives' and no panel names "
+            "'right_flap'"},
+        WrongAero{"DerivativeWithoutUnit", "aerosonde", "per_rad: {elevator: 0.13}",
+                  "elevator: 0.13", "elevator"},
+        WrongAero{"MissingKeys", "aerosonde",
+                  "    efficiency: 0.9\n    stall_deg: 26.929016371  # 0.47 rad\n", "",
+                  "keys are missing: 'aero.derivatives.efficiency', 'aero.derivatives.stall_deg'"},
+        WrongAero{"NoDamping", "aerosonde", "  cruise_m_s: 25\n", "", "'cruise_m_s'"},
+        WrongAero{"BothLimitsOfOneSign", "aerosonde", "name: aileron, output: 1, min_deg: -30",
+                  "name: aileron, output: 1, min_deg: 30",
+                  "aero.surfaces[0].max_deg: must have the other sign than min_deg"},
+        WrongAero{"AnotherForm", "aerosonde", "form: beard", "form: etkin",
+                  "aero.derivatives.form: must be beard or avl"},
+        WrongAero{"LiftAcrossTheAir", "panel_plane", "after_stall_lift_slope_per_rad: -3.85",
+                  "after_stall_lift_slope_per_rad: -1",
+                  "after_stall_lift_slope_per_rad: leaves lift at 90 deg"},
+        WrongAero{"AreaTwice", "panel_plane", "area_m2: 0.6", "area_m2: 0.6\n    span_m: 1",
+                  "span_m: is given beside area_m2; leave one out"},
+        WrongAero{"MomentWithoutChord", "panel_plane", "area_m2: 0.6",
+                  "area_m2: 0.6\n    moment_zero: 0.1", "chord_m"},
+        WrongAero{"NormalAlongTheChord", "panel_plane", "normal_B: [0, 1, 0]",
+                  "normal_B: [1, 0, 0]", "normal_B: points along forward_B"},
+        WrongAero{"NothingInTheAir", "panel_plane",
+                  "\n  panels:", "\n  other:", "needs 'derivatives' or 'panels'"}),
+    [](const auto& test) { return test.param.name; });
+
+}  // namespace
+}  // namespace cas::base

@@ -1,0 +1,420 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Wings, tails and their surfaces against closed forms.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "base/earth/frames.hpp"
+#include "libsim/core/body/rigid_body.hpp"
+#include "plugins/aero/glide_polar.hpp"
+#include "plugins/aero/stall_blend.hpp"
+#include "tests/plugins/aerosonde.hpp"
+#include "tests/plugins/plugin_harness.hpp"
+
+namespace cas::sim {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kRounding = 1e-12;
+
+Environment still_air(double density = 1.225) {
+  Environment air;
+  air.air_density_kg_m3 = density;
+  air.gravity_W = {0, 0, -test::kGravity};
+  return air;
+}
+
+Wrench wrench_of(const AeroModel& model, const BodyState& body, const Environment& air,
+                 std::vector<double> deflections = {}) {
+  deflections.resize(static_cast<std::size_t>(model.state_count()));
+  std::vector<double> rates(deflections.size());
+  Wrench wrench;
+  model.evaluate(body, air, deflections, rates, wrench);
+  return wrench;
+}
+
+/// Level body in air from this direction (velocity of the body through the air, FLU).
+BodyState moving(const Vector3d& v_B) {
+  BodyState body;
+  body.v_WB = v_B;
+  return body;
+}
+
+Vector3d velocity(double speed, double alpha, double beta) {
+  return speed * Vector3d(std::cos(alpha) * std::cos(beta), -std::sin(beta),
+                          -std::sin(alpha) * std::cos(beta));
+}
+
+// The blend.
+
+TEST(AttachedShare, IsOneMinusTheBooksSigma) {
+  constexpr double kStall = 0.47;
+  constexpr double kSharpness = 50;
+  for (const double a : {-1.0, -0.47, -0.1, 0.0, 0.3, 0.47, 0.5, 1.5}) {
+    const double before = std::exp(-kSharpness * (a - kStall));
+    const double behind = std::exp(kSharpness * (a + kStall));
+    const double sigma = (1 + before + behind) / ((1 + before) * (1 + behind));
+    EXPECT_NEAR(attached_share(a, kStall, kSharpness), 1 - sigma, kRounding);
+  }
+  EXPECT_EQ(attached_share(M_PI, kStall, 1000), 0);
+  EXPECT_EQ(attached_share(0, kStall, 1000), 1);
+}
+
+// A body of derivatives.
+
+TEST(DerivativeBody, GivesTheLinearFormBelowTheStall) {
+  const base::Vehicle vehicle = test::load_plane("aerosonde");
+  const AeroModel model(*vehicle.aero);
+  const double alpha = 0.06;
+  const double speed = 24;
+  const double beta = 0.02;
+  BodyState body = moving(velocity(speed, alpha, beta));
+  const Vector3d w_D(0.3, -0.2, 0.1);
+  body.w_WB_B = base::swap_BD(w_D);
+  const double da = 0.05;
+  const double de = -0.1;
+  const double dr = 0.03;
+  const Environment air = still_air(1.1);
+  const Wrench wrench = wrench_of(model, body, air, {da, de, dr});
+
+  const double qs = 0.5 * 1.1 * speed * speed * 0.55;
+  const double b = 2.8956 / (2 * speed);
+  const double c = 0.18994 / (2 * speed);
+  const double in_plane = std::pow(std::cos(beta), 2);
+  const double lift = 0.23 + 5.61 * alpha + 0.13 * de + 7.95 * c * w_D.y();
+  const double ar = 2.8956 * 2.8956 / 0.55;
+  const double drag = 0.043 + std::pow(0.23 + 5.61 * alpha, 2) / (M_PI * 0.9 * ar) + 0.0135 * de;
+  const double roll =
+      -0.13 * beta - 0.51 * b * w_D.x() + 0.25 * b * w_D.z() + 0.17 * da + 0.0024 * dr;
+  const double pitch = 0.0135 - 2.74 * alpha - 38.21 * c * w_D.y() - 0.99 * de;
+  const double yaw =
+      0.073 * beta + 0.069 * b * w_D.x() - 0.095 * b * w_D.z() - 0.011 * da - 0.069 * dr;
+  const double side = -0.98 * beta + 0.075 * da + 0.19 * dr;
+  const Vector3d force_D = base::swap_BD(wrench.force_B);
+  const Vector3d torque_D = base::swap_BD(wrench.torque_B);
+  constexpr double kSideslip = 1.5e-3;  // what a sideslip of 0.02 rad changes, of cos and sin
+  const double s = std::sin(alpha);
+  const double k = std::cos(alpha);
+  EXPECT_NEAR(force_D.x(), qs * in_plane * (lift * s - drag * k), kSideslip * qs * lift);
+  EXPECT_NEAR(force_D.z(), qs * in_plane * (-lift * k - drag * s), kSideslip * qs * lift);
+  EXPECT_NEAR(force_D.y(), qs * side, kSideslip * qs * std::abs(side));
+  EXPECT_NEAR(torque_D.x(), qs * 2.8956 * roll, kSideslip * std::abs(qs * 2.8956 * roll));
+  EXPECT_NEAR(torque_D.y(), qs * 0.18994 * pitch, kSideslip * std::abs(qs * 0.18994 * pitch));
+  EXPECT_NEAR(torque_D.z(), qs * 2.8956 * yaw, kSideslip * std::abs(qs * 2.8956 * yaw));
+}
+
+TEST(DerivativeBody, IsAFlatPlateAcrossTheAir) {
+  const base::Vehicle vehicle = test::load_plane("aerosonde");
+  const AeroModel model(*vehicle.aero);
+  const Wrench wrench = wrench_of(model, moving({0, 0, -20}), still_air());
+  const double qs = 0.5 * 1.225 * 400 * 0.55;
+  const double plate = 2 / (1 + std::exp(-0.224 - 0.115 * 2.8956 * 2.8956 / 0.55));
+  EXPECT_NEAR(wrench.force_B.z(), qs * (plate + 0.043), 1e-9);
+  EXPECT_NEAR(wrench.force_B.x(), 0, 1e-9);
+}
+
+TEST(DerivativeBody, OfFormAvlHasTheInducedDragOfAllLift) {
+  base::AeroParams aero = *test::load_plane("aerosonde").aero;
+  aero.derivatives->form = base::DerivativeForm::kAvl;
+  const AeroModel model(aero);
+  const double alpha = 0.05;
+  const Wrench wrench = wrench_of(model, moving(velocity(20, alpha, 0)), still_air(), {0, -0.2, 0});
+  const double qs = 0.5 * 1.225 * 400 * 0.55;
+  const double lift = 0.23 + 5.61 * alpha - 0.2 * 0.13;
+  const double drag = 0.043 - 0.2 * 0.0135 + lift * lift / (M_PI * 0.9 * 2.8956 * 2.8956 / 0.55);
+  constexpr double kAttached = 1e-8;  // what sigma takes at 0.05 rad
+  EXPECT_NEAR(-wrench.force_B.x() * std::cos(alpha) + wrench.force_B.z() * std::sin(alpha),
+              qs * drag, kAttached * qs);
+}
+
+// Panels.
+
+base::PanelParams plate_panel() {
+  base::PanelParams panel;
+  panel.area_m2 = 0.5;
+  panel.chord_m = 0.25;
+  panel.lift_slope_per_rad = 5;
+  panel.stall_rad = 0.3;
+  panel.drag_zero = 0.02;
+  panel.induced_drag_factor = 0.04;
+  panel.blends = true;
+  panel.stall_sharpness = 40;
+  panel.plate_normal_force = 1.3;
+  return panel;
+}
+
+TEST(LiftingPanel, LiftsUprightAndDragsAlongTheAir) {
+  const LiftingPanel panel(plate_panel());
+  const double alpha = 0.05;
+  Vector3d force = Vector3d::Zero();
+  Vector3d torque = Vector3d::Zero();
+  panel.add(velocity(10, alpha, 0), 1.2, 0, force, torque);
+  const double qs = 0.5 * 1.2 * 100 * 0.5;
+  const double lift = 5 * alpha;
+  const double drag = 0.02 + 0.04 * lift * lift;
+  constexpr double kAttached = 1e-3;  // of sigma, 10 stall widths away
+  EXPECT_NEAR(force.dot(Vector3d(std::sin(alpha), 0, std::cos(alpha))), qs * lift,
+              kAttached * qs * lift);
+  EXPECT_NEAR(force.dot(Vector3d(-std::cos(alpha), 0, std::sin(alpha))), qs * drag,
+              kAttached * qs * drag);
+  EXPECT_EQ(torque, Vector3d::Zero());
+}
+
+TEST(LiftingPanel, FollowsGazebosLinesBeyondTheStall) {
+  const base::PanelParams wing = test::load_plane("panel_plane").aero->panels[0];
+  const auto at = [&](double angle) {
+    return panel_coefficients(wing, angle, std::sin(angle), std::cos(angle), 0);
+  };
+  constexpr double kDigits = 1e-6;  // of the file
+  EXPECT_NEAR(at(0.2).lift, 4.7527987 * 0.2, kDigits);
+  EXPECT_NEAR(at(0.2).drag, 0.64171123 * 0.2, kDigits);
+  EXPECT_NEAR(at(-0.2).lift, -4.7527987 * 0.2, kDigits);
+  EXPECT_NEAR(at(-0.2).drag, 0.64171123 * 0.2, kDigits);
+  EXPECT_NEAR(at(0.4).lift, 4.7527987 * 0.33914281 - 3.85 * (0.4 - 0.33914281), kDigits);
+  EXPECT_NEAR(at(0.4).drag, 0.64171123 * 0.33914281 - 0.9233984 * (0.4 - 0.33914281), kDigits);
+  EXPECT_EQ(at(1.2).lift, 0);
+  EXPECT_NEAR(at(M_PI / 2).drag, 0.9233984 * (M_PI / 2 - 0.33914281) - 0.64171123 * 0.33914281,
+              kDigits);
+  EXPECT_NEAR(at(M_PI).drag, 0, kDigits);
+}
+
+TEST(LiftingPanel, MomentAndSurfaceRaiseTheNose) {
+  base::PanelParams params = plate_panel();
+  params.moment_zero = 0.1;
+  params.surface = 0;
+  params.surface_lift_per_rad = 2;
+  const LiftingPanel panel(params);
+  Vector3d force = Vector3d::Zero();
+  Vector3d torque = Vector3d::Zero();
+  panel.add({10, 0, 0}, 1.2, 0.1, force, torque);
+  const double qs = 0.5 * 1.2 * 100 * 0.5;
+  EXPECT_NEAR(force.z(), qs * 0.2, kRounding * qs);
+  EXPECT_NEAR(torque.y(), -qs * 0.25 * 0.1, kRounding * qs);  // nose up is about -y
+}
+
+TEST(Panels, MeetTheAirOfTheirOwnPlace) {
+  base::AeroParams aero;
+  base::PanelParams panel = plate_panel();
+  panel.position_B_m = {0, 1.5, 0};
+  aero.panels = {panel};
+  const AeroModel model(aero);
+  // Rolling to the right lifts the left tip, so it meets the air from above.
+  BodyState body = moving({20, 0, 0});
+  body.w_WB_B = {0.5, 0, 0};
+  const double angle = std::atan2(-0.5 * 1.5, 20);
+  Vector3d force = Vector3d::Zero();
+  Vector3d torque = Vector3d::Zero();
+  LiftingPanel(panel).add(velocity(std::hypot(20, 0.75), angle, 0), 1.225, 0, force, torque);
+  EXPECT_TRUE(wrench_of(model, body, still_air()).force_B.isApprox(force, kRounding));
+  // The same by air that falls at that tip.
+  Environment falling = still_air();
+  falling.wind_gradient_W = Eigen::Matrix3d::Zero();
+  (*falling.wind_gradient_W)(2, 1) = -0.5;
+  EXPECT_TRUE(wrench_of(model, moving({20, 0, 0}), falling).force_B.isApprox(force, kRounding));
+  // And by a gust.
+  Environment gust = still_air();
+  gust.wind_W = {0, 0, -0.75};
+  EXPECT_TRUE(wrench_of(model, moving({20, 0, 0}), gust).force_B.isApprox(force, kRounding));
+}
+
+TEST(DerivativeBody, FeelsAGradientOfTheWindAsItsOwnTurn) {
+  const AeroModel model(*test::load_plane("aerosonde").aero);
+  const Vector3d w_B(0.3, 0.2, -0.1);
+  BodyState turning = moving({20, 0, -1});
+  turning.w_WB_B = w_B;
+  Environment air = still_air();
+  air.wind_gradient_W = Eigen::Matrix3d::Zero();
+  (*air.wind_gradient_W)(2, 1) = -w_B.x();  // across the span
+  (*air.wind_gradient_W)(2, 0) = w_B.y();   // along the body
+  (*air.wind_gradient_W)(1, 0) = -w_B.z();
+  const Wrench by_turn = wrench_of(model, turning, still_air());
+  const Wrench by_air = wrench_of(model, moving({20, 0, -1}), air);
+  EXPECT_TRUE(by_air.force_B.isApprox(by_turn.force_B, kRounding));
+  EXPECT_TRUE(by_air.torque_B.isApprox(by_turn.torque_B, kRounding));
+}
+
+// From anywhere.
+
+class AnyAir : public testing::TestWithParam<const char*> {};
+
+/// Neighbouring directions and speeds give neighbouring forces: what changes by more than the
+/// steepest of the model is a jump.
+TEST_P(AnyAir, GivesFiniteForcesWithoutJumps) {
+  base::AeroParams aero = *test::load_plane(GetParam()).aero;
+  if (aero.panels.size() > 1) aero.panels.push_back(plate_panel());
+  const AeroModel model(aero);
+  std::vector<double> deflections(aero.surfaces.size(), 0.3);
+  BodyState body;
+  body.w_WB_B = {0.5, -1, 0.3};
+  const auto at = [&](double speed, double alpha, double beta) {
+    body.v_WB = velocity(speed, alpha, beta);
+    const Wrench wrench = wrench_of(model, body, still_air(), deflections);
+    Eigen::Matrix<double, 6, 1> all;
+    all << wrench.force_B, wrench.torque_B;
+    EXPECT_TRUE(all.allFinite()) << speed << ' ' << alpha << ' ' << beta;
+    return all;
+  };
+  constexpr double kNear = 1e-7;     // rad and m/s
+  constexpr double kSteepest = 3e5;  // N over rad at 60 m/s
+  for (const double speed : {0.0, 1e-9, 0.1, 5.0, 20.0, 60.0}) {
+    for (int a = -180; a <= 180; a += 3) {
+      for (int b = -180; b <= 180; b += 6) {
+        const double alpha = a * M_PI / 180;
+        const double beta = b * M_PI / 180;
+        const auto here = at(speed, alpha, beta);
+        for (const auto& there : {at(speed, alpha + kNear, beta), at(speed, alpha, beta + kNear),
+                                  at(speed + kNear, alpha, beta)}) {
+          ASSERT_LT((there - here).cwiseAbs().maxCoeff(), kNear * kSteepest)
+              << speed << ' ' << a << ' ' << b;
+        }
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Planes, AnyAir, testing::Values("aerosonde", "panel_plane"),
+                         [](const auto& test) { return std::string(test.param); });
+
+// Gliding.
+
+/// A body without moments that holds its attitude glides at lift over drag.
+TEST(Glide, IsAsFlatAsLiftOverDrag) {
+  const base::Vehicle vehicle = test::load_plane("aerosonde");
+  const auto model = std::make_shared<AeroModel>(*vehicle.aero);
+  Airframe airframe = test::aerosonde();
+  airframe.wrench = [model, air = airframe.air](const BodyState& body,
+                                                std::span<const double> deflections, double) {
+    Wrench wrench;
+    std::vector<double> rates(deflections.size());
+    model->evaluate(body, air, deflections, rates, wrench);
+    return wrench;
+  };
+  const std::vector<std::pair<double, double>> limits(3, {-0.5, 0.5});
+  const auto polar = glide_polar(airframe, 25, limits);
+  ASSERT_TRUE(polar);
+  // The parabola's best glide, less what the elevator of this set takes: sqrt(pi e AR / C_D0) / 2.
+  const double ar = 2.8956 * 2.8956 / 0.55;
+  const double parabola = 0.5 * std::sqrt(M_PI * 0.9 * ar / 0.043);
+  EXPECT_NEAR(polar->best_glide_ratio, parabola, 0.03 * parabola);
+  // Stall: the lift of half attached air at the elevator's balance.
+  EXPECT_GT(polar->stall_alpha_rad, 0.35);
+  EXPECT_LT(polar->stall_alpha_rad, 0.47);
+}
+
+/// The energy that a glide loses is the work of the air, to the integrator's accuracy.
+TEST(Glide, LosesTheEnergyThatTheAirTakes) {
+  const base::Vehicle vehicle = test::load_plane("aerosonde");
+  AeroModel model(*vehicle.aero);
+  ForceSet forces;
+  forces.add(model);
+  forces.reset_states();
+  Eigen::Matrix3d inertia;
+  inertia << 0.8244, 0, 0.1204, 0, 1.135, 0, 0.1204, 0, 1.759;
+  const MassProperties mass(11, inertia);
+  const Environment air = still_air();
+  BodyState body = moving({25, 0, 0});
+  const auto energy = [&] {
+    return 11 * (0.5 * body.v_WB.squaredNorm() + test::kGravity * body.p_WB.z()) +
+           0.5 * body.w_WB_B.dot(inertia * body.w_WB_B);
+  };
+  const auto power = [&] {
+    Wrench wrench;
+    std::array<double, ForceModel::kMaxStates> rates{};
+    model.evaluate(body, air, forces.states_of(model), std::span(rates).first(3), wrench);
+    return wrench.force_B.dot(body.q_WB.conjugate() * body.v_WB) + wrench.torque_B.dot(body.w_WB_B);
+  };
+  const double before = energy();
+  constexpr double kStep_s = 1e-3;
+  double work = 0;
+  for (int i = 0; i < 5000; ++i) {  // Simpson's rule over pairs of steps
+    work += power();
+    integrate_free(body, forces, mass, air, {}, kStep_s);
+    work += 4 * power();
+    integrate_free(body, forces, mass, air, {}, kStep_s);
+    work += power();
+  }
+  work *= kStep_s / 3;
+  EXPECT_LT(work, -100);
+  EXPECT_NEAR(energy() - before, work, 1e-6 * std::abs(before));
+  EXPECT_NEAR((energy() - before) / work, 1, 1e-6);
+}
+
+// Servos and the plugin.
+
+TEST(SurfaceServos, FollowWithLagAndRate) {
+  std::vector<base::ControlSurface> surfaces(1);
+  surfaces[0] = {.name = "elevator",
+                 .output = 2,
+                 .min_rad = 0.5,
+                 .max_rad = -0.4,  // turned round
+                 .rate_rad_s = 3,
+                 .time_constant_s = 0.1};
+  SurfaceServos servos(surfaces);
+  MotorCommand command;
+  command.kind = MotorCommand::Kind::kMotorOutputs;
+  command.values = ActuatorValues::Zero(16);
+  command.values[2] = 0.5;
+  servos.take(command);
+  double angle = 0;
+  double rate = 0;
+  servos.rates({&angle, 1}, {&rate, 1});
+  EXPECT_NEAR(rate, -0.2 / 0.1, kRounding);  // though disarmed
+  command.values[2] = -2;
+  servos.take(command);
+  servos.rates({&angle, 1}, {&rate, 1});
+  EXPECT_NEAR(rate, 3, kRounding);
+  angle = 0.7;
+  servos.limit({&angle, 1});
+  EXPECT_EQ(angle, 0.5);
+  command.values[2] = std::nan("");
+  servos.take(command);
+  servos.rates({&angle, 1}, {&rate, 1});
+  EXPECT_EQ(rate, -3);  // back to the middle
+  servos.take({});      // control inputs: none of a plane's surfaces
+  angle = 0.1;
+  servos.rates({&angle, 1}, {&rate, 1});
+  EXPECT_NEAR(rate, -1, kRounding);
+}
+
+TEST(AeroPlugin, PublishesDeflectionsAndTakesCommands) {
+  const base::Vehicle plane = test::load_plane("aerosonde");
+  test::PluginHarness harness(std::chrono::milliseconds(1), ".", "iris_px4",
+                              [&](base::Vehicle& vehicle) { vehicle = plane; });
+  auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
+  harness.add("aero", "{}");
+  std::vector<SurfaceDeflections> got;
+  const Subscription tap = harness.bus.subscribe<SurfaceDeflections>(
+      "iris0/surface_deflections", [&](const SurfaceDeflections& each) { got.push_back(each); });
+  harness.bus.freeze();
+  ASSERT_EQ(harness.context.force_models.size(), 1U);
+  const ForceModel& model = *harness.context.force_models[0];
+  ASSERT_EQ(model.state_count(), 3);
+  MotorCommand wanted;
+  wanted.kind = MotorCommand::Kind::kMotorOutputs;
+  wanted.values = ActuatorValues::Zero(16);
+  wanted.values[1] = 1;  // elevator: 30 deg
+  command.publish(wanted);
+  std::vector<double> x{0.1, 0.2, 0.3};
+  std::vector<double> rates(3);
+  Wrench wrench;
+  model.evaluate(harness.world.body, harness.world.air, x, rates, wrench);
+  EXPECT_NEAR(rates[1], 600 * M_PI / 180, kRounding);  // its fastest
+  harness.world.model_states[&model] = x;
+  harness.step();
+  ASSERT_EQ(got.size(), 1U);
+  EXPECT_EQ(got[0].angle_rad, Eigen::Vector3d(0.1, 0.2, 0.3));
+  harness.reset();
+  model.evaluate(harness.world.body, harness.world.air, x, rates, wrench);
+  EXPECT_NEAR(rates[1], -0.2 / 0.02, kRounding);
+}
+
+TEST(AeroPlugin, NeedsAVehicleWithWings) {
+  test::PluginHarness harness;
+  const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
+  EXPECT_THROW(harness.add("aero", "{}"), base::ConfigError);
+}
+
+}  // namespace
+}  // namespace cas::sim
