@@ -19,6 +19,7 @@
 #include "fcu/line/line_model.hpp"
 #include "hils/programs/composed_parts.hpp"
 #include "hils/programs/declared_messages.hpp"
+#include "hils/scenario/controller_parts.hpp"
 #include "hils/scenario/simulation_parts.hpp"
 
 namespace cas::hils {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <filesystem>
 #include <string>
 
 #include "hils/scenario/scenario.hpp"
@@ -15,13 +14,6 @@ namespace cas::hils {
 
 /// Plugins that a vehicle has in front of the scenario's, where the simulator makes its sensors.
 inline constexpr std::array kFirstPlugins{"motor", "imu", "gps", "magnetometer", "barometer"};
-
-/// A copy of a map; an empty map for any other node.
-YAML::Node copy(const base::ConfigNode& node);
-/// YAML text with a line break at its end.
-std::string to_text(const YAML::Node& node);
-/// The path without relative parts and, as far as it exists, without symlinks.
-std::string full_path(const std::filesystem::path& path);
 
 /// Puts the keys `world`, `model_path`, `missing`, `collada_up_axis`, `home`, `decimal_year` and
 /// `weather` of a simulation file.
@@ -36,10 +28,5 @@ YAML::Node sensors_node(const Scenario& scenario, std::size_t vehicle);
 /// Notes on the origin of a block of sensors, for errors (base/config/config_origin.hpp).
 /// @param path  key path of the block in the generated file
 std::string sensors_origins(const std::string& path, const base::ConfigNode& set_or_keys);
-
-/// A vehicle's controller file, as yet without `seed`, `pace` and `line`.
-YAML::Node controller_node(const Scenario& scenario, std::size_t vehicle);
-/// Notes on the origin of a controller file's values, for errors.
-std::string controller_origins(const Scenario& scenario, std::size_t vehicle);
 
 }  // namespace cas::hils
