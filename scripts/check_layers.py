@@ -166,7 +166,7 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/bench": rooms("hils", "run measure programs virtual firmware"),
     "hils/compare": rooms("hils", "scenario run measure report programs bench"),
     "hils/sweep": rooms("hils", "flight scenario run measure report programs boards bench"),
-    "hils/env": rooms("hils", "run sweep"),
+    "hils/env": rooms("hils", "scenario run sweep"),
     "hils/tune": rooms("hils", "flight scenario run measure report programs sweep"),
     "hils/campaign": rooms("hils", "flight scenario run measure report ulog replay programs boards sweep bench"),
     "hils": rooms("hils", "flight scenario run measure report ulog replay programs boards timing bench compare sweep tune campaign"),

@@ -18,7 +18,6 @@
 #include "hils/run/run_paths.hpp"
 #include "hils/sweep/key_path.hpp"
 #include "hils/sweep/study.hpp"
-#include "hils/sweep/study_keys.hpp"
 #include "hils/sweep/sweep_folder.hpp"
 #include "plugins/fault/fault_spec.hpp"
 
@@ -236,7 +235,7 @@ void choose_failures(Campaign& campaign, const std::vector<std::string>& only,
 Campaign parse_head(const base::ConfigNode& root, const std::filesystem::path& file) {
   Campaign campaign;
   campaign.folder = std::filesystem::absolute(file).parent_path();
-  read_study_keys(root, file, campaign);
+  read_head(root, file, campaign);
   check_line(root, "name", campaign.name);
   check_line(root, "description", campaign.description);
   campaign.scenario = std::filesystem::absolute(base::find_config(root.at("scenario")));

@@ -2,6 +2,7 @@
 #include "hils/env/step_env.hpp"
 
 #include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <array>
@@ -20,6 +21,8 @@
 #include "base/os/write_file.hpp"
 #include "hils/env/inner_loops.hpp"
 #include "hils/run/scratch_folder.hpp"
+#include "hils/scenario/simulation_parts.hpp"
+#include "hils/scenario/yaml_text.hpp"
 #include "hils/sweep/key_path.hpp"
 #include "hils/sweep/run_table.hpp"
 #include "libsim/api/messages.hpp"
@@ -93,46 +96,36 @@ Study one_of(Study study, std::uint64_t number) {
 
 /// The simulation that a setup describes.
 std::string simulation_text(const base::ConfigNode& setup, std::uint64_t seed) {
-  const auto key = [&setup](const char* name, const std::string& fallback) {
-    const auto node = setup.find(name);
-    return node ? node->dump() : fallback;
+  const auto given = [&setup](const char* key, const std::string& usual) {
+    const auto node = setup.find(key);
+    return YAML::Load(node ? node->dump() : usual);
   };
-  const auto indented = [](std::string text, const std::string& margin) {
-    std::string out = "\n" + margin;
-    for (const char c : text) out += c == '\n' ? "\n" + margin : std::string(1, c);
-    return out;
-  };
-  std::string text = fmt::format(
-      "schema: 1\nworld:{}\nhome:{}\ndecimal_year: {}\nstep_us: {}\npace: free_run\n"
-      "seed: {}\nvehicles:\n  - name: {}\n    vehicle: \"{}\"\n    pose:{}\n",
-      indented(key("world",
-                   fmt::format("{{gravity_m_s2: {}, ground: true}}", base::kStandardGravity_m_s2)),
-               "  "),
-      indented(key("home", "{lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}"), "  "),
-      base::kUsualYear, setup.get("step_us", 1000), seed, kVehicle,
-      base::find_config(setup.at("vehicle")).string(),
-      indented(key("pose", "{x_m: 0, y_m: 0, yaw_deg: 0}"), "      "));
-  if (const auto sensors = setup.find("sensors")) {
-    text += "    sensors:" + indented(sensors->dump(), "      ") + "\n";
+  YAML::Node vehicle;
+  vehicle["name"] = kVehicle;
+  vehicle["vehicle"] = base::find_config(setup.at("vehicle")).string();
+  vehicle["pose"] = given("pose", "{x_m: 0, y_m: 0, yaw_deg: 0}");
+  if (setup.has("sensors")) vehicle["sensors"] = given("sensors", "");
+  for (const std::string& plugin : first_plugins(base::find_config(setup.at("vehicle")))) {
+    vehicle["plugins"].push_back(YAML::Load(fmt::format("{{plugin: {}}}", plugin)));
   }
-  text += "    plugins:\n";
-  std::vector<std::string> plugins{"motor", "imu", "gps", "magnetometer", "barometer"};
-  if (base::ConfigNode::load(base::find_config(setup.at("vehicle"))).has("aero")) {
-    plugins.insert(plugins.begin() + 1, "aero");
+  for (const YAML::Node& plugin : given("plugins", "[]")) vehicle["plugins"].push_back(plugin);
+  if (setup.has("faults")) {
+    YAML::Node fault;
+    fault["plugin"] = "fault";
+    fault["faults"] = given("faults", "");
+    vehicle["plugins"].push_back(fault);
   }
-  for (const std::string& plugin : plugins) {
-    text += fmt::format("      - {{plugin: {}}}\n", plugin);
-  }
-  if (const auto own = setup.find("plugins")) {
-    for (const base::ConfigNode& each : own->items()) {
-      text += "      -" + indented(each.dump(), "        ") + "\n";
-    }
-  }
-  if (const auto faults = setup.find("faults")) {
-    text +=
-        "      - plugin: fault\n        faults:" + indented(faults->dump(), "          ") + "\n";
-  }
-  return text;
+  YAML::Node root;
+  root["schema"] = 1;
+  root["world"] = given(
+      "world", fmt::format("{{gravity_m_s2: {}, ground: true}}", base::kStandardGravity_m_s2));
+  root["home"] = given("home", "{lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}");
+  root["decimal_year"] = base::kUsualYear;
+  root["step_us"] = setup.get("step_us", 1000);
+  root["pace"] = "free_run";
+  root["seed"] = seed;
+  root["vehicles"].push_back(vehicle);
+  return to_text(root);
 }
 
 std::vector<std::pair<std::string, double>> controller_params(const base::ConfigNode& setup) {

@@ -12,6 +12,7 @@
 #include "base/os/result_file.hpp"
 #include "hils/firmware/companion_flight.hpp"
 #include "hils/programs/composed_parts.hpp"
+#include "hils/scenario/simulation_parts.hpp"
 
 namespace cas::hils {
 

@@ -120,9 +120,8 @@ std::vector<RunRecord> fly_firmware(const RunRequest& request) {
     record.cpu_s = bench.supervisor().cpu_s();
     std::ranges::copy(bench.remarks(), std::back_inserter(record.firmware->remarks));
     if (bench.lost_bytes() > 0) {
-      record.firmware->remarks.push_back("the serial line lost " +
-                                         std::to_string(bench.lost_bytes()) +
-                                         " bytes that were not read in time");
+      record.firmware->remarks.push_back(fmt::format(
+          "the serial line lost {} bytes that were not read in time", bench.lost_bytes()));
     }
   }
   add_recordings(scenario, paths, records);

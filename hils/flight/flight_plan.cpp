@@ -40,7 +40,7 @@ std::string words_for(std::size_t index, const std::vector<FlightStep>& steps) {
       steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(index) + 1,
       [](const FlightStep& each) { return each.kind != StepKind::kEndTrajectory; });
   const std::string name = step.name.empty() ? "" : ", '" + step.name + "'";
-  return "step " + std::to_string(behind) + name + " (" + std::string(to_string(step.kind)) + ")";
+  return fmt::format("step {}{} ({})", behind, name, to_string(step.kind));
 }
 
 /// "; it said 'No offboard signal'"
@@ -187,9 +187,9 @@ void FlightPlan::check_time(const FlightStep& step, base::SimTime now,
   const bool flying_it = timed && phase_ == Phase::kWaiting;
   if (phase_ == Phase::kCommanding || flying_it || now - step_begin_ <= step.timeout) return;
   if (failure_) return;
-  std::string why = words_for(current_, steps_) + (step.name.empty() ? "" : ",") +
-                    " was not done within " +
-                    std::to_string(static_cast<int>(base::to_seconds(step.timeout))) + " s";
+  std::string why =
+      fmt::format("{}{} was not done within {} s", words_for(current_, steps_),
+                  step.name.empty() ? "" : ",", static_cast<int>(base::to_seconds(step.timeout)));
   if (!vehicle.heard) why += ": the vehicle was not heard";
   if (!last_refusal_.empty()) why += ": " + last_refusal_;
   if (last_refusal_.empty()) {
@@ -368,9 +368,8 @@ bool FlightPlan::has_landed_there(const VehicleReport& vehicle) {
   if (!vehicle.on_ground) return false;
   const double off_m = (vehicle.p_N - reference_m_).head<2>().norm();
   if (off_m <= kLandedNearM) return true;
-  failure_ = words_for(current_, steps_) + " ended on the ground " +
-             std::to_string(static_cast<int>(std::lround(off_m))) + " m from its place" +
-             said(vehicle);
+  failure_ = fmt::format("{} ended on the ground {} m from its place{}",
+                         words_for(current_, steps_), std::lround(off_m), said(vehicle));
   return false;
 }
 

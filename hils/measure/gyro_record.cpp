@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/measure/gyro_record.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <fstream>
 #include <optional>
@@ -20,8 +22,7 @@ std::vector<GyroSample> read_gyro(const std::filesystem::path& file) {
   for (int number = 2; next_line(in, line, file); ++number) {
     const std::optional<std::vector<double>> row = parse_csv_row(line);
     if (!row || row->size() < kLeastColumns) {
-      throw base::ConfigError(file.string() + ":" + std::to_string(number) +
-                              ": not a row of imu.csv");
+      throw base::ConfigError(fmt::format("{}:{}: not a row of imu.csv", file.string(), number));
     }
     samples.push_back({.time_us = std::llround(row->front() * 1e6),
                        .rate_rad_s = {(*row)[1], (*row)[2], (*row)[3]}});

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/measure/tracking.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -78,8 +80,7 @@ std::vector<PoseSample> read_truth(const std::filesystem::path& file) {
   for (int number = 2; next_line(in, line, file); ++number) {
     const std::optional<std::vector<double>> row = parse_csv_row(line);
     if (!row || row->size() < columns) {
-      throw base::ConfigError(file.string() + ":" + std::to_string(number) +
-                              ": not a row of truth.csv");
+      throw base::ConfigError(fmt::format("{}:{}: not a row of truth.csv", file.string(), number));
     }
     samples.push_back(to_sample(*row, header));
   }

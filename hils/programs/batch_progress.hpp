@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <fmt/format.h>
+
 #include <unistd.h>
 
 #include <chrono>
@@ -18,12 +20,9 @@ namespace cas::hils {
 inline std::string batch_line(std::string_view name, std::size_t done, std::size_t all,
                               std::chrono::seconds elapsed) {
   const auto clock = [](long seconds) {
-    const std::string rest = std::to_string(seconds % 60);
-    return std::to_string(seconds / 60) + (rest.size() < 2 ? ":0" : ":") + rest;
+    return fmt::format("{}:{:02}", seconds / 60, seconds % 60);
   };
-  std::string line(name);
-  line +=
-      ": " + std::to_string(done) + " of " + std::to_string(all) + ", " + clock(elapsed.count());
+  std::string line = fmt::format("{}: {} of {}, {}", name, done, all, clock(elapsed.count()));
   if (done > 0 && done < all && done * 20 >= all) {
     const auto left = static_cast<long>(all - done) * elapsed.count() / static_cast<long>(done);
     line += ", about " + clock(left) + " left";

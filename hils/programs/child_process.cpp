@@ -2,6 +2,7 @@
 #include "hils/programs/child_process.hpp"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/prctl.h>
@@ -95,10 +96,10 @@ ExitStatus to_exit_status(int status, const rusage& usage) {
   if (WIFSIGNALED(status)) {
     const int signal = WTERMSIG(status);
     exit.code = 128 + signal;
-    exit.words = "was ended by signal " + std::to_string(signal) + " (" + ::strsignal(signal) + ")";
+    exit.words = fmt::format("was ended by signal {} ({})", signal, ::strsignal(signal));
   } else {
     exit.code = WEXITSTATUS(status);
-    exit.words = "ended with exit code " + std::to_string(exit.code);
+    exit.words = fmt::format("ended with exit code {}", exit.code);
   }
   return exit;
 }

@@ -8,7 +8,7 @@
 #include "base/config/config.hpp"
 #include "hils/run/run_paths.hpp"
 #include "hils/run/run_request.hpp"
-#include "hils/scenario/simulation_parts.hpp"
+#include "hils/scenario/yaml_text.hpp"
 
 namespace YAML {
 class Node;

@@ -19,6 +19,7 @@
 #include "fcu/line/line_model.hpp"
 #include "hils/programs/composed_parts.hpp"
 #include "hils/programs/declared_messages.hpp"
+#include "hils/scenario/controller_parts.hpp"
 #include "hils/scenario/simulation_parts.hpp"
 
 namespace cas::hils {
@@ -168,13 +169,14 @@ YAML::Node interface_plugin(const Scenario& scenario, std::size_t vehicle, Trans
 std::string vehicle_origins(const Scenario& scenario, std::size_t vehicle) {
   const std::string where = fmt::format("vehicles[{}].", vehicle);
   return sensors_origins(where + "sensors", scenario.sensors_of(vehicle)) +
-         plugin_origins(scenario, vehicle, first_plugins(scenario.vehicles[vehicle]).size());
+         plugin_origins(scenario, vehicle,
+                        first_plugins(scenario.vehicles[vehicle].vehicle).size());
 }
 
 YAML::Node vehicle_plugins(const RunRequest& request, std::size_t vehicle, Transport transport,
                            const VehiclePaths& paths) {
   YAML::Node plugins;
-  for (const std::string& name : first_plugins(request.scenario.vehicles[vehicle])) {
+  for (const std::string& name : first_plugins(request.scenario.vehicles[vehicle].vehicle)) {
     plugins.push_back(plugin(name.c_str()));
   }
   add_scenario_plugins(request, vehicle, plugins);

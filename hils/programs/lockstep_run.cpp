@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/programs/lockstep_run.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -111,10 +112,10 @@ class LockstepBench final : public FlightBench {
     advance(simulator_.status().time + kDrain);
     progress_.clear();
     if (simulator_.status().lockstep_timeouts > 0) {
-      throw RunStopped("the controller left " +
-                           std::to_string(simulator_.status().lockstep_timeouts) +
-                           " sensor messages without the control that was due",
-                       false);
+      throw RunStopped(
+          fmt::format("the controller left {} sensor messages without the control that was due",
+                      simulator_.status().lockstep_timeouts),
+          false);
     }
     record_flight(flight, 0, simulator_.status().time, record);
     record.outside_calls = read_outside_calls(casd_);

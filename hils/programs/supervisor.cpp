@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/programs/supervisor.hpp"
 
+#include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
 #include <sys/eventfd.h>
@@ -83,9 +84,8 @@ void Supervisor::wait_ready(const ChildProcess& child, base::Duration timeout) {
       lock, timeout, [&]() CAS_REQUIRES(mutex_) { return child.ready() || !stopped_.empty(); });
   if (!stopped_.empty()) throw RunStopped(stopped_, interrupted_);
   if (!in_time) {
-    throw RunStopped(child.name() + " was not ready within " +
-                         std::to_string(static_cast<int>(base::to_seconds(timeout))) +
-                         " s; its last lines:" + child.log_tail(),
+    throw RunStopped(fmt::format("{} was not ready within {} s; its last lines:{}", child.name(),
+                                 static_cast<int>(base::to_seconds(timeout)), child.log_tail()),
                      false);
   }
 }

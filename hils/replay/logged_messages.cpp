@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/replay/logged_messages.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -163,8 +165,7 @@ class Listener {
       if (name.starts_with("time_") || field.type == mav::FieldType::kChar) continue;
       if (field.array_length == 0) logged.add(name, field.units, number_of(field, payload, 0));
       for (std::size_t i = 0; i < std::min<std::size_t>(field.array_length, kMostElements); ++i) {
-        logged.add(std::string(name) + "[" + std::to_string(i) + "]", field.units,
-                   number_of(field, payload, i));
+        logged.add(fmt::format("{}[{}]", name, i), field.units, number_of(field, payload, i));
       }
     }
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/replay/ulog_messages.hpp"
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -40,7 +41,7 @@ std::string mode_word(int nav_state) {
     const auto word = mav::services::px4_mode_word(static_cast<std::uint8_t>(nav_state));
     if (!word.empty()) return std::string(word);
   }
-  return "nav state " + std::to_string(nav_state);
+  return fmt::format("nav state {}", nav_state);
 }
 
 /// Time since the begin of a log, s. A stamp from before it, of something that was published
@@ -309,14 +310,14 @@ class Contents final : public UlogListener {
       events_.push_back({{"t_s", second}, {"kind", "loss"}, {"text", text}});
     };
     if (missing.dropped_ms > 0) {
-      add("the log lacks " + std::to_string(missing.dropped_ms) + " ms");
+      add(fmt::format("the log lacks {} ms", missing.dropped_ms));
     }
     if (missing.damaged_bytes > 0) {
-      add(std::to_string(missing.damaged_bytes) + " bytes of the log are damaged");
+      add(fmt::format("{} bytes of the log are damaged", missing.damaged_bytes));
     }
     if (missing.cut_bytes > 0) {
-      add("the log ends within a message, of which it has " + std::to_string(missing.cut_bytes) +
-          " bytes");
+      add(fmt::format("the log ends within a message, of which it has {} bytes",
+                      missing.cut_bytes));
     }
   }
 
@@ -342,10 +343,9 @@ class Contents final : public UlogListener {
 std::string UlogLoss::sentence() const {
   std::string text;
   const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
-  if (dropped_ms > 0) add(std::to_string(dropped_ms) + " ms are missing");
-  if (damaged_bytes > 0) add(std::to_string(damaged_bytes) + " bytes are damaged");
-  if (wrong_stamps > 0)
-    add(std::to_string(wrong_stamps) + " message(s) with a wrong time left out");
+  if (dropped_ms > 0) add(fmt::format("{} ms are missing", dropped_ms));
+  if (damaged_bytes > 0) add(fmt::format("{} bytes are damaged", damaged_bytes));
+  if (wrong_stamps > 0) add(fmt::format("{} message(s) with a wrong time left out", wrong_stamps));
   if (cut_bytes > 0) add("it ends within a message");
   return text;
 }

@@ -54,7 +54,7 @@ YAML::Node interface_plugin(const Firmware& firmware, std::size_t instance) {
 /// ArduPilot makes compass, barometer, GPS and their noise itself, from the true motion.
 YAML::Node plugins(const ScenarioVehicle& vehicle, const Firmware& firmware, std::size_t instance) {
   YAML::Node list;
-  for (const std::string& name : first_plugins(vehicle, firmware.autopilot == "PX4")) {
+  for (const std::string& name : first_plugins(vehicle.vehicle, firmware.autopilot == "PX4")) {
     YAML::Node node;
     node["plugin"] = name;
     list.push_back(node);

@@ -23,7 +23,6 @@
 #include "base/suggestion.hpp"
 #include "base/text.hpp"
 #include "hils/flight/phase_check.hpp"
-#include "hils/scenario/architecture_word.hpp"
 #include "hils/scenario/figure.hpp"
 #include "hils/scenario/handed_on_keys.hpp"
 #include "hils/scenario/scenario_reference.hpp"
@@ -300,6 +299,21 @@ void parse_world(const base::ConfigNode& root, Scenario& scenario) {
   scenario.world.sdf = base::find_config(*node);
   base::read_keys(root, kWorldKeys, scenario);
 }
+
+struct ArchitectureWord {
+  static void read(const base::ConfigNode& node, Architecture& architecture) {
+    try {
+      architecture = parse_architecture(node.as<std::string>());
+    } catch (const base::ConfigError& error) {
+      node.fail(error.what());
+    }
+  }
+  static std::string text(Architecture architecture) {
+    return std::string(to_string(architecture));
+  }
+  static std::string values() { return "tcas, loop, ts, sitl, direct"; }
+  static std::array<std::string, 2> samples() { return {"direct", "tcas"}; }
+};
 
 struct Plugins {
   static void read(const base::ConfigNode& node, std::vector<base::ConfigNode>& plugins) {

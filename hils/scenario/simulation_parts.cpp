@@ -5,46 +5,16 @@
 
 #include "base/config/config_origin.hpp"
 #include "base/earth/gravity.hpp"
+#include "hils/scenario/yaml_text.hpp"
 
 namespace cas::hils {
 
-namespace {
-
-/// Replaces keys of a map by those of another, block by block.
-void overlay(YAML::Node node, const YAML::Node& own) {
-  for (const auto& entry : own) {
-    const auto key = entry.first.as<std::string>();
-    if (entry.second.IsMap() && node[key] && node[key].IsMap()) {
-      overlay(node[key], entry.second);
-    } else {
-      node[key] = entry.second;
-    }
-  }
-}
-
-}  // namespace
-
-std::vector<std::string> first_plugins(const ScenarioVehicle& vehicle, bool sensors) {
+std::vector<std::string> first_plugins(const std::filesystem::path& vehicle, bool sensors) {
   std::vector<std::string> names(kFirstPlugins.begin(), kFirstPlugins.end());
   if (!sensors) names.resize(1);
-  const bool has_wings = base::ConfigNode::load(vehicle.vehicle).has(kAeroPlugin);
+  const bool has_wings = base::ConfigNode::load(vehicle).has(kAeroPlugin);
   if (has_wings) names.insert(names.begin() + 1, kAeroPlugin);
   return names;
-}
-
-YAML::Node copy(const base::ConfigNode& node) {
-  YAML::Node result = YAML::Load(node.dump());
-  return result.IsMap() ? result : YAML::Node(YAML::NodeType::Map);
-}
-
-std::string to_text(const YAML::Node& node) {
-  YAML::Emitter emitter;
-  emitter << node;
-  return std::string(emitter.c_str()) + "\n";
-}
-
-std::string full_path(const std::filesystem::path& path) {
-  return std::filesystem::weakly_canonical(path).string();
 }
 
 void put_world(const Scenario& scenario, YAML::Node& root) {
@@ -105,25 +75,6 @@ YAML::Node sensors_node(const Scenario& scenario, std::size_t vehicle) {
 
 std::string sensors_origins(const std::string& path, const base::ConfigNode& set_or_keys) {
   return base::origin_notes(path + (set_or_keys.is_scalar() ? ".preset" : ""), set_or_keys);
-}
-
-YAML::Node controller_node(const Scenario& scenario, std::size_t vehicle) {
-  const ScenarioVehicle& own = scenario.vehicles.at(vehicle);
-  YAML::Node root = copy(scenario.controller);
-  overlay(root, copy(own.controller));
-  root["schema"] = 1;
-  root["vehicle"] = full_path(own.vehicle);
-  if (scenario.flies_several()) root["system_id"] = static_cast<int>(own.system_id);
-  if (!root["sensors"]) root["sensors"] = sensors_node(scenario, vehicle);
-  root["decimal_year"] = scenario.decimal_year;
-  root["control_rate_hz"] = scenario.rates.controls_hz;
-  return root;
-}
-
-std::string controller_origins(const Scenario& scenario, std::size_t vehicle) {
-  return sensors_origins("sensors", scenario.sensors_of(vehicle)) +
-         base::origin_notes("", scenario.controller) +
-         base::origin_notes("", scenario.vehicles.at(vehicle).controller);
 }
 
 }  // namespace cas::hils

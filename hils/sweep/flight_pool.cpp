@@ -135,8 +135,8 @@ void FlightPool::take_ended(const std::function<void(RowResult&&)>& take) {
 RowResult FlightPool::result_of(const Flight& flight, const ExitStatus& end) const {
   const fs::path log_file = flight.folder / "log.txt";
   if (end.code == kExitMachine) {
-    throw base::ConfigError("row " + std::to_string(flight.row) + tail_of(log_file) +
-                            "; what has been flown is kept");
+    throw base::ConfigError(
+        fmt::format("row {}{}; what has been flown is kept", flight.row, tail_of(log_file)));
   }
   if (end.code == kExitInterrupted || end.code == kExitTerminated) {
     throw RunStopped(

@@ -173,7 +173,7 @@ void sync(const fs::path& file, int flags) {
 }  // namespace
 
 void write_sqlite(const SweepView& view, const fs::path& file) {
-  const fs::path beside = file.string() + "." + std::to_string(::getpid()) + ".new";
+  const fs::path beside = fmt::format("{}.{}.new", file.string(), ::getpid());
   std::error_code ignored;
   fs::remove(beside, ignored);
   try {

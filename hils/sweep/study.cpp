@@ -11,12 +11,11 @@
 #include <set>
 #include <string_view>
 
-#include "base/config/config_whole.hpp"
+#include "base/config/config_keys.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/text.hpp"
 #include "hils/sweep/key_path.hpp"
 #include "hils/sweep/run_table.hpp"
-#include "hils/sweep/study_keys.hpp"
 
 namespace cas::hils {
 
@@ -270,7 +269,7 @@ double Distribution::quantile(double u) const {
 Study Study::load(const std::filesystem::path& file) {
   const base::ConfigNode root = base::ConfigNode::load(file);
   Study study;
-  read_study_keys(root, file, study);
+  read_head(root, file, study);
   study.scenario = root.require<std::string>("scenario");
   study.parameters = parse_parameters(root);
   study.sampling = parse_sampling(root, study.parameters);

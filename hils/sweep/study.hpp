@@ -89,6 +89,21 @@ struct Study {
 
 /// Letters, digits and _ . - [ ]: a valid name of a column, scenario or folder.
 bool is_plain_name(std::string_view name);
+/// What studies of `hils sweep` and `hils tune` and campaigns have in common: `schema`, `name` (the
+/// file's where none is given), `description`, `architecture`, `deadline_s`.
+/// @throws base::ConfigError
+template <class Study>
+void read_head(const base::ConfigNode& root, const std::filesystem::path& file, Study& study) {
+  if (root.require<int>("schema") != 1) root.at("schema").fail("this program reads schema 1");
+  study.name = root.get<std::string>("name", file.stem().string());
+  study.description = root.get<std::string>("description", "");
+  try {
+    study.architecture = parse_architecture(root.get<std::string>("architecture", "direct"));
+  } catch (const base::ConfigError& error) {
+    root.at("architecture").fail(error.what());
+  }
+  study.deadline_s = root.get_in("deadline_s", study.deadline_s, 1, 1e6);
+}
 /// The list `vary`. @throws base::ConfigError
 std::vector<Parameter> parse_parameters(const base::ConfigNode& root);
 /// The map `set`: key paths and the YAML of their values. @throws base::ConfigError

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <set>
 
+#include "base/config/config_keys.hpp"
 #include "base/config/install_paths.hpp"
-#include "hils/sweep/study_keys.hpp"
 
 namespace cas::hils {
 
@@ -144,7 +144,7 @@ double TuneParameter::place() const {
 TuneStudy TuneStudy::load(const std::filesystem::path& file) {
   const base::ConfigNode root = base::ConfigNode::load(file);
   TuneStudy study;
-  read_study_keys(root, file, study);
+  read_head(root, file, study);
   std::set<std::string> names;
   study.scenarios = parse_scenarios(root.at("scenarios"), names);
   if (study.scenarios.empty()) root.at("scenarios").fail("is an empty list");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/ulog/run_ulog.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -76,8 +78,8 @@ class CsvTrack final : public Track {
     ++number_;
     auto row = parse_csv_row(line);
     if (!row || row->size() < columns_) {
-      throw base::ConfigError(path_.string() + ":" + std::to_string(number_) +
-                              ": not a row of this file");
+      throw base::ConfigError(
+          fmt::format("{}:{}: not a row of this file", path_.string(), number_));
     }
     row_ = *std::move(row);
     time_ = SimTime(base::from_seconds(row_.front()));
