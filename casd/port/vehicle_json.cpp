@@ -182,6 +182,7 @@ json state_json(const VehicleState& vehicle, const LinkName& link_name, base::Ru
   if (std::string version = vehicle.firmware_version(); !version.empty()) {
     state["firmware"] = std::move(version);
   }
+  if (const std::string_view vtol = vehicle.vtol_word(); !vtol.empty()) state["vtol"] = vtol;
   if (const auto at = vehicle.landed_at()) state["landed_age_s"] = base::to_seconds(now - *at);
   state["at_s"] = moment_s(now);
   state["statustexts"] = texts_json(vehicle, now);

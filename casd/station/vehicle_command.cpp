@@ -29,4 +29,16 @@ VehicleCommand reposition_command(const HomeAmsl& home, double north_m, double e
   return command;
 }
 
+VehicleCommand circling(VehicleCommand reposition, Autopilot autopilot, double radius_m) {
+  const auto radius = static_cast<float>(radius_m);
+  if (autopilot != Autopilot::kPx4) {
+    reposition.params[2] = radius;
+    return reposition;
+  }
+  reposition.id = mavlink::common::MavCmd::kDoOrbit;
+  constexpr float kForever = 0;
+  reposition.params = {radius, kNan, kNan, kForever, 0, 0, 0};
+  return reposition;
+}
+
 }  // namespace cas::casd

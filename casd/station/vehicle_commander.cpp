@@ -469,8 +469,9 @@ void VehicleCommander::go_to(std::uint8_t system, const Target& target, base::Ru
     done(failure(OutcomeKind::kInvalid, "a place to go to lies within 100 km of home"));
     return;
   }
-  start(system, reposition_command(*home, north_m, east_m, down_m, target.yaw_deg), now,
-        std::move(done), {.not_hil = not_hil});
+  VehicleCommand command = reposition_command(*home, north_m, east_m, down_m, target.yaw_deg);
+  if (target.radius_m) command = circling(command, vehicle->state.autopilot(), *target.radius_m);
+  start(system, command, now, std::move(done), {.not_hil = not_hil});
 }
 
 void VehicleCommander::message_interval(std::uint8_t system, std::uint32_t message_id,

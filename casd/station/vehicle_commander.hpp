@@ -155,6 +155,8 @@ class VehicleCommander final : public Station {
     double east_m = 0;
     double down_m = 0;
     std::optional<double> yaw_deg;
+    /// Of the circle about the place that a vehicle on its wing flies; below 0 counter-clockwise.
+    std::optional<double> radius_m{};
   };
   void go_to(std::uint8_t system, const Target& target, base::RunTime now, Done done,
              bool not_hil = false);

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "base/config/vehicle.hpp"
 #include "hils/firmware/first_sign.hpp"
 #include "hils/flight/flight_plan.hpp"
 #include "mavlink/common/autopilot_version.hpp"
@@ -56,7 +57,9 @@ class FirmwareMeeting {
       }
       deck_.supervisor.wait(FlightPlan::kLookPeriod);
     }
-    if (const auto why = mismatch(vehicle, deck_.scenario.firmware->autopilot)) {
+    const bool has_wing =
+        base::Vehicle::load(deck_.scenario.vehicles.at(vehicle_).vehicle).aero.has_value();
+    if (const auto why = mismatch(vehicle, deck_.scenario.firmware->autopilot, has_wing)) {
       throw RunStopped(*why, false);
     }
     record_.system = call("vehicle.state").value("system", record_.system);

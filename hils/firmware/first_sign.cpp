@@ -87,7 +87,8 @@ FirstSign first_sign(const json& stats, const json& links, const std::string& ve
   return sign;
 }
 
-std::optional<std::string> mismatch(const VehicleReport& vehicle, std::string_view wanted) {
+std::optional<std::string> mismatch(const VehicleReport& vehicle, std::string_view wanted,
+                                    bool has_wing) {
   const bool unknown = wanted.empty() || vehicle.autopilot == "other";
   if (!unknown && vehicle.autopilot != wanted) {
     return fmt::format(
@@ -96,10 +97,11 @@ std::optional<std::string> mismatch(const VehicleReport& vehicle, std::string_vi
         wanted, vehicle.autopilot, wanted, vehicle.autopilot);
   }
   if (is_multirotor(vehicle.type)) return std::nullopt;
+  if (has_wing && vehicle.type == "fixed_wing") return std::nullopt;
   return fmt::format(
-      "the scenario's vehicle is a multirotor, and by its first HEARTBEAT the firmware flies a {}: "
-      "start the firmware for copters",
-      vehicle.type);
+      "the scenario's vehicle is a {}, and by its first HEARTBEAT the firmware flies a {}: "
+      "start the firmware for {}",
+      has_wing ? "plane" : "multirotor", vehicle.type, has_wing ? "planes" : "copters");
 }
 
 }  // namespace cas::hils

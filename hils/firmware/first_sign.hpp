@@ -26,7 +26,9 @@ FirstSign first_sign(const nlohmann::json& stats, const nlohmann::json& links,
                      const std::string& vehicle, bool on_serial_line);
 
 /// Why this vehicle does not fit the scenario; nullopt: it does.
-/// @param wanted  autopilot_of_plugin() of its world, where each vehicle is a multirotor
-std::optional<std::string> mismatch(const VehicleReport& vehicle, std::string_view wanted);
+/// @param wanted  autopilot_of_plugin() of its world
+/// @param has_wing  of the simulated vehicle: it may fly as a plane, else as a multirotor alone
+std::optional<std::string> mismatch(const VehicleReport& vehicle, std::string_view wanted,
+                                    bool has_wing);
 
 }  // namespace cas::hils

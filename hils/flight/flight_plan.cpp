@@ -27,6 +27,13 @@ constexpr double kNearM = 0.5;
 constexpr double kAcceptedNearM = 4;
 constexpr base::Duration kStillAtItemFor = seconds(6);
 constexpr double kSlowMS = 0.4;
+/// A vehicle on its wing has taken off this far below its height: it goes on to a circle there.
+constexpr double kClimbed_m = 2;
+/// It flies on its circle when it has stayed this near to it for this long, by its estimate: a
+/// share of the radius, and a height.
+constexpr double kOnCircleShare = 0.1;
+constexpr double kOnCircleHeight_m = 3;
+constexpr base::Duration kOnCircleFor = seconds(10);
 constexpr base::Duration kStillFor = seconds(1);
 /// A landing by position is this near: drift of a stock estimator, and half a vehicle.
 constexpr double kLandedNearM = 2;
@@ -41,6 +48,11 @@ std::string words_for(std::size_t index, const std::vector<FlightStep>& steps) {
       [](const FlightStep& each) { return each.kind != StepKind::kEndTrajectory; });
   const std::string name = step.name.empty() ? "" : ", '" + step.name + "'";
   return fmt::format("step {}{} ({})", behind, name, to_string(step.kind));
+}
+
+/// Whether a step ends what the vehicle flew about before it.
+bool leaves_place(StepKind kind) {
+  return is_command(kind) && kind != StepKind::kSetGain && kind != StepKind::kSetParam;
 }
 
 /// "; it said 'No offboard signal'"
@@ -84,6 +96,11 @@ std::string lack(const FlightStep& step, const VehicleReport& vehicle,
     case StepKind::kWaitUntil:
       return fmt::format("its condition did not hold; {:.1f} m north, {:.1f} m east, {:.1f} m high",
                          p_m.x(), p_m.y(), p_m.z());
+    case StepKind::kLoiter:
+      return fmt::format("{:.1f} m from the middle of its circle, {:.1f} m of {:.1f} m high",
+                         off_m.head<2>().norm(), p_m.z(), reference_m.z());
+    case StepKind::kTransition:
+      return fmt::format("it says that it flies as '{}'", vehicle.vtol);
     case StepKind::kMission:
       return fmt::format("{:.1f} m from its end, {}", off_m.norm(), restless(vehicle));
     case StepKind::kDisarm:
@@ -113,7 +130,7 @@ VehicleReport FlightPlan::from_arming(VehicleReport vehicle) {
 }
 
 FlightStep FlightPlan::in_vehicles_frame(FlightStep step) const {
-  if (step.kind == StepKind::kGoto) {
+  if (step.kind == StepKind::kGoto || step.kind == StepKind::kLoiter) {
     step.place_m += Eigen::Vector3d(armed_at_N_.x(), armed_at_N_.y(), -armed_at_N_.z());
   }
   return step;
@@ -123,6 +140,7 @@ std::optional<FlightStep> FlightPlan::update(base::SimTime now, const VehicleRep
                                              std::size_t others_through) {
   while (!done() && !failure_) {
     const FlightStep& step = steps_[current_];
+    if (vehicle.heard) on_wing_ = vehicle.on_wing();
     if (!begun_ && others_through >= current_) begin_step(now, step);
     // A takeoff that was accepted has begun once the vehicle does not say that it is on the ground.
     if (takeoff_accepted_ && vehicle.heard && !vehicle.on_ground) lifted_off_ = true;
@@ -263,6 +281,8 @@ std::optional<Stage> FlightPlan::under_way(base::SimTime now) const {
                .accepted = phase_ == Phase::kWaiting ? accepted_ : now,
                .reference_m = reference_m_,
                .reference_yaw_rad = reference_yaw_rad_,
+               .circle_m = std::abs(circle_m_),
+               .on_wing = on_wing_,
                .armed_at_N = armed_at_N_};
 }
 
@@ -307,8 +327,13 @@ bool FlightPlan::reached(const FlightStep& step, base::SimTime now, const Vehicl
     case StepKind::kArm:
       return vehicle.armed;
     case StepKind::kTakeoff:
+      return vehicle.in_air && has_taken_off(now, vehicle);
     case StepKind::kGoto:
       return vehicle.in_air && hangs_still(now, vehicle);
+    case StepKind::kLoiter:
+      return vehicle.in_air && circles(now, vehicle);
+    case StepKind::kTransition:
+      return vehicle.vtol == (step.to_plane ? "plane" : "multicopter");
     case StepKind::kHold:
       return now - step_begin_ >= step.duration;
     case StepKind::kTrajectory:
@@ -354,6 +379,20 @@ bool FlightPlan::hangs_still(base::SimTime now, const VehicleReport& vehicle) {
   return !in_mission || now - *still_since_ >= kStillAtItemFor;
 }
 
+bool FlightPlan::has_taken_off(base::SimTime now, const VehicleReport& vehicle) {
+  if (!vehicle.on_wing()) return hangs_still(now, vehicle);
+  return vehicle.has_position && -vehicle.p_N.z() >= reference_m_.z() - kClimbed_m;
+}
+
+bool FlightPlan::circles(base::SimTime now, const VehicleReport& vehicle) {
+  const Eigen::Vector3d from_middle_m =
+      Eigen::Vector3d(vehicle.p_N.x(), vehicle.p_N.y(), -vehicle.p_N.z()) - reference_m_;
+  const double radius_m = std::abs(circle_m_);
+  const bool near = std::abs(from_middle_m.head<2>().norm() - radius_m) < kOnCircleShare * radius_m;
+  const bool high = std::abs(from_middle_m.z()) < kOnCircleHeight_m;
+  return stays(now, vehicle.has_position && near && high) && now - *still_since_ >= kOnCircleFor;
+}
+
 bool FlightPlan::stays(base::SimTime now, bool still) {
   if (!still) {
     still_since_.reset();
@@ -367,7 +406,7 @@ bool FlightPlan::stays(base::SimTime now, bool still) {
 bool FlightPlan::has_landed_there(const VehicleReport& vehicle) {
   if (!vehicle.on_ground) return false;
   const double off_m = (vehicle.p_N - reference_m_).head<2>().norm();
-  if (off_m <= kLandedNearM) return true;
+  if (off_m <= (vehicle.on_wing() ? kRunOut_m : kLandedNearM)) return true;
   failure_ = fmt::format("{} ended on the ground {} m from its place{}",
                          words_for(current_, steps_), std::lround(off_m), said(vehicle));
   return false;
@@ -425,6 +464,8 @@ void FlightPlan::begin_step(base::SimTime now, const FlightStep& step) {
     reference_m_ = step.place_m;
     reference_yaw_rad_ = step.yaw_rad;
   }
+  if (leaves_place(step.kind)) circle_m_ = step.radius_m;
+  if (step.kind == StepKind::kLoiter) reference_m_ = step.place_m;
   if (step.kind == StepKind::kRtl) reference_m_ = {0, 0, step.ends_holding ? reference_m_.z() : 0};
 }
 

@@ -29,6 +29,7 @@ struct VehicleReport {
   std::string firmware{};      ///< its version; empty until it is known
   std::string autopilot{};     ///< "PX4", "ArduPilot", "other"
   std::string type{};          ///< casd's word for its MAV_TYPE: "quadrotor"
+  std::string vtol{};          ///< of a VTOL: "multicopter", "to_plane", "plane", "to_multicopter"
   bool hil = false;            ///< its HEARTBEAT says that it is in HIL
   bool armed = false;
   bool in_air = false;
@@ -49,6 +50,8 @@ struct VehicleReport {
   std::string warning{};          ///< its newest recent text of severity warning or worse
   std::optional<std::uint16_t> mission_reached{};  ///< of the mission under way, by the wire
 
+  /// Whether it flies on its wing, and can hang nowhere.
+  bool on_wing() const { return type == "fixed_wing" || vtol == "plane"; }
   /// Motion by the vehicle's own estimate.
   Motion estimate() const;
 };
@@ -61,6 +64,8 @@ struct Stage {
   base::SimTime accepted;  ///< when the vehicle confirmed the command; else the begin
   Eigen::Vector3d reference_m = Eigen::Vector3d::Zero();  ///< north, east, up from the start
   double reference_yaw_rad = 0;
+  double circle_m = 0;   ///< radius of the circle about the reference that it is to fly; 0: none
+  bool on_wing = false;  ///< at the end, by its own word
   Eigen::Vector3d armed_at_N = Eigen::Vector3d::Zero();  ///< place of arming in the vehicle's frame
 };
 
@@ -162,6 +167,8 @@ class FlightPlan {
   bool condition_holds(const FlightStep& step, base::SimTime now,
                        const VehicleReport& vehicle) const;
   bool hangs_still(base::SimTime now, const VehicleReport& vehicle);
+  bool has_taken_off(base::SimTime now, const VehicleReport& vehicle);
+  bool circles(base::SimTime now, const VehicleReport& vehicle);
   bool stays(base::SimTime now, bool still);
   bool has_landed_there(const VehicleReport& vehicle);
   bool has_returned(const FlightStep& step, base::SimTime now, const VehicleReport& vehicle);
@@ -190,6 +197,8 @@ class FlightPlan {
   std::optional<std::uint16_t> last_item_;  ///< of the mission under way
   Eigen::Vector3d reference_m_ = Eigen::Vector3d::Zero();
   double reference_yaw_rad_ = 0;
+  double circle_m_ = 0;
+  bool on_wing_ = false;
   Eigen::Vector3d armed_at_N_ = Eigen::Vector3d::Zero();
   std::string last_refusal_;
   std::optional<std::string> failure_;

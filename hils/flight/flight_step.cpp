@@ -23,13 +23,14 @@ constexpr double kMaxDistanceM = 10'000;
 constexpr base::Duration kMissionPatience = std::chrono::minutes(5);
 constexpr base::Duration kRebootPatience = std::chrono::minutes(1);
 constexpr base::Duration kBreachPatience = std::chrono::minutes(2);
+constexpr base::Duration kLoiterPatience = std::chrono::minutes(3);
+constexpr base::Duration kTransitionPatience = std::chrono::minutes(1);
 constexpr double kBreachSpeed_m_s = 2;
 
 constexpr base::EnumWords<StepKind::kStandBy> kWords{
-    "arm",     "takeoff",  "goto",       "hold",    "trajectory",
-    "setgain", "setparam", "wait_until", "mission", "breach",
-    "rtl",     "land",     "disarm",     "reboot",  "end of trajectory",
-    "stand by"};
+    "arm",      "takeoff",    "goto",    "hold",   "trajectory",        "setgain",
+    "setparam", "wait_until", "mission", "loiter", "transition",        "breach",
+    "rtl",      "land",       "disarm",  "reboot", "end of trajectory", "stand by"};
 /// The words of scenarios.
 constexpr auto kScenarioWords =
     std::span(kWords.words).first<static_cast<std::size_t>(StepKind::kEndTrajectory)>();
@@ -135,6 +136,29 @@ void parse_rtl(const base::ConfigNode& body, FlightStep& step) {
   step.ends_holding = ends == "holding";
 }
 
+/// A circle about a place, which counts from where the vehicle was armed.
+void parse_loiter(const base::ConfigNode& body, FlightStep& step) {
+  constexpr double kLeastRadius_m = 5;
+  constexpr double kMostRadius_m = 1000;
+  step.place_m = {body.get_in("north_m", 0, -kMaxDistanceM, kMaxDistanceM),
+                  body.get_in("east_m", 0, -kMaxDistanceM, kMaxDistanceM),
+                  body.require_in("up_m", 0.5, kMaxDistanceM)};
+  step.radius_m = body.require_in("radius_m", -kMostRadius_m, kMostRadius_m);
+  if (std::abs(step.radius_m) < kLeastRadius_m) {
+    body.at("radius_m").fail("is at least 5 m; below 0 the circle is flown counter-clockwise");
+  }
+  step.timeout = kLoiterPatience;
+}
+
+void parse_transition(const base::ConfigNode& body, FlightStep& step) {
+  const auto to = body.require<std::string>("to");
+  if (to != "plane" && to != "multicopter") {
+    body.at("to").fail("a VTOL turns into a plane or a multicopter");
+  }
+  step.to_plane = to == "plane";
+  step.timeout = kTransitionPatience;
+}
+
 /// A place that the fence keeps the vehicle from.
 void parse_breach(const base::ConfigNode& body, FlightStep& step) {
   step.place_m = parse_place(body);
@@ -157,6 +181,7 @@ void parse_params(const base::ConfigNode& body, FlightStep& step) {
 /// Keys without which the step means nothing, where there are several.
 std::vector<std::string_view> needed_keys(const base::ConfigNode& body, StepKind kind) {
   if (kind == StepKind::kGoto || kind == StepKind::kBreach) return {"north_m", "east_m", "up_m"};
+  if (kind == StepKind::kLoiter) return {"up_m", "radius_m"};
   if (kind != StepKind::kTrajectory) return {};
   const auto shape = body.find("shape");
   const bool is_step = shape && shape->as<std::string>() == "step";
@@ -182,6 +207,8 @@ void parse_body(const base::ConfigNode& body, const VehicleNames& names, FlightS
   if (step.kind == StepKind::kTrajectory) parse_trajectory(body, step);
   if (step.kind == StepKind::kRtl) parse_rtl(body, step);
   if (step.kind == StepKind::kBreach) parse_breach(body, step);
+  if (step.kind == StepKind::kLoiter) parse_loiter(body, step);
+  if (step.kind == StepKind::kTransition) parse_transition(body, step);
   if (step.kind == StepKind::kReboot) step.timeout = kRebootPatience;
   if (step.kind == StepKind::kMission) {
     step.mission = parse_mission(body);
@@ -283,6 +310,8 @@ void FlightRehearsal::play(const FlightStep& step, const base::ConfigNode& node)
       return;
     case StepKind::kGoto:
     case StepKind::kTrajectory:
+    case StepKind::kLoiter:
+    case StepKind::kTransition:
     case StepKind::kBreach:
     case StepKind::kLand:
       if (!airborne_) refuse(node, word + " needs a takeoff step before it");
@@ -402,7 +431,7 @@ std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::
 
 void refuse_firmware_steps(const base::ConfigNode& steps) {
   for (const base::ConfigNode& node : steps.items()) {
-    for (const char* const word : {"mission", "breach", "reboot"}) {
+    for (const char* const word : {"mission", "loiter", "transition", "breach", "reboot"}) {
       const bool bare = node.is_scalar() && node.as<std::string>() == word;
       if (!bare && !(node.is_map() && node.has(word))) continue;
       (bare ? node : node.at(word))

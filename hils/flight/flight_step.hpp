@@ -37,7 +37,7 @@ std::optional<std::size_t> parse_vehicle_key(const base::ConfigNode& node,
 /// Kinds of steps of a flight.
 enum class StepKind {
   kArm,         ///< done when the vehicle says that it is armed
-  kTakeoff,     ///< done when it hangs still at the height
+  kTakeoff,     ///< done when it hangs still at the height, on its wing when it has climbed to it
   kGoto,        ///< done when it hangs still at the place
   kHold,        ///< done when `duration` of simulated time has passed
   kTrajectory,  ///< done when it has been flown for `duration`
@@ -45,6 +45,8 @@ enum class StepKind {
   kSetParam,    ///< done when the vehicle has confirmed the parameters
   kWaitUntil,   ///< done when the condition holds
   kMission,     ///< done when the vehicle has reached the last item, and landed if that says so
+  kLoiter,      ///< done when it has flown on its circle for a while
+  kTransition,  ///< done when a VTOL says that it flies as asked for
   kBreach,      ///< done when the autopilot's own fence has taken the vehicle over
   kRtl,         ///< done when it is on the ground at home, or hangs still above it
   kLand,        ///< done when the vehicle reports that it is on the ground
@@ -76,9 +78,11 @@ struct FlightStep {
   std::optional<std::size_t> vehicle{};  ///< index of the vehicle that flies it; nullopt: all do
   base::Duration timeout = std::chrono::seconds(30);  ///< simulated time until the step has failed
   double altitude_m = 0;                              ///< takeoff
-  Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< goto, breach: north, east, up
-  double yaw_rad = 0;                                 ///< goto
-  base::Duration duration{};                          ///< hold, trajectory
+  Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< goto, loiter, breach: north, east, up
+  double radius_m = 0;                  ///< loiter: of its circle; below 0 counter-clockwise
+  bool to_plane = false;                ///< transition: onto the wing, else onto the rotors
+  double yaw_rad = 0;                   ///< goto
+  base::Duration duration{};            ///< hold, trajectory
   bool measure = false;                 ///< hold, trajectory: the window of all figures
   Trajectory trajectory{};              ///< trajectory; of a breach the speed
   std::string loop{};                   ///< setgain
@@ -96,6 +100,10 @@ struct FlightStep {
 std::string_view phase_of(const FlightStep& step);
 /// Whether the vehicle is in the air after the step that was on the ground before it.
 bool takes_off(const FlightStep& step);
+/// Farthest place at which a plane may stand that has landed: it touches down beyond its point, and
+/// runs out.
+inline constexpr double kRunOut_m = 150;
+
 /// Whether the vehicle may be on the ground, disarmed, at the end of the step.
 bool lands(const FlightStep& step);
 /// Whether the step sends the vehicle a command.
@@ -114,7 +122,8 @@ bool is_command(StepKind kind);
 std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::GainMap& gains,
                                      const VehicleNames& names = only_vehicle());
 
-/// Missions, breaches and reboots are for stock firmware. @throws base::ConfigError at the first
+/// Missions, circles, transitions, breaches and reboots are for stock firmware. @throws
+/// base::ConfigError at the first
 void refuse_firmware_steps(const base::ConfigNode& steps);
 
 /// The steps of one vehicle: those of others are replaced by kStandBy.

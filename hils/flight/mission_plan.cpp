@@ -21,6 +21,7 @@ using Items = std::vector<PlannedItem>;
 
 constexpr std::size_t kMostItems = 500;
 constexpr double kFarthestM = 10'000;
+constexpr double kWidestM = 200;  // about a waypoint
 constexpr double kLongestHoldS = 3600;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 /// MAV_CMD_NAV_LAST: commands above it fly nowhere.
@@ -47,8 +48,8 @@ float heading(const base::ConfigNode& body) {
 
 PlannedItem parse_waypoint(const base::ConfigNode& body) {
   PlannedItem item{.command = MavCmd::kNavWaypoint, .local = true};
-  item.params = {static_cast<float>(body.get_in("hold_s", 0, 0, kLongestHoldS)), 0, 0,
-                 heading(body)};
+  item.params = {static_cast<float>(body.get_in("hold_s", 0, 0, kLongestHoldS)),
+                 static_cast<float>(body.get_in("radius_m", 0, 0, kWidestM)), 0, heading(body)};
   item.north = body.require_in("north_m", -kFarthestM, kFarthestM);
   item.east = body.require_in("east_m", -kFarthestM, kFarthestM);
   item.up_m = body.require_in("up_m", 0.5, kFarthestM);
@@ -82,10 +83,9 @@ PlannedItem parse_item(const base::ConfigNode& node, const Items& before) {
   if (word != "land")
     node.fail("there is no item '" + word + "'; items are takeoff, waypoint, land, rtl");
   PlannedItem item{.command = MavCmd::kNavLand, .params = {0, 0, 0, kNan}, .local = true};
-  if (!before.empty()) {
-    item.north = before.back().north;
-    item.east = before.back().east;
-  }
+  const PlannedItem last = before.empty() ? PlannedItem{} : before.back();
+  item.north = body.get_in("north_m", last.north, -kFarthestM, kFarthestM);
+  item.east = body.get_in("east_m", last.east, -kFarthestM, kFarthestM);
   return item;
 }
 

@@ -195,6 +195,19 @@ void add_motion(Rows& table) {
         "farthest horizontal distance of the true position from where the measured hold began; "
         "not of a trajectory",
         of(&Measurement::drift_m)},
+       {"radius_error_pct", "error of the circle's radius", "%", 3, kDown,
+        "mean true distance from the middle of the circle against its radius, in a measured hold "
+        "after `loiter`",
+        of(&Measurement::radius_error_pct)},
+       {"least_airspeed_m_s", "least airspeed", "m/s", 2, kUp,
+        "true airspeed in the measured step, of a vehicle with plugin airspeed",
+        of(&Measurement::least_airspeed_m_s)},
+       {"transition_height_m", "height in transitions", "m", 3, kDown,
+        "the most that a `transition` of a VTOL changed the true height",
+        of(&Measurement::transition_height_m)},
+       {"landing_error_m", "error of the landing", "m", 3, kDown,
+        "true horizontal distance from where `land` was begun, of a vehicle that hung still then",
+        of(&Measurement::landing_error_m)},
        {"rotor_activity_rad_s2", "activity of the rotors", "rad/s^2", 1, kDown,
         "RMS of the rotors' accelerations in the measured step, from sample to sample of "
         "`truth.csv` (100 Hz): a measure of control activity",

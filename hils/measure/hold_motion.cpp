@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "hils/measure/wing_figures.hpp"
 
 namespace cas::hils {
 namespace {
@@ -29,6 +30,8 @@ Pose mean_of(std::span<const PoseSample> samples) {
 
 bool moves(const Stage& stage) { return stage.step.kind == StepKind::kTrajectory; }
 
+bool circles(const Stage& stage) { return !moves(stage) && stage.circle_m > 0; }
+
 /// The estimate of our controller, whose origin is known.
 std::optional<RmsFigures> error_from_reference(const Stage& stage,
                                                std::span<const PoseSample> estimate) {
@@ -47,6 +50,7 @@ const Stage* measured_stage(const std::vector<Stage>& stages) {
 
 std::string_view measured_about(const Measurement& figures) {
   const Stage* const stage = measured_stage(figures.stages);
+  if (stage != nullptr && circles(*stage)) return "its circle";
   return figures.firmware && stage != nullptr && !moves(*stage) ? "its mean" : "the reference";
 }
 
@@ -56,14 +60,20 @@ void measure_motion(const RunRecord& record, std::span<const PoseSample> truth,
   const auto flown = between(truth, to_microseconds(stage.begin), to_microseconds(stage.end));
   if (!flown.empty()) {
     const Pose mean = mean_of(flown);
-    const bool about_mean = record.firmware && !moves(stage);
+    const bool about_mean = record.firmware && !moves(stage) && !circles(stage);
     const ReferenceAt reference = about_mean ? ReferenceAt([&mean](std::int64_t) { return mean; })
-                                             : reference_in_truth(stage, truth);
+                                  : circles(stage) ? circle_reference(stage, truth)
+                                                   : reference_in_truth(stage, truth);
+    figures.least_airspeed_m_s = least_airspeed_m_s(flown);
     figures.rms = rms_about(flown, reference);
     figures.peak_error_m = peak_error_m(flown, reference);
     figures.rotor_activity_rad_s2 = rotor_activity_rad_s2(flown);
     if (!moves(stage)) {
       figures.height_error_m = height_error_m(flown, reference_in_truth(stage, truth));
+    }
+    if (circles(stage)) {
+      figures.radius_error_pct = radius_error_pct(stage, flown, truth.front().pose);
+    } else if (!moves(stage)) {
       figures.drift_m = drift_m(flown);
     }
   }

@@ -14,14 +14,15 @@ namespace cas::hils {
 /// The measured step as the vehicle flew it; nullptr: the flight did not come through it.
 const Stage* measured_stage(const std::vector<Stage>& stages);
 
-/// Works out the motion in the measured step. A hold of stock firmware is measured about its mean,
+/// Works out the motion in the measured step. A hold on a circle is measured about the circle. Any
+/// other hold of stock firmware is measured about its mean,
 /// because where a stock estimator's origin lies is not known so well, and its estimate against the
 /// truth; all else against the reference.
 /// @throws base::ConfigError when the flight log cannot be read
 void measure_motion(const RunRecord& record, std::span<const PoseSample> truth,
                     Measurement& figures);
 
-/// Reference of Measurement::rms: "the reference" or "its mean".
+/// Reference of Measurement::rms: "the reference", "its mean" or "its circle".
 std::string_view measured_about(const Measurement& figures);
 
 /// How far an estimate was from the truth in the measured step; nullopt without one of the two.

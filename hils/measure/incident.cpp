@@ -33,8 +33,9 @@ double norm(const std::array<double, 3>& v) { return std::hypot(v[0], v[1], v[2]
 double extent_m(const std::vector<Stage>& stages) {
   double extent = kLeastExtent_m;
   for (const Stage& stage : stages) {
-    extent = std::max(
-        {extent, stage.reference_m.norm() + stage.step.trajectory.size_m, stage.step.reach_m});
+    extent =
+        std::max({extent, stage.reference_m.norm() + stage.step.trajectory.size_m + stage.circle_m,
+                  stage.step.reach_m});
   }
   return extent;
 }
@@ -48,7 +49,9 @@ class Watch {
   Watch(const PoseSample& start, double farthest_m, double from_s)
       : start_(start), farthest_m_(farthest_m), from_s_(from_s) {}
 
-  void look(const PoseSample& before, const PoseSample& now, Place place, std::string_view step) {
+  /// @param on_wing  the vehicle rolls on the ground before its flight and after it
+  void look(const PoseSample& before, const PoseSample& now, Place place, bool on_wing,
+            std::string_view step) {
     if (place == Place::kGround) return;
     const auto in_step = [&] {
       return fmt::format("in step '{}' at {:.2f} s", step, seconds(now));
@@ -56,7 +59,8 @@ class Watch {
     const bool low = now.pose.z_m - start_.pose.z_m < kTouch_m;
     if (low && place == Place::kAir)
       note(IncidentKind::kGround, now, "touched the ground " + in_step());
-    const double speed_m_s = norm(before.v_m_s);
+    const bool rolls = on_wing && place != Place::kAir;
+    const double speed_m_s = rolls ? std::abs(before.v_m_s[2]) : norm(before.v_m_s);
     if (is_impact(before, now) && speed_m_s > kCrashSpeed_m_s) {
       note(IncidentKind::kCrash, now,
            fmt::format("hit {} at {:.1f} m/s {}",
@@ -158,7 +162,7 @@ std::vector<Incident> find_incidents(const std::vector<Stage>& stages,
     const std::int64_t until = i + 1 < stages.size() ? to_microseconds(stages[i + 1].begin)
                                                      : std::numeric_limits<std::int64_t>::max();
     for (const PoseSample& sample : between(truth, to_microseconds(stage.begin), until)) {
-      watch.look(*before, sample, place, phase_of(stage.step));
+      watch.look(*before, sample, place, stage.on_wing, phase_of(stage.step));
       before = &sample;
     }
   }

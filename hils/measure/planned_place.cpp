@@ -12,7 +12,8 @@ namespace cas::hils {
 namespace {
 
 bool is_pattern(const Stage& stage) {
-  return stage.step.kind == StepKind::kTrajectory || stage.step.kind == StepKind::kEndTrajectory;
+  return stage.step.kind == StepKind::kTrajectory || stage.step.kind == StepKind::kEndTrajectory ||
+         stage.circle_m > 0;
 }
 
 }  // namespace
@@ -24,7 +25,10 @@ bool keeps_place(const Stage& stage) {
 PlannedPath::PlannedPath(std::span<const FlightStep> steps) {
   for (const FlightStep& step : steps) {
     if (step.kind == StepKind::kTakeoff) places_.emplace_back(0, 0, step.altitude_m);
-    if (step.kind == StepKind::kGoto) places_.push_back(step.place_m);
+    if (step.kind == StepKind::kGoto || step.kind == StepKind::kLoiter) {
+      places_.push_back(step.place_m);
+    }
+    slack_m_ = std::max(slack_m_, std::abs(step.radius_m));
     if (step.kind == StepKind::kTrajectory) slack_m_ = std::max(slack_m_, step.trajectory.size_m);
     if (step.kind == StepKind::kRtl) places_.emplace_back(0, 0, places_.back().z());
     if (lands(step)) {

@@ -47,6 +47,7 @@ bool ends_at_a_place(const FlightStep& step) {
   switch (step.kind) {
     case StepKind::kTakeoff:
     case StepKind::kGoto:
+    case StepKind::kLoiter:
     case StepKind::kRtl:
     case StepKind::kMission:
       return true;
@@ -62,7 +63,10 @@ std::optional<std::string> not_there(const Stage& stage, const Eigen::Vector3d& 
   Eigen::Vector3d off_m = place_of(sample_at(truth, stage.end)) - origin_m - stage.reference_m;
   const bool any_height = lands(stage.step) || stage.step.kind == StepKind::kRtl;
   if (any_height) off_m.z() = 0;  // the ground there may be higher or lower
-  if (is_near(off_m.norm(), stage.reference_m.norm())) return std::nullopt;
+  if (stage.on_wing && stage.step.kind == StepKind::kTakeoff) off_m.head<2>().setZero();
+  if (stage.circle_m > 0) off_m = {off_m.head<2>().norm() - stage.circle_m, 0, off_m.z()};
+  const double run_out_m = stage.on_wing && lands(stage.step) ? kRunOut_m : 0;
+  if (is_near(off_m.norm(), stage.reference_m.norm(), run_out_m)) return std::nullopt;
   return fmt::format("step '{}' ended {:.1f} m from its place", phase_of(stage.step), off_m.norm());
 }
 

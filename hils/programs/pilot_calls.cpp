@@ -9,12 +9,14 @@
 #include <vector>
 
 #include "base/angles.hpp"
+#include "mavlink/common/enums.hpp"
 
 namespace cas::hils {
 
 namespace {
 
 using base::rpc::Json;
+using mavlink::common::MavVtolState;
 
 /// The client of this program's calls, in the journal of the program that is asked.
 std::string introduce(base::rpc::Client& client) {
@@ -51,6 +53,7 @@ VehicleReport to_report(const nlohmann::json& state) {
   report.firmware = state.value("firmware", "");
   report.autopilot = state.value("autopilot", "");
   report.type = state.value("type", "");
+  report.vtol = state.value("vtol", "");
   report.hil = state.value("hil", false);
   report.armed = state.value("armed", false);
   report.mode = state.value("mode", "");
@@ -106,6 +109,17 @@ std::vector<CasdCall> calls_of(const FlightStep& step) {
                 {"east_m", step.place_m.y()},
                 {"down_m", -step.place_m.z()},
                 {"yaw_deg", step.yaw_rad * base::kDegPerRad}}}};
+    case StepKind::kLoiter:
+      return {{"vehicle.goto",
+               {{"north_m", step.place_m.x()},
+                {"east_m", step.place_m.y()},
+                {"down_m", -step.place_m.z()},
+                {"radius_m", step.radius_m}}}};
+    case StepKind::kTransition:
+      return {{"vehicle.command",
+               {{"command", static_cast<int>(mavlink::common::MavCmd::kDoVtolTransition)},
+                {"params",
+                 {static_cast<int>(step.to_plane ? MavVtolState::kFw : MavVtolState::kMc)}}}}};
     case StepKind::kSetGain:
       return {{"gain.set", gain_params(step)}};
     case StepKind::kSetParam:

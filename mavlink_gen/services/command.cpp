@@ -77,6 +77,10 @@ std::string describe(MavCmd id) {
       return text + " (set mode)";
     case MavCmd::kDoReposition:
       return text + " (reposition)";
+    case MavCmd::kDoOrbit:
+      return text + " (circle)";
+    case MavCmd::kDoVtolTransition:
+      return text + " (VTOL transition)";
     case MavCmd::kSetMessageInterval:
       return text + " (set message interval)";
     case MavCmd::kRequestMessage:

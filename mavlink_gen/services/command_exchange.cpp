@@ -19,7 +19,7 @@ constexpr std::size_t kMaxTexts = 10;
 
 bool newest_counts(MavCmd id) {
   return id == MavCmd::kComponentArmDisarm || id == MavCmd::kDoSetMode ||
-         id == MavCmd::kDoReposition;
+         id == MavCmd::kDoReposition || id == MavCmd::kDoOrbit;
 }
 
 CommandLong long_form(const VehicleCommand& command, int sent) {

@@ -314,6 +314,22 @@ std::string_view VehicleState::landed_word() const {
   }
 }
 
+std::string_view VehicleState::vtol_word() const {
+  if (!extended_) return {};
+  switch (extended_->message.vtol_state) {
+    case MavVtolState::kMc:
+      return "multicopter";
+    case MavVtolState::kTransitionToFw:
+      return "to_plane";
+    case MavVtolState::kFw:
+      return "plane";
+    case MavVtolState::kTransitionToMc:
+      return "to_multicopter";
+    default:
+      return {};
+  }
+}
+
 std::optional<Heard<double>> VehicleState::altitude() const {
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
   const double z_m = local_position_ ? double{local_position_->message.z} : kUnknown;

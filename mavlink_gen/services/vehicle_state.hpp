@@ -120,6 +120,9 @@ class VehicleState {
 
   mavlink::common::MavLandedState landed() const;
   std::string_view landed_word() const;
+  /// How a VTOL flies: "multicopter", "to_plane", "plane", "to_multicopter"; empty: it is none, or
+  /// has not said.
+  std::string_view vtol_word() const;
   /// When it last said whether it has landed.
   std::optional<Time> landed_at() const;
   const std::optional<Heard<mavlink::common::Attitude>>& attitude() const { return attitude_; }

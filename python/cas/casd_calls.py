@@ -403,6 +403,7 @@ VehicleState = TypedDict("VehicleState", {
     "statustexts": List[StatusText],
     "system": int,
     "type": str,
+    "vtol": NotRequired[str],  # multicopter, to_plane, plane, to_multicopter; left out: it is no VTOL
 })
 TelemetryAttitude = TypedDict("TelemetryAttitude", {
     "age_s": Optional[float],
@@ -778,15 +779,17 @@ class VehicleCalls:
         *,
         vehicle: Optional[int] = None,
         yaw_deg: Optional[float] = None,
+        radius_m: Optional[float] = None,
         not_hil: Optional[bool] = None,
     ) -> Acknowledgement:
         """Goes to a position in the local frame N.
 
         vehicle: system id
         yaw_deg: heading from north, clockwise; left out: it stays
+        radius_m: of the circle about it, for a vehicle that flies on its wing; below 0 counter-clockwise
         not_hil: also one that does not say that it is in HIL. A REAL VEHICLE MAY MOVE
         """
-        return cast(Acknowledgement, self._call("vehicle.goto", _given(north_m=north_m, east_m=east_m, down_m=down_m, vehicle=vehicle, yaw_deg=yaw_deg, not_hil=not_hil)))
+        return cast(Acknowledgement, self._call("vehicle.goto", _given(north_m=north_m, east_m=east_m, down_m=down_m, vehicle=vehicle, yaw_deg=yaw_deg, radius_m=radius_m, not_hil=not_hil)))
 
     def hold(self, *, vehicle: Optional[int] = None) -> Acknowledgement:
         """Stays where it is.
@@ -1152,15 +1155,17 @@ class AsyncVehicleCalls:
         *,
         vehicle: Optional[int] = None,
         yaw_deg: Optional[float] = None,
+        radius_m: Optional[float] = None,
         not_hil: Optional[bool] = None,
     ) -> Acknowledgement:
         """Goes to a position in the local frame N.
 
         vehicle: system id
         yaw_deg: heading from north, clockwise; left out: it stays
+        radius_m: of the circle about it, for a vehicle that flies on its wing; below 0 counter-clockwise
         not_hil: also one that does not say that it is in HIL. A REAL VEHICLE MAY MOVE
         """
-        return cast(Acknowledgement, await self._call("vehicle.goto", _given(north_m=north_m, east_m=east_m, down_m=down_m, vehicle=vehicle, yaw_deg=yaw_deg, not_hil=not_hil)))
+        return cast(Acknowledgement, await self._call("vehicle.goto", _given(north_m=north_m, east_m=east_m, down_m=down_m, vehicle=vehicle, yaw_deg=yaw_deg, radius_m=radius_m, not_hil=not_hil)))
 
     async def hold(self, *, vehicle: Optional[int] = None) -> Acknowledgement:
         """Stays where it is.

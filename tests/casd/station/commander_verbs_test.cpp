@@ -142,6 +142,58 @@ TEST_F(VehicleCommanderTest, GoesToALocalPlaceByLatitudeAndLongitude) {
   EXPECT_EQ(command.param2, 1.0F);
 }
 
+TEST_F(VehicleCommanderTest, TellsHowAVtolFlies) {
+  meet();
+  const auto word = [&](MavVtolState state) {
+    ExtendedSysState said;
+    said.vtol_state = state;
+    vehicle_.say(said, now_);
+    run_for(50ms);
+    return commander_.vehicles().front()->vtol_word();
+  };
+  EXPECT_EQ(word(MavVtolState::kMc), "multicopter");
+  EXPECT_EQ(word(MavVtolState::kTransitionToFw), "to_plane");
+  EXPECT_EQ(word(MavVtolState::kFw), "plane");
+  EXPECT_EQ(word(MavVtolState::kTransitionToMc), "to_multicopter");
+  EXPECT_EQ(word(MavVtolState::kUndefined), "");
+}
+
+struct CircleCase {
+  const char* name;
+  MavAutopilot autopilot;
+  MavCmd command;
+  int radius_param;
+};
+
+class Circle : public VehicleCommanderTest, public testing::WithParamInterface<CircleCase> {};
+
+TEST_P(Circle, GoesWithItsRadiusToThePlace) {
+  vehicle_.autopilot = GetParam().autopilot;
+  meet();
+  HomePosition home;
+  home.latitude = 473977420;
+  home.longitude = 85455940;
+  home.altitude = 488'000;
+  vehicle_.say(home, now_);
+  run_for(50ms);
+  commander_.go_to(1, {.north_m = 0, .east_m = 0, .down_m = -40, .yaw_deg = {}, .radius_m = -80},
+                   now_, done());
+  EXPECT_TRUE(finish().ok());
+  ASSERT_EQ(vehicle_.int_commands.size(), 1U);
+  const CommandInt& command = vehicle_.int_commands[0];
+  EXPECT_EQ(command.command, GetParam().command);
+  EXPECT_EQ(GetParam().radius_param == 1 ? command.param1 : command.param3, -80.0F);
+  EXPECT_FLOAT_EQ(command.z, 528.0F);
+  EXPECT_NEAR(command.x, 473977420, 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Autopilots, Circle,
+    testing::Values(CircleCase{"Px4AsAnOrbit", MavAutopilot::kPx4, MavCmd::kDoOrbit, 1},
+                    CircleCase{"ArduPilotAsAReposition", MavAutopilot::kArdupilotmega,
+                               MavCmd::kDoReposition, 3}),
+    [](const auto& test) { return test.param.name; });
+
 TEST_F(VehicleCommanderTest, RefusesPlacesNoVehicleReaches) {
   meet();
   HomePosition home;

@@ -56,15 +56,20 @@ TEST(FirstSign, OfFirmwareOnASerialLineComesOverThatLine) {
 
 TEST(FirstSign, OfAnotherAutopilotOrAPlaneDoesNotFitTheWorld) {
   VehicleReport vehicle{.heard = true, .autopilot = "PX4", .type = "quadrotor"};
-  EXPECT_FALSE(mismatch(vehicle, "PX4"));
-  EXPECT_FALSE(mismatch(vehicle, ""));
-  EXPECT_EQ(mismatch(vehicle, "ArduPilot"),
+  EXPECT_FALSE(mismatch(vehicle, "PX4", false));
+  EXPECT_FALSE(mismatch(vehicle, "", false));
+  EXPECT_EQ(mismatch(vehicle, "ArduPilot", false),
             "the scenario's world is for ArduPilot, and the first HEARTBEAT is of PX4: start "
             "ArduPilot, or take a scenario of PX4");
   vehicle.type = "fixed_wing";
-  EXPECT_EQ(mismatch(vehicle, "PX4"),
+  EXPECT_EQ(mismatch(vehicle, "PX4", false),
             "the scenario's vehicle is a multirotor, and by its first HEARTBEAT the firmware flies "
             "a fixed_wing: start the firmware for copters");
+  EXPECT_FALSE(mismatch(vehicle, "PX4", true));
+  vehicle.type = "rover";
+  EXPECT_EQ(mismatch(vehicle, "PX4", true),
+            "the scenario's vehicle is a plane, and by its first HEARTBEAT the firmware flies a "
+            "rover: start the firmware for planes");
 }
 
 }  // namespace

@@ -478,5 +478,83 @@ TEST(FlightPlan, FailsWhereAReturnLandsElsewhere) {
   EXPECT_EQ(plan.failure(), "step 1 (rtl) ended on the ground 9 m from its place");
 }
 
+/// A plane in the air, north, east, up of where it was armed.
+VehicleReport plane_at(double north_m, double east_m, double up_m) {
+  VehicleReport report{
+      .heard = true, .type = "fixed_wing", .armed = true, .in_air = true, .has_position = true};
+  report.p_N = {north_m, east_m, -up_m};
+  report.v_N = {15, 0, 0};
+  return report;
+}
+
+FlightPlan after_arming(std::vector<FlightStep> steps) {
+  steps.insert(steps.begin(), {.kind = StepKind::kArm, .timeout = seconds(10)});
+  FlightPlan plan(std::move(steps));
+  plan.update(at(seconds(0)), on_ground());
+  plan.on_outcome(at(seconds(0)));
+  return plan;
+}
+
+TEST(FlightPlan, APlaneHasTakenOffWhenItHasClimbed) {
+  FlightPlan plan =
+      after_arming({{.kind = StepKind::kTakeoff, .timeout = seconds(60), .altitude_m = 40},
+                    {.kind = StepKind::kHold, .duration = seconds(5)}});
+  ASSERT_EQ(plan.update(at(seconds(1)), plane_at(0, 0, 0))->kind, StepKind::kTakeoff);
+  plan.on_outcome(at(seconds(1)));
+  plan.update(at(seconds(8)), plane_at(100, 0, 37));
+  EXPECT_EQ(plan.current()->kind, StepKind::kTakeoff);
+  plan.update(at(seconds(9)), plane_at(115, 0, 38.5));
+  EXPECT_EQ(plan.current()->kind, StepKind::kHold);
+  EXPECT_TRUE(plan.stages().back().on_wing);
+}
+
+TEST(FlightPlan, AHoldAfterALoiterHasItsCircleUntilTheNextFlight) {
+  FlightPlan plan =
+      after_arming({{.kind = StepKind::kTakeoff, .altitude_m = 40},
+                    {.kind = StepKind::kLoiter,
+                     .timeout = seconds(180),
+                     .place_m = {10, 0, 40},
+                     .radius_m = -80},
+                    {.kind = StepKind::kHold, .duration = seconds(5), .measure = true},
+                    {.kind = StepKind::kLand}});
+  plan.update(at(seconds(1)), plane_at(0, 0, 0));
+  plan.on_outcome(at(seconds(1)));
+  ASSERT_EQ(plan.update(at(seconds(9)), plane_at(100, 0, 40))->kind, StepKind::kLoiter);
+  plan.on_outcome(at(seconds(9)));
+  plan.update(at(seconds(10)), plane_at(92, 0, 40));
+  plan.update(at(seconds(15)), plane_at(110, 0, 40));  // 100 m from the middle: off the circle
+  plan.update(at(seconds(16)), plane_at(90, 0, 40));
+  plan.update(at(seconds(25)), plane_at(10, 82, 41));
+  EXPECT_EQ(plan.current()->kind, StepKind::kLoiter);
+  plan.update(at(seconds(26)), plane_at(10, 82, 41));
+  EXPECT_EQ(plan.current()->kind, StepKind::kHold);
+  ASSERT_EQ(plan.update(at(seconds(31)), plane_at(-70, 0, 40))->kind, StepKind::kLand);
+  EXPECT_EQ(plan.measured()->circle_m, 80);
+  EXPECT_EQ(plan.measured()->reference_m, Eigen::Vector3d(10, 0, 40));
+  plan.on_outcome(at(seconds(31)));
+  EXPECT_EQ(plan.under_way(at(seconds(32)))->circle_m, 0);
+}
+
+TEST(FlightPlan, ATransitionIsDoneByTheVehiclesWordAndIsGivenAgainWhenRefused) {
+  FlightPlan plan = after_arming({{.kind = StepKind::kTakeoff, .altitude_m = 2.5},
+                                  {.kind = StepKind::kTransition, .to_plane = true},
+                                  {.kind = StepKind::kHold, .duration = seconds(5)}});
+  VehicleReport vtol = hovering();
+  vtol.vtol = "multicopter";
+  plan.update(at(seconds(1)), vtol);
+  plan.on_outcome(at(seconds(1)));
+  plan.update(at(seconds(2)), vtol);
+  ASSERT_EQ(plan.update(at(seconds(3)), vtol)->kind, StepKind::kTransition);
+  plan.on_outcome(at(seconds(3)), Refusal{"temporarily rejected"});
+  ASSERT_EQ(plan.update(at(seconds(4)), vtol)->kind, StepKind::kTransition);
+  plan.on_outcome(at(seconds(4)));
+  vtol.vtol = "to_plane";
+  plan.update(at(seconds(6)), vtol);
+  EXPECT_EQ(plan.current()->kind, StepKind::kTransition);
+  vtol.vtol = "plane";
+  plan.update(at(seconds(7)), vtol);
+  EXPECT_EQ(plan.current()->kind, StepKind::kHold);
+}
+
 }  // namespace
 }  // namespace cas::hils

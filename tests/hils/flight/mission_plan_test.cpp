@@ -50,6 +50,18 @@ TEST(MissionPlan, CountsFromTheVehiclesHome) {
   EXPECT_EQ(mission.last, 1U) << "what comes after it is the landing";
 }
 
+TEST(MissionPlan, OfAPlaneLandsAtAPlaceOfItsOwn) {
+  const HomedMission mission =
+      at_home(parse("items: [waypoint: {north_m: -500, east_m: 0, up_m: 40, radius_m: 30}, "
+                    "land: {north_m: 10, east_m: -20}]"),
+              kHome, false);
+  ASSERT_EQ(mission.items.size(), 2U);
+  EXPECT_EQ(mission.items[0].param2, 30);
+  EXPECT_NEAR((mission.end_m - Eigen::Vector3d(10, -20, 0)).norm(), 0, 0.02);
+  ASSERT_EQ(mission.places.size(), 1U);
+  EXPECT_EQ(mission.places[0].radius_m, 30);
+}
+
 TEST(MissionPlan, OfArdupilotBeginsWithHomeThatNobodyFlies) {
   const HomedMission mission = at_home(parse(kThere), kHome, true);
   ASSERT_EQ(mission.items.size(), 4U);

@@ -115,6 +115,25 @@ TEST(Incident, WhatFallsWhenTheRecordEndsIsACrash) {
   EXPECT_EQ(found[0].what.rfind("was still falling at 9.8 m/s", 0), 0U) << found[0].what;
 }
 
+/// It meets the ground at 1.5 m/s down and 12 m/s ahead, of which it keeps half.
+TEST(Incident, APlaneThatRollsOutHasNotCrashed) {
+  const auto touch_down = [](double t, PoseSample& sample) {
+    good_height(t, sample);
+    sample.pose.x_m = t < 21.66 ? 12 * t : 12 * 21.66 + 6 * (t - 21.66);
+  };
+  const auto kinds = [&](bool on_wing) {
+    std::vector<Stage> stages = flight();
+    for (Stage& stage : stages) {
+      stage.on_wing = on_wing;
+      stage.reference_m = {300, 0, 10};  // it may fly that far
+    }
+    return incidents_of(touch_down, stages);
+  };
+  EXPECT_TRUE(kinds(true).empty());
+  ASSERT_EQ(kinds(false).size(), 1U);
+  EXPECT_EQ(kinds(false)[0].kind, IncidentKind::kCrash);
+}
+
 TEST(Incident, ALandingFasterThan3MetresASecondIsACrash) {
   const auto landing = [](double speed) {
     return incidents_of([speed](double t, PoseSample& sample) {

@@ -88,6 +88,18 @@ TEST_F(ScenarioFile, RefusesARebootOfOurController) {
       << error;
 }
 
+TEST_F(ScenarioFile, RefusesACircleOfOurController) {
+  const std::string error = error_of(kHead + R"(steps:
+  - arm
+  - takeoff: {altitude_m: 3}
+  - loiter: {radius_m: 20, up_m: 3}
+  - hold: {duration_s: 5, measure: true}
+  - land
+)");
+  EXPECT_NE(error.find("steps[2].loiter: only a scenario of stock firmware"), std::string::npos)
+      << error;
+}
+
 TEST_F(ScenarioFile, ReadsStepsInOrder) {
   const Scenario scenario = Scenario::load(write(std::string(kHead) + kFlight));
   ASSERT_EQ(scenario.steps.size(), 4U);
@@ -281,8 +293,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadScenario{
             "MisspeltStep", "steps: [arm, {takof: {altitude_m: 2}}, land]\n",
             ":5: steps[1]: there is no step 'takof'; steps are arm, takeoff, goto, "
-            "hold, trajectory, setgain, setparam, wait_until, mission, breach, rtl, land, disarm, "
-            "reboot; did you mean 'takeoff'?"},
+            "hold, trajectory, setgain, setparam, wait_until, mission, loiter, transition, breach, "
+            "rtl, land, disarm, reboot; did you mean 'takeoff'?"},
         BadScenario{
             "MisspeltArchitecture",
             "architecture: tcsa\nsteps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: "
@@ -311,6 +323,16 @@ INSTANTIATE_TEST_SUITE_P(
                     "steps: [arm, {takeoff: {altitude_m: 3}}, {goto: {north_m: 1, eats_m: 1, up_m: "
                     "3}}, land]\n",
                     "steps[2].goto: key 'east_m' is missing; did you mean it by 'eats_m'"},
+        BadScenario{"CircleWithoutItsKeys",
+                    "steps: [arm, {takeoff: {altitude_m: 3}}, {loiter: {east_m: 1}}, land]\n",
+                    ":5: steps[2].loiter: keys are missing: 'up_m', 'radius_m'"},
+        BadScenario{"CircleOnTheSpot",
+                    "steps: [arm, {takeoff: {altitude_m: 3}}, {loiter: {up_m: 3, radius_m: -2}}, "
+                    "land]\n",
+                    ":5: steps[2].loiter.radius_m: is at least 5 m"},
+        BadScenario{"TransitionToNothing",
+                    "steps: [arm, {takeoff: {altitude_m: 3}}, {transition: {to: boat}}, land]\n",
+                    ":5: steps[2].transition.to: a VTOL turns into a plane or a multicopter"},
         BadScenario{"WaitForNothing", "steps: [arm, {wait_until: {timeout_s: 3}}]\n",
                     "wait_until needs a condition"},
         BadScenario{
