@@ -137,10 +137,11 @@ LAYERS = {
         BASE | MAVLINK | SERVICES | RPC | PROGRAM | rooms("fcu", "core line params")
         | {"fcu", "Eigen", "Asio"},
 
-    # of the runtime: SHA-256; of fcu: the design of the rate loops, for --describe
+    # of the runtime: SHA-256; of fcu: the design of the rate loops, of the plugins: the models that a trim needs, for
+    # --describe
     "libsim/hilsim":
         API | RPC | PROGRAM | rooms("libsim/core", "body load run")
-        | {"mavlink_gen/runtime", "fcu/control", "Asio", "fmt"},
+        | {"mavlink_gen/runtime", "fcu/control", "plugins/aero", "plugins/motor", "Asio", "fmt"},
 
     # of casd and hilsim it knows the sockets alone
     "web/server": BASE | RPC | PROGRAM | {"Asio"},

@@ -68,7 +68,8 @@ void add_flags(CLI::App& app, Flags& flags) {
   CLI::Option* const describe = app.add_option("--describe", flags.describe,
                                                "Print mass, rotors, hover, effectiveness matrix, "
                                                "frame and rate loops of a vehicle (a name of "
-                                               "a shipped one, or a file) and end");
+                                               "a shipped one, or a file), or trim, stall, glide "
+                                               "and modes of one with wings, and end");
   describe->excludes(config);
   app.add_option("--svg", flags.svg,
                  "With --describe: draw the vehicle from above and from the side into this file")
@@ -116,11 +117,13 @@ std::filesystem::path vehicle_file(const std::string& word) {
 int describe(const std::string& word, const std::optional<std::filesystem::path>& svg) {
   const base::Vehicle vehicle = base::Vehicle::load(vehicle_file(word));
   const sim::VehicleModel model = sim::load_vehicle_model(vehicle.urdf, vehicle.parts);
-  fcu::ControlParams gains;
-  fcu::derive_gains(vehicle, fcu::kUsualDelay_s, gains);
-  const std::string text =
-      describe_vehicle(vehicle, model, base::load_frames(base::shipped_config("frames.yaml"))) +
-      fcu::loop_table(fcu::rate_loops(vehicle, gains, fcu::kUsualDelay_s));
+  std::string text =
+      describe_vehicle(vehicle, model, base::load_frames(base::shipped_config("frames.yaml")));
+  if (sim::hovers(vehicle)) {
+    fcu::ControlParams gains;
+    fcu::derive_gains(vehicle, fcu::kUsualDelay_s, gains);
+    text += fcu::loop_table(fcu::rate_loops(vehicle, gains, fcu::kUsualDelay_s));
+  }
   for (const auto& warnings : {vehicle.warnings, model.warnings, implausible(vehicle, model)}) {
     for (const std::string& warning : warnings) base::log::warn(warning);
   }

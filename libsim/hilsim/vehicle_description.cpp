@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "base/earth/gravity.hpp"
+#include "libsim/hilsim/wing_description.hpp"
 
 namespace cas::sim {
 namespace {
@@ -222,6 +223,10 @@ void print_frame(std::string& text, const base::Vehicle& vehicle,
 
 }  // namespace
 
+bool hovers(const base::Vehicle& vehicle) {
+  return !vehicle.aero || vehicle.hover_output(base::kStandardGravity_m_s2).has_value();
+}
+
 std::string describe_vehicle(const base::Vehicle& vehicle, const VehicleModel& model,
                              const std::vector<base::Frame>& frames) {
   std::string text;
@@ -229,9 +234,12 @@ std::string describe_vehicle(const base::Vehicle& vehicle, const VehicleModel& m
         vehicle.urdf.filename().c_str());
   print_body(text, model);
   print_rotors(text, vehicle);
-  print_lift(text, vehicle);
-  print_effectiveness(text, vehicle);
-  print_frame(text, vehicle, frames);
+  if (hovers(vehicle)) {
+    print_lift(text, vehicle);
+    print_effectiveness(text, vehicle);
+    print_frame(text, vehicle, frames);
+  }
+  if (vehicle.aero) text += describe_wings(vehicle, model);
   return text;
 }
 

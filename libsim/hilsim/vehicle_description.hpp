@@ -10,9 +10,12 @@
 
 namespace cas::sim {
 
+/// Whether a vehicle is to hover: not a plane whose rotors cannot carry it.
+bool hovers(const base::Vehicle& vehicle);
+
 /// Data sheet of a vehicle, for `hilsim --describe`: mass, centre of gravity and inertia as
-/// simulated, rotors, hover, thrust-to-weight ratio, scales, effectiveness matrix with its rank,
-/// and the matching entry of `frames`.
+/// simulated, rotors; of one that hovers thrust-to-weight ratio, scales, effectiveness matrix with
+/// its rank, and the matching entry of `frames`; of one with wings what describe_wings() says.
 std::string describe_vehicle(const base::Vehicle& vehicle, const VehicleModel& model,
                              const std::vector<base::Frame>& frames);
 

@@ -10,6 +10,7 @@
 #include "base/earth/atmosphere.hpp"
 #include "libsim/core/body/rigid_body.hpp"
 #include "libsim/core/run/sim_runner.hpp"
+#include "plugins/aero/aero_model.hpp"
 #include "tests/libsim/support/crate.hpp"
 #include "tests/libsim/support/four_rotors.hpp"
 #include "tests/libsim/support/triangles.hpp"
@@ -58,6 +59,32 @@ void integrate_body_and_rotors(benchmark::State& state) {
   count_steps(state);
 }
 BENCHMARK(integrate_body_and_rotors);
+
+/// A plane of the tests, at its cruising speed; the difference to integrate_body is its wings'.
+void integrate_plane(benchmark::State& state, const char* name) {
+  const auto file = std::filesystem::path(cas::test::source_dir()) / "tests/plugins/data" /
+                    (std::string(name) + ".yaml");
+  const base::Vehicle vehicle = base::Vehicle::load(file);
+  AeroModel aero(*vehicle.aero);
+  ForceSet forces;
+  forces.add(aero);
+  forces.reset_states();
+  const MassProperties mass(vehicle.mass_kg, vehicle.inertia_kg_m2.asDiagonal());
+  Environment air;
+  air.air_density_kg_m3 = base::isa::density_kg_m3(0);
+  BodyState start;
+  start.v_WB = {vehicle.aero->cruise_m_s, 0, -0.5};
+  BodyState body = start;
+  for (auto _ : state) {
+    body.v_WB = start.v_WB;
+    body.w_WB_B = {0.1, 0.2, 0.3};
+    integrate_free(body, forces, mass, air, {}, kStep);
+    benchmark::DoNotOptimize(body);
+  }
+  count_steps(state);
+}
+BENCHMARK_CAPTURE(integrate_plane, of_derivatives, "aerosonde");
+BENCHMARK_CAPTURE(integrate_plane, of_six_panels, "panel_plane");
 
 void world_free(benchmark::State& state) {
   const auto world = sim::test::make_world(sim::test::flat_world());

@@ -143,6 +143,7 @@ class Check {
   void check_thrust() {
     const double weight_n = mass_kg_ * base::kStandardGravity_m_s2;
     const double ratio = vehicle_.control_scales().u1_max_n / weight_n;
+    if (vehicle_.aero && ratio < kLeastThrust) return;  // its wings carry it
     const double per_rpm = kRadPerS * kRadPerS;
     if (ratio < kLeastThrust) {
       say("its rotors lift " + text(ratio) + " of its weight" + weak_by_unit(ratio));

@@ -31,5 +31,18 @@ TEST(VehicleDescription, ANanoVehicleCanBeSteeredAsALargeOneCan) {
   }
 }
 
+TEST(VehicleDescription, OfAPlaneIsItsTrimStallGlideAndModes) {
+  const base::Vehicle vehicle =
+      base::Vehicle::load(test::kSourceDir / "tests/plugins/data/aerosonde.yaml");
+  const std::string text = describe_vehicle(vehicle, load_vehicle_model(vehicle.urdf), {});
+  for (const char* words :
+       {"  elevator          -30.0   30.0 deg  output 2", "level at 25 m/s", "angle of attack",
+        "throttle", "stall              ", "best glide         ", "short period", "phugoid",
+        "Dutch roll", "spiral"}) {
+    EXPECT_THAT(text, HasSubstr(words));
+  }
+  EXPECT_THAT(text, testing::Not(HasSubstr("hover")));
+}
+
 }  // namespace
 }  // namespace cas::sim

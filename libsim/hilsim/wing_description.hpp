@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "base/config/vehicle.hpp"
+#include "libsim/core/load/model_loader.hpp"
+
+namespace cas::sim {
+
+/// How a vehicle with wings flies, for `hilsim --describe`: its trim at `cruise_m_s` on the rotors
+/// that push it forwards, at sea level; stall, best glide, and its modes about the trim, from the
+/// models of plugins motor and aero.
+std::string describe_wings(const base::Vehicle& vehicle, const VehicleModel& model);
+
+}  // namespace cas::sim
