@@ -6,6 +6,7 @@ compares what they print with the page; then breaks the vehicle as the page says
 Usage: vehicles_page_test.py BUILD_TREE [--print]    (--print: what the page should have, to paste)
 """
 
+import json
 import pathlib
 import re
 import subprocess
@@ -48,7 +49,7 @@ def refusal(folder, change):
 with tempfile.TemporaryDirectory() as name:
     folder = pathlib.Path(name)
     files = blocks("file")
-    check(len(files) == 3, "the page has a URDF, a vehicle and a scenario")
+    check(len(files) == 4, "the page has a URDF, two vehicles and a scenario")
     for file, text in files:
         (folder / file).write_text(text)
 
@@ -80,3 +81,12 @@ with tempfile.TemporaryDirectory() as name:
     command = re.search(r"```sh\n(hils run .*)\n```", PAGE)[1]
     run(command, folder)
     check((folder / "out/report.html").exists(), "the flight leaves a report")
+
+    # And that of the vehicle with circuits.
+    scenario = (folder / "first.yaml").read_text().replace("vehicle: mine.yaml", "vehicle: electric.yaml")
+    (folder / "second.yaml").write_text(scenario)
+    run("hils run second.yaml --virtual --out electric", folder)
+    summary = json.loads((folder / "electric/summary.json").read_text())
+    currents = summary["vehicles"][0]["plugins"]["motor"]
+    check(len(currents) == 4, f"a curve for the current of each motor, not {currents}")
+    check(all(2 < curve["mean"] < 10 for curve in currents.values()), f"some amperes in hover, not {currents}")

@@ -283,20 +283,31 @@ Vector3d place_after_ten_seconds(const RotorModel& model, double dt) {
   return body.p_WB;
 }
 
-TEST(Rotors, InWindAreIntegratedToAMicrometre) {
+base::Vehicle four_rotors(double base::RotorParams::*member, double value) {
   std::vector<base::Rotor> rotors;
   for (const double side : {-0.2, 0.2}) {
     for (const double end : {-0.2, 0.2}) {
       base::Rotor rotor = simple_rotor();
       rotor.position_B_m = {end, side, 0.02};
       rotor.spin = side * end > 0 ? 1 : -1;
-      rotor.params.inflow_thrust_slope = 0.7;
+      rotor.params.*member = value;
       rotors.push_back(rotor);
     }
   }
-  RotorModel model(vehicle_of(std::move(rotors)));
+  return vehicle_of(std::move(rotors));
+}
+
+TEST(Rotors, InWindAreIntegratedToAMicrometre) {
+  RotorModel model(four_rotors(&base::RotorParams::inflow_thrust_slope, 0.7));
   model.set_targets(base::RotorVector::Constant(4, 495));  // 9.8 N
   EXPECT_LT((place_after_ten_seconds(model, 1e-3) - place_after_ten_seconds(model, 1e-4)).norm(),
+            1e-6);
+}
+
+TEST(Rotors, WhoseThrustFadesAreIntegratedToAMicrometre) {
+  RotorModel model(four_rotors(&base::RotorParams::zero_thrust_speed_m_s, 25));
+  model.set_targets(base::RotorVector::Constant(4, 520));
+  EXPECT_LT((place_after_ten_seconds(model, 1e-3) - place_after_ten_seconds(model, 5e-4)).norm(),
             1e-6);
 }
 
