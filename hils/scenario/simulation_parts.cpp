@@ -4,6 +4,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include "base/config/config_origin.hpp"
+#include "base/config/weather_keys.hpp"
 #include "base/earth/gravity.hpp"
 #include "hils/scenario/yaml_text.hpp"
 
@@ -34,13 +35,10 @@ void put_world(const Scenario& scenario, YAML::Node& root) {
     root["home"]["alt_m"] = scenario.home->alt_m;
   }
   root["decimal_year"] = scenario.decimal_year;
-  const auto put_weather = [&root](const char* name, const std::optional<double>& value) {
-    if (value) root["weather"][name] = *value;
-  };
-  put_weather("temperature_degc", scenario.weather.temperature_degc);
-  put_weather("temperature_offset_degc", scenario.weather.temperature_offset_degc);
-  put_weather("qnh_hpa", scenario.weather.qnh_hpa);
-  put_weather("humidity", scenario.weather.humidity);
+  base::for_each_key(base::kWeatherKeys, [&](const auto& key) {
+    if (const auto& value = key.of(scenario.weather))
+      root["weather"][std::string(key.name)] = *value;
+  });
 }
 
 YAML::Node vehicle_node(const ScenarioVehicle& vehicle) {
