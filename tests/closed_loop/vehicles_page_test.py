@@ -89,4 +89,4 @@ with tempfile.TemporaryDirectory() as name:
     summary = json.loads((folder / "electric/summary.json").read_text())
     currents = summary["vehicles"][0]["plugins"]["motor"]
     check(len(currents) == 4, f"a curve for the current of each motor, not {currents}")
-    check(all(2 < curve["mean"] < 10 for curve in currents.values()), f"some amperes in hover, not {currents}")
+    check(all(1 < curve["mean"] < 10 for curve in currents.values()), f"some amperes in hover, not {currents}")

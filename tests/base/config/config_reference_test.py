@@ -19,7 +19,7 @@ PAGES = {"config": "docs/reference/config.md", "plugins": "docs/use/plugins.md"}
 # Section of a page -> the files that read its keys.
 SECTIONS = {
     ("config", "Scenario"): ["hils/scenario/scenario.cpp", "hils/flight/flight_step.cpp"],
-    ("config", "Vehicle"): ["base/config/vehicle_file.cpp", "base/config/model_match.cpp"],
+    ("config", "Vehicle"): ["base/config/vehicle_file.cpp", "base/config/propulsion_file.cpp", "base/config/model_match.cpp"],
     ("plugins", "wind"): ["plugins/wind/*.cpp"],
     ("plugins", "fault"): ["plugins/fault/fault_spec.cpp"],
     ("plugins", "recorder"): ["plugins/recorder/recorder_plugin.cpp"],
