@@ -108,46 +108,46 @@ Airframe airframe_of(const base::Vehicle& vehicle, const VehicleModel& model, co
 }
 
 template <class... Values>
-void print(std::string& text, fmt::format_string<Values...> format, Values&&... values) {
+void add_line(std::string& text, fmt::format_string<Values...> format, Values&&... values) {
   fmt::format_to(std::back_inserter(text), format, std::forward<Values>(values)...);
   text += '\n';
 }
 
 void print_surfaces(std::string& text, const base::AeroParams& aero) {
   if (aero.surfaces.empty()) return;
-  print(text, "surfaces           deflection at output -1 and +1");
+  add_line(text, "surfaces           deflection at output -1 and +1");
   for (const base::ControlSurface& surface : aero.surfaces) {
-    print(text, "  {:<16} {:6.1f} {:6.1f} deg  output {}", surface.name,
-          base::degrees(surface.min_rad), base::degrees(surface.max_rad), surface.output + 1);
+    add_line(text, "  {:<16} {:6.1f} {:6.1f} deg  output {}", surface.name,
+             base::degrees(surface.min_rad), base::degrees(surface.max_rad), surface.output + 1);
   }
 }
 
 void print_trim(std::string& text, const base::AeroParams& aero, const Trim& trim) {
-  print(text, "trim               level at {:g} m/s, at sea level", aero.cruise_m_s);
-  print(text, "  {:<16} {:8.3f} deg", "angle of attack", base::degrees(trim.alpha_rad));
+  add_line(text, "trim               level at {:g} m/s, at sea level", aero.cruise_m_s);
+  add_line(text, "  {:<16} {:8.3f} deg", "angle of attack", base::degrees(trim.alpha_rad));
   if (trim.beta_rad != 0) {
-    print(text, "  {:<16} {:8.3f} deg", "sideslip", base::degrees(trim.beta_rad));
+    add_line(text, "  {:<16} {:8.3f} deg", "sideslip", base::degrees(trim.beta_rad));
   }
-  print(text, "  {:<16} {:8.4f}", "throttle", trim.throttle);
+  add_line(text, "  {:<16} {:8.4f}", "throttle", trim.throttle);
   for (std::size_t i = 0; i < aero.surfaces.size(); ++i) {
     const base::ControlSurface& surface = aero.surfaces[i];
     const double angle = trim.deflections_rad[i];
     const auto [low, high] = std::minmax(surface.min_rad, surface.max_rad);
-    print(text, "  {:<16} {:8.3f} deg  {:8.5f} rad{}", surface.name, base::degrees(angle), angle,
-          angle < low || angle > high ? ", beyond its limits" : "");
+    add_line(text, "  {:<16} {:8.3f} deg  {:8.5f} rad{}", surface.name, base::degrees(angle), angle,
+             angle < low || angle > high ? ", beyond its limits" : "");
   }
 }
 
 void print_modes(std::string& text, const std::vector<FlightMode>& modes) {
-  print(text, "modes              throttle and surfaces held");
+  add_line(text, "modes              throttle and surfaces held");
   for (const FlightMode& mode : modes) {
     const double real = mode.eigenvalue.real();
     if (mode.oscillates()) {
-      print(text, "  {:<16} {:8.4f} +- {:.4f}i 1/s  {:.3f} rad/s, damping {:.3f}", mode.name, real,
-            mode.eigenvalue.imag(), mode.frequency_rad_s(), mode.damping());
+      add_line(text, "  {:<16} {:8.4f} +- {:.4f}i 1/s  {:.3f} rad/s, damping {:.3f}", mode.name,
+               real, mode.eigenvalue.imag(), mode.frequency_rad_s(), mode.damping());
     } else {
-      print(text, "  {:<16} {:8.4f} 1/s  {} in {:.2f} s", mode.name, real,
-            real < 0 ? "halves" : "doubles", std::log(2) / std::abs(real));
+      add_line(text, "  {:<16} {:8.4f} 1/s  {} in {:.2f} s", mode.name, real,
+               real < 0 ? "halves" : "doubles", std::log(2) / std::abs(real));
     }
   }
 }
@@ -167,20 +167,20 @@ std::string describe_wings(const base::Vehicle& vehicle, const VehicleModel& mod
   }
   const Airframe gliding = airframe_of(vehicle, model, aero, nullptr);
   if (const auto polar = glide_polar(gliding, params.cruise_m_s, limits)) {
-    print(text, "stall              {:.2f} m/s at an angle of attack of {:.1f} deg",
-          polar->stall_speed_m_s, base::degrees(polar->stall_alpha_rad));
-    print(text, "best glide         {:.2f} m ahead for each m of height, at {:.2f} m/s",
-          polar->best_glide_ratio, polar->best_glide_m_s);
+    add_line(text, "stall              {:.2f} m/s at an angle of attack of {:.1f} deg",
+             polar->stall_speed_m_s, base::degrees(polar->stall_alpha_rad));
+    add_line(text, "best glide         {:.2f} m ahead for each m of height, at {:.2f} m/s",
+             polar->best_glide_ratio, polar->best_glide_m_s);
   } else {
-    print(text, "stall              no surface balances its pitching moment");
+    add_line(text, "stall              no surface balances its pitching moment");
   }
 
   const Airframe flying = airframe_of(vehicle, model, aero, &rotors);
   const auto trim = level_trim(flying, params.cruise_m_s);
   if (!trim) {
-    print(text,
-          "trim               none: at {:g} m/s thrust, lift and surfaces do not hold it level",
-          params.cruise_m_s);
+    add_line(text,
+             "trim               none: at {:g} m/s thrust, lift and surfaces do not hold it level",
+             params.cruise_m_s);
     return text;
   }
   print_trim(text, params, *trim);
