@@ -45,8 +45,7 @@ class PushingRotors {
     for (std::size_t i = 0; i < vehicle_.rotors.size(); ++i) {
       const base::Rotor& rotor = vehicle_.rotors[i];
       if (rotor.axis_B.x() < kForwards) continue;
-      const double idle = rotor.params.omega_idle_rad_s;
-      omega[static_cast<Eigen::Index>(i)] = idle + throttle * (rotor.params.omega_max_rad_s - idle);
+      omega[static_cast<Eigen::Index>(i)] = rotor.speed_at(throttle);
     }
     return omega;
   }
