@@ -316,10 +316,9 @@ void VehicleMethods::add_flight_methods() {
   add_command("vehicle.reboot",
               [this](CallParams& params) { return moves(params, &VehicleCommander::reboot); });
   add_command("vehicle.goto", [this](CallParams& params) {
-    const VehicleCommander::Target target{params.number("north_m"), params.number("east_m"),
-                                          params.number("down_m"),
-                                          params.optional_number("yaw_deg"),
-                                          params.optional_number("radius_m")};
+    const VehicleCommander::Target target{
+        params.number("north_m"), params.number("east_m"), params.number("down_m"),
+        params.optional_number("yaw_deg"), params.optional_number("radius_m")};
     return moves(params, &VehicleCommander::go_to, target);
   });
   add_command("vehicle.mode", [this](CallParams& params) {

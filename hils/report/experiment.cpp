@@ -33,6 +33,7 @@ std::string kind_of(const Measurement& figures) {
   for (const Stage& stage : figures.stages) {
     if (stage.step.kind == StepKind::kTrajectory) return shape_name(stage.step.trajectory.shape);
   }
+  if (has(figures, StepKind::kLoiter)) return shape_name(fcu::PatternShape::kCircle);
   return has(figures, StepKind::kGoto) ? "flight from place to place" : "hover";
 }
 
@@ -78,6 +79,7 @@ std::string measured_part(const Measurement& figures) {
     const std::string shape = shape_name(step->trajectory.shape);
     return step->name.empty() ? shape : fmt::format("{} '{}'", shape, step->name);
   }
+  if (has(figures, StepKind::kLoiter)) return kind_of(figures);
   return kind_of(figures) == "hover" ? "hover" : "hold";
 }
 

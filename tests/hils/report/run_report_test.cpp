@@ -40,6 +40,9 @@ Measurement hover() {
 Measurement step_response() {
   Measurement figures = hover();
   figures.scenario = "gain_tuning";
+  figures.stages.back() = stage(StepKind::kLoiter);
+  EXPECT_EQ(measured_part(figures), "circle");
+  figures.stages.pop_back();
   figures.stages[2] = stage(StepKind::kTrajectory, true);
   figures.stages[2].step.name = "after";
   figures.stages[2].step.trajectory.shape = fcu::PatternShape::kSteps;

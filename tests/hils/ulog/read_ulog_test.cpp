@@ -116,7 +116,7 @@ TEST(ReadUlog, TellsFactsParametersSentencesAndDropouts) {
 
 TEST(ReadUlog, ReadsWhatOurWriterWrites) {
   const cas::test::TemporaryFolder folder;
-  sim::UlogFile file({folder.path(), "flight.ulg"}, ulog_topics(4));
+  sim::UlogFile file({folder.path(), "flight.ulg"}, ulog_topics(4, false));
   const base::SimTime time(std::chrono::milliseconds(20));
   write(file, UlogTopicId::kAttitude, sim::UlogRecord(time).put(1.F).put(0.F).put(0.F).put(0.F));
   write(file, UlogTopicId::kLandDetected, sim::UlogRecord(time).put(true));
