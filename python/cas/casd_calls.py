@@ -786,7 +786,8 @@ class VehicleCalls:
 
         vehicle: system id
         yaw_deg: heading from north, clockwise; left out: it stays
-        radius_m: of the circle about it, for a vehicle that flies on its wing; below 0 counter-clockwise
+        radius_m: of the circle about it, for a vehicle that flies on its wing; below 0 counter-
+            clockwise
         not_hil: also one that does not say that it is in HIL. A REAL VEHICLE MAY MOVE
         """
         return cast(Acknowledgement, self._call("vehicle.goto", _given(north_m=north_m, east_m=east_m, down_m=down_m, vehicle=vehicle, yaw_deg=yaw_deg, radius_m=radius_m, not_hil=not_hil)))
@@ -1162,7 +1163,8 @@ class AsyncVehicleCalls:
 
         vehicle: system id
         yaw_deg: heading from north, clockwise; left out: it stays
-        radius_m: of the circle about it, for a vehicle that flies on its wing; below 0 counter-clockwise
+        radius_m: of the circle about it, for a vehicle that flies on its wing; below 0 counter-
+            clockwise
         not_hil: also one that does not say that it is in HIL. A REAL VEHICLE MAY MOVE
         """
         return cast(Acknowledgement, await self._call("vehicle.goto", _given(north_m=north_m, east_m=east_m, down_m=down_m, vehicle=vehicle, yaw_deg=yaw_deg, radius_m=radius_m, not_hil=not_hil)))

@@ -86,7 +86,7 @@ TEST(HilsProgram, FliesAScenarioWithOtherValues) {
   arguments.insert(arguments.end(), {"--set", setting, "--set", "limits={}"});
   EXPECT_EQ(exit_code(arguments), 0);
   const auto summary = nlohmann::json::parse(TemporaryFolder::read(out + "/summary.json"));
-  EXPECT_GT(summary["vehicles"][0]["rates"]["sensor"]["lost"].get<int>(), 300);
+  EXPECT_GT(summary["vehicles"][0]["rates"]["HIL_SENSOR"]["lost"].get<int>(), 300);
   EXPECT_NE(summary["remarks"].dump().find(setting), std::string::npos) << summary["remarks"];
   EXPECT_EQ(exit_code(plain), 0);
   EXPECT_FALSE(std::filesystem::exists(out + "/run/scenario")) << "of the run before";
@@ -97,7 +97,7 @@ TEST(HilsProgram, ChecksAScenarioWithoutAFlight) {
   EXPECT_EQ(exit_code({hover, "--check"}), 0);
   EXPECT_EQ(exit_code({hover, "--check", "--set", "vehicle.rotor.omega_max_rad_s=1200"}), 0);
   for (const auto& [setting, sentence] :
-       {std::pair{"line.packet_loss=2", "line.packet_loss: must lie in [0, 1]"},
+       {std::pair{"line.packet_loss=2", "line.packet_loss: 2 must lie in [0, 1]"},
         std::pair{"line.packet_los=0.1", "line.packet_los"},
         std::pair{"vehicle.rotor.radius_m=-1", "rotor.radius_m"},
         std::pair{"steps[nowhere].name=x", "no entry of the list is called 'nowhere'"},

@@ -27,7 +27,7 @@ SECTIONS = {
 }
 
 # Whose words a section names besides.
-FURTHER = {("config", "Scenario"): ["plugins/fault/*.cpp", "fcu/core/*.cpp", "casd/station/*.cpp"]}
+FURTHER = {("config", "Scenario"): ["plugins/fault/*.cpp", "fcu/core/*.cpp", "casd/station/*.cpp", "base/config/weather_keys.hpp"]}
 
 # Functions that take a key, by the beginning of their names.
 READERS = r"(?:at|find|has|get|require|optional|parse|positive|non_negative|microseconds|ms|kib|handed_on|place|offer|key)"

@@ -52,6 +52,10 @@ Measurement filled() {
   m.height_error_m = ++next;
   m.drift_m = ++next;
   m.rotor_activity_rad_s2 = ++next;
+  m.radius_error_pct = ++next;
+  m.least_airspeed_m_s = ++next;
+  m.transition_height_m = ++next;
+  m.landing_error_m = ++next;
   m.pace = {.real_time_factor = ++next, .worst_stall_ms = ++next, .late_p99_ms = ++next};
   m.handover_p99_us = ++next;
   m.paused_ms = ++next;
@@ -88,8 +92,9 @@ TEST(FigureTable, GivesEachFigureAKeyAPlaceATitleAndAMeaning) {
 /// The end of a key is its unit, as everywhere in the project.
 TEST(FigureTable, NamesTheUnitInTheKey) {
   const std::map<std::string, std::string> units{
-      {"_us", "us"}, {"_ms", "ms"}, {"_s", "s"},     {"_m", "m"},           {"_rad", "rad"},
-      {"_hz", "Hz"}, {"_pct", "%"}, {"_m_s", "m s"}, {"_rad_s2", "rad/s^2"}};
+      {"_us", "us"},          {"_ms", "ms"},           {"_s", "s"},   {"_m", "m"},
+      {"_rad", "rad"},        {"_hz", "Hz"},           {"_pct", "%"}, {"_m_s", "m s"},
+      {"_rad_s2", "rad/s^2"}, {"_airspeed_m_s", "m/s"}};
   const auto expect_unit = [&units](const std::string& key, const std::string& unit) {
     std::string longest;  // "_m_s" before "_s"
     for (const auto& [end, of_key] : units) {

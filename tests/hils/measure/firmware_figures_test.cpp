@@ -28,7 +28,9 @@ namespace cas::hils {
 namespace {
 
 const std::filesystem::path kScenarios = cas::test::source_dir() + "/config/scenarios";
-constexpr const char* kHeader = "t,x,y,z,vx,vy,vz,roll,pitch,yaw,p,q,r,w1,w2,w3,w4\n";
+constexpr const char* kHeader =
+    "time_s,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,roll_rad,pitch_rad,yaw_rad,p_rad_s,q_rad_s,r_rad_s,"
+    "omega1_rad_s,omega2_rad_s,omega3_rad_s,omega4_rad_s\n";
 
 base::SimTime at(double s) { return base::SimTime(base::from_seconds(s)); }
 

@@ -484,10 +484,9 @@ TEST(Summary, HasTheFieldsThatProgramsReadOff) {
 
 TEST(TextReport, ShowsThePapersRowsBelowOurs) {
   const Measurement figures = good();
-  const std::string text = test::run_text(figures, judge(figures, hover_limits()));
-  EXPECT_EQ(text.rfind("PASSED: hover, TCAS", 0), 0U) << text;
-  EXPECT_NE(text.find("431.8999"), std::string::npos);
-  EXPECT_NE(text.find("0.0996"), std::string::npos);
+  const std::string text = test::run_text(figures, judge(figures, hover_limits()), true);
+  EXPECT_NE(text.find("431.8999"), std::string::npos) << text;
+  EXPECT_NE(text.find("0.0996"), std::string::npos) << text;
 }
 
 }  // namespace
