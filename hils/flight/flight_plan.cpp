@@ -76,7 +76,7 @@ std::string restless(const VehicleReport& vehicle) {
 /// @param reference_m  where it should be: north, east, up from the place of arming
 std::string lack(const FlightStep& step, const VehicleReport& vehicle,
                  const Eigen::Vector3d& reference_m) {
-  const Eigen::Vector3d p_m = vehicle.estimate().p_m;
+  const Eigen::Vector3d p_m = vehicle.estimate().p_m + Eigen::Vector3d::Zero();  // no -0
   const Eigen::Vector3d off_m = p_m - reference_m;
   switch (step.kind) {
     case StepKind::kArm:
