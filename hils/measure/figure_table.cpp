@@ -163,7 +163,9 @@ void add_rms(std::string_view block, std::string_view what, std::string_view mea
                     4, kDown, std::string(meaning),
                     [rms, member = axis.member](const Measurement& m) -> std::optional<double> {
                       if (!(m.*rms)) return std::nullopt;
-                      return *(m.*rms).*member;
+                      // Not-a-number: there was no reference.
+                      const double value = *(m.*rms).*member;
+                      return std::isnan(value) ? std::nullopt : std::optional(value);
                     },
                     fmt::format("{}.{}", block, axis.key)});
   }

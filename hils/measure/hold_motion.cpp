@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "base/error.hpp"
 #include "hils/measure/wing_figures.hpp"
@@ -72,6 +73,8 @@ void measure_motion(const RunRecord& record, std::span<const PoseSample> truth,
       figures.height_error_m = height_error_m(flown, reference_in_truth(stage, truth));
     }
     if (circles(stage)) {
+      // A circle asks for no heading.
+      if (figures.rms) figures.rms->yaw_rad = std::numeric_limits<double>::quiet_NaN();
       figures.radius_error_pct = radius_error_pct(stage, flown, truth.front().pose);
     } else if (!moves(stage)) {
       figures.drift_m = drift_m(flown);
