@@ -218,33 +218,36 @@ void write_ulogs(const RunRequest& request, const RunResult& result) {
   }
 }
 
-/// Says that a scenario can be flown with these flags. A changed one is read in a folder of its
-/// own, which goes again.
-int check(const Flags& flags, const std::filesystem::path& file) {
+/// Reads the scenario as --set changes it, from a copy in `folder`.
+RunRequest read_changed(const Flags& flags, const std::filesystem::path& file,
+                        const std::filesystem::path& folder) {
+  write_scenario(file, parse_settings(flags.settings), std::filesystem::current_path(), folder);
+  return read_request(flags, folder / "scenario.yaml");
+}
+
+/// Reads a scenario as these flags have it, and leaves nothing. Plugins, models and programs are
+/// looked at by a flight alone.
+RunRequest read_only(const Flags& flags, const std::filesystem::path& file) {
+  if (flags.settings.empty()) return read_request(flags, file);
   const ScratchFolder scratch(std::filesystem::temp_directory_path(), "hils-check");
-  const std::vector<KeyValue> values = parse_settings(flags.settings);
-  if (!values.empty()) {
-    write_scenario(file, values, std::filesystem::current_path(), scratch.path());
-  }
-  const RunRequest request =
-      read_request(flags, values.empty() ? file : scratch.path() / "scenario.yaml");
-  parse_fcu_words(flags.fcus, request.scenario.names());
-  fmt::print("{}: {} can be flown\n", flags.scenario, request.scenario.name);
-  return kExitPassed;
+  return read_changed(flags, file, scratch.path());
 }
 
 int run(Flags flags) {
   search_plugins_in(flags.plugin_dirs);
-  std::filesystem::path file = base::find_config(flags.scenario);
-  if (flags.only_check) return check(flags, file);
-  std::optional<FolderLock> lock;
-  const std::vector<KeyValue> values = parse_settings(flags.settings);
-  if (!values.empty()) {
-    const std::filesystem::path folder = take_folder(flags, file, lock) / "run/scenario";
-    write_scenario(file, values, std::filesystem::current_path(), folder);
-    file = folder / "scenario.yaml";
+  const std::filesystem::path file = base::find_config(flags.scenario);
+  RunRequest request = read_only(flags, file);
+  if (flags.only_check) {
+    parse_fcu_words(flags.fcus, request.scenario.names());
+    fmt::print("{}: no error in the keys of {} or in the flags\n", flags.scenario,
+               request.scenario.name);
+    return kExitPassed;
   }
-  RunRequest request = read_request(flags, file);
+  std::optional<FolderLock> lock;
+  if (!flags.settings.empty()) {  // a refused one has left no folder
+    const std::filesystem::path folder = take_folder(flags, file, lock) / "run/scenario";
+    request = read_changed(flags, file, folder);
+  }
   std::optional<LiveRun> live;
   if (flags.web) request.live = &live.emplace();
   std::optional<FlightBoards> boards;
@@ -330,8 +333,10 @@ base::cli::Verb add_run(CLI::App& app) {
       ->allow_extra_args(false);
   command->add_flag("--paper", flags.beside_paper,
                     "Show the figures of [HILS] Tables 4 and 5 below those of the run");
-  command->add_flag("--check", flags.only_check,
-                    "Read the scenario with these flags, say whether it can be flown, and end");
+  command->add_flag(
+      "--check", flags.only_check,
+      "Read the scenario with these flags, say what is wrong in its keys, and end; plugins, "
+      "models and programs are looked at by a flight alone");
   command->add_option("--seed", flags.seed, "Seed instead of the scenario's")
       ->check(base::cli::whole_number);
   return {command, [kept] { return run(*kept); }};
