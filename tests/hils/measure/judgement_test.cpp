@@ -79,7 +79,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "RMS error of the true position, z_m: 0.2000 m; the limit is 0.15 m"},
         MissCase{"NotANumber",
                  [](Measurement& m) { m.rms->x_m = std::numeric_limits<double>::quiet_NaN(); },
-                 "RMS error of the true position, x_m: nan m; the limit is 0.25 m"},
+                 "RMS error of the true position, x_m: not measured; the limit is 0.25 m"},
         MissCase{"Flight",
                  [](Measurement& m) { m.flight_failure = "arm was not done within 10 s"; },
                  "the flight was not completed: arm was not done within 10 s"}),
