@@ -19,15 +19,15 @@ LocalEndpoint::LocalEndpoint(Switchboard& switchboard, mav::Source self)
 
 void LocalEndpoint::deliver(std::span<const PacketRef> packets, base::RunTime) {
   bool wakes = false;
-  {
-    const base::MutexLock lock(mutex_);
-    for (const PacketRef& packet : packets) {
-      if (!concerns_us(*packet.info)) continue;
-      wakes = wakes || wakes_for_all_ || packet.info->target.system != 0;
-      waiting_.push(*packet.info, packet.bytes);  // full: lost, as on a line
-    }
+  const base::MutexLock lock(mutex_);
+  for (const PacketRef& packet : packets) {
+    if (!concerns_us(*packet.info)) continue;
+    wakes = wakes || wakes_for_all_ || packet.info->target.system != 0;
+    waiting_.push(*packet.info, packet.bytes);  // full: lost, as on a line
   }
-  if (wakes) signal_.raise();
+  if (!wakes) return;
+  signal_.raise();
+  raised_ = true;
 }
 
 void LocalEndpoint::wake_for_all(bool all) {
@@ -36,9 +36,10 @@ void LocalEndpoint::wake_for_all(bool all) {
 }
 
 void LocalEndpoint::dispatch(Station& station, base::RunTime now) {
-  signal_.lower();
   {
     const base::MutexLock lock(mutex_);
+    // Raised and lowered under the mutex, so that a signal that nobody raised costs no read.
+    if (std::exchange(raised_, false)) signal_.lower();
     std::swap(waiting_, dispatching_);
   }
   for (; !dispatching_.empty(); dispatching_.pop()) {

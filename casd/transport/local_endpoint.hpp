@@ -54,6 +54,7 @@ class LocalEndpoint final : public PacketPort {
   WakeSignal signal_;
   base::Mutex mutex_;
   PacketRing waiting_ CAS_GUARDED_BY(mutex_);
+  bool raised_ CAS_GUARDED_BY(mutex_) = false;  ///< `signal_` has not been lowered since
   bool wakes_for_all_ CAS_GUARDED_BY(mutex_) = true;
   PacketRing dispatching_;
 };

@@ -80,8 +80,7 @@ void measure_motion(const RunRecord& record, std::span<const PoseSample> truth,
       figures.drift_m = drift_m(flown);
     }
   }
-  const std::vector<PoseSample> estimate =
-      read_estimate(record.flight_tlog, record.system, record.log_clock);
+  const std::vector<PoseSample>& estimate = record.estimate();
   figures.rms_estimate = record.firmware ? estimate_error(record.stages, truth, estimate)
                                          : error_from_reference(stage, estimate);
 }

@@ -227,8 +227,8 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.warnings = record.warnings;
   figures.plugins = read_plugin_figures(record.plugin_figures, record.vehicle);
   const bool is_recorded = !record.firmware || std::filesystem::exists(record.truth_csv);
-  const std::vector<PoseSample> truth =
-      is_recorded ? read_truth(record.truth_csv) : std::vector<PoseSample>{};
+  const std::vector<PoseSample> none;
+  const std::vector<PoseSample>& truth = is_recorded ? record.truth() : none;
   figures.responses = step_responses(record.stages, truth);
   figures.truth_samples = truth.size();
   figures.record_hole = record_hole(record.flown_stages(), truth);

@@ -81,6 +81,21 @@ std::vector<Stage> RunRecord::flown_stages() const {
   return flown;
 }
 
+const std::vector<PoseSample>& RunRecord::truth() const {
+  if (!truth_read) {
+    truth_read = std::make_shared<const std::vector<PoseSample>>(read_truth(truth_csv));
+  }
+  return *truth_read;
+}
+
+const std::vector<PoseSample>& RunRecord::estimate() const {
+  if (!estimate_read) {
+    estimate_read = std::make_shared<const std::vector<PoseSample>>(
+        read_estimate(flight_tlog, system, log_clock));
+  }
+  return *estimate_read;
+}
+
 std::vector<RunRecord> records_of(const Scenario& scenario, const RunPaths& paths) {
   std::vector<RunRecord> records;
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -51,6 +52,16 @@ struct RunRecord {
 
   /// With the one under way.
   std::vector<Stage> flown_stages() const;
+
+  /// Truth of the whole run, read once. @throws base::ConfigError as read_truth does
+  const std::vector<PoseSample>& truth() const;
+  /// The controller's estimate in the whole run, read once.
+  /// @throws base::ConfigError as read_estimate does
+  const std::vector<PoseSample>& estimate() const;
+
+  /// What was read of the files; copies of a record share it.
+  mutable std::shared_ptr<const std::vector<PoseSample>> truth_read{};
+  mutable std::shared_ptr<const std::vector<PoseSample>> estimate_read{};
 };
 
 /// A record for each vehicle of a scenario, with its names and where its files are.

@@ -1,18 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/measure/tracking.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <string>
 
 #include "base/earth/frames.hpp"
 #include "base/error.hpp"
 #include "casd/tlog/tlog_packets.hpp"
-#include "hils/measure/csv_row.hpp"
+#include "hils/measure/csv_file.hpp"
 #include "hils/measure/truth_header.hpp"
 #include "mavlink/common/attitude.hpp"
 #include "mavlink/common/local_position_ned.hpp"
@@ -35,7 +32,7 @@ enum Column : std::size_t {
   kYaw,
 };
 
-PoseSample to_sample(const std::vector<double>& row, const TruthHeader& header) {
+PoseSample to_sample(std::span<const double> row, const TruthHeader& header) {
   PoseSample sample{.time_us = std::llround(row[kTime] * 1e6),
                     .pose = {.x_m = row[kX],
                              .y_m = row[kY],
@@ -70,19 +67,13 @@ std::int64_t ClockMap::to_sim_us(std::int64_t log_us) const {
 }
 
 std::vector<PoseSample> read_truth(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) throw base::ConfigError("cannot read " + file.string());
+  CsvFile csv(file);
+  if (!csv.is_there()) throw base::ConfigError("cannot read " + file.string());
+  const TruthHeader header = TruthHeader::parse(csv.header(), file);
+  const std::size_t columns = header.columns();
   std::vector<PoseSample> samples;
-  const TruthHeader header = TruthHeader::read(in, file);
-  const std::size_t columns =
-      std::max(TruthHeader::kFirstRotor + header.rotors, header.airspeed.value_or(0) + 1);
-  std::string line;
-  for (int number = 2; next_line(in, line, file); ++number) {
-    const std::optional<std::vector<double>> row = parse_csv_row(line);
-    if (!row || row->size() < columns) {
-      throw base::ConfigError(fmt::format("{}:{}: not a row of truth.csv", file.string(), number));
-    }
-    samples.push_back(to_sample(*row, header));
+  for (auto row = csv.next(columns); !row.empty(); row = csv.next(columns)) {
+    samples.push_back(to_sample(row, header));
   }
   return samples;
 }

@@ -1,18 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/measure/truth_header.hpp"
 
-#include <string>
-#include <string_view>
+#include <algorithm>
 
 #include "base/config/vehicle.hpp"
 #include "base/error.hpp"
-#include "hils/measure/csv_row.hpp"
 
 namespace cas::hils {
 
-TruthHeader TruthHeader::read(std::istream& in, const std::filesystem::path& file) {
-  std::string line;
-  next_line(in, line, file);
+std::size_t TruthHeader::columns() const {
+  return std::max(kFirstRotor + rotors, airspeed.value_or(0) + 1);
+}
+
+TruthHeader TruthHeader::parse(std::string_view line, const std::filesystem::path& file) {
   TruthHeader header;
   std::size_t column = 0;
   for (std::string_view rest = line; !rest.empty(); ++column) {

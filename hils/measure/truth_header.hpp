@@ -3,8 +3,8 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <istream>
 #include <optional>
+#include <string_view>
 
 namespace cas::hils {
 
@@ -16,9 +16,12 @@ struct TruthHeader {
   std::size_t rotors = 0;
   std::optional<std::size_t> airspeed{};  ///< column; of a vehicle with a pitot tube
 
-  /// Reads the first line. @param file  its path, for errors
+  /// How many numbers a row has at least, for what is read here.
+  std::size_t columns() const;
+
+  /// @param line  the first one of `file`
   /// @throws base::ConfigError when it is no header of truth.csv
-  static TruthHeader read(std::istream& in, const std::filesystem::path& file);
+  static TruthHeader parse(std::string_view line, const std::filesystem::path& file);
 };
 
 }  // namespace cas::hils

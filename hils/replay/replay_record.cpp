@@ -5,7 +5,6 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string_view>
@@ -20,8 +19,9 @@
 #include "base/rpc/base64.hpp"
 #include "base/time/clock.hpp"
 #include "hils/measure/check_json.hpp"
-#include "hils/measure/csv_row.hpp"
+#include "hils/measure/csv_file.hpp"
 #include "hils/measure/figure_json.hpp"
+#include "hils/measure/truth_header.hpp"
 #include "hils/programs/composition.hpp"
 #include "hils/replay/hop_record.hpp"
 #include "hils/replay/logged_messages.hpp"
@@ -45,19 +45,19 @@ std::string dump(const OrderedJson& json) {
 
 /// truth.csv at 50 Hz; null where there is none.
 OrderedJson truth_json(const std::filesystem::path& file) {
-  std::ifstream in(file);
+  CsvFile csv(file);
+  if (!csv.is_there()) return nullptr;
+  const TruthHeader header = TruthHeader::parse(csv.header(), file);
   TruthColumns truth;
-  std::string line;
-  next_line(in, line, file);  // header
-  while (next_line(in, line, file)) {
-    if (const auto row = parse_csv_row(line)) truth.add(*row);  // the last line may be cut
+  for (auto row = csv.next(header.columns()); !row.empty(); row = csv.next(header.columns())) {
+    truth.add(row.first(TruthHeader::kFirstRotor + header.rotors));
   }
   return truth.json();
 }
 
 /// Where the vehicle was to be, in the axes of the truth, from its first climb to its landing.
 OrderedJson reference_json(const RunRecord& record) {
-  const std::vector<PoseSample> truth = read_truth(record.truth_csv);
+  const std::vector<PoseSample>& truth = record.truth();
   const Pose start = truth.empty() ? Pose{} : truth.front().pose;
   ReferenceColumns reference;
   bool climbed = false;

@@ -339,9 +339,8 @@ void add_positions(const RunRecord& record, const std::vector<PoseSample>& truth
 }
 
 void add_motion_plots(const RunRecord& record, StreamWindow window, NamedPlots& plots) {
-  const std::vector<PoseSample> truth = read_truth(record.truth_csv);
-  const std::vector<PoseSample> estimate =
-      read_estimate(record.flight_tlog, record.system, record.log_clock);
+  const std::vector<PoseSample>& truth = record.truth();
+  const std::vector<PoseSample>& estimate = record.estimate();
   const Pose start = truth.empty() ? Pose{} : truth.front().pose;
   add_positions(record, truth, estimate, start, plots);
   add_track(record, truth, estimate, start, plots);
@@ -395,7 +394,7 @@ Series rate_series(const std::string& name, const std::vector<base::LedgerEntry>
 }
 
 RunCurves run_curves(const std::string& name, const Scenario& scenario, const RunRecord& record) {
-  const std::vector<PoseSample> truth = read_truth(record.truth_csv);
+  const std::vector<PoseSample>& truth = record.truth();
   const Pose start = truth.empty() ? Pose{} : truth.front().pose;
   return {
       .sensor_rate = rate_series(name, record.controller, HilSensor::kId, scenario.rates.sensor_hz),

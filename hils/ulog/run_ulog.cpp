@@ -9,7 +9,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <fstream>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -25,7 +24,7 @@
 #include "casd/tlog/tlog_files.hpp"
 #include "fcu/flight_controller.hpp"
 #include "fcu/params/params.hpp"
-#include "hils/measure/csv_row.hpp"
+#include "hils/measure/csv_file.hpp"
 #include "hils/measure/truth_header.hpp"
 #include "hils/ulog/telemetry_ulog.hpp"
 #include "hils/ulog/ulog_topics.hpp"
@@ -39,7 +38,7 @@ namespace {
 using base::SimTime;
 using sim::UlogRecord;
 using Topic = UlogTopicId;
-using TopicRow = std::vector<double>;
+using TopicRow = std::span<const double>;
 
 /// One file of the run, read from its begin to its end.
 class Track {
@@ -58,9 +57,7 @@ class CsvTrack final : public Track {
 
   /// @param file  one that is not there has no rows: no such sensor
   CsvTrack(std::filesystem::path file, std::size_t columns, Write write)
-      : path_(std::move(file)), columns_(columns), in_(path_), write_(std::move(write)) {
-    std::string header;
-    next_line(in_, header, path_);
+      : columns_(columns), csv_(std::move(file)), write_(std::move(write)) {
     read();
   }
 
@@ -72,24 +69,14 @@ class CsvTrack final : public Track {
 
  private:
   void read() {
-    std::string line;
     time_.reset();
-    if (!next_line(in_, line, path_)) return;
-    ++number_;
-    auto row = parse_csv_row(line);
-    if (!row || row->size() < columns_) {
-      throw base::ConfigError(
-          fmt::format("{}:{}: not a row of this file", path_.string(), number_));
-    }
-    row_ = *std::move(row);
-    time_ = SimTime(base::from_seconds(row_.front()));
+    row_ = csv_.next(columns_);
+    if (!row_.empty()) time_ = SimTime(base::from_seconds(row_.front()));
   }
 
-  std::filesystem::path path_;
   std::size_t columns_;
-  std::ifstream in_;
+  CsvFile csv_;
   Write write_;
-  int number_ = 1;  ///< of the line, after the header
   TopicRow row_;
   std::optional<SimTime> time_;
 };
@@ -160,7 +147,7 @@ void write_truth(sim::UlogFile& file, const std::optional<base::Geodetic>& home,
   }
   write(file, Topic::kRotorSpeeds, speeds);
   if (header.airspeed) {
-    write(file, Topic::kAirspeedTruth, UlogRecord(time).put_float(row.at(*header.airspeed)));
+    write(file, Topic::kAirspeedTruth, UlogRecord(time).put_float(row[*header.airspeed]));
   }
   if (!home) return;
   const base::Geodetic place = base::LocalProjection(*home).to_geodetic(p_N);
@@ -267,8 +254,8 @@ void write_ulog(const RunRequest& request, const RunRecord& record, std::size_t 
   const RunPaths paths = RunPaths::of(request.scenario, request.out, request.out / "run");
   const VehiclePaths& own = paths.vehicles.at(vehicle);
   const std::vector<sim::UlogParam> params = initial_params(request, vehicle, own);
-  std::ifstream truth(record.truth_csv);
-  const TruthHeader header = TruthHeader::read(truth, record.truth_csv);
+  const TruthHeader header =
+      TruthHeader::parse(CsvFile(record.truth_csv).header(), record.truth_csv);
   sim::UlogFile file({own.out, own.flight_ulog()},
                      ulog_topics(static_cast<int>(header.rotors), header.airspeed.has_value()),
                      infos(request, record), params);
@@ -280,7 +267,7 @@ void write_ulog(const RunRequest& request, const RunRecord& record, std::size_t 
         path, columns,
         [&file, write](SimTime time, const TopicRow& row) { write(file, time, row); }));
   };
-  add_csv(record.truth_csv, TruthHeader::kFirstRotor + header.rotors,
+  add_csv(record.truth_csv, header.columns(),
           [&](sim::UlogFile& to, SimTime time, const TopicRow& row) {
             write_truth(to, home, header, time, row);
           });
