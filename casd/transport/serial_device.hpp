@@ -26,8 +26,4 @@ struct SerialRefusal {
 base::Descriptor open_serial(const std::string& device, const SerialOptions& options,
                              SerialRefusal& refusal);
 
-/// Gives an open line another rate and drops the bytes of the old one.
-/// @return false with errno set
-bool set_baud(int line, unsigned baud);
-
 }  // namespace cas::casd

@@ -14,6 +14,7 @@
 
 #include "base/error.hpp"
 #include "base/os/pty_lock.hpp"
+#include "base/os/serial_settings.hpp"
 #include "casd/link/blocking_tx_port.hpp"
 #include "casd/link/turn_meter.hpp"
 #include "casd/transport/serial_device.hpp"
@@ -121,7 +122,7 @@ void SerialLink::listen(short events, base::RunTime now) {
   }
   if (!search_.advance(now)) return;
   parser_.reset();
-  if (!set_baud(fd_.get(), search_.rate())) close(base::error_text(errno), now);
+  if (!base::set_serial_baud(fd_.get(), search_.rate())) close(base::error_text(errno), now);
 }
 
 /// The rate is known: packets go both ways from now on.

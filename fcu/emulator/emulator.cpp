@@ -16,6 +16,7 @@
 #include "base/measure/ledger.hpp"
 #include "base/os/command_port.hpp"
 #include "base/os/log.hpp"
+#include "base/os/pty.hpp"
 #include "base/rpc/io_thread.hpp"
 #include "base/time/clock.hpp"
 #include "base/time/stream_clock.hpp"
@@ -23,7 +24,6 @@
 #include "fcu/emulator/served_folder.hpp"
 #include "fcu/flight_controller.hpp"
 #include "fcu/line/line_model.hpp"
-#include "fcu/line/pty.hpp"
 #include "fcu/params/param_file.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
@@ -89,7 +89,7 @@ struct Emulator::Impl final : EmulatorView {
   FcuConfig config;
   EmulatorOptions options;
   asio::io_context io{1};
-  Pty pty;
+  base::Pty pty;
   EmulatorLine line;
   std::optional<ServedFolder> files;
   std::unique_ptr<FlightController> fcu;

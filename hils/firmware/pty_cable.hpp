@@ -12,9 +12,9 @@
 
 #include "base/os/descriptor.hpp"
 #include "base/os/mutex.hpp"
+#include "base/os/pty.hpp"
 #include "base/time/clock.hpp"
 #include "fcu/line/line_model.hpp"
-#include "fcu/line/pty.hpp"
 
 namespace cas::hils {
 
@@ -48,7 +48,7 @@ class PtyCable {
   /// One direction: reads at one port, keeps bytes the other has no room for, writes them later.
   class Wire {
    public:
-    Wire(const fcu::Pty& from, const fcu::Pty& to, std::uint64_t seed)
+    Wire(const base::Pty& from, const base::Pty& to, std::uint64_t seed)
         : from_(from), to_(to), seed_(seed) {}
     bool waiting() const { return !bytes_.empty(); }
     void set_line(const fcu::LineConfig& line);
@@ -65,8 +65,8 @@ class PtyCable {
    private:
     std::size_t keep(std::span<const std::uint8_t> bytes);
 
-    const fcu::Pty& from_;
-    const fcu::Pty& to_;
+    const base::Pty& from_;
+    const base::Pty& to_;
     std::uint64_t seed_;
     std::optional<fcu::LineModel> line_;  // nothing until set_line(): as they come
     std::vector<std::uint8_t> bytes_;     // not yet written
@@ -77,8 +77,8 @@ class PtyCable {
   void take_orders(Wire& there, Wire& back);
   void wake();
 
-  fcu::Pty first_;
-  fcu::Pty second_;
+  base::Pty first_;
+  base::Pty second_;
   base::Descriptor wake_;
   base::Mutex mutex_;
   bool plugged_ CAS_GUARDED_BY(mutex_) = true;

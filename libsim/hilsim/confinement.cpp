@@ -86,4 +86,19 @@ Places readable_places(const SimRunner& runner, const std::filesystem::path& fil
   return places;
 }
 
+Places serial_places(const SimConfig& config) {
+  Places places;
+  for (const VehicleConfig& vehicle : config.vehicles) {
+    for (const PluginConfig& plugin : vehicle.plugins) {
+      if (plugin.plugin != "external_ahrs") continue;
+      if (plugin.params.has("device")) places.emplace_back("/dev");
+      const auto pty = plugin.params.find("pty");
+      if (!pty) continue;
+      places.emplace_back("/dev/ptmx");
+      places.push_back(folder_of(pty->as<std::string>()));
+    }
+  }
+  return places;
+}
+
 }  // namespace cas::sim

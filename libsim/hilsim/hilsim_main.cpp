@@ -145,14 +145,16 @@ std::vector<std::filesystem::path> output_folders(const Flags& flags) {
   return folders;
 }
 
-/// From here on hilsim and its plugins write below the folders of its results only.
+/// From here on hilsim and its plugins write below the folders of its results only, and to serial
+/// lines that the simulation names.
 /// @return false where the kernel cannot confine them
-bool confine_writes(const Flags& flags) {
+bool confine_writes(const Flags& flags, const sim::SimConfig& config) {
   std::vector<std::filesystem::path> places = output_folders(flags);
   for (const char* device :
        {"/dev/null", "/dev/tty", "/dev/pts", base::CpuLatencyRequest::kDevice}) {
     places.emplace_back(device);
   }
+  for (const std::filesystem::path& line : sim::serial_places(config)) places.push_back(line);
   return base::confine_files(base::FileUse::kWrite, places);
 }
 
@@ -216,7 +218,7 @@ int run(const Flags& flags) {
   std::filesystem::create_directories(flags.output, error);
   if (error) throw base::ConfigError(flags.output.string() + ": " + error.message());
 
-  const bool confined = confine_writes(flags);
+  const bool confined = confine_writes(flags, config);
   sim::SimRunner runner(std::move(config),
                         {.output_dir = flags.output, .plugin_dirs = flags.plugin_dirs});
   confine_reads(flags, sim::readable_places(runner, file, flags.plugin_dirs));

@@ -94,6 +94,7 @@ void HilInterface::flush(base::SimTime now) {
   send_heartbeat(now);
   for (const mv::CommandAck& answer : answers_) send(answer);
   answers_.clear();
+  if (params_.servos) forget_sensors();
   // Slow sensors first, so that the answer to HIL_SENSOR knows them.
   send_messages();
   if (battery_) send(to_battery_status(*battery_));
@@ -158,6 +159,15 @@ void HilInterface::send_heartbeat(base::SimTime now) {
   announced_ = send(simulator_heartbeat());
 }
 
+/// The controller has them from elsewhere.
+void HilInterface::forget_sensors() {
+  imu_.reset();
+  gps_.reset();
+  magnetometer_.reset();
+  barometer_.reset();
+  airspeed_.reset();
+}
+
 void HilInterface::send_gps() {
   gps_->time += params_.wire_epoch;
   const mv::HilGps packet = to_hil_gps(*gps_);
@@ -201,6 +211,10 @@ void HilInterface::on_packet(const mav::PacketView& packet, base::RunTime at) {
     on_controls(*controls, to_motor_command(*controls, params_.scales), at);
   } else if (const auto outputs = mav::decode<mv::HilActuatorControls>(packet)) {
     on_controls(*outputs, to_motor_command(*outputs), at);
+  } else if (const auto pulses = mav::decode<mv::ServoOutputRaw>(packet)) {
+    constexpr std::uint8_t kMainOutputs = 0;
+    if (!params_.servos || pulses->port != kMainOutputs) return;
+    on_controls(*pulses, params_.servos->to_motor_command(*pulses), at);
   } else {
     on_command(packet);
   }
@@ -254,7 +268,7 @@ void HilInterface::on_controls(const Controls& controls, const MotorCommand& com
   // An echo of a stamp that was never sent comes from another clock, or from before reset().
   if (!in_step_ && stamps_.contains(controls.time_usec)) join();
   if (controls.time_usec <= sent_usec_) {
-    answered_usec_ = std::max(answered_usec_, controls.time_usec);
+    answered_usec_ = std::max<std::uint64_t>(answered_usec_, controls.time_usec);
     if (sensor_sent_last_ && answered_usec_ == sent_usec_) on_its_way_ = false;
   }
 }

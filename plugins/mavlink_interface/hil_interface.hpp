@@ -29,6 +29,7 @@
 #include "mavlink_gen/services/failure_order.hpp"
 #include "plugins/mavlink_interface/failure_map.hpp"
 #include "plugins/mavlink_interface/hil_port.hpp"
+#include "plugins/mavlink_interface/servo_map.hpp"
 
 namespace cas::sim {
 
@@ -41,6 +42,9 @@ struct HilInterfaceParams {
   /// PX4's simulator API: a controller is waited for from its first answer on, and then answers
   /// each HIL_SENSOR. Else it is waited for from the start, by `control_rate_hz`.
   bool joins_by_answering = false;
+  /// Takes SERVO_OUTPUT_RAW, as a stock ArduPilot sends it, which has its sensors elsewhere (plugin
+  /// external_ahrs): HIL_SENSOR and HIL_GPS are not sent then.
+  std::optional<ServoMap> servos{};
   /// Added to simulated time on the wire.
   base::Duration wire_epoch{};
   /// How often a controller that `joins_by_answering` has asked for HIL_STATE_QUATERNION so far.
@@ -158,6 +162,7 @@ class HilInterface {
   void look_for_new_peer();
   void join();
   void send_heartbeat(base::SimTime now);
+  void forget_sensors();
   void send_gps();
   void send_sensor();
   void on_packet(const mav::PacketView& packet, base::RunTime at);

@@ -50,6 +50,7 @@ HilInterfaceParams parse_params(const base::ConfigNode& node, const base::Vehicl
   params.control_rate_hz = node.get_in("control_rate_hz", 400, 0, kMostHertz);
   params.actuator_timeout = base::from_seconds(node.get_in("actuator_timeout_s", 0.5, 0.01, 60));
   params.joins_by_answering = node.require<std::string>("transport") == kTcpServer;
+  if (const auto servos = node.find("servo_outputs")) params.servos.emplace(*servos, vehicle);
   constexpr double kYear2100 = 4102444800;  // s since 1970
   params.wire_epoch =
       std::chrono::seconds(std::llround(node.get_in("start_unix_s", 0, 0, kYear2100)));

@@ -4,17 +4,18 @@
 #include <filesystem>
 #include <string>
 
+#include "base/export.hpp"
 #include "base/os/pty_lock.hpp"
 
-namespace cas::fcu {
+namespace cas::base {
 
 /// A pseudo-terminal in place of a serial port, offered under a constant symlink.
 ///
 /// Raw from birth, so that nothing is echoed to the peer; one slave is kept open, so that the
 /// master never reads EIO when the peer goes; the symlink is replaced by rename, so that it always
 /// points to something; a lock beside it keeps a second program off the same name, and confirms to
-/// openers of the symlink that it still names this pseudo-terminal (base::PtyLock).
-class Pty {
+/// openers of the symlink that it still names this pseudo-terminal (PtyLock).
+class CAS_BASE_EXPORT Pty {
  public:
   /// @param link  symlink to offer the slave under; its folder is made
   /// @throws base::ConfigError
@@ -25,6 +26,8 @@ class Pty {
 
   /// Non-blocking master; -1 while hung up.
   int master() const { return master_; }
+  /// Its other end, as the peer opens it: to see how many bytes wait there unread.
+  int slave() const { return slave_; }
   /// "/dev/pts/N"; empty while hung up.
   const std::string& slave_name() const { return slave_name_; }
   const std::filesystem::path& link() const { return link_; }
@@ -45,10 +48,10 @@ class Pty {
   void close_pair();
 
   std::filesystem::path link_;
-  base::PtyLock lock_;
+  PtyLock lock_;
   std::string slave_name_;
   int master_ = -1;
   int slave_ = -1;
 };
 
-}  // namespace cas::fcu
+}  // namespace cas::base

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "fcu/line/pty.hpp"
+#include "base/os/pty.hpp"
 
 #include <fcntl.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -10,29 +9,22 @@
 #include <system_error>
 
 #include "base/error.hpp"
+#include "base/os/serial_settings.hpp"
 
-namespace cas::fcu {
+namespace cas::base {
 namespace {
 
-[[noreturn]] void fail(const std::string& what) {
-  throw base::ConfigError(what + ": " + std::strerror(errno));
-}
+constexpr unsigned kShownBaud = 921'600;  // nothing paces a pseudo-terminal
 
-/// No echo, no line discipline: bytes as they are.
-void make_raw(int fd) {
-  termios settings{};
-  if (::tcgetattr(fd, &settings) != 0) fail("cannot read the terminal's settings");
-  ::cfmakeraw(&settings);
-  settings.c_cflag |= CLOCAL | CREAD;
-  ::cfsetspeed(&settings, B921600);
-  if (::tcsetattr(fd, TCSANOW, &settings) != 0) fail("cannot make the terminal raw");
+[[noreturn]] void fail_with_errno(const std::string& what) {
+  throw ConfigError(what + ": " + std::strerror(errno));
 }
 
 /// The path itself, once its folder has been made.
 std::filesystem::path in_a_folder(std::filesystem::path link) {
   std::error_code error;
   std::filesystem::create_directories(link.parent_path(), error);
-  if (error) throw base::ConfigError(link.parent_path().string() + ": " + error.message());
+  if (error) throw ConfigError(link.parent_path().string() + ": " + error.message());
   return link;
 }
 
@@ -59,26 +51,29 @@ void Pty::open() {
 
 void Pty::open_pair() {
   master_ = ::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (master_ < 0) fail("cannot open a pseudo-terminal");
-  if (::grantpt(master_) != 0 || ::unlockpt(master_) != 0) fail("cannot unlock a pseudo-terminal");
+  if (master_ < 0) fail_with_errno("cannot open a pseudo-terminal");
+  if (::grantpt(master_) != 0 || ::unlockpt(master_) != 0)
+    fail_with_errno("cannot unlock a pseudo-terminal");
   char name[64];
-  if (::ptsname_r(master_, name, sizeof(name)) != 0) fail("cannot name a pseudo-terminal");
+  if (::ptsname_r(master_, name, sizeof(name)) != 0)
+    fail_with_errno("cannot name a pseudo-terminal");
   slave_name_ = name;
   slave_ = ::open(name, O_RDWR | O_NOCTTY | O_CLOEXEC);
-  if (slave_ < 0) fail("cannot open " + slave_name_);
-  make_raw(slave_);
+  if (slave_ < 0) fail_with_errno("cannot open " + slave_name_);
+  if (!make_serial_raw(slave_, kShownBaud)) fail_with_errno("cannot make the terminal raw");
 }
 
 void Pty::place_link() const {
   std::error_code error;
   const auto status = std::filesystem::symlink_status(link_, error);
   if (std::filesystem::exists(status) && !std::filesystem::is_symlink(status)) {
-    throw base::ConfigError(link_.string() + " exists and is no symlink");
+    throw ConfigError(link_.string() + " exists and is no symlink");
   }
   const std::string fresh = link_.string() + "." + std::to_string(::getpid());
   ::unlink(fresh.c_str());
-  if (::symlink(slave_name_.c_str(), fresh.c_str()) != 0) fail("cannot create " + fresh);
-  if (::rename(fresh.c_str(), link_.c_str()) != 0) fail("cannot rename to " + link_.string());
+  if (::symlink(slave_name_.c_str(), fresh.c_str()) != 0) fail_with_errno("cannot create " + fresh);
+  if (::rename(fresh.c_str(), link_.c_str()) != 0)
+    fail_with_errno("cannot rename to " + link_.string());
 }
 
 void Pty::hang_up() {
@@ -102,4 +97,4 @@ void Pty::close_pair() {
   slave_name_.clear();
 }
 
-}  // namespace cas::fcu
+}  // namespace cas::base

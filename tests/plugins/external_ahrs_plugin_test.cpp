@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The plugin as an autopilot sees it: over its pseudo-terminal, by a scripted driver.
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "base/earth/frames.hpp"
+#include "base/os/descriptor.hpp"
+#include "base/os/serial_settings.hpp"
+#include "tests/plugins/plugin_harness.hpp"
+#include "tests/plugins/vector_nav_driver.hpp"
+#include "tests/support/pty_pair.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/wait_until.hpp"
+
+namespace cas::sim {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::seconds;
+using test::VectorNavDriver;
+
+constexpr base::Duration kStep = microseconds(1250);
+
+VectorNavDriver arducopter_462() {
+  return {{"VNASY,0", "VNWRG,06,0,1", "VNWRG,06,0,2", "VNRRG,01", "VNWRG,75,3,2,01,0721",
+           "VNWRG,76,3,16,31,0001,0106,0613", "VNWRG,77,3,160,49,0003,26B8,0018", "VNASY,1"},
+          {{{0x01, 0x21, 0x07}, 82},
+           {{0x31, 0x01, 0x00, 0x06, 0x01, 0x13, 0x06}, 104},
+           {{0x49, 0x03, 0x00, 0xB8, 0x26, 0x18, 0x00}, 110}}};
+}
+
+VectorNavDriver arducopter_457() {
+  return {{"VNASY,0", "VNRRG,01", "VNWRG,75,3,1,34,072E,0106,0612",
+           "VNWRG,76,3,80,4E,0002,0010,20B8,0018", "VNASY,1"},
+          {{{0x34, 0x2E, 0x07, 0x06, 0x01, 0x12, 0x06}, 170},
+           {{0x4E, 0x02, 0x00, 0x10, 0x00, 0xB8, 0x20, 0x18, 0x00}, 92}}};
+}
+
+template <class T>
+T value_at(const std::vector<std::uint8_t>& packet, std::size_t at) {
+  T value;
+  std::memcpy(&value, packet.data() + at, sizeof value);
+  return value;
+}
+
+/// A vehicle with sensors whose autopilot's driver reads the unit's line in each step.
+class ExternalAhrs : public testing::Test {
+ protected:
+  ExternalAhrs() {
+    harness_.add("imu", "{rate_hz: 400, gyro_stddev_deg_s: 0.1, accel_stddev_m_s2: 0.02}");
+    harness_.add("gps",
+                 "{rate_hz: 5, position_stddev_m: 0.1, velocity_stddev_m_s: 0.05, eph_m: 0.9, "
+                 "epv_m: 1.2, satellites: 12}");
+    harness_.add("magnetometer", "{rate_hz: 100, stddev_gauss: 0.001}");
+    harness_.add("barometer", "{rate_hz: 50, stddev_pa: 1}");
+  }
+
+  void start(const std::string& keys = "") {
+    const std::string link = (folder_.path() / "ahrs").string();
+    plugin_ = &harness_.add("external_ahrs", "{pty: " + link + keys + "}");
+    line_ = base::Descriptor(::open(link.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
+    ASSERT_TRUE(line_);
+  }
+
+  void send(const std::string& text) {
+    ASSERT_EQ(::write(line_.get(), text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  }
+
+  void run(base::Duration time, VectorNavDriver& driver) {
+    for (base::Duration done{}; done < time; done += kStep) {
+      if (const std::string line = driver.to_send(); !line.empty()) send(line);
+      harness_.step();
+      std::array<std::uint8_t, 4096> buffer;
+      const ssize_t size = ::read(line_.get(), buffer.data(), buffer.size());
+      if (size > 0) driver.feed(std::span(buffer).first(static_cast<std::size_t>(size)));
+    }
+  }
+
+  nlohmann::json figures() const { return nlohmann::json::parse(plugin_->stats_json()); }
+
+  test::TemporaryFolder folder_;
+  test::PluginHarness harness_{kStep};
+  Plugin* plugin_ = nullptr;
+  base::Descriptor line_;
+};
+
+TEST_F(ExternalAhrs, GivesArducopter462ItsSensors) {
+  harness_.world.body.q_WB = base::q_WB_from_q_ND(base::quaternion_rpy(0.1, 0.05, 1.0));
+  harness_.world.body.p_WB = {10, 20, 30};
+  start();
+  VectorNavDriver driver = arducopter_462();
+  run(std::chrono::milliseconds(100), driver);
+  ASSERT_TRUE(driver.done());
+  EXPECT_EQ(driver.answers.size(), 8U);
+  EXPECT_EQ(driver.answers[3], test::nmea_line("VNRRG,01,VN-200"));
+  driver.received.clear();
+  run(seconds(2), driver);
+  EXPECT_EQ(driver.bad, 0U);
+  EXPECT_EQ(driver.received[82].size(), 800U);
+  EXPECT_EQ(driver.received[104].size(), 100U);
+  EXPECT_EQ(driver.received[110].size(), 10U);
+
+  // Each inertial sample is the newest: the stamps are 2.5 ms apart.
+  const auto& imu = driver.received[82];
+  for (std::size_t i = 1; i < imu.size(); ++i) {
+    ASSERT_EQ(value_at<std::uint64_t>(imu[i], 4) - value_at<std::uint64_t>(imu[i - 1], 4),
+              2'500'000U);
+  }
+  EXPECT_NEAR(value_at<float>(imu.back(), 78), 97.0, 3.0) << "kPa at some 520 m";
+  const std::vector<std::uint8_t>& ins = driver.received[104].back();
+  EXPECT_NEAR(value_at<float>(ins, 16), 1.0 * 180 / M_PI, 1e-3);
+  EXPECT_NEAR(value_at<float>(ins, 24), 0.1 * 180 / M_PI, 1e-3);
+  EXPECT_NEAR(value_at<double>(ins, 58 + 2 + 16), test::kHome.alt_m + 30, 1e-6);
+  const std::vector<std::uint8_t>& fix = driver.received[110].back();
+  EXPECT_EQ(fix[24], 12) << "satellites";
+  EXPECT_EQ(fix[25], 3);
+  EXPECT_NEAR(value_at<double>(fix, 26), test::kHome.lat_deg, 1e-3);
+
+  const nlohmann::json all = figures();
+  EXPECT_EQ(all["dropped"], 0);
+  EXPECT_EQ(all["late"], 0);
+  EXPECT_EQ(all["without_sample"], 0);
+  EXPECT_EQ(all["crc_errors"], 0);
+  EXPECT_EQ(all["rates_hz"], nlohmann::json::parse("[400, 50, 5]"));
+  EXPECT_EQ(all["asked"].size(), 8U);
+}
+
+TEST_F(ExternalAhrs, GivesArducopter457ItsSensorsAsAVn300) {
+  start(", model: VN-300, solution: sensors");
+  VectorNavDriver driver = arducopter_457();
+  run(std::chrono::milliseconds(100), driver);
+  ASSERT_TRUE(driver.done());
+  driver.received.clear();
+  run(seconds(2), driver);
+  EXPECT_EQ(driver.bad, 0U);
+  EXPECT_EQ(driver.received[170].size(), 800U);
+  EXPECT_EQ(driver.received[92].size(), 10U);
+  const std::vector<std::uint8_t>& fix = driver.received[92].back();
+  EXPECT_EQ(fix[89], 3) << "a second receiver with a fix";
+  EXPECT_EQ(figures()["dropped"], 0);
+}
+
+TEST_F(ExternalAhrs, SurvivesGarbageAndCountsIt) {
+  start();
+  VectorNavDriver driver = arducopter_462();
+  send(std::string("\xFA\x01\xFF\x80", 4) + "$VNRRG,01*00\r\n" + "noise");
+  harness_.step();
+  std::array<char, 256> answer;
+  ASSERT_GT(::read(line_.get(), answer.data(), answer.size()), 0);
+  run(std::chrono::milliseconds(200), driver);
+  EXPECT_TRUE(driver.done());
+  EXPECT_EQ(figures()["crc_errors"], 1);
+  EXPECT_EQ(figures()["garbage_bytes"], 9);
+  EXPECT_GT(driver.received[82].size(), 10U);
+}
+
+TEST_F(ExternalAhrs, WritesNothingOldToADriverThatDoesNotRead) {
+  start();
+  VectorNavDriver driver = arducopter_462();
+  run(std::chrono::milliseconds(100), driver);
+  harness_.run(seconds(3));  // nobody reads
+  EXPECT_GT(figures()["reader_full"], 100);
+  driver.received.clear();
+  run(std::chrono::milliseconds(50), driver);
+  EXPECT_EQ(driver.bad, 0U) << "no packet was torn";
+  // What lay in the driver's own buffer is old; everything behind it is new.
+  const auto& imu = driver.received[82];
+  ASSERT_FALSE(imu.empty());
+  std::size_t old = 0;
+  for (const auto& packet : imu) old += value_at<std::uint64_t>(packet, 4) < 3'000'000'000U ? 1 : 0;
+  EXPECT_LE(old * 82, 1024U + 296U);
+  EXPECT_GE(imu.size() - old, 15U);
+}
+
+TEST_F(ExternalAhrs, ARunFromZeroDoesNotTurnTheUnitsTimeBack) {
+  start();
+  VectorNavDriver driver = arducopter_462();
+  run(std::chrono::milliseconds(200), driver);
+  const auto before = value_at<std::uint64_t>(driver.received[82].back(), 4);
+  harness_.reset();
+  driver.received.clear();
+  run(std::chrono::milliseconds(200), driver);
+  ASSERT_FALSE(driver.received[82].empty()) << "the board does not ask again";
+  EXPECT_GT(value_at<std::uint64_t>(driver.received[82].front(), 4), before);
+}
+
+TEST_F(ExternalAhrs, OpensADeviceThatAProgramOffersAndNoOther) {
+  const std::filesystem::path link = folder_.path() / "board";
+  test::PtyPair board(link);
+  Plugin& plugin = harness_.add("external_ahrs", "{device: " + link.string() + ", baud: 460800}");
+  board.write(std::span(reinterpret_cast<const std::uint8_t*>("$VNRRG,01*72\r\n"), 14));
+  harness_.step();
+  std::array<char, 64> answer{};
+  ASSERT_GT(::read(board.master(), answer.data(), answer.size()), 0);
+  EXPECT_EQ(std::string(answer.data()), test::nmea_line("VNRRG,01,VN-200"));
+  EXPECT_NE(plugin.stats_json().find("serial "), std::string::npos);
+
+  test::PtyPair stranger;
+  test::PluginHarness other(kStep);
+  const std::string refusal =
+      test::refusal([&] { other.add("external_ahrs", "{device: " + stranger.slave() + "}"); });
+  EXPECT_NE(refusal.find("no program of CAS offers"), std::string::npos) << refusal;
+}
+
+TEST_F(ExternalAhrs, WaitsForADeviceThatIsNotThereYet) {
+  const std::filesystem::path link = folder_.path() / "later";
+  plugin_ = &harness_.add("external_ahrs", "{device: " + link.string() + "}");
+  harness_.step();
+  EXPECT_EQ(figures()["up"], false);
+  test::PtyPair board(link);
+  EXPECT_TRUE(test::wait_until([&] {
+    harness_.step();
+    return figures()["up"] == true;
+  }));
+  EXPECT_EQ(figures()["lost_lines"], 0);
+}
+
+TEST(ExternalAhrsKeys, AreCheckedInOneSentence) {
+  const auto refusal = [](const std::string& yaml) {
+    return test::refusal([&] {
+      test::PluginHarness harness(kStep);
+      harness.add("external_ahrs", yaml);
+    });
+  };
+  EXPECT_NE(refusal("{pty: a, device: b}").find("stands for the line; so does pty"),
+            std::string::npos);
+  EXPECT_NE(refusal("{pty: a, model: VN-210}").find("is one of VN-100, VN-200, VN-300"),
+            std::string::npos);
+  EXPECT_NE(refusal("{pty: a, solution: perfect}").find("is one of truth, sensors"),
+            std::string::npos);
+  EXPECT_NE(refusal("{}").find("device"), std::string::npos);
+  EXPECT_NE(refusal("{device: /dev/null}").find("is no terminal"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace cas::sim
