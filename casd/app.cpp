@@ -60,7 +60,7 @@ using std::chrono::seconds;
 constexpr auto kSettlePoll = milliseconds(5);
 /// Neither READY nor link.add waits longer for a link that cannot open (a name server that does not
 /// answer).
-constexpr auto kSettlePatience = seconds(2);
+constexpr auto kSettlePatience = seconds(5);
 constexpr auto kSummaryPeriod = seconds(5);
 
 GainMap load_gains(const Topology& topology) {

@@ -153,10 +153,7 @@ TEST(BrowserPage, CommandsNothing) {
   ChildProcess casd({binary_dir() + "/bin/casd", topology.string()});
   const auto status = casd.wait_ready();
   ASSERT_TRUE(status) << casd.output();
-  const auto port_in = [&](const std::string& key) {
-    const std::size_t at = status->find(key + " ") + key.size() + 1;
-    return port_of(status->substr(at, status->find(' ', at) - at));
-  };
+  const auto port_in = [&](const std::string& key) { return port_of(word_after(*status, key)); };
   const std::uint16_t port = port_in("command_port");
 
   PageServer server;

@@ -268,9 +268,7 @@ class CasdProgram {
     fixture.fcu.write(fixture.from_fcu(mavlink::common::Heartbeat{}));
   }
   std::uint16_t port(const std::string& link) const {
-    const std::string text = " " + status + " ";
-    const std::size_t begin = text.find(" " + link + " ") + link.size() + 2;
-    return port_of(text.substr(begin, text.find(' ', begin) - begin));
+    return port_of(word_after(status, link));
   }
   /// Stops it; returns when no thread of it runs.
   bool stop() {

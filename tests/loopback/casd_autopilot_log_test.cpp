@@ -49,8 +49,7 @@ class CasdAutopilotLog : public testing::Test {
     port = port_of_link("net");
   }
   std::uint16_t port_of_link(const std::string& name) const {
-    const std::size_t begin = status.find(" " + name + " ") + name.size() + 2;
-    return port_of(status.substr(begin, status.find(' ', begin) - begin));
+    return port_of(word_after(status, name));
   }
   std::vector<fs::path> files() const {
     std::vector<fs::path> all;
@@ -59,9 +58,8 @@ class CasdAutopilotLog : public testing::Test {
     return all;
   }
   std::string casctl(std::vector<std::string> arguments) const {
-    const std::size_t begin = status.find("command_port ") + 13;
     arguments.insert(arguments.begin(), {binary_dir() + "/bin/casctl", "--address",
-                                         status.substr(begin, status.find(' ', begin) - begin)});
+                                         word_after(status, "command_port")});
     ChildProcess client(std::move(arguments));
     client.wait_exit();
     return client.output();

@@ -53,10 +53,7 @@ TEST(CasdBaud, OfAListTheRateAtWhichPacketsComeIsKeptAndTold) {
                      fixture.folder.write("topology.yaml", fixture.expand(kTopology))});
   const auto status = casd.wait_ready();
   ASSERT_TRUE(status) << casd.output();
-  const auto endpoint = [&](const std::string& name) {
-    const std::size_t at = status->find(name + " ") + name.size() + 1;
-    return status->substr(at, status->find(' ', at) - at);
-  };
+  const auto endpoint = [&](const std::string& name) { return word_after(*status, name); };
   base::rpc::Client client(endpoint("command_port"));
   const auto link = [&] { return client.call("link.list", json::object()).at(1); };
   ASSERT_TRUE(wait_until([&] { return link().at("state") == "down"; }));

@@ -33,8 +33,7 @@ TEST_P(CasdFleet, OfAHundredVehiclesLosesNoPacketOnTheWayToFourStations) {
   ChildProcess casd({binary_dir() + "/bin/casd", folder.write("fleet.yaml", topology)});
   const std::optional<std::string> status = casd.wait_ready();
   ASSERT_TRUE(status) << casd.output();
-  const std::size_t begin = status->find("command_port ") + 13;
-  base::rpc::Client client(status->substr(begin, status->find(' ', begin) - begin));
+  base::rpc::Client client(word_after(*status, "command_port"));
   ASSERT_TRUE(wait_until([&] { return fleet.meet(client); }));
 
   const std::vector<std::size_t> none(4, 0);

@@ -72,8 +72,7 @@ class ShippedTopology : public testing::TestWithParam<TopologyCase> {
         std::vector<std::string>{binary_dir() + "/bin/casd", topology().string()});
     const std::optional<std::string> status = casd_->wait_ready();
     if (!status) throw std::runtime_error(casd_->output());
-    const std::size_t at = status->find("command_port ") + 13;
-    client_.emplace(status->substr(at, status->find(' ', at) - at));
+    client_.emplace(word_after(*status, "command_port"));
     station_.set_remote(port_of(link("gcs").at("endpoint")));
     if (has_simulator()) {
       simulator_.set_remote(port_of(link(GetParam().simulator).at("endpoint")));

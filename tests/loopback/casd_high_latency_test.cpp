@@ -29,10 +29,7 @@ class CasdHighLatency : public testing::Test {
     const auto ready = casd->wait_ready();
     EXPECT_TRUE(ready) << casd->output();
     if (!ready) return;
-    const auto port_in = [&](const std::string& name) {
-      const std::size_t begin = ready->find(name + " ") + name.size() + 1;
-      return port_of(ready->substr(begin, ready->find(' ', begin) - begin));
-    };
+    const auto port_in = [&](const std::string& name) { return port_of(word_after(*ready, name)); };
     address = "127.0.0.1:" + std::to_string(port_in("command_port"));
     client.emplace(address);
     vehicle.socket.set_remote(port_in("net"));

@@ -103,8 +103,7 @@ class CasdInterlock : public testing::Test {
         std::vector<std::string>{cas::test::binary_dir() + "/bin/casd", topology.string()});
     const std::optional<std::string> status = casd_->wait_ready();
     if (!status) throw std::runtime_error(casd_->output());
-    const std::size_t at = status->find("command_port ") + 13;
-    client_.emplace(status->substr(at, status->find(' ', at) - at));
+    client_.emplace(word_after(*status, "command_port"));
     for (const json& link : client_->call("link.list", json::object())) {
       if (link.at("type") != "serial") ports_[link.at("name")] = port_of(link.at("endpoint"));
     }

@@ -29,14 +29,6 @@ constexpr int kLinks = casd::kMaxLinks;
 
 std::string name_of(int link) { return "l" + std::to_string(link); }
 
-/// The word after `name` in READY's status line.
-std::string word_after(const std::string& status, const std::string& name) {
-  const std::size_t at = (" " + status).find(" " + name + " ");
-  if (at == std::string::npos) return "";
-  const std::size_t begin = at + name.size() + 1;
-  return status.substr(begin, status.find(' ', begin) - begin);
-}
-
 /// The other end of a link; every third link is of the same kind.
 class End {
  public:

@@ -35,8 +35,7 @@ constexpr const char* kLabDialect = R"(<?xml version="1.0"?>
 
 /// The word after `name` in STATUS, as a port.
 std::uint16_t port_in(const std::string& status, const std::string& name) {
-  const std::size_t begin = status.find(name + " ") + name.size() + 1;
-  return port_of(status.substr(begin, status.find(' ', begin) - begin));
+  return port_of(word_after(status, name));
 }
 
 /// A packet of a private message: state 7, heat 42.

@@ -57,9 +57,7 @@ TEST_F(CasdOverlay, AReloadReadsTheFolderAgain) {
   ChildProcess casd({kCasd, file});
   const auto status = casd.wait_ready();
   ASSERT_TRUE(status) << casd.output();
-  const std::string word = "command_port ";
-  const std::size_t at = status->find(word) + word.size();
-  base::rpc::Client client(status->substr(at, status->find(' ', at) - at));
+  base::rpc::Client client(word_after(*status, "command_port"));
   const auto links = [&] { return client.call("link.list", json::object()).size(); };
   EXPECT_EQ(links(), 2U);
 

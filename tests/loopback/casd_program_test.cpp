@@ -25,14 +25,6 @@ namespace {
 
 const std::string kCasd = cas::test::binary_dir() + "/bin/casd";
 
-/// The word after `name` in READY's status line.
-std::string endpoint_in(const std::string& status, const std::string& name) {
-  const std::size_t at = (" " + status).find(" " + name + " ");
-  if (at == std::string::npos) return "";
-  const std::size_t begin = at + name.size() + 1;
-  return status.substr(begin, status.find(' ', begin) - begin);
-}
-
 class CasdProgram : public testing::Test {
  protected:
   std::string topology(const std::string& yaml) {
@@ -49,7 +41,7 @@ TEST_F(CasdProgram, TellsItsBoundPortsForwardsAndEndsCleanly) {
   ChildProcess casd({kCasd, topology(kWithPort), "--stats", stats});
   const auto status = casd.wait_ready();
   ASSERT_TRUE(status) << casd.output();
-  fixture.sim.set_remote(port_of(endpoint_in(*status, "sim")));
+  fixture.sim.set_remote(port_of(word_after(*status, "sim")));
 
   fixture.sim.send(fixture.from_sim(hil_sensor(1)));
   fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
@@ -67,7 +59,7 @@ TEST_F(CasdProgram, AnswersOnTheCommandPort) {
   ChildProcess casd({kCasd, topology(kWithPort)});
   const auto status = casd.wait_ready();
   ASSERT_TRUE(status) << casd.output();
-  base::rpc::Client client(endpoint_in(*status, "command_port"));
+  base::rpc::Client client(word_after(*status, "command_port"));
   const auto answer = client.call("casd.status", nlohmann::json::object());
   EXPECT_EQ(answer["threads"], "auto");
   EXPECT_EQ(answer["links"][0]["state"], "up");
@@ -77,7 +69,7 @@ TEST_F(CasdProgram, ReloadsOnHangupAndKeepsTheOldTopologyWhenTheNewOneIsBad) {
   ChildProcess casd({kCasd, topology(kWithPort)});
   const auto status = casd.wait_ready();
   ASSERT_TRUE(status) << casd.output();
-  base::rpc::Client client(endpoint_in(*status, "command_port"));
+  base::rpc::Client client(word_after(*status, "command_port"));
   const auto links = [&] { return client.call("link.list", nlohmann::json::object()).size(); };
 
   topology(kWithPort + "  - {from: sim, to: nowhere}\n");
@@ -98,7 +90,7 @@ TEST_F(CasdProgram, RoutesBetweenEndpointsOfTheCommandLineButNoSensorsOfASimulat
                      "udp:" + fixture.expand("$SIM")});
   const auto status = casd.wait_ready();
   ASSERT_TRUE(status) << casd.output();
-  fixture.sim.set_remote(port_of(endpoint_in(*status, "udp")));
+  fixture.sim.set_remote(port_of(word_after(*status, "udp")));
 
   fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
   fixture.sim.send(fixture.from_sim(hil_sensor(1)));
@@ -176,9 +168,9 @@ class CasdCommandLine : public CasdProgram, public testing::WithParamInterface<C
   void connect(const std::string& status) {
     if (GetParam().other_end == OtherEnd::kUdpClient ||
         GetParam().other_end == OtherEnd::kUdpSentTo) {
-      fixture.sim.set_remote(port_of(endpoint_in(status, "udp")));
+      fixture.sim.set_remote(port_of(word_after(status, "udp")));
     } else if (GetParam().other_end == OtherEnd::kTcpClient) {
-      tcp_.emplace(port_of(endpoint_in(status, "tcp")));
+      tcp_.emplace(port_of(word_after(status, "tcp")));
     } else if (GetParam().other_end == OtherEnd::kTcpListener) {
       int accepted = -1;
       ASSERT_TRUE(wait_until([&] {
@@ -247,7 +239,7 @@ TEST_F(CasdProgram, SpeaksToABroadcastAddressOfTheCommandLine) {
                      "udpcast:127.255.255.255" + port});
   const auto status = casd.wait_ready();
   ASSERT_TRUE(status) << casd.output();
-  const std::string own = "127.0.0.1:" + std::to_string(port_of(endpoint_in(*status, "udp")));
+  const std::string own = "127.0.0.1:" + std::to_string(port_of(word_after(*status, "udp")));
   PacketStream heard;
   EXPECT_TRUE(fixture.collect_until([&] {
     fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
@@ -300,7 +292,7 @@ TEST_F(CasdProgram, PeersOfOneEndpointHearEachOther) {
   UdpPeer station;
   PacketStream at_vehicle;
   PacketStream at_station;
-  for (UdpPeer* peer : {&vehicle, &station}) peer->set_remote(port_of(endpoint_in(*status, "udp")));
+  for (UdpPeer* peer : {&vehicle, &station}) peer->set_remote(port_of(word_after(*status, "udp")));
   mav::Encoder encode({255, 190});
   EXPECT_TRUE(wait_until([&] {
     vehicle.send(fixture.from_fcu(mavlink::common::Attitude{}));
@@ -317,7 +309,7 @@ TEST_F(CasdProgram, ASecondOneSaysHowItGetsACommandPort) {
   ChildProcess first({kCasd, topology(kWithPort)});
   const auto status = first.wait_ready();
   ASSERT_TRUE(status) << first.output();
-  const std::string place = endpoint_in(*status, "command_port");
+  const std::string place = word_after(*status, "command_port");
   ChildProcess second({kCasd, "--command-port", place.substr(place.rfind(':') + 1), "udp:0"});
   EXPECT_NE(second.wait_exit(), 0);
   EXPECT_NE(second.output().find("casd: command port " + place + ": cannot listen: "),
@@ -452,13 +444,13 @@ TEST_F(CasdProgram, RunsMavlinkRoutersFileBothWaysAndSaysNothingOfItsOwn) {
   ChildProcess casd({kCasd, file});
   const auto status = casd.wait_ready();
   ASSERT_TRUE(status) << casd.output();
-  fixture.sim.set_remote(port_of(endpoint_in(*status, "gcs")));
+  fixture.sim.set_remote(port_of(word_after(*status, "gcs")));
   using namespace mavlink::common;
   Heartbeat ardupilot;
   ardupilot.type = MavType::kQuadrotor;
   ardupilot.autopilot = MavAutopilot::kArdupilotmega;
   base::rpc::Client client("127.0.0.1:" +
-                           std::to_string(port_of(endpoint_in(*status, "command_port"))));
+                           std::to_string(port_of(word_after(*status, "command_port"))));
   EXPECT_TRUE(fixture.collect_until([&] {
     fixture.sim.send(fixture.from_sim(ParamRequestList{}));
     fixture.fcu.write(fixture.from_fcu(ardupilot));
@@ -476,7 +468,7 @@ TEST_F(CasdProgram, EndsWhenTheCommandPortIsTaken) {
   ChildProcess first({kCasd, topology(kWithPort)});
   const auto status = first.wait_ready();
   ASSERT_TRUE(status) << first.output();
-  const std::string port = std::to_string(port_of(endpoint_in(*status, "command_port")));
+  const std::string port = std::to_string(port_of(word_after(*status, "command_port")));
   const auto file = fixture.folder.write(
       "second.yaml", "schema: 1\ncommand_port: {loopback_without_token: true, port: " + port +
                          "}\nlinks:\n  - {name: a, type: udp, local: '127.0.0.1:0'}\n");

@@ -134,8 +134,7 @@ class CasdPty : public testing::Test {
         std::vector<std::string>{program("casd"), topology.string()});
     const std::optional<std::string> status = casd_->wait_ready();
     if (!status) throw std::runtime_error(casd_->output());
-    const std::size_t at = status->find("command_port ") + 13;
-    address_ = status->substr(at, status->find(' ', at) - at);
+    address_ = word_after(*status, "command_port");
     client_.emplace(address_);
     sim_.set_remote(port_of(link("sim").at("endpoint")));
   }

@@ -47,10 +47,7 @@ class CasdRecording : public testing::Test {
     casd.emplace(prefix);
     const auto ready = casd->wait_ready();
     ASSERT_TRUE(ready) << casd->output();
-    const auto port_in = [&](const std::string& name) {
-      const std::size_t begin = ready->find(name + " ") + name.size() + 1;
-      return port_of(ready->substr(begin, ready->find(' ', begin) - begin));
-    };
+    const auto port_in = [&](const std::string& name) { return port_of(word_after(*ready, name)); };
     fixture.sim.set_remote(port_in("sim"));
     address = "127.0.0.1:" + std::to_string(port_in("command_port"));
     client.emplace(address);

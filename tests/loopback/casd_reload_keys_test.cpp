@@ -49,9 +49,7 @@ class ReloadProgram {
         std::vector<std::string>{cas::test::binary_dir() + "/bin/casd", topology(extra), flag});
     const auto status = casd->wait_ready();
     if (!status) throw std::runtime_error(casd->output());
-    const std::string word = "command_port ";
-    const std::size_t at = status->find(word) + word.size();
-    client.emplace(status->substr(at, status->find(' ', at) - at));
+    client.emplace(word_after(*status, "command_port"));
   }
   json call(const std::string& method, const json& params = json::object()) {
     return client->call(method, params);

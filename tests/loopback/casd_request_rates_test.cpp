@@ -36,8 +36,7 @@ class CasdRequestRates : public testing::Test {
     casd.emplace(std::vector<std::string>{binary_dir() + "/bin/casd", topology});
     const auto ready = casd->wait_ready();
     ASSERT_TRUE(ready) << casd->output();
-    const std::size_t begin = ready->find(" net ") + 5;
-    vehicle.socket.set_remote(port_of(ready->substr(begin, ready->find(' ', begin) - begin)));
+    vehicle.socket.set_remote(port_of(word_after(*ready, "net")));
   }
   /// How often the interval of a message was asked for, in the order of first requests.
   std::size_t asked(std::uint32_t id) const {
@@ -154,8 +153,7 @@ class CasdRequestRatesOfTheEmulator : public testing::Test {
     casd.emplace(std::vector<std::string>{binary_dir() + "/bin/casd", topology});
     const auto ready = casd->wait_ready();
     if (!ready) throw std::runtime_error(casd->output());
-    const std::size_t begin = ready->find(" gcs ") + 5;
-    station.set_remote(port_of(ready->substr(begin, ready->find(' ', begin) - begin)));
+    station.set_remote(port_of(word_after(*ready, "gcs")));
   }
 
   /// Notes the vehicle's clock in each message of these two kinds.

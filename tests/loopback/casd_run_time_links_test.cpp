@@ -35,9 +35,7 @@ class RunTimeLinks : public testing::Test {
     casd_.emplace(std::vector<std::string>{binary_dir() + "/bin/casd", file_});
     const auto ready = casd_->wait_ready();
     ASSERT_TRUE(ready) << casd_->output();
-    const std::string status = *ready + " ";
-    const std::size_t begin = status.find(' ') + 1;  // "command_port HOST:PORT ..."
-    address_ = status.substr(begin, status.find(' ', begin) - begin);
+    address_ = word_after(*ready, "command_port");
     client_.emplace(address_);
     vehicle_.set_remote(port("fcu"));
   }

@@ -255,10 +255,7 @@ class CasdServices : public testing::TestWithParam<const char*> {
     return child;
   }
   /// Where casd has bound a link.
-  std::uint16_t port(const std::string& link) const {
-    const std::size_t begin = status_.find(" " + link + " ") + link.size() + 2;
-    return port_of(status_.substr(begin, status_.find(' ', begin) - begin));
-  }
+  std::uint16_t port(const std::string& link) const { return port_of(word_after(status_, link)); }
   std::filesystem::path ledger_file() const { return folder_ / "ledger.csv"; }
 
   Station& add_udp(mav::Source self, std::uint16_t first_number = 0) {

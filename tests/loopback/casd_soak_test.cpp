@@ -45,8 +45,7 @@ int open_descriptors(pid_t pid) {
 }
 
 std::uint16_t port_in(const std::string& status, const std::string& name) {
-  const std::size_t begin = status.find(name + " ") + name.size() + 1;
-  return port_of(status.substr(begin, status.find(' ', begin) - begin));
+  return port_of(word_after(status, name));
 }
 
 /// Everything that wears on casd, turn by turn: both HIL streams, a flood of unknown senders,

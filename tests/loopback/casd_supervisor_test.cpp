@@ -11,6 +11,7 @@
 
 #include "base/rpc/client.hpp"
 #include "tests/loopback/casd_fixture.hpp"
+#include "tests/support/child_process.hpp"
 #include "tests/support/free_port.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/supervisor.hpp"
@@ -157,8 +158,7 @@ TEST_F(CasdService, APortThatIsTakenIsTriedUntilItIsFree) {
   Supervisor first(shipped_unit(), words());
   const auto status = first.wait_ready();
   ASSERT_TRUE(status) << first.output();
-  const std::size_t at = status->find("command_port ") + 13;
-  const std::uint16_t taken = port_of(status->substr(at, status->find(' ', at) - at));
+  const std::uint16_t taken = port_of(word_after(*status, "command_port"));
 
   port = free_port();
   write_topology("{port: " + std::to_string(taken) + "}");

@@ -266,8 +266,7 @@ TEST(CaswebFlooded, ServesThePageAndCasdTheClientWithTheToken) {
   ChildProcess casd({cas::test::binary_dir() + "/bin/casd", topology.string()});
   const std::optional<std::string> ready = casd.wait_ready();
   ASSERT_TRUE(ready) << casd.output();
-  const std::size_t at = ready->find("command_port ") + 13;
-  const std::string address = ready->substr(at, ready->find(' ', at) - at);
+  const std::string address = word_after(*ready, "command_port");
   const json token{{"token", base::rpc::read_token(folder / "casd.token")}};
   CaswebFixture casweb(folder.path());
 

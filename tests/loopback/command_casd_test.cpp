@@ -47,8 +47,7 @@ class CommandCasdTest : public testing::Test {
                                  "--stats", (folder_ / "stats").string()});
     const std::optional<std::string> status = casd_->wait_ready();
     ASSERT_TRUE(status.has_value()) << casd_->output();
-    const std::size_t at = status->find("command_port ") + 13;
-    address_ = status->substr(at, status->find(' ', at) - at);
+    address_ = word_after(*status, "command_port");
     client_.emplace(address_);
     ASSERT_TRUE(wait_until([this] {
       return !client_->call("casd.status", json::object()).at("vehicles").empty();
@@ -252,8 +251,7 @@ TEST_F(CommandCasdTest, SaysWhyALinkIsDown) {
   ChildProcess casd({cas::test::binary_dir() + "/bin/casd", topology.string()});
   const std::optional<std::string> status = casd.wait_ready();
   ASSERT_TRUE(status.has_value()) << casd.output();
-  const std::size_t at = status->find("command_port ") + 13;
-  address_ = status->substr(at, status->find(' ', at) - at);
+  address_ = word_after(*status, "command_port");
   Client client(address_);
   const json link = client.call("link.list", json::object()).at(0);
   EXPECT_EQ(link.at("state"), "down");

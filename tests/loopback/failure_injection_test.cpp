@@ -59,8 +59,7 @@ routes:
         std::vector<std::string>{binary_dir() + "/bin/casd", topology.string()});
     const std::optional<std::string> status = casd_->wait_ready();
     if (!status) throw std::runtime_error(casd_->output());
-    const std::size_t at = status->find("command_port ") + 13;
-    client_.emplace(status->substr(at, status->find(' ', at) - at));
+    client_.emplace(word_after(*status, "command_port"));
     for (const json& link : client_->call("link.list", json::object())) {
       ports_[link.at("name")] = port_of(link.at("endpoint"));
     }

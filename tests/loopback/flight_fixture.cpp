@@ -100,8 +100,7 @@ void FlightFixture::connect() {
   const auto status = casd_->wait_ready();
   if (!status) throw std::runtime_error(casd_->output());
   status_ = *status;
-  const std::size_t at = status_.find("command_port ") + 13;
-  client_.emplace(status_.substr(at, status_.find(' ', at) - at));
+  client_.emplace(word_after(status_, "command_port"));
 }
 
 json FlightFixture::call(const std::string& method, const json& params) {

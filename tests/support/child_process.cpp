@@ -92,4 +92,14 @@ bool ChildProcess::ended() {
   return true;
 }
 
+std::string word_after(const std::string& status, const std::string& name) {
+  const std::string words = " " + status + " ";
+  const std::size_t at = words.find(" " + name + " ");
+  const std::size_t begin = at + name.size() + 2;
+  if (at == std::string::npos || begin >= words.size()) {
+    throw std::runtime_error("no word after \"" + name + "\" in \"" + status + "\"");
+  }
+  return words.substr(begin, words.find(' ', begin) - begin);
+}
+
 }  // namespace cas::test

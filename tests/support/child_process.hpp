@@ -41,4 +41,8 @@ class ChildProcess {
   std::optional<int> exit_code_;
 };
 
+/// The word after `name` in a status line of READY: "127.0.0.1:14561" after "sim".
+/// @throws std::runtime_error when it is not there: a link that has no port yet
+std::string word_after(const std::string& status, const std::string& name);
+
 }  // namespace cas::test
