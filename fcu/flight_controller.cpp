@@ -64,6 +64,7 @@ struct FlightController::Impl {
 ///    HIL_GPS --------^          (Xr, Yr, Zr, yaw_r)                                           |
 ///                                                     HIL_CONTROLS (u1, u2, u3, u4) <---------+
 void FlightController::Impl::on_sensor(const HilSensor& m, RunTime now) {
+  if (m.id != 0) return sensors.on_further_sensor(m, now);
   // Estimate attitude, velocity and position from every sample ...
   const SensorInput::Sample sample = sensors.accept(m.time_usec, now);
   if (sample == SensorInput::Sample::kStale) {
@@ -90,7 +91,7 @@ void FlightController::Impl::on_sensor(const HilSensor& m, RunTime now) {
 }
 
 void FlightController::Impl::on_gps(const HilGps& m, RunTime now) {
-  if (observer) observer(HilGps::kId, m.time_usec, false);
+  if (observer && m.id == 0) observer(HilGps::kId, m.time_usec, false);
   sensors.on_gps(m, now);
 }
 
@@ -218,7 +219,7 @@ GroundProtocols::View ground_view(FcuCore& core) {
 
 FlightController::Impl::Impl(const FcuConfig& config, PacketSink send)
     : core(config, std::move(send)),
-      sensors({core.estimator, core.cascade, core.readings, core.hil, core.start}),
+      sensors({core.estimator, core.cascade, core.readings, core.hil, core.start, core.texts}),
       ground(ground_view(core)),
       parser(table()) {
   for (const auto& [name, value] : config.params) {

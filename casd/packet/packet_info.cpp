@@ -74,6 +74,22 @@ std::string_view to_string(TrafficClass traffic) {
   return kWords[traffic];
 }
 
+namespace {
+
+/// Whether the extension `id` of HIL_SENSOR or HIL_GPS is there and not 0.
+bool is_of_further_sensor(const mav::PacketView& packet) {
+  // Both ids are the first byte behind the fields of MAVLink 1.
+  constexpr std::size_t kSensorId = 64;
+  constexpr std::size_t kGpsId = 36;
+  using namespace mavlink::common;  // NOLINT: two of its messages
+  std::size_t at = 0;
+  if (packet.message_id == HilSensor::kId) at = kSensorId;
+  if (packet.message_id == HilGps::kId) at = kGpsId;
+  return at > 0 && packet.payload.size() > at && packet.payload[at] != 0;
+}
+
+}  // namespace
+
 std::optional<std::uint64_t> hil_time_usec(const mav::PacketView& packet) {
   using namespace mavlink::common;  // NOLINT: four of its messages
   switch (packet.message_id) {
@@ -85,6 +101,7 @@ std::optional<std::uint64_t> hil_time_usec(const mav::PacketView& packet) {
     default:
       return std::nullopt;
   }
+  if (is_of_further_sensor(packet)) return std::nullopt;
   // It leads the payload of all four; zeros at the end may be cut off.
   std::array<std::uint8_t, sizeof(std::uint64_t)> bytes{};
   if (packet.payload.size() >= bytes.size()) {

@@ -187,6 +187,15 @@ void Estimator::apply_errors() {
   errors_.setZero();
 }
 
+void Estimator::forget_imu_biases() {
+  if (!aligned_) return;
+  using C = ErrorCovariance;
+  state_.gyro_bias_D.setZero();
+  state_.accel_bias_D.setZero();
+  covariance_.reset_block(C::kGyroBias, 3, square(params_.gyro_bias_initial_rad_s));
+  covariance_.reset_block(C::kAccelBias, 3, square(params_.accel_bias_initial_m_s2));
+}
+
 void Estimator::fuse_rest(base::SimTime now) {
   const Vector3d& gyro = last_imu_->gyro_D;
   if (!indicates_rest(gyro, last_imu_->accel_D, params_.gravity_m_s2)) {
@@ -295,6 +304,15 @@ void Estimator::on_gps(const GpsInput& fix) {
   fuse_gps_velocity(fix, measured_N);
   fuse_gps_position(fix, measured_N);
   if (!origin_final_) settle_origin();
+}
+
+std::optional<Estimator::FixOffset> Estimator::offset_of(const GpsInput& fix) const {
+  if (!projection_ || !position_valid()) return std::nullopt;
+  const MotionHistory::Change change = history_.since(fix.time);
+  const Vector3d v_then = state_.v_N - change.velocity;
+  const Vector3d p_then = state_.p_N - v_then * change.age_s - change.position;
+  return FixOffset{.position_m = (projection_->to_local(fix.place) - p_then).head<2>().norm(),
+                   .velocity_m_s = (fix.velocity_N - v_then).head<2>().norm()};
 }
 
 void Estimator::accept_first_fix(const GpsInput& fix) {

@@ -82,6 +82,15 @@ class Estimator {
   void on_magnetometer(base::SimTime time, const Eigen::Vector3d& field_D_gauss);
   void on_barometer(base::SimTime time, double pressure_pa);
   void on_gps(const GpsInput& fix);
+  /// From now on the samples are those of another IMU, whose biases are not known.
+  void forget_imu_biases();
+  /// How far a fix is from the estimate at its time, horizontally.
+  struct FixOffset {
+    double position_m = 0;
+    double velocity_m_s = 0;
+  };
+  /// @return nullopt before the first fix was used, and while position_valid() is false
+  std::optional<FixOffset> offset_of(const GpsInput& fix) const;
 
   const EstimatorState& state() const { return state_; }
   const ErrorCovariance& covariance() const { return covariance_; }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/protocols/hil_messages.hpp"
 
+#include <algorithm>
+#include <string>
+
 #include "base/earth/deg_e7.hpp"
 #include "fcu/core/fcu_core.hpp"
 #include "fcu/protocols/wire_units.hpp"
@@ -28,6 +31,29 @@ constexpr std::uint64_t kRestart_us = 1'000'000;  // a jump back this far is a n
 /// A group counts only when all of its bits are set, as in PX4.
 bool all(F flags, F group) { return (flags & group) == group; }
 
+/// Rates and forces of a packet that has both.
+std::optional<ImuInput> imu_of(const HilSensor& m, SimTime time) {
+  if (!all(m.fields_updated, kAccel) || !all(m.fields_updated, kGyro)) return std::nullopt;
+  return ImuInput{time, vec(m.xgyro, m.ygyro, m.zgyro), vec(m.xacc, m.yacc, m.zacc)};
+}
+
+const char* in_words(VoteCause cause) {
+  switch (cause) {
+    case VoteCause::kSilent:
+      return "silent";
+    case VoteCause::kStuck:
+      return "stuck";
+    default:
+      return "disagrees";
+  }
+}
+
+/// "IMU 1 stuck: flying by IMU 2": in STATUSTEXT sensors count from 1.
+std::string in_words(const char* kind, const VoteSwitch& change) {
+  return std::string(kind) + " " + std::to_string(change.from + 1) + " " + in_words(change.cause) +
+         ": flying by " + kind + " " + std::to_string(change.to + 1);
+}
+
 }  // namespace
 
 void SensorInput::note_age(std::uint64_t time_usec, RunTime now) {
@@ -47,6 +73,8 @@ SensorInput::Sample SensorInput::accept(std::uint64_t time_usec, RunTime now) {
   if (is_new_run) {
     gate_set_ = started_ = false;
     last_time_ = {};
+    imus_ = {};
+    receivers_ = {};
     smallest_delay_ns_ = std::numeric_limits<std::int64_t>::max();
   }
   last_usec_ = time_usec;
@@ -54,17 +82,41 @@ SensorInput::Sample SensorInput::accept(std::uint64_t time_usec, RunTime now) {
   return is_new_run ? Sample::kNewRun : Sample::kNext;
 }
 
+void SensorInput::use_imu(const ImuInput& imu, RunTime now) {
+  to_.readings.health.on_imu(imu.gyro_D, imu.accel_D, now);
+  to_.readings.vibration.update(imu.accel_D);
+  to_.estimator.on_imu(imu);
+  const double dt = started_ ? base::to_seconds(imu.time - last_time_) : 0.0;
+  to_.cascade.on_rates(to_.estimator.state().w_D, dt);
+}
+
+/// The sample to fly by at the time of the clock. @param first  that of the first IMU, if it has
+/// one
+std::optional<ImuInput> SensorInput::choose_imu(const std::optional<ImuInput>& first,
+                                                SimTime time) {
+  if (first) imus_.on_sample(0, *first);
+  if (!imus_.several()) return first;
+  const ImuInput* chosen = imus_.choose(time);
+  if (const auto change = imus_.take_switch()) {
+    to_.texts.critical(in_words("IMU", *change));
+    to_.estimator.forget_imu_biases();
+  }
+  if (chosen == nullptr) return std::nullopt;
+  ImuInput imu = *chosen;
+  imu.time = time;
+  return imu;
+}
+
+void SensorInput::on_further_sensor(const HilSensor& m, RunTime now) {
+  const SimTime time =
+      to_.params.stamp_by_arrival ? SimTime(now - to_.start) : base::from_time_usec(m.time_usec);
+  if (const auto imu = imu_of(m, time)) imus_.on_sample(m.id, *imu);
+}
+
 void SensorInput::feed_estimator(const HilSensor& m, SimTime time, RunTime now) {
   SensorReadings& readings = to_.readings;
   const F flags = m.fields_updated;
-  if (all(flags, kAccel) && all(flags, kGyro)) {
-    const ImuInput imu{time, vec(m.xgyro, m.ygyro, m.zgyro), vec(m.xacc, m.yacc, m.zacc)};
-    readings.health.on_imu(imu.gyro_D, imu.accel_D, now);
-    readings.vibration.update(imu.accel_D);
-    to_.estimator.on_imu(imu);
-    const double dt = started_ ? base::to_seconds(time - last_time_) : 0.0;
-    to_.cascade.on_rates(to_.estimator.state().w_D, dt);
-  }
+  if (const auto imu = choose_imu(imu_of(m, time), time)) use_imu(*imu, now);
   if (all(flags, kMag)) {
     const Vector3d field = vec(m.xmag, m.ymag, m.zmag);
     readings.health.on_sample(SensorHealth::kMag, field, now);
@@ -104,20 +156,35 @@ bool SensorInput::control_due(std::uint64_t time_usec, double rate_hz) {
   return true;
 }
 
-/// Whether a fix is a new measurement, not a repetition.
-bool SensorInput::is_new(const HilGps& m, const GpsInput& fix, RunTime now) {
+/// A fix as it came, and whether the vehicle stands still or moves.
+RepeatedFixes::Fix SensorInput::digits(const HilGps& m, const GpsInput& fix) const {
   constexpr double kMoving_m_s = 1.0;  // in 20 ms farther than the digits of a fix
   const double rest_s = to_.estimator.rest_s();
   const double speed = std::max(to_.estimator.state().v_N.norm(), fix.velocity_N.norm());
-  const RepeatedFixes::Fix seen{.time_usec = m.time_usec,
-                                .digits = {m.lat, m.lon, m.alt, m.vn, m.ve, m.vd},
-                                .at_rest = rest_s > 0,
-                                .moving = rest_s <= 0 && speed > kMoving_m_s};
-  return to_.readings.health.on_fix(seen, fix.velocity_N, now);
+  return {.time_usec = m.time_usec,
+          .digits = {m.lat, m.lon, m.alt, m.vn, m.ve, m.vd},
+          .at_rest = rest_s > 0,
+          .moving = rest_s <= 0 && speed > kMoving_m_s};
+}
+
+bool SensorInput::choose_receiver(const HilGps& m, const GpsInput& fix, RunTime now) {
+  constexpr double kFar_m = 5;
+  constexpr double kFar_m_s = 3;
+  GpsVote::Fix seen{.heard = SimTime(now - to_.start),
+                    .has_fix = fix.fix_type >= 3 && fix.velocity_N.allFinite(),
+                    .digits = digits(m, fix),
+                    .off = std::nullopt};
+  if (const auto offset = to_.estimator.offset_of(fix)) {
+    seen.off = std::max(offset->position_m / kFar_m, offset->velocity_m_s / kFar_m_s);
+  }
+  receivers_.on_fix(m.id, seen);
+  if (const auto change = receivers_.take_switch()) {
+    to_.texts.critical(in_words("GPS", *change));
+  }
+  return m.id == receivers_.used();
 }
 
 void SensorInput::on_gps(const HilGps& m, RunTime now) {
-  to_.readings.gps = m;
   GpsInput fix;
   // Stamped by arrival only the receiver's usual delay is known; stamped by the message its stamp
   // gives the delay.
@@ -128,7 +195,10 @@ void SensorInput::on_gps(const HilGps& m, RunTime now) {
   constexpr double kStep_deg = 1 / base::kDegE7;
   fix.place = {m.lat * kStep_deg, m.lon * kStep_deg, m.alt * 1e-3};
   fix.velocity_N = Vector3d(m.vn, m.ve, m.vd) * 0.01;
-  if (fix.fix_type >= 3 && !is_new(m, fix, now)) return;
+  if (!choose_receiver(m, fix, now)) return;
+  to_.readings.gps = m;
+  const bool has_fix = fix.fix_type >= 3;
+  if (has_fix && !to_.readings.health.on_fix(digits(m, fix), fix.velocity_N, now)) return;
   to_.estimator.on_gps(fix);
 }
 

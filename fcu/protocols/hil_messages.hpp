@@ -10,6 +10,8 @@
 #include "base/time/clock.hpp"
 #include "base/time/rate_gate.hpp"
 #include "fcu/core/fcu_core.hpp"
+#include "fcu/estimation/gps_vote.hpp"
+#include "fcu/estimation/imu_vote.hpp"
 #include "mavlink/common/battery_status.hpp"
 #include "mavlink/common/hil_actuator_controls.hpp"
 #include "mavlink/common/hil_controls.hpp"
@@ -18,6 +20,9 @@
 namespace cas::fcu {
 
 /// From HIL_SENSOR and HIL_GPS to the estimator; says when a control step is due.
+///
+/// Packets with an id from 1 on are of further IMUs and receivers: a vote chooses the one to fly
+/// by. Those of id 0 are the clock. Further compasses and barometers are not used.
 class SensorInput {
  public:
   /// Its inputs and outputs. All outlive it.
@@ -27,6 +32,7 @@ class SensorInput {
     SensorReadings& readings;
     const HilParams& params;
     const base::RunTime& start;
+    StatusTexts& texts;
   };
   explicit SensorInput(const View& view) : to_(view) {}
 
@@ -40,6 +46,8 @@ class SensorInput {
   /// A sample that is not stale.
   void on_sensor(const mavlink::common::HilSensor& m, base::RunTime now);
   void on_gps(const mavlink::common::HilGps& m, base::RunTime now);
+  /// The same of an id from 1 on: noted for the next sample of id 0.
+  void on_further_sensor(const mavlink::common::HilSensor& m, base::RunTime now);
   /// Whether the sample with this stamp falls into a new control period, on the grid of the
   /// sensor's clock.
   bool control_due(std::uint64_t time_usec, double rate_hz);
@@ -51,8 +59,12 @@ class SensorInput {
 
  private:
   void note_age(std::uint64_t time_usec, base::RunTime now);
-  bool is_new(const mavlink::common::HilGps& m, const GpsInput& fix, base::RunTime now);
   void feed_estimator(const mavlink::common::HilSensor& m, base::SimTime time, base::RunTime now);
+  void use_imu(const ImuInput& imu, base::RunTime now);
+  std::optional<ImuInput> choose_imu(const std::optional<ImuInput>& first, base::SimTime time);
+  RepeatedFixes::Fix digits(const mavlink::common::HilGps& m, const GpsInput& fix) const;
+  /// Whether the receiver that the fix is of is flown by.
+  bool choose_receiver(const mavlink::common::HilGps& m, const GpsInput& fix, base::RunTime now);
 
   View to_;
   base::RateGate gate_{400};
@@ -65,6 +77,8 @@ class SensorInput {
   std::uint64_t stale_ = 0;
   std::uint64_t missed_controls_ = 0;
   base::Histogram age_;
+  ImuVote imus_;
+  GpsVote receivers_;
 };
 
 /// Reading of battery 0; nullopt for another battery, and without a voltage or the remaining

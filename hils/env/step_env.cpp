@@ -105,8 +105,11 @@ std::string simulation_text(const base::ConfigNode& setup, std::uint64_t seed) {
   vehicle["vehicle"] = base::find_config(setup.at("vehicle")).string();
   vehicle["pose"] = given("pose", "{x_m: 0, y_m: 0, yaw_deg: 0}");
   if (setup.has("sensors")) vehicle["sensors"] = given("sensors", "");
-  for (const std::string& plugin : first_plugins(base::find_config(setup.at("vehicle")))) {
-    vehicle["plugins"].push_back(YAML::Load(fmt::format("{{plugin: {}}}", plugin)));
+  const std::filesystem::path file = base::find_config(setup.at("vehicle"));
+  const auto set = setup.find("sensors");
+  for (const std::string& name :
+       first_plugins(file, flown_sensors(file, set ? *set : base::ConfigNode::empty()))) {
+    vehicle["plugins"].push_back(named_plugin(name));
   }
   for (const YAML::Node& plugin : given("plugins", "[]")) vehicle["plugins"].push_back(plugin);
   if (setup.has("faults")) {

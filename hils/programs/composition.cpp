@@ -168,19 +168,22 @@ YAML::Node interface_plugin(const Scenario& scenario, std::size_t vehicle, Trans
 /// Where values of a vehicle came from, for errors of plugins (base/config/config_origin.hpp).
 std::string vehicle_origins(const Scenario& scenario, std::size_t vehicle) {
   const std::string where = fmt::format("vehicles[{}].", vehicle);
+  const std::size_t first =
+      first_plugins(scenario.vehicles[vehicle].vehicle, flown_sensors(scenario, vehicle)).size();
   return sensors_origins(where + "sensors", scenario.sensors_of(vehicle)) +
-         plugin_origins(scenario, vehicle,
-                        first_plugins(scenario.vehicles[vehicle].vehicle).size());
+         plugin_origins(scenario, vehicle, first);
 }
 
 YAML::Node vehicle_plugins(const RunRequest& request, std::size_t vehicle, Transport transport,
                            const VehiclePaths& paths) {
   YAML::Node plugins;
-  for (const std::string& name : first_plugins(request.scenario.vehicles[vehicle].vehicle)) {
-    plugins.push_back(plugin(name.c_str()));
+  const Scenario& scenario = request.scenario;
+  for (const std::string& name :
+       first_plugins(scenario.vehicles[vehicle].vehicle, flown_sensors(scenario, vehicle))) {
+    plugins.push_back(named_plugin(name));
   }
   add_scenario_plugins(request, vehicle, plugins);
-  plugins.push_back(interface_plugin(request.scenario, vehicle, transport, paths));
+  plugins.push_back(interface_plugin(scenario, vehicle, transport, paths));
   plugins.push_back(recorder_plugin(request, paths));
   return plugins;
 }

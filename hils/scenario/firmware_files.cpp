@@ -54,11 +54,13 @@ YAML::Node interface_plugin(const Firmware& firmware, std::size_t instance) {
 /// ArduPilot makes compass, barometer, GPS and their noise itself, from the true motion.
 YAML::Node plugins(const ScenarioVehicle& vehicle, const Firmware& firmware, std::size_t instance) {
   YAML::Node list;
-  for (const std::string& name : first_plugins(vehicle.vehicle, firmware.autopilot == "PX4")) {
-    YAML::Node node;
-    node["plugin"] = name;
-    list.push_back(node);
-  }
+  const auto& set = vehicle.sensors ? vehicle.sensors : firmware.sensors;
+  const std::vector<std::string> names =
+      firmware.autopilot == "PX4"
+          ? first_plugins(vehicle.vehicle,
+                          flown_sensors(vehicle.vehicle, set ? *set : base::ConfigNode::empty()))
+          : first_forces(vehicle.vehicle);
+  for (const std::string& name : names) list.push_back(named_plugin(name));
   list.push_back(interface_plugin(firmware, instance));
   return list;
 }

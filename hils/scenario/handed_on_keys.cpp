@@ -9,13 +9,21 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
+#include "base/config/sensor_names.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/config/vehicle.hpp"
+#include "casd/queue/line_timing.hpp"
+#include "casd/topology/line_budget.hpp"
 #include "fcu/core/fcu_config.hpp"
 #include "hils/scenario/controller_parts.hpp"
 #include "hils/scenario/simulation_parts.hpp"
 #include "hils/scenario/yaml_text.hpp"
+#include "mavlink/common/hil_gps.hpp"
+#include "mavlink/common/hil_sensor.hpp"
+#include "mavlink_gen/runtime/packet.hpp"
 #include "plugins/airspeed/airspeed_model.hpp"
 #include "plugins/barometer/barometer_model.hpp"
 #include "plugins/gps/gps_model.hpp"
@@ -76,10 +84,13 @@ void read_sensors(const base::ConfigNode& set_or_keys, const base::ConfigNode& b
                   const base::ConfigNode& over, double step_s) {
   const base::ConfigNode set = over.merged_over(base::sensor_set(set_or_keys, behind));
   for (const auto& [plugin, read] : kSensorReaders) {
-    const auto block = set.find(plugin);
-    if (!block) continue;
-    read(*block, step_s);
-    block->reject_unused();
+    for (int number = 1; number <= base::most_sensors(plugin); ++number) {
+      const std::string name = base::sensor_name(plugin, number);
+      if (!set.has(name)) continue;
+      const auto block = base::sensor_block(set, name);
+      read(*block, step_s);
+      block->reject_unused();
+    }
   }
 }
 
@@ -92,16 +103,65 @@ void refuse_others(const base::ConfigNode& keys, const std::set<std::string>& pl
   }
 }
 
+/// Refuses a rate of the sensors of a kind, all of which have the scenario's.
 void refuse_rate(const base::ConfigNode& keys, const char* plugin, std::string_view source) {
-  const auto block = keys.is_map() ? keys.find(plugin) : std::nullopt;
-  if (!block || !block->is_map() || !block->has("rate_hz")) return;
-  refuse_own(block->at("rate_hz"), source);
+  for (int number = 1; number <= base::most_sensors(plugin); ++number) {
+    const auto block = keys.is_map() ? keys.find(base::sensor_name(plugin, number)) : std::nullopt;
+    if (!block || !block->is_map() || !block->has("rate_hz")) continue;
+    refuse_own(block->at("rate_hz"), source);
+  }
+}
+
+/// How often a vehicle's HIL_SENSOR of an id from 1 on is sent: with each sample of its IMU, else
+/// of its faster sensor. @param number  of its sensors
+double further_set_hz(const base::ConfigNode& set, int number, double sensor_hz) {
+  if (set.has(base::sensor_name("imu", number))) return sensor_hz;
+  double hz = 0;
+  for (const char* plugin : {"magnetometer", "barometer"}) {
+    const std::string name = base::sensor_name(plugin, number);
+    if (set.has(name)) hz = std::max(hz, base::sensor_block(set, name)->get("rate_hz", 0.0));
+  }
+  return hz;
+}
+
+/// Refuses further sensors whose packets do not fit on the scenario's line beside the first ones.
+/// @param set  flown_sensors() of a vehicle
+void check_line_carries(const Scenario& scenario, const base::ConfigNode& set) {
+  const double baud = fcu::LineConfig::parse(scenario.line).baud;
+  const std::vector<std::string> further = further_first_sensors(set);
+  if (further.empty() || baud <= 0) return;
+  using mavlink::common::HilGps;
+  using mavlink::common::HilSensor;
+  constexpr double kFrameBytes = mav::kHeaderBytesV2 + mav::kChecksumBytes;
+  double hz = scenario.rates.sensor_hz;
+  for (int number = 2; number <= base::most_sensors("imu"); ++number) {
+    hz += further_set_hz(set, number, scenario.rates.sensor_hz);
+  }
+  const double fixes_hz = scenario.rates.gps_hz * (set.has("gps_2") ? 2 : 1);
+  const casd::LineBudget budget{
+      .link = "line",
+      .baud = static_cast<unsigned>(baud),
+      .capacity_bytes_s =
+          casd::LinePacer::kLineShare * casd::LinePacer::rate_of(static_cast<unsigned>(baud)),
+      .loads = {{HilSensor::kId, hz, kFrameBytes + HilSensor::kMaxLength},
+                {HilGps::kId, fixes_hz, kFrameBytes + HilGps::kMaxLength}}};
+  if (budget.fits()) return;
+  const unsigned fitting = budget.fitting_baud();
+  set.at(further.front())
+      .fail(fmt::format("with the further sensors the line carries {:.1f} kB/s of {:.1f}: "
+                        "HIL_SENSOR {:g} and HIL_GPS {:g} a second; {}lower rates.sensor_hz",
+                        budget.load_bytes_s() / 1e3, budget.capacity_bytes_s / 1e3, hz, fixes_hz,
+                        fitting > 0 ? fmt::format("it takes {} baud, or ", fitting) : ""));
 }
 
 void check_sensors(const Scenario& scenario, std::size_t vehicle,
                    const std::set<std::string>& plugins, const base::ConfigNode& behind) {
   const base::ConfigNode& keys = scenario.sensors_of(vehicle);
-  refuse_others(keys, plugins);
+  const base::ConfigNode set = flown_sensors(scenario, vehicle);
+  std::set<std::string> known = plugins;
+  for (std::string& name : further_first_sensors(set)) known.insert(std::move(name));
+  refuse_others(keys, known);
+  check_line_carries(scenario, set);
   refuse_rate(keys, "imu", "the scenario's 'rates.sensor_hz'");
   refuse_rate(keys, "gps", "the scenario's 'rates.gps_hz'");
   const auto rates =
@@ -139,6 +199,7 @@ std::set<std::string> further_plugins(const Scenario& scenario) {
   for (const base::ConfigNode& plugin : scenario.plugins) {
     const base::ConfigNode name = plugin.at("plugin");
     const auto word = name.as<std::string>();
+    const int number = base::sensor_number(plugin, word);
     if (word != "mavlink_interface" && word != kAeroPlugin &&
         std::ranges::find(kFirstPlugins, word) == kFirstPlugins.end())
       continue;
@@ -146,7 +207,8 @@ std::set<std::string> further_plugins(const Scenario& scenario) {
               std::string(" has plugin ") + word + " already" +
               (word == kFirstPlugins.front() || word == "mavlink_interface" || word == kAeroPlugin
                    ? ""
-                   : "; its keys are those of 'sensors: {" + word + ": ...}'"));
+                   : "; its keys are those of 'sensors: {" + base::sensor_name(word, number) +
+                         ": ...}'"));
   }
   return plugin_names(scenario.plugins);
 }
@@ -170,7 +232,12 @@ void check_firmware_sensors(const Scenario& scenario) {
     const auto& own = scenario.vehicles[i].sensors;
     const auto& keys = own ? own : scenario.firmware->sensors;
     if (!keys) continue;
-    base::sensor_set(*keys);
+    const std::vector<std::string> further = base::further_sensors(base::sensor_set(*keys));
+    if (scenario.firmware->on_serial_line && !further.empty()) {
+      base::sensor_set(*keys)
+          .at(further.front())
+          .fail("PX4 takes each HIL_SENSOR of a serial line for one and the same IMU");
+    }
     std::set<std::string> plugins = plugin_names(simulated.at(i).at("plugins").items());
     plugins.merge(plugin_names(scenario.plugins));
     refuse_others(*keys, plugins);

@@ -16,6 +16,7 @@
 #include "base/config/geodetic_keys.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/config/key_table.hpp"
+#include "base/config/sensor_names.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/config/vehicle.hpp"
 #include "base/config/weather_keys.hpp"
@@ -26,6 +27,7 @@
 #include "hils/scenario/figure.hpp"
 #include "hils/scenario/handed_on_keys.hpp"
 #include "hils/scenario/scenario_reference.hpp"
+#include "hils/scenario/simulation_parts.hpp"
 #include "plugins/fault/fault_spec.hpp"
 
 namespace cas::hils {
@@ -426,7 +428,8 @@ void check_fault_plugins(const std::set<std::string>& plugins,
 std::set<std::string> plugin_names(const std::vector<base::ConfigNode>& plugins) {
   std::set<std::string> names;
   for (const base::ConfigNode& plugin : plugins) {
-    names.insert(plugin.get<std::string>("plugin", ""));
+    const auto name = plugin.get<std::string>("plugin", "");
+    names.insert(base::sensor_name(name, base::sensor_number(plugin, name)));
   }
   return names;
 }
@@ -506,6 +509,11 @@ void read_own(const base::ConfigNode& root, Scenario& scenario) {
                 "is a fault of a flight of stock firmware");
   std::set<std::string> plugins = plugin_names(scenario.plugins);
   plugins.insert({"motor", "imu", "gps", "magnetometer", "barometer"});  // of each vehicle
+  for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+    for (std::string& name : further_first_sensors(flown_sensors(scenario, i))) {
+      plugins.insert(std::move(name));
+    }
+  }
   check_fault_plugins(plugins, scenario.faults.vehicle);
   check_fault_phases(root.at("faults"), scenario.steps);
 }

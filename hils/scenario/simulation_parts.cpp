@@ -3,19 +3,59 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
 #include "base/config/config_origin.hpp"
+#include "base/config/sensor_names.hpp"
+#include "base/config/sensor_set.hpp"
 #include "base/config/weather_keys.hpp"
 #include "base/earth/gravity.hpp"
 #include "hils/scenario/yaml_text.hpp"
 
 namespace cas::hils {
 
-std::vector<std::string> first_plugins(const std::filesystem::path& vehicle, bool sensors) {
-  std::vector<std::string> names(kFirstPlugins.begin(), kFirstPlugins.end());
-  if (!sensors) names.resize(1);
-  const bool has_wings = base::ConfigNode::load(vehicle).has(kAeroPlugin);
-  if (has_wings) names.insert(names.begin() + 1, kAeroPlugin);
+base::ConfigNode flown_sensors(const std::filesystem::path& vehicle,
+                               const base::ConfigNode& set_or_keys) {
+  const auto own = base::ConfigNode::load(vehicle).find("sensors");
+  const base::ConfigNode behind = own ? base::sensor_set(*own) : base::ConfigNode::empty();
+  return set_or_keys.is_null() ? behind : base::sensor_set(set_or_keys, behind);
+}
+
+base::ConfigNode flown_sensors(const Scenario& scenario, std::size_t vehicle) {
+  return flown_sensors(scenario.vehicles.at(vehicle).vehicle, scenario.sensors_of(vehicle));
+}
+
+std::vector<std::string> further_first_sensors(const base::ConfigNode& set) {
+  std::vector<std::string> names = base::further_sensors(set);
+  std::erase_if(names, [](const std::string& name) {
+    const auto sensor = base::parse_sensor_name(name);
+    return std::ranges::find(kFirstPlugins, sensor->plugin) == kFirstPlugins.end();
+  });
   return names;
+}
+
+std::vector<std::string> first_forces(const std::filesystem::path& vehicle) {
+  std::vector<std::string> names{kFirstPlugins.front()};
+  if (base::ConfigNode::load(vehicle).has(kAeroPlugin)) names.emplace_back(kAeroPlugin);
+  return names;
+}
+
+std::vector<std::string> first_plugins(const std::filesystem::path& vehicle,
+                                       const base::ConfigNode& set) {
+  std::vector<std::string> names = first_forces(vehicle);
+  names.insert(names.end(), kFirstPlugins.begin() + 1, kFirstPlugins.end());
+  for (std::string& name : further_first_sensors(set)) names.push_back(std::move(name));
+  return names;
+}
+
+YAML::Node named_plugin(const std::string& name) {
+  YAML::Node node;
+  const auto sensor = base::parse_sensor_name(name);
+  node["plugin"] = sensor ? std::string(sensor->plugin) : name;
+  if (sensor && sensor->number > 1) node["number"] = sensor->number;
+  return node;
 }
 
 void put_world(const Scenario& scenario, YAML::Node& root) {
@@ -68,6 +108,11 @@ YAML::Node sensors_node(const Scenario& scenario, std::size_t vehicle) {
   }
   node["imu"]["rate_hz"] = scenario.rates.sensor_hz;
   node["gps"]["rate_hz"] = scenario.rates.gps_hz;
+  for (const std::string& name : base::further_sensors(flown_sensors(scenario, vehicle))) {
+    const std::string_view plugin = base::parse_sensor_name(name)->plugin;
+    if (plugin == "imu") node[name]["rate_hz"] = scenario.rates.sensor_hz;
+    if (plugin == "gps") node[name]["rate_hz"] = scenario.rates.gps_hz;
+  }
   return node;
 }
 

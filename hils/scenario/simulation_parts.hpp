@@ -18,11 +18,25 @@ inline constexpr std::array kFirstPlugins{"motor", "imu", "gps", "magnetometer",
 /// The plugin of vehicles whose file has a block of this name, behind the first.
 inline constexpr const char* kAeroPlugin = "aero";
 
-/// Forces and sensors in front of the scenario's plugins: kFirstPlugins, and kAeroPlugin for a
-/// vehicle with wings.
+/// The sensors that a vehicle flies with: a set, or keys of one, over those of its file.
 /// @param vehicle  its file
-/// @param sensors  the simulator makes them; else forces alone
-std::vector<std::string> first_plugins(const std::filesystem::path& vehicle, bool sensors = true);
+base::ConfigNode flown_sensors(const std::filesystem::path& vehicle,
+                               const base::ConfigNode& set_or_keys);
+base::ConfigNode flown_sensors(const Scenario& scenario, std::size_t vehicle);
+
+/// Names of the sensors of a set that are added to kFirstPlugins, because it has a block of theirs:
+/// "imu_2" (base/config/sensor_names.hpp). A second rangefinder is one of the scenario's plugins.
+std::vector<std::string> further_first_sensors(const base::ConfigNode& set);
+
+/// Names of the forces and sensors in front of the scenario's plugins: kFirstPlugins, kAeroPlugin
+/// for a vehicle with wings, and the further sensors.
+/// @param vehicle  its file @param set  its flown_sensors()
+std::vector<std::string> first_plugins(const std::filesystem::path& vehicle,
+                                       const base::ConfigNode& set);
+/// Those that move the vehicle alone, where the firmware makes the sensors.
+std::vector<std::string> first_forces(const std::filesystem::path& vehicle);
+/// Entry of a vehicle's list for a plugin of that name: "imu_2" is imu with `number: 2`.
+YAML::Node named_plugin(const std::string& name);
 
 /// Puts the keys `world`, `model_path`, `missing`, `collada_up_axis`, `home`, `decimal_year` and
 /// `weather` of a simulation file.

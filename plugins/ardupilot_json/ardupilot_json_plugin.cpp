@@ -6,6 +6,7 @@
 #include <system_error>
 #include <vector>
 
+#include "base/config/sensor_names.hpp"
 #include "base/os/log.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
@@ -40,6 +41,7 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
     step_ = context.step();
     vehicle_ = context.vehicle_id();
     airframe_ = context.vehicle();
+    refuse_several(context, node);
     link_ = open_link(node);
     clock_ = ServoClock(step_);
     range_ = context.bus().subscribe<RangeSample>(
@@ -113,6 +115,15 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   }
 
  private:
+  /// The interface has no number for a sensor.
+  static void refuse_several(PluginContext& context, const base::ConfigNode& node) {
+    for (const base::SensorKind& kind : base::kSensorKinds) {
+      const std::string name = base::sensor_name(kind.plugin, 2);
+      if (!context.bus().is_advertised(context.topic(name))) continue;
+      node.fail("carries no " + name + ": ArduPilot's JSON interface has one sensor of a kind");
+    }
+  }
+
   void receive() {
     for (int i = 0; i < kMostPackets; ++i) {
       const auto bytes = link_->receive();

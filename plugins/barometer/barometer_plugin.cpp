@@ -4,6 +4,7 @@
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/barometer/barometer_model.hpp"
+#include "plugins/common/own_sensor_name.hpp"
 
 namespace cas::sim {
 namespace {
@@ -18,7 +19,8 @@ class BarometerPlugin final : public Plugin {
     model_ =
         BarometerModel(parse_barometer_params(params, base::to_seconds(context.step())), seed_);
     rate_ = base::RateGate(model_.params().rate_hz);
-    pressure_ = context.bus().advertise<BarometerSample>(context.topic("barometer"));
+    pressure_ = context.bus().advertise<BarometerSample>(
+        context.topic(own_sensor_name("barometer", params)));
   }
 
   void post_step(const StepInfo& step, const World& world) override {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "base/angles.hpp"
+#include "base/config/sensor_names.hpp"
 #include "base/earth/frames.hpp"
 #include "base/earth/gravity.hpp"
 #include "base/os/log.hpp"
@@ -23,6 +25,7 @@ namespace cas::sim {
 namespace {
 
 constexpr std::size_t kMostByHand = 200;  // faults that are ordered in one run
+constexpr std::size_t kMostOfAKind = 3;   // sensors, see base::kSensorKinds
 
 /// Breaks sensors, rotors, battery and balance by script, and starts gusts.
 class FaultPlugin final : public Plugin {
@@ -85,9 +88,16 @@ class FaultPlugin final : public Plugin {
   static constexpr const char* kNoWind =
       "plugin fault: a fault starts a gust, but the vehicle has no plugin wind";
 
+  /// The taps of one kind of sensor, by number.
+  template <class Sample>
+  using Taps = std::array<SensorTap<Sample>, kMostOfAKind>;
+
   template <class Action>
   void for_each_tap(Action&& action) {
-    std::apply([&](auto&... tap) { (action(tap), ...); }, taps_);
+    const auto each = [&action](auto& taps) {
+      for (auto& tap : taps) action(tap);
+    };
+    std::apply([&](auto&... taps) { (each(taps), ...); }, taps_);
   }
 
   static std::string shown(std::string name) {
@@ -96,37 +106,49 @@ class FaultPlugin final : public Plugin {
     return name;
   }
 
-  /// Intercepts the topics that a fault is about, and no other.
+  /// Intercepts the topics that a fault is about, and no other; by hand all that there are.
   template <class Sample>
-  void open_tap(PluginContext& context, SensorTopic topic, const char* name) {
-    bool wanted = by_hand_;
-    bool may_delay = by_hand_;
-    for (const FaultSpec& fault : schedule_.faults()) {
-      const auto* sensor = std::get_if<SensorFault>(&fault.kind);
-      if (sensor == nullptr || sensor->topic != topic) continue;
-      wanted = true;
-      may_delay |= sensor->effect == SensorEffect::kDelay;
+  void open_taps_of(PluginContext& context, SensorTopic topic) {
+    const std::string_view word = sensor_word(topic);
+    for (int number = 1; number <= base::most_sensors(word); ++number) {
+      const std::string name = context.topic(base::sensor_name(word, number));
+      const bool by_hand = by_hand_ && (number == 1 || context.bus().is_advertised(name));
+      bool wanted = by_hand;
+      bool may_delay = by_hand;
+      for (const FaultSpec& fault : schedule_.faults()) {
+        const auto* sensor = std::get_if<SensorFault>(&fault.kind);
+        if (sensor == nullptr || sensor->topic != topic || sensor->number != number) continue;
+        wanted = true;
+        may_delay |= sensor->effect == SensorEffect::kDelay;
+      }
+      if (!wanted) continue;
+      std::get<Taps<Sample>>(taps_)[static_cast<std::size_t>(number - 1)].open(
+          context.bus(), name, SampleAccess(context.projection()), may_delay, random_);
     }
-    if (!wanted) return;
-    std::get<SensorTap<Sample>>(taps_).open(context.bus(), context.topic(name),
-                                            SampleAccess(context.projection()), may_delay, random_);
   }
 
   void open_taps(PluginContext& context) {
-    open_tap<ImuSample>(context, SensorTopic::kImu, "imu");
-    open_tap<GpsSample>(context, SensorTopic::kGps, "gps");
-    open_tap<MagnetometerSample>(context, SensorTopic::kMagnetometer, "magnetometer");
-    open_tap<BarometerSample>(context, SensorTopic::kBarometer, "barometer");
-    open_tap<RangeSample>(context, SensorTopic::kRangefinder, "rangefinder");
-    open_tap<AirspeedSample>(context, SensorTopic::kAirspeed, "airspeed");
+    open_taps_of<ImuSample>(context, SensorTopic::kImu);
+    open_taps_of<GpsSample>(context, SensorTopic::kGps);
+    open_taps_of<MagnetometerSample>(context, SensorTopic::kMagnetometer);
+    open_taps_of<BarometerSample>(context, SensorTopic::kBarometer);
+    open_taps_of<RangeSample>(context, SensorTopic::kRangefinder);
+    open_taps_of<AirspeedSample>(context, SensorTopic::kAirspeed);
   }
 
   void open_topics(PluginContext& context) {
     type_ = context.vehicle().name;
+    for (const base::SensorKind& kind : base::kSensorKinds) {
+      for (int number = 2; number <= kind.most; ++number) {
+        const std::string name = base::sensor_name(kind.plugin, number);
+        if (context.bus().is_advertised(context.topic(name))) further_.push_back(name);
+      }
+    }
     rotors_ = context.vehicle().rotor_count();
     breaks_propulsion_ = changes_mass_ = blows_ = by_hand_;
     for (const FaultSpec& fault : schedule_.faults()) {
       check_rotor(fault);
+      check_sensor(fault);
       breaks_propulsion_ |=
           highest_rotor(fault.kind) >= 0 || std::holds_alternative<VoltageFault>(fault.kind);
       changes_mass_ |= std::holds_alternative<MassFault>(fault.kind);
@@ -159,6 +181,7 @@ class FaultPlugin final : public Plugin {
     if (const auto end = script.find("end")) return schedule_.end(end->as<std::string>());
     FaultSpec fault = parse_fault(script, schedule_.faults().size() + 1);
     check_rotor(fault);
+    check_sensor(fault);
     if (std::holds_alternative<GustCommand>(fault.kind) && !gust_.has_subscribers()) {
       throw base::ConfigError("no gust can blow: the vehicle has no plugin wind");
     }
@@ -172,6 +195,16 @@ class FaultPlugin final : public Plugin {
     throw base::ConfigError("fault '" + fault.name + "': there is no rotor " +
                             std::to_string(rotor + 1) + "; vehicle '" + type_ + "' has " +
                             std::to_string(rotors_));
+  }
+
+  /// A second sensor that is not there could not fail. @throws base::ConfigError
+  void check_sensor(const FaultSpec& fault) const {
+    const auto* sensor = std::get_if<SensorFault>(&fault.kind);
+    if (sensor == nullptr || sensor->number == 1) return;
+    const std::string name = base::sensor_name(sensor_word(sensor->topic), sensor->number);
+    if (std::ranges::find(further_, name) != further_.end()) return;
+    throw base::ConfigError("fault '" + fault.name + "': vehicle '" + type_ + "' has no " + name +
+                            " in front of plugin fault");
   }
 
   /// The highest rotor that a fault names, from 0; -1: it names none.
@@ -253,20 +286,23 @@ class FaultPlugin final : public Plugin {
   }
 
   void switch_sensor(const SensorFault& fault, bool begins) {
-    const auto apply = [&](auto& tap) { begins ? tap.begin(fault) : tap.end(fault); };
+    const auto apply = [&](auto& taps) {
+      auto& tap = taps[static_cast<std::size_t>(fault.number - 1)];
+      begins ? tap.begin(fault) : tap.end(fault);
+    };
     switch (fault.topic) {
       case SensorTopic::kImu:
-        return apply(std::get<SensorTap<ImuSample>>(taps_));
+        return apply(std::get<Taps<ImuSample>>(taps_));
       case SensorTopic::kGps:
-        return apply(std::get<SensorTap<GpsSample>>(taps_));
+        return apply(std::get<Taps<GpsSample>>(taps_));
       case SensorTopic::kMagnetometer:
-        return apply(std::get<SensorTap<MagnetometerSample>>(taps_));
+        return apply(std::get<Taps<MagnetometerSample>>(taps_));
       case SensorTopic::kBarometer:
-        return apply(std::get<SensorTap<BarometerSample>>(taps_));
+        return apply(std::get<Taps<BarometerSample>>(taps_));
       case SensorTopic::kRangefinder:
-        return apply(std::get<SensorTap<RangeSample>>(taps_));
+        return apply(std::get<Taps<RangeSample>>(taps_));
       case SensorTopic::kAirspeed:
-        return apply(std::get<SensorTap<AirspeedSample>>(taps_));
+        return apply(std::get<Taps<AirspeedSample>>(taps_));
     }
   }
 
@@ -319,7 +355,8 @@ class FaultPlugin final : public Plugin {
   base::NormalRandom random_;
   FaultSchedule schedule_;
   std::vector<FaultEvent> events_;
-  std::string type_;  // of vehicle
+  std::string type_;                  // of vehicle
+  std::vector<std::string> further_;  // sensors beside the first of a kind
   int rotors_ = 0;
   bool by_hand_ = false;  // takes orders while it flies
   bool breaks_propulsion_ = false;
@@ -331,8 +368,8 @@ class FaultPlugin final : public Plugin {
   std::vector<double> torque_coefficients_;
   double hover_power_ = 0;
   double power_ = 0;  // k_m w^3 of all rotors
-  std::tuple<SensorTap<ImuSample>, SensorTap<GpsSample>, SensorTap<MagnetometerSample>,
-             SensorTap<BarometerSample>, SensorTap<RangeSample>, SensorTap<AirspeedSample>>
+  std::tuple<Taps<ImuSample>, Taps<GpsSample>, Taps<MagnetometerSample>, Taps<BarometerSample>,
+             Taps<RangeSample>, Taps<AirspeedSample>>
       taps_;
   Publisher<PropulsionHealth> health_;
   Publisher<GustCommand> gust_;

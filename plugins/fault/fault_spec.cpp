@@ -12,6 +12,7 @@
 #include "base/angles.hpp"
 #include "base/config/axes.hpp"
 #include "base/config/config_whole.hpp"
+#include "base/config/sensor_names.hpp"
 #include "base/earth/frames.hpp"
 #include "base/suggestion.hpp"
 
@@ -47,12 +48,20 @@ constexpr std::array<FieldName, 9> kFields{
 constexpr std::array<std::string_view, 6> kSensorWords{"imu",       "gps",         "magnetometer",
                                                        "barometer", "rangefinder", "airspeed"};
 
-SensorTopic parse_topic(const ConfigNode& node) {
+/// Reads the sensor that a fault is about: "imu", or "imu_2".
+void parse_sensor(const ConfigNode& node, SensorFault& fault) {
   const auto word = node.as<std::string>();
-  const auto found = std::ranges::find(kSensorWords, word);
-  if (found != kSensorWords.end()) return static_cast<SensorTopic>(found - kSensorWords.begin());
-  node.fail("must be imu, gps, magnetometer, barometer, rangefinder or airspeed" +
-            base::did_you_mean(word, kSensorWords));
+  const auto sensor = base::parse_sensor_name(word);
+  const auto found =
+      std::ranges::find(kSensorWords, sensor ? sensor->plugin : std::string_view(word));
+  if (found == kSensorWords.end()) {
+    node.fail(
+        "must be imu, gps, magnetometer, barometer, rangefinder or airspeed, or one of "
+        "several: imu_2" +
+        base::did_you_mean(word, kSensorWords));
+  }
+  fault.topic = static_cast<SensorTopic>(found - kSensorWords.begin());
+  fault.number = sensor ? sensor->number : 1;
 }
 
 /// {sensor: imu, angular_rate_deg_s: [1, 0, 0]}; a scale has no unit: {sensor: imu, angular_rate:
@@ -62,7 +71,7 @@ SensorFault parse_change(const ConfigNode& node, SensorEffect effect,
   SensorFault fault;
   fault.effect = effect;
   fault.driver = driver;
-  fault.topic = parse_topic(node.at("sensor"));
+  parse_sensor(node.at("sensor"), fault);
   std::string known;
   for (const FieldName& entry : kFields) {
     if (entry.topic != fault.topic) continue;
@@ -84,7 +93,7 @@ SensorFault parse_change(const ConfigNode& node, SensorEffect effect,
 SensorFault parse_freeze(const ConfigNode& node) {
   SensorFault fault;
   fault.effect = SensorEffect::kFreeze;
-  fault.topic = parse_topic(node.is_map() ? node.at("sensor") : node);
+  parse_sensor(node.is_map() ? node.at("sensor") : node, fault);
   if (!node.is_map()) return fault;
   const ConfigNode field = node.at("field");
   const auto word = field.as<std::string>();
@@ -104,7 +113,7 @@ SensorFault parse_drop(const ConfigNode& node) {
   constexpr int kMost = 100'000;
   SensorFault fault;
   fault.effect = SensorEffect::kDrop;
-  fault.topic = parse_topic(node.is_map() ? node.at("sensor") : node);
+  parse_sensor(node.is_map() ? node.at("sensor") : node, fault);
   if (!node.is_map()) return fault;
   if (node.has("share") == node.has("all_but")) node.fail("needs share or all_but, not both");
   fault.drop_share = node.get_in("share", 1, 0, 1);
@@ -116,7 +125,7 @@ SensorFault parse_delay(const ConfigNode& node) {
   constexpr double kLongestDelay = 5;
   SensorFault fault;
   fault.effect = SensorEffect::kDelay;
-  fault.topic = parse_topic(node.at("sensor"));
+  parse_sensor(node.at("sensor"), fault);
   fault.delay = base::from_seconds(node.require_in("by_s", 0, kLongestDelay));
   return fault;
 }
@@ -140,19 +149,18 @@ SensorFault parse_airflow(const ConfigNode& node) {
   fault.effect = SensorEffect::kBias;
   fault.driver = BiasDriver::kDynamicPressure;
   fault.field = SampleField::kPressure;
-  fault.topic = parse_topic(node.at("sensor"));
+  parse_sensor(node.at("sensor"), fault);
   if (fault.topic != SensorTopic::kBarometer) node.at("sensor").fail("must be barometer");
   fault.value.x() = node.require_in("pressure_coefficient", -10, 10);
   return fault;
 }
 
-/// The sensors whose samples are vectors of the body.
-SensorTopic parse_vector_sensor(const ConfigNode& node) {
-  const SensorTopic topic = parse_topic(node);
-  if (topic != SensorTopic::kImu && topic != SensorTopic::kMagnetometer) {
+/// One of the sensors whose samples are vectors of the body.
+void parse_vector_sensor(const ConfigNode& node, SensorFault& fault) {
+  parse_sensor(node, fault);
+  if (fault.topic != SensorTopic::kImu && fault.topic != SensorTopic::kMagnetometer) {
     node.fail("must be imu or magnetometer");
   }
-  return topic;
 }
 
 /// {sensor: imu, rpy_deg: [0, 0, 90]}: mounting of the sensor in the vehicle. Angles are of D
@@ -160,7 +168,7 @@ SensorTopic parse_vector_sensor(const ConfigNode& node) {
 SensorFault parse_turn(const ConfigNode& node) {
   SensorFault fault;
   fault.effect = SensorEffect::kTurn;
-  fault.topic = parse_vector_sensor(node.at("sensor"));
+  parse_vector_sensor(node.at("sensor"), fault);
   const Eigen::Vector3d rpy = node.require<Eigen::Vector3d>("rpy_deg").unaryExpr(&base::radians);
   const Eigen::Matrix3d R_DS = base::quaternion_rpy(rpy.x(), rpy.y(), rpy.z()).toRotationMatrix();
   const Eigen::Vector3d flip(1, -1, -1);
@@ -172,7 +180,7 @@ SensorFault parse_turn(const ConfigNode& node) {
 SensorFault parse_axis_map(const ConfigNode& node) {
   SensorFault fault;
   fault.effect = SensorEffect::kTurn;
-  fault.topic = parse_vector_sensor(node.at("sensor"));
+  parse_vector_sensor(node.at("sensor"), fault);
   const ConfigNode from = node.at("from");
   const auto words = from.as<std::vector<std::string>>();
   if (words.size() != 3) from.fail("names three axes, such as [y, x, -z]");
@@ -194,6 +202,10 @@ SensorFault parse_fix(const ConfigNode& node) {
   SensorFault fault;
   fault.effect = SensorEffect::kFix;
   fault.topic = SensorTopic::kGps;
+  if (const auto sensor = node.find("sensor")) {
+    parse_sensor(*sensor, fault);
+    if (fault.topic != SensorTopic::kGps) sensor->fail("must be gps or gps_2");
+  }
   fault.fix.type = static_cast<std::uint8_t>(base::get_whole_in<int>(node, "type", 3, 0, 8));
   fault.fix.satellites =
       static_cast<std::uint8_t>(base::get_whole_in<int>(node, "satellites", 10, 0, 60));
@@ -311,10 +323,14 @@ void check_shares(const ConfigNode& node, const FaultKind& kind) {
 
 }  // namespace
 
+std::string_view sensor_word(SensorTopic topic) {
+  return kSensorWords[static_cast<std::size_t>(topic)];
+}
+
 std::string needed_plugin(const FaultKind& kind) {
   if (std::holds_alternative<GustCommand>(kind)) return "wind";
   if (const auto* sensor = std::get_if<SensorFault>(&kind)) {
-    return std::string(kSensorWords[static_cast<std::size_t>(sensor->topic)]);
+    return base::sensor_name(sensor_word(sensor->topic), sensor->number);
   }
   const bool of_body =
       std::holds_alternative<MassFault>(kind) || std::holds_alternative<CgFault>(kind);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -67,6 +68,7 @@ struct FixReport {
 
 struct SensorFault {
   SensorTopic topic{};
+  int number = 1;  ///< of several sensors of that kind
   SensorEffect effect{};
   SampleField field{};
   Eigen::Vector3d value = Eigen::Vector3d::Zero();  ///< SI; factor for kScale, deviation for kNoise
@@ -107,8 +109,11 @@ struct CgFault {
 using FaultKind =
     std::variant<SensorFault, RotorFault, SwapFault, VoltageFault, MassFault, CgFault, GustCommand>;
 
-/// Name of the plugin without which a fault does nothing: the sensor's, wind for a gust, motor for
-/// rotors; empty: none.
+/// Name of the plugin of a sensor, which is that of the topic of its first: "imu".
+std::string_view sensor_word(SensorTopic topic);
+
+/// Name of the plugin without which a fault does nothing: the sensor's ("imu", "imu_2"), wind for a
+/// gust, motor for rotors; empty: none.
 std::string needed_plugin(const FaultKind& kind);
 
 /// One fault: its begin, duration and effect.

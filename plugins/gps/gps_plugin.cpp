@@ -4,6 +4,7 @@
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/common/delay_line.hpp"
+#include "plugins/common/own_sensor_name.hpp"
 #include "plugins/gps/gps_model.hpp"
 
 namespace cas::sim {
@@ -21,7 +22,7 @@ class GpsPlugin final : public Plugin {
     rate_ = base::RateGate(gps.rate_hz);
     const double in_flight = base::to_seconds(gps.delay) * gps.rate_hz;
     delay_ = DelayLine<GpsSample>(gps.delay, static_cast<std::size_t>(in_flight) + 2);
-    gps_ = context.bus().advertise<GpsSample>(context.topic("gps"));
+    gps_ = context.bus().advertise<GpsSample>(context.topic(own_sensor_name("gps", params)));
   }
 
   void post_step(const StepInfo& step, const World& world) override {

@@ -2,6 +2,7 @@
 #include "base/time/rate_gate.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
+#include "plugins/common/own_sensor_name.hpp"
 #include "plugins/imu/imu_model.hpp"
 
 namespace cas::sim {
@@ -15,7 +16,7 @@ class ImuPlugin final : public Plugin {
     seed_ = context.seed();
     model_ = ImuModel(parse_imu_params(params, base::to_seconds(context.step())), seed_);
     rate_ = base::RateGate(model_.params().rate_hz);
-    imu_ = context.bus().advertise<ImuSample>(context.topic("imu"));
+    imu_ = context.bus().advertise<ImuSample>(context.topic(own_sensor_name("imu", params)));
     if (model_.params().vibration_reference_rad_s > 0) {
       rotors_ = context.bus().subscribe<RotorSpeeds>(
           context.topic("rotor_speeds"),

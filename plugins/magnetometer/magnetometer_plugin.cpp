@@ -2,6 +2,7 @@
 #include "base/time/rate_gate.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
+#include "plugins/common/own_sensor_name.hpp"
 #include "plugins/magnetometer/magnetometer_model.hpp"
 
 namespace cas::sim {
@@ -17,7 +18,8 @@ class MagnetometerPlugin final : public Plugin {
         MagnetometerModel(params, context.projection(), context.decimal_year(), context.seed());
     model_ = initial_;
     rate_ = base::RateGate(params.rate_hz);
-    field_ = context.bus().advertise<MagnetometerSample>(context.topic("magnetometer"));
+    field_ = context.bus().advertise<MagnetometerSample>(
+        context.topic(own_sensor_name("magnetometer", node)));
   }
 
   void post_step(const StepInfo& step, const World& world) override {

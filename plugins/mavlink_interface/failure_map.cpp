@@ -5,6 +5,8 @@
 #include <array>
 #include <string_view>
 
+#include "base/config/sensor_names.hpp"
+
 namespace cas::sim {
 namespace {
 
@@ -84,38 +86,53 @@ constexpr std::array kFailures{
 
 constexpr std::string_view kRotor = "$rotor";
 
-/// Bit of the sensor that a unit is; 0: it is none.
-std::uint8_t sensor_of(Unit unit) {
+/// A kind of sensor, and the word that names it in an effect.
+struct SensorOfUnit {
+  VehiclePart part;
+  std::string_view word;
+};
+
+/// The sensor that a unit is; nullopt: it is none.
+std::optional<SensorOfUnit> sensor_of(Unit unit) {
   switch (unit) {
     case Unit::kGyro:
     case Unit::kAccel:
-      return kPartImu;
+      return SensorOfUnit{kPartImu, "imu"};
     case Unit::kMag:
-      return kPartMagnetometer;
+      return SensorOfUnit{kPartMagnetometer, "magnetometer"};
     case Unit::kBaro:
-      return kPartBarometer;
+      return SensorOfUnit{kPartBarometer, "barometer"};
     case Unit::kGps:
-      return kPartGps;
+      return SensorOfUnit{kPartGps, "gps"};
     case Unit::kDistanceSensor:
-      return kPartRangefinder;
+      return SensorOfUnit{kPartRangefinder, "rangefinder"};
     case Unit::kAirspeed:
-      return kPartAirspeed;
+      return SensorOfUnit{kPartAirspeed, "airspeed"};
     default:
-      return 0;
+      return std::nullopt;
   }
 }
 
-/// Instances that an order means, from 1: the simulator has one of each, but for rotors. Empty: the
-/// vehicle has none such.
+/// Instances that an order means, from 1. Empty: the vehicle has none such.
 std::vector<int> instances(const FailureOrder& failure, const VehicleParts& parts) {
-  const std::uint8_t sensor = sensor_of(failure.unit);
-  if (sensor != 0 && (parts.sensors & sensor) == 0) return {};
-  const int most = failure.unit == Unit::kMotor ? parts.rotors : 1;
+  const auto sensor = sensor_of(failure.unit);
+  int most = sensor ? parts.sensors.most(sensor->part) : 1;
+  if (failure.unit == Unit::kMotor) most = parts.rotors;
   if (failure.instance > most) return {};
   if (failure.instance > 0) return {failure.instance};
   std::vector<int> all;
   for (int i = 1; i <= most; ++i) all.push_back(i);
   return all;
+}
+
+/// An effect on the sensor of that number, as text for plugin `fault`.
+std::string with_sensor(std::string_view effect, Unit unit, int number) {
+  std::string text(effect);
+  const auto sensor = sensor_of(unit);
+  if (!sensor || number == 1) return text;
+  text.replace(text.find(sensor->word), sensor->word.size(),
+               base::sensor_name(sensor->word, number));
+  return text;
 }
 
 std::string with_rotor(std::string_view effect, int rotor) {
@@ -137,13 +154,17 @@ std::optional<std::vector<std::string>> fault_orders(const FailureOrder& failure
   if (known == kFailures.end() || meant.empty()) return std::nullopt;
   std::vector<std::string> orders;
   for (const int instance : meant) {
-    const std::string number = failure.unit == Unit::kMotor ? " " + std::to_string(instance) : "";
+    const bool numbered = failure.unit == Unit::kMotor || instance > 1;
+    const std::string number = numbered ? " " + std::to_string(instance) : "";
     const std::string name = "'injected " + to_words(failure.unit) + number + "'";
     orders.push_back("{end: " + name + "}");
     if (ends) continue;
     for (const std::string_view effect : known->effects) {
       if (effect.empty()) continue;
-      orders.push_back("{name: " + name + ", at_s: 0, " + with_rotor(effect, instance) + "}");
+      const std::string own = failure.unit == Unit::kMotor
+                                  ? with_rotor(effect, instance)
+                                  : with_sensor(effect, failure.unit, instance);
+      orders.push_back("{name: " + name + ", at_s: 0, " + own + "}");
     }
   }
   return orders;

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -20,9 +24,32 @@ enum VehiclePart : std::uint8_t {
   kPartAirspeed = 1U << 5U,
 };
 
+/// The sensors of a vehicle that have spoken, by kind and number.
+class SpokenSensors {
+ public:
+  constexpr SpokenSensors() = default;
+  /// The first of each kind. @param parts  VehiclePart bits
+  constexpr SpokenSensors(unsigned parts) {  // NOLINT: the sensors of a vehicle with one of each
+    for (std::size_t bit = 0; bit < most_.size(); ++bit) most_[bit] = parts >> bit & 1U;
+  }
+
+  /// @param at  of several of a kind, from 0
+  void add(VehiclePart part, std::size_t at) {
+    std::uint8_t& most = most_[static_cast<std::size_t>(std::countr_zero(unsigned{part}))];
+    most = std::max<std::uint8_t>(most, static_cast<std::uint8_t>(at + 1));
+  }
+  /// The highest number of a kind that has spoken, from 1; 0: none has.
+  int most(VehiclePart part) const {
+    return most_[static_cast<std::size_t>(std::countr_zero(unsigned{part}))];
+  }
+
+ private:
+  std::array<std::uint8_t, 6> most_{};
+};
+
 /// Parts of a vehicle that can fail.
 struct VehicleParts {
-  std::uint8_t sensors = 0;  ///< VehiclePart of those that have spoken
+  SpokenSensors sensors{};
   int rotors = 0;
 };
 

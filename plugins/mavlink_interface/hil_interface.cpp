@@ -99,12 +99,17 @@ void HilInterface::flush(base::SimTime now) {
   send_messages();
   if (battery_) send(to_battery_status(*battery_));
   battery_.reset();
-  if (range_) send(to_distance_sensor(*range_));
-  range_.reset();
-  if (gps_) send_gps();
+  for (std::size_t id = 0; id < range_.size(); ++id) {
+    if (!range_[id]) continue;
+    mv::DistanceSensor packet = to_distance_sensor(*range_[id]);
+    packet.id = static_cast<std::uint8_t>(id);
+    send(packet);
+    range_[id].reset();
+  }
+  send_gps();
   if (truth_) send(*truth_);
   truth_.reset();
-  if (imu_) send_sensor();
+  if (const auto time = clock()) send_sensors(*time);
 }
 
 /// A controller that connects, or comes back, knows nothing yet and is greeted; one that has gone
@@ -169,34 +174,71 @@ void HilInterface::forget_sensors() {
 }
 
 void HilInterface::send_gps() {
-  gps_->time += params_.wire_epoch;
-  const mv::HilGps packet = to_hil_gps(*gps_);
-  gps_.reset();
-  const base::RunTime at = port_.now();
-  if (send(packet) && ledger_) ledger_->sent(mv::HilGps::kId, packet.time_usec, at);
+  for (std::size_t id = 0; id < gps_.size(); ++id) {
+    std::optional<GpsSample>& fix = gps_[id];
+    if (!fix) continue;
+    fix->time += params_.wire_epoch;
+    mv::HilGps packet = to_hil_gps(*fix);
+    packet.id = static_cast<std::uint8_t>(id);
+    fix.reset();
+    const base::RunTime at = port_.now();
+    // The ledger tells packets apart by their stamps, which receivers have in common.
+    if (send(packet) && ledger_ && id == 0) ledger_->sent(mv::HilGps::kId, packet.time_usec, at);
+  }
 }
 
-void HilInterface::send_sensor() {
-  // Only new values are flagged; the others repeat the last value.
-  sensor_.fields_updated = {};
-  imu_->time += params_.wire_epoch;
-  fill(sensor_, *imu_);
-  if (magnetometer_) fill(sensor_, *magnetometer_);
-  if (barometer_) fill(sensor_, *barometer_);
-  if (airspeed_) fill(sensor_, *airspeed_);
-  const base::RunTime at = port_.now();
-  const bool sent = send(sensor_);
-  if (sent && ledger_) ledger_->sent(mv::HilSensor::kId, sensor_.time_usec, at);
+std::optional<base::SimTime> HilInterface::clock() const {
+  for (const SensorSet& set : sets_) {
+    if (set.imu) return set.imu->time;
+  }
+  return std::nullopt;
+}
 
-  sent_usec_ = sensor_.time_usec;
+void HilInterface::send_sensors(base::SimTime clock) {
+  const std::uint64_t time_usec = base::to_time_usec(clock + params_.wire_epoch);
+  if (!params_.joins_by_answering) send_further_sensors(time_usec);
+  send_clock(time_usec);
+  if (params_.joins_by_answering) send_further_sensors(time_usec);
+}
+
+void HilInterface::send_further_sensors(std::uint64_t time_usec) {
+  for (std::size_t id = 1; id < sets_.size(); ++id) {
+    SensorSet& set = sets_[id];
+    if (!set.is_new()) continue;
+    fill_set(set);
+    set.packet.time_usec = time_usec;
+    set.packet.id = static_cast<std::uint8_t>(id);
+    send(set.packet);
+  }
+}
+
+/// Takes the new values of a set into its packet. Only they are flagged; the others repeat the last
+/// value.
+void HilInterface::fill_set(SensorSet& set) {
+  set.packet.fields_updated = {};
+  if (set.imu) fill(set.packet, *set.imu);
+  if (set.magnetometer) fill(set.packet, *set.magnetometer);
+  if (set.barometer) fill(set.packet, *set.barometer);
+  set.imu.reset();
+  set.magnetometer.reset();
+  set.barometer.reset();
+}
+
+void HilInterface::send_clock(std::uint64_t time_usec) {
+  mv::HilSensor& sensor = sets_[0].packet;
+  fill_set(sets_[0]);
+  sensor.time_usec = time_usec;
+  if (airspeed_) fill(sensor, *airspeed_);
+  airspeed_.reset();
+  const base::RunTime at = port_.now();
+  const bool sent = send(sensor);
+  if (sent && ledger_) ledger_->sent(mv::HilSensor::kId, time_usec, at);
+
+  sent_usec_ = time_usec;
   if (sent) stamps_.add(sent_usec_);
   const bool is_due =
       params_.joins_by_answering ? sent : control_due_.due(base::from_time_usec(sent_usec_));
   if (is_due) due_usec_ = sent_usec_;
-  imu_.reset();
-  magnetometer_.reset();
-  barometer_.reset();
-  airspeed_.reset();
 }
 
 void HilInterface::receive() {

@@ -87,14 +87,25 @@ class HilInterface {
   HilInterface(const HilInterface&) = delete;
   HilInterface& operator=(const HilInterface&) = delete;
 
-  void on_imu(const ImuSample& sample) { take(imu_, sample, kPartImu); }
-  void on_gps(const GpsSample& sample) { take(gps_, sample, kPartGps); }
-  void on_magnetometer(const MagnetometerSample& sample) {
-    take(magnetometer_, sample, kPartMagnetometer);
+  // @param at  of several of a kind, from 0: the `id` that it has on the wire
+  void on_imu(const ImuSample& sample, std::size_t at = 0) {
+    take(sets_.at(at).imu, sample, kPartImu, at);
   }
-  void on_barometer(const BarometerSample& sample) { take(barometer_, sample, kPartBarometer); }
-  void on_airspeed(const AirspeedSample& sample) { take(airspeed_, sample, kPartAirspeed); }
-  void on_range(const RangeSample& sample) { take(range_, sample, kPartRangefinder); }
+  void on_gps(const GpsSample& sample, std::size_t at = 0) {
+    take(gps_.at(at), sample, kPartGps, at);
+  }
+  void on_magnetometer(const MagnetometerSample& sample, std::size_t at = 0) {
+    take(sets_.at(at).magnetometer, sample, kPartMagnetometer, at);
+  }
+  void on_barometer(const BarometerSample& sample, std::size_t at = 0) {
+    take(sets_.at(at).barometer, sample, kPartBarometer, at);
+  }
+  void on_airspeed(const AirspeedSample& sample, std::size_t at = 0) {
+    take(airspeed_, sample, kPartAirspeed, at);
+  }
+  void on_range(const RangeSample& sample, std::size_t at = 0) {
+    take(range_.at(at), sample, kPartRangefinder, at);
+  }
   void on_battery(const BatterySample& sample) { battery_ = sample; }
   /// A message of a plugin, for the next flush(). @return false when too many wait already
   bool on_message(const mav::MessageInfo& info, const MavlinkMessage& message);
@@ -110,15 +121,20 @@ class HilInterface {
   /// Whether the controller is to have the true motion in this step. One that `joins_by_answering`
   /// asks for it by MAV_CMD_SET_MESSAGE_INTERVAL, and records it; in HITL PX4 would fly by it, and
   /// does not get it. At most 250 Hz, and only together with a HIL_SENSOR.
-  bool truth_due(base::SimTime now) { return imu_ && truth_due_.due(now); }
+  bool truth_due(base::SimTime now) { return clock() && truth_due_.due(now); }
   void on_truth(const mavlink::common::HilStateQuaternion& truth) { truth_ = truth; }
   /// Current rate of the ground truth; 0: off.
   double truth_hz() const { return truth_due_.rate_hz(); }
-  /// VehiclePart of the sensors that have spoken.
-  std::uint8_t sensors() const { return sensors_; }
+  /// The sensors that have spoken.
+  const SpokenSensors& sensors() const { return sensors_; }
 
   /// Sends new data: HEARTBEAT when due, answers to commands, messages of plugins, BATTERY_STATUS,
   /// DISTANCE_SENSOR, HIL_GPS, HIL_SENSOR (with each IMU sample).
+  ///
+  /// The HIL_SENSOR of id 0 is the clock: it is sent with a sample of any IMU, and if the first IMU
+  /// has none, without its bits. Those of further ids carry what is new of their sensors; before
+  /// the clock, so that the answer knows them, and behind it for a controller that
+  /// `joins_by_answering`, because PX4 stamps them by the clock that it has then.
   void flush(base::SimTime now);
 
   /// Reads all waiting input of the port.
@@ -150,11 +166,23 @@ class HilInterface {
     MavlinkMessage message;
   };
 
+  /// What one HIL_SENSOR carries beside the airspeed.
+  struct SensorSet {
+    std::optional<ImuSample> imu;
+    std::optional<MagnetometerSample> magnetometer;
+    std::optional<BarometerSample> barometer;
+    mavlink::common::HilSensor packet;  ///< repeats the last value of each field
+
+    bool is_new() const { return imu || magnetometer || barometer; }
+  };
+
   template <class Sample>
-  void take(std::optional<Sample>& newest, const Sample& sample, VehiclePart part) {
+  void take(std::optional<Sample>& newest, const Sample& sample, VehiclePart part, std::size_t at) {
     newest = sample;
-    sensors_ |= part;
+    sensors_.add(part, at);
   }
+  /// Time of the newest IMU sample that waits to be sent: the first IMU's, if it has one.
+  std::optional<base::SimTime> clock() const;
   template <class Message>
   bool send(const Message& message);
   bool send_packet(std::uint32_t id, std::size_t size);
@@ -164,7 +192,10 @@ class HilInterface {
   void send_heartbeat(base::SimTime now);
   void forget_sensors();
   void send_gps();
-  void send_sensor();
+  void send_sensors(base::SimTime clock);
+  void send_further_sensors(std::uint64_t time_usec);
+  void fill_set(SensorSet& set);
+  void send_clock(std::uint64_t time_usec);
   void on_packet(const mav::PacketView& packet, base::RunTime at);
   void on_command(const mav::PacketView& packet);
   void on_interval(const mavlink::common::CommandLong& command);
@@ -183,21 +214,18 @@ class HilInterface {
   std::uint8_t sequence_ = 0;
   base::RateGate heartbeat_;
   bool announced_ = false;
-  std::uint64_t peers_;  // of the port, that were greeted
-  std::optional<ImuSample> imu_;
-  std::optional<GpsSample> gps_;
-  std::optional<MagnetometerSample> magnetometer_;
-  std::optional<BarometerSample> barometer_;
+  std::uint64_t peers_;            // of the port, that were greeted
+  std::array<SensorSet, 3> sets_;  // by id
+  std::array<std::optional<GpsSample>, 2> gps_;
   std::optional<AirspeedSample> airspeed_;
-  std::optional<RangeSample> range_;
+  std::array<std::optional<RangeSample>, 2> range_;
   std::optional<BatterySample> battery_;
   std::optional<mavlink::common::HilStateQuaternion> truth_;
   base::RateGate truth_due_;
   std::vector<Waiting> waiting_;
-  std::uint8_t sensors_ = 0;
+  SpokenSensors sensors_;
   OnFailure on_failure_;
   std::vector<mavlink::common::CommandAck> answers_;  // wait for the next flush()
-  mavlink::common::HilSensor sensor_;                 // repeats the last value of each field
 
   // In.
   mav::PacketParser parser_;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/config/config_whole.hpp"
+#include "base/config/sensor_names.hpp"
 #include "base/error.hpp"
 #include "base/measure/ledger.hpp"
 #include "base/os/log.hpp"
@@ -221,23 +222,29 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     }
   }
 
+  /// Listens to all sensors of a kind; those that the vehicle does not have stay silent.
   template <class Sample>
-  void listen(PluginContext& context, const char* topic, void (HilInterface::*take)(const Sample&),
-              Subscription& subscription) {
-    subscription = context.bus().subscribe<Sample>(
-        context.topic(topic), [this, take](const Sample& sample) { ((*interface_).*take)(sample); },
-        Need::kOptional);
+  void listen(PluginContext& context, const char* topic,
+              void (HilInterface::*take)(const Sample&, std::size_t)) {
+    for (int number = 1; number <= base::most_sensors(topic); ++number) {
+      const std::size_t at = static_cast<std::size_t>(number) - 1;
+      sensors_.push_back(context.bus().subscribe<Sample>(
+          context.topic(base::sensor_name(topic, number)),
+          [this, take, at](const Sample& sample) { ((*interface_).*take)(sample, at); },
+          Need::kOptional));
+    }
   }
 
   void subscribe(PluginContext& context) {
-    listen<ImuSample>(context, "imu", &HilInterface::on_imu, imu_);
-    listen<GpsSample>(context, "gps", &HilInterface::on_gps, gps_);
-    listen<MagnetometerSample>(context, "magnetometer", &HilInterface::on_magnetometer,
-                               magnetometer_);
-    listen<BarometerSample>(context, "barometer", &HilInterface::on_barometer, barometer_);
-    listen<AirspeedSample>(context, "airspeed", &HilInterface::on_airspeed, airspeed_);
-    listen<RangeSample>(context, "rangefinder", &HilInterface::on_range, range_);
-    listen<BatterySample>(context, "battery", &HilInterface::on_battery, battery_);
+    listen<ImuSample>(context, "imu", &HilInterface::on_imu);
+    listen<GpsSample>(context, "gps", &HilInterface::on_gps);
+    listen<MagnetometerSample>(context, "magnetometer", &HilInterface::on_magnetometer);
+    listen<BarometerSample>(context, "barometer", &HilInterface::on_barometer);
+    listen<AirspeedSample>(context, "airspeed", &HilInterface::on_airspeed);
+    listen<RangeSample>(context, "rangefinder", &HilInterface::on_range);
+    battery_ = context.bus().subscribe<BatterySample>(
+        context.topic("battery"),
+        [this](const BatterySample& sample) { interface_->on_battery(sample); }, Need::kOptional);
   }
 
   void listen_to_plugins(PluginContext& context) {
@@ -265,12 +272,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   std::unique_ptr<HilInterface> interface_;
   VehicleId vehicle_{};
   std::optional<TruthViewer> viewer_;
-  Subscription imu_;
-  Subscription gps_;
-  Subscription magnetometer_;
-  Subscription barometer_;
-  Subscription airspeed_;
-  Subscription range_;
+  std::vector<Subscription> sensors_;
   Subscription battery_;
   Publisher<MotorCommand> command_;
   Publisher<FaultOrder> faults_;

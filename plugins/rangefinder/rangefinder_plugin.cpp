@@ -2,6 +2,7 @@
 #include "base/time/rate_gate.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
+#include "plugins/common/own_sensor_name.hpp"
 #include "plugins/rangefinder/rangefinder_model.hpp"
 
 namespace cas::sim {
@@ -16,7 +17,8 @@ class RangefinderPlugin final : public Plugin {
     model_ =
         RangefinderModel(parse_rangefinder_params(params, base::to_seconds(context.step())), seed_);
     rate_ = base::RateGate(model_.params().rate_hz);
-    range_ = context.bus().advertise<RangeSample>(context.topic("rangefinder"));
+    range_ =
+        context.bus().advertise<RangeSample>(context.topic(own_sensor_name("rangefinder", params)));
   }
 
   void post_step(const StepInfo& step, const World& world) override {

@@ -5,6 +5,7 @@
 #include <array>
 #include <span>
 
+#include "base/config/sensor_names.hpp"
 #include "base/earth/frames.hpp"
 
 namespace cas::sim {
@@ -58,52 +59,66 @@ double true_airspeed_m_s(const BodyState& state, const Environment& air) {
   return (state.v_WB - air.wind_W).norm();
 }
 
-SensorCsv::SensorCsv(const base::ResultPlace& folder, int commands, bool has_airspeed)
-    : imu_({folder.out, folder.file / "imu.csv"},
-           "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2"),
-      gps_({folder.out, folder.file / "gps.csv"},
-           "time_s,fix_type,satellites,lat_deg,lon_deg,alt_m,vn_m_s,ve_m_s,vd_m_s,eph_m,epv_m"),
-      magnetometer_({folder.out, folder.file / "magnetometer.csv"},
-                    "time_s,x_gauss,y_gauss,z_gauss"),
-      barometer_({folder.out, folder.file / "barometer.csv"},
-                 "time_s,pressure_pa,temperature_degc"),
-      range_({folder.out, folder.file / "rangefinder.csv"}, "time_s,distance_m,valid"),
-      command_({folder.out, folder.file / "motor_command.csv"}, command_header(commands)),
+SensorCsv::SensorCsv(const base::ResultPlace& folder, int commands, bool has_airspeed,
+                     const std::vector<std::string>& further)
+    : command_({folder.out, folder.file / "motor_command.csv"}, command_header(commands)),
       commands_(commands) {
+  open(imu_, folder, "imu",
+       "time_s,gyro_x_rad_s,gyro_y_rad_s,gyro_z_rad_s,accel_x_m_s2,accel_y_m_s2,accel_z_m_s2",
+       further);
+  open(gps_, folder, "gps",
+       "time_s,fix_type,satellites,lat_deg,lon_deg,alt_m,vn_m_s,ve_m_s,vd_m_s,eph_m,epv_m",
+       further);
+  open(magnetometer_, folder, "magnetometer", "time_s,x_gauss,y_gauss,z_gauss", further);
+  open(barometer_, folder, "barometer", "time_s,pressure_pa,temperature_degc", further);
+  open(range_, folder, "rangefinder", "time_s,distance_m,valid", further);
   if (has_airspeed) {
     airspeed_ =
         CsvWriter({folder.out, folder.file / "airspeed.csv"}, "time_s,differential_pressure_pa");
   }
 }
 
-void SensorCsv::write(const ImuSample& sample) {
+void SensorCsv::open(Files& files, const base::ResultPlace& folder, const std::string& sensor,
+                     const char* header, const std::vector<std::string>& further) {
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const std::string name = base::sensor_name(sensor, static_cast<int>(i) + 1);
+    if (i > 0 && std::ranges::find(further, name) == further.end()) continue;
+    files[i] = CsvWriter({folder.out, folder.file / (name + ".csv")}, header);
+  }
+}
+
+void SensorCsv::write(const ImuSample& sample, int number) {
   const Eigen::Vector3d w_D = base::swap_BD(sample.angular_rate_B);
   const Eigen::Vector3d f_D = base::swap_BD(sample.specific_force_B);
-  imu_.row({base::to_seconds(sample.time), w_D.x(), w_D.y(), w_D.z(), f_D.x(), f_D.y(), f_D.z()});
+  imu_[static_cast<std::size_t>(number - 1)].row(
+      {base::to_seconds(sample.time), w_D.x(), w_D.y(), w_D.z(), f_D.x(), f_D.y(), f_D.z()});
 }
 
-void SensorCsv::write(const GpsSample& sample) {
+void SensorCsv::write(const GpsSample& sample, int number) {
   const Eigen::Vector3d& v_N = sample.velocity_N;
-  gps_.row({base::to_seconds(sample.time), static_cast<double>(sample.fix_type),
-            static_cast<double>(sample.satellites), sample.position.lat_deg,
-            sample.position.lon_deg, sample.position.alt_m, v_N.x(), v_N.y(), v_N.z(), sample.eph_m,
-            sample.epv_m});
+  gps_[static_cast<std::size_t>(number - 1)].row(
+      {base::to_seconds(sample.time), static_cast<double>(sample.fix_type),
+       static_cast<double>(sample.satellites), sample.position.lat_deg, sample.position.lon_deg,
+       sample.position.alt_m, v_N.x(), v_N.y(), v_N.z(), sample.eph_m, sample.epv_m});
 }
 
-void SensorCsv::write(const MagnetometerSample& sample) {
+void SensorCsv::write(const MagnetometerSample& sample, int number) {
   const Eigen::Vector3d field_D = base::swap_BD(sample.field_B_gauss);
-  magnetometer_.row({base::to_seconds(sample.time), field_D.x(), field_D.y(), field_D.z()});
+  magnetometer_[static_cast<std::size_t>(number - 1)].row(
+      {base::to_seconds(sample.time), field_D.x(), field_D.y(), field_D.z()});
 }
 
-void SensorCsv::write(const BarometerSample& sample) {
-  barometer_.row({base::to_seconds(sample.time), sample.pressure_pa, sample.temperature_degc});
+void SensorCsv::write(const BarometerSample& sample, int number) {
+  barometer_[static_cast<std::size_t>(number - 1)].row(
+      {base::to_seconds(sample.time), sample.pressure_pa, sample.temperature_degc});
 }
 
-void SensorCsv::write(const RangeSample& sample) {
-  range_.row({base::to_seconds(sample.time), sample.distance_m, sample.valid ? 1.0 : 0.0});
+void SensorCsv::write(const RangeSample& sample, int number) {
+  range_[static_cast<std::size_t>(number - 1)].row(
+      {base::to_seconds(sample.time), sample.distance_m, sample.valid ? 1.0 : 0.0});
 }
 
-void SensorCsv::write(const AirspeedSample& sample) {
+void SensorCsv::write(const AirspeedSample& sample, int) {
   airspeed_.row({base::to_seconds(sample.time), sample.differential_pressure_pa});
 }
 
@@ -121,10 +136,11 @@ void SensorCsv::write(base::SimTime time, const MotorCommand& command) {
 }
 
 void SensorCsv::close() {
-  for (CsvWriter* file :
-       {&imu_, &gps_, &magnetometer_, &barometer_, &range_, &airspeed_, &command_}) {
-    file->close();
+  for (Files* files : {&imu_, &gps_, &magnetometer_, &barometer_, &range_}) {
+    for (CsvWriter& file : *files) file.close();
   }
+  airspeed_.close();
+  command_.close();
 }
 
 }  // namespace cas::sim

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
@@ -33,29 +35,38 @@ int command_values(const base::Vehicle& vehicle);
 
 /// Every sample of every sensor, one CSV file per topic, in D and N as on the wire but in SI:
 /// imu.csv, gps.csv, magnetometer.csv, barometer.csv, rangefinder.csv, motor_command.csv;
-/// airspeed.csv of a vehicle with a pitot tube.
+/// airspeed.csv of a vehicle with a pitot tube; imu_2.csv and so on of one with several of a kind.
 class SensorCsv {
  public:
   SensorCsv() = default;
   /// @param folder    of the files @param commands  see command_values()
+  /// @param further   names of the sensors beside the first of a kind: "imu_2"
   /// @throws base::ConfigError
-  SensorCsv(const base::ResultPlace& folder, int commands, bool has_airspeed);
+  SensorCsv(const base::ResultPlace& folder, int commands, bool has_airspeed,
+            const std::vector<std::string>& further = {});
 
-  void write(const ImuSample& sample);
-  void write(const GpsSample& sample);
-  void write(const MagnetometerSample& sample);
-  void write(const BarometerSample& sample);
-  void write(const RangeSample& sample);
-  void write(const AirspeedSample& sample);
+  // @param number  of the sensor, from 1; further ones are those of the constructor
+  void write(const ImuSample& sample, int number = 1);
+  void write(const GpsSample& sample, int number = 1);
+  void write(const MagnetometerSample& sample, int number = 1);
+  void write(const BarometerSample& sample, int number = 1);
+  void write(const RangeSample& sample, int number = 1);
+  void write(const AirspeedSample& sample, int number = 1);
   void write(base::SimTime time, const MotorCommand& command);
   void close();
 
  private:
-  CsvWriter imu_;
-  CsvWriter gps_;
-  CsvWriter magnetometer_;
-  CsvWriter barometer_;
-  CsvWriter range_;
+  static constexpr std::size_t kMostOfAKind = 3;  // base::kSensorKinds
+  using Files = std::array<CsvWriter, kMostOfAKind>;
+
+  void open(Files& files, const base::ResultPlace& folder, const std::string& sensor,
+            const char* header, const std::vector<std::string>& further);
+
+  Files imu_;
+  Files gps_;
+  Files magnetometer_;
+  Files barometer_;
+  Files range_;
   CsvWriter airspeed_;
   CsvWriter command_;
   int commands_ = 0;

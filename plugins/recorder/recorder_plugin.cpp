@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "base/config/sensor_names.hpp"
 #include "base/time/rate_gate.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
@@ -25,6 +28,7 @@ class RecorderPlugin final : public Plugin {
     rotors_ = context.vehicle().rotor_count();
     commands_ = command_values(context.vehicle());
     has_airspeed_ = context.bus().is_advertised(context.topic("airspeed"));
+    further_ = further_sensors(context);
     speeds_ = standing();
     rate_ = base::RateGate(parse_rate(params, base::to_seconds(context.step())));
     output_ = context.output_dir();
@@ -66,7 +70,7 @@ class RecorderPlugin final : public Plugin {
   void open() {
     truth_ = CsvWriter({output_, truth_file_}, truth_header(rotors_, has_airspeed_));
     if (!sensor_dir_.empty()) {
-      sensors_.emplace(base::ResultPlace{output_, sensor_dir_}, commands_, has_airspeed_);
+      sensors_.emplace(base::ResultPlace{output_, sensor_dir_}, commands_, has_airspeed_, further_);
     }
     if (!ulog_file_.empty()) {
       ulog_.emplace(base::ResultPlace{output_, ulog_file_}, rotors_, commands_, has_airspeed_);
@@ -86,15 +90,32 @@ class RecorderPlugin final : public Plugin {
     if (ulog_) ulog_->write_truth(time, state, airspeed_m_s);
   }
 
+  /// Sensors beside the first of a kind, whose plugins are in front of this one.
+  static std::vector<std::string> further_sensors(PluginContext& context) {
+    std::vector<std::string> names;
+    for (const base::SensorKind& kind : base::kSensorKinds) {
+      for (int number = 2; number <= kind.most; ++number) {
+        std::string name = base::sensor_name(kind.plugin, number);
+        if (context.bus().is_advertised(context.topic(name))) names.push_back(std::move(name));
+      }
+    }
+    return names;
+  }
+
+  /// The log has the first sensor of a kind, the CSV files have all.
   template <class Sample>
   void listen(PluginContext& context, const char* topic) {
-    subscriptions_.push_back(context.bus().subscribe<Sample>(
-        context.topic(topic),
-        [this](const Sample& sample) {
-          if (sensors_) sensors_->write(sample);
-          if (ulog_) ulog_->write(sample);
-        },
-        Need::kOptional));
+    for (int number = 1; number <= base::most_sensors(topic); ++number) {
+      const std::string name = base::sensor_name(topic, number);
+      if (number > 1 && std::ranges::find(further_, name) == further_.end()) continue;
+      subscriptions_.push_back(context.bus().subscribe<Sample>(
+          context.topic(name),
+          [this, number](const Sample& sample) {
+            if (sensors_) sensors_->write(sample, number);
+            if (ulog_ && number == 1) ulog_->write(sample);
+          },
+          Need::kOptional));
+    }
   }
 
   void subscribe(PluginContext& context) {
@@ -121,6 +142,7 @@ class RecorderPlugin final : public Plugin {
   int rotors_ = 0;
   int commands_ = 0;
   bool has_airspeed_ = false;  // a plugin in front of this one publishes `airspeed`
+  std::vector<std::string> further_;
   base::RateGate rate_;
   std::filesystem::path output_;
   std::filesystem::path truth_file_;  // relative to output_, as the next two

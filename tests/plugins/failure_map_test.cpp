@@ -32,6 +32,12 @@ constexpr VehicleParts kQuad{
     .sensors = kPartImu | kPartGps | kPartMagnetometer | kPartBarometer | kPartRangefinder,
     .rotors = 4};
 
+VehicleParts with_second(VehiclePart part) {
+  VehicleParts parts = kQuad;
+  parts.sensors.add(part, 1);
+  return parts;
+}
+
 struct MapCase {
   const char* name;
   FailureOrder failure;
@@ -57,6 +63,18 @@ INSTANTIATE_TEST_SUITE_P(
         MapCase{"OkEndsAllOfTheUnit", {Unit::kGps, Type::kOk}, kQuad, {"{end: 'injected gps'}"}},
         MapCase{
             "TheFirstIsTheOnlyOne", {Unit::kGps, Type::kOk, 1}, kQuad, {"{end: 'injected gps'}"}},
+        MapCase{"TheSecondOfTwoGps",
+                {Unit::kGps, Type::kOff, 2},
+                with_second(kPartGps),
+                {"{end: 'injected gps 2'}", "{name: 'injected gps 2', at_s: 0, drop: gps_2}"}},
+        MapCase{"AllOfTwoImus",
+                {Unit::kGyro, Type::kStuck},
+                with_second(kPartImu),
+                {"{end: 'injected gyro'}",
+                 "{name: 'injected gyro', at_s: 0, freeze: {sensor: imu, field: angular_rate}}",
+                 "{end: 'injected gyro 2'}",
+                 "{name: 'injected gyro 2', at_s: 0, freeze: {sensor: imu_2, field: "
+                 "angular_rate}}"}},
         MapCase{"ThereIsNoSecondGps", {Unit::kGps, Type::kOff, 2}, kQuad, {}},
         MapCase{"AVehicleWithoutGpsLosesNone", {Unit::kGps, Type::kOff}, {.rotors = 4}, {}},
         MapCase{"OneMotor",

@@ -70,6 +70,59 @@ TEST(HilInterface, APitotTubeFillsDiffPressureWhenItHasASample) {
   EXPECT_EQ(updated(port.sensors[1]), 0x003FU);
 }
 
+TEST(HilInterface, EachSensorOfAKindHasAnIdAndOnlyItsOwnBits) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  interface.on_imu(imu_at(2));
+  interface.on_imu(imu_at(2), 1);
+  interface.on_magnetometer({at_ms(2), {0.2, 0, -0.4}}, 1);
+  interface.on_barometer({at_ms(2), 95600, 12}, 2);
+  interface.on_gps(fix_at(1));
+  interface.on_gps(fix_at(2), 1);
+  interface.flush(at_ms(2));
+  // The clock comes last, so that its answer knows the others.
+  ASSERT_EQ(port.sensors.size(), 3U);
+  EXPECT_EQ(port.sensors[0].id, 1);
+  EXPECT_EQ(updated(port.sensors[0]), 0x01FFU);
+  EXPECT_EQ(port.sensors[1].id, 2);
+  EXPECT_EQ(updated(port.sensors[1]), 0x1A00U);
+  EXPECT_EQ(port.sensors[2].id, 0);
+  EXPECT_EQ(updated(port.sensors[2]), 0x003FU);
+  for (const mv::HilSensor& sensor : port.sensors) EXPECT_EQ(sensor.time_usec, 2000U);
+  ASSERT_EQ(port.fixes.size(), 2U);
+  EXPECT_EQ(port.fixes[0].id, 0);
+  EXPECT_EQ(port.fixes[1].id, 1);
+}
+
+TEST(HilInterface, TheClockGoesOnWithoutTheFirstImuWhileAnotherSpeaks) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  interface.on_imu(imu_at(2), 1);
+  interface.flush(at_ms(2));
+  ASSERT_EQ(port.sensors.size(), 2U);
+  EXPECT_EQ(port.sensors[1].id, 0);
+  EXPECT_EQ(port.sensors[1].time_usec, 2000U);
+  EXPECT_EQ(updated(port.sensors[1]), 0U);
+  EXPECT_FALSE(interface.answered());
+  port.put(controls_for(2));
+  interface.receive();
+  EXPECT_TRUE(interface.answered());
+  EXPECT_TRUE(interface.settled());
+}
+
+TEST(HilInterface, Px4GetsTheClockBeforeTheSensorsThatItStampsByIt) {
+  HilInterfaceParams params = interface_params();
+  params.joins_by_answering = true;
+  RecordingPort port;
+  HilInterface interface(params, port, nullptr);
+  interface.on_imu(imu_at(4), 1);
+  interface.on_imu(imu_at(4));
+  interface.flush(at_ms(4));
+  ASSERT_EQ(port.sensors.size(), 2U);
+  EXPECT_EQ(port.sensors[0].id, 0);
+  EXPECT_EQ(port.sensors[1].id, 1);
+}
+
 struct TruthCase {
   const char* name;
   bool in_software;

@@ -12,6 +12,7 @@
 #include "base/config/install_paths.hpp"
 #include "base/config/key_table.hpp"
 #include "base/config/removed_keys.hpp"
+#include "base/config/sensor_names.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/config/weather_keys.hpp"
 #include "base/earth/wmm2025.hpp"
@@ -161,17 +162,24 @@ constexpr std::tuple kVehicleKeys{
         "sensors", ReadApart{"a set, or keys of one"},
         "the [sensor set](../use/plugins.md#sensor-sets): `rtk`, or `{preset: rtk, imu: {...}}`",
         "the vehicle's"),
-    key<&VehicleConfig::plugins>("plugins", ReadApart{"list"},
-                                 "each `{plugin: NAME, ...}`, run in this order; their keys "
-                                 "override those of the same plugin in the sensor set",
-                                 "none"),
+    key<&VehicleConfig::plugins>(
+        "plugins", ReadApart{"list"},
+        "each `{plugin: NAME, ...}`, run in this order; their keys "
+        "override those of the same plugin in the sensor set; with "
+        "`number: 2` a [second sensor](../use/plugins.md#several-of-a-kind)",
+        "none"),
 };
+
+/// Name of a plugin in its vehicle: its own, or "imu_2".
+std::string name_of(const PluginConfig& plugin) {
+  return base::sensor_name(plugin.plugin, base::sensor_number(plugin.params, plugin.plugin));
+}
 
 /// A block in `sensors` for a plugin that the vehicle does not have is a mistake.
 void check_blocks(const ConfigNode& sensors, const std::vector<PluginConfig>& plugins) {
   if (!sensors.is_map()) return;
   for (const auto& [name, block] : sensors.entries()) {
-    const auto is_it = [&, &name = name](const PluginConfig& p) { return p.plugin == name; };
+    const auto is_it = [&, &name = name](const PluginConfig& p) { return name_of(p) == name; };
     if (name == "preset" || std::any_of(plugins.begin(), plugins.end(), is_it)) continue;
     block.fail("the vehicle has no plugin '" + name + "'");
   }
@@ -181,8 +189,9 @@ void check_blocks(const ConfigNode& sensors, const std::vector<PluginConfig>& pl
 PluginConfig parse_plugin(const ConfigNode& node, const ConfigNode& sensors) {
   PluginConfig plugin;
   plugin.plugin = node.require<std::string>("plugin");
-  const auto preset = sensors.find(plugin.plugin);
-  plugin.params = preset ? node.merged_over(*preset) : node;
+  plugin.params = node;
+  const auto preset = base::sensor_block(sensors, name_of(plugin));
+  if (preset) plugin.params = node.merged_over(*preset);
   return plugin;
 }
 

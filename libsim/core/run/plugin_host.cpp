@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/config/sensor_names.hpp"
 #include "base/error.hpp"
 #include "base/os/command_port.hpp"
 #include "base/os/disk_error.hpp"
@@ -90,7 +91,8 @@ class Context final : public PluginContext {
 
 void PluginHost::load(VehicleId id, const VehicleConfig& vehicle) {
   for (const PluginConfig& config : vehicle.plugins) {
-    const std::string name = config.plugin + "@" + vehicle.name;
+    const int number = base::sensor_number(config.params, config.plugin);
+    const std::string name = base::sensor_name(config.plugin, number) + "@" + vehicle.name;
     const auto same = std::count_if(plugins_.begin(), plugins_.end(), [&](const PluginInstance& p) {
       return p.label.substr(0, p.label.find('#')) == name;
     });
@@ -123,6 +125,7 @@ std::vector<std::string> PluginHost::configure(const std::vector<VehicleConfig>&
       Context context(around, instance, vehicle, seed, {plugins_, peers_, figures_});
       try {
         config.params.find("plugin");
+        config.params.find("number");
         instance.plugin->configure(context, config.params);
         config.params.reject_unused();
         if (context.sent()) senders.emplace_back(instance.label, *context.sent());

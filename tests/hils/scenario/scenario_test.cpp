@@ -45,6 +45,22 @@ class ScenarioFile : public testing::Test {
        std::to_string(::getpid()) + ".yaml");
 };
 
+TEST_F(ScenarioFile, ABlockOfTheSensorsMakesASecondOne) {
+  const std::string fault = "faults:\n  - {at_s: 1, drop: imu_2}\n";
+  EXPECT_NE(error_of(kHead + kFlight + fault).find("needs 'plugin: imu_2'"), std::string::npos);
+  EXPECT_EQ(error_of(kHead + "sensors: {imu_2: {gyro_bias_deg_s: 1}}\n" + kFlight + fault), "");
+  const std::string error = error_of(kHead + "sensors: {imu_2: {gyro_bais_deg_s: 1}}\n" + kFlight);
+  EXPECT_NE(error.find("gyro_bais_deg_s"), std::string::npos) << error;
+}
+
+TEST_F(ScenarioFile, RefusesMoreSensorsThanItsLineCarries) {
+  const std::string line = "line: {preset: baud_921600}\n";
+  EXPECT_EQ(error_of(kHead + line + "sensors: {imu_2: {}}\n" + kFlight), "");
+  const std::string error = error_of(kHead + line + "sensors: {imu_2: {}, imu_3: {}}\n" + kFlight);
+  EXPECT_NE(error.find("with the further sensors the line carries"), std::string::npos) << error;
+  EXPECT_NE(error.find("HIL_SENSOR 1500"), std::string::npos) << error;
+}
+
 TEST_F(ScenarioFile, RefusesFaultsOfAFlightOfStockFirmware) {
   for (const char* const effect : {"pause: hilsim", "cut: fcu"}) {
     const std::string error =

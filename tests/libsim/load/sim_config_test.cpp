@@ -55,6 +55,17 @@ vehicles:
   EXPECT_EQ(config.vehicles[0].pose.yaw_deg, 4);
 }
 
+TEST(SimConfig, ASecondSensorHasItsOwnBlockOverThatOfTheFirst) {
+  const SimConfig config =
+      test::config("  - {name: a, vehicle: " + test::kIris +
+                   ", sensors: {imu: {rate_hz: 250}, imu_2: {gyro_bias_deg_s: 1}}"
+                   ", plugins: [{plugin: imu}, {plugin: imu, number: 2}]}\n");
+  const PluginConfig& second = config.vehicles[0].plugins[1];
+  EXPECT_EQ(second.params.require<double>("rate_hz"), 250);
+  EXPECT_EQ(second.params.require<double>("gyro_bias_deg_s"), 1);
+  EXPECT_FALSE(config.vehicles[0].plugins[0].params.has("gyro_bias_deg_s"));
+}
+
 TEST(SimConfig, OwnKeysGoBeforeTheVehiclesPresets) {
   const SimConfig config = test::config(test::vehicle("a", "{}", "[{plugin: imu, rate_hz: 250}]"));
   const base::ConfigNode& params = config.vehicles[0].plugins[0].params;
