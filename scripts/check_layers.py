@@ -92,6 +92,7 @@ LAYERS = {
 
     "plugins/common": BASE | {"Eigen"},
     "plugins": PLUGIN,  # each of plugins/<name>
+    "plugins/lidar": PLUGIN | MAVLINK,
     "plugins/mavlink_interface": PLUGIN | MAVLINK | SERVICES | {"Asio"},
 
     "casd/words": {"std"},
