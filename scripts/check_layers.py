@@ -23,6 +23,7 @@ EXTERNALS = {
     "Asio": ("boost/asio", "boost/beast", "boost/system"),
     "nlohmann": ("nlohmann/",),
     "ODE": ("ode/",),
+    "Embree": ("embree3/",),
     "urdfdom": ("urdf_parser/", "urdf_model/", "urdf_world/", "urdf_exception/", "tinyxml"),
     "libpng": ("png.h",),
     "sdformat": ("sdf/", "ignition/", "gz/"),
@@ -83,12 +84,15 @@ LAYERS = {
     "libsim/core/body": API | {"libsim/core"},
     # the one folder that knows ODE
     "libsim/core/ode": API | {"libsim/core", "libsim/core/body", "ODE"},
+    # the one folder that knows Embree
+    "libsim/core/rays": API | {"libsim/core", "libsim/core/body", "Embree"},
     "libsim/core/load":
         API | {"libsim/core", "libsim/core/body", "sdformat", "libpng"},
-    "libsim/core/run": API | {"libsim/core"} | rooms("libsim/core", "body ode load"),
+    "libsim/core/run": API | {"libsim/core"} | rooms("libsim/core", "body ode rays load"),
 
     "plugins/common": BASE | {"Eigen"},
     "plugins": PLUGIN,  # each of plugins/<name>
+    "plugins/lidar": PLUGIN | MAVLINK,
     "plugins/mavlink_interface": PLUGIN | MAVLINK | SERVICES | {"Asio"},
 
     "casd/words": {"std"},
@@ -140,7 +144,7 @@ LAYERS = {
     # of the runtime: SHA-256; of fcu: the design of the rate loops, of the plugins: the models that a trim needs, for
     # --describe
     "libsim/hilsim":
-        API | RPC | PROGRAM | rooms("libsim/core", "body load run")
+        API | RPC | PROGRAM | rooms("libsim/core", "body load rays run")
         | {"mavlink_gen/runtime", "fcu/control", "plugins/aero", "plugins/motor", "Asio", "fmt"},
 
     # of casd and hilsim it knows the sockets alone

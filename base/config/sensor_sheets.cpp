@@ -260,7 +260,7 @@ constexpr auto kGpsKeys = std::tuple_cat(
                                  "must be sphere or wgs84"},
             "`sphere`: Eq. (5)", "the world's")});
 
-// magnetometer, barometer, rangefinder, airspeed
+// magnetometer, barometer, rangefinder, lidar, airspeed
 
 constexpr NoiseNames kField{"stddev_gauss", "density_gauss_per_sqrt_hz"};
 constexpr DriftNames kFieldDrift{"bias_walk_gauss_per_sqrt_s", "bias_time_constant_s",
@@ -305,7 +305,36 @@ constexpr auto kRangefinderKeys = std::tuple_cat(
                                                "a farther one; not below `min_m`")),
         key<&RangefinderSheet::lsb_m>("lsb_m", Range{0, 10}, "rounds to multiples", kOff),
         key<&RangefinderSheet::position_B_m>("position_B_m", Axes{}, "from the centre of gravity"),
-        key<&RangefinderSheet::direction_B>("direction_B", Direction{}, "of its ray")});
+        key<&RangefinderSheet::direction_B>("direction_B", Direction{}, "of its ray"),
+        key<&RangefinderSheet::beam_deg>("beam_deg", Range{0, 120},
+                                         "width of a cone (sonar), of which the nearest surface "
+                                         "counts; 0: a ray")});
+
+constexpr auto kLidarKeys = std::tuple{
+    required(key<&LidarSheet::pattern>("pattern", Text{},
+                                       "file of its beams: `../lidars/vlp16.yaml`, or a CSV file")),
+    required(key<&LidarSheet::rate_hz>("rate_hz", AboveZero{},
+                                       "scans (turns) in a second, at most the simulation's rate")),
+    required(key<&LidarSheet::min_m>("min_m", Range{0, kFarthest_m},
+                                     "a nearer surface gives no return")),
+    required(key<&LidarSheet::max_m>("max_m", Range{0, kFarthest_m},
+                                     "a farther one; not below `min_m`")),
+    key<&LidarSheet::stddev_m>("stddev_m", Range{0, 10}, "white noise of a distance", kOff),
+    key<&LidarSheet::dropout>("dropout", Range{0, 1}, "share of the beams that are lost", kOff),
+    key<&LidarSheet::max_incidence_deg>("max_incidence_deg", Range{0, 90},
+                                        "a beam farther from the surface's normal gives no return"),
+    key<&LidarSheet::position_B_m>("position_B_m", Axes{}, "from the centre of gravity"),
+    key<&LidarSheet::mounting_rpy_deg>("mounting_rpy_deg", Axes{}, "roll, pitch, yaw of the case"),
+    key<&LidarSheet::obstacle_height_m>(
+        "obstacle_height_m", Range{0, kFarthest_m},
+        "sends OBSTACLE_DISTANCE after each scan: surfaces at most so far above or below the "
+        "sensor count"),
+    key<&LidarSheet::cloud>(
+        "cloud", Words<CloudForm, 2>{{{{"pcd", CloudForm::kPcd}, {"ply", CloudForm::kPly}}}},
+        "writes scans as files of this format"),
+    key<&LidarSheet::cloud_every>("cloud_every", Whole{1, 1'000'000}, "the first of so many scans"),
+    key<&LidarSheet::cloud_folder>("cloud_folder", Text{},
+                                   "of the files, below the folder of the results")};
 
 // Names of noise and drift are the barometer's: both are pressures.
 constexpr auto kAirspeedKeys = std::tuple_cat(
@@ -380,6 +409,12 @@ RangefinderSheet read_rangefinder_sheet(const ConfigNode& node) {
   return sheet;
 }
 
+LidarSheet read_lidar_sheet(const ConfigNode& node) {
+  const auto sheet = read_sheet<LidarSheet>(node, kLidarKeys);
+  if (sheet.max_m < sheet.min_m) node.at("max_m").fail("must not be below min_m");
+  return sheet;
+}
+
 AirspeedSheet read_airspeed_sheet(const ConfigNode& node) {
   const auto sheet = read_sheet<AirspeedSheet>(node, kAirspeedKeys);
   check_noise(node, kPressure, sheet.noise);
@@ -411,6 +446,11 @@ std::string sensor_reference() {
          "\n" +
          section<RangefinderSheet>("rangefinder", "Truth is the length of a ray into the world.",
                                    kRangefinderKeys) +
+         "\n" +
+         section<LidarSheet>("lidar",
+                             "Truth is the length of each beam's ray into the world, from where "
+                             "the sensor is when the beam fires.",
+                             kLidarKeys) +
          "\n" +
          section<AirspeedSheet>("airspeed",
                                 "Truth is the dynamic pressure 1/2 rho u\\|u\\| of the air that "

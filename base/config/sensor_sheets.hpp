@@ -102,6 +102,26 @@ struct RangefinderSheet {
   double lsb_m = 0;
   Eigen::Vector3d position_B_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d direction_B{0, 0, -1};  ///< unit vector
+  double beam_deg = 0;                    ///< width of its cone; 0: a ray
+};
+
+/// Format of files of point clouds.
+enum class CloudForm { kPcd, kPly };
+
+struct LidarSheet {
+  std::string pattern;  ///< file
+  double rate_hz = 0;   ///< scans in a second
+  double min_m = 0;
+  double max_m = 0;
+  double stddev_m = 0;  ///< white, of one distance
+  double dropout = 0;   ///< share of lost beams
+  double max_incidence_deg = 90;
+  Eigen::Vector3d position_B_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d mounting_rpy_deg = Eigen::Vector3d::Zero();
+  std::optional<double> obstacle_height_m;  ///< nullopt: no OBSTACLE_DISTANCE
+  std::optional<CloudForm> cloud;           ///< nullopt: no files
+  int cloud_every = 10;
+  std::string cloud_folder = "clouds";
 };
 
 struct AirspeedSheet {
@@ -121,6 +141,7 @@ CAS_BASE_EXPORT GpsSheet read_gps_sheet(const ConfigNode& node);
 CAS_BASE_EXPORT MagnetometerSheet read_magnetometer_sheet(const ConfigNode& node);
 CAS_BASE_EXPORT BarometerSheet read_barometer_sheet(const ConfigNode& node);
 CAS_BASE_EXPORT RangefinderSheet read_rangefinder_sheet(const ConfigNode& node);
+CAS_BASE_EXPORT LidarSheet read_lidar_sheet(const ConfigNode& node);
 CAS_BASE_EXPORT AirspeedSheet read_airspeed_sheet(const ConfigNode& node);
 
 /// Every key of these sheets with its default and meaning, as tables in Markdown: for `hilsim

@@ -15,6 +15,8 @@ namespace {
 
 /// PX4 v1.12 and v1.16 enter OFFBOARD while setpoints come; this is twice their window.
 constexpr base::Duration kLead = std::chrono::seconds(1);
+/// For which sticks are centred before PX4 is to hold.
+constexpr base::Duration kRest = std::chrono::milliseconds(500);
 /// In real time, of a simulation that may run slower than that.
 constexpr base::Duration kLeadPatience = std::chrono::seconds(30);
 constexpr base::Duration kGlance = std::chrono::milliseconds(5);
@@ -53,7 +55,7 @@ std::uint16_t port_of(const std::string& endpoint) {
 
 bool CompanionFlight::gives(StepKind kind) {
   return kind == StepKind::kTrajectory || kind == StepKind::kEndTrajectory ||
-         kind == StepKind::kMission || kind == StepKind::kBreach;
+         kind == StepKind::kSticks || kind == StepKind::kMission || kind == StepKind::kBreach;
 }
 
 void CompanionFlight::join(const std::string& name) {
@@ -84,12 +86,34 @@ CompanionFlight::Answer CompanionFlight::give(const FlightStep& step, const Vehi
   }
   try {
     if (step.kind == StepKind::kTrajectory) return begin_trajectory(step, vehicle);
-    if (step.kind == StepKind::kEndTrajectory) return end_trajectory(vehicle);
+    if (step.kind == StepKind::kSticks) return begin_sticks(step, vehicle);
+    if (step.kind == StepKind::kEndTrajectory) {
+      return step.sticks ? end_sticks(vehicle) : end_trajectory(vehicle);
+    }
     if (step.kind == StepKind::kBreach) return begin_breach(step, vehicle);
     return fly_mission(step.mission, vehicle);
   } catch (const base::rpc::CallError& error) {
     return {.refusal = error.what()};
   }
+}
+
+/// PX4 takes the mode once sticks come; until then it is asked again.
+CompanionFlight::Answer CompanionFlight::begin_sticks(const FlightStep& step,
+                                                      const Vehicle& vehicle) {
+  if (is_ardupilot(vehicle)) return {.refusal = "only PX4 flies by sticks", .for_good = true};
+  ask_for_position();
+  link_.with_station([&](auto& station) { station.sticks().hold(*step.sticks); });
+  call_("vehicle.mode", consenting({{"mode", "POSCTL"}}, vehicle));
+  return {};
+}
+
+/// A stick that moves brings PX4 back from HOLD to POSCTL (COM_RC_OVERRIDE): they rest first.
+CompanionFlight::Answer CompanionFlight::end_sticks(const Vehicle& vehicle) {
+  link_.with_station([](auto& station) { station.sticks().hold({}); });
+  const bool rest = comes_to([](auto& station) { return station.sticks().held_for() >= kRest; });
+  if (!rest) return {.refusal = "the vehicle does not tell its time"};
+  call_("vehicle.mode", consenting({{"mode", "HOLD"}}, vehicle));
+  return {};
 }
 
 /// Setpoints come first: PX4 refuses OFFBOARD without them. @return why not
@@ -200,11 +224,13 @@ void CompanionFlight::ask_for_position() {
 }
 
 bool CompanionFlight::streams() {
+  return comes_to([](const auto& station) { return station.setpoints().alive_for() >= kLead; });
+}
+
+template <class Holds>
+bool CompanionFlight::comes_to(Holds&& holds) {
   const base::RunTime deadline = base::steady_now() + kLeadPatience;
-  const auto long_enough = [](const auto& station) {
-    return station.setpoints().alive_for() >= kLead;
-  };
-  while (!link_.with_station(long_enough)) {
+  while (!link_.with_station(holds)) {
     if (base::steady_now() > deadline) return false;
     wait_(kGlance);
   }

@@ -17,9 +17,9 @@
 namespace cas::hils {
 
 /// Makes a stock autopilot fly tasks beyond casd's commands: trajectories, streamed as setpoints,
-/// and missions. PX4 flies them in OFFBOARD and MISSION, ArduCopter in GUIDED and AUTO. Towards
-/// their fences PX4 flies in OFFBOARD and ArduCopter in AUTO: a command to go beyond, PX4 also as a
-/// mission and ArduCopter as a setpoint, is refused.
+/// sticks and missions. PX4 flies them in OFFBOARD and MISSION, ArduCopter in GUIDED and AUTO.
+/// Towards their fences PX4 flies in OFFBOARD and ArduCopter in AUTO: a command to go beyond, PX4
+/// also as a mission and ArduCopter as a setpoint, is refused.
 class CompanionFlight {
  public:
   /// Calls a method of casd. @throws base::rpc::CallError for a refusal
@@ -70,6 +70,8 @@ class CompanionFlight {
   SetpointFigures setpoints();
 
  private:
+  Answer begin_sticks(const FlightStep& step, const Vehicle& vehicle);
+  Answer end_sticks(const Vehicle& vehicle);
   Answer begin_trajectory(const FlightStep& step, const Vehicle& vehicle);
   Answer end_trajectory(const Vehicle& vehicle);
   Answer begin_breach(const FlightStep& step, const Vehicle& vehicle);
@@ -77,6 +79,9 @@ class CompanionFlight {
   Answer fly_mission(const MissionPlan& plan, const Vehicle& vehicle);
   void ask_for_position();
   bool streams();
+  /// Waits until something holds for the station. @return false: it did not in good time
+  template <class Holds>
+  bool comes_to(Holds&& holds);
   mav::services::Outcome upload(const HomedMission& mission);
 
   CompanionLink& link_;

@@ -60,6 +60,10 @@ void CompanionStation::on_vehicle_time(std::uint32_t boot_ms) {
   if (vehicle_time_ && time <= *vehicle_time_) return;
   vehicle_time_ = time;
   if (const auto setpoint = setpoints_.update(time)) say(*setpoint);
+  if (auto sticks = sticks_.update(time)) {
+    sticks->target = vehicle_.system;
+    send_(encode_(*sticks));
+  }
 }
 
 void CompanionStation::tick(base::RunTime now) {

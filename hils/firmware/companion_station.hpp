@@ -9,6 +9,7 @@
 
 #include "base/time/clock.hpp"
 #include "hils/firmware/setpoint_stream.hpp"
+#include "hils/firmware/stick_stream.hpp"
 #include "hils/measure/firmware_record.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
@@ -16,8 +17,8 @@
 
 namespace cas::hils {
 
-/// hils as a companion computer on a link of casd: streams setpoints on the vehicle's clock and
-/// uploads missions. Pure: bytes and time come in, bytes go out.
+/// hils as a companion computer on a link of casd: streams setpoints and sticks on the vehicle's
+/// clock and uploads missions. Pure: bytes and time come in, bytes go out.
 class CompanionStation {
  public:
   using Send = std::function<void(std::span<const std::uint8_t>)>;
@@ -37,6 +38,8 @@ class CompanionStation {
   SetpointStream& setpoints() { return setpoints_; }
   const SetpointStream& setpoints() const { return setpoints_; }
 
+  StickStream& sticks() { return sticks_; }
+
   /// Begins an upload; uploaded() has its end.
   void upload(mav::services::MissionExchange::Items items, base::RunTime now);
   const std::optional<mav::services::Outcome>& uploaded() const { return uploaded_; }
@@ -54,6 +57,7 @@ class CompanionStation {
   mav::Encoder encode_{kSelf};
   mav::PacketParser parser_;
   SetpointStream setpoints_;
+  StickStream sticks_;
   mav::services::MissionExchange mission_;
   std::optional<base::Duration> vehicle_time_;
   std::optional<mav::services::Outcome> uploaded_;

@@ -193,7 +193,9 @@ std::optional<base::SimTime> FlightPlan::only_time_until() const {
   if (phase_ != Phase::kWaiting) return std::nullopt;
   const FlightStep& step = steps_[current_];
   if (step.kind == StepKind::kHold) return step_begin_ + step.duration;
-  if (step.kind == StepKind::kTrajectory) return accepted_ + step.duration;
+  if (step.kind == StepKind::kTrajectory || step.kind == StepKind::kSticks) {
+    return accepted_ + step.duration;
+  }
   return std::nullopt;
 }
 
@@ -201,7 +203,7 @@ std::optional<base::SimTime> FlightPlan::only_time_until() const {
 void FlightPlan::check_time(const FlightStep& step, base::SimTime now,
                             const VehicleReport& vehicle) {
   const bool timed = step.kind == StepKind::kHold || step.kind == StepKind::kTrajectory ||
-                     step.kind == StepKind::kStandBy;
+                     step.kind == StepKind::kSticks || step.kind == StepKind::kStandBy;
   const bool flying_it = timed && phase_ == Phase::kWaiting;
   if (phase_ == Phase::kCommanding || flying_it || now - step_begin_ <= step.timeout) return;
   if (failure_) return;
@@ -226,6 +228,7 @@ std::vector<std::string_view> FlightPlan::modes_of(const FlightStep& step,
   if (step.kind == StepKind::kTrajectory && habits_.flies_setpoints) {
     return {px4 ? "OFFBOARD" : "GUIDED"};
   }
+  if (step.kind == StepKind::kSticks) return {"POSCTL"};
   if (step.kind == StepKind::kRtl) return {"RTL", "LAND"};
   if (step.kind == StepKind::kBreach && step.fence) {
     // PX4 v1.14 and later hold for COM_FAIL_ACT_T before they return or land.
@@ -337,10 +340,13 @@ bool FlightPlan::reached(const FlightStep& step, base::SimTime now, const Vehicl
     case StepKind::kHold:
       return now - step_begin_ >= step.duration;
     case StepKind::kTrajectory:
+    case StepKind::kSticks:
       return now - accepted_ >= step.duration;
     case StepKind::kWaitUntil:
       return condition_holds(step, now, vehicle);
     case StepKind::kEndTrajectory:
+      if (step.sticks) reference_m_ = vehicle.estimate().p_m;  // wherever they have taken it
+      return true;
     case StepKind::kSetGain:
     case StepKind::kSetParam:
     case StepKind::kReboot:

@@ -28,9 +28,10 @@ constexpr base::Duration kTransitionPatience = std::chrono::minutes(1);
 constexpr double kBreachSpeed_m_s = 2;
 
 constexpr base::EnumWords<StepKind::kStandBy> kWords{
-    "arm",      "takeoff",    "goto",    "hold",   "trajectory",        "setgain",
-    "setparam", "wait_until", "mission", "loiter", "transition",        "breach",
-    "rtl",      "land",       "disarm",  "reboot", "end of trajectory", "stand by"};
+    "arm",     "takeoff",  "goto",       "hold",    "trajectory", "sticks",
+    "setgain", "setparam", "wait_until", "mission", "loiter",     "transition",
+    "breach",  "rtl",      "land",       "disarm",  "reboot",     "end of trajectory",
+    "stand by"};
 /// The words of scenarios.
 constexpr auto kScenarioWords =
     std::span(kWords.words).first<static_cast<std::size_t>(StepKind::kEndTrajectory)>();
@@ -129,6 +130,14 @@ void parse_trajectory(const base::ConfigNode& body, FlightStep& step) {
                  {"CAS_TRJ_SHAPE", static_cast<double>(trajectory.shape)}};
 }
 
+void parse_sticks(const base::ConfigNode& body, FlightStep& step) {
+  step.sticks = Sticks{.pitch = body.get_in("pitch", 0, -1, 1),
+                       .roll = body.get_in("roll", 0, -1, 1),
+                       .yaw = body.get_in("yaw", 0, -1, 1),
+                       .climb = body.get_in("climb", 0, -1, 1)};
+  step.duration = base::from_seconds(body.require_in("duration_s", 0.5, 240));
+}
+
 /// "landed" unless the scenario has set the vehicle to stay in the air.
 void parse_rtl(const base::ConfigNode& body, FlightStep& step) {
   const auto ends = body.get<std::string>("ends", "landed");
@@ -205,6 +214,7 @@ void parse_body(const base::ConfigNode& body, const VehicleNames& names, FlightS
   if (step.kind == StepKind::kSetGain) parse_gain(body, step);
   if (step.kind == StepKind::kSetParam) parse_params(body, step);
   if (step.kind == StepKind::kTrajectory) parse_trajectory(body, step);
+  if (step.kind == StepKind::kSticks) parse_sticks(body, step);
   if (step.kind == StepKind::kRtl) parse_rtl(body, step);
   if (step.kind == StepKind::kBreach) parse_breach(body, step);
   if (step.kind == StepKind::kLoiter) parse_loiter(body, step);
@@ -310,6 +320,7 @@ void FlightRehearsal::play(const FlightStep& step, const base::ConfigNode& node)
       return;
     case StepKind::kGoto:
     case StepKind::kTrajectory:
+    case StepKind::kSticks:
     case StepKind::kLoiter:
     case StepKind::kTransition:
     case StepKind::kBreach:
@@ -417,11 +428,12 @@ std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::
     for (std::size_t i = 0; i < rehearsals.size(); ++i) {
       rehearsals[i].play(as_seen_by(i, step), node);
     }
-    if (step.kind != StepKind::kTrajectory) continue;
+    if (step.kind != StepKind::kTrajectory && step.kind != StepKind::kSticks) continue;
     FlightStep end;
     end.kind = StepKind::kEndTrajectory;
     end.vehicle = step.vehicle;
     end.params = {{"CAS_TRJ_SHAPE", 0}};
+    end.sticks = step.sticks;
     flight.push_back(end);
   }
   for (const FlightRehearsal& rehearsal : rehearsals) rehearsal.finish(steps);
@@ -431,7 +443,8 @@ std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::
 
 void refuse_firmware_steps(const base::ConfigNode& steps) {
   for (const base::ConfigNode& node : steps.items()) {
-    for (const char* const word : {"mission", "loiter", "transition", "breach", "reboot"}) {
+    for (const char* const word :
+         {"mission", "sticks", "loiter", "transition", "breach", "reboot"}) {
       const bool bare = node.is_scalar() && node.as<std::string>() == word;
       if (!bare && !(node.is_map() && node.has(word))) continue;
       (bare ? node : node.at(word))

@@ -41,6 +41,7 @@ enum class StepKind {
   kGoto,        ///< done when it hangs still at the place
   kHold,        ///< done when `duration` of simulated time has passed
   kTrajectory,  ///< done when it has been flown for `duration`
+  kSticks,      ///< done when the sticks have been held for `duration`
   kSetGain,     ///< done when the vehicle has confirmed the gains
   kSetParam,    ///< done when the vehicle has confirmed the parameters
   kWaitUntil,   ///< done when the condition holds
@@ -53,8 +54,9 @@ enum class StepKind {
   kDisarm,      ///< done when it says that it is disarmed
   kReboot,      ///< done when its firmware has started again, and knows its parameters
   // From here on: no word of a scenario.
-  kEndTrajectory,  ///< done when the vehicle has confirmed; follows each trajectory by itself
-  kStandBy,        ///< another vehicle's step: done when the others have done it
+  /// Done when the vehicle has confirmed; follows each trajectory, and sticks, by itself.
+  kEndTrajectory,
+  kStandBy,  ///< another vehicle's step: done when the others have done it
 };
 
 std::string_view to_string(StepKind kind);
@@ -67,6 +69,16 @@ struct Trajectory {
   double period_s = 10;
 
   fcu::Pattern pattern() const { return {shape, size_m, speed_m_s, period_s}; }
+};
+
+/// Sticks of a remote control, -1 to 1 each; at 0 an autopilot keeps place, heading and height.
+struct Sticks {
+  double pitch = 0;  ///< forward
+  double roll = 0;   ///< to the right
+  double yaw = 0;    ///< clockwise
+  double climb = 0;  ///< up
+
+  bool operator==(const Sticks&) const = default;
 };
 
 /// One step of a flight. Positions are in N with height up, relative to where the vehicle was
@@ -82,9 +94,10 @@ struct FlightStep {
   double radius_m = 0;                  ///< loiter: of its circle; below 0 counter-clockwise
   bool to_plane = false;                ///< transition: onto the wing, else onto the rotors
   double yaw_rad = 0;                   ///< goto
-  base::Duration duration{};            ///< hold, trajectory
+  base::Duration duration{};            ///< hold, trajectory, sticks
   bool measure = false;                 ///< hold, trajectory: the window of all figures
   Trajectory trajectory{};              ///< trajectory; of a breach the speed
+  std::optional<Sticks> sticks{};       ///< sticks, and their end
   std::string loop{};                   ///< setgain
   std::optional<double> p{}, i{}, d{};  ///< setgain
   std::vector<std::pair<std::string, double>> params{};  ///< setparam, trajectory and its end

@@ -4,6 +4,10 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <array>
+#include <string_view>
+#include <utility>
+
 #include "base/config/config_origin.hpp"
 #include "base/config/install_paths.hpp"
 #include "casd/packet/own_station.hpp"
@@ -19,12 +23,19 @@ YAML::Node plugin(const char* name) {
 
 namespace {
 
-/// Entry of a plugin of the scenario; the file that `wind` names is given by its full path.
+/// Keys of plugins that name a file.
+constexpr std::array<std::pair<std::string_view, const char*>, 2> kFileKeys{
+    {{"wind", "grid"}, {"lidar", "pattern"}}};
+
+/// Entry of a plugin of the scenario; the file that it names is given by its full path.
 YAML::Node further_plugin(const base::ConfigNode& entry) {
   YAML::Node node = copy(entry);
-  if (entry.at("plugin").as<std::string>() != "wind") return node;
-  if (const auto grid = entry.find("grid"))
-    node["grid"] = std::filesystem::weakly_canonical(base::find_config(*grid)).string();
+  const auto name = entry.at("plugin").as<std::string>();
+  for (const auto& [plugin, key] : kFileKeys) {
+    if (name != plugin) continue;
+    if (const auto file = entry.find(key))
+      node[key] = std::filesystem::weakly_canonical(base::find_config(*file)).string();
+  }
   return node;
 }
 

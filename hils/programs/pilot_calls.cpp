@@ -133,6 +133,7 @@ std::vector<CasdCall> calls_of(const FlightStep& step) {
     case StepKind::kDisarm:
       return {{"vehicle.disarm", Json::object()}};
     case StepKind::kMission:  // needs more than casd: hils/firmware
+    case StepKind::kSticks:
     case StepKind::kBreach:
     case StepKind::kReboot:
     case StepKind::kHold:

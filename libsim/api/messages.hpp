@@ -99,16 +99,17 @@ struct AirspeedSample {
   double differential_pressure_pa = 0;
 };
 
-/// Distance along the beam of a rangefinder, and the limits of its range.
+/// Distance of the nearest surface in the beam of a rangefinder, and the limits of its range.
 struct RangeSample {
   static constexpr std::string_view kTypeName = "cas.RangeSample";
-  static constexpr unsigned kTypeVersion = 3;
+  static constexpr unsigned kTypeVersion = 4;
   base::SimTime time;
   double distance_m = 0;
   double min_m = 0;
   double max_m = 0;
   bool valid = false;                     ///< something was met between min_m and max_m
   Eigen::Vector3d direction_B{0, 0, -1};  ///< of the beam, unit
+  double beam_rad = 0;                    ///< width of its cone; 0: a ray
 };
 
 /// A battery as a power module measures it.

@@ -89,6 +89,8 @@ class PluginContext {
     (void)name, (void)unit, (void)kind;
     return Publisher<FigureSample>(std::make_shared<detail::Topic>());
   }
+  /// The plugin casts many rays (World::cast): the world prepares for them before time zero.
+  virtual void expect_rays() {}
 };
 
 /// A part of the simulation that lives in a shared library.
@@ -147,7 +149,7 @@ struct PluginDescriptor {
 #endif
 /// Raised when PluginContext, World or Plugin gain functions (an older host lacks them and must
 /// refuse a plugin that may call them) and when base::Vehicle changes.
-#define CAS_ABI_VERSION "0.6"
+#define CAS_ABI_VERSION "0.7"
 #define CAS_ABI_BUILD                                                                          \
   CAS_ABI_COMPILER ";cxx11abi=" CAS_STRINGIZE(_GLIBCXX_USE_CXX11_ABI) ";eigen=" CAS_STRINGIZE( \
       EIGEN_MAX_ALIGN_BYTES) ";sanitizer=" CAS_ABI_SANITIZER

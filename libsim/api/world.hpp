@@ -3,7 +3,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -43,6 +45,14 @@ struct Environment {
   double air_density_kg_m3 = 0;  ///< of World::atmosphere() at the vehicle's altitude
   /// Of the centre of gravity over the surface below; infinite where there is none.
   double height_above_ground_m = 0;
+};
+
+/// The first surface that a ray meets.
+struct RayHit {
+  /// From the ray's origin; infinite: no surface within the range.
+  double distance_m = std::numeric_limits<double>::infinity();
+  /// Of the surface, unit, against the ray; in the axes that the ray is given in.
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
 };
 
 /// A force with internal states (rotor speeds, say) that the world integrates together with the
@@ -121,6 +131,20 @@ class World {
 
   /// The air by altitude above mean sea level.
   virtual base::Atmosphere atmosphere() const { return {}; }
+
+  /// Casts rays into the world: ray i begins at `origins_W[i]`, along `directions_W[i]` of any
+  /// length but 0, and `hits[i]` is the first surface that is not the vehicle's own. Thousands of
+  /// rays are quick if the plugin has called PluginContext::expect_rays(). A host without surface
+  /// normals takes each surface to face the ray.
+  virtual void cast(VehicleId vehicle, std::span<const Eigen::Vector3d> origins_W,
+                    std::span<const Eigen::Vector3d> directions_W, double range_m,
+                    std::span<RayHit> hits) const {
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+      const auto distance = ray_distance(vehicle, origins_W[i], directions_W[i], range_m);
+      hits[i] = {};
+      if (distance) hits[i] = {*distance, -directions_W[i].normalized()};
+    }
+  }
 };
 
 }  // namespace cas::sim

@@ -10,6 +10,7 @@
 #include "base/config/config.hpp"
 #include "base/config/install_paths.hpp"
 #include "libsim/core/load/model_loader.hpp"
+#include "libsim/core/rays/ray_scene.hpp"
 
 namespace cas::sim {
 
@@ -71,6 +72,7 @@ Places readable_places(const SimRunner& runner, const std::filesystem::path& fil
   add(places, base::plugin_dirs());
   add(places, plugin_dirs);
   add_library_path(places);
+  places.push_back(folder_of(ray_library()));
   std::set<std::filesystem::path> configs{file};
   for (const VehicleConfig& vehicle : runner.config().vehicles) {
     places.push_back(folder_of(vehicle.vehicle.urdf));

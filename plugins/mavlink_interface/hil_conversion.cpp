@@ -169,7 +169,10 @@ mv::DistanceSensor to_distance_sensor(const RangeSample& sample) {
   packet.min_distance = to_known16(sample.min_m * 100.0);
   packet.max_distance = to_known16(sample.max_m * 100.0);
   packet.current_distance = to_known16(sample.distance_m * 100.0);
-  packet.type = mv::MavDistanceSensor::kLaser;
+  // A cone is that of a sonar.
+  packet.type =
+      sample.beam_rad > 0 ? mv::MavDistanceSensor::kUltrasound : mv::MavDistanceSensor::kLaser;
+  packet.horizontal_fov = packet.vertical_fov = static_cast<float>(sample.beam_rad);
   set_direction(packet, sample.direction_B);
   packet.covariance = kUnknownCovariance;
   // Centimetres in 16 bits end at 655 m.

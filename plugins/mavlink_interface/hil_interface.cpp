@@ -8,6 +8,7 @@
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 #include "plugins/mavlink_interface/hil_conversion.hpp"
+#include "plugins/mavlink_interface/plugin_messages.hpp"
 #include "plugins/mavlink_interface/truth_viewer.hpp"
 
 namespace cas::sim {
@@ -24,24 +25,6 @@ constexpr std::size_t kMostAnswers = 16;  ///< commands in one step
 std::int32_t token_of(float number) {
   const bool is_one = number >= 0 && number <= static_cast<float>(mav::services::kMostToken);
   return is_one ? static_cast<std::int32_t>(number) : 0;
-}
-
-/// Packs a payload as an unsigned MAVLink 2 packet, trailing zeros cut. @return bytes written
-std::size_t encode_payload(const mav::MessageInfo& info, const MavlinkMessage& message,
-                           mav::Source source, std::uint8_t sequence,
-                           std::span<std::uint8_t, mav::kMaxPacketBytes> out) {
-  const std::size_t length = mav::truncated_length(std::span(message.payload).first(message.size));
-  out[0] = mav::kStartV2;
-  out[1] = static_cast<std::uint8_t>(length);
-  out[2] = out[3] = 0;
-  out[4] = sequence;
-  out[5] = source.system;
-  out[6] = source.component;
-  out[7] = static_cast<std::uint8_t>(info.id & 0xFFU);
-  out[8] = static_cast<std::uint8_t>(info.id >> 8U & 0xFFU);
-  out[9] = static_cast<std::uint8_t>(info.id >> 16U);
-  std::copy_n(message.payload.begin(), length, out.begin() + mav::kHeaderBytesV2);
-  return mav::detail::append_checksum(out.data(), mav::kHeaderBytesV2 + length, info.crc_extra);
 }
 
 }  // namespace
@@ -153,7 +136,7 @@ bool HilInterface::on_message(const mav::MessageInfo& info, const MavlinkMessage
 
 void HilInterface::send_messages() {
   for (const auto& [info, message] : waiting_) {
-    send_packet(info->id, encode_payload(*info, message, params_.self, sequence_++, packet_));
+    send_packet(info->id, encode_message(*info, message, params_.self, sequence_++, packet_));
   }
   waiting_.clear();
 }
@@ -166,10 +149,12 @@ void HilInterface::send_heartbeat(base::SimTime now) {
 
 /// The controller has them from elsewhere.
 void HilInterface::forget_sensors() {
-  imu_.reset();
-  gps_.reset();
-  magnetometer_.reset();
-  barometer_.reset();
+  for (SensorSet& set : sets_) {
+    set.imu.reset();
+    set.magnetometer.reset();
+    set.barometer.reset();
+  }
+  gps_.fill({});
   airspeed_.reset();
 }
 

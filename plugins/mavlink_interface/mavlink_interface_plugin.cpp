@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -21,6 +23,7 @@
 #include "libsim/api/plugin.hpp"
 #include "plugins/common/result_path.hpp"
 #include "plugins/mavlink_interface/bus_port.hpp"
+#include "plugins/mavlink_interface/datagram_sender.hpp"
 #include "plugins/mavlink_interface/failure_map.hpp"
 #include "plugins/mavlink_interface/hil_conversion.hpp"
 #include "plugins/mavlink_interface/hil_interface.hpp"
@@ -88,6 +91,9 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     params_ = parse_params(node, context.vehicle());
     port_ = open_port(context, node);
     if (const auto viewer = node.find("viewer")) viewer_.emplace(*viewer, params_.self);
+    if (const auto remote = node.find("companion")) {
+      companion_.emplace(*remote, InetAddress::parse(*remote));
+    }
     vehicle_ = context.vehicle_id();
     output_ = context.output_dir();
     if (const auto ledger = node.find("ledger")) ledger_file_ = result_path(*ledger);
@@ -161,6 +167,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
       figures["too_many_in_a_step"] = too_many_;
     }
     if (viewer_) figures["viewer"] = viewer_->figures();
+    if (companion_) figures["companion"] = companion_->figures();
     return figures.dump();
   }
 
@@ -261,7 +268,16 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     std::string refusal;
     const mav::MessageInfo* info = messages_.admit(sender, message, now_, refusal);
     if (!refusal.empty()) base::log::warn(refusal);
-    if (info != nullptr && !interface_->on_message(*info, message)) ++too_many_;
+    if (info == nullptr) return;
+    if (companion_) return send_as_companion(*info, message);
+    if (!interface_->on_message(*info, message)) ++too_many_;
+  }
+
+  void send_as_companion(const mav::MessageInfo& info, const MavlinkMessage& message) {
+    std::array<std::uint8_t, mav::kMaxPacketBytes> packet;
+    const std::size_t size =
+        encode_message(info, message, params_.self, companion_sequence_++, packet);
+    companion_->send(std::span(packet).first(size));
   }
 
   HilInterfaceParams params_;
@@ -273,6 +289,8 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   VehicleId vehicle_{};
   std::optional<TruthViewer> viewer_;
   std::vector<Subscription> sensors_;
+  std::optional<DatagramSender> companion_;  ///< takes the messages of plugins
+  std::uint8_t companion_sequence_ = 0;
   Subscription battery_;
   Publisher<MotorCommand> command_;
   Publisher<FaultOrder> faults_;

@@ -48,6 +48,23 @@ const mav::MessageInfo& declared_message(const std::string& word) {
   return *info;
 }
 
+std::size_t encode_message(const mav::MessageInfo& info, const MavlinkMessage& message,
+                           mav::Source source, std::uint8_t sequence,
+                           std::span<std::uint8_t, mav::kMaxPacketBytes> out) {
+  const std::size_t length = mav::truncated_length(std::span(message.payload).first(message.size));
+  out[0] = mav::kStartV2;
+  out[1] = static_cast<std::uint8_t>(length);
+  out[2] = out[3] = 0;
+  out[4] = sequence;
+  out[5] = source.system;
+  out[6] = source.component;
+  out[7] = static_cast<std::uint8_t>(info.id & 0xFFU);
+  out[8] = static_cast<std::uint8_t>(info.id >> 8U & 0xFFU);
+  out[9] = static_cast<std::uint8_t>(info.id >> 16U);
+  std::copy_n(message.payload.begin(), length, out.begin() + mav::kHeaderBytesV2);
+  return mav::detail::append_checksum(out.data(), mav::kHeaderBytesV2 + length, info.crc_extra);
+}
+
 PluginMessages::PluginMessages(const std::vector<MavlinkSender>& senders) {
   for (const MavlinkSender& from : senders) {
     Sender& sender = senders_.emplace_back();

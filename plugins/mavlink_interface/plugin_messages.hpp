@@ -4,12 +4,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/time/clock.hpp"
 #include "libsim/api/mavlink_message.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/message_table.hpp"
 
 namespace cas::sim {
@@ -18,6 +20,11 @@ namespace cas::sim {
 /// @throws base::ConfigError for an unknown message, and for one that the simulator itself sends or
 /// takes
 const mav::MessageInfo& declared_message(const std::string& word);
+
+/// Packs a message as an unsigned MAVLink 2 packet, trailing zeros cut. @return bytes written
+std::size_t encode_message(const mav::MessageInfo& info, const MavlinkMessage& message,
+                           mav::Source source, std::uint8_t sequence,
+                           std::span<std::uint8_t, mav::kMaxPacketBytes> out);
 
 /// Filters the messages that the plugins of a vehicle publish. A message goes out if its plugin
 /// declares it, its size is right, and it comes at most 250 times in a second of simulated time.

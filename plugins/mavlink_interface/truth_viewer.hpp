@@ -10,7 +10,7 @@
 #include "base/time/rate_gate.hpp"
 #include "mavlink/common/hil_state_quaternion.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
-#include "plugins/common/inet_address.hpp"
+#include "plugins/mavlink_interface/datagram_sender.hpp"
 
 namespace cas::sim {
 
@@ -24,9 +24,6 @@ class TruthViewer {
   /// @param node  key `viewer` of the plugin: remote (127.0.0.1:19410), rate_hz (50)
   /// @throws base::ConfigError
   TruthViewer(const base::ConfigNode& node, mav::Source self);
-  ~TruthViewer();
-  TruthViewer(const TruthViewer&) = delete;
-  TruthViewer& operator=(const TruthViewer&) = delete;
 
   bool due(base::SimTime now) { return rate_.due(now); }
   /// Never blocks: drops the packet if the socket is full.
@@ -37,13 +34,10 @@ class TruthViewer {
 
  private:
   mav::Source self_;
-  InetAddress remote_;
+  DatagramSender sender_;
   base::RateGate rate_;
-  int socket_ = -1;
   std::array<std::uint8_t, mav::kMaxPacketBytes> packet_{};
   std::uint8_t sequence_ = 0;
-  std::uint64_t sent_ = 0;
-  std::uint64_t not_taken_ = 0;
 };
 
 }  // namespace cas::sim

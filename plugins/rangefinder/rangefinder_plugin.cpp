@@ -1,4 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
 #include "base/time/rate_gate.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
@@ -8,7 +13,7 @@
 namespace cas::sim {
 namespace {
 
-/// Publishes the distance to the first surface along a ray on topic `rangefinder`.
+/// Publishes the distance to the nearest surface along a ray, or in a cone, on topic `rangefinder`.
 class RangefinderPlugin final : public Plugin {
  public:
   void configure(PluginContext& context, const base::ConfigNode& params) override {
@@ -17,6 +22,11 @@ class RangefinderPlugin final : public Plugin {
     model_ =
         RangefinderModel(parse_rangefinder_params(params, base::to_seconds(context.step())), seed_);
     rate_ = base::RateGate(model_.params().rate_hz);
+    directions_B_ = beam_directions_B(model_.params());
+    directions_W_.resize(directions_B_.size());
+    origins_W_.resize(directions_B_.size());
+    hits_.resize(directions_B_.size());
+    if (hits_.size() > 1) context.expect_rays();
     range_ =
         context.bus().advertise<RangeSample>(context.topic(own_sensor_name("rangefinder", params)));
   }
@@ -25,10 +35,12 @@ class RangefinderPlugin final : public Plugin {
     if (!rate_.due(step.time)) return;
     const BodyState& state = world.state(vehicle_);
     const RangefinderParams& params = model_.params();
-    const Eigen::Vector3d origin_W = state.p_WB + state.q_WB * params.position_B_m;
-    const Eigen::Vector3d direction_W = state.q_WB * params.direction_B;
-    const auto distance = world.ray_distance(vehicle_, origin_W, direction_W, params.max_m);
-    range_.publish(model_.sample(step.time, distance));
+    std::ranges::fill(origins_W_, state.p_WB + state.q_WB * params.position_B_m);
+    for (std::size_t i = 0; i < hits_.size(); ++i) directions_W_[i] = state.q_WB * directions_B_[i];
+    world.cast(vehicle_, origins_W_, directions_W_, params.max_m, hits_);
+    const double distance_m = std::ranges::min(hits_, {}, &RayHit::distance_m).distance_m;
+    const bool is_met = std::isfinite(distance_m);
+    range_.publish(model_.sample(step.time, is_met ? std::optional(distance_m) : std::nullopt));
   }
 
   void reset() override {
@@ -40,6 +52,10 @@ class RangefinderPlugin final : public Plugin {
   VehicleId vehicle_{};
   std::uint64_t seed_ = 0;
   RangefinderModel model_;
+  std::vector<Eigen::Vector3d> directions_B_;
+  std::vector<Eigen::Vector3d> directions_W_;
+  std::vector<Eigen::Vector3d> origins_W_;
+  std::vector<RayHit> hits_;
   base::RateGate rate_;
   Publisher<RangeSample> range_;
 };

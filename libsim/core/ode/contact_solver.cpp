@@ -179,6 +179,7 @@ struct ContactSolver::Impl {
   std::vector<KeptContact> kept;
 
   Impl() : geoms(kMostFound) {
+    dGeomRaySetClosestHit(ray, 1);  // of a mesh's triangles; else any that it meets
     contacts.reserve(kMostFound);
     pairs.reserve(kMostFound);
     points.reserve(kMostFound + RememberedPoints::kMost);
@@ -508,22 +509,23 @@ struct ContactSolver::Impl {
 
   // --- rays
 
-  std::optional<double> cast(dSpaceID space, const Eigen::Vector3d& origin,
+  std::optional<RayHit> cast(dSpaceID space, const Eigen::Vector3d& origin,
                              const Eigen::Vector3d& direction, double range) const {
     dGeomRaySet(ray, origin.x(), origin.y(), origin.z(), direction.x(), direction.y(),
                 direction.z());
     dGeomRaySetLength(ray, range);
-    double nearest = kInfinity;
+    RayHit nearest;
     dSpaceCollide2(ray, reinterpret_cast<dGeomID>(space), &nearest, &on_ray);
-    if (nearest > range) return std::nullopt;
+    if (nearest.distance_m > range) return std::nullopt;
+    if (nearest.normal.dot(direction) > 0) nearest.normal = -nearest.normal;
     return nearest;
   }
 
   static void on_ray(void* nearest, dGeomID a, dGeomID b) {
     dContactGeom hit;
     if (dCollide(a, b, 1, &hit, sizeof(hit)) == 0) return;
-    auto& best = *static_cast<double*>(nearest);
-    best = std::min(best, hit.depth);  // of a ray: the distance
+    auto& best = *static_cast<RayHit*>(nearest);
+    if (hit.depth < best.distance_m) best = {hit.depth, from_ode(hit.normal)};  // depth: distance
   }
 };
 
@@ -652,13 +654,13 @@ void ContactSolver::read(std::size_t body, BodyState& state) const {
   state.w_WB_B = state.q_WB.conjugate() * from_ode(dBodyGetAngularVel(id));
 }
 
-std::optional<double> ContactSolver::ray_to_world(const Eigen::Vector3d& origin_W,
+std::optional<RayHit> ContactSolver::ray_to_world(const Eigen::Vector3d& origin_W,
                                                   const Eigen::Vector3d& direction_W,
                                                   double range_m) const {
   return impl_->cast(impl_->statics, origin_W, direction_W, range_m);
 }
 
-std::optional<double> ContactSolver::ray_to_body(std::size_t body, const Eigen::Vector3d& origin_W,
+std::optional<RayHit> ContactSolver::ray_to_body(std::size_t body, const Eigen::Vector3d& origin_W,
                                                  const Eigen::Vector3d& direction_W,
                                                  double range_m) const {
   return impl_->cast(impl_->bodies[body].space, origin_W, direction_W, range_m);
@@ -685,7 +687,7 @@ double ContactSolver::height_above_ground(const Eigen::Vector3d& p_W) const {
   if (!impl_->bounds.box_below(p_W)) return height;
   const double range = p_W.z() - impl_->bounds.lowest_of_boxes() + 1.0;
   const auto hit = ray_to_world(p_W, -Eigen::Vector3d::UnitZ(), range);
-  return hit ? std::min(height, *hit) : height;
+  return hit ? std::min(height, hit->distance_m) : height;
 }
 
 double ContactSolver::radius(std::size_t body) const { return impl_->bodies[body].radius; }

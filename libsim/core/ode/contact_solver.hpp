@@ -81,11 +81,11 @@ class CAS_SIM_EXPORT ContactSolver {
   /// Copies position, velocity, attitude and rates of the body.
   void read(std::size_t body, BodyState& state) const;
 
-  /// Distance along a ray (unit direction) to the first surface of the static world, m.
-  std::optional<double> ray_to_world(const Eigen::Vector3d& origin_W,
+  /// The first surface of the static world along a ray (unit direction).
+  std::optional<RayHit> ray_to_world(const Eigen::Vector3d& origin_W,
                                      const Eigen::Vector3d& direction_W, double range_m) const;
   /// The same to one body, which must have been placed when the ray comes near it.
-  std::optional<double> ray_to_body(std::size_t body, const Eigen::Vector3d& origin_W,
+  std::optional<RayHit> ray_to_body(std::size_t body, const Eigen::Vector3d& origin_W,
                                     const Eigen::Vector3d& direction_W, double range_m) const;
   /// True when a sphere comes within reach of the static world. Cheap, as near_world().
   bool world_within(const Eigen::Vector3d& p_W, double radius_m) const;

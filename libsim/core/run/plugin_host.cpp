@@ -47,6 +47,7 @@ class Context final : public PluginContext {
     around_.world.add_force_model(instance_.vehicle, model);
   }
   void set_lockstep_peer(LockstepPeer& peer) override { host_.peers.push_back(&peer); }
+  void expect_rays() override { around_.world.expect_rays(); }
 
   Publisher<MavlinkMessage> mavlink() override {
     if (instance_.sends.empty()) {

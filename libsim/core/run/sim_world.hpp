@@ -18,6 +18,7 @@
 #include "libsim/core/load/model_loader.hpp"
 #include "libsim/core/load/sim_config.hpp"
 #include "libsim/core/ode/contact_solver.hpp"
+#include "libsim/core/rays/ray_scene.hpp"
 
 namespace cas::sim {
 
@@ -38,6 +39,8 @@ class CAS_SIM_EXPORT SimWorld final : public World {
   /// Before start(). The lowest point of the vehicle is `pose.z_m` above z = 0.
   VehicleId add_vehicle(const VehicleModel& model, const StartPose& pose);
   void add_force_model(VehicleId vehicle, ForceModel& model);
+  /// Before start(): makes it build what casts many rays quickly. ODE casts them otherwise.
+  void expect_rays() { expects_rays_ = true; }
   /// Lets vehicles that start on a surface settle on it, then sets time zero.
   void start();
   /// The state that start() left.
@@ -63,6 +66,9 @@ class CAS_SIM_EXPORT SimWorld final : public World {
   std::optional<double> ray_distance(VehicleId vehicle, const Eigen::Vector3d& origin_W,
                                      const Eigen::Vector3d& direction_W,
                                      double range_m) const override;
+  void cast(VehicleId vehicle, std::span<const Eigen::Vector3d> origins_W,
+            std::span<const Eigen::Vector3d> directions_W, double range_m,
+            std::span<RayHit> hits) const override;
   bool disc_touches(VehicleId vehicle, const Eigen::Vector3d& centre_B,
                     const Eigen::Vector3d& axis_B, double radius_m) const override;
 
@@ -78,6 +84,7 @@ class CAS_SIM_EXPORT SimWorld final : public World {
   enum class Mode { kFree, kContact, kHeld };
 
   struct VehicleBody {
+    std::vector<Shape> shapes;
     BodyState start;
     MassProperties start_mass;
     BodyState state;
@@ -115,6 +122,15 @@ class CAS_SIM_EXPORT SimWorld final : public World {
   void wake_beside_obstacles();
   void refresh_environment(VehicleBody& body);
 
+  void prepare_rays();
+  std::optional<RayHit> first_hit(std::size_t vehicle, const Eigen::Vector3d& origin_W,
+                                  const Eigen::Vector3d& direction_W, double range_m) const;
+  std::optional<RayHit> hit_of_statics(const Eigen::Vector3d& origin_W,
+                                       const Eigen::Vector3d& direction_W, double range_m) const;
+  std::optional<RayHit> hit_of_body(std::size_t body, const BodyState& state,
+                                    const Eigen::Vector3d& origin_W,
+                                    const Eigen::Vector3d& direction_W, double range_m) const;
+
   base::LocalProjection projection_;
   double decimal_year_;
   Integrator integrator_;
@@ -129,7 +145,17 @@ class CAS_SIM_EXPORT SimWorld final : public World {
     BodyState state;
   };
 
+  /// The world for many rays. What moves has a scene of its own, into whose frame the rays are
+  /// turned: nothing is rebuilt in a step.
+  struct Rays {
+    std::unique_ptr<RayScene> statics;
+    std::vector<std::unique_ptr<RayScene>> bodies;  // numbered as in the solver
+  };
+
   std::unique_ptr<ContactSolver> solver_;
+  std::vector<Shape> statics_;
+  bool expects_rays_ = false;
+  std::optional<Rays> rays_;  // nullopt: ODE casts them
   std::vector<Obstacle> obstacles_;
   base::Duration elapsed_{};  // since time zero, at the start of the part step
   std::deque<VehicleBody> vehicles_;

@@ -63,6 +63,26 @@ TEST_F(Companion, SendsFiftySetpointsForEachSecondOfTheVehiclesClock) {
   EXPECT_EQ(station_.setpoints().figures().count, setpoints.size());
 }
 
+TEST_F(Companion, HoldsTheSticksByTheVehiclesClock) {
+  at_ms(900);
+  EXPECT_TRUE(sent<mv::ManualControl>().empty());
+  station_.sticks().hold({.pitch = 0.7, .roll = -1, .yaw = 0.25, .climb = -0.5});
+  for (std::uint32_t ms = 1000; ms < 3000; ms += 4) at_ms(ms);
+  const auto sticks = sent<mv::ManualControl>();
+  EXPECT_NEAR(static_cast<double>(sticks.size()), 50, 1);
+  EXPECT_EQ(sticks.front().target, 1);
+  EXPECT_EQ(sticks.front().x, 700);
+  EXPECT_EQ(sticks.front().y, -1000);
+  EXPECT_EQ(sticks.front().r, 250);
+  EXPECT_EQ(sticks.front().z, 250) << "a quarter of the throttle";
+  EXPECT_NEAR(base::to_seconds(station_.sticks().held_for()), 2, 0.05);
+  station_.sticks().hold({});
+  EXPECT_EQ(station_.sticks().held_for(), base::Duration{});
+  for (std::uint32_t ms = 3000; ms < 3600; ms += 4) at_ms(ms);
+  station_.sticks().hold({});
+  EXPECT_NEAR(base::to_seconds(station_.sticks().held_for()), 0.56, 0.05) << "they rest";
+}
+
 TEST_F(Companion, IsSilentWhileTheVehiclesClockStands) {
   station_.setpoints().hover({0, 0, -3}, 0);
   at_ms(1000);

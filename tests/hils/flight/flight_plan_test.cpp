@@ -427,6 +427,36 @@ TEST(FlightPlan, DoesNotTakeAReturnForTheMissionsOwn) {
       << plan.failure().value_or("");
 }
 
+TEST(FlightPlan, HoldsTheSticksForTheirTimeAndTakesThePlaceThatTheyLedTo) {
+  FlightStep sticks{.kind = StepKind::kSticks};
+  sticks.duration = seconds(5);
+  sticks.sticks = Sticks{.pitch = 0.7};
+  FlightPlan plan = flying(sticks);
+  plan.update(at(seconds(1)), in_mode("POSCTL"));
+  EXPECT_FALSE(plan.done());
+  plan.update(at(seconds(6)), in_mode("POSCTL"));
+  EXPECT_TRUE(plan.done()) << plan.failure().value_or("");
+
+  FlightStep end{.kind = StepKind::kEndTrajectory};
+  end.sticks = sticks.sticks;
+  FlightPlan ended = flying(end);
+  VehicleReport there = in_mode("HOLD");
+  there.p_N = {14, -1, -4};
+  ended.update(at(seconds(1)), there);
+  EXPECT_TRUE(ended.done());
+  EXPECT_EQ(ended.reference_m(), Eigen::Vector3d(14, -1, 4));
+}
+
+TEST(FlightPlan, FailsWhereTheVehicleLeavesTheSticks) {
+  FlightStep sticks{.kind = StepKind::kSticks};
+  sticks.duration = seconds(5);
+  FlightPlan plan = flying(sticks);
+  plan.update(at(seconds(1)), in_mode("POSCTL"));
+  plan.update(at(seconds(2)), in_mode("HOLD"));
+  EXPECT_NE(plan.failure().value_or("").find("the vehicle left POSCTL for HOLD"), std::string::npos)
+      << plan.failure().value_or("");
+}
+
 TEST(FlightPlan, IsAtTheFenceWhenTheAutopilotTakesTheVehicleOver) {
   FlightPlan plan = flying({.kind = StepKind::kBreach, .fence = FenceAction::kHold});
   plan.update(at(seconds(1)), in_mode("HOLD"));

@@ -309,8 +309,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadScenario{
             "MisspeltStep", "steps: [arm, {takof: {altitude_m: 2}}, land]\n",
             ":5: steps[1]: there is no step 'takof'; steps are arm, takeoff, goto, "
-            "hold, trajectory, setgain, setparam, wait_until, mission, loiter, transition, breach, "
-            "rtl, land, disarm, reboot; did you mean 'takeoff'?"},
+            "hold, trajectory, sticks, setgain, setparam, wait_until, mission, loiter, transition, "
+            "breach, rtl, land, disarm, reboot; did you mean 'takeoff'?"},
         BadScenario{
             "MisspeltArchitecture",
             "architecture: tcsa\nsteps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: "

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/rpc/client.hpp"
+#include "libsim/core/rays/ray_scene.hpp"
 #include "tests/libsim/support/sim_files.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
@@ -121,6 +122,51 @@ TEST_F(Hilsim, PluginsReadNamedFilesAndWriteResultsAndNothingElse) {
   EXPECT_EQ(denied, Json({{"read", EACCES}, {"write", EACCES}}));
   const std::string key = (elsewhere.path() / "key").string();
   EXPECT_EQ(figures(burglar + ", named: " + key + "}"), Json({{"read", 0}, {"write", EACCES}}));
+}
+
+/// The library of the rays and the pattern's file are opened by a program that reads little else.
+TEST_F(Hilsim, CastsTheRaysOfALidar) {
+  ChildProcess hilsim(
+      command(write("free_run",
+                    "[{plugin: lidar, pattern: ../lidars/vlp16.yaml, rate_hz: 10, min_m: 0.1, "
+                    "max_m: 40, cloud: ply, cloud_every: 5}]"),
+              {"--duration", "0.6"}));
+  EXPECT_EQ(hilsim.wait_exit(), 0) << hilsim.output();
+  const bool has_embree = std::filesystem::exists(cas::sim::ray_library());
+  EXPECT_EQ(hilsim.output().find("rays are cast by ODE") == std::string::npos, has_embree);
+  const Json figures = read_stats()["plugins"]["lidar@iris0"];
+  EXPECT_EQ(figures["rays"], 6 * 1808 * 16);
+  EXPECT_GT(figures["returns"], 6 * 1808 * 7) << "of the beams that look down";
+  for (const char* name : {"iris0_000000.ply", "iris0_000005.ply"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder_.path() / "out/clouds" / name)) << name;
+  }
+}
+
+/// PX4's simulator API takes no OBSTACLE_DISTANCE; a companion's link does.
+TEST_F(Hilsim, SendsMessagesOfPluginsToACompanion) {
+  cas::test::UdpPeer controller;
+  cas::test::UdpPeer companion;
+  ChildProcess hilsim(command(
+      write("free_run",
+            "[{plugin: imu}, {plugin: lidar, pattern: ../lidars/vlp16.yaml, rate_hz: 10, min_m: "
+            "0.1, max_m: 40, obstacle_height_m: 1}, {plugin: mavlink_interface, transport: udp, "
+            "system_id: 1, component_id: 200, local: \"127.0.0.1:0\", remote: \"" +
+                controller.endpoint() + "\", companion: \"" + companion.endpoint() + "\"}]"),
+      {"--duration", "0.5"}));
+  EXPECT_EQ(hilsim.wait_exit(), 0) << hilsim.output();
+  constexpr std::uint32_t kObstacleDistance = 330;
+  cas::test::PacketStream sensors;
+  cas::test::PacketStream obstacles;
+  controller.read(sensors);
+  companion.read(obstacles);
+  EXPECT_GT(sensors.packets().size(), 0U);
+  EXPECT_EQ(sensors.count(kObstacleDistance), 0U);
+  ASSERT_EQ(obstacles.count(kObstacleDistance), 5U);
+  EXPECT_EQ(obstacles.packets().size(), 5U);
+  EXPECT_EQ(obstacles.garbage(), 0U);
+  EXPECT_EQ(obstacles.packets().front().source.component, 200);
+  const Json figures = read_stats()["plugins"]["mavlink_interface@iris0"]["companion"];
+  EXPECT_EQ(figures["sent"], 5);
 }
 
 TEST_F(Hilsim, AnswersOnItsControlSocket) {

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "plugins/lidar/cloud_file.hpp"
+
+#include <bit>
+#include <cstdio>
+#include <cstring>
+
+namespace cas::sim {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "a point is written as it is in memory");
+
+constexpr std::size_t kPointBytes = 5 * sizeof(float) + sizeof(std::uint16_t);
+
+/// "x y z qw qx qy qz" of S in W when the scan began.
+std::string viewpoint(const LidarScan& scan, const LidarParams& params) {
+  const BodyState& vehicle = scan.vehicle;
+  const Eigen::Vector3d p = vehicle.p_WB + vehicle.q_WB * params.position_B_m;
+  const Eigen::Quaterniond q = vehicle.q_WB * params.q_BS;
+  char text[200];
+  std::snprintf(text, sizeof(text), "%.6f %.6f %.6f %.9f %.9f %.9f %.9f", p.x(), p.y(), p.z(),
+                q.w(), q.x(), q.y(), q.z());
+  return text;
+}
+
+std::string pcd_head(const std::string& count, const std::string& viewpoint) {
+  return "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\n"
+         "FIELDS x y z intensity t ring\nSIZE 4 4 4 4 4 2\nTYPE F F F F F U\n"
+         "COUNT 1 1 1 1 1 1\nWIDTH " +
+         count + "\nHEIGHT 1\nVIEWPOINT " + viewpoint + "\nPOINTS " + count + "\nDATA binary\n";
+}
+
+std::string ply_head(const std::string& count, const std::string& viewpoint) {
+  return "ply\nformat binary_little_endian 1.0\ncomment viewpoint " + viewpoint +
+         "\nelement vertex " + count +
+         "\nproperty float x\nproperty float y\nproperty float z\nproperty float intensity\n"
+         "property float t\nproperty ushort ring\nend_header\n";
+}
+
+template <class T>
+void append(std::string& text, const T& value) {
+  char bytes[sizeof(T)];
+  std::memcpy(bytes, &value, sizeof(T));
+  text.append(bytes, sizeof(T));
+}
+
+}  // namespace
+
+std::string cloud_text(const LidarScan& scan, const LidarParams& params, base::CloudForm form) {
+  const std::string count = std::to_string(scan.points.size());
+  const std::string place = viewpoint(scan, params);
+  std::string text =
+      form == base::CloudForm::kPcd ? pcd_head(count, place) : ply_head(count, place);
+  text.reserve(text.size() + scan.points.size() * kPointBytes);
+  for (const LidarPoint& point : scan.points) {
+    for (const float value : point.p_S) append(text, value);
+    append(text, point.cosine);
+    append(text, point.time_s);
+    append(text, point.ring);
+  }
+  return text;
+}
+
+}  // namespace cas::sim

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+
+#include "base/config/sensor_sheets.hpp"
+#include "plugins/lidar/lidar_model.hpp"
+
+namespace cas::sim {
+
+/// A scan as a file: binary, little-endian, of a point x, y, z (m, in S when its beam fired),
+/// intensity (cosine of the angle of incidence), t (s since the scan began) and ring.
+///
+/// PCD names where S was when the scan began, in W, as its viewpoint; PLY has it in a comment.
+std::string cloud_text(const LidarScan& scan, const LidarParams& params, base::CloudForm form);
+
+}  // namespace cas::sim

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+
+#include "base/config/config.hpp"
+#include "plugins/common/inet_address.hpp"
+
+namespace cas::sim {
+
+/// Sends datagrams to one address and reads none.
+class DatagramSender {
+ public:
+  /// @throws base::ConfigError through `node`
+  DatagramSender(const base::ConfigNode& node, const InetAddress& remote);
+  ~DatagramSender();
+  DatagramSender(const DatagramSender&) = delete;
+  DatagramSender& operator=(const DatagramSender&) = delete;
+
+  /// Never blocks: drops the packet, and counts it, if the socket is full.
+  void send(std::span<const std::uint8_t> packet);
+  /// {"remote":"127.0.0.1:19410","sent":50,"not_taken":0}
+  nlohmann::ordered_json figures() const;
+
+ private:
+  InetAddress remote_;
+  int socket_ = -1;
+  std::uint64_t sent_ = 0;
+  std::uint64_t not_taken_ = 0;
+};
+
+}  // namespace cas::sim
