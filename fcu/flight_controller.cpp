@@ -301,6 +301,8 @@ void FlightController::Impl::update_status() {
   s.armed = core.commander.armed();
   s.mode = core.commander.mode();
   s.landed = core.commander.landed();
+  s.on_wing = core.commander.on_wing();
+  if (core.commander.airframe() == AirframeKind::kVtol) s.vtol = name(core.commander.vtol_state());
   s.estimator_ready = core.estimator.origin_final() && core.estimator.position_valid() &&
                       core.estimator.heading_valid();
   s.q_ND = e.q_ND;

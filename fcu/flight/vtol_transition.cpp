@@ -7,8 +7,15 @@
 #include "base/earth/atmosphere.hpp"
 #include "base/earth/frames.hpp"
 #include "base/earth/gravity.hpp"
+#include "base/enum_words.hpp"
 
 namespace cas::fcu {
+
+std::string_view name(VtolState state) {
+  constexpr base::EnumWords<VtolState::kToMulticopter> kWords{"multicopter", "to_plane", "plane",
+                                                              "to_multicopter"};
+  return kWords[state];
+}
 
 VtolTransition::VtolTransition(const base::Vehicle& vehicle)
     : figures_(vehicle.aero ? WingFigures::of(*vehicle.aero) : WingFigures{}),

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "base/config/vehicle.hpp"
 #include "fcu/control/wing_airframe.hpp"
@@ -12,6 +13,9 @@ namespace cas::fcu {
 
 /// What carries a VTOL.
 enum class VtolState : std::uint8_t { kMulticopter, kToPlane, kPlane, kToMulticopter };
+
+/// "multicopter", "to_plane", "plane", "to_multicopter".
+std::string_view name(VtolState state);
 
 /// Takes a VTOL from its rotors onto its wing and back, straight ahead and at one height: the
 /// rotors carry what the wing does not yet carry, or no more.
