@@ -34,6 +34,7 @@ struct FlightController::Impl {
   double time_step(std::uint64_t time_usec);
   void settle_frame();
   ControlSetpoint next_setpoint(double dt, RunTime now);
+  void fly_wing(const ControlSetpoint& setpoint, double dt, RunTime now);
   void tell_of_losses();
 
   // Around it.
@@ -121,6 +122,7 @@ Answer FlightController::Impl::control(std::uint64_t time_usec, RunTime now) {
 
   // How: position and altitude --> attitude --> rates --> rotor speeds within limits.
   const MixerResult& output = core.cascade.update(setpoint, core.estimator.state(), dt);
+  fly_wing(setpoint, dt, now);
   tell_of_losses();
 
   status.u = output.u;
@@ -128,6 +130,7 @@ Answer FlightController::Impl::control(std::uint64_t time_usec, RunTime now) {
   // The answer carries the stamp of the sample that it was computed from.
   const Answer answer = make_answer({.result = output,
                                      .mixer = core.cascade.mixer(),
+                                     .wing = core.wing ? &*core.wing : nullptr,
                                      .scales = core.config.vehicle.scales,
                                      .time_usec = time_usec,
                                      .armed = core.commander.armed(),
@@ -175,6 +178,16 @@ ControlSetpoint FlightController::Impl::next_setpoint(double dt, RunTime now) {
   ControlSetpoint setpoint = core.commander.update(core.context(now, dt), failsafe, thrust_ratio);
   setpoint.may_touch = core.commander.landed() != LandedState::kInAir;
   return setpoint;
+}
+
+/// Surfaces and forward rotors, of a vehicle with a wing.
+void FlightController::Impl::fly_wing(const ControlSetpoint& setpoint, double dt, RunTime now) {
+  if (!core.wing) return;
+  if (!setpoint.wing) return core.wing->stop();
+  const EstimatorState& estimate = core.estimator.state();
+  const Airspeed airspeed =
+      core.readings.airspeed.read(estimate.v_N.norm(), core.wing_params.use_airspeed, now);
+  core.wing->update(*setpoint.wing, estimate, airspeed, dt);
 }
 
 void FlightController::Impl::tell_of_losses() {
@@ -289,6 +302,8 @@ void FlightController::Impl::update_status() {
   s.armed = core.commander.armed();
   s.mode = core.commander.mode();
   s.landed = core.commander.landed();
+  s.on_wing = core.commander.on_wing();
+  if (core.commander.airframe() == AirframeKind::kVtol) s.vtol = name(core.commander.vtol_state());
   s.estimator_ready = core.estimator.origin_final() && core.estimator.position_valid() &&
                       core.estimator.heading_valid();
   s.q_ND = e.q_ND;

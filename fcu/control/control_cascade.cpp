@@ -51,7 +51,7 @@ const MixerResult& ControlCascade::update(const ControlSetpoint& setpoint,
     rates_.reset();
   }
   if (setpoint.trajectory) {
-    follow_trajectory(*setpoint.trajectory, setpoint.tilt_limit_rad, estimate, dt);
+    follow_trajectory(setpoint, estimate, dt);
     follow_attitude(estimate, dt);
     look_for_losses(estimate, dt);
   } else if (setpoint.attitude) {
@@ -73,8 +73,9 @@ const MixerResult& ControlCascade::update(const ControlSetpoint& setpoint,
   return output_;
 }
 
-void ControlCascade::follow_trajectory(const TrajectorySetpoint& setpoint, double tilt_limit_rad,
+void ControlCascade::follow_trajectory(const ControlSetpoint& wanted,
                                        const EstimatorState& estimate, double dt) {
+  const TrajectorySetpoint& setpoint = *wanted.trajectory;
   const Eigen::Vector2d a_xy =
       position_.update(setpoint, estimate.p_N, estimate.v_N, estimate.a_N, cut_N_, dt);
   const double a_z = altitude_.update(setpoint, estimate.p_N.z(), estimate.v_N.z(),
@@ -93,10 +94,12 @@ void ControlCascade::follow_trajectory(const TrajectorySetpoint& setpoint, doubl
   const Eigen::Vector2d by_tilt = a_xy - side_N_n_ / mass;
   const Vector3d acceleration(by_tilt.x(), by_tilt.y(), a_z);
   const double thrust_max = std::min(params_.thrust_max * u1_max_, mixer_.max_thrust_n());
-  const double tilt = std::fmin(params_.tilt_limit_rad, tilt_limit_rad);  // of a NaN: the other
-  const ThrustSetpoint thrust =
-      thrust_for_acceleration(acceleration, mass, kGravity_m_s2, yaw_hold_rad_,
-                              {params_.thrust_min * u1_max_, thrust_max, tilt});
+  const double tilt =
+      std::fmin(params_.tilt_limit_rad, wanted.tilt_limit_rad);  // of a NaN: the other
+  const double usual_min = params_.thrust_min * u1_max_;
+  const double thrust_min = std::isfinite(wanted.thrust_min_n) ? wanted.thrust_min_n : usual_min;
+  const ThrustSetpoint thrust = thrust_for_acceleration(
+      acceleration, mass, kGravity_m_s2, yaw_hold_rad_, {thrust_min, thrust_max, tilt});
   attitude_setpoint_ = thrust.attitude;
   attitude_setpoint_.yaw_rate_rad_s =
       std::isfinite(setpoint.yaw_rate_rad_s) ? setpoint.yaw_rate_rad_s : 0.0;
@@ -104,9 +107,26 @@ void ControlCascade::follow_trajectory(const TrajectorySetpoint& setpoint, doubl
   const Vector3d up_wanted = thrust.attitude.q_ND * Vector3d::UnitZ();
   const Vector3d up_now = estimate.q_ND * Vector3d::UnitZ();
   attitude_setpoint_.thrust_n =
-      std::max(thrust.attitude.thrust_n * up_wanted.dot(up_now), params_.thrust_min * u1_max_);
+      std::max(thrust.attitude.thrust_n * up_wanted.dot(up_now), thrust_min);
   cut_N_ = thrust.cut_N;
   altitude_saturation_ = {thrust.thrust_at_min, thrust.thrust_at_max};
+  if (!wanted.attitude) return;
+  const double lift_n = mass * (kGravity_m_s2 - a_z) - wanted.wing_lift_n;
+  hold_height_in(*wanted.attitude, lift_n, thrust_min, up_now);
+}
+
+/// Keeps the vertical force in an attitude that something else asks for.
+void ControlCascade::hold_height_in(const AttitudeSetpoint& attitude, double lift_n,
+                                    double thrust_min_n, const Vector3d& up_now) {
+  constexpr double kLeastUpright = 0.5;
+  const double most_n = std::min(params_.thrust_max * u1_max_, mixer_.max_thrust_n());
+  const double wanted_n = lift_n / std::max(up_now.z(), kLeastUpright);
+  attitude_setpoint_ = attitude;
+  attitude_setpoint_.thrust_n = std::clamp(wanted_n, thrust_min_n, most_n);
+  altitude_saturation_ = {wanted_n <= thrust_min_n, wanted_n >= most_n};
+  position_.reset();
+  cut_N_.setZero();
+  side_N_n_.setZero();
 }
 
 void ControlCascade::follow_attitude(const EstimatorState& estimate, double dt) {

@@ -60,8 +60,9 @@ class ControlCascade {
   double hover_thrust_n() const { return params_.hover_thrust * u1_max_; }
 
  private:
-  void follow_trajectory(const TrajectorySetpoint& setpoint, double tilt_limit_rad,
-                         const EstimatorState& estimate, double dt);
+  void follow_trajectory(const ControlSetpoint& wanted, const EstimatorState& estimate, double dt);
+  void hold_height_in(const AttitudeSetpoint& attitude, double lift_n, double thrust_min_n,
+                      const Eigen::Vector3d& up_now);
   void follow_attitude(const EstimatorState& estimate, double dt);
   double turn_limit_rad_s() const;
   Eigen::Vector2d side_force(const Eigen::Vector2d& a_xy, double mass_kg) const;

@@ -68,6 +68,7 @@ Mixer::Mixer(const base::Vehicle& vehicle)
     kinds_[static_cast<std::size_t>(rotor.output)] = OutputKind::kMotor;
     if (rotor.tilt) kinds_[static_cast<std::size_t>(rotor.tilt->output)] = OutputKind::kServo;
   }
+  if (vehicle.rotors.empty()) return;  // a plane: its rotor does not lift
   if (is_eq3(vehicle)) {
     u_from_omega_sq_ = vehicle.mixing_matrix();
     omega_sq_from_u_ = u_from_omega_sq_.inverse();
@@ -85,6 +86,7 @@ Mixer::Mixer(const base::Vehicle& vehicle)
 }
 
 MixerResult Mixer::mix(const Vector4d& demand, bool may_lift, const Vector2d& side_D_n) const {
+  if (vehicle_.rotors.empty()) return {};
   return allocation_ ? allocation_->allocate({demand, side_D_n}, may_lift)
                      : mix_eq3(demand, may_lift);
 }
@@ -130,6 +132,7 @@ MixerResult Mixer::mix_eq3(const Vector4d& demand, bool may_lift) const {
 }
 
 MixerResult Mixer::idle() const {
+  if (vehicle_.rotors.empty()) return {};
   if (allocation_) return allocation_->idle();
   MixerResult result;
   result.u = idle_eq3();

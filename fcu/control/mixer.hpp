@@ -26,6 +26,7 @@ enum class OutputKind : std::uint8_t { kNothing, kMotor, kServo };
 /// ControlAllocation, which gives the same for such four rotors up to rounding.
 class Mixer {
  public:
+  /// A vehicle without rotors has no output.
   /// @throws base::ConfigError when the rotors cannot give thrust, roll and pitch independently
   explicit Mixer(const base::Vehicle& vehicle);
 

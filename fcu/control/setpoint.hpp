@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "fcu/control/path_guidance.hpp"
+
 namespace cas::fcu {
 
 /// A component that is not asked for.
@@ -31,10 +33,31 @@ struct AttitudeSetpoint {
   double thrust_n = 0;                                       ///< along -Dz
 };
 
-/// Everything a mode may ask for. Exactly one of the members counts, outermost first.
+/// Setpoint of flight on a wing: a path, a height and an airspeed, or what is to be instead of the
+/// attitude and throttle that these ask for.
+struct WingSetpoint {
+  Path path;
+  double z_m = 0;               ///< wanted z (down) in N
+  double climb_m_s = 0;         ///< change of the wanted height
+  bool by_climb_alone = false;  ///< `climb_m_s` counts, height and airspeed do not
+  double airspeed_m_s = 0;      ///< equivalent
+  double roll_rad = kUnset;     ///< instead of the path's
+  double pitch_rad = kUnset;    ///< instead of that of height and airspeed
+  double throttle = kUnset;     ///< instead of that of height and airspeed
+  double alpha_rad = kUnset;    ///< angle of attack to balance, where it is not the weight's
+  double heading_rad = kUnset;  ///< steered to on the ground
+  double roll_limit_rad = kUnset;
+  bool unloaded = false;  ///< wheels or rotors carry it: nothing may wind up
+};
+
+/// Everything a mode may ask for: a trajectory, an attitude, or the height of a trajectory in an
+/// attitude. The wing's setpoint flies alone, or beside them in a transition.
 struct ControlSetpoint {
   std::optional<TrajectorySetpoint> trajectory;
   std::optional<AttitudeSetpoint> attitude;
+  std::optional<WingSetpoint> wing;
+  double thrust_min_n = kUnset;  ///< of the rotors that lift; NaN: the vehicle's own
+  double wing_lift_n = 0;  ///< that the wing gives beside the rotors, for a height in an attitude
   double tilt_limit_rad = kUnset;  ///< of a trajectory: the less of this and the vehicle's own
   bool near_ground = false;        ///< about to leave or to touch it: nothing may wind up, nor lift
   bool may_touch = false;          ///< taking off or landing: the ground may push it

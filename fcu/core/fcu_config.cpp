@@ -8,6 +8,7 @@
 #include "base/config/key_table.hpp"
 #include "base/config/sensor_set.hpp"
 #include "base/suggestion.hpp"
+#include "fcu/control/wing_airframe.hpp"
 #include "fcu/core/controller_reference.hpp"
 #include "fcu/line/line_keys.hpp"
 #include "fcu/params/params.hpp"
@@ -105,6 +106,13 @@ FcuConfig FcuConfig::parse(const base::ConfigNode& node) {
   config.sensors = config.vehicle.sensors;
   config.system_id = config.vehicle.system_id;
   base::read_keys(node, kKeys, config);
+  if (config.actuators == ActuatorMessage::kHilControls &&
+      airframe_kind(config.vehicle) != AirframeKind::kMulticopter) {
+    node.at("actuators")
+        .fail(
+            "HIL_CONTROLS moves no control surface: a vehicle with wings needs "
+            "hil_actuator_controls, or auto");
+  }
   if (const auto params = node.find("params")) {
     ParamStore store(config.vehicle);
     for (const auto& [name, value] : params->entries()) {

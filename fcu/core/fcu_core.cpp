@@ -11,6 +11,8 @@ void FcuCore::apply_params() {
   params_applied = params.revision();
   const Settings settings = read_settings(params);
   flight = settings.flight;
+  wing_params = settings.wing;
+  if (wing) wing->set_params(wing_params);
   hil = settings.hil;
   estimator.set_params(settings.estimator);
   if (!cascade.set_params(settings.control)) {
@@ -28,9 +30,12 @@ TaskContext FcuCore::context(base::RunTime now, double dt) const {
   c.params = flight;
   c.home_N = home.p_N;
   c.ground_z = home.ground_z;
+  c.home_yaw_rad = home.yaw_rad;
   c.projection = estimator.projection();
   c.sticks = pilot.sticks(flight, now);
   c.full_thrust_n = config.vehicle.scales.u1_max_n;
+  c.wing = wing_params;
+  c.airspeed = readings.airspeed.read(c.estimate.v_N.norm(), wing_params.use_airspeed, now);
   c.now = now;
   c.dt = dt;
   return c;

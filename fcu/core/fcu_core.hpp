@@ -7,6 +7,7 @@
 
 #include "base/time/clock.hpp"
 #include "fcu/control/control_cascade.hpp"
+#include "fcu/control/wing_controller.hpp"
 #include "fcu/core/battery.hpp"
 #include "fcu/core/controller_description.hpp"
 #include "fcu/core/fcu_config.hpp"
@@ -31,8 +32,10 @@ struct FcuCore {
         params(config.vehicle, sensor_figures(config.sensors).params, design_delay_s(config)),
         outbox({config.system_id, config.component_id}, std::move(send)),
         estimator({}, config.decimal_year),
-        cascade(config.vehicle),
-        commander(texts) {}
+        cascade(lifting_part(config.vehicle)),
+        commander(texts, config.vehicle) {
+    if (commander.airframe() != AirframeKind::kMulticopter) wing.emplace(config.vehicle);
+  }
 
   /// Passes changed parameters on to the parts that use them.
   void apply_params();
@@ -54,12 +57,14 @@ struct FcuCore {
   FcuConfig config;
   ParamStore params;
   FlightParams flight;
+  WingParams wing_params;
   HilParams hil;
   std::uint64_t params_applied = ~0ULL;
   Outbox outbox;
   StatusTexts texts;
   Estimator estimator;
-  ControlCascade cascade;
+  ControlCascade cascade;                ///< of the rotors that lift
+  std::optional<WingController> wing{};  ///< of a plane or VTOL
   Commander commander;
   SensorReadings readings;
   Battery battery;

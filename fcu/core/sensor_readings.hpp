@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "fcu/core/airspeed_meter.hpp"
 #include "fcu/core/vibration_meter.hpp"
 #include "fcu/estimation/sensor_health.hpp"
 #include "mavlink/common/hil_gps.hpp"
@@ -13,6 +14,7 @@ namespace cas::fcu {
 struct SensorReadings {
   SensorHealth health;
   VibrationMeter vibration;
+  AirspeedMeter airspeed;
   std::optional<mavlink::common::HilGps> gps;
   double pressure_hpa = 0;
   double temperature_degc = 0;

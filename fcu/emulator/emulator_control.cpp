@@ -72,6 +72,8 @@ Json status_json(EmulatorView& view) {
           {"armed", s.armed},
           {"mode", name(s.mode)},
           {"landed", landed_word(s.landed)},
+          {"on_wing", s.on_wing},
+          {"vtol", s.vtol},
           {"estimator_ready", s.estimator_ready},
           {"sensor_time_s", 1e-6 * static_cast<double>(s.sensor_time_usec)},
           {"p_N_m", vector_json(s.p_N)},

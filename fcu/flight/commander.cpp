@@ -42,6 +42,7 @@ std::optional<std::string> reason_not_to_arm(const ArmingInput& in) {
 }
 
 FlightTask& Commander::task(FlightMode mode) {
+  if (on_wing()) return wing_;
   switch (mode) {
     case FlightMode::kStabilized:
       return stabilized_;
@@ -68,6 +69,16 @@ FlightTask& Commander::task(FlightMode mode) {
 
 // Requests.
 
+namespace {
+
+/// Modes of sticks, companions and missions are the rotors'.
+bool flies_on_wing(FlightMode mode) {
+  return mode == FlightMode::kTakeoff || mode == FlightMode::kHold || mode == FlightMode::kReturn ||
+         mode == FlightMode::kLand;
+}
+
+}  // namespace
+
 Result Commander::arm(const ArmingInput& checks, const TaskContext& context, bool force) {
   if (armed_) return Result::kAccepted;
   if (mode_ == FlightMode::kTermination) {
@@ -91,6 +102,7 @@ Result Commander::arm(const ArmingInput& checks, const TaskContext& context, boo
 void Commander::set_disarmed(const std::string& why) {
   armed_ = false;
   flying_ = false;
+  vtol_.reset();
   failsafe_.reset();
   texts_.info("Disarmed" + why);
   if (mode_ != FlightMode::kTermination && !is_manual(mode_)) mode_ = FlightMode::kHold;
@@ -119,6 +131,7 @@ Result Commander::set_mode(FlightMode mode, const TaskContext& context, Initiato
     return refuse("no offboard setpoints");
   }
   if (mode == FlightMode::kMission && mission_.items().empty()) return refuse("no mission");
+  if (on_wing() && !flies_on_wing(mode)) return refuse("not on the wing");
   if (is_manual(mode) && armed_ && !context.sticks) return refuse("no manual control");
   if (initiator == Initiator::kCommand) failsafe_.reset();
   if (mode != mode_ || mode == FlightMode::kTakeoff) enter(mode, context);
@@ -135,6 +148,7 @@ Result Commander::take_off(std::optional<double> z, double yaw_rad, const TaskCo
     return Result::kDenied;
   }
   takeoff_.set_target_z(z);
+  wing_.set_takeoff_z(z);
   takeoff_.set_yaw(yaw_rad);
   return set_mode(FlightMode::kTakeoff, context, Initiator::kCommand);
 }
@@ -150,7 +164,30 @@ Result Commander::reposition(const Eigen::Vector3d& p_N, double yaw_rad, double 
     const Result result = set_mode(FlightMode::kHold, context, Initiator::kCommand);
     if (result != Result::kAccepted) return result;
   }
-  hold_.go_to(p_N, yaw_rad, speed_m_s);
+  if (on_wing()) {
+    wing_.circle(p_N, kUnset);
+  } else {
+    hold_.go_to(p_N, yaw_rad, speed_m_s);
+  }
+  return Result::kAccepted;
+}
+
+Result Commander::circle(const Eigen::Vector3d& middle_N, double radius_m,
+                         const TaskContext& context) {
+  if (!flying_) return Result::kTemporarilyRejected;
+  const Result result = set_mode(FlightMode::kHold, context, Initiator::kCommand);
+  if (result == Result::kAccepted) wing_.circle(middle_N, radius_m);
+  return result;
+}
+
+Result Commander::transition(bool to_plane, const TaskContext& context) {
+  if (airframe_ != AirframeKind::kVtol) return Result::kUnsupported;
+  const bool steady = mode_ == FlightMode::kHold || mode_ == FlightMode::kReturn;
+  if (!flying_ || !steady) {
+    texts_.critical("Transition refused: it begins in Hold, in the air");
+    return Result::kTemporarilyRejected;
+  }
+  vtol_.begin(to_plane, context);
   return Result::kAccepted;
 }
 
@@ -174,6 +211,7 @@ void Commander::enter(FlightMode mode, const TaskContext& context) {
   mode_ = mode;
   may_take_off_ = true;
   land_detector_.reset();
+  wing_.set_mode(mode);
   task(mode).activate(context);
 }
 
@@ -206,16 +244,39 @@ void Commander::update_flying(const TaskContext& context, double thrust_ratio) {
     now.activate(context);
     return;
   }
+  if (on_wing()) {
+    if (wing_.landed()) touch_ground();
+    return;
+  }
   const Eigen::Vector3d& v = context.estimate.v_N;
   const LandDetector::Input in{thrust_ratio, v.z(), v.head<2>().norm(), now.descending(context)};
   const LandDetector::Stage stage = land_detector_.update(in, context.dt);
   if (stage == LandDetector::Stage::kContact && !contact_) contact_thrust_ = thrust_ratio;
   contact_ = stage == LandDetector::Stage::kContact;
-  if (stage != LandDetector::Stage::kLanded) return;
+  if (stage == LandDetector::Stage::kLanded) touch_ground();
+}
+
+void Commander::touch_ground() {
   flying_ = false;
   may_take_off_ = is_manual(mode_) || mode_ == FlightMode::kOffboard;
   landed_s_ = 0;
+  vtol_.reset();
   texts_.info("Landed");
+}
+
+/// A VTOL lands on its rotors, wherever it is told to.
+void Commander::update_transition(const TaskContext& context) {
+  if (airframe_ != AirframeKind::kVtol || !flying_) return;
+  const bool lands = mode_ == FlightMode::kLand || mode_ == FlightMode::kReturn;
+  const bool flies_on = vtol_.state() == VtolState::kPlane || vtol_.state() == VtolState::kToPlane;
+  if (lands && flies_on) vtol_.begin(false, context);
+  if (!vtol_.under_way()) return;
+  const bool gave_up = vtol_.gave_up();
+  const std::optional<VtolState> reached = vtol_.update(context);
+  if (vtol_.gave_up() && !gave_up) texts_.critical("Transition given up: too slow");
+  if (!reached) return;
+  texts_.info(*reached == VtolState::kPlane ? "Flying on the wing" : "Flying on the rotors");
+  enter(mode_, context);
 }
 
 /// Thrust that does not lift the vehicle turns or drags it on its feet.
@@ -245,6 +306,10 @@ void Commander::settle_on_ground(const TaskContext& context) {
 }
 
 void Commander::finish_tasks(const TaskContext& context) {
+  if (on_wing()) {
+    if (mode_ == FlightMode::kTakeoff && wing_.done(context)) enter(FlightMode::kHold, context);
+    return;
+  }
   if (mode_ == FlightMode::kTakeoff && flying_ && takeoff_.done(context)) {
     const Eigen::Vector3d target = takeoff_.target();
     enter(FlightMode::kHold, context);
@@ -292,14 +357,20 @@ ControlSetpoint Commander::update(const TaskContext& context, const FailsafeInpu
     setpoint_.idle = true;
     return setpoint_;
   }
+  update_transition(context);
+  if (vtol_.under_way()) {
+    setpoint_ = vtol_.setpoint(context);
+    return setpoint_;
+  }
   finish_tasks(context);
   setpoint_ = task(mode_).update(context);
-  if (contact_) settle_on_ground(context);
+  if (contact_ && !on_wing()) settle_on_ground(context);
   return setpoint_;
 }
 
 void Commander::on_position_reset(const Eigen::Vector3d& by_N) {
   if (mode_ != FlightMode::kOffboard) task(mode_).shift(by_N);
+  vtol_.shift(by_N);
 }
 
 void Commander::on_sensors_lost(const std::string& what) {

@@ -14,6 +14,8 @@
 #include "fcu/flight/flight_tasks.hpp"
 #include "fcu/flight/mission_task.hpp"
 #include "fcu/flight/status_texts.hpp"
+#include "fcu/flight/vtol_transition.hpp"
+#include "fcu/flight/wing_task.hpp"
 #include "fcu/params/settings.hpp"
 #include "mavlink/common/enums.hpp"
 
@@ -91,7 +93,8 @@ class Commander {
  public:
   using Result = mavlink::common::MavResult;
 
-  explicit Commander(StatusTexts& texts) : texts_(texts) {}
+  Commander(StatusTexts& texts, const base::Vehicle& vehicle)
+      : texts_(texts), airframe_(airframe_kind(vehicle)), vtol_(vehicle) {}
 
   // Requests, answered at once.
   Result arm(const ArmingInput& checks, const TaskContext& context, bool force);
@@ -103,6 +106,10 @@ class Commander {
                     const TaskContext& context);
   Result fly_pattern(PatternShape shape, double size_m, double speed_m_s, double period_s,
                      const TaskContext& context);
+  /// Circles about a place on the wing; a component or radius that is NaN stays as it is.
+  Result circle(const Eigen::Vector3d& middle_N, double radius_m, const TaskContext& context);
+  /// Turns a VTOL into a plane, or back.
+  Result transition(bool to_plane, const TaskContext& context);
   void terminate(const std::string& reason);
 
   /// One control step.
@@ -117,6 +124,14 @@ class Commander {
   FlightMode mode() const { return mode_; }
   LandedState landed() const;
   bool flying() const { return flying_; }
+  AirframeKind airframe() const { return airframe_; }
+  /// What carries it; of a VTOL.
+  VtolState vtol_state() const { return vtol_.state(); }
+  /// Flies on its wing alone.
+  bool on_wing() const {
+    return airframe_ == AirframeKind::kPlane ||
+           (airframe_ == AirframeKind::kVtol && vtol_.state() == VtolState::kPlane);
+  }
   bool failsafe_active() const { return failsafe_.active(); }
   OffboardTask& offboard() { return offboard_; }
   MissionTask& mission() { return mission_; }
@@ -129,6 +144,8 @@ class Commander {
   void enter(FlightMode mode, const TaskContext& context);
   void act(const FailsafeDecision& decision, const TaskContext& context);
   void update_flying(const TaskContext& context, double thrust_ratio);
+  void update_transition(const TaskContext& context);
+  void touch_ground();
   void give_up_takeoff(const TaskContext& context);
   void settle_on_ground(const TaskContext& context);
   void finish_tasks(const TaskContext& context);
@@ -136,6 +153,8 @@ class Commander {
   void set_disarmed(const std::string& why);
 
   StatusTexts& texts_;
+  AirframeKind airframe_;
+  VtolTransition vtol_;
   bool armed_ = false;
   bool flying_ = false;
   bool contact_ = false;
@@ -155,6 +174,7 @@ class Commander {
   ManualTask altitude_{FlightMode::kAltitude};
   ManualTask position_{FlightMode::kPosition};
   MissionTask mission_;
+  WingTask wing_;
   LandDetector land_detector_;
   double contact_thrust_ = 1;  ///< over hover, on the way down to nothing
   Failsafe failsafe_;

@@ -44,6 +44,8 @@ struct FlightStatus {
   bool estimator_ready = false;
   FlightMode mode = FlightMode::kHold;
   LandedState landed = LandedState::kOnGround;
+  bool on_wing = false;   ///< a plane, or a VTOL after its transition
+  std::string_view vtol;  ///< "multicopter", "to_plane", "plane", "to_multicopter"; empty: no VTOL
   std::uint64_t sensor_time_usec = 0;                           ///< stamp of the newest HIL_SENSOR
   Eigen::Quaterniond q_ND = Eigen::Quaterniond::Identity();     ///< estimated attitude
   Eigen::Vector3d p_N = Eigen::Vector3d::Zero();                ///< estimated position, m

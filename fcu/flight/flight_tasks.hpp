@@ -6,7 +6,9 @@
 
 #include "base/earth/geodesy.hpp"
 #include "base/time/clock.hpp"
+#include "fcu/control/airspeed.hpp"
 #include "fcu/control/setpoint.hpp"
+#include "fcu/control/wing_params.hpp"
 #include "fcu/estimation/estimator.hpp"
 #include "fcu/flight/flight_status.hpp"
 #include "fcu/flight/trajectory.hpp"
@@ -30,10 +32,13 @@ struct TaskContext {
   bool height_valid = false;
   FlightParams params;
   Eigen::Vector3d home_N = Eigen::Vector3d::Zero();  ///< m
+  double home_yaw_rad = 0;                           ///< heading when home was set
   double ground_z = 0;  ///< z (down) of the ground at the take-off place, m
   std::optional<base::LocalProjection> projection;
   std::optional<Sticks> sticks;  ///< nothing while no pilot is heard
   double full_thrust_n = 0;      ///< U1 at throttle 1
+  WingParams wing;               ///< of a vehicle with a wing
+  Airspeed airspeed;             ///< the same
   base::RunTime now;
   double dt = 0;  ///< s since the last control step
 };

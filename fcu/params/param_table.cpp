@@ -8,6 +8,7 @@
 #include "base/angles.hpp"
 #include "fcu/control/loop_design.hpp"
 #include "fcu/control/mixer.hpp"
+#include "fcu/control/wing_airframe.hpp"
 
 namespace cas::fcu {
 namespace {
@@ -57,6 +58,7 @@ struct Airframe {
   int mav_type = 2;
   bool spare_rotors = true;  ///< more than four
   bool side_force = true;    ///< rotors are tilted
+  AirframeKind kind = AirframeKind::kVtol;
 };
 
 // The table. Where PX4 has the same loop or limit, the name and the unit are PX4's.
@@ -180,6 +182,81 @@ void visit_motion(Visitor& v, FlightParams& f) {
   v.real("CAS_TRJ_PERIOD", f.pattern_period_s, 1, 120);
 }
 
+void visit_wing_rate(Visitor& v, const std::string& letter, WingParams& w, PidGains& gains,
+                     int index) {
+  const std::string prefix = "FW_" + letter + "R_";
+  v.real(prefix + "P", gains.p, 0, 10);
+  v.real(prefix + "I", gains.i, 0, 10);
+  v.real(prefix + "FF", w.rate_feed_forward[index], 0, 10);
+  v.real(prefix + "IMAX", gains.i_limit, 0, 1);
+}
+
+void visit_wing_attitude(Visitor& v, WingParams& w) {
+  visit_wing_rate(v, "R", w, w.roll_rate, 0);
+  visit_wing_rate(v, "P", w, w.pitch_rate, 1);
+  visit_wing_rate(v, "Y", w, w.yaw_rate, 2);
+  v.real("FW_R_TC", w.roll_time_s, 0.2, 1);
+  v.real("FW_P_TC", w.pitch_time_s, 0.2, 1);
+  v.real("FW_R_RMAX", w.rate_limit_rad_s[0], 0, 180, kRadPerDeg);
+  v.real("FW_P_RMAX_POS", w.rate_limit_rad_s[1], 0, 180, kRadPerDeg);
+  v.real("FW_Y_RMAX", w.rate_limit_rad_s[2], 0, 180, kRadPerDeg);
+  v.real("FW_R_LIM", w.roll_limit_rad, 10, 65, kRadPerDeg);
+  v.real("FW_P_LIM_MAX", w.pitch_max_rad, 0, 60, kRadPerDeg);
+  v.real("FW_P_LIM_MIN", w.pitch_min_rad, -60, 0, kRadPerDeg);
+  v.real("FW_PSP_OFF", w.pitch_offset_rad, -30, 30, kRadPerDeg);
+}
+
+/// Throttles are shares of the static thrust, airspeeds equivalent ones.
+void visit_wing_energy(Visitor& v, WingParams& w) {
+  v.integer("FW_USE_AIRSPD", w.use_airspeed, 0, 1);
+  v.real("FW_AIRSPD_MIN", w.airspeed_min_m_s, 3, 100);
+  v.real("FW_AIRSPD_TRIM", w.airspeed_trim_m_s, 3, 100);
+  v.real("FW_AIRSPD_MAX", w.airspeed_max_m_s, 3, 150);
+  v.real("FW_THR_MIN", w.throttle_min, 0, 1);
+  v.real("FW_THR_TRIM", w.throttle_trim, 0, 1);
+  v.real("FW_THR_MAX", w.throttle_max, 0, 1);
+  v.real("FW_T_CLMB_MAX", w.climb_max_m_s, 0.5, 30);
+  v.real("FW_T_SINK_MIN", w.sink_min_m_s, 0.5, 30);
+  v.real("FW_T_SINK_MAX", w.sink_max_m_s, 0.5, 30);
+  v.real("FW_T_ALT_TC", w.height_time_s, 1, 30);
+  v.real("FW_T_TAS_TC", w.airspeed_time_s, 1, 30);
+  v.real("FW_T_THR_DAMPING", w.throttle_damping, 0, 2);
+  v.real("FW_T_THR_INTEG", w.throttle_integrator, 0, 2);
+  v.real("FW_T_PTCH_DAMP", w.pitch_damping, 0, 2);
+  v.real("FW_T_I_GAIN_PIT", w.pitch_integrator, 0, 2);
+  v.real("FW_T_SPDWEIGHT", w.speed_weight, 0, 2);
+}
+
+void visit_wing_way(Visitor& v, WingParams& w) {
+  v.real("FW_L1_PERIOD", w.path_period_s, 4, 100);
+  v.real("FW_L1_DAMPING", w.path_damping, 0.6, 0.9);
+  v.real("NAV_LOITER_RAD", w.loiter_radius_m, 5, 1000);
+  v.real("RWTO_MAX_THR", w.runway_throttle, 0, 1);
+  v.real("RWTO_RAMP_TIME", w.runway_ramp_s, 0, 15);
+  v.real("RWTO_PSP", w.runway_pitch_rad, -10, 20, kRadPerDeg);
+  v.real("FW_LND_ANG", w.land_slope_rad, 1, 15, kRadPerDeg);
+  v.real("FW_LND_AIRSPD", w.land_airspeed_m_s, 3, 100);
+  v.real("FW_LND_FLALT", w.flare_height_m, 0.1, 20);
+  v.real("FW_LND_FL_SINK", w.flare_sink_m_s, 0.1, 2);
+}
+
+void visit_vtol(Visitor& v, WingParams& w) {
+  v.real("VT_ARSP_TRANS", w.transition_airspeed_m_s, 1, 100);
+  v.real("VT_ARSP_BLEND", w.blend_airspeed_m_s, 0, 100);
+  v.real("VT_F_TRANS_THR", w.transition_throttle, 0, 1);
+  v.real("VT_TRANS_TIMEOUT", w.transition_timeout_s, 0.1, 60);
+  v.real("VT_B_TRANS_DUR", w.back_transition_s, 0.1, 60);
+}
+
+/// Parameters that only vehicles with a wing have.
+void visit_wing(Visitor& v, AirframeKind kind, WingParams& w) {
+  if (kind == AirframeKind::kMulticopter) return;
+  visit_wing_attitude(v, w);
+  visit_wing_energy(v, w);
+  visit_wing_way(v, w);
+  if (kind == AirframeKind::kVtol) visit_vtol(v, w);
+}
+
 void visit_safety(Visitor& v, FlightParams& f) {
   constexpr int kNoTermination = 121212;  // PX4's circuit breaker value
   int breaker = f.termination_enabled ? 0 : kNoTermination;
@@ -231,14 +308,19 @@ void visit_params(Visitor& v, const Airframe& airframe, Settings& s) {
   visit_rotors(v, airframe, s.control);
   visit_estimator(v, s.estimator);
   visit_motion(v, s.flight);
+  visit_wing(v, airframe.kind, s.wing);
   visit_safety(v, s.flight);
   visit_system(v, airframe, s.hil, s.battery);
 }
 
 // Defaults.
 
-/// MAV_TYPE by the number of rotors.
-int vehicle_type(int rotors) {
+/// MAV_TYPE of a plane, or by the number of rotors that lift.
+int vehicle_type(AirframeKind kind, int rotors) {
+  constexpr int kFixedWing = 1;
+  constexpr int kVtolFixedRotor = 22;
+  if (kind == AirframeKind::kPlane) return kFixedWing;
+  if (kind == AirframeKind::kVtol) return kVtolFixedRotor;
   constexpr int kGenericMultirotor = 43;
   constexpr std::pair<int, int> kTypes[] = {{3, 15}, {4, 2}, {6, 13}, {8, 14}, {10, 35}, {12, 29}};
   for (const auto& [count, type] : kTypes) {
@@ -249,20 +331,25 @@ int vehicle_type(int rotors) {
 
 }  // namespace
 
-std::vector<Param> default_params(const base::Vehicle& vehicle, const EstimatorParams& figures,
+std::vector<Param> default_params(const base::Vehicle& whole, const EstimatorParams& figures,
                                   double delay_s) {
   Settings defaults;
+  const base::Vehicle vehicle = lifting_part(whole);
+  const AirframeKind kind = airframe_kind(whole);
+  if (kind != AirframeKind::kMulticopter) derive_wing(whole, defaults.wing);
   defaults.estimator = figures;
   // A vehicle that tilts slowly cannot follow a quick change of acceleration.
-  const double share = derive_gains(vehicle, delay_s, defaults.control);
+  const double share =
+      vehicle.rotors.empty() ? 1.0 : derive_gains(vehicle, delay_s, defaults.control);
   defaults.flight.jerk_m_s3 *= share;
   defaults.flight.acceleration_m_s2 *= share;
   Visitor lister;
   visit_params(lister,
                {.system_id = vehicle.system_id,
-                .mav_type = vehicle_type(vehicle.rotor_count()),
+                .mav_type = vehicle_type(kind, vehicle.rotor_count()),
                 .spare_rotors = vehicle.rotor_count() > 4,
-                .side_force = Mixer(vehicle).side_force_n() > 0},
+                .side_force = Mixer(vehicle).side_force_n() > 0,
+                .kind = kind},
                defaults);
   return std::move(lister.list);
 }

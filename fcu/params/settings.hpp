@@ -3,6 +3,7 @@
 
 #include "base/angles.hpp"
 #include "fcu/control/control_params.hpp"
+#include "fcu/control/wing_params.hpp"
 #include "fcu/estimation/estimator_params.hpp"
 
 namespace cas::fcu {
@@ -74,6 +75,7 @@ struct BatteryParams {
 /// default_params().
 struct Settings {
   ControlParams control;
+  WingParams wing;
   EstimatorParams estimator;
   FlightParams flight;
   HilParams hil;

@@ -89,6 +89,10 @@ MavResult reposition(const Command& command, const CommandTarget& target, RunTim
 }
 
 MavResult orbit(const Command& command, const CommandTarget& target, RunTime now) {
+  if (target.commander.on_wing()) {
+    return target.commander.circle(place_of(command, target), command.param[0],
+                                   target.context(now));
+  }
   const double radius = std::isfinite(command.param[0]) ? std::abs(command.param[0]) : 0;
   const double speed = std::isfinite(command.param[1]) ? std::abs(command.param[1]) : 2;
   if (radius < 0.5 || speed <= 0) return MavResult::kDenied;
@@ -96,11 +100,24 @@ MavResult orbit(const Command& command, const CommandTarget& target, RunTime now
   return target.commander.fly_pattern(PatternShape::kCircle, radius, speed, 0, target.context(now));
 }
 
+/// Parameter 1 names what is to be a multicopter's, or a plane's.
+MavResult transition(const Command& command, const CommandTarget& target, RunTime now) {
+  using mavlink::common::MavVtolState;
+  const double asked = command.param[0];
+  if (asked == static_cast<double>(MavVtolState::kFw)) {
+    return target.commander.transition(true, target.context(now));
+  }
+  if (asked == static_cast<double>(MavVtolState::kMc)) {
+    return target.commander.transition(false, target.context(now));
+  }
+  return MavResult::kDenied;
+}
+
 MavResult change_speed(const Command& command, const CommandTarget& target) {
   if (command.param[1] <= 0) return MavResult::kAccepted;  // -1: no change
-  return target.params.set("MPC_XY_CRUISE", command.param[1]) == ParamSetResult::kOk
-             ? MavResult::kAccepted
-             : MavResult::kDenied;
+  const char* const speed = target.commander.on_wing() ? "FW_AIRSPD_TRIM" : "MPC_XY_CRUISE";
+  return target.params.set(speed, command.param[1]) == ParamSetResult::kOk ? MavResult::kAccepted
+                                                                           : MavResult::kDenied;
 }
 
 MavResult set_home(const Command& command, const CommandTarget& target) {
@@ -160,6 +177,8 @@ MavResult flight_command(const Command& command, const CommandTarget& target, Ru
       return reposition(command, target, now);
     case MavCmd::kDoOrbit:
       return orbit(command, target, now);
+    case MavCmd::kDoVtolTransition:
+      return transition(command, target, now);
     case MavCmd::kDoChangeSpeed:
       return change_speed(command, target);
     case MavCmd::kDoSetHome:

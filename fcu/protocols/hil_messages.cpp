@@ -125,9 +125,11 @@ void SensorInput::feed_estimator(const HilSensor& m, SimTime time, RunTime now) 
   if (all(flags, F::kAbsPressure)) {
     readings.pressure_hpa = static_cast<double>(m.abs_pressure);
     readings.temperature_degc = static_cast<double>(m.temperature);
+    readings.airspeed.set_air(100 * readings.pressure_hpa, readings.temperature_degc);
     readings.health.on_sample(SensorHealth::kBaro, Vector3d(readings.pressure_hpa, 0, 0), now);
     to_.estimator.on_barometer(time, 100 * readings.pressure_hpa);
   }
+  if (all(flags, F::kDiffPressure)) readings.airspeed.on_sample(m.diff_pressure_pa(), now);
 }
 
 void SensorInput::on_sensor(const HilSensor& m, RunTime now) {
@@ -251,7 +253,10 @@ HilActuatorControls motor_outputs(const AnswerInput& a) {
   HilActuatorControls message;
   message.time_usec = a.time_usec;
   if (a.armed) {
-    const auto outputs = a.mixer.outputs(a.result);
+    auto outputs = a.mixer.outputs(a.result);
+    if (a.wing != nullptr) {
+      for (std::size_t i = 0; i < outputs.size(); ++i) outputs[i] += a.wing->outputs()[i];
+    }
     for (std::size_t i = 0; i < outputs.size(); ++i) {
       message.controls[i] = output(outputs[i], -1, 1);
     }

@@ -89,6 +89,7 @@ std::optional<Battery::Reading> battery_reading(const mavlink::common::BatterySt
 struct AnswerInput {
   const MixerResult& result;
   const Mixer& mixer;
+  const WingController* wing = nullptr;  ///< of a plane or VTOL
   const base::ControlScales& scales;
   std::uint64_t time_usec = 0;  ///< stamp of the HIL_SENSOR that it was computed from; it is echoed
   bool armed = false;

@@ -45,13 +45,21 @@ void send_attitude_quaternion(const Report& r) {
 
 void send_attitude_target(const Report& r) {
   if (!r.core.commander.flying()) return;
-  const AttitudeSetpoint& s = r.core.cascade.attitude_setpoint();
-  const Vector3d& w = r.core.cascade.rate_setpoint();
+  AttitudeSetpoint s = r.core.cascade.attitude_setpoint();
+  Vector3d w = r.core.cascade.rate_setpoint();
+  double thrust = s.thrust_n / r.core.config.vehicle.scales.u1_max_n;
+  if (r.core.commander.on_wing()) {
+    const WingController& wing = *r.core.wing;
+    const double yaw = base::euler_rpy(r.core.estimator.state().q_ND).z();
+    s.q_ND = base::quaternion_rpy(wing.roll_setpoint_rad(), wing.pitch_setpoint_rad(), yaw);
+    w = wing.rate_setpoint();
+    thrust = wing.throttle();
+  }
   AttitudeTarget m;
   m.time_boot_ms = r.core.time_boot_ms(r.now);
   m.q = {to_float(s.q_ND.w()), to_float(s.q_ND.x()), to_float(s.q_ND.y()), to_float(s.q_ND.z())};
   put(w, m.body_roll_rate, m.body_pitch_rate, m.body_yaw_rate);
-  m.thrust = to_float(s.thrust_n / r.core.config.vehicle.scales.u1_max_n);
+  m.thrust = to_float(thrust);
   r.send(m);
 }
 
@@ -101,7 +109,13 @@ void send_vfr_hud(const Report& r) {
   m.groundspeed = to_float(s.v_N.head<2>().norm());
   m.airspeed = m.groundspeed;
   m.heading = static_cast<std::int16_t>(heading_cdeg(base::euler_rpy(s.q_ND).z()) / 100);
-  const double throttle = r.core.cascade.output().u[0] / r.core.config.vehicle.scales.u1_max_n;
+  double throttle = r.core.cascade.output().u[0] / r.core.config.vehicle.scales.u1_max_n;
+  if (r.core.commander.on_wing()) {
+    m.airspeed =
+        to_float(r.core.readings.airspeed.read(s.v_N.norm(), r.core.wing_params.use_airspeed, r.now)
+                     .true_m_s);
+    throttle = r.core.wing->throttle();
+  }
   m.throttle = static_cast<std::uint16_t>(std::lround(100 * std::clamp(throttle, 0.0, 1.0)));
   m.alt = to_float(amsl(r.core, s.p_N.z()));
   m.climb = to_float(-s.v_N.z());
@@ -219,9 +233,24 @@ void send_sys_status(const Report& r) {
   r.send(m);
 }
 
+MavVtolState vtol_state(const Commander& commander) {
+  if (commander.airframe() != AirframeKind::kVtol) return MavVtolState::kUndefined;
+  switch (commander.vtol_state()) {
+    case VtolState::kMulticopter:
+      return MavVtolState::kMc;
+    case VtolState::kToPlane:
+      return MavVtolState::kTransitionToFw;
+    case VtolState::kPlane:
+      return MavVtolState::kFw;
+    case VtolState::kToMulticopter:
+      return MavVtolState::kTransitionToMc;
+  }
+  return MavVtolState::kUndefined;
+}
+
 void send_extended_sys_state(const Report& r) {
   ExtendedSysState m;
-  m.vtol_state = MavVtolState::kUndefined;
+  m.vtol_state = vtol_state(r.core.commander);
   switch (r.core.commander.landed()) {
     case LandedState::kOnGround:
       m.landed_state = MavLandedState::kOnGround;
@@ -330,9 +359,13 @@ void send_scaled_pressure(const Report& r) {
 
 void send_servo_output_raw(const Report& r) {
   const Mixer& mixer = r.core.cascade.mixer();
-  const auto outputs = mixer.outputs(r.core.cascade.output());
+  auto outputs = mixer.outputs(r.core.cascade.output());
   const auto pwm = [&](std::size_t i) -> std::uint16_t {
-    const OutputKind kind = mixer.output_kind(i);
+    OutputKind kind = mixer.output_kind(i);
+    if (kind == OutputKind::kNothing && r.core.wing) {
+      kind = r.core.wing->output_kind(i);
+      outputs[i] = r.core.wing->outputs()[i];
+    }
     if (kind == OutputKind::kNothing) return 0;
     if (kind == OutputKind::kServo) {
       return static_cast<std::uint16_t>(1500 + std::lround(500 * outputs[i]));

@@ -441,15 +441,19 @@ std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::
   return flight;
 }
 
-void refuse_firmware_steps(const base::ConfigNode& steps) {
+void refuse_firmware_steps(const base::ConfigNode& steps, bool has_wing) {
+  const auto of_wings = [](std::string_view word) {
+    return word == "loiter" || word == "transition";
+  };
   for (const base::ConfigNode& node : steps.items()) {
     for (const char* const word :
          {"mission", "sticks", "loiter", "transition", "breach", "reboot"}) {
       const bool bare = node.is_scalar() && node.as<std::string>() == word;
-      if (!bare && !(node.is_map() && node.has(word))) continue;
+      if ((has_wing && of_wings(word)) || (!bare && !(node.is_map() && node.has(word)))) continue;
       (bare ? node : node.at(word))
-          .fail(
-              fmt::format("only a scenario of stock firmware (key firmware) has a step {}", word));
+          .fail(fmt::format("only a scenario of stock firmware (key firmware) has a step {}{}",
+                            word,
+                            of_wings(word) ? ", or one of a vehicle with wings (block aero)" : ""));
     }
   }
 }

@@ -135,9 +135,9 @@ bool is_command(StepKind kind);
 std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::GainMap& gains,
                                      const VehicleNames& names = only_vehicle());
 
-/// Missions, circles, transitions, breaches and reboots are for stock firmware. @throws
-/// base::ConfigError at the first
-void refuse_firmware_steps(const base::ConfigNode& steps);
+/// Missions, breaches and reboots are for stock firmware, circles and transitions also for vehicles
+/// with a wing. @throws base::ConfigError at the first that is not flown
+void refuse_firmware_steps(const base::ConfigNode& steps, bool has_wing);
 
 /// The steps of one vehicle: those of others are replaced by kStandBy.
 std::vector<FlightStep> steps_for(std::size_t vehicle, const std::vector<FlightStep>& flight);

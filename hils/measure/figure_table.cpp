@@ -208,7 +208,8 @@ void add_motion(Rows& table) {
         "the most that a `transition` of a VTOL changed the true height",
         of(&Measurement::transition_height_m)},
        {"landing_error_m", "error of the landing", "m", 3, kDown,
-        "true horizontal distance from where `land` was begun, of a vehicle that hung still then",
+        "true horizontal distance from where `land` was begun, of a vehicle that hung still then; "
+        "of a plane from where it took off",
         of(&Measurement::landing_error_m)},
        {"rotor_activity_rad_s2", "activity of the rotors", "rad/s^2", 1, kDown,
         "RMS of the rotors' accelerations in the measured step, from sample to sample of "

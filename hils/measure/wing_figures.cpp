@@ -78,8 +78,10 @@ std::optional<double> landing_error_m(const std::vector<Stage>& stages,
     if (stage.step.kind != StepKind::kLand || flown.empty()) continue;
     off_m.reset();
     const auto& [begin, end] = std::pair(flown.front(), flown.back());
-    if (std::hypot(begin.v_m_s[0], begin.v_m_s[1], begin.v_m_s[2]) > kHangsStill_m_s) continue;
-    off_m = std::hypot(end.pose.x_m - begin.pose.x_m, end.pose.y_m - begin.pose.y_m);
+    const bool hung = std::hypot(begin.v_m_s[0], begin.v_m_s[1], begin.v_m_s[2]) <= kHangsStill_m_s;
+    if (!hung && !stage.on_wing) continue;
+    const Pose& from = stage.on_wing ? truth.front().pose : begin.pose;
+    off_m = std::hypot(end.pose.x_m - from.x_m, end.pose.y_m - from.y_m);
   }
   return off_m;
 }

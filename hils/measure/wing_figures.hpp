@@ -27,8 +27,9 @@ std::optional<double> least_airspeed_m_s(std::span<const PoseSample> samples);
 std::optional<double> transition_height_m(const std::vector<Stage>& stages,
                                           std::span<const PoseSample> truth);
 
-/// Horizontal distance between where the last `land` was begun and where it ended. nullopt: there
-/// was none, or the vehicle did not hang still then.
+/// Horizontal distance between where the last `land` was begun and where it ended; of a vehicle on
+/// its wing between the first sample and that, for it lands where it took off. nullopt: there was
+/// none, or the vehicle neither hung still then nor flew on its wing.
 std::optional<double> landing_error_m(const std::vector<Stage>& stages,
                                       std::span<const PoseSample> truth);
 

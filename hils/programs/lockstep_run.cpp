@@ -52,6 +52,8 @@ VehicleReport controller_report(const Json& status) {
   };
   VehicleReport report;
   report.heard = true;
+  report.vtol = status.at("vtol").get<std::string>();
+  if (status.at("on_wing").get<bool>() && report.vtol.empty()) report.type = "fixed_wing";
   report.armed = status.at("armed").get<bool>();
   const auto landed = status.at("landed").get<std::string>();
   report.in_air = landed == "in_air";

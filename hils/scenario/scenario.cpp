@@ -487,6 +487,10 @@ void read_vehicles(const base::ConfigNode& root, Scenario& scenario) {
   base::read_keys(root, kPlaceAndTimeKeys, scenario);
 }
 
+bool has_wing(const ScenarioVehicle& vehicle) {
+  return base::ConfigNode::load(vehicle.vehicle).has(kAeroPlugin);
+}
+
 /// Reads the keys of a scenario that our controller flies. @throws base::ConfigError
 void read_own(const base::ConfigNode& root, Scenario& scenario) {
   read_vehicles(root, scenario);
@@ -501,7 +505,7 @@ void read_own(const base::ConfigNode& root, Scenario& scenario) {
     root.at("rates").at("controls_hz").fail("controls answer HIL_SENSOR: no more than sensor_hz");
   }
   scenario.steps = parse_flight(root.at("steps"), casd::GainMap::shipped(), scenario.names());
-  refuse_firmware_steps(root.at("steps"));
+  refuse_firmware_steps(root.at("steps"), std::ranges::all_of(scenario.vehicles, has_wing));
   check_handed_on_keys(scenario);
   if (!root.has("faults")) return;
   scenario.faults = parse_scenario_faults(root.at("faults"), scenario.line, scenario.names());

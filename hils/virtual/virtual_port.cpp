@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/rpc/server.hpp"
+#include "casd/port/call_json.hpp"
 #include "casd/port/vehicle_methods.hpp"
 
 namespace cas::hils {
@@ -36,6 +37,8 @@ VehicleReport VirtualPort::report(std::uint8_t system) const {
   const casd::VehicleState* state = commander_.find(system);
   if (state == nullptr) return report;
   report.heard = true;
+  report.type = casd::type_word(state->type());
+  report.vtol = state->vtol_word();
   report.armed = state->armed();
   report.in_air = state->landed_word() == "in_air";
   report.on_ground = state->landed_word() == "on_ground";

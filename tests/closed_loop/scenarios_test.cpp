@@ -72,6 +72,16 @@ TEST(Scenario, PixhawkIsFlownByTheEmulatorToo) {
   EXPECT_TRUE(flown.verdict.passed) << flown.text;
 }
 
+TEST(Scenario, PlaneTakesOffCirclesAndLands) {
+  const Flown flown = fly("plane");
+  EXPECT_TRUE(flown.verdict.passed) << flown.text;
+}
+
+TEST(Scenario, QuadplaneTurnsIntoAPlaneAndBack) {
+  const Flown flown = fly("quadplane");
+  EXPECT_TRUE(flown.verdict.passed) << flown.text;
+}
+
 TEST(Scenario, WindHoldsThePlaceThroughAGust) {
   const Flown flown = fly("wind");
   EXPECT_TRUE(flown.verdict.passed) << flown.text;

@@ -90,5 +90,12 @@ TEST(Landing, ErrorIsOfAVehicleThatHungStill) {
   EXPECT_FALSE(landing_error_m({step(StepKind::kHold, 0, 5)}, line(heights, 0)));
 }
 
+TEST(Landing, ErrorOfAPlaneIsFromWhereItTookOff) {
+  const std::vector<double> heights{0, 30, 20, 10, 0};
+  std::vector<Stage> stages{step(StepKind::kLand, 2, 5)};
+  stages.front().on_wing = true;
+  EXPECT_NEAR(landing_error_m(stages, line(heights, 15)).value(), 0.4, 1e-12);
+}
+
 }  // namespace
 }  // namespace cas::hils
