@@ -37,6 +37,15 @@ void resolve_files(const base::ConfigNode& source, YAML::Node world) {
   }
 }
 
+/// The pseudo-terminal that ${CAS_AHRS_TTY} names.
+void offer_ahrs_line(const RunPaths& paths, YAML::Node plugins) {
+  for (YAML::Node plugin : plugins) {
+    if (plugin["plugin"].as<std::string>() != "external_ahrs") continue;
+    plugin.remove("device");
+    plugin["pty"] = paths.ahrs_tty().string();
+  }
+}
+
 std::string world_text(const RunRequest& request, const RunPaths& paths) {
   const Scenario& scenario = request.scenario;
   const Firmware& firmware = *scenario.firmware;
@@ -55,6 +64,7 @@ std::string world_text(const RunRequest& request, const RunPaths& paths) {
       vehicle["sensors"] = YAML::Load(set->dump());
       notes += sensors_origins(fmt::format("vehicles[{}].sensors", i), *set);
     }
+    if (firmware.external_ahrs) offer_ahrs_line(paths, vehicle["plugins"]);
     add_scenario_plugins(request, i, vehicle["plugins"]);
     vehicle["plugins"].push_back(recorder_plugin(request, paths.vehicles.at(i)));
     notes += plugin_origins(scenario, i, vehicles.at(i).at("plugins").items().size());
@@ -100,6 +110,7 @@ std::string topology_text(const RunRequest& request, const RunPaths& paths) {
   topology["command_port"]["port"] = 0;
   topology["command_port"]["unix"] = paths.command_port.string();
   topology["command_port"]["token_file"] = paths.command_token().string();
+  if (firmware.outputs_disconnected) topology["commanding"]["allow_not_hil"] = true;
   topology["log"] = YAML::Node(YAML::NodeType::Map);
   topology["log"]["folder"] = paths.out.string();
   topology["log"]["tlog"] = "flight.tlog";

@@ -13,6 +13,7 @@
 
 #include "base/time/unix_time.hpp"
 #include "hils/firmware/companion_flight.hpp"
+#include "hils/firmware/external_ahrs.hpp"
 #include "hils/firmware/fence_keeper.hpp"
 #include "hils/firmware/firmware_composition.hpp"
 #include "hils/firmware/firmware_faults.hpp"
@@ -32,8 +33,8 @@ using base::rpc::Json;
 
 constexpr base::Duration kCompanionPatience = std::chrono::seconds(20);
 constexpr base::Duration kSilencePatience = std::chrono::seconds(30);
-/// For giving back the parameters of the fences of a run that is stopped.
-constexpr base::Duration kFencePatience = std::chrono::seconds(10);
+/// For the last calls to the vehicles of a run that is stopped.
+constexpr base::Duration kLastCallPatience = std::chrono::seconds(10);
 /// Higher than a landing gear springs, lower than any takeoff of a scenario.
 constexpr double kOnGround_m = 0.3;
 /// A vehicle on its gear; one that lies on its side or back is tilted by more.
@@ -77,6 +78,13 @@ class FirmwareVehicle {
     if (const auto fault = meet_firmware(deck_, vehicle_, asked_, record_)) {
       plan_.fail(*fault);
       return false;
+    }
+    if (deck_.scenario.firmware->external_ahrs) {
+      const std::string& name = deck_.scenario.vehicles[vehicle_].name;
+      if (const auto fault = prepare_external_ahrs(deck_, asked_, name)) {
+        plan_.fail(*fault);
+        return false;
+      }
     }
     if (companion_) companion_->join(companion_link_name(vehicle_));
     return true;
@@ -159,6 +167,19 @@ class FirmwareVehicle {
     if (!(lasted_s > 0) || !counts_before_) return;
     for (const auto& [name, count] : counts) {
       record_.firmware->rates_hz[name] = (count - (*counts_before_)[name]) / lasted_s;
+    }
+  }
+
+  /// The simulation has ended, and the outputs of this vehicle are live.
+  void disarm() {
+    try {
+      deck_.casd.call("vehicle.disarm", about(asked_, {{"force", true}}), kCompanionPatience);
+      fmt::print(stderr, "hils: the run was stopped, and the board disarmed\n");
+    } catch (const std::exception& error) {
+      fmt::print(stderr,
+                 "hils: THE BOARD COULD NOT BE DISARMED ({}): do it by its transmitter, its "
+                 "ground station or its power\n",
+                 error.what());
     }
   }
 
@@ -316,6 +337,9 @@ class FirmwareFlight final : public FlightBench {
       restore_fences();
       finish();
     } catch (...) {
+      if (deck_.scenario.firmware->external_ahrs) {
+        for (const auto& vehicle : vehicles_) vehicle->disarm();
+      }
       if (deck_.scenario.fence) go_on_for_a_moment();
       restore_fences();
       throw;
@@ -371,7 +395,9 @@ class FirmwareFlight final : public FlightBench {
     for (const auto& vehicle : vehicles_) {
       if (!vehicle->is_there()) return;
     }
-    if (deck_.scenario.fence) deck_.supervisor.linger(kFencePatience);
+    if (deck_.scenario.fence || deck_.scenario.firmware->external_ahrs) {
+      deck_.supervisor.linger(kLastCallPatience);
+    }
     for (const auto& vehicle : vehicles_) vehicle->set_fence();
     if (loop_.flight().plan.ended()) return;
     loop_.fly([this](bool commanded) {
@@ -380,7 +406,7 @@ class FirmwareFlight final : public FlightBench {
   }
 
   void restore_fences() {
-    const base::RunTime deadline = base::steady_now() + kFencePatience;
+    const base::RunTime deadline = base::steady_now() + kLastCallPatience;
     for (const auto& vehicle : vehicles_) vehicle->restore_fence(deadline);
     deck_.supervisor.end_lingering();
   }

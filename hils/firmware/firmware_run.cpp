@@ -9,14 +9,17 @@
 #include <filesystem>
 #include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <variant>
 
 #include "base/os/private_network.hpp"
+#include "base/read_file.hpp"
 #include "base/rpc/client.hpp"
 #include "base/time/clock.hpp"
 #include "casd/counters/link_ledger.hpp"
+#include "hils/firmware/external_ahrs.hpp"
 #include "hils/firmware/firmware_bench.hpp"
 #include "hils/firmware/firmware_composition.hpp"
 #include "hils/firmware/firmware_pilot.hpp"
@@ -69,6 +72,14 @@ void read_ledgers(const Scenario& scenario, const RunPaths& paths, RunRecord& re
   stand_in_for_controller(record);
 }
 
+/// What the sensors' line carried. The turns by which hils has seen that the board follows are its
+/// own act, and no fault of the flight.
+void read_ahrs(const RunPaths& paths, RunRecord& record) {
+  const std::string text = base::read_file(paths.simulator_stats()).value_or("");
+  record.firmware->ahrs = ahrs_figures(nlohmann::json::parse(text, nullptr, false), record.vehicle);
+  std::erase_if(record.faults, [](const auto& fault) { return fault.name == kIdentification; });
+}
+
 /// Flights at once must not share the ports of world and topology.
 void take_own_ports() {
   if (const auto why = base::enter_private_network()) {
@@ -83,6 +94,7 @@ void add_recordings(const Scenario& scenario, const RunPaths& paths,
   for (std::size_t i = 0; i < records.size(); ++i) {
     add_simulator_report(paths, records[i]);
     read_ledgers(scenario, paths, records[i]);
+    if (scenario.firmware->external_ahrs) read_ahrs(paths, records[i]);
     if (!scenario.flies_several()) continue;
     const auto other = home_fault(scenario, i, paths.flight_tlog(), records[i].system);
     if (other) records[i].firmware->not_its_own.push_back(*other);
@@ -91,6 +103,7 @@ void add_recordings(const Scenario& scenario, const RunPaths& paths,
 
 std::vector<RunRecord> fly_firmware(const RunRequest& request) {
   const Scenario& scenario = request.scenario;
+  if (scenario.firmware->external_ahrs) warn_of_live_outputs();
   if (request.clock == Clock::kLockstep) take_own_ports();
   const RunDirectory sockets;
   RunPaths paths = RunPaths::of(scenario, request.out, sockets.path());

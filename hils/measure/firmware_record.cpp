@@ -46,4 +46,18 @@ void add_losses(const json& links, FirmwareRecord& record) {
   }
 }
 
+std::optional<AhrsFigures> ahrs_figures(const nlohmann::json& statistics,
+                                        const std::string& vehicle) {
+  if (!statistics.is_object()) return std::nullopt;
+  const nlohmann::json plugins = statistics.value("plugins", nlohmann::json::object());
+  const auto found = plugins.find("external_ahrs@" + vehicle);
+  if (found == plugins.end() || !found->is_object()) return std::nullopt;
+  const auto count = [&](const char* key) { return found->value(key, std::uint64_t{0}); };
+  return AhrsFigures{.sent = count("packets"),
+                     .dropped = count("dropped") + count("reader_full"),
+                     .late = count("late"),
+                     .crc_errors = count("crc_errors"),
+                     .longest_gap_ms = found->value("longest_gap_ms", 0.0)};
+}
+
 }  // namespace cas::hils

@@ -35,6 +35,18 @@ struct SetpointFigures {
   double longest_gap_s = 0;  ///< between two setpoints of one stream, by the vehicle's clock
 };
 
+/// The sensors' line of a vehicle whose autopilot has plugin external_ahrs, for the whole run.
+struct AhrsFigures {
+  std::uint64_t sent = 0;        ///< packets
+  std::uint64_t dropped = 0;     ///< the line, or its reader, had no room for them
+  std::uint64_t late = 0;        ///< waited for the line for 1 ms or longer
+  std::uint64_t crc_errors = 0;  ///< lines of the driver
+  double longest_gap_ms = 0;     ///< between two packets, by the wall clock
+};
+/// Of the simulator's statistics; nullopt: the vehicle has no such line.
+std::optional<AhrsFigures> ahrs_figures(const nlohmann::json& statistics,
+                                        const std::string& vehicle);
+
 /// What only a flight of stock firmware has, of one vehicle, beside its RunRecord.
 struct FirmwareRecord {
   std::string autopilot{};              ///< of the scenario's world: "PX4"
@@ -53,6 +65,7 @@ struct FirmwareRecord {
   std::string hops = "[]";      ///< link.latency of casd: from one link's read to another's write
   std::uint64_t dropped = 0;    ///< packets, by casd at all its links until the flight's end
   std::uint64_t lost = 0;       ///< packets, by the gaps in the numbers that casd heard
+  std::optional<AhrsFigures> ahrs{};
   std::vector<std::string> remarks{};      ///< of the verdict
   std::vector<std::string> not_its_own{};  ///< why the true motion is another vehicle's
 };

@@ -199,6 +199,37 @@ void check_pauses(const Measurement& figures, const Limits& limits, Checks& chec
   }
 }
 
+/// ArduPilot takes samples as fast as they come, and counts an External AHRS as ill when none has
+/// come for 40 ms.
+void check_ahrs(const Measurement& figures, Checks& checks) {
+  constexpr double kMostGap_ms = 40;
+  constexpr double kMostDropped_pct = 1;
+  const AhrsFigures& line = *figures.firmware->ahrs;
+  const auto all = static_cast<double>(line.sent + line.dropped);
+  const double dropped_pct = all > 0 ? 100.0 * static_cast<double>(line.dropped) / all : 0;
+  add_machine(checks, bounded(figures, "real_time_factor", kLeastRealTimeFactor),
+              fmt::format("the simulation ran at {:.3f} of real time, and {:.2f} is needed",
+                          figures.pace.real_time_factor, kLeastRealTimeFactor));
+  add_machine(checks,
+              {.what = "longest gap on the sensors' line",
+               .unit = "ms",
+               .digits = 1,
+               .value = line.longest_gap_ms,
+               .bound = kMostGap_ms},
+              fmt::format("nothing left on the sensors' line for {:.0f} ms, and {:.0f} ms is the "
+                          "most",
+                          line.longest_gap_ms, kMostGap_ms));
+  add_machine(checks,
+              {.what = "packets dropped on the sensors' line",
+               .unit = "%",
+               .digits = 2,
+               .value = dropped_pct,
+               .bound = kMostDropped_pct},
+              fmt::format("{} of {:.0f} packets of the sensors' line were dropped, and {:g} % is "
+                          "the most",
+                          line.dropped, all, kMostDropped_pct));
+}
+
 /// The vehicle stayed on the ground for no reason that the flight shows: its autopilot disarms it
 /// after a time, or somebody did. After an incident or a fault it has failed.
 void check_arming(const Measurement& figures, Checks& checks) {
@@ -221,6 +252,7 @@ Checks validity_checks(const Measurement& figures, const Limits& limits) {
     checks = machine_checks(figures);
     check_pauses(figures, limits, checks);
   }
+  if (figures.firmware && figures.firmware->ahrs) check_ahrs(figures, checks);
   check_arming(figures, checks);
   if (!figures.stages.empty() && figures.truth_samples == 0) {
     checks.push_back(missed({.kind = Kind::kValidity,

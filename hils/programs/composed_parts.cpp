@@ -64,8 +64,9 @@ void add_scenario_plugins(const RunRequest& request, std::size_t vehicle,
   for (const base::ConfigNode& further : scenario.plugins) {
     list.push_back(further_plugin(further));
   }
-  const bool by_hand =
-      request.live != nullptr || (request.station && request.station->inject_failures);
+  const bool by_hand = request.live != nullptr ||
+                       (request.station && request.station->inject_failures) ||
+                       (scenario.firmware && scenario.firmware->external_ahrs);
   if (const auto faults = fault_plugin(scenario, vehicle, by_hand)) list.push_back(*faults);
 }
 

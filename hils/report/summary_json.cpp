@@ -75,6 +75,13 @@ void add_firmware(const Measurement& figures, OrderedJson& summary) {
                              {"sha256", firmware.params->sha256}};
   }
   summary["rates_hz"] = firmware.rates_hz;
+  if (firmware.ahrs) {
+    summary["external_ahrs"] = {{"sent", firmware.ahrs->sent},
+                                {"dropped", firmware.ahrs->dropped},
+                                {"late", firmware.ahrs->late},
+                                {"crc_errors", firmware.ahrs->crc_errors},
+                                {"longest_gap_ms", firmware.ahrs->longest_gap_ms}};
+  }
   if (firmware.setpoints.count > 0) {
     summary["setpoints"] = {{"count", firmware.setpoints.count},
                             {"longest_gap_s", firmware.setpoints.longest_gap_s}};

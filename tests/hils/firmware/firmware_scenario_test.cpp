@@ -41,6 +41,33 @@ TEST(FirmwareScenario, TheShippedOnesAreRead) {
   EXPECT_FALSE(Scenario::load(kScenarios / "hover.yaml").firmware);
 }
 
+TEST(FirmwareScenario, OfLiveOutputsNeedsTheUsersWord) {
+  const test::TemporaryFolder folder;
+  const auto refusal_without = [&](const std::string& line) {
+    std::ifstream in(kScenarios / "ardupilot_hil.yaml");
+    std::string text{std::istreambuf_iterator<char>(in), {}};
+    for (const char* kind : {"world", "topology"}) {
+      const std::string before = std::string(kind) + ": ../";
+      text.replace(text.find(before), before.size(),
+                   std::string(kind) + ": " + test::source_dir() + "/config/");
+    }
+    const std::size_t at = text.find(line);
+    EXPECT_NE(at, std::string::npos) << line;
+    const auto file = folder.write("changed.yaml", text.replace(at, line.size(), ""));
+    return test::refusal([&] { Scenario::load(file); });
+  };
+  EXPECT_NE(refusal_without("  outputs_disconnected: true\n")
+                .find("firmware: needs outputs_disconnected: true"),
+            std::string::npos);
+  EXPECT_NE(refusal_without("  on_serial_line: true").find("needs on_serial_line: true"),
+            std::string::npos);
+
+  const Firmware firmware = *Scenario::load(kScenarios / "ardupilot_hil.yaml").firmware;
+  EXPECT_TRUE(firmware.external_ahrs);
+  EXPECT_TRUE(firmware.not_hil) << "consent follows from the word";
+  EXPECT_EQ(firmware.autopilot, "ArduPilot");
+}
+
 /// The shipped PX4 scenario with a line put in the place of another.
 std::filesystem::path changed(const test::TemporaryFolder& folder, const std::string& line,
                               const std::string& by) {
@@ -49,6 +76,13 @@ std::filesystem::path changed(const test::TemporaryFolder& folder, const std::st
   const std::size_t at = text.find(line);
   EXPECT_NE(at, std::string::npos) << line;
   return folder.write("changed.yaml", text.replace(at, line.size(), by));
+}
+
+TEST(FirmwareScenario, ThatHasAHilModeHasNoWordAboutItsOutputs) {
+  const test::TemporaryFolder folder;
+  const auto file = changed(folder, "firmware:\n", "firmware:\n  outputs_disconnected: true\n");
+  const std::string said = test::refusal([&] { Scenario::load(file); });
+  EXPECT_NE(said.find("is for a world with plugin external_ahrs"), std::string::npos) << said;
 }
 
 TEST(FirmwareScenario, GivesPx4ItsStartScript) {

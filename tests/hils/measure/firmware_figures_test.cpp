@@ -171,6 +171,36 @@ TEST_F(FirmwareFlightFigures, OfAFlightThatBrokeOffAreNotJudged) {
   EXPECT_EQ(not_reached, 4);
 }
 
+TEST_F(FirmwareFlightFigures, OfASensorsLineThatStoodStillGiveNoVerdict) {
+  const auto verdict_of = [this](const AhrsFigures& line) {
+    RunRecord record = flown();
+    record.firmware->ahrs = line;
+    record.firmware->real_time_factor = 1;
+    return judged(record);
+  };
+  const AhrsFigures good{.sent = 40'000, .dropped = 2, .late = 9, .longest_gap_ms = 12};
+  EXPECT_NE(verdict_of(good).exit_code(), kExitInvalid);
+  AhrsFigures still = good;
+  still.longest_gap_ms = 55;
+  EXPECT_EQ(verdict_of(still).exit_code(), kExitInvalid);
+  AhrsFigures thin = good;
+  thin.dropped = 500;
+  EXPECT_EQ(verdict_of(thin).exit_code(), kExitInvalid);
+}
+
+TEST(AhrsFiguresTest, AreThoseOfTheVehiclesOwnPlugin) {
+  const auto statistics = nlohmann::json::parse(
+      R"({"plugins": {"external_ahrs@one": {"packets": 9, "dropped": 1, "reader_full": 2,
+          "late": 3, "crc_errors": 4, "longest_gap_ms": 5.5}}})");
+  const auto figures = ahrs_figures(statistics, "one");
+  ASSERT_TRUE(figures);
+  EXPECT_EQ(figures->sent, 9U);
+  EXPECT_EQ(figures->dropped, 3U);
+  EXPECT_EQ(figures->longest_gap_ms, 5.5);
+  EXPECT_FALSE(ahrs_figures(statistics, "two"));
+  EXPECT_FALSE(ahrs_figures({}, "one"));
+}
+
 /// The vehicle was disarmed before it took off.
 RunRecord never_left_the_ground() {
   RunRecord record = flown();
