@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/config/sensor_sheets.hpp"
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 #include <tuple>
@@ -81,6 +82,21 @@ struct PositiveOrOff : Number {
     if (value < 0.0) node.fail("must not be negative (0 switches it off)");
   }
   static std::string values() { return "from 0"; }
+};
+
+/// Up to 16, from 0 to 10.
+struct Fractions {
+  static void read(const ConfigNode& node, std::vector<double>& values) {
+    constexpr std::size_t kMost = 16;
+    constexpr double kLargest = 10;
+    values = node.as<std::vector<double>>();
+    const bool in_range =
+        std::ranges::all_of(values, [](double value) { return value >= 0 && value <= kLargest; });
+    if (values.size() > kMost || !in_range) node.fail("must list up to 16 numbers from 0 to 10");
+  }
+  static std::string text(const std::vector<double>&) { return {}; }
+  static std::string values() { return "list of numbers from 0 to 10"; }
+  static std::array<std::string, 2> samples() { return {"[0.5]", "[0.5, 0.25]"}; }
 };
 
 constexpr double kMostSeconds = 1e6;
@@ -174,6 +190,7 @@ struct TriadNames {
   NoiseNames noise;
   DriftNames drift;
   std::string_view bias, turn_on_bias_stddev, scale_error, misalignment, range, lsb, vibration;
+  std::string_view temperature, temperature_squared;
 };
 
 constexpr TriadNames kGyro{.noise = {"gyro_stddev_deg_s", "gyro_density_deg_s_per_sqrt_hz"},
@@ -185,7 +202,9 @@ constexpr TriadNames kGyro{.noise = {"gyro_stddev_deg_s", "gyro_density_deg_s_pe
                            .misalignment = "gyro_misalignment_deg",
                            .range = "gyro_range_deg_s",
                            .lsb = "gyro_lsb_deg_s",
-                           .vibration = "gyro_vibration_deg_s"};
+                           .vibration = "gyro_vibration_deg_s",
+                           .temperature = "gyro_temperature_deg_s_per_degc",
+                           .temperature_squared = "gyro_temperature_deg_s_per_degc2"};
 constexpr TriadNames kAccel{
     .noise = {"accel_stddev_m_s2", "accel_density_m_s2_per_sqrt_hz"},
     .drift = {"accel_bias_walk_m_s2_per_sqrt_s", "accel_bias_time_constant_s",
@@ -196,7 +215,9 @@ constexpr TriadNames kAccel{
     .misalignment = "accel_misalignment_deg",
     .range = "accel_range_m_s2",
     .lsb = "accel_lsb_m_s2",
-    .vibration = "accel_vibration_m_s2"};
+    .vibration = "accel_vibration_m_s2",
+    .temperature = "accel_temperature_m_s2_per_degc",
+    .temperature_squared = "accel_temperature_m_s2_per_degc2"};
 
 template <auto Triad>
 constexpr auto triad_keys(const TriadNames& names) {
@@ -215,18 +236,38 @@ constexpr auto triad_keys(const TriadNames& names) {
           key<Triad, &TriadSheet::range>(names.range, PositiveOrOff{}, "clips beyond", kOff),
           key<Triad, &TriadSheet::lsb>(names.lsb, PositiveOrOff{}, "rounds to multiples", kOff),
           key<Triad, &TriadSheet::vibration>(names.vibration, Axes{},
-                                             "amplitude per rotor at the reference speed", kOff)});
+                                             "amplitude per rotor at the reference speed", kOff),
+          key<Triad, &TriadSheet::temperature>(
+              names.temperature, Axes{}, "bias per degree above the calibration's temperature",
+              kOff),
+          key<Triad, &TriadSheet::temperature_squared>(names.temperature_squared, Axes{},
+                                                       "and per its square", kOff)});
 }
 
 constexpr auto kImuKeys = std::tuple_cat(
     std::tuple{rate_key<&ImuSheet::rate_hz>()}, triad_keys<&ImuSheet::gyro>(kGyro),
     triad_keys<&ImuSheet::accel>(kAccel),
-    std::tuple{key<&ImuSheet::vibration_reference_rad_s>(
-                   "vibration_reference_rad_s", PositiveOrOff{},
-                   "rotor speed of the vibration's amplitudes", "with a vibration"),
-               key<&ImuSheet::position_B_m>("position_B_m", Axes{}, "from the centre of gravity"),
-               key<&ImuSheet::mounting_rpy_deg>("mounting_rpy_deg", Axes{},
-                                                "roll, pitch, yaw of the case")});
+    std::tuple{
+        key<&ImuSheet::gyro_g_sensitivity_deg_s_per_m_s2>(
+            "gyro_g_sensitivity_deg_s_per_m_s2", Axes{},
+            "rate that specific force along the axis adds", kOff),
+        key<&ImuSheet::vibration_reference_rad_s>("vibration_reference_rad_s", PositiveOrOff{},
+                                                  "rotor speed of the vibration's amplitudes",
+                                                  "with a vibration"),
+        key<&ImuSheet::vibration_harmonics>(
+            "vibration_harmonics", Fractions{},
+            "of the 2nd, 3rd, ... multiple of a rotor's frequency, fraction of the first", kOff),
+        key<&ImuSheet::vibration_imbalance>("vibration_imbalance", Fractions{},
+                                            "factor of each rotor", "1 each"),
+        key<&ImuSheet::start_degc>("start_degc", Range{-100, 100},
+                                   "temperature at the start, above that of the calibration"),
+        key<&ImuSheet::warm_up_degc>("warm_up_degc", Range{-100, 100},
+                                     "by which it rises in the end", kOff),
+        key<&ImuSheet::warm_up_time_constant_s>("warm_up_time_constant_s", AboveZero{},
+                                                "of that rise", "with a warm-up"),
+        key<&ImuSheet::position_B_m>("position_B_m", Axes{}, "from the centre of gravity"),
+        key<&ImuSheet::mounting_rpy_deg>("mounting_rpy_deg", Axes{},
+                                         "roll, pitch, yaw of the case")});
 
 // gps
 
@@ -375,6 +416,7 @@ ImuSheet read_imu_sheet(const ConfigNode& node) {
   if (vibrates && sheet.vibration_reference_rad_s <= 0.0) {
     node.fail("gives a vibration amplitude without vibration_reference_rad_s");
   }
+  if (sheet.warm_up_degc != 0) node.at("warm_up_time_constant_s");  // says that it is missing
   return sheet;
 }
 

@@ -45,13 +45,21 @@ struct TriadSheet {
   double range = 0;
   double lsb = 0;
   Eigen::Vector3d vibration = Eigen::Vector3d::Zero();
+  Eigen::Vector3d temperature = Eigen::Vector3d::Zero();          ///< bias per degree
+  Eigen::Vector3d temperature_squared = Eigen::Vector3d::Zero();  ///< and per its square
 };
 
 struct ImuSheet {
   double rate_hz = 0;
   TriadSheet gyro;
   TriadSheet accel;
+  Eigen::Vector3d gyro_g_sensitivity_deg_s_per_m_s2 = Eigen::Vector3d::Zero();
   double vibration_reference_rad_s = 0;
+  std::vector<double> vibration_harmonics;  ///< of the 2nd, 3rd, ..., fraction of the first
+  std::vector<double> vibration_imbalance;  ///< of each rotor, factor
+  double warm_up_degc = 0;
+  double warm_up_time_constant_s = 0;
+  double start_degc = 0;
   Eigen::Vector3d position_B_m = Eigen::Vector3d::Zero();
   Eigen::Vector3d mounting_rpy_deg = Eigen::Vector3d::Zero();
 };

@@ -33,7 +33,9 @@ TriadParams triad_params(const base::TriadSheet& sheet, double si, double rate_h
           .sensitivity = sensitivity(sheet),
           .range = sheet.range * si,
           .lsb = sheet.lsb * si,
-          .vibration = sheet.vibration * si};
+          .vibration = sheet.vibration * si,
+          .temperature = sheet.temperature * si,
+          .temperature_squared = sheet.temperature_squared * si};
 }
 
 }  // namespace
@@ -47,7 +49,13 @@ ImuParams parse_imu_params(const base::ConfigNode& node, double step_s) {
           .R_SB = base::quaternion_rpy(rpy.x(), rpy.y(), rpy.z()).toRotationMatrix().transpose(),
           .gyro = triad_params(sheet.gyro, base::kRadPerDeg, sheet.rate_hz),
           .accel = triad_params(sheet.accel, 1.0, sheet.rate_hz),
-          .vibration_reference_rad_s = sheet.vibration_reference_rad_s};
+          .gyro_g_sensitivity = sheet.gyro_g_sensitivity_deg_s_per_m_s2 * base::kRadPerDeg,
+          .vibration_reference_rad_s = sheet.vibration_reference_rad_s,
+          .vibration_harmonics = sheet.vibration_harmonics,
+          .vibration_imbalance = sheet.vibration_imbalance,
+          .start_degc = sheet.start_degc,
+          .warm_up_degc = sheet.warm_up_degc,
+          .warm_up_time_constant_s = sheet.warm_up_time_constant_s};
 }
 
 // Model.
@@ -58,9 +66,10 @@ TriadErrors::TriadErrors(const TriadParams& params, double dt_s, base::NormalRan
       walk_(params.bias_walk, dt_s) {}
 
 Eigen::Vector3d TriadErrors::sample(const Eigen::Vector3d& truth, const Eigen::Vector3d& vibration,
-                                    base::NormalRandom& random) {
+                                    double degc, base::NormalRandom& random) {
   Eigen::Vector3d value = params_.sensitivity * truth + bias_ + walk_.advance(random);
   value += params_.vibration.cwiseProduct(vibration);
+  value += params_.temperature * degc + params_.temperature_squared * (degc * degc);
   value += params_.stddev.cwiseProduct(normal3(random));
   if (params_.range > 0) value = value.cwiseMax(-params_.range).cwiseMin(params_.range);
   if (params_.lsb > 0) value = (value / params_.lsb).array().round().matrix() * params_.lsb;
@@ -111,10 +120,12 @@ ImuSample ImuModel::sample(base::SimTime time, const BodyState& state) {
   const double inverse_time = time_sum_ > 0 ? 1.0 / time_sum_ : 0.0;
   ImuSample sample;
   sample.time = time;
-  sample.angular_rate_B =
-      gyro_.sample(params_.R_SB * rate_sum_B_ * inverse_time, vibration, random_);
-  sample.specific_force_B =
-      accel_.sample(params_.R_SB * specific_force_sum_B_ * inverse_time, vibration, random_);
+  const double degc = temperature_degc(time);
+  const Eigen::Vector3d force_S = params_.R_SB * specific_force_sum_B_ * inverse_time;
+  const Eigen::Vector3d rate_S =
+      params_.R_SB * rate_sum_B_ * inverse_time + params_.gyro_g_sensitivity.cwiseProduct(force_S);
+  sample.angular_rate_B = gyro_.sample(rate_S, vibration, degc, random_);
+  sample.specific_force_B = accel_.sample(force_S, vibration, degc, random_);
   sample.q_WB = state.q_WB;
   specific_force_sum_B_.setZero();
   rate_sum_B_.setZero();
@@ -126,11 +137,28 @@ Eigen::Vector3d ImuModel::unit_vibration() const {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   if (!vibrates_) return sum;
   for (int i = 0; i < imbalance_.size(); ++i) {
-    const double phase = phases_[static_cast<std::size_t>(i)];
+    const auto rotor = static_cast<std::size_t>(i);
+    const bool is_listed = rotor < params_.vibration_imbalance.size();
+    const double amplitude =
+        is_listed ? imbalance_[i] * params_.vibration_imbalance[rotor] : imbalance_[i];
+    const double phase = phases_[rotor];
     const double quadrature = std::sin(phase);
-    sum += imbalance_[i] * Eigen::Vector3d(std::cos(phase), quadrature, quadrature);
+    sum += amplitude * Eigen::Vector3d(std::cos(phase), quadrature, quadrature);
+    for (std::size_t n = 0; n < params_.vibration_harmonics.size(); ++n) {
+      const double multiple = static_cast<double>(n + 2) * phase;
+      const double across = std::sin(multiple);
+      sum += amplitude * params_.vibration_harmonics[n] *
+             Eigen::Vector3d(std::cos(multiple), across, across);
+    }
   }
   return sum;
+}
+
+double ImuModel::temperature_degc(base::SimTime time) const {
+  if (params_.warm_up_degc == 0) return params_.start_degc;
+  const double time_s = base::to_seconds(time);
+  return params_.start_degc -
+         params_.warm_up_degc * std::expm1(-time_s / params_.warm_up_time_constant_s);
 }
 
 }  // namespace cas::sim

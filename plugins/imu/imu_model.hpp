@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <vector>
 
 #include "base/config/config.hpp"
 #include "base/config/vehicle.hpp"
@@ -27,6 +28,8 @@ struct TriadParams {
   double lsb = 0;                                                 ///< rounds to multiples
   Eigen::Vector3d vibration =
       Eigen::Vector3d::Zero();  ///< amplitude per rotor at vibration_reference_rad_s
+  Eigen::Vector3d temperature = Eigen::Vector3d::Zero();          ///< bias per degree
+  Eigen::Vector3d temperature_squared = Eigen::Vector3d::Zero();  ///< and per its square
 };
 
 struct ImuParams {
@@ -35,14 +38,21 @@ struct ImuParams {
   Eigen::Matrix3d R_SB = Eigen::Matrix3d::Identity();      ///< B to the sensor's own axes
   TriadParams gyro;
   TriadParams accel;
+  Eigen::Vector3d gyro_g_sensitivity = Eigen::Vector3d::Zero();  ///< rad/s per m/s^2, by axis
   double vibration_reference_rad_s = 0;
+  std::vector<double> vibration_harmonics;  ///< of the 2nd, 3rd, ..., fraction of the first
+  std::vector<double> vibration_imbalance;  ///< of each rotor; 1 for those that it does not list
+  double start_degc = 0;                    ///< above the calibration's temperature
+  double warm_up_degc = 0;
+  double warm_up_time_constant_s = 0;
 };
 
 /// Reads the block `imu`: its keys are those of its sheet (base/config/sensor_sheets.hpp).
 /// @param step_s  the simulation's step
 ImuParams parse_imu_params(const base::ConfigNode& node, double step_s);
 
-/// Error chain of three axes: sensitivity, biases, vibration, white noise, range, resolution.
+/// Error chain of three axes: sensitivity, biases, vibration, temperature, white noise, range,
+/// resolution.
 class TriadErrors {
  public:
   TriadErrors() = default;
@@ -51,8 +61,9 @@ class TriadErrors {
 
   /// @param truth      mean over the sample period, in the sensor's axes
   /// @param vibration  this moment's vibration for amplitude 1
+  /// @param degc       temperature above the calibration's
   Eigen::Vector3d sample(const Eigen::Vector3d& truth, const Eigen::Vector3d& vibration,
-                         base::NormalRandom& random);
+                         double degc, base::NormalRandom& random);
 
  private:
   TriadParams params_;
@@ -64,8 +75,9 @@ class TriadErrors {
 ///
 /// Truth is averaged over the sample period, as integrating sensors do, so that samples do not
 /// depend on the simulation's step. Vibration comes from the imbalance of each rotor at its speed:
-/// amplitude * (omega / reference)^2 at the rotor's own phase, sampled (and so aliased) at the
-/// sample's moment. Temperature, g-sensitivity and the analog filter's lag are not modelled.
+/// amplitude * (omega / reference)^2 at the rotor's own phase and its multiples, sampled (and so
+/// aliased) at the sample's moment. The sensor warms up exponentially from the start of the run.
+/// The analog filter's lag, the air's temperature and that of scale factors are not modelled.
 class ImuModel {
  public:
   ImuModel() = default;
@@ -82,6 +94,7 @@ class ImuModel {
 
  private:
   Eigen::Vector3d unit_vibration() const;
+  double temperature_degc(base::SimTime time) const;
 
   ImuParams params_;
   base::NormalRandom random_;

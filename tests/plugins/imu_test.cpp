@@ -77,6 +77,71 @@ TEST(Imu, MountingTurnsTheReading) {
   EXPECT_TRUE(sample.specific_force_B.isApprox(Vector3d(0, 0, -kGravity), 1e-7));
 }
 
+TEST(Imu, SpecificForceAddsARateByItsSensitivity) {
+  ImuParams params = quiet_params();
+  params.gyro_g_sensitivity = {0, 0, 0.001};
+  EXPECT_NEAR(one_sample(params, {}).angular_rate_B.z(), 0.001 * kGravity, kQuiet);
+}
+
+TEST(Imu, BiasesFollowTheTemperatureOfTheWarmUp) {
+  ImuParams params = quiet_params();
+  params.start_degc = 5;
+  params.warm_up_degc = 20;
+  params.warm_up_time_constant_s = 100;
+  params.gyro.temperature = {0.01, 0, 0};
+  params.accel.temperature_squared = {0, 0.002, 0};
+  ImuModel imu(params, 1);
+  for (const double time_s : {0.0, 100.0, 1e5}) {
+    imu.accumulate({}, kGravityW, 0.002);
+    const ImuSample sample = imu.sample(base::SimTime(base::from_seconds(time_s)), {});
+    const double degc = 5 + 20 * (1 - std::exp(-time_s / 100));
+    EXPECT_NEAR(sample.angular_rate_B.x(), 0.01 * degc, kQuiet) << time_s;
+    EXPECT_NEAR(sample.specific_force_B.y(), 0.002 * degc * degc, kQuiet) << time_s;
+  }
+}
+
+/// Amplitude of a series at a frequency that has whole periods in it.
+double amplitude_at(const std::vector<double>& values, double hz, double rate_hz) {
+  double in_phase = 0;
+  double across = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double angle = 2 * M_PI * hz * static_cast<double>(i) / rate_hz;
+    in_phase += values[i] * std::cos(angle);
+    across += values[i] * std::sin(angle);
+  }
+  return 2 * std::hypot(in_phase, across) / static_cast<double>(values.size());
+}
+
+TEST(Imu, VibrationStandsAtTheRotorsFrequenciesAndTheirMultiples) {
+  constexpr double kRateHz = 2000;
+  const std::array<double, 4> rotors_hz{80, 95, 110, 125};
+  const std::array<double, 4> imbalance{1, 2, 0.5, 1};  // the last is not listed
+  ImuParams params = quiet_params();
+  params.rate_hz = kRateHz;
+  params.accel.vibration = Vector3d::Constant(1.5);
+  params.vibration_reference_rad_s = 600;
+  params.vibration_harmonics = {0.5, 0.25};
+  params.vibration_imbalance = {1, 2, 0.5};
+  base::RotorVector omega(4);
+  for (int i = 0; i < 4; ++i) omega[i] = 2 * M_PI * rotors_hz[static_cast<std::size_t>(i)];
+  ImuModel imu(params, 1);
+  std::vector<double> forces;
+  for (int i = 0; i < kRateHz; ++i) {
+    imu.accumulate({}, kGravityW, 1 / kRateHz);
+    imu.advance_vibration(omega, 1 / kRateHz);
+    forces.push_back(imu.sample(base::SimTime{}, {}).specific_force_B.x());
+  }
+  constexpr double kRounding = 1e-6;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double first =
+        1.5 * imbalance[i] * std::pow(omega[static_cast<Eigen::Index>(i)] / 600, 2);
+    EXPECT_NEAR(amplitude_at(forces, rotors_hz[i], kRateHz), first, kRounding) << i;
+    EXPECT_NEAR(amplitude_at(forces, 2 * rotors_hz[i], kRateHz), 0.5 * first, kRounding) << i;
+    EXPECT_NEAR(amplitude_at(forces, 3 * rotors_hz[i], kRateHz), 0.25 * first, kRounding) << i;
+  }
+  EXPECT_NEAR(amplitude_at(forces, 100, kRateHz), 0, kRounding);
+}
+
 TEST(Imu, ScaleErrorAndMisalignmentBendTheReading) {
   const auto node = base::ConfigNode::parse(
       "{rate_hz: 500, gyro_stddev_deg_s: 1.0e-9, accel_stddev_m_s2: 1.0e-9, "
