@@ -267,9 +267,7 @@ class CasdProgram {
     fixture.sim.set_remote(port("sim"));
     fixture.fcu.write(fixture.from_fcu(mavlink::common::Heartbeat{}));
   }
-  std::uint16_t port(const std::string& link) const {
-    return port_of(word_after(status, link));
-  }
+  std::uint16_t port(const std::string& link) const { return port_of(word_after(status, link)); }
   /// Stops it; returns when no thread of it runs.
   bool stop() {
     casd.signal(SIGSTOP);
