@@ -211,6 +211,9 @@ void add_motion(Rows& table) {
         "true horizontal distance from where `land` was begun, of a vehicle that hung still then; "
         "of a plane from where it took off",
         of(&Measurement::landing_error_m)},
+       {"sticks_way_m", "way by the sticks", "m", 2, kUp,
+        "true horizontal distance from the begin to the end of the last `sticks`",
+        of(&Measurement::sticks_way_m)},
        {"rotor_activity_rad_s2", "activity of the rotors", "rad/s^2", 1, kDown,
         "RMS of the rotors' accelerations in the measured step, from sample to sample of "
         "`truth.csv` (100 Hz): a measure of control activity",

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "base/error.hpp"
-#include "hils/measure/wing_figures.hpp"
+#include "hils/measure/step_figures.hpp"
 
 namespace cas::hils {
 namespace {
@@ -81,8 +81,10 @@ void measure_motion(const RunRecord& record, std::span<const PoseSample> truth,
     }
   }
   const std::vector<PoseSample>& estimate = record.estimate();
-  figures.rms_estimate = record.firmware ? estimate_error(record.stages, truth, estimate)
-                                         : error_from_reference(stage, estimate);
+  // A circle of ours is not where the estimate was to be at a moment, so the truth is its measure.
+  figures.rms_estimate = record.firmware || circles(stage)
+                             ? estimate_error(record.stages, truth, estimate)
+                             : error_from_reference(stage, estimate);
 }
 
 std::optional<RmsFigures> estimate_error(const std::vector<Stage>& stages,

@@ -11,9 +11,9 @@
 #include "hils/measure/hold_motion.hpp"
 #include "hils/measure/packet_account.hpp"
 #include "hils/measure/record_hole.hpp"
+#include "hils/measure/step_figures.hpp"
 #include "hils/measure/tracking.hpp"
 #include "hils/measure/true_steps.hpp"
-#include "hils/measure/wing_figures.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 
@@ -234,6 +234,7 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.record_hole = record_hole(record.flown_stages(), truth);
   figures.transition_height_m = transition_height_m(record.stages, truth);
   figures.landing_error_m = landing_error_m(record.stages, truth);
+  figures.sticks_way_m = sticks_way_m(record.stages, truth);
   figures.incidents = find_incidents(record.flown_stages(), truth);
   figures.strike = read_strike_response(record, scenario.steps, scenario.faults.vehicle, truth);
   figures.over_hold = record.hold.has_value();

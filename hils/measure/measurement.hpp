@@ -85,10 +85,11 @@ struct Measurement {
   std::optional<double> height_error_m;         ///< see height_error_m(); nullopt in a trajectory
   std::optional<double> drift_m;                ///< see drift_m(); nullopt in a trajectory
   std::optional<double> rotor_activity_rad_s2;  ///< see rotor_activity_rad_s2(), during the hold
-  std::optional<double> radius_error_pct;       ///< of a circle, see wing_figures.hpp
+  std::optional<double> radius_error_pct;       ///< of a circle, see step_figures.hpp
   std::optional<double> least_airspeed_m_s;     ///< in the measured step
   std::optional<double> transition_height_m;    ///< the most that a transition changed the height
   std::optional<double> landing_error_m;        ///< from where `land` was begun
+  std::optional<double> sticks_way_m;           ///< flown in `sticks`
   std::vector<std::string> warnings;            ///< of the simulator, a sentence each
   std::optional<FirmwareRecord> firmware;       ///< of stock firmware
   bool streamed =

@@ -8,7 +8,7 @@
 #include "hils/flight/flight_plan.hpp"
 #include "hils/measure/tracking.hpp"
 
-/// How planes and VTOLs flew, by the truth. Places of a plan count from the first sample.
+/// How single steps were flown, by the truth. Places of a plan count from the first sample.
 namespace cas::hils {
 
 /// The point of the stage's circle that is nearest to the vehicle at each moment, with the
@@ -32,5 +32,10 @@ std::optional<double> transition_height_m(const std::vector<Stage>& stages,
 /// none, or the vehicle neither hung still then nor flew on its wing.
 std::optional<double> landing_error_m(const std::vector<Stage>& stages,
                                       std::span<const PoseSample> truth);
+
+/// Horizontal distance between where the last step `sticks` was begun and where it ended; nullopt:
+/// there was none.
+std::optional<double> sticks_way_m(const std::vector<Stage>& stages,
+                                   std::span<const PoseSample> truth);
 
 }  // namespace cas::hils

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/measure/wing_figures.hpp"
+#include "hils/measure/step_figures.hpp"
 
 #include <gtest/gtest.h>
 
@@ -88,6 +88,15 @@ TEST(Landing, ErrorIsOfAVehicleThatHungStill) {
   EXPECT_NEAR(landing_error_m(stages, line(heights, 0)).value(), 0.4, 1e-12);
   EXPECT_FALSE(landing_error_m(stages, line(heights, 15)));
   EXPECT_FALSE(landing_error_m({step(StepKind::kHold, 0, 5)}, line(heights, 0)));
+}
+
+TEST(Sticks, WayIsThatOfTheLastOfThem) {
+  const auto truth = line({5, 5, 5, 5, 5, 5, 5, 5}, 0.1);
+  EXPECT_FALSE(sticks_way_m({step(StepKind::kHold, 0, 8)}, truth));
+  const auto way =
+      sticks_way_m({step(StepKind::kSticks, 0, 2), step(StepKind::kSticks, 3, 8)}, truth);
+  ASSERT_TRUE(way);
+  EXPECT_NEAR(*way, 0.4, 1e-12);
 }
 
 TEST(Landing, ErrorOfAPlaneIsFromWhereItTookOff) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "hils/measure/wing_figures.hpp"
+#include "hils/measure/step_figures.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -84,6 +84,19 @@ std::optional<double> landing_error_m(const std::vector<Stage>& stages,
     off_m = std::hypot(end.pose.x_m - from.x_m, end.pose.y_m - from.y_m);
   }
   return off_m;
+}
+
+std::optional<double> sticks_way_m(const std::vector<Stage>& stages,
+                                   std::span<const PoseSample> truth) {
+  std::optional<double> way_m;
+  for (const Stage& stage : stages) {
+    const auto flown = flown_in(stage, truth);
+    if (stage.step.kind != StepKind::kSticks || flown.empty()) continue;
+    const Pose& from = flown.front().pose;
+    const Pose& to = flown.back().pose;
+    way_m = std::hypot(to.x_m - from.x_m, to.y_m - from.y_m);
+  }
+  return way_m;
 }
 
 }  // namespace cas::hils
