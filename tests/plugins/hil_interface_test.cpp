@@ -97,14 +97,14 @@ TEST(HilInterface, EachSensorOfAKindHasAnIdAndOnlyItsOwnBits) {
 TEST(HilInterface, TheClockGoesOnWithoutTheFirstImuWhileAnotherSpeaks) {
   RecordingPort port;
   HilInterface interface(interface_params(), port, nullptr);
-  interface.on_imu(imu_at(2), 1);
-  interface.flush(at_ms(2));
+  interface.on_imu(imu_at(4), 1);
+  interface.flush(at_ms(4));
   ASSERT_EQ(port.sensors.size(), 2U);
   EXPECT_EQ(port.sensors[1].id, 0);
-  EXPECT_EQ(port.sensors[1].time_usec, 2000U);
+  EXPECT_EQ(port.sensors[1].time_usec, 4000U);
   EXPECT_EQ(updated(port.sensors[1]), 0U);
   EXPECT_FALSE(interface.answered());
-  port.put(controls_for(2));
+  port.put(controls_for(4));
   interface.receive();
   EXPECT_TRUE(interface.answered());
   EXPECT_TRUE(interface.settled());
