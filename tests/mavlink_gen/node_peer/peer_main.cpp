@@ -71,6 +71,8 @@ void randomise(T& value, std::mt19937_64& random) {
     value = static_cast<T>(static_cast<double>(random() % 4000) * kStep - 500);
   } else {
     value = static_cast<T>(random());
+    // A payload of zeros alone has one byte here, as MAVLink 2 wants it, and none in node-mavlink.
+    if (value == T{}) value = static_cast<T>(1);
   }
 }
 
