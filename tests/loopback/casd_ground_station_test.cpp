@@ -243,6 +243,8 @@ INSTANTIATE_TEST_SUITE_P(Each, ShippedTopology,
                                          TopologyCase{"pixhawk_usb", "fcu", "sim", true},
                                          TopologyCase{"pixhawk_telem", "fcu", "sim", true},
                                          TopologyCase{"px4_sitl", "px4", "", false},
+                                         TopologyCase{"px4_companion", "px4", "", false},
+                                         TopologyCase{"ardupilot_hil", "fcu", "sim", true},
                                          TopologyCase{"ardupilot_sitl", "ardupilot", "", false}),
                          [](const auto& test) { return std::string(test.param.name); });
 
@@ -252,9 +254,9 @@ TEST(ShippedTopologies, AllPlayAboveAreAllThatThereAre) {
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     files.insert(entry.path().stem());
   }
-  EXPECT_EQ(files,
-            (std::set<std::string>{"bench_pty", "bench_single_thread", "two_vehicles",
-                                   "pixhawk_usb", "pixhawk_telem", "px4_sitl", "ardupilot_sitl"}));
+  EXPECT_EQ(files, (std::set<std::string>{"bench_pty", "bench_single_thread", "two_vehicles",
+                                          "pixhawk_usb", "pixhawk_telem", "px4_sitl",
+                                          "px4_companion", "ardupilot_sitl", "ardupilot_hil"}));
 }
 
 }  // namespace
