@@ -38,7 +38,7 @@ void LocalEndpoint::wake_for_all(bool all) {
 void LocalEndpoint::dispatch(Station& station, base::RunTime now) {
   {
     const base::MutexLock lock(mutex_);
-    // Raised and lowered under the mutex, so that a signal that nobody raised costs no read.
+    // deliver() raises the signal under the same mutex: without `raised_` the eventfd is empty.
     if (std::exchange(raised_, false)) signal_.lower();
     std::swap(waiting_, dispatching_);
   }

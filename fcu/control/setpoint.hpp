@@ -33,8 +33,8 @@ struct AttitudeSetpoint {
   double thrust_n = 0;                                       ///< along -Dz
 };
 
-/// Setpoint of flight on a wing: a path, a height and an airspeed, or what is to be instead of the
-/// attitude and throttle that these ask for.
+/// Setpoint of flight on a wing: a path, a height and an airspeed. Attitude or throttle that is set
+/// here replaces what these three ask for.
 struct WingSetpoint {
   Path path;
   double z_m = 0;               ///< wanted z (down) in N

@@ -38,7 +38,7 @@ void GpsVote::on_fix(int at, const Fix& fix) {
   used_ = other;
 }
 
-/// What is wrong with the receiver in use, if the other is better.
+/// Fault of the receiver in use; none while the other is silent.
 VoteCause GpsVote::judge(const Receiver& own, const Receiver& other, base::SimTime now) const {
   if (silent(other.last, other.period_s, now)) return VoteCause::kNone;
   if (silent(own.last, own.period_s, now)) {

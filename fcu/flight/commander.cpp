@@ -264,7 +264,7 @@ void Commander::touch_ground() {
   texts_.info("Landed");
 }
 
-/// A VTOL lands on its rotors, wherever it is told to.
+/// Steps the transition. A VTOL that lands or returns is turned into a multicopter first.
 void Commander::update_transition(const TaskContext& context) {
   if (airframe_ != AirframeKind::kVtol || !flying_) return;
   const bool lands = mode_ == FlightMode::kLand || mode_ == FlightMode::kReturn;

@@ -19,7 +19,7 @@ class WingTask final : public FlightTask {
   void set_mode(FlightMode mode) { mode_ = mode; }
   /// Height of the take-off, z (down) in N; nullopt: MIS_TAKEOFF_ALT above the ground.
   void set_takeoff_z(std::optional<double> z) { takeoff_z_ = z; }
-  /// Flies round a place; what is NaN stays as it is.
+  /// Circles about a place. A coordinate that is NaN keeps its old value.
   /// @param radius_m  above 0 clockwise
   void circle(const Eigen::Vector3d& middle_N, double radius_m);
   /// Where the next landing touches down, and from where it comes; without: home, as it took off.

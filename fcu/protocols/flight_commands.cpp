@@ -100,7 +100,7 @@ MavResult orbit(const Command& command, const CommandTarget& target, RunTime now
   return target.commander.fly_pattern(PatternShape::kCircle, radius, speed, 0, target.context(now));
 }
 
-/// Parameter 1 names what is to be a multicopter's, or a plane's.
+/// MAV_CMD_DO_VTOL_TRANSITION: parameter 1 is the MAV_VTOL_STATE that is asked for.
 MavResult transition(const Command& command, const CommandTarget& target, RunTime now) {
   using mavlink::common::MavVtolState;
   const double asked = command.param[0];

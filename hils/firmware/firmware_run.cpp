@@ -76,7 +76,8 @@ void read_ledgers(const Scenario& scenario, const RunPaths& paths, RunRecord& re
 /// own act, and no fault of the flight.
 void read_ahrs(const RunPaths& paths, RunRecord& record) {
   const std::string text = base::read_file(paths.simulator_stats()).value_or("");
-  record.firmware->ahrs = ahrs_figures(nlohmann::json::parse(text, nullptr, false), record.vehicle);
+  record.firmware->ahrs = ahrs_figures(nlohmann::json::parse(text, nullptr, false), record.vehicle)
+                              .value_or(AhrsFigures{});
   std::erase_if(record.faults, [](const auto& fault) { return fault.name == kIdentification; });
 }
 

@@ -59,7 +59,7 @@ struct RunRecord {
   /// @throws base::ConfigError as read_estimate does
   const std::vector<PoseSample>& estimate() const;
 
-  /// What was read of the files; copies of a record share it.
+  /// Caches of truth() and estimate(); copies of a record share them.
   mutable std::shared_ptr<const std::vector<PoseSample>> truth_read{};
   mutable std::shared_ptr<const std::vector<PoseSample>> estimate_read{};
 };

@@ -16,7 +16,7 @@ struct TruthHeader {
   std::size_t rotors = 0;
   std::optional<std::size_t> airspeed{};  ///< column; of a vehicle with a pitot tube
 
-  /// How many numbers a row has at least, for what is read here.
+  /// Least number of columns of a row: up to the last rotor and the airspeed.
   std::size_t columns() const;
 
   /// @param line  the first one of `file`

@@ -116,14 +116,14 @@ class ExternalAhrsPlugin final : public Plugin {
   }
 
   std::string stats_json() const override {
-    const RegisterDesk::Counts& lines = unit_->desk().counts();
+    const UnitRegisters::Counts& lines = unit_->registers().counts();
     const VectorNav::Counts& packets = unit_->counts();
     nlohmann::ordered_json rates = nlohmann::ordered_json::array();
-    for (std::size_t i = 0; i < RegisterDesk::kOutputs; ++i) rates.push_back(unit_->rate_hz(i));
+    for (std::size_t i = 0; i < UnitRegisters::kOutputs; ++i) rates.push_back(unit_->rate_hz(i));
     return nlohmann::ordered_json{{"endpoint", wire_->endpoint()},
                                   {"up", wire_->is_up()},
-                                  {"asked", unit_->desk().asked()},
-                                  {"running", unit_->desk().running()},
+                                  {"asked", unit_->registers().asked()},
+                                  {"running", unit_->registers().running()},
                                   {"rates_hz", rates},
                                   {"packets", packets.sent[0] + packets.sent[1] + packets.sent[2]},
                                   {"sent", packets.sent},
@@ -251,16 +251,16 @@ class ExternalAhrsPlugin final : public Plugin {
 
   /// Once for each change.
   void tell_changes() {
-    const RegisterDesk& desk = unit_->desk();
-    if (desk.running() != was_running_) {
-      was_running_ = desk.running();
+    const UnitRegisters& registers = unit_->registers();
+    if (registers.running() != was_running_) {
+      was_running_ = registers.running();
       last_sent_.reset();
       base::log::info(wire_->endpoint() + (was_running_
                                                ? ": the board takes its sensors from this line"
                                                : ": the board has paused this line"));
     }
-    if (desk.refusal() != told_refusal_) {
-      told_refusal_ = desk.refusal();
+    if (registers.refusal() != told_refusal_) {
+      told_refusal_ = registers.refusal();
       base::log::warn(wire_->endpoint() + ": refused: " + told_refusal_);
     }
   }
@@ -285,7 +285,7 @@ class ExternalAhrsPlugin final : public Plugin {
   bool was_running_ = false;
   std::string told_refusal_;
   std::uint64_t reader_full_ = 0;
-  std::array<std::uint64_t, RegisterDesk::kOutputs> sent_before_{};
+  std::array<std::uint64_t, UnitRegisters::kOutputs> sent_before_{};
   std::optional<base::RunTime> last_sent_;
   base::Duration longest_gap_{};  // between two packets, by the wall clock
   Subscription imu_;

@@ -8,7 +8,8 @@
 
 namespace cas::sim {
 
-/// When a serial line will have carried what was handed to it: ten bits a byte. Pure.
+/// Backlog of a serial line: the moment at which it has sent all bytes that were handed to it, at
+/// ten bits a byte. Pure.
 class LineBudget {
  public:
   /// @param baud  0: a line without a rate of its own (USB)

@@ -22,7 +22,7 @@ double base_rate_hz(UnitModel model) { return model == UnitModel::kVn300 ? 400 :
 }  // namespace
 
 VectorNav::VectorNav(UnitModel model, unsigned baud)
-    : base_hz_(base_rate_hz(model)), desk_(name_of(model)), line_(baud) {}
+    : base_hz_(base_rate_hz(model)), registers_(name_of(model)), line_(baud) {}
 
 std::string VectorNav::take_answers(base::SimTime now) {
   line_.add(now, answers_.size());
@@ -31,16 +31,16 @@ std::string VectorNav::take_answers(base::SimTime now) {
 }
 
 double VectorNav::rate_hz(std::size_t output) const {
-  return desk_.running() ? desk_.outputs()[output].rate_hz(base_hz_) : 0;
+  return registers_.running() ? registers_.outputs()[output].rate_hz(base_hz_) : 0;
 }
 
 /// The outputs that the registers ask for, counted from now on.
 void VectorNav::rebuild(base::SimTime now) {
-  revision_ = desk_.revision();
+  revision_ = registers_.revision();
   streams_.clear();
-  if (!desk_.running()) return;
-  for (std::size_t i = 0; i < desk_.outputs().size(); ++i) {
-    const BinaryOutput& output = desk_.outputs()[i];
+  if (!registers_.running()) return;
+  for (std::size_t i = 0; i < registers_.outputs().size(); ++i) {
+    const BinaryOutput& output = registers_.outputs()[i];
     if (!output.on()) continue;
     Stream& stream = streams_.emplace_back();
     stream.output = i;
@@ -53,7 +53,7 @@ void VectorNav::rebuild(base::SimTime now) {
 }
 
 void VectorNav::advance(base::SimTime now) {
-  if (revision_ != desk_.revision()) rebuild(now);
+  if (revision_ != registers_.revision()) rebuild(now);
   for (Stream& stream : streams_) {
     if (!stream.gate.due(now)) continue;
     if (stream.due) ++(stream.lacked_sample ? counts_.without_sample : counts_.dropped);
@@ -77,7 +77,7 @@ std::span<const std::uint8_t> VectorNav::next(base::SimTime now, const UnitReadi
                                               FreshSamples& fresh) {
   for (Stream& stream : streams_) {
     if (!stream.due) continue;
-    const BinaryOutput& output = desk_.outputs()[stream.output];
+    const BinaryOutput& output = registers_.outputs()[stream.output];
     const bool of_fix = output.has_fix();
     const bool of_sample = !of_fix && output.has_inertial();
     stream.lacked_sample = (of_fix && !fresh.fix) || (of_sample && !fresh.inertial);

@@ -12,7 +12,7 @@
 #include "base/time/clock.hpp"
 #include "base/time/rate_gate.hpp"
 #include "plugins/external_ahrs/line_budget.hpp"
-#include "plugins/external_ahrs/register_desk.hpp"
+#include "plugins/external_ahrs/unit_registers.hpp"
 
 namespace cas::sim {
 
@@ -40,18 +40,18 @@ class VectorNav {
   static constexpr base::Duration kMostWait = std::chrono::milliseconds(5);
 
   struct Counts {
-    std::array<std::uint64_t, RegisterDesk::kOutputs> sent{};  ///< of registers 75, 76 and 77
-    std::uint64_t bytes = 0;                                   ///< packets and answers
-    std::uint64_t dropped = 0;                                 ///< for lack of room on the line
-    std::uint64_t without_sample = 0;                          ///< due, and there was no new sample
-    std::uint64_t late = 0;         ///< sent, but waited for the line for 1 ms or longer
-    base::Duration longest_wait{};  ///< for the line
+    std::array<std::uint64_t, UnitRegisters::kOutputs> sent{};  ///< of registers 75, 76 and 77
+    std::uint64_t bytes = 0;                                    ///< packets and answers
+    std::uint64_t dropped = 0;                                  ///< for lack of room on the line
+    std::uint64_t without_sample = 0;  ///< due, and there was no new sample
+    std::uint64_t late = 0;            ///< sent, but waited for the line for 1 ms or longer
+    base::Duration longest_wait{};     ///< for the line
   };
 
   /// @param baud  of the line; 0: it has no rate of its own
   VectorNav(UnitModel model, unsigned baud);
 
-  void receive(std::span<const std::uint8_t> bytes) { desk_.feed(bytes, answers_); }
+  void receive(std::span<const std::uint8_t> bytes) { registers_.feed(bytes, answers_); }
   /// Takes the answers that wait, for the line. Call before next().
   std::string take_answers(base::SimTime now);
   /// Bytes that the driver of the line holds unsent.
@@ -66,7 +66,7 @@ class VectorNav {
   /// Back to time zero. The user's driver goes on: registers are kept.
   void reset();
 
-  const RegisterDesk& desk() const { return desk_; }
+  const UnitRegisters& registers() const { return registers_; }
   /// Of one output now; 0: it is off.
   double rate_hz(std::size_t output) const;
   const Counts& counts() const { return counts_; }
@@ -86,7 +86,7 @@ class VectorNav {
   bool may_go(const Stream& stream, base::SimTime now) const;
 
   double base_hz_;
-  RegisterDesk desk_;
+  UnitRegisters registers_;
   LineBudget line_;
   std::string answers_;
   unsigned revision_ = 0;

@@ -3,15 +3,12 @@
 
 #include <array>
 #include <cmath>
-#include <sstream>
 #include <string>
 
 #include "base/angles.hpp"
-#include "base/byte_order_mark.hpp"
 #include "base/config/config.hpp"
 #include "base/config/config_whole.hpp"
-#include "base/error.hpp"
-#include "base/read_file.hpp"
+#include "plugins/common/number_csv.hpp"
 
 namespace cas::sim {
 namespace {
@@ -63,66 +60,27 @@ std::vector<LidarBeam> read_spinning(const std::filesystem::path& file) {
   return beams;
 }
 
-/// Lines of numbers with commas between them.
-class PatternCsv {
- public:
-  explicit PatternCsv(const std::filesystem::path& file)
-      : file_(file),
-        stream_(base::read_foreign_file(file, "pattern of a lidar", kMostPatternBytes)) {}
-
-  std::vector<LidarBeam> beams() {
-    std::string text;
-    if (!next(text) || text != kPatternHeader) {
-      fail(std::string("the first line must be ") + kPatternHeader);
+std::vector<LidarBeam> read_csv(const std::filesystem::path& file) {
+  NumberCsv csv(file, "pattern of a lidar", kMostPatternBytes, kPatternHeader);
+  std::vector<LidarBeam> beams;
+  for (std::array<double, 3> row{}; csv.next(row);) {
+    const auto& [share, azimuth_deg, elevation_deg] = row;
+    const double before = beams.empty() ? 0 : beams.back().share;
+    if (share < before || share >= 1) {
+      csv.fail("a share is from that of the line before to below 1");
     }
-    std::vector<LidarBeam> beams;
-    while (next(text)) {
-      if (text.empty()) continue;
-      const auto [share, azimuth_deg, elevation_deg] = parse(text);
-      const double before = beams.empty() ? 0 : beams.back().share;
-      if (share < before || share >= 1) fail("a share is from that of the line before to below 1");
-      if (beams.size() == kMostBeams) fail("has more than a million beams");
-      beams.push_back(
-          {.share = share, .direction_S = direction_of(azimuth_deg, elevation_deg), .ring = 0});
-    }
-    if (beams.empty()) fail("has no beam");
-    return beams;
+    if (beams.size() == kMostBeams) csv.fail("has more than a million beams");
+    beams.push_back(
+        {.share = share, .direction_S = direction_of(azimuth_deg, elevation_deg), .ring = 0});
   }
-
- private:
-  [[noreturn]] void fail(const std::string& sentence) const {
-    throw base::ConfigError(file_.string() + ":" + std::to_string(line_) + ": " + sentence);
-  }
-
-  bool next(std::string& text) {
-    if (!std::getline(stream_, text)) return false;
-    ++line_;
-    if (line_ == 1) text.erase(0, text.size() - base::without_byte_order_mark(text).size());
-    if (!text.empty() && text.back() == '\r') text.pop_back();
-    return true;
-  }
-
-  std::array<double, 3> parse(const std::string& text) const {
-    std::istringstream words(text);
-    std::array<double, 3> values{};
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const bool read = static_cast<bool>(words >> values[i]);
-      if (!read || !std::isfinite(values[i])) fail("needs three numbers with commas between them");
-      if (i + 1 < values.size() && words.get() != ',') fail("needs three numbers");
-    }
-    if (words.get() != std::istringstream::traits_type::eof()) fail("has more than three numbers");
-    return values;
-  }
-
-  std::filesystem::path file_;
-  std::istringstream stream_;
-  int line_ = 0;
-};
+  if (beams.empty()) csv.fail("has no beam");
+  return beams;
+}
 
 }  // namespace
 
 std::vector<LidarBeam> load_lidar_pattern(const std::filesystem::path& file) {
-  if (file.extension() == ".csv") return PatternCsv(file).beams();
+  if (file.extension() == ".csv") return read_csv(file);
   return read_spinning(file);
 }
 

@@ -2,13 +2,11 @@
 #include "plugins/wind/wind_grid.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <sstream>
 #include <string>
 
-#include "base/byte_order_mark.hpp"
-#include "base/error.hpp"
-#include "base/read_file.hpp"
+#include "plugins/common/number_csv.hpp"
 
 namespace cas::sim {
 namespace {
@@ -21,51 +19,14 @@ struct Row {
   Eigen::Vector3d wind;
 };
 
-class Reader {
- public:
-  explicit Reader(const std::filesystem::path& file)
-      : file_(file), stream_(base::read_foreign_file(file, "wind grid", kMostBytes)) {}
-
-  std::vector<Row> rows() {
-    std::vector<Row> rows;
-    std::string text;
-    if (!next(text) || text != kHeader) fail(std::string("the first line must be ") + kHeader);
-    while (next(text)) {
-      if (!text.empty()) rows.push_back(parse(text));
-    }
-    if (rows.empty()) fail("has no place");
-    return rows;
+std::vector<Row> read_rows(NumberCsv& csv) {
+  std::vector<Row> rows;
+  for (std::array<double, 6> v{}; csv.next(v);) {
+    rows.push_back({{v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
   }
-
-  [[noreturn]] void fail(const std::string& sentence) const {
-    throw base::ConfigError(file_.string() + ":" + std::to_string(line_) + ": " + sentence);
-  }
-
- private:
-  bool next(std::string& text) {
-    if (!std::getline(stream_, text)) return false;
-    ++line_;
-    if (line_ == 1) text.erase(0, text.size() - base::without_byte_order_mark(text).size());
-    if (!text.empty() && text.back() == '\r') text.pop_back();
-    return true;
-  }
-
-  Row parse(const std::string& text) const {
-    std::istringstream words(text);
-    std::array<double, 6> values{};
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      const bool read = static_cast<bool>(words >> values[i]);
-      if (!read || !std::isfinite(values[i])) fail("needs six numbers with commas between them");
-      if (i + 1 < values.size() && words.get() != ',') fail("needs six numbers");
-    }
-    if (words.get() != std::istringstream::traits_type::eof()) fail("has more than six numbers");
-    return {{values[0], values[1], values[2]}, {values[3], values[4], values[5]}};
-  }
-
-  std::filesystem::path file_;
-  std::istringstream stream_;
-  int line_ = 0;
-};
+  if (rows.empty()) csv.fail("has no place");
+  return rows;
+}
 
 /// The two neighbours of a value on an axis, and the share of the upper one.
 struct Between {
@@ -84,8 +45,8 @@ struct Between {
 }  // namespace
 
 WindGrid WindGrid::load(const std::filesystem::path& file) {
-  Reader reader(file);
-  const std::vector<Row> rows = reader.rows();
+  NumberCsv csv(file, "wind grid", kMostBytes, kHeader);
+  const std::vector<Row> rows = read_rows(csv);
   WindGrid grid;
   std::size_t places = 1;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -96,10 +57,10 @@ WindGrid WindGrid::load(const std::filesystem::path& file) {
     places *= axis.size();
   }
   if (places != rows.size()) {
-    reader.fail("has " + std::to_string(rows.size()) + " places, and the " +
-                std::to_string(grid.axes_[0].size()) + " values of x, " +
-                std::to_string(grid.axes_[1].size()) + " of y and " +
-                std::to_string(grid.axes_[2].size()) + " of z make " + std::to_string(places));
+    csv.fail("has " + std::to_string(rows.size()) + " places, and the " +
+             std::to_string(grid.axes_[0].size()) + " values of x, " +
+             std::to_string(grid.axes_[1].size()) + " of y and " +
+             std::to_string(grid.axes_[2].size()) + " of z make " + std::to_string(places));
   }
   grid.wind_W_.resize(places);
   std::vector<bool> filled(places, false);
@@ -112,7 +73,7 @@ WindGrid WindGrid::load(const std::filesystem::path& file) {
           axis.begin());
     }
     const std::size_t at = grid.index(cell);
-    if (filled[at]) reader.fail("names a place twice");
+    if (filled[at]) csv.fail("names a place twice");
     filled[at] = true;
     grid.wind_W_[at] = row.wind;
   }

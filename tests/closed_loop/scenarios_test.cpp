@@ -57,40 +57,17 @@ std::uint64_t lost(const Measurement& figures, const std::string& cause) {
   return sum;
 }
 
-TEST(Scenario, StepsGoesFromPlaceToPlace) {
-  const Flown flown = fly("steps");
+class ShippedScenario : public testing::TestWithParam<const char*> {};
+
+TEST_P(ShippedScenario, Passes) {
+  const Flown flown = fly(GetParam());
   EXPECT_TRUE(flown.verdict.passed) << flown.text;
 }
 
-TEST(Scenario, FigureEightFollowsItsMovingReference) {
-  const Flown flown = fly("figure_eight");
-  EXPECT_TRUE(flown.verdict.passed) << flown.text;
-}
-
-TEST(Scenario, PixhawkIsFlownByTheEmulatorToo) {
-  const Flown flown = fly("pixhawk");
-  EXPECT_TRUE(flown.verdict.passed) << flown.text;
-}
-
-TEST(Scenario, PlaneTakesOffCirclesAndLands) {
-  const Flown flown = fly("plane");
-  EXPECT_TRUE(flown.verdict.passed) << flown.text;
-}
-
-TEST(Scenario, QuadplaneTurnsIntoAPlaneAndBack) {
-  const Flown flown = fly("quadplane");
-  EXPECT_TRUE(flown.verdict.passed) << flown.text;
-}
-
-TEST(Scenario, WindHoldsThePlaceThroughAGust) {
-  const Flown flown = fly("wind");
-  EXPECT_TRUE(flown.verdict.passed) << flown.text;
-}
-
-TEST(Scenario, VillageLandsOnTheRoof) {
-  const Flown flown = fly("village");
-  EXPECT_TRUE(flown.verdict.passed) << flown.text;
-}
+INSTANTIATE_TEST_SUITE_P(Each, ShippedScenario,
+                         testing::Values("steps", "figure_eight", "pixhawk", "plane", "quadplane",
+                                         "wind", "village", "rotor_weak"),
+                         [](const auto& test) { return std::string(test.param); });
 
 TEST(Scenario, LineLossNamesTheLineForEachLostPacket) {
   const Flown flown = fly("line_loss");
@@ -115,11 +92,6 @@ TEST(Scenario, GpsLossIsFlownThrough) {
   // One and a half seconds at 5 Hz are missing, and no packet was lost for it.
   EXPECT_NEAR(static_cast<double>(flown.figures.rates.gps.sent), 143, 1) << flown.text;
   EXPECT_EQ(flown.figures.rates.gps.lost, 0U);
-}
-
-TEST(Scenario, RotorWeakIsHeld) {
-  const Flown flown = fly("rotor_weak");
-  EXPECT_TRUE(flown.verdict.passed) << flown.text;
 }
 
 TEST(Scenario, GainTuningShowsWhatTheGainChanged) {

@@ -201,68 +201,68 @@ TEST(BinaryOutput, RefusesWhatIsNotSimulatedAndKeepsWhatWas) {
   EXPECT_EQ(problem, "field 11 of group 0 is not simulated");
 }
 
-std::string answer_to(RegisterDesk& desk, const std::string& body) {
+std::string answer_to(UnitRegisters& registers, const std::string& body) {
   std::string replies;
-  desk.feed(bytes_of(nmea_line(body)), replies);
+  registers.feed(bytes_of(nmea_line(body)), replies);
   return replies;
 }
 
-TEST(RegisterDesk, AnswersTheHandshakeOfArducopter462) {
-  RegisterDesk desk("VN-200");
+TEST(UnitRegisters, AnswersTheHandshakeOfArducopter462) {
+  UnitRegisters registers("VN-200");
   for (const char* body : {"VNASY,0", "VNWRG,06,0,1", "VNWRG,06,0,2"}) {
-    EXPECT_EQ(answer_to(desk, body), nmea_line(body));
+    EXPECT_EQ(answer_to(registers, body), nmea_line(body));
   }
-  EXPECT_EQ(answer_to(desk, "VNRRG,01"), nmea_line("VNRRG,01,VN-200"));
+  EXPECT_EQ(answer_to(registers, "VNRRG,01"), nmea_line("VNRRG,01,VN-200"));
   for (const char* body : {"VNWRG,75,3,2,01,0721", "VNWRG,76,3,16,31,0001,0106,0613",
                            "VNWRG,77,3,160,49,0003,26B8,0018"}) {
-    EXPECT_EQ(answer_to(desk, body), nmea_line(body));
-    EXPECT_FALSE(desk.running()) << "paused until VNASY,1";
+    EXPECT_EQ(answer_to(registers, body), nmea_line(body));
+    EXPECT_FALSE(registers.running()) << "paused until VNASY,1";
   }
-  EXPECT_EQ(answer_to(desk, "VNASY,1"), nmea_line("VNASY,1"));
-  EXPECT_TRUE(desk.running());
-  EXPECT_EQ(desk.counts().lines, 8U);
-  EXPECT_EQ(desk.counts().refused, 0U);
-  EXPECT_EQ(desk.asked().size(), 8U);
+  EXPECT_EQ(answer_to(registers, "VNASY,1"), nmea_line("VNASY,1"));
+  EXPECT_TRUE(registers.running());
+  EXPECT_EQ(registers.counts().lines, 8U);
+  EXPECT_EQ(registers.counts().refused, 0U);
+  EXPECT_EQ(registers.asked().size(), 8U);
 }
 
-TEST(RegisterDesk, AnswersTheHandshakeOfArducopter457) {
-  RegisterDesk desk("VN-300");
+TEST(UnitRegisters, AnswersTheHandshakeOfArducopter457) {
+  UnitRegisters registers("VN-300");
   for (const char* body : {"VNASY,0", "VNWRG,75,3,1,34,072E,0106,0612",
                            "VNWRG,76,3,80,4E,0002,0010,20B8,0018", "VNASY,1"}) {
-    EXPECT_EQ(answer_to(desk, body), nmea_line(body));
+    EXPECT_EQ(answer_to(registers, body), nmea_line(body));
   }
-  EXPECT_TRUE(desk.running());
-  EXPECT_EQ(desk.outputs()[0].packet_bytes(), 170U);
-  EXPECT_EQ(desk.outputs()[1].packet_bytes(), 92U);
+  EXPECT_TRUE(registers.running());
+  EXPECT_EQ(registers.outputs()[0].packet_bytes(), 170U);
+  EXPECT_EQ(registers.outputs()[1].packet_bytes(), 92U);
 }
 
-TEST(RegisterDesk, RefusesByErrorAnswersAndSaysWhy) {
-  RegisterDesk desk("VN-200");
-  EXPECT_EQ(answer_to(desk, "VNRST"), nmea_line("VNERR,04"));
-  EXPECT_EQ(answer_to(desk, "VNRRG,57"), nmea_line("VNERR,08"));
-  EXPECT_EQ(answer_to(desk, "VNWRG,75,3,2,01,0800"), nmea_line("VNERR,07"));
-  EXPECT_EQ(desk.refusal(), "register 75: field 11 of group 0 is not simulated");
-  EXPECT_EQ(desk.counts().refused, 3U);
+TEST(UnitRegisters, RefusesByErrorAnswersAndSaysWhy) {
+  UnitRegisters registers("VN-200");
+  EXPECT_EQ(answer_to(registers, "VNRST"), nmea_line("VNERR,04"));
+  EXPECT_EQ(answer_to(registers, "VNRRG,57"), nmea_line("VNERR,08"));
+  EXPECT_EQ(answer_to(registers, "VNWRG,75,3,2,01,0800"), nmea_line("VNERR,07"));
+  EXPECT_EQ(registers.refusal(), "register 75: field 11 of group 0 is not simulated");
+  EXPECT_EQ(registers.counts().refused, 3U);
 }
 
-TEST(RegisterDesk, CountsAndSurvivesGarbage) {
-  RegisterDesk desk("VN-200");
+TEST(UnitRegisters, CountsAndSurvivesGarbage) {
+  UnitRegisters registers("VN-200");
   std::string replies;
   std::vector<std::uint8_t> noise{0xFA, 0x01, 0x00, 'V', 'N'};
-  desk.feed(noise, replies);
-  EXPECT_EQ(desk.counts().garbage_bytes, 5U);
-  desk.feed(bytes_of("$VNRRG,01*00\r\n"), replies);
-  EXPECT_EQ(desk.counts().bad_checksums, 1U);
+  registers.feed(noise, replies);
+  EXPECT_EQ(registers.counts().garbage_bytes, 5U);
+  registers.feed(bytes_of("$VNRRG,01*00\r\n"), replies);
+  EXPECT_EQ(registers.counts().bad_checksums, 1U);
   EXPECT_EQ(replies, nmea_line("VNERR,03"));
   replies.clear();
-  desk.feed(bytes_of("$VNRR$VNRRG,01*72\r\n"), replies);  // a line that broke off
-  EXPECT_EQ(desk.counts().garbage_bytes, 10U);
+  registers.feed(bytes_of("$VNRR$VNRRG,01*72\r\n"), replies);  // a line that broke off
+  EXPECT_EQ(registers.counts().garbage_bytes, 10U);
   EXPECT_EQ(replies, nmea_line("VNRRG,01,VN-200"));
   replies.clear();
-  desk.feed(bytes_of("$" + std::string(5000, 'x')), replies);  // one that never ends
-  desk.feed(bytes_of(nmea_line("VNRRG,01")), replies);
+  registers.feed(bytes_of("$" + std::string(5000, 'x')), replies);  // one that never ends
+  registers.feed(bytes_of(nmea_line("VNRRG,01")), replies);
   EXPECT_EQ(replies, nmea_line("VNRRG,01,VN-200"));
-  EXPECT_EQ(desk.counts().garbage_bytes, 5011U);
+  EXPECT_EQ(registers.counts().garbage_bytes, 5011U);
 }
 
 /// A unit that was asked for packets, stepped at 800 Hz.

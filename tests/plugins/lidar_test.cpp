@@ -152,7 +152,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         PatternCase{"NoHeader", "a.csv", "0,0,0\n", "a.csv:1: the first line must be"},
         PatternCase{"TwoNumbers", "a.csv", "share,azimuth_deg,elevation_deg\n0,0\n",
-                    "a.csv:2: needs three numbers"},
+                    "a.csv:2: needs 3 numbers"},
         PatternCase{"SharesOutOfOrder", "a.csv",
                     "share,azimuth_deg,elevation_deg\n0.5,0,0\n0.4,0,0\n", "a.csv:3: a share is"},
         PatternCase{"Empty", "a.csv", "share,azimuth_deg,elevation_deg\n", "has no beam"},

@@ -294,8 +294,8 @@ TEST(WindGrid, RefusesWhatIsNoGridWithItsLine) {
   const std::string grid = kGrid;
   const auto npos = std::string::npos;
   EXPECT_NE(refusal("x,y\n").find("g.csv:1: the first line must be x_m"), npos);
-  EXPECT_NE(refusal(grid + "10,0,\n").find("g.csv:6: needs six numbers"), npos);
-  EXPECT_NE(refusal(grid + "1,2,3,4,5,6,7\n").find("g.csv:6: has more than six"), npos);
+  EXPECT_NE(refusal(grid + "10,0,\n").find("g.csv:6: needs 6 numbers"), npos);
+  EXPECT_NE(refusal(grid + "1,2,3,4,5,6,7\n").find("g.csv:6: needs 6 numbers"), npos);
   EXPECT_NE(refusal(grid + "5,0,0,1,1,1\n").find("5 places, and the 3 values of x"), npos);
   EXPECT_EQ(test::refusal([] { WindGrid::load("/dev/zero"); }),
             "/dev/zero: wind grid is no regular file");

@@ -186,6 +186,7 @@ TEST_F(FirmwareFlightFigures, OfASensorsLineThatStoodStillGiveNoVerdict) {
   AhrsFigures thin = good;
   thin.dropped = 500;
   EXPECT_EQ(verdict_of(thin).exit_code(), kExitInvalid);
+  EXPECT_EQ(verdict_of(AhrsFigures{}).exit_code(), kExitInvalid);
 }
 
 TEST(AhrsFiguresTest, AreThoseOfTheVehiclesOwnPlugin) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "plugins/external_ahrs/register_desk.hpp"
+#include "plugins/external_ahrs/unit_registers.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -50,11 +50,11 @@ bool is_printable(char c) { return c >= ' ' && c <= '~'; }
 
 }  // namespace
 
-void RegisterDesk::feed(std::span<const std::uint8_t> bytes, std::string& replies) {
+void UnitRegisters::feed(std::span<const std::uint8_t> bytes, std::string& replies) {
   for (const std::uint8_t byte : bytes) on_byte(static_cast<char>(byte), replies);
 }
 
-void RegisterDesk::on_byte(char byte, std::string& replies) {
+void UnitRegisters::on_byte(char byte, std::string& replies) {
   if (byte == '$') {
     drop_line();
     in_line_ = true;
@@ -73,13 +73,13 @@ void RegisterDesk::on_byte(char byte, std::string& replies) {
 }
 
 /// A line that did not end.
-void RegisterDesk::drop_line() {
+void UnitRegisters::drop_line() {
   if (in_line_) counts_.garbage_bytes += line_.size() + 1;
   in_line_ = false;
   line_.clear();
 }
 
-void RegisterDesk::on_line(std::string& replies) {
+void UnitRegisters::on_line(std::string& replies) {
   const std::size_t star = line_.rfind('*');
   const std::string_view body = std::string_view(line_).substr(0, star);
   unsigned said = 0;
@@ -96,7 +96,7 @@ void RegisterDesk::on_line(std::string& replies) {
   replies += framed(answer(body));
 }
 
-std::string RegisterDesk::answer(std::string_view body) {
+std::string UnitRegisters::answer(std::string_view body) {
   const std::vector<std::string_view> words = split(body);
   if (words[0] == "VNASY" && words.size() == 2 && (words[1] == "0" || words[1] == "1")) {
     paused_ = words[1] == "0";
@@ -111,8 +111,8 @@ std::string RegisterDesk::answer(std::string_view body) {
   return error(kUnknownRegister, "register " + std::string(words[1]) + " is not simulated");
 }
 
-std::string RegisterDesk::write_register(std::string_view body,
-                                         std::span<const std::string_view> words) {
+std::string UnitRegisters::write_register(std::string_view body,
+                                          std::span<const std::string_view> words) {
   constexpr int kAsciiMessages = 6;
   const int number = register_number(words[1]);
   if (number == kAsciiMessages) return std::string(body);
@@ -128,18 +128,18 @@ std::string RegisterDesk::write_register(std::string_view body,
   return std::string(body);
 }
 
-std::string RegisterDesk::error(const char* code, std::string why) {
+std::string UnitRegisters::error(const char* code, std::string why) {
   ++counts_.refused;
   refusal_ = std::move(why);
   return std::string("VNERR,") + code;
 }
 
-void RegisterDesk::note(std::string_view body) {
+void UnitRegisters::note(std::string_view body) {
   const bool is_new = std::ranges::find(asked_, body) == asked_.end();
   if (is_new && asked_.size() < kMostAsked) asked_.emplace_back(body);
 }
 
-bool RegisterDesk::running() const {
+bool UnitRegisters::running() const {
   return !paused_ && std::ranges::any_of(outputs_, [](const auto& output) { return output.on(); });
 }
 

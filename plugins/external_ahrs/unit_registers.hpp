@@ -17,11 +17,11 @@ namespace cas::sim {
 /// Understood: VNASY (pause and resume the packets), VNRRG of register 1 (the model), VNWRG of
 /// registers 6 (its ASCII messages: it has none) and 75 to 77 (its packets). Any other line gets
 /// the unit's error answer `$VNERR,code`.
-class RegisterDesk {
+class UnitRegisters {
  public:
   static constexpr std::size_t kOutputs = 3;
 
-  /// Counts of what came.
+  /// Lines and bytes that the unit received.
   struct Counts {
     std::uint64_t lines = 0;          ///< whole, with the right checksum
     std::uint64_t refused = 0;        ///< of these: answered by an error
@@ -30,7 +30,7 @@ class RegisterDesk {
   };
 
   /// @param model  name in register 1
-  explicit RegisterDesk(std::string model) : model_(std::move(model)) {}
+  explicit UnitRegisters(std::string model) : model_(std::move(model)) {}
 
   /// Takes bytes as they come, and appends the answers to `replies`.
   void feed(std::span<const std::uint8_t> bytes, std::string& replies);
