@@ -211,6 +211,7 @@ void HilInterface::fill_set(SensorSet& set) {
 
 void HilInterface::send_clock(std::uint64_t time_usec) {
   mv::HilSensor& sensor = sets_[0].packet;
+  watch_first_imu(sets_[0].imu.has_value(), time_usec);
   fill_set(sets_[0]);
   sensor.time_usec = time_usec;
   if (airspeed_) fill(sensor, *airspeed_);
@@ -224,6 +225,27 @@ void HilInterface::send_clock(std::uint64_t time_usec) {
   const bool is_due =
       params_.joins_by_answering ? sent : control_due_.due(base::from_time_usec(sent_usec_));
   if (is_due) due_usec_ = sent_usec_;
+}
+
+/// PX4 answers by the IMU that it flies by. When the first one falls silent, it answers now and
+/// then until it has chosen another: it is not waited for, and the simulation goes by the clock
+/// meanwhile.
+void HilInterface::watch_first_imu(bool speaks, std::uint64_t time_usec) {
+  const bool falls_silent = !speaks && !first_imu_silent_;
+  first_imu_silent_ = !speaks;
+  if (falls_silent) leave_step(time_usec);
+}
+
+void HilInterface::leave_step(std::uint64_t time_usec) {
+  constexpr std::uint64_t kChoosing_usec = 2'000'000;
+  if (!params_.joins_by_answering) return;
+  in_step_ = false;
+  joins_from_usec_ = time_usec + kChoosing_usec;
+}
+
+void HilInterface::give_up() {
+  due_usec_ = answered_usec_;
+  if (first_imu_silent_) leave_step(sent_usec_);
 }
 
 void HilInterface::receive() {
@@ -293,7 +315,8 @@ void HilInterface::on_controls(const Controls& controls, const MotorCommand& com
   command_ = command;
   command_->sensor_time -= params_.wire_epoch;
   // An echo of a stamp that was never sent comes from another clock, or from before reset().
-  if (!in_step_ && stamps_.contains(controls.time_usec)) join();
+  const bool may_join = !first_imu_silent_ || sent_usec_ >= joins_from_usec_;
+  if (!in_step_ && may_join && stamps_.contains(controls.time_usec)) join();
   if (controls.time_usec <= sent_usec_) {
     answered_usec_ = std::max<std::uint64_t>(answered_usec_, controls.time_usec);
     if (sensor_sent_last_ && answered_usec_ == sent_usec_) on_its_way_ = false;

@@ -146,7 +146,7 @@ class HilInterface {
   /// Whether the controls that are due for the sensors sent so far have arrived (lockstep).
   bool answered() const { return answered_usec_ >= due_usec_; }
   /// Stops waiting for answers to sensors sent so far.
-  void give_up() { due_usec_ = answered_usec_; }
+  void give_up();
   /// Whether a controller answers; without one lockstep does not wait.
   bool in_step() const { return in_step_; }
   /// Stamp of the newest sent HIL_SENSOR, on the wire's clock.
@@ -195,6 +195,8 @@ class HilInterface {
   void send_sensors(base::SimTime clock);
   void send_further_sensors(std::uint64_t time_usec);
   void fill_set(SensorSet& set);
+  void watch_first_imu(bool speaks, std::uint64_t time_usec);
+  void leave_step(std::uint64_t time_usec);
   void send_clock(std::uint64_t time_usec);
   void on_packet(const mav::PacketView& packet, base::RunTime at);
   void on_command(const mav::PacketView& packet);
@@ -238,6 +240,8 @@ class HilInterface {
   // Lockstep.
   bool in_step_;
   RecentStamps stamps_;
+  bool first_imu_silent_ = false;
+  std::uint64_t joins_from_usec_ = 0;  // not before, while the first IMU is silent
   base::RateGate control_due_;
   std::uint64_t sent_usec_ = 0;      // newest HIL_SENSOR
   std::uint64_t due_usec_ = 0;       // newest HIL_SENSOR that is to be answered

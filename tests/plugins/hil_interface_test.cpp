@@ -110,6 +110,39 @@ TEST(HilInterface, TheClockGoesOnWithoutTheFirstImuWhileAnotherSpeaks) {
   EXPECT_TRUE(interface.settled());
 }
 
+TEST(HilInterface, Px4IsNotWaitedForUntilItHasChosenAnotherImu) {
+  HilInterfaceParams params = interface_params();
+  params.joins_by_answering = true;
+  RecordingPort port;
+  HilInterface interface(params, port, nullptr);
+  const auto step = [&](int ms, bool first_speaks) {
+    if (first_speaks) interface.on_imu(imu_at(ms));
+    interface.on_imu(imu_at(ms), 1);
+    interface.flush(at_ms(ms));
+  };
+  const auto answer = [&](int ms) {
+    port.put(controls_for(ms));
+    interface.receive();
+  };
+  step(4, true);
+  answer(4);
+  ASSERT_TRUE(interface.in_step());
+  step(8, false);
+  EXPECT_FALSE(interface.in_step());
+  step(12, false);
+  EXPECT_FALSE(interface.in_step());
+  answer(12);  // by what it still had of the first
+  EXPECT_FALSE(interface.in_step());
+  step(2008, false);
+  answer(2008);  // it flies by the second one now
+  EXPECT_TRUE(interface.in_step());
+  step(2012, false);
+  EXPECT_TRUE(interface.in_step());
+  EXPECT_FALSE(interface.answered());
+  interface.give_up();  // it does not, after all
+  EXPECT_FALSE(interface.in_step());
+}
+
 TEST(HilInterface, Px4GetsTheClockBeforeTheSensorsThatItStampsByIt) {
   HilInterfaceParams params = interface_params();
   params.joins_by_answering = true;
