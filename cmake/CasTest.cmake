@@ -1,16 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # cas_add_test(<name> [LABEL unit|loopback|closed_loop|many_flights|realtime|long] [TIMEOUT s]
-#              SOURCES ... LIBRARIES ... PROGRAMS ... SUITES ...)
-# One GoogleTest program, registered test by test with its label; SUITES are registered as one test each, because
-# their shared setup (a flight) would be repeated for every test. PROGRAMS are targets that the test runs. Real-time
-# tests run alone. Tests whose name begins with casd, rpc or loopback also make up the target tsan_tests, which runs
-# under ThreadSanitizer.
+#              SOURCES ... LIBRARIES ... PROGRAMS ... SUITES ... MANY_FLIGHTS ...)
+# One GoogleTest program, registered test by test with its label. Under a sanitizer a program's start costs half a second, so a
+# program of unit tests is one test there. SUITES are registered as one test each, because their shared setup (a flight) would be
+# repeated for every test. MANY_FLIGHTS are patterns of tests with that label, whatever the label of the others. PROGRAMS are
+# targets that the test runs. Real-time tests run alone. Tests whose name begins with casd, rpc or loopback also make up the
+# target tsan_tests, which runs under ThreadSanitizer.
 add_custom_target(tsan_tests)
 
 include(CasEmulate)
 
 function(cas_add_test name)
-  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LIBRARIES;PROGRAMS;SUITES" ${ARGN})
+  cmake_parse_arguments(ARG "" "LABEL;TIMEOUT" "SOURCES;LIBRARIES;PROGRAMS;SUITES;MANY_FLIGHTS" ${ARGN})
   if(NOT ARG_LABEL)
     set(ARG_LABEL unit)
   endif()
@@ -40,20 +41,31 @@ function(cas_add_test name)
   elseif(name MATCHES "^(casd|rpc|loopback)")
     add_dependencies(tsan_tests ${name})
   endif()
-  set(properties LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT})
+  set(properties TIMEOUT ${ARG_TIMEOUT} COST ${ARG_TIMEOUT})  # what may take long begins first
   if(ARG_LABEL STREQUAL "realtime")
     list(APPEND properties RUN_SERIAL ON)
   endif()
+  list(TRANSFORM ARG_SUITES APPEND ".*" OUTPUT_VARIABLE suites)
   set(others "*")
-  if(ARG_SUITES)
-    list(TRANSFORM ARG_SUITES APPEND ".*" OUTPUT_VARIABLE suites)
+  if(ARG_SUITES OR ARG_MANY_FLIGHTS)
     list(JOIN suites ":" suites)
-    set(others "*-${suites}")
+    list(JOIN ARG_MANY_FLIGHTS ":" many)
+    set(others "*-${suites}:${many}")
+    string(REPLACE "-:" "-" others "${others}")
   endif()
   foreach(suite IN LISTS ARG_SUITES)
     add_test(NAME ${name}.${suite} COMMAND ${name} --gtest_filter=${suite}.*)
-    set_tests_properties(${name}.${suite} PROPERTIES ${properties})
+    set_tests_properties(${name}.${suite} PROPERTIES LABELS ${ARG_LABEL} ${properties})
   endforeach()
+  if(ARG_MANY_FLIGHTS)
+    gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}." TEST_FILTER "${many}" TEST_LIST ${name}_many
+                         PROPERTIES LABELS many_flights ${properties})
+  endif()
+  if(CAS_SANITIZE AND ARG_LABEL STREQUAL "unit")
+    add_test(NAME ${name} COMMAND ${name} --gtest_filter=${others})
+    set_tests_properties(${name} PROPERTIES LABELS unit TIMEOUT 600 COST 600)
+    return()
+  endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}." TEST_FILTER "${others}"
-                       PROPERTIES ${properties})
+                       PROPERTIES LABELS ${ARG_LABEL} ${properties})
 endfunction()

@@ -169,10 +169,9 @@ void refuse_flags(const Flags& flags, const RunRequest& request) {
       {on_line && flags.lockstep, "--lockstep", "stock firmware on a serial line waits for nobody"},
       {firmware && !flags.architecture.empty(), "--architecture",
        "stock firmware is connected as its topology says"},
-      {firmware && has_fcu, "--fcu",
-       "stock firmware is started as a program; for a board take the scenario pixhawk.yaml"},
-      {firmware && flags.fcu_baud, "--fcu-baud",
-       "stock firmware has the baud rate of its topology"},
+      {firmware && !on_line && has_fcu, "--fcu",
+       "this stock firmware is a program without a serial line; for a board take px4_hitl.yaml, "
+       "ardupilot_hil.yaml or pixhawk.yaml"},
       {firmware && flags.inject_failures && firmware->autopilot != "PX4", "--inject-failures",
        "stock firmware other than PX4 has no link of casd to its simulator"},
       {is_computed && flags.lockstep, "--lockstep",
@@ -304,9 +303,11 @@ base::cli::Verb add_run(CLI::App& app) {
                    "without it out/SCENARIO, or the next free out/SCENARIO-2, ...")
       ->take_last();
   command
-      ->add_option("--fcu", flags.fcus,
-                   "A real controller instead of the emulator: a board of boards.yaml, or the path "
-                   "of a serial port; of several vehicles VEHICLE=BOARD, once for each")
+      ->add_option(
+          "--fcu", flags.fcus,
+          "A real controller instead of the emulator, or of a stock firmware on a serial line: a "
+          "board of boards.yaml, or the path of a serial port; of several vehicles VEHICLE=BOARD, "
+          "once for each")
       ->allow_extra_args(false);
   command->add_option("--fcu-baud", flags.fcu_baud,
                       "Baud rate of that port (the board's, or 921600)");

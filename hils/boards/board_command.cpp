@@ -27,6 +27,7 @@
 #include "hils/boards/board_list.hpp"
 #include "hils/boards/board_lock.hpp"
 #include "hils/boards/board_log.hpp"
+#include "hils/boards/board_setup.hpp"
 #include "hils/boards/board_unlock.hpp"
 #include "hils/boards/foreground.hpp"
 #include "hils/report/document.hpp"
@@ -54,6 +55,8 @@ struct Flags {
   std::string commit;
   bool hard = false;
   std::string power_state;
+  bool ardupilot_hil = false;
+  BoardSetup setup;
 };
 
 BoardList load_list(const Flags& flags) {
@@ -229,6 +232,32 @@ int reboot(const HeldBoard& held, bool hard) {
   return kExitPassed;
 }
 
+int set_up(const HeldBoard& held, const Flags& flags) {
+  BoardSetup setup = flags.setup;
+  if (setup.restore.empty() && setup.port < 0) {
+    throw base::ConfigError(
+        "setup: --ardupilot-hil needs --serial N, the board's port with the sensors' line (TELEM2 "
+        "is SERIAL2 on most)");
+  }
+  if (setup.saved.empty()) setup.saved = held.board.name + "_before.params";
+  setup.saved = fs::absolute(setup.saved);
+  Supervisor supervisor;
+  set_up_board(supervisor, held.board, held.list.by_id, setup);
+  return kExitPassed;
+}
+
+void add_setup_options(CLI::App& verb, Flags& flags) {
+  CLI::Option_group* const which = verb.add_option_group("what");
+  which->add_flag("--ardupilot-hil", flags.ardupilot_hil,
+                  "ArduPilot: all sensors by External AHRS (docs/use/firmware/ardupilot_hil.md)");
+  which->add_option("--restore", flags.setup.restore, "Give back the parameters of this file");
+  which->require_option(1);
+  verb.add_option("--serial", flags.setup.port, "Serial port of the board with the sensors' line")
+      ->check(CLI::Range(0, 9));
+  verb.add_option("--save", flags.setup.saved, "File for the old values (NAME_before.params)");
+  verb.add_flag("--yes", flags.setup.writes, "Set them; without it they are only shown");
+}
+
 void add_lock_options(CLI::App& lock, Flags& flags) {
   lock.add_option("COMMAND", flags.command,
                   "Program and arguments, behind --; without it the board is held in the "
@@ -345,6 +374,12 @@ void add_log_and_console(BoardVerbs& verbs) {
   log->add_option("FILE", verbs.flags().file, "Where to (NAME.ulg)");
   add_wait(*log, verbs.flags().boards.wait);
 
+  CLI::App* setup = verbs.add_of_one(
+      "setup", "Show which parameters a board needs to fly in the loop, and set them",
+      [](const BoardList& boards, const Flags& f) { return set_up(take(boards, f, "setup"), f); });
+  add_setup_options(*setup, verbs.flags());
+  add_wait(*setup, verbs.flags().boards.wait);
+
   CLI::App* console = verbs.add_of_one("console", "Run the hook `console` on this terminal",
                                        [](const BoardList& boards, const Flags& f) {
                                          return open_console(take(boards, f, "console"));
@@ -356,13 +391,10 @@ void add_log_and_console(BoardVerbs& verbs) {
 
 base::cli::WordsByCommand board_words() {
   const base::cli::ArgumentWords names{.command = "hils board list --names"};
-  return {{"board lock", names},
-          {"board unlock", names},
-          {"board flash", names},
-          {"board reboot", names},
-          {"board console", names},
-          {"board log", names},
-          {"board power", {.known = {"on", "off", "cycle"}}}};
+  return {{"board lock", names},    {"board unlock", names},
+          {"board flash", names},   {"board reboot", names},
+          {"board console", names}, {"board log", names},
+          {"board setup", names},   {"board power", {.known = {"on", "off", "cycle"}}}};
 }
 
 Verb add_board(CLI::App& app) {

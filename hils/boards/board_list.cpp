@@ -82,6 +82,8 @@ constexpr std::tuple kBoardKeys{
     key<&Board::device>("device", base::PathBeside{}, ""),
     key<&Board::interface>("interface", Whole{0, 255}, ""),
     key<&Board::baud>("baud", Whole{0, 12'000'000}, ""),
+    key<&Board::sensors_device>("sensors_device", base::PathBeside{}, ""),
+    key<&Board::outputs_disconnected>("outputs_disconnected", base::Flag{}, ""),
     key<&Board::kind>("kind", Text{}, ""),
     key<&Board::firmware>("firmware", Text{}, ""),
     key<&Board::commit>("commit", Text{}, ""),

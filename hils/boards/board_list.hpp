@@ -47,6 +47,10 @@ struct Board {
   std::filesystem::path device{};  ///< path; empty: it is found by `serial`
   unsigned interface = 0;          ///< of a USB device with several serial ports: which
   unsigned baud = 921600;
+  /// Port of this machine that leads to its External AHRS; empty: none (ArduPilot only).
+  std::filesystem::path sensors_device{};
+  /// The user's word that no motor, ESC or servo is connected to it.
+  bool outputs_disconnected = false;
   std::string kind{};      ///< in the user's words
   std::string firmware{};  ///< version that it must say: "1.15.0", or its beginning; empty: any
   std::string commit{};    ///< beginning of the commit that it must say; empty: any

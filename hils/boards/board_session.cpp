@@ -174,6 +174,33 @@ void BoardSession::disarm() {
   }
 }
 
+casd::ParamValues BoardSession::params() {
+  constexpr base::Duration kPatience = std::chrono::minutes(3);
+  try {
+    const Json list = impl_->client->call("param.list", Json::object(), kPatience);
+    casd::ParamValues values;
+    for (const Json& param : list.at("parameters")) {
+      if (param.at("value").is_number()) values[param.at("name")] = param["value"];
+    }
+    return values;
+  } catch (const base::rpc::CallError& error) {
+    throw BoardError(kExitBoardFailed, fmt::format("board '{}' did not tell its parameters: {}",
+                                                   impl_->board.name, error.what()));
+  }
+}
+
+void BoardSession::set_param(const std::string& name, double value) {
+  try {
+    const Json answer = impl_->client->call("param.set", {{"name", name}, {"value", value}});
+    if (answer.at("value") == value) return;
+    throw BoardError(kExitBoardFailed, fmt::format("board '{}': {} stays {}", impl_->board.name,
+                                                   name, answer.at("value").dump()));
+  } catch (const base::rpc::CallError& error) {
+    throw BoardError(kExitBoardFailed, fmt::format("board '{}' did not take {} {:g}: {}",
+                                                   impl_->board.name, name, value, error.what()));
+  }
+}
+
 void BoardSession::reboot() {
   try {
     impl_->client->call("vehicle.reboot", Json::object());

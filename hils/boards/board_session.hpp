@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 
+#include "casd/words/external_ahrs_params.hpp"
 #include "hils/boards/board_list.hpp"
 #include "hils/boards/boot_check.hpp"
 #include "hils/programs/supervisor.hpp"
@@ -37,6 +39,10 @@ class BoardSession {
   std::optional<base::RunTime> began();
   /// Has it disarm, in the air, too. @throws BoardError (kExitBoardFailed) when it refuses
   void disarm();
+  /// All its parameters. @throws BoardError (kExitBoardFailed) when it does not tell them
+  casd::ParamValues params();
+  /// @throws BoardError (kExitBoardFailed) when it is refused, or another value is in force
+  void set_param(const std::string& name, double value);
   /// Has the board restart. @throws BoardError (kExitBoardFailed) when it refuses or is silent
   void reboot();
 

@@ -41,6 +41,13 @@ void refuse_what_is_no_terminal(const std::string& path) {
   throw base::ConfigError("--fcu " + path + ": " + path + " is not a terminal");
 }
 
+FcuDevice device_of(const Board& board, const fs::path& port, std::optional<unsigned> baud) {
+  return {.path = port.string(),
+          .baud = baud.value_or(board.baud),
+          .sensors_path = board.sensors_device.string(),
+          .outputs_disconnected = board.outputs_disconnected};
+}
+
 Json board_json(const std::string& vehicle, const Board& board, const BoardFacts& facts) {
   return {{"vehicle", vehicle},
           {"board", board.name},
@@ -153,7 +160,7 @@ FcuDevice FlightBoards::device(std::size_t vehicle, std::optional<unsigned> baud
   const Board& board = *boards_.at(vehicle);
   const auto found = find_device(board, list_->by_id);
   if (!found) throw BoardError(kExitBoardAbsent, judge_boot({}, board).sentence);
-  return {.path = found->string(), .baud = baud.value_or(board.baud)};
+  return device_of(board, *found, baud);
 }
 
 void FlightBoards::restart(const fs::path& logs, std::optional<unsigned> baud) const {
@@ -186,7 +193,7 @@ std::map<std::size_t, FcuDevice> FlightBoards::prepare(const fs::path& out,
                  "refuse to arm\n",
                  board->name);
     }
-    devices[vehicle] = {.path = facts.device.string(), .baud = baud.value_or(board->baud)};
+    devices[vehicle] = device_of(*board, facts.device, baud);
     all.push_back(board_json(vehicles.at(vehicle), *board, facts));
   }
   base::write_result({out, "boards.json"}, all.dump(2) + "\n");

@@ -37,6 +37,9 @@ class AhrsPreparation {
       : deck_(deck), vehicle_(vehicle), name_(name), plugin_("external_ahrs@" + name) {}
 
   std::optional<std::string> run() {
+    if (deck_.bench.is_board()) {
+      if (auto why = restart_board()) return why;
+    }
     if (auto why = wait_for_driver()) return why;
     if (auto why = calibrate_level()) return why;
     if (auto why = see_our_motion()) return why;
@@ -44,6 +47,18 @@ class AhrsPreparation {
   }
 
  private:
+  /// The driver asks for its packets once, after the board's start: before this run's hilsim.
+  std::optional<std::string> restart_board() {
+    if (vehicle_report(deck_.casd, vehicle_).armed)
+      return "the board is armed: it is not restarted";
+    try {
+      deck_.casd.call("vehicle.reboot", about(vehicle_, {{"not_hil", true}}), kCallPatience);
+      return std::nullopt;
+    } catch (const base::rpc::CallError& error) {
+      return std::string("the board was not restarted: ") + error.what();
+    }
+  }
+
   std::optional<std::string> wait_for_driver() {
     const base::RunTime deadline = base::steady_now() + kAskPatience;
     for (;;) {

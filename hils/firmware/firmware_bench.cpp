@@ -29,7 +29,9 @@ std::string home_text(const base::Geodetic& home) {
 FirmwareBench::FirmwareBench(const RunRequest& request, const RunPaths& paths)
     : scenario_(request.scenario),
       paths_(paths),
-      programs_(supervisor_, paths, request, {.casd_ledger = keeps_ledgers()}) {
+      programs_(supervisor_, paths, request, {.casd_ledger = keeps_ledgers()}),
+      is_board_(!request.fcu_devices.empty()) {
+  if (is_board_) return;
   for (std::size_t i = 0; i < scenario_.vehicles.size(); ++i) {
     firmware_options_.push_back(firmware_options(i));
     check_program(firmware_options_.back());
@@ -69,13 +71,19 @@ void FirmwareBench::reboot(std::size_t vehicle) {
 }
 
 std::optional<std::string> FirmwareBench::own_end(std::size_t vehicle, std::size_t lines) {
+  if (is_board_) return std::nullopt;
   ChildProcess& firmware = *firmware_[vehicle];
   const auto words = supervisor_.own_end(firmware);
   if (!words) return std::nullopt;
   return firmware.name() + " " + *words + "; its last lines:" + firmware.log_tail(lines);
 }
 
+std::string FirmwareBench::last_lines(std::size_t vehicle) const {
+  return is_board_ ? "" : firmware_[vehicle]->log_tail();
+}
+
 std::uintmax_t FirmwareBench::output_bytes(std::size_t vehicle) const {
+  if (is_board_) return 0;
   std::error_code none;
   const std::uintmax_t size = std::filesystem::file_size(firmware_options_[vehicle].log_file, none);
   return none ? 0 : size;

@@ -14,7 +14,8 @@
 namespace cas::hils {
 
 /// casd, hilsim and the firmware as programs, in this order, so that the firmware finds its peers;
-/// of several vehicles each has a firmware of its own.
+/// of several vehicles each has a firmware of its own. On a board (RunRequest::fcu_devices) the
+/// firmware runs already, and there is no program and no cable.
 class FirmwareBench {
  public:
   /// @throws base::ConfigError if the firmware's program is not there, or may not be started
@@ -33,15 +34,18 @@ class FirmwareBench {
   /// Size of its output so far: what grows is alive.
   std::uintmax_t output_bytes(std::size_t vehicle) const;
   /// The last lines of its output.
-  std::string last_lines(std::size_t vehicle) const { return firmware_[vehicle]->log_tail(); }
+  std::string last_lines(std::size_t vehicle) const;
 
-  /// Ends the firmware of one vehicle, and starts it again in its folder. Its log goes on.
+  /// Whether the firmware runs on a board.
+  bool is_board() const { return is_board_; }
+  /// Ends the firmware of one vehicle, and starts it again in its folder. Its log goes on. Not of a
+  /// board.
   void reboot(std::size_t vehicle);
 
   /// Kills casd at once, as a fault of the scenario.
   void kill_casd() { programs_.kill_casd(); }
   void start_casd() { programs_.start_casd(); }
-  /// The serial line of a firmware that has one.
+  /// The serial line of a firmware that has one, and runs as a program.
   PtyCable& cable() { return *cable_; }
 
   Supervisor& supervisor() { return supervisor_; }
@@ -59,6 +63,7 @@ class FirmwareBench {
   const RunPaths& paths_;
   Supervisor supervisor_;
   RunPrograms programs_;
+  bool is_board_;
   std::optional<PtyCable> cable_;
   std::vector<ChildProcess::Options> firmware_options_;  ///< of each vehicle
   std::vector<ChildProcess*> firmware_;

@@ -12,6 +12,7 @@
 #include "base/os/result_file.hpp"
 #include "hils/firmware/companion_flight.hpp"
 #include "hils/programs/composed_parts.hpp"
+#include "hils/programs/fcu_device.hpp"
 #include "hils/scenario/simulation_parts.hpp"
 
 namespace cas::hils {
@@ -37,13 +38,25 @@ void resolve_files(const base::ConfigNode& source, YAML::Node world) {
   }
 }
 
-/// The pseudo-terminal that ${CAS_AHRS_TTY} names.
-void offer_ahrs_line(const RunPaths& paths, YAML::Node plugins) {
+/// The sensors' line: a board's, or the pseudo-terminal that ${CAS_AHRS_TTY} names.
+void offer_ahrs_line(const RunRequest& request, const RunPaths& paths, YAML::Node plugins) {
   for (YAML::Node plugin : plugins) {
     if (plugin["plugin"].as<std::string>() != "external_ahrs") continue;
-    plugin.remove("device");
-    plugin["pty"] = paths.ahrs_tty().string();
+    if (const FcuDevice* board = request.fcu_device(0)) {
+      plugin.remove("pty");
+      plugin["device"] = board->sensors_path;
+    } else {
+      plugin.remove("device");
+      plugin["pty"] = paths.ahrs_tty().string();
+    }
   }
+}
+
+/// The line to the firmware: a board's, or one end of the cable.
+void offer_serial_line(const RunRequest& request, const RunPaths& paths, YAML::Node link) {
+  const FcuDevice* board = request.fcu_device(0);
+  link["device"] = board != nullptr ? board->path : paths.casd_tty().string();
+  if (board != nullptr) link["baud"] = board->baud;
 }
 
 std::string world_text(const RunRequest& request, const RunPaths& paths) {
@@ -64,7 +77,7 @@ std::string world_text(const RunRequest& request, const RunPaths& paths) {
       vehicle["sensors"] = YAML::Load(set->dump());
       notes += sensors_origins(fmt::format("vehicles[{}].sensors", i), *set);
     }
-    if (firmware.external_ahrs) offer_ahrs_line(paths, vehicle["plugins"]);
+    if (firmware.external_ahrs) offer_ahrs_line(request, paths, vehicle["plugins"]);
     add_scenario_plugins(request, i, vehicle["plugins"]);
     vehicle["plugins"].push_back(recorder_plugin(request, paths.vehicles.at(i)));
     notes += plugin_origins(scenario, i, vehicles.at(i).at("plugins").items().size());
@@ -120,7 +133,7 @@ std::string topology_text(const RunRequest& request, const RunPaths& paths) {
   }
   for (YAML::Node link : topology["links"]) {
     if (firmware.on_serial_line && link["type"].as<std::string>() == "serial") {
-      link["device"] = paths.casd_tty().string();
+      offer_serial_line(request, paths, link);
     }
   }
   if (request.station) add_station(request, topology);
@@ -144,6 +157,25 @@ std::string companion_link_name(std::size_t vehicle) {
 bool needs_companion(const Scenario& scenario) {
   return std::ranges::any_of(
       scenario.steps, [](const FlightStep& step) { return CompanionFlight::gives(step.kind); });
+}
+
+void check_firmware_board(const RunRequest& request) {
+  if (request.fcu_devices.empty()) return;
+  refuse_emulator_faults(request);
+  if (!request.scenario.firmware->external_ahrs) return;
+  const FcuDevice& board = request.fcu_devices.begin()->second;
+  if (!board.outputs_disconnected) {
+    throw base::ConfigError(fmt::format(
+        "--fcu: the outputs of the board at {} are live: its entry in boards.yaml needs "
+        "outputs_disconnected: true, your word that no motor, ESC or servo is connected",
+        board.path));
+  }
+  if (board.sensors_path.empty()) {
+    throw base::ConfigError(fmt::format(
+        "--fcu: the entry in boards.yaml of the board at {} needs sensors_device, the port that "
+        "leads to its External AHRS",
+        board.path));
+  }
 }
 
 void write_firmware_configs(const RunRequest& request, const RunPaths& paths) {

@@ -16,6 +16,11 @@ std::string companion_link_name(std::size_t vehicle);
 /// breaches.
 bool needs_companion(const Scenario& scenario);
 
+/// Whether a board can fly the scenario of a stock firmware: of one by External AHRS the list of
+/// boards says where its sensors' line is, and that nothing is connected to its outputs; faults of
+/// the emulated line have no place. @throws base::ConfigError
+void check_firmware_board(const RunRequest& request);
+
 /// Writes the scenario's world and topology as the programs are given them: with the run's seed, a
 /// recorder, control sockets in the run's folder and casd's serial link at the firmware's line.
 /// @throws base::ConfigError

@@ -116,12 +116,14 @@ class FirmwareMeeting {
     if (sign.anything && !too_long) return;
     const std::string which =
         asked_ ? fmt::format(" of the vehicle with system id {}", *asked_) : "";
-    throw RunStopped(
-        fmt::format("the firmware{} was not heard within {:.0f} s of real time: {}; its last "
-                    "lines (run/firmware{}.log):{}",
-                    which, base::to_seconds(waited), sign.words, scenario.suffix_of(vehicle_),
-                    deck_.bench.last_lines(vehicle_)),
-        false);
+    const std::string said =
+        deck_.bench.is_board()
+            ? ""
+            : fmt::format("; its last lines (run/firmware{}.log):{}", scenario.suffix_of(vehicle_),
+                          deck_.bench.last_lines(vehicle_));
+    throw RunStopped(fmt::format("the firmware{} was not heard within {:.0f} s of real time: {}{}",
+                                 which, base::to_seconds(waited), sign.words, said),
+                     false);
   }
 
   /// A refusal means that it has none to tell, or not yet.

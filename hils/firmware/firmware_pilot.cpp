@@ -261,7 +261,13 @@ class FirmwareVehicle {
       return plan_.fail("the vehicle is armed: its firmware is not rebooted");
     }
     const FirmwareReboot reboot{
-        .restart = [this] { deck_.bench.reboot(vehicle_); },
+        .restart =
+            [this] {
+              if (!deck_.bench.is_board()) return deck_.bench.reboot(vehicle_);
+              deck_.casd.call("vehicle.reboot",
+                              about(asked_, {{"not_hil", deck_.scenario.firmware->not_hil}}),
+                              kCompanionPatience);
+            },
         .look = deck_.look,
         .heartbeats = [this] { return message_counts(deck_.casd, record_.system)["HEARTBEAT"]; },
         .wait = waiting(),

@@ -104,6 +104,7 @@ void add_recordings(const Scenario& scenario, const RunPaths& paths,
 
 std::vector<RunRecord> fly_firmware(const RunRequest& request) {
   const Scenario& scenario = request.scenario;
+  check_firmware_board(request);
   if (scenario.firmware->external_ahrs) warn_of_live_outputs();
   if (request.clock == Clock::kLockstep) take_own_ports();
   const RunDirectory sockets;

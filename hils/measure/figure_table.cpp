@@ -12,8 +12,8 @@
 namespace cas::hils {
 namespace {
 
-using Row = Figure<Measurement>;
-using Rows = std::vector<Row>;
+using FigureRow = Figure<Measurement>;
+using Rows = std::vector<FigureRow>;
 using enum Better;
 
 /// Firmware in software has no figures of its HIL stream.
@@ -24,10 +24,10 @@ std::function<std::optional<double>(const Measurement&)> where_streamed(
   };
 }
 
-void add(Row::Part part, Rows rows, Rows& table) {
-  for (Row& row : rows) {
+void add(FigureRow::Part part, Rows rows, Rows& table) {
+  for (FigureRow& row : rows) {
     row.part = part;
-    if (part == Row::Part::kStream) row.get = where_streamed(std::move(row.get));
+    if (part == FigureRow::Part::kStream) row.get = where_streamed(std::move(row.get));
     table.push_back(std::move(row));
   }
 }
@@ -59,7 +59,7 @@ std::optional<double> slowest_way_us(const Measurement& figures) {
 // The table.
 
 void add_run(Rows& table) {
-  add(Row::Part::kRun,
+  add(FigureRow::Part::kRun,
       {{"real_time_factor", "real-time factor", "", 4, kUp, "simulated over elapsed time",
         pace(&PaceFigures::real_time_factor)},
        {"worst_stall_ms", "longest stall of the simulation", "ms", 1, kDown,
@@ -122,13 +122,13 @@ void add_rate(const Stream& stream, Rows& table) {
        rate(&RateFigures::error_pct), "error_pct"},
       {"_meter_hz", "averaging meter", "Hz", 3, kNeither,
        "reading of QGroundControl 3's averaging meter at the end of the window", meter_hz}};
-  for (Row& row : rows) {
+  for (FigureRow& row : rows) {
     row.key = fmt::format("{}{}", stream.key, row.key);
     row.title = fmt::format("{} {}", stream.name, row.title);
     row.path = row.path.empty() ? fmt::format("meter_hz.{}", stream.name)
                                 : fmt::format("rates.{}.{}", stream.name, row.path);
   }
-  add(Row::Part::kStream, std::move(rows), table);
+  add(FigureRow::Part::kStream, std::move(rows), table);
 }
 
 void add_delay(const Delay& delay, Rows& table) {
@@ -146,12 +146,12 @@ void add_delay(const Delay& delay, Rows& table) {
             {"_p90_us", "90 %", "us", 0, kDown, meaning, figure(&DelayFigures::p90), "p90"},
             {"_p99_us", "99 %", "us", 0, kDown, meaning, figure(&DelayFigures::p99), "p99"},
             {"_max_us", "longest", "us", 0, kDown, meaning, figure(&DelayFigures::max), "max"}};
-  for (Row& row : rows) {
+  for (FigureRow& row : rows) {
     row.key = fmt::format("{}{}", delay.key, row.key);
     row.title = fmt::format("{}, {}", delay.title, row.title);
     row.path = fmt::format("{}.{}", delay.path, row.path);
   }
-  add(Row::Part::kStream, std::move(rows), table);
+  add(FigureRow::Part::kStream, std::move(rows), table);
 }
 
 void add_rms(std::string_view block, std::string_view what, std::string_view meaning,
@@ -169,7 +169,7 @@ void add_rms(std::string_view block, std::string_view what, std::string_view mea
                     },
                     fmt::format("{}.{}", block, axis.key)});
   }
-  add(Row::Part::kMotion, std::move(rows), table);
+  add(FigureRow::Part::kMotion, std::move(rows), table);
 }
 
 void add_motion(Rows& table) {
@@ -179,7 +179,7 @@ void add_motion(Rows& table) {
           "of the controller itself, from the place of arming, against the reference, in the "
           "measured step",
           &Measurement::rms_estimate, table);
-  add(Row::Part::kMotion,
+  add(FigureRow::Part::kMotion,
       {{"rms_position_m", "RMS error of the true position", "m", 4, kDown,
         "distance from the reference in space, in the measured step",
         [](const Measurement& m) -> std::optional<double> {
@@ -266,7 +266,7 @@ const std::vector<Figure<StepResponse>>& response_table() {
 }
 
 const Figure<Measurement>& figure_row(std::string_view key) {
-  const auto row = std::ranges::find(figure_table(), key, &Row::key);
+  const auto row = std::ranges::find(figure_table(), key, &FigureRow::key);
   if (row == figure_table().end()) throw std::logic_error(fmt::format("no figure '{}'", key));
   return *row;
 }

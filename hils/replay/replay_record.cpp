@@ -240,7 +240,10 @@ OrderedJson line_json(const RunRequest& request) {
 /// The controllers: "fcu_emulator", or for each vehicle that or the port of a real one.
 std::string controllers(const RunRequest& request) {
   constexpr const char* kEmulator = "fcu_emulator";
-  if (request.scenario.firmware) return request.scenario.firmware->autopilot;
+  if (request.scenario.firmware) {
+    const FcuDevice* board = request.fcu_device(0);
+    return request.scenario.firmware->autopilot + (board == nullptr ? "" : ", " + board->path);
+  }
   if (request.fcu_devices.empty()) return kEmulator;
   std::string all;
   for (std::size_t i = 0; i < request.scenario.vehicles.size(); ++i) {

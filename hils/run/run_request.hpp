@@ -15,10 +15,13 @@ namespace cas::hils {
 
 class LiveRun;
 
-/// A real controller, in the place of the emulator.
+/// A real controller, in the place of the emulator or of a stock firmware as a program.
 struct FcuDevice {
   std::string path;  ///< its serial port
   unsigned baud = 921600;
+  std::string sensors_path{};  ///< where its External AHRS is connected; empty: it has none
+  /// The user's word that nothing is connected to its outputs.
+  bool outputs_disconnected = false;
 };
 
 /// What moves the time of a run on.

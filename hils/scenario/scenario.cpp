@@ -46,7 +46,7 @@ using base::required;
 constexpr Range kBound{0, 1e9};
 constexpr Range kShare_pct{0, 100};
 
-using Row = Figure<Measurement>;
+using FigureRow = Figure<Measurement>;
 
 constexpr std::tuple kLimitKeys{
     key<&Limits::lost>("lost", base::Count{}, "lost packets of each HIL message"),
@@ -80,8 +80,8 @@ FigureLimits parse_figures(const base::ConfigNode& node, const std::vector<Figur
 }
 
 /// The motion's limits are where summary.json has its figures, the others have the figures' keys.
-std::string limit_name(const Row& row) {
-  return row.part == Row::Part::kMotion ? row.place() : row.key;
+std::string limit_name(const FigureRow& row) {
+  return row.part == FigureRow::Part::kMotion ? row.place() : row.key;
 }
 
 bool has_response(const std::vector<FlightStep>& steps, std::string_view name) {
@@ -557,7 +557,7 @@ std::string scenario_reference() {
                          Scenario{}) +
          "\nOne of `vehicles`:\n\n" + base::key_table(kVehicleKeys, ScenarioVehicle{}) +
          "\n`limits`:\n\n" + base::key_table(kLimitKeys, Limits{}) +
-         figure_limit_lines(figure_table(), Row::Part::kMotion) +
+         figure_limit_lines(figure_table(), FigureRow::Part::kMotion) +
          "\nEach other [figure](#figures) that is better up or down has a limit under its key, "
          "such "
          "as `sensor_to_control_p99_us`.\n\nOne of the `responses` of `limits`:\n\n" +

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Runs a fuzz target without libFuzzer: each file of the corpus, then some changed copies of it.
-// The changes come from a fixed seed, so a failure comes again.
+// Runs a fuzz target without libFuzzer: `replay FOLDER [COPIES]`: each file of the corpus, then
+// some changed copies of it. The changes come from a fixed seed, so a failure comes again.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -15,8 +16,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
-
-constexpr int kCopies = 50;
 
 Bytes changed(Bytes bytes, std::mt19937& random) {
   for (auto changes = 1 + random() % 8; changes > 0 && !bytes.empty(); --changes) {
@@ -41,21 +40,21 @@ Bytes changed(Bytes bytes, std::mt19937& random) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc < 2) return 2;
+  const int copies = argc > 2 ? std::atoi(argv[2]) : 50;
   std::vector<std::filesystem::path> files;
-  for (int i = 1; i < argc; ++i) {
-    for (const auto& file : std::filesystem::directory_iterator(argv[i])) files.push_back(file);
-  }
+  for (const auto& file : std::filesystem::directory_iterator(argv[1])) files.push_back(file);
   std::sort(files.begin(), files.end());
   std::mt19937 random(1);
   for (const auto& file : files) {
     std::ifstream stream(file, std::ios::binary);
     const Bytes bytes{std::istreambuf_iterator<char>(stream), {}};
     LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
-    for (int i = 0; i < kCopies; ++i) {
+    for (int i = 0; i < copies; ++i) {
       const auto copy = changed(bytes, random);
       LLVMFuzzerTestOneInput(copy.data(), copy.size());
     }
   }
-  std::printf("%zu files, %d changed copies of each\n", files.size(), kCopies);
+  std::printf("%zu files, %d changed copies of each\n", files.size(), copies);
   return files.empty() ? 1 : 0;
 }

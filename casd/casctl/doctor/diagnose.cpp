@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "casd/casctl/doctor/external_ahrs_findings.hpp"
 #include "casd/casctl/doctor/link_findings.hpp"
 #include "casd/casctl/doctor/machine_findings.hpp"
 #include "casd/casctl/doctor/vehicle_findings.hpp"
@@ -103,6 +104,7 @@ Findings diagnose(const DoctorFacts& facts) {
   check_signing(facts, all);
   check_baud(facts, all);
   check_vehicles(facts, all);
+  check_external_ahrs(facts, all);
   check_streams(facts, all);
   check_readiness(facts, all);
   check_ground_stations(facts, all);

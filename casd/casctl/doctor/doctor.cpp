@@ -17,6 +17,7 @@
 #include <string>
 
 #include "base/enum_words.hpp"
+#include "casd/casctl/doctor/external_ahrs_findings.hpp"
 #include "casd/casctl/session/table.hpp"
 
 namespace cas::casctl {
@@ -112,6 +113,21 @@ void read_sys_hitl(Session& session, DoctorFacts& facts) {
   }
 }
 
+void read_params(Session& session, DoctorFacts& facts) {
+  for (const json& vehicle : facts.after.value("vehicles", json::array())) {
+    if (!is_by_external_ahrs(facts.routes, vehicle)) continue;
+    const int system = vehicle.at("system");
+    try {
+      const json list = session.call("param.list", {{"vehicle", system}});
+      for (const json& param : list.at("parameters")) {
+        if (param.at("value").is_number()) facts.params[system][param.at("name")] = param["value"];
+      }
+    } catch (const base::rpc::CallError& error) {
+      facts.unasked[system] = error.what();
+    }
+  }
+}
+
 std::string_view word(Health health) {
   constexpr base::EnumWords<Health::kBad> kWords{"good", "warning", "bad"};
   return kWords[health];
@@ -165,6 +181,7 @@ DoctorFacts gather_facts(Session& session, double seconds) {
   facts.governors = read_governors();
   facts.devices = look_at_devices(facts.after);
   read_sys_hitl(session, facts);
+  read_params(session, facts);
   return facts;
 }
 

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "casd/words/external_ahrs_params.hpp"
+
 namespace cas::casctl {
 
 /// A serial device as this machine sees it.
@@ -26,8 +28,9 @@ struct DoctorFacts {
   nlohmann::json messages;                          ///< message.list after
   nlohmann::json routes = nlohmann::json::array();  ///< link.routes
   double seconds = 0;
-  std::map<int, double> sys_hitl;      ///< by system: the parameter of PX4s that do not say HIL
-  std::map<int, std::string> unasked;  ///< why it could not be read
+  std::map<int, double> sys_hitl;  ///< by system: the parameter of PX4s that do not say HIL
+  std::map<int, casd::ParamValues> params;  ///< by system: of ArduPilots by External AHRS
+  std::map<int, std::string> unasked;       ///< why they could not be read
 
   std::vector<DeviceFacts> devices;
   std::vector<std::string> governors;  ///< CPU frequency governors in force

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/text.hpp"
+#include "casd/casctl/doctor/external_ahrs_findings.hpp"
 #include "casd/casctl/session/session.hpp"
 #include "casd/casctl/session/table.hpp"
 
@@ -138,6 +139,8 @@ void check_vehicles(const DoctorFacts& facts, Findings& all) {
           "links lead to one vehicle, put them into one `group`");
     } else if (is_silent(vehicle)) {
       bad(all, who + " has been silent for " + fixed(age_s, 0) + " s", "see its link above");
+    } else if (is_by_external_ahrs(facts.routes, vehicle)) {
+      continue;  // check_external_ahrs()
     } else if (is_in_software(facts, vehicle)) {
       good(all,
            who + " is taken for " + vehicle.value("autopilot", "") +
@@ -198,7 +201,8 @@ void check_streams(const DoctorFacts& facts, Findings& all) {
     const std::string link = vehicle.value("link", "");
     const std::string who = "vehicle " + vehicle.at("system").dump();
     // The vehicle's own line covers these.
-    if (is_silent(vehicle) || is_in_software(facts, vehicle) || is_routed_alone(facts, vehicle)) {
+    if (is_silent(vehicle) || is_in_software(facts, vehicle) || is_routed_alone(facts, vehicle) ||
+        is_by_external_ahrs(facts.routes, vehicle)) {
       continue;
     }
     const double sensor_hz = rate_of(facts, link, "tx", {"HIL_SENSOR"});

@@ -67,6 +67,71 @@ std::string complaints(const DoctorFacts& facts) {
   return text;
 }
 
+/// A stock ArduPilot on a board, by External AHRS on its SERIAL2, that flies.
+DoctorFacts external_ahrs_setup() {
+  DoctorFacts facts = good_setup();
+  for (json* status : {&facts.before, &facts.after}) {
+    (*status)["vehicles"][0]["autopilot"] = "ArduPilot";
+    (*status)["vehicles"][0]["hil"] = false;
+    (*status)["allow_not_hil"] = true;
+  }
+  facts.messages = json::array(
+      {message("fcu", "rx", "HEARTBEAT", 1), message("fcu", "rx", "SERVO_OUTPUT_RAW", 300)});
+  facts.routes = {{{"from", "fcu"}, {"to", "sim"}, {"allow", {"HEARTBEAT", "SERVO_OUTPUT_RAW"}}}};
+  facts.params[1] = {{"EAHRS_TYPE", 1},       {"EAHRS_RATE", 400},      {"EAHRS_SENSORS", 15},
+                     {"SERIAL0_PROTOCOL", 2}, {"SERIAL2_PROTOCOL", 36}, {"SERIAL2_BAUD", 921},
+                     {"GPS1_TYPE", 21},       {"AHRS_EKF_TYPE", 3},     {"INS_ENABLE_MASK", 1}};
+  return facts;
+}
+
+TEST(Doctor, FindsNothingWrongWithArdupilotByExternalAhrsButItsLiveOutputs) {
+  EXPECT_EQ(complaints(external_ahrs_setup()), "vehicle 1 has no HIL mode: ITS OUTPUTS ARE LIVE\n");
+  DoctorFacts older = external_ahrs_setup();
+  older.params[1].erase("GPS1_TYPE");
+  older.params[1]["GPS_TYPE"] = 21;  // 4.5
+  older.params[1]["EAHRS_RATE"] = 200;
+  EXPECT_EQ(complaints(older), complaints(external_ahrs_setup()));
+}
+
+struct WrongParam {
+  std::string name;
+  double value;
+  std::string sentence;
+};
+
+class DoctorOfExternalAhrs : public testing::TestWithParam<WrongParam> {};
+
+TEST_P(DoctorOfExternalAhrs, NamesAWrongParameter) {
+  DoctorFacts facts = external_ahrs_setup();
+  facts.params[1][GetParam().name] = GetParam().value;
+  EXPECT_NE(complaints(facts).find("vehicle 1" + GetParam().sentence), std::string::npos)
+      << complaints(facts);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Each, DoctorOfExternalAhrs,
+    testing::Values(WrongParam{"EAHRS_TYPE", 0, ": EAHRS_TYPE is 0, not 1"},
+                    WrongParam{"EAHRS_RATE", 0, ": EAHRS_RATE is 0, not 400"},
+                    WrongParam{"EAHRS_SENSORS", 7, ": EAHRS_SENSORS is 7, not 15"},
+                    WrongParam{"SERIAL2_PROTOCOL", 2, ": no SERIALn_PROTOCOL is 36"},
+                    WrongParam{"SERIAL2_BAUD", 115, ": SERIAL2_BAUD is 115, not 921"},
+                    WrongParam{"GPS1_TYPE", 1, ": GPS1_TYPE is 1, not 21"},
+                    WrongParam{"AHRS_EKF_TYPE", 11, ": AHRS_EKF_TYPE is 11, not 3"},
+                    WrongParam{"INS_ENABLE_MASK", 127, ": INS_ENABLE_MASK is 127, not 1"}),
+    [](const auto& tested) { return tested.param.name; });
+
+TEST(Doctor, FindsArdupilotWithoutExternalAhrsOrOutputsOrConsent) {
+  DoctorFacts facts = external_ahrs_setup();
+  facts.params[1].erase("EAHRS_TYPE");
+  EXPECT_NE(complaints(facts).find("its firmware is without External AHRS"), std::string::npos);
+  facts = external_ahrs_setup();
+  facts.messages = json::array({message("fcu", "rx", "HEARTBEAT", 1)});
+  EXPECT_NE(complaints(facts).find("sends SERVO_OUTPUT_RAW 0 times a second"), std::string::npos);
+  facts = external_ahrs_setup();
+  facts.after["allow_not_hil"] = false;
+  EXPECT_NE(complaints(facts).find("casd does not arm it"), std::string::npos);
+}
+
 TEST(Doctor, DoesNotAskAVehicleForHilThatCasdOnlyRoutesFor) {
   DoctorFacts facts = good_setup();
   for (json* status : {&facts.before, &facts.after}) {

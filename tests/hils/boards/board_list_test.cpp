@@ -33,7 +33,7 @@ TEST(BoardList, ReadsABoardWithItsHooks) {
     hooks:
       flash: {command: [./flash, "${CAS_BOARD_FILE}"], timeout_s: 90}
       power_off: [uhubctl, -a, off]
-  bench2: {device: ports/b, baud: 57600}
+  bench2: {device: ports/b, baud: 57600, sensors_device: ports/c, outputs_disconnected: true}
 )");
   const Board& board = list.board("bench1");
   EXPECT_EQ(board.serial, "0123");
@@ -47,6 +47,9 @@ TEST(BoardList, ReadsABoardWithItsHooks) {
   EXPECT_FALSE(board.hooks.contains(HookKind::kReset));
   EXPECT_EQ(list.board("bench2").device, "/shelf/ports/b");
   EXPECT_EQ(list.board("bench2").baud, 57600U);
+  EXPECT_EQ(list.board("bench2").sensors_device, "/shelf/ports/c");
+  EXPECT_TRUE(list.board("bench2").outputs_disconnected);
+  EXPECT_FALSE(board.outputs_disconnected);
   EXPECT_EQ(list.find("bench3"), nullptr);
 }
 

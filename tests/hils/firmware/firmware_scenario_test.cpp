@@ -68,6 +68,32 @@ TEST(FirmwareScenario, OfLiveOutputsNeedsTheUsersWord) {
   EXPECT_EQ(firmware.autopilot, "ArduPilot");
 }
 
+TEST(FirmwareScenario, OnABoardTakesItsPorts) {
+  const test::TemporaryFolder folder;
+  RunRequest request{.scenario = Scenario::load(kScenarios / "ardupilot_hil.yaml")};
+  FcuDevice& board = request.fcu_devices[0];
+  board = {.path = "/dev/board", .baud = 57600, .sensors_path = "/dev/sensors"};
+  const auto said = [&] { return test::refusal([&] { check_firmware_board(request); }); };
+  EXPECT_NE(said().find("needs outputs_disconnected: true"), std::string::npos);
+  board.outputs_disconnected = true;
+  board.sensors_path.clear();
+  EXPECT_NE(said().find("needs sensors_device"), std::string::npos);
+  board.sensors_path = "/dev/sensors";
+  EXPECT_NO_THROW(check_firmware_board(request));
+
+  const RunPaths paths = RunPaths::of(request.scenario, folder.path(), folder.path());
+  write_firmware_configs(request, paths);
+  const auto link = base::ConfigNode::load(paths.casd_config()).at("links").items().at(1);
+  EXPECT_EQ(link.require<std::string>("device"), "/dev/board");
+  EXPECT_EQ(link.require<int>("baud"), 57600);
+  const auto world = base::ConfigNode::load(paths.simulator_config());
+  for (const auto& plugin : world.at("vehicles").items().at(0).at("plugins").items()) {
+    if (plugin.require<std::string>("plugin") != "external_ahrs") continue;
+    EXPECT_EQ(plugin.require<std::string>("device"), "/dev/sensors");
+    EXPECT_FALSE(plugin.has("pty"));
+  }
+}
+
 /// The shipped PX4 scenario with a line put in the place of another.
 std::filesystem::path changed(const test::TemporaryFolder& folder, const std::string& line,
                               const std::string& by) {
