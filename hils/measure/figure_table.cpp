@@ -13,7 +13,7 @@ namespace cas::hils {
 namespace {
 
 using FigureRow = Figure<Measurement>;
-using Rows = std::vector<FigureRow>;
+using FigureRows = std::vector<FigureRow>;
 using enum Better;
 
 /// Firmware in software has no figures of its HIL stream.
@@ -24,7 +24,7 @@ std::function<std::optional<double>(const Measurement&)> where_streamed(
   };
 }
 
-void add(FigureRow::Part part, Rows rows, Rows& table) {
+void add(FigureRow::Part part, FigureRows rows, FigureRows& table) {
   for (FigureRow& row : rows) {
     row.part = part;
     if (part == FigureRow::Part::kStream) row.get = where_streamed(std::move(row.get));
@@ -58,7 +58,7 @@ std::optional<double> slowest_way_us(const Measurement& figures) {
 
 // The table.
 
-void add_run(Rows& table) {
+void add_run(FigureRows& table) {
   add(FigureRow::Part::kRun,
       {{"real_time_factor", "real-time factor", "", 4, kUp, "simulated over elapsed time",
         pace(&PaceFigures::real_time_factor)},
@@ -91,7 +91,7 @@ void add_run(Rows& table) {
       table);
 }
 
-void add_rate(const Stream& stream, Rows& table) {
+void add_rate(const Stream& stream, FigureRows& table) {
   const auto rate = [member = stream.rate](auto RateFigures::*figure) {
     return [=](const Measurement& m) -> std::optional<double> {
       return static_cast<double>(m.rates.*member.*figure);
@@ -105,7 +105,7 @@ void add_rate(const Stream& stream, Rows& table) {
   const auto meter_hz = [member = stream.meter_hz](const Measurement& m) -> std::optional<double> {
     return m.meter.*member;
   };
-  Rows rows{
+  FigureRows rows{
       {"_nominal_hz", "nominal rate", "Hz", 1, kNeither, "of the scenario",
        rate(&RateFigures::nominal_hz), "nominal_hz"},
       {"_sent", "sent", "packets", 0, kNeither, "with stamps in the window",
@@ -131,7 +131,7 @@ void add_rate(const Stream& stream, Rows& table) {
   add(FigureRow::Part::kStream, std::move(rows), table);
 }
 
-void add_delay(const Delay& delay, Rows& table) {
+void add_delay(const Delay& delay, FigureRows& table) {
   const auto figure = [which = delay.figures](auto DelayFigures::*member) {
     return [=](const Measurement& m) -> std::optional<double> {
       const DelayFigures& figures = m.*which;
@@ -140,7 +140,7 @@ void add_delay(const Delay& delay, Rows& table) {
     };
   };
   const std::string meaning(delay.meaning);
-  Rows rows{{"_count", "packets", "packets", 0, kNeither, "those that were timed",
+  FigureRows rows{{"_count", "packets", "packets", 0, kNeither, "those that were timed",
              figure(&DelayFigures::count), "count"},
             {"_p50_us", "median", "us", 0, kDown, meaning, figure(&DelayFigures::p50), "p50"},
             {"_p90_us", "90 %", "us", 0, kDown, meaning, figure(&DelayFigures::p90), "p90"},
@@ -155,8 +155,8 @@ void add_delay(const Delay& delay, Rows& table) {
 }
 
 void add_rms(std::string_view block, std::string_view what, std::string_view meaning,
-             std::optional<RmsFigures> Measurement::*rms, Rows& table) {
-  Rows rows;
+             std::optional<RmsFigures> Measurement::*rms, FigureRows& table) {
+  FigureRows rows;
   for (const RmsAxis& axis : kRmsAxes) {
     rows.push_back({fmt::format("{}_{}", block, axis.key),
                     fmt::format("RMS error of the {}, {}", what, axis.key), std::string(axis.unit),
@@ -172,7 +172,7 @@ void add_rms(std::string_view block, std::string_view what, std::string_view mea
   add(FigureRow::Part::kMotion, std::move(rows), table);
 }
 
-void add_motion(Rows& table) {
+void add_motion(FigureRows& table) {
   add_rms("rms", "true position", "against the reference, in the measured step", &Measurement::rms,
           table);
   add_rms("rms_estimate", "estimate",
@@ -221,8 +221,8 @@ void add_motion(Rows& table) {
       table);
 }
 
-Rows make_table() {
-  Rows table;
+FigureRows make_table() {
+  FigureRows table;
   add_run(table);
   for (const Stream& stream : kStreams) add_rate(stream, table);
   for (const Delay& delay : kDelays) add_delay(delay, table);
@@ -247,7 +247,7 @@ std::string reference(const std::vector<Figure<Of>>& table) {
 }  // namespace
 
 const std::vector<Figure<Measurement>>& figure_table() {
-  static const Rows kTable = make_table();
+  static const FigureRows kTable = make_table();
   return kTable;
 }
 
