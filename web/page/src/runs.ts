@@ -45,6 +45,7 @@ const kColumns: Column[] = [
   {title: 'Ended', value: (run) => run.ended_s, cell: when},
   {title: 'Folder', value: (run) => run.folder, cell: (run) => link(run.report, run.folder) || run.folder, left: true},
   {title: 'Replay', value: (run) => run.replay, cell: (run) => link(run.replay, 'replay')},
+  {title: 'Why', value: (run) => run.why, cell: (run) => run.why, left: true},
   {title: 'Controller', value: (run) => run.controller, cell: (run) => run.controller || 'CAS'},
   {title: 'Clock', value: (run) => run.clock, cell: (run) => run.clock},
   {title: 'Seed', value: (run) => run.seed, cell: (run) => String(run.seed)},
@@ -52,7 +53,6 @@ const kColumns: Column[] = [
   {title: 'Largest error, m', ...figure('peak_error_m', 3)},
   {title: 'Lost', value: lost, cell: (run) => fixed(lost(run) ?? null, 0)},
   {title: 'Loop 99 %, ms', value: loopDelay, cell: (run) => fixed(loopDelay(run) ?? null, 2)},
-  {title: 'Why', value: (run) => run.why, cell: (run) => run.why, left: true},
 ];
 const kMoods: Record<string, string> = {PASSED: 'good', FAILED: 'bad', INVALID: 'neutral'};
 
@@ -90,6 +90,7 @@ function rowOf(run: ListedRun): HTMLElement {
     else ticked.push(run);
     if (ticked.length > 2) ticked.splice(1, 1);  // A stays
     draw();
+    if (ticked.length === 2) beside.scrollIntoView();
   };
   const letter = ticked.length > 1 || ticked[0] === run ? ['A', 'B'][ticked.indexOf(run)] ?? '' : '';
   const cells = kColumns.map((column) => {
@@ -150,6 +151,6 @@ verdicts.onchange = draw;
 const main = document.querySelector('main')!;
 main.querySelectorAll('.scroll, .caption').forEach((part) => part.remove());  // the plain table
 main.append(
-  element('div', {class: 'runs-tools'}, search, verdicts, counted),
-  element('div', {class: 'scroll'}, element('table', {class: 'runs'}, element('thead', {}, head), body)), beside);
+  element('div', {class: 'runs-tools'}, search, verdicts, counted), beside,
+  element('div', {class: 'scroll'}, element('table', {class: 'runs'}, element('thead', {}, head), body)));
 draw();
