@@ -45,14 +45,14 @@ const kColumns: Column[] = [
   {title: 'Ended', value: (run) => run.ended_s, cell: when},
   {title: 'Folder', value: (run) => run.folder, cell: (run) => link(run.report, run.folder) || run.folder, left: true},
   {title: 'Replay', value: (run) => run.replay, cell: (run) => link(run.replay, 'replay')},
-  {title: 'Why', value: (run) => run.why, cell: (run) => run.why, left: true},
-  {title: 'Controller', value: (run) => run.controller, cell: (run) => run.controller || 'CAS'},
-  {title: 'Clock', value: (run) => run.clock, cell: (run) => run.clock},
-  {title: 'Seed', value: (run) => run.seed, cell: (run) => String(run.seed)},
   {title: 'RMS error, m', ...figure('rms_position_m', 3)},
   {title: 'Largest error, m', ...figure('peak_error_m', 3)},
   {title: 'Lost', value: lost, cell: (run) => fixed(lost(run) ?? null, 0)},
   {title: 'Loop 99 %, ms', value: loopDelay, cell: (run) => fixed(loopDelay(run) ?? null, 2)},
+  {title: 'Why', value: (run) => run.why, cell: (run) => run.why, left: true},
+  {title: 'Controller', value: (run) => run.controller, cell: (run) => run.controller || 'CAS'},
+  {title: 'Clock', value: (run) => run.clock, cell: (run) => run.clock},
+  {title: 'Seed', value: (run) => run.seed, cell: (run) => String(run.seed)},
 ];
 const kMoods: Record<string, string> = {PASSED: 'good', FAILED: 'bad', INVALID: 'neutral'};
 
