@@ -16,6 +16,7 @@ if(TARGET cas_tune_search)
 endif()
 install(TARGETS casweb RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT casd)
 install(TARGETS hilsim fcu_emulator hils RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT sim)
+install(PROGRAMS ${PROJECT_SOURCE_DIR}/libsim/hilsim/hilsim_run DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT sim)
 
 foreach(folder base libsim/api libsim/core)
   install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder}/

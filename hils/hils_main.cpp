@@ -68,7 +68,8 @@ int main(int argc, char** argv) try {
 
   const std::vector<base::cli::Verb> verbs{add_run(app),    add_compare(app), add_sweep(app),
                                            add_tune(app),   add_eval(app),    add_campaign(app),
-                                           add_replay(app), add_timing(app),  add_board(app)};
+                                           add_replay(app), add_explain(app), add_runs(app),
+                                           add_timing(app), add_board(app)};
   base::cli::add_manual(app, "hils", std::string(CAS_VERSION), board_words());
   const std::vector<std::string_view> words(argv, argv + argc);
   if (const auto sentence = misread_wait(words)) {

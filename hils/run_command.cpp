@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -20,6 +21,7 @@
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
 #include "base/os/result_file.hpp"
+#include "base/text.hpp"
 #include "hils/bench/fly.hpp"
 #include "hils/boards/board_error.hpp"
 #include "hils/boards/board_flags.hpp"
@@ -217,11 +219,44 @@ void write_ulogs(const RunRequest& request, const RunResult& result) {
   }
 }
 
+/// What is wrong with a changed copy, said of the scenario and the keys that the user named: the
+/// copy is gone when they read it, and its lines are not theirs.
+std::string said_of_copy(std::string sentence, const Flags& flags,
+                         const std::filesystem::path& folder) {
+  std::string words = flags.scenario + " with --set " + base::joined(flags.settings, " --set ");
+  const std::string copies = folder.string() + "/";
+  if (sentence.starts_with(copies)) {
+    const std::size_t colon = sentence.find(':', copies.size());
+    const std::string copy = sentence.substr(copies.size(), colon - copies.size());
+    // A file that the scenario names is copied as KEY_NAME.
+    if (copy != "scenario.yaml") words += ", in " + copy.substr(copy.find('_') + 1);
+    sentence.erase(0, std::min(colon, sentence.size()));
+    const std::size_t line = sentence.find_first_not_of("0123456789", 1);
+    if (line > 1 && line < sentence.size() && sentence[line] == ':') sentence.erase(0, line);
+  } else {
+    if (sentence.starts_with(flags.scenario + ":")) sentence.erase(0, flags.scenario.size() + 1);
+    words += ": ";
+    sentence.erase(0, std::min(sentence.find_first_not_of(' '), sentence.size()));
+  }
+  const std::string here = std::filesystem::current_path().string();
+  for (std::size_t at = 0; (at = sentence.find(folder.string(), at)) != std::string::npos;) {
+    sentence.replace(at, folder.string().size(), here);
+    at += here.size();
+  }
+  return words + sentence;
+}
+
 /// Reads the scenario as --set changes it, from a copy in `folder`.
+/// @throws base::ConfigError that names the scenario and the settings
 RunRequest read_changed(const Flags& flags, const std::filesystem::path& file,
                         const std::filesystem::path& folder) {
-  write_scenario(file, parse_settings(flags.settings), std::filesystem::current_path(), folder);
-  return read_request(flags, folder / "scenario.yaml");
+  const std::vector<KeyValue> values = parse_settings(flags.settings);
+  try {
+    write_scenario(file, values, std::filesystem::current_path(), folder);
+    return read_request(flags, folder / "scenario.yaml");
+  } catch (const base::ConfigError& error) {
+    throw base::ConfigError(said_of_copy(error.what(), flags, folder));
+  }
 }
 
 /// Reads a scenario as these flags have it, and leaves nothing. Plugins, models and programs are

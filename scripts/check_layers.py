@@ -175,7 +175,8 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/env": rooms("hils", "scenario run sweep"),
     "hils/tune": rooms("hils", "flight scenario run measure report programs sweep"),
     "hils/campaign": rooms("hils", "flight scenario run measure report ulog replay programs boards sweep bench"),
-    "hils": rooms("hils", "flight scenario run measure report ulog replay programs boards timing bench compare sweep tune campaign"),
+    "hils/runs": rooms("hils", "run measure report replay"),
+    "hils": rooms("hils", "flight scenario run measure report ulog replay runs programs boards timing bench compare sweep tune campaign"),
 }.items()}
 
 # Slow to compile: they stay out of headers, so that not everybody pays. Their light parts may stay.

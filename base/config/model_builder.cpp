@@ -126,7 +126,9 @@ void ModelBuilder::add_mass(const std::string& link, const Inertial& inertial,
   }
   if (!is_physical_inertia(own)) {
     warn(*inertial.element,
-         "link '" + link + "': no body has this <inertia>; taken as a point mass");
+         "link '" + link +
+             "': no body has this <inertia>: each principal moment must be above zero, and none "
+             "above the sum of the other two; taken as a point mass");
     return;
   }
   inertia_ += X_RC.linear() * own * X_RC.linear().transpose();

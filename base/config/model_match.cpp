@@ -91,7 +91,12 @@ Eigen::Vector3d ModelMatch::inertia_kg_m2() const {
 const ModelLink* ModelMatch::link_of(const ConfigNode& item, int number) const {
   if (const auto key = item.find("link")) {
     const auto name = key->as<std::string>();
-    const ModelLink* const link = body_ ? body_->find(name) : nullptr;
+    if (!body_) {
+      const ConfigNode model = node_.has("urdf") ? node_.at("urdf") : node_.at("sdf");
+      model.fail("there is no file " + node_.resolve(model.as<std::string>()).string() +
+                 ", whose link '" + name + "' a rotor names");
+    }
+    const ModelLink* const link = body_->find(name);
     if (link == nullptr) key->fail("the model has no link '" + name + "'" + turning_names());
     return link;
   }

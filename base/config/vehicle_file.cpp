@@ -105,6 +105,20 @@ ConfigNode keys_of(const ModelMotor& motor) {
   return ConfigNode::parse(yaml, motor.place);
 }
 
+int parse_spin(const ConfigNode& node) {
+  int spin = 0;
+  try {
+    spin = node.as<int>();
+  } catch (const ConfigError&) {  // a word such as "ccw": the sentence below says more
+  }
+  if (spin != 1 && spin != -1) {
+    node.fail(
+        "must be 1 (counter-clockwise) or -1 (clockwise), seen from where the thrust points: "
+        "from above, where the rotor points up");
+  }
+  return spin;
+}
+
 /// A rotor's item in the list; place and axis come later.
 /// @param motor    has what the vehicle file lacks; nullptr: none
 /// @param battery  of the vehicle
@@ -118,12 +132,7 @@ Rotor parse_rotor(const ConfigNode& item, const ConfigNode& common, const ModelM
   read_propeller(item, common, rotor);
   read_electric(item, common, battery, rotor);
   const bool by_motor = motor != nullptr && motor->spin && !item.has("spin");
-  rotor.spin = by_motor ? *motor->spin : item.require<int>("spin");
-  if (rotor.spin != 1 && rotor.spin != -1) {
-    item.at("spin").fail(
-        "must be 1 (counter-clockwise) or -1 (clockwise), seen from where the thrust points: "
-        "from above, where the rotor points up");
-  }
+  rotor.spin = by_motor ? *motor->spin : parse_spin(item.at("spin"));
   const auto output = item.find("output");
   rotor.output = output ? output_of(*output) : index;
   if (item.has("in_wake_of") || item.has("wake_thrust_share")) {

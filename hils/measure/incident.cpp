@@ -14,6 +14,7 @@
 
 #include "base/angles.hpp"
 #include "base/time/clock.hpp"
+#include "hils/measure/struck_object.hpp"
 
 namespace cas::hils {
 
@@ -64,7 +65,7 @@ class Watch {
     if (is_impact(before, now) && speed_m_s > kCrashSpeed_m_s) {
       note(IncidentKind::kCrash, now,
            fmt::format("hit {} at {:.1f} m/s {}",
-                       now.pose.z_m - start_.pose.z_m < kNear_m ? "the ground" : "something",
+                       now.pose.z_m - start_.pose.z_m < kNear_m ? "the ground" : kSomething,
                        speed_m_s, in_step()));
     }
     const double tilt = tilt_deg(now.pose);
@@ -73,8 +74,9 @@ class Watch {
            fmt::format("tilted by {:.0f} degrees {}", tilt, in_step()));
     }
     if (const auto rotor = struck_rotor(before, now)) {
-      note(IncidentKind::kStrike, now,
-           fmt::format("hit something with rotor {}, which stopped {}", *rotor + 1, in_step()));
+      note(
+          IncidentKind::kStrike, now,
+          fmt::format("hit {} with rotor {}, which stopped {}", kSomething, *rotor + 1, in_step()));
     }
     const double away_m = norm({now.pose.x_m - start_.pose.x_m, now.pose.y_m - start_.pose.y_m,
                                 now.pose.z_m - start_.pose.z_m});

@@ -12,6 +12,7 @@
 #include "hils/measure/packet_account.hpp"
 #include "hils/measure/record_hole.hpp"
 #include "hils/measure/step_figures.hpp"
+#include "hils/measure/struck_object.hpp"
 #include "hils/measure/tracking.hpp"
 #include "hils/measure/true_steps.hpp"
 #include "mavlink/common/hil_gps.hpp"
@@ -236,6 +237,8 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.landing_error_m = landing_error_m(record.stages, truth);
   figures.sticks_way_m = sticks_way_m(record.stages, truth);
   figures.incidents = find_incidents(record.flown_stages(), truth);
+  name_struck_objects(RunPaths::of(scenario, request.out, request.out).simulator_config(), truth,
+                      figures.incidents);
   figures.strike = read_strike_response(record, scenario.steps, scenario.faults.vehicle, truth);
   figures.over_hold = record.hold.has_value();
   figures.window = record.hold ? window_of(*record.hold) : whole_stream(record);

@@ -278,6 +278,7 @@ void LiveRun::tell(const RunResult& result) {
                                              : "failed";
   verdict["sentences"] = result.verdict.failures;
   verdict["touched"] = shown_->touched;
+  verdict["out"] = request_->out.string();
   verdict["vehicles"] = Json::array();
   for (const VehicleResult& vehicle : result.vehicles) {
     verdict["vehicles"].push_back({{"name", vehicle.record.vehicle},

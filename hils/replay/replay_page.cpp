@@ -4,6 +4,7 @@
 #include <zlib.h>
 
 #include <array>
+#include <functional>
 
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
@@ -27,6 +28,26 @@ std::filesystem::path template_file() {
   return *folder / "replay.html";
 }
 
+/// Inflates part by part. @throws base::ConfigError as check_gzip() does
+void inflate_record(std::string_view bytes, const std::function<void(std::string_view)>& take) {
+  z_stream stream{};
+  if (inflateInit2(&stream, kGzip) != Z_OK) throw base::ConfigError("zlib cannot begin to read");
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // zlib only reads it
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  std::array<char, 65536> part{};
+  int state = Z_OK;
+  while (state == Z_OK && stream.total_out <= kMaxPageBytes) {
+    stream.next_out = reinterpret_cast<Bytef*>(part.data());
+    stream.avail_out = static_cast<uInt>(part.size());
+    state = inflate(&stream, Z_NO_FLUSH);
+    take({part.data(), part.size() - stream.avail_out});
+  }
+  const bool too_large = stream.total_out > kMaxPageBytes;
+  inflateEnd(&stream);
+  if (too_large) throw base::ConfigError("this is no record: it inflates to over 1 GiB");
+  if (state != Z_STREAM_END) throw base::ConfigError("this is no record: it is not gzip, or cut");
+}
+
 }  // namespace
 
 std::string gzip(std::string_view text) {
@@ -48,21 +69,13 @@ std::string gzip(std::string_view text) {
 }
 
 void check_gzip(std::string_view bytes) {
-  z_stream stream{};
-  if (inflateInit2(&stream, kGzip) != Z_OK) throw base::ConfigError("zlib cannot begin to read");
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // zlib only reads it
-  stream.avail_in = static_cast<uInt>(bytes.size());
-  std::array<char, 65536> part{};  // discarded
-  int state = Z_OK;
-  while (state == Z_OK && stream.total_out <= kMaxPageBytes) {
-    stream.next_out = reinterpret_cast<Bytef*>(part.data());
-    stream.avail_out = static_cast<uInt>(part.size());
-    state = inflate(&stream, Z_NO_FLUSH);
-  }
-  const bool too_large = stream.total_out > kMaxPageBytes;
-  inflateEnd(&stream);
-  if (too_large) throw base::ConfigError("this is no record: it inflates to over 1 GiB");
-  if (state != Z_STREAM_END) throw base::ConfigError("this is no record: it is not gzip, or cut");
+  inflate_record(bytes, [](std::string_view) {});
+}
+
+std::string gunzip(std::string_view bytes) {
+  std::string text;
+  inflate_record(bytes, [&text](std::string_view part) { text += part; });
+  return text;
 }
 
 std::string replay_page(std::span<const std::string> records) {

@@ -13,6 +13,8 @@ namespace cas::hils {
 std::string gzip(std::string_view text);
 /// @throws base::ConfigError unless the bytes are gzip, whole, and inflate to at most 1 GiB
 void check_gzip(std::string_view bytes);
+/// The inflated text. @throws base::ConfigError as check_gzip() does
+std::string gunzip(std::string_view bytes);
 
 /// The page that replays records without a server: replay.html of the built page with the records
 /// in it.

@@ -5,7 +5,10 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <string_view>
 #include <utility>
@@ -21,6 +24,7 @@
 #include "hils/measure/check_json.hpp"
 #include "hils/measure/csv_file.hpp"
 #include "hils/measure/figure_json.hpp"
+#include "hils/measure/struck_object.hpp"
 #include "hils/measure/truth_header.hpp"
 #include "hils/programs/composition.hpp"
 #include "hils/replay/hop_record.hpp"
@@ -140,15 +144,53 @@ OrderedJson scene_json(const base::Vehicle& vehicle) {
           {"meshes", std::move(meshes)}, {"rotors", std::move(rotors)}};
 }
 
+/// The shapes of the world that does not move, with their names; nothing without a world file.
+/// Meshes that together have more triangles than a page should carry are left out.
+OrderedJson world_json(const std::filesystem::path& simulator_config) {
+  constexpr std::size_t kMostTriangles = 60'000;
+  const std::optional<sim::WorldModel> world = flown_world(simulator_config);
+  if (!world) return nullptr;
+  std::size_t triangles = 0;
+  std::map<std::shared_ptr<const sim::TriangleMesh>, std::string> written;  // shapes share them
+  OrderedJson parts = OrderedJson::array();
+  OrderedJson meshes = OrderedJson::array();
+  for (const sim::Shape& shape : world->statics) {
+    OrderedJson part = part_json(shape);
+    if (const auto* mesh = std::get_if<sim::Mesh>(&shape.geometry)) {
+      std::string& place = written[mesh->triangles];
+      if (place.empty()) {
+        const std::size_t all = triangles + mesh->triangles->triangles.size();
+        if (all > kMostTriangles) continue;
+        triangles = all;
+        place = std::to_string(meshes.size());
+        meshes.push_back(base::rpc::to_base64(sim::mesh_bytes(*mesh->triangles)));
+      }
+      part["mesh"] = place;
+    }
+    part["name"] = shape.name;
+    if (part.contains("shape")) parts.push_back(std::move(part));
+  }
+  return {{"parts", std::move(parts)}, {"meshes", std::move(meshes)}};
+}
+
+OrderedJson stage_json(const Stage& stage) {
+  return {{"name", phase_of(stage.step)},
+          {"step", to_string(stage.step.kind)},
+          {"begin_s", base::to_seconds(stage.begin)},
+          {"end_s", base::to_seconds(stage.end)},
+          {"measured", stage.step.measure}};
+}
+
+/// The last one may not have been done.
 OrderedJson stages_json(const RunRecord& record) {
   OrderedJson stages = OrderedJson::array();
   for (const Stage& stage : record.stages) {
     if (stage.step.kind == StepKind::kEndTrajectory) continue;  // follows each trajectory by itself
-    stages.push_back({{"name", phase_of(stage.step)},
-                      {"step", to_string(stage.step.kind)},
-                      {"begin_s", base::to_seconds(stage.begin)},
-                      {"end_s", base::to_seconds(stage.end)},
-                      {"measured", stage.step.measure}});
+    stages.push_back(stage_json(stage));
+  }
+  if (record.under_way) {
+    stages.push_back(stage_json(*record.under_way));
+    stages.back()["finished"] = false;
   }
   return stages;
 }
@@ -164,9 +206,15 @@ OrderedJson faults_json(const RunRecord& record) {
   return faults;
 }
 
-/// Crashes and their kin, changed parameters, and commands from outside.
+/// Crashes and their kin, the step that was not done, changed parameters, and commands from
+/// outside.
 OrderedJson events_json(const Measurement& figures) {
   OrderedJson events = OrderedJson::array();
+  if (figures.flight_failure && figures.under_way) {
+    events.push_back({{"t_s", base::to_seconds(figures.under_way->end)},
+                      {"kind", "incident"},
+                      {"text", *figures.flight_failure}});
+  }
   for (const Incident& incident : figures.incidents) {
     events.push_back(
         {{"t_s", incident.time_s}, {"kind", "incident"}, {"text", "the vehicle " + incident.what}});
@@ -269,27 +317,30 @@ std::string log_record(const std::filesystem::path& file, const OrderedJson& veh
 
 std::string replay_record(const RunRequest& request, const RunResult& run) {
   const Measurement whole = run.whole();
-  OrderedJson record{{"format", kFormat},
-                     {"cas", CAS_VERSION},
-                     {"name", request.scenario.name},
-                     {"description", request.scenario.description},
-                     {"seed", request.seed},
-                     {"architecture", to_string(request.architecture)},
-                     {"virtual", whole.virtual_clock},
-                     {"duration_s", whole.simulated_s},
-                     {"rate", whole.pace.real_time_factor},
-                     {"nominal_hz",
-                      {{"HIL_SENSOR", request.scenario.rates.sensor_hz},
-                       {"HIL_GPS", request.scenario.rates.gps_hz},
-                       {"HIL_CONTROLS", request.scenario.rates.controls_hz},
-                       {"HIL_ACTUATOR_CONTROLS", request.scenario.rates.controls_hz}}},
-                     {"line", line_json(request)},
-                     {"controller", controllers(request)},
-                     {"verdict",
-                      {{"valid", run.verdict.valid},
-                       {"passed", run.verdict.passed},
-                       {"failures", run.verdict.failures}}},
-                     {"vehicles", OrderedJson::array()}};
+  OrderedJson record{
+      {"format", kFormat},
+      {"cas", CAS_VERSION},
+      {"name", request.scenario.name},
+      {"description", request.scenario.description},
+      {"seed", request.seed},
+      {"architecture", to_string(request.architecture)},
+      {"virtual", whole.virtual_clock},
+      {"duration_s", whole.simulated_s},
+      {"rate", whole.pace.real_time_factor},
+      {"nominal_hz",
+       {{"HIL_SENSOR", request.scenario.rates.sensor_hz},
+        {"HIL_GPS", request.scenario.rates.gps_hz},
+        {"HIL_CONTROLS", request.scenario.rates.controls_hz},
+        {"HIL_ACTUATOR_CONTROLS", request.scenario.rates.controls_hz}}},
+      {"line", line_json(request)},
+      {"world",
+       world_json(RunPaths::of(request.scenario, request.out, request.out).simulator_config())},
+      {"controller", controllers(request)},
+      {"verdict",
+       {{"valid", run.verdict.valid},
+        {"passed", run.verdict.passed},
+        {"failures", run.verdict.failures}}},
+      {"vehicles", OrderedJson::array()}};
   for (std::size_t i = 0; i < run.vehicles.size(); ++i) {
     record["vehicles"].push_back(vehicle_json(request, i, run.vehicles[i]));
   }

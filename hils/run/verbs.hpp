@@ -24,5 +24,9 @@ base::cli::Verb add_eval(CLI::App& app);
 base::cli::Verb add_timing(CLI::App& app);
 /// Adds `hils replay`, which makes the page of recorded runs and flight logs.
 base::cli::Verb add_replay(CLI::App& app);
+/// Adds `hils explain`, which tells the story of a finished run.
+base::cli::Verb add_explain(CLI::App& app);
+/// Adds `hils runs`, which lists the runs below a folder and writes the page that compares two.
+base::cli::Verb add_runs(CLI::App& app);
 
 }  // namespace cas::hils

@@ -34,7 +34,11 @@ class ExpressionParser {
 
   Expression parse() {
     expression_.root_ = parse_or();
-    if (!token_.empty()) fail("'" + std::string(token_) + "' is too much");
+    if (!token_.empty()) {
+      fail("'" + std::string(token_) +
+           "' is not understood here; a condition is a fact, one of < <= > >= == != and a number, "
+           "and 'and', 'or' join several");
+    }
     return std::move(expression_);
   }
 

@@ -104,6 +104,10 @@ TEST(HilsProgram, ChecksAScenarioWithoutAFlight) {
         std::pair{"seed", "is not KEY=VALUE"}}) {
     const std::string text = refusal({hover, "--check", "--set", setting});
     EXPECT_NE(text.find(sentence), std::string::npos) << text;
+    const bool is_setting = std::string(setting).find('=') != std::string::npos;
+    const std::string named = hover + " with --set " + setting;
+    EXPECT_EQ(text.find(named) != std::string::npos, is_setting) << text;
+    EXPECT_EQ(text.find("scenario.yaml"), std::string::npos) << text;  // the copy
   }
 }
 

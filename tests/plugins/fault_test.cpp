@@ -56,8 +56,9 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 TEST(Expression, RefusesWhatItDoesNotUnderstand) {
-  for (const char* text : {"", "altitude >", "altitude > 2 and", "(altitude > 2", "altitud > 2",
-                           "altitude > 2 )", "phase > hold", "phase ==", "altitude > 2 2"}) {
+  for (const char* text :
+       {"", "altitude >", "altitude > 2 and", "(altitude > 2", "altitud > 2", "altitude > 2 )",
+        "phase > hold", "phase ==", "altitude > 2 2", "altitude >> 2"}) {
     EXPECT_THROW(Expression::parse(text), std::invalid_argument) << text;
   }
 }

@@ -86,6 +86,10 @@ const index = readFileSync(join(here, 'src/index.html'), 'utf8')
 const report = await build({...common, entryPoints: ['src/report.ts'], format: 'iife'});
 writeFileSync(join(out, 'report.js'), `/*! CAS, BSD-3-Clause; with:\n\n${licences(report.metafile).replaceAll('*/', '* /')}\n*/\n${output(report, '.js')}`);
 writeFileSync(join(out, 'report.css'), output(report, '.css'));
+// The script of runs.html, which hils puts into that page.
+const runs = await build({...common, entryPoints: ['src/runs.ts'], format: 'iife'});
+writeFileSync(join(out, 'runs.js'), output(runs, '.js'));
+writeFileSync(join(out, 'runs.css'), output(runs, '.css'));
 writeFileSync(join(out, 'licences.txt'), texts);
 writeFileSync(join(out, 'replay.html'), replay);
 writeFileSync(join(out, 'index.html'), index);  // last: its presence says that the page is whole

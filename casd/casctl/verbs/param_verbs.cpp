@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <memory>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "base/os/write_file.hpp"
 #include "casd/casctl/session/gains_text.hpp"
@@ -45,6 +49,10 @@ void add_setgain(CommandLine& line) {
     verb.add_option(flag, *slot, "This gain only").excludes(values);
   }
   verb.add_check([wish] {
+    std::vector<double> all = wish->values;
+    for (const auto& value : {wish->p, wish->i, wish->d}) all.push_back(value.value_or(0));
+    const auto finite = [](double value) { return std::isfinite(value); };
+    if (!std::ranges::all_of(all, finite)) return std::string("a gain is a finite number");
     const bool named = wish->p || wish->i || wish->d;
     return named || !wish->values.empty() ? std::string() : "give P I D, or --p, --i, --d";
   });

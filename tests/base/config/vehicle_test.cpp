@@ -127,6 +127,7 @@ INSTANTIATE_TEST_SUITE_P(
                     WrongCase{"MassMissing", "mass_kg: 1.55", "", "key 'mass_kg' is missing"},
                     WrongCase{"Inertia", "[0.0299559683,", "[0.1,", "inertia_kg_m2: belongs to no"},
                     WrongCase{"Spin", "spin: -1", "spin: 2", "rotors[0].spin: must be 1"},
+                    WrongCase{"SpinByWord", "spin: -1", "spin: ccw", "rotors[0].spin: must be 1"},
                     WrongCase{"SystemId", "system_id: 1", "system_id: 256", "system_id: must lie"},
                     WrongCase{"Idle", "omega_idle_rad_s: 100", "omega_idle_rad_s: 2000",
                               "rotor.omega_idle_rad_s: 2000 must lie in [0, 1100]"},
@@ -195,6 +196,16 @@ rotors:
             (i == 1 ? keys_of_rotor_2 : "") + "}\n";
   }
   return text;
+}
+
+TEST(VehicleFile, RotorsThatNameLinksNeedTheirModel) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("v.yaml", round_vehicle(3, ", link: prop_1"));
+  const std::string said = test::refusal([&] { Vehicle::load(file); });
+  EXPECT_NE(said.find("urdf: there is no file " + (folder / "nowhere.urdf").string() +
+                      ", whose link 'prop_1' a rotor names"),
+            std::string::npos)
+      << said;
 }
 
 TEST(VehicleFile, HasOneToSixteenRotors) {

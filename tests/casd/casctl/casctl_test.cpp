@@ -121,6 +121,8 @@ TEST_F(CasctlTest, EndsWithTwoOnWrongUsage) {
   EXPECT_EQ(run("takeoff high").code, 2);
   EXPECT_EQ(run("setgain roll").code, 2);
   EXPECT_EQ(run("setgain roll 1 2 3 --p 4").code, 2);
+  EXPECT_EQ(run("setgain roll --p nan").code, 2);
+  EXPECT_EQ(run("setgain roll 1 inf 0").code, 2);
   EXPECT_EQ(run("--vehicle 300 arm").code, 2);
 }
 

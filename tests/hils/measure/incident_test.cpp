@@ -7,6 +7,11 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "hils/measure/struck_object.hpp"
 
 namespace cas::hils {
 namespace {
@@ -226,6 +231,34 @@ TEST(Incident, ARotorThatIsSwitchedOffHasHitNothing) {
   const auto lag = [](double t) { return t < 7 ? 700.0 : 700.0 * std::exp(-(t - 7) / 0.025); };
   EXPECT_TRUE(incidents_of(with_rotor(lag)).empty()) << "one fails: it runs down";
   EXPECT_TRUE(incidents_of(with_rotor([](double) { return 700.0; })).empty()) << "all are disarmed";
+}
+
+sim::Shape shape_at(const std::string& name, sim::Geometry geometry, double east_m) {
+  sim::Shape shape;
+  shape.name = name;
+  shape.geometry = std::move(geometry);
+  shape.pose.translate(Eigen::Vector3d(east_m, 0, 0));
+  return shape;
+}
+
+TEST(StruckObject, IsTheNearestModelWithinReach) {
+  const auto triangle = std::make_shared<sim::TriangleMesh>(
+      sim::TriangleMesh{{{0, 0, 0}, {0, 8, 0}, {0, 0, 8}}, {{0, 1, 2}}});
+  sim::WorldModel world;
+  world.statics = {
+      shape_at("ground/plane", sim::Plane{}, 0), shape_at("house/wall", sim::Box{{2, 20, 5}}, 10),
+      shape_at("tower", sim::Cylinder{.radius_m = 1, .length_m = 40}, 20),
+      shape_at("ball", sim::Sphere{.radius_m = 1}, 30), shape_at("roof", sim::Mesh{triangle}, 40)};
+  const auto nearest = [&](double east_m, double north_m, double up_m) {
+    return nearest_object(world, 0, {east_m, north_m, up_m}, 2);
+  };
+  EXPECT_EQ(nearest(8, 9, 1), "house");
+  EXPECT_EQ(nearest(18, 0, 15), "tower");
+  EXPECT_EQ(nearest(30, 2.5, 0), "ball");
+  EXPECT_EQ(nearest(41, 2, 2), "roof");     // above its face
+  EXPECT_EQ(nearest(40, -1.5, 2), "roof");  // beside its edge
+  EXPECT_EQ(nearest(40, 8, 8), "");         // beyond the face, where its triangle ends
+  EXPECT_EQ(nearest(0, 0, 0.1), "");        // on the ground alone
 }
 
 }  // namespace

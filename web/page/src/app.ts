@@ -70,6 +70,7 @@ class App extends Part {
     const {bench} = page;
     if (bench.connection === 'record') return html`<span class="pill blue"><i></i>Record</span>`;
     if (bench.connection === 'live') return html`<span class="pill"><i></i>Live</span>${bench.readOnly ? html`<span class="pill grey">view only</span>` : nothing}`;
+    if (bench.runIsOver) return html`<span class="pill blue"><i></i>Run over</span>`;
     if (bench.connection === 'lost') return html`<span class="pill red"><i></i>Page lost ${Math.round(bench.waiting_s)} s</span>`;
     return html`<span class="pill grey"><i></i>Connecting</span>`;
   }
@@ -123,7 +124,11 @@ class App extends Part {
   }
 
   private benchRows() {
-    const {programs, faultKinds} = page.bench;
+    const {programs, faultKinds, verdict} = page.bench;
+    if (page.bench.runIsOver) {
+      return html`<h2>Results</h2><p>The run is over, and its programs with it.</p>${verdict?.out ? html`<p><code>${clean(verdict.out)}/report.html</code></p>
+        <p><code>${clean(verdict.out)}/replay.html</code></p><p>How it went: <code>hils explain ${clean(verdict.out)}</code></p>` : nothing}`;
+    }
     if (faultKinds.length > 0 && programs.every((program) => program.state === 'up')) return html`<cas-faults></cas-faults>`;
     return html`<h2>Programs</h2><div class="rows">${programs.map((program) => html`<div class="lim"><span class="sec">${clean(program.name)}</span><span></span>
       <span class=${program.state === 'up' ? '' : 'bad'}>${clean(program.state)}${program.version ? html` <em>${clean(program.version)}</em>` : nothing}</span></div>`)}</div>`;

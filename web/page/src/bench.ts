@@ -140,8 +140,12 @@ export class Bench {
     return {
       state: this.runIsLost ? 'lost' : run.state, age_s: this.runAge_s, rows: rowsOf(own?.checks ?? []),
       every: run.vehicles.flatMap(({checks}) => rowsOf(checks)), sentences: run.sentences,
-      touched: run.touched.map(({by, what}) => `${what} by ${by}`),
+      touched: run.touched.map(({by, what}) => `${what} by ${by}`), out: run.out,
     };
+  }
+  /** The run was judged, and its programs have ended with it: nothing is wrong with the page. */
+  get runIsOver(): boolean {
+    return this.connection === 'lost' && this.run !== undefined && this.run.state !== 'running';
   }
   /** Nothing is known any more of a run that goes on: neither of its limits nor of its end. */
   private get runIsLost(): boolean {

@@ -41,6 +41,8 @@ export interface Scene {
   home?: Place;
   vehicles: SceneVehicle[];
   world?: Part[];
+  /** Of a record: triangles in base 64, which the parts of its world name by their place. */
+  meshes?: string[];
   obstacles?: {name: string; parts: Part[]}[];
 }
 
@@ -160,6 +162,8 @@ export interface Verdict {
   sentences: string[];
   /** Acts of people on the run by hand, in words. */
   touched: string[];
+  /** Folder of the results, when the run is over. */
+  out?: string;
 }
 
 /** One thing that a run is held to, as hils writes it. */
@@ -194,6 +198,8 @@ export interface RunStatus {
   touched: {by: string; what: string}[];
   stages: Stage[];
   vehicles: {name: string; system: number; checks: Check[]}[];
+  /** Folder of the results, with the verdict. */
+  out?: string;
 }
 
 export interface ListedMessage {
@@ -213,6 +219,8 @@ export interface Stage {
   begin_s: number;
   end_s: number;
   measured: boolean;
+  /** false: the flight ended in it. */
+  finished?: boolean;
 }
 
 export interface Span {

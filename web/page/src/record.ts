@@ -4,7 +4,7 @@
 import {quaternionOf, slerp, type Quat, type Vec3} from './frames.ts';
 import {fixed} from './numbers.ts';
 import type {
-  Check, Happening, Hop, ListedMessage, LoopFigures, SceneVehicle, SimVehicle, SnapTape, Span, Stage, Verdict, VerdictRow,
+  Check, Happening, Hop, ListedMessage, LoopFigures, Part, SceneVehicle, SimVehicle, SnapTape, Span, Stage, Verdict, VerdictRow,
   VehicleState,
 } from './protocol.ts';
 import {between, decode, indexAt, type Column, type Series} from './series.ts';
@@ -72,6 +72,8 @@ export interface RecordFile {
   line?: {type: string; baud?: number};
   controller?: string;
   verdict?: {valid: boolean; passed: boolean; failures: string[]};
+  /** What does not move. */
+  world?: {parts: Part[]; meshes: string[]} | null;
   vehicles: RecordVehicle[];
 }
 
@@ -371,6 +373,14 @@ export class RunRecord {
   get measured(): [number, number] | null {
     const stage = this.raw.vehicles[0]?.stages?.find((each) => each.measured);
     return stage ? [stage.begin_s, stage.end_s] : null;
+  }
+
+  /** Seconds before the first thing that went wrong in a failed flight. */
+  get beforeFailure_s(): number | null {
+    const kBefore_s = 3;
+    if (!this.raw.verdict || this.raw.verdict.passed) return null;
+    const times = this.raw.vehicles.flatMap(({events}) => (events ?? []).filter((event) => event.kind === 'incident').map((event) => event.t_s));
+    return times.length ? Math.max(0, Math.min(...times) - kBefore_s) : null;
   }
 
   /** Limits of the links that the run was held to. */

@@ -45,7 +45,7 @@ export class RecordSource implements Source, Player {
     bench.measured = this.record.measured;
     bench.bounds = this.record.bounds;
     bench.vehicles = raw.vehicles.map(({name, system, scene}) => ({name, system, scene}));
-    bench.scene = {hash: 'record', vehicles: raw.vehicles.flatMap(({scene}) => scene ?? [])};
+    bench.scene = {hash: 'record', vehicles: raw.vehicles.flatMap(({scene}) => scene ?? []), world: raw.world?.parts, meshes: raw.world?.meshes};
     if (!this.record.hasLinks(0)) {
       bench.noLinks = raw.architecture === 'direct' ? 'simulator and controller are one process in this run' : 'not recorded';
     }
@@ -56,9 +56,9 @@ export class RecordSource implements Source, Player {
     this.seek(this.begin_s);
   }
 
-  /** Where a record is opened: at the measured stage, so that something flies. */
+  /** Where a record is opened: before a failure, else at the measured stage, so that something flies. */
   private get begin_s(): number {
-    return this.record.measured?.[0] ?? 0;
+    return this.record.beforeFailure_s ?? this.record.measured?.[0] ?? 0;
   }
 
   tick(now_s: number): void {

@@ -312,6 +312,9 @@ export class View3D {
     return this.crafts.filter((craft) => !craft.standIn.visible).length;
   }
 
+  /** Of the world, that are drawn. */
+  worldParts = 0;
+
   /** Numbers of the compiled shader programs. */
   get programs(): number[] {
     return (this.renderer.info.programs ?? []).map((program) => (program as unknown as {id: number}).id);
@@ -455,26 +458,29 @@ export class View3D {
 
   private addWorld(bench: Bench): void {
     const material = new MeshLambertMaterial({color: hex('grid2'), side: DoubleSide});
+    this.worldParts = 0;
     for (const part of bench.scene?.world ?? []) {
       const mesh = makePart(part, material);
       if (mesh) {
         const holder = new Group().add(mesh);
         place(holder, part.p, part.q);
         this.scene.add(holder);
+        this.worldParts++;
       } else if (part.shape === 'mesh' && part.mesh) {
-        void this.addMesh(part, material);
+        void this.addMesh(part, material, bench.scene?.meshes);
       }
     }
   }
 
-  private async addMesh(part: Part, material: MeshLambertMaterial): Promise<void> {
+  private async addMesh(part: Part, material: MeshLambertMaterial, own?: string[]): Promise<void> {
     const scene = this.scene;
-    const geometry = await loadTriangles(part.mesh!);
+    const geometry = await loadTriangles(part.mesh!, own);
     if (!geometry) return;
     const mesh = new Mesh(geometry, material);
     place(mesh, part.p, part.q);
     scene.add(mesh);
     this.meshes++;
+    if (scene === this.scene) this.worldParts++;
   }
 
   /** Puts a vehicle's own shapes in the place of its stand-in, once all of them are here. */
@@ -638,7 +644,7 @@ export class View3D {
     }
     if (key !== this.trailKey) {
       this.trailKey = key;
-      const from = replay ? (bench.measured?.[0] ?? 0) - 5 : t - kTrailLive_s;
+      const from = replay ? 0 : t - kTrailLive_s;
       this.fillTrail(bench, [e, n, u], from, replay ? Infinity : t);
       if (replay && bench.beside.length > 0) this.fillBeside(bench);
     }

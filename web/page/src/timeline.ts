@@ -3,7 +3,7 @@ import {html, svg, nothing, type TemplateResult} from 'lit';
 import {isMark} from './bench.ts';
 import {clean, minutes, tickStep} from './numbers.ts';
 import {page, Part} from './page.ts';
-import type {Happening} from './protocol.ts';
+import type {Happening, Stage} from './protocol.ts';
 
 /** Ticks nearer than this are drawn as one with a count. */
 const kNear_px = 112;
@@ -140,13 +140,14 @@ class Timeline extends Part {
     return d === '' ? nothing : svg`<path d=${`${d}L${lastX.toFixed(1)} ${floor}z`} fill="var(--raised)" stroke="var(--t3)"></path>` as TemplateResult;
   }
 
-  private stage(stage: {name: string; begin_s: number; end_s: number; measured: boolean}): TemplateResult {
+  private stage(stage: Stage): TemplateResult {
     const [a, b] = [this.x(stage.begin_s), this.x(stage.end_s)];
-    const name = clean(stage.measured ? `${stage.name} · measured` : stage.name);
+    const undone = stage.finished === false;
+    const name = clean(undone ? `${stage.name} · not done` : stage.measured ? `${stage.name} · measured` : stage.name);
     const fits = b - a > name.length * 6.2 + 12;
     const short = stage.measured && b - a > 66 ? 'measured' : '';
     return svg`<rect x=${a + 1} y="12" width=${Math.max(1, b - a - 2)} height="18" rx="3"
-        fill=${`var(--${stage.measured ? 'accbg' : 'raised'})`} stroke=${`var(--${stage.measured ? 'acc' : 'line'})`}></rect>
+        fill=${`var(--${stage.measured ? 'accbg' : 'raised'})`} stroke=${`var(--${undone ? 'red' : stage.measured ? 'acc' : 'line'})`}></rect>
       ${fits || short ? svg`<text x=${a + 8} y="25" font-size="10.5" font-weight="500"
         fill=${`var(--${stage.measured ? 'acc' : 't2'})`}>${fits ? name : short}</text>` : nothing}` as TemplateResult;
   }

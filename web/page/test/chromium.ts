@@ -41,6 +41,7 @@ export interface SceneHook {
   faults: string[];
   programs3d?: number[];
   ownMeshes: number;
+  worldParts: number;
   messages: number;
   question?: string;
   refusal: string;

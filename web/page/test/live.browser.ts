@@ -267,10 +267,14 @@ test('a run shows its reference, its limits so far, faults by hand and the verdi
   server.run = {...kRun, touched: [{by: 'the page (unix:uid 0)', what: 'fault.inject'}]};
   server.feed('verdict');
   await page.getByText('touched', {exact: true}).waitFor();
-  server.say('event.verdict', {...server.run, state: 'passed'});
-  server.run = {...server.run, state: 'passed'};
+  server.run = {...server.run, state: 'passed', out: '/out/hover'};
+  server.say('event.verdict', server.run);
   await until(page, 'it is judged', (each) => each.verdict === 'passed' && each.faults.includes('No GPS'));
   assert.deepEqual(errors, []);
+  server.cut();  // casweb ends with the run
+  await page.getByText('Run over').waitFor();
+  await page.getByText('/out/hover/replay.html').waitFor();
+  assert.equal(await page.getByText('Page lost').count(), 0);
   await page.close();
 });
 

@@ -95,6 +95,27 @@ test('the loss is told: hop, tape and limits', async () => {
   await page.close();
 });
 
+test('a failed flight opens before its failure, in its world, with the step that was not done', async () => {
+  const record = makeRecord('crash');
+  const bytes = new ArrayBuffer(8 + 36 + 12);
+  new Uint32Array(bytes, 0, 2).set([3, 1]);
+  new Float32Array(bytes, 8, 9).set([0, 0, 0, 1, 0, 0, 0, 0, 2]);
+  new Uint32Array(bytes, 44, 3).set([0, 1, 2]);
+  record.world = {
+    parts: [{name: 'wall', shape: 'box', size_m: [1, 4, 3], p: [3, 0, 1.5], q: [1, 0, 0, 0]}, {name: 'tree', shape: 'mesh', mesh: '0', p: [0, 5, 0], q: [1, 0, 0, 0]}],
+    meshes: [Buffer.from(bytes).toString('base64')],
+  };
+  const vehicle = record.vehicles[0]!;
+  vehicle.events = [...(vehicle.events ?? []), {t_s: 20, kind: 'incident', text: "the vehicle hit 'wall' at 4.0 m/s"}];
+  vehicle.stages!.at(-1)!.finished = false;
+  const {page, errors} = await open(replay('crash', [pack(record)]));
+  const now = await until(page, 'box and mesh of the world', (scene) => scene.frames > 0 && scene.worldParts === 2);
+  assert.equal(now.time_s, 17);
+  await page.getByText('not done').first().waitFor({state: 'attached'});
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
 test('two runs lie over each other', async () => {
   const {page, errors} = await open(replay('two', [pack(makeRecord('a')), pack(makeRecord('b', 3))]));
   await until(page, 'a picture', (now) => now.frames > 0);
