@@ -73,7 +73,7 @@ TEST_P(ShippedScenario, Passes) {
 
 INSTANTIATE_TEST_SUITE_P(Each, ShippedScenario,
                          testing::Values("steps", "figure_eight", "pixhawk", "plane", "quadplane",
-                                         "wind", "village", "rotor_weak"),
+                                         "aerosonde", "wind", "village", "rotor_weak"),
                          [](const auto& test) { return std::string(test.param); });
 
 TEST(Scenario, LineLossNamesTheLineForEachLostPacket) {
