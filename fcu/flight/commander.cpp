@@ -279,15 +279,16 @@ void Commander::update_transition(const TaskContext& context) {
   enter(mode_, context);
 }
 
-/// Thrust that does not lift the vehicle turns or drags it on its feet.
+/// Thrust that does not lift the vehicle turns or drags it on its feet. A plane needs a run first.
 void Commander::give_up_takeoff(const TaskContext& context) {
   constexpr double kClimbed_m = 0.3;
   constexpr double kPatience_s = 5;
+  constexpr double kRun_s = 20;  // of a heavy plane on grass
   const bool automatic = mode_ == FlightMode::kTakeoff || mode_ == FlightMode::kMission;
   if (!flying_ || has_climbed_ || !automatic) return;
   has_climbed_ = context.ground_z - context.estimate.p_N.z() > kClimbed_m;
   climbing_s_ += context.dt;
-  if (has_climbed_ || climbing_s_ < kPatience_s) return;
+  if (has_climbed_ || climbing_s_ < (on_wing() ? kRun_s : kPatience_s)) return;
   texts_.critical("Take-off given up: no climb");
   set_disarmed(": no climb");
 }

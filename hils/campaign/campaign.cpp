@@ -137,15 +137,6 @@ std::string faults_of_cell(const Campaign& campaign, const CampaignCell& cell) {
   return faults_of(failure.failure, failure.name + " in " + phase.name, phase.when, failure.values);
 }
 
-/// The highest rotor that a fault names, from 1; 0: it names none.
-int highest_rotor(const sim::FaultKind& kind) {
-  if (const auto* broken = std::get_if<sim::RotorFault>(&kind)) return broken->rotor + 1;
-  if (const auto* swapped = std::get_if<sim::SwapFault>(&kind)) {
-    return std::max(swapped->first, swapped->second) + 1;
-  }
-  return 0;
-}
-
 /// Reads the faults of the campaign's last failure as the scenario and its vehicle would.
 /// @throws base::ConfigError
 void check_failure(const base::ConfigNode& node, const Campaign& campaign, const Scenario& scenario,
@@ -163,10 +154,9 @@ void check_failure(const base::ConfigNode& node, const Campaign& campaign, const
       place.fail(error.what());
     }
     for (const VehicleFault& fault : faults.vehicle) {
-      const int rotor = highest_rotor(sim::parse_fault(fault.script, 1).kind);
-      if (rotor <= vehicle.rotor_count()) continue;
-      place.fail(fmt::format("there is no rotor {}; vehicle '{}' has {}", rotor, vehicle.name,
-                             vehicle.rotor_count()));
+      const std::string missing =
+          sim::missing_part(sim::parse_fault(fault.script, 1).kind, vehicle);
+      if (!missing.empty()) place.fail(missing);
     }
   }
 }

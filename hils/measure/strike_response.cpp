@@ -191,9 +191,7 @@ bool stops_rotors(std::span<const VehicleFault> faults, const std::string& name)
   std::size_t number = 0;
   return std::ranges::any_of(faults, [&](const VehicleFault& fault) {
     const sim::FaultSpec spec = sim::parse_fault(fault.script, ++number);
-    return spec.name == name && (std::holds_alternative<sim::RotorFault>(spec.kind) ||
-                                 std::holds_alternative<sim::SwapFault>(spec.kind) ||
-                                 std::holds_alternative<sim::VoltageFault>(spec.kind));
+    return spec.name == name && sim::breaks_propulsion(spec.kind);
   });
 }
 

@@ -9,7 +9,8 @@
 namespace cas::hils {
 
 std::size_t TruthHeader::columns() const {
-  return std::max(kFirstRotor + rotors, airspeed.value_or(0) + 1);
+  const std::size_t least = std::max(kFirstRotor + rotors, airspeed.value_or(0) + 1);
+  return wing ? std::max(least, *wing + kWingColumns + surfaces) : least;
 }
 
 TruthHeader TruthHeader::parse(std::string_view line, const std::filesystem::path& file) {
@@ -21,6 +22,8 @@ TruthHeader TruthHeader::parse(std::string_view line, const std::filesystem::pat
     rest = comma == std::string_view::npos ? std::string_view() : rest.substr(comma + 1);
     if (column >= kFirstRotor && name.starts_with("omega")) ++header.rotors;
     if (name == "airspeed_m_s") header.airspeed = column;
+    if (name == "alpha_rad") header.wing = column;
+    if (header.wing && name.starts_with("deflection")) ++header.surfaces;
   }
   if (column <= kFirstRotor || header.rotors == 0 || header.rotors > base::kMaxRotors) {
     throw base::ConfigError(file.string() + ":1: not a header of truth.csv");

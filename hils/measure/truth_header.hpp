@@ -12,11 +12,16 @@ namespace cas::hils {
 struct TruthHeader {
   /// Column of rotor 1.
   static constexpr std::size_t kFirstRotor = 13;
+  /// Columns of the wing before its surfaces.
+  static constexpr std::size_t kWingColumns = 3;
 
   std::size_t rotors = 0;
   std::optional<std::size_t> airspeed{};  ///< column; of a vehicle with a pitot tube
+  /// First column of those of a vehicle with a wing: angle of attack, sideslip, load factor.
+  std::optional<std::size_t> wing{};
+  std::size_t surfaces = 0;  ///< their deflections follow
 
-  /// Least number of columns of a row: up to the last rotor and the airspeed.
+  /// Least number of columns of a row: up to the last rotor, the airspeed and the wing.
   std::size_t columns() const;
 
   /// @param line  the first one of `file`

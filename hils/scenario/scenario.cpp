@@ -515,6 +515,7 @@ void read_own(const base::ConfigNode& root, Scenario& scenario) {
   std::set<std::string> plugins = plugin_names(scenario.plugins);
   plugins.insert({"motor", "imu", "gps", "magnetometer", "barometer"});  // of each vehicle
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+    if (has_wing(scenario.vehicles[i])) plugins.insert("aero");
     for (std::string& name : further_first_sensors(flown_sensors(scenario, i))) {
       plugins.insert(std::move(name));
     }

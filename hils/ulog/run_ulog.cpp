@@ -149,6 +149,12 @@ void write_truth(sim::UlogFile& file, const std::optional<base::Geodetic>& home,
   if (header.airspeed) {
     write(file, Topic::kAirspeedTruth, UlogRecord(time).put_float(row[*header.airspeed]));
   }
+  if (header.wing) {
+    UlogRecord wing(time);
+    const std::size_t columns = TruthHeader::kWingColumns + header.surfaces;
+    for (const double value : row.subspan(*header.wing, columns)) wing.put_float(value);
+    write(file, Topic::kWingTruth, wing);
+  }
   if (!home) return;
   const base::Geodetic place = base::LocalProjection(*home).to_geodetic(p_N);
   write(file, Topic::kGlobalPositionTruth,
@@ -256,9 +262,12 @@ void write_ulog(const RunRequest& request, const RunRecord& record, std::size_t 
   const std::vector<sim::UlogParam> params = initial_params(request, vehicle, own);
   const TruthHeader header =
       TruthHeader::parse(CsvFile(record.truth_csv).header(), record.truth_csv);
-  sim::UlogFile file({own.out, own.flight_ulog()},
-                     ulog_topics(static_cast<int>(header.rotors), header.airspeed.has_value()),
-                     infos(request, record), params);
+  const std::string wing =
+      header.wing ? sim::wing_fields(static_cast<int>(header.surfaces)) : std::string();
+  sim::UlogFile file(
+      {own.out, own.flight_ulog()},
+      ulog_topics(static_cast<int>(header.rotors), header.airspeed.has_value(), wing),
+      infos(request, record), params);
   const std::optional<base::Geodetic> home = request.scenario.home;
 
   std::vector<std::unique_ptr<Track>> tracks;

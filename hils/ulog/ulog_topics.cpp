@@ -10,7 +10,7 @@ namespace cas::hils {
 
 namespace {
 
-constexpr std::size_t kTopics = static_cast<std::size_t>(UlogTopicId::kDifferentialPressure) + 1;
+constexpr std::size_t kTopics = static_cast<std::size_t>(UlogTopicId::kWingTruth) + 1;
 
 constexpr std::array<sim::UlogTopic, kTopics> kAll{
     {{"vehicle_attitude", "float[4] q"},
@@ -50,11 +50,13 @@ constexpr std::array<sim::UlogTopic, kTopics> kAll{
      {"vehicle_global_position_groundtruth", "double lat;double lon;float alt"},
      {"rotor_speeds", "float[16] omega_rad_s"},
      {"airspeed_groundtruth", "float true_airspeed_m_s"},
-     {"differential_pressure", "float differential_pressure_pa"}}};
+     {"differential_pressure", "float differential_pressure_pa"},
+     {"wing_groundtruth", {}}}};
 
 }  // namespace
 
-std::vector<sim::UlogTopic> ulog_topics(int rotors, bool has_airspeed) {
+std::vector<sim::UlogTopic> ulog_topics(int rotors, bool has_airspeed,
+                                        std::string_view wing_fields) {
   constexpr std::array<std::string_view, base::kMaxRotors> kSpeeds{
       "float[1] omega_rad_s",  "float[2] omega_rad_s",  "float[3] omega_rad_s",
       "float[4] omega_rad_s",  "float[5] omega_rad_s",  "float[6] omega_rad_s",
@@ -63,9 +65,14 @@ std::vector<sim::UlogTopic> ulog_topics(int rotors, bool has_airspeed) {
       "float[13] omega_rad_s", "float[14] omega_rad_s", "float[15] omega_rad_s",
       "float[16] omega_rad_s"};
   std::vector<sim::UlogTopic> topics(kAll.begin(), kAll.end());
-  const auto speeds = static_cast<std::size_t>(UlogTopicId::kRotorSpeeds);
-  topics[speeds].fields = kSpeeds.at(static_cast<std::size_t>(rotors) - 1);
-  if (!has_airspeed) topics.resize(speeds + 1);
+  const auto fields = [&](UlogTopicId topic) -> std::string_view& {
+    return topics[static_cast<std::size_t>(topic)].fields;
+  };
+  fields(UlogTopicId::kRotorSpeeds) = kSpeeds.at(static_cast<std::size_t>(rotors) - 1);
+  if (!has_airspeed) {
+    fields(UlogTopicId::kAirspeedTruth) = fields(UlogTopicId::kDifferentialPressure) = {};
+  }
+  fields(UlogTopicId::kWingTruth) = wing_fields;
   return topics;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "plugins/common/ulog_file.hpp"
@@ -43,11 +44,15 @@ enum class UlogTopicId : std::uint16_t {
   // Of a vehicle with a pitot tube.
   kAirspeedTruth,
   kDifferentialPressure,
+  // Of a vehicle with a wing.
+  kWingTruth,
 };
 
 /// Definitions of all of them, in the order of UlogTopicId, for a vehicle of 1 to 16 rotors.
-/// @param has_airspeed  a pitot tube: without one the last two are left out
-std::vector<sim::UlogTopic> ulog_topics(int rotors, bool has_airspeed);
+/// @param has_airspeed  a pitot tube: without one its two have no fields
+/// @param wing_fields   those of the truth of a wing; empty: it has none
+std::vector<sim::UlogTopic> ulog_topics(int rotors, bool has_airspeed,
+                                        std::string_view wing_fields = {});
 
 /// Writes a message of a topic.
 inline void write(sim::UlogFile& file, UlogTopicId topic, const sim::UlogRecord& record) {

@@ -39,6 +39,7 @@
 #include "libsim/hilsim/control_server.hpp"
 #include "libsim/hilsim/sim_report.hpp"
 #include "libsim/hilsim/vehicle_description.hpp"
+#include "libsim/hilsim/wind_tunnel.hpp"
 
 namespace {
 
@@ -48,6 +49,10 @@ struct Flags {
   std::filesystem::path config;
   std::optional<std::string> describe;
   std::optional<std::filesystem::path> svg;
+  std::optional<std::filesystem::path> polar;
+  std::vector<double> alpha{-20, 30, 1};  // deg: from, to, step
+  std::vector<double> beta{0, 0, 1};
+  std::optional<double> airspeed_m_s;
   std::optional<std::filesystem::path> stats;
   std::optional<std::filesystem::path> ledger;
   std::optional<std::filesystem::path> control;
@@ -74,6 +79,20 @@ void add_flags(CLI::App& app, Flags& flags) {
   app.add_option("--svg", flags.svg,
                  "With --describe: draw the vehicle from above and from the side into this file")
       ->needs(describe);
+  CLI::Option* const polar =
+      app.add_option("--polar", flags.polar,
+                     "With --describe: measure the coefficients of a vehicle with wings in a "
+                     "virtual wind tunnel, and write them into this file (CSV)")
+          ->needs(describe);
+  app.add_option("--alpha", flags.alpha, "With --polar: angles of attack FROM TO STEP, deg")
+      ->expected(3)
+      ->needs(polar);
+  app.add_option("--beta", flags.beta, "With --polar: sideslips FROM TO STEP, deg")
+      ->expected(3)
+      ->needs(polar);
+  app.add_option("--airspeed", flags.airspeed_m_s, "With --polar: m/s; default: cruise_m_s")
+      ->check(CLI::PositiveNumber)
+      ->needs(polar);
   app.add_option("--stats", flags.stats, "Write figures (JSON) to this file at the end");
   app.add_option("--ledger", flags.ledger,
                  "Write each vehicle's packet ledger (CSV), below --output; with several vehicles "
@@ -114,8 +133,22 @@ std::filesystem::path vehicle_file(const std::string& word) {
   return base::find_config(name ? "vehicles/" + word + ".yaml" : word);
 }
 
-int describe(const std::string& word, const std::optional<std::filesystem::path>& svg) {
-  const base::Vehicle vehicle = base::Vehicle::load(vehicle_file(word));
+/// Measures the vehicle in the wind tunnel. @throws base::ConfigError
+void write_polar(const base::Vehicle& vehicle, const Flags& flags) {
+  if (!vehicle.aero) {
+    throw base::ConfigError("--polar: vehicle '" + vehicle.name + "' has no block 'aero'");
+  }
+  const auto angles = [](const std::vector<double>& values, const char* flag, double limit_deg) {
+    return sim::AngleSweep{values[0], values[1], values[2]}.angles_deg(flag, limit_deg);
+  };
+  base::write_file(
+      *flags.polar,
+      sim::polar_csv(*vehicle.aero, flags.airspeed_m_s.value_or(vehicle.aero->cruise_m_s),
+                     angles(flags.alpha, "--alpha", 180), angles(flags.beta, "--beta", 90)));
+}
+
+int describe(const Flags& flags) {
+  const base::Vehicle vehicle = base::Vehicle::load(vehicle_file(*flags.describe));
   const sim::VehicleModel model = sim::load_vehicle_model(vehicle.urdf, vehicle.parts);
   std::string text =
       describe_vehicle(vehicle, model, base::load_frames(base::shipped_config("frames.yaml")));
@@ -128,7 +161,8 @@ int describe(const std::string& word, const std::optional<std::filesystem::path>
     for (const std::string& warning : warnings) base::log::warn(warning);
   }
   std::fputs(text.c_str(), stdout);
-  if (svg) base::write_file(*svg, draw_vehicle(vehicle, model));
+  if (flags.svg) base::write_file(*flags.svg, draw_vehicle(vehicle, model));
+  if (flags.polar) write_polar(vehicle, flags);
   return base::kExitOk;
 }
 
@@ -207,7 +241,7 @@ void say_stopped(const sim::LoopFigures& figures) {
 }
 
 int run(const Flags& flags) {
-  if (flags.describe) return describe(*flags.describe, flags.svg);
+  if (flags.describe) return describe(flags);
   if (flags.config.empty()) {
     throw base::ConfigError(
         "config is required: the simulation to run (YAML), or --describe VEHICLE");

@@ -27,6 +27,7 @@ class AeroModel final : public ForceModel {
   /// Takes the outputs of the surfaces, held until the next call.
   void take(const MotorCommand& command) { servos_.take(command); }
   void release() { servos_.release(); }
+  void set_health(const SurfaceHealth& health) { servos_.set_health(health); }
 
   /// Deflections of the surfaces, rad, in the order of the vehicle file.
   int state_count() const override { return static_cast<int>(servos_.count()); }

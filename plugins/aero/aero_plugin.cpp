@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <memory>
 #include <span>
+#include <string>
 
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
@@ -10,7 +11,8 @@ namespace cas::sim {
 namespace {
 
 /// The air on wings and tail: turns the control surfaces by topic `motor_command`, and publishes
-/// their deflections on `surface_deflections`. Its parameters are block `aero` of the vehicle file.
+/// their deflections on `surface_deflections`; `surface_health` breaks their servos. Its parameters
+/// are block `aero` of the vehicle file.
 class AeroPlugin final : public Plugin {
  public:
   void configure(PluginContext& context, const base::ConfigNode& params) override {
@@ -23,6 +25,9 @@ class AeroPlugin final : public Plugin {
     command_ = context.bus().subscribe<MotorCommand>(
         context.topic("motor_command"),
         [this](const MotorCommand& command) { model_->take(command); });
+    health_ = context.bus().subscribe<SurfaceHealth>(
+        context.topic(std::string(kSurfaceHealth)),
+        [this](const SurfaceHealth& health) { model_->set_health(health); }, Need::kOptional);
   }
 
   void post_step(const StepInfo& step, const World& world) override {
@@ -31,12 +36,16 @@ class AeroPlugin final : public Plugin {
         {step.time, ActuatorValues::Map(angles.data(), static_cast<Eigen::Index>(angles.size()))});
   }
 
-  void reset() override { model_->release(); }
+  void reset() override {
+    model_->release();
+    model_->set_health({});
+  }
 
  private:
   std::unique_ptr<AeroModel> model_;
   Publisher<SurfaceDeflections> deflections_;
   Subscription command_;
+  Subscription health_;
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "base/config/vehicle.hpp"
 #include "libsim/api/messages.hpp"
+#include "libsim/api/surface_health.hpp"
 
 namespace cas::sim {
 
@@ -27,18 +28,26 @@ class SurfaceServos {
     for (std::size_t i = 0; i < count(); ++i) {
       const Eigen::Index output = surfaces_[i].output;
       const double value = outputs && output < command.values.size() ? command.values[output] : 0.0;
-      targets_[i] = std::isfinite(value) ? surfaces_[i].angle_rad(value) : 0.0;
+      asked_[i] = std::isfinite(value) ? value : 0.0;
     }
+    aim();
   }
-  void release() { targets_.fill(0.0); }
+  void set_health(const SurfaceHealth& health) {
+    health_ = health;
+    aim();
+  }
+  void release() {
+    asked_.fill(0.0);
+    aim();
+  }
 
   /// @param angles  rad
   /// @param rates   rad/s
   void rates(std::span<const double> angles, std::span<double> rates) const {
     for (std::size_t i = 0; i < count(); ++i) {
       const base::ControlSurface& servo = surfaces_[i];
-      rates[i] = std::clamp((targets_[i] - angles[i]) / servo.time_constant_s, -servo.rate_rad_s,
-                            servo.rate_rad_s);
+      const double fastest = health_.servos[i].rate_share * servo.rate_rad_s;
+      rates[i] = std::clamp((targets_[i] - angles[i]) / servo.time_constant_s, -fastest, fastest);
     }
   }
   void limit(std::span<double> angles) const {
@@ -49,7 +58,17 @@ class SurfaceServos {
   }
 
  private:
+  void aim() {
+    for (std::size_t i = 0; i < count(); ++i) {
+      const ServoHealth& servo = health_.servos[i];
+      targets_[i] =
+          servo.held_rad.value_or(surfaces_[i].angle_rad(servo.reversed ? -asked_[i] : asked_[i]));
+    }
+  }
+
   std::vector<base::ControlSurface> surfaces_;
+  SurfaceHealth health_;
+  std::array<double, base::kMaxOutputs> asked_{};    // outputs
   std::array<double, base::kMaxOutputs> targets_{};  // rad
 };
 

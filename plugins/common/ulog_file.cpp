@@ -32,6 +32,12 @@ std::string key_of(const char* type, std::string_view name) {
 
 }  // namespace
 
+std::string wing_fields(int surfaces) {
+  std::string fields = "float alpha_rad;float beta_rad;float load_factor";
+  if (surfaces > 0) fields += ";float[" + std::to_string(surfaces) + "] deflection_rad";
+  return fields;
+}
+
 UlogInfo UlogInfo::text(std::string_view name, std::string_view value) {
   const std::string type = "char[" + std::to_string(value.size()) + "]";
   return {key_of(type.c_str(), name), std::string(value)};
@@ -53,12 +59,14 @@ UlogFile::UlogFile(base::ResultPlace place, std::span<const UlogTopic> topics,
   write_pair('I', name.key, name.value);
   for (const UlogInfo& info : infos) write_pair('I', info.key, info.value);
   for (const UlogTopic& topic : topics) {
+    if (topic.fields.empty()) continue;
     const std::string format =
         std::string(topic.name).append(":uint64_t timestamp;").append(topic.fields).append(";");
     write_message('F', bytes_of(format), {});
   }
   for (const UlogParam& param : params) write(param);
   for (std::size_t id = 0; id < topics.size(); ++id) {
+    if (topics[id].fields.empty()) continue;
     const auto low = static_cast<std::uint8_t>(id & 0xFFU);
     const auto high = static_cast<std::uint8_t>(id >> 8U);
     write_message('A', std::array<std::uint8_t, 3>{0, low, high}, bytes_of(topics[id].name));

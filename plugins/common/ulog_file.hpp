@@ -16,10 +16,14 @@
 namespace cas::sim {
 
 /// One topic of a log: its name and its fields after the timestamp, "float[3] gyro_rad;float x".
+/// One without fields is not in the log.
 struct UlogTopic {
   std::string_view name;
   std::string_view fields;
 };
+
+/// Fields of topic `wing_groundtruth`, as both logs of a flight have it.
+std::string wing_fields(int surfaces);
 
 /// A fact about the whole log, as its key (type and name) and the bytes of its value.
 struct UlogInfo {

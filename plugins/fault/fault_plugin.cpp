@@ -17,6 +17,7 @@
 #include "libsim/api/fault_order.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
+#include "libsim/api/surface_health.hpp"
 #include "plugins/common/rounding.hpp"
 #include "plugins/fault/fault_spec.hpp"
 #include "plugins/fault/sensor_tap.hpp"
@@ -69,6 +70,7 @@ class FaultPlugin final : public Plugin {
     phase_ = {};
     power_ = 0;
     if (breaks_propulsion_) health_.publish({});
+    if (breaks_surfaces_) surface_health_.publish({});
   }
 
   std::string stats_json() const override {
@@ -137,26 +139,29 @@ class FaultPlugin final : public Plugin {
   }
 
   void open_topics(PluginContext& context) {
-    type_ = context.vehicle().name;
+    airframe_ = context.vehicle();
     for (const base::SensorKind& kind : base::kSensorKinds) {
       for (int number = 2; number <= kind.most; ++number) {
         const std::string name = base::sensor_name(kind.plugin, number);
         if (context.bus().is_advertised(context.topic(name))) further_.push_back(name);
       }
     }
-    rotors_ = context.vehicle().rotor_count();
     breaks_propulsion_ = changes_mass_ = blows_ = by_hand_;
+    breaks_surfaces_ = by_hand_ && context.vehicle().aero.has_value();
     for (const FaultSpec& fault : schedule_.faults()) {
-      check_rotor(fault);
+      check_part(fault);
       check_sensor(fault);
-      breaks_propulsion_ |=
-          highest_rotor(fault.kind) >= 0 || std::holds_alternative<VoltageFault>(fault.kind);
+      breaks_propulsion_ |= breaks_propulsion(fault.kind);
+      breaks_surfaces_ |= std::holds_alternative<SurfaceFault>(fault.kind);
       changes_mass_ |= std::holds_alternative<MassFault>(fault.kind);
       blows_ |= std::holds_alternative<GustCommand>(fault.kind);
     }
     TopicBus& bus = context.bus();
     if (breaks_propulsion_) {
       health_ = bus.advertise<PropulsionHealth>(context.topic("propulsion_health"));
+    }
+    if (breaks_surfaces_) {
+      surface_health_ = bus.advertise<SurfaceHealth>(context.topic(std::string(kSurfaceHealth)));
     }
     if (blows_) gust_ = bus.advertise<GustCommand>(context.topic("gust"));
     if (by_hand_) {
@@ -180,7 +185,7 @@ class FaultPlugin final : public Plugin {
     const auto script = base::ConfigNode::parse(order.script.data(), "fault by hand");
     if (const auto end = script.find("end")) return schedule_.end(end->as<std::string>());
     FaultSpec fault = parse_fault(script, schedule_.faults().size() + 1);
-    check_rotor(fault);
+    check_part(fault);
     check_sensor(fault);
     if (std::holds_alternative<GustCommand>(fault.kind) && !gust_.has_subscribers()) {
       throw base::ConfigError("no gust can blow: the vehicle has no plugin wind");
@@ -189,12 +194,9 @@ class FaultPlugin final : public Plugin {
   }
 
   /// @throws base::ConfigError
-  void check_rotor(const FaultSpec& fault) const {
-    const int rotor = highest_rotor(fault.kind);
-    if (rotor < rotors_) return;
-    throw base::ConfigError("fault '" + fault.name + "': there is no rotor " +
-                            std::to_string(rotor + 1) + "; vehicle '" + type_ + "' has " +
-                            std::to_string(rotors_));
+  void check_part(const FaultSpec& fault) const {
+    const std::string missing = missing_part(fault.kind, airframe_);
+    if (!missing.empty()) throw base::ConfigError("fault '" + fault.name + "': " + missing);
   }
 
   /// A second sensor that is not there could not fail. @throws base::ConfigError
@@ -203,17 +205,8 @@ class FaultPlugin final : public Plugin {
     if (sensor == nullptr || sensor->number == 1) return;
     const std::string name = base::sensor_name(sensor_word(sensor->topic), sensor->number);
     if (std::ranges::find(further_, name) != further_.end()) return;
-    throw base::ConfigError("fault '" + fault.name + "': vehicle '" + type_ + "' has no " + name +
-                            " in front of plugin fault");
-  }
-
-  /// The highest rotor that a fault names, from 0; -1: it names none.
-  static int highest_rotor(const FaultKind& kind) {
-    if (const auto* broken = std::get_if<RotorFault>(&kind)) return broken->rotor;
-    if (const auto* swapped = std::get_if<SwapFault>(&kind)) {
-      return std::max(swapped->first, swapped->second);
-    }
-    return -1;
+    throw base::ConfigError("fault '" + fault.name + "': vehicle '" + airframe_.name + "' has no " +
+                            name + " in front of plugin fault");
   }
 
   /// Power goes with the sum of k_m w^3; in a hover the rotors share the weight equally.
@@ -280,6 +273,8 @@ class FaultPlugin final : public Plugin {
       if (event.begins) gust_.publish(*gust);
     } else if (std::holds_alternative<MassFault>(fault.kind)) {
       world.scale_mass(vehicle_, mass_factor());
+    } else if (std::holds_alternative<SurfaceFault>(fault.kind)) {
+      surface_health_.publish(surface_health());
     } else if (breaks_propulsion_) {
       health_.publish(propulsion_health());
     }
@@ -337,6 +332,32 @@ class FaultPlugin final : public Plugin {
     return health;
   }
 
+  /// Of several faults of one surface the last of the list that holds it counts.
+  SurfaceHealth surface_health() const {
+    SurfaceHealth health;
+    for_active<SurfaceFault>([&](const SurfaceFault& fault) {
+      ServoHealth& servo = health.servos[*fault.index_in(airframe_)];
+      switch (fault.defect) {
+        case SurfaceDefect::kStuck:
+          servo.rate_share = 0;
+          break;
+        case SurfaceDefect::kHeld:
+          servo.held_rad = fault.angle_rad;
+          break;
+        case SurfaceDefect::kReversed:
+          servo.reversed = !servo.reversed;
+          break;
+        case SurfaceDefect::kDead:
+          servo.held_rad = 0;
+          break;
+        case SurfaceDefect::kSlow:
+          servo.rate_share *= fault.rate_share;
+          break;
+      }
+    });
+    return health;
+  }
+
   /// A shifted centre of gravity gives the surface forces an arm: torque -d x F about the old one,
   /// with the F = m (a - g) of the step before. The inertia's change with the shift is left out.
   void shift_cg(World& world) const {
@@ -355,11 +376,11 @@ class FaultPlugin final : public Plugin {
   base::NormalRandom random_;
   FaultSchedule schedule_;
   std::vector<FaultEvent> events_;
-  std::string type_;                  // of vehicle
+  base::Vehicle airframe_;
   std::vector<std::string> further_;  // sensors beside the first of a kind
-  int rotors_ = 0;
-  bool by_hand_ = false;  // takes orders while it flies
+  bool by_hand_ = false;              // takes orders while it flies
   bool breaks_propulsion_ = false;
+  bool breaks_surfaces_ = false;
   bool changes_mass_ = false;
   bool blows_ = false;
   bool blows_at_nothing_ = false;
@@ -372,6 +393,7 @@ class FaultPlugin final : public Plugin {
              Taps<RangeSample>, Taps<AirspeedSample>>
       taps_;
   Publisher<PropulsionHealth> health_;
+  Publisher<SurfaceHealth> surface_health_;
   Publisher<GustCommand> gust_;
   Subscription command_;
   Subscription rotor_speeds_;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -240,6 +241,44 @@ RotorFault parse_rotor(const ConfigNode& node) {
   return fault;
 }
 
+/// {name: elevator, stuck: true}, or by its number in the vehicle file.
+void parse_surface_name(const ConfigNode& node, SurfaceFault& fault) {
+  if (node.has("name") == node.has("number")) node.fail("needs name or number, not both");
+  fault.name = node.get<std::string>("name", "");
+  if (node.has("number")) {
+    fault.number = base::get_whole_in<int>(node, "number", 1, 1, base::kMaxOutputs) - 1;
+  } else if (fault.name.empty()) {
+    node.at("name").fail("is empty");
+  }
+}
+
+SurfaceFault parse_surface(const ConfigNode& node) {
+  constexpr double kFarthest_deg = 90;
+  SurfaceFault fault;
+  parse_surface_name(node, fault);
+  int defects = 0;
+  const auto flag = [&](const char* key, SurfaceDefect defect) {
+    if (!node.get(key, false)) return;
+    fault.defect = defect;
+    ++defects;
+  };
+  flag("stuck", SurfaceDefect::kStuck);
+  flag("reversed", SurfaceDefect::kReversed);
+  flag("dead", SurfaceDefect::kDead);
+  if (node.has("stuck_deg")) {
+    fault.defect = SurfaceDefect::kHeld;
+    fault.angle_rad = base::radians(node.require_in("stuck_deg", -kFarthest_deg, kFarthest_deg));
+    ++defects;
+  }
+  if (node.has("rate_share")) {
+    fault.defect = SurfaceDefect::kSlow;
+    fault.rate_share = node.require_in("rate_share", 0, 1);
+    ++defects;
+  }
+  if (defects != 1) node.fail("needs one of stuck, stuck_deg, reversed, dead, rate_share");
+  return fault;
+}
+
 GustCommand parse_gust(const ConfigNode& node) {
   GustCommand gust;
   gust.amplitude_N_m_s = node.require<Eigen::Vector3d>("amplitude_m_s");
@@ -250,10 +289,10 @@ GustCommand parse_gust(const ConfigNode& node) {
 
 /// "; did you mean 'rotor'?" where a key is nearly an effect, or nothing.
 std::string meant_effect(const ConfigNode& node) {
-  constexpr std::array<std::string_view, 19> kEffects{
-      "freeze",      "drop",          "delay",       "bias",         "scale", "noise", "clip",
-      "drift",       "current",       "airflow",     "turn",         "axes",  "fix",   "rotor",
-      "swap_rotors", "voltage_share", "mass_factor", "cg_shift_B_m", "gust"};
+  constexpr std::array<std::string_view, 20> kEffects{
+      "freeze",      "drop",          "delay",   "bias",        "scale",        "noise", "clip",
+      "drift",       "current",       "airflow", "turn",        "axes",         "fix",   "rotor",
+      "swap_rotors", "voltage_share", "surface", "mass_factor", "cg_shift_B_m", "gust"};
   for (const auto& [key, value] : node.entries()) {
     const std::string meant = base::did_you_mean(key, kEffects);
     if (!meant.empty()) return meant;
@@ -288,13 +327,15 @@ FaultKind parse_kind(const ConfigNode& node) {
   offer("rotor", parse_rotor);
   offer("swap_rotors", parse_swap);
   offer("voltage_share", [](const ConfigNode& n) { return VoltageFault{n.as<double>()}; });
+  offer("surface", parse_surface);
   offer("mass_factor", [](const ConfigNode& n) { return MassFault{n.as<double>()}; });
   offer("cg_shift_B_m", [](const ConfigNode& n) { return CgFault{n.as<Eigen::Vector3d>()}; });
   offer("gust", parse_gust);
   if (!kind) {
     node.fail(
         "needs one of freeze, drop, delay, bias, scale, noise, clip, drift, current, airflow, "
-        "turn, axes, fix, rotor, swap_rotors, voltage_share, mass_factor, cg_shift_B_m, gust" +
+        "turn, axes, fix, rotor, swap_rotors, voltage_share, surface, mass_factor, cg_shift_B_m, "
+        "gust" +
         meant_effect(node));
   }
   return *kind;
@@ -308,6 +349,37 @@ std::optional<Expression> parse_expression(const ConfigNode& node, const char* k
   } catch (const std::invalid_argument& error) {
     child->fail(error.what());
   }
+}
+
+std::string degree_text(double angle_rad) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), "%.6g", angle_rad * base::kDegPerRad);
+  return text.data();
+}
+
+/// Sentence of missing_part() for a surface.
+std::string missing_surface(const SurfaceFault& fault, const base::Vehicle& vehicle) {
+  const std::string whose = "vehicle '" + vehicle.name + "'";
+  const auto index = fault.index_in(vehicle);
+  if (!index) {
+    std::string known;
+    if (vehicle.aero) {
+      for (const base::ControlSurface& each : vehicle.aero->surfaces) {
+        known += (known.empty() ? "" : ", ") + each.name;
+      }
+    }
+    const std::string wanted =
+        fault.name.empty() ? std::to_string(fault.number + 1) : "'" + fault.name + "'";
+    return "there is no surface " + wanted + "; " + whose + " has " +
+           (known.empty() ? "none" : known);
+  }
+  const base::ControlSurface& surface = vehicle.aero->surfaces[*index];
+  const auto [low, high] = std::minmax(surface.min_rad, surface.max_rad);
+  if (fault.defect != SurfaceDefect::kHeld || (fault.angle_rad >= low && fault.angle_rad <= high)) {
+    return "";
+  }
+  return "surface '" + surface.name + "' of " + whose + " turns from " + degree_text(low) + " to " +
+         degree_text(high) + " deg, not to " + degree_text(fault.angle_rad);
 }
 
 void check_shares(const ConfigNode& node, const FaultKind& kind) {
@@ -332,9 +404,37 @@ std::string needed_plugin(const FaultKind& kind) {
   if (const auto* sensor = std::get_if<SensorFault>(&kind)) {
     return base::sensor_name(sensor_word(sensor->topic), sensor->number);
   }
-  const bool of_body =
-      std::holds_alternative<MassFault>(kind) || std::holds_alternative<CgFault>(kind);
-  return of_body ? "" : "motor";
+  if (std::holds_alternative<SurfaceFault>(kind)) return "aero";
+  return breaks_propulsion(kind) ? "motor" : "";
+}
+
+bool breaks_propulsion(const FaultKind& kind) {
+  return std::holds_alternative<RotorFault>(kind) || std::holds_alternative<SwapFault>(kind) ||
+         std::holds_alternative<VoltageFault>(kind);
+}
+
+std::optional<std::size_t> SurfaceFault::index_in(const base::Vehicle& vehicle) const {
+  if (!vehicle.aero) return std::nullopt;
+  const std::vector<base::ControlSurface>& surfaces = vehicle.aero->surfaces;
+  const auto found = name.empty()
+                         ? surfaces.begin() + std::min<std::ptrdiff_t>(number, std::ssize(surfaces))
+                         : std::ranges::find(surfaces, name, &base::ControlSurface::name);
+  if (found == surfaces.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - surfaces.begin());
+}
+
+std::string missing_part(const FaultKind& kind, const base::Vehicle& vehicle) {
+  int rotor = -1;
+  if (const auto* broken = std::get_if<RotorFault>(&kind)) rotor = broken->rotor;
+  if (const auto* swapped = std::get_if<SwapFault>(&kind)) {
+    rotor = std::max(swapped->first, swapped->second);
+  }
+  if (rotor >= vehicle.rotor_count()) {
+    return "there is no rotor " + std::to_string(rotor + 1) + "; vehicle '" + vehicle.name +
+           "' has " + std::to_string(vehicle.rotor_count());
+  }
+  const auto* of = std::get_if<SurfaceFault>(&kind);
+  return of == nullptr ? "" : missing_surface(*of, vehicle);
 }
 
 FaultSpec parse_fault(const ConfigNode& node, std::size_t number) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/config/config.hpp"
+#include "base/config/vehicle.hpp"
 #include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
 #include "plugins/fault/expression.hpp"
@@ -98,6 +99,26 @@ struct VoltageFault {
   double share = 1;
 };
 
+/// What is wrong with the servo of a control surface.
+enum class SurfaceDefect : std::uint8_t {
+  kStuck,     ///< it stays where it is
+  kHeld,      ///< it turns to an angle and stays there
+  kReversed,  ///< it turns to the other side
+  kDead,      ///< without power it lets go: the surface turns to neutral
+  kSlow,      ///< it reaches only a share of its fastest rate
+};
+
+struct SurfaceFault {
+  std::string name;  ///< empty: by number
+  int number = -1;   ///< index in the vehicle file, 0..15
+  SurfaceDefect defect{};
+  double angle_rad = 0;   ///< of kHeld
+  double rate_share = 1;  ///< of kSlow
+
+  /// Index of the surface; nullopt: the vehicle has none such.
+  std::optional<std::size_t> index_in(const base::Vehicle& vehicle) const;
+};
+
 struct MassFault {
   double factor = 1;
 };
@@ -106,15 +127,22 @@ struct CgFault {
   Eigen::Vector3d shift_B_m = Eigen::Vector3d::Zero();
 };
 
-using FaultKind =
-    std::variant<SensorFault, RotorFault, SwapFault, VoltageFault, MassFault, CgFault, GustCommand>;
+using FaultKind = std::variant<SensorFault, RotorFault, SwapFault, VoltageFault, SurfaceFault,
+                               MassFault, CgFault, GustCommand>;
 
 /// Name of the plugin of a sensor, which is that of the topic of its first: "imu".
 std::string_view sensor_word(SensorTopic topic);
 
 /// Name of the plugin without which a fault does nothing: the sensor's ("imu", "imu_2"), wind for a
-/// gust, motor for rotors; empty: none.
+/// gust, motor for rotors, aero for surfaces; empty: none.
 std::string needed_plugin(const FaultKind& kind);
+
+/// Whether it takes thrust or speed of rotors.
+bool breaks_propulsion(const FaultKind& kind);
+
+/// Why a vehicle cannot have this fault, as a sentence: the rotor or the surface that it names is
+/// not there. Empty: it can.
+std::string missing_part(const FaultKind& kind, const base::Vehicle& vehicle);
 
 /// One fault: its begin, duration and effect.
 struct FaultSpec {

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 
 #include "base/config/sensor_names.hpp"
 #include "base/earth/frames.hpp"
+#include "base/earth/gravity.hpp"
 
 namespace cas::sim {
 
@@ -20,11 +22,15 @@ std::string command_header(int values) {
 
 }  // namespace
 
-std::string truth_header(int rotors, bool has_airspeed) {
+std::string truth_header(int rotors, bool has_airspeed, std::optional<int> surfaces) {
   std::string header =
       "time_s,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,roll_rad,pitch_rad,yaw_rad,p_rad_s,q_rad_s,r_rad_s";
   for (int i = 1; i <= rotors; ++i) header += ",omega" + std::to_string(i) + "_rad_s";
   if (has_airspeed) header += ",airspeed_m_s";
+  if (surfaces) header += ",alpha_rad,beta_rad,load_factor";
+  for (int i = 1; i <= surfaces.value_or(0); ++i) {
+    header += ",deflection" + std::to_string(i) + "_rad";
+  }
   return header;
 }
 
@@ -42,17 +48,33 @@ int command_values(const base::Vehicle& vehicle) {
 }
 
 TruthRow truth_row(base::SimTime time, const BodyState& state, const base::RotorVector& omega,
-                   std::optional<double> airspeed_m_s) {
+                   std::optional<double> airspeed_m_s, const std::optional<WingTruth>& wing) {
   const Eigen::Vector3d p_N = base::swap_WN(state.p_WB);
   const Eigen::Vector3d v_N = base::swap_WN(state.v_WB);
   const Eigen::Vector3d rpy = base::euler_rpy(base::q_ND_from_q_WB(state.q_WB));
   const Eigen::Vector3d w_D = base::swap_BD(state.w_WB_B);
   const Eigen::Index before = kMotionColumns + omega.size();
-  TruthRow row(before + (airspeed_m_s ? kAirspeedColumns : 0));
+  const Eigen::Index of_wing = before + (airspeed_m_s ? kAirspeedColumns : 0);
+  TruthRow row(of_wing + (wing ? kWingColumns + wing->deflection_rad.size() : 0));
   row.head(before) << base::to_seconds(time), p_N.x(), p_N.y(), -p_N.z(), v_N.x(), v_N.y(),
       -v_N.z(), rpy, w_D, omega;
   if (airspeed_m_s) row[before] = *airspeed_m_s;
+  if (wing) {
+    row.tail(row.size() - of_wing) << wing->alpha_rad, wing->beta_rad, wing->load_factor,
+        wing->deflection_rad;
+  }
   return row;
+}
+
+WingTruth wing_truth(const BodyState& state, const Environment& air,
+                     const ActuatorValues& deflection_rad) {
+  const Eigen::Quaterniond q_BW = state.q_WB.conjugate();
+  const Eigen::Vector3d v_D = base::swap_BD(q_BW * (state.v_WB - air.wind_W));
+  const Eigen::Vector3d f_B = q_BW * (state.a_WB - air.gravity_W);
+  return {.alpha_rad = std::atan2(v_D.z(), v_D.x()),
+          .beta_rad = std::atan2(v_D.y(), std::hypot(v_D.x(), v_D.z())),
+          .load_factor = f_B.z() / base::kStandardGravity_m_s2,
+          .deflection_rad = deflection_rad};
 }
 
 double true_airspeed_m_s(const BodyState& state, const Environment& air) {

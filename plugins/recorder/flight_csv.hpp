@@ -18,16 +18,32 @@ namespace cas::sim {
 inline constexpr int kMotionColumns = 13;
 /// Behind the rotors, of a vehicle with a pitot tube: the true airspeed.
 inline constexpr int kAirspeedColumns = 1;
+/// Behind these, of a vehicle with a wing: angle of attack, sideslip, load factor; then its
+/// surfaces.
+inline constexpr int kWingColumns = 3;
 /// One line of truth.csv, as many columns as the header of its vehicle.
-using TruthRow = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor,
-                               kMotionColumns + base::kMaxRotors + kAirspeedColumns, 1>;
+using TruthRow = Eigen::Matrix<
+    double, Eigen::Dynamic, 1, Eigen::ColMajor,
+    kMotionColumns + base::kMaxRotors + kAirspeedColumns + kWingColumns + base::kMaxOutputs, 1>;
+
+/// How a vehicle with a wing meets the air.
+struct WingTruth {
+  double alpha_rad = 0;    ///< angle of attack of the centre of gravity, nose up; 0 at rest
+  double beta_rad = 0;     ///< sideslip, positive in air from the right; 0 at rest
+  double load_factor = 0;  ///< specific force along the vehicle's upward axis, in g; 1 at rest
+  ActuatorValues deflection_rad = ActuatorValues::Zero(0);  ///< in the order of the vehicle file
+};
+WingTruth wing_truth(const BodyState& state, const Environment& air,
+                     const ActuatorValues& deflection_rad);
 
 /// Names of the columns of truth.csv: a speed for each rotor.
-std::string truth_header(int rotors, bool has_airspeed);
+/// @param surfaces  of a vehicle with a wing
+std::string truth_header(int rotors, bool has_airspeed, std::optional<int> surfaces = {});
 /// One line of truth.csv: x north, y east, z up; roll, pitch, yaw of D in N; p, q, r in D.
-/// @param airspeed_m_s  of a vehicle that has the column
+/// @param airspeed_m_s, wing  of a vehicle that has the columns
 TruthRow truth_row(base::SimTime time, const BodyState& state, const base::RotorVector& omega_rad_s,
-                   std::optional<double> airspeed_m_s = {});
+                   std::optional<double> airspeed_m_s = {},
+                   const std::optional<WingTruth>& wing = {});
 /// Speed of the centre of gravity through the air.
 double true_airspeed_m_s(const BodyState& state, const Environment& air);
 /// Values of a motor command that are recorded: U1..U4, or the outputs that drive something.

@@ -24,6 +24,7 @@ enum Topic : std::uint16_t {
   kCommand,
   kAirspeedTruth,  // this and the next: of a vehicle with a pitot tube
   kDifferentialPressure,
+  kWing,  // of a vehicle with a wing
   kTopics,
 };
 
@@ -41,28 +42,35 @@ constexpr std::array<UlogTopic, kTopics> kLogged{
      {"rotor_speeds", "omega_rad_s"},
      {"motor_command", "values;uint8_t kind;bool armed"},
      {"airspeed_groundtruth", "float true_airspeed_m_s"},
-     {"differential_pressure", "float differential_pressure_pa"}}};
+     {"differential_pressure", "float differential_pressure_pa"},
+     {"wing_groundtruth", {}}}};
 
 /// Opens a log of the topics above, rotors and command with arrays of the vehicle's lengths.
-UlogFile open_log(const base::ResultPlace& place, int rotors, int commands, bool has_airspeed) {
+UlogFile open_log(const base::ResultPlace& place, int rotors, int commands, bool has_airspeed,
+                  std::optional<int> surfaces) {
   const auto array = [](int length, std::string_view fields) {
     return "float[" + std::to_string(length) + "] " + std::string(fields);
   };
   auto logged = kLogged;
   const std::string speeds = array(rotors, logged[kRotors].fields);
   const std::string values = array(commands, logged[kCommand].fields);
+  const std::string wing = surfaces ? wing_fields(*surfaces) : std::string();
   logged[kRotors].fields = speeds;
   logged[kCommand].fields = values;
-  return UlogFile(place, std::span(logged).first(has_airspeed ? kTopics : kAirspeedTruth));
+  logged[kWing].fields = wing;
+  if (!has_airspeed) logged[kAirspeedTruth].fields = logged[kDifferentialPressure].fields = {};
+  return UlogFile(place, logged);
 }
 
 }  // namespace
 
-FlightUlog::FlightUlog(const base::ResultPlace& place, int rotors, int commands, bool has_airspeed)
-    : commands_(commands), file_(open_log(place, rotors, commands, has_airspeed)) {}
+FlightUlog::FlightUlog(const base::ResultPlace& place, int rotors, int commands, bool has_airspeed,
+                       std::optional<int> surfaces)
+    : commands_(commands), file_(open_log(place, rotors, commands, has_airspeed, surfaces)) {}
 
 void FlightUlog::write_truth(base::SimTime time, const BodyState& state,
-                             std::optional<double> airspeed_m_s) {
+                             std::optional<double> airspeed_m_s,
+                             const std::optional<WingTruth>& wing) {
   const Eigen::Quaterniond q = base::q_ND_from_q_WB(state.q_WB);
   file_.write(
       kPosition,
@@ -71,6 +79,13 @@ void FlightUlog::write_truth(base::SimTime time, const BodyState& state,
               UlogRecord(time).put_float(q.w()).put_float(q.x()).put_float(q.y()).put_float(q.z()));
   file_.write(kAngularVelocity, UlogRecord(time).put_floats(base::swap_BD(state.w_WB_B)));
   if (airspeed_m_s) file_.write(kAirspeedTruth, UlogRecord(time).put_float(*airspeed_m_s));
+  if (wing) {
+    file_.write(kWing, UlogRecord(time)
+                           .put_float(wing->alpha_rad)
+                           .put_float(wing->beta_rad)
+                           .put_float(wing->load_factor)
+                           .put_floats(wing->deflection_rad));
+  }
 }
 
 void FlightUlog::write(const ImuSample& sample) {

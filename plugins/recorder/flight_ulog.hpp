@@ -7,6 +7,7 @@
 #include "libsim/api/messages.hpp"
 #include "libsim/api/world.hpp"
 #include "plugins/common/ulog_file.hpp"
+#include "plugins/recorder/flight_csv.hpp"
 
 namespace cas::sim {
 
@@ -17,11 +18,14 @@ class FlightUlog {
   FlightUlog() = default;
   /// @param rotors    of the vehicle
   /// @param commands  see command_values()
-  /// @param has_airspeed  the vehicle has a pitot tube. @throws base::ConfigError
-  FlightUlog(const base::ResultPlace& place, int rotors, int commands, bool has_airspeed);
+  /// @param has_airspeed  the vehicle has a pitot tube
+  /// @param surfaces  of a vehicle with a wing. @throws base::ConfigError
+  FlightUlog(const base::ResultPlace& place, int rotors, int commands, bool has_airspeed,
+             std::optional<int> surfaces);
 
-  /// @param airspeed_m_s  of a vehicle with a pitot tube
-  void write_truth(base::SimTime time, const BodyState& state, std::optional<double> airspeed_m_s);
+  /// @param airspeed_m_s  of a vehicle with a pitot tube @param wing  of one with a wing
+  void write_truth(base::SimTime time, const BodyState& state, std::optional<double> airspeed_m_s,
+                   const std::optional<WingTruth>& wing);
   void write(const ImuSample& sample);
   void write(const GpsSample& sample);
   void write(const MagnetometerSample& sample);

@@ -28,7 +28,11 @@ class RecorderPlugin final : public Plugin {
     rotors_ = context.vehicle().rotor_count();
     commands_ = command_values(context.vehicle());
     has_airspeed_ = context.bus().is_advertised(context.topic("airspeed"));
+    if (const auto& aero = context.vehicle().aero) {
+      surfaces_ = static_cast<int>(aero->surfaces.size());
+    }
     further_ = further_sensors(context);
+    deflections_ = neutral();
     speeds_ = standing();
     rate_ = base::RateGate(parse_rate(params, base::to_seconds(context.step())));
     output_ = context.output_dir();
@@ -55,6 +59,7 @@ class RecorderPlugin final : public Plugin {
     open();
     rate_.reset();
     speeds_ = standing();
+    deflections_ = neutral();
     now_ = {};
   }
 
@@ -68,12 +73,13 @@ class RecorderPlugin final : public Plugin {
 
  private:
   void open() {
-    truth_ = CsvWriter({output_, truth_file_}, truth_header(rotors_, has_airspeed_));
+    truth_ = CsvWriter({output_, truth_file_}, truth_header(rotors_, has_airspeed_, surfaces_));
     if (!sensor_dir_.empty()) {
       sensors_.emplace(base::ResultPlace{output_, sensor_dir_}, commands_, has_airspeed_, further_);
     }
     if (!ulog_file_.empty()) {
-      ulog_.emplace(base::ResultPlace{output_, ulog_file_}, rotors_, commands_, has_airspeed_);
+      ulog_.emplace(base::ResultPlace{output_, ulog_file_}, rotors_, commands_, has_airspeed_,
+                    surfaces_);
     }
   }
 
@@ -81,13 +87,17 @@ class RecorderPlugin final : public Plugin {
     return {.time = {}, .omega_rad_s = base::RotorVector::Zero(rotors_)};
   }
 
+  ActuatorValues neutral() const { return ActuatorValues::Zero(surfaces_.value_or(0)); }
+
   void write_truth(base::SimTime time, const World& world) {
     const BodyState& state = world.state(vehicle_);
     std::optional<double> airspeed_m_s;
     if (has_airspeed_) airspeed_m_s = true_airspeed_m_s(state, world.environment(vehicle_));
-    const TruthRow row = truth_row(time, state, speeds_.omega_rad_s, airspeed_m_s);
+    std::optional<WingTruth> wing;
+    if (surfaces_) wing = wing_truth(state, world.environment(vehicle_), deflections_);
+    const TruthRow row = truth_row(time, state, speeds_.omega_rad_s, airspeed_m_s, wing);
     truth_.row({row.data(), static_cast<std::size_t>(row.size())});
-    if (ulog_) ulog_->write_truth(time, state, airspeed_m_s);
+    if (ulog_) ulog_->write_truth(time, state, airspeed_m_s, wing);
   }
 
   /// Sensors beside the first of a kind, whose plugins are in front of this one.
@@ -122,6 +132,10 @@ class RecorderPlugin final : public Plugin {
     subscriptions_.push_back(context.bus().subscribe<RotorSpeeds>(
         context.topic("rotor_speeds"), [this](const RotorSpeeds& speeds) { speeds_ = speeds; },
         Need::kOptional));
+    subscriptions_.push_back(context.bus().subscribe<SurfaceDeflections>(
+        context.topic("surface_deflections"),
+        [this](const SurfaceDeflections& each) { deflections_ = each.angle_rad; },
+        Need::kOptional));
     if (!sensors_ && !ulog_) return;
     listen<ImuSample>(context, "imu");
     listen<GpsSample>(context, "gps");
@@ -141,7 +155,8 @@ class RecorderPlugin final : public Plugin {
   VehicleId vehicle_{};
   int rotors_ = 0;
   int commands_ = 0;
-  bool has_airspeed_ = false;  // a plugin in front of this one publishes `airspeed`
+  std::optional<int> surfaces_;  // of a vehicle with a wing
+  bool has_airspeed_ = false;    // a plugin in front of this one publishes `airspeed`
   std::vector<std::string> further_;
   base::RateGate rate_;
   std::filesystem::path output_;
@@ -153,6 +168,7 @@ class RecorderPlugin final : public Plugin {
   std::optional<FlightUlog> ulog_;
   base::SimTime now_;  // start of the step: when commands are applied
   RotorSpeeds speeds_;
+  ActuatorValues deflections_;
   std::vector<Subscription> subscriptions_;
 };
 

@@ -60,10 +60,9 @@ void integrate_body_and_rotors(benchmark::State& state) {
 }
 BENCHMARK(integrate_body_and_rotors);
 
-/// A plane of the tests, at its cruising speed; the difference to integrate_body is its wings'.
-void integrate_plane(benchmark::State& state, const char* name) {
-  const auto file = std::filesystem::path(cas::test::source_dir()) / "tests/plugins/data" /
-                    (std::string(name) + ".yaml");
+/// A plane at its cruising speed; the difference to integrate_body is its wings'.
+void integrate_plane(benchmark::State& state, const char* path) {
+  const auto file = std::filesystem::path(cas::test::source_dir()) / path;
   const base::Vehicle vehicle = base::Vehicle::load(file);
   AeroModel aero(*vehicle.aero);
   ForceSet forces;
@@ -83,8 +82,8 @@ void integrate_plane(benchmark::State& state, const char* name) {
   }
   count_steps(state);
 }
-BENCHMARK_CAPTURE(integrate_plane, of_derivatives, "aerosonde");
-BENCHMARK_CAPTURE(integrate_plane, of_six_panels, "panel_plane");
+BENCHMARK_CAPTURE(integrate_plane, of_derivatives, "config/vehicles/aerosonde.yaml");
+BENCHMARK_CAPTURE(integrate_plane, of_six_panels, "tests/plugins/data/panel_plane.yaml");
 
 void world_free(benchmark::State& state) {
   const auto world = sim::test::make_world(sim::test::flat_world());

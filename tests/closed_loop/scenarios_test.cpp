@@ -8,6 +8,8 @@
 #include <filesystem>
 #include <string>
 
+#include "base/config/config.hpp"
+#include "hils/flight/bench_fault.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/measurement.hpp"
 #include "hils/scenario/scenario.hpp"
@@ -24,15 +26,20 @@ struct Flown {
   std::string text;
 };
 
-Flown fly(const std::string& name) {
+/// @param faults  list of them, instead of the scenario's; empty: those
+Flown fly(const std::string& name, const std::string& faults = {}) {
   const std::filesystem::path folder =
       std::filesystem::path(testing::TempDir()) / ("scenario_" + name + std::to_string(::getpid()));
   std::filesystem::create_directories(folder);
-  const RunRequest request{
+  RunRequest request{
       .scenario = Scenario::load(cas::test::source_dir() + "/config/scenarios/" + name + ".yaml"),
       .architecture = Architecture::kTcas,
       .seed = 1,
       .out = folder};
+  if (!faults.empty()) {
+    request.scenario.faults = parse_scenario_faults(
+        base::ConfigNode::parse("faults: " + faults).at("faults"), request.scenario.line);
+  }
   const RunRecord record = run_on_virtual_clock(request).front();
   Flown flown{.figures = measure(request, record), .verdict = {}, .text = {}};
   flown.verdict = judge(flown.figures, request.scenario.limits);
@@ -66,7 +73,7 @@ TEST_P(ShippedScenario, Passes) {
 
 INSTANTIATE_TEST_SUITE_P(Each, ShippedScenario,
                          testing::Values("steps", "figure_eight", "pixhawk", "plane", "quadplane",
-                                         "wind", "village", "rotor_weak"),
+                                         "aerosonde", "wind", "village", "rotor_weak"),
                          [](const auto& test) { return std::string(test.param); });
 
 TEST(Scenario, LineLossNamesTheLineForEachLostPacket) {
@@ -92,6 +99,15 @@ TEST(Scenario, GpsLossIsFlownThrough) {
   // One and a half seconds at 5 Hz are missing, and no packet was lost for it.
   EXPECT_NEAR(static_cast<double>(flown.figures.rates.gps.sent), 143, 1) << flown.text;
   EXPECT_EQ(flown.figures.rates.gps.lost, 0U);
+}
+
+TEST(Scenario, AReversedElevatorBringsThePlaneDown) {
+  const Flown flown = fly("plane",
+                          "[{name: reversed, when: phase == takeoff and height > 10, surface: "
+                          "{name: elevator, reversed: true}}]");
+  EXPECT_TRUE(flown.verdict.valid) << flown.text;
+  EXPECT_FALSE(flown.verdict.passed) << flown.text;
+  EXPECT_NE(flown.text.find("the vehicle hit the ground at "), std::string::npos) << flown.text;
 }
 
 TEST(Scenario, GainTuningShowsWhatTheGainChanged) {

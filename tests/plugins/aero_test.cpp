@@ -2,7 +2,9 @@
 // Wings, tails and their surfaces against closed forms.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "base/earth/frames.hpp"
@@ -391,6 +393,71 @@ TEST(SurfaceServos, FollowWithLagAndRate) {
   angle = 0.1;
   servos.rates({&angle, 1}, {&rate, 1});
   EXPECT_NEAR(rate, -1, kRounding);
+}
+
+/// The rate of a servo with this defect that is 0.1 rad off the middle and is asked to +0.2 rad.
+double rate_of_broken_servo(const ServoHealth& defect) {
+  SurfaceServos servos(std::vector<base::ControlSurface>{{.name = "elevator",
+                                                          .output = 0,
+                                                          .min_rad = -0.4,
+                                                          .max_rad = 0.4,
+                                                          .rate_rad_s = 2,
+                                                          .time_constant_s = 0.1}});
+  MotorCommand command;
+  command.kind = MotorCommand::Kind::kMotorOutputs;
+  command.values = ActuatorValues::Constant(1, 0.5);
+  servos.take(command);
+  SurfaceHealth health;
+  health.servos[0] = defect;
+  servos.set_health(health);
+  const double angle = 0.1;
+  double rate = 0;
+  servos.rates({&angle, 1}, {&rate, 1});
+  return rate;
+}
+
+TEST(SurfaceServos, FailAsTheyAreTold) {
+  EXPECT_NEAR(rate_of_broken_servo({}), 1, kRounding);
+  EXPECT_EQ(rate_of_broken_servo({.rate_share = 0}), 0);
+  EXPECT_NEAR(rate_of_broken_servo({.rate_share = 0.25}), 0.5, kRounding);
+  EXPECT_NEAR(rate_of_broken_servo({.reversed = true}), -2, kRounding);
+  EXPECT_NEAR(rate_of_broken_servo({.held_rad = 0.0}), -1, kRounding);
+  EXPECT_NEAR(rate_of_broken_servo({.held_rad = 0.15}), 0.5, kRounding);
+}
+
+TEST(AeroPlugin, HasTheDefectsOfPluginFault) {
+  const base::Vehicle plane = test::load_plane("aerosonde");
+  test::PluginHarness harness(std::chrono::milliseconds(1), ".", "iris_px4",
+                              [&](base::Vehicle& vehicle) { vehicle = plane; });
+  auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
+  harness.add("aero", "{}");
+  Plugin& fault =
+      harness.add("fault",
+                  "{faults: [{name: jam, at_s: 0.002, for_s: 0.002, surface: {number: 2, stuck: "
+                  "true}}, {at_s: 0.002, surface: {name: rudder, reversed: true}}]}");
+  harness.bus.freeze();
+  MotorCommand wanted;
+  wanted.kind = MotorCommand::Kind::kMotorOutputs;
+  wanted.values = ActuatorValues::Constant(16, 1);
+  command.publish(wanted);
+  const ForceModel& model = *harness.context.force_models[0];
+  const auto rates = [&] {
+    Eigen::Vector3d rate;
+    Wrench wrench;
+    model.evaluate(harness.world.body, harness.world.air, std::array<double, 3>{}, {rate.data(), 3},
+                   wrench);
+    return Vector3d(rate / (600 * M_PI / 180));  // of the fastest
+  };
+  harness.run(std::chrono::milliseconds(2));
+  EXPECT_EQ(rates(), Vector3d(1, 1, 1));
+  harness.run(std::chrono::milliseconds(2));
+  EXPECT_EQ(rates(), Vector3d(1, 0, -1));
+  harness.run(std::chrono::milliseconds(2));
+  EXPECT_EQ(rates(), Vector3d(1, 1, -1));
+  EXPECT_NE(fault.stats_json().find("jam"), std::string::npos);
+  harness.reset();
+  command.publish(wanted);
+  EXPECT_EQ(rates(), Vector3d(1, 1, 1));
 }
 
 TEST(AeroPlugin, PublishesDeflectionsAndTakesCommands) {

@@ -15,8 +15,10 @@
 
 namespace cas::test {
 
+/// The shipped Aerosonde, or a plane of the tests.
 inline base::Vehicle load_plane(const std::string& name) {
-  return base::Vehicle::load(source_dir() + "/tests/plugins/data/" + name + ".yaml");
+  const char* folder = name == "aerosonde" ? "/config/vehicles/" : "/tests/plugins/data/";
+  return base::Vehicle::load(source_dir() + folder + name + ".yaml");
 }
 
 /// Thrust (N), torque (N m) and speed (rad/s) of the Aerosonde's propeller and electric motor.

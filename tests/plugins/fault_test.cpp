@@ -105,10 +105,13 @@ TEST(Expression, CountsItsTerms) {
 
 TEST(FaultSpec, RefusesHalfAndDoubleEntries) {
   for (const char* yaml :
-       {"faults: [{at_s: 1}]", "faults: [{freeze: imu}]",
+       {"faults: [{at_s: 1}]",
+        "faults: [{freeze: imu}]",
         "faults: [{at_s: 1, when: armed, freeze: imu}]",
-        "faults: [{at_s: 1, freeze: imu, drop: gps}]", "faults: [{at_s: 1, freeze: sonar}]",
-        "faults: [{at_s: 1, bias: {sensor: imu}}]", "faults: [{at_s: 1, rotor: {number: 17}}]",
+        "faults: [{at_s: 1, freeze: imu, drop: gps}]",
+        "faults: [{at_s: 1, freeze: sonar}]",
+        "faults: [{at_s: 1, bias: {sensor: imu}}]",
+        "faults: [{at_s: 1, rotor: {number: 17}}]",
         "faults: [{at_s: 1, for_s: 1, until: armed, freeze: imu}]",
         "faults: [{when: 'altitud > 2', freeze: imu}]",
         "faults: [{at_s: 1, clip: {sensor: imu, angular_rate_deg_s: -1}}]",
@@ -119,6 +122,12 @@ TEST(FaultSpec, RefusesHalfAndDoubleEntries) {
         "faults: [{at_s: 1, current: {sensor: gps, position_m: 1}}]",
         "faults: [{at_s: 1, airflow: {sensor: imu, pressure_coefficient: 1}}]",
         "faults: [{at_s: 1, swap_rotors: [1]}]",
+        "faults: [{at_s: 1, surface: {stuck: true}}]",
+        "faults: [{at_s: 1, surface: {name: elevator}}]",
+        "faults: [{at_s: 1, surface: {name: elevator, number: 1, stuck: true}}]",
+        "faults: [{at_s: 1, surface: {name: elevator, dead: true, reversed: true}}]",
+        "faults: [{at_s: 1, surface: {name: elevator, stuck_deg: 91}}]",
+        "faults: [{at_s: 1, surface: {number: 17, dead: true}}]",
         "faults: [{at_s: 1, rotor: {number: 1, stop: true, stuck: true}}]"}) {
     EXPECT_THROW(parse_faults(base::ConfigNode::parse(yaml)), base::ConfigError) << yaml;
   }
@@ -130,6 +139,39 @@ TEST(FaultPlugin, RefusesARotorThatTheVehicleLacks) {
                base::ConfigError);
   test::PluginHarness hexa(std::chrono::milliseconds(1), ".", "hexa_x");
   EXPECT_NO_THROW(hexa.add("fault", "{faults: [{at_s: 1, rotor: {number: 6, stop: true}}]}"));
+}
+
+struct MissingSurface {
+  const char* fault;
+  const char* sentence;
+};
+
+TEST(FaultPlugin, RefusesASurfaceThatTheVehicleLacks) {
+  const base::Vehicle plane = test::load_vehicle("plane");
+  const base::Vehicle quad = test::load_vehicle("iris_px4");
+  const auto missing = [](const char* fault, const base::Vehicle& vehicle) {
+    const auto node = base::ConfigNode::parse(fault, "fault");
+    return missing_part(parse_fault(node, 1).kind, vehicle);
+  };
+  for (const auto& [fault, sentence] :
+       {MissingSurface{"{at_s: 1, surface: {name: elevator, stuck_deg: -57}}", ""},
+        MissingSurface{"{at_s: 1, surface: {number: 6, dead: true}}", ""},
+        MissingSurface{"{at_s: 1, surface: {name: tail, dead: true}}",
+                       "there is no surface 'tail'; vehicle 'plane' has rudder, flap_left, "
+                       "aileron_left, aileron_right, elevator, flap_right"},
+        MissingSurface{"{at_s: 1, surface: {number: 7, dead: true}}",
+                       "there is no surface 7; vehicle 'plane' has rudder, flap_left, "
+                       "aileron_left, aileron_right, elevator, flap_right"},
+        MissingSurface{"{at_s: 1, surface: {name: rudder, stuck_deg: 60}}",
+                       "surface 'rudder' of vehicle 'plane' turns from -57.2958 to 57.2958 deg, "
+                       "not to 60"}}) {
+    EXPECT_EQ(missing(fault, plane), sentence) << fault;
+  }
+  EXPECT_EQ(missing("{at_s: 1, surface: {number: 1, dead: true}}", quad),
+            "there is no surface 1; vehicle 'iris_px4' has none");
+  test::PluginHarness harness;
+  EXPECT_THROW(harness.add("fault", "{faults: [{at_s: 1, surface: {number: 1, dead: true}}]}"),
+               base::ConfigError);
 }
 
 /// A vehicle with an IMU and a barometer whose faults are `yaml`; samples by time of arrival.

@@ -22,32 +22,7 @@ constexpr double kLastDigits = 1e-12;
 constexpr double kBookDensity = 1.2682;
 
 /// The book's propeller of 20 in and its motor of 145 rpm/V, pulling forward, on 44.4 V.
-base::Vehicle aerosonde() {
-  base::Rotor rotor;
-  rotor.axis_B = Vector3d::UnitX();
-  rotor.propeller =
-      base::Propeller{.diameter_m = 0.508,
-                      .thrust = base::PropellerCurve::polynomial(0.09357, -0.06044, -0.1079),
-                      .torque = base::PropellerCurve::polynomial(0.00523, 0.00497, -0.01664)};
-  rotor.params.thrust_coefficient = rotor.propeller->thrust_n(kBookDensity, 1, 0);
-  rotor.params.torque_coefficient = rotor.propeller->torque_nm(kBookDensity, 1, 0);
-  rotor.params.reference_density_kg_m3 = kBookDensity;
-  rotor.params.inertia_kg_m2 = 2e-3;
-  rotor.params.radius_m = 0.254;
-  rotor.electric = base::ElectricMotor{.torque_constant_nm_a = 60 / (2 * M_PI * 145),
-                                       .resistance_ohm = 0.042,
-                                       .no_load_current_a = 1.5,
-                                       .max_current_a = 1000,
-                                       .supply_v = 44.4};
-  rotor.params.omega_max_rad_s =
-      rotor.electric->steady_speed_rad_s(1, rotor.params.torque_coefficient);
-  base::Vehicle vehicle;
-  vehicle.mass_kg = 11;
-  vehicle.rotors = {rotor};
-  vehicle.battery = base::BatteryParams{.full_v = 44.4, .empty_v = 44.4, .capacity_ah = 1e6};
-  vehicle.settle_lags();
-  return vehicle;
-}
+base::Vehicle aerosonde() { return test::load_vehicle("aerosonde"); }
 
 /// Runs the rotors alone at a steady speed through the air, in steps of 1 ms.
 struct Bench {

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -70,6 +71,56 @@ TEST(TruthRow, HasNorthEastUpAndAnglesOfForwardRightDown) {
   for (int i = 0; i < 17; ++i) {
     EXPECT_NEAR(row[i], expected[static_cast<std::size_t>(i)], 1e-12) << i;
   }
+}
+
+/// Level flight to the north, nose up by `alpha` and the air from the right by `beta`, at rest of
+/// acceleration.
+TEST(WingTruth, HasTheAnglesOfTheAirAndTheLoadFactor) {
+  const double alpha = 0.1;
+  const double beta = -0.05;
+  BodyState state;
+  state.q_WB = base::q_WB_from_q_ND(base::quaternion_rpy(0, alpha, 0));
+  state.v_WB = {3 + 20 * std::sin(beta), 20 * std::cos(beta), 0};
+  state.a_WB = {0, 0, test::kGravity};
+  Environment air;
+  air.wind_W = {3, 0, 0};
+  air.gravity_W = {0, 0, -test::kGravity};
+  const WingTruth wing = wing_truth(state, air, Eigen::Vector2d(0.2, -0.3));
+  constexpr double kRounding = 1e-12;
+  EXPECT_NEAR(wing.alpha_rad, std::atan2(std::sin(alpha), std::cos(alpha)), kRounding);
+  EXPECT_NEAR(wing.beta_rad, beta, kRounding);
+  EXPECT_NEAR(wing.load_factor, 2 * std::cos(alpha), kRounding);
+  EXPECT_EQ(wing_truth({}, air, {}).load_factor, 1);
+  EXPECT_EQ(wing_truth({}, {}, {}).alpha_rad, 0);
+  const auto row = truth_row({}, state, base::RotorVector::Zero(1), 20.0, wing);
+  ASSERT_EQ(row.size(), 13 + 1 + 1 + 3 + 2);
+  EXPECT_EQ(row.tail(2), Eigen::Vector2d(0.2, -0.3));
+}
+
+TEST(RecorderPlugin, HasTheSurfacesOfAPlane) {
+  const Folder folder;
+  test::PluginHarness harness(std::chrono::milliseconds(10), folder.path(), "plane");
+  const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
+  harness.add("aero", "{}");
+  harness.add("recorder", "{file: truth.csv, rate_hz: 100, ulog: a.ulg}");
+  harness.world.model_states.begin()->second = {0.1, 0, 0, 0, 0, -0.25};
+  harness.run(std::chrono::milliseconds(20));
+  harness.finish();
+  const auto lines = lines_of(folder / "truth.csv");
+  ASSERT_EQ(lines.size(), 4U);
+  EXPECT_EQ(lines[0], truth_header(1, false, 6));
+  EXPECT_TRUE(
+      lines[0].ends_with("alpha_rad,beta_rad,load_factor,deflection1_rad,deflection2_rad,"
+                         "deflection3_rad,deflection4_rad,deflection5_rad,deflection6_rad"))
+      << lines[0];
+  EXPECT_TRUE(lines[1].ends_with(",1,0,0,0,0,0,0")) << lines[1];
+  EXPECT_TRUE(lines[3].ends_with(",1,0.1,0,0,0,0,-0.25")) << lines[3];
+  const test::UlogReader log((folder / "a.ulg").string());
+  const auto& wing = log.messages("wing_groundtruth");
+  ASSERT_EQ(wing.size(), 3U);
+  EXPECT_EQ(log.value("wing_groundtruth", wing[2], "deflection_rad", 5), -0.25);
+  EXPECT_EQ(log.value("wing_groundtruth", wing[2], "load_factor"), 1);
+  EXPECT_FALSE(log.formats().contains("airspeed_groundtruth"));
 }
 
 TEST(RecorderPlugin, WritesFromTimeZeroAtItsRate) {

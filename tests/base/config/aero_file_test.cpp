@@ -13,21 +13,25 @@
 namespace cas::base {
 namespace {
 
-const std::string kPlanes = test::source_dir() + "/tests/plugins/data/";
+/// A vehicle file without its ending: the shipped Aerosonde, or a plane of the tests.
+std::string plane_file(const std::string& plane) {
+  const char* folder = plane == "aerosonde" ? "/config/vehicles/" : "/tests/plugins/data/";
+  return test::source_dir() + folder + plane;
+}
 
 /// A plane of the tests with one change of its text, from a folder of its own.
 Vehicle load_changed(const std::string& plane, const std::string& from, const std::string& to) {
   const test::TemporaryFolder folder;
-  std::string text = test::TemporaryFolder::read(kPlanes + plane + ".yaml");
+  std::string text = test::TemporaryFolder::read(plane_file(plane) + ".yaml");
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   text.replace(at, from.size(), to);
-  folder.write(plane + ".urdf", test::TemporaryFolder::read(kPlanes + plane + ".urdf"));
+  folder.write(plane + ".urdf", test::TemporaryFolder::read(plane_file(plane) + ".urdf"));
   return Vehicle::load(folder.write("plane.yaml", text));
 }
 
 TEST(AeroFile, ReadsSurfacesDerivativesAndPanels) {
-  const Vehicle aerosonde = Vehicle::load(kPlanes + "aerosonde.yaml");
+  const Vehicle aerosonde = Vehicle::load(plane_file("aerosonde") + ".yaml");
   ASSERT_TRUE(aerosonde.aero && aerosonde.aero->derivatives);
   EXPECT_EQ(aerosonde.aero->cruise_m_s, 25);
   ASSERT_EQ(aerosonde.aero->surfaces.size(), 3U);
@@ -37,7 +41,7 @@ TEST(AeroFile, ReadsSurfacesDerivativesAndPanels) {
   EXPECT_EQ(body.lift.alpha, 5.61);
   EXPECT_EQ(body.yaw.surfaces, (std::vector{-0.011, 0.0, -0.069}));
 
-  const Vehicle plane = Vehicle::load(kPlanes + "panel_plane.yaml");
+  const Vehicle plane = Vehicle::load(plane_file("panel_plane") + ".yaml");
   ASSERT_EQ(plane.aero->panels.size(), 6U);
   const PanelParams& elevator = plane.aero->panels[4];
   EXPECT_EQ(elevator.area_m2, 0.01);  // its own goes before the common one
@@ -99,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongAero{"DerivativeWithoutUnit", "aerosonde", "per_rad: {elevator: 0.13}",
                   "elevator: 0.13", "elevator"},
         WrongAero{"MissingKeys", "aerosonde",
-                  "    efficiency: 0.9\n    stall_deg: 26.929016371  # 0.47 rad\n", "",
+                  "    efficiency: 0.9\n    stall_deg: 26.929016371        # 0.47 rad\n", "",
                   "keys are missing: 'aero.derivatives.efficiency', 'aero.derivatives.stall_deg'"},
         WrongAero{"NoDamping", "aerosonde", "  cruise_m_s: 25\n", "", "'cruise_m_s'"},
         WrongAero{"BothLimitsOfOneSign", "aerosonde", "name: aileron, output: 1, min_deg: -30",

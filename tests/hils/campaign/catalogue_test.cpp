@@ -49,7 +49,7 @@ TEST(Catalogue, EveryFailureIsAFaultOfAScenario) {
 }
 
 TEST(Catalogue, KnowsWhatTheBenchMustHave) {
-  EXPECT_EQ(shipped().failures().size(), 49U);
+  EXPECT_EQ(shipped().failures().size(), 58U);
   EXPECT_EQ(shipped().find("gps_drifts"), nullptr);
   EXPECT_EQ(shipped().find("gps_drift")->needs, FailureNeeds::kNothing);
   EXPECT_FALSE(shipped().find("gps_drift")->of_bench);
