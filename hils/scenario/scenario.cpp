@@ -385,8 +385,8 @@ constexpr std::tuple kKeys{
                                   "casd's key of this name, for architecture `ts`"),
     key<&Scenario::ground_station>(
         "ground_station", base::Flag{},
-        "a ground station that listens, sends centred sticks and loads the parameters every 20 s, "
-        "for each vehicle"),
+        "a ground station that listens, sends sticks (centred but for step `sticks`) and loads the "
+        "parameters every 20 s, for each vehicle"),
     required(key<&Scenario::steps>("steps", ReadApart{"list"}, "the flight, see below")),
     key<&Scenario::faults>("faults", ReadApart{"list"}, "[faults](#faults) during the flight",
                            "none"),
@@ -414,6 +414,35 @@ std::string figure_limit_lines(const std::vector<Figure<Of>>& table,
 
 }  // namespace
 
+bool has_sticks(const Scenario& scenario) {
+  return scenario.ground_station || std::ranges::any_of(scenario.steps, [](const FlightStep& step) {
+           return step.kind == StepKind::kSticks;
+         });
+}
+
+void check_silences(const base::ConfigNode& faults, const Scenario& scenario) {
+  for (const base::ConfigNode& fault : faults.items()) {
+    const auto silence = fault.find("silence");
+    if (!silence) continue;
+    if (scenario.firmware && silence->as<std::string>() == "ground") {
+      silence->fail("a flight of stock firmware does not have this fault");
+    }
+    if (silence->as<std::string>() == "sticks" && !has_sticks(scenario)) {
+      silence->fail("no sticks can be lost: no step `sticks`, and no `ground_station: true`");
+    }
+  }
+}
+
+/// Our controller's sticks are those of the ground station. @throws base::ConfigError
+void check_sticks(const base::ConfigNode& steps, const Scenario& scenario) {
+  if (scenario.ground_station) return;
+  for (const base::ConfigNode& step : steps.items()) {
+    if (step.is_map() && step.has("sticks")) {
+      step.at("sticks").fail("needs `ground_station: true`, which sends them");
+    }
+  }
+}
+
 void check_fault_plugins(const std::set<std::string>& plugins,
                          const std::vector<VehicleFault>& faults) {
   std::size_t number = 0;
@@ -423,6 +452,20 @@ void check_fault_plugins(const std::set<std::string>& plugins,
     fault.script.fail("needs 'plugin: " + needed +
                       "', which this vehicle does not have: it would begin and do nothing");
   }
+}
+
+std::set<std::string> plugins_of(const Scenario& scenario, std::size_t vehicle) {
+  std::set<std::string> plugins = plugin_names(scenario.plugins);
+  if (scenario.firmware) {
+    const base::ConfigNode own = scenario.firmware->world.at("vehicles").items().at(vehicle);
+    plugins.merge(plugin_names(own.at("plugins").items()));
+    return plugins;
+  }
+  plugins.insert({"motor", "imu", "gps", "magnetometer", "barometer"});
+  for (std::string& name : further_first_sensors(flown_sensors(scenario, vehicle))) {
+    plugins.insert(std::move(name));
+  }
+  return plugins;
 }
 
 std::set<std::string> plugin_names(const std::vector<base::ConfigNode>& plugins) {
@@ -506,17 +549,16 @@ void read_own(const base::ConfigNode& root, Scenario& scenario) {
   }
   scenario.steps = parse_flight(root.at("steps"), casd::GainMap::shipped(), scenario.names());
   refuse_firmware_steps(root.at("steps"), std::ranges::all_of(scenario.vehicles, has_wing));
+  check_sticks(root.at("steps"), scenario);
   check_handed_on_keys(scenario);
   if (!root.has("faults")) return;
   scenario.faults = parse_scenario_faults(root.at("faults"), scenario.line, scenario.names());
   refuse_faults(root.at("faults"), std::array<std::string_view, 2>{"pause", "cut"},
                 "is a fault of a flight of stock firmware");
-  std::set<std::string> plugins = plugin_names(scenario.plugins);
-  plugins.insert({"motor", "imu", "gps", "magnetometer", "barometer"});  // of each vehicle
+  check_silences(root.at("faults"), scenario);
+  std::set<std::string> plugins;
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
-    for (std::string& name : further_first_sensors(flown_sensors(scenario, i))) {
-      plugins.insert(std::move(name));
-    }
+    plugins.merge(plugins_of(scenario, i));
   }
   check_fault_plugins(plugins, scenario.faults.vehicle);
   check_fault_phases(root.at("faults"), scenario.steps);
