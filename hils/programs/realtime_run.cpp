@@ -143,6 +143,7 @@ class RealtimeBench final : public FlightBench {
       ground_station_->with_station(
           [&](GroundStation& station) { station.flood(begins ? flood->packets_hz : 0); });
     } else if (std::holds_alternative<SilenceFault>(fault.kind)) {
+      if (ground_station_ == nullptr) return;
       ground_station_->with_station([&](GroundStation& station) { station.lose_sticks(begins); });
     } else if (std::holds_alternative<ReloadFault>(fault.kind)) {
       if (begins && casd_) casd_->call("casd.reload", Json::object());

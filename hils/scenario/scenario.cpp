@@ -433,6 +433,8 @@ void check_silences(const base::ConfigNode& faults, const Scenario& scenario) {
   }
 }
 
+namespace {
+
 /// Our controller's sticks are those of the ground station. @throws base::ConfigError
 void check_sticks(const base::ConfigNode& steps, const Scenario& scenario) {
   if (scenario.ground_station) return;
@@ -442,6 +444,8 @@ void check_sticks(const base::ConfigNode& steps, const Scenario& scenario) {
     }
   }
 }
+
+}  // namespace
 
 void check_fault_plugins(const std::set<std::string>& plugins,
                          const std::vector<VehicleFault>& faults) {
