@@ -145,11 +145,11 @@ TEST_F(CampaignProgram, WhatNeverActsIsNoPass) {
 TEST_F(CampaignProgram, TheLossOfTheRadioBringsTheVehicleHome) {
   std::string scenario = kScenario;
   scenario.replace(scenario.find("  - land"), 0,
-                   "  - sticks: {pitch: 0.2, duration_s: 6}\n  - hold: {duration_s: 1}\n");
+                   "  - sticks: {pitch: 0.2, duration_s: 4}\n  - hold: {duration_s: 1}\n");
   folder_.write("hop.yaml", scenario + "ground_station: true\n");
   folder_.write("hops.yaml",
                 "schema: 1\nname: hops\nscenario: hop.yaml\n"
-                "phases: {flown: phase == sticks and time > 20}\nfailures:\n"
+                "phases: {flown: phase == sticks and north > 0.5}\nfailures:\n"
                 "  - {failure: rc_lost, expect: [no_crash, {failsafe: RTL, within_s: 2}]}\n"
                 "  - {failure: imu_2_stuck, expect: [stays_up]}\n");
   const std::string said =
