@@ -173,33 +173,42 @@ Scenario scenario_of(const base::ConfigNode& root, const Campaign& campaign) {
   }
 }
 
-/// The plugins of a campaign's vehicle.
-std::set<std::string> plugins_of(const Scenario& scenario) {
-  std::set<std::string> plugins = plugin_names(scenario.plugins);
-  const base::ConfigNode& world = scenario.firmware->world;
-  plugins.merge(plugin_names(world.at("vehicles").items().front().at("plugins").items()));
-  return plugins;
+/// Why the flight of a scenario cannot have these faults; nullopt: it can. Stock firmware may have
+/// sensors of its own.
+std::optional<std::string> lack_for(const ScenarioFaults& faults, const Scenario& scenario,
+                                    const std::set<std::string>& plugins) {
+  for (const BenchFault& fault : faults.bench) {
+    const auto* silence = std::get_if<SilenceFault>(&fault.kind);
+    if (silence != nullptr && silence->sticks && !has_sticks(scenario)) {
+      return "needs sticks, and nothing in this flight sends them";
+    }
+  }
+  for (const VehicleFault& fault : faults.vehicle) {
+    const std::string needed = sim::needed_plugin(sim::parse_fault(fault.script, 1).kind);
+    if (needed.empty() || plugins.contains(needed)) continue;
+    if (!scenario.firmware || plugins.contains("imu")) {
+      return fmt::format("needs {}, which this vehicle does not have", needed);
+    }
+    return fmt::format(
+        "needs plugin {} in the simulator, and this autopilot has sensors of its own", needed);
+  }
+  return std::nullopt;
 }
 
-/// Finds out which failures the bench cannot play: stock firmware may have sensors of its own.
+/// Finds out which failures the bench cannot play.
 void note_obstacles(Campaign& campaign, const Scenario& scenario) {
   const CampaignBench bench = campaign.is_on_boards() ? CampaignBench::kBoard
                               : campaign.on_firmware  ? CampaignBench::kFirmware
                                                       : CampaignBench::kVirtualClock;
+  const std::set<std::string> plugins = plugins_of(scenario, 0);
   for (std::size_t i = 0; i < campaign.failures.size(); ++i) {
     CampaignFailure& failure = campaign.failures[i];
     if (const auto why = obstacle(failure.failure, bench)) failure.obstacle = std::string(*why);
-    if (!campaign.on_firmware || failure.obstacle || failure.expected.empty()) continue;
-    const std::set<std::string> plugins = plugins_of(scenario);
+    if (failure.obstacle || failure.expected.empty()) continue;
     const std::string text = "faults: " + faults_of_cell(campaign, {i, 0});
     const auto faults = parse_scenario_faults(base::ConfigNode::parse(text).at("faults"),
                                               scenario.line, scenario.names());
-    for (const VehicleFault& fault : faults.vehicle) {
-      const std::string needed = sim::needed_plugin(sim::parse_fault(fault.script, 1).kind);
-      if (needed.empty() || plugins.contains(needed)) continue;
-      failure.obstacle = fmt::format(
-          "needs plugin {} in the simulator, and this autopilot has sensors of its own", needed);
-    }
+    failure.obstacle = lack_for(faults, scenario, plugins);
   }
 }
 

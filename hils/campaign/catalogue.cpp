@@ -80,8 +80,11 @@ void parse_effects(const base::ConfigNode& list, Failure& failure) {
     const auto known = std::ranges::find(kBenchEffects, entries[0].first, &BenchEffect::key);
     if (known == kBenchEffects.end()) continue;
     ++of_bench;
-    needed.insert(known->needs);
-    failure.unrecorded |= known->unrecorded;
+    // Sticks are lost on every bench that has some, and the vehicle does without them or reacts.
+    const bool of_sticks =
+        known->key == "silence" && entries[0].second.as<std::string>() == "sticks";
+    needed.insert(of_sticks ? FailureNeeds::kNothing : known->needs);
+    failure.unrecorded |= known->unrecorded && !of_sticks;
   }
   failure.needs = *needed.rbegin();
   if (needed.contains(FailureNeeds::kPrograms) && failure.needs != FailureNeeds::kPrograms) {

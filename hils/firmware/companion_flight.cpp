@@ -176,6 +176,11 @@ CompanionFlight::Answer CompanionFlight::begin_breach(const FlightStep& step,
   return {};
 }
 
+void CompanionFlight::lose_sticks(bool lost) {
+  if (!link_.connected()) return;
+  link_.with_station([lost](auto& station) { station.sticks().lose(lost); });
+}
+
 void CompanionFlight::end_breach() {
   if (!std::exchange(breaching_, false)) return;
   link_.with_station([](auto& station) { station.setpoints().stop(); });

@@ -62,6 +62,8 @@ class CompanionFlight {
   Answer give(const FlightStep& step, const Vehicle& vehicle);
   /// Its firmware has rebooted and forgotten all requests.
   void on_reboot() { asked_for_position_ = false; }
+  /// No sticks from now on, or again.
+  void lose_sticks(bool lost);
   /// No setpoints any more, once the fence has the vehicle.
   void end_breach();
 

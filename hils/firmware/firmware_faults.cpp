@@ -35,6 +35,8 @@ void FirmwareFaults::play(const BenchFaultScript& script, const BenchFault& faul
     restart(begins);
   } else if (std::holds_alternative<ReloadFault>(fault.kind)) {
     if (begins) reload();
+  } else if (std::holds_alternative<SilenceFault>(fault.kind)) {
+    lose_sticks_(begins);
   } else if (const auto* stop = std::get_if<PauseFault>(&fault.kind)) {
     if (begins) pause(stop->wall);
   } else if (const auto* link = std::get_if<CutFault>(&fault.kind)) {

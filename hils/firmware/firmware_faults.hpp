@@ -18,10 +18,14 @@ class FirmwareFaults {
  public:
   /// Called before casd ends, and forgets its counters and calls.
   using BeforeCasdEnds = std::function<void()>;
+  /// Called when the radio is lost, or back: the sticks stop, or go on.
+  using LoseSticks = std::function<void(bool lost)>;
 
   /// @param deck  outlives the faults
-  FirmwareFaults(FlightDeck& deck, BeforeCasdEnds before_casd_ends)
-      : deck_(deck), before_casd_ends_(std::move(before_casd_ends)) {}
+  FirmwareFaults(FlightDeck& deck, BeforeCasdEnds before_casd_ends, LoseSticks lose_sticks)
+      : deck_(deck),
+        before_casd_ends_(std::move(before_casd_ends)),
+        lose_sticks_(std::move(lose_sticks)) {}
 
   /// Begins or ends a fault of the script. A pause is over when it returns.
   /// @throws RunStopped, base::rpc::CallError
@@ -45,6 +49,7 @@ class FirmwareFaults {
 
   FlightDeck& deck_;
   BeforeCasdEnds before_casd_ends_;
+  LoseSticks lose_sticks_;
   bool casd_is_away_ = false;
   std::vector<std::string> cut_links_;  ///< one for each cut under way
   int outages_ = 0;                     ///< under way

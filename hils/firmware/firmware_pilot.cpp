@@ -109,6 +109,10 @@ class FirmwareVehicle {
       fmt::print(stderr, "hils: {}\n", *fault);
   }
 
+  void lose_sticks(bool lost) {
+    if (companion_) companion_->lose_sticks(lost);
+  }
+
   /// Around each look at the simulation.
   void before_look() {
     if (companion_) companion_->before_look();
@@ -318,11 +322,15 @@ class FirmwareFlight final : public FlightBench {
         live_(request.live),
         watch_(request.live, deck_.simulator,
                [this] { return faults_.casd_is_away() ? nullptr : &deck_.casd; }),
-        faults_(deck_,
-                [this] {
-                  watch_.before_casd_ends();
-                  for (const auto& vehicle : vehicles_) vehicle->before_casd_ends();
-                }),
+        faults_(
+            deck_,
+            [this] {
+              watch_.before_casd_ends();
+              for (const auto& vehicle : vehicles_) vehicle->before_casd_ends();
+            },
+            [this](bool lost) {
+              for (const auto& vehicle : vehicles_) vehicle->lose_sticks(lost);
+            }),
         loop_({request.scenario.names(), request.scenario.steps, request.scenario.start_yaws_rad(),
                request.scenario.faults.bench, kHabits},
               *this) {

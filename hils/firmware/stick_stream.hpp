@@ -20,6 +20,8 @@ class StickStream {
   /// From now on these sticks, until the end of the flight: PX4 takes their end for a lost remote
   /// control.
   void hold(const Sticks& sticks);
+  /// Sends none from now on, or again: the radio is lost. Their time goes on.
+  void lose(bool lost) { lost_ = lost; }
   /// For how long these sticks have been held, by the vehicle's clock.
   base::Duration held_for() const { return since_ ? newest_ - *since_ : base::Duration{}; }
 
@@ -28,6 +30,7 @@ class StickStream {
 
  private:
   std::optional<Sticks> sticks_;
+  bool lost_ = false;
   base::RateGate gate_{kRate_hz};
   std::optional<base::Duration> since_;  ///< nullopt: they were not sent yet
   base::Duration newest_{};

@@ -36,8 +36,9 @@ BenchFaultKind parse_kind(const ConfigNode& node, std::string_view key, const Co
     return UnplugFault{};
   }
   if (key == "silence") {
-    expect_word(value, "ground");
-    return SilenceFault{};
+    const auto word = value.as<std::string>();
+    if (word != "ground" && word != "sticks") value.fail("takes only ground or sticks");
+    return SilenceFault{.sticks = word == "sticks"};
   }
   if (key == "cut") return CutFault{value.as<std::string>()};
   if (key == "pause") {

@@ -39,9 +39,11 @@ struct RestartFault {};
 struct FloodFault {
   double packets_hz = 0;
 };
-/// Nothing comes from the ground any more: neither the ground station nor casd's own. On the
-/// virtual clock.
-struct SilenceFault {};
+/// Nothing comes from the ground any more: neither the ground station nor casd's own, on the
+/// virtual clock; or no sticks: the radio is lost.
+struct SilenceFault {
+  bool sticks = false;  ///< they alone are silent
+};
 /// The threads of casd wake up this late: others have the processor. On the virtual clock.
 struct StarveFault {
   WakeUpFigures wake_up;

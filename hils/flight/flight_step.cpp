@@ -441,13 +441,18 @@ std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::
   return flight;
 }
 
+std::optional<Sticks> held_sticks(const FlightStep& step) {
+  if (step.kind == StepKind::kSticks) return step.sticks;
+  if (step.kind == StepKind::kEndTrajectory && step.sticks) return Sticks{};
+  return std::nullopt;
+}
+
 void refuse_firmware_steps(const base::ConfigNode& steps, bool has_wing) {
   const auto of_wings = [](std::string_view word) {
     return word == "loiter" || word == "transition";
   };
   for (const base::ConfigNode& node : steps.items()) {
-    for (const char* const word :
-         {"mission", "sticks", "loiter", "transition", "breach", "reboot"}) {
+    for (const char* const word : {"mission", "loiter", "transition", "breach", "reboot"}) {
       const bool bare = node.is_scalar() && node.as<std::string>() == word;
       if ((has_wing && of_wings(word)) || (!bare && !(node.is_map() && node.has(word)))) continue;
       (bare ? node : node.at(word))

@@ -135,6 +135,9 @@ bool is_command(StepKind kind);
 std::vector<FlightStep> parse_flight(const base::ConfigNode& steps, const casd::GainMap& gains,
                                      const VehicleNames& names = only_vehicle());
 
+/// The sticks that a step holds from its begin, or centred at their end; nullopt: it has none.
+std::optional<Sticks> held_sticks(const FlightStep& step);
+
 /// Missions, breaches and reboots are for stock firmware, circles and transitions also for vehicles
 /// with a wing. @throws base::ConfigError at the first that is not flown
 void refuse_firmware_steps(const base::ConfigNode& steps, bool has_wing);

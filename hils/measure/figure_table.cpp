@@ -140,12 +140,13 @@ void add_delay(const Delay& delay, FigureRows& table) {
     };
   };
   const std::string meaning(delay.meaning);
-  FigureRows rows{{"_count", "packets", "packets", 0, kNeither, "those that were timed",
-             figure(&DelayFigures::count), "count"},
-            {"_p50_us", "median", "us", 0, kDown, meaning, figure(&DelayFigures::p50), "p50"},
-            {"_p90_us", "90 %", "us", 0, kDown, meaning, figure(&DelayFigures::p90), "p90"},
-            {"_p99_us", "99 %", "us", 0, kDown, meaning, figure(&DelayFigures::p99), "p99"},
-            {"_max_us", "longest", "us", 0, kDown, meaning, figure(&DelayFigures::max), "max"}};
+  FigureRows rows{
+      {"_count", "packets", "packets", 0, kNeither, "those that were timed",
+       figure(&DelayFigures::count), "count"},
+      {"_p50_us", "median", "us", 0, kDown, meaning, figure(&DelayFigures::p50), "p50"},
+      {"_p90_us", "90 %", "us", 0, kDown, meaning, figure(&DelayFigures::p90), "p90"},
+      {"_p99_us", "99 %", "us", 0, kDown, meaning, figure(&DelayFigures::p99), "p99"},
+      {"_max_us", "longest", "us", 0, kDown, meaning, figure(&DelayFigures::max), "max"}};
   for (FigureRow& row : rows) {
     row.key = fmt::format("{}{}", delay.key, row.key);
     row.title = fmt::format("{}, {}", delay.title, row.title);

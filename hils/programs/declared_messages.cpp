@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "base/config/vehicle.hpp"
 #include "base/error.hpp"
 #include "libsim/core/run/plugin_loader.hpp"
 #include "plugins/mavlink_interface/plugin_messages.hpp"
@@ -26,6 +27,11 @@ std::vector<std::string> declared_messages(const Scenario& scenario, std::size_t
   std::vector<std::string> names;
   const auto file = base::ConfigNode::load(scenario.vehicles.at(vehicle).vehicle);
   if (file.has("battery")) names.emplace_back("BATTERY_STATUS");
+  const auto is_electric = [](const base::Rotor& rotor) { return rotor.electric.has_value(); };
+  if (std::ranges::any_of(base::Vehicle::load(scenario.vehicles[vehicle].vehicle).rotors,
+                          is_electric)) {
+    names.insert(names.end(), {"ESC_STATUS", "ESC_INFO"});
+  }
   sim::PluginLoader loader({});
   for (const base::ConfigNode& further : scenario.plugins) {
     const base::ConfigNode key = further.at("plugin");

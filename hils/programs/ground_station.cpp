@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
-#include "mavlink/common/manual_control.hpp"
 #include "mavlink/common/param_request_list.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/services/station_heartbeat.hpp"
@@ -19,15 +19,26 @@ namespace mv = mavlink::common;
 constexpr base::Duration kHeartbeatPeriod = std::chrono::seconds(1);
 constexpr base::Duration kSticksPeriod = std::chrono::milliseconds(40);  ///< as QGroundControl
 
-/// On-screen sticks at rest.
-mv::ManualControl centred_sticks(std::uint8_t vehicle_system) {
-  mv::ManualControl message;
-  message.target = vehicle_system;
-  message.z = 500;
+mv::ManualControl to_vehicle(std::uint8_t system, const Sticks& sticks) {
+  mv::ManualControl message = manual_control(sticks);
+  message.target = system;
   return message;
 }
 
 }  // namespace
+
+mv::ManualControl manual_control(const Sticks& sticks) {
+  constexpr double kFullStick = 1000;
+  const auto to_stick = [](double share) {
+    return static_cast<std::int16_t>(std::lround(share * kFullStick));
+  };
+  mv::ManualControl message;
+  message.x = to_stick(sticks.pitch);
+  message.y = to_stick(sticks.roll);
+  message.z = to_stick((1 + sticks.climb) / 2);  // the middle keeps the height
+  message.r = to_stick(sticks.yaw);
+  return message;
+}
 
 GroundStation::GroundStation(const std::vector<std::uint8_t>& systems, base::Duration list_period,
                              Send send)
@@ -63,9 +74,14 @@ void GroundStation::tick(base::RunTime now) {
   }
 }
 
+void GroundStation::hold(std::uint8_t system, const Sticks& sticks) {
+  const auto vehicle = std::ranges::find(vehicles_, system, &Vehicle::system);
+  if (vehicle != vehicles_.end()) vehicle->sticks = sticks;
+}
+
 void GroundStation::attend(Vehicle& vehicle, base::RunTime now) {
-  if (now >= vehicle.next_sticks) {
-    send_(encode_(centred_sticks(vehicle.system)));
+  if (!sticks_lost_ && now >= vehicle.next_sticks) {
+    send_(encode_(to_vehicle(vehicle.system, vehicle.sticks)));
     vehicle.next_sticks = now + kSticksPeriod;
   }
   if (vehicle.next_list && now < *vehicle.next_list) return;
@@ -83,7 +99,7 @@ void GroundStation::send_flood(base::RunTime last, base::RunTime now) {
   const std::int64_t end = flood_.index_at(now.time_since_epoch());
   for (std::int64_t i = flood_.index_at(begin.time_since_epoch()); i < end; ++i) {
     const auto turn = static_cast<std::size_t>(i) % vehicles_.size();
-    send_(encode_(centred_sticks(vehicles_[turn].system)));
+    send_(encode_(to_vehicle(vehicles_[turn].system, vehicles_[turn].sticks)));
   }
 }
 
@@ -94,12 +110,12 @@ GroundStationThread::GroundStationThread(const std::vector<std::uint8_t>& system
       thread_(socket_.fd(), GroundStation::kTickPeriod, [this] { look(); }) {}
 
 void GroundStationThread::look() {
+  base::MutexLock lock(mutex_);
   while (true) {
     const std::span<const std::uint8_t> bytes = socket_.read();
     if (bytes.empty()) break;
     station_.on_bytes(bytes);
   }
-  station_.flood(flood_hz_);
   station_.tick(base::steady_now());
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -9,10 +8,13 @@
 #include <span>
 #include <vector>
 
+#include "base/os/mutex.hpp"
 #include "base/time/clock.hpp"
 #include "base/time/rate_gate.hpp"
+#include "hils/flight/flight_step.hpp"
 #include "hils/run/loopback_udp.hpp"
 #include "hils/run/ticking_thread.hpp"
+#include "mavlink/common/manual_control.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 
@@ -24,10 +26,13 @@ inline constexpr mav::Source kGroundStation{.system = 255, .component = 190};
 /// How often the ground station of an experiment loads the parameter list.
 inline constexpr base::Duration kParameterListPeriod = std::chrono::seconds(20);
 
+/// The sticks as ground stations send them; the receiver's system is left to the caller.
+mavlink::common::ManualControl manual_control(const Sticks& sticks);
+
 /// The traffic of a ground station that is connected during an experiment: a heartbeat each second,
-/// centred sticks (MANUAL_CONTROL) for each vehicle 25 times a second, the whole parameter list
-/// when it meets a vehicle and again every `list_period`. Pure: time and bytes come in as
-/// arguments.
+/// sticks (MANUAL_CONTROL, centred at first) for each vehicle 25 times a second, the whole
+/// parameter list when it meets a vehicle and again every `list_period`. Pure: time and bytes come
+/// in as arguments.
 class GroundStation {
  public:
   using Send = std::function<void(std::span<const std::uint8_t>)>;
@@ -43,6 +48,10 @@ class GroundStation {
   void flood(double packets_hz) { flood_ = base::RateGate(packets_hz); }
   /// Sends nothing from now on, or again.
   void silence(bool silent) { silent_ = silent; }
+  /// The sticks of a vehicle from now on.
+  void hold(std::uint8_t system, const Sticks& sticks);
+  /// Sends no sticks from now on, or again.
+  void lose_sticks(bool lost) { sticks_lost_ = lost; }
 
   static constexpr base::Duration kTickPeriod = std::chrono::milliseconds(20);
 
@@ -50,6 +59,7 @@ class GroundStation {
   struct Vehicle {
     std::uint8_t system = 0;
     bool heard = false;
+    Sticks sticks{};
     base::RunTime next_sticks{};
     std::optional<base::RunTime> next_list{};
   };
@@ -64,6 +74,7 @@ class GroundStation {
   mav::PacketParser parser_;
   base::RateGate flood_;
   bool silent_ = false;
+  bool sticks_lost_ = false;
   base::RunTime last_tick_{};
   base::RunTime next_heartbeat_{};
 };
@@ -76,16 +87,20 @@ class GroundStationThread {
   GroundStationThread(const GroundStationThread&) = delete;
   GroundStationThread& operator=(const GroundStationThread&) = delete;
 
-  /// Sends so many packets a second besides, as GroundStation does; 0: none.
-  void flood(double packets_hz) { flood_hz_ = packets_hz; }
+  /// Calls `change` with the station between two of its packets.
+  template <class Change>
+  void with_station(Change&& change) {
+    base::MutexLock lock(mutex_);
+    change(station_);
+  }
   std::uint16_t port() const { return socket_.port(); }
 
  private:
   void look();
 
+  base::Mutex mutex_;
   LoopbackUdp socket_;
-  std::atomic<double> flood_hz_{0};
-  GroundStation station_;  ///< of the thread
+  GroundStation station_ CAS_GUARDED_BY(mutex_);
   TickingThread thread_;
 };
 

@@ -122,10 +122,14 @@ std::vector<CasdCall> calls_of(const FlightStep& step) {
                  {static_cast<int>(step.to_plane ? MavVtolState::kFw : MavVtolState::kMc)}}}}};
     case StepKind::kSetGain:
       return {{"gain.set", gain_params(step)}};
+    case StepKind::kEndTrajectory:
+      if (step.sticks) return {{"vehicle.mode", {{"mode", "HOLD"}}}};
+      return param_calls(step);
     case StepKind::kSetParam:
     case StepKind::kTrajectory:
-    case StepKind::kEndTrajectory:
       return param_calls(step);
+    case StepKind::kSticks:
+      return {{"vehicle.mode", {{"mode", "POSCTL"}}}};
     case StepKind::kLand:
       return {{"vehicle.land", Json::object()}};
     case StepKind::kRtl:
@@ -133,7 +137,6 @@ std::vector<CasdCall> calls_of(const FlightStep& step) {
     case StepKind::kDisarm:
       return {{"vehicle.disarm", Json::object()}};
     case StepKind::kMission:  // needs more than casd: hils/firmware
-    case StepKind::kSticks:
     case StepKind::kBreach:
     case StepKind::kReboot:
     case StepKind::kHold:

@@ -95,7 +95,8 @@ class RealtimeBench final : public FlightBench {
         casd_(connect(address(paths.command_port))),
         line_(line_of(request)),
         watch_(request.live, simulator_, [this] { return casd_ ? &*casd_ : nullptr; }) {
-    for (const std::uint8_t system : request.scenario.systems()) {
+    systems_ = request.scenario.systems();
+    for (const std::uint8_t system : systems_) {
       asked_.push_back(request.scenario.flies_several() ? AskedVehicle(system) : std::nullopt);
     }
   }
@@ -138,7 +139,12 @@ class RealtimeBench final : public FlightBench {
       programs_.start_casd();
       casd_.emplace(connect(address(paths_.command_port)));
     } else if (const auto* flood = std::get_if<FloodFault>(&fault.kind)) {
-      if (ground_station_ != nullptr) ground_station_->flood(begins ? flood->packets_hz : 0);
+      if (ground_station_ == nullptr) return;
+      ground_station_->with_station(
+          [&](GroundStation& station) { station.flood(begins ? flood->packets_hz : 0); });
+    } else if (std::holds_alternative<SilenceFault>(fault.kind)) {
+      if (ground_station_ == nullptr) return;
+      ground_station_->with_station([&](GroundStation& station) { station.lose_sticks(begins); });
     } else if (std::holds_alternative<ReloadFault>(fault.kind)) {
       if (begins && casd_) casd_->call("casd.reload", Json::object());
     }
@@ -152,6 +158,10 @@ class RealtimeBench final : public FlightBench {
   }
 
   void give(Flight&, std::size_t vehicle, const FlightStep& step, Answer answer) override {
+    if (const auto sticks = held_sticks(step)) {
+      const std::uint8_t system = systems_[vehicle];
+      ground_station_->with_station([&](GroundStation& station) { station.hold(system, *sticks); });
+    }
     const std::optional<Refusal> refusal =
         casd_ ? hils::give(*casd_, step, false, asked_[vehicle]) : Refusal{"casd is away"};
     answer(simulator_.look(), refusal);
@@ -198,7 +208,8 @@ class RealtimeBench final : public FlightBench {
   FlownSimulator simulator_;
   std::optional<base::rpc::Client> casd_;  ///< nothing while casd is away
   fcu::LineConfig line_;                   ///< as it is without faults
-  std::vector<AskedVehicle> asked_;        ///< how casd is to name each vehicle
+  std::vector<std::uint8_t> systems_;
+  std::vector<AskedVehicle> asked_;  ///< how casd is to name each vehicle
   PageWatch watch_;
   ClockMap log_clock_;
   Progress progress_;
@@ -229,10 +240,12 @@ void add_relay(std::map<std::string, casd::LinkLedger>& ledgers, const VehiclePa
 /// @throws base::ConfigError
 void refuse_virtual_faults(const RunRequest& request) {
   for (const BenchFault& fault : request.scenario.faults.bench) {
-    const bool silences = std::holds_alternative<SilenceFault>(fault.kind);
-    if (!silences && !std::holds_alternative<StarveFault>(fault.kind)) continue;
-    throw base::ConfigError("fault '" + fault.name +
-                            "': silence and starve are faults of the virtual clock (--virtual)");
+    const auto* silence = std::get_if<SilenceFault>(&fault.kind);
+    const bool silences_ground = silence != nullptr && !silence->sticks;
+    if (!silences_ground && !std::holds_alternative<StarveFault>(fault.kind)) continue;
+    throw base::ConfigError(
+        "fault '" + fault.name +
+        "': silence: ground and starve are faults of the virtual clock (--virtual)");
   }
 }
 

@@ -218,17 +218,16 @@ void check_cuts(const base::ConfigNode& faults, const base::ConfigNode& topology
 void parse_faults(const base::ConfigNode& node, Scenario& scenario) {
   const Firmware& firmware = *scenario.firmware;
   scenario.faults = parse_scenario_faults(node, base::ConfigNode::empty("line"), scenario.names());
-  refuse_faults(node, std::array<std::string_view, 3>{"flood_hz", "silence", "starve"},
+  refuse_faults(node, std::array<std::string_view, 2>{"flood_hz", "starve"},
                 "a flight of stock firmware does not have this fault");
+  check_silences(node, scenario);
   if (!firmware.on_serial_line) {
     refuse_faults(node, std::array<std::string_view, 2>{"line", "unplug"},
                   "this firmware has no serial line of hils (firmware: on_serial_line)");
   }
   check_cuts(node, firmware.topology);
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
-    auto plugins = firmware.world.at("vehicles").items().at(i).at("plugins").items();
-    plugins.insert(plugins.end(), scenario.plugins.begin(), scenario.plugins.end());
-    check_fault_plugins(plugin_names(plugins), scenario.faults.of_vehicle(i));
+    check_fault_plugins(plugins_of(scenario, i), scenario.faults.of_vehicle(i));
   }
   check_fault_phases(node, scenario.steps);
 }

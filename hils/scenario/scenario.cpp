@@ -386,8 +386,8 @@ constexpr std::tuple kKeys{
                                   "casd's key of this name, for architecture `ts`"),
     key<&Scenario::ground_station>(
         "ground_station", base::Flag{},
-        "a ground station that listens, sends centred sticks and loads the parameters every 20 s, "
-        "for each vehicle"),
+        "a ground station that listens, sends sticks (centred but for step `sticks`) and loads the "
+        "parameters every 20 s, for each vehicle"),
     required(key<&Scenario::steps>("steps", ReadApart{"list"}, "the flight, see below")),
     key<&Scenario::faults>("faults", ReadApart{"list"}, "[faults](#faults) during the flight",
                            "none"),
@@ -415,6 +415,39 @@ std::string figure_limit_lines(const std::vector<Figure<Of>>& table,
 
 }  // namespace
 
+bool has_sticks(const Scenario& scenario) {
+  return scenario.ground_station || std::ranges::any_of(scenario.steps, [](const FlightStep& step) {
+           return step.kind == StepKind::kSticks;
+         });
+}
+
+void check_silences(const base::ConfigNode& faults, const Scenario& scenario) {
+  for (const base::ConfigNode& fault : faults.items()) {
+    const auto silence = fault.find("silence");
+    if (!silence) continue;
+    if (scenario.firmware && silence->as<std::string>() == "ground") {
+      silence->fail("a flight of stock firmware does not have this fault");
+    }
+    if (silence->as<std::string>() == "sticks" && !has_sticks(scenario)) {
+      silence->fail("no sticks can be lost: no step `sticks`, and no `ground_station: true`");
+    }
+  }
+}
+
+namespace {
+
+/// Our controller's sticks are those of the ground station. @throws base::ConfigError
+void check_sticks(const base::ConfigNode& steps, const Scenario& scenario) {
+  if (scenario.ground_station) return;
+  for (const base::ConfigNode& step : steps.items()) {
+    if (step.is_map() && step.has("sticks")) {
+      step.at("sticks").fail("needs `ground_station: true`, which sends them");
+    }
+  }
+}
+
+}  // namespace
+
 void check_fault_plugins(const std::set<std::string>& plugins,
                          const std::vector<VehicleFault>& faults) {
   std::size_t number = 0;
@@ -424,6 +457,25 @@ void check_fault_plugins(const std::set<std::string>& plugins,
     fault.script.fail("needs 'plugin: " + needed +
                       "', which this vehicle does not have: it would begin and do nothing");
   }
+}
+
+bool has_wing(const ScenarioVehicle& vehicle) {
+  return base::ConfigNode::load(vehicle.vehicle).has(kAeroPlugin);
+}
+
+std::set<std::string> plugins_of(const Scenario& scenario, std::size_t vehicle) {
+  std::set<std::string> plugins = plugin_names(scenario.plugins);
+  if (scenario.firmware) {
+    const base::ConfigNode own = scenario.firmware->world.at("vehicles").items().at(vehicle);
+    plugins.merge(plugin_names(own.at("plugins").items()));
+    return plugins;
+  }
+  plugins.insert({"motor", "imu", "gps", "magnetometer", "barometer"});
+  if (has_wing(scenario.vehicles.at(vehicle))) plugins.insert("aero");
+  for (std::string& name : further_first_sensors(flown_sensors(scenario, vehicle))) {
+    plugins.insert(std::move(name));
+  }
+  return plugins;
 }
 
 std::set<std::string> plugin_names(const std::vector<base::ConfigNode>& plugins) {
@@ -488,10 +540,6 @@ void read_vehicles(const base::ConfigNode& root, Scenario& scenario) {
   base::read_keys(root, kPlaceAndTimeKeys, scenario);
 }
 
-bool has_wing(const ScenarioVehicle& vehicle) {
-  return base::ConfigNode::load(vehicle.vehicle).has(kAeroPlugin);
-}
-
 /// Reads the keys of a scenario that our controller flies. @throws base::ConfigError
 void read_own(const base::ConfigNode& root, Scenario& scenario) {
   read_vehicles(root, scenario);
@@ -507,18 +555,16 @@ void read_own(const base::ConfigNode& root, Scenario& scenario) {
   }
   scenario.steps = parse_flight(root.at("steps"), casd::GainMap::shipped(), scenario.names());
   refuse_firmware_steps(root.at("steps"), std::ranges::all_of(scenario.vehicles, has_wing));
+  check_sticks(root.at("steps"), scenario);
   check_handed_on_keys(scenario);
   if (!root.has("faults")) return;
   scenario.faults = parse_scenario_faults(root.at("faults"), scenario.line, scenario.names());
   refuse_faults(root.at("faults"), std::array<std::string_view, 2>{"pause", "cut"},
                 "is a fault of a flight of stock firmware");
-  std::set<std::string> plugins = plugin_names(scenario.plugins);
-  plugins.insert({"motor", "imu", "gps", "magnetometer", "barometer"});  // of each vehicle
+  check_silences(root.at("faults"), scenario);
+  std::set<std::string> plugins;
   for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
-    if (has_wing(scenario.vehicles[i])) plugins.insert("aero");
-    for (std::string& name : further_first_sensors(flown_sensors(scenario, i))) {
-      plugins.insert(std::move(name));
-    }
+    plugins.merge(plugins_of(scenario, i));
   }
   check_fault_plugins(plugins, scenario.faults.vehicle);
   check_fault_phases(root.at("faults"), scenario.steps);

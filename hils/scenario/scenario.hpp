@@ -99,6 +99,14 @@ struct Rates {
   double controls_hz = 400;
 };
 
+/// Whether the flight has sticks that may be lost: of its ground station, or of a step.
+bool has_sticks(const Scenario& scenario);
+/// Refuses `silence: sticks` without sticks, and `silence: ground` of stock firmware.
+/// @throws base::ConfigError
+void check_silences(const base::ConfigNode& faults, const Scenario& scenario);
+
+/// The plugins of one vehicle that faults may need, by name.
+std::set<std::string> plugins_of(const Scenario& scenario, std::size_t vehicle);
 /// Plugin fault changes the samples of other plugins, and asks plugin wind for a gust: a fault
 /// whose plugin the vehicle does not have would begin and do nothing.
 /// @param plugins  all of the vehicle, by name. @throws base::ConfigError for such a fault

@@ -196,6 +196,9 @@ class VirtualBench final : public FlightBench {
 
   /// casd reports on its own ticks and packets.
   void give(Flight&, std::size_t vehicle, const FlightStep& step, Answer answer) override {
+    if (const auto sticks = held_sticks(step)) {
+      ground_station_->hold(scenario_.vehicles[vehicle].system_id, *sticks);
+    }
     port_.give(step, scenario_.vehicles[vehicle].system_id,
                [this, answer = std::move(answer)](const std::optional<Refusal>& refusal) {
                  answer(base::SimTime(port_now_.time_since_epoch()), refusal);
@@ -212,7 +215,8 @@ class VirtualBench final : public FlightBench {
       begins ? relay_.kill() : relay_.restart();
     } else if (const auto* flood = std::get_if<FloodFault>(&fault.kind)) {
       if (ground_station_) ground_station_->flood(begins ? flood->packets_hz : 0);
-    } else if (std::holds_alternative<SilenceFault>(fault.kind)) {
+    } else if (const auto* silence = std::get_if<SilenceFault>(&fault.kind)) {
+      if (silence->sticks) return ground_station_->lose_sticks(begins);
       relay_.silence(begins);
       if (ground_station_) ground_station_->silence(begins);
     } else if (const auto* starve = std::get_if<StarveFault>(&fault.kind)) {

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string_view>
 
 #include "base/config/vehicle.hpp"
@@ -64,7 +65,7 @@ struct ImuSample {
 /// A fix of the receiver.
 struct GpsSample {
   static constexpr std::string_view kTypeName = "cas.GpsSample";
-  static constexpr unsigned kTypeVersion = 1;
+  static constexpr unsigned kTypeVersion = 2;
   base::SimTime time;            ///< of measurement, before the receiver's delay
   std::uint8_t fix_type = 3;     ///< GPS_FIX_TYPE
   std::uint8_t satellites = 10;  ///< used in the fix
@@ -72,6 +73,7 @@ struct GpsSample {
   Eigen::Vector3d velocity_N = Eigen::Vector3d::Zero();  ///< north, east, down, m/s
   double eph_m = 0;                                      ///< horizontal accuracy claimed, 1 sigma
   double epv_m = 0;                                      ///< vertical accuracy claimed, 1 sigma
+  double cn0_db_hz = 44;  ///< carrier to noise density, mean of the satellites in view; open sky
 };
 
 /// Magnetic field at the sensor, in B, gauss.
@@ -112,6 +114,18 @@ struct RangeSample {
   double beam_rad = 0;                    ///< width of its cone; 0: a ray
 };
 
+/// Flow of the ground in a camera, its own turn and the time since the sample before.
+struct FlowSample {
+  static constexpr std::string_view kTypeName = "cas.FlowSample";
+  static constexpr unsigned kTypeVersion = 1;
+  base::SimTime time;
+  double time_s = 0;
+  Eigen::Vector2d flow_rad = Eigen::Vector2d::Zero();  ///< about the axes of D
+  Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();  ///< of the camera, axes of D
+  std::uint8_t quality = 0;                            ///< 255: followed all the time; 0: never
+  std::optional<double> distance_m;                    ///< newest, to the ground along the axis
+};
+
 /// A battery as a power module measures it.
 struct BatterySample {
   static constexpr std::string_view kTypeName = "cas.BatterySample";
@@ -121,6 +135,16 @@ struct BatterySample {
   double current_a = 0;
   double used_ah = 0;  ///< since it was full
   double charge = 1;   ///< 1 full, 0 empty
+};
+
+/// Telemetry of the motors' speed controllers, rotor n of the vehicle file at n - 1.
+struct EscSample {
+  static constexpr std::string_view kTypeName = "cas.EscSample";
+  static constexpr unsigned kTypeVersion = 1;
+  base::SimTime time;
+  base::RotorVector omega_rad_s = base::RotorVector::Zero(4);
+  base::RotorVector current_a = base::RotorVector::Zero(4);  ///< of the motors
+  double voltage_v = 0;                                      ///< at the battery's terminals
 };
 
 /// Asks the wind for a 1-cosine gust from now on.
@@ -135,7 +159,7 @@ struct GustCommand {
 /// Remaining shares of rotors and battery; all ones if nothing is broken.
 struct PropulsionHealth {
   static constexpr std::string_view kTypeName = "cas.PropulsionHealth";
-  static constexpr unsigned kTypeVersion = 3;
+  static constexpr unsigned kTypeVersion = 4;
   /// Of the speed asked for; 0: stopped. Of each rotor that a vehicle may have.
   base::RotorVector speed_share = base::RotorVector::Ones(base::kMaxRotors);
   /// Of thrust and torque at a speed; below 0: the rotor turns the other way.
@@ -143,6 +167,8 @@ struct PropulsionHealth {
   double voltage_share = 1;  ///< of the battery's voltage
   /// Rotors that keep the speed they were last driven to, whatever is asked of them.
   std::array<bool, base::kMaxRotors> stuck{};
+  /// Rotors whose motor has no current: its controller has lost the beat.
+  std::array<bool, base::kMaxRotors> without_current{};
   /// Index of the command that drives each rotor: its own, unless wires were swapped.
   std::array<std::uint8_t, base::kMaxRotors> wired_as = [] {
     std::array<std::uint8_t, base::kMaxRotors> own{};

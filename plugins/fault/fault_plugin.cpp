@@ -49,7 +49,7 @@ class FaultPlugin final : public Plugin {
     const double pressure_pa = dynamic_pressure_pa(world);
     for_each_tap([&](auto& tap) {
       tap.set_now(end);
-      tap.set_drivers(power_share, pressure_pa);
+      tap.set_drivers(power_share, pressure_pa, vibration_);
     });
     if (step.index == 0) begin_run(world);
     schedule_.update(step.time, facts(step.time, world),
@@ -69,6 +69,8 @@ class FaultPlugin final : public Plugin {
     armed_ = false;
     phase_ = {};
     power_ = 0;
+    vibration_ = 0;
+    std::ranges::fill(turned_rad_, 0.0);
     if (breaks_propulsion_) health_.publish({});
     if (breaks_surfaces_) surface_health_.publish({});
   }
@@ -136,6 +138,7 @@ class FaultPlugin final : public Plugin {
     open_taps_of<BarometerSample>(context, SensorTopic::kBarometer);
     open_taps_of<RangeSample>(context, SensorTopic::kRangefinder);
     open_taps_of<AirspeedSample>(context, SensorTopic::kAirspeed);
+    open_taps_of<FlowSample>(context, SensorTopic::kOpticalFlow);
   }
 
   void open_topics(PluginContext& context) {
@@ -218,14 +221,20 @@ class FaultPlugin final : public Plugin {
       torque_coefficients_.push_back(rotor.params.torque_coefficient);
       const double omega = std::sqrt(share_n / rotor.params.thrust_coefficient);
       hover_power_ += torque_coefficients_.back() * omega * omega * omega;
+      hover_rad_s_.push_back(omega);
     }
+    turned_rad_.resize(hover_rad_s_.size());
+    const double step_s = base::to_seconds(context.step());
     rotor_speeds_ = context.bus().subscribe<RotorSpeeds>(
         context.topic("rotor_speeds"),
-        [this](const RotorSpeeds& speeds) {
-          power_ = 0;
+        [this, step_s](const RotorSpeeds& speeds) {
+          power_ = vibration_ = 0;
           for (std::size_t i = 0; i < torque_coefficients_.size(); ++i) {
             const double omega = speeds.omega_rad_s[static_cast<Eigen::Index>(i)];
             power_ += torque_coefficients_[i] * omega * omega * omega;
+            const double share = omega / hover_rad_s_[i];
+            turned_rad_[i] = std::remainder(turned_rad_[i] + omega * step_s, 2 * M_PI);
+            vibration_ += share * share * std::sin(turned_rad_[i]);
           }
         },
         Need::kOptional);
@@ -298,6 +307,8 @@ class FaultPlugin final : public Plugin {
         return apply(std::get<Taps<RangeSample>>(taps_));
       case SensorTopic::kAirspeed:
         return apply(std::get<Taps<AirspeedSample>>(taps_));
+      case SensorTopic::kOpticalFlow:
+        return apply(std::get<Taps<FlowSample>>(taps_));
     }
   }
 
@@ -322,6 +333,7 @@ class FaultPlugin final : public Plugin {
       health.speed_share[fault.rotor] *= fault.speed_share;
       health.thrust_share[fault.rotor] *= fault.thrust_share;
       health.stuck[static_cast<std::size_t>(fault.rotor)] |= fault.stuck;
+      health.without_current[static_cast<std::size_t>(fault.rotor)] |= fault.desync;
     });
     for_active<SwapFault>([&](const SwapFault& fault) {
       std::swap(health.wired_as[static_cast<std::size_t>(fault.first)],
@@ -389,8 +401,11 @@ class FaultPlugin final : public Plugin {
   std::vector<double> torque_coefficients_;
   double hover_power_ = 0;
   double power_ = 0;  // k_m w^3 of all rotors
+  std::vector<double> hover_rad_s_;
+  std::vector<double> turned_rad_;  // by each rotor
+  double vibration_ = 0;            // see BiasDriver::kVibration
   std::tuple<Taps<ImuSample>, Taps<GpsSample>, Taps<MagnetometerSample>, Taps<BarometerSample>,
-             Taps<RangeSample>, Taps<AirspeedSample>>
+             Taps<RangeSample>, Taps<AirspeedSample>, Taps<FlowSample>>
       taps_;
   Publisher<PropulsionHealth> health_;
   Publisher<SurfaceHealth> surface_health_;

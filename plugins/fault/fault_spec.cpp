@@ -16,6 +16,7 @@
 #include "base/config/sensor_names.hpp"
 #include "base/earth/frames.hpp"
 #include "base/suggestion.hpp"
+#include "plugins/common/satellite_signals.hpp"
 
 namespace cas::sim {
 
@@ -33,7 +34,7 @@ struct FieldName {
   SampleField field;
 };
 
-constexpr std::array<FieldName, 9> kFields{
+constexpr std::array<FieldName, 10> kFields{
     {{SensorTopic::kImu, "specific_force", "m_s2", 1.0, SampleField::kSpecificForce},
      {SensorTopic::kImu, "angular_rate", "deg_s", base::kRadPerDeg, SampleField::kAngularRate},
      {SensorTopic::kGps, "position", "m", 1.0, SampleField::kPosition},
@@ -43,11 +44,12 @@ constexpr std::array<FieldName, 9> kFields{
      {SensorTopic::kBarometer, "temperature", "degc", 1.0, SampleField::kTemperature},
      {SensorTopic::kRangefinder, "distance", "m", 1.0, SampleField::kDistance},
      {SensorTopic::kAirspeed, "differential_pressure", "pa", 1.0,
-      SampleField::kDifferentialPressure}}};
+      SampleField::kDifferentialPressure},
+     {SensorTopic::kOpticalFlow, "flow", "rad", 1.0, SampleField::kFlow}}};
 
 /// In the order of SensorTopic; also the names of their plugins.
-constexpr std::array<std::string_view, 6> kSensorWords{"imu",       "gps",         "magnetometer",
-                                                       "barometer", "rangefinder", "airspeed"};
+constexpr std::array<std::string_view, 7> kSensorWords{
+    "imu", "gps", "magnetometer", "barometer", "rangefinder", "airspeed", "optical_flow"};
 
 /// Reads the sensor that a fault is about: "imu", or "imu_2".
 void parse_sensor(const ConfigNode& node, SensorFault& fault) {
@@ -57,8 +59,8 @@ void parse_sensor(const ConfigNode& node, SensorFault& fault) {
       std::ranges::find(kSensorWords, sensor ? sensor->plugin : std::string_view(word));
   if (found == kSensorWords.end()) {
     node.fail(
-        "must be imu, gps, magnetometer, barometer, rangefinder or airspeed, or one of "
-        "several: imu_2" +
+        "must be imu, gps, magnetometer, barometer, rangefinder, airspeed or optical_flow, or one "
+        "of several: imu_2" +
         base::did_you_mean(word, kSensorWords));
   }
   fault.topic = static_cast<SensorTopic>(found - kSensorWords.begin());
@@ -156,6 +158,22 @@ SensorFault parse_airflow(const ConfigNode& node) {
   return fault;
 }
 
+/// Shaking by the rotors: the amplitude of one that turns as in a hover.
+SensorFault parse_vibration(const ConfigNode& node) {
+  SensorFault fault = parse_change(node, SensorEffect::kBias, BiasDriver::kVibration);
+  if (fault.topic != SensorTopic::kImu) node.at("sensor").fail("must be imu");
+  return fault;
+}
+
+/// `blind: optical_flow`
+SensorFault parse_blind(const ConfigNode& node) {
+  SensorFault fault;
+  fault.effect = SensorEffect::kBlind;
+  parse_sensor(node, fault);
+  if (fault.topic != SensorTopic::kOpticalFlow) node.fail("must be optical_flow");
+  return fault;
+}
+
 /// One of the sensors whose samples are vectors of the body.
 void parse_vector_sensor(const ConfigNode& node, SensorFault& fault) {
   parse_sensor(node, fault);
@@ -199,14 +217,44 @@ SensorFault parse_axis_map(const ConfigNode& node) {
   return fault;
 }
 
-SensorFault parse_fix(const ConfigNode& node) {
+/// A fault of a receiver: of the first, without `sensor: gps_2`.
+SensorFault receiver_fault(const ConfigNode& node, SensorEffect effect) {
   SensorFault fault;
-  fault.effect = SensorEffect::kFix;
+  fault.effect = effect;
   fault.topic = SensorTopic::kGps;
   if (const auto sensor = node.find("sensor")) {
     parse_sensor(*sensor, fault);
     if (fault.topic != SensorTopic::kGps) sensor->fail("must be gps or gps_2");
   }
+  return fault;
+}
+
+/// {jammer_to_noise_db: 30, rise_s: 5}: C/N0 falls in proportion to the time.
+SensorFault parse_jammed(const ConfigNode& node) {
+  SensorFault fault = receiver_fault(node, SensorEffect::kJam);
+  fault.loss_db = jammer_loss_db(node.require_in("jammer_to_noise_db", -20, 100));
+  fault.rise_s = node.get_in("rise_s", 0, 0, kLongestRun);
+  return fault;
+}
+
+/// {velocity_m_s: [2, 0, 0]}
+SensorFault parse_spoofed(const ConfigNode& node) {
+  SensorFault fault = receiver_fault(node, SensorEffect::kSpoof);
+  fault.value = node.require<Eigen::Vector3d>("velocity_m_s");
+  return fault;
+}
+
+/// {position_m: [3, 3, 5], time_constant_s: 30}
+SensorFault parse_multipath(const ConfigNode& node) {
+  SensorFault fault = receiver_fault(node, SensorEffect::kMultipath);
+  fault.value = parse_axes(node.at("position_m"));
+  if ((fault.value.array() < 0.0).any()) node.at("position_m").fail("is a deviation, 0 or above");
+  fault.time_constant_s = node.require_in("time_constant_s", 0.001, kLongestRun);
+  return fault;
+}
+
+SensorFault parse_fix(const ConfigNode& node) {
+  SensorFault fault = receiver_fault(node, SensorEffect::kFix);
   fault.fix.type = static_cast<std::uint8_t>(base::get_whole_in<int>(node, "type", 3, 0, 8));
   fault.fix.satellites =
       static_cast<std::uint8_t>(base::get_whole_in<int>(node, "satellites", 10, 0, 60));
@@ -237,6 +285,7 @@ RotorFault parse_rotor(const ConfigNode& node) {
   if (fault.stuck && fault.speed_share == 0) {
     node.at("stuck").fail("a rotor stops or keeps its speed, not both");
   }
+  fault.desync = node.get("desync", false);
   fault.thrust_share = node.get_in("thrust_share", 1, -1, 1);
   return fault;
 }
@@ -289,10 +338,11 @@ GustCommand parse_gust(const ConfigNode& node) {
 
 /// "; did you mean 'rotor'?" where a key is nearly an effect, or nothing.
 std::string meant_effect(const ConfigNode& node) {
-  constexpr std::array<std::string_view, 20> kEffects{
-      "freeze",      "drop",          "delay",   "bias",        "scale",        "noise", "clip",
-      "drift",       "current",       "airflow", "turn",        "axes",         "fix",   "rotor",
-      "swap_rotors", "voltage_share", "surface", "mass_factor", "cg_shift_B_m", "gust"};
+  constexpr std::array<std::string_view, 25> kEffects{
+      "freeze",      "drop",          "delay",     "bias",        "scale",        "noise", "clip",
+      "drift",       "current",       "airflow",   "turn",        "axes",         "fix",   "rotor",
+      "swap_rotors", "voltage_share", "surface",   "mass_factor", "cg_shift_B_m", "gust",  "jammed",
+      "spoofed",     "multipath",     "vibration", "blind"};
   for (const auto& [key, value] : node.entries()) {
     const std::string meant = base::did_you_mean(key, kEffects);
     if (!meant.empty()) return meant;
@@ -323,7 +373,12 @@ FaultKind parse_kind(const ConfigNode& node) {
   offer("airflow", parse_airflow);
   offer("turn", parse_turn);
   offer("axes", parse_axis_map);
+  offer("vibration", parse_vibration);
+  offer("blind", parse_blind);
   offer("fix", parse_fix);
+  offer("jammed", parse_jammed);
+  offer("spoofed", parse_spoofed);
+  offer("multipath", parse_multipath);
   offer("rotor", parse_rotor);
   offer("swap_rotors", parse_swap);
   offer("voltage_share", [](const ConfigNode& n) { return VoltageFault{n.as<double>()}; });
@@ -334,8 +389,8 @@ FaultKind parse_kind(const ConfigNode& node) {
   if (!kind) {
     node.fail(
         "needs one of freeze, drop, delay, bias, scale, noise, clip, drift, current, airflow, "
-        "turn, axes, fix, rotor, swap_rotors, voltage_share, surface, mass_factor, cg_shift_B_m, "
-        "gust" +
+        "vibration, blind, turn, axes, fix, jammed, spoofed, multipath, rotor, swap_rotors, "
+        "voltage_share, surface, mass_factor, cg_shift_B_m, gust" +
         meant_effect(node));
   }
   return *kind;

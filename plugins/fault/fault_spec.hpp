@@ -24,6 +24,7 @@ enum class SensorTopic : std::uint8_t {
   kBarometer,
   kRangefinder,
   kAirspeed,
+  kOpticalFlow,
 };
 
 /// The part of a sample that a fault changes.
@@ -37,6 +38,7 @@ enum class SampleField : std::uint8_t {
   kTemperature,
   kDistance,
   kDifferentialPressure,
+  kFlow,
 };
 
 enum class SensorEffect : std::uint8_t {
@@ -46,9 +48,13 @@ enum class SensorEffect : std::uint8_t {
   kBias,
   kScale,
   kNoise,
-  kClip,  ///< no component is larger than `value`
-  kTurn,  ///< all vectors of the sample are turned
-  kFix,   ///< the receiver's report of its fix
+  kClip,       ///< no component is larger than `value`
+  kTurn,       ///< all vectors of the sample are turned
+  kFix,        ///< the receiver's report of its fix
+  kJam,        ///< noise covers the receiver's satellites
+  kSpoof,      ///< the position goes away at the speed `value`, and the velocity says so
+  kMultipath,  ///< error of the deviation `value`, correlated in time
+  kBlind,      ///< the camera sees nothing
 };
 
 /// Factor of a bias.
@@ -57,6 +63,7 @@ enum class BiasDriver : std::uint8_t {
   kTime,             ///< seconds since the fault began: a drift
   kPower,            ///< power of the rotors / their power in a hover
   kDynamicPressure,  ///< of the air that meets the vehicle, Pa
+  kVibration,        ///< sum over the rotors of (speed / hover)^2 and the sine of their turn
 };
 
 /// A receiver's report of its fix.
@@ -80,6 +87,9 @@ struct SensorFault {
   int all_but = 0;                                     ///< of kDrop: each n-th passes; 0: none
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< of kTurn: true to read vector
   FixReport fix{};                                     ///< of kFix
+  double time_constant_s = 0;                          ///< of kMultipath
+  double loss_db = 0;                                  ///< of kJam: fall of C/N0
+  double rise_s = 0;                                   ///< of kJam: until it is so large
 };
 
 struct RotorFault {
@@ -87,6 +97,7 @@ struct RotorFault {
   double speed_share = 1;
   double thrust_share = 1;  ///< below 0: it turns the other way
   bool stuck = false;       ///< it keeps the speed it has
+  bool desync = false;      ///< its motor has no current
 };
 
 /// The wires of two rotors are exchanged.

@@ -14,6 +14,7 @@
 #include "plugins/common/delay_line.hpp"
 #include "plugins/common/gauss_markov.hpp"
 #include "plugins/fault/fault_spec.hpp"
+#include "plugins/fault/gnss_disturbance.hpp"
 
 namespace cas::sim {
 
@@ -60,6 +61,21 @@ class SampleAccess {
     s.differential_pressure_pa = value.x();
   }
 
+  Eigen::Vector3d read(const FlowSample& s, SampleField) const {
+    return {s.flow_rad.x(), s.flow_rad.y(), 0};
+  }
+  void write(FlowSample& s, SampleField, const Eigen::Vector3d& value) const {
+    s.flow_rad = value.head<2>();
+  }
+
+  /// Nothing to follow in the picture.
+  static void blind(FlowSample& s) {
+    s.flow_rad.setZero();
+    s.quality = 0;
+  }
+  template <class Sample>
+  static void blind(Sample&) {}  // no picture
+
   static void turn(ImuSample& s, const Eigen::Matrix3d& turn) {
     s.specific_force_B = turn * s.specific_force_B;
     s.angular_rate_B = turn * s.angular_rate_B;
@@ -78,6 +94,12 @@ class SampleAccess {
   }
   template <class Sample>
   static void report(Sample&, const FixReport&) {}  // no fixes
+
+  void jam(GpsSample& s, double loss_db, base::NormalRandom& random) const {
+    s = jammed_sample(s, loss_db, projection_, random);
+  }
+  template <class Sample>
+  void jam(Sample&, double, base::NormalRandom&) const {}  // no satellites
 
  private:
   base::LocalProjection projection_;
@@ -99,11 +121,12 @@ class SensorTap {
 
   void set_now(base::SimTime now) { now_ = now; }
   /// Factors of the biases of the coming samples, beside the time.
-  void set_drivers(double power_share, double dynamic_pressure_pa) {
+  void set_drivers(double power_share, double dynamic_pressure_pa, double vibration) {
     power_share_ = power_share;
     dynamic_pressure_pa_ = dynamic_pressure_pa;
+    vibration_ = vibration;
   }
-  void begin(const SensorFault& fault) { active_.push_back({&fault, now_, 0}); }
+  void begin(const SensorFault& fault) { active_.push_back({&fault, now_}); }
   void end(const SensorFault& fault) {
     std::erase_if(active_, [&fault](const Active& each) { return each.fault == &fault; });
   }
@@ -121,17 +144,19 @@ class SensorTap {
   struct Active {
     const SensorFault* fault;
     base::SimTime since;
-    int samples = 0;  ///< so far, counted up to all_but
+    int samples = 0;          ///< so far, counted up to all_but
+    CorrelatedError error{};  ///< of multipath
   };
 
   void on_publish(const Sample& sample) {
     Sample spoiled = sample;
     bool dropped = false;
     base::Duration delay{};
-    for (auto& [fault, since, samples] : active_) {
+    for (Active& active : active_) {
+      const SensorFault* fault = active.fault;
       switch (fault->effect) {
         case SensorEffect::kDrop:
-          dropped |= drops(*fault, samples);
+          dropped |= drops(*fault, active.samples);
           break;
         case SensorEffect::kDelay:
           delay = std::max(delay, fault->delay);
@@ -140,7 +165,7 @@ class SensorTap {
           freeze(spoiled, *fault);
           break;
         default:
-          change(spoiled, *fault, since);
+          change(spoiled, active);
       }
     }
     last_ = spoiled;
@@ -173,11 +198,23 @@ class SensorTap {
     sample.time = time;
   }
 
-  void change(Sample& sample, const SensorFault& fault, base::SimTime since) {
+  void change(Sample& sample, Active& active) {
+    const SensorFault& fault = *active.fault;
+    const double lasts_s = base::to_seconds(now_ - active.since);
     if (fault.effect == SensorEffect::kTurn) return SampleAccess::turn(sample, fault.turn);
     if (fault.effect == SensorEffect::kFix) return SampleAccess::report(sample, fault.fix);
+    if (fault.effect == SensorEffect::kJam) {
+      const double share = lasts_s < fault.rise_s ? lasts_s / fault.rise_s : 1.0;
+      return access_.jam(sample, share * fault.loss_db, *random_);
+    }
+    if (fault.effect == SensorEffect::kBlind) return SampleAccess::blind(sample);
+    if (fault.effect == SensorEffect::kSpoof) return spoof(sample, fault.value, lasts_s);
+    if (fault.effect == SensorEffect::kMultipath) {
+      return add(sample, SampleField::kPosition,
+                 active.error.at(sample.time, fault.value, fault.time_constant_s, *random_));
+    }
     Eigen::Vector3d value = access_.read(sample, fault.field);
-    if (fault.effect == SensorEffect::kBias) value += driver(fault.driver, since) * fault.value;
+    if (fault.effect == SensorEffect::kBias) value += driver(fault.driver, lasts_s) * fault.value;
     if (fault.effect == SensorEffect::kScale) value = value.cwiseProduct(fault.value);
     if (fault.effect == SensorEffect::kNoise) value += fault.value.cwiseProduct(normal3(*random_));
     if (fault.effect == SensorEffect::kClip) {
@@ -186,14 +223,26 @@ class SensorTap {
     access_.write(sample, fault.field, value);
   }
 
-  double driver(BiasDriver driver, base::SimTime since) const {
+  void add(Sample& sample, SampleField field, const Eigen::Vector3d& offset) const {
+    access_.write(sample, field, access_.read(sample, field) + offset);
+  }
+
+  /// Leads the position away; the receiver finds nothing wrong with it.
+  void spoof(Sample& sample, const Eigen::Vector3d& velocity_N, double lasts_s) const {
+    add(sample, SampleField::kPosition, lasts_s * velocity_N);
+    add(sample, SampleField::kVelocity, velocity_N);
+  }
+
+  double driver(BiasDriver driver, double lasts_s) const {
     switch (driver) {
       case BiasDriver::kTime:
-        return base::to_seconds(now_ - since);
+        return lasts_s;
       case BiasDriver::kPower:
         return power_share_;
       case BiasDriver::kDynamicPressure:
         return dynamic_pressure_pa_;
+      case BiasDriver::kVibration:
+        return vibration_;
       case BiasDriver::kOne:
         break;
     }
@@ -205,6 +254,7 @@ class SensorTap {
   base::SimTime now_;
   double power_share_ = 0;
   double dynamic_pressure_pa_ = 0;
+  double vibration_ = 0;
   std::vector<Active> active_;
   std::optional<Sample> last_;
   DelayLine<Sample> held_;

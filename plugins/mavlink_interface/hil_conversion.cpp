@@ -201,6 +201,37 @@ mv::BatteryStatus to_battery_status(const BatterySample& sample) {
   return packet;
 }
 
+mv::EscStatus to_esc_status(const EscSample& sample, int first) {
+  constexpr double kRpmPerRad_s = 30 / M_PI;
+  mv::EscStatus packet;
+  packet.index = static_cast<std::uint8_t>(first);
+  packet.time_usec = base::to_time_usec(sample.time);
+  const int last =
+      std::min<int>(first + kEscsInAMessage, static_cast<int>(sample.omega_rad_s.size()));
+  for (int i = first; i < last; ++i) {
+    const auto at = static_cast<std::size_t>(i - first);
+    packet.rpm[at] = to_wire<std::int32_t>(sample.omega_rad_s[i] * kRpmPerRad_s);
+    packet.voltage[at] = static_cast<float>(sample.voltage_v);
+    packet.current[at] = static_cast<float>(sample.current_a[i]);
+  }
+  return packet;
+}
+
+mv::EscInfo to_esc_info(const EscSample& sample, int first, std::uint16_t counter) {
+  constexpr std::uint8_t kDshot = 5;  // ESC_CONNECTION_TYPE: the one that brings telemetry back
+  mv::EscInfo packet;
+  packet.index = static_cast<std::uint8_t>(first);
+  packet.time_usec = base::to_time_usec(sample.time);
+  packet.counter = counter;
+  packet.count = static_cast<std::uint8_t>(sample.omega_rad_s.size());
+  packet.connection_type = kDshot;
+  packet.temperature.fill(std::numeric_limits<std::int16_t>::max());  // unknown
+  for (int i = 0; i < std::min<int>(kEscsInAMessage, packet.count - first); ++i) {
+    packet.info = static_cast<std::uint8_t>(packet.info | 1U << i);
+  }
+  return packet;
+}
+
 mv::HilStateQuaternion to_hil_state(base::SimTime time, const BodyState& body,
                                     const Environment& air,
                                     const base::LocalProjection& projection) {

@@ -8,6 +8,8 @@
 #include "libsim/api/world.hpp"
 #include "mavlink/common/battery_status.hpp"
 #include "mavlink/common/distance_sensor.hpp"
+#include "mavlink/common/esc_info.hpp"
+#include "mavlink/common/esc_status.hpp"
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/hil_actuator_controls.hpp"
 #include "mavlink/common/hil_controls.hpp"
@@ -48,6 +50,13 @@ mavlink::common::DistanceSensor to_distance_sensor(const RangeSample& sample);
 
 /// Battery 0, with its whole voltage instead of those of its cells: mV, cA, mAh, per cent.
 mavlink::common::BatteryStatus to_battery_status(const BatterySample& sample);
+
+/// Motors a message of speed controllers has room for.
+inline constexpr int kEscsInAMessage = 4;
+/// Telemetry of the motors from `first` on (0, 4, ...): revolutions per minute, V, A.
+mavlink::common::EscStatus to_esc_status(const EscSample& sample, int first);
+/// All of them answer and none reports a failure. @param counter  samples so far
+mavlink::common::EscInfo to_esc_info(const EscSample& sample, int first, std::uint16_t counter);
 
 /// True motion of the centre of gravity: attitude of D in N (w, x, y, z), rates in D (rad/s),
 /// position in 1e-7 degrees and mm above mean sea level, velocity in cm/s in N. Airspeeds, cm/s:

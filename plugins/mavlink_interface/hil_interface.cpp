@@ -82,6 +82,7 @@ void HilInterface::flush(base::SimTime now) {
   send_messages();
   if (battery_) send(to_battery_status(*battery_));
   battery_.reset();
+  send_escs();
   for (std::size_t id = 0; id < range_.size(); ++id) {
     if (!range_[id]) continue;
     mv::DistanceSensor packet = to_distance_sensor(*range_[id]);
@@ -156,6 +157,19 @@ void HilInterface::forget_sensors() {
   }
   gps_.fill({});
   airspeed_.reset();
+}
+
+void HilInterface::send_escs() {
+  if (!esc_) return;
+  const bool info = esc_info_.due(esc_->time);
+  esc_->time += params_.wire_epoch;
+  ++escs_sent_;
+  for (int first = 0; first < static_cast<int>(esc_->omega_rad_s.size());
+       first += kEscsInAMessage) {
+    send(to_esc_status(*esc_, first));
+    if (info) send(to_esc_info(*esc_, first, escs_sent_));
+  }
+  esc_.reset();
 }
 
 void HilInterface::send_gps() {

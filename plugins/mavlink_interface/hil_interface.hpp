@@ -107,6 +107,7 @@ class HilInterface {
     take(range_.at(at), sample, kPartRangefinder, at);
   }
   void on_battery(const BatterySample& sample) { battery_ = sample; }
+  void on_esc(const EscSample& sample) { esc_ = sample; }
   /// A message of a plugin, for the next flush(). @return false when too many wait already
   bool on_message(const mav::MessageInfo& info, const MavlinkMessage& message);
 
@@ -129,7 +130,8 @@ class HilInterface {
   const SpokenSensors& sensors() const { return sensors_; }
 
   /// Sends new data: HEARTBEAT when due, answers to commands, messages of plugins, BATTERY_STATUS,
-  /// DISTANCE_SENSOR, HIL_GPS, HIL_SENSOR (with each IMU sample).
+  /// ESC_STATUS (and ESC_INFO once a second), DISTANCE_SENSOR, HIL_GPS, HIL_SENSOR (with each IMU
+  /// sample).
   ///
   /// The HIL_SENSOR of id 0 is the clock: it is sent with a sample of any IMU, and if the first IMU
   /// has none, without its bits. Those of further ids carry what is new of their sensors; before
@@ -191,6 +193,7 @@ class HilInterface {
   void join();
   void send_heartbeat(base::SimTime now);
   void forget_sensors();
+  void send_escs();
   void send_gps();
   void send_sensors(base::SimTime clock);
   void send_further_sensors(std::uint64_t time_usec);
@@ -222,6 +225,9 @@ class HilInterface {
   std::optional<AirspeedSample> airspeed_;
   std::array<std::optional<RangeSample>, 2> range_;
   std::optional<BatterySample> battery_;
+  std::optional<EscSample> esc_;
+  std::uint16_t escs_sent_ = 0;
+  base::RateGate esc_info_{1};
   std::optional<mavlink::common::HilStateQuaternion> truth_;
   base::RateGate truth_due_;
   std::vector<Waiting> waiting_;

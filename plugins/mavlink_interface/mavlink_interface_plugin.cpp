@@ -252,6 +252,9 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     battery_ = context.bus().subscribe<BatterySample>(
         context.topic("battery"),
         [this](const BatterySample& sample) { interface_->on_battery(sample); }, Need::kOptional);
+    esc_ = context.bus().subscribe<EscSample>(
+        context.topic("esc"), [this](const EscSample& sample) { interface_->on_esc(sample); },
+        Need::kOptional);
   }
 
   void listen_to_plugins(PluginContext& context) {
@@ -292,6 +295,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   std::optional<DatagramSender> companion_;  ///< takes the messages of plugins
   std::uint8_t companion_sequence_ = 0;
   Subscription battery_;
+  Subscription esc_;
   Publisher<MotorCommand> command_;
   Publisher<FaultOrder> faults_;
   int rotors_ = 0;

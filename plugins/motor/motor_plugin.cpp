@@ -27,11 +27,14 @@ namespace {
 constexpr double kTurning_rad_s = 1.0;
 /// Samples of the battery: often enough for a failsafe, and little on a serial line.
 constexpr double kBattery_hz = 2.0;
+/// Telemetry of the speed controllers, as often as autopilots stream it.
+constexpr double kEsc_hz = 10.0;
 /// As many values as a figure keeps.
 constexpr double kFigures_hz = 50.0;
 
 /// The vehicle's forces of propulsion and air: drives the rotors from topic `motor_command`;
-/// publishes their speeds on `rotor_speeds` and the battery, if any, on `battery`. Topic
+/// publishes their speeds on `rotor_speeds`, the battery, if any, on `battery` and the telemetry of
+/// motors with a circuit on `esc`. Topic
 /// `propulsion_health` weakens broken parts.
 class MotorPlugin final : public Plugin {
  public:
@@ -51,6 +54,7 @@ class MotorPlugin final : public Plugin {
       measured_ = context.bus().advertise<BatterySample>(context.topic("battery"));
     }
     if (rotors_->has_circuit()) {
+      esc_telemetry_ = context.bus().advertise<EscSample>(context.topic("esc"));
       for (int i = 1; i <= vehicle.rotor_count(); ++i) {
         motor_currents_.push_back(context.figure("current of motor " + std::to_string(i), "A"));
       }
@@ -95,6 +99,7 @@ class MotorPlugin final : public Plugin {
     battery_ = full_battery_;
     reading_ = {};
     battery_due_.reset();
+    esc_due_.reset();
     figures_due_.reset();
     health_ = {};
     asked_.setZero();
@@ -146,6 +151,12 @@ class MotorPlugin final : public Plugin {
     const MotorCircuit::Supply supply = rotors_->supply(states);
     reading_ = rotors_->battery(supply, states);
     if (battery_due_.due(step.time)) publish(step.time, reading_);
+    if (esc_due_.due(step.time)) {
+      EscSample sample{.time = step.time, .voltage_v = supply.voltage_v};
+      sample.omega_rad_s = base::RotorVector::Map(states.data(), rotors_->rotor_count());
+      sample.current_a = base::RotorVector::Map(supply.motor_a.data(), rotors_->rotor_count());
+      esc_telemetry_.publish(sample);
+    }
     if (!figures_due_.due(step.time)) return;
     for (std::size_t i = 0; i < motor_currents_.size(); ++i) {
       motor_currents_[i].publish({step.time, supply.motor_a[i]});
@@ -205,12 +216,14 @@ class MotorPlugin final : public Plugin {
     double voltage_share = health_.voltage_share * (battery_ ? battery_->speed_share() : 1.0);
     if (rotors_->has_circuit()) {
       rotors_->set_voltage_share(health_.voltage_share);
+      rotors_->cut_currents(health_.without_current);
       voltage_share = 1;
     }
     for (Eigen::Index i = 0; i < driven_.size(); ++i) {
       const auto rotor = static_cast<std::size_t>(i);
       if (health_.stuck[rotor]) continue;
-      const double own_share = i < health_.speed_share.size() ? health_.speed_share[i] : 1.0;
+      double own_share = i < health_.speed_share.size() ? health_.speed_share[i] : 1.0;
+      if (health_.without_current[rotor] && !rotors_->has_circuit()) own_share = 0;
       driven_[i] = voltage_share * own_share * asked_[health_.wired_as[rotor]];
     }
     rotors_->set_targets(driven_);
@@ -234,12 +247,14 @@ class MotorPlugin final : public Plugin {
   std::optional<BatteryModel> battery_;
   BatteryReading reading_;  ///< of the circuits' battery
   base::RateGate battery_due_{kBattery_hz};
+  base::RateGate esc_due_{kEsc_hz};
   base::RateGate figures_due_{kFigures_hz};
   PropulsionHealth health_;
   base::RotorVector asked_;
   base::RotorVector driven_;  ///< speeds that the rotors are to reach
   Publisher<RotorSpeeds> speeds_;
   Publisher<BatterySample> measured_;
+  Publisher<EscSample> esc_telemetry_;
   std::vector<Publisher<FigureSample>> motor_currents_;
   Subscription command_;
   Subscription health_topic_;

@@ -158,7 +158,7 @@ void RotorModel::add_all(const Surroundings& around, const Eigen::Vector3d& w_WB
   std::optional<MotorCircuit::Supply> supply;
   if constexpr (!kPlain) {
     if (circuit_) {
-      supply = circuit_->solve(x.first(count_), battery_of(x), stopped_);
+      supply = circuit_->solve(x.first(count_), battery_of(x), off_);
       circuit_->battery_derivatives(*supply, battery_of(x), battery_of(x_dot));
     }
   }

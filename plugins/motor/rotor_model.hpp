@@ -59,7 +59,7 @@ class RotorModel final : public ForceModel {
   void set_voltage_share(double share) { circuit_->set_voltage_share(share); }
   /// Currents and voltage of the circuits, and the battery that feeds them.
   MotorCircuit::Supply supply(std::span<const double> x) const {
-    return circuit_->solve(x.first(count_), battery_of(x), stopped_);
+    return circuit_->solve(x.first(count_), battery_of(x), off_);
   }
   BatteryReading battery(const MotorCircuit::Supply& supply, std::span<const double> x) const {
     return circuit_->reading(supply, battery_of(x));
@@ -67,9 +67,16 @@ class RotorModel final : public ForceModel {
 
   /// Stops a rotor at once and for good, as when it hits an obstacle; its angular momentum goes
   /// into the obstacle.
-  void stop(std::size_t rotor) { stopped_[rotor] = true; }
+  void stop(std::size_t rotor) { stopped_[rotor] = off_[rotor] = true; }
   bool is_stopped(std::size_t rotor) const { return stopped_[rotor]; }
-  void release_all() { stopped_.fill(false); }
+  void release_all() {
+    stopped_.fill(false);
+    off_.fill(false);
+  }
+  /// Circuits without current: their rotors coast, with friction and load, and drive nothing.
+  void cut_currents(const std::array<bool, base::kMaxRotors>& cut) {
+    for (std::size_t i = 0; i < count_; ++i) off_[i] = stopped_[i] || cut[i];
+  }
 
   int rotor_count() const { return static_cast<int>(count_); }
   /// Speeds of the rotors, then tilts of the servos, then the circuits' battery.
@@ -196,6 +203,7 @@ class RotorModel final : public ForceModel {
   std::array<double, kMost> tilt_targets_{};
   std::array<double, kMost> effectiveness_{};
   std::array<bool, kMost> stopped_{};
+  std::array<bool, kMost> off_{};  // without current: stopped, or cut
 };
 
 }  // namespace cas::sim

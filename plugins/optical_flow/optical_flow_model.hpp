@@ -7,6 +7,7 @@
 
 #include "base/config/config.hpp"
 #include "base/random.hpp"
+#include "libsim/api/messages.hpp"
 
 namespace cas::sim {
 
@@ -21,15 +22,6 @@ struct OpticalFlowParams {
 
 /// Reads the plugin's keys (docs/use/plugins.md).
 OpticalFlowParams parse_optical_flow_params(const base::ConfigNode& node, double step_s);
-
-/// Flow, own turn and time since the sample before.
-struct FlowSample {
-  double time_s = 0;
-  Eigen::Vector2d flow_rad = Eigen::Vector2d::Zero();  ///< about the axes of D
-  Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();  ///< of the camera, axes of D
-  std::uint8_t quality = 0;                            ///< 255: followed all the time; 0: never
-  std::optional<double> distance_m;                    ///< newest, to the ground along the axis
-};
 
 /// A camera that looks along Dz: the motion of the ground at the middle of the picture, as a
 /// right-handed turn of the camera would cause it ([MAVLink] HIL_OPTICAL_FLOW).

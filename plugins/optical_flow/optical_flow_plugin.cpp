@@ -14,10 +14,10 @@ namespace {
 using mavlink::common::HilOpticalFlow;
 
 /// The wire's form: rad, microseconds, metres.
-HilOpticalFlow to_hil_optical_flow(base::SimTime time, const FlowSample& sample) {
+HilOpticalFlow to_hil_optical_flow(const FlowSample& sample) {
   constexpr double kMicroseconds = 1e6;
   HilOpticalFlow packet;
-  packet.time_usec = base::to_time_usec(time);
+  packet.time_usec = base::to_time_usec(sample.time);
   packet.integration_time_us =
       static_cast<std::uint32_t>(std::llround(sample.time_s * kMicroseconds));
   packet.integrated_x = static_cast<float>(sample.flow_rad.x());
@@ -30,7 +30,8 @@ HilOpticalFlow to_hil_optical_flow(base::SimTime time, const FlowSample& sample)
   return packet;
 }
 
-/// Sends HIL_OPTICAL_FLOW of a camera that looks down.
+/// Publishes the samples of a camera that looks down on topic `optical_flow`, and sends as
+/// HIL_OPTICAL_FLOW what plugin fault leaves of them.
 class OpticalFlowPlugin final : public Plugin {
  public:
   void configure(PluginContext& context, const base::ConfigNode& params) override {
@@ -40,6 +41,11 @@ class OpticalFlowPlugin final : public Plugin {
                               seed_);
     rate_ = base::RateGate(model_.params().rate_hz);
     mavlink_ = context.mavlink();
+    flow_ = context.bus().advertise<FlowSample>(context.topic("optical_flow"));
+    sent_ = context.bus().subscribe<FlowSample>(
+        context.topic("optical_flow"), [this](const FlowSample& sample) {
+          mavlink_.publish(mavlink_message(to_hil_optical_flow(sample)));
+        });
   }
 
   void post_step(const StepInfo& step, const World& world) override {
@@ -53,7 +59,9 @@ class OpticalFlowPlugin final : public Plugin {
     model_.accumulate(base::swap_BD(v_B), base::swap_BD(state.w_WB_B), distance,
                       base::to_seconds(step.dt));
     if (!rate_.due(step.time)) return;
-    mavlink_.publish(mavlink_message(to_hil_optical_flow(step.time, model_.sample())));
+    FlowSample sample = model_.sample();
+    sample.time = step.time;
+    flow_.publish(sample);
   }
 
   void reset() override {
@@ -66,6 +74,8 @@ class OpticalFlowPlugin final : public Plugin {
   std::uint64_t seed_ = 0;
   OpticalFlowModel model_;
   base::RateGate rate_;
+  Publisher<FlowSample> flow_;
+  Subscription sent_;
   Publisher<MavlinkMessage> mavlink_;
 };
 

@@ -12,6 +12,7 @@
 #include "plugins/fault/expression.hpp"
 #include "plugins/fault/fault_spec.hpp"
 #include "tests/plugins/plugin_harness.hpp"
+#include "tests/plugins/statistics.hpp"
 
 namespace cas::sim {
 namespace {
@@ -122,6 +123,10 @@ TEST(FaultSpec, RefusesHalfAndDoubleEntries) {
         "faults: [{at_s: 1, current: {sensor: gps, position_m: 1}}]",
         "faults: [{at_s: 1, airflow: {sensor: imu, pressure_coefficient: 1}}]",
         "faults: [{at_s: 1, swap_rotors: [1]}]",
+        "faults: [{at_s: 1, jammed: {sensor: imu, jammer_to_noise_db: 1}}]",
+        "faults: [{at_s: 1, multipath: {position_m: -1, time_constant_s: 1}}]",
+        "faults: [{at_s: 1, vibration: {sensor: gps, position_m: 1}}]",
+        "faults: [{at_s: 1, blind: imu}]",
         "faults: [{at_s: 1, surface: {stuck: true}}]",
         "faults: [{at_s: 1, surface: {name: elevator}}]",
         "faults: [{at_s: 1, surface: {name: elevator, number: 1, stuck: true}}]",
@@ -346,6 +351,178 @@ TEST(FaultPlugin, ReceiverReportsTheFixOfTheFault) {
   EXPECT_EQ(read.eph_m, 12);
   EXPECT_EQ(read.epv_m, 20);
   EXPECT_EQ(read.velocity_N, Vector3d(1, 2, 3));
+}
+
+/// A receiver that stands at home, with ten satellites of 44 dB-Hz on the mean, read at 10 Hz.
+class FaultyReceiver {
+ public:
+  explicit FaultyReceiver(const std::string& fault) : harness_(milliseconds(100)) {
+    fixes_ = harness_.bus.advertise<GpsSample>("iris0/gps");
+    harness_.add("fault", "{faults: [{at_s: 0, " + fault + "}]}");
+    listening_ = harness_.bus.subscribe<GpsSample>(
+        "iris0/gps", [this](const GpsSample& sample) { read_ = sample; });
+  }
+  const GpsSample& next() {
+    harness_.step();
+    now_ += milliseconds(100);
+    fixes_.publish({.time = now_, .position = test::kHome, .eph_m = 0.5, .epv_m = 0.8});
+    return read_;
+  }
+  /// Error of the position that was read last: north, east, down.
+  Vector3d error_N() const { return projection_.to_local(read_.position); }
+
+ private:
+  test::PluginHarness harness_;
+  base::LocalProjection projection_{test::kHome};
+  Publisher<GpsSample> fixes_;
+  Subscription listening_;
+  base::SimTime now_;
+  GpsSample read_;
+};
+
+constexpr double kProjected_m = 1e-6;  // there and back through degrees
+
+TEST(FaultPlugin, ASpoofedPositionRampsAwayWithAVelocityAndAnAccuracyThatFit) {
+  FaultyReceiver receiver("spoofed: {velocity_m_s: [2, -1, 0.5]}");
+  for (int i = 1; i <= 100; ++i) {
+    const GpsSample fix = receiver.next();
+    EXPECT_NEAR((receiver.error_N() - 0.1 * (i - 1) * Vector3d(2, -1, 0.5)).norm(), 0,
+                kProjected_m);
+    EXPECT_EQ(fix.velocity_N, Vector3d(2, -1, 0.5));
+    EXPECT_EQ(fix.eph_m, 0.5);
+    EXPECT_EQ(fix.satellites, 10);
+  }
+}
+
+TEST(FaultPlugin, MultipathIsAGaussMarkovProcessOfItsDeviationAndTime) {
+  FaultyReceiver receiver("multipath: {position_m: [3, 3, 6], time_constant_s: 2}");
+  constexpr int kSamples = 40'000;
+  constexpr int kLag = 20;  // 2 s
+  std::vector<double> north;
+  test::Statistics down;
+  for (int i = 0; i < kSamples; ++i) {
+    receiver.next();
+    north.push_back(receiver.error_N().x());
+    down.add(receiver.error_N().z());
+  }
+  test::Statistics of_north;
+  double product = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    of_north.add(north[i]);
+    if (i >= kLag) product += north[i] * north[i - kLag];
+  }
+  constexpr double kThreeSigma = 0.1;  // of 1000 independent stretches
+  EXPECT_NEAR(of_north.stddev() / 3, 1, kThreeSigma);
+  EXPECT_NEAR(down.stddev() / 6, 1, kThreeSigma);
+  EXPECT_NEAR(product / (kSamples - kLag) / 9, std::exp(-1), kThreeSigma);
+}
+
+struct JamCase {
+  const char* name;
+  double jammer_to_noise_db;
+  int satellites;
+  double factor;  // of the accuracy: sqrt((1 + J/N) 10 / satellites); 0: no fix
+};
+
+class Jammed : public testing::TestWithParam<JamCase> {};
+
+/// Satellites stand from 49.4 to 38.6 dB-Hz in steps of 1.2 dB, and are lost below 28.
+TEST_P(Jammed, LosesSatellitesAndAccuracyByTheNoise) {
+  const JamCase& jam = GetParam();
+  FaultyReceiver receiver("jammed: {jammer_to_noise_db: " + std::to_string(jam.jammer_to_noise_db) +
+                          "}");
+  test::Statistics north;
+  for (int i = 0; i < 4000; ++i) {
+    const GpsSample& fix = receiver.next();
+    ASSERT_EQ(fix.satellites, jam.satellites);
+    EXPECT_NEAR(fix.cn0_db_hz, 44 - 10 * std::log10(1 + std::pow(10, jam.jammer_to_noise_db / 10)),
+                1e-9);
+    EXPECT_EQ(fix.fix_type, jam.factor > 0 ? 3 : 1);
+    EXPECT_NEAR(fix.eph_m, jam.factor > 0 ? 0.5 * jam.factor : 99, 1e-3);
+    north.add(receiver.error_N().x());
+  }
+  if (jam.factor == 0) return;
+  const double added = 0.5 * std::sqrt((jam.factor * jam.factor - 1) / 2);  // of each axis
+  EXPECT_NEAR(north.stddev() / added, 1, 0.05);
+}
+
+INSTANTIATE_TEST_SUITE_P(Noise, Jammed,
+                         testing::Values(JamCase{"All", 10, 10, std::sqrt(11.0)},
+                                         JamCase{"Six", 15, 6, std::sqrt(32.6228 * 10 / 6)},
+                                         JamCase{"None", 30, 0, 0}),
+                         [](const auto& test) { return test.param.name; });
+
+TEST(FaultPlugin, AJammerRisesInDecibels) {
+  FaultyReceiver receiver("jammed: {jammer_to_noise_db: 20, rise_s: 10}");
+  const double loss_db = 10 * std::log10(101.0);
+  for (int i = 1; i <= 150; ++i) {
+    EXPECT_NEAR(receiver.next().cn0_db_hz, 44 - loss_db * std::min(1.0, 0.01 * (i - 1)), 1e-9);
+  }
+}
+
+/// (300 rad/s over the speed in a hover)^2 times the amplitude stands in the spectrum at 300 rad/s.
+TEST(FaultPlugin, VibrationStandsInTheSpectrumAtTheSpeedOfTheRotor) {
+  test::PluginHarness harness;
+  const auto speeds = harness.bus.advertise<RotorSpeeds>("iris0/rotor_speeds");
+  const auto imu = harness.bus.advertise<ImuSample>("iris0/imu");
+  harness.add("fault",
+              "{faults: [{at_s: 0, vibration: {sensor: imu, specific_force_m_s2: [10, 0, 0]}}]}");
+  ImuSample read;
+  const auto listening = harness.bus.subscribe<ImuSample>(
+      "iris0/imu", [&read](const ImuSample& sample) { read = sample; });
+  constexpr double kSpeed = 300;
+  RotorSpeeds turning;
+  turning.omega_rad_s = Vector4d(kSpeed, 0, 0, 0);
+  const auto amplitude = [&](double omega) {
+    constexpr int kSamples = 4189;  // 200 turns
+    double sine = 0, cosine = 0;
+    for (int i = 0; i < kSamples; ++i) {
+      speeds.publish(turning);
+      harness.step();
+      imu.publish({});
+      sine += read.specific_force_B.x() * std::sin(omega * 1e-3 * i) * 2 / kSamples;
+      cosine += read.specific_force_B.x() * std::cos(omega * 1e-3 * i) * 2 / kSamples;
+    }
+    EXPECT_EQ(read.specific_force_B.y(), 0);
+    return std::hypot(sine, cosine);
+  };
+  const base::Vehicle vehicle = test::load_vehicle("iris_px4");
+  const double hover = std::sqrt(vehicle.mass_kg * test::kGravity / 4 /
+                                 vehicle.rotors.front().params.thrust_coefficient);
+  EXPECT_NEAR(amplitude(kSpeed) / (10 * kSpeed * kSpeed / hover / hover), 1, 0.01);
+  EXPECT_LT(amplitude(1.3 * kSpeed), 0.02);
+}
+
+TEST(FaultPlugin, ABlindCameraSeesNoFlowAndSaysSo) {
+  test::PluginHarness harness;
+  const auto flow = harness.bus.advertise<FlowSample>("iris0/optical_flow");
+  harness.add("fault", "{faults: [{at_s: 0, blind: optical_flow}]}");
+  FlowSample read;
+  const auto listening = harness.bus.subscribe<FlowSample>(
+      "iris0/optical_flow", [&read](const FlowSample& sample) { read = sample; });
+  harness.step();
+  flow.publish({.time = {},
+                .time_s = 0.05,
+                .flow_rad = {0.1, 0.2},
+                .turn_rad = {1, 2, 3},
+                .quality = 255,
+                .distance_m = 4});
+  EXPECT_EQ(read.quality, 0);
+  EXPECT_EQ(read.flow_rad.norm(), 0);
+  EXPECT_EQ(read.turn_rad, Vector3d(1, 2, 3));
+  EXPECT_EQ(read.distance_m, 4);
+}
+
+TEST_F(FaultyVehicle, ADesynchronisedMotorHasNoCurrentForAWhile) {
+  start("{faults: [{at_s: 0.1, for_s: 0.1, rotor: {number: 2, desync: true}}]}");
+  PropulsionHealth health;
+  const auto listening = harness_.bus.subscribe<PropulsionHealth>(
+      "iris0/propulsion_health", [&](const PropulsionHealth& h) { health = h; });
+  run(milliseconds(150));
+  EXPECT_TRUE(health.without_current[1]);
+  EXPECT_FALSE(health.without_current[0]);
+  run(milliseconds(100));
+  EXPECT_FALSE(health.without_current[1]);
 }
 
 TEST_F(FaultyVehicle, SticksReversesAndSwapsRotors) {

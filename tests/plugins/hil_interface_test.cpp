@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "plugins/mavlink_interface/hil_conversion.hpp"
 #include "tests/plugins/recording_port.hpp"
 
 namespace cas::sim {
@@ -207,6 +208,35 @@ TEST(HilInterface, SendsEachSampleOfTheBatteryOnceAheadOfTheSensors) {
   interface.flush(at_ms(4));
   EXPECT_EQ(port.ids, (std::vector<std::uint32_t>{mv::Heartbeat::kId, mv::BatteryStatus::kId,
                                                   mv::HilSensor::kId, mv::HilSensor::kId}));
+}
+
+TEST(HilInterface, SendsTelemetryOfSpeedControllersByFours) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  EscSample sample{.time = at_ms(1000), .voltage_v = 14.5};
+  sample.omega_rad_s = base::RotorVector::LinSpaced(6, 0, 500);
+  sample.current_a = base::RotorVector::LinSpaced(6, 0, 5);
+  interface.on_esc(sample);
+  interface.flush(at_ms(1000));
+  sample.time = at_ms(1100);
+  interface.on_esc(sample);
+  interface.flush(at_ms(1100));
+  const auto status = mv::EscStatus::kId;
+  const auto info = mv::EscInfo::kId;
+  EXPECT_EQ(port.ids, (std::vector<std::uint32_t>{mv::Heartbeat::kId, status, info, status, info,
+                                                  status, status}))
+      << "ESC_INFO once a second";
+
+  const mv::EscStatus second = to_esc_status(sample, 4);
+  EXPECT_EQ(second.index, 4);
+  EXPECT_EQ(second.time_usec, 1'100'000U);
+  EXPECT_EQ(second.rpm, (std::array<std::int32_t, 4>{3820, 4775, 0, 0}));  // 400 and 500 rad/s
+  EXPECT_EQ(second.current, (std::array<float, 4>{4, 5, 0, 0}));
+  EXPECT_EQ(second.voltage, (std::array<float, 4>{14.5F, 14.5F, 0, 0}));
+  const mv::EscInfo about = to_esc_info(sample, 4, 7);
+  EXPECT_EQ(about.count, 6);
+  EXPECT_EQ(about.info, 0b11);
+  EXPECT_EQ(about.counter, 7);
 }
 
 TEST(HilInterface, SendsNothingWithoutANewSample) {

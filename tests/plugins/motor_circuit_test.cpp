@@ -82,6 +82,29 @@ INSTANTIATE_TEST_SUITE_P(Trims, Aerosonde,
                                          TrimCase{"At30", 30, 0.9246, 14.195, 613.8}),
                          [](const auto& test) { return test.param.name; });
 
+/// J dw/dt = -(K i_0 + k_q w^2) without current: w = sqrt(a / b) tan(c - sqrt(a b) t) with a = K
+/// i_0 / J and b = k_q / J. With current again it comes back.
+TEST(Desync, ARotorWithoutCurrentCoastsAndComesBack) {
+  const base::Vehicle vehicle = aerosonde();
+  const base::ElectricMotor& motor = *vehicle.rotors[0].electric;
+  Bench bench(vehicle);
+  bench.model.set_targets(base::RotorVector::Constant(1, vehicle.rotors[0].speed_at(0.7)));
+  bench.run(3);
+  const double before = bench.omega();
+  bench.model.cut_currents({true});
+  EXPECT_EQ(bench.model.supply(bench.forces.states()).motor_a[0], 0);
+  bench.run(0.5);
+  const double j = vehicle.rotors[0].params.inertia_kg_m2;
+  const double a = motor.torque_constant_nm_a * motor.no_load_current_a / j;
+  const double b = vehicle.rotors[0].propeller->torque_nm(kBookDensity, 1, 0) / j;
+  const double c = std::atan(before * std::sqrt(b / a));
+  EXPECT_NEAR(bench.omega() / (std::sqrt(a / b) * std::tan(c - std::sqrt(a * b) * 0.5)), 1, 1e-6);
+  EXPECT_LT(bench.omega(), 0.9 * before);
+  bench.model.cut_currents({false});
+  bench.run(3);
+  EXPECT_NEAR(bench.omega() / before, 1, 1e-6);
+}
+
 // The propeller.
 
 /// APC 10x4.7 SF of the UIUC Propeller Database, volume 1 (J. B. Brandt, R. W. Deters, G. K.

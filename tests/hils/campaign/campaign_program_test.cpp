@@ -141,9 +141,26 @@ TEST_F(CampaignProgram, WhatNeverActsIsNoPass) {
       << said;
 }
 
+/// Flown by sticks, the vehicle returns by NAV_RCL_ACT once they are gone for COM_RC_LOSS_T.
+TEST_F(CampaignProgram, TheLossOfTheRadioBringsTheVehicleHome) {
+  std::string scenario = kScenario;
+  scenario.replace(scenario.find("  - land"), 0,
+                   "  - sticks: {pitch: 0.2, duration_s: 4}\n  - hold: {duration_s: 1}\n");
+  folder_.write("hop.yaml", scenario + "ground_station: true\n");
+  folder_.write("hops.yaml",
+                "schema: 1\nname: hops\nscenario: hop.yaml\n"
+                "phases: {flown: phase == sticks and north > 0.5}\nfailures:\n"
+                "  - {failure: rc_lost, expect: [no_crash, {failsafe: RTL, within_s: 2}]}\n"
+                "  - {failure: imu_2_stuck, expect: [stays_up]}\n");
+  const std::string said =
+      hils({file_.string(), "--out", (folder_ / "out").string(), "--replays", "0"}, 0);
+  EXPECT_NE(said.find("1 of 1 cells as expected"), std::string::npos) << said;
+  EXPECT_NE(said.find("needs imu_2, which this vehicle does not have"), std::string::npos) << said;
+}
+
 TEST_F(CampaignProgram, ListsTheCatalogueAndRefusesHalfACommand) {
   const std::string list = hils({"--list"}, 0);
-  EXPECT_NE(list.find("gps_drift (GPS): A spoofer leads the position away slowly"),
+  EXPECT_NE(list.find("gps_spoofed (GPS): A spoofer leads the position away slowly"),
             std::string::npos)
       << list;
   EXPECT_NE(hils({file_.string()}, 2).find("--out DIR"), std::string::npos);

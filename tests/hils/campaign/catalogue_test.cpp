@@ -49,10 +49,10 @@ TEST(Catalogue, EveryFailureIsAFaultOfAScenario) {
 }
 
 TEST(Catalogue, KnowsWhatTheBenchMustHave) {
-  EXPECT_EQ(shipped().failures().size(), 58U);
-  EXPECT_EQ(shipped().find("gps_drifts"), nullptr);
-  EXPECT_EQ(shipped().find("gps_drift")->needs, FailureNeeds::kNothing);
-  EXPECT_FALSE(shipped().find("gps_drift")->of_bench);
+  EXPECT_EQ(shipped().failures().size(), 69U);
+  EXPECT_EQ(shipped().find("gps_spoofeds"), nullptr);
+  EXPECT_EQ(shipped().find("gps_spoofed")->needs, FailureNeeds::kNothing);
+  EXPECT_FALSE(shipped().find("gps_spoofed")->of_bench);
   EXPECT_EQ(shipped().find("line_cut")->needs, FailureNeeds::kLineModel);
   EXPECT_EQ(shipped().find("casd_reloaded")->needs, FailureNeeds::kPrograms);
   EXPECT_EQ(shipped().find("casd_killed")->needs, FailureNeeds::kNothing);
@@ -78,7 +78,7 @@ TEST(Catalogue, IsTheShippedOneWhereverItIsAskedFor) {
   folder.write("failures.yaml", "of: somebody\n");
   const std::filesystem::path before = std::filesystem::current_path();
   std::filesystem::current_path(folder.path());
-  EXPECT_EQ(FailureCatalogue::shipped().failures().size(), 49U);
+  EXPECT_EQ(FailureCatalogue::shipped().failures().size(), 60U);
   std::filesystem::current_path(before);
 }
 

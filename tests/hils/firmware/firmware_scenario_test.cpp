@@ -208,6 +208,7 @@ TEST(FirmwareScenario, RefusesFaultsThatItsBenchCannotPlay) {
            Case{"line: {packet_loss: 0.1}", "faults[0].line: this firmware has no serial line"},
            Case{"flood_hz: 1000", "faults[0].flood_hz: a flight of stock firmware does not have"},
            Case{"silence: ground", "faults[0].silence: a flight of stock firmware does not have"},
+           Case{"silence: sticks", "faults[0].silence: no sticks can be lost: no step `sticks`"},
            Case{"cut: px5", "the topology has no link of this name; did you mean 'px4'?"},
            Case{"pause: casd", "faults[0].pause: takes only hilsim"},
        }) {

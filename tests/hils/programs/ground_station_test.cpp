@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <span>
+#include <vector>
 
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/manual_control.hpp"
@@ -63,6 +64,36 @@ TEST(GroundStation, AttendsEachVehicleThatItHasHeard) {
   base::RunTime now{seconds(10)};
   for (int i = 0; i < 10; ++i) station.tick(now += GroundStation::kTickPeriod);
   EXPECT_EQ(sticks, (std::map<std::uint8_t, int>{{1, 5}, {3, 5}}));
+}
+
+TEST(GroundStation, HoldsTheSticksOfAVehicleUntilTheRadioIsLost) {
+  std::vector<mavlink::common::ManualControl> sticks;
+  mav::PacketParser parser(mavlink::common::table());
+  GroundStation station({1}, kParameterListPeriod, [&](std::span<const std::uint8_t> bytes) {
+    parser.feed(bytes, [&](const mav::PacketView& packet) {
+      const auto message = mav::decode<mavlink::common::ManualControl>(packet);
+      if (message) sticks.push_back(*message);
+    });
+  });
+  mav::Encoder vehicle({1, 1});
+  station.on_bytes(vehicle(mavlink::common::Heartbeat{}));
+  base::RunTime now{seconds(10)};
+  const auto run = [&] {
+    for (int i = 0; i < 10; ++i) station.tick(now += GroundStation::kTickPeriod);
+    return sticks.size();
+  };
+  EXPECT_EQ(run(), 5U);
+  EXPECT_EQ(sticks.back().z, 500) << "centred";
+  station.hold(1, {.pitch = 0.7, .roll = -1, .yaw = 0.25, .climb = -0.5});
+  EXPECT_EQ(run(), 10U);
+  EXPECT_EQ(sticks.back().x, 700);
+  EXPECT_EQ(sticks.back().y, -1000);
+  EXPECT_EQ(sticks.back().r, 250);
+  EXPECT_EQ(sticks.back().z, 250);
+  station.lose_sticks(true);
+  EXPECT_EQ(run(), 10U);
+  station.lose_sticks(false);
+  EXPECT_EQ(run(), 15U);
 }
 
 }  // namespace

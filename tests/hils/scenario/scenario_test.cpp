@@ -97,6 +97,17 @@ TEST_F(ScenarioFile, RefusesAMissionOfOurController) {
       << whole;
 }
 
+TEST_F(ScenarioFile, SticksAndTheirLossNeedSomethingThatSendsThem) {
+  std::string steps = kFlight;
+  steps.insert(steps.find("  - land"), "  - sticks: {pitch: 0.5, duration_s: 2}\n");
+  EXPECT_NE(error_of(kHead + steps).find("sticks: needs `ground_station: true`"), std::string::npos)
+      << error_of(kHead + steps);
+  const std::string lost =
+      kHead + std::string(kFlight) + "faults: [{at_s: 5, for_s: 1, silence: sticks}]\n";
+  EXPECT_NE(error_of(lost).find("faults[0].silence: no sticks can be lost"), std::string::npos)
+      << error_of(lost);
+}
+
 TEST_F(ScenarioFile, RefusesARebootOfOurController) {
   const std::string error = error_of(kHead + std::string(kFlight) + "  - disarm\n  - reboot\n");
   EXPECT_NE(error.find(": only a scenario of stock firmware (key firmware) has a step reboot"),
