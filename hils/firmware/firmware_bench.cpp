@@ -115,6 +115,7 @@ ChildProcess::Options FirmwareBench::firmware_options(std::size_t instance) cons
   std::map<std::string, std::string> own{
       {"CAS_FCU_TTY", paths_.firmware_tty().string()},
       {"CAS_AHRS_TTY", paths_.ahrs_tty().string()},
+      {"CAS_GPS_TTY", paths_.gps_tty().string()},
       {"CAS_CONFIG", config.string()},
       {"CAS_INSTANCE", std::to_string(instance)},
       {"CAS_SYSTEM", std::to_string(system_of_instance(instance))}};

@@ -59,6 +59,14 @@ void offer_serial_line(const RunRequest& request, const RunPaths& paths, YAML::N
   if (board != nullptr) link["baud"] = board->baud;
 }
 
+/// The pseudo-terminal that ${CAS_GPS_TTY} names, for a plugin ubx that names no line of its own.
+void offer_gps_line(const RunPaths& paths, YAML::Node plugins) {
+  for (YAML::Node plugin : plugins) {
+    if (plugin["plugin"].as<std::string>() != "ubx" || plugin["device"] || plugin["pty"]) continue;
+    plugin["pty"] = paths.gps_tty().string();
+  }
+}
+
 std::string world_text(const RunRequest& request, const RunPaths& paths) {
   const Scenario& scenario = request.scenario;
   const Firmware& firmware = *scenario.firmware;
@@ -79,6 +87,7 @@ std::string world_text(const RunRequest& request, const RunPaths& paths) {
     }
     if (firmware.external_ahrs) offer_ahrs_line(request, paths, vehicle["plugins"]);
     add_scenario_plugins(request, i, vehicle["plugins"]);
+    offer_gps_line(paths, vehicle["plugins"]);
     vehicle["plugins"].push_back(recorder_plugin(request, paths.vehicles.at(i)));
     notes += plugin_origins(scenario, i, vehicles.at(i).at("plugins").items().size());
   }

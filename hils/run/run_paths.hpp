@@ -92,6 +92,8 @@ struct RunPaths {
   std::filesystem::path firmware_tty() const { return sockets / "firmware_tty"; }
   /// The line on which it takes its sensors from plugin external_ahrs.
   std::filesystem::path ahrs_tty() const { return sockets / "ahrs_tty"; }
+  /// And that on which it takes fixes from plugin ubx.
+  std::filesystem::path gps_tty() const { return sockets / "gps_tty"; }
 };
 
 }  // namespace cas::hils

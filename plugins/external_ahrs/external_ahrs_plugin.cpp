@@ -14,9 +14,9 @@
 #include "base/os/log.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
+#include "plugins/common/gps_time.hpp"
+#include "plugins/common/serial_wire.hpp"
 #include "plugins/external_ahrs/attitude_solution.hpp"
-#include "plugins/external_ahrs/gps_time.hpp"
-#include "plugins/external_ahrs/serial_wire.hpp"
 #include "plugins/external_ahrs/vector_nav.hpp"
 
 namespace cas::sim {
@@ -43,14 +43,6 @@ auto word_of(const base::ConfigNode& node, const char* key, const base::EnumWord
   child->fail("is one of " + all);
 }
 
-std::unique_ptr<SerialWire> open_wire(const base::ConfigNode& node, unsigned baud) {
-  const auto pty = node.find("pty");
-  const auto device = node.find("device");
-  if (pty && device) device->fail("stands for the line; so does pty");
-  if (pty) return SerialWire::make_pty(*pty);
-  return SerialWire::open_device(device ? *device : node.at("device"), baud);
-}
-
 /// GPS_FIX_TYPE as VectorNav numbers its fixes.
 std::uint8_t unit_fix_type(std::uint8_t fix_type) {
   constexpr std::array<std::uint8_t, 7> kTypes{0, 0, 2, 3, 4, 7, 8};
@@ -68,7 +60,7 @@ class ExternalAhrsPlugin final : public Plugin {
     const UnitModel model = word_of(node, "model", kModels, UnitModel::kVn200);
     const auto baud = base::get_whole_in<unsigned>(node, "baud", kUsualBaud, 9'600, 4'000'000);
     source_ = word_of(node, "solution", kSources, SolutionSource::kTruth);
-    wire_ = open_wire(node, baud);
+    wire_ = SerialWire::make(node, baud);
     unit_.emplace(model, baud);
     readings_.has_second_receiver = model == UnitModel::kVn300;
     vehicle_ = context.vehicle_id();

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/earth/frames.hpp"
+#include "plugins/common/gps_time.hpp"
 #include "plugins/external_ahrs/attitude_solution.hpp"
-#include "plugins/external_ahrs/gps_time.hpp"
 #include "plugins/external_ahrs/vector_nav.hpp"
 #include "tests/plugins/vector_nav_driver.hpp"
 

@@ -28,6 +28,8 @@ class SerialWire {
     std::uint64_t lost_lines = 0;  ///< times at which the device went
   };
 
+  /// By key `pty` or key `device` of a plugin. @throws base::ConfigError
+  static std::unique_ptr<SerialWire> make(const base::ConfigNode& node, unsigned baud);
   /// Makes a pseudo-terminal under a symlink. @throws base::ConfigError
   static std::unique_ptr<SerialWire> make_pty(const base::ConfigNode& link);
   /// Opens a device, now or once it is there. @throws base::ConfigError when it is, and may not be

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "plugins/external_ahrs/serial_wire.hpp"
+#include "plugins/common/serial_wire.hpp"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -29,6 +29,14 @@ std::size_t asked_bytes(int fd, unsigned long request) {
 bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
 
 }  // namespace
+
+std::unique_ptr<SerialWire> SerialWire::make(const base::ConfigNode& node, unsigned baud) {
+  const auto pty = node.find("pty");
+  const auto device = node.find("device");
+  if (pty && device) device->fail("stands for the line; so does pty");
+  if (pty) return make_pty(*pty);
+  return open_device(device ? *device : node.at("device"), baud);
+}
 
 std::unique_ptr<SerialWire> SerialWire::make_pty(const base::ConfigNode& link) {
   std::unique_ptr<SerialWire> wire(new SerialWire());
