@@ -102,8 +102,8 @@ TEST_F(ScenarioFile, SticksAndTheirLossNeedSomethingThatSendsThem) {
   steps.insert(steps.find("  - land"), "  - sticks: {pitch: 0.5, duration_s: 2}\n");
   EXPECT_NE(error_of(kHead + steps).find("sticks: needs `ground_station: true`"), std::string::npos)
       << error_of(kHead + steps);
-  const std::string lost = kHead + std::string(kFlight) +
-                           "faults: [{at_s: 5, for_s: 1, silence: sticks}]\n";
+  const std::string lost =
+      kHead + std::string(kFlight) + "faults: [{at_s: 5, for_s: 1, silence: sticks}]\n";
   EXPECT_NE(error_of(lost).find("faults[0].silence: no sticks can be lost"), std::string::npos)
       << error_of(lost);
 }
