@@ -24,6 +24,7 @@ EXTERNALS = {
     "nlohmann": ("nlohmann/",),
     "ODE": ("ode/",),
     "Embree": ("embree3/",),
+    "libtiff": ("tiffio.h",),
     "urdfdom": ("urdf_parser/", "urdf_model/", "urdf_world/", "urdf_exception/", "tinyxml"),
     "libpng": ("png.h",),
     "sdformat": ("sdf/", "ignition/", "gz/"),
@@ -82,13 +83,15 @@ LAYERS = {
     "libsim/api": BASE | {"Eigen"},
     "libsim/core": SYSTEM,
     "libsim/core/body": API | {"libsim/core"},
+    # the one folder that knows libtiff
+    "libsim/core/terrain": API | {"libsim/core", "libsim/core/body", "libtiff"},
     # the one folder that knows ODE
-    "libsim/core/ode": API | {"libsim/core", "libsim/core/body", "ODE"},
+    "libsim/core/ode": API | {"libsim/core", "libsim/core/body", "libsim/core/terrain", "ODE"},
     # the one folder that knows Embree
     "libsim/core/rays": API | {"libsim/core", "libsim/core/body", "Embree"},
     "libsim/core/load":
-        API | {"libsim/core", "libsim/core/body", "sdformat", "libpng"},
-    "libsim/core/run": API | {"libsim/core"} | rooms("libsim/core", "body ode rays load"),
+        API | rooms("libsim/core", "body terrain") | {"libsim/core", "sdformat", "libpng"},
+    "libsim/core/run": API | {"libsim/core"} | rooms("libsim/core", "body terrain ode rays load"),
 
     "plugins/common": BASE | {"Eigen"},
     "plugins": PLUGIN,  # each of plugins/<name>

@@ -28,9 +28,19 @@ std::string full_path(const base::ConfigNode& key) {
 void resolve_files(const base::ConfigNode& source, YAML::Node world) {
   const auto scene = source.at("world");
   if (scene.is_scalar()) world["world"] = full_path(scene);
-  const auto folders = source.get("model_path", std::vector<std::string>{});
-  for (std::size_t i = 0; i < folders.size(); ++i) {
-    world["model_path"][i] = std::filesystem::weakly_canonical(source.resolve(folders[i])).string();
+  const auto beside = [](const base::ConfigNode& key) {
+    return std::filesystem::weakly_canonical(key.resolve(key.as<std::string>())).string();
+  };
+  if (const auto folders = source.find("model_path")) {
+    const auto items = folders->items();
+    for (std::size_t i = 0; i < items.size(); ++i) world["model_path"][i] = beside(items[i]);
+  }
+  if (const auto terrain = source.find("terrain")) {
+    const auto files = terrain->at("files").items();
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      world["terrain"]["files"][i] = beside(files[i]);
+    }
+    if (const auto geoid = terrain->find("geoid")) world["terrain"]["geoid"] = beside(*geoid);
   }
   const auto vehicles = source.at("vehicles").items();
   for (std::size_t i = 0; i < vehicles.size(); ++i) {

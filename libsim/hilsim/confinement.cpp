@@ -73,6 +73,7 @@ Places readable_places(const SimRunner& runner, const std::filesystem::path& fil
   add(places, plugin_dirs);
   add_library_path(places);
   places.push_back(folder_of(ray_library()));
+  if (const auto& terrain = runner.config().terrain) add(places, terrain->files);
   std::set<std::filesystem::path> configs{file};
   for (const VehicleConfig& vehicle : runner.config().vehicles) {
     places.push_back(folder_of(vehicle.vehicle.urdf));

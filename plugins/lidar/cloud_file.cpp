@@ -13,10 +13,9 @@ static_assert(std::endian::native == std::endian::little, "a point is written as
 constexpr std::size_t kPointBytes = 5 * sizeof(float) + sizeof(std::uint16_t);
 
 /// "x y z qw qx qy qz" of S in W when the scan began.
-std::string viewpoint(const LidarScan& scan, const LidarParams& params) {
-  const BodyState& vehicle = scan.vehicle;
-  const Eigen::Vector3d p = vehicle.p_WB + vehicle.q_WB * params.position_B_m;
-  const Eigen::Quaterniond q = vehicle.q_WB * params.q_BS;
+std::string viewpoint(const LidarScan& scan) {
+  const Eigen::Vector3d& p = scan.p_WS;
+  const Eigen::Quaterniond& q = scan.q_WS;
   char text[200];
   std::snprintf(text, sizeof(text), "%.6f %.6f %.6f %.9f %.9f %.9f %.9f", p.x(), p.y(), p.z(),
                 q.w(), q.x(), q.y(), q.z());
@@ -46,13 +45,13 @@ void append(std::string& text, const T& value) {
 
 }  // namespace
 
-std::string cloud_text(const LidarScan& scan, const LidarParams& params, base::CloudForm form) {
+std::string cloud_text(const LidarScan& scan, base::CloudForm form) {
   const std::string count = std::to_string(scan.points.size());
-  const std::string place = viewpoint(scan, params);
+  const std::string place = viewpoint(scan);
   std::string text =
       form == base::CloudForm::kPcd ? pcd_head(count, place) : ply_head(count, place);
   text.reserve(text.size() + scan.points.size() * kPointBytes);
-  for (const LidarPoint& point : scan.points) {
+  for (const CloudPoint& point : scan.points) {
     for (const float value : point.p_S) append(text, value);
     append(text, point.cosine);
     append(text, point.time_s);

@@ -12,6 +12,6 @@ namespace cas::sim {
 /// intensity (cosine of the angle of incidence), t (s since the scan began) and ring.
 ///
 /// PCD names where S was when the scan began, in W, as its viewpoint; PLY has it in a comment.
-std::string cloud_text(const LidarScan& scan, const LidarParams& params, base::CloudForm form);
+std::string cloud_text(const LidarScan& scan, base::CloudForm form);
 
 }  // namespace cas::sim

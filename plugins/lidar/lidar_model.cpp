@@ -81,7 +81,9 @@ void LidarModel::take_hits() {
     const Shot& shot = shots_[i];
     if (shot.beam == 0) {
       scan_.begin = base::SimTime(base::from_seconds(time_of(scan_.number, 0)));
-      scan_.vehicle = vehicles_[begun++];
+      const BodyState& vehicle = vehicles_[begun++];
+      scan_.p_WS = vehicle.p_WB + vehicle.q_WB * params_.position_B_m;
+      scan_.q_WS = vehicle.q_WB * params_.q_BS;
     }
     take(shot, directions_W_[i], hits_[i]);
     if (shot.beam + 1 < params_.beams.size()) continue;

@@ -12,6 +12,7 @@
 #include "base/config/config.hpp"
 #include "base/random.hpp"
 #include "base/time/clock.hpp"
+#include "libsim/api/point_cloud.hpp"
 #include "libsim/api/world.hpp"
 #include "plugins/lidar/lidar_pattern.hpp"
 #include "plugins/lidar/obstacle_sectors.hpp"
@@ -34,20 +35,13 @@ struct LidarParams {
 /// Reads the block `lidar`: its keys are those of its sheet (base/config/sensor_sheets.hpp).
 LidarParams parse_lidar_params(const base::ConfigNode& node, double step_s);
 
-/// A return of one beam, in S when the beam fired.
-struct LidarPoint {
-  Eigen::Vector3f p_S;  ///< m
-  float cosine = 0;     ///< of the angle of incidence
-  float time_s = 0;     ///< since the scan began
-  std::uint16_t ring = 0;
-};
-
 /// One scan.
 struct LidarScan {
   std::uint64_t number = 0;  ///< from 0
   base::SimTime begin;       ///< when its first beam fired
-  BodyState vehicle;         ///< at that time
-  std::vector<LidarPoint> points;
+  Eigen::Vector3d p_WS;      ///< place of the sensor at that time
+  Eigen::Quaterniond q_WS;   ///< and its attitude
+  std::vector<CloudPoint> points;
   ObstacleSectors sectors;
 };
 

@@ -14,8 +14,8 @@
 namespace cas::sim {
 namespace {
 
-/// Sends OBSTACLE_DISTANCE after each scan, and writes scans as files. Writing one takes a
-/// millisecond of a step; the files go to the kernel's cache.
+/// Publishes each scan on topic `lidar`, sends OBSTACLE_DISTANCE after it, and writes scans as
+/// files. Writing one takes a millisecond of a step; the files go to the kernel's cache.
 class LidarPlugin final : public Plugin {
  public:
   void configure(PluginContext& context, const base::ConfigNode& node) override {
@@ -29,6 +29,7 @@ class LidarPlugin final : public Plugin {
     file_ = context.vehicle_name() + "_";
     restart(parse_lidar_params(node, base::to_seconds(context.step())));
     if (sheet.obstacle_height_m) obstacles_ = context.mavlink();
+    cloud_ = context.bus().advertise<PointCloud>(free_topic(context));
     context.expect_rays();
   }
 
@@ -49,6 +50,15 @@ class LidarPlugin final : public Plugin {
   }
 
  private:
+  /// "lidar", or of a vehicle's second one "lidar_2".
+  static std::string free_topic(PluginContext& context) {
+    std::string name = context.topic("lidar");
+    for (int number = 2; context.bus().is_advertised(name); ++number) {
+      name = context.topic("lidar_" + std::to_string(number));
+    }
+    return name;
+  }
+
   static std::filesystem::path cloud_folder(const base::ConfigNode& node,
                                             const base::LidarSheet& sheet) {
     if (const auto key = node.find("cloud_folder")) return result_path(*key);
@@ -63,6 +73,7 @@ class LidarPlugin final : public Plugin {
 
   void on_scan(const LidarScan& scan) {
     const LidarParams& params = model_.params();
+    cloud_.publish({scan.number, scan.begin, scan.p_WS, scan.q_WS, scan.points});
     if (obstacles_) {
       obstacles_->publish(
           mavlink_message(scan.sectors.message(scan.begin, params.min_m, params.max_m)));
@@ -71,7 +82,7 @@ class LidarPlugin final : public Plugin {
     char number[32];
     std::snprintf(number, sizeof(number), "%06llu.%s", static_cast<unsigned long long>(scan.number),
                   form_ == base::CloudForm::kPcd ? "pcd" : "ply");
-    base::write_result({output_, folder_ / (file_ + number)}, cloud_text(scan, params, *form_));
+    base::write_result({output_, folder_ / (file_ + number)}, cloud_text(scan, *form_));
   }
 
   VehicleId vehicle_{};
@@ -79,6 +90,7 @@ class LidarPlugin final : public Plugin {
   LidarModel model_;
   double reach_m_ = 0;
   BodyState before_;
+  Publisher<PointCloud> cloud_;
   std::optional<Publisher<MavlinkMessage>> obstacles_;
   std::optional<base::CloudForm> form_;
   std::uint64_t every_ = 1;

@@ -210,7 +210,7 @@ TEST(Lidar, MeasuresASphereExactly) {
   }
   EXPECT_GT(seen, 300U);
   EXPECT_EQ(scans[0].points.size(), seen);
-  for (const LidarPoint& point : scans[0].points) {
+  for (const CloudPoint& point : scans[0].points) {
     const Vector3d p_W = o_W + point.p_S.cast<double>();
     ASSERT_NEAR((p_W - centre_W).norm(), kRadius_m, kSinglePrecision_m);
     const double cosine = (p_W - centre_W).dot(o_W - p_W) / (kRadius_m * (o_W - p_W).norm());
@@ -233,8 +233,8 @@ TEST(Lidar, FiresFromWhereTheMovingSensorIs) {
   ASSERT_EQ(scans.size(), 2U);
   double last = 0;
   for (const LidarScan& turn : scans) {
-    EXPECT_TRUE(turn.vehicle.p_WB.isApprox(flight(base::to_seconds(turn.begin)).p_WB, 1e-9));
-    for (const LidarPoint& point : turn.points) {
+    EXPECT_TRUE(turn.p_WS.isApprox(flight(base::to_seconds(turn.begin)).p_WB, 1e-9));
+    for (const CloudPoint& point : turn.points) {
       const double t = base::to_seconds(turn.begin) + point.time_s;
       const BodyState vehicle = flight(t);
       const Vector3d p_W = vehicle.p_WB + vehicle.q_WB * point.p_S.cast<double>();
@@ -412,6 +412,30 @@ TEST(LidarPlugin, WritesPly) {
   EXPECT_NEAR(point[0], 3 / std::tan(30 * base::kRadPerDeg), 1e-5);
   EXPECT_NEAR(point[2], -3, 1e-5);
   EXPECT_NEAR(point[4], 0.025, 1e-6);
+}
+
+TEST(LidarPlugin, PublishesEachScanAndThatOfASecondLidar) {
+  const cas::test::TemporaryFolder folder;
+  cas::test::PluginHarness harness(milliseconds(4), folder.path());
+  harness.world.body.p_WB = {1, 2, 3};
+  std::ofstream(folder.path() / "down.csv")
+      << "share,azimuth_deg,elevation_deg\n0,0,-90\n0.5,0,-30\n";
+  const std::string yaml = "{pattern: " + (folder.path() / "down.csv").string() +
+                           ", rate_hz: 20, min_m: 0.5, max_m: 100, position_B_m: [0, 0, -1]}";
+  std::vector<std::uint64_t> numbers;
+  std::vector<Subscription> taps;
+  for (const char* topic : {"iris0/lidar", "iris0/lidar_2"}) {
+    taps.push_back(harness.bus.subscribe<PointCloud>(topic, [&](const PointCloud& cloud) {
+      numbers.push_back(cloud.number);
+      EXPECT_EQ(cloud.p_WS, Eigen::Vector3d(1, 2, 2));
+      ASSERT_EQ(cloud.points.size(), 2U);
+      EXPECT_NEAR(cloud.points[1].p_S.z(), -2, kSinglePrecision_m);
+    }));
+  }
+  harness.add("lidar", yaml);
+  harness.add("lidar", yaml);
+  harness.run(milliseconds(100));
+  EXPECT_THAT(numbers, testing::ElementsAre(0, 0, 1, 1));
 }
 
 TEST(LidarPlugin, RefusesAFolderOutsideOfTheResults) {

@@ -9,7 +9,6 @@ namespace cas::sim {
 
 namespace {
 
-constexpr double kMargin_m = 1.0;
 constexpr double kSteepest = 1e-3;  // z of the normal of a plane that can carry anything
 
 }  // namespace

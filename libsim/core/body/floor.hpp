@@ -14,6 +14,8 @@ namespace cas::sim {
 /// The lowest surface of a world: a body below it falls for ever.
 class CAS_SIM_EXPORT Floor {
  public:
+  static constexpr double kMargin_m = 1.0;
+
   Floor() = default;
   /// @param statics  in W
   explicit Floor(std::span<const Shape> statics);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +15,8 @@
 
 namespace cas::sim {
 
+class Terrain;
+
 /// A world without its vehicles: its objects and its environment.
 struct WorldModel {
   std::string name;
@@ -21,6 +24,7 @@ struct WorldModel {
   Eigen::Vector3d wind_W = Eigen::Vector3d::Zero();
   std::vector<Shape> statics;  ///< poses in W
   std::vector<MovingObstacle> moving;
+  std::shared_ptr<const Terrain> terrain;  ///< null: none
   std::optional<base::Geodetic> home;
   std::optional<base::Duration> step;
   std::optional<double> real_time_factor;

@@ -72,6 +72,25 @@ constexpr std::tuple kFlatWorldKeys{
     required(key<&WorldConfig::ground>("ground", base::Flag{}, "a horizontal plane at z = 0")),
 };
 
+/// Elevation files and folders of them, beside the file.
+struct ElevationFiles {
+  static void read(const ConfigNode& node, std::vector<std::filesystem::path>& files) {
+    for (const ConfigNode& item : node.items()) {
+      const std::filesystem::path& file = files.emplace_back(item.resolve(item.as<std::string>()));
+      if (!std::filesystem::exists(file)) item.fail("there is no file or folder " + file.string());
+    }
+    if (files.empty()) node.fail("names no file");
+  }
+};
+
+constexpr std::tuple kTerrainKeys{
+    required(key<&TerrainConfig::files>(
+        "files", ElevationFiles{}, "list of elevation files (.hgt, .tif) and folders of them")),
+    key<&TerrainConfig::geoid>("geoid", base::PathBeside{},
+                               "elevation file of the geoid over the ellipsoid, for elevations "
+                               "over the ellipsoid"),
+};
+
 /// An SDF file, or a flat world.
 struct WorldBlock : base::Block<WorldConfig, decltype(kFlatWorldKeys)> {
   void read(const ConfigNode& node, WorldConfig& world) const {
@@ -118,6 +137,8 @@ constexpr std::tuple kKeys{
         "collada_up_axis", kUpAxes,
         "`<up_axis>` of COLLADA meshes, also of vehicles: `ignored` as by Gazebo and RViz, or "
         "`applied`"),
+    key<&SimConfig::terrain>("terrain", block<TerrainConfig>(kTerrainKeys),
+                             "[ground from elevation files](../use/simulator.md#terrain)", "none"),
     key<&SimConfig::home>("home", block<base::Geodetic>(kPlaceKeys),
                           "place of x = y = z = 0; required in a flat world", "the world's"),
     required(key<&SimConfig::decimal_year>("decimal_year", kFieldYears,
@@ -237,6 +258,9 @@ SimConfig SimConfig::parse(const base::ConfigNode& root) {
   }
   base::read_keys(root, kKeys, config);
   if (!config.home && !config.world.sdf) root.at("home");  // says that it is missing
+  if (config.terrain && !config.world.sdf && config.world.ground) {
+    root.at("world").at("ground").fail("the terrain is the ground: give false");
+  }
   config.pace.speed_given = root.has("speed");
   parse_vehicles(root.at("vehicles"), config.vehicles);
   root.reject_unused();

@@ -15,6 +15,7 @@
 #include "base/time/clock.hpp"
 #include "libsim/core/export.hpp"
 #include "libsim/core/load/mesh_options.hpp"
+#include "libsim/core/terrain/terrain_config.hpp"
 
 namespace cas::sim {
 
@@ -86,6 +87,7 @@ struct CAS_SIM_EXPORT SimConfig {
   static constexpr int kSchema = 1;
 
   WorldConfig world;
+  std::optional<TerrainConfig> terrain;
   std::optional<base::Geodetic> home;  ///< empty: the SDF world's spherical coordinates
   double decimal_year = 0;
   base::Weather weather;

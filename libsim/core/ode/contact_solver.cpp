@@ -23,6 +23,7 @@
 #include "libsim/core/ode/geometry.hpp"
 #include "libsim/core/ode/remembered_points.hpp"
 #include "libsim/core/ode/static_bounds.hpp"
+#include "libsim/core/ode/terrain_patches.hpp"
 
 namespace cas::sim {
 
@@ -167,6 +168,7 @@ struct ContactSolver::Impl {
   std::vector<Surface> surfaces;
   std::vector<Body> bodies;
   StaticBounds bounds;
+  std::optional<TerrainPatches> terrain;
   Eigen::Vector3d gravity_W = Eigen::Vector3d::Zero();
   double h = 1e-3;  // s, step that the springs are discretised for
 
@@ -298,6 +300,7 @@ struct ContactSolver::Impl {
   void look_for_world_contacts(Body& body) {
     points.clear();
     find_world_points(body);
+    if (terrain) find_terrain_points(body);
     if (is_slow(body) && face_more_than_one_way(points)) {
       body.remembered.add_to(points, move_of(body));
     } else {
@@ -330,6 +333,24 @@ struct ContactSolver::Impl {
     } else if (touched) {
       find_points_on_shapes(body);
     }
+  }
+
+  /// Adds the body's points on the terrain, on a plane where that is flat all around the body.
+  void find_terrain_points(Body& body) {
+    const Eigen::Vector3d p_W = from_ode(dBodyGetPosition(body.id));
+    if (!terrain->within(p_W, body.radius)) return;
+    const Eigen::Vector3d anchor_W = terrain->bring(p_W, body.radius);
+    const Eigen::Vector3d p = p_W - anchor_W;
+    if (auto flat = flat_ground.around(terrain->space(), p, body.radius)) {
+      flat->ground.height_m += flat->ground.n_W.dot(anchor_W);
+      return find_points_on(*flat, body);
+    }
+    const std::size_t others = points.size();
+    dBodySetPosition(body.id, p.x(), p.y(), p.z());
+    dSpaceCollide2(reinterpret_cast<dGeomID>(body.space),
+                   reinterpret_cast<dGeomID>(terrain->space()), this, &on_pair);
+    dBodySetPosition(body.id, p_W.x(), p_W.y(), p_W.z());
+    for (std::size_t i = others; i < points.size(); ++i) points[i].p_W += anchor_W;
   }
 
   void find_points_on_shapes(Body& body) {
@@ -481,6 +502,12 @@ struct ContactSolver::Impl {
     return met;
   }
 
+  bool meets_terrain(Disc disc) {
+    if (!terrain || !terrain->within(disc.centre_W, disc.radius_m)) return false;
+    disc.centre_W -= terrain->bring(disc.centre_W, disc.radius_m);
+    return meets(disc, terrain->space());
+  }
+
   static void on_disc(void* met, dGeomID a, dGeomID b) {
     dContactGeom hit;
     auto& any = *static_cast<bool*>(met);
@@ -545,6 +572,10 @@ void ContactSolver::add_static(const Shape& shape) {
   impl_->bounds.add(shape, geom);
 }
 
+void ContactSolver::set_terrain(std::shared_ptr<const Terrain> terrain) {
+  impl_->terrain.emplace(std::move(terrain), impl_->own(Surface{}, -1));
+}
+
 void ContactSolver::add_body(std::span<const Shape> shapes, const MassProperties& mass) {
   Body body;
   body.id = dBodyCreate(impl_->world);
@@ -582,7 +613,7 @@ void ContactSolver::set_mass(std::size_t body, const MassProperties& mass) {
 }
 
 bool ContactSolver::near_world(std::size_t body, const Eigen::Vector3d& p_W) const {
-  return impl_->bounds.within(p_W, impl_->bodies[body].radius);
+  return world_within(p_W, impl_->bodies[body].radius);
 }
 
 bool ContactSolver::near_each_other(std::size_t a, const Eigen::Vector3d& p_a_W, std::size_t b,
@@ -657,7 +688,11 @@ void ContactSolver::read(std::size_t body, BodyState& state) const {
 std::optional<RayHit> ContactSolver::ray_to_world(const Eigen::Vector3d& origin_W,
                                                   const Eigen::Vector3d& direction_W,
                                                   double range_m) const {
-  return impl_->cast(impl_->statics, origin_W, direction_W, range_m);
+  const auto hit = impl_->cast(impl_->statics, origin_W, direction_W, range_m);
+  if (!impl_->terrain) return hit;
+  const auto ground =
+      impl_->terrain->terrain().cast(origin_W, direction_W, hit ? hit->distance_m : range_m);
+  return ground ? ground : hit;
 }
 
 std::optional<RayHit> ContactSolver::ray_to_body(std::size_t body, const Eigen::Vector3d& origin_W,
@@ -667,7 +702,8 @@ std::optional<RayHit> ContactSolver::ray_to_body(std::size_t body, const Eigen::
 }
 
 bool ContactSolver::world_within(const Eigen::Vector3d& p_W, double radius_m) const {
-  return impl_->bounds.within(p_W, radius_m);
+  return impl_->bounds.within(p_W, radius_m) ||
+         (impl_->terrain && impl_->terrain->within(p_W, radius_m));
 }
 
 bool ContactSolver::touches_world(const Disc& disc) const {
@@ -675,7 +711,8 @@ bool ContactSolver::touches_world(const Disc& disc) const {
   if (bounds.plane_cuts(disc.centre_W, disc.q_WD * Eigen::Vector3d::UnitZ(), disc.radius_m)) {
     return true;
   }
-  return bounds.box_within(disc.centre_W, disc.radius_m) && impl_->meets(disc, impl_->statics);
+  const bool near_box = bounds.box_within(disc.centre_W, disc.radius_m);
+  return (near_box && impl_->meets(disc, impl_->statics)) || impl_->meets_terrain(disc);
 }
 
 bool ContactSolver::touches_body(std::size_t body, const Disc& disc) const {
@@ -683,7 +720,11 @@ bool ContactSolver::touches_body(std::size_t body, const Disc& disc) const {
 }
 
 double ContactSolver::height_above_ground(const Eigen::Vector3d& p_W) const {
-  const double height = impl_->bounds.height_above_planes(p_W);
+  double height = impl_->bounds.height_above_planes(p_W);
+  if (impl_->terrain) {
+    const double ground_m = impl_->terrain->terrain().height_m(p_W.x(), p_W.y());
+    height = std::min(height, p_W.z() - ground_m);
+  }
   if (!impl_->bounds.box_below(p_W)) return height;
   const double range = p_W.z() - impl_->bounds.lowest_of_boxes() + 1.0;
   const auto hit = ray_to_world(p_W, -Eigen::Vector3d::UnitZ(), range);

@@ -16,6 +16,8 @@
 
 namespace cas::sim {
 
+class Terrain;
+
 /// A flat disc about z of its own axes D.
 struct Disc {
   Eigen::Vector3d centre_W;  ///< m
@@ -46,6 +48,8 @@ class CAS_SIM_EXPORT ContactSolver {
 
   /// Adds a shape of the world, in its place in W.
   void add_static(const Shape& shape);
+  /// Lets bodies, discs and rays meet a terrain, too.
+  void set_terrain(std::shared_ptr<const Terrain> terrain);
   /// Adds a vehicle; its shapes are about its centre of gravity in B. Bodies are numbered from 0 in
   /// the order in which they are added.
   void add_body(std::span<const Shape> shapes, const MassProperties& mass);

@@ -23,6 +23,7 @@
 #include "libsim/core/run/plugin_host.hpp"
 #include "libsim/core/run/sim_world.hpp"
 #include "libsim/core/run/start.hpp"
+#include "libsim/core/terrain/terrain.hpp"
 
 namespace cas::sim {
 
@@ -72,7 +73,12 @@ std::optional<std::string> other_field(const WorldModel& model, const base::Geod
 
 WorldModel world_of(const SimConfig& config) {
   WorldModel model = load_world(config.world);
-  model.atmosphere = base::air_of(config.weather, model.atmosphere, home_of(config, model).alt_m);
+  const base::Geodetic home = home_of(config, model);
+  model.atmosphere = base::air_of(config.weather, model.atmosphere, home.alt_m);
+  if (config.terrain) {
+    model.terrain = std::make_shared<const Terrain>(*config.terrain, base::LocalProjection(home));
+    base::log::info(model.terrain->description());
+  }
   return model;
 }
 

@@ -7,6 +7,7 @@
 #include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "libsim/core/run/start.hpp"
+#include "libsim/core/terrain/terrain.hpp"
 
 namespace cas::sim {
 
@@ -38,8 +39,10 @@ SimWorld::SimWorld(const WorldModel& model, const base::LocalProjection& project
       atmosphere_(model.atmosphere),
       floor_(model.statics),
       solver_(std::make_unique<ContactSolver>(model.gravity_W)),
-      statics_(model.statics) {
+      statics_(model.statics),
+      terrain_(model.terrain) {
   for (const Shape& shape : model.statics) solver_->add_static(shape);
+  if (terrain_) solver_->set_terrain(terrain_);
   for (const MovingObstacle& obstacle : model.moving) {
     obstacles_.push_back({.model = obstacle, .body = 0, .state = obstacle.path.at(0)});
   }
@@ -150,6 +153,7 @@ void SimWorld::advance(double dt) {
     body.state.alpha_WB_B = (body.state.w_WB_B - body.w_before_B) / dt;
     body.extra = {};
     refresh_environment(body);
+    if (terrain_) terrain_->look_ahead(body.state.p_WB, body.state.v_WB);
   }
 }
 
@@ -376,8 +380,11 @@ std::optional<RayHit> SimWorld::first_hit(std::size_t vehicle, const Eigen::Vect
 std::optional<RayHit> SimWorld::hit_of_statics(const Eigen::Vector3d& origin_W,
                                                const Eigen::Vector3d& direction_W,
                                                double range_m) const {
-  if (rays_) return rays_->statics->cast(origin_W, direction_W, range_m);
-  return solver_->ray_to_world(origin_W, direction_W, range_m);
+  if (!rays_) return solver_->ray_to_world(origin_W, direction_W, range_m);
+  auto hit = rays_->statics->cast(origin_W, direction_W, range_m);
+  if (!terrain_) return hit;
+  const auto ground = terrain_->cast(origin_W, direction_W, hit ? hit->distance_m : range_m);
+  return ground ? ground : hit;
 }
 
 std::optional<RayHit> SimWorld::hit_of_body(std::size_t body, const BodyState& state,
@@ -403,7 +410,10 @@ std::optional<double> SimWorld::ray_to_statics(const Eigen::Vector3d& origin_W,
 }
 
 bool SimWorld::is_below_everything(VehicleId vehicle) const {
-  return floor_.is_above(state(vehicle).p_WB, solver_->radius(static_cast<std::size_t>(vehicle)));
+  const Eigen::Vector3d& p_W = state(vehicle).p_WB;
+  const double radius = solver_->radius(static_cast<std::size_t>(vehicle));
+  if (terrain_) return terrain_->height_m(p_W.x(), p_W.y()) - p_W.z() > radius + Floor::kMargin_m;
+  return floor_.is_above(p_W, radius);
 }
 
 bool SimWorld::disc_touches(VehicleId vehicle, const Eigen::Vector3d& centre_B,

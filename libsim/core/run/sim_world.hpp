@@ -154,6 +154,7 @@ class CAS_SIM_EXPORT SimWorld final : public World {
 
   std::unique_ptr<ContactSolver> solver_;
   std::vector<Shape> statics_;
+  std::shared_ptr<const Terrain> terrain_;  // null: none
   bool expects_rays_ = false;
   std::optional<Rays> rays_;  // nullopt: ODE casts them
   std::vector<Obstacle> obstacles_;

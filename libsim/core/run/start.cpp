@@ -14,6 +14,7 @@
 #include "base/error.hpp"
 #include "libsim/core/ode/contact_solver.hpp"
 #include "libsim/core/run/sim_world.hpp"
+#include "libsim/core/terrain/terrain.hpp"
 
 namespace cas::sim {
 
@@ -117,6 +118,22 @@ std::array<Eigen::Vector2d, 25> base_of(const VehicleModel& model, const StartPo
   return places;
 }
 
+/// @throws base::ConfigError that a vehicle starts inside something
+[[noreturn]] void refuse_start(const SimWorld& world, const VehicleConfig& vehicle,
+                               const std::string& obstacle) {
+  const StartPose& pose = vehicle.pose;
+  char text[240];
+  std::snprintf(text, sizeof(text), "starts inside it: x_m %.2f, y_m %.2f, z_m %.2f", pose.x_m,
+                pose.y_m, pose.z_m.value_or(0));
+  std::string sentence =
+      "vehicle '" + vehicle.name + "', obstacle '" + obstacle + "': the vehicle " + text;
+  if (const auto top = surface_at(world, pose.x_m, pose.y_m)) {
+    std::snprintf(text, sizeof(text), "; the uppermost surface there is at z_m %.2f", *top);
+    sentence += text;
+  }
+  throw base::ConfigError(sentence + "; give it another 'pose'");
+}
+
 }  // namespace
 
 double standing_height(const SimWorld& world, const VehicleModel& model, const StartPose& pose) {
@@ -146,17 +163,11 @@ void require_free_start(const SimWorld& world, const WorldModel& world_model,
   const double radius = radius_of(model);
   for (const Shape& shape : world_model.statics) {
     if (!is_near(shape, state.p_WB, radius) || !overlaps(shape, model, state)) continue;
-    const StartPose& pose = vehicle.pose;
-    char text[240];
-    std::snprintf(text, sizeof(text), "starts inside it: x_m %.2f, y_m %.2f, z_m %.2f", pose.x_m,
-                  pose.y_m, pose.z_m.value_or(0));
-    std::string sentence =
-        "vehicle '" + vehicle.name + "', obstacle '" + shape.name + "': the vehicle " + text;
-    if (const auto top = surface_at(world, pose.x_m, pose.y_m)) {
-      std::snprintf(text, sizeof(text), "; the uppermost surface there is at z_m %.2f", *top);
-      sentence += text;
-    }
-    throw base::ConfigError(sentence + "; give it another 'pose'");
+    refuse_start(world, vehicle, shape.name);
+  }
+  const Eigen::Vector3d& p_W = state.p_WB;
+  if (world_model.terrain && p_W.z() < world_model.terrain->height_m(p_W.x(), p_W.y())) {
+    refuse_start(world, vehicle, "terrain");
   }
 }
 
