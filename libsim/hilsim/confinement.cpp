@@ -93,7 +93,7 @@ Places serial_places(const SimConfig& config) {
   Places places;
   for (const VehicleConfig& vehicle : config.vehicles) {
     for (const PluginConfig& plugin : vehicle.plugins) {
-      if (plugin.plugin != "external_ahrs") continue;
+      if (plugin.plugin != "external_ahrs" && plugin.plugin != "ubx") continue;
       if (plugin.params.has("device")) places.emplace_back("/dev");
       const auto pty = plugin.params.find("pty");
       if (!pty) continue;

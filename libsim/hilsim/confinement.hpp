@@ -17,8 +17,8 @@ std::vector<std::filesystem::path> readable_places(
     const SimRunner& runner, const std::filesystem::path& file,
     const std::vector<std::filesystem::path>& plugin_dirs);
 
-/// Where hilsim may write because a plugin external_ahrs has its serial line there: below /dev for
-/// a device, which comes back as another file when it is plugged in again; what makes a
+/// Where hilsim may write because a plugin external_ahrs or ubx has its serial line there: below
+/// /dev for a device, which comes back as another file when it is plugged in again; what makes a
 /// pseudo-terminal and the folder of its symlink else.
 std::vector<std::filesystem::path> serial_places(const SimConfig& config);
 
