@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -86,6 +87,9 @@ struct PanelParams {
   double after_stall_drag_slope_per_rad = 0;
   double stall_sharpness = 0;     ///< M, 1/rad, as of DerivativeParams
   double plate_normal_force = 0;  ///< coefficient of a plate across the air, 1.2 to 2
+  std::filesystem::path polar{};  ///< table of coefficients instead of slopes; empty: none
+  double downwash_share = 0;      ///< of the wing's downwash far behind it; 0: it meets clean air
+  int in_wash_of = -1;            ///< index of the rotor whose wash it meets; -1: none
 };
 
 /// Block `aero` of a vehicle file: what makes it fly like a plane.
@@ -94,6 +98,7 @@ struct AeroParams {
   std::vector<ControlSurface> surfaces;
   std::optional<DerivativeParams> derivatives;
   std::vector<PanelParams> panels;
+  double wing_span_m = 0;  ///< of the wing whose downwash panels meet; 0: none does
 };
 
 }  // namespace cas::base

@@ -2,6 +2,7 @@
 #include "base/config/aero_file.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 #include <utility>
@@ -214,19 +215,55 @@ void parse_stall(const ConfigNode& node, PanelParams& panel) {
   }
 }
 
-PanelParams parse_panel(const ConfigNode& node, SurfaceNames& names) {
-  need_all(node, {"position_B_m", "zero_lift_deg", "lift_slope_per_rad", "stall_deg", "drag_zero"});
+/// A table of coefficients; zero_lift_deg and lift_slope_per_rad serve the controller's gains then.
+void parse_polar(const ConfigNode& node, PanelParams& panel) {
+  const ConfigNode file = node.at("polar");
+  panel.polar = file.resolve(file.as<std::string>());
+  panel.plate_normal_force = node.require_in("plate_normal_force", 0, 10);
+  for (const char* key : {"stall_deg", "stall_sharpness", "drag_zero", "drag_slope_per_rad",
+                          "after_stall_lift_slope_per_rad", "after_stall_drag_slope_per_rad",
+                          "moment_zero", "moment_slope_per_rad"}) {
+    if (const auto slope = node.find(key)) slope->fail("is given beside 'polar'; leave one out");
+  }
+}
+
+/// What the panel feels of wing and propeller.
+void parse_neighbours(const ConfigNode& node, int rotors, PanelParams& panel) {
+  panel.downwash_share = node.get_in("downwash_share", 0, 0, 1);
+  const auto rotor = node.find("in_wash_of");
+  if (!rotor) return;
+  panel.in_wash_of = rotor->as<int>() - 1;
+  if (panel.in_wash_of < 0 || panel.in_wash_of >= rotors) {
+    rotor->fail("must be the number of a rotor, 1 to " + std::to_string(rotors));
+  }
+}
+
+/// Lift, drag and moment by slopes.
+void parse_slopes(const ConfigNode& node, PanelParams& panel) {
+  panel.drag_zero = node.require_in("drag_zero", 0, kMostCoefficient);
+  panel.drag_slope_per_rad = node.get_in("drag_slope_per_rad", 0, 0, kMostCoefficient);
+  parse_stall(node, panel);
+  panel.moment_zero = coefficient(node, "moment_zero");
+  panel.moment_slope_per_rad = coefficient(node, "moment_slope_per_rad");
+}
+
+PanelParams parse_panel(const ConfigNode& node, SurfaceNames& names, int rotors) {
+  const bool has_polar = node.has("polar");
+  if (has_polar) {
+    need_all(node, {"position_B_m", "zero_lift_deg", "lift_slope_per_rad", "chord_m",
+                    "plate_normal_force"});
+  } else {
+    need_all(node,
+             {"position_B_m", "zero_lift_deg", "lift_slope_per_rad", "stall_deg", "drag_zero"});
+  }
   PanelParams panel;
   parse_place(node, panel);
   parse_size(node, panel);
   panel.zero_lift_rad = angle(node, "zero_lift_deg", -90, 90);
   panel.lift_slope_per_rad = node.require_in("lift_slope_per_rad", 0, kMostCoefficient);
-  panel.drag_zero = node.require_in("drag_zero", 0, kMostCoefficient);
-  panel.drag_slope_per_rad = node.get_in("drag_slope_per_rad", 0, 0, kMostCoefficient);
   panel.induced_drag_factor = node.get_in("induced_drag_factor", 0, 0, kMostCoefficient);
-  parse_stall(node, panel);
-  panel.moment_zero = coefficient(node, "moment_zero");
-  panel.moment_slope_per_rad = coefficient(node, "moment_slope_per_rad");
+  has_polar ? parse_polar(node, panel) : parse_slopes(node, panel);
+  parse_neighbours(node, rotors, panel);
   if (const auto surface = node.find("surface")) {
     need_all(node, {"surface_lift_per_rad"});
     panel.surface = names.use(*surface, surface->as<std::string>());
@@ -239,7 +276,7 @@ PanelParams parse_panel(const ConfigNode& node, SurfaceNames& names) {
   return panel;
 }
 
-std::vector<PanelParams> parse_panels(const ConfigNode& node, SurfaceNames& names) {
+std::vector<PanelParams> parse_panels(const ConfigNode& node, SurfaceNames& names, int rotors) {
   const ConfigNode common = node.find("panel").value_or(ConfigNode::empty());
   std::vector<PanelParams> panels;
   const auto list = node.find("panels");
@@ -249,14 +286,14 @@ std::vector<PanelParams> parse_panels(const ConfigNode& node, SurfaceNames& name
     list->fail("must list 1 to " + std::to_string(kMostPanels) + " panels");
   }
   for (const ConfigNode& item : items) {
-    panels.push_back(parse_panel(item.merged_over(common), names));
+    panels.push_back(parse_panel(item.merged_over(common), names, rotors));
   }
   return panels;
 }
 
 }  // namespace
 
-AeroParams read_aero(const ConfigNode& node, OutputUse& outputs) {
+AeroParams read_aero(const ConfigNode& node, OutputUse& outputs, int rotors) {
   need_all(node, {"cruise_m_s"});
   AeroParams aero;
   aero.cruise_m_s = node.require_in("cruise_m_s", 1, 300);
@@ -266,7 +303,13 @@ AeroParams read_aero(const ConfigNode& node, OutputUse& outputs) {
   if (const auto body = node.find("derivatives")) {
     aero.derivatives = parse_derivatives(*body, aero.surfaces.size(), names);
   }
-  aero.panels = parse_panels(node, names);
+  aero.panels = parse_panels(node, names, rotors);
+  const bool has_downwash = std::ranges::any_of(
+      aero.panels, [](const PanelParams& panel) { return panel.downwash_share > 0; });
+  if (has_downwash) {
+    need_all(node, {"wing_span_m"});
+    aero.wing_span_m = length_of(node, "wing_span_m");
+  }
   if (!aero.derivatives && aero.panels.empty()) {
     node.fail("needs 'derivatives' or 'panels': without them no air acts on the vehicle");
   }

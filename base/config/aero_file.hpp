@@ -9,8 +9,9 @@ namespace cas::base {
 
 /// Reads block `aero` of a vehicle file.
 /// @param outputs  of the rotors; those of the control surfaces are added
+/// @param rotors   number of rotors, which a panel's `in_wash_of` counts
 /// @throws ConfigError when keys are missing (all of a block in one sentence) or out of range, when
 ///         an output is taken, and when a coefficient or panel names a surface that is not there
-AeroParams read_aero(const ConfigNode& node, OutputUse& outputs);
+AeroParams read_aero(const ConfigNode& node, OutputUse& outputs, int rotors);
 
 }  // namespace cas::base

@@ -404,7 +404,9 @@ Vehicle Vehicle::load(const std::filesystem::path& file) {
   OutputUse outputs;
   take_outputs(node.at("rotors"), vehicle.rotors, outputs);
   check_mixer(node.at("rotors"), vehicle);
-  if (const auto aero = node.find("aero")) vehicle.aero = read_aero(*aero, outputs);
+  if (const auto aero = node.find("aero")) {
+    vehicle.aero = read_aero(*aero, outputs, vehicle.rotor_count());
+  }
   if (const auto scales = node.find("scales")) {
     vehicle.scales = parse_scales(*scales);
   } else {

@@ -11,20 +11,26 @@ namespace cas::sim {
 namespace {
 
 /// The air on wings and tail: turns the control surfaces by topic `motor_command`, and publishes
-/// their deflections on `surface_deflections`; `surface_health` breaks their servos. Its parameters
-/// are block `aero` of the vehicle file.
+/// their deflections on `surface_deflections`; `surface_health` breaks their servos, and the wash
+/// of propellers follows `rotor_speeds`. Its parameters are block `aero` of the vehicle file.
 class AeroPlugin final : public Plugin {
  public:
   void configure(PluginContext& context, const base::ConfigNode& params) override {
     const std::optional<base::AeroParams>& aero = context.vehicle().aero;
     if (!aero) params.fail("plugin aero needs block 'aero' in the vehicle file");
-    model_ = std::make_unique<AeroModel>(*aero);
+    model_ = std::make_unique<AeroModel>(*aero, context.vehicle().rotors);
     context.add_force_model(*model_);
     deflections_ =
         context.bus().advertise<SurfaceDeflections>(context.topic("surface_deflections"));
     command_ = context.bus().subscribe<MotorCommand>(
         context.topic("motor_command"),
         [this](const MotorCommand& command) { model_->take(command); });
+    rotors_ = context.vehicle().rotor_count();
+    if (model_->has_wash()) {
+      speeds_ = context.bus().subscribe<RotorSpeeds>(
+          context.topic("rotor_speeds"),
+          [this](const RotorSpeeds& speeds) { model_->set_rotor_speeds(speeds.omega_rad_s); });
+    }
     health_ = context.bus().subscribe<SurfaceHealth>(
         context.topic(std::string(kSurfaceHealth)),
         [this](const SurfaceHealth& health) { model_->set_health(health); }, Need::kOptional);
@@ -37,6 +43,7 @@ class AeroPlugin final : public Plugin {
   }
 
   void reset() override {
+    model_->set_rotor_speeds(base::RotorVector::Zero(rotors_));
     model_->release();
     model_->set_health({});
   }
@@ -44,7 +51,9 @@ class AeroPlugin final : public Plugin {
  private:
   std::unique_ptr<AeroModel> model_;
   Publisher<SurfaceDeflections> deflections_;
+  int rotors_ = 0;
   Subscription command_;
+  Subscription speeds_;
   Subscription health_;
 };
 

@@ -50,7 +50,21 @@ LiftingPanel::LiftingPanel(const base::PanelParams& params)
     : params_(params),
       left_B_(params.normal_B.cross(params.forward_B)),
       cos_zero_lift_(std::cos(params.zero_lift_rad)),
-      sin_zero_lift_(std::sin(params.zero_lift_rad)) {}
+      sin_zero_lift_(std::sin(params.zero_lift_rad)) {
+  if (params.polar.empty()) return;
+  polar_ = PanelPolar(params.polar, params.plate_normal_force);
+  cos_zero_lift_ = 1;  // the table counts from the chord
+  sin_zero_lift_ = 0;
+}
+
+PanelCoefficients LiftingPanel::by_table(double angle_rad, double cos_angle, double deflection_rad,
+                                         double reynolds) const {
+  PanelCoefficients c = polar_.at(angle_rad, reynolds);
+  c.lift += params_.surface_lift_per_rad * deflection_rad * cos_angle;
+  c.moment += params_.surface_moment_per_rad * deflection_rad * cos_angle;
+  c.drag += params_.induced_drag_factor * c.lift * c.lift;
+  return c;
+}
 
 void LiftingPanel::add(const Eigen::Vector3d& v_B, double air_density_kg_m3, double deflection_rad,
                        Eigen::Vector3d& force_B, Eigen::Vector3d& torque_B) const {
@@ -61,8 +75,12 @@ void LiftingPanel::add(const Eigen::Vector3d& v_B, double air_density_kg_m3, dou
   if (speed <= 0) return;
   const double cos_a = (u * cos_zero_lift_ + w * sin_zero_lift_) / speed;
   const double sin_a = (w * cos_zero_lift_ - u * sin_zero_lift_) / speed;
+  const double angle = std::atan2(sin_a, cos_a);
+  constexpr double kAirViscosity_Pa_s = 1.789e-5;  // at sea level, [ISO 2533]
   const PanelCoefficients c =
-      panel_coefficients(params_, std::atan2(sin_a, cos_a), sin_a, cos_a, deflection_rad);
+      polar_.empty() ? panel_coefficients(params_, angle, sin_a, cos_a, deflection_rad)
+                     : by_table(angle, cos_a, deflection_rad,
+                                air_density_kg_m3 * speed * params_.chord_m / kAirViscosity_Pa_s);
 
   const double scale = 0.5 * air_density_kg_m3 * params_.area_m2 * speed;
   const Eigen::Vector3d own_B = scale * ((c.lift * w - c.drag * u) * params_.forward_B +

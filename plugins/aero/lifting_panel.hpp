@@ -4,15 +4,9 @@
 #include <Eigen/Core>
 
 #include "base/config/aero.hpp"
+#include "plugins/aero/panel_polar.hpp"
 
 namespace cas::sim {
-
-/// Lift, drag and moment coefficients.
-struct PanelCoefficients {
-  double lift = 0;
-  double drag = 0;
-  double moment = 0;  ///< nose up, about the panel's place
-};
 
 /// Coefficients of a panel at an angle of attack from anywhere; continuous, the same at +-180 deg.
 ///
@@ -33,17 +27,24 @@ PanelCoefficients panel_coefficients(const base::PanelParams& panel, double angl
 class LiftingPanel {
  public:
   LiftingPanel() = default;
+  /// @throws base::ConfigError when its polar cannot be read
   explicit LiftingPanel(const base::PanelParams& params);
 
   const Eigen::Vector3d& position_B_m() const { return params_.position_B_m; }
   int surface() const { return params_.surface; }
+  double downwash_share() const { return params_.downwash_share; }
+  int in_wash_of() const { return params_.in_wash_of; }
   /// Adds the panel's force, which acts at its place, and its moment.
   /// @param v_B  of its place through the air, m/s
   void add(const Eigen::Vector3d& v_B, double air_density_kg_m3, double deflection_rad,
            Eigen::Vector3d& force_B, Eigen::Vector3d& torque_B) const;
 
  private:
+  PanelCoefficients by_table(double angle_rad, double cos_angle, double deflection_rad,
+                             double reynolds) const;
+
   base::PanelParams params_;
+  PanelPolar polar_;                                   // empty: by slopes
   Eigen::Vector3d left_B_ = Eigen::Vector3d::UnitY();  // about which the nose goes down
   double cos_zero_lift_ = 1;
   double sin_zero_lift_ = 0;

@@ -5,14 +5,18 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/earth/frames.hpp"
 #include "libsim/core/body/rigid_body.hpp"
 #include "plugins/aero/glide_polar.hpp"
+#include "plugins/aero/propeller_wash.hpp"
 #include "plugins/aero/stall_blend.hpp"
 #include "tests/plugins/aerosonde.hpp"
 #include "tests/plugins/plugin_harness.hpp"
+#include "tests/support/refusal.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace cas::sim {
 namespace {
@@ -194,6 +198,141 @@ TEST(LiftingPanel, MomentAndSurfaceRaiseTheNose) {
   const double qs = 0.5 * 1.2 * 100 * 0.5;
   EXPECT_NEAR(force.z(), qs * 0.2, kRounding * qs);
   EXPECT_NEAR(torque.y(), -qs * 0.25 * 0.1, kRounding * qs);  // nose up is about -y
+}
+
+/// A panel of 2 m^2 that lifts and neither drags nor turns.
+base::PanelParams plain_panel(const Vector3d& place) {
+  return {.position_B_m = place,
+          .area_m2 = 2,
+          .lift_slope_per_rad = 5,
+          .stall_rad = 0.3,
+          .after_stall_lift_slope_per_rad = -5};
+}
+
+/// Elliptic lifting line: far behind the wing the air comes down by 2 C_L / (pi AR).
+TEST(Downwash, OfTheWingTakesAngleOfAttackFromTheTail) {
+  base::AeroParams aero;
+  aero.wing_span_m = 4;
+  aero.panels = {plain_panel({-3, 0, 0}), plain_panel({0, 0, 0})};
+  const double alpha = 0.1;
+  const BodyState body = moving(velocity(20, alpha, 0));
+  const double clean_n = wrench_of(AeroModel(aero), body, still_air()).torque_B.y() / 3;
+  const double wing_n = 0.5 * 1.225 * 400 * 2 * 5 * alpha * std::cos(alpha);
+  EXPECT_NEAR(clean_n, wing_n, 1e-9);
+  for (const double share : {0.5, 1.0}) {
+    aero.panels[0].downwash_share = share;
+    const double tail_n = wrench_of(AeroModel(aero), body, still_air()).torque_B.y() / 3;
+    const double angle = alpha - std::atan(share * 2 * 5 * alpha / (M_PI * 4 * 4 / 2));
+    const double speed2 = 400 * (1 + std::pow(std::tan(alpha - angle), 2));
+    EXPECT_NEAR(tail_n, 0.5 * 1.225 * speed2 * 2 * 5 * angle * std::cos(angle), 1e-9) << share;
+  }
+  aero.panels[0].downwash_share = 1;
+  EXPECT_EQ(wrench_of(AeroModel(aero), moving({0, 0, 0}), still_air()).force_B, Vector3d::Zero());
+}
+
+/// Actuator disc: at rest the disc gives the air sqrt(T / (2 rho A)), twice that far behind it.
+TEST(PropellerWash, IsThatOfMomentumTheory) {
+  constexpr double kRadius = 0.2;
+  const double area = M_PI * kRadius * kRadius;
+  const double hover = std::sqrt(10 / (2 * 1.2 * area));
+  EXPECT_NEAR(wash_m_s(10, 0, 1.2, kRadius, 0), hover, kRounding);
+  EXPECT_NEAR(wash_m_s(10, 0, 1.2, kRadius, 1e6), 2 * hover, 1e-9);
+  EXPECT_NEAR(wash_m_s(10, 0, 1.2, kRadius, -1e6), 0, 1e-9);
+  const double in_flight = wash_m_s(10, 15, 1.2, kRadius, 0);
+  EXPECT_NEAR(2 * 1.2 * area * (15 + in_flight) * in_flight, 10, 1e-9);
+  EXPECT_EQ(wash_m_s(0, 15, 1.2, kRadius, 1), 0);
+  EXPECT_EQ(wash_m_s(10, 0, 0, kRadius, 1), 0);
+}
+
+TEST(PropellerWash, LiftsThePanelBehindTheRotorAlone) {
+  base::AeroParams aero;
+  aero.panels = {plain_panel({-1, 0, 0}), plain_panel({0, 0, 0})};
+  base::Rotor rotor;
+  rotor.position_B_m = {0.5, 0, 0};
+  rotor.axis_B = Vector3d::UnitX();
+  rotor.params.thrust_coefficient = 1e-5;
+  rotor.params.radius_m = 0.3;
+  aero.panels[0].in_wash_of = 0;
+  AeroModel model(aero, {&rotor, 1});
+  const double w = 2;  // up through still air: the panels meet it across
+  const BodyState body = moving({0, 0, -w});
+  const Wrench still = wrench_of(model, body, still_air());
+  model.set_rotor_speeds(base::RotorVector::Constant(1, 1000));
+  const Wrench wrench = wrench_of(model, body, still_air());
+  const double thrust = 10;
+  const double u = wash_m_s(thrust, 0, 1.225, 0.3, 1.5);
+  const double alpha = std::atan2(w, u);
+  ASSERT_LT(alpha, 0.3);
+  const double lift = 0.5 * 1.225 * (u * u + w * w) * 2 * 5 * alpha;
+  EXPECT_NEAR(wrench.torque_B.y() - still.torque_B.y(), lift * std::cos(alpha), 1e-9);
+  model.release();
+}
+
+std::string refusal_of_polar(const std::string& text) {
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("wing.csv", text);
+  return test::refusal([&] { PanelPolar(file, 1.8); });
+}
+
+TEST(PanelPolar, IsTheTableBetweenItsLines) {
+  const test::TemporaryFolder folder;
+  const PanelPolar polar(folder.write("wing.csv",
+                                      "reynolds,alpha_deg,CL,CD,Cm\n"
+                                      "1e5,-10,-0.8,0.06,0.01\n1e5,0,0.2,0.02,-0.05\n"
+                                      "1e5,10,1.1,0.05,-0.07\n"
+                                      "3e5,-10,-1,0.04,0\n3e5,10,1.3,0.04,0\n"),
+                         1.8);
+  const double degree = M_PI / 180;
+  EXPECT_NEAR(polar.at(5 * degree, 5e4).lift, 0.65, kRounding);
+  EXPECT_NEAR(polar.at(5 * degree, 5e4).drag, 0.035, kRounding);
+  EXPECT_NEAR(polar.at(5 * degree, 5e4).moment, -0.06, kRounding);
+  EXPECT_NEAR(polar.at(5 * degree, 1e6).lift, 0.725, kRounding);
+  EXPECT_NEAR(polar.at(5 * degree, 2e5).lift, (0.65 + 0.725) / 2, kRounding);
+  // Beyond its angles a flat plate; without a jump at its ends and from behind.
+  EXPECT_NEAR(polar.at(90 * degree, 1e5).lift, 0, kRounding);
+  EXPECT_NEAR(polar.at(90 * degree, 1e5).drag, 1.82, kRounding);
+  for (const double edge : {-180.0, -20.0, -10.0, 10.0, 20.0}) {
+    const auto below = polar.at((edge < -179 ? 180 - 1e-9 : edge - 1e-9) * degree, 1e5);
+    const auto above = polar.at((edge + 1e-9) * degree, 1e5);
+    EXPECT_NEAR(below.lift, above.lift, 1e-8) << edge;
+    EXPECT_NEAR(below.drag, above.drag, 1e-8) << edge;
+    EXPECT_NEAR(below.moment, above.moment, 1e-8) << edge;
+  }
+}
+
+TEST(PanelPolar, OfAPanelCountsFromItsChord) {
+  const test::TemporaryFolder folder;
+  base::AeroParams aero;
+  aero.panels = {plain_panel({0, 0, 0})};
+  aero.panels[0].chord_m = 0.25;
+  aero.panels[0].zero_lift_rad = -0.1;
+  aero.panels[0].plate_normal_force = 1.8;
+  aero.panels[0].induced_drag_factor = 0.05;
+  aero.panels[0].polar = folder.write("wing.csv",
+                                      "reynolds,alpha_deg,CL,CD,Cm\n1e5,-10,-1,0.02,-0.04\n"
+                                      "1e5,10,1,0.02,-0.04\n");
+  const Wrench wrench = wrench_of(AeroModel(aero), moving({20, 0, 0}), still_air());
+  const double q = 0.5 * 1.225 * 400;
+  EXPECT_NEAR(wrench.force_B.z(), 0, 1e-9);
+  EXPECT_NEAR(wrench.force_B.x(), -q * 2 * 0.02, 1e-9);
+  EXPECT_NEAR(wrench.torque_B.y(), q * 2 * 0.25 * 0.04, 1e-9);  // nose down
+}
+
+TEST(PanelPolar, RefusesATableWithFileAndLine) {
+  const std::string head = "reynolds,alpha_deg,CL,CD,Cm\n";
+  for (const auto& [text, sentence] : std::vector<std::pair<std::string, const char*>>{
+           {"alpha,CL,CD\n", "wing.csv:1: the first line must be reynolds,alpha_deg,CL,CD,Cm"},
+           {head + "1e5,0,0.1,0.02,0\n1e5,0,0.2,0.02,0\n",
+            "wing.csv:3: alpha_deg must rise from line to line of one Reynolds number"},
+           {head + "1e5,0,0.1,0.02,0\n1e5,1,0.2,0.02,0\n5e4,0,0.1,0.02,0\n",
+            "wing.csv:4: reynolds must not fall from line to line"},
+           {head + "1e5,0,0.1,-0.02,0\n", "wing.csv:2: CD must not be below 0"},
+           {head + "1e5,200,0.1,0.02,0\n", "wing.csv:2: alpha_deg must lie in [-180, 180]"},
+           {head + "1e5,0,0.1,0.02,0\n", "wing.csv:2: a Reynolds number needs two angles"},
+           {head + "1e5,0,0.1,0.02\n", "wing.csv:2: needs 5 numbers with commas between them"},
+           {head, "wing.csv:1: needs two angles at least"}}) {
+    EXPECT_NE(refusal_of_polar(text).find(sentence), std::string::npos) << refusal_of_polar(text);
+  }
 }
 
 TEST(Panels, MeetTheAirOfTheirOwnPlace) {
