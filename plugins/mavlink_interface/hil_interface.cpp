@@ -135,6 +135,10 @@ bool HilInterface::on_message(const mav::MessageInfo& info, const MavlinkMessage
   return true;
 }
 
+void HilInterface::send_terrain(base::SimTime now, const TerrainSource::Elevation& elevation_m) {
+  if (const auto grid = terrain_.next(now, elevation_m)) send(*grid);
+}
+
 void HilInterface::send_messages() {
   for (const auto& [info, message] : waiting_) {
     send_packet(info->id, encode_message(*info, message, params_.self, sequence_++, packet_));
@@ -278,6 +282,8 @@ void HilInterface::on_packet(const mav::PacketView& packet, base::RunTime at) {
     constexpr std::uint8_t kMainOutputs = 0;
     if (!params_.servos || pulses->port != kMainOutputs) return;
     on_controls(*pulses, params_.servos->to_motor_command(*pulses), at);
+  } else if (const auto request = mav::decode<mv::TerrainRequest>(packet)) {
+    terrain_.take(*request);
   } else {
     on_command(packet);
   }

@@ -30,6 +30,7 @@
 #include "plugins/mavlink_interface/failure_map.hpp"
 #include "plugins/mavlink_interface/hil_port.hpp"
 #include "plugins/mavlink_interface/servo_map.hpp"
+#include "plugins/mavlink_interface/terrain_requests.hpp"
 
 namespace cas::sim {
 
@@ -124,6 +125,8 @@ class HilInterface {
   /// does not get it. At most 250 Hz, and only together with a HIL_SENSOR.
   bool truth_due(base::SimTime now) { return clock() && truth_due_.due(now); }
   void on_truth(const mavlink::common::HilStateQuaternion& truth) { truth_ = truth; }
+  /// Sends a grid that the controller has requested, if one is due.
+  void send_terrain(base::SimTime now, const TerrainSource::Elevation& elevation_m);
   /// Current rate of the ground truth; 0: off.
   double truth_hz() const { return truth_due_.rate_hz(); }
   /// The sensors that have spoken.
@@ -230,6 +233,7 @@ class HilInterface {
   base::RateGate esc_info_{1};
   std::optional<mavlink::common::HilStateQuaternion> truth_;
   base::RateGate truth_due_;
+  TerrainRequests terrain_;
   std::vector<Waiting> waiting_;
   SpokenSensors sensors_;
   OnFailure on_failure_;

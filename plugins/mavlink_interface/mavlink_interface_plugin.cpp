@@ -117,6 +117,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     now_ = step.time;
     port_->set_sim_time(step.time);
     show_truth(step.time, world);
+    if (elevation_m_) interface_->send_terrain(step.time, elevation_m_);
     interface_->flush(step.time);
   }
 
@@ -255,6 +256,9 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     esc_ = context.bus().subscribe<EscSample>(
         context.topic("esc"), [this](const EscSample& sample) { interface_->on_esc(sample); },
         Need::kOptional);
+    terrain_ = context.bus().subscribe<TerrainSource>(
+        "terrain", [this](const TerrainSource& source) { elevation_m_ = source.elevation_m; },
+        Need::kOptional);
   }
 
   void listen_to_plugins(PluginContext& context) {
@@ -294,6 +298,8 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   std::vector<Subscription> sensors_;
   std::optional<DatagramSender> companion_;  ///< takes the messages of plugins
   std::uint8_t companion_sequence_ = 0;
+  Subscription terrain_;
+  TerrainSource::Elevation elevation_m_;  // empty: the world has no terrain
   Subscription battery_;
   Subscription esc_;
   Publisher<MotorCommand> command_;

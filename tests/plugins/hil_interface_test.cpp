@@ -398,5 +398,54 @@ TEST(HilInterface, CountsDamageAndGapsInTheSequence) {
   EXPECT_EQ(figures["received"]["HIL_CONTROLS"], 2);
 }
 
+/// Heights rise by 100 m a degree to the north and 10 m to the east.
+double slope_m(double lat_deg, double lon_deg) { return 100 * lat_deg + 10 * lon_deg; }
+
+TEST(HilInterface, AnswersARequestForTerrainGridByGrid) {
+  RecordingPort port;
+  HilInterface interface(interface_params(), port, nullptr);
+  std::vector<mv::TerrainData> grids;
+  std::vector<int> at;
+  const auto step = [&](int ms) {
+    interface.receive();
+    port.packets.clear();
+    interface.send_terrain(at_ms(ms), slope_m);
+    mav::PacketParser parser(mv::table());
+    for (const auto& packet : port.packets) {
+      parser.feed(packet, [&](const mav::PacketView& view) {
+        grids.push_back(mav::decode<mv::TerrainData>(view).value());
+        at.push_back(ms);
+      });
+    }
+  };
+  mv::TerrainRequest request;
+  request.lat = 600'000'000;  // 60 degrees north, where a degree of longitude is half as long
+  request.lon = 1'799'000'000;
+  request.grid_spacing = 1000;
+  request.mask = 1ULL << 0U | 1ULL << 3U | 1ULL << 17U | 1ULL << 60U;  // no 60th grid
+  port.put(request);
+  for (int ms = 0; ms < 200; ++ms) step(ms);
+  ASSERT_EQ(grids.size(), 3U);
+  EXPECT_EQ(at, (std::vector{0, 20, 40}));
+  const int bits[3] = {0, 3, 17};
+  for (std::size_t n = 0; n < 3; ++n) {
+    const mv::TerrainData& grid = grids[n];
+    EXPECT_EQ(grid.gridbit, bits[n]);
+    EXPECT_EQ(grid.lat, request.lat);
+    EXPECT_EQ(grid.lon, request.lon);
+    EXPECT_EQ(grid.grid_spacing, 1000);
+    for (int i = 0; i < 16; ++i) {
+      const double north_km = bits[n] / 8 * 4 + i / 4;
+      const double east_km = bits[n] % 8 * 4 + i % 4;
+      const double lat = 60 + north_km / 111.3188;
+      const double lon = 179.9 + east_km / 111.3188 / std::cos(lat * M_PI / 180);
+      constexpr double kRounding_m = 0.6;  // whole metres, and the latitude of the scale
+      EXPECT_NEAR(grid.data[static_cast<std::size_t>(i)], slope_m(lat, lon > 180 ? lon - 360 : lon),
+                  kRounding_m)
+          << n << " " << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace cas::sim

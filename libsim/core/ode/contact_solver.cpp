@@ -341,6 +341,14 @@ struct ContactSolver::Impl {
     if (!terrain->within(p_W, body.radius)) return;
     const Eigen::Vector3d anchor_W = terrain->bring(p_W, body.radius);
     const Eigen::Vector3d p = p_W - anchor_W;
+    const Terrain& ground = terrain->terrain();
+    const Eigen::Vector3d below_W(p_W.x(), p_W.y(), ground.height_m(p_W.x(), p_W.y()));
+    if (p_W.z() < below_W.z()) {  // fast: it would pass through triangles, and a plane is solid
+      const Eigen::Vector3d n_W = ground.normal_W(p_W.x(), p_W.y());
+      return find_points_on({.ground = {.n_W = n_W, .height_m = n_W.dot(below_W)},
+                             .mesh = dSpaceGetGeom(terrain->space(), 0)},
+                            body);
+    }
     if (auto flat = flat_ground.around(terrain->space(), p, body.radius)) {
       flat->ground.height_m += flat->ground.n_W.dot(anchor_W);
       return find_points_on(*flat, body);

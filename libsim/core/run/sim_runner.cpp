@@ -15,6 +15,7 @@
 #include "base/os/result_file.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
+#include "libsim/api/terrain_source.hpp"
 #include "libsim/core/load/model_loader.hpp"
 #include "libsim/core/load/plausibility.hpp"
 #include "libsim/core/load/world_loader.hpp"
@@ -217,9 +218,15 @@ void SimRunner::start() {
   for (const VehicleConfig& vehicle : impl_->config.vehicles) {
     impl_->phases.push_back(impl_->bus.advertise<FlightPhase>(vehicle.name + "/flight_phase"));
   }
+  const auto terrain = impl_->bus.advertise<TerrainSource>("terrain");
   const auto unsent = impl_->plugins.configure(impl_->config.vehicles, around);
   impl_->bus.freeze();
   impl_->warn_of_idle(unsent);
+  if (impl_->model.terrain) {
+    terrain.publish({[ground = impl_->model.terrain](double lat_deg, double lon_deg) {
+      return ground->elevation_m(lat_deg, lon_deg).value_or(0);
+    }});
+  }
   impl_->world.start();
 }
 

@@ -103,6 +103,16 @@ double Terrain::height_m(double x_m, double y_m) const {
   return sw + (ne - nw) * u + (nw - sw) * v;
 }
 
+Eigen::Vector3d Terrain::normal_W(double x_m, double y_m) const {
+  const auto [i, j, u, v] = spot_of(x_m, y_m);
+  const double sw = corner_m(i, j);
+  const double ne = corner_m(i + 1, j + 1);
+  const double third = u >= v ? corner_m(i + 1, j) : corner_m(i, j + 1);
+  const Eigen::Vector3d lower(sw - third, third - ne, cell_m_);
+  const Eigen::Vector3d upper(third - ne, sw - third, cell_m_);
+  return (u >= v ? lower : upper).normalized();
+}
+
 double Terrain::highest_m(double x_m, double y_m, double half_m) const {
   double steepest2 = 0;  // squared, in heights of a square's edge
   const Spot low = spot_of(x_m - half_m, y_m - half_m);

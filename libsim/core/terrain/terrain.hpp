@@ -38,6 +38,8 @@ class CAS_SIM_EXPORT Terrain {
   std::optional<double> elevation_m(double lat_deg, double lon_deg) const;
   /// z of the surface in W, m.
   double height_m(double x_m, double y_m) const;
+  /// Of the triangle at a place, unit, up.
+  Eigen::Vector3d normal_W(double x_m, double y_m) const;
   /// A height that the surface over a square place does not exceed, by its steepest triangle; m.
   /// @param half_m  of its edge
   double highest_m(double x_m, double y_m, double half_m) const;

@@ -134,6 +134,19 @@ TEST(Terrain, HoldsACrateFarAwayAsAtHome) {
   EXPECT_NEAR(sunk_m[1], sunk_m[0], 1e-5);
 }
 
+TEST(Terrain, StopsACrateThatFallsAt90MetresASecond) {
+  const Country country(kHome, 1201, hills_m);
+  auto world = country.make();
+  world->add_vehicle(test::crate(), {.x_m = 777, .y_m = -555, .z_m = 600});
+  world->start();
+  for (int i = 0; i < 20'000; ++i) {
+    world->advance(test::kStep_s);
+    ASSERT_FALSE(world->is_below_everything(test::kVehicle)) << i << " ms";
+  }
+  EXPECT_TRUE(world->in_contact(test::kVehicle));
+  EXPECT_LT(world->state(test::kVehicle).v_WB.norm(), 1e-3);
+}
+
 TEST(Terrain, FlightOf45KilometresHasNoJump) {
   const Country country(kHome, 301, hills_m);
   auto world = country.make(0);
