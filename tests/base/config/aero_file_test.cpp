@@ -64,7 +64,7 @@ struct WrongAero {
   const char* plane;
   const char* from;
   const char* to;
-  const char* place;  // end of FILE:LINE: path: sentence
+  const char* place;  // of FILE:LINE: path: sentence
 };
 
 class WrongAeroBlock : public testing::TestWithParam<WrongAero> {};
@@ -80,13 +80,13 @@ INSTANTIATE_TEST_SUITE_P(
     Aero, WrongAeroBlock,
     testing::Values(
         WrongAero{"NegativeChord", "aerosonde", "chord_m: 0.18994", "chord_m: -0.18994",
-                  ":34: aero.derivatives.chord_m: must be above zero"},
+                  ": aero.derivatives.chord_m: must be above zero"},
         WrongAero{"AnOutputTwice", "aerosonde", "name: rudder, output: 3",
                   "name: rudder, output: 2",
-                  ":29: aero.surfaces[2].output: output 2 drives something else already"},
+                  ": aero.surfaces[2].output: output 2 drives something else already"},
         WrongAero{"ARotorsOutput", "aerosonde", "name: rudder, output: 3",
                   "name: rudder, output: 4",
-                  ":29: aero.surfaces[2].output: output 4 drives something else already"},
+                  ": aero.surfaces[2].output: output 4 drives something else already"},
         WrongAero{"ANameTwice", "aerosonde", "name: rudder,", "name: elevator,",
                   "aero.surfaces[2].name: is the name of another surface, too"},
         WrongAero{
@@ -103,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongAero{"DerivativeWithoutUnit", "aerosonde", "per_rad: {elevator: 0.13}",
                   "elevator: 0.13", "elevator"},
         WrongAero{"DownwashWithoutAWing", "panel_plane", "area_m2: 0.01,",
-                  "area_m2: 0.01, downwash_share: 1,", "'aero.wing_span_m'"},
+                  "area_m2: 0.01, downwash_share: 1,", "aero: key 'wing_span_m' is missing"},
         WrongAero{"WashOfARotorThatIsNotThere", "panel_plane", "area_m2: 0.01,",
                   "area_m2: 0.01, in_wash_of: 2,",
                   "aero.panels[4].in_wash_of: must be the number of a rotor, 1 to 1"},

@@ -276,7 +276,8 @@ INSTANTIATE_TEST_SUITE_P(
                   "rotors[1].inflow_thrust_slope: takes thrust by the axial airspeed"},
         RotorCase{"DeadTime", ", esc_dead_time_s: 1", "rotors[1].esc_dead_time_s: 1 must lie in"},
         RotorCase{"Unknown", ", raduis_m: 1", "rotors[1].raduis_m: unknown key"},
-        RotorCase{"LinkOfNoModel", ", link: prop", "the model has no link 'prop'"}),
+        RotorCase{"LinkOfNoModel", ", link: prop",
+                  "nowhere.urdf, whose link 'prop' a rotor names"}),
     [](const auto& test) { return test.param.name; });
 
 TEST(Vehicle, ReadsTheDragOfItsBody) {

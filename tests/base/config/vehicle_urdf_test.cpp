@@ -71,8 +71,10 @@ TEST_P(VehicleUrdf, MassAndInertiaAreThoseOfTheVehicleFile) {
   const Composite all = compose(*model_);
   EXPECT_NEAR(all.mass, vehicle_.mass_kg, kDigitsInTheFile);
   EXPECT_TRUE(all.centre.isZero(1e-8)) << all.centre.transpose();
-  EXPECT_TRUE(all.inertia.isApprox(vehicle_.inertia_kg_m2.asDiagonal().toDenseMatrix(), 1e-8))
-      << all.inertia;
+  EXPECT_TRUE(all.inertia.diagonal().isApprox(vehicle_.inertia_kg_m2, 1e-8)) << all.inertia;
+  if (vehicle_.aero)
+    return;  // a plane may have products of inertia, which stand in its model alone
+  EXPECT_TRUE(all.inertia.isDiagonal(1e-8)) << all.inertia;
 }
 
 TEST_P(VehicleUrdf, RotorsStandWhereTheVehicleFileHasThem) {
