@@ -44,6 +44,11 @@ std::string table_of(const std::vector<ParamChange>& changes) {
   return aligned_table(rows, Align::kLeft);
 }
 
+/// ArduPilot shows the parameters of External AHRS once it is on.
+bool is_hidden(const std::string& name, const casd::ParamValues& now) {
+  return name.starts_with("EAHRS_") && now.at("EAHRS_TYPE") == 0;
+}
+
 /// A file that is there holds older values, which would be lost. @throws base::ConfigError
 void save(const std::vector<ParamChange>& changes, const fs::path& file) {
   if (fs::exists(file)) {
@@ -69,6 +74,7 @@ std::vector<ParamChange> external_ahrs_changes(const casd::ParamValues& now, int
   std::vector<ParamChange> changes;
   for (const casd::ExternalAhrsParam& param : casd::external_ahrs_lacks(now, port)) {
     const auto found = now.find(param.name);
+    if (found == now.end() && is_hidden(param.name, now)) continue;
     if (found == now.end()) {
       throw base::ConfigError(fmt::format("the board has no parameter {}", param.name));
     }
@@ -132,8 +138,15 @@ void set_up_board(Supervisor& supervisor, const Board& board, const fs::path& by
     fmt::print("board '{}': the old values are in {}\n", board.name, setup.saved.string());
   }
   for (const ParamChange& change : changes) session.set_param(change.name, change.after);
+  std::size_t set = changes.size();
+  if (!restores) {
+    for (const ParamChange& shown : external_ahrs_changes(session.params(), setup.port)) {
+      session.set_param(shown.name, shown.after);
+      ++set;
+    }
+  }
   fmt::print("board '{}': {} parameters set; they hold after `hils board reboot {}`\n", board.name,
-             changes.size(), board.name);
+             set, board.name);
 }
 
 }  // namespace cas::hils

@@ -22,7 +22,8 @@ struct ParamChange {
   bool operator==(const ParamChange&) const = default;
 };
 
-/// What setting up an ArduPilot for plugin external_ahrs changes. Pure.
+/// What setting up an ArduPilot for plugin external_ahrs changes; without those that it does not
+/// show before External AHRS is on (EAHRS_TYPE). Pure.
 /// @param port  serial port of the board with the sensors' line, from 0
 /// @throws base::ConfigError for a parameter that the firmware does not have
 std::vector<ParamChange> external_ahrs_changes(const casd::ParamValues& now, int port);

@@ -55,6 +55,7 @@ void offer_ahrs_line(const RunRequest& request, const RunPaths& paths, YAML::Nod
     if (const FcuDevice* board = request.fcu_device(0)) {
       plugin.remove("pty");
       plugin["device"] = board->sensors_path;
+      plugin["unlocked_pty"] = true;
     } else {
       plugin.remove("device");
       plugin["pty"] = paths.ahrs_tty().string();
@@ -66,7 +67,9 @@ void offer_ahrs_line(const RunRequest& request, const RunPaths& paths, YAML::Nod
 void offer_serial_line(const RunRequest& request, const RunPaths& paths, YAML::Node link) {
   const FcuDevice* board = request.fcu_device(0);
   link["device"] = board != nullptr ? board->path : paths.casd_tty().string();
-  if (board != nullptr) link["baud"] = board->baud;
+  if (board == nullptr) return;
+  link["baud"] = board->baud;
+  link["unlocked_pty"] = true;
 }
 
 /// The pseudo-terminal that ${CAS_GPS_TTY} names, for a plugin ubx that names no line of its own.

@@ -34,8 +34,9 @@ std::unique_ptr<SerialWire> SerialWire::make(const base::ConfigNode& node, unsig
   const auto pty = node.find("pty");
   const auto device = node.find("device");
   if (pty && device) device->fail("stands for the line; so does pty");
+  const bool unlocked = node.get("unlocked_pty", false);
   if (pty) return make_pty(*pty);
-  return open_device(device ? *device : node.at("device"), baud);
+  return open_device(device ? *device : node.at("device"), baud, unlocked);
 }
 
 std::unique_ptr<SerialWire> SerialWire::make_pty(const base::ConfigNode& link) {
@@ -50,10 +51,12 @@ std::unique_ptr<SerialWire> SerialWire::make_pty(const base::ConfigNode& link) {
   return wire;
 }
 
-std::unique_ptr<SerialWire> SerialWire::open_device(const base::ConfigNode& device, unsigned baud) {
+std::unique_ptr<SerialWire> SerialWire::open_device(const base::ConfigNode& device, unsigned baud,
+                                                    bool unlocked_pty) {
   std::unique_ptr<SerialWire> wire(new SerialWire());
   wire->path_ = device.as<std::string>();
   wire->baud_ = baud;
+  wire->unlocked_pty_ = unlocked_pty;
   wire->endpoint_ = "serial " + wire->path_;
   if (const std::string why = wire->open(); !why.empty()) {
     if (std::filesystem::exists(wire->path_)) device.fail(why);
@@ -65,9 +68,11 @@ std::unique_ptr<SerialWire> SerialWire::open_device(const base::ConfigNode& devi
 std::string SerialWire::open() {
   base::Descriptor line(::open(path_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC));
   if (!line) return path_ + ": " + base::error_text(errno);
-  if (base::identify_pty(line.get()) &&
+  if (!unlocked_pty_ && base::identify_pty(line.get()) &&
       base::pty_offer(path_, line.get()) != base::PtyOffer::kThis) {
-    return path_ + " is a pseudo-terminal that no program of CAS offers; `pty` makes one";
+    return path_ +
+           " is a pseudo-terminal that no program of CAS offers; `pty` makes one, "
+           "`unlocked_pty: true` takes it";
   }
   if (::flock(line.get(), LOCK_EX | LOCK_NB) != 0) {
     return path_ + " is in use: " + base::error_text(errno);

@@ -28,13 +28,15 @@ class SerialWire {
     std::uint64_t lost_lines = 0;  ///< times at which the device went
   };
 
-  /// By key `pty` or key `device` of a plugin. @throws base::ConfigError
+  /// By key `pty` or key `device` of a plugin; with `unlocked_pty: true` the device may be a
+  /// pseudo-terminal of a program that is none of CAS (socat). @throws base::ConfigError
   static std::unique_ptr<SerialWire> make(const base::ConfigNode& node, unsigned baud);
   /// Makes a pseudo-terminal under a symlink. @throws base::ConfigError
   static std::unique_ptr<SerialWire> make_pty(const base::ConfigNode& link);
   /// Opens a device, now or once it is there. @throws base::ConfigError when it is, and may not be
   /// used
-  static std::unique_ptr<SerialWire> open_device(const base::ConfigNode& device, unsigned baud);
+  static std::unique_ptr<SerialWire> open_device(const base::ConfigNode& device, unsigned baud,
+                                                 bool unlocked_pty = false);
 
   /// What has arrived; the view lives until the next call.
   std::span<const std::uint8_t> read(base::RunTime now);
@@ -63,6 +65,7 @@ class SerialWire {
   std::string endpoint_;
   std::string path_;  ///< of the device
   unsigned baud_ = 0;
+  bool unlocked_pty_ = false;
   std::optional<base::Pty> pty_;
   base::Descriptor device_;
   std::optional<base::RunTime> look_again_;

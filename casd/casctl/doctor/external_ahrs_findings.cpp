@@ -33,6 +33,9 @@ void check_params(const casd::ParamValues& params, const std::string& who, Findi
   for (const casd::ExternalAhrsParam& param : casd::external_ahrs_lacks(params, port.value_or(0))) {
     if (!unknown_port.empty() && param.name.starts_with(unknown_port)) continue;
     const auto found = params.find(param.name);
+    if (found == params.end() && params.at("EAHRS_TYPE") == 0 && param.name.starts_with("EAHRS_")) {
+      continue;  // ArduPilot shows it once External AHRS is on
+    }
     bad(all,
         who + ": " + param.name +
             (found == params.end() ? " is not there" : " is " + fixed(found->second, 0)) +

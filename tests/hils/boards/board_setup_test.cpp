@@ -27,6 +27,16 @@ TEST(BoardSetup, ChangesWhatIsOtherwise) {
   EXPECT_TRUE(external_ahrs_changes(now, 2).empty());
 }
 
+TEST(BoardSetup, LeavesWhatIsHiddenWhileExternalAhrsIsOff) {
+  casd::ParamValues now = kStock;
+  now.erase("EAHRS_RATE");
+  now.erase("EAHRS_SENSORS");
+  EXPECT_EQ(external_ahrs_changes(now, 2), external_ahrs_changes(kStock, 2));
+  now["EAHRS_TYPE"] = 1;
+  EXPECT_NE(test::refusal([&] { external_ahrs_changes(now, 2); }).find("EAHRS_RATE"),
+            std::string::npos);
+}
+
 TEST(BoardSetup, NeedsAFirmwareWithExternalAhrs) {
   EXPECT_NE(test::refusal([] {
               external_ahrs_changes({{"SYS_AUTOSTART", 4001}}, 2);
