@@ -18,7 +18,7 @@ struct ExternalAhrsParam {
   std::string name;
   double value = 0;
   std::string meaning;
-  bool may_be_other = false;  ///< any value above 0 will do
+  std::optional<double> least{};  ///< any value from here on will do
 };
 
 /// The port, from 0 to 9, whose protocol is External AHRS; nullopt: none.
@@ -34,9 +34,10 @@ inline std::optional<int> external_ahrs_port(const ParamValues& now) {
 /// What an ArduPilot needs to fly by plugin external_ahrs on serial port `port`. Pure.
 /// @param now  all its parameters: 4.5 has other names
 inline std::vector<ExternalAhrsParam> external_ahrs_params(const ParamValues& now, int port) {
+  constexpr double kLeastRate = 200;  // Hz; less is too slow for a multicopter's rate loop
   const std::string serial = "SERIAL" + std::to_string(port);
   return {{"EAHRS_TYPE", 1, "VectorNav"},
-          {"EAHRS_RATE", 400, "Hz of the inertial samples", true},
+          {"EAHRS_RATE", 400, "Hz of the inertial samples", kLeastRate},
           {"EAHRS_SENSORS", 15, "GPS, IMU, barometer and compass of it"},
           {serial + "_PROTOCOL", 36, "the line of the sensors"},
           {serial + "_BAUD", 921, "921600 baud"},
@@ -52,7 +53,7 @@ inline std::vector<ExternalAhrsParam> external_ahrs_lacks(const ParamValues& now
   for (ExternalAhrsParam& param : external_ahrs_params(now, port)) {
     const auto found = now.find(param.name);
     const bool fits = found != now.end() &&
-                      (found->second == param.value || (param.may_be_other && found->second > 0));
+                      (param.least ? found->second >= *param.least : found->second == param.value);
     if (!fits) lacks.push_back(std::move(param));
   }
   return lacks;

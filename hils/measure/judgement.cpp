@@ -206,8 +206,15 @@ void check_ahrs(const Measurement& figures, Checks& checks) {
   constexpr double kMostDropped_pct = 1;
   const AhrsFigures& line = *figures.firmware->ahrs;
   const auto all = static_cast<double>(line.sent + line.dropped);
-  // A line that carried nothing, or whose figures are lost, proves nothing.
-  const double dropped_pct = all > 0 ? 100.0 * static_cast<double>(line.dropped) / all : 100;
+  if (all == 0) {  // or its figures are lost
+    checks.push_back(missed({.kind = Kind::kValidity,
+                             .what = "packets on the sensors' line",
+                             .found = "none",
+                             .wanted = "some"},
+                            "the sensors' line carried no packet"));
+    return;
+  }
+  const double dropped_pct = 100.0 * static_cast<double>(line.dropped) / all;
   add_machine(checks, bounded(figures, "real_time_factor", kLeastRealTimeFactor),
               fmt::format("the simulation ran at {:.3f} of real time, and {:.2f} is needed",
                           figures.pace.real_time_factor, kLeastRealTimeFactor));

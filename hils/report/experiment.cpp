@@ -49,7 +49,9 @@ std::string how_it_ran(const Measurement& figures) {
     const std::string name = firmware.autopilot.empty() ? "firmware" : firmware.autopilot;
     return fmt::format("stock {}{}{}", name, firmware.version.empty() ? "" : " v",
                        firmware.version) +
-           (figures.streamed ? " in HITL" : " in software");
+           (figures.streamed ? " in HITL"
+            : firmware.ahrs  ? " by External AHRS"
+                             : " in software");
   }
   return title_of(figures.architecture) + (figures.lockstep        ? " in lockstep"
                                            : figures.virtual_clock ? " on the virtual clock"

@@ -115,7 +115,7 @@ void read_sys_hitl(Session& session, DoctorFacts& facts) {
 
 void read_params(Session& session, DoctorFacts& facts) {
   for (const json& vehicle : facts.after.value("vehicles", json::array())) {
-    if (!is_by_external_ahrs(facts.routes, vehicle)) continue;
+    if (!is_by_external_ahrs(facts, vehicle)) continue;
     const int system = vehicle.at("system");
     try {
       const json list = session.call("param.list", {{"vehicle", system}});

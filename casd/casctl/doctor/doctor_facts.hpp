@@ -39,6 +39,9 @@ struct DoctorFacts {
   double wake_max_us = 0;
 };
 
+/// Component id of ground stations.
+inline constexpr int kGroundStation = 190;
+
 /// Messages that came longer ago do not count as a stream.
 inline constexpr double kFresh_s = 3;
 

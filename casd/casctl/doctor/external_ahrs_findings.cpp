@@ -15,6 +15,15 @@ using nlohmann::json;
 
 constexpr double kLeastServoHz = 200;  ///< ArduCopter 4.6 gives some 300
 
+/// Whether a ground station has been heard on a link.
+bool leads_to_station(const DoctorFacts& facts, const std::string& link) {
+  return std::ranges::any_of(facts.messages, [&link](const json& message) {
+    return message.value("link", "") == link && message.value("direction", "") == "rx" &&
+           message.value("name", "") == "HEARTBEAT" &&
+           message.value("component", 0) == kGroundStation;
+  });
+}
+
 /// Its parameters, of one that told them.
 void check_params(const casd::ParamValues& params, const std::string& who, Findings& all) {
   if (!params.contains("EAHRS_TYPE")) {
@@ -67,18 +76,19 @@ void check_outputs(const DoctorFacts& facts, const json& vehicle, const std::str
 
 }  // namespace
 
-bool is_by_external_ahrs(const json& routes, const json& vehicle) {
+bool is_by_external_ahrs(const DoctorFacts& facts, const json& vehicle) {
   if (vehicle.value("autopilot", "") != "ArduPilot") return false;
-  return std::ranges::any_of(routes, [&vehicle](const json& route) {
+  return std::ranges::any_of(facts.routes, [&](const json& route) {
     const json allow = route.value("allow", json::array());
     return route.value("from", "") == vehicle.value("link", "") &&
-           std::ranges::find(allow, json("SERVO_OUTPUT_RAW")) != allow.end();
+           std::ranges::find(allow, json("SERVO_OUTPUT_RAW")) != allow.end() &&
+           !leads_to_station(facts, route.value("to", ""));
   });
 }
 
 void check_external_ahrs(const DoctorFacts& facts, Findings& all) {
   for (const json& vehicle : facts.after.value("vehicles", json::array())) {
-    if (is_silent(vehicle) || !is_by_external_ahrs(facts.routes, vehicle)) continue;
+    if (is_silent(vehicle) || !is_by_external_ahrs(facts, vehicle)) continue;
     const int system = vehicle.value("system", 0);
     const std::string who = "vehicle " + std::to_string(system);
     check_outputs(facts, vehicle, who, all);

@@ -15,8 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kSensorHz = 200;    // the least that stock firmware flies well on
-constexpr int kGroundStation = 190;  // component id of ground stations
+constexpr double kSensorHz = 200;  // the least that stock firmware flies well on
 
 /// The links that a vehicle's system is heard on: the ways of a group are one vehicle's.
 std::set<std::string> links_of(const DoctorFacts& facts, const json& vehicle) {
@@ -139,7 +138,7 @@ void check_vehicles(const DoctorFacts& facts, Findings& all) {
           "links lead to one vehicle, put them into one `group`");
     } else if (is_silent(vehicle)) {
       bad(all, who + " has been silent for " + fixed(age_s, 0) + " s", "see its link above");
-    } else if (is_by_external_ahrs(facts.routes, vehicle)) {
+    } else if (is_by_external_ahrs(facts, vehicle)) {
       continue;  // check_external_ahrs()
     } else if (is_in_software(facts, vehicle)) {
       good(all,
@@ -202,7 +201,7 @@ void check_streams(const DoctorFacts& facts, Findings& all) {
     const std::string who = "vehicle " + vehicle.at("system").dump();
     // The vehicle's own line covers these.
     if (is_silent(vehicle) || is_in_software(facts, vehicle) || is_routed_alone(facts, vehicle) ||
-        is_by_external_ahrs(facts.routes, vehicle)) {
+        is_by_external_ahrs(facts, vehicle)) {
       continue;
     }
     const double sensor_hz = rate_of(facts, link, "tx", {"HIL_SENSOR"});

@@ -120,6 +120,13 @@ INSTANTIATE_TEST_SUITE_P(
                     WrongParam{"INS_ENABLE_MASK", 127, ": INS_ENABLE_MASK is 127, not 1"}),
     [](const auto& tested) { return tested.param.name; });
 
+TEST(Doctor, TakesNoRouteToAGroundStationForOneToASimulator) {
+  DoctorFacts facts = external_ahrs_setup();
+  facts.messages.push_back(message("sim", "rx", "HEARTBEAT", 1, 255, 190));
+  EXPECT_EQ(complaints(facts).find("External AHRS"), std::string::npos);
+  EXPECT_EQ(complaints(facts).find("ITS OUTPUTS ARE LIVE"), std::string::npos);
+}
+
 TEST(Doctor, FindsArdupilotWithoutExternalAhrsOrOutputsOrConsent) {
   DoctorFacts facts = external_ahrs_setup();
   facts.params[1].erase("EAHRS_TYPE");
