@@ -10,7 +10,11 @@
 #include "casd/station/request_chain.hpp"
 #include "casd/station/vehicle_command.hpp"
 #include "mavlink/common/autopilot_version.hpp"
+#include "mavlink/common/command_ack.hpp"
 #include "mavlink/common/manual_control.hpp"
+#include "mavlink/common/param_value.hpp"
+#include "mavlink/common/statustext.hpp"
+#include "mavlink/common/timesync.hpp"
 #include "mavlink_gen/services/address.hpp"
 
 namespace cas::casd {
@@ -84,6 +88,17 @@ void VehicleCommander::set_commanding(double heartbeat_hz, bool allow_not_hil, b
   options_.ask_on_sight = ask_on_sight;
 }
 
+namespace {
+
+/// Messages that a vehicle also sends of which no stream was requested.
+bool comes_without_request(std::uint32_t message_id) {
+  constexpr std::uint32_t kSuch[] = {Heartbeat::kId,  CommandAck::kId, ParamValue::kId,
+                                     Statustext::kId, Timesync::kId,   AutopilotVersion::kId};
+  return std::ranges::find(kSuch, message_id) != std::end(kSuch);
+}
+
+}  // namespace
+
 void VehicleCommander::on_packet(const Origin& from, const mav::PacketView& packet,
                                  base::RunTime now) {
   now_ = now;
@@ -94,7 +109,7 @@ void VehicleCommander::on_packet(const Origin& from, const mav::PacketView& pack
   if (vehicle == nullptr) return;
   const bool restarted = vehicle->state.restarted_at() > vehicle->asked_at &&
                          now - vehicle->asked_at > kVehicleTimeout;  // its clock may leap about
-  if (packet.message_id != Heartbeat::kId) vehicle->told_at = now;
+  if (!comes_without_request(packet.message_id)) vehicle->told_at = now;
   const bool never_asked = vehicle != before || vehicle->asked_at == base::RunTime{};
   if (!vehicle->state.is_high_latency() &&
       (never_asked || restarted || has_stopped_telling(*vehicle, now))) {

@@ -48,7 +48,7 @@ struct KnownVehicle {
   TakeoffHeight takeoff_height{params};
   std::uint64_t texts_seen = 0;
   base::RunTime asked_at{};   ///< when missing messages were last requested
-  base::RunTime told_at{};    ///< when it last sent something else than HEARTBEAT
+  base::RunTime told_at{};    ///< when a message of a stream came last
   base::Duration beat_at{};   ///< its own clock at the newest HEARTBEAT that was sent
   base::RunTime beat_sent{};  ///< the same by this machine's
   bool contested = false;     ///< the newest notice says that it has a rival
