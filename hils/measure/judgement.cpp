@@ -383,9 +383,10 @@ void check_figures(const Measurement& figures, const FigureLimits& limits, bool 
 }
 
 void check_flown(const Measurement& figures, Checks& checks) {
-  const LimitCheck check{.what = "flight",
-                         .found = figures.flight_failure ? "not completed" : "completed",
-                         .wanted = "completed"};
+  LimitCheck check{.what = "flight",
+                   .found = figures.flight_failure ? "not completed" : "completed",
+                   .wanted = "completed"};
+  if (!figures.stages.empty()) check.time_s = base::to_seconds(figures.stages.back().end);
   checks.push_back(figures.flight_failure
                        ? missed(check, "the flight was not completed: " + *figures.flight_failure)
                        : check);
@@ -400,7 +401,8 @@ void check_incidents(const std::vector<Incident>& incidents, const Limits& limit
   for (const Incident& incident : incidents) {
     const LimitCheck check{.what = what(incident.kind),
                            .found = fmt::format("at {:.2f} s", incident.time_s),
-                           .wanted = wanted(incident.kind)};
+                           .wanted = wanted(incident.kind),
+                           .time_s = incident.time_s};
     const bool allowed = limits.allow.contains(incident.kind);
     checks.push_back(allowed ? check : missed(check, "the vehicle " + incident.what));
   }

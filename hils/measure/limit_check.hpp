@@ -32,6 +32,7 @@ struct LimitCheck {
   bool kept = true;        ///< means nothing where it is not judged
   std::string sentence{};  ///< why it was missed; empty when it was kept
   About about = About::kOther;
+  std::optional<double> time_s{};  ///< simulated, at which it was missed; of an event
 
   /// How far the value is from the bound, in its unit; negative beyond it.
   std::optional<double> margin() const {

@@ -118,6 +118,12 @@ void put_verdict(const Verdict& verdict, OrderedJson& summary) {
   summary["valid"] = verdict.valid;
   summary["passed"] = verdict.passed;
   summary["failures"] = verdict.failures;
+  summary["failure_times_s"] = OrderedJson::array();
+  for (const std::string& failure : verdict.failures) {
+    const auto check = std::ranges::find(verdict.checks, failure, &LimitCheck::sentence);
+    summary["failure_times_s"].push_back(
+        check == verdict.checks.end() ? nullptr : number_or_null(check->time_s));
+  }
   summary["remarks"] = verdict.remarks;
   summary["warnings"] = verdict.warnings;
 }

@@ -24,9 +24,6 @@ namespace {
 using Json = nlohmann::json;
 using Lines = std::vector<StoryLine>;
 
-constexpr std::string_view kNotFlown = "the flight was not completed: ";
-constexpr std::string_view kNeverBegan = "fault '";           // begins a sentence on a fault
-constexpr std::string_view kByItself = "the vehicle itself";  // of flight_changes.cpp
 constexpr double kAfterFault_s = 5;      // in which the vehicle may still react to one
 constexpr double kBeforeFailure_s = 10;  // in which it may have said why
 constexpr int kWarning = 4;              // MAV_SEVERITY_WARNING
@@ -206,25 +203,16 @@ class VehicleStory {
     if (!steps.empty()) lines.push_back({"steps", base::joined(steps, ", ")});
   }
 
-  /// Incidents and the end of a flight that was broken off, in the order of time.
+  /// Failures that have a time, in its order. @param rest  takes the others
   std::vector<Moment> failed_moments(std::vector<std::string>& rest) const {
     std::vector<Moment> moments;
-    for (const std::string& sentence : strings_of(member(summary_, "failures"))) {
-      const Json& incidents = member(summary_, "incidents");
-      const auto incident = std::ranges::find_if(incidents, [&](const Json& each) {
-        return sentence == "the vehicle " + each.at("what").get<std::string>();
-      });
-      if (incident != incidents.end()) {
-        const double t_s = incident->at("time_s");
-        const std::string when = " at " + seconds(t_s);  // the line begins with it
-        moments.push_back({t_s, sentence.ends_with(when)
-                                    ? sentence.substr(0, sentence.size() - when.size())
-                                    : sentence});
-      } else if (sentence.starts_with(kNotFlown) && !member(summary_, "stages").empty()) {
-        const double end_s = member(summary_, "stages").back().at("end_s");
-        moments.push_back({end_s, sentence.substr(kNotFlown.size())});
+    const std::vector<std::string> failures = strings_of(member(summary_, "failures"));
+    const Json& times_s = member(summary_, "failure_times_s");
+    for (std::size_t i = 0; i < failures.size(); ++i) {
+      if (i < times_s.size() && times_s[i].is_number()) {
+        moments.push_back({times_s[i], failures[i]});
       } else {
-        rest.push_back(sentence);
+        rest.push_back(failures[i]);
       }
     }
     std::ranges::stable_sort(moments, {}, &Moment::t_s);
@@ -235,21 +223,17 @@ class VehicleStory {
     std::vector<std::string> rest;
     const std::vector<Moment> moments = failed_moments(rest);
     if (moments.empty()) {
-      for (const std::string& each : rest) lines.push_back({lines_head(each), each});
+      const char* const head = summary_.value("valid", true) ? "missed" : "why";
+      for (const std::string& each : rest) lines.push_back({head, each});
       return;
     }
     const Moment& first = moments.front();
-    lines.push_back({"first", seconds(first.t_s) + ": " + first.what});
+    lines.push_back({"first", first.what});
     add_circumstances(first.t_s, lines);
     for (std::size_t i = 1; i < moments.size(); ++i) {
-      lines.push_back({"then", seconds(moments[i].t_s) + ": " + moments[i].what});
+      lines.push_back({"then", moments[i].what});
     }
     if (!rest.empty()) lines.push_back({"therefore", first_few(rest, "; ", kMostLimits)});
-  }
-
-  std::string lines_head(const std::string& sentence) const {
-    if (!summary_.value("valid", true)) return "why";
-    return sentence.starts_with(kNeverBegan) ? "and" : "missed";
   }
 
   /// Of the moment at which the first thing went wrong.
@@ -342,8 +326,8 @@ class VehicleStory {
     }
     std::vector<std::string> acts;
     for (const Json& change : member(summary_, "changes")) {
+      if (!change.at("from_outside").get<bool>()) continue;
       const auto by = change.at("by").get<std::string>();
-      if (by == kByItself) continue;
       acts.push_back(fmt::format("{} {} -> {} by {} at {}",
                                  change.at("parameter").get<std::string>(), change.at("old").dump(),
                                  change.at("new").dump(), by,
