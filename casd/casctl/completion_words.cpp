@@ -5,7 +5,7 @@
 #include <string>
 
 #include "casd/casctl/verbs/telemetry.hpp"
-#include "mavlink_gen/services/copter_modes.hpp"
+#include "mavlink_gen/services/ardupilot_modes.hpp"
 #include "mavlink_gen/services/px4_modes.hpp"
 
 namespace cas::casctl {
@@ -19,7 +19,7 @@ Words loops() {
                     "velocity", "altitude", "climb"}};
 }
 
-/// That PX4 or ArduCopter take.
+/// That PX4 or a vehicle of ArduPilot takes.
 Words modes() {
   Words words;
   const auto add = [&words](const mav::services::FlightModeWord& mode) {
@@ -28,6 +28,9 @@ Words modes() {
   };
   std::ranges::for_each(mav::services::kPx4Modes, add);
   std::ranges::for_each(mav::services::kCopterModes, add);
+  std::ranges::for_each(mav::services::kPlaneModes, add);
+  std::ranges::for_each(mav::services::kRoverModes, add);
+  std::ranges::for_each(mav::services::kSubModes, add);
   return words;
 }
 

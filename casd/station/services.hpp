@@ -35,6 +35,7 @@ using mav::services::leads_into_hil;
 using mav::services::MessageMemory;
 using mav::services::mode_command;
 using mav::services::mode_words;
+using mav::services::ModeSet;
 using mav::services::Motion;
 using mav::services::motion_of;
 using mav::services::motion_of_parameter;

@@ -41,6 +41,10 @@ class Takeoff {
   };
   void to_amsl(KnownVehicle& vehicle, const Request& request);
   void in_guided(KnownVehicle& vehicle, const Request& request);
+  void in_takeoff_mode(KnownVehicle& vehicle, const Request& request);
+  void with_height(KnownVehicle& vehicle, const Request& request,
+                   std::function<void(const Request&)> take_off);
+  bool overtaken(const KnownVehicle& vehicle, const Request& request);
   void give(KnownVehicle& vehicle, const VehicleCommand& command, const Request& request);
 
   VehicleTable& table_;

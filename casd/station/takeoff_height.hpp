@@ -8,17 +8,18 @@
 
 #include "base/time/clock.hpp"
 #include "casd/station/services.hpp"
+#include "casd/station/vehicle_state.hpp"
 
 namespace cas::casd {
 
-/// PX4's default height of a takeoff, MIS_TAKEOFF_ALT: casd writes it for a takeoff and afterwards
-/// restores the old value. Pure.
+/// The parameter that holds the height of a takeoff: PX4's MIS_TAKEOFF_ALT, ArduPlane's TKOFF_ALT.
+/// casd writes it for a takeoff and afterwards restores the old value. Pure.
 class TakeoffHeight {
  public:
-  static constexpr std::string_view kParameter = "MIS_TAKEOFF_ALT";
-
   /// @param params  of the vehicle; outlives this
-  explicit TakeoffHeight(ParamExchange& params) : params_(params) {}
+  /// @param state   of the vehicle; outlives this
+  TakeoffHeight(ParamExchange& params, const VehicleState& state)
+      : params_(params), state_(state) {}
 
   /// @param clock  read now, and when the vehicle has answered
   void write(double altitude_m, std::function<base::RunTime()> clock, Done done);
@@ -26,6 +27,7 @@ class TakeoffHeight {
   void put_back(base::RunTime now);
   /// Another has set the parameter: that value stays.
   void keep() { before_.reset(); }
+  std::string parameter() const;
 
   /// When it was last written.
   base::RunTime written() const { return written_; }
@@ -35,6 +37,7 @@ class TakeoffHeight {
 
  private:
   ParamExchange& params_;
+  const VehicleState& state_;
   std::optional<double> before_;  ///< the value to restore
   base::RunTime written_{};
   bool putting_back_ = false;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/text.hpp"
 #include "casd/station/motion_interlock.hpp"
 #include "casd/station/overhearing.hpp"
 #include "casd/station/request_chain.hpp"
@@ -197,8 +198,10 @@ void VehicleCommander::dispatch(KnownVehicle& vehicle, const mav::PacketView& pa
     case ExtendedSysState::kId:
       // The navigator reads the parameter when it begins to climb: not before it is in the air,
       // unless the takeoff fails.
-      if (vehicle.state.landed() == MavLandedState::kTakeoff ||
-          vehicle.state.landed() == MavLandedState::kInAir) {
+      // ArduPlane's mode TAKEOFF reads it until the climb ends: it stays to the disarm.
+      if (vehicle.state.autopilot() == Autopilot::kPx4 &&
+          (vehicle.state.landed() == MavLandedState::kTakeoff ||
+           vehicle.state.landed() == MavLandedState::kInAir)) {
         vehicle.takeoff_height.put_back(now);
       }
       break;
@@ -425,9 +428,34 @@ void VehicleCommander::takeoff(std::uint8_t system, double altitude_m, base::Run
   takeoff_.begin(*vehicle, altitude_m, not_hil, std::move(done));
 }
 
+namespace {
+
+/// The mode in which a vehicle stays where it is without a pilot.
+std::string_view holding_mode(const VehicleState& state) {
+  switch (state.mode_set()) {
+    case ModeSet::kCopter:
+      return "BRAKE";  // LOITER follows the sticks
+    case ModeSet::kPlane:
+      return state.vtol_word() == "multicopter" ? "QLOITER" : "LOITER";
+    case ModeSet::kSub:
+      return "POSHOLD";
+    default:
+      return "HOLD";
+  }
+}
+
+}  // namespace
+
 void VehicleCommander::land(std::uint8_t system, base::RunTime now, Done done) {
-  if (const KnownVehicle* vehicle = known(system, done)) {
+  const KnownVehicle* const vehicle = known(system, done);
+  if (vehicle == nullptr) return;
+  if (vehicle->state.mode_set() != ModeSet::kPlane) {
     start(system, here_command(vehicle->state, MavCmd::kNavLand), now, std::move(done));
+  } else if (vehicle->state.vtol_word().empty()) {
+    // ArduPlane lands where its mission says.
+    start(system, VehicleCommand{.id = MavCmd::kDoLandStart}, now, std::move(done));
+  } else {
+    set_mode(system, "QLAND", now, std::move(done));
   }
 }
 
@@ -437,9 +465,7 @@ void VehicleCommander::return_home(std::uint8_t system, base::RunTime now, Done 
 
 void VehicleCommander::hold(std::uint8_t system, base::RunTime now, Done done) {
   if (const KnownVehicle* vehicle = known(system, done)) {
-    // ArduPilot's LOITER follows the sticks; BRAKE stops and stays without a pilot.
-    const bool ardupilot = vehicle->state.autopilot() == Autopilot::kArduPilot;
-    set_mode(system, ardupilot ? "BRAKE" : "HOLD", now, std::move(done));
+    set_mode(system, holding_mode(vehicle->state), now, std::move(done));
   }
 }
 
@@ -449,9 +475,9 @@ void VehicleCommander::set_mode(std::uint8_t system, std::string_view word, base
   KnownVehicle* vehicle = known(system, done);
   if (vehicle == nullptr) return;
   const VehicleState& state = vehicle->state;
-  const std::optional<std::uint32_t> mode = custom_mode(state.autopilot(), word);
+  const std::optional<std::uint32_t> mode = custom_mode(state.mode_set(), word);
   if (!mode) {
-    const std::string words = mode_words(state.autopilot());
+    const std::string words = base::joined(mode_words(state.mode_set()), " ");
     done(failure(OutcomeKind::kInvalid, "'" + std::string(word) + "' is no mode of " +
                                             std::string(name(state.autopilot())) +
                                             (words.empty() ? std::string() : "; it has " + words)));
@@ -518,7 +544,7 @@ void VehicleCommander::set_param(std::uint8_t system, const std::string& name, d
   if (KnownVehicle* vehicle = known(system, done)) {
     const bool spins = motion_of_parameter(name) == Motion::kSpins && !leads_into_hil(name, value);
     if (spins && interlocked(*vehicle, not_hil, now, done)) return;
-    if (name == TakeoffHeight::kParameter) vehicle->takeoff_height.keep();
+    if (name == vehicle->takeoff_height.parameter()) vehicle->takeoff_height.keep();
     ParamExchange::Objection objection;
     if (spins) {
       objection = [this, &state = vehicle->state, not_hil](base::RunTime at) {

@@ -45,7 +45,7 @@ struct KnownVehicle {
   VehicleState state;
   CommandExchange commands;
   ParamExchange params;
-  TakeoffHeight takeoff_height{params};
+  TakeoffHeight takeoff_height{params, state};
   std::uint64_t texts_seen = 0;
   base::RunTime asked_at{};   ///< when missing messages were last requested
   base::RunTime told_at{};    ///< when a message of a stream came last

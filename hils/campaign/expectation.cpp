@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -58,12 +57,11 @@ std::vector<std::string> parse_modes(const std::string& text) {
 
 /// casd's words for the modes of PX4 and ArduPilot, and for those that cannot be commanded.
 std::vector<std::string> failsafe_modes() {
-  using mav::services::Autopilot;
+  using mav::services::ModeSet;
   std::vector<std::string> modes{"TERMINATION"};
-  for (const Autopilot autopilot : {Autopilot::kPx4, Autopilot::kArduPilot}) {
-    std::istringstream words(mav::services::mode_words(autopilot));
-    for (std::string word; words >> word;) {
-      if (std::ranges::find(modes, word) == modes.end()) modes.push_back(word);
+  for (const ModeSet set : {ModeSet::kPx4, ModeSet::kCopter, ModeSet::kPlane}) {
+    for (const std::string_view word : mav::services::mode_words(set)) {
+      if (std::ranges::find(modes, word) == modes.end()) modes.emplace_back(word);
     }
   }
   return modes;

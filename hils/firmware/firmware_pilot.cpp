@@ -198,7 +198,8 @@ class FirmwareVehicle {
     }
     if (step.kind == StepKind::kReboot) return reboot(step, answer);
     if (companion_ && CompanionFlight::gives(step.kind)) return give_as_companion(step, answer);
-    const auto refusal = hils::give(deck_.casd, step, deck_.scenario.firmware->not_hil, asked_);
+    const auto refusal = hils::give(deck_.casd, step, deck_.scenario.firmware->not_hil, asked_,
+                                    vehicle_report(deck_.casd, asked_).autopilot);
     answer(deck_.look(), refusal);
   }
 

@@ -71,8 +71,8 @@ class MessageReader {
     const bool critical = beat.system_status == MavState::kCritical ||
                           beat.system_status == MavState::kEmergency ||
                           beat.system_status == MavState::kFlightTermination;
-    const auto autopilot = casd::autopilot_family(beat.autopilot);
-    const std::string mode = mode_name(autopilot, beat.base_mode, beat.custom_mode);
+    const auto modes = mav::services::mode_set(casd::autopilot_family(beat.autopilot), beat.type);
+    const std::string mode = mode_name(modes, beat.base_mode, beat.custom_mode);
     if (critical && (!critical_ || mode != mode_)) {
       messages_.signs.push_back({.time_s = now_s_, .what = mode, .is_reaction = true});
     }

@@ -97,7 +97,7 @@ std::vector<CasdCall> param_calls(const FlightStep& step) {
   return calls;
 }
 
-std::vector<CasdCall> calls_of(const FlightStep& step) {
+std::vector<CasdCall> calls_of(const FlightStep& step, std::string_view autopilot) {
   switch (step.kind) {
     case StepKind::kArm:
       return {{"vehicle.arm", Json::object()}};
@@ -116,6 +116,9 @@ std::vector<CasdCall> calls_of(const FlightStep& step) {
                 {"down_m", -step.place_m.z()},
                 {"radius_m", step.radius_m}}}};
     case StepKind::kTransition:
+      if (autopilot == "ArduPilot") {  // which takes the command in its mode AUTO only
+        return {{"vehicle.mode", {{"mode", step.to_plane ? "LOITER" : "QLOITER"}}}};
+      }
       return {{"vehicle.command",
                {{"command", static_cast<int>(mavlink::common::MavCmd::kDoVtolTransition)},
                 {"params",
@@ -177,8 +180,9 @@ nlohmann::json about(AskedVehicle vehicle, nlohmann::json params) {
   return params;
 }
 
-std::vector<CasdCall> step_calls(const FlightStep& step, bool not_hil, AskedVehicle vehicle) {
-  std::vector<CasdCall> calls = calls_of(step);
+std::vector<CasdCall> step_calls(const FlightStep& step, bool not_hil, AskedVehicle vehicle,
+                                 std::string_view autopilot) {
+  std::vector<CasdCall> calls = calls_of(step, autopilot);
   for (auto& [method, params] : calls) {
     if (not_hil && takes_consent(step.kind)) params["not_hil"] = true;
     params = about(vehicle, std::move(params));
@@ -187,9 +191,9 @@ std::vector<CasdCall> step_calls(const FlightStep& step, bool not_hil, AskedVehi
 }
 
 std::optional<Refusal> give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
-                            AskedVehicle vehicle) {
+                            AskedVehicle vehicle, std::string_view autopilot) {
   try {
-    for (const auto& [method, params] : step_calls(step, not_hil, vehicle)) {
+    for (const auto& [method, params] : step_calls(step, not_hil, vehicle, autopilot)) {
       casd.call(method, params, kCommandPatience);
     }
     return std::nullopt;

@@ -5,6 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -32,11 +33,13 @@ VehicleReport vehicle_report(base::rpc::Client& casd, AskedVehicle vehicle = {})
 /// A method of casd's command port and its parameters.
 using CasdCall = std::pair<std::string, nlohmann::json>;
 /// Calls of casd that have a vehicle do a step, one after the other; none where casd has no part in
-/// it. @param not_hil  consent to a vehicle that does not say that it is in HIL
-std::vector<CasdCall> step_calls(const FlightStep& step, bool not_hil, AskedVehicle vehicle);
+/// it. @param not_hil    consent to a vehicle that does not say that it is in HIL
+///     @param autopilot  as casd names it; empty: ours
+std::vector<CasdCall> step_calls(const FlightStep& step, bool not_hil, AskedVehicle vehicle,
+                                 std::string_view autopilot = {});
 /// Gives a step's commands through casd. @return why one was refused; nullopt: all were accepted
 std::optional<Refusal> give(base::rpc::Client& casd, const FlightStep& step, bool not_hil,
-                            AskedVehicle vehicle = {});
+                            AskedVehicle vehicle = {}, std::string_view autopilot = {});
 
 /// Calls to casd by others than hils (casd.journal). @param casd  made by connect(), as all of hils
 std::vector<OutsideCall> read_outside_calls(base::rpc::Client& casd);

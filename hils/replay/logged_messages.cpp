@@ -177,6 +177,10 @@ class Listener {
         heartbeat && heartbeat->autopilot != mavlink::common::MavAutopilot::kInvalid) {
       state[0] = static_cast<std::uint32_t>(heartbeat->base_mode);
       state[1] = heartbeat->custom_mode;
+      mode_ = mav::services::mode_name(
+          mav::services::mode_set(mav::services::autopilot_family(heartbeat->autopilot),
+                                  heartbeat->type),
+          heartbeat->base_mode, heartbeat->custom_mode);
       heard_ = true;
     }
     if (const auto landed = mav::decode<mavlink::common::ExtendedSysState>(packet)) {
@@ -185,7 +189,7 @@ class Listener {
     if (!heard_ || (state == state_ && !states_.empty())) return;
     if (states_.size() == kMostStates) return;
     state_ = state;
-    states_.push_back({t_s, state[0], state[1], state[2]});
+    states_.push_back({t_s, state[0], mode_, state[2]});
   }
 
   void on_text(double t_s, const mav::PacketView& packet) {
@@ -204,6 +208,7 @@ class Listener {
   OrderedJson texts_ = OrderedJson::array();
   OrderedJson states_ = OrderedJson::array();
   std::array<std::uint32_t, 3> state_{};
+  std::string mode_;
   bool heard_ = false;
   mav::services::StatusTextJoiner joiner_;
   double last_s_ = 0;

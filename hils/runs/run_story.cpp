@@ -15,7 +15,6 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "hils/report/number_text.hpp"
-#include "mavlink_gen/services/vehicle_modes.hpp"
 
 namespace cas::hils {
 
@@ -143,9 +142,7 @@ class Motion {
 };
 
 /// What the vehicle said from one moment to another: warnings and worse, and changes of mode.
-std::vector<Moment> said(const Json& vehicle, const std::string& autopilot, double begin_s,
-                         double end_s) {
-  using mavlink::common::MavAutopilot;
+std::vector<Moment> said(const Json& vehicle, double begin_s, double end_s) {
   const Json& log = member(vehicle, "log");
   std::vector<Moment> all;
   for (const Json& text : member(log, "texts")) {
@@ -153,19 +150,12 @@ std::vector<Moment> said(const Json& vehicle, const std::string& autopilot, doub
     if (t_s < begin_s || t_s > end_s || text.at(1).get<int>() > kWarning) continue;
     all.push_back({t_s, "said '" + text.at(2).get<std::string>() + "'"});
   }
-  const auto family =
-      mav::services::autopilot_family(autopilot == "PX4"         ? MavAutopilot::kPx4
-                                      : autopilot == "ArduPilot" ? MavAutopilot::kArdupilotmega
-                                                                 : MavAutopilot::kGeneric);
-  std::optional<std::uint32_t> before;
+  std::string before;
   for (const Json& state : member(log, "states")) {
-    if (!state.at(2).is_number_unsigned()) continue;
     const double t_s = state.at(0);
-    const auto mode = state.at(2).get<std::uint32_t>();
-    if (before && mode != *before && t_s >= begin_s && t_s <= end_s &&
-        family != mav::services::Autopilot::kOther) {
-      const auto base_mode = static_cast<mavlink::common::MavModeFlag>(state.at(1).get<int>());
-      all.push_back({t_s, "changed to " + mav::services::mode_name(family, base_mode, mode)});
+    const std::string mode = state.at(2);
+    if (!before.empty() && mode != before && t_s >= begin_s && t_s <= end_s) {
+      all.push_back({t_s, "changed to " + mode});
     }
     before = mode;
   }
@@ -177,8 +167,8 @@ std::vector<Moment> said(const Json& vehicle, const std::string& autopilot, doub
 class VehicleStory {
  public:
   /// @param record  of this vehicle, or null
-  VehicleStory(const Json& summary, const Json& record, std::string controller)
-      : summary_(summary), record_(record), controller_(std::move(controller)), motion_(record) {}
+  VehicleStory(const Json& summary, const Json& record)
+      : summary_(summary), record_(record), motion_(record) {}
 
   Lines lines() {
     Lines lines;
@@ -249,7 +239,7 @@ class VehicleStory {
                                        fault.at("name").get<std::string>())});
     }
     std::vector<std::string> words;
-    for (const Moment& each : said(record_, controller_, t_s - kBeforeFailure_s, t_s + 1)) {
+    for (const Moment& each : said(record_, t_s - kBeforeFailure_s, t_s + 1)) {
       words.push_back(fmt::format("{} at {}", each.what, seconds(each.t_s)));
     }
     if (!words.empty()) lines.push_back({"", "the vehicle " + first_few(words, ", ", kMostTexts)});
@@ -273,7 +263,7 @@ class VehicleStory {
                             fixed(motion_.greatest_tilt_deg(begin_s, until_s), 0));
       }
       std::vector<std::string> words;
-      for (const Moment& each : said(record_, controller_, begin_s, until_s)) {
+      for (const Moment& each : said(record_, begin_s, until_s)) {
         words.push_back(fmt::format("{} after {}", each.what, seconds(each.t_s - begin_s)));
       }
       if (!words.empty()) text += "; the vehicle " + first_few(words, ", ", kMostTexts);
@@ -343,7 +333,6 @@ class VehicleStory {
 
   const Json& summary_;
   const Json& record_;
-  std::string controller_;
   Motion motion_;
 };
 
@@ -398,7 +387,7 @@ Lines story(const Json& summary, const Json& record) {
       lines.push_back(
           {vehicles[i].at("name").get<std::string>(), std::string(verdict_word(vehicles[i]))});
     }
-    VehicleStory vehicle(vehicles[i], own, vehicles[i].value("autopilot", std::string()));
+    VehicleStory vehicle(vehicles[i], own);
     for (StoryLine& line : vehicle.lines()) lines.push_back(std::move(line));
   }
   return lines;

@@ -34,8 +34,9 @@ constexpr auto kQuietCommands = std::to_array<std::uint16_t>(
      521,  522,  525,  526,  527,  528,  529,  530,  531,  532,  533,   534,   2000,  2001, 2003,
      2500, 2501, 2502, 2503, 2504, 2505, 2510, 2511, 2600, 3001, 42424, 42425, 42426, 42429});
 
-/// Loiter where it is, return, land, land here, vertical landing, pause of a Solo.
-constexpr auto kStopCommands = std::to_array<std::uint16_t>({17, 20, 21, 23, 85, 42003});
+/// Loiter where it is, return, land, land here, vertical landing, the mission's landing, pause of a
+/// Solo.
+constexpr auto kStopCommands = std::to_array<std::uint16_t>({17, 20, 21, 23, 85, 189, 42003});
 
 bool is_command(const VehicleCommand& command, unsigned number) {
   return static_cast<unsigned>(command.id) == number;
@@ -72,23 +73,16 @@ bool is_still_ardupilot(MavType type, std::uint32_t mode) {
   constexpr auto kCopter = std::to_array<std::uint32_t>({5, 6, 9, 17, 21});
   constexpr auto kPlane = std::to_array<std::uint32_t>({11, 12, 19, 20, 21});
   constexpr auto kRover = std::to_array<std::uint32_t>({4, 11, 12});
-  switch (type) {
-    case MavType::kQuadrotor:
-    case MavType::kCoaxial:
-    case MavType::kHelicopter:
-    case MavType::kHexarotor:
-    case MavType::kOctorotor:
-    case MavType::kTricopter:
-    case MavType::kDodecarotor:
+  switch (mode_set(Autopilot::kArduPilot, type)) {
+    case ModeSet::kCopter:
       return holds(kCopter, mode);
-    case MavType::kGroundRover:
-    case MavType::kSurfaceBoat:
+    case ModeSet::kPlane:
+      return holds(kPlane, mode);
+    case ModeSet::kRover:
       return holds(kRover, mode);
     default:
-      break;
+      return false;
   }
-  const bool vtol = type >= MavType::kVtolTailsitterDuorotor && type <= MavType::kVtolReserved5;
-  return (type == MavType::kFixedWing || vtol) && holds(kPlane, mode);
 }
 
 bool is_still_px4(std::uint32_t mode) {

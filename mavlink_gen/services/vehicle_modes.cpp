@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <span>
 
-#include "mavlink_gen/services/copter_modes.hpp"
+#include "mavlink_gen/services/ardupilot_modes.hpp"
 #include "mavlink_gen/services/px4_modes.hpp"
 
 namespace cas::mav::services {
@@ -14,14 +14,21 @@ namespace {
 
 using mavlink::common::MavAutopilot;
 using mavlink::common::MavModeFlag;
+using mavlink::common::MavType;
 
-std::span<const FlightModeWord> modes(Autopilot autopilot) {
-  switch (autopilot) {
-    case Autopilot::kPx4:
+std::span<const FlightModeWord> modes(ModeSet set) {
+  switch (set) {
+    case ModeSet::kPx4:
       return kPx4Modes;
-    case Autopilot::kArduPilot:
+    case ModeSet::kCopter:
       return kCopterModes;
-    case Autopilot::kOther:
+    case ModeSet::kPlane:
+      return kPlaneModes;
+    case ModeSet::kRover:
+      return kRoverModes;
+    case ModeSet::kSub:
+      return kSubModes;
+    case ModeSet::kNone:
       break;
   }
   return {};
@@ -53,32 +60,55 @@ std::string_view name(Autopilot autopilot) {
   return "other";
 }
 
-std::string mode_name(Autopilot autopilot, MavModeFlag base_mode, std::uint32_t custom_mode) {
+ModeSet mode_set(Autopilot autopilot, MavType type) {
+  if (autopilot == Autopilot::kPx4) return ModeSet::kPx4;
+  if (autopilot != Autopilot::kArduPilot) return ModeSet::kNone;
+  switch (type) {
+    case MavType::kQuadrotor:
+    case MavType::kCoaxial:
+    case MavType::kHelicopter:
+    case MavType::kHexarotor:
+    case MavType::kOctorotor:
+    case MavType::kTricopter:
+    case MavType::kDodecarotor:
+    case MavType::kDecarotor:
+      return ModeSet::kCopter;
+    case MavType::kGroundRover:
+    case MavType::kSurfaceBoat:
+      return ModeSet::kRover;
+    case MavType::kSubmarine:
+      return ModeSet::kSub;
+    default:
+      break;
+  }
+  const bool vtol = type >= MavType::kVtolTailsitterDuorotor && type <= MavType::kVtolReserved5;
+  return type == MavType::kFixedWing || vtol ? ModeSet::kPlane : ModeSet::kNone;
+}
+
+std::string mode_name(ModeSet set, MavModeFlag base_mode, std::uint32_t custom_mode) {
   if (!has(base_mode, MavModeFlag::kCustomModeEnabled)) {
     return hex("base 0x%02x", static_cast<std::uint32_t>(base_mode));
   }
-  for (const FlightModeWord& mode : modes(autopilot)) {
+  for (const FlightModeWord& mode : modes(set)) {
     if (mode.number == custom_mode) return std::string(mode.word);
   }
   return hex("custom 0x%08x", custom_mode);
 }
 
-std::optional<std::uint32_t> custom_mode(Autopilot autopilot, std::string_view word) {
+std::optional<std::uint32_t> custom_mode(ModeSet set, std::string_view word) {
   std::string upper(word);
   std::transform(upper.begin(), upper.end(), upper.begin(),
                  [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  for (const FlightModeWord& mode : modes(autopilot)) {
+  for (const FlightModeWord& mode : modes(set)) {
     if (mode.asked_for && mode.word == upper) return mode.number;
   }
   return std::nullopt;
 }
 
-std::string mode_words(Autopilot autopilot) {
-  std::string words;
-  for (const FlightModeWord& mode : modes(autopilot)) {
-    if (!mode.asked_for) continue;
-    if (!words.empty()) words += ' ';
-    words += mode.word;
+std::vector<std::string_view> mode_words(ModeSet set) {
+  std::vector<std::string_view> words;
+  for (const FlightModeWord& mode : modes(set)) {
+    if (mode.asked_for) words.push_back(mode.word);
   }
   return words;
 }

@@ -281,7 +281,7 @@ bool VehicleState::denied_hil(Time now) const {
 }
 
 std::string VehicleState::mode() const {
-  return mode_name(autopilot(), heartbeat_.message.base_mode, heartbeat_.message.custom_mode);
+  return mode_name(mode_set(), heartbeat_.message.base_mode, heartbeat_.message.custom_mode);
 }
 
 bool VehicleState::waits_for_sticks() const {

@@ -82,6 +82,7 @@ class VehicleState {
   Source source() const { return source_; }
   Autopilot autopilot() const;
   mavlink::common::MavType type() const { return heartbeat_.message.type; }
+  ModeSet mode_set() const { return services::mode_set(autopilot(), type()); }
   bool armed() const;
   /// Whether its newest HEARTBEAT says that it flies a simulation.
   bool hil() const;

@@ -120,7 +120,7 @@ void FakeVehicle::say_param(const std::string& name, base::RunTime at, std::uint
 void FakeVehicle::say_heartbeat(base::RunTime at) {
   if (silent_) return;
   Heartbeat message;
-  message.type = MavType::kQuadrotor;
+  message.type = type;
   message.autopilot = autopilot;
   message.base_mode = base_mode;
   message.custom_mode = custom_mode;

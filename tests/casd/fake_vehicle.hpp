@@ -36,6 +36,7 @@ class FakeVehicle {
 
   Script script;
   mavlink::common::MavAutopilot autopilot = mavlink::common::MavAutopilot::kPx4;
+  mavlink::common::MavType type = mavlink::common::MavType::kQuadrotor;
   mavlink::common::MavModeFlag base_mode =
       mavlink::common::MavModeFlag::kCustomModeEnabled | mavlink::common::MavModeFlag::kHilEnabled;
   std::uint32_t custom_mode = 0;

@@ -121,6 +121,111 @@ TEST_F(VehicleCommanderTest, ArduPilotTakesOffInGuidedToAHeightAboveHome) {
   EXPECT_EQ(vehicle_.commands.back().param7, 2.5F);
 }
 
+/// The newest mode that a vehicle of ArduPilot was asked for; -1: none. A question for its HEARTBEAT
+/// follows the command.
+float asked_mode(const test::FakeVehicle& vehicle) {
+  float mode = -1;
+  for (const CommandLong& command : vehicle.commands) {
+    if (command.command == MavCmd::kDoSetMode) mode = command.param2;
+  }
+  return mode;
+}
+
+class ArduPlane : public VehicleCommanderTest {
+ protected:
+  ArduPlane() {
+    vehicle_.autopilot = MavAutopilot::kArdupilotmega;
+    vehicle_.type = MavType::kFixedWing;  // of quadplanes, too
+    vehicle_.params["TKOFF_ALT"] = {.value = 50};
+    meet();
+  }
+  void fly_as(MavVtolState state) {
+    ExtendedSysState said;
+    said.vtol_state = state;
+    said.landed_state = MavLandedState::kInAir;
+    vehicle_.say(said, now_);
+    run_for(50ms);
+  }
+};
+
+TEST_F(ArduPlane, ClimbsInTheModeTakeoffToItsParameter) {
+  commander_.takeoff(1, 40, now_, done());
+  EXPECT_TRUE(finish().ok());
+  EXPECT_EQ(asked_mode(vehicle_), 13);
+  vehicle_.base_mode = vehicle_.base_mode | MavModeFlag::kSafetyArmed;
+  fly_as(MavVtolState::kUndefined);
+  run_for(2s);
+  EXPECT_EQ(vehicle_.params["TKOFF_ALT"].value, 40) << "the mode reads it until the climb ends";
+  vehicle_.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kHilEnabled;
+  run_for(3s);
+  EXPECT_EQ(vehicle_.params["TKOFF_ALT"].value, 50) << "the value from before";
+}
+
+TEST_F(ArduPlane, OnRotorsTakesOffInGuidedAndLandsInQland) {
+  fly_as(MavVtolState::kMc);
+  commander_.takeoff(1, 20, now_, done());
+  EXPECT_TRUE(finish().ok());
+  EXPECT_EQ(asked_mode(vehicle_), 15);
+  EXPECT_EQ(vehicle_.commands.back().command, MavCmd::kNavTakeoff);
+  EXPECT_EQ(vehicle_.params["TKOFF_ALT"].value, 50);
+  commander_.land(1, now_, done());
+  EXPECT_TRUE(finish().ok());
+  EXPECT_EQ(asked_mode(vehicle_), 20);
+}
+
+TEST_F(ArduPlane, LandsWhereItsMissionSays) {
+  commander_.land(1, now_, done());
+  EXPECT_TRUE(finish().ok());
+  EXPECT_EQ(vehicle_.commands.back().command, MavCmd::kDoLandStart);
+}
+
+struct HoldCase {
+  const char* name;
+  MavType type;
+  MavVtolState vtol;
+  float mode;
+  const char* word;
+};
+
+class Hold : public VehicleCommanderTest, public testing::WithParamInterface<HoldCase> {};
+
+// 17 is BRAKE of a copter, and a mode that wants sticks on a quadplane.
+TEST_P(Hold, StaysInTheModeOfItsVehicle) {
+  vehicle_.autopilot = MavAutopilot::kArdupilotmega;
+  vehicle_.type = GetParam().type;
+  meet();
+  ExtendedSysState said;
+  said.vtol_state = GetParam().vtol;
+  vehicle_.say(said, now_);
+  run_for(50ms);
+  commander_.hold(1, now_, done());
+  EXPECT_TRUE(finish().ok());
+  EXPECT_EQ(asked_mode(vehicle_), GetParam().mode);
+  EXPECT_EQ(commander_.vehicles().front()->mode(), GetParam().word);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Vehicles, Hold,
+    testing::Values(
+        HoldCase{"Copter", MavType::kHexarotor, MavVtolState::kUndefined, 17, "BRAKE"},
+        HoldCase{"Plane", MavType::kFixedWing, MavVtolState::kUndefined, 12, "LOITER"},
+        HoldCase{"QuadplaneOnRotors", MavType::kFixedWing, MavVtolState::kMc, 19, "QLOITER"},
+        HoldCase{"QuadplaneOnTheWing", MavType::kFixedWing, MavVtolState::kFw, 12, "LOITER"},
+        HoldCase{"Vtol", MavType::kVtolFixedrotor, MavVtolState::kMc, 19, "QLOITER"},
+        HoldCase{"Rover", MavType::kGroundRover, MavVtolState::kUndefined, 4, "HOLD"},
+        HoldCase{"Boat", MavType::kSurfaceBoat, MavVtolState::kUndefined, 4, "HOLD"},
+        HoldCase{"Submarine", MavType::kSubmarine, MavVtolState::kUndefined, 16, "POSHOLD"}),
+    [](const auto& each) { return std::string(each.param.name); });
+
+TEST_F(VehicleCommanderTest, AVehicleOfUnknownModesTakesNone) {
+  vehicle_.autopilot = MavAutopilot::kArdupilotmega;
+  vehicle_.type = MavType::kAntennaTracker;
+  meet();
+  commander_.set_mode(1, "GUIDED", now_, done());
+  EXPECT_EQ(finish().kind, OutcomeKind::kInvalid);
+  EXPECT_TRUE(vehicle_.commands.empty());
+}
+
 TEST_F(VehicleCommanderTest, GoesToALocalPlaceByLatitudeAndLongitude) {
   meet();
   HomePosition home;

@@ -80,17 +80,19 @@ TEST(ReplayLog, TheModeIsTheAutopilotsAlone) {
   const auto add = [&](std::uint8_t component, MavAutopilot autopilot, std::uint32_t mode) {
     Heartbeat heartbeat;
     heartbeat.autopilot = autopilot;
+    heartbeat.type = mavlink::common::MavType::kFixedWing;
+    heartbeat.base_mode = mavlink::common::MavModeFlag::kCustomModeEnabled;
     heartbeat.custom_mode = mode;
     log.add(stamp += 500'000, heartbeat, component);
   };
   for (int i = 0; i < 3; ++i) {
     add(154, MavAutopilot::kInvalid, 0);  // a gimbal
-    add(1, MavAutopilot::kPx4, i < 2 ? 7 : 8);
+    add(1, MavAutopilot::kArdupilotmega, i < 2 ? 12 : 15);
   }
   const auto states = log.messages().at("states");
   ASSERT_EQ(states.size(), 2U) << states;
-  EXPECT_EQ(states[0][2], 7);
-  EXPECT_EQ(states[1][2], 8);
+  EXPECT_EQ(states[0][2], "LOITER");
+  EXPECT_EQ(states[1][2], "GUIDED");
 }
 
 TEST(ReplayLog, AMessageOfAnotherDialectThatHoldsAStartByteIsNoDamage) {

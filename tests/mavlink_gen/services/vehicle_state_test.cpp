@@ -35,7 +35,7 @@ class State : public testing::Test {
 };
 
 TEST_F(State, NamesTheModeAndSaysWhetherItIsArmed) {
-  beat(*custom_mode(Autopilot::kPx4, "hold"), MavModeFlag::kSafetyArmed);
+  beat(*custom_mode(ModeSet::kPx4, "hold"), MavModeFlag::kSafetyArmed);
   EXPECT_EQ(state_.mode(), "HOLD");
   EXPECT_TRUE(state_.armed());
   EXPECT_FALSE(state_.hil());
@@ -44,8 +44,8 @@ TEST_F(State, NamesTheModeAndSaysWhetherItIsArmed) {
 }
 
 TEST_F(State, AModesCommandKeepsTheVehicleArmed) {
-  beat(*custom_mode(Autopilot::kPx4, "HOLD"), MavModeFlag::kSafetyArmed);
-  const VehicleCommand command = mode_command(state_, *custom_mode(Autopilot::kPx4, "LAND"));
+  beat(*custom_mode(ModeSet::kPx4, "HOLD"), MavModeFlag::kSafetyArmed);
+  const VehicleCommand command = mode_command(state_, *custom_mode(ModeSet::kPx4, "LAND"));
   EXPECT_EQ(command.params[0], 129);
   EXPECT_EQ(command.params[1], 4);
   EXPECT_EQ(command.params[2], 6);

@@ -23,7 +23,7 @@ interface RecordLog {
   messages: {name: string; rates: [number, number][]; t: Column; fields: {name: string; unit?: string; values: Column}[]}[];
   texts: [number, number, string][];
   /** Moment, MAV_MODE_FLAG, mode as HEARTBEAT's number or a word, MAV_LANDED_STATE. */
-  states: [number, number, number | string, number][];
+  states: [number, number, string, number][];
   /** Whose own log it is; of telemetry the HEARTBEATs say it. */
   autopilot?: string;
   duration_s: number;
@@ -141,24 +141,6 @@ export function rowsOf(checks: Check[]): VerdictRow[] {
 /** MAV_AUTOPILOT in casd's words. */
 const kAutopilots: Record<number, string> = {3: 'ArduPilot', 12: 'PX4'};
 
-const kCopterModes = [
-  'STABILIZE', 'ACRO', 'ALT_HOLD', 'AUTO', 'GUIDED', 'LOITER', 'RTL', 'CIRCLE', '', 'LAND', '', 'DRIFT', '', 'SPORT', 'FLIP', 'AUTOTUNE',
-  'POSHOLD', 'BRAKE', 'THROW', '', 'GUIDED_NOGPS', 'SMART_RTL', 'FLOWHOLD', 'FOLLOW',
-];
-
-/** The mode's word; its number where the autopilot is not known. */
-export function modeName(autopilot: string | undefined, custom: number | string): string {
-  if (typeof custom === 'string') return custom;
-  if (autopilot === 'ArduPilot') return kCopterModes[custom] || `mode ${custom}`;
-  if (autopilot !== 'PX4') return `mode ${custom}`;
-  const main = (custom >> 16) & 0xff;
-  const sub = (custom >> 24) & 0xff;
-  const auto = ['AUTO', 'READY', 'TAKEOFF', 'HOLD', 'MISSION', 'RTL', 'LAND', 'RTGS', 'FOLLOW', 'PRECLAND'];
-  const names = ['', 'MANUAL', 'ALTCTL', 'POSCTL', 'AUTO', 'ACRO', 'OFFBOARD', 'STABILIZED'];
-  if (main === 4) return auto[sub] ?? 'AUTO';
-  return names[main] ?? `mode ${custom}`;
-}
-
 const kLanded = ['', 'on_ground', 'in_air', 'takeoff', 'landing'];
 
 /** One vehicle of a record with its columns decoded. */
@@ -242,7 +224,7 @@ export class VehicleRecord {
     if (state) {
       result.armed = (state[1] & 128) !== 0;
       result.hil = (state[1] & 32) !== 0;
-      result.mode = modeName(this.autopilot, state[2]);
+      result.mode = state[2];
       result.landed = kLanded[state[3]];
     }
     const heartbeat = this.status;
@@ -497,10 +479,9 @@ export class RunRecord {
     for (const [t_s, severity, text] of raw.log?.texts ?? []) list.push({t_s, kind: 'text', severity, text});
     let armed = false;
     let mode = '';
-    for (const [t_s, base, custom] of raw.log?.states ?? []) {
+    for (const [t_s, base, nowMode] of raw.log?.states ?? []) {
       const nowArmed = (base & 128) !== 0;
       if (nowArmed !== armed) list.push({t_s, kind: 'state', severity: 6, text: nowArmed ? 'Armed' : 'Disarmed'});
-      const nowMode = modeName(this.vehicles[vehicle]?.autopilot, custom);
       if (nowMode !== mode && mode !== '') list.push({t_s, kind: 'state', severity: 6, text: `Mode ${nowMode}`});
       armed = nowArmed;
       mode = nowMode;

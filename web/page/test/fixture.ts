@@ -118,7 +118,7 @@ export function makeRecord(name = 'circle', radius = 2): RecordFile {
           },
         ],
         texts: [[1.5, 6, 'Ready\u0007 for takeoff'], [26, 4, '<b>GPS</b> is weak']],
-        states: [[0, 32, 67108864 + 262144, 1], [2, 160, 50331648 + 262144, 1], [4, 160, 50331648 + 262144, 2], [39, 32, 50331648 + 262144, 1]],
+        states: [[0, 32, 'MISSION', 1], [2, 160, 'HOLD', 1], [4, 160, 'HOLD', 2], [39, 32, 'HOLD', 1]],
         duration_s: kDuration_s,
       },
     }],

@@ -10,7 +10,7 @@ import {age, clean, clock, delay, delayPair, fixed, grouped, minutes, tickStep} 
 import {page} from '../src/page.ts';
 import type {VehicleState} from '../src/protocol.ts';
 import {makeNonce, tokenProof} from '../src/proof.ts';
-import {modeName, rowName, RunRecord, unpack} from '../src/record.ts';
+import {rowName, RunRecord, unpack} from '../src/record.ts';
 import {RecordSource} from '../src/record_source.ts';
 import {between, decode, indexAt, Ring} from '../src/series.ts';
 import {StickPace, sticksOf} from '../src/stick_pace.ts';
@@ -455,11 +455,7 @@ test('a limit is told where the run has one', () => {
   assert.equal(bench.bounds.loop_p99_ms, 6);
 });
 
-test('modes have the words of their autopilot, and none of another', () => {
-  assert.equal(modeName('PX4', 50593792), 'HOLD');
-  assert.equal(modeName('ArduPilot', 5), 'LOITER');
-  assert.equal(modeName('ArduPilot', 8), 'mode 8');
-  assert.equal(modeName(undefined, 5), 'mode 5');
+test('the autopilot is that of the HEARTBEATs', () => {
   const record = makeRecord();
   assert.equal(new RunRecord(record).vehicles[0]!.autopilot, 'PX4');
   record.vehicles[0]!.log!.messages[0]!.fields = [];
