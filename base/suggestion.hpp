@@ -77,11 +77,11 @@ std::string nearest_word(std::string_view word, const Words& known) {
   return says_enough ? std::string(beginning) : std::string();
 }
 
-/// "; did you mean 'status'?", or nothing.
+/// "; did you mean 'status'?", or nothing; neither for a word that is known.
 template <class Words>
 std::string did_you_mean(std::string_view word, const Words& known) {
   const std::string nearest = nearest_word(word, known);
-  return nearest.empty() ? "" : "; did you mean '" + nearest + "'?";
+  return nearest.empty() || nearest == word ? "" : "; did you mean '" + nearest + "'?";
 }
 
 }  // namespace cas::base

@@ -93,11 +93,14 @@ std::string meant_shipped(fs::path name, const fs::path& folder = {}) {
   const std::string near = nearest_word(name.stem().string(), stems);
   if (near.empty()) return {};
   // Of several with this name the one whose folder has the name that was given.
-  const std::string folder_name = name.parent_path().filename().string();
+  const auto names_folder = [&name](const fs::path& wanted) {
+    const fs::path parent = name.parent_path();
+    return std::find(parent.begin(), parent.end(), wanted) != parent.end();
+  };
   std::string meant;
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (stems[i] != near) continue;
-    const bool same_folder = fs::path(files[i]).parent_path().filename() == folder_name;
+    const bool same_folder = names_folder(fs::path(files[i]).parent_path().filename());
     if (meant.empty() || same_folder) meant = files[i];
     if (same_folder) break;
   }

@@ -10,6 +10,7 @@
 
 #include "base/angles.hpp"
 #include "base/config/aero_file.hpp"
+#include "base/config/file_kind.hpp"
 #include "base/config/missing_keys.hpp"
 #include "base/config/model_match.hpp"
 #include "base/config/output_use.hpp"
@@ -388,6 +389,7 @@ std::optional<ModelBody> read_model(const ConfigNode& node, Vehicle& vehicle) {
 Vehicle Vehicle::load(const std::filesystem::path& file) {
   const ConfigNode node = ConfigNode::load(file);
   check_schema(node);
+  expect_file(node, FileKind::kVehicle);
   Vehicle vehicle;
   const ModelMatch model(node, read_model(node, vehicle));
   const ConfigNode common = node.find("rotor").value_or(ConfigNode::empty(file.string()));

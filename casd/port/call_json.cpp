@@ -3,9 +3,12 @@
 
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "base/enum_words.hpp"
+#include "base/suggestion.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 
 namespace cas::casd {
@@ -44,9 +47,13 @@ std::uint32_t message_id(const json& message) {
     return message.get<std::uint32_t>();
   }
   if (!message.is_string()) throw BadParams("\"message\" must be a MAVLink message's name or id");
-  const mav::MessageInfo* info = mav::public_table().find(message.get<std::string>());
+  const auto word = message.get<std::string>();
+  const mav::MessageInfo* info = mav::public_table().find(word);
   if (info == nullptr) {
-    throw BadParams("no public dialect has a message '" + message.get<std::string>() + "'");
+    std::vector<std::string_view> known;
+    for (const mav::MessageInfo& each : mav::public_table().all()) known.emplace_back(each.name);
+    throw BadParams("no public dialect has a message '" + word + "'" +
+                    base::did_you_mean(word, known));
   }
   return info->id;
 }

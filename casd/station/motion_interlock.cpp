@@ -40,10 +40,12 @@ std::optional<Outcome> motion_interlock(Motion motion, const VehicleState& state
   if (consent.request && consent.configuration) return std::nullopt;
   std::optional<std::string> why = not_in_hil(state, now);
   if (!why) return std::nullopt;
-  if (state.heartbeat_age(now) <= kVehicleTimeout) {
+  const bool silent = state.heartbeat_age(now) > kVehicleTimeout;
+  if (!silent) {
     *why += spins ? ": real propellers may spin" : " and is armed: a real vehicle may move";
   }
-  *why += consent.request
+  *why += silent ? "; look after its power and its link first (casctl doctor)"
+          : consent.request
               ? "; --not-hil also needs commanding.allow_not_hil: true in casd's configuration"
               : "; put it in HIL mode (PX4: SYS_HITL 1 and a restart), or, for a firmware that "
                 "runs in software and never says so, allow it: commanding.allow_not_hil: true "

@@ -9,6 +9,7 @@
 
 #include "base/config/changed_keys.hpp"
 #include "base/config/config_keys.hpp"
+#include "base/config/file_kind.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/config/removed_keys.hpp"
 #include "base/os/cpu_latency.hpp"
@@ -282,6 +283,7 @@ void refuse_conflicts(const ConfigNode& node, const LinkConfig& link,
 
 std::vector<LinkConfig> parse_links(const std::vector<ConfigNode>& files, const ConfigNode& root,
                                     const CommandPortConfig& command_port) {
+  base::expect_file(root, base::FileKind::kTopology);
   root.at("links");
   std::vector<LinkConfig> links;
   std::set<std::string> names;

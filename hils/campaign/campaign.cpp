@@ -11,6 +11,7 @@
 #include <string_view>
 
 #include "base/config/config.hpp"
+#include "base/config/file_kind.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/config/vehicle.hpp"
 #include "base/suggestion.hpp"
@@ -232,6 +233,7 @@ void choose_failures(Campaign& campaign, const std::vector<std::string>& only,
 
 /// What a campaign is called, and what it flies. @throws base::ConfigError
 Campaign parse_head(const base::ConfigNode& root, const std::filesystem::path& file) {
+  base::expect_file(root, base::FileKind::kStudy);
   Campaign campaign;
   campaign.folder = std::filesystem::absolute(file).parent_path();
   read_head(root, file, campaign);

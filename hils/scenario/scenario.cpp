@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "base/angles.hpp"
+#include "base/config/file_kind.hpp"
 #include "base/config/geodetic_keys.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/config/key_table.hpp"
@@ -572,28 +573,10 @@ void read_own(const base::ConfigNode& root, Scenario& scenario) {
 
 }  // namespace
 
-namespace {
-
-/// A file of another kind, by a key that only that kind has.
-void refuse_other_files(const base::ConfigNode& root) {
-  constexpr std::pair<const char*, const char*> kOthers[] = {
-      {"links", "a topology, which casd takes"},
-      {"rotors", "a vehicle, which a scenario names under 'vehicle'"},
-      {"scenario", "a study, which hils sweep, tune, compare or campaign takes"}};
-  if (root.has("steps")) return;
-  for (const auto& [key, kind] : kOthers) {
-    if (!root.has(key)) continue;
-    root.at(key).fail(std::string("this file is ") + kind +
-                      "; a scenario has 'steps', such as scenarios/hover.yaml");
-  }
-}
-
-}  // namespace
-
 Scenario Scenario::load(const std::filesystem::path& file) {
   const base::ConfigNode root = base::ConfigNode::load(file);
   if (root.require<int>("schema") != kSchema) root.at("schema").fail("this program reads schema 1");
-  refuse_other_files(root);
+  base::expect_file(root, base::FileKind::kScenario);
   Scenario scenario;
   scenario.file = file;
   scenario.name = root.get<std::string>("name", file.stem().string());

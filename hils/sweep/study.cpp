@@ -12,6 +12,7 @@
 #include <string_view>
 
 #include "base/config/config_keys.hpp"
+#include "base/config/file_kind.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/text.hpp"
 #include "hils/sweep/key_path.hpp"
@@ -268,6 +269,7 @@ double Distribution::quantile(double u) const {
 
 Study Study::load(const std::filesystem::path& file) {
   const base::ConfigNode root = base::ConfigNode::load(file);
+  base::expect_file(root, base::FileKind::kStudy);
   Study study;
   read_head(root, file, study);
   study.scenario = root.require<std::string>("scenario");

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "base/rpc/message.hpp"
-#include "base/suggestion.hpp"
 #include "base/text.hpp"
 #include "casd/casctl/session/table.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
@@ -63,21 +62,12 @@ json newest_sender(const json& messages, const json& asked, int system) {
 }
 
 /// @throws base::rpc::CallError when no dialect has the message
-void require_message(Session& session, const json& asked, const json& messages) {
+void require_message(Session& session, const json& asked) {
   const json links = session.call("link.list");
   if (links.empty()) return;
-  try {
-    session.call(
-        "message.value",
-        {{"link", links.at(0).at("name")}, {"message", asked}, {"system", 0}, {"component", 0}});
-  } catch (const base::rpc::CallError& error) {
-    if (error.code() != base::rpc::kInvalidParams || !asked.is_string()) throw;
-    std::vector<std::string> heard;
-    for (const json& entry : messages) heard.push_back(entry.value("name", ""));
-    throw base::rpc::CallError(error.code(),
-                               error.what() + base::did_you_mean(asked.get<std::string>(), heard),
-                               error.data_json());
-  }
+  session.call(
+      "message.value",
+      {{"link", links.at(0).at("name")}, {"message", asked}, {"system", 0}, {"component", 0}});
 }
 
 /// The last sender of the message. With --wait it waits for the first one.
@@ -89,7 +79,7 @@ json find_sender(Session& session, const MessageWish& wish) {
     const json messages = all_messages(session);
     const json sender = newest_sender(messages, asked, wanted_system(session, wish));
     if (!sender.is_null()) return sender;
-    if (!std::exchange(is_known, true)) require_message(session, asked, messages);
+    if (!std::exchange(is_known, true)) require_message(session, asked);
     if (!session.may_wait()) break;
     session.wait_because("no " + what + " has come yet", kPoll);
   }

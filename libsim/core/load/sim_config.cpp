@@ -8,6 +8,7 @@
 #include <string_view>
 #include <tuple>
 
+#include "base/config/file_kind.hpp"
 #include "base/config/geodetic_keys.hpp"
 #include "base/config/install_paths.hpp"
 #include "base/config/key_table.hpp"
@@ -256,6 +257,7 @@ SimConfig SimConfig::parse(const base::ConfigNode& root) {
     root.at("schema").fail("is " + std::to_string(schema) + "; this program reads schema " +
                            std::to_string(kSchema));
   }
+  base::expect_file(root, base::FileKind::kWorld);
   base::read_keys(root, kKeys, config);
   if (!config.home && !config.world.sdf) root.at("home");  // says that it is missing
   if (config.terrain && !config.world.sdf && config.world.ground) {

@@ -66,6 +66,12 @@ TEST(InstallPaths, AMissingFileIsToldTheNearestShippedOne) {
   }
 }
 
+TEST(InstallPaths, OfSeveralFilesOfANameTheOneOfAFolderThatWasNamedIsMeant) {
+  const ScopedEnvironment no_path("CAS_CONFIG_PATH", nullptr);
+  const std::string text = test::refusal([] { find_config("../vehicles/sub/hexa_x.yaml"); });
+  EXPECT_NE(text.find("did you mean vehicles/hexa_x.yaml?"), std::string::npos) << text;
+}
+
 ConfigNode vehicle_key(const fs::path& file) { return ConfigNode::load(file).at("vehicle"); }
 
 TEST(InstallPaths, AKeyNamesAFileBesideItsOwnBeforeAShippedOne) {

@@ -6,14 +6,14 @@
 namespace cas::base {
 namespace {
 
-struct Case {
+struct HostPortCase {
   const char* name;
   const char* text;
   const char* host;  ///< nullptr: no HOST:PORT
   const char* port;
 };
 
-class HostPortText : public testing::TestWithParam<Case> {};
+class HostPortText : public testing::TestWithParam<HostPortCase> {};
 
 TEST_P(HostPortText, IsTakenApart) {
   const auto& [name, text, host, port] = GetParam();
@@ -24,19 +24,20 @@ TEST_P(HostPortText, IsTakenApart) {
   EXPECT_EQ(parts->port, port);
 }
 
-INSTANTIATE_TEST_SUITE_P(Texts, HostPortText,
-                         testing::Values(Case{"V4", "127.0.0.1:14560", "127.0.0.1", "14560"},
-                                         Case{"Name", "localhost:0", "localhost", "0"},
-                                         Case{"V6", "[::1]:14560", "::1", "14560"},
-                                         Case{"BareV6", "::1:14560", "::1", "14560"},
-                                         Case{"NoColon", "localhost", nullptr, nullptr},
-                                         Case{"NoHost", ":14560", nullptr, nullptr},
-                                         Case{"NoPort", "localhost:", nullptr, nullptr},
-                                         Case{"EmptyBrackets", "[]:14560", nullptr, nullptr},
-                                         Case{"OpenBracket", "[::1:14560", nullptr, nullptr},
-                                         Case{"NoPortAfterBracket", "[::1]", nullptr, nullptr},
-                                         Case{"Nothing", "", nullptr, nullptr}),
-                         [](const auto& test) { return test.param.name; });
+INSTANTIATE_TEST_SUITE_P(
+    Texts, HostPortText,
+    testing::Values(HostPortCase{"V4", "127.0.0.1:14560", "127.0.0.1", "14560"},
+                    HostPortCase{"Name", "localhost:0", "localhost", "0"},
+                    HostPortCase{"V6", "[::1]:14560", "::1", "14560"},
+                    HostPortCase{"BareV6", "::1:14560", "::1", "14560"},
+                    HostPortCase{"NoColon", "localhost", nullptr, nullptr},
+                    HostPortCase{"NoHost", ":14560", nullptr, nullptr},
+                    HostPortCase{"NoPort", "localhost:", nullptr, nullptr},
+                    HostPortCase{"EmptyBrackets", "[]:14560", nullptr, nullptr},
+                    HostPortCase{"OpenBracket", "[::1:14560", nullptr, nullptr},
+                    HostPortCase{"NoPortAfterBracket", "[::1]", nullptr, nullptr},
+                    HostPortCase{"Nothing", "", nullptr, nullptr}),
+    [](const auto& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace cas::base
