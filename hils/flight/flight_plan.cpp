@@ -29,9 +29,8 @@ constexpr base::Duration kStillAtItemFor = seconds(6);
 constexpr double kSlowMS = 0.4;
 /// A vehicle on its wing has taken off this far below its height: it goes on to a circle there.
 constexpr double kClimbed_m = 2;
-/// It flies on its circle when it has stayed this near to it for this long, by its estimate: a
-/// share of the radius, and a height.
-constexpr double kOnCircleShare = 0.1;
+/// It flies on its circle when it has stayed near to it and to its height for this long, by its
+/// estimate.
 constexpr double kOnCircleHeight_m = 3;
 constexpr base::Duration kOnCircleFor = seconds(10);
 constexpr base::Duration kStillFor = seconds(1);

@@ -51,7 +51,7 @@ struct VehicleReport {
   std::optional<std::uint16_t> mission_reached{};  ///< of the mission under way, by the wire
 
   /// Whether it flies on its wing, and can hang nowhere.
-  bool on_wing() const { return type == "fixed_wing" || vtol == "plane"; }
+  bool on_wing() const { return vtol.empty() ? type == "fixed_wing" : vtol == "plane"; }
   /// Motion by the vehicle's own estimate.
   Motion estimate() const;
 };

@@ -116,6 +116,9 @@ bool takes_off(const FlightStep& step);
 /// Farthest place at which a plane may stand that has landed: it touches down beyond its point, and
 /// runs out.
 inline constexpr double kRunOut_m = 150;
+/// A vehicle flies on its circle within this share of the radius: ArduPlane flies wide of a tight
+/// one.
+inline constexpr double kOnCircleShare = 0.1;
 
 /// Whether the vehicle may be on the ground, disarmed, at the end of the step.
 bool lands(const FlightStep& step);

@@ -66,7 +66,8 @@ std::optional<std::string> not_there(const Stage& stage, const Eigen::Vector3d& 
   if (stage.on_wing && stage.step.kind == StepKind::kTakeoff) off_m.head<2>().setZero();
   if (stage.circle_m > 0) off_m = {off_m.head<2>().norm() - stage.circle_m, 0, off_m.z()};
   const double run_out_m = stage.on_wing && lands(stage.step) ? kRunOut_m : 0;
-  if (is_near(off_m.norm(), stage.reference_m.norm(), run_out_m)) return std::nullopt;
+  const double reached_m = std::max(run_out_m, kOnCircleShare * stage.circle_m);
+  if (is_near(off_m.norm(), stage.reference_m.norm(), reached_m)) return std::nullopt;
   return fmt::format("step '{}' ended {:.1f} m from its place", phase_of(stage.step), off_m.norm());
 }
 

@@ -121,8 +121,8 @@ TEST_F(VehicleCommanderTest, ArduPilotTakesOffInGuidedToAHeightAboveHome) {
   EXPECT_EQ(vehicle_.commands.back().param7, 2.5F);
 }
 
-/// The newest mode that a vehicle of ArduPilot was asked for; -1: none. A question for its HEARTBEAT
-/// follows the command.
+/// The newest mode that a vehicle of ArduPilot was asked for; -1: none. A question for its
+/// HEARTBEAT follows the command.
 float asked_mode(const test::FakeVehicle& vehicle) {
   float mode = -1;
   for (const CommandLong& command : vehicle.commands) {

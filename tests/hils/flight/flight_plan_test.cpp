@@ -538,6 +538,18 @@ TEST(FlightPlan, APlaneHasTakenOffWhenItHasClimbed) {
   EXPECT_TRUE(plan.stages().back().on_wing);
 }
 
+// ArduPlane's quadplanes say that they are fixed_wing.
+TEST(FlightPlan, AQuadplaneIsOnItsWingWhenItSaysSo) {
+  VehicleReport vehicle{.type = "fixed_wing"};
+  EXPECT_TRUE(vehicle.on_wing());
+  vehicle.vtol = "multicopter";
+  EXPECT_FALSE(vehicle.on_wing());
+  vehicle.vtol = "to_plane";
+  EXPECT_FALSE(vehicle.on_wing());
+  vehicle.vtol = "plane";
+  EXPECT_TRUE(vehicle.on_wing());
+}
+
 TEST(FlightPlan, AHoldAfterALoiterHasItsCircleUntilTheNextFlight) {
   FlightPlan plan =
       after_arming({{.kind = StepKind::kTakeoff, .altitude_m = 40},
