@@ -53,16 +53,19 @@ std::optional<std::string_view> read_numbers(std::string_view text, std::vector<
   return std::nullopt;
 }
 
-/// The end of a sentence about a word that is no number: a hint where it has a comma.
-inline std::string comma_hint(std::string_view word) {
-  return word.find(',') == word.npos ? "" : " (decimals follow a point, not a comma)";
+/// The end of a sentence about a word that is no number: a hint where it has a comma or a unit.
+inline std::string number_hint(std::string_view word) {
+  if (word.find(',') != word.npos) return " (decimals follow a point, not a comma)";
+  const std::size_t end = word.find_first_not_of("0123456789.+-eE");
+  const bool has_unit = end != word.npos && number_of<double>(word.substr(0, end));
+  return has_unit ? " (a number alone, without a unit)" : "";
 }
 
 /// "'0,5' is no number (decimals follow a point, not a comma)": for errors.
 inline std::string no_number(std::string_view word) {
   constexpr std::size_t kLongest = 40;
   return "'" + std::string(word.substr(0, kLongest)) + (word.size() > kLongest ? "..." : "") +
-         "' is no number" + comma_hint(word);
+         "' is no number" + number_hint(word);
 }
 
 }  // namespace cas::base

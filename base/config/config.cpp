@@ -5,6 +5,7 @@
 
 #include "base/config/config_document.hpp"
 #include "base/config/config_impl.hpp"
+#include "base/number_text.hpp"
 #include "base/read_file.hpp"
 #include "base/suggestion.hpp"
 
@@ -95,6 +96,10 @@ void ConfigNode::reject_unused() const {
     const ConfigNode node = impl_->entry(key, *child);
     if (child->opaque) continue;
     if (!child->used) {
+      // The rest of `{altitude_m: 6,07}`.
+      if (child->kind == ConfigTree::Kind::kNull && number_of<double>(key)) {
+        node.fail("unknown key" + number_hint(","));
+      }
       const std::string near = nearest_word(key, tree.wanted);
       node.fail("unknown key" + (near.empty() ? "" : "; did you mean " + in_quotes(near) + "?"));
     }

@@ -37,7 +37,7 @@ T to_integer(const ConfigNode& node, const ConfigTree& tree) {
 double to_double(const ConfigNode& node, const ConfigTree& tree) {
   const std::string& text = plain_scalar(node, tree, "a number");
   if (const auto value = number_of<double>(text)) return *value;
-  node.fail(in_quotes(text) + " is not a number, or out of range" + comma_hint(text));
+  node.fail(in_quotes(text) + " is not a number, or out of range" + number_hint(text));
 }
 
 bool to_bool(const ConfigNode& node, const ConfigTree& tree) {
@@ -79,10 +79,16 @@ std::string number_text(double value) {
 }
 
 double number_in(const ConfigNode& node, double low, double high) {
+  const std::string range = "[" + number_text(low) + ", " + number_text(high) + "]";
+  if (!node.is_null() && !node.is_map() && !node.is_list()) {
+    const auto text = node.as<std::string>();
+    if (!number_of<double>(text)) {
+      node.fail(in_quotes(text) + " is not a number in " + range + number_hint(text));
+    }
+  }
   const double value = node.as<double>();
   if (value >= low && value <= high) return value;
-  node.fail(number_text(value) + " must lie in [" + number_text(low) + ", " + number_text(high) +
-            "]");
+  node.fail(number_text(value) + " must lie in " + range);
 }
 
 std::int64_t whole_in(const ConfigNode& node, std::int64_t low, std::int64_t high) {

@@ -82,7 +82,8 @@ void add_files(const fs::path& folder, const fs::path& extension, std::vector<st
 
 /// "; did you mean scenarios/hover.yaml?" for hoover.yaml and for hover, or nothing: files that are
 /// shipped, and those of `folder`, where one is given.
-std::string meant_shipped(fs::path name, const fs::path& folder = {}) {
+/// @param key  that names the file: what "vehicle" names lies in vehicles/
+std::string meant_shipped(fs::path name, const fs::path& folder = {}, std::string key = {}) {
   if (!name.has_extension()) name.replace_extension(".yaml");
   std::vector<std::string> files;
   std::vector<std::string> stems;
@@ -92,17 +93,21 @@ std::string meant_shipped(fs::path name, const fs::path& folder = {}) {
   }
   const std::string near = nearest_word(name.stem().string(), stems);
   if (near.empty()) return {};
-  // Of several with this name the one whose folder has the name that was given.
-  const auto names_folder = [&name](const fs::path& wanted) {
+  // Of several with this name the one whose folder has the name that was given, or all.
+  if (!key.empty()) key.pop_back();  // "topolog" of topologies/
+  const auto names_folder = [&](const fs::path& wanted) {
     const fs::path parent = name.parent_path();
-    return std::find(parent.begin(), parent.end(), wanted) != parent.end();
+    if (!parent.empty()) return std::find(parent.begin(), parent.end(), wanted) != parent.end();
+    return !key.empty() && wanted.string().starts_with(key);
   };
   std::string meant;
   for (std::size_t i = 0; i < files.size(); ++i) {
     if (stems[i] != near) continue;
-    const bool same_folder = names_folder(fs::path(files[i]).parent_path().filename());
-    if (meant.empty() || same_folder) meant = files[i];
-    if (same_folder) break;
+    if (names_folder(fs::path(files[i]).parent_path().filename())) {
+      meant = files[i];
+      break;
+    }
+    meant += (meant.empty() ? "" : " or ") + files[i];
   }
   return "; did you mean " + meant + "?";
 }
@@ -174,8 +179,9 @@ fs::path find_config(const ConfigNode& node) {
     if (is_there(shipped)) return shipped;
     searched += " or below " + folder.string();
   }
+  const std::string path = node.path();
   node.fail("there is no file '" + name.string() + "'; looked in " + searched +
-            meant_shipped(name, beside.parent_path()));
+            meant_shipped(name, beside.parent_path(), path.substr(path.rfind('.') + 1)));
 }
 
 }  // namespace cas::base

@@ -33,7 +33,8 @@ TEST(NumberText, AListEndsAtTheFirstWordThatIsNone) {
 }
 
 TEST(NumberText, ARefusalNamesTheWordAndTheComma) {
-  EXPECT_EQ(no_number("0.5m"), "'0.5m' is no number");
+  EXPECT_EQ(no_number("0.5m"), "'0.5m' is no number (a number alone, without a unit)");
+  EXPECT_EQ(no_number("1e999"), "'1e999' is no number");
   EXPECT_EQ(no_number("0,5"), "'0,5' is no number (decimals follow a point, not a comma)");
   EXPECT_EQ(no_number(std::string(60, 'x')).size(), 40u + std::string("'...' is no number").size());
 }

@@ -230,7 +230,8 @@ bool is_silent(const json& vehicle) {
 
 void report(const Options& options, const json& result, const std::string& sentence) {
   if (options.json) {
-    std::cout << result.dump(-1, ' ', false, json::error_handler_t::replace) << '\n';
+    std::cout << result.dump(-1, ' ', true, json::error_handler_t::replace)
+              << '\n';  // ASCII: no order to a terminal
   } else {
     std::cout << printable_lines(sentence) << '\n';
   }

@@ -84,13 +84,22 @@ double acknowledged_s(const json& result) {
       "version than casctl");
 }
 
+/// How long a vehicle that is to fly may stay disarmed: PX4 takes a takeoff before it is armed.
+constexpr std::chrono::seconds kArmsWithin{5};
+
 /// @throws WaitTimeout, and std::runtime_error where the vehicle disarms before a goal that it
-/// flies to
+/// flies to, or is not armed within kArmsWithin
 json wait_for(Session& session, const Goal& goal, double acknowledged_s) {
+  using Clock = std::chrono::steady_clock;
+  const auto arms_by = Clock::now() + kArmsWithin;
   bool armed = false;
   return session.wait_for(goal.word, [&](const json& state) {
     const SaidSince now(state, acknowledged_s);
     armed = armed || now.armed();
+    if (goal.flies && !armed && now.disarmed() && Clock::now() >= arms_by) {
+      throw std::runtime_error("acknowledged, but vehicle " + state.at("system").dump() +
+                               " is disarmed; arm it first: casctl arm --wait");
+    }
     if (goal.flies && armed && now.disarmed()) {
       throw std::runtime_error("acknowledged, but vehicle " + state.at("system").dump() +
                                " disarmed before it was " + goal.word + ": it is " +

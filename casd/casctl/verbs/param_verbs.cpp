@@ -154,10 +154,10 @@ int save_params(Session& session, const std::string& file) {
     const auto name = entry.at("name").get<std::string>();
     const json& value = entry.at("value");
     if (value.is_number()) {
-      out << name << ' ' << value.dump() << '\n';
+      out << printable(name) << ' ' << value.dump() << '\n';
       ++saved;
     } else {  // casd answers null, and would not write such a value either
-      out << "# " << name << " is NaN or infinite\n";
+      out << "# " << printable(name) << " is NaN or infinite\n";
       left_out.push_back(name);
     }
   }

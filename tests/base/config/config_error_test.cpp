@@ -75,9 +75,20 @@ INSTANTIATE_TEST_SUITE_P(
                   [](const ConfigNode& node) { node.require<double>("lat_deg"); },
                   "t.yaml:1: key 'lat_deg' is missing; did you mean it by 'lat' on line 1?"},
         ErrorCase{"NumberWithTail", "x: 12abc", kReadX<double>,
-                  "t.yaml:1: x: '12abc' is not a number, or out of range"},
-        ErrorCase{"NumberWithUnit", "x: 5 m", kReadX<double>,
-                  "t.yaml:1: x: '5 m' is not a number, or out of range"},
+                  "t.yaml:1: x: '12abc' is not a number, or out of range (a number alone, without "
+                  "a unit)"},
+        ErrorCase{
+            "NumberWithUnit", "x: 5 m", kReadX<double>,
+            "t.yaml:1: x: '5 m' is not a number, or out of range (a number alone, without a unit)"},
+        ErrorCase{"NumberOfARange", "x: .nan",
+                  [](const ConfigNode& node) { node.require_in("x", 0, 20); },
+                  "t.yaml:1: x: '.nan' is not a number in [0, 20]"},
+        ErrorCase{"DecimalCommaInAFlowMap", "a: {x: 6,07}",
+                  [](const ConfigNode& node) {
+                    node.at("a").require<double>("x");
+                    node.reject_unused();
+                  },
+                  "t.yaml:1: a.07: unknown key (decimals follow a point, not a comma)"},
         ErrorCase{"NumberTooLarge", "x: 1e400", kReadX<double>,
                   "t.yaml:1: x: '1e400' is not a number, or out of range"},
         ErrorCase{"NotANumber", "x: nan", kReadX<double>,

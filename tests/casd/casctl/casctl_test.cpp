@@ -199,6 +199,20 @@ TEST_F(CasctlTest, EndsATakeoffWhoseVehicleDisarms) {
       << ended.out;
 }
 
+TEST_F(CasctlTest, EndsATakeoffThatNobodyArms) {
+  fixture_.vehicle().params["MIS_TAKEOFF_ALT"] = {2.5};
+  const base::RunTime now = base::steady_now();
+  fixture_.vehicle().say(mavlink::common::HomePosition{}, now);
+  for (int i = 0; i < 100; ++i) {
+    fixture_.vehicle().say_heartbeat(now + i * std::chrono::milliseconds(200));
+  }
+  const Ended ended = run("takeoff 2.5 --wait --timeout 19");
+  EXPECT_EQ(ended.code, 1) << ended.out;
+  EXPECT_NE(ended.out.find("vehicle 1 is disarmed; arm it first: casctl arm --wait"),
+            std::string::npos)
+      << ended.out;
+}
+
 /// On the ground for the next 20 s.
 void say_landed(FakeVehicle& vehicle) {
   mavlink::common::ExtendedSysState landed;
