@@ -29,6 +29,7 @@ struct ModelLink {
 struct ModelShape {
   enum class Form { kBox, kSphere, kCylinder, kMesh, kOther };
   std::string link{};
+  std::string name{};   ///< its own; empty: none
   std::string place{};  ///< FILE:LINE of its form
   std::string word{};   ///< the form's element: "box"
   Form form = Form::kOther;

@@ -79,6 +79,7 @@ void ModelBuilder::add_shape(const XmlElement& part, FormValues values,
                              const std::filesystem::path& file, bool turns,
                              const std::function<Eigen::Isometry3d()>& X_RS) {
   ModelShape shape{.link = body_.links.back().name,
+                   .name = std::string(part.attribute("name")),
                    .visual = part.name == "visual",
                    .turns = turns,
                    .file = file};

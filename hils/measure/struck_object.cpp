@@ -67,8 +67,8 @@ struct DistanceTo {
 
 std::optional<sim::WorldModel> flown_world(const std::filesystem::path& simulator_config) {
   try {
-    const sim::WorldConfig config = sim::SimConfig::load(simulator_config).world;
-    if (config.sdf) return sim::load_world(config);
+    const sim::SimConfig config = sim::SimConfig::load(simulator_config);
+    if (config.world.sdf || config.terrain) return sim::load_world(config);
   } catch (const base::ConfigError&) {  // neither verdict nor replay needs it
   }
   return std::nullopt;

@@ -24,6 +24,7 @@
 #include "hils/measure/check_json.hpp"
 #include "hils/measure/csv_file.hpp"
 #include "hils/measure/figure_json.hpp"
+#include "hils/measure/step_figures.hpp"
 #include "hils/measure/struck_object.hpp"
 #include "hils/measure/truth_header.hpp"
 #include "hils/programs/composition.hpp"
@@ -54,7 +55,9 @@ OrderedJson truth_json(const std::filesystem::path& file) {
   const TruthHeader header = TruthHeader::parse(csv.header(), file);
   TruthColumns truth;
   for (auto row = csv.next(header.columns()); !row.empty(); row = csv.next(header.columns())) {
-    truth.add(row.first(TruthHeader::kFirstRotor + header.rotors));
+    const std::size_t angles = header.wing ? *header.wing + TruthHeader::kWingColumns : 0;
+    truth.add(row.first(TruthHeader::kFirstRotor + header.rotors),
+              row.subspan(angles, header.surfaces));
   }
   return truth.json();
 }
@@ -62,19 +65,20 @@ OrderedJson truth_json(const std::filesystem::path& file) {
 /// Where the vehicle was to be, in the axes of the truth, from its first climb to its landing.
 OrderedJson reference_json(const RunRecord& record) {
   const std::vector<PoseSample>& truth = record.truth();
-  const Pose start = truth.empty() ? Pose{} : truth.front().pose;
   ReferenceColumns reference;
   bool climbed = false;
   for (const Stage& stage : record.stages) {
     climbed = climbed || stage.step.kind == StepKind::kTakeoff;
     if (stage.step.kind == StepKind::kLand) climbed = false;
-    if (!climbed) continue;
+    if (!climbed || stage.step.kind == StepKind::kTransition) continue;  // on no path
+    const ReferenceAt reference_pose = stage.circle_m > 0 && !truth.empty()
+                                           ? circle_reference(stage, truth)
+                                           : reference_in_truth(stage, truth);
     const double begin = base::to_seconds(stage.begin);
     const double end = base::to_seconds(stage.end);
     for (double t = begin; t < end; t += ReferenceColumns::kPeriod_s) {
-      const Pose pose = reference_at(stage, std::llround(t * 1e6));
-      reference.add(
-          {t, pose.x_m + start.x_m, pose.y_m + start.y_m, pose.z_m + start.z_m, pose.yaw_rad});
+      const Pose pose = reference_pose(std::llround(t * 1e6));
+      reference.add({t, pose.x_m, pose.y_m, pose.z_m, pose.yaw_rad});
     }
   }
   return reference.json();
@@ -127,8 +131,14 @@ OrderedJson scene_json(const base::Vehicle& vehicle) {
     const sim::VehicleModel model = sim::load_vehicle_model(vehicle.urdf, vehicle.parts);
     parts = parts_json(model.shapes, meshes);
     std::vector<std::string> warnings;
-    visuals = parts_json(sim::load_visuals(model, kMostTriangles, warnings), meshes);
+    const std::vector<sim::Shape> shapes =
+        sim::load_visuals(model, vehicle.aero.has_value(), kMostTriangles, warnings);
     for (const std::string& warning : warnings) base::log::warn(warning);
+    visuals = parts_json(shapes, meshes);
+    for (const auto& drawn : vehicle.aero ? sim::drawn_surfaces(shapes, *vehicle.aero)
+                                          : std::vector<sim::DrawnSurface>()) {
+      visuals[drawn.visual]["surface"] = {{"index", drawn.surface}, {"sign", drawn.sign}};
+    }
   }
   OrderedJson rotors = OrderedJson::array();
   for (const base::Rotor& rotor : vehicle.rotors) {
@@ -154,7 +164,7 @@ OrderedJson world_json(const std::filesystem::path& simulator_config) {
   std::map<std::shared_ptr<const sim::TriangleMesh>, std::string> written;  // shapes share them
   OrderedJson parts = OrderedJson::array();
   OrderedJson meshes = OrderedJson::array();
-  for (const sim::Shape& shape : world->statics) {
+  for (const sim::Shape& shape : sim::drawn_world(*world)) {
     OrderedJson part = part_json(shape);
     if (const auto* mesh = std::get_if<sim::Mesh>(&shape.geometry)) {
       std::string& place = written[mesh->triangles];

@@ -292,9 +292,34 @@ constexpr std::tuple kWorldKeys{
         "as in a [simulation](#simulation)"),
 };
 
+/// Elevation files and folders of them, by their whole paths.
+struct ElevationFiles {
+  static void read(const base::ConfigNode& node, std::vector<std::filesystem::path>& files) {
+    if (node.items().empty()) node.fail("names no file");
+    for (const base::ConfigNode& item : node.items()) {
+      const std::filesystem::path file = item.resolve(item.as<std::string>());
+      if (!std::filesystem::exists(file)) item.fail("there is no file or folder " + file.string());
+      files.push_back(std::filesystem::weakly_canonical(file));
+    }
+  }
+};
+
+constexpr std::tuple kTerrainKeys{
+    required(key<&ScenarioTerrain::files>("files", ElevationFiles{}, "")),
+    key<&ScenarioTerrain::geoid>("geoid", base::PathBeside{}, ""),
+};
+constexpr std::tuple kGroundKeys{
+    key<&Scenario::world, &ScenarioWorld::terrain>(
+        "terrain", base::block<ScenarioTerrain>(kTerrainKeys),
+        "[ground from elevation files](../use/simulator.md#terrain), with the keys of a "
+        "[simulation](#simulation)'s; goes with `home`",
+        "none"),
+};
+
 /// Reads `world`, and the keys that have a meaning beside it. @throws base::ConfigError when there
 /// is no such file
 void parse_world(const base::ConfigNode& root, Scenario& scenario) {
+  base::read_keys(root, kGroundKeys, scenario);
   const std::optional<base::ConfigNode> node = root.find("world");
   if (!node) return;
   if (!node->is_scalar()) {
@@ -603,8 +628,9 @@ Scenario Scenario::load(const std::filesystem::path& file) {
 }
 
 std::string scenario_reference() {
-  return base::key_table(std::tuple_cat(kVehiclesKeys, kWorldKeys, kPlaceAndTimeKeys, kKeys),
-                         Scenario{}) +
+  return base::key_table(
+             std::tuple_cat(kVehiclesKeys, kWorldKeys, kGroundKeys, kPlaceAndTimeKeys, kKeys),
+             Scenario{}) +
          "\nOne of `vehicles`:\n\n" + base::key_table(kVehicleKeys, ScenarioVehicle{}) +
          "\n`limits`:\n\n" + base::key_table(kLimitKeys, Limits{}) +
          figure_limit_lines(figure_table(), FigureRow::Part::kMotion) +

@@ -40,8 +40,15 @@ struct Limits {
 
 /// Where a run is flown: keys `world`, `model_path`, `missing` and `collada_up_axis` of a
 /// simulation file.
+/// Elevation files and folders of them, as a simulation's `terrain`.
+struct ScenarioTerrain {
+  std::vector<std::filesystem::path> files;
+  std::filesystem::path geoid;  ///< empty: elevations are above mean sea level
+};
+
 struct ScenarioWorld {
-  std::filesystem::path sdf;  ///< empty: flat ground at the height of home
+  std::filesystem::path sdf;  ///< empty: flat ground at the height of home, or the terrain
+  std::optional<ScenarioTerrain> terrain{};
   std::vector<std::filesystem::path> model_path;
   bool ignore_missing = false;
   bool applies_up_axis = false;

@@ -62,12 +62,20 @@ void put_world(const Scenario& scenario, YAML::Node& root) {
   const ScenarioWorld& world = scenario.world;
   if (world.sdf.empty()) {
     root["world"]["gravity_m_s2"] = base::kStandardGravity_m_s2;
-    root["world"]["ground"] = true;
+    root["world"]["ground"] = !world.terrain;
   } else {
     root["world"] = full_path(world.sdf);
     for (const auto& folder : world.model_path) root["model_path"].push_back(folder.string());
     if (world.ignore_missing) root["missing"] = "ignore";
     if (world.applies_up_axis) root["collada_up_axis"] = "applied";
+  }
+  if (world.terrain) {
+    for (const auto& file : world.terrain->files) {
+      root["terrain"]["files"].push_back(file.string());
+    }
+    if (!world.terrain->geoid.empty()) {
+      root["terrain"]["geoid"] = std::filesystem::weakly_canonical(world.terrain->geoid).string();
+    }
   }
   if (scenario.home) {
     root["home"]["lat_deg"] = scenario.home->lat_deg;

@@ -21,13 +21,15 @@ using Json = nlohmann::json;
 // Tolerances of a picture.
 constexpr double kLength = 1e-4;  // m
 constexpr double kTurn = 1e-5;
-constexpr double kSpeed = 1e-3;  // m/s, rad/s
-constexpr double kRotor = 1e-1;  // rad/s
+constexpr double kSpeed = 1e-3;       // m/s, rad/s
+constexpr double kRotor = 1e-1;       // rad/s
+constexpr double kDeflection = 1e-3;  // rad
 
 /// Latest values that the plugins of one vehicle published. Written and read on the simulation
 /// thread.
 struct Newest {
   base::RotorVector omega_rad_s;
+  ActuatorValues deflections_rad = ActuatorValues::Zero(0);
   std::optional<RangeSample> range;
   std::size_t rays = 0;  // rangefinders, as in the scene
 };
@@ -39,10 +41,12 @@ Newest before_the_first_step(const VehicleConfig& vehicle) {
           .rays = static_cast<std::size_t>(rays)};
 }
 
-Json rotors_json(const base::RotorVector& omega_rad_s) {
-  Json speeds = Json::array();
-  for (const double speed : omega_rad_s) speeds.push_back(rounded(speed, kRotor));
-  return speeds;
+/// The values of each rotor or control surface.
+template <class Values>
+Json each_json(const Values& values, double tolerance) {
+  Json each = Json::array();
+  for (const double value : values) each.push_back(rounded(value, tolerance));
+  return each;
 }
 
 Json rays_json(const Newest& newest) {
@@ -83,6 +87,12 @@ MotionWatch::MotionWatch(SimLoop& loop) : impl_(new Impl{loop, {}, {}}) {
         name + "/rotor_speeds",
         [&newest](const RotorSpeeds& speeds) { newest.omega_rad_s = speeds.omega_rad_s; },
         Need::kOptional));
+    impl_->subscriptions.push_back(bus.subscribe<SurfaceDeflections>(
+        name + "/surface_deflections",
+        [&newest](const SurfaceDeflections& surfaces) {
+          newest.deflections_rad = surfaces.angle_rad;
+        },
+        Need::kOptional));
     impl_->subscriptions.push_back(bus.subscribe<RangeSample>(
         name + "/" + kRangefinder, [&newest](const RangeSample& range) { newest.range = range; },
         Need::kOptional));
@@ -116,7 +126,8 @@ Json MotionWatch::json(const Sample& sample) const {
                         {"q", rounded(vehicle.state.q_WB, kTurn)},
                         {"vel", rounded(vehicle.state.v_WB, kSpeed)},
                         {"w", rounded(vehicle.state.w_WB_B, kSpeed)},
-                        {"rotors", rotors_json(vehicle.newest.omega_rad_s)},
+                        {"rotors", each_json(vehicle.newest.omega_rad_s, kRotor)},
+                        {"surfaces", each_json(vehicle.newest.deflections_rad, kDeflection)},
                         {"contact", vehicle.in_contact ? 1 : 0},
                         {"rays", rays_json(vehicle.newest)}});
   }

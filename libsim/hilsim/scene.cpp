@@ -119,6 +119,13 @@ Json rays_json(const VehicleConfig& vehicle) {
   return rays;
 }
 
+/// Adds to the visuals which of them turn with a control surface.
+void add_surfaces(Json& visuals, const std::vector<Shape>& shapes, const base::AeroParams& aero) {
+  for (const DrawnSurface& drawn : drawn_surfaces(shapes, aero)) {
+    visuals[drawn.visual]["surface"] = {{"index", drawn.surface}, {"sign", drawn.sign}};
+  }
+}
+
 }  // namespace
 
 Scene::Scene(const SimRunner& runner) {
@@ -128,20 +135,24 @@ Scene::Scene(const SimRunner& runner) {
       {"frame", "W"},
       {"home", {{"lat_deg", home.lat_deg}, {"lon_deg", home.lon_deg}, {"alt_m", home.alt_m}}},
       {"vehicles", Json::array()},
-      {"world", shapes.list(runner.world_model().statics)},
+      {"world", shapes.list(drawn_world(runner.world_model()))},
       {"obstacles", Json::array()}};
   for (std::size_t i = 0; i < runner.config().vehicles.size(); ++i) {
     const VehicleConfig& vehicle = runner.config().vehicles[i];
     const VehicleModel& model = runner.vehicle_models()[i];
     std::vector<std::string> warnings;
-    const std::vector<Shape> visuals = load_visuals(model, kMostDrawnTriangles, warnings);
+    const auto& aero = vehicle.vehicle.aero;
+    const std::vector<Shape> visuals =
+        load_visuals(model, aero.has_value(), kMostDrawnTriangles, warnings);
     for (const std::string& warning : warnings) base::log::warn(warning);
+    Json drawn = shapes.list(visuals);
+    if (aero) add_surfaces(drawn, visuals, *aero);
     scene["vehicles"].push_back({{"name", vehicle.name},
                                  {"type", vehicle.vehicle.name},
                                  {"system", vehicle.vehicle.system_id},
                                  {"mass_kg", model.mass.mass_kg()},
                                  {"parts", shapes.list(model.shapes)},
-                                 {"visuals", shapes.list(visuals)},
+                                 {"visuals", std::move(drawn)},
                                  {"rotors", rotors_json(vehicle.vehicle)},
                                  {"rays", rays_json(vehicle)}});
   }

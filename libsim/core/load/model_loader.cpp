@@ -138,7 +138,7 @@ class ShapeReader {
   void take_visual(const base::ModelShape& from) {
     if (const auto solid = solid_of(from)) {
       if (has_extent(*solid)) {
-        model_.visuals.push_back({from.link, *solid, from.X_RS});
+        model_.visuals.push_back({from.link, from.name, *solid, from.X_RS});
       } else {
         leave_out_visual(from, "it has a size that is not above 0");
       }
@@ -149,7 +149,7 @@ class ShapeReader {
     } else if (const auto refusal = mesh_kind_refusal(*mesh)) {
       leave_out_visual(from, *refusal);
     } else {
-      model_.visuals.push_back({from.link, MeshFile{*mesh, from.size}, from.X_RS});
+      model_.visuals.push_back({from.link, from.name, MeshFile{*mesh, from.size}, from.X_RS});
     }
   }
 

@@ -30,7 +30,8 @@ struct MeshFile {
 
 /// A <visual> of the vehicle, for pictures.
 struct Visual {
-  std::string name;  ///< of its link
+  std::string link;
+  std::string name;  ///< its own; empty: none
   std::variant<Geometry, MeshFile> form;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
 };

@@ -3,8 +3,10 @@
 
 #include <dlfcn.h>
 
+#include "base/earth/geodesy.hpp"
 #include "base/error.hpp"
 #include "libsim/core/load/sdf_world.hpp"
+#include "libsim/core/terrain/terrain.hpp"
 
 namespace cas::sim {
 
@@ -37,6 +39,23 @@ decltype(&cas_load_sdf_world) open_sdf_reader() {
 WorldModel load_sdf_world(const fs::path& file, const std::vector<fs::path>& model_path,
                           Missing missing) {
   return load_world({.sdf = file, .model_path = model_path, .missing = missing});
+}
+
+base::Geodetic home_of(const SimConfig& config, const WorldModel& world) {
+  if (config.home) return *config.home;
+  if (world.home) return *world.home;
+  throw base::ConfigError(config.world.sdf->string() +
+                          ": has no <spherical_coordinates>, and the configuration no 'home'");
+}
+
+WorldModel load_world(const SimConfig& config) {
+  WorldModel model = load_world(config.world);
+  const base::Geodetic home = home_of(config, model);
+  model.atmosphere = base::air_of(config.weather, model.atmosphere, home.alt_m);
+  if (config.terrain) {
+    model.terrain = std::make_shared<const Terrain>(*config.terrain, base::LocalProjection(home));
+  }
+  return model;
 }
 
 WorldModel load_world(const WorldConfig& config) {

@@ -21,6 +21,13 @@ namespace cas::sim {
 /// GB for, and when a model or mesh is not found and `missing` does not allow that
 CAS_SIM_EXPORT WorldModel load_world(const WorldConfig& config);
 
+/// The whole world of a simulation: with the air of its weather and its terrain.
+/// @throws base::ConfigError as above, without any place of home, and for an elevation file that
+/// cannot be read
+CAS_SIM_EXPORT WorldModel load_world(const SimConfig& config);
+/// Home of a simulation with that world. @throws base::ConfigError where neither names one
+CAS_SIM_EXPORT base::Geodetic home_of(const SimConfig& config, const WorldModel& world);
+
 /// load_world() of an SDF file.
 CAS_SIM_EXPORT WorldModel load_sdf_world(const std::filesystem::path& file,
                                          const std::vector<std::filesystem::path>& model_path,

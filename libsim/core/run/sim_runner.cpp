@@ -37,13 +37,6 @@ constexpr base::Duration kWaitSlice = std::chrono::milliseconds(50);
 constexpr double kMassTolerance = 0.01;
 constexpr const char* kFiguresFile = "plugin_figures.json";
 
-base::Geodetic home_of(const SimConfig& config, const WorldModel& world) {
-  if (config.home) return *config.home;
-  if (world.home) return *world.home;
-  throw base::ConfigError(config.world.sdf->string() +
-                          ": has no <spherical_coordinates>, and the configuration no 'home'");
-}
-
 std::optional<std::string> other_mass(const VehicleConfig& vehicle, const VehicleModel& model) {
   const double model_kg = model.mass.mass_kg();
   if (std::abs(model_kg - vehicle.vehicle.mass_kg) <= kMassTolerance * model_kg) {
@@ -72,24 +65,13 @@ std::optional<std::string> other_field(const WorldModel& model, const base::Geod
          "heading; without the element it gets the Earth's";
 }
 
-WorldModel world_of(const SimConfig& config) {
-  WorldModel model = load_world(config.world);
-  const base::Geodetic home = home_of(config, model);
-  model.atmosphere = base::air_of(config.weather, model.atmosphere, home.alt_m);
-  if (config.terrain) {
-    model.terrain = std::make_shared<const Terrain>(*config.terrain, base::LocalProjection(home));
-    base::log::info(model.terrain->description());
-  }
-  return model;
-}
-
 }  // namespace
 
 struct SimRunner::Impl {
   Impl(SimConfig config_in, SimOptions options_in)
       : config(std::move(config_in)),
         options(std::move(options_in)),
-        model(world_of(config)),
+        model(load_world(config)),
         step(config.step.value_or(model.step.value_or(kDefaultStep))),
         world(model, base::LocalProjection(home_of(config, model)), config.decimal_year,
               config.integrator),
@@ -223,6 +205,7 @@ void SimRunner::start() {
   impl_->bus.freeze();
   impl_->warn_of_idle(unsent);
   if (impl_->model.terrain) {
+    base::log::info(impl_->model.terrain->description());
     terrain.publish({[ground = impl_->model.terrain](double lat_deg, double lon_deg) {
       return ground->elevation_m(lat_deg, lon_deg).value_or(0);
     }});

@@ -28,6 +28,18 @@ std::uint64_t key_of(std::int64_t i, std::int64_t j) {
   return static_cast<std::uint64_t>(i) << 32U | static_cast<std::uint32_t>(j);
 }
 
+/// Adds the two triangles of each square between corners that lie row by row from the south-west.
+/// @param corners  in a row, and rows
+void add_squares(TriangleMesh& mesh, std::uint32_t corners) {
+  for (std::uint32_t b = 0; b + 1 < corners; ++b) {
+    for (std::uint32_t a = 0; a + 1 < corners; ++a) {
+      const std::uint32_t sw = b * corners + a;
+      mesh.triangles.push_back({sw, sw + 1, sw + corners + 1});
+      mesh.triangles.push_back({sw, sw + corners + 1, sw + corners});
+    }
+  }
+}
+
 std::int64_t cell_of(double place, double size) {
   return static_cast<std::int64_t>(std::floor(place / size));
 }
@@ -214,20 +226,35 @@ void Terrain::look_ahead(const Eigen::Vector3d& p_W, const Eigen::Vector3d& v_W)
 TriangleMesh Terrain::patch(std::int64_t i, std::int64_t j) const {
   TriangleMesh mesh;
   const double first_m = corner_m(i * kPatchCells, j * kPatchCells);
-  constexpr auto kCorners = static_cast<std::uint32_t>(kPatchCells + 1);
   for (std::int64_t b = 0; b <= kPatchCells; ++b) {
     for (std::int64_t a = 0; a <= kPatchCells; ++a) {
       mesh.vertices.emplace_back(static_cast<double>(a) * cell_m_, static_cast<double>(b) * cell_m_,
                                  corner_m(i * kPatchCells + a, j * kPatchCells + b) - first_m);
     }
   }
-  for (std::uint32_t b = 0; b + 1 < kCorners; ++b) {
-    for (std::uint32_t a = 0; a + 1 < kCorners; ++a) {
-      const std::uint32_t sw = b * kCorners + a;
-      mesh.triangles.push_back({sw, sw + 1, sw + kCorners + 1});
-      mesh.triangles.push_back({sw, sw + kCorners + 1, sw + kCorners});
+  add_squares(mesh, kPatchCells + 1);
+  return mesh;
+}
+
+TriangleMesh Terrain::picture() const {
+  constexpr double kFarthest_m = 8000;
+  constexpr std::int64_t kAsFine = 24;  // squares from home to the first larger one
+  constexpr std::int64_t kGrowth = 8;   // from there an edge is so small a part of its distance
+  std::vector<std::int64_t> lines{0};   // of the grid, outwards from home
+  while (static_cast<double>(lines.back()) * cell_m_ < kFarthest_m) {
+    const std::int64_t edge = lines.back() < kAsFine ? 1 : lines.back() / kGrowth;
+    lines.push_back(lines.back() + edge);
+  }
+  const std::size_t outwards = lines.size() - 1;
+  for (std::size_t k = 1; k <= outwards; ++k) lines.insert(lines.begin(), -lines[2 * k - 1]);
+  TriangleMesh mesh;
+  for (const std::int64_t j : lines) {
+    for (const std::int64_t i : lines) {
+      mesh.vertices.emplace_back(static_cast<double>(i) * cell_m_, static_cast<double>(j) * cell_m_,
+                                 measured_m(i, j));
     }
   }
+  add_squares(mesh, static_cast<std::uint32_t>(lines.size()));
   return mesh;
 }
 
@@ -252,16 +279,19 @@ Terrain::Tile Terrain::make_tile(std::int64_t i, std::int64_t j) const {
   tile.z_m.reserve((kCells + 1) * (kCells + 1));
   for (std::int64_t b = j * kCells; b <= (j + 1) * kCells; ++b) {
     for (std::int64_t a = i * kCells; a <= (i + 1) * kCells; ++a) {
-      const Eigen::Vector3d p_W(static_cast<double>(a) * cell_m_, static_cast<double>(b) * cell_m_,
-                                0);
-      const base::Geodetic place = projection_.to_geodetic(base::swap_WN(p_W));
-      const double z =
-          elevation_m(place.lat_deg, place.lon_deg).value_or(0) - projection_.home().alt_m;
+      const double z = measured_m(a, b);
       tile.z_m.push_back(z);
       tile.highest_m = std::max(tile.highest_m, z);
     }
   }
   return tile;
+}
+
+/// Height of a corner of the grid, m in W.
+double Terrain::measured_m(std::int64_t i, std::int64_t j) const {
+  const Eigen::Vector3d p_W(static_cast<double>(i) * cell_m_, static_cast<double>(j) * cell_m_, 0);
+  const base::Geodetic place = projection_.to_geodetic(base::swap_WN(p_W));
+  return elevation_m(place.lat_deg, place.lon_deg).value_or(0) - projection_.home().alt_m;
 }
 
 double Terrain::corner_m(std::int64_t i, std::int64_t j) const {

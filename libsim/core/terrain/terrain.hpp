@@ -55,6 +55,10 @@ class CAS_SIM_EXPORT Terrain {
   /// in its height: (i, j) patches east and north of the origin.
   TriangleMesh patch(std::int64_t i, std::int64_t j) const;
 
+  /// The ground about home for a picture: its own triangles near by, larger ones farther away, up
+  /// to 8 km. A corner without data is at mean sea level.
+  TriangleMesh picture() const;
+
   /// One sentence about files, grid and geoid, for the log.
   std::string description() const;
   /// Tiles in memory.
@@ -81,6 +85,7 @@ class CAS_SIM_EXPORT Terrain {
   Spot spot_of(double x_m, double y_m) const;
   const Tile& tile(std::int64_t i, std::int64_t j) const;
   Tile make_tile(std::int64_t i, std::int64_t j) const;
+  double measured_m(std::int64_t i, std::int64_t j) const;
   double corner_m(std::int64_t i, std::int64_t j) const;
 
   base::LocalProjection projection_;

@@ -182,21 +182,21 @@ TEST_F(ModelLoader, AVehicleIsDrawnByItsMeshesWithoutItsRotors) {
           HasSubstr("link 'base': this <visual> is left out: mesh 'nowhere.stl' is nowhere"),
           HasSubstr("v.urdf:1: link 'base': this <visual> is left out: it has a size")));
   std::vector<std::string> warnings;
-  const std::vector<Shape> shapes = load_visuals(model, 1, warnings);
+  const std::vector<Shape> shapes = load_visuals(model, false, 1, warnings);
   ASSERT_EQ(shapes.size(), 2U);
   const Mesh& drawn = std::get<Mesh>(shapes[0].geometry);
   EXPECT_TRUE(drawn.triangles->vertices.at(1).isApprox(Eigen::Vector3d(0.1, 0, 0), 1e-6));
   EXPECT_NEAR(shapes[0].pose.translation().z(), 0.3, 1e-9) << "about the centre of gravity";
   EXPECT_TRUE(std::get<Box>(shapes[1].geometry).size_m.isApprox(Eigen::Vector3d(0.1, 0.2, 0.3)));
-  EXPECT_THAT(load_visuals(model, 0, warnings), IsEmpty()) << "too many triangles";
+  EXPECT_THAT(load_visuals(model, false, 0, warnings), IsEmpty()) << "too many triangles";
   EXPECT_THAT(warnings, IsEmpty());
 
   folder_.write("frame.stl", "no mesh");
-  EXPECT_THAT(load_visuals(model, 1, warnings), IsEmpty()) << "a stand-in is drawn";
+  EXPECT_THAT(load_visuals(model, false, 1, warnings), IsEmpty()) << "a stand-in is drawn";
   EXPECT_THAT(warnings, ElementsAre(AllOf(HasSubstr("frame.stl: "), HasSubstr("link 'base'"))));
   const VehicleModel plain =
       load(link("base", inertial(1, "0 0 0", "0 0 0", kBall) + kCollision + box));
-  EXPECT_THAT(load_visuals(plain, 1, warnings), IsEmpty()) << "as the stand-in";
+  EXPECT_THAT(load_visuals(plain, false, 1, warnings), IsEmpty()) << "as the stand-in";
 }
 
 TEST_F(ModelLoader, AVisualThatCannotBeReadCostsItselfAlone) {
@@ -213,7 +213,7 @@ TEST_F(ModelLoader, AVisualThatCannotBeReadCostsItselfAlone) {
                           HasSubstr("v.urdf:1: <visual> has no <geometry>; link 'base' is drawn"),
                           HasSubstr("body.gltf: mesh format is not supported")));
   std::vector<std::string> warnings;
-  EXPECT_EQ(load_visuals(model, 1, warnings).size(), 1U);
+  EXPECT_EQ(load_visuals(model, false, 1, warnings).size(), 1U);
   EXPECT_THAT(warnings, ElementsAre(HasSubstr("cut.stl:2: the STL file is cut")));
   EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", kBall) +
                                       "<collision><geometry><mesh filename='cut.stl'/></geometry>"
@@ -252,7 +252,7 @@ TEST_F(ModelLoader, AnSdfModelIsDrawnByItsMeshes) {
   };
   const VehicleModel model = model_with("<mesh><uri>frame.stl</uri><scale>2 2 2</scale></mesh>");
   std::vector<std::string> warnings;
-  const std::vector<Shape> shapes = load_visuals(model, 1, warnings);
+  const std::vector<Shape> shapes = load_visuals(model, false, 1, warnings);
   ASSERT_EQ(shapes.size(), 1U);
   EXPECT_EQ(std::get<Mesh>(shapes[0].geometry).triangles->vertices.at(1).x(), 2);
   const VehicleModel undrawn = model_with("<box><size>wide</size></box>");

@@ -10,6 +10,8 @@ import {shownRows, verdictText} from './verdict.ts';
 import type {World} from './world.ts';
 
 const kTabs = ['Messages', 'Plots', 'Gains', 'Log'];
+/** Letters of a limit's name that fit beside its bar. */
+const kShortName = 9;
 
 class App extends Part {
   protected override render() {
@@ -98,7 +100,7 @@ class App extends Part {
         const digits = row.digits === undefined ? 2 : row.unit === 'm' ? 2 : row.unit === 'rad' ? 3 : Math.min(row.digits, row.unit === 'us' ? 0 : 2);
         const share = row.value === null || row.limit === null ? 0 : row.limit === 0 ? (row.value > 0 ? 1 : 0) : row.value / row.limit;
         const beside = others.find((each) => each.name === row.name);
-        return html`<div class=${`lim ${row.missed ? 'missed' : ''} ${other ? 'two-runs' : ''}`}><span class="sec">${row.name}</span>
+        return html`<div class=${`lim ${row.name.length > kShortName ? 'long' : ''} ${row.missed ? 'missed' : ''} ${other ? 'two-runs' : ''}`}><span class="sec">${row.name}</span>
           <span class="bar"><b .style=${`width:${(Math.min(1, Math.max(0, share)) * 100).toFixed(1)}%`}></b></span>
           ${other ? html`<span class="mut">${fixed(beside?.value, digits)}</span>` : nothing}
           <span>${row.value === null ? (open ? html`<em>at the end</em>` : '–') : fixed(row.value, digits)} <em>of ${row.limit}${

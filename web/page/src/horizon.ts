@@ -218,7 +218,7 @@ function drawTape(
   g.textAlign = 'right';
   g.font = '600 14px ' + font;
   g.fillStyle = '#fff';
-  g.fillText(fixed(value, Math.abs(value ?? 0) >= 100 ? 0 : 2), x + w - (right ? 5 : 4), cy + 5);
+  g.fillText(fixed(value, Math.abs(value ?? 0) >= 100 ? 0 : Math.abs(value ?? 0) >= 10 ? 1 : 2), x + w - (right ? 5 : 4), cy + 5);
 }
 
 customElements.define('cas-horizon', Horizon);

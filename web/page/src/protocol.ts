@@ -11,6 +11,8 @@ export interface Part {
   p: Vec3;
   q: Quat;
   name?: string;
+  /** Of a visual that turns with a control surface, about the y axis at x = size / 2. */
+  surface?: {index: number; sign: number};
 }
 
 export interface SceneRotor {
@@ -52,6 +54,8 @@ export interface SimVehicle {
   vel: Vec3;
   w: Vec3;
   rotors: number[];
+  /** Deflections of the control surfaces, rad. */
+  surfaces?: number[];
   contact?: number;
   rays?: (number | null)[];
 }

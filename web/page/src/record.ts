@@ -166,8 +166,12 @@ export class VehicleRecord {
   }
 
   get rotors(): number {
-    if (!this.truth) return 0;
-    return Object.keys(this.truth).filter((name) => name.startsWith('rotor')).length;
+    return this.count('rotor');
+  }
+
+  /** Columns of the truth with a number behind their name. */
+  private count(name: string): number {
+    return Object.keys(this.truth ?? {}).filter((column) => column.startsWith(name)).length;
   }
 
   message(name: string): RecordMessage | undefined {
@@ -196,14 +200,14 @@ export class VehicleRecord {
     const share = span > 0 ? Math.max(0, Math.min(1, (t - times[i]!) / span)) : 0;
     const mix = (name: string) => truth[name]![i]! + share * (truth[name]![j]! - truth[name]![i]!);
     const attitude = (k: number): Quat => quaternionOf({roll: truth.roll![k]!, pitch: truth.pitch![k]!, yaw: truth.yaw![k]!});
-    const rotors: number[] = [];
-    for (let k = 1; k <= this.rotors; ++k) rotors.push(mix(`rotor${k}`));
+    const each = (name: string) => Array.from({length: this.count(name)}, (_, k) => mix(`${name}${k + 1}`));
     return {
       p: [mix('y'), mix('x'), mix('z')],
       q: slerp(attitude(i), attitude(j), share),
       vel: [mix('vy'), mix('vx'), mix('vz')],
       w: [mix('p'), -mix('q'), -mix('r')],
-      rotors,
+      rotors: each('rotor'),
+      surfaces: each('surface'),
     };
   }
 

@@ -28,6 +28,21 @@ const kRotorSlowness = 50;
 const kSlowRatio = 0.6;
 const kSlowPeriod_s = 0.1;
 
+/** How much is seen: the distance of the camera from what it looks at decides. */
+export interface Scale {
+  /** Lines of the grid, m. */
+  step_m: 1 | 10 | 100;
+  /** Times the vehicles are drawn larger than they are, so that they are seen. */
+  enlarged: number;
+}
+
+export function stepFor(distance_m: number): 1 | 10 | 100 {
+  return distance_m < 25 ? 1 : distance_m < 250 ? 10 : 100;
+}
+
+/** A vehicle's reach is drawn no smaller than this share of its distance. */
+const kLeastReach = 0.018;
+
 /** Lines each metre, strong ones each 5 m, that fade out into the ground. */
 function makeGrid(): LineSegments {
   const ground = hex('gnd');
@@ -72,6 +87,9 @@ interface Craft {
   group: Group;
   /** All but the rotors: goes where the vehicle has meshes of its own. */
   standIn: Group;
+  /** From its middle to its farthest part, m. */
+  reach: number;
+  surfaces: {hinge: Group; index: number; sign: number}[];
   discs: {fill: MeshBasicMaterial; blades: Group; arrow: Group; k_f: number; omegaMax: number; spin: number; angle: number}[];
 }
 
@@ -107,6 +125,13 @@ const kUnknown: SceneVehicle = {name: 'vehicle', rotors: []};
 
 function armOf(scene: SceneVehicle): number {
   return Math.max(0.12, ...scene.rotors.map((rotor) => Math.hypot(rotor.p_B[0], rotor.p_B[1])));
+}
+
+/** From the vehicle's middle to its farthest part. */
+function reachOf(scene: SceneVehicle): number {
+  const parts = [...(scene.visuals ?? []), ...(scene.parts ?? [])].map((part) =>
+    Math.hypot(...part.p) + (part.size_m ? Math.max(...part.size_m) / 2 : Math.max(part.radius_m ?? 0, (part.length_m ?? 0) / 2)));
+  return Math.max(armOf(scene), ...parts);
 }
 
 /** The stand-in: arms to the real hubs, discs of the real radius, the nose marked. */
@@ -171,7 +196,7 @@ function makeCraft(scene: SceneVehicle): Craft {
     group.add(disc);
     return {fill, blades, arrow, k_f: rotor.k_f, omegaMax: rotor.omega_max_rad_s, spin: rotor.spin, angle: 0};
   });
-  return {group, standIn, discs};
+  return {group, standIn, discs, reach: reachOf(scene), surfaces: []};
 }
 
 /** The vehicle as dashed wire. */
@@ -274,6 +299,11 @@ export class View3D {
   private shadowTrail?: Line;
   private winds: Group[] = [];
   private gridHolder = new Group();
+  private readonly backdrop = new Group();
+  private axes!: LineSegments;
+  private hasTerrain = false;
+  /** Of the newest picture. */
+  scale: Scale = {step_m: 1, enlarged: 1};
   private mode: Camera = 'follow';
   private last_s = 0;
   private changing = 0;
@@ -304,7 +334,7 @@ export class View3D {
     this.controls.enableDamping = false;
     this.controls.maxPolarAngle = Math.PI * 0.495;
     this.controls.minDistance = 0.4;
-    this.controls.maxDistance = 400;
+    this.controls.maxDistance = 20000;
   }
 
   /** Vehicles that are drawn by meshes of their own. */
@@ -446,19 +476,23 @@ export class View3D {
     sky.renderOrder = -2;
     const ground = new Mesh(new CircleGeometry(700, 48), new MeshBasicMaterial({color: hex('gnd'), depthWrite: false, depthTest: false}));
     ground.renderOrder = -1;
-    this.scene.add(sky, ground);
+    this.backdrop.clear();
+    this.backdrop.add(sky, ground);
+    this.scene.add(this.backdrop);
     this.gridHolder = new Group();
     this.gridHolder.add(makeGrid());
     this.scene.add(this.gridHolder);
   }
 
   private addAxes(): void {
-    this.scene.add(segments([0, 0, 0, 0, 5, 0, 0, 0, 0, 5, 0, 0], new LineBasicMaterial({color: hex('t3')})));
+    this.axes = segments([0, 0, 0, 0, 5, 0, 0, 0, 0, 5, 0, 0], new LineBasicMaterial({color: hex('t3')}));
+    this.scene.add(this.axes);
   }
 
   private addWorld(bench: Bench): void {
     const material = new MeshLambertMaterial({color: hex('grid2'), side: DoubleSide});
     this.worldParts = 0;
+    this.hasTerrain = bench.scene?.world?.some((part) => part.name === 'terrain') ?? false;
     for (const part of bench.scene?.world ?? []) {
       const mesh = makePart(part, material);
       if (mesh) {
@@ -487,14 +521,24 @@ export class View3D {
   private async addVisuals(scene: SceneVehicle | undefined, craft: Craft): Promise<void> {
     if (!scene?.visuals?.length) return;
     const material = new MeshLambertMaterial({color: hex('t3'), side: DoubleSide});
+    const moving = new MeshLambertMaterial({color: hex('acc')});
     const own = new Group();
     for (const part of scene.visuals) {
       const geometry = part.shape === 'mesh' ? await loadTriangles(part.mesh ?? '', scene.meshes) : null;
-      const shape = geometry ? new Mesh(geometry, material) : makePart(part, material);
+      const shape = geometry ? new Mesh(geometry, material) : makePart(part, part.surface ? moving : material);
       if (!shape) return;  // the stand-in stays
-      const holder = new Group().add(shape);
+      const holder = new Group();
       place(holder, part.p, part.q);
       own.add(holder);
+      if (part.surface && part.size_m) {
+        const hinge = new Group().add(shape);
+        hinge.position.x = part.size_m[0] / 2;
+        shape.position.x = -part.size_m[0] / 2;
+        holder.add(hinge);
+        craft.surfaces.push({hinge, ...part.surface});
+      } else {
+        holder.add(shape);
+      }
     }
     craft.standIn.visible = false;  // kept: its materials keep their programs
     craft.group.add(own);
@@ -545,6 +589,7 @@ export class View3D {
     this.moveTrail(bench, replay);
     this.moveWind(bench);
     this.moveCamera(bench, passed);
+    this.moveScale(bench);
     const places = bench.vehicles.map((vehicle) => [bench.motion(vehicle)?.motion.p, bench.estimate(vehicle)?.p]);
     const shown = `${this.built}|${bench.time_s}|${bench.paused}|${places.join()}|${w}x${h}|${this.camera.matrixWorld.elements.join()}|${this.meshes}`;
     if (shown === this.shown && this.changing === 0) return;  // nothing moved
@@ -563,6 +608,8 @@ export class View3D {
       craft.group.visible = Boolean(shown);
       if (!shown) return;
       place(craft.group, shown.motion.p, shown.motion.q);
+      const deflections = bench.vehicles[i]?.sim?.surfaces;
+      for (const {hinge, index, sign} of craft.surfaces) hinge.rotation.y = sign * (deflections?.[index] ?? 0);
       const omega = bench.vehicles[i]?.sim?.rotors;
       craft.discs.forEach((disc, k) => {
         const speed = omega?.[k] ?? 0;
@@ -578,6 +625,35 @@ export class View3D {
         disc.arrow.children[1]!.position.z = length;
       });
     });
+  }
+
+  /** Grid, fog and the vehicles' size for the distance of the camera. */
+  private moveScale(bench: Bench): void {
+    const {camera} = this;
+    // From high above the ground is far away, however near the vehicle is.
+    const away = Math.max(camera.position.distanceTo(this.controls.target), Math.abs(camera.position.z));
+    const step_m = stepFor(away);
+    this.gridHolder.scale.set(step_m, step_m, 1);
+    this.gridHolder.visible = !this.hasTerrain;
+    this.axes.scale.setScalar(step_m);
+    const fog = this.scene.fog as Fog;
+    fog.near = Math.max(9, 1.5 * away, this.hasTerrain ? 1000 : 0);
+    fog.far = Math.max(kGrid_m + 22, 6 * away, this.hasTerrain ? 8000 : 0);
+    camera.near = Math.max(0.05, away / 400);
+    camera.far = Math.max(2000, 40 * away, this.hasTerrain ? 20000 : 0);
+    camera.updateProjectionMatrix();
+    this.backdrop.scale.set(camera.far / 2000, camera.far / 2000, 1);
+    this.backdrop.children[0]!.scale.y = camera.far / 2000;  // its own y is up
+    this.backdrop.position.set(camera.position.x, camera.position.y, 0);
+    let enlarged = 1;
+    this.crafts.forEach((craft, i) => {
+      const least = (kLeastReach * camera.position.distanceTo(craft.group.position)) / craft.reach;
+      craft.group.scale.setScalar(Math.max(1, least));
+      if (bench.vehicles[i] === bench.vehicle) enlarged = Math.max(1, least);
+    });
+    this.ghost!.scale.setScalar(enlarged);
+    this.besideGhost?.scale.setScalar(enlarged);
+    this.scale = {step_m, enlarged};
   }
 
   private moveMarks(bench: Bench, replay: boolean): void {
@@ -598,8 +674,9 @@ export class View3D {
     if (shown) {
       this.drop.position.set(shown.motion.p[0], shown.motion.p[1], 0);
       this.drop.scale.z = Math.max(0.001, shown.motion.p[2]);
-      this.gridHolder.position.x = Math.round(shown.motion.p[0] / 5) * 5;
-      this.gridHolder.position.y = Math.round(shown.motion.p[1] / 5) * 5;
+      const strong_m = 5 * this.scale.step_m;
+      this.gridHolder.position.x = Math.round(shown.motion.p[0] / strong_m) * strong_m;
+      this.gridHolder.position.y = Math.round(shown.motion.p[1] / strong_m) * strong_m;
     }
     const key = replay ? 'whole' : String(Math.floor(bench.time_s ?? 0));
     if (this.path && key === this.pathKey) return;
@@ -711,13 +788,14 @@ export class View3D {
     const speed = wind ? Math.hypot(...wind) : 0;
     const p = bench.motion()?.motion.p ?? [0, 0, 0];
     const places: Vec3[] = [[-2.9, 1.6, 0.3], [-1.6, 3.4, 0.35], [0.3, 4.6, 0.4], [2.2, 4.4, 0.35], [2.6, 2.2, 0.3]];
+    const k = Math.max(1, this.camera.position.distanceTo(this.controls.target) / 12);
     this.winds.forEach((group, i) => {
       group.visible = speed > 0.3;
       if (!group.visible || !wind) return;
       const [x, y, z] = places[i]!;
-      group.position.set(p[0] + x, p[1] + y, p[2] + z);
+      group.position.set(p[0] + k * x, p[1] + k * y, p[2] + k * z);
       group.rotation.z = Math.atan2(wind[1], wind[0]);
-      group.scale.setScalar(Math.min(1.6, speed * 0.2));
+      group.scale.setScalar(k * Math.min(1.6, speed * 0.2));
     });
   }
 
@@ -726,16 +804,17 @@ export class View3D {
     const {controls, camera} = this;
     if (shown && this.mode !== 'orbit') {
       const p = new Vector3(...shown.motion.p);
+      const k = this.roomOf(bench);
       if (this.mode === 'chase') {
         const yaw = shown.motion.rpy.yaw;
         controls.target.copy(p);
-        camera.position.set(p.x - 1.9 * Math.sin(yaw), p.y - 1.9 * Math.cos(yaw), p.z + 0.75);
+        camera.position.set(p.x - k * 1.9 * Math.sin(yaw), p.y - k * 1.9 * Math.cos(yaw), p.z + k * 0.75);
       } else if (this.mode === 'top') {
-        if (!this.lastPosition) camera.position.set(p.x, p.y - 1e-3, p.z + 9);
+        if (!this.lastPosition) camera.position.set(p.x, p.y - 1e-3, p.z + k * 9);
         else camera.position.add(p.clone().sub(this.lastPosition));
         controls.target.copy(p);
       } else {
-        if (!this.lastPosition) camera.position.copy(p).add(this.offset);
+        if (!this.lastPosition) camera.position.copy(p).addScaledVector(this.offset, k);
         else camera.position.add(p.clone().sub(this.lastPosition));
         controls.target.copy(p);
       }
@@ -754,6 +833,12 @@ export class View3D {
     camera.updateMatrixWorld();
   }
 
+  /** Times that the selected vehicle wants more room before the camera than a small multirotor. */
+  private roomOf(bench: Bench): number {
+    const craft = this.crafts[bench.vehicles.findIndex((vehicle) => vehicle === bench.vehicle)];
+    return Math.max(1, (craft?.reach ?? 0) / 0.45);
+  }
+
   private project(p: Vec3, w: number, h: number): [number, number] | null {
     const v = new Vector3(...p).project(this.camera);
     if (v.z > 1) return null;
@@ -766,10 +851,11 @@ export class View3D {
       const at = this.project(p, w, h);
       if (at && at[0] > 4 && at[0] < w - 40 && at[1] > 40 && at[1] < h - 46) tags.push({id, kind: 'axis', text, x: at[0] + dx, y: at[1] + dy});
     };
-    axis('N', 'N', [0, 5.25, 0], -4, -8);
-    axis('E', 'E', [5.25, 0, 0], -4, -8);
-    axis('N5', '5 m', [0, 4.85, 0], 8, 2);
-    axis('E5', '5 m', [4.85, 0, 0], 6, 2);
+    const {step_m} = this.scale;
+    axis('N', 'N', [0, 5.25 * step_m, 0], -4, -8);
+    axis('E', 'E', [5.25 * step_m, 0, 0], -4, -8);
+    axis('N5', `${5 * step_m} m`, [0, 4.85 * step_m, 0], 8, 2);
+    axis('E5', `${5 * step_m} m`, [4.85 * step_m, 0, 0], 6, 2);
     axis('home', 'home', [0, 0, 0], -38, 2);
     const shown = bench.motion();
     if (shown) {

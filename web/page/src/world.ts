@@ -39,6 +39,8 @@ export class World extends Part {
   tags: Tag[] = [];
   /** Why there is no 3D view. */
   flat = '';
+  /** Times that the vehicle is drawn larger, as shown. */
+  private enlarged = 1;
   private sentence = '';
   private said_s = -10;
   private loading = false;
@@ -96,7 +98,7 @@ export class World extends Part {
         bench.vehicle?.reference ? html`<i class="ref-i"></i><span>reference</span>` : nothing}${
         bench.beside.length > 0 ? html`<span class="c-t2">┄ B</span>` : nothing}</span></div>
       <div class="hud br optional"><span class="chip">trail: error 0<span class="scale"></span>${bench.errorLimit_m} m</span>
-        <span class="chip">frame W · grid 1 m</span></div>
+        <span class="chip">frame W · grid ${this.view?.scale.step_m ?? 1} m${this.enlarged > 1 ? ` · vehicle × ${this.enlarged}` : ''}</span></div>
       ${this.flat ? html`<div class="banner quiet">${this.flat}</div>` : nothing}`;
   }
 
@@ -135,6 +137,8 @@ export class World extends Part {
     if (page.seen && !this.view && !this.loading) void this.load();
     if (this.view) {
       this.view.draw(page.bench, now_s, Boolean(page.source.player));
+      const {enlarged} = this.view.scale;
+      this.enlarged = enlarged > 1.1 ? Number(enlarged.toPrecision(2)) : 1;
       if (this.view.tags !== this.tags) {
         this.tags = this.view.tags;
         this.requestUpdate();
