@@ -37,7 +37,6 @@
 #include "casd/own_station.hpp"
 #include "casd/port/daemon_methods.hpp"
 #include "casd/port/figure_methods.hpp"
-#include "casd/port/link_methods.hpp"
 #include "casd/port/metrics_port.hpp"
 #include "casd/port/open_ports.hpp"
 #include "casd/port/vehicle_methods.hpp"

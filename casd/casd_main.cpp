@@ -35,7 +35,6 @@
 #include "casd/topology/router_import.hpp"
 #include "casd/topology/topology.hpp"
 #include "casd/topology/topology_files.hpp"
-#include "casd/topology/topology_reference.hpp"
 #include "casd/topology/topology_text.hpp"
 
 namespace cas::casd {

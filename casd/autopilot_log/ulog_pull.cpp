@@ -2,6 +2,7 @@
 #include "casd/autopilot_log/ulog_pull.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "mavlink/common/logging_data.hpp"
@@ -94,6 +95,77 @@ void UlogPull::forget() {
 void UlogPull::end_file() {
   stream_.reset();
   hooks_.end();
+}
+
+namespace {
+
+constexpr std::array<std::uint8_t, 7> kMagic{'U', 'L', 'o', 'g', 0x01, 0x12, 0x35};
+constexpr std::size_t kMessageHead = 3;  // length (2 bytes) and type
+constexpr std::uint16_t kOldFrom =
+    0x8000;  // a difference of sequences from here on: an old piece, repeated
+
+/// ULog's dropout message ('O') of that length.
+std::array<std::uint8_t, kMessageHead + 2> dropout(base::Duration lasted) {
+  using std::chrono::milliseconds;
+  const auto ms = std::chrono::duration_cast<milliseconds>(lasted).count();
+  const auto field = static_cast<std::uint16_t>(std::clamp<std::int64_t>(ms, 0, 0xFFFF));
+  return {2, 0, 'O', static_cast<std::uint8_t>(field & 0xFFU),
+          static_cast<std::uint8_t>(field >> 8U)};
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> UlogStream::take(const Piece& piece, base::RunTime now) {
+  std::vector<std::uint8_t> whole;
+  std::span<const std::uint8_t> data = piece.data;
+  if (begins(piece)) {
+    begin(piece);
+    whole.assign(header_.begin(), header_.end());
+    data = data.subspan(kHeaderBytes);
+  } else if (!began_) {
+    return whole;
+  } else {
+    const auto ahead = static_cast<std::uint16_t>(piece.sequence - next_);
+    if (ahead >= kOldFrom) return whole;
+    cut_ = cut_ || ahead > 0;
+  }
+  next_ = static_cast<std::uint16_t>(piece.sequence + 1);
+  if (cut_) {
+    rest_.clear();
+    if (piece.first_message >= data.size()) return whole;
+    const auto gap = dropout(now - whole_at_);
+    whole.assign(gap.begin(), gap.end());
+    data = data.subspan(piece.first_message);
+    cut_ = false;
+  }
+  whole_at_ = now;
+  rest_.insert(rest_.end(), data.begin(), data.end());
+  take_whole_messages(whole);
+  return whole;
+}
+
+bool UlogStream::begins(const Piece& piece) const {
+  if (piece.first_message != 0 || piece.data.size() < kHeaderBytes) return false;
+  if (!std::equal(kMagic.begin(), kMagic.end(), piece.data.begin())) return false;
+  return !began_ || !std::equal(header_.begin(), header_.end(), piece.data.begin());
+}
+
+void UlogStream::begin(const Piece& piece) {
+  reset();
+  began_ = true;
+  std::copy_n(piece.data.begin(), kHeaderBytes, header_.begin());
+}
+
+void UlogStream::take_whole_messages(std::vector<std::uint8_t>& into) {
+  std::size_t whole = 0;
+  while (rest_.size() - whole >= kMessageHead) {
+    const std::size_t length = rest_[whole] | static_cast<std::size_t>(rest_[whole + 1]) << 8U;
+    if (rest_.size() - whole < kMessageHead + length) break;
+    whole += kMessageHead + length;
+  }
+  const auto end = rest_.begin() + static_cast<std::ptrdiff_t>(whole);
+  into.insert(into.end(), rest_.begin(), end);
+  rest_.erase(rest_.begin(), end);
 }
 
 }  // namespace cas::casd

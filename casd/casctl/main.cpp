@@ -16,7 +16,7 @@
 #include "casd/casctl/completion_words.hpp"
 #include "casd/casctl/doctor/doctor.hpp"
 #include "casd/casctl/monitor/monitor_screen.hpp"
-#include "casd/casctl/session/printable.hpp"
+#include "casd/casctl/session/text.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
 namespace cas::casctl {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/time/clock.hpp"
-#include "casd/packet/slot_mask.hpp"
+#include "casd/packet/link_mask.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 
 namespace cas::casd {

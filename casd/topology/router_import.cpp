@@ -13,7 +13,7 @@
 #include "casd/topology/endpoint_conflict.hpp"
 #include "casd/topology/endpoint_notation.hpp"
 #include "casd/topology/link_name.hpp"
-#include "casd/topology/router_filters.hpp"
+#include "casd/topology/router_config.hpp"
 #include "casd/topology/topology.hpp"
 
 namespace cas::casd {

@@ -11,4 +11,8 @@ namespace cas::casd {
 /// expected load. `casd --check` prints it. Pure.
 std::string topology_text(const Topology& topology);
 
+/// Every key of a topology with its default and meaning, as tables in Markdown: what `casd --keys`
+/// prints and docs/reference/config.md shows.
+std::string topology_reference();
+
 }  // namespace cas::casd

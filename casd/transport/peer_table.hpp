@@ -9,8 +9,8 @@
 #include <optional>
 
 #include "base/time/clock.hpp"
+#include "casd/packet/link_mask.hpp"
 #include "casd/packet/packet_info.hpp"
-#include "casd/packet/slot_mask.hpp"
 #include "casd/routing/route_table.hpp"
 
 namespace cas::casd {

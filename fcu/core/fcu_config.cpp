@@ -9,7 +9,6 @@
 #include "base/config/sensor_set.hpp"
 #include "base/suggestion.hpp"
 #include "fcu/control/wing_airframe.hpp"
-#include "fcu/core/controller_reference.hpp"
 #include "fcu/line/line_keys.hpp"
 #include "fcu/params/params.hpp"
 

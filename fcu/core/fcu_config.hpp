@@ -56,4 +56,8 @@ struct FcuConfig {
   static FcuConfig parse(const base::ConfigNode& node);
 };
 
+/// Every key of FcuConfig with its default and meaning, and those of its line, as tables in
+/// Markdown: for `fcu_emulator --keys` and docs/reference/config.md.
+std::string controller_reference();
+
 }  // namespace cas::fcu

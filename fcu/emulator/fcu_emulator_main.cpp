@@ -13,7 +13,7 @@
 #include "base/os/program.hpp"
 #include "base/os/runtime_folder.hpp"
 #include "fcu/core/controller_description.hpp"
-#include "fcu/core/controller_reference.hpp"
+#include "fcu/core/fcu_config.hpp"
 #include "fcu/emulator/emulator.hpp"
 
 namespace {

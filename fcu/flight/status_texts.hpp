@@ -19,7 +19,9 @@ class StatusTexts {
     std::string text;
   };
 
-  void add(Severity severity, std::string text);
+  void add(Severity severity, std::string text) {
+    if (lines_.size() < kMostLines) lines_.push_back({severity, std::move(text)});
+  }
   void info(std::string text) { add(Severity::kInfo, std::move(text)); }
   void warn(std::string text) { add(Severity::kWarning, std::move(text)); }
   void critical(std::string text) { add(Severity::kCritical, std::move(text)); }

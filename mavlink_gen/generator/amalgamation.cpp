@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mavlink_gen/generator/amalgamation.hpp"
+#include "mavlink_gen/generator/writers.hpp"
 
 #include <set>
 #include <string_view>
 #include <utility>
-
-#include "mavlink_gen/generator/cpp_text.hpp"
 
 namespace cas::mav::gen {
 namespace {

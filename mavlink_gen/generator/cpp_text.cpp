@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mavlink_gen/generator/cpp_text.hpp"
+#include "mavlink_gen/generator/writers.hpp"
 
 #include <algorithm>
 

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mavlink_gen/generator/cpp_writer.hpp"
+#include "mavlink_gen/generator/writers.hpp"
 
 #include <string>
 #include <utility>
 
-#include "mavlink_gen/generator/cpp_text.hpp"
-#include "mavlink_gen/generator/enum_writer.hpp"
-#include "mavlink_gen/generator/message_writer.hpp"
 #include "mavlink_gen/generator/naming.hpp"
 
 namespace cas::mav::gen {

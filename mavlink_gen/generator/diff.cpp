@@ -5,7 +5,7 @@
 #include <map>
 #include <string_view>
 
-#include "mavlink_gen/generator/cpp_text.hpp"
+#include "mavlink_gen/generator/writers.hpp"
 
 namespace cas::mav::gen {
 namespace {

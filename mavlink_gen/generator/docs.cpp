@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mavlink_gen/generator/docs.hpp"
+#include "mavlink_gen/generator/writers.hpp"
 
 #include <string_view>
 
-#include "mavlink_gen/generator/cpp_text.hpp"
 #include "mavlink_gen/generator/naming.hpp"
 
 namespace cas::mav::gen {

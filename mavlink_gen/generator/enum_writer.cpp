@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mavlink_gen/generator/enum_writer.hpp"
+#include "mavlink_gen/generator/writers.hpp"
 
 #include <vector>
-
-#include "mavlink_gen/generator/cpp_text.hpp"
 
 namespace cas::mav::gen {
 namespace {

@@ -10,14 +10,11 @@
 
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
-#include "mavlink_gen/generator/amalgamation.hpp"
-#include "mavlink_gen/generator/cpp_writer.hpp"
 #include "mavlink_gen/generator/diff.hpp"
-#include "mavlink_gen/generator/docs.hpp"
-#include "mavlink_gen/generator/json.hpp"
 #include "mavlink_gen/generator/naming.hpp"
-#include "mavlink_gen/generator/runtime_files.hpp"
+#include "mavlink_gen/generator/output_files.hpp"
 #include "mavlink_gen/generator/subset.hpp"
+#include "mavlink_gen/generator/writers.hpp"
 #include "mavlink_gen/parser/dialect_loader.hpp"
 
 #ifndef CAS_VERSION

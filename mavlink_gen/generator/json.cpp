@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mavlink_gen/generator/json.hpp"
+#include "mavlink_gen/generator/writers.hpp"
 
 #include <string_view>
-
-#include "mavlink_gen/generator/cpp_text.hpp"
 
 namespace cas::mav::gen {
 namespace {

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mavlink_gen/generator/message_writer.hpp"
+#include "mavlink_gen/generator/writers.hpp"
 
 #include <algorithm>
 #include <array>
 #include <map>
 #include <set>
 
-#include "mavlink_gen/generator/cpp_text.hpp"
 #include "mavlink_gen/generator/units.hpp"
 
 namespace cas::mav::gen {

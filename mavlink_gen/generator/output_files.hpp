@@ -16,4 +16,8 @@ using Files = std::map<std::string, std::string>;
 /// @return an error sentence; nullopt: all are written
 std::optional<std::string> write_files(const std::filesystem::path& folder, const Files& files);
 
+/// The headers below generated code, by the names it includes them by. The build puts their text
+/// into the program, so one that was copied somewhere alone still has them.
+const Files& runtime_files();
+
 }  // namespace cas::mav::gen

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "mavlink_gen/parser/enum_parser.hpp"
+#include "mavlink_gen/parser/file_parser.hpp"
 
 #include <algorithm>
 #include <array>

@@ -5,8 +5,6 @@
 #include <utility>
 
 #include "mavlink_gen/parser/element_reader.hpp"
-#include "mavlink_gen/parser/enum_parser.hpp"
-#include "mavlink_gen/parser/message_parser.hpp"
 #include "mavlink_gen/parser/numbers.hpp"
 
 namespace cas::mav::xml {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mavlink_gen/parser/diagnostics.hpp"
+#include "mavlink_gen/parser/element_reader.hpp"
 #include "mavlink_gen/parser/model.hpp"
 #include "mavlink_gen/parser/xml_document.hpp"
 
@@ -26,5 +27,13 @@ struct ParsedFile {
 
 /// Turns the tree of one file into enums and messages and reports violations of the schema.
 ParsedFile parse_file(const Element& root, Diagnostics& diagnostics);
+
+/// Reads one `<enum>` with its entries and their parameters; nullopt where its name is missing.
+/// An entry with an error is reported and left out.
+std::optional<Enum> parse_enum(const Element& element, ElementReader& reader);
+
+/// Reads one `<message>` with its fields and lays out its payload; nothing, and the reasons as
+/// diagnostics, where it cannot work.
+std::optional<Message> parse_message(const Element& element, ElementReader& reader);
 
 }  // namespace cas::mav::xml

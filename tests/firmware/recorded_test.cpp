@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "casd/casctl/doctor/vehicle_findings.hpp"
+#include "casd/casctl/doctor/findings.hpp"
 #include "casd/port/vehicle_json.hpp"
 #include "casd/station/vehicle_commander.hpp"
 #include "hils/flight/flight_plan.hpp"

@@ -4,10 +4,8 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "mavlink_gen/generator/cpp_writer.hpp"
 #include "mavlink_gen/generator/diff.hpp"
-#include "mavlink_gen/generator/docs.hpp"
-#include "mavlink_gen/generator/json.hpp"
+#include "mavlink_gen/generator/writers.hpp"
 #include "mavlink_gen/parser/dialect_loader.hpp"
 #include "mavlink_gen/parser/dialect_table.hpp"
 

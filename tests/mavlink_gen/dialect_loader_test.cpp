@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "mavlink_gen/generator/json.hpp"
+#include "mavlink_gen/generator/writers.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 #include "tests/support/paths.hpp"
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 
@@ -10,13 +9,11 @@
 #include <ostream>
 #include <string>
 
-#include "mavlink_gen/generator/cpp_writer.hpp"
 #include "mavlink_gen/generator/diff.hpp"
-#include "mavlink_gen/generator/docs.hpp"
-#include "mavlink_gen/generator/json.hpp"
 #include "mavlink_gen/generator/naming.hpp"
 #include "mavlink_gen/generator/output_files.hpp"
 #include "mavlink_gen/generator/subset.hpp"
+#include "mavlink_gen/generator/writers.hpp"
 #include "mavlink_gen/parser/dialect_loader.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -25,6 +22,8 @@ namespace {
 
 using namespace cas::mav;
 using cas::test::TemporaryFolder;
+using testing::HasSubstr;
+using testing::Not;
 
 const std::string kDialects = cas::test::source_dir() + "/tests/mavlink_gen/dialects/";
 const std::string kCommon = cas::test::source_dir() + "/mavlink_gen/dialects/common.xml";
@@ -135,10 +134,10 @@ TEST(Json, HoldsEveryFactOfTheDialect) {
 
 TEST(Docs, ShowFieldsEnumsAndParameters) {
   const auto page = gen::write_docs(load(kDialects + "every_construct.xml"));
-  EXPECT_NE(page.find("CRANE\\_STATUS (201)"), std::string::npos);
-  EXPECT_NE(page.find("Deprecated since 2026-01, use ALL\\_TYPES."), std::string::npos);
-  EXPECT_NE(page.find("1: Mass (kg)"), std::string::npos);
-  EXPECT_EQ(page.find("<markup>"), std::string::npos) << "text must not become HTML";
+  EXPECT_THAT(page, HasSubstr("CRANE\\_STATUS (201)"));
+  EXPECT_THAT(page, HasSubstr("Deprecated since 2026-01, use ALL\\_TYPES."));
+  EXPECT_THAT(page, HasSubstr("1: Mass (kg)"));
+  EXPECT_THAT(page, Not(HasSubstr("<markup>"))) << "text must not become HTML";
 }
 
 // --- diff
@@ -173,7 +172,7 @@ TEST_P(Diff, SaysWhatAChangeDoes) {
                                     load(folder.write("b.xml", changed).string()));
   ASSERT_FALSE(changes.empty());
   EXPECT_EQ(changes.front().impact, impact) << gen::render(changes);
-  EXPECT_NE(gen::render(changes).find(text), std::string::npos) << gen::render(changes);
+  EXPECT_THAT(gen::render(changes), HasSubstr(text));
 }
 
 using gen::Impact;
@@ -319,17 +318,15 @@ int main() { cas::mav::write_text(mavlink::common::Heartbeat{}, [](std::string_v
   EXPECT_NE(built.code, 0);
   const auto error = built.output.find("error:");
   ASSERT_NE(error, std::string::npos) << built.output;
-  EXPECT_NE(built.output.find("include mavlink/<dialect>/enum_text.hpp"), std::string::npos)
-      << built.output;
+  EXPECT_THAT(built.output, HasSubstr("include mavlink/<dialect>/enum_text.hpp"));
   EXPECT_EQ(built.output.find("error:", error + 1), std::string::npos) << built.output;
 }
 
 TEST(Program, NamesOfTheXmlAreFoundInTheCode) {
   const auto files = gen::write_cpp(load(kCommon), "common");
   const auto& enums = files.at("mavlink/common/enums.hpp");
-  EXPECT_NE(enums.find("kNavTakeoff = 22,  // MAV_CMD_NAV_TAKEOFF\n"), std::string::npos);
-  EXPECT_NE(enums.find("enum class MavResult : std::uint8_t {  // MAV_RESULT\n"),
-            std::string::npos);
+  EXPECT_THAT(enums, HasSubstr("kNavTakeoff = 22,  // MAV_CMD_NAV_TAKEOFF\n"));
+  EXPECT_THAT(enums, HasSubstr("enum class MavResult : std::uint8_t {  // MAV_RESULT\n"));
 }
 
 TEST(Program, FaultyInputWritesNothing) {
@@ -338,9 +335,7 @@ TEST(Program, FaultyInputWritesNothing) {
   const auto out = folder.path() / "out";
   const auto outcome = run("generate --out " + out.string() + ' ' + bad);
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_NE(outcome.output.find("bad.xml:1:20: error: <x> is not allowed in <messages>"),
-            std::string::npos)
-      << outcome.output;
+  EXPECT_THAT(outcome.output, HasSubstr("bad.xml:1:20: error: <x> is not allowed in <messages>"));
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
@@ -352,9 +347,7 @@ TEST(Program, StrictTakesWarningsForErrors) {
   EXPECT_EQ(run("check --strict " + file.string()).code, 1);
   const auto unfit = run("check --strict " + kDialects + "every_construct.xml");
   EXPECT_EQ(unfit.code, 1);
-  EXPECT_NE(unfit.output.find("narrow is uint16_t, but the highest value of WIDE_FLAGS"),
-            std::string::npos)
-      << unfit.output;
+  EXPECT_THAT(unfit.output, HasSubstr("narrow is uint16_t, but the highest value of WIDE_FLAGS"));
 }
 
 }  // namespace

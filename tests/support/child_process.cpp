@@ -78,6 +78,11 @@ std::optional<int> ChildProcess::wait_exit(base::Duration patience) {
   return exit_code_;
 }
 
+Ended ChildProcess::end(base::Duration patience) {
+  const int code = wait_exit(patience).value_or(-1);
+  return {code, output()};
+}
+
 std::string ChildProcess::output() const {
   std::ostringstream text;
   text << std::ifstream(folder_ / "output").rdbuf();

@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,16 @@
 #include "tests/support/wait_until.hpp"
 
 namespace cas::test {
+
+/// How a program ended, and what it printed.
+struct Ended {
+  int code = -1;       ///< exit code, or 128 + signal; -1: it has not ended
+  std::string output;  ///< standard output and error
+
+  friend void PrintTo(const Ended& program, std::ostream* out) {
+    *out << "exit code " << program.code << ":\n" << program.output;
+  }
+};
 
 /// A program under test, with a notify socket of its own and its output in a file. It ends with the
 /// object.
@@ -28,8 +39,14 @@ class ChildProcess {
   void signal(int number);
   /// Waits for the end. @return the exit code, 128 + signal, or nothing at the deadline
   std::optional<int> wait_exit(base::Duration patience = kPatience);
+  /// Waits for the end. @return how it ended; code -1 at the deadline
+  Ended end(base::Duration patience = kPatience);
   /// Standard output and error so far.
   std::string output() const;
+  /// Waits until these words are in its output.
+  bool prints(const std::string& words) const {
+    return wait_until([&] { return output().find(words) != std::string::npos; });
+  }
   pid_t pid() const { return pid_; }
 
  private:

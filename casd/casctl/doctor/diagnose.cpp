@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/casctl/doctor/diagnose.hpp"
+#include "casd/casctl/doctor/findings.hpp"
 
 #include <algorithm>
 
-#include "casd/casctl/doctor/external_ahrs_findings.hpp"
-#include "casd/casctl/doctor/link_findings.hpp"
-#include "casd/casctl/doctor/machine_findings.hpp"
-#include "casd/casctl/doctor/vehicle_findings.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {

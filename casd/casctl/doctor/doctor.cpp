@@ -17,8 +17,8 @@
 #include <string>
 
 #include "base/enum_words.hpp"
-#include "casd/casctl/doctor/external_ahrs_findings.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/doctor/findings.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {
@@ -189,9 +189,9 @@ void add_doctor_verb(CommandLine& line) {
   const auto seconds = std::make_shared<double>(2);
   line.add_verb("doctor", "Check the HIL set-up and say what is wrong, with the remedy",
                 "casctl doctor", [seconds](Session& session) { return examine(session, *seconds); })
-      .add_option("--seconds", *seconds, "How long to watch")
-      .in_range(0.1, 600.0)
-      .with_default();
+      ->add_option("--seconds", *seconds, "How long to watch")
+      ->check(in_range(0.1, 600.0))
+      ->capture_default_str();
 }
 
 }  // namespace cas::casctl

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "casd/casctl/doctor/diagnose.hpp"
+#include "casd/casctl/doctor/findings.hpp"
 #include "casd/casctl/session/command_line.hpp"
 
 namespace cas::casctl {

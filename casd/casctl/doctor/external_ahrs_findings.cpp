@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/casctl/doctor/external_ahrs_findings.hpp"
+#include "casd/casctl/doctor/findings.hpp"
 
 #include <algorithm>
 
 #include "base/text.hpp"
 #include "casd/casctl/session/session.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 #include "casd/words/external_ahrs_params.hpp"
 
 namespace cas::casctl {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/casctl/doctor/link_findings.hpp"
+#include "casd/casctl/doctor/findings.hpp"
 
 #include <cstdint>
 #include <map>
@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "base/text.hpp"
-#include "casd/casctl/session/link_counter.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/casctl/doctor/machine_findings.hpp"
+#include "casd/casctl/doctor/findings.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/casctl/doctor/vehicle_findings.hpp"
+#include "casd/casctl/doctor/findings.hpp"
 
 #include <algorithm>
 #include <set>
 #include <utility>
 
 #include "base/text.hpp"
-#include "casd/casctl/doctor/external_ahrs_findings.hpp"
 #include "casd/casctl/session/session.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {

@@ -8,7 +8,7 @@
 #include "base/angles.hpp"
 #include "casd/casctl/monitor/dot_canvas.hpp"
 #include "casd/casctl/monitor/plot.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {

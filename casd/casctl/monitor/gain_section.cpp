@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/casctl/monitor/gain_section.hpp"
+#include "casd/casctl/monitor/sections.hpp"
 
 #include <algorithm>
 
 #include "casd/casctl/monitor/text_table.hpp"
-#include "casd/casctl/monitor/value_text.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/casctl/monitor/link_section.hpp"
+#include "casd/casctl/monitor/sections.hpp"
 
 #include <utility>
 
 #include "casd/casctl/monitor/text_table.hpp"
-#include "casd/casctl/monitor/value_text.hpp"
-#include "casd/casctl/session/endpoint_text.hpp"
-#include "casd/casctl/session/link_counter.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/casctl/monitor/message_section.hpp"
+#include "casd/casctl/monitor/sections.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "casd/casctl/monitor/text_table.hpp"
-#include "casd/casctl/monitor/value_text.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {

@@ -18,8 +18,7 @@
 #include "casd/casctl/monitor/monitor_view.hpp"
 #include "casd/casctl/monitor/prompt.hpp"
 #include "casd/casctl/monitor/terminal.hpp"
-#include "casd/casctl/session/printable.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {
@@ -361,10 +360,8 @@ int run_monitor(const Options& options, double interval_s, const base::cli::Word
 int print_monitor(Session& session) {
   const json status = session.call("casd.status");
   const json messages = session.call("message.list", {{"limit", kMostRows}});
-  if (session.options().json) {
-    report(session.options(), {{"status", status}, {"messages", messages}}, "");
+  if (printed_as_json(session.options(), {{"status", status}, {"messages", messages}}))
     return kDone;
-  }
   Table table({"LINK", "DIR", "ID", "MESSAGE", "SYS", "COMP", "COUNT", "Hz", "AGE s"});
   for (const json& message : messages) {
     table.add({message.value("link", "?"), message.value("direction", "?"), message.at("id").dump(),
@@ -384,7 +381,7 @@ void add_monitor_verb(CommandLine& line, base::cli::WordsByCommand words) {
     double interval_s = 0.5;
   };
   const auto wish = std::make_shared<Wish>();
-  const Verb verb = line.add_verb(
+  CLI::App* const verb = line.add_verb(
       "monitor",
       "Watch links, messages, values, attitude and gains on a full screen; command from it",
       "casctl monitor   or   casctl monitor --once",
@@ -392,10 +389,10 @@ void add_monitor_verb(CommandLine& line, base::cli::WordsByCommand words) {
         if (wish->once) return print_monitor(session);
         return run_monitor(session.options(), wish->interval_s, words);
       });
-  verb.add_flag("--once", wish->once, "Print the messages as a plain table and end");
-  verb.add_option("--interval", wish->interval_s, "Seconds between two looks")
-      .in_range(0.1, 60.0)
-      .with_default();
+  verb->add_flag("--once", wish->once, "Print the messages as a plain table and end");
+  verb->add_option("--interval", wish->interval_s, "Seconds between two looks")
+      ->check(in_range(0.1, 60.0))
+      ->capture_default_str();
 }
 
 }  // namespace cas::casctl

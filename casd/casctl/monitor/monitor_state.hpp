@@ -11,7 +11,7 @@
 
 #include "casd/casctl/monitor/attitude_view.hpp"
 #include "casd/casctl/monitor/plot.hpp"
-#include "casd/casctl/session/stale.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 

@@ -4,13 +4,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "casd/casctl/monitor/gain_section.hpp"
-#include "casd/casctl/monitor/link_section.hpp"
-#include "casd/casctl/monitor/message_section.hpp"
 #include "casd/casctl/monitor/prompt.hpp"
-#include "casd/casctl/monitor/value_text.hpp"
-#include "casd/casctl/monitor/vehicle_section.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/monitor/sections.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {

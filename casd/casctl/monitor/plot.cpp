@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "casd/casctl/monitor/dot_canvas.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {

@@ -9,7 +9,7 @@
 #include "base/suggestion.hpp"
 #include "base/text.hpp"
 #include "casd/casctl/monitor/screen_text.hpp"
-#include "casd/casctl/session/gains_text.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {

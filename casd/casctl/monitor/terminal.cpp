@@ -7,7 +7,7 @@
 #include <clocale>
 #include <cstring>
 
-#include "casd/casctl/session/printable.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {

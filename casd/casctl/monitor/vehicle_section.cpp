@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "casd/casctl/monitor/vehicle_section.hpp"
+#include "casd/casctl/monitor/sections.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "casd/casctl/monitor/value_text.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {

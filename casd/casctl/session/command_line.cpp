@@ -1,77 +1,39 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/session/command_line.hpp"
 
-#include <CLI/CLI.hpp>
-#include <string>
+#include <algorithm>
 #include <utility>
+
+#include "base/suggestion.hpp"
 
 namespace cas::casctl {
 
-Argument Argument::required() const { return Argument(option_->required()); }
-
-Argument Argument::expected(int least, int most) const {
-  return Argument(option_->expected(least, most));
+CLI::Validator in_range(double low, double high) {
+  const CLI::Range range(low, high);
+  return {[range](std::string& word) {
+            double number = 0;
+            return CLI::detail::lexical_cast(word, number) ? range(word)
+                                                           : "'" + word + "' is not a number";
+          },
+          range.get_description()};
 }
 
-Argument Argument::in_range(double low, double high) const {
-  const auto is_number = [](const std::string& word) {
-    double number = 0;
-    return CLI::detail::lexical_cast(word, number) ? std::string()
-                                                   : "'" + word + "' is not a number";
-  };
-  return Argument(option_->check(is_number)->check(CLI::Range(low, high)));
+CLI::Validator one_of(std::vector<std::string> known) {
+  return {[known = std::move(known)](const std::string& word) {
+            if (std::ranges::count(known, word) > 0) return std::string();  // no error
+            std::string offer = base::did_you_mean(word, known);
+            if (offer.empty()) {
+              offer = "; there is";
+              for (const std::string& each : known) offer += " " + each;
+            }
+            return "there is no '" + word + "'" + offer;
+          },
+          ""};
 }
 
-Argument Argument::not_negative() const { return Argument(option_->check(CLI::NonNegativeNumber)); }
-
-Argument Argument::with_default() const { return Argument(option_->capture_default_str()); }
-
-Argument Argument::excludes(Argument other) const {
-  return Argument(option_->excludes(other.option_));
-}
-
-void Verb::add_flag(const std::string& name, bool& value, const std::string& help) const {
-  app_->add_flag(name, value, help);
-}
-
-Argument Verb::add_option(const std::string& name, std::string& value,
-                          const std::string& help) const {
-  return Argument(app_->add_option(name, value, help));
-}
-
-Argument Verb::add_option(const std::string& name, int& value, const std::string& help) const {
-  return Argument(app_->add_option(name, value, help));
-}
-
-Argument Verb::add_option(const std::string& name, double& value, const std::string& help) const {
-  return Argument(app_->add_option(name, value, help));
-}
-
-Argument Verb::add_option(const std::string& name, std::optional<double>& value,
-                          const std::string& help) const {
-  return Argument(app_->add_option(name, value, help));
-}
-
-Argument Verb::add_option(const std::string& name, std::vector<double>& value,
-                          const std::string& help) const {
-  return Argument(app_->add_option(name, value, help));
-}
-
-void Verb::add_check(std::function<std::string()> fault) const {
-  app_->parse_complete_callback([name = app_->get_name(), fault = std::move(fault)] {
-    if (const std::string sentence = fault(); !sentence.empty()) {
-      throw CLI::ValidationError(name, sentence);
-    }
-  });
-}
-
-CommandLine::CommandLine() : app_(std::make_unique<CLI::App>()) {}
-
-CommandLine::~CommandLine() = default;
-
-Verb CommandLine::add_verb(Verb group, const std::string& name, const std::string& help,
-                           const std::string& example, std::function<int(Session&)> body) {
-  CLI::App* verb = group.app_->add_subcommand(name, help);
+CLI::App* CommandLine::add_verb(CLI::App* group, const std::string& name, const std::string& help,
+                                const std::string& example, std::function<int(Session&)> body) {
+  CLI::App* verb = group->add_subcommand(name, help);
   verb->fallthrough();
   verb->footer("Example: " + example);
   verb->callback([this, body = std::move(body)] {
@@ -80,19 +42,19 @@ Verb CommandLine::add_verb(Verb group, const std::string& name, const std::strin
       return body(session);
     };
   });
-  return Verb(verb);
+  return verb;
 }
 
-Verb CommandLine::add_verb(const std::string& name, const std::string& help,
-                           const std::string& example, std::function<int(Session&)> body) {
-  return add_verb(Verb(app_.get()), name, help, example, std::move(body));
+CLI::App* CommandLine::add_verb(const std::string& name, const std::string& help,
+                                const std::string& example, std::function<int(Session&)> body) {
+  return add_verb(&app_, name, help, example, std::move(body));
 }
 
-Verb CommandLine::add_group(const std::string& name, const std::string& help) {
-  CLI::App* group = app_->add_subcommand(name, help);
+CLI::App* CommandLine::add_group(const std::string& name, const std::string& help) {
+  CLI::App* group = app_.add_subcommand(name, help);
   group->fallthrough();
   group->require_subcommand(1);
-  return Verb(group);
+  return group;
 }
 
 }  // namespace cas::casctl

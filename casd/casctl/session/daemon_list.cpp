@@ -8,7 +8,7 @@
 
 #include "base/text.hpp"
 #include "casd/casctl/session/session.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {

@@ -18,7 +18,7 @@
 #include "base/text.hpp"
 #include "casd/casctl/session/daemon_list.hpp"
 #include "casd/casctl/session/port_owner.hpp"
-#include "casd/casctl/session/printable.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {
@@ -228,13 +228,16 @@ bool is_silent(const json& vehicle) {
   return vehicle.value("heartbeat_age_s", 0.0) > vehicle.value("silent_after_s", kFresh_s);
 }
 
-void report(const Options& options, const json& result, const std::string& sentence) {
+bool printed_as_json(const Options& options, const json& result) {
   if (options.json) {
     std::cout << result.dump(-1, ' ', true, json::error_handler_t::replace)
               << '\n';  // ASCII: no order to a terminal
-  } else {
-    std::cout << printable_lines(sentence) << '\n';
   }
+  return options.json;
+}
+
+void report(const Options& options, const json& result, const std::string& sentence) {
+  if (!printed_as_json(options, result)) std::cout << printable_lines(sentence) << '\n';
 }
 
 }  // namespace cas::casctl

@@ -104,6 +104,8 @@ nlohmann::json all_messages(Session& session);
 /// Whether a vehicle's newest HEARTBEAT is too old to tell its state.
 bool is_silent(const nlohmann::json& vehicle);
 
+/// Prints a result as JSON, with --json. @return whether it did
+bool printed_as_json(const Options& options, const nlohmann::json& result);
 /// Prints a result: as JSON with --json, else the sentence.
 void report(const Options& options, const nlohmann::json& result, const std::string& sentence);
 

@@ -7,11 +7,7 @@
 
 #include "base/rpc/client.hpp"
 #include "base/text.hpp"
-#include "casd/casctl/session/endpoint_text.hpp"
-#include "casd/casctl/session/link_counter.hpp"
-#include "casd/casctl/session/printable.hpp"
-#include "casd/casctl/session/recording_text.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
 namespace cas::casctl {
@@ -159,10 +155,7 @@ std::string rule_text(const json& route) {
 
 int show_routes(Session& session) {
   const json routes = session.call("link.routes");
-  if (session.options().json) {
-    report(session.options(), routes, "");
-    return kDone;
-  }
+  if (printed_as_json(session.options(), routes)) return kDone;
   Table table({"FROM", "TO", "WHAT"});
   for (const json& route : routes) {
     table.add({route.value("from", "?"), route.value("to", "?"), rule_text(route)});
@@ -173,10 +166,7 @@ int show_routes(Session& session) {
 
 int show_latency(Session& session) {
   const json all = session.call("link.latency");
-  if (session.options().json) {
-    report(session.options(), all, "");
-    return kDone;
-  }
+  if (printed_as_json(session.options(), all)) return kDone;
   Table table({"TO LINK", "P50 us", "P99 us", "MAX us"});
   for (const json& entry : all) {
     const bool sent = entry.value("max", 0.0) > 0;
@@ -252,11 +242,7 @@ int show_budget(Session& session) {
                    {"in_bytes_s", load.rx_bytes_s},
                    {"fits", ok}});
   }
-  if (session.options().json) {
-    report(session.options(), all, "");
-  } else {
-    table.print(std::cout);
-  }
+  if (!printed_as_json(session.options(), all)) table.print(std::cout);
   return fits ? kDone : kRefused;
 }
 
@@ -282,20 +268,14 @@ void add_status_verbs(CommandLine& line) {
   line.add_verb("status", "Show links and vehicles", "casctl status --json", [](Session& session) {
     if (session.options().vehicle) session.vehicle_call("vehicle.state");  // or it is refused
     json status = session.call("casd.status");
-    if (session.options().json) {
-      add_telemetry(session, status);
-      report(session.options(), status, "");
-    } else {
-      print_status(status);
-    }
+    if (session.options().json) add_telemetry(session, status);
+    if (!printed_as_json(session.options(), status)) print_status(status);
     return kDone;
   });
   line.add_verb("links", "Show each link's state and counters", "casctl links",
                 [](Session& session) {
                   const json links = session.call("link.list");
-                  if (session.options().json) {
-                    report(session.options(), links, "");
-                  } else {
+                  if (!printed_as_json(session.options(), links)) {
                     print_links(links.is_object() ? links.value("links", json::array()) : links);
                   }
                   return kDone;
@@ -324,9 +304,9 @@ void add_service_verbs(CommandLine& line) {
                          "vehicle " + result.at("vehicle").dump() + " accepted the restart");
                   return kDone;
                 })
-      .add_flag("--not-hil", *not_hil,
-                "Also an armed vehicle that does not say it is in HIL: IT FALLS; casd's "
-                "configuration must consent");
+      ->add_flag("--not-hil", *not_hil,
+                 "Also an armed vehicle that does not say it is in HIL: IT FALLS; casd's "
+                 "configuration must consent");
 }
 
 }  // namespace cas::casctl

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 #include "casd/words/link_words.hpp"
 
@@ -91,10 +91,13 @@ int show_drops(Session& session, const DropsWish& wish) {
 
 void add_drops_verb(CommandLine& line) {
   const auto wish = std::make_shared<DropsWish>();
-  const Verb drops = line.add_verb("drops", "Show what was not passed on, and why", "casctl drops",
-                                   [wish](Session& session) { return show_drops(session, *wish); });
-  drops.add_option("--link", wish->link, "Drops of this link only");
-  drops.add_option("--limit", wish->rows, "Most rows").in_range(1, 5000).with_default();
+  CLI::App* const drops =
+      line.add_verb("drops", "Show what was not passed on, and why", "casctl drops",
+                    [wish](Session& session) { return show_drops(session, *wish); });
+  drops->add_option("--link", wish->link, "Drops of this link only");
+  drops->add_option("--limit", wish->rows, "Most rows")
+      ->check(in_range(1, 5000))
+      ->capture_default_str();
 }
 
 }  // namespace cas::casctl

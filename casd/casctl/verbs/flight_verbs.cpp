@@ -11,7 +11,7 @@
 
 #include "base/rpc/client.hpp"
 #include "base/text.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
 namespace cas::casctl {
@@ -198,7 +198,7 @@ void add_arm(CommandLine& line) {
     bool no_wait = false;
   };
   const auto flags = std::make_shared<Flags>();
-  const Verb verb =
+  CLI::App* const verb =
       line.add_verb("arm", "Arm the motors (only of a vehicle in HIL mode)", "casctl arm --wait",
                     [flags](Session& session) {
                       const json params{{"force", flags->force}, {"not_hil", flags->not_hil}};
@@ -208,12 +208,12 @@ void add_arm(CommandLine& line) {
                       return tell(session, arm(session, params), "armed",
                                   {"armed", [](const SaidSince& now) { return now.armed(); }});
                     });
-  verb.add_flag("--force", flags->force, "Skip the vehicle's own checks, and wait for nothing");
-  verb.add_flag("--no-wait", flags->no_wait,
-                "Arm at once, also before the vehicle has the position that takeoff needs");
-  verb.add_flag("--not-hil", flags->not_hil,
-                "Arm a vehicle that does not say it is in HIL: PROPELLERS MAY SPIN; casd's "
-                "configuration must consent");
+  verb->add_flag("--force", flags->force, "Skip the vehicle's own checks, and wait for nothing");
+  verb->add_flag("--no-wait", flags->no_wait,
+                 "Arm at once, also before the vehicle has the position that takeoff needs");
+  verb->add_flag("--not-hil", flags->not_hil,
+                 "Arm a vehicle that does not say it is in HIL: PROPELLERS MAY SPIN; casd's "
+                 "configuration must consent");
 }
 
 void add_disarm(CommandLine& line) {
@@ -223,14 +223,14 @@ void add_disarm(CommandLine& line) {
                   return fly(session, "vehicle.disarm", {{"force", *force}}, "disarmed",
                              {"disarmed", [](const SaidSince& now) { return now.disarmed(); }});
                 })
-      .add_flag("--force", *force, "Also in flight: the vehicle falls");
+      ->add_flag("--force", *force, "Also in flight: the vehicle falls");
 }
 
 /// `--not-hil` of a verb that may move a vehicle.
-void add_consent(const Verb& verb, bool& not_hil) {
-  verb.add_flag("--not-hil", not_hil,
-                "Also a vehicle that does not say it is in HIL: A REAL VEHICLE MAY MOVE; casd's "
-                "configuration must consent");
+void add_consent(CLI::App* verb, bool& not_hil) {
+  verb->add_flag("--not-hil", not_hil,
+                 "Also a vehicle that does not say it is in HIL: A REAL VEHICLE MAY MOVE; casd's "
+                 "configuration must consent");
 }
 
 /// The parameters of a call, with the consent where it is given.
@@ -242,7 +242,7 @@ json consenting(json params, bool not_hil) {
 void add_takeoff(CommandLine& line) {
   const auto altitude_m = std::make_shared<double>(2.5);
   const auto not_hil = std::make_shared<bool>(false);
-  const Verb verb = line.add_verb(
+  CLI::App* const verb = line.add_verb(
       "takeoff", "Take off to a height above home", "casctl takeoff 2.5 --wait",
       [altitude_m, not_hil](Session& session) {
         const json state = session.vehicle_call("vehicle.state");
@@ -255,7 +255,9 @@ void add_takeoff(CommandLine& line) {
             {"airborne",
              [altitude_m](const SaidSince& now) { return now.airborne_at(*altitude_m); }, true});
       });
-  verb.add_option("ALT", *altitude_m, "Metres above home").in_range(0.1, 10000.0).with_default();
+  verb->add_option("ALT", *altitude_m, "Metres above home")
+      ->check(in_range(0.1, 10000.0))
+      ->capture_default_str();
   add_consent(verb, *not_hil);
 }
 
@@ -266,7 +268,7 @@ void add_goto(CommandLine& line) {
     bool not_hil = false;
   };
   const auto target = std::make_shared<Target>();
-  const Verb verb = line.add_verb(
+  CLI::App* const verb = line.add_verb(
       "goto", "Fly to a position in the local north-east-down frame",
       "casctl goto 5 0 -3 90 --wait", [target](Session& session) {
         json params{
@@ -279,26 +281,26 @@ void add_goto(CommandLine& line) {
                     },
                     true});
       });
-  verb.add_option("NORTH", target->north_m, "Metres to the north").required();
-  verb.add_option("EAST", target->east_m, "Metres to the east").required();
-  verb.add_option("DOWN", target->down_m, "Metres down; -3 is 3 m above the frame's origin")
-      .required();
-  verb.add_option("YAW", target->yaw_deg, "Degrees from north; left out: kept");
+  verb->add_option("NORTH", target->north_m, "Metres to the north")->required();
+  verb->add_option("EAST", target->east_m, "Metres to the east")->required();
+  verb->add_option("DOWN", target->down_m, "Metres down; -3 is 3 m above the frame's origin")
+      ->required();
+  verb->add_option("YAW", target->yaw_deg, "Degrees from north; left out: kept");
   add_consent(verb, target->not_hil);
 }
 
 void add_mode(CommandLine& line) {
   const auto mode = std::make_shared<std::string>();
   const auto not_hil = std::make_shared<bool>(false);
-  const Verb verb = line.add_verb(
+  CLI::App* const verb = line.add_verb(
       "mode", "Set a flight mode by its word", "casctl mode POSCTL --wait",
       [mode, not_hil](Session& session) {
         return fly(
             session, "vehicle.mode", consenting({{"mode", *mode}}, *not_hil), "took mode " + *mode,
             {"in mode " + *mode, [mode](const SaidSince& now) { return now.in_mode(*mode); }});
       });
-  verb.add_option("MODE", *mode, "HOLD, LAND, RTL, POSCTL, ...; a wrong word lists them")
-      .required();
+  verb->add_option("MODE", *mode, "HOLD, LAND, RTL, POSCTL, ...; a wrong word lists them")
+      ->required();
   add_consent(verb, *not_hil);
 }
 
@@ -325,7 +327,7 @@ void add_manual(CommandLine& line) {
     bool not_hil = false;
   };
   const auto sticks = std::make_shared<Sticks>();
-  const Verb verb = line.add_verb(
+  CLI::App* const verb = line.add_verb(
       "manual", "Hold the sticks for some time (a mode that listens to them is needed)",
       "casctl manual --pitch 0.2 --for 2", [sticks](Session& session) {
         return hold_sticks(session,
@@ -336,15 +338,15 @@ void add_manual(CommandLine& line) {
                                       sticks->not_hil),
                            sticks->duration_s);
       });
-  verb.add_option("--pitch", sticks->pitch, "-1 back to 1 forward").in_range(-1.0, 1.0);
-  verb.add_option("--roll", sticks->roll, "-1 left to 1 right").in_range(-1.0, 1.0);
-  verb.add_option("--throttle", sticks->throttle, "0 to 1; 0.5 keeps the height")
-      .in_range(0.0, 1.0)
-      .with_default();
-  verb.add_option("--yaw", sticks->yaw, "-1 left to 1 right").in_range(-1.0, 1.0);
-  verb.add_option("--for", sticks->duration_s, "Seconds to hold them")
-      .in_range(0.0, 3600.0)
-      .with_default();
+  verb->add_option("--pitch", sticks->pitch, "-1 back to 1 forward")->check(in_range(-1.0, 1.0));
+  verb->add_option("--roll", sticks->roll, "-1 left to 1 right")->check(in_range(-1.0, 1.0));
+  verb->add_option("--throttle", sticks->throttle, "0 to 1; 0.5 keeps the height")
+      ->check(in_range(0.0, 1.0))
+      ->capture_default_str();
+  verb->add_option("--yaw", sticks->yaw, "-1 left to 1 right")->check(in_range(-1.0, 1.0));
+  verb->add_option("--for", sticks->duration_s, "Seconds to hold them")
+      ->check(in_range(0.0, 3600.0))
+      ->capture_default_str();
   add_consent(verb, sticks->not_hil);
 }
 
@@ -354,7 +356,7 @@ void add_message_interval(CommandLine& line) {
     std::optional<double> hz;
   };
   const auto wish = std::make_shared<Wish>();
-  const Verb verb = line.add_verb(
+  CLI::App* const verb = line.add_verb(
       "message-interval", "Set how often the vehicle sends a message",
       "casctl message-interval ATTITUDE 20", [wish](Session& session) {
         json params{{"message", wish->message}};
@@ -367,8 +369,8 @@ void add_message_interval(CommandLine& line) {
                    "sends " + wish->message +
                        (wish->hz ? " at " + fixed(*wish->hz, 1) + " Hz" : " at its default rate"));
       });
-  verb.add_option("MESSAGE", wish->message, "Name or id").required();
-  verb.add_option("HZ", wish->hz, "0 is off; left out: the vehicle's default");
+  verb->add_option("MESSAGE", wish->message, "Name or id")->required();
+  verb->add_option("HZ", wish->hz, "0 is off; left out: the vehicle's default");
 }
 
 }  // namespace

@@ -6,8 +6,7 @@
 #include "base/config/config.hpp"
 #include "base/error.hpp"
 #include "base/rpc/client.hpp"
-#include "casd/casctl/session/endpoint_text.hpp"
-#include "casd/casctl/session/printable.hpp"
+#include "casd/casctl/session/text.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
 namespace cas::casctl {
@@ -90,29 +89,29 @@ int add_link(Session& session, const NewLink& asked) {
 }  // namespace
 
 void add_link_verbs(CommandLine& line) {
-  const Verb link = line.add_group("link", "Add or remove links of a running casd");
+  CLI::App* const link = line.add_group("link", "Add or remove links of a running casd");
   const auto asked = std::make_shared<NewLink>();
-  const Verb add = line.add_verb(
+  CLI::App* const add = line.add_verb(
       link, "add", "Open one more link, until it is removed or the topology is read again",
       "casctl link add udp:127.0.0.1:14551",
       [asked](Session& session) { return add_link(session, *asked); });
-  add.add_option("LINK", asked->link,
-                 "An endpoint (udp:HOST:PORT, tcp:PORT, serial:DEVICE:BAUD), or a link as a "
-                 "topology has it, in braces")
-      .required();
-  add.add_option("--name", asked->name, "Its name; without it an endpoint gets one");
-  add.add_option("--accept", asked->accept,
-                 "What it takes in: everything, nothing or a block; without it what ground "
-                 "stations say");
-  add.add_option("--routes", asked->routes,
-                 "Its routes, a list as in a topology; without it to and from every link, but no "
-                 "HIL messages");
+  add->add_option("LINK", asked->link,
+                  "An endpoint (udp:HOST:PORT, tcp:PORT, serial:DEVICE:BAUD), or a link as a "
+                  "topology has it, in braces")
+      ->required();
+  add->add_option("--name", asked->name, "Its name; without it an endpoint gets one");
+  add->add_option("--accept", asked->accept,
+                  "What it takes in: everything, nothing or a block; without it what ground "
+                  "stations say");
+  add->add_option("--routes", asked->routes,
+                  "Its routes, a list as in a topology; without it to and from every link, but no "
+                  "HIL messages");
   struct Removal {
     std::string name;
     bool force = false;
   };
   const auto removal = std::make_shared<Removal>();
-  const Verb remove = line.add_verb(
+  CLI::App* const remove = line.add_verb(
       link, "remove", "Close a link", "casctl link remove udp2", [removal](Session& session) {
         json params{{"link", removal->name}};
         if (removal->force) params["force"] = true;
@@ -120,8 +119,8 @@ void add_link_verbs(CommandLine& line) {
         report(session.options(), result, "link " + printable(removal->name) + " removed");
         return kDone;
       });
-  remove.add_option("NAME", removal->name, "Of the link").required();
-  remove.add_flag("--force", removal->force, "Also the only link of an armed vehicle");
+  remove->add_option("NAME", removal->name, "Of the link")->required();
+  remove->add_flag("--force", removal->force, "Also the only link of an armed vehicle");
 }
 
 }  // namespace cas::casctl

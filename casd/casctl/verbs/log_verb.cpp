@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "casd/casctl/session/recording_text.hpp"
+#include "casd/casctl/session/text.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
 namespace cas::casctl {
@@ -65,20 +65,20 @@ int show_log(Session& session) {
 
 void add_log_verb(CommandLine& line) {
   const auto recording = std::make_shared<Recording>();
-  const Verb log = line.add_group("log", "Record all packets into a .tlog file");
-  const Verb start =
+  CLI::App* const log = line.add_group("log", "Record all packets into a .tlog file");
+  CLI::App* const start =
       line.add_verb(log, "start", "Start a new file (on casd's machine)", "casctl log start flight",
                     [recording](Session& session) { return start_log(session, *recording); });
-  start.add_option("NAME", recording->file,
-                   "Of the new file, after its date, in casd's folder for recordings");
-  start.add_option("--rotate-mib", recording->rotate_mib, "Go on in the next file at this size")
-      .not_negative();
+  start->add_option("NAME", recording->file,
+                    "Of the new file, after its date, in casd's folder for recordings");
+  start->add_option("--rotate-mib", recording->rotate_mib, "Go on in the next file at this size")
+      ->check(CLI::NonNegativeNumber);
   start
-      .add_option("--rotate-minutes", recording->rotate_minutes,
-                  "Go on in the next file at this age")
-      .not_negative();
-  start.add_option("--keep", recording->keep, "Files of this recording that stay; 0: all")
-      .not_negative();
+      ->add_option("--rotate-minutes", recording->rotate_minutes,
+                   "Go on in the next file at this age")
+      ->check(CLI::NonNegativeNumber);
+  start->add_option("--keep", recording->keep, "Files of this recording that stay; 0: all")
+      ->check(CLI::NonNegativeNumber);
   line.add_verb(log, "stop", "Stop recording", "casctl log stop", stop_log);
   line.add_verb(log, "status", "Show what is recorded", "casctl log status", show_log);
 }

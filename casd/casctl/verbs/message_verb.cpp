@@ -8,7 +8,7 @@
 
 #include "base/rpc/message.hpp"
 #include "base/text.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
 namespace cas::casctl {
@@ -154,13 +154,13 @@ int show_message(Session& session, const MessageWish& wish) {
 
 void add_message_verb(CommandLine& line) {
   const auto wish = std::make_shared<MessageWish>();
-  const Verb verb =
+  CLI::App* const verb =
       line.add_verb("message", "Show the newest message of a kind with all its fields",
                     "casctl message GPS_RAW_INT --json",
                     [wish](Session& session) { return show_message(session, *wish); });
-  verb.add_option("NAME", wish->name, "Name or id, of any dialect that casd knows").required();
-  verb.add_option("--system", wish->system, "System id of its sender; left out: who sent it last")
-      .in_range(0, 255);
+  verb->add_option("NAME", wish->name, "Name or id, of any dialect that casd knows")->required();
+  verb->add_option("--system", wish->system, "System id of its sender; left out: who sent it last")
+      ->check(in_range(0, 255));
 }
 
 }  // namespace cas::casctl

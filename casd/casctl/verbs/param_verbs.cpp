@@ -8,9 +8,7 @@
 #include <vector>
 
 #include "base/os/write_file.hpp"
-#include "casd/casctl/session/gains_text.hpp"
-#include "casd/casctl/session/printable.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 #include "casd/casctl/verbs/param_load.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
@@ -26,7 +24,7 @@ void add_setgain(CommandLine& line) {
     std::optional<double> p, i, d;
   };
   const auto wish = std::make_shared<Wish>();
-  const Verb verb =
+  CLI::App* const verb =
       line.add_verb("setgain", "Set PID gains of a control loop; prints those in force, old -> new",
                     "casctl setgain rollrate 0.15 0.2 0.003   or   casctl setgain roll --p 6.5",
                     [wish](Session& session) {
@@ -41,20 +39,24 @@ void add_setgain(CommandLine& line) {
                       report(session.options(), result, gains_text(result));
                       return kDone;
                     });
-  verb.add_option("LOOP", wish->loop,
-                  "One of rollrate, roll, position, ...: `casctl gains` lists them")
-      .required();
-  const Argument values = verb.add_option("P I D", wish->values, "The three gains").expected(0, 3);
+  verb->add_option("LOOP", wish->loop,
+                   "One of rollrate, roll, position, ...: `casctl gains` lists them")
+      ->required();
+  CLI::Option* const values =
+      verb->add_option("P I D", wish->values, "The three gains")->expected(0, 3);
   for (auto [flag, slot] : {std::pair{"--p", &wish->p}, {"--i", &wish->i}, {"--d", &wish->d}}) {
-    verb.add_option(flag, *slot, "This gain only").excludes(values);
+    verb->add_option(flag, *slot, "This gain only")->excludes(values);
   }
-  verb.add_check([wish] {
+  verb->parse_complete_callback([wish] {
     std::vector<double> all = wish->values;
     for (const auto& value : {wish->p, wish->i, wish->d}) all.push_back(value.value_or(0));
     const auto finite = [](double value) { return std::isfinite(value); };
-    if (!std::ranges::all_of(all, finite)) return std::string("a gain is a finite number");
-    const bool named = wish->p || wish->i || wish->d;
-    return named || !wish->values.empty() ? std::string() : "give P I D, or --p, --i, --d";
+    if (!std::ranges::all_of(all, finite)) {
+      throw CLI::ValidationError("setgain", "a gain is a finite number");
+    }
+    if (!wish->p && !wish->i && !wish->d && wish->values.empty()) {
+      throw CLI::ValidationError("setgain", "give P I D, or --p, --i, --d");
+    }
   });
 }
 
@@ -85,14 +87,11 @@ void add_gains(CommandLine& line) {
   line.add_verb("gains", "Show the gains of one loop, or of all", "casctl gains rollrate",
                 [loop](Session& session) {
                   const json all = fetch_gains(session, *loop);
-                  if (session.options().json) {
-                    report(session.options(), loop->empty() ? all : all.at(0), "");
-                  } else {
-                    print_gains(all);
-                  }
+                  const json& asked = loop->empty() ? all : all.at(0);
+                  if (!printed_as_json(session.options(), asked)) print_gains(all);
                   return kDone;
                 })
-      .add_option("LOOP", *loop, "Control loop; left out: all");
+      ->add_option("LOOP", *loop, "Control loop; left out: all");
 }
 
 /// ": A, B" of the parameters that a file cannot give back.
@@ -190,10 +189,10 @@ int list_params(Session& session, const std::string& prefix) {
   return end_of(session, list);
 }
 
-void add_consent(const Verb& verb, bool& not_hil) {
-  verb.add_flag("--not-hil", not_hil,
-                "Also one that arms or drives outputs, of a vehicle that does not say it is in "
-                "HIL: PROPELLERS MAY SPIN; casd's configuration must consent");
+void add_consent(CLI::App* verb, bool& not_hil) {
+  verb->add_flag("--not-hil", not_hil,
+                 "Also one that arms or drives outputs, of a vehicle that does not say it is in "
+                 "HIL: PROPELLERS MAY SPIN; casd's configuration must consent");
 }
 
 int print_param(const Session& session, const json& result) {
@@ -201,24 +200,24 @@ int print_param(const Session& session, const json& result) {
   return kDone;
 }
 
-void add_param_load(CommandLine& line, const Verb& param) {
+void add_param_load(CommandLine& line, CLI::App* param) {
   struct Wish {
     std::string file;
     bool strict = false;
     bool not_hil = false;
   };
   const auto wish = std::make_shared<Wish>();
-  const Verb load = line.add_verb(
+  CLI::App* const load = line.add_verb(
       param, "load", "Write those of a file, in its order; names those that are not taken",
       "casctl param load iris.params", [wish](Session& session) {
         return load_params(session, wish->file, wish->strict, wish->not_hil);
       });
-  load.add_option("FILE", wish->file,
-                  "File to read, on this machine: of casctl, MAVProxy, Mission Planner or "
-                  "QGroundControl")
-      .required();
-  load.add_flag("--strict", wish->strict,
-                "Write nothing if a name is missing; end at the first that is not taken");
+  load->add_option("FILE", wish->file,
+                   "File to read, on this machine: of casctl, MAVProxy, Mission Planner or "
+                   "QGroundControl")
+      ->required();
+  load->add_flag("--strict", wish->strict,
+                 "Write nothing if a name is missing; end at the first that is not taken");
   add_consent(load, wish->not_hil);
 }
 
@@ -229,31 +228,31 @@ void add_param(CommandLine& line) {
     bool not_hil = false;
   };
   const auto wish = std::make_shared<Wish>();
-  const Verb param = line.add_group("param", "Read and write parameters");
+  CLI::App* const param = line.add_group("param", "Read and write parameters");
   line.add_verb(param, "list", "List all, or those that begin with PREFIX", "casctl param list MC_",
                 [wish](Session& session) { return list_params(session, wish->prefix); })
-      .add_option("PREFIX", wish->prefix, "Beginning of the names; left out: all");
+      ->add_option("PREFIX", wish->prefix, "Beginning of the names; left out: all");
   line.add_verb(
           param, "get", "Read one", "casctl param get MC_ROLL_P",
           [wish](Session& session) {
             return print_param(session, session.vehicle_call("param.get", {{"name", wish->name}}));
           })
-      .add_option("NAME", wish->name, "Parameter, by the firmware's name")
-      .required();
-  const Verb set =
+      ->add_option("NAME", wish->name, "Parameter, by the firmware's name")
+      ->required();
+  CLI::App* const set =
       line.add_verb(param, "set", "Write one; prints old -> new", "casctl param set MC_ROLL_P 6.5",
                     [wish](Session& session) {
                       json params{{"name", wish->name}, {"value", wish->value}};
                       if (wish->not_hil) params["not_hil"] = true;
                       return print_param(session, session.vehicle_call("param.set", params));
                     });
-  set.add_option("NAME", wish->name, "Parameter, by the firmware's name").required();
-  set.add_option("VALUE", wish->value, "Value to write").required();
+  set->add_option("NAME", wish->name, "Parameter, by the firmware's name")->required();
+  set->add_option("VALUE", wish->value, "Value to write")->required();
   add_consent(set, wish->not_hil);
   line.add_verb(param, "save", "Save all to a file", "casctl param save iris.params",
                 [wish](Session& session) { return save_params(session, wish->file); })
-      .add_option("FILE", wish->file, "File to write, on this machine")
-      .required();
+      ->add_option("FILE", wish->file, "File to write, on this machine")
+      ->required();
   add_param_load(line, param);
 }
 

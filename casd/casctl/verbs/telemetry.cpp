@@ -4,8 +4,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "casd/casctl/session/stale.hpp"
-#include "casd/casctl/session/table.hpp"
+#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {

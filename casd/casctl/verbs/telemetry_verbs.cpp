@@ -6,8 +6,7 @@
 #include <memory>
 #include <thread>
 
-#include "casd/casctl/session/printable.hpp"
-#include "casd/casctl/session/word_arguments.hpp"
+#include "casd/casctl/session/text.hpp"
 #include "casd/casctl/verbs/telemetry.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
@@ -92,18 +91,20 @@ std::string topic_help() {
 
 void add_watch_verb(CommandLine& line) {
   const auto wish = std::make_shared<WatchWish>();
-  const Verb verb = line.add_verb(
+  CLI::App* const verb = line.add_verb(
       "watch", "Print what the vehicle measures, again and again",
       "casctl watch   or   casctl watch attitude battery --rate 10 --csv --for 60 > flight.csv",
       [wish](Session& session) { return watch(session, *wish); });
-  add_words(
-      line,
-      {.verb = "watch", .name = "TOPIC", .help = topic_help(), .known = telemetry_topic_names()},
-      wish->names);
-  verb.add_option("--rate", wish->rate_hz, "Samples a second").in_range(0.01, 100.0).with_default();
-  verb.add_flag("--csv", wish->csv, "A header and a line of values each time, separated by commas");
-  verb.add_option("--count", wish->count, "End after this many samples; 0: never").not_negative();
-  verb.add_option("--for", wish->for_s, "End after this many seconds; 0: never").not_negative();
+  verb->add_option("TOPIC", wish->names, topic_help())->check(one_of(telemetry_topic_names()));
+  verb->add_option("--rate", wish->rate_hz, "Samples a second")
+      ->check(in_range(0.01, 100.0))
+      ->capture_default_str();
+  verb->add_flag("--csv", wish->csv,
+                 "A header and a line of values each time, separated by commas");
+  verb->add_option("--count", wish->count, "End after this many samples; 0: never")
+      ->check(CLI::NonNegativeNumber);
+  verb->add_option("--for", wish->for_s, "End after this many seconds; 0: never")
+      ->check(CLI::NonNegativeNumber);
 }
 
 }  // namespace cas::casctl

@@ -3,7 +3,6 @@
 #include <memory>
 #include <set>
 
-#include "casd/casctl/session/word_arguments.hpp"
 #include "casd/casctl/verbs/verbs.hpp"
 
 namespace cas::casctl {
@@ -49,15 +48,11 @@ int print_words(Session& session, const std::string& kind) {
 void add_words_verb(CommandLine& line) {
   const auto kinds = std::make_shared<std::vector<std::string>>();
   line.add_verb("words", "Print words for the shells' completion", "casctl words messages",
-                [kinds](Session& session) { return print_words(session, kinds->front()); });
-  add_words(line,
-            {.verb = "words",
-             .name = "KIND",
-             .help = "messages or parameters",
-             .known = {"messages", "parameters"}},
-            *kinds)
-      .required()
-      .expected(1, 1);
+                [kinds](Session& session) { return print_words(session, kinds->front()); })
+      ->add_option("KIND", *kinds, "messages or parameters")
+      ->check(one_of({"messages", "parameters"}))
+      ->required()
+      ->expected(1, 1);
 }
 
 }  // namespace cas::casctl

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "casd/autopilot_log/ulog_stream.hpp"
 #include "hils/ulog/read_ulog.hpp"
 #include "mavlink/common/logging_data.hpp"
 #include "mavlink/common/logging_data_acked.hpp"

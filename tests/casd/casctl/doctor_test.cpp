@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/doctor/doctor.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 namespace cas::casctl {
 namespace {
 
 using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
 
 json link(const std::string& name, const std::string& type) {
   return {{"name", name},
@@ -104,8 +106,7 @@ class DoctorOfExternalAhrs : public testing::TestWithParam<WrongParam> {};
 TEST_P(DoctorOfExternalAhrs, NamesAWrongParameter) {
   DoctorFacts facts = external_ahrs_setup();
   facts.params[1][GetParam().name] = GetParam().value;
-  EXPECT_NE(complaints(facts).find("vehicle 1" + GetParam().sentence), std::string::npos)
-      << complaints(facts);
+  EXPECT_THAT(complaints(facts), HasSubstr("vehicle 1" + GetParam().sentence));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -123,20 +124,20 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Doctor, TakesNoRouteToAGroundStationForOneToASimulator) {
   DoctorFacts facts = external_ahrs_setup();
   facts.messages.push_back(message("sim", "rx", "HEARTBEAT", 1, 255, 190));
-  EXPECT_EQ(complaints(facts).find("External AHRS"), std::string::npos);
-  EXPECT_EQ(complaints(facts).find("ITS OUTPUTS ARE LIVE"), std::string::npos);
+  EXPECT_THAT(complaints(facts), Not(HasSubstr("External AHRS")));
+  EXPECT_THAT(complaints(facts), Not(HasSubstr("ITS OUTPUTS ARE LIVE")));
 }
 
 TEST(Doctor, FindsArdupilotWithoutExternalAhrsOrOutputsOrConsent) {
   DoctorFacts facts = external_ahrs_setup();
   facts.params[1].erase("EAHRS_TYPE");
-  EXPECT_NE(complaints(facts).find("its firmware is without External AHRS"), std::string::npos);
+  EXPECT_THAT(complaints(facts), HasSubstr("its firmware is without External AHRS"));
   facts = external_ahrs_setup();
   facts.messages = json::array({message("fcu", "rx", "HEARTBEAT", 1)});
-  EXPECT_NE(complaints(facts).find("sends SERVO_OUTPUT_RAW 0 times a second"), std::string::npos);
+  EXPECT_THAT(complaints(facts), HasSubstr("sends SERVO_OUTPUT_RAW 0 times a second"));
   facts = external_ahrs_setup();
   facts.after["allow_not_hil"] = false;
-  EXPECT_NE(complaints(facts).find("casd does not arm it"), std::string::npos);
+  EXPECT_THAT(complaints(facts), HasSubstr("casd does not arm it"));
 }
 
 TEST(Doctor, DoesNotAskAVehicleForHilThatCasdOnlyRoutesFor) {
@@ -148,7 +149,7 @@ TEST(Doctor, DoesNotAskAVehicleForHilThatCasdOnlyRoutesFor) {
   facts.messages = json::array({message("fcu", "rx", "HEARTBEAT", 1)});
   facts.routes = {
       {{"from", "gcs"}, {"to", "fcu"}}};  // all may pass: a bench whose simulator stands
-  EXPECT_NE(complaints(facts).find("HIL"), std::string::npos);
+  EXPECT_THAT(complaints(facts), HasSubstr("HIL"));
   facts.routes[0]["block"] = {"HIL_SENSOR", "HIL_GPS"};
   EXPECT_EQ(complaints(facts), "");
   EXPECT_TRUE(std::ranges::any_of(diagnose(facts), &Finding::unchecked)) << "not ready to fly";
@@ -158,7 +159,7 @@ TEST(Doctor, DoesNotAskAVehicleForHilThatCasdOnlyRoutesFor) {
   facts.routes[0] = {{"from", "gcs"}, {"to", "fcu"}, {"allow", {"HEARTBEAT"}}};
   EXPECT_EQ(complaints(facts), "");
   facts.routes.push_back({{"from", "sim"}, {"to", "fcu"}, {"allow", {"HIL_SENSOR"}}});
-  EXPECT_NE(complaints(facts).find("does not say that it is in HIL"), std::string::npos);
+  EXPECT_THAT(complaints(facts), HasSubstr("does not say that it is in HIL"));
 }
 
 TEST(Doctor, WantsNoLogOfADisarmedAutopilot) {
@@ -182,10 +183,8 @@ TEST(Doctor, SaysThatNobodyListensAtAUdpDestination) {
   EXPECT_EQ(complaints(facts), "");
   facts.after["links"][0]["tx"]["dropped"]["closed"] = 90;
   facts.after["links"][0]["tx"]["refused"] = 7;
-  EXPECT_NE(complaints(facts).find(
-                "nobody listens at 127.0.0.1:14550 or it cannot be reached, 97 packets"),
-            std::string::npos)
-      << complaints(facts);
+  EXPECT_THAT(complaints(facts),
+              HasSubstr("nobody listens at 127.0.0.1:14550 or it cannot be reached, 97 packets"));
 }
 
 TEST(Doctor, FindsNothingWrongWithAGoodSetUp) { EXPECT_EQ(complaints(good_setup()), ""); }
@@ -199,20 +198,17 @@ std::string findings(const DoctorFacts& facts) {
 
 TEST(Doctor, TellsFilteredPacketsBesideALinkThatLosesNone) {
   DoctorFacts facts = good_setup();
-  EXPECT_NE(
-      findings(facts).find("link fcu is up, nothing lost or damaged in 2.0 s, nothing received\n"),
-      std::string::npos)
-      << findings(facts);
+  EXPECT_THAT(findings(facts),
+              HasSubstr("link fcu is up, nothing lost or damaged in 2.0 s, nothing received\n"));
   facts.after["links"][1]["rx"]["packets"] = 1000;
   facts.before["links"][1]["rx"]["verdicts"] = {{"no_rule", 5}, {"forwarded", 9}};
   facts.after["links"][1]["rx"]["verdicts"] = {
       {"no_rule", 45}, {"forwarded", 99}, {"casd_only", 7}};
   facts.after["links"][1]["rx"]["not_accepted"] = 2;
-  EXPECT_NE(findings(facts).find("nothing lost or damaged in 2.0 s; 42 of its packets go nowhere, "
-                                 "as the topology has it (casctl drops); 7 of its packets reach "
-                                 "casd alone, as the topology has it (casctl routes)\n"),
-            std::string::npos)
-      << findings(facts);
+  EXPECT_THAT(findings(facts),
+              HasSubstr("nothing lost or damaged in 2.0 s; 42 of its packets go nowhere, "
+                        "as the topology has it (casctl drops); 7 of its packets reach "
+                        "casd alone, as the topology has it (casctl routes)\n"));
 }
 
 TEST(Doctor, NamesWhatEachLinkMayDoToVehiclesNotInHil) {
@@ -221,9 +217,7 @@ TEST(Doctor, NamesWhatEachLinkMayDoToVehiclesNotInHil) {
   facts.after["links"][1]["to_not_hil"] = "stops_only";
   facts.after["links"][1]["state"] = "down";
   for (const char* const rule : {"all from sim\n", "stops only from fcu\n"}) {
-    EXPECT_NE(findings(facts).find(std::string("to vehicles not in HIL: ") + rule),
-              std::string::npos)
-        << findings(facts);
+    EXPECT_THAT(findings(facts), HasSubstr(std::string("to vehicles not in HIL: ") + rule));
   }
 }
 
@@ -232,8 +226,7 @@ TEST(Doctor, WarnsOfPacketsThatWereHeldBackFromVehiclesNotInHil) {
   EXPECT_EQ(complaints(facts), "");
   facts.after["links"][1]["rx"]["verdicts"] = {{"not_hil", 3}};
   facts.after["links"][1]["state"] = "down";  // the log is over
-  EXPECT_NE(complaints(facts).find("3 packets were held back"), std::string::npos)
-      << complaints(facts);
+  EXPECT_THAT(complaints(facts), HasSubstr("3 packets were held back"));
 }
 
 TEST(Doctor, TellsDropsOfBefore) {
@@ -241,10 +234,9 @@ TEST(Doctor, TellsDropsOfBefore) {
   for (json* status : {&facts.before, &facts.after}) {
     (*status)["links"][1]["tx"]["dropped"] = {{"age", 1090}, {"stalled", 9}, {"superseded", 3}};
   }
-  EXPECT_NE(findings(facts).find("link fcu is up, nothing lost or damaged in 2.0 s, nothing "
-                                 "received; it dropped 1099 packets before (casctl drops)\n"),
-            std::string::npos)
-      << findings(facts);
+  EXPECT_THAT(findings(facts),
+              HasSubstr("link fcu is up, nothing lost or damaged in 2.0 s, nothing "
+                        "received; it dropped 1099 packets before (casctl drops)\n"));
 }
 
 TEST(Doctor, BlamesTheRateOfAFullLineAlone) {
@@ -264,7 +256,7 @@ TEST(Doctor, BlamesTheRateOfAFullLineAlone) {
 TEST(Doctor, SaysNothingOfTheLoadOfALineThatIsDown) {
   DoctorFacts facts = good_setup();
   facts.after["links"][1]["state"] = "down";
-  EXPECT_EQ(findings(facts).find("line fcu carries"), std::string::npos);
+  EXPECT_THAT(findings(facts), Not(HasSubstr("line fcu carries")));
 }
 
 /// PX4 in software beside its simulator, in a good flight.
@@ -285,38 +277,38 @@ DoctorFacts software_setup() {
 
 TEST(Doctor, FindsNothingWrongWithFirmwareInSoftware) {
   EXPECT_EQ(complaints(software_setup()), "");
-  EXPECT_NE(findings(software_setup()).find("PX4 in software (SITL)"), std::string::npos);
+  EXPECT_THAT(findings(software_setup()), HasSubstr("PX4 in software (SITL)"));
 }
 
 TEST(Doctor, TakesNoVehicleForSoftwareThatMayBeABoard) {
   const std::string bad = "does not say that it is in HIL mode";
   DoctorFacts no_consent = software_setup();
   no_consent.after["allow_not_hil"] = false;
-  EXPECT_NE(complaints(no_consent).find(bad), std::string::npos) << complaints(no_consent);
+  EXPECT_THAT(complaints(no_consent), HasSubstr(bad));
   DoctorFacts restart = software_setup();
   restart.sys_hitl[1] = 1;
-  EXPECT_NE(complaints(restart).find(bad), std::string::npos) << complaints(restart);
+  EXPECT_THAT(complaints(restart), HasSubstr(bad));
   DoctorFacts board = software_setup();
   board.after["links"][0]["type"] = "serial";
-  EXPECT_NE(complaints(board).find(bad), std::string::npos) << complaints(board);
+  EXPECT_THAT(complaints(board), HasSubstr(bad));
   DoctorFacts unanswered = software_setup();
   unanswered.sys_hitl.clear();
   unanswered.unasked[1] = "no answer";
-  EXPECT_NE(complaints(unanswered).find(bad), std::string::npos) << complaints(unanswered);
+  EXPECT_THAT(complaints(unanswered), HasSubstr(bad));
   DoctorFacts another = software_setup();
   another.sys_hitl = {{2, 0}};
-  EXPECT_NE(complaints(another).find(bad), std::string::npos) << "the answer of another vehicle";
+  EXPECT_THAT(complaints(another), HasSubstr(bad)) << "the answer of another vehicle";
   DoctorFacts grouped = software_setup();
   grouped.after["links"].push_back(link("line", "serial"));
   grouped.messages.push_back(message("line", "rx", "HEARTBEAT", 1));
-  EXPECT_NE(complaints(grouped).find(bad), std::string::npos) << "it has a serial way, too";
+  EXPECT_THAT(complaints(grouped), HasSubstr(bad)) << "it has a serial way, too";
 }
 
 TEST(Doctor, SaysNothingGoodOfWhatItDidNotLookAt) {
-  EXPECT_NE(findings(software_setup()).find("do not pass casd: not checked"), std::string::npos);
+  EXPECT_THAT(findings(software_setup()), HasSubstr("do not pass casd: not checked"));
   DoctorFacts silent = software_setup();
   silent.after["vehicles"][0]["heartbeat_age_s"] = 20;
-  EXPECT_EQ(findings(silent).find("sensors"), std::string::npos) << findings(silent);
+  EXPECT_THAT(findings(silent), Not(HasSubstr("sensors")));
 }
 
 TEST(Doctor, TakesNoSysStatusOfAnotherVehicleForThisOnes) {
@@ -332,7 +324,7 @@ TEST(Doctor, GivesArduPilotNoAdviceForPx4) {
   facts.after["vehicles"][0]["arming_checks"] = "unknown";
   facts.messages.push_back(message("px4", "rx", "SYS_STATUS", 1));
   for (const Finding& finding : diagnose(facts)) {
-    EXPECT_EQ(finding.remedy.find("PX4"), std::string::npos) << finding.remedy;
+    EXPECT_THAT(finding.remedy, Not(HasSubstr("PX4")));
   }
 }
 
@@ -373,7 +365,7 @@ class DoctorFinds : public testing::TestWithParam<BadCase> {};
 TEST_P(DoctorFinds, TheFault) {
   DoctorFacts facts = good_setup();
   GetParam().spoil(facts);
-  EXPECT_NE(complaints(facts).find(GetParam().complaint), std::string::npos) << complaints(facts);
+  EXPECT_THAT(complaints(facts), HasSubstr(GetParam().complaint));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -547,7 +539,7 @@ TEST(Doctor, GivesAnAutopilotArmedBetweenTheLooksTimeToSendItsLog) {
                                    {"vehicles", {{{"vehicle", 1}, {"wanted", true}}}}};
   facts.before["autopilot_logs"] = facts.after["autopilot_logs"];
   for (const Finding& finding : diagnose(facts)) {
-    EXPECT_EQ(finding.what.find("sends none"), std::string::npos) << finding.what;
+    EXPECT_THAT(finding.what, Not(HasSubstr("sends none")));
   }
 }
 
@@ -561,15 +553,13 @@ TEST(Doctor, TellsAStrangersTerminalFromABoardThatIsUnplugged) {
     }
     return std::string();
   };
-  EXPECT_NE(remedy("/x/fcu0: pseudo-terminal /dev/pts/5 is offered by no running program")
-                .find("start the emulator"),
-            std::string::npos);
+  EXPECT_THAT(remedy("/x/fcu0: pseudo-terminal /dev/pts/5 is offered by no running program"),
+              HasSubstr("start the emulator"));
   const std::string unplugged = remedy("/dev/pixhawk: No such file or directory");
-  EXPECT_NE(unplugged.find("plug the board in"), std::string::npos);
-  EXPECT_NE(unplugged.find("start the emulator"), std::string::npos);
-  EXPECT_NE(remedy("/dev/ttyXYZ0: Operation not permitted").find("DeviceAllow"), std::string::npos);
-  EXPECT_NE(remedy("nothing may be sent: Operation not permitted").find("IPAddressAllow"),
-            std::string::npos);
+  EXPECT_THAT(unplugged, HasSubstr("plug the board in"));
+  EXPECT_THAT(unplugged, HasSubstr("start the emulator"));
+  EXPECT_THAT(remedy("/dev/ttyXYZ0: Operation not permitted"), HasSubstr("DeviceAllow"));
+  EXPECT_THAT(remedy("nothing may be sent: Operation not permitted"), HasSubstr("IPAddressAllow"));
 }
 
 // An old refusal stays in its texts for some time after its checks have passed.

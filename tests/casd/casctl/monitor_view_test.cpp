@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "casd/casctl/monitor/monitor_model.hpp"
-#include "casd/casctl/session/printable.hpp"
+#include "casd/casctl/session/text.hpp"
 #include "tests/casd/casctl/monitor_answers.hpp"
 
 namespace cas::casctl {
