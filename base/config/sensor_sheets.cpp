@@ -130,7 +130,7 @@ struct NoiseNames {
 
 template <auto... Steps>
 constexpr auto noise_keys(const NoiseNames& names) {
-  constexpr std::string_view kEither = "one of the two";
+  constexpr std::string_view kEither = "one of each two";
   return std::tuple{
       key<Steps..., &WhiteNoise::stddev>(names.stddev, NoiseFigure{}, kWhiteNoise, kEither),
       key<Steps..., &WhiteNoise::density>(names.density, NoiseFigure{}, kWhiteNoise, kEither)};
@@ -396,14 +396,15 @@ Sheet read_sheet(const ConfigNode& node, const Keys& keys) {
   return sheet;
 }
 
-/// Keys of one thing, like the two of a drift, share a row.
+/// Keys of one meaning, like the two of a drift or those of both triads, share a row.
 std::vector<KeyRow> joined(const std::vector<KeyRow>& rows) {
   std::vector<KeyRow> joined;
   for (const KeyRow& row : rows) {
-    if (!joined.empty() && row.help == joined.back().help) {
-      joined.back().key += "`, `" + row.key;
-    } else {
+    const auto same = std::ranges::find(joined, row.help, &KeyRow::help);
+    if (same == joined.end()) {
       joined.push_back(row);
+    } else {
+      same->key += "`, `" + row.key;
     }
   }
   return joined;
