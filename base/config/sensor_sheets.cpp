@@ -26,7 +26,7 @@ struct Axes {
     return "[" + number_text(value.x()) + ", " + number_text(value.y()) + ", " +
            number_text(value.z()) + "]";
   }
-  static std::string values() { return "one number or three"; }
+  static std::string values() { return "axes"; }
   static std::array<std::string, 2> samples() { return {"1", "[1, 2, 3]"}; }
 };
 
@@ -36,7 +36,7 @@ struct Deviations : Axes {
     Axes::read(node, value);
     if ((value.array() < 0.0).any()) node.fail("must not be negative");
   }
-  static std::string values() { return "from 0, one number or three"; }
+  static std::string values() { return "from 0, axes"; }
 };
 
 struct NoiseFigure : Axes {
@@ -46,7 +46,7 @@ struct NoiseFigure : Axes {
       node.fail("must be above zero: a flight controller takes values that repeat for stale");
     }
   }
-  static std::string values() { return "above 0, one number or three"; }
+  static std::string values() { return "above 0, axes"; }
 };
 
 struct ScaleError : Axes {
@@ -55,7 +55,7 @@ struct ScaleError : Axes {
     Axes::read(node, value);
     if ((value.array().abs() > kLargest).any()) node.fail("is a fraction, at most 0.5");
   }
-  static std::string values() { return "-0.5 to 0.5, one number or three"; }
+  static std::string values() { return "-0.5 to 0.5, axes"; }
 };
 
 struct Direction : Axes {
