@@ -12,4 +12,8 @@ std::string key_lines(const std::vector<KeyRow>& rows, std::string_view first) {
   return text;
 }
 
+std::string key_table(const std::vector<KeyRow>& rows) {
+  return "| key | default | values | meaning |\n|---|---|---|---|\n" + key_lines(rows);
+}
+
 }  // namespace cas::base

@@ -14,6 +14,9 @@ namespace cas::base {
 /// @param first  text before each: a column of its own, "restart | "
 CAS_BASE_EXPORT std::string key_lines(const std::vector<KeyRow>& rows, std::string_view first = "");
 
+/// A whole table: the lines below their heads.
+CAS_BASE_EXPORT std::string key_table(const std::vector<KeyRow>& rows);
+
 /// A whole table of the keys of a list, as a program's --keys prints it and
 /// docs/reference/config.md shows it.
 /// @param defaults  a struct as it is before it is read
@@ -21,7 +24,7 @@ template <class Keys, class Struct>
 std::string key_table(const Keys& keys, const Struct& defaults) {
   std::vector<KeyRow> rows;
   add_rows(keys, defaults, rows);
-  return "| key | default | values | meaning |\n|---|---|---|---|\n" + key_lines(rows);
+  return key_table(rows);
 }
 
 }  // namespace cas::base

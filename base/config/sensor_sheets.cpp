@@ -26,7 +26,7 @@ struct Axes {
     return "[" + number_text(value.x()) + ", " + number_text(value.y()) + ", " +
            number_text(value.z()) + "]";
   }
-  static std::string values() { return "one number or three"; }
+  static std::string values() { return "axes"; }
   static std::array<std::string, 2> samples() { return {"1", "[1, 2, 3]"}; }
 };
 
@@ -36,7 +36,7 @@ struct Deviations : Axes {
     Axes::read(node, value);
     if ((value.array() < 0.0).any()) node.fail("must not be negative");
   }
-  static std::string values() { return "from 0, one number or three"; }
+  static std::string values() { return "from 0, axes"; }
 };
 
 struct NoiseFigure : Axes {
@@ -46,7 +46,7 @@ struct NoiseFigure : Axes {
       node.fail("must be above zero: a flight controller takes values that repeat for stale");
     }
   }
-  static std::string values() { return "above 0, one number or three"; }
+  static std::string values() { return "above 0, axes"; }
 };
 
 struct ScaleError : Axes {
@@ -55,7 +55,7 @@ struct ScaleError : Axes {
     Axes::read(node, value);
     if ((value.array().abs() > kLargest).any()) node.fail("is a fraction, at most 0.5");
   }
-  static std::string values() { return "-0.5 to 0.5, one number or three"; }
+  static std::string values() { return "-0.5 to 0.5, axes"; }
 };
 
 struct Direction : Axes {
@@ -119,6 +119,9 @@ Eigen::Matrix3d parse_soft_iron(const ConfigNode& node) {
 // Figures that each have a few keys.
 
 constexpr std::string_view kOff = "off";
+constexpr std::string_view kWhiteNoise = "white noise";
+constexpr std::string_view kDrift = "drift";
+constexpr std::string_view kWalk = "or a drift as a random walk";
 
 struct NoiseNames {
   std::string_view stddev;
@@ -127,11 +130,10 @@ struct NoiseNames {
 
 template <auto... Steps>
 constexpr auto noise_keys(const NoiseNames& names) {
-  constexpr std::string_view kEither = "one of the two";
+  constexpr std::string_view kEither = "one of each two";
   return std::tuple{
-      key<Steps..., &WhiteNoise::stddev>(names.stddev, NoiseFigure{},
-                                         "white noise: deviation of one sample", kEither),
-      key<Steps..., &WhiteNoise::density>(names.density, NoiseFigure{}, "or its density", kEither)};
+      key<Steps..., &WhiteNoise::stddev>(names.stddev, NoiseFigure{}, kWhiteNoise, kEither),
+      key<Steps..., &WhiteNoise::density>(names.density, NoiseFigure{}, kWhiteNoise, kEither)};
 }
 
 void check_noise(const ConfigNode& node, const NoiseNames& names, const WhiteNoise& noise) {
@@ -153,15 +155,11 @@ struct DriftNames {
 
 template <auto... Steps>
 constexpr auto drift_keys(const DriftNames& names) {
-  return std::tuple{key<Steps..., &Drift::stddev>(names.stddev, Deviations{},
-                                                  "drift: its standing deviation", kOff),
-                    key<Steps..., &Drift::time_constant_s>(names.time, AboveZero{},
-                                                           "and its time constant", "with a drift"),
-                    key<Steps..., &Drift::bias_walk>(names.walk, Deviations{},
-                                                     "or the drift as a random walk", kOff),
-                    key<Steps..., &Drift::bias_time_constant_s>(
-                        names.walk_time, PositiveOrOff{},
-                        "and its time constant; 0: it never decays", "with a walk")};
+  return std::tuple{
+      key<Steps..., &Drift::stddev>(names.stddev, Deviations{}, kDrift, kOff),
+      key<Steps..., &Drift::time_constant_s>(names.time, AboveZero{}, kDrift, kOff),
+      key<Steps..., &Drift::bias_walk>(names.walk, Deviations{}, kWalk, kOff),
+      key<Steps..., &Drift::bias_time_constant_s>(names.walk_time, PositiveOrOff{}, kWalk, kOff)};
 }
 
 void check_drift(const ConfigNode& node, const DriftNames& names, const Drift& drift) {
@@ -398,10 +396,26 @@ Sheet read_sheet(const ConfigNode& node, const Keys& keys) {
   return sheet;
 }
 
+/// Keys of one meaning, like the two of a drift or those of both triads, share a row.
+std::vector<KeyRow> joined(const std::vector<KeyRow>& rows) {
+  std::vector<KeyRow> joined;
+  for (const KeyRow& row : rows) {
+    const auto same = std::ranges::find(joined, row.help, &KeyRow::help);
+    if (same == joined.end()) {
+      joined.push_back(row);
+    } else {
+      same->key += "`, `" + row.key;
+    }
+  }
+  return joined;
+}
+
 /// @param truth  description of the measured quantity
 template <class Sheet, class Keys>
 std::string section(const std::string& sensor, const std::string& truth, const Keys& keys) {
-  return "### " + sensor + "\n\n" + truth + "\n\n" + key_table(keys, Sheet{});
+  std::vector<KeyRow> rows;
+  add_rows(keys, Sheet{}, rows);
+  return "### " + sensor + "\n\n" + truth + "\n\n" + key_table(joined(rows));
 }
 
 }  // namespace

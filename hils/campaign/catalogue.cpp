@@ -256,13 +256,11 @@ std::string FailureCatalogue::text() const {
 }
 
 std::string FailureCatalogue::markdown() const {
-  std::string text =
-      "| failure | part | what has gone wrong | physics | parameters | source |\n"
-      "|---|---|---|---|---|---|\n";
+  std::string text = "| failure | what has gone wrong | parameters |\n|---|---|---|\n";
   for (const Failure& each : failures_) {
     const std::string words = parameter_words(each);
-    text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", each.name, each.part, each.meaning,
-                        each.physics, words.empty() ? "-" : words, each.source);
+    text +=
+        fmt::format("| `{}` | {} | {} |\n", each.name, each.meaning, words.empty() ? "-" : words);
   }
   return text;
 }

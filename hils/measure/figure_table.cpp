@@ -87,7 +87,7 @@ void add_run(FigureRows& table) {
        {"casd_cpu_pct", "processor time of casd", "%", 2, kDown, "of one processor", casd_cpu_pct},
        {"simulated_s", "simulated time", "s", 1, kNeither, "length of the run",
         of(&Measurement::simulated_s)},
-       {"wall_s", "elapsed time", "s", 2, kNeither, "length of the run", of(&Measurement::wall_s)}},
+       {"wall_s", "elapsed time", "s", 2, kNeither, "that the run took", of(&Measurement::wall_s)}},
       table);
 }
 
@@ -233,11 +233,24 @@ FigureRows make_table() {
 
 // Reference
 
+/// A table of the rows. Neighbours with one meaning and unit, like the percentiles of a delay,
+/// share a line.
 template <class Of>
 std::string reference(const std::vector<Figure<Of>>& table) {
+  std::vector<Figure<Of>> lines;
+  for (const Figure<Of>& row : table) {
+    if (lines.empty() || row.meaning != lines.back().meaning || row.unit != lines.back().unit) {
+      lines.push_back(row);
+      continue;
+    }
+    Figure<Of>& line = lines.back();
+    line.key += "`, `" + row.key;
+    line.path += "`, `" + row.path;
+    line.title = line.title.substr(0, line.title.find_last_of(','));
+  }
   std::string text =
       "| key | figure | unit | better | meaning | in summary.json |\n|---|---|---|---|---|---|\n";
-  for (const Figure<Of>& row : table) {
+  for (const Figure<Of>& row : lines) {
     const char* const better = row.better == kUp ? "up" : row.better == kDown ? "down" : "";
     text += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", row.key, row.title, row.unit, better,
                         row.meaning, row.path.empty() ? "" : fmt::format("`{}`", row.path));
@@ -273,7 +286,18 @@ const Figure<Measurement>& figure_row(std::string_view key) {
 }
 
 std::string figure_reference() {
-  return reference(figure_table()) +
+  FigureRows own;
+  add_run(own);
+  for (const Delay& delay : kDelays) add_delay(delay, own);
+  add_motion(own);
+  FigureRows streams;
+  add_rate({"KEY", "MESSAGE", &StreamFigures::sensor, &MeterReadings::sensor_hz}, streams);
+  std::string keys;
+  for (const Stream& stream : kStreams) {
+    keys += fmt::format("{}`{}` is {}", keys.empty() ? "" : ", ", stream.key, stream.name);
+  }
+  return reference(own) + fmt::format("\nOf each HIL message, under three KEYs: {}:\n\n", keys) +
+         reference(streams) +
          "\nOf each `trajectory: {shape: step}`; in tables its name is in front: "
          "`NAME_rise_s`:\n\n" +
          reference(response_table());

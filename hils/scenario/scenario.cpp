@@ -423,22 +423,6 @@ constexpr std::tuple kKeys{
         "a list of the [incidents](#incidents) that do not fail the run", "none"),
 };
 
-/// Lines of a table of keys: the figures of a part that can have a limit.
-template <class Of>
-std::string figure_limit_lines(const std::vector<Figure<Of>>& table,
-                               typename Figure<Of>::Part part) {
-  std::vector<base::KeyRow> rows;
-  for (const Figure<Of>& row : table) {
-    if (row.part != part || row.better == Better::kNeither) continue;
-    rows.push_back({.key = row.place(),
-                    .standard = "none",
-                    .values = kBound.values(),
-                    .help = row.title + ": " + row.meaning,
-                    .samples = {}});
-  }
-  return base::key_lines(rows);
-}
-
 }  // namespace
 
 bool has_sticks(const Scenario& scenario) {
@@ -633,12 +617,11 @@ std::string scenario_reference() {
              Scenario{}) +
          "\nOne of `vehicles`:\n\n" + base::key_table(kVehicleKeys, ScenarioVehicle{}) +
          "\n`limits`:\n\n" + base::key_table(kLimitKeys, Limits{}) +
-         figure_limit_lines(figure_table(), FigureRow::Part::kMotion) +
-         "\nEach other [figure](#figures) that is better up or down has a limit under its key, "
-         "such "
-         "as `sensor_to_control_p99_us`.\n\nOne of the `responses` of `limits`:\n\n" +
-         "| key | default | values | meaning |\n|---|---|---|---|\n" +
-         figure_limit_lines(response_table(), Figure<StepResponse>::Part::kRun);
+         "\nEach [figure](#figures) that is better down or up also has a limit, from 0 to 1e9: "
+         "the most, or if better up the least, that passes. Its key is the figure's "
+         "(`sensor_to_control_p99_us`); those of `rms` and `rms_estimate` are blocks "
+         "(`rms: {x_m: 0.2}`), those of `responses` too "
+         "(`responses: {NAME: {overshoot_pct: 20}}`).\n";
 }
 
 }  // namespace cas::hils

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""docs/use/python.md: each of its programs is an example, letter by letter, or is pasted into a file and run."""
+"""docs/use/python.md: it names each example, and each of its own programs is pasted into a file and run."""
 
 import re
 import subprocess
@@ -11,27 +11,22 @@ from helpers import SOURCE, FolderTest
 PAGE = SOURCE / "docs/use/python.md"
 EXAMPLES = SOURCE / "python" / "examples"
 LONGEST_S = 120  # for one program, on a machine that may be busy
-LICENCE = "# SPDX-License-Identifier: BSD-3-Clause\n"
 
 
 def blocks():
     return re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.S)
 
 
-def examples():
-    """The programs of python/examples without their first line, which their own tests run."""
-    return {file.name: file.read_text(encoding="utf-8").removeprefix(LICENCE) for file in EXAMPLES.glob("*.py")}
-
-
 class PageTest(FolderTest):
-    def test_every_example_is_on_the_page(self):
-        for name, text in examples().items():
-            self.assertIn(text, blocks(), f"{name} is not on docs/use/python.md as it is")
+    def test_every_example_is_named_on_the_page(self):
+        names = [file.name for file in EXAMPLES.glob("*.py")]
+        self.assertTrue(names)
+        for name in names:
+            self.assertIn(f"| `{name}` |", PAGE.read_text(encoding="utf-8"), f"docs/use/python.md does not name {name}")
 
-    def test_what_else_is_on_the_page_runs(self):
-        others = [block for block in blocks() if block not in examples().values()]
-        self.assertGreaterEqual(len(others), 3)
-        for number, block in enumerate(others):
+    def test_its_programs_run(self):
+        self.assertGreaterEqual(len(blocks()), 3)
+        for number, block in enumerate(blocks()):
             script = self.folder / f"block_{number}.py"
             script.write_text(block, encoding="utf-8")
             done = subprocess.run([sys.executable, str(script)], capture_output=True, text=True, check=False,

@@ -177,10 +177,17 @@ TEST(FigureTable, LeavesABlockWithoutAValueNullInASummary) {
 
 TEST(FigureTable, IsPrintedWithADirectionForEachFigureThatHasOne) {
   const std::string text = figure_reference();
-  EXPECT_NE(text.find("\n| `sensor_to_control_p99_us` | delay of the loop, 99 % | us | down | from "
-                      "HIL_SENSOR sent to its echo received, both at the simulator | "
-                      "`latency_us.sensor_to_control.p99` |\n"),
+  EXPECT_NE(text.find("\n| `age_by_stamp_p50_us`, `age_by_stamp_p90_us`, `age_by_stamp_p99_us`, "
+                      "`age_by_stamp_max_us` | age of the sample at use (made) | us | down | of "),
             text.npos)
+      << text;
+  EXPECT_NE(text.find("\n| `KEY_delivered_pct` | MESSAGE delivered | % | up | received, of those "
+                      "sent | `rates.MESSAGE.delivered_pct` |\n"),
+            text.npos)
+      << text;
+  EXPECT_NE(
+      text.find("\n| `rms_x_m`, `rms_y_m`, `rms_z_m` | RMS error of the true position | m | "),
+      text.npos)
       << text;
   EXPECT_NE(text.find("\n| `real_time_factor` | real-time factor |  | up | "), text.npos) << text;
   EXPECT_NE(text.find("\n| `settling_s` | settling time | s | down | "), text.npos) << text;
