@@ -93,8 +93,9 @@ LAYERS = {
         API | rooms("libsim/core", "body terrain") | {"libsim/core", "sdformat", "libpng"},
     "libsim/core/run": API | {"libsim/core"} | rooms("libsim/core", "body terrain ode rays load"),
 
-    "plugins/common": BASE | {"Eigen"},
+    "plugins/common": API | MAVLINK | {"nlohmann"},
     "plugins": PLUGIN,  # each of plugins/<name>
+    "plugins/landing_target": PLUGIN | MAVLINK,
     "plugins/lidar": PLUGIN | MAVLINK,
     "plugins/optical_flow": PLUGIN | MAVLINK,
     "plugins/mavlink_interface": PLUGIN | MAVLINK | SERVICES | {"Asio"},

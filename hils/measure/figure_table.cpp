@@ -212,6 +212,9 @@ void add_motion(FigureRows& table) {
         "true horizontal distance from where `land` was begun, of a vehicle that hung still then; "
         "of a plane from where it took off",
         of(&Measurement::landing_error_m)},
+       {"beacon_error_m", "distance from the beacon", "m", 3, kDown,
+        "true horizontal distance at the end of the run, of a vehicle with plugin landing_target",
+        of(&Measurement::beacon_error_m)},
        {"sticks_way_m", "way by the sticks", "m", 2, kUp,
         "true horizontal distance from the begin to the end of the last `sticks`",
         of(&Measurement::sticks_way_m)},

@@ -235,6 +235,7 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.record_hole = record_hole(record.flown_stages(), truth);
   figures.transition_height_m = transition_height_m(record.stages, truth);
   figures.landing_error_m = landing_error_m(record.stages, truth);
+  figures.beacon_error_m = beacon_error_m(figures.plugins);
   figures.sticks_way_m = sticks_way_m(record.stages, truth);
   figures.incidents = find_incidents(record.flown_stages(), truth);
   name_struck_objects(RunPaths::of(scenario, request.out, request.out).simulator_config(), truth,

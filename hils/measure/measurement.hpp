@@ -89,6 +89,7 @@ struct Measurement {
   std::optional<double> least_airspeed_m_s;     ///< in the measured step
   std::optional<double> transition_height_m;    ///< the most that a transition changed the height
   std::optional<double> landing_error_m;        ///< from where `land` was begun
+  std::optional<double> beacon_error_m;         ///< from the beacon, at the end
   std::optional<double> sticks_way_m;           ///< flown in `sticks`
   std::vector<std::string> warnings;            ///< of the simulator, a sentence each
   std::optional<FirmwareRecord> firmware;       ///< of stock firmware

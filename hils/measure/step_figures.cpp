@@ -86,6 +86,15 @@ std::optional<double> landing_error_m(const std::vector<Stage>& stages,
   return off_m;
 }
 
+std::optional<double> beacon_error_m(const std::vector<PluginFigure>& figures) {
+  for (const PluginFigure& figure : figures) {
+    if (figure.plugin == "landing_target" && figure.name == "distance from the beacon") {
+      return figure.last;
+    }
+  }
+  return std::nullopt;
+}
+
 std::optional<double> sticks_way_m(const std::vector<Stage>& stages,
                                    std::span<const PoseSample> truth) {
   std::optional<double> way_m;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hils/flight/flight_plan.hpp"
+#include "hils/measure/plugin_figure.hpp"
 #include "hils/measure/tracking.hpp"
 
 /// How single steps were flown, by the truth. Places of a plan count from the first sample.
@@ -32,6 +33,10 @@ std::optional<double> transition_height_m(const std::vector<Stage>& stages,
 /// none, or the vehicle neither hung still then nor flew on its wing.
 std::optional<double> landing_error_m(const std::vector<Stage>& stages,
                                       std::span<const PoseSample> truth);
+
+/// Horizontal distance from its beacon, at the end of the run, as plugin landing_target reports it;
+/// nullopt: the vehicle does not have it.
+std::optional<double> beacon_error_m(const std::vector<PluginFigure>& figures);
 
 /// Horizontal distance between where the last step `sticks` was begun and where it ended; nullopt:
 /// there was none.

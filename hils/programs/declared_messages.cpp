@@ -6,7 +6,7 @@
 #include "base/config/vehicle.hpp"
 #include "base/error.hpp"
 #include "libsim/core/run/plugin_loader.hpp"
-#include "plugins/mavlink_interface/plugin_messages.hpp"
+#include "plugins/common/plugin_messages.hpp"
 
 namespace cas::hils {
 

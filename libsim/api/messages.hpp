@@ -126,6 +126,17 @@ struct FlowSample {
   std::optional<double> distance_m;                    ///< newest, to the ground along the axis
 };
 
+/// A picture of a camera that looks for a beacon to land by.
+struct LandingTargetSample {
+  static constexpr std::string_view kTypeName = "cas.LandingTargetSample";
+  static constexpr unsigned kTypeVersion = 1;
+  base::SimTime time;  ///< when it was taken
+  bool seen = false;   ///< the beacon is in it
+  /// Of the beacon from the middle of the picture: to the right, and to the back.
+  Eigen::Vector2d angles_rad = Eigen::Vector2d::Zero();
+  std::optional<double> distance_m;  ///< nullopt: not measured
+};
+
 /// A battery as a power module measures it.
 struct BatterySample {
   static constexpr std::string_view kTypeName = "cas.BatterySample";

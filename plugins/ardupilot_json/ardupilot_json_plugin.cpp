@@ -13,6 +13,8 @@
 #include "plugins/ardupilot_json/json_link.hpp"
 #include "plugins/ardupilot_json/json_messages.hpp"
 #include "plugins/ardupilot_json/servo_clock.hpp"
+#include "plugins/common/companion_sender.hpp"
+#include "plugins/common/plugin_messages.hpp"
 
 namespace cas::sim {
 namespace {
@@ -35,6 +37,8 @@ std::unique_ptr<JsonLink> open_link(const base::ConfigNode& node) {
 ///
 ///   wait_for_controls <-- servo packet        pre_step: motor_command
 ///   post_step: its period has ended --> one line of text
+///
+/// The interface has no MAVLink: messages of other plugins go to a companion's link, if it has one.
 class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
  public:
   void configure(PluginContext& context, const base::ConfigNode& node) override {
@@ -56,6 +60,7 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
           differential_pressure_pa_ = sample.differential_pressure_pa;
         },
         Need::kOptional);
+    if (const auto remote = node.find("companion")) be_companion(context, *remote);
     command_ = context.bus().advertise<MotorCommand>(context.topic("motor_command"));
     context.set_lockstep_peer(*this);
   }
@@ -103,15 +108,20 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
     clock_ = ServoClock(step_);
     heard_ = false;
     packet_.reset();
+    messages_.reset();
   }
 
   std::string stats_json() const override {
     const ServoClock::Counts& counts = clock_.counts();
-    return nlohmann::ordered_json{{"endpoint", link_->endpoint()}, {"peer", link_->peer()},
-                                  {"packets", counts.packets},     {"repeated", counts.repeated},
-                                  {"skipped", counts.skipped},     {"restarts", counts.restarts},
-                                  {"bad_packets", bad_packets_},   {"send_errors", send_errors_}}
-        .dump();
+    nlohmann::ordered_json figures{{"endpoint", link_->endpoint()}, {"peer", link_->peer()},
+                                   {"packets", counts.packets},     {"repeated", counts.repeated},
+                                   {"skipped", counts.skipped},     {"restarts", counts.restarts},
+                                   {"bad_packets", bad_packets_},   {"send_errors", send_errors_}};
+    if (companion_) {
+      figures["plugins"] = messages_.json();
+      figures["companion"] = companion_->figures();
+    }
+    return figures.dump();
   }
 
  private:
@@ -122,6 +132,22 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
       if (!context.bus().is_advertised(context.topic(name))) continue;
       node.fail("carries no " + name + ": ArduPilot's JSON interface has one sensor of a kind");
     }
+  }
+
+  void be_companion(PluginContext& context, const base::ConfigNode& remote) {
+    companion_.emplace(remote, mav::Source{airframe_.system_id, kSimulatorComponent});
+    const std::vector<MavlinkSender> senders = context.mavlink_senders();
+    messages_ = PluginMessages(senders);
+    plugins_ = hear_plugins(
+        context.bus(), senders,
+        [this](std::size_t sender, const MavlinkMessage& message) { on_message(sender, message); });
+  }
+
+  void on_message(std::size_t sender, const MavlinkMessage& message) {
+    std::string refusal;
+    const mav::MessageInfo* info = messages_.admit(sender, message, now_, refusal);
+    if (!refusal.empty()) base::log::warn(refusal);
+    if (info != nullptr) companion_->send(*info, message);
   }
 
   void receive() {
@@ -170,6 +196,9 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   Publisher<MotorCommand> command_;
   Subscription range_;
   Subscription pitot_;
+  std::optional<CompanionSender> companion_;  ///< takes the messages of plugins
+  PluginMessages messages_;
+  std::vector<Subscription> plugins_;  ///< to messages that plugins send themselves
 };
 
 }  // namespace

@@ -7,8 +7,8 @@
 
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
+#include "plugins/common/plugin_messages.hpp"
 #include "plugins/mavlink_interface/hil_conversion.hpp"
-#include "plugins/mavlink_interface/plugin_messages.hpp"
 #include "plugins/mavlink_interface/truth_viewer.hpp"
 
 namespace cas::sim {

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <span>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -21,13 +19,13 @@
 #include "libsim/api/fault_order.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
+#include "plugins/common/companion_sender.hpp"
+#include "plugins/common/plugin_messages.hpp"
 #include "plugins/common/result_path.hpp"
 #include "plugins/mavlink_interface/bus_port.hpp"
-#include "plugins/mavlink_interface/datagram_sender.hpp"
 #include "plugins/mavlink_interface/failure_map.hpp"
 #include "plugins/mavlink_interface/hil_conversion.hpp"
 #include "plugins/mavlink_interface/hil_interface.hpp"
-#include "plugins/mavlink_interface/plugin_messages.hpp"
 #include "plugins/mavlink_interface/tcp_server_port.hpp"
 #include "plugins/mavlink_interface/truth_viewer.hpp"
 #include "plugins/mavlink_interface/udp_port.hpp"
@@ -35,7 +33,6 @@
 namespace cas::sim {
 namespace {
 
-constexpr std::uint8_t kDefaultComponent = 200;
 constexpr const char* kTcpServer = "tcp_server";  // PX4's simulator API
 constexpr int kSimulatorApiPort = 4560;           // of PX4's instance 0
 constexpr int kMostInstances = 250;
@@ -48,7 +45,7 @@ HilInterfaceParams parse_params(const base::ConfigNode& node, const base::Vehicl
   constexpr double kMostHertz = 10000;
   HilInterfaceParams params;
   params.self = {parse_id(node, "system_id", vehicle.system_id),
-                 parse_id(node, "component_id", kDefaultComponent)};
+                 parse_id(node, "component_id", kSimulatorComponent)};
   params.scales = vehicle.scales;
   params.heartbeat_hz = node.get_in("heartbeat_hz", 1, 0, kMostHertz);
   params.control_rate_hz = node.get_in("control_rate_hz", 400, 0, kMostHertz);
@@ -91,9 +88,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     params_ = parse_params(node, context.vehicle());
     port_ = open_port(context, node);
     if (const auto viewer = node.find("viewer")) viewer_.emplace(*viewer, params_.self);
-    if (const auto remote = node.find("companion")) {
-      companion_.emplace(*remote, InetAddress::parse(*remote));
-    }
+    if (const auto remote = node.find("companion")) companion_.emplace(*remote, params_.self);
     vehicle_ = context.vehicle_id();
     output_ = context.output_dir();
     if (const auto ledger = node.find("ledger")) ledger_file_ = result_path(*ledger);
@@ -264,11 +259,9 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   void listen_to_plugins(PluginContext& context) {
     const std::vector<MavlinkSender> senders = context.mavlink_senders();
     messages_ = PluginMessages(senders);
-    for (std::size_t i = 0; i < senders.size(); ++i) {
-      plugins_.push_back(context.bus().subscribe<MavlinkMessage>(
-          senders[i].topic, [this, i](const MavlinkMessage& message) { on_message(i, message); },
-          Need::kOptional));
-    }
+    plugins_ = hear_plugins(
+        context.bus(), senders,
+        [this](std::size_t sender, const MavlinkMessage& message) { on_message(sender, message); });
   }
 
   void on_message(std::size_t sender, const MavlinkMessage& message) {
@@ -276,15 +269,8 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     const mav::MessageInfo* info = messages_.admit(sender, message, now_, refusal);
     if (!refusal.empty()) base::log::warn(refusal);
     if (info == nullptr) return;
-    if (companion_) return send_as_companion(*info, message);
+    if (companion_) return companion_->send(*info, message);
     if (!interface_->on_message(*info, message)) ++too_many_;
-  }
-
-  void send_as_companion(const mav::MessageInfo& info, const MavlinkMessage& message) {
-    std::array<std::uint8_t, mav::kMaxPacketBytes> packet;
-    const std::size_t size =
-        encode_message(info, message, params_.self, companion_sequence_++, packet);
-    companion_->send(std::span(packet).first(size));
   }
 
   HilInterfaceParams params_;
@@ -296,8 +282,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   VehicleId vehicle_{};
   std::optional<TruthViewer> viewer_;
   std::vector<Subscription> sensors_;
-  std::optional<DatagramSender> companion_;  ///< takes the messages of plugins
-  std::uint8_t companion_sequence_ = 0;
+  std::optional<CompanionSender> companion_;  ///< takes the messages of plugins
   Subscription terrain_;
   TerrainSource::Elevation elevation_m_;  // empty: the world has no terrain
   Subscription battery_;

@@ -10,7 +10,7 @@
 #include "base/time/rate_gate.hpp"
 #include "mavlink/common/hil_state_quaternion.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
-#include "plugins/mavlink_interface/datagram_sender.hpp"
+#include "plugins/common/datagram_sender.hpp"
 
 namespace cas::sim {
 

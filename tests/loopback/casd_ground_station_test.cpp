@@ -245,7 +245,9 @@ INSTANTIATE_TEST_SUITE_P(Each, ShippedTopology,
                                          TopologyCase{"px4_sitl", "px4", "", false},
                                          TopologyCase{"px4_companion", "px4", "", false},
                                          TopologyCase{"ardupilot_hil", "fcu", "sim", true},
-                                         TopologyCase{"ardupilot_sitl", "ardupilot", "", false}),
+                                         TopologyCase{"ardupilot_sitl", "ardupilot", "", false},
+                                         TopologyCase{"ardupilot_companion", "ardupilot", "",
+                                                      false}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 TEST(ShippedTopologies, AllPlayAboveAreAllThatThereAre) {
@@ -254,9 +256,10 @@ TEST(ShippedTopologies, AllPlayAboveAreAllThatThereAre) {
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     files.insert(entry.path().stem());
   }
-  EXPECT_EQ(files, (std::set<std::string>{"bench_pty", "bench_single_thread", "two_vehicles",
-                                          "pixhawk_usb", "pixhawk_telem", "px4_sitl",
-                                          "px4_companion", "ardupilot_sitl", "ardupilot_hil"}));
+  EXPECT_EQ(files,
+            (std::set<std::string>{"bench_pty", "bench_single_thread", "two_vehicles",
+                                   "pixhawk_usb", "pixhawk_telem", "px4_sitl", "px4_companion",
+                                   "ardupilot_sitl", "ardupilot_companion", "ardupilot_hil"}));
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ class ScriptedWorld final : public sim::World {
                                      const Eigen::Vector3d& direction_W,
                                      double range_m) const override {
     if (direction_W.z() >= 0) return std::nullopt;  // the ground is the plane z = 0
-    const double distance = -origin_W.z() / direction_W.z();
+    const double distance = -origin_W.z() / direction_W.normalized().z();
     if (distance < 0 || distance > range_m) return std::nullopt;
     return distance;
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "plugins/mavlink_interface/plugin_messages.hpp"
+#include "plugins/common/plugin_messages.hpp"
 
 #include <gtest/gtest.h>
 

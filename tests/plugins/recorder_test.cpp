@@ -176,7 +176,7 @@ TEST(RecorderPlugin, BeginsAnewAfterReset) {
 }
 
 constexpr const char* kImu = "{rate_hz: 500, gyro_stddev_deg_s: 1, accel_stddev_m_s2: 0.05}";
-constexpr const char* kGps =
+constexpr const char* kGpsKeys =
     "{rate_hz: 5, position_stddev_m: 0.3, velocity_stddev_m_s: 0.1, eph_m: 0.42, epv_m: 0.3, "
     "satellites: 10}";
 
@@ -184,7 +184,7 @@ TEST(RecorderPlugin, WritesEverySampleOfEverySensor) {
   const Folder folder;
   test::PluginHarness harness(std::chrono::milliseconds(1), folder.path());
   harness.add("imu", kImu);
-  harness.add("gps", kGps);
+  harness.add("gps", kGpsKeys);
   harness.add("recorder", "{file: truth.csv, rate_hz: 100, sensor_dir: sensors}");
   harness.run(std::chrono::seconds(1));
   harness.finish();
@@ -201,7 +201,7 @@ TEST(RecorderPlugin, WritesALogThatKeepsTheRulesOfUlog) {
   harness.world.body.p_WB = {1, 2, 3};
   const auto commands = harness.bus.advertise<MotorCommand>("iris0/motor_command");
   harness.add("imu", kImu);
-  harness.add("gps", kGps);
+  harness.add("gps", kGpsKeys);
   harness.add("recorder", "{file: truth.csv, rate_hz: 100, ulog: flight.ulg}");
   harness.run(std::chrono::seconds(1));
   MotorCommand command;

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <utility>
 
 #include "base/config/file_kind.hpp"
 #include "base/config/geodetic_keys.hpp"
@@ -157,16 +158,34 @@ constexpr std::tuple kKeys{
     key<&SimConfig::pace>("pacing", block<PaceConfig>(kPacingKeys, refuse_lock_memory), ""),
     key<&SimConfig::seed>("seed", base::Count{}, "seed of all random numbers"),
     key<&SimConfig::integrator>("integrator", kIntegrators, "of free flight"),
+    key<&SimConfig::beacons>("beacons", ReadApart{"list"},
+                             "by which plugin [landing_target](../use/plugins.md#landing_target) "
+                             "guides a vehicle, see below",
+                             "none"),
     required(key<&SimConfig::vehicles>("vehicles", ReadApart{"list"}, "see below")),
 };
 
-struct VehicleName : base::Text {
-  static void read(const ConfigNode& node, std::string& name) {
+/// A name that becomes part of a topic's.
+struct TopicName : base::Text {
+  const char* whose;  ///< "a vehicle's"
+  void read(const ConfigNode& node, std::string& name) const {
     Text::read(node, name);
     if (name.empty() || name.find('/') != std::string::npos) {
-      node.fail("a vehicle's name is not empty and has no '/'");
+      node.fail(std::string(whose) + " name is not empty and has no '/'");
     }
   }
+};
+
+constexpr std::tuple kBeaconKeys{
+    required(key<&BeaconConfig::name>("name", TopicName{{}, "a beacon's"},
+                                      "one of its own, without '/'")),
+    key<&BeaconConfig::x_m>("x_m", Number{}, "to the east; on an obstacle along its own axes"),
+    key<&BeaconConfig::y_m>("y_m", Number{}, "to the north"),
+    key<&BeaconConfig::z_m>("z_m", Number{}, "up; required on an obstacle",
+                            "on the uppermost surface"),
+    key<&BeaconConfig::on>("on", base::Text{},
+                           "[moving obstacle](../use/simulator.md#moving-obstacles) that carries "
+                           "it"),
 };
 
 constexpr std::tuple kPoseKeys{
@@ -177,7 +196,8 @@ constexpr std::tuple kPoseKeys{
 };
 
 constexpr std::tuple kVehicleKeys{
-    required(key<&VehicleConfig::name>("name", VehicleName{}, "one of its own, without '/'")),
+    required(key<&VehicleConfig::name>("name", TopicName{{}, "a vehicle's"},
+                                       "one of its own, without '/'")),
     required(key<&VehicleConfig::vehicle>("vehicle", ReadApart{"file"}, "vehicle file")),
     key<&VehicleConfig::pose>("pose", block<StartPose>(kPoseKeys), "where it starts"),
     key<&VehicleConfig::vehicle, &base::Vehicle::sensors>(
@@ -244,6 +264,21 @@ void parse_vehicles(const ConfigNode& list, std::vector<VehicleConfig>& vehicles
   if (vehicles.empty()) list.fail("names no vehicle");
 }
 
+void parse_beacons(const ConfigNode& list, std::vector<BeaconConfig>& beacons) {
+  constexpr std::size_t kMostBeacons = 1000;
+  for (const ConfigNode& node : list.items()) {
+    if (beacons.size() == kMostBeacons) list.fail("has more than 1000 beacons");
+    BeaconConfig beacon;
+    base::read_keys(node, kBeaconKeys, beacon);
+    beacon.node = node;
+    if (beacon.on && !beacon.z_m) node.fail("needs z_m, in the axes of the obstacle");
+    if (std::ranges::find(beacons, beacon.name, &BeaconConfig::name) != beacons.end()) {
+      node.at("name").fail("two beacons have the name '" + beacon.name + "'");
+    }
+    beacons.push_back(std::move(beacon));
+  }
+}
+
 }  // namespace
 
 SimConfig SimConfig::load(const std::filesystem::path& file) {
@@ -264,13 +299,15 @@ SimConfig SimConfig::parse(const base::ConfigNode& root) {
     root.at("world").at("ground").fail("the terrain is the ground: give false");
   }
   config.pace.speed_given = root.has("speed");
+  if (const auto beacons = root.find("beacons")) parse_beacons(*beacons, config.beacons);
   parse_vehicles(root.at("vehicles"), config.vehicles);
   root.reject_unused();
   return config;
 }
 
 std::string simulation_reference() {
-  return base::key_table(kKeys, SimConfig{}) + "\nOne of `vehicles`:\n\n" +
+  return base::key_table(kKeys, SimConfig{}) + "\nOne of `beacons`:\n\n" +
+         base::key_table(kBeaconKeys, BeaconConfig{}) + "\nOne of `vehicles`:\n\n" +
          base::key_table(kVehicleKeys, VehicleConfig{});
 }
 

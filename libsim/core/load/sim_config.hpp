@@ -82,6 +82,16 @@ struct VehicleConfig {
   std::vector<PluginConfig> plugins;
 };
 
+/// A beacon, by which vehicles may land.
+struct BeaconConfig {
+  base::ConfigNode node = base::ConfigNode::empty();  ///< for messages
+  std::string name;
+  std::optional<std::string> on;  ///< moving obstacle that carries it; nullopt: it stands in W
+  double x_m = 0;                 ///< in W, or in the obstacle's own axes
+  double y_m = 0;
+  std::optional<double> z_m;  ///< nullopt: on the uppermost surface
+};
+
 /// Complete configuration of one run, read from a hilsim configuration file.
 struct CAS_SIM_EXPORT SimConfig {
   static constexpr int kSchema = 1;
@@ -95,6 +105,7 @@ struct CAS_SIM_EXPORT SimConfig {
   PaceConfig pace;
   std::uint64_t seed = 1;
   Integrator integrator = Integrator::kRk4;
+  std::vector<BeaconConfig> beacons;
   std::vector<VehicleConfig> vehicles;
 
   /// @throws base::ConfigError with file, line and key path

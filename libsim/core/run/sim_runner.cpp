@@ -20,6 +20,7 @@
 #include "libsim/core/load/plausibility.hpp"
 #include "libsim/core/load/world_loader.hpp"
 #include "libsim/core/ode/contact_solver.hpp"
+#include "libsim/core/run/beacons.hpp"
 #include "libsim/core/run/left_world.hpp"
 #include "libsim/core/run/plugin_host.hpp"
 #include "libsim/core/run/sim_world.hpp"
@@ -201,6 +202,10 @@ void SimRunner::start() {
     impl_->phases.push_back(impl_->bus.advertise<FlightPhase>(vehicle.name + "/flight_phase"));
   }
   const auto terrain = impl_->bus.advertise<TerrainSource>("terrain");
+  std::vector<Publisher<BeaconSource>> beacons;
+  for (const BeaconConfig& beacon : impl_->config.beacons) {
+    beacons.push_back(impl_->bus.advertise<BeaconSource>(BeaconSource::topic(beacon.name)));
+  }
   const auto unsent = impl_->plugins.configure(impl_->config.vehicles, around);
   impl_->bus.freeze();
   impl_->warn_of_idle(unsent);
@@ -209,6 +214,9 @@ void SimRunner::start() {
     terrain.publish({[ground = impl_->model.terrain](double lat_deg, double lon_deg) {
       return ground->elevation_m(lat_deg, lon_deg).value_or(0);
     }});
+  }
+  for (std::size_t i = 0; i < beacons.size(); ++i) {
+    beacons[i].publish(beacon_source(impl_->config.beacons[i], impl_->model, impl_->world));
   }
   impl_->world.start();
 }

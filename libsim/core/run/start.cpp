@@ -75,14 +75,6 @@ bool is_near(Shape shape, const Eigen::Vector3d& p_W, double radius) {
   return (centre - p_W).norm() <= bounding_radius(shape) + radius;  // a plane's is infinite
 }
 
-/// z of the uppermost surface at a place.
-std::optional<double> surface_at(const SimWorld& world, double x_m, double y_m) {
-  const auto hit =
-      world.ray_to_statics({x_m, y_m, kHighest_m}, -Eigen::Vector3d::UnitZ(), 2 * kHighest_m);
-  if (!hit) return std::nullopt;
-  return kHighest_m - *hit;
-}
-
 Eigen::Matrix3d turned_by(const StartPose& pose) {
   return Eigen::AngleAxisd(base::radians(pose.yaw_deg), Eigen::Vector3d::UnitZ())
       .toRotationMatrix();
@@ -135,6 +127,13 @@ std::array<Eigen::Vector2d, 25> base_of(const VehicleModel& model, const StartPo
 }
 
 }  // namespace
+
+std::optional<double> surface_at(const SimWorld& world, double x_m, double y_m) {
+  const auto hit =
+      world.ray_to_statics({x_m, y_m, kHighest_m}, -Eigen::Vector3d::UnitZ(), 2 * kHighest_m);
+  if (!hit) return std::nullopt;
+  return kHighest_m - *hit;
+}
 
 double standing_height(const SimWorld& world, const VehicleModel& model, const StartPose& pose) {
   std::optional<double> top;

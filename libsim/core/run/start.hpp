@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "libsim/api/world.hpp"
 #include "libsim/core/body/world_model.hpp"
@@ -12,6 +13,9 @@
 namespace cas::sim {
 
 class SimWorld;
+
+/// z of the uppermost surface that never moves at a place, m; nullopt: there is none.
+std::optional<double> surface_at(const SimWorld& world, double x_m, double y_m);
 
 /// Height at which a vehicle stands on the uppermost surface below or beside its middle, m: the
 /// highest of 5 x 5 rays down over its base. 0 where there is none.

@@ -56,6 +56,7 @@ Measurement filled() {
   m.least_airspeed_m_s = ++next;
   m.transition_height_m = ++next;
   m.landing_error_m = ++next;
+  m.beacon_error_m = ++next;
   m.sticks_way_m = ++next;
   m.pace = {.real_time_factor = ++next, .worst_stall_ms = ++next, .late_p99_ms = ++next};
   m.handover_p99_us = ++next;

@@ -90,6 +90,20 @@ TEST(Landing, ErrorIsOfAVehicleThatHungStill) {
   EXPECT_FALSE(landing_error_m({step(StepKind::kHold, 0, 5)}, line(heights, 0)));
 }
 
+TEST(Landing, DistanceFromTheBeaconIsTheCamerasLast) {
+  const auto figure = [](const char* plugin, double last) {
+    PluginFigure result;
+    result.plugin = plugin;
+    result.name = "distance from the beacon";
+    result.last = last;
+    return result;
+  };
+  const PluginFigure other = figure("wind", 9);
+  const PluginFigure off = figure("landing_target", 0.2);
+  EXPECT_EQ(beacon_error_m({other, off}), 0.2);
+  EXPECT_FALSE(beacon_error_m({other}));
+}
+
 TEST(Sticks, WayIsThatOfTheLastOfThem) {
   const auto truth = line({5, 5, 5, 5, 5, 5, 5, 5}, 0.1);
   EXPECT_FALSE(sticks_way_m({step(StepKind::kHold, 0, 8)}, truth));

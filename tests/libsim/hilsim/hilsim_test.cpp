@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "base/rpc/client.hpp"
 #include "libsim/core/rays/ray_scene.hpp"
+#include "mavlink/common/landing_target.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
 #include "tests/libsim/support/sim_files.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
@@ -28,13 +31,14 @@ const std::string kHilsim = cas::test::binary_dir() + "/bin/hilsim";
 
 class Hilsim : public testing::Test {
  protected:
-  std::string write(const std::string& pace, const std::string& plugins = "[]") {
+  std::string write(const std::string& pace, const std::string& plugins = "[]",
+                    const std::string& more = "") {
     return folder_
         .write("sim.yaml",
                "schema: 1\nworld: {gravity_m_s2: 9.80665, ground: true}\n"
                "home: {lat_deg: 47.4, lon_deg: 8.5, alt_m: 488}\n"
                "decimal_year: 2026.5\npace: " +
-                   pace + "\nvehicles:\n" + test::vehicle("iris0", "{z_m: 1}", plugins))
+                   pace + "\n" + more + "vehicles:\n" + test::vehicle("iris0", "{z_m: 1}", plugins))
         .string();
   }
   std::vector<std::string> command(const std::string& config, std::vector<std::string> more = {}) {
@@ -167,6 +171,37 @@ TEST_F(Hilsim, SendsMessagesOfPluginsToACompanion) {
   EXPECT_EQ(obstacles.packets().front().source.component, 200);
   const Json figures = read_stats()["plugins"]["mavlink_interface@iris0"]["companion"];
   EXPECT_EQ(figures["sent"], 5);
+}
+
+/// ArduPilot's JSON interface has no MAVLink.
+TEST_F(Hilsim, SendsTheAnglesOfABeaconBesideArdupilotsInterface) {
+  cas::test::UdpPeer companion;
+  ChildProcess hilsim(command(
+      write("free_run",
+            "[{plugin: landing_target, beacon: pad, rate_hz: 50, max_m: 20, view_across_deg: 60, "
+            "view_along_deg: 60, distance_stddev_m: 0}, {plugin: ardupilot_json, local: "
+            "\"127.0.0.1:0\", companion: \"" +
+                companion.endpoint() + "\"}]",
+            "beacons: [{name: pad, x_m: 0.3, y_m: -0.1}]\n"),
+      {"--duration", "0.1"}));
+  EXPECT_EQ(hilsim.wait_exit(), 0) << hilsim.output();
+  cas::test::PacketStream pictures;
+  companion.read(pictures);
+  ASSERT_EQ(pictures.packets().size(), 5U);
+  const cas::test::PacketStream::Packet& first = pictures.packets().front();
+  EXPECT_EQ(first.source, (mav::Source{1, 200}));
+  const auto target = mav::decode<mavlink::common::LandingTarget>(first.view());
+  ASSERT_TRUE(target);
+  EXPECT_EQ(target->time_usec, 20'000U);
+  // Its centre of gravity began 1.055 m up and has fallen for 20 ms; nose to the east.
+  constexpr double kHeight_m = 1.055 - 0.5 * 9.80665 * 0.02 * 0.02;
+  EXPECT_NEAR(target->angle_x, std::atan2(0.1, kHeight_m), 1e-3);
+  EXPECT_NEAR(target->angle_y, -std::atan2(0.3, kHeight_m), 1e-3);
+  EXPECT_NEAR(target->distance, std::hypot(0.3, 0.1, kHeight_m), 1e-3);
+  EXPECT_EQ(target->position_valid, mavlink::common::MavBool::kFalse);
+  const Json figures = read_stats()["plugins"];
+  EXPECT_EQ(figures["landing_target@iris0"]["seen"], 5);
+  EXPECT_EQ(figures["ardupilot_json@iris0"]["companion"]["sent"], 5);
 }
 
 TEST_F(Hilsim, AnswersOnItsControlSocket) {

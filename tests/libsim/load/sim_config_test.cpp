@@ -25,6 +25,9 @@ speed: 2.5
 seed: 77
 integrator: ode
 weather: {temperature_offset_degc: 15, qnh_hpa: 1003.5, humidity: 0.6}
+beacons:
+  - {name: pad, x_m: 1, y_m: 2}
+  - {name: truck, on: car, x_m: -1, z_m: 1.5}
 pacing:
   catch_up_rate: 1.5
   max_lag_ms: 40
@@ -51,6 +54,11 @@ vehicles:
   EXPECT_EQ(config.home->alt_m, 488.0);
   EXPECT_EQ(config.weather,
             (base::Weather{.temperature_offset_degc = 15, .qnh_hpa = 1003.5, .humidity = 0.6}));
+  ASSERT_EQ(config.beacons.size(), 2u);
+  EXPECT_EQ(config.beacons[0].y_m, 2);
+  EXPECT_FALSE(config.beacons[0].z_m);
+  EXPECT_EQ(config.beacons[1].on, "car");
+  EXPECT_EQ(config.beacons[1].z_m, 1.5);
   ASSERT_EQ(config.vehicles.size(), 1u);
   EXPECT_EQ(config.vehicles[0].pose.yaw_deg, 4);
 }
@@ -112,6 +120,14 @@ INSTANTIATE_TEST_SUITE_P(
         ErrorCase{"UpAxis", kGood + "collada_up_axis: apply\n",
                   "'apply' is none of: ignored, applied"},
         ErrorCase{"TwinNames", kGood + test::vehicle("a"), "two vehicles have the name 'a'"},
+        ErrorCase{"TwinBeacons", kGood + "beacons: [{name: a}, {name: a}]\n",
+                  "beacons[1].name: two beacons have the name 'a'"},
+        ErrorCase{"SlashInABeaconsName", kGood + "beacons: [{name: a/b}]\n",
+                  "a beacon's name is not empty and has no '/'"},
+        ErrorCase{"BeaconOnAnObstacleWithoutAHeight", kGood + "beacons: [{name: a, on: car}]\n",
+                  "beacons[0]: needs z_m, in the axes of the obstacle"},
+        ErrorCase{"UnknownKeyOfABeacon", kGood + "beacons: [{name: a, x: 1}]\n",
+                  "beacons[0].x: unknown key; did you mean 'x_m'?"},
         ErrorCase{"SlashInName", kNoVehicles + "vehicles:\n" + test::vehicle("a/b"), "no '/'"},
         ErrorCase{"NoVehicleFile", kNoVehicles + "vehicles:\n  - {name: a, vehicle: none.yaml}\n",
                   "none.yaml"},

@@ -5,6 +5,7 @@
 
 #include "libsim/core/body/obstacle_path.hpp"
 #include "libsim/core/load/world_loader.hpp"
+#include "libsim/core/run/beacons.hpp"
 #include "tests/libsim/support/crate.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -75,6 +76,47 @@ TEST(MovingObstacle, CarriesWhatStandsOnIt) {
   EXPECT_NEAR(state.p_WB.x(), 3, 0.1);
   EXPECT_NEAR(state.p_WB.z(), 1.05, 5e-3);
   EXPECT_TRUE(world->in_contact(id));
+}
+
+BeaconConfig pad_with(const std::string& keys) {
+  const auto node = base::ConfigNode::parse("{" + keys + "}", "world.yaml");
+  BeaconConfig pad;
+  pad.node = node;
+  pad.name = "pad";
+  pad.x_m = 1;
+  pad.y_m = 0.5;
+  if (const auto on = node.find("on")) pad.on = on->as<std::string>();
+  if (const auto z = node.find("z_m")) pad.z_m = z->as<double>();
+  return pad;
+}
+
+TEST(Beacon, GoesWithItsObstacle) {
+  const WorldModel model = slab_world();
+  const auto world = test::make_world(model);
+  const BeaconSource source = beacon_source(pad_with("on: slab, z_m: 0.1"), model, *world);
+  EXPECT_TRUE(
+      source.place_W(base::SimTime(std::chrono::seconds(4))).isApprox(Vector3d(5, 0.5, 1), 1e-12));
+}
+
+TEST(Beacon, StandsOnTheUppermostSurfaceThatNeverMoves) {
+  WorldModel model = slab_world();
+  model.statics.push_back(test::standing("table", Box{{2, 2, 0.7}}, {1, 0, 0.35}));
+  const auto world = test::make_world(model);
+  const BeaconSource source = beacon_source(pad_with(""), model, *world);
+  EXPECT_TRUE(source.place_W({}).isApprox(Vector3d(1, 0.5, 0.7), 1e-9));
+  EXPECT_EQ(beacon_source(pad_with("z_m: 0.2"), model, *world).place_W({}).z(), 0.2);
+}
+
+TEST(Beacon, RefusesAnObstacleThatIsNotThere) {
+  const WorldModel model = slab_world();
+  const auto world = test::make_world(model);
+  EXPECT_THAT(
+      cas::test::refusal([&] { beacon_source(pad_with("on: slap, z_m: 0"), model, *world); }),
+      HasSubstr("world.yaml:1: on: the world has no moving obstacle 'slap'; did you mean "
+                "'slab'?"));
+  const auto nothing = test::make_world(WorldModel{});
+  EXPECT_THAT(cas::test::refusal([&] { beacon_source(pad_with(""), WorldModel{}, *nothing); }),
+              HasSubstr("needs z_m"));
 }
 
 TEST(MovingObstacle, PushesWhatRestsInItsWay) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
@@ -10,11 +11,20 @@
 #include <vector>
 
 #include "base/time/clock.hpp"
-#include "libsim/api/mavlink_message.hpp"
+#include "libsim/api/plugin.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/message_table.hpp"
 
 namespace cas::sim {
+
+/// Component of the simulator's own packets.
+inline constexpr std::uint8_t kSimulatorComponent = 200;
+
+/// Hears the messages of a vehicle's plugins. To be called in `configure`.
+/// @param on_message  gets the sender's place in `senders`
+std::vector<Subscription> hear_plugins(
+    TopicBus& bus, const std::vector<MavlinkSender>& senders,
+    const std::function<void(std::size_t, const MavlinkMessage&)>& on_message);
 
 /// The public message of this name or id, as a plugin declares it.
 /// @throws base::ConfigError for an unknown message, and for one that the simulator itself sends or

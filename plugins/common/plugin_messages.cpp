@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "plugins/mavlink_interface/plugin_messages.hpp"
+#include "plugins/common/plugin_messages.hpp"
 
 #include <algorithm>
 #include <array>
@@ -63,6 +63,19 @@ std::size_t encode_message(const mav::MessageInfo& info, const MavlinkMessage& m
   out[9] = static_cast<std::uint8_t>(info.id >> 16U);
   std::copy_n(message.payload.begin(), length, out.begin() + mav::kHeaderBytesV2);
   return mav::detail::append_checksum(out.data(), mav::kHeaderBytesV2 + length, info.crc_extra);
+}
+
+std::vector<Subscription> hear_plugins(
+    TopicBus& bus, const std::vector<MavlinkSender>& senders,
+    const std::function<void(std::size_t, const MavlinkMessage&)>& on_message) {
+  std::vector<Subscription> subscriptions;
+  for (std::size_t i = 0; i < senders.size(); ++i) {
+    subscriptions.push_back(bus.subscribe<MavlinkMessage>(
+        senders[i].topic,
+        [on_message, i](const MavlinkMessage& message) { on_message(i, message); },
+        Need::kOptional));
+  }
+  return subscriptions;
 }
 
 PluginMessages::PluginMessages(const std::vector<MavlinkSender>& senders) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "plugins/mavlink_interface/datagram_sender.hpp"
+#include "plugins/common/datagram_sender.hpp"
 
 #include <unistd.h>
 
