@@ -96,6 +96,7 @@ LAYERS = {
     "plugins/common": BASE | {"Eigen"},
     "plugins": PLUGIN,  # each of plugins/<name>
     "plugins/lidar": PLUGIN | MAVLINK,
+    "plugins/odometry": PLUGIN | MAVLINK,
     "plugins/optical_flow": PLUGIN | MAVLINK,
     "plugins/mavlink_interface": PLUGIN | MAVLINK | SERVICES | {"Asio"},
 
