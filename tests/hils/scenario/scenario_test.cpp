@@ -66,7 +66,7 @@ TEST_F(ScenarioFile, OdometryCountsOnItsLineByItsRateAndMessage) {
   const auto odometry = [](const char* keys) {
     return "plugins:\n  - {plugin: odometry, " + std::string(keys) + "}\n";
   };
-  // Two IMUs take 78 of 90 kB/s; 40 ODOMETRY a second are 9.8, 60 are 14.7, 60 of the other 7.7.
+  // Two IMUs take 77 of 88 kB/s; 40 ODOMETRY a second are 9.8, 60 are 14.7, 60 of the other 7.7.
   EXPECT_EQ(error_of(kHead + line + odometry("rate_hz: 40") + kFlight), "");
   const std::string error = error_of(kHead + line + odometry("rate_hz: 60") + kFlight);
   EXPECT_NE(error.find("HIL_GPS 5 a second, odometry 60"), std::string::npos) << error;
