@@ -19,6 +19,7 @@ using base::RunTime;
 using mavlink::common::BatteryStatus;
 using mavlink::common::HilGps;
 using mavlink::common::HilSensor;
+using mavlink::common::Odometry;
 using mavlink::common::table;
 
 struct FlightController::Impl {
@@ -39,6 +40,7 @@ struct FlightController::Impl {
 
   // Around it.
   bool is_for_us(const mav::PacketView& packet) const;
+  bool is_of_our_vehicle(mav::Source from) const;
   void on_packet(const mav::PacketView& packet, RunTime now);
   void tick(RunTime now);
   void begin(RunTime now);
@@ -63,6 +65,7 @@ struct FlightController::Impl {
 ///
 ///   HIL_SENSOR --> estimate --> setpoint --> position, altitude --> attitude --> rates --> mixer
 ///    HIL_GPS --------^          (Xr, Yr, Zr, yaw_r)                                           |
+///   ODOMETRY, without fixes                                                                   |
 ///                                                     HIL_CONTROLS (u1, u2, u3, u4) <---------+
 void FlightController::Impl::on_sensor(const HilSensor& m, RunTime now) {
   if (m.id != 0) return sensors.on_further_sensor(m, now);
@@ -96,11 +99,14 @@ void FlightController::Impl::on_gps(const HilGps& m, RunTime now) {
   sensors.on_gps(m, now);
 }
 
-/// BATTERY_STATUS of the vehicle's own battery comes from another component of its system, as with
-/// PX4.
+/// Whether a packet is of another component of the vehicle's system, as with PX4 that of its own
+/// battery or odometry.
+bool FlightController::Impl::is_of_our_vehicle(mav::Source from) const {
+  return from.system == core.config.system_id && from.component != core.config.component_id;
+}
+
 void FlightController::Impl::on_battery(const BatteryStatus& m, mav::Source from) {
-  const FcuConfig& own = core.config;
-  if (from.system != own.system_id || from.component == own.component_id) return;
+  if (!is_of_our_vehicle(from)) return;
   if (const auto reading = battery_reading(m)) core.battery.measure(*reading);
 }
 
@@ -272,6 +278,9 @@ void FlightController::Impl::on_packet(const mav::PacketView& packet, RunTime no
     if (const auto m = mav::decode<HilSensor>(packet)) on_sensor(*m, now);
   } else if (packet.message_id == HilGps::kId) {
     if (const auto m = mav::decode<HilGps>(packet)) on_gps(*m, now);
+  } else if (packet.message_id == Odometry::kId) {
+    const auto m = mav::decode<Odometry>(packet);
+    if (m && is_of_our_vehicle(packet.source)) sensors.on_odometry(*m, now);
   } else if (packet.message_id == BatteryStatus::kId) {
     if (const auto m = mav::decode<BatteryStatus>(packet)) on_battery(*m, packet.source);
   } else {

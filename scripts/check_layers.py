@@ -97,6 +97,7 @@ LAYERS = {
     "plugins": PLUGIN,  # each of plugins/<name>
     "plugins/landing_target": PLUGIN | MAVLINK,
     "plugins/lidar": PLUGIN | MAVLINK,
+    "plugins/odometry": PLUGIN | MAVLINK,
     "plugins/optical_flow": PLUGIN | MAVLINK,
     "plugins/mavlink_interface": PLUGIN | MAVLINK | SERVICES | {"Asio"},
 

@@ -389,6 +389,56 @@ constexpr auto kAirspeedKeys = std::tuple_cat(
         key<&AirspeedSheet::position_B_m>("position_B_m", Axes{}, "from the centre of gravity"),
         key<&AirspeedSheet::direction_B>("direction_B", Direction{}, "of the tube")});
 
+// odometry
+
+constexpr NoiseNames kAttitude{"attitude_stddev_deg", "attitude_density_deg_per_sqrt_hz"};
+constexpr NoiseNames kRate{"rate_stddev_deg_s", "rate_density_deg_s_per_sqrt_hz"};
+
+/// Keys of fields that VISION_POSITION_ESTIMATE lacks.
+constexpr std::array<std::string_view, 3> kOdometryAlone{"frame", "estimator_type", "quality"};
+
+constexpr auto kOdometryKeys = std::tuple_cat(
+    std::tuple{rate_key<&OdometrySheet::rate_hz>(),
+               key<&OdometrySheet::delay_s>("delay_s", Range{0, 5},
+                                            "from measurement to publication; the stamp is the "
+                                            "measurement's")},
+    noise_keys<&OdometrySheet::position>(kPosition),
+    noise_keys<&OdometrySheet::attitude>(kAttitude),
+    noise_keys<&OdometrySheet::velocity>(kVelocity), noise_keys<&OdometrySheet::rate>(kRate),
+    std::tuple{
+        key<&OdometrySheet::position_walk>("position_walk_m_per_sqrt_s", Deviations{},
+                                           "drift of the position: a random walk", kOff),
+        key<&OdometrySheet::yaw_walk>("yaw_walk_deg_per_sqrt_s", PositiveOrOff{},
+                                      "and of the heading, which turns what is flown from then on",
+                                      kOff),
+        key<&OdometrySheet::origin_N_m>("origin_N_m", Axes{},
+                                        "of its frame, north, east and down of the world's"),
+        key<&OdometrySheet::heading_deg>("heading_deg", Range{-360, 360},
+                                         "of its frame's x axis, clockwise from north"),
+        key<&OdometrySheet::position_B_m>("position_B_m", Axes{}, "from the centre of gravity"),
+        key<&OdometrySheet::message>(
+            "message",
+            Words<OdometryMessage, 2>{
+                {{{"ODOMETRY", OdometryMessage::kOdometry},
+                  {"VISION_POSITION_ESTIMATE", OdometryMessage::kVisionPositionEstimate}}}},
+            "that the controller gets"),
+        key<&OdometrySheet::frame>(
+            "frame",
+            Words<OdometryFrame, 2>{{{{"LOCAL_FRD", OdometryFrame::kLocalFrd},
+                                      {"LOCAL_NED", OdometryFrame::kLocalNed}}}},
+            "`frame_id` of ODOMETRY: what its frame is called, whatever `heading_deg` is"),
+        key<&OdometrySheet::estimator_type>(
+            "estimator_type",
+            Words<OdometryKind, 6>{{{{"VIO", OdometryKind::kVio},
+                                     {"VISION", OdometryKind::kVision},
+                                     {"MOCAP", OdometryKind::kMocap},
+                                     {"LIDAR", OdometryKind::kLidar},
+                                     {"NAIVE", OdometryKind::kNaive},
+                                     {"UNKNOWN", OdometryKind::kUnknown}}}},
+            "of ODOMETRY"),
+        key<&OdometrySheet::quality>("quality", Whole{-1, 100},
+                                     "of ODOMETRY, %: -1 has failed, 0 is unknown")});
+
 template <class Sheet, class Keys>
 Sheet read_sheet(const ConfigNode& node, const Keys& keys) {
   Sheet sheet;
@@ -478,6 +528,19 @@ AirspeedSheet read_airspeed_sheet(const ConfigNode& node) {
   return sheet;
 }
 
+OdometrySheet read_odometry_sheet(const ConfigNode& node) {
+  const auto sheet = read_sheet<OdometrySheet>(node, kOdometryKeys);
+  check_noise(node, kPosition, sheet.position);
+  check_noise(node, kAttitude, sheet.attitude);
+  check_noise(node, kVelocity, sheet.velocity);
+  check_noise(node, kRate, sheet.rate);
+  if (sheet.message == OdometryMessage::kOdometry) return sheet;
+  for (const std::string_view name : kOdometryAlone) {
+    if (const auto key = node.find(name)) key->fail("has no field in VISION_POSITION_ESTIMATE");
+  }
+  return sheet;
+}
+
 std::string sensor_reference() {
   return section<ImuSheet>("imu",
                            "Truth is the mean over the sample period. At rest and level, the "
@@ -511,7 +574,13 @@ std::string sensor_reference() {
          section<AirspeedSheet>("airspeed",
                                 "Truth is the dynamic pressure 1/2 rho u\\|u\\| of the air that "
                                 "meets the tube: density and wind are those at the vehicle.",
-                                kAirspeedKeys);
+                                kAirspeedKeys) +
+         "\n" +
+         section<OdometrySheet>("odometry",
+                                "Truth is place, attitude, velocity and rates of the point "
+                                "`position_B_m`, in the frame that `origin_N_m` and `heading_deg` "
+                                "give.",
+                                kOdometryKeys);
 }
 
 }  // namespace cas::base

@@ -143,6 +143,33 @@ struct AirspeedSheet {
   Eigen::Vector3d direction_B{1, 0, 0};  ///< unit vector
 };
 
+/// The message by which odometry goes to the controller.
+enum class OdometryMessage { kOdometry, kVisionPositionEstimate };
+/// What the axes of its frame are called on the wire: MAV_FRAME_LOCAL_FRD or MAV_FRAME_LOCAL_NED.
+enum class OdometryFrame { kLocalFrd, kLocalNed };
+/// The kind of estimate that it is called on the wire, with the numbers of MAV_ESTIMATOR_TYPE.
+enum class OdometryKind { kUnknown = 0, kNaive = 1, kVision = 2, kVio = 3, kMocap = 6, kLidar = 7 };
+
+/// A visual-inertial unit or a motion capture system. Its frame F has x along its heading, y to the
+/// right of it and z down.
+struct OdometrySheet {
+  double rate_hz = 0;
+  double delay_s = 0;
+  WhiteNoise position;                                      ///< axes of F, m
+  WhiteNoise attitude;                                      ///< about the axes of D, deg
+  WhiteNoise velocity;                                      ///< axes of D, m/s
+  WhiteNoise rate;                                          ///< axes of D, deg/s
+  Eigen::Vector3d position_walk = Eigen::Vector3d::Zero();  ///< m per square root of a second
+  double yaw_walk = 0;                                      ///< deg per square root of a second
+  Eigen::Vector3d origin_N_m = Eigen::Vector3d::Zero();     ///< of F
+  double heading_deg = 0;                                   ///< of F, clockwise from north
+  Eigen::Vector3d position_B_m = Eigen::Vector3d::Zero();
+  OdometryMessage message = OdometryMessage::kOdometry;
+  OdometryFrame frame = OdometryFrame::kLocalFrd;
+  OdometryKind estimator_type = OdometryKind::kVio;
+  int quality = 100;  ///< %
+};
+
 // Each reads one block. @throws ConfigError "FILE:LINE: key.path: sentence"
 CAS_BASE_EXPORT ImuSheet read_imu_sheet(const ConfigNode& node);
 CAS_BASE_EXPORT GpsSheet read_gps_sheet(const ConfigNode& node);
@@ -151,6 +178,7 @@ CAS_BASE_EXPORT BarometerSheet read_barometer_sheet(const ConfigNode& node);
 CAS_BASE_EXPORT RangefinderSheet read_rangefinder_sheet(const ConfigNode& node);
 CAS_BASE_EXPORT LidarSheet read_lidar_sheet(const ConfigNode& node);
 CAS_BASE_EXPORT AirspeedSheet read_airspeed_sheet(const ConfigNode& node);
+CAS_BASE_EXPORT OdometrySheet read_odometry_sheet(const ConfigNode& node);
 
 /// Every key of these sheets with its default and meaning, as tables in Markdown: for `hilsim
 /// --sensor-keys` and docs/use/plugins.md.

@@ -35,7 +35,7 @@ class StuckValue {
 /// Tells living sensors from dead and frozen ones.
 class SensorHealth {
  public:
-  enum Sensor { kImu, kMag, kBaro, kGps, kSensors };
+  enum Sensor { kImu, kMag, kBaro, kGps, kOdometry, kSensors };
 
   /// Notes a sample. A value that repeats exactly is no sign of life: real noise never repeats.
   void on_sample(Sensor sensor, const Eigen::Vector3d& value, base::RunTime now) {
@@ -75,7 +75,7 @@ class SensorHealth {
     base::RunTime last;
     bool seen = false;
   };
-  static constexpr double kTimeout_s[kSensors] = {0.5, 2.0, 2.0, 3.0};
+  static constexpr double kTimeout_s[kSensors] = {0.5, 2.0, 2.0, 3.0, 0.5};
   State states_[kSensors];
   StuckValue gyro_, accel_;
   RepeatedFixes fixes_;

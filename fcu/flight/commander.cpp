@@ -24,8 +24,9 @@ std::optional<std::string> reason_not_to_arm(const ArmingInput& in) {
   if (std::hypot(rpy.x(), rpy.y()) > kTilt_rad) return "vehicle is tilted";
   const bool gps_needed = needs_position(in.mode) || !in.params.arm_without_gps;
   if (gps_needed) {
-    if (in.sensors.gps_frozen()) return "GPS repeats its last fix";
-    if (!in.sensors.alive(M::kGps, in.now)) return "no GPS data";
+    const bool has_odometry = in.sensors.alive(M::kOdometry, in.now);
+    if (in.sensors.gps_frozen() && !has_odometry) return "GPS repeats its last fix";
+    if (!in.sensors.alive(M::kGps, in.now) && !has_odometry) return "no GPS data";
     if (in.estimator.gps_contradicts_itself()) return "GPS velocity contradicts position";
     if (!in.estimator.heading_valid()) return "heading estimate not valid";
     if (!in.estimator.position_valid()) return "position estimate not valid";

@@ -2,6 +2,7 @@
 #include "fcu/protocols/hil_messages.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "base/earth/deg_e7.hpp"
@@ -17,7 +18,7 @@ using base::SimTime;
 using Eigen::Vector3d;
 using namespace mavlink::common;  // NOLINT: the file is about its messages
 
-// HIL_SENSOR and HIL_GPS in.
+// HIL_SENSOR, HIL_GPS and ODOMETRY in.
 
 namespace {
 
@@ -27,6 +28,7 @@ constexpr F kAccel = F::kXacc | F::kYacc | F::kZacc;
 constexpr F kGyro = F::kXgyro | F::kYgyro | F::kZgyro;
 constexpr F kMag = F::kXmag | F::kYmag | F::kZmag;
 constexpr std::uint64_t kRestart_us = 1'000'000;  // a jump back this far is a new run
+constexpr int kFixIn3d = 3;                       // GPS_FIX_TYPE_3D_FIX
 
 /// A group counts only when all of its bits are set, as in PX4.
 bool all(F flags, F group) { return (flags & group) == group; }
@@ -75,6 +77,7 @@ SensorInput::Sample SensorInput::accept(std::uint64_t time_usec, RunTime now) {
     last_time_ = {};
     imus_ = {};
     receivers_ = {};
+    last_fix_.reset();
     smallest_delay_ns_ = std::numeric_limits<std::int64_t>::max();
   }
   last_usec_ = time_usec;
@@ -173,7 +176,7 @@ bool SensorInput::choose_receiver(const HilGps& m, const GpsInput& fix, RunTime 
   constexpr double kFar_m = 5;
   constexpr double kFar_m_s = 3;
   GpsVote::Fix seen{.heard = SimTime(now - to_.start),
-                    .has_fix = fix.fix_type >= 3 && fix.velocity_N.allFinite(),
+                    .has_fix = fix.fix_type >= kFixIn3d && fix.velocity_N.allFinite(),
                     .digits = digits(m, fix),
                     .off = std::nullopt};
   if (const auto offset = to_.estimator.offset_of(fix)) {
@@ -199,8 +202,31 @@ void SensorInput::on_gps(const HilGps& m, RunTime now) {
   fix.velocity_N = Vector3d(m.vn, m.ve, m.vd) * 0.01;
   if (!choose_receiver(m, fix, now)) return;
   to_.readings.gps = m;
-  const bool has_fix = fix.fix_type >= 3;
+  const bool has_fix = fix.fix_type >= kFixIn3d;
   if (has_fix && !to_.readings.health.on_fix(digits(m, fix), fix.velocity_N, now)) return;
+  if (has_fix) last_fix_ = now;
+  to_.estimator.on_gps(fix);
+}
+
+void SensorInput::on_odometry(const Odometry& m, RunTime now) {
+  constexpr double kFixesAreGone_s = 1;
+  constexpr float kRoundedNorm = 0.01F;
+  if (m.frame_id != MavFrame::kLocalNed || m.child_frame_id != MavFrame::kBodyFrd) return;
+  const Vector3d p_N = vec(m.x, m.y, m.z);
+  const Vector3d v_D = vec(m.vx, m.vy, m.vz);
+  const Eigen::Quaternionf q(m.q[0], m.q[1], m.q[2], m.q[3]);
+  const bool has_attitude = std::abs(q.norm() - 1) < kRoundedNorm;  // no NaN passes
+  if (m.quality < 0 || !p_N.allFinite() || !v_D.allFinite() || !has_attitude) return;
+  to_.readings.health.on_sample(SensorHealth::kOdometry, p_N, now);
+  if (!to_.readings.health.alive(SensorHealth::kOdometry, now)) return;  // it repeats itself
+  if (last_fix_ && base::to_seconds(now - *last_fix_) < kFixesAreGone_s) return;
+  if (!to_.estimator.projection()) return;
+  GpsInput fix;
+  fix.time =
+      to_.params.stamp_by_arrival ? SimTime(now - to_.start) : base::from_time_usec(m.time_usec);
+  fix.fix_type = kFixIn3d;
+  fix.place = to_.estimator.projection()->to_geodetic(p_N);
+  fix.velocity_N = q.cast<double>().normalized() * v_D;
   to_.estimator.on_gps(fix);
 }
 

@@ -16,10 +16,11 @@
 #include "mavlink/common/hil_actuator_controls.hpp"
 #include "mavlink/common/hil_controls.hpp"
 #include "mavlink/common/hil_sensor.hpp"
+#include "mavlink/common/odometry.hpp"
 
 namespace cas::fcu {
 
-/// From HIL_SENSOR and HIL_GPS to the estimator; says when a control step is due.
+/// From HIL_SENSOR, HIL_GPS and ODOMETRY to the estimator; says when a control step is due.
 ///
 /// Packets with an id from 1 on are of further IMUs and receivers: a vote chooses the one to fly
 /// by. Those of id 0 are the clock. Further compasses and barometers are not used.
@@ -46,6 +47,10 @@ class SensorInput {
   /// A sample that is not stale.
   void on_sensor(const mavlink::common::HilSensor& m, base::RunTime now);
   void on_gps(const mavlink::common::HilGps& m, base::RunTime now);
+  /// Where no receiver has a fix, the pose counts as one about the origin of the estimate, which
+  /// must be known: MAV_FRAME_LOCAL_NED, velocity in MAV_FRAME_BODY_FRD, of a sensor that has not
+  /// failed. Its covariances are not used.
+  void on_odometry(const mavlink::common::Odometry& m, base::RunTime now);
   /// The same of an id from 1 on: noted for the next sample of id 0.
   void on_further_sensor(const mavlink::common::HilSensor& m, base::RunTime now);
   /// Whether the sample with this stamp falls into a new control period, on the grid of the
@@ -79,6 +84,7 @@ class SensorInput {
   base::Histogram age_;
   ImuVote imus_;
   GpsVote receivers_;
+  std::optional<base::RunTime> last_fix_;
 };
 
 /// Reading of battery 0; nullopt for another battery, and without a voltage or the remaining

@@ -204,9 +204,11 @@ void send_sys_status(const Report& r) {
                    S::kAngularRateControl | S::kAttitudeStabilization | S::kYawPosition |
                    S::kZAltitudeControl | S::kXyPositionControl | S::kMotorOutputs | S::kAhrs |
                    S::kBattery | S::kPrearmCheck;
-  m.onboard_control_sensors_present = always;
-  m.onboard_control_sensors_enabled = always;
-  const auto alive = [&](SensorHealth::Sensor s) { return r.core.readings.health.alive(s, r.now); };
+  const SensorHealth& sensors = r.core.readings.health;
+  const S present = sensors.seen(SensorHealth::kOdometry) ? always | S::kVisionPosition : always;
+  m.onboard_control_sensors_present = present;
+  m.onboard_control_sensors_enabled = present;
+  const auto alive = [&](SensorHealth::Sensor s) { return sensors.alive(s, r.now); };
   // Nothing breaches a fence that is not there; a ground station (MAVProxy) takes less for a
   // breach.
   S health = S::kMotorOutputs | S::kGeofence;
@@ -214,6 +216,7 @@ void send_sys_status(const Report& r) {
   if (alive(SensorHealth::kMag)) health |= S::k3dMag;
   if (alive(SensorHealth::kBaro)) health |= S::kAbsolutePressure;
   if (alive(SensorHealth::kGps)) health |= S::kGps;
+  if (alive(SensorHealth::kOdometry)) health |= S::kVisionPosition;
   if (r.core.estimator.aligned()) health |= S::kAhrs | S::kAttitudeStabilization;
   if (r.core.estimator.heading_valid()) health |= S::kYawPosition;
   if (r.core.estimator.height_valid()) health |= S::kZAltitudeControl;

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "base/earth/geodesy.hpp"
 #include "base/time/clock.hpp"
 #include "hils/firmware/companion_link.hpp"
 #include "hils/firmware/vehicle_clock.hpp"
@@ -54,6 +55,11 @@ class CompanionFlight {
   /// Joins casd's link once the vehicle is heard.
   /// @param name  of casd's link
   void join(const std::string& name);
+
+  /// Once joined. @see CompanionStation::set_origin()
+  void set_origin(const base::Geodetic& origin) {
+    link_.with_station([&](auto& station) { station.set_origin(origin); });
+  }
 
   /// Around each look at simulated time.
   void before_look();

@@ -5,9 +5,12 @@
 #include <utility>
 #include <variant>
 
+#include "base/earth/deg_e7.hpp"
 #include "mavlink/common/attitude.hpp"
+#include "mavlink/common/estimator_status.hpp"
 #include "mavlink/common/local_position_ned.hpp"
 #include "mavlink/common/mission_item_reached.hpp"
+#include "mavlink/common/set_gps_global_origin.hpp"
 #include "mavlink/common/table.hpp"
 #include "mavlink_gen/services/address.hpp"
 #include "mavlink_gen/services/station_heartbeat.hpp"
@@ -51,6 +54,9 @@ void CompanionStation::on_packet(const mav::PacketView& packet, base::RunTime no
     reached_ = std::max(reached_.value_or(0), item->seq);
     return;
   }
+  if (const auto status = mav::decode<mv::EstimatorStatus>(packet)) {
+    return on_estimator(status->flags);
+  }
   mission_.on_packet(packet, kSelf, now);
 }
 
@@ -64,6 +70,18 @@ void CompanionStation::on_vehicle_time(std::uint32_t boot_ms) {
     sticks->target = vehicle_.system;
     send_(encode_(*sticks));
   }
+}
+
+void CompanionStation::on_estimator(mv::EstimatorStatusFlags flags) {
+  using F = mv::EstimatorStatusFlags;
+  const bool is_local = (flags & F::kPosHorizRel) != F{} && (flags & F::kPosHorizAbs) == F{};
+  if (!origin_ || !is_local) return;
+  mv::SetGpsGlobalOrigin message;
+  message.target_system = vehicle_.system;
+  message.latitude = base::deg_e7(origin_->lat_deg);
+  message.longitude = base::deg_e7(origin_->lon_deg);
+  message.set_altitude_m(origin_->alt_m);
+  send_(encode_(message));
 }
 
 void CompanionStation::tick(base::RunTime now) {

@@ -7,10 +7,12 @@
 #include <span>
 #include <string_view>
 
+#include "base/earth/geodesy.hpp"
 #include "base/time/clock.hpp"
 #include "hils/firmware/setpoint_stream.hpp"
 #include "hils/firmware/stick_stream.hpp"
 #include "hils/measure/firmware_record.hpp"
+#include "mavlink/common/enums.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "mavlink_gen/services/mission_exchange.hpp"
@@ -40,6 +42,11 @@ class CompanionStation {
 
   StickStream& sticks() { return sticks_; }
 
+  /// Tells the vehicle where its local frame begins (SET_GPS_GLOBAL_ORIGIN), with each
+  /// ESTIMATOR_STATUS that knows a place about an origin of its own and none on the earth: that of
+  /// a PX4 that flies by external vision, which does not hold a place without a home.
+  void set_origin(const base::Geodetic& origin) { origin_ = origin; }
+
   /// Begins an upload; uploaded() has its end.
   void upload(mav::services::MissionExchange::Items items, base::RunTime now);
   const std::optional<mav::services::Outcome>& uploaded() const { return uploaded_; }
@@ -49,6 +56,7 @@ class CompanionStation {
  private:
   void on_packet(const mav::PacketView& packet, base::RunTime now);
   void on_vehicle_time(std::uint32_t boot_ms);
+  void on_estimator(mavlink::common::EstimatorStatusFlags flags);
   template <class Message>
   void say(Message message);
 
@@ -62,6 +70,7 @@ class CompanionStation {
   std::optional<base::Duration> vehicle_time_;
   std::optional<mav::services::Outcome> uploaded_;
   std::optional<std::uint16_t> reached_;
+  std::optional<base::Geodetic> origin_;
   base::RunTime next_heartbeat_{};
 };
 

@@ -177,6 +177,7 @@ std::string companion_link_name(std::size_t vehicle) {
 }
 
 bool needs_companion(const Scenario& scenario) {
+  if (scenario.firmware && scenario.firmware->tells_origin) return true;
   return std::ranges::any_of(
       scenario.steps, [](const FlightStep& step) { return CompanionFlight::gives(step.kind); });
 }

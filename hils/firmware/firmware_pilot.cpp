@@ -87,6 +87,7 @@ class FirmwareVehicle {
       }
     }
     if (companion_) companion_->join(companion_link_name(vehicle_));
+    if (deck_.scenario.firmware->tells_origin) companion_->set_origin(*deck_.scenario.home);
     return true;
   }
 

@@ -133,6 +133,7 @@ Firmware parse_firmware(const base::ConfigNode& node) {
   }
   firmware.on_serial_line = node.get("on_serial_line", false);
   firmware.outputs_disconnected = node.get("outputs_disconnected", false);
+  firmware.tells_origin = node.get("tells_origin", false);
   base::refuse_removed(
       node,
       {{"instances", "each vehicle of the world has an instance; or name them in `vehicles`"}});
@@ -344,6 +345,9 @@ void read_firmware(const base::ConfigNode& root, Scenario& scenario) {
                             : make_files(root, scenario, firmware);
   check_instances(root.at("firmware"), firmware, scenario.vehicles.size());
   check_outputs(root.at("firmware"), firmware);
+  if (firmware.tells_origin && (firmware.autopilot != "PX4" || !scenario.home)) {
+    root.at("firmware").at("tells_origin").fail("is for PX4, in a world with a home");
+  }
   firmware.not_hil |= firmware.outputs_disconnected;
   scenario.architecture = firmware.on_serial_line ? Architecture::kTcas : Architecture::kSitl;
   scenario.steps = parse_flight(root.at("steps"), gains_of(firmware.topology), scenario.names());

@@ -37,6 +37,8 @@ struct Firmware {
   bool external_ahrs = false;  ///< its sensors come by plugin external_ahrs, on ${CAS_AHRS_TTY}
   /// The user's word that nothing is connected to the outputs of an autopilot without a HIL mode.
   bool outputs_disconnected = false;
+  /// Tells PX4 where its local frame begins: it has no satellites to know its home by.
+  bool tells_origin = false;
   bool not_hil = false;                     ///< arm although it does not say that it is in HIL
   std::optional<base::ConfigNode> sensors;  ///< in the place of those of the flown vehicles
   base::ConfigNode node = base::ConfigNode::empty("firmware");  ///< for errors on its keys

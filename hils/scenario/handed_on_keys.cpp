@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -23,6 +24,8 @@
 #include "hils/scenario/yaml_text.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
+#include "mavlink/common/odometry.hpp"
+#include "mavlink/common/vision_position_estimate.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 #include "plugins/airspeed/airspeed_model.hpp"
 #include "plugins/barometer/barometer_model.hpp"
@@ -124,34 +127,60 @@ double further_set_hz(const base::ConfigNode& set, int number, double sensor_hz)
   return hz;
 }
 
-/// Refuses further sensors whose packets do not fit on the scenario's line beside the first ones.
-/// @param set  flown_sensors() of a vehicle
+template <class Message>
+casd::LineLoad load_of(double hz) {
+  return {Message::kId, hz, mav::kHeaderBytesV2 + Message::kMaxLength + mav::kChecksumBytes};
+}
+
+/// The scenario's plugin odometry; end() without one.
+auto find_odometry(const Scenario& scenario) {
+  return std::ranges::find_if(scenario.plugins, [](const base::ConfigNode& plugin) {
+    return plugin.at("plugin").as<std::string>() == "odometry";
+  });
+}
+
+/// What a vehicle's odometry puts on its line; nullopt without one.
+/// @param set  flown_sensors() of the vehicle
+std::optional<casd::LineLoad> odometry_load(const Scenario& scenario, const base::ConfigNode& set) {
+  const auto plugin = find_odometry(scenario);
+  if (plugin == scenario.plugins.end()) return std::nullopt;
+  const auto of_set = set.find("odometry");
+  const base::ConfigNode keys = of_set ? plugin->merged_over(*of_set) : *plugin;
+  const double hz = keys.get("rate_hz", 0.0);
+  return keys.get<std::string>("message", "ODOMETRY") == "ODOMETRY"
+             ? load_of<mavlink::common::Odometry>(hz)
+             : load_of<mavlink::common::VisionPositionEstimate>(hz);
+}
+
+/// Refuses further sensors and odometry whose packets do not fit on the scenario's line beside the
+/// first ones. @param set  flown_sensors() of a vehicle
 void check_line_carries(const Scenario& scenario, const base::ConfigNode& set) {
   const double baud = fcu::LineConfig::parse(scenario.line).baud;
   const std::vector<std::string> further = further_first_sensors(set);
-  if (further.empty() || baud <= 0) return;
-  using mavlink::common::HilGps;
-  using mavlink::common::HilSensor;
-  constexpr double kFrameBytes = mav::kHeaderBytesV2 + mav::kChecksumBytes;
+  const auto odometry = odometry_load(scenario, set);
+  if ((further.empty() && !odometry) || baud <= 0) return;
   double hz = scenario.rates.sensor_hz;
   for (int number = 2; number <= base::most_sensors("imu"); ++number) {
     hz += further_set_hz(set, number, scenario.rates.sensor_hz);
   }
   const double fixes_hz = scenario.rates.gps_hz * (set.has("gps_2") ? 2 : 1);
-  const casd::LineBudget budget{
-      .link = "line",
-      .baud = static_cast<unsigned>(baud),
-      .capacity_bytes_s =
-          casd::LinePacer::kLineShare * casd::LinePacer::rate_of(static_cast<unsigned>(baud)),
-      .loads = {{HilSensor::kId, hz, kFrameBytes + HilSensor::kMaxLength},
-                {HilGps::kId, fixes_hz, kFrameBytes + HilGps::kMaxLength}}};
+  casd::LineBudget budget{.link = "line",
+                          .baud = static_cast<unsigned>(baud),
+                          .capacity_bytes_s = casd::LinePacer::kLineShare *
+                                              casd::LinePacer::rate_of(static_cast<unsigned>(baud)),
+                          .loads = {load_of<mavlink::common::HilSensor>(hz),
+                                    load_of<mavlink::common::HilGps>(fixes_hz)}};
+  if (odometry) budget.loads.push_back(*odometry);
   if (budget.fits()) return;
   const unsigned fitting = budget.fitting_baud();
-  set.at(further.front())
-      .fail(fmt::format("with the further sensors the line carries {:.1f} kB/s of {:.1f}: "
-                        "HIL_SENSOR {:g} and HIL_GPS {:g} a second; {}lower rates.sensor_hz",
-                        budget.load_bytes_s() / 1e3, budget.capacity_bytes_s / 1e3, hz, fixes_hz,
-                        fitting > 0 ? fmt::format("it takes {} baud, or ", fitting) : ""));
+  const base::ConfigNode at =
+      further.empty() ? find_odometry(scenario)->at("plugin") : set.at(further.front());
+  at.fail(
+      fmt::format("with the further sensors the line carries {:.1f} kB/s of {:.1f}: "
+                  "HIL_SENSOR {:g} and HIL_GPS {:g} a second{}; {}lower rates.sensor_hz",
+                  budget.load_bytes_s() / 1e3, budget.capacity_bytes_s / 1e3, hz, fixes_hz,
+                  odometry ? fmt::format(", odometry {:g}", odometry->hz) : "",
+                  fitting > 0 ? fmt::format("it takes {} baud, or ", fitting) : ""));
 }
 
 void check_sensors(const Scenario& scenario, std::size_t vehicle,

@@ -16,6 +16,7 @@
 #include "base/os/log.hpp"
 #include "libsim/api/fault_order.hpp"
 #include "libsim/api/messages.hpp"
+#include "libsim/api/odometry_sample.hpp"
 #include "libsim/api/plugin.hpp"
 #include "libsim/api/surface_health.hpp"
 #include "plugins/common/rounding.hpp"
@@ -139,6 +140,7 @@ class FaultPlugin final : public Plugin {
     open_taps_of<RangeSample>(context, SensorTopic::kRangefinder);
     open_taps_of<AirspeedSample>(context, SensorTopic::kAirspeed);
     open_taps_of<FlowSample>(context, SensorTopic::kOpticalFlow);
+    open_taps_of<OdometrySample>(context, SensorTopic::kOdometry);
   }
 
   void open_topics(PluginContext& context) {
@@ -309,6 +311,8 @@ class FaultPlugin final : public Plugin {
         return apply(std::get<Taps<AirspeedSample>>(taps_));
       case SensorTopic::kOpticalFlow:
         return apply(std::get<Taps<FlowSample>>(taps_));
+      case SensorTopic::kOdometry:
+        return apply(std::get<Taps<OdometrySample>>(taps_));
     }
   }
 
@@ -405,7 +409,7 @@ class FaultPlugin final : public Plugin {
   std::vector<double> turned_rad_;  // by each rotor
   double vibration_ = 0;            // see BiasDriver::kVibration
   std::tuple<Taps<ImuSample>, Taps<GpsSample>, Taps<MagnetometerSample>, Taps<BarometerSample>,
-             Taps<RangeSample>, Taps<AirspeedSample>, Taps<FlowSample>>
+             Taps<RangeSample>, Taps<AirspeedSample>, Taps<FlowSample>, Taps<OdometrySample>>
       taps_;
   Publisher<PropulsionHealth> health_;
   Publisher<SurfaceHealth> surface_health_;

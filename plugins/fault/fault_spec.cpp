@@ -34,7 +34,7 @@ struct FieldName {
   SampleField field;
 };
 
-constexpr std::array<FieldName, 10> kFields{
+constexpr std::array<FieldName, 13> kFields{
     {{SensorTopic::kImu, "specific_force", "m_s2", 1.0, SampleField::kSpecificForce},
      {SensorTopic::kImu, "angular_rate", "deg_s", base::kRadPerDeg, SampleField::kAngularRate},
      {SensorTopic::kGps, "position", "m", 1.0, SampleField::kPosition},
@@ -45,11 +45,15 @@ constexpr std::array<FieldName, 10> kFields{
      {SensorTopic::kRangefinder, "distance", "m", 1.0, SampleField::kDistance},
      {SensorTopic::kAirspeed, "differential_pressure", "pa", 1.0,
       SampleField::kDifferentialPressure},
-     {SensorTopic::kOpticalFlow, "flow", "rad", 1.0, SampleField::kFlow}}};
+     {SensorTopic::kOpticalFlow, "flow", "rad", 1.0, SampleField::kFlow},
+     {SensorTopic::kOdometry, "position", "m", 1.0, SampleField::kPosition},
+     {SensorTopic::kOdometry, "velocity", "m_s", 1.0, SampleField::kVelocity},
+     {SensorTopic::kOdometry, "attitude", "deg", base::kRadPerDeg, SampleField::kAttitude}}};
 
 /// In the order of SensorTopic; also the names of their plugins.
-constexpr std::array<std::string_view, 7> kSensorWords{
-    "imu", "gps", "magnetometer", "barometer", "rangefinder", "airspeed", "optical_flow"};
+constexpr std::array<std::string_view, 8> kSensorWords{
+    "imu",         "gps",      "magnetometer", "barometer",
+    "rangefinder", "airspeed", "optical_flow", "odometry"};
 
 /// Reads the sensor that a fault is about: "imu", or "imu_2".
 void parse_sensor(const ConfigNode& node, SensorFault& fault) {
@@ -59,8 +63,8 @@ void parse_sensor(const ConfigNode& node, SensorFault& fault) {
       std::ranges::find(kSensorWords, sensor ? sensor->plugin : std::string_view(word));
   if (found == kSensorWords.end()) {
     node.fail(
-        "must be imu, gps, magnetometer, barometer, rangefinder, airspeed or optical_flow, or one "
-        "of several: imu_2" +
+        "must be imu, gps, magnetometer, barometer, rangefinder, airspeed, optical_flow or "
+        "odometry, or one of several: imu_2" +
         base::did_you_mean(word, kSensorWords));
   }
   fault.topic = static_cast<SensorTopic>(found - kSensorWords.begin());
@@ -170,7 +174,21 @@ SensorFault parse_blind(const ConfigNode& node) {
   SensorFault fault;
   fault.effect = SensorEffect::kBlind;
   parse_sensor(node, fault);
-  if (fault.topic != SensorTopic::kOpticalFlow) node.fail("must be optical_flow");
+  if (fault.topic != SensorTopic::kOpticalFlow && fault.topic != SensorTopic::kOdometry) {
+    node.fail("must be optical_flow or odometry");
+  }
+  return fault;
+}
+
+/// {position_m: [2, 0, 0], yaw_deg: 10}: of odometry, as by a loop that it closes.
+SensorFault parse_relocated(const ConfigNode& node) {
+  SensorFault fault;
+  fault.effect = SensorEffect::kRelocate;
+  fault.topic = SensorTopic::kOdometry;
+  if (const auto position = node.find("position_m")) fault.value = parse_axes(*position);
+  const double yaw_rad = base::radians(node.get_in("yaw_deg", 0, -360, 360));
+  if (fault.value.isZero(0.0) && yaw_rad == 0) node.fail("needs position_m or yaw_deg");
+  fault.turn = base::quaternion_rpy(0, 0, yaw_rad).toRotationMatrix();
   return fault;
 }
 
@@ -338,11 +356,11 @@ GustCommand parse_gust(const ConfigNode& node) {
 
 /// "; did you mean 'rotor'?" where a key is nearly an effect, or nothing.
 std::string meant_effect(const ConfigNode& node) {
-  constexpr std::array<std::string_view, 25> kEffects{
+  constexpr std::array<std::string_view, 26> kEffects{
       "freeze",      "drop",          "delay",     "bias",        "scale",        "noise", "clip",
       "drift",       "current",       "airflow",   "turn",        "axes",         "fix",   "rotor",
       "swap_rotors", "voltage_share", "surface",   "mass_factor", "cg_shift_B_m", "gust",  "jammed",
-      "spoofed",     "multipath",     "vibration", "blind"};
+      "spoofed",     "multipath",     "vibration", "blind",       "relocated"};
   for (const auto& [key, value] : node.entries()) {
     const std::string meant = base::did_you_mean(key, kEffects);
     if (!meant.empty()) return meant;
@@ -375,6 +393,7 @@ FaultKind parse_kind(const ConfigNode& node) {
   offer("axes", parse_axis_map);
   offer("vibration", parse_vibration);
   offer("blind", parse_blind);
+  offer("relocated", parse_relocated);
   offer("fix", parse_fix);
   offer("jammed", parse_jammed);
   offer("spoofed", parse_spoofed);
@@ -389,8 +408,8 @@ FaultKind parse_kind(const ConfigNode& node) {
   if (!kind) {
     node.fail(
         "needs one of freeze, drop, delay, bias, scale, noise, clip, drift, current, airflow, "
-        "vibration, blind, turn, axes, fix, jammed, spoofed, multipath, rotor, swap_rotors, "
-        "voltage_share, surface, mass_factor, cg_shift_B_m, gust" +
+        "vibration, blind, relocated, turn, axes, fix, jammed, spoofed, multipath, rotor, "
+        "swap_rotors, voltage_share, surface, mass_factor, cg_shift_B_m, gust" +
         meant_effect(node));
   }
   return *kind;

@@ -25,14 +25,16 @@ enum class SensorTopic : std::uint8_t {
   kRangefinder,
   kAirspeed,
   kOpticalFlow,
+  kOdometry,
 };
 
 /// The part of a sample that a fault changes.
 enum class SampleField : std::uint8_t {
   kSpecificForce,
   kAngularRate,
-  kPosition,  ///< north, east, down
-  kVelocity,
+  kPosition,  ///< north, east, down; of odometry in the axes of its frame
+  kVelocity,  ///< of odometry in the axes of D
+  kAttitude,  ///< roll, pitch, yaw
   kField,
   kPressure,
   kTemperature,
@@ -55,6 +57,7 @@ enum class SensorEffect : std::uint8_t {
   kSpoof,      ///< the position goes away at the speed `value`, and the velocity says so
   kMultipath,  ///< error of the deviation `value`, correlated in time
   kBlind,      ///< the camera sees nothing
+  kRelocate,   ///< the frame moves and turns at once, and the reset counter says so
 };
 
 /// Factor of a bias.
@@ -81,15 +84,16 @@ struct SensorFault {
   SampleField field{};
   Eigen::Vector3d value = Eigen::Vector3d::Zero();  ///< SI; factor for kScale, deviation for kNoise
   base::Duration delay{};
-  BiasDriver driver = BiasDriver::kOne;                ///< of kBias
-  std::optional<SampleField> only;                     ///< of kFreeze: the rest goes on
-  double drop_share = 1;                               ///< of kDrop: probability for each sample
-  int all_but = 0;                                     ///< of kDrop: each n-th passes; 0: none
-  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< of kTurn: true to read vector
-  FixReport fix{};                                     ///< of kFix
-  double time_constant_s = 0;                          ///< of kMultipath
-  double loss_db = 0;                                  ///< of kJam: fall of C/N0
-  double rise_s = 0;                                   ///< of kJam: until it is so large
+  BiasDriver driver = BiasDriver::kOne;  ///< of kBias
+  std::optional<SampleField> only;       ///< of kFreeze: the rest goes on
+  double drop_share = 1;                 ///< of kDrop: probability for each sample
+  int all_but = 0;                       ///< of kDrop: each n-th passes; 0: none
+  /// Of kTurn: true to read vector; of kRelocate: of the frame about the sensor's place.
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  FixReport fix{};             ///< of kFix
+  double time_constant_s = 0;  ///< of kMultipath
+  double loss_db = 0;          ///< of kJam: fall of C/N0
+  double rise_s = 0;           ///< of kJam: until it is so large
 };
 
 struct RotorFault {

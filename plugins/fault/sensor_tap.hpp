@@ -7,9 +7,11 @@
 #include <string>
 #include <vector>
 
+#include "base/earth/frames.hpp"
 #include "base/earth/geodesy.hpp"
 #include "base/random.hpp"
 #include "libsim/api/messages.hpp"
+#include "libsim/api/odometry_sample.hpp"
 #include "libsim/api/topic_bus.hpp"
 #include "plugins/common/delay_line.hpp"
 #include "plugins/common/gauss_markov.hpp"
@@ -68,11 +70,24 @@ class SampleAccess {
     s.flow_rad = value.head<2>();
   }
 
+  Eigen::Vector3d read(const OdometrySample& s, SampleField field) const {
+    if (field == SampleField::kAttitude) return base::euler_rpy(s.q_FD);
+    return field == SampleField::kVelocity ? s.velocity_D_m_s : s.position_F_m;
+  }
+  void write(OdometrySample& s, SampleField field, const Eigen::Vector3d& value) const {
+    if (field == SampleField::kAttitude) {
+      s.q_FD = base::quaternion_rpy(value.x(), value.y(), value.z());
+    } else {
+      (field == SampleField::kVelocity ? s.velocity_D_m_s : s.position_F_m) = value;
+    }
+  }
+
   /// Nothing to follow in the picture.
   static void blind(FlowSample& s) {
     s.flow_rad.setZero();
     s.quality = 0;
   }
+  static void blind(OdometrySample& s) { s.quality = -1; }
   template <class Sample>
   static void blind(Sample&) {}  // no picture
 
@@ -85,6 +100,23 @@ class SampleAccess {
   }
   template <class Sample>
   static void turn(Sample&, const Eigen::Matrix3d&) {}  // no vectors of the body
+
+  /// Turns the frame about the place `pivot` and moves it. @param pivot  taken from the first
+  /// sample
+  static void relocate(OdometrySample& s, const SensorFault& fault,
+                       std::optional<Eigen::Vector3d>& pivot) {
+    if (!pivot) pivot = s.position_F_m;
+    s.position_F_m = *pivot + fault.turn * (s.position_F_m - *pivot) + fault.value;
+    s.q_FD = Eigen::Quaterniond(fault.turn) * s.q_FD;
+  }
+  template <class Sample>
+  static void relocate(Sample&, const SensorFault&, std::optional<Eigen::Vector3d>&) {}
+
+  static void count_resets(OdometrySample& s, unsigned resets) {
+    s.reset_counter = static_cast<std::uint8_t>(s.reset_counter + resets);
+  }
+  template <class Sample>
+  static void count_resets(Sample&, unsigned) {}  // no frame of its own
 
   static void report(GpsSample& s, const FixReport& fix) {
     s.fix_type = fix.type;
@@ -126,8 +158,12 @@ class SensorTap {
     dynamic_pressure_pa_ = dynamic_pressure_pa;
     vibration_ = vibration;
   }
-  void begin(const SensorFault& fault) { active_.push_back({&fault, now_}); }
+  void begin(const SensorFault& fault) {
+    count_reset(fault);
+    active_.push_back({&fault, now_});
+  }
   void end(const SensorFault& fault) {
+    count_reset(fault);
     std::erase_if(active_, [&fault](const Active& each) { return each.fault == &fault; });
   }
   /// Delivers samples whose delay has passed.
@@ -138,18 +174,26 @@ class SensorTap {
     active_.clear();
     held_.clear();
     last_.reset();
+    resets_ = 0;
   }
 
  private:
   struct Active {
     const SensorFault* fault;
     base::SimTime since;
-    int samples = 0;          ///< so far, counted up to all_but
-    CorrelatedError error{};  ///< of multipath
+    int samples = 0;                         ///< so far, counted up to all_but
+    CorrelatedError error{};                 ///< of multipath
+    std::optional<Eigen::Vector3d> pivot{};  ///< of a frame that was turned
   };
+
+  /// A frame jumps when it is relocated, and once more when it comes back.
+  void count_reset(const SensorFault& fault) {
+    if (fault.effect == SensorEffect::kRelocate) ++resets_;
+  }
 
   void on_publish(const Sample& sample) {
     Sample spoiled = sample;
+    SampleAccess::count_resets(spoiled, resets_);
     bool dropped = false;
     base::Duration delay{};
     for (Active& active : active_) {
@@ -208,6 +252,9 @@ class SensorTap {
       return access_.jam(sample, share * fault.loss_db, *random_);
     }
     if (fault.effect == SensorEffect::kBlind) return SampleAccess::blind(sample);
+    if (fault.effect == SensorEffect::kRelocate) {
+      return SampleAccess::relocate(sample, fault, active.pivot);
+    }
     if (fault.effect == SensorEffect::kSpoof) return spoof(sample, fault.value, lasts_s);
     if (fault.effect == SensorEffect::kMultipath) {
       return add(sample, SampleField::kPosition,
@@ -256,6 +303,7 @@ class SensorTap {
   double dynamic_pressure_pa_ = 0;
   double vibration_ = 0;
   std::vector<Active> active_;
+  unsigned resets_ = 0;  ///< jumps of the frame that the sensor knows of
   std::optional<Sample> last_;
   DelayLine<Sample> held_;
   Interceptor<Sample> interceptor_;

@@ -57,6 +57,17 @@ constexpr std::array kFailures{
     Failure{Unit::kGps, Type::kDelayed, {"delay: {sensor: gps, by_s: 0.8}"}},
     Failure{Unit::kGps, Type::kIntermittent, {"drop: {sensor: gps, share: 0.5}"}},
 
+    Failure{Unit::kVio, Type::kOff, {"drop: odometry"}},
+    Failure{Unit::kVio, Type::kStuck, {"freeze: odometry"}},
+    Failure{Unit::kVio,
+            Type::kGarbage,
+            {"noise: {sensor: odometry, position_m: 50}",
+             "noise: {sensor: odometry, velocity_m_s: 20}"}},
+    Failure{Unit::kVio, Type::kWrong, {"bias: {sensor: odometry, position_m: [2, 0, 0]}"}},
+    Failure{Unit::kVio, Type::kSlow, {"drop: {sensor: odometry, all_but: 10}"}},
+    Failure{Unit::kVio, Type::kDelayed, {"delay: {sensor: odometry, by_s: 0.3}"}},
+    Failure{Unit::kVio, Type::kIntermittent, {"drop: {sensor: odometry, share: 0.5}"}},
+
     Failure{Unit::kDistanceSensor, Type::kOff, {"drop: rangefinder"}},
     Failure{Unit::kDistanceSensor, Type::kStuck, {"freeze: rangefinder"}},
     Failure{Unit::kDistanceSensor, Type::kGarbage, {"noise: {sensor: rangefinder, distance_m: 5}"}},
@@ -108,6 +119,8 @@ std::optional<SensorOfUnit> sensor_of(Unit unit) {
       return SensorOfUnit{kPartRangefinder, "rangefinder"};
     case Unit::kAirspeed:
       return SensorOfUnit{kPartAirspeed, "airspeed"};
+    case Unit::kVio:
+      return SensorOfUnit{kPartOdometry, "odometry"};
     default:
       return std::nullopt;
   }

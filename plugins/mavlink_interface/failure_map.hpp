@@ -22,6 +22,7 @@ enum VehiclePart : std::uint8_t {
   kPartBarometer = 1U << 3U,
   kPartRangefinder = 1U << 4U,
   kPartAirspeed = 1U << 5U,
+  kPartOdometry = 1U << 6U,
 };
 
 /// The sensors of a vehicle that have spoken, by kind and number.
@@ -44,7 +45,7 @@ class SpokenSensors {
   }
 
  private:
-  std::array<std::uint8_t, 6> most_{};
+  std::array<std::uint8_t, 7> most_{};
 };
 
 /// Parts of a vehicle that can fail.

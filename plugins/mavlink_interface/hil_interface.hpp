@@ -18,6 +18,7 @@
 #include "base/time/rate_gate.hpp"
 #include "libsim/api/mavlink_message.hpp"
 #include "libsim/api/messages.hpp"
+#include "libsim/api/odometry_sample.hpp"
 #include "mavlink/common/command_ack.hpp"
 #include "mavlink/common/command_long.hpp"
 #include "mavlink/common/hil_sensor.hpp"
@@ -107,6 +108,8 @@ class HilInterface {
   void on_range(const RangeSample& sample, std::size_t at = 0) {
     take(range_.at(at), sample, kPartRangefinder, at);
   }
+  /// Its message is the plugin's own.
+  void on_odometry(const OdometrySample&, std::size_t at = 0) { sensors_.add(kPartOdometry, at); }
   void on_battery(const BatterySample& sample) { battery_ = sample; }
   void on_esc(const EscSample& sample) { esc_ = sample; }
   /// A message of a plugin, for the next flush(). @return false when too many wait already

@@ -245,6 +245,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
     listen<BarometerSample>(context, "barometer", &HilInterface::on_barometer);
     listen<AirspeedSample>(context, "airspeed", &HilInterface::on_airspeed);
     listen<RangeSample>(context, "rangefinder", &HilInterface::on_range);
+    listen<OdometrySample>(context, "odometry", &HilInterface::on_odometry);
     battery_ = context.bus().subscribe<BatterySample>(
         context.topic("battery"),
         [this](const BatterySample& sample) { interface_->on_battery(sample); }, Need::kOptional);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Our controller with three IMUs and two receivers, one of which fails in flight.
+// Our controller with three IMUs and two receivers, or odometry, when a sensor fails in flight.
 #include <gtest/gtest.h>
 
 #include <unistd.h>
@@ -46,17 +46,19 @@ struct Flight {
 };
 
 /// The hover with more sensors, and a fault in the measured hold.
-Scenario hover_with(const std::string& sensors, const std::string& fault) {
+/// @param further  plugins, each with a comma behind it
+Scenario hover_with(const std::string& sensors, const std::string& fault,
+                    const std::string& further = {}) {
   Scenario scenario = Scenario::load(cas::test::source_dir() + "/config/scenarios/hover.yaml");
   for (FlightStep& step : scenario.steps) {
     if (step.measure) step.duration = std::chrono::seconds(15);
   }
   scenario.sensors = base::ConfigNode::parse(sensors);
   scenario.line = base::ConfigNode::parse("{preset: ideal}");  // 921,600 baud do not carry them
-  const std::string plugins =
-      "[{plugin: fault, faults: [{name: broken, when: phase == hold and "
-      "time > 27, " +
-      fault + "}]}]";
+  const std::string plugins = "[" + further +
+                              "{plugin: fault, faults: [{name: broken, when: phase == hold and "
+                              "time > 27, " +
+                              fault + "}]}]";
   scenario.plugins = base::ConfigNode::parse(plugins).items();
   scenario.limits.rate_error_pct.reset();  // HIL_GPS of a silent receiver
   return scenario;
@@ -105,6 +107,26 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(OneOfOne, AStuckImuEndsTheFlight) {
   const Flight flight(hover_with("{}", "freeze: imu"), "one_imu_stuck");
   EXPECT_FALSE(flight.verdict.passed) << flight.text;
+}
+
+std::string odometry_in(const char* frame) {
+  return "{plugin: odometry, rate_hz: 30, delay_s: 0.05, position_stddev_m: 0.01, "
+         "attitude_stddev_deg: 0.3, velocity_stddev_m_s: 0.05, rate_stddev_deg_s: 0.5, "
+         "position_walk_m_per_sqrt_s: 0.005, frame: " +
+         std::string(frame) + "}, ";
+}
+
+TEST(WithoutFixes, OdometryHoldsThePlace) {
+  const Flight flight(hover_with("{}", "drop: gps", odometry_in("LOCAL_NED")), "odometry");
+  EXPECT_TRUE(flight.verdict.passed) << flight.text;
+}
+
+/// So does one in a frame of which it does not know how it is turned: it is not used.
+TEST(WithoutFixes, AVehicleWithoutOdometryLandsBlind) {
+  for (const std::string& further : {std::string(), odometry_in("LOCAL_FRD")}) {
+    const Flight flight(hover_with("{}", "drop: gps", further), "blind");
+    EXPECT_FALSE(flight.verdict.passed) << flight.text;
+  }
 }
 
 TEST(SeveralSensors, TheFaultOfOneThatIsNotFlownByIsNoConcernOfTheFlight) {

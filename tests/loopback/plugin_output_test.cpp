@@ -107,6 +107,20 @@ TEST_F(PluginOutput, PassesTheRoutesOfARunWhenItIsDeclared) {
       << text("run/hilsim.log");
 }
 
+TEST_F(PluginOutput, OdometryPassesTheRoutesOfARun) {
+  run("  - {plugin: odometry, rate_hz: 30, position_stddev_m: 0.01, attitude_stddev_deg: 0.3, "
+      "velocity_stddev_m_s: 0.05, rate_stddev_deg_s: 0.5}\n",
+      {"--lockstep"}, 0);
+  EXPECT_EQ(allowed(), (std::vector<std::string>{"HEARTBEAT", "HIL_SENSOR", "HIL_GPS", "ODOMETRY",
+                                                 "VISION_POSITION_ESTIMATE"}));
+  const json sent = figures("run/hilsim_stats.json").at("plugins").at("mavlink_interface@iris0");
+  const int count = sent.at("sent").at("ODOMETRY");
+  EXPECT_GT(count, 100);
+  EXPECT_FALSE(sent.at("sent").contains("VISION_POSITION_ESTIMATE"));
+  const json received = figures("run/fcu_emulator_stats.json").at("received");
+  EXPECT_NEAR(received.value("ODOMETRY", 0), count, 2);  // in flight at the end
+}
+
 TEST_F(PluginOutput, LeavesTheRoutesAloneWhereNothingIsDeclared) {
   run("  - {plugin: fake_listener}\n", {"--virtual"}, 0);
   EXPECT_EQ(allowed(), (std::vector<std::string>{"HEARTBEAT", "HIL_SENSOR", "HIL_GPS"}));

@@ -96,16 +96,23 @@ INSTANTIATE_TEST_SUITE_P(
                 {.sensors = kPartAirspeed, .rotors = 1},
                 {"{end: 'injected airspeed'}",
                  "{name: 'injected airspeed', at_s: 0, freeze: airspeed}"}},
+        MapCase{"NoOdometryNoFailure", {Unit::kVio, Type::kOff}, kQuad, {}},
+        MapCase{"OdometryIsLate",
+                {Unit::kVio, Type::kDelayed},
+                {.sensors = kPartOdometry, .rotors = 4},
+                {"{end: 'injected vio'}",
+                 "{name: 'injected vio', at_s: 0, delay: {sensor: odometry, by_s: 0.3}}"}},
         MapCase{"AnUnknownUnit", {static_cast<Unit>(42), Type::kOff}, kQuad, {}},
         MapCase{"AnUnknownType", {Unit::kGps, static_cast<Type>(99)}, kQuad, {}}),
     [](const auto& test) { return test.param.name; });
 
 TEST(FailureMapAsAWhole, HasOrdersThatPluginFaultReads) {
   int failures = 0;
+  VehicleParts all = kQuad;
+  all.sensors.add(kPartOdometry, 0);
   for (int unit = 0; unit < 256; ++unit) {
     for (int type = 1; type < 256; ++type) {
-      const auto orders =
-          fault_orders({static_cast<Unit>(unit), static_cast<Type>(type), 1}, kQuad);
+      const auto orders = fault_orders({static_cast<Unit>(unit), static_cast<Type>(type), 1}, all);
       if (!orders) continue;
       ++failures;
       ASSERT_GE(orders->size(), 2U);
@@ -113,10 +120,10 @@ TEST(FailureMapAsAWhole, HasOrdersThatPluginFaultReads) {
         EXPECT_NO_THROW(parse_fault(base::ConfigNode::parse((*orders)[i], "order"), 1))
             << (*orders)[i];
       }
-      EXPECT_TRUE(fault_orders({static_cast<Unit>(unit), Type::kOk, 1}, kQuad)) << unit;
+      EXPECT_TRUE(fault_orders({static_cast<Unit>(unit), Type::kOk, 1}, all)) << unit;
     }
   }
-  EXPECT_EQ(failures, 38);
+  EXPECT_EQ(failures, 45);
 }
 
 /// A vehicle with sensors on the bus, whose simulator is sent commands.

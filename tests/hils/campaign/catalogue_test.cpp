@@ -49,7 +49,7 @@ TEST(Catalogue, EveryFailureIsAFaultOfAScenario) {
 }
 
 TEST(Catalogue, KnowsWhatTheBenchMustHave) {
-  EXPECT_EQ(shipped().failures().size(), 69U);
+  EXPECT_EQ(shipped().failures().size(), 76U);
   EXPECT_EQ(shipped().find("gps_spoofeds"), nullptr);
   EXPECT_EQ(shipped().find("gps_spoofed")->needs, FailureNeeds::kNothing);
   EXPECT_FALSE(shipped().find("gps_spoofed")->of_bench);
@@ -78,7 +78,7 @@ TEST(Catalogue, IsTheShippedOneWhereverItIsAskedFor) {
   folder.write("failures.yaml", "of: somebody\n");
   const std::filesystem::path before = std::filesystem::current_path();
   std::filesystem::current_path(folder.path());
-  EXPECT_EQ(FailureCatalogue::shipped().failures().size(), 69U);
+  EXPECT_EQ(FailureCatalogue::shipped().failures().size(), 76U);
   std::filesystem::current_path(before);
 }
 

@@ -50,6 +50,28 @@ class Companion : public testing::Test {
                             }};
 };
 
+TEST_F(Companion, TellsTheOriginUntilTheVehicleKnowsAPlaceOnTheEarth) {
+  using F = mv::EstimatorStatusFlags;
+  const auto report = [this](F flags) {
+    mv::EstimatorStatus status;
+    status.flags = flags;
+    hear(status);
+  };
+  report(F::kPosHorizRel);
+  EXPECT_TRUE(sent<mv::SetGpsGlobalOrigin>().empty()) << "nobody asked for it";
+  station_.set_origin({.lat_deg = 47.397742, .lon_deg = -8.5, .alt_m = 488});
+  report(F::kAttitude);
+  EXPECT_TRUE(sent<mv::SetGpsGlobalOrigin>().empty()) << "it has no position yet";
+  report(F::kAttitude | F::kPosHorizRel);
+  report(F::kAttitude | F::kPosHorizRel | F::kPosHorizAbs);
+  const auto origins = sent<mv::SetGpsGlobalOrigin>();
+  ASSERT_EQ(origins.size(), 1U);
+  EXPECT_EQ(origins[0].target_system, 1);
+  EXPECT_EQ(origins[0].latitude, 473'977'420);
+  EXPECT_EQ(origins[0].longitude, -85'000'000);
+  EXPECT_EQ(origins[0].altitude, 488'000);
+}
+
 TEST_F(Companion, SendsFiftySetpointsForEachSecondOfTheVehiclesClock) {
   station_.setpoints().hover({1, 2, -3}, 0.5);
   for (std::uint32_t ms = 1000; ms < 3000; ms += 4) at_ms(ms);

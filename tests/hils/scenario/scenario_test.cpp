@@ -61,6 +61,23 @@ TEST_F(ScenarioFile, RefusesMoreSensorsThanItsLineCarries) {
   EXPECT_NE(error.find("HIL_SENSOR 1500"), std::string::npos) << error;
 }
 
+TEST_F(ScenarioFile, OdometryCountsOnItsLineByItsRateAndMessage) {
+  const std::string line = "line: {preset: baud_921600}\nsensors: {imu_2: {}}\n";
+  const auto odometry = [](const char* keys) {
+    return "plugins:\n  - {plugin: odometry, " + std::string(keys) + "}\n";
+  };
+  // Two IMUs take 77 of 88 kB/s; 40 ODOMETRY a second are 9.8, 60 are 14.7, 60 of the other 7.7.
+  EXPECT_EQ(error_of(kHead + line + odometry("rate_hz: 40") + kFlight), "");
+  const std::string error = error_of(kHead + line + odometry("rate_hz: 60") + kFlight);
+  EXPECT_NE(error.find("HIL_GPS 5 a second, odometry 60"), std::string::npos) << error;
+  EXPECT_EQ(
+      error_of(kHead + line + odometry("rate_hz: 60, message: VISION_POSITION_ESTIMATE") + kFlight),
+      "");
+  const std::string one =
+      error_of(kHead + "line: {preset: baud_921600}\n" + odometry("rate_hz: 250") + kFlight);
+  EXPECT_NE(one.find("plugins[0].plugin: with the further sensors"), std::string::npos) << one;
+}
+
 TEST_F(ScenarioFile, RefusesFaultsOfAFlightOfStockFirmware) {
   for (const char* const effect : {"pause: hilsim", "cut: fcu"}) {
     const std::string error =
