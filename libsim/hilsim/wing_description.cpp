@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <iterator>
@@ -151,15 +152,28 @@ void print_modes(std::string& text, const std::vector<FlightMode>& modes) {
   }
 }
 
+/// Whether the wing's chord lies along the body's nose, as glide and trim assume; that of a
+/// tailsitter stands upright in hover.
+bool flies_nose_first(const base::AeroParams& aero) {
+  constexpr double kForwards = 0.5;  // of a chord
+  return aero.derivatives || std::ranges::any_of(aero.panels, [](const base::PanelParams& panel) {
+           return panel.forward_B.x() > kForwards;
+         });
+}
+
 }  // namespace
 
 std::string describe_wings(const base::Vehicle& vehicle, const VehicleModel& model) {
   const base::AeroParams& params = *vehicle.aero;
-  const AeroModel aero(params);
-  PushingRotors rotors(vehicle);
   std::string text;
   print_surfaces(text, params);
+  if (!flies_nose_first(params)) {
+    add_line(text, "trim               none: no panel's chord points along the nose of hover");
+    return text;
+  }
 
+  const AeroModel aero(params);
+  PushingRotors rotors(vehicle);
   std::vector<std::pair<double, double>> limits;
   for (const base::ControlSurface& surface : params.surfaces) {
     limits.push_back(std::minmax({surface.min_rad, surface.max_rad}));

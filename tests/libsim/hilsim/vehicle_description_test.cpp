@@ -122,5 +122,14 @@ TEST(VehicleDescription, OfAPlaneIsItsTrimStallGlideAndModes) {
   EXPECT_THAT(text, testing::Not(HasSubstr("hover")));
 }
 
+TEST(VehicleDescription, OfATailsitterHasNoTrimAlongTheNoseOfItsHover) {
+  const base::Vehicle vehicle =
+      base::Vehicle::load(test::kSourceDir / "config/vehicles/tailsitter.yaml");
+  const std::string text = describe_vehicle(vehicle, load_vehicle_model(vehicle.urdf), {});
+  EXPECT_THAT(text, HasSubstr("hover              output 0.568"));
+  EXPECT_THAT(text, HasSubstr("trim               none: no panel's chord points along"));
+  EXPECT_THAT(text, testing::Not(HasSubstr("stall")));
+}
+
 }  // namespace
 }  // namespace cas::sim
