@@ -158,14 +158,16 @@ class SampleTrack final : public RecordTrack {
 class VehicleMcap {
  public:
   /// @param prefix  of its topics: "/", or "/NAME/" of several vehicles
+  /// @param home    the world's origin on earth; nullopt: it has none
   VehicleMcap(McapChannels& to, const RunRequest& request, std::size_t place,
-              const RunRecord& record, std::string prefix)
+              const RunRecord& record, std::string prefix,
+              const std::optional<base::Geodetic>& home)
       : to_(to),
         record_(record),
         vehicle_(base::Vehicle::load(request.scenario.vehicles.at(place).vehicle)),
         header_(TruthHeader::parse(CsvFile(record.truth_csv).header(), record.truth_csv)),
         prefix_(std::move(prefix)) {
-    if (request.scenario.home) earth_.emplace(*request.scenario.home);
+    if (home) earth_.emplace(*home);
   }
 
   /// What stands from the begin on.
@@ -411,7 +413,10 @@ void write_mcap(const RunRequest& request, const RunResult& run) {
   McapWriter file({paths.out, paths.flight_mcap()}, "CAS " CAS_VERSION);
   file.write_metadata("cas", facts_of(request));
   McapChannels channels(file);
-  ObstacleMcap obstacles(channels, flown_world(paths.simulator_config()));
+  const std::optional<sim::WorldModel> world = flown_world(paths.simulator_config());
+  std::optional<base::Geodetic> home = request.scenario.home;
+  if (!home && world) home = world->home;
+  ObstacleMcap obstacles(channels, world);
   std::vector<std::unique_ptr<VehicleMcap>> vehicles;
   OrderedJson entities = OrderedJson::array();
   obstacles.begin(entities);
@@ -419,7 +424,7 @@ void write_mcap(const RunRequest& request, const RunResult& run) {
   for (std::size_t i = 0; i < run.vehicles.size(); ++i) {
     const RunRecord& record = run.vehicles[i].record;
     vehicles.push_back(std::make_unique<VehicleMcap>(
-        channels, request, i, record, run.has_several() ? "/" + record.vehicle + "/" : "/"));
+        channels, request, i, record, run.has_several() ? "/" + record.vehicle + "/" : "/", home));
     vehicles.back()->begin(entities);
     vehicles.back()->add_tracks(tracks);
   }
