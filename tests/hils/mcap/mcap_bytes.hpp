@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <zstd.h>
+
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -15,6 +17,13 @@ inline std::uint32_t mcap_crc32(std::string_view bytes) {
     for (int bit = 0; bit < 8; ++bit) crc = crc >> 1U ^ ((crc & 1U) != 0 ? 0xEDB88320U : 0U);
   }
   return ~crc;
+}
+
+/// As a chunk has it, at the level of our writer.
+inline std::string mcap_compressed(std::string_view bytes) {
+  std::string to(ZSTD_compressBound(bytes.size()), '\0');
+  to.resize(ZSTD_compress(to.data(), to.size(), bytes.data(), bytes.size(), 3));
+  return to;
 }
 
 /// An MCAP that is written record by record by the rules of mcap.dev/spec, so that a test can break

@@ -2,7 +2,6 @@
 #include "hils/mcap/mcap_writer.hpp"
 
 #include <gtest/gtest.h>
-#include <zstd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -22,15 +21,10 @@ namespace cas::hils {
 namespace {
 
 using base::SimTime;
+using cas::test::mcap_compressed;
 using cas::test::mcap_crc32;
 using cas::test::McapBytes;
 using std::chrono::milliseconds;
-
-std::string compressed(const std::string& bytes) {
-  std::string to(ZSTD_compressBound(bytes.size()), '\0');
-  to.resize(ZSTD_compress(to.data(), to.size(), bytes.data(), bytes.size(), 3));
-  return to;
-}
 
 template <class T>
 std::string number(T value) {
@@ -65,7 +59,7 @@ struct Chunk {
 Chunk chunk(std::uint64_t at, std::uint64_t first_ns, std::uint64_t last_ns,
             const std::string& records,
             const std::vector<std::pair<std::uint16_t, std::string>>& messages) {
-  const std::string stored = compressed(records);
+  const std::string stored = mcap_compressed(records);
   Chunk made;
   made.bytes = McapBytes::record(0x06, number(first_ns) + number(last_ns) +
                                            number(std::uint64_t{records.size()}) +

@@ -2,7 +2,6 @@
 #include "hils/mcap/read_mcap.hpp"
 
 #include <gtest/gtest.h>
-#include <zstd.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +17,7 @@
 namespace cas::hils {
 namespace {
 
+using cas::test::mcap_compressed;
 using cas::test::mcap_crc32;
 using cas::test::McapBytes;
 using Strings = std::vector<std::string>;
@@ -50,23 +50,18 @@ const std::string kFirst = "/point (Point, json) 5: {}";
 std::string records() {
   return McapBytes::of_records().channel(10, 0, "/raw", "cdr").message(10, 7, "abc").bytes();
 }
-std::string compressed(const std::string& bytes) {
-  std::string to(ZSTD_compressBound(bytes.size()), '\0');
-  to.resize(ZSTD_compress(to.data(), to.size(), bytes.data(), bytes.size(), 1));
-  return to;
-}
-
 TEST(ReadMcap, ReadsMessagesInAndOutsideOfChunks) {
   const std::string plain = records();
   const std::string metadata =
       McapBytes::text("facts") + McapBytes::text(McapBytes::text("a") + McapBytes::text("b"));
-  const std::string file = simple()
-                               .chunk("", plain, plain.size(), 0)
-                               .chunk("zstd", compressed(plain), plain.size(), mcap_crc32(plain))
-                               .add(0x0C, metadata)
-                               .add(0x90, "of its writer alone")
-                               .message(9, 8, "[]")
-                               .whole();
+  const std::string file =
+      simple()
+          .chunk("", plain, plain.size(), 0)
+          .chunk("zstd", mcap_compressed(plain), plain.size(), mcap_crc32(plain))
+          .add(0x0C, metadata)
+          .add(0x90, "of its writer alone")
+          .message(9, 8, "[]")
+          .whole();
   const McapLines read(file);
   EXPECT_EQ(read.lines, (Strings{kFirst, "/raw (, cdr) 7: abc", "/raw (, cdr) 7: abc", "facts: a=b",
                                  "/point (Point, json) 8: []"}));
@@ -105,7 +100,7 @@ std::vector<BrokenCase> broken_cases() {
   const std::string byte = "byte " + std::to_string(at);
   const std::string chunk = byte + " (record of type 0x06): ";
   const std::string plain = records();
-  const std::string stored = compressed(plain);
+  const std::string stored = mcap_compressed(plain);
   const std::string whole = simple().whole();
   std::string other_version = whole;
   other_version[5] = '1';
@@ -182,7 +177,7 @@ TEST(ReadMcap, BoundsChannels) {
 
 TEST(ReadMcap, RefusesAFlippedByteOfACompressedChunk) {
   const std::string plain = records();
-  const std::string stored = compressed(plain);
+  const std::string stored = mcap_compressed(plain);
   const std::string good = simple().chunk("zstd", stored, plain.size(), mcap_crc32(plain)).whole();
   EXPECT_EQ(McapLines(good).lines.size(), 2U);
   const std::size_t end = good.find(stored) + stored.size();
