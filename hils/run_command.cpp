@@ -26,6 +26,7 @@
 #include "hils/boards/board_error.hpp"
 #include "hils/boards/board_flags.hpp"
 #include "hils/boards/flight_boards.hpp"
+#include "hils/mcap/run_mcap.hpp"
 #include "hils/measure/figure_table.hpp"
 #include "hils/measure/judgement.hpp"
 #include "hils/measure/run_result.hpp"
@@ -65,6 +66,7 @@ struct Flags {
   bool on_virtual_clock = false;
   bool lockstep = false;
   bool web = false;
+  bool mcap = false;
 };
 
 /// Puts folders before those of CAS_PLUGIN_PATH, for this process and those that it starts.
@@ -297,12 +299,15 @@ int run(Flags flags) {
   // Each reads the same records and writes files of its own.
   auto results = std::async(std::launch::async, [&] { write_results(request, result); });
   auto logs = std::async(std::launch::async, [&] { write_ulogs(request, result); });
+  auto recording = flags.mcap ? std::async(std::launch::async, [&] { write_mcap(request, result); })
+                              : std::future<void>();
   const std::string report = write_text(run_lines(result, request.beside_paper));
   results.get();
   fmt::print("{}\nResults: {}\n", report, flags.out);
   std::fflush(stdout);
   leave_replay(request, result, flags.out);
   logs.get();
+  if (recording.valid()) recording.get();
   boards->fetch_logs(request.out, request.scenario.names());
   return result.verdict.exit_code();
 }
@@ -359,6 +364,8 @@ base::cli::Verb add_run(CLI::App& app) {
       ->needs(station);
   command->add_flag("--web", flags.web,
                     "Show the run in a browser: starts casweb and prints the address");
+  command->add_flag("--mcap", flags.mcap,
+                    "Write the run as MCAP, too: flight.mcap, for Foxglove and `hils replay`");
   command->add_option("--plugin-dir", flags.plugin_dirs,
                       "Folder searched for plugins first, before CAS_PLUGIN_PATH");
   command

@@ -32,6 +32,7 @@ EXTERNALS = {
     "pagmo": ("pagmo/",),
     "pybind11": ("pybind11/",),
     "zlib": ("zlib.h",),
+    "zstd": ("zstd.h",),
     "Boost": ("boost/math/", "boost/random/"),
     "ncurses": ("ncurses", "curses.h"),
     "intrinsics": ("cpuid.h", "immintrin.h", "nmmintrin.h", "wmmintrin.h", "arm_neon.h", "arm_acle.h"),
@@ -168,7 +169,8 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/measure": rooms("hils", "flight scenario run"),
     "hils/report": rooms("hils", "measure run"),
     "hils/ulog": rooms("hils", "measure run"),
-    "hils/replay": rooms("hils", "scenario run measure ulog programs"),
+    "hils/mcap": rooms("hils", "scenario measure run"),
+    "hils/replay": rooms("hils", "scenario run measure ulog mcap programs"),
     "hils/programs": rooms("hils", "flight scenario run measure"),
     "hils/boards": rooms("hils", "flight run measure report programs"),
     "hils/timing": rooms("hils", "run measure report boards"),
@@ -181,7 +183,7 @@ LAYERS |= {name: BELOW_HILS | others for name, others in {
     "hils/tune": rooms("hils", "flight scenario run measure report programs sweep"),
     "hils/campaign": rooms("hils", "flight scenario run measure report ulog replay programs boards sweep bench"),
     "hils/runs": rooms("hils", "run measure report replay"),
-    "hils": rooms("hils", "flight scenario run measure report ulog replay runs programs boards timing bench compare sweep tune campaign"),
+    "hils": rooms("hils", "flight scenario run measure report ulog mcap replay runs programs boards timing bench compare sweep tune campaign"),
 }.items()}
 
 # Slow to compile: they stay out of headers, so that not everybody pays. Their light parts may stay.

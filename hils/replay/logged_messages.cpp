@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -119,8 +120,9 @@ double number_of(const mav::FieldInfo& field, const Payload& payload, std::size_
   return std::nan("");
 }
 
-/// Collects a vehicle's messages, texts and states.
-class Listener {
+}  // namespace
+
+class MessageCollector::Collected {
  public:
   void on_packet(double t_s, const mav::PacketView& packet) {
     last_s_ = std::max(last_s_, t_s);
@@ -214,19 +216,27 @@ class Listener {
   double last_s_ = 0;
 };
 
-}  // namespace
+MessageCollector::MessageCollector() : collected_(std::make_unique<Collected>()) {}
+MessageCollector::MessageCollector(MessageCollector&&) noexcept = default;
+MessageCollector::~MessageCollector() = default;
+
+void MessageCollector::on_packet(double t_s, const mav::PacketView& packet) {
+  collected_->on_packet(t_s, packet);
+}
+
+OrderedJson MessageCollector::json() const { return collected_->json(); }
 
 OrderedJson logged_messages(const std::filesystem::path& tlog, std::uint8_t system,
                             const ClockMap& clock, LoggedLoss* lost) {
-  Listener listener;
+  MessageCollector collector;
   LogTime time(clock);
   const casd::TlogLoss loss =
       for_each_packet(tlog, [&](std::uint64_t stamp_us, const mav::PacketView& packet) {
         const double t_s = time.of(stamp_us, packet.bytes);
-        if (packet.source.system == system) listener.on_packet(t_s, packet);
+        if (packet.source.system == system) collector.on_packet(t_s, packet);
       });
   if (lost != nullptr) *lost = {loss.skipped_bytes, loss.wrong_checksums, time.steps()};
-  return listener.json();
+  return collector.json();
 }
 
 std::string LoggedLoss::sentence() const {

@@ -28,9 +28,10 @@ constexpr std::size_t kMaxRecordBytes = std::size_t{256} << 20U;  // gzipped
 std::string record_of(const fs::path& source) {
   if (source.extension() == ".tlog") return gzip(tlog_record(source));
   if (source.extension() == ".ulg") return gzip(ulog_record(source));
+  if (source.extension() == ".mcap") return gzip(mcap_record(source));
   if (!fs::is_directory(source)) {
     throw base::ConfigError(source.string() +
-                            ": neither the folder of a run nor a flight log (.tlog, .ulg)");
+                            ": neither the folder of a run nor a flight log (.tlog, .ulg, .mcap)");
   }
   const fs::path file = record_file(source);
   if (!fs::exists(file)) {
@@ -87,9 +88,9 @@ base::cli::Verb add_replay(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "replay", "Make a page that replays a run, or two side by side, without a server");
   command
-      ->add_option(
-          "SOURCE", flags->sources,
-          "Folder of a run or a flight log (.tlog, .ulg); a second one is shown beside the first")
+      ->add_option("SOURCE", flags->sources,
+                   "Folder of a run or a flight log (.tlog, .ulg, .mcap); a second one is shown "
+                   "beside the first")
       ->required()
       ->expected(1, 2);
   command->add_option("--out", flags->out, "File for the page (of one folder: its replay.html)");

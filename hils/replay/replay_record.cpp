@@ -24,12 +24,13 @@
 #include "hils/measure/check_json.hpp"
 #include "hils/measure/csv_file.hpp"
 #include "hils/measure/figure_json.hpp"
-#include "hils/measure/step_figures.hpp"
+#include "hils/measure/reference_track.hpp"
 #include "hils/measure/struck_object.hpp"
 #include "hils/measure/truth_header.hpp"
 #include "hils/programs/composition.hpp"
 #include "hils/replay/hop_record.hpp"
 #include "hils/replay/logged_messages.hpp"
+#include "hils/replay/mcap_contents.hpp"
 #include "hils/replay/reference_columns.hpp"
 #include "hils/replay/truth_columns.hpp"
 #include "hils/replay/ulog_messages.hpp"
@@ -62,24 +63,13 @@ OrderedJson truth_json(const std::filesystem::path& file) {
   return truth.json();
 }
 
-/// Where the vehicle was to be, in the axes of the truth, from its first climb to its landing.
+/// The reference that the run is judged by.
 OrderedJson reference_json(const RunRecord& record) {
-  const std::vector<PoseSample>& truth = record.truth();
   ReferenceColumns reference;
-  bool climbed = false;
-  for (const Stage& stage : record.stages) {
-    climbed = climbed || stage.step.kind == StepKind::kTakeoff;
-    if (stage.step.kind == StepKind::kLand) climbed = false;
-    if (!climbed || stage.step.kind == StepKind::kTransition) continue;  // on no path
-    const ReferenceAt reference_pose = stage.circle_m > 0 && !truth.empty()
-                                           ? circle_reference(stage, truth)
-                                           : reference_in_truth(stage, truth);
-    const double begin = base::to_seconds(stage.begin);
-    const double end = base::to_seconds(stage.end);
-    for (double t = begin; t < end; t += ReferenceColumns::kPeriod_s) {
-      const Pose pose = reference_pose(std::llround(t * 1e6));
-      reference.add({t, pose.x_m, pose.y_m, pose.z_m, pose.yaw_rad});
-    }
+  for (const PoseSample& sample : reference_track(record, ReferenceColumns::kPeriod_s)) {
+    const Pose& pose = sample.pose;
+    reference.add(
+        {1e-6 * static_cast<double>(sample.time_us), pose.x_m, pose.y_m, pose.z_m, pose.yaw_rad});
   }
   return reference.json();
 }
@@ -378,6 +368,24 @@ std::string ulog_record(const std::filesystem::path& ulog) {
     return log_record(ulog, vehicle);
   } catch (const base::ConfigError& error) {
     throw base::ConfigError(ulog.string() + ": " + error.what());
+  }
+}
+
+std::string mcap_record(const std::filesystem::path& mcap) {
+  constexpr std::size_t kMaxMcapBytes = std::size_t{1} << 30U;
+  const std::string bytes = base::read_foreign_file(mcap, "recording", kMaxMcapBytes);
+  try {
+    McapLoss loss;
+    OrderedJson record{{"format", kFormat}, {"cas", CAS_VERSION}};
+    record.update(mcap_contents(bytes, mcap.stem().string(), &loss));
+    if (record["name"] == "") record["name"] = mcap.filename().string();
+    const std::string lacks = loss.sentence();
+    if (!lacks.empty()) {
+      fmt::print(stderr, "{}: the recording is not whole: {}\n", mcap.string(), lacks);
+    }
+    return dump(record);
+  } catch (const base::ConfigError& error) {
+    throw base::ConfigError(mcap.string() + ": " + error.what());
   }
 }
 

@@ -21,5 +21,7 @@ std::string tlog_record(const std::filesystem::path& tlog);
 /// The same of a vehicle's own log, in PX4's ULog format; losses are named in a line on standard
 /// error. @throws base::ConfigError
 std::string ulog_record(const std::filesystem::path& ulog);
+/// The same of an MCAP file, as mcap_contents() has it. @throws base::ConfigError
+std::string mcap_record(const std::filesystem::path& mcap);
 
 }  // namespace cas::hils

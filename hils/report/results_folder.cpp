@@ -36,11 +36,11 @@ constexpr std::array kVerdict{"summary.json", "junit.xml",   "report.html",
 constexpr const char* kRunMark = "run/hilsim.yaml";
 /// The other files and folders of a run, as fnmatch(3) has them.
 constexpr std::array kRecords{
-    "plugin_figures.json", "truth.csv",     "truth_*.csv",    "flight.tlog",
-    "flight.ulg",          "flight_*.ulg",  "sensors/*.csv",  "sensors_*/*.csv",
-    "plots/*.svg",         "plots/*/*.svg", "*/board.ulg",    "run/*.yaml",
-    "run/*.csv",           "run/*.json",    "run/*.json.gz",  "run/*.log",
-    "run/flight_*.tlog",   "run/firmware",  "run/firmware_*", "run/scenario"};
+    "plugin_figures.json", "truth.csv",   "truth_*.csv",       "flight.tlog",     "flight.ulg",
+    "flight_*.ulg",        "flight.mcap", "sensors/*.csv",     "sensors_*/*.csv", "plots/*.svg",
+    "plots/*/*.svg",       "*/board.ulg", "run/*.yaml",        "run/*.csv",       "run/*.json",
+    "run/*.json.gz",       "run/*.log",   "run/flight_*.tlog", "run/firmware",    "run/firmware_*",
+    "run/scenario"};
 
 /// Those below a folder of results, by their paths from there. No symlink is followed.
 std::vector<fs::path> left_by_run(const fs::path& folder) {

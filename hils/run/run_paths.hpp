@@ -83,6 +83,7 @@ struct RunPaths {
   std::filesystem::path simulator_stats() const { return run / "hilsim_stats.json"; }
   std::filesystem::path casd_ledger() const { return run / "casd_ledger.csv"; }
   std::filesystem::path flight_tlog() const { return out / "flight.tlog"; }
+  std::filesystem::path flight_mcap() const { return out / "flight.mcap"; }
   std::filesystem::path plugin_figures() const { return out / "plugin_figures.json"; }
   std::filesystem::path simulator_control() const { return sockets / "hilsim"; }
   std::filesystem::path run_port() const { return sockets / "hils"; }

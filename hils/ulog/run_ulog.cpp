@@ -9,11 +9,9 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <functional>
-#include <memory>
 #include <optional>
+#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "base/config/vehicle.hpp"
@@ -21,15 +19,13 @@
 #include "base/earth/frames.hpp"
 #include "base/earth/geodesy.hpp"
 #include "base/error.hpp"
-#include "casd/tlog/tlog_files.hpp"
 #include "fcu/flight_controller.hpp"
 #include "fcu/params/params.hpp"
 #include "hils/measure/csv_file.hpp"
+#include "hils/measure/record_tracks.hpp"
 #include "hils/measure/truth_header.hpp"
 #include "hils/ulog/telemetry_ulog.hpp"
 #include "hils/ulog/ulog_topics.hpp"
-#include "mavlink/common/table.hpp"
-#include "mavlink_gen/runtime/packet_parser.hpp"
 
 namespace cas::hils {
 
@@ -39,90 +35,6 @@ using base::SimTime;
 using sim::UlogRecord;
 using Topic = UlogTopicId;
 using TopicRow = std::span<const double>;
-
-/// One file of the run, read from its begin to its end.
-class Track {
- public:
-  virtual ~Track() = default;
-  /// Time of the next entry; nullopt at the end.
-  virtual std::optional<SimTime> next() const = 0;
-  /// Writes it and goes on.
-  virtual void write_next() = 0;
-};
-
-/// A CSV file with the time in its first column.
-class CsvTrack final : public Track {
- public:
-  using Write = std::function<void(SimTime, const TopicRow&)>;
-
-  /// @param file  one that is not there has no rows: no such sensor
-  CsvTrack(std::filesystem::path file, std::size_t columns, Write write)
-      : columns_(columns), csv_(std::move(file)), write_(std::move(write)) {
-    read();
-  }
-
-  std::optional<SimTime> next() const override { return time_; }
-  void write_next() override {
-    write_(*time_, row_);
-    read();
-  }
-
- private:
-  void read() {
-    time_.reset();
-    row_ = csv_.next(columns_);
-    if (!row_.empty()) time_ = SimTime(base::from_seconds(row_.front()));
-  }
-
-  std::size_t columns_;
-  CsvFile csv_;
-  Write write_;
-  TopicRow row_;
-  std::optional<SimTime> time_;
-};
-
-/// The flight log: the vehicle's messages, at the simulated time of their arrival at casd.
-class TlogTrack final : public Track {
- public:
-  TlogTrack(const RunRecord& record, sim::UlogFile& file, std::span<const sim::UlogParam> params)
-      : path_(record.flight_tlog),
-        clock_(record.log_clock),
-        telemetry_(file, record.system, params),
-        parser_(mavlink::common::table()) {
-    if (!log_.open(record.flight_tlog)) {
-      throw base::ConfigError("cannot read " + record.flight_tlog.string());
-    }
-    read();
-  }
-
-  std::optional<SimTime> next() const override {
-    return entry_ ? std::optional(time_) : std::nullopt;
-  }
-  void write_next() override {
-    parser_.reset();  // a damaged record must not swallow the next one
-    parser_.feed(entry_->packet,
-                 [this](const mav::PacketView& packet) { telemetry_.on_packet(time_, packet); });
-    read();
-  }
-
- private:
-  void read() {
-    entry_ = log_.next();
-    if (log_.failed()) throw base::ConfigError("cannot read " + path_.string() + " to its end");
-    if (!entry_) return;
-    const std::int64_t us = clock_.to_sim_us(static_cast<std::int64_t>(entry_->unix_us));
-    // A wall clock that is set back, or a log that begins before the simulation: time goes on.
-    time_ = std::max(time_, SimTime(std::chrono::microseconds(us)));
-  }
-
-  const std::filesystem::path path_;
-  const ClockMap& clock_;
-  TelemetryUlog telemetry_;
-  casd::TlogReader log_;
-  mav::PacketParser parser_;
-  std::optional<casd::TlogReader::Record> entry_;
-  SimTime time_{};
-};
 
 UlogRecord& put_three(UlogRecord& record, const TopicRow& row, std::size_t first) {
   return record.put_float(row[first]).put_float(row[first + 1]).put_float(row[first + 2]);
@@ -270,11 +182,11 @@ void write_ulog(const RunRequest& request, const RunRecord& record, std::size_t 
       infos(request, record), params);
   const std::optional<base::Geodetic> home = request.scenario.home;
 
-  std::vector<std::unique_ptr<Track>> tracks;
+  TelemetryUlog telemetry(file, record.system, params);
+  RecordTracks tracks;
   const auto add_csv = [&](const std::filesystem::path& path, std::size_t columns, auto write) {
-    tracks.push_back(std::make_unique<CsvTrack>(
-        path, columns,
-        [&file, write](SimTime time, const TopicRow& row) { write(file, time, row); }));
+    tracks.add_csv(path, columns,
+                   [&file, write](SimTime time, const TopicRow& row) { write(file, time, row); });
   };
   add_csv(record.truth_csv, header.columns(),
           [&](sim::UlogFile& to, SimTime time, const TopicRow& row) {
@@ -286,15 +198,10 @@ void write_ulog(const RunRequest& request, const RunRecord& record, std::size_t 
   add_csv(record.sensors / "barometer.csv", 3, write_barometer);
   add_csv(record.sensors / "rangefinder.csv", 3, write_rangefinder);
   if (header.airspeed) add_csv(record.sensors / "airspeed.csv", 2, write_pressure_difference);
-  tracks.push_back(std::make_unique<TlogTrack>(record, file, params));
-
-  // Whatever is next in time, from whichever file; of the same moment in the order above.
-  const auto time_of = [](const auto& track) { return track->next().value_or(SimTime::max()); };
-  while (true) {
-    const auto first = std::ranges::min_element(tracks, {}, time_of);
-    if (!(*first)->next()) break;
-    (*first)->write_next();
-  }
+  tracks.add_tlog(record, [&telemetry](SimTime time, const mav::PacketView& packet) {
+    telemetry.on_packet(time, packet);
+  });
+  tracks.run();
   file.close();
 }
 

@@ -81,8 +81,9 @@ TEST(ResultsFolder, IsClearedOfWhatARunLeftAndOfNothingElse) {
   for (const char* const file :
        {"run/hilsim.yaml", "run/casd.yaml", "run/casd_ledger.csv", "run/record.json.gz",
         "run/casd.log", "run/firmware_iris1/etc/parameters", "summary.json", "replay.html",
-        "truth.csv", "truth_left.csv", "flight.tlog", "flight_left.ulg", "sensors/imu.csv",
-        "sensors_left/gps.csv", "plots/track.svg", "plots/left/track.svg", "left/board.ulg"}) {
+        "truth.csv", "truth_left.csv", "flight.tlog", "flight_left.ulg", "flight.mcap",
+        "sensors/imu.csv", "sensors_left/gps.csv", "plots/track.svg", "plots/left/track.svg",
+        "left/board.ulg"}) {
     folder.write(file, "a run's");
   }
   clear_earlier_run(folder.path());
