@@ -5,7 +5,7 @@ import {
   DoubleSide, Float32BufferAttribute, Fog, Group, HemisphereLight, Line, LineBasicMaterial, LineDashedMaterial, LineLoop,
   LineSegments, MathUtils, Mesh, MeshBasicMaterial, MeshLambertMaterial, type Object3D, PerspectiveCamera, PlaneGeometry,
   Points, PointsMaterial, Quaternion, Raycaster, Plane, Scene, SphereGeometry, Sprite, SpriteMaterial, Vector2, Vector3,
-  WebGLRenderer, BackSide, BufferAttribute,
+  WebGLRenderer, WireframeGeometry, BackSide, BufferAttribute,
 } from 'three';
 import {OrbitControls} from 'three/examples/jsm/controls/OrbitControls.js';
 import {Line2} from 'three/examples/jsm/lines/Line2.js';
@@ -228,6 +228,21 @@ function makePart(part: Part, material: MeshLambertMaterial): Object3D | null {
   return null;
 }
 
+/** The ground, tinted by its height, with the edges of its triangles. */
+function makeTerrain(geometry: BufferGeometry): Object3D {
+  const position = geometry.getAttribute('position');
+  const heights = Array.from({length: position.count}, (_, i) => position.getZ(i));
+  const lowest = heights.reduce((a, b) => Math.min(a, b), Infinity);
+  const range = Math.max(1, heights.reduce((a, b) => Math.max(a, b), -Infinity) - lowest);
+  const mixed = new Color();
+  const [low, high] = [hex('gnd'), hex('t3')];
+  const colours = heights.flatMap((height) => mixed.lerpColors(low, high, (0.7 * (height - lowest)) / range).toArray());
+  geometry.setAttribute('color', new Float32BufferAttribute(colours, 3));
+  const edges = new LineBasicMaterial({color: hex('t3'), transparent: true, opacity: 0.25});
+  return new Group().add(new Mesh(geometry, new MeshLambertMaterial({vertexColors: true, side: DoubleSide})),
+    new LineSegments(new WireframeGeometry(geometry), edges));
+}
+
 /** Triangles as docs/develop/web_protocol.md has them: of a record the record's own, else by their hash; null where there are none. */
 async function loadTriangles(mesh: string, own?: string[]): Promise<BufferGeometry | null> {
   const packed = own?.[Number(mesh)];
@@ -378,7 +393,7 @@ export class View3D {
   frameAll(bench: Bench): void {
     const far = this.extent(bench);
     this.controls.target.set(far.centre[0], far.centre[1], far.centre[2]);
-    const back = Math.max(2.2, far.size * 1.35);
+    const back = Math.max(2.2, far.size * (far.size > 20 ? 1.8 : 1.35));
     this.camera.position.set(far.centre[0] - 0.55 * back, far.centre[1] - 0.72 * back, far.centre[2] + 0.55 * back);
   }
 
@@ -510,7 +525,7 @@ export class View3D {
     const scene = this.scene;
     const geometry = await loadTriangles(part.mesh!, own);
     if (!geometry) return;
-    const mesh = new Mesh(geometry, material);
+    const mesh = part.name === 'terrain' ? makeTerrain(geometry) : new Mesh(geometry, material);
     place(mesh, part.p, part.q);
     scene.add(mesh);
     this.meshes++;
