@@ -305,15 +305,17 @@ struct ElevationFiles {
 };
 
 constexpr std::tuple kTerrainKeys{
-    required(key<&ScenarioTerrain::files>("files", ElevationFiles{}, "")),
-    key<&ScenarioTerrain::geoid>("geoid", base::PathBeside{}, ""),
+    required(key<&ScenarioTerrain::files>("files", ElevationFiles{},
+                                          "list of elevation files (.hgt, .tif) and folders of "
+                                          "them")),
+    key<&ScenarioTerrain::geoid>("geoid", base::PathBeside{},
+                                 "elevation file of the geoid over the ellipsoid, for elevations "
+                                 "over the ellipsoid"),
 };
 constexpr std::tuple kGroundKeys{
     key<&Scenario::world, &ScenarioWorld::terrain>(
         "terrain", base::block<ScenarioTerrain>(kTerrainKeys),
-        "[ground from elevation files](../use/simulator.md#terrain), with the keys of a "
-        "[simulation](#simulation)'s; goes with `home`",
-        "none"),
+        "[ground from elevation files](../use/simulator.md#terrain); goes with `home`", "none"),
 };
 
 /// Reads `world`, and the keys that have a meaning beside it. @throws base::ConfigError when there
