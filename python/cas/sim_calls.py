@@ -59,6 +59,10 @@ SceneHome = TypedDict("SceneHome", {
     "lat_deg": float,
     "lon_deg": float,
 })
+SceneSurface = TypedDict("SceneSurface", {
+    "index": int,
+    "sign": float,  # of the turn about its y axis at x = size / 2 by a deflection above 0
+})
 ScenePart = TypedDict("ScenePart", {
     "length_m": NotRequired[float],  # along z
     "mesh": NotRequired[str],  # sha256: and the hash
@@ -68,6 +72,7 @@ ScenePart = TypedDict("ScenePart", {
     "radius_m": NotRequired[float],
     "shape": str,  # box, sphere, cylinder, plane, mesh
     "size_m": NotRequired[List[float]],
+    "surface": NotRequired[SceneSurface],  # of a visual that is a control surface
 })
 SceneObstacle = TypedDict("SceneObstacle", {
     "name": str,
@@ -96,7 +101,7 @@ SceneVehicle = TypedDict("SceneVehicle", {
     "rotors": List[SceneRotor],
     "system": int,
     "type": str,  # the vehicle file's name
-    "visuals": List[ScenePart],  # of its model without the rotors; none where no mesh is among them
+    "visuals": List[ScenePart],  # of its model without the rotors; none where it has neither wings nor a mesh among them
 })
 Scene = TypedDict("Scene", {
     "frame": str,  # W
@@ -142,6 +147,7 @@ VehicleMotion = TypedDict("VehicleMotion", {
     "q": List[float],  # w, x, y, z; turns B into W
     "rays": List[Optional[float]],  # m
     "rotors": List[float],  # rad/s
+    "surfaces": List[float],  # rad
     "vel": List[float],  # m/s, in W
     "w": List[float],  # rad/s, in B
 })
