@@ -37,7 +37,7 @@ export interface Scale {
 }
 
 export function stepFor(distance_m: number): 1 | 10 | 100 {
-  return distance_m < 25 ? 1 : distance_m < 250 ? 10 : 100;
+  return distance_m < 25 ? 1 : distance_m < 400 ? 10 : 100;
 }
 
 /** A vehicle's reach is drawn no smaller than this share of its distance. */
@@ -324,6 +324,8 @@ export class View3D {
   private changing = 0;
   private from?: {position: Vector3; target: Vector3};
   private readonly offset = new Vector3(-1.35, -1.9, 0.85);
+  /** Of the camera that sees the whole flight, while it is on its way there. */
+  private readonly framed = new Vector3();
   private built = '';
   private shown = '';
   private meshes = 0;
@@ -393,7 +395,7 @@ export class View3D {
   frameAll(bench: Bench): void {
     const far = this.extent(bench);
     this.controls.target.set(far.centre[0], far.centre[1], far.centre[2]);
-    const back = Math.max(2.2, far.size * (far.size > 20 ? 1.8 : 1.35));
+    const back = Math.max(2.2, far.size * 1.35);
     this.camera.position.set(far.centre[0] - 0.55 * back, far.centre[1] - 0.72 * back, far.centre[2] + 0.55 * back);
   }
 
@@ -836,7 +838,10 @@ export class View3D {
       this.lastPosition = p;
     } else if (this.mode === 'orbit' && this.lastPosition === null) {
       this.frameAll(bench);
+      this.framed.copy(camera.position);
       this.lastPosition = new Vector3();
+    } else if (this.mode === 'orbit' && this.changing > 0) {
+      camera.position.copy(this.framed);  // the way there has moved it
     }
     controls.update();
     if (this.changing > 0 && this.from) {
