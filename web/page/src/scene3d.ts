@@ -324,8 +324,8 @@ export class View3D {
   private changing = 0;
   private from?: {position: Vector3; target: Vector3};
   private readonly offset = new Vector3(-1.35, -1.9, 0.85);
-  /** Of the camera that sees the whole flight, while it is on its way there. */
-  private readonly framed = new Vector3();
+  /** Where the camera goes, while it is on its way there. */
+  private goal?: Vector3;
   private built = '';
   private shown = '';
   private meshes = 0;
@@ -378,6 +378,7 @@ export class View3D {
     this.changing = this.still.matches ? 0 : kChange_s;
     this.mode = mode;
     this.lastPosition = null;
+    this.goal = undefined;
     this.controls.enableRotate = mode !== 'top';
     if (mode === 'follow') this.offset.set(-1.35, -1.9, 0.85);
   }
@@ -706,7 +707,7 @@ export class View3D {
     const [n, e, u] = ['n', 'e', 'u'].map((axis) => this.series(bench.selected, `ref.${axis}`));
     const points: number[] = [];
     if (n && e && u) {
-      const gap = 0.09;
+      const gap = Math.max(0.09, this.extent(bench).size / 250);
       let last: Vec3 | null = null;
       for (let i = 0; i < n.t.length; ++i) {
         const p: Vec3 = [e.v[i]!, n.v[i]!, u.v[i]!];
@@ -819,6 +820,8 @@ export class View3D {
   private moveCamera(bench: Bench, passed: number): void {
     const shown = bench.motion();
     const {controls, camera} = this;
+    if (this.goal) camera.position.copy(this.goal);
+    this.goal = undefined;
     if (shown && this.mode !== 'orbit') {
       const p = new Vector3(...shown.motion.p);
       const k = this.roomOf(bench);
@@ -838,15 +841,13 @@ export class View3D {
       this.lastPosition = p;
     } else if (this.mode === 'orbit' && this.lastPosition === null) {
       this.frameAll(bench);
-      this.framed.copy(camera.position);
       this.lastPosition = new Vector3();
-    } else if (this.mode === 'orbit' && this.changing > 0) {
-      camera.position.copy(this.framed);  // the way there has moved it
     }
     controls.update();
     if (this.changing > 0 && this.from) {
       this.changing = Math.max(0, this.changing - passed);
       const share = MathUtils.smoothstep(1 - this.changing / kChange_s, 0, 1);
+      if (this.changing > 0) this.goal = camera.position.clone();
       camera.position.lerpVectors(this.from.position, camera.position.clone(), share);
       camera.lookAt(this.from.target.clone().lerp(controls.target, share));
     }
