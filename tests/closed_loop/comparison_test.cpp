@@ -2,7 +2,7 @@
 // The experiment of [HILS] Sect. 4 on the virtual clock, in small.
 #include "hils/compare/comparison.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -16,6 +16,8 @@
 
 namespace cas::hils {
 namespace {
+
+using testing::HasSubstr;
 
 ComparisonPlan small_plan(std::vector<Architecture> architectures) {
   return {.scenarios = {Scenario::load(cas::test::source_dir() + "/config/scenarios/hover.yaml")},
@@ -88,7 +90,7 @@ TEST(Comparison, HasTheWarningsOfEachVariant) {
   result.verdicts.resize(2);
   result.verdicts[0].warnings = {"a mass of 1 g"};
   const std::string text = write_text(comparison_report(plan, {result}));
-  EXPECT_NE(text.find("SITL: warning in 1 of 2 flights: a mass of 1 g"), std::string::npos) << text;
+  EXPECT_THAT(text, HasSubstr("SITL: warning in 1 of 2 flights: a mass of 1 g"));
   const auto json = nlohmann::json::parse(comparison_json(plan, {result}));
   EXPECT_EQ(json.at("variants").at(0).at("warnings"),
             nlohmann::json::parse(R"([{"warning": "a mass of 1 g", "flights": 1}])"));
@@ -130,15 +132,11 @@ TEST(Comparison, OfSeveralScenariosHasOneTableWithAColumnForEach) {
   results.back().runs.front().firmware = {.autopilot = "PX4", .version = "1.16.0", .lost = 22};
   results.back().runs.front().streamed = false;
   const std::string page = write_markdown(comparison_report(plan, results));
-  EXPECT_NE(page.find("| controller | TCAS | stock PX4 v1.16.0 in software |"), std::string::npos)
-      << page;
-  EXPECT_NE(page.find("| gust: in the hold: largest tilt, deg | 17.00 | 12.00 |"),
-            std::string::npos)
-      << page;
-  EXPECT_NE(page.find("| step: rise time, s | 1.25 | 1.25 |"), std::string::npos) << page;
-  EXPECT_NE(page.find("| telemetry: packets missed by their numbers | - | 22 |"), std::string::npos)
-      << page;
-  EXPECT_NE(page.find("| stock | - | - | not counted |"), std::string::npos) << page;
+  EXPECT_THAT(page, HasSubstr("| controller | TCAS | stock PX4 v1.16.0 in software |"));
+  EXPECT_THAT(page, HasSubstr("| gust: in the hold: largest tilt, deg | 17.00 | 12.00 |"));
+  EXPECT_THAT(page, HasSubstr("| step: rise time, s | 1.25 | 1.25 |"));
+  EXPECT_THAT(page, HasSubstr("| telemetry: packets missed by their numbers | - | 22 |"));
+  EXPECT_THAT(page, HasSubstr("| stock | - | - | not counted |"));
   const auto json = nlohmann::json::parse(comparison_json(plan, results));
   const auto& run = json.at("variants").at(1).at("runs").at(0);
   EXPECT_EQ(run.at("strike").at("hold_tilt_deg"), 12);

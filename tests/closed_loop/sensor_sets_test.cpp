@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One line of a scenario, `sensors: NAME`, chooses the simulator's sensors and the estimator's
 // model of them.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include "base/config/install_paths.hpp"
 #include "base/config/vehicle.hpp"
@@ -17,6 +17,7 @@ namespace cas::hils {
 namespace {
 
 using test::Flight;
+using testing::HasSubstr;
 
 void replace(std::string& text, const std::string& from, const std::string& to) {
   const std::size_t at = text.find(from);
@@ -125,9 +126,7 @@ TEST(SensorSets, ThatAreNotThereAreRefused) {
 TEST(SensorSets, RefuseABlockForAPluginThatIsNotThere) {
   const std::string said =
       cas::test::refusal([] { short_hover("sensors: {barometre: {stddev_pa: 7}}"); });
-  EXPECT_NE(said.find("sensors.barometre: the vehicle has no plugin 'barometre'"),
-            std::string::npos)
-      << said;
+  EXPECT_THAT(said, HasSubstr("sensors.barometre: the vehicle has no plugin 'barometre'"));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "tests/loopback/board_shelf.hpp"
+#include "tests/support/ended_with.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/vehicle_summary.hpp"
 #include "tests/support/wait_until.hpp"
@@ -39,13 +40,13 @@ steps:
 }
 
 /// A whole flight, with a verdict or, on a busy machine, without; all that it leaves is there.
-void expect_flown(const BoardShelf& shelf, const ShelfAnswer& run, const std::string& out) {
-  EXPECT_TRUE(run.code == 0 || run.code == kInvalid) << run.code << run.text;
+void expect_flown(const BoardShelf& shelf, const Ended& run, const std::string& out) {
+  EXPECT_TRUE(run.code == 0 || run.code == kInvalid) << run.code << run.output;
   for (const char* file :
        {"summary.json", "junit.xml", "report.html", "flight.tlog", "boards.json"}) {
-    EXPECT_FALSE(shelf.said(out + "/" + file).empty()) << file << run.text;
+    EXPECT_FALSE(shelf.said(out + "/" + file).empty()) << file << run.output;
   }
-  EXPECT_NE(run.text.find("has booted"), std::string::npos) << run.text;
+  EXPECT_NE(run.output.find("has booted"), std::string::npos) << run.output;
 }
 
 /// Two boards that have booted, and a scenario for them.
@@ -76,24 +77,23 @@ TEST(BoardDay, LockFlashBootFlyCrashPowerCycleFlyAgain) {
       shelf.folder.write("hop.yaml", scenario("vehicle: " + kVehicle + "\n")).string();
 
   // In the morning a user locks the board, and all others see it.
-  const ShelfAnswer lock = shelf.board({"lock", "a", "--for", "today"});
-  ASSERT_EQ(lock.code, 0) << lock.text;
-  const std::string ticket = lock.text.substr(0, lock.text.find('\n'));
-  EXPECT_NE(shelf.board({"list"}).text.find("hils board lock: today"), std::string::npos);
+  const Ended lock = shelf.board({"lock", "a", "--for", "today"});
+  ASSERT_EQ(lock.code, 0) << lock.output;
+  const std::string ticket = lock.output.substr(0, lock.output.find('\n'));
+  EXPECT_NE(shelf.board({"list"}).output.find("hils board lock: today"), std::string::npos);
 
   // It is flashed, and boots.
   const std::string firmware = shelf.folder.write("new.px4", "-").string();
-  const ShelfAnswer flash = shelf.board({"flash", "a", firmware}, {ticket});
-  ASSERT_EQ(flash.code, 0) << flash.text;
-  EXPECT_NE(flash.text.find("has booted: PX4 1.15.0"), std::string::npos) << flash.text;
+  ASSERT_THAT(shelf.board({"flash", "a", firmware}, {ticket}),
+              EndedWith(0, "has booted: PX4 1.15.0"));
 
   // It flies, and its firmware dies in the air.
   const auto first =
       shelf.start({"run", hop, "--fcu", "a", "--out", (shelf.folder / "first").string()}, {ticket});
   ASSERT_TRUE(wait_until([&] { return is_in_air(shelf, "a"); }, kFlightPatience))
       << first->output();
-  const ShelfAnswer armed = shelf.board({"reboot", "a"});
-  EXPECT_EQ(armed.code, 7) << "held by the day's lock: " << armed.text;
+  const Ended armed = shelf.board({"reboot", "a"});
+  EXPECT_EQ(armed.code, 7) << "held by the day's lock: " << armed.output;
   shelf.crash("a");
   const int crashed = first->wait_exit(kFlightPatience).value_or(-1);
   EXPECT_EQ(crashed, 1) << first->output();
@@ -103,13 +103,12 @@ TEST(BoardDay, LockFlashBootFlyCrashPowerCycleFlyAgain) {
             std::string::npos);
 
   // It cannot be flown.
-  const ShelfAnswer gone =
-      shelf.hils({"run", hop, "--fcu", "a", "--out", (shelf.folder / "gone").string()}, {ticket});
-  EXPECT_EQ(gone.code, kAbsent) << gone.text;
+  EXPECT_THAT(
+      shelf.hils({"run", hop, "--fcu", "a", "--out", (shelf.folder / "gone").string()}, {ticket}),
+      EndedWith(kAbsent));
 
   // Its power goes off and on, and it flies again.
-  const ShelfAnswer cycle = shelf.board({"power", "cycle", "a"}, {ticket});
-  ASSERT_EQ(cycle.code, 0) << cycle.text;
+  ASSERT_THAT(shelf.board({"power", "cycle", "a"}, {ticket}), EndedWith(0));
   const auto second = shelf.start(
       {"run", hop, "--fcu", "a", "--out", (shelf.folder / "second").string()}, {ticket});
   const int flown = second->wait_exit(kFlightPatience).value_or(-1);
@@ -121,7 +120,7 @@ TEST(BoardDay, LockFlashBootFlyCrashPowerCycleFlyAgain) {
 
   // In the evening it is free.
   EXPECT_EQ(shelf.board({"unlock", "a"}).code, 0);
-  EXPECT_NE(shelf.board({"list"}).text.find("it is free"), std::string::npos);
+  EXPECT_NE(shelf.board({"list"}).output.find("it is free"), std::string::npos);
 }
 
 TEST(BoardDay, ABoardWhoseCableIsDrawnInTheAirFailsTheFlight) {
@@ -132,9 +131,7 @@ TEST(BoardDay, ABoardWhoseCableIsDrawnInTheAirFailsTheFlight) {
   const auto run =
       shelf.start({"run", hop, "--fcu", "a", "--out", (shelf.folder / "out").string()});
   ASSERT_TRUE(wait_until([&] { return is_in_air(shelf, "a"); }, kFlightPatience)) << run->output();
-  const ShelfAnswer other = shelf.board({"reboot", "a"});
-  EXPECT_EQ(other.code, 7) << other.text;
-  EXPECT_NE(other.text.find(": hils run "), std::string::npos) << other.text;
+  EXPECT_THAT(shelf.board({"reboot", "a"}), EndedWith(7, ": hils run "));
   ASSERT_TRUE(shelf.unplug("a"));
   const int code = run->wait_exit(kFlightPatience).value_or(-1);
   EXPECT_EQ(code, 1) << run->output();
@@ -144,11 +141,10 @@ TEST(BoardDay, ABoardWhoseCableIsDrawnInTheAirFailsTheFlight) {
 TEST(BoardDay, BoardsWithEachOthersSystemIdsDoNotFly) {
   const BoardShelf shelf({"a", "b"});
   const std::string hop = hop_of_two(shelf);
-  const ShelfAnswer run = shelf.hils({"run", hop, "--fcu", "right=a", "--fcu", "left=b", "--out",
-                                      (shelf.folder / "out").string()});
-  EXPECT_EQ(run.code, kInvalid) << run.text;
-  EXPECT_NE(run.text.find("system 1 is heard on link "), std::string::npos) << run.text;
-  EXPECT_NE(run.text.find("the boards have each other's system ids"), std::string::npos);
+  EXPECT_THAT(
+      shelf.hils({"run", hop, "--fcu", "right=a", "--fcu", "left=b", "--out",
+                  (shelf.folder / "out").string()}),
+      EndedWith(kInvalid, "system 1 is heard on link ", "the boards have each other's system ids"));
 }
 
 TEST(BoardDay, TwoBoardsFlyInOneRun) {

@@ -124,15 +124,15 @@ std::unique_ptr<ChildProcess> BoardShelf::start(const std::vector<std::string>& 
   return std::make_unique<ChildProcess>(words);
 }
 
-ShelfAnswer BoardShelf::hils(const std::vector<std::string>& arguments,
-                             const std::vector<std::string>& environment) const {
+Ended BoardShelf::hils(const std::vector<std::string>& arguments,
+                       const std::vector<std::string>& environment) const {
   const auto child = start(arguments, environment);
   const int code = child->wait_exit(kProgramPatience).value_or(-1);
   return {code, child->output()};
 }
 
-ShelfAnswer BoardShelf::board(std::vector<std::string> arguments,
-                              const std::vector<std::string>& environment) const {
+Ended BoardShelf::board(std::vector<std::string> arguments,
+                        const std::vector<std::string>& environment) const {
   arguments.insert(arguments.begin(), "board");
   return hils(arguments, environment);
 }

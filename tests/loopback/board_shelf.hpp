@@ -11,12 +11,6 @@
 
 namespace cas::test {
 
-/// Exit code and output of a program.
-struct ShelfAnswer {
-  int code = -1;
-  std::string text;  ///< standard output and error
-};
-
 /// A shelf of stand-ins for boards: emulators behind pseudo-terminals, under links that are named
 /// as udev names boards, and a boards.yaml whose hooks switch them on and off and "flash" them. The
 /// hooks are the programs that a user has; a file NAME.defect names a board's defect:
@@ -38,10 +32,10 @@ class BoardShelf {
   std::unique_ptr<ChildProcess> start(const std::vector<std::string>& arguments,
                                       const std::vector<std::string>& environment = {}) const;
   /// Runs it to its end.
-  ShelfAnswer hils(const std::vector<std::string>& arguments,
-                   const std::vector<std::string>& environment = {}) const;
-  ShelfAnswer board(std::vector<std::string> arguments,
-                    const std::vector<std::string>& environment = {}) const;
+  Ended hils(const std::vector<std::string>& arguments,
+             const std::vector<std::string>& environment = {}) const;
+  Ended board(std::vector<std::string> arguments,
+              const std::vector<std::string>& environment = {}) const;
 
   void set_defect(const std::string& board, const std::string& defect) const;
   /// The stand-in dies, and udev takes its link away.

@@ -16,8 +16,7 @@
 
 #include "base/os/descriptor.hpp"
 #include "tests/base/rpc/raw_client.hpp"
-#include "tests/support/child_process.hpp"
-#include "tests/support/paths.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/udp_peer.hpp"
 #include "tests/support/wait_until.hpp"
@@ -150,10 +149,8 @@ TEST(BrowserPage, CommandsNothing) {
       "casd.yaml",
       "schema: 1\ncommand_port: {port: 0, loopback_without_token: true}\nmetrics: {port: 0}\n"
       "links:\n  - {name: a, type: udp, local: '127.0.0.1:0'}\n");
-  ChildProcess casd({binary_dir() + "/bin/casd", topology.string()});
-  const auto status = casd.wait_ready();
-  ASSERT_TRUE(status) << casd.output();
-  const auto port_in = [&](const std::string& key) { return port_of(word_after(*status, key)); };
+  RunningCasd casd({kCasdProgram, topology.string()});
+  const auto port_in = [&](const std::string& key) { return casd.port(key); };
   const std::uint16_t port = port_in("command_port");
 
   PageServer server;
@@ -172,9 +169,7 @@ TEST(BrowserPage, CommandsNothing) {
   // The same lines do command casd if they do not come from a browser.
   RawClient direct(port);
   EXPECT_EQ(direct.ask(kReload)["result"]["reloaded"], true);
-  EXPECT_TRUE(wait_until([&] {
-    return casd.output().find("casd.reload: done") != std::string::npos;
-  })) << casd.output();
+  EXPECT_TRUE(casd.prints("casd.reload: done")) << casd.output();
 }
 
 }  // namespace

@@ -13,9 +13,8 @@
 #include <vector>
 
 #include "tests/loopback/casd_fixture.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/loopback/tcp_peer.hpp"
-#include "tests/support/child_process.hpp"
-#include "tests/support/paths.hpp"
 
 namespace cas::test {
 namespace {
@@ -260,14 +259,12 @@ TEST_P(CasdAge, NothingOldComesWhenAReaderReadsAgain) {
 class CasdProgram {
  public:
   explicit CasdProgram(const std::string& threads, const std::string& more = "")
-      : casd(
-            {binary_dir() + "/bin/casd",
-             fixture.folder.write("topology.yaml", fixture.expand(topology_with(threads, more)))}) {
-    status = casd.wait_ready().value_or("");
+      : casd({kCasdProgram, fixture.folder.write("topology.yaml",
+                                                 fixture.expand(topology_with(threads, more)))}) {
     fixture.sim.set_remote(port("sim"));
     fixture.fcu.write(fixture.from_fcu(mavlink::common::Heartbeat{}));
   }
-  std::uint16_t port(const std::string& link) const { return port_of(word_after(status, link)); }
+  std::uint16_t port(const std::string& link) const { return casd.port(link); }
   /// Stops it; returns when no thread of it runs.
   bool stop() {
     casd.signal(SIGSTOP);
@@ -284,13 +281,11 @@ class CasdProgram {
   void go_on() { casd.signal(SIGCONT); }
 
   CasdFixture fixture;
-  ChildProcess casd;
-  std::string status;
+  RunningCasd casd;
 };
 
 TEST_P(CasdAge, NothingOldComesWhenCasdGoesOn) {
   CasdProgram casd(GetParam());
-  ASSERT_FALSE(casd.status.empty()) << casd.casd.output();
   UdpPeer station;
   station.set_remote(casd.port("gcs"));
   Controller controller(casd.fixture.fcu);
@@ -314,7 +309,6 @@ TEST_P(CasdAge, NothingOldComesWhenCasdGoesOn) {
 TEST_P(CasdAge, OfStickPositionsThatOneReadBringsTheNewestGoesOn) {
   // A busy machine lets none of them grow old.
   CasdProgram casd(GetParam(), ", queue: {setpoint_max_age_ms: 60000}");
-  ASSERT_FALSE(casd.status.empty()) << casd.casd.output();
   TcpPeer station(casd.port("tcp"));
   ASSERT_TRUE(station.connected());
   mav::Encoder from_station({255, 190});
@@ -348,14 +342,13 @@ TEST_P(CasdAge, OfStickPositionsThatOneReadBringsTheNewestGoesOn) {
 
 TEST_P(CasdAge, SaysThatALineStandsStillThatNobodyEverRead) {
   CasdProgram casd(GetParam());
-  ASSERT_FALSE(casd.status.empty()) << casd.casd.output();
   UdpPeer station;
   station.set_remote(casd.port("gcs"));
   Streams streams(casd.fixture.sim, station);
   const auto says = [&](const char* words) {
     return casd.casd.output().find(words) != std::string::npos;
   };
-  ASSERT_TRUE(wait_until([&] { return says("link fcu: stands still"); })) << casd.casd.output();
+  ASSERT_TRUE(casd.casd.prints("link fcu: stands still")) << casd.casd.output();
   EXPECT_FALSE(says("moves again"));
 
   Controller controller(casd.fixture.fcu);

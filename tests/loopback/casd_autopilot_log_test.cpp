@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The real casd takes the logs of scripted autopilots over UDP.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <csignal>
@@ -12,15 +12,17 @@
 #include <vector>
 
 #include "tests/hils/ulog/ulog_bytes.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/loopback/udp_autopilot.hpp"
-#include "tests/support/child_process.hpp"
 #include "tests/support/file_size_limit.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/wait_until.hpp"
 
 namespace cas::test {
 namespace {
+
+using testing::HasSubstr;
+using testing::Not;
 
 namespace fs = std::filesystem;
 using namespace mavlink::common;
@@ -42,14 +44,8 @@ class CasdAutopilotLog : public testing::Test {
             "\n"
             "links:\n  - {name: net, type: udp_server, local: \"127.0.0.1:0\"" +
             link_keys + "}\n");
-    casd.emplace(std::vector<std::string>{binary_dir() + "/bin/casd", topology});
-    const auto ready = casd->wait_ready();
-    ASSERT_TRUE(ready) << casd->output();
-    status = *ready;
-    port = port_of_link("net");
-  }
-  std::uint16_t port_of_link(const std::string& name) const {
-    return port_of(word_after(status, name));
+    casd.emplace(std::vector<std::string>{kCasdProgram, topology});
+    port = casd->port("net");
   }
   std::vector<fs::path> files() const {
     std::vector<fs::path> all;
@@ -57,12 +53,8 @@ class CasdAutopilotLog : public testing::Test {
     for (const auto& entry : fs::directory_iterator(folder / "rec")) all.push_back(entry.path());
     return all;
   }
-  std::string casctl(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), {binary_dir() + "/bin/casctl", "--address",
-                                         word_after(status, "command_port")});
-    ChildProcess client(std::move(arguments));
-    client.wait_exit();
-    return client.output();
+  std::string casctl(const std::vector<std::string>& arguments) const {
+    return casd->casctl(arguments).output;
   }
   void end() {
     casd->signal(SIGTERM);
@@ -70,8 +62,7 @@ class CasdAutopilotLog : public testing::Test {
   }
 
   TemporaryFolder folder;
-  std::optional<ChildProcess> casd;
-  std::string status;  ///< that it is ready, with the ports
+  std::optional<RunningCasd> casd;
   std::uint16_t port = 0;
 };
 
@@ -105,7 +96,7 @@ TEST_F(CasdAutopilotLog, Px4sLogIsAFileWithADropoutWhereAPieceIsLost) {
   px4.pump();
   EXPECT_GE(px4.stops, 1);
   ASSERT_EQ(files().size(), 1U);
-  EXPECT_NE(files()[0].filename().string().find("Z-v1.ulg"), std::string::npos) << files()[0];
+  EXPECT_THAT(files()[0].filename().string(), HasSubstr("Z-v1.ulg")) << files()[0];
   const std::string file = TemporaryFolder::read(files()[0]);
   const std::string before = beginning() + message(1);
   ASSERT_EQ(file.size(), before.size() + 5 + message(4).size());
@@ -133,7 +124,7 @@ TEST_F(CasdAutopilotLog, ArduPilotsBlocksAreInTheirPlaces) {
   apm.pump();
   EXPECT_TRUE(apm.was_told(RemoteLogBlockStatus::kStop, 1));
   ASSERT_EQ(files().size(), 1U);
-  EXPECT_NE(files()[0].filename().string().find("Z-v1.bin"), std::string::npos) << files()[0];
+  EXPECT_THAT(files()[0].filename().string(), HasSubstr("Z-v1.bin")) << files()[0];
   EXPECT_EQ(TemporaryFolder::read(files()[0]),
             std::string(200, 'a') + std::string(200, 'b') + std::string(200, 'c'));
 }
@@ -195,7 +186,7 @@ TEST_F(CasdAutopilotLog, InventedVehiclesOfALinkKeepNoneOfAnotherLinkOut) {
     return asked() == 16 && casd->output().find("is not asked for its log") != std::string::npos;
   })) << asked();
   UdpAutopilot px4(MavAutopilot::kPx4);
-  px4.socket.set_remote(port_of_link("line"));
+  px4.socket.set_remote(casd->port("line"));
   EXPECT_TRUE(speaks_until(
       px4, [&] { return px4.starts > 0; }, speak));
   px4.piece<LoggingDataAcked>(0, beginning());
@@ -207,9 +198,7 @@ TEST_F(CasdAutopilotLog, InventedVehiclesOfALinkKeepNoneOfAnotherLinkOut) {
 TEST_F(CasdAutopilotLog, SaysAtTheStartThatAFolderTakesNoFiles) {
   folder.write("rec", "a file, not a folder");
   start_with("{folder: " + (folder / "rec").string() + ", while_armed: true, autopilot: {}}");
-  const auto says = [&](const char* words) {
-    return wait_until([&] { return casd->output().find(words) != std::string::npos; });
-  };
+  const auto says = [&](const char* words) { return casd->prints(words); };
   EXPECT_TRUE(says("logs of autopilots in ")) << casd->output();
   EXPECT_TRUE(says("pause: Not a directory")) << casd->output();
   EXPECT_TRUE(says("cannot record in ")) << casd->output();
@@ -217,9 +206,8 @@ TEST_F(CasdAutopilotLog, SaysAtTheStartThatAFolderTakesNoFiles) {
   EXPECT_TRUE(wait_until([&] {
     return casctl({"log", "status"}).find("CANNOT RECORD in " + where) != std::string::npos;
   }));
-  EXPECT_NE(casctl({"status"}).find("CANNOT RECORD in " + where), std::string::npos);
-  EXPECT_NE(casctl({"doctor", "--seconds", "0.1"}).find("casd cannot record in " + where),
-            std::string::npos);
+  EXPECT_THAT(casctl({"status"}), HasSubstr("CANNOT RECORD in " + where));
+  EXPECT_THAT(casctl({"doctor", "--seconds", "0.1"}), HasSubstr("casd cannot record in " + where));
   fs::remove(folder / "rec");
   EXPECT_TRUE(wait_until([&] {
     return casctl({"log", "status"}).find("CANNOT RECORD") == std::string::npos;
@@ -235,15 +223,13 @@ TEST_F(CasdAutopilotLog, PausesAtALimitAndSaysSo) {
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts == 1; }));
   px4.piece<LoggingDataAcked>(0, beginning());
   EXPECT_TRUE(speaks_until(px4, [&] { return px4.stops >= 1; })) << "nobody takes it";
-  EXPECT_NE(casd->output().find("pause: less than 100000000 MiB would stay free"),
-            std::string::npos)
-      << casd->output();
+  EXPECT_THAT(casd->output(), HasSubstr("pause: less than 100000000 MiB would stay free"));
   EXPECT_TRUE(wait_until([&] { return files().empty(); }));
   for (const char* verb : {"status", "doctor"}) {
     std::vector<std::string> arguments{verb};
     if (arguments[0] == "doctor") arguments.insert(arguments.end(), {"--seconds", "0.1"});
     const std::string said = casctl(arguments);
-    EXPECT_NE(said.find("less than 100000000 MiB would stay free"), std::string::npos) << said;
+    EXPECT_THAT(said, HasSubstr("less than 100000000 MiB would stay free"));
   }
 }
 
@@ -252,12 +238,12 @@ TEST_F(CasdAutopilotLog, StatusTellsOfEachVehiclesLogAndTheOldestFilesGo) {
   folder.write("rec/2026-01-02T00-00-00Z-v7.bin", "x");
   folder.write("rec/mine.ulg", "x");
   start("free_space_min_mib: 0, max_files: 2");
-  EXPECT_NE(casctl({"status"}).find("/rec; no vehicle yet"), std::string::npos);
+  EXPECT_THAT(casctl({"status"}), HasSubstr("/rec; no vehicle yet"));
   UdpAutopilot px4(MavAutopilot::kPx4);
   px4.socket.set_remote(port);
   px4.answers = false;
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts >= 1; }));
-  EXPECT_NE(casctl({"status"}).find("vehicle 1: asked, no data yet"), std::string::npos);
+  EXPECT_THAT(casctl({"status"}), HasSubstr("vehicle 1: asked, no data yet"));
   px4.answers = true;
   px4.piece<LoggingDataAcked>(0, beginning());
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.acks.size() == 1; }));
@@ -337,9 +323,7 @@ TEST_F(CasdAutopilotLog, PausesBeforeAllLogsTakeMoreThanTheyMay) {
         px4.piece(number, message(number));
       }))
       << "nobody takes it";
-  EXPECT_NE(casd->output().find("pause: the recordings have the 1 MiB that they may take"),
-            std::string::npos)
-      << casd->output();
+  EXPECT_THAT(casd->output(), HasSubstr("pause: the recordings have the 1 MiB that they may take"));
   ASSERT_TRUE(wait_until([&] { return files().size() == 2; }));
   EXPECT_LE(taken(), kMost);
   EXPECT_GT(taken(), kMost - 500 + beginning().size()) << "it was used first";
@@ -367,7 +351,7 @@ TEST_F(CasdAutopilotLog, OldLogsMakeRoomForNewOnesWhereTheTopologySaysSo) {
       }));
   EXPECT_EQ(px4.stops, 0);
   EXPECT_TRUE(fs::exists(mine));
-  EXPECT_EQ(casd->output().find("pause:"), std::string::npos) << casd->output();
+  EXPECT_THAT(casd->output(), Not(HasSubstr("pause:")));
 }
 
 TEST_F(CasdAutopilotLog, GoesOnInAnotherFileWhenFilesMayGrowAgain) {

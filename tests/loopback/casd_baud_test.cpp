@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "base/rpc/client.hpp"
 #include "tests/loopback/casd_fixture.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/support/line_rate.hpp"
-#include "tests/support/paths.hpp"
 
 namespace cas::test {
 namespace {
 
 using nlohmann::json;
+using testing::HasSubstr;
 
 /// A vehicle on the line that is understood at one rate only.
 class Vehicle {
@@ -49,17 +49,14 @@ links:
 
 TEST(CasdBaud, OfAListTheRateAtWhichPacketsComeIsKeptAndTold) {
   CasdFixture fixture;
-  ChildProcess casd({binary_dir() + "/bin/casd",
-                     fixture.folder.write("topology.yaml", fixture.expand(kTopology))});
-  const auto status = casd.wait_ready();
-  ASSERT_TRUE(status) << casd.output();
-  const auto endpoint = [&](const std::string& name) { return word_after(*status, name); };
+  RunningCasd casd(
+      {kCasdProgram, fixture.folder.write("topology.yaml", fixture.expand(kTopology))});
+  const auto endpoint = [&](const std::string& name) { return word_after(casd.status, name); };
   base::rpc::Client client(endpoint("command_port"));
   const auto link = [&] { return client.call("link.list", json::object()).at(1); };
   ASSERT_TRUE(wait_until([&] { return link().at("state") == "down"; }));
-  EXPECT_NE(
-      link().at("endpoint").get<std::string>().find("listens for MAVLink at 57600 or 921600 baud"),
-      std::string::npos);
+  EXPECT_THAT(link().at("endpoint").get<std::string>(),
+              HasSubstr("listens for MAVLink at 57600 or 921600 baud"));
   EXPECT_FALSE(link().contains("baud"));
 
   Vehicle vehicle(fixture, 921'600);
@@ -75,9 +72,7 @@ TEST(CasdBaud, OfAListTheRateAtWhichPacketsComeIsKeptAndTold) {
   EXPECT_EQ(vehicle.line(), 921'600U);
   EXPECT_EQ(link().at("state"), "up");
   EXPECT_EQ(link().at("baud"), 921'600);
-  EXPECT_NE(casd.output().find("link fcu: up, " + fixture.expand("$FCU") + " 921600"),
-            std::string::npos)
-      << casd.output();
+  EXPECT_THAT(casd.output(), HasSubstr("link fcu: up, " + fixture.expand("$FCU") + " 921600"));
   ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHeartbeat) > 0; }))
       << "casd speaks, too";
 }

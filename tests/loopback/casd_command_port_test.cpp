@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Access to the command port of the real casd, and casctl's search for it.
+#include <gmock/gmock.h>
 #include <grp.h>
-#include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -26,13 +26,16 @@
 #include "tests/base/rpc/raw_client.hpp"
 #include "tests/loopback/casd_fixture.hpp"
 #include "tests/loopback/tcp_peer.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/support/ended_with.hpp"
 #include "tests/support/free_port.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::test {
 namespace {
+
+using testing::HasSubstr;
+using testing::Not;
 
 namespace fs = std::filesystem;
 using base::rpc::Client;
@@ -108,16 +111,10 @@ class CommandPort : public testing::Test {
   void expect_refused(const std::string& port, const std::string& why) const {
     const auto casd = launch(port);
     EXPECT_EQ(casd->wait_exit(), 71) << casd->output();
-    EXPECT_NE(casd->output().find(why), std::string::npos) << casd->output();
+    EXPECT_THAT(casd->output(), HasSubstr(why));
   }
-  struct Ended {
-    int code;
-    std::string output;
-  };
   Ended casctl(const std::vector<std::string>& arguments) const {
-    ChildProcess child(in_session(session_.path(), "casctl", arguments));
-    const int code = child.wait_exit().value_or(-1);
-    return {code, child.output()};
+    return ChildProcess(in_session(session_.path(), "casctl", arguments)).end();
   }
   fs::path runtime() const { return session_.path() / "cas"; }
   /// Socket files in the runtime folder.
@@ -209,9 +206,7 @@ TEST_F(CommandPort, CasctlFindsACasdWithASocketElsewhere) {
 TEST_F(CommandPort, ACasdWithoutARuntimeFolderRuns) {
   fs::create_symlink(folder_ / "elsewhere", runtime());
   start("{port: 0, unix: $DIR/casd.sock, token_file: $DIR/secret}");
-  EXPECT_NE(casd_->output().find("casctl finds this casd by its address alone: "),
-            std::string::npos)
-      << casd_->output();
+  EXPECT_THAT(casd_->output(), HasSubstr("casctl finds this casd by its address alone: "));
   EXPECT_EQ(casctl({"--address", "unix:" + (folder_ / "casd.sock").string(), "status"}).code, 0);
 }
 
@@ -241,14 +236,11 @@ TEST_F(CommandPort, CasctlListsSeveralCasds) {
   ASSERT_TRUE(killed.wait_exit().has_value());
   ASSERT_EQ(sockets().size(), 4U);
 
-  const Ended said = casctl({"arm"});
-  EXPECT_EQ(said.code, 2) << said.output;
-  EXPECT_NE(said.output.find("casctl: 3 casds run on this machine: say which with --address or "
-                             "CASD_ADDRESS\n"),
-            std::string::npos)
-      << said.output;
-  EXPECT_NE(said.output.find(second.string()), std::string::npos) << said.output;
-  EXPECT_NE(said.output.find("  hover  "), std::string::npos) << said.output;
+  EXPECT_THAT(casctl({"arm"}),
+              EndedWith(2,
+                        "casctl: 3 casds run on this machine: say which with --address or "
+                        "CASD_ADDRESS\n",
+                        second.string(), "  hover  "));
 
   const Ended listed = casctl({"--json", "status"});
   EXPECT_EQ(listed.code, 2);
@@ -268,21 +260,16 @@ TEST_F(CommandPort, CasctlListsSeveralCasds) {
 
 TEST_F(CommandPort, CasctlFindsTheTokenByItself) {
   start("{port: 0}");
-  const Ended ended = casctl({"--address", tcp_, "status"});
-  EXPECT_EQ(ended.code, 0) << ended.output;
+  EXPECT_THAT(casctl({"--address", tcp_, "status"}), EndedWith(0));
 
   fs::rename(runtime() / "casd.token", folder_ / "kept");
-  const Ended without = casctl({"--address", tcp_, "status"});
-  EXPECT_EQ(without.code, 1);
-  EXPECT_NE(without.output.find("--token-file"), std::string::npos) << without.output;
+  EXPECT_THAT(casctl({"--address", tcp_, "status"}), EndedWith(1, "--token-file"));
   EXPECT_EQ(casctl({"--address", tcp_, "--token-file", (folder_ / "kept").string(), "status"}).code,
             0);
   session_.write("cas/casd.token", "the token of another casd");
   ASSERT_EQ(::chmod((runtime() / "casd.token").c_str(), 0600), 0);
-  const Ended wrong = casctl({"--address", tcp_, "status"});
-  EXPECT_EQ(wrong.code, 1);
-  EXPECT_NE(wrong.output.find("did not prove that it knows the token in "), std::string::npos)
-      << wrong.output;
+  EXPECT_THAT(casctl({"--address", tcp_, "status"}),
+              EndedWith(1, "did not prove that it knows the token in "));
 }
 
 /// A program that listens where casd would, on a thread; it keeps every received byte.
@@ -353,13 +340,12 @@ TEST_F(CommandPort, CasctlTellsAnImpostorNothingOfTheToken) {
   session_.write("cas/casd.token", token + "\n");
   ASSERT_EQ(::chmod((runtime() / "casd.token").c_str(), 0600), 0);
   Impostor impostor(asks_for_token);
-  const Ended ended = casctl({"--address", impostor.address(), "status"});
-  EXPECT_EQ(ended.code, 1) << ended.output;
-  EXPECT_NE(ended.output.find("so it was not told it"), std::string::npos) << ended.output;
+  EXPECT_THAT(casctl({"--address", impostor.address(), "status"}),
+              EndedWith(1, "so it was not told it"));
   const std::string told = impostor.end();
-  EXPECT_NE(told.find("nonce"), std::string::npos) << told;
-  EXPECT_EQ(told.find(token), std::string::npos) << told;
-  EXPECT_EQ(told.find("proof"), std::string::npos) << "it may be passed on: " << told;
+  EXPECT_THAT(told, HasSubstr("nonce"));
+  EXPECT_THAT(told, Not(HasSubstr(token)));
+  EXPECT_THAT(told, Not(HasSubstr("proof"))) << "it may be passed on: ";
 }
 
 TEST_F(CommandPort, CasctlTellsACasdOfBeforeNothingEither) {
@@ -373,14 +359,12 @@ TEST_F(CommandPort, CasctlTellsACasdOfBeforeNothingEither) {
     const int code = nonce ? base::rpc::kInvalidParams : base::rpc::kNotAuthorised;
     return {{"error", {{"code", code}, {"message", "no"}}}};
   });
-  const Ended ended = casctl({"--address", before.address(), "status"});
-  EXPECT_EQ(ended.code, 1) << ended.output;
-  EXPECT_NE(ended.output.find("--token-file"), std::string::npos) << ended.output;
+  EXPECT_THAT(casctl({"--address", before.address(), "status"}), EndedWith(1, "--token-file"));
   // A user who names the token's file allows casctl to send it.
   casctl({"--address", before.address(), "--token-file", (runtime() / "casd.token").string(),
           "status"});
   const std::string told = before.end();
-  EXPECT_NE(told.find(token), std::string::npos) << told;
+  EXPECT_THAT(told, HasSubstr(token));
   EXPECT_LT(told.find("nonce"), told.find(token)) << told;
 }
 
@@ -394,9 +378,7 @@ TEST_F(CommandPort, AnImpostorCannotPassTheProofOn) {
     answer.erase("jsonrpc");
     return answer;
   });
-  const Ended ended = casctl({"--address", impostor.address(), "status"});
-  EXPECT_EQ(ended.code, 1) << ended.output;
-  EXPECT_NE(ended.output.find("did not prove"), std::string::npos) << ended.output;
+  EXPECT_THAT(casctl({"--address", impostor.address(), "status"}), EndedWith(1, "did not prove"));
   impostor.end();
   ASSERT_TRUE(real);
   EXPECT_EQ(real->ask(kStatus)["error"]["code"], base::rpc::kNotAuthorised);
@@ -472,8 +454,7 @@ TEST_F(CommandPort, ServesCasctlBesideSilentClientsEverywhere) {
     silent.emplace_back(port(), from.c_str());
   }
   for (int i = 0; i < 64; ++i) silent.emplace_back((runtime() / "casd.sock").string());
-  const Ended ended = casctl({"status"});
-  EXPECT_EQ(ended.code, 0) << ended.output;
+  EXPECT_THAT(casctl({"status"}), EndedWith(0));
 }
 
 // Ten seconds each, so that both run at once.
@@ -492,7 +473,7 @@ TEST_F(CommandPort, EndsClientsThatAskNothingOrHaveNoToken) {
 
 TEST_F(CommandPort, TellsOfAReloadThatWasRefused) {
   start("{port: 0, unix: " + (runtime() / "casd.sock").string() + "}");
-  EXPECT_EQ(casctl({"status"}).output.find("reload"), std::string::npos);
+  EXPECT_THAT(casctl({"status"}).output, Not(HasSubstr("reload")));
   topology("{port: 0, unix: " + (runtime() / "casd.sock").string() + "}",
            std::string(kLinks) + "threads: single\n");
   casd_->signal(SIGHUP);
@@ -501,20 +482,18 @@ TEST_F(CommandPort, TellsOfAReloadThatWasRefused) {
       wait_until([&] { return client.call("casd.status", json::object()).contains("reload"); }));
   const json reload = client.call("casd.status", json::object())["reload"];
   EXPECT_EQ(reload["accepted"], false);
-  EXPECT_NE(reload["reason"].get<std::string>().find("threads: takes a restart"),
-            std::string::npos);
+  EXPECT_THAT(reload["reason"].get<std::string>(), HasSubstr("threads: takes a restart"));
   EXPECT_LT(reload["age_s"].get<double>(), 60);
   const std::string said = casctl({"status"}).output;
-  EXPECT_NE(said.find("the last reload, "), std::string::npos) << said;
-  EXPECT_NE(said.find("was refused: "), std::string::npos) << said;
+  EXPECT_THAT(said, HasSubstr("the last reload, "));
+  EXPECT_THAT(said, HasSubstr("was refused: "));
   const std::string found = casctl({"doctor", "--seconds", "0.1"}).output;
-  EXPECT_NE(found.find("was refused; the topology before it is in force"), std::string::npos)
-      << found;
+  EXPECT_THAT(found, HasSubstr("was refused; the topology before it is in force"));
 
   topology("{port: 0, unix: " + (runtime() / "casd.sock").string() + "}");
   EXPECT_EQ(casctl({"reload"}).code, 0);
   EXPECT_EQ(client.call("casd.status", json::object())["reload"]["accepted"], true);
-  EXPECT_EQ(casctl({"status"}).output.find("was refused"), std::string::npos);
+  EXPECT_THAT(casctl({"status"}).output, Not(HasSubstr("was refused")));
 }
 
 TEST_F(CommandPort, NamesAStreamThatIsSignedInTheFuture) {
@@ -551,19 +530,17 @@ TEST_F(CommandPort, NamesAStreamThatIsSignedInTheFuture) {
   EXPECT_EQ(signing["future"]["refused"], true);
 
   const std::string status = casctl({"status"}).output;
-  EXPECT_NE(status.find("link radio: 1/200 (signing link 3) signs 10.0 years ahead of the clock "
-                        "and is refused"),
-            std::string::npos)
-      << status;
+  EXPECT_THAT(status,
+              HasSubstr("link radio: 1/200 (signing link 3) signs 10.0 years ahead of the clock "
+                        "and is refused"));
   ChildProcess doctor(in_session(session_.path(), "casctl", {"doctor", "--seconds", "1"}));
   ASSERT_TRUE(wait_until([&] {
     send();
     return doctor.wait_exit(std::chrono::milliseconds(5)).has_value();
   }));
-  EXPECT_NE(doctor.output().find("link radio: 1/200 (signing link 3) signs 10.0 years ahead of "
-                                 "casd's clock and is refused"),
-            std::string::npos)
-      << doctor.output();
+  EXPECT_THAT(doctor.output(),
+              HasSubstr("link radio: 1/200 (signing link 3) signs 10.0 years ahead of "
+                        "casd's clock and is refused"));
 }
 
 /// Between "some restarts" and "wrong" lies one limit, for casd's log, link.list and doctor.

@@ -4,14 +4,12 @@
 
 #include <algorithm>
 #include <chrono>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "base/rpc/client.hpp"
 #include "tests/bench/fleet.hpp"
-#include "tests/support/child_process.hpp"
-#include "tests/support/paths.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/wait_until.hpp"
 
@@ -30,10 +28,8 @@ TEST_P(CasdFleet, OfAHundredVehiclesLosesNoPacketOnTheWayToFourStations) {
   Fleet fleet(load);
   // Nothing may grow old on a busy machine.
   const std::string topology = fleet.topology(0, ", queue: {telemetry_max_age_ms: 60000}");
-  ChildProcess casd({binary_dir() + "/bin/casd", folder.write("fleet.yaml", topology)});
-  const std::optional<std::string> status = casd.wait_ready();
-  ASSERT_TRUE(status) << casd.output();
-  base::rpc::Client client(word_after(*status, "command_port"));
+  RunningCasd casd({kCasdProgram, folder.write("fleet.yaml", topology)});
+  base::rpc::Client client(casd.address());
   ASSERT_TRUE(wait_until([&] { return fleet.meet(client); }));
 
   const std::vector<std::size_t> none(4, 0);

@@ -4,7 +4,6 @@
 
 #include <array>
 #include <chrono>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <regex>
@@ -12,13 +11,12 @@
 #include <string>
 #include <vector>
 
-#include "base/rpc/client.hpp"
 #include "casd/routing/ground_station_traffic.hpp"
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
 #include "tests/base/config/scoped_environment.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/pty_pair.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -68,11 +66,7 @@ std::vector<std::uint8_t> packet_of(std::uint32_t id, mav::Source from, std::uin
 class ShippedTopology : public testing::TestWithParam<TopologyCase> {
  protected:
   ShippedTopology() : lines_{{PtyPair(folder_ / "fcu0"), PtyPair(folder_ / "fcu1")}} {
-    casd_ = std::make_unique<ChildProcess>(
-        std::vector<std::string>{binary_dir() + "/bin/casd", topology().string()});
-    const std::optional<std::string> status = casd_->wait_ready();
-    if (!status) throw std::runtime_error(casd_->output());
-    client_.emplace(word_after(*status, "command_port"));
+    casd_.emplace(std::vector<std::string>{kCasdProgram, topology().string()});
     station_.set_remote(port_of(link("gcs").at("endpoint")));
     if (has_simulator()) {
       simulator_.set_remote(port_of(link(GetParam().simulator).at("endpoint")));
@@ -101,14 +95,9 @@ class ShippedTopology : public testing::TestWithParam<TopologyCase> {
   }
 
   bool has_simulator() const { return *GetParam().simulator != '\0'; }
-  json link(const std::string& name) {
-    for (const json& one : client_->call("link.list", json::object())) {
-      if (one.at("name") == name) return one;
-    }
-    throw std::runtime_error("no link " + name);
-  }
+  json link(const std::string& name) { return casd_->link(name); }
   std::uint64_t refused() { return link("gcs").at("rx").at("not_accepted"); }
-  json vehicles() { return client_->call("casd.status", json::object()).at("vehicles"); }
+  json vehicles() { return casd_->call("casd.status").at("vehicles"); }
 
   void from_controller(std::span<const std::uint8_t> bytes) {
     GetParam().on_a_line ? lines_[0].write(bytes) : controller_.send(bytes);
@@ -156,8 +145,7 @@ class ShippedTopology : public testing::TestWithParam<TopologyCase> {
   UdpPeer other_simulator_;
   UdpPeer controller_;
   UdpPeer station_;
-  std::unique_ptr<ChildProcess> casd_;
-  std::optional<base::rpc::Client> client_;
+  std::optional<RunningCasd> casd_;
   PacketStream at_controller_;
   PacketStream at_simulator_;
   PacketStream at_station_;

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "base/rpc/client.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/loopback/udp_autopilot.hpp"
-#include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -25,14 +25,8 @@ class CasdHighLatency : public testing::Test {
         folder.write("topology.yaml",
                      "schema: 1\ncommand_port: {port: 0, loopback_without_token: true}\n"
                      "links:\n  - {name: net, type: udp_server, local: \"127.0.0.1:0\"}\n");
-    casd.emplace(std::vector<std::string>{binary_dir() + "/bin/casd", topology});
-    const auto ready = casd->wait_ready();
-    EXPECT_TRUE(ready) << casd->output();
-    if (!ready) return;
-    const auto port_in = [&](const std::string& name) { return port_of(word_after(*ready, name)); };
-    address = "127.0.0.1:" + std::to_string(port_in("command_port"));
-    client.emplace(address);
-    vehicle.socket.set_remote(port_in("net"));
+    casd.emplace(std::vector<std::string>{kCasdProgram, topology});
+    vehicle.socket.set_remote(casd->port("net"));
   }
   void tell(MavAutopilot kind, std::uint16_t custom_mode, std::int8_t custom0 = -128) {
     HighLatency2 message;
@@ -48,13 +42,11 @@ class CasdHighLatency : public testing::Test {
     message.custom0 = custom0;
     vehicle.socket.send(vehicle.encoder(message));
   }
-  json state() { return client->call("vehicle.state", json{{"vehicle", 1}}); }
-  bool is_known() { return client->call("casd.status", json::object()).at("vehicles").size() == 1; }
+  json state() { return casd->call("vehicle.state", json{{"vehicle", 1}}); }
+  bool is_known() { return casd->call("casd.status").at("vehicles").size() == 1; }
 
   TemporaryFolder folder;
-  std::optional<ChildProcess> casd;
-  std::optional<base::rpc::Client> client;
-  std::string address;
+  std::optional<RunningCasd> casd;
   UdpAutopilot vehicle{MavAutopilot::kPx4};
 };
 
@@ -72,13 +64,13 @@ TEST_F(CasdHighLatency, APx4IsKnownByOneMessageAndIsNotSilent) {
   EXPECT_NEAR(told.at("global").at("alt_m"), 510, 1e-9);
   EXPECT_FALSE(told.at("global").contains("relative_alt_m"));
   EXPECT_EQ(told.at("complaints"), json::array({"magnetometer failure"}));
-  const json telemetry = client->call("vehicle.telemetry", json{{"vehicle", 1}});
+  const json telemetry = casd->call("vehicle.telemetry", json{{"vehicle", 1}});
   EXPECT_EQ(telemetry.at("battery").at("remaining_percent"), 77);
   EXPECT_EQ(telemetry.at("global").at("heading_deg"), 90);
   // Longer than a HEARTBEAT may be away.
   ASSERT_TRUE(wait_until([&] { return state().at("heartbeat_age_s") > 3.2; }));
   ChildProcess doctor(
-      {binary_dir() + "/bin/casctl", "--address", address, "doctor", "--seconds", "0.1"});
+      {binary_dir() + "/bin/casctl", "--address", casd->address(), "doctor", "--seconds", "0.1"});
   doctor.wait_exit();
   EXPECT_EQ(doctor.output().find("silent"), std::string::npos) << doctor.output();
   vehicle.pump();
@@ -93,7 +85,7 @@ TEST_F(CasdHighLatency, CannotBeArmedByIt) {
   EXPECT_FALSE(state().at("hil"));
   EXPECT_EQ(state().at("mode"), "LOITER");
   try {
-    client->call("vehicle.arm", json{{"vehicle", 1}});
+    casd->call("vehicle.arm", json{{"vehicle", 1}});
     FAIL() << "armed";
   } catch (const base::rpc::CallError& error) {
     EXPECT_NE(std::string(error.what()).find("HIL"), std::string::npos) << error.what();

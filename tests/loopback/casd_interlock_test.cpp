@@ -5,14 +5,12 @@
 #include <algorithm>
 #include <atomic>
 #include <map>
-#include <memory>
 #include <nlohmann/json.hpp>
 
 #include "base/rpc/client.hpp"
 #include "base/rpc/server.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/loopback/scripted_vehicle.hpp"
-#include "tests/support/child_process.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/udp_peer.hpp"
 
@@ -20,7 +18,6 @@ namespace cas::test {
 namespace {
 
 using base::rpc::CallError;
-using base::rpc::Client;
 using casd::test::FakeVehicle;
 using mavlink::common::Heartbeat;
 using mavlink::common::MavAutopilot;
@@ -99,17 +96,13 @@ class CasdInterlock : public testing::Test {
                           "  - {name: newest, type: udp, local: '127.0.0.1:0'}\n"
                           "  - {name: one, type: udp_server, local: '127.0.0.1:0', group: pair}\n"
                           "  - {name: two, type: udp_server, local: '127.0.0.1:0', group: pair}\n");
-    casd_ = std::make_unique<ChildProcess>(
-        std::vector<std::string>{cas::test::binary_dir() + "/bin/casd", topology.string()});
-    const std::optional<std::string> status = casd_->wait_ready();
-    if (!status) throw std::runtime_error(casd_->output());
-    client_.emplace(word_after(*status, "command_port"));
-    for (const json& link : client_->call("link.list", json::object())) {
+    casd_.emplace(std::vector<std::string>{kCasdProgram, topology.string()});
+    for (const json& link : casd_->call("link.list")) {
       if (link.at("type") != "serial") ports_[link.at("name")] = port_of(link.at("endpoint"));
     }
   }
 
-  json vehicles() { return client_->call("casd.status", json::object()).at("vehicles"); }
+  json vehicles() { return casd_->call("casd.status").at("vehicles"); }
   /// Waits until the one vehicle that casd knows is as the condition wants it.
   template <class Condition>
   bool wait_vehicle(Condition&& condition) {
@@ -132,7 +125,7 @@ class CasdInterlock : public testing::Test {
   /// @return the sentence of the interlock, or another error's code
   std::string arm_refusal(json params = json::object()) {
     try {
-      client_->call("vehicle.arm", params);
+      casd_->call("vehicle.arm", params);
     } catch (const CallError& error) {
       return error.code() == kInterlock ? error.what() : "code " + std::to_string(error.code());
     }
@@ -147,8 +140,7 @@ class CasdInterlock : public testing::Test {
 
   TemporaryFolder folder_;
   PtyPair line_;
-  std::unique_ptr<ChildProcess> casd_;
-  std::optional<Client> client_;
+  std::optional<RunningCasd> casd_;
   std::map<std::string, std::uint16_t> ports_;
 };
 
@@ -161,9 +153,7 @@ TEST_F(CasdInterlock, ARealVehicleIsNotArmedByTheHilFlagOfOneThatSpeaksLater) {
   expect_contested();
   EXPECT_EQ(arm_commands(real.stop()), 0);
   EXPECT_EQ(arm_commands(twin.stop()), 0);
-  EXPECT_TRUE(wait_until([this] {
-    return casd_->output().find("vehicle 1 has a rival") != std::string::npos;
-  })) << casd_->output();
+  EXPECT_TRUE(casd_->prints("vehicle 1 has a rival")) << casd_->output();
 }
 
 TEST_F(CasdInterlock, ARealVehicleIsNotArmedByTheHilFlagOfOneThatSpokeFirst) {
@@ -228,7 +218,7 @@ TEST_F(CasdInterlock, AVehicleOnTwoLinksOfAGroupIsOneVehicle) {
   UdpPair pair(ports_.at("one"), ports_.at("two"));
   BasicScriptedVehicle<UdpPair> vehicle(pair, in_hil);
   ASSERT_TRUE(wait_until([this] {
-    const json links = client_->call("link.list", json::object());
+    const json links = casd_->call("link.list");
     return std::any_of(links.begin(), links.end(), [](const json& link) {
       return link.at("rx").at("verdicts").at("duplicate") >= 3;
     });
@@ -256,7 +246,7 @@ TEST_P(Companion, ThatSpeaksFirstDoesNotKeepTheAutopilotOut) {
   mav::Encoder companion({1, 2});
   ASSERT_TRUE(wait_until([&] {
     line_.write(companion(heartbeat));
-    for (const json& link : client_->call("link.list", json::object())) {
+    for (const json& link : casd_->call("link.list")) {
       if (link.at("name") == "fcu" && link.at("rx").at("packets") >= 3) return true;
     }
     return false;
@@ -269,8 +259,8 @@ TEST_P(Companion, ThatSpeaksFirstDoesNotKeepTheAutopilotOut) {
   }
   ScriptedVehicle vehicle(line_, in_hil);
   ASSERT_TRUE(wait_vehicle([](const json& one) { return one.at("component") == 1; }));
-  EXPECT_EQ(client_->call("vehicle.arm", json::object()).at("result"), "ACCEPTED");
-  EXPECT_EQ(client_->call("vehicle.disarm", json::object()).at("result"), "ACCEPTED");
+  EXPECT_EQ(casd_->call("vehicle.arm").at("result"), "ACCEPTED");
+  EXPECT_EQ(casd_->call("vehicle.disarm").at("result"), "ACCEPTED");
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -11,13 +11,12 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/rpc/client.hpp"
 #include "casd/packet/link_id.hpp"
 #include "tests/base/rpc/raw_client.hpp"
 #include "tests/loopback/casd_fixture.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/loopback/tcp_peer.hpp"
-#include "tests/support/child_process.hpp"
-#include "tests/support/paths.hpp"
+#include "tests/support/ended_with.hpp"
 
 namespace cas::test {
 namespace {
@@ -97,13 +96,9 @@ class CasdManyLinks : public testing::Test {
         "schema: 1\ncommand_port: {port: 0, loopback_without_token: true}\nmetrics: {port: 0}\n"
         "commanding: {heartbeat_hz: 0}\n" +
             links + routes);
-    casd_.emplace(std::vector<std::string>{binary_dir() + "/bin/casd", file});
-    const auto ready = casd_->wait_ready();
-    ASSERT_TRUE(ready) << casd_->output();
-    status_ = *ready;
-    client_.emplace(word_after(status_, "command_port"));
+    casd_.emplace(std::vector<std::string>{kCasdProgram, file});
   }
-  json links() { return client_->call("link.list", json::object()); }
+  json links() { return casd_->call("link.list"); }
 
   /// Connects the ends and makes each of them known to its link.
   void open_ends() {
@@ -129,9 +124,7 @@ class CasdManyLinks : public testing::Test {
 
   TemporaryFolder folder_;
   std::vector<std::unique_ptr<End>> ends_;
-  std::optional<ChildProcess> casd_;
-  std::optional<base::rpc::Client> client_;
-  std::string status_;
+  std::optional<RunningCasd> casd_;
 };
 
 TEST_F(CasdManyLinks, RoutesEachPacketToItsLinkAloneAndShowsThemAll) {
@@ -153,9 +146,9 @@ TEST_F(CasdManyLinks, RoutesEachPacketToItsLinkAloneAndShowsThemAll) {
     EXPECT_EQ(ends_[static_cast<std::size_t>((i + 1) % kLinks)]->heard(), its);
   }
 
-  const json status = client_->call("casd.status", json::object());
+  const json status = casd_->call("casd.status");
   EXPECT_EQ(status["links"].size(), static_cast<std::size_t>(kLinks));
-  base::rpc::RawClient http(port_of(word_after(status_, "metrics")));
+  base::rpc::RawClient http(casd_->port("metrics"));
   ASSERT_TRUE(http.send("GET /metrics HTTP/1.1\r\nHost: x\r\n\r\n"));
   int shown = 0;
   while (const auto line = http.line()) shown += line->starts_with("casd_link_up{") ? 1 : 0;
@@ -165,9 +158,8 @@ TEST_F(CasdManyLinks, RoutesEachPacketToItsLinkAloneAndShowsThemAll) {
 TEST_F(CasdManyLinks, OneMoreIsRefusedByItsNumber) {
   std::string links = "schema: 1\nlinks:\n";
   for (int i = 0; i <= kLinks; ++i) links += End(2).entry(name_of(i));
-  ChildProcess casd({binary_dir() + "/bin/casd", "--check", folder_.write("more.yaml", links)});
-  EXPECT_EQ(casd.wait_exit(), base::kExitConfig) << casd.output();
-  EXPECT_NE(casd.output().find("more than 250 links"), std::string::npos) << casd.output();
+  EXPECT_THAT(ChildProcess({kCasdProgram, "--check", folder_.write("more.yaml", links)}).end(),
+              EndedWith(base::kExitConfig, "more than 250 links"));
 }
 
 }  // namespace

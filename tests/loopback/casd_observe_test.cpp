@@ -15,7 +15,8 @@
 #include "base/rpc/client.hpp"
 #include "tests/base/rpc/raw_client.hpp"
 #include "tests/loopback/casd_fixture.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/loopback/running_casd.hpp"
+#include "tests/support/ended_with.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::test {
@@ -33,11 +34,6 @@ constexpr const char* kLabDialect = R"(<?xml version="1.0"?>
   </message>
 </messages></mavlink>)";
 
-/// The word after `name` in STATUS, as a port.
-std::uint16_t port_in(const std::string& status, const std::string& name) {
-  return port_of(word_after(status, name));
-}
-
 /// A packet of a private message: state 7, heat 42.
 std::vector<std::uint8_t> lab_thing(std::uint8_t crc_extra) {
   std::vector<std::uint8_t> packet{0xFD, 5, 0, 0, 0, 1, 200, 0x31, 0xD4, 0, 0, 0, 0x28, 0x42, 7};
@@ -52,19 +48,15 @@ class CasdObserve : public testing::Test {
     const auto file = fixture.folder.write(
         "topology.yaml", fixture.expand("command_port: {port: 0, loopback_without_token: true}\n" +
                                         more + kHilTopology));
-    casd.emplace(std::vector<std::string>{cas::test::binary_dir() + "/bin/casd", file});
-    const auto ready = casd->wait_ready();
-    ASSERT_TRUE(ready) << casd->output();
-    status = *ready;
-    fixture.sim.set_remote(port_in(status, "sim"));
+    casd.emplace(std::vector<std::string>{kCasdProgram, file});
+    fixture.sim.set_remote(casd->port("sim"));
   }
   json call(const std::string& method, const json& params = json::object()) {
-    if (!client) client.emplace("127.0.0.1:" + std::to_string(port_in(status, "command_port")));
-    return client->call(method, params);
+    return casd->call(method, params);
   }
   /// All that an HTTP server answers to these bytes.
   std::vector<std::string> http(const std::string& request) {
-    RawClient raw(port_in(status, "metrics"));
+    RawClient raw(casd->port("metrics"));
     EXPECT_TRUE(raw.send(request));
     std::vector<std::string> lines;
     while (auto line = raw.line()) lines.push_back(*line);
@@ -72,9 +64,7 @@ class CasdObserve : public testing::Test {
   }
 
   CasdFixture fixture;
-  std::optional<ChildProcess> casd;
-  std::optional<base::rpc::Client> client;
-  std::string status;
+  std::optional<RunningCasd> casd;
 };
 
 TEST_F(CasdObserve, PublishesDropsThatTheRulesAloneMake) {
@@ -86,7 +76,7 @@ TEST_F(CasdObserve, PublishesDropsThatTheRulesAloneMake) {
   while (!of_sim) {
     std::string topic;
     json told;
-    ASSERT_TRUE(client->next_notification(topic, told, kPatience));
+    ASSERT_TRUE(casd->client().next_notification(topic, told, kPatience));
     ASSERT_EQ(topic, "drops");
     for (const json& drop : told.at("dropped")) {
       if (drop.at("link") == "sim") of_sim = drop;
@@ -159,7 +149,7 @@ TEST_F(CasdObserve, AnswersOnlyGetOfMetricsOverHttp) {
   EXPECT_TRUE(http("GET /" + std::string(20'000, 'x') + " HTTP/1.1\r\n\r\n").empty());
   // Silent clients take no place from others for long, and none from the command port.
   std::vector<RawClient> silent;
-  for (int i = 0; i < 30; ++i) silent.emplace_back(port_in(status, "metrics"));
+  for (int i = 0; i < 30; ++i) silent.emplace_back(casd->port("metrics"));
   EXPECT_EQ(call("link.list").size(), 2U);
 }
 
@@ -224,7 +214,7 @@ double main_thread_s(pid_t pid) {
 
 TEST_F(CasdObserve, GivesAllWhoAskWithoutAPauseAShareOfAProcessor) {
   start("");
-  const std::uint16_t port = port_in(status, "command_port");
+  const std::uint16_t port = casd->port("command_port");
   std::atomic<bool> over{false};
   std::atomic<int> answers{0};
   std::vector<std::thread> pollers;
@@ -273,9 +263,8 @@ TEST_F(CasdObserve, ShowsMessagesOfADialectReadAtRunTime) {
   const json listed = call("message.list");
   EXPECT_TRUE(
       std::ranges::any_of(listed, [](const json& row) { return row.at("name") == "LAB_THING"; }));
-  ChildProcess casctl({cas::test::binary_dir() + "/bin/casctl", "--address",
-                       "127.0.0.1:" + std::to_string(port_in(status, "command_port")), "message",
-                       "lab_thing", "--json", "--wait"});
+  ChildProcess casctl({cas::test::binary_dir() + "/bin/casctl", "--address", casd->address(),
+                       "message", "lab_thing", "--json", "--wait"});
   // It needs one that comes while it looks, also on a machine where it starts late.
   std::optional<int> code;
   EXPECT_TRUE(wait_until([&] {
@@ -296,10 +285,8 @@ TEST_F(CasdObserve, RefusesABadDialectAtTheStartAndAtAReload) {
                  {{"link", "sim"}, {"message", "LAB_THING"}, {"system", 1}, {"component", 200}})
                 .at("id"),
             54321);
-  ChildProcess second(
-      {cas::test::binary_dir() + "/bin/casd", (fixture.folder / "topology.yaml").string()});
-  EXPECT_EQ(second.wait_exit(), 78);
-  EXPECT_NE(second.output().find("lab.xml"), std::string::npos) << second.output();
+  EXPECT_THAT(ChildProcess({kCasdProgram, (fixture.folder / "topology.yaml").string()}).end(),
+              EndedWith(78, "lab.xml"));
 }
 
 TEST(CasdLatency, TellsRoutesApartAndTimesTheEcho) {

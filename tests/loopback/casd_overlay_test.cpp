@@ -7,15 +7,13 @@
 
 #include "base/rpc/client.hpp"
 #include "tests/loopback/casd_fixture.hpp"
-#include "tests/support/child_process.hpp"
-#include "tests/support/paths.hpp"
+#include "tests/loopback/running_casd.hpp"
 
 namespace cas::test {
 namespace {
 
 using nlohmann::json;
 
-const std::string kCasd = binary_dir() + "/bin/casd";
 const std::string kBase =
     std::string("command_port: {port: 0, loopback_without_token: true}\n") + kHilTopology;
 const std::string kStation =
@@ -28,7 +26,7 @@ class CasdOverlay : public testing::Test {
     return fixture.folder.write(name, fixture.expand(yaml));
   }
   static std::string output(const std::vector<std::string>& arguments, int exit_code = 0) {
-    std::vector<std::string> command{kCasd};
+    std::vector<std::string> command{kCasdProgram};
     command.insert(command.end(), arguments.begin(), arguments.end());
     ChildProcess casd(command);
     EXPECT_EQ(casd.wait_exit(), exit_code) << casd.output();
@@ -54,20 +52,17 @@ TEST_F(CasdOverlay, CheckShowsTheFilesAndWhatTheyComeTo) {
 
 TEST_F(CasdOverlay, AReloadReadsTheFolderAgain) {
   const std::string file = write("t.yaml", kBase);
-  ChildProcess casd({kCasd, file});
-  const auto status = casd.wait_ready();
-  ASSERT_TRUE(status) << casd.output();
-  base::rpc::Client client(word_after(*status, "command_port"));
-  const auto links = [&] { return client.call("link.list", json::object()).size(); };
+  RunningCasd casd({kCasdProgram, file});
+  const auto links = [&] { return casd.call("link.list").size(); };
   EXPECT_EQ(links(), 2U);
 
   const std::string over = write("t.d/gcs.yaml", kStation);
-  client.call("casd.reload", json::object());
+  casd.call("casd.reload");
   EXPECT_EQ(links(), 3U);
 
   write("t.d/gcs.yaml", "schema: 1\nthreads: single\n");
   try {
-    client.call("casd.reload", json::object());
+    casd.call("casd.reload");
     FAIL() << "threads takes a restart";
   } catch (const base::rpc::CallError& error) {
     EXPECT_NE(std::string(error.what()).find(over + ":2: threads: takes a restart"),
@@ -77,17 +72,15 @@ TEST_F(CasdOverlay, AReloadReadsTheFolderAgain) {
   EXPECT_EQ(links(), 3U);
 
   std::filesystem::remove_all(fixture.folder / "t.d");
-  client.call("casd.reload", json::object());
+  casd.call("casd.reload");
   EXPECT_EQ(links(), 2U);
 }
 
 TEST_F(CasdOverlay, AFolderAloneIsATopologyToo) {
   write("casd.d/00-base.yaml", kBase);
   write("casd.d/10-station.yaml", kStation);
-  ChildProcess casd({kCasd, fixture.folder / "casd.d"});
-  const auto status = casd.wait_ready();
-  ASSERT_TRUE(status) << casd.output();
-  EXPECT_NE(status->find(" gcs 127.0.0.1:"), std::string::npos) << *status;
+  RunningCasd casd({kCasdProgram, fixture.folder / "casd.d"});
+  EXPECT_NE(casd.status.find(" gcs 127.0.0.1:"), std::string::npos) << casd.status;
   casd.signal(SIGTERM);
   EXPECT_EQ(casd.wait_exit(), 0) << casd.output();
 }

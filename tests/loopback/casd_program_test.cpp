@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <netinet/in.h>
 #include <signal.h>
 #include <sys/socket.h>
@@ -15,15 +15,15 @@
 #include "base/rpc/client.hpp"
 #include "tests/loopback/any_udp_peer.hpp"
 #include "tests/loopback/casd_fixture.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/loopback/tcp_peer.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/support/ended_with.hpp"
 #include "tests/support/free_port.hpp"
-#include "tests/support/paths.hpp"
 
 namespace cas::test {
 namespace {
 
-const std::string kCasd = cas::test::binary_dir() + "/bin/casd";
+using testing::HasSubstr;
 
 class CasdProgram : public testing::Test {
  protected:
@@ -38,10 +38,8 @@ const std::string kWithPort =
 
 TEST_F(CasdProgram, TellsItsBoundPortsForwardsAndEndsCleanly) {
   const auto stats = fixture.folder / "stats.json";
-  ChildProcess casd({kCasd, topology(kWithPort), "--stats", stats});
-  const auto status = casd.wait_ready();
-  ASSERT_TRUE(status) << casd.output();
-  fixture.sim.set_remote(port_of(word_after(*status, "sim")));
+  RunningCasd casd({kCasdProgram, topology(kWithPort), "--stats", stats});
+  fixture.sim.set_remote(casd.port("sim"));
 
   fixture.sim.send(fixture.from_sim(hil_sensor(1)));
   fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
@@ -56,26 +54,20 @@ TEST_F(CasdProgram, TellsItsBoundPortsForwardsAndEndsCleanly) {
 }
 
 TEST_F(CasdProgram, AnswersOnTheCommandPort) {
-  ChildProcess casd({kCasd, topology(kWithPort)});
-  const auto status = casd.wait_ready();
-  ASSERT_TRUE(status) << casd.output();
-  base::rpc::Client client(word_after(*status, "command_port"));
-  const auto answer = client.call("casd.status", nlohmann::json::object());
+  RunningCasd casd({kCasdProgram, topology(kWithPort)});
+  const auto answer = casd.call("casd.status");
   EXPECT_EQ(answer["threads"], "auto");
   EXPECT_EQ(answer["links"][0]["state"], "up");
 }
 
 TEST_F(CasdProgram, ReloadsOnHangupAndKeepsTheOldTopologyWhenTheNewOneIsBad) {
-  ChildProcess casd({kCasd, topology(kWithPort)});
-  const auto status = casd.wait_ready();
-  ASSERT_TRUE(status) << casd.output();
-  base::rpc::Client client(word_after(*status, "command_port"));
-  const auto links = [&] { return client.call("link.list", nlohmann::json::object()).size(); };
+  RunningCasd casd({kCasdProgram, topology(kWithPort)});
+  const auto links = [&] { return casd.call("link.list").size(); };
 
   topology(kWithPort + "  - {from: sim, to: nowhere}\n");
   casd.signal(SIGHUP);
-  ASSERT_TRUE(wait_until([&] { return casd.output().find("not reloaded") != std::string::npos; }));
-  EXPECT_NE(casd.output().find("there is no link 'nowhere'"), std::string::npos);
+  ASSERT_TRUE(casd.prints("not reloaded"));
+  EXPECT_THAT(casd.output(), HasSubstr("there is no link 'nowhere'"));
   EXPECT_EQ(links(), 2U);
 
   std::string more = kWithPort;
@@ -86,11 +78,10 @@ TEST_F(CasdProgram, ReloadsOnHangupAndKeepsTheOldTopologyWhenTheNewOneIsBad) {
 }
 
 TEST_F(CasdProgram, RoutesBetweenEndpointsOfTheCommandLineButNoSensorsOfASimulator) {
-  ChildProcess casd({kCasd, "--command-port", "0", "serial:" + fixture.expand("$FCU") + ":921600",
-                     "udp:" + fixture.expand("$SIM")});
-  const auto status = casd.wait_ready();
-  ASSERT_TRUE(status) << casd.output();
-  fixture.sim.set_remote(port_of(word_after(*status, "udp")));
+  RunningCasd casd({kCasdProgram, "--command-port", "0",
+                    "serial:" + fixture.expand("$FCU") + ":921600",
+                    "udp:" + fixture.expand("$SIM")});
+  fixture.sim.set_remote(casd.port("udp"));
 
   fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
   fixture.sim.send(fixture.from_sim(hil_sensor(1)));
@@ -102,9 +93,7 @@ TEST_F(CasdProgram, RoutesBetweenEndpointsOfTheCommandLineButNoSensorsOfASimulat
   EXPECT_EQ(fixture.at_fcu.count(kHilSensor), 0U);
 
   casd.signal(SIGHUP);
-  EXPECT_TRUE(wait_until([&] {
-    return casd.output().find("there is nothing to read again") != std::string::npos;
-  })) << casd.output();
+  EXPECT_TRUE(casd.prints("there is nothing to read again")) << casd.output();
   casd.signal(SIGTERM);
   EXPECT_EQ(casd.wait_exit(), 0) << casd.output();
 }
@@ -112,12 +101,9 @@ TEST_F(CasdProgram, RoutesBetweenEndpointsOfTheCommandLineButNoSensorsOfASimulat
 TEST_F(CasdProgram, TakesNoFlagForAForgottenValue) {
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{"-e", "--check"}, {"-l", "--check", "udp:0"}}) {
-    std::vector<std::string> command{kCasd};
+    std::vector<std::string> command{kCasdProgram};
     command.insert(command.end(), arguments.begin(), arguments.end());
-    ChildProcess casd(command);
-    EXPECT_EQ(casd.wait_exit(), 78) << casd.output();
-    EXPECT_NE(casd.output().find("'--check' is a flag, and no value"), std::string::npos)
-        << casd.output();
+    EXPECT_THAT(ChildProcess(command).end(), EndedWith(78, "'--check' is a flag, and no value"));
   }
 }
 
@@ -153,7 +139,7 @@ class CasdCommandLine : public CasdProgram, public testing::WithParamInterface<C
 
   std::vector<std::string> command() {
     const std::string port = std::to_string(free_port());
-    std::vector<std::string> all{kCasd, "--command-port", "0"};
+    std::vector<std::string> all{kCasdProgram, "--command-port", "0"};
     for (std::string argument : GetParam().arguments) {
       for (const auto& [word, by] :
            {std::pair{std::string("$TCP"), tcp_place_}, std::pair{std::string("$PORT"), port}}) {
@@ -190,10 +176,8 @@ class CasdCommandLine : public CasdProgram, public testing::WithParamInterface<C
 };
 
 TEST_P(CasdCommandLine, ConnectsALineWithTheOtherEnd) {
-  ChildProcess casd(command());
-  const auto status = casd.wait_ready();
-  ASSERT_TRUE(status) << casd.output();
-  ASSERT_NO_FATAL_FAILURE(connect(*status)) << casd.output();
+  RunningCasd casd(command());
+  ASSERT_NO_FATAL_FAILURE(connect(casd.status)) << casd.output();
   using mavlink::common::ParamRequestList;
   // Repeated: a peer that has not been heard yet gets nothing.
   EXPECT_TRUE(fixture.collect_until([&] {
@@ -202,7 +186,7 @@ TEST_P(CasdCommandLine, ConnectsALineWithTheOtherEnd) {
     if (tcp_) tcp_->read(fixture.at_sim);
     return fixture.at_sim.count(kHilControls) > 0 &&
            fixture.at_fcu.count(ParamRequestList::kId) > 0;
-  })) << *status
+  })) << casd.status
       << casd.output();
 }
 
@@ -235,11 +219,9 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_F(CasdProgram, SpeaksToABroadcastAddressOfTheCommandLine) {
   AnyUdpPeer peer("0.0.0.0:0");
   const std::string port = peer.endpoint().substr(peer.endpoint().rfind(':'));
-  ChildProcess casd({kCasd, "--command-port", "0", "serial:" + fixture.expand("$FCU"),
-                     "udpcast:127.255.255.255" + port});
-  const auto status = casd.wait_ready();
-  ASSERT_TRUE(status) << casd.output();
-  const std::string own = "127.0.0.1:" + std::to_string(port_of(word_after(*status, "udp")));
+  RunningCasd casd({kCasdProgram, "--command-port", "0", "serial:" + fixture.expand("$FCU"),
+                    "udpcast:127.255.255.255" + port});
+  const std::string own = "127.0.0.1:" + std::to_string(casd.port("udp"));
   PacketStream heard;
   EXPECT_TRUE(fixture.collect_until([&] {
     fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
@@ -247,7 +229,7 @@ TEST_F(CasdProgram, SpeaksToABroadcastAddressOfTheCommandLine) {
     peer.read(heard);
     return heard.count(kHilControls) > 0 &&
            fixture.at_fcu.count(mavlink::common::ParamRequestList::kId) > 0;
-  })) << *status
+  })) << casd.status
       << casd.output();
 }
 
@@ -259,14 +241,14 @@ TEST_F(CasdProgram, SpeaksToAMulticastGroupInMavproxysNotation) {
     GTEST_SKIP() << "no multicast on lo";
   }
   ChildProcess printed(
-      {kCasd, "--as-topology", "serial:" + fixture.expand("$FCU"), "mcast:" + group});
+      {kCasdProgram, "--as-topology", "serial:" + fixture.expand("$FCU"), "mcast:" + group});
   ASSERT_EQ(printed.wait_exit(), 0) << printed.output();
   // The notation names no device: that of the default route, which no test speaks on.
   std::string yaml = printed.output();
   const std::size_t at = yaml.find("type: udp,");
   ASSERT_NE(at, yaml.npos) << yaml;
   yaml.insert(at, "interface: lo, ");
-  ChildProcess casd({kCasd, topology("command_port: {port: 0}\n" + yaml)});
+  ChildProcess casd({kCasdProgram, topology("command_port: {port: 0}\n" + yaml)});
   ASSERT_TRUE(casd.wait_ready()) << casd.output();
 
   PacketStream heard;
@@ -285,14 +267,12 @@ TEST_F(CasdProgram, SpeaksToAMulticastGroupInMavproxysNotation) {
 }
 
 TEST_F(CasdProgram, PeersOfOneEndpointHearEachOther) {
-  ChildProcess casd({kCasd, "--command-port", "0", "udp:0"});
-  const auto status = casd.wait_ready();
-  ASSERT_TRUE(status) << casd.output();
+  RunningCasd casd({kCasdProgram, "--command-port", "0", "udp:0"});
   UdpPeer vehicle;
   UdpPeer station;
   PacketStream at_vehicle;
   PacketStream at_station;
-  for (UdpPeer* peer : {&vehicle, &station}) peer->set_remote(port_of(word_after(*status, "udp")));
+  for (UdpPeer* peer : {&vehicle, &station}) peer->set_remote(casd.port("udp"));
   mav::Encoder encode({255, 190});
   EXPECT_TRUE(wait_until([&] {
     vehicle.send(fixture.from_fcu(mavlink::common::Attitude{}));
@@ -306,20 +286,17 @@ TEST_F(CasdProgram, PeersOfOneEndpointHearEachOther) {
 }
 
 TEST_F(CasdProgram, ASecondOneSaysHowItGetsACommandPort) {
-  ChildProcess first({kCasd, topology(kWithPort)});
-  const auto status = first.wait_ready();
-  ASSERT_TRUE(status) << first.output();
-  const std::string place = word_after(*status, "command_port");
-  ChildProcess second({kCasd, "--command-port", place.substr(place.rfind(':') + 1), "udp:0"});
+  RunningCasd first({kCasdProgram, topology(kWithPort)});
+  const std::string place = first.address();
+  ChildProcess second(
+      {kCasdProgram, "--command-port", place.substr(place.rfind(':') + 1), "udp:0"});
   EXPECT_NE(second.wait_exit(), 0);
-  EXPECT_NE(second.output().find("casd: command port " + place + ": cannot listen: "),
-            std::string::npos)
-      << second.output();
-  EXPECT_NE(second.output().find("'--command-port N'"), std::string::npos) << second.output();
+  EXPECT_THAT(second.output(), HasSubstr("casd: command port " + place + ": cannot listen: "));
+  EXPECT_THAT(second.output(), HasSubstr("'--command-port N'"));
 }
 
 TEST_F(CasdProgram, KeepsToAFastHeartbeat) {
-  ChildProcess casd({kCasd, topology("commanding: {heartbeat_hz: 50}\n" + kWithPort)});
+  ChildProcess casd({kCasdProgram, topology("commanding: {heartbeat_hz: 50}\n" + kWithPort)});
   ASSERT_TRUE(casd.wait_ready()) << casd.output();
   // A busy machine may hold up some: half a second with 15 of 25 is enough.
   constexpr auto kSpan = std::chrono::milliseconds(500);
@@ -337,7 +314,7 @@ TEST_F(CasdProgram, KeepsToAFastHeartbeat) {
 
 TEST_F(CasdProgram, RecordsWhereMavlinkRoutersOptionsSay) {
   const auto printed = [&](std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {kCasd, "--as-topology"});
+    arguments.insert(arguments.begin(), {kCasdProgram, "--as-topology"});
     ChildProcess casd(arguments);
     EXPECT_EQ(casd.wait_exit(), 0) << casd.output();
     return casd.output();
@@ -351,9 +328,8 @@ TEST_F(CasdProgram, RecordsWhereMavlinkRoutersOptionsSay) {
   EXPECT_NE(text.find("10.0.0.1:14551"), text.npos) << text;
   EXPECT_NE(printed({"--master", "/dev/ttyS1", "--baudrate", "57600"}).find("baud: 57600"),
             text.npos);
-  ChildProcess alone({kCasd, "-T", "udp:0"});
-  EXPECT_EQ(alone.wait_exit(), 78);
-  EXPECT_NE(alone.output().find("--telemetry-log needs --log"), text.npos) << alone.output();
+  EXPECT_THAT(ChildProcess({kCasdProgram, "-T", "udp:0"}).end(),
+              EndedWith(78, "--telemetry-log needs --log"));
 }
 
 struct RefusedOption {
@@ -365,12 +341,10 @@ struct RefusedOption {
 class CasdRefuses : public testing::TestWithParam<RefusedOption> {};
 
 TEST_P(CasdRefuses, AnOptionOfAnotherRouterAndSaysWhatTakesItsPlace) {
-  std::vector<std::string> command{kCasd, "udp:0"};
+  std::vector<std::string> command{kCasdProgram, "udp:0"};
   const auto& arguments = GetParam().arguments;
   command.insert(command.end(), arguments.begin(), arguments.end());
-  ChildProcess casd(command);
-  EXPECT_EQ(casd.wait_exit(), 78);
-  EXPECT_NE(casd.output().find(GetParam().sentence), std::string::npos) << casd.output();
+  EXPECT_THAT(ChildProcess(command).end(), EndedWith(78, GetParam().sentence));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -410,25 +384,21 @@ TEST_F(CasdProgram, PrintsEndpointsAndMavlinkRoutersFileAsATopologyThatItTakes) 
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{"--as-topology", "-e", "127.0.0.1:14550", "/dev/ttyS1:57600"},
         std::vector<std::string>{"--import", conf.string()}}) {
-    std::vector<std::string> command{kCasd};
+    std::vector<std::string> command{kCasdProgram};
     command.insert(command.end(), arguments.begin(), arguments.end());
     ChildProcess print(command);
     ASSERT_EQ(print.wait_exit(), 0) << print.output();
     const auto file = fixture.folder.write("printed.yaml", print.output());
-    ChildProcess check({kCasd, "--check", file});
-    EXPECT_EQ(check.wait_exit(), 0) << check.output();
-    EXPECT_NE(check.output().find("/dev/ttyS1 at 57600 baud"), std::string::npos) << check.output();
+    EXPECT_THAT(ChildProcess({kCasdProgram, "--check", file}).end(),
+                EndedWith(0, "/dev/ttyS1 at 57600 baud"));
   }
 }
 
 TEST_F(CasdProgram, SaysHowMavlinkRoutersFileIsReadAndThatAnImportStandsAlone) {
   const auto conf = fixture.folder.write("main.conf", "# x\n[General]\nTcpServerPort = 0\n");
-  ChildProcess direct({kCasd, conf});
-  EXPECT_EQ(direct.wait_exit(), 78);
-  EXPECT_NE(direct.output().find("casd --import"), std::string::npos) << direct.output();
-  ChildProcess both({kCasd, "--import", conf, "--check"});
-  EXPECT_EQ(both.wait_exit(), 78);
-  EXPECT_NE(both.output().find("prints a topology and ends"), std::string::npos) << both.output();
+  EXPECT_THAT(ChildProcess({kCasdProgram, conf}).end(), EndedWith(78, "casd --import"));
+  EXPECT_THAT(ChildProcess({kCasdProgram, "--import", conf, "--check"}).end(),
+              EndedWith(78, "prints a topology and ends"));
 }
 
 TEST_F(CasdProgram, RunsMavlinkRoutersFileBothWaysAndSaysNothingOfItsOwn) {
@@ -437,20 +407,17 @@ TEST_F(CasdProgram, RunsMavlinkRoutersFileBothWaysAndSaysNothingOfItsOwn) {
       fixture.expand("[General]\nTcpServerPort = 0\n[UartEndpoint fc]\nDevice = $FCU\n"
                      "Baud = 921600\n[UdpEndpoint gcs]\nMode = Server\nAddress = 127.0.0.1\n"
                      "Port = 0\n"));
-  ChildProcess print({kCasd, "--import", conf});
+  ChildProcess print({kCasdProgram, "--import", conf});
   ASSERT_EQ(print.wait_exit(), 0) << print.output();
   const auto file = fixture.folder.write(
       "imported.yaml", print.output() + "command_port: {port: 0, loopback_without_token: true}\n");
-  ChildProcess casd({kCasd, file});
-  const auto status = casd.wait_ready();
-  ASSERT_TRUE(status) << casd.output();
-  fixture.sim.set_remote(port_of(word_after(*status, "gcs")));
+  RunningCasd casd({kCasdProgram, file});
+  fixture.sim.set_remote(casd.port("gcs"));
   using namespace mavlink::common;
   Heartbeat ardupilot;
   ardupilot.type = MavType::kQuadrotor;
   ardupilot.autopilot = MavAutopilot::kArdupilotmega;
-  base::rpc::Client client("127.0.0.1:" +
-                           std::to_string(port_of(word_after(*status, "command_port"))));
+  base::rpc::Client client("127.0.0.1:" + std::to_string(casd.port("command_port")));
   EXPECT_TRUE(fixture.collect_until([&] {
     fixture.sim.send(fixture.from_sim(ParamRequestList{}));
     fixture.fcu.write(fixture.from_fcu(ardupilot));
@@ -465,16 +432,12 @@ TEST_F(CasdProgram, RunsMavlinkRoutersFileBothWaysAndSaysNothingOfItsOwn) {
 }
 
 TEST_F(CasdProgram, EndsWhenTheCommandPortIsTaken) {
-  ChildProcess first({kCasd, topology(kWithPort)});
-  const auto status = first.wait_ready();
-  ASSERT_TRUE(status) << first.output();
-  const std::string port = std::to_string(port_of(word_after(*status, "command_port")));
+  RunningCasd first({kCasdProgram, topology(kWithPort)});
+  const std::string port = std::to_string(first.port("command_port"));
   const auto file = fixture.folder.write(
       "second.yaml", "schema: 1\ncommand_port: {loopback_without_token: true, port: " + port +
                          "}\nlinks:\n  - {name: a, type: udp, local: '127.0.0.1:0'}\n");
-  ChildProcess second({kCasd, file});
-  EXPECT_EQ(second.wait_exit(), 71);
-  EXPECT_NE(second.output().find(port), std::string::npos) << second.output();
+  EXPECT_THAT(ChildProcess({kCasdProgram, file}).end(), EndedWith(71, port));
 }
 
 struct ExitCase {
@@ -492,9 +455,7 @@ TEST_P(CasdExit, HasItsCodeAndASentence) {
   TemporaryFolder folder;
   const std::string file = folder / "topology.yaml";
   if (test.yaml != nullptr) folder.write("topology.yaml", test.yaml);
-  ChildProcess casd({kCasd, file, test.flag});
-  EXPECT_EQ(casd.wait_exit(), test.code);
-  EXPECT_NE(casd.output().find(test.says), std::string::npos) << casd.output();
+  EXPECT_THAT(ChildProcess({kCasdProgram, file, test.flag}).end(), EndedWith(test.code, test.says));
 }
 
 INSTANTIATE_TEST_SUITE_P(

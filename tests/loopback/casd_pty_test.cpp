@@ -16,17 +16,15 @@
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <regex>
 #include <string>
 
 #include "base/os/descriptor.hpp"
-#include "base/rpc/client.hpp"
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/hil_sensor.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "tests/base/config/scoped_environment.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/pty_pair.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -130,12 +128,8 @@ class CasdPty : public testing::Test {
     start_with(topology);
   }
   void start_with(const std::filesystem::path& topology) {
-    casd_ = std::make_unique<ChildProcess>(
-        std::vector<std::string>{program("casd"), topology.string()});
-    const std::optional<std::string> status = casd_->wait_ready();
-    if (!status) throw std::runtime_error(casd_->output());
-    address_ = word_after(*status, "command_port");
-    client_.emplace(address_);
+    casd_ =
+        std::make_unique<RunningCasd>(std::vector<std::string>{kCasdProgram, topology.string()});
     sim_.set_remote(port_of(link("sim").at("endpoint")));
   }
   void start_emulator(std::vector<std::string> more = {}) {
@@ -149,12 +143,7 @@ class CasdPty : public testing::Test {
     ASSERT_EQ(emulator_->wait_exit(), 128 + SIGKILL);
   }
 
-  json link(const std::string& name) {
-    for (const json& one : client_->call("link.list", json::object())) {
-      if (one.at("name") == name) return one;
-    }
-    throw std::runtime_error("no link " + name);
-  }
+  json link(const std::string& name) { return casd_->link(name); }
   bool is_up() { return link("fcu").at("state") == "up"; }
   std::string reason() { return link("fcu").at("endpoint"); }
   bool wait_up() {
@@ -182,20 +171,14 @@ class CasdPty : public testing::Test {
     }
     return true;
   }
-  std::string casctl(const std::string& verb) {
-    ChildProcess child({program("casctl"), "--address", address_, verb});
-    child.wait_exit();
-    return child.output();
-  }
+  std::string casctl(const std::string& verb) { return casd_->casctl({verb}).output; }
 
   TemporaryFolder folder_;
   UdpPeer sim_;
   mav::Encoder simulator_{{1, 200}};
   std::uint64_t sent_ = 0;
   std::unique_ptr<ChildProcess> emulator_;
-  std::unique_ptr<ChildProcess> casd_;
-  std::string address_;
-  std::optional<base::rpc::Client> client_;
+  std::unique_ptr<RunningCasd> casd_;
 };
 
 TEST_F(CasdPty, AStrangersTerminalIsLeftAloneWhereAnEmulatorWasKilled) {
@@ -291,8 +274,7 @@ TEST_F(CasdPty, EmulatorAndShippedTopologyMeetInTheRuntimeFolder) {
   start_with(folder_.write("casd.yaml", text));
   ASSERT_TRUE(wait_up()) << reason();
   EXPECT_EQ(reason(), (folder_ / "fcu0").string() + " 921600");
-  EXPECT_TRUE(wait_until(
-      [&] { return client_->call("casd.status", json::object()).at("vehicles").size() == 1; }));
+  EXPECT_TRUE(wait_until([&] { return casd_->call("casd.status").at("vehicles").size() == 1; }));
 }
 
 }  // namespace

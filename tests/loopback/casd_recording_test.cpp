@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Recordings of the real casd: their folders, and the effect of a full disk.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -11,16 +11,18 @@
 #include <optional>
 #include <set>
 
-#include "base/rpc/client.hpp"
 #include "casd/tlog/tlog_files.hpp"
 #include "casd/tlog/tlog_name.hpp"
 #include "tests/loopback/casd_fixture.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/support/file_size_limit.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::test {
 namespace {
+
+using testing::HasSubstr;
+using testing::Not;
 
 namespace fs = std::filesystem;
 using nlohmann::json;
@@ -38,37 +40,19 @@ class CasdRecording : public testing::Test {
             "command_port: {port: 0, loopback_without_token: true}\ncommanding: {heartbeat_hz: 0}\n"
             "log: {folder: $DIR/rec, " +
             log + "}\n" + kHilTopology));
-    const std::string casd_program = binary_dir() + "/bin/casd";
     if (prefix.empty()) {
-      prefix = {casd_program, topology};
+      prefix = {kCasdProgram, topology};
     } else {
-      prefix.back() += " && exec " + casd_program + " " + topology;
+      prefix.back() += " && exec " + kCasdProgram + " " + topology;
     }
     casd.emplace(prefix);
-    const auto ready = casd->wait_ready();
-    ASSERT_TRUE(ready) << casd->output();
-    const auto port_in = [&](const std::string& name) { return port_of(word_after(*ready, name)); };
-    fixture.sim.set_remote(port_in("sim"));
-    address = "127.0.0.1:" + std::to_string(port_in("command_port"));
-    client.emplace(address);
+    fixture.sim.set_remote(casd->port("sim"));
   }
   json call(const std::string& method, const json& params = json::object()) {
-    return client->call(method, params);
+    return casd->call(method, params);
   }
-  /// The sentence of a refusal; empty: none.
-  std::string refusal(const std::string& method, const json& params) {
-    try {
-      call(method, params);
-    } catch (const base::rpc::CallError& error) {
-      return error.what();
-    }
-    return "";
-  }
-  std::string casctl(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), {binary_dir() + "/bin/casctl", "--address", address});
-    ChildProcess child(arguments);
-    child.wait_exit();
-    return child.output();
+  std::string casctl(const std::vector<std::string>& arguments) const {
+    return casd->casctl(arguments).output;
   }
   /// One more packet through casd.
   void send() {
@@ -113,9 +97,7 @@ class CasdRecording : public testing::Test {
 
   CasdFixture fixture;
   fs::path recordings;
-  std::optional<ChildProcess> casd;
-  std::optional<base::rpc::Client> client;
-  std::string address;
+  std::optional<RunningCasd> casd;
   std::uint64_t sent = 0;
 };
 
@@ -123,8 +105,8 @@ TEST_F(CasdRecording, StaysInItsFolderWhateverAClientAsksFor) {
   start("keep: {free_space_min_mib: 0}");
   const auto around = files_in(fixture.folder.path());
   for (const char* name : {"/tmp/x.tlog", "../x", "a/../../x", "a/b", ".x", "..", "a\u0001b"}) {
-    const std::string said = refusal("log.start", {{"file", name}});
-    EXPECT_NE(said.find("the folder for recordings"), std::string::npos) << name << ": " << said;
+    const std::string said = casd->refusal("log.start", {{"file", name}});
+    EXPECT_THAT(said, HasSubstr("the folder for recordings")) << name << ": ";
   }
   EXPECT_EQ(files_in(recordings), 0);
   EXPECT_EQ(files_in(fixture.folder.path()), around);
@@ -136,7 +118,7 @@ TEST_F(CasdRecording, StaysInItsFolderWhateverAClientAsksFor) {
     EXPECT_EQ(fs::path(file).parent_path(), recordings);
     EXPECT_EQ(fs::path(file).extension(), ".tlog");
   }
-  EXPECT_NE(first.find("Z-x."), std::string::npos) << first;
+  EXPECT_THAT(first, HasSubstr("Z-x."));
   EXPECT_NE(first, second);
   EXPECT_EQ(files_in(recordings), 3);
 }
@@ -165,7 +147,7 @@ TEST_F(CasdRecording, FollowsNoSymlinkAndEmptiesNoFile) {
 TEST_F(CasdRecording, FromTheStartIsNamedByItsDateOrWrittenAnew) {
   start("tlog: flight, keep: {free_space_min_mib: 0}");
   const std::string dated = call("log.status").at("file");
-  EXPECT_NE(dated.find("Z-flight.tlog"), std::string::npos) << dated;
+  EXPECT_THAT(dated, HasSubstr("Z-flight.tlog"));
 
   const fs::path victim = fixture.folder.write("victim", "theirs");
   fs::create_symlink(victim, recordings / "flight.tlog");
@@ -191,8 +173,7 @@ TEST_F(CasdRecording, OfOldOnesTheNewestStayAndNothingElseGoes) {
   start("tlog: flight, keep: {free_space_min_mib: 0, max_files: 2}");
   EXPECT_EQ(files_in(recordings), 4) << "the link, mine.tlog, the newest old one, the new one";
   EXPECT_TRUE(fs::exists(recordings / "2026-11-03T00-00-00Z-a.tlog"));
-  EXPECT_NE(casd->output().find("2026-11-01T00-00-00Z-a.tlog, 2 files may stay"), std::string::npos)
-      << casd->output();
+  EXPECT_THAT(casd->output(), HasSubstr("2026-11-01T00-00-00Z-a.tlog, 2 files may stay"));
 
   const fs::path first = call("log.status").at("file").get<std::string>();
   call("log.start", {{"file", "x"}});
@@ -211,8 +192,7 @@ TEST_F(CasdRecording, DeletesOldOnesForANewOneWhereTheTopologySaysSo) {
   ASSERT_TRUE(send_until([&] { return call("log.status").at("recorded") > 5; }));
   EXPECT_FALSE(fs::exists(recordings / "2026-11-01T00-00-00Z-a.tlog"));
   EXPECT_TRUE(fs::exists(recordings / "mine.tlog"));
-  EXPECT_NE(casd->output().find("2026-11-01T00-00-00Z-a.tlog to make room"), std::string::npos)
-      << casd->output();
+  EXPECT_THAT(casd->output(), HasSubstr("2026-11-01T00-00-00Z-a.tlog to make room"));
 }
 
 TEST_F(CasdRecording, PausesWhileFilesMayNotGrowAndGoesOnByItself) {
@@ -226,19 +206,19 @@ TEST_F(CasdRecording, PausesWhileFilesMayNotGrowAndGoesOnByItself) {
     EXPECT_EQ(status.at("paused"), "File too large");
     EXPECT_GT(status.at("left_out").get<int>(), 0);
     const std::string said = casctl({"status"});
-    EXPECT_NE(said.find("recording PAUSED for"), std::string::npos) << said;
-    EXPECT_NE(said.find("packets are missing in it"), std::string::npos) << said;
+    EXPECT_THAT(said, HasSubstr("recording PAUSED for"));
+    EXPECT_THAT(said, HasSubstr("packets are missing in it"));
     const std::string found = casctl({"doctor", "--seconds", "0.1"});
-    EXPECT_NE(found.find("the recording pauses: File too large"), std::string::npos) << found;
+    EXPECT_THAT(found, HasSubstr("the recording pauses: File too large"));
   }
   const int before = call("log.status").at("recorded");
   ASSERT_TRUE(send_until([&] { return !is_paused(); }));
   EXPECT_GT(call("log.status").at("recorded").get<int>(), before);
   const std::string found = casctl({"doctor", "--seconds", "0.1"});
-  EXPECT_NE(found.find("the recording has gaps"), std::string::npos) << found;
+  EXPECT_THAT(found, HasSubstr("the recording has gaps"));
   expect_true_figures(recordings);
   const std::string stopped = casctl({"log", "stop"});
-  EXPECT_NE(stopped.find("; missing are "), std::string::npos) << stopped;
+  EXPECT_THAT(stopped, HasSubstr("; missing are "));
 }
 
 TEST_F(CasdRecording, DoesNotCountWhatADeletedFileTookAlong) {
@@ -247,21 +227,19 @@ TEST_F(CasdRecording, DoesNotCountWhatADeletedFileTookAlong) {
   const std::string deleted = call("log.status").at("file");
   fs::remove(deleted);
   ASSERT_TRUE(send_until([&] { return call("log.status").at("left_out") > 5; }));
-  EXPECT_NE(casd->output().find(deleted + " was deleted while it was written"), std::string::npos)
-      << casd->output();
+  EXPECT_THAT(casd->output(), HasSubstr(deleted + " was deleted while it was written"));
   ASSERT_TRUE(send_until([&] { return call("log.status").at("recorded") > 5; }));
   const std::string found = casctl({"doctor", "--seconds", "0.1"});
-  EXPECT_NE(found.find("the recording has gaps"), std::string::npos) << found;
+  EXPECT_THAT(found, HasSubstr("the recording has gaps"));
   expect_true_figures(recordings);
 }
 
 TEST_F(CasdRecording, SaysWhichRecordingACallHasEnded) {
   start("rotate_mib: 0");
-  EXPECT_NE(casctl({"log", "stop"}).find("no recording ran"), std::string::npos);
-  EXPECT_EQ(casctl({"log", "start", "a"}).find("ended"), std::string::npos);
+  EXPECT_THAT(casctl({"log", "stop"}), HasSubstr("no recording ran"));
+  EXPECT_THAT(casctl({"log", "start", "a"}), Not(HasSubstr("ended")));
   const std::string file = call("log.status").at("file");
-  EXPECT_NE(casctl({"log", "start", "b"}).find("; ended the recording into " + file),
-            std::string::npos);
+  EXPECT_THAT(casctl({"log", "start", "b"}), HasSubstr("; ended the recording into " + file));
   EXPECT_TRUE(call("log.stop").contains("ended"));
   EXPECT_FALSE(call("log.stop").contains("ended"));
 }
@@ -280,15 +258,13 @@ TEST_F(CasdRecording, GoesOnWhenAFullDiskHasRoomAgain) {
   std::ofstream(disk / "filler") << std::string(200 * 1024, 'x');
   ASSERT_TRUE(send_until([&] { return is_paused(); }));
   EXPECT_EQ(call("log.status").at("paused"), "No space left on device");
-  EXPECT_TRUE(wait_until([&] {
-    return casd->output().find("pauses: No space left on device") != std::string::npos;
-  })) << casd->output();
+  EXPECT_TRUE(casd->prints("pauses: No space left on device")) << casd->output();
   const json full = call("log.status");
   EXPECT_EQ(full.at("recorded").get<std::size_t>(), packets_in(disk));
 
   fs::remove(disk / "filler");
   ASSERT_TRUE(send_until([&] { return !is_paused(); }));
-  EXPECT_TRUE(wait_until([&] { return casd->output().find("goes on in") != std::string::npos; }));
+  EXPECT_TRUE(casd->prints("goes on in"));
   EXPECT_EQ(call("log.status").at("file"), full.at("file")) << "the same file goes on";
   expect_true_figures(disk);
 }
@@ -322,7 +298,7 @@ TEST_F(CasdRecording, RunsWhileAVehicleIsArmedAndKeepsWhatCameBefore) {
   EXPECT_FALSE(active());
   EXPECT_EQ(call("log.status").at("awaits_arming"), true);
   const std::string idle = casctl({"log", "status"});
-  EXPECT_NE(idle.find("not recording until a vehicle is armed"), std::string::npos) << idle;
+  EXPECT_THAT(idle, HasSubstr("not recording until a vehicle is armed"));
   // A sensor packet passes, and the next thing that casd hears is the arming.
   send();
   ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
@@ -371,7 +347,7 @@ TEST_F(CasdRecording, ADiskThatHangsDelaysNobodyButTheRecording) {
     fixture.collect();
   };
   // The disk hangs as long as the test: an answer that comes at all did not wait for it.
-  const auto status = [&] { return client->call("log.status", json::object(), kPatience); };
+  const auto status = [&] { return casd->client().call("log.status", json::object(), kPatience); };
   ASSERT_TRUE(wait_until([&] {
     say(false);
     return call("casd.status").at("vehicles").size() == 1;
@@ -384,7 +360,7 @@ TEST_F(CasdRecording, ADiskThatHangsDelaysNobodyButTheRecording) {
       wait_until([&] { return status().value("paused", "") == "the disk does not answer"; }));
   EXPECT_TRUE(status().at("active"));
   EXPECT_EQ(status().at("file"), "");
-  EXPECT_TRUE(client->call("vehicle.state", json::object(), kPatience).at("armed"));
+  EXPECT_TRUE(casd->client().call("vehicle.state", json::object(), kPatience).at("armed"));
   send();
   ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
   // The flight ends while the disk still hangs; then it answers.
@@ -406,12 +382,13 @@ TEST_F(CasdRecording, ADiskThatHangsKeepsOnlyWhoAskedForARecordingWaiting) {
   start("keep: {free_space_min_mib: 0}",
         {"/usr/bin/env", "LD_PRELOAD=" + binary_dir() + "/tests/hanging_open.so",
          "CAS_TEST_HANG=" + hang.string(), "CAS_TEST_HANG_AT=.tlog", "/bin/sh", "-c", "true"});
-  ChildProcess asker({binary_dir() + "/bin/casctl", "--address", address, "log", "start", "mine"});
+  ChildProcess asker(
+      {binary_dir() + "/bin/casctl", "--address", casd->address(), "log", "start", "mine"});
   ASSERT_TRUE(wait_until([&] { return fs::exists(hang.string() + ".reached"); }));
-  EXPECT_EQ(client->call("log.status", json::object(), kPatience).at("file"), "");
+  EXPECT_EQ(casd->client().call("log.status", json::object(), kPatience).at("file"), "");
   fs::remove(hang);
   EXPECT_EQ(asker.wait_exit(), 0) << asker.output();
-  EXPECT_NE(asker.output().find("recording into "), std::string::npos) << asker.output();
+  EXPECT_THAT(asker.output(), HasSubstr("recording into "));
 }
 
 }  // namespace

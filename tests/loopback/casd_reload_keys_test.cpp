@@ -10,11 +10,9 @@
 #include <sstream>
 #include <utility>
 
-#include "base/rpc/client.hpp"
 #include "tests/casd/key_changes.hpp"
 #include "tests/loopback/casd_fixture.hpp"
-#include "tests/support/child_process.hpp"
-#include "tests/support/paths.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/support/refusal.hpp"
 
 // Effect of a reload on each key of a topology: the new value is in force when the call answers, or
@@ -31,8 +29,6 @@ std::string test_name(const std::string& key) {
   return std::regex_replace(key, std::regex("[^a-z0-9_]"), "_");
 }
 
-constexpr const char* kPort = "command_port: {port: 0, loopback_without_token: true}\n";
-
 /// The real casd between a socket and a line.
 class ReloadProgram {
  public:
@@ -42,31 +38,21 @@ class ReloadProgram {
     std::string yaml = kHilTopology;
     yaml.insert(yaml.find("routes:"), more_links);
     return fixture.folder.write("topology.yaml",
-                                fixture.expand(yaml + (has_port ? "" : kPort) + extra));
+                                fixture.expand(yaml + (has_port ? "" : kOpenPort) + extra));
   }
   void start(const std::string& extra, const std::string& flag = "--log-level=info") {
-    casd.emplace(
-        std::vector<std::string>{cas::test::binary_dir() + "/bin/casd", topology(extra), flag});
-    const auto status = casd->wait_ready();
-    if (!status) throw std::runtime_error(casd->output());
-    client.emplace(word_after(*status, "command_port"));
+    casd.emplace(std::vector<std::string>{kCasdProgram, topology(extra), flag});
   }
   json call(const std::string& method, const json& params = json::object()) {
-    return client->call(method, params);
+    return casd->call(method, params);
   }
   /// Another topology in force, or the sentence of the refusal.
   std::string reload(const std::string& extra) {
     topology(extra);
     return refusal("casd.reload");
   }
-  /// The sentence of a refusal; empty: none.
   std::string refusal(const std::string& method, const json& params = json::object()) {
-    try {
-      call(method, params);
-    } catch (const base::rpc::CallError& error) {
-      return error.what();
-    }
-    return "";
+    return casd->refusal(method, params);
   }
   /// A PX4 that does not say that it is in HIL has just been heard.
   void meet_vehicle(std::uint8_t system = 1) {
@@ -87,8 +73,7 @@ class ReloadProgram {
   }
 
   CasdFixture fixture;
-  std::optional<ChildProcess> casd;
-  std::optional<base::rpc::Client> client;
+  std::optional<RunningCasd> casd;
 };
 
 // Blocks of casd itself.

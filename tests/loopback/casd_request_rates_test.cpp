@@ -13,8 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "tests/loopback/running_casd.hpp"
 #include "tests/loopback/udp_autopilot.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/support/ended_with.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -33,10 +34,8 @@ class CasdRequestRates : public testing::Test {
         "schema: 1\ncommand_port: {port: 0, loopback_without_token: true}\n"
         "links:\n  - {name: net, type: udp_server, local: \"127.0.0.1:0\", request_rates: " +
             rates + "}\n");
-    casd.emplace(std::vector<std::string>{binary_dir() + "/bin/casd", topology});
-    const auto ready = casd->wait_ready();
-    ASSERT_TRUE(ready) << casd->output();
-    vehicle.socket.set_remote(port_of(word_after(*ready, "net")));
+    casd.emplace(std::vector<std::string>{kCasdProgram, topology});
+    vehicle.socket.set_remote(casd->port("net"));
   }
   /// How often the interval of a message was asked for, in the order of first requests.
   std::size_t asked(std::uint32_t id) const {
@@ -62,7 +61,7 @@ class CasdRequestRates : public testing::Test {
   }
 
   TemporaryFolder folder;
-  std::optional<ChildProcess> casd;
+  std::optional<RunningCasd> casd;
   UdpAutopilot vehicle{MavAutopilot::kPx4};
 };
 
@@ -150,10 +149,8 @@ class CasdRequestRatesOfTheEmulator : public testing::Test {
                          device +
                          "', baud: 0, request_rates: {ATTITUDE: 10, SYSTEM_TIME: 20}}\n"
                          "  - {name: gcs, type: udp_server, local: '127.0.0.1:0'}\n");
-    casd.emplace(std::vector<std::string>{binary_dir() + "/bin/casd", topology});
-    const auto ready = casd->wait_ready();
-    if (!ready) throw std::runtime_error(casd->output());
-    station.set_remote(port_of(word_after(*ready, "gcs")));
+    casd.emplace(std::vector<std::string>{kCasdProgram, topology});
+    station.set_remote(casd->port("gcs"));
   }
 
   /// Notes the vehicle's clock in each message of these two kinds.
@@ -198,7 +195,7 @@ class CasdRequestRatesOfTheEmulator : public testing::Test {
 
   TemporaryFolder folder;
   std::optional<ChildProcess> fcu;
-  std::optional<ChildProcess> casd;
+  std::optional<RunningCasd> casd;
   UdpPeer station;
   mav::Encoder encoder{{255, 190}};
   PacketStream heard;
@@ -227,11 +224,8 @@ TEST_F(CasdRequestRates, OfAMessageThatIsNoneAreRefusedWithTheirPlace) {
       folder.write("t.yaml",
                    "schema: 1\nlinks:\n  - {name: a, type: udp, local: \"127.0.0.1:0\",\n"
                    "     request_rates: {ATITUDE: 50}}\n");
-  ChildProcess check({binary_dir() + "/bin/casd", "--check", topology});
-  EXPECT_EQ(check.wait_exit(), 78);
-  EXPECT_NE(check.output().find("t.yaml:4: links[0].request_rates"), std::string::npos)
-      << check.output();
-  EXPECT_NE(check.output().find("ATITUDE"), std::string::npos) << check.output();
+  EXPECT_THAT(ChildProcess({binary_dir() + "/bin/casd", "--check", topology}).end(),
+              EndedWith(78, "t.yaml:4: links[0].request_rates", "ATITUDE"));
 }
 
 }  // namespace

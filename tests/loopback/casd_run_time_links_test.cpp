@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Links that are added to a running casd and taken out.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <signal.h>
 #include <sys/resource.h>
 
@@ -10,11 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "base/rpc/client.hpp"
 #include "mavlink/common/all.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/support/packet_stream.hpp"
-#include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/udp_peer.hpp"
 #include "tests/support/wait_until.hpp"
@@ -27,16 +25,14 @@ using mavlink::common::Heartbeat;
 using mavlink::common::HilSensor;
 using mavlink::common::MavModeFlag;
 using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
 
 class RunTimeLinks : public testing::Test {
  protected:
   void SetUp() override {
     write_topology("");
-    casd_.emplace(std::vector<std::string>{binary_dir() + "/bin/casd", file_});
-    const auto ready = casd_->wait_ready();
-    ASSERT_TRUE(ready) << casd_->output();
-    address_ = word_after(*ready, "command_port");
-    client_.emplace(address_);
+    casd_.emplace(std::vector<std::string>{kCasdProgram, file_});
     vehicle_.set_remote(port("fcu"));
   }
   /// A vehicle's link and further given ones; every link talks to every other one.
@@ -48,24 +44,9 @@ class RunTimeLinks : public testing::Test {
                               vehicle_.endpoint() + "\"}\n" + more);
   }
   json call(const std::string& method, const json& params = json::object()) {
-    return client_->call(method, params);
+    return casd_->call(method, params);
   }
-  /// The sentence with which a call is refused; "" when it is not.
-  std::string refusal(const std::string& method, const json& params) {
-    try {
-      call(method, params);
-    } catch (const base::rpc::CallError& error) {
-      return error.what();
-    }
-    return "";
-  }
-  /// As link.list has it; nullopt: there is none.
-  std::optional<json> link(const std::string& name) {
-    for (const json& each : call("link.list")) {
-      if (each["name"] == name) return each;
-    }
-    return std::nullopt;
-  }
+  std::optional<json> link(const std::string& name) { return casd_->find_link(name); }
   /// Where a link is bound, once it is up.
   std::uint16_t port(const std::string& name) {
     EXPECT_TRUE(wait_until([&] {
@@ -92,20 +73,16 @@ class RunTimeLinks : public testing::Test {
     ASSERT_TRUE(wait_until([&] { return call("casd.status")["vehicles"].size() == 1; }));
   }
   std::string casctl(const std::vector<std::string>& words, int expected = 0) {
-    std::vector<std::string> command{binary_dir() + "/bin/casctl", "--address", address_};
-    command.insert(command.end(), words.begin(), words.end());
-    ChildProcess program(command);
-    EXPECT_EQ(program.wait_exit(), expected) << program.output();
-    return program.output();
+    const Ended program = casd_->casctl(words);
+    EXPECT_EQ(program.code, expected) << program.output;
+    return program.output;
   }
 
   TemporaryFolder folder_;
   UdpPeer vehicle_;
   mav::Encoder from_vehicle_{{1, 1}};
   std::string file_;
-  std::optional<ChildProcess> casd_;
-  std::string address_;
-  std::optional<base::rpc::Client> client_;
+  std::optional<RunningCasd> casd_;
 };
 
 TEST_F(RunTimeLinks, AnAddedLinkCarriesPacketsBothWaysUntilItIsRemoved) {
@@ -138,8 +115,7 @@ TEST_F(RunTimeLinks, AnAddedLinkCarriesPacketsBothWaysUntilItIsRemoved) {
   EXPECT_EQ(journal[0]["method"], "link.add");
   EXPECT_EQ(journal[0]["params"]["entry"]["name"], "gcs");
   EXPECT_EQ(journal[1]["method"], "link.remove");
-  EXPECT_TRUE(
-      wait_until([&] { return casd_->output().find("link.remove {") != std::string::npos; }));
+  EXPECT_TRUE(casd_->prints("link.remove {"));
 }
 
 TEST_F(RunTimeLinks, WithoutAcceptItTakesInWhatGroundStationsSayAndNoKnownVehicle) {
@@ -188,25 +164,21 @@ TEST_F(RunTimeLinks, SaysWhatIsWrongByItsKeyAndChangesNothing) {
   const auto wrong = [&](const json& more, const json& routes = json::array()) {
     json entry{{"name", "gcs"}, {"type", "udp_server"}, {"local", "127.0.0.1:0"}};
     entry.update(more);
-    return refusal("link.add", {{"entry", entry}, {"routes", routes}});
+    return casd_->refusal("link.add", {{"entry", entry}, {"routes", routes}});
   };
   EXPECT_EQ(wrong({{"max_peers", 0}}), "link.add:1: entry.max_peers: 0 must lie in [1, 64]");
-  EXPECT_NE(wrong({{"local", "nowhere"}}).find("entry.local: 'nowhere' is not HOST:PORT"),
-            std::string::npos);
-  EXPECT_NE(wrong({{"name", "fcu"}}).find("entry.name: 'fcu' is the name of another link"),
-            std::string::npos);
-  EXPECT_NE(wrong({{"bauds", 5}}).find("bauds"), std::string::npos);
-  EXPECT_NE(wrong(json::object(), json::array({{{"from", "gcs"}, {"to", "nowhere"}}}))
-                .find("routes[0].to: there is no link 'nowhere'"),
-            std::string::npos);
-  EXPECT_NE(
-      wrong(json::object(), json::array({{{"from", "fcu"}, {"to", "fcu"}}})).find("routes[0]"),
-      std::string::npos);
-  EXPECT_EQ(refusal("link.add", {{"entry", "udp"}}),
+  EXPECT_THAT(wrong({{"local", "nowhere"}}), HasSubstr("entry.local: 'nowhere' is not HOST:PORT"));
+  EXPECT_THAT(wrong({{"name", "fcu"}}), HasSubstr("entry.name: 'fcu' is the name of another link"));
+  EXPECT_THAT(wrong({{"bauds", 5}}), HasSubstr("bauds"));
+  EXPECT_THAT(wrong(json::object(), json::array({{{"from", "gcs"}, {"to", "nowhere"}}})),
+              HasSubstr("routes[0].to: there is no link 'nowhere'"));
+  EXPECT_THAT(wrong(json::object(), json::array({{{"from", "fcu"}, {"to", "fcu"}}})),
+              HasSubstr("routes[0]"));
+  EXPECT_EQ(casd_->refusal("link.add", {{"entry", "udp"}}),
             "\"entry\" must be an object: a link, as a topology has it");
-  EXPECT_NE(refusal("link.remove", {{"link", "gcs"}}).find("there is no link 'gcs'"),
-            std::string::npos);
-  EXPECT_NE(refusal("link.remove", {{"link", "fcu"}}).find("is the only link"), std::string::npos);
+  EXPECT_THAT(casd_->refusal("link.remove", {{"link", "gcs"}}),
+              HasSubstr("there is no link 'gcs'"));
+  EXPECT_THAT(casd_->refusal("link.remove", {{"link", "fcu"}}), HasSubstr("is the only link"));
   EXPECT_EQ(call("link.list").size(), 1U);
 }
 
@@ -218,7 +190,7 @@ TEST_F(RunTimeLinks, ALinkThatCannotBeMadeLeavesEverythingAsItWas) {
   UdpPeer station;
   json entry = entry_to(station);
   entry["scheduling"] = {{"cpus", {0}}};  // a thread of its own takes descriptors
-  EXPECT_NE(refusal("link.add", {{"entry", entry}}), "");
+  EXPECT_NE(casd_->refusal("link.add", {{"entry", entry}}), "");
   ASSERT_EQ(::prlimit(casd_->pid(), RLIMIT_NOFILE, &before, nullptr), 0);
   EXPECT_EQ(call("link.list").size(), 1U);
   EXPECT_EQ(call("link.add", {{"entry", entry}})["link"], "gcs");  // now there is room
@@ -239,9 +211,7 @@ TEST_F(RunTimeLinks, AReloadEndsThoseThatTheFileDoesNotHave) {
   EXPECT_FALSE(link("udp"));
   EXPECT_EQ(port("gcs"), gcs);
   EXPECT_FALSE(link("gcs")->contains("added"));
-  EXPECT_TRUE(wait_until([&] {
-    return casd_->output().find("link udp: not in the topology, ended") != std::string::npos;
-  })) << casd_->output();
+  EXPECT_TRUE(casd_->prints("link udp: not in the topology, ended")) << casd_->output();
 }
 
 TEST_F(RunTimeLinks, IsAnsweredOnceTheLinkHasTriedToOpen) {
@@ -259,7 +229,7 @@ TEST_F(RunTimeLinks, NothingOfALinkThatIsGoneIsToldOfTheNext) {
   std::string topic;
   json told;
   const auto hears_of = [&](const std::string& name) {
-    while (client_->next_notification(topic, told, kPatience)) {
+    while (casd_->client().next_notification(topic, told, kPatience)) {
       if (told["link"] == name) return true;
     }
     return false;
@@ -295,8 +265,7 @@ TEST_F(RunTimeLinks, TheOnlyLinkOfAnArmedVehicleIsRemovedByForceAlone) {
   UdpPeer station;
   call("link.add", {{"entry", entry_to(station)}});
   meet_vehicle(true);
-  EXPECT_NE(refusal("link.remove", {{"link", "fcu"}}).find("vehicle 1 is armed"),
-            std::string::npos);
+  EXPECT_THAT(casd_->refusal("link.remove", {{"link", "fcu"}}), HasSubstr("vehicle 1 is armed"));
   call("link.remove", {{"link", "gcs"}});
   call("link.add", {{"entry", entry_to(station)}});
   EXPECT_EQ(call("link.remove", {{"link", "fcu"}, {"force", true}})["link"], "fcu");
@@ -318,8 +287,8 @@ TEST_F(RunTimeLinks, TheLinkOfAnArmedVehiclesSimulatorIsRemovedByForceAlone) {
       return each["link"] == "fcu" && each["direction"] == "tx" && each["name"] == "HIL_SENSOR";
     });
   }));
-  EXPECT_NE(refusal("link.remove", {{"link", "sim"}}).find("flies on HIL_SENSOR of link 'sim'"),
-            std::string::npos);
+  EXPECT_THAT(casd_->refusal("link.remove", {{"link", "sim"}}),
+              HasSubstr("flies on HIL_SENSOR of link 'sim'"));
   EXPECT_EQ(call("link.remove", {{"link", "sim"}, {"force", true}})["link"], "sim");
 }
 
@@ -337,35 +306,33 @@ TEST_F(RunTimeLinks, DoctorAsksNoVehicleForHilThatCasdOnlyRoutesFor) {
   ASSERT_TRUE(wait_until([&] { return call("casd.status")["vehicles"].size() == 1; }));
   // Not ready to fly, but with no advice to send it sensor data.
   const std::string said = casctl({"doctor", "--seconds", "0.1"}, 1);
-  EXPECT_NE(said.find("casd only routes for it"), std::string::npos) << said;
-  EXPECT_NE(said.find("Nothing wrong was found"), std::string::npos) << said;
-  EXPECT_EQ(said.find("start hilsim"), std::string::npos) << said;
+  EXPECT_THAT(said, HasSubstr("casd only routes for it"));
+  EXPECT_THAT(said, HasSubstr("Nothing wrong was found"));
+  EXPECT_THAT(said, Not(HasSubstr("start hilsim")));
 }
 
 TEST_F(RunTimeLinks, CasctlAddsAndRemovesThem) {
   UdpPeer station;
-  EXPECT_NE(casctl({"link", "add", "udp:" + station.endpoint()}).find("link udp added, up"),
-            std::string::npos);
-  EXPECT_NE(
-      casctl({"links"}).find("added at run time, ended by a reload of a topology without it: udp"),
-      std::string::npos);
+  EXPECT_THAT(casctl({"link", "add", "udp:" + station.endpoint()}),
+              HasSubstr("link udp added, up"));
+  EXPECT_THAT(casctl({"links"}),
+              HasSubstr("added at run time, ended by a reload of a topology without it: udp"));
   casctl({"link", "add", "{name: tap, type: udp_server, local: 127.0.0.1:0, sniffer: true}"});
-  EXPECT_NE(casctl({"links"}).find("sniffer, gets every packet and takes in nothing: tap"),
-            std::string::npos);
+  EXPECT_THAT(casctl({"links"}), HasSubstr("sniffer, gets every packet and takes in nothing: tap"));
   casctl({"link", "remove", "tap"});
   const std::string entry = "{name: lan, type: udp_server, local: 127.0.0.1:0, max_peers: 3}";
   const std::string added = casctl({"link", "add", entry, "--accept", "everything", "--routes",
                                     "[{from: fcu, to: lan, block: [HIL_SENSOR, 300]}]"});
-  EXPECT_NE(added.find("link lan added, up"), std::string::npos) << added;
+  EXPECT_THAT(added, HasSubstr("link lan added, up"));
   const json routes = call("link.routes");
   const bool blocks = std::ranges::any_of(routes, [](const json& route) {
     return route["to"] == "lan" && route.contains("block") && route["block"].size() == 2;
   });
   EXPECT_TRUE(blocks) << routes.dump();
-  EXPECT_NE(casctl({"link", "remove", "lan"}).find("link lan removed"), std::string::npos);
+  EXPECT_THAT(casctl({"link", "remove", "lan"}), HasSubstr("link lan removed"));
   EXPECT_FALSE(link("lan"));
-  EXPECT_NE(casctl({"link", "add", "tcp:"}, 1).find("has no port"), std::string::npos);
-  EXPECT_NE(casctl({"link", "remove", "lan"}, 1).find("there is no link 'lan'"), std::string::npos);
+  EXPECT_THAT(casctl({"link", "add", "tcp:"}, 1), HasSubstr("has no port"));
+  EXPECT_THAT(casctl({"link", "remove", "lan"}, 1), HasSubstr("there is no link 'lan'"));
 }
 
 }  // namespace

@@ -10,8 +10,7 @@
 
 #include "tests/base/rpc/raw_client.hpp"
 #include "tests/loopback/casd_fixture.hpp"
-#include "tests/support/child_process.hpp"
-#include "tests/support/paths.hpp"
+#include "tests/loopback/running_casd.hpp"
 
 namespace cas::test {
 namespace {
@@ -125,10 +124,8 @@ links:
   - {name: fcu, type: serial, device: "$FCU", baud: 921600}
   - {name: gcs, type: udp_server, local: "127.0.0.1:0"}
 )"));
-  ChildProcess casd({cas::test::binary_dir() + "/bin/casd", file});
-  const auto status = casd.wait_ready();
-  ASSERT_TRUE(status) << casd.output();
-  Load load(fixture, *status);
+  RunningCasd casd({kCasdProgram, file});
+  Load load(fixture, casd.status);
 
   const base::RunTime start = base::steady_now();
   const base::RunTime warm =

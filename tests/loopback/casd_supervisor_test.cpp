@@ -11,7 +11,7 @@
 
 #include "base/rpc/client.hpp"
 #include "tests/loopback/casd_fixture.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/support/free_port.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/supervisor.hpp"
@@ -20,8 +20,6 @@ namespace cas::test {
 namespace {
 
 using State = Supervisor::State;
-
-const std::string kCasdProgram = cas::test::binary_dir() + "/bin/casd";
 
 UnitFile shipped_unit() {
   return UnitFile::load(cas::test::source_dir() + "/config/systemd/casd.service");
@@ -89,9 +87,7 @@ TEST_F(CasdService, RestartAndReloadKeepTheStreamsGoing) {
   EXPECT_EQ(service.starts(), 2);
 
   service.reload();
-  ASSERT_TRUE(wait_until([&] {
-    return service.output().find("topology reloaded") != std::string::npos;
-  })) << service.output();
+  ASSERT_TRUE(service.prints("topology reloaded")) << service.output();
   ASSERT_TRUE(reaches_the_controller_after(base::steady_now()));
   EXPECT_EQ(service.starts(), 2) << "a reload is no restart";
   expect_nothing_old();
@@ -109,9 +105,7 @@ TEST_F(CasdService, LivesWithoutDescriptors) {
     clients.push_back(
         std::make_unique<base::rpc::Client>("unix:" + (fixture.folder / "casd.sock").string()));
   }
-  ASSERT_TRUE(wait_until([&] {
-    return service.output().find("Too many open files") != std::string::npos;
-  })) << service.output();
+  ASSERT_TRUE(service.prints("Too many open files")) << service.output();
   const int feeds = service.feeds();
   EXPECT_TRUE(wait_until([&] { return service.feeds() >= feeds + 2; })) << service.output();
   EXPECT_TRUE(reaches_the_controller_after(base::steady_now()));
@@ -140,9 +134,7 @@ TEST_F(CasdService, IsReplacedWhenTheThreadOfOneLinkHangs) {
   EXPECT_EQ(service.output().find("a link's thread hangs"), std::string::npos);
   fixture.folder.write("hang", "");
   ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(hang.string() + ".reached"); }));
-  EXPECT_TRUE(wait_until([&] {
-    return service.output().find("a link's thread hangs") != std::string::npos;
-  })) << service.output();
+  EXPECT_TRUE(service.prints("a link's thread hangs")) << service.output();
   std::filesystem::remove(hang);
 }
 

@@ -6,9 +6,7 @@
 #include <chrono>
 #include <cstring>
 #include <deque>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <stdexcept>
 #include <stop_token>
 #include <string>
@@ -20,6 +18,7 @@
 #include "mavlink_gen/runtime/sha256.hpp"
 #include "tests/loopback/casweb_fixture.hpp"
 #include "tests/loopback/emulator_fixture.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/loopback/tcp_peer.hpp"
 #include "tests/support/udp_peer.hpp"
 
@@ -263,10 +262,8 @@ TEST(CaswebFlooded, ServesThePageAndCasdTheClientWithTheToken) {
       "casd.yaml", "schema: 1\ncommand_port: {port: 0, unix: '" + (folder / "casd.sock").string() +
                        "', token_file: '" + (folder / "casd.token").string() +
                        "'}\nlinks: [{name: a, type: udp, local: '127.0.0.1:0'}]\n");
-  ChildProcess casd({cas::test::binary_dir() + "/bin/casd", topology.string()});
-  const std::optional<std::string> ready = casd.wait_ready();
-  ASSERT_TRUE(ready) << casd.output();
-  const std::string address = word_after(*ready, "command_port");
+  RunningCasd casd({kCasdProgram, topology.string()});
+  const std::string address = casd.address();
   const json token{{"token", base::rpc::read_token(folder / "casd.token")}};
   CaswebFixture casweb(folder.path());
 

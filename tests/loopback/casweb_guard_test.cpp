@@ -17,6 +17,7 @@
 #include "base/time/clock.hpp"
 #include "tests/loopback/casweb_fixture.hpp"
 #include "tests/loopback/tcp_peer.hpp"
+#include "tests/support/ended_with.hpp"
 
 namespace cas::test {
 namespace {
@@ -264,9 +265,9 @@ TEST(CaswebReadOnly, ShowsAndChangesNothing) {
 }
 
 TEST(CaswebStart, RefusesAnAddressThatOthersReachWithoutATokenFile) {
-  ChildProcess casweb({cas::test::binary_dir() + "/bin/casweb", "--listen", "0.0.0.0:0"});
-  EXPECT_EQ(casweb.wait_exit(), 78);
-  EXPECT_NE(casweb.output().find("--token-file must be given"), std::string::npos);
+  EXPECT_THAT(
+      ChildProcess({cas::test::binary_dir() + "/bin/casweb", "--listen", "0.0.0.0:0"}).end(),
+      EndedWith(78, "--token-file must be given"));
 }
 
 }  // namespace

@@ -6,17 +6,15 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "base/rpc/client.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/loopback/scripted_vehicle.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/support/ended_with.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::test {
 namespace {
 
-using base::rpc::CallError;
-using base::rpc::Client;
 using casd::test::FakeVehicle;
 using mavlink::common::MavCmd;
 using mavlink::common::MavModeFlag;
@@ -42,34 +40,18 @@ class CommandCasdTest : public testing::Test {
     run_casd();
   }
   void run_casd() {
-    casd_ = std::make_unique<ChildProcess>(
-        std::vector<std::string>{cas::test::binary_dir() + "/bin/casd", topology_.string(),
-                                 "--stats", (folder_ / "stats").string()});
-    const std::optional<std::string> status = casd_->wait_ready();
-    ASSERT_TRUE(status.has_value()) << casd_->output();
-    address_ = word_after(*status, "command_port");
-    client_.emplace(address_);
-    ASSERT_TRUE(wait_until([this] {
-      return !client_->call("casd.status", json::object()).at("vehicles").empty();
-    })) << casd_->output();
+    casd_ = std::make_unique<RunningCasd>(std::vector<std::string>{
+        kCasdProgram, topology_.string(), "--stats", (folder_ / "stats").string()});
+    ASSERT_TRUE(wait_until([this] { return !casd_->call("casd.status").at("vehicles").empty(); }))
+        << casd_->output();
   }
-  /// Runs the real casctl. @return its exit code
-  int casctl(std::vector<std::string> arguments, std::string* output = nullptr) {
-    arguments.insert(arguments.begin(),
-                     {cas::test::binary_dir() + "/bin/casctl", "--address", address_});
-    ChildProcess child(arguments);
-    const std::optional<int> code = child.wait_exit();
-    if (output != nullptr) *output = child.output();
-    return code.value_or(-1);
-  }
+  Ended casctl(const std::vector<std::string>& arguments) const { return casd_->casctl(arguments); }
 
   TemporaryFolder folder_;
   PtyPair line_;
   std::unique_ptr<ScriptedVehicle> vehicle_;
-  std::unique_ptr<ChildProcess> casd_;
+  std::unique_ptr<RunningCasd> casd_;
   std::filesystem::path topology_;
-  std::string address_;
-  std::optional<Client> client_;
 };
 
 void know_gains(FakeVehicle& vehicle) {
@@ -89,11 +71,10 @@ TEST_F(CommandCasdTest, ArmsTakesOffAndLandsThroughALine) {
       vehicle.say(home, base::steady_now() + std::chrono::milliseconds(300 + 500 * i));
     }
   });
-  EXPECT_TRUE(wait_until(
-      [this] { return client_->call("vehicle.state", json::object()).contains("home"); }));
-  EXPECT_EQ(casctl({"arm", "--no-wait"}), 0);
-  EXPECT_EQ(casctl({"takeoff", "2.5"}), 0);
-  EXPECT_EQ(casctl({"land"}), 0);
+  EXPECT_TRUE(wait_until([this] { return casd_->call("vehicle.state").contains("home"); }));
+  EXPECT_THAT(casctl({"arm", "--no-wait"}), EndedWith(0));
+  EXPECT_THAT(casctl({"takeoff", "2.5"}), EndedWith(0));
+  EXPECT_THAT(casctl({"land"}), EndedWith(0));
   const auto& commands = vehicle_->stop().commands;
   bool climbed = false;
   for (const auto& command : commands) {
@@ -109,17 +90,13 @@ TEST_F(CommandCasdTest, GivesTheVehiclesReasonForARefusal) {
     vehicle.script.result = MavResult::kTemporarilyRejected;
     vehicle.script.text = "Arming denied: high gyro bias";
   });
-  std::string output;
-  EXPECT_EQ(casctl({"arm", "--no-wait"}, &output), 1);
-  EXPECT_NE(output.find("Arming denied: high gyro bias"), std::string::npos) << output;
+  EXPECT_THAT(casctl({"arm", "--no-wait"}), EndedWith(1, "Arming denied: high gyro bias"));
 }
 
 TEST_F(CommandCasdTest, HoldsTheInterlock) {
   start([](FakeVehicle& vehicle) { vehicle.base_mode = MavModeFlag::kCustomModeEnabled; });
-  std::string output;
-  EXPECT_EQ(casctl({"arm", "--not-hil"}, &output), 1);
-  EXPECT_EQ(output.find("waiting"), std::string::npos) << output;
-  EXPECT_NE(output.find("allow_not_hil"), std::string::npos) << output;
+  EXPECT_THAT(casctl({"arm", "--not-hil"}),
+              EndedWith(1, testing::Not(testing::HasSubstr("waiting")), "allow_not_hil"));
   for (const auto& command : vehicle_->stop().commands) {
     EXPECT_NE(command.command, mavlink::common::MavCmd::kComponentArmDisarm);
   }
@@ -127,7 +104,7 @@ TEST_F(CommandCasdTest, HoldsTheInterlock) {
 
 TEST_F(CommandCasdTest, ReportsAVehicleThatNeverAnswers) {
   start([](FakeVehicle& vehicle) { vehicle.script.answers = 0; });
-  EXPECT_EQ(casctl({"land"}), 4);
+  EXPECT_THAT(casctl({"land"}), EndedWith(4));
 }
 
 struct OldNewsCase {
@@ -160,7 +137,7 @@ class OldNews : public CommandCasdTest, public testing::WithParamInterface<OldNe
       say_all(vehicle, base::steady_now());
     });
     ASSERT_TRUE(wait_until([this] {
-      const json state = client_->call("vehicle.state", json::object());
+      const json state = casd_->call("vehicle.state");
       return state.contains("altitude_m") && state.contains("landed_age_s");
     })) << "what was heard before the command";
   }
@@ -174,18 +151,19 @@ class OldNews : public CommandCasdTest, public testing::WithParamInterface<OldNe
 
 TEST_P(OldNews, IsNotTakenForTheStateThatACommandReached) {
   start_with(GetParam().command);
-  std::string said;
-  EXPECT_EQ(casctl(waiting("2"), &said), 4) << said;  // also for the acknowledgement
-  EXPECT_NE(said.find("acknowledged, but the vehicle was not heard to be"), std::string::npos)
-      << said;
+  const Ended said = casctl(waiting("2"));
+  EXPECT_EQ(said.code, 4) << said.output;  // also for the acknowledgement
+  EXPECT_NE(said.output.find("acknowledged, but the vehicle was not heard to be"),
+            std::string::npos)
+      << said.output;
   const bool is_about_arming = GetParam().command == MavCmd::kComponentArmDisarm;
-  EXPECT_TRUE(!is_about_arming || said.find("arm it with") == std::string::npos) << said;
+  EXPECT_TRUE(!is_about_arming || said.output.find("arm it with") == std::string::npos)
+      << said.output;
 }
 
 TEST_P(OldNews, IsFollowedByNewOfAVehicleThatGoesOnTalking) {
   start_with(std::nullopt);
-  std::string said;
-  EXPECT_EQ(casctl(waiting("20"), &said), 0) << said;
+  EXPECT_THAT(casctl(waiting("20")), EndedWith(0));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -200,24 +178,20 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(CommandCasdTest, SaysForHowLongAVehicleHasBeenSilent) {
   start([](FakeVehicle& vehicle) { vehicle.script.silent_from = MavCmd::kComponentArmDisarm; });
-  std::string said;
-  EXPECT_EQ(casctl({"arm", "--no-wait", "--wait", "--timeout", "4"}, &said), 4) << said;
-  EXPECT_NE(said.find("; no HEARTBEAT has come for "), std::string::npos) << said;
+  EXPECT_THAT(casctl({"arm", "--no-wait", "--wait", "--timeout", "4"}),
+              EndedWith(4, "; no HEARTBEAT has come for "));
 }
 
 TEST_F(CommandCasdTest, StatusMarksASilentVehicle) {
   start([](FakeVehicle& vehicle) { vehicle.script.silent_from = MavCmd::kComponentArmDisarm; });
-  EXPECT_EQ(casctl({"arm", "--no-wait"}), 0);
-  EXPECT_TRUE(wait_until([this] {
-    std::string said;
-    casctl({"status"}, &said);
-    return said.find(" ago (SILENT)") != std::string::npos;
-  }));
+  EXPECT_THAT(casctl({"arm", "--no-wait"}), EndedWith(0));
+  EXPECT_TRUE(wait_until(
+      [this] { return casctl({"status"}).output.find(" ago (SILENT)") != std::string::npos; }));
 }
 
 TEST_F(CommandCasdTest, SetsAGainOnTheVehicle) {
   start(know_gains);
-  EXPECT_EQ(casctl({"setgain", "rollrate", "0.16", "0.21", "0.004"}), 0);
+  EXPECT_THAT(casctl({"setgain", "rollrate", "0.16", "0.21", "0.004"}), EndedWith(0));
   EXPECT_FLOAT_EQ(static_cast<float>(vehicle_->stop().params["MC_ROLLRATE_D"].value), 0.004F);
 }
 
@@ -235,10 +209,10 @@ TEST_F(CommandCasdTest, ComesBackAfterAKillWithNothingStale) {
   start(know_gains);
   casd_->signal(SIGKILL);
   EXPECT_TRUE(casd_->wait_exit().has_value());
-  EXPECT_EQ(casctl({"status"}), 3);
+  EXPECT_THAT(casctl({"status"}), EndedWith(3));
   run_casd();
-  EXPECT_EQ(casctl({"arm", "--no-wait"}), 0);
-  EXPECT_EQ(casctl({"param", "get", "SYS_HITL"}), 0);
+  EXPECT_THAT(casctl({"arm", "--no-wait"}), EndedWith(0));
+  EXPECT_THAT(casctl({"param", "get", "SYS_HITL"}), EndedWith(0));
 }
 
 TEST_F(CommandCasdTest, SaysWhyALinkIsDown) {
@@ -248,30 +222,25 @@ TEST_F(CommandCasdTest, SaysWhyALinkIsDown) {
                                       "links:\n"
                                       "  - {name: fcu, type: serial, device: '" +
                                           (folder_ / "nowhere").string() + "'}\n");
-  ChildProcess casd({cas::test::binary_dir() + "/bin/casd", topology.string()});
-  const std::optional<std::string> status = casd.wait_ready();
-  ASSERT_TRUE(status.has_value()) << casd.output();
-  address_ = word_after(*status, "command_port");
-  Client client(address_);
-  const json link = client.call("link.list", json::object()).at(0);
+  casd_ = std::make_unique<RunningCasd>(std::vector<std::string>{kCasdProgram, topology.string()});
+  const json link = casd_->link("fcu");
   EXPECT_EQ(link.at("state"), "down");
   EXPECT_NE(link.at("endpoint").get<std::string>().find("No such file"), std::string::npos) << link;
-  std::string said;
-  EXPECT_EQ(casctl({"status"}, &said), 0);
-  const std::size_t row = said.find("\nfcu ");
-  ASSERT_NE(row, std::string::npos) << said;
-  EXPECT_GT(said.find("/nowhere"), said.find('\n', row + 1)) << "a column would be as wide\n"
-                                                             << said;
-  EXPECT_NE(said.find("\nlink fcu is down: "), std::string::npos) << said;
+  const Ended said = casctl({"status"});
+  EXPECT_EQ(said.code, 0) << said.output;
+  const std::size_t row = said.output.find("\nfcu ");
+  ASSERT_NE(row, std::string::npos) << said.output;
+  EXPECT_GT(said.output.find("/nowhere"), said.output.find('\n', row + 1))
+      << "a column would be as wide\n"
+      << said.output;
+  EXPECT_NE(said.output.find("\nlink fcu is down: "), std::string::npos) << said.output;
 }
 
 TEST_F(CommandCasdTest, WritesWhoAskedWhatIntoItsLog) {
   start(know_gains);
-  EXPECT_EQ(casctl({"disarm"}), 0);
-  EXPECT_TRUE(wait_until([this] {
-    return casd_->output().find("vehicle.disarm {\"force\":false} vehicle 1: accepted") !=
-           std::string::npos;
-  })) << casd_->output();
+  EXPECT_THAT(casctl({"disarm"}), EndedWith(0));
+  EXPECT_TRUE(casd_->prints("vehicle.disarm {\"force\":false} vehicle 1: accepted"))
+      << casd_->output();
 }
 
 TEST_F(CommandCasdTest, ShowsTheNewestValueOfAMessage) {
@@ -279,7 +248,7 @@ TEST_F(CommandCasdTest, ShowsTheNewestValueOfAMessage) {
   const json asked{{"link", "fcu"}, {"message", "HEARTBEAT"}, {"system", 1}, {"component", 1}};
   json value;
   EXPECT_TRUE(wait_until([&] {
-    value = client_->call("message.value", asked);
+    value = casd_->call("message.value", asked);
     return !value.at("fields").is_null();
   }));
   EXPECT_EQ(value.at("fields").at(1), (json{{"name", "autopilot"}, {"value", 12}}));
@@ -300,12 +269,11 @@ TEST_F(CommandCasdTest, IsDrivenFromItsPageByPythonAlone) {
         }
       },
       "log: {folder: '" + folder_.path().string() + "'}\n");
-  EXPECT_TRUE(wait_until([this] {
-    return !client_->call("vehicle.state", json::object()).at("statustexts").empty();
-  }));
+  EXPECT_TRUE(
+      wait_until([this] { return !casd_->call("vehicle.state").at("statustexts").empty(); }));
   ChildProcess python({"/usr/bin/env", "python3",
                        cas::test::source_dir() + "/tests/loopback/protocol_client.py",
-                       cas::test::source_dir() + "/docs/develop/protocol.md", address_});
+                       cas::test::source_dir() + "/docs/develop/protocol.md", casd_->address()});
   EXPECT_EQ(python.wait_exit(std::chrono::seconds(60)), 0) << python.output();
 }
 

@@ -16,12 +16,6 @@
 
 namespace cas::test {
 
-/// Exit code and output of casctl.
-struct Said {
-  int code = -1;
-  std::string text;  ///< standard output and error
-};
-
 /// The shipped programs around a pseudo-terminal: fcu_emulator, casd and, where asked for, hilsim.
 class EmulatorFixture {
  public:
@@ -63,9 +57,9 @@ class EmulatorFixture {
   }
   /// Starts the simulator against link `sim`, in real time.
   void start_simulator() {
-    const Said links = casctl({"links"});
-    const std::size_t at = links.text.find("127.0.0.1:");
-    const std::string port = links.text.substr(at, links.text.find(' ', at) - at);
+    const std::string links = casctl({"links"}).output;
+    const std::size_t at = links.find("127.0.0.1:");
+    const std::string port = links.substr(at, links.find(' ', at) - at);
     const std::string world =
         folder
             .write("world.yaml",
@@ -90,18 +84,16 @@ class EmulatorFixture {
   }
 
   /// Runs the real casctl.
-  Said casctl(std::vector<std::string> arguments) {
+  Ended casctl(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {cas::test::binary_dir() + "/bin/casctl", "--address",
                                          "unix:" + socket(), "--timeout", "30"});
-    ChildProcess child(arguments);
-    const int code = child.wait_exit(std::chrono::seconds(60)).value_or(-1);
-    return {code, child.output()};
+    return ChildProcess(arguments).end(std::chrono::seconds(60));
   }
   /// Waits until casd has heard the vehicle.
   bool hears_the_vehicle() {
     return wait_until([this] {
-      return casctl({"status"}).text.find("heartbeat") == std::string::npos &&
-             casctl({"status"}).text.find("PX4") != std::string::npos;
+      return casctl({"status"}).output.find("heartbeat") == std::string::npos &&
+             casctl({"status"}).output.find("PX4") != std::string::npos;
     });
   }
 

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "tests/loopback/emulator_fixture.hpp"
+#include "tests/support/ended_with.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::test {
@@ -102,9 +103,9 @@ void drive(bool slow_ones) {
     for (std::string& argument : verb.arguments) {
       if (argument[0] == '@') argument = (fixture.folder / argument.substr(1)).string();
     }
-    const Said said = fixture.casctl(verb.arguments);
-    EXPECT_EQ(said.code, verb.code) << verb.name << ": " << said.text;
-    EXPECT_NE(said.text.find(verb.says), std::string::npos) << verb.name << ": " << said.text;
+    const Ended said = fixture.casctl(verb.arguments);
+    EXPECT_EQ(said.code, verb.code) << verb.name << ": " << said.output;
+    EXPECT_NE(said.output.find(verb.says), std::string::npos) << verb.name << ": " << said.output;
   }
 }
 
@@ -115,10 +116,7 @@ TEST(EveryVerb, ThatMeasuresWorksAgainstTheEmulatorToo) { drive(true); }
 TEST(EveryVerb, DoctorFindsALineThatIsNotThere) {
   EmulatorFixture fixture;
   fixture.start_casd((fixture.folder / "nowhere").string(), 0);
-  const Said said = fixture.casctl({"doctor"});
-  EXPECT_EQ(said.code, 1);
-  EXPECT_NE(said.text.find("nowhere"), std::string::npos) << said.text;
-  EXPECT_NE(said.text.find("BAD"), std::string::npos) << said.text;
+  EXPECT_THAT(fixture.casctl({"doctor"}), EndedWith(1, "nowhere", "BAD"));
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // MAV_CMD_INJECT_FAILURE of a ground station through the real casd into the real hilsim.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <chrono>
 #include <map>
@@ -12,7 +12,7 @@
 #include "base/rpc/client.hpp"
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/services/failure_order.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/loopback/running_casd.hpp"
 #include "tests/support/free_port.hpp"
 #include "tests/support/packet_stream.hpp"
 #include "tests/support/paths.hpp"
@@ -24,10 +24,11 @@ namespace cas::test {
 namespace {
 
 using namespace mavlink::common;
+using Type = mav::services::FailureType;
+using Unit = mav::services::FailureUnit;
 using mav::services::FailureOrder;
 using nlohmann::json;
-using Unit = mav::services::FailureUnit;
-using Type = mav::services::FailureType;
+using testing::HasSubstr;
 
 /// hilsim -- casd -- a controller that this test plays, and two ground stations of which one may.
 class FailureInjection : public testing::Test {
@@ -55,12 +56,9 @@ routes:
   - {from: fcu, to: may, block: [HIL_CONTROLS]}
   - {from: fcu, to: may_not, block: [HIL_CONTROLS]}
 )");
-    casd_ = std::make_unique<ChildProcess>(
-        std::vector<std::string>{binary_dir() + "/bin/casd", topology.string()});
-    const std::optional<std::string> status = casd_->wait_ready();
-    if (!status) throw std::runtime_error(casd_->output());
-    client_.emplace(word_after(*status, "command_port"));
-    for (const json& link : client_->call("link.list", json::object())) {
+    casd_ =
+        std::make_unique<RunningCasd>(std::vector<std::string>{kCasdProgram, topology.string()});
+    for (const json& link : casd_->call("link.list")) {
       ports_[link.at("name")] = port_of(link.at("endpoint"));
     }
     controller_.set_remote(ports_.at("fcu"));
@@ -125,8 +123,7 @@ vehicles:
   std::size_t sensors() const { return at_controller_.count(HilSensor::kId); }
   bool knows_vehicle() {
     return wait([&] {
-      return client_->call("casd.status", json::object()).at("vehicles").size() == 1 &&
-             fixes() > 0 && sensors() > 0;
+      return casd_->call("casd.status").at("vehicles").size() == 1 && fixes() > 0 && sensors() > 0;
     });
   }
   /// Sends an order until it is answered; on a busy machine hilsim may be late for the first.
@@ -174,9 +171,8 @@ vehicles:
   }
 
   TemporaryFolder folder_;
-  std::unique_ptr<ChildProcess> casd_;
+  std::unique_ptr<RunningCasd> casd_;
   std::unique_ptr<ChildProcess> hilsim_;
-  std::optional<base::rpc::Client> client_;
   std::map<std::string, std::uint16_t> ports_;
   UdpPeer controller_, may_, may_not_;
   PacketStream at_controller_, at_may_, at_may_not_;
@@ -196,10 +192,9 @@ TEST_F(FailureInjection, StrikesInTheSimulatorAndEnds) {
   // Fixes in flight have arrived with the first of them.
   fixes_in(50);
   EXPECT_EQ(fixes_in(100), 0U) << "a second without a fix, at 20 Hz";
-  EXPECT_NE(casd_->output().find(
-                "audit: 255/190 on link may MAV_CMD_INJECT_FAILURE 'gps off' vehicle 1: accepted"),
-            std::string::npos)
-      << casd_->output();
+  EXPECT_THAT(
+      casd_->output(),
+      HasSubstr("audit: 255/190 on link may MAV_CMD_INJECT_FAILURE 'gps off' vehicle 1: accepted"));
 
   const auto ended = inject(may_, at_may_, {Unit::kGps, Type::kOk});
   ASSERT_TRUE(ended);
@@ -214,7 +209,7 @@ TEST_F(FailureInjection, StrikesInTheSimulatorAndEnds) {
   // The command port does the same.
   EXPECT_TRUE(wait([&] {
     try {
-      client_->call("vehicle.command", {{"command", 420}, {"params", {4, 1, 0}}});
+      casd_->call("vehicle.command", {{"command", 420}, {"params", {4, 1, 0}}});
       return true;
     } catch (const base::rpc::CallError&) {  // late, as above
       return false;
@@ -234,9 +229,8 @@ TEST_F(FailureInjection, IsDeniedToALinkThatMayNot) {
   fixes_in(50);
   EXPECT_GT(fixes_in(100), 10U);
   EXPECT_FALSE(autopilot_got_it());
-  EXPECT_NE(casd_->output().find("this link may not inject failures: inject_failures: true"),
-            std::string::npos)
-      << casd_->output();
+  EXPECT_THAT(casd_->output(),
+              HasSubstr("this link may not inject failures: inject_failures: true"));
 }
 
 TEST_F(FailureInjection, IsDeniedForAVehicleThatMayBeReal) {

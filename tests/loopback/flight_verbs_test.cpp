@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/loopback/emulator_fixture.hpp"
+#include "tests/support/ended_with.hpp"
 
 namespace cas::test {
 namespace {
@@ -14,9 +15,7 @@ TEST(FlightVerbs, FlyAVehicleFromTheGroundAndBack) {
   fixture.start_simulator();
   ASSERT_TRUE(fixture.hears_the_vehicle()) << fixture.output();
   const auto expect_done = [&fixture](const std::vector<std::string>& verb, const char* says) {
-    const Said said = fixture.casctl(verb);
-    EXPECT_EQ(said.code, 0) << said.text;
-    EXPECT_NE(said.text.find(says), std::string::npos) << said.text;
+    EXPECT_THAT(fixture.casctl(verb), EndedWith(0, says));
   };
   expect_done({"arm", "--wait"}, "armed");  // waits for the estimator, too
   expect_done({"takeoff", "2", "--wait"}, "airborne");
@@ -35,12 +34,12 @@ std::string said_of_a_slow_line(const std::string& verb, const std::string& word
   fixture.start("{preset: baud_115200}", 115200);
   fixture.start_simulator();
   EXPECT_TRUE(fixture.hears_the_vehicle()) << fixture.output();
-  Said said;
+  Ended said;
   EXPECT_TRUE(wait_until([&] {
     said = fixture.casctl({verb});
-    return said.code == 1 && said.text.find(words) != std::string::npos;
-  })) << said.text;
-  return said.text;
+    return said.code == 1 && said.output.find(words) != std::string::npos;
+  })) << said.output;
+  return said.output;
 }
 
 TEST(FlightVerbs, BudgetFindsALineThatIsTooSlow) { said_of_a_slow_line("budget", "TOO SLOW"); }

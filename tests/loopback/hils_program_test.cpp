@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The command line of hils, up to where a flight would begin.
 #include <fcntl.h>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <sys/file.h>
 
 #include <filesystem>
@@ -14,12 +14,15 @@
 
 #include "base/os/descriptor.hpp"
 #include "tests/hils/ulog/ulog_bytes.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/support/ended_with.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::test {
 namespace {
+
+using testing::HasSubstr;
+using testing::Not;
 
 constexpr int kExitUsage = 2;
 
@@ -41,15 +44,15 @@ TEST(HilsProgram, TakesTheLastOfTwoFoldersForTheResults) {
   const TemporaryFolder folder;
   const std::string text =
       refusal({"no_such_scenario.yaml", "--out", folder / "first", "--out", folder / "second"});
-  EXPECT_NE(text.find("no_such_scenario.yaml"), std::string::npos) << text;
-  EXPECT_EQ(text.find("--out"), std::string::npos) << text;
+  EXPECT_THAT(text, HasSubstr("no_such_scenario.yaml"));
+  EXPECT_THAT(text, Not(HasSubstr("--out")));
 }
 
 TEST(HilsProgram, RefusesANegativeSeed) {
   const TemporaryFolder folder;
   const std::string text =
       refusal({"no_such_scenario.yaml", "--out", folder / "out", "--seed", "-1"});
-  EXPECT_NE(text.find("'-1' is not a whole number"), std::string::npos) << text;
+  EXPECT_THAT(text, HasSubstr("'-1' is not a whole number"));
 }
 
 TEST(HilsProgram, LetsAGroundStationJoinInRealTimeAlone) {
@@ -61,19 +64,17 @@ TEST(HilsProgram, LetsAGroundStationJoinInRealTimeAlone) {
     return refusal(arguments);
   };
   const std::string sentence = "a ground station cannot join a run on the virtual clock";
-  EXPECT_NE(refused("udp:14550", {"--virtual"}).find(sentence), std::string::npos);
-  EXPECT_NE(refused("udp:14550", {"--architecture", "direct"}).find(sentence), std::string::npos);
-  EXPECT_NE(refused("udp:14550", {"--lockstep"})
-                .find("a ground station has a clock of its own and no place in lockstep"),
-            std::string::npos);
-  EXPECT_NE(refused("14550", {}).find("--gcs '14550' is none of udp:PORT"), std::string::npos);
-  EXPECT_NE(refused("udp:0", {}).find("no port from 1 to 65535"), std::string::npos);
+  EXPECT_THAT(refused("udp:14550", {"--virtual"}), HasSubstr(sentence));
+  EXPECT_THAT(refused("udp:14550", {"--architecture", "direct"}), HasSubstr(sentence));
+  EXPECT_THAT(refused("udp:14550", {"--lockstep"}),
+              HasSubstr("a ground station has a clock of its own and no place in lockstep"));
+  EXPECT_THAT(refused("14550", {}), HasSubstr("--gcs '14550' is none of udp:PORT"));
+  EXPECT_THAT(refused("udp:0", {}), HasSubstr("no port from 1 to 65535"));
 }
 
 int exit_code(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), {cas::test::binary_dir() + "/bin/hils", "run"});
-  ChildProcess hils(arguments);
-  return hils.wait_exit().value_or(-1);
+  return ChildProcess(arguments).end().code;
 }
 
 TEST(HilsProgram, FliesAScenarioWithOtherValues) {
@@ -87,7 +88,7 @@ TEST(HilsProgram, FliesAScenarioWithOtherValues) {
   EXPECT_EQ(exit_code(arguments), 0);
   const auto summary = nlohmann::json::parse(TemporaryFolder::read(out + "/summary.json"));
   EXPECT_GT(summary["vehicles"][0]["rates"]["HIL_SENSOR"]["lost"].get<int>(), 300);
-  EXPECT_NE(summary["remarks"].dump().find(setting), std::string::npos) << summary["remarks"];
+  EXPECT_THAT(summary["remarks"].dump(), HasSubstr(setting)) << summary["remarks"];
   EXPECT_EQ(exit_code(plain), 0);
   EXPECT_FALSE(std::filesystem::exists(out + "/run/scenario")) << "of the run before";
 }
@@ -103,11 +104,11 @@ TEST(HilsProgram, ChecksAScenarioWithoutAFlight) {
         std::pair{"steps[nowhere].name=x", "no entry of the list is called 'nowhere'"},
         std::pair{"seed", "is not KEY=VALUE"}}) {
     const std::string text = refusal({hover, "--check", "--set", setting});
-    EXPECT_NE(text.find(sentence), std::string::npos) << text;
+    EXPECT_THAT(text, HasSubstr(sentence));
     const bool is_setting = std::string(setting).find('=') != std::string::npos;
     const std::string named = hover + " with --set " + setting;
     EXPECT_EQ(text.find(named) != std::string::npos, is_setting) << text;
-    EXPECT_EQ(text.find("scenario.yaml"), std::string::npos) << text;  // the copy
+    EXPECT_THAT(text, Not(HasSubstr("scenario.yaml")));  // the copy
   }
 }
 
@@ -120,7 +121,7 @@ TEST(HilsProgram, LeavesTheFolderOfAnotherRunAlone) {
   ASSERT_EQ(::flock(other.get(), LOCK_EX | LOCK_NB), 0);
   const std::string text =
       refusal({source_dir() + "/config/scenarios/hover.yaml", "--virtual", "--out", out});
-  EXPECT_NE(text.find("another run writes its results there"), std::string::npos) << text;
+  EXPECT_THAT(text, HasSubstr("another run writes its results there"));
   EXPECT_EQ(TemporaryFolder::read(verdict), "of the other run");
 }
 
@@ -128,8 +129,7 @@ TEST(HilsProgram, NamesTheFaultOfTheBenchThatLockstepCannotPlay) {
   const TemporaryFolder folder;
   const std::string text = refusal(
       {source_dir() + "/config/scenarios/unplug.yaml", "--out", folder / "out", "--lockstep"});
-  EXPECT_NE(text.find("fault 'plug pulled' of the bench has a clock of its own"), std::string::npos)
-      << text;
+  EXPECT_THAT(text, HasSubstr("fault 'plug pulled' of the bench has a clock of its own"));
 }
 
 TEST(HilsProgram, RefusesLockstepOnTheVirtualClock) {
@@ -140,7 +140,7 @@ TEST(HilsProgram, RefusesLockstepOnTheVirtualClock) {
     std::vector<std::string> arguments{hover, "--out", folder / "out", "--lockstep"};
     arguments.insert(arguments.end(), flags.begin(), flags.end());
     const std::string text = refusal(arguments);
-    EXPECT_NE(text.find("--lockstep: a run on the virtual clock"), std::string::npos) << text;
+    EXPECT_THAT(text, HasSubstr("--lockstep: a run on the virtual clock"));
   }
 }
 
@@ -155,7 +155,7 @@ TEST_P(ResultsOf, CannotBeWhereAFileIs) {
     arguments[1] = source_dir() + "/config/" + arguments[1];
     arguments.insert(arguments.end(), {"--out", out});
     const std::string text = refusal_of(arguments);
-    EXPECT_NE(text.find("hils: --out: " + out + " cannot be created: "), std::string::npos) << text;
+    EXPECT_THAT(text, HasSubstr("hils: --out: " + out + " cannot be created: "));
   }
 }
 
@@ -175,18 +175,15 @@ TEST(HilsProgram, RefusesWhatMeansNothingToStockFirmware) {
     std::vector<std::string> arguments{px4, "--out", folder / "out"};
     arguments.insert(arguments.end(), flag.begin(), flag.end());
     const std::string text = refusal(arguments);
-    EXPECT_NE(text.find(flag[0] + ": stock firmware "), std::string::npos) << text;
+    EXPECT_THAT(text, HasSubstr(flag[0] + ": stock firmware "));
   }
-  EXPECT_NE(refusal({px4, "--fcu", "/dev/ttyACM0", "--out", folder / "out"})
-                .find("--fcu: this stock firmware is a program without a serial line"),
-            std::string::npos);
+  EXPECT_THAT(refusal({px4, "--fcu", "/dev/ttyACM0", "--out", folder / "out"}),
+              HasSubstr("--fcu: this stock firmware is a program without a serial line"));
   const std::string hitl = source_dir() + "/config/scenarios/px4_hitl.yaml";
-  EXPECT_NE(refusal({hitl, "--lockstep", "--out", folder / "out"})
-                .find("--lockstep: stock firmware on a serial line waits for nobody"),
-            std::string::npos);
-  EXPECT_NE(refusal({px4, "--lockstep", "--gcs", "udp:14550", "--out", folder / "out"})
-                .find("--gcs: a ground station"),
-            std::string::npos);
+  EXPECT_THAT(refusal({hitl, "--lockstep", "--out", folder / "out"}),
+              HasSubstr("--lockstep: stock firmware on a serial line waits for nobody"));
+  EXPECT_THAT(refusal({px4, "--lockstep", "--gcs", "udp:14550", "--out", folder / "out"}),
+              HasSubstr("--gcs: a ground station"));
 }
 
 /// A file with a short flight. @param more  further keys
@@ -248,8 +245,7 @@ TEST(HilsProgram, ChoosesTheNextFreeFolder) {
     ChildProcess hils({"/usr/bin/env", "-C", folder.path().string(), "CAS_WEB_PATH=/nowhere",
                        binary_dir() + "/bin/hils", "run", scenario});
     EXPECT_EQ(hils.wait_exit(), 0) << hils.output();
-    EXPECT_NE(hils.output().find("Results: " + std::string(name) + "\n"), std::string::npos)
-        << hils.output();
+    EXPECT_THAT(hils.output(), HasSubstr("Results: " + std::string(name) + "\n"));
     EXPECT_EQ(hils.output().find(taken) != std::string::npos, std::string(name) != "out/own");
     EXPECT_TRUE(std::filesystem::exists(folder / (std::string(name) + "/summary.json")));
   }
@@ -301,7 +297,7 @@ TEST(HilsProgram, ARunThatDiesLeavesNoVerdictOfTheOneBefore) {
   for (const char* name : {"out/summary.json", "out/junit.xml"}) folder.write(name, "passed");
   ChildProcess hils({binary_dir() + "/bin/hils", "run", scenario, "--out", folder / "out"});
   EXPECT_NE(hils.wait_exit(), 0) << hils.output();
-  EXPECT_NE(hils.output().find("casd ended with exit code 78"), std::string::npos) << hils.output();
+  EXPECT_THAT(hils.output(), HasSubstr("casd ended with exit code 78"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out/summary.json")) << hils.output();
   EXPECT_FALSE(std::filesystem::exists(folder / "out/junit.xml")) << hils.output();
 }
@@ -324,17 +320,15 @@ TEST(HilsProgram, ReplaysAVehiclesOwnLog) {
       .data(0, 2'000'000, "\x01");
   const auto [code, output] = replayed(folder, folder.write("own.ulg", log.bytes()));
   EXPECT_EQ(code, 0) << output;
-  EXPECT_NE(output.find("Replay: "), std::string::npos) << output;
-  EXPECT_NE(TemporaryFolder::read(folder / "page.html").find("class=\"record\""),
-            std::string::npos);
-  EXPECT_EQ(output.find("not whole"), std::string::npos) << output;
+  EXPECT_THAT(output, HasSubstr("Replay: "));
+  EXPECT_THAT(TemporaryFolder::read(folder / "page.html"), HasSubstr("class=\"record\""));
+  EXPECT_THAT(output, Not(HasSubstr("not whole")));
 
   log.data(0, 3'000'000, "\x01");
   const std::string cut = folder.write("cut.ulg", log.bytes().substr(0, log.bytes().size() - 1));
   const auto [cut_code, said] = replayed(folder, cut);
   EXPECT_EQ(cut_code, 0) << said;
-  EXPECT_NE(said.find(cut + ": the log is not whole: it ends within a message"), std::string::npos)
-      << said;
+  EXPECT_THAT(said, HasSubstr(cut + ": the log is not whole: it ends within a message"));
 }
 
 TEST(HilsProgram, RefusesARecordOfMoreThanAGibibyte) {
@@ -344,8 +338,7 @@ TEST(HilsProgram, RefusesARecordOfMoreThanAGibibyte) {
                                (std::uintmax_t{1} << 30U) + 1);  // no byte is written
   const auto [code, output] = replayed(folder, folder / "out");
   EXPECT_EQ(code, 2) << output;
-  EXPECT_NE(output.find("record is larger than the 256 MiB that are read"), std::string::npos)
-      << output;
+  EXPECT_THAT(output, HasSubstr("record is larger than the 256 MiB that are read"));
 }
 
 TEST(HilsProgram, RefusesALogThatIsNone) {
@@ -363,15 +356,13 @@ TEST(HilsProgram, FindsPluginsInAFolderOfTheirOwn) {
   const std::string scenario =
       short_flight(folder, "architecture: tcas\nplugins:\n  - {plugin: fake_listener}");
   const std::vector<std::string> run{scenario, "--virtual", "--out", folder / "out"};
-  EXPECT_NE(refusal(run).find("fake_listener"), std::string::npos);
+  EXPECT_THAT(refusal(run), HasSubstr("fake_listener"));
   std::vector<std::string> with_folder = run;
   with_folder.insert(with_folder.end(), {"--plugin-dir", binary_dir() + "/tests/fake_plugins"});
-  EXPECT_NE(refusal({scenario, "--virtual", "--out", folder / "out", "--plugin-dir", "/nowhere"})
-                .find("--plugin-dir /nowhere: no such folder"),
-            std::string::npos);
+  EXPECT_THAT(refusal({scenario, "--virtual", "--out", folder / "out", "--plugin-dir", "/nowhere"}),
+              HasSubstr("--plugin-dir /nowhere: no such folder"));
   with_folder.insert(with_folder.begin(), {binary_dir() + "/bin/hils", "run"});
-  ChildProcess hils(with_folder);
-  EXPECT_EQ(hils.wait_exit(), 0) << hils.output();
+  EXPECT_THAT(ChildProcess(with_folder).end(), EndedWith(0));
 }
 
 }  // namespace

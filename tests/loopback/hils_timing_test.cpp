@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `hils timing` on the pseudo-terminal of fcu_emulator, whose byte clock is the truth.
 #include <fcntl.h>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <sys/file.h>
 
 #include <filesystem>
@@ -14,7 +14,7 @@
 #include "base/os/descriptor.hpp"
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink_gen/runtime/encode.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/support/ended_with.hpp"
 #include "tests/support/paths.hpp"
 #include "tests/support/pty_pair.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -23,6 +23,7 @@ namespace cas::test {
 namespace {
 
 using nlohmann::json;
+using testing::HasSubstr;
 
 #ifdef CAS_TIMING_REALTIME
 constexpr bool kQuietMachine = true;
@@ -32,11 +33,6 @@ constexpr bool kQuietMachine = false;
 
 /// Longest that a measurement takes on a busy machine.
 constexpr auto kMeasurement = std::chrono::seconds(150);
-
-struct Answer {
-  int code = -1;
-  std::string text;
-};
 
 class HilsTiming : public testing::Test {
  protected:
@@ -54,10 +50,8 @@ class HilsTiming : public testing::Test {
     arguments.insert(arguments.begin(), begin.begin(), begin.end());
     return std::make_unique<ChildProcess>(arguments);
   }
-  Answer hils(std::vector<std::string> arguments) const {
-    const auto child = start(std::move(arguments));
-    const int code = child->wait_exit(kMeasurement).value_or(-1);
-    return {code, child->output()};
+  Ended hils(std::vector<std::string> arguments) const {
+    return start(std::move(arguments))->end(kMeasurement);
   }
   std::string device() const { return (folder_ / "fcu").string(); }
   json figures() const { return json::parse(TemporaryFolder::read(folder_ / "timing.json")); }
@@ -78,8 +72,8 @@ class HilsTimingAt : public HilsTiming, public testing::WithParamInterface<BaudC
 TEST_P(HilsTimingAt, TellsWhatTheByteClockLetsThrough) {
   const BaudCase& test = GetParam();
   start_emulator("{preset: baud_921600, baud: " + std::to_string(test.baud) + "}");
-  const Answer answer = hils({"--fcu", device(), "--baud", std::to_string(test.baud), "--json",
-                              (folder_ / "timing.json").string()});
+  const Ended answer = hils({"--fcu", device(), "--baud", std::to_string(test.baud), "--json",
+                             (folder_ / "timing.json").string()});
   const json said = figures();
   // A busy machine leaves the line idle now and then, and marks the moments late: the byte clock
   // bounds the rate, within the blur of five pieces of 0.3 s.
@@ -98,12 +92,11 @@ TEST_P(HilsTimingAt, TellsWhatTheByteClockLetsThrough) {
             kQuietMachine ? 1.05 * least_ms + 0.2 : least_ms + 50);
   EXPECT_TRUE(said.at("in_hil"));
   if (test.code != 0 || kQuietMachine) {
-    EXPECT_EQ(answer.code, test.code) << answer.text;
+    EXPECT_EQ(answer.code, test.code) << answer.output;
   }
-  EXPECT_NE(answer.text.find(said.at("verdict").at("sentence").get<std::string>()),
-            std::string::npos);
+  EXPECT_THAT(answer.output, HasSubstr(said.at("verdict").at("sentence").get<std::string>()));
   if (kQuietMachine && test.baud == 115'200) {
-    EXPECT_EQ(said.at("verdict").at("fitting_sensor_hz"), 125) << answer.text;
+    EXPECT_EQ(said.at("verdict").at("fitting_sensor_hz"), 125) << answer.output;
   }
 }
 
@@ -117,26 +110,23 @@ INSTANTIATE_TEST_SUITE_P(Bauds, HilsTimingAt,
 
 TEST_F(HilsTiming, SeesTheFramesOfTheUsbPreset) {
   start_emulator("{preset: usb}");
-  const Answer answer = hils({"--fcu", device(), "--json", (folder_ / "timing.json").string()});
-  EXPECT_EQ(answer.code, 0) << answer.text;
-  EXPECT_EQ(figures().at("frame_us"), 1000) << answer.text;
+  const Ended answer = hils({"--fcu", device(), "--json", (folder_ / "timing.json").string()});
+  EXPECT_EQ(answer.code, 0) << answer.output;
+  EXPECT_EQ(figures().at("frame_us"), 1000) << answer.output;
 }
 
 #else
 
 TEST_F(HilsTiming, SaysThatAPortIsNotThere) {
-  const Answer answer = hils({"--fcu", device()});
-  EXPECT_EQ(answer.code, 4);
-  EXPECT_EQ(answer.text, "hils: " + device() + ": there is no such port\n");
+  EXPECT_THAT(hils({"--fcu", device()}),
+              EndedWith(4, testing::Eq("hils: " + device() + ": there is no such port\n")));
 }
 
 TEST_F(HilsTiming, TakesNoPortFromAnotherProgram) {
   const PtyPair line(device());
   const base::Descriptor other(::open(device().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC));
   ASSERT_EQ(::flock(other.get(), LOCK_EX | LOCK_NB), 0);
-  const Answer answer = hils({"--fcu", device()});
-  EXPECT_EQ(answer.code, 7);
-  EXPECT_NE(answer.text.find(device() + ": in use"), std::string::npos) << answer.text;
+  EXPECT_THAT(hils({"--fcu", device()}), EndedWith(7, device() + ": in use"));
 }
 
 TEST_F(HilsTiming, TakesTheLockOfABoard) {
@@ -151,9 +141,7 @@ TEST_F(HilsTiming, TakesTheLockOfABoard) {
                              "touch " + (folder_ / "held").string() + "; exec sleep 600"});
   // A query of a free board takes its lock for a moment, and the holder would find it taken.
   ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(folder_ / "held"); }));
-  const Answer answer = hils({"--fcu", "a"});
-  EXPECT_EQ(answer.code, 7);
-  EXPECT_NE(answer.text.find("a test"), std::string::npos) << answer.text;
+  EXPECT_THAT(hils({"--fcu", "a"}), EndedWith(7, "a test"));
 }
 
 TEST_F(HilsTiming, LoadsNoLineOfAnArmedVehicle) {
@@ -176,11 +164,8 @@ TEST_F(HilsTiming, LoadsNoLineOfAnArmedVehicle) {
 
 TEST_F(HilsTiming, HasNoVerdictOnASilentLine) {
   const PtyPair line(device());
-  const Answer answer = hils({"--fcu", device(), "--baud", "57600"});
-  EXPECT_EQ(answer.code, 3);
-  EXPECT_NE(answer.text.find("no HEARTBEAT came from " + device() + " at 57600 baud"),
-            std::string::npos)
-      << answer.text;
+  EXPECT_THAT(hils({"--fcu", device(), "--baud", "57600"}),
+              EndedWith(3, "no HEARTBEAT came from " + device() + " at 57600 baud"));
 }
 
 TEST_F(HilsTiming, SaysThatALineWentAway) {

@@ -22,7 +22,7 @@
 #include "mavlink_gen/runtime/codec.hpp"
 #include "tests/firmware/shipped_text.hpp"
 #include "tests/loopback/web_page.hpp"
-#include "tests/support/child_process.hpp"
+#include "tests/support/ended_with.hpp"
 #include "tests/support/free_port.hpp"
 #include "tests/support/packet_stream.hpp"
 #include "tests/support/paths.hpp"
@@ -167,14 +167,8 @@ class HilsWatch : public testing::Test {
                       "'127.0.0.1:0'}\n");
     return std::make_unique<ChildProcess>(in_session("casd", {topology.string()}));
   }
-  struct Ended {
-    int code;
-    std::string output;
-  };
   Ended casctl(const std::vector<std::string>& arguments) const {
-    ChildProcess child(in_session("casctl", arguments));
-    const int code = child.wait_exit().value_or(-1);
-    return {code, child.output()};
+    return ChildProcess(in_session("casctl", arguments)).end();
   }
   static void end(ChildProcess& hils) {
     hils.signal(SIGINT);
@@ -200,8 +194,7 @@ TEST_F(HilsWatch, CasctlFindsARunAndAGroundStationJoinsIt) {
   const auto other = casd();
   ASSERT_TRUE(other->wait_ready().has_value()) << other->output();
   const Ended listed = casctl({"status"});
-  EXPECT_EQ(listed.code, kExitUsage);
-  EXPECT_NE(listed.output.find("2 casds run"), std::string::npos) << listed.output;
+  EXPECT_THAT(listed, EndedWith(kExitUsage, "2 casds run"));
   EXPECT_TRUE(std::regex_search(listed.output, std::regex("long look +1 +20"))) << listed.output;
   end(*run);
   EXPECT_EQ(casctl({"status"}).code, 0) << "the run's casd is gone";

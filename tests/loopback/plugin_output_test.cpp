@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A plugin's declared messages reach the controller, and its figures are in the results.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <chrono>
 #include <filesystem>
@@ -19,6 +19,8 @@ namespace cas::test {
 namespace {
 
 using nlohmann::json;
+using testing::HasSubstr;
+using testing::Not;
 
 constexpr int kExitUsage = 2;
 constexpr base::Duration kFlight = std::chrono::seconds(180);  // in lockstep, on a busy machine
@@ -101,10 +103,8 @@ TEST_F(PluginOutput, PassesTheRoutesOfARunWhenItIsDeclared) {
   EXPECT_EQ(refused.at("declares"), json({"BATTERY_STATUS", "HIL_OPTICAL_FLOW", "OPTICAL_FLOW"}));
   EXPECT_EQ(refused.at("undeclared"), sent.at("sent").at("BATTERY_STATUS"));
   EXPECT_EQ(refused.at("wrong_size"), sent.at("sent").at("BATTERY_STATUS"));
-  EXPECT_NE(text("run/hilsim.log")
-                .find("plugin fake_sender publishes STATUSTEXT, which it does not declare"),
-            std::string::npos)
-      << text("run/hilsim.log");
+  EXPECT_THAT(text("run/hilsim.log"),
+              HasSubstr("plugin fake_sender publishes STATUSTEXT, which it does not declare"));
 }
 
 TEST_F(PluginOutput, OdometryPassesTheRoutesOfARun) {
@@ -125,7 +125,7 @@ TEST_F(PluginOutput, LeavesTheRoutesAloneWhereNothingIsDeclared) {
   run("  - {plugin: fake_listener}\n", {"--virtual"}, 0);
   EXPECT_EQ(allowed(), (std::vector<std::string>{"HEARTBEAT", "HIL_SENSOR", "HIL_GPS"}));
   EXPECT_EQ(vehicle_summary(out()).at("plugins"), json::object());
-  EXPECT_EQ(text("report.html").find(">Plugins<"), std::string::npos);
+  EXPECT_THAT(text("report.html"), Not(HasSubstr(">Plugins<")));
 }
 
 TEST_F(PluginOutput, ABatteryOfTheVehicleFilePassesTheRoutesOfARun) {
@@ -153,17 +153,16 @@ TEST_F(PluginOutput, IsInSummaryAndReportUnderNamesThatAreText) {
   EXPECT_EQ(own.at("../../etc/passwd").at("unit"), "\xC2\xB5V");
 
   const std::string report = text("report.html");
-  EXPECT_NE(report.find("<h2>Plugins</h2>"), std::string::npos);
-  EXPECT_NE(report.find("<td>sum &amp; &lt;i&gt;total&lt;/i&gt;</td>"), std::string::npos);
-  EXPECT_NE(report.find("fake_sender: &lt;script&gt;alert(&quot;sine&quot;)"), std::string::npos);
-  EXPECT_EQ(report.find("<script>alert"), std::string::npos);
-  EXPECT_EQ(report.find("<i>total"), std::string::npos);
+  EXPECT_THAT(report, HasSubstr("<h2>Plugins</h2>"));
+  EXPECT_THAT(report, HasSubstr("<td>sum &amp; &lt;i&gt;total&lt;/i&gt;</td>"));
+  EXPECT_THAT(report, HasSubstr("fake_sender: &lt;script&gt;alert(&quot;sine&quot;)"));
+  EXPECT_THAT(report, Not(HasSubstr("<script>alert")));
+  EXPECT_THAT(report, Not(HasSubstr("<i>total")));
 
   const std::filesystem::path plots = out() / "plots";
   EXPECT_TRUE(is_regular_file(plots / "plugin_fake_sender_______etc_passwd.svg"));
-  EXPECT_NE(text("plots/plugin_fake_sender_______etc_passwd.svg").find("../../etc/passwd"),
-            std::string::npos);
-  EXPECT_NE(output_.find("fake_sender  sum & <i>total</i>"), std::string::npos) << output_;
+  EXPECT_THAT(text("plots/plugin_fake_sender_______etc_passwd.svg"), HasSubstr("../../etc/passwd"));
+  EXPECT_THAT(output_, HasSubstr("fake_sender  sum & <i>total</i>"));
 }
 
 TEST_F(PluginOutput, ComesFromThisRunAlone) {
@@ -176,14 +175,11 @@ TEST_F(PluginOutput, ComesFromThisRunAlone) {
 
 TEST_F(PluginOutput, IsRefusedWhereItMayNotBe) {
   run("  - {plugin: fake_undeclared}\n", {"--virtual"}, kExitUsage);
-  EXPECT_NE(output_.find("plugin fake_undeclared@iris0: sends MAVLink messages and declares none"),
-            std::string::npos)
-      << output_;
+  EXPECT_THAT(output_,
+              HasSubstr("plugin fake_undeclared@iris0: sends MAVLink messages and declares none"));
   run("  - {plugin: fake_second_imu}\n", {"--virtual"}, kExitUsage);
-  EXPECT_NE(output_.find("own.yaml:"), std::string::npos) << output_;
-  EXPECT_NE(output_.find("plugin fake_second_imu declares HIL_SENSOR, which the loop"),
-            std::string::npos)
-      << output_;
+  EXPECT_THAT(output_, HasSubstr("own.yaml:"));
+  EXPECT_THAT(output_, HasSubstr("plugin fake_second_imu declares HIL_SENSOR, which the loop"));
 }
 
 }  // namespace

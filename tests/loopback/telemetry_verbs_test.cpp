@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tests/loopback/emulator_fixture.hpp"
+#include "tests/support/ended_with.hpp"
 
 namespace cas::test {
 namespace {
@@ -40,31 +41,29 @@ class TelemetryVerbs : public testing::Test {
     fixture.start();
     ASSERT_TRUE(fixture.hears_the_vehicle()) << fixture.output();
     ASSERT_TRUE(wait_until([this] {
-      const Said said = fixture.casctl({"watch", "attitude", "battery", "--json", "--count", "1"});
+      const Ended said = fixture.casctl({"watch", "attitude", "battery", "--json", "--count", "1"});
       if (said.code != 0) return false;
-      const json sample = json::parse(said.text);
+      const json sample = json::parse(said.output);
       return sample.at("attitude").at("roll_deg").is_number() &&
              sample.at("battery").at("voltage_v").is_number();
     })) << fixture.output();
   }
   /// Runs casctl with a --timeout that is soon over.
-  Said impatient(std::vector<std::string> arguments) const {
+  Ended impatient(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), {cas::test::binary_dir() + "/bin/casctl", "--address",
                                          "unix:" + fixture.socket(), "--timeout", "0.3"});
-    ChildProcess child(arguments);
-    const int code = child.wait_exit(std::chrono::seconds(60)).value_or(-1);
-    return {code, child.output()};
+    return ChildProcess(arguments).end(std::chrono::seconds(60));
   }
 
   EmulatorFixture fixture;
 };
 
 TEST_F(TelemetryVerbs, WatchPrintsAnObjectALineWithNullForWhatIsNotKnown) {
-  const Said said =
+  const Ended said =
       fixture.casctl({"watch", "attitude", "position", "battery", "--json", "--count", "3"});
-  EXPECT_EQ(said.code, 0) << said.text;
-  const std::vector<std::string> lines = lines_of(said.text);
-  ASSERT_EQ(lines.size(), 3U) << said.text;
+  EXPECT_EQ(said.code, 0) << said.output;
+  const std::vector<std::string> lines = lines_of(said.output);
+  ASSERT_EQ(lines.size(), 3U) << said.output;
   double last_s = -1;
   for (const std::string& line : lines) {
     const json sample = json::parse(line);
@@ -81,10 +80,10 @@ TEST_F(TelemetryVerbs, WatchPrintsAnObjectALineWithNullForWhatIsNotKnown) {
 }
 
 TEST_F(TelemetryVerbs, WatchPrintsATableForOtherPrograms) {
-  const Said said = fixture.casctl({"watch", "attitude", "gps", "--csv", "--count", "2"});
-  EXPECT_EQ(said.code, 0) << said.text;
-  const std::vector<std::string> lines = lines_of(said.text);
-  ASSERT_EQ(lines.size(), 3U) << said.text;
+  const Ended said = fixture.casctl({"watch", "attitude", "gps", "--csv", "--count", "2"});
+  EXPECT_EQ(said.code, 0) << said.output;
+  const std::vector<std::string> lines = lines_of(said.output);
+  ASSERT_EQ(lines.size(), 3U) << said.output;
   const std::vector<std::string> header = cells_of(lines[0]);
   EXPECT_EQ(header[3], "attitude_roll_deg");
   EXPECT_EQ(header.back(), "gps_age_s");
@@ -98,38 +97,32 @@ TEST_F(TelemetryVerbs, WatchPrintsATableForOtherPrograms) {
 }
 
 TEST_F(TelemetryVerbs, WatchEndsAfterItsTimeAndNamesUnits) {
-  const Said said = fixture.casctl({"watch", "--rate", "10", "--for", "0.35"});
-  EXPECT_EQ(said.code, 0) << said.text;
-  EXPECT_NE(said.text.find("roll 0.00 deg"), std::string::npos) << said.text;
-  EXPECT_NE(said.text.find("position  not heard yet"), std::string::npos) << said.text;
-  EXPECT_NE(said.text.find(" V, current "), std::string::npos) << said.text;
-  EXPECT_LE(lines_of(said.text).size(), 4U * 6U) << said.text;  // at 0, 0.1, 0.2, 0.3 s; six topics
+  const Ended said = fixture.casctl({"watch", "--rate", "10", "--for", "0.35"});
+  EXPECT_THAT(said, EndedWith(0, "roll 0.00 deg", "position  not heard yet", " V, current "));
+  EXPECT_LE(lines_of(said.output).size(), 4U * 6U)
+      << said.output;  // at 0, 0.1, 0.2, 0.3 s; six topics
 }
 
 TEST_F(TelemetryVerbs, WatchKnowsItsTopics) {
-  const Said said = fixture.casctl({"watch", "atitude"});
-  EXPECT_EQ(said.code, 2);
-  EXPECT_NE(said.text.find("did you mean 'attitude'?"), std::string::npos) << said.text;
+  EXPECT_THAT(fixture.casctl({"watch", "atitude"}), EndedWith(2, "did you mean 'attitude'?"));
   EXPECT_EQ(fixture.casctl({"watch", "--csv", "--json"}).code, 2);
 }
 
 TEST_F(TelemetryVerbs, StatusHasTheSameTelemetry) {
-  const Said said = fixture.casctl({"status", "--json"});
-  ASSERT_EQ(said.code, 0) << said.text;
-  const json telemetry = json::parse(said.text).at("vehicles").at(0).at("telemetry");
+  const Ended said = fixture.casctl({"status", "--json"});
+  ASSERT_EQ(said.code, 0) << said.output;
+  const json telemetry = json::parse(said.output).at("vehicles").at(0).at("telemetry");
   EXPECT_TRUE(telemetry.at("battery").at("voltage_v").is_number()) << telemetry;
   EXPECT_TRUE(telemetry.at("gps").at("fix").is_null()) << telemetry;
   EXPECT_EQ(telemetry.size(), 10U) << telemetry;
 }
 
 TEST_F(TelemetryVerbs, MessageShowsAllFieldsOfTheNewest) {
-  const Said table = fixture.casctl({"message", "attitude"});
-  EXPECT_EQ(table.code, 0) << table.text;
-  EXPECT_NE(table.text.find("ATTITUDE (30) from 1/1 on link fcu"), std::string::npos) << table.text;
-  EXPECT_NE(table.text.find("yawspeed"), std::string::npos) << table.text;
-  const Said said = fixture.casctl({"message", "ATTITUDE", "--json", "--system", "1"});
-  ASSERT_EQ(said.code, 0) << said.text;
-  const json message = json::parse(said.text);
+  EXPECT_THAT(fixture.casctl({"message", "attitude"}),
+              EndedWith(0, "ATTITUDE (30) from 1/1 on link fcu", "yawspeed"));
+  const Ended said = fixture.casctl({"message", "ATTITUDE", "--json", "--system", "1"});
+  ASSERT_EQ(said.code, 0) << said.output;
+  const json message = json::parse(said.output);
   EXPECT_EQ(message.at("fields").size(), 7U) << message;
   EXPECT_EQ(message.at("units").at("roll"), "rad");
 }
@@ -157,7 +150,7 @@ TEST_F(TelemetryVerbs, CompletionKnowsWhatTheVehicleHas) {
 
 TEST_F(TelemetryVerbs, CompletionLacksNoLoopAndNoModeOfTheVehicle) {
   const std::string modes = " " + offered(fixture, "casctl mode ''", 2);
-  const std::string refusal = fixture.casctl({"mode", "NOPE"}).text;
+  const std::string refusal = fixture.casctl({"mode", "NOPE"}).output;
   std::istringstream words(refusal.substr(refusal.find("it has ") + 7));
   int compared = 0;
   for (std::string word; words >> word; ++compared) {
@@ -165,9 +158,9 @@ TEST_F(TelemetryVerbs, CompletionLacksNoLoopAndNoModeOfTheVehicle) {
   }
   EXPECT_GT(compared, 10) << refusal;
   const std::string loops = " " + offered(fixture, "casctl gains ''", 2);
-  const Said gains = fixture.casctl({"gains", "--json"});
-  ASSERT_EQ(gains.code, 0) << gains.text;
-  for (const json& loop : json::parse(gains.text)) {
+  const Ended gains = fixture.casctl({"gains", "--json"});
+  ASSERT_EQ(gains.code, 0) << gains.output;
+  for (const json& loop : json::parse(gains.output)) {
     const auto name = loop.at("loop").get<std::string>();
     EXPECT_NE(loops.find(" " + name), std::string::npos) << name << " in" << loops;
   }
@@ -176,27 +169,21 @@ TEST_F(TelemetryVerbs, CompletionLacksNoLoopAndNoModeOfTheVehicle) {
 // Sent once, on request, before the first look.
 TEST_F(TelemetryVerbs, MessageShowsOneThatCameBeforeAnybodyLooked) {
   ASSERT_TRUE(wait_until([this] {
-    return fixture.casctl({"monitor", "--once"}).text.find("AUTOPILOT_VERSION") !=
+    return fixture.casctl({"monitor", "--once"}).output.find("AUTOPILOT_VERSION") !=
            std::string::npos;
   }));
-  const Said said = fixture.casctl({"message", "AUTOPILOT_VERSION", "--json"});
-  ASSERT_EQ(said.code, 0) << said.text;
-  EXPECT_EQ(json::parse(said.text).at("fields").at("uid"), 1);
+  const Ended said = fixture.casctl({"message", "AUTOPILOT_VERSION", "--json"});
+  ASSERT_EQ(said.code, 0) << said.output;
+  EXPECT_EQ(json::parse(said.output).at("fields").at("uid"), 1);
 }
 
 TEST_F(TelemetryVerbs, MessageSaysInASentenceThatNoneCame) {
-  const Said none = fixture.casctl({"message", "GPS_RAW_INT"});
-  EXPECT_EQ(none.code, 1);
-  EXPECT_NE(none.text.find("no GPS_RAW_INT has come yet"), std::string::npos) << none.text;
-  const Said other = fixture.casctl({"message", "ATTITUDE", "--system", "9"});
-  EXPECT_EQ(other.code, 1);
-  EXPECT_NE(other.text.find("no ATTITUDE of system 9 has come yet"), std::string::npos)
-      << other.text;
-  const Said unknown = fixture.casctl({"message", "ATTITUD"});
-  EXPECT_EQ(unknown.code, 1);
-  EXPECT_NE(unknown.text.find("did you mean 'ATTITUDE'?"), std::string::npos) << unknown.text;
-  const Said late = impatient({"message", "GPS_RAW_INT", "--wait"});
-  EXPECT_EQ(late.code, 4) << late.text;
+  EXPECT_THAT(fixture.casctl({"message", "GPS_RAW_INT"}),
+              EndedWith(1, "no GPS_RAW_INT has come yet"));
+  EXPECT_THAT(fixture.casctl({"message", "ATTITUDE", "--system", "9"}),
+              EndedWith(1, "no ATTITUDE of system 9 has come yet"));
+  EXPECT_THAT(fixture.casctl({"message", "ATTITUD"}), EndedWith(1, "did you mean 'ATTITUDE'?"));
+  EXPECT_THAT(impatient({"message", "GPS_RAW_INT", "--wait"}), EndedWith(4));
 }
 
 }  // namespace

@@ -52,6 +52,10 @@ class Supervisor {
   pid_t pid() const;
   /// Standard output and error of all starts so far.
   std::string output() const;
+  /// Waits until these words are in its output.
+  bool prints(const std::string& words) const {
+    return wait_until([&] { return output().find(words) != std::string::npos; });
+  }
 
  private:
   void supervise();

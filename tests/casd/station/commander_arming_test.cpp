@@ -112,8 +112,7 @@ TEST_F(VehicleCommanderTest, DisarmReplacesAnArmThatIsUnderWay) {
   commander_.arm(1, {}, now_, [&](const Outcome& outcome) { armed = outcome; });
   run_for(100ms);
   vehicle_.script.answers = 1;
-  commander_.disarm(1, false, now_, done());
-  EXPECT_EQ(finish().kind, OutcomeKind::kAccepted);
+  EXPECT_EQ(ask(&VehicleCommander::disarm, false).kind, OutcomeKind::kAccepted);
   ASSERT_TRUE(armed.has_value());
   EXPECT_EQ(armed->kind, OutcomeKind::kRefused);
   EXPECT_EQ(vehicle_.commands.back().param1, 0.0F);
@@ -134,8 +133,7 @@ TEST_F(VehicleCommanderTest, ADisarmIsNotOvertakenByAnArmThatWaitsForHold) {
   }
   run_for(50ms);
   ASSERT_FALSE(armed.has_value());
-  commander_.disarm(1, false, now_, done());
-  EXPECT_TRUE(finish().ok());
+  EXPECT_TRUE(ask(&VehicleCommander::disarm, false).ok());
   vehicle_.custom_mode = 4U << 16U | 3U << 24U;  // HOLD
   run_for(3s);
   ASSERT_TRUE(armed.has_value());
@@ -156,8 +154,7 @@ TEST_F(VehicleCommanderTest, AnArmInAStickModeThatADisarmReplacesIsNotTriedAgain
   commander_.arm(1, {}, now_, [](const Outcome&) {});
   run_for(100ms);
   vehicle_.script.answers = 1;
-  commander_.disarm(1, false, now_, done());
-  EXPECT_TRUE(finish().ok());
+  EXPECT_TRUE(ask(&VehicleCommander::disarm, false).ok());
   run_for(3s);
   EXPECT_EQ(vehicle_.commands.size(), 2U);
   EXPECT_EQ(vehicle_.commands.back().param1, 0.0F);
@@ -322,8 +319,7 @@ TEST_F(ConsentingCommanderTest, SendsNoArmedVehicleThatIsNotInHilToAPlaceWithout
   mavlink::common::HomePosition home;
   home.latitude = 473977420;
   home.longitude = 85455940;
-  vehicle_.say(home, now_);
-  run_for(50ms);
+  say(home);
   commander_.go_to(1, {.north_m = 1, .yaw_deg = {}}, now_, done());
   EXPECT_EQ(finish().kind, OutcomeKind::kInterlock);
   EXPECT_TRUE(vehicle_.int_commands.empty());
@@ -349,8 +345,7 @@ TEST_F(VehicleCommanderTest, StopsAnArmedVehicleThatIsNotInHilWithoutConsent) {
 TEST_F(VehicleCommanderTest, RefusesATakeoffOfAVehicleThatIsNotInHil) {
   vehicle_.base_mode = MavModeFlag::kCustomModeEnabled;
   meet();
-  commander_.takeoff(1, 2.5, now_, done());
-  EXPECT_EQ(finish().kind, OutcomeKind::kInterlock);
+  EXPECT_EQ(ask(&VehicleCommander::takeoff, 2.5).kind, OutcomeKind::kInterlock);
   EXPECT_TRUE(vehicle_.commands.empty());
 }
 

@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <optional>
+#include <type_traits>
 
 #include "casd/station/vehicle_commander.hpp"
 #include "mavlink/common/table.hpp"
@@ -49,9 +50,24 @@ class VehicleCommanderTest : public testing::Test {
       outcome_ = outcome;
     };
   }
-  Outcome arm(VehicleCommander::ArmOptions options = {}) {
-    commander_.arm(1, options, now_, done());
+  /// Asks the commander of vehicle 1, and runs until the request has ended.
+  template <class Verb, class... Args>
+  Outcome ask(Verb verb, Args... args) {
+    if constexpr (std::is_invocable_v<Verb, VehicleCommander&, int, Args..., base::RunTime, Done>) {
+      (commander_.*verb)(1, args..., now_, done());
+    } else {
+      (commander_.*verb)(1, args..., now_, done(), false);  // without consent
+    }
     return finish();
+  }
+  Outcome arm(VehicleCommander::ArmOptions options = {}) {
+    return ask(&VehicleCommander::arm, options);
+  }
+  /// Lets the vehicle say a message, and the commander hear it.
+  template <class Message>
+  void say(const Message& message) {
+    vehicle_.say(message, now_);
+    run_for(std::chrono::milliseconds(50));
   }
 
   base::RunTime now_{std::chrono::seconds(1)};

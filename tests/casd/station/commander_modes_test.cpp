@@ -12,8 +12,7 @@ constexpr std::uint32_t kHold = 4U << 16U | 3U << 24U;
 
 TEST_F(VehicleCommanderTest, SetsPx4ModesByMainAndSubMode) {
   meet();
-  commander_.hold(1, now_, done());
-  EXPECT_TRUE(finish().ok());
+  EXPECT_TRUE(ask(&VehicleCommander::hold).ok());
   EXPECT_EQ(vehicle_.commands.at(0).param1, 33.0F);  // custom and HIL
   EXPECT_EQ(vehicle_.commands.at(0).param2, 4.0F);
   EXPECT_EQ(vehicle_.commands.at(0).param3, 3.0F);
@@ -37,8 +36,7 @@ TEST_F(VehicleCommanderTest, RefusesAModeThatIsAcceptedAndThenRejected) {
   vehicle_.script.keeps_mode = true;
   vehicle_.script.then = MavResult::kTemporarilyRejected;
   vehicle_.script.text = "Switching to POSCTL is not possible";
-  commander_.set_mode(1, "POSCTL", now_, done());
-  const Outcome outcome = finish();
+  const Outcome outcome = ask(&VehicleCommander::set_mode, "POSCTL");
   EXPECT_EQ(outcome.kind, OutcomeKind::kRefused);
   EXPECT_EQ(outcome.result, MavResult::kTemporarilyRejected);
   EXPECT_EQ(outcome.message,
@@ -49,8 +47,7 @@ TEST_F(VehicleCommanderTest, RefusesAModeThatIsAcceptedAndThenRejected) {
 TEST_F(VehicleCommanderTest, BelievesTheHeartbeatAgainstASecondAcknowledgement) {
   meet();
   vehicle_.script.then = MavResult::kTemporarilyRejected;
-  commander_.set_mode(1, "HOLD", now_, done());
-  EXPECT_TRUE(finish().ok());
+  EXPECT_TRUE(ask(&VehicleCommander::set_mode, "HOLD").ok());
 }
 
 // The simulator is paused in lockstep: casd's time does not advance.
@@ -100,8 +97,7 @@ TEST_F(VehicleCommanderTest, RefusesAModeThatIsAcceptedAndDoesNotCome) {
   vehicle_.custom_mode = kHold;
   meet();
   vehicle_.script.keeps_mode = true;
-  commander_.set_mode(1, "POSCTL", now_, done());
-  const Outcome outcome = finish();
+  const Outcome outcome = ask(&VehicleCommander::set_mode, "POSCTL");
   EXPECT_EQ(outcome.kind, OutcomeKind::kRefused);
   EXPECT_EQ(outcome.message,
             "MAV_CMD 176 (set mode) was accepted and not carried out within 3.0 s: it is in HOLD");
@@ -121,8 +117,7 @@ TEST_F(VehicleCommanderTest, TakesNoHeartbeatOfBeforeForTheModeThatWasAskedFor) 
   vehicle_.custom_mode = kHold;
   meet();
   beating_ = false;
-  commander_.set_mode(1, "HOLD", now_, done());
-  const Outcome outcome = finish();
+  const Outcome outcome = ask(&VehicleCommander::set_mode, "HOLD");
   EXPECT_EQ(outcome.kind, OutcomeKind::kTimeout);
   EXPECT_NE(outcome.message.find("no HEARTBEAT came within 3.0 s"), std::string::npos)
       << outcome.message;
@@ -142,15 +137,13 @@ TEST_F(VehicleCommanderTest, RefusesNoModeOnAHeartbeatOfBefore) {
   vehicle_.script.keeps_mode = true;
   meet();
   beating_ = false;
-  commander_.set_mode(1, "HOLD", now_, done());
-  const Outcome outcome = finish();
+  const Outcome outcome = ask(&VehicleCommander::set_mode, "HOLD");
   EXPECT_EQ(outcome.kind, OutcomeKind::kTimeout) << outcome.message;
 }
 
 TEST_F(VehicleCommanderTest, AnswersAnUnknownModeWithTheModesThereAre) {
   meet();
-  commander_.set_mode(1, "WARP", now_, done());
-  const Outcome outcome = finish();
+  const Outcome outcome = ask(&VehicleCommander::set_mode, "WARP");
   EXPECT_EQ(outcome.kind, OutcomeKind::kInvalid);
   EXPECT_NE(outcome.message.find("POSCTL"), std::string::npos);
 }

@@ -13,21 +13,18 @@ using test::VehicleCommanderTest;
 TEST_F(VehicleCommanderTest, SetsAParameterAfterAskingForItsType) {
   vehicle_.params["MC_ROLL_P"] = {.value = 6.5};
   meet();
-  commander_.set_param(1, "MC_ROLL_P", 7.2, now_, done());
-  const Outcome outcome = finish();
+  const Outcome outcome = ask(&VehicleCommander::set_param, "MC_ROLL_P", 7.2);
   EXPECT_TRUE(outcome.ok());
   EXPECT_EQ(vehicle_.param_reads, 1);
   EXPECT_FLOAT_EQ(static_cast<float>(outcome.parameters.at("MC_ROLL_P")), 7.2F);
-  commander_.set_param(1, "MC_ROLL_P", 7.3, now_, done());
-  EXPECT_TRUE(finish().ok());
+  EXPECT_TRUE(ask(&VehicleCommander::set_param, "MC_ROLL_P", 7.3).ok());
   EXPECT_EQ(vehicle_.param_reads, 1);  // the type is known now
 }
 
 TEST_F(VehicleCommanderTest, SendsPx4IntegersAsBytes) {
   vehicle_.params["SYS_HITL"] = {.value = 0, .type = MavParamType::kInt32};
   meet();
-  commander_.set_param(1, "SYS_HITL", 1, now_, done());
-  EXPECT_TRUE(finish().ok());
+  EXPECT_TRUE(ask(&VehicleCommander::set_param, "SYS_HITL", 1).ok());
   EXPECT_EQ(std::bit_cast<std::uint32_t>(vehicle_.param_sets.at(0).param_value), 1U);
   EXPECT_EQ(vehicle_.params["SYS_HITL"].value, 1);
 }
@@ -36,8 +33,7 @@ TEST_F(VehicleCommanderTest, SendsArduPilotIntegersAsNumbers) {
   vehicle_.autopilot = MavAutopilot::kArdupilotmega;
   vehicle_.params["FRAME_TYPE"] = {.value = 0, .type = MavParamType::kInt8};
   meet();
-  commander_.set_param(1, "FRAME_TYPE", -3, now_, done());
-  EXPECT_TRUE(finish().ok());
+  EXPECT_TRUE(ask(&VehicleCommander::set_param, "FRAME_TYPE", -3).ok());
   EXPECT_EQ(vehicle_.param_sets.at(0).param_value, -3.0F);
   EXPECT_EQ(vehicle_.params["FRAME_TYPE"].value, -3);
 }
@@ -68,8 +64,7 @@ TEST_F(VehicleCommanderTest, SetsWhatLetsAVehicleArmOnlyInHilOrWithConsent) {
 TEST_F(VehicleCommanderTest, RepeatsNoSetOfWhatLetsAVehicleArmOnceItIsNotInHil) {
   vehicle_.params = {{"CBRK_SUPPLY_CHK", {.value = 0, .type = MavParamType::kInt32}}};
   meet();
-  commander_.read_param(1, "CBRK_SUPPLY_CHK", now_, done());
-  ASSERT_TRUE(finish().ok());
+  ASSERT_TRUE(ask(&VehicleCommander::read_param, "CBRK_SUPPLY_CHK").ok());
   vehicle_.script.deaf_for = 1;
   commander_.set_param(1, "CBRK_SUPPLY_CHK", 894281, now_, done());
   vehicle_.script.deaf_for = 0;
@@ -83,8 +78,7 @@ TEST_F(VehicleCommanderTest, RepeatsNoSetOfWhatLetsAVehicleArmOnceItIsNotInHil) 
 TEST_F(VehicleCommanderTest, SaysWhichValueTheVehicleKeeps) {
   vehicle_.params["MC_ROLL_P"] = {.value = 6.5, .high = 12};
   meet();
-  commander_.set_param(1, "MC_ROLL_P", 99, now_, done());
-  const Outcome outcome = finish();
+  const Outcome outcome = ask(&VehicleCommander::set_param, "MC_ROLL_P", 99);
   EXPECT_EQ(outcome.kind, OutcomeKind::kRefused);
   EXPECT_EQ(outcome.parameters.at("MC_ROLL_P"), 12);
   EXPECT_NE(outcome.message.find("keeps MC_ROLL_P = 12 (asked: 99)"), std::string::npos)
@@ -94,8 +88,7 @@ TEST_F(VehicleCommanderTest, SaysWhichValueTheVehicleKeeps) {
 TEST_F(VehicleCommanderTest, RefusesAFractionInAnIntegerParameter) {
   vehicle_.params["SYS_HITL"] = {.value = 0, .type = MavParamType::kInt32};
   meet();
-  commander_.set_param(1, "SYS_HITL", 0.5, now_, done());
-  EXPECT_EQ(finish().kind, OutcomeKind::kInvalid);
+  EXPECT_EQ(ask(&VehicleCommander::set_param, "SYS_HITL", 0.5).kind, OutcomeKind::kInvalid);
   EXPECT_TRUE(vehicle_.param_sets.empty());
 }
 
@@ -103,15 +96,13 @@ TEST_F(VehicleCommanderTest, RepeatsALostParamSet) {
   vehicle_.params["MC_ROLL_P"] = {.value = 6.5};
   meet();
   vehicle_.script.deaf_for = 3;
-  commander_.set_param(1, "MC_ROLL_P", 7, now_, done());
-  EXPECT_TRUE(finish().ok());
+  EXPECT_TRUE(ask(&VehicleCommander::set_param, "MC_ROLL_P", 7).ok());
   EXPECT_EQ(vehicle_.params["MC_ROLL_P"].value, 7);
 }
 
 TEST_F(VehicleCommanderTest, GivesUpOnAParameterThatTheVehicleDoesNotHave) {
   meet();
-  commander_.read_param(1, "NOPE", now_, done());
-  EXPECT_EQ(finish().kind, OutcomeKind::kTimeout);
+  EXPECT_EQ(ask(&VehicleCommander::read_param, "NOPE").kind, OutcomeKind::kTimeout);
   EXPECT_EQ(vehicle_.param_reads, 5);
 }
 
@@ -121,8 +112,7 @@ TEST_F(VehicleCommanderTest, ListsAllParametersAndFetchesTheLostOnes) {
   }
   vehicle_.lost_in_list = {"P103", "P139", "P117"};
   meet();
-  commander_.list_params(1, now_, done());
-  const Outcome outcome = finish();
+  const Outcome outcome = ask(&VehicleCommander::list_params);
   EXPECT_TRUE(outcome.ok());
   EXPECT_EQ(outcome.parameters.size(), 40U);
   EXPECT_EQ(outcome.parameters.at("P139"), 39);
@@ -131,8 +121,7 @@ TEST_F(VehicleCommanderTest, ListsAllParametersAndFetchesTheLostOnes) {
 
 TEST_F(VehicleCommanderTest, EndsAListThatNeverComes) {
   meet();
-  commander_.list_params(1, now_, done());
-  EXPECT_EQ(finish().kind, OutcomeKind::kTimeout);
+  EXPECT_EQ(ask(&VehicleCommander::list_params).kind, OutcomeKind::kTimeout);
 }
 
 TEST_F(VehicleCommanderTest, SetsTheGivenGainsAndAnswersWithAll) {

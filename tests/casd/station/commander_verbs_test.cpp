@@ -14,107 +14,90 @@ TEST_F(VehicleCommanderTest, Px4TakesOffToAnAltitudeAboveSeaLevel) {
   meet();
   HomePosition home;
   home.altitude = 488'000;
-  vehicle_.say(home, now_);
-  run_for(50ms);
-  commander_.takeoff(1, 2.5, now_, done());
-  EXPECT_TRUE(finish().ok());
+  say(home);
+  EXPECT_TRUE(ask(&VehicleCommander::takeoff, 2.5).ok());
   ASSERT_EQ(vehicle_.commands.size(), 1U);
   EXPECT_EQ(vehicle_.commands[0].command, MavCmd::kNavTakeoff);
   EXPECT_FLOAT_EQ(vehicle_.commands[0].param7, 490.5F);
   EXPECT_TRUE(std::isnan(vehicle_.commands[0].param5));
 }
 
-TEST_F(VehicleCommanderTest, Px4TakesOffByParameterWhileHomeIsUnknown) {
-  vehicle_.params["MIS_TAKEOFF_ALT"] = {.value = 10};
-  meet();
-  commander_.takeoff(1, 2.5, now_, done());
-  EXPECT_TRUE(finish().ok());
-  EXPECT_FLOAT_EQ(static_cast<float>(vehicle_.params["MIS_TAKEOFF_ALT"].value), 2.5F);
+/// PX4 whose home is unknown.
+class TakeoffByParameter : public VehicleCommanderTest {
+ protected:
+  TakeoffByParameter() {
+    vehicle_.params["MIS_TAKEOFF_ALT"] = {.value = 10};
+    meet();
+  }
+  double height() { return vehicle_.params["MIS_TAKEOFF_ALT"].value; }
+  void be(MavLandedState landed) {
+    ExtendedSysState state;
+    state.landed_state = landed;
+    say(state);
+    run_for(1s);
+  }
+};
+
+TEST_F(TakeoffByParameter, IsOfPx4WhileHomeIsUnknown) {
+  EXPECT_TRUE(ask(&VehicleCommander::takeoff, 2.5).ok());
+  EXPECT_FLOAT_EQ(static_cast<float>(height()), 2.5F);
   ASSERT_EQ(vehicle_.commands.size(), 1U);
   EXPECT_TRUE(std::isnan(vehicle_.commands[0].param7));
 
-  ExtendedSysState state;
-  state.landed_state = MavLandedState::kOnGround;
-  vehicle_.say(state, now_);
-  run_for(1s);
-  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 2.5) << "it has not begun to climb";
-  state.landed_state = MavLandedState::kTakeoff;
-  vehicle_.say(state, now_);
-  run_for(1s);
-  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 10) << "what its owner wrote";
+  be(MavLandedState::kOnGround);
+  EXPECT_EQ(height(), 2.5) << "it has not begun to climb";
+  be(MavLandedState::kTakeoff);
+  EXPECT_EQ(height(), 10) << "what its owner wrote";
 }
 
-TEST_F(VehicleCommanderTest, ATakeoffThatIsRefusedLeavesTheParameterAsItWas) {
-  vehicle_.params["MIS_TAKEOFF_ALT"] = {.value = 10};
+TEST_F(TakeoffByParameter, ThatIsRefusedLeavesTheParameterAsItWas) {
   vehicle_.script.result = MavResult::kDenied;
-  meet();
-  commander_.takeoff(1, 2.5, now_, done());
-  EXPECT_EQ(finish().kind, OutcomeKind::kRefused);
+  EXPECT_EQ(ask(&VehicleCommander::takeoff, 2.5).kind, OutcomeKind::kRefused);
   run_for(1s);
   EXPECT_EQ(vehicle_.param_sets.size(), 2U);
-  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 10);
+  EXPECT_EQ(height(), 10);
 }
 
-TEST_F(VehicleCommanderTest, ATakeoffThatIsNotAcknowledgedLeavesTheParameterAsItWas) {
-  vehicle_.params["MIS_TAKEOFF_ALT"] = {.value = 10};
-  meet();
+TEST_F(TakeoffByParameter, ThatIsNotAcknowledgedLeavesTheParameterAsItWas) {
   vehicle_.script.answers = 0;
-  commander_.takeoff(1, 2.5, now_, done());
-  EXPECT_EQ(finish().kind, OutcomeKind::kTimeout);
+  EXPECT_EQ(ask(&VehicleCommander::takeoff, 2.5).kind, OutcomeKind::kTimeout);
   run_for(1s);
-  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 10);
+  EXPECT_EQ(height(), 10);
 }
 
-TEST_F(VehicleCommanderTest, ATakeoffThatEndsDisarmedLeavesTheParameterAsItWas) {
-  vehicle_.params["MIS_TAKEOFF_ALT"] = {.value = 10};
-  meet();
-  commander_.takeoff(1, 2.5, now_, done());
-  EXPECT_TRUE(finish().ok());
+TEST_F(TakeoffByParameter, ThatEndsDisarmedLeavesTheParameterAsItWas) {
+  EXPECT_TRUE(ask(&VehicleCommander::takeoff, 2.5).ok());
   run_for(2s);
-  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 2.5) << "it may yet be armed";
+  EXPECT_EQ(height(), 2.5) << "it may yet be armed";
   vehicle_.base_mode = vehicle_.base_mode | MavModeFlag::kSafetyArmed;
   run_for(2s);
   vehicle_.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kHilEnabled;
   run_for(3s);
-  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 10);
+  EXPECT_EQ(height(), 10);
 }
 
-TEST_F(VehicleCommanderTest, ANewerTakeoffHeightStays) {
-  vehicle_.params["MIS_TAKEOFF_ALT"] = {.value = 10};
-  meet();
-  commander_.takeoff(1, 2.5, now_, done());
-  EXPECT_TRUE(finish().ok());
-  commander_.set_param(1, "MIS_TAKEOFF_ALT", 7, now_, done());
-  EXPECT_TRUE(finish().ok());
-  ExtendedSysState state;
-  state.landed_state = MavLandedState::kInAir;
-  vehicle_.say(state, now_);
-  run_for(1s);
-  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 7);
+TEST_F(TakeoffByParameter, LeavesANewerHeight) {
+  EXPECT_TRUE(ask(&VehicleCommander::takeoff, 2.5).ok());
+  EXPECT_TRUE(ask(&VehicleCommander::set_param, "MIS_TAKEOFF_ALT", 7).ok());
+  be(MavLandedState::kInAir);
+  EXPECT_EQ(height(), 7);
 }
 
-TEST_F(VehicleCommanderTest, ATakeoffAtOnceAfterARefusedOneKnowsTheOwnersHeight) {
-  vehicle_.params["MIS_TAKEOFF_ALT"] = {.value = 10};
-  meet();
+TEST_F(TakeoffByParameter, AtOnceAfterARefusedOneKnowsTheOwnersHeight) {
   vehicle_.script.result = MavResult::kDenied;
-  commander_.takeoff(1, 2.5, now_, done());
-  EXPECT_EQ(finish().kind, OutcomeKind::kRefused);
+  EXPECT_EQ(ask(&VehicleCommander::takeoff, 2.5).kind, OutcomeKind::kRefused);
   vehicle_.script.result = MavResult::kAccepted;
-  commander_.takeoff(1, 3, now_, done());  // the put-back is on its way
-  EXPECT_TRUE(finish().ok());
-  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 3);
-  ExtendedSysState state;
-  state.landed_state = MavLandedState::kInAir;
-  vehicle_.say(state, now_);
-  run_for(1s);
-  EXPECT_EQ(vehicle_.params["MIS_TAKEOFF_ALT"].value, 10);
+  // The put-back is on its way.
+  EXPECT_TRUE(ask(&VehicleCommander::takeoff, 3).ok());
+  EXPECT_EQ(height(), 3);
+  be(MavLandedState::kInAir);
+  EXPECT_EQ(height(), 10);
 }
 
 TEST_F(VehicleCommanderTest, ArduPilotTakesOffInGuidedToAHeightAboveHome) {
   vehicle_.autopilot = MavAutopilot::kArdupilotmega;
   meet();
-  commander_.takeoff(1, 2.5, now_, done());
-  EXPECT_TRUE(finish().ok());
+  EXPECT_TRUE(ask(&VehicleCommander::takeoff, 2.5).ok());
   EXPECT_EQ(vehicle_.commands.front().command, MavCmd::kDoSetMode);
   EXPECT_EQ(vehicle_.commands.front().param2, 4.0F);  // GUIDED
   EXPECT_EQ(vehicle_.commands.back().command, MavCmd::kNavTakeoff);
@@ -143,14 +126,12 @@ class ArduPlane : public VehicleCommanderTest {
     ExtendedSysState said;
     said.vtol_state = state;
     said.landed_state = MavLandedState::kInAir;
-    vehicle_.say(said, now_);
-    run_for(50ms);
+    say(said);
   }
 };
 
 TEST_F(ArduPlane, ClimbsInTheModeTakeoffToItsParameter) {
-  commander_.takeoff(1, 40, now_, done());
-  EXPECT_TRUE(finish().ok());
+  EXPECT_TRUE(ask(&VehicleCommander::takeoff, 40).ok());
   EXPECT_EQ(asked_mode(vehicle_), 13);
   vehicle_.base_mode = vehicle_.base_mode | MavModeFlag::kSafetyArmed;
   fly_as(MavVtolState::kUndefined);
@@ -163,19 +144,16 @@ TEST_F(ArduPlane, ClimbsInTheModeTakeoffToItsParameter) {
 
 TEST_F(ArduPlane, OnRotorsTakesOffInGuidedAndLandsInQland) {
   fly_as(MavVtolState::kMc);
-  commander_.takeoff(1, 20, now_, done());
-  EXPECT_TRUE(finish().ok());
+  EXPECT_TRUE(ask(&VehicleCommander::takeoff, 20).ok());
   EXPECT_EQ(asked_mode(vehicle_), 15);
   EXPECT_EQ(vehicle_.commands.back().command, MavCmd::kNavTakeoff);
   EXPECT_EQ(vehicle_.params["TKOFF_ALT"].value, 50);
-  commander_.land(1, now_, done());
-  EXPECT_TRUE(finish().ok());
+  EXPECT_TRUE(ask(&VehicleCommander::land).ok());
   EXPECT_EQ(asked_mode(vehicle_), 20);
 }
 
 TEST_F(ArduPlane, LandsWhereItsMissionSays) {
-  commander_.land(1, now_, done());
-  EXPECT_TRUE(finish().ok());
+  EXPECT_TRUE(ask(&VehicleCommander::land).ok());
   EXPECT_EQ(vehicle_.commands.back().command, MavCmd::kDoLandStart);
 }
 
@@ -196,10 +174,8 @@ TEST_P(Hold, StaysInTheModeOfItsVehicle) {
   meet();
   ExtendedSysState said;
   said.vtol_state = GetParam().vtol;
-  vehicle_.say(said, now_);
-  run_for(50ms);
-  commander_.hold(1, now_, done());
-  EXPECT_TRUE(finish().ok());
+  say(said);
+  EXPECT_TRUE(ask(&VehicleCommander::hold).ok());
   EXPECT_EQ(asked_mode(vehicle_), GetParam().mode);
   EXPECT_EQ(commander_.vehicles().front()->mode(), GetParam().word);
 }
@@ -221,8 +197,7 @@ TEST_F(VehicleCommanderTest, AVehicleOfUnknownModesTakesNone) {
   vehicle_.autopilot = MavAutopilot::kArdupilotmega;
   vehicle_.type = MavType::kAntennaTracker;
   meet();
-  commander_.set_mode(1, "GUIDED", now_, done());
-  EXPECT_EQ(finish().kind, OutcomeKind::kInvalid);
+  EXPECT_EQ(ask(&VehicleCommander::set_mode, "GUIDED").kind, OutcomeKind::kInvalid);
   EXPECT_TRUE(vehicle_.commands.empty());
 }
 
@@ -233,8 +208,7 @@ TEST_F(VehicleCommanderTest, GoesToALocalPlaceByLatitudeAndLongitude) {
   home.longitude = 85455940;
   home.altitude = 488'000;
   home.z = -0.5F;  // home lies 0.5 m above the origin of the local frame
-  vehicle_.say(home, now_);
-  run_for(50ms);
+  say(home);
   commander_.go_to(1, {.north_m = 111.19, .east_m = 0, .down_m = -3, .yaw_deg = 90}, now_, done());
   EXPECT_TRUE(finish().ok());
   ASSERT_EQ(vehicle_.int_commands.size(), 1U);
@@ -252,8 +226,7 @@ TEST_F(VehicleCommanderTest, TellsHowAVtolFlies) {
   const auto word = [&](MavVtolState state) {
     ExtendedSysState said;
     said.vtol_state = state;
-    vehicle_.say(said, now_);
-    run_for(50ms);
+    say(said);
     return commander_.vehicles().front()->vtol_word();
   };
   EXPECT_EQ(word(MavVtolState::kMc), "multicopter");
@@ -279,8 +252,7 @@ TEST_P(Circle, GoesWithItsRadiusToThePlace) {
   home.latitude = 473977420;
   home.longitude = 85455940;
   home.altitude = 488'000;
-  vehicle_.say(home, now_);
-  run_for(50ms);
+  say(home);
   commander_.go_to(1, {.north_m = 0, .east_m = 0, .down_m = -40, .yaw_deg = {}, .radius_m = -80},
                    now_, done());
   EXPECT_TRUE(finish().ok());
@@ -304,12 +276,10 @@ TEST_F(VehicleCommanderTest, RefusesPlacesNoVehicleReaches) {
   HomePosition home;
   home.latitude = 473977420;
   home.longitude = 85455940;
-  vehicle_.say(home, now_);
-  run_for(50ms);
+  say(home);
   commander_.go_to(1, {.north_m = 1e300, .yaw_deg = {}}, now_, done());
   EXPECT_EQ(finish().kind, OutcomeKind::kInvalid);
-  commander_.takeoff(1, 1e300, now_, done());
-  EXPECT_EQ(finish().kind, OutcomeKind::kInvalid);
+  EXPECT_EQ(ask(&VehicleCommander::takeoff, 1e300).kind, OutcomeKind::kInvalid);
   EXPECT_TRUE(vehicle_.commands.empty());
   EXPECT_TRUE(vehicle_.int_commands.empty());
 }

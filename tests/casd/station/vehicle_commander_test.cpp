@@ -91,8 +91,7 @@ TEST_F(VehicleCommanderTest, JoinsAStatusTextInChunks) {
   vehicle_.say(chunk, now_);
   chunk.chunk_seq = 1;
   mav::set_text(chunk.text, "b");
-  vehicle_.say(chunk, now_);
-  run_for(50ms);
+  say(chunk);
   ASSERT_EQ(commander_.find(1)->status_texts().size(), 1U);
   text += 'b';
   EXPECT_EQ(commander_.find(1)->status_texts()[0].text, text);
@@ -141,8 +140,7 @@ class RequestedRates : public VehicleCommanderTest {
   void tell_time(std::uint32_t ms) {
     mavlink::common::Attitude attitude;
     attitude.time_boot_ms = ms;
-    vehicle_.say(attitude, now_);
-    run_for(std::chrono::milliseconds(50));
+    say(attitude);
   }
   /// The messages whose rates were asked for, in that order, each once.
   std::vector<std::uint32_t> asked() const {

@@ -32,6 +32,11 @@ class Stock : public testing::Test {
     vehicle_.say_heartbeat(now_);
     pass(milliseconds(20));
   }
+  template <class Message>
+  void say(const Message& message) {
+    vehicle_.say(message, now_);
+    pass(milliseconds(20));
+  }
   void say_sensors(MavSysStatusSensor present, MavSysStatusSensor health) {
     say_health(present, present, health);
   }
@@ -41,8 +46,7 @@ class Stock : public testing::Test {
     status.onboard_control_sensors_present = present;
     status.onboard_control_sensors_enabled = enabled;
     status.onboard_control_sensors_health = health;
-    vehicle_.say(status, now_);
-    pass(milliseconds(20));
+    say(status);
   }
   std::vector<std::string> complaints_now() { return complaints(*commander_.find(1), now_); }
   std::optional<Outcome> arm(bool not_hil = false) {
@@ -125,8 +129,7 @@ TEST_F(Stock, ASensorThatIsHealthyIsThereWithoutTheBitThatSaysSo) {
   status.onboard_control_sensors_present = S::k3dMag | S::kAbsolutePressure | S::kGps;
   status.onboard_control_sensors_enabled = kAll;
   status.onboard_control_sensors_health = kAll;
-  vehicle_.say(status, now_);
-  pass(milliseconds(20));
+  say(status);
   EXPECT_TRUE(complaints_now().empty()) << testing::PrintToString(complaints_now());
 }
 
@@ -135,18 +138,15 @@ TEST_F(Stock, ASensorThatIsNeitherPresentNorEnabledIsMissing) {
   beat();
   SysStatus status;
   status.onboard_control_sensors_health = kAll;
-  vehicle_.say(status, now_);
-  pass(milliseconds(20));
+  say(status);
   EXPECT_TRUE(complaints_now().empty()) << "in its first second it tells of none";
   status.onboard_control_sensors_present = kAll & ~S::kGps;
   status.onboard_control_sensors_enabled = kAll & ~S::kGps;
-  vehicle_.say(status, now_);
-  pass(milliseconds(20));
+  say(status);
   EXPECT_EQ(complaints_now(), std::vector<std::string>{"no GPS"});
   GpsRawInt gps;
   gps.fix_type = GpsFixType::k3dFix;
-  vehicle_.say(gps, now_);
-  pass(milliseconds(20));
+  say(gps);
   EXPECT_TRUE(complaints_now().empty()) << "it is there, and the estimator does not use it";
 }
 
@@ -164,18 +164,13 @@ class StockPosition : public Stock {
   void say_estimator(EstimatorStatusFlags flags) {
     EstimatorStatus status;
     status.flags = flags;
-    vehicle_.say(status, now_);
-    pass(milliseconds(20));
+    say(status);
   }
-  void say_home() {
-    vehicle_.say(HomePosition{}, now_);
-    pass(milliseconds(20));
-  }
+  void say_home() { say(HomePosition{}); }
   void say_fix(GpsFixType fix) {
     GpsRawInt gps;
     gps.fix_type = fix;
-    vehicle_.say(gps, now_);
-    pass(milliseconds(20));
+    say(gps);
   }
   using E = EstimatorStatusFlags;
   static constexpr E kFlies =
@@ -228,8 +223,7 @@ TEST_F(StockPosition, OfPx4NeedsTheChecksThatItReportsAsHealthAlone) {
   EXPECT_EQ(lack(), "");
   AutopilotVersion version;
   version.flight_sw_version = 1U << 24 | 16U << 16 | 1U << 8;
-  vehicle_.say(version, now_);
-  pass(milliseconds(20));
+  say(version);
   EXPECT_EQ(arming_checks(*commander_.find(1), now_), ArmingChecks::kFail);
   EXPECT_EQ(lack(), "its arming checks fail");
   say_health(kAll, kAll, kAll | S::kPrearmCheck);
@@ -283,8 +277,7 @@ TEST_F(StockPosition, OfBeforeARestartDoesNotCount) {
   say_home();
   EXPECT_EQ(lack(), "");
   attitude.time_boot_ms = 500;
-  vehicle_.say(attitude, now_);
-  pass(milliseconds(20));
+  say(attitude);
   EXPECT_NE(lack(), "");
 }
 

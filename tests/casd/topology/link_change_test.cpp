@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/topology/link_change.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <string>
@@ -15,6 +15,7 @@ namespace cas::casd::test {
 namespace {
 
 using base::ConfigNode;
+using testing::HasSubstr;
 
 constexpr const char* kBench = R"(schema: 1
 links:
@@ -49,15 +50,13 @@ TEST(LinkChange, WhatIsLeftOutIsNarrow) {
 
 TEST(LinkChange, ReadsNoFileThatTheTopologyDoesNotCountOn) {
   for (const char* file : {"/etc/shadow", "../x.tlog", "elsewhere/x.tlog"}) {
-    EXPECT_NE(fault_of("entry: {name: l, type: tlog, file: " + std::string(file) + "}")
-                  .find("the folder of recordings"),
-              std::string::npos)
+    EXPECT_THAT(fault_of("entry: {name: l, type: tlog, file: " + std::string(file) + "}"),
+                HasSubstr("the folder of recordings"))
         << file;
   }
   EXPECT_EQ(fault_of("entry: {name: l, type: tlog, file: x.tlog}"), "");
-  EXPECT_NE(fault_of("entry: {name: l, type: udp, remote: 'h:1', signing: {key_file: /etc/key}}")
-                .find("at run time only keys"),
-            std::string::npos);
+  EXPECT_THAT(fault_of("entry: {name: l, type: udp, remote: 'h:1', signing: {key_file: /etc/key}}"),
+              HasSubstr("at run time only keys"));
 }
 
 TEST(LinkChange, ALogPlaysWhatVehiclesSaidAndMovesNoneThatIsNotInHil) {
@@ -67,9 +66,8 @@ TEST(LinkChange, ALogPlaysWhatVehiclesSaidAndMovesNoneThatIsNotInHil) {
   EXPECT_FALSE(log.accept.ground_station);
   EXPECT_EQ(log.accept.block_systems, (std::vector<std::uint8_t>{1, 254}));
   EXPECT_EQ(log.to_not_hil, ToNotHil::kStopsOnly);
-  EXPECT_NE(
-      fault_of("entry: {name: l, type: tlog, file: x.tlog, to_not_hil: all}").find("is for files"),
-      std::string::npos);
+  EXPECT_THAT(fault_of("entry: {name: l, type: tlog, file: x.tlog, to_not_hil: all}"),
+              HasSubstr("is for files"));
 }
 
 TEST(LinkChange, AcceptEverythingIsSaidAloud) {
@@ -117,26 +115,24 @@ TEST(LinkChange, OnePeerIsTheEndOfOneLink) {
 TEST(LinkChange, ClientsReadNothingOfTheEnvironment) {
   for (const char* entry :
        {"{name: l, type: serial, device: '/dev/${HOME}'}", "{endpoint: 'serial:${HOME}'}"}) {
-    EXPECT_NE(fault_of("entry: " + std::string(entry)).find("device: variables are for files"),
-              std::string::npos)
-        << entry << ": " << fault_of("entry: " + std::string(entry));
+    EXPECT_THAT(fault_of("entry: " + std::string(entry)),
+                HasSubstr("device: variables are for files"))
+        << entry << ": ";
   }
 }
 
 TEST(LinkChange, FaultsBearTheirPlace) {
   EXPECT_EQ(fault_of("entry: {name: fcu, type: udp, remote: 'h:1'}"),
             "link.add:1: entry.name: 'fcu' is the name of another link");
-  EXPECT_NE(
-      fault_of("entry: {name: b, type: tcp_server, local: '0.0.0.0:5790'}").find("command port"),
-      std::string::npos);
+  EXPECT_THAT(fault_of("entry: {name: b, type: tcp_server, local: '0.0.0.0:5790'}"),
+              HasSubstr("command port"));
   EXPECT_EQ(fault_of("entry: {name: b, type: udp, remote: h}"),
             "link.add:1: entry.remote: 'h' is not HOST:PORT");
   EXPECT_EQ(fault_of("entry: {name: b, type: udp, remote: 'h:1'}\nroutes: [{from: sim, to: fcu}]"),
             "link.add:2: routes[0]: has nothing to do with the new link 'b'");
-  EXPECT_NE(fault_of("entry: {name: b, type: udp, remote: 'h:1', speed: 1}").find("entry.speed"),
-            std::string::npos);
-  EXPECT_NE(fault_of("entry: {endpoint: 'udp:nowhere'}").find("entry.endpoint: endpoint"),
-            std::string::npos);
+  EXPECT_THAT(fault_of("entry: {name: b, type: udp, remote: 'h:1', speed: 1}"),
+              HasSubstr("entry.speed"));
+  EXPECT_THAT(fault_of("entry: {endpoint: 'udp:nowhere'}"), HasSubstr("entry.endpoint: endpoint"));
   EXPECT_EQ(fault_of("entry: {endpoint: 'udp:14550', type: udp}"),
             "link.add:1: entry.type: 'endpoint' says that already");
   EXPECT_THROW(without_link(bench(), "b"), base::ConfigError);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fcu/control/loop_design.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <array>
@@ -15,6 +15,9 @@
 
 namespace cas::fcu {
 namespace {
+
+using testing::HasSubstr;
+using testing::Not;
 
 constexpr double kGrid =
     0.006;  ///< relative: the frequencies that margins() looks at are 0.5 % apart
@@ -214,27 +217,23 @@ FcuConfig config_of(const std::string& vehicle, double baud, double control_rate
 TEST(DescribedController, WarnsOfALoopThatItsLineMakesUnstable) {
   FcuConfig config = config_of("iris_paper", 921600, 400);
   EXPECT_NEAR(loop_delay_s(config), kUsualDelay_s, 2e-4);
-  EXPECT_EQ(describe_controller(config).find("warning"), std::string::npos)
-      << describe_controller(config);
+  EXPECT_THAT(describe_controller(config), Not(HasSubstr("warning")));
   config.line.extra_delay = std::chrono::milliseconds(40);
-  EXPECT_NE(describe_controller(config).find("warning: roll: less than 30 degrees or 6 dB"),
-            std::string::npos)
-      << describe_controller(config);
+  EXPECT_THAT(describe_controller(config),
+              HasSubstr("warning: roll: less than 30 degrees or 6 dB"));
 }
 
 TEST(DescribedController, WarnsOfGainsInItsFileThatAreTooHigh) {
   FcuConfig config = config_of("iris_paper", 921600, 400);
   config.params = {{"MC_ROLLRATE_K", 5}};
-  EXPECT_NE(describe_controller(config).find("warning: roll"), std::string::npos)
-      << describe_controller(config);
+  EXPECT_THAT(describe_controller(config), HasSubstr("warning: roll"));
 }
 
 /// The controller knows its baud rate and its control rate, but not the delays of a line's model.
 TEST(DesignDelay, IsThatOfTheBaudRateAndTheControlPeriod) {
   FcuConfig config = config_of("iris_paper", 57600, 50);
   EXPECT_NEAR(design_delay_s(config), 1300 / 57600.0 + 1 / 50.0 + 0.0011, 1e-9);
-  EXPECT_EQ(describe_controller(config).find("warning"), std::string::npos)
-      << describe_controller(config);
+  EXPECT_THAT(describe_controller(config), Not(HasSubstr("warning")));
   config.line.extra_delay = std::chrono::milliseconds(40);
   EXPECT_NEAR(design_delay_s(config), 1300 / 57600.0 + 1 / 50.0 + 0.0011, 1e-9);
   EXPECT_EQ(design_delay_s(config_of("iris_paper", 0, 400)), kUsualDelay_s);
