@@ -27,10 +27,11 @@ namespace {
 const std::filesystem::path kScenarios = cas::test::source_dir() + "/config/scenarios";
 
 TEST(FirmwareScenario, TheShippedOnesAreRead) {
-  for (const char* name : {"px4_sitl", "px4_sitl_two", "px4_circle", "px4_mission", "px4_hitl",
-                           "px4_geofence", "px4_reboot", "px4_plane", "px4_vtol", "px4_vtol_hitl",
-                           "px4_tailsitter", "ardupilot", "ardupilot_two", "ardupilot_mission",
-                           "ardupilot_geofence", "ardupilot_plane", "ardupilot_quadplane"}) {
+  for (const char* name :
+       {"px4_sitl", "px4_sitl_two", "px4_circle", "px4_mission", "px4_hitl", "px4_geofence",
+        "px4_reboot", "px4_plane", "px4_vtol", "px4_vtol_hitl", "px4_tiltrotor", "px4_tailsitter",
+        "ardupilot", "ardupilot_two", "ardupilot_mission", "ardupilot_geofence", "ardupilot_plane",
+        "ardupilot_quadplane"}) {
     const auto file = kScenarios / (std::string(name) + ".yaml");
     const Scenario scenario = Scenario::load(file);
     ASSERT_TRUE(scenario.firmware) << name;
