@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -47,19 +48,27 @@ struct RotorParams {
   bool reversible = false;  ///< outputs from -1 on turn it; thrust and torque change their signs
 };
 
-/// A servo that turns a rotor's axis: a tricopter's tail.
+/// A servo that turns a rotor's axis: a tricopter's tail, a tiltrotor's wing rotors.
 struct TiltServo {
   Eigen::Vector3d axis_B = Eigen::Vector3d::UnitX();  ///< hinge, a unit vector through the hub
   double min_rad = 0;          ///< tilt at output -1, about axis_B by the right hand; not above 0
   double max_rad = 0;          ///< tilt at output +1; not below 0
+  double middle_rad = 0;       ///< tilt at output 0, from min_rad to max_rad
   double rate_rad_s = 0;       ///< fastest turn
   double time_constant_s = 0;  ///< first-order lag; above 0
   int output = 0;              ///< of the autopilot, 0..15, -1..1 on it; in the file 1..16
 
-  /// Tilt that an output asks for: 0 at 0, straight lines to both ends.
+  /// Tilt that an output asks for: straight lines from the middle to both ends.
   double angle_rad(double output_value) const {
     const double u = std::clamp(output_value, -1.0, 1.0);
-    return u >= 0 ? u * max_rad : -u * min_rad;
+    return middle_rad + std::abs(u) * ((u >= 0 ? max_rad : min_rad) - middle_rad);
+  }
+  /// The output, -1..1, that asks for the tilt nearest to this one.
+  double output_at(double tilt_rad) const {
+    const double end_rad = tilt_rad >= middle_rad ? max_rad : min_rad;
+    if (end_rad == middle_rad) return 0;
+    const double share = (tilt_rad - middle_rad) / (end_rad - middle_rad);
+    return std::copysign(std::min(share, 1.0), tilt_rad - middle_rad);
   }
 };
 

@@ -79,6 +79,10 @@ TiltServo parse_tilt(const ConfigNode& node) {
   tilt.axis_B = unit_vector(node.at("axis_B"));
   tilt.min_rad = degrees(node, "min_deg", -90, 0);
   tilt.max_rad = degrees(node, "max_deg", 0, 90);
+  if (node.has("middle_deg")) {
+    tilt.middle_rad = degrees(node, "middle_deg", node.require<double>("min_deg"),
+                              node.require<double>("max_deg"));
+  }
   tilt.rate_rad_s = degrees(node, "rate_deg_s", 1, kHuge);
   tilt.time_constant_s = node.require_in("time_constant_s", 1e-3, 10);
   tilt.output = output_of(node.at("output"));
@@ -189,6 +193,18 @@ void check_mixer(const ConfigNode& rotors, const Vehicle& vehicle) {
   rotors.fail(std::string("places and spins of the four rotors leave no independent ") + missing +
               ", so U1 to U4 cannot be mixed; four rotors must not stand in a row, nor may the "
               "spins of their sides or diagonals cancel");
+}
+
+/// A panel's wash goes along the rotor's axis, which must be fixed.
+void check_wash(const ConfigNode& node, const Vehicle& vehicle) {
+  for (std::size_t i = 0; i < vehicle.aero->panels.size(); ++i) {
+    const int rotor = vehicle.aero->panels[i].in_wash_of;
+    if (rotor < 0 || !vehicle.rotors[static_cast<std::size_t>(rotor)].tilt) continue;
+    const ConfigNode item = node.at("panels").items()[i];
+    (item.has("in_wash_of") ? item : node.at("panel"))
+        .at("in_wash_of")
+        .fail("names a rotor with a tilt servo, whose wash is not modelled");
+  }
 }
 
 // The rest.
@@ -408,6 +424,7 @@ Vehicle Vehicle::load(const std::filesystem::path& file) {
   check_mixer(node.at("rotors"), vehicle);
   if (const auto aero = node.find("aero")) {
     vehicle.aero = read_aero(*aero, outputs, vehicle.rotor_count());
+    check_wash(*aero, vehicle);
   }
   if (const auto scales = node.find("scales")) {
     vehicle.scales = parse_scales(*scales);

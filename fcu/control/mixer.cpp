@@ -151,10 +151,8 @@ std::array<double, base::kMaxOutputs> Mixer::outputs(const MixerResult& result) 
     const double omega = std::sqrt(std::max(omega_sq, 0.0));
     out[static_cast<std::size_t>(rotor.output)] = std::clamp(rotor.output_at(omega), 0.0, 1.0);
     if (!rotor.tilt || index >= result.tilt_rad.size()) continue;
-    const double tilt = result.tilt_rad[index];
-    const double full = tilt > 0 ? rotor.tilt->max_rad : -rotor.tilt->min_rad;
     out[static_cast<std::size_t>(rotor.tilt->output)] =
-        full > 0 ? std::clamp(tilt / full, -1.0, 1.0) : 0.0;
+        rotor.tilt->output_at(result.tilt_rad[index]);
   }
   return out;
 }

@@ -68,9 +68,13 @@ void print_rotors(std::string& text, const base::Vehicle& vehicle) {
     }
     if (rotor.tilt) {
       constexpr double kDegrees = 180 / 3.14159265358979323846;
+      const base::TiltServo& servo = *rotor.tilt;
       print(text, "      tilts from %.0f to %.0f deg about [%.3f, %.3f, %.3f] on output %d",
-            rotor.tilt->min_rad * kDegrees, rotor.tilt->max_rad * kDegrees, rotor.tilt->axis_B.x(),
-            rotor.tilt->axis_B.y(), rotor.tilt->axis_B.z(), rotor.tilt->output + 1);
+            servo.min_rad * kDegrees, servo.max_rad * kDegrees, servo.axis_B.x(), servo.axis_B.y(),
+            servo.axis_B.z(), servo.output + 1);
+      if (servo.middle_rad != 0) {
+        print(text, "      stands at %.0f deg at output 0", servo.middle_rad * kDegrees);
+      }
     }
   }
 }

@@ -25,10 +25,27 @@
 namespace cas::sim {
 namespace {
 
-/// The rotors that push forwards, turning as fast as they do in the end at a throttle.
+/// Tilt at which a rotor's axis points forwards most; 0 without a servo.
+double forward_tilt_rad(const base::Rotor& rotor) {
+  if (!rotor.tilt) return 0;
+  const auto forwards = [&](double tilt_rad) { return rotor.tilted_axis_B(tilt_rad).x(); };
+  const double end_rad = forwards(rotor.tilt->max_rad) > forwards(rotor.tilt->min_rad)
+                             ? rotor.tilt->max_rad
+                             : rotor.tilt->min_rad;
+  return forwards(end_rad) > forwards(0) ? end_rad : 0;
+}
+
+/// The rotors that push forwards, turning as fast as they do in the end at a throttle; servos tilt
+/// theirs as far forwards as they go.
 class PushingRotors {
  public:
-  explicit PushingRotors(const base::Vehicle& vehicle) : vehicle_(vehicle), model_(vehicle) {}
+  explicit PushingRotors(const base::Vehicle& vehicle) : vehicle_(vehicle), model_(vehicle) {
+    base::RotorVector tilts(vehicle.rotor_count());
+    for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
+      tilts[static_cast<Eigen::Index>(i)] = forward_tilt_rad(vehicle.rotors[i]);
+    }
+    model_.set_tilt_targets(tilts);
+  }
 
   void add(const BodyState& body, const Environment& air, double throttle, Wrench& wrench) {
     model_.set_targets(targets(throttle));
@@ -45,7 +62,7 @@ class PushingRotors {
     base::RotorVector omega = base::RotorVector::Zero(vehicle_.rotor_count());
     for (std::size_t i = 0; i < vehicle_.rotors.size(); ++i) {
       const base::Rotor& rotor = vehicle_.rotors[i];
-      if (rotor.axis_B.x() < kForwards) continue;
+      if (rotor.tilted_axis_B(forward_tilt_rad(rotor)).x() < kForwards) continue;
       omega[static_cast<Eigen::Index>(i)] = rotor.speed_at(throttle);
     }
     return omega;
@@ -59,6 +76,10 @@ class PushingRotors {
     model_.initial_states(x);
     const base::RotorVector omega = model_.targets();
     for (Eigen::Index i = 0; i < omega.size(); ++i) x[static_cast<std::size_t>(i)] = omega[i];
+    std::size_t servo = vehicle_.rotors.size();  // its state
+    for (const base::Rotor& rotor : vehicle_.rotors) {
+      if (rotor.tilt) x[servo++] = forward_tilt_rad(rotor);
+    }
     model_.limit(x);
     std::array<double, ForceModel::kMaxStates> rates{};
     const auto rate_of = [&](std::size_t state) {

@@ -415,6 +415,69 @@ TEST(TiltServo, LagsAndIsNoFasterThanItsRate) {
   EXPECT_NEAR(run(0.05), 0.5 - 0.25 * std::exp(-1), kMidpoint);
 }
 
+/// A front rotor of a tiltrotor: upright at output -1, forwards at +1.
+base::Vehicle tilting_rotor() {
+  base::Rotor rotor = simple_rotor();
+  rotor.position_B_m = {0.35, -0.3, 0.07};
+  rotor.tilt = base::TiltServo{.axis_B = Vector3d::UnitY(),
+                               .max_rad = M_PI / 2,
+                               .middle_rad = M_PI / 4,
+                               .rate_rad_s = 3,
+                               .time_constant_s = 0.05,
+                               .output = 4};
+  return vehicle_of({rotor});
+}
+
+TEST(TiltServo, TurnsATiltrotorsThrustForwards) {
+  RotorModel model(tilting_rotor());
+  model.set_targets(base::RotorVector::Constant(1, 500));
+  const double thrust = 1e-5 * 500 * 500;
+  const double torque = 2e-7 * 500 * 500;
+  for (const double tilt : {0.0, 0.3, M_PI / 4, M_PI / 2}) {
+    model.set_tilt_targets(base::RotorVector::Constant(1, tilt));
+    const Wrench wrench = answer_of(model, {500, tilt}).wrench;
+    const double ahead = thrust * std::sin(tilt);
+    const double up = thrust * std::cos(tilt);
+    EXPECT_TRUE(wrench.force_B.isApprox(Vector3d(ahead, 0, up), kRounding)) << tilt;
+    // Arm times force, less the reaction to the drag of a counter-clockwise rotor.
+    const Vector3d moment_B(-0.3 * up - torque * std::sin(tilt), 0.07 * ahead - 0.35 * up,
+                            0.3 * ahead - torque * std::cos(tilt));
+    EXPECT_TRUE(wrench.torque_B.isApprox(moment_B, kRounding)) << tilt;
+  }
+}
+
+/// The air that takes thrust is that along the axis: none in forward flight when it stands upright.
+TEST(TiltServo, TurnsTheAirThatTakesTheThrust) {
+  base::Vehicle vehicle = tilting_rotor();
+  vehicle.rotors[0].params.zero_thrust_speed_m_s = 25;
+  RotorModel model(vehicle);
+  model.set_targets(base::RotorVector::Constant(1, 500));
+  BodyState body;
+  body.v_WB = {10, 0, 0};
+  const double thrust = 1e-5 * 500 * 500;
+  for (const double tilt : {0.0, 0.5, M_PI / 2}) {
+    model.set_tilt_targets(base::RotorVector::Constant(1, tilt));
+    const Wrench wrench = answer_of(model, {500, tilt}, body).wrench;
+    EXPECT_NEAR(wrench.force_B.norm(), thrust * (1 - 10 * std::sin(tilt) / 25), kRounding) << tilt;
+  }
+}
+
+TEST(MotorMixer, TiltsARotorAboutTheMiddleOfItsServo) {
+  const MotorMixer mixer(tilting_rotor());
+  MotorCommand command;
+  command.kind = MotorCommand::Kind::kMotorOutputs;
+  command.armed = true;
+  command.values.setZero(16);
+  for (const auto& [output, tilt] :
+       {std::pair(-1.0, 0.0), std::pair(-0.5, M_PI / 8), std::pair(0.0, M_PI / 4),
+        std::pair(1.0, M_PI / 2), std::pair(1.3, M_PI / 2)}) {
+    command.values[4] = output;
+    EXPECT_NEAR(mixer.tilts(command)[0], tilt, kRounding) << output;
+  }
+  command.armed = false;
+  EXPECT_EQ(mixer.tilts(command)[0], 0) << "upright";
+}
+
 TEST(MotorMixer, TakesEachRotorsOutputAndRange) {
   base::Vehicle vehicle = tail_rotor();
   base::Rotor other = simple_rotor();

@@ -13,9 +13,9 @@
 namespace cas::base {
 namespace {
 
-/// A vehicle file without its ending: the shipped Aerosonde, or a plane of the tests.
+/// A vehicle file without its ending: a shipped one, or the plane of the tests.
 std::string plane_file(const std::string& plane) {
-  const char* folder = plane == "aerosonde" ? "/config/vehicles/" : "/tests/plugins/data/";
+  const char* folder = plane == "panel_plane" ? "/tests/plugins/data/" : "/config/vehicles/";
   return test::source_dir() + folder + plane;
 }
 
@@ -107,6 +107,9 @@ INSTANTIATE_TEST_SUITE_P(
         WrongAero{"WashOfARotorThatIsNotThere", "panel_plane", "area_m2: 0.01,",
                   "area_m2: 0.01, in_wash_of: 2,",
                   "aero.panels[4].in_wash_of: must be the number of a rotor, 1 to 1"},
+        WrongAero{"WashOfARotorThatTilts", "tiltrotor", "area_m2: 0.01,",
+                  "area_m2: 0.01, in_wash_of: 1,",
+                  "aero.panels[2].in_wash_of: names a rotor with a tilt servo"},
         WrongAero{"PolarWithoutAChord", "panel_plane", "area_m2: 0.01,",
                   "area_m2: 0.01, polar: tail.csv,",
                   "'aero.panels[4].chord_m', 'aero.panels[4].plate_normal_force'"},

@@ -246,6 +246,37 @@ TEST(VehicleFile, ARotorsOwnKeysGoBeforeTheCommonOnes) {
   EXPECT_EQ(own.tilt->output, 3);
 }
 
+TEST(TiltServo, RunsFromItsMiddleToBothEnds) {
+  const TiltServo uneven{.min_rad = -0.2, .max_rad = 1.5, .middle_rad = 0.5};
+  EXPECT_NEAR(uneven.angle_rad(-1), -0.2, 1e-12);
+  EXPECT_NEAR(uneven.angle_rad(-0.5), 0.15, 1e-12);
+  EXPECT_NEAR(uneven.angle_rad(0), 0.5, 1e-12);
+  EXPECT_NEAR(uneven.angle_rad(0.5), 1.0, 1e-12);
+  for (const double output : {-1.0, -0.3, 0.0, 0.6, 1.0}) {
+    EXPECT_NEAR(uneven.output_at(uneven.angle_rad(output)), output, 1e-12);
+  }
+  EXPECT_EQ(uneven.output_at(-1), -1);
+  EXPECT_EQ(uneven.output_at(2), 1);
+  const TiltServo one_way{.max_rad = 1};
+  EXPECT_EQ(one_way.angle_rad(-1), 0);
+  EXPECT_EQ(one_way.output_at(-0.1), 0);
+}
+
+TEST(VehicleFile, ATiltServoMayStandAnywhereWithinItsEndsAtOutput0) {
+  const test::TemporaryFolder folder;
+  const Vehicle vehicle = Vehicle::load(folder.write(
+      "v.yaml", round_vehicle(3,
+                              ", tilt: {axis_B: [0, 1, 0], min_deg: 0, middle_deg: 45, max_deg: "
+                              "90, rate_deg_s: 200, time_constant_s: 0.05, output: 4}")));
+  const Rotor& rotor = vehicle.rotors[1];
+  const auto axis = [&](double output) {
+    return rotor.tilted_axis_B(rotor.tilt->angle_rad(output));
+  };
+  EXPECT_TRUE(axis(-1).isApprox(Eigen::Vector3d::UnitZ(), 1e-12));
+  EXPECT_TRUE(axis(0).isApprox(Eigen::Vector3d(1, 0, 1).normalized(), 1e-12));
+  EXPECT_TRUE(axis(1).isApprox(Eigen::Vector3d::UnitX(), 1e-12));
+}
+
 struct RotorCase {
   const char* name;
   const char* keys;
@@ -272,6 +303,10 @@ INSTANTIATE_TEST_SUITE_P(
         RotorCase{"WakeWithoutShare", ", in_wake_of: 1", "key 'wake_thrust_share' is missing"},
         RotorCase{"Tilt", ", tilt: {axis_B: [1, 0, 0], output: 4}",
                   "'rotors[1].tilt.min_deg', 'rotors[1].tilt.max_deg'"},
+        RotorCase{"TiltWithItsMiddleBeyondAnEnd",
+                  ", tilt: {axis_B: [0, 1, 0], min_deg: 0, middle_deg: 95, max_deg: 90, "
+                  "rate_deg_s: 200, time_constant_s: 0.05, output: 4}",
+                  "rotors[1].tilt.middle_deg: 95 must lie in [0, 90]"},
         RotorCase{"InflowAndFade", ", inflow_thrust_slope: 1.3, zero_thrust_speed_m_s: 20",
                   "rotors[1].inflow_thrust_slope: takes thrust by the axial airspeed"},
         RotorCase{"DeadTime", ", esc_dead_time_s: 1", "rotors[1].esc_dead_time_s: 1 must lie in"},

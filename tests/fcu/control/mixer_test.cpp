@@ -124,6 +124,17 @@ TEST(Mixer, PutsRotorsAndServosOnTheirOutputs) {
   EXPECT_EQ(outputs[1], 0);
 }
 
+TEST(Mixer, AsksAServoForItsTiltAboutItsMiddle) {
+  base::Vehicle vehicle = test::tri();
+  vehicle.rotors[2].tilt->middle_rad = 0.3;
+  const Mixer mixer(vehicle);
+  MixerResult result = mixer.idle();
+  for (const double tilt : {-0.6, -0.2, 0.0, 0.3, 0.5, 0.6}) {
+    result.tilt_rad[2] = tilt;
+    EXPECT_NEAR(vehicle.rotors[2].tilt->angle_rad(mixer.outputs(result)[3]), tilt, 1e-12);
+  }
+}
+
 TEST(Mixer, RefusesRotorsThatCannotRoll) {
   std::vector<base::Rotor> line{test::rotor(0.3, 0, 1), test::rotor(0.3, 180, -1)};
   EXPECT_THROW(Mixer(test::frame("line", line, 1, {0.01, 0.01, 0.02})), base::ConfigError);

@@ -37,6 +37,7 @@ TEST(FirmwareScenario, TheShippedOnesAreRead) {
                            "px4_plane",
                            "px4_vtol",
                            "px4_vtol_hitl",
+                           "px4_tiltrotor",
                            "px4_tailsitter",
                            "px4_odometry",
                            "ardupilot",

@@ -122,6 +122,26 @@ TEST(VehicleDescription, OfAPlaneIsItsTrimStallGlideAndModes) {
   EXPECT_THAT(text, testing::Not(HasSubstr("hover")));
 }
 
+/// Servos tilt the two front rotors forwards for its trim: together they push against the drag.
+TEST(VehicleDescription, OfATiltrotorHasATrimOnItsTiltedRotors) {
+  const base::Vehicle vehicle =
+      base::Vehicle::load(test::kSourceDir / "config/vehicles/tiltrotor.yaml");
+  const std::string text = describe_vehicle(vehicle, load_vehicle_model(vehicle.urdf), {});
+  for (const char* words : {"tilts from 0 to 90 deg about [0.000, 1.000, 0.000] on output 5",
+                            "stands at 45 deg at output 0", "level at 15 m/s", "hover"}) {
+    EXPECT_THAT(text, HasSubstr(words));
+  }
+  const std::string word = "  throttle ";
+  const std::size_t at = text.find(word);
+  ASSERT_NE(at, std::string::npos) << text;
+  const double throttle = std::stod(text.substr(at + word.size()));
+  const base::RotorParams& params = vehicle.rotors[0].params;
+  const double thrust_n = 2 * params.thrust_coefficient *
+                          std::pow(throttle * params.omega_max_rad_s, 2) * (1 - 15.0 / 25);
+  EXPECT_GT(thrust_n, vehicle.mass_kg * 9.80665 / 12);
+  EXPECT_LT(thrust_n, vehicle.mass_kg * 9.80665 / 4);
+}
+
 TEST(VehicleDescription, OfATailsitterHasNoTrimAlongTheNoseOfItsHover) {
   const base::Vehicle vehicle =
       base::Vehicle::load(test::kSourceDir / "config/vehicles/tailsitter.yaml");
