@@ -25,6 +25,7 @@ enum class SensorTopic : std::uint8_t {
   kRangefinder,
   kAirspeed,
   kOpticalFlow,
+  kLandingTarget,
 };
 
 /// The part of a sample that a fault changes.
@@ -39,6 +40,7 @@ enum class SampleField : std::uint8_t {
   kDistance,
   kDifferentialPressure,
   kFlow,
+  kAngles,  ///< to the right, to the back
 };
 
 enum class SensorEffect : std::uint8_t {
