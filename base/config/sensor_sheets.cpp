@@ -350,8 +350,8 @@ constexpr auto kRangefinderKeys = std::tuple_cat(
                                          "counts; 0: a ray")});
 
 constexpr auto kLidarKeys = std::tuple{
-    required(key<&LidarSheet::pattern>("pattern", Text{},
-                                       "file of its beams: `../lidars/vlp16.yaml`, or a CSV file")),
+    required(key<&LidarSheet::pattern>(
+        "pattern", Text{}, "file of its beams or pixels: `../lidars/vlp16.yaml`, or a CSV file")),
     required(key<&LidarSheet::rate_hz>("rate_hz", AboveZero{},
                                        "scans (turns) in a second, at most the simulation's rate")),
     required(key<&LidarSheet::min_m>("min_m", Range{0, kFarthest_m},
@@ -369,8 +369,10 @@ constexpr auto kLidarKeys = std::tuple{
         "sends OBSTACLE_DISTANCE after each scan: surfaces at most so far above or below the "
         "sensor count"),
     key<&LidarSheet::cloud>(
-        "cloud", Words<CloudForm, 2>{{{{"pcd", CloudForm::kPcd}, {"ply", CloudForm::kPly}}}},
-        "writes scans as files of this format"),
+        "cloud",
+        Words<CloudForm, 3>{
+            {{{"pcd", CloudForm::kPcd}, {"ply", CloudForm::kPly}, {"pgm", CloudForm::kPgm}}}},
+        "writes scans as files of this format; `pgm`: pictures of a depth camera"),
     key<&LidarSheet::cloud_every>("cloud_every", Whole{1, 1'000'000}, "the first of so many scans"),
     key<&LidarSheet::cloud_folder>("cloud_folder", Text{},
                                    "of the files, below the folder of the results")};

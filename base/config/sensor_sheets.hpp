@@ -113,8 +113,8 @@ struct RangefinderSheet {
   double beam_deg = 0;                    ///< width of its cone; 0: a ray
 };
 
-/// Format of files of point clouds.
-enum class CloudForm { kPcd, kPly };
+/// Format of files of scans: point clouds, and pictures of depth cameras.
+enum class CloudForm { kPcd, kPly, kPgm };
 
 struct LidarSheet {
   std::string pattern;  ///< file

@@ -141,6 +141,7 @@ class FaultPlugin final : public Plugin {
     open_taps_of<AirspeedSample>(context, SensorTopic::kAirspeed);
     open_taps_of<FlowSample>(context, SensorTopic::kOpticalFlow);
     open_taps_of<OdometrySample>(context, SensorTopic::kOdometry);
+    open_taps_of<LandingTargetSample>(context, SensorTopic::kLandingTarget);
   }
 
   void open_topics(PluginContext& context) {
@@ -313,6 +314,8 @@ class FaultPlugin final : public Plugin {
         return apply(std::get<Taps<FlowSample>>(taps_));
       case SensorTopic::kOdometry:
         return apply(std::get<Taps<OdometrySample>>(taps_));
+      case SensorTopic::kLandingTarget:
+        return apply(std::get<Taps<LandingTargetSample>>(taps_));
     }
   }
 
@@ -409,7 +412,8 @@ class FaultPlugin final : public Plugin {
   std::vector<double> turned_rad_;  // by each rotor
   double vibration_ = 0;            // see BiasDriver::kVibration
   std::tuple<Taps<ImuSample>, Taps<GpsSample>, Taps<MagnetometerSample>, Taps<BarometerSample>,
-             Taps<RangeSample>, Taps<AirspeedSample>, Taps<FlowSample>, Taps<OdometrySample>>
+             Taps<RangeSample>, Taps<AirspeedSample>, Taps<FlowSample>, Taps<OdometrySample>,
+             Taps<LandingTargetSample>>
       taps_;
   Publisher<PropulsionHealth> health_;
   Publisher<SurfaceHealth> surface_health_;

@@ -34,7 +34,7 @@ struct FieldName {
   SampleField field;
 };
 
-constexpr std::array<FieldName, 13> kFields{
+constexpr std::array<FieldName, 14> kFields{
     {{SensorTopic::kImu, "specific_force", "m_s2", 1.0, SampleField::kSpecificForce},
      {SensorTopic::kImu, "angular_rate", "deg_s", base::kRadPerDeg, SampleField::kAngularRate},
      {SensorTopic::kGps, "position", "m", 1.0, SampleField::kPosition},
@@ -48,12 +48,13 @@ constexpr std::array<FieldName, 13> kFields{
      {SensorTopic::kOpticalFlow, "flow", "rad", 1.0, SampleField::kFlow},
      {SensorTopic::kOdometry, "position", "m", 1.0, SampleField::kPosition},
      {SensorTopic::kOdometry, "velocity", "m_s", 1.0, SampleField::kVelocity},
-     {SensorTopic::kOdometry, "attitude", "deg", base::kRadPerDeg, SampleField::kAttitude}}};
+     {SensorTopic::kOdometry, "attitude", "deg", base::kRadPerDeg, SampleField::kAttitude},
+     {SensorTopic::kLandingTarget, "angles", "deg", base::kRadPerDeg, SampleField::kAngles}}};
 
 /// In the order of SensorTopic; also the names of their plugins.
-constexpr std::array<std::string_view, 8> kSensorWords{
-    "imu",         "gps",      "magnetometer", "barometer",
-    "rangefinder", "airspeed", "optical_flow", "odometry"};
+constexpr std::array<std::string_view, 9> kSensorWords{
+    "imu",      "gps",          "magnetometer", "barometer",     "rangefinder",
+    "airspeed", "optical_flow", "odometry",     "landing_target"};
 
 /// Reads the sensor that a fault is about: "imu", or "imu_2".
 void parse_sensor(const ConfigNode& node, SensorFault& fault) {
@@ -63,8 +64,8 @@ void parse_sensor(const ConfigNode& node, SensorFault& fault) {
       std::ranges::find(kSensorWords, sensor ? sensor->plugin : std::string_view(word));
   if (found == kSensorWords.end()) {
     node.fail(
-        "must be imu, gps, magnetometer, barometer, rangefinder, airspeed, optical_flow or "
-        "odometry, or one of several: imu_2" +
+        "must be imu, gps, magnetometer, barometer, rangefinder, airspeed, optical_flow, "
+        "odometry or landing_target, or one of several: imu_2" +
         base::did_you_mean(word, kSensorWords));
   }
   fault.topic = static_cast<SensorTopic>(found - kSensorWords.begin());
@@ -169,13 +170,14 @@ SensorFault parse_vibration(const ConfigNode& node) {
   return fault;
 }
 
-/// `blind: optical_flow`
+/// `blind: optical_flow`, odometry or landing_target.
 SensorFault parse_blind(const ConfigNode& node) {
   SensorFault fault;
   fault.effect = SensorEffect::kBlind;
   parse_sensor(node, fault);
-  if (fault.topic != SensorTopic::kOpticalFlow && fault.topic != SensorTopic::kOdometry) {
-    node.fail("must be optical_flow or odometry");
+  if (fault.topic != SensorTopic::kOpticalFlow && fault.topic != SensorTopic::kOdometry &&
+      fault.topic != SensorTopic::kLandingTarget) {
+    node.fail("must be optical_flow, odometry or landing_target");
   }
   return fault;
 }

@@ -26,6 +26,7 @@ enum class SensorTopic : std::uint8_t {
   kAirspeed,
   kOpticalFlow,
   kOdometry,
+  kLandingTarget,
 };
 
 /// The part of a sample that a fault changes.
@@ -41,6 +42,7 @@ enum class SampleField : std::uint8_t {
   kDistance,
   kDifferentialPressure,
   kFlow,
+  kAngles,  ///< to the right, to the back
 };
 
 enum class SensorEffect : std::uint8_t {

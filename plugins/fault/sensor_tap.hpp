@@ -82,12 +82,23 @@ class SampleAccess {
     }
   }
 
+  Eigen::Vector3d read(const LandingTargetSample& s, SampleField) const {
+    return {s.angles_rad.x(), s.angles_rad.y(), 0};
+  }
+  void write(LandingTargetSample& s, SampleField, const Eigen::Vector3d& value) const {
+    s.angles_rad = value.head<2>();
+  }
+
   /// Nothing to follow in the picture.
   static void blind(FlowSample& s) {
     s.flow_rad.setZero();
     s.quality = 0;
   }
   static void blind(OdometrySample& s) { s.quality = -1; }
+  static void blind(LandingTargetSample& s) {
+    s.seen = false;
+    s.distance_m.reset();
+  }
   template <class Sample>
   static void blind(Sample&) {}  // no picture
 

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/lidar/cloud_file.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 
@@ -56,6 +58,24 @@ std::string cloud_text(const LidarScan& scan, base::CloudForm form) {
     append(text, point.cosine);
     append(text, point.time_s);
     append(text, point.ring);
+  }
+  return text;
+}
+
+std::string depth_text(const LidarScan& scan, const DepthPicture& picture) {
+  constexpr double kMillimetres = 1000;
+  constexpr double kMost_mm = 65535;
+  std::string text = "P5\n# viewpoint " + viewpoint(scan) + "\n" + std::to_string(picture.width) +
+                     " " + std::to_string(picture.height) + "\n65535\n";
+  const std::size_t head = text.size();
+  text.resize(head + 2 * picture.pixels());
+  for (const CloudPoint& point : scan.points) {
+    const auto pixel = picture.pixel_of(point.p_S.cast<double>());
+    if (!pixel) continue;
+    const auto depth_mm = static_cast<std::uint16_t>(
+        std::min(std::round(kMillimetres * static_cast<double>(point.p_S.x())), kMost_mm));
+    text[head + 2 * *pixel] = static_cast<char>(depth_mm >> 8U);  // the format's order
+    text[head + 2 * *pixel + 1] = static_cast<char>(depth_mm & 0xFFU);
   }
   return text;
 }

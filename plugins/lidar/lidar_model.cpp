@@ -36,7 +36,12 @@ LidarParams parse_lidar_params(const base::ConfigNode& node, double step_s) {
   const base::LidarSheet sheet = base::read_lidar_sheet(node);
   check_rate(node, sheet.rate_hz, step_s);
   const Eigen::Vector3d rpy = sheet.mounting_rpy_deg * base::kRadPerDeg;
-  return {.beams = load_lidar_pattern(base::find_config(node.at("pattern"))),
+  LidarPattern pattern = load_lidar_pattern(base::find_config(node.at("pattern")));
+  if (sheet.cloud == base::CloudForm::kPgm && !pattern.picture) {
+    node.at("cloud").fail("pgm needs the pattern of a depth camera, with a width and a height");
+  }
+  return {.beams = std::move(pattern.beams),
+          .picture = pattern.picture,
           .rate_hz = sheet.rate_hz,
           .min_m = sheet.min_m,
           .max_m = sheet.max_m,

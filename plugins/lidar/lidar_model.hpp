@@ -21,8 +21,9 @@ namespace cas::sim {
 
 struct LidarParams {
   std::vector<LidarBeam> beams;
-  double rate_hz = 0;  ///< scans in a second
-  double min_m = 0;    ///< nearer and farther surfaces give no return
+  std::optional<DepthPicture> picture{};  ///< of a depth camera
+  double rate_hz = 0;                     ///< scans in a second
+  double min_m = 0;                       ///< nearer and farther surfaces give no return
   double max_m = 0;
   double stddev_m = 0;      ///< white, of one distance
   double dropout = 0;       ///< share of the beams that are lost

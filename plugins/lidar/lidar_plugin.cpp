@@ -65,6 +65,11 @@ class LidarPlugin final : public Plugin {
     return sheet.cloud_folder;
   }
 
+  static const char* ending_of(base::CloudForm form) {
+    if (form == base::CloudForm::kPgm) return "pgm";
+    return form == base::CloudForm::kPcd ? "pcd" : "ply";
+  }
+
   void restart(LidarParams params) {
     constexpr double kDeviations = 6;  // of noise that may bring a surface into range
     reach_m_ = params.max_m + kDeviations * params.stddev_m;
@@ -81,8 +86,10 @@ class LidarPlugin final : public Plugin {
     if (!form_ || scan.number % every_ != 0) return;
     char number[32];
     std::snprintf(number, sizeof(number), "%06llu.%s", static_cast<unsigned long long>(scan.number),
-                  form_ == base::CloudForm::kPcd ? "pcd" : "ply");
-    base::write_result({output_, folder_ / (file_ + number)}, cloud_text(scan, *form_));
+                  ending_of(*form_));
+    base::write_result({output_, folder_ / (file_ + number)},
+                       *form_ == base::CloudForm::kPgm ? depth_text(scan, *params.picture)
+                                                       : cloud_text(scan, *form_));
   }
 
   VehicleId vehicle_{};

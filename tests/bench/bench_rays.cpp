@@ -69,7 +69,8 @@ std::unique_ptr<SimWorld> hills_with_houses(int vehicles, bool by_embree) {
 
 LidarParams vlp16() {
   return {.beams = load_lidar_pattern(std::filesystem::path(cas::test::source_dir()) /
-                                      "config/lidars/vlp16.yaml"),
+                                      "config/lidars/vlp16.yaml")
+                       .beams,
           .rate_hz = 10,
           .min_m = 0.5,
           .max_m = kRange_m,

@@ -513,6 +513,28 @@ TEST(FaultPlugin, ABlindCameraSeesNoFlowAndSaysSo) {
   EXPECT_EQ(read.distance_m, 4);
 }
 
+TEST(FaultPlugin, ACameraThatLooksForABeaconIsBlindOrOff) {
+  test::PluginHarness harness;
+  const auto pictures = harness.bus.advertise<LandingTargetSample>("iris0/landing_target");
+  harness.add("fault",
+              "{faults: [{at_s: 0, bias: {sensor: landing_target, angles_deg: [2, -1, 0]}}, "
+              "{at_s: 0.001, blind: landing_target}]}");
+  LandingTargetSample read;
+  const auto listening = harness.bus.subscribe<LandingTargetSample>(
+      "iris0/landing_target", [&read](const LandingTargetSample& sample) { read = sample; });
+  const LandingTargetSample picture{
+      .time = {}, .seen = true, .angles_rad = {0.1, 0.2}, .distance_m = 4};
+  harness.step();
+  pictures.publish(picture);
+  EXPECT_TRUE(read.seen);
+  constexpr double kDegree = M_PI / 180;
+  EXPECT_NEAR(read.angles_rad.x(), 0.1 + 2 * kDegree, 1e-12);
+  EXPECT_NEAR(read.angles_rad.y(), 0.2 - kDegree, 1e-12);
+  harness.step();
+  pictures.publish(picture);
+  EXPECT_FALSE(read.seen);
+}
+
 TEST_F(FaultyVehicle, ADesynchronisedMotorHasNoCurrentForAWhile) {
   start("{faults: [{at_s: 0.1, for_s: 0.1, rotor: {number: 2, desync: true}}]}");
   PropulsionHealth health;

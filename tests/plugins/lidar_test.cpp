@@ -40,7 +40,7 @@ std::filesystem::path shipped_pattern(const std::string& name) {
 }
 
 LidarParams vlp16() {
-  return {.beams = load_lidar_pattern(shipped_pattern("vlp16")),
+  return {.beams = load_lidar_pattern(shipped_pattern("vlp16")).beams,
           .rate_hz = 10,
           .min_m = 0.1,
           .max_m = 100};
@@ -107,7 +107,7 @@ std::vector<LidarScan> scan(const SimWorld& world, const LidarParams& params, co
 }
 
 TEST(LidarPattern, OfTheVlp16TurnsClockwise) {
-  const auto beams = load_lidar_pattern(shipped_pattern("vlp16"));
+  const auto beams = load_lidar_pattern(shipped_pattern("vlp16")).beams;
   ASSERT_EQ(beams.size(), 1808U * 16U);
   const double low = -15 * base::kRadPerDeg;
   EXPECT_TRUE(beams[0].direction_S.isApprox(Vector3d(std::cos(low), 0, std::sin(low)), 1e-12));
@@ -120,7 +120,7 @@ TEST(LidarPattern, OfTheVlp16TurnsClockwise) {
 }
 
 TEST(LidarPattern, OfTheOusterStaggersItsBeams) {
-  const auto beams = load_lidar_pattern(shipped_pattern("ouster_os1_64"));
+  const auto beams = load_lidar_pattern(shipped_pattern("ouster_os1_64")).beams;
   ASSERT_EQ(beams.size(), 1024U * 64U);
   const auto azimuth_deg = [&](std::size_t beam) {
     return std::atan2(beams[beam].direction_S.y(), beams[beam].direction_S.x()) * base::kDegPerRad;
@@ -156,6 +156,18 @@ INSTANTIATE_TEST_SUITE_P(
         PatternCase{"SharesOutOfOrder", "a.csv",
                     "share,azimuth_deg,elevation_deg\n0.5,0,0\n0.4,0,0\n", "a.csv:3: a share is"},
         PatternCase{"Empty", "a.csv", "share,azimuth_deg,elevation_deg\n", "has no beam"},
+        PatternCase{"SteepBeamOfACsv", "a.csv", "share,azimuth_deg,elevation_deg\n0,0,-91\n",
+                    "a.csv:2: an elevation is from -90 to 90 degrees"},
+        PatternCase{"FarTurn", "a.csv", "share,azimuth_deg,elevation_deg\n0,361,0\n",
+                    "a.csv:2: an azimuth is from -360 to 360 degrees"},
+        PatternCase{"PictureWithoutHeight", "a.yaml", "width: 4\nhorizontal_fov_deg: 60\n",
+                    "key 'height' is missing"},
+        PatternCase{"PictureTooLarge", "a.yaml",
+                    "width: 1001\nheight: 1000\nhorizontal_fov_deg: 60\n",
+                    "has more than a million pixels"},
+        PatternCase{"PictureOfHalfTheWorld", "a.yaml",
+                    "width: 4\nheight: 4\nhorizontal_fov_deg: 180\n",
+                    "a.yaml:3: horizontal_fov_deg: 180 must lie in [1, 170]"},
         PatternCase{"NoColumns", "a.yaml", "elevations_deg: [0]\n", "columns"},
         PatternCase{"SteepBeam", "a.yaml", "columns: 4\nelevations_deg: [91]\n",
                     "a.yaml:2: elevations_deg: are from -90 to 90"},
@@ -412,6 +424,93 @@ TEST(LidarPlugin, WritesPly) {
   EXPECT_NEAR(point[0], 3 / std::tan(30 * base::kRadPerDeg), 1e-5);
   EXPECT_NEAR(point[2], -3, 1e-5);
   EXPECT_NEAR(point[4], 0.025, 1e-6);
+}
+
+TEST(DepthCamera, ItsPixelsAreSquareAndCoverItsView) {
+  const LidarPattern pattern = load_lidar_pattern(shipped_pattern("depth_camera"));
+  ASSERT_TRUE(pattern.picture);
+  ASSERT_EQ(pattern.beams.size(), 160U * 90U);
+  const DepthPicture& picture = *pattern.picture;
+  // The outer edges of the picture are half a pixel beyond the middles of the outer pixels.
+  const Vector3d left = picture.ray_S(0, 45);
+  EXPECT_NEAR(std::atan(left.y() + 0.5 / picture.focal_px), 43.5 * base::kRadPerDeg, 1e-12);
+  const Vector3d first = picture.ray_S(7, 3);
+  const Vector3d across = picture.ray_S(8, 3) - first;
+  const Vector3d down = picture.ray_S(7, 4) - first;
+  EXPECT_TRUE(across.isApprox(Vector3d(0, -1 / picture.focal_px, 0), 1e-9));
+  EXPECT_TRUE(down.isApprox(Vector3d(0, 0, -1 / picture.focal_px), 1e-9));
+  for (const std::size_t pixel : {0U, 159U, 160U, 14'399U}) {
+    EXPECT_EQ(picture.pixel_of(7.3 * pattern.beams[pixel].direction_S), pixel);
+    EXPECT_EQ(pattern.beams[pixel].ring, pixel / 160);
+    EXPECT_EQ(pattern.beams[pixel].share, 0);
+  }
+  EXPECT_FALSE(picture.pixel_of({-1, 0, 0}));
+}
+
+/// Depth in mm of the pixels of a PGM, row by row.
+std::vector<int> depths_of(const std::string& text, std::size_t pixels) {
+  std::vector<int> depths;
+  for (std::size_t at = text.size() - 2 * pixels; at < text.size(); at += 2) {
+    depths.push_back(256 * static_cast<unsigned char>(text[at]) +
+                     static_cast<unsigned char>(text[at + 1]));
+  }
+  return depths;
+}
+
+TEST(DepthCamera, MeasuresAWallAndTheGroundAlongItsAxis) {
+  const LidarPattern pattern = load_lidar_pattern(shipped_pattern("depth_camera"));
+  const DepthPicture& picture = *pattern.picture;
+  const auto world = world_of({wall({0, 0, 0}, {0, 0, 1}), wall({5, 0, 0}, {-1, 0, 0})});
+  const LidarParams params{.beams = pattern.beams,
+                           .picture = pattern.picture,
+                           .rate_hz = 10,
+                           .min_m = 0.3,
+                           .max_m = 100};
+  constexpr double kHeight_m = 1.2;
+  const auto scans = scan(*world, params, resting({0, 0, kHeight_m}), 0.1);
+  ASSERT_EQ(scans.size(), 1U);
+  const auto depths = depths_of(depth_text(scans[0], picture), picture.pixels());
+  for (int row = 0; row < picture.height; ++row) {
+    const double down = -picture.ray_S(0, row).z();  // for each metre along the axis
+    const double ground_m = down > 0 ? kHeight_m / down : 1e9;
+    for (int column = 0; column < picture.width; ++column) {
+      ASSERT_NEAR(depths[static_cast<std::size_t>(row * picture.width + column)],
+                  1000 * std::min(5.0, ground_m), 0.51)  // whole millimetres
+          << "row " << row << ", column " << column;
+    }
+  }
+}
+
+TEST(DepthCamera, HasNoDepthWithoutAReturnAndTheMostBeyondItsFormat) {
+  const DepthPicture picture{.width = 3, .height = 1, .focal_px = 2};
+  LidarScan scan;
+  scan.p_WS.setZero();
+  scan.q_WS.setIdentity();
+  scan.points.push_back({.p_S = {70, 35, 0}, .cosine = 1, .time_s = 0, .ring = 0});
+  scan.points.push_back({.p_S = {1.2344F, -0.6172F, 0}, .cosine = 1, .time_s = 0, .ring = 0});
+  const std::string text = depth_text(scan, picture);
+  EXPECT_THAT(text, testing::StartsWith("P5\n# viewpoint 0.000000 "));
+  EXPECT_THAT(text, testing::HasSubstr("\n3 1\n65535\n"));
+  EXPECT_THAT(depths_of(text, 3), testing::ElementsAre(65535, 0, 1234));
+}
+
+TEST(LidarPlugin, WritesThePicturesOfADepthCamera) {
+  const cas::test::TemporaryFolder folder;
+  cas::test::PluginHarness harness(milliseconds(4), folder.path());
+  harness.world.body.p_WB = {0, 0, 3};
+  const std::string keys =
+      "rate_hz: 10, min_m: 0.3, max_m: 10, cloud: pgm, cloud_every: 1, "
+      "mounting_rpy_deg: [0, 90, 0]}";
+  harness.add("lidar", "{pattern: " + shipped_pattern("depth_camera").string() + ", " + keys);
+  harness.run(milliseconds(200));
+  const std::string text = bytes_of(folder.path() / "clouds/iris0_000001.pgm");
+  ASSERT_GT(text.size(), 2U * 160 * 90);
+  EXPECT_THAT(depths_of(text, 160U * 90U), testing::Each(3000)) << "the ground";
+  EXPECT_THAT(cas::test::refusal([&] {
+                harness.add("lidar",
+                            "{pattern: " + shipped_pattern("vlp16").string() + ", " + keys);
+              }),
+              testing::HasSubstr("cloud: pgm needs the pattern of a depth camera"));
 }
 
 TEST(LidarPlugin, PublishesEachScanAndThatOfASecondLidar) {
