@@ -228,13 +228,16 @@ void parse_polar(const ConfigNode& node, PanelParams& panel) {
 }
 
 /// What the panel feels of wing and propeller.
-void parse_neighbours(const ConfigNode& node, int rotors, PanelParams& panel) {
+void parse_neighbours(const ConfigNode& node, const std::vector<bool>& tilts, PanelParams& panel) {
   panel.downwash_share = node.get_in("downwash_share", 0, 0, 1);
   const auto rotor = node.find("in_wash_of");
   if (!rotor) return;
   panel.in_wash_of = rotor->as<int>() - 1;
-  if (panel.in_wash_of < 0 || panel.in_wash_of >= rotors) {
-    rotor->fail("must be the number of a rotor, 1 to " + std::to_string(rotors));
+  if (panel.in_wash_of < 0 || panel.in_wash_of >= std::ssize(tilts)) {
+    rotor->fail("must be the number of a rotor, 1 to " + std::to_string(tilts.size()));
+  }
+  if (tilts[static_cast<std::size_t>(panel.in_wash_of)]) {  // the wash goes along a fixed axis
+    rotor->fail("names a rotor with a tilt servo, whose wash is not modelled");
   }
 }
 
@@ -247,7 +250,8 @@ void parse_slopes(const ConfigNode& node, PanelParams& panel) {
   panel.moment_slope_per_rad = coefficient(node, "moment_slope_per_rad");
 }
 
-PanelParams parse_panel(const ConfigNode& node, SurfaceNames& names, int rotors) {
+PanelParams parse_panel(const ConfigNode& node, SurfaceNames& names,
+                        const std::vector<bool>& tilts) {
   const bool has_polar = node.has("polar");
   if (has_polar) {
     need_all(node, {"position_B_m", "zero_lift_deg", "lift_slope_per_rad", "chord_m",
@@ -263,7 +267,7 @@ PanelParams parse_panel(const ConfigNode& node, SurfaceNames& names, int rotors)
   panel.lift_slope_per_rad = node.require_in("lift_slope_per_rad", 0, kMostCoefficient);
   panel.induced_drag_factor = node.get_in("induced_drag_factor", 0, 0, kMostCoefficient);
   has_polar ? parse_polar(node, panel) : parse_slopes(node, panel);
-  parse_neighbours(node, rotors, panel);
+  parse_neighbours(node, tilts, panel);
   if (const auto surface = node.find("surface")) {
     need_all(node, {"surface_lift_per_rad"});
     panel.surface = names.use(*surface, surface->as<std::string>());
@@ -276,7 +280,8 @@ PanelParams parse_panel(const ConfigNode& node, SurfaceNames& names, int rotors)
   return panel;
 }
 
-std::vector<PanelParams> parse_panels(const ConfigNode& node, SurfaceNames& names, int rotors) {
+std::vector<PanelParams> parse_panels(const ConfigNode& node, SurfaceNames& names,
+                                      const std::vector<bool>& tilts) {
   const ConfigNode common = node.find("panel").value_or(ConfigNode::empty());
   std::vector<PanelParams> panels;
   const auto list = node.find("panels");
@@ -286,14 +291,14 @@ std::vector<PanelParams> parse_panels(const ConfigNode& node, SurfaceNames& name
     list->fail("must list 1 to " + std::to_string(kMostPanels) + " panels");
   }
   for (const ConfigNode& item : items) {
-    panels.push_back(parse_panel(item.merged_over(common), names, rotors));
+    panels.push_back(parse_panel(item.merged_over(common), names, tilts));
   }
   return panels;
 }
 
 }  // namespace
 
-AeroParams read_aero(const ConfigNode& node, OutputUse& outputs, int rotors) {
+AeroParams read_aero(const ConfigNode& node, OutputUse& outputs, const std::vector<bool>& tilts) {
   need_all(node, {"cruise_m_s"});
   AeroParams aero;
   aero.cruise_m_s = node.require_in("cruise_m_s", 1, 300);
@@ -303,7 +308,7 @@ AeroParams read_aero(const ConfigNode& node, OutputUse& outputs, int rotors) {
   if (const auto body = node.find("derivatives")) {
     aero.derivatives = parse_derivatives(*body, aero.surfaces.size(), names);
   }
-  aero.panels = parse_panels(node, names, rotors);
+  aero.panels = parse_panels(node, names, tilts);
   const bool has_downwash = std::ranges::any_of(
       aero.panels, [](const PanelParams& panel) { return panel.downwash_share > 0; });
   if (has_downwash) {

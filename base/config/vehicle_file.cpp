@@ -195,18 +195,6 @@ void check_mixer(const ConfigNode& rotors, const Vehicle& vehicle) {
               "spins of their sides or diagonals cancel");
 }
 
-/// A panel's wash goes along the rotor's axis, which must be fixed.
-void check_wash(const ConfigNode& node, const Vehicle& vehicle) {
-  for (std::size_t i = 0; i < vehicle.aero->panels.size(); ++i) {
-    const int rotor = vehicle.aero->panels[i].in_wash_of;
-    if (rotor < 0 || !vehicle.rotors[static_cast<std::size_t>(rotor)].tilt) continue;
-    const ConfigNode item = node.at("panels").items()[i];
-    (item.has("in_wash_of") ? item : node.at("panel"))
-        .at("in_wash_of")
-        .fail("names a rotor with a tilt servo, whose wash is not modelled");
-  }
-}
-
 // The rest.
 
 ControlScales parse_scales(const ConfigNode& node) {
@@ -423,8 +411,9 @@ Vehicle Vehicle::load(const std::filesystem::path& file) {
   take_outputs(node.at("rotors"), vehicle.rotors, outputs);
   check_mixer(node.at("rotors"), vehicle);
   if (const auto aero = node.find("aero")) {
-    vehicle.aero = read_aero(*aero, outputs, vehicle.rotor_count());
-    check_wash(*aero, vehicle);
+    std::vector<bool> tilts;
+    for (const Rotor& rotor : vehicle.rotors) tilts.push_back(rotor.tilt.has_value());
+    vehicle.aero = read_aero(*aero, outputs, tilts);
   }
   if (const auto scales = node.find("scales")) {
     vehicle.scales = parse_scales(*scales);

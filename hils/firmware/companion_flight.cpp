@@ -15,11 +15,12 @@ namespace {
 
 /// PX4 v1.12 and v1.16 enter OFFBOARD while setpoints come; this is twice their window.
 constexpr base::Duration kLead = std::chrono::seconds(1);
-/// For which sticks are centred before PX4 is to hold.
+/// For which sticks are centred before another mode.
 constexpr base::Duration kRest = std::chrono::milliseconds(500);
 /// In real time, of a simulation that may run slower than that.
 constexpr base::Duration kLeadPatience = std::chrono::seconds(30);
 constexpr base::Duration kGlance = std::chrono::milliseconds(5);
+constexpr const char* kTellsNoTime = "the vehicle does not tell its time";
 
 bool is_ardupilot(const CompanionFlight::Vehicle& vehicle) {
   return vehicle.autopilot == "ArduPilot";
@@ -88,7 +89,7 @@ CompanionFlight::Answer CompanionFlight::give(const FlightStep& step, const Vehi
     if (step.kind == StepKind::kTrajectory) return begin_trajectory(step, vehicle);
     if (step.kind == StepKind::kSticks) return begin_sticks(step, vehicle);
     if (step.kind == StepKind::kEndTrajectory) {
-      return step.sticks ? end_sticks(vehicle) : end_trajectory(vehicle);
+      return step.sticks ? end_sticks() : end_trajectory(vehicle);
     }
     if (step.kind == StepKind::kBreach) return begin_breach(step, vehicle);
     return fly_mission(step.mission, vehicle);
@@ -97,23 +98,29 @@ CompanionFlight::Answer CompanionFlight::give(const FlightStep& step, const Vehi
   }
 }
 
-/// PX4 takes the mode once sticks come; until then it is asked again.
+/// PX4 takes POSCTL once sticks come; until then it is asked again. ArduCopter takes LOITER at once
+/// and sinks by the throttle of a transmitter that is not there: centred sticks come first.
 CompanionFlight::Answer CompanionFlight::begin_sticks(const FlightStep& step,
                                                       const Vehicle& vehicle) {
-  if (is_ardupilot(vehicle)) return {.refusal = "only PX4 flies by sticks", .for_good = true};
   ask_for_position();
+  if (is_ardupilot(vehicle) && !centres_sticks()) return {.refusal = kTellsNoTime};
   link_.with_station([&](auto& station) { station.sticks().hold(*step.sticks); });
-  call_("vehicle.mode", consenting({{"mode", "POSCTL"}}, vehicle));
+  call_("vehicle.mode",
+        consenting({{"mode", is_ardupilot(vehicle) ? "LOITER" : "POSCTL"}}, vehicle));
   return {};
 }
 
 /// A stick that moves brings PX4 back from HOLD to POSCTL (COM_RC_OVERRIDE): they rest first.
-CompanionFlight::Answer CompanionFlight::end_sticks(const Vehicle& vehicle) {
-  link_.with_station([](auto& station) { station.sticks().hold({}); });
-  const bool rest = comes_to([](auto& station) { return station.sticks().held_for() >= kRest; });
-  if (!rest) return {.refusal = "the vehicle does not tell its time"};
-  call_("vehicle.mode", consenting({{"mode", "HOLD"}}, vehicle));
+CompanionFlight::Answer CompanionFlight::end_sticks() {
+  if (!centres_sticks()) return {.refusal = kTellsNoTime};
+  call_("vehicle.hold", nlohmann::json::object());
   return {};
+}
+
+/// Centres the sticks and waits. @return whether the vehicle's clock went on meanwhile
+bool CompanionFlight::centres_sticks() {
+  link_.with_station([](auto& station) { station.sticks().hold({}); });
+  return comes_to([](auto& station) { return station.sticks().held_for() >= kRest; });
 }
 
 /// Setpoints come first: PX4 refuses OFFBOARD without them. @return why not

@@ -79,7 +79,8 @@ class CompanionFlight {
 
  private:
   Answer begin_sticks(const FlightStep& step, const Vehicle& vehicle);
-  Answer end_sticks(const Vehicle& vehicle);
+  Answer end_sticks();
+  bool centres_sticks();
   Answer begin_trajectory(const FlightStep& step, const Vehicle& vehicle);
   Answer end_trajectory(const Vehicle& vehicle);
   Answer begin_breach(const FlightStep& step, const Vehicle& vehicle);

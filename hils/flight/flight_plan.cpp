@@ -227,7 +227,9 @@ std::vector<std::string_view> FlightPlan::modes_of(const FlightStep& step,
   if (step.kind == StepKind::kTrajectory && habits_.flies_setpoints) {
     return {px4 ? "OFFBOARD" : "GUIDED"};
   }
-  if (step.kind == StepKind::kSticks) return {"POSCTL"};
+  if (step.kind == StepKind::kSticks) {
+    return {vehicle.autopilot == "ArduPilot" ? "LOITER" : "POSCTL"};
+  }
   if (step.kind == StepKind::kRtl) return {"RTL", "LAND"};
   if (step.kind == StepKind::kBreach && step.fence) {
     // PX4 v1.14 and later hold for COM_FAIL_ACT_T before they return or land.

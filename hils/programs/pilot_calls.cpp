@@ -37,10 +37,12 @@ void add_fence_words(const Json& state, VehicleReport& report) {
 /// Its newest text that is at least a warning; old ones do not count.
 void add_warning(const Json& state, VehicleReport& report) {
   constexpr double kLately_s = 5;
+  constexpr double kRepeated_s = 31;  // ArduPilot says every 30 s what its arming checks lack
+  const double oldest_s = report.position_lack ? kRepeated_s : kLately_s;
   for (const Json& said : state.value("statustexts", Json::array())) {
     const std::string severity = said.value("severity", "");
     const bool harmless = severity == "notice" || severity == "info" || severity == "debug";
-    if (!harmless && said.value("age_s", 0.0) < kLately_s) report.warning = said.value("text", "");
+    if (!harmless && said.value("age_s", 0.0) < oldest_s) report.warning = said.value("text", "");
   }
 }
 

@@ -213,6 +213,18 @@ TEST_F(ArdupilotCompanion, FliesAFigureEightInGuided) {
       << output();
 }
 
+TEST_F(ArdupilotCompanion, FollowsTheSticksInLoiterAndHangsInBrakeThen) {
+  ASSERT_EQ(fly(R"(  - takeoff: {altitude_m: 3, timeout_s: 200}
+  - sticks: {pitch: 0.5, duration_s: 4}
+  - hold: {duration_s: 3, measure: true}
+  - land: {timeout_s: 100}
+  - disarm: {timeout_s: 50}
+)",
+                "limits: {sticks_way_m: 4, rms: {x_m: 0.5, y_m: 0.3, z_m: 0.3}}"),
+            0)
+      << output();
+}
+
 TEST_F(ArdupilotCompanion, FliesAMissionFromTheGroundInAuto) {
   ASSERT_EQ(fly(R"(  - mission:
       timeout_s: 200

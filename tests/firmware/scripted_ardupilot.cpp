@@ -25,6 +25,7 @@ namespace {
 constexpr std::uint32_t kStabilize = 0;
 constexpr std::uint32_t kAuto = 3;
 constexpr std::uint32_t kGuided = 4;
+constexpr std::uint32_t kLoiter = 5;
 constexpr std::uint32_t kRtl = 6;
 constexpr std::uint32_t kLand = 9;
 constexpr std::uint32_t kBrake = 17;
@@ -311,17 +312,39 @@ void ScriptedArdupilot::fly_mission() {
   pass_on(start);
 }
 
+/// The inner controller holds its place: AUTO, and LOITER.
+void ScriptedArdupilot::hold() {
+  mode_ = kBrake;
+  mv::CommandLong command;
+  command.command = mv::MavCmd::kDoSetMode;
+  command.param1 = 1;
+  command.param2 = 4;
+  command.param3 = 3;
+  pass_on(command);
+}
+
+/// The inner controller's POSCTL follows the MANUAL_CONTROL that all pass on to it.
+void ScriptedArdupilot::loiter() {
+  mv::CommandLong command;
+  command.command = mv::MavCmd::kDoSetMode;
+  command.param1 = 1;
+  command.param2 = 3;
+  pass_on(command);
+}
+
 /// ArduCopter 4.5: a mode that it cannot enter fails. In AUTO it stays on the ground until the
 /// throttle is raised; in the air it begins at once.
 bool ScriptedArdupilot::set_mode(const mv::CommandLong& command, mav::Source from) {
   const auto mode = static_cast<std::uint32_t>(command.param2);
   const bool known = mode == kStabilize || (mode == kGuided && !is_early()) || mode == kLand ||
-                     (mode == kAuto && may_fly_mission());
+                     (mode == kAuto && may_fly_mission()) || mode == kLoiter || mode == kBrake;
   acknowledge(command, from, known ? mv::MavResult::kAccepted : mv::MavResult::kFailed);
   if (!known) return true;
   mode_ = mode;
   const bool in_air = newest_ && newest_->position[2] < -0.3;
   if (mode_ == kAuto && in_air) fly_mission();
+  if (mode_ == kLoiter && in_air) loiter();
+  if (mode_ == kBrake && in_air) hold();
   return true;
 }
 
@@ -374,12 +397,7 @@ void ScriptedArdupilot::watch_fence(const mav::PacketView& packet) {
     case ScriptedFence::Action::kNone:
       return;
     case ScriptedFence::Action::kHold:
-      mode_ = kBrake;
-      command.command = mv::MavCmd::kDoSetMode;
-      command.param1 = 1;
-      command.param2 = 4;  // our controller's AUTO, and LOITER
-      command.param3 = 3;
-      return pass_on(command);
+      return hold();
     case ScriptedFence::Action::kReturn:
       mode_ = kRtl;
       command.command = mv::MavCmd::kNavReturnToLaunch;

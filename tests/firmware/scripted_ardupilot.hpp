@@ -80,6 +80,8 @@ class ScriptedArdupilot {
   void fly_mission();
   bool on_setpoint(const mav::PacketView& packet);
   void watch_fence(const mav::PacketView& packet);
+  void hold();
+  void loiter();
   void land();
   void say(const std::string& text,
            mavlink::common::MavSeverity severity = mavlink::common::MavSeverity::kCritical);

@@ -47,7 +47,9 @@ TEST(FirmwareScenario, TheShippedOnesAreRead) {
                            "ardupilot_plane",
                            "ardupilot_quadplane",
                            "px4_precision_landing",
-                           "ardupilot_precision_landing"}) {
+                           "ardupilot_precision_landing",
+                           "px4_wall",
+                           "ardupilot_wall"}) {
     const auto file = kScenarios / (std::string(name) + ".yaml");
     const Scenario scenario = Scenario::load(file);
     ASSERT_TRUE(scenario.firmware) << name;

@@ -457,6 +457,20 @@ TEST(FlightPlan, FailsWhereTheVehicleLeavesTheSticks) {
       << plan.failure().value_or("");
 }
 
+TEST(FlightPlan, ArduPilotFollowsTheSticksInLoiter) {
+  FlightStep sticks{.kind = StepKind::kSticks};
+  sticks.duration = seconds(5);
+  FlightPlan plan = flying(sticks);
+  VehicleReport vehicle = in_mode("LOITER");
+  vehicle.autopilot = "ArduPilot";
+  plan.update(at(seconds(1)), vehicle);
+  EXPECT_EQ(plan.failure(), std::nullopt);
+  vehicle.mode = "LAND";
+  plan.update(at(seconds(2)), vehicle);
+  EXPECT_NE(plan.failure().value_or("").find("the vehicle left LOITER for LAND"), std::string::npos)
+      << plan.failure().value_or("");
+}
+
 TEST(FlightPlan, IsAtTheFenceWhenTheAutopilotTakesTheVehicleOver) {
   FlightPlan plan = flying({.kind = StepKind::kBreach, .fence = FenceAction::kHold});
   plan.update(at(seconds(1)), in_mode("HOLD"));
