@@ -30,6 +30,8 @@ include(CasForward)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/tests/plugins/example_plugin/
         DESTINATION ${CMAKE_INSTALL_DATADIR}/cas/examples/pitot COMPONENT dev
         PATTERN build_and_run EXCLUDE)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/tests/plugins/examples/battery/
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/cas/examples/battery COMPONENT dev)
 
 install(EXPORT cas-targets NAMESPACE cas:: DESTINATION ${package_dir} COMPONENT dev)
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/casConfig.cmake.in
