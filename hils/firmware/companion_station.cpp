@@ -68,7 +68,7 @@ void CompanionStation::on_vehicle_time(std::uint32_t boot_ms) {
   if (const auto setpoint = setpoints_.update(time)) say(*setpoint);
   if (auto sticks = sticks_.update(time)) {
     sticks->target = vehicle_.system;
-    send_(encode_(*sticks));
+    send_(encode_sticks_(*sticks));
   }
 }
 

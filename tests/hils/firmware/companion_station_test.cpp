@@ -93,6 +93,7 @@ TEST_F(Companion, HoldsTheSticksByTheVehiclesClock) {
   const auto sticks = sent<mv::ManualControl>();
   EXPECT_NEAR(static_cast<double>(sticks.size()), 50, 1);
   EXPECT_EQ(sticks.front().target, 1);
+  EXPECT_EQ(packets_.front()[5], 255) << "ArduPilot takes no other system's";
   EXPECT_EQ(sticks.front().x, 700);
   EXPECT_EQ(sticks.front().y, -1000);
   EXPECT_EQ(sticks.front().r, 250);
