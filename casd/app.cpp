@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
@@ -390,8 +391,8 @@ struct App::Impl {
   void summarise(base::RunTime now) {
     next_summary = now + kSummaryPeriod;
     base::log::debug(base::joined(links.figures().links(), "; ", [](const LinkStatus& link) {
-      return link.name + " " + std::string(to_string(link.state)) + " rx " +
-             std::to_string(link.rx.packets) + " tx " + std::to_string(link.tx.packets);
+      return fmt::format("{} {} rx {} tx {}", link.name, to_string(link.state), link.rx.packets,
+                         link.tx.packets);
     }));
   }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/link_changes.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <boost/asio/steady_timer.hpp>
 #include <chrono>
@@ -86,8 +87,7 @@ std::optional<std::string> LinkChanges::need_in_flight(const std::string& link) 
   const auto name_of = [this](LinkId id) { return links_.figures().name(id); };
   for (const VehicleState* vehicle : commander_.vehicles()) {
     if (!vehicle->armed()) continue;
-    const std::string who =
-        "vehicle " + std::to_string(vehicle->source().system) + " is armed and ";
+    const std::string who = fmt::format("vehicle {} is armed and ", vehicle->source().system);
     const auto hangs_here = [&](const Path& path) {
       return name_of(path.link) == link && vehicle->hangs_on(path.link, now);
     };

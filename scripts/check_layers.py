@@ -49,7 +49,7 @@ def rooms(program, names):
 
 
 SYSTEM = {"std", "system"}
-BASE = SYSTEM | {"base"} | rooms("base", "config earth measure os time")
+BASE = SYSTEM | {"base", "fmt"} | rooms("base", "config earth measure os time")
 RPC = {"base/rpc", "nlohmann"}  # who calls or offers methods handles their JSON
 MAVLINK = {"mavlink_gen/runtime", "dialect"}
 SERVICES = {"mavlink_gen/services"}
@@ -74,14 +74,14 @@ LAYERS = {
     "base": SYSTEM,
     "base/time": SYSTEM | {"base"},
     "base/earth": SYSTEM | {"base", "Eigen"},
-    "base/config": SYSTEM | {"base", "base/time", "base/earth", "yaml-cpp", "Eigen", "expat"},
+    "base/config": SYSTEM | {"base", "base/time", "base/earth", "fmt", "yaml-cpp", "Eigen", "expat"},
     "base/os": SYSTEM | {"base", "base/config", "spdlog"},
     "base/measure": SYSTEM | rooms("base", "os time") | {"base"},
     "base/cli": {"std", "base", "CLI11"},
     # of the runtime: SHA-256
     "base/rpc": SYSTEM | rooms("base", "os time") | {"base", "mavlink_gen/runtime", "Asio", "nlohmann"},
 
-    "libsim/api": BASE | {"Eigen"},
+    "libsim/api": BASE - {"fmt"} | {"Eigen"},
     "libsim/core": SYSTEM,
     "libsim/core/body": API | {"libsim/core"},
     # the one folder that knows libtiff
@@ -136,7 +136,7 @@ LAYERS = {
 
     "fcu/line": BASE,
     "fcu/estimation": BASE | {"Eigen"},
-    "fcu/control": BASE | rooms("fcu", "estimation") | {"Eigen", "fmt"},
+    "fcu/control": BASE | rooms("fcu", "estimation") | {"Eigen"},
     "fcu/params": BASE | rooms("fcu", "estimation control") | {"Eigen"},
     "fcu/flight": BASE | MAVLINK | SERVICES | rooms("fcu", "estimation control params") | {"Eigen"},
     "fcu/core":
@@ -152,7 +152,7 @@ LAYERS = {
     # --describe
     "libsim/hilsim":
         API | RPC | PROGRAM | rooms("libsim/core", "body load rays run")
-        | {"mavlink_gen/runtime", "fcu/control", "plugins/aero", "plugins/motor", "Asio", "fmt"},
+        | {"mavlink_gen/runtime", "fcu/control", "plugins/aero", "plugins/motor", "Asio"},
 
     # of casd and hilsim it knows the sockets alone
     "web/server": BASE | RPC | PROGRAM | {"Asio"},

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Values of ConfigNode: from a scalar's text to numbers, words and vectors.
+#include <fmt/format.h>
 #include <Eigen/Core>
 #include <iterator>
 #include <type_traits>
@@ -62,10 +63,10 @@ std::vector<T> to_vector(const ConfigNode& node) {
 
 template <int N>
 Eigen::Matrix<double, N, 1> to_eigen(const ConfigNode& node) {
-  if (!node.is_list()) node.fail("expected a list of " + std::to_string(N) + " numbers");
+  if (!node.is_list()) node.fail(fmt::format("expected a list of {} numbers", N));
   const std::vector<double> values = to_vector<double>(node);
   if (values.size() != N) {
-    node.fail("has " + std::to_string(values.size()) + " numbers; expected " + std::to_string(N));
+    node.fail(fmt::format("has {} numbers; expected {}", values.size(), N));
   }
   return Eigen::Map<const Eigen::Matrix<double, N, 1>>(values.data());
 }
@@ -94,8 +95,7 @@ double number_in(const ConfigNode& node, double low, double high) {
 std::int64_t whole_in(const ConfigNode& node, std::int64_t low, std::int64_t high) {
   const auto value = node.as<std::int64_t>();
   if (value >= low && value <= high) return value;
-  node.fail(std::to_string(value) + " must lie in [" + std::to_string(low) + ", " +
-            std::to_string(high) + "]");
+  node.fail(fmt::format("{} must lie in [{}, {}]", value, low, high));
 }
 
 double ConfigNode::require_in(std::string_view key, double low, double high) const {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/config/model_match.hpp"
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 namespace cas::base {
 namespace {
@@ -17,11 +17,7 @@ constexpr double kSameAxis_rad = 5e-3;
 constexpr double kUpright_rad = 1e-6;  // CAD programs write angles with a rounding error
 constexpr double kSameRotor = 0.01;    // of its mass
 
-std::string text(double value) {
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "%.6g", value);
-  return digits;
-}
+std::string text(double value) { return fmt::format("{:.6g}", value); }
 
 std::string text(const Eigen::Vector3d& v) {
   return "[" + text(v.x()) + ", " + text(v.y()) + ", " + text(v.z()) + "]";
@@ -102,7 +98,7 @@ const ModelLink* ModelMatch::link_of(const ConfigNode& item, int number) const {
   }
   if (!body_) return nullptr;
   const int before_first = body_->find("rotor_0") != nullptr ? 1 : 0;  // as PX4's models count
-  const std::string name = std::string("rotor_") + std::to_string(number - before_first);
+  const std::string name = fmt::format("rotor_{}", number - before_first);
   const ModelLink* const numbered = body_->find(name);
   if (numbered != nullptr && numbered->axis_R) return numbered;
   return item.has("position_B_m") ? nearest(item.require<Eigen::Vector3d>("position_B_m"))
@@ -138,8 +134,9 @@ void ModelMatch::settle_others(const ConfigNode& rotors, const std::vector<const
     const std::string turns = "link '" + link.name + "' turns without end";
     const std::string fix = "`parts: {" + link.name + ": fixed}`";
     if (weighs_as_one_of(link, taken)) {
-      rotors.fail("lists " + std::to_string(taken.size()) + " rotors, but " + link.place +
-                  " has one more: " + turns + "; list it, or say " + fix + " where it is no rotor");
+      rotors.fail(fmt::format(
+          "lists {} rotors, but {} has one more: {}; list it, or say {} where it is no rotor",
+          taken.size(), link.place, turns, fix));
     }
     vehicle.parts[link.name] = PartUse::kFixed;
     vehicle.warnings.push_back(link.place + ": " + turns +

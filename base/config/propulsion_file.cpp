@@ -2,6 +2,7 @@
 // The blocks `propeller`, `electric` and `battery` of a vehicle file.
 #include "base/config/propulsion_file.hpp"
 
+#include <fmt/format.h>
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
@@ -59,7 +60,7 @@ std::string add_row(Rows& rows, double ratio, double thrust, double power) {
     return "must have a larger advance ratio than the row before";
   }
   if (rows.ratio.size() == kMostRows) {
-    return "is one too many: a table has at most " + std::to_string(kMostRows) + " rows";
+    return fmt::format("is one too many: a table has at most {} rows", kMostRows);
   }
   rows.ratio.push_back(ratio);
   rows.thrust.push_back(thrust);
@@ -93,7 +94,7 @@ Rows rows_of_file(const ConfigNode& node) {
     double power = 0;
     const bool blank = line.find_first_not_of(" \t\r") == std::string::npos;
     if (blank || (!(words >> ratio) && rows.ratio.empty())) continue;
-    const std::string place = path.string() + ":" + std::to_string(number) + ": ";
+    const std::string place = fmt::format("{}:{}: ", path.string(), number);
     if (!words || !(words >> thrust >> power)) {
       throw ConfigError(place + "must have three numbers, J, CT and CP");
     }
@@ -115,8 +116,8 @@ PropellerCurve polynomial_of(const ConfigNode& node, double scale) {
 
 void check_curve(const ConfigNode& node, const char* name, const PropellerCurve& curve) {
   if (!(curve.at_rest() > 0)) {
-    node.fail(std::string("has a ") + name + " of " + std::to_string(curve.at_rest()) +
-              " in still air (J = 0); it must be above 0");
+    node.fail(fmt::format("has a {} of {:f} in still air (J = 0); it must be above 0", name,
+                          curve.at_rest()));
   }
   if (!curve.falls()) {
     node.fail(std::string("has a ") + name +
@@ -173,8 +174,8 @@ std::vector<BatteryParams::Point> parse_cell(const ConfigNode& node, double cell
   }
   if (curve.size() < 2 || curve.size() > kMostPoints || curve.front().charge != 0 ||
       curve.back().charge != 1) {
-    node.fail("must have 2 to " + std::to_string(kMostPoints) +
-              " pairs [charge, voltage], from charge 0 to 1");
+    node.fail(
+        fmt::format("must have 2 to {} pairs [charge, voltage], from charge 0 to 1", kMostPoints));
   }
   return curve;
 }
@@ -263,13 +264,17 @@ void read_electric(const ConfigNode& item, const ConfigNode& common,
   RotorParams& params = rotor.params;
   const double fastest_s = motor.lag_s(params.inertia_kg_m2, 0, 0);
   if (fastest_s < kShortest_s) {
-    node->fail("makes a time constant J R / K^2 of " + std::to_string(1e3 * fastest_s) +
-               " ms with inertia_kg_m2; below 2 ms it cannot be integrated in steps of 1 ms");
+    node->fail(
+        fmt::format("makes a time constant J R / K^2 of {:f} ms with inertia_kg_m2; below 2 "
+                    "ms it cannot be integrated in steps of 1 ms",
+                    1e3 * fastest_s));
   }
   params.omega_max_rad_s = motor.steady_speed_rad_s(1, params.torque_coefficient);
   if (params.omega_idle_rad_s >= params.omega_max_rad_s) {
-    node->fail("turns the rotor at " + std::to_string(params.omega_max_rad_s) +
-               " rad/s at most, which is not above omega_idle_rad_s");
+    node->fail(
+        fmt::format("turns the rotor at {:f} rad/s at most, which is not above "
+                    "omega_idle_rad_s",
+                    params.omega_max_rad_s));
   }
   rotor.electric = motor;
 }

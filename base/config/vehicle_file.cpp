@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Vehicle::load(): the vehicle file, and the model's word where the file has none.
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 #include "base/angles.hpp"
@@ -93,7 +93,7 @@ Wake parse_wake(const ConfigNode& node, int lower, int count) {
   const ConfigNode key = node.at("in_wake_of");
   const int upper = key.as<int>() - 1;
   if (upper < 0 || upper >= count || upper == lower) {
-    key.fail("must be the number of another rotor, 1 to " + std::to_string(count));
+    key.fail(fmt::format("must be the number of another rotor, 1 to {}", count));
   }
   return {.upper = upper, .thrust_share = node.require_in("wake_thrust_share", 0, 1)};
 }
@@ -101,11 +101,7 @@ Wake parse_wake(const ConfigNode& node, int lower, int count) {
 /// The coefficients of a motor plugin, as a vehicle file would have them.
 ConfigNode keys_of(const ModelMotor& motor) {
   std::string yaml;
-  for (const auto& [key, value] : motor.keys) {
-    char digits[40];
-    std::snprintf(digits, sizeof digits, "%.17g", value);
-    yaml += key + ": " + digits + "\n";
-  }
+  for (const auto& [key, value] : motor.keys) yaml += fmt::format("{}: {:.17g}\n", key, value);
   if (motor.reversible) yaml += "reversible: true\n";
   return ConfigNode::parse(yaml, motor.place);
 }
@@ -226,15 +222,14 @@ std::uint8_t parse_system_id(const ConfigNode& node) {
 void check_schema(const ConfigNode& node) {
   const int schema = node.require<int>("schema");
   if (schema != kSchema) {
-    node.at("schema").fail("is " + std::to_string(schema) + "; this program reads schema " +
-                           std::to_string(kSchema));
+    node.at("schema").fail(fmt::format("is {}; this program reads schema {}", schema, kSchema));
   }
 }
 
 std::vector<ConfigNode> rotor_items(const ConfigNode& rotors) {
   std::vector<ConfigNode> items = rotors.items();
   if (items.empty() || items.size() > kMaxRotors) {
-    rotors.fail("must list 1 to " + std::to_string(kMaxRotors) + " rotors");
+    rotors.fail(fmt::format("must list 1 to {} rotors", kMaxRotors));
   }
   return items;
 }
@@ -331,10 +326,10 @@ class MotorNotes {
   }
   void write(std::vector<std::string>& warnings) const {
     for (const auto& [keys, places] : places_) {
-      warnings.push_back(
-          places.front() + ": the model's motor plugin gives " + keys +
-          ", which the vehicle file does not have" +
-          (places.size() > 1 ? ", and so do " + std::to_string(places.size() - 1) + " more" : ""));
+      warnings.push_back(fmt::format(
+          "{}: the model's motor plugin gives {}, which the vehicle file does not have{}",
+          places.front(), keys,
+          places.size() > 1 ? fmt::format(", and so do {} more", places.size() - 1) : ""));
     }
   }
 

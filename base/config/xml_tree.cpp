@@ -3,6 +3,7 @@
 
 #include <expat.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <memory>
 
@@ -34,11 +35,11 @@ struct Builder {
     auto& self = *static_cast<Builder*>(user);
     if (!self.refusal.empty()) return;  // expat ends after this element
     if (self.open.size() > kDeepest) {
-      return self.refuse("elements lie more than " + std::to_string(kDeepest) + " deep");
+      return self.refuse(fmt::format("elements lie more than {} deep", kDeepest));
     }
     if (++self.elements > kMostElements) {
-      return self.refuse("has more than the " + std::to_string(kMostElements) +
-                         " elements and attributes that are read");
+      return self.refuse(
+          fmt::format("has more than the {} elements and attributes that are read", kMostElements));
     }
     XmlElement& element = self.open.back()->children.emplace_back();
     element.name = name;
@@ -80,8 +81,7 @@ std::vector<double> numbers_in(const XmlElement& at, const std::string& what, st
     at.fail(what + " is not made of numbers: " + no_number(*word));
   }
   if (values.size() != count) {
-    at.fail(what + " has " + std::to_string(values.size()) + " numbers instead of " +
-            std::to_string(count));
+    at.fail(fmt::format("{} has {} numbers instead of {}", what, values.size(), count));
   }
   return values;
 }
@@ -98,8 +98,8 @@ std::string fault_of(const Builder& builder) {
   }
   if (builder.open.size() == 1) return words + ": the file is empty, or cut";
   const XmlElement& last = *builder.open.back();
-  return words + ": the file is cut, it ends within <" + last.name + "> of line " +
-         std::to_string(last.line);
+  return fmt::format("{}: the file is cut, it ends within <{}> of line {}", words, last.name,
+                     last.line);
 }
 
 }  // namespace
@@ -126,7 +126,7 @@ std::string_view XmlElement::child_text(std::string_view child_name) const {
   return found != nullptr ? without_space(found->text) : std::string_view();
 }
 
-std::string XmlElement::place() const { return *file + ":" + std::to_string(line); }
+std::string XmlElement::place() const { return fmt::format("{}:{}", *file, line); }
 
 void XmlElement::fail(const std::string& sentence) const {
   throw ConfigError(place() + ": " + sentence);
@@ -169,8 +169,8 @@ XmlElement parse_xml(std::string_view text, const std::string& file) {
   XML_SetCharacterDataHandler(parser.get(), Builder::on_text);
   if (XML_Parse(parser.get(), text.data(), static_cast<int>(text.size()), XML_TRUE) !=
       XML_STATUS_OK) {
-    throw ConfigError(file + ":" + std::to_string(XML_GetCurrentLineNumber(parser.get())) + ": " +
-                      fault_of(builder));
+    throw ConfigError(
+        fmt::format("{}:{}: {}", file, XML_GetCurrentLineNumber(parser.get()), fault_of(builder)));
   }
   return std::move(builder.top.children.front());
 }

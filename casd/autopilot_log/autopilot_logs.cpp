@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/autopilot_log/autopilot_logs.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <string>
 #include <utility>
@@ -90,8 +91,8 @@ AutopilotLogs::Log* AutopilotLogs::log_of(const VehicleState& vehicle, base::Run
   if (autopilot == Autopilot::kOther || !is_wanted(system)) return nullptr;
   if (logs_.size() >= kMostLogs && !make_room(vehicle.link(), now)) {
     if (!std::exchange(full_, true)) {
-      base::log::warn("logs of " + std::to_string(kMostLogs) + " vehicles are taken; vehicle " +
-                      std::to_string(system) + " is not asked for its log");
+      base::log::warn(fmt::format(
+          "logs of {} vehicles are taken; vehicle {} is not asked for its log", kMostLogs, system));
     }
     return nullptr;
   }
@@ -155,7 +156,7 @@ LogPullHooks AutopilotLogs::hooks(std::uint8_t system, Log& log) {
           },
       .begin =
           [this, system, &log](std::string_view extension) {
-            log.file = files_.begin("v" + std::to_string(system), extension);
+            log.file = files_.begin(fmt::format("v{}", system), extension);
             log.trouble.clear();
           },
       .write = [this, &log](
@@ -167,7 +168,7 @@ LogPullHooks AutopilotLogs::hooks(std::uint8_t system, Log& log) {
       .warn =
           [system, &log](const std::string& sentence) {
             log.trouble = sentence;
-            base::log::warn("vehicle " + std::to_string(system) + " " + sentence);
+            base::log::warn(fmt::format("vehicle {} {}", system, sentence));
           }};
 }
 

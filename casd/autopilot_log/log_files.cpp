@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
@@ -135,7 +136,7 @@ void LogFiles::make(const Job& job) {
   if (paused_) return;
   Open file;
   for (int number = 0; !file.fd; ++number) {
-    file.name = job.name + (number > 0 ? "." + std::to_string(number) : "") + job.extension;
+    file.name = job.name + (number > 0 ? fmt::format(".{}", number) : "") + job.extension;
     file.fd = folder_.make(file.name);
     if (!file.fd && (errno != EEXIST || number >= kMostFiles)) return fail(base::error_text(errno));
   }
@@ -187,14 +188,14 @@ void LogFiles::close(File id) {
                      " may lack its end: closing it failed: " + base::error_text(error));
   }
   if (deleted) {
-    base::log::error("the autopilot's log " + (folder_.path() / file.name).string() +
-                     " was deleted while it was written, with " + std::to_string(file.size) +
-                     " bytes in it");
+    base::log::error(
+        fmt::format("the autopilot's log {} was deleted while it was written, with {} bytes in it",
+                    (folder_.path() / file.name).string(), file.size));
   } else if (file.size == 0) {
     folder_.remove(file.name);
   } else {
-    base::log::info("the autopilot's log " + (folder_.path() / file.name).string() + " has " +
-                    std::to_string(file.size) + " bytes");
+    base::log::info(fmt::format("the autopilot's log {} has {} bytes",
+                                (folder_.path() / file.name).string(), file.size));
   }
   open_.erase(found);
 }

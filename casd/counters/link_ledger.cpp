@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/counters/link_ledger.hpp"
 
+#include <fmt/format.h>
 #include <array>
 #include <charconv>
 #include <string_view>
@@ -104,8 +105,8 @@ std::map<std::string, LinkLedger> read_link_ledgers(const std::filesystem::path&
       ledger.dropped_.push_back(entry);
     }
     if (!good) {
-      throw base::ConfigError(file.string() + ":" + std::to_string(number) +
-                              ": not a row of a ledger of links");
+      throw base::ConfigError(
+          fmt::format("{}:{}: not a row of a ledger of links", file.string(), number));
     }
   }
   return ledgers;

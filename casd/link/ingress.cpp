@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/link/ingress.hpp"
 
+#include <fmt/format.h>
 #include <string>
 #include <utility>
 
@@ -151,11 +152,11 @@ void Ingress::count_refusals(const Route& route) {
 /// Writes one line per link, because a played log may have thousands of such packets.
 void Ingress::tell_held(const Route& route) {
   if (std::exchange(told_held_, true)) return;
-  base::log::warn(
-      "link " + counters_->name + ": message " + std::to_string(route.info.message_id) + " of " +
-      std::to_string(route.info.source.system) + "/" + std::to_string(route.info.source.component) +
-      " and others like it are held back: they may spin, move, drop or mislead a vehicle that "
-      "does not say it is in HIL (to_not_hil: all lets them pass)");
+  base::log::warn(fmt::format(
+      "link {}: message {} of {}/{} and others like it are held back: they may spin, move, drop or "
+      "mislead a vehicle that does not say it is in HIL (to_not_hil: all lets them pass)",
+      counters_->name, route.info.message_id, route.info.source.system,
+      route.info.source.component));
 }
 
 void Ingress::deliver(base::RunTime now) {

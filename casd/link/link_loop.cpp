@@ -6,6 +6,7 @@
 #include <sys/prctl.h>
 #include <sys/timerfd.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
@@ -90,13 +91,12 @@ class CoreSearch {
   }
 
   void tell(bool settled) const {
-    const auto us = [](base::Duration time) {
-      return std::to_string(time / std::chrono::microseconds(1));
-    };
-    base::log::debug(settled ? "thread " + name_ + ": a packet costs " + us(seeker_.cost()) +
-                                   " us on core " + std::to_string(*seeker_.core()) + ", " +
-                                   us(seeker_.free_cost()) + " us without a choice"
-                             : "thread " + name_ + ": runs on any core");
+    constexpr auto kUs = std::chrono::microseconds(1);
+    base::log::debug(
+        settled
+            ? fmt::format("thread {}: a packet costs {} us on core {}, {} us without a choice",
+                          name_, seeker_.cost() / kUs, *seeker_.core(), seeker_.free_cost() / kUs)
+            : "thread " + name_ + ": runs on any core");
   }
 
   const std::string name_;
@@ -342,9 +342,9 @@ Arrivals LinkLoop::arrivals() const {
 // Out of memory, or more descriptors than the limit allows: the next turn would fail at once too.
 void LinkLoop::wait_in_trouble(int error) {
   if (!in_trouble_) {
-    base::log::error("links (" + name_ +
-                     ") cannot wait for their descriptors, trying again every " +
-                     std::to_string(kTroublePause.count()) + " ms: " + base::error_text(error));
+    base::log::error(
+        fmt::format("links ({}) cannot wait for their descriptors, trying again every {} ms: {}",
+                    name_, kTroublePause.count(), base::error_text(error)));
   }
   in_trouble_ = true;
   std::this_thread::sleep_for(kTroublePause);

@@ -6,6 +6,7 @@
 #include <time.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -46,13 +47,12 @@ std::uint64_t read_bytes(int fd) {
 
 std::optional<std::string> excess(const TurnUse& use, std::size_t links) {
   if (use.processor > kMostProcessor + links * kMostToOpen) {
-    return "took " + std::to_string(use.processor / std::chrono::milliseconds(1)) +
-           " ms of the processor";
+    return fmt::format("took {} ms of the processor", use.processor / std::chrono::milliseconds(1));
   }
   if (use.read_bytes > (links + 1) * kMostBytesOfLink)
-    return "read " + std::to_string(use.read_bytes) + " bytes";
+    return fmt::format("read {} bytes", use.read_bytes);
   if (use.waits > kMostWaits + links * kMostWaitsToOpen)
-    return "waited " + std::to_string(use.waits) + " times";
+    return fmt::format("waited {} times", use.waits);
   return std::nullopt;
 }
 

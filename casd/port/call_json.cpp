@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/port/call_json.hpp"
 
+#include <fmt/format.h>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -62,9 +63,8 @@ std::string result_word(MavResult result) {
   constexpr base::EnumWords<MavResult::kCancelled> kWords{
       "ACCEPTED", "TEMPORARILY_REJECTED", "DENIED",   "UNSUPPORTED",
       "FAILED",   "IN_PROGRESS",          "CANCELLED"};
-  return result <= MavResult::kCancelled
-             ? std::string(kWords[result])
-             : "RESULT_" + std::to_string(static_cast<unsigned>(result));
+  return result <= MavResult::kCancelled ? std::string(kWords[result])
+                                         : fmt::format("RESULT_{}", static_cast<unsigned>(result));
 }
 
 std::string_view severity_word(MavSeverity severity) {
@@ -91,7 +91,7 @@ std::string type_word(MavType type) {
     case MavType::kGroundRover:
       return "rover";
     default:
-      return "type " + std::to_string(static_cast<unsigned>(type));
+      return fmt::format("type {}", static_cast<unsigned>(type));
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/port/daemon_methods.hpp"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -23,8 +24,7 @@ void start_log(Recorder& recorder, CallParams& params, TlogWriter::Done done) {
   const auto at_least = [&params](const std::string& key, double least) {
     const double number = params.optional_number(key).value_or(0);
     if (number != 0 && (number < least || number > 1e6)) {
-      throw BadParams("\"" + key + "\" must be 0 (off) or from " + std::to_string(least) +
-                      " to 1e6");
+      throw BadParams(fmt::format("\"{}\" must be 0 (off) or from {:f} to 1e6", key, least));
     }
     return number;
   };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/port/metrics.hpp"
 
-#include <cstdio>
+#include <fmt/format.h>
 #include <string_view>
 #include <utility>
 
@@ -25,11 +25,7 @@ std::string label_value(std::string_view value) {
   return text + '"';
 }
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
-}
+std::string number(double value) { return fmt::format("{:.9g}", value); }
 
 /// Collects the samples of one metric below its header.
 class Metric {
@@ -134,7 +130,7 @@ void add_autopilot_logs(std::string& out, const AutopilotLogsStatus& logs) {
   Metric bytes(out, "casd_autopilot_log_bytes", "gauge",
                "Bytes in the file of a vehicle's log; 0: it has none.");
   for (const AutopilotLogStatus& log : logs.vehicles) {
-    bytes.add("system=\"" + std::to_string(log.system) + "\"",
+    bytes.add(fmt::format("system=\"{}\"", log.system),
               log.file ? log.file->bytes : std::uint64_t{0});
   }
 }
@@ -145,11 +141,10 @@ void add_messages(std::string& out, const MetricsSource& source) {
       .add("", std::uint64_t{source.messages_cut ? 1U : 0U});
   Metric messages(out, "casd_messages_total", "counter", "Packets by link, message and sender.");
   for (const MessageStatus& message : source.messages) {
-    messages.add("link=" + label_value(message.link) +
-                     ",direction=" + label_value(to_string(message.way)) + ",message=" +
-                     label_value(message.name.empty() ? std::to_string(message.id) : message.name) +
-                     ",system=\"" + std::to_string(message.source.system) + "\",component=\"" +
-                     std::to_string(message.source.component) + "\"",
+    const std::string name = message.name.empty() ? std::to_string(message.id) : message.name;
+    messages.add(fmt::format("link={},direction={},message={},system=\"{}\",component=\"{}\"",
+                             label_value(message.link), label_value(to_string(message.way)),
+                             label_value(name), message.source.system, message.source.component),
                  message.count);
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/port/open_ports.hpp"
 
+#include <fmt/format.h>
 #include <grp.h>
 #include <cstdint>
 #include <cstdlib>
@@ -52,13 +53,13 @@ OpenPorts open_ports(const Topology& topology, base::rpc::Server& server, Metric
   if (!token.empty()) server.require_token(token, port.loopback_without_token);
   const std::uint16_t bound = listen_tcp(port, server);
   OpenPorts open;
-  open.command = port.address + ":" + std::to_string(bound);
+  open.command = fmt::format("{}:{}", port.address, bound);
   for (const CommandSocket& socket : command_sockets(port, bound)) {
     const bool listens = listen_unix(socket, server);
     if (listens && open.command_socket.empty()) open.command_socket = socket.path.string();
   }
   if (const auto& http = topology.metrics) {
-    open.metrics = http->address + ":" + std::to_string(metrics.listen(http->address, http->port));
+    open.metrics = fmt::format("{}:{}", http->address, metrics.listen(http->address, http->port));
   }
   return open;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/port/telemetry_json.hpp"
 
+#include <fmt/format.h>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -168,7 +169,7 @@ std::string fix_word(GpsFixType fix) {
   constexpr const char* kWords[] = {"no_gps",    "no_fix",    "2d",     "3d", "dgps",
                                     "rtk_float", "rtk_fixed", "static", "ppp"};
   const auto index = static_cast<std::size_t>(fix);
-  return index < std::size(kWords) ? kWords[index] : "fix " + std::to_string(index);
+  return index < std::size(kWords) ? kWords[index] : fmt::format("fix {}", index);
 }
 
 json gps(const Source<GpsRawInt>& from, base::RunTime now) {
@@ -216,7 +217,7 @@ json rotors(const Source<ServoOutputRaw>& from, base::RunTime now) {
                                      raw.servo7_raw, raw.servo8_raw};
   json outputs{{"age_s", from.age_s(now)}};
   for (std::size_t i = 0; i < std::size(pulses_us); ++i) {
-    outputs["output" + std::to_string(i + 1) + "_us"] = from.value(pulses_us[i], pulses_us[i] != 0);
+    outputs[fmt::format("output{}_us", i + 1)] = from.value(pulses_us[i], pulses_us[i] != 0);
   }
   return outputs;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/port/vehicle_methods.hpp"
 
+#include <fmt/format.h>
 #include <array>
 #include <limits>
 #include <memory>
@@ -228,16 +229,16 @@ void VehicleMethods::audit(const std::string& client, const std::string& name, c
   const base::RunTime now = hooks_.now();
   const std::string asked =
       params.is_null() ? "{}" : params.dump(-1, ' ', false, json::error_handler_t::replace);
-  const std::string whom = system == 0 ? "" : " vehicle " + std::to_string(system);
-  const std::string line = client + " " + name + " " + asked + whom + ": " +
-                           (outcome.ok() ? "accepted" : outcome.message);
+  const std::string whom = system == 0 ? "" : fmt::format(" vehicle {}", system);
+  const std::string line = fmt::format("{} {} {}{}: {}", client, name, asked, whom,
+                                       outcome.ok() ? "accepted" : outcome.message);
   if (line == last_refusal_ && now - refused_at_ < kStretch) {
     ++refused_again_;
     journal_.again();
     return;
   }
   const std::uint64_t again = std::exchange(refused_again_, 0);
-  if (again > 0) hooks_.audit("(the same again " + std::to_string(again) + " times)");
+  if (again > 0) hooks_.audit(fmt::format("(the same again {} times)", again));
   last_refusal_ = outcome.ok() ? "" : line;
   refused_at_ = now;
   hooks_.audit(line);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/signing/packet_signer.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -110,9 +111,10 @@ void PacketSigner::warn_of_future() const {
   if (signing_.time() <= clock + kMaxPlausibleLead) return;
   const double ahead_h = static_cast<double>(signing_.time() - clock) /
                          static_cast<double>(mav::kSigningUnitsPerSecond) / 3600;
-  base::log::warn(time_file_.path().string() + ": the time of signatures is " +
-                  std::to_string(ahead_h) +
-                  " h ahead of the clock; senders with the right time are refused as too old");
+  base::log::warn(
+      fmt::format("{}: the time of signatures is {:f} h ahead of the clock; senders "
+                  "with the right time are refused as too old",
+                  time_file_.path().string(), ahead_h));
 }
 
 mav::SignatureVerdict PacketSigner::verify(const mav::PacketView& packet,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/station/failure_injector.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <utility>
 
@@ -64,7 +65,7 @@ std::string sentence(const Outcome& outcome) {
 }
 
 std::string ids(mav::Source source) {
-  return std::to_string(source.system) + "/" + std::to_string(source.component);
+  return fmt::format("{}/{}", source.system, source.component);
 }
 
 }  // namespace
@@ -83,9 +84,10 @@ FailureInjector::Verdict FailureInjector::on_packet(const Origin& from,
   const Addressee vehicle = addressee(command->target);
   const std::uint8_t system = vehicle.source.system;
   if (gone_.has(from.path.link)) {
-    leave_line(ids(packet.source) + " MAV_CMD_INJECT_FAILURE vehicle " + std::to_string(system) +
-                   ": it came in the middle of a reload",
-               false, now);
+    leave_line(
+        fmt::format("{} MAV_CMD_INJECT_FAILURE vehicle {}: it came in the middle of a reload",
+                    ids(packet.source), system),
+        false, now);
     return Verdict::kRefused;
   }
   if (order && is_repetition(from, packet, system, *order)) return Verdict::kRefused;
@@ -121,9 +123,9 @@ FailureInjector::Request FailureInjector::request_of(const Origin& from,
                                                      const mav::PacketView& packet,
                                                      const std::optional<FailureOrder>& order,
                                                      mav::Source vehicle) {
-  std::string line = ids(packet.source) + " on link " + hooks_.link_name(from.path.link) +
-                     " MAV_CMD_INJECT_FAILURE" + (order ? " '" + to_words(*order) + "'" : "") +
-                     " vehicle " + std::to_string(vehicle.system) + ": ";
+  std::string line = fmt::format(
+      "{} on link {} MAV_CMD_INJECT_FAILURE{} vehicle {}: ", ids(packet.source),
+      hooks_.link_name(from.path.link), order ? " '" + to_words(*order) + "'" : "", vehicle.system);
   return {.order = order.value_or(FailureOrder{}),
           .answer = [this, to = from.path, asker = packet.source,
                      vehicle](const Outcome& outcome) { answer(to, asker, vehicle, outcome); },

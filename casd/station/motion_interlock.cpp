@@ -1,25 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/station/motion_interlock.hpp"
 
+#include <fmt/format.h>
+
 namespace cas::casd {
 
 std::optional<std::string> rival_words(const VehicleState& state, const VehicleTable& table,
                                        base::RunTime now) {
   const std::optional<Rival> rival = state.rival(now);
   if (!rival) return std::nullopt;
-  return vehicle_text(state) + " is not alone: another autopilot with its system id (" +
-         std::to_string(rival->source.system) + "/" + std::to_string(rival->source.component) +
-         ") speaks on " + table.place(state, *rival) +
-         "; give one of them another id, or, where both links lead to one vehicle, put them into "
-         "one group";
+  return fmt::format(
+      "{} is not alone: another autopilot with its system id ({}/{}) speaks on {}; give one of "
+      "them another id, or, where both links lead to one vehicle, put them into one group",
+      vehicle_text(state), rival->source.system, rival->source.component,
+      table.place(state, *rival));
 }
 
 std::optional<std::string> not_in_hil(const VehicleState& state, base::RunTime now) {
   const base::Duration silence = state.heartbeat_age(now);
   if (silence > kVehicleTimeout) {
-    return vehicle_text(state) + " has sent no HEARTBEAT for " +
-           std::to_string(static_cast<int>(base::to_seconds(silence))) +
-           " s, so casd cannot tell whether it is in HIL mode";
+    return fmt::format(
+        "{} has sent no HEARTBEAT for {} s, so casd cannot tell whether it is in HIL mode",
+        vehicle_text(state), static_cast<int>(base::to_seconds(silence)));
   }
   if (!state.hil()) return vehicle_text(state) + " does not say that it is in HIL mode";
   if (state.denied_hil(now)) {

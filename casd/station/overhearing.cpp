@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/station/overhearing.hpp"
 
+#include <fmt/format.h>
 #include <optional>
 #include <string>
 #include <utility>
@@ -18,9 +19,8 @@ void note(VehicleTable& table, KnownVehicle& vehicle, Intervention intervention)
   if (intervention.act.disarms) {
     ++hands.arm_requests;
     ++hands.disarms;
-    vehicle.commands.on_disarm(std::to_string(intervention.by.system) + "/" +
-                                   std::to_string(intervention.by.component) + ": " +
-                                   intervention.act.what,
+    vehicle.commands.on_disarm(fmt::format("{}/{}: {}", intervention.by.system,
+                                           intervention.by.component, intervention.act.what),
                                intervention.at);
   }
   hands.interventions.add(std::move(intervention));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/station/vehicle_commander.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -168,10 +169,10 @@ void VehicleCommander::ask_for_rates(std::uint8_t system, const std::shared_ptr<
                      if (!outcome.ok() && !is_own) {
                        round->refused +=
                            round->refused.empty()
-                               ? "vehicle " + std::to_string(system) + " does not send message "
+                               ? fmt::format("vehicle {} does not send message ", system)
                                : "; nor message ";
-                       round->refused += std::to_string(rate.message_id) + " at " +
-                                         number_text(rate.hz) + " Hz: " + outcome.message;
+                       round->refused += fmt::format("{} at {} Hz: {}", rate.message_id,
+                                                     number_text(rate.hz), outcome.message);
                      }
                      ask_for_rates(system, round);
                    });
@@ -302,8 +303,7 @@ bool VehicleCommander::any_armed(base::RunTime now) const { return table_.any_ar
 
 KnownVehicle* VehicleCommander::known(std::uint8_t system, const Done& done) {
   if (KnownVehicle* vehicle = table_.find(system)) return vehicle;
-  done(failure(OutcomeKind::kNoSuchVehicle,
-               "no vehicle " + std::to_string(system) + " has been heard"));
+  done(failure(OutcomeKind::kNoSuchVehicle, fmt::format("no vehicle {} has been heard", system)));
   return nullptr;
 }
 
@@ -328,7 +328,7 @@ void VehicleCommander::start(std::uint8_t system, const VehicleCommand& command,
 std::optional<std::string> VehicleCommander::hil_doubt(std::uint8_t system,
                                                        base::RunTime now) const {
   const VehicleState* const state = find(system);
-  if (state == nullptr) return "no vehicle " + std::to_string(system) + " has been heard";
+  if (state == nullptr) return fmt::format("no vehicle {} has been heard", system);
   const std::optional<std::string> rival = rival_words(*state, table_, now);
   return rival ? rival : not_in_hil(*state, now);
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/station/vehicle_table.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <utility>
 
@@ -50,7 +51,7 @@ void KnownVehicle::give_up(const Outcome& outcome) {
 }
 
 std::string vehicle_text(const VehicleState& state) {
-  return "vehicle " + std::to_string(state.source().system);
+  return fmt::format("vehicle {}", state.source().system);
 }
 
 KnownVehicle* VehicleTable::track(const Origin& from, const mav::PacketView& packet,
@@ -211,7 +212,7 @@ std::variant<std::uint8_t, Outcome> VehicleTable::resolve(std::optional<std::uin
       vehicles_, ", ", [](const auto& vehicle) { return std::to_string(vehicle.first); });
   if (asked && !vehicles_.contains(*asked)) {
     return failure(OutcomeKind::kNoSuchVehicle,
-                   "no vehicle " + std::to_string(*asked) + " has been heard; known: " + known);
+                   fmt::format("no vehicle {} has been heard; known: {}", *asked, known));
   }
   if (!asked && vehicles_.size() > 1) {
     return failure(OutcomeKind::kInvalid, "name the vehicle; known: " + known);

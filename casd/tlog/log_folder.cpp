@@ -7,6 +7,7 @@
 #include <sys/statvfs.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
@@ -30,7 +31,7 @@ base::Descriptor open_folder(const std::filesystem::path& path) {
   return base::Descriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
 }
 
-std::string mib(std::uint64_t bytes) { return std::to_string(bytes / (1024 * 1024)) + " MiB"; }
+std::string mib(std::uint64_t bytes) { return fmt::format("{} MiB", bytes / (1024 * 1024)); }
 
 /// Calls visit(name, status) for each regular file of a folder with one of the extensions.
 template <class Visit>
@@ -93,8 +94,7 @@ base::Descriptor LogFolder::make(const std::string& name) const {
 
 bool LogFolder::takes_files() const {
   static std::atomic<unsigned> calls{0};
-  const std::string name =
-      ".casd-" + std::to_string(::getpid()) + "-" + std::to_string(calls.fetch_add(1));
+  const std::string name = fmt::format(".casd-{}-{}", ::getpid(), calls.fetch_add(1));
   remove(name);  // of a casd that was killed
   const base::Descriptor file = make(name);
   if (!file) return false;
@@ -143,8 +143,8 @@ std::optional<std::string> LogFolder::hindrance(const LogLimits& limits, std::ui
 void LogFolder::keep_newest(int max_files, const std::string& current) const {
   if (max_files <= 0) return;
   for (const std::string& name : remove_oldest(static_cast<std::size_t>(max_files), current)) {
-    base::log::info("logs: deleted " + (path_ / name).string() + ", " + std::to_string(max_files) +
-                    " files may stay");
+    base::log::info(
+        fmt::format("logs: deleted {}, {} files may stay", (path_ / name).string(), max_files));
   }
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/tlog/recorder.hpp"
 
+#include <fmt/format.h>
 #include <chrono>
 #include <filesystem>
 #include <utility>
@@ -71,9 +72,9 @@ void Recorder::on_vehicles(bool any_armed, base::RunTime now) {
   } else if (!open && std::exchange(of_flight_, false)) {
     writer_.stop([](const auto&, const TlogStatus& status) {
       const std::string missing =
-          status.left_out == 0 ? "" : "; " + std::to_string(status.left_out) + " are missing";
-      base::log::info("no vehicle is armed any more: recorded " + std::to_string(status.recorded) +
-                      " packets" + missing);
+          status.left_out == 0 ? "" : fmt::format("; {} are missing", status.left_out);
+      base::log::info(fmt::format("no vehicle is armed any more: recorded {} packets{}",
+                                  status.recorded, missing));
     });
   }
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/tlog/tlog_recording.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cerrno>
 #include <utility>
@@ -55,8 +56,9 @@ std::uint64_t TlogRecording::leave_deleted() {
   const std::optional<TlogFiles::Content> content = files_.leave_deleted();
   if (!content) return 0;
   bytes_ -= content->bytes;
-  base::log::error("recording: " + deleted.string() + " was deleted while it was written, with " +
-                   std::to_string(content->packets) + " packets in it");
+  base::log::error(
+      fmt::format("recording: {} was deleted while it was written, with {} packets in it",
+                  deleted.string(), content->packets));
   return content->packets;
 }
 
@@ -90,8 +92,8 @@ void TlogRecording::pause(std::string why, base::RunTime now) {
 void TlogRecording::go_on() {
   if (!pause_) return;
   pause_.reset();
-  base::log::info("recording goes on in " + file().string() + "; " + std::to_string(lost_) +
-                  " packets are not in it");
+  base::log::info(
+      fmt::format("recording goes on in {}; {} packets are not in it", file().string(), lost_));
 }
 
 }  // namespace cas::casd

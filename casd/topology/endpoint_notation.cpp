@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/topology/endpoint_notation.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -173,7 +174,7 @@ bool is_bare_host(std::string_view text) {
 LinkConfig multicast_link(const std::string& text, std::string_view rest) {
   std::string place(rest);
   if (rest.empty() || rest.front() == ':') place = "239.255.145.50" + place;  // MAVLink's group
-  if (is_bare_host(place)) place += ":" + std::to_string(kUsualPort);
+  if (is_bare_host(place)) place += fmt::format(":{}", kUsualPort);
   LinkConfig link =
       socket_link(text, {kMulticast, LinkType::kUdp, Direction::kSend}, place, EndpointUse::kOut);
   if (!EndpointAddress(link.remote).is_multicast()) fail(text, "names no multicast group");
@@ -202,7 +203,7 @@ void name_links(std::vector<LinkConfig>& links) {
     std::string word(to_string(link.type));
     word = word.substr(0, word.find('_'));
     const int nth = ++count[word];
-    link.name = nth == 1 ? word : word + std::to_string(nth);
+    link.name = nth == 1 ? word : fmt::format("{}{}", word, nth);
   }
 }
 
@@ -249,7 +250,7 @@ LinkConfig parse_endpoint(const std::string& text, EndpointUse use,
   if (use != EndpointUse::kOut) refuse_misspelt_scheme(text);
   const bool completed = use == EndpointUse::kOut && is_bare_host(text);
   const std::string place =
-      completed ? text + ":" + std::to_string(next_udp_port(text, before)) : text;
+      completed ? fmt::format("{}:{}", text, next_udp_port(text, before)) : text;
   const Direction direction = use == EndpointUse::kOut ? Direction::kSend : Direction::kListen;
   return socket_link(text, {"udp", LinkType::kUdp, direction}, place, use);
 }
@@ -258,7 +259,7 @@ unsigned next_udp_port(const std::string& host, std::span<const LinkConfig> befo
   LinkConfig link;
   link.type = LinkType::kUdp;
   const auto is_taken = [&](unsigned port) {
-    link.remote = host + ":" + std::to_string(port);
+    link.remote = fmt::format("{}:{}", host, port);
     return std::ranges::any_of(before,
                                [&](const LinkConfig& other) {
                                  return other.type == LinkType::kUdp && other.remote == link.remote;
@@ -307,10 +308,8 @@ std::string yaml_string(const std::string& text) {
 }
 
 std::string baud_text(const std::vector<unsigned>& rates) {
-  if (rates.size() == 1) return std::to_string(rates.front());
-  std::string text;
-  for (const unsigned rate : rates) text += (text.empty() ? "[" : ", ") + std::to_string(rate);
-  return text + "]";
+  const std::string list = fmt::format("{}", fmt::join(rates, ", "));
+  return rates.size() == 1 ? list : "[" + list + "]";
 }
 
 std::string link_entry(const LinkConfig& link) {
@@ -329,7 +328,7 @@ std::string topology_of_endpoints(std::vector<LinkConfig> links, const EndpointO
   name_links(links);
   std::string text = "schema: 1\n";
   if (options.command_port >= 0) {
-    text += "command_port: {port: " + std::to_string(options.command_port) + "}\n";
+    text += fmt::format("command_port: {{port: {}}}\n", options.command_port);
   }
   if (options.silent) text += "commanding: {heartbeat_hz: 0, ask_on_sight: false}\n";
   const EndpointLog& log = options.log;

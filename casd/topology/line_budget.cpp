@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/topology/line_budget.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "casd/queue/line_timing.hpp"
 #include "mavlink_gen/runtime/public_table.hpp"
@@ -114,29 +114,22 @@ std::string name_of(std::uint32_t id) {
   return known == nullptr ? std::to_string(id) : std::string(known->name);
 }
 
-template <class... Args>
-std::string format(const char* pattern, Args... args) {
-  std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), pattern, args...);
-  return text.data();
-}
-
 // ", HIL_SENSOR fits up to 128 Hz; 460800 baud carry it"
 std::string remedy(const LineBudget& budget) {
   std::string words;
   if (const double hz = budget.fitting_sensor_hz(); hz >= 1) {
-    words += format(", HIL_SENSOR fits up to %.0f Hz", std::floor(hz));
+    words += fmt::format(", HIL_SENSOR fits up to {:.0f} Hz", std::floor(hz));
   }
   if (const unsigned baud = budget.fitting_baud(); baud > 0 && !budget.fits()) {
-    words += format(", %u baud would carry it", baud);
+    words += fmt::format(", {} baud would carry it", baud);
   }
   return words;
 }
 
 std::string warning(const LineBudget& budget) {
-  return format("link %s carries %.1f kB/s, its routes may send %.1f kB/s at the assumed rates",
-                budget.link.c_str(), budget.capacity_bytes_s / 1e3, budget.load_bytes_s() / 1e3) +
-         remedy(budget);
+  return fmt::format(
+      "link {} carries {:.1f} kB/s, its routes may send {:.1f} kB/s at the assumed rates{}",
+      budget.link, budget.capacity_bytes_s / 1e3, budget.load_bytes_s() / 1e3, remedy(budget));
 }
 
 }  // namespace
@@ -197,22 +190,22 @@ std::vector<std::string> line_budget_warnings(const Topology& topology) {
 std::string describe(const std::vector<LineBudget>& budgets) {
   std::string text;
   for (const LineBudget& budget : budgets) {
-    const std::string rate = budget.baud > 0 ? format(" at %u baud", budget.baud) : "";
-    text += format("  %s: carries %.1f kB/s%s\n", budget.link.c_str(),
-                   budget.capacity_bytes_s / 1e3, rate.c_str());
+    const std::string rate = budget.baud > 0 ? fmt::format(" at {} baud", budget.baud) : "";
+    text += fmt::format("  {}: carries {:.1f} kB/s{}\n", budget.link, budget.capacity_bytes_s / 1e3,
+                        rate);
     for (const LineLoad& load : budget.loads) {
-      text += format("    %-24s %6.0f Hz assumed x %3.0f bytes = %6.1f kB/s\n",
-                     name_of(load.message_id).c_str(), load.hz, load.packet_bytes,
-                     load.bytes_s() / 1e3);
+      text +=
+          fmt::format("    {:24} {:6.0f} Hz assumed x {:3.0f} bytes = {:6.1f} kB/s\n",
+                      name_of(load.message_id), load.hz, load.packet_bytes, load.bytes_s() / 1e3);
     }
     if (!budget.has_streams()) {
       text += "    no stream of a HIL run; 'casctl budget' measures what goes over it\n";
       continue;
     }
-    text += format("    %-24s %38.1f kB/s, %.0f %%: %s", "in all", budget.load_bytes_s() / 1e3,
-                   100 * budget.load_bytes_s() / budget.capacity_bytes_s,
-                   budget.fits() ? "fits" : "TOO MUCH") +
-            remedy(budget) + "\n";
+    text += fmt::format("    {:24} {:38.1f} kB/s, {:.0f} %: {}{}\n", "in all",
+                        budget.load_bytes_s() / 1e3,
+                        100 * budget.load_bytes_s() / budget.capacity_bytes_s,
+                        budget.fits() ? "fits" : "TOO MUCH", remedy(budget));
   }
   return text;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/topology/link_change.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <filesystem>
 #include <optional>
@@ -26,7 +27,7 @@ std::string free_name(const Topology& topology, LinkType type) {
   word = word.substr(0, word.find('_'));
   std::string name = word;
   for (int nth = 2; find_link(topology.links, name) != nullptr; ++nth)
-    name = word + std::to_string(nth);
+    name = fmt::format("{}{}", word, nth);
   return name;
 }
 
@@ -117,7 +118,7 @@ LinkConfig parse_new_link(const Topology& topology, const ConfigNode& entry,
                " already: each packet would arrive there twice");
   }
   if (topology.links.size() == kMaxLinks) {
-    entry.fail("there are " + std::to_string(kMaxLinks) + " links already");
+    entry.fail(fmt::format("there are {} links already", kMaxLinks));
   }
   if (!entry.has("accept") && !link.sniffer)
     link.accept = rule_of_strangers(topology, link, vehicles);

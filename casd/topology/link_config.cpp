@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/topology/link_config.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstddef>
 #include <tuple>
@@ -87,12 +88,12 @@ struct BaudRates {
     for (const ConfigNode& each : node.items()) {
       const auto rate = static_cast<unsigned>(base::whole_in(each, 1, kHighest));
       if (std::find(rates.begin(), rates.end(), rate) != rates.end()) {
-        each.fail(std::to_string(rate) + " is in the list already");
+        each.fail(fmt::format("{} is in the list already", rate));
       }
       rates.push_back(rate);
     }
     if (rates.empty()) node.fail("is an empty list");
-    if (rates.size() > kMost) node.fail("has more than " + std::to_string(kMost) + " rates");
+    if (rates.size() > kMost) node.fail(fmt::format("has more than {} rates", kMost));
   }
   static std::string text(const std::vector<unsigned>& rates) {
     return rates.empty() ? "0" : words_of_rates(rates);
@@ -364,9 +365,7 @@ unsigned lowest_baud(const LinkConfig& link) {
 }
 
 std::string words_of_rates(const std::vector<unsigned>& baud) {
-  std::string text;
-  for (const unsigned rate : baud) text += (text.empty() ? "" : " or ") + std::to_string(rate);
-  return text;
+  return fmt::format("{}", fmt::join(baud, " or "));
 }
 
 LinkConfig parse_link(const ConfigNode& node) {

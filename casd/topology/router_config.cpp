@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/topology/router_config.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <charconv>
 #include <string_view>
@@ -32,8 +33,8 @@ std::vector<RouterFile> read_router_files(const std::filesystem::path& main,
     std::error_code none;
     if (std::filesystem::is_regular_file(entry->path(), none)) paths.push_back(entry->path());
     if (paths.size() > kMostFiles) {
-      throw base::ConfigError(entry->path().parent_path().string() + ": has more than " +
-                              std::to_string(kMostFiles) + " files");
+      throw base::ConfigError(fmt::format("{}: has more than {} files",
+                                          entry->path().parent_path().string(), kMostFiles));
     }
   }
   if (error && error != std::errc::no_such_file_or_directory) {
@@ -53,7 +54,7 @@ RouterConfig::RouterConfig(const std::vector<RouterFile>& files) : files_(files)
 }
 
 std::string RouterConfig::prefix(RouterPlace place) const {
-  return files_[place.file].name + ":" + std::to_string(place.line) + ": ";
+  return fmt::format("{}:{}: ", files_[place.file].name, place.line);
 }
 
 void RouterConfig::fail(RouterPlace place, const std::string& sentence) const {
@@ -120,9 +121,9 @@ std::uint64_t RouterConfig::number(std::string_view digits, const RouterValue& v
   const char* end = digits.data() + digits.size();
   const auto [stop, error] = std::from_chars(digits.data(), end, result);
   if (error != std::errc{} || stop != end) {
-    fail(value.place, value.key + ": '" + std::string(digits) + "' is not a number");
+    fail(value.place, fmt::format("{}: '{}' is not a number", value.key, digits));
   }
-  if (result > most) fail(value.place, value.key + ": is more than " + std::to_string(most));
+  if (result > most) fail(value.place, fmt::format("{}: is more than {}", value.key, most));
   return result;
 }
 

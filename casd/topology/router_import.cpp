@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/topology/router_import.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -149,9 +150,9 @@ class Import {
     if (space != nullptr) {
       constexpr std::uint64_t kMib = 1024 * 1024;
       const std::uint64_t bytes = config_.number(space->text, *space, UINT64_MAX - kMib);
-      keep += ", free_space_min_mib: " + std::to_string((bytes + kMib - 1) / kMib);
+      keep += fmt::format(", free_space_min_mib: {}", (bytes + kMib - 1) / kMib);
     }
-    if (most_files > 0) keep += ", max_files: " + std::to_string(most_files);
+    if (most_files > 0) keep += fmt::format(", max_files: {}", most_files);
     return "  keep: {" + keep + "}\n";
   }
 
@@ -200,12 +201,12 @@ class Import {
       const std::optional<unsigned> given = config_.port(section, "Port");
       if (!given) config_.fail(section.place, "endpoint '" + section.name + "' has no Port");
       endpoint.link.type = LinkType::kUdpServer;
-      endpoint.link.local = address + ":" + std::to_string(*given);
+      endpoint.link.local = fmt::format("{}:{}", address, *given);
     } else if (mode == "normal" || mode == "client") {
       std::optional<unsigned> given = remote_port(section);
       if (!given) given = next_udp_port(address, links_so_far());
       endpoint.link.type = LinkType::kUdp;
-      endpoint.link.remote = address + ":" + std::to_string(*given);
+      endpoint.link.remote = fmt::format("{}:{}", address, *given);
     } else {
       config_.fail(config_.find(section, "Mode")->place,
                    "Mode: is normal, client, server or eavesdropping");
@@ -223,7 +224,7 @@ class Import {
     ImportedEndpoint endpoint;
     endpoint.link.type = LinkType::kTcp;
     config_.required(section, "Port");
-    endpoint.link.remote = host_of(section) + ":" + std::to_string(*remote_port(section));
+    endpoint.link.remote = fmt::format("{}:{}", host_of(section), *remote_port(section));
     if (const RouterValue* retry = config_.find(section, "RetryTimeout")) {
       const bool never = retry->text == "0" || retry->text.starts_with('-');
       note(retry->place, never ? "RetryTimeout: casd connects again, where mavlink-router would not"
@@ -292,7 +293,7 @@ class Import {
     const std::string open = ", where TCP clients are served (TcpServerPort=0: none are)";
     endpoint.link.type = LinkType::kTcpServer;
     endpoint.link.name = free_name("tcp");
-    endpoint.link.local = "0.0.0.0:" + std::to_string(tcp_server_port_);
+    endpoint.link.local = fmt::format("0.0.0.0:{}", tcp_server_port_);
     for (const ImportedEndpoint& each : endpoints_) {
       if (!endpoint_conflict(endpoint.link, std::vector{each.link})) continue;
       config_.fail(each.section->place,
@@ -347,7 +348,7 @@ class Import {
 
   std::string duplicate_window() const {
     if (duplicate_window_ms_ == 0) return "";
-    return "duplicate_window_ms: " + std::to_string(duplicate_window_ms_) + "\n";
+    return fmt::format("duplicate_window_ms: {}\n", duplicate_window_ms_);
   }
 
   std::string routes() const {
@@ -386,10 +387,11 @@ class Import {
       });
     };
     if (!is_taken()) return "";
-    const std::string usual = std::to_string(port.port);
+    const auto usual = port.port;
     while (is_taken()) ++port.port;
-    return "# An endpoint listens at casd's usual port " + usual +
-           ".\ncommand_port: {port: " + std::to_string(port.port) + "}\n";
+    return fmt::format(
+        "# An endpoint listens at casd's usual port {}.\ncommand_port: {{port: {}}}\n", usual,
+        port.port);
   }
 
   std::string text() const {

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstddef>
 #include <string>
@@ -54,8 +55,8 @@ std::vector<fs::path> yaml_files(const fs::path& folder) {
     if (path.extension() != ".yaml") continue;
     files.push_back(path);
     if (files.size() > kMostFiles) {
-      throw base::ConfigError(folder.string() + ": has more than " + std::to_string(kMostFiles) +
-                              " *.yaml files");
+      throw base::ConfigError(
+          fmt::format("{}: has more than {} *.yaml files", folder.string(), kMostFiles));
     }
   }
   if (error) throw base::ConfigError(folder.string() + ": " + error.message());

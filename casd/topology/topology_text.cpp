@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/topology/topology_text.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <span>
@@ -96,7 +97,7 @@ std::string interlock_text(const Topology& topology) {
 }
 
 std::string command_port_text(const CommandPortConfig& port) {
-  std::string text = port.address + ":" + std::to_string(port.port);
+  std::string text = fmt::format("{}:{}", port.address, port.port);
   text += port.loopback_without_token ? " (no token from this machine)" : " (with a token)";
   if (port.unix_path && !port.unix_path->empty()) text += ", unix " + port.unix_path->string();
   return text;
@@ -105,10 +106,9 @@ std::string command_port_text(const CommandPortConfig& port) {
 }  // namespace
 
 std::string topology_text(const Topology& topology) {
-  std::string text = "system " + std::to_string(topology.self.system) + "/" +
-                     std::to_string(topology.self.component) + ", threads " +
-                     std::string(to_string(topology.threads)) + ", command port " +
-                     command_port_text(topology.command_port) + "\n";
+  std::string text = fmt::format(
+      "system {}/{}, threads {}, command port {}\n", topology.self.system, topology.self.component,
+      to_string(topology.threads), command_port_text(topology.command_port));
   constexpr std::array<std::string_view, 7> kTold{"system_id",
                                                   "component_id",
                                                   "threads",

@@ -3,6 +3,7 @@
 
 #include <sys/sysmacros.h>
 
+#include <fmt/format.h>
 #include <sstream>
 #include <string_view>
 
@@ -50,7 +51,7 @@ using base::is_number;
 bool shows_everybody(const fs::path& proc) { return read_process(proc / "1").has_value(); }
 
 std::string terminal_name(std::uint64_t device) {
-  return "pseudo-terminal /dev/pts/" + std::to_string(minor(device));
+  return fmt::format("pseudo-terminal /dev/pts/{}", minor(device));
 }
 
 }  // namespace
@@ -86,9 +87,10 @@ std::optional<std::string> pty_refusal(int slave, const std::string& device, boo
            "true";
   }
   if (const auto user = find_terminal_user(terminal->device, proc)) {
-    return where + " is the terminal of " + user->program + ", process " +
-           std::to_string(user->process) +
-           ": nothing is written to it; end that session, or remove the old symlink";
+    return fmt::format(
+        "{} is the terminal of {}, process {}: nothing is written to it; end that "
+        "session, or remove the old symlink",
+        where, user->program, user->process);
   }
   if (!shows_everybody(proc)) {
     return where +

@@ -4,6 +4,7 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
@@ -138,7 +139,7 @@ void SerialLink::begin(base::Descriptor line, base::RunTime now) {
                 has_rate ? paced_bytes_s(config, baud) : 0);
   fd_ = opened;
   core_.counters().baud.set(baud);
-  core_.went_up(config.device + (baud > 0 ? " " + std::to_string(baud) : ""));
+  core_.went_up(config.device + (baud > 0 ? fmt::format(" {}", baud) : ""));
 }
 
 void SerialLink::read(base::RunTime now) {
@@ -158,7 +159,7 @@ void SerialLink::read(base::RunTime now) {
 /// The vehicle may have come back from a restart with another rate.
 void SerialLink::check_rate(std::size_t bytes, std::uint64_t packets_before, base::RunTime now) {
   if (search_.fits(bytes, parser_.stats().packets - packets_before, now)) return;
-  close("no packets at " + std::to_string(search_.rate()) + " baud any more", now);
+  close(fmt::format("no packets at {} baud any more", search_.rate()), now);
 }
 
 // Reads byte by byte and waits for the rest of a packet that has begun, as programs with one thread

@@ -5,6 +5,7 @@
 #include <netdb.h>
 #include <netinet/in.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -84,12 +85,12 @@ std::string to_text(const SocketAddress& address) {
   if (address.family() == AF_INET) {
     const sockaddr_in& v4 = as_ipv4(address);
     ::inet_ntop(AF_INET, &v4.sin_addr, text.data(), text.size());
-    return std::string(text.data()) + ":" + std::to_string(ntohs(v4.sin_port));
+    return fmt::format("{}:{}", text.data(), ntohs(v4.sin_port));
   }
   if (address.family() == AF_INET6) {
     const sockaddr_in6& v6 = as_ipv6(address);
     ::inet_ntop(AF_INET6, &v6.sin6_addr, text.data(), text.size());
-    return "[" + std::string(text.data()) + "]:" + std::to_string(ntohs(v6.sin6_port));
+    return fmt::format("[{}]:{}", text.data(), ntohs(v6.sin6_port));
   }
   return "?";
 }

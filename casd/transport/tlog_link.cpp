@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/transport/tlog_link.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <string>
 #include <system_error>
@@ -92,10 +93,10 @@ void TlogLink::advance() {
 std::string TlogLink::damage_text() const {
   std::string text;
   if (clock_.steps() > 0) {
-    text += "; its recorder's clock was set " + std::to_string(clock_.steps()) + " time(s)";
+    text += fmt::format("; its recorder's clock was set {} time(s)", clock_.steps());
   }
   if (log_->skipped_bytes() > 0) {
-    text += "; " + std::to_string(log_->skipped_bytes()) + " bytes are no record";
+    text += fmt::format("; {} bytes are no record", log_->skipped_bytes());
   }
   return text;
 }

@@ -164,7 +164,7 @@ std::string topology_text(const RunRequest& request, const RunPaths& paths) {
     link["name"] = companion_link_name(i);
     link["type"] = "udp";
     link["local"] = "127.0.0.1:0";
-    link["remote"] = "127.0.0.1:" + std::to_string(paths.companions[i]);
+    link["remote"] = fmt::format("127.0.0.1:{}", paths.companions[i]);
     topology["links"].push_back(link);
   }
   return to_text(topology) + base::origin_notes("", source);

@@ -243,7 +243,7 @@ std::string LoggedLoss::sentence() const {
   std::string text;
   const auto add = [&text](std::uint64_t count, const char* what) {
     if (count == 0) return;
-    text += (text.empty() ? "" : ", ") + std::to_string(count) + what;
+    text += fmt::format("{}{}{}", text.empty() ? "" : ", ", count, what);
   };
   add(wrong_checksums, " packet(s) with a wrong checksum left out");
   add(skipped_bytes, " bytes that are no record skipped");

@@ -86,7 +86,7 @@ class Motion {
     const Json& rotors = member(member(vehicle, "scene"), "rotors");
     for (std::size_t i = 0; i < rotors.size(); ++i) {
       const double most = rotors[i].value("omega_max_rad_s", 0.0);
-      const RecordedSeries speed(member(truth_, ("rotor" + std::to_string(i + 1)).c_str()));
+      const RecordedSeries speed(member(truth_, fmt::format("rotor{}", i + 1).c_str()));
       if (most > 0 && speed.size() > 0) rotors_.emplace_back(speed, most);
     }
   }

@@ -10,6 +10,7 @@
 #include <iterator>
 #include <map>
 #include <optional>
+#include <span>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -309,11 +310,9 @@ void add_comparison(const SweepView& view, const SweepView& before, Document& re
     return;
   }
   const auto list = [](const std::vector<std::size_t>& numbers) {
-    std::string text;
-    for (std::size_t i = 0; i < std::min<std::size_t>(numbers.size(), 20); ++i) {
-      text += (text.empty() ? ": " : ", ") + std::to_string(numbers[i]);
-    }
-    return text + (numbers.size() > 20 ? ", ..." : "");
+    const std::span first(numbers.data(), std::min<std::size_t>(numbers.size(), 20));
+    return fmt::format("{}{}{}", first.empty() ? "" : ": ", fmt::join(first, ", "),
+                       numbers.size() > 20 ? ", ..." : "");
   };
   report.paragraph(fmt::format(
       "Same table: {} rows stayed up before and do not now{}; {} rows do "

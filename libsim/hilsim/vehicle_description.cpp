@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/hilsim/vehicle_description.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/QR>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
 
 #include "base/earth/gravity.hpp"
 #include "libsim/hilsim/wing_description.hpp"
@@ -13,17 +13,6 @@ namespace cas::sim {
 namespace {
 
 constexpr double kThousand_rad2_s2 = 1e6;  // effectiveness is shown at 1000 rad/s
-
-/// Appends a line in printf's manner.
-[[gnu::format(printf, 2, 3)]] void print(std::string& text, const char* format, ...) {
-  char line[400];
-  va_list values;
-  va_start(values, format);
-  std::vsnprintf(line, sizeof line, format, values);
-  va_end(values);
-  text += line;
-  text += '\n';
-}
 
 /// 0 for a value within the rounding error of numbers near `scale`.
 double tidy(double value, double scale) {
@@ -36,13 +25,14 @@ void print_body(std::string& text, const VehicleModel& model) {
   const Eigen::Matrix3d& full = model.mass.inertia_B();
   const double most = full.cwiseAbs().maxCoeff();
   const Eigen::Matrix3d inertia = full.unaryExpr([most](double v) { return tidy(v, most); });
-  print(text, "mass               %.6g kg", model.mass.mass_kg());
-  print(text, "centre of gravity  [%.4f, %.4f, %.4f] m from the model's origin", cog.x(), cog.y(),
-        cog.z());
-  print(text, "inertia            Ixx %.6g  Iyy %.6g  Izz %.6g kg m^2", inertia(0, 0),
-        inertia(1, 1), inertia(2, 2));
-  print(text, "                   Ixy %.3g  Ixz %.3g  Iyz %.3g, about the centre of gravity",
-        inertia(0, 1), inertia(0, 2), inertia(1, 2));
+  add_line(text, "mass               {:.6g} kg", model.mass.mass_kg());
+  add_line(text, "centre of gravity  [{:.4f}, {:.4f}, {:.4f}] m from the model's origin", cog.x(),
+           cog.y(), cog.z());
+  add_line(text, "inertia            Ixx {:.6g}  Iyy {:.6g}  Izz {:.6g} kg m^2", inertia(0, 0),
+           inertia(1, 1), inertia(2, 2));
+  add_line(text,
+           "                   Ixy {:.3g}  Ixz {:.3g}  Iyz {:.3g}, about the centre of gravity",
+           inertia(0, 1), inertia(0, 2), inertia(1, 2));
 }
 
 double most_thrust_n(const base::RotorParams& params) {
@@ -50,30 +40,32 @@ double most_thrust_n(const base::RotorParams& params) {
 }
 
 void print_rotors(std::string& text, const base::Vehicle& vehicle) {
-  print(text,
-        "rotors             hub from the centre of gravity (forward, left, up), axis, spin seen "
-        "against the axis");
+  add_line(text,
+           "rotors             hub from the centre of gravity (forward, left, up), axis, spin seen "
+           "against the axis");
   for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
     const base::Rotor& rotor = vehicle.rotors[i];
     const Eigen::Vector3d& p = rotor.position_B_m;
     const Eigen::Vector3d& axis = rotor.axis_B;
-    print(
-        text,
-        "  %2zu  [%7.4f, %7.4f, %7.4f] m  [%.3f, %.3f, %.3f]  %s  output %d  %.2f N at %.0f rad/s",
-        i + 1, p.x(), p.y(), p.z(), axis.x(), axis.y(), axis.z(), rotor.spin > 0 ? "CCW" : "CW ",
-        rotor.output + 1, most_thrust_n(rotor.params), rotor.params.omega_max_rad_s);
+    add_line(text,
+             "  {:2}  [{:7.4f}, {:7.4f}, {:7.4f}] m  [{:.3f}, {:.3f}, {:.3f}]  {}  output {}  "
+             "{:.2f} N at {:.0f} rad/s",
+             i + 1, p.x(), p.y(), p.z(), axis.x(), axis.y(), axis.z(),
+             rotor.spin > 0 ? "CCW" : "CW ", rotor.output + 1, most_thrust_n(rotor.params),
+             rotor.params.omega_max_rad_s);
     if (rotor.wake) {
-      print(text, "      in the wake of rotor %d: %.0f %% of its thrust is left",
-            rotor.wake->upper + 1, 100 * rotor.wake->thrust_share);
+      add_line(text, "      in the wake of rotor {}: {:.0f} % of its thrust is left",
+               rotor.wake->upper + 1, 100 * rotor.wake->thrust_share);
     }
     if (rotor.tilt) {
       constexpr double kDegrees = 180 / 3.14159265358979323846;
       const base::TiltServo& servo = *rotor.tilt;
-      print(text, "      tilts from %.0f to %.0f deg about [%.3f, %.3f, %.3f] on output %d",
-            servo.min_rad * kDegrees, servo.max_rad * kDegrees, servo.axis_B.x(), servo.axis_B.y(),
-            servo.axis_B.z(), servo.output + 1);
+      add_line(text,
+               "      tilts from {:.0f} to {:.0f} deg about [{:.3f}, {:.3f}, {:.3f}] on output {}",
+               servo.min_rad * kDegrees, servo.max_rad * kDegrees, servo.axis_B.x(),
+               servo.axis_B.y(), servo.axis_B.z(), servo.output + 1);
       if (servo.middle_rad != 0) {
-        print(text, "      stands at %.0f deg at output 0", servo.middle_rad * kDegrees);
+        add_line(text, "      stands at {:.0f} deg at output 0", servo.middle_rad * kDegrees);
       }
     }
   }
@@ -119,10 +111,11 @@ Drain drain_at(const base::Vehicle& vehicle, double output, bool sagging) {
 
 void print_battery(std::string& text, const base::Vehicle& vehicle, double weight_n) {
   const Drain full = drain_at(vehicle, 1, true);
-  print(text, "battery            %.1f A at full output, at %.2f V: thrust to weight %.2f",
-        full.current_a, full.voltage_v, full.thrust_n / weight_n);
+  add_line(text, "battery            {:.1f} A at full output, at {:.2f} V: thrust to weight {:.2f}",
+           full.current_a, full.voltage_v, full.thrust_n / weight_n);
   if (const auto hover = vehicle.hover_output(base::kStandardGravity_m_s2)) {
-    print(text, "                   %.1f A in hover", drain_at(vehicle, *hover, false).current_a);
+    add_line(text, "                   {:.1f} A in hover",
+             drain_at(vehicle, *hover, false).current_a);
   }
 }
 
@@ -130,19 +123,21 @@ void print_lift(std::string& text, const base::Vehicle& vehicle) {
   const double weight_n = vehicle.mass_kg * base::kStandardGravity_m_s2;
   const base::ControlScales most = vehicle.control_scales();
   if (const auto hover = vehicle.hover_output(base::kStandardGravity_m_s2)) {
-    print(text, "hover              output %.3f of each rotor, %.0f rad/s at rotor 1", *hover,
-          vehicle.rotors.front().speed_at(*hover));
+    add_line(text, "hover              output {:.3f} of each rotor, {:.0f} rad/s at rotor 1",
+             *hover, vehicle.rotors.front().speed_at(*hover));
   } else {
-    print(text, "hover              no: at no output the same for all do the rotors carry %.2f N",
-          weight_n);
+    add_line(text,
+             "hover              no: at no output the same for all do the rotors carry {:.2f} N",
+             weight_n);
   }
-  print(text, "thrust to weight   %.2f (%.2f N to %.2f N)", most.u1_max_n / weight_n, most.u1_max_n,
-        weight_n);
+  add_line(text, "thrust to weight   {:.2f} ({:.2f} N to {:.2f} N)", most.u1_max_n / weight_n,
+           most.u1_max_n, weight_n);
   if (vehicle.rotors.front().electric) print_battery(text, vehicle, weight_n);
   const base::ControlScales& scales = vehicle.scales;
-  print(text,
-        "scales             {u1_max_n: %.6g, u2_max_nm: %.6g, u3_max_nm: %.6g, u4_max_nm: %.6g}",
-        scales.u1_max_n, scales.u2_max_nm, scales.u3_max_nm, scales.u4_max_nm);
+  add_line(text,
+           "scales             {{u1_max_n: {:.6g}, u2_max_nm: {:.6g}, u3_max_nm: {:.6g}, "
+           "u4_max_nm: {:.6g}}}",
+           scales.u1_max_n, scales.u2_max_nm, scales.u3_max_nm, scales.u4_max_nm);
 }
 
 /// Rank of the effectiveness of rotors (and servos, at hover). Each row is scaled to 1; those that
@@ -183,46 +178,45 @@ Eigen::MatrixXd with_servos(const base::Vehicle& vehicle) {
 void print_effectiveness(std::string& text, const base::Vehicle& vehicle) {
   const base::Effectiveness columns = vehicle.effectiveness();
   const char* const names[] = {"Fx N", "Fy N", "Fz N", "Mx Nm", "My Nm", "Mz Nm"};
-  print(text, "effectiveness      of each rotor at 1000 rad/s, forward, left, up");
+  add_line(text, "effectiveness      of each rotor at 1000 rad/s, forward, left, up");
   constexpr double kSmall = 0.1;  // a nano vehicle's: its numbers need a power of ten
   const double most = kThousand_rad2_s2 * columns.cwiseAbs().maxCoeff();
   for (Eigen::Index row = 0; row < columns.rows(); ++row) {
     std::string line;
-    char number[32];
     for (Eigen::Index i = 0; i < columns.cols(); ++i) {
       const double own = tidy(columns(row, i) * kThousand_rad2_s2, most);
-      std::snprintf(number, sizeof number, most < kSmall ? " %9.2e" : " %9.4f", own);
-      line += number;
+      line += most < kSmall ? fmt::format(" {:9.2e}", own) : fmt::format(" {:9.4f}", own);
     }
-    print(text, "  %-6s%s", names[row], line.c_str());
+    add_line(text, "  {:6}{}", names[row], line);
   }
   const Eigen::MatrixXd all = with_servos(vehicle);
-  print(text, "rank               %ld of 6", static_cast<long>(rank_of(columns, 3)));
+  add_line(text, "rank               {} of 6", rank_of(columns, 3));
   if (all.cols() > columns.cols()) {
-    print(text, "                   %ld with the servos", static_cast<long>(rank_of(all, 3)));
+    add_line(text, "                   {} with the servos", rank_of(all, 3));
   }
   Eigen::MatrixXd four(4, all.cols());
   four << all.row(2), all.row(3), all.row(4), all.row(5);
-  print(text, rank_of(four, 1) == 4
-                  ? "                   thrust, roll, pitch and yaw can be set independently"
-                  : "                   thrust, roll, pitch and yaw can NOT be set independently");
+  add_line(text, "{}",
+           rank_of(four, 1) == 4
+               ? "                   thrust, roll, pitch and yaw can be set independently"
+               : "                   thrust, roll, pitch and yaw can NOT be set independently");
 }
 
 void print_frame(std::string& text, const base::Vehicle& vehicle,
                  const std::vector<base::Frame>& frames) {
   for (const base::Frame& frame : frames) {
     if (!frame.fits(vehicle)) continue;
-    print(text, "order and spins    %s", frame.name.c_str());
+    add_line(text, "order and spins    {}", frame.name);
     if (frame.px4_airframe) {
-      print(text, "                   PX4: SYS_AUTOSTART %d", *frame.px4_airframe);
+      add_line(text, "                   PX4: SYS_AUTOSTART {}", *frame.px4_airframe);
     }
     if (frame.ardupilot) {
-      print(text, "                   ArduPilot: FRAME_CLASS %d, FRAME_TYPE %d",
-            frame.ardupilot->frame_class, frame.ardupilot->frame_type);
+      add_line(text, "                   ArduPilot: FRAME_CLASS {}, FRAME_TYPE {}",
+               frame.ardupilot->frame_class, frame.ardupilot->frame_type);
     }
     return;
   }
-  print(text, "order and spins    of no frame that PX4 and ArduPilot have (config/frames.yaml)");
+  add_line(text, "order and spins    of no frame that PX4 and ArduPilot have (config/frames.yaml)");
 }
 
 }  // namespace
@@ -234,8 +228,7 @@ bool hovers(const base::Vehicle& vehicle) {
 std::string describe_vehicle(const base::Vehicle& vehicle, const VehicleModel& model,
                              const std::vector<base::Frame>& frames) {
   std::string text;
-  print(text, "vehicle            %s, model %s", vehicle.name.c_str(),
-        vehicle.urdf.filename().c_str());
+  add_line(text, "vehicle            {}, model {}", vehicle.name, vehicle.urdf.filename().c_str());
   print_body(text, model);
   print_rotors(text, vehicle);
   if (hovers(vehicle)) {

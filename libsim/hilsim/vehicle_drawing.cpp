@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <variant>
 
@@ -109,18 +109,15 @@ class Drawing {
     draw({"from above, nose up", -Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitX(), 0});
     draw({"from the left, nose to the left", -Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ(),
           kView_px});
-    char bar[200];
-    std::snprintf(bar, sizeof bar,
-                  "<path d=\"M 20 425 h %.1f\" stroke=\"black\" stroke-width=\"2\"/>"
-                  "<text x=\"20\" y=\"418\">0.1 m</text>\n",
-                  0.1 * scale_);
-    add(bar);
-    add("</svg>\n");
+    add(
+        fmt::format("<path d=\"M 20 425 h {:.1f}\" stroke=\"black\" stroke-width=\"2\"/>"
+                    "<text x=\"20\" y=\"418\">0.1 m</text>\n</svg>\n",
+                    0.1 * scale_));
     return std::move(svg_);
   }
 
  private:
-  void add(const char* text) { svg_ += text; }
+  void add(std::string_view text) { svg_ += text; }
 
   Flat project(const View& view, const Eigen::Vector3d& p_B) const {
     return {view.origin_px + kView_px / 2 + scale_ * view.right_B.dot(p_B),
@@ -128,20 +125,15 @@ class Drawing {
   }
 
   void draw(const View& view) {
-    char text[160];
-    std::snprintf(text, sizeof text, "<text x=\"%.0f\" y=\"20\">%s</text>\n", view.origin_px + 20,
-                  view.title);
-    add(text);
+    add(fmt::format("<text x=\"{:.0f}\" y=\"20\">{}</text>\n", view.origin_px + 20, view.title));
     for (const Shape& shape : model_.shapes) {
       polygon(view, points_of(shape), "fill=\"#dddde4\" stroke=\"#888\"");
     }
     for (std::size_t i = 0; i < vehicle_.rotors.size(); ++i) draw_rotor(view, i);
     const Flat centre = project(view, Eigen::Vector3d::Zero());
-    std::snprintf(
-        text, sizeof text,
-        "<path d=\"M %.1f %.1f h 12 m -6 -6 v 12\" stroke=\"#c00\" stroke-width=\"2\"/>\n",
-        centre.x() - 6, centre.y());
-    add(text);
+    add(fmt::format(
+        "<path d=\"M {:.1f} {:.1f} h 12 m -6 -6 v 12\" stroke=\"#c00\" stroke-width=\"2\"/>\n",
+        centre.x() - 6, centre.y()));
   }
 
   void draw_rotor(const View& view, std::size_t index) {
@@ -155,13 +147,11 @@ class Drawing {
     const bool from_behind = rotor.axis_B.dot(view.right_B.cross(view.up_B)) < -1e-9;
     // Rotors of one arm stand over each other: their numbers stand side by side.
     const double aside = rotor.wake ? 26 : -4;
-    char text[400];
-    std::snprintf(text, sizeof text,
-                  "<path d=\"M %.1f %.1f L %.1f %.1f\" stroke=\"black\"/>"
-                  "<text x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\">%zu %s</text>\n",
-                  hub.x(), hub.y(), tip.x(), tip.y(), hub.x() + aside, hub.y() - 6, index + 1,
-                  (rotor.spin > 0) != from_behind ? "&#8634;" : "&#8635;");
-    add(text);
+    add(
+        fmt::format("<path d=\"M {:.1f} {:.1f} L {:.1f} {:.1f}\" stroke=\"black\"/>"
+                    "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{} {}</text>\n",
+                    hub.x(), hub.y(), tip.x(), tip.y(), hub.x() + aside, hub.y() - 6, index + 1,
+                    (rotor.spin > 0) != from_behind ? "&#8634;" : "&#8635;"));
   }
 
   void polygon(const View& view, const Points& points, const char* style) {
@@ -169,10 +159,8 @@ class Drawing {
     std::vector<Flat> flat;
     for (const Eigen::Vector3d& point : points) flat.push_back(project(view, point));
     svg_ += "<polygon points=\"";
-    char pair[48];
     for (const Flat& point : hull(std::move(flat))) {
-      std::snprintf(pair, sizeof pair, "%.1f,%.1f ", point.x(), point.y());
-      svg_ += pair;
+      svg_ += fmt::format("{:.1f},{:.1f} ", point.x(), point.y());
     }
     svg_ += std::string("\" ") + style + "/>\n";
   }

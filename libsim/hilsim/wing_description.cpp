@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/hilsim/wing_description.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <limits>
 #include <span>
 #include <utility>
@@ -126,12 +123,6 @@ Airframe airframe_of(const base::Vehicle& vehicle, const VehicleModel& model, co
     return wrench;
   };
   return airframe;
-}
-
-template <class... Values>
-void add_line(std::string& text, fmt::format_string<Values...> format, Values&&... values) {
-  fmt::format_to(std::back_inserter(text), format, std::forward<Values>(values)...);
-  text += '\n';
 }
 
 void print_surfaces(std::string& text, const base::AeroParams& aero) {

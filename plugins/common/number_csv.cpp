@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/common/number_csv.hpp"
 
+#include <fmt/format.h>
 #include <cmath>
 
 #include "base/byte_order_mark.hpp"
@@ -21,7 +22,7 @@ bool NumberCsv::next(std::span<double> values) {
   } while (text_.empty());
   std::istringstream words(text_);
   const auto wrong = [&] {
-    fail("needs " + std::to_string(values.size()) + " numbers with commas between them");
+    fail(fmt::format("needs {} numbers with commas between them", values.size()));
   };
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (i > 0 && words.get() != ',') wrong();
@@ -32,7 +33,7 @@ bool NumberCsv::next(std::span<double> values) {
 }
 
 void NumberCsv::fail(const std::string& sentence) const {
-  throw base::ConfigError(file_.string() + ":" + std::to_string(line_) + ": " + sentence);
+  throw base::ConfigError(fmt::format("{}:{}: {}", file_.string(), line_, sentence));
 }
 
 bool NumberCsv::read_line() {

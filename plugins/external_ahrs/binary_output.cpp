@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/external_ahrs/binary_output.hpp"
 
+#include <fmt/format.h>
 #include <bit>
 #include <charconv>
 #include <cmath>
@@ -188,11 +189,10 @@ bool BinaryOutput::write(std::span<const std::string_view> words, std::string& p
   for (std::size_t group = 0; group < 8; ++group) {
     if (!has(*groups, group)) continue;
     const auto mask = word < words.size() ? number<std::uint16_t>(words[word++], 16) : std::nullopt;
-    if (!mask) return refuse("group " + std::to_string(group) + " has no mask of fields");
-    if (group >= kGroups) return refuse("group " + std::to_string(group) + " is not simulated");
+    if (!mask) return refuse(fmt::format("group {} has no mask of fields", group));
+    if (group >= kGroups) return refuse(fmt::format("group {} is not simulated", group));
     if (const auto bit = unknown_field(group, *mask)) {
-      return refuse("field " + std::to_string(*bit) + " of group " + std::to_string(group) +
-                    " is not simulated");
+      return refuse(fmt::format("field {} of group {} is not simulated", *bit, group));
     }
     fresh.fields_[group] = *mask;
   }

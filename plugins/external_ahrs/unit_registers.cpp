@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/external_ahrs/unit_registers.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <charconv>
-#include <cstdio>
 
 namespace cas::sim {
 namespace {
@@ -25,9 +25,7 @@ unsigned checksum(std::string_view body) {
 }
 
 std::string framed(const std::string& body) {
-  char end[8];
-  std::snprintf(end, sizeof end, "*%02X\r\n", checksum(body));
-  return "$" + body + end;
+  return fmt::format("${}*{:02X}\r\n", body, checksum(body));
 }
 
 std::vector<std::string_view> split(std::string_view text) {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -277,8 +278,8 @@ class FaultPlugin final : public Plugin {
   void on_event(const FaultEvent& event, World& world) {
     const FaultSpec& fault = schedule_.faults()[event.fault];
     events_.push_back(event);
-    base::log::info("fault '" + fault.name + (event.begins ? "' begins at " : "' ends at ") +
-                    std::to_string(base::to_seconds(event.time)) + " s");
+    base::log::info(fmt::format("fault '{}' {} at {:f} s", fault.name,
+                                event.begins ? "begins" : "ends", base::to_seconds(event.time)));
     if (const auto* sensor = std::get_if<SensorFault>(&fault.kind)) {
       switch_sensor(*sensor, event.begins);
     } else if (const auto* gust = std::get_if<GustCommand>(&fault.kind)) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/fault/fault_spec.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -286,7 +286,7 @@ SensorFault parse_fix(const ConfigNode& node) {
 int parse_rotor_number(const ConfigNode& node) {
   const int rotor = node.as<int>() - 1;
   if (rotor < 0 || rotor >= base::kMaxRotors) {
-    node.fail("must be 1 to " + std::to_string(base::kMaxRotors));
+    node.fail(fmt::format("must be 1 to {}", base::kMaxRotors));
   }
   return rotor;
 }
@@ -428,9 +428,7 @@ std::optional<Expression> parse_expression(const ConfigNode& node, const char* k
 }
 
 std::string degree_text(double angle_rad) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.6g", angle_rad * base::kDegPerRad);
-  return text.data();
+  return fmt::format("{:.6g}", angle_rad * base::kDegPerRad);
 }
 
 /// Sentence of missing_part() for a surface.
@@ -446,8 +444,8 @@ std::string missing_surface(const SurfaceFault& fault, const base::Vehicle& vehi
     }
     const std::string wanted =
         fault.name.empty() ? std::to_string(fault.number + 1) : "'" + fault.name + "'";
-    return "there is no surface " + wanted + "; " + whose + " has " +
-           (known.empty() ? "none" : known);
+    return fmt::format("there is no surface {}; {} has {}", wanted, whose,
+                       known.empty() ? "none" : known);
   }
   const base::ControlSurface& surface = vehicle.aero->surfaces[*index];
   const auto [low, high] = std::minmax(surface.min_rad, surface.max_rad);
@@ -506,8 +504,8 @@ std::string missing_part(const FaultKind& kind, const base::Vehicle& vehicle) {
     rotor = std::max(swapped->first, swapped->second);
   }
   if (rotor >= vehicle.rotor_count()) {
-    return "there is no rotor " + std::to_string(rotor + 1) + "; vehicle '" + vehicle.name +
-           "' has " + std::to_string(vehicle.rotor_count());
+    return fmt::format("there is no rotor {}; vehicle '{}' has {}", rotor + 1, vehicle.name,
+                       vehicle.rotor_count());
   }
   const auto* of = std::get_if<SurfaceFault>(&kind);
   return of == nullptr ? "" : missing_surface(*of, vehicle);
@@ -515,7 +513,7 @@ std::string missing_part(const FaultKind& kind, const base::Vehicle& vehicle) {
 
 FaultSpec parse_fault(const ConfigNode& node, std::size_t number) {
   FaultSpec fault;
-  fault.name = node.get<std::string>("name", "fault " + std::to_string(number));
+  fault.name = node.get<std::string>("name", fmt::format("fault {}", number));
   fault.when = parse_expression(node, "when");
   fault.until = parse_expression(node, "until");
   if (node.has("at_s")) {
@@ -557,8 +555,8 @@ void FaultSchedule::reserve(std::size_t further) { faults_.reserve(faults_.size(
 
 void FaultSchedule::add(FaultSpec fault) {
   if (faults_.size() == faults_.capacity()) {
-    throw base::ConfigError("a run takes no more faults by hand: " +
-                            std::to_string(faults_.size() - scripted_) + " were ordered");
+    throw base::ConfigError(fmt::format("a run takes no more faults by hand: {} were ordered",
+                                        faults_.size() - scripted_));
   }
   faults_.push_back(std::move(fault));
   states_.push_back(State::kWaiting);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -56,8 +57,7 @@ class LandingTargetPlugin final : public Plugin {
   void reset() override { restart(model_.params()); }
 
   std::string stats_json() const override {
-    return "{\"pictures\":" + std::to_string(count_) + ",\"seen\":" + std::to_string(seen_) +
-           ",\"hidden\":" + std::to_string(hidden_) + "}";
+    return fmt::format(R"({{"pictures":{},"seen":{},"hidden":{}}})", count_, seen_, hidden_);
   }
 
  private:

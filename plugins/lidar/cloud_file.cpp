@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/lidar/cloud_file.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 
 namespace cas::sim {
@@ -18,10 +18,8 @@ constexpr std::size_t kPointBytes = 5 * sizeof(float) + sizeof(std::uint16_t);
 std::string viewpoint(const LidarScan& scan) {
   const Eigen::Vector3d& p = scan.p_WS;
   const Eigen::Quaterniond& q = scan.q_WS;
-  char text[200];
-  std::snprintf(text, sizeof(text), "%.6f %.6f %.6f %.9f %.9f %.9f %.9f", p.x(), p.y(), p.z(),
-                q.w(), q.x(), q.y(), q.z());
-  return text;
+  return fmt::format("{:.6f} {:.6f} {:.6f} {:.9f} {:.9f} {:.9f} {:.9f}", p.x(), p.y(), p.z(), q.w(),
+                     q.x(), q.y(), q.z());
 }
 
 std::string pcd_head(const std::string& count, const std::string& viewpoint) {
@@ -65,8 +63,8 @@ std::string cloud_text(const LidarScan& scan, base::CloudForm form) {
 std::string depth_text(const LidarScan& scan, const DepthPicture& picture) {
   constexpr double kMillimetres = 1000;
   constexpr double kMost_mm = 65535;
-  std::string text = "P5\n# viewpoint " + viewpoint(scan) + "\n" + std::to_string(picture.width) +
-                     " " + std::to_string(picture.height) + "\n65535\n";
+  std::string text = fmt::format("P5\n# viewpoint {}\n{} {}\n65535\n", viewpoint(scan),
+                                 picture.width, picture.height);
   const std::size_t head = text.size();
   text.resize(head + 2 * picture.pixels());
   for (const CloudPoint& point : scan.points) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cstdio>
+#include <fmt/format.h>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -45,8 +45,7 @@ class LidarPlugin final : public Plugin {
   void reset() override { restart(model_.params()); }
 
   std::string stats_json() const override {
-    return "{\"rays\":" + std::to_string(model_.rays()) +
-           ",\"returns\":" + std::to_string(model_.returns()) + "}";
+    return fmt::format(R"({{"rays":{},"returns":{}}})", model_.rays(), model_.returns());
   }
 
  private:
@@ -54,7 +53,7 @@ class LidarPlugin final : public Plugin {
   static std::string free_topic(PluginContext& context) {
     std::string name = context.topic("lidar");
     for (int number = 2; context.bus().is_advertised(name); ++number) {
-      name = context.topic("lidar_" + std::to_string(number));
+      name = context.topic(fmt::format("lidar_{}", number));
     }
     return name;
   }
@@ -84,12 +83,10 @@ class LidarPlugin final : public Plugin {
           mavlink_message(scan.sectors.message(scan.begin, params.min_m, params.max_m)));
     }
     if (!form_ || scan.number % every_ != 0) return;
-    char number[32];
-    std::snprintf(number, sizeof(number), "%06llu.%s", static_cast<unsigned long long>(scan.number),
-                  ending_of(*form_));
-    base::write_result({output_, folder_ / (file_ + number)},
-                       *form_ == base::CloudForm::kPgm ? depth_text(scan, *params.picture)
-                                                       : cloud_text(scan, *form_));
+    const std::string name = fmt::format("{}{:06}.{}", file_, scan.number, ending_of(*form_));
+    base::write_result({output_, folder_ / name}, *form_ == base::CloudForm::kPgm
+                                                      ? depth_text(scan, *params.picture)
+                                                      : cloud_text(scan, *form_));
   }
 
   VehicleId vehicle_{};

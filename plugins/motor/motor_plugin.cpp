@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -56,7 +57,7 @@ class MotorPlugin final : public Plugin {
     if (rotors_->has_circuit()) {
       esc_telemetry_ = context.bus().advertise<EscSample>(context.topic("esc"));
       for (int i = 1; i <= vehicle.rotor_count(); ++i) {
-        motor_currents_.push_back(context.figure("current of motor " + std::to_string(i), "A"));
+        motor_currents_.push_back(context.figure(fmt::format("current of motor {}", i), "A"));
       }
     }
     battery_ = full_battery_;
@@ -182,8 +183,8 @@ class MotorPlugin final : public Plugin {
       if (!world.disc_touches(vehicle_, disc.position_B_m, axis_B, disc.params.radius_m)) continue;
       rotors_->stop(i);
       strikes_.push_back({i, step.time});
-      base::log::warn(name_ + ": rotor " + std::to_string(i + 1) + " touched something at " +
-                      std::to_string(base::to_seconds(step.time)) + " s and stopped");
+      base::log::warn(fmt::format("{}: rotor {} touched something at {:f} s and stopped", name_,
+                                  i + 1, base::to_seconds(step.time)));
     }
   }
 
@@ -196,9 +197,10 @@ class MotorPlugin final : public Plugin {
   }
 
   std::string refusal() const {
-    return name_ + ": rotor " + std::to_string(*refused_reverse_ + 1) +
-           " was asked to turn the other way (an output below 0) and stayed at idle: the vehicle "
-           "file does not say that it is `reversible`";
+    return fmt::format(
+        "{}: rotor {} was asked to turn the other way (an output below 0) and stayed at idle: the "
+        "vehicle file does not say that it is `reversible`",
+        name_, *refused_reverse_ + 1);
   }
 
   /// Speeds that the controller asks for from now on.

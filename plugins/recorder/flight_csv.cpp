@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/recorder/flight_csv.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,7 +17,7 @@ namespace {
 
 std::string command_header(int values) {
   std::string header = "time_s,sensor_time_s,kind,armed";
-  for (int i = 1; i <= values; ++i) header += ",value" + std::to_string(i);
+  for (int i = 1; i <= values; ++i) header += fmt::format(",value{}", i);
   return header;
 }
 
@@ -25,11 +26,11 @@ std::string command_header(int values) {
 std::string truth_header(int rotors, bool has_airspeed, std::optional<int> surfaces) {
   std::string header =
       "time_s,x_m,y_m,z_m,vx_m_s,vy_m_s,vz_m_s,roll_rad,pitch_rad,yaw_rad,p_rad_s,q_rad_s,r_rad_s";
-  for (int i = 1; i <= rotors; ++i) header += ",omega" + std::to_string(i) + "_rad_s";
+  for (int i = 1; i <= rotors; ++i) header += fmt::format(",omega{}_rad_s", i);
   if (has_airspeed) header += ",airspeed_m_s";
   if (surfaces) header += ",alpha_rad,beta_rad,load_factor";
   for (int i = 1; i <= surfaces.value_or(0); ++i) {
-    header += ",deflection" + std::to_string(i) + "_rad";
+    header += fmt::format(",deflection{}_rad", i);
   }
   return header;
 }

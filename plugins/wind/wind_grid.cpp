@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "plugins/wind/wind_grid.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -57,10 +58,9 @@ WindGrid WindGrid::load(const std::filesystem::path& file) {
     places *= axis.size();
   }
   if (places != rows.size()) {
-    csv.fail("has " + std::to_string(rows.size()) + " places, and the " +
-             std::to_string(grid.axes_[0].size()) + " values of x, " +
-             std::to_string(grid.axes_[1].size()) + " of y and " +
-             std::to_string(grid.axes_[2].size()) + " of z make " + std::to_string(places));
+    csv.fail(fmt::format("has {} places, and the {} values of x, {} of y and {} of z make {}",
+                         rows.size(), grid.axes_[0].size(), grid.axes_[1].size(),
+                         grid.axes_[2].size(), places));
   }
   grid.wind_W_.resize(places);
   std::vector<bool> filled(places, false);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/doctor/findings.hpp"
 
+#include <fmt/format.h>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -43,7 +44,7 @@ double verdict(const json& link, std::string_view word) {
 /// "; 40 of its packets WHAT", or nothing for none.
 std::string packets_text(double packets, const std::string& what) {
   if (packets <= 0) return "";
-  return "; " + std::to_string(static_cast<std::uint64_t>(packets)) + " of its packets " + what;
+  return fmt::format("; {} of its packets {}", static_cast<std::uint64_t>(packets), what);
 }
 
 /// Advice for a link that is not up; its endpoint has the reason.
@@ -76,8 +77,8 @@ void check_own_drops(const DoctorFacts& facts, const json& link, Findings& own) 
     if (drops <= 0) continue;
     warn(
         own,
-        "link " + link.value("name", "?") + ": casd dropped " +
-            std::to_string(static_cast<std::uint64_t>(drops)) + " packets (" + cause + ")",
+        fmt::format("link {}: casd dropped {} packets ({})", link.value("name", "?"),
+                    static_cast<std::uint64_t>(drops), cause),
         "`casctl drops` names the messages; docs/use/troubleshooting.md has a line for each cause");
   }
 }
@@ -88,9 +89,9 @@ void check_refusals(const DoctorFacts& facts, const json& link, Findings& own) {
                          drop_growth(facts, link, std::string(to_string(casd::DropCause::kClosed)));
   if (link.value("type", "") != "udp" || !link.contains("remote") || refused <= 0) return;
   warn(own,
-       "link " + link.value("name", "?") + ": nobody listens at " + link.value("remote", "?") +
-           " or it cannot be reached" + ", " + std::to_string(static_cast<std::uint64_t>(refused)) +
-           " packets were refused",
+       fmt::format("link {}: nobody listens at {} or it cannot be reached, {} packets were refused",
+                   link.value("name", "?"), link.value("remote", "?"),
+                   static_cast<std::uint64_t>(refused)),
        "start the program there, a ground station for example, or remove the link");
 }
 
@@ -124,8 +125,8 @@ std::string earlier_drops_text(const json& link) {
     if (words.trouble) packets += dropped.value(std::string(words.word), 0.0);
   }
   if (packets <= 0) return "";
-  return "; it dropped " + std::to_string(static_cast<std::uint64_t>(packets)) +
-         " packets before (casctl drops)";
+  return fmt::format("; it dropped {} packets before (casctl drops)",
+                     static_cast<std::uint64_t>(packets));
 }
 
 /// Warns of packets that the link's to_not_hil has held back since casd started, because a played
@@ -134,9 +135,9 @@ void check_held_back(const json& link, Findings& all) {
   const double packets = verdict(link, to_string(casd::DropCause::kNotHil));
   if (packets <= 0) return;
   warn(all,
-       "link " + link.value("name", "?") + ": " +
-           std::to_string(static_cast<std::uint64_t>(packets)) +
-           " packets were held back that may spin, move or mislead a vehicle (not_hil)",
+       fmt::format("link {}: {} packets were held back that may spin, move or mislead a vehicle "
+                   "(not_hil)",
+                   link.value("name", "?"), static_cast<std::uint64_t>(packets)),
        "the vehicle does not say that it is in HIL; `to_not_hil: all` of the link lets them pass");
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/doctor/findings.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 
@@ -27,8 +28,7 @@ void check_devices(const DoctorFacts& facts, Findings& all) {
               " $USER, then log in again (casd needs the right, casctl does not)");
     } else if (device.latency_timer.value_or(1) > 1) {
       warn(all,
-           device.path + " holds packets back for up to " + std::to_string(*device.latency_timer) +
-               " ms",
+           fmt::format("{} holds packets back for up to {} ms", device.path, *device.latency_timer),
            "install config/udev/61-cas-pixhawk.rules, or echo 1 > "
            "/sys/bus/usb-serial/devices/TTY/latency_timer");
     } else {

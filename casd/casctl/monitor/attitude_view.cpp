@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/monitor/attitude_view.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "base/angles.hpp"
 #include "casd/casctl/monitor/dot_canvas.hpp"
@@ -32,11 +32,8 @@ std::string heading_text(int degrees) {
       return "S";
     case 270:
       return "W";
-    default: {
-      char text[8];
-      std::snprintf(text, sizeof text, "%03d", degrees % 1000);
-      return text;
-    }
+    default:
+      return fmt::format("{:03}", degrees % 1000);
   }
 }
 

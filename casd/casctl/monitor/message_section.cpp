@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/monitor/sections.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -14,9 +15,7 @@ namespace {
 using nlohmann::json;
 
 std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, std::abs(value) < 1e4 ? "%.3g" : "%.6g", value);
-  return text;
+  return fmt::format("{:.{}g}", value, std::abs(value) < 1e4 ? 3 : 6);
 }
 
 /// A field of the open message with its history.
@@ -93,8 +92,7 @@ ScreenLine field_title(const MonitorState& state, double age_s, bool is_old, std
   const MessageKey& key = *state.open;
   return join({{key.name, Style::kHeader},
                {"on " + key.link, Style::kHeader, 2},
-               {"from " + std::to_string(key.system) + "/" + std::to_string(key.component),
-                Style::kHeader, 3},
+               {fmt::format("from {}/{}", key.system, key.component), Style::kHeader, 3},
                {age_text(age_s) + " old", is_old ? Style::kBad : Style::kHeader, 1},
                {state.paused ? "PAUSED" : "", Style::kBad, 1}},
               width, 1);
@@ -118,7 +116,7 @@ Block message_section(const MonitorState& state, double now_s, std::size_t width
                                                   : Style::kPlain;
     lines.push_back(
         {{row.key.link, row.key.direction, std::to_string(row.key.id), row.key.name,
-          std::to_string(row.key.system) + "/" + std::to_string(row.key.component),
+          fmt::format("{}/{}", row.key.system, row.key.component),
           old || state.paused ? "-" : fixed(row.hz, 1), age_text(age_s), short_count(row.count)},
          style});
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/monitor/monitor_view.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <utility>
 
@@ -18,7 +19,7 @@ using Page = MonitorState::Page;
 std::vector<Segment> vehicle_title(const MonitorState& state, const Presence& vehicle,
                                    double now_s) {
   const json& summary = vehicle.summary;
-  const std::string name = "vehicle " + std::to_string(summary.value("system", 0));
+  const std::string name = fmt::format("vehicle {}", summary.value("system", 0));
   switch (vehicle.kind) {
     case Presence::Kind::kUnknown:
       return {{"CASD DOES NOT ANSWER since " + age_text(vehicle.age_s), Style::kAlarm}};
@@ -45,7 +46,7 @@ std::vector<Segment> vehicle_title(const MonitorState& state, const Presence& ve
       {summary.value("mode", "?"), Style::kTitle},
       {landed_text(state, summary, now_s), Style::kTitle, 2},
       {told ? fixed(state.vehicle["altitude_m"].get<double>(), 2) + " m" : "", Style::kTitle, 3},
-      {others == 0 ? "" : "and " + std::to_string(others) + " more (v)", Style::kTitle, 5}};
+      {others == 0 ? "" : fmt::format("and {} more (v)", others), Style::kTitle, 5}};
 }
 
 /// The bar across the top: the vehicle at the left, casd at the right.
@@ -135,8 +136,7 @@ Block links_and_messages(const MonitorState& state, double now_s, std::size_t wi
   if (block.size() > most) {
     const std::size_t left_out = block.size() - most + 1;
     block.resize(most - 1);
-    block.emplace_back("and " + std::to_string(left_out) + " lines more: casctl links",
-                       Style::kDim);
+    block.emplace_back(fmt::format("and {} lines more: casctl links", left_out), Style::kDim);
   }
   append(block, message_section(state, now_s, width, rows - std::min(rows, block.size())));
   return fit_block(block, rows, width);

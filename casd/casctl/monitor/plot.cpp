@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/monitor/plot.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 
@@ -26,10 +27,7 @@ double round_step(double least) {
 
 std::string Axis::label(double value) const {
   std::string text = fixed(value == 0 ? 0 : value, decimals);
-  if (columns(text) <= kWidestLabel) return text;
-  char exponent[32];
-  std::snprintf(exponent, sizeof exponent, "%.4g", value);
-  return exponent;
+  return columns(text) <= kWidestLabel ? text : fmt::format("{:.4g}", value);
 }
 
 Axis round_axis(double low, double high) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/monitor/sections.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 
@@ -95,12 +96,12 @@ std::string absence_text(const MonitorState& state, const Presence& vehicle) {
       return "casd does not answer since " + age_text(vehicle.age_s) +
              (state.casd_fault ? ": " + *state.casd_fault : "") + "; trying again every second";
     case Presence::Kind::kLost:
-      return "Vehicle " + std::to_string(vehicle.summary.value("system", 0)) +
-             " is lost: no HEARTBEAT since " + age_text(vehicle.age_s) +
-             ". Last heard: " + state_words(vehicle.summary) + "; " + links_text(state) + ".";
+      return fmt::format("Vehicle {} is lost: no HEARTBEAT since {}. Last heard: {}; {}.",
+                         vehicle.summary.value("system", 0), age_text(vehicle.age_s),
+                         state_words(vehicle.summary), links_text(state));
     case Presence::Kind::kNone:
-      return (state.chosen_vehicle ? "No vehicle " + std::to_string(*state.chosen_vehicle) +
-                                         ": no HEARTBEAT of it has come; "
+      return (state.chosen_vehicle ? fmt::format("No vehicle {}: no HEARTBEAT of it has come; ",
+                                                 *state.chosen_vehicle)
                                    : "No vehicle: no HEARTBEAT of an autopilot has come; ") +
              links_text(state) + ".";
     case Presence::Kind::kHere:
@@ -118,10 +119,10 @@ Block complaint_lines(const json& summary, std::size_t width, std::size_t most) 
                                 width, Style::kBad, "! ");
     const bool is_last = i + 1 == complaints.size();
     if (block.size() + lines.size() + (is_last ? 0 : 1) > most) {
-      const std::string left_out = std::to_string(complaints.size() - i);
+      const std::size_t left_out = complaints.size() - i;
       if (block.size() < most) {
-        block.emplace_back("! " + left_out + (block.empty() ? "" : " more") +
-                               (left_out == "1" ? " complaint" : " complaints") + " (key a)",
+        block.emplace_back(fmt::format("! {}{} complaint{} (key a)", left_out,
+                                       block.empty() ? "" : " more", left_out == 1 ? "" : "s"),
                            Style::kBad);
       }
       break;
@@ -263,7 +264,7 @@ Block said_lines(const MonitorState& state, double now_s, std::size_t width, std
     const std::string severity = text.value("severity", "");
     const bool is_bad = severity != "info" && severity != "notice" && severity != "debug";
     const std::vector<std::string> lines =
-        wrap(said + (times > 1 ? " (" + std::to_string(times) + " times)" : ""),
+        wrap(said + (times > 1 ? fmt::format(" ({} times)", times) : ""),
              width > 11 ? width - 11 : width);
     if (newest_first.size() + lines.size() + 1 > rows) break;
     for (std::size_t j = 0; j < lines.size(); ++j) {
@@ -302,7 +303,7 @@ Block vehicle_section(const MonitorState& state, double now_s, std::size_t width
     return block;
   }
   const json& summary = vehicle.summary;
-  Block block{join({{"VEHICLE " + std::to_string(summary.value("system", 0)), Style::kHeader},
+  Block block{join({{fmt::format("VEHICLE {}", summary.value("system", 0)), Style::kHeader},
                     {summary.value("autopilot", ""), Style::kHeader, 1},
                     {summary.value("type", ""), Style::kHeader, 3},
                     {"on " + summary.value("link", "?"), Style::kHeader, 2}},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/session/daemon_list.hpp"
 
+#include <fmt/format.h>
 #include <chrono>
 #include <ctime>
 #include <nlohmann/json.hpp>
@@ -73,9 +74,9 @@ void throw_several(std::vector<base::rpc::LocalClient>& clients) {
   for (base::rpc::LocalClient& client : clients) daemons.push_back(daemon(client));
   const double now_s =
       std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
-  std::string text = std::to_string(clients.size()) +
-                     " casds run on this machine: say which with --address or CASD_ADDRESS\n" +
-                     daemon_table(daemons, now_s);
+  std::string text =
+      fmt::format("{} casds run on this machine: say which with --address or CASD_ADDRESS\n{}",
+                  clients.size(), daemon_table(daemons, now_s));
   text.pop_back();
   throw SeveralDaemons(text, std::move(daemons));
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/session/session.hpp"
 
+#include <fmt/format.h>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -26,7 +27,7 @@ namespace {
 using nlohmann::json;
 
 constexpr auto kPollPeriod = std::chrono::milliseconds(100);
-const std::string kTcpAddress = "127.0.0.1:" + std::to_string(base::rpc::kCommandPort);
+const std::string kTcpAddress = fmt::format("127.0.0.1:{}", base::rpc::kCommandPort);
 
 std::string first_line(const std::filesystem::path& file) {
   std::ifstream in(file);
@@ -181,8 +182,8 @@ namespace {
 std::string advice(const std::string& what, const json& state) {
   if (is_silent(state)) {
     const double age_s = state.value("heartbeat_age_s", 0.0);
-    return "; no HEARTBEAT has come for " + std::to_string(std::lround(age_s)) +
-           " s: look at `casctl links`";
+    return fmt::format("; no HEARTBEAT has come for {} s: look at `casctl links`",
+                       std::lround(age_s));
   }
   const bool needs_arming = what != "disarmed" && what != "landed";
   if (needs_arming && !state.value("armed", true)) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/session/text.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstddef>
-#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -48,11 +48,7 @@ void Table::print(std::ostream& out) const {
   }
 }
 
-std::string fixed(double value, int decimals) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
-}
+std::string fixed(double value, int decimals) { return fmt::format("{:.{}f}", value, decimals); }
 
 std::string count_text(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);
@@ -70,9 +66,8 @@ std::string duration_text(double seconds) {
 }
 
 std::string stream_text(const nlohmann::json& future) {
-  return std::to_string(future.value("system", 0)) + "/" +
-         std::to_string(future.value("component", 0)) + " (signing link " +
-         std::to_string(future.value("link_id", 0)) + ")";
+  return fmt::format("{}/{} (signing link {})", future.value("system", 0),
+                     future.value("component", 0), future.value("link_id", 0));
 }
 
 std::string printable(std::string text) {
@@ -210,18 +205,14 @@ std::string age_text(double age_s) {
 
 std::string value_text(const nlohmann::json& value) {
   if (value.is_string()) return value.get<std::string>();
-  if (value.is_number_float()) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value.get<double>());
-    return text;
-  }
+  if (value.is_number_float()) return fmt::format("{:.6g}", value.get<double>());
   if (!value.is_array()) return value.is_null() ? "nan" : value.dump();
   constexpr std::size_t kMost = 4;
   std::string text;
   for (std::size_t i = 0; i < std::min(value.size(), kMost); ++i) {
     text += (text.empty() ? "" : " ") + value_text(value[i]);
   }
-  if (value.size() > kMost) text += " and " + std::to_string(value.size() - kMost) + " more";
+  if (value.size() > kMost) text += fmt::format(" and {} more", value.size() - kMost);
   return text;
 }
 

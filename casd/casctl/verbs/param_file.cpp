@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/verbs/param_file.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
@@ -124,9 +125,9 @@ std::vector<ParamWish> parse_param_file(std::string_view text, const std::string
     if (!wish) wish = pair_of(line);
     if (!wish) {
       throw std::runtime_error(
-          file + ":" + std::to_string(number) +
-          ": expected NAME VALUE, NAME,VALUE or QGroundControl's columns "
-          "(system, component, name, value, type), with a decimal point or 0x");
+          fmt::format("{}:{}: expected NAME VALUE, NAME,VALUE or QGroundControl's columns "
+                      "(system, component, name, value, type), with a decimal point or 0x",
+                      file, number));
     }
     wishes.push_back(*std::move(wish));
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/casctl/verbs/param_load.hpp"
 
+#include <fmt/format.h>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -78,9 +79,9 @@ class Loading {
       return true;
     }
     if (wish.component == 0 || wish.component == own_component_) return false;
-    refuse(wish, "it is of component " + std::to_string(wish.component) +
-                     "; only those of the autopilot, component " + std::to_string(own_component_) +
-                     ", are set");
+    refuse(wish,
+           fmt::format("it is of component {}; only those of the autopilot, component {}, are set",
+                       wish.component, own_component_));
     return true;
   }
 
@@ -158,13 +159,12 @@ std::string names_of(const json& names) {
 /// A sentence that names the parameters in force, then a line for each kind of failure.
 std::string fate_text(const Fate& fate, const std::string& file, std::size_t asked) {
   const std::string of_file = " parameters of " + file + " are in force";
-  if (fate.all()) return std::to_string(asked) + of_file;
-  std::string text =
-      std::to_string(fate.in_force.size()) + " of " + std::to_string(asked) + of_file;
+  if (fate.all()) return fmt::format("{}{}", asked, of_file);
+  std::string text = fmt::format("{} of {}{}", fate.in_force.size(), asked, of_file);
   if (!fate.in_force.empty()) text += ": " + names_of(fate.in_force);
   for (const json& each : fate.kept) {
-    text += "\nthe vehicle keeps " + each["name"].get<std::string>() + " = " +
-            each["value"].dump() + " (asked: " + each["asked"].dump() + ")";
+    text += fmt::format("\nthe vehicle keeps {} = {} (asked: {})", each["name"].get<std::string>(),
+                        each["value"].dump(), each["asked"].dump());
   }
   for (const json& each : fate.refused) {
     text +=

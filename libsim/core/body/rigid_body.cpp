@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/body/rigid_body.hpp"
 
+#include <fmt/format.h>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -101,9 +102,9 @@ void ForceSet::add(const ForceModel& model) {
   const auto count = static_cast<std::size_t>(std::max(0, model.state_count()));
   if (model_count_ == kMaxModels || count > ForceModel::kMaxStates ||
       state_count_ + count > kMaxStates) {
-    throw base::ConfigError("a vehicle takes at most " + std::to_string(kMaxModels) +
-                            " force models with " + std::to_string(ForceModel::kMaxStates) +
-                            " states each and " + std::to_string(kMaxStates) + " in all");
+    throw base::ConfigError(
+        fmt::format("a vehicle takes at most {} force models with {} states each and {} in all",
+                    kMaxModels, ForceModel::kMaxStates, kMaxStates));
   }
   models_[model_count_++] = {&model, state_count_, count};
   state_count_ += count;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/collada_document.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 
 #include "base/error.hpp"
@@ -24,7 +25,7 @@ void ColladaDocument::index(const XmlElement& element, const XmlElement* parent)
 }
 
 std::string ColladaDocument::place(const XmlElement& element) const {
-  return file_ + ":" + std::to_string(element.line);
+  return fmt::format("{}:{}", file_, element.line);
 }
 
 void ColladaDocument::fail(const XmlElement& at, const std::string& sentence) const {
@@ -45,8 +46,8 @@ const XmlElement& ColladaDocument::target(const XmlElement& element, std::string
   }
   const std::vector<const XmlElement*>& all = found->second;
   if (all.size() > 1) {
-    fail(element, what + "and that id occurs twice, in lines " + std::to_string(all[0]->line) +
-                      " and " + std::to_string(all[1]->line));
+    fail(element, fmt::format("{}and that id occurs twice, in lines {} and {}", what, all[0]->line,
+                              all[1]->line));
   }
   return *all.front();
 }
@@ -62,8 +63,7 @@ void ColladaDocument::refuse_word(const XmlElement& at, std::string_view word) c
 }
 
 void ColladaDocument::refuse_count(const XmlElement& at, std::size_t is, std::size_t wanted) const {
-  fail(at, "<" + at.name + "> has " + std::to_string(is) + " numbers instead of " +
-               std::to_string(wanted));
+  fail(at, fmt::format("<{}> has {} numbers instead of {}", at.name, is, wanted));
 }
 
 void ColladaDocument::refuse_attribute(const XmlElement& at, std::string_view key) const {

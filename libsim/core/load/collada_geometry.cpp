@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/collada_geometry.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <string>
@@ -103,7 +104,7 @@ std::size_t ColladaGeometry::add_positions(const XmlElement& mesh, const XmlElem
         accessor ? document_.number<std::uint32_t>(*accessor, "stride", 3) : 3;
     if (stride < 3) {
       document_.fail(*accessor,
-                     "a position has three numbers, and 'stride' is " + std::to_string(stride));
+                     fmt::format("a position has three numbers, and 'stride' is {}", stride));
     }
     const std::size_t begin =
         accessor ? document_.number<std::uint32_t>(*accessor, "offset", 0) : 0;
@@ -122,17 +123,15 @@ ColladaGeometry::Indices ColladaGeometry::read_list(const XmlElement& list, cons
   const Indices all = document_.numbers<std::uint32_t>(list);
   numbers_ += all.size();
   if (all.size() % corners.stride != 0) {
-    document_.fail(list, "<p> has " + std::to_string(all.size()) +
-                             " numbers, which is no multiple "
-                             "of " +
-                             std::to_string(corners.stride) + ", the numbers of a corner");
+    document_.fail(list, fmt::format("<p> has {} numbers, which is no multiple of {}, the numbers "
+                                     "of a corner",
+                                     all.size(), corners.stride));
   }
   Indices named;
   named.reserve(all.size() / corners.stride);
   for (std::size_t i = corners.offset; i < all.size(); i += corners.stride) {
     if (all[i] >= count) {
-      document_.fail(list, "<p> names the vertex " + std::to_string(all[i]) + ", and there are " +
-                               std::to_string(count));
+      document_.fail(list, fmt::format("<p> names the vertex {}, and there are {}", all[i], count));
     }
     named.push_back(static_cast<std::uint32_t>(first + all[i]));
   }
@@ -192,8 +191,8 @@ void ColladaGeometry::add_fan(const XmlElement& list, const Indices& corners, st
 void ColladaGeometry::compare_count(const XmlElement& part) const {
   const auto promised = document_.number<std::size_t>(part, "count", faces_);
   if (promised == faces_) return;
-  options_.warn(document_.place(part) + ": <" + part.name + "> promises " +
-                std::to_string(promised) + " faces and has " + std::to_string(faces_));
+  options_.warn(fmt::format("{}: <{}> promises {} faces and has {}", document_.place(part),
+                            part.name, promised, faces_));
 }
 
 void ColladaGeometry::require_few(const XmlElement& at) const {
@@ -201,9 +200,9 @@ void ColladaGeometry::require_few(const XmlElement& at) const {
       numbers_ <= kMostNumbers) {
     return;
   }
-  document_.fail(at, "here the mesh grows beyond " + std::to_string(kMostTriangles) +
-                         " triangles, three times as many vertices or " +
-                         std::to_string(kMostNumbers) + " numbers");
+  document_.fail(at, fmt::format("here the mesh grows beyond {} triangles, three times as many "
+                                 "vertices or {} numbers",
+                                 kMostTriangles, kMostNumbers));
 }
 
 }  // namespace cas::sim

@@ -3,6 +3,7 @@
 
 #include <png.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
@@ -65,9 +66,9 @@ class PngReader {
   void require_size(const GreyImage& image) const {
     const auto fits = [](std::uint32_t n) { return n >= 2 && n <= kLargestHeightmap; };
     if (fits(image.width) && fits(image.height)) return;
-    throw base::ConfigError(name_ + ": a heightmap has 2 to " + std::to_string(kLargestHeightmap) +
-                            " pixels along each edge, this one " + std::to_string(image.width) +
-                            " x " + std::to_string(image.height));
+    throw base::ConfigError(
+        fmt::format("{}: a heightmap has 2 to {} pixels along each edge, this one {} x {}", name_,
+                    kLargestHeightmap, image.width, image.height));
   }
 
   void take_first_channel(const std::vector<std::uint8_t>& bytes, std::size_t row_bytes,
@@ -91,9 +92,9 @@ class PngReader {
   static void on_read(png_structp png, png_bytep out, png_size_t size) {
     auto* const self = static_cast<PngReader*>(png_get_io_ptr(png));
     if (size > self->rest_.size()) {
-      throw base::ConfigError(self->name_ + ": the PNG file is cut: it ends behind " +
-                              std::to_string(self->size_) + " bytes, and " +
-                              std::to_string(self->whole_rows_) + " whole rows of pixels");
+      throw base::ConfigError(fmt::format(
+          "{}: the PNG file is cut: it ends behind {} bytes, and {} whole rows of pixels",
+          self->name_, self->size_, self->whole_rows_));
     }
     std::memcpy(out, self->rest_.data(), size);
     self->rest_.remove_prefix(size);

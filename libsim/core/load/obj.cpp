@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/obj.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -81,14 +82,14 @@ class ObjReader {
     Eigen::Vector3d v;
     for (int i = 0; i < 3; ++i) {
       const std::string_view word = base::next_word(words_);
-      if (word.empty()) fail("a vertex has three numbers, this one " + std::to_string(i));
+      if (word.empty()) fail(fmt::format("a vertex has three numbers, this one {}", i));
       const auto value = base::number_of<double>(word);
       if (!value) fail(base::no_number(word));
       v[i] = *value;
     }
     mesh_.vertices.push_back(v);  // behind it: a weight, or a colour, even of 'nan'
     if (mesh_.vertices.size() > 3 * kMostTriangles) {
-      fail("here the mesh grows beyond " + std::to_string(3 * kMostTriangles) + " vertices");
+      fail(fmt::format("here the mesh grows beyond {} vertices", 3 * kMostTriangles));
     }
   }
 
@@ -97,7 +98,7 @@ class ObjReader {
     for (auto word = base::next_word(words_); !word.empty(); word = base::next_word(words_)) {
       face.push_back(index_of(word));
       if (mesh_.triangles.size() + face.size() > kMostTriangles + 2) {
-        fail("here the mesh grows beyond " + std::to_string(kMostTriangles) + " triangles");
+        fail(fmt::format("here the mesh grows beyond {} triangles", kMostTriangles));
       }
     }
     if (face.size() < 3 && (is_cut_here() || !std::exchange(has_thin_faces_, true))) {
@@ -119,8 +120,10 @@ class ObjReader {
     const auto unnamed = std::ranges::count(named, false);
     if (unnamed == 0) return;
     const auto first = std::ranges::find(named, false) - named.begin() + 1;
-    options_.warn(place() + ": vertices of no face are left out: " + std::to_string(unnamed) +
-                  " (the first is vertex " + std::to_string(first) + "); is the file cut here?");
+    options_.warn(
+        fmt::format("{}: vertices of no face are left out: {} (the first is vertex {}); "
+                    "is the file cut here?",
+                    place(), unnamed, first));
   }
 
   /// "7", "7/1/3", "7//3" or "-1": the vertex's number, counted from 1 or, of those so far, from
@@ -150,7 +153,7 @@ class ObjReader {
   std::string cut_hint() const {
     return is_cut_here() ? "; the file ends within this line: is it cut?" : "";
   }
-  std::string place() const { return file_ + ":" + std::to_string(line_); }
+  std::string place() const { return fmt::format("{}:{}", file_, line_); }
   [[noreturn]] void fail(const std::string& sentence) const {
     throw base::ConfigError(place() + ": " + sentence + cut_hint());
   }

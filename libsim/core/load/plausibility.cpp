@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/plausibility.hpp"
 
+#include <fmt/format.h>
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <span>
 
 #include "base/earth/gravity.hpp"
@@ -44,11 +44,7 @@ constexpr Unit kMasses[]{{"g", 1e-3}};
 constexpr Unit kInertias[]{{"g mm^2", 1e-9},  {"g cm^2", 1e-7},     {"kg mm^2", 1e-6},
                            {"kg cm^2", 1e-4}, {"lb in^2", 2.93e-4}, {"g m^2", 1e-3}};
 
-std::string text(double value) {
-  char digits[32];
-  std::snprintf(digits, sizeof digits, "%.3g", value);
-  return digits;
-}
+std::string text(double value) { return fmt::format("{:.3g}", value); }
 
 /// ": it may be in mm instead of m", by the unit in which a value is nearest to what is expected;
 /// nothing where none comes near.

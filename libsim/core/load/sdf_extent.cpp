@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/sdf_extent.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -116,9 +117,9 @@ void require_pose(const SdfWord& pose, const fs::path& file) {
   const auto no_number = base::read_numbers(pose.text, numbers);
   if (!no_number && (numbers.empty() || numbers.size() == 6 || numbers.size() == 7)) return;
   throw base::ConfigError(
-      file.string() + ":" + std::to_string(pose.line) + ": the <pose> of an <include> " +
-      (no_number ? "is no pose: " + base::no_number(*no_number)
-                 : "has " + std::to_string(numbers.size()) + " numbers instead of 6"));
+      fmt::format("{}:{}: the <pose> of an <include> {}", file.string(), pose.line,
+                  no_number ? "is no pose: " + base::no_number(*no_number)
+                            : fmt::format("has {} numbers instead of 6", numbers.size())));
 }
 
 /// Sums what libsdformat takes.
@@ -145,8 +146,8 @@ class Cost {
   static SdfExtent extent_of(const fs::path& file, const char* kind) {
     SdfExtent extent = sdf_extent(base::read_foreign_file(file, kind, kMostBytes));
     if (extent.deepest <= kDeepest) return extent;
-    throw base::ConfigError(file.string() + ": elements lie more than " + std::to_string(kDeepest) +
-                            " deep");
+    throw base::ConfigError(
+        fmt::format("{}: elements lie more than {} deep", file.string(), kDeepest));
   }
 
   static std::size_t of(const SdfExtent::Counts& elements, const SdfDescription& description) {
@@ -160,7 +161,7 @@ class Cost {
     std::size_t kilobytes = 0;
     for (const SdfWord& pose : extent.poses) require_pose(pose, file);
     for (const SdfWord& uri : extent.includes) {
-      const std::string place = file.string() + ":" + std::to_string(uri.line);
+      const std::string place = fmt::format("{}:{}", file.string(), uri.line);
       if (const auto model = model_file(uri.text, file, place)) {
         kilobytes += of_model(*model, depth);
       } else if (depth > 1) {
@@ -178,8 +179,8 @@ class Cost {
       throw base::ConfigError(file.string() + ": the model includes itself");
     }
     if (depth > kDeepestInclude) {
-      throw base::ConfigError(file.string() + ": models include each other more than " +
-                              std::to_string(kDeepestInclude) + " deep");
+      throw base::ConfigError(fmt::format("{}: models include each other more than {} deep",
+                                          file.string(), kDeepestInclude));
     }
     known_[file] = std::nullopt;  // until its includes are counted
     const SdfExtent extent = extent_of(file, "model");
@@ -222,12 +223,11 @@ SdfContents require_readable_extent(const fs::path& world, const FindFile& find)
   Cost cost(find);
   const std::size_t kilobytes = cost.of_world(world);
   if (kilobytes <= kMostKilobytes) return std::move(cost).contents();
-  throw base::ConfigError(
-      world.string() + ": libsdformat takes about " + std::to_string(kilobytes / 1'000'000) +
-      " GB for this world with all that it includes, and at most " +
-      std::to_string(kMostKilobytes / 1'000'000) +
-      " GB are read: an included or nested <model> takes 1.5 MB, a <link> of it 0.9, a <collision> "
-      "0.13, one of the world's own file less; make one model, or one mesh, of many small ones");
+  throw base::ConfigError(fmt::format(
+      "{}: libsdformat takes about {} GB for this world with all that it includes, and at most {} "
+      "GB are read: an included or nested <model> takes 1.5 MB, a <link> of it 0.9, a <collision> "
+      "0.13, one of the world's own file less; make one model, or one mesh, of many small ones",
+      world.string(), kilobytes / 1'000'000, kMostKilobytes / 1'000'000));
 }
 
 }  // namespace cas::sim

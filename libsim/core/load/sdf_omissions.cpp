@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/sdf_omissions.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -45,11 +46,7 @@ double number(const sdf::ElementPtr& element, const std::string& name, double fa
   return found ? found->Get<double>() : fallback;
 }
 
-std::string text_of(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%g", value);
-  return text.data();
-}
+std::string text_of(double value) { return fmt::format("{:g}", value); }
 
 std::string attribute(const sdf::Element& element, const std::string& key) {
   return element.HasAttribute(key) ? element.GetAttribute(key)->GetAsString() : std::string();
@@ -85,7 +82,7 @@ class Omissions {
       const std::vector<std::string>& lines = kinds_.at(kind);
       for (std::size_t i = 0; i < lines.size() && i < kNamed; ++i) all.push_back(lines[i]);
       if (lines.size() <= kNamed) continue;
-      all.back() += "; and " + std::to_string(lines.size() - kNamed) + " more places like this";
+      all.back() += fmt::format("; and {} more places like this", lines.size() - kNamed);
     }
     return all;
   }
@@ -312,7 +309,7 @@ class Walk {
 
 std::string place_of(const sdf::Element& element) {
   const auto line = element.LineNumber();  // 0: element moved by conversion from an older SDF
-  return element.FilePath() + (line.value_or(0) > 0 ? ":" + std::to_string(*line) : "");
+  return element.FilePath() + (line.value_or(0) > 0 ? fmt::format(":{}", *line) : "");
 }
 
 std::vector<std::string> sdf_omissions(const sdf::ElementPtr& world) { return Walk().run(world); }

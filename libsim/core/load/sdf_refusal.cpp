@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/sdf_refusal.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -33,7 +34,7 @@ std::string reason_in(const std::string& complaint) {
   sdf::readFile(file, description, errors);
   for (const sdf::Error& error : errors) {
     if (error.LineNumber() && error.Code() != sdf::ErrorCode::URI_LOOKUP) {
-      return file + ":" + std::to_string(*error.LineNumber()) + ": " + error.Message();
+      return fmt::format("{}:{}: {}", file, *error.LineNumber(), error.Message());
     }
   }
   return file + " is no model";
@@ -45,8 +46,8 @@ std::string joined(const sdf::Errors& errors) {
   std::string text;
   for (std::size_t i = 0; i < std::min(errors.size(), kNamed); ++i) {
     const auto line = errors[i].LineNumber();
-    text += (i == 0 ? "" : "; ") + (line ? "line " + std::to_string(*line) + ": " : std::string()) +
-            errors[i].Message();
+    text +=
+        (i == 0 ? "" : "; ") + (line ? fmt::format("line {}: ", *line) : "") + errors[i].Message();
     if (errors[i].Code() == sdf::ErrorCode::FILE_READ) {
       text += " (" + reason_in(errors[i].Message()) + ")";
     }

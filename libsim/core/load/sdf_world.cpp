@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <memory>
 #include <optional>
@@ -68,7 +68,7 @@ struct MeshUse {
 
 std::string place_of_error(const sdf::Error& error, const fs::path& file) {
   return error.FilePath().value_or(file.string()) +
-         (error.LineNumber() ? ":" + std::to_string(*error.LineNumber()) : "");
+         (error.LineNumber() ? fmt::format(":{}", *error.LineNumber()) : "");
 }
 
 bool is_missing_model(const sdf::Error& error) {
@@ -98,12 +98,10 @@ std::optional<std::string> fine_triangles(const TriangleMesh& mesh) {
   }
   const double wide_m = std::sqrt(2 * area / static_cast<double>(count));  // as halves of squares
   if (wide_m >= kFine_m) return std::nullopt;
-  char text[200];
-  std::snprintf(text, sizeof(text),
-                "its %zu triangles are about %.2g cm wide: where they are not flat, a vehicle that "
-                "touches them costs milliseconds a step; 10 cm are fine enough",
-                count, 100 * wide_m);
-  return text;
+  return fmt::format(
+      "its {} triangles are about {:.2g} cm wide: where they are not flat, a vehicle that "
+      "touches them costs milliseconds a step; 10 cm are fine enough",
+      count, 100 * wide_m);
 }
 
 std::string one_line(std::string text) {
@@ -149,7 +147,7 @@ class Translator {
     }
     if (others.size() > kNamed) {
       warn(file_.string(),
-           "libsdformat has " + std::to_string(others.size() - kNamed) + " further complaints");
+           fmt::format("libsdformat has {} further complaints", others.size() - kNamed));
     }
   }
 
@@ -337,9 +335,10 @@ class Translator {
 
   void require_few_triangles(const std::string& place) const {
     if (triangles_ <= kMostTriangles) return;
-    throw base::ConfigError(place + ": with this mesh the world has " + std::to_string(triangles_) +
-                            " triangles, and at most " + std::to_string(kMostTriangles) +
-                            " are simulated; make the meshes coarser");
+    throw base::ConfigError(
+        fmt::format("{}: with this mesh the world has {} triangles, and at "
+                    "most {} are simulated; make the meshes coarser",
+                    place, triangles_, kMostTriangles));
   }
 
   void warn(const std::string& place, const std::string& sentence) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/sim_config.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -289,8 +290,7 @@ SimConfig SimConfig::parse(const base::ConfigNode& root) {
   SimConfig config;
   const auto schema = root.require<int>("schema");
   if (schema != kSchema) {
-    root.at("schema").fail("is " + std::to_string(schema) + "; this program reads schema " +
-                           std::to_string(kSchema));
+    root.at("schema").fail(fmt::format("is {}; this program reads schema {}", schema, kSchema));
   }
   base::expect_file(root, base::FileKind::kWorld);
   base::read_keys(root, kKeys, config);

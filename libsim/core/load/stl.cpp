@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/stl.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -49,19 +50,19 @@ bool is_text(std::string_view bytes) {
 
 TriangleMesh parse_binary(std::string_view bytes, const std::string& file,
                           const MeshOptions& options) {
-  const std::string has = "; it has " + std::to_string(bytes.size()) + " bytes";
+  const std::string has = fmt::format("; it has {} bytes", bytes.size());
   if (bytes.size() < kHeader) {
-    throw base::ConfigError(file + ": is neither text STL nor binary STL, whose header has " +
-                            std::to_string(kHeader) + " bytes" + has + ": is it cut?");
+    throw base::ConfigError(fmt::format(
+        "{}: is neither text STL nor binary STL, whose header has {} bytes{}: is it cut?", file,
+        kHeader, has));
   }
   const std::size_t promised = promised_bytes(bytes);
   const std::size_t count = (promised - kHeader) / kTriangle;
-  const std::string header = "its header promises " + std::to_string(count) + " triangles, " +
-                             std::to_string(promised) + " bytes" + has;
+  const std::string header =
+      fmt::format("its header promises {} triangles, {} bytes{}", count, promised, has);
   if (promised > bytes.size()) {
-    throw base::ConfigError(file + ": the STL file is cut: " + header +
-                            " and ends within triangle " +
-                            std::to_string((bytes.size() - kHeader) / kTriangle + 1));
+    throw base::ConfigError(fmt::format("{}: the STL file is cut: {} and ends within triangle {}",
+                                        file, header, (bytes.size() - kHeader) / kTriangle + 1));
   }
   if (promised < bytes.size()) {
     if (count == 0)
@@ -76,8 +77,8 @@ TriangleMesh parse_binary(std::string_view bytes, const std::string& file,
     for (std::size_t c = 0; c < 3; ++c) {
       corners[c] = Eigen::Vector3f(&values[3 + 3 * c]).cast<double>();
       if (!corners[c].allFinite()) {
-        throw base::ConfigError(file + ": triangle " + std::to_string(i + 1) +
-                                " has a corner that is not finite");
+        throw base::ConfigError(
+            fmt::format("{}: triangle {} has a corner that is not finite", file, i + 1));
       }
     }
     add_triangle(mesh, corners);
@@ -116,7 +117,7 @@ class TextStl {
       take_vertex();
     } else if (word == "endfacet") {
       if (!in_facet_ || corner_ != 3) {
-        fail("a facet has three vertices, this one " + std::to_string(corner_));
+        fail(fmt::format("a facet has three vertices, this one {}", corner_));
       }
       add_triangle(mesh_, corners_);
       in_facet_ = false;
@@ -150,7 +151,7 @@ class TextStl {
 
   std::string place() const {
     const std::string_view read = text_.substr(0, text_.size() - rest_.size());
-    return file_ + ":" + std::to_string(1 + std::count(read.begin(), read.end(), '\n'));
+    return fmt::format("{}:{}", file_, 1 + std::count(read.begin(), read.end(), '\n'));
   }
   [[noreturn]] void fail(const std::string& sentence) const {
     throw base::ConfigError(place() + ": " + sentence);

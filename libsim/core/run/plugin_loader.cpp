@@ -3,6 +3,7 @@
 
 #include <dlfcn.h>
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cstring>
 #include <exception>
@@ -38,9 +39,9 @@ std::string text_or_none(const char* text) { return text == nullptr ? "(none)" :
 void check(const PluginDescriptor& descriptor, const std::filesystem::path& file,
            const std::string& name) {
   if (descriptor.struct_size != sizeof(PluginDescriptor)) {
-    refuse(file, "its descriptor has " + std::to_string(descriptor.struct_size) +
-                     " bytes, this program's " + std::to_string(sizeof(PluginDescriptor)) +
-                     ": built against another version of CAS");
+    refuse(file, fmt::format("its descriptor has {} bytes, this program's {}: built against "
+                             "another version of CAS",
+                             descriptor.struct_size, sizeof(PluginDescriptor)));
   }
   const std::string tag = text_or_none(descriptor.abi_tag);
   if (tag != CAS_ABI_TAG) {
@@ -130,7 +131,7 @@ std::vector<std::string> PluginLoader::sends(const std::string& name) {
   const auto entry = reinterpret_cast<const char* const* (*)()>(symbol);
   for (const char* const* word = entry(); word != nullptr && *word != nullptr; ++word) {
     if (messages.size() == kMostMessages) {
-      refuse(file, "declares more than " + std::to_string(kMostMessages) + " MAVLink messages");
+      refuse(file, fmt::format("declares more than {} MAVLink messages", kMostMessages));
     }
     const std::string_view text(*word, strnlen(*word, kMostNameBytes + 1));
     if (text.size() > kMostNameBytes || !is_message_word(text)) {

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/run/sim_runner.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <utility>
 
@@ -43,9 +43,8 @@ std::optional<std::string> other_mass(const VehicleConfig& vehicle, const Vehicl
   if (std::abs(model_kg - vehicle.vehicle.mass_kg) <= kMassTolerance * model_kg) {
     return std::nullopt;
   }
-  return vehicle.name + ": the model weighs " + std::to_string(model_kg) +
-         " kg, which is flown; the vehicle file says " + std::to_string(vehicle.vehicle.mass_kg) +
-         " kg";
+  return fmt::format("{}: the model weighs {:f} kg, which is flown; the vehicle file says {:f} kg",
+                     vehicle.name, model_kg, vehicle.vehicle.mass_kg);
 }
 
 /// A controller that knows the Earth's field at its place takes the difference for its own heading.
@@ -58,12 +57,12 @@ std::optional<std::string> other_field(const WorldModel& model, const base::Geod
   const double east_deg = base::kDegPerRad * base::wrap_angle(std::atan2(own_N.y(), own_N.x()) -
                                                               std::atan2(earth_N.y(), earth_N.x()));
   if (std::abs(east_deg) < kNoticeable_deg) return std::nullopt;
-  char degrees[16];
-  std::snprintf(degrees, sizeof(degrees), "%.1f", std::abs(east_deg));
-  return "world " + model.name + ": its <magnetic_field> points " + degrees + " degrees " +
-         (east_deg > 0 ? "east" : "west") +
-         " of the Earth's at home: a controller that expects the Earth's is off by as much in its "
-         "heading; without the element it gets the Earth's";
+  return fmt::format(
+      "world {}: its <magnetic_field> points {:.1f} degrees {} of the Earth's at home: a "
+      "controller "
+      "that expects the Earth's is off by as much in its heading; without the element it gets the "
+      "Earth's",
+      model.name, std::abs(east_deg), east_deg > 0 ? "east" : "west");
 }
 
 }  // namespace
@@ -129,21 +128,20 @@ struct SimRunner::Impl {
   void warn_of_contacts() {
     const std::uint64_t count = ContactSolver::complaints() - complaints_before;
     if (count == 0) return;
-    warn("", std::optional("the contact solver complained " + std::to_string(count) +
-                           " times of contacts that contradict each other; the motion in them is "
-                           "doubtful"));
+    warn("", std::optional(fmt::format("the contact solver complained {} times of contacts that "
+                                       "contradict each other; the motion in them is doubtful",
+                                       count)));
   }
 
   /// @throws LeftWorldError
   void require_in_world(VehicleId id) const {
     if (!world.is_below_everything(id)) return;
     const Eigen::Vector3d& p_W = world.state(id).p_WB;
-    char place[120];
-    std::snprintf(place, sizeof(place), "%.3f s it is at x %.1f, y %.1f, z %.1f m",
-                  base::to_seconds(time), p_W.x(), p_W.y(), p_W.z());
-    throw LeftWorldError("vehicle '" + config.vehicles[static_cast<std::size_t>(id)].name +
-                         "' has fallen out of the world: at " + place +
-                         ", below everything that is there");
+    throw LeftWorldError(fmt::format(
+        "vehicle '{}' has fallen out of the world: at {:.3f} s it is at x {:.1f}, y {:.1f}, z "
+        "{:.1f} m, below everything that is there",
+        config.vehicles[static_cast<std::size_t>(id)].name, base::to_seconds(time), p_W.x(),
+        p_W.y(), p_W.z()));
   }
 
   bool interrupted() const { return interrupt != nullptr && interrupt->load(); }

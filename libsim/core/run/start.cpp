@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/run/start.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <optional>
 #include <string>
@@ -114,14 +114,12 @@ std::array<Eigen::Vector2d, 25> base_of(const VehicleModel& model, const StartPo
 [[noreturn]] void refuse_start(const SimWorld& world, const VehicleConfig& vehicle,
                                const std::string& obstacle) {
   const StartPose& pose = vehicle.pose;
-  char text[240];
-  std::snprintf(text, sizeof(text), "starts inside it: x_m %.2f, y_m %.2f, z_m %.2f", pose.x_m,
-                pose.y_m, pose.z_m.value_or(0));
-  std::string sentence =
-      "vehicle '" + vehicle.name + "', obstacle '" + obstacle + "': the vehicle " + text;
+  std::string sentence = fmt::format(
+      "vehicle '{}', obstacle '{}': the vehicle starts inside it: x_m {:.2f}, y_m {:.2f}, z_m "
+      "{:.2f}",
+      vehicle.name, obstacle, pose.x_m, pose.y_m, pose.z_m.value_or(0));
   if (const auto top = surface_at(world, pose.x_m, pose.y_m)) {
-    std::snprintf(text, sizeof(text), "; the uppermost surface there is at z_m %.2f", *top);
-    sentence += text;
+    sentence += fmt::format("; the uppermost surface there is at z_m {:.2f}", *top);
   }
   throw base::ConfigError(sentence + "; give it another 'pose'");
 }
@@ -190,9 +188,8 @@ void require_ground(const SimWorld& world, const WorldModel& world_model, const 
   };
   const auto places = base_of(model, vehicle.pose);
   if (std::any_of(places.begin(), places.end(), is_over_something)) return;
-  char place[120];
-  std::snprintf(place, sizeof(place), "x_m %.2f, y_m %.2f, z_m %.2f", vehicle.pose.x_m,
-                vehicle.pose.y_m, vehicle.pose.z_m.value_or(0));
+  const std::string place = fmt::format("x_m {:.2f}, y_m {:.2f}, z_m {:.2f}", vehicle.pose.x_m,
+                                        vehicle.pose.y_m, vehicle.pose.z_m.value_or(0));
   throw base::ConfigError(
       file.string() + ": the world '" + world_model.name +
       "' has no ground below the start of vehicle '" + vehicle.name + "' (" + place +

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/terrain/terrain.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "base/angles.hpp"
@@ -82,9 +82,8 @@ Terrain::Terrain(const TerrainConfig& config, const base::LocalProjection& proje
   const base::Geodetic& home = projection.home();
   const auto step = map_.step_deg(home.lat_deg, home.lon_deg);
   if (!step) {
-    char place[80];
-    std::snprintf(place, sizeof(place), "%.6f, %.6f", home.lat_deg, home.lon_deg);
-    throw base::ConfigError("terrain: no elevation file has home (" + std::string(place) + ")");
+    throw base::ConfigError(fmt::format("terrain: no elevation file has home ({:.6f}, {:.6f})",
+                                        home.lat_deg, home.lon_deg));
   }
   cell_m_ = std::max(kFinest_m, *step * kDegree_m);
 }
@@ -301,12 +300,10 @@ double Terrain::corner_m(std::int64_t i, std::int64_t j) const {
 }
 
 std::string Terrain::description() const {
-  char text[200];
-  std::snprintf(text, sizeof(text), "terrain: %zu elevation file%s, ground of %.3g m squares%s",
-                map_.files(), map_.files() == 1 ? "" : "s", cell_m_,
-                geoid_ ? "; elevations are over the ellipsoid, and over the geoid by its file"
-                       : "; no geoid file, so elevations count as above mean sea level");
-  return text;
+  return fmt::format("terrain: {} elevation file{}, ground of {:.3g} m squares{}", map_.files(),
+                     map_.files() == 1 ? "" : "s", cell_m_,
+                     geoid_ ? "; elevations are over the ellipsoid, and over the geoid by its file"
+                            : "; no geoid file, so elevations count as above mean sea level");
 }
 
 }  // namespace cas::sim
