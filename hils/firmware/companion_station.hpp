@@ -12,7 +12,6 @@
 #include "hils/firmware/setpoint_stream.hpp"
 #include "hils/firmware/stick_stream.hpp"
 #include "hils/measure/firmware_record.hpp"
-#include "hils/programs/ground_station.hpp"
 #include "mavlink/common/enums.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
 #include "mavlink_gen/runtime/packet_parser.hpp"
@@ -64,8 +63,7 @@ class CompanionStation {
   mav::Source vehicle_;
   Send send_;
   mav::Encoder encode_{kSelf};
-  /// ArduPilot takes sticks of system SYSID_MYGCS alone, which is 255.
-  mav::Encoder encode_sticks_{kGroundStation};
+  mav::Encoder encode_sticks_{kCompanionSticks};
   mav::PacketParser parser_;
   SetpointStream setpoints_;
   StickStream sticks_;

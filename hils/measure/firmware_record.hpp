@@ -20,6 +20,8 @@ namespace cas::hils {
 /// hils as a companion computer of stock firmware: the ids of no vehicle (1..), of casd (254/190)
 /// and of no usual station (255/190).
 inline constexpr mav::Source kCompanion{253, 191};
+/// Of its sticks: ArduPilot takes those of system SYSID_MYGCS (255) alone.
+inline constexpr mav::Source kCompanionSticks{255, 191};
 
 /// The parameters of a vehicle before its first step.
 struct ParamDigest {

@@ -120,7 +120,7 @@ class ChangeReader {
 
   /// Commands of casd's station come from its command port: from hils or from the listed calls.
   static bool is_own(mav::Source source) {
-    return source == casd::kOwnStation || source == kCompanion;
+    return source == casd::kOwnStation || source == kCompanion || source == kCompanionSticks;
   }
 
   const std::vector<casd::GainLoop>& loops() const { return gains_.loops(autopilot_); }

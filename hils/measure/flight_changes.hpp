@@ -74,7 +74,7 @@ struct FlightChanges {
 /// the scenario flies a trajectory are left out. Without a log there is nothing but the calls.
 ///
 /// @param gains  names the loops that parameters belong to
-/// @param own_station  hils itself sent sticks as a ground station
+/// @param own_station  hils itself played a ground station with centred sticks
 FlightChanges flight_changes(const RunRecord& record, const casd::GainMap& gains, bool own_station);
 
 }  // namespace cas::hils

@@ -224,7 +224,7 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.faults = record.faults;
   figures.never_began = faults_that_never_began(scenario.faults, vehicle_number(scenario, record),
                                                 record.faults, record.flown_stages());
-  figures.changes = flight_changes(record, casd::GainMap::shipped(), has_sticks(scenario));
+  figures.changes = flight_changes(record, casd::GainMap::shipped(), scenario.ground_station);
   figures.warnings = record.warnings;
   figures.plugins = read_plugin_figures(record.plugin_figures, record.vehicle);
   const bool is_recorded = !record.firmware || std::filesystem::exists(record.truth_csv);

@@ -94,6 +94,7 @@ TEST_F(Companion, HoldsTheSticksByTheVehiclesClock) {
   EXPECT_NEAR(static_cast<double>(sticks.size()), 50, 1);
   EXPECT_EQ(sticks.front().target, 1);
   EXPECT_EQ(packets_.front()[5], 255) << "ArduPilot takes no other system's";
+  EXPECT_EQ(packets_.front()[6], 191) << "and the sticks of a person are told from them";
   EXPECT_EQ(sticks.front().x, 700);
   EXPECT_EQ(sticks.front().y, -1000);
   EXPECT_EQ(sticks.front().r, 250);
