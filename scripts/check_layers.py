@@ -94,7 +94,7 @@ LAYERS = {
         API | rooms("libsim/core", "body terrain") | {"libsim/core", "sdformat", "libpng"},
     "libsim/core/run": API | {"libsim/core"} | rooms("libsim/core", "body terrain ode rays load"),
 
-    "plugins/common": API | MAVLINK | {"nlohmann"},
+    "plugins/common": API | MAVLINK | SERVICES | {"nlohmann"},
     "plugins": PLUGIN,  # each of plugins/<name>
     "plugins/landing_target": PLUGIN | MAVLINK,
     "plugins/lidar": PLUGIN | MAVLINK,

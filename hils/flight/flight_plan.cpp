@@ -318,7 +318,7 @@ bool FlightPlan::bides(const FlightStep& step, base::SimTime now, const VehicleR
   if (!vehicle.armed) {
     if (!habits_.arms_early || step.kind != StepKind::kArm) return false;
     if (!vehicle.position_lack) return false;
-    last_refusal_ = *vehicle.position_lack;
+    last_refusal_ = *vehicle.position_lack + said(vehicle);
     return true;
   }
   return step.kind == StepKind::kDisarm &&

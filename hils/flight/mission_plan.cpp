@@ -42,12 +42,24 @@ bool is_relative(MavFrame frame) {
   return frame == MavFrame::kGlobalRelativeAlt || frame == MavFrame::kGlobalRelativeAltInt;
 }
 
+bool is_above_terrain(MavFrame frame) {
+  return frame == MavFrame::kGlobalTerrainAlt || frame == MavFrame::kGlobalTerrainAltInt;
+}
+
+/// What `up_m` of a waypoint counts from.
+MavFrame height_frame(const base::ConfigNode& body) {
+  const auto word = body.get<std::string>("above", "home");
+  if (word == "terrain") return MavFrame::kGlobalTerrainAltInt;
+  if (word != "home") body.at("above").fail("must be home or terrain");
+  return MavFrame::kGlobalRelativeAltInt;
+}
+
 float heading(const base::ConfigNode& body) {
   return body.has("yaw_deg") ? static_cast<float>(body.require_in("yaw_deg", -180, 180)) : kNan;
 }
 
 PlannedItem parse_waypoint(const base::ConfigNode& body) {
-  PlannedItem item{.command = MavCmd::kNavWaypoint, .local = true};
+  PlannedItem item{.command = MavCmd::kNavWaypoint, .frame = height_frame(body), .local = true};
   item.params = {static_cast<float>(body.get_in("hold_s", 0, 0, kLongestHoldS)),
                  static_cast<float>(body.get_in("radius_m", 0, 0, kWidestM)), 0, heading(body)};
   item.north = body.require_in("north_m", -kFarthestM, kFarthestM);
@@ -104,9 +116,10 @@ PlannedItem parse_plan_item(const base::ConfigNode& node) {
   PlannedItem item{.command = static_cast<MavCmd>(node.require_in("command", 1, 65535)),
                    .frame = static_cast<MavFrame>(node.require_in("frame", 0, 255))};
   const bool known = item.frame == MavFrame::kGlobal || item.frame == MavFrame::kMission ||
-                     is_relative(item.frame);
+                     is_relative(item.frame) || is_above_terrain(item.frame);
   if (!known) {
-    node.at("frame").fail("the frame is 0 (above sea level), 2 (none) or 3 (above home)");
+    node.at("frame").fail(
+        "the frame is 0 (above sea level), 2 (none), 3 (above home) or 10 (above terrain)");
   }
   const auto params = node.at("params").items();
   if (params.size() != kParams) node.at("params").fail("an item has seven parameters");
@@ -135,6 +148,12 @@ void check(const MissionPlan& plan, const base::ConfigNode& node) {
   }
   if (std::ranges::any_of(plan.items, goes_on)) {
     node.fail("the mission would not end: it loiters without end (17) or jumps back (177)");
+  }
+  const auto last = std::find_if(plan.items.rbegin(), plan.items.rend(), flies);
+  if (is_above_terrain(last->frame)) {
+    node.fail(
+        "the mission ends above terrain, whose height the vehicle does not tell: let it land "
+        "or return at its end");
   }
   std::size_t landings = 0;
   for (const PlannedItem& item : plan.items) landings += is_landing(item.command) ? 1 : 0;
@@ -220,14 +239,16 @@ HomedMission at_home(const MissionPlan& plan, const base::Geodetic& home, bool h
     const Eigen::Vector3d local = projection.to_local({place.lat_deg, place.lon_deg, home.alt_m});
     const bool here = !item.local && item.north == 0 && item.east == 0;  // by MAVLink: no place
     if (!here) mission.end_m.head<2>() = local.head<2>();
-    const double up_m = is_relative(item.frame) ? item.up_m : item.up_m - home.alt_m;
+    const bool above_sea = item.frame == MavFrame::kGlobal;
+    const double up_m = above_sea ? item.up_m - home.alt_m : item.up_m;
     mission.end_m.z() = item.command == MavCmd::kNavLand ? 0 : up_m;
     mission.reach_m = std::max(mission.reach_m, mission.end_m.norm());
     if (here || item.command != MavCmd::kNavWaypoint) continue;
     const double radius_m = item.params[1];
     mission.places.push_back({.number = static_cast<std::size_t>(&item - plan.items.data()) + 1,
                               .place_m = mission.end_m,
-                              .radius_m = radius_m > 0 ? radius_m : 0});
+                              .radius_m = radius_m > 0 ? radius_m : 0,
+                              .above_terrain = is_above_terrain(item.frame)});
   }
   if (const auto last = plan.last_before_landing()) {
     mission.last = static_cast<std::uint16_t>(*last + (home_first ? 1 : 0));

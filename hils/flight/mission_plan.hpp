@@ -43,6 +43,7 @@ struct MissionPlace {
   std::size_t number = 0;                             ///< of its item, in the plan, from 1
   Eigen::Vector3d place_m = Eigen::Vector3d::Zero();  ///< north, east, up from home
   double radius_m = 0;  ///< about it, in which it counts as reached, by the plan; 0: the vehicle's
+  bool above_terrain = false;  ///< its height counts from the terrain below it, not from home
 };
 
 /// A mission for a vehicle whose home is known.

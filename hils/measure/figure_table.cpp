@@ -42,6 +42,12 @@ auto pace(double PaceFigures::*member) {
   return [member](const Measurement& m) -> std::optional<double> { return m.pace.*member; };
 }
 
+auto clearance(double TerrainClearance::*member) {
+  return [member](const Measurement& m) -> std::optional<double> {
+    return m.clearance ? std::optional(*m.clearance.*member) : std::nullopt;
+  };
+}
+
 std::optional<double> casd_cpu_pct(const Measurement& figures) {
   std::optional<double> sum_s;
   for (const auto& [program, seconds] : figures.cpu_s) {
@@ -218,6 +224,11 @@ void add_motion(FigureRows& table) {
        {"sticks_way_m", "way by the sticks", "m", 2, kUp,
         "true horizontal distance from the begin to the end of the last `sticks`",
         of(&Measurement::sticks_way_m)},
+       {"least_clearance_m", "least height above the terrain", "m", 2, kUp,
+        "true, between the first and the last waypoint `above: terrain` of a mission",
+        clearance(&TerrainClearance::least_m)},
+       {"most_clearance_m", "greatest height above the terrain", "m", 2, kDown,
+        "as `least_clearance_m`", clearance(&TerrainClearance::most_m)},
        {"rotor_activity_rad_s2", "activity of the rotors", "rad/s^2", 1, kDown,
         "RMS of the rotors' accelerations in the measured step, from sample to sample of "
         "`truth.csv` (100 Hz): a measure of control activity",

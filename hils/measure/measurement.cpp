@@ -238,8 +238,10 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   figures.beacon_error_m = beacon_error_m(figures.plugins);
   figures.sticks_way_m = sticks_way_m(record.stages, truth);
   figures.incidents = find_incidents(record.flown_stages(), truth);
-  name_struck_objects(RunPaths::of(scenario, request.out, request.out).simulator_config(), truth,
-                      figures.incidents);
+  const std::filesystem::path simulator_config =
+      RunPaths::of(scenario, request.out, request.out).simulator_config();
+  name_struck_objects(simulator_config, truth, figures.incidents);
+  figures.clearance = terrain_clearance(record.stages, truth, simulator_config);
   figures.strike = read_strike_response(record, scenario.steps, scenario.faults.vehicle, truth);
   figures.over_hold = record.hold.has_value();
   figures.window = record.hold ? window_of(*record.hold) : whole_stream(record);

@@ -16,6 +16,7 @@
 #include "hils/measure/run_record.hpp"
 #include "hils/measure/step_response.hpp"
 #include "hils/measure/strike_response.hpp"
+#include "hils/measure/terrain_clearance.hpp"
 #include "hils/measure/tracking.hpp"
 #include "hils/run/run_request.hpp"
 
@@ -91,6 +92,7 @@ struct Measurement {
   std::optional<double> landing_error_m;        ///< from where `land` was begun
   std::optional<double> beacon_error_m;         ///< from the beacon, at the end
   std::optional<double> sticks_way_m;           ///< flown in `sticks`
+  std::optional<TerrainClearance> clearance;    ///< in missions above terrain
   std::vector<std::string> warnings;            ///< of the simulator, a sentence each
   std::optional<FirmwareRecord> firmware;       ///< of stock firmware
   bool streamed =

@@ -71,24 +71,25 @@ std::optional<std::string> not_there(const Stage& stage, const Eigen::Vector3d& 
   return fmt::format("step '{}' ended {:.1f} m from its place", phase_of(stage.step), off_m.norm());
 }
 
+/// Without the height where that counts from the terrain.
+double distance_m(const MissionPlace& place, const PoseSample& sample,
+                  const Eigen::Vector3d& origin_m) {
+  const Eigen::Vector3d off = place_of(sample) - origin_m - place.place_m;
+  return place.above_terrain ? off.head<2>().norm() : off.norm();
+}
+
 /// The first waypoint that the vehicle did not come near, after those before it.
 std::optional<std::string> skipped(const Stage& stage, const Eigen::Vector3d& origin_m,
                                    std::span<const PoseSample> flown) {
-  auto from = flown.begin();
-  for (const MissionPlace& place : stage.step.places) {
-    double nearest_m = std::numeric_limits<double>::infinity();
-    const auto passed = std::find_if(from, flown.end(), [&](const PoseSample& sample) {
-      const double off_m = (place_of(sample) - origin_m - place.place_m).norm();
-      nearest_m = std::min(nearest_m, off_m);
-      return is_near(off_m, place.place_m.norm(), place.radius_m);
-    });
-    if (passed == flown.end()) {
-      return fmt::format("step '{}' came no nearer than {:.1f} m to the place of item {}",
-                         phase_of(stage.step), nearest_m, place.number);
-    }
-    from = passed;
+  const std::vector<std::size_t> passed = passings(stage.step.places, origin_m, flown);
+  if (passed.size() == stage.step.places.size()) return std::nullopt;
+  const MissionPlace& place = stage.step.places[passed.size()];
+  double nearest_m = std::numeric_limits<double>::infinity();
+  for (const PoseSample& sample : flown.subspan(passed.empty() ? 0 : passed.back())) {
+    nearest_m = std::min(nearest_m, distance_m(place, sample, origin_m));
   }
-  return std::nullopt;
+  return fmt::format("step '{}' came no nearer than {:.1f} m to the place of item {}",
+                     phase_of(stage.step), nearest_m, place.number);
 }
 
 /// Least and greatest coordinates of a path.
@@ -162,6 +163,21 @@ std::optional<std::string> flies_on(base::SimTime took_off, const Stage& landing
 }
 
 }  // namespace
+
+std::vector<std::size_t> passings(std::span<const MissionPlace> places,
+                                  const Eigen::Vector3d& origin_m,
+                                  std::span<const PoseSample> flown) {
+  std::vector<std::size_t> passed;
+  auto from = flown.begin();
+  for (const MissionPlace& place : places) {
+    from = std::find_if(from, flown.end(), [&](const PoseSample& sample) {
+      return is_near(distance_m(place, sample, origin_m), place.place_m.norm(), place.radius_m);
+    });
+    if (from == flown.end()) return passed;
+    passed.push_back(static_cast<std::size_t>(from - flown.begin()));
+  }
+  return passed;
+}
 
 std::vector<std::string> steps_not_flown(const std::vector<Stage>& stages,
                                          std::span<const PoseSample> truth) {

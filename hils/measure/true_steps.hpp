@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
+#include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +11,16 @@
 #include "hils/measure/tracking.hpp"
 
 namespace cas::hils {
+
+/// When the vehicle passed the waypoints of a mission, in their order: coarsely, as below. One
+/// above terrain counts by its place alone.
+///
+/// @param origin_m  where the vehicle took off: north, east, up
+/// @param flown  in the mission
+/// @return places in `flown`; fewer than waypoints when it did not come near one
+std::vector<std::size_t> passings(std::span<const MissionPlace> places,
+                                  const Eigen::Vector3d& origin_m,
+                                  std::span<const PoseSample> flown);
 
 /// Steps that the vehicle reports as done but that its true motion does not show: a place where it
 /// was not (goto, takeoff, rtl), a waypoint of a mission that it did not come near, a trajectory in

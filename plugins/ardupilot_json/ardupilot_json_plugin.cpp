@@ -13,7 +13,7 @@
 #include "plugins/ardupilot_json/json_link.hpp"
 #include "plugins/ardupilot_json/json_messages.hpp"
 #include "plugins/ardupilot_json/servo_clock.hpp"
-#include "plugins/common/companion_sender.hpp"
+#include "plugins/common/companion.hpp"
 #include "plugins/common/plugin_messages.hpp"
 
 namespace cas::sim {
@@ -38,7 +38,8 @@ std::unique_ptr<JsonLink> open_link(const base::ConfigNode& node) {
 ///   wait_for_controls <-- servo packet        pre_step: motor_command
 ///   post_step: its period has ended --> one line of text
 ///
-/// The interface has no MAVLink: messages of other plugins go to a companion's link, if it has one.
+/// The interface has no MAVLink: a companion's link, if it has one, takes messages of other plugins
+/// and requests for terrain.
 class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
  public:
   void configure(PluginContext& context, const base::ConfigNode& node) override {
@@ -61,6 +62,9 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
         },
         Need::kOptional);
     if (const auto remote = node.find("companion")) be_companion(context, *remote);
+    terrain_ = context.bus().subscribe<TerrainSource>(
+        "terrain", [this](const TerrainSource& source) { elevation_m_ = source.elevation_m; },
+        Need::kOptional);
     command_ = context.bus().advertise<MotorCommand>(context.topic("motor_command"));
     context.set_lockstep_peer(*this);
   }
@@ -87,6 +91,7 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   }
 
   void post_step(const StepInfo& step, const World& world) override {
+    if (companion_ && elevation_m_) companion_->serve_terrain(step.time, elevation_m_);
     receive();  // a repeat of the pending packet gets one answer, not two
     if (!clock_.due(step.time)) return;
     const Environment& air = world.environment(vehicle_);
@@ -109,6 +114,7 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
     heard_ = false;
     packet_.reset();
     messages_.reset();
+    if (companion_) companion_->reset();
   }
 
   std::string stats_json() const override {
@@ -196,7 +202,9 @@ class ArdupilotJsonPlugin final : public Plugin, public LockstepPeer {
   Publisher<MotorCommand> command_;
   Subscription range_;
   Subscription pitot_;
-  std::optional<CompanionSender> companion_;  ///< takes the messages of plugins
+  std::optional<Companion> companion_;  ///< takes the messages of plugins
+  Subscription terrain_;
+  TerrainSource::Elevation elevation_m_;  ///< empty: the world has no terrain
   PluginMessages messages_;
   std::vector<Subscription> plugins_;  ///< to messages that plugins send themselves
 };

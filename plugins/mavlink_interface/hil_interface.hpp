@@ -28,10 +28,10 @@
 #include "mavlink_gen/runtime/packet_parser.hpp"
 #include "mavlink_gen/runtime/sequence_tracker.hpp"
 #include "mavlink_gen/services/failure_order.hpp"
+#include "plugins/common/terrain_requests.hpp"
 #include "plugins/mavlink_interface/failure_map.hpp"
 #include "plugins/mavlink_interface/hil_port.hpp"
 #include "plugins/mavlink_interface/servo_map.hpp"
-#include "plugins/mavlink_interface/terrain_requests.hpp"
 
 namespace cas::sim {
 

@@ -19,7 +19,7 @@
 #include "libsim/api/fault_order.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
-#include "plugins/common/companion_sender.hpp"
+#include "plugins/common/companion.hpp"
 #include "plugins/common/plugin_messages.hpp"
 #include "plugins/common/result_path.hpp"
 #include "plugins/mavlink_interface/bus_port.hpp"
@@ -283,7 +283,7 @@ class MavlinkInterfacePlugin final : public Plugin, public LockstepPeer {
   VehicleId vehicle_{};
   std::optional<TruthViewer> viewer_;
   std::vector<Subscription> sensors_;
-  std::optional<CompanionSender> companion_;  ///< takes the messages of plugins
+  std::optional<Companion> companion_;  ///< takes the messages of plugins
   Subscription terrain_;
   TerrainSource::Elevation elevation_m_;  // empty: the world has no terrain
   Subscription battery_;

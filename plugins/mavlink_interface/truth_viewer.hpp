@@ -10,7 +10,7 @@
 #include "base/time/rate_gate.hpp"
 #include "mavlink/common/hil_state_quaternion.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
-#include "plugins/common/datagram_sender.hpp"
+#include "plugins/common/datagram_link.hpp"
 
 namespace cas::sim {
 
@@ -34,7 +34,7 @@ class TruthViewer {
 
  private:
   mav::Source self_;
-  DatagramSender sender_;
+  DatagramLink sender_;
   base::RateGate rate_;
   std::array<std::uint8_t, mav::kMaxPacketBytes> packet_{};
   std::uint8_t sequence_ = 0;

@@ -2,11 +2,21 @@
 // ArduPilot's JSON interface over a real UDP socket, with a scripted ArduCopter at the other end.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "mavlink/common/heartbeat.hpp"
+#include "mavlink/common/terrain_data.hpp"
+#include "mavlink/common/terrain_request.hpp"
 #include "tests/firmware/ardupilot_peer.hpp"
 #include "tests/firmware/running_simulation.hpp"
+#include "tests/support/udp_peer.hpp"
 
 namespace cas::test {
 namespace {
+
+namespace mv = mavlink::common;
 
 constexpr const char* kFreePort = "local: '127.0.0.1:0'";
 constexpr base::Duration kSoon = std::chrono::seconds(10);  // deadline, not a wait
@@ -120,6 +130,67 @@ TEST_F(ArdupilotLink, AResetOfTheWorldDoesNotTurnTimeBack) {
   simulation_.loop().post([this] { simulation_.loop().reset(); });
   for (int i = 0; i < 50; ++i) exchange(peer);
   EXPECT_GT(peer.ardupilot().newest()->timestamp, before);
+}
+
+/// Of config/terrain/island.tif, whose samples are 31 m apart: between them it is up to 0.4 m off.
+double island_m(double north_m, double east_m) {
+  return 20 + 20 * (1 - std::cos(2 * M_PI * north_m / 500)) +
+         6 * (1 - std::cos(2 * M_PI * east_m / 700));
+}
+
+/// What ArduPilot asks for: 8 x 7 grids of 4 x 4 heights, 30 m apart, from 300 m south and west of
+/// home.
+mv::TerrainRequest request_about_home() {
+  mv::TerrainRequest request;
+  request.lat = 299'973'050;
+  request.lon = -400'031'119;
+  request.grid_spacing = 30;
+  request.mask = (1ULL << 56U) - 1;
+  return request;
+}
+
+std::vector<std::uint8_t> packet_of(const mv::TerrainRequest& request) {
+  std::array<std::uint8_t, mav::kMaxPacketBytes> packet;
+  const std::size_t size = mav::encode(request, {1, 1}, 0, packet);
+  return {packet.begin(), packet.begin() + static_cast<std::ptrdiff_t>(size)};
+}
+
+TEST(ArdupilotCompanion, GetsTheTerrainThatItAsksFor) {
+  UdpPeer casd;
+  UdpPeer stranger;
+  PacketStream said;
+  RunningSimulation simulation("ardupilot_terrain.yaml", "ardupilot_json",
+                               std::string(kFreePort) + "\ncompanion: '" + casd.endpoint() + "'\n");
+  ArdupilotPeer ardupilot(simulation.port());
+  const auto hears = [&](std::uint32_t message, std::size_t count) {
+    return ardupilot.run_until([&] {
+      casd.read(said);
+      return said.count(message) >= count;
+    });
+  };
+  ASSERT_TRUE(hears(mv::Heartbeat::kId, 1)) << "by which casd knows where to send requests";
+  casd.set_remote(casd.newest_sender());
+  stranger.set_remote(casd.newest_sender());
+  stranger.send(packet_of(request_about_home()));
+  ASSERT_TRUE(hears(mv::Heartbeat::kId, 3));
+  EXPECT_EQ(said.count(mv::TerrainData::kId), 0U) << "to a stranger";
+
+  casd.send(packet_of(request_about_home()));
+  ASSERT_TRUE(hears(mv::TerrainData::kId, 56));
+  constexpr double kOff_m = 1.1;  // whole metres, samples, and the sphere's degree
+  for (const PacketStream::Packet& packet : said.packets()) {
+    const auto grid = mav::decode<mv::TerrainData>(packet.view());
+    if (!grid) continue;
+    for (int i = 0; i < 16; ++i) {
+      const double north_m = -300 + 30 * (grid->gridbit / 8 * 4 + i / 4);
+      const double east_m = -300 + 30 * (grid->gridbit % 8 * 4 + i % 4);
+      ASSERT_NEAR(grid->data[static_cast<std::size_t>(i)], island_m(north_m, east_m), kOff_m)
+          << north_m << " " << east_m;
+    }
+  }
+  const std::string stats = simulation.look().stats;
+  EXPECT_EQ(figure(stats, "terrain_requests"), 1U) << stats;
+  EXPECT_EQ(figure(stats, "grids"), 56U);
 }
 
 }  // namespace

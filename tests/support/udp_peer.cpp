@@ -48,8 +48,12 @@ std::size_t UdpPeer::read(PacketStream& into) {
   std::array<std::uint8_t, 4096> buffer;
   std::size_t datagrams = 0;
   for (;;) {
-    const ssize_t count = ::recv(fd_, buffer.data(), buffer.size(), 0);
+    sockaddr_in from{};
+    socklen_t size = sizeof from;
+    const ssize_t count =
+        ::recvfrom(fd_, buffer.data(), buffer.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
     if (count < 0) return datagrams;
+    sender_ = ntohs(from.sin_port);
     into.feed(std::span(buffer).first(static_cast<std::size_t>(count)));
     ++datagrams;
   }

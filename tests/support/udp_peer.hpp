@@ -23,6 +23,8 @@ class UdpPeer {
   /// Where packets go from now on.
   void set_remote(std::uint16_t port) { remote_ = port; }
   void send(std::span<const std::uint8_t> bytes);
+  /// Where the newest datagram came from; 0 before the first.
+  std::uint16_t newest_sender() const { return sender_; }
   /// Reads all waiting datagrams. @return datagrams read
   std::size_t read(PacketStream& into);
 
@@ -30,6 +32,7 @@ class UdpPeer {
   int fd_ = -1;
   std::uint16_t port_ = 0;
   std::uint16_t remote_ = 0;
+  std::uint16_t sender_ = 0;
 };
 
 /// Port of "127.0.0.1:14550".

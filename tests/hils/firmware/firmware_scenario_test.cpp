@@ -49,7 +49,9 @@ TEST(FirmwareScenario, TheShippedOnesAreRead) {
                            "px4_precision_landing",
                            "ardupilot_precision_landing",
                            "px4_wall",
-                           "ardupilot_wall"}) {
+                           "ardupilot_wall",
+                           "ardupilot_terrain",
+                           "ardupilot_terrain_range"}) {
     const auto file = kScenarios / (std::string(name) + ".yaml");
     const Scenario scenario = Scenario::load(file);
     ASSERT_TRUE(scenario.firmware) << name;

@@ -263,8 +263,12 @@ TEST(FlightPlan, SaysWhatStockFirmwareLackedForItsPosition) {
   VehicleReport vehicle = on_ground();
   vehicle.position_lack = "the GPS has no fix yet";
   plan.update(at(seconds(0)), vehicle);
+  vehicle.warning = "PreArm: Rangefinder 1: No Data";
+  plan.update(at(seconds(9)), vehicle);
   plan.update(at(milliseconds(10'100)), vehicle);
-  EXPECT_EQ(plan.failure(), "step 1 (arm) was not done within 10 s: the GPS has no fix yet");
+  EXPECT_EQ(plan.failure(),
+            "step 1 (arm) was not done within 10 s: the GPS has no fix yet; it said 'PreArm: "
+            "Rangefinder 1: No Data'");
 }
 
 // PX4 v1.12.0: armed 1.5 s after its start it refused to take off, and disarmed after 8 s.

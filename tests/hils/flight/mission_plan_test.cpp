@@ -77,17 +77,34 @@ TEST(MissionPlan, ThatReturnsEndsAtHome) {
   EXPECT_EQ(at_home(plan, kHome, false).end_m.norm(), 0);
 }
 
+TEST(MissionPlan, KeepsAHeightOverTheTerrain) {
+  const HomedMission mission =
+      at_home(parse("items: [waypoint: {north_m: 30, east_m: 0, up_m: 25, above: terrain}, "
+                    "waypoint: {north_m: 60, east_m: 0, up_m: 25, above: home}]"),
+              kHome, false);
+  ASSERT_EQ(mission.places.size(), 2U);
+  EXPECT_EQ(mission.items[0].frame, mavlink::common::MavFrame::kGlobalTerrainAltInt);
+  EXPECT_FLOAT_EQ(mission.items[0].z, 25);
+  EXPECT_TRUE(mission.places[0].above_terrain);
+  EXPECT_EQ(mission.items[1].frame, mavlink::common::MavFrame::kGlobalRelativeAltInt);
+  EXPECT_FALSE(mission.places[1].above_terrain);
+}
+
 TEST(MissionPlan, IsReadFromAPlanOfQGroundControl) {
   const cas::test::TemporaryFolder folder;
   const auto file = folder.write("field.plan", R"({"fileType": "Plan", "mission": {"items": [
 {"type": "SimpleItem", "command": 22, "frame": 3, "params": [0, 0, 0, null, 47.397742, 8.545594, 7]},
 {"type": "SimpleItem", "command": 16, "frame": 0, "params": [0, 0, 0, null, 47.3980115, 8.545594, 498]},
+{"type": "SimpleItem", "command": 16, "frame": 10, "params": [0, 0, 0, null, 47.3980115, 8.545594, 10]},
+{"type": "SimpleItem", "command": 16, "frame": 3, "params": [0, 0, 0, null, 47.3980115, 8.545594, 10]},
 {"type": "SimpleItem", "command": 203, "frame": 2, "params": [0, 0, 0, 0, 1, 0, 0]}]}})");
   const HomedMission mission = at_home(parse("file: " + file.string()), kHome, false);
-  ASSERT_EQ(mission.items.size(), 3U);
-  EXPECT_NEAR((mission.end_m - Eigen::Vector3d(29.97, 0, 10)).norm(), 0, 0.05)
-      << "of the second, whose height is above the sea";
-  EXPECT_EQ(mission.last, 1U) << "a camera flies nowhere";
+  ASSERT_EQ(mission.items.size(), 5U);
+  ASSERT_EQ(mission.places.size(), 3U);
+  EXPECT_NEAR((mission.places[0].place_m - Eigen::Vector3d(29.97, 0, 10)).norm(), 0, 0.05)
+      << "its height is above the sea";
+  EXPECT_TRUE(mission.places[1].above_terrain);
+  EXPECT_EQ(mission.last, 3U) << "a camera flies nowhere";
 }
 
 struct Refusal {
@@ -110,6 +127,12 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"NoItems", "items: []", "the mission has no item that flies"},
         Refusal{"AnUnknownItem", "items: [orbit: {}]", "items[0]: there is no item 'orbit'"},
         Refusal{"APlaceInPart", "items: [waypoint: {north_m: 1, up_m: 3}]", "east_m"},
+        Refusal{"AnUnknownHeight",
+                "items: [waypoint: {north_m: 1, east_m: 1, up_m: 3, above: sea}]",
+                "items[0].waypoint.above: must be home or terrain"},
+        Refusal{"AnEndAboveTerrain",
+                "items: [waypoint: {north_m: 1, east_m: 1, up_m: 3, above: terrain}]",
+                "the mission ends above terrain"},
         Refusal{"ALandingOnTheWay", "items: [land, waypoint: {north_m: 1, east_m: 1, up_m: 3}]",
                 "the mission lands before its end"}),
     [](const auto& test) { return test.param.name; });

@@ -58,6 +58,7 @@ Measurement filled() {
   m.landing_error_m = ++next;
   m.beacon_error_m = ++next;
   m.sticks_way_m = ++next;
+  m.clearance = TerrainClearance{.least_m = ++next, .most_m = ++next};
   m.pace = {.real_time_factor = ++next, .worst_stall_ms = ++next, .late_p99_ms = ++next};
   m.handover_p99_us = ++next;
   m.paused_ms = ++next;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <span>
 
 #include "base/config/config.hpp"
@@ -10,17 +11,19 @@
 
 namespace cas::sim {
 
-/// Sends datagrams to one address and reads none.
-class DatagramSender {
+/// A UDP socket for one address: datagrams from others are dropped.
+class DatagramLink {
  public:
   /// @throws base::ConfigError through `node`
-  DatagramSender(const base::ConfigNode& node, const InetAddress& remote);
-  ~DatagramSender();
-  DatagramSender(const DatagramSender&) = delete;
-  DatagramSender& operator=(const DatagramSender&) = delete;
+  DatagramLink(const base::ConfigNode& node, const InetAddress& remote);
+  ~DatagramLink();
+  DatagramLink(const DatagramLink&) = delete;
+  DatagramLink& operator=(const DatagramLink&) = delete;
 
   /// Never blocks: drops the packet, and counts it, if the socket is full.
   void send(std::span<const std::uint8_t> packet);
+  /// The next datagram that is there, in `buffer`, cut to its size.
+  std::optional<std::span<const std::uint8_t>> receive(std::span<std::uint8_t> buffer);
   /// {"remote":"127.0.0.1:19410","sent":50,"not_taken":0}
   nlohmann::ordered_json figures() const;
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "plugins/mavlink_interface/terrain_requests.hpp"
+#include "plugins/common/terrain_requests.hpp"
 
 #include <algorithm>
 #include <bit>
