@@ -69,9 +69,22 @@ OpenTiff open_tiff(const fs::path& file) {
   return tiff;
 }
 
-/// Numbers of a tag that libtiff does not know; empty: it is not there.
+/// libtiff's name of a type of numbers.
+template <class T>
+constexpr TIFFDataType kTypeOf = TIFF_NOTYPE;
+template <>
+constexpr TIFFDataType kTypeOf<double> = TIFF_DOUBLE;
+template <>
+constexpr TIFFDataType kTypeOf<std::uint16_t> = TIFF_SHORT;
+template <>
+constexpr TIFFDataType kTypeOf<char> = TIFF_ASCII;
+
+/// Numbers of a tag that libtiff does not know; empty: it is not there, or of another type, whose
+/// bytes libtiff would hand out as they are.
 template <class T>
 std::vector<T> numbers_of(TIFF* tiff, std::uint32_t tag) {
+  const TIFFField* const known = TIFFFindField(tiff, tag, TIFF_ANY);
+  if (known == nullptr || TIFFFieldDataType(known) != kTypeOf<T>) return {};
   std::uint32_t count = 0;
   void* data = nullptr;
   if (TIFFGetField(tiff, tag, &count, &data) != 1 || data == nullptr) return {};
