@@ -240,56 +240,63 @@ int run(const Flags& flags) {
   return base::kExitOk;
 }
 
-/// An option of mavlink-router's that casd does not take.
-struct Refused {
+/// An option of another router's that casd does not take.
+struct ForeignOption {
   const char* names;
   bool has_value;
-  const char* sentence;  ///< its replacement
+  const char* sentence;      ///< its replacement
+  bool is_left_out = false;  ///< with a warning: packets go where they would go with it
 };
 
-constexpr std::array kRefused{
-    Refused{"-c,--conf-file", true,
-            "'casd --import FILE > topology.yaml' reads mavlink-router's file, and "
-            "'casd topology.yaml' runs it"},
-    Refused{"-r,--report_msg_statistics", false,
-            "'casctl status' and 'casctl monitor' show figures at any time"},
-    Refused{"-s,--sniffer-sysid", true,
-            "a link of a topology with 'sniffer: true' gets every packet"},
-    Refused{"-y,--syslog", false, "casd writes to standard error, which systemd's journal keeps"},
+constexpr std::array kForeignOptions{
+    ForeignOption{"-c,--conf-file", true,
+                  "'casd --import FILE > topology.yaml' reads mavlink-router's file, and "
+                  "'casd topology.yaml' runs it"},
+    ForeignOption{"-r,--report_msg_statistics", false,
+                  "'casctl status' and 'casctl monitor' show figures at any time", true},
+    ForeignOption{"-s,--sniffer-sysid", true,
+                  "a link of a topology with 'sniffer: true' gets every packet"},
+    ForeignOption{"-y,--syslog", false,
+                  "casd writes to standard error, which systemd's journal keeps", true},
     // of MAVProxy and mavp2p
-    Refused{"--streamrate,--streamreq-frequency", true,
-            "'request_rates' of a link asks its vehicles for messages, each with its rate"},
-    Refused{"--streamreq-disable", false, "'--silent' has casd ask for no streams"},
-    Refused{"--hb-disable", false, "'--silent' has casd send no HEARTBEAT"},
-    Refused{"--rtscts", false, "'serial_flowcontrol:DEVICE:BAUD' is a line with RTS/CTS"},
-    Refused{"--hb-version", true, "casd speaks MAVLink 2, and passes both versions on"},
-    Refused{"--source-component,--hb-componentid", true,
-            "'component_id' of a topology is casd's own"},
-    Refused{"--source-system,--hb-systemid", true, "'system_id' of a topology is casd's own"},
-    Refused{"--hb-period", true, "'commanding: {heartbeat_hz: HZ}' of a topology sets the rate"},
-    Refused{"--daemon", false, "a service of systemd runs casd (docs/use/operations.md)"},
-    Refused{"--aircraft,--logfile,--dump-path,--dump-duration", true, "'--log FOLDER' records"},
-    Refused{"--dump", false, "'--log FOLDER --telemetry-log' records"},
-    Refused{"--print,--console", false,
-            "'casctl monitor' and 'casctl message' show what goes through"},
-    Refused{"--map", false, "'casweb' shows vehicles"},
-    Refused{"--cmd", true, "'casctl' has a verb for each command"},
-    Refused{"--quiet", false, "'--log-level warn' says less"},
-    Refused{"--mav20,--mav10", false, "casd passes both versions on"},
-    Refused{"--non-interactive", false, "casd reads no keyboard"},
-    Refused{"--dialect", true,
-            "casd knows all public dialects; another one: 'dialect' of a topology"}};
+    ForeignOption{"--streamrate,--streamreq-frequency", true,
+                  "'request_rates' of a link asks its vehicles for messages, each with its rate",
+                  true},
+    ForeignOption{"--streamreq-disable", false, "'--silent' has casd ask for no streams"},
+    ForeignOption{"--hb-disable", false, "'--silent' has casd send no HEARTBEAT"},
+    ForeignOption{"--rtscts", false, "'serial_flowcontrol:DEVICE:BAUD' is a line with RTS/CTS"},
+    ForeignOption{"--hb-version", true, "casd speaks MAVLink 2, and passes both versions on", true},
+    ForeignOption{"--source-component,--hb-componentid", true,
+                  "'component_id' of a topology is casd's own"},
+    ForeignOption{"--source-system,--hb-systemid", true, "'system_id' of a topology is casd's own"},
+    ForeignOption{"--hb-period", true,
+                  "'commanding: {heartbeat_hz: HZ}' of a topology sets the rate"},
+    ForeignOption{"--daemon", false, "a service of systemd runs casd (docs/use/operations.md)"},
+    ForeignOption{"--aircraft,--logfile,--dump-path,--dump-duration", true,
+                  "'--log FOLDER' records", true},
+    ForeignOption{"--dump", false, "'--log FOLDER --telemetry-log' records"},
+    ForeignOption{"--print,--console", false,
+                  "'casctl monitor' and 'casctl message' show what goes through", true},
+    ForeignOption{"--map", false, "'casweb' shows vehicles", true},
+    ForeignOption{"--cmd", true, "'casctl' has a verb for each command"},
+    ForeignOption{"--quiet", false, "'--log-level warn' says less", true},
+    ForeignOption{"--mav20,--mav10", false, "casd passes both versions on", true},
+    ForeignOption{"--non-interactive", false, "casd reads no keyboard", true},
+    ForeignOption{"--dialect", true,
+                  "casd knows all public dialects; another one: 'dialect' of a topology"}};
 
 /// A value that was forgotten: the next flag would be taken for a host or a folder.
 std::string refuse_flag(const std::string& value) {
   return value.starts_with('-') ? "'" + value + "' is a flag, and no value" : "";
 }
 
-/// @throws CLI::ParseError when one of them is given
-void add_refused_options(CLI::App& cli) {
-  for (const Refused& each : kRefused) {
+/// Warns of one that is given. @throws CLI::ParseError when it would have moved packets
+void add_foreign_options(CLI::App& cli) {
+  for (const ForeignOption& each : kForeignOptions) {
     const auto refuse = [&each] {
-      throw CLI::ValidationError(each.names, std::string("is not casd's: ") + each.sentence);
+      const std::string sentence = std::string("is not casd's: ") + each.sentence;
+      if (!each.is_left_out) throw CLI::ValidationError(each.names, sentence);
+      std::fprintf(stderr, "warning: %s %s\n", each.names, sentence.c_str());
     };
     CLI::Option* option = each.has_value
                               ? cli.add_option_function<std::string>(
@@ -381,7 +388,7 @@ int main(int argc, char** argv) try {
   casd::add_topology_options(cli, flags);
   casd::add_printing_options(cli, flags);
   casd::add_run_options(cli, flags);
-  casd::add_refused_options(cli);
+  casd::add_foreign_options(cli);
   base::cli::add_manual(cli, "casd", CAS_VERSION);
   if (const auto ended = base::cli::parse(cli, argc, argv, base::kExitConfig)) return *ended;
   return base::run_program("casd", flags.log_level, [&] { return casd::run(flags); });

@@ -425,6 +425,12 @@ MetricsSource FigureMethods::metrics_source() const {
                     .messages = source_.figures->messages(now, {}, {.limit = kMost + 1})};
   all.messages_cut = all.messages.size() > kMost;
   if (all.messages_cut) all.messages.pop_back();
+  for (const json& vehicle : source_.vehicles()) {
+    all.vehicles.push_back({.system = vehicle.at("system"),
+                            .armed = vehicle.at("armed"),
+                            .hil = vehicle.at("hil"),
+                            .heartbeat_age_s = vehicle.at("heartbeat_age_s")});
+  }
   if (source_.recorder != nullptr) all.recording = source_.recorder->status(source_.now());
   if (source_.autopilot_logs) all.autopilot_logs = source_.autopilot_logs();
   for (MessageStatus& message : all.messages) message.name = message_name(message.id);

@@ -111,6 +111,19 @@ void add_forwarding(Metric& time, const LinkStatus& link) {
   time.add_part("_count", link_label(link), total);
 }
 
+void add_vehicles(std::string& out, const std::vector<VehicleMetrics>& vehicles) {
+  const auto gauge = [&](const char* name, const char* help, auto member) {
+    Metric all(out, name, "gauge", help);
+    for (const VehicleMetrics& vehicle : vehicles) {
+      all.add(fmt::format("system=\"{}\"", vehicle.system), static_cast<double>(vehicle.*member));
+    }
+  };
+  gauge("casd_vehicle_armed", "1 while the vehicle says that it is armed.", &VehicleMetrics::armed);
+  gauge("casd_vehicle_hil", "1 while the vehicle says that it is in HIL.", &VehicleMetrics::hil);
+  gauge("casd_vehicle_heartbeat_age_seconds", "Since the vehicle's newest HEARTBEAT.",
+        &VehicleMetrics::heartbeat_age_s);
+}
+
 void add_recording(std::string& out, const TlogStatus& recording) {
   const auto gauge = [&out](const char* name, const char* help, std::uint64_t value) {
     Metric(out, name, "gauge", help).add("", value);
@@ -166,6 +179,7 @@ std::string metrics_text(const MetricsSource& source) {
   Metric time(out, "casd_link_forwarding_seconds", "histogram",
               "From read on another link to written on this one, since the start.");
   for (const LinkStatus& link : source.links) add_forwarding(time, link);
+  add_vehicles(out, source.vehicles);
   add_recording(out, source.recording);
   if (source.autopilot_logs) add_autopilot_logs(out, *source.autopilot_logs);
   add_messages(out, source);

@@ -14,6 +14,14 @@
 
 namespace cas::casd {
 
+/// What a vehicle says of itself.
+struct VehicleMetrics {
+  int system = 0;
+  bool armed = false;
+  bool hil = false;
+  double heartbeat_age_s = 0;
+};
+
 /// The figures behind the metrics.
 struct MetricsSource {
   double uptime_s = 0;
@@ -23,6 +31,7 @@ struct MetricsSource {
   std::vector<LinkStatus> links;
   std::vector<MessageStatus> messages;
   bool messages_cut = false;  ///< some are left out: too many for a page
+  std::vector<VehicleMetrics> vehicles{};
   TlogStatus recording{};
   std::optional<AutopilotLogsStatus> autopilot_logs{};  ///< nullopt: none are taken
 };

@@ -150,9 +150,9 @@ void TlogWriter::record(std::span<const std::uint8_t> packet, base::RunTime now)
     set_zero(base::steady_now());
   }
   const std::uint64_t stamp = stamp_of(now);
-  std::vector<std::uint8_t>& waiting = waiting_;  // a lambda does not know that the lock is held
+  std::vector<std::uint8_t>* const waiting = &waiting_;  // a lambda does not know of the lock
   const bool kept =
-      base::outlive_lack_of_memory(kWho, [&] { append_tlog_record(stamp, packet, waiting); });
+      base::outlive_lack_of_memory(kWho, [&] { append_tlog_record(stamp, packet, *waiting); });
   if (!kept) ++overflowed_;
 }
 

@@ -126,6 +126,7 @@ TEST_F(CasdObserve, TellsPrometheusItsFigures) {
   EXPECT_TRUE(has("casd_link_rx_packets_total{link=\"sim\"} 1"));
   EXPECT_TRUE(has("casd_command_refused_total{reason=\"not_json_rpc\"} 0"));
   EXPECT_TRUE(has("casd_link_up{link=\"fcu\",type=\"serial\"} 1"));
+  EXPECT_TRUE(has("# TYPE casd_vehicle_armed gauge"));
   EXPECT_TRUE(
       has("casd_messages_total{link=\"sim\",direction=\"rx\",message=\"HIL_SENSOR\","
           "system=\"1\",component=\"200\"} 1"));

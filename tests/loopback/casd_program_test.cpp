@@ -352,9 +352,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(RefusedOption{"ConfFile", {"-c", "main.conf"}, "casd --import FILE"},
                     RefusedOption{"ConfFileLong", {"--conf-file", "main.conf"}, "--import"},
                     RefusedOption{"ConfDir", {"-d", "/etc/x"}, "--import FILE"},
-                    RefusedOption{"Statistics", {"-r"}, "casctl status"},
                     RefusedOption{"Sniffer", {"-s", "250"}, "sniffer: true"},
-                    RefusedOption{"Syslog", {"-y"}, "standard error"},
                     RefusedOption{"OneDestinationTwice",
                                   {"-e", "127.0.0.1:14550", "-e", "127.0.0.1:14550"},
                                   "two endpoints send to 127.0.0.1:14550"},
@@ -365,17 +363,27 @@ INSTANTIATE_TEST_SUITE_P(
                                   {"--stats", "/nonexistent/x"},
                                   "/nonexistent/x: cannot be written: No such file or directory"},
                     RefusedOption{"StatsAreNoFolder", {"--stats", "/"}, "Is a directory"},
-                    RefusedOption{"Map", {"--map"}, "casweb"},
-                    RefusedOption{"Print", {"--print"}, "casctl monitor"},
                     RefusedOption{"LedgerInNoFolder",
                                   {"--ledger", "/nonexistent/x"},
                                   "/nonexistent/x: cannot be written"},
-                    RefusedOption{"StreamRate", {"--streamrate", "4"}, "request_rates"},
+                    RefusedOption{"Command", {"--cmd", "arm throttle"}, "'casctl' has a verb"},
                     RefusedOption{"HeartbeatDisable", {"--hb-disable"}, "--silent"},
                     RefusedOption{"SourceSystem", {"--source-system", "9"}, "system_id"},
                     RefusedOption{"Daemon", {"--daemon"}, "systemd"},
                     RefusedOption{"Dump", {"--dump"}, "--telemetry-log"}),
     [](const auto& test) { return std::string(test.param.name); });
+
+TEST_F(CasdProgram, LeavesOutWithAWarningWhatMovesNoPacketOfAnotherRouter) {
+  ChildProcess check({kCasdProgram, "--check", "--master", "/dev/ttyACM0,115200", "--out",
+                      "127.0.0.1:14550", "--streamrate", "4", "--console", "--map", "--aircraft",
+                      "mine", "-r", "-y"});
+  ASSERT_EQ(check.wait_exit(), 0) << check.output();
+  for (const char* sentence :
+       {"'request_rates' of a link", "'casctl monitor'", "'casweb' shows", "'--log FOLDER' records",
+        "'casctl status'", "standard error", "the command line: 2 links"}) {
+    EXPECT_THAT(check.output(), testing::HasSubstr(sentence));
+  }
+}
 
 TEST_F(CasdProgram, PrintsEndpointsAndMavlinkRoutersFileAsATopologyThatItTakes) {
   const auto conf = fixture.folder.write(

@@ -92,6 +92,17 @@ TEST(Metrics, NothingButAHistogramOrASummaryHasQuantiles) {
   EXPECT_EQ(metrics_text(with_forwarding({})).find("quantile"), std::string::npos);
 }
 
+TEST(Metrics, TellOfEachVehicle) {
+  MetricsSource source{};
+  source.vehicles = {{.system = 1, .armed = true, .hil = true, .heartbeat_age_s = 0.25},
+                     {.system = 7, .armed = false, .hil = false, .heartbeat_age_s = 12}};
+  const auto samples = samples_of(metrics_text(source));
+  EXPECT_EQ(samples.at("casd_vehicle_armed{system=\"1\"}"), 1);
+  EXPECT_EQ(samples.at("casd_vehicle_armed{system=\"7\"}"), 0);
+  EXPECT_EQ(samples.at("casd_vehicle_hil{system=\"1\"}"), 1);
+  EXPECT_EQ(samples.at("casd_vehicle_heartbeat_age_seconds{system=\"7\"}"), 12);
+}
+
 TEST(Metrics, TellOfTheLogsOfAutopilots) {
   MetricsSource source{};
   EXPECT_EQ(metrics_text(source).find("casd_autopilot_log"), std::string::npos) << "none are taken";
