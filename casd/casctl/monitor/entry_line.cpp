@@ -11,17 +11,22 @@ void EntryLine::begin(Kind kind, std::string text) {
   kind_ = kind;
   text_ = std::move(text);
   earlier_ = history_.size();
+  untouched_ = false;
 }
 
 void EntryLine::begin_gains(std::string loop, std::string values) {
   loop_ = std::move(loop);
   begin(Kind::kGain, std::move(values));
+  untouched_ = true;
 }
 
 EntryLine::Result EntryLine::on_key(int key, const PromptWords& words) {
   Result result;
+  const bool is_text = key >= ' ' && key < 127;
+  if (key == Terminal::kClear || (is_text && untouched_)) text_.clear();
+  if (key != Terminal::kNone) untouched_ = false;
   if (key == Terminal::kBackspace && !text_.empty()) text_.pop_back();
-  if (key >= ' ' && key < 127) text_ += static_cast<char>(key);
+  if (is_text) text_ += static_cast<char>(key);
   if (kind_ == Kind::kCommand) result.wants_parameters = edit_command(key, words);
   if (kind_ == Kind::kFilter) result.filter = key == Terminal::kEscape ? "" : text_;
   if (key != Terminal::kEnter && key != Terminal::kEscape) return result;
@@ -61,7 +66,8 @@ std::string EntryLine::text(const std::string& addressee) const {
 
 std::string EntryLine::hint(const PromptWords& words, bool asking, std::size_t width) const {
   if (kind_ == Kind::kFilter) return "part of a name; Enter keeps it, Esc shows all";
-  if (kind_ == Kind::kGain) return "Enter sends them, Esc leaves them as they are";
+  if (kind_ == Kind::kGain)
+    return "type new ones, or change these from Backspace on; Enter sends them, Esc does not";
   const Completion completion = complete(text_, words);
   std::string text = completion.usage;
   if (completion.wants_parameters) {

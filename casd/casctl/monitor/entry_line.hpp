@@ -25,7 +25,7 @@ class EntryLine {
   };
 
   void begin(Kind kind, std::string text);
-  /// @param values  those in force, "0.15 0.2 0.003"
+  /// @param values  those in force, "0.15 0.2 0.003"; the first character typed replaces them
   void begin_gains(std::string loop, std::string values);
   /// @param key  a character or a Terminal::Key
   Result on_key(int key, const PromptWords& words);
@@ -50,6 +50,7 @@ class EntryLine {
   Kind kind_ = Kind::kNone;
   std::string text_;                  ///< under edit
   std::string loop_;                  ///< whose gains are under edit
+  bool untouched_ = false;            ///< they are those in force, and no key was pressed
   std::vector<std::string> history_;  ///< of commands
   std::size_t earlier_ = 0;           ///< place in it
 };

@@ -101,6 +101,8 @@ int Terminal::read_key(int patience_ms) {
       return kEnter;
     case '\t':
       return kTab;
+    case 21:  // Ctrl-U
+      return kClear;
     case 27:
       return kEscape;
     case KEY_BACKSPACE:

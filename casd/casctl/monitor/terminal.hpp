@@ -21,6 +21,7 @@ class Terminal {
     kEscape,
     kTab,
     kBackspace,
+    kClear,  ///< Ctrl-U: the whole line
     kResize
   };
 

@@ -75,6 +75,24 @@ TEST_F(Entry, ArrowsGoThroughEarlierCommands) {
   EXPECT_EQ(entry_.text(""), ": ");
 }
 
+TEST_F(Entry, TheFirstDigitReplacesTheGainsInForce) {
+  entry_.begin_gains("position", "1.5");
+  press(Terminal::kNone);  // nothing was pressed
+  type("1.0");
+  EXPECT_EQ(press(Terminal::kEnter).command, "setgain position 1.0");
+  entry_.begin_gains("position", "1.5");
+  press(Terminal::kBackspace);
+  type("2");
+  EXPECT_EQ(press(Terminal::kEnter).command, "setgain position 1.2") << "they were edited";
+}
+
+TEST_F(Entry, ControlUClearsTheLine) {
+  entry_.begin(EntryLine::Kind::kCommand, "takeoff 3");
+  press(Terminal::kClear);
+  type("land");
+  EXPECT_EQ(press(Terminal::kEnter).command, "land");
+}
+
 TEST_F(Entry, TabCompletesAndTellsWhenParametersAreWanted) {
   words_.by_verb = completion_words();
   entry_.begin(EntryLine::Kind::kCommand, "");
