@@ -177,7 +177,9 @@ void check_readiness(const DoctorFacts& facts, Findings& all) {
       if (checks == "pass") {  // a text of a while ago, perhaps
         warn(all, what, "its arming checks pass now: casctl arm tells whether this still holds");
       } else {
-        bad(all, what, "it does not arm like this");
+        bad(all, what,
+            "it does not arm until this is gone; after its start give it half a minute, then ask "
+            "again");
       }
     }
     if (vehicle.value("armed", false)) {
