@@ -13,5 +13,7 @@ namespace cas::base {
 /// (U+00AD, U+061C, U+180E, U+200B to U+200F, U+2028 to U+202E, U+2060 to U+206F, U+FEFF, U+E0000
 /// to U+E007F). Other bytes stay.
 CAS_BASE_EXPORT std::string printable(std::string_view text);
+/// The same, but lines end where they did.
+CAS_BASE_EXPORT std::string printable_lines(std::string_view text);
 
 }  // namespace cas::base

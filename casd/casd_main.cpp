@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -22,6 +24,7 @@
 #include "base/os/cpu_latency.hpp"
 #include "base/os/program.hpp"
 #include "base/os/thread.hpp"
+#include "base/printable.hpp"
 #include "base/read_file.hpp"
 #include "base/rpc/token.hpp"
 #include "base/text.hpp"
@@ -215,16 +218,17 @@ int run(const Flags& flags) {
   if (flags.lockstep) topology.set_lockstep();
   if (flags.check) {
     check_named_files(topology);
-    std::printf("%s: %zu links, %zu routes\n", source_name.c_str(), topology.links.size(),
-                topology.routes.size());
-    if (files.size() > 1) std::printf("files, each over those before it\n");
+    std::string text = fmt::format("{}: {} links, {} routes\n", source_name, topology.links.size(),
+                                   topology.routes.size());
+    if (files.size() > 1) text += "files, each over those before it\n";
     for (std::size_t i = 0; files.size() > 1 && i < files.size(); ++i) {
-      std::printf("  %s\n", files[i].file().c_str());
+      text += "  " + files[i].file().string() + "\n";
     }
-    std::fputs(topology_text(topology).c_str(), stdout);
+    text += topology_text(topology);
     for (const std::string& warning : injection_warnings(topology)) {
-      std::printf("warning: %s\n", warning.c_str());
+      text += "warning: " + warning + "\n";
     }
+    std::fputs(base::printable_lines(text).c_str(), stdout);
     return base::kExitOk;
   }
   if (topology.runs_in_real_time()) base::lock_memory();

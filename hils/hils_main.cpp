@@ -3,8 +3,6 @@
 #include <signal.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <exception>
 #include <functional>
@@ -17,6 +15,7 @@
 #include "base/cli/verb.hpp"
 #include "base/error.hpp"
 #include "base/os/log.hpp"
+#include "base/printable.hpp"
 #include "hils/boards/board_command.hpp"
 #include "hils/boards/board_error.hpp"
 #include "hils/boards/board_flags.hpp"
@@ -32,10 +31,7 @@ using namespace cas::hils;
 
 /// A sentence may quote a file: nothing in it reaches the terminal but its letters.
 void tell(const std::exception& error) {
-  std::string sentence = error.what();
-  std::ranges::replace_if(
-      sentence, [](unsigned char c) { return std::iscntrl(c) != 0 && c != '\n'; }, '?');
-  fmt::print(stderr, "hils: {}\n", sentence);
+  fmt::print(stderr, "hils: {}\n", base::printable_lines(error.what()));
 }
 
 /// Runs a command and turns its exception into a sentence and an exit code.

@@ -92,10 +92,13 @@ Descriptor open_folder(int start, const fs::path& folder, Symlinks symlinks, Abs
     const std::string name = std::exchange(left.front(), {});
     left.pop_front();
     if (name.empty() || name == ".") continue;
-    if (absent == Absent::kMade) ::mkdirat(at.get(), name.c_str(), kNewFolder);
+    const bool unmade =
+        absent == Absent::kMade && ::mkdirat(at.get(), name.c_str(), kNewFolder) != 0;
+    const int why_unmade = errno;
     Descriptor next(::openat(at.get(), name.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC));
     struct stat status {};
-    if (!next || ::fstat(next.get(), &status) != 0) fail(file, errno);
+    if (!next) fail(file, unmade && errno == ENOENT ? why_unmade : errno);
+    if (::fstat(next.get(), &status) != 0) fail(file, errno);
     if (S_ISLNK(status.st_mode)) {
       if (symlinks == Symlinks::kNone) fail(file, "'" + name + "' is a symlink");
       if (!is_trusted_owner(status)) {

@@ -49,9 +49,8 @@ fs::path below_out(const ResultPlace& place) {
 
 /// The folder that the results are below, and one below it; the first must exist.
 Descriptor open_below(const ResultPlace& place, const fs::path& folder, Absent absent) {
-  const char* out = place.out.empty() ? "." : place.out.c_str();
-  const Descriptor top(::open(out, O_PATH | O_DIRECTORY | O_CLOEXEC));
-  if (!top) fail(place, errno);
+  const Descriptor top =
+      open_folder(AT_FDCWD, place.out, Symlinks::kTrusted, Absent::kRefused, place.path());
   return open_folder(top.get(), folder, Symlinks::kNone, absent, place.path());
 }
 
@@ -66,6 +65,10 @@ std::string_view fault_of_result_path(const fs::path& path) {
     return "has '..'; files are written below the folder of results alone";
   }
   return "";
+}
+
+void make_out_folder(const fs::path& out) {
+  open_folder(AT_FDCWD, out, Symlinks::kTrusted, Absent::kMade, out);
 }
 
 void write_result(const ResultPlace& place, std::string_view text, Durability durability) {

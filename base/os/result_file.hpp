@@ -13,8 +13,9 @@ namespace cas::base {
 
 /// Place of a file of results: below the folder `out` that a user gave for them.
 ///
-/// The functions of this file follow no symlink below `out`, whoever laid it: the folders on the
-/// way are opened one by one, and a symlink in the place of the file itself is replaced.
+/// The functions of this file follow no symlink below `out`, whoever laid it, and on the way to
+/// `out` none of another user: the folders are opened one by one. A symlink in the place of the
+/// file itself is replaced.
 struct ResultPlace {
   std::filesystem::path out;
   std::filesystem::path file;  ///< relative to `out`, or a path that begins with it
@@ -26,6 +27,10 @@ struct ResultPlace {
 /// Why a path that a file of configuration gives is not one below the folder of results: it is
 /// absolute or has "..". Pure. @return empty: it is one
 CAS_BASE_EXPORT std::string_view fault_of_result_path(const std::filesystem::path& path);
+
+/// Makes the folder for results itself and those above it, as far as they are missing.
+/// @throws ConfigError
+CAS_BASE_EXPORT void make_out_folder(const std::filesystem::path& out);
 
 /// Replaces a file atomically, as write_file() does; missing folders below `out` are made.
 /// @throws ConfigError

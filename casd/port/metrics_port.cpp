@@ -13,8 +13,8 @@
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 #include <chrono>
+#include <list>
 #include <memory>
-#include <set>
 #include <utility>
 #include <vector>
 
@@ -38,7 +38,7 @@ using TakePage = std::function<void(const std::string& page)>;
 using AskPage = std::function<void(TakePage)>;
 
 constexpr std::size_t kMaxClients = 16;
-constexpr double kMaxClients_s = 20;  // and as many at once
+constexpr double kMaxClients_s = 1000;  // and as many at once
 /// How long a page is used again.
 constexpr auto kPageLife = std::chrono::milliseconds(250);
 constexpr auto kAnswerTime = std::chrono::seconds(2);
@@ -112,15 +112,19 @@ struct MetricsPort::Impl : std::enable_shared_from_this<MetricsPort::Impl> {
   explicit Impl(Ask ask_figures) : ask(std::move(ask_figures)) {}
 
   void on_client(Listener::StreamSocket socket) {
-    if (sessions.size() >= kMaxClients) return;  // closes it
+    // The oldest is slow to ask or to read: it gives way.
+    if (sessions.size() >= kMaxClients) {
+      sessions.front()->close();
+      sessions.pop_front();
+    }
     const auto end = [weak = weak_from_this()](HttpSession* session) {
-      if (const auto self = weak.lock()) self->sessions.erase(session);
+      if (const auto self = weak.lock()) self->sessions.remove(session);
     };
     const auto ask_page = [weak = weak_from_this()](TakePage take) {
       if (const auto self = weak.lock()) self->answer(std::move(take));
     };
     const auto session = std::make_shared<HttpSession>(std::move(socket), ask_page, end);
-    sessions.insert(session.get());
+    sessions.push_back(session.get());
     session->start();
   }
 
@@ -149,7 +153,7 @@ struct MetricsPort::Impl : std::enable_shared_from_this<MetricsPort::Impl> {
   Ask ask;
   base::rpc::IoThread io;
   std::shared_ptr<Listener> listener;
-  std::set<HttpSession*> sessions;
+  std::list<HttpSession*> sessions;  ///< in the order in which they came
   std::string page;
   base::RunTime page_ends{};
   base::RunTime ask_again{};  ///< an answer that has not come by then will not come

@@ -16,8 +16,8 @@ namespace cas::casd {
 ///   client --GET--> metrics thread --ask, 4 times a second at most--> main thread
 ///          <--page--              <--copy of them--
 ///
-/// The number of clients, at once and in a second, is bounded, and each has a deadline. Requests
-/// within a quarter of a second get the same page.
+/// The number of clients, at once and in a second, is bounded, and each has a deadline; the oldest
+/// gives way to a new one. Requests within a quarter of a second get the same page.
 class MetricsPort {
  public:
   /// Takes the figures, from any thread.

@@ -8,6 +8,8 @@
 #include <system_error>
 #include <utility>
 
+#include "base/printable.hpp"
+
 namespace cas::casd {
 namespace {
 
@@ -27,7 +29,9 @@ std::pair<std::string_view, int> without_number(std::string_view file) {
   return {file.substr(0, dot), number};
 }
 
-bool is_unprintable(char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7F; }
+bool is_unprintable(std::string_view name) {
+  return base::printable(name) != name || name.find('\t') != name.npos;
+}
 
 }  // namespace
 
@@ -36,7 +40,7 @@ std::optional<std::string> tlog_name_fault(std::string_view name) {
   if (name.size() > kLongestName) return "has more than 100 characters";
   if (name.front() == '.') return "begins with a dot";
   if (name.find('/') != name.npos) return "has a slash";
-  if (std::any_of(name.begin(), name.end(), is_unprintable)) return "has unprintable characters";
+  if (is_unprintable(name)) return "has unprintable characters";
   return std::nullopt;
 }
 

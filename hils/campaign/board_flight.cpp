@@ -124,8 +124,8 @@ CampaignControllers CampaignControllers::load(const fs::path& folder) {
                                     .baud = {}};
     if (json.contains("baud")) controllers.baud = json["baud"].get<unsigned>();
     return controllers;
-  } catch (const OrderedJson::exception& error) {
-    throw base::ConfigError(file.string() + ": " + error.what());
+  } catch (const OrderedJson::exception&) {
+    throw base::ConfigError(file.string() + ": is not JSON as hils writes it");
   }
 }
 

@@ -50,8 +50,8 @@ std::vector<PluginFigure> read_plugin_figures(const std::filesystem::path& file,
     for (const json& figure : file_content.at("figures")) {
       if (figure.at("vehicle").get<std::string>() == vehicle) figures.push_back(parse(figure));
     }
-  } catch (const json::exception& error) {
-    throw base::ConfigError(file.string() + ": is no file of plugins' figures: " + error.what());
+  } catch (const json::exception&) {
+    throw base::ConfigError(file.string() + ": is no file of plugins' figures");
   }
   return figures;
 }

@@ -180,8 +180,8 @@ void LiveRun::play_faults(base::SimTime now, std::span<const VehicleReport> vehi
       result = inject(Json::parse(call.params), now, vehicles, faults, simulator, begin);
     } catch (const base::rpc::CallError& error) {
       refusal = error;
-    } catch (const Json::exception& error) {
-      refusal = base::rpc::BadParams(error.what());
+    } catch (const Json::exception&) {
+      refusal = base::rpc::BadParams("a parameter is missing, or is of another type");
     } catch (const base::ConfigError& error) {
       refusal = base::rpc::BadParams(error.what());
     }

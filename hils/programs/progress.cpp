@@ -9,6 +9,8 @@
 #include <chrono>
 #include <cstdio>
 
+#include "base/printable.hpp"
+
 namespace cas::hils {
 
 namespace {
@@ -75,10 +77,11 @@ void Progress::show(base::SimTime now, const FlightPlan& plan, const VehicleRepo
   if (!terminal_) {
     if (!shows()) return;
     next_plain_ = base::steady_now() + kPlainPeriod;
-    fmt::print(stderr, "{}\n", plain_progress_line(now, plan, vehicle, pace));
+    fmt::print(stderr, "{}\n", base::printable(plain_progress_line(now, plan, vehicle, pace)));
     return;
   }
-  const std::string line = progress_line(now, plan, vehicle, pace, stream, usable_columns());
+  const std::string line =
+      base::printable(progress_line(now, plan, vehicle, pace, stream, usable_columns()));
   if (line == shown_) return;
   shown_ = line;
   fmt::print(stderr, "{}{}", kEraseLine, line);

@@ -94,10 +94,11 @@ struct Document {
 };
 
 /// A table for a terminal: columns as wide as their longest cell, two spaces apart. Widths are
-/// counted in characters of UTF-8.
+/// counted in characters of UTF-8. Texts of files give a terminal no orders
+/// (base::printable_lines).
 std::string aligned_table(const Rows& rows, Align align);
 
-/// For a terminal, where the verdict names the subject; no title. Plots, links
+/// For a terminal, as aligned_table(); the verdict names the subject; no title. Plots, links
 /// and folded texts are of pages alone, as are sections of Extent::kPage.
 std::string write_text(const Document& document);
 

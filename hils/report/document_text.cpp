@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "base/printable.hpp"
 #include "hils/report/document.hpp"
 
 namespace cas::hils {
@@ -104,10 +105,12 @@ std::string aligned_table(const Rows& rows, Align align) {
     }
     text += line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
-  return text;
+  return base::printable_lines(text);
 }
 
-std::string write_text(const Document& document) { return written(document, TextBlocks{}); }
+std::string write_text(const Document& document) {
+  return base::printable_lines(written(document, TextBlocks{}));
+}
 
 std::string write_markdown(const Document& document) {
   return written(document, MarkdownBlocks{"# " + document.title + "\n\n"});

@@ -80,40 +80,30 @@ std::vector<std::filesystem::path> quoted_files(const RunRequest& request) {
   return files;
 }
 
-/// Whether only somebody else says what this name stands for.
-bool is_anothers(const struct stat& status) {
-  if (status.st_uid == 0 || status.st_uid == ::geteuid()) return false;
-  return S_ISLNK(status.st_mode) || (status.st_mode & S_IWOTH) != 0;
-}
-
-/// A symlink or a folder of another user may lead the results into files of this one.
-void refuse_anothers(const std::filesystem::path& folder) {
-  const auto name = folder.has_filename() ? folder : folder.parent_path();  // "out/" as "out"
-  struct stat link {};
-  struct stat target {};
-  if (::lstat(name.c_str(), &link) != 0) return;
-  if (is_anothers(link) || (::stat(name.c_str(), &target) == 0 && is_anothers(target))) {
-    throw base::ConfigError("--out: " + folder.string() + " is " +
-                            (S_ISLNK(link.st_mode) && is_anothers(link)
-                                 ? "a symlink of another user"
-                                 : "a folder of another user that everybody may write into") +
-                            "; give one of your own");
-  }
+/// Whether everybody may lay symlinks and files in a folder of another user.
+bool is_open_to_all(const fs::path& folder) {
+  struct stat status {};
+  if (::stat(folder.c_str(), &status) != 0) return false;
+  const bool is_own = status.st_uid == 0 || status.st_uid == ::geteuid();
+  return !is_own && (status.st_mode & S_IWOTH) != 0;
 }
 
 }  // namespace
 
-void make_results_folder(const std::filesystem::path& folder) {
-  const auto refuse = [&folder](const char* what, const std::error_code& why) {
-    throw base::ConfigError("--out: " + folder.string() + " cannot be " + what + ": " +
-                            why.message());
+void make_results_folder(const fs::path& folder) {
+  const auto refuse = [&folder](const std::string& why) {
+    throw base::ConfigError("--out: " + folder.string() + why);
   };
-  refuse_anothers(folder);
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) refuse("created", error);
+  if (is_open_to_all(folder)) {
+    refuse(" is a folder of another user that everybody may write into; give one of your own");
+  }
+  try {
+    base::make_out_folder(folder);
+  } catch (const base::ConfigError& error) {
+    throw base::ConfigError(std::string("--out: ") + error.what());
+  }
   if (::access(folder.c_str(), W_OK | X_OK) != 0) {
-    refuse("written to", {errno, std::generic_category()});
+    refuse(" cannot be written to: " + base::error_text(errno));
   }
 }
 

@@ -9,8 +9,9 @@
 
 namespace cas::hils {
 
-/// Makes the folder that --out names, which this user can write in; refuses another user's symlink,
-/// and a folder of another user that everybody may write into. @throws base::ConfigError
+/// Makes the folder that --out names, which this user can write in; refuses a symlink of
+/// another user on the way to it, and a folder of another user that everybody may write into.
+/// @throws base::ConfigError
 void make_results_folder(const std::filesystem::path& folder);
 
 /// Makes the first of `parent`/NAME, NAME-2, NAME-3, ... that does not exist, and `parent` if need

@@ -23,8 +23,18 @@ constexpr std::size_t kMostRecordBytes = std::size_t{256} << 20U;  // gzipped
 
 fs::path summary_file(const fs::path& folder) { return folder / "summary.json"; }
 
+/// More than a run leaves: what another person has made need not end.
+constexpr int kMostLevels = 64;
+constexpr std::size_t kMostValues = 50'000'000;
+
 Json parse(const fs::path& file, std::string_view text) {
-  Json json = Json::parse(text, nullptr, false);
+  const auto bound = [&file, values = std::size_t{0}](int depth, auto, const Json&) mutable {
+    if (depth > kMostLevels || ++values > kMostValues) {
+      throw base::ConfigError(file.string() + ": has more levels or values than hils writes");
+    }
+    return true;
+  };
+  Json json = Json::parse(text, bound, false);
   if (!json.is_object()) throw base::ConfigError(file.string() + ": is not JSON as hils writes it");
   return json;
 }

@@ -126,6 +126,8 @@ RunList find_runs(const fs::path& folder) {
     if (!is_run_folder(where) || list.runs.size() == kMostRuns) return;
     try {
       list.runs.push_back(read_run(where, folder));
+    } catch (const Json::exception&) {
+      list.unread.push_back(where.string() + ": its summary is not as hils writes it");
     } catch (const std::exception& error) {
       list.unread.emplace_back(error.what());
     }

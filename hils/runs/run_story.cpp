@@ -13,6 +13,7 @@
 
 #include "base/angles.hpp"
 #include "base/error.hpp"
+#include "base/printable.hpp"
 #include "base/text.hpp"
 #include "hils/report/number_text.hpp"
 
@@ -28,6 +29,7 @@ constexpr double kBeforeFailure_s = 10;  // in which it may have said why
 constexpr int kWarning = 4;              // MAV_SEVERITY_WARNING
 constexpr std::size_t kMostTexts = 3;
 constexpr std::size_t kMostLimits = 3;
+constexpr int kMostDigits = 17;
 
 std::string seconds(double t_s) { return fixed(t_s, 2) + " s"; }
 
@@ -296,11 +298,11 @@ class VehicleStory {
       if (bound == 0) continue;
       const double left_pct = 100 * check["margin"].get<double>() / std::abs(bound);
       const auto unit = check.at("unit").get<std::string>();
-      kept.emplace_back(
-          left_pct,
-          fmt::format("{} {} of {:g}{}{} ({} % left)", check.at("what").get<std::string>(),
-                      fixed(check.at("value").get<double>(), check.at("digits").get<int>()), bound,
-                      unit.empty() ? "" : " ", unit, fixed(left_pct, 0)));
+      const int digits = std::clamp(check.at("digits").get<int>(), 0, kMostDigits);
+      kept.emplace_back(left_pct, fmt::format("{} {} of {:g}{}{} ({} % left)",
+                                              check.at("what").get<std::string>(),
+                                              fixed(check.at("value").get<double>(), digits), bound,
+                                              unit.empty() ? "" : " ", unit, fixed(left_pct, 0)));
     }
     std::ranges::stable_sort(kept, {}, &std::pair<double, std::string>::first);
     std::vector<std::string> closest;
@@ -398,9 +400,8 @@ Lines story(const Json& summary, const Json& record) {
 std::vector<StoryLine> run_story(const Json& summary, const Json& record) {
   try {
     return story(summary, record);
-  } catch (const Json::exception& error) {
-    throw base::ConfigError(
-        fmt::format("the run's summary or record is not as hils writes it: {}", error.what()));
+  } catch (const Json::exception&) {
+    throw base::ConfigError("the run's summary or record is not as hils writes it");
   }
 }
 
@@ -411,7 +412,7 @@ std::string story_text(const std::vector<StoryLine>& lines) {
   for (const auto& [head, words] : lines) {
     text += fmt::format("{:<{}}  {}\n", head, width, words);
   }
-  return text;
+  return base::printable_lines(text);
 }
 
 }  // namespace cas::hils

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/os/result_file.hpp"
+#include "base/printable.hpp"
 #include "hils/run/verbs.hpp"
 #include "hils/runs/run_list.hpp"
 #include "hils/runs/runs_page.hpp"
@@ -18,7 +19,7 @@ namespace {
 int list_runs(const std::filesystem::path& folder) {
   const RunList list = find_runs(folder);
   for (const std::string& sentence : list.unread) {
-    fmt::print(stderr, "hils: not read: {}\n", sentence);
+    fmt::print(stderr, "hils: not read: {}\n", base::printable(sentence));
   }
   if (list.runs.empty()) {
     fmt::print("{}: no run of hils lies here or below\n", folder.string());

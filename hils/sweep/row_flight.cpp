@@ -96,8 +96,8 @@ RowTask RowTask::load(const fs::path& file) {
             .study_folder = json.at("study_folder").get<std::string>(),
             .values = json.at("values").get<std::vector<KeyValue>>(),
             .figures = json.at("figures").get<std::vector<std::string>>()};
-  } catch (const OrderedJson::exception& error) {
-    throw base::ConfigError(file.string() + ": " + error.what());
+  } catch (const OrderedJson::exception&) {
+    throw base::ConfigError(file.string() + ": is not JSON as hils writes it");
   }
 }
 

@@ -26,6 +26,7 @@
 #include "base/os/log.hpp"
 #include "base/os/notify.hpp"
 #include "base/os/program.hpp"
+#include "base/os/result_file.hpp"
 #include "base/os/thread.hpp"
 #include "base/os/write_file.hpp"
 #include "fcu/control/loop_table.hpp"
@@ -248,9 +249,7 @@ int run(const Flags& flags) {
   }
   const std::filesystem::path file = base::find_config(flags.config);
   sim::SimConfig config = load_config(flags, file);
-  std::error_code error;
-  std::filesystem::create_directories(flags.output, error);
-  if (error) throw base::ConfigError(flags.output.string() + ": " + error.message());
+  base::make_out_folder(flags.output);
 
   const bool confined = confine_writes(flags, config);
   sim::SimRunner runner(std::move(config),

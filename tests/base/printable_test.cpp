@@ -35,5 +35,10 @@ TEST(Printable, HidesNoTextInAnother) {
       << "their neighbours, and a helicopter";
 }
 
+TEST(PrintableLines, EndWhereTheyDid) {
+  EXPECT_EQ(printable_lines("one\x1b[31m\n\ttwo\r\n\n"), "one?[31m\n\ttwo?\n\n");
+  EXPECT_EQ(printable_lines(""), "");
+}
+
 }  // namespace
 }  // namespace cas::base

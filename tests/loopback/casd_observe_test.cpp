@@ -148,9 +148,15 @@ TEST_F(CasdObserve, AnswersOnlyGetOfMetricsOverHttp) {
   EXPECT_EQ(http("POST /metrics HTTP/1.1\r\n\r\n").front(), "HTTP/1.1 405 Method Not Allowed\r");
   EXPECT_TRUE(http("no HTTP at all\r\n\r\n").empty());
   EXPECT_TRUE(http("GET /" + std::string(20'000, 'x') + " HTTP/1.1\r\n\r\n").empty());
-  // Silent clients take no place from others for long, and none from the command port.
-  std::vector<RawClient> silent;
-  for (int i = 0; i < 30; ++i) silent.emplace_back(casd->port("metrics"));
+}
+
+TEST_F(CasdObserve, AnswersScrapersAmongClientsThatNeverFinishARequest) {
+  start("metrics: {port: 0}\n");
+  std::vector<RawClient> slow;
+  for (int i = 0; i < 300; ++i) slow.emplace_back(casd->port("metrics")).send("GET /metr");
+  const base::RunTime begin = base::steady_now();
+  EXPECT_EQ(http("GET /metrics HTTP/1.1\r\n\r\n").front(), "HTTP/1.1 200 OK\r");
+  EXPECT_LT(base::steady_now() - begin, std::chrono::seconds(2));
   EXPECT_EQ(call("link.list").size(), 2U);
 }
 
@@ -170,14 +176,11 @@ TEST_F(CasdObserve, AnswersAllWhoAskAtOnceWithOnePage) {
   EXPECT_LE(static_cast<double>(pages.size()), quarters + 1);
 }
 
-TEST_F(CasdObserve, KeepsAHastyScraperWaitingAndTheOthersGoing) {
+TEST_F(CasdObserve, AnswersAHastyScraperAndKeepsTheOthersGoing) {
   start("metrics: {port: 0}\n");
-  const base::RunTime begin = base::steady_now();
   for (int i = 0; i < 30; ++i) {
     EXPECT_EQ(http("GET /metrics HTTP/1.1\r\n\r\n").front(), "HTTP/1.1 200 OK\r");
   }
-  // 20 at once, the others at 20 a second.
-  EXPECT_GE(base::steady_now() - begin, std::chrono::milliseconds(400));
   fixture.sim.send(fixture.from_sim(hil_sensor(1)));
   EXPECT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
   EXPECT_EQ(call("link.list").size(), 2U);

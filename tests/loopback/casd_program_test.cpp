@@ -468,37 +468,42 @@ TEST_P(CasdExit, HasItsCodeAndASentence) {
 
 INSTANTIATE_TEST_SUITE_P(
     Codes, CasdExit,
-    testing::Values(ExitCase{"Version", nullptr, "--version", 0, "casd "},
-                    ExitCase{"GoodTopology",
-                             "schema: 1\nlinks:\n  - {name: a, type: udp, local: '[::1]:0'}\n",
-                             "--check", 0, "1 links"},
-                    ExitCase{"EffectiveTopology",
-                             "schema: 1\nlinks:\n"
-                             "  - {name: a, type: udp, local: '[::1]:0', accept: nothing, "
-                             "inject_failures: true}\n"
-                             "  - {name: b, type: serial, device: /dev/x, baud: 921600, "
-                             "inject_failures: true}\n"
-                             "routes:\n  - {from: a, to: b, allow: [HIL_SENSOR]}\n",
-                             "--check", 0,
-                             "  a: udp at [::1]:0, read-only\n"
-                             "  b: serial /dev/x at 921600 baud, paced, may inject failures\n"
-                             "to vehicles not in HIL\n"
-                             "  all: b\n"
-                             "routes\n"
-                             "  a -> b: only HIL_SENSOR\n"
-                             "expected load of the lines\n"
-                             "  b: "},
-                    ExitCase{"MissingKey",
-                             "schema: 1\nlinks:\n  - {name: a, type: udp, local: '[::1]:0', "
-                             "signing: {key_file: none.key}}\n",
-                             "--check", 78, "none.key"},
-                    ExitCase{"MissingFile", nullptr, "--check", 78, "topology.yaml"},
-                    ExitCase{"FileAndEndpoint", "schema: 1\nlinks: []\n", "udp:14550", 78,
-                             "is not an endpoint"},
-                    ExitCase{"UnknownFlag", nullptr, "--frobnicate", 78, "frobnicate"},
-                    ExitCase{"MisspeltKey",
-                             "schema: 1\nlinks:\n  - {name: a, type: udp, locall: 'x:1'}\n",
-                             "--check", 78, "topology.yaml:3"}),
+    testing::Values(
+        ExitCase{"Version", nullptr, "--version", 0, "casd "},
+        ExitCase{"GoodTopology", "schema: 1\nlinks:\n  - {name: a, type: udp, local: '[::1]:0'}\n",
+                 "--check", 0, "1 links"},
+        ExitCase{"EffectiveTopology",
+                 "schema: 1\nlinks:\n"
+                 "  - {name: a, type: udp, local: '[::1]:0', accept: nothing, "
+                 "inject_failures: true}\n"
+                 "  - {name: b, type: serial, device: /dev/x, baud: 921600, "
+                 "inject_failures: true}\n"
+                 "routes:\n  - {from: a, to: b, allow: [HIL_SENSOR]}\n",
+                 "--check", 0,
+                 "  a: udp at [::1]:0, read-only\n"
+                 "  b: serial /dev/x at 921600 baud, paced, may inject failures\n"
+                 "to vehicles not in HIL\n"
+                 "  all: b\n"
+                 "routes\n"
+                 "  a -> b: only HIL_SENSOR\n"
+                 "expected load of the lines\n"
+                 "  b: "},
+        ExitCase{"MissingKey",
+                 "schema: 1\nlinks:\n  - {name: a, type: udp, local: '[::1]:0', "
+                 "signing: {key_file: none.key}}\n",
+                 "--check", 78, "none.key"},
+        ExitCase{"UnprintableDevice",
+                 "schema: 1\nlinks:\n  - {name: a, type: serial, device: "
+                 "\"/dev/x\\e[31m\"}\n",
+                 "--check", 0, "/dev/x?[31m"},
+        ExitCase{"UnprintableType", "schema: 1\nlinks:\n  - {name: a, type: \"x\\e[31m\\u202e\"}\n",
+                 "--check", 78, "'x?[31m?' is none of"},
+        ExitCase{"MissingFile", nullptr, "--check", 78, "topology.yaml"},
+        ExitCase{"FileAndEndpoint", "schema: 1\nlinks: []\n", "udp:14550", 78,
+                 "is not an endpoint"},
+        ExitCase{"UnknownFlag", nullptr, "--frobnicate", 78, "frobnicate"},
+        ExitCase{"MisspeltKey", "schema: 1\nlinks:\n  - {name: a, type: udp, locall: 'x:1'}\n",
+                 "--check", 78, "topology.yaml:3"}),
     [](const auto& test) { return test.param.name; });
 
 }  // namespace

@@ -155,7 +155,7 @@ TEST_P(ResultsOf, CannotBeWhereAFileIs) {
     arguments[1] = source_dir() + "/config/" + arguments[1];
     arguments.insert(arguments.end(), {"--out", out});
     const std::string text = refusal_of(arguments);
-    EXPECT_THAT(text, HasSubstr("hils: --out: " + out + " cannot be created: "));
+    EXPECT_THAT(text, HasSubstr("hils: --out: " + out + ": cannot be written: "));
   }
 }
 

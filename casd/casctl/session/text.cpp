@@ -75,15 +75,9 @@ std::string printable(std::string text) {
   return base::printable(text);
 }
 
-std::string printable_lines(const std::string& text) {
-  std::string lines;
-  for (std::size_t begin = 0;;) {
-    const std::size_t end = text.find('\n', begin);
-    lines += printable(text.substr(begin, end - begin));
-    if (end == std::string::npos) return lines;
-    lines += '\n';
-    begin = end + 1;
-  }
+std::string printable_lines(std::string text) {
+  std::ranges::replace(text, '\t', '?');
+  return base::printable_lines(text);
 }
 
 std::string endpoint_text(const nlohmann::json& link) {

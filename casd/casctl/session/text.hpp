@@ -39,7 +39,7 @@ std::string stream_text(const nlohmann::json& future);
 /// wire, and must neither move the cursor nor give a terminal orders.
 std::string printable(std::string text);
 /// The same, but lines end where they did.
-std::string printable_lines(const std::string& text);
+std::string printable_lines(std::string text);
 
 /// Where a link is bound and where it sends: "127.0.0.1:49428 -> 10.0.0.2:14550"; the reason while
 /// it is down.

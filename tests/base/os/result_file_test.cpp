@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::base {
@@ -158,6 +159,29 @@ TEST(ResultFolder, IsRemovedWithWhatItHoldsAndNothingBehindASymlink) {
   remove_result_folder({out, "run"});
   EXPECT_FALSE(fs::exists(fs::symlink_status(out / "run")));
   EXPECT_TRUE(fs::exists(folder / "theirs/row_1/file"));
+}
+
+TEST(ResultFolder, IsNotReachedByASymlinkOfAnotherUser) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can lay files for another user";
+  const test::TemporaryFolder folder;
+  fs::create_directories(folder / "behind/out");
+  const fs::path link = folder / "link";
+  fs::create_directory_symlink("behind", link);
+  write_result({link / "out", "a.txt"}, "one");
+  EXPECT_TRUE(fs::exists(folder / "behind/out/a.txt"));
+  ASSERT_EQ(::lchown(link.c_str(), 1234, 1234), 0);
+  EXPECT_THROW(write_result({link / "out", "b.txt"}, "two"), ConfigError);
+  EXPECT_THROW(make_out_folder(link / "made"), ConfigError);
+  EXPECT_FALSE(fs::exists(folder / "behind/out/b.txt"));
+  EXPECT_FALSE(fs::exists(folder / "behind/made"));
+}
+
+TEST(ResultFolder, ThatCannotBeMadeNamesTheReason) {
+  const test::TemporaryFolder folder;
+  EXPECT_EQ(test::refusal([] { make_out_folder("/proc/none/out"); }),
+            "/proc/none/out: cannot be written: No such file or directory");
+  make_out_folder(folder / "a/b/");
+  EXPECT_TRUE(fs::is_directory(folder / "a/b"));
 }
 
 TEST(ResultFolder, OfAnotherUserIsNotEntered) {

@@ -30,6 +30,8 @@ INSTANTIATE_TEST_SUITE_P(
                     NameCase{"Hidden", ".tlog", "begins with a dot"},
                     NameCase{"Nul", std::string("a\0b", 3), "has unprintable characters"},
                     NameCase{"NewLine", "a\nb", "has unprintable characters"},
+                    NameCase{"Tab", "a\tb", "has unprintable characters"},
+                    NameCase{"RightToLeft", "a\u202Egolt", "has unprintable characters"},
                     NameCase{"TooLong", std::string(101, 'a'), "has more than 100 characters"}),
     [](const auto& test) { return test.param.name; });
 

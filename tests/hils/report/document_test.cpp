@@ -30,6 +30,14 @@ TEST(AlignedTable, RowsMayBeShort) {
   EXPECT_EQ(aligned_table({}, Align::kLeft), "");
 }
 
+TEST(AlignedTable, ATextOfAFileGivesTheTerminalNoOrders) {
+  EXPECT_EQ(aligned_table({{"a\x1b[2J", "\xE2\x80\xAE"}, {"c", "d"}}, Align::kLeft),
+            "a?[2J  ?\nc      d\n");
+  Document document("Report");
+  document.add(Document::Verdict{Mood::kBad, "FAILED", "ho\x1b[31m\xC2\x9Bver", {}});
+  EXPECT_EQ(write_text(document), "FAILED: ho?[31m?ver\n");
+}
+
 /// One of each block, with characters that HTML and Markdown reserve.
 Document sample() {
   Document document{"Report <1>"};

@@ -49,6 +49,8 @@ TEST(ResultsFolder, IsNotLaidByAnotherUser) {
   ASSERT_EQ(::lchown(theirs.c_str(), kSomebody, kSomebody), 0);
   EXPECT_THROW(make_results_folder(theirs), base::ConfigError);
   EXPECT_THROW(make_results_folder(theirs / ""), base::ConfigError);
+  EXPECT_THROW(make_results_folder(theirs / "a/b"), base::ConfigError);
+  EXPECT_FALSE(fs::exists(own / "a"));
   fs::create_directory_symlink(folder.path() / "none", folder.path() / "dangling");
   ASSERT_EQ(::lchown((folder.path() / "dangling").c_str(), kSomebody, kSomebody), 0);
   EXPECT_THROW(make_results_folder(folder.path() / "dangling"), base::ConfigError);

@@ -126,6 +126,29 @@ TEST(RunFolder, SaysInOneSentenceThatAFolderHoldsNoRun) {
   EXPECT_NE(said(folder.path()).find("is not JSON"), std::string::npos);
 }
 
+TEST(RunStory, OfAForeignRecordKeepsToTheTerminalAndToFewDigits) {
+  Json summary = crashed();
+  Json& vehicle = summary["vehicles"][0];
+  vehicle["valid"] = vehicle["passed"] = summary["passed"] = true;
+  vehicle["failures"] = vehicle["failure_times_s"] = vehicle["incidents"] = Json::array();
+  Json record = record_of_crash();
+  for (Json& check : record["vehicles"][0]["checks"]) check["digits"] = -1;
+  record["description"] = "two\x1b[2J\xC2\x9Bwalls";
+  const std::string text = told(summary, record);
+  EXPECT_NE(text.find("largest error 1 of 1 m"), std::string::npos) << text;
+  EXPECT_NE(text.find("two?[2J?walls"), std::string::npos) << text;
+  record["description"] = nullptr;
+  EXPECT_EQ(cas::test::refusal([&] { told(summary, record); }),
+            "the run's summary or record is not as hils writes it");
+}
+
+TEST(RunFolder, RefusesARecordWithoutEnd) {
+  const cas::test::TemporaryFolder folder;
+  folder.write("run/record.json.gz", gzip("{\"a\":" + std::string(100'000, '[')));
+  EXPECT_NE(cas::test::refusal([&] { read_record(folder.path()); }).find("more levels or values"),
+            std::string::npos);
+}
+
 TEST(RunFolder, ReadsTheRecordThatTheReplayIsMadeOf) {
   const cas::test::TemporaryFolder folder;
   EXPECT_TRUE(read_record(folder.path()).is_null());
