@@ -180,8 +180,9 @@ ControlSetpoint FlightController::Impl::next_setpoint(double dt, RunTime now) {
   FailsafeInput failsafe = core.failsafe_input(now);
   failsafe.offboard_alive = core.commander.offboard().alive(now, core.flight.offboard_timeout_s);
   const double hover_n = std::max(core.cascade.hover_thrust_n(), 1e-3);
-  const double thrust_ratio = core.cascade.output().u[0] / hover_n;
-  ControlSetpoint setpoint = core.commander.update(core.context(now, dt), failsafe, thrust_ratio);
+  const ThrustRatio thrust{core.cascade.output().u[0] / hover_n,
+                           core.cascade.attitude_setpoint().thrust_n / hover_n};
+  ControlSetpoint setpoint = core.commander.update(core.context(now, dt), failsafe, thrust);
   setpoint.may_touch = core.commander.landed() != LandedState::kInAir;
   return setpoint;
 }

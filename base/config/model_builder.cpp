@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/config/model_builder.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/number_text.hpp"
 
 namespace cas::base {
 namespace {
@@ -39,6 +42,19 @@ bool ModelBuilder::fixes(std::string_view name) { return is_used(name, PartUse::
 
 void ModelBuilder::warn(const XmlElement& at, const std::string& sentence) {
   body_.warnings.push_back(at.place() + ": " + sentence);
+}
+
+void ModelBuilder::warn_of_degrees(const XmlElement& at, std::string_view numbers,
+                                   std::size_t first) {
+  constexpr double kFullTurn_rad = 6.3;  // rounded up, as some write it
+  std::vector<double> values;
+  read_numbers(numbers, values);
+  for (std::size_t i = first; i < values.size(); ++i) {
+    if (std::abs(values[i]) <= kFullTurn_rad) continue;
+    return warn(at, fmt::format("an angle of {:g} rad is more than a full turn: it may be in "
+                                "degrees",
+                                values[i]));
+  }
 }
 
 std::optional<bool> ModelBuilder::add(const XmlElement& element, const std::string& name,

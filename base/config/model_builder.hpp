@@ -63,6 +63,10 @@ class ModelBuilder {
                  bool turns, const std::function<Eigen::Isometry3d()>& X_RS);
   void add(ModelMotor motor) { body_.motors.push_back(std::move(motor)); }
   void warn(const XmlElement& at, const std::string& sentence);
+  /// Warns of angles beyond a full turn: they may be in degrees.
+  /// @param numbers  text of them; what is no number is told elsewhere
+  /// @param first  of the angles among them
+  void warn_of_degrees(const XmlElement& at, std::string_view numbers, std::size_t first);
 
   /// The sum of all. @throws ConfigError for a name in `parts` that no part of the model has
   ModelBody finish(std::string name);

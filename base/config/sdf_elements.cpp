@@ -5,6 +5,7 @@
 #include <array>
 #include <string_view>
 
+#include "base/config/sdf_scope.hpp"
 #include "base/config/unread_elements.hpp"
 #include "base/text.hpp"
 
@@ -65,9 +66,19 @@ class Check {
     if (element.name == "experimental:params") {
       element.fail("parameters of an <include> are not read; write them into the included model");
     }
+    if (element.name == "pose" && !is_true(element.attribute("degrees")) &&
+        element.attribute("rotation_format") != "quat_xyzw") {
+      builder_.warn_of_degrees(element, element.text, 3);
+    }
     const std::string who = tag_of(element);
     if (element.name == "plugin" && acts_on_body(element)) {
       builder_.warn(element, who + " acts on the model in Gazebo, and is left out here");
+    }
+    if (element.name == "static" && is_true(element.text)) {
+      builder_.warn(element, "<static> holds the model in Gazebo: left out, a vehicle flies");
+    }
+    if (element.name == "fluid_added_mass") {
+      builder_.warn(element, "<fluid_added_mass> is left out");
     }
     const std::string_view gravity = element.name == "link" ? element.child_text("gravity") : "";
     if (gravity == "0" || gravity == "false") {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 
 #include "base/config/model_builder.hpp"
 #include "base/config/model_motors.hpp"
@@ -132,7 +133,7 @@ class Urdf {
       if (std::ranges::find(kJointTypes, joint.type) == kJointTypes.end()) {
         element.fail("joint " + in_quotes(name) + " has the unknown type " + in_quotes(joint.type));
       }
-      warn_of_unread(element, kUrdfElements, builder_);
+      warn_of_unread(element, kUrdfElements, builder_, look_at_);
       if (!carried_.insert(joint.child).second) {
         element.fail("link " + in_quotes(joint.child) + " is the child of two joints");
       }
@@ -192,7 +193,7 @@ class Urdf {
     const auto turns = builder_.add(link, std::string(link.attribute("name")), X_RL,
                                     joint_of(joint, X_RL), X_RL.translation(), inertial_of(link));
     if (!turns) return;
-    warn_of_unread(link, kUrdfElements, builder_);
+    warn_of_unread(link, kUrdfElements, builder_, look_at_);
     for (const XmlElement& part : link.children) {
       if (part.name != "collision" && part.name != "visual") continue;
       builder_.add_shape(part, FormValues::kAttributes, file_, *turns,
@@ -236,6 +237,10 @@ class Urdf {
   const XmlElement& robot_;
   const std::filesystem::path& file_;
   ModelBuilder builder_;
+  const std::function<bool(const XmlElement&)> look_at_ = [this](const XmlElement& element) {
+    if (element.name == "origin") builder_.warn_of_degrees(element, element.attribute("rpy"), 0);
+    return true;
+  };
   std::map<std::string_view, const XmlElement*> links_;
   std::map<std::string_view, std::vector<Joint>> outwards_;  // by their parents
   std::set<std::string_view> carried_;                       // children of joints

@@ -48,9 +48,10 @@ void add_options(CommandLine& line) {
   app.add_option("--vehicle", options.vehicle, "System id; needed when casd knows several")
       ->check(CLI::Range(1, 255));
   app.add_flag("--json", options.json, "Print the answer as JSON");
-  app.add_flag(
-      "--wait", options.wait,
-      "Also wait for casd, for the vehicle, and until the state is reached (airborne, landed)");
+  app.add_flag("--wait", options.wait,
+               "Also wait for casd, for the vehicle, and until the state is reached (airborne, "
+               "landed), each for --timeout")
+      ->disable_flag_override();  // --wait=5 would wait for 60 s
   app.add_option("--timeout", options.timeout_s, "Seconds to wait for an answer or a state")
       ->check(CLI::Range(0.1, 86400.0))
       ->capture_default_str();

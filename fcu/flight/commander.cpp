@@ -230,7 +230,7 @@ void Commander::act(const FailsafeDecision& decision, const TaskContext& context
   }
 }
 
-void Commander::update_flying(const TaskContext& context, double thrust_ratio) {
+void Commander::update_flying(const TaskContext& context, const ThrustRatio& thrust) {
   FlightTask& now = task(mode_);
   if (!flying_) {
     if (!may_take_off_ || armed_s_ < context.params.spool_up_s || !now.wants_takeoff(context)) {
@@ -250,9 +250,9 @@ void Commander::update_flying(const TaskContext& context, double thrust_ratio) {
     return;
   }
   const Eigen::Vector3d& v = context.estimate.v_N;
-  const LandDetector::Input in{thrust_ratio, v.z(), v.head<2>().norm(), now.descending(context)};
+  const LandDetector::Input in{thrust, v.z(), v.head<2>().norm(), now.descending(context)};
   const LandDetector::Stage stage = land_detector_.update(in, context.dt);
-  if (stage == LandDetector::Stage::kContact && !contact_) contact_thrust_ = thrust_ratio;
+  if (stage == LandDetector::Stage::kContact && !contact_) contact_thrust_ = thrust.given;
   contact_ = stage == LandDetector::Stage::kContact;
   if (stage == LandDetector::Stage::kLanded) touch_ground();
 }
@@ -342,13 +342,13 @@ void Commander::auto_disarm(const TaskContext& context) {
 }
 
 ControlSetpoint Commander::update(const TaskContext& context, const FailsafeInput& failsafe,
-                                  double thrust_ratio) {
+                                  const ThrustRatio& thrust) {
   setpoint_ = ControlSetpoint{};
   if (armed_) {
     armed_s_ += context.dt;
     act(failsafe_.update(failsafe, context.params, mode_, flying_, context.dt), context);
   }
-  if (armed_) update_flying(context, thrust_ratio);
+  if (armed_) update_flying(context, thrust);
   if (armed_) give_up_takeoff(context);
   if (armed_) auto_disarm(context);
   if (!armed_) {

@@ -36,9 +36,16 @@ struct ArmingInput {
 /// The first failed arming check, in words; nullopt when all pass.
 std::optional<std::string> reason_not_to_arm(const ArmingInput& in);
 
+/// Thrust over the thrust in hover.
+struct ThrustRatio {
+  double given = 1;   ///< of the rotors; roll and pitch may raise it
+  double wanted = 1;  ///< of the setpoint
+};
+
 /// Detects that the vehicle is on the ground, in two steps.
 ///
-/// Contact: wants down, does not go down, and thrust is already low. Then the thrust is taken away.
+/// Contact: wants down, does not go down, and thrust is already low, or has been wanted low for a
+/// second: rotors that are lost unnoticed, or a moment, may keep it up. Then it is taken away.
 /// Landed: with a third of the hover thrust and less nothing moves. In the air either would make
 /// the vehicle fall, which ends the suspicion.
 class LandDetector {
@@ -48,7 +55,7 @@ class LandDetector {
 
   /// Measurements of one control step.
   struct Input {
-    double thrust_ratio = 1;        ///< thrust over hover thrust
+    ThrustRatio thrust;
     double vertical_speed_m_s = 0;  ///< down, of the estimate
     double horizontal_speed_m_s = 0;
     bool descending = false;  ///< the setpoint wants down (or nothing)
@@ -63,10 +70,11 @@ class LandDetector {
     const bool still = in.descending && -kVerticalSpeed_m_s < in.vertical_speed_m_s &&
                        in.vertical_speed_m_s < kVerticalSpeed_m_s &&
                        in.horizontal_speed_m_s < kHorizontalSpeed_m_s;
-    const bool suspected =
-        still && (contact_s_ > kContactTime_s || in.thrust_ratio < kContactThrust);
+    unheeded_s_ = still && in.thrust.wanted < kContactThrust ? unheeded_s_ + dt : 0;
+    const bool low = in.thrust.given < kContactThrust || unheeded_s_ > kUnheededTime_s;
+    const bool suspected = still && (contact_s_ > kContactTime_s || low);
     contact_s_ = suspected ? contact_s_ + dt : 0;
-    landed_s_ = suspected && in.thrust_ratio < kLandedThrust ? landed_s_ + dt : 0;
+    landed_s_ = suspected && in.thrust.given < kLandedThrust ? landed_s_ + dt : 0;
     if (landed_s_ > kLandedTime_s) return Stage::kLanded;
     return contact_s_ > kContactTime_s ? Stage::kContact : Stage::kAir;
   }
@@ -74,8 +82,10 @@ class LandDetector {
  private:
   static constexpr double kContactThrust = 0.75;
   static constexpr double kContactTime_s = 0.25;
+  static constexpr double kUnheededTime_s = 1.0;
   static constexpr double kLandedThrust = 0.35;
   static constexpr double kLandedTime_s = 0.3;
+  double unheeded_s_ = 0;
   double contact_s_ = 0;
   double landed_s_ = 0;
 };
@@ -114,7 +124,7 @@ class Commander {
 
   /// One control step.
   ControlSetpoint update(const TaskContext& context, const FailsafeInput& failsafe,
-                         double thrust_ratio);
+                         const ThrustRatio& thrust);
   /// The estimate was moved by this much.
   void on_position_reset(const Eigen::Vector3d& by_N);
   /// No gyro and accelerometer: the control step that would notice may not come.
@@ -143,7 +153,7 @@ class Commander {
   FlightTask& task(FlightMode mode);
   void enter(FlightMode mode, const TaskContext& context);
   void act(const FailsafeDecision& decision, const TaskContext& context);
-  void update_flying(const TaskContext& context, double thrust_ratio);
+  void update_flying(const TaskContext& context, const ThrustRatio& thrust);
   void update_transition(const TaskContext& context);
   void touch_ground();
   void give_up_takeoff(const TaskContext& context);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include "base/angles.hpp"
@@ -58,7 +59,12 @@ StepKind parse_kind(const base::ConfigNode& node, std::string_view word) {
 std::optional<double> optional_number(const base::ConfigNode& node, std::string_view key) {
   const std::optional<base::ConfigNode> child = node.find(key);
   if (!child) return std::nullopt;
-  return child->as<double>();
+  const double value = child->as<double>();
+  // The vehicle has a range of its own; no autopilot has a gain outside this one.
+  constexpr double kMostGain = 1000;
+  if (!(value >= 0 && value <= kMostGain))
+    child->fail(fmt::format("{:g} must lie in [0, {:g}]", value, kMostGain));
+  return value;
 }
 
 Eigen::Vector3d parse_place(const base::ConfigNode& body) {
@@ -183,6 +189,9 @@ void parse_params(const base::ConfigNode& body, FlightStep& step) {
   for (const auto& [name, value] : body.entries()) {
     if (name == "name" || name == "timeout_s" || name == "vehicle") continue;
     step.params.emplace_back(name, value.as<double>());
+    if (std::abs(step.params.back().second) > std::numeric_limits<float>::max()) {
+      value.fail("no parameter holds so large a number");
+    }
   }
   if (step.params.empty()) body.fail("a setparam step names at least one parameter");
 }

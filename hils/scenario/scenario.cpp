@@ -552,6 +552,18 @@ void read_vehicles(const base::ConfigNode& root, Scenario& scenario) {
   base::read_keys(root, kPlaceAndTimeKeys, scenario);
 }
 
+/// Refuses faults of rotors and surfaces that a vehicle does not have. @throws base::ConfigError
+void check_fault_parts(const Scenario& scenario) {
+  for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
+    const base::Vehicle vehicle = base::Vehicle::load(scenario.vehicles[i].vehicle);
+    for (const VehicleFault& fault : scenario.faults.of_vehicle(i)) {
+      const std::string missing =
+          sim::missing_part(sim::parse_fault(fault.script, 1).kind, vehicle);
+      if (!missing.empty()) fault.script.fail(missing);
+    }
+  }
+}
+
 /// Reads the keys of a scenario that our controller flies. @throws base::ConfigError
 void read_own(const base::ConfigNode& root, Scenario& scenario) {
   read_vehicles(root, scenario);
@@ -579,6 +591,7 @@ void read_own(const base::ConfigNode& root, Scenario& scenario) {
     plugins.merge(plugins_of(scenario, i));
   }
   check_fault_plugins(plugins, scenario.faults.vehicle);
+  check_fault_parts(scenario);
   check_fault_phases(root.at("faults"), scenario.steps);
 }
 

@@ -78,6 +78,7 @@ class Reader {
         listener_.on_damage(next - begin);
       }
     }
+    if (fields_ == 0 && unreadable_) throw *unreadable_;
   }
 
  private:
@@ -159,11 +160,6 @@ class Reader {
     return body.size() - 2 >= topic->second.size && body.size() - 2 <= topic->second.most;
   }
 
-  bool is_of_a_topic(std::size_t place, std::size_t next) const {
-    return bytes_[place + 2] == 'D' && next - place >= kMessageHeaderSize + 2 &&
-           topics_.contains(number_at<std::uint16_t>(bytes_, place + kMessageHeaderSize));
-  }
-
   static bool is_name(std::string_view text) {
     return std::ranges::all_of(text, [](char c) {
       return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
@@ -200,8 +196,8 @@ class Reader {
       if (!next || !plausible(bytes_[place + 2], *next - place - kMessageHeaderSize)) return false;
       if (is_sure(place, *next)) {
         if (++sure == kSureOnes || bytes_[place + 2] == 'S') return true;
-      } else if (i == 0 || is_of_a_topic(place, *next)) {
-        return false;  // a known topic with a wrong size
+      } else if (i == 0) {
+        return false;
       }
       place = *next;
     }
@@ -253,15 +249,25 @@ class Reader {
     }
   }
 
+  /// Whether a format is; a damaged one costs its own topic. The first reason is kept.
+  template <class Read>
+  bool is_readable(Read&& read) {
+    try {
+      read();
+      return true;
+    } catch (const ConfigError& error) {
+      if (!unreadable_) unreadable_ = error;
+      return false;
+    }
+  }
+
   /// Takes a message. @return false where it is damaged
   bool on_message(char type, std::string_view body) {
     switch (type) {
       case 'B':
         return on_flags(body);
       case 'F':
-        if (body.back() != ';') return false;
-        formats_.add(body);
-        return true;
+        return body.back() == ';' && is_readable([&] { formats_.add(body); });
       case 'I':
       case 'P':
         return on_pair(type, body);
@@ -324,11 +330,11 @@ class Reader {
     Subscription added;
     const int instance = static_cast<std::uint8_t>(body[0]);
     added.series.name = instance == 0 ? topic : topic + "[" + std::to_string(instance) + "]";
-    added.series.fields = formats_.spread(topic);
     auto& fields = added.series.fields;
+    if (!is_readable([&] { fields = formats_.spread(topic); })) return false;
     const auto timestamp = std::ranges::find(fields, "timestamp", &UlogField::name);
     if (timestamp == fields.end() || timestamp->type != Type::kUint64) {
-      throw ConfigError("topic `" + topic + "` has no timestamp");
+      return is_readable([&] { throw ConfigError("topic `" + topic + "` has no timestamp"); });
     }
     fields_ += fields.size();
     if (fields_ > kMostFields) throw ConfigError("it has too many fields");
@@ -341,10 +347,9 @@ class Reader {
   }
 
   bool on_data(std::string_view body) {
-    const auto topic = topics_.find(number_at<std::uint16_t>(body, 0));
+    if (!is_of_its_topic(body)) return false;  // a damaged size, or a damaged format
+    const Subscription& found = topics_.at(number_at<std::uint16_t>(body, 0));
     body.remove_prefix(2);
-    if (topic == topics_.end() || body.size() < topic->second.size) return false;
-    const Subscription& found = topic->second;
     listener_.on_message(found.series, number_at<std::uint64_t>(body, found.timestamp.offset),
                          body);
     return true;
@@ -366,7 +371,8 @@ class Reader {
   std::array<std::uint64_t, 3> appended_{};
   UlogFormats formats_;
   std::unordered_map<std::uint16_t, Subscription> topics_;
-  std::size_t fields_ = 0;  // of all subscriptions so far
+  std::size_t fields_ = 0;                 // of all subscriptions so far
+  std::optional<ConfigError> unreadable_;  // why a format is
 };
 
 }  // namespace

@@ -115,13 +115,18 @@ class ExpressionParser {
 
   std::size_t parse_comparison() {
     if (take("phase")) return parse_phase();
+    const std::string_view word = token_;
     Expression::Node node;
     node.a = parse_operand();
     if (const auto operation = parse_sign()) {
       node.operation = *operation;
       node.b = parse_operand();
+      if (!node.a.is_fact && !node.b.is_fact) fail("numbers alone are compared, and no fact");
     } else {
-      node.operation = Operation::kNotEqual;  // a fact alone, against 0
+      if (!node.a.is_fact || node.a.fact != Fact::kArmed) {
+        fail("'" + std::string(word) + "' is compared with nothing, such as in 'altitude > 2'");
+      }
+      node.operation = Operation::kNotEqual;  // against 0
     }
     return add(std::move(node));
   }

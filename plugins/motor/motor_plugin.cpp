@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "base/time/rate_gate.hpp"
 #include "libsim/api/messages.hpp"
@@ -49,6 +50,7 @@ class MotorPlugin final : public Plugin {
     driven_ = asked_;
     mixer_ = MotorMixer(vehicle);
     esc_ = EscDelay(vehicle, context.step());
+    require_lags(vehicle, base::to_seconds(context.step()));
     rotors_ = std::make_unique<RotorModel>(vehicle);
     if (vehicle.battery) {
       if (!rotors_->has_circuit()) full_battery_.emplace(*vehicle.battery);
@@ -131,6 +133,20 @@ class MotorPlugin final : public Plugin {
   }
 
  private:
+  /// A lag far shorter than the step would swing the speed to and fro, step by step.
+  static void require_lags(const base::Vehicle& vehicle, double step_s) {
+    for (const base::Rotor& rotor : vehicle.rotors) {
+      for (const double lag_s :
+           {rotor.params.time_constant_up_s, rotor.params.time_constant_down_s}) {
+        if (lag_s == 0 || lag_s >= 0.5 * step_s || rotor.electric) continue;
+        throw base::ConfigError(fmt::format(
+            "a rotor's time constant of {:g} s is shorter than half the step of {:g} s: give 0, "
+            "which has no lag, or a smaller step_us",
+            lag_s, step_s));
+      }
+    }
+  }
+
   struct Strike {
     std::size_t rotor;
     base::SimTime time;

@@ -59,7 +59,8 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Expression, RefusesWhatItDoesNotUnderstand) {
   for (const char* text :
        {"", "altitude >", "altitude > 2 and", "(altitude > 2", "altitud > 2", "altitude > 2 )",
-        "phase > hold", "phase ==", "altitude > 2 2", "altitude >> 2"}) {
+        "phase > hold", "phase ==", "altitude > 2 2", "altitude >> 2", "5", "-1", "2 > 1",
+        "altitude", "armed and 1", "not speed"}) {
     EXPECT_THROW(Expression::parse(text), std::invalid_argument) << text;
   }
 }

@@ -9,6 +9,7 @@
 #include "plugins/motor/motor_mixer.hpp"
 #include "plugins/motor/rotor_model.hpp"
 #include "tests/plugins/plugin_harness.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::sim {
 namespace {
@@ -366,6 +367,22 @@ TEST(MotorPlugin, DrivesItsForceModelFromTheBus) {
 
 constexpr base::BatteryParams kBattery{
     .full_v = 16, .empty_v = 12, .capacity_ah = 1, .resistance_ohm = 0.1, .efficiency = 0.5};
+
+TEST(MotorPlugin, RefusesALagFarShorterThanTheStep) {
+  const auto refusal_of = [](double lag_s) {
+    test::PluginHarness harness(std::chrono::milliseconds(1), ".", "iris_px4",
+                                [lag_s](base::Vehicle& vehicle) {
+                                  for (base::Rotor& rotor : vehicle.rotors)
+                                    rotor.params.time_constant_up_s = lag_s;
+                                });
+    return test::refusal([&] { harness.add("motor", "{}"); });
+  };
+  EXPECT_EQ(refusal_of(1e-5),
+            "a rotor's time constant of 1e-05 s is shorter than half the step of 0.001 s: give 0, "
+            "which has no lag, or a smaller step_us");
+  EXPECT_EQ(refusal_of(0.001), "");
+  EXPECT_EQ(refusal_of(0), "");
+}
 
 TEST(Battery, SagsUnderLoad) {
   BatteryModel battery(kBattery);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "libsim/core/load/model_loader.hpp"
 
+#include <fmt/format.h>
 #include <optional>
 #include <utility>
 
@@ -42,6 +43,17 @@ void check_size(const base::ModelShape& shape, const Geometry& geometry) {
   if (has_extent(geometry)) return;
   throw base::ConfigError(place_of(shape) +
                           "a <collision> geometry has a size that is not above 0");
+}
+
+/// Far from the origin the contact solver has too few digits left.
+void check_reach(const base::ModelShape& from, const Shape& shape) {
+  constexpr double kFarthest_m = 1000;
+  const double reach_m = bounding_radius(shape);
+  if (reach_m <= kFarthest_m) return;
+  throw base::ConfigError(fmt::format(
+      "{}a <collision> reaches {:.3g} m from the model's origin, and at most {:g} m can touch the "
+      "ground; lengths are in m",
+      place_of(from), reach_m, kFarthest_m));
 }
 
 /// A mesh's bounding box; its centre moves the shape's pose.
@@ -131,6 +143,7 @@ class ShapeReader {
                                 "touch the ground");
       return;
     }
+    check_reach(from, shape);
     model_.shapes.push_back(std::move(shape));
   }
 
@@ -190,7 +203,7 @@ class ShapeReader {
 VehicleModel load_vehicle_model(const std::filesystem::path& file, const base::ModelParts& parts,
                                 UpAxis up_axis) {
   const auto body = base::read_model_body(file, parts);
-  if (!body) fail(file, "vehicle model cannot be read");
+  if (!body) fail(file, "there is no such file; key 'urdf' or 'sdf' of a vehicle names it");
   return ShapeReader(*body, up_axis).run();
 }
 

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <span>
+#include <tuple>
 
 #include "base/earth/gravity.hpp"
 
@@ -27,9 +29,16 @@ constexpr double kLeastThrust = 1.05;  // over the weight
 constexpr double kMostThrust = 20;
 constexpr double kLeastShare = 0.05;  // of the thrust of the rotor that gives most of it in hover
 constexpr double kRounding = 1e-6;
-constexpr double kSound_m_s = 340.3;  // at sea level, standard atmosphere
+constexpr double kSeaLevelAir_kg_m3 = 1.225;  // standard atmosphere
+constexpr double kSound_m_s = 340.3;          // at sea level, standard atmosphere
 constexpr double kMostMach = 0.95;
 constexpr double kLongestLag_s = 0.6;
+constexpr double kMostTorque = 2;            // over thrust, times the radius of the disc
+constexpr double kLeastTorque = 0.5;         // of that of a rotor without any loss
+constexpr double kRotorInertia = 0.002;      // of the body's
+constexpr double kMostRotorInertia = 0.2;    // of the body's
+constexpr double kThinnestAir_kg_m3 = 0.01;  // half of that of Mars
+constexpr double kThickestAir_kg_m3 = 10;
 constexpr double kMostGravity_m_s2 = 25;  // Jupiter's
 constexpr double kOneG = 0.02;            // from 1 m/s^2, which no planet or moon has
 constexpr double kRadPerS = 9.549;        // revolutions a minute of one
@@ -88,6 +97,9 @@ class Check {
     check_size();
     if (warnings_.empty()) check_inertia();
     check_thrust();
+    if (warnings_.empty()) check_torque();
+    if (warnings_.empty()) check_rotor_inertia();
+    check_air();
     check_balance();
     check_tips();
     check_lag();
@@ -169,6 +181,47 @@ class Check {
     });
     const double then = ratio * nearest->factor;
     return then > kLeastThrust && then < kMostUsual ? std::string(": ") + nearest->unit : "";
+  }
+
+  /// A rotor without loss turns against k_m / k_f = sqrt(k_f / (2 rho A)): its induced power alone.
+  void check_torque() {
+    for (const base::Rotor& rotor : vehicle_.rotors) {
+      const auto& [k_f, k_m, radius_m] = std::tuple(
+          rotor.params.thrust_coefficient, rotor.params.torque_coefficient, rotor.params.radius_m);
+      if (rotor.propeller || k_f <= 0 || k_m <= 0 || radius_m <= 0) continue;
+      const double torque_m = k_m / k_f;
+      const double disc_m2 = std::numbers::pi * radius_m * radius_m;
+      const double lossless_m = std::sqrt(k_f / (2 * kSeaLevelAir_kg_m3 * disc_m2));
+      const std::string what = "a rotor of " + text(radius_m) + " m turns against " +
+                               text(torque_m) + " N m for each N of thrust";
+      if (torque_m > kMostTorque * radius_m) {
+        return say(what + ": torque_coefficient may be of another unit than N m s^2");
+      }
+      if (torque_m < kLeastTorque * lossless_m) {
+        return say(what + ", and without any loss it would be " + text(lossless_m) +
+                   ": torque_coefficient may be of another unit than N m s^2");
+      }
+    }
+  }
+
+  void check_rotor_inertia() {
+    double most = 0;
+    for (const base::Rotor& rotor : vehicle_.rotors) {
+      most = std::max(most, rotor.params.inertia_kg_m2);
+    }
+    if (most < kMostRotorInertia * inertia_kg_m2_) return;
+    say("a rotor's inertia is " + text(most) + " kg m^2, and that of the whole body " +
+        text(inertia_kg_m2_) +
+        likely(most, kRotorInertia * inertia_kg_m2_, kInertias, "the rotor's", "kg m^2"));
+  }
+
+  void check_air() {
+    for (const base::Rotor& rotor : vehicle_.rotors) {
+      const double density = rotor.params.reference_density_kg_m3;
+      if (density == 0 || (density > kThinnestAir_kg_m3 && density < kThickestAir_kg_m3)) continue;
+      return say("reference_density_kg_m3 of its rotors is " + text(density) +
+                 ", and air has about 1.2: their thrust changes by the ratio");
+    }
   }
 
   /// Four rotors that do not tilt share the weight in one way alone, and none has next to nothing.

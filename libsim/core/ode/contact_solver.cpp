@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <csetjmp>
 #include <cstdarg>
 #include <cstdio>
 #include <cstdlib>
@@ -16,6 +17,7 @@
 
 #include "base/os/log.hpp"
 #include "libsim/core/ode/ball_on_mesh.hpp"
+#include "libsim/core/ode/box_faces.hpp"
 #include "libsim/core/ode/contact_law.hpp"
 #include "libsim/core/ode/contact_patch.hpp"
 #include "libsim/core/ode/cylinder_base.hpp"
@@ -51,31 +53,48 @@ dMass ode_mass(const MassProperties& mass) {
 /// Where ODE's messages go; it would write them to standard error.
 ///
 /// Its solver complains of contacts that contradict each other, step by step and in its own words:
-/// one warning says so, the rest is counted.
+/// one warning says so, the rest is counted. After an error ODE ends the program, and its
+/// destructors do not bear an exception: step() leaves it by a jump.
 class OdeMessages {
  public:
   static void install() {
     dSetMessageHandler(&OdeMessages::on_message);
     dSetErrorHandler(&OdeMessages::on_error);
+    dSetDebugHandler(&OdeMessages::on_error);
   }
   static std::uint64_t count() { return count_.load(std::memory_order_relaxed); }
 
- private:
-  static std::string text(const char* format, va_list arguments) {
-    std::array<char, 256> buffer{};
-    std::vsnprintf(buffer.data(), buffer.size(), format, arguments);
-    return buffer.data();
+  /// dWorldStep(). @return false after an error(): the world is of no further use, nor to destroy
+  static bool step(dWorldID world, double dt) {
+    std::jmp_buf way_out;
+    way_out_ = &way_out;
+    if (setjmp(way_out) != 0) return false;
+    dWorldStep(world, dt);
+    way_out_ = nullptr;
+    return true;
   }
+  /// ODE's words.
+  static std::string error() { return error_.data(); }
+
+ private:
+  using Buffer = std::array<char, 256>;
+
   static void on_message(int, const char* format, va_list arguments) {
     if (count_.fetch_add(1, std::memory_order_relaxed) > 0) return;
-    base::log::warn("contact solver: " + text(format, arguments) + "; further ones are counted");
+    Buffer buffer{};
+    std::vsnprintf(buffer.data(), buffer.size(), format, arguments);
+    base::log::warn("contact solver: " + std::string(buffer.data()) + "; further ones are counted");
   }
   [[noreturn]] static void on_error(int, const char* format, va_list arguments) {
-    base::log::error("contact solver: " + text(format, arguments));
+    std::vsnprintf(error_.data(), error_.size(), format, arguments);
+    if (std::jmp_buf* const way_out = std::exchange(way_out_, nullptr)) std::longjmp(*way_out, 1);
+    base::log::error("contact solver: " + error());
     std::abort();
   }
 
   static inline std::atomic<std::uint64_t> count_{0};
+  static inline thread_local std::jmp_buf* way_out_ = nullptr;
+  static inline thread_local Buffer error_{};
 };
 
 /// ODE's library state lives as long as any solver.
@@ -170,6 +189,7 @@ struct ContactSolver::Impl {
   StaticBounds bounds;
   std::optional<TerrainPatches> terrain;
   Eigen::Vector3d gravity_W = Eigen::Vector3d::Zero();
+  bool has_given_up = false;
   double h = 1e-3;  // s, step that the springs are discretised for
 
   std::vector<std::pair<double, dGeomID>> discs;  // by radius
@@ -222,8 +242,9 @@ struct ContactSolver::Impl {
   std::size_t find_contacts(dGeomID a, dGeomID b) {
     if (const auto count = collide_base(a, b, geoms)) return *count;
     if (const auto count = ball_on_mesh.collide(a, b, geoms)) return *count;
-    return static_cast<std::size_t>(dCollide(a, b, static_cast<int>(kMostFound), geoms.data(),
-                                             static_cast<int>(sizeof(dContactGeom))));
+    const auto count = static_cast<std::size_t>(dCollide(
+        a, b, static_cast<int>(kMostFound), geoms.data(), static_cast<int>(sizeof(dContactGeom))));
+    return collide_faces(std::span(geoms).first(count), geoms).value_or(count);
   }
 
   /// Books a contact from the side of a body; of two bodies, of the one that ODE names first.
@@ -572,7 +593,9 @@ ContactSolver::ContactSolver(const Eigen::Vector3d& gravity_W) : impl_(std::make
   reset();
 }
 
-ContactSolver::~ContactSolver() = default;
+ContactSolver::~ContactSolver() {
+  if (impl_->has_given_up) static_cast<void>(impl_.release());  // ODE could not destroy it
+}
 
 void ContactSolver::add_static(const Shape& shape) {
   const dGeomID geom = make_geom(impl_->statics, shape, impl_->meshes);
@@ -681,7 +704,11 @@ void ContactSolver::apply(std::size_t body, const Wrench& wrench) {
 
 void ContactSolver::step() {
   impl_->make_joints();
-  dWorldStep(impl_->world, impl_->h);
+  if (OdeMessages::step(impl_->world, impl_->h)) return;
+  impl_->has_given_up = true;
+  throw SolverFailure("the contact solver has given up (" + OdeMessages::error() +
+                      "): a mass, an inertia, a size or a speed of a vehicle is out of all "
+                      "proportion");
 }
 
 void ContactSolver::read(std::size_t body, BodyState& state) const {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 
+#include "base/error.hpp"
 #include "libsim/api/world.hpp"
 #include "libsim/core/body/rigid_body.hpp"
 #include "libsim/core/body/shape.hpp"
@@ -23,6 +24,13 @@ struct Disc {
   Eigen::Vector3d centre_W;  ///< m
   Eigen::Quaterniond q_WD;   ///< turns vectors from D into W
   double radius_m;
+};
+
+/// ODE has given up: a mass, a size or a motion is out of all proportion. `what()` has its words.
+/// The solver that threw it may only be destroyed; its memory is lost.
+class CAS_SIM_EXPORT SolverFailure : public base::ConfigError {
+ public:
+  using base::ConfigError::ConfigError;
 };
 
 /// Contacts, world geometry and ray casts by the Open Dynamics Engine; nothing else includes it.
@@ -80,7 +88,7 @@ class CAS_SIM_EXPORT ContactSolver {
   /// Force and moment about the centre of gravity for the coming step, and makes the body take
   /// part in it.
   void apply(std::size_t body, const Wrench& wrench);
-  /// Steps the bodies that were given a wrench; gravity acts on them.
+  /// Steps the bodies that were given a wrench; gravity acts on them. @throws SolverFailure
   void step();
   /// Copies position, velocity, attitude and rates of the body.
   void read(std::size_t body, BodyState& state) const;

@@ -17,13 +17,6 @@ double depth_of(const HalfSpace& ground, const Eigen::Vector3d& p_W) {
   return ground.height_m - ground.n_W.dot(p_W);
 }
 
-Eigen::Matrix3d rotation_of(dGeomID geom) {
-  const dReal* r = dGeomGetRotation(geom);  // rows of four
-  Eigen::Matrix3d R;
-  R << r[0], r[1], r[2], r[4], r[5], r[6], r[8], r[9], r[10];
-  return R;
-}
-
 PlacedCylinder cylinder_of(dGeomID geom) {
   PlacedCylinder out{.centre_W = from_ode(dGeomGetPosition(geom)),
                      .R_WC = rotation_of(geom),

@@ -21,6 +21,14 @@ inline void to_ode(const Eigen::Quaterniond& q, dReal (&out)[4]) {
   out[3] = q.z();
 }
 
+/// From the axes of a geom into W.
+inline Eigen::Matrix3d rotation_of(dGeomID geom) {
+  const dReal* r = dGeomGetRotation(geom);  // rows of four
+  Eigen::Matrix3d R;
+  R << r[0], r[1], r[2], r[4], r[5], r[6], r[8], r[9], r[10];
+  return R;
+}
+
 /// A half-space: solid where n_W . p < height_m.
 struct HalfSpace {
   Eigen::Vector3d n_W;  ///< unit, outwards

@@ -5,8 +5,8 @@
 
 namespace cas::sim {
 
-/// A vehicle is below everything in its world and falls for ever: the run is of no further use.
-/// `what()` names vehicle, time and place.
+/// The run is of no further use: a vehicle is below everything in its world and falls for ever, or
+/// the contact solver has given up. `what()` says which, and when.
 class LeftWorldError : public base::ConfigError {
  public:
   using base::ConfigError::ConfigError;

@@ -144,6 +144,16 @@ struct SimRunner::Impl {
         p_W.y(), p_W.z()));
   }
 
+  /// @throws LeftWorldError
+  void advance() {
+    try {
+      world.advance(base::to_seconds(step));
+    } catch (const SolverFailure& failure) {
+      throw LeftWorldError(fmt::format("at {:.3f} s {}; hilsim --describe names what stands out",
+                                       base::to_seconds(time), failure.what()));
+    }
+  }
+
   bool interrupted() const { return interrupt != nullptr && interrupt->load(); }
 
   /// Lockstep: holds the step until every control due for the sensors sent so far is there.
@@ -230,7 +240,7 @@ void SimRunner::step() {
   s.plugins.pre_step({.time = s.time, .dt = s.step, .index = s.steps}, s.world);
 
   // Bodies and rotors move.
-  s.world.advance(base::to_seconds(s.step));
+  s.advance();
 
   // Sensors measure; interfaces send.
   s.time = end;

@@ -190,6 +190,39 @@ TEST(ModelBody, WhatIsNotReadOfALinkIsNamed) {
             std::string::npos);
 }
 
+TEST(ModelBody, AnglesInDegreesAreNamedInBothFormats) {
+  const std::string sdf =
+      "<sdf version='1.9'><model name='v'><link name='base'><inertial><mass>1</mass><inertia><ixx>1"
+      "</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>\n<collision name='c'><pose>0 0 9 0 0 90"
+      "</pose><geometry><box><size>1 1 1</size></box></geometry></collision></link></model></sdf>";
+  const std::string rolled =
+      urdf(kBody +
+           "<collision>\n<origin xyz='0 0 9' rpy='0 -45 0'/><geometry><box size='1 1 1'/>"
+           "</geometry></collision>");
+  for (const auto& [text, sentence] :
+       {std::pair(rolled,
+                  "v:4: an angle of -45 rad is more than a full turn: it may be in degrees"),
+        std::pair(sdf, "v:2: an angle of 90 rad is more than a full turn")}) {
+    const ModelBody body = parse_model_body(text, "v");
+    ASSERT_EQ(body.warnings.size(), 1U) << sentence;
+    EXPECT_NE(body.warnings[0].find(sentence), std::string::npos) << body.warnings[0];
+  }
+  EXPECT_TRUE(parse_model_body(changed(sdf, "<pose>", "<pose degrees='1'>"), "v").warnings.empty());
+  EXPECT_TRUE(parse_model_body(changed(rolled, "-45", "6.2832"), "v").warnings.empty());
+}
+
+TEST(ModelBody, WhatHoldsTheModelInGazeboIsNamed) {
+  const std::string sdf =
+      "<sdf version='1.9'><model name='v'>\n<static>true</static><link "
+      "name='base'><inertial><mass>1"
+      "</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial></link></model>"
+      "</sdf>";
+  const ModelBody body = parse_model_body(sdf, "v");
+  ASSERT_EQ(body.warnings.size(), 1U);
+  EXPECT_NE(body.warnings[0].find("v:2: <static> holds the model in Gazebo"), std::string::npos);
+  EXPECT_TRUE(parse_model_body(changed(sdf, ">true<", ">0<"), "v").warnings.empty());
+}
+
 TEST(ModelBody, AJointThatMovesAndIsNoRotorIsNamedInBothFormats) {
   const std::string inertial =
       "<inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>";

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fcu/estimation/estimator.hpp"
+#include "fcu/flight/commander.hpp"
 #include "mavlink/common/battery_status.hpp"
 #include "mavlink/common/heartbeat.hpp"
 #include "mavlink/common/manual_control.hpp"
@@ -349,6 +350,25 @@ TEST(Arming, EndsByItselfWithoutATakeOff) {
   EXPECT_TRUE(loop.fcu().status().armed);
   loop.run(2);
   EXPECT_FALSE(loop.fcu().status().armed);
+}
+
+TEST(LandDetector, ThrustThatStaysHighAgainstTheSetpointIsOfTheGroundToo) {
+  constexpr double kStep_s = 0.0025;
+  LandDetector detector;
+  LandDetector::Input held{.thrust = {.given = 0.9, .wanted = 0.3}, .descending = true};
+  const auto stage_after = [&](double seconds) {
+    LandDetector::Stage stage{};
+    for (double t = 0; t < seconds; t += kStep_s) stage = detector.update(held, kStep_s);
+    return stage;
+  };
+  EXPECT_EQ(stage_after(0.9), LandDetector::Stage::kAir);
+  EXPECT_EQ(stage_after(0.6), LandDetector::Stage::kContact);
+  held.vertical_speed_m_s = 0.5;
+  EXPECT_EQ(stage_after(0.01), LandDetector::Stage::kAir) << "without the thrust it fell";
+  held.vertical_speed_m_s = 0;
+  EXPECT_EQ(stage_after(0.9), LandDetector::Stage::kAir);
+  held.thrust.wanted = 0.9;
+  EXPECT_EQ(stage_after(5), LandDetector::Stage::kAir) << "what it wants holds it up";
 }
 
 TEST(Arming, IsNotTakenAwayInTheAirWithoutForce) {

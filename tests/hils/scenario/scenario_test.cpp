@@ -332,6 +332,18 @@ INSTANTIATE_TEST_SUITE_P(
             ":5: sensors: there is no sensor set 'rtkk'; sets are airsim_mpu6000, "},
         BadScenario{"UnknownLoop", "steps: [arm, {setgain: {loop: velocty, p: 1}}]\n",
                     ":5: steps[1].setgain.loop: there is no loop 'velocty'; loops are rollrate, "},
+        BadScenario{"GainBelowZero", "steps: [arm, {setgain: {loop: roll, p: -1}}]\n",
+                    ":5: steps[1].setgain.p: -1 must lie in [0, 1000]"},
+        BadScenario{"GainWithoutEnd", "steps: [arm, {setgain: {loop: rollrate, d: 1e300}}]\n",
+                    ":5: steps[1].setgain.d: 1e+300 must lie in [0, 1000]"},
+        BadScenario{"ParameterThatNoFloatHolds", "steps: [arm, {setparam: {MPC_XY_P: 1e39}}]\n",
+                    ":5: steps[1].setparam.MPC_XY_P: no parameter holds so large a number"},
+        BadScenario{"FaultOfARotorThatIsNotThere",
+                    "steps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: 1, measure: "
+                    "true}}, land]\nfaults:\n  - {at_s: 5, rotor: {number: 5, stop: true}}\n",
+                    ":7: faults[0]: there is no rotor 5; vehicle 'iris_paper' has 4"},
+        BadScenario{"ConditionOfANumber", "steps: [arm, {wait_until: {condition: '5'}}]\n",
+                    ":5: steps[1].wait_until.condition: in '5': '5' is compared with nothing"},
         BadScenario{"MisspeltLoop", "steps: [arm, {setgain: {loop: velocty, p: 1}}]\n",
                     "; did you mean 'velocity'?"},
         BadScenario{

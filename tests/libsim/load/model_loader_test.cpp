@@ -362,11 +362,17 @@ TEST_F(ModelLoader, RefusesWhatCannotFly) {
                                       "<collision><geometry><box size='1 0 1'/></geometry>"
                                       "</collision>")),
               HasSubstr("link 'base': a <collision> geometry has a size that is not above 0"));
+  for (const std::string far : {"<box size='1 1 3000'/>", "<sphere radius='1e300'/>"}) {
+    EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", kBall) + "<collision><geometry>" +
+                                        far + "</geometry></collision>")),
+                AllOf(HasSubstr("v.urdf:1: link 'base': a <collision> reaches "),
+                      HasSubstr(", and at most 1000 m can touch the ground; lengths are in m")));
+  }
   const std::string flat = "ixx='1' iyy='0.1' izz='0.1' ixy='0' ixz='0' iyz='0'";
   EXPECT_THAT(refuse(link("base", inertial(1, "0 0 0", "0 0 0", flat) + kCollision)),
               HasSubstr("not that of a body"));
   EXPECT_THAT(test::refusal([] { load_vehicle_model("/nowhere.urdf"); }),
-              HasSubstr("/nowhere.urdf: vehicle model cannot be read"));
+              HasSubstr("/nowhere.urdf: there is no such file; key 'urdf'"));
 }
 
 }  // namespace

@@ -53,6 +53,8 @@ void scale(Flown& flown, double s) {
     rotor.params.radius_m *= s;
     rotor.params.omega_max_rad_s /= std::sqrt(s);
     rotor.params.thrust_coefficient *= std::pow(s, 4);
+    rotor.params.torque_coefficient *= std::pow(s, 5);
+    rotor.params.inertia_kg_m2 *= std::pow(s, 5);
   }
 }
 
@@ -120,6 +122,22 @@ INSTANTIATE_TEST_SUITE_P(
                    each_rotor(f, [](auto& r) { r.params.thrust_coefficient /= 9.80665; });
                  },
                  "thrust_coefficient may be of a force in kg"},
+        UnitCase{
+            "TorqueCoefficientTooLarge",
+            [](Flown& f) { each_rotor(f, [](auto& r) { r.params.torque_coefficient *= 1000; }); },
+            "N m for each N of thrust: torque_coefficient may be of another unit"},
+        UnitCase{
+            "TorqueCoefficientPerRpm",
+            [](Flown& f) { each_rotor(f, [](auto& r) { r.params.torque_coefficient /= 91.2; }); },
+            "and without any loss it would be"},
+        UnitCase{"RotorInertiaInKilogramSquareMillimetres",
+                 [](Flown& f) { each_rotor(f, [](auto& r) { r.params.inertia_kg_m2 *= 1e6; }); },
+                 "the rotor's may be in kg mm^2 instead of kg m^2"},
+        UnitCase{"AirInGramsACubicMetre",
+                 [](Flown& f) {
+                   each_rotor(f, [](auto& r) { r.params.reference_density_kg_m3 = 1225; });
+                 },
+                 "reference_density_kg_m3 of its rotors is 1.22e+03, and air has about 1.2"},
         UnitCase{"SpinOfOneRotor", [](Flown& f) { f.vehicle.rotors[1].spin *= -1; },
                  "a spin or a place may be wrong"},
         UnitCase{"AllSpinsTheSame", [](Flown& f) { each_rotor(f, [](auto& r) { r.spin = 1; }); },

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -6,6 +7,7 @@
 #include "libsim/core/run/sim_world.hpp"
 #include "tests/libsim/support/crate.hpp"
 #include "tests/libsim/support/four_rotors.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::sim {
 namespace {
@@ -77,6 +79,38 @@ TEST(Contact, AtRestItStandsStillToTheBit) {
   run(*world, 10.0);
   EXPECT_EQ(world->state(kFirst).p_WB, before.p_WB);
   EXPECT_EQ(world->state(kFirst).q_WB.coeffs(), before.q_WB.coeffs());
+}
+
+TEST(Contact, ABoxRestsHalfOverTheEdgeOfABox) {
+  WorldModel model;
+  model.gravity_W = {0, 0, -kGravity};
+  model.statics.push_back(standing("table", Box{{4, 4, 1}}, {2, 0, -0.5}));
+  for (const double beyond_m : {0.02, 0.05, 0.09}) {
+    const auto world = make_world(model);
+    world->add_vehicle(crate({0.24, 0.24, 0.12}), {.x_m = beyond_m, .z_m = 0, .yaw_deg = 30});
+    world->start();
+    run(*world, 3.0);
+    double fastest = 0;
+    for (int i = 0; i < 200; ++i) {
+      world->advance(kStep);
+      const BodyState& state = world->state(kFirst);
+      fastest = std::max(fastest, std::max(state.v_WB.norm(), state.w_WB_B.norm()));
+    }
+    EXPECT_LT(fastest, 1e-6) << beyond_m;
+    EXPECT_GT(world->state(kFirst).p_WB.z(), 0.05) << beyond_m << ": it has fallen";
+  }
+}
+
+TEST(Contact, ASolverThatGivesUpIsARefusalAndNotTheEndOfTheProgram) {
+  const auto world = make_world(flat_world());
+  VehicleModel heavy = crate();
+  heavy.mass = MassProperties(1e160, 1e160 * Eigen::Matrix3d::Identity());
+  world->add_vehicle(heavy, {});
+  EXPECT_THAT(cas::test::refusal([&] {
+                world->start();
+                run(*world, 0.5);
+              }),
+              testing::HasSubstr("the contact solver has given up (assertion "));
 }
 
 TEST(Contact, SlidesByCoulombFriction) {
