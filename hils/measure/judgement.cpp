@@ -386,7 +386,11 @@ void check_flown(const Measurement& figures, Checks& checks) {
   LimitCheck check{.what = "flight",
                    .found = figures.flight_failure ? "not completed" : "completed",
                    .wanted = "completed"};
-  if (!figures.stages.empty()) check.time_s = base::to_seconds(figures.stages.back().end);
+  if (figures.flight_failure && figures.under_way) {
+    check.time_s = base::to_seconds(figures.under_way->end);
+  } else if (!figures.stages.empty()) {
+    check.time_s = base::to_seconds(figures.stages.back().end);
+  }
   checks.push_back(figures.flight_failure
                        ? missed(check, "the flight was not completed: " + *figures.flight_failure)
                        : check);

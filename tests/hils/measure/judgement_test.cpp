@@ -212,6 +212,20 @@ TEST(Judgement, TheStepUnderWayAtTheEndIsAmongTheStages) {
   EXPECT_EQ(stages.at(1).at("finished"), false);
 }
 
+TEST(Judgement, AnUnfinishedFlightFailsAtTheEndOfItsLastStep) {
+  Measurement figures = good();
+  figures.truth_samples = 1;
+  figures.flight_failure = "the vehicle was disarmed during step 7 (goto)";
+  figures.stages.emplace_back().end = base::SimTime(std::chrono::seconds(8));
+  Stage& under_way = figures.under_way.emplace();
+  under_way.begin = base::SimTime(std::chrono::seconds(8));
+  under_way.end = base::SimTime(std::chrono::seconds(39));
+  figures.incidents = {{IncidentKind::kCrash, 38.5, "hit 'silo'"}};
+  const auto summary = test::vehicle_summary(figures, judge(figures, {}));
+  ASSERT_EQ(summary.at("failures").size(), 2U);
+  EXPECT_EQ(summary.at("failure_times_s"), nlohmann::json({38.5, 39.0}));
+}
+
 TEST(Judgement, AnUnmeasuredDelayMeetsNoLimit) {
   Limits limits = hover_limits();
   limits.figures["sensor_to_control_p99_us"] = 5000;
