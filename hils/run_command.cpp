@@ -84,8 +84,10 @@ void search_plugins_in(const std::vector<std::string>& folders) {
   ::setenv("CAS_PLUGIN_PATH", (path + (before != nullptr ? before : "")).c_str(), 1);
 }
 
-/// A run without a replay keeps its verdict.
+/// Names the report and writes the replay. A run without a replay keeps its verdict.
 void leave_replay(const RunRequest& request, const RunResult& result, const std::string& out) {
+  fmt::print("Report:  {}\n", (std::filesystem::path(out) / "report.html").string());
+  std::fflush(stdout);
   try {
     if (write_replay(request, result).empty()) {
       fmt::print("Replay:  {}\n", why_no_page());
@@ -304,7 +306,6 @@ int run(Flags flags) {
   const std::string report = write_text(run_lines(result, request.beside_paper));
   results.get();
   fmt::print("{}\nResults: {}\n", report, flags.out);
-  std::fflush(stdout);
   leave_replay(request, result, flags.out);
   logs.get();
   if (recording.valid()) recording.get();

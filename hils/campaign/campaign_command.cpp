@@ -88,8 +88,9 @@ SweepFolder plan_of(const Campaign& campaign, const fs::path& out,
 SweepFolder announced_plan_of(const Campaign& campaign, const fs::path& out,
                               const CampaignControllers* controllers = nullptr) {
   SweepFolder sweep = plan_of(campaign, out, controllers);
-  fmt::print("{}: {} failures, {} flights in {}\n", campaign.name, campaign.failures.size(),
-             sweep.table.rows.size(), (sweep.path / "table.csv").string());
+  fmt::print("{}: {} failures, {} flights ({} of them without a failure) in {}\n", campaign.name,
+             campaign.failures.size(), sweep.table.rows.size(), campaign.seeds.size(),
+             (sweep.path / "table.csv").string());
   return sweep;
 }
 
@@ -165,7 +166,8 @@ int fly_on_boards(const Campaign& campaign, const CampaignControllers& controlle
     return matrix.exit_code();
   };
   try {
-    run_sweep(sweep, {.jobs = 1,
+    run_sweep(sweep, {.verb = "campaign",
+                      .jobs = 1,
                       .retry = options.retry,
                       .after_s = base::to_seconds(held->log_time()),
                       .on_boards = true});
@@ -203,7 +205,10 @@ int run(const Flags& flags) {
   const SweepFolder sweep = announced_plan_of(campaign, out);
   if (flags.plan) return kExitPassed;
   const std::size_t jobs = flags.jobs.value_or(usual_jobs(sweep));
-  run_sweep(sweep, {.jobs = jobs, .retry = flags.retry, .keeps_flights = campaign.on_firmware});
+  run_sweep(sweep, {.verb = "campaign",
+                    .jobs = jobs,
+                    .retry = flags.retry,
+                    .keeps_flights = campaign.on_firmware});
   const std::vector<RowResult> results = sweep.results(1, sweep.table.rows.size() + 1);
   CampaignMatrix matrix = CampaignMatrix::of(campaign, results);
   write_results(matrix, sweep);

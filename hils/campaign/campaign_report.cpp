@@ -111,10 +111,11 @@ std::vector<std::string> remarks(const CampaignMatrix& matrix) {
 std::string headline(const CampaignMatrix& matrix) {
   std::size_t flights = 0;
   for (const CellResult& cell : matrix.cells) flights += cell.flights.size();
-  std::string text =
-      fmt::format("{} of {} cells as expected, {} missed, {} without a verdict; {} flights",
-                  matrix.count(CellState::kAsExpected), matrix.cells.size(),
-                  matrix.count(CellState::kMissed), matrix.count(CellState::kNoVerdict), flights);
+  std::string text = fmt::format(
+      "{} of {} cells as expected, {} missed, {} without a verdict; {} flights "
+      "with a failure and {} without",
+      matrix.count(CellState::kAsExpected), matrix.cells.size(), matrix.count(CellState::kMissed),
+      matrix.count(CellState::kNoVerdict), flights, matrix.references);
   const std::size_t left_out = not_flown(matrix).size();
   if (left_out > 0) text += fmt::format("; not flown: {}", left_out);
   return text;
@@ -161,9 +162,9 @@ void add_matrix(const CampaignMatrix& matrix, const fs::path& again, Document& r
     }
   }
   report.table(
-      "Time to detect; below it time to react, farthest off the planned path, peak tilt and "
-      "the first sign. The worst of all seeds; a cell leads to the replay of one flight: the "
-      "first that missed, else the first",
+      "Time to detect, the worst of all seeds. On the page a cell also has time to react, farthest "
+      "off the planned path, peak tilt and the first sign, and leads to the replay of one flight: "
+      "the first that missed, else the first",
       rows, {}, Align::kLeft);
 }
 

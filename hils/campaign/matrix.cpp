@@ -121,6 +121,7 @@ CampaignMatrix CampaignMatrix::of(Campaign campaign, const std::vector<RowResult
   std::vector<RowResult> references;
   for (std::size_t i = 0; i < seeds.size(); ++i) {
     const RowResult& own = references.emplace_back(result_of(cells.size() * seeds.size() + i + 1));
+    if (own.row != 0) ++matrix.references;
     if (own.row != 0 && own.outcome == RowOutcome::kPassed) continue;
     matrix.without_failure.push_back(
         fmt::format("without a failure, seed {}: {}", seeds[i],

@@ -49,6 +49,7 @@ struct CampaignMatrix {
   std::vector<CellResult> cells;
   std::vector<std::string> without_failure{};  ///< sentences on those that did not pass
   std::set<std::size_t> flown_otherwise{};     ///< rows that were another flight when flown again
+  std::size_t references = 0;                  ///< flights without a failure that were flown
   std::string stopped{};                       ///< fault of a board that stopped the campaign
   FlightWarnings warnings{};                   ///< of all flights, with and without failures
 

@@ -64,10 +64,23 @@ double tilt_deg(const VehicleReport& vehicle) {
   return std::acos(std::clamp(upright, -1.0, 1.0)) * 180 / std::numbers::pi;
 }
 
-/// "6.0 m/s, where 0.4 is the most, tilted by 45 deg", for a vehicle that should hang still.
-std::string restless(const VehicleReport& vehicle) {
-  return fmt::format("{:.1f} m/s, where {} is the most, tilted by {:.0f} deg", vehicle.v_N.norm(),
-                     kSlowMS, tilt_deg(vehicle));
+/// "6.0 m/s, tilted by 45 deg"
+std::string motion_of(const VehicleReport& vehicle) {
+  return fmt::format("{:.1f} m/s, tilted by {:.0f} deg", vehicle.v_N.norm(), tilt_deg(vehicle));
+}
+
+/// For a step that ends with a vehicle that hangs still: when its time is up, the vehicle may just
+/// be near and slow.
+std::string restless(double near_m, base::Duration still_for) {
+  return fmt::format("; it never stayed within {} m and slower than {} m/s for {:g} s", near_m,
+                     kSlowMS, base::to_seconds(still_for));
+}
+
+/// Whether takeoff, goto or rtl ends when the vehicle hangs still; else on the ground, or at a
+/// height on the wing.
+bool ends_still(const FlightStep& step, const VehicleReport& vehicle) {
+  if (step.kind == StepKind::kRtl) return step.ends_holding;
+  return step.kind == StepKind::kGoto || !vehicle.on_wing();
 }
 
 /// What the vehicle's estimate lacks for the end of a step that it has begun; empty where the step
@@ -87,8 +100,9 @@ std::string lack(const FlightStep& step, const VehicleReport& vehicle,
       if (!vehicle.in_air && step.kind != StepKind::kRtl) {
         return fmt::format("it does not say that it is in the air; {:.1f} m high", p_m.z());
       }
-      return fmt::format("{:.1f} m of {:.1f} m high, {:.1f} m aside, {}", p_m.z(), reference_m.z(),
-                         off_m.head<2>().norm(), restless(vehicle));
+      return fmt::format("{:.1f} m of {:.1f} m high, {:.1f} m aside, {}{}", p_m.z(),
+                         reference_m.z(), off_m.head<2>().norm(), motion_of(vehicle),
+                         ends_still(step, vehicle) ? restless(kNearM, kStillFor) : "");
     case StepKind::kLand:
       return fmt::format("it does not say that it is on the ground; {:.1f} m high, {:.1f} m/s",
                          p_m.z(), vehicle.v_N.norm());
@@ -101,7 +115,8 @@ std::string lack(const FlightStep& step, const VehicleReport& vehicle,
     case StepKind::kTransition:
       return fmt::format("it says that it flies as '{}'", vehicle.vtol);
     case StepKind::kMission:
-      return fmt::format("{:.1f} m from its end, {}", off_m.norm(), restless(vehicle));
+      return fmt::format("{:.1f} m from its end, {}{}", off_m.norm(), motion_of(vehicle),
+                         lands(step) ? "" : restless(kAcceptedNearM, kStillAtItemFor));
     case StepKind::kDisarm:
       return "it does not say that it is disarmed";
     default:

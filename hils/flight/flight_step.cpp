@@ -75,7 +75,7 @@ Eigen::Vector3d parse_place(const base::ConfigNode& body) {
 
 void parse_goto(const base::ConfigNode& body, FlightStep& step) {
   step.place_m = parse_place(body);
-  step.yaw_rad = body.get_in("yaw_deg", 0, -180, 180) * base::kRadPerDeg;
+  if (body.has("yaw_deg")) step.yaw_rad = heading_deg(body) * base::kRadPerDeg;
 }
 
 void parse_gain(const base::ConfigNode& body, FlightStep& step) {

@@ -55,7 +55,7 @@ MavFrame height_frame(const base::ConfigNode& body) {
 }
 
 float heading(const base::ConfigNode& body) {
-  return body.has("yaw_deg") ? static_cast<float>(body.require_in("yaw_deg", -180, 180)) : kNan;
+  return body.has("yaw_deg") ? static_cast<float>(heading_deg(body)) : kNan;
 }
 
 PlannedItem parse_waypoint(const base::ConfigNode& body) {
@@ -254,6 +254,10 @@ HomedMission at_home(const MissionPlan& plan, const base::Geodetic& home, bool h
     mission.last = static_cast<std::uint16_t>(*last + (home_first ? 1 : 0));
   }
   return mission;
+}
+
+double heading_deg(const base::ConfigNode& body) {
+  return std::remainder(body.require_in("yaw_deg", -180, 360), 360.0);
 }
 
 }  // namespace cas::hils

@@ -64,4 +64,8 @@ MissionPlan parse_mission(const base::ConfigNode& body);
 /// @param home_first  ArduPilot: item 0 is home and is not flown
 HomedMission at_home(const MissionPlan& plan, const base::Geodetic& home, bool home_first);
 
+/// Compass heading `yaw_deg` of a goto or a waypoint, which may be -180 to 360, deg in -180 to 180.
+/// @throws base::ConfigError
+double heading_deg(const base::ConfigNode& body);
+
 }  // namespace cas::hils

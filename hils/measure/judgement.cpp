@@ -386,7 +386,11 @@ void check_flown(const Measurement& figures, Checks& checks) {
   LimitCheck check{.what = "flight",
                    .found = figures.flight_failure ? "not completed" : "completed",
                    .wanted = "completed"};
-  if (!figures.stages.empty()) check.time_s = base::to_seconds(figures.stages.back().end);
+  if (figures.flight_failure && figures.under_way) {
+    check.time_s = base::to_seconds(figures.under_way->end);
+  } else if (!figures.stages.empty()) {
+    check.time_s = base::to_seconds(figures.stages.back().end);
+  }
   checks.push_back(figures.flight_failure
                        ? missed(check, "the flight was not completed: " + *figures.flight_failure)
                        : check);
@@ -496,6 +500,19 @@ std::optional<std::string> unlimited_motion(const Limits& limits) {
          "is not judged";
 }
 
+/// A remark on the bounds of machine_checks() that do not judge a board; nullopt: all do.
+std::optional<std::string> unjudged_with_board(const Measurement& figures) {
+  if (!figures.from_device || !figures.streamed) return std::nullopt;
+  std::vector<std::string> bounds;
+  const auto add = [&](bool is_measured, std::string_view key) {
+    bounds.push_back(figure_row(key).title + (is_measured ? " (measured)" : " (not measured)"));
+  };
+  if (!figures.handover_p99_us) add(false, "handover_p99_us");
+  add(figures.reading_spread_us.has_value(), "reading_spread_us");
+  add(figures.age_by_arrival.count > 0, "age_by_arrival_p99_us");
+  return fmt::format("not judged with a board: {}", fmt::join(bounds, "; "));
+}
+
 /// The verdict on a run. A flight that would have passed has none when a fault never began; one
 /// that failed may have ended before its faults, so those are remarks.
 /// @param validity  whether the run counts; the flight of one that does not is not judged
@@ -560,6 +577,7 @@ Verdict judge(const Measurement& figures, const Limits& limits) {
                                figures.never_began);
   if (figures.firmware) verdict.remarks = figures.firmware->remarks;
   if (auto remark = unlimited_motion(limits)) verdict.remarks.push_back(std::move(*remark));
+  if (auto remark = unjudged_with_board(figures)) verdict.remarks.push_back(std::move(*remark));
   verdict.warnings = figures.warnings;
   return verdict;
 }

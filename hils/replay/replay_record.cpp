@@ -243,6 +243,15 @@ OrderedJson responses_json(const Measurement& figures) {
   return responses;
 }
 
+/// The mean wind that plugin wind of the scenario blows, m/s; null without it.
+OrderedJson mean_wind_json(const Scenario& scenario) {
+  for (const base::ConfigNode& plugin : scenario.plugins) {
+    if (plugin.get<std::string>("plugin", "") != "wind") continue;
+    return plugin.get<double>("mean_m_s", 0);
+  }
+  return nullptr;
+}
+
 OrderedJson vehicle_json(const RunRequest& request, std::size_t i, const VehicleResult& result) {
   const RunRecord& record = result.record;
   OrderedJson vehicle{
@@ -336,6 +345,7 @@ std::string replay_record(const RunRequest& request, const RunResult& run) {
       {"world",
        world_json(RunPaths::of(request.scenario, request.out, request.out).simulator_config())},
       {"controller", controllers(request)},
+      {"mean_wind_m_s", mean_wind_json(request.scenario)},
       {"verdict",
        {{"valid", run.verdict.valid},
         {"passed", run.verdict.passed},

@@ -26,6 +26,7 @@ using Lines = std::vector<StoryLine>;
 
 constexpr double kAfterFault_s = 5;      // in which the vehicle may still react to one
 constexpr double kBeforeFailure_s = 10;  // in which it may have said why
+constexpr double kTakesMode_s = 2;       // from a command to the HEARTBEAT with its mode
 constexpr int kWarning = 4;              // MAV_SEVERITY_WARNING
 constexpr std::size_t kMostTexts = 3;
 constexpr std::size_t kMostLimits = 3;
@@ -55,6 +56,7 @@ const Json& member(const Json& object, const char* key) {
 struct Moment {
   double t_s = 0;
   std::string what;
+  bool is_mode = false;  ///< a change of mode
 };
 
 /// A series of a record: multiples of a step, each as the difference from the one before.
@@ -150,14 +152,14 @@ std::vector<Moment> said(const Json& vehicle, double begin_s, double end_s) {
   for (const Json& text : member(log, "texts")) {
     const double t_s = text.at(0);
     if (t_s < begin_s || t_s > end_s || text.at(1).get<int>() > kWarning) continue;
-    all.push_back({t_s, "said '" + text.at(2).get<std::string>() + "'"});
+    all.push_back({t_s, "said '" + text.at(2).get<std::string>() + "'", false});
   }
   std::string before;
   for (const Json& state : member(log, "states")) {
     const double t_s = state.at(0);
     const std::string mode = state.at(2);
     if (!before.empty() && mode != before && t_s >= begin_s && t_s <= end_s) {
-      all.push_back({t_s, "changed to " + mode});
+      all.push_back({t_s, "changed to " + mode, true});
     }
     before = mode;
   }
@@ -168,9 +170,10 @@ std::vector<Moment> said(const Json& vehicle, double begin_s, double end_s) {
 /// The story of one vehicle.
 class VehicleStory {
  public:
-  /// @param record  of this vehicle, or null
-  VehicleStory(const Json& summary, const Json& record)
-      : summary_(summary), record_(record), motion_(record) {}
+  /// @param record         of this vehicle, or null
+  /// @param mean_wind_m_s  null: no wind, or not known
+  VehicleStory(const Json& summary, const Json& record, const Json& mean_wind_m_s)
+      : summary_(summary), record_(record), mean_wind_m_s_(mean_wind_m_s), motion_(record) {}
 
   Lines lines() {
     Lines lines;
@@ -202,7 +205,7 @@ class VehicleStory {
     const Json& times_s = member(summary_, "failure_times_s");
     for (std::size_t i = 0; i < failures.size(); ++i) {
       if (i < times_s.size() && times_s[i].is_number()) {
-        moments.push_back({times_s[i], failures[i]});
+        moments.push_back({times_s[i], failures[i], false});
       } else {
         rest.push_back(failures[i]);
       }
@@ -231,20 +234,38 @@ class VehicleStory {
   /// Of the moment at which the first thing went wrong.
   void add_circumstances(double t_s, Lines& lines) const {
     if (motion_.is_there()) lines.push_back({"", "at that moment " + motion_.at(t_s)});
+    if (mean_wind_m_s_.is_number() && mean_wind_m_s_.get<double>() > 0) {
+      lines.push_back(
+          {"", fmt::format("in a wind of {:g} m/s on average", mean_wind_m_s_.get<double>())});
+    }
+    std::optional<double> struck_s;  // by the first fault that still acted
     for (const Json& fault : member(summary_, "faults")) {
       if (!fault.at("begin_s").is_number() || fault["begin_s"].get<double>() > t_s) continue;
       const bool over =
           fault.at("end_s").is_number() && fault["end_s"].get<double>() + kAfterFault_s < t_s;
       if (over) continue;
+      struck_s = std::min(struck_s.value_or(t_s), fault["begin_s"].get<double>());
       lines.push_back({"", fmt::format("{} after fault '{}' had begun",
                                        seconds(t_s - fault["begin_s"].get<double>()),
                                        fault.at("name").get<std::string>())});
     }
     std::vector<std::string> words;
-    for (const Moment& each : said(record_, t_s - kBeforeFailure_s, t_s + 1)) {
+    const double from_s = std::max(t_s - kBeforeFailure_s, struck_s.value_or(0));
+    for (const Moment& each : said(record_, from_s, t_s + 1)) {
+      if (!struck_s && each.is_mode && is_planned(each.t_s)) continue;
       words.push_back(fmt::format("{} at {}", each.what, seconds(each.t_s)));
     }
     if (!words.empty()) lines.push_back({"", "the vehicle " + first_few(words, ", ", kMostTexts)});
+  }
+
+  /// Whether a change of mode then is a step's: it follows the step's command, or ends a takeoff.
+  bool is_planned(double t_s) const {
+    return std::ranges::any_of(member(summary_, "stages"), [&](const Json& stage) {
+      const double begin_s = stage.at("begin_s");
+      const double end_s =
+          stage.at("step") == "takeoff" ? stage.at("end_s").get<double>() : begin_s;
+      return t_s >= begin_s && t_s <= std::max(end_s, begin_s + kTakesMode_s);
+    });
   }
 
   void add_faults(Lines& lines) const {
@@ -335,6 +356,7 @@ class VehicleStory {
 
   const Json& summary_;
   const Json& record_;
+  const Json& mean_wind_m_s_;
   Motion motion_;
 };
 
@@ -389,7 +411,7 @@ Lines story(const Json& summary, const Json& record) {
       lines.push_back(
           {vehicles[i].at("name").get<std::string>(), std::string(verdict_word(vehicles[i]))});
     }
-    VehicleStory vehicle(vehicles[i], own);
+    VehicleStory vehicle(vehicles[i], own, member(record, "mean_wind_m_s"));
     for (StoryLine& line : vehicle.lines()) lines.push_back(std::move(line));
   }
   return lines;

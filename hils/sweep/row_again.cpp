@@ -25,7 +25,7 @@ fs::path report_of(const SweepFolder& sweep, std::size_t row) {
 }
 
 std::unique_ptr<ChildProcess> start_again(const SweepFolder& sweep, std::size_t row) {
-  fmt::print(stderr, "sweep: row {} is flown again for its report\n", row);
+  fmt::print(stderr, "row {} is flown again for its report\n", row);
   write_row_again(sweep, row);
   std::vector<std::string> command = command_again(sweep, row);
   command.front() = kSameProgram;

@@ -65,6 +65,16 @@ bool was_completed(const RunResult& run) {
       run.vehicles, [](const VehicleResult& vehicle) { return !vehicle.figures.flight_failure; });
 }
 
+/// The step that the first vehicle with an unfinished flight was in; empty: none, or before one.
+std::string unfinished_step(const RunResult& run) {
+  for (const VehicleResult& vehicle : run.vehicles) {
+    if (!vehicle.figures.flight_failure) continue;
+    const std::optional<Stage>& step = vehicle.figures.under_way;
+    return step ? std::string(phase_of(step->step)) : std::string();
+  }
+  return "";
+}
+
 /// Names of the steps whose response a vehicle's flight measures.
 std::vector<std::string> response_names(const Scenario& scenario) {
   std::vector<std::string> names;
@@ -159,6 +169,7 @@ RowResult row_of(const Scenario& scenario, const RunResult& run) {
   if (const auto incident = first_incident(scenario, run)) {
     result.incident = to_string(incident->kind);
   }
+  result.unfinished = one_line(unfinished_step(run));
   result.figures = collect(scenario, &run).values;
   result.strike = run.vehicles.front().figures.strike;
   for (const std::string& warning : run.verdict.warnings) {
@@ -199,6 +210,7 @@ std::string journal_line(const RowResult& result) {
                      {"max_rss_mib", result.machine.max_rss_mib},
                      {"host", result.machine.host}};
   if (!result.run_sha256.empty()) json["run_sha256"] = result.run_sha256;
+  if (!result.unfinished.empty()) json["unfinished"] = result.unfinished;
   if (!result.key.empty()) json["key"] = result.key;
   if (result.strike) json["strike"] = strike_json(*result.strike);
   if (!result.warnings.empty()) json["warnings"] = result.warnings;
@@ -227,6 +239,7 @@ std::optional<RowResult> parse_journal_line(std::string_view line) {
                       .max_rss_mib = machine.at("max_rss_mib").get<double>(),
                       .host = machine.at("host").get<std::string>()};
     result.run_sha256 = json.value("run_sha256", "");
+    result.unfinished = json.value("unfinished", "");
     result.key = json.value("key", "");
     if (json.contains("strike")) result.strike = parse_strike(json.at("strike"));
     result.warnings = json.value("warnings", result.warnings);

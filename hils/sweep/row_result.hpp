@@ -50,6 +50,7 @@ struct RowResult {
   RowOutcome outcome = RowOutcome::kInvalid;
   std::string cause{};            ///< sentences: missed limits, or why there is no verdict
   std::string incident{};         ///< the first of the flight: ground, crash, ...
+  std::string unfinished{};       ///< name of the step that was not done; empty: flown to the end
   std::string version{};          ///< of CAS
   std::string truth_sha256{};     ///< of truth.csv; of several vehicles, one file after the other
   std::string run_sha256{};       ///< see run_sha256(); where the study varies `faults`

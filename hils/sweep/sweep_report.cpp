@@ -124,17 +124,23 @@ void add_limits(const std::vector<ShareCheck>& checks, Document& report) {
   report.table("Limits; at least: one-sided lower bound of Clopper and Pearson", rows, looks);
 }
 
+/// Why a run did not stay up or has no verdict, in the words of the table; empty: it stayed up.
+std::string why_not_up(const RowResult& result) {
+  if (!result.incident.empty()) return "incident: " + result.incident;
+  if (!is_judged(result.outcome) || result.outcome == RowOutcome::kStopped) {
+    return fmt::format("{}: {}", to_string(result.outcome), result.cause);
+  }
+  if (result.figures.empty() || result.figures[kUpFigure] != 0) return "";
+  return "not completed" + (result.unfinished.empty() ? "" : ": " + result.unfinished);
+}
+
 void add_outcomes(const SweepView& view, const SweepCounts& counts, Document& report) {
   std::map<std::string, std::size_t> outcomes;
   std::map<std::string, std::size_t> causes;
   for (const RowResult& result : view.results) {
     if (result.row == 0) continue;
     ++outcomes[std::string(to_string(result.outcome))];
-    if (!result.incident.empty()) {
-      ++causes["incident: " + result.incident];
-    } else if (!is_judged(result.outcome)) {
-      ++causes[fmt::format("{}: {}", to_string(result.outcome), result.cause)];
-    }
+    if (const std::string why = why_not_up(result); !why.empty()) ++causes[why];
   }
   Rows rows{{"Outcome", "Runs", "Share with its 95 % interval"}};
   for (const auto& [word, number] : outcomes) {
@@ -151,9 +157,17 @@ void add_outcomes(const SweepView& view, const SweepCounts& counts, Document& re
   std::ranges::stable_sort(sorted, std::ranges::greater(),
                            &std::pair<std::string, std::size_t>::second);
   constexpr std::size_t kMost = 10;
-  if (sorted.size() > kMost) sorted.resize(kMost);
   Rows table{{"Cause", "Runs"}};
-  for (const auto& [cause, number] : sorted) table.push_back({cause, std::to_string(number)});
+  std::size_t others = 0;
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    const auto& [cause, number] = sorted[i];
+    if (i < kMost) {
+      table.push_back({cause, std::to_string(number)});
+    } else {
+      others += number;
+    }
+  }
+  if (others > 0) table.push_back({"other causes", std::to_string(others)});
   report.table("Why runs did not stay up, or have no verdict", table);
 }
 

@@ -109,6 +109,7 @@ class Runner {
     for (std::size_t row = first_; row < last_; ++row) {
       if (!done[row - first_]) pending_.push_back(row);
     }
+    state_.verb = options_.verb;
     state_.all = last_ - first_;
     state_.done = state_.all - pending_.size();
   }

@@ -11,6 +11,7 @@ namespace cas::hils {
 
 /// How a part of a sweep is flown.
 struct SweepRunOptions {
+  const char* verb = "sweep";  ///< of its progress
   Chunk chunk{};
   std::size_t jobs = 1;             ///< processes at once
   std::filesystem::path scratch{};  ///< files of runs under way; empty: in the sweep's folder

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/os/descriptor.hpp"
+#include "base/os/pty_lock.hpp"
 #include "base/os/write_file.hpp"
 #include "casd/transport/serial_device.hpp"
 #include "hils/boards/board_error.hpp"
@@ -93,8 +94,10 @@ bool run_probe(const base::Descriptor& line, LineProbe& probe) {
   return true;
 }
 
-LineFigures measure(const FcuDevice& device, const ProbePlan& plan) {
+/// @param is_pty  set: whether the device is a pseudo-terminal
+LineFigures measure(const FcuDevice& device, const ProbePlan& plan, bool& is_pty) {
   const base::Descriptor line = open_line(device);
+  is_pty = base::identify_pty(line.get()).has_value();
   LineProbe probe(plan, base::steady_now());
   if (!run_probe(line, probe)) {
     throw BoardError(kExitBoardAbsent, device.path + " went away during the measurement");
@@ -124,8 +127,11 @@ int run(const Flags& flags) {
                        .length = base::from_seconds(flags.seconds),
                        .seed = std::random_device{}()};
   TimingReport report{.device = device.path, .baud = device.baud, .demand = flags.demand};
-  report.figures = measure(device, plan);
+  report.figures = measure(device, plan, report.is_pty);
   report.verdict = judge_line(report.figures, flags.demand);
+  if (report.is_pty) {
+    report.verdict.notes.push_back(uart_note(report.figures, flags.demand, device.baud));
+  }
   if (!flags.json.empty()) {
     base::write_file(flags.json, timing_json(report), base::Durability::kCache);
   }

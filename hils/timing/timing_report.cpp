@@ -96,10 +96,11 @@ Document timing_report(const TimingReport& report) {
                           .checks = {},
                           .remarks = verdict.notes},
                          verdict.sentence));
-  page.paragraph(fmt::format(
-      "{} at {} baud: system {}, disarmed, {}; it sends {} kB/s by itself; {}.", report.device,
-      report.baud, figures.autopilot.system, figures.in_hil ? "in HIL" : "not in HIL",
-      kilobytes(figures.background_bytes_s), frame_words(figures.frame)));
+  page.paragraph(
+      fmt::format("{}, {}: system {}, disarmed, {}; it sends {} kB/s by itself; {}.", report.device,
+                  report.is_pty ? "a pseudo-terminal" : fmt::format("{} baud", report.baud),
+                  figures.autopilot.system, figures.in_hil ? "in HIL" : "not in HIL",
+                  kilobytes(figures.background_bytes_s), frame_words(figures.frame)));
   page.table("Round trip, ms", echo_rows(figures));
   page.table(
       "Throughput, kB/s",
@@ -112,6 +113,7 @@ std::string timing_json(const TimingReport& report) {
   const LineFigures& figures = report.figures;
   nlohmann::json json{{"device", report.device},
                       {"baud", report.baud},
+                      {"pseudo_terminal", report.is_pty},
                       {"system", figures.autopilot.system},
                       {"in_hil", figures.in_hil},
                       {"demand",

@@ -12,6 +12,7 @@ namespace cas::hils {
 struct TimingReport {
   std::string device;
   unsigned baud = 0;
+  bool is_pty = false;  ///< a pseudo-terminal, where no baud rate applies
   LineDemand demand{};
   LineFigures figures{};
   TimingVerdict verdict{};

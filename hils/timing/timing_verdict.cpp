@@ -84,14 +84,20 @@ void add_notes(const LineFigures& figures, const LineDemand& demand, TimingVerdi
   }
 }
 
+/// The direction that leaves less room.
+casd::LineBudget fuller_of(const LineFigures& figures, const LineDemand& demand, double to_bytes_s,
+                           double from_bytes_s) {
+  casd::LineBudget to = budget_to(demand, to_bytes_s);
+  casd::LineBudget from = budget_from(demand, figures.background_bytes_s, from_bytes_s);
+  return used(to) >= used(from) ? to : from;
+}
+
 }  // namespace
 
 TimingVerdict judge_line(const LineFigures& figures, const LineDemand& demand) {
   TimingVerdict verdict;
-  const casd::LineBudget to = budget_to(demand, figures.to_bytes_s);
-  const casd::LineBudget from =
-      budget_from(demand, figures.background_bytes_s, figures.from_bytes_s);
-  const casd::LineBudget& fuller = used(to) >= used(from) ? to : from;
+  const casd::LineBudget fuller =
+      fuller_of(figures, demand, figures.to_bytes_s, figures.from_bytes_s);
   verdict.spare = 1 - used(fuller);
   add_notes(figures, demand, verdict);
 
@@ -115,6 +121,19 @@ TimingVerdict judge_line(const LineFigures& figures, const LineDemand& demand) {
   verdict.sentence = fmt::format("{} does not fit: {}", demand_words(demand), why) +
                      remedy(figures, fuller, verdict);
   return verdict;
+}
+
+std::string uart_note(const LineFigures& figures, const LineDemand& demand, unsigned baud) {
+  constexpr double kBitsPerByte = 10;  // 8 data bits, start and stop bit
+  const double bytes_s = baud / kBitsPerByte;
+  const casd::LineBudget fuller = fuller_of(figures, demand, bytes_s, bytes_s);
+  const std::string room =
+      fuller.fits() ? fmt::format("would have {:.0f} % to spare", 100 * (1 - used(fuller)))
+                    : "would not carry that: " + too_much(fuller);
+  return fmt::format(
+      "a pseudo-terminal has no baud rate: its throughput is that of the program behind it; a UART "
+      "of {} baud carries {:.1f} kB/s, and {}",
+      baud, bytes_s / 1e3, room);
 }
 
 }  // namespace cas::hils

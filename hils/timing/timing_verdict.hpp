@@ -25,4 +25,8 @@ struct TimingVerdict {
 /// failed under the load on a machine that was late itself has no verdict. Pure.
 TimingVerdict judge_line(const LineFigures& figures, const LineDemand& demand);
 
+/// What a UART would have to spare where a pseudo-terminal was measured, as a sentence. Pure.
+/// @param baud  of the UART
+std::string uart_note(const LineFigures& figures, const LineDemand& demand, unsigned baud);
+
 }  // namespace cas::hils

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string_view>
 
 #include "hils/sweep/run_table.hpp"
@@ -71,9 +72,67 @@ Rows verification_rows(const TuneResult& result) {
   return rows;
 }
 
+/// Rows of figures that the search improved.
+std::vector<Verification> verified_objectives(const TuneStudy& study, const TuneResult& result) {
+  std::vector<Verification> rows;
+  std::ranges::copy_if(result.verification, std::back_inserter(rows), [&](const auto& row) {
+    return std::ranges::any_of(study.objectives, [&](const Objective& objective) {
+      return objective.figure.name == row.figure;
+    });
+  });
+  return rows;
+}
+
+const Objective& objective_of(const TuneStudy& study, const Verification& row) {
+  return *std::ranges::find(study.objectives, row.figure,
+                            [](const Objective& each) { return each.figure.name; });
+}
+
+/// Whether the verification shows what the search found: the weighted sum of the objectives is
+/// smaller, and those with the greatest weight are better with most seeds.
+/// @param rows  verified_objectives()
+bool is_confirmed(const TuneStudy& study, const std::vector<Verification>& rows) {
+  double heaviest = 0;
+  for (const Objective& each : study.objectives) heaviest = std::max(heaviest, each.weight);
+  double change = 0;
+  for (const Verification& row : rows) {
+    const double weight = objective_of(study, row).weight;
+    if (weight == heaviest && 2 * row.better <= row.seeds) return false;
+    change += weight * (row.before > 0 ? row.after / row.before - 1 : row.after - row.before);
+  }
+  return change < 0;  // not with a figure that does not exist
+}
+
+/// "; verification: settling 3 of 4 seeds (jump)"
+std::string verification_words(const std::vector<Verification>& objectives) {
+  if (objectives.empty()) return "; not verified with other seeds";
+  std::string words;
+  for (const Verification& row : objectives) {
+    words += fmt::format("{}{} better with {} of {} seeds ({})", words.empty() ? "" : ", ",
+                         row.figure, row.better, row.seeds, row.scenario);
+  }
+  return "; verification: " + words;
+}
+
+/// Explains the dashes of the tables; empty: there are none.
+std::string dash_note(const TuneResult& result) {
+  const auto is_open = [](double value) { return !std::isfinite(value); };
+  const auto lacks = [&](const Candidate& each) {
+    return std::ranges::any_of(each.objectives, is_open) ||
+           std::ranges::any_of(each.guards, is_open);
+  };
+  const bool any = lacks(result.candidates[0]) || lacks(result.candidates[result.best]) ||
+                   std::ranges::any_of(result.verification, [&](const Verification& row) {
+                     return is_open(row.before) || is_open(row.after);
+                   });
+  if (!any) return "";
+  return "A dash: with at least one seed the figure does not exist, as the settling time of a step "
+         "that never settles within its time, or a flight that falls.";
+}
+
 bool falls_more(const TuneResult& result) { return result.fallen_after > result.fallen_before; }
 
-std::string verdict_line(const TuneResult& result) {
+std::string verdict_line(const TuneStudy& study, const TuneResult& result) {
   const Candidate& after = result.candidates[result.best];
   if (result.best == 0) {
     return fmt::format("none of {} candidates is better at these guards",
@@ -82,6 +141,7 @@ std::string verdict_line(const TuneResult& result) {
   std::string line = fmt::format("candidate {} of {}: weighted sum {} instead of {}", after.number,
                                  result.candidates.size() - 1, four_digits(after.sum),
                                  four_digits(result.candidates[0].sum));
+  line += verification_words(verified_objectives(study, result));
   if (falls_more(result)) line += "; but more flights of the verification fell than before";
   return line;
 }
@@ -161,9 +221,13 @@ Document tune_report(const TuneStudy& study, const TuneResult& result,
                      const std::vector<Plot>& steps) {
   Document page{"Tuning " + study.name};
   const bool better = result.best != 0;
-  page.add(Document::Verdict{better && !falls_more(result) ? Mood::kGood : Mood::kNeutral,
-                             better ? "BETTER" : "NONE BETTER",
-                             study.name + ": " + verdict_line(result),
+  const std::vector<Verification> objectives = verified_objectives(study, result);
+  const bool confirmed = is_confirmed(study, objectives) && !falls_more(result);
+  page.add(Document::Verdict{better && confirmed ? Mood::kGood : Mood::kNeutral,
+                             !better     ? "NONE BETTER"
+                             : confirmed ? "BETTER"
+                                         : "BETTER IN THE SEARCH",
+                             study.name + ": " + verdict_line(study, result),
                              result.warnings.sentences()});
   if (!study.description.empty()) page.paragraph(study.description);
   page.table("Values", value_rows(study, result));
@@ -172,6 +236,7 @@ Document tune_report(const TuneStudy& study, const TuneResult& result,
   if (!result.verification.empty()) {
     page.table("Verification: " + verification_line(result), verification_rows(result));
   }
+  if (const std::string note = dash_note(result); !note.empty()) page.paragraph(note);
   if (!steps.empty()) page.heading("Step responses", Extent::kPage);
   for (const Plot& plot : steps) page.add(plot);
   if (!result.front.empty() && study.objectives.size() > 1) {

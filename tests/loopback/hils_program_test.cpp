@@ -273,6 +273,7 @@ TEST(HilsProgram, LeavesNoReplayOfAnEarlierRun) {
   const std::filesystem::path old = folder.write("out/replay.html", "of an earlier run");
   const Flight flight(short_flight(folder, "architecture: direct"), folder / "out", folder / "web");
   EXPECT_FALSE(std::filesystem::exists(old));
+  EXPECT_TRUE(flight.says("Report:  " + (folder / "out/report.html").string())) << flight.output();
   EXPECT_TRUE(flight.says("Replay:  no replay.html")) << flight.output();
 }
 

@@ -95,6 +95,8 @@ TEST_P(HilsTimingAt, TellsWhatTheByteClockLetsThrough) {
     EXPECT_EQ(answer.code, test.code) << answer.output;
   }
   EXPECT_THAT(answer.output, HasSubstr(said.at("verdict").at("sentence").get<std::string>()));
+  EXPECT_EQ(said.at("pseudo_terminal"), true);
+  EXPECT_THAT(answer.output, HasSubstr("a pseudo-terminal has no baud rate"));
   if (kQuietMachine && test.baud == 115'200) {
     EXPECT_EQ(said.at("verdict").at("fitting_sensor_hz"), 125) << answer.output;
   }

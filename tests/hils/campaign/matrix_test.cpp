@@ -228,6 +228,17 @@ TEST(CampaignReport, HasTheWarningsOfAllFlights) {
             nlohmann::json::parse(R"([{"warning": "a mass of 1 g", "flights": 2}])"));
 }
 
+TEST(CampaignReport, CountsTheFlightsWithoutAFailure) {
+  std::vector<RowResult> rows = all_up();
+  EXPECT_NE(text_of(CampaignMatrix::of(campaign(), rows))
+                .find("; 8 flights with a failure and 2 without"),
+            std::string::npos);
+  rows.pop_back();
+  EXPECT_NE(text_of(CampaignMatrix::of(campaign(), rows))
+                .find("; 8 flights with a failure and 1 without"),
+            std::string::npos);
+}
+
 TEST(CampaignReport, NamesTheFailuresThatWereLeftOut) {
   Campaign chosen = campaign();
   chosen.left_out = {"heavy", "l&m"};

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include "base/angles.hpp"
+#include "hils/flight/flight_step.hpp"
 #include "tests/support/refusal.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -48,6 +50,25 @@ TEST(MissionPlan, CountsFromTheVehiclesHome) {
   EXPECT_EQ(mission.places[0].number, 2U);
   EXPECT_NEAR((mission.places[0].place_m - Eigen::Vector3d(30, 40, 10)).norm(), 0, 0.02);
   EXPECT_EQ(mission.last, 1U) << "what comes after it is the landing";
+}
+
+TEST(MissionPlan, TakesACompassHeadingToThreeHundredAndSixtyDegrees) {
+  const HomedMission mission =
+      at_home(parse("items: [waypoint: {north_m: 1, east_m: 0, up_m: 4, yaw_deg: 270}, land]"),
+              kHome, false);
+  EXPECT_FLOAT_EQ(mission.items[0].param4, -90);
+  const auto goto_yaw_deg = [](const std::string& yaw_deg) {
+    const auto steps = base::ConfigNode::parse(
+        "[arm, takeoff: {altitude_m: 3}, goto: {north_m: 1, east_m: 0, up_m: 3, yaw_deg: " +
+            yaw_deg + "}, hold: {duration_s: 9, measure: true}, land]",
+        "steps.yaml");
+    return base::degrees(parse_flight(steps, {}).at(2).yaw_rad);
+  };
+  EXPECT_NEAR(goto_yaw_deg("270"), -90, 1e-9);
+  EXPECT_NEAR(goto_yaw_deg("360"), 0, 1e-9);
+  EXPECT_NEAR(goto_yaw_deg("180"), 180, 1e-9);
+  EXPECT_NEAR(goto_yaw_deg("-180"), -180, 1e-9);
+  EXPECT_NE(test::refusal([&] { goto_yaw_deg("361"); }).find("yaw_deg"), std::string::npos);
 }
 
 TEST(MissionPlan, OfAPlaneLandsAtAPlaceOfItsOwn) {

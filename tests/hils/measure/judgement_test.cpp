@@ -212,6 +212,40 @@ TEST(Judgement, TheStepUnderWayAtTheEndIsAmongTheStages) {
   EXPECT_EQ(stages.at(1).at("finished"), false);
 }
 
+TEST(Judgement, AnUnfinishedFlightFailsAtTheEndOfItsLastStep) {
+  Measurement figures = good();
+  figures.truth_samples = 1;
+  figures.flight_failure = "the vehicle was disarmed during step 7 (goto)";
+  figures.stages.emplace_back().end = base::SimTime(std::chrono::seconds(8));
+  Stage& under_way = figures.under_way.emplace();
+  under_way.begin = base::SimTime(std::chrono::seconds(8));
+  under_way.end = base::SimTime(std::chrono::seconds(39));
+  figures.incidents = {{IncidentKind::kCrash, 38.5, "hit 'silo'"}};
+  const auto summary = test::vehicle_summary(figures, judge(figures, {}));
+  ASSERT_EQ(summary.at("failures").size(), 2U);
+  EXPECT_EQ(summary.at("failure_times_s"), nlohmann::json({38.5, 39.0}));
+}
+
+TEST(Judgement, RemarksWhichBoundsDoNotJudgeABoard) {
+  Measurement figures = good();
+  figures.handover_p99_us.reset();
+  EXPECT_TRUE(judge(figures, hover_limits()).remarks.empty());
+  figures.from_device = true;
+  figures.reading_spread_us.reset();
+  figures.age_by_arrival = {};
+  EXPECT_EQ(judge(figures, hover_limits()).remarks,
+            std::vector<std::string>{
+                "not judged with a board: handover between simulator and casd, 99 % (not "
+                "measured); HIL_SENSOR read by the controller, 99 % less the median (not "
+                "measured); age of the sample at use (arrived), 99 % (not measured)"});
+  figures.handover_p99_us = 100;
+  figures.age_by_arrival = {.count = 3};
+  EXPECT_EQ(judge(figures, hover_limits()).remarks,
+            std::vector<std::string>{
+                "not judged with a board: HIL_SENSOR read by the controller, 99 % less the median "
+                "(not measured); age of the sample at use (arrived), 99 % (measured)"});
+}
+
 TEST(Judgement, AnUnmeasuredDelayMeetsNoLimit) {
   Limits limits = hover_limits();
   limits.figures["sensor_to_control_p99_us"] = 5000;

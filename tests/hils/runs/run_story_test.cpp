@@ -104,6 +104,30 @@ TEST(RunStory, AMissedLimitWithoutAnIncidentIsItsOwnCause) {
   EXPECT_NE(told(summary, nullptr).find("why      drift"), std::string::npos);
 }
 
+TEST(RunStory, NamesTheWindAndNoModeOfThePlanAmongTheCircumstances) {
+  Json summary = crashed();
+  summary["vehicles"][0]["faults"] = Json::array();
+  Json& stages = summary["vehicles"][0]["stages"];
+  stages[0]["end_s"] = stages[1]["begin_s"] = 18.0;
+  Json record = record_of_crash();
+  record["mean_wind_m_s"] = 22.0;
+  record["vehicles"][0]["log"]["states"] = Json::parse(
+      R"([[10.0, true, "TAKEOFF"], [15.0, true, "HOLD"], [18.9, true, "GOTO"], [20.4, true, "LAND"]])");
+  const std::string text = told(summary, record);
+  EXPECT_NE(text.find("           in a wind of 22 m/s on average\n"
+                      "           the vehicle changed to LAND at 20.40 s, said 'Compass "
+                      "inconsistent' at 20.70 s\n"),
+            std::string::npos)
+      << text;
+}
+
+TEST(RunStory, TellsOnlyWhatFollowedAFaultAsItsConsequence) {
+  Json record = record_of_crash();
+  record["vehicles"][0]["log"]["texts"].push_back(Json::array({14.0, 4, "Weak signal"}));
+  const std::string text = told(crashed(), record);
+  EXPECT_EQ(text.find("Weak signal"), std::string::npos) << text;
+}
+
 TEST(RunStory, RefusesMembersThatHilsDoesNotWrite) {
   Json summary = crashed();
   summary["vehicles"][0]["stages"] = Json::array({7});

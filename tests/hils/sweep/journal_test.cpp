@@ -19,6 +19,7 @@ RowResult result_of(std::size_t row) {
   result.outcome = RowOutcome::kFailed;
   result.cause = "crash: \"hit\", 3 m/s";
   result.incident = "crash";
+  result.unfinished = "takeoff";
   result.version = "0.1.0";
   result.figures = {0, std::nan(""), 0.1 + 0.2};
   result.machine = {.wall_s = 0.5, .cpu_s = 0.4, .max_rss_mib = 20, .host = "lab"};
@@ -32,6 +33,7 @@ TEST(Journal, ALineComesBackToTheBit) {
   EXPECT_EQ(read->row, 7U);
   EXPECT_EQ(read->outcome, RowOutcome::kFailed);
   EXPECT_EQ(read->cause, written.cause);
+  EXPECT_EQ(read->unfinished, "takeoff");
   EXPECT_EQ(read->figures[2], 0.1 + 0.2);
   EXPECT_TRUE(std::isnan(read->figures[1]));
   EXPECT_EQ(result_fields(*read, 4),

@@ -51,6 +51,19 @@ TEST(RowResult, HasEachFigureOfTheTableUnderItsKey) {
   EXPECT_TRUE(std::isnan(figure(scenario, row, "rms_x_m"))) << "it was not measured";
 }
 
+TEST(RowResult, NamesTheStepThatWasNotDone) {
+  const Scenario scenario = jump();
+  RunResult run;
+  run.verdict.valid = true;
+  Measurement& figures = run.vehicles.emplace_back().figures;
+  EXPECT_EQ(row_of(scenario, run).unfinished, "");
+  figures.flight_failure = "step 2 (takeoff) was not done within 30 s";
+  figures.under_way.emplace().step.kind = StepKind::kTakeoff;
+  const RowResult row = row_of(scenario, run);
+  EXPECT_EQ(row.unfinished, "takeoff");
+  EXPECT_EQ(row.figures[kUpFigure], 0);
+}
+
 TEST(RowResult, KeepsTheWarningsOfItsFlightWithoutTheFolderOfTheRow) {
   Scenario scenario = jump();
   scenario.file = "/tmp/work/row_7/scenario.yaml";

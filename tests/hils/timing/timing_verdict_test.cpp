@@ -32,6 +32,18 @@ TEST(TimingVerdict, SaysHowMuchIsToSpare) {
   EXPECT_TRUE(verdict.notes.empty());
 }
 
+TEST(TimingVerdict, OfAPseudoTerminalSaysWhatAUartWouldSpare) {
+  const LineFigures fast = line(52e6, 52e6);
+  EXPECT_EQ(uart_note(fast, {}, 921'600),
+            "a pseudo-terminal has no baud rate: its throughput is that of the program behind it; "
+            "a UART of 921600 baud carries 92.2 kB/s, and would have 57 % to spare");
+  const std::string slow = uart_note(fast, {}, 115'200);
+  EXPECT_TRUE(
+      slow.ends_with("a UART of 115200 baud carries 11.5 kB/s, and would not carry that: "
+                     "to the controller it takes 38.8 kB/s of 11.3"))
+      << slow;
+}
+
 TEST(TimingVerdict, IsOfTheFullerDirection) {
   // HIL_CONTROLS 400 x 54 and 1000 bytes of telemetry are 22600.
   const TimingVerdict verdict = judge_line(line(kWide, 46'122), {});
