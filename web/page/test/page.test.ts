@@ -13,6 +13,7 @@ import {makeNonce, tokenProof} from '../src/proof.ts';
 import {rowName, RunRecord, unpack} from '../src/record.ts';
 import {RecordSource} from '../src/record_source.ts';
 import {between, decode, indexAt, Ring} from '../src/series.ts';
+import {titlesOf} from '../src/run_pair.ts';
 import {StickPace, sticksOf} from '../src/stick_pace.ts';
 import {verdictText} from '../src/verdict.ts';
 import {kDuration_s, kLossSecond, makeRecord, pack, placeAt} from './fixture.ts';
@@ -336,6 +337,14 @@ test('two records lie on the clock of the first by their measured stages', () =>
   source.start(bench);
   near(source.beside(0, 'truth.n')!.t[100]!, 0, 1e-9);
   assert.ok(bench.beside[0]);
+});
+
+test('two runs of one name are told apart by where they are from and what they flew with', () => {
+  const source = (path: string, mean: string) => ({path, settings: {'hilsim.vehicles[iris0].plugins[wind].mean_m_s': mean, 'hilsim.seed': '1', 'hilsim.world': `/${path}/bench.yaml`}});
+  assert.deepEqual(titlesOf([{name: 'wind', source: source('out/calm', '3')}, {name: 'wind', source: source('out/gusty/', '9')}]),
+    [{name: 'calm', differs: 'wind mean_m_s 3'}, {name: 'gusty', differs: 'wind mean_m_s 9'}]);
+  assert.deepEqual(titlesOf([{name: 'wind', source: source('a/out', '3')}, {name: 'wind', source: source('b/out', '3')}]).map(({name}) => name), ['a/out', 'b/out']);
+  assert.deepEqual(titlesOf([{name: 'hover'}, {name: 'wind'}]), [{name: 'hover', differs: ''}, {name: 'wind', differs: ''}]);
 });
 
 test('a record of another format is refused in a sentence', () => {
