@@ -37,6 +37,8 @@ class FakeServer {
   landed = 'on_ground';
   armed = false;
   hil = true;
+  /** HIL packets by casd, by cause. */
+  dropped: Record<string, number> = {};
   /** Else another program that took the port. */
   isCasweb = true;
   /** A run of hils is flown. */
@@ -117,7 +119,7 @@ class FakeServer {
       }, telemetry: {}}]},
       links: {hops: [
         {from: 'sim', to: 'casd', link: 'sim1', system: 1, type: 'udp', state: 'up', msgs: {HIL_SENSOR: 500, HIL_GPS: 5}, lost: 0, measured: 'none'},
-        {from: 'casd', to: 'fcu', link: 'fcu1', system: 1, type: 'serial', state: 'up', baud: 921600, full: 0.4, queued: 0, high_water: 12, msgs: {HIL_SENSOR: 500, HIL_GPS: 5}, measured: 'none'},
+        {from: 'casd', to: 'fcu', link: 'fcu1', system: 1, type: 'serial', state: 'up', baud: 921600, full: 0.4, queued: 0, high_water: 12, msgs: {HIL_SENSOR: 500, HIL_GPS: 5}, dropped: this.dropped, measured: 'none'},
         {from: 'fcu', to: 'casd', link: 'fcu1', system: 1, type: 'serial', state: 'up', full: 0.28, msgs: {HIL_CONTROLS: 400, HEARTBEAT: 1}, lost: 0, measured: 'none'},
         {from: 'casd', to: 'sim', link: 'sim1', system: 1, type: 'udp', state: 'up', msgs: {HIL_CONTROLS: 400}, measured: 'none'},
       ], forward_us: [{from: 'sim', to: 'fcu', from_link: 'sim1', to_link: 'fcu1', system: 1, count: 1, p50: 28, p99: 132}]},
@@ -347,6 +349,16 @@ test('view only has no commands, and a vehicle out of HIL is not commanded', asy
   await second.page.getByText('does not say that it is in HIL').waitFor();
   assert.equal(await second.page.getByRole('button', {name: /^Arm/}).count(), 0);
   await second.page.close();
+});
+
+test('packets that casd drops stand beside those that were lost', async () => {
+  const server = new FakeServer();
+  server.dropped = {age: 528, closed: 1};
+  const {page} = await open(server);
+  await page.getByText(/ · 529 dropped$/).waitFor({state: 'attached'});
+  server.say('snap.loop', {seq: 1, measured: 'echo', vehicles: [{system: 1, ms: {p50: 1.6, p99: 4}, count: 400}]});
+  await page.getByText('lost 0 · casd dropped 529').waitFor({state: 'attached'});
+  await page.close();
 });
 
 test('a program that ends takes what it told with it', async () => {
