@@ -6,12 +6,14 @@ import {age, clean, clock, fixed, minutes} from './numbers.ts';
 import {page, Part} from './page.ts';
 import {setTheme, theme} from './theme.ts';
 import {jump, nextSpeed} from './timeline.ts';
-import {shownRows, verdictText} from './verdict.ts';
+import {actWords, shownRows, verdictText} from './verdict.ts';
 import type {World} from './world.ts';
 
 const kTabs = ['Messages', 'Plots', 'Gains', 'Log'];
 /** Letters of a limit's name that fit beside its bar. */
 const kShortName = 9;
+/** Acts by hand that are told in a line each. */
+const kTouched = 3;
 
 class App extends Part {
   protected override render() {
@@ -111,8 +113,8 @@ class App extends Part {
             other ? html`<em> · ${fixed(beside?.value, digits)}</em>` : nothing} <em>of ${row.limit}${
             row.unit ? ` ${row.unit}` : ''}${row.margin == null || !row.limit || other ? '' : ` · ${fixed((100 * row.margin) / Math.abs(row.limit), 0)} %`}</em></span></div>`;
       })}</div>
-      ${verdict.touched.length > 0 ? html`<p class="touched">Touched: ${clean(verdict.touched.slice(0, 3).join('; '))}${
-        verdict.touched.length > 3 ? ` and ${verdict.touched.length - 3} more` : ''}</p>` : nothing}
+      ${verdict.touched.slice(0, kTouched).map((act, i) => html`<p class="touched" title=${clean(act)}>${i === 0 ? 'Touched: ' : ''}${clean(actWords(act))}</p>`)}
+      ${verdict.touched.length > kTouched ? html`<p class="touched">and ${verdict.touched.length - kTouched} more</p>` : nothing}
       ${!open ? verdict.sentences.slice(0, 3).map((sentence) => html`<p class="bad">${clean(sentence)}</p>`) : nothing}</div>`;
   }
 
