@@ -61,8 +61,10 @@ int run(const Flags& flags) {
     out = fs::path(flags.sources.front()) / "replay.html";
   }
   std::vector<std::string> records;
+  std::vector<fs::path> sources;  // two are told apart; one may have any name
+  if (flags.sources.size() == 2) sources.assign(flags.sources.begin(), flags.sources.end());
   for (const std::string& source : flags.sources) records.push_back(record_of(source));
-  base::write_file(out, replay_page(records), base::Durability::kCache);
+  base::write_file(out, replay_page(records, sources), base::Durability::kCache);
   fmt::print("Replay: {}\n", out.string());
   return 0;
 }

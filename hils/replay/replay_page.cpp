@@ -5,12 +5,14 @@
 
 #include <array>
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"
 #include "base/read_file.hpp"
 #include "base/rpc/base64.hpp"
 #include "hils/programs/web_view.hpp"
+#include "hils/replay/run_settings.hpp"
 
 namespace cas::hils {
 
@@ -48,6 +50,13 @@ void inflate_record(std::string_view bytes, const std::function<void(std::string
   if (state != Z_STREAM_END) throw base::ConfigError("this is no record: it is not gzip, or cut");
 }
 
+/// A run's folder or a log with the settings that it flew with: base 64 of ASCII JSON.
+std::string source_attribute(const std::filesystem::path& source) {
+  const nlohmann::json json{{"path", source.lexically_normal().string()},
+                            {"settings", run_settings(source)}};
+  return base::rpc::to_base64(json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
+}
+
 }  // namespace
 
 std::string gzip(std::string_view text) {
@@ -78,7 +87,8 @@ std::string gunzip(std::string_view bytes) {
   return text;
 }
 
-std::string replay_page(std::span<const std::string> records) {
+std::string replay_page(std::span<const std::string> records,
+                        std::span<const std::filesystem::path> sources) {
   const std::filesystem::path file = template_file();
   std::string page = base::read_file(file).value_or("");
   const std::size_t place = page.find(kPlace);
@@ -86,9 +96,11 @@ std::string replay_page(std::span<const std::string> records) {
     throw base::ConfigError(file.string() + ": not the page of CAS: it has no place for records");
   }
   std::string blocks;
-  for (const std::string& record : records) {
-    blocks += "<script type=\"application/octet-stream\" class=\"record\">" +
-              base::rpc::to_base64(record) + "</script>\n";
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    const std::string source =
+        sources.empty() ? "" : " data-source=\"" + source_attribute(sources[i]) + "\"";
+    blocks += "<script type=\"application/octet-stream\" class=\"record\"" + source + ">" +
+              base::rpc::to_base64(records[i]) + "</script>\n";
   }
   return page.replace(place, kPlace.size(), blocks);
 }

@@ -20,8 +20,10 @@ std::string gunzip(std::string_view bytes);
 /// in it.
 ///
 /// @param records  gzip of replay_record(); the first is shown, the second beside it
+/// @param sources  one for each record, or none: where it is from
 /// @throws base::ConfigError where the page was not built, or is damaged
-std::string replay_page(std::span<const std::string> records);
+std::string replay_page(std::span<const std::string> records,
+                        std::span<const std::filesystem::path> sources = {});
 
 /// Whether replay_page() has a page to put records into.
 bool has_page();

@@ -3,13 +3,12 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "base/config/config.hpp"
 #include "base/error.hpp"
+#include "hils/replay/run_settings.hpp"
 #include "hils/report/document.hpp"
 #include "hils/report/number_text.hpp"
 #include "hils/runs/run_folder.hpp"
@@ -34,47 +33,6 @@ void add_numbers(const std::string& path, const Json& value,
   }
 }
 
-/// What an entry of a list is called: its name or plugin, else its place.
-std::string name_in_list(const YAML::Node& element, std::size_t place) {
-  if (element.IsMap()) {
-    for (const char* key : {"name", "plugin"}) {
-      if (element[key] && element[key].IsScalar()) return element[key].Scalar();
-    }
-  }
-  return std::to_string(place);
-}
-
-void add_settings(const std::string& path, const YAML::Node& value,
-                  std::map<std::string, std::string>& settings) {
-  if (value.IsMap()) {
-    for (const auto& entry : value) {
-      add_settings(path + "." + entry.first.Scalar(), entry.second, settings);
-    }
-  } else if (value.IsSequence()) {
-    for (std::size_t i = 0; i < value.size(); ++i) {
-      add_settings(fmt::format("{}[{}]", path, name_in_list(value[i], i)), value[i], settings);
-    }
-  } else if (value.IsScalar()) {
-    settings[path] = value.Scalar();
-  }
-}
-
-/// Of the files that the run gave to its simulator and its controllers.
-std::map<std::string, std::string> read_settings(const fs::path& folder) {
-  std::map<std::string, std::string> settings;
-  std::error_code none;
-  for (const auto& entry : fs::directory_iterator(folder / "run", none)) {
-    const std::string name = entry.path().stem().string();
-    const bool is_read = name == "hilsim" || name.starts_with("fcu");
-    if (!is_read || entry.path().extension() != ".yaml" || !entry.is_regular_file(none)) continue;
-    try {
-      add_settings(name, YAML::Load(base::ConfigNode::load(entry.path()).dump()), settings);
-    } catch (const std::exception&) {  // the run is listed without it
-    }
-  }
-  return settings;
-}
-
 std::string verdict_of(const Json& summary) {
   if (!summary.value("valid", false)) return "INVALID";
   return summary.value("passed", false) ? "PASSED" : "FAILED";
@@ -91,7 +49,7 @@ ListedRun read_run(const fs::path& folder, const fs::path& top) {
                                                                : "real time",
                 .seed = summary.value("seed", std::uint64_t{0}),
                 .ended_s = end_of_run(folder),
-                .settings = read_settings(folder)};
+                .settings = run_settings(folder)};
   for (const auto& [key, value] : summary.items()) {
     if (key != "schema" && key != "seed") add_numbers(key, value, run.figures);
   }

@@ -54,7 +54,6 @@ TEST(LinkReport, HasAHopForEachWayOfTheLoop) {
   }
   EXPECT_EQ(hops[0]["msgs"], (json{{"HIL_SENSOR", 500.0}}));
   EXPECT_EQ(hops[0]["lost"], 3);
-  EXPECT_EQ(hops[2]["dropped"], (json{{"age", 2}}));
   EXPECT_EQ(report.at("forward_us"), json::array({{{"from", "sim"},
                                                    {"to", "fcu"},
                                                    {"from_link", "sim"},
@@ -92,6 +91,27 @@ TEST(LinkReport, TellsWhatLiesAtALinkAndWhoseItIsWhateverItIsCalled) {
   EXPECT_EQ(forward[0]["to_link"], "px4");
   EXPECT_EQ(forward[0]["system"], 2);
   EXPECT_EQ(forward[1]["from"], "gcs");
+}
+
+TEST(LinkReport, TellsTheHilPacketsThatCasdDroppedByCause) {
+  const auto dropped = [](const char* direction, const char* name, int count) {
+    json row = message("fcu", direction, name, 0);
+    row["count"] = count;
+    return row;
+  };
+  json messages = kMessages;
+  for (const json& row :
+       {dropped("drop.age", "HIL_SENSOR", 500), dropped("drop.age", "HIL_GPS", 29),
+        dropped("drop.age", "STATUSTEXT", 7),             // no HIL packet
+        dropped("drop.duplicate", "HIL_CONTROLS", 9)}) {  // of what came from it
+    messages.push_back(row);
+  }
+  const json hops = LinkReport()
+                        .make(json::array({link("sim", 0, 0, 0), link("fcu", 0, 0, 0)}), messages,
+                              json::array(), {})
+                        .at("hops");
+  EXPECT_EQ(hops[1]["dropped"], json::object());
+  EXPECT_EQ(hops[2]["dropped"], (json{{"age", 529}}));
 }
 
 TEST(LinkReport, CountsASerialLineAsFullByItsBytes) {

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -16,6 +18,8 @@ using base::rpc::Json;
 constexpr std::size_t kMostMessages = 12;  // of a hop; the most frequent ones
 /// Bits that a serial line takes for a byte: start, eight, stop.
 constexpr double kBitsPerByte = 10;
+/// Direction of a message in message.list that was dropped; the cause follows.
+constexpr std::string_view kDrop = "drop.";
 
 double tenth(double value) { return std::round(10 * value) / 10; }
 double thousandth(double value) { return std::round(1000 * value) / 1000; }
@@ -63,6 +67,22 @@ Json rates_json(const Way& way) {
   return rates;
 }
 
+/// HIL packets that casd dropped on their way to a link, by cause. @param causes  of what is sent
+Json dropped_json(const Json& messages, const std::string& link, const Json& causes) {
+  Json dropped = Json::object();
+  for (const Json& message : messages) {
+    const std::string direction = message.value("direction", "");
+    if (message.value("link", "") != link || !direction.starts_with(kDrop) ||
+        !message.value("name", "").starts_with("HIL_")) {
+      continue;
+    }
+    const std::string cause = direction.substr(kDrop.size());
+    if (causes.contains(cause))
+      dropped[cause] = dropped.value(cause, std::int64_t{0}) + message.value("count", std::int64_t{0});
+  }
+  return dropped;
+}
+
 Json hop(const Json& link, const std::string& from, const std::string& to, int system,
          const Way& way) {
   Json entry{{"from", from},
@@ -108,12 +128,7 @@ void LinkReport::add_link(Json& hops, const Json& link, const Json& messages, ba
   Json out = hop(link, "casd", role, system, tx);
   out["queued"] = sent.value("queued", 0);
   out["high_water"] = sent.value("queue_high_water", 0);
-  Json dropped = Json::object();
-  const Json causes = sent.value("dropped", Json::object());
-  for (const auto& [cause, count] : causes.items()) {
-    if (count != 0) dropped[cause] = count;
-  }
-  out["dropped"] = std::move(dropped);
+  out["dropped"] = dropped_json(messages, name, sent.value("dropped", Json::object()));
   if (const double baud = link.value("baud", 0.0); baud > 0) {
     const double in_share = share(name + " rx", received.value("bytes", 0.0), baud, now);
     const double out_share = share(name + " tx", sent.value("bytes", 0.0), baud, now);

@@ -12,6 +12,7 @@
 
 #include "base/error.hpp"
 #include "base/os/write_file.hpp"
+#include "base/rpc/base64.hpp"
 #include "hils/measure/column.hpp"
 #include "hils/programs/web_view.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -54,6 +55,28 @@ TEST(ReplayPage, HasTheRecordsInTheirPlace) {
   EXPECT_EQ(replay_page(records),
             "<body><script type=\"application/octet-stream\" class=\"record\">Zm9v</script>\n"
             "<script type=\"application/octet-stream\" class=\"record\">Zg==</script>\n</body>");
+}
+
+TEST(ReplayPage, OfTwoRunsSaysWhereEachIsFromAndWhatItFlewWith) {
+  const cas::test::TemporaryFolder folder;
+  folder.write("index.html", "-");
+  folder.write("replay.html", "<body><!--RECORDS--></body>");
+  folder.write("b/run/hilsim.yaml", "plugins: [{plugin: wind, mean_m_s: 9}]\n");
+  const WebPath web(folder.path().string());
+  const std::vector<std::string> records{"foo", "f"};
+  const std::vector<std::filesystem::path> sources{folder / "a<\"b", folder.path() / "b/"};
+  const std::string page = replay_page(records, sources);
+  std::vector<nlohmann::json> told;
+  for (std::size_t at = 0; (at = page.find("data-source=\"", at)) != std::string::npos;) {
+    at += 13;
+    told.push_back(nlohmann::json::parse(
+        base::rpc::from_base64(std::string_view(page).substr(at, page.find('"', at) - at))));
+  }
+  ASSERT_EQ(told.size(), 2U);
+  EXPECT_EQ(told[0],
+            (nlohmann::json{{"path", (folder / "a<\"b")}, {"settings", nlohmann::json::object()}}));
+  EXPECT_EQ(told[1]["settings"], (nlohmann::json{{"hilsim.plugins[wind].plugin", "wind"},
+                                                 {"hilsim.plugins[wind].mean_m_s", "9"}}));
 }
 
 TEST(ReplayPage, ThatWasNotBuiltHasTheCauseThatTheBuildLeft) {

@@ -6,12 +6,14 @@ import {age, clean, clock, fixed, minutes} from './numbers.ts';
 import {page, Part} from './page.ts';
 import {setTheme, theme} from './theme.ts';
 import {jump, nextSpeed} from './timeline.ts';
-import {shownRows, verdictText} from './verdict.ts';
+import {actWords, shownRows, verdictText} from './verdict.ts';
 import type {World} from './world.ts';
 
 const kTabs = ['Messages', 'Plots', 'Gains', 'Log'];
 /** Letters of a limit's name that fit beside its bar. */
 const kShortName = 9;
+/** Acts by hand that are told in a line each. */
+const kTouched = 3;
 
 class App extends Part {
   protected override render() {
@@ -51,7 +53,8 @@ class App extends Part {
     const several = bench.vehicles.length > 1;
     return html`<header class="top">
       <span class="brand">CAS</span>${this.pill()}<span class="sep"></span>
-      <span class="run"><b>${clean(bench.name) || '–'}</b> <span class="mut optional">&nbsp;${clean(bench.subtitle)}</span></span>
+      ${bench.besideTitle ? this.runTitle('A ', bench.name, bench.subtitle) : this.runTitle('', bench.name || '–', bench.subtitle)}
+      ${bench.besideTitle ? this.runTitle('B ', bench.besideTitle.name, bench.besideTitle.differs) : nothing}
       <span class="grow"></span>
       <span class="clock">${clock(bench.time_s)}<small>${this.clockNote()}</small></span><span class="sep"></span>
       <span class="sec said">
@@ -66,6 +69,10 @@ class App extends Part {
       <button class="ib optional" aria-label=${`Theme: ${theme()}`} @click=${() => setTheme(theme() === 'dark' ? 'light' : 'dark')}>◐</button>
       <button class="ib optional" aria-label="Keys" @click=${() => this.help()}>?</button>
     </header>`;
+  }
+
+  private runTitle(letter: string, name: string, more: string): TemplateResult {
+    return html`<span class="run" title=${clean(`${name} ${more}`)}><span class="mut">${letter}</span><b>${clean(name)}</b> <span class="mut optional">&nbsp;${clean(more)}</span></span>`;
   }
 
   private pill(): TemplateResult {
@@ -100,14 +107,14 @@ class App extends Part {
         const digits = row.digits === undefined ? 2 : row.unit === 'm' ? 2 : row.unit === 'rad' ? 3 : Math.min(row.digits, row.unit === 'us' ? 0 : 2);
         const share = row.value === null || row.limit === null ? 0 : row.limit === 0 ? (row.value > 0 ? 1 : 0) : row.value / row.limit;
         const beside = others.find((each) => each.name === row.name);
-        return html`<div class=${`lim ${row.name.length > kShortName ? 'long' : ''} ${row.missed ? 'missed' : ''} ${other ? 'two-runs' : ''}`}><span class="sec">${row.name}</span>
+        return html`<div class=${`lim ${row.name.length > kShortName ? 'long' : ''} ${row.missed ? 'missed' : ''} `}><span class="sec">${row.name}</span>
           <span class="bar"><b .style=${`width:${(Math.min(1, Math.max(0, share)) * 100).toFixed(1)}%`}></b></span>
-          ${other ? html`<span class="mut">${fixed(beside?.value, digits)}</span>` : nothing}
-          <span>${row.value === null ? (open ? html`<em>at the end</em>` : '–') : fixed(row.value, digits)} <em>of ${row.limit}${
+          <span>${row.value === null ? (open ? html`<em>at the end</em>` : '–') : fixed(row.value, digits)}${
+            other ? html`<em> · ${fixed(beside?.value, digits)}</em>` : nothing} <em>of ${row.limit}${
             row.unit ? ` ${row.unit}` : ''}${row.margin == null || !row.limit || other ? '' : ` · ${fixed((100 * row.margin) / Math.abs(row.limit), 0)} %`}</em></span></div>`;
       })}</div>
-      ${verdict.touched.length > 0 ? html`<p class="touched">Touched: ${clean(verdict.touched.slice(0, 3).join('; '))}${
-        verdict.touched.length > 3 ? ` and ${verdict.touched.length - 3} more` : ''}</p>` : nothing}
+      ${verdict.touched.slice(0, kTouched).map((act, i) => html`<p class="touched" title=${clean(act)}>${i === 0 ? 'Touched: ' : ''}${clean(actWords(act))}</p>`)}
+      ${verdict.touched.length > kTouched ? html`<p class="touched">and ${verdict.touched.length - kTouched} more</p>` : nothing}
       ${!open ? verdict.sentences.slice(0, 3).map((sentence) => html`<p class="bad">${clean(sentence)}</p>`) : nothing}</div>`;
   }
 

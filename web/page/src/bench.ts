@@ -87,7 +87,8 @@ export class Bench {
   /** A second run in the same moment; nothing without one. */
   beside: (SimVehicle | undefined)[] = [];
   besideVerdict?: Verdict;
-  besideName = '';
+  /** Its name, and what differs from the first. */
+  besideTitle?: {name: string; differs: string};
   private selectedSystem_?: number;
   scene?: Scene;
   wind_W?: Vec3;

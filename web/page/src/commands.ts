@@ -3,6 +3,7 @@ import {html, nothing} from 'lit';
 import {Hold} from './hold.ts';
 import {clean, fixed} from './numbers.ts';
 import {page, Part} from './page.ts';
+import {kBefore} from './verdict.ts';
 
 const kModes = ['HOLD', 'POSCTL', 'ALTCTL', 'STABILIZED', 'MISSION', 'RTL', 'LAND', 'OFFBOARD'];
 const kTakeoff_m = 2.5;
@@ -36,6 +37,8 @@ class Commands extends Part {
   private readonly hold = new Hold(kHoldDown_s);
   private held?: Element;
   private heldVehicle?: number;
+  private asked = page.question;
+  private focused: Element | null = null;
   /** No frame is drawn in a hidden tab, and no end of the press seen. */
   private readonly onHidden = () => this.hold.up();
 
@@ -56,12 +59,22 @@ class Commands extends Part {
 
   protected override render() {
     const why = page.bench.interlock;
-    return html`<div class="sect sticky" id="commands" tabindex="-1"><h2>Commands</h2>
-      ${page.question ? this.question() : why ? html`<p>${why}</p>` : this.buttons()}
+    return html`<div class="sect" id="commands" tabindex="-1"><h2>Commands</h2>
+      ${page.question ? this.question() : nothing}
+      ${why ? html`<p>${why}</p>` : this.buttons()}
       <cas-sticks></cas-sticks>
       ${page.refusal ? html`<p class="refused" role="alert">${clean(page.refusal)}</p>` : nothing}
       ${page.goto && !page.question ? html`<p>Click on the ground; the wheel changes the height, ${fixed(page.goto.up_m)} m up. Esc leaves.</p>` : nothing}
     </div>`;
+  }
+
+  /** Enter answers a question, and nothing is pressed again; then the focus goes back. */
+  protected override updated(): void {
+    if (this.asked === page.question) return;
+    if (!this.asked) this.focused = document.activeElement;
+    this.asked = page.question;
+    const next = page.question ? this.querySelector('.ask .pri') : this.focused;
+    (next as HTMLElement | null)?.focus({preventScroll: true});
   }
 
   private question() {
@@ -80,9 +93,14 @@ class Commands extends Part {
   private buttons() {
     const state = page.bench.vehicle?.state;
     const flying = state?.landed !== undefined && state.landed !== 'on_ground';
+    const disarm = flying ? html`<button class="dng" aria-label="Disarm in the air: hold for one second" title="Hold for one second"
+        @pointerdown=${this.down} @pointerup=${this.up} @pointercancel=${this.up} @lostpointercapture=${this.up}>Disarm 1 s</button>`
+      : html`<button class="dng" @click=${actions.disarm}>Disarm</button>`;
+    const [land, hold] = [this.button('Land', 'L', 'vehicle.land', actions.land), this.button('Hold', 'H', 'vehicle.hold', actions.hold)];
+    if (page.question) return html`<div class="btns">${land}${hold}${state?.armed ? disarm : nothing}</div>`;
     return html`<div class="btns">
-      ${this.button('Land', 'L', 'vehicle.land', actions.land)}
-      ${this.button('Hold', 'H', 'vehicle.hold', actions.hold)}
+      ${land}
+      ${hold}
       ${this.button('Go to…', 'G', 'vehicle.goto', actions.goto)}
       ${this.button('Take off', 'T', 'vehicle.takeoff', actions.takeoff)}
       <select aria-label="Mode" @change=${(event: Event) => {
@@ -90,10 +108,7 @@ class Commands extends Part {
         if (select.value) void page.command('vehicle.mode', {mode: select.value});
         select.value = '';
       }}><option value="">Mode</option>${kModes.map((mode) => html`<option>${mode}</option>`)}</select>
-      ${!state?.armed ? this.button('Arm', 'A', 'vehicle.arm', actions.arm)
-        : flying ? html`<button class="dng" aria-label="Disarm in the air: hold for one second"
-            @pointerdown=${this.down} @pointerup=${this.up} @pointercancel=${this.up} @lostpointercapture=${this.up}>Disarm<kbd>1 s</kbd></button>`
-        : html`<button class="dng" @click=${actions.disarm}>Disarm</button>`}
+      ${state?.armed ? disarm : this.button('Arm', 'A', 'vehicle.arm', actions.arm)}
     </div>`;
   }
 
@@ -160,7 +175,7 @@ class Gains extends Part {
   private askAgain_s = 0;
   private undo: Record<string, number> | null = null;
   private testing = '';
-  private readonly curves: {t: number[]; v: number[]; figures: StepResult}[] = [];
+  private readonly curves: {name: string; t: number[]; v: number[]; figures: StepResult}[] = [];
 
   protected override render() {
     const {source} = page;
@@ -180,8 +195,7 @@ class Gains extends Part {
         <button ?disabled=${!this.undo} @click=${() => this.undo && void this.set(this.undo, this.asked)}>Undo</button>
         <button ?disabled=${this.testing !== ''} @click=${() => this.askTest()}>Test a step</button></div>
       ${this.testing ? html`<p>${this.testing}</p>` : nothing}</div>
-      ${this.curves.length > 0 ? html`<div class="sect">${this.drawCurves()}${this.table(this.curves.map((curve, i, all) =>
-        ({name: i === all.length - 1 && all.length > 1 ? 'after' : 'before', ...curve.figures})))}</div>` : nothing}`;
+      ${this.curves.length > 0 ? html`<div class="sect">${this.drawCurves()}${this.table(this.curves.map(({name, figures}) => ({name, ...figures})))}</div>` : nothing}`;
   }
 
   private recorded() {
@@ -200,7 +214,7 @@ class Gains extends Part {
     const [W, H, span] = [340, 120, 8];
     const x = (t: number) => (t / span) * W;
     const y = (v: number) => H - 10 - (v / 4) * (H - 20);
-    return html`<svg width=${W} height=${H} role="img" aria-label="Step responses: before grey, after green">
+    return html`<svg width=${W} height=${H} role="img" aria-label="Step responses: the newest green, the one before grey">
       <path d=${`M0 ${y(0)}V${y(3)}H${W}`} fill="none" stroke="var(--ref)" stroke-dasharray="2 3"></path>
       ${this.curves.map((curve, i, all) => html`<svg><path fill="none" stroke-width="1.6"
         stroke=${`var(--${i === all.length - 1 && all.length > 1 ? 'act' : 't3'})`}
@@ -238,11 +252,15 @@ class Gains extends Part {
 
   private apply(): void {
     const gains: Record<string, number> = {};
+    page.refusal = '';
     for (const gain of ['p', 'i', 'd']) {
-      const value = Number((this.typed[gain] ?? '').replace(',', '.'));
-      if (this.typed[gain] && Number.isFinite(value)) gains[gain] = value;
+      const text = (this.typed[gain] ?? '').trim();
+      if (text === '' || this.values?.[gain as 'p'] === undefined) continue;
+      gains[gain] = Number(text.replace(',', '.'));
+      if (!Number.isFinite(gains[gain])) page.refusal ||= `${gain.toUpperCase()}: "${text}" is no number.`;
     }
-    if (Object.keys(gains).length === 0) return;
+    if (Object.keys(gains).length === 0) page.refusal = 'No new gain was typed.';
+    if (page.refusal) return page.redraw();
     const words = Object.entries(gains).map(([gain, value]) => `${gain.toUpperCase()} ${value}`).join(', ');
     page.ask(`Set ${this.loop} ${words}?`, 'Set', (vehicle) => void this.set(gains, vehicle));
   }
@@ -251,6 +269,7 @@ class Gains extends Part {
     try {
       const answer = (await page.source.call('gain.set', {vehicle, loop: this.loop, ...gains})) as GainAnswer;
       this.undo = answer.before ?? null;
+      for (const [gain, before] of Object.entries(answer.before ?? {})) kBefore.set(`${this.loop} ${gain} ${gains[gain]}`, before);
       this.values = answer;
     } catch (error) {
       page.refusal = error instanceof Error ? error.message : String(error);
@@ -272,6 +291,7 @@ class Gains extends Part {
       return;
     }
     const begin_s = bench.time_s ?? 0;
+    const name = (['p', 'i', 'd'] as const).flatMap((gain) => (this.values?.[gain] === undefined ? [] : `${gain.toUpperCase()} ${fixed(this.values[gain], 3)}`)).join(' ');
     const {x_m, y_m, z_m} = from;
     const vehicle = bench.vehicle?.system;
     const to = (north_m: number) => source.call('vehicle.goto', {vehicle, north_m: x_m + north_m, east_m: y_m, down_m: z_m});
@@ -296,7 +316,7 @@ class Gains extends Part {
         }
         const begin = v[0] ?? 0;  // the series counts in W, the command in N
         v.forEach((value, i) => { v[i] = value - begin; });
-        this.curves.push({t, v, figures: stepFigures(t, v, 0, 0, 3)});
+        this.curves.push({name, t, v, figures: stepFigures(t, v, 0, 0, 3)});
         if (this.curves.length > 2) this.curves.shift();
       }
       await to(0);

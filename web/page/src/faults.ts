@@ -43,7 +43,6 @@ class Faults extends Part {
   private begin(kind: string): void {
     const {text, words, params} = kFaultButtons[kind]!;
     const {for_s} = this;
-    (document.activeElement as HTMLElement | null)?.blur();  // Enter answers
     page.ask(`${words} vehicle ${page.bench.vehicle?.system} for ${for_s} s?`, 'Begin',
       (vehicle) => void page.command('fault.inject', {vehicle, name: text, ...params(for_s), for_s}));
   }

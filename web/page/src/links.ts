@@ -48,6 +48,11 @@ export function toneOfHop(hop: Hop | undefined, nominal: Record<string, number>)
   return tone;
 }
 
+/** HIL packets that casd dropped before the hop, for any cause. */
+function droppedBy(hop: Hop): number {
+  return Object.values(hop.dropped ?? {}).reduce((sum, count) => sum + count, 0);
+}
+
 /** The way of the packets: simulator, casd, controller, with the figures of the hops between them. */
 class Links extends Part {
   private width = 0;
@@ -131,7 +136,8 @@ class Links extends Part {
       <tr><th>Hop</th><th>Rates</th><th>Delay</th><th>Lost</th></tr>
       ${page.bench.hops.map((hop) => html`<tr><td>${hop.from} to ${hop.to}</td>
         <td>${Object.entries(hop.msgs).map(([name, hz]) => `${name} ${fixed(hz, 1)} per second`).join(', ')}</td>
-        <td>${hop.us ? delayPair(hop.us) : 'not measured'}</td><td>${hop.lost ?? 'not counted'}</td></tr>`)}
+        <td>${hop.us ? delayPair(hop.us) : 'not measured'}</td><td>${hop.lost ?? 'not counted'}${
+          Object.entries(hop.dropped ?? {}).map(([cause, count]) => `, ${count} dropped by casd (${cause})`)}</td></tr>`)}
       <tr><td>Loop</td><td></td><td>${loop ? `${fixed(loop.ms.p50)} ms, 99 % ${fixed(loop.ms.p99)} ms` : 'not measured'}</td><td></td></tr>
     </table></div>`;
   }
@@ -230,7 +236,8 @@ class Links extends Part {
     const other = Object.entries(hop.msgs).filter(([name]) => !name.startsWith('HIL_')).reduce((sum, [, hz]) => sum + hz, 0);
     const right = hop.state === 'down' ? 'link down'
       : hop.us ? delayPair(hop.us) : hop.measured === 'echo' ? 'measured as a loop' : 'delay not measured';
-    const lost = hop.lost ? ` · ${hop.lost} lost` : '';
+    const dropped = droppedBy(hop);
+    const lost = (hop.lost ? ` · ${hop.lost} lost` : '') + (dropped ? ` · ${dropped} dropped` : '');
     const tone = toneOfHop(hop, nominal_hz);
     // Labels that do not fit are left out, the least first: the table beside the drawing has it all.
     const named = (name: string) => short[name] ?? name;
@@ -244,7 +251,7 @@ class Links extends Part {
     return svg`
       <text x=${x0} y=${y} font-size="12" font-weight="500" fill=${`var(--${tone === 'red' || tone === 'amber' ? (late === 't2' ? tone : 't1') : 't1'})`}>${lead}${
         shown.map(([name, hz], i) => svg`<tspan>${i > 0 ? ' · ' : ''}${rate(hz)} </tspan><tspan fill=${`var(--${colours[name] ?? 't2'})`}>${named(name)}</tspan>`)}${extra}</text>
-      <text x=${x1} y=${y} font-size="11.5" text-anchor="end" fill=${`var(--${hop.state === 'down' || hop.lost ? 'red' : late})`}>${right}${lost}</text>` as TemplateResult;
+      <text x=${x1} y=${y} font-size="11.5" text-anchor="end" fill=${`var(--${hop.state === 'down' || lost ? 'red' : late})`}>${right}${lost}</text>` as TemplateResult;
   }
 
   private medium(up: Hop | undefined, down: Hop | undefined, note: string): string {
@@ -330,7 +337,7 @@ class Links extends Part {
       <path d=${`M${x(loop.ms.p50)} ${y + h / 2}H${x(loop.ms.p99)}`} stroke="var(--t2)"></path>
       <path d=${`M${x(loop.ms.p99)} ${y + 2}v${h - 4}`} stroke=${`var(--${tone})`} stroke-width="2"></path>
       <text x=${x(loop.ms.p99) - 6} y=${y - 6} font-size="11" text-anchor="end" fill=${`var(--${tone})`}>99 %  ${fixed(loop.ms.p99)}</text>
-      <text x=${xr} y=${y + h - 3} font-size="11" fill="var(--t2)">${this.lostText()}</text>` as TemplateResult;
+      <text x=${xr} y=${y + h - 3} font-size="11" fill=${`var(--${bench.hops.some((hop) => droppedBy(hop) > 0) ? 'red' : 't2'})`}>${this.lostText()}</text>` as TemplateResult;
   }
 
   /** Hops of the median loop where each was measured on one clock; else one bracket. */
@@ -347,7 +354,9 @@ class Links extends Part {
 
   private lostText(): string {
     const {hops, bounds} = page.bench;
+    const dropped = hops.reduce((sum, hop) => sum + droppedBy(hop), 0);
     const lost = `lost ${grouped(hops.reduce((sum, hop) => sum + (hop.lost ?? 0), 0))}`;
+    if (dropped > 0) return `${lost} · casd dropped ${grouped(dropped)}`;
     return bounds.loop_p99_ms === undefined ? lost : `${lost} · bound ${bounds.loop_p99_ms} ms`;
   }
 

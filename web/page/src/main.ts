@@ -90,8 +90,8 @@ function run(source: Source): void {
 
 /** A record that cannot be read still gets the frame, with the reason in it. */
 async function records(): Promise<RunRecord[]> {
-  const blocks = [...document.querySelectorAll('script.record')].map((block) => block.textContent ?? '');
-  return Promise.all(blocks.map(unpack));
+  const blocks = [...document.querySelectorAll<HTMLElement>('script.record')];
+  return Promise.all(blocks.map((block) => unpack(block.textContent ?? '', block.dataset.source)));
 }
 
 async function start(): Promise<void> {

@@ -92,6 +92,7 @@ export interface Hop {
   high_water?: number;
   msgs: Record<string, number>;
   lost?: number;
+  /** HIL packets that casd dropped, by cause. */
   dropped?: Record<string, number>;
   us?: Delay;
   measured?: string;

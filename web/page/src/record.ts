@@ -7,6 +7,7 @@ import type {
   Check, Happening, Hop, ListedMessage, LoopFigures, Part, SceneVehicle, SimVehicle, SnapTape, Span, Stage, Verdict, VerdictRow,
   VehicleState,
 } from './protocol.ts';
+import type {RunSource} from './run_pair.ts';
 import {between, decode, indexAt, type Column, type Series} from './series.ts';
 
 /** [second, left, arrived, median us, 99 % us]; without delays where none were measured. */
@@ -346,7 +347,7 @@ function binAt(bins: Bin[], second: number): Bin | undefined {
 export class RunRecord {
   readonly vehicles: VehicleRecord[];
 
-  constructor(readonly raw: RecordFile) {
+  constructor(readonly raw: RecordFile, readonly source?: RunSource) {
     if (raw.format !== 1) throw new Error(`this record has format ${raw.format}; the page reads 1`);
     this.vehicles = raw.vehicles.map((vehicle) => new VehicleRecord(vehicle));
   }
@@ -525,11 +526,11 @@ export class RunRecord {
   }
 }
 
-/** Reads the block of a record out of the page: gzip in base 64. */
-export async function unpack(text: string): Promise<RunRecord> {
+/** Reads the block of a record out of the page: gzip in base 64, and where it is from as JSON in base 64. */
+export async function unpack(text: string, source?: string): Promise<RunRecord> {
   const letters = atob(text.trim());
   const bytes = new Uint8Array(letters.length);
   for (let i = 0; i < bytes.length; ++i) bytes[i] = letters.charCodeAt(i);
   const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
-  return new RunRecord(JSON.parse(await new Response(stream).text()) as RecordFile);
+  return new RunRecord(JSON.parse(await new Response(stream).text()) as RecordFile, source ? JSON.parse(atob(source)) as RunSource : undefined);
 }

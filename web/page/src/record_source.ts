@@ -2,6 +2,7 @@
 import type {Bench} from './bench.ts';
 import type {SimVehicle} from './protocol.ts';
 import type {RunRecord, StepResponse} from './record.ts';
+import {titlesOf} from './run_pair.ts';
 import type {Series} from './series.ts';
 import type {Player, Source} from './source.ts';
 
@@ -50,7 +51,10 @@ export class RecordSource implements Source, Player {
       bench.noLinks = raw.architecture === 'direct' ? 'simulator and controller are one process in this run' : 'not recorded';
     }
     if (this.second) {
-      bench.besideName = this.second.raw.name;
+      const [a, b] = titlesOf([this.record, this.second].map(({raw: {name}, source}) => ({name, source})));
+      bench.name = a!.name;
+      bench.subtitle = a!.differs;
+      bench.besideTitle = b;
       bench.besideVerdict = this.second.verdict(0);
     }
     this.seek(this.begin_s);

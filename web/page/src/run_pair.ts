@@ -31,15 +31,44 @@ function keysOf(a: object, b: object): string[] {
 }
 
 /** Values of the configuration that are not the same; a dash where one has none. Files lie where they like. */
-export function differentSettings(a: ListedRun, b: ListedRun): Difference[] {
-  const own = (run: ListedRun): Record<string, string> => ({
-    scenario: run.scenario, architecture: run.architecture, clock: run.clock, seed: String(run.seed), controller: run.controller, ...run.settings,
-  });
-  const [left, right] = [own(a), own(b)];
+export function differences(left: Record<string, string>, right: Record<string, string>): Difference[] {
   const fileName = (text: string | undefined) => (text?.startsWith('/') ? text.slice(text.lastIndexOf('/') + 1) : text);
   return keysOf(left, right)
     .filter((key) => fileName(left[key]) !== fileName(right[key]))
     .map((key) => ({name: key, a: left[key] || '–', b: right[key] || '–'}));
+}
+
+export function differentSettings(a: ListedRun, b: ListedRun): Difference[] {
+  const own = (run: ListedRun): Record<string, string> => ({
+    scenario: run.scenario, architecture: run.architecture, clock: run.clock, seed: String(run.seed), controller: run.controller, ...run.settings,
+  });
+  return differences(own(a), own(b));
+}
+
+/** Where a record is from, as hils/replay/replay_page.cpp writes it beside it. */
+export interface RunSource {
+  path: string;
+  settings: Record<string, string>;
+}
+
+/** "wind mean_m_s" for "hilsim.vehicles[iris0].plugins[wind].mean_m_s". */
+function shortKey(key: string): string {
+  return key.split('.').slice(-2).map((part) => /\[(.*)\]$/.exec(part)?.[1] ?? part).join(' ');
+}
+
+/** What tells two runs apart: their names, or where they are from if they have the same, and the settings that differ. */
+export function titlesOf(runs: {name: string; source?: RunSource}[]): {name: string; differs: string}[] {
+  const kMost = 2;
+  const paths = runs.map(({name, source}) => source?.path.replace(/\/+$/, '') || name);
+  const last = paths.map((path) => path.slice(path.lastIndexOf('/') + 1));
+  const told = [runs.map(({name}) => name), last, paths].find((names) => new Set(names).size === names.length) ?? paths;
+  const [a, b] = runs.map(({source}) => source?.settings ?? {}) as [Record<string, string>, Record<string, string>];
+  const different = differences(a, b);
+  return told.map((name, i) => ({
+    name,
+    differs: different.slice(0, kMost).map((each) => `${shortKey(each.name)} ${i === 0 ? each.a : each.b}`).join(', ') +
+      (different.length > kMost ? ` and ${different.length - kMost} more` : ''),
+  }));
 }
 
 export interface FigurePair {

@@ -37,6 +37,8 @@ class FakeServer {
   landed = 'on_ground';
   armed = false;
   hil = true;
+  /** HIL packets by casd, by cause. */
+  dropped: Record<string, number> = {};
   /** Else another program that took the port. */
   isCasweb = true;
   /** A run of hils is flown. */
@@ -117,7 +119,7 @@ class FakeServer {
       }, telemetry: {}}]},
       links: {hops: [
         {from: 'sim', to: 'casd', link: 'sim1', system: 1, type: 'udp', state: 'up', msgs: {HIL_SENSOR: 500, HIL_GPS: 5}, lost: 0, measured: 'none'},
-        {from: 'casd', to: 'fcu', link: 'fcu1', system: 1, type: 'serial', state: 'up', baud: 921600, full: 0.4, queued: 0, high_water: 12, msgs: {HIL_SENSOR: 500, HIL_GPS: 5}, measured: 'none'},
+        {from: 'casd', to: 'fcu', link: 'fcu1', system: 1, type: 'serial', state: 'up', baud: 921600, full: 0.4, queued: 0, high_water: 12, msgs: {HIL_SENSOR: 500, HIL_GPS: 5}, dropped: this.dropped, measured: 'none'},
         {from: 'fcu', to: 'casd', link: 'fcu1', system: 1, type: 'serial', state: 'up', full: 0.28, msgs: {HIL_CONTROLS: 400, HEARTBEAT: 1}, lost: 0, measured: 'none'},
         {from: 'casd', to: 'sim', link: 'sim1', system: 1, type: 'udp', state: 'up', msgs: {HIL_CONTROLS: 400}, measured: 'none'},
       ], forward_us: [{from: 'sim', to: 'fcu', from_link: 'sim1', to_link: 'fcu1', system: 1, count: 1, p50: 28, p99: 132}]},
@@ -218,9 +220,13 @@ test('gains are set after a question and undone', async () => {
   const server = new FakeServer();
   const {page} = await open(server);
   await page.getByRole('tab', {name: 'Gains'}).first().click();
+  await page.getByLabel('New P').fill('abc');
+  await page.getByRole('button', {name: 'Apply'}).click();
+  await page.getByText('P: "abc" is no number.').waitFor();
   await page.getByLabel('New P').fill('0.9');
   await page.getByRole('button', {name: 'Apply'}).click();
-  await page.getByRole('button', {name: /^Set/}).click();
+  await until(page, 'it asks', (now) => now.question === 'Set position P 0.9?');
+  await page.keyboard.press('Enter');
   await until(page, 'it is set', () => server.calls.some((call) => call.method === 'gain.set' && call.params.p === 0.9));
   await page.getByRole('button', {name: 'Undo'}).click();
   await until(page, 'it is set back', () => server.calls.some((call) => call.method === 'gain.set' && call.params.p === 0.6));
@@ -347,6 +353,38 @@ test('view only has no commands, and a vehicle out of HIL is not commanded', asy
   await second.page.getByText('does not say that it is in HIL').waitFor();
   assert.equal(await second.page.getByRole('button', {name: /^Arm/}).count(), 0);
   await second.page.close();
+});
+
+test('after acts by hand the confirmation, Land, Hold and Disarm are in view', async () => {
+  const server = new FakeServer();
+  const what = 'vehicle.goto {"down_m":-2.501032590866089,"east_m":0.00310123,"north_m":3.0,"vehicle":1}';
+  const check = (name: string) => ({...kRun.vehicles[0]!.checks[0]!, what: name});
+  server.run = {...kRun, touched: Array.from({length: 9}, () => ({by: 'the page (unix:uid 0)', what})),
+    vehicles: [{name: 'iris0', system: 1, checks: Array.from({length: 12}, (_, i) => check(`a limit with a long name, number ${i}`))}]};
+  server.landed = 'in_air';
+  server.armed = true;
+  const {page} = await open(server);
+  await page.getByText('Touched: go to 3.0 m north, 2.5 m up').waitFor();
+  await page.keyboard.press('t');
+  await until(page, 'it asks', (now) => now.question !== undefined);
+  const fly = (await page.locator('.fly').boundingBox())!;
+  for (const name of [/^Land/, /^Hold/, /^Disarm/, /^Take off/]) {
+    const box = (await page.getByRole('button', {name}).boundingBox())!;
+    assert.ok(box.y >= fly.y && box.y + box.height <= fly.y + fly.height, `${name} is out of view`);
+  }
+  assert.match(await page.evaluate(() => document.activeElement!.textContent!), /^Take off/);
+  assert.equal(await page.evaluate(() => document.querySelector('.fly')!.scrollWidth - document.querySelector('.fly')!.clientWidth), 0);
+  await page.close();
+});
+
+test('packets that casd drops stand beside those that were lost', async () => {
+  const server = new FakeServer();
+  server.dropped = {age: 528, closed: 1};
+  const {page} = await open(server);
+  await page.getByText(/ · 529 dropped$/).waitFor({state: 'attached'});
+  server.say('snap.loop', {seq: 1, measured: 'echo', vehicles: [{system: 1, ms: {p50: 1.6, p99: 4}, count: 400}]});
+  await page.getByText('lost 0 · casd dropped 529').waitFor({state: 'attached'});
+  await page.close();
 });
 
 test('a program that ends takes what it told with it', async () => {

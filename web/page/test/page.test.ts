@@ -13,8 +13,9 @@ import {makeNonce, tokenProof} from '../src/proof.ts';
 import {rowName, RunRecord, unpack} from '../src/record.ts';
 import {RecordSource} from '../src/record_source.ts';
 import {between, decode, indexAt, Ring} from '../src/series.ts';
+import {titlesOf} from '../src/run_pair.ts';
 import {StickPace, sticksOf} from '../src/stick_pace.ts';
-import {verdictText} from '../src/verdict.ts';
+import {actWords, kBefore, verdictText} from '../src/verdict.ts';
 import {kDuration_s, kLossSecond, makeRecord, pack, placeAt} from './fixture.ts';
 
 const near = (a: number, b: number, within = 1e-6) => assert.ok(Math.abs(a - b) <= within, `${a} is not ${b}`);
@@ -193,6 +194,17 @@ test('a run tells its limits, the verdict and who touched it', () => {
   assert.ok(bench.happenings.some((event) => event.text === 'Verdict: failed'));
 });
 
+test('acts by hand are told in words', () => {
+  kBefore.set('position p 1.2', 1.5);
+  assert.equal(actWords('gain.set {"loop":"position","p":1.2,"vehicle":1} by the page (unix:uid 0)'), 'position P 1.5 → 1.2');
+  assert.equal(actWords('gain.set {"loop":"position","i":0.25,"vehicle":1} by casd'), 'position I → 0.25');
+  assert.equal(actWords('vehicle.goto {"down_m":-2.501032590866089,"east_m":-0.01,"north_m":3.0,"vehicle":1} by casd'), 'go to 3.0 m north, 2.5 m up');
+  assert.equal(actWords('vehicle.takeoff {"altitude_m":2.5,"vehicle":1}, refused by casd'), 'takeoff altitude_m 2.5, refused');
+  assert.equal(actWords('fault.inject {"drop":"gps","for_s":1.0,"name":"No GPS","vehicle":1} by casd'), 'fault No GPS, 1 s');
+  assert.equal(actWords("sim.pause by hilsim's control socket (unix:uid 0)"), 'sim.pause');
+  assert.equal(actWords('parameters were changed from outside'), 'parameters were changed from outside');
+});
+
 test('two points of a plot have a distance in the words of its axes', () => {
   assert.equal(measured({x: 1, y: 2}, {x: 3, y: 1}, 'simulated time, s', 'north, m'), 'Between the points: 2.0000 s, −1.0000 m; −0.5000 m a s');
   assert.equal(measured({x: 1, y: 2}, {x: 1, y: 1}, 'simulated time, s', 'error'), 'Between the points: 0.0000 s, −1.0000 ');
@@ -216,7 +228,7 @@ test('a tick is for what has passed, and a run that is heard no more is lost', (
   bench.apply('snap.verdict', run('running', check(0.1), check(null)));
   assert.deepEqual(said(), {text: '1 of 2 known, kept so far', tone: 'grey', ticked: false});
   bench.apply('snap.verdict', run('running', check(0.1), check(0.7, false)));
-  assert.equal(said().text, '1 limits missed so far', 'of the other vehicle, too');
+  assert.equal(said().text, '1 limit missed so far', 'of the other vehicle, too');
   bench.selected = 2;
   assert.deepEqual(bench.verdict!.rows, [], 'no limit of another vehicle is shown as its own');
   bench.runAge_s = 4;
@@ -336,6 +348,14 @@ test('two records lie on the clock of the first by their measured stages', () =>
   source.start(bench);
   near(source.beside(0, 'truth.n')!.t[100]!, 0, 1e-9);
   assert.ok(bench.beside[0]);
+});
+
+test('two runs of one name are told apart by where they are from and what they flew with', () => {
+  const source = (path: string, mean: string) => ({path, settings: {'hilsim.vehicles[iris0].plugins[wind].mean_m_s': mean, 'hilsim.seed': '1', 'hilsim.world': `/${path}/bench.yaml`}});
+  assert.deepEqual(titlesOf([{name: 'wind', source: source('out/calm', '3')}, {name: 'wind', source: source('out/gusty/', '9')}]),
+    [{name: 'calm', differs: 'wind mean_m_s 3'}, {name: 'gusty', differs: 'wind mean_m_s 9'}]);
+  assert.deepEqual(titlesOf([{name: 'wind', source: source('a/out', '3')}, {name: 'wind', source: source('b/out', '3')}]).map(({name}) => name), ['a/out', 'b/out']);
+  assert.deepEqual(titlesOf([{name: 'hover'}, {name: 'wind'}]), [{name: 'hover', differs: ''}, {name: 'wind', differs: ''}]);
 });
 
 test('a record of another format is refused in a sentence', () => {

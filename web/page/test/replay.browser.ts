@@ -19,9 +19,10 @@ after(async () => {
 });
 
 /** A replay with these blocks; answers its address. */
-function replay(name: string, blocks: string[]): string {
+function replay(name: string, blocks: string[], sources: object[] = []): string {
   const html = readFileSync(join(process.env.CAS_PAGE!, 'replay.html'), 'utf8');
-  const records = blocks.map((block) => `<script type="application/octet-stream" class="record">${block}</script>`).join('\n');
+  const source = (i: number) => (sources[i] ? ` data-source="${btoa(JSON.stringify(sources[i]))}"` : '');
+  const records = blocks.map((block, i) => `<script type="application/octet-stream" class="record"${source(i)}>${block}</script>`).join('\n');
   const file = join(folder, `${name}.html`);
   writeFileSync(file, html.replace('<!--RECORDS-->', () => records));
   return pathToFileURL(file).href;
@@ -116,11 +117,16 @@ test('a failed flight opens before its failure, in its world, with the step that
   await page.close();
 });
 
-test('two runs lie over each other', async () => {
-  const {page, errors} = await open(replay('two', [pack(makeRecord('a')), pack(makeRecord('b', 3))]));
+test('two runs lie over each other, the first on the left', async () => {
+  const other = makeRecord('wind', 3);
+  other.vehicles[0]!.checks![0]!.value = 0.3;
+  const source = (path: string, mean: string) => ({path, settings: {'hilsim.plugins[wind].mean_m_s': mean}});
+  const {page, errors} = await open(replay('two', [pack(makeRecord('wind')), pack(other)], [source('out/calm', '3'), source('out/gusty', '9')]));
   await until(page, 'a picture', (now) => now.frames > 0);
   await page.getByText('A · B').waitFor();
   await page.getByText('truth B').first().waitFor();
+  assert.match(await page.locator('.lim').first().innerText(), /0\.09 · 0\.30 of 0\.5 m/);
+  assert.match((await page.locator('header.top').innerText()).replace(/\s+/g, ' '), /A calm wind mean_m_s 3 B gusty wind mean_m_s 9/);
   assert.deepEqual(errors, []);
   await page.close();
 });
