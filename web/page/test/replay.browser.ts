@@ -215,6 +215,8 @@ test('each control has a name, and no label is cut or touches its neighbour', as
       return found;
     });
     assert.deepEqual(touching, [], `at ${width}`);
+    const cut = await page.locator('button.name, .play button, .chip').evaluateAll((all) => all.filter((each) => each.clientWidth > 0 && each.scrollWidth > each.clientWidth).map((each) => each.textContent));
+    assert.deepEqual(cut, [], `at ${width}`);
     const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     assert.ok(wider <= 0, `${wider} px too wide at ${width}`);
     await page.close();
