@@ -12,6 +12,8 @@ import type {World} from './world.ts';
 const kTabs = ['Messages', 'Plots', 'Gains', 'Log'];
 /** Letters of a limit's name that fit beside its bar. */
 const kShortName = 9;
+/** The vehicle that [HILS] flew. */
+const kPaperVehicle = 'iris_paper';
 /** Acts by hand that are told in a line each. */
 const kTouched = 3;
 
@@ -107,11 +109,11 @@ class App extends Part {
         const digits = row.digits === undefined ? 2 : row.unit === 'm' ? 2 : row.unit === 'rad' ? 3 : Math.min(row.digits, row.unit === 'us' ? 0 : 2);
         const share = row.value === null || row.limit === null ? 0 : row.limit === 0 ? (row.value > 0 ? 1 : 0) : row.value / row.limit;
         const beside = others.find((each) => each.name === row.name);
-        return html`<div class=${`lim ${row.name.length > kShortName ? 'long' : ''} ${row.missed ? 'missed' : ''} `}><span class="sec">${row.name}</span>
+        return html`<div class=${`lim ${row.name.length > kShortName || (row.value === null && open) ? 'long' : ''} ${row.missed ? 'missed' : ''} `}><span class="sec">${row.name}</span>
           <span class="bar"><b .style=${`width:${(Math.min(1, Math.max(0, share)) * 100).toFixed(1)}%`}></b></span>
-          <span>${row.value === null ? (open ? html`<em>at the end</em>` : '–') : fixed(row.value, digits)}${
+          ${row.value === null && open ? html`<span><em>measured at the end; limit ${row.limit}${row.unit ? ` ${row.unit}` : ''}</em></span>` : html`<span>${fixed(row.value, digits)}${
             other ? html`<em> · ${fixed(beside?.value, digits)}</em>` : nothing} <em>of ${row.limit}${
-            row.unit ? ` ${row.unit}` : ''}${row.margin == null || !row.limit || other ? '' : ` · ${fixed((100 * row.margin) / Math.abs(row.limit), 0)} %`}</em></span></div>`;
+            row.unit ? ` ${row.unit}` : ''}${row.margin == null || !row.limit || other ? '' : ` · ${fixed((100 * row.margin) / Math.abs(row.limit), 0)} %`}</em></span>`}</div>`;
       })}</div>
       ${verdict.touched.slice(0, kTouched).map((act, i) => html`<p class="touched" title=${clean(act)}>${i === 0 ? 'Touched: ' : ''}${clean(actWords(act))}</p>`)}
       ${verdict.touched.length > kTouched ? html`<p class="touched">and ${verdict.touched.length - kTouched} more</p>` : nothing}
@@ -125,7 +127,7 @@ class App extends Part {
     const hop = hops.find((each) => each.from === 'casd' && each.to === 'fcu') ?? hops.find((each) => each.from === 'sim');
     const back = hops.find((each) => each.from === 'fcu');
     const controls = back && Object.entries(back.msgs).find(([name]) => name.includes('CONTROLS'))?.[1];
-    if (!hop?.msgs.HIL_SENSOR) return html`<div id="commands" tabindex="-1"></div>`;
+    if (!hop?.msgs.HIL_SENSOR || bench.vehicle?.scene?.name !== kPaperVehicle) return html`<div id="commands" tabindex="-1"></div>`;
     return html`<div class="sect" id="commands" tabindex="-1"><h2>Beside the paper <small>TCAS, hover</small></h2>
       <table class="paper"><tr class="mut"><th></th><th class="n">now</th><th>[HILS]</th></tr>
         <tr><td>sensor rate</td><td class="n">${fixed(hop.msgs.HIL_SENSOR, 1)} Hz</td><td>431.9</td></tr>

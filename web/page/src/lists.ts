@@ -80,6 +80,7 @@ class Messages extends Part {
           this.requestUpdate();
         }}></div>
       <table class="messages" aria-label="Messages">
+        <colgroup><col><col><col><col></colgroup>
         <thead class="hidden"><tr><th>Message</th><th>Link</th><th>Rate, per second</th><th>Last 6 s</th></tr></thead>
         ${list.map((message) => {
           const [kind, colour] = kKinds[message.name] ?? ['', 't3'];

@@ -380,10 +380,16 @@ export class RunRecord {
     return Boolean(this.raw.vehicles[vehicle]?.link?.hops.length);
   }
 
+  /** The second of a moment; in the last one, which the end cut, the one before it. */
+  private secondOf(vehicle: number, t: number): number {
+    const ends = (this.raw.vehicles[vehicle]?.link?.hops ?? []).flatMap(({messages}) => messages.map(({bins}) => bins.at(-1)?.[0] ?? 0));
+    return Math.max(0, Math.min(Math.floor(t), Math.floor(this.duration_s) - 1, ends.length > 0 ? Math.max(...ends) - 1 : Infinity));
+  }
+
   /** The hops in the second of a moment. */
   hopsAt(vehicle: number, t: number): {hops: Hop[]; forward: Hop[]} {
     const raw = this.raw.vehicles[vehicle];
-    const second = Math.floor(t);
+    const second = this.secondOf(vehicle, t);
     const line = this.raw.line;
     const make = (hop: RecordHop): Hop => {
       const msgs: Record<string, number> = {};
@@ -416,9 +422,10 @@ export class RunRecord {
 
   loopAt(vehicle: number, t: number): LoopFigures | undefined {
     const rows = this.raw.vehicles[vehicle]?.link?.loop ?? [];
-    const i = indexAt(rows.map((row) => row[0]), t);
+    const second = this.secondOf(vehicle, t);
+    const i = indexAt(rows.map((row) => row[0]), second);
     const row = rows[i];
-    if (!row || Math.floor(t) - row[0] > 2) return undefined;
+    if (!row || row[1] === 0 || second - row[0] > 2) return undefined;
     return {ms: {p50: row[2] / 1000, p99: row[3] / 1000, max: row[4] / 1000}, count: row[1]};
   }
 
@@ -442,7 +449,7 @@ export class RunRecord {
   messagesAt(vehicle: number, t: number): ListedMessage[] {
     const record = this.vehicles[vehicle];
     if (!record) return [];
-    const second = Math.floor(t);
+    const second = this.secondOf(vehicle, t);
     const list: ListedMessage[] = [];
     const add = (link: string, name: string, id: number, hz: number, age_s: number) => {
       list.push({link, direction: 'rx', id, name, system: record.raw.system, component: 1, count: 0, hz, age_s});

@@ -16,7 +16,7 @@ import {distance, type Quat, type Vec3} from './frames.ts';
 import {fixed} from './numbers.ts';
 import type {Camera} from './page.ts';
 import type {Part, SceneVehicle} from './protocol.ts';
-import {between, indexAt, type Series} from './series.ts';
+import {between, indexAt, waysTo, type Series} from './series.ts';
 import {colour} from './theme.ts';
 
 const kThrustScale_m_n = 0.075;
@@ -756,6 +756,8 @@ export class View3D {
   private fillTrail(bench: Bench, [e, n, u]: [Series, Series, Series] | Series[], from: number, to: number): void {
     const stops = ['tr0', 't1', 'amber', 'red'].map(hex);
     const error = this.series(bench.selected, 'error.m');
+    const reference = ['e', 'n', 'u'].flatMap((axis) => this.series(bench.selected, `ref.${axis}`) ?? []);
+    const ways = error && reference.length === 3 ? waysTo(reference, error, bench.errorLimit_m) : [];
     const points: number[] = [];
     const ground: number[] = [];
     const colours: number[] = [];
@@ -769,7 +771,8 @@ export class View3D {
       points.push(...p);
       ground.push(p[0], p[1], 0.002);
       this.trailTimes.push(e!.t[i]!);
-      const off = error ? between(error.t, error.v, e!.t[i]!) : undefined;
+      const isOnItsWay = ways.some(([begin_s, end_s]) => begin_s <= e!.t[i]! && e!.t[i]! < end_s);
+      const off = error && !isOnItsWay ? between(error.t, error.v, e!.t[i]!) : undefined;
       errorColour(off === undefined || !Number.isFinite(off) ? 0.25 : off / bench.errorLimit_m, stops, mixed);
       colours.push(mixed.r, mixed.g, mixed.b);
     }

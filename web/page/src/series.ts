@@ -55,6 +55,20 @@ export function between(times: ArrayLike<number>, values: ArrayLike<number>, t: 
   return values[i]! + share * (values[i + 1]! - values[i]!);
 }
 
+/** Spans in which a vehicle is on its way to a reference that jumped: from the jump until the error is in its limit. */
+export function waysTo(reference: Series[], error: Series, limit: number): [number, number][] {
+  const ways: [number, number][] = [];
+  const t = reference[0]!.t;
+  for (let i = 1; i < t.length; ++i) {
+    if (t[i]! < (ways.at(-1)?.[1] ?? -Infinity)) continue;
+    if (Math.hypot(...reference.map(({v}) => v[i]! - v[i - 1]!)) <= limit) continue;
+    let k = Math.max(0, indexAt(error.t, t[i]!) + 1);
+    while (k < error.t.length && !(error.v[k]! <= limit)) ++k;
+    ways.push([t[i - 1]!, error.t[k] ?? Infinity]);
+  }
+  return ways;
+}
+
 /** The newest samples of a live quantity: 20 Hz over ten minutes, then the oldest goes. */
 export class Ring implements Series {
   t: number[] = [];

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 import {html, nothing, svg} from 'lit';
 import {refuseGoto} from './commands.ts';
+import {rotate} from './frames.ts';
 import {fixed} from './numbers.ts';
 import {page, Part, sized, type Camera} from './page.ts';
 import type {Tag, View3D} from './scene3d.ts';
@@ -41,6 +42,8 @@ export class World extends Part {
   flat = '';
   /** Times that the vehicle is drawn larger, as shown. */
   private enlarged = 1;
+  /** Lines of the map. */
+  private grid_m = 1;
   private sentence = '';
   private said_s = -10;
   private loading = false;
@@ -64,7 +67,7 @@ export class World extends Part {
       this.view.setBeside((vehicle, key) => page.source.beside?.(vehicle, key));
       this.view.setCamera(page.camera);
     } catch (error) {
-      this.flat = 'This browser has no WebGL: a map from above instead.';
+      this.flat = 'No WebGL here: a map from above, north up';
       console.info('no 3D view:', error);
     }
     this.requestUpdate();
@@ -89,7 +92,7 @@ export class World extends Part {
         ${this.tags.map((tag) => html`<span class=${tag.from ? `tag ${tag.kind}` : 'axis'}
           .style=${`transform:translate(${tag.x.toFixed(1)}px,${tag.y.toFixed(1)}px)`}>${tag.text}</span>`)}
       </div>
-      <div class="hud tl" role="group" aria-label="Camera">${kCameras.map(([mode, name], i) => html`
+      <div class="hud tl" role="group" aria-label="Camera">${this.flat ? nothing : kCameras.map(([mode, name], i) => html`
         <button class="chip" aria-pressed=${page.camera === mode} @click=${() => this.setCamera(mode)}>${name}<kbd class="optional">${i + 1}</kbd></button>`)}</div>
       <div class="hud tr optional">${wind !== undefined && wind > 0.05
         ? html`<span class="chip">wind ${fixed(wind, 1)} m/s from ${windFrom(bench.wind_W!)}°</span>` : nothing}</div>
@@ -97,9 +100,9 @@ export class World extends Part {
         hasTruth ? html`<i class="est-i"></i><span>estimate</span>` : nothing}${
         bench.vehicle?.reference ? html`<i class="ref-i"></i><span>reference</span>` : nothing}${
         bench.beside.length > 0 ? html`<span class="c-t2">┄ B</span>` : nothing}</span></div>
-      <div class="hud br optional"><span class="chip">trail: error 0<span class="scale"></span>${bench.errorLimit_m} m</span>
-        <span class="chip">frame W · grid ${this.view?.scale.step_m ?? 1} m${this.enlarged > 1 ? ` · vehicle × ${this.enlarged}` : ''}</span></div>
-      ${this.flat ? html`<div class="banner quiet">${this.flat}</div>` : nothing}`;
+      <div class="hud br optional">${this.flat ? nothing : html`<span class="chip">trail: error 0<span class="scale"></span>${bench.errorLimit_m} m</span>`}
+        <span class="chip">frame W · grid ${this.view?.scale.step_m ?? this.grid_m} m${this.enlarged > 1 ? ` · vehicle × ${this.enlarged}` : ''}</span></div>
+      ${this.flat ? html`<div class="hud tl"><span class="chip">${this.flat}</span></div>` : nothing}`;
   }
 
   setCamera(mode: Camera): void {
@@ -148,37 +151,63 @@ export class World extends Part {
     }
   }
 
-  /** North up; the vehicle as a dot. */
+  /** From above, north up: obstacles, the reference and the path so far, and the vehicles as arrows to where they head. */
   private drawMap(): void {
     const canvas = this.querySelector<HTMLCanvasElement>('canvas.map');
     if (!canvas) return;
+    const {bench, source} = page;
     const g = sized(canvas);
     const [W, H] = [canvas.clientWidth, canvas.clientHeight];
-    const p = page.bench.motion()?.motion.p ?? [0, 0, 0];
-    const scale = 40;
+    const p = bench.motion()?.motion.p ?? [0, 0, 0];
+    const until_s = bench.time_s ?? 0;
+    const pathOf = (...names: string[]): [number, number][] => {
+      const found = names.map((name) => [source.series(bench.selected, `${name}.e`), source.series(bench.selected, `${name}.n`)]).find(([e, n]) => e && n);
+      const points: [number, number][] = [];
+      if (found) for (let i = 0; i < found[0]!.t.length && found[0]!.t[i]! <= until_s; i += 5) points.push([found[0]!.v[i]!, found[1]!.v[i]!]);
+      return points;
+    };
+    const flown = pathOf('truth', 'est');
+    const reach = flown.reduce((most, [e, n]) => Math.max(most, Math.abs(e - p[0]), Math.abs(n - p[1])), 1);
+    const scale = Math.min(40, (0.42 * Math.min(W, H)) / reach);
     const at = (e: number, n: number): [number, number] => [W / 2 + (e - p[0]) * scale, H / 2 - (n - p[1]) * scale];
+    this.grid_m = scale > 12 ? 1 : scale > 1.2 ? 10 : 100;
     g.fillStyle = colour('gnd');
     g.fillRect(0, 0, W, H);
-    for (let i = -30; i <= 30; ++i) {
-      const [x] = at(Math.round(p[0]) + i, 0);
-      const [, y] = at(0, Math.round(p[1]) + i);
-      g.fillStyle = colour((Math.round(p[0]) + i) % 5 === 0 ? 'grid2' : 'grid');
-      g.fillRect(x, 0, 1, H);
-      g.fillStyle = colour((Math.round(p[1]) + i) % 5 === 0 ? 'grid2' : 'grid');
-      g.fillRect(0, y, W, 1);
+    const half = Math.ceil(Math.max(W, H) / 2 / scale / this.grid_m);
+    for (let i = -half; i <= half; ++i) {
+      const [e, n] = [p[0], p[1]].map((value) => Math.round(value / this.grid_m) + i) as [number, number];
+      g.fillStyle = colour(e % 5 === 0 ? 'grid2' : 'grid');
+      g.fillRect(at(e * this.grid_m, 0)[0], 0, 1, H);
+      g.fillStyle = colour(n % 5 === 0 ? 'grid2' : 'grid');
+      g.fillRect(0, at(0, n * this.grid_m)[1], W, 1);
     }
-    const [e, n] = ['e', 'n'].map((axis) => page.source.series(page.bench.selected, `truth.${axis}`) ?? page.source.series(page.bench.selected, `est.${axis}`));
-    if (e && n) {
+    g.fillStyle = colour('t3');
+    for (const {p: [e, n], q, size_m, radius_m} of bench.scene?.world ?? []) {
+      const outline = size_m ? [[1, 1], [1, -1], [-1, -1], [-1, 1]].map(([x, y]) => rotate(q, [(x! * size_m[0]) / 2, (y! * size_m[1]) / 2, 0]))
+        : Array.from({length: 24}, (_, i) => [(radius_m ?? 0) * Math.cos((Math.PI * i) / 12), (radius_m ?? 0) * Math.sin((Math.PI * i) / 12)]);
       g.beginPath();
-      for (let i = 0; i < e.t.length && e.t[i]! <= (page.bench.time_s ?? 0); i += 5) g.lineTo(...at(e.v[i]!, n.v[i]!));
-      g.strokeStyle = colour('est');
-      g.lineWidth = 2;
+      for (const [x, y] of outline) g.lineTo(...at(e + x!, n + y!));
+      g.fill();
+    }
+    for (const [path, name] of [[pathOf('ref'), 'ref'], [flown, 'est']] as const) {
+      g.beginPath();
+      for (const point of path) g.lineTo(...at(...point));
+      g.strokeStyle = colour(name);
+      g.lineWidth = 2.5;
       g.stroke();
     }
-    g.beginPath();
-    g.arc(...at(p[0], p[1]), 6, 0, 7);
-    g.fillStyle = colour('t1');
-    g.fill();
+    for (const vehicle of bench.vehicles) {
+      const motion = bench.motion(vehicle)?.motion;
+      if (!motion) continue;
+      g.save();
+      g.translate(...at(motion.p[0], motion.p[1]));
+      g.rotate(motion.rpy.yaw);
+      g.beginPath();
+      for (const [x, y] of [[0, -11], [7, 8], [0, 4], [-7, 8]] as const) g.lineTo(x, y);
+      g.fillStyle = colour(vehicle === bench.vehicle ? 't1' : 't2');
+      g.fill();
+      g.restore();
+    }
   }
 }
 customElements.define('cas-world', World);

@@ -262,7 +262,9 @@ test('a run shows its reference, its limits so far, faults by hand and the verdi
   const now = await until(page, 'the reference is there', (each) => each.reference !== undefined && each.verdict === 'running');
   assert.ok(Math.abs(now.reference!.p_W[1] - now.vehicles[0]!.p![1] - 0.3) < 0.02, 'in the moment of the picture: 0.2 m and 0.1 s at 1 m/s');
   await page.getByText('0.10 of 0.5 m · 80 %').waitFor();
-  await page.getByText('at the end').first().waitFor();
+  await page.getByText('measured at the end; limit 0').waitFor();
+  const cut = await page.locator('cas-faults button, cas-commands button').evaluateAll((all) => all.filter((each) => each.scrollWidth > each.clientWidth).map((each) => each.textContent));
+  assert.deepEqual(cut, []);
   assert.equal(await page.getByText('touched', {exact: true}).count(), 0);
   await page.getByRole('button', {name: 'No GPS'}).click();
   assert.equal((await scene(page)).question, 'Take the GPS from vehicle 1 for 1 s?');

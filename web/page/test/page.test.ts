@@ -12,7 +12,7 @@ import type {VehicleState} from '../src/protocol.ts';
 import {makeNonce, tokenProof} from '../src/proof.ts';
 import {rowName, RunRecord, unpack} from '../src/record.ts';
 import {RecordSource} from '../src/record_source.ts';
-import {between, decode, indexAt, Ring} from '../src/series.ts';
+import {between, decode, indexAt, Ring, waysTo} from '../src/series.ts';
 import {titlesOf} from '../src/run_pair.ts';
 import {StickPace, sticksOf} from '../src/stick_pace.ts';
 import {actWords, kBefore, verdictText} from '../src/verdict.ts';
@@ -335,6 +335,34 @@ test('a record plays through the messages of the protocol', async () => {
   source.seek(kLossSecond + 1);
   assert.equal(bench.tape!.around, 'loss');
   await assert.rejects(source.call('vehicle.arm'), /cannot be commanded/);
+});
+
+test('the end of a record has the figures of its last whole second', () => {
+  const raw = makeRecord();
+  const link = raw.vehicles[0]!.link!;
+  for (const hop of link.hops) for (const {bins} of hop.messages) bins.at(-1)!.splice(1, 2, 100, 90);  // cut by the end
+  link.loop.at(-1)!.splice(1, 4, 0, 0, 0, 0);
+  const record = new RunRecord(raw);
+  for (const t of [kDuration_s - 0.5, kDuration_s]) {
+    const {hops} = record.hopsAt(0, t);
+    assert.equal(hops.find(({to}) => to === 'fcu')!.msgs.HIL_SENSOR, 500);
+    assert.equal(hops.find(({from}) => from === 'fcu')!.msgs.HIL_CONTROLS, 400);
+    assert.equal(record.loopAt(0, t)!.ms.p50, 1.59);
+    assert.equal(record.messagesAt(0, t).find(({name}) => name === 'HIL_SENSOR')!.hz, 500);
+  }
+});
+
+test('on its way to a reference that jumped a vehicle is in no error', () => {
+  const t = Array.from({length: 100}, (_, i) => i / 10);
+  const north = {t, v: t.map((s) => (s < 2 ? 0 : 3))};
+  const flown = t.map((s) => Math.min(3, Math.max(0, s - 2)));
+  const error = {t, v: t.map((_, i) => Math.abs(north.v[i]! - flown[i]!))};
+  const ways = waysTo([north, {t, v: t.map(() => 0)}], error, 0.5);
+  assert.equal(ways.length, 1);
+  near(ways[0]![0], 1.9);
+  near(ways[0]![1], 4.5, 0.11);
+  const circle = {t, v: t.map((s) => 2 * Math.sin(s))};
+  assert.deepEqual(waysTo([circle], {t, v: t.map(() => 1)}, 0.5), [], 'one that moves on is followed');
 });
 
 test('two records lie on the clock of the first by their measured stages', () => {

@@ -215,6 +215,8 @@ test('each control has a name, and no label is cut or touches its neighbour', as
       return found;
     });
     assert.deepEqual(touching, [], `at ${width}`);
+    const cut = await page.locator('button.name, .play button, .chip').evaluateAll((all) => all.filter((each) => each.clientWidth > 0 && each.scrollWidth > each.clientWidth).map((each) => each.textContent));
+    assert.deepEqual(cut, [], `at ${width}`);
     const wider = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     assert.ok(wider <= 0, `${wider} px too wide at ${width}`);
     await page.close();
@@ -244,8 +246,21 @@ test('nothing moves its place after it was drawn', async () => {
 test('without WebGL there is a map, and all else works', async () => {
   const flat = await launchFlat();
   const page = await flat.newPage({viewport: {width: 1280, height: 800}});
-  await page.goto(replay('flat', [pack(makeRecord())]));
+  const record = makeRecord();
+  record.world = {parts: [{name: 'wall', shape: 'box', size_m: [1, 4, 3], p: [3, 0, 1.5], q: [1, 0, 0, 0]}], meshes: []};
+  await page.goto(replay('flat', [pack(record)]));
   await until(page, 'the map', (now) => now.flat !== '');
+  const [frame, map] = [(await page.locator('section.world').boundingBox())!, (await page.locator('canvas.map').boundingBox())!];
+  assert.deepEqual(map, frame, 'the map has the place of the view');
+  const colours = await page.evaluate(() => {
+    const canvas = document.querySelector<HTMLCanvasElement>('canvas.map')!;
+    const {data} = canvas.getContext('2d')!.getImageData(0, 0, canvas.width, canvas.height);
+    const style = getComputedStyle(document.documentElement);
+    const seen = new Set<string>();
+    for (let i = 0; i < data.length; i += 4) seen.add(`#${[0, 1, 2].map((k) => data[i + k]!.toString(16).padStart(2, '0')).join('')}`);
+    return ['gnd', 'grid', 't1', 't3', 'est', 'ref'].filter((name) => seen.has(style.getPropertyValue(`--${name}`).trim()));
+  });
+  assert.deepEqual(colours, ['gnd', 'grid', 't1', 't3', 'est', 'ref'], 'ground, lines, vehicle, wall, path, reference');
   await page.keyboard.press('Space');
   await until(page, 'it plays', (now) => now.time_s! > 8.2);
   await flat.close();
