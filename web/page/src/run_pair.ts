@@ -56,14 +56,14 @@ function shortKey(key: string): string {
   return key.split('.').slice(-2).map((part) => /\[(.*)\]$/.exec(part)?.[1] ?? part).join(' ');
 }
 
-/** What tells two runs apart: their names, or where they are from if they have the same, and the settings that differ. */
+/** What tells two runs apart: their names, or if those are the same where they are from, and the settings that differ. */
 export function titlesOf(runs: {name: string; source?: RunSource}[]): {name: string; differs: string}[] {
   const kMost = 2;
   const paths = runs.map(({name, source}) => source?.path.replace(/\/+$/, '') || name);
   const last = paths.map((path) => path.slice(path.lastIndexOf('/') + 1));
   const told = [runs.map(({name}) => name), last, paths].find((names) => new Set(names).size === names.length) ?? paths;
   const [a, b] = runs.map(({source}) => source?.settings ?? {}) as [Record<string, string>, Record<string, string>];
-  const different = differences(a, b);
+  const different = told[0] === runs[0]!.name ? [] : differences(a, b);
   return told.map((name, i) => ({
     name,
     differs: different.slice(0, kMost).map((each) => `${shortKey(each.name)} ${i === 0 ? each.a : each.b}`).join(', ') +

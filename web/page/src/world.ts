@@ -160,13 +160,13 @@ export class World extends Part {
     const [W, H] = [canvas.clientWidth, canvas.clientHeight];
     const p = bench.motion()?.motion.p ?? [0, 0, 0];
     const until_s = bench.time_s ?? 0;
-    const pathOf = (...names: string[]): [number, number][] => {
-      const found = names.map((name) => [source.series(bench.selected, `${name}.e`), source.series(bench.selected, `${name}.n`)]).find(([e, n]) => e && n);
+    const pathOf = (names: string[], series = (key: string) => source.series(bench.selected, key)): [number, number][] => {
+      const found = names.map((name) => [series(`${name}.e`), series(`${name}.n`)]).find(([e, n]) => e && n);
       const points: [number, number][] = [];
       if (found) for (let i = 0; i < found[0]!.t.length && found[0]!.t[i]! <= until_s; i += 5) points.push([found[0]!.v[i]!, found[1]!.v[i]!]);
       return points;
     };
-    const flown = pathOf('truth', 'est');
+    const flown = pathOf(['truth', 'est']);
     const reach = flown.reduce((most, [e, n]) => Math.max(most, Math.abs(e - p[0]), Math.abs(n - p[1])), 1);
     const scale = Math.min(40, (0.42 * Math.min(W, H)) / reach);
     const at = (e: number, n: number): [number, number] => [W / 2 + (e - p[0]) * scale, H / 2 - (n - p[1]) * scale];
@@ -189,7 +189,8 @@ export class World extends Part {
       for (const [x, y] of outline) g.lineTo(...at(e + x!, n + y!));
       g.fill();
     }
-    for (const [path, name] of [[pathOf('ref'), 'ref'], [flown, 'est']] as const) {
+    const second = pathOf(['truth'], (key) => source.beside?.(bench.selected, key));
+    for (const [path, name] of [[pathOf(['ref']), 'ref'], [second, 't2'], [flown, 'est']] as const) {
       g.beginPath();
       for (const point of path) g.lineTo(...at(...point));
       g.strokeStyle = colour(name);
