@@ -297,15 +297,15 @@ std::string refuse_flag(const std::string& value) {
 /// Warns of one that is given. @throws CLI::ParseError when it would have moved packets
 void add_foreign_options(CLI::App& cli) {
   for (const ForeignOption& each : kForeignOptions) {
-    const auto refuse = [&each] {
+    const auto answer = [&each](const std::string& value) {
       const std::string sentence = std::string("is not casd's: ") + each.sentence;
       if (!each.is_left_out) throw CLI::ValidationError(each.names, sentence);
-      std::fprintf(stderr, "warning: %s %s\n", each.names, sentence.c_str());
+      const std::string given = value.empty() ? "" : " (" + value + ")";
+      std::fprintf(stderr, "warning: %s%s %s\n", each.names, given.c_str(), sentence.c_str());
     };
     CLI::Option* option = each.has_value
-                              ? cli.add_option_function<std::string>(
-                                    each.names, [refuse](const std::string&) { refuse(); })
-                              : cli.add_flag_callback(each.names, refuse);
+                              ? cli.add_option_function<std::string>(each.names, answer)
+                              : cli.add_flag_callback(each.names, [answer] { answer(""); });
     if (each.has_value) option->expected(0, 1);  // the sentence, with or without a value
     option->group("");                           // neither in the help nor in the manual
   }

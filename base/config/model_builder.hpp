@@ -64,7 +64,7 @@ class ModelBuilder {
   void add(ModelMotor motor) { body_.motors.push_back(std::move(motor)); }
   void warn(const XmlElement& at, const std::string& sentence);
   /// Warns of angles beyond a full turn: they may be in degrees.
-  /// @param numbers  text of them; what is no number is told elsewhere
+  /// @param numbers  text of them; the reader of the element refuses what is no number
   /// @param first  of the angles among them
   void warn_of_degrees(const XmlElement& at, std::string_view numbers, std::size_t first);
 

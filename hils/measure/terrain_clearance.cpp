@@ -38,11 +38,12 @@ std::optional<TerrainClearance> terrain_clearance(
   std::optional<TerrainClearance> clearance;
   Eigen::Vector3d origin_m = Eigen::Vector3d::Zero();
   for (const Stage& stage : stages) {
-    const auto flown = between(truth, to_microseconds(stage.begin), to_microseconds(stage.end));
-    if (flown.empty()) continue;
-    const Pose& start = flown.front().pose;
+    const auto begun = between(truth, to_microseconds(stage.begin), to_microseconds(stage.end));
+    if (begun.empty()) continue;
+    const Pose& start = begun.front().pose;
     if (takes_off(stage.step)) origin_m = {start.x_m, start.y_m, start.z_m};
     if (!has_terrain_leg(stage)) continue;
+    const auto flown = between(begun, to_microseconds(stage.accepted), to_microseconds(stage.end));
     for (const PoseSample& sample : over_terrain(stage, origin_m, flown)) {
       const double height_m = sample.pose.z_m - ground_m(sample.pose.x_m, sample.pose.y_m);
       if (!clearance) clearance = {height_m, height_m};
