@@ -69,7 +69,7 @@ LAYERS = {
     "mavlink_gen/services": {"std", "base"} | MAVLINK,
     "mavlink_gen/json":
         {"std", "base", "nlohmann"} | MAVLINK | SERVICES | {"mavlink_gen/parser"},
-    "mavlink_gen/generator": SYSTEM | PROGRAM | {"mavlink_gen/parser", "mavlink_gen/runtime"},
+    "mavlink_gen/generator": SYSTEM | PROGRAM | {"base", "mavlink_gen/parser", "mavlink_gen/runtime"},
 
     "base": SYSTEM,
     "base/time": SYSTEM | {"base"},

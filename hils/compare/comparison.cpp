@@ -66,6 +66,7 @@ void run_one(const RunRequest& request, bool keep, VariantResult& result) {
   result.verdicts.push_back(verdict);
   if (keep) return;
   std::filesystem::remove(record.truth_csv);
+  std::filesystem::remove(record.clouds_csv);
   std::filesystem::remove(record.flight_tlog);
 }
 

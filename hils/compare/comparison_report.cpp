@@ -142,9 +142,11 @@ std::string comparison_json(const ComparisonPlan& plan, const std::vector<Varian
   for (const VariantResult& result : results) json["variants"].push_back(variant_json(result));
   json["differences"] = OrderedJson::array();
   for (const auto& [a, b] : comparison_pairs(results)) {
-    OrderedJson pair{{"of", results[a].variant.name()}, {"less", results[b].variant.name()}};
-    pair["figures"] = figures_json(
-        [&](FigureColumn column) { return difference_of(results[a], results[b], column); });
+    const VariantResult& one = results[a];
+    const VariantResult& other = results[b];
+    OrderedJson pair{{"of", one.variant.name()}, {"less", other.variant.name()}};
+    pair["figures"] =
+        figures_json([&](FigureColumn column) { return difference_of(one, other, column); });
     json["differences"].push_back(std::move(pair));
   }
   return json.dump(2) + "\n";
@@ -268,8 +270,8 @@ std::vector<SideBySide> reaction(const std::string& fault) {
        {"in the hold: largest tilt, deg",
         [](const StrikeResponse& s) { return s.hold_tilt_deg; }}}};
   std::vector<SideBySide> rows;
-  for (const auto& [title, get] : kParts) {
-    rows.push_back({fault + ": " + title, 2, [fault, get](const Measurement& run) {
+  for (const Part& part : kParts) {
+    rows.push_back({fault + ": " + part.title, 2, [fault, get = part.get](const Measurement& run) {
                       return run.strike && run.strike->fault == fault ? get(*run.strike)
                                                                       : std::nullopt;
                     }});

@@ -103,6 +103,7 @@ std::vector<RunRecord> records_of(const Scenario& scenario, const RunPaths& path
     record.vehicle = scenario.vehicles[i].name;
     record.system = scenario.vehicles[i].system_id;
     record.truth_csv = paths.vehicles[i].truth_csv();
+    record.clouds_csv = paths.vehicles[i].clouds_csv();
     record.sensors = paths.vehicles[i].sensors();
     record.flight_tlog = paths.flight_tlog();
     record.plugin_figures = paths.plugin_figures();

@@ -31,7 +31,8 @@ struct RunRecord {
   std::uint64_t lost_by_sequence = 0;  ///< then: gaps in the sequence from the controller
   bool foreign_stamps = false;  ///< controls are stamped by another clock: nothing is an echo
   std::filesystem::path truth_csv;
-  std::filesystem::path sensors;  ///< folder with a CSV file of each sensor
+  std::filesystem::path clouds_csv;  ///< returns of its lidars; there is none without a lidar
+  std::filesystem::path sensors;     ///< folder with a CSV file of each sensor
   std::filesystem::path flight_tlog;
   std::filesystem::path plugin_figures;  ///< figures of plugins; the file may be missing
   std::vector<Stage> stages;

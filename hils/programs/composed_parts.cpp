@@ -94,6 +94,7 @@ YAML::Node recorder_plugin(const RunRequest& request, const VehiclePaths& paths)
   YAML::Node recorder = plugin("recorder");
   recorder["file"] = below_out(paths, paths.truth_csv());
   recorder["rate_hz"] = kTruthHz;
+  recorder["clouds"] = below_out(paths, paths.clouds_csv());
   if (request.keeps_sensors) recorder["sensor_dir"] = below_out(paths, paths.sensors());
   return recorder;
 }

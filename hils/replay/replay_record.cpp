@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -22,6 +23,7 @@
 #include "base/rpc/base64.hpp"
 #include "base/time/clock.hpp"
 #include "hils/measure/check_json.hpp"
+#include "hils/measure/column.hpp"
 #include "hils/measure/csv_file.hpp"
 #include "hils/measure/figure_json.hpp"
 #include "hils/measure/reference_track.hpp"
@@ -61,6 +63,37 @@ OrderedJson truth_json(const std::filesystem::path& file) {
               row.subspan(angles, header.surfaces));
   }
   return truth.json();
+}
+
+/// Returns of the lidars; null without one. Scans beyond what a page should carry are left out, the
+/// same share of each stretch of the flight.
+OrderedJson clouds_json(const std::filesystem::path& file) {
+  constexpr std::size_t kMostReturns = 200'000;
+  constexpr std::size_t kColumns = 4;
+  constexpr std::array<double, kColumns> kSteps{0.001, 0.01, 0.01, 0.01};
+  CsvFile csv(file);
+  std::array<std::vector<double>, kColumns> columns;
+  std::vector<std::size_t> scans;  // where each begins
+  for (auto row = csv.next(kColumns); !row.empty(); row = csv.next(kColumns)) {
+    if (columns[0].empty() || row[0] != columns[0].back()) scans.push_back(columns[0].size());
+    for (std::size_t i = 0; i < kColumns; ++i) columns[i].push_back(row[i]);
+  }
+  if (scans.empty()) return nullptr;
+  const std::size_t every = columns[0].size() / kMostReturns + 1;
+  scans.push_back(columns[0].size());
+  const auto kept = [&](std::vector<double>& values) {
+    std::vector<double> result;
+    for (std::size_t scan = 0; scan + 1 < scans.size(); scan += every) {
+      result.insert(result.end(), values.begin() + static_cast<std::ptrdiff_t>(scans[scan]),
+                    values.begin() + static_cast<std::ptrdiff_t>(scans[scan + 1]));
+    }
+    return result;
+  };
+  OrderedJson clouds;
+  for (std::size_t i = 0; i < kColumns; ++i) {
+    clouds[std::string(1, "tenu"[i])] = column_json(kept(columns[i]), kSteps[i]);
+  }
+  return clouds;
 }
 
 /// The reference that the run is judged by.
@@ -266,6 +299,7 @@ OrderedJson vehicle_json(const RunRequest& request, std::size_t i, const Vehicle
       {"events", events_json(result.figures)},
       {"responses", responses_json(result.figures)},
       {"truth", truth_json(record.truth_csv)},
+      {"clouds", clouds_json(record.clouds_csv)},
       {"reference", reference_json(record)},
       {"link", hop_record(record)}};
   vehicle["log"] = std::filesystem::exists(record.flight_tlog)

@@ -51,6 +51,7 @@ struct VehiclePaths {
   std::filesystem::path fcu_config() const { return run / ("fcu" + suffix + ".yaml"); }
   std::filesystem::path simulator_ledger() const { return csv("simulator_ledger"); }
   std::filesystem::path controller_ledger() const { return csv("controller_ledger"); }
+  std::filesystem::path clouds_csv() const { return csv("clouds"); }
   std::filesystem::path truth_csv() const { return out / ("truth" + suffix + ".csv"); }
   std::filesystem::path sensors() const { return out / ("sensors" + suffix); }
   std::filesystem::path flight_ulog() const { return out / ("flight" + suffix + ".ulg"); }

@@ -32,6 +32,7 @@ constexpr const char* kText = R"json({
   "ObstacleMotion": {"p": ["number: m, in W"], "q": ["number: w, x, y, z"]},
   "Motion": {"t_s": "number: simulated", "steps": "integer", "rate": "number: real-time factor", "paused": "boolean",
     "late_steps": "integer", "v": ["VehicleMotion"], "wind_W": ["number: m/s, at the first vehicle"], "o": ["ObstacleMotion"]},
+  "Clouds": {"t_s": "number: simulated", "v": ["any: x, y, z of each return in W, m, one after the other, in the order of the scene's vehicles"]},
   "MeshPiece": {"bytes": "integer: of the whole mesh", "base64": "string: the bytes from `offset` on, 256 KiB at most"},
   "NotedCall": {"unix_us": "integer", "time_s": "number: simulated", "client": "string", "method": "string: or a signal's name", "params": "any",
     "times?": "integer: so many of sim.run_until, or of the same sim.step, in a row; params of the last"},
@@ -63,6 +64,7 @@ constexpr const char* kText = R"json({
   "sim.mesh": {"summary": "A mesh of the scene, in pieces: counts of vertices and triangles (uint32), vertices (float32), indices (uint32).",
     "params": {"hash": "string: 64 hexadecimal digits", "offset?": "integer: bytes"}, "result": "MeshPiece"},
   "sim.watch": {"summary": "The newest motion, rounded for a picture; sampled 60 times a second at most, however many ask.", "params": {}, "result": "Motion"},
+  "sim.clouds": {"summary": "The newest scan of each lidar for a picture: at most 1500 returns of it.", "params": {}, "result": "Clouds"},
   "sim.quit": {"summary": "Ends the run in good order.", "params": {}, "result": "SimStatus"}
 }
 })json";

@@ -195,6 +195,14 @@ struct ControlServer::Impl {
       CallParams(params).finish();
       watch(std::move(reply));
     });
+    server.add_method("sim.clouds", [this](const Json& params, const Reply& reply) {
+      CallParams(params).finish();
+      loop.post([this, reply] {
+        asio::post(io.context(), [reply, taken = motion.take()] {
+          guarded({reply}, [&] { reply.result(MotionWatch::clouds_json(*taken)); });
+        });
+      });
+    });
     server.add_method("sim.scene", [this](const Json& params, const Reply& reply) {
       CallParams(params).finish();
       with_scene(reply, [reply](const Scene& now) { reply.result(now.json()); });

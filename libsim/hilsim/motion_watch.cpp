@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "libsim/api/messages.hpp"
+#include "libsim/api/point_cloud.hpp"
 #include "libsim/core/body/world_model.hpp"
 #include "libsim/hilsim/round_json.hpp"
 
@@ -21,9 +22,11 @@ using Json = nlohmann::json;
 // Tolerances of a picture.
 constexpr double kLength = 1e-4;  // m
 constexpr double kTurn = 1e-5;
-constexpr double kSpeed = 1e-3;       // m/s, rad/s
-constexpr double kRotor = 1e-1;       // rad/s
-constexpr double kDeflection = 1e-3;  // rad
+constexpr double kSpeed = 1e-3;             // m/s, rad/s
+constexpr double kRotor = 1e-1;             // rad/s
+constexpr double kDeflection = 1e-3;        // rad
+constexpr double kReturn = 1e-2;            // m
+constexpr std::size_t kMostReturns = 1500;  // of a scan
 
 /// Latest values that the plugins of one vehicle published. Written and read on the simulation
 /// thread.
@@ -32,13 +35,20 @@ struct Newest {
   ActuatorValues deflections_rad = ActuatorValues::Zero(0);
   std::optional<RangeSample> range;
   std::size_t rays = 0;  // rangefinders, as in the scene
+  /// Of each lidar the newest scan; nothing before the first.
+  std::vector<std::shared_ptr<const std::vector<Eigen::Vector3f>>> clouds;
 };
 
+std::size_t count_plugins(const VehicleConfig& vehicle, std::string_view name) {
+  return static_cast<std::size_t>(std::ranges::count(vehicle.plugins, name, &PluginConfig::plugin));
+}
+
 Newest before_the_first_step(const VehicleConfig& vehicle) {
-  const auto rays = std::ranges::count(vehicle.plugins, kRangefinder, &PluginConfig::plugin);
-  return {.omega_rad_s = base::RotorVector::Zero(vehicle.vehicle.rotor_count()),
-          .range = std::nullopt,
-          .rays = static_cast<std::size_t>(rays)};
+  Newest newest;
+  newest.omega_rad_s = base::RotorVector::Zero(vehicle.vehicle.rotor_count());
+  newest.rays = count_plugins(vehicle, kRangefinder);
+  newest.clouds.resize(count_plugins(vehicle, "lidar"));
+  return newest;
 }
 
 /// The values of each rotor or control surface.
@@ -96,6 +106,15 @@ MotionWatch::MotionWatch(SimLoop& loop) : impl_(new Impl{loop, {}, {}}) {
     impl_->subscriptions.push_back(bus.subscribe<RangeSample>(
         name + "/" + kRangefinder, [&newest](const RangeSample& range) { newest.range = range; },
         Need::kOptional));
+    for (std::size_t i = 0; i < newest.clouds.size(); ++i) {
+      impl_->subscriptions.push_back(bus.subscribe<PointCloud>(
+          name + "/" + lidar_topic(static_cast<int>(i) + 1),
+          [&cloud = newest.clouds[i]](const PointCloud& scan) {
+            cloud = std::make_shared<const std::vector<Eigen::Vector3f>>(
+                drawn_points(scan, kMostReturns));
+          },
+          Need::kOptional));
+    }
   }
 }
 
@@ -145,6 +164,21 @@ Json MotionWatch::json(const Sample& sample) const {
           {"v", std::move(vehicles)},
           {"wind_W", rounded(sample.wind_W, kSpeed)},
           {"o", std::move(obstacles)}};
+}
+
+Json MotionWatch::clouds_json(const Sample& sample) {
+  Json vehicles = Json::array();
+  for (const Sample::Vehicle& vehicle : sample.vehicles) {
+    Json& returns = vehicles.emplace_back(Json::array());
+    for (const auto& cloud : vehicle.newest.clouds) {
+      if (!cloud) continue;
+      for (const Eigen::Vector3f& p_W : *cloud) {
+        for (const double value : p_W) returns.push_back(rounded(value, kReturn));
+      }
+    }
+  }
+  return {{"t_s", rounded(base::to_seconds(sample.figures.time), 1e-6)},
+          {"v", std::move(vehicles)}};
 }
 
 }  // namespace cas::sim

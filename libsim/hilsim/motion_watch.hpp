@@ -8,7 +8,8 @@
 
 namespace cas::sim {
 
-/// The newest motion of everything that moves, for `sim.watch`: poses, rotor speeds, beams, wind.
+/// The newest motion of everything that moves, for `sim.watch`: poses, rotor speeds, beams, wind;
+/// and of the lidars for `sim.clouds`.
 ///
 ///   simulation thread: publish --> newest rotor speeds and beams        take() --> sample
 ///   another thread:                                                     json(sample)
@@ -28,6 +29,8 @@ class MotionWatch {
   std::shared_ptr<const Sample> take() const;
   /// On any thread: the answer to `sim.watch`.
   nlohmann::json json(const Sample& sample) const;
+  /// On any thread: the answer to `sim.clouds`.
+  static nlohmann::json clouds_json(const Sample& sample);
 
  private:
   struct Impl;

@@ -10,6 +10,7 @@
 
 #include "base/cli/manual.hpp"
 #include "base/cli/parse.hpp"
+#include "base/printable.hpp"
 #include "mavlink_gen/generator/diff.hpp"
 #include "mavlink_gen/generator/naming.hpp"
 #include "mavlink_gen/generator/output_files.hpp"
@@ -43,7 +44,7 @@ struct Options {
 };
 
 int complain(const std::string& sentence, int code) {
-  std::fprintf(stderr, "mavlink_gen: %s\n", sentence.c_str());
+  std::fprintf(stderr, "mavlink_gen: %s\n", cas::base::printable_lines(sentence).c_str());
   return code;
 }
 
@@ -51,7 +52,7 @@ int complain(const std::string& sentence, int code) {
 std::optional<xml::Dialect> load(const std::string& file, bool strict = false) {
   xml::Diagnostics diagnostics;
   auto dialect = xml::load_dialect(file, diagnostics);
-  std::fputs(diagnostics.render().c_str(), stderr);
+  std::fputs(cas::base::printable_lines(diagnostics.render()).c_str(), stderr);
   if (strict && diagnostics.warning_count() > 0) return std::nullopt;
   return dialect;
 }
@@ -113,7 +114,7 @@ int diff(const std::string& before_file, const std::string& after_file) {
   const auto after = load(after_file);
   if (!before || !after) return kInputErrors;
   const auto changes = gen::compare(*before, *after);
-  std::fputs(gen::render(changes).c_str(), stdout);
+  std::fputs(cas::base::printable_lines(gen::render(changes)).c_str(), stdout);
   const bool breaks = !changes.empty() && changes.front().impact == gen::Impact::kBreaks;
   return breaks ? kBreaks : kDone;
 }

@@ -38,9 +38,10 @@ AeroModel::AeroModel(const base::AeroParams& params, std::span<const base::Rotor
       omega_rad_s_(base::RotorVector::Zero(static_cast<Eigen::Index>(rotors.size()))) {
   if (params.derivatives) body_.emplace(*params.derivatives);
   for (const base::PanelParams& panel : params.panels) panels_.emplace_back(panel);
-  const auto downwash = std::ranges::stable_partition(
-      panels_, [](const LiftingPanel& panel) { return panel.downwash_share() == 0; });
-  in_clean_air_ = panels_.size() - downwash.size();
+  const auto downwash =
+      std::stable_partition(panels_.begin(), panels_.end(),
+                            [](const LiftingPanel& panel) { return panel.downwash_share() == 0; });
+  in_clean_air_ = static_cast<std::size_t>(downwash - panels_.begin());
   has_wash_ = !rotors_.empty() && std::ranges::any_of(panels_, [](const LiftingPanel& panel) {
     return panel.in_wash_of() >= 0;
   });

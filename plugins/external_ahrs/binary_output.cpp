@@ -14,7 +14,6 @@ namespace cas::sim {
 namespace {
 
 constexpr std::uint8_t kSync = 0xFA;
-constexpr std::size_t kCrcBytes = 2;
 constexpr unsigned kMostDivisor = 65'535;
 
 /// Appends values in the order of the wire: little-endian.

@@ -90,7 +90,7 @@ void LidarModel::take_hits() {
       scan_.p_WS = vehicle.p_WB + vehicle.q_WB * params_.position_B_m;
       scan_.q_WS = vehicle.q_WB * params_.q_BS;
     }
-    take(shot, directions_W_[i], hits_[i]);
+    take(shot, origins_W_[i], directions_W_[i], hits_[i]);
     if (shot.beam + 1 < params_.beams.size()) continue;
     on_scan_(scan_);
     scan_.points.clear();
@@ -100,7 +100,8 @@ void LidarModel::take_hits() {
 }
 
 /// Random numbers are drawn for each beam, so that what it meets changes those of no other.
-void LidarModel::take(const Shot& shot, const Eigen::Vector3d& direction_W, const RayHit& hit) {
+void LidarModel::take(const Shot& shot, const Eigen::Vector3d& origin_W,
+                      const Eigen::Vector3d& direction_W, const RayHit& hit) {
   ++rays_;
   const LidarBeam& beam = params_.beams[shot.beam];
   const double error_m = params_.stddev_m > 0 ? params_.stddev_m * random_() : 0;
@@ -115,6 +116,7 @@ void LidarModel::take(const Shot& shot, const Eigen::Vector3d& direction_W, cons
   if (!returns) return;
   ++returns_;
   scan_.points.push_back({.p_S = (distance_m * beam.direction_S).cast<float>(),
+                          .p_W = (origin_W + distance_m * direction_W).cast<float>(),
                           .cosine = static_cast<float>(cosine),
                           .time_s = static_cast<float>(beam.share / params_.rate_hz),
                           .ring = beam.ring});

@@ -82,7 +82,8 @@ class LidarModel {
   double time_of(std::uint64_t scan, std::size_t beam) const {
     return (static_cast<double>(scan) + params_.beams[beam].share) / params_.rate_hz;
   }
-  void take(const Shot& shot, const Eigen::Vector3d& direction_W, const RayHit& hit);
+  void take(const Shot& shot, const Eigen::Vector3d& origin_W, const Eigen::Vector3d& direction_W,
+            const RayHit& hit);
   void see(const Shot& shot, const Eigen::Vector3d& direction_W,
            const std::optional<double>& distance_m);
 

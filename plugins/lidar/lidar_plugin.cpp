@@ -49,13 +49,10 @@ class LidarPlugin final : public Plugin {
   }
 
  private:
-  /// "lidar", or of a vehicle's second one "lidar_2".
   static std::string free_topic(PluginContext& context) {
-    std::string name = context.topic("lidar");
-    for (int number = 2; context.bus().is_advertised(name); ++number) {
-      name = context.topic(fmt::format("lidar_{}", number));
-    }
-    return name;
+    int number = 1;
+    while (context.bus().is_advertised(context.topic(lidar_topic(number)))) ++number;
+    return context.topic(lidar_topic(number));
   }
 
   static std::filesystem::path cloud_folder(const base::ConfigNode& node,

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include "base/time/rate_gate.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
+#include "libsim/api/point_cloud.hpp"
 #include "plugins/common/noise_params.hpp"
 #include "plugins/common/result_path.hpp"
 #include "plugins/recorder/csv_writer.hpp"
@@ -20,7 +22,8 @@ namespace cas::sim {
 namespace {
 
 /// Writes the vehicle's true motion to `file` (CSV) at `rate_hz` from time zero on; every sample of
-/// every sensor to CSV files in `sensor_dir`; all of it to `ulog`. The last two are optional.
+/// every sensor to CSV files in `sensor_dir`; all of it to `ulog`; some returns of each lidar to
+/// `clouds`. All but the first are optional.
 class RecorderPlugin final : public Plugin {
  public:
   void configure(PluginContext& context, const base::ConfigNode& params) override {
@@ -39,6 +42,10 @@ class RecorderPlugin final : public Plugin {
     truth_file_ = result_path(params.at("file"));
     if (const auto folder = params.find("sensor_dir")) sensor_dir_ = result_path(*folder);
     if (const auto file = params.find("ulog")) ulog_file_ = result_path(*file);
+    while (context.bus().is_advertised(context.topic(lidar_topic(lidars_ + 1)))) ++lidars_;
+    if (const auto file = params.find("clouds"); file && lidars_ > 0) {
+      clouds_file_ = result_path(*file);
+    }
     open();
     subscribe(context);
   }
@@ -67,11 +74,16 @@ class RecorderPlugin final : public Plugin {
     truth_.close();
     if (sensors_) sensors_->close();
     if (ulog_) ulog_->close();
+    if (clouds_) clouds_->close();
     sensors_.reset();
     ulog_.reset();
+    clouds_.reset();
   }
 
  private:
+  static constexpr double kCloudHz = 2;
+  static constexpr std::size_t kMostReturns = 600;  // of a scan
+
   void open() {
     truth_ = CsvWriter({output_, truth_file_}, truth_header(rotors_, has_airspeed_, surfaces_));
     if (!sensor_dir_.empty()) {
@@ -80,6 +92,18 @@ class RecorderPlugin final : public Plugin {
     if (!ulog_file_.empty()) {
       ulog_.emplace(base::ResultPlace{output_, ulog_file_}, rotors_, commands_, has_airspeed_,
                     surfaces_);
+    }
+    if (clouds_file_.empty()) return;
+    clouds_.emplace(base::ResultPlace{output_, clouds_file_}, "time_s,east_m,north_m,up_m");
+    cloud_rates_.assign(static_cast<std::size_t>(lidars_), base::RateGate(kCloudHz));
+  }
+
+  void write_cloud(const PointCloud& scan, int number) {
+    if (!clouds_ || !cloud_rates_[static_cast<std::size_t>(number - 1)].due(now_)) return;
+    const double time_s = base::to_seconds(now_);
+    const auto centimetres = [](float value) { return std::round(100.0 * value) / 100; };
+    for (const Eigen::Vector3f& p_W : drawn_points(scan, kMostReturns)) {
+      clouds_->row({time_s, centimetres(p_W.x()), centimetres(p_W.y()), centimetres(p_W.z())});
     }
   }
 
@@ -136,6 +160,11 @@ class RecorderPlugin final : public Plugin {
         context.topic("surface_deflections"),
         [this](const SurfaceDeflections& each) { deflections_ = each.angle_rad; },
         Need::kOptional));
+    for (int number = 1; !clouds_file_.empty() && number <= lidars_; ++number) {
+      subscriptions_.push_back(context.bus().subscribe<PointCloud>(
+          context.topic(lidar_topic(number)),
+          [this, number](const PointCloud& scan) { write_cloud(scan, number); }));
+    }
     if (!sensors_ && !ulog_) return;
     listen<ImuSample>(context, "imu");
     listen<GpsSample>(context, "gps");
@@ -156,17 +185,21 @@ class RecorderPlugin final : public Plugin {
   int rotors_ = 0;
   int commands_ = 0;
   std::optional<int> surfaces_;  // of a vehicle with a wing
+  int lidars_ = 0;               // whose plugins are in front of this one
   bool has_airspeed_ = false;    // a plugin in front of this one publishes `airspeed`
   std::vector<std::string> further_;
   base::RateGate rate_;
   std::filesystem::path output_;
-  std::filesystem::path truth_file_;  // relative to output_, as the next two
+  std::filesystem::path truth_file_;  // relative to output_, as the next three
   std::filesystem::path sensor_dir_;
   std::filesystem::path ulog_file_;
+  std::filesystem::path clouds_file_;
   CsvWriter truth_;
   std::optional<SensorCsv> sensors_;
   std::optional<FlightUlog> ulog_;
-  base::SimTime now_;  // start of the step: when commands are applied
+  std::optional<CsvWriter> clouds_;
+  std::vector<base::RateGate> cloud_rates_;  // of each lidar
+  base::SimTime now_;                        // start of the step: when commands are applied
   RotorSpeeds speeds_;
   ActuatorValues deflections_;
   std::vector<Subscription> subscriptions_;

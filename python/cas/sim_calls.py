@@ -19,6 +19,10 @@ def _given(**params: Any) -> Dict[str, Any]:
     return {key: value for key, value in params.items() if value is not None}
 
 
+Clouds = TypedDict("Clouds", {
+    "t_s": float,  # simulated
+    "v": List[Any],  # x, y, z of each return in W, m, one after the other, in the order of the scene's vehicles
+})
 NotedCall = TypedDict("NotedCall", {
     "client": str,
     "method": str,  # or a signal's name
@@ -168,6 +172,10 @@ class SimCalls:
     def __init__(self, call: _Call) -> None:
         self._call = call
 
+    def clouds(self) -> Clouds:
+        """The newest scan of each lidar for a picture: at most 1500 returns of it."""
+        return cast(Clouds, self._call("sim.clouds", _given()))
+
     def fault(self, vehicle: str, fault: Any) -> bool:
         """A fault that begins with the next step, for a vehicle whose plugin fault has by_hand.
 
@@ -244,6 +252,10 @@ class AsyncSimCalls:
 
     def __init__(self, call: _AsyncCall) -> None:
         self._call = call
+
+    async def clouds(self) -> Clouds:
+        """The newest scan of each lidar for a picture: at most 1500 returns of it."""
+        return cast(Clouds, await self._call("sim.clouds", _given()))
 
     async def fault(self, vehicle: str, fault: Any) -> bool:
         """A fault that begins with the next step, for a vehicle whose plugin fault has by_hand.

@@ -4,10 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "base/read_file.hpp"
 #include "hils/measure/tracking.hpp"
 #include "tests/closed_loop/flight_fixture.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -32,7 +34,7 @@ class FlightRecord : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new cas::test::TemporaryFolder;
     RunRequest request;
-    request.scenario = Scenario::load(cas::test::source_dir() + "/config/scenarios/hover.yaml");
+    request.scenario = Scenario::load(hover_with_lidar());
     request.seed = 2;
     request.out = folder_->path();
     run_ = new RunResult(evaluate(request, run_on_virtual_clock(request)));
@@ -43,6 +45,14 @@ class FlightRecord : public testing::Test {
     delete record_;
     delete run_;
     delete folder_;
+  }
+  static std::filesystem::path hover_with_lidar() {
+    const auto hover =
+        std::filesystem::path(cas::test::source_dir()) / "config/scenarios/hover.yaml";
+    return folder_->write("hover.yaml",
+                          base::read_file(hover).value() +
+                              "plugins: [{plugin: lidar, pattern: ../lidars/depth_camera.yaml, "
+                              "rate_hz: 1, min_m: 0.1, max_m: 50}]\n");
   }
   static const json& vehicle() { return record_->at("vehicles").at(0); }
   static const VehicleResult& flown() { return run_->vehicles.front(); }
@@ -73,6 +83,17 @@ TEST_F(FlightRecord, HasTheTruthAt50Hz) {
     ASSERT_NEAR(t[i], 1e-6 * static_cast<double>(truth[2 * i].time_us), 0.001);
     ASSERT_NEAR(z[i], truth[2 * i].pose.z_m, 0.001);
     ASSERT_NEAR(rotor[i], truth[2 * i].omega_rad_s[3], 0.6);
+  }
+}
+
+TEST_F(FlightRecord, HasWhatItsLidarSaw) {
+  const json& columns = vehicle().at("clouds");
+  const std::vector<double> t = values_of(columns.at("t"));
+  const std::vector<double> u = values_of(columns.at("u"));
+  ASSERT_GT(t.size(), 5000U);
+  EXPECT_GT(t.back(), 40);
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    ASSERT_NEAR(u[i], 0, 0.011) << "the ground, to a centimetre, at " << t[i] << " s";
   }
 }
 

@@ -65,9 +65,13 @@ TEST_F(CaswebBench, ShowsTheLoopAndPassesCommandsOn) {
   EXPECT_EQ(scene["vehicles"][0].at("rotors").size(), 4U);
   EXPECT_FALSE(scene["vehicles"][0].at("parts").empty());
 
-  ASSERT_EQ(page->call("watch",
-                       {{"topics",
-                         {{"sim", 60}, {"links", 2}, {"vehicle", 10}, {"value", 10}, {"loop", 1}}}})
+  ASSERT_EQ(page->call("watch", {{"topics",
+                                  {{"sim", 60},
+                                   {"clouds", 5},
+                                   {"links", 2},
+                                   {"vehicle", 10},
+                                   {"value", 10},
+                                   {"loop", 1}}}})
                 .at("result"),
             true);
   // The truth moves on in simulated time; a sample may come twice.
@@ -92,6 +96,9 @@ TEST_F(CaswebBench, ShowsTheLoopAndPassesCommandsOn) {
            hops[0]["msgs"].value("HIL_SENSOR", 0.0) > 0 && hops[3]["from"] == "fcu" &&
            hops[3]["msgs"].value("HIL_CONTROLS", 0.0) > 0;
   }));
+  const auto clouds = page->next("snap.clouds");
+  ASSERT_TRUE(clouds);
+  EXPECT_EQ(clouds->at("v"), json::array({json::array()})) << "a vehicle without a lidar";
   const auto vehicle = page->next("snap.vehicle");
   ASSERT_TRUE(vehicle);
   EXPECT_EQ(vehicle->at("vehicles")[0].at("state").at("system"), 1);

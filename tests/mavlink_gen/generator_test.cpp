@@ -339,6 +339,14 @@ TEST(Program, FaultyInputWritesNothing) {
   EXPECT_FALSE(std::filesystem::exists(out));
 }
 
+TEST(Program, TextOfAFileGivesTheTerminalNoOrders) {
+  const TemporaryFolder folder;
+  const auto bad = folder.write("bad.xml", "<mavlink><messages><x\u202E/></messages></mavlink>");
+  const auto outcome = run("check " + bad.string());
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_THAT(outcome.output, testing::Not(HasSubstr("\u202E")));
+}
+
 TEST(Program, StrictTakesWarningsForErrors) {
   const TemporaryFolder folder;
   const auto file =

@@ -251,6 +251,7 @@ TEST(Lidar, FiresFromWhereTheMovingSensorIs) {
       const BodyState vehicle = flight(t);
       const Vector3d p_W = vehicle.p_WB + vehicle.q_WB * point.p_S.cast<double>();
       ASSERT_NEAR(p_W.x(), 30, 2e-4) << "at " << t << " s";  // single precision of 100 m, and of t
+      ASSERT_NEAR((point.p_W.cast<double>() - p_W).norm(), 0, 2e-4) << "the same place in W";
       ASSERT_GE(t, last - 1e-6);
       last = t;
     }
@@ -486,8 +487,13 @@ TEST(DepthCamera, HasNoDepthWithoutAReturnAndTheMostBeyondItsFormat) {
   LidarScan scan;
   scan.p_WS.setZero();
   scan.q_WS.setIdentity();
-  scan.points.push_back({.p_S = {70, 35, 0}, .cosine = 1, .time_s = 0, .ring = 0});
-  scan.points.push_back({.p_S = {1.2344F, -0.6172F, 0}, .cosine = 1, .time_s = 0, .ring = 0});
+  scan.points.push_back(
+      {.p_S = {70, 35, 0}, .p_W = {70, 35, 0}, .cosine = 1, .time_s = 0, .ring = 0});
+  scan.points.push_back({.p_S = {1.2344F, -0.6172F, 0},
+                         .p_W = {1.2344F, -0.6172F, 0},
+                         .cosine = 1,
+                         .time_s = 0,
+                         .ring = 0});
   const std::string text = depth_text(scan, picture);
   EXPECT_THAT(text, testing::StartsWith("P5\n# viewpoint 0.000000 "));
   EXPECT_THAT(text, testing::HasSubstr("\n3 1\n65535\n"));

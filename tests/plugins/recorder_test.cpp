@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "plugins/recorder/flight_csv.hpp"
 #include "tests/plugins/plugin_harness.hpp"
 #include "tests/plugins/ulog_reader.hpp"
+#include "tests/support/paths.hpp"
 #include "tests/support/refusal.hpp"
 
 namespace cas::sim {
@@ -193,6 +195,42 @@ TEST(RecorderPlugin, WritesEverySampleOfEverySensor) {
   EXPECT_EQ(imu[1].substr(0, 6), "0.002,");
   EXPECT_EQ(lines_of(folder / "sensors/gps.csv").size(), 6U);
   EXPECT_EQ(lines_of(folder / "sensors/barometer.csv").size(), 1U);  // nothing was published
+}
+
+TEST(RecorderPlugin, WritesSomeReturnsOfEachLidarTwiceASecond) {
+  const Folder folder;
+  test::PluginHarness harness(std::chrono::milliseconds(1), folder.path());
+  harness.world.body.p_WB = {1, 2, 3};
+  const std::string pattern = cas::test::source_dir() + "/config/lidars/vlp16.yaml";
+  for (int lidar = 0; lidar < 2; ++lidar) {
+    harness.add("lidar", "{pattern: " + pattern + ", rate_hz: 10, min_m: 0.1, max_m: 50}");
+  }
+  harness.add("recorder", "{file: truth.csv, rate_hz: 100, clouds: run/clouds.csv}");
+  harness.run(std::chrono::seconds(2));
+  harness.finish();
+  const auto rows = lines_of(folder / "run/clouds.csv");
+  ASSERT_GT(rows.size(), 1U);
+  EXPECT_EQ(rows[0], "time_s,east_m,north_m,up_m");
+  std::map<std::string, int> returns;  // by the time of the scans
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const auto comma = rows[i].find(',');
+    ++returns[rows[i].substr(0, comma)];
+    EXPECT_EQ(rows[i].substr(rows[i].rfind(',') + 1), "0") << "the ground";
+  }
+  ASSERT_EQ(returns.size(), 3U) << "from 0.5 s on";
+  for (const auto& [time, count] : returns) {
+    EXPECT_GT(count, 2 * 300) << "at " << time;
+    EXPECT_LE(count, 2 * 600) << "at " << time;
+  }
+}
+
+TEST(RecorderPlugin, WithoutALidarWritesNoReturns) {
+  const Folder folder;
+  test::PluginHarness harness(std::chrono::milliseconds(1), folder.path());
+  harness.add("recorder", "{file: truth.csv, rate_hz: 100, clouds: run/clouds.csv}");
+  harness.run(std::chrono::seconds(1));
+  harness.finish();
+  EXPECT_FALSE(std::filesystem::exists(folder / "run"));
 }
 
 TEST(RecorderPlugin, WritesALogThatKeepsTheRulesOfUlog) {

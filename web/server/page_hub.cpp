@@ -36,7 +36,7 @@ constexpr const char* kHilsTopics[] = {"fault", "verdict"};
 
 /// How often each topic is asked for at most, Hz.
 constexpr std::pair<const char*, double> kRates[] = {
-    {"sim", 60}, {"links", 2}, {"loop", 1}, {"messages", 1}, {"value", 10}, {"vehicle", 10}};
+    {"sim", 60}, {"clouds", 5}, {"links", 2}, {"loop", 1}, {"messages", 1}, {"value", 10}, {"vehicle", 10}};
 
 /// Of a run of hils.
 constexpr std::pair<const char*, double> kRunRates[] = {{"ref", 20}, {"verdict", 2}};
@@ -263,6 +263,9 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
 
   void add_questions() {
     topics.at("sim").ask = [this](Take take) { ask_sim(std::move(take)); };
+    topics.at("clouds").ask = [this](Take take) {
+      hilsim.upstream->call("sim.clouds", Json(), taker(std::move(take)));
+    };
     topics.at("links").ask = [this](Take take) { ask_links(std::move(take)); };
     topics.at("loop").ask = [this](Take take) { ask_loop(std::move(take)); };
     topics.at("messages").ask = [this](Take take) { ask_messages(std::move(take)); };

@@ -33,6 +33,10 @@ constexpr double kSeaLevelAir_kg_m3 = 1.225;  // standard atmosphere
 constexpr double kSound_m_s = 340.3;          // at sea level, standard atmosphere
 constexpr double kMostMach = 0.95;
 constexpr double kLongestLag_s = 0.6;
+constexpr double kTouchingDiscs_m = 0.005;
+constexpr double kOnePlane = 0.02;           // of the radii of two discs, along their axis
+constexpr double kCoaxial = 0.1;             // of the radii of two discs, across their axis
+constexpr double kParallel = 0.98;           // cosine of the angle between two axes
 constexpr double kMostTorque = 2;            // over thrust, times the radius of the disc
 constexpr double kLeastTorque = 0.5;         // of that of a rotor without any loss
 constexpr double kRotorInertia = 0.002;      // of the body's
@@ -102,6 +106,7 @@ class Check {
     check_air();
     check_balance();
     check_tips();
+    if (warnings_.empty()) check_discs();
     check_lag();
     return std::move(warnings_);
   }
@@ -262,6 +267,35 @@ class Check {
         : mach / kRadPerS < kMostMach ? ": omega_max_rad_s may be in rev/min instead of rad/s"
                                       : "";
     say("the tips of its rotors reach Mach " + text(mach) + unit);
+  }
+
+  /// Propellers in one plane keep clear of one another; coaxial ones and those of two heights may
+  /// not.
+  void check_discs() {
+    for (std::size_t i = 0; i < vehicle_.rotors.size(); ++i) {
+      for (std::size_t k = i + 1; k < vehicle_.rotors.size(); ++k) {
+        const double overlap_m = overlap(vehicle_.rotors[i], vehicle_.rotors[k]);
+        if (overlap_m <= kTouchingDiscs_m) continue;
+        say(fmt::format(
+            "the propellers of rotors {} and {} overlap by {:.3g} m: radius_m or a place may be "
+            "wrong",
+            i + 1, k + 1, overlap_m));
+        return;
+      }
+    }
+  }
+
+  /// How far the discs of two rotors that push along one axis in one plane reach into one another;
+  /// not above 0 where they do not.
+  static double overlap(const base::Rotor& one, const base::Rotor& other) {
+    const Eigen::Vector3d between = other.position_B_m - one.position_B_m;
+    const double radii = one.params.radius_m + other.params.radius_m;
+    const double apart = one.axis_B.dot(between);
+    const double aside = (between - one.axis_B * apart).norm();
+    const bool coaxial = aside < kCoaxial * radii;
+    const bool parallel = std::abs(one.axis_B.dot(other.axis_B)) > kParallel;
+    if (coaxial || !parallel || std::abs(apart) > kOnePlane * radii) return 0;
+    return radii - aside;
   }
 
   void check_lag() {

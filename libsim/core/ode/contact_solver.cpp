@@ -10,7 +10,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <deque>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -33,7 +32,6 @@ static_assert(sizeof(dReal) == sizeof(double), "CAS needs ODE in double precisio
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostFound = 512;  // contacts of one pair of shapes that are looked at
 constexpr double kDeepestPush = 5.0;     // m/s: speed at which overlapping bodies are parted
 constexpr double kNoSlip = 1e-9;         // m/s: below, slip has no direction

@@ -112,6 +112,26 @@ TEST_F(Hilsim, MotionBeginsAnewWithAReset) {
   EXPECT_TRUE(wait_until([&] { return client.call("sim.watch", nullptr).at("v")[0] == blank; }));
 }
 
+TEST_F(Hilsim, TellsWhatLidarsSeeUntilAReset) {
+  ChildProcess hilsim(
+      command(write("realtime",
+                    "[{plugin: motor}, {plugin: lidar, pattern: ../lidars/vlp16.yaml, rate_hz: 10, "
+                    "min_m: 0.1, max_m: 50}]"),
+              {"--paused"}));
+  ASSERT_TRUE(hilsim.wait_ready()) << hilsim.output();
+  Client client("unix:" + socket());
+  EXPECT_EQ(client.call("sim.clouds", nullptr).at("v"), Json::array({Json::array()}));
+  client.call("sim.step", {{"n", 250}});
+  const Json places = client.call("sim.clouds", nullptr).at("v")[0];
+  ASSERT_GT(places.size(), 3 * 300U);
+  ASSERT_LE(places.size(), 3 * 1500U);
+  for (std::size_t i = 2; i < places.size(); i += 3) {
+    EXPECT_NEAR(places[i].get<double>(), 0, 0.011) << "the ground";
+  }
+  client.call("sim.reset", nullptr);
+  EXPECT_EQ(client.call("sim.clouds", nullptr).at("v"), Json::array({Json::array()}));
+}
+
 TEST_F(Hilsim, PluginsReadNamedFilesAndWriteResultsAndNothingElse) {
   const cas::test::TemporaryFolder elsewhere;
   elsewhere.write("key", "secret");

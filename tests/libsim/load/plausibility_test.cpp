@@ -147,7 +147,10 @@ INSTANTIATE_TEST_SUITE_P(
                  "time constant of 20 s: it may be in ms"},
         UnitCase{"RadiusInMillimetres",
                  [](Flown& f) { each_rotor(f, [](auto& r) { r.params.radius_m *= 1000; }); },
-                 "radius_m may be in mm instead of m"}),
+                 "radius_m may be in mm instead of m"},
+        UnitCase{"PropellersThatOverlap",
+                 [](Flown& f) { each_rotor(f, [](auto& r) { r.params.radius_m *= 2; }); },
+                 "the propellers of rotors 1 and "}),
     [](const auto& test) { return test.param.name; });
 
 TEST(Plausibility, SpeedsInRevolutionsAMinuteShowInThrustAndTips) {
@@ -156,6 +159,18 @@ TEST(Plausibility, SpeedsInRevolutionsAMinuteShowInThrustAndTips) {
   EXPECT_THAT(implausible(flown.vehicle, flown.model),
               ElementsAre(HasSubstr("omega_max_rad_s may be in rev/min"),
                           HasSubstr("omega_max_rad_s may be in rev/min instead of rad/s")));
+}
+
+TEST(Plausibility, PropellersMayOverlapInTwoHeightsOrOnOneAxis) {
+  for (const Eigen::Vector3d& place :
+       {Eigen::Vector3d(0.13, -0.2, 0.05), Eigen::Vector3d(0, 0, 0)}) {
+    Flown flown = load(test::kSourceDir / "config/vehicles/quad_x.yaml");
+    flown.vehicle.rotors.resize(2);
+    flown.vehicle.rotors[1].position_B_m = flown.vehicle.rotors[0].position_B_m + place;
+    for (const std::string& warning : implausible(flown.vehicle, flown.model)) {
+      EXPECT_THAT(warning, testing::Not(HasSubstr("overlap")));
+    }
+  }
 }
 
 TEST(Plausibility, GravityPointsDownInMetres) {

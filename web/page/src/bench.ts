@@ -3,8 +3,8 @@
 import {fromHome, quaternionOf, rpyOf, type Place, type Quat, type Rpy, type Vec3} from './frames.ts';
 import {kWarning} from './protocol.ts';
 import type {
-  Delay, Happening, Hop, ListedMessage, LoopFigures, RunStatus, Scene, SceneVehicle, SimVehicle, SnapLinks, SnapLoop, SnapRef, SnapSim,
-  SnapTape, Span, Stage, VehicleState, Verdict,
+  Delay, Happening, Hop, ListedMessage, LoopFigures, RunStatus, Scene, SceneVehicle, SimVehicle, SnapClouds, SnapLinks, SnapLoop, SnapRef,
+  SnapSim, SnapTape, Span, Stage, VehicleState, Verdict,
 } from './protocol.ts';
 import {rowsOf} from './record.ts';
 
@@ -92,6 +92,7 @@ export class Bench {
   private selectedSystem_?: number;
   scene?: Scene;
   wind_W?: Vec3;
+  clouds: SnapClouds = {v: []};
   links?: SnapLinks;
   loopMeasured = 'stamps';
   loopOpen_s?: number;
@@ -163,6 +164,7 @@ export class Bench {
       case 'snap.sim': return this.onSim(params as SnapSim);
       case 'snap.vehicle': return this.onVehicle(params as {vehicles: {state: VehicleState}[]});
       case 'snap.ref': return this.onReference(params as SnapRef);
+      case 'snap.clouds': this.clouds = params as SnapClouds; return;
       case 'snap.links': this.links = params as SnapLinks; return;
       case 'snap.loop': return this.onLoop(params as SnapLoop);
       case 'snap.tape': this.tape = params as SnapTape; return;
@@ -340,6 +342,7 @@ export class Bench {
   /** Nothing of a simulator that has ended is shown. */
   private dropSim(): void {
     for (const vehicle of this.vehicles) vehicle.sim = vehicle.reference = vehicle.told = undefined;
+    this.clouds = {v: []};
     this.wind_W = this.rate = this.lateSteps = undefined;
     this.paused = false;
   }

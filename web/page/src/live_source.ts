@@ -14,7 +14,7 @@ const kLastRetry_s = 4;
 const kHidden_ms = 1000;
 const kMostFields = 10;
 const kDegrees = 180 / Math.PI;
-const kTopics = ['sim', 'links', 'loop', 'messages', 'value', 'vehicle', 'verdict', 'tape', 'ref'];
+const kTopics = ['sim', 'clouds', 'links', 'loop', 'messages', 'value', 'vehicle', 'verdict', 'tape', 'ref'];
 
 const kUnknownToken = 'casweb does not know this token: open the address that it printed.';
 

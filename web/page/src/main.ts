@@ -37,6 +37,7 @@ function hook(started_ms: number) {
         flat: world?.flat ?? '', frames: world?.view?.frames ?? 0, playing: page.source?.player?.playing, speed: page.source?.player?.speed,
         links: bench.links?.hops, loop: bench.loop, tape: bench.tape?.around, verdict: bench.verdict?.state, touched: bench.verdict?.touched,
         faults: bench.faults.map((fault) => fault.name), programs3d: world?.view?.programs, ownMeshes: world?.view?.ownMeshes ?? 0, worldParts: world?.view?.worldParts ?? 0,
+        returns: world?.view?.returns ?? 0,
         happenings: bench.happenings.length, messages: bench.messages.length, question: page.question?.text, refusal: page.refusal,
         theme: theme(), firstData_ms: firstData_ms === undefined ? undefined : firstData_ms - started_ms,
       };

@@ -70,6 +70,11 @@ export interface SnapSim {
   o?: {p: Vec3; q: Quat}[];
 }
 
+/** Returns of the lidars: of each vehicle x, y, z in W, one after the other. */
+export interface SnapClouds {
+  v: ArrayLike<number>[];
+}
+
 export interface Delay {
   p50: number;
   p99: number;

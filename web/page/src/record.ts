@@ -43,6 +43,8 @@ interface RecordVehicle {
   events?: {t_s: number; kind: Happening['kind']; text: string; by?: string; before?: number | null; after?: number | null}[];
   responses?: StepResponse[];
   truth?: Record<string, Column> | null;
+  /** Returns of its lidars, scan by scan: moment, east, north, up in W. */
+  clouds?: Record<string, Column> | null;
   reference?: Record<string, Column> | null;
   /** Of the estimate, in W; without it the first true position. */
   origin?: Vec3;
@@ -81,6 +83,8 @@ export interface RecordFile {
 const kDegrees = 180 / Math.PI;
 /** How long a message counts as fresh: three periods, at least 0.3 s. */
 const kFresh_s = 0.3;
+/** So long the returns of a lidar are shown. */
+const kCloud_s = 1;
 
 type Columns = Record<string, Float64Array>;
 
@@ -148,6 +152,8 @@ const kLanded = ['', 'on_ground', 'in_air', 'takeoff', 'landing'];
 export class VehicleRecord {
   readonly truth: Columns | undefined;
   readonly reference: Columns | undefined;
+  private readonly clouds: Columns | undefined;
+  private cloud: {first: number; end: number; places: Float32Array} = {first: 0, end: 0, places: new Float32Array()};
   readonly messages: RecordMessage[];
   /** From its HEARTBEATs; those of other components of the system do not count. */
   readonly autopilot: string | undefined;
@@ -158,6 +164,7 @@ export class VehicleRecord {
   constructor(readonly raw: RecordVehicle) {
     this.truth = decodeAll(raw.truth);
     this.reference = decodeAll(raw.reference);
+    this.clouds = decodeAll(raw.clouds);
     this.messages = (raw.log?.messages ?? []).map((message) => new RecordMessage(message));
     const autopilots = this.message('HEARTBEAT')?.fields.get('autopilot')?.values ?? [];
     this.autopilot = raw.log?.autopilot ?? kAutopilots[autopilots.find((value) => value in kAutopilots) ?? -1];
@@ -210,6 +217,22 @@ export class VehicleRecord {
       rotors: each('rotor'),
       surfaces: each('surface'),
     };
+  }
+
+  /** East, north and up of what its lidars saw just before a moment, one after the other; the same object while it stays. */
+  cloudAt(t: number): Float32Array {
+    const {clouds} = this;
+    if (!clouds) return this.cloud.places;
+    const first = indexAt(clouds.t!, t - kCloud_s) + 1;
+    const end = indexAt(clouds.t!, t) + 1;
+    if (first !== this.cloud.first || end !== this.cloud.end) {
+      const places = new Float32Array(3 * (end - first));
+      [clouds.e!, clouds.n!, clouds.u!].forEach((column, axis) => {
+        for (let i = first; i < end; ++i) places[3 * (i - first) + axis] = column[i]!;
+      });
+      this.cloud = {first, end, places};
+    }
+    return this.cloud.places;
   }
 
   /** The reference at a moment; undefined outside the flight. */

@@ -128,6 +128,8 @@ export class RecordSource implements Source, Player {
     } else {
       bench.paused = !this.playing;
     }
+    const clouds = record.vehicles.map((vehicle) => vehicle.cloudAt(t));
+    if (clouds.some((cloud, i) => cloud !== bench.clouds.v[i])) bench.apply('snap.clouds', {v: clouds});
     bench.beside = this.second?.vehicles.map((vehicle) => vehicle.simAt(t + this.shift_s)) ?? [];
     bench.apply('snap.ref', {v: record.vehicles.map((vehicle) => vehicle.referenceAt(t) ?? null)});
     bench.apply('snap.vehicle', {vehicles: record.vehicles.map((vehicle) => ({state: vehicle.stateAt(t)}))});

@@ -22,6 +22,8 @@ import {colour} from './theme.ts';
 const kThrustScale_m_n = 0.075;
 const kGrid_m = 26;
 const kTrailLive_s = 12;
+/** Returns of lidars so far above or below a vehicle are hardly in its way. */
+const kLevel_m = 1.5;
 const kChange_s = 0.25;
 const kRotorSlowness = 50;
 /** Without a graphics card: pixels of the drawing for one of the screen, and the time between two pictures. */
@@ -301,12 +303,17 @@ export class View3D {
   private readonly slow: boolean;
   private drawn_s = -1;
   private crafts: Craft[] = [];
+  private readonly cloudMaterial = new PointsMaterial({vertexColors: true, size: 3, sizeAttenuation: false});
   private ghost?: Group;
   private besideGhost?: Group;
   private trail?: Line2;
   private besideTrail?: Line2;
   private trailMaterial!: LineMaterial;
   private reference!: Sprite;
+  private cloud?: Points;
+  private clouds?: Bench['clouds'];
+  /** Returns of lidars in the picture. */
+  returns = 0;
   private path?: Points;
   private pathKey = '';
   private drop!: Line;
@@ -459,6 +466,8 @@ export class View3D {
     this.scene.add(this.reference, this.drop, this.ring);
     this.addWind();
     this.path = undefined;
+    this.cloud = undefined;
+    this.clouds = undefined;
     this.trailKey = '';
     if (first) this.frameAll(bench);
   }
@@ -604,12 +613,13 @@ export class View3D {
     this.build(bench);
     this.moveVehicles(bench, passed);
     this.moveMarks(bench, replay);
+    this.moveCloud(bench);
     this.moveTrail(bench, replay);
     this.moveWind(bench);
     this.moveCamera(bench, passed);
     this.moveScale(bench);
     const places = bench.vehicles.map((vehicle) => [bench.motion(vehicle)?.motion.p, bench.estimate(vehicle)?.p]);
-    const shown = `${this.built}|${bench.time_s}|${bench.paused}|${places.join()}|${w}x${h}|${this.camera.matrixWorld.elements.join()}|${this.meshes}`;
+    const shown = `${this.built}|${bench.time_s}|${bench.paused}|${places.join()}|${w}x${h}|${this.camera.matrixWorld.elements.join()}|${this.meshes}|${this.cloud?.id}`;
     if (shown === this.shown && this.changing === 0) return;  // nothing moved
     if (this.slow && now_s - this.drawn_s < kSlowPeriod_s) return;
     this.drawn_s = now_s;
@@ -726,6 +736,34 @@ export class View3D {
     this.path = new Points(geometry, new PointsMaterial({color: hex('ref'), size: 2.2, sizeAttenuation: false, transparent: true, opacity: 0.8}));
     this.path.frustumCulled = false;
     this.scene.add(this.path);
+  }
+
+  /** Returns of the lidars: strong at the height of the vehicle, where they are in its way. */
+  private moveCloud(bench: Bench): void {
+    if (bench.clouds === this.clouds) return;
+    this.clouds = bench.clouds;
+    if (this.cloud) {
+      this.scene.remove(this.cloud);
+      this.cloud.geometry.dispose();
+      this.cloud = undefined;
+    }
+    const points = bench.clouds.v.flatMap((places) => Array.from(places));
+    this.returns = points.length / 3;
+    if (points.length === 0) return;
+    const height = bench.motion()?.motion.p[2] ?? 0;
+    const [away, level] = [hex('t3'), hex('amber')];
+    const mixed = new Color();
+    const colours: number[] = [];
+    for (let i = 2; i < points.length; i += 3) {
+      mixed.lerpColors(away, level, Math.exp(-(((points[i]! - height) / kLevel_m) ** 2)));
+      colours.push(mixed.r, mixed.g, mixed.b);
+    }
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', new Float32BufferAttribute(points, 3));
+    geometry.setAttribute('color', new Float32BufferAttribute(colours, 3));
+    this.cloud = new Points(geometry, this.cloudMaterial);
+    this.cloud.frustumCulled = false;
+    this.scene.add(this.cloud);
   }
 
   private moveTrail(bench: Bench, replay: boolean): void {

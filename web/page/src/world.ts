@@ -99,6 +99,7 @@ export class World extends Part {
       <div class="hud bl optional"><span class="chip"><i class="truth-i"></i><span>${bench.beside.length > 0 ? 'A' : hasTruth ? 'vehicle' : 'vehicle at its estimate'}</span>${
         hasTruth ? html`<i class="est-i"></i><span>estimate</span>` : nothing}${
         bench.vehicle?.reference ? html`<i class="ref-i"></i><span>reference</span>` : nothing}${
+        bench.clouds.v.some(({length}) => length > 0) ? html`<i class="lidar-i"></i><span>lidar</span>` : nothing}${
         bench.beside.length > 0 ? html`<span class="c-t2">┄ B</span>` : nothing}</span></div>
       <div class="hud br optional">${this.flat ? nothing : html`<span class="chip">trail: error 0<span class="scale"></span>${bench.errorLimit_m} m</span>`}
         <span class="chip">frame W · grid ${this.view?.scale.step_m ?? this.grid_m} m${this.enlarged > 1 ? ` · vehicle × ${this.enlarged}` : ''}</span></div>

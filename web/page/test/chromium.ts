@@ -42,6 +42,7 @@ export interface SceneHook {
   programs3d?: number[];
   ownMeshes: number;
   worldParts: number;
+  returns: number;
   messages: number;
   question?: string;
   refusal: string;

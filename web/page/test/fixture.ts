@@ -8,7 +8,7 @@ export const kDuration_s = 40;
 /** The second in which 7 HIL_SENSOR are lost on the line. */
 export const kLossSecond = 24;
 
-function column(values: number[], k: number): Column {
+export function column(values: number[], k: number): Column {
   let before = 0;
   return {k, d: values.map((value) => {
     const next = Math.round(value / k);

@@ -84,7 +84,7 @@ class FakeServer {
     const refusal = method.startsWith('sim.') && this.down.has('hilsim') ? 'there is no hilsim' : this.refuses.get(method);
     const answer = refusal ? {error: {code: -32000, message: refusal}} : {result: this.answer(method)};
     this.socket!.send(JSON.stringify({jsonrpc: '2.0', id, ...answer}));
-    if (method === 'watch') for (const topic of ['sim', 'vehicle', 'links', 'messages', ...(this.run ? ['ref', 'verdict'] : [])]) this.feed(topic);
+    if (method === 'watch') for (const topic of ['sim', 'clouds', 'vehicle', 'links', 'messages', ...(this.run ? ['ref', 'verdict'] : [])]) this.feed(topic);
   }
 
   private answer(method: string): unknown {
@@ -92,7 +92,7 @@ class FakeServer {
     switch (method) {
       case 'hello': return {
         protocol: 2, casweb: '0.1.0', read_only: this.readOnly, source: 'live', casd: '0.1.0', hilsim: '0.1.0', clock: {sim_s: 10, rate: 1, paused: false},
-        topics: {sim: 60, links: 2, loop: 1, messages: 1, value: 10, vehicle: 10, ...(this.run ? {ref: 20, verdict: 2} : {})},
+        topics: {sim: 60, clouds: 5, links: 2, loop: 1, messages: 1, value: 10, vehicle: 10, ...(this.run ? {ref: 20, verdict: 2} : {})},
         methods: this.readOnly ? ['ack', 'watch'] : ['ack', 'watch', 'vehicle.hold', 'vehicle.arm', ...(this.run ? ['fault.inject'] : [])],
       };
       case 'sim.scene': return {hash: 'a', frame: 'W', home: kHome, vehicles: [{type: 'iris_paper', ...record.vehicles[0]!.scene, name: 'iris0', system: 1}], obstacles: [], world: [{shape: 'plane', p: [0, 0, 0], q: [1, 0, 0, 0]}, {shape: 'box', size_m: [1, 2, 3], p: [5, 5, 1.5], q: [1, 0, 0, 0]}]};
@@ -124,6 +124,7 @@ class FakeServer {
         {from: 'casd', to: 'sim', link: 'sim1', system: 1, type: 'udp', state: 'up', msgs: {HIL_CONTROLS: 400}, measured: 'none'},
       ], forward_us: [{from: 'sim', to: 'fcu', from_link: 'sim1', to_link: 'fcu1', system: 1, count: 1, p50: 28, p99: 132}]},
       ref: {t_s: this.time_s - 0.1, v: [{p_W: [e, n + 0.2, u], v_W: [0, 1, 0], yaw_rad: 0}]},
+      clouds: {t_s: this.time_s, v: [[e, n + 2, u, e, n, 0]]},
       verdict: this.run ?? {},
       messages: {messages: [{link: 'fcu', direction: 'rx', id: 0, name: 'HEARTBEAT', system: 1, component: 1, count: 9, hz: 1, age_s: 0.3}]},
     };

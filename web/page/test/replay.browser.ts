@@ -8,7 +8,7 @@ import {after, before, test} from 'node:test';
 import {pathToFileURL} from 'node:url';
 import type {Browser, Page} from 'playwright-core';
 import {complaints, launch, launchFlat, scene, until} from './chromium.ts';
-import {kDuration_s, makeRecord, pack} from './fixture.ts';
+import {column, kDuration_s, makeRecord, pack} from './fixture.ts';
 
 let browser: Browser;
 const folder = mkdtempSync(join(tmpdir(), 'cas-page-'));
@@ -107,11 +107,19 @@ test('a failed flight opens before its failure, in its world, with the step that
     meshes: [Buffer.from(bytes).toString('base64')],
   };
   const vehicle = record.vehicles[0]!;
+  // A scan of two returns at 16.5 s, one of a single return at 17.5 s: each is shown for a second.
+  vehicle.clouds = {t: column([16.5, 16.5, 17.5], 0.001), e: column([1, 2, 3], 0.01), n: column([0, 0, 1], 0.01), u: column([1, 1, 2], 0.01)};
   vehicle.events = [...(vehicle.events ?? []), {t_s: 20, kind: 'incident', text: "the vehicle hit 'wall' at 4.0 m/s"}];
   vehicle.stages!.at(-1)!.finished = false;
   const {page, errors} = await open(replay('crash', [pack(record)]));
   const now = await until(page, 'box and mesh of the world', (scene) => scene.frames > 0 && scene.worldParts === 2);
   assert.equal(now.time_s, 17);
+  await until(page, 'the returns of the lidar', (scene) => scene.returns === 2);
+  await page.getByText('lidar', {exact: true}).waitFor();
+  await page.keyboard.press('ArrowRight');
+  await until(page, 'the next scan alone', (scene) => scene.time_s === 18 && scene.returns === 1);
+  await page.keyboard.press('ArrowRight');
+  await until(page, 'no old scan', (scene) => scene.time_s === 19 && scene.returns === 0);
   await page.getByText('not done').first().waitFor({state: 'attached'});
   assert.deepEqual(errors, []);
   await page.close();
