@@ -137,6 +137,13 @@ Samples samples_of(TIFF* tiff, const fs::path& file) {
          "ones of 32 or 64");
 }
 
+/// With a degree to spare on each side; false for what is no number.
+bool is_on_earth(const ElevationGrid& grid) {
+  return grid.step_lon_deg > 0 && grid.step_lat_deg > 0 && std::abs(grid.west_deg) <= 361 &&
+         std::abs(grid.north_deg) <= 91 && grid.columns * grid.step_lon_deg <= 362 &&
+         grid.rows * grid.step_lat_deg <= 182;
+}
+
 ElevationGrid grid_of(TIFF* tiff, const fs::path& file) {
   const auto scale = numbers_of<double>(tiff, kPixelScale);
   const auto tie = numbers_of<double>(tiff, kTiePoint);
@@ -160,20 +167,18 @@ ElevationGrid grid_of(TIFF* tiff, const fs::path& file) {
            "an elevation file has 2 to a million samples along an edge, and at most 16 "
            "million in a tile or strip");
   }
-  if (!(scale[0] > 0 && scale[0] < 90 && scale[1] > 0 && scale[1] < 90) ||
-      !(std::abs(tie[3]) <= 360 && std::abs(tie[4]) <= 91)) {
-    refuse(file, "its place on Earth is not in degrees");
-  }
   // The tie point is a corner of a pixel, or the sample itself.
   const double middle = geo_key(keys, kRasterType) == kPixelIsPoint ? 0 : 0.5;
-  return {.west_deg = tie[3] + (middle - tie[0]) * scale[0],
-          .north_deg = tie[4] - (middle - tie[1]) * scale[1],
-          .step_lon_deg = scale[0],
-          .step_lat_deg = scale[1],
-          .columns = static_cast<int>(columns),
-          .rows = static_cast<int>(rows),
-          .block_columns = static_cast<int>(block_columns),
-          .block_rows = static_cast<int>(block_rows)};
+  const ElevationGrid grid{.west_deg = tie[3] + (middle - tie[0]) * scale[0],
+                           .north_deg = tie[4] - (middle - tie[1]) * scale[1],
+                           .step_lon_deg = scale[0],
+                           .step_lat_deg = scale[1],
+                           .columns = static_cast<int>(columns),
+                           .rows = static_cast<int>(rows),
+                           .block_columns = static_cast<int>(block_columns),
+                           .block_rows = static_cast<int>(block_rows)};
+  if (!is_on_earth(grid)) refuse(file, "its place on Earth is not in degrees");
+  return grid;
 }
 
 template <class T>

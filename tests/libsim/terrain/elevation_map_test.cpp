@@ -92,6 +92,7 @@ struct TiffForm {
   bool is_float;
   bool is_point;  // the tie point is a sample, not a corner of its pixel
   std::uint16_t model = kGeographic;
+  double tie_column = 0;
 };
 
 /// 50 x 40 samples, 0.01 degree apart; the tie point of the first is at 8 E, 48 N.
@@ -113,7 +114,7 @@ void write_geotiff(const fs::path& file, const TiffForm& form, double west = 8) 
   TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
   TIFFSetField(tiff, TIFFTAG_PREDICTOR, form.is_float ? PREDICTOR_FLOATINGPOINT : 2);
   const double scale[3] = {0.01, 0.01, 0};
-  const double tie[6] = {0, 0, 0, west, 48, 0};
+  const double tie[6] = {form.tie_column, 0, 0, west, 48, 0};
   const std::uint16_t keys[12] = {1,    1, 0, 2,
                                   1024, 0, 1, form.model,
                                   1025, 0, 1, static_cast<std::uint16_t>(form.is_point ? 2 : 1)};
@@ -192,8 +193,24 @@ TEST(Geotiff, NeighboursMeetWithoutAStep) {
 TEST(Geotiff, OfAnotherProjectionNamesTheRemedy) {
   const cas::test::TemporaryFolder folder;
   const fs::path file = folder.path() / "utm.tif";
-  write_geotiff(file, {"", true, true, false, kProjected});
+  write_geotiff(file, {"", true, true, false, kProjected, 0});
   EXPECT_NE(refusal([&] { map_of(file); }).find("gdalwarp -t_srs EPSG:4326"), std::string::npos);
+}
+
+TEST(Geotiff, ThatLiesNowhereOnEarthIsRefused) {
+  const cas::test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "hill.tif";
+  for (const double tie_column : {std::nan(""), 1e300, 1e5}) {
+    write_geotiff(file, {.name = "nowhere",
+                         .tiled = false,
+                         .is_float = false,
+                         .is_point = true,
+                         .model = kGeographic,
+                         .tie_column = tie_column});
+    EXPECT_NE(refusal([&] { map_of(file); }).find("its place on Earth is not in degrees"),
+              std::string::npos)
+        << tie_column;
+  }
 }
 
 TEST(Geotiff, ThatIsCutIsNamed) {
