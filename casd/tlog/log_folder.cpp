@@ -27,8 +27,21 @@ namespace {
 constexpr mode_t kNewFolder = 0777;  // masked by the process's umask
 constexpr mode_t kNewFile = 0640;    // it shows where a vehicle was
 
-base::Descriptor open_folder(const std::filesystem::path& path) {
-  return base::Descriptor(::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+/// A symlink in its place is followed when root or this user laid it. @return nothing with errno
+/// set, ELOOP for another one
+base::Descriptor open_folder(const std::filesystem::path& folder) {
+  // With a slash at its end lstat(2) would look behind the symlink.
+  const std::filesystem::path path = folder.has_filename() ? folder : folder.parent_path();
+  int how = O_RDONLY | O_DIRECTORY | O_CLOEXEC | O_NOFOLLOW;
+  struct stat status {};
+  if (::lstat(path.c_str(), &status) == 0 && S_ISLNK(status.st_mode)) {
+    if (status.st_uid != 0 && status.st_uid != ::geteuid()) {
+      errno = ELOOP;
+      return {};
+    }
+    how &= ~O_NOFOLLOW;
+  }
+  return base::Descriptor(::open(path.c_str(), how));
 }
 
 std::string mib(std::uint64_t bytes) { return fmt::format("{} MiB", bytes / (1024 * 1024)); }

@@ -194,6 +194,23 @@ TEST(LogFolder, SaysWhetherItTakesFilesToSeveralThreadsAtOnce) {
   }
 }
 
+TEST(LogFolder, IsNotWhereAnotherUsersSymlinkLeads) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can lay files for another user";
+  constexpr uid_t kSomebody = 65534;
+  const cas::test::TemporaryFolder place;
+  fs::create_directory(place / "real");
+  for (const auto& [name, owner] : {std::pair{"own", uid_t{0}}, {"theirs", kSomebody}}) {
+    fs::create_directory_symlink(place / "real", place / name);
+    ASSERT_EQ(::lchown((place / name).c_str(), owner, owner), 0);
+    for (const fs::path& path : {place / name, place / name / ""}) {
+      EXPECT_EQ(LogFolder(path).takes_files(), owner == 0) << path;
+      if (owner != 0) {
+        EXPECT_EQ(errno, ELOOP) << path;
+      }
+    }
+  }
+}
+
 TEST(LogFolder, SaysWhyItTakesNoFiles) {
   const cas::test::TemporaryFolder place;
   place.write("file", "x");
