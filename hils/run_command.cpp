@@ -40,7 +40,6 @@
 #include "hils/run/scratch_folder.hpp"
 #include "hils/run/station_endpoint.hpp"
 #include "hils/scenario/scenario.hpp"
-#include "hils/scenario/scenario_reference.hpp"
 #include "hils/scenario_list.hpp"
 #include "hils/sweep/key_path.hpp"
 #include "hils/ulog/run_ulog.hpp"

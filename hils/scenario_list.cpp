@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <map>
-#include <vector>
 
 #include "base/config/install_paths.hpp"
 #include "base/error.hpp"

@@ -8,7 +8,6 @@
 #include "base/config/model_builder.hpp"
 #include "base/config/model_motors.hpp"
 #include "base/config/unread_elements.hpp"
-#include "base/error.hpp"
 
 namespace cas::base {
 namespace {

@@ -12,7 +12,6 @@
 #include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
 #include <chrono>
-#include <string_view>
 #include <utility>
 #include <vector>
 

@@ -2,7 +2,6 @@
 #include "casd/link/ingress.hpp"
 
 #include <fmt/format.h>
-#include <string>
 #include <utility>
 
 #include "base/os/log.hpp"

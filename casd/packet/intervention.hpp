@@ -5,7 +5,6 @@
 #include <deque>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include "base/time/clock.hpp"
 #include "casd/packet/link_id.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/port/figure_methods.hpp"
 
-#include <chrono>
 #include <nlohmann/json.hpp>
 #include <utility>
 

@@ -9,7 +9,6 @@
 
 #include "base/os/mutex.hpp"
 #include "base/time/clock.hpp"
-#include "casd/packet/link_mask.hpp"
 #include "casd/packet/packet_info.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 #include "mavlink_gen/services/motion.hpp"

@@ -8,7 +8,6 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <vector>
 
 #include "casd/counters/link_counters.hpp"
 #include "casd/packet/packet_port.hpp"

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "base/time/clock.hpp"
-#include "casd/packet/link_id.hpp"
 #include "casd/station/vehicle_table.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
 

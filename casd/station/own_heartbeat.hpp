@@ -6,7 +6,6 @@
 #include <span>
 
 #include "base/time/clock.hpp"
-#include "casd/packet/link_id.hpp"
 #include "casd/station/vehicle_table.hpp"
 #include "mavlink/common/heartbeat.hpp"
 

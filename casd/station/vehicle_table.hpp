@@ -10,7 +10,6 @@
 #include <string>
 #include <utility>
 #include <variant>
-#include <vector>
 
 #include "base/time/clock.hpp"
 #include "casd/packet/intervention.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/tlog/tlog_writer.hpp"
 
-#include <cerrno>
 #include <chrono>
 #include <future>
 #include <new>

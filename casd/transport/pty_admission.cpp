@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 #include <sstream>
-#include <string_view>
 
 #include "base/error.hpp"
 #include "base/os/pty_lock.hpp"

@@ -11,7 +11,6 @@
 #include <cstring>
 #include <system_error>
 #include <thread>
-#include <utility>
 
 #include "base/os/host_port.hpp"
 #include "base/os/lack_of_memory.hpp"

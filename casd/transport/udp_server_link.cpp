@@ -8,7 +8,6 @@
 #include <bit>
 #include <cerrno>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
 

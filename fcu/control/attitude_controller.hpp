@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <cmath>
 
 #include "fcu/control/control_params.hpp"
 #include "fcu/control/setpoint.hpp"

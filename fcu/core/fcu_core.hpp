@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <utility>
@@ -8,21 +9,46 @@
 #include "base/time/clock.hpp"
 #include "fcu/control/control_cascade.hpp"
 #include "fcu/control/wing_controller.hpp"
+#include "fcu/core/airspeed_meter.hpp"
 #include "fcu/core/battery.hpp"
 #include "fcu/core/controller_description.hpp"
 #include "fcu/core/fcu_config.hpp"
 #include "fcu/core/home.hpp"
 #include "fcu/core/outbox.hpp"
 #include "fcu/core/pilot_input.hpp"
-#include "fcu/core/sensor_readings.hpp"
 #include "fcu/estimation/estimator.hpp"
 #include "fcu/estimation/sensor_figures.hpp"
+#include "fcu/estimation/sensor_health.hpp"
 #include "fcu/flight/commander.hpp"
 #include "fcu/flight/failsafe.hpp"
 #include "fcu/params/params.hpp"
 #include "fcu/params/settings.hpp"
+#include "mavlink/common/hil_gps.hpp"
 
 namespace cas::fcu {
+
+/// How rough the ride is, for VIBRATION: deviation of the specific force from its own mean.
+struct VibrationMeter {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();    ///< specific force in D, m/s^2
+  Eigen::Vector3d square = Eigen::Vector3d::Zero();  ///< of its deviation, m^2/s^4
+
+  void update(const Eigen::Vector3d& accel_D) {
+    constexpr double kShare = 0.002;
+    const Eigen::Vector3d off = accel_D - mean;
+    mean += kShare * off;
+    square += kShare * (off.cwiseAbs2() - square);
+  }
+};
+
+/// The newest of each sensor, and how it does.
+struct SensorReadings {
+  SensorHealth health;
+  VibrationMeter vibration;
+  AirspeedMeter airspeed;
+  std::optional<mavlink::common::HilGps> gps;
+  double pressure_hpa = 0;
+  double temperature_degc = 0;
+};
 
 /// The parts of the flight controller. The flight loop runs them, commands command them, telemetry
 /// reads them; every other unit gets those of them that it works with.

@@ -38,10 +38,6 @@ void WingTask::circle(const Vector3d& middle_N, double radius_m) {
   path_ = next;
 }
 
-void WingTask::land_at(const Vector2d& place_N, const Vector2d& from_N) {
-  asked_landing_ = LinePath{.from_N = from_N, .to_N = place_N};
-}
-
 void WingTask::activate(const TaskContext& context) {
   time_s_ = still_s_ = 0;
   if (mode_ == FlightMode::kTakeoff) {
@@ -72,8 +68,7 @@ void WingTask::begin_landing(const TaskContext& context) {
   z_m_ = std::min(context.estimate.p_N.z(), context.ground_z - kLow_m);
   const double length_m = (context.ground_z - z_m_) / std::tan(context.wing.land_slope_rad);
   const Vector2d home = context.home_N.head<2>();
-  slope_ = asked_landing_.value_or(LinePath{home - direction(context.home_yaw_rad), home});
-  asked_landing_.reset();
+  slope_ = {home - direction(context.home_yaw_rad), home};
   const Vector2d ahead = slope_.direction();
   const Vector2d right(-ahead.y(), ahead.x());
   // The flare carries it as far beyond the slope's end as the slope begins it before that.

@@ -22,8 +22,6 @@ class WingTask final : public FlightTask {
   /// Circles about a place. A coordinate that is NaN keeps its old value.
   /// @param radius_m  above 0 clockwise
   void circle(const Eigen::Vector3d& middle_N, double radius_m);
-  /// Where the next landing touches down, and from where it comes; without: home, as it took off.
-  void land_at(const Eigen::Vector2d& place_N, const Eigen::Vector2d& from_N);
 
   void activate(const TaskContext& context) override;
   ControlSetpoint update(const TaskContext& context) override;
@@ -52,7 +50,6 @@ class WingTask final : public FlightTask {
   LinePath slope_;  // to the place of touchdown
   double z_m_ = 0;  // wanted height
   std::optional<double> takeoff_z_;
-  std::optional<LinePath> asked_landing_;
   double heading_rad_ = 0;
   double time_s_ = 0;   // in the stage
   double still_s_ = 0;  // on the ground

@@ -9,7 +9,6 @@
 
 #include "hils/compare/comparison.hpp"
 #include "hils/measure/statistics.hpp"
-#include "hils/report/figure_rows.hpp"
 #include "hils/scenario/figure.hpp"
 
 namespace cas::hils {

@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <limits>
 #include <optional>
-#include <system_error>
 
 #include "base/config/config.hpp"
 #include "base/config/install_paths.hpp"

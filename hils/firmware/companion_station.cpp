@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "base/earth/deg_e7.hpp"
+#include "hils/programs/ground_station.hpp"
 #include "mavlink/common/attitude.hpp"
 #include "mavlink/common/estimator_status.hpp"
 #include "mavlink/common/local_position_ned.hpp"
@@ -99,6 +100,19 @@ void CompanionStation::upload(mav::services::MissionExchange::Items items, base:
                     uploaded_ = outcome;
                     reached_.reset();  // earlier items belong to the old mission
                   });
+}
+
+void StickStream::hold(const Sticks& sticks) {
+  if (sticks_ != sticks) since_.reset();
+  sticks_ = sticks;
+}
+
+std::optional<mavlink::common::ManualControl> StickStream::update(base::Duration vehicle_time) {
+  if (!sticks_ || !gate_.due(vehicle_time)) return std::nullopt;
+  if (!since_) since_ = vehicle_time;
+  newest_ = vehicle_time;
+  if (lost_) return std::nullopt;
+  return manual_control(*sticks_);
 }
 
 }  // namespace cas::hils

@@ -10,7 +10,6 @@
 #include <chrono>
 #include <functional>
 #include <nlohmann/json.hpp>
-#include <string_view>
 #include <vector>
 
 #include "base/angles.hpp"

@@ -3,36 +3,87 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
+#include <cstdint>
 #include <exception>
 #include <filesystem>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
 
+#include "base/earth/deg_e7.hpp"
+#include "base/earth/geodesy.hpp"
 #include "base/os/private_network.hpp"
 #include "base/read_file.hpp"
 #include "base/rpc/client.hpp"
 #include "base/time/clock.hpp"
 #include "casd/counters/link_ledger.hpp"
+#include "casd/tlog/tlog_packets.hpp"
 #include "hils/firmware/external_ahrs.hpp"
 #include "hils/firmware/firmware_bench.hpp"
 #include "hils/firmware/firmware_composition.hpp"
 #include "hils/firmware/firmware_pilot.hpp"
-#include "hils/firmware/own_home.hpp"
 #include "hils/programs/fcu_device.hpp"
 #include "hils/programs/live_run.hpp"
 #include "hils/run/run_paths.hpp"
+#include "hils/scenario/scenario.hpp"
 #include "mavlink/common/hil_sensor.hpp"
+#include "mavlink/common/home_position.hpp"
+#include "mavlink/common/table.hpp"
+#include "mavlink_gen/runtime/codec.hpp"
 
 namespace cas::hils {
 namespace {
 
 using mavlink::common::HilSensor;
+
+/// A stock autopilot's home is off by as much.
+constexpr double kOff_m = 2;
+
+std::optional<base::Geodetic> first_home(const std::filesystem::path& tlog, std::uint8_t system) {
+  std::optional<base::Geodetic> first;
+  casd::for_each_tlog_packet(tlog, mavlink::common::table(),
+                             [&](std::uint64_t, const mav::PacketView& packet) {
+                               if (first || packet.source.system != system) return;
+                               const auto home = mav::decode<mavlink::common::HomePosition>(packet);
+                               if (!home) return;
+                               first = {.lat_deg = base::degrees_of_e7(home->latitude),
+                                        .lon_deg = base::degrees_of_e7(home->longitude)};
+                             });
+  return first;
+}
+
+/// Whether an instance flew another vehicle of the world than the one whose true motion it is
+/// judged by: its first HOME_POSITION is where another vehicle started.
+///
+/// @param tlog  the flight log. An instance without a HOME_POSITION in it counts as the right one
+/// @param system  of the instance
+/// @return a sentence without a full stop; nullopt: it is the right one
+std::optional<std::string> home_fault(const Scenario& scenario, std::size_t vehicle,
+                                      const std::filesystem::path& tlog, std::uint8_t system) {
+  const auto home = first_home(tlog, system);
+  if (!home || !scenario.home) return std::nullopt;
+  const Eigen::Vector2d home_m = base::LocalProjection(*scenario.home)
+                                     .to_local({home->lat_deg, home->lon_deg, scenario.home->alt_m})
+                                     .head<2>();
+  std::vector<Eigen::Vector2d> starts;  // north, east; a pose is x to the east, y to the north
+  for (const ScenarioVehicle& each : scenario.vehicles) {
+    starts.emplace_back(each.pose.y_m, each.pose.x_m);
+  }
+  const auto off_m = [&home_m](const Eigen::Vector2d& start) { return (home_m - start).norm(); };
+  const auto nearest = std::ranges::min_element(starts, {}, off_m);
+  if (off_m(starts.at(vehicle)) <= off_m(*nearest) + kOff_m) return std::nullopt;
+  return fmt::format("system {} has its home where vehicle '{}' started, and not '{}'", system,
+                     scenario.vehicles.at(static_cast<std::size_t>(nearest - starts.begin())).name,
+                     scenario.vehicles.at(vehicle).name);
+}
 
 bool has_sensors(const casd::LinkLedger::Entries& entries) {
   return std::ranges::any_of(entries,

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <string>
-#include <string_view>
 
 #include "base/config/install_paths.hpp"
 #include "base/earth/deg_e7.hpp"

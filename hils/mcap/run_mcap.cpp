@@ -19,7 +19,6 @@
 #include "base/config/vehicle.hpp"
 #include "base/earth/frames.hpp"
 #include "base/earth/geodesy.hpp"
-#include "base/error.hpp"
 #include "base/time/rate_gate.hpp"
 #include "hils/mcap/mcap_scene.hpp"
 #include "hils/mcap/mcap_schemas.hpp"

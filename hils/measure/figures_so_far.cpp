@@ -2,7 +2,6 @@
 #include "hils/measure/figures_so_far.hpp"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 #include "hils/measure/judgement.hpp"

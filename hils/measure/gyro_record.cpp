@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstddef>
-#include <span>
 
 #include "hils/measure/csv_file.hpp"
 

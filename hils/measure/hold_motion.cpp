@@ -6,7 +6,6 @@
 #include <cmath>
 #include <limits>
 
-#include "base/error.hpp"
 #include "hils/measure/step_figures.hpp"
 
 namespace cas::hils {

@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "base/angles.hpp"
-#include "base/time/clock.hpp"
 #include "hils/measure/struck_object.hpp"
 
 namespace cas::hils {

@@ -27,11 +27,24 @@ LimitCheck missed(LimitCheck check, std::string sentence) {
   return check;
 }
 
+/// Adds the check; `sentence` counts when it is not kept.
+void add_judged(Checks& checks, LimitCheck check, bool kept, const std::string& sentence) {
+  checks.push_back(kept ? std::move(check) : missed(std::move(check), sentence));
+}
+
 /// Adds the check; `sentence` counts when its value is not within its bound. Not-a-number is not.
 void add_bounded(Checks& checks, LimitCheck check, const std::string& sentence) {
   const auto margin = check.margin();
   const bool kept = margin && *margin >= 0;
-  checks.push_back(kept ? std::move(check) : missed(std::move(check), sentence));
+  add_judged(checks, std::move(check), kept, sentence);
+}
+
+/// Whether the run counts: a check without a bound.
+LimitCheck validity(std::string what, std::string found, std::string wanted) {
+  return {.kind = Kind::kValidity,
+          .what = std::move(what),
+          .found = std::move(found),
+          .wanted = std::move(wanted)};
 }
 
 /// The check of a figure that has a bound: at most, or at least where up is better.
@@ -53,12 +66,10 @@ LimitCheck bounded(const Measurement& figures, std::string_view key, double boun
 }
 
 void check_account(std::string_view name, const RateFigures& rate, Checks& checks) {
+  const std::string what = fmt::format("account of {}", name);
   const auto open = [&](const std::string& found, const std::string& why) {
-    checks.push_back(missed({.kind = Kind::kValidity,
-                             .what = fmt::format("account of {}", name),
-                             .found = found,
-                             .wanted = "closes"},
-                            fmt::format("the account of {} does not close: {}", name, why)));
+    checks.push_back(missed(validity(what, found, "closes"),
+                            fmt::format("the {} does not close: {}", what, why)));
   };
   if (rate.duplicated > 0) {
     open(fmt::format("{} twice", rate.duplicated),
@@ -74,11 +85,7 @@ void check_account(std::string_view name, const RateFigures& rate, Checks& check
   if (rate.began_late) {
     open("began late", "the stream began after the measurement");
   }
-  if (!rate.closes()) return;
-  checks.push_back({.kind = Kind::kValidity,
-                    .what = fmt::format("account of {}", name),
-                    .found = "closes",
-                    .wanted = "closes"});
+  if (rate.closes()) checks.push_back(validity(what, "closes", "closes"));
 }
 
 constexpr std::string_view kRemedy =
@@ -98,13 +105,17 @@ void add_machine(Checks& checks, LimitCheck check, const std::string& sentence) 
   add_bounded(checks, std::move(check), "the machine was too busy: " + sentence);
 }
 
+void check_pace(const Measurement& figures, Checks& checks) {
+  add_machine(checks, bounded(figures, "real_time_factor", kLeastRealTimeFactor),
+              fmt::format("the simulation ran at {:.3f} of real time, and {:.2f} is needed",
+                          figures.pace.real_time_factor, kLeastRealTimeFactor));
+}
+
 /// Whether simulator and programs kept up with real time, before any limit is looked at: a delay of
 /// theirs is none of the vehicle's.
 void check_machine(const Measurement& figures, Checks& checks) {
   const PaceFigures& pace = figures.pace;
-  add_machine(checks, bounded(figures, "real_time_factor", kLeastRealTimeFactor),
-              fmt::format("the simulation ran at {:.3f} of real time, and {:.2f} is needed",
-                          pace.real_time_factor, kLeastRealTimeFactor));
+  check_pace(figures, checks);
   add_machine(
       checks, bounded(figures, "worst_stall_ms", kMostStallMs),
       fmt::format(
@@ -207,17 +218,12 @@ void check_ahrs(const Measurement& figures, Checks& checks) {
   const AhrsFigures& line = *figures.firmware->ahrs;
   const auto all = static_cast<double>(line.sent + line.dropped);
   if (all == 0) {  // or its figures are lost
-    checks.push_back(missed({.kind = Kind::kValidity,
-                             .what = "packets on the sensors' line",
-                             .found = "none",
-                             .wanted = "some"},
+    checks.push_back(missed(validity("packets on the sensors' line", "none", "some"),
                             "the sensors' line carried no packet"));
     return;
   }
   const double dropped_pct = 100.0 * static_cast<double>(line.dropped) / all;
-  add_machine(checks, bounded(figures, "real_time_factor", kLeastRealTimeFactor),
-              fmt::format("the simulation ran at {:.3f} of real time, and {:.2f} is needed",
-                          figures.pace.real_time_factor, kLeastRealTimeFactor));
+  check_pace(figures, checks);
   add_machine(checks,
               {.what = "longest gap on the sensors' line",
                .unit = "ms",
@@ -244,10 +250,7 @@ void check_arming(const Measurement& figures, Checks& checks) {
   if (!figures.firmware || !figures.firmware->disarmed_on_ground) return;
   const bool is_recorded = figures.truth_samples > 0 && !figures.record_hole;
   if (!figures.incidents.empty() || !figures.faults.empty() || !is_recorded) return;
-  checks.push_back(missed({.kind = Kind::kValidity,
-                           .what = "the vehicle armed until it takes off",
-                           .found = "disarmed",
-                           .wanted = "armed"},
+  checks.push_back(missed(validity("the vehicle armed until it takes off", "disarmed", "armed"),
                           figures.flight_failure.value_or("") +
                               "; it stands upright and unhurt, no fault has struck, and hils does "
                               "not arm it again: the flight has no verdict"));
@@ -263,16 +266,10 @@ Checks validity_checks(const Measurement& figures, const Limits& limits) {
   if (figures.firmware && figures.firmware->ahrs) check_ahrs(figures, checks);
   check_arming(figures, checks);
   if (!figures.stages.empty() && figures.truth_samples == 0) {
-    checks.push_back(missed({.kind = Kind::kValidity,
-                             .what = "record of the true flight",
-                             .found = "none",
-                             .wanted = "there"},
+    checks.push_back(missed(validity("record of the true flight", "none", "there"),
                             "there is no record of the true flight"));
   } else if (figures.record_hole) {
-    checks.push_back(missed({.kind = Kind::kValidity,
-                             .what = "record of the true flight",
-                             .found = *figures.record_hole,
-                             .wanted = "there"},
+    checks.push_back(missed(validity("record of the true flight", *figures.record_hole, "there"),
                             "the record of the true flight is not whole: " + *figures.record_hole));
   }
   if (figures.firmware) return checks;  // its own end of the stream keeps no ledger
@@ -280,14 +277,11 @@ Checks validity_checks(const Measurement& figures, const Limits& limits) {
     check_account(stream.name, figures.rates.*stream.rate, checks);
   }
   for (const PathAccount& path : figures.paths) {
-    const LimitCheck check{.kind = Kind::kValidity,
-                           .what = fmt::format("account of {}, hop by hop", path.message),
-                           .found = path.closes() ? "closes" : "open",
-                           .wanted = "closes"};
-    checks.push_back(path.closes()
-                         ? check
-                         : missed(check, fmt::format("the account of {} does not close: {}",
-                                                     path.message, path.open)));
+    add_judged(checks,
+               validity(fmt::format("account of {}, hop by hop", path.message),
+                        path.closes() ? "closes" : "open", "closes"),
+               path.closes(),
+               fmt::format("the account of {} does not close: {}", path.message, path.open));
   }
   return checks;
 }
@@ -349,11 +343,11 @@ void check_responses(const std::vector<StepResponse>& responses,
   for (const auto& [name, bounds] : limits) {
     const auto flown = std::ranges::find(responses, name, &StepResponse::name);
     const bool is_flown = flown != responses.end();
-    const LimitCheck check{.what = fmt::format("step '{}'", name),
-                           .found = is_flown ? "flown" : "not flown",
-                           .wanted = "flown"};
-    checks.push_back(is_flown ? check
-                              : missed(check, fmt::format("step '{}' was not flown", name)));
+    add_judged(checks,
+               {.what = fmt::format("step '{}'", name),
+                .found = is_flown ? "flown" : "not flown",
+                .wanted = "flown"},
+               is_flown, fmt::format("step '{}' was not flown", name));
     for (const Figure<StepResponse>& row : response_table()) {
       const auto bound = bounds.find(row.key);
       if (bound == bounds.end()) continue;
@@ -391,9 +385,8 @@ void check_flown(const Measurement& figures, Checks& checks) {
   } else if (!figures.stages.empty()) {
     check.time_s = base::to_seconds(figures.stages.back().end);
   }
-  checks.push_back(figures.flight_failure
-                       ? missed(check, "the flight was not completed: " + *figures.flight_failure)
-                       : check);
+  add_judged(checks, std::move(check), !figures.flight_failure,
+             "the flight was not completed: " + figures.flight_failure.value_or(""));
 }
 
 /// Those that happened in the order of time, then the kinds that did not happen.
@@ -403,12 +396,12 @@ void check_incidents(const std::vector<Incident>& incidents, const Limits& limit
   };
   const auto what = [](IncidentKind kind) { return fmt::format("incident: {}", to_string(kind)); };
   for (const Incident& incident : incidents) {
-    const LimitCheck check{.what = what(incident.kind),
-                           .found = fmt::format("at {:.2f} s", incident.time_s),
-                           .wanted = wanted(incident.kind),
-                           .time_s = incident.time_s};
-    const bool allowed = limits.allow.contains(incident.kind);
-    checks.push_back(allowed ? check : missed(check, "the vehicle " + incident.what));
+    add_judged(checks,
+               {.what = what(incident.kind),
+                .found = fmt::format("at {:.2f} s", incident.time_s),
+                .wanted = wanted(incident.kind),
+                .time_s = incident.time_s},
+               limits.allow.contains(incident.kind), "the vehicle " + incident.what);
   }
   for (const IncidentKind kind : kIncidentKinds) {
     if (std::ranges::find(incidents, kind, &Incident::kind) != incidents.end()) continue;
@@ -438,11 +431,12 @@ void check_firmware(const Measurement& figures, const Limits& limits, Checks& ch
     std::ranges::move(fence_checks(*figures.fence, *firmware.fence, flown),
                       std::back_inserter(checks));
   }
-  const LimitCheck steps{.what = "steps by the true flight",
-                         .found = figures.not_flown.empty() ? "flown" : "not flown",
-                         .wanted = "flown"};
-  const std::string sentence = fmt::format("{}", fmt::join(figures.not_flown, "; "));
-  checks.push_back(figures.not_flown.empty() ? steps : missed(steps, sentence));
+  const bool is_flown = figures.not_flown.empty();
+  add_judged(checks,
+             {.what = "steps by the true flight",
+              .found = is_flown ? "flown" : "not flown",
+              .wanted = "flown"},
+             is_flown, fmt::format("{}", fmt::join(figures.not_flown, "; ")));
 }
 
 Checks flight_checks(const Measurement& figures, const Limits& limits) {
@@ -462,13 +456,11 @@ Checks flight_checks(const Measurement& figures, const Limits& limits) {
 Checks fault_checks(const std::vector<FaultThatNeverBegan>& faults) {
   Checks checks;
   for (const FaultThatNeverBegan& fault : faults) {
-    checks.push_back(missed({.kind = Kind::kValidity,
-                             .what = fmt::format("fault '{}'", fault.name),
-                             .found = "never began",
-                             .wanted = "begins"},
-                            fmt::format("fault '{}' never began: {}", fault.name,
-                                        fault.by_time ? "the flight ended before its time"
-                                                      : "its condition never came true")));
+    checks.push_back(
+        missed(validity(fmt::format("fault '{}'", fault.name), "never began", "begins"),
+               fmt::format("fault '{}' never began: {}", fault.name,
+                           fault.by_time ? "the flight ended before its time"
+                                         : "its condition never came true")));
   }
   return checks;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/measure/measurement.hpp"
 
+#include <fmt/format.h>
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
@@ -10,13 +11,13 @@
 #include "casd/station/gain_map.hpp"
 #include "hils/measure/hold_motion.hpp"
 #include "hils/measure/packet_account.hpp"
-#include "hils/measure/record_hole.hpp"
 #include "hils/measure/step_figures.hpp"
 #include "hils/measure/struck_object.hpp"
 #include "hils/measure/tracking.hpp"
 #include "hils/measure/true_steps.hpp"
 #include "mavlink/common/hil_gps.hpp"
 #include "mavlink/common/hil_sensor.hpp"
+#include "plugins/fault/fault_spec.hpp"
 
 namespace cas::hils {
 
@@ -24,6 +25,44 @@ namespace {
 
 using mavlink::common::HilGps;
 using mavlink::common::HilSensor;
+
+/// 50 samples of the recorder. A vehicle that falls for this long exceeds kCrashSpeed_m_s.
+constexpr std::int64_t kHole_us = 500'000;
+
+double seconds(std::int64_t time_us) { return 1e-6 * static_cast<double>(time_us); }
+
+/// Finds a gap of 0.5 s or longer in the record of the true flight, from the begin of the first
+/// step to the end of the last one. Incidents in a gap are not seen.
+///
+/// @param stages  the flight as it went, with the step under way
+/// @return a sentence without a full stop; nullopt: the record has no gap
+std::optional<std::string> record_hole(const std::vector<Stage>& stages,
+                                       std::span<const PoseSample> truth) {
+  if (stages.empty()) return std::nullopt;
+  if (truth.empty()) return "it is empty";
+  const std::int64_t begin_us = to_microseconds(stages.front().begin);
+  const std::int64_t end_us = to_microseconds(stages.back().end);
+  if (truth.front().time_us - begin_us >= kHole_us) {
+    return fmt::format("it begins at {:.2f} s, and the flight at {:.2f} s",
+                       seconds(truth.front().time_us), seconds(begin_us));
+  }
+  std::int64_t before_us = truth.front().time_us;
+  for (const PoseSample& sample : truth) {
+    if (sample.time_us < before_us) {
+      return fmt::format("its time goes back, from {:.2f} s to {:.2f} s", seconds(before_us),
+                         seconds(sample.time_us));
+    }
+    const bool in_flight = sample.time_us > begin_us && before_us < end_us;
+    if (in_flight && sample.time_us - before_us >= kHole_us) {
+      return fmt::format("it has nothing between {:.2f} s and {:.2f} s", seconds(before_us),
+                         seconds(sample.time_us));
+    }
+    before_us = sample.time_us;
+  }
+  if (end_us - before_us < kHole_us) return std::nullopt;
+  return fmt::format("it ends at {:.2f} s, and the flight at {:.2f} s", seconds(before_us),
+                     seconds(end_us));
+}
 
 /// Left out where there is no hold to measure: the time in which the pipe is drained (kDrainUsec of
 /// packet_account.cpp), and as much again, because stamps of controls over a slow line are old.
@@ -256,6 +295,30 @@ Measurement measure(const RunRequest& request, const RunRecord& record) {
   }
   if (record.hold) measure_motion(record, truth, figures);
   return figures;
+}
+
+std::vector<FaultThatNeverBegan> faults_that_never_began(
+    const ScenarioFaults& faults, std::size_t vehicle,
+    const std::vector<BenchFaultScript::Span>& begun, const std::vector<Stage>& stages) {
+  std::vector<FaultThatNeverBegan> never;
+  for (const BenchFault& fault : faults.bench) {
+    if (!fault.is_everybodys() && fault.vehicle != vehicle) continue;
+    never.push_back({.name = fault.name, .by_time = fault.at.has_value()});
+  }
+  std::size_t number = 0;  // as the vehicle's plugin counts them
+  for (const VehicleFault& fault : faults.vehicle) {
+    if (fault.vehicle.value_or(vehicle) != vehicle) continue;
+    never.push_back({.name = sim::parse_fault(fault.script, ++number).name,
+                     .by_time = fault.script.has("at_s")});
+  }
+  for (const BenchFaultScript::Span& span : begun) {
+    const bool after = !stages.empty() && span.begin > stages.back().end;
+    const auto found = std::ranges::find_if(never, [&](const FaultThatNeverBegan& fault) {
+      return fault.name == span.name && !(after && fault.by_time);
+    });
+    if (found != never.end()) never.erase(found);
+  }
+  return never;
 }
 
 }  // namespace cas::hils

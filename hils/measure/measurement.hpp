@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -10,7 +11,6 @@
 #include "hils/flight/flight_plan.hpp"
 #include "hils/measure/flight_changes.hpp"
 #include "hils/measure/incident.hpp"
-#include "hils/measure/never_began.hpp"
 #include "hils/measure/packet_account.hpp"
 #include "hils/measure/plugin_figure.hpp"
 #include "hils/measure/run_record.hpp"
@@ -21,6 +21,21 @@
 #include "hils/run/run_request.hpp"
 
 namespace cas::hils {
+
+/// A fault of the scenario that did not begin in the whole run.
+struct FaultThatNeverBegan {
+  std::string name;
+  bool by_time = false;  ///< it has a time, not a condition
+};
+
+/// Faults that a scenario has for one vehicle less those that began. Faults of the same name are
+/// counted. One with a time did not begin in the flight when it came after the last step: programs
+/// run on for a while.
+///
+/// @param stages  the flight as it went
+std::vector<FaultThatNeverBegan> faults_that_never_began(
+    const ScenarioFaults& faults, std::size_t vehicle,
+    const std::vector<BenchFaultScript::Span>& begun, const std::vector<Stage>& stages);
 
 /// The three HIL messages of a run.
 struct StreamFigures {

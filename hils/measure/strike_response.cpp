@@ -5,20 +5,115 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <limits>
-#include <string_view>
-#include <utility>
-#include <variant>
+#include <vector>
 
 #include "base/time/clock.hpp"
 #include "hils/measure/incident.hpp"
-#include "hils/measure/planned_place.hpp"
 #include "hils/measure/run_record.hpp"
 #include "plugins/fault/fault_spec.hpp"
 
 namespace cas::hils {
 
 namespace {
+
+/// The lines between the places of a plan, from the start to the landing; north, east, up from the
+/// start, m.
+class PlannedPath {
+ public:
+  explicit PlannedPath(std::span<const FlightStep> steps);
+
+  /// Distance of a point from the nearest line.
+  double distance_m(const Eigen::Vector3d& p) const;
+  /// Largest size of a trajectory: so far may a vehicle leave the lines while it flies one.
+  double slack_m() const { return slack_m_; }
+
+ private:
+  std::vector<Eigen::Vector3d> places_{Eigen::Vector3d::Zero()};
+  double slack_m_ = 0;
+};
+
+/// Planned place of a vehicle at a moment: the place of a hold, else the path. A trajectory, and
+/// the step after it in which the vehicle flies back, may leave the path by PlannedPath::slack_m().
+class PlannedPlace {
+ public:
+  /// @param stages  as flown; they outlive this object
+  PlannedPlace(std::span<const Stage> stages, std::span<const FlightStep> steps)
+      : stages_(stages), path_(steps) {}
+
+  /// Distance of a vehicle from its planned place, m.
+  /// @param time_us  simulated
+  /// @param p  place of the vehicle: north, east, up from the start, m
+  double distance_m(std::int64_t time_us, const Eigen::Vector3d& p) const;
+
+ private:
+  bool landed_before(std::span<const Stage>::iterator end) const;
+
+  std::span<const Stage> stages_;
+  PlannedPath path_;
+};
+
+bool is_pattern(const Stage& stage) {
+  return stage.step.kind == StepKind::kTrajectory || stage.step.kind == StepKind::kEndTrajectory ||
+         stage.circle_m > 0;
+}
+
+/// Whether a step keeps the vehicle at one place.
+bool keeps_place(const Stage& stage) {
+  return stage.step.kind == StepKind::kHold || stage.step.kind == StepKind::kWaitUntil;
+}
+
+PlannedPath::PlannedPath(std::span<const FlightStep> steps) {
+  for (const FlightStep& step : steps) {
+    if (step.kind == StepKind::kTakeoff) places_.emplace_back(0, 0, step.altitude_m);
+    if (step.kind == StepKind::kGoto || step.kind == StepKind::kLoiter) {
+      places_.push_back(step.place_m);
+    }
+    slack_m_ = std::max(slack_m_, std::abs(step.radius_m));
+    if (step.kind == StepKind::kTrajectory) slack_m_ = std::max(slack_m_, step.trajectory.size_m);
+    if (step.kind == StepKind::kRtl) places_.emplace_back(0, 0, places_.back().z());
+    if (lands(step)) {
+      places_.emplace_back(places_.back().x(), places_.back().y(), 0);
+    }
+  }
+}
+
+double PlannedPath::distance_m(const Eigen::Vector3d& p) const {
+  double least = (p - places_.front()).norm();
+  for (std::size_t i = 1; i < places_.size(); ++i) {
+    const Eigen::Vector3d along = places_[i] - places_[i - 1];
+    const double length2 = along.squaredNorm();
+    const double share =
+        length2 > 0 ? std::clamp((p - places_[i - 1]).dot(along) / length2, 0.0, 1.0) : 0.0;
+    least = std::min(least, (p - places_[i - 1] - share * along).norm());
+  }
+  return least;
+}
+
+double PlannedPlace::distance_m(std::int64_t time_us, const Eigen::Vector3d& p) const {
+  const auto next = std::ranges::upper_bound(stages_, time_us, {}, [](const Stage& stage) {
+    return static_cast<std::int64_t>(base::to_time_usec(stage.begin));
+  });
+  if (next == stages_.begin()) return path_.distance_m(p);
+  const auto stage = std::prev(next);
+  const bool at_place = keeps_place(*stage) && !landed_before(next);
+  const double off_m = at_place ? (p - stage->reference_m).norm() : path_.distance_m(p);
+  const bool flies_pattern =
+      is_pattern(*stage) || (stage != stages_.begin() && is_pattern(*std::prev(stage)));
+  return flies_pattern ? std::max(0.0, off_m - path_.slack_m()) : off_m;
+}
+
+/// After a landing a hold still has the reference of the flight before.
+bool PlannedPlace::landed_before(std::span<const Stage>::iterator end) const {
+  bool landed = false;
+  for (auto each = stages_.begin(); each != end; ++each) {
+    if (lands(each->step)) landed = true;
+    if (takes_off(each->step)) landed = false;
+  }
+  return landed;
+}
 
 /// Higher than this above where it stood, a vehicle is in the air; lower than the second it is on
 /// the ground, be it on its side.

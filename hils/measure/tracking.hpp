@@ -6,15 +6,35 @@
 #include <filesystem>
 #include <functional>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/config/vehicle.hpp"
 #include "base/time/clock.hpp"
 #include "hils/flight/flight_plan.hpp"
-#include "hils/flight/rms_figures.hpp"
 
 namespace cas::hils {
+
+/// Root mean squares of the distance from a reference, per axis.
+struct RmsFigures {
+  double x_m = 0;
+  double y_m = 0;
+  double z_m = 0;
+  double yaw_rad = 0;
+  std::uint64_t samples = 0;
+};
+
+/// A component of RmsFigures, under its key in summary.json and in limits.
+struct RmsAxis {
+  std::string_view key;
+  std::string_view unit;
+  double RmsFigures::*member;
+};
+inline constexpr std::array<RmsAxis, 4> kRmsAxes{{{"x_m", "m", &RmsFigures::x_m},
+                                                  {"y_m", "m", &RmsFigures::y_m},
+                                                  {"z_m", "m", &RmsFigures::z_m},
+                                                  {"yaw_rad", "rad", &RmsFigures::yaw_rad}}};
 
 /// Maps the clock of a flight log to simulated time: pairs of both, read together now and then,
 /// with straight lines between them. Microseconds.

@@ -4,27 +4,69 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <initializer_list>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "base/config/config_origin.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/config/vehicle.hpp"
 #include "base/error.hpp"
 #include "base/os/result_file.hpp"
 #include "base/random.hpp"
 #include "casd/packet/own_station.hpp"
 #include "fcu/line/line_model.hpp"
 #include "hils/programs/composed_parts.hpp"
-#include "hils/programs/declared_messages.hpp"
 #include "hils/scenario/controller_parts.hpp"
+#include "hils/scenario/scenario.hpp"
 #include "hils/scenario/simulation_parts.hpp"
+#include "libsim/core/run/plugin_loader.hpp"
+#include "plugins/common/plugin_messages.hpp"
 
 namespace cas::hils {
 
 namespace {
+
+/// What the plugin of a key declares. @throws base::ConfigError at the key
+std::vector<std::string> words_of(sim::PluginLoader& loader, const base::ConfigNode& key) {
+  try {
+    return loader.sends(key.as<std::string>());
+  } catch (const base::ConfigError& error) {
+    key.fail(error.what());
+  }
+}
+
+/// Names of the MAVLink messages that a vehicle's simulator sends beside those of every run, each
+/// once: BATTERY_STATUS where its file has a battery, ESC_STATUS and ESC_INFO where its motors are
+/// circuits, then the declarations of the scenario's further plugins (CAS_PLUGIN_SENDS), in their
+/// order. Opens their libraries, where the simulator will find them.
+/// @throws base::ConfigError with file and line, for a plugin that is not there or that declares a
+/// message it may not send
+std::vector<std::string> declared_messages(const Scenario& scenario, std::size_t vehicle) {
+  std::vector<std::string> names;
+  const auto file = base::ConfigNode::load(scenario.vehicles.at(vehicle).vehicle);
+  if (file.has("battery")) names.emplace_back("BATTERY_STATUS");
+  const auto is_electric = [](const base::Rotor& rotor) { return rotor.electric.has_value(); };
+  if (std::ranges::any_of(base::Vehicle::load(scenario.vehicles[vehicle].vehicle).rotors,
+                          is_electric)) {
+    names.insert(names.end(), {"ESC_STATUS", "ESC_INFO"});
+  }
+  sim::PluginLoader loader({});
+  for (const base::ConfigNode& further : scenario.plugins) {
+    const base::ConfigNode key = further.at("plugin");
+    for (const std::string& word : words_of(loader, key)) {
+      try {
+        const std::string name(sim::declared_message(word).name);
+        if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+      } catch (const base::ConfigError& error) {
+        key.fail("plugin " + key.as<std::string>() + " " + error.what());
+      }
+    }
+  }
+  return names;
+}
 
 std::string local_port(std::uint16_t port) { return fmt::format("127.0.0.1:{}", port); }
 

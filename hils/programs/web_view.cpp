@@ -5,7 +5,6 @@
 #include <poll.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <string>

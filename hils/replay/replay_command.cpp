@@ -5,7 +5,6 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
-#include <system_error>
 #include <vector>
 
 #include "base/error.hpp"

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "base/earth/frames.hpp"
 #include "hils/replay/reference_columns.hpp"

@@ -3,9 +3,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <initializer_list>
-#include <iterator>
 
 #include "base/time/clock.hpp"
 #include "hils/measure/figure_table.hpp"

@@ -7,7 +7,6 @@
 #include "hils/measure/check_json.hpp"
 #include "hils/measure/figure_json.hpp"
 #include "hils/report/change_table.hpp"
-#include "hils/report/plugin_section.hpp"
 
 namespace cas::hils {
 namespace {

@@ -3,8 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "hils/report/number_text.hpp"
 
 namespace cas::hils {

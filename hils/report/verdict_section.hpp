@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "hils/measure/judgement.hpp"
 #include "hils/report/document.hpp"

@@ -5,7 +5,6 @@
 #include <array>
 #include <charconv>
 #include <cstdlib>
-#include <optional>
 
 #include "base/config/install_paths.hpp"
 #include "base/config/removed_keys.hpp"

@@ -27,11 +27,8 @@
 #include "mavlink/common/odometry.hpp"
 #include "mavlink/common/vision_position_estimate.hpp"
 #include "mavlink_gen/runtime/packet.hpp"
-#include "plugins/airspeed/airspeed_model.hpp"
-#include "plugins/barometer/barometer_model.hpp"
-#include "plugins/gps/gps_model.hpp"
+#include "plugins/common/noise_params.hpp"
 #include "plugins/imu/imu_model.hpp"
-#include "plugins/magnetometer/magnetometer_model.hpp"
 
 namespace cas::hils {
 
@@ -42,15 +39,17 @@ struct SensorReader {
   void (*read)(const base::ConfigNode& block, double step_s);
 };
 
+template <auto read>
+void check(const base::ConfigNode& block, double step_s) {
+  read(block, step_s);
+}
+
 constexpr std::array<SensorReader, 5> kSensorReaders{
-    {{"imu", [](const auto& block, double step_s) { sim::parse_imu_params(block, step_s); }},
-     {"gps", [](const auto& block, double step_s) { sim::parse_gps_params(block, step_s); }},
-     {"magnetometer",
-      [](const auto& block, double step_s) { sim::parse_magnetometer_params(block, step_s); }},
-     {"barometer",
-      [](const auto& block, double step_s) { sim::parse_barometer_params(block, step_s); }},
-     {"airspeed",
-      [](const auto& block, double step_s) { sim::parse_airspeed_params(block, step_s); }}}};
+    {{"imu", check<sim::parse_imu_params>},
+     {"gps", check<sim::read_at_rate<base::read_gps_sheet>>},
+     {"magnetometer", check<sim::read_at_rate<base::read_magnetometer_sheet>>},
+     {"barometer", check<sim::read_at_rate<base::read_barometer_sheet>>},
+     {"airspeed", check<sim::read_at_rate<base::read_airspeed_sheet>>}}};
 
 /// A key that hils itself writes into another program's file, and the source of its value.
 struct OwnKey {

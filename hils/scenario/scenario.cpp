@@ -28,7 +28,6 @@
 #include "hils/flight/phase_check.hpp"
 #include "hils/scenario/figure.hpp"
 #include "hils/scenario/handed_on_keys.hpp"
-#include "hils/scenario/scenario_reference.hpp"
 #include "hils/scenario/simulation_parts.hpp"
 #include "plugins/fault/fault_spec.hpp"
 

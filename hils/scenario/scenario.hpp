@@ -16,7 +16,6 @@
 #include "base/earth/magnetic_field.hpp"
 #include "base/earth/weather.hpp"
 #include "base/enum_words.hpp"
-#include "base/time/clock.hpp"
 #include "hils/flight/bench_fault.hpp"
 #include "hils/flight/flight_step.hpp"
 #include "hils/flight/incident_kind.hpp"
@@ -165,5 +164,9 @@ struct Scenario {
   /// Reads and checks a scenario file. @throws base::ConfigError with file, line and key path
   static Scenario load(const std::filesystem::path& file);
 };
+
+/// Every key of Scenario with its default and meaning, as tables in Markdown: for `hils run --keys`
+/// and docs/reference/config.md.
+std::string scenario_reference();
 
 }  // namespace cas::hils

@@ -6,7 +6,6 @@
 #include <array>
 #include <cstdint>
 #include <fstream>
-#include <span>
 
 #include "mavlink_gen/runtime/sha256.hpp"
 

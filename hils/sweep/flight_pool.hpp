@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "base/os/result_file.hpp"
-#include "base/time/clock.hpp"
 #include "hils/programs/child_process.hpp"
 #include "hils/sweep/row_flight.hpp"
 

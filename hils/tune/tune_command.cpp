@@ -3,9 +3,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -13,12 +16,16 @@
 
 #include "base/cli/whole_number.hpp"
 #include "base/config/install_paths.hpp"
+#include "base/error.hpp"
 #include "base/os/result_file.hpp"
 #include "hils/measure/judgement.hpp"
+#include "hils/measure/tracking.hpp"
 #include "hils/programs/child_process.hpp"
+#include "hils/report/plot.hpp"
 #include "hils/run/verbs.hpp"
+#include "hils/scenario/scenario.hpp"
+#include "hils/sweep/sweep_folder.hpp"
 #include "hils/tune/eval_session.hpp"
-#include "hils/tune/step_plots.hpp"
 #include "hils/tune/tune_report.hpp"
 #include "hils/tune/tune_search.hpp"
 
@@ -27,6 +34,61 @@ namespace cas::hils {
 namespace fs = std::filesystem;
 
 namespace {
+
+/// When a step of that name of the first vehicle began and ended, by summary.json; s.
+std::optional<std::pair<double, double>> stage_of(const fs::path& flight, const std::string& name) {
+  const auto summary = nlohmann::json::parse(text_of_file(flight / "summary.json"), nullptr, false);
+  const nlohmann::json::json_pointer stages("/vehicles/0/stages");
+  if (!summary.is_object() || !summary.contains(stages)) return std::nullopt;
+  for (const auto& stage : summary[stages]) {
+    if (stage.value("name", "") != name) continue;
+    return std::pair{stage.value("begin_s", 0.0), stage.value("end_s", 0.0)};
+  }
+  return std::nullopt;
+}
+
+Series response(const fs::path& flight, const std::string& name, double half_s) {
+  Series series{.name = flight.parent_path().filename().string(), .points = {}};
+  try {
+    const auto stage = stage_of(flight, name);
+    if (!stage) return series;
+    const std::vector<PoseSample> truth = read_truth(flight / "truth.csv");
+    const double begin_s = stage->first + half_s;
+    const auto samples =
+        between(truth, std::llround((begin_s - 1) * 1e6), std::llround(stage->second * 1e6));
+    for (const PoseSample& sample : samples) {
+      series.points.emplace_back(1e-6 * static_cast<double>(sample.time_us) - begin_s,
+                                 sample.pose.x_m - truth.front().pose.x_m);
+    }
+  } catch (const base::ConfigError&) {
+    // the flight left nothing to draw
+  }
+  return series;
+}
+
+/// The true northward motion after each `trajectory: {shape: step}` of a scenario, in two flights
+/// of it: a plot for each step, both curves from its beginning. A flight that did not come so far,
+/// or left no truth.csv and summary.json, has no curve.
+std::vector<Plot> step_plots(const fs::path& scenario, const fs::path& before,
+                             const fs::path& after) {
+  const Scenario flown = Scenario::load(scenario);
+  std::vector<Plot> plots;
+  for (const FlightStep& step : flown.steps) {
+    if (step.kind != StepKind::kTrajectory || step.trajectory.shape != fcu::PatternShape::kSteps) {
+      continue;
+    }
+    const std::string name(phase_of(step));
+    Plot plot{.title = after.filename().string() + ", " + name,
+              .x_label = "time since the step, s",
+              .y_label = "north, m"};
+    for (const fs::path& flight : {before, after}) {
+      Series series = response(flight, name, step.trajectory.period_s);
+      if (!series.points.empty()) plot.series.push_back(std::move(series));
+    }
+    if (!plot.series.empty()) plots.push_back(std::move(plot));
+  }
+  return plots;
+}
 
 /// Flies each scenario of the search once more with a whole report.
 /// @param before_or_after  folder below `out`

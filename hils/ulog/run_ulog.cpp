@@ -5,7 +5,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -18,7 +17,6 @@
 #include "base/earth/atmosphere.hpp"
 #include "base/earth/frames.hpp"
 #include "base/earth/geodesy.hpp"
-#include "base/error.hpp"
 #include "fcu/flight_controller.hpp"
 #include "fcu/params/params.hpp"
 #include "hils/measure/csv_file.hpp"

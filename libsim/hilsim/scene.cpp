@@ -3,7 +3,6 @@
 
 #include <Eigen/Geometry>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <string>
 #include <type_traits>
 #include <utility>

@@ -5,7 +5,6 @@
 #include <array>
 #include <charconv>
 
-#include "mavlink_gen/generator/writers.hpp"
 #include "mavlink_gen/parser/numbers.hpp"
 
 namespace cas::mav::gen {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "mavlink_gen/parser/diagnostics.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "base/suggestion.hpp"

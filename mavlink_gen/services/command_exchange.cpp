@@ -230,11 +230,6 @@ void CommandExchange::on_disarm(const std::string& by, Time now) {
   }
 }
 
-bool CommandExchange::is_stopping() const {
-  const auto is = [](const Request& request) { return stops(request.command); };
-  return std::ranges::any_of(active_, is) || std::ranges::any_of(waiting_, is);
-}
-
 void CommandExchange::give_up(const Outcome& outcome) {
   std::vector<Done> ended;
   for (Request& request : active_) ended.push_back(std::move(request.done));

@@ -74,8 +74,6 @@ class CommandExchange {
   /// The vehicle was disarmed, or its flight ended: ends all active and waiting commands that may
   /// start motors. @param by  for the sentence: who, and how
   void on_disarm(const std::string& by, Time now);
-  /// Whether a command that disarms or ends the flight is under way or waits.
-  bool is_stopping() const;
   /// When tick() has something to do; nothing while no command is under way.
   std::optional<Time> due() const;
   /// Ends all commands with this outcome.

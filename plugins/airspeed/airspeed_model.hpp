@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "base/config/config.hpp"
+#include "base/config/sensor_sheets.hpp"
 #include "base/random.hpp"
 #include "base/time/clock.hpp"
 #include "libsim/api/messages.hpp"
@@ -14,24 +14,10 @@
 
 namespace cas::sim {
 
-struct AirspeedParams {
-  double rate_hz = 0;
-  double stddev_pa = 0;  ///< white, one sample
-  double bias_pa = 0;
-  GaussMarkovParams<1> drift;
-  double position_error = 0;  ///< fraction of the dynamic pressure that is read in addition
-  double lag_s = 0;           ///< time constant of the first-order lag; 0: none
-  Eigen::Vector3d position_B_m = Eigen::Vector3d::Zero();
-  Eigen::Vector3d direction_B{1, 0, 0};  ///< of the tube, unit vector
-};
-
-/// Reads the block `airspeed`: its keys are those of its sheet (base/config/sensor_sheets.hpp).
-AirspeedParams parse_airspeed_params(const base::ConfigNode& node, double step_s);
-
 /// Velocity of the tube through the air along its direction, m/s: positive when the air meets its
 /// opening.
 double speed_along_tube(const BodyState& body, const Eigen::Vector3d& wind_W,
-                        const AirspeedParams& params);
+                        const base::AirspeedSheet& sheet);
 
 /// A pitot tube: dynamic pressure of incompressible air (1.5 % low at Mach 0.25), position error,
 /// first-order lag of the pressure, bias, drift and white noise. Air that meets the tube from
@@ -40,18 +26,19 @@ class AirspeedModel {
  public:
   AirspeedModel() = default;
   /// @param step_s  time between two calls of follow()
-  AirspeedModel(const AirspeedParams& params, double step_s, std::uint64_t seed);
+  AirspeedModel(const base::AirspeedSheet& sheet, double step_s, std::uint64_t seed);
 
   /// Each step: the pressure in the sensor follows that at the tube. The first call sets it.
   /// @param speed_m_s  along the tube
   void follow(double speed_m_s, double air_density_kg_m3);
   AirspeedSample sample(base::SimTime time);
 
-  const AirspeedParams& params() const { return params_; }
+  const base::AirspeedSheet& sheet() const { return sheet_; }
 
  private:
-  AirspeedParams params_;
-  double share_ = 1;  ///< of the way to the pressure at the tube in one step
+  base::AirspeedSheet sheet_;
+  double stddev_pa_ = 0;  ///< white, one sample
+  double share_ = 1;      ///< of the way to the pressure at the tube in one step
   base::NormalRandom random_;
   GaussMarkov<1> drift_;
   std::optional<double> pressure_pa_;  ///< in the sensor

@@ -3,6 +3,7 @@
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/airspeed/airspeed_model.hpp"
+#include "plugins/common/noise_params.hpp"
 
 namespace cas::sim {
 namespace {
@@ -14,20 +15,21 @@ class AirspeedPlugin final : public Plugin {
     vehicle_ = context.vehicle_id();
     seed_ = context.seed();
     step_s_ = base::to_seconds(context.step());
-    model_ = AirspeedModel(parse_airspeed_params(params, step_s_), step_s_, seed_);
-    rate_ = base::RateGate(model_.params().rate_hz);
+    model_ =
+        AirspeedModel(read_at_rate<base::read_airspeed_sheet>(params, step_s_), step_s_, seed_);
+    rate_ = base::RateGate(model_.sheet().rate_hz);
     pressure_ = context.bus().advertise<AirspeedSample>(context.topic("airspeed"));
   }
 
   void post_step(const StepInfo& step, const World& world) override {
     const Environment& air = world.environment(vehicle_);
-    model_.follow(speed_along_tube(world.state(vehicle_), air.wind_W, model_.params()),
+    model_.follow(speed_along_tube(world.state(vehicle_), air.wind_W, model_.sheet()),
                   air.air_density_kg_m3);
     if (rate_.due(step.time)) pressure_.publish(model_.sample(step.time));
   }
 
   void reset() override {
-    model_ = AirspeedModel(model_.params(), step_s_, seed_);
+    model_ = AirspeedModel(model_.sheet(), step_s_, seed_);
     rate_.reset();
   }
 

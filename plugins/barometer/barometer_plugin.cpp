@@ -4,6 +4,7 @@
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/barometer/barometer_model.hpp"
+#include "plugins/common/noise_params.hpp"
 #include "plugins/common/own_sensor_name.hpp"
 
 namespace cas::sim {
@@ -16,9 +17,9 @@ class BarometerPlugin final : public Plugin {
     vehicle_ = context.vehicle_id();
     projection_ = context.projection();
     seed_ = context.seed();
-    model_ =
-        BarometerModel(parse_barometer_params(params, base::to_seconds(context.step())), seed_);
-    rate_ = base::RateGate(model_.params().rate_hz);
+    model_ = BarometerModel(
+        read_at_rate<base::read_barometer_sheet>(params, base::to_seconds(context.step())), seed_);
+    rate_ = base::RateGate(model_.sheet().rate_hz);
     pressure_ = context.bus().advertise<BarometerSample>(
         context.topic(own_sensor_name("barometer", params)));
   }
@@ -34,7 +35,7 @@ class BarometerPlugin final : public Plugin {
   }
 
   void reset() override {
-    model_ = BarometerModel(model_.params(), seed_);
+    model_ = BarometerModel(model_.sheet(), seed_);
     rate_.reset();
   }
 

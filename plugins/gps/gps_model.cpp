@@ -3,7 +3,6 @@
 
 #include <algorithm>
 
-#include "base/config/sensor_sheets.hpp"
 #include "plugins/common/gauss_markov.hpp"
 #include "plugins/common/noise_params.hpp"
 
@@ -16,50 +15,30 @@ constexpr double kAccuracyWithoutFix = 99;  // m, reported by receivers during s
 
 base::SimTime moment(double seconds) { return base::SimTime(base::from_seconds(seconds)); }
 
-base::LocalProjection choose_projection(const GpsParams& params,
+base::LocalProjection choose_projection(const base::GpsSheet& sheet,
                                         const base::LocalProjection& world) {
-  if (!params.earth_model) return world;
-  return base::LocalProjection(world.home(), *params.earth_model);
+  if (!sheet.earth_model) return world;
+  return base::LocalProjection(world.home(), *sheet.earth_model);
 }
 
 }  // namespace
 
-GpsParams parse_gps_params(const base::ConfigNode& node, double step_s) {
-  const base::GpsSheet sheet = base::read_gps_sheet(node);
-  check_rate(node, sheet.rate_hz, step_s);
-  GpsParams params;
-  params.rate_hz = sheet.rate_hz;
-  params.delay = base::from_seconds(sheet.delay_s);
-  params.position_stddev_m = white_noise(sheet.position, 1.0, sheet.rate_hz);
-  params.position_drift = drift_of(sheet.position_drift, 1.0);
-  params.velocity_stddev_m_s = white_noise(sheet.velocity, 1.0, sheet.rate_hz);
-  params.antenna_B_m = sheet.antenna_B_m;
-  params.eph_m = sheet.eph_m;
-  params.epv_m = sheet.epv_m;
-  params.satellites = static_cast<std::uint8_t>(sheet.satellites);
-  params.first_fix = moment(sheet.first_fix_s);
-  for (const auto& loss : sheet.fix_losses) {
-    params.fix_losses.push_back({moment(loss.from_s), moment(loss.to_s)});
-  }
-  params.earth_model = sheet.earth_model;
-  return params;
-}
-
-GpsModel::GpsModel(const GpsParams& params, const base::LocalProjection& projection,
+GpsModel::GpsModel(const base::GpsSheet& sheet, const base::LocalProjection& projection,
                    std::uint64_t seed)
-    : params_(params),
-      projection_(choose_projection(params, projection)),
+    : sheet_(sheet),
+      position_stddev_m_(white_noise(sheet.position, 1.0, sheet.rate_hz)),
+      velocity_stddev_m_s_(white_noise(sheet.velocity, 1.0, sheet.rate_hz)),
+      projection_(choose_projection(sheet, projection)),
       random_(seed),
-      drift_(params.position_drift, 1.0 / params.rate_hz) {
+      drift_(drift_of(sheet.position_drift, 1.0), 1.0 / sheet.rate_hz) {
   drift_.settle(random_);
 }
 
 GpsSample GpsModel::sample(base::SimTime time, const Eigen::Vector3d& p_N,
                            const Eigen::Vector3d& v_N) {
   const Eigen::Vector3d error_N =
-      drift_.advance(random_) + params_.position_stddev_m.cwiseProduct(normal3(random_));
-  const Eigen::Vector3d velocity_error_N =
-      params_.velocity_stddev_m_s.cwiseProduct(normal3(random_));
+      drift_.advance(random_) + position_stddev_m_.cwiseProduct(normal3(random_));
+  const Eigen::Vector3d velocity_error_N = velocity_stddev_m_s_.cwiseProduct(normal3(random_));
   GpsSample sample;
   sample.time = time;
   if (!has_fix(time)) {
@@ -69,18 +48,20 @@ GpsSample GpsModel::sample(base::SimTime time, const Eigen::Vector3d& p_N,
     return sample;
   }
   sample.fix_type = kFix3d;
-  sample.satellites = params_.satellites;
+  sample.satellites = static_cast<std::uint8_t>(sheet_.satellites);
   sample.position = projection_.to_geodetic(p_N + error_N);
   sample.velocity_N = v_N + velocity_error_N;
-  sample.eph_m = params_.eph_m;
-  sample.epv_m = params_.epv_m;
+  sample.eph_m = sheet_.eph_m;
+  sample.epv_m = sheet_.epv_m;
   return sample;
 }
 
 bool GpsModel::has_fix(base::SimTime time) const {
-  if (time < params_.first_fix) return false;
-  return std::none_of(params_.fix_losses.begin(), params_.fix_losses.end(),
-                      [time](const FixLoss& loss) { return time >= loss.from && time < loss.to; });
+  if (time < moment(sheet_.first_fix_s)) return false;
+  return std::none_of(sheet_.fix_losses.begin(), sheet_.fix_losses.end(),
+                      [time](const base::GpsSheet::FixLoss& loss) {
+                        return time >= moment(loss.from_s) && time < moment(loss.to_s);
+                      });
 }
 
 }  // namespace cas::sim

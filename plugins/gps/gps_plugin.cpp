@@ -4,6 +4,7 @@
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/common/delay_line.hpp"
+#include "plugins/common/noise_params.hpp"
 #include "plugins/common/own_sensor_name.hpp"
 #include "plugins/gps/gps_model.hpp"
 
@@ -17,11 +18,13 @@ class GpsPlugin final : public Plugin {
     vehicle_ = context.vehicle_id();
     projection_ = context.projection();
     seed_ = context.seed();
-    const GpsParams gps = parse_gps_params(params, base::to_seconds(context.step()));
+    const base::GpsSheet gps =
+        read_at_rate<base::read_gps_sheet>(params, base::to_seconds(context.step()));
     model_ = GpsModel(gps, projection_, seed_);
     rate_ = base::RateGate(gps.rate_hz);
-    const double in_flight = base::to_seconds(gps.delay) * gps.rate_hz;
-    delay_ = DelayLine<GpsSample>(gps.delay, static_cast<std::size_t>(in_flight) + 2);
+    const double in_flight = gps.delay_s * gps.rate_hz;
+    delay_ = DelayLine<GpsSample>(base::from_seconds(gps.delay_s),
+                                  static_cast<std::size_t>(in_flight) + 2);
     gps_ = context.bus().advertise<GpsSample>(context.topic(own_sensor_name("gps", params)));
   }
 
@@ -31,14 +34,14 @@ class GpsPlugin final : public Plugin {
   }
 
   void reset() override {
-    model_ = GpsModel(model_.params(), projection_, seed_);
+    model_ = GpsModel(model_.sheet(), projection_, seed_);
     rate_.reset();
     delay_.clear();
   }
 
  private:
   GpsSample measure(base::SimTime time, const BodyState& state) {
-    const Eigen::Vector3d& r_B = model_.params().antenna_B_m;
+    const Eigen::Vector3d& r_B = model_.sheet().antenna_B_m;
     const Eigen::Vector3d p_W = state.p_WB + state.q_WB * r_B;
     const Eigen::Vector3d v_W = state.v_WB + state.q_WB * state.w_WB_B.cross(r_B);
     return model_.sample(time, base::swap_WN(p_W), base::swap_WN(v_W));

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cmath>
-#include <string>
 
 #include "base/angles.hpp"
 #include "base/config/config.hpp"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "base/config/config.hpp"
+#include "base/config/sensor_sheets.hpp"
 #include "base/earth/geodesy.hpp"
 #include "base/random.hpp"
 #include "base/time/clock.hpp"
@@ -14,18 +14,6 @@
 #include "plugins/common/gauss_markov.hpp"
 
 namespace cas::sim {
-
-struct MagnetometerParams {
-  double rate_hz = 0;
-  Eigen::Vector3d stddev_gauss = Eigen::Vector3d::Zero();  ///< white, one sample
-  GaussMarkovParams<3> bias_walk;
-  Eigen::Vector3d hard_iron_gauss = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d soft_iron = Eigen::Matrix3d::Identity();
-  double lsb_gauss = 0;
-};
-
-/// Reads the block `magnetometer`: its keys are those of its sheet (base/config/sensor_sheets.hpp).
-MagnetometerParams parse_magnetometer_params(const base::ConfigNode& node, double step_s);
 
 /// Earth's field (World Magnetic Model) or the world's own in the axes of B, bent by soft iron,
 /// shifted by hard iron.
@@ -36,19 +24,20 @@ MagnetometerParams parse_magnetometer_params(const base::ConfigNode& node, doubl
 class MagnetometerModel {
  public:
   MagnetometerModel() = default;
-  MagnetometerModel(const MagnetometerParams& params, const base::LocalProjection& projection,
+  MagnetometerModel(const base::MagnetometerSheet& sheet, const base::LocalProjection& projection,
                     double decimal_year, std::uint64_t seed);
 
   /// @param own_field_W  the world's own field, gauss; nullopt: the Earth's
   MagnetometerSample sample(base::SimTime time, const BodyState& state,
                             const std::optional<Eigen::Vector3d>& own_field_W = {});
 
-  const MagnetometerParams& params() const { return params_; }
+  const base::MagnetometerSheet& sheet() const { return sheet_; }
 
  private:
   void follow(const Eigen::Vector3d& p_W);
 
-  MagnetometerParams params_;
+  base::MagnetometerSheet sheet_;
+  Eigen::Vector3d stddev_gauss_ = Eigen::Vector3d::Zero();  // white, one sample
   base::LocalProjection projection_;
   double decimal_year_ = 0;
   base::NormalRandom random_;

@@ -2,6 +2,7 @@
 #include "base/time/rate_gate.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
+#include "plugins/common/noise_params.hpp"
 #include "plugins/common/own_sensor_name.hpp"
 #include "plugins/magnetometer/magnetometer_model.hpp"
 
@@ -13,7 +14,8 @@ class MagnetometerPlugin final : public Plugin {
  public:
   void configure(PluginContext& context, const base::ConfigNode& node) override {
     vehicle_ = context.vehicle_id();
-    const auto params = parse_magnetometer_params(node, base::to_seconds(context.step()));
+    const auto params =
+        read_at_rate<base::read_magnetometer_sheet>(node, base::to_seconds(context.step()));
     initial_ =
         MagnetometerModel(params, context.projection(), context.decimal_year(), context.seed());
     model_ = initial_;

@@ -7,8 +7,6 @@
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
-#include <span>
-#include <string>
 #include <utility>
 #include <vector>
 

@@ -5,31 +5,16 @@
 #include <cmath>
 
 #include "base/angles.hpp"
-#include "base/config/sensor_sheets.hpp"
 #include "plugins/common/noise_params.hpp"
 
 namespace cas::sim {
 
-RangefinderParams parse_rangefinder_params(const base::ConfigNode& node, double step_s) {
-  const base::RangefinderSheet sheet = base::read_rangefinder_sheet(node);
-  check_rate(node, sheet.rate_hz, step_s);
-  return {.rate_hz = sheet.rate_hz,
-          .stddev_m = white_noise(sheet.noise, 1.0, sheet.rate_hz).x(),
-          .min_m = sheet.min_m,
-          .max_m = sheet.max_m,
-          .lsb_m = sheet.lsb_m,
-          .position_B_m = sheet.position_B_m,
-          .direction_B = sheet.direction_B,
-          .beam_rad = sheet.beam_deg * base::kRadPerDeg};
-}
-
-std::vector<Eigen::Vector3d> beam_directions_B(const RangefinderParams& params) {
-  if (params.beam_rad == 0) return {params.direction_B};
+std::vector<Eigen::Vector3d> beam_directions_B(const base::RangefinderSheet& sheet) {
+  if (sheet.beam_deg == 0) return {sheet.direction_B};
   constexpr int kRays = 128;  // of a cone of 30 degrees less than 3 degrees apart
   const double golden = M_PI * (3 - std::sqrt(5.0));  // a turn by it is never repeated
-  const double height = 1 - std::cos(params.beam_rad / 2);
-  const auto axis =
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), params.direction_B);
+  const double height = 1 - std::cos(sheet.beam_deg * base::kRadPerDeg / 2);
+  const auto axis = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), sheet.direction_B);
   std::vector<Eigen::Vector3d> directions;
   for (int i = 0; i < kRays; ++i) {
     // Equal steps along the axis cut a sphere into rings of equal area.
@@ -41,20 +26,23 @@ std::vector<Eigen::Vector3d> beam_directions_B(const RangefinderParams& params) 
   return directions;
 }
 
+RangefinderModel::RangefinderModel(const base::RangefinderSheet& sheet, std::uint64_t seed)
+    : sheet_(sheet), stddev_m_(white_noise(sheet.noise, 1.0, sheet.rate_hz).x()), random_(seed) {}
+
 RangeSample RangefinderModel::sample(base::SimTime time, std::optional<double> distance_m) {
-  const double error = params_.stddev_m * random_();  // drawn also without a hit: a fixed stream
+  const double error = stddev_m_ * random_();  // drawn also without a hit: a fixed stream
   RangeSample sample;
   sample.time = time;
-  sample.min_m = params_.min_m;
-  sample.max_m = params_.max_m;
-  sample.direction_B = params_.direction_B;
-  sample.beam_rad = params_.beam_rad;
-  sample.distance_m = distance_m ? *distance_m + error : params_.max_m;
-  if (params_.lsb_m > 0) {
-    sample.distance_m = std::round(sample.distance_m / params_.lsb_m) * params_.lsb_m;
+  sample.min_m = sheet_.min_m;
+  sample.max_m = sheet_.max_m;
+  sample.direction_B = sheet_.direction_B;
+  sample.beam_rad = sheet_.beam_deg * base::kRadPerDeg;
+  sample.distance_m = distance_m ? *distance_m + error : sheet_.max_m;
+  if (sheet_.lsb_m > 0) {
+    sample.distance_m = std::round(sample.distance_m / sheet_.lsb_m) * sheet_.lsb_m;
   }
   sample.valid =
-      distance_m && sample.distance_m >= params_.min_m && sample.distance_m <= params_.max_m;
+      distance_m && sample.distance_m >= sheet_.min_m && sample.distance_m <= sheet_.max_m;
   return sample;
 }
 

@@ -7,6 +7,7 @@
 #include "base/time/rate_gate.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
+#include "plugins/common/noise_params.hpp"
 #include "plugins/common/own_sensor_name.hpp"
 #include "plugins/rangefinder/rangefinder_model.hpp"
 
@@ -19,10 +20,11 @@ class RangefinderPlugin final : public Plugin {
   void configure(PluginContext& context, const base::ConfigNode& params) override {
     vehicle_ = context.vehicle_id();
     seed_ = context.seed();
-    model_ =
-        RangefinderModel(parse_rangefinder_params(params, base::to_seconds(context.step())), seed_);
-    rate_ = base::RateGate(model_.params().rate_hz);
-    directions_B_ = beam_directions_B(model_.params());
+    model_ = RangefinderModel(
+        read_at_rate<base::read_rangefinder_sheet>(params, base::to_seconds(context.step())),
+        seed_);
+    rate_ = base::RateGate(model_.sheet().rate_hz);
+    directions_B_ = beam_directions_B(model_.sheet());
     directions_W_.resize(directions_B_.size());
     origins_W_.resize(directions_B_.size());
     hits_.resize(directions_B_.size());
@@ -34,17 +36,17 @@ class RangefinderPlugin final : public Plugin {
   void post_step(const StepInfo& step, const World& world) override {
     if (!rate_.due(step.time)) return;
     const BodyState& state = world.state(vehicle_);
-    const RangefinderParams& params = model_.params();
-    std::ranges::fill(origins_W_, state.p_WB + state.q_WB * params.position_B_m);
+    const base::RangefinderSheet& sheet = model_.sheet();
+    std::ranges::fill(origins_W_, state.p_WB + state.q_WB * sheet.position_B_m);
     for (std::size_t i = 0; i < hits_.size(); ++i) directions_W_[i] = state.q_WB * directions_B_[i];
-    world.cast(vehicle_, origins_W_, directions_W_, params.max_m, hits_);
+    world.cast(vehicle_, origins_W_, directions_W_, sheet.max_m, hits_);
     const double distance_m = std::ranges::min(hits_, {}, &RayHit::distance_m).distance_m;
     const bool is_met = std::isfinite(distance_m);
     range_.publish(model_.sample(step.time, is_met ? std::optional(distance_m) : std::nullopt));
   }
 
   void reset() override {
-    model_ = RangefinderModel(model_.params(), seed_);
+    model_ = RangefinderModel(model_.sheet(), seed_);
     rate_.reset();
   }
 

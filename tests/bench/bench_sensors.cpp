@@ -7,6 +7,7 @@
 
 #include "base/config/vehicle.hpp"
 #include "plugins/barometer/barometer_model.hpp"
+#include "plugins/common/noise_params.hpp"
 #include "plugins/gps/gps_model.hpp"
 #include "plugins/imu/imu_model.hpp"
 #include "plugins/magnetometer/magnetometer_model.hpp"
@@ -60,7 +61,8 @@ void ImuSample(benchmark::State& bench) {
 BENCHMARK(ImuSample);
 
 void GpsSample(benchmark::State& bench) {
-  GpsModel gps(parse_gps_params(preset("gps"), kStep), base::LocalProjection(kHome), 1);
+  GpsModel gps(read_at_rate<base::read_gps_sheet>(preset("gps"), kStep),
+               base::LocalProjection(kHome), 1);
   const base::SimTime after_first_fix(std::chrono::seconds(10));
   for (auto _ : bench) {
     benchmark::DoNotOptimize(gps.sample(after_first_fix, {10, 20, -3}, {1, 2, 0}));
@@ -69,21 +71,23 @@ void GpsSample(benchmark::State& bench) {
 BENCHMARK(GpsSample);
 
 void MagnetometerSample(benchmark::State& bench) {
-  MagnetometerModel magnetometer(parse_magnetometer_params(preset("magnetometer"), kStep),
-                                 base::LocalProjection(kHome), 2026.5, 1);
+  MagnetometerModel magnetometer(
+      read_at_rate<base::read_magnetometer_sheet>(preset("magnetometer"), kStep),
+      base::LocalProjection(kHome), 2026.5, 1);
   const BodyState state = moving();
   for (auto _ : bench) benchmark::DoNotOptimize(magnetometer.sample({}, state));
 }
 BENCHMARK(MagnetometerSample);
 
 void BarometerSample(benchmark::State& bench) {
-  BarometerModel barometer(parse_barometer_params(preset("barometer"), kStep), 1);
+  BarometerModel barometer(read_at_rate<base::read_barometer_sheet>(preset("barometer"), kStep), 1);
   for (auto _ : bench) benchmark::DoNotOptimize(barometer.sample({}, 490, 3, 1.17));
 }
 BENCHMARK(BarometerSample);
 
 void RangeSample(benchmark::State& bench) {
-  RangefinderModel rangefinder(parse_rangefinder_params(preset("rangefinder"), kStep), 1);
+  RangefinderModel rangefinder(
+      read_at_rate<base::read_rangefinder_sheet>(preset("rangefinder"), kStep), 1);
   for (auto _ : bench) benchmark::DoNotOptimize(rangefinder.sample({}, 2.5));
 }
 BENCHMARK(RangeSample);

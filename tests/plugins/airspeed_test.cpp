@@ -30,14 +30,14 @@ using test::updated;
 constexpr double kQuiet_pa = 1e-9;
 constexpr const char* kQuietKeys = "{rate_hz: 50, stddev_pa: 1.0e-9}";
 
-AirspeedParams quiet() {
-  AirspeedParams params;
+base::AirspeedSheet quiet() {
+  base::AirspeedSheet params;
   params.rate_hz = 50;
-  params.stddev_pa = kQuiet_pa;
+  params.noise.stddev = Vector3d::Constant(kQuiet_pa);
   return params;
 }
 
-double reading_pa(const AirspeedParams& params, double speed_m_s, double density_kg_m3) {
+double reading_pa(const base::AirspeedSheet& params, double speed_m_s, double density_kg_m3) {
   AirspeedModel tube(params, 0.001, 1);
   tube.follow(speed_m_s, density_kg_m3);
   return tube.sample({}).differential_pressure_pa;
@@ -54,15 +54,15 @@ TEST(Airspeed, AirFromBehindReadsNegative) {
 }
 
 TEST(Airspeed, PositionErrorIsAFractionAndBiasAConstant) {
-  AirspeedParams params = quiet();
+  base::AirspeedSheet params = quiet();
   params.position_error = 0.1;
   params.bias_pa = -5;
   EXPECT_NEAR(reading_pa(params, 20, 1.225), 1.1 * 245 - 5, 1e-6);
 }
 
 TEST(Airspeed, NoiseHasNoMeanAndTheConfiguredDeviation) {
-  AirspeedParams params = quiet();
-  params.stddev_pa = 2;
+  base::AirspeedSheet params = quiet();
+  params.noise.stddev = Vector3d::Constant(2);
   AirspeedModel tube(params, 0.02, 11);
   Statistics error;
   std::set<double> values;
@@ -86,7 +86,7 @@ struct LagCase {
 class AirspeedLag : public testing::TestWithParam<LagCase> {};
 
 TEST_P(AirspeedLag, StepResponseIsThatOfItsTimeConstantAtAnyStep) {
-  AirspeedParams params = quiet();
+  base::AirspeedSheet params = quiet();
   params.lag_s = 0.2;
   AirspeedModel tube(params, GetParam().step_s, 1);
   tube.follow(10, 1.2);  // settled at 60 Pa
@@ -117,7 +117,7 @@ TEST_P(AlongTube, CountsTheAirThatMeetsItsOpening) {
   body.q_WB = base::q_WB_from_q_ND(base::quaternion_rpy(0, 0, of.yaw_rad));
   body.v_WB = of.v_WB;
   body.w_WB_B = of.w_WB_B;
-  AirspeedParams params;
+  base::AirspeedSheet params;
   params.position_B_m = of.position_B_m;
   EXPECT_NEAR(speed_along_tube(body, of.wind_W, params), of.speed_m_s, 1e-12);
 }

@@ -8,6 +8,7 @@
 #include "base/config/sensor_set.hpp"
 #include "plugins/barometer/barometer_model.hpp"
 #include "plugins/common/gauss_markov.hpp"
+#include "plugins/common/noise_params.hpp"
 #include "plugins/gps/gps_model.hpp"
 #include "plugins/imu/imu_model.hpp"
 #include "plugins/magnetometer/magnetometer_model.hpp"
@@ -206,10 +207,11 @@ TEST_P(Preset, IsReadByEverySensor) {
   const base::ConfigNode preset = base::sensor_set(base::ConfigNode::parse("a: " + file).at("a"));
   constexpr double kStep = 1e-3;
   EXPECT_GT(parse_imu_params(preset.at("imu"), kStep).rate_hz, 0);
-  EXPECT_GT(parse_gps_params(preset.at("gps"), kStep).rate_hz, 0);
-  EXPECT_GT(parse_magnetometer_params(preset.at("magnetometer"), kStep).rate_hz, 0);
-  EXPECT_GT(parse_barometer_params(preset.at("barometer"), kStep).rate_hz, 0);
-  EXPECT_GT(parse_rangefinder_params(preset.at("rangefinder"), kStep).rate_hz, 0);
+  EXPECT_GT(read_at_rate<base::read_gps_sheet>(preset.at("gps"), kStep).rate_hz, 0);
+  EXPECT_GT(read_at_rate<base::read_magnetometer_sheet>(preset.at("magnetometer"), kStep).rate_hz,
+            0);
+  EXPECT_GT(read_at_rate<base::read_barometer_sheet>(preset.at("barometer"), kStep).rate_hz, 0);
+  EXPECT_GT(read_at_rate<base::read_rangefinder_sheet>(preset.at("rangefinder"), kStep).rate_hz, 0);
   for (const char* sensor : {"imu", "gps", "magnetometer", "barometer", "rangefinder"}) {
     preset.at(sensor).reject_unused();
   }

@@ -8,6 +8,7 @@
 #include "base/earth/frames.hpp"
 #include "base/earth/magnetic_field.hpp"
 #include "plugins/barometer/barometer_model.hpp"
+#include "plugins/common/noise_params.hpp"
 #include "plugins/gps/gps_model.hpp"
 #include "plugins/magnetometer/magnetometer_model.hpp"
 #include "tests/plugins/plugin_harness.hpp"
@@ -24,10 +25,10 @@ constexpr const char* kGps =
     "{rate_hz: 5, position_stddev_m: 0.3, velocity_stddev_m_s: 0.1, eph_m: 0.42, epv_m: 0.3, "
     "satellites: 10, delay_s: 0.12}";
 
-GpsParams quiet_gps() {
-  GpsParams params;
+base::GpsSheet quiet_gps() {
+  base::GpsSheet params;
   params.rate_hz = 5;
-  params.position_stddev_m = params.velocity_stddev_m_s = Vector3d::Constant(1e-9);
+  params.position.stddev = params.velocity.stddev = Vector3d::Constant(1e-9);
   params.satellites = 12;
   params.eph_m = 0.9;
   params.epv_m = 1.2;
@@ -59,7 +60,7 @@ TEST(Gps, PlaceIsEquation5) {
 }
 
 TEST(Gps, WhiteNoiseHasTheConfiguredDeviationInMetres) {
-  const auto params = parse_gps_params(base::ConfigNode::parse(kGps), 1e-3);
+  const auto params = read_at_rate<base::read_gps_sheet>(base::ConfigNode::parse(kGps), 1e-3);
   const base::LocalProjection projection(kHome);
   GpsModel gps(params, projection, 3);
   std::array<Statistics, 6> axes;
@@ -77,10 +78,9 @@ TEST(Gps, WhiteNoiseHasTheConfiguredDeviationInMetres) {
 }
 
 TEST(Gps, HasNoFixBeforeTheFirstAndDuringLosses) {
-  GpsParams params = quiet_gps();
-  params.first_fix = base::SimTime(std::chrono::seconds(2));
-  params.fix_losses = {
-      {base::SimTime(std::chrono::seconds(10)), base::SimTime(std::chrono::seconds(12))}};
+  base::GpsSheet params = quiet_gps();
+  params.first_fix_s = 2;
+  params.fix_losses = {{10, 12}};
   GpsModel gps(params, base::LocalProjection(kHome), 1);
   const auto at = [&gps](double s) {
     return gps.sample(base::SimTime(base::from_seconds(s)), Vector3d::Zero(), Vector3d::Zero());
@@ -94,9 +94,9 @@ TEST(Gps, HasNoFixBeforeTheFirstAndDuringLosses) {
 
 TEST(Gps, DriftStandsAtItsDeviationWhateverTheRate) {
   for (const double rate : {1.0, 5.0, 10.0}) {
-    GpsParams params = quiet_gps();
+    base::GpsSheet params = quiet_gps();
     params.rate_hz = rate;
-    params.position_drift = GaussMarkovParams<3>::standing(Vector3d::Constant(0.8), 60);
+    params.position_drift = {.stddev = Vector3d::Constant(0.8), .time_constant_s = 60};
     const base::LocalProjection projection(kHome);
     GpsModel gps(params, projection, 5);
     Statistics north;
@@ -139,10 +139,10 @@ TEST(GpsPlugin, AntennaOnALeverMovesWithTheBodysTurn) {
   EXPECT_TRUE(velocity_N.isApprox(Vector3d(1, 0, 0), 1e-4));
 }
 
-MagnetometerParams quiet_magnetometer() {
-  MagnetometerParams params;
+base::MagnetometerSheet quiet_magnetometer() {
+  base::MagnetometerSheet params;
   params.rate_hz = 100;
-  params.stddev_gauss = Vector3d::Constant(1e-12);
+  params.noise.stddev = Vector3d::Constant(1e-12);
   return params;
 }
 
@@ -162,7 +162,7 @@ TEST(Magnetometer, ReadsTheWorldModelInTheBodysAxes) {
 }
 
 TEST(Magnetometer, IronBendsAndShiftsTheField) {
-  MagnetometerParams params = quiet_magnetometer();
+  base::MagnetometerSheet params = quiet_magnetometer();
   params.hard_iron_gauss = {0.1, -0.2, 0.3};
   params.soft_iron << 1.1, 0.02, 0, 0.02, 0.9, 0, 0, 0, 1;
   MagnetometerModel plain(quiet_magnetometer(), base::LocalProjection(kHome), 2026.5, 1);
@@ -194,10 +194,10 @@ TEST(Magnetometer, ReadsTheWorldsOwnFieldWhereItHasOne) {
                   .field_B_gauss.isApprox(Vector3d(0.23, -0.06, -0.42), 1e-9));
 }
 
-BarometerParams quiet_barometer() {
-  BarometerParams params;
+base::BarometerSheet quiet_barometer() {
+  base::BarometerSheet params;
   params.rate_hz = 50;
-  params.stddev_pa = 1e-9;
+  params.noise.stddev = Vector3d::Constant(1e-9);
   return params;
 }
 
@@ -211,7 +211,7 @@ TEST(Barometer, ReadsTheStandardAtmosphere) {
 }
 
 TEST(Barometer, KnowsTheSensorsHeatAndTheWind) {
-  BarometerParams params = quiet_barometer();
+  base::BarometerSheet params = quiet_barometer();
   params.self_heating_degc = 20;
   params.wind_pressure_coefficient = -0.5;
   BarometerModel barometer(params, 1);
@@ -232,9 +232,9 @@ TEST(Barometer, ReadsTheWorldsOwnAir) {
 }
 
 TEST(Barometer, RoundsToItsResolution) {
-  BarometerParams params;
+  base::BarometerSheet params;
   params.rate_hz = 50;
-  params.stddev_pa = 3;
+  params.noise.stddev = Vector3d::Constant(3);
   params.lsb_pa = 4;
   BarometerModel barometer(params, 1);
   for (int i = 0; i < 100; ++i) {
@@ -244,8 +244,8 @@ TEST(Barometer, RoundsToItsResolution) {
 }
 
 TEST(Barometer, NoiseHasNoMeanAndTheConfiguredDeviation) {
-  BarometerParams params = quiet_barometer();
-  params.stddev_pa = 1.0;
+  base::BarometerSheet params = quiet_barometer();
+  params.noise.stddev = Vector3d::Constant(1.0);
   BarometerModel barometer(params, 11);
   Statistics error;
   const double truth = base::isa::pressure_pa(488);

@@ -34,13 +34,6 @@ constexpr auto kPilotSilence = std::chrono::milliseconds(500);
 constexpr const char* kCasdTopics[] = {"links", "drops", "statustext"};
 constexpr const char* kHilsTopics[] = {"fault", "verdict"};
 
-/// How often each topic is asked for at most, Hz.
-constexpr std::pair<const char*, double> kRates[] = {
-    {"sim", 60}, {"clouds", 5}, {"links", 2}, {"loop", 1}, {"messages", 1}, {"value", 10}, {"vehicle", 10}};
-
-/// Of a run of hils.
-constexpr std::pair<const char*, double> kRunRates[] = {{"ref", 20}, {"verdict", 2}};
-
 std::string text_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -80,15 +73,15 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
   using Take = std::function<void(const Json* params)>;
 
   struct Topic {
-    explicit Topic(asio::io_context& io, double rate_hz)
-        : hz(rate_hz), period(base::from_seconds(1 / rate_hz)), timer(io) {}
+    Topic(asio::io_context& io, double rate_hz, std::function<void(const Take&)> ask_in)
+        : hz(rate_hz), period(base::from_seconds(1 / rate_hz)), timer(io), ask(std::move(ask_in)) {}
     double hz;
     base::Duration period;
     asio::steady_timer timer;
     bool armed = false;    // the timer runs, or a sample is under way
     base::RunTime next{};  // earliest moment of the next question
     std::uint64_t seq = 0;
-    std::function<void(Take)> ask;
+    std::function<void(const Take&)> ask;
   };
 
   struct Program {
@@ -97,10 +90,21 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
     Json version{};  // null while it is away
   };
 
+  /// With each topic, and how often it is asked for at most, Hz.
   Impl(asio::io_context& io_in, Config config_in) : io(io_in), config(std::move(config_in)) {
-    for (const auto& [name, hz] : kRates) topics.try_emplace(name, io, hz);
+    const auto add = [this](const char* name, double hz, void (Impl::*ask)(const Take&)) {
+      topics.try_emplace(name, io, hz, [this, ask](const Take& take) { (this->*ask)(take); });
+    };
+    add("sim", 60, &Impl::ask_sim);
+    add("clouds", 5, &Impl::ask_clouds);
+    add("links", 2, &Impl::ask_links);
+    add("loop", 1, &Impl::ask_loop);
+    add("messages", 1, &Impl::ask_messages);
+    add("value", 10, &Impl::ask_values);
+    add("vehicle", 10, &Impl::ask_vehicles);
     if (!config.find_hils) return;
-    for (const auto& [name, hz] : kRunRates) topics.try_emplace(name, io, hz);
+    add("ref", 20, &Impl::ask_reference);
+    add("verdict", 2, &Impl::ask_verdict);
   }
 
   // ---- programs
@@ -109,7 +113,6 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
     make_program(casd, "casd", config.find_casd);
     make_program(hilsim, "hilsim", config.find_hilsim);
     if (config.find_hils) make_program(hils, "hils", config.find_hils);
-    add_questions();
     casd.upstream->start();
     hilsim.upstream->start();
     if (hils.upstream) hils.upstream->start();
@@ -261,26 +264,14 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
     }
   }
 
-  void add_questions() {
-    topics.at("sim").ask = [this](Take take) { ask_sim(std::move(take)); };
-    topics.at("clouds").ask = [this](Take take) {
-      hilsim.upstream->call("sim.clouds", Json(), taker(std::move(take)));
-    };
-    topics.at("links").ask = [this](Take take) { ask_links(std::move(take)); };
-    topics.at("loop").ask = [this](Take take) { ask_loop(std::move(take)); };
-    topics.at("messages").ask = [this](Take take) { ask_messages(std::move(take)); };
-    topics.at("vehicle").ask = [this](Take take) { ask_vehicles(std::move(take)); };
-    topics.at("value").ask = [this](const Take& take) { ask_values(take); };
-    if (!hils.upstream) return;
-    topics.at("ref").ask = [this](Take take) { ask_hils("run.reference", std::move(take)); };
-    topics.at("verdict").ask = [this](Take take) { ask_hils("run.status", std::move(take)); };
+  void ask_reference(const Take& take) {
+    hils.upstream->call("run.reference", Json(), taker(take));
   }
+  void ask_verdict(const Take& take) { hils.upstream->call("run.status", Json(), taker(take)); }
 
-  void ask_hils(const char* method, Take take) {
-    hils.upstream->call(method, Json(), taker(std::move(take)));
-  }
+  void ask_clouds(const Take& take) { hilsim.upstream->call("sim.clouds", Json(), taker(take)); }
 
-  void ask_sim(Take take) {
+  void ask_sim(const Take& take) {
     hilsim.upstream->call("sim.watch", Json(),
                           taker([weak = weak_from_this(), take](const Json* answer) {
                             const auto self = weak.lock();
@@ -322,7 +313,7 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
     }
   }
 
-  void ask_links(Take take) {
+  void ask_links(const Take& take) {
     ask_casd({Question{"link.list"}, Question{"message.list", {{"limit", kMaxRows}}},
               Question{"link.latency"}},
              [weak = weak_from_this(), take](const std::vector<Json>* answers) {
@@ -334,7 +325,7 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
              });
   }
 
-  void ask_loop(Take take) {
+  void ask_loop(const Take& take) {
     ask_casd({Question{"link.echo"}}, [take](const std::vector<Json>* answers) {
       if (answers == nullptr) return take(nullptr);
       Json vehicles = Json::array();
@@ -350,7 +341,7 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
     });
   }
 
-  void ask_messages(Take take) {
+  void ask_messages(const Take& take) {
     ask_casd({Question{"message.list", {{"limit", kMaxRows}}}},
              [take](const std::vector<Json>* answers) {
                if (answers == nullptr) return take(nullptr);
@@ -360,7 +351,7 @@ struct PageHub::Impl : std::enable_shared_from_this<PageHub::Impl> {
   }
 
   /// Which vehicles there are changes seldom: it is asked once a second.
-  void ask_vehicles(Take take) {
+  void ask_vehicles(const Take& take) {
     const base::RunTime now = base::steady_now();
     if (now < systems_end) return ask_states(take);
     ask_casd({Question{"casd.status"}},

@@ -8,17 +8,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 #include <memory>
 #include <set>
 #include <string>
 
 #include "base/enum_words.hpp"
 #include "casd/casctl/doctor/findings.hpp"
-#include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {
 namespace {

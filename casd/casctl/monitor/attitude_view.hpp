@@ -3,8 +3,6 @@
 
 #include <deque>
 #include <optional>
-#include <string>
-#include <vector>
 
 #include "casd/casctl/monitor/screen_text.hpp"
 

@@ -8,7 +8,6 @@
 
 #include "base/suggestion.hpp"
 #include "base/text.hpp"
-#include "casd/casctl/monitor/screen_text.hpp"
 #include "casd/casctl/session/text.hpp"
 
 namespace cas::casctl {

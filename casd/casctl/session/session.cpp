@@ -3,9 +3,12 @@
 
 #include <fmt/format.h>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <nlohmann/json_fwd.hpp>
+#include <sstream>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -17,7 +20,6 @@
 #include "base/rpc/local_port.hpp"
 #include "base/rpc/token.hpp"
 #include "base/text.hpp"
-#include "casd/casctl/session/daemon_list.hpp"
 #include "casd/casctl/session/port_owner.hpp"
 #include "casd/casctl/session/text.hpp"
 
@@ -25,6 +27,73 @@ namespace cas::casctl {
 namespace {
 
 using nlohmann::json;
+
+/// A casd that hangs must not keep the list waiting.
+constexpr base::Duration kPatience = std::chrono::seconds(2);
+
+json daemon(base::rpc::LocalClient& local) {
+  json entry{{"address", local.address}};
+  try {
+    const json status = local.client.call("casd.status", json::object(), kPatience);
+    for (const char* key : {"name", "topology", "uptime_s"}) {
+      if (status.contains(key)) entry[key] = status[key];
+    }
+    entry["vehicles"] = json::array();
+    for (const json& vehicle : status.value("vehicles", json::array())) {
+      entry["vehicles"].push_back(vehicle.value("system", 0));
+    }
+  } catch (const std::runtime_error& error) {
+    entry["trouble"] = error.what();
+  }
+  return entry;
+}
+
+/// In this place's time: "2026-11-22 18:05:00".
+std::string clock_text(double since_1970_s) {
+  const auto seconds = static_cast<std::time_t>(since_1970_s);
+  std::tm parts{};
+  char text[32];
+  if (::localtime_r(&seconds, &parts) == nullptr) return "?";
+  return {text, std::strftime(text, sizeof text, "%F %T", &parts)};
+}
+
+std::string vehicles_text(const json& daemon) {
+  const json vehicles = daemon.value("vehicles", json::array());
+  if (vehicles.empty()) return "none";
+  return base::joined(vehicles, ", ", [](const json& system) { return system.dump(); });
+}
+
+/// Several casds as a table: address, topology, vehicles and start of each.
+/// @param daemons  as SeveralDaemons has them
+/// @param now_s  the system's clock, s since 1970
+std::string daemon_table(const json& daemons, double now_s) {
+  Table table({"address", "runs", "vehicles", "since"});
+  for (const json& each : daemons) {
+    const std::string address = each.value("address", "");
+    if (!each.contains("uptime_s")) {
+      table.add({address, "does not answer", "?", "?"});
+      continue;
+    }
+    table.add({address, each.value("name", each.value("topology", "endpoints of its command line")),
+               vehicles_text(each), clock_text(now_s - each.value("uptime_s", 0.0))});
+  }
+  std::ostringstream text;
+  table.print(text);
+  return text.str();
+}
+
+/// Asks each casd for its topology and throws the list of them.
+void throw_several(std::vector<base::rpc::LocalClient>& clients) {
+  json daemons = json::array();
+  for (base::rpc::LocalClient& client : clients) daemons.push_back(daemon(client));
+  const double now_s =
+      std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+  std::string text =
+      fmt::format("{} casds run on this machine: say which with --address or CASD_ADDRESS\n{}",
+                  clients.size(), daemon_table(daemons, now_s));
+  text.pop_back();
+  throw SeveralDaemons(text, std::move(daemons));
+}
 
 constexpr auto kPollPeriod = std::chrono::milliseconds(100);
 const std::string kTcpAddress = fmt::format("127.0.0.1:{}", base::rpc::kCommandPort);

@@ -2,7 +2,6 @@
 #include "libsim/core/run/beacons.hpp"
 
 #include <algorithm>
-#include <optional>
 #include <string>
 #include <vector>
 

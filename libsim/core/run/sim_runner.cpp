@@ -10,7 +10,6 @@
 #include "base/angles.hpp"
 #include "base/earth/frames.hpp"
 #include "base/earth/magnetic_field.hpp"
-#include "base/error.hpp"
 #include "base/os/log.hpp"
 #include "base/os/result_file.hpp"
 #include "libsim/api/messages.hpp"
