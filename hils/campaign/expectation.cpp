@@ -108,12 +108,6 @@ std::string time_words(const std::optional<double>& time_s) {
   return time_s ? fmt::format("after {:.2f} s", *time_s) : std::string("never");
 }
 
-std::string mode_list(const std::vector<std::string>& modes) {
-  std::string text;
-  for (const std::string& mode : modes) text += (text.empty() ? "" : " or ") + mode;
-  return text;
-}
-
 std::string how_it_ended(const StrikeResponse& response) {
   if (response.incident) {
     const bool more = response.crashed && *response.incident == IncidentKind::kGround;
@@ -221,7 +215,7 @@ std::string to_string(const Expectation& wanted) {
     case Kind::kDetected:
       return "detected" + within("s");
     case Kind::kFailsafe:
-      return "failsafe " + mode_list(wanted.modes) + within("s");
+      return "failsafe " + base::joined(wanted.modes, " or ") + within("s");
     case Kind::kLands:
       return "lands" + within("m");
     case Kind::kFarthest:

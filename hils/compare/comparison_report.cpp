@@ -9,6 +9,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "base/text.hpp"
 #include "hils/compare/comparison_table.hpp"
 #include "hils/measure/figure_table.hpp"
 #include "hils/report/experiment.hpp"
@@ -350,11 +351,7 @@ void add_side_by_side(const std::vector<VariantResult>& results, Document& page)
 }  // namespace
 
 Document comparison_report(const ComparisonPlan& plan, const std::vector<VariantResult>& results) {
-  std::string names;
-  for (const Scenario& scenario : plan.scenarios) {
-    names += (names.empty() ? "" : ", ") + scenario.name;
-  }
-  Document page{"Comparison: " + names};
+  Document page{"Comparison: " + base::joined(plan.scenarios, ", ", &Scenario::name)};
   std::vector<std::string> remarks;
   bool all_valid = true;
   for (const VariantResult& result : results) {

@@ -11,6 +11,7 @@
 #include "base/earth/magnetic_field.hpp"
 #include "base/enum_words.hpp"
 #include "base/os/log.hpp"
+#include "base/text.hpp"
 #include "libsim/api/messages.hpp"
 #include "libsim/api/plugin.hpp"
 #include "plugins/common/gps_time.hpp"
@@ -36,10 +37,7 @@ auto word_of(const base::ConfigNode& node, const char* key, const base::EnumWord
   if (!child) return fallback;
   const auto found = words.find(child->as<std::string>());
   if (found) return *found;
-  std::string all;
-  for (const std::string_view word : words.words)
-    all += (all.empty() ? "" : ", ") + std::string(word);
-  child->fail("is one of " + all);
+  child->fail("is one of " + base::joined(words.words, ", "));
 }
 
 /// GPS_FIX_TYPE as VectorNav numbers its fixes.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ranges>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "base/config/sensor_names.hpp"
 #include "base/earth/frames.hpp"
 #include "base/suggestion.hpp"
+#include "base/text.hpp"
 #include "plugins/common/satellite_signals.hpp"
 
 namespace cas::sim {
@@ -56,8 +58,8 @@ constexpr std::array<std::string_view, 9> kSensorWords{
     "imu",      "gps",          "magnetometer", "barometer",     "rangefinder",
     "airspeed", "optical_flow", "odometry",     "landing_target"};
 
-/// Reads the sensor that a fault is about: "imu", or "imu_2".
-void parse_sensor(const ConfigNode& node, SensorFault& fault) {
+/// A fault of the sensor that the word means: "imu", or "imu_2".
+SensorFault sensor_fault(const ConfigNode& node, SensorEffect effect) {
   const auto word = node.as<std::string>();
   const auto sensor = base::parse_sensor_name(word);
   const auto found =
@@ -68,18 +70,19 @@ void parse_sensor(const ConfigNode& node, SensorFault& fault) {
         "odometry or landing_target, or one of several: imu_2" +
         base::did_you_mean(word, kSensorWords));
   }
+  SensorFault fault;
+  fault.effect = effect;
   fault.topic = static_cast<SensorTopic>(found - kSensorWords.begin());
   fault.number = sensor ? sensor->number : 1;
+  return fault;
 }
 
 /// {sensor: imu, angular_rate_deg_s: [1, 0, 0]}; a scale has no unit: {sensor: imu, angular_rate:
 /// 2}; that of a drift is per second: {sensor: gps, position_m_s: [0.5, 0, 0]}.
 SensorFault parse_change(const ConfigNode& node, SensorEffect effect,
                          BiasDriver driver = BiasDriver::kOne) {
-  SensorFault fault;
-  fault.effect = effect;
+  SensorFault fault = sensor_fault(node.at("sensor"), effect);
   fault.driver = driver;
-  parse_sensor(node.at("sensor"), fault);
   std::string known;
   for (const FieldName& entry : kFields) {
     if (entry.topic != fault.topic) continue;
@@ -99,9 +102,7 @@ SensorFault parse_change(const ConfigNode& node, SensorEffect effect,
 
 /// `freeze: imu`, or {sensor: imu, field: angular_rate}: one part of the sample alone.
 SensorFault parse_freeze(const ConfigNode& node) {
-  SensorFault fault;
-  fault.effect = SensorEffect::kFreeze;
-  parse_sensor(node.is_map() ? node.at("sensor") : node, fault);
+  SensorFault fault = sensor_fault(node.is_map() ? node.at("sensor") : node, SensorEffect::kFreeze);
   if (!node.is_map()) return fault;
   const ConfigNode field = node.at("field");
   const auto word = field.as<std::string>();
@@ -119,9 +120,7 @@ SensorFault parse_freeze(const ConfigNode& node) {
 /// sample passes.
 SensorFault parse_drop(const ConfigNode& node) {
   constexpr int kMost = 100'000;
-  SensorFault fault;
-  fault.effect = SensorEffect::kDrop;
-  parse_sensor(node.is_map() ? node.at("sensor") : node, fault);
+  SensorFault fault = sensor_fault(node.is_map() ? node.at("sensor") : node, SensorEffect::kDrop);
   if (!node.is_map()) return fault;
   if (node.has("share") == node.has("all_but")) node.fail("needs share or all_but, not both");
   fault.drop_share = node.get_in("share", 1, 0, 1);
@@ -131,9 +130,7 @@ SensorFault parse_drop(const ConfigNode& node) {
 
 SensorFault parse_delay(const ConfigNode& node) {
   constexpr double kLongestDelay = 5;
-  SensorFault fault;
-  fault.effect = SensorEffect::kDelay;
-  parse_sensor(node.at("sensor"), fault);
+  SensorFault fault = sensor_fault(node.at("sensor"), SensorEffect::kDelay);
   fault.delay = base::from_seconds(node.require_in("by_s", 0, kLongestDelay));
   return fault;
 }
@@ -153,11 +150,9 @@ SensorFault parse_current(const ConfigNode& node) {
 
 /// {sensor: barometer, pressure_coefficient: -0.3}: of the air's dynamic pressure.
 SensorFault parse_airflow(const ConfigNode& node) {
-  SensorFault fault;
-  fault.effect = SensorEffect::kBias;
+  SensorFault fault = sensor_fault(node.at("sensor"), SensorEffect::kBias);
   fault.driver = BiasDriver::kDynamicPressure;
   fault.field = SampleField::kPressure;
-  parse_sensor(node.at("sensor"), fault);
   if (fault.topic != SensorTopic::kBarometer) node.at("sensor").fail("must be barometer");
   fault.value.x() = node.require_in("pressure_coefficient", -10, 10);
   return fault;
@@ -172,9 +167,7 @@ SensorFault parse_vibration(const ConfigNode& node) {
 
 /// `blind: optical_flow`, odometry or landing_target.
 SensorFault parse_blind(const ConfigNode& node) {
-  SensorFault fault;
-  fault.effect = SensorEffect::kBlind;
-  parse_sensor(node, fault);
+  SensorFault fault = sensor_fault(node, SensorEffect::kBlind);
   if (fault.topic != SensorTopic::kOpticalFlow && fault.topic != SensorTopic::kOdometry &&
       fault.topic != SensorTopic::kLandingTarget) {
     node.fail("must be optical_flow, odometry or landing_target");
@@ -194,20 +187,19 @@ SensorFault parse_relocated(const ConfigNode& node) {
   return fault;
 }
 
-/// One of the sensors whose samples are vectors of the body.
-void parse_vector_sensor(const ConfigNode& node, SensorFault& fault) {
-  parse_sensor(node, fault);
+/// Turned axes of one of the sensors whose samples are vectors of the body.
+SensorFault turned_sensor(const ConfigNode& node) {
+  SensorFault fault = sensor_fault(node, SensorEffect::kTurn);
   if (fault.topic != SensorTopic::kImu && fault.topic != SensorTopic::kMagnetometer) {
     node.fail("must be imu or magnetometer");
   }
+  return fault;
 }
 
 /// {sensor: imu, rpy_deg: [0, 0, 90]}: mounting of the sensor in the vehicle. Angles are of D
 /// (forward, right, down), samples of B (forward, left, up).
 SensorFault parse_turn(const ConfigNode& node) {
-  SensorFault fault;
-  fault.effect = SensorEffect::kTurn;
-  parse_vector_sensor(node.at("sensor"), fault);
+  SensorFault fault = turned_sensor(node.at("sensor"));
   const Eigen::Vector3d rpy = node.require<Eigen::Vector3d>("rpy_deg").unaryExpr(&base::radians);
   const Eigen::Matrix3d R_DS = base::quaternion_rpy(rpy.x(), rpy.y(), rpy.z()).toRotationMatrix();
   const Eigen::Vector3d flip(1, -1, -1);
@@ -217,9 +209,7 @@ SensorFault parse_turn(const ConfigNode& node) {
 
 /// {sensor: imu, from: [y, x, -z]}: the axis of B that each axis reads.
 SensorFault parse_axis_map(const ConfigNode& node) {
-  SensorFault fault;
-  fault.effect = SensorEffect::kTurn;
-  parse_vector_sensor(node.at("sensor"), fault);
+  SensorFault fault = turned_sensor(node.at("sensor"));
   const ConfigNode from = node.at("from");
   const auto words = from.as<std::vector<std::string>>();
   if (words.size() != 3) from.fail("names three axes, such as [y, x, -z]");
@@ -243,7 +233,7 @@ SensorFault receiver_fault(const ConfigNode& node, SensorEffect effect) {
   fault.effect = effect;
   fault.topic = SensorTopic::kGps;
   if (const auto sensor = node.find("sensor")) {
-    parse_sensor(*sensor, fault);
+    fault = sensor_fault(*sensor, effect);
     if (fault.topic != SensorTopic::kGps) sensor->fail("must be gps or gps_2");
   }
   return fault;
@@ -356,65 +346,72 @@ GustCommand parse_gust(const ConfigNode& node) {
   return gust;
 }
 
-/// "; did you mean 'rotor'?" where a key is nearly an effect, or nothing.
-std::string meant_effect(const ConfigNode& node) {
-  constexpr std::array<std::string_view, 26> kEffects{
-      "freeze",      "drop",          "delay",     "bias",        "scale",        "noise", "clip",
-      "drift",       "current",       "airflow",   "turn",        "axes",         "fix",   "rotor",
-      "swap_rotors", "voltage_share", "surface",   "mass_factor", "cg_shift_B_m", "gust",  "jammed",
-      "spoofed",     "multipath",     "vibration", "blind",       "relocated"};
-  for (const auto& [key, value] : node.entries()) {
-    const std::string meant = base::did_you_mean(key, kEffects);
-    if (!meant.empty()) return meant;
-  }
-  return {};
+/// What a fault can do, by its key.
+struct Effect {
+  std::string_view key;
+  FaultKind (*parse)(const ConfigNode& node);
+};
+
+template <auto parse>
+FaultKind kind_of(const ConfigNode& node) {
+  return parse(node);
 }
+
+template <SensorEffect effect, BiasDriver driver = BiasDriver::kOne>
+FaultKind change_of(const ConfigNode& node) {
+  return parse_change(node, effect, driver);
+}
+
+template <class Fault, class Value>
+FaultKind value_of(const ConfigNode& node) {
+  return Fault{node.as<Value>()};
+}
+
+constexpr std::array<Effect, 26> kEffects{
+    {{"freeze", kind_of<parse_freeze>},
+     {"drop", kind_of<parse_drop>},
+     {"delay", kind_of<parse_delay>},
+     {"bias", change_of<SensorEffect::kBias>},
+     {"scale", change_of<SensorEffect::kScale>},
+     {"noise", change_of<SensorEffect::kNoise>},
+     {"clip", kind_of<parse_clip>},
+     {"drift", change_of<SensorEffect::kBias, BiasDriver::kTime>},
+     {"current", kind_of<parse_current>},
+     {"airflow", kind_of<parse_airflow>},
+     {"vibration", kind_of<parse_vibration>},
+     {"blind", kind_of<parse_blind>},
+     {"relocated", kind_of<parse_relocated>},
+     {"turn", kind_of<parse_turn>},
+     {"axes", kind_of<parse_axis_map>},
+     {"fix", kind_of<parse_fix>},
+     {"jammed", kind_of<parse_jammed>},
+     {"spoofed", kind_of<parse_spoofed>},
+     {"multipath", kind_of<parse_multipath>},
+     {"rotor", kind_of<parse_rotor>},
+     {"swap_rotors", kind_of<parse_swap>},
+     {"voltage_share", value_of<VoltageFault, double>},
+     {"surface", kind_of<parse_surface>},
+     {"mass_factor", value_of<MassFault, double>},
+     {"cg_shift_B_m", value_of<CgFault, Eigen::Vector3d>},
+     {"gust", kind_of<parse_gust>}}};
 
 /// The one thing that the fault does; the key says which.
 FaultKind parse_kind(const ConfigNode& node) {
   std::optional<FaultKind> kind;
-  const auto offer = [&](const char* key, const auto& parse) {
-    const auto child = node.find(key);
-    if (!child) return;
+  for (const Effect& effect : kEffects) {
+    const auto child = node.find(effect.key);
+    if (!child) continue;
     if (kind) child->fail("is a second effect; give each its own entry");
-    kind = parse(*child);
-  };
-  offer("freeze", parse_freeze);
-  offer("drop", parse_drop);
-  offer("delay", parse_delay);
-  offer("bias", [](const ConfigNode& n) { return parse_change(n, SensorEffect::kBias); });
-  offer("scale", [](const ConfigNode& n) { return parse_change(n, SensorEffect::kScale); });
-  offer("noise", [](const ConfigNode& n) { return parse_change(n, SensorEffect::kNoise); });
-  offer("clip", parse_clip);
-  offer("drift", [](const ConfigNode& n) {
-    return parse_change(n, SensorEffect::kBias, BiasDriver::kTime);
-  });
-  offer("current", parse_current);
-  offer("airflow", parse_airflow);
-  offer("turn", parse_turn);
-  offer("axes", parse_axis_map);
-  offer("vibration", parse_vibration);
-  offer("blind", parse_blind);
-  offer("relocated", parse_relocated);
-  offer("fix", parse_fix);
-  offer("jammed", parse_jammed);
-  offer("spoofed", parse_spoofed);
-  offer("multipath", parse_multipath);
-  offer("rotor", parse_rotor);
-  offer("swap_rotors", parse_swap);
-  offer("voltage_share", [](const ConfigNode& n) { return VoltageFault{n.as<double>()}; });
-  offer("surface", parse_surface);
-  offer("mass_factor", [](const ConfigNode& n) { return MassFault{n.as<double>()}; });
-  offer("cg_shift_B_m", [](const ConfigNode& n) { return CgFault{n.as<Eigen::Vector3d>()}; });
-  offer("gust", parse_gust);
-  if (!kind) {
-    node.fail(
-        "needs one of freeze, drop, delay, bias, scale, noise, clip, drift, current, airflow, "
-        "vibration, blind, relocated, turn, axes, fix, jammed, spoofed, multipath, rotor, "
-        "swap_rotors, voltage_share, surface, mass_factor, cg_shift_B_m, gust" +
-        meant_effect(node));
+    kind = effect.parse(*child);
   }
-  return *kind;
+  if (kind) return *kind;
+  std::string meant;  // where a key is nearly an effect
+  for (const auto& [key, value] : node.entries()) {
+    if (meant.empty()) {
+      meant = base::did_you_mean(key, kEffects | std::views::transform(&Effect::key));
+    }
+  }
+  node.fail("needs one of " + base::joined(kEffects, ", ", &Effect::key) + meant);
 }
 
 std::optional<Expression> parse_expression(const ConfigNode& node, const char* key) {
@@ -438,9 +435,7 @@ std::string missing_surface(const SurfaceFault& fault, const base::Vehicle& vehi
   if (!index) {
     std::string known;
     if (vehicle.aero) {
-      for (const base::ControlSurface& each : vehicle.aero->surfaces) {
-        known += (known.empty() ? "" : ", ") + each.name;
-      }
+      known = base::joined(vehicle.aero->surfaces, ", ", &base::ControlSurface::name);
     }
     const std::string wanted =
         fault.name.empty() ? std::to_string(fault.number + 1) : "'" + fault.name + "'";
