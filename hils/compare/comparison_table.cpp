@@ -11,6 +11,7 @@
 
 #include "hils/measure/figure_table.hpp"
 #include "hils/report/experiment.hpp"
+#include "hils/report/figure_rows.hpp"
 #include "hils/report/number_text.hpp"
 
 namespace cas::hils {

@@ -252,7 +252,7 @@ void parse_vehicle_limits(const base::ConfigNode& root, const std::vector<Flight
   }
 }
 
-constexpr int kSchema = 1;
+constexpr int kScenarioSchema = 1;
 
 /// Folders beside the file, by their whole paths.
 struct Folders {
@@ -598,7 +598,8 @@ void read_own(const base::ConfigNode& root, Scenario& scenario) {
 
 Scenario Scenario::load(const std::filesystem::path& file) {
   const base::ConfigNode root = base::ConfigNode::load(file);
-  if (root.require<int>("schema") != kSchema) root.at("schema").fail("this program reads schema 1");
+  if (root.require<int>("schema") != kScenarioSchema)
+    root.at("schema").fail("this program reads schema 1");
   base::expect_file(root, base::FileKind::kScenario);
   Scenario scenario;
   scenario.file = file;

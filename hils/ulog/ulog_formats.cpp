@@ -77,9 +77,10 @@ void UlogFormats::add(std::string_view text) {
 }
 
 const std::vector<UlogField>& UlogFormats::spread(const std::string& topic) {
-  const auto [fields, is_new] = spread_.try_emplace(topic);
-  if (is_new) bytes_[topic] = spread(topic, "", 0, 0, fields->second);
-  return fields->second;
+  if (const auto known = spread_.find(topic); known != spread_.end()) return known->second;
+  std::vector<UlogField> fields;
+  bytes_[topic] = spread(topic, "", 0, 0, fields);
+  return spread_.emplace(topic, std::move(fields)).first->second;
 }
 
 /// @return bytes that the type takes
