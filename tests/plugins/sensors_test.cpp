@@ -96,7 +96,8 @@ TEST(Gps, DriftStandsAtItsDeviationWhateverTheRate) {
   for (const double rate : {1.0, 5.0, 10.0}) {
     base::GpsSheet params = quiet_gps();
     params.rate_hz = rate;
-    params.position_drift = {.stddev = Vector3d::Constant(0.8), .time_constant_s = 60};
+    params.position_drift.stddev = Vector3d::Constant(0.8);
+    params.position_drift.time_constant_s = 60;
     const base::LocalProjection projection(kHome);
     GpsModel gps(params, projection, 5);
     Statistics north;
