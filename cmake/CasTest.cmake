@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # cas_add_test(<name> [LABEL unit|loopback|closed_loop|many_flights|realtime|long] [TIMEOUT s]
 #              SOURCES ... LIBRARIES ... PROGRAMS ... SUITES ... MANY_FLIGHTS ...)
-# One GoogleTest program, registered test by test with its label. Under a sanitizer a program's start costs half a second, so a
-# program of unit tests is one test there. SUITES are registered as one test each, because their shared setup (a flight) would be
-# repeated for every test. MANY_FLIGHTS are patterns of tests with that label, whatever the label of the others. PROGRAMS are
-# targets that the test runs. Real-time tests run alone. Tests whose name begins with casd, rpc or loopback also make up the
-# target tsan_tests, which runs under ThreadSanitizer.
+# One GoogleTest program. A program of unit tests is one test, because its start costs as much as many of them; one of its tests
+# is run by --gtest_filter. Others are registered test by test with their label, but for SUITES, which are one test each: their
+# shared setup (a flight) would be repeated for every test. MANY_FLIGHTS are patterns of tests with that label, whatever the
+# label of the others. PROGRAMS are targets that the test runs. Real-time tests run alone. Tests whose name begins with casd,
+# rpc or loopback also make up the target tsan_tests, which runs under ThreadSanitizer.
 add_custom_target(tsan_tests)
 
 include(CasEmulate)
@@ -61,9 +61,10 @@ function(cas_add_test name)
     gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}." TEST_FILTER "${many}" TEST_LIST ${name}_many
                          PROPERTIES LABELS many_flights ${properties})
   endif()
-  if(CAS_SANITIZE AND ARG_LABEL STREQUAL "unit")
+  if(ARG_LABEL STREQUAL "unit")
+    math(EXPR timeout "${ARG_TIMEOUT} * 5")
     add_test(NAME ${name} COMMAND ${name} --gtest_filter=${others})
-    set_tests_properties(${name} PROPERTIES LABELS unit TIMEOUT 600 COST 600)
+    set_tests_properties(${name} PROPERTIES LABELS unit TIMEOUT ${timeout} COST ${timeout})
     return()
   endif()
   gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST TEST_PREFIX "${name}." TEST_FILTER "${others}"

@@ -63,10 +63,7 @@ void FakeVehicle::fall_silent(MavCmd command) {
 }
 
 void FakeVehicle::answer(MavCmd command, base::RunTime now) {
-  CommandAck ack;
-  ack.command = command;
-  ack.target_system = 254;
-  ack.target_component = 190;
+  CommandAck ack{.command = command, .target_system = 254, .target_component = 190};
   if (script.in_progress_first) {
     ack.result = MavResult::kInProgress;
     say(ack, now);
@@ -119,18 +116,16 @@ void FakeVehicle::say_param(const std::string& name, base::RunTime at, std::uint
 
 void FakeVehicle::say_heartbeat(base::RunTime at) {
   if (silent_) return;
-  Heartbeat message;
-  message.type = type;
-  message.autopilot = autopilot;
-  message.base_mode = base_mode;
-  message.custom_mode = custom_mode;
-  message.mavlink_version = 3;
+  Heartbeat message{.type = type,
+                    .autopilot = autopilot,
+                    .base_mode = base_mode,
+                    .custom_mode = custom_mode,
+                    .mavlink_version = 3};
   say(message, at);
 }
 
 void FakeVehicle::say_text(const std::string& text, base::RunTime at) {
-  Statustext message;
-  message.severity = MavSeverity::kCritical;
+  Statustext message{.severity = MavSeverity::kCritical};
   mav::set_text(message.text, text);
   say(message, at);
 }

@@ -34,10 +34,9 @@ inline mav::PacketView view(const mav::PacketBuffer& buffer) {
 
 /// A COMMAND_LONG for a target.
 inline mavlink::common::CommandLong command_to(std::uint8_t system, std::uint8_t component) {
-  mavlink::common::CommandLong message;
-  message.target_system = system;
-  message.target_component = component;
-  message.command = mavlink::common::MavCmd::kComponentArmDisarm;
+  mavlink::common::CommandLong message{.target_system = system,
+                                       .target_component = component,
+                                       .command = mavlink::common::MavCmd::kComponentArmDisarm};
   return message;
 }
 

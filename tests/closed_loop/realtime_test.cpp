@@ -8,6 +8,7 @@
 
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/scenario_text.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/vehicle_summary.hpp"
 #include "tests/support/wait_until.hpp"
@@ -17,46 +18,24 @@ namespace {
 
 using test::ChildProcess;
 
-const std::string kScenario = R"(schema: 1
-vehicle: )" + cas::test::source_dir() +
-                              R"(/config/vehicles/iris_paper.yaml
-home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
-rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
-line: {preset: baud_921600}
-sensors: rtk
-plugins:
-  - {plugin: fault, faults: [{name: gone, when: phase == hold, for_s: 0.5, drop: gps}]}
-steps:
-  - arm
-  - takeoff: {altitude_m: 2}
-  - hold: {duration_s: 3, measure: true}
-  - land: {timeout_s: 60}
-)";
+constexpr const char* kGone =
+    "sensors: rtk\nplugins: [{plugin: fault, faults: [{name: gone, when: phase == hold, for_s: "
+    "0.5, drop: gps}]}]\n";
+const std::string kScenario = cas::test::scenario_text(
+    cas::test::paper_quadrotor() + kGone,
+    "[arm, takeoff: {altitude_m: 2}, hold: {duration_s: 3, measure: true}, land: {timeout_s: 60}]");
 
-const std::string kTwoVehicles = R"(schema: 1
-vehicles:
-  - name: left
-    vehicle: )" + cas::test::source_dir() +
-                                 R"(/config/vehicles/iris_paper.yaml
-    pose: {x_m: 0, y_m: 0}
-  - name: right
-    vehicle: )" + cas::test::source_dir() +
-                                 R"(/config/vehicles/iris_paper.yaml
-    pose: {x_m: 3, y_m: 0}
-home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
-rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
+const std::string kIris = cas::test::source_dir() + "/config/vehicles/iris_paper.yaml";
+const std::string kTwoVehicles = cas::test::scenario_text(
+    "vehicles:\n  - {name: left, vehicle: " + kIris + ", pose: {x_m: 0, y_m: 0}}\n" +
+        "  - {name: right, vehicle: " + kIris + ", pose: {x_m: 3, y_m: 0}}\n" + R"(sensors: rtk
 line: {preset: baud_921600}
-sensors: rtk
 ground_station: true
-steps:
-  - arm
-  - takeoff: {altitude_m: 2}
-  - goto: {vehicle: right, north_m: 1, east_m: 0, up_m: 2}
-  - hold: {name: cut, duration_s: 3, measure: true}
-  - land: {timeout_s: 60}
 faults:
   - {name: line cut, vehicle: left, when: phase == cut, for_s: 0.1, line: {packet_loss: 1}}
-)";
+)",
+    "[arm, takeoff: {altitude_m: 2}, goto: {vehicle: right, north_m: 1, east_m: 0, up_m: 2}, "
+    "hold: {name: cut, duration_s: 3, measure: true}, land: {timeout_s: 60}]");
 
 TEST(RealTime, TheFlightTellsTheSimulatorItsPhase) {
   const test::TemporaryFolder folder;

@@ -1,14 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "libsim/api/plugin.hpp"
+#include "tests/fake_plugins/idle.hpp"
 
-namespace {
-
-class Idle final : public cas::sim::Plugin {
- public:
-  void configure(cas::sim::PluginContext&, const cas::base::ConfigNode&) override {}
-  void reset() override {}
-};
-
-}  // namespace
-
-CAS_PLUGIN(Idle, "somebody_else")
+CAS_PLUGIN(cas::test::Idle, "somebody_else")

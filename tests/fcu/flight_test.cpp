@@ -91,9 +91,7 @@ std::vector<std::vector<std::uint32_t>> answers(Pace pace) {
   });
   mav::PacketBuffer packet;
   for (std::uint64_t ms = 2; ms <= 1000; ms += 2) {
-    mavlink::common::HilSensor sensor;
-    sensor.time_usec = 1000 * ms;
-    sensor.zacc = -9.81F;
+    mavlink::common::HilSensor sensor{.time_usec = 1000 * ms, .zacc = -9.81F};
     packet.size = mav::encode(sensor, {1, 200}, static_cast<std::uint8_t>(ms / 2), packet.bytes);
     steps.emplace_back();
     fcu.on_bytes(packet.view(), base::RunTime(std::chrono::milliseconds(ms)));

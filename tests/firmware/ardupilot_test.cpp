@@ -141,12 +141,7 @@ double island_m(double north_m, double east_m) {
 /// What ArduPilot asks for: 8 x 7 grids of 4 x 4 heights, 30 m apart, from 300 m south and west of
 /// home.
 mv::TerrainRequest request_about_home() {
-  mv::TerrainRequest request;
-  request.lat = 299'973'050;
-  request.lon = -400'031'119;
-  request.grid_spacing = 30;
-  request.mask = (1ULL << 56U) - 1;
-  return request;
+  return {.lat = 299'973'050, .lon = -400'031'119, .grid_spacing = 30, .mask = (1ULL << 56U) - 1};
 }
 
 std::vector<std::uint8_t> packet_of(const mv::TerrainRequest& request) {

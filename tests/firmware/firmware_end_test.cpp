@@ -47,8 +47,7 @@ TEST_F(FirmwareEnd, OfAProgramThatIsNotThereComesBeforeAnythingStarts) {
   start("");
   EXPECT_EQ(fly(), 2) << output();
   EXPECT_TRUE(
-      says("firmware.command: cannot start '/no/such/px4': No such file or directory (errno "
-           "2)"))
+      says("firmware.command: cannot start '/no/such/px4': No such file or directory (errno 2)"))
       << output();
   EXPECT_FALSE(std::filesystem::exists(folder_.path() / "out/run/casd.log"));
 }

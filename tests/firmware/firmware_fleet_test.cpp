@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Several instances of stock firmware in one run.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <map>
 #include <nlohmann/json.hpp>
@@ -18,6 +18,8 @@
 
 namespace cas::test {
 namespace {
+
+using testing::HasSubstr;
 
 namespace mv = mavlink::common;
 
@@ -102,10 +104,9 @@ TEST_F(FirmwareFleet, FliesItsStepsTogetherAndIsJudgedOneByOne) {
     EXPECT_EQ(first_commands(folder_.path() / "out/flight.tlog", kind).size(), 2U);
   }
   for (const char* words : {"left: Flight", "right: Flight", "right: Limits"}) {
-    EXPECT_NE(content(folder_.path() / "out/report.html").find(words), std::string::npos) << words;
+    EXPECT_THAT(content(folder_.path() / "out/report.html"), HasSubstr(words)) << words;
   }
-  EXPECT_NE(content(folder_.path() / "out/junit.xml").find("hils.fleet.sitl.right"),
-            std::string::npos);
+  EXPECT_THAT(content(folder_.path() / "out/junit.xml"), HasSubstr("hils.fleet.sitl.right"));
 }
 
 TEST_F(FirmwareFleet, FailsWhereEachFliesTheVehicleOfTheOther) {
@@ -118,9 +119,7 @@ TEST_F(FirmwareFleet, FailsWhereEachFliesTheVehicleOfTheOther) {
 )"),
             1)
       << output();
-  EXPECT_NE(output().find("left: system 1 has its home where vehicle 'right' started"),
-            std::string::npos)
-      << output();
+  EXPECT_THAT(output(), HasSubstr("left: system 1 has its home where vehicle 'right' started"));
 }
 
 TEST_F(FirmwareFleet, FailsWithTheOneThatCannotGoOn) {
@@ -133,15 +132,12 @@ TEST_F(FirmwareFleet, FailsWithTheOneThatCannotGoOn) {
             1)
       << output();
   const nlohmann::json figures = summary();
-  EXPECT_NE(figures["vehicles"][1]["failures"].dump().find("was not done within 5 s"),
-            std::string::npos)
+  EXPECT_THAT(figures["vehicles"][1]["failures"].dump(), HasSubstr("was not done within 5 s"))
       << figures.dump(2);
-  EXPECT_NE(figures["vehicles"][0]["failures"].dump().find("it ended with that of right"),
-            std::string::npos);
-  EXPECT_NE(
-      output().find("right: the flight was not completed: step 4 (goto) was not done within 5 s"),
-      std::string::npos)
-      << output();
+  EXPECT_THAT(figures["vehicles"][0]["failures"].dump(), HasSubstr("it ended with that of right"));
+  EXPECT_THAT(
+      output(),
+      HasSubstr("right: the flight was not completed: step 4 (goto) was not done within 5 s"));
 }
 
 }  // namespace

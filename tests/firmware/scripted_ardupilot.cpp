@@ -150,8 +150,7 @@ void ScriptedArdupilot::feed_controller() {
     return static_cast<float>(value + stddev * noise_());
   };
   if (frame_count_ % kGps == 0) {
-    mv::HilGps gps;
-    gps.time_usec = static_cast<std::uint64_t>(time_.count() / 1000);
+    mv::HilGps gps{.time_usec = static_cast<std::uint64_t>(time_.count() / 1000)};
     gps.fix_type = static_cast<decltype(gps.fix_type)>(3);
     gps.lat = static_cast<std::int32_t>(std::lround(place.lat_deg * 1e7));
     gps.lon = static_cast<std::int32_t>(std::lround(place.lon_deg * 1e7));
@@ -163,14 +162,13 @@ void ScriptedArdupilot::feed_controller() {
     gps.satellites_visible = 10;
     controller_.on_bytes(into_controller_(gps), clock());
   }
-  mv::HilSensor sensor;
-  sensor.time_usec = static_cast<std::uint64_t>(time_.count() / 1000) + 1;
-  sensor.xacc = noisy(j.accel[0], 0.03);
-  sensor.yacc = noisy(j.accel[1], 0.03);
-  sensor.zacc = noisy(j.accel[2], 0.03);
-  sensor.xgyro = noisy(j.gyro[0], 0.002);
-  sensor.ygyro = noisy(j.gyro[1], 0.002);
-  sensor.zgyro = noisy(j.gyro[2], 0.002);
+  mv::HilSensor sensor{.time_usec = static_cast<std::uint64_t>(time_.count() / 1000) + 1,
+                       .xacc = noisy(j.accel[0], 0.03),
+                       .yacc = noisy(j.accel[1], 0.03),
+                       .zacc = noisy(j.accel[2], 0.03),
+                       .xgyro = noisy(j.gyro[0], 0.002),
+                       .ygyro = noisy(j.gyro[1], 0.002),
+                       .zgyro = noisy(j.gyro[2], 0.002)};
   std::uint32_t flags = 0x003F;
   if (frame_count_ % kSlowSensors == 0) {
     const Eigen::Vector3d field_D = q_ND.conjugate() * base::magnetic_field_N(place, kYear);
@@ -280,11 +278,10 @@ void ScriptedArdupilot::on_ground_bytes(std::span<const std::uint8_t> bytes) {
 
 void ScriptedArdupilot::acknowledge(const mv::CommandLong& command, mav::Source to,
                                     mv::MavResult result) {
-  mv::CommandAck ack;
-  ack.command = command.command;
-  ack.result = result;
-  ack.target_system = to.system;
-  ack.target_component = to.component;
+  mv::CommandAck ack{.command = command.command,
+                     .result = result,
+                     .target_system = to.system,
+                     .target_component = to.component};
   ground_.send(ack);
 }
 
@@ -306,8 +303,7 @@ bool ScriptedArdupilot::may_fly_mission() {
 
 void ScriptedArdupilot::fly_mission() {
   follows_setpoints_ = false;
-  mv::CommandLong start;
-  start.command = mv::MavCmd::kMissionStart;
+  mv::CommandLong start{.command = mv::MavCmd::kMissionStart};
   start.param1 = 1;  // item 0 is not flown
   pass_on(start);
 }
@@ -315,21 +311,13 @@ void ScriptedArdupilot::fly_mission() {
 /// The inner controller holds its place: AUTO, and LOITER.
 void ScriptedArdupilot::hold() {
   mode_ = kBrake;
-  mv::CommandLong command;
-  command.command = mv::MavCmd::kDoSetMode;
-  command.param1 = 1;
-  command.param2 = 4;
-  command.param3 = 3;
+  mv::CommandLong command{.command = mv::MavCmd::kDoSetMode, .param1 = 1, .param2 = 4, .param3 = 3};
   pass_on(command);
 }
 
 /// The inner controller's POSCTL follows the MANUAL_CONTROL that all pass on to it.
 void ScriptedArdupilot::loiter() {
-  mv::CommandLong command;
-  command.command = mv::MavCmd::kDoSetMode;
-  command.param1 = 1;
-  command.param2 = 3;
-  pass_on(command);
+  pass_on(mv::CommandLong{.command = mv::MavCmd::kDoSetMode, .param1 = 1, .param2 = 3});
 }
 
 /// ArduCopter 4.5: a mode that it cannot enter fails. In AUTO it stays on the ground until the
@@ -372,9 +360,7 @@ bool ScriptedArdupilot::on_setpoint(const mav::PacketView& packet) {
   constexpr base::Duration kLost = std::chrono::milliseconds(900);
   if (time_ - std::exchange(newest_setpoint_, time_) > kLost) follows_setpoints_ = false;
   if (!std::exchange(follows_setpoints_, true)) {
-    mv::CommandLong offboard;
-    offboard.command = mv::MavCmd::kDoSetMode;
-    offboard.param1 = 1;
+    mv::CommandLong offboard{.command = mv::MavCmd::kDoSetMode, .param1 = 1};
     offboard.param2 = 6;  // our controller's OFFBOARD
     pass_on(offboard);
   }
@@ -410,15 +396,13 @@ void ScriptedArdupilot::watch_fence(const mav::PacketView& packet) {
 void ScriptedArdupilot::land() {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
   mode_ = kLand;
-  mv::CommandLong land;
-  land.command = mv::MavCmd::kNavLand;
+  mv::CommandLong land{.command = mv::MavCmd::kNavLand};
   land.param4 = land.param5 = land.param6 = land.param7 = kNan;
   pass_on(land);
 }
 
 void ScriptedArdupilot::say(const std::string& text, mv::MavSeverity severity) {
-  mv::Statustext message;
-  message.severity = severity;
+  mv::Statustext message{.severity = severity};
   std::copy_n(text.begin(), std::min(text.size(), message.text.size()), message.text.begin());
   ground_.send(message);
 }
@@ -439,9 +423,7 @@ bool ScriptedArdupilot::on_command(const mv::CommandLong& command, mav::Source f
   if (command.command == mv::MavCmd::kNavReturnToLaunch) {
     acknowledge(command, from, mv::MavResult::kAccepted);
     mode_ = kRtl;
-    mv::CommandLong rtl;
-    rtl.command = mv::MavCmd::kNavReturnToLaunch;
-    pass_on(rtl);
+    pass_on(mv::CommandLong{.command = mv::MavCmd::kNavReturnToLaunch});
     return true;
   }
   if (command.command == mv::MavCmd::kNavLand) {

@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <cmath>
 #include <utility>
 
 #include "mavlink/common/param_request_read.hpp"

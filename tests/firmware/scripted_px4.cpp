@@ -98,11 +98,10 @@ ScriptedPx4::ScriptedPx4(const Options& options, Channel::Send to_simulator,
       fence_(options.release == Px4Release::k1_12 ? FenceStyle::kPx4_1_12 : FenceStyle::kPx4_1_16,
              options.fence) {
   if (options.release != Px4Release::k1_16) return;
-  mv::CommandLong interval;
-  interval.target_system = options.system;
-  interval.target_component = 1;
-  interval.command = mv::MavCmd::kSetMessageInterval;
-  interval.param1 = static_cast<float>(mv::EstimatorStatus::kId);
+  mv::CommandLong interval{.target_system = options.system,
+                           .target_component = 1,
+                           .command = mv::MavCmd::kSetMessageInterval,
+                           .param1 = static_cast<float>(mv::EstimatorStatus::kId)};
   interval.param2 = 2e6;  // its default, until somebody asks for more
   controller_.on_bytes(as_itself_(interval), clock_);
 }
@@ -114,15 +113,11 @@ void ScriptedPx4::restore_params(const std::string& lines) {
 }
 
 void ScriptedPx4::on_connected() {
-  mv::CommandLong interval;
-  interval.command = mv::MavCmd::kSetMessageInterval;
+  mv::CommandLong interval{.command = mv::MavCmd::kSetMessageInterval};
   interval.param1 = 115;  // HIL_STATE_QUATERNION
   interval.param2 = 5000;
   if (options_.asks_for_truth) simulator_.send(interval);
-  mv::Heartbeat heartbeat;
-  heartbeat.autopilot = mv::MavAutopilot::kPx4;
-  heartbeat.mavlink_version = 3;
-  simulator_.send(heartbeat);
+  simulator_.send(mv::Heartbeat{.autopilot = mv::MavAutopilot::kPx4, .mavlink_version = 3});
 }
 
 void ScriptedPx4::on_simulator_bytes(std::span<const std::uint8_t> bytes, base::RunTime now) {
@@ -302,9 +297,7 @@ void ScriptedPx4::watch_fence(const mav::PacketView& packet) {
 
 void ScriptedPx4::hold_return_or_land(ScriptedFence::Action action) {
   constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-  mv::CommandLong command;
-  command.target_system = options_.system;
-  command.target_component = 1;
+  mv::CommandLong command{.target_system = options_.system, .target_component = 1};
   switch (action) {
     case ScriptedFence::Action::kNone:
       return;
@@ -548,11 +541,10 @@ bool ScriptedPx4::disarm_early(const mv::CommandLong& command, mav::Source from)
 }
 
 void ScriptedPx4::acknowledge(mv::MavCmd command, mav::Source to, mv::MavResult result) {
-  mv::CommandAck ack;
-  ack.command = command;
-  ack.result = result;
-  ack.target_system = to.system;
-  ack.target_component = to.component;
+  mv::CommandAck ack{.command = command,
+                     .result = result,
+                     .target_system = to.system,
+                     .target_component = to.component};
   ground_.send(ack);
 }
 
@@ -610,8 +602,7 @@ void ScriptedPx4::complain(const std::string& text) {
 void ScriptedPx4::say(const std::string& text, mv::MavSeverity severity) {
   // v1.16.1 ends its texts with a tab.
   const std::string sent = text + (options_.release == Px4Release::k1_16 ? "\t" : "");
-  mv::Statustext message;
-  message.severity = severity;
+  mv::Statustext message{.severity = severity};
   if (sent.size() > message.text.size()) message.id = ++text_id_;
   for (std::size_t at = 0; at < sent.size(); at += message.text.size()) {
     message.text = {};

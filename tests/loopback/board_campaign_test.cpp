@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "tests/loopback/board_shelf.hpp"
 #include "tests/support/ended_with.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/scenario_text.hpp"
 #include "tests/support/vehicle_summary.hpp"
 #include "tests/support/wait_until.hpp"
 
@@ -21,19 +21,6 @@ using nlohmann::json;
 
 constexpr base::Duration kCampaignPatience = std::chrono::minutes(5);
 constexpr int kInvalid = 3;
-
-constexpr const char* kHop = R"(
-home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
-decimal_year: 2026.5
-seed: 1
-rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
-sensors: rtk
-steps:
-  - arm
-  - takeoff: {altitude_m: 2}
-  - hold: {name: hover, duration_s: 3, measure: true}
-  - land: {timeout_s: 60}
-)";
 
 constexpr const char* kCampaign = R"(
 schema: 1
@@ -49,8 +36,11 @@ failures:
 TEST(BoardCampaignFlight, FliesEachFailureOnABoardThatItHoldsAndRestarts) {
   const BoardShelf shelf({"a log: {folder: files}"});
   shelf.folder.write("logs/2026-03-01/12_00_00.ulg", "a log");
-  shelf.folder.write("hop.yaml", "schema: 1\nname: hop\nvehicle: " + source_dir() +
-                                     "/config/vehicles/iris_paper.yaml" + kHop);
+  shelf.folder.write(
+      "hop.yaml",
+      scenario_text("vehicle: " + source_dir() + "/config/vehicles/iris_paper.yaml\nsensors: rtk\n",
+                    "[arm, takeoff: {altitude_m: 2}, hold: {name: hover, duration_s: 3, measure: "
+                    "true}, land: {timeout_s: 60}]"));
   const std::string file = shelf.folder.write("one.yaml", kCampaign).string();
   ASSERT_EQ(shelf.board({"power", "on", "a"}).code, 0);
   const std::string first = shelf.said("a.pid");

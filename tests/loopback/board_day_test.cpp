@@ -10,6 +10,7 @@
 #include "tests/loopback/board_shelf.hpp"
 #include "tests/support/ended_with.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/scenario_text.hpp"
 #include "tests/support/vehicle_summary.hpp"
 #include "tests/support/wait_until.hpp"
 
@@ -25,18 +26,9 @@ constexpr int kAbsent = 4;
 const std::string kVehicle = source_dir() + "/config/vehicles/iris_paper.yaml";
 
 std::string scenario(const std::string& vehicles) {
-  return "schema: 1\nname: hop\ndescription: A short flight\n" + vehicles +
-         R"(home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
-decimal_year: 2026.5
-seed: 1
-rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
-sensors: rtk
-steps:
-  - arm
-  - takeoff: {altitude_m: 2}
-  - hold: {duration_s: 3, measure: true}
-  - land: {timeout_s: 60}
-)";
+  return scenario_text(vehicles + "sensors: rtk\n",
+                       "[arm, takeoff: {altitude_m: 2}, hold: {duration_s: 3, measure: true}, "
+                       "land: {timeout_s: 60}]");
 }
 
 /// A whole flight, with a verdict or, on a busy machine, without; all that it leaves is there.

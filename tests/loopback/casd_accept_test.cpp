@@ -18,8 +18,7 @@ links:
 }
 
 TEST(CasdAccept, AReadOnlyLinkHearsEverythingAndSaysNothing) {
-  CasdFixture fixture;
-  fixture.start(topology("nothing"));
+  CasdFixture fixture(topology("nothing"));
   // The sender of a whole packet still becomes a peer.
   fixture.sim.send(fixture.from_sim(mavlink::common::Heartbeat{}));
   fixture.sim.send(fixture.from_sim(mavlink::common::CommandLong{.target_system = 1}));
@@ -31,8 +30,7 @@ TEST(CasdAccept, AReadOnlyLinkHearsEverythingAndSaysNothing) {
 }
 
 TEST(CasdAccept, LimitsALinkToNamedMessagesAndSystems) {
-  CasdFixture fixture;
-  fixture.start(topology("{messages: [HIL_SENSOR, HEARTBEAT], systems: [1, 2]}"));
+  CasdFixture fixture(topology("{messages: [HIL_SENSOR, HEARTBEAT], systems: [1, 2]}"));
   mav::Encoder stranger{{9, 1}};
   fixture.sim.send(fixture.from_sim(hil_gps(1)));
   fixture.sim.send(stranger(hil_sensor(1)));
@@ -44,8 +42,7 @@ TEST(CasdAccept, LimitsALinkToNamedMessagesAndSystems) {
 }
 
 TEST(CasdAccept, AFloodOfSendersTakesNothingFromTheOthers) {
-  CasdFixture fixture;
-  fixture.start(R"(schema: 1
+  CasdFixture fixture(R"(schema: 1
 links:
   - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM", queue: {hil_max_age_ms: 60000}}
   - {name: fcu, type: serial, device: "$FCU", queue: {hil_max_age_ms: 60000}}

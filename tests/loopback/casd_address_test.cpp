@@ -37,8 +37,7 @@ void expect_both_ways(CasdFixture& fixture, AnyUdpPeer& peer, const std::string&
 TEST(CasdAddress, SpeaksIpv6) {
   AnyUdpPeer peer("[::1]:0");
   if (!peer.bound()) GTEST_SKIP() << "no IPv6 on this machine";
-  CasdFixture fixture;
-  fixture.start(udp("[::1]:0", peer.endpoint()));
+  CasdFixture fixture(udp("[::1]:0", peer.endpoint()));
   ASSERT_EQ(fixture.status("net").state, casd::LinkState::kUp);
   expect_both_ways(fixture, peer, fixture.status("net").endpoint);
 }
@@ -46,8 +45,7 @@ TEST(CasdAddress, SpeaksIpv6) {
 TEST(CasdAddress, Ipv6ServerKnowsItsPeers) {
   AnyUdpPeer peer("[::1]:0");
   if (!peer.bound()) GTEST_SKIP() << "no IPv6 on this machine";
-  CasdFixture fixture;
-  fixture.start(kFcuOnly + "  - {name: net, type: udp_server, local: \"[::1]:0\"}\n");
+  CasdFixture fixture(kFcuOnly + "  - {name: net, type: udp_server, local: \"[::1]:0\"}\n");
   expect_both_ways(fixture, peer, fixture.status("net").endpoint);
   EXPECT_EQ(fixture.status("net").peers, 1U);
 }
@@ -59,8 +57,7 @@ TEST(CasdAddress, JoinsAMulticastGroupOnADeviceAndHearsNoEchoOfItself) {
   // The peer sends from a port of its own: on one machine the shared port would be ours.
   AnyUdpPeer sender("127.0.0.1:0");
   ASSERT_TRUE(sender.join("239.255.77.77"));
-  CasdFixture fixture;
-  fixture.start(udp("0.0.0.0:" + port, "239.255.77.77:" + port, ", interface: lo"));
+  CasdFixture fixture(udp("0.0.0.0:" + port, "239.255.77.77:" + port, ", interface: lo"));
   ASSERT_EQ(fixture.status("net").state, casd::LinkState::kUp) << fixture.status("net").endpoint;
 
   PacketStream heard;
@@ -78,15 +75,13 @@ TEST(CasdAddress, JoinsAMulticastGroupOnADeviceAndHearsNoEchoOfItself) {
 TEST(CasdAddress, SpeaksToABroadcastAddressAndHearsWhoAnswers) {
   AnyUdpPeer peer("0.0.0.0:0");
   const std::string port = peer.endpoint().substr(peer.endpoint().rfind(':'));
-  CasdFixture fixture;
-  fixture.start(udp("127.0.0.1:0", "127.255.255.255" + port));
+  CasdFixture fixture(udp("127.0.0.1:0", "127.255.255.255" + port));
   ASSERT_EQ(fixture.status("net").state, casd::LinkState::kUp) << fixture.status("net").endpoint;
   expect_both_ways(fixture, peer, fixture.status("net").endpoint);
 }
 
 TEST(CasdAddress, BindsToADeviceAndWaitsForOneThatIsNotThere) {
-  CasdFixture fixture;
-  fixture.start(udp("127.0.0.1:0", fixture.sim.endpoint(), ", interface: lo"));
+  CasdFixture fixture(udp("127.0.0.1:0", fixture.sim.endpoint(), ", interface: lo"));
   EXPECT_EQ(fixture.status("net").state, casd::LinkState::kUp) << fixture.status("net").endpoint;
   fixture.links().reload(fixture.parse(udp("127.0.0.1:0", "127.0.0.1:9", ", interface: nosuch0")));
   ASSERT_TRUE(wait_until([&] { return fixture.status("net").state == casd::LinkState::kDown; }));
@@ -96,9 +91,8 @@ TEST(CasdAddress, BindsToADeviceAndWaitsForOneThatIsNotThere) {
 
 TEST(CasdAddress, ReachesAStationBeforeItFirstSpeaksAndFromItsFirstMoment) {
   const std::uint16_t port = free_port();
-  CasdFixture fixture;
-  fixture.start(kFcuOnly +
-                "  - {name: net, type: udp, remote: \"127.0.0.1:" + std::to_string(port) + "\"}\n");
+  CasdFixture fixture(kFcuOnly + "  - {name: net, type: udp, remote: \"127.0.0.1:" +
+                      std::to_string(port) + "\"}\n");
   // There is no listener yet: these packets bring ICMP errors.
   for (std::uint64_t i = 1; i <= 5; ++i) fixture.fcu.write(fixture.from_fcu(hil_controls(i)));
   ASSERT_TRUE(wait_until([&] { return fixture.status("net").tx.packets == 5; }));

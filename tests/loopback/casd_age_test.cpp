@@ -31,11 +31,7 @@ constexpr base::Duration kStall = milliseconds(2000);
 constexpr base::Duration kBusy = milliseconds(300);
 
 mavlink::common::ManualControl stick(std::uint64_t number) {
-  mavlink::common::ManualControl message;
-  message.target = 1;
-  message.x = static_cast<std::int16_t>(number);
-  message.z = 500;
-  return message;
+  return {.target = 1, .x = static_cast<std::int16_t>(number), .z = 500};
 }
 
 /// A simulator that sends 500 HIL_SENSOR a second, and a ground station with 40 stick positions,
@@ -205,8 +201,7 @@ bool takes_no_more(CasdFixture& fixture) {
 class CasdAge : public testing::TestWithParam<const char*> {};
 
 TEST_P(CasdAge, NothingOldComesWhenAReaderReadsAgain) {
-  CasdFixture fixture;
-  fixture.start(topology_with(GetParam()));
+  CasdFixture fixture(topology_with(GetParam()));
   UdpPeer station;
   UdpPeer other_station;
   station.set_remote(fixture.port("gcs"));
@@ -223,8 +218,7 @@ TEST_P(CasdAge, NothingOldComesWhenAReaderReadsAgain) {
   controller.forget();
   ASSERT_TRUE(takes_no_more(fixture));
   const base::RunTime known = base::steady_now();
-  mavlink::common::CommandLong command;
-  command.target_system = 1;
+  mavlink::common::CommandLong command{.target_system = 1};
   mav::Encoder from_other({254, 190});
   other_station.send(from_other(command));
   ASSERT_TRUE(wait_until([&] { return base::steady_now() - known > kStall; }));

@@ -28,6 +28,14 @@ namespace fs = std::filesystem;
 using namespace mavlink::common;
 using mav::services::RemoteLogBlockStatus;
 
+std::string beginning() {
+  return UlogBytes().format("level:uint64_t timestamp;").subscribe(3, "level").bytes();
+}
+
+std::string message(std::uint64_t time_us) {
+  return UlogBytes().data(3, time_us, "").bytes().substr(16);
+}
+
 class CasdAutopilotLog : public testing::Test {
  protected:
   /// @param keep  keys of log.keep
@@ -61,23 +69,42 @@ class CasdAutopilotLog : public testing::Test {
     ASSERT_EQ(casd->wait_exit(), 0) << casd->output();
   }
 
+  /// The autopilot speaks to casd over link `net`.
+  UdpAutopilot& connect(UdpAutopilot& autopilot) const {
+    autopilot.socket.set_remote(port);
+    return autopilot;
+  }
+  /// Until casd has the beginning of the log of `px4`.
+  void begin_log() {
+    ASSERT_TRUE(speaks_until(connect(px4), [&] { return px4.starts == 1; }));
+    px4.piece<LoggingDataAcked>(0, beginning());
+  }
+  void log_begins() {
+    begin_log();
+    ASSERT_TRUE(speaks_until(px4, [&] { return px4.acks.size() == 1; }));
+  }
+  /// Whether the one file has so many bytes.
+  bool one_file_of(std::size_t bytes) const {
+    return files().size() == 1 && fs::file_size(files()[0]) == bytes;
+  }
+  /// Sends one message after the other.
+  std::function<void()> further_messages() {
+    return [this] {
+      ++number;
+      px4.piece(number, message(number));
+    };
+  }
+
   TemporaryFolder folder;
   std::optional<RunningCasd> casd;
   std::uint16_t port = 0;
+  UdpAutopilot px4{MavAutopilot::kPx4};
+  std::uint16_t number = 0;  ///< of the newest message
 };
-
-std::string beginning() {
-  return UlogBytes().format("level:uint64_t timestamp;").subscribe(3, "level").bytes();
-}
-
-std::string message(std::uint64_t time_us) {
-  return UlogBytes().data(3, time_us, "").bytes().substr(16);
-}
 
 TEST_F(CasdAutopilotLog, Px4sLogIsAFileWithADropoutWhereAPieceIsLost) {
   start("free_space_min_mib: 0");
-  UdpAutopilot px4(MavAutopilot::kPx4);
-  px4.socket.set_remote(port);
+  connect(px4);
   px4.answers = false;
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts >= 2; })) << "repeated until acknowledged";
   px4.answers = true;
@@ -85,7 +112,7 @@ TEST_F(CasdAutopilotLog, Px4sLogIsAFileWithADropoutWhereAPieceIsLost) {
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.acks == std::vector<std::uint16_t>{0}; }));
   // Another peer in the vehicle's name.
   UdpAutopilot liar(MavAutopilot::kPx4);
-  liar.socket.set_remote(port);
+  connect(liar);
   liar.piece(1, message(666));
   liar.piece(2, message(667));
   const std::string cut = message(1) + message(2).substr(0, 5);
@@ -108,7 +135,7 @@ TEST_F(CasdAutopilotLog, Px4sLogIsAFileWithADropoutWhereAPieceIsLost) {
 TEST_F(CasdAutopilotLog, ArduPilotsBlocksAreInTheirPlaces) {
   start("free_space_min_mib: 0");
   UdpAutopilot apm(MavAutopilot::kArdupilotmega);
-  apm.socket.set_remote(port);
+  connect(apm);
   ASSERT_TRUE(speaks_until(apm, [&] {
     return apm.was_told(RemoteLogBlockStatus::kStop, 1) &&
            apm.was_told(RemoteLogBlockStatus::kStart, 1);
@@ -131,8 +158,7 @@ TEST_F(CasdAutopilotLog, ArduPilotsBlocksAreInTheirPlaces) {
 
 TEST_F(CasdAutopilotLog, RunsFromArmingToDisarming) {
   start("free_space_min_mib: 0", "", "while_armed: true");
-  UdpAutopilot px4(MavAutopilot::kPx4);
-  px4.socket.set_remote(port);
+  connect(px4);
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.requests >= 2; })) << "it is known";
   EXPECT_EQ(px4.starts, 0);
   px4.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kSafetyArmed;
@@ -141,16 +167,15 @@ TEST_F(CasdAutopilotLog, RunsFromArmingToDisarming) {
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.acks.size() == 1; }));
   px4.base_mode = MavModeFlag::kCustomModeEnabled;
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.stops == 1; }));
-  EXPECT_TRUE(wait_until(
-      [&] { return files().size() == 1 && fs::file_size(files()[0]) == beginning().size(); }));
+  EXPECT_TRUE(wait_until([&] { return one_file_of(beginning().size()); }));
 }
 
 TEST_F(CasdAutopilotLog, OfOtherVehiclesThanThoseOfTheTopologyAreNotTaken) {
   start("free_space_min_mib: 0", "", "systems: [2]");
   UdpAutopilot other(MavAutopilot::kPx4);
-  other.socket.set_remote(port);
+  connect(other);
   UdpAutopilot wanted(MavAutopilot::kPx4);
-  wanted.socket.set_remote(port);
+  connect(wanted);
   wanted.encoder = mav::Encoder{{2, 1}};
   ASSERT_TRUE(speaks_until(
       wanted, [&] { return wanted.starts > 0 && other.requests > 0; },
@@ -185,7 +210,6 @@ TEST_F(CasdAutopilotLog, InventedVehiclesOfALinkKeepNoneOfAnotherLinkOut) {
     speak();
     return asked() == 16 && casd->output().find("is not asked for its log") != std::string::npos;
   })) << asked();
-  UdpAutopilot px4(MavAutopilot::kPx4);
   px4.socket.set_remote(casd->port("line"));
   EXPECT_TRUE(speaks_until(
       px4, [&] { return px4.starts > 0; }, speak));
@@ -218,10 +242,7 @@ TEST_F(CasdAutopilotLog, SaysAtTheStartThatAFolderTakesNoFiles) {
 
 TEST_F(CasdAutopilotLog, PausesAtALimitAndSaysSo) {
   start("free_space_min_mib: 1e8");  // more than any disk has
-  UdpAutopilot px4(MavAutopilot::kPx4);
-  px4.socket.set_remote(port);
-  ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts == 1; }));
-  px4.piece<LoggingDataAcked>(0, beginning());
+  begin_log();
   EXPECT_TRUE(speaks_until(px4, [&] { return px4.stops >= 1; })) << "nobody takes it";
   EXPECT_THAT(casd->output(), HasSubstr("pause: less than 100000000 MiB would stay free"));
   EXPECT_TRUE(wait_until([&] { return files().empty(); }));
@@ -239,8 +260,7 @@ TEST_F(CasdAutopilotLog, StatusTellsOfEachVehiclesLogAndTheOldestFilesGo) {
   folder.write("rec/mine.ulg", "x");
   start("free_space_min_mib: 0, max_files: 2");
   EXPECT_THAT(casctl({"status"}), HasSubstr("/rec; no vehicle yet"));
-  UdpAutopilot px4(MavAutopilot::kPx4);
-  px4.socket.set_remote(port);
+  connect(px4);
   px4.answers = false;
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts >= 1; }));
   EXPECT_THAT(casctl({"status"}), HasSubstr("vehicle 1: asked, no data yet"));
@@ -261,8 +281,7 @@ TEST_F(CasdAutopilotLog, StatusTellsOfEachVehiclesLogAndTheOldestFilesGo) {
 
 TEST_F(CasdAutopilotLog, DoctorTellsOfAnArmedAutopilotThatSendsNone) {
   start("free_space_min_mib: 0");
-  UdpAutopilot px4(MavAutopilot::kPx4);
-  px4.socket.set_remote(port);
+  connect(px4);
   px4.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kSafetyArmed;
   std::string said;
   EXPECT_TRUE(speaks_until(px4, [&] {
@@ -274,31 +293,21 @@ TEST_F(CasdAutopilotLog, DoctorTellsOfAnArmedAutopilotThatSendsNone) {
 
 TEST_F(CasdAutopilotLog, BeginsAnotherFileForOneThatWasDeleted) {
   start("free_space_min_mib: 0");
-  UdpAutopilot px4(MavAutopilot::kPx4);
-  px4.socket.set_remote(port);
-  ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts == 1; }));
-  px4.piece<LoggingDataAcked>(0, beginning());
-  ASSERT_TRUE(speaks_until(
-      px4, [&] { return files().size() == 1 && fs::file_size(files()[0]) == beginning().size(); }));
+  begin_log();
+  ASSERT_TRUE(speaks_until(px4, [&] { return one_file_of(beginning().size()); }));
   const std::string deleted = files()[0].filename().string();
   fs::remove(files()[0]);
-  std::uint16_t number = 0;
   ASSERT_TRUE(speaks_until(
       px4,
       [&] {
         return casd->output().find(deleted + " was deleted while it was written") !=
                std::string::npos;
       },
-      [&] {
-        ++number;
-        px4.piece(number, message(number));
-      }))
+      further_messages()))
       << casd->output();
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts >= 2; })) << casd->output();
   px4.piece<LoggingDataAcked>(0, beginning());
-  EXPECT_TRUE(speaks_until(px4, [&] {
-    return files().size() == 1 && fs::file_size(files()[0]) == beginning().size();
-  })) << casd->output();
+  EXPECT_TRUE(speaks_until(px4, [&] { return one_file_of(beginning().size()); })) << casd->output();
 }
 
 TEST_F(CasdAutopilotLog, PausesBeforeAllLogsTakeMoreThanTheyMay) {
@@ -310,18 +319,9 @@ TEST_F(CasdAutopilotLog, PausesBeforeAllLogsTakeMoreThanTheyMay) {
     for (const fs::path& file : files()) sum += fs::file_size(file);
     return sum;
   };
-  UdpAutopilot px4(MavAutopilot::kPx4);
-  px4.socket.set_remote(port);
-  ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts == 1; }));
-  px4.piece<LoggingDataAcked>(0, beginning());
-  ASSERT_TRUE(speaks_until(px4, [&] { return px4.acks.size() == 1; }));
-  std::uint16_t number = 0;
+  log_begins();
   EXPECT_TRUE(speaks_until(
-      px4, [&] { return px4.stops >= 1; },
-      [&] {
-        ++number;
-        px4.piece(number, message(number));
-      }))
+      px4, [&] { return px4.stops >= 1; }, further_messages()))
       << "nobody takes it";
   EXPECT_THAT(casd->output(), HasSubstr("pause: the recordings have the 1 MiB that they may take"));
   ASSERT_TRUE(wait_until([&] { return files().size() == 2; }));
@@ -337,18 +337,9 @@ TEST_F(CasdAutopilotLog, OldLogsMakeRoomForNewOnesWhereTheTopologySaysSo) {
       folder.write("rec/2026-01-01T00-00-00Z-v1.ulg", std::string(1024 * 1024 - 500, 'x'));
   const fs::path mine = folder.write("rec/mine.ulg", "x");
   start("free_space_min_mib: 0, max_mib: 1");
-  UdpAutopilot px4(MavAutopilot::kPx4);
-  px4.socket.set_remote(port);
-  ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts == 1; }));
-  px4.piece<LoggingDataAcked>(0, beginning());
-  ASSERT_TRUE(speaks_until(px4, [&] { return px4.acks.size() == 1; }));
-  std::uint16_t number = 0;
+  log_begins();
   EXPECT_TRUE(speaks_until(
-      px4, [&] { return !fs::exists(old); },
-      [&] {
-        ++number;
-        px4.piece(number, message(number));
-      }));
+      px4, [&] { return !fs::exists(old); }, further_messages()));
   EXPECT_EQ(px4.stops, 0);
   EXPECT_TRUE(fs::exists(mine));
   EXPECT_THAT(casd->output(), Not(HasSubstr("pause:")));
@@ -356,8 +347,7 @@ TEST_F(CasdAutopilotLog, OldLogsMakeRoomForNewOnesWhereTheTopologySaysSo) {
 
 TEST_F(CasdAutopilotLog, GoesOnInAnotherFileWhenFilesMayGrowAgain) {
   start("free_space_min_mib: 0");
-  UdpAutopilot px4(MavAutopilot::kPx4);
-  px4.socket.set_remote(port);
+  connect(px4);
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts == 1; }));
   {
     const FileSizeLimit full(0, casd->pid());
@@ -367,7 +357,7 @@ TEST_F(CasdAutopilotLog, GoesOnInAnotherFileWhenFilesMayGrowAgain) {
   ASSERT_TRUE(speaks_until(px4, [&] { return px4.starts >= 2; })) << casd->output();
   const std::string other = UlogBytes(2'000'000).format("level:uint64_t timestamp;").bytes();
   ASSERT_TRUE(speaks_until(
-      px4, [&] { return files().size() == 1 && fs::file_size(files()[0]) == other.size(); },
+      px4, [&] { return one_file_of(other.size()); },
       [&] { px4.piece<LoggingDataAcked>(0, other); }));
   EXPECT_EQ(TemporaryFolder::read(files()[0]), other);
 }

@@ -78,8 +78,7 @@ TEST(CasdBaud, OfAListTheRateAtWhichPacketsComeIsKeptAndTold) {
 }
 
 TEST(CasdBaud, AVehicleThatComesBackWithAnotherRateIsFoundOnTheOpenLine) {
-  CasdFixture fixture;
-  fixture.start(kTopology);
+  CasdFixture fixture(kTopology);
   const auto up_at = [&](Vehicle& vehicle, std::uint64_t baud) {
     return fixture.collect_until([&] {
       vehicle.speak();
@@ -94,8 +93,7 @@ TEST(CasdBaud, AVehicleThatComesBackWithAnotherRateIsFoundOnTheOpenLine) {
 }
 
 TEST(CasdBaud, AfterADeviceHasReturnedItsRateIsLookedForAgain) {
-  CasdFixture fixture;
-  fixture.start(kTopology);
+  CasdFixture fixture(kTopology);
   const auto is_up = [&] { return fixture.status("fcu").state == casd::LinkState::kUp; };
   const auto hear = [&](Vehicle& vehicle) {
     return fixture.collect_until([&] {

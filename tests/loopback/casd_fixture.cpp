@@ -15,25 +15,15 @@ routes:
 )";
 
 mavlink::common::HilSensor hil_sensor(std::uint64_t number) {
-  mavlink::common::HilSensor message;
-  message.time_usec = number;
-  message.zacc = -9.8F;
-  message.temperature = 20.0F;
-  return message;
+  return {.time_usec = number, .zacc = -9.8F, .temperature = 20.0F};
 }
 
 mavlink::common::HilControls hil_controls(std::uint64_t number) {
-  mavlink::common::HilControls message;
-  message.time_usec = number;
-  message.throttle = 0.5F;
-  return message;
+  return {.time_usec = number, .throttle = 0.5F};
 }
 
 mavlink::common::HilGps hil_gps(std::uint64_t number) {
-  mavlink::common::HilGps message;
-  message.time_usec = number;
-  message.satellites_visible = 10;
-  return message;
+  return {.time_usec = number, .satellites_visible = 10};
 }
 
 std::vector<std::uint64_t> numbers(const PacketStream& stream, std::uint32_t message_id) {

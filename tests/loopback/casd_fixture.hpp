@@ -30,6 +30,10 @@ std::vector<std::uint64_t> numbers(const PacketStream& stream, std::uint32_t mes
 class CasdFixture {
  public:
   CasdFixture();
+  /// Starts with this topology.
+  explicit CasdFixture(const std::string& yaml, casd::RetryTimes retry = {}) : CasdFixture() {
+    start(yaml, retry);
+  }
 
   /// Starts with this topology. "$SIM", "$FCU" and "$DIR" stand for the simulator's address, the
   /// controller's device and a temporary folder.

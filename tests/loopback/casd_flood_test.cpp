@@ -2,8 +2,6 @@
 // One link is flooded while the HIL loop runs on others.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -54,8 +52,7 @@ class Flood {
 };
 
 TEST(CasdFlood, TheFloodedLinkGetsAThreadAndTheHilLoopLosesNothing) {
-  CasdFixture fixture;
-  fixture.start(with_station());
+  CasdFixture fixture(with_station());
   EXPECT_TRUE(has_thread("casd:links"));
   EXPECT_FALSE(has_thread("casd:gcs"));
   std::uint64_t sent = 0;
@@ -84,8 +81,7 @@ TEST(CasdFlood, TheFloodedLinkGetsAThreadAndTheHilLoopLosesNothing) {
 }
 
 TEST(CasdFlood, AFloodedLinkCanBeTakenOutOfTheTopology) {
-  CasdFixture fixture;
-  fixture.start(with_station());
+  CasdFixture fixture(with_station());
   const Flood flood(fixture.port("gcs"));
   ASSERT_TRUE(wait_until([] { return has_thread("casd:gcs"); }));
   fixture.links().reload(fixture.parse(kHilTopology));

@@ -49,9 +49,7 @@ TEST_P(CasdForwarding, CarriesTheHilStreamsBothWaysAsTheyCame) {
 
 TEST_P(CasdForwarding, LetsOnlyWhatTheRouteAllowsPass) {
   fixture.start(topology());
-  mavlink::common::Attitude attitude;
-  attitude.roll = 0.1F;
-  fixture.fcu.write(fixture.from_fcu(attitude));
+  fixture.fcu.write(fixture.from_fcu(mavlink::common::Attitude{.roll = 0.1F}));
   fixture.fcu.write(fixture.from_fcu(hil_controls(1)));
   ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_sim.count(kHilControls) == 1; }));
   EXPECT_EQ(fixture.at_sim.packets().size(), 1U);

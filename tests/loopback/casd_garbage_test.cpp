@@ -62,8 +62,7 @@ std::string with(const std::string& link) {
 }
 
 TEST(CasdGarbage, OnASerialLine) {
-  CasdFixture fixture;
-  fixture.start(with("type: serial, device: \"$FCU\""));
+  CasdFixture fixture(with("type: serial, device: \"$FCU\""));
   expect_only_whole_packets(fixture, true, [&](auto bytes) { fixture.fcu.write(bytes); });
 }
 
@@ -90,8 +89,7 @@ TEST(CasdGarbage, OnAUdpServer) {
 }
 
 TEST(CasdGarbage, OnATcpServer) {
-  CasdFixture fixture;
-  fixture.start(with("type: tcp_server, local: \"127.0.0.1:0\""));
+  CasdFixture fixture(with("type: tcp_server, local: \"127.0.0.1:0\""));
   TcpPeer client(fixture.port("in"));
   ASSERT_TRUE(client.connected());
   client.send(std::vector<std::uint8_t>{0xFD});  // the client of a server begins with a packet
@@ -100,8 +98,7 @@ TEST(CasdGarbage, OnATcpServer) {
 
 TEST(CasdGarbage, OnATcpLink) {
   const TcpListener listener;
-  CasdFixture fixture;
-  fixture.start(with("type: tcp, remote: \"" + listener.endpoint() + "\""));
+  CasdFixture fixture(with("type: tcp, remote: \"" + listener.endpoint() + "\""));
   const int accepted = listener.accept();
   ASSERT_GE(accepted, 0);
   TcpPeer server(accepted, true);

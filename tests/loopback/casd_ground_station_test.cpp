@@ -38,11 +38,7 @@ struct TopologyCase {
 constexpr mav::Source kStation{255, 190};
 
 Heartbeat heartbeat(MavType type, MavAutopilot autopilot, MavModeFlag mode = {}) {
-  Heartbeat message;
-  message.type = type;
-  message.autopilot = autopilot;
-  message.base_mode = mode;
-  message.mavlink_version = 3;
+  Heartbeat message{.type = type, .autopilot = autopilot, .base_mode = mode, .mavlink_version = 3};
   return message;
 }
 

@@ -19,8 +19,7 @@ std::vector<std::uint64_t> one_to(std::uint64_t last) {
 }
 
 TEST(CasdLine, IsPacedToItsRateAndDropsOnlyWhatIsTooOld) {
-  CasdFixture fixture;
-  fixture.start(R"(schema: 1
+  CasdFixture fixture(R"(schema: 1
 links:
   - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
   - {name: fcu, type: serial, device: "$FCU", baud: 115200}
@@ -41,8 +40,7 @@ links:
 }
 
 TEST(CasdLine, FinishesEveryPacketItBegan) {
-  CasdFixture fixture;
-  fixture.start(R"(schema: 1
+  CasdFixture fixture(R"(schema: 1
 links:
   - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
   - {name: fcu, type: serial, device: "$FCU", queue: {hil_max_age_ms: 60000}}

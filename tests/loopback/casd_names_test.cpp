@@ -84,8 +84,7 @@ INSTANTIATE_TEST_SUITE_P(Families, LocalhostAt, testing::Values("127.0.0.1", "[:
 TEST(CasdNames, ATcpServerOfAnyAddressIsFound) {
   const TcpListener listener;
   const std::string port = listener.endpoint().substr(listener.endpoint().rfind(':'));
-  CasdFixture fixture;
-  fixture.start(kFcuOnly + "  - {name: net, type: tcp, remote: \"localhost" + port + "\"}\n");
+  CasdFixture fixture(kFcuOnly + "  - {name: net, type: tcp, remote: \"localhost" + port + "\"}\n");
   const int accepted = listener.accept();
   ASSERT_GE(accepted, 0) << fixture.status("net").endpoint;
   TcpPeer server(accepted, true);
@@ -98,8 +97,7 @@ TEST(CasdNames, ATcpServerOfAnyAddressIsFound) {
 }
 
 TEST(CasdNames, ATcpServerLinkTakesClientsAtEachAddress) {
-  CasdFixture fixture;
-  fixture.start(kFcuOnly + "  - {name: net, type: tcp_server, local: \"localhost:0\"}\n");
+  CasdFixture fixture(kFcuOnly + "  - {name: net, type: tcp_server, local: \"localhost:0\"}\n");
   ASSERT_TRUE(wait_until([&] { return fixture.status("net").state == casd::LinkState::kUp; }));
   TcpPeer client(fixture.port("net"));  // at 127.0.0.1
   EXPECT_TRUE(client.connected()) << fixture.status("net").endpoint;

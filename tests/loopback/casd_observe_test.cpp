@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <atomic>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -294,8 +293,7 @@ TEST_F(CasdObserve, RefusesABadDialectAtTheStartAndAtAReload) {
 }
 
 TEST(CasdLatency, TellsRoutesApartAndTimesTheEcho) {
-  CasdFixture fixture;
-  fixture.start(kHilTopology);
+  CasdFixture fixture(kHilTopology);
   fixture.sim.send(fixture.from_sim(hil_sensor(7)));
   ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
   fixture.fcu.write(fixture.from_fcu(hil_controls(7)));

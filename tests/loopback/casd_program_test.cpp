@@ -332,46 +332,41 @@ TEST_F(CasdProgram, RecordsWhereMavlinkRoutersOptionsSay) {
               EndedWith(78, "--telemetry-log needs --log"));
 }
 
-struct RefusedOption {
-  const char* name;
-  std::vector<std::string> arguments;
-  const char* sentence;
-};
-
-class CasdRefuses : public testing::TestWithParam<RefusedOption> {};
-
-TEST_P(CasdRefuses, AnOptionOfAnotherRouterAndSaysWhatTakesItsPlace) {
-  std::vector<std::string> command{kCasdProgram, "udp:0"};
-  const auto& arguments = GetParam().arguments;
-  command.insert(command.end(), arguments.begin(), arguments.end());
-  EXPECT_THAT(ChildProcess(command).end(), EndedWith(78, GetParam().sentence));
+TEST(CasdRefuses, AnOptionOfAnotherRouterAndSaysWhatTakesItsPlace) {
+  struct RefusedOption {
+    const char* name;
+    std::vector<std::string> arguments;
+    const char* sentence;
+  };
+  const RefusedOption rows[] = {
+      {"ConfFile", {"-c", "main.conf"}, "casd --import FILE"},
+      {"ConfFileLong", {"--conf-file", "main.conf"}, "--import"},
+      {"ConfDir", {"-d", "/etc/x"}, "--import FILE"},
+      {"Sniffer", {"-s", "250"}, "sniffer: true"},
+      {"OneDestinationTwice",
+       {"-e", "127.0.0.1:14550", "-e", "127.0.0.1:14550"},
+       "two endpoints send to 127.0.0.1:14550"},
+      {"OneServerTwice",
+       {"-p", "127.0.0.1:5760", "tcp:127.0.0.1:5760"},
+       "two endpoints send to 127.0.0.1:5760"},
+      {"StatsInNoFolder",
+       {"--stats", "/nonexistent/x"},
+       "/nonexistent/x: cannot be written: No such file or directory"},
+      {"StatsAreNoFolder", {"--stats", "/"}, "Is a directory"},
+      {"LedgerInNoFolder", {"--ledger", "/nonexistent/x"}, "/nonexistent/x: cannot be written"},
+      {"Command", {"--cmd", "arm throttle"}, "'casctl' has a verb"},
+      {"HeartbeatDisable", {"--hb-disable"}, "--silent"},
+      {"SourceSystem", {"--source-system", "9"}, "system_id"},
+      {"Daemon", {"--daemon"}, "systemd"},
+      {"Dump", {"--dump"}, "--telemetry-log"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    std::vector<std::string> command{kCasdProgram, "udp:0"};
+    const auto& arguments = row.arguments;
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    EXPECT_THAT(ChildProcess(command).end(), EndedWith(78, row.sentence));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Options, CasdRefuses,
-    testing::Values(RefusedOption{"ConfFile", {"-c", "main.conf"}, "casd --import FILE"},
-                    RefusedOption{"ConfFileLong", {"--conf-file", "main.conf"}, "--import"},
-                    RefusedOption{"ConfDir", {"-d", "/etc/x"}, "--import FILE"},
-                    RefusedOption{"Sniffer", {"-s", "250"}, "sniffer: true"},
-                    RefusedOption{"OneDestinationTwice",
-                                  {"-e", "127.0.0.1:14550", "-e", "127.0.0.1:14550"},
-                                  "two endpoints send to 127.0.0.1:14550"},
-                    RefusedOption{"OneServerTwice",
-                                  {"-p", "127.0.0.1:5760", "tcp:127.0.0.1:5760"},
-                                  "two endpoints send to 127.0.0.1:5760"},
-                    RefusedOption{"StatsInNoFolder",
-                                  {"--stats", "/nonexistent/x"},
-                                  "/nonexistent/x: cannot be written: No such file or directory"},
-                    RefusedOption{"StatsAreNoFolder", {"--stats", "/"}, "Is a directory"},
-                    RefusedOption{"LedgerInNoFolder",
-                                  {"--ledger", "/nonexistent/x"},
-                                  "/nonexistent/x: cannot be written"},
-                    RefusedOption{"Command", {"--cmd", "arm throttle"}, "'casctl' has a verb"},
-                    RefusedOption{"HeartbeatDisable", {"--hb-disable"}, "--silent"},
-                    RefusedOption{"SourceSystem", {"--source-system", "9"}, "system_id"},
-                    RefusedOption{"Daemon", {"--daemon"}, "systemd"},
-                    RefusedOption{"Dump", {"--dump"}, "--telemetry-log"}),
-    [](const auto& test) { return std::string(test.param.name); });
 
 TEST_F(CasdProgram, LeavesOutWithAWarningWhatMovesNoPacketOfAnotherRouter) {
   ChildProcess check({kCasdProgram, "--check", "--master", "/dev/ttyACM0,115200", "--out",
@@ -422,9 +417,7 @@ TEST_F(CasdProgram, RunsMavlinkRoutersFileBothWaysAndSaysNothingOfItsOwn) {
   RunningCasd casd({kCasdProgram, file});
   fixture.sim.set_remote(casd.port("gcs"));
   using namespace mavlink::common;
-  Heartbeat ardupilot;
-  ardupilot.type = MavType::kQuadrotor;
-  ardupilot.autopilot = MavAutopilot::kArdupilotmega;
+  Heartbeat ardupilot{.type = MavType::kQuadrotor, .autopilot = MavAutopilot::kArdupilotmega};
   base::rpc::Client client("127.0.0.1:" + std::to_string(casd.port("command_port")));
   EXPECT_TRUE(fixture.collect_until([&] {
     fixture.sim.send(fixture.from_sim(ParamRequestList{}));
@@ -448,63 +441,57 @@ TEST_F(CasdProgram, EndsWhenTheCommandPortIsTaken) {
   EXPECT_THAT(ChildProcess({kCasdProgram, file}).end(), EndedWith(71, port));
 }
 
-struct ExitCase {
-  const char* name;
-  const char* yaml;  // nullptr: no file
-  const char* flag;
-  int code;
-  const char* says;
-};
-
-class CasdExit : public testing::TestWithParam<ExitCase> {};
-
-TEST_P(CasdExit, HasItsCodeAndASentence) {
-  const ExitCase& test = GetParam();
-  TemporaryFolder folder;
-  const std::string file = folder / "topology.yaml";
-  if (test.yaml != nullptr) folder.write("topology.yaml", test.yaml);
-  EXPECT_THAT(ChildProcess({kCasdProgram, file, test.flag}).end(), EndedWith(test.code, test.says));
+TEST(CasdExit, HasItsCodeAndASentence) {
+  struct ExitCase {
+    const char* name;
+    const char* yaml;  // nullptr: no file
+    const char* flag;
+    int code;
+    const char* says;
+  };
+  const ExitCase rows[] = {
+      {"Version", nullptr, "--version", 0, "casd "},
+      {"GoodTopology", "schema: 1\nlinks:\n  - {name: a, type: udp, local: '[::1]:0'}\n", "--check",
+       0, "1 links"},
+      {"EffectiveTopology",
+       "schema: 1\nlinks:\n"
+       "  - {name: a, type: udp, local: '[::1]:0', accept: nothing, "
+       "inject_failures: true}\n"
+       "  - {name: b, type: serial, device: /dev/x, baud: 921600, "
+       "inject_failures: true}\n"
+       "routes:\n  - {from: a, to: b, allow: [HIL_SENSOR]}\n",
+       "--check", 0,
+       "  a: udp at [::1]:0, read-only\n"
+       "  b: serial /dev/x at 921600 baud, paced, may inject failures\n"
+       "to vehicles not in HIL\n"
+       "  all: b\n"
+       "routes\n"
+       "  a -> b: only HIL_SENSOR\n"
+       "expected load of the lines\n"
+       "  b: "},
+      {"MissingKey",
+       "schema: 1\nlinks:\n  - {name: a, type: udp, local: '[::1]:0', "
+       "signing: {key_file: none.key}}\n",
+       "--check", 78, "none.key"},
+      {"UnprintableDevice",
+       "schema: 1\nlinks:\n  - {name: a, type: serial, device: \"/dev/x\\e[31m\"}\n", "--check", 0,
+       "/dev/x?[31m"},
+      {"UnprintableType", "schema: 1\nlinks:\n  - {name: a, type: \"x\\e[31m\\u202e\"}\n",
+       "--check", 78, "'x?[31m?' is none of"},
+      {"MissingFile", nullptr, "--check", 78, "topology.yaml"},
+      {"FileAndEndpoint", "schema: 1\nlinks: []\n", "udp:14550", 78, "is not an endpoint"},
+      {"UnknownFlag", nullptr, "--frobnicate", 78, "frobnicate"},
+      {"MisspeltKey", "schema: 1\nlinks:\n  - {name: a, type: udp, locall: 'x:1'}\n", "--check", 78,
+       "topology.yaml:3"}};
+  for (const auto& test : rows) {
+    SCOPED_TRACE(test.name);
+    TemporaryFolder folder;
+    const std::string file = folder / "topology.yaml";
+    if (test.yaml != nullptr) folder.write("topology.yaml", test.yaml);
+    EXPECT_THAT(ChildProcess({kCasdProgram, file, test.flag}).end(),
+                EndedWith(test.code, test.says));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Codes, CasdExit,
-    testing::Values(
-        ExitCase{"Version", nullptr, "--version", 0, "casd "},
-        ExitCase{"GoodTopology", "schema: 1\nlinks:\n  - {name: a, type: udp, local: '[::1]:0'}\n",
-                 "--check", 0, "1 links"},
-        ExitCase{"EffectiveTopology",
-                 "schema: 1\nlinks:\n"
-                 "  - {name: a, type: udp, local: '[::1]:0', accept: nothing, "
-                 "inject_failures: true}\n"
-                 "  - {name: b, type: serial, device: /dev/x, baud: 921600, "
-                 "inject_failures: true}\n"
-                 "routes:\n  - {from: a, to: b, allow: [HIL_SENSOR]}\n",
-                 "--check", 0,
-                 "  a: udp at [::1]:0, read-only\n"
-                 "  b: serial /dev/x at 921600 baud, paced, may inject failures\n"
-                 "to vehicles not in HIL\n"
-                 "  all: b\n"
-                 "routes\n"
-                 "  a -> b: only HIL_SENSOR\n"
-                 "expected load of the lines\n"
-                 "  b: "},
-        ExitCase{"MissingKey",
-                 "schema: 1\nlinks:\n  - {name: a, type: udp, local: '[::1]:0', "
-                 "signing: {key_file: none.key}}\n",
-                 "--check", 78, "none.key"},
-        ExitCase{"UnprintableDevice",
-                 "schema: 1\nlinks:\n  - {name: a, type: serial, device: "
-                 "\"/dev/x\\e[31m\"}\n",
-                 "--check", 0, "/dev/x?[31m"},
-        ExitCase{"UnprintableType", "schema: 1\nlinks:\n  - {name: a, type: \"x\\e[31m\\u202e\"}\n",
-                 "--check", 78, "'x?[31m?' is none of"},
-        ExitCase{"MissingFile", nullptr, "--check", 78, "topology.yaml"},
-        ExitCase{"FileAndEndpoint", "schema: 1\nlinks: []\n", "udp:14550", 78,
-                 "is not an endpoint"},
-        ExitCase{"UnknownFlag", nullptr, "--frobnicate", 78, "frobnicate"},
-        ExitCase{"MisspeltKey", "schema: 1\nlinks:\n  - {name: a, type: udp, locall: 'x:1'}\n",
-                 "--check", 78, "topology.yaml:3"}),
-    [](const auto& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace cas::test

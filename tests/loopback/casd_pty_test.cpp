@@ -158,9 +158,7 @@ class CasdPty : public testing::Test {
   }
   void send_sensors(int count) {
     for (int i = 0; i < count; ++i) {
-      HilSensor message;
-      message.time_usec = ++sent_;
-      sim_.send(simulator_(message));
+      sim_.send(simulator_(HilSensor{.time_usec = ++sent_}));
     }
   }
   /// Sends many HIL_SENSOR and waits until casd has had them all.

@@ -280,9 +280,8 @@ TEST_F(CasdRecording, LeavesRoomOnTheDisk) {
 
 TEST_F(CasdRecording, RunsWhileAVehicleIsArmedAndKeepsWhatCameBefore) {
   start("tlog: wing, while_armed: true, keep: {free_space_min_mib: 0}");
-  mavlink::common::Heartbeat heartbeat;
-  heartbeat.type = mavlink::common::MavType::kQuadrotor;
-  heartbeat.autopilot = mavlink::common::MavAutopilot::kPx4;
+  mavlink::common::Heartbeat heartbeat{.type = mavlink::common::MavType::kQuadrotor,
+                                       .autopilot = mavlink::common::MavAutopilot::kPx4};
   const auto say = [&](bool armed) {
     heartbeat.base_mode = armed ? mavlink::common::MavModeFlag::kSafetyArmed
                                 : mavlink::common::MavModeFlag::kCustomModeEnabled;
@@ -337,9 +336,8 @@ TEST_F(CasdRecording, ADiskThatHangsDelaysNobodyButTheRecording) {
   start("tlog: wing, while_armed: true, keep: {free_space_min_mib: 0}",
         {"/usr/bin/env", "LD_PRELOAD=" + binary_dir() + "/tests/hanging_open.so",
          "CAS_TEST_HANG=" + hang.string(), "CAS_TEST_HANG_AT=.tlog", "/bin/sh", "-c", "true"});
-  mavlink::common::Heartbeat heartbeat;
-  heartbeat.type = mavlink::common::MavType::kQuadrotor;
-  heartbeat.autopilot = mavlink::common::MavAutopilot::kPx4;
+  mavlink::common::Heartbeat heartbeat{.type = mavlink::common::MavType::kQuadrotor,
+                                       .autopilot = mavlink::common::MavAutopilot::kPx4};
   const auto say = [&](bool armed) {
     heartbeat.base_mode = armed ? mavlink::common::MavModeFlag::kSafetyArmed
                                 : mavlink::common::MavModeFlag::kCustomModeEnabled;

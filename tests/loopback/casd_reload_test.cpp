@@ -19,8 +19,7 @@ std::string with_gcs(const std::string& extra) {
 }
 
 TEST(CasdReload, LosesNothingOfUnchangedLinksUnderLoad) {
-  CasdFixture fixture;
-  fixture.start(kHilTopology);
+  CasdFixture fixture(kHilTopology);
   constexpr std::uint64_t kPackets = 2000;
   std::atomic<std::uint64_t> received{0};
   std::thread simulator([&] {
@@ -48,8 +47,7 @@ TEST(CasdReload, LosesNothingOfUnchangedLinksUnderLoad) {
 }
 
 TEST(CasdReload, PutsNewRulesInForceAndReopensWhatChanged) {
-  CasdFixture fixture;
-  fixture.start(with_gcs(""));
+  CasdFixture fixture(with_gcs(""));
   const std::uint16_t before = fixture.port("gcs");
   std::string yaml = with_gcs(", max_peers: 3");
   yaml.replace(yaml.find(", HIL_CONTROLS"), 14, "");
@@ -64,8 +62,7 @@ TEST(CasdReload, PutsNewRulesInForceAndReopensWhatChanged) {
 }
 
 TEST(CasdReload, RefusesWhatOnlyARestartCanChange) {
-  CasdFixture fixture;
-  fixture.start(kHilTopology);
+  CasdFixture fixture(kHilTopology);
   EXPECT_THROW(
       fixture.links().reload(fixture.parse(std::string("threads: single\n") + kHilTopology)),
       base::ConfigError);

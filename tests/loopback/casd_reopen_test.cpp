@@ -20,8 +20,7 @@ std::uint64_t lost_while_away(CasdFixture& fixture) {
 }
 
 TEST(CasdReopen, SerialLineComesBackWithoutAnythingStale) {
-  CasdFixture fixture;
-  fixture.start(kHilTopology);
+  CasdFixture fixture(kHilTopology);
   fixture.sim.send(fixture.from_sim(hil_sensor(1)));
   ASSERT_TRUE(fixture.collect_until([&] { return fixture.at_fcu.count(kHilSensor) == 1; }));
 
@@ -46,8 +45,7 @@ TEST(CasdReopen, SerialLineComesBackWithoutAnythingStale) {
 }
 
 TEST(CasdReopen, SerialLineSurvivesBeingPulledUnderLoadManyTimes) {
-  CasdFixture fixture;
-  fixture.start(kHilTopology);
+  CasdFixture fixture(kHilTopology);
   std::uint64_t number = 0;
   for (int round = 1; round <= 5; ++round) {
     fixture.fcu.come_back();
@@ -68,8 +66,7 @@ TEST(CasdReopen, FindsItsDeviceByBeingToldFiftyTimes) {
   constexpr int kReplugs = 50;
   // A line that lasted no longer is left alone for a moment.
   constexpr auto kLasts = std::chrono::milliseconds(60);
-  CasdFixture fixture;
-  fixture.start(kHilTopology, never);
+  CasdFixture fixture(kHilTopology, never);
   ASSERT_TRUE(is_up(fixture, "fcu"));
   std::vector<base::Duration> times;
   std::uint64_t number = 0;
@@ -119,8 +116,7 @@ TEST(CasdReopen, StartsWithoutTheDevice) {
 }
 
 TEST(CasdReopen, FolderOfTheDeviceMayComeLate) {
-  CasdFixture fixture;
-  fixture.start(R"(schema: 1
+  CasdFixture fixture(R"(schema: 1
 links:
   - {name: fcu, type: serial, device: "$DIR/by-id/fcu", baud: 57600}
 )");
@@ -141,8 +137,7 @@ TEST(CasdReopen, PortInUseIsTakenOnceItIsFree) {
 }
 
 TEST(CasdReopen, SecondOwnerOfADeviceIsRefused) {
-  CasdFixture fixture;
-  fixture.start(kHilTopology);
+  CasdFixture fixture(kHilTopology);
   CasdFixture other;
   other.start("schema: 1\nlinks:\n  - {name: fcu, type: serial, device: " + fixture.fcu.slave() +
               ", unlocked_pty: true}\n");

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -208,11 +207,10 @@ class CasdRequestRatesOfTheEmulator : public testing::Test {
 TEST_F(CasdRequestRatesOfTheEmulator, ComeAgainAfterAReboot) {
   ASSERT_TRUE(watch_until([&] { return at_the_rates(); }))
       << period_ms(attitudes) << " " << period_ms(system_times) << casd->output();
-  CommandLong reboot;
-  reboot.target_system = 1;
-  reboot.target_component = 1;
-  reboot.command = MavCmd::kPreflightRebootShutdown;
-  reboot.param1 = 1;
+  CommandLong reboot{.target_system = 1,
+                     .target_component = 1,
+                     .command = MavCmd::kPreflightRebootShutdown,
+                     .param1 = 1};
   station.send(encoder(reboot));
   ASSERT_TRUE(watch_until([&] { return rebooted; })) << fcu->output();
   EXPECT_TRUE(watch_until([&] { return at_the_rates(); }))

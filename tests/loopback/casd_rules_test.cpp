@@ -2,8 +2,6 @@
 // Groups, rates, caps, and the account of everything that did not go on.
 #include <gtest/gtest.h>
 
-#include <numeric>
-
 #include "tests/loopback/casd_fixture.hpp"
 
 namespace cas::test {
@@ -92,8 +90,7 @@ links:
 }
 
 TEST(CasdRates, ThinOutAMessageAndCountWhatWasLeftOut) {
-  CasdFixture fixture;
-  fixture.start(R"(schema: 1
+  CasdFixture fixture(R"(schema: 1
 links:
   - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM"}
   - {name: fcu, type: serial, device: "$FCU", queue: {hil_max_age_ms: 60000}}
@@ -115,8 +112,7 @@ routes:
 }
 
 TEST(CasdCap, HoldsALinkToItsBytesASecondAndCountsTheRestAsBandwidth) {
-  CasdFixture fixture;
-  fixture.start(R"(schema: 1
+  CasdFixture fixture(R"(schema: 1
 links:
   - {name: fcu, type: serial, device: "$FCU"}
   - {name: sim, type: udp, local: "127.0.0.1:0", remote: "$SIM", max_bytes_s: 20000}
@@ -140,10 +136,8 @@ links:
 }
 
 TEST(CasdDrops, AreCountedByLinkMessageAndCause) {
-  CasdFixture fixture;
-  fixture.start(kHilTopology);
-  mavlink::common::CommandLong command;
-  command.target_system = 77;
+  CasdFixture fixture(kHilTopology);
+  mavlink::common::CommandLong command{.target_system = 77};
   for (int i = 0; i < 3; ++i)
     fixture.sim.send(fixture.from_sim(mavlink::common::HilStateQuaternion{}));
   for (int i = 0; i < 2; ++i) fixture.sim.send(fixture.from_sim(command));

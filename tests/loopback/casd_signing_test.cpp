@@ -4,7 +4,6 @@
 
 #include <chrono>
 #include <fstream>
-#include <numeric>
 
 #include "base/error.hpp"
 #include "mavlink_gen/runtime/signing.hpp"

@@ -5,9 +5,7 @@
 #include <signal.h>
 
 #include <algorithm>
-#include <atomic>
 #include <filesystem>
-#include <thread>
 
 #include "base/rpc/client.hpp"
 #include "tests/loopback/casd_fixture.hpp"

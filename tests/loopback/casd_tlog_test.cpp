@@ -154,10 +154,7 @@ class TlogOfAStation : public Tlog {
  protected:
   TlogOfAStation() {
     using namespace mavlink::common;
-    Heartbeat gcs;
-    gcs.type = MavType::kGcs;
-    gcs.autopilot = MavAutopilot::kInvalid;
-    add(station_(gcs));
+    add(station_(Heartbeat{.type = MavType::kGcs, .autopilot = MavAutopilot::kInvalid}));
     CommandLong arm;
     arm.target_system = arm.target_component = 1;
     arm.command = MavCmd::kComponentArmDisarm;
@@ -180,9 +177,9 @@ class TlogOfAStation : public Tlog {
   /// Sends the vehicle's HEARTBEAT.
   void say(bool in_hil) {
     using namespace mavlink::common;
-    Heartbeat word;
-    word.autopilot = MavAutopilot::kPx4;
-    word.base_mode = in_hil ? MavModeFlag::kHilEnabled : MavModeFlag::kCustomModeEnabled;
+    Heartbeat word{
+        .autopilot = MavAutopilot::kPx4,
+        .base_mode = in_hil ? MavModeFlag::kHilEnabled : MavModeFlag::kCustomModeEnabled};
     fixture.sim.send(fixture.from_fcu(word));
   }
   std::uint64_t held_back() const {

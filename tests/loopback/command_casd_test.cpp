@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <csignal>
 #include <fstream>
@@ -21,6 +21,7 @@ using mavlink::common::MavModeFlag;
 using mavlink::common::MavParamType;
 using mavlink::common::MavResult;
 using nlohmann::json;
+using testing::HasSubstr;
 
 /// The real casd between a scripted vehicle on a line and clients of its command port.
 class CommandCasdTest : public testing::Test {
@@ -64,8 +65,7 @@ void know_gains(FakeVehicle& vehicle) {
 
 TEST_F(CommandCasdTest, ArmsTakesOffAndLandsThroughALine) {
   start([](FakeVehicle& vehicle) {
-    mavlink::common::HomePosition home;
-    home.altitude = 488'000;
+    mavlink::common::HomePosition home{.altitude = 488'000};
     // Again and again: on a busy machine casd may not listen yet.
     for (int i = 0; i < 20; ++i) {
       vehicle.say(home, base::steady_now() + std::chrono::milliseconds(300 + 500 * i));
@@ -118,8 +118,7 @@ struct OldNewsCase {
 class OldNews : public CommandCasdTest, public testing::WithParamInterface<OldNewsCase> {
  protected:
   static void say_all(FakeVehicle& vehicle, base::RunTime now) {
-    mavlink::common::LocalPositionNed place;
-    place.z = -2.5F;
+    mavlink::common::LocalPositionNed place{.z = -2.5F};
     mavlink::common::ExtendedSysState landed;
     landed.landed_state = mavlink::common::MavLandedState::kOnGround;
     for (int i = 0; i < 300; ++i) {
@@ -153,9 +152,7 @@ TEST_P(OldNews, IsNotTakenForTheStateThatACommandReached) {
   start_with(GetParam().command);
   const Ended said = casctl(waiting("2"));
   EXPECT_EQ(said.code, 4) << said.output;  // also for the acknowledgement
-  EXPECT_NE(said.output.find("acknowledged, but the vehicle was not heard to be"),
-            std::string::npos)
-      << said.output;
+  EXPECT_THAT(said.output, HasSubstr("acknowledged, but the vehicle was not heard to be"));
   const bool is_about_arming = GetParam().command == MavCmd::kComponentArmDisarm;
   EXPECT_TRUE(!is_about_arming || said.output.find("arm it with") == std::string::npos)
       << said.output;
@@ -225,7 +222,7 @@ TEST_F(CommandCasdTest, SaysWhyALinkIsDown) {
   casd_ = std::make_unique<RunningCasd>(std::vector<std::string>{kCasdProgram, topology.string()});
   const json link = casd_->link("fcu");
   EXPECT_EQ(link.at("state"), "down");
-  EXPECT_NE(link.at("endpoint").get<std::string>().find("No such file"), std::string::npos) << link;
+  EXPECT_THAT(link.at("endpoint").get<std::string>(), HasSubstr("No such file")) << link;
   const Ended said = casctl({"status"});
   EXPECT_EQ(said.code, 0) << said.output;
   const std::size_t row = said.output.find("\nfcu ");
@@ -233,7 +230,7 @@ TEST_F(CommandCasdTest, SaysWhyALinkIsDown) {
   EXPECT_GT(said.output.find("/nowhere"), said.output.find('\n', row + 1))
       << "a column would be as wide\n"
       << said.output;
-  EXPECT_NE(said.output.find("\nlink fcu is down: "), std::string::npos) << said.output;
+  EXPECT_THAT(said.output, HasSubstr("\nlink fcu is down: "));
 }
 
 TEST_F(CommandCasdTest, WritesWhoAskedWhatIntoItsLog) {

@@ -2,7 +2,6 @@
 // Every verb of casctl against the emulated controller through casd, with nothing replaced.
 #include <gtest/gtest.h>
 
-#include <fstream>
 #include <set>
 #include <sstream>
 

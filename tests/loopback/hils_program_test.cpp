@@ -16,6 +16,7 @@
 #include "tests/hils/ulog/ulog_bytes.hpp"
 #include "tests/support/ended_with.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/scenario_text.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::test {
@@ -189,24 +190,12 @@ TEST(HilsProgram, RefusesWhatMeansNothingToStockFirmware) {
 /// A file with a short flight. @param more  further keys
 std::string short_flight(const TemporaryFolder& folder, const std::string& more) {
   return folder
-      .write("own.yaml",
-             "schema: 1\n"
-             "name: own\ndescription: A short flight\n"
-             "vehicle: " +
-                 source_dir() + "/config/vehicles/iris_paper.yaml\n" + more + R"(
-home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
-decimal_year: 2026.5
-seed: 1
-rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
-line: {preset: baud_921600}
-steps:
-  - arm
-  - takeoff: {altitude_m: 2}
-  - wait_until: {condition: altitude > 1.5, of: truth}
-  - hold: {duration_s: 1, measure: true}
-  - land
-  - disarm
-)")
+      .write(
+          "own.yaml",
+          scenario_text(
+              paper_quadrotor() + more + "\n",
+              "[arm, takeoff: {altitude_m: 2}, wait_until: {condition: altitude > 1.5, of: truth}, "
+              "hold: {duration_s: 1, measure: true}, land, disarm]"))
       .string();
 }
 

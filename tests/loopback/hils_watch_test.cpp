@@ -26,6 +26,7 @@
 #include "tests/support/free_port.hpp"
 #include "tests/support/packet_stream.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/scenario_text.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/udp_peer.hpp"
 #include "tests/support/vehicle_summary.hpp"
@@ -41,15 +42,11 @@ constexpr int kExitUsage = 2;
 constexpr int kExitInterrupted = 130;
 
 /// Rests on the ground for this time, by default longer than any test: the caller ends it.
-std::string scenario_text(int seconds = 3600) {
-  return "schema: 1\nname: long look\nvehicle: " + source_dir() +
-         "/config/vehicles/iris_paper.yaml\n"
-         "home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}\n"
-         "rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}\n"
-         "steps:\n  - hold: {duration_s: " +
-         std::to_string(seconds) +
-         "}\n  - arm\n  - takeoff: {altitude_m: 2}\n  - hold: "
-         "{duration_s: 1, measure: true}\n  - land\n";
+std::string long_look(int seconds = 3600) {
+  return scenario_text(
+      paper_quadrotor(),
+      "[hold: {duration_s: " + std::to_string(seconds) +
+          "}, arm, takeoff: {altitude_m: 2}, hold: {duration_s: 1, measure: true}, land]");
 }
 
 sockaddr* generic(sockaddr_in& address) { return reinterpret_cast<sockaddr*>(&address); }
@@ -69,12 +66,8 @@ class Station {
 
   /// Sends a HEARTBEAT, requests the vehicle's parameters, and reads all waiting packets.
   void speak_and_hear() {
-    mv::Heartbeat heartbeat;
-    heartbeat.type = mv::MavType::kGcs;
-    heartbeat.autopilot = mv::MavAutopilot::kInvalid;
-    mv::ParamRequestList request;
-    request.target_system = 1;
-    request.target_component = 1;
+    mv::Heartbeat heartbeat{.type = mv::MavType::kGcs, .autopilot = mv::MavAutopilot::kInvalid};
+    mv::ParamRequestList request{.target_system = 1, .target_component = 1};
     if (peer_.sin_port != 0) {
       send(encode_(heartbeat));
       if (!heard(mv::ParamValue::kId)) send(encode_(request));
@@ -137,7 +130,7 @@ class HilsWatch : public testing::Test {
   }
   std::unique_ptr<ChildProcess> hils(const std::string& endpoint) const {
     return std::make_unique<ChildProcess>(
-        in_session("hils", {"run", folder_.write("long.yaml", scenario_text()).string(), "--gcs",
+        in_session("hils", {"run", folder_.write("long.yaml", long_look()).string(), "--gcs",
                             endpoint, "--out", folder_ / "out"}));
   }
   /// The line with the command to watch a run; empty if none comes. Checks that its casctl exists,
@@ -268,7 +261,7 @@ std::optional<nlohmann::json> snapshot(WebPage& page, const std::string& topic,
 TEST_F(HilsWatch, APageShowsTheRunAtTheAddressInTheFileThatItNames) {
   const std::string limits = "limits: {lost: 0, rms: {x_m: 5}}\n";
   ChildProcess run(
-      in_session("hils", {"run", folder_.write("short.yaml", scenario_text(3) + limits).string(),
+      in_session("hils", {"run", folder_.write("short.yaml", long_look(3) + limits).string(),
                           "--web", "--out", folder_ / "out"}));
   const OpenPage open = open_page(run);
   ASSERT_TRUE(open.page);
@@ -383,8 +376,7 @@ TEST_F(HilsWatch, RefusesAPortThatAnotherProgramHas) {
 
 TEST_F(HilsWatch, ARunInWhichSomebodyTunesSaysSo) {
   const ChildProcess run(in_session(
-      "hils",
-      {"run", folder_.write("s.yaml", scenario_text(8)).string(), "--out", folder_ / "out"}));
+      "hils", {"run", folder_.write("s.yaml", long_look(8)).string(), "--out", folder_ / "out"}));
   ASSERT_FALSE(watch_line(run).empty()) << run.output();
   Ended set{1, ""};
   EXPECT_TRUE(wait_until([&] {

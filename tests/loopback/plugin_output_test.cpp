@@ -12,6 +12,7 @@
 #include "tests/support/battery_vehicle.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/scenario_text.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/vehicle_summary.hpp"
 
@@ -32,23 +33,13 @@ class PluginOutput : public testing::Test {
   void run(const std::string& plugins, const std::vector<std::string>& flags, int exit_code) {
     const std::string scenario =
         folder_
-            .write("own.yaml",
-                   "schema: 1\nname: own\ndescription: With plugins of its own\nvehicle: " +
-                       vehicle_ + R"(
-home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
-decimal_year: 2026.5
-seed: 1
-architecture: tcas
-rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
-line: {preset: baud_921600}
-steps:
-  - arm
-  - takeoff: {altitude_m: 2}
-  - hold: {duration_s: 1, measure: true}
-  - land
-  - disarm
-plugins:
-)" + plugins)
+            .write(
+                "own.yaml",
+                scenario_text("vehicle: " + vehicle_ +
+                                  "\nline: {preset: baud_921600}\narchitecture: tcas\nplugins:\n" +
+                                  plugins + "\n",
+                              "[arm, takeoff: {altitude_m: 2}, hold: {duration_s: 1, measure: "
+                              "true}, land, disarm]"))
             .string();
     std::vector<std::string> command{binary_dir() + "/bin/hils",
                                      "run",
@@ -129,9 +120,8 @@ TEST_F(PluginOutput, LeavesTheRoutesAloneWhereNothingIsDeclared) {
 }
 
 TEST_F(PluginOutput, ABatteryOfTheVehicleFilePassesTheRoutesOfARun) {
-  vehicle_ = write_with_battery(folder_,
-                                "{full_v: 16, empty_v: 14, capacity_ah: 5, "
-                                "resistance_ohm: 0.005, efficiency: 0.9}");
+  vehicle_ = write_with_battery(
+      folder_, "{full_v: 16, empty_v: 14, capacity_ah: 5, resistance_ohm: 0.005, efficiency: 0.9}");
   run("  - {plugin: fake_listener}\n", {"--virtual"}, 0);
   EXPECT_EQ(allowed(),
             (std::vector<std::string>{"HEARTBEAT", "HIL_SENSOR", "HIL_GPS", "BATTERY_STATUS"}));

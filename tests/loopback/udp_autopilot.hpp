@@ -42,10 +42,8 @@ struct UdpAutopilot {
   std::vector<RemoteLogBlockStatus> statuses;
 
   void beat() {
-    mavlink::common::Heartbeat heartbeat;
-    heartbeat.type = mavlink::common::MavType::kQuadrotor;
-    heartbeat.autopilot = kind;
-    heartbeat.base_mode = base_mode;
+    mavlink::common::Heartbeat heartbeat{
+        .type = mavlink::common::MavType::kQuadrotor, .autopilot = kind, .base_mode = base_mode};
     socket.send(encoder(heartbeat));
   }
   void pump() {
@@ -65,11 +63,10 @@ struct UdpAutopilot {
     if (command.command == MavCmd::kLoggingStop) ++stops;
     if (command.command == MavCmd::kRequestMessage) ++requests;
     if (!answers) return;
-    mavlink::common::CommandAck ack;
-    ack.command = command.command;
-    ack.result = result;
-    ack.target_system = 254;
-    ack.target_component = 190;
+    mavlink::common::CommandAck ack{.command = command.command,
+                                    .result = result,
+                                    .target_system = 254,
+                                    .target_component = 190};
     socket.send(encoder(ack));
   }
   template <class Message = mavlink::common::LoggingData>
@@ -84,10 +81,8 @@ struct UdpAutopilot {
     socket.send(encoder(message));
   }
   void block(std::uint32_t number, std::uint8_t content) {
-    mav::services::RemoteLogDataBlock message;
-    message.seqno = number;
-    message.target_system = 254;
-    message.target_component = 190;
+    mav::services::RemoteLogDataBlock message{
+        .seqno = number, .target_system = 254, .target_component = 190};
     message.data.fill(content);
     socket.send(encoder(message));
   }

@@ -22,8 +22,6 @@ struct BadDialect {
   Severity severity{Severity::kError};
 };
 
-void PrintTo(const BadDialect& dialect, std::ostream* out) { *out << dialect.text; }
-
 std::string in_mavlink(const std::string& body) { return "<mavlink>\n" + body + "\n</mavlink>\n"; }
 
 std::string in_enum(const std::string& entries, const std::string& fields = "") {
@@ -68,228 +66,171 @@ Position take_marker(std::string& text) {
   return {0, static_cast<std::uint32_t>(line), static_cast<std::uint32_t>(column)};
 }
 
-class BadDialects : public testing::TestWithParam<BadDialect> {};
-
-TEST_P(BadDialects, AreReportedAtTheirPlace) {
-  auto [name, text, sentence, severity] = GetParam();
-  const auto place = take_marker(text);
-  const TemporaryFolder folder;
-  const auto file = folder.write("bad.xml", text);
-  Diagnostics diagnostics;
-  const auto dialect = load_dialect(file, diagnostics);
-  EXPECT_EQ(dialect.has_value(), severity == Severity::kWarning);
-  ASSERT_EQ(diagnostics.all().size(), 1U) << diagnostics.render();
-  const auto& diagnostic = diagnostics.all().front();
-  EXPECT_EQ(diagnostic.severity, severity);
-  EXPECT_NE(diagnostic.text.find(sentence), std::string::npos) << diagnostic.text;
-  EXPECT_EQ(diagnostic.position.line, place.line) << diagnostics.render();
-  EXPECT_EQ(diagnostic.position.column, place.column) << diagnostics.render();
+TEST(BadDialects, AreReportedAtTheirPlace) {
+  const BadDialect rows[] = {
+      {"Empty", "@", "not well formed"},
+      {"NoXml", "@hello", "not well formed"},
+      {"WrongRoot", "@<html/>", "the root element is <html>"},
+      {"Unclosed", "<mavlink>\n<enums>\n</@mavlink>", "not well formed"},
+      {"Doctype", "<!DOCTYPE mavlink @[<!ENTITY a \"b\">]>\n<mavlink/>",
+       "document type declaration"},
+      {"AttributeTwice", "<mavlink><enums a=\"1\" @a=\"2\"/></mavlink>", "not well formed"},
+      {"TooDeep",
+       [] {
+         std::string text = "<mavlink>";
+         for (int i = 0; i < 31; ++i) text += "<x>";
+         return text + "@<x></x>";
+       }(),
+       "nested too deeply"},
+      {"UnknownElement", in_mavlink("  @<mesages/>"), "did you mean messages?"},
+      {"MessageInEnums", in_mavlink("<enums>\n@<message/></enums>"),
+       "<message> is not allowed in <enums>"},
+      {"VersionIsNoNumber", in_mavlink("<version> @three</version>"), "'three', not a number"},
+      {"VersionTwice", in_mavlink("<version>3</version>\n@<version>3</version>"), "stands twice"},
+      {"IncludeOfNothing", in_mavlink(" @<include> </include>"), "names no file"},
+      {"IncludeMissing", in_mavlink(" @<include>none.xml</include>"), "there is no such file"},
+      {"IncludeOfAFolder", in_mavlink(" @<include>.</include>"), "no regular file"},
+      {"IncludeOfItself", in_mavlink(" @<include>bad.xml</include>"), "bad.xml -> bad.xml"},
+      {"UnknownAttribute", in_mavlink("<enums><enum name=\"E\" @bitmsk=\"true\"/></enums>"),
+       "did you mean bitmask?", Severity::kWarning},
+      {"FlagIsNoFlag", in_mavlink("<enums><enum name=\"E\" @bitmask=\"yes\"/></enums>"),
+       "neither true nor false", Severity::kWarning},
+      {"EnumWithoutName", in_mavlink("<enums>@<enum/></enums>"), "lacks the attribute"},
+      {"EnumNameIsNoName", in_mavlink("<enums><enum @name=\"A B\"/></enums>"), "is no name"},
+      {"EnumNameOfCode", in_mavlink("<enums><enum @name=\"A{};int main()\"/></enums>"),
+       "is no name"},
+      {"EntryWithoutName", in_enum("@<entry value=\"1\"/>"), "lacks the attribute 'name'"},
+      {"ValueIsNoNumber", in_enum("<entry @value=\"one\" name=\"A\"/>"), "no enum value"},
+      {"ValueIsCode", in_enum("<entry @value=\"__import__('os')\" name=\"A\"/>"), "no enum value"},
+      {"ValueIsASum", in_enum("<entry @value=\"1+1\" name=\"A\"/>"), "no enum value"},
+      {"ValueIsEmpty", in_enum("<entry @value=\"\" name=\"A\"/>"), "no enum value"},
+      {"ValueIsAHugePower", in_enum("<entry @value=\"2**999999999\" name=\"A\"/>"),
+       "no enum value"},
+      {"ValueIsAPowerOfThree", in_enum("<entry @value=\"3**2\" name=\"A\"/>"), "no enum value"},
+      {"ValueIsTooLarge", in_enum("<entry @value=\"18446744073709551616\" name=\"A\"/>"),
+       "no enum value"},
+      {"ValueIsTooSmall", in_enum("<entry @value=\"-9223372036854775809\" name=\"A\"/>"),
+       "no enum value"},
+      {"HexWithoutDigits", in_enum("<entry @value=\"0x\" name=\"A\"/>"), "no enum value"},
+      {"BinaryWithATwo", in_enum("<entry @value=\"0b12\" name=\"A\"/>"), "no enum value"},
+      {"NoValueAboveTheHighest",
+       in_enum("<entry value=\"0xFFFFFFFFFFFFFFFF\" name=\"A\"/>@<entry name=\"B\"/>"),
+       "none is left"},
+      {"NameTwice", in_enum("<entry value=\"1\" name=\"A\"/>\n  @<entry value=\"2\" name=\"A\"/>"),
+       "the entry A is already at"},
+      {"ValueTwice",
+       in_enum("<entry value=\"1\" name=\"A\"/>\n  @<entry value=\"0x1\" name=\"B\"/>"),
+       "the value 1 of E is already that of A"},
+      {"NoTypeHoldsAll",
+       in_mavlink("<enums>@<enum name=\"E\"><entry value=\"-1\" name=\"A\"/>"
+                  "<entry value=\"2**63\" name=\"B\"/></enum></enums>"),
+       "no 64-bit type"},
+      {"ParamWithoutIndex", in_enum("<entry value=\"1\" name=\"A\">@<param/></entry>"),
+       "lacks the attribute 'index'"},
+      {"ParamEight", in_enum("<entry value=\"1\" name=\"A\"><param @index=\"8\"/></entry>"),
+       "no parameter index"},
+      {"ParamZero", in_enum("<entry value=\"1\" name=\"A\"><param @index=\"0\"/></entry>"),
+       "no parameter index"},
+      {"ParamTwice",
+       in_enum("<entry value=\"1\" name=\"A\"><param index=\"1\"/><param @index=\"1\"/></entry>"),
+       "parameter 1 stands twice"},
+      {"ColumnsCountCharacters",
+       in_mavlink("<enums><enum name=\"E\"><description>\xC3\xA4\xE2\x82\xAC"
+                  "</description><entry @value=\"x\" name=\"A\"/></enum></enums>"),
+       "no enum value"},
+      {"NoId", in_messages("@<message name=\"M\">" + kField + "</message>"),
+       "lacks the attribute 'id'"},
+      {"NoName", in_messages("@<message id=\"1\">" + kField + "</message>"),
+       "lacks the attribute 'name'"},
+      {"IdTooLarge", in_messages("<message @id=\"16777216\" name=\"M\">" + kField + "</message>"),
+       "no message id"},
+      {"IdNegative", in_messages("<message @id=\"-1\" name=\"M\">" + kField + "</message>"),
+       "no message id"},
+      {"IdHex", in_messages("<message @id=\"0x10\" name=\"M\">" + kField + "</message>"),
+       "no message id"},
+      {"IdTwice",
+       in_messages("<message id=\"1\" name=\"A\">" + kField +
+                   "</message>\n@<message id=\"1\" name=\"B\">" + kField + "</message>"),
+       "id 1 is already that of the message at"},
+      {"MessageTwice",
+       in_messages("<message id=\"1\" name=\"A\">" + kField +
+                   "</message>\n@<message id=\"2\" name=\"A\">" + kField + "</message>"),
+       "message A is already at"},
+      {"NoFields", in_messages("@<message id=\"1\" name=\"M\"/>"), "no base field"},
+      {"ExtensionsOnly",
+       in_messages("@<message id=\"1\" name=\"M\"><extensions/>" + kField + "</message>"),
+       "no base field"},
+      {"ExtensionsTwice", in_message(kField + "<extensions/>@<extensions/>"), "stands twice"},
+      {"FieldWithoutType", in_message("@<field name=\"a\"/>"), "lacks the attribute 'type'"},
+      {"FieldWithoutName", in_message("@<field type=\"uint8_t\"/>"), "lacks the attribute 'name'"},
+      {"FieldNameWithADash", in_message("<field type=\"uint8_t\" @name=\"a-b\"/>"), "is no name"},
+      {"FieldNameWithADigitFirst", in_message("<field type=\"uint8_t\" @name=\"1a\"/>"),
+       "is no name"},
+      {"FieldTwice", in_message(kField + "<field type=\"float\" @name=\"a\"/>"),
+       "has the field a twice"},
+      {"MisspeltType", in_message("<field @type=\"unit8_t\" name=\"a\"/>"),
+       "unknown type 'unit8_t'; did you mean uint8_t?"},
+      {"TypeOfNothing", in_message("<field @type=\"\" name=\"a\"/>"), "unknown type ''"},
+      {"ArrayOfZero", in_message("<field @type=\"uint8_t[0]\" name=\"a\"/>"), "no array length"},
+      {"ArrayOf256", in_message("<field @type=\"uint8_t[256]\" name=\"a\"/>"), "no array length"},
+      {"ArrayNotClosed", in_message("<field @type=\"uint8_t[4\" name=\"a\"/>"), "no array length"},
+      {"ArrayOfNothing", in_message("<field @type=\"uint8_t[]\" name=\"a\"/>"), "no array length"},
+      {"ArrayOfArrays", in_message("<field @type=\"uint8_t[2][2]\" name=\"a\"/>"),
+       "no array length"},
+      {"OldArrayWithoutLength", in_message("<field @type=\"array\" name=\"a\"/>"),
+       "unknown type 'array'"},
+      {"VersionInARow", in_message("<field @type=\"uint8_t_mavlink_version[2]\" name=\"a\"/>"),
+       "unknown type"},
+      {"TooLarge",
+       in_messages("@<message id=\"1\" name=\"M\">" + fields(32, "uint64_t") + "</message>"),
+       "needs 256 bytes"},
+      {"TooManyFields",
+       in_message(fields(64, "uint8_t") + "@<field type=\"uint8_t\" name=\"last\"/>"),
+       "more than 64 fields"},
+      {"ElementInAField", in_message("<field type=\"uint8_t\" name=\"a\">@<b/></field>"),
+       "<b> is not allowed in <field>"},
+      {"FieldInWrongPlace", in_messages("@" + kField), "not allowed in <messages>"},
+      {"UnknownEnum", in_message("@<field type=\"uint8_t\" name=\"a\" enum=\"NONE\"/>"),
+       "there is no enum NONE", Severity::kWarning},
+      {"HighestValueDoesNotFit",
+       in_enum("<entry value=\"131072\" name=\"A\"/>",
+               "@<field type=\"uint16_t\" name=\"a\" enum=\"E\"/>"),
+       "a is uint16_t, but the highest value of E is 131072: it stays a number",
+       Severity::kWarning},
+      {"LowestValueDoesNotFit",
+       in_enum("<entry value=\"-1\" name=\"A\"/>",
+               "@<field type=\"uint8_t\" name=\"a\" enum=\"E\"/>"),
+       "a is uint8_t, but the lowest value of E is -1: it stays a number", Severity::kWarning},
+      {"ValueNeedsTheSignsBit",
+       in_enum("<entry value=\"128\" name=\"A\"/>",
+               "@<field type=\"int8_t\" name=\"a\" enum=\"E\"/>"),
+       "a is int8_t, but the highest value of E is 128", Severity::kWarning},
+      {"NoTypeHoldsBothFields",
+       in_enum("<entry value=\"1\" name=\"A\"/>",
+               "<field type=\"uint64_t\" name=\"a\" enum=\"E\"/>\n"
+               "@<field type=\"int8_t\" name=\"b\" enum=\"E\"/>"),
+       "b is int8_t, but E is in fields of uint64_t as well: it stays a number",
+       Severity::kWarning},
+      {"VersionFieldWithoutVersion",
+       in_message("@<field type=\"uint8_t_mavlink_version\" name=\"a\"/>"),
+       "the file has no <version>", Severity::kWarning}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    auto [name, text, sentence, severity] = row;
+    const auto place = take_marker(text);
+    const TemporaryFolder folder;
+    const auto file = folder.write("bad.xml", text);
+    Diagnostics diagnostics;
+    const auto dialect = load_dialect(file, diagnostics);
+    EXPECT_EQ(dialect.has_value(), severity == Severity::kWarning);
+    ASSERT_EQ(diagnostics.all().size(), 1U) << diagnostics.render();
+    const auto& diagnostic = diagnostics.all().front();
+    EXPECT_EQ(diagnostic.severity, severity);
+    EXPECT_NE(diagnostic.text.find(sentence), std::string::npos) << diagnostic.text;
+    EXPECT_EQ(diagnostic.position.line, place.line) << diagnostics.render();
+    EXPECT_EQ(diagnostic.position.column, place.column) << diagnostics.render();
+  }
 }
-
-constexpr auto kName = [](const auto& test) { return test.param.name; };
-
-INSTANTIATE_TEST_SUITE_P(
-    Document, BadDialects,
-    testing::Values(
-        BadDialect{"Empty", "@", "not well formed"},
-        BadDialect{"NoXml", "@hello", "not well formed"},
-        BadDialect{"WrongRoot", "@<html/>", "the root element is <html>"},
-        BadDialect{"Unclosed", "<mavlink>\n<enums>\n</@mavlink>", "not well formed"},
-        BadDialect{"Doctype", "<!DOCTYPE mavlink @[<!ENTITY a \"b\">]>\n<mavlink/>",
-                   "document type declaration"},
-        BadDialect{"AttributeTwice", "<mavlink><enums a=\"1\" @a=\"2\"/></mavlink>",
-                   "not well formed"},
-        BadDialect{"TooDeep",
-                   [] {
-                     std::string text = "<mavlink>";
-                     for (int i = 0; i < 31; ++i) text += "<x>";
-                     return text + "@<x></x>";
-                   }(),
-                   "nested too deeply"},
-        BadDialect{"UnknownElement", in_mavlink("  @<mesages/>"), "did you mean messages?"},
-        BadDialect{"MessageInEnums", in_mavlink("<enums>\n@<message/></enums>"),
-                   "<message> is not allowed in <enums>"},
-        BadDialect{"VersionIsNoNumber", in_mavlink("<version> @three</version>"),
-                   "'three', not a number"},
-        BadDialect{"VersionTwice", in_mavlink("<version>3</version>\n@<version>3</version>"),
-                   "stands twice"},
-        BadDialect{"IncludeOfNothing", in_mavlink(" @<include> </include>"), "names no file"},
-        BadDialect{"IncludeMissing", in_mavlink(" @<include>none.xml</include>"),
-                   "there is no such file"},
-        BadDialect{"IncludeOfAFolder", in_mavlink(" @<include>.</include>"), "no regular file"},
-        BadDialect{"IncludeOfItself", in_mavlink(" @<include>bad.xml</include>"),
-                   "bad.xml -> bad.xml"},
-        BadDialect{"UnknownAttribute",
-                   in_mavlink("<enums><enum name=\"E\" @bitmsk=\"true\"/></enums>"),
-                   "did you mean bitmask?", Severity::kWarning},
-        BadDialect{"FlagIsNoFlag", in_mavlink("<enums><enum name=\"E\" @bitmask=\"yes\"/></enums>"),
-                   "neither true nor false", Severity::kWarning}),
-    kName);
-
-INSTANTIATE_TEST_SUITE_P(
-    Enums, BadDialects,
-    testing::Values(
-        BadDialect{"EnumWithoutName", in_mavlink("<enums>@<enum/></enums>"), "lacks the attribute"},
-        BadDialect{"EnumNameIsNoName", in_mavlink("<enums><enum @name=\"A B\"/></enums>"),
-                   "is no name"},
-        BadDialect{"EnumNameOfCode", in_mavlink("<enums><enum @name=\"A{};int main()\"/></enums>"),
-                   "is no name"},
-        BadDialect{"EntryWithoutName", in_enum("@<entry value=\"1\"/>"),
-                   "lacks the attribute 'name'"},
-        BadDialect{"ValueIsNoNumber", in_enum("<entry @value=\"one\" name=\"A\"/>"),
-                   "no enum value"},
-        BadDialect{"ValueIsCode", in_enum("<entry @value=\"__import__('os')\" name=\"A\"/>"),
-                   "no enum value"},
-        BadDialect{"ValueIsASum", in_enum("<entry @value=\"1+1\" name=\"A\"/>"), "no enum value"},
-        BadDialect{"ValueIsEmpty", in_enum("<entry @value=\"\" name=\"A\"/>"), "no enum value"},
-        BadDialect{"ValueIsAHugePower", in_enum("<entry @value=\"2**999999999\" name=\"A\"/>"),
-                   "no enum value"},
-        BadDialect{"ValueIsAPowerOfThree", in_enum("<entry @value=\"3**2\" name=\"A\"/>"),
-                   "no enum value"},
-        BadDialect{"ValueIsTooLarge",
-                   in_enum("<entry @value=\"18446744073709551616\" name=\"A\"/>"), "no enum value"},
-        BadDialect{"ValueIsTooSmall",
-                   in_enum("<entry @value=\"-9223372036854775809\" name=\"A\"/>"), "no enum value"},
-        BadDialect{"HexWithoutDigits", in_enum("<entry @value=\"0x\" name=\"A\"/>"),
-                   "no enum value"},
-        BadDialect{"BinaryWithATwo", in_enum("<entry @value=\"0b12\" name=\"A\"/>"),
-                   "no enum value"},
-        BadDialect{"NoValueAboveTheHighest",
-                   in_enum("<entry value=\"0xFFFFFFFFFFFFFFFF\" "
-                           "name=\"A\"/>@<entry name=\"B\"/>"),
-                   "none is left"},
-        BadDialect{"NameTwice",
-                   in_enum("<entry value=\"1\" name=\"A\"/>\n  @<entry "
-                           "value=\"2\" name=\"A\"/>"),
-                   "the entry A is already at"},
-        BadDialect{"ValueTwice",
-                   in_enum("<entry value=\"1\" name=\"A\"/>\n  @<entry "
-                           "value=\"0x1\" name=\"B\"/>"),
-                   "the value 1 of E is already that of A"},
-        BadDialect{"NoTypeHoldsAll",
-                   in_mavlink("<enums>@<enum name=\"E\"><entry value=\"-1\" name=\"A\"/>"
-                              "<entry value=\"2**63\" name=\"B\"/></enum></enums>"),
-                   "no 64-bit type"},
-        BadDialect{"ParamWithoutIndex", in_enum("<entry value=\"1\" name=\"A\">@<param/></entry>"),
-                   "lacks the attribute 'index'"},
-        BadDialect{"ParamEight",
-                   in_enum("<entry value=\"1\" name=\"A\"><param @index=\"8\"/></entry>"),
-                   "no parameter index"},
-        BadDialect{"ParamZero",
-                   in_enum("<entry value=\"1\" name=\"A\"><param @index=\"0\"/></entry>"),
-                   "no parameter index"},
-        BadDialect{"ParamTwice",
-                   in_enum("<entry value=\"1\" name=\"A\"><param index=\"1\"/><param "
-                           "@index=\"1\"/></entry>"),
-                   "parameter 1 stands twice"},
-        BadDialect{"ColumnsCountCharacters",
-                   in_mavlink("<enums><enum name=\"E\"><description>\xC3\xA4\xE2\x82\xAC"
-                              "</description><entry @value=\"x\" "
-                              "name=\"A\"/></enum></enums>"),
-                   "no enum value"}),
-    kName);
-
-INSTANTIATE_TEST_SUITE_P(
-    Messages, BadDialects,
-    testing::Values(
-        BadDialect{"NoId", in_messages("@<message name=\"M\">" + kField + "</message>"),
-                   "lacks the attribute 'id'"},
-        BadDialect{"NoName", in_messages("@<message id=\"1\">" + kField + "</message>"),
-                   "lacks the attribute 'name'"},
-        BadDialect{"IdTooLarge",
-                   in_messages("<message @id=\"16777216\" name=\"M\">" + kField + "</message>"),
-                   "no message id"},
-        BadDialect{"IdNegative",
-                   in_messages("<message @id=\"-1\" name=\"M\">" + kField + "</message>"),
-                   "no message id"},
-        BadDialect{"IdHex",
-                   in_messages("<message @id=\"0x10\" name=\"M\">" + kField + "</message>"),
-                   "no message id"},
-        BadDialect{
-            "IdTwice",
-            in_messages("<message id=\"1\" name=\"A\">" + kField +
-                        "</message>\n@<message id=\"1\" name=\"B\">" + kField + "</message>"),
-            "id 1 is already that of the message at"},
-        BadDialect{
-            "MessageTwice",
-            in_messages("<message id=\"1\" name=\"A\">" + kField +
-                        "</message>\n@<message id=\"2\" name=\"A\">" + kField + "</message>"),
-            "message A is already at"},
-        BadDialect{"NoFields", in_messages("@<message id=\"1\" name=\"M\"/>"), "no base field"},
-        BadDialect{
-            "ExtensionsOnly",
-            in_messages("@<message id=\"1\" name=\"M\"><extensions/>" + kField + "</message>"),
-            "no base field"},
-        BadDialect{"ExtensionsTwice", in_message(kField + "<extensions/>@<extensions/>"),
-                   "stands twice"},
-        BadDialect{"FieldWithoutType", in_message("@<field name=\"a\"/>"),
-                   "lacks the attribute 'type'"},
-        BadDialect{"FieldWithoutName", in_message("@<field type=\"uint8_t\"/>"),
-                   "lacks the attribute 'name'"},
-        BadDialect{"FieldNameWithADash", in_message("<field type=\"uint8_t\" @name=\"a-b\"/>"),
-                   "is no name"},
-        BadDialect{"FieldNameWithADigitFirst", in_message("<field type=\"uint8_t\" @name=\"1a\"/>"),
-                   "is no name"},
-        BadDialect{"FieldTwice", in_message(kField + "<field type=\"float\" @name=\"a\"/>"),
-                   "has the field a twice"},
-        BadDialect{"MisspeltType", in_message("<field @type=\"unit8_t\" name=\"a\"/>"),
-                   "unknown type 'unit8_t'; did you mean uint8_t?"},
-        BadDialect{"TypeOfNothing", in_message("<field @type=\"\" name=\"a\"/>"),
-                   "unknown type ''"},
-        BadDialect{"ArrayOfZero", in_message("<field @type=\"uint8_t[0]\" name=\"a\"/>"),
-                   "no array length"},
-        BadDialect{"ArrayOf256", in_message("<field @type=\"uint8_t[256]\" name=\"a\"/>"),
-                   "no array length"},
-        BadDialect{"ArrayNotClosed", in_message("<field @type=\"uint8_t[4\" name=\"a\"/>"),
-                   "no array length"},
-        BadDialect{"ArrayOfNothing", in_message("<field @type=\"uint8_t[]\" name=\"a\"/>"),
-                   "no array length"},
-        BadDialect{"ArrayOfArrays", in_message("<field @type=\"uint8_t[2][2]\" name=\"a\"/>"),
-                   "no array length"},
-        BadDialect{"OldArrayWithoutLength", in_message("<field @type=\"array\" name=\"a\"/>"),
-                   "unknown type 'array'"},
-        BadDialect{"VersionInARow",
-                   in_message("<field @type=\"uint8_t_mavlink_version[2]\" name=\"a\"/>"),
-                   "unknown type"},
-        BadDialect{
-            "TooLarge",
-            in_messages("@<message id=\"1\" name=\"M\">" + fields(32, "uint64_t") + "</message>"),
-            "needs 256 bytes"},
-        BadDialect{"TooManyFields",
-                   in_message(fields(64, "uint8_t") + "@<field type=\"uint8_t\" name=\"last\"/>"),
-                   "more than 64 fields"},
-        BadDialect{"ElementInAField",
-                   in_message("<field type=\"uint8_t\" name=\"a\">@<b/></field>"),
-                   "<b> is not allowed in <field>"},
-        BadDialect{"FieldInWrongPlace", in_messages("@" + kField), "not allowed in <messages>"},
-        BadDialect{"UnknownEnum", in_message("@<field type=\"uint8_t\" name=\"a\" enum=\"NONE\"/>"),
-                   "there is no enum NONE", Severity::kWarning},
-        BadDialect{"HighestValueDoesNotFit",
-                   in_enum("<entry value=\"131072\" name=\"A\"/>",
-                           "@<field type=\"uint16_t\" name=\"a\" enum=\"E\"/>"),
-                   "a is uint16_t, but the highest value of E is 131072: it "
-                   "stays a number",
-                   Severity::kWarning},
-        BadDialect{"LowestValueDoesNotFit",
-                   in_enum("<entry value=\"-1\" name=\"A\"/>",
-                           "@<field type=\"uint8_t\" name=\"a\" enum=\"E\"/>"),
-                   "a is uint8_t, but the lowest value of E is -1: it stays a number",
-                   Severity::kWarning},
-        BadDialect{"ValueNeedsTheSignsBit",
-                   in_enum("<entry value=\"128\" name=\"A\"/>",
-                           "@<field type=\"int8_t\" name=\"a\" enum=\"E\"/>"),
-                   "a is int8_t, but the highest value of E is 128", Severity::kWarning},
-        BadDialect{"NoTypeHoldsBothFields",
-                   in_enum("<entry value=\"1\" name=\"A\"/>",
-                           "<field type=\"uint64_t\" name=\"a\" enum=\"E\"/>\n"
-                           "@<field type=\"int8_t\" name=\"b\" enum=\"E\"/>"),
-                   "b is int8_t, but E is in fields of uint64_t as well: it "
-                   "stays a number",
-                   Severity::kWarning},
-        BadDialect{"VersionFieldWithoutVersion",
-                   in_message("@<field type=\"uint8_t_mavlink_version\" name=\"a\"/>"),
-                   "the file has no <version>", Severity::kWarning}),
-    kName);
 
 TEST(Diagnostics, SeveralErrorsComeInOneRun) {
   const TemporaryFolder folder;
@@ -312,8 +253,7 @@ TEST(Diagnostics, ChainOfIncludesLeadsToTheFault) {
   EXPECT_EQ(diagnostics.render(),
             "in file included from " + root + "/middle.xml:2:1\n" +  //
                 "                 from " + root + "/outer.xml:3:1\n" + root +
-                "/sub/inner.xml:4:10: error: unknown type 'floot'; did you "
-                "mean float?\n");
+                "/sub/inner.xml:4:10: error: unknown type 'floot'; did you mean float?\n");
 }
 
 TEST(Diagnostics, CircleOfIncludesIsNamed) {
@@ -371,8 +311,7 @@ TEST(Diagnostics, SuggestionsEndWithTheDiagnosticsThatAreKept) {
   for (int i = 0; i < 150; ++i) {
     const std::string number = std::to_string(i);
     misspelt += "<message id=\"" + number + "\" name=\"M" + number +
-                "\"><field type=\"uint8_t\" name=\"a\" "
-                "enum=\"COLOUR_KINT\"/></message>\n";
+                "\"><field type=\"uint8_t\" name=\"a\" enum=\"COLOUR_KINT\"/></message>\n";
   }
   const auto file =
       folder.write("bad.xml", in_mavlink("<enums><enum name=\"COLOUR_KIND\"/></enums>\n<messages>" +

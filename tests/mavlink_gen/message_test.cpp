@@ -86,9 +86,7 @@ void expect_round_trip(const Message& message) {
 template <class Visitor>
 void for_each_message(Visitor&& visitor) {
   for (const auto& info : common::table().all()) {
-    PacketView packet;
-    packet.message_id = info.id;
-    EXPECT_TRUE(common::dispatch(packet, visitor)) << info.name;
+    EXPECT_TRUE(common::dispatch(PacketView{.message_id = info.id}, visitor)) << info.name;
   }
 }
 
@@ -180,8 +178,7 @@ TEST(Message, FieldsAreKnownById) {
 }
 
 TEST(Message, DispatchReachesOnlyTypesThatTheVisitorTakes) {
-  PacketView packet;
-  packet.message_id = common::Heartbeat::kId;
+  PacketView packet{.message_id = common::Heartbeat::kId};
   int heartbeats = 0;
   const auto visitor = [&](const common::Heartbeat&) { ++heartbeats; };
   EXPECT_TRUE(common::dispatch(packet, visitor));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Plugin airspeed: its model, its samples on the wire and in the record, its faults.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
@@ -78,62 +77,53 @@ TEST(Airspeed, NoiseHasNoMeanAndTheConfiguredDeviation) {
   EXPECT_GT(values.size(), kSamples - 10U) << "samples repeat";
 }
 
-struct LagCase {
-  const char* name;
-  double step_s;
-};
-
-class AirspeedLag : public testing::TestWithParam<LagCase> {};
-
-TEST_P(AirspeedLag, StepResponseIsThatOfItsTimeConstantAtAnyStep) {
-  base::AirspeedSheet params = quiet();
-  params.lag_s = 0.2;
-  AirspeedModel tube(params, GetParam().step_s, 1);
-  tube.follow(10, 1.2);  // settled at 60 Pa
-  EXPECT_NEAR(tube.sample({}).differential_pressure_pa, 60, 1e-6);
-  const int steps = static_cast<int>(std::lround(0.2 / GetParam().step_s));
-  for (int i = 0; i < steps; ++i) tube.follow(20, 1.2);
-  const double after_one_constant = 60 + 180 * (1 - std::exp(-1.0));
-  EXPECT_NEAR(tube.sample({}).differential_pressure_pa, after_one_constant, 1e-6);
-}
-
-INSTANTIATE_TEST_SUITE_P(Steps, AirspeedLag,
-                         testing::Values(LagCase{"OfOneMillisecond", 0.001},
-                                         LagCase{"OfFour", 0.004}),
-                         [](const auto& test) { return test.param.name; });
-
-struct TubeCase {
-  const char* name;
-  Vector3d v_WB, wind_W, w_WB_B, position_B_m;
-  double yaw_rad;
-  double speed_m_s;
-};
-
-class AlongTube : public testing::TestWithParam<TubeCase> {};
-
-TEST_P(AlongTube, CountsTheAirThatMeetsItsOpening) {
-  const TubeCase& of = GetParam();
-  BodyState body;
-  body.q_WB = base::q_WB_from_q_ND(base::quaternion_rpy(0, 0, of.yaw_rad));
-  body.v_WB = of.v_WB;
-  body.w_WB_B = of.w_WB_B;
-  base::AirspeedSheet params;
-  params.position_B_m = of.position_B_m;
-  EXPECT_NEAR(speed_along_tube(body, of.wind_W, params), of.speed_m_s, 1e-12);
+TEST(AirspeedLag, StepResponseIsThatOfItsTimeConstantAtAnyStep) {
+  struct LagCase {
+    const char* name;
+    double step_s;
+  };
+  const LagCase rows[] = {{"OfOneMillisecond", 0.001}, {"OfFour", 0.004}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    base::AirspeedSheet params = quiet();
+    params.lag_s = 0.2;
+    AirspeedModel tube(params, row.step_s, 1);
+    tube.follow(10, 1.2);  // settled at 60 Pa
+    EXPECT_NEAR(tube.sample({}).differential_pressure_pa, 60, 1e-6);
+    const int steps = static_cast<int>(std::lround(0.2 / row.step_s));
+    for (int i = 0; i < steps; ++i) tube.follow(20, 1.2);
+    const double after_one_constant = 60 + 180 * (1 - std::exp(-1.0));
+    EXPECT_NEAR(tube.sample({}).differential_pressure_pa, after_one_constant, 1e-6);
+  }
 }
 
 // World axes: east, north, up; yaw 0 is north; body axes: forward, left, up.
-INSTANTIATE_TEST_SUITE_P(
-    Cases, AlongTube,
-    testing::Values(
-        TubeCase{"Ahead", {0, 15, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 15},
-        TubeCase{"HeadWindAdds", {0, 15, 0}, {0, -5, 0}, {0, 0, 0}, {0, 0, 0}, 0, 20},
-        TubeCase{"TailWindTakesAway", {0, 15, 0}, {0, 5, 0}, {0, 0, 0}, {0, 0, 0}, 0, 10},
-        TubeCase{"SideslipIsNotSeen", {7, 15, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 15},
-        TubeCase{"TurnedEast", {7, 15, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, M_PI / 2, 7},
-        // On the left wing, of a turn to the left: the wing goes backwards.
-        TubeCase{"OnATurningWing", {0, 15, 0}, {0, 0, 0}, {0, 0, 0.5}, {0, 2, 0}, 0, 14}),
-    [](const auto& test) { return test.param.name; });
+TEST(AlongTube, CountsTheAirThatMeetsItsOpening) {
+  struct TubeCase {
+    const char* name;
+    Vector3d v_WB, wind_W, w_WB_B, position_B_m;
+    double yaw_rad;
+    double speed_m_s;
+  };
+  const TubeCase rows[] = {
+      {"Ahead", {0, 15, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 15},
+      {"HeadWindAdds", {0, 15, 0}, {0, -5, 0}, {0, 0, 0}, {0, 0, 0}, 0, 20},
+      {"TailWindTakesAway", {0, 15, 0}, {0, 5, 0}, {0, 0, 0}, {0, 0, 0}, 0, 10},
+      {"SideslipIsNotSeen", {7, 15, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, 0, 15},
+      {"TurnedEast", {7, 15, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, M_PI / 2, 7},
+      // On the left wing, of a turn to the left: the wing goes backwards.
+      {"OnATurningWing", {0, 15, 0}, {0, 0, 0}, {0, 0, 0.5}, {0, 2, 0}, 0, 14}};
+  for (const auto& of : rows) {
+    SCOPED_TRACE(of.name);
+    BodyState body;
+    body.q_WB = base::q_WB_from_q_ND(base::quaternion_rpy(0, 0, of.yaw_rad));
+    body.v_WB = of.v_WB;
+    body.w_WB_B = of.w_WB_B;
+    base::AirspeedSheet params;
+    params.position_B_m = of.position_B_m;
+    EXPECT_NEAR(speed_along_tube(body, of.wind_W, params), of.speed_m_s, 1e-12);
+  }
+}
 
 TEST(AirspeedPlugin, FlagsItsFieldOfHilSensorWithANewSampleOnly) {
   test::PluginHarness harness(std::chrono::milliseconds(4));

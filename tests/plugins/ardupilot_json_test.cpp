@@ -88,8 +88,7 @@ TEST(ServoPacket, TurnsTheSurfacesOfAPlane) {
   base::Vehicle plane = rotors_on({2});
   plane.aero.emplace();
   for (const int output : {0, 1, 3}) plane.aero->surfaces.emplace_back().output = output;
-  ServoPacket packet;
-  packet.pwm_us = {1250, 1500, 1600, 0};
+  ServoPacket packet{.pwm_us = {1250, 1500, 1600, 0}};
   const MotorCommand command = to_motor_command(packet, plane);
   EXPECT_TRUE(command.armed);
   EXPECT_TRUE(command.values.head<4>().isApprox(Eigen::Vector4d(-0.5, 0, 0.6, 0), 1e-12));
@@ -153,10 +152,7 @@ TEST(JsonState, NeverWritesWhatIsNoNumber) {
 }
 
 ServoPacket numbered(std::uint32_t count, std::uint16_t rate = 1200) {
-  ServoPacket packet;
-  packet.frame_rate_hz = rate;
-  packet.frame_count = count;
-  return packet;
+  return {.frame_rate_hz = rate, .frame_count = count};
 }
 
 TEST(ServoClock, OneStepAPacketWhenTheStepFits) {

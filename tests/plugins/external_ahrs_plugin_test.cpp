@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The plugin as an autopilot sees it: over its pseudo-terminal, by a scripted driver.
 #include <fcntl.h>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -26,6 +26,7 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::seconds;
 using test::VectorNavDriver;
+using testing::HasSubstr;
 
 constexpr base::Duration kStep = microseconds(1250);
 
@@ -204,13 +205,13 @@ TEST_F(ExternalAhrs, OpensADeviceThatAProgramOffersAndNoOther) {
   std::array<char, 64> answer{};
   ASSERT_GT(::read(board.master(), answer.data(), answer.size()), 0);
   EXPECT_EQ(std::string(answer.data()), test::nmea_line("VNRRG,01,VN-200"));
-  EXPECT_NE(plugin.stats_json().find("serial "), std::string::npos);
+  EXPECT_THAT(plugin.stats_json(), HasSubstr("serial "));
 
   test::PtyPair stranger;
   test::PluginHarness other(kStep);
-  const std::string refusal =
-      test::refusal([&] { other.add("external_ahrs", "{device: " + stranger.slave() + "}"); });
-  EXPECT_NE(refusal.find("no program of CAS offers"), std::string::npos) << refusal;
+  EXPECT_THAT(
+      test::refusal([&] { other.add("external_ahrs", "{device: " + stranger.slave() + "}"); }),
+      HasSubstr("no program of CAS offers"));
 }
 
 TEST_F(ExternalAhrs, WaitsForADeviceThatIsNotThereYet) {
@@ -233,14 +234,11 @@ TEST(ExternalAhrsKeys, AreCheckedInOneSentence) {
       harness.add("external_ahrs", yaml);
     });
   };
-  EXPECT_NE(refusal("{pty: a, device: b}").find("stands for the line; so does pty"),
-            std::string::npos);
-  EXPECT_NE(refusal("{pty: a, model: VN-210}").find("is one of VN-100, VN-200, VN-300"),
-            std::string::npos);
-  EXPECT_NE(refusal("{pty: a, solution: perfect}").find("is one of truth, sensors"),
-            std::string::npos);
-  EXPECT_NE(refusal("{}").find("device"), std::string::npos);
-  EXPECT_NE(refusal("{device: /dev/null}").find("is no terminal"), std::string::npos);
+  EXPECT_THAT(refusal("{pty: a, device: b}"), HasSubstr("stands for the line; so does pty"));
+  EXPECT_THAT(refusal("{pty: a, model: VN-210}"), HasSubstr("is one of VN-100, VN-200, VN-300"));
+  EXPECT_THAT(refusal("{pty: a, solution: perfect}"), HasSubstr("is one of truth, sensors"));
+  EXPECT_THAT(refusal("{}"), HasSubstr("device"));
+  EXPECT_THAT(refusal("{device: /dev/null}"), HasSubstr("is no terminal"));
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 // The VectorNav without its line: what ArduPilot's drivers ask, and what they get.
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <string>
@@ -81,47 +80,42 @@ std::vector<std::uint8_t> build(std::vector<std::string_view> words) {
   return packet;
 }
 
-struct LayoutCase {
-  const char* name;
-  std::vector<std::string_view> words;
-  std::vector<std::uint8_t> header;
-  std::size_t bytes;
-};
-
-class Layout : public testing::TestWithParam<LayoutCase> {};
-
-TEST_P(Layout, FollowsTheMasksOfTheDriver) {
-  const LayoutCase& layout = GetParam();
-  const std::vector<std::uint8_t> packet = build(layout.words);
-  EXPECT_EQ(packet.size(), layout.bytes);
-  EXPECT_TRUE(std::equal(layout.header.begin(), layout.header.end(), packet.begin()));
-  EXPECT_EQ(vector_nav_crc(std::span(packet).subspan(1)), 0);
+TEST(Layout, FollowsTheMasksOfTheDriver) {
+  struct LayoutCase {
+    const char* name;
+    std::vector<std::string_view> words;
+    std::vector<std::uint8_t> header;
+    std::size_t bytes;
+  };
+  const LayoutCase rows[] = {{"Imu46", {"3", "2", "01", "0721"}, {0xFA, 0x01, 0x21, 0x07}, 82},
+                             {"Ins46",
+                              {"3", "16", "31", "0001", "0106", "0613"},
+                              {0xFA, 0x31, 0x01, 0x00, 0x06, 0x01, 0x13, 0x06},
+                              104},
+                             {"Gnss46",
+                              {"3", "160", "49", "0003", "26B8", "0018"},
+                              {0xFA, 0x49, 0x03, 0x00, 0xB8, 0x26, 0x18, 0x00},
+                              110},
+                             {"Attitude46OfAVn100",
+                              {"3", "16", "11", "0001", "0106"},
+                              {0xFA, 0x11, 0x01, 0x00, 0x06, 0x01},
+                              56},
+                             {"Fast45",
+                              {"3", "1", "34", "072E", "0106", "0612"},
+                              {0xFA, 0x34, 0x2E, 0x07, 0x06, 0x01, 0x12, 0x06},
+                              170},
+                             {"Slow45",
+                              {"3", "80", "4E", "0002", "0010", "20B8", "0018"},
+                              {0xFA, 0x4E, 0x02, 0x00, 0x10, 0x00, 0xB8, 0x20, 0x18, 0x00},
+                              92}};
+  for (const auto& layout : rows) {
+    SCOPED_TRACE(layout.name);
+    const std::vector<std::uint8_t> packet = build(layout.words);
+    EXPECT_EQ(packet.size(), layout.bytes);
+    EXPECT_TRUE(std::equal(layout.header.begin(), layout.header.end(), packet.begin()));
+    EXPECT_EQ(vector_nav_crc(std::span(packet).subspan(1)), 0);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Ardupilot, Layout,
-    testing::Values(LayoutCase{"Imu46", {"3", "2", "01", "0721"}, {0xFA, 0x01, 0x21, 0x07}, 82},
-                    LayoutCase{"Ins46",
-                               {"3", "16", "31", "0001", "0106", "0613"},
-                               {0xFA, 0x31, 0x01, 0x00, 0x06, 0x01, 0x13, 0x06},
-                               104},
-                    LayoutCase{"Gnss46",
-                               {"3", "160", "49", "0003", "26B8", "0018"},
-                               {0xFA, 0x49, 0x03, 0x00, 0xB8, 0x26, 0x18, 0x00},
-                               110},
-                    LayoutCase{"Attitude46OfAVn100",
-                               {"3", "16", "11", "0001", "0106"},
-                               {0xFA, 0x11, 0x01, 0x00, 0x06, 0x01},
-                               56},
-                    LayoutCase{"Fast45",
-                               {"3", "1", "34", "072E", "0106", "0612"},
-                               {0xFA, 0x34, 0x2E, 0x07, 0x06, 0x01, 0x12, 0x06},
-                               170},
-                    LayoutCase{"Slow45",
-                               {"3", "80", "4E", "0002", "0010", "20B8", "0018"},
-                               {0xFA, 0x4E, 0x02, 0x00, 0x10, 0x00, 0xB8, 0x20, 0x18, 0x00},
-                               92}),
-    [](const auto& test) { return std::string(test.param.name); });
 
 TEST(VectorNavCrc, IsThatOfTheStandardsCheckWord) {
   const std::string check = "123456789";

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -38,73 +37,65 @@ VehicleParts with_second(VehiclePart part) {
   return parts;
 }
 
-struct MapCase {
-  const char* name;
-  FailureOrder failure;
-  VehicleParts parts;
-  std::vector<std::string> orders;  // empty: there is no such physical failure
-};
-
-class FailureMap : public testing::TestWithParam<MapCase> {};
-
-TEST_P(FailureMap, MakesAFailurePhysicalOrRefusesIt) {
-  const auto orders = fault_orders(GetParam().failure, GetParam().parts);
-  EXPECT_EQ(orders.value_or(std::vector<std::string>{}), GetParam().orders);
-  EXPECT_EQ(orders.has_value(), !GetParam().orders.empty());
+TEST(FailureMap, MakesAFailurePhysicalOrRefusesIt) {
+  struct MapCase {
+    const char* name;
+    FailureOrder failure;
+    VehicleParts parts;
+    std::vector<std::string> orders;  // empty: there is no such physical failure
+  };
+  const MapCase rows[] = {
+      {"GpsOff",
+       {Unit::kGps, Type::kOff},
+       kQuad,
+       {"{end: 'injected gps'}", "{name: 'injected gps', at_s: 0, drop: gps}"}},
+      {"OkEndsAllOfTheUnit", {Unit::kGps, Type::kOk}, kQuad, {"{end: 'injected gps'}"}},
+      {"TheFirstIsTheOnlyOne", {Unit::kGps, Type::kOk, 1}, kQuad, {"{end: 'injected gps'}"}},
+      {"TheSecondOfTwoGps",
+       {Unit::kGps, Type::kOff, 2},
+       with_second(kPartGps),
+       {"{end: 'injected gps 2'}", "{name: 'injected gps 2', at_s: 0, drop: gps_2}"}},
+      {"AllOfTwoImus",
+       {Unit::kGyro, Type::kStuck},
+       with_second(kPartImu),
+       {"{end: 'injected gyro'}",
+        "{name: 'injected gyro', at_s: 0, freeze: {sensor: imu, field: angular_rate}}",
+        "{end: 'injected gyro 2'}",
+        "{name: 'injected gyro 2', at_s: 0, freeze: {sensor: imu_2, field: angular_rate}}"}},
+      {"ThereIsNoSecondGps", {Unit::kGps, Type::kOff, 2}, kQuad, {}},
+      {"AVehicleWithoutGpsLosesNone", {Unit::kGps, Type::kOff}, {.rotors = 4}, {}},
+      {"OneMotor",
+       {Unit::kMotor, Type::kOff, 2},
+       kQuad,
+       {"{end: 'injected motor 2'}",
+        "{name: 'injected motor 2', at_s: 0, rotor: {number: 2, stop: true}}"}},
+      {"AllMotors",
+       {Unit::kMotor, Type::kOk},
+       {.rotors = 3},
+       {"{end: 'injected motor 1'}", "{end: 'injected motor 2'}", "{end: 'injected motor 3'}"}},
+      {"ThereIsNoFifthMotor", {Unit::kMotor, Type::kOff, 5}, kQuad, {}},
+      {"NoGyroAloneFallsSilent", {Unit::kGyro, Type::kOff}, kQuad, {}},
+      {"NoServos", {Unit::kServo, Type::kOff}, kQuad, {}},
+      {"NoTubeNoFailure", {Unit::kAirspeed, Type::kOk}, kQuad, {}},
+      {"ATubeIsBlocked",
+       {Unit::kAirspeed, Type::kStuck},
+       {.sensors = kPartAirspeed, .rotors = 1},
+       {"{end: 'injected airspeed'}", "{name: 'injected airspeed', at_s: 0, freeze: airspeed}"}},
+      {"NoOdometryNoFailure", {Unit::kVio, Type::kOff}, kQuad, {}},
+      {"OdometryIsLate",
+       {Unit::kVio, Type::kDelayed},
+       {.sensors = kPartOdometry, .rotors = 4},
+       {"{end: 'injected vio'}",
+        "{name: 'injected vio', at_s: 0, delay: {sensor: odometry, by_s: 0.3}}"}},
+      {"AnUnknownUnit", {static_cast<Unit>(42), Type::kOff}, kQuad, {}},
+      {"AnUnknownType", {Unit::kGps, static_cast<Type>(99)}, kQuad, {}}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    const auto orders = fault_orders(row.failure, row.parts);
+    EXPECT_EQ(orders.value_or(std::vector<std::string>{}), row.orders);
+    EXPECT_EQ(orders.has_value(), !row.orders.empty());
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Table, FailureMap,
-    testing::Values(
-        MapCase{"GpsOff",
-                {Unit::kGps, Type::kOff},
-                kQuad,
-                {"{end: 'injected gps'}", "{name: 'injected gps', at_s: 0, drop: gps}"}},
-        MapCase{"OkEndsAllOfTheUnit", {Unit::kGps, Type::kOk}, kQuad, {"{end: 'injected gps'}"}},
-        MapCase{
-            "TheFirstIsTheOnlyOne", {Unit::kGps, Type::kOk, 1}, kQuad, {"{end: 'injected gps'}"}},
-        MapCase{"TheSecondOfTwoGps",
-                {Unit::kGps, Type::kOff, 2},
-                with_second(kPartGps),
-                {"{end: 'injected gps 2'}", "{name: 'injected gps 2', at_s: 0, drop: gps_2}"}},
-        MapCase{"AllOfTwoImus",
-                {Unit::kGyro, Type::kStuck},
-                with_second(kPartImu),
-                {"{end: 'injected gyro'}",
-                 "{name: 'injected gyro', at_s: 0, freeze: {sensor: imu, field: angular_rate}}",
-                 "{end: 'injected gyro 2'}",
-                 "{name: 'injected gyro 2', at_s: 0, freeze: {sensor: imu_2, field: "
-                 "angular_rate}}"}},
-        MapCase{"ThereIsNoSecondGps", {Unit::kGps, Type::kOff, 2}, kQuad, {}},
-        MapCase{"AVehicleWithoutGpsLosesNone", {Unit::kGps, Type::kOff}, {.rotors = 4}, {}},
-        MapCase{"OneMotor",
-                {Unit::kMotor, Type::kOff, 2},
-                kQuad,
-                {"{end: 'injected motor 2'}",
-                 "{name: 'injected motor 2', at_s: 0, rotor: {number: 2, stop: true}}"}},
-        MapCase{"AllMotors",
-                {Unit::kMotor, Type::kOk},
-                {.rotors = 3},
-                {"{end: 'injected motor 1'}", "{end: 'injected motor 2'}",
-                 "{end: 'injected motor 3'}"}},
-        MapCase{"ThereIsNoFifthMotor", {Unit::kMotor, Type::kOff, 5}, kQuad, {}},
-        MapCase{"NoGyroAloneFallsSilent", {Unit::kGyro, Type::kOff}, kQuad, {}},
-        MapCase{"NoServos", {Unit::kServo, Type::kOff}, kQuad, {}},
-        MapCase{"NoTubeNoFailure", {Unit::kAirspeed, Type::kOk}, kQuad, {}},
-        MapCase{"ATubeIsBlocked",
-                {Unit::kAirspeed, Type::kStuck},
-                {.sensors = kPartAirspeed, .rotors = 1},
-                {"{end: 'injected airspeed'}",
-                 "{name: 'injected airspeed', at_s: 0, freeze: airspeed}"}},
-        MapCase{"NoOdometryNoFailure", {Unit::kVio, Type::kOff}, kQuad, {}},
-        MapCase{"OdometryIsLate",
-                {Unit::kVio, Type::kDelayed},
-                {.sensors = kPartOdometry, .rotors = 4},
-                {"{end: 'injected vio'}",
-                 "{name: 'injected vio', at_s: 0, delay: {sensor: odometry, by_s: 0.3}}"}},
-        MapCase{"AnUnknownUnit", {static_cast<Unit>(42), Type::kOff}, kQuad, {}},
-        MapCase{"AnUnknownType", {Unit::kGps, static_cast<Type>(99)}, kQuad, {}}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(FailureMapAsAWhole, HasOrdersThatPluginFaultReads) {
   int failures = 0;
@@ -152,8 +143,7 @@ class InjectedVehicle : public testing::Test {
     mv::CommandLong message = mav::services::command_of(failure, to);
     message.param7 = token;
     const auto bytes = encoder_(message);
-    WirePacket packet;
-    packet.size = bytes.size();
+    WirePacket packet{.size = bytes.size()};
     std::ranges::copy(bytes, packet.bytes.begin());
     wire_in_.publish(packet);
   }

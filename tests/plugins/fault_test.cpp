@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,40 +21,37 @@ using Eigen::Vector3d;
 using Eigen::Vector4d;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
 
-struct ExpressionCase {
-  const char* name;
-  const char* text;
-  bool expected;  // at altitude 3, time 10, speed 0, armed, phase hold
-};
-
-class ExpressionOnFacts : public testing::TestWithParam<ExpressionCase> {};
-
-TEST_P(ExpressionOnFacts, IsTrueOrNot) {
-  Facts facts;
-  facts[Fact::kAltitude] = 3;
-  facts[Fact::kTime] = 10;
-  facts[Fact::kArmed] = 1;
-  facts[Fact::kYaw] = -90;
-  facts.phase = "hold";
-  EXPECT_EQ(Expression::parse(GetParam().text).evaluate(facts), GetParam().expected);
+TEST(ExpressionOnFacts, IsTrueOrNot) {
+  struct ExpressionCase {
+    const char* text;
+    bool expected;  // at altitude 3, time 10, speed 0, armed, phase hold
+  };
+  const ExpressionCase rows[] = {{"altitude > 2 and phase == hold", true},
+                                 {"altitude > 2 and phase == land", false},
+                                 {"phase != land", true},
+                                 {"speed > 1 and speed > 2 or altitude >= 3", true},
+                                 {"speed > 1 and (speed > 2 or altitude >= 3)", false},
+                                 {"not altitude < 2", true},
+                                 {"armed", true},
+                                 {"not armed", false},
+                                 {"yaw < -89.5", true},
+                                 {"2 < altitude", true},
+                                 {"time == 10", true},
+                                 {"altitude>2 and time>=1e1", true}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.text);
+    Facts facts;
+    facts[Fact::kAltitude] = 3;
+    facts[Fact::kTime] = 10;
+    facts[Fact::kArmed] = 1;
+    facts[Fact::kYaw] = -90;
+    facts.phase = "hold";
+    EXPECT_EQ(Expression::parse(row.text).evaluate(facts), row.expected);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Cases, ExpressionOnFacts,
-    testing::Values(ExpressionCase{"BothHold", "altitude > 2 and phase == hold", true},
-                    ExpressionCase{"OtherPhase", "altitude > 2 and phase == land", false},
-                    ExpressionCase{"NotPhase", "phase != land", true},
-                    ExpressionCase{"OrBindsLess", "speed > 1 and speed > 2 or altitude >= 3", true},
-                    ExpressionCase{"Brackets", "speed > 1 and (speed > 2 or altitude >= 3)", false},
-                    ExpressionCase{"Not", "not altitude < 2", true},
-                    ExpressionCase{"FactAlone", "armed", true},
-                    ExpressionCase{"NotFactAlone", "not armed", false},
-                    ExpressionCase{"Negative", "yaw < -89.5", true},
-                    ExpressionCase{"NumberFirst", "2 < altitude", true},
-                    ExpressionCase{"Equal", "time == 10", true},
-                    ExpressionCase{"NoSpaces", "altitude>2 and time>=1e1", true}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(Expression, RefusesWhatItDoesNotUnderstand) {
   for (const char* text :
@@ -68,18 +65,13 @@ TEST(Expression, RefusesWhatItDoesNotUnderstand) {
 TEST(Expression, RefusesNumbersThatAreNotFinite) {
   for (const char* text : {"altitude > nan", "altitude < inf", "-inf < climb", "nan",
                            "time > 1e999", "infinity > time", "yaw == nan(1)"}) {
-    try {
-      Expression::parse(text);
-      ADD_FAILURE() << text;
-    } catch (const std::invalid_argument& refusal) {
-      EXPECT_NE(std::string(refusal.what()).find("'"), std::string::npos) << refusal.what();
-    }
+    EXPECT_THAT([&] { Expression::parse(text); },
+                ThrowsMessage<std::invalid_argument>(HasSubstr("'")))
+        << text;
   }
-  try {
-    Expression::parse("altitude > nan");
-  } catch (const std::invalid_argument& refusal) {
-    EXPECT_STREQ(refusal.what(), "in 'altitude > nan': 'nan' is not a finite number");
-  }
+  EXPECT_THAT(
+      [] { Expression::parse("altitude > nan"); },
+      ThrowsMessage<std::invalid_argument>("in 'altitude > nan': 'nan' is not a finite number"));
 }
 
 std::string repeated(std::string_view text, std::size_t times) {
@@ -193,10 +185,10 @@ class FaultyVehicle : public testing::Test {
     harness_.add("imu", "{rate_hz: 500, gyro_stddev_deg_s: 1.0e-6, accel_stddev_m_s2: 1.0e-6}");
     harness_.add("barometer", "{rate_hz: 50, stddev_pa: 1.0e-3}");
     if (!with_fault_first) plugin_ = &harness_.add("fault", faults);
-    barometer_ = harness_.bus.subscribe<BarometerSample>("iris0/barometer",
-                                                         [this](const BarometerSample& s) {
-                                                           pressures_.push_back({now_, s});
-                                                         });
+    barometer_ =
+        harness_.bus.subscribe<BarometerSample>("iris0/barometer", [this](const auto& sample) {
+          pressures_.push_back({now_, sample});
+        });
     imu_ = harness_.bus.subscribe<ImuSample>("iris0/imu",
                                              [this](const ImuSample& s) { imus_.push_back(s); });
   }
@@ -205,6 +197,15 @@ class FaultyVehicle : public testing::Test {
       now_ += milliseconds(1);
       harness_.step();
     }
+  }
+
+  /// Gives orders over a topic.
+  auto orders(const std::string& topic) {
+    return [to = harness_.bus.advertise<FaultOrder>("iris0/" + topic)](const std::string& script) {
+      FaultOrder message;
+      std::ranges::copy(script, message.script.begin());
+      to.publish(message);
+    };
   }
 
   test::PluginHarness harness_;
@@ -317,9 +318,8 @@ TEST(FaultPlugin, MagnetometerErrsWithThePowerOfTheRotors) {
   const auto field = harness.bus.advertise<MagnetometerSample>("iris0/magnetometer");
   harness.add("fault",
               "{faults: [{at_s: 0, current: {sensor: magnetometer, field_gauss: [0, 0.2, 0]}}]}");
-  MagnetometerSample read;
-  const auto listening = harness.bus.subscribe<MagnetometerSample>(
-      "iris0/magnetometer", [&read](const MagnetometerSample& sample) { read = sample; });
+  const test::Heard<MagnetometerSample> heard(harness, "magnetometer");
+  const MagnetometerSample& read = heard.newest;
   harness.step();
   const auto measured = [&](double share) {
     const base::Vehicle vehicle = test::load_vehicle("iris_paper");
@@ -342,9 +342,8 @@ TEST(FaultPlugin, ReceiverReportsTheFixOfTheFault) {
   const auto gps = harness.bus.advertise<GpsSample>("iris0/gps");
   harness.add("fault",
               "{faults: [{at_s: 0, fix: {type: 2, satellites: 4, eph_m: 12, epv_m: 20}}]}");
-  GpsSample read;
-  const auto listening = harness.bus.subscribe<GpsSample>(
-      "iris0/gps", [&read](const GpsSample& sample) { read = sample; });
+  const test::Heard<GpsSample> heard(harness, "gps");
+  const GpsSample& read = heard.newest;
   harness.step();
   gps.publish({.time = {}, .position = test::kHome, .velocity_N = {1, 2, 3}, .eph_m = 0.5});
   EXPECT_EQ(read.fix_type, 2);
@@ -418,40 +417,36 @@ TEST(FaultPlugin, MultipathIsAGaussMarkovProcessOfItsDeviationAndTime) {
   EXPECT_NEAR(product / (kSamples - kLag) / 9, std::exp(-1), kThreeSigma);
 }
 
-struct JamCase {
-  const char* name;
-  double jammer_to_noise_db;
-  int satellites;
-  double factor;  // of the accuracy: sqrt((1 + J/N) 10 / satellites); 0: no fix
-};
-
-class Jammed : public testing::TestWithParam<JamCase> {};
-
 /// Satellites stand from 49.4 to 38.6 dB-Hz in steps of 1.2 dB, and are lost below 28.
-TEST_P(Jammed, LosesSatellitesAndAccuracyByTheNoise) {
-  const JamCase& jam = GetParam();
-  FaultyReceiver receiver("jammed: {jammer_to_noise_db: " + std::to_string(jam.jammer_to_noise_db) +
-                          "}");
-  test::Statistics north;
-  for (int i = 0; i < 4000; ++i) {
-    const GpsSample& fix = receiver.next();
-    ASSERT_EQ(fix.satellites, jam.satellites);
-    EXPECT_NEAR(fix.cn0_db_hz, 44 - 10 * std::log10(1 + std::pow(10, jam.jammer_to_noise_db / 10)),
-                1e-9);
-    EXPECT_EQ(fix.fix_type, jam.factor > 0 ? 3 : 1);
-    EXPECT_NEAR(fix.eph_m, jam.factor > 0 ? 0.5 * jam.factor : 99, 1e-3);
-    north.add(receiver.error_N().x());
+TEST(Jammed, LosesSatellitesAndAccuracyByTheNoise) {
+  struct JamCase {
+    const char* name;
+    double jammer_to_noise_db;
+    int satellites;
+    double factor;  // of the accuracy: sqrt((1 + J/N) 10 / satellites); 0: no fix
+  };
+  const JamCase rows[] = {{"All", 10, 10, std::sqrt(11.0)},
+                          {"Six", 15, 6, std::sqrt(32.6228 * 10 / 6)},
+                          {"None", 30, 0, 0}};
+  for (const auto& jam : rows) {
+    SCOPED_TRACE(jam.name);
+    FaultyReceiver receiver(
+        "jammed: {jammer_to_noise_db: " + std::to_string(jam.jammer_to_noise_db) + "}");
+    test::Statistics north;
+    for (int i = 0; i < 4000; ++i) {
+      const GpsSample& fix = receiver.next();
+      ASSERT_EQ(fix.satellites, jam.satellites);
+      EXPECT_NEAR(fix.cn0_db_hz,
+                  44 - 10 * std::log10(1 + std::pow(10, jam.jammer_to_noise_db / 10)), 1e-9);
+      EXPECT_EQ(fix.fix_type, jam.factor > 0 ? 3 : 1);
+      EXPECT_NEAR(fix.eph_m, jam.factor > 0 ? 0.5 * jam.factor : 99, 1e-3);
+      north.add(receiver.error_N().x());
+    }
+    if (jam.factor == 0) continue;
+    const double added = 0.5 * std::sqrt((jam.factor * jam.factor - 1) / 2);  // of each axis
+    EXPECT_NEAR(north.stddev() / added, 1, 0.05);
   }
-  if (jam.factor == 0) return;
-  const double added = 0.5 * std::sqrt((jam.factor * jam.factor - 1) / 2);  // of each axis
-  EXPECT_NEAR(north.stddev() / added, 1, 0.05);
 }
-
-INSTANTIATE_TEST_SUITE_P(Noise, Jammed,
-                         testing::Values(JamCase{"All", 10, 10, std::sqrt(11.0)},
-                                         JamCase{"Six", 15, 6, std::sqrt(32.6228 * 10 / 6)},
-                                         JamCase{"None", 30, 0, 0}),
-                         [](const auto& test) { return test.param.name; });
 
 TEST(FaultPlugin, AJammerRisesInDecibels) {
   FaultyReceiver receiver("jammed: {jammer_to_noise_db: 20, rise_s: 10}");
@@ -468,9 +463,8 @@ TEST(FaultPlugin, VibrationStandsInTheSpectrumAtTheSpeedOfTheRotor) {
   const auto imu = harness.bus.advertise<ImuSample>("iris0/imu");
   harness.add("fault",
               "{faults: [{at_s: 0, vibration: {sensor: imu, specific_force_m_s2: [10, 0, 0]}}]}");
-  ImuSample read;
-  const auto listening = harness.bus.subscribe<ImuSample>(
-      "iris0/imu", [&read](const ImuSample& sample) { read = sample; });
+  const test::Heard<ImuSample> heard(harness, "imu");
+  const ImuSample& read = heard.newest;
   constexpr double kSpeed = 300;
   RotorSpeeds turning;
   turning.omega_rad_s = Vector4d(kSpeed, 0, 0, 0);
@@ -498,9 +492,8 @@ TEST(FaultPlugin, ABlindCameraSeesNoFlowAndSaysSo) {
   test::PluginHarness harness;
   const auto flow = harness.bus.advertise<FlowSample>("iris0/optical_flow");
   harness.add("fault", "{faults: [{at_s: 0, blind: optical_flow}]}");
-  FlowSample read;
-  const auto listening = harness.bus.subscribe<FlowSample>(
-      "iris0/optical_flow", [&read](const FlowSample& sample) { read = sample; });
+  const test::Heard<FlowSample> heard(harness, "optical_flow");
+  const FlowSample& read = heard.newest;
   harness.step();
   flow.publish({.time = {},
                 .time_s = 0.05,
@@ -520,9 +513,8 @@ TEST(FaultPlugin, ACameraThatLooksForABeaconIsBlindOrOff) {
   harness.add("fault",
               "{faults: [{at_s: 0, bias: {sensor: landing_target, angles_deg: [2, -1, 0]}}, "
               "{at_s: 0.001, blind: landing_target}]}");
-  LandingTargetSample read;
-  const auto listening = harness.bus.subscribe<LandingTargetSample>(
-      "iris0/landing_target", [&read](const LandingTargetSample& sample) { read = sample; });
+  const test::Heard<LandingTargetSample> heard(harness, "landing_target");
+  const LandingTargetSample& read = heard.newest;
   const LandingTargetSample picture{
       .time = {}, .seen = true, .angles_rad = {0.1, 0.2}, .distance_m = 4};
   harness.step();
@@ -538,9 +530,8 @@ TEST(FaultPlugin, ACameraThatLooksForABeaconIsBlindOrOff) {
 
 TEST_F(FaultyVehicle, ADesynchronisedMotorHasNoCurrentForAWhile) {
   start("{faults: [{at_s: 0.1, for_s: 0.1, rotor: {number: 2, desync: true}}]}");
-  PropulsionHealth health;
-  const auto listening = harness_.bus.subscribe<PropulsionHealth>(
-      "iris0/propulsion_health", [&](const PropulsionHealth& h) { health = h; });
+  const test::Heard<PropulsionHealth> heard(harness_, "propulsion_health");
+  const PropulsionHealth& health = heard.newest;
   run(milliseconds(150));
   EXPECT_TRUE(health.without_current[1]);
   EXPECT_FALSE(health.without_current[0]);
@@ -553,9 +544,8 @@ TEST_F(FaultyVehicle, SticksReversesAndSwapsRotors) {
       "{faults: [{at_s: 0.1, rotor: {number: 1, stuck: true}}, "
       "{at_s: 0.1, rotor: {number: 2, thrust_share: -0.5}}, "
       "{at_s: 0.1, for_s: 0.1, swap_rotors: [3, 4]}]}");
-  PropulsionHealth health;
-  const auto listening = harness_.bus.subscribe<PropulsionHealth>(
-      "iris0/propulsion_health", [&](const PropulsionHealth& h) { health = h; });
+  const test::Heard<PropulsionHealth> heard(harness_, "propulsion_health");
+  const PropulsionHealth& health = heard.newest;
   run(milliseconds(150));
   EXPECT_TRUE(health.stuck[0]);
   EXPECT_FALSE(health.stuck[1]);
@@ -599,9 +589,8 @@ TEST_F(FaultyVehicle, StopsWeakensAndStarvesRotors) {
       "{faults: [{at_s: 0.1, rotor: {number: 2, stop: true}}, "
       "{at_s: 0.2, for_s: 0.1, rotor: {number: 3, thrust_share: 0.6}}, "
       "{at_s: 0.2, voltage_share: 0.9}]}");
-  PropulsionHealth health;
-  const auto listening = harness_.bus.subscribe<PropulsionHealth>(
-      "iris0/propulsion_health", [&](const PropulsionHealth& h) { health = h; });
+  const test::Heard<PropulsionHealth> heard(harness_, "propulsion_health");
+  const PropulsionHealth& health = heard.newest;
   run(milliseconds(150));
   EXPECT_TRUE(health.speed_share.head<4>().isApprox(Vector4d(1, 0, 1, 1)));
   EXPECT_TRUE(health.thrust_share.head<4>().isApprox(Vector4d::Ones()));
@@ -638,22 +627,15 @@ TEST_F(FaultyVehicle, AsksTheWindForAGust) {
 TEST_F(FaultyVehicle, WarnsOfAGustWithoutWind) {
   start("{faults: [{at_s: 0.1, gust: {amplitude_m_s: [3, 0, 0], length_m: 2}}]}");
   run(milliseconds(1));
-  EXPECT_NE(plugin_->stats_json().find(R"("warnings":["plugin fault: a fault starts a gust)"),
-            std::string::npos)
-      << plugin_->stats_json();
+  EXPECT_THAT(plugin_->stats_json(),
+              HasSubstr(R"("warnings":["plugin fault: a fault starts a gust)"));
 }
 
 TEST_F(FaultyVehicle, TakesFaultsByHandAndForgetsThemAtAReset) {
-  const auto orders = harness_.bus.advertise<FaultOrder>("iris0/fault_order");
-  const auto order = [&orders](const std::string& script) {
-    FaultOrder message;
-    std::ranges::copy(script, message.script.begin());
-    orders.publish(message);
-  };
+  const auto order = orders("fault_order");
   start("{by_hand: true}");
-  PropulsionHealth health;
-  const auto listening = harness_.bus.subscribe<PropulsionHealth>(
-      "iris0/propulsion_health", [&](const PropulsionHealth& h) { health = h; });
+  const test::Heard<PropulsionHealth> heard(harness_, "propulsion_health");
+  const PropulsionHealth& health = heard.newest;
   run(milliseconds(50));
   EXPECT_TRUE(health.thrust_share.isOnes());
   order("{name: weak, at_s: 0, for_s: 0.05, rotor: {number: 3, thrust_share: 0.6}}");
@@ -672,16 +654,10 @@ TEST_F(FaultyVehicle, TakesFaultsByHandAndForgetsThemAtAReset) {
 }
 
 TEST_F(FaultyVehicle, EndsWhatWasOrderedByItsName) {
-  const auto orders = harness_.bus.advertise<FaultOrder>("iris0/station_fault_order");
-  const auto order = [&orders](const std::string& script) {
-    FaultOrder message;
-    std::ranges::copy(script, message.script.begin());
-    orders.publish(message);
-  };
+  const auto order = orders("station_fault_order");
   start("{by_hand: true, faults: [{name: weak, at_s: 0, rotor: {number: 1, thrust_share: 0.8}}]}");
-  PropulsionHealth health;
-  const auto listening = harness_.bus.subscribe<PropulsionHealth>(
-      "iris0/propulsion_health", [&](const PropulsionHealth& h) { health = h; });
+  const test::Heard<PropulsionHealth> heard(harness_, "propulsion_health");
+  const PropulsionHealth& health = heard.newest;
   order("{name: weak, at_s: 0, rotor: {number: 3, thrust_share: 0.6}}");
   order("{name: weaker, at_s: 0, rotor: {number: 2, thrust_share: 0.5}}");
   run(milliseconds(20));

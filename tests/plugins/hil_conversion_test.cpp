@@ -24,10 +24,9 @@ std::uint32_t bits(const mv::HilSensor& packet) {
 }
 
 TEST(HilSensor, CarriesSpecificForceAndRatesInForwardRightDown) {
-  ImuSample sample;
-  sample.time = base::SimTime(std::chrono::milliseconds(1234));
-  sample.specific_force_B = {1, 2, 9.80665};
-  sample.angular_rate_B = {0.1, 0.2, 0.3};
+  ImuSample sample{.time = base::SimTime(std::chrono::milliseconds(1234)),
+                   .specific_force_B = {1, 2, 9.80665},
+                   .angular_rate_B = {0.1, 0.2, 0.3}};
   mv::HilSensor packet;
   fill(packet, sample);
   EXPECT_EQ(packet.time_usec, 1234000U);
@@ -66,14 +65,12 @@ TEST(HilSensor, CarriesPressureInHectopascal) {
 }
 
 GpsSample home_sample() {
-  GpsSample sample;
-  sample.time = base::SimTime(std::chrono::milliseconds(200));
-  sample.position = {47.397742, 8.545594, 488.1234};
-  sample.velocity_N = {3, -4, 1.234};
-  sample.eph_m = 0.42;
-  sample.epv_m = 0.3;
-  sample.satellites = 10;
-  return sample;
+  return {.time = base::SimTime(std::chrono::milliseconds(200)),
+          .satellites = 10,
+          .position = {47.397742, 8.545594, 488.1234},
+          .velocity_N = {3, -4, 1.234},
+          .eph_m = 0.42,
+          .epv_m = 0.3};
 }
 
 TEST(HilGps, CarriesDegE7MillimetresAndCentimetresPerSecond) {
@@ -182,29 +179,26 @@ struct NoSolution {
   void (*spoil)(GpsSample&);
 };
 
-class HilGpsWithout : public testing::TestWithParam<NoSolution> {};
-
-TEST_P(HilGpsWithout, ASolutionHasNoFix) {
-  GpsSample sample;
-  sample.fix_type = 3;
-  sample.satellites = 12;
-  sample.position = {47.4, 8.5, 488};
-  GetParam().spoil(sample);
-  const mv::HilGps packet = to_hil_gps(sample);
-  EXPECT_EQ(static_cast<int>(packet.fix_type), 1);
-  EXPECT_EQ(packet.lat, 0);
-  EXPECT_EQ(packet.alt, 0);
-  EXPECT_EQ(packet.vn, 0);
-  EXPECT_EQ(packet.vel, 65535);
-  EXPECT_EQ(packet.cog, 65535);
+TEST(HilGpsWithout, ASolutionHasNoFix) {
+  const NoSolution rows[] = {{"Latitude", [](GpsSample& s) { s.position.lat_deg = kNan; }},
+                             {"Altitude", [](GpsSample& s) { s.position.alt_m = kInfinity; }},
+                             {"Velocity", [](GpsSample& s) { s.velocity_N.y() = kNan; }}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    GpsSample sample;
+    sample.fix_type = 3;
+    sample.satellites = 12;
+    sample.position = {47.4, 8.5, 488};
+    row.spoil(sample);
+    const mv::HilGps packet = to_hil_gps(sample);
+    EXPECT_EQ(static_cast<int>(packet.fix_type), 1);
+    EXPECT_EQ(packet.lat, 0);
+    EXPECT_EQ(packet.alt, 0);
+    EXPECT_EQ(packet.vn, 0);
+    EXPECT_EQ(packet.vel, 65535);
+    EXPECT_EQ(packet.cog, 65535);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    All, HilGpsWithout,
-    testing::Values(NoSolution{"Latitude", [](GpsSample& s) { s.position.lat_deg = kNan; }},
-                    NoSolution{"Altitude", [](GpsSample& s) { s.position.alt_m = kInfinity; }},
-                    NoSolution{"Velocity", [](GpsSample& s) { s.velocity_N.y() = kNan; }}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(HilGps, AccuracyThatIsNotANumberIsUnknown) {
   GpsSample sample;
@@ -236,12 +230,11 @@ TEST(DistanceSensor, AReadingBeyondItsFieldIsInvalid) {
 }
 
 TEST(DistanceSensor, CarriesCentimetresDownwards) {
-  RangeSample sample;
-  sample.time = base::SimTime(std::chrono::milliseconds(1234));
-  sample.distance_m = 2.345;
-  sample.min_m = 0.2;
-  sample.max_m = 20;
-  sample.valid = true;
+  RangeSample sample{.time = base::SimTime(std::chrono::milliseconds(1234)),
+                     .distance_m = 2.345,
+                     .min_m = 0.2,
+                     .max_m = 20,
+                     .valid = true};
   const mv::DistanceSensor packet = to_distance_sensor(sample);
   EXPECT_EQ(packet.time_boot_ms, 1234U);
   EXPECT_EQ(packet.current_distance, 235);
@@ -317,12 +310,11 @@ TEST(SimulatorHeartbeat, IsAGenericSystemWithoutAutopilot) {
 TEST(HilControls, ScalesRollPitchYawThrottleToU2U3U4U1) {
   const base::ControlScales scales{
       .u1_max_n = 28, .u2_max_nm = 3, .u3_max_nm = 2, .u4_max_nm = 0.8};
-  mv::HilControls packet;
-  packet.time_usec = 5000;
-  packet.roll_ailerons = 0.5F;
-  packet.pitch_elevator = -0.25F;
-  packet.yaw_rudder = 0.125F;
-  packet.throttle = 0.75F;
+  mv::HilControls packet{.time_usec = 5000,
+                         .roll_ailerons = 0.5F,
+                         .pitch_elevator = -0.25F,
+                         .yaw_rudder = 0.125F,
+                         .throttle = 0.75F};
   packet.mode = static_cast<decltype(packet.mode)>(128 + 32);
   const MotorCommand command = to_motor_command(packet, scales);
   EXPECT_EQ(command.kind, MotorCommand::Kind::kControlInputs);
@@ -333,11 +325,10 @@ TEST(HilControls, ScalesRollPitchYawThrottleToU2U3U4U1) {
 
 TEST(HilControls, HoldsFieldsToTheirRangesAndIsDisarmedWithoutTheBit) {
   const base::ControlScales scales{.u1_max_n = 1, .u2_max_nm = 1, .u3_max_nm = 1, .u4_max_nm = 1};
-  mv::HilControls packet;
-  packet.roll_ailerons = 2;
-  packet.pitch_elevator = -3;
-  packet.yaw_rudder = std::numeric_limits<float>::quiet_NaN();
-  packet.throttle = -0.5F;
+  mv::HilControls packet{.roll_ailerons = 2,
+                         .pitch_elevator = -3,
+                         .yaw_rudder = std::numeric_limits<float>::quiet_NaN(),
+                         .throttle = -0.5F};
   packet.mode = static_cast<decltype(packet.mode)>(32);
   const MotorCommand command = to_motor_command(packet, scales);
   EXPECT_FALSE(command.armed);
@@ -345,8 +336,7 @@ TEST(HilControls, HoldsFieldsToTheirRangesAndIsDisarmedWithoutTheBit) {
 }
 
 TEST(HilActuatorControls, AreSixteenOutputsHeldToTheirRange) {
-  mv::HilActuatorControls packet;
-  packet.controls = {0.7F, -0.1F, 1.5F, 0.2F, -3.0F, 0.6F};
+  mv::HilActuatorControls packet{.controls = {0.7F, -0.1F, 1.5F, 0.2F, -3.0F, 0.6F}};
   packet.controls[15] = 0.9F;
   packet.mode = static_cast<decltype(packet.mode)>(181);
   const MotorCommand armed = to_motor_command(packet);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <string>
 #include <vector>
 
 #include "plugins/mavlink_interface/hil_conversion.hpp"
@@ -23,17 +22,11 @@ using test::RecordingPort;
 using test::updated;
 
 HilInterfaceParams interface_params() {
-  HilInterfaceParams params;
-  params.scales = {.u1_max_n = 20, .u2_max_nm = 2, .u3_max_nm = 2, .u4_max_nm = 1};
-  params.actuator_timeout = milliseconds(500);
-  return params;
+  return {.scales = {.u1_max_n = 20, .u2_max_nm = 2, .u3_max_nm = 2, .u4_max_nm = 1},
+          .actuator_timeout = milliseconds(500)};
 }
 
-ImuSample imu_at(int ms) {
-  ImuSample sample;
-  sample.time = at_ms(ms);
-  return sample;
-}
+ImuSample imu_at(int ms) { return {.time = at_ms(ms)}; }
 
 GpsSample fix_at(int ms) {
   GpsSample sample;
@@ -41,15 +34,24 @@ GpsSample fix_at(int ms) {
   return sample;
 }
 
-TEST(HilInterface, FlagsOnlyWhatIsNew) {
+class HilInterfaceTest : public testing::Test {
+ protected:
+  /// The IMU has one, and it is sent.
+  void sample(int ms) {
+    interface.on_imu(imu_at(ms));
+    interface.flush(at_ms(ms));
+  }
+
   RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+  HilInterface interface = HilInterface(interface_params(), port, nullptr);
+};
+
+TEST_F(HilInterfaceTest, FlagsOnlyWhatIsNew) {
   interface.on_imu(imu_at(2));
   interface.on_magnetometer({at_ms(2), {0.2, 0, -0.4}});
   interface.on_barometer({at_ms(2), 95600, 12});
   interface.flush(at_ms(2));
-  interface.on_imu(imu_at(4));
-  interface.flush(at_ms(4));
+  sample(4);
   ASSERT_EQ(port.sensors.size(), 2U);
   EXPECT_EQ(updated(port.sensors[0]), 0x1BFFU);
   EXPECT_EQ(updated(port.sensors[1]), 0x003FU);
@@ -57,23 +59,18 @@ TEST(HilInterface, FlagsOnlyWhatIsNew) {
   EXPECT_EQ(port.sensors[1].time_usec, 4000U);
 }
 
-TEST(HilInterface, APitotTubeFillsDiffPressureWhenItHasASample) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+TEST_F(HilInterfaceTest, APitotTubeFillsDiffPressureWhenItHasASample) {
   interface.on_imu(imu_at(2));
   interface.on_airspeed({at_ms(2), 250});
   interface.flush(at_ms(2));
-  interface.on_imu(imu_at(4));
-  interface.flush(at_ms(4));
+  sample(4);
   ASSERT_EQ(port.sensors.size(), 2U);
   EXPECT_EQ(updated(port.sensors[0]), 0x043FU);
   EXPECT_FLOAT_EQ(port.sensors[0].diff_pressure, 2.5F);  // hPa
   EXPECT_EQ(updated(port.sensors[1]), 0x003FU);
 }
 
-TEST(HilInterface, EachSensorOfAKindHasAnIdAndOnlyItsOwnBits) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+TEST_F(HilInterfaceTest, EachSensorOfAKindHasAnIdAndOnlyItsOwnBits) {
   interface.on_imu(imu_at(2));
   interface.on_imu(imu_at(2), 1);
   interface.on_magnetometer({at_ms(2), {0.2, 0, -0.4}}, 1);
@@ -95,9 +92,7 @@ TEST(HilInterface, EachSensorOfAKindHasAnIdAndOnlyItsOwnBits) {
   EXPECT_EQ(port.fixes[1].id, 1);
 }
 
-TEST(HilInterface, TheClockGoesOnWithoutTheFirstImuWhileAnotherSpeaks) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+TEST_F(HilInterfaceTest, TheClockGoesOnWithoutTheFirstImuWhileAnotherSpeaks) {
   interface.on_imu(imu_at(4), 1);
   interface.flush(at_ms(4));
   ASSERT_EQ(port.sensors.size(), 2U);
@@ -157,62 +152,53 @@ TEST(HilInterface, Px4GetsTheClockBeforeTheSensorsThatItStampsByIt) {
   EXPECT_EQ(port.sensors[1].id, 1);
 }
 
-struct TruthCase {
-  const char* name;
-  bool in_software;
-  float interval_us;
-  int expected;  // packets in a second of 250 HIL_SENSORs
-};
-
-class TruthOnRequest : public testing::TestWithParam<TruthCase> {};
-
-TEST_P(TruthOnRequest, ComesAtItsRateBeforeASensorPacket) {
-  const TruthCase& asked = GetParam();
-  RecordingPort port;
-  HilInterfaceParams params = interface_params();
-  params.joins_by_answering = asked.in_software;
-  HilInterface interface(params, port, nullptr);
-  mv::CommandLong request;
-  request.command = mv::MavCmd::kSetMessageInterval;
-  request.param1 = mv::HilStateQuaternion::kId;
-  request.param2 = asked.interval_us;
-  port.put(request);
-  interface.receive();
-  for (int ms = 1; ms <= 1000; ++ms) {
-    if (ms % 4 == 0) interface.on_imu(imu_at(ms));
-    if (interface.truth_due(at_ms(ms))) interface.on_truth({});
-    interface.flush(at_ms(ms));
-  }
-  EXPECT_EQ(std::ranges::count(port.ids, mv::HilStateQuaternion::kId), asked.expected);
-  for (std::size_t i = 0; i < port.ids.size(); ++i) {
-    if (port.ids[i] != mv::HilStateQuaternion::kId) continue;
-    EXPECT_EQ(port.ids.at(i + 1), mv::HilSensor::kId);
+TEST(TruthOnRequest, ComesAtItsRateBeforeASensorPacket) {
+  struct TruthCase {
+    const char* name;
+    bool in_software;
+    float interval_us;
+    int expected;  // packets in a second of 250 HIL_SENSORs
+  };
+  const TruthCase rows[] = {{"OfPx4", true, 5000, 200},
+                            {"Usual", true, 0, 50},
+                            {"Never", true, -1, 0},
+                            {"OncePerSample", true, 1, 250},
+                            {"NotANumber", true, std::numeric_limits<float>::quiet_NaN(), 0},
+                            {"NotInHitl", false, 5000, 0}};
+  for (const auto& asked : rows) {
+    SCOPED_TRACE(asked.name);
+    RecordingPort port;
+    HilInterfaceParams params = interface_params();
+    params.joins_by_answering = asked.in_software;
+    HilInterface interface(params, port, nullptr);
+    mv::CommandLong request{.command = mv::MavCmd::kSetMessageInterval,
+                            .param1 = mv::HilStateQuaternion::kId,
+                            .param2 = asked.interval_us};
+    port.put(request);
+    interface.receive();
+    for (int ms = 1; ms <= 1000; ++ms) {
+      if (ms % 4 == 0) interface.on_imu(imu_at(ms));
+      if (interface.truth_due(at_ms(ms))) interface.on_truth({});
+      interface.flush(at_ms(ms));
+    }
+    EXPECT_EQ(std::ranges::count(port.ids, mv::HilStateQuaternion::kId), asked.expected);
+    for (std::size_t i = 0; i < port.ids.size(); ++i) {
+      if (port.ids[i] != mv::HilStateQuaternion::kId) continue;
+      EXPECT_EQ(port.ids.at(i + 1), mv::HilSensor::kId);
+    }
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Intervals, TruthOnRequest,
-    testing::Values(TruthCase{"OfPx4", true, 5000, 200}, TruthCase{"Usual", true, 0, 50},
-                    TruthCase{"Never", true, -1, 0}, TruthCase{"OncePerSample", true, 1, 250},
-                    TruthCase{"NotANumber", true, std::numeric_limits<float>::quiet_NaN(), 0},
-                    TruthCase{"NotInHitl", false, 5000, 0}),
-    [](const auto& test) { return test.param.name; });
-
-TEST(HilInterface, SendsEachSampleOfTheBatteryOnceAheadOfTheSensors) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+TEST_F(HilInterfaceTest, SendsEachSampleOfTheBatteryOnceAheadOfTheSensors) {
   interface.on_imu(imu_at(2));
   interface.on_battery({.time = at_ms(2), .voltage_v = 12});
   interface.flush(at_ms(2));
-  interface.on_imu(imu_at(4));
-  interface.flush(at_ms(4));
+  sample(4);
   EXPECT_EQ(port.ids, (std::vector<std::uint32_t>{mv::Heartbeat::kId, mv::BatteryStatus::kId,
                                                   mv::HilSensor::kId, mv::HilSensor::kId}));
 }
 
-TEST(HilInterface, SendsTelemetryOfSpeedControllersByFours) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+TEST_F(HilInterfaceTest, SendsTelemetryOfSpeedControllersByFours) {
   EscSample sample{.time = at_ms(1000), .voltage_v = 14.5};
   sample.omega_rad_s = base::RotorVector::LinSpaced(6, 0, 500);
   sample.current_a = base::RotorVector::LinSpaced(6, 0, 5);
@@ -239,17 +225,13 @@ TEST(HilInterface, SendsTelemetryOfSpeedControllersByFours) {
   EXPECT_EQ(about.counter, 7);
 }
 
-TEST(HilInterface, SendsNothingWithoutANewSample) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+TEST_F(HilInterfaceTest, SendsNothingWithoutANewSample) {
   interface.flush(at_ms(1));
   interface.flush(at_ms(2));
   EXPECT_EQ(port.ids, std::vector<std::uint32_t>{mv::Heartbeat::kId});
 }
 
-TEST(HilInterface, SendsTheFixBeforeTheSensorsOfTheSameMoment) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+TEST_F(HilInterfaceTest, SendsTheFixBeforeTheSensorsOfTheSameMoment) {
   interface.on_imu(imu_at(200));
   interface.on_gps(fix_at(200));
   interface.flush(at_ms(200));
@@ -257,25 +239,18 @@ TEST(HilInterface, SendsTheFixBeforeTheSensorsOfTheSameMoment) {
   EXPECT_EQ(port.source, (mav::Source{1, 200}));
 }
 
-TEST(HilInterface, BeatsOncePerSecond) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+TEST_F(HilInterfaceTest, BeatsOncePerSecond) {
   for (int ms = 1; ms <= 10000; ++ms) interface.flush(at_ms(ms));
   EXPECT_EQ(interface.sent().of(mv::Heartbeat::kId), 11U);  // one at once, then each second
 }
 
-TEST(HilInterface, CountsOnlyWhatThePortTook) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+TEST_F(HilInterfaceTest, CountsOnlyWhatThePortTook) {
   port.refuses = true;
-  interface.on_imu(imu_at(2));
-  interface.flush(at_ms(2));
+  sample(2);
   EXPECT_EQ(interface.sent().of(mv::HilSensor::kId), 0U);
 }
 
-TEST(HilInterface, TakesTheNewestCommandOnce) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+TEST_F(HilInterfaceTest, TakesTheNewestCommandOnce) {
   port.put(controls_for(2, 0.25F));
   port.put(controls_for(4, 0.5F));
   interface.receive();
@@ -286,9 +261,7 @@ TEST(HilInterface, TakesTheNewestCommandOnce) {
   EXPECT_EQ(interface.received().of(mv::HilControls::kId), 2U);
 }
 
-TEST(HilInterface, TakesActuatorControlsToo) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+TEST_F(HilInterfaceTest, TakesActuatorControlsToo) {
   mv::HilActuatorControls outputs;
   outputs.controls[2] = 0.5F;
   outputs.mode = static_cast<decltype(outputs.mode)>(129);
@@ -300,9 +273,7 @@ TEST(HilInterface, TakesActuatorControlsToo) {
   EXPECT_TRUE(command->armed);
 }
 
-TEST(HilInterface, StopsTheRotorsWhenTheStreamDies) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+TEST_F(HilInterfaceTest, StopsTheRotorsWhenTheStreamDies) {
   EXPECT_FALSE(interface.take_command(at_ms(10000)));  // never a stream: nothing to lose
   port.put(controls_for(2));
   interface.receive();
@@ -316,14 +287,11 @@ TEST(HilInterface, StopsTheRotorsWhenTheStreamDies) {
   EXPECT_EQ(interface.actuator_timeouts(), 1U);
 }
 
-TEST(HilInterface, WaitsForTheAnswersThatAreDue) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+TEST_F(HilInterfaceTest, WaitsForTheAnswersThatAreDue) {
   // 400 Hz on 500 Hz: floor(t * 400) advances at 4, 6, 8, 10, not at 2, 12, ...
   std::vector<int> due;
   for (int ms = 2; ms <= 20; ms += 2) {
-    interface.on_imu(imu_at(ms));
-    interface.flush(at_ms(ms));
+    sample(ms);
     if (!interface.answered()) due.push_back(ms);
     port.put(controls_for(ms));
     interface.receive();
@@ -332,12 +300,9 @@ TEST(HilInterface, WaitsForTheAnswersThatAreDue) {
   EXPECT_EQ(due, (std::vector<int>{4, 6, 8, 10, 14, 16, 18, 20}));
 }
 
-TEST(HilInterface, IsSettledWhenTheLastPacketSentHasBeenAnswered) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+TEST_F(HilInterfaceTest, IsSettledWhenTheLastPacketSentHasBeenAnswered) {
   EXPECT_TRUE(interface.settled()) << "nothing was sent";
-  interface.on_imu(imu_at(4));
-  interface.flush(at_ms(4));
+  sample(4);
   EXPECT_FALSE(interface.settled());
   port.put(controls_for(4));
   interface.receive();
@@ -345,8 +310,7 @@ TEST(HilInterface, IsSettledWhenTheLastPacketSentHasBeenAnswered) {
   interface.on_gps(fix_at(5));
   interface.flush(at_ms(5));
   EXPECT_FALSE(interface.settled()) << "a fix is not answered";
-  interface.on_imu(imu_at(6));
-  interface.flush(at_ms(6));
+  sample(6);
   port.put(controls_for(4));
   interface.receive();
   EXPECT_FALSE(interface.settled()) << "an old answer";
@@ -355,11 +319,8 @@ TEST(HilInterface, IsSettledWhenTheLastPacketSentHasBeenAnswered) {
   EXPECT_TRUE(interface.settled());
 }
 
-TEST(HilInterface, AnAnswerToWhatWasNeverSentIsNone) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
-  interface.on_imu(imu_at(4));
-  interface.flush(at_ms(4));
+TEST_F(HilInterfaceTest, AnAnswerToWhatWasNeverSentIsNone) {
+  sample(4);
   port.put(controls_for(900));
   interface.receive();
   EXPECT_FALSE(interface.answered());
@@ -383,9 +344,7 @@ TEST(HilInterface, KeepsALedgerOfHilPackets) {
   EXPECT_EQ(ledger.entries()[2].at_ns, 100'000'000'000);
 }
 
-TEST(HilInterface, CountsDamageAndGapsInTheSequence) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+TEST_F(HilInterfaceTest, CountsDamageAndGapsInTheSequence) {
   port.put(controls_for(2));
   port.put(controls_for(4));
   port.put(controls_for(6));
@@ -401,9 +360,7 @@ TEST(HilInterface, CountsDamageAndGapsInTheSequence) {
 /// Heights rise by 100 m a degree to the north and 10 m to the east.
 double slope_m(double lat_deg, double lon_deg) { return 100 * lat_deg + 10 * lon_deg; }
 
-TEST(HilInterface, AnswersARequestForTerrainGridByGrid) {
-  RecordingPort port;
-  HilInterface interface(interface_params(), port, nullptr);
+TEST_F(HilInterfaceTest, AnswersARequestForTerrainGridByGrid) {
   std::vector<mv::TerrainData> grids;
   std::vector<int> at;
   const auto step = [&](int ms) {

@@ -45,8 +45,7 @@ TEST(Imu, AccelerometerReadsPlusOneGUpwardsAtRest) {
 }
 
 TEST(Imu, AccelerometerReadsZeroInFreeFall) {
-  BodyState state;
-  state.a_WB = kGravityW;
+  BodyState state{.a_WB = kGravityW};
   EXPECT_NEAR(one_sample(quiet_params(), state).specific_force_B.norm(), 0, kQuiet);
 }
 
@@ -156,8 +155,7 @@ TEST(Imu, ClipsAtItsRangeAndRoundsToItsResolution) {
   ImuParams params = quiet_params();
   params.gyro.range = 10;
   params.gyro.lsb = 0.25;
-  BodyState state;
-  state.w_WB_B = {20, -20, 1.3};
+  BodyState state{.w_WB_B = {20, -20, 1.3}};
   EXPECT_TRUE(one_sample(params, state).angular_rate_B.isApprox(Vector3d{10, -10, 1.25}, kQuiet));
 }
 
@@ -235,73 +233,55 @@ TEST(Imu, DensityBecomesADeviationOfDensityTimesRootRate) {
   EXPECT_NEAR(params.accel.stddev.x(), 0.1, 1e-12);
 }
 
-struct RefusedCase {
-  const char* name;
-  const char* yaml;
-  const char* says;
-};
-
-class ImuRefuses : public testing::TestWithParam<RefusedCase> {};
-
-TEST_P(ImuRefuses, WithASentenceThatNamesTheKey) {
-  const std::string said =
-      test::refusal([] { parse_imu_params(base::ConfigNode::parse(GetParam().yaml), 1e-3); });
-  EXPECT_NE(said.find(GetParam().says), std::string::npos) << said;
+TEST(ImuRefuses, WithASentenceThatNamesTheKey) {
+  struct RefusedCase {
+    const char* yaml;
+    const char* says;
+  };
+  const RefusedCase rows[] = {
+      {"{rate_hz: 500, gyro_stddev_deg_s: 1, gyro_density_deg_s_per_sqrt_hz: 1, "
+       "accel_stddev_m_s2: 1}",
+       "gyro_density_deg_s_per_sqrt_hz"},
+      {"{rate_hz: 500, gyro_stddev_deg_s: 1}", "accel_stddev_m_s2"},
+      {"{rate_hz: 500, gyro_stddev_deg_s: [1, 0, 1], accel_stddev_m_s2: 1}", "stale"},
+      {"{rate_hz: 2000, gyro_stddev_deg_s: 1, accel_stddev_m_s2: 1}", "rate_hz"},
+      {"{rate_hz: 500, gyro_stddev_deg_s: 1, accel_stddev_m_s2: 1, accel_vibration_m_s2: 1}",
+       "vibration_reference_rad_s"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.yaml);
+    const std::string said =
+        test::refusal([&] { parse_imu_params(base::ConfigNode::parse(row.yaml), 1e-3); });
+    EXPECT_NE(said.find(row.says), std::string::npos) << said;
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Parameters, ImuRefuses,
-    testing::Values(
-        RefusedCase{"BothFigures",
-                    "{rate_hz: 500, gyro_stddev_deg_s: 1, gyro_density_deg_s_per_sqrt_hz: 1, "
-                    "accel_stddev_m_s2: 1}",
-                    "gyro_density_deg_s_per_sqrt_hz"},
-        RefusedCase{"NoFigure", "{rate_hz: 500, gyro_stddev_deg_s: 1}", "accel_stddev_m_s2"},
-        RefusedCase{"ZeroNoise",
-                    "{rate_hz: 500, gyro_stddev_deg_s: [1, 0, 1], accel_stddev_m_s2: 1}", "stale"},
-        RefusedCase{"RateAboveTheStepsRate",
-                    "{rate_hz: 2000, gyro_stddev_deg_s: 1, accel_stddev_m_s2: 1}", "rate_hz"},
-        RefusedCase{"VibrationWithoutReference",
-                    "{rate_hz: 500, gyro_stddev_deg_s: 1, accel_stddev_m_s2: 1, "
-                    "accel_vibration_m_s2: 1}",
-                    "vibration_reference_rad_s"}),
-    [](const auto& test) { return test.param.name; });
 
 constexpr const char* kTable1 =
     "{rate_hz: 500, gyro_stddev_deg_s: [0.67, 0.78, 0.12], accel_stddev_m_s2: [0.04, 0.06, 0.07]}";
 
-struct RateCase {
-  const char* name;
-  double rate_hz;
-  int step_us;
-  std::size_t in_ten_seconds;
-};
-
-class ImuRate : public testing::TestWithParam<RateCase> {};
-
-TEST_P(ImuRate, IsExactInCount) {
-  const RateCase& rate = GetParam();
-  test::PluginHarness harness{std::chrono::microseconds(rate.step_us)};
-  harness.add("imu", "{rate_hz: " + std::to_string(rate.rate_hz) +
-                         ", gyro_stddev_deg_s: 1, accel_stddev_m_s2: 1}");
-  std::size_t count = 0;
-  const auto listening =
-      harness.bus.subscribe<ImuSample>("iris0/imu", [&](const ImuSample&) { ++count; });
-  harness.run(std::chrono::seconds(10));
-  EXPECT_EQ(count, rate.in_ten_seconds);
+TEST(ImuRate, IsExactInCount) {
+  struct RateCase {
+    const char* name;
+    double rate_hz;
+    int step_us;
+    std::size_t in_ten_seconds;
+  };
+  const RateCase rows[] = {{"Imu500HzAt1ms", 500, 1000, 5000},  {"Imu400HzAt1ms", 400, 1000, 4000},
+                           {"Imu250HzAt1ms", 250, 1000, 2500},  {"Imu250HzAt4ms", 250, 4000, 2500},
+                           {"Imu100HzAt4ms", 100, 4000, 1000},  {"Imu50HzAt4ms", 50, 4000, 500},
+                           {"Imu500HzAt500us", 500, 500, 5000}, {"Imu500HzAt2ms", 500, 2000, 5000},
+                           {"Imu333HzAt250us", 333, 250, 3330}};
+  for (const auto& rate : rows) {
+    SCOPED_TRACE(rate.name);
+    test::PluginHarness harness{std::chrono::microseconds(rate.step_us)};
+    harness.add("imu", "{rate_hz: " + std::to_string(rate.rate_hz) +
+                           ", gyro_stddev_deg_s: 1, accel_stddev_m_s2: 1}");
+    std::size_t count = 0;
+    const auto listening =
+        harness.bus.subscribe<ImuSample>("iris0/imu", [&](const ImuSample&) { ++count; });
+    harness.run(std::chrono::seconds(10));
+    EXPECT_EQ(count, rate.in_ten_seconds);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(Grid, ImuRate,
-                         testing::Values(RateCase{"Imu500HzAt1ms", 500, 1000, 5000},
-                                         RateCase{"Imu400HzAt1ms", 400, 1000, 4000},
-                                         RateCase{"Imu250HzAt1ms", 250, 1000, 2500},
-                                         RateCase{"Imu250HzAt4ms", 250, 4000, 2500},
-                                         RateCase{"Imu100HzAt4ms", 100, 4000, 1000},
-                                         RateCase{"Imu50HzAt4ms", 50, 4000, 500},
-                                         RateCase{"Imu500HzAt500us", 500, 500, 5000},
-                                         RateCase{"Imu500HzAt2ms", 500, 2000, 5000},
-                                         RateCase{"Imu333HzAt250us", 333, 250, 3330}),
-                         [](const auto& test) { return test.param.name; });
 
 TEST(ImuPlugin, ShakesOnlyWhileTheRotorsTurn) {
   test::PluginHarness harness;

@@ -30,53 +30,46 @@ Quaterniond turned(double degrees, const Vector3d& axis) {
   return Quaterniond(Eigen::AngleAxisd(degrees * base::kRadPerDeg, axis));
 }
 
-/// A vehicle and a beacon at the origin of W.
-struct SightCase {
-  const char* name;
-  Vector3d p_W;  // of the vehicle
-  Quaterniond q_WB;
-  double across_deg;  // to the right
-  double along_deg;   // to the back
-  double distance_m;
-};
-
-class Sight : public testing::TestWithParam<SightCase> {};
-
-TEST_P(Sight, HasAnglesToTheRightAndToTheBack) {
-  const SightCase& c = GetParam();
-  LandingTargetModel camera(quiet_camera(), 1);
-  BodyState vehicle;
-  vehicle.p_WB = c.p_W;
-  vehicle.q_WB = c.q_WB;
-  const Vector3d p_S = camera.from_eye_S(vehicle, Vector3d::Zero());
-  ASSERT_TRUE(camera.in_view(p_S));
-  const LandingTargetSample sample = camera.sample({}, p_S, true);
-  EXPECT_NEAR(sample.angles_rad.x(), c.across_deg * base::kRadPerDeg, 1e-12);
-  EXPECT_NEAR(sample.angles_rad.y(), c.along_deg * base::kRadPerDeg, 1e-12);
-  ASSERT_TRUE(sample.distance_m);
-  EXPECT_NEAR(*sample.distance_m, c.distance_m, 1e-12);
-}
-
 const double kAt10Deg = 10 * std::tan(10 * base::kRadPerDeg);  // m off at 10 m of height
 const double kFrom10Deg = 10 / std::cos(10 * base::kRadPerDeg);
 
-INSTANTIATE_TEST_SUITE_P(
-    From10m, Sight,
-    testing::Values(
-        SightCase{"Below", {0, 0, 10}, Quaterniond::Identity(), 0, 0, 10},
-        // B's x is forward, y left: a vehicle to the left of the beacon sees it on the right.
-        SightCase{"OnTheRight", {0, kAt10Deg, 10}, Quaterniond::Identity(), 10, 0, kFrom10Deg},
-        SightCase{"Ahead", {-kAt10Deg, 0, 10}, Quaterniond::Identity(), 0, -10, kFrom10Deg},
-        SightCase{"AheadOfANoseToTheNorth",
-                  {0, -kAt10Deg, 10},
-                  turned(90, Vector3d::UnitZ()),
-                  0,
-                  -10,
-                  kFrom10Deg},
-        // With its nose down the camera looks to the back, and what is below is ahead of that.
-        SightCase{"NoseDown", {0, 0, 10}, turned(10, Vector3d::UnitY()), 0, -10, 10},
-        SightCase{"RollToTheRight", {0, 0, 10}, turned(10, Vector3d::UnitX()), 10, 0, 10}),
-    [](const auto& test) { return test.param.name; });
+TEST(Sight, HasAnglesToTheRightAndToTheBack) {
+  /// A vehicle and a beacon at the origin of W.
+  struct SightCase {
+    const char* name;
+    Vector3d p_W;  // of the vehicle
+    Quaterniond q_WB;
+    double across_deg;  // to the right
+    double along_deg;   // to the back
+    double distance_m;
+  };
+  const SightCase rows[] = {
+      {"Below", {0, 0, 10}, Quaterniond::Identity(), 0, 0, 10},
+      // B's x is forward, y left: a vehicle to the left of the beacon sees it on the right.
+      {"OnTheRight", {0, kAt10Deg, 10}, Quaterniond::Identity(), 10, 0, kFrom10Deg},
+      {"Ahead", {-kAt10Deg, 0, 10}, Quaterniond::Identity(), 0, -10, kFrom10Deg},
+      {"AheadOfANoseToTheNorth",
+       {0, -kAt10Deg, 10},
+       turned(90, Vector3d::UnitZ()),
+       0,
+       -10,
+       kFrom10Deg},
+      // With its nose down the camera looks to the back, and what is below is ahead of that.
+      {"NoseDown", {0, 0, 10}, turned(10, Vector3d::UnitY()), 0, -10, 10},
+      {"RollToTheRight", {0, 0, 10}, turned(10, Vector3d::UnitX()), 10, 0, 10}};
+  for (const auto& c : rows) {
+    SCOPED_TRACE(c.name);
+    LandingTargetModel camera(quiet_camera(), 1);
+    BodyState vehicle{.p_WB = c.p_W, .q_WB = c.q_WB};
+    const Vector3d p_S = camera.from_eye_S(vehicle, Vector3d::Zero());
+    ASSERT_TRUE(camera.in_view(p_S));
+    const LandingTargetSample sample = camera.sample({}, p_S, true);
+    EXPECT_NEAR(sample.angles_rad.x(), c.across_deg * base::kRadPerDeg, 1e-12);
+    EXPECT_NEAR(sample.angles_rad.y(), c.along_deg * base::kRadPerDeg, 1e-12);
+    ASSERT_TRUE(sample.distance_m);
+    EXPECT_NEAR(*sample.distance_m, c.distance_m, 1e-12);
+  }
+}
 
 TEST(LandingTarget, SeesWhatIsInThePictureAndInRange) {
   LandingTargetParams params = quiet_camera();
@@ -100,8 +93,7 @@ TEST(LandingTarget, CaseAndPlaceOfTheCameraCount) {
   params.position_B_m = {0.2, -0.1, -0.05};
   params.q_BS = turned(90, Vector3d::UnitZ());  // its x to the left of the vehicle
   const LandingTargetModel camera(params, 1);
-  BodyState vehicle;
-  vehicle.p_WB = {0, 0, 3.05};
+  BodyState vehicle{.p_WB = {0, 0, 3.05}};
   const Vector3d p_S = camera.from_eye_S(vehicle, {1.2, -0.1, 0});  // 1 m ahead of the camera
   EXPECT_TRUE(p_S.isApprox(Vector3d(0, -1, -3), 1e-12)) << p_S.transpose();
 }
@@ -125,8 +117,7 @@ TEST(LandingTarget, NoiseHasItsDeviations) {
 }
 
 constexpr const char* kCameraKeys =
-    "beacon: pad, rate_hz: 50, max_m: 20, view_across_deg: 60, "
-    "view_along_deg: 40, stddev_deg: 0.1";
+    "beacon: pad, rate_hz: 50, max_m: 20, view_across_deg: 60, view_along_deg: 40, stddev_deg: 0.1";
 
 /// The plugin above a beacon that the test places; the ground is the plane z = 0.
 class LandingTargetPlugin : public testing::Test {

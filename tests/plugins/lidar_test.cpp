@@ -85,9 +85,7 @@ using Motion = std::function<BodyState(double)>;
 
 Motion resting(const Vector3d& p_WB, const Quaterniond& q_WB = Quaterniond::Identity()) {
   return [=](double) {
-    BodyState state;
-    state.p_WB = p_WB;
-    state.q_WB = q_WB;
+    BodyState state{.p_WB = p_WB, .q_WB = q_WB};
     return state;
   };
 }
@@ -130,52 +128,43 @@ TEST(LidarPattern, OfTheOusterStaggersItsBeams) {
   EXPECT_NEAR(azimuth_deg(256 * 64), 3.164 - 90, 1e-9);
 }
 
-struct PatternCase {
-  const char* name;
-  const char* file;
-  const char* text;
-  const char* says;
-};
-
-class LidarPatternRefuses : public testing::TestWithParam<PatternCase> {};
-
-TEST_P(LidarPatternRefuses, WithFileAndLine) {
-  const auto& [name, file, text, says] = GetParam();
-  const cas::test::TemporaryFolder folder;
-  std::ofstream(folder.path() / file) << text;
-  EXPECT_THAT(cas::test::refusal([&] { load_lidar_pattern(folder.path() / file); }),
-              testing::HasSubstr(says));
+TEST(LidarPatternRefuses, WithFileAndLine) {
+  struct PatternCase {
+    const char* name;
+    const char* file;
+    const char* text;
+    const char* says;
+  };
+  const PatternCase rows[] = {
+      {"NoHeader", "a.csv", "0,0,0\n", "a.csv:1: the first line must be"},
+      {"TwoNumbers", "a.csv", "share,azimuth_deg,elevation_deg\n0,0\n", "a.csv:2: needs 3 numbers"},
+      {"SharesOutOfOrder", "a.csv", "share,azimuth_deg,elevation_deg\n0.5,0,0\n0.4,0,0\n",
+       "a.csv:3: a share is"},
+      {"Empty", "a.csv", "share,azimuth_deg,elevation_deg\n", "has no beam"},
+      {"SteepBeamOfACsv", "a.csv", "share,azimuth_deg,elevation_deg\n0,0,-91\n",
+       "a.csv:2: an elevation is from -90 to 90 degrees"},
+      {"FarTurn", "a.csv", "share,azimuth_deg,elevation_deg\n0,361,0\n",
+       "a.csv:2: an azimuth is from -360 to 360 degrees"},
+      {"PictureWithoutHeight", "a.yaml", "width: 4\nhorizontal_fov_deg: 60\n",
+       "key 'height' is missing"},
+      {"PictureTooLarge", "a.yaml", "width: 1001\nheight: 1000\nhorizontal_fov_deg: 60\n",
+       "has more than a million pixels"},
+      {"PictureOfHalfTheWorld", "a.yaml", "width: 4\nheight: 4\nhorizontal_fov_deg: 180\n",
+       "a.yaml:3: horizontal_fov_deg: 180 must lie in [1, 170]"},
+      {"NoColumns", "a.yaml", "elevations_deg: [0]\n", "columns"},
+      {"SteepBeam", "a.yaml", "columns: 4\nelevations_deg: [91]\n",
+       "a.yaml:2: elevations_deg: are from -90 to 90"},
+      {"TooFewOffsets", "a.yaml", "columns: 4\nelevations_deg: [0, 1]\nazimuth_offsets_deg: [1]\n",
+       "a.yaml:3: azimuth_offsets_deg: has one number for each elevation"},
+      {"UnknownKey", "a.yaml", "columns: 4\nelevations_deg: [0]\nhz: 3\n", "hz"}};
+  for (const auto& [name, file, text, says] : rows) {
+    SCOPED_TRACE(name);
+    const cas::test::TemporaryFolder folder;
+    std::ofstream(folder.path() / file) << text;
+    EXPECT_THAT(cas::test::refusal([&] { load_lidar_pattern(folder.path() / file); }),
+                testing::HasSubstr(says));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Files, LidarPatternRefuses,
-    testing::Values(
-        PatternCase{"NoHeader", "a.csv", "0,0,0\n", "a.csv:1: the first line must be"},
-        PatternCase{"TwoNumbers", "a.csv", "share,azimuth_deg,elevation_deg\n0,0\n",
-                    "a.csv:2: needs 3 numbers"},
-        PatternCase{"SharesOutOfOrder", "a.csv",
-                    "share,azimuth_deg,elevation_deg\n0.5,0,0\n0.4,0,0\n", "a.csv:3: a share is"},
-        PatternCase{"Empty", "a.csv", "share,azimuth_deg,elevation_deg\n", "has no beam"},
-        PatternCase{"SteepBeamOfACsv", "a.csv", "share,azimuth_deg,elevation_deg\n0,0,-91\n",
-                    "a.csv:2: an elevation is from -90 to 90 degrees"},
-        PatternCase{"FarTurn", "a.csv", "share,azimuth_deg,elevation_deg\n0,361,0\n",
-                    "a.csv:2: an azimuth is from -360 to 360 degrees"},
-        PatternCase{"PictureWithoutHeight", "a.yaml", "width: 4\nhorizontal_fov_deg: 60\n",
-                    "key 'height' is missing"},
-        PatternCase{"PictureTooLarge", "a.yaml",
-                    "width: 1001\nheight: 1000\nhorizontal_fov_deg: 60\n",
-                    "has more than a million pixels"},
-        PatternCase{"PictureOfHalfTheWorld", "a.yaml",
-                    "width: 4\nheight: 4\nhorizontal_fov_deg: 180\n",
-                    "a.yaml:3: horizontal_fov_deg: 180 must lie in [1, 170]"},
-        PatternCase{"NoColumns", "a.yaml", "elevations_deg: [0]\n", "columns"},
-        PatternCase{"SteepBeam", "a.yaml", "columns: 4\nelevations_deg: [91]\n",
-                    "a.yaml:2: elevations_deg: are from -90 to 90"},
-        PatternCase{"TooFewOffsets", "a.yaml",
-                    "columns: 4\nelevations_deg: [0, 1]\nazimuth_offsets_deg: [1]\n",
-                    "a.yaml:3: azimuth_offsets_deg: has one number for each elevation"},
-        PatternCase{"UnknownKey", "a.yaml", "columns: 4\nelevations_deg: [0]\nhz: 3\n", "hz"}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(Lidar, FiresEachBeamOfEachTurnOnce) {
   const auto world = world_of(box_room());
@@ -236,8 +225,7 @@ TEST(Lidar, FiresFromWhereTheMovingSensorIs) {
   const Vector3d v_W(12, 3, 0);
   constexpr double kTurning_rad_s = 1.5;
   const Motion flight = [&](double t) {
-    BodyState state;
-    state.p_WB = Vector3d(0, 0, 5) + t * v_W;
+    BodyState state{.p_WB = Vector3d(0, 0, 5) + t * v_W};
     state.q_WB = Eigen::AngleAxisd(kTurning_rad_s * t, Vector3d::UnitZ());
     return state;
   };
@@ -303,24 +291,18 @@ TEST(Lidar, ItsNoiseHasTheDeviationOfItsSheet) {
   EXPECT_EQ(scan(*world, noisy, motion, 0.1, 5).at(0).points[100].p_S, points[100].p_S);
 }
 
-struct SectorCase {
-  double azimuth_deg;
-  std::size_t sector;
-};
-
-class ObstacleSector : public testing::TestWithParam<SectorCase> {};
-
-TEST_P(ObstacleSector, IsAboutItsDirection) {
-  EXPECT_EQ(ObstacleSectors::sector_of(GetParam().azimuth_deg * base::kRadPerDeg),
-            GetParam().sector);
+TEST(ObstacleSector, IsAboutItsDirection) {
+  struct SectorCase {
+    double azimuth_deg;
+    std::size_t sector;
+  };
+  const SectorCase rows[] = {{0, 0},   {2.4, 0},  {2.6, 1},  {-2.4, 0},  {-2.6, 71},
+                             {90, 18}, {-90, 54}, {180, 36}, {357.6, 0}, {720 + 45, 9}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.azimuth_deg);
+    EXPECT_EQ(ObstacleSectors::sector_of(row.azimuth_deg * base::kRadPerDeg), row.sector);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(Azimuths, ObstacleSector,
-                         testing::Values(SectorCase{0, 0}, SectorCase{2.4, 0}, SectorCase{2.6, 1},
-                                         SectorCase{-2.4, 0}, SectorCase{-2.6, 71},
-                                         SectorCase{90, 18}, SectorCase{-90, 54},
-                                         SectorCase{180, 36}, SectorCase{357.6, 0},
-                                         SectorCase{720 + 45, 9}));
 
 TEST(ObstacleSectors, AreWhatMavlinkSays) {
   ObstacleSectors sectors;

@@ -62,8 +62,7 @@ TEST(MavlinkInterfacePlugin, TurnsControlsFromTheBusIntoAMotorCommand) {
       "iris0/motor_command", [&](const MotorCommand& command) { commands.push_back(command); });
   mav::Encoder encoder({1, 1});
   const auto bytes = encoder(controls_for(0, 1.0F));
-  WirePacket packet;
-  packet.size = bytes.size();
+  WirePacket packet{.size = bytes.size()};
   std::copy(bytes.begin(), bytes.end(), packet.bytes.begin());
   wire_in.publish(packet);
   harness.step();
@@ -73,11 +72,9 @@ TEST(MavlinkInterfacePlugin, TurnsControlsFromTheBusIntoAMotorCommand) {
 }
 
 mv::CommandLong truth_each(float interval_us) {
-  mv::CommandLong command;
-  command.command = mv::MavCmd::kSetMessageInterval;
-  command.param1 = mv::HilStateQuaternion::kId;
-  command.param2 = interval_us;
-  return command;
+  return {.command = mv::MavCmd::kSetMessageInterval,
+          .param1 = mv::HilStateQuaternion::kId,
+          .param2 = interval_us};
 }
 
 /// A socket of an aircraft in HITL that asks for the truth, and of a viewer beside it.

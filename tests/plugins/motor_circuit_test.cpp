@@ -46,41 +46,38 @@ struct Bench {
   Environment air;
 };
 
-struct TrimCase {
-  const char* name;
-  double speed_m_s, throttle, thrust_n, omega_rad_s;
-};
-
-class Aerosonde : public testing::TestWithParam<TrimCase> {};
-
 /// Trims of the book's set, from its algebraic motor: a w^2 + b w + c0 = 0.
-TEST_P(Aerosonde, SettlesAtTheSpeedAndThrustOfTheBook) {
-  constexpr double kFourDigits = 2e-4;  // the throttle has four
-  const TrimCase& trim = GetParam();
-  const base::Vehicle vehicle = aerosonde();
-  Bench bench(vehicle);
-  bench.body.v_WB = {trim.speed_m_s, 0, 0};
-  const double asked = vehicle.rotors[0].speed_at(trim.throttle);
-  bench.model.set_targets(base::RotorVector::Constant(1, asked));
-  const Wrench wrench = bench.run(3);
-  EXPECT_NEAR(bench.omega() / trim.omega_rad_s, 1, kFourDigits);
-  EXPECT_NEAR(wrench.force_B.x() / trim.thrust_n, 1, 2 * kFourDigits);
+TEST(Aerosonde, SettlesAtTheSpeedAndThrustOfTheBook) {
+  struct TrimCase {
+    const char* name;
+    double speed_m_s, throttle, thrust_n, omega_rad_s;
+  };
+  const TrimCase rows[] = {{"At20", 20, 0.6294, 7.618, 419.0},
+                           {"At25", 25, 0.7735, 10.330, 514.4},
+                           {"At30", 30, 0.9246, 14.195, 613.8}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    constexpr double kFourDigits = 2e-4;  // the throttle has four
+    const TrimCase& trim = row;
+    const base::Vehicle vehicle = aerosonde();
+    Bench bench(vehicle);
+    bench.body.v_WB = {trim.speed_m_s, 0, 0};
+    const double asked = vehicle.rotors[0].speed_at(trim.throttle);
+    bench.model.set_targets(base::RotorVector::Constant(1, asked));
+    const Wrench wrench = bench.run(3);
+    EXPECT_NEAR(bench.omega() / trim.omega_rad_s, 1, kFourDigits);
+    EXPECT_NEAR(wrench.force_B.x() / trim.thrust_n, 1, 2 * kFourDigits);
 
-  // The same by the book's quadratic, to the last digit.
-  const double d = 0.508, k = 60 / (2 * M_PI * 145), r = 0.042, v = trim.speed_m_s;
-  const double a = kBookDensity * std::pow(d, 5) * 0.00523 / (4 * M_PI * M_PI);
-  const double b = kBookDensity * std::pow(d, 4) * 0.00497 * v / (2 * M_PI) + k * k / r;
-  const double c0 =
-      kBookDensity * std::pow(d, 3) * -0.01664 * v * v - k * 44.4 * trim.throttle / r + k * 1.5;
-  const double omega = (-b + std::sqrt(b * b - 4 * a * c0)) / (2 * a);
-  EXPECT_NEAR(bench.omega() / omega, 1, 1e-9);
+    // The same by the book's quadratic, to the last digit.
+    const double d = 0.508, k = 60 / (2 * M_PI * 145), r = 0.042, v = trim.speed_m_s;
+    const double a = kBookDensity * std::pow(d, 5) * 0.00523 / (4 * M_PI * M_PI);
+    const double b = kBookDensity * std::pow(d, 4) * 0.00497 * v / (2 * M_PI) + k * k / r;
+    const double c0 =
+        kBookDensity * std::pow(d, 3) * -0.01664 * v * v - k * 44.4 * trim.throttle / r + k * 1.5;
+    const double omega = (-b + std::sqrt(b * b - 4 * a * c0)) / (2 * a);
+    EXPECT_NEAR(bench.omega() / omega, 1, 1e-9);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(Trims, Aerosonde,
-                         testing::Values(TrimCase{"At20", 20, 0.6294, 7.618, 419.0},
-                                         TrimCase{"At25", 25, 0.7735, 10.330, 514.4},
-                                         TrimCase{"At30", 30, 0.9246, 14.195, 613.8}),
-                         [](const auto& test) { return test.param.name; });
 
 /// J dw/dt = -(K i_0 + k_q w^2) without current: w = sqrt(a / b) tan(c - sqrt(a b) t) with a = K
 /// i_0 / J and b = k_q / J. With current again it comes back.
@@ -184,8 +181,7 @@ TEST(Rotors, ThrustAndTorqueFollowTheAdvanceRatio) {
   vehicle.rotors[0].params.inertia_kg_m2 = 0;
   vehicle.rotors[0].position_B_m = {0.2, 0.1, 0};
   RotorModel model(vehicle);
-  BodyState body;
-  body.v_WB = {18, 3, 0};
+  BodyState body{.v_WB = {18, 3, 0}};
   body.w_WB_B = {0, 0, 2};  // the hub, 0.1 m to the left, meets the air more slowly by 0.2 m/s
   Environment air;
   air.air_density_kg_m3 = 1.1;
@@ -427,8 +423,7 @@ TEST(MotorCircuit, IsIntegratedToAMicrometre) {
     forces.add(spring);
     forces.reset_states();
     std::fill_n(forces.states().begin(), 4, 480.0);  // the limit of the current is a kink
-    BodyState body;
-    body.v_WB = {2, 0, 3};
+    BodyState body{.v_WB = {2, 0, 3}};
     body.q_WB = Eigen::AngleAxisd(0.1, Vector3d::UnitY());
     Environment air;
     air.gravity_W = {0, 0, -9.80665};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <cmath>
 #include <limits>
@@ -17,6 +17,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector4d;
 using test::load_vehicle;
+using testing::HasSubstr;
 
 constexpr double kExact = 1e-9;
 
@@ -52,12 +53,20 @@ Result evaluate(const RotorModel& rotors, const Vector4d& omega, const BodyState
   return result;
 }
 
-MotorCommand control_inputs(double u1, double u2, double u3, double u4) {
+MotorCommand armed(MotorCommand::Kind kind, const Vector4d& values) {
   MotorCommand command;
   command.armed = true;
-  command.kind = MotorCommand::Kind::kControlInputs;
-  command.values = Eigen::Vector4d(u1, u2, u3, u4);
+  command.kind = kind;
+  command.values = values;
   return command;
+}
+
+MotorCommand control_inputs(double u1, double u2, double u3, double u4) {
+  return armed(MotorCommand::Kind::kControlInputs, {u1, u2, u3, u4});
+}
+
+MotorCommand motor_outputs(const Vector4d& values) {
+  return armed(MotorCommand::Kind::kMotorOutputs, values);
 }
 
 TEST(MotorMixer, InvertsEquation3) {
@@ -79,10 +88,7 @@ TEST(MotorMixer, HoldsSpeedsBetweenIdleAndMaximum) {
 
 TEST(MotorMixer, MotorOutputsFollowTheLawOfPx4sIris) {
   const MotorMixer mixer(load_vehicle("iris_px4"));
-  MotorCommand command;
-  command.kind = MotorCommand::Kind::kMotorOutputs;
-  command.armed = true;
-  command.values = Eigen::Vector4d(0.0, 0.705, 1.0, 1.7);
+  MotorCommand command = motor_outputs({0.0, 0.705, 1.0, 1.7});
   EXPECT_TRUE(mixer.targets(command).isApprox(Vector4d(100, 805, 1100, 1100), kExact));
   command.values = Eigen::Vector4d(-0.1, -0.1, -1.2, 0.0);
   EXPECT_TRUE(mixer.targets(command).isApprox(Vector4d::Constant(100), kExact));
@@ -97,11 +103,8 @@ TEST(MotorMixer, StopsRotorsWhenDisarmed) {
 
 TEST(MotorMixer, TakesWhatIsNoNumberForZero) {
   const MotorMixer mixer(load_vehicle("iris_px4"));
-  MotorCommand command;
-  command.kind = MotorCommand::Kind::kMotorOutputs;
-  command.armed = true;
-  command.values = Vector4d::Constant(std::numeric_limits<double>::quiet_NaN());
-  EXPECT_TRUE(mixer.targets(command).isApprox(Vector4d::Constant(100)));
+  const Vector4d no_numbers = Vector4d::Constant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_TRUE(mixer.targets(motor_outputs(no_numbers)).isApprox(Vector4d::Constant(100)));
 }
 
 TEST(RotorModel, GivesTheControlInputsOfEquation3) {
@@ -148,10 +151,7 @@ TEST(MotorMixer, AReversibleRotorTakesOutputsBelowZero) {
   base::Vehicle vehicle = simple_vehicle();
   set_all(vehicle, &base::RotorParams::omega_idle_rad_s, 0);
   vehicle.rotors[1].params.reversible = true;
-  MotorCommand command;
-  command.armed = true;
-  command.kind = MotorCommand::Kind::kMotorOutputs;
-  command.values = Vector4d(0.5, -0.5, 0.25, 0);
+  MotorCommand command = motor_outputs({0.5, -0.5, 0.25, 0});
   const MotorMixer mixer(vehicle);
   EXPECT_TRUE(mixer.targets(command).isApprox(Vector4d(500, -500, 250, 0)));
   EXPECT_FALSE(mixer.refused_reverse(command));
@@ -195,8 +195,7 @@ TEST(RotorModel, SpinningRotorsResistTurningLikeAGyroscope) {
   RotorModel rotors(vehicle);
   const Vector4d omega(500, 0, 0, 200);  // H = (500 - 200) J along +Bz
   rotors.set_targets(omega);
-  BodyState body;
-  body.w_WB_B = {2, 3, 1};
+  BodyState body{.w_WB_B = {2, 3, 1}};
   const Vector3d momentum(0, 0, 300 * 1e-5);
   EXPECT_TRUE(
       evaluate(rotors, omega, body).wrench.torque_B.isApprox(-body.w_WB_B.cross(momentum), kExact));
@@ -207,8 +206,7 @@ TEST(RotorModel, DragsAgainstTheAirInTheRotorPlane) {
   set_all(vehicle, &base::RotorParams::thrust_coefficient, 0);
   set_all(vehicle, &base::RotorParams::drag_coefficient, 1.75e-4);
   const RotorModel rotors(vehicle);
-  BodyState body;
-  body.v_WB = {3, 0, 2};
+  BodyState body{.v_WB = {3, 0, 2}};
   Environment air;
   air.wind_W = {1, 0, 0};
   const Result result = evaluate(rotors, Vector4d::Constant(805), body, air);
@@ -219,8 +217,7 @@ TEST(RotorModel, HoverDragMatchesTheFigureOfTheIris) {
   // 4 * 1.75e-4 * 805 = 0.564 N per m/s.
   base::Vehicle vehicle = load_vehicle("iris_px4");
   const RotorModel rotors(vehicle);
-  BodyState body;
-  body.v_WB = {1, 0, 0};
+  BodyState body{.v_WB = {1, 0, 0}};
   EXPECT_NEAR(evaluate(rotors, Vector4d::Constant(805), body).wrench.force_B.x(), -0.5635, 1e-4);
 }
 
@@ -230,8 +227,7 @@ TEST(RotorModel, AdvancingBladesRollOneRotorAndCancelOverFour) {
   set_all(vehicle, &base::RotorParams::torque_coefficient, 0);
   set_all(vehicle, &base::RotorParams::rolling_moment_coefficient, 1e-6);
   const RotorModel rotors(vehicle);
-  BodyState body;
-  body.v_WB = {10, 0, 0};
+  BodyState body{.v_WB = {10, 0, 0}};
   // A counter-clockwise rotor advances on the right: more lift there rolls the body to the left.
   EXPECT_NEAR(evaluate(rotors, {500, 0, 0, 0}, body).wrench.torque_B.x(), -1e-6 * 500 * 10, kExact);
   EXPECT_NEAR(evaluate(rotors, Vector4d::Constant(500), body).wrench.torque_B.x(), 0, kExact);
@@ -242,8 +238,7 @@ TEST(RotorModel, ThrustFadesWithAxialSpeed) {
   set_all(vehicle, &base::RotorParams::zero_thrust_speed_m_s, 25);
   const RotorModel rotors(vehicle);
   const double still = evaluate(rotors, Vector4d::Constant(500)).wrench.force_B.z();
-  BodyState body;
-  body.v_WB = {0, 0, 5};
+  BodyState body{.v_WB = {0, 0, 5}};
   EXPECT_NEAR(evaluate(rotors, Vector4d::Constant(500), body).wrench.force_B.z(), 0.8 * still,
               kExact);
   body.v_WB = {0, 0, -30};
@@ -277,8 +272,7 @@ TEST(RotorModel, GroundEffectIsCheesemanAndBennetts) {
 
 TEST(BodyDrag, IsProportionalToTheSpeedThroughTheAir) {
   const BodyDrag drag(0.3);
-  BodyState body;
-  body.v_WB = {4, 1, -2};
+  BodyState body{.v_WB = {4, 1, -2}};
   body.q_WB = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized());
   Environment environment;
   environment.wind_W = {1, 1, 0};
@@ -342,15 +336,9 @@ TEST(MotorPlugin, DrivesItsForceModelFromTheBus) {
   test::PluginHarness harness;
   const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
   harness.add("motor", "{}");
-  std::vector<RotorSpeeds> speeds;
-  const auto listening = harness.bus.subscribe<RotorSpeeds>(
-      "iris0/rotor_speeds", [&](const RotorSpeeds& s) { speeds.push_back(s); });
+  const test::Heard<RotorSpeeds> speeds(harness, "rotor_speeds");
   ASSERT_EQ(harness.context.force_models.size(), 1U);
-  MotorCommand outputs;
-  outputs.kind = MotorCommand::Kind::kMotorOutputs;
-  outputs.armed = true;
-  outputs.values = Vector4d::Constant(0.7);
-  command.publish(outputs);
+  command.publish(motor_outputs(Vector4d::Constant(0.7)));
 
   std::array<double, 4> omega{};
   std::array<double, 4> omega_dot{};
@@ -360,9 +348,9 @@ TEST(MotorPlugin, DrivesItsForceModelFromTheBus) {
 
   harness.world.model_states[harness.context.force_models[0]] = {1, 2, 3, 4};
   harness.step();
-  ASSERT_EQ(speeds.size(), 1U);
-  EXPECT_TRUE(speeds[0].omega_rad_s.isApprox(Vector4d(1, 2, 3, 4)));
-  EXPECT_EQ(speeds[0].time.time_since_epoch(), std::chrono::milliseconds(1));
+  ASSERT_EQ(speeds.all.size(), 1U);
+  EXPECT_TRUE(speeds.newest.omega_rad_s.isApprox(Vector4d(1, 2, 3, 4)));
+  EXPECT_EQ(speeds.newest.time.time_since_epoch(), std::chrono::milliseconds(1));
 }
 
 constexpr base::BatteryParams kBattery{
@@ -417,11 +405,7 @@ TEST(MotorPlugin, AnEmptyBatteryLetsTheRotorsDown) {
   });
   const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
   harness.add("motor", "{}");
-  MotorCommand outputs;
-  outputs.kind = MotorCommand::Kind::kMotorOutputs;
-  outputs.armed = true;
-  outputs.values = Vector4d::Constant(0.7);  // 800 rad/s
-  command.publish(outputs);
+  command.publish(motor_outputs(Vector4d::Constant(0.7)));  // 800 rad/s
   ForceModel& rotors = *harness.context.force_models[0];
   auto& omega = harness.world.model_states.at(&rotors);
   std::fill(omega.begin(), omega.end(), 800.0);
@@ -442,16 +426,12 @@ TEST(MotorPlugin, ASpeedControllersDeadTimeHoldsACommandBack) {
   });
   const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
   harness.add("motor", "{}");
-  MotorCommand outputs;
-  outputs.kind = MotorCommand::Kind::kMotorOutputs;
-  outputs.armed = true;
   ForceModel& rotors = *harness.context.force_models[0];
   const std::array<double, 4> standing{};
   std::array<double, 4> omega_dot{};
-  std::vector<double> first, last;  // speeds that rotors 1 and 4 are driven to
+  std::vector<double> first, last;  // speeds that rotors 1 and 4 are outputs to
   for (int step = 0; step < 8; ++step) {
-    outputs.values = Vector4d::Constant(0.1 * step);
-    command.publish(outputs);
+    command.publish(motor_outputs(Vector4d::Constant(0.1 * step)));
     harness.step();
     Wrench wrench;
     rotors.evaluate({}, {}, standing, omega_dot, wrench);
@@ -468,9 +448,8 @@ TEST(MotorPlugin, TellsItsBatteryTwiceASecond) {
                               [](base::Vehicle& v) { v.battery = kBattery; });
   const auto health = harness.bus.advertise<PropulsionHealth>("iris0/propulsion_health");
   harness.add("motor", "{}");
-  std::vector<BatterySample> samples;
-  const auto listening = harness.bus.subscribe<BatterySample>(
-      "iris0/battery", [&](const BatterySample& sample) { samples.push_back(sample); });
+  const test::Heard<BatterySample> heard(harness, "battery");
+  const auto& samples = heard.all;
   auto& omega = harness.world.model_states.at(harness.context.force_models[0]);
   std::fill(omega.begin(), omega.end(), 500.0);
   harness.run(std::chrono::seconds(2));
@@ -482,9 +461,7 @@ TEST(MotorPlugin, TellsItsBatteryTwiceASecond) {
   EXPECT_NEAR(last.used_ah, (1 - last.charge) * kBattery.capacity_ah, kExact);
   EXPECT_NEAR(last.used_ah, last.current_a * 2 / 3600, 0.01 * last.used_ah) << "an even load";
 
-  PropulsionHealth weak;
-  weak.voltage_share = 0.9;
-  health.publish(weak);
+  health.publish(PropulsionHealth{.voltage_share = 0.9});
   harness.run(std::chrono::milliseconds(500));
   ASSERT_EQ(samples.size(), 5U);
   EXPECT_NEAR(samples[4].voltage_v, 0.9 * samples[3].voltage_v, 0.05) << "a fault is measured, too";
@@ -511,15 +488,10 @@ TEST(MotorPlugin, PassesBrokenRotorsOn) {
   const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
   const auto health = harness.bus.advertise<PropulsionHealth>("iris0/propulsion_health");
   harness.add("motor", "{}");
-  MotorCommand outputs;
-  outputs.kind = MotorCommand::Kind::kMotorOutputs;
-  outputs.armed = true;
-  outputs.values = Vector4d::Constant(0.7);  // 800 rad/s
-  command.publish(outputs);
-  PropulsionHealth broken;
-  broken.speed_share = Eigen::Vector4d(1, 0, 1, 1);
-  broken.thrust_share = Eigen::Vector4d(1, 1, 0.5, 1);
-  broken.voltage_share = 0.5;
+  command.publish(motor_outputs(Vector4d::Constant(0.7)));  // 800 rad/s
+  PropulsionHealth broken{.speed_share = Eigen::Vector4d(1, 0, 1, 1),
+                          .thrust_share = Eigen::Vector4d(1, 1, 0.5, 1),
+                          .voltage_share = 0.5};
   health.publish(broken);
   std::array<double, 4> omega{400, 400, 400, 400};
   std::array<double, 4> omega_dot{};
@@ -535,10 +507,7 @@ TEST(MotorPlugin, StuckRotorsKeepTheirSpeedAndSwappedOnesGetEachOthers) {
   const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
   const auto health = harness.bus.advertise<PropulsionHealth>("iris0/propulsion_health");
   harness.add("motor", "{}");
-  MotorCommand outputs;
-  outputs.kind = MotorCommand::Kind::kMotorOutputs;
-  outputs.armed = true;
-  outputs.values = Vector4d::Constant(0.7);  // 800 rad/s
+  MotorCommand outputs = motor_outputs(Vector4d::Constant(0.7));  // 800 rad/s
   command.publish(outputs);
   PropulsionHealth broken;
   broken.stuck[0] = true;
@@ -566,14 +535,9 @@ TEST(MotorPlugin, StuckRotorsKeepTheirSpeedAndSwappedOnesGetEachOthers) {
 TEST(MotorPlugin, ARotorThatTouchesSomethingStopsForGood) {
   test::PluginHarness harness;
   const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
-  Vector4d omega = Vector4d::Zero();
-  const auto speeds = harness.bus.subscribe<RotorSpeeds>(
-      "iris0/rotor_speeds", [&](const RotorSpeeds& s) { omega = s.omega_rad_s; });
+  const test::Heard<RotorSpeeds> speeds(harness, "rotor_speeds");
   const Plugin& motor = harness.add("motor", "{}");
-  MotorCommand outputs;
-  outputs.kind = MotorCommand::Kind::kMotorOutputs;
-  outputs.armed = true;
-  outputs.values = Vector4d::Constant(0.7);  // 800 rad/s
+  MotorCommand outputs = motor_outputs(Vector4d::Constant(0.7));  // 800 rad/s
   command.publish(outputs);
   ForceModel& rotors = *harness.context.force_models[0];
   auto& states = harness.world.model_states.at(&rotors);
@@ -592,13 +556,11 @@ TEST(MotorPlugin, ARotorThatTouchesSomethingStopsForGood) {
   EXPECT_NEAR(wrench.force_B.z(), 3 * 5.84e-6 * 800 * 800, 1e-6) << "no thrust from rotor 3";
   rotors.limit(states);
   harness.step();
-  EXPECT_EQ(omega, Vector4d(800, 800, 0, 800));
+  EXPECT_EQ(speeds.newest.omega_rad_s, Vector4d(800, 800, 0, 800));
   command.publish(outputs);
   rotors.evaluate({}, {}, states, omega_dot, wrench);
   EXPECT_EQ(omega_dot[2], 0.0) << "asked to turn again, it does not";
-  EXPECT_NE(motor.stats_json().find("\"rotor_strikes\":[{\"rotor\":3,\"time_s\":0.002"),
-            std::string::npos)
-      << motor.stats_json();
+  EXPECT_THAT(motor.stats_json(), HasSubstr("\"rotor_strikes\":[{\"rotor\":3,\"time_s\":0.002"));
   harness.reset();
   EXPECT_EQ(motor.stats_json(), "");
 }
@@ -607,14 +569,9 @@ TEST(MotorPlugin, SaysThatARotorDoesNotTurnTheOtherWay) {
   test::PluginHarness harness;
   const auto command = harness.bus.advertise<MotorCommand>("iris0/motor_command");
   const Plugin& motor = harness.add("motor", "{}");
-  MotorCommand outputs;
-  outputs.kind = MotorCommand::Kind::kMotorOutputs;
-  outputs.armed = true;
-  outputs.values = Vector4d(0.5, 0.5, 0, -0.3);
-  command.publish(outputs);
-  EXPECT_NE(motor.stats_json().find("{\"warnings\":[\"iris0: rotor 4 was asked to turn the other"),
-            std::string::npos)
-      << motor.stats_json();
+  command.publish(motor_outputs(Vector4d(0.5, 0.5, 0, -0.3)));
+  EXPECT_THAT(motor.stats_json(),
+              HasSubstr("{\"warnings\":[\"iris0: rotor 4 was asked to turn the other"));
   harness.reset();
   EXPECT_EQ(motor.stats_json(), "");
 }

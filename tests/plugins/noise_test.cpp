@@ -200,28 +200,23 @@ TEST(Step, DoesNotChangeWhatTheImuSeesOfAMotion) {
   }
 }
 
-class Preset : public testing::TestWithParam<const char*> {};
-
-TEST_P(Preset, IsReadByEverySensor) {
-  const std::string file = cas::test::source_dir() + "/config/sensors/" + GetParam() + ".yaml";
-  const base::ConfigNode preset = base::sensor_set(base::ConfigNode::parse("a: " + file).at("a"));
-  constexpr double kStep = 1e-3;
-  EXPECT_GT(parse_imu_params(preset.at("imu"), kStep).rate_hz, 0);
-  EXPECT_GT(read_at_rate<base::read_gps_sheet>(preset.at("gps"), kStep).rate_hz, 0);
-  EXPECT_GT(read_at_rate<base::read_magnetometer_sheet>(preset.at("magnetometer"), kStep).rate_hz,
-            0);
-  EXPECT_GT(read_at_rate<base::read_barometer_sheet>(preset.at("barometer"), kStep).rate_hz, 0);
-  EXPECT_GT(read_at_rate<base::read_rangefinder_sheet>(preset.at("rangefinder"), kStep).rate_hz, 0);
-  for (const char* sensor : {"imu", "gps", "magnetometer", "barometer", "rangefinder"}) {
-    preset.at(sensor).reject_unused();
+TEST(Preset, IsReadByEverySensor) {
+  for (const char* text : {"table1", "gazebo_classic", "pixhawk", "pixhawk_icm42605", "rtk",
+                           "rotors_adis16448", "airsim_mpu6000", "jmavsim", "low_cost", "ideal"}) {
+    SCOPED_TRACE(text);
+    const std::string file = cas::test::source_dir() + "/config/sensors/" + text + ".yaml";
+    const base::ConfigNode preset = base::sensor_set(base::ConfigNode::parse("a: " + file).at("a"));
+    constexpr double kStep = 1e-3;
+    EXPECT_GT(parse_imu_params(preset.at("imu"), kStep).rate_hz, 0);
+    EXPECT_GT(read_at_rate<base::read_gps_sheet>(preset.at("gps"), kStep).rate_hz, 0);
+    EXPECT_GT(read_at_rate<base::read_magnetometer_sheet>(preset.at("magnetometer"), kStep).rate_hz, 0);
+    EXPECT_GT(read_at_rate<base::read_barometer_sheet>(preset.at("barometer"), kStep).rate_hz, 0);
+    EXPECT_GT(read_at_rate<base::read_rangefinder_sheet>(preset.at("rangefinder"), kStep).rate_hz, 0);
+    for (const char* sensor : {"imu", "gps", "magnetometer", "barometer", "rangefinder"}) {
+      preset.at(sensor).reject_unused();
+    }
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(Shipped, Preset,
-                         testing::Values("table1", "gazebo_classic", "pixhawk", "pixhawk_icm42605",
-                                         "rtk", "rotors_adis16448", "airsim_mpu6000", "jmavsim",
-                                         "low_cost", "ideal"),
-                         [](const auto& test) { return std::string(test.param); });
 
 }  // namespace
 }  // namespace cas::sim

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <chrono>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +21,7 @@ namespace {
 namespace mv = mavlink::common;
 using Eigen::Vector3d;
 using std::chrono::milliseconds;
+using testing::HasSubstr;
 
 constexpr double kOdometryQuiet = 1e-8;
 constexpr double kOdometryStep_s = 1e-3;
@@ -45,40 +45,36 @@ OdometryParams odometry_params(const std::string& keys) {
 
 // The frame.
 
-struct OdometryFrameCase {
-  const char* name;
-  const char* keys;
-  Vector3d position_F_m;  // of a vehicle 3 m north, 4 m east, 5 m up
-  double yaw_deg;         // of one that heads 30 deg
-};
-
-class OdometryFrameOf : public testing::TestWithParam<OdometryFrameCase> {};
-
-TEST_P(OdometryFrameOf, TurnsAndShiftsPlaceAndHeadingAlone) {
-  OdometryModel model(odometry_params(GetParam().keys), 1);
-  const OdometryTruth truth{.p_N = {3, 4, -5},
-                            .q_ND = base::quaternion_rpy(0.1, -0.2, base::radians(30)),
-                            .v_D = {1, 2, 3},
-                            .w_D = {0.1, 0.2, 0.3}};
-  const OdometrySample sample = model.sample({}, truth);
-  EXPECT_NEAR((sample.position_F_m - GetParam().position_F_m).norm(), 0, kOdometryQuiet)
-      << sample.position_F_m;
-  const Vector3d rpy = base::euler_rpy(sample.q_FD);
-  EXPECT_NEAR(rpy.x(), 0.1, kOdometryQuiet);
-  EXPECT_NEAR(rpy.y(), -0.2, kOdometryQuiet);
-  EXPECT_NEAR(base::degrees(rpy.z()), GetParam().yaw_deg, 1e-6);
-  EXPECT_NEAR((sample.velocity_D_m_s - truth.v_D).norm(), 0, kOdometryQuiet);
-  EXPECT_NEAR((sample.rate_D_rad_s - truth.w_D).norm(), 0, kOdometryQuiet);
+TEST(OdometryFrameOf, TurnsAndShiftsPlaceAndHeadingAlone) {
+  struct OdometryFrameCase {
+    const char* name;
+    const char* keys;
+    Vector3d position_F_m;  // of a vehicle 3 m north, 4 m east, 5 m up
+    double yaw_deg;         // of one that heads 30 deg
+  };
+  const OdometryFrameCase rows[] = {
+      {"Default", "", {3, 4, -5}, 30},
+      {"Origin", "origin_N_m: [1, 1, 2]", {2, 3, -7}, 30},
+      {"HeadingEast", "heading_deg: 90", {4, -3, -5}, -60},
+      {"Both", "heading_deg: 180, origin_N_m: [1, 0, 0]", {-2, -4, -5}, -150}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    OdometryModel model(odometry_params(row.keys), 1);
+    const OdometryTruth truth{.p_N = {3, 4, -5},
+                              .q_ND = base::quaternion_rpy(0.1, -0.2, base::radians(30)),
+                              .v_D = {1, 2, 3},
+                              .w_D = {0.1, 0.2, 0.3}};
+    const OdometrySample sample = model.sample({}, truth);
+    EXPECT_NEAR((sample.position_F_m - row.position_F_m).norm(), 0, kOdometryQuiet)
+        << sample.position_F_m;
+    const Vector3d rpy = base::euler_rpy(sample.q_FD);
+    EXPECT_NEAR(rpy.x(), 0.1, kOdometryQuiet);
+    EXPECT_NEAR(rpy.y(), -0.2, kOdometryQuiet);
+    EXPECT_NEAR(base::degrees(rpy.z()), row.yaw_deg, 1e-6);
+    EXPECT_NEAR((sample.velocity_D_m_s - truth.v_D).norm(), 0, kOdometryQuiet);
+    EXPECT_NEAR((sample.rate_D_rad_s - truth.w_D).norm(), 0, kOdometryQuiet);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    By, OdometryFrameOf,
-    testing::Values(OdometryFrameCase{"Default", "", {3, 4, -5}, 30},
-                    OdometryFrameCase{"Origin", "origin_N_m: [1, 1, 2]", {2, 3, -7}, 30},
-                    OdometryFrameCase{"HeadingEast", "heading_deg: 90", {4, -3, -5}, -60},
-                    OdometryFrameCase{
-                        "Both", "heading_deg: 180, origin_N_m: [1, 0, 0]", {-2, -4, -5}, -150}),
-    [](const auto& test) { return test.param.name; });
 
 // Errors.
 
@@ -267,43 +263,35 @@ TEST(OdometryFaults, ARelocatedFrameTurnsAboutTheVehicleAndIsCounted) {
   EXPECT_NEAR((unit.samples.back().position_F_m - Vector3d(6, 0, -1)).norm(), 0, kOdometryQuiet);
 }
 
-struct OdometryFaultCase {
-  const char* name;
-  const char* fault;      // from 0.1 s on
-  Vector3d position_F_m;  // at 1 s, of a vehicle that flies north at 1 m/s and up there 1 m
-  int quality;
-  std::size_t samples;  // in 1 s
-};
-
-class OdometryFault : public testing::TestWithParam<OdometryFaultCase> {};
-
-TEST_P(OdometryFault, ChangesWhatIsPublished) {
-  OdometryUnit unit("quality: 80", "{at_s: 0.1, " + std::string(GetParam().fault) + "}");
-  for (int i = 1; i <= 1000; ++i) {
-    unit.body().p_WB = {0, 1e-3 * i, 1};
-    unit.step();
+TEST(OdometryFault, ChangesWhatIsPublished) {
+  struct OdometryFaultCase {
+    const char* fault;      // from 0.1 s on
+    Vector3d position_F_m;  // at 1 s, of a vehicle that flies north at 1 m/s and up there 1 m
+    int quality;
+    std::size_t samples;  // in 1 s
+  };
+  const OdometryFaultCase rows[] = {
+      {"drop: odometry", {0.1, 0, -1}, 80, 5},
+      {"blind: odometry", {1, 0, -1}, -1, 50},
+      {"bias: {sensor: odometry, position_m: [2, 0, 0]}", {3, 0, -1}, 80, 50},
+      {"drift: {sensor: odometry, position_m_s: [0, 2, 0]}", {1, 1.8, -1}, 80, 50},
+      {"freeze: odometry", {0.1, 0, -1}, 80, 50},
+      {"delay: {sensor: odometry, by_s: 0.3}", {0.7, 0, -1}, 80, 35}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.fault);
+    OdometryUnit unit("quality: 80", "{at_s: 0.1, " + std::string(row.fault) + "}");
+    for (int i = 1; i <= 1000; ++i) {
+      unit.body().p_WB = {0, 1e-3 * i, 1};
+      unit.step();
+    }
+    ASSERT_EQ(unit.samples.size(), row.samples);
+    const OdometrySample& last = unit.samples.back();
+    constexpr double kOneStep_m = 3e-3;  // a fault begins with the step after its time
+    EXPECT_NEAR((last.position_F_m - row.position_F_m).norm(), 0, kOneStep_m) << last.position_F_m;
+    EXPECT_EQ(last.quality, row.quality);
+    EXPECT_EQ(last.reset_counter, 0);
   }
-  ASSERT_EQ(unit.samples.size(), GetParam().samples);
-  const OdometrySample& last = unit.samples.back();
-  constexpr double kOneStep_m = 3e-3;  // a fault begins with the step after its time
-  EXPECT_NEAR((last.position_F_m - GetParam().position_F_m).norm(), 0, kOneStep_m)
-      << last.position_F_m;
-  EXPECT_EQ(last.quality, GetParam().quality);
-  EXPECT_EQ(last.reset_counter, 0);
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Of, OdometryFault,
-    testing::Values(
-        OdometryFaultCase{"Loss", "drop: odometry", {0.1, 0, -1}, 80, 5},
-        OdometryFaultCase{"Failed", "blind: odometry", {1, 0, -1}, -1, 50},
-        OdometryFaultCase{
-            "Jump", "bias: {sensor: odometry, position_m: [2, 0, 0]}", {3, 0, -1}, 80, 50},
-        OdometryFaultCase{
-            "Drift", "drift: {sensor: odometry, position_m_s: [0, 2, 0]}", {1, 1.8, -1}, 80, 50},
-        OdometryFaultCase{"Frozen", "freeze: odometry", {0.1, 0, -1}, 80, 50},
-        OdometryFaultCase{"Late", "delay: {sensor: odometry, by_s: 0.3}", {0.7, 0, -1}, 80, 35}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(OdometryFaults, ATurnOfTheAttitudeLeavesThePosition) {
   OdometryUnit unit("", "{at_s: 0, bias: {sensor: odometry, attitude_deg: [0, 0, 20]}}");
@@ -319,15 +307,13 @@ TEST(OdometryFaults, ATurnOfTheAttitudeLeavesThePosition) {
 // Messages.
 
 OdometrySample flown_sample() {
-  OdometrySample sample;
-  sample.time = base::SimTime(milliseconds(1234));
-  sample.position_F_m = {1, 2, -3};
-  sample.q_FD = base::quaternion_rpy(0.1, 0.2, 0.3);
-  sample.velocity_D_m_s = {4, 5, 6};
-  sample.rate_D_rad_s = {0.4, 0.5, 0.6};
-  sample.reset_counter = 7;
-  sample.quality = 55;
-  return sample;
+  return {.time = base::SimTime(milliseconds(1234)),
+          .position_F_m = {1, 2, -3},
+          .q_FD = base::quaternion_rpy(0.1, 0.2, 0.3),
+          .velocity_D_m_s = {4, 5, 6},
+          .rate_D_rad_s = {0.4, 0.5, 0.6},
+          .reset_counter = 7,
+          .quality = 55};
 }
 
 constexpr const char* kNoisyKeys =
@@ -401,51 +387,39 @@ TEST(OdometryMessages, VisionPositionEstimateHasThePoseAlone) {
 
 // Bad input.
 
-struct RefusedOdometry {
-  const char* name;
-  const char* keys;
-  const char* says;
-};
-
-class OdometryRefuses : public testing::TestWithParam<RefusedOdometry> {};
-
-TEST_P(OdometryRefuses, WithASentenceThatNamesTheKey) {
-  const std::string said = test::refusal([] { odometry_params(GetParam().keys); });
-  EXPECT_NE(said.find(GetParam().says), std::string::npos) << said;
+TEST(OdometryRefuses, WithASentenceThatNamesTheKey) {
+  struct RefusedOdometry {
+    const char* keys;
+    const char* says;
+  };
+  const RefusedOdometry rows[] = {
+      {"message: GPS_INPUT", "message: 'GPS_INPUT' is none of"},
+      {"estimator_type: GPS", "estimator_type: 'GPS' is none of"},
+      {"message: VISION_POSITION_ESTIMATE, frame: LOCAL_NED",
+       "frame: has no field in VISION_POSITION_ESTIMATE"},
+      {"message: VISION_POSITION_ESTIMATE, quality: 50",
+       "quality: has no field in VISION_POSITION_ESTIMATE"},
+      {"quality: 101", "quality"},
+      {"delay_s: -0.1", "delay_s"},
+      {"yaw_walk_deg_per_sqrt_s: -1", "yaw_walk_deg_per_sqrt_s: must not be negative"},
+      {"position_stddev_m: 0", "position_stddev_m: must be above zero"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.keys);
+    EXPECT_THAT(test::refusal([&] { odometry_params(row.keys); }), HasSubstr(row.says));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Keys, OdometryRefuses,
-    testing::Values(
-        RefusedOdometry{"AnotherMessage", "message: GPS_INPUT", "message: 'GPS_INPUT' is none of"},
-        RefusedOdometry{"AnotherKind", "estimator_type: GPS", "estimator_type: 'GPS' is none of"},
-        RefusedOdometry{"AFrameThatTheMessageLacks",
-                        "message: VISION_POSITION_ESTIMATE, frame: LOCAL_NED",
-                        "frame: has no field in VISION_POSITION_ESTIMATE"},
-        RefusedOdometry{"AQualityThatTheMessageLacks",
-                        "message: VISION_POSITION_ESTIMATE, quality: 50",
-                        "quality: has no field in VISION_POSITION_ESTIMATE"},
-        RefusedOdometry{"AQualityAbove100", "quality: 101", "quality"},
-        RefusedOdometry{"ANegativeDelay", "delay_s: -0.1", "delay_s"},
-        RefusedOdometry{"ANegativeWalk", "yaw_walk_deg_per_sqrt_s: -1",
-                        "yaw_walk_deg_per_sqrt_s: must not be negative"},
-        RefusedOdometry{"NoNoise", "position_stddev_m: 0",
-                        "position_stddev_m: must be above zero"}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(OdometryRefusals, NeedEachNoiseAndARateBelowTheSimulations) {
   const auto said = [](const std::string& text) {
     return test::refusal(
         [&] { parse_odometry_params(base::ConfigNode::parse(text), kOdometryStep_s); });
   };
-  EXPECT_NE(said("{rate_hz: 50, position_stddev_m: 1, attitude_stddev_deg: 1, "
-                 "rate_stddev_deg_s: 1}")
-                .find("needs velocity_stddev_m_s or velocity_density_m_s_per_sqrt_hz"),
-            std::string::npos);
-  EXPECT_NE(said("{rate_hz: 2000, position_stddev_m: 1, attitude_stddev_deg: 1, "
-                 "velocity_stddev_m_s: 1, rate_stddev_deg_s: 1}")
-                .find("rate_hz: exceeds the simulation's own rate"),
-            std::string::npos);
+  EXPECT_THAT(said("{rate_hz: 50, position_stddev_m: 1, attitude_stddev_deg: 1, "
+                   "rate_stddev_deg_s: 1}"),
+              HasSubstr("needs velocity_stddev_m_s or velocity_density_m_s_per_sqrt_hz"));
+  EXPECT_THAT(said("{rate_hz: 2000, position_stddev_m: 1, attitude_stddev_deg: 1, "
+                   "velocity_stddev_m_s: 1, rate_stddev_deg_s: 1}"),
+              HasSubstr("rate_hz: exceeds the simulation's own rate"));
 }
 
 }  // namespace

@@ -176,4 +176,20 @@ class PluginHarness {
   std::vector<PluginPtr> plugins_;
 };
 
+/// The samples of one topic of the vehicle, from now on.
+template <class Sample>
+struct Heard {
+  Heard(PluginHarness& harness, const std::string& topic)
+      : listening(harness.bus.subscribe<Sample>("iris0/" + topic, [this](const Sample& sample) {
+          newest = sample;
+          all.push_back(sample);
+        })) {}
+  Heard(const Heard&) = delete;
+  Heard& operator=(const Heard&) = delete;
+
+  Sample newest{};
+  std::vector<Sample> all;
+  sim::Subscription listening;
+};
+
 }  // namespace cas::test

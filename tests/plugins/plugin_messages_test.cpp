@@ -27,9 +27,7 @@ std::vector<MavlinkSender> sender(std::vector<std::string> messages) {
 }
 
 MavlinkMessage message(std::uint32_t id, std::size_t size) {
-  MavlinkMessage result;
-  result.id = id;
-  result.size = size;
+  MavlinkMessage result{.id = id, .size = size};
   result.payload.fill(7);
   return result;
 }
@@ -106,9 +104,7 @@ TEST(PluginMessages, GoOutAsPacketsOfTheSimulatorBeforeTheSensors) {
   mv::BatteryStatus status;
   status.voltages[0] = 12'345;
   const MavlinkMessage battery = mavlink_message(status);
-  ImuSample imu;
-  imu.time = at_ms(2);
-  interface.on_imu(imu);
+  interface.on_imu(ImuSample{.time = at_ms(2)});
   EXPECT_TRUE(interface.on_message(*messages.admit(0, battery, at_ms(2), refusal), battery));
   const MavlinkMessage flow = message(kOpticalFlow, 26);
   EXPECT_TRUE(interface.on_message(*messages.admit(0, flow, at_ms(2), refusal), flow));

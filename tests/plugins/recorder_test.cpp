@@ -5,9 +5,6 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <limits>
-#include <map>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -80,10 +77,9 @@ TEST(TruthRow, HasNorthEastUpAndAnglesOfForwardRightDown) {
 TEST(WingTruth, HasTheAnglesOfTheAirAndTheLoadFactor) {
   const double alpha = 0.1;
   const double beta = -0.05;
-  BodyState state;
-  state.q_WB = base::q_WB_from_q_ND(base::quaternion_rpy(0, alpha, 0));
-  state.v_WB = {3 + 20 * std::sin(beta), 20 * std::cos(beta), 0};
-  state.a_WB = {0, 0, test::kGravity};
+  BodyState state{.v_WB = {3 + 20 * std::sin(beta), 20 * std::cos(beta), 0},
+                  .q_WB = base::q_WB_from_q_ND(base::quaternion_rpy(0, alpha, 0)),
+                  .a_WB = {0, 0, test::kGravity}};
   Environment air;
   air.wind_W = {3, 0, 0};
   air.gravity_W = {0, 0, -test::kGravity};

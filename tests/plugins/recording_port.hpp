@@ -59,9 +59,8 @@ class RecordingPort final : public sim::HilPort {
 inline base::SimTime at_ms(int ms) { return base::SimTime(milliseconds(ms)); }
 
 inline mv::HilControls controls_for(int ms, float throttle = 0.5F) {
-  mv::HilControls controls;
-  controls.time_usec = static_cast<std::uint64_t>(ms) * 1000;
-  controls.throttle = throttle;
+  mv::HilControls controls{.time_usec = static_cast<std::uint64_t>(ms) * 1000,
+                           .throttle = throttle};
   controls.mode = static_cast<decltype(controls.mode)>(128 + 32);
   return controls;
 }

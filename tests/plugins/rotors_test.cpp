@@ -111,10 +111,9 @@ TEST(Rotors, UprightOnesTakeTheShortWayToTheSameWrench) {
   const RotorModel upright(vehicle);
   vehicle.rotors[0].axis_B = Vector3d(1e-17, 0, 1);
   const RotorModel any(vehicle);
-  BodyState body;
-  body.v_WB = {3, -2, 1};
-  body.w_WB_B = {0.5, -0.3, 0.7};
-  body.q_WB = Eigen::Quaterniond(0.9, 0.1, -0.2, 0.3).normalized();
+  BodyState body{.v_WB = {3, -2, 1},
+                 .q_WB = Eigen::Quaterniond(0.9, 0.1, -0.2, 0.3).normalized(),
+                 .w_WB_B = {0.5, -0.3, 0.7}};
   const std::vector<double> x{700, 720, 690, 710};
   const Wrench a = answer_of(upright, x, body).wrench;
   const Wrench b = answer_of(any, x, body).wrench;
@@ -157,8 +156,7 @@ TEST(Rotors, AGyroscopeTurnsAboutItsOwnAxis) {
   rotor.axis_B = Vector3d(0.6, 0, 0.8);
   RotorModel model(vehicle_of({rotor}));
   model.set_targets(base::RotorVector::Constant(1, 600));
-  BodyState body;
-  body.w_WB_B = {2, 3, 1};
+  BodyState body{.w_WB_B = {2, 3, 1}};
   // t = -w x H - J w_dot a, with H = J w a and w_dot = (600 - 500) / 0.02 s.
   const Vector3d momentum = 3e-5 * 500 * rotor.axis_B;
   const Vector3d expected = -body.w_WB_B.cross(momentum) - 3e-5 * 100 / 0.02 * rotor.axis_B;
@@ -190,8 +188,7 @@ TEST(Rotors, ThrustAndTorqueFollowTheInflow) {
   const Vector3d across_B(0, 0.8, 0.6);
   for (const double omega : {500.0, -500.0}) {
     for (const double climb : {-3.0, -0.5, 0.0, 4.0}) {  // m/s
-      BodyState body;
-      body.v_WB = climb * rotor.axis_B + 6 * across_B;
+      BodyState body{.v_WB = climb * rotor.axis_B + 6 * across_B};
       const double sign = std::copysign(1.0, omega);
       const RotorLoad load = rotor_load({.slope = 0.7,
                                          .radius_m = 0.1,
@@ -217,8 +214,7 @@ TEST(Rotors, WithBrokenBladesOrWithoutAirHaveAFiniteInflow) {
   RotorModel model(vehicle_of({rotor}));
   Environment air;
   air.air_density_kg_m3 = 1.2;
-  BodyState body;
-  body.v_WB = {8, 0, 2};
+  BodyState body{.v_WB = {8, 0, 2}};
   const auto thrust = [&](double share) {
     model.set_effectiveness(base::RotorVector::Constant(1, share));
     const Wrench wrench = answer_of(model, {500}, body, air).wrench;
@@ -241,8 +237,7 @@ TEST(Rotors, ThatComeToRestInAWindLoseTheirThrustWithTheSquareOfTheirSpeed) {
   const RotorModel model(vehicle_of({rotor}));
   Environment air;
   air.air_density_kg_m3 = 1.2;
-  BodyState body;
-  body.v_WB = {8, 0, -4};
+  BodyState body{.v_WB = {8, 0, -4}};
   const auto per_square = [&](double omega) {
     const Wrench wrench = answer_of(model, {omega}, body, air).wrench;
     EXPECT_TRUE(wrench.force_B.allFinite() && wrench.torque_B.allFinite()) << omega;
@@ -271,8 +266,7 @@ Vector3d place_after_ten_seconds(const RotorModel& model, double dt) {
   ForceSet forces;
   forces.add(model);
   forces.add(spring);
-  BodyState body;
-  body.v_WB = {2, 0, 3};
+  BodyState body{.v_WB = {2, 0, 3}};
   body.q_WB = Eigen::AngleAxisd(0.1, Vector3d::UnitY());
   Environment air;
   air.gravity_W = {0, 0, -9.80665};
@@ -319,8 +313,7 @@ TEST(Rotors, AStiffHubPassesFlappingOn) {
   rotor.params.flapping_gain = 0.4;
   rotor.params.flapping_stiffness_nm_rad = 0.25;
   const RotorModel model(vehicle_of({rotor}));
-  BodyState body;
-  body.v_WB = {6, 0, 2};
+  BodyState body{.v_WB = {6, 0, 2}};
   const auto moment = [&](double omega) { return answer_of(model, {omega}, body).wrench.torque_B; };
   // Nose up is about -By. The tips are at 50 m/s; no part of it comes of climbing.
   EXPECT_TRUE(moment(500).isApprox(Vector3d(0, -0.25 * 0.4 * 6 / 50, 0), kRounding));
@@ -452,8 +445,7 @@ TEST(TiltServo, TurnsTheAirThatTakesTheThrust) {
   vehicle.rotors[0].params.zero_thrust_speed_m_s = 25;
   RotorModel model(vehicle);
   model.set_targets(base::RotorVector::Constant(1, 500));
-  BodyState body;
-  body.v_WB = {10, 0, 0};
+  BodyState body{.v_WB = {10, 0, 0}};
   const double thrust = 1e-5 * 500 * 500;
   for (const double tilt : {0.0, 0.5, M_PI / 2}) {
     model.set_tilt_targets(base::RotorVector::Constant(1, tilt));
@@ -552,8 +544,7 @@ TEST(MotorPlugin, ATiltedDiscStrikesWhereItsServoHoldsIt) {
 TEST(X500, GivesWhatGazebosMotorModelGives) {
   const RotorModel model(load_vehicle("x500"));
   const std::vector<double> x(4, 769.0);
-  BodyState body;
-  body.v_WB = {3, 0, 5};
+  BodyState body{.v_WB = {3, 0, 5}};
   Environment air;
   air.air_density_kg_m3 = 1.0;
   const Wrench wrench = answer_of(model, x, body, air).wrench;

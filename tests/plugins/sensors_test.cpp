@@ -175,8 +175,7 @@ TEST(Magnetometer, IronBendsAndShiftsTheField) {
 
 TEST(Magnetometer, FollowsAVehicleThatTravels) {
   MagnetometerModel magnetometer(quiet_magnetometer(), base::LocalProjection(kHome), 2026.5, 1);
-  BodyState far;
-  far.p_WB = {0, 200000, 0};
+  BodyState far{.p_WB = {0, 200000, 0}};
   far.q_WB = Eigen::AngleAxisd(M_PI / 2, Vector3d::UnitZ());
   const base::Geodetic place = base::LocalProjection(kHome).to_geodetic({200000, 0, 0});
   EXPECT_TRUE(base::swap_BD(magnetometer.sample({}, far).field_B_gauss)

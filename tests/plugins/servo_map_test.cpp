@@ -24,12 +24,7 @@ ServoMap map_of(const std::string& yaml, const std::string& vehicle = "iris_px4"
 
 mv::ServoOutputRaw pulses(std::uint16_t first, std::uint16_t second, std::uint16_t third,
                           std::uint16_t fourth) {
-  mv::ServoOutputRaw packet;
-  packet.servo1_raw = first;
-  packet.servo2_raw = second;
-  packet.servo3_raw = third;
-  packet.servo4_raw = fourth;
-  return packet;
+  return {.servo1_raw = first, .servo2_raw = second, .servo3_raw = third, .servo4_raw = fourth};
 }
 
 TEST(ServoMap, ScalesARotorBetweenItsEnds) {
@@ -84,8 +79,7 @@ HilInterfaceParams with_servos() {
 TEST(ServoOutputs, DriveTheRotorsAndNoSensorIsSent) {
   RecordingPort port;
   HilInterface interface(with_servos(), port, nullptr);
-  ImuSample sample;
-  sample.time = at_ms(4);
+  ImuSample sample{.time = at_ms(4)};
   GpsSample fix;
   fix.time = at_ms(4);
   interface.on_imu(sample);

@@ -169,9 +169,7 @@ class SwitchedPort final : public HilPort {
     is_connected = true;
   }
   void answer(std::uint64_t time_usec) {
-    mv::HilActuatorControls controls;
-    controls.time_usec = time_usec;
-    const auto bytes = encoder(controls);
+    const auto bytes = encoder(mv::HilActuatorControls{.time_usec = time_usec});
     in.emplace_back(bytes.begin(), bytes.end());
   }
 
@@ -184,8 +182,7 @@ class SwitchedPort final : public HilPort {
 class JoinsByAnswering : public testing::Test {
  protected:
   void sample(int ms) {
-    ImuSample imu;
-    imu.time = base::SimTime(std::chrono::milliseconds(ms));
+    ImuSample imu{.time = base::SimTime(std::chrono::milliseconds(ms))};
     interface_.on_imu(imu);
     interface_.flush(imu.time);
   }

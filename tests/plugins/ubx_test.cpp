@@ -25,7 +25,6 @@ namespace cas::sim {
 namespace {
 
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 using Bytes = std::vector<std::uint8_t>;
 
 // Frames as u-blox and its users print them.

@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cstdio>
-#include <fstream>
 #include <string>
 
 #include "base/cli/man_page.hpp"

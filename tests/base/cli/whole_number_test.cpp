@@ -6,7 +6,6 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <limits>
-#include <string>
 
 namespace cas::base::cli {
 namespace {

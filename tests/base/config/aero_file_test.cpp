@@ -59,81 +59,70 @@ TEST(AeroFile, ADerivativePerDegreeIsTheSameAsOnePerRadian) {
   EXPECT_NEAR(vehicle.aero->derivatives->pitch.surfaces[1], -0.99, 1e-8);
 }
 
-struct WrongAero {
-  const char* name;
-  const char* plane;
-  const char* from;
-  const char* to;
-  const char* place;  // of FILE:LINE: path: sentence
-};
-
-class WrongAeroBlock : public testing::TestWithParam<WrongAero> {};
-
-TEST_P(WrongAeroBlock, IsRefusedWithItsPlace) {
-  const auto& [name, plane, from, to, place] = GetParam();
-  const std::string message = test::refusal([&] { load_changed(plane, from, to); });
-  EXPECT_NE(message.find("plane.yaml:"), std::string::npos) << message;
-  EXPECT_NE(message.find(place), std::string::npos) << message;
+TEST(WrongAeroBlock, IsRefusedWithItsPlace) {
+  struct WrongAero {
+    const char* name;
+    const char* plane;
+    const char* from;
+    const char* to;
+    const char* place;  // of FILE:LINE: path: sentence
+  };
+  const WrongAero rows[] = {
+      {"NegativeChord", "aerosonde", "chord_m: 0.18994", "chord_m: -0.18994",
+       ": aero.derivatives.chord_m: must be above zero"},
+      {"AnOutputTwice", "aerosonde", "name: rudder, output: 3", "name: rudder, output: 2",
+       ": aero.surfaces[2].output: output 2 drives something else already"},
+      {"ARotorsOutput", "aerosonde", "name: rudder, output: 3", "name: rudder, output: 4",
+       ": aero.surfaces[2].output: output 4 drives something else already"},
+      {"ANameTwice", "aerosonde", "name: rudder,", "name: elevator,",
+       "aero.surfaces[2].name: is the name of another surface, too"},
+      {"SurfaceThatIsNotThere", "panel_plane", "surface: elevator,", "surface: elevatr,",
+       "aero.panels[4].surface: 'elevatr' is none of the surfaces of 'aero.surfaces'; did "
+       "you mean 'elevator'?"},
+      {"SurfaceOfARowThatIsNotThere", "aerosonde", "per_rad: {elevator: 0.13}",
+       "per_rad: {flap: 0.13}",
+       "aero.derivatives.lift.per_rad.flap: 'flap' is none of the surfaces"},
+      {"SurfaceWithoutEffect", "panel_plane", ", surface: right_flap", "",
+       "aero.surfaces[5].name: has no effect: no row of 'derivatives' and no panel names "
+       "'right_flap'"},
+      {"DerivativeWithoutUnit", "aerosonde", "per_rad: {elevator: 0.13}", "elevator: 0.13",
+       "elevator"},
+      {"DownwashWithoutAWing", "panel_plane", "area_m2: 0.01,", "area_m2: 0.01, downwash_share: 1,",
+       "aero: key 'wing_span_m' is missing"},
+      {"WashOfARotorThatIsNotThere", "panel_plane", "area_m2: 0.01,",
+       "area_m2: 0.01, in_wash_of: 2,",
+       "aero.panels[4].in_wash_of: must be the number of a rotor, 1 to 1"},
+      {"WashOfARotorThatTilts", "tiltrotor", "area_m2: 0.01,", "area_m2: 0.01, in_wash_of: 1,",
+       "aero.panels[2].in_wash_of: names a rotor with a tilt servo"},
+      {"PolarWithoutAChord", "panel_plane", "area_m2: 0.01,", "area_m2: 0.01, polar: tail.csv,",
+       "'aero.panels[4].chord_m', 'aero.panels[4].plate_normal_force'"},
+      {"MissingKeys", "aerosonde",
+       "    efficiency: 0.9\n    stall_deg: 26.929016371        # 0.47 rad\n", "",
+       "keys are missing: 'aero.derivatives.efficiency', 'aero.derivatives.stall_deg'"},
+      {"NoDamping", "aerosonde", "  cruise_m_s: 25\n", "", "'cruise_m_s'"},
+      {"BothLimitsOfOneSign", "aerosonde", "name: aileron, output: 1, min_deg: -30",
+       "name: aileron, output: 1, min_deg: 30",
+       "aero.surfaces[0].max_deg: must have the other sign than min_deg"},
+      {"AnotherForm", "aerosonde", "form: beard", "form: etkin",
+       "aero.derivatives.form: must be beard or avl"},
+      {"LiftAcrossTheAir", "panel_plane", "after_stall_lift_slope_per_rad: -3.85",
+       "after_stall_lift_slope_per_rad: -1",
+       "after_stall_lift_slope_per_rad: leaves lift at 90 deg"},
+      {"AreaTwice", "panel_plane", "area_m2: 0.6", "area_m2: 0.6\n    span_m: 1",
+       "span_m: is given beside area_m2; leave one out"},
+      {"MomentWithoutChord", "panel_plane", "area_m2: 0.6", "area_m2: 0.6\n    moment_zero: 0.1",
+       "chord_m"},
+      {"NormalAlongTheChord", "panel_plane", "normal_B: [0, 1, 0]", "normal_B: [1, 0, 0]",
+       "normal_B: points along forward_B"},
+      {"NothingInTheAir", "panel_plane",
+       "\n  panels:", "\n  other:", "needs 'derivatives' or 'panels'"}};
+  for (const auto& [name, plane, from, to, place] : rows) {
+    SCOPED_TRACE(name);
+    const std::string message = test::refusal([&] { load_changed(plane, from, to); });
+    EXPECT_NE(message.find("plane.yaml:"), std::string::npos) << message;
+    EXPECT_NE(message.find(place), std::string::npos) << message;
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Aero, WrongAeroBlock,
-    testing::Values(
-        WrongAero{"NegativeChord", "aerosonde", "chord_m: 0.18994", "chord_m: -0.18994",
-                  ": aero.derivatives.chord_m: must be above zero"},
-        WrongAero{"AnOutputTwice", "aerosonde", "name: rudder, output: 3",
-                  "name: rudder, output: 2",
-                  ": aero.surfaces[2].output: output 2 drives something else already"},
-        WrongAero{"ARotorsOutput", "aerosonde", "name: rudder, output: 3",
-                  "name: rudder, output: 4",
-                  ": aero.surfaces[2].output: output 4 drives something else already"},
-        WrongAero{"ANameTwice", "aerosonde", "name: rudder,", "name: elevator,",
-                  "aero.surfaces[2].name: is the name of another surface, too"},
-        WrongAero{
-            "SurfaceThatIsNotThere", "panel_plane", "surface: elevator,", "surface: elevatr,",
-            "aero.panels[4].surface: 'elevatr' is none of the surfaces of 'aero.surfaces'; did "
-            "you mean 'elevator'?"},
-        WrongAero{"SurfaceOfARowThatIsNotThere", "aerosonde", "per_rad: {elevator: 0.13}",
-                  "per_rad: {flap: 0.13}",
-                  "aero.derivatives.lift.per_rad.flap: 'flap' is none of the surfaces"},
-        WrongAero{
-            "SurfaceWithoutEffect", "panel_plane", ", surface: right_flap", "",
-            "aero.surfaces[5].name: has no effect: no row of 'derivatives' and no panel names "
-            "'right_flap'"},
-        WrongAero{"DerivativeWithoutUnit", "aerosonde", "per_rad: {elevator: 0.13}",
-                  "elevator: 0.13", "elevator"},
-        WrongAero{"DownwashWithoutAWing", "panel_plane", "area_m2: 0.01,",
-                  "area_m2: 0.01, downwash_share: 1,", "aero: key 'wing_span_m' is missing"},
-        WrongAero{"WashOfARotorThatIsNotThere", "panel_plane", "area_m2: 0.01,",
-                  "area_m2: 0.01, in_wash_of: 2,",
-                  "aero.panels[4].in_wash_of: must be the number of a rotor, 1 to 1"},
-        WrongAero{"WashOfARotorThatTilts", "tiltrotor", "area_m2: 0.01,",
-                  "area_m2: 0.01, in_wash_of: 1,",
-                  "aero.panels[2].in_wash_of: names a rotor with a tilt servo"},
-        WrongAero{"PolarWithoutAChord", "panel_plane", "area_m2: 0.01,",
-                  "area_m2: 0.01, polar: tail.csv,",
-                  "'aero.panels[4].chord_m', 'aero.panels[4].plate_normal_force'"},
-        WrongAero{"MissingKeys", "aerosonde",
-                  "    efficiency: 0.9\n    stall_deg: 26.929016371        # 0.47 rad\n", "",
-                  "keys are missing: 'aero.derivatives.efficiency', 'aero.derivatives.stall_deg'"},
-        WrongAero{"NoDamping", "aerosonde", "  cruise_m_s: 25\n", "", "'cruise_m_s'"},
-        WrongAero{"BothLimitsOfOneSign", "aerosonde", "name: aileron, output: 1, min_deg: -30",
-                  "name: aileron, output: 1, min_deg: 30",
-                  "aero.surfaces[0].max_deg: must have the other sign than min_deg"},
-        WrongAero{"AnotherForm", "aerosonde", "form: beard", "form: etkin",
-                  "aero.derivatives.form: must be beard or avl"},
-        WrongAero{"LiftAcrossTheAir", "panel_plane", "after_stall_lift_slope_per_rad: -3.85",
-                  "after_stall_lift_slope_per_rad: -1",
-                  "after_stall_lift_slope_per_rad: leaves lift at 90 deg"},
-        WrongAero{"AreaTwice", "panel_plane", "area_m2: 0.6", "area_m2: 0.6\n    span_m: 1",
-                  "span_m: is given beside area_m2; leave one out"},
-        WrongAero{"MomentWithoutChord", "panel_plane", "area_m2: 0.6",
-                  "area_m2: 0.6\n    moment_zero: 0.1", "chord_m"},
-        WrongAero{"NormalAlongTheChord", "panel_plane", "normal_B: [0, 1, 0]",
-                  "normal_B: [1, 0, 0]", "normal_B: points along forward_B"},
-        WrongAero{"NothingInTheAir", "panel_plane",
-                  "\n  panels:", "\n  other:", "needs 'derivatives' or 'panels'"}),
-    [](const auto& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace cas::base

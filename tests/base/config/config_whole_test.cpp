@@ -9,33 +9,28 @@
 namespace cas::base {
 namespace {
 
-struct Case {
-  const char* name;
-  const char* value;
-  const char* error;
-};
-
-class WrongWholeNumber : public testing::TestWithParam<Case> {};
-
-TEST_P(WrongWholeNumber, IsRefusedWithFileLineAndKeyPath) {
-  const auto& [name, value, error] = GetParam();
-  const ConfigNode root =
-      ConfigNode::parse("link:\n  max_peers: " + std::string(value) + "\n", "t.yaml");
-  EXPECT_EQ(test::refusal([&] { get_whole_in<int>(root.at("link"), "max_peers", 8, 1, 64); }),
-            "t.yaml:2: link.max_peers: " + std::string(error));
+TEST(WrongWholeNumber, IsRefusedWithFileLineAndKeyPath) {
+  struct Case {
+    const char* name;
+    const char* value;
+    const char* error;
+  };
+  const Case rows[] = {{"Fraction", "1.7", "'1.7' must be a whole number"},
+                       {"WholeFraction", "2.0", "'2.0' must be a whole number"},
+                       {"Power", "1e1", "'1e1' must be a whole number"},
+                       {"Word", "two", "'two' is not a whole number in range"},
+                       {"Dots", "1.2.3", "'1.2.3' is not a whole number in range"},
+                       {"TooLow", "0", "0 must lie in [1, 64]"},
+                       {"TooHigh", "65", "65 must lie in [1, 64]"},
+                       {"Negative", "-3", "-3 must lie in [1, 64]"}};
+  for (const auto& [name, value, error] : rows) {
+    SCOPED_TRACE(name);
+    const ConfigNode root =
+        ConfigNode::parse("link:\n  max_peers: " + std::string(value) + "\n", "t.yaml");
+    EXPECT_EQ(test::refusal([&] { get_whole_in<int>(root.at("link"), "max_peers", 8, 1, 64); }),
+              "t.yaml:2: link.max_peers: " + std::string(error));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Values, WrongWholeNumber,
-    testing::Values(Case{"Fraction", "1.7", "'1.7' must be a whole number"},
-                    Case{"WholeFraction", "2.0", "'2.0' must be a whole number"},
-                    Case{"Power", "1e1", "'1e1' must be a whole number"},
-                    Case{"Word", "two", "'two' is not a whole number in range"},
-                    Case{"Dots", "1.2.3", "'1.2.3' is not a whole number in range"},
-                    Case{"TooLow", "0", "0 must lie in [1, 64]"},
-                    Case{"TooHigh", "65", "65 must lie in [1, 64]"},
-                    Case{"Negative", "-3", "-3 must lie in [1, 64]"}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(WholeNumber, IsReadAndMayBeLeftOut) {
   const ConfigNode root = ConfigNode::parse("id: 255\n");

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // SDF models that are put together from parts.
-#include <gtest/gtest.h>
-
-#include <cmath>
+#include <gmock/gmock.h>
 
 #include "base/config/model_body.hpp"
 #include "base/config/vehicle.hpp"
@@ -11,6 +9,8 @@
 
 namespace cas::base {
 namespace {
+
+using testing::HasSubstr;
 
 constexpr double kRounding = 1e-12;
 
@@ -32,10 +32,10 @@ class PartsOfAModel : public testing::Test {
  protected:
   PartsOfAModel() {
     folder_.write("gps/model.config", "<model><sdf version='1.6'>gps.sdf</sdf></model>");
-    folder_.write("gps/gps.sdf", model("gps",
-                                       "<pose>9 9 9 0 0 0</pose><link name='link'><pose>0 0 "
-                                       "0.5 0 0 0</pose>" +
-                                           inertial(0.5) + "</link>"));
+    folder_.write(
+        "gps/gps.sdf",
+        model("gps", "<pose>9 9 9 0 0 0</pose><link name='link'><pose>0 0 0.5 0 0 0</pose>" +
+                         inertial(0.5) + "</link>"));
   }
   ModelBody read(const std::string& inside, const ModelParts& parts = {}) {
     return *read_model_body(folder_.write("v/model.sdf", model("v", inside)), parts);
@@ -76,19 +76,16 @@ TEST_F(PartsOfAModel, PosesOfOtherVersionsAreRead) {
     const ModelBody body = read(foot_with(pose));
     EXPECT_TRUE(body.find("foot")->position_R_m.isApprox(Eigen::Vector3d(1, 2, 0))) << pose;
   }
-  EXPECT_NE(refusal(foot_with("<pose frame='leg'>0 0 0 0 0 0</pose>")).find("frame 'leg'"),
-            std::string::npos);
-  EXPECT_NE(refusal(foot_with("<pose rotation_format='quat_xyzw'>0 0 0 0 0 0 0</pose>"))
-                .find("the quaternion of a <pose> has no length"),
-            std::string::npos);
+  EXPECT_THAT(refusal(foot_with("<pose frame='leg'>0 0 0 0 0 0</pose>")), HasSubstr("frame 'leg'"));
+  EXPECT_THAT(refusal(foot_with("<pose rotation_format='quat_xyzw'>0 0 0 0 0 0 0</pose>")),
+              HasSubstr("the quaternion of a <pose> has no length"));
 }
 
 TEST_F(PartsOfAModel, AMergedModelsLinksAreTheVehiclesOwn) {
-  folder_.write("frame/model.sdf",
-                model("frame", kBase +
-                                   "<link name='camera'><pose relative_to='base'>0 2 0 0 0 0"
-                                   "</pose>" +
-                                   inertial(0.1) + "</link>"));
+  folder_.write(
+      "frame/model.sdf",
+      model("frame", kBase + "<link name='camera'><pose relative_to='base'>0 2 0 0 0 0</pose>" +
+                         inertial(0.1) + "</link>"));
   const ModelBody body = read(
       "<include merge='true'><uri>model://frame</uri><pose>0 0 3 0 0 0</pose></include>"
       "<frame name='mount' attached_to='camera'><pose>0 0 1 0 0 0</pose></frame>"
@@ -117,7 +114,7 @@ TEST_F(PartsOfAModel, AMissingIncludeIsNamedWithBothRemedies) {
   const std::string why = refusal(inside);
   for (const char* part : {"v/model.sdf:4: ", "model://lidar is nowhere to be found",
                            "GZ_SIM_RESOURCE_PATH", "`parts: {front: left_out}`"}) {
-    EXPECT_NE(why.find(part), std::string::npos) << part << " in " << why;
+    EXPECT_THAT(why, HasSubstr(part)) << part << " in " << why;
   }
   EXPECT_NEAR(read(inside, {{"front", PartUse::kLeftOut}}).mass_kg, 1, kRounding);
   EXPECT_NEAR(read(inside, {{"lidar", PartUse::kLeftOut}}).mass_kg, 1, kRounding);
@@ -126,18 +123,16 @@ TEST_F(PartsOfAModel, AMissingIncludeIsNamedWithBothRemedies) {
 TEST_F(PartsOfAModel, ATemplateBesideAnIncludedFileIsNamed) {
   folder_.write("iris/model.config", "<model><sdf>iris.sdf</sdf></model>");
   folder_.write("iris/iris.sdf.jinja", "{% set x = 1 %}");
-  EXPECT_NE(refusal("<include><uri>model://iris</uri></include>").find("iris.sdf.jinja is a"),
-            std::string::npos);
+  EXPECT_THAT(refusal("<include><uri>model://iris</uri></include>"),
+              HasSubstr("iris.sdf.jinja is a"));
 }
 
 TEST_F(PartsOfAModel, ModelsThatIncludeThemselvesEnd) {
-  EXPECT_NE(refusal(kBase + "<include><uri>model://v</uri></include>").find("without end"),
-            std::string::npos);
+  EXPECT_THAT(refusal(kBase + "<include><uri>model://v</uri></include>"), HasSubstr("without end"));
 }
 
 TEST_F(PartsOfAModel, APartThatIsNotThereIsRefused) {
-  EXPECT_NE(refusal(kBase, {{"gimbal", PartUse::kFixed}}).find("'gimbal', which `parts`"),
-            std::string::npos);
+  EXPECT_THAT(refusal(kBase, {{"gimbal", PartUse::kFixed}}), HasSubstr("'gimbal', which `parts`"));
 }
 
 TEST_F(PartsOfAModel, ALinkIsLeftOutOrFixedByItsNameOrItsJoints) {
@@ -179,22 +174,18 @@ TEST_F(PartsOfAModel, AJointAndALinkMayShareAName) {
 }
 
 TEST_F(PartsOfAModel, AJointToALinkThatIsNotThereIsRefused) {
-  EXPECT_NE(refusal(kBase + joint("yaw", "base", "camrea"))
-                .find("model.sdf:4: the model has no link, joint or frame 'camrea'"),
-            std::string::npos);
-  EXPECT_NE(refusal(kBase + joint("yaw", "bas", "base")).find("frame 'bas'"), std::string::npos);
-  EXPECT_NE(refusal(kBase + "<frame name='f' attached_to='leg'/>").find("frame 'leg'"),
-            std::string::npos);
-  EXPECT_NE(refusal(kBase + "<frame name='f' attached_to='f'/>").find("in a circle"),
-            std::string::npos);
-  EXPECT_NE(refusal(kBase + "<link name='arm'>" + inertial(1) +
-                    "</link><joint name='j' type='revolut'><parent>base</parent><child>arm</child>"
-                    "</joint>")
-                .find("the type 'revolut', which SDF does not have"),
-            std::string::npos);
-  EXPECT_NE(refusal(kBase + "<joint name='j' type='fixed'><child>base</child></joint>")
-                .find("joint 'j' has no <parent>"),
-            std::string::npos);
+  EXPECT_THAT(refusal(kBase + joint("yaw", "base", "camrea")),
+              HasSubstr("model.sdf:4: the model has no link, joint or frame 'camrea'"));
+  EXPECT_THAT(refusal(kBase + joint("yaw", "bas", "base")), HasSubstr("frame 'bas'"));
+  EXPECT_THAT(refusal(kBase + "<frame name='f' attached_to='leg'/>"), HasSubstr("frame 'leg'"));
+  EXPECT_THAT(refusal(kBase + "<frame name='f' attached_to='f'/>"), HasSubstr("in a circle"));
+  EXPECT_THAT(
+      refusal(kBase + "<link name='arm'>" + inertial(1) +
+              "</link><joint name='j' type='revolut'><parent>base</parent><child>arm</child>"
+              "</joint>"),
+      HasSubstr("the type 'revolut', which SDF does not have"));
+  EXPECT_THAT(refusal(kBase + "<joint name='j' type='fixed'><child>base</child></joint>"),
+              HasSubstr("joint 'j' has no <parent>"));
   const std::string lidar = "<include><uri>model://lidar</uri><name>front</name></include>" +
                             joint("mount", "base", "front::link");
   EXPECT_NEAR(read(kBase + lidar, {{"front", PartUse::kLeftOut}}).mass_kg, 1, kRounding)
@@ -217,9 +208,9 @@ TEST_F(PartsOfAModel, WhatNobodyReadsIsToldWithItsLine) {
   };
   const std::string arm = "<link name='arm'>" + inertial(0.1);
   const std::string shape = "<geometry><box><size>1 1 1</size></box></geometry>";
-  const std::string held = "</link>" + joint("j", "base", "arm",
-                                             "<axis><limit><lower>0</lower>"
-                                             "<upper>0</upper></limit></axis>");
+  const std::string held =
+      "</link>" +
+      joint("j", "base", "arm", "<axis><limit><lower>0</lower><upper>0</upper></limit></axis>");
   EXPECT_EQ(warnings_of(kBase + arm + held), "");
   const std::pair<std::string, const char*> cases[] = {
       {arm + "<colision name='c'/>" + held,
@@ -257,7 +248,7 @@ TEST_F(PartsOfAModel, WhatNobodyReadsIsToldWithItsLine) {
       {arm + held + joint("k", "world", "base"), "joint 'k' holds the model to the world"},
       {arm + "</link>", "no joint holds link 'arm' to 'base': in Gazebo they fall off"}};
   for (const auto& [inside, sentence] : cases) {
-    EXPECT_NE(warnings_of(kBase + inside).find(sentence), std::string::npos)
+    EXPECT_THAT(warnings_of(kBase + inside), HasSubstr(sentence))
         << sentence << " in " << warnings_of(kBase + inside);
   }
 }
@@ -280,24 +271,21 @@ TEST_F(PartsOfAModel, ASecondModelOfAFileIsTold) {
                                                    "</model>\n<model name='b'/></sdf>");
   const ModelBody body = *read_model_body(file);
   ASSERT_EQ(body.warnings.size(), 1U);
-  EXPECT_NE(body.warnings[0].find("two.sdf:3: <model name='b'> is left out"), std::string::npos);
+  EXPECT_THAT(body.warnings[0], HasSubstr("two.sdf:3: <model name='b'> is left out"));
 }
 
 TEST_F(PartsOfAModel, AWorldIsNoVehicleAndItsModelIsNamed) {
   const auto file = folder_.write(
       "v/w.sdf", "<sdf version='1.9'><world name='w'><model name='iris'/></world></sdf>");
-  EXPECT_NE(cas::test::refusal([&] {
-              read_model_body(file);
-            }).find("a world is no vehicle: write its <model name='iris'> to a file of its own"),
-            std::string::npos);
+  EXPECT_THAT(
+      cas::test::refusal([&] { read_model_body(file); }),
+      HasSubstr("a world is no vehicle: write its <model name='iris'> to a file of its own"));
 }
 
 TEST_F(PartsOfAModel, WhatWouldMakeAnotherModelIsRefused) {
-  EXPECT_NE(refusal(kBase + "<include><uri>model://gps</uri><experimental:params/></include>")
-                .find("parameters of an <include> are not read"),
-            std::string::npos);
-  EXPECT_NE(refusal("<link name='base'>" + inertial(0) + "</link>").find("a <mass> of 0"),
-            std::string::npos);
+  EXPECT_THAT(refusal(kBase + "<include><uri>model://gps</uri><experimental:params/></include>"),
+              HasSubstr("parameters of an <include> are not read"));
+  EXPECT_THAT(refusal("<link name='base'>" + inertial(0) + "</link>"), HasSubstr("a <mass> of 0"));
 }
 
 // In the vehicle file.
@@ -311,9 +299,8 @@ std::string quad(const std::string& more) {
     text += "<link name='rotor_" + n + "'><pose>" + std::to_string(0.2 * places[i][0]) + " " +
             std::to_string(0.2 * places[i][1]) + " 0 0 0 0</pose>" + inertial(0.01) +
             "</link><joint name='rotor_" + n +
-            "_joint' type='continuous'><parent>base</parent>"
-            "<child>rotor_" +
-            n + "</child><axis><xyz>0 0 1</xyz></axis></joint>";
+            "_joint' type='continuous'><parent>base</parent><child>rotor_" + n +
+            "</child><axis><xyz>0 0 1</xyz></axis></joint>";
   }
   return model("q", text + more);
 }
@@ -353,7 +340,7 @@ TEST(VehicleOfParts, MotorPluginsGiveWhatTheFileDoesNotHaveAndItIsSaid) {
   EXPECT_TRUE(vehicle.rotors[3].params.reversible);
   ASSERT_EQ(vehicle.warnings.size(), 3U) << "one for each set of keys";
   for (const std::string& warning : vehicle.warnings) {
-    EXPECT_NE(warning.find("the model's motor plugin gives spin, "), std::string::npos) << warning;
+    EXPECT_THAT(warning, HasSubstr("the model's motor plugin gives spin, "));
   }
 }
 
@@ -363,8 +350,8 @@ TEST(VehicleOfParts, AReversibleRotorStandsAtZero) {
   text.replace(text.find("omega_idle_rad_s: 0"), 19, "omega_idle_rad_s: 9");
   folder.write("q.sdf", quad(motor(0) + motor(1) + motor(2) + motor(3)));
   const auto file = folder.write("q.yaml", text + "rotors: [{reversible: true}, {}, {}, {}]\n");
-  const std::string said = cas::test::refusal([&] { Vehicle::load(file); });
-  EXPECT_NE(said.find("omega_idle_rad_s: must be 0"), std::string::npos) << said;
+  EXPECT_THAT(cas::test::refusal([&] { Vehicle::load(file); }),
+              HasSubstr("omega_idle_rad_s: must be 0"));
 }
 
 /// A link that turns without end: a gimbal, or a propeller that the list forgot.
@@ -381,7 +368,7 @@ TEST(VehicleOfParts, AGimbalIsFixedWithAWarningUnlessTheFileSaysSo) {
   const Vehicle vehicle = Vehicle::load(folder.write("q.yaml", yaml));
   EXPECT_NEAR(vehicle.mass_kg, 1.34, kRounding);
   EXPECT_EQ(vehicle.parts.at("gimbal"), PartUse::kFixed);
-  EXPECT_NE(vehicle.warnings.back().find("`parts: {gimbal: fixed}`"), std::string::npos);
+  EXPECT_THAT(vehicle.warnings.back(), HasSubstr("`parts: {gimbal: fixed}`"));
   const std::size_t warnings = vehicle.warnings.size();
   const Vehicle said = Vehicle::load(folder.write("q.yaml", yaml + "parts: {gimbal: fixed}\n"));
   EXPECT_EQ(said.warnings.size(), warnings - 1);
@@ -395,8 +382,8 @@ TEST(VehicleOfParts, APropellerThatTheListForgetsIsRefused) {
                quad(motor(0) + motor(1) + motor(2) + motor(3) + turning_link("prop", 0.01)));
   const auto file = folder.write("q.yaml", std::string(kYaml) + "rotors: [{}, {}, {}, {}]\n");
   const std::string text = cas::test::refusal([&] { Vehicle::load(file); });
-  EXPECT_NE(text.find("has one more: link 'prop'"), std::string::npos) << text;
-  EXPECT_NE(text.find("`parts: {prop: fixed}`"), std::string::npos) << text;
+  EXPECT_THAT(text, HasSubstr("has one more: link 'prop'"));
+  EXPECT_THAT(text, HasSubstr("`parts: {prop: fixed}`"));
 }
 
 }  // namespace

@@ -6,16 +6,13 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/refusal.hpp"
+
 namespace cas::base {
 namespace {
 
 std::string refusal(const std::string& params, const char* plugin) {
-  try {
-    sensor_number(ConfigNode::parse(params, "file"), plugin);
-  } catch (const ConfigError& error) {
-    return error.what();
-  }
-  return {};
+  return test::refusal([&] { sensor_number(ConfigNode::parse(params, "file"), plugin); });
 }
 
 TEST(SensorName, TheFirstHasThatOfItsPluginAndTheOthersTheirNumber) {

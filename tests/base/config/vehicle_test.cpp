@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "base/config/vehicle.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <fstream>
 #include <sstream>
@@ -12,6 +12,9 @@
 
 namespace cas::base {
 namespace {
+
+using testing::HasSubstr;
+using testing::Not;
 
 Vehicle load(const std::string& name) {
   return Vehicle::load(find_config("vehicles/" + name + ".yaml"));
@@ -104,39 +107,34 @@ std::string changed(const std::string& from, const std::string& to) {
   return result.replace(place, from.size(), to);
 }
 
-struct WrongCase {
-  const char* name;
-  const char* from;
-  const char* to;
-  const char* message;
-};
-
-class WrongVehicle : public testing::TestWithParam<WrongCase> {};
-
-TEST_P(WrongVehicle, IsRefusedWithItsPlace) {
-  const test::TemporaryFolder folder;
-  const auto file = folder.write("v.yaml", changed(GetParam().from, GetParam().to));
-  const std::string said = test::refusal([&] { Vehicle::load(file); });
-  EXPECT_NE(said.find(GetParam().message), std::string::npos) << said;
+TEST(WrongVehicle, IsRefusedWithItsPlace) {
+  struct WrongCase {
+    const char* name;
+    const char* from;
+    const char* to;
+    const char* message;
+  };
+  const WrongCase rows[] = {
+      {"Schema", "schema: 1", "schema: 2", "schema: is 2"},
+      {"MassZero", "mass_kg: 1.55", "mass_kg: 0", "mass_kg: must be above"},
+      {"MassMissing", "mass_kg: 1.55", "", "key 'mass_kg' is missing"},
+      {"Inertia", "[0.0299559683,", "[0.1,", "inertia_kg_m2: belongs to no"},
+      {"Spin", "spin: -1", "spin: 2", "rotors[0].spin: must be 1"},
+      {"SpinByWord", "spin: -1", "spin: ccw", "rotors[0].spin: must be 1"},
+      {"SystemId", "system_id: 1", "system_id: 256", "system_id: must lie"},
+      {"Idle", "omega_idle_rad_s: 100", "omega_idle_rad_s: 2000",
+       "rotor.omega_idle_rad_s: 2000 must lie in [0, 1100]"},
+      {"UnknownKey", "system_id: 1", "system_id: 1\nradius: 3", "radius: unknown key"},
+      {"Mistyped", "radius_m:", "radus_m:", "did you mean it by 'radus_m'"},
+      {"NoDefaultForDrag", "  drag_coefficient: 1.75e-4", "",
+       "rotor: key 'drag_coefficient' is missing"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    const test::TemporaryFolder folder;
+    const auto file = folder.write("v.yaml", changed(row.from, row.to));
+    EXPECT_THAT(test::refusal([&] { Vehicle::load(file); }), HasSubstr(row.message));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Fields, WrongVehicle,
-    testing::Values(WrongCase{"Schema", "schema: 1", "schema: 2", "schema: is 2"},
-                    WrongCase{"MassZero", "mass_kg: 1.55", "mass_kg: 0", "mass_kg: must be above"},
-                    WrongCase{"MassMissing", "mass_kg: 1.55", "", "key 'mass_kg' is missing"},
-                    WrongCase{"Inertia", "[0.0299559683,", "[0.1,", "inertia_kg_m2: belongs to no"},
-                    WrongCase{"Spin", "spin: -1", "spin: 2", "rotors[0].spin: must be 1"},
-                    WrongCase{"SpinByWord", "spin: -1", "spin: ccw", "rotors[0].spin: must be 1"},
-                    WrongCase{"SystemId", "system_id: 1", "system_id: 256", "system_id: must lie"},
-                    WrongCase{"Idle", "omega_idle_rad_s: 100", "omega_idle_rad_s: 2000",
-                              "rotor.omega_idle_rad_s: 2000 must lie in [0, 1100]"},
-                    WrongCase{"UnknownKey", "system_id: 1", "system_id: 1\nradius: 3",
-                              "radius: unknown key"},
-                    WrongCase{"Mistyped", "radius_m:", "radus_m:", "did you mean it by 'radus_m'"},
-                    WrongCase{"NoDefaultForDrag", "  drag_coefficient: 1.75e-4", "",
-                              "rotor: key 'drag_coefficient' is missing"}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(VehicleFile, NamesAllMissingKeysInOneSentence) {
   const test::TemporaryFolder folder;
@@ -155,9 +153,9 @@ scales: {u1_max_n: 10}
   for (const char* key : {"'system_id'", "'body_drag_linear_n_s_m'", "'mass_kg'", "'inertia_kg_m2'",
                           "'rotor.torque_coefficient'", "'rotor.ground_effect'", "'rotor.radius_m'",
                           "'rotors[1].position_B_m'", "'scales.u2_max_nm'", "'scales.u4_max_nm'"}) {
-    EXPECT_NE(text.find(key), std::string::npos) << key << " in " << text;
+    EXPECT_THAT(text, HasSubstr(key)) << key << " in " << text;
   }
-  EXPECT_EQ(text.find("thrust_coefficient"), std::string::npos) << text;
+  EXPECT_THAT(text, Not(HasSubstr("thrust_coefficient")));
 }
 
 TEST(VehicleFile, ScalesAreComputedWhereTheyAreLeftOut) {
@@ -198,37 +196,36 @@ rotors:
   return text;
 }
 
+Vehicle load_round(int rotors, const std::string& keys_of_rotor_2 = "") {
+  const test::TemporaryFolder folder;
+  return Vehicle::load(folder.write("v.yaml", round_vehicle(rotors, keys_of_rotor_2)));
+}
+
 TEST(VehicleFile, RotorsThatNameLinksNeedTheirModel) {
   const test::TemporaryFolder folder;
   const auto file = folder.write("v.yaml", round_vehicle(3, ", link: prop_1"));
-  const std::string said = test::refusal([&] { Vehicle::load(file); });
-  EXPECT_NE(said.find("urdf: there is no file " + (folder / "nowhere.urdf").string() +
-                      ", whose link 'prop_1' a rotor names"),
-            std::string::npos)
-      << said;
+  EXPECT_THAT(test::refusal([&] { Vehicle::load(file); }),
+              HasSubstr("urdf: there is no file " + (folder / "nowhere.urdf").string() +
+                        ", whose link 'prop_1' a rotor names"));
 }
 
 TEST(VehicleFile, HasOneToSixteenRotors) {
-  const test::TemporaryFolder folder;
   for (const int count : {1, 2, 3, 4, 5, 6, 8, 12, 16}) {
-    const Vehicle vehicle = Vehicle::load(folder.write("v.yaml", round_vehicle(count)));
+    const Vehicle vehicle = load_round(count);
     EXPECT_EQ(vehicle.rotor_count(), count);
     EXPECT_EQ(vehicle.effectiveness().cols(), count);
     EXPECT_EQ(vehicle.rotors.back().output, count - 1);
   }
-  for (const int count : {0, 17}) {
-    EXPECT_THROW(Vehicle::load(folder.write("v.yaml", round_vehicle(count))), ConfigError);
-  }
+  for (const int count : {0, 17}) EXPECT_THROW(load_round(count), ConfigError);
 }
 
 TEST(VehicleFile, ARotorsOwnKeysGoBeforeTheCommonOnes) {
-  const test::TemporaryFolder folder;
-  const Vehicle vehicle = Vehicle::load(folder.write(
-      "v.yaml", round_vehicle(3,
-                              ", thrust_coefficient: 3.0e-5, axis_B: [0, 3, 4], output: 9, "
-                              "in_wake_of: 3, wake_thrust_share: 0.8, tilt: {axis_B: [2, 0, 0], "
-                              "min_deg: -90, max_deg: 45, rate_deg_s: 360, time_constant_s: "
-                              "0.05, output: 4}")));
+  const Vehicle vehicle =
+      load_round(3,
+                 ", thrust_coefficient: 3.0e-5, axis_B: [0, 3, 4], output: 9, "
+                 "in_wake_of: 3, wake_thrust_share: 0.8, tilt: {axis_B: [2, 0, 0], "
+                 "min_deg: -90, max_deg: 45, rate_deg_s: 360, time_constant_s: "
+                 "0.05, output: 4}");
   EXPECT_EQ(vehicle.rotors[0].params.thrust_coefficient, 1e-5);
   const Rotor& own = vehicle.rotors[1];
   EXPECT_EQ(own.params.thrust_coefficient, 3e-5);
@@ -263,11 +260,10 @@ TEST(TiltServo, RunsFromItsMiddleToBothEnds) {
 }
 
 TEST(VehicleFile, ATiltServoMayStandAnywhereWithinItsEndsAtOutput0) {
-  const test::TemporaryFolder folder;
-  const Vehicle vehicle = Vehicle::load(folder.write(
-      "v.yaml", round_vehicle(3,
-                              ", tilt: {axis_B: [0, 1, 0], min_deg: 0, middle_deg: 45, max_deg: "
-                              "90, rate_deg_s: 200, time_constant_s: 0.05, output: 4}")));
+  const Vehicle vehicle =
+      load_round(3,
+                 ", tilt: {axis_B: [0, 1, 0], min_deg: 0, middle_deg: 45, max_deg: "
+                 "90, rate_deg_s: 200, time_constant_s: 0.05, output: 4}");
   const Rotor& rotor = vehicle.rotors[1];
   const auto axis = [&](double output) {
     return rotor.tilted_axis_B(rotor.tilt->angle_rad(output));
@@ -277,43 +273,32 @@ TEST(VehicleFile, ATiltServoMayStandAnywhereWithinItsEndsAtOutput0) {
   EXPECT_TRUE(axis(1).isApprox(Eigen::Vector3d::UnitX(), 1e-12));
 }
 
-struct RotorCase {
-  const char* name;
-  const char* keys;
-  const char* message;
-};
-
-class WrongRotor : public testing::TestWithParam<RotorCase> {};
-
-TEST_P(WrongRotor, IsRefusedWithItsPlace) {
-  const test::TemporaryFolder folder;
-  const auto file = folder.write("v.yaml", round_vehicle(3, GetParam().keys));
-  const std::string said = test::refusal([&] { Vehicle::load(file); });
-  EXPECT_NE(said.find(GetParam().message), std::string::npos) << said;
+TEST(WrongRotor, IsRefusedWithItsPlace) {
+  struct RotorCase {
+    const char* keys;
+    const char* message;
+  };
+  const RotorCase rows[] = {{", axis_B: [0, 0, 0]", "rotors[1].axis_B: is a direction"},
+                            {", output: 17", "rotors[1].output: must lie in [1, 16]"},
+                            {", output: 1", "rotors[1]: output 1 drives something else"},
+                            {", in_wake_of: 2, wake_thrust_share: 1", "number of another rotor"},
+                            {", in_wake_of: 4, wake_thrust_share: 1", "number of another rotor"},
+                            {", in_wake_of: 1", "key 'wake_thrust_share' is missing"},
+                            {", tilt: {axis_B: [1, 0, 0], output: 4}",
+                             "'rotors[1].tilt.min_deg', 'rotors[1].tilt.max_deg'"},
+                            {", tilt: {axis_B: [0, 1, 0], min_deg: 0, middle_deg: 95, max_deg: 90, "
+                             "rate_deg_s: 200, time_constant_s: 0.05, output: 4}",
+                             "rotors[1].tilt.middle_deg: 95 must lie in [0, 90]"},
+                            {", inflow_thrust_slope: 1.3, zero_thrust_speed_m_s: 20",
+                             "rotors[1].inflow_thrust_slope: takes thrust by the axial airspeed"},
+                            {", esc_dead_time_s: 1", "rotors[1].esc_dead_time_s: 1 must lie in"},
+                            {", raduis_m: 1", "rotors[1].raduis_m: unknown key"},
+                            {", link: prop", "nowhere.urdf, whose link 'prop' a rotor names"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.keys);
+    EXPECT_THAT(test::refusal([&] { load_round(3, row.keys); }), HasSubstr(row.message));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Keys, WrongRotor,
-    testing::Values(
-        RotorCase{"Axis", ", axis_B: [0, 0, 0]", "rotors[1].axis_B: is a direction"},
-        RotorCase{"Output", ", output: 17", "rotors[1].output: must lie in [1, 16]"},
-        RotorCase{"OutputTwice", ", output: 1", "rotors[1]: output 1 drives something else"},
-        RotorCase{"OwnWake", ", in_wake_of: 2, wake_thrust_share: 1", "number of another rotor"},
-        RotorCase{"WakeOfNone", ", in_wake_of: 4, wake_thrust_share: 1", "number of another rotor"},
-        RotorCase{"WakeWithoutShare", ", in_wake_of: 1", "key 'wake_thrust_share' is missing"},
-        RotorCase{"Tilt", ", tilt: {axis_B: [1, 0, 0], output: 4}",
-                  "'rotors[1].tilt.min_deg', 'rotors[1].tilt.max_deg'"},
-        RotorCase{"TiltWithItsMiddleBeyondAnEnd",
-                  ", tilt: {axis_B: [0, 1, 0], min_deg: 0, middle_deg: 95, max_deg: 90, "
-                  "rate_deg_s: 200, time_constant_s: 0.05, output: 4}",
-                  "rotors[1].tilt.middle_deg: 95 must lie in [0, 90]"},
-        RotorCase{"InflowAndFade", ", inflow_thrust_slope: 1.3, zero_thrust_speed_m_s: 20",
-                  "rotors[1].inflow_thrust_slope: takes thrust by the axial airspeed"},
-        RotorCase{"DeadTime", ", esc_dead_time_s: 1", "rotors[1].esc_dead_time_s: 1 must lie in"},
-        RotorCase{"Unknown", ", raduis_m: 1", "rotors[1].raduis_m: unknown key"},
-        RotorCase{"LinkOfNoModel", ", link: prop",
-                  "nowhere.urdf, whose link 'prop' a rotor names"}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(Vehicle, ReadsTheDragOfItsBody) {
   const test::TemporaryFolder folder;
@@ -343,60 +328,49 @@ TEST(Vehicle, ReadsTheDragOfItsBody) {
             npos);
 }
 
-struct SingularCase {
-  const char* name;
-  const char* rotors;
-  const char* missing;  ///< the dependent quantity; nullptr: none
-};
-
-class FourRotors : public testing::TestWithParam<SingularCase> {};
-
-TEST_P(FourRotors, AreRefusedWhereEquation3HasNoInverse) {
-  const test::TemporaryFolder folder;
-  const std::string whole = round_vehicle(1);
-  const auto file = folder.write(
-      "v.yaml", whole.substr(0, whole.find("rotors:")) + "rotors: " + GetParam().rotors);
-  if (GetParam().missing == nullptr) {
-    EXPECT_NO_THROW(Vehicle::load(file));
-    return;
+TEST(FourRotors, AreRefusedWhereEquation3HasNoInverse) {
+  struct SingularCase {
+    const char* rotors;
+    const char* missing;  ///< the dependent quantity; nullptr: none
+  };
+  const SingularCase rows[] = {
+      {"[{position_B_m: [0, 0.3, 0], spin: 1}, {position_B_m: [0, 0.1, 0], "
+       "spin: -1}, {position_B_m: [0, -0.1, 0], spin: 1}, {position_B_m: [0, "
+       "-0.3, 0], spin: -1}]\n",
+       "pitch moment"},
+      {"[{position_B_m: [0.3, 0.3, 0], spin: 1}, {position_B_m: [0.1, "
+       "0.1, 0], spin: -1}, {position_B_m: [-0.1, -0.1, 0], spin: 1}, "
+       "{position_B_m: [-0.3, -0.3, 0], spin: -1}]\n",
+       "pitch moment"},
+      {"[{position_B_m: [0.2, 0.2, 0], spin: 1}, {position_B_m: [0.2, "
+       "-0.2, 0], spin: 1}, {position_B_m: [-0.2, 0.2, 0], spin: 1}, "
+       "{position_B_m: [-0.2, -0.2, 0], spin: 1}]\n",
+       "yaw moment"},
+      {"[{position_B_m: [0.2, 0.2, 0], spin: 1}, {position_B_m: "
+       "[0.2, -0.2, 0], spin: -1}, {position_B_m: [-0.2, 0.2, 0], "
+       "spin: 1}, {position_B_m: [-0.2, -0.2, 0], spin: -1}]\n",
+       "yaw moment"},
+      {"[{position_B_m: [0.2, 0.2, 0], spin: 1}, {position_B_m: [0.2, -0.2, "
+       "0], spin: -1}, {position_B_m: [-0.2, 0.2, 0], spin: -1}, "
+       "{position_B_m: [-0.2, -0.2, 0], spin: 1}]\n",
+       nullptr}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.rotors);
+    const test::TemporaryFolder folder;
+    const std::string whole = round_vehicle(1);
+    const auto file =
+        folder.write("v.yaml", whole.substr(0, whole.find("rotors:")) + "rotors: " + row.rotors);
+    if (row.missing == nullptr) {
+      EXPECT_NO_THROW(Vehicle::load(file));
+      continue;
+    }
+    EXPECT_THAT(
+        test::refusal([&] { Vehicle::load(file); }),
+        HasSubstr(std::string("v.yaml:12: rotors: places and spins of the four rotors leave no "
+                              "independent ") +
+                  row.missing));
   }
-  const std::string said = test::refusal([&] { Vehicle::load(file); });
-  EXPECT_NE(said.find(std::string("v.yaml:12: rotors: places and spins of the four rotors leave no "
-                                  "independent ") +
-                      GetParam().missing),
-            std::string::npos)
-      << said;
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Eq3, FourRotors,
-    testing::Values(
-        SingularCase{"Row",
-                     "[{position_B_m: [0, 0.3, 0], spin: 1}, {position_B_m: [0, 0.1, 0], "
-                     "spin: -1}, {position_B_m: [0, -0.1, 0], spin: 1}, {position_B_m: [0, "
-                     "-0.3, 0], spin: -1}]\n",
-                     "pitch moment"},
-        SingularCase{"Diagonal",
-                     "[{position_B_m: [0.3, 0.3, 0], spin: 1}, {position_B_m: [0.1, "
-                     "0.1, 0], spin: -1}, {position_B_m: [-0.1, -0.1, 0], spin: 1}, "
-                     "{position_B_m: [-0.3, -0.3, 0], spin: -1}]\n",
-                     "pitch moment"},
-        SingularCase{"OneSense",
-                     "[{position_B_m: [0.2, 0.2, 0], spin: 1}, {position_B_m: [0.2, "
-                     "-0.2, 0], spin: 1}, {position_B_m: [-0.2, 0.2, 0], spin: 1}, "
-                     "{position_B_m: [-0.2, -0.2, 0], spin: 1}]\n",
-                     "yaw moment"},
-        SingularCase{"SpinsBySides",
-                     "[{position_B_m: [0.2, 0.2, 0], spin: 1}, {position_B_m: "
-                     "[0.2, -0.2, 0], spin: -1}, {position_B_m: [-0.2, 0.2, 0], "
-                     "spin: 1}, {position_B_m: [-0.2, -0.2, 0], spin: -1}]\n",
-                     "yaw moment"},
-        SingularCase{"Quad",
-                     "[{position_B_m: [0.2, 0.2, 0], spin: 1}, {position_B_m: [0.2, -0.2, "
-                     "0], spin: -1}, {position_B_m: [-0.2, 0.2, 0], spin: -1}, "
-                     "{position_B_m: [-0.2, -0.2, 0], spin: 1}]\n",
-                     nullptr}),
-    [](const auto& test) { return test.param.name; });
 
 // One description: the model and the vehicle file.
 
@@ -528,80 +502,108 @@ TEST(OneDescription, RotorsOfAModelThatCountsFromZeroAreFoundByTheirNumber) {
   EXPECT_TRUE(vehicle.rotors[3].position_B_m.isApprox(Eigen::Vector3d(-0.2, -0.2, 0.02)));
 }
 
-struct SdfCase {
-  const char* name;
-  const char* from;
-  const char* to;
-  const char* message;
-};
-
-class WrongSdf : public testing::TestWithParam<SdfCase> {};
-
-TEST_P(WrongSdf, IsRefusedWithItsPlace) {
-  const auto& [name, from, to, message] = GetParam();
-  const test::TemporaryFolder folder;
-  std::string model = quad_sdf(0.2, 0, 1.2, 0.02, 0.01);
-  ASSERT_NE(model.find(from), std::string::npos);
-  folder.write("q.sdf", model.replace(model.find(from), std::string(from).size(), to));
-  const auto file = folder.write("q.yaml", with_sdf(kQuadRest) + R"(mass_kg: 1.2
+TEST(WrongSdf, IsRefusedWithItsPlace) {
+  struct SdfCase {
+    const char* name;
+    const char* from;
+    const char* to;
+    const char* message;
+  };
+  const SdfCase rows[] = {
+      {"Right", "q", "q", ""},
+      {"OtherMass", "<mass>1.2", "<mass>1.3", "mass_kg: is 1.2, but "},
+      {"OtherMassLine", "<mass>1.2", "<mass>1.3", "q.sdf:4 has 1.3"},
+      {"OtherPlace", "<pose>0.200000 -0.2", "<pose>0.210000 -0.2",
+       "q.sdf:6 has [0.2, -0.2, 0.02] (link 'prop_1'"},
+      {"Include", "<link name='prop_1'>", "<include/><link name='prop_1'>",
+       "q.sdf:5: <include> has no <uri>"},
+      {"NoMass", "<mass>1.200000</mass>", "", "q.sdf:4: link 'base_link' has no <inertial>"},
+      {"NoBody", "<iyy>0.02", "<iyy>0.9", "q.sdf:4: link 'base_link': no body has this <inertia>"},
+      {"NoFrame", "<pose>0.200000 -0.2", "<pose relative_to='arm'>0.200000 -0.2",
+       "q.sdf:5: the model has no link, joint or frame 'arm'"},
+      {"Circle", "<pose>0.200000 -0.2", "<pose relative_to='prop_1'>0.200000 -0.2",
+       "q.sdf:5: poses go round in a circle"},
+      {"Words", "<pose>0.200000 -0.2", "<pose>left -0.2", "q.sdf:5: <pose> is not made of numbers"},
+      {"Axis", "<xyz>0 0 -1", "<xyz>0 0 0", "q.sdf:6: <xyz> of an axis is zero"},
+      {"Limited", "<lower>-1e16</lower><upper>1e16</upper>", "<lower>-1</lower><upper>1</upper>",
+       ""},
+      {"Broken", "</model>", "</modle>", "q.sdf:13: mismatched tag"}};
+  for (const auto& [name, from, to, message] : rows) {
+    SCOPED_TRACE(name);
+    const test::TemporaryFolder folder;
+    std::string model = quad_sdf(0.2, 0, 1.2, 0.02, 0.01);
+    ASSERT_THAT(model, HasSubstr(from));
+    folder.write("q.sdf", model.replace(model.find(from), std::string(from).size(), to));
+    const auto file = folder.write("q.yaml", with_sdf(kQuadRest) + R"(mass_kg: 1.2
 rotors:
   - {link: prop_1, position_B_m: [0.19, -0.2, 0.02], spin: 1}
   - {link: prop_2, spin: 1}
   - {link: prop_3, spin: -1}
   - {link: prop_4, spin: -1}
 )");
-  const std::string said = test::refusal([&] { Vehicle::load(file); });
-  EXPECT_EQ(said.empty(), std::string(message).empty()) << said;
-  EXPECT_NE(said.find(message), std::string::npos) << said;
+    const std::string said = test::refusal([&] { Vehicle::load(file); });
+    EXPECT_EQ(said.empty(), std::string(message).empty()) << said;
+    EXPECT_THAT(said, HasSubstr(message));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    All, WrongSdf,
-    testing::Values(
-        SdfCase{"Right", "q", "q", ""},
-        SdfCase{"OtherMass", "<mass>1.2", "<mass>1.3", "mass_kg: is 1.2, but "},
-        SdfCase{"OtherMassLine", "<mass>1.2", "<mass>1.3", "q.sdf:4 has 1.3"},
-        SdfCase{"OtherPlace", "<pose>0.200000 -0.2", "<pose>0.210000 -0.2",
-                "q.sdf:6 has [0.2, -0.2, 0.02] (link 'prop_1'"},
-        SdfCase{"Include", "<link name='prop_1'>", "<include/><link name='prop_1'>",
-                "q.sdf:5: <include> has no <uri>"},
-        SdfCase{"NoMass", "<mass>1.200000</mass>", "",
-                "q.sdf:4: link 'base_link' has no <inertial>"},
-        SdfCase{"NoBody", "<iyy>0.02", "<iyy>0.9",
-                "q.sdf:4: link 'base_link': no body has this <inertia>"},
-        SdfCase{"NoFrame", "<pose>0.200000 -0.2", "<pose relative_to='arm'>0.200000 -0.2",
-                "q.sdf:5: the model has no link, joint or frame 'arm'"},
-        SdfCase{"Circle", "<pose>0.200000 -0.2", "<pose relative_to='prop_1'>0.200000 -0.2",
-                "q.sdf:5: poses go round in a circle"},
-        SdfCase{"Words", "<pose>0.200000 -0.2", "<pose>left -0.2",
-                "q.sdf:5: <pose> is not made of numbers"},
-        SdfCase{"Axis", "<xyz>0 0 -1", "<xyz>0 0 0", "q.sdf:6: <xyz> of an axis is zero"},
-        SdfCase{"Limited", "<lower>-1e16</lower><upper>1e16</upper>",
-                "<lower>-1</lower><upper>1</upper>", ""},
-        SdfCase{"Broken", "</model>", "</modle>", "q.sdf:13: mismatched tag"}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(OneDescription, HasOneModelOnly) {
   const test::TemporaryFolder folder;
   const auto file = folder.write("q.yaml", std::string(kQuadRest) + "sdf: q.sdf\n");
-  const std::string said = test::refusal([&] { Vehicle::load(file); });
-  EXPECT_NE(said.find("sdf: is a second model beside 'urdf'"), std::string::npos) << said;
+  EXPECT_THAT(test::refusal([&] { Vehicle::load(file); }),
+              HasSubstr("sdf: is a second model beside 'urdf'"));
 }
 
-struct DifferentCase {
-  const char* name;
-  double arm, lean_rad, mass, inertia, cog_x;
-  int rotors;
-  std::vector<const char*> message;
-};
-
-class DifferentModel : public testing::TestWithParam<DifferentCase> {};
-
-TEST_P(DifferentModel, IsRefusedWithBothValuesAndBothLines) {
-  const auto& c = GetParam();
-  const test::TemporaryFolder folder;
-  folder.write("q.urdf", quad_model(c.arm, c.lean_rad, c.mass, c.inertia, c.cog_x, c.rotors));
-  const auto file = folder.write("q.yaml", std::string(kQuadRest) + R"(mass_kg: 1.2
+TEST(DifferentModel, IsRefusedWithBothValuesAndBothLines) {
+  struct DifferentCase {
+    const char* name;
+    double arm, lean_rad, mass, inertia, cog_x;
+    int rotors;
+    std::vector<const char*> message;
+  };
+  const DifferentCase rows[] = {
+      {"TheSame", 0.2, 0, 1.2, 0.02, 0, 4, {}},
+      {"TwiceTheDistance",
+       0.4,
+       0,
+       1.2,
+       0.02,
+       0,
+       4,
+       {"q.yaml:14: rotors[0].position_B_m: is [0.2, -0.2, 0.02]", "q.urdf:4", "[0.4, -0.4, 0.02]",
+        "link 'prop_1'"}},
+      {"OneLeans",
+       0.2,
+       0.5,
+       1.2,
+       0.02,
+       0,
+       4,
+       {"q.yaml:14: rotors[0].axis_B: is [0, 0, 1]", "q.urdf:4", "-0.479426"}},
+      {"SixRotors", 0.2, 0, 1.2, 0.02, 0, 6, {"rotors: lists 4 rotors", "q.urdf:8", "'prop_5'"}},
+      {"Mass", 0.2, 0, 1.3, 0.02, 0, 4, {"q.yaml:11: mass_kg: is 1.2", "q.urdf:3 has 1.3"}},
+      {"TenTimesTheInertia",
+       0.2,
+       0,
+       1.2,
+       0.2,
+       0,
+       4,
+       {"q.yaml:12: inertia_kg_m2: is [0.02, 0.02, 0.03]", "q.urdf:3", "[0.2, 0.2, 0.3]"}},
+      {"CentreOfGravity",
+       0.2,
+       0,
+       1.2,
+       0.02,
+       0.05,
+       4,
+       {"rotors[0].position_B_m: is [0.2, -0.2, 0.02]", "[0.15, -0.2, 0.02]",
+        "centre of gravity, which is at [0.05, 0, 0]"}}};
+  for (const auto& c : rows) {
+    SCOPED_TRACE(c.name);
+    const test::TemporaryFolder folder;
+    folder.write("q.urdf", quad_model(c.arm, c.lean_rad, c.mass, c.inertia, c.cog_x, c.rotors));
+    const auto file = folder.write("q.yaml", std::string(kQuadRest) + R"(mass_kg: 1.2
 inertia_kg_m2: [0.02, 0.02, 0.03]
 rotors:
   - {position_B_m: [0.2, -0.2, 0.02], axis_B: [0, 0, 1], spin: 1}
@@ -609,66 +611,16 @@ rotors:
   - {position_B_m: [0.2, 0.2, 0.02], spin: -1}
   - {position_B_m: [-0.2, -0.2, 0.02], spin: -1}
 )");
-  if (c.message.empty()) {
-    EXPECT_NO_THROW(Vehicle::load(file));
-    return;
-  }
-  const std::string said = test::refusal([&] { Vehicle::load(file); });
-  for (const char* part : c.message) {
-    EXPECT_NE(said.find(part), std::string::npos) << part << " in " << said;
+    if (c.message.empty()) {
+      EXPECT_NO_THROW(Vehicle::load(file));
+      continue;
+    }
+    const std::string said = test::refusal([&] { Vehicle::load(file); });
+    for (const char* part : c.message) {
+      EXPECT_THAT(said, HasSubstr(part)) << part << " in " << said;
+    }
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    All, DifferentModel,
-    testing::Values(
-        DifferentCase{"TheSame", 0.2, 0, 1.2, 0.02, 0, 4, {}},
-        DifferentCase{"TwiceTheDistance",
-                      0.4,
-                      0,
-                      1.2,
-                      0.02,
-                      0,
-                      4,
-                      {"q.yaml:14: rotors[0].position_B_m: is [0.2, -0.2, 0.02]", "q.urdf:4",
-                       "[0.4, -0.4, 0.02]", "link 'prop_1'"}},
-        DifferentCase{"OneLeans",
-                      0.2,
-                      0.5,
-                      1.2,
-                      0.02,
-                      0,
-                      4,
-                      {"q.yaml:14: rotors[0].axis_B: is [0, 0, 1]", "q.urdf:4", "-0.479426"}},
-        DifferentCase{"SixRotors",
-                      0.2,
-                      0,
-                      1.2,
-                      0.02,
-                      0,
-                      6,
-                      {"rotors: lists 4 rotors", "q.urdf:8", "'prop_5'"}},
-        DifferentCase{
-            "Mass", 0.2, 0, 1.3, 0.02, 0, 4, {"q.yaml:11: mass_kg: is 1.2", "q.urdf:3 has 1.3"}},
-        DifferentCase{
-            "TenTimesTheInertia",
-            0.2,
-            0,
-            1.2,
-            0.2,
-            0,
-            4,
-            {"q.yaml:12: inertia_kg_m2: is [0.02, 0.02, 0.03]", "q.urdf:3", "[0.2, 0.2, 0.3]"}},
-        DifferentCase{"CentreOfGravity",
-                      0.2,
-                      0,
-                      1.2,
-                      0.02,
-                      0.05,
-                      4,
-                      {"rotors[0].position_B_m: is [0.2, -0.2, 0.02]", "[0.15, -0.2, 0.02]",
-                       "centre of gravity, which is at [0.05, 0, 0]"}}),
-    [](const auto& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace cas::base

@@ -12,34 +12,29 @@ namespace {
 
 constexpr double kTableRounding = 1e-4;  // ISO 2533's table prints five to six digits
 
-struct IsaCase {
-  const char* name;
-  double alt_m, temperature_kelvin, pressure_pa, density_kg_m3;
-};
-
-class Isa : public testing::TestWithParam<IsaCase> {};
-
-TEST_P(Isa, MatchesTheTableOfIso2533) {
-  const IsaCase& c = GetParam();
-  EXPECT_NEAR(isa::temperature_kelvin(c.alt_m), c.temperature_kelvin, 0.001);
-  EXPECT_NEAR(isa::pressure_pa(c.alt_m), c.pressure_pa, c.pressure_pa * kTableRounding);
-  EXPECT_NEAR(isa::density_kg_m3(c.alt_m), c.density_kg_m3, c.density_kg_m3 * kTableRounding);
+TEST(Isa, MatchesTheTableOfIso2533) {
+  struct IsaCase {
+    const char* name;
+    double alt_m, temperature_kelvin, pressure_pa, density_kg_m3;
+  };
+  const IsaCase rows[] = {{"SeaLevel", 0, 288.150, 101325, 1.2250},
+                          {"OneKilometre", 1000, 281.650, 89874.6, 1.11164},
+                          {"FiveKilometres", 5000, 255.650, 54019.9, 0.736116},
+                          {"TenKilometres", 10000, 223.150, 26436.3, 0.412707},
+                          {"Tropopause", 11000, 216.650, 22632.0, 0.363918},
+                          {"FifteenKilometres", 15000, 216.650, 12044.6, 0.193674},
+                          {"TwentyKilometres", 20000, 216.650, 5474.87, 0.0880349},
+                          {"ThirtyTwoKilometres", 32000, 228.650, 868.014, 0.0132250},
+                          {"FortySevenKilometres", 47000, 270.650, 110.906, 0.00142752},
+                          {"FiftyOneKilometres", 51000, 270.650, 66.9384, 0.000861600},
+                          {"SeventyOneKilometres", 71000, 214.650, 3.95639, 0.0000642105}};
+  for (const auto& c : rows) {
+    SCOPED_TRACE(c.name);
+    EXPECT_NEAR(isa::temperature_kelvin(c.alt_m), c.temperature_kelvin, 0.001);
+    EXPECT_NEAR(isa::pressure_pa(c.alt_m), c.pressure_pa, c.pressure_pa * kTableRounding);
+    EXPECT_NEAR(isa::density_kg_m3(c.alt_m), c.density_kg_m3, c.density_kg_m3 * kTableRounding);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    GeopotentialAltitudes, Isa,
-    testing::Values(IsaCase{"SeaLevel", 0, 288.150, 101325, 1.2250},
-                    IsaCase{"OneKilometre", 1000, 281.650, 89874.6, 1.11164},
-                    IsaCase{"FiveKilometres", 5000, 255.650, 54019.9, 0.736116},
-                    IsaCase{"TenKilometres", 10000, 223.150, 26436.3, 0.412707},
-                    IsaCase{"Tropopause", 11000, 216.650, 22632.0, 0.363918},
-                    IsaCase{"FifteenKilometres", 15000, 216.650, 12044.6, 0.193674},
-                    IsaCase{"TwentyKilometres", 20000, 216.650, 5474.87, 0.0880349},
-                    IsaCase{"ThirtyTwoKilometres", 32000, 228.650, 868.014, 0.0132250},
-                    IsaCase{"FortySevenKilometres", 47000, 270.650, 110.906, 0.00142752},
-                    IsaCase{"FiftyOneKilometres", 51000, 270.650, 66.9384, 0.000861600},
-                    IsaCase{"SeventyOneKilometres", 71000, 214.650, 3.95639, 0.0000642105}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(IsaInverse, AltitudeOfPressureReturnsTheAltitude) {
   constexpr double kRounding = 1e-8;  // m

@@ -7,6 +7,8 @@
 #include <ostream>
 #include <string>
 
+#include "tests/support/refusal.hpp"
+
 namespace cas::base::rpc {
 namespace {
 
@@ -40,14 +42,12 @@ void PrintTo(const Misuse& misuse, std::ostream* out) { *out << misuse.params; }
 class CallParamsRefuse : public testing::TestWithParam<Misuse> {};
 
 TEST_P(CallParamsRefuse, SayingWhy) {
-  try {
-    CallParams params(GetParam().params);
-    GetParam().read(params);
-    params.finish();
-    ADD_FAILURE() << "taken";
-  } catch (const BadParams& error) {
-    EXPECT_EQ(error.what(), GetParam().sentence);
-  }
+  EXPECT_EQ(cas::test::refusal<BadParams>([] {
+              CallParams params(GetParam().params);
+              GetParam().read(params);
+              params.finish();
+            }),
+            GetParam().sentence);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -7,14 +7,15 @@
 #include <unistd.h>
 
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "tests/base/rpc/running_server.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::base::rpc {
 namespace {
 
 using namespace std::chrono_literals;
+using cas::test::thrown;
 
 /// A server's side by hand: listens, accepts one client, sends any bytes.
 class FakeServer {
@@ -59,26 +60,19 @@ TEST(Client, ReturnsTheResult) {
 TEST(Client, ThrowsTheServersError) {
   RunningServer server;
   Client client(server.address());
-  try {
-    client.call("fail", nullptr, kPatience);
-    FAIL();
-  } catch (const CallError& error) {
-    EXPECT_EQ(error.code(), kRefused);
-    EXPECT_STREQ(error.what(), "refused");
-    EXPECT_EQ(error.data_json(), R"({"result":4})");
-  }
+  const auto error = thrown<CallError>([&] { client.call("fail", nullptr, kPatience); });
+  ASSERT_TRUE(error);
+  EXPECT_EQ(error->code(), kRefused);
+  EXPECT_STREQ(error->what(), "refused");
+  EXPECT_EQ(error->data_json(), R"({"result":4})");
   EXPECT_EQ(client.call("echo", {2}, kPatience), Json({2}));
 }
 
 TEST(Client, AnAnswerThatDoesNotComeIsATimeout) {
   RunningServer server;
   Client client(server.address());
-  try {
-    client.call("keep", nullptr, 20ms);
-    FAIL();
-  } catch (const ConnectionError& error) {
-    EXPECT_TRUE(error.timeout());
-  }
+  const auto error = thrown<ConnectionError>([&] { client.call("keep", nullptr, 20ms); });
+  EXPECT_TRUE(error.value().timeout());
   server.answer_kept();  // late: no call waits for it
   EXPECT_EQ(client.call("echo", {3}, kPatience), Json({3}));
 }
@@ -120,13 +114,9 @@ TEST(Client, NobodyListeningIsNoTimeout) {
     const FakeServer gone;
     address = gone.address();
   }
-  try {
-    Client client(address);
-    FAIL();
-  } catch (const ConnectionError& error) {
-    EXPECT_FALSE(error.timeout());
-    EXPECT_NE(std::string(error.what()).find(address), std::string::npos);
-  }
+  const auto error = thrown<ConnectionError>([&] { Client client(address); });
+  EXPECT_FALSE(error.value().timeout());
+  EXPECT_NE(std::string(error->what()).find(address), std::string::npos);
 }
 
 TEST(Client, AddressesThatAreNoneAreRefused) {
@@ -141,13 +131,9 @@ TEST(Client, AServerThatHangsUpIsNoTimeout) {
   Client client(server.address());
   server.accept();
   server.hang_up();
-  try {
-    client.call("echo", {1}, kPatience);
-    FAIL();
-  } catch (const ConnectionError& error) {
-    EXPECT_FALSE(error.timeout());
-  }
-  EXPECT_THROW(client.call("echo", {1}, kPatience), ConnectionError);  // and stays so
+  const auto call = [&] { client.call("echo", {1}, kPatience); };
+  EXPECT_FALSE(thrown<ConnectionError>(call).value().timeout());
+  EXPECT_THROW(call(), ConnectionError);  // and stays so
 }
 
 TEST(Client, AServerOfAnotherProtocolIsTold) {
@@ -164,12 +150,7 @@ TEST(Client, AnErrorWithoutAnIdEndsTheCall) {
   server.accept();
   server.send(R"({"jsonrpc":"2.0","id":null,"error":{"code":-32603,"message":"full"}})"
               "\n");
-  try {
-    client.call("echo", {1}, kPatience);
-    FAIL();
-  } catch (const CallError& error) {
-    EXPECT_STREQ(error.what(), "full");
-  }
+  EXPECT_EQ(cas::test::refusal<CallError>([&] { client.call("echo", {1}, kPatience); }), "full");
 }
 
 TEST(Client, AMalformedErrorIsStillAnError) {

@@ -33,9 +33,7 @@ TEST(ServerAbuse, AnEndlessLineIsAnsweredAndEnded) {
 }
 
 TEST(ServerAbuse, ALineOfTheLargestSizeIsServed) {
-  ServerLimits limits;
-  limits.max_line_bytes = 1024;
-  RunningServer server(limits);
+  RunningServer server(ServerLimits{.max_line_bytes = 1024});
   RawClient client(server.port());
   std::string line = R"({"jsonrpc":"2.0","id":1,"method":"echo","params":[")";
   line += std::string(1024 - line.size() - 4, 'x') + "\"]}";
@@ -62,9 +60,7 @@ TEST(ServerAbuse, AClientThatNeverReadsIsClosedAndOthersAreServed) {
 }
 
 TEST(ServerAbuse, AnAnswerThatIsTooLongLeavesTheConnectionOpen) {
-  ServerLimits limits;
-  limits.max_queued_bytes = 50'000;
-  RunningServer server(limits);
+  RunningServer server(ServerLimits{.max_queued_bytes = 50'000});
   RawClient client(server.port());
   const Json answer = client.ask(R"({"jsonrpc":"2.0","id":7,"method":"big"})");
   EXPECT_EQ(answer["id"], 7);
@@ -130,9 +126,7 @@ TEST(ServerAbuse, AThousandClientsThatLeaveAtOnceLeaveNothingBehind) {
 }
 
 TEST(ServerAbuse, AClientBeyondItsShareIsToldAndClosed) {
-  ServerLimits limits;
-  limits.max_clients = 4;
-  RunningServer server(limits);
+  RunningServer server(ServerLimits{.max_clients = 4});
   std::vector<RawClient> clients;
   for (const char* from : {"127.0.0.1", "127.0.0.2"}) {
     clients.emplace_back(server.port(), from);
@@ -186,9 +180,7 @@ TEST(ServerAbuse, SilentClientsOfOneAddressLockNobodyOut) {
 }
 
 TEST(ServerAbuse, ClientsThatHaveLeftAgainKeepNobodyWaiting) {
-  ServerLimits limits;
-  limits.max_accepts_s = 20;
-  RunningServer server(limits);
+  RunningServer server(ServerLimits{.max_accepts_s = 20});
   EXPECT_EQ(server.run([&server] {  // none is accepted meanwhile
     for (int i = 0; i < 1000; ++i) RawClient(server.port()).close();
     return 0;
@@ -200,9 +192,7 @@ TEST(ServerAbuse, ClientsThatHaveLeftAgainKeepNobodyWaiting) {
 }
 
 TEST_F(UnixAbuse, ClientsThatHaveAskedKeepTheirPlaces) {
-  ServerLimits limits;
-  limits.max_clients = 4;
-  start(limits);
+  start(ServerLimits{.max_clients = 4});
   std::vector<RawClient> served;
   for (int i = 0; i < 4; ++i) {
     served.emplace_back(path_);
@@ -215,9 +205,7 @@ TEST_F(UnixAbuse, ClientsThatHaveAskedKeepTheirPlaces) {
 }
 
 TEST_F(UnixAbuse, SilentClientsLoseTheirPlaces) {
-  ServerLimits limits;
-  limits.first_request_time = std::chrono::seconds(1);
-  start(limits);
+  start(ServerLimits{.first_request_time = std::chrono::seconds(1)});
   std::vector<RawClient> silent;
   for (int i = 0; i < 8; ++i) silent.emplace_back(path_);
   for (RawClient& client : silent) {
@@ -243,9 +231,7 @@ TEST_F(UnixAbuse, ACrowdOfOneAddressLeavesTheOtherPlaces) {
 }
 
 TEST(ServerAbuse, SilentTcpClientsLoseTheirPlaces) {
-  ServerLimits limits;
-  limits.first_request_time = std::chrono::seconds(1);
-  RunningServer server(limits);
+  RunningServer server(ServerLimits{.first_request_time = std::chrono::seconds(1)});
   std::vector<RawClient> silent;
   for (int i = 0; i < 32; ++i) silent.emplace_back(server.port());
   silent[0].send("\n\n");  // blank lines are no request
@@ -261,9 +247,7 @@ TEST(ServerAbuse, SilentTcpClientsLoseTheirPlaces) {
 
 // Data in flight while the server closes a connection is dropped.
 TEST(ServerAbuse, AClientThatSendsAfterItsRefusalHarmsNobody) {
-  ServerLimits limits;
-  limits.first_request_time = std::chrono::seconds(1);
-  RunningServer server(limits);
+  RunningServer server(ServerLimits{.first_request_time = std::chrono::seconds(1)});
   RawClient late(server.port());
   late.send("begun, not ended");
   EXPECT_TRUE(late.json()["id"].is_null());
@@ -275,9 +259,7 @@ TEST(ServerAbuse, AClientThatSendsAfterItsRefusalHarmsNobody) {
 }
 
 TEST(ServerAbuse, AClientMayBeSilentAfterItsFirstRequest) {
-  ServerLimits limits;
-  limits.first_request_time = std::chrono::seconds(1);
-  RunningServer server(limits);
+  RunningServer server(ServerLimits{.first_request_time = std::chrono::seconds(1)});
   RawClient watcher(server.port());
   EXPECT_EQ(watcher.ask(kEchoCall)["id"], 1);
   RawClient silent(server.port());  // its end proves that the time is over for the watcher too
@@ -346,9 +328,7 @@ TEST(ServerAbuse, WithoutDescriptorsClientsWaitAndAreServedLater) {
 }
 
 TEST(ServerAbuse, AClientThatAsksTooFastIsSlowedDownAndOthersAreNot) {
-  ServerLimits limits;
-  limits.max_lines_s = 50;
-  RunningServer server(limits);
+  RunningServer server(ServerLimits{.max_lines_s = 50});
   RawClient hasty(server.port());
   const base::RunTime start = base::steady_now();
   std::string flood;

@@ -20,22 +20,19 @@ constexpr const char* kKeep = R"({"jsonrpc":"2.0","id":2,"method":"keep"})";
 constexpr const char* kSubscribe =
     R"({"jsonrpc":"2.0","id":3,"method":"subscribe","params":{"topic":"status"}})";
 
-TEST(Server, AnswersALine) {
+struct ServedClient : testing::Test {
   RunningServer server;
-  RawClient client(server.port());
-  EXPECT_EQ(client.ask(kEcho)["result"], Json({1}));
-}
+  RawClient client{server.port()};
+};
 
-TEST(Server, ALineMayComeInPieces) {
-  RunningServer server;
-  RawClient client(server.port());
+TEST_F(ServedClient, AnswersALine) { EXPECT_EQ(client.ask(kEcho)["result"], Json({1})); }
+
+TEST_F(ServedClient, ALineMayComeInPieces) {
   for (const char c : std::string(kEcho) + "\r\n") client.send(std::string(1, c));
   EXPECT_EQ(client.json()["result"], Json({1}));
 }
 
-TEST(Server, ManyLinesMayComeInOnePiece) {
-  RunningServer server;
-  RawClient client(server.port());
+TEST_F(ServedClient, ManyLinesMayComeInOnePiece) {
   std::string lines;
   for (int i = 0; i < 200; ++i) {
     lines += R"({"jsonrpc":"2.0","method":"echo","id":)" + std::to_string(i) + "}\n";
@@ -60,9 +57,7 @@ TEST(Server, EndsAConnectionAtALineThatIsNoRequest) {
   EXPECT_EQ(server.kept(), 0U);
 }
 
-TEST(Server, EndsAConnectionAfterABatchThatHoldsNoRequest) {
-  RunningServer server;
-  RawClient client(server.port());
+TEST_F(ServedClient, EndsAConnectionAfterABatchThatHoldsNoRequest) {
   client.send("[" + std::string(kEcho) + ",7]\n" + kKeep + "\n");
   const Json answers = client.json();
   EXPECT_EQ(answers.at(0)["result"], Json({1}));
@@ -71,9 +66,7 @@ TEST(Server, EndsAConnectionAfterABatchThatHoldsNoRequest) {
   EXPECT_EQ(server.kept(), 0U);
 }
 
-TEST(Server, GoesOnAfterACallThatFailsAndABlankLine) {
-  RunningServer server;
-  RawClient client(server.port());
+TEST_F(ServedClient, GoesOnAfterACallThatFailsAndABlankLine) {
   for (const char* line : {R"({"jsonrpc":"2.0","id":4,"method":"none"})",
                            R"({"jsonrpc":"2.0","id":4,"method":"subscribe","params":{}})",
                            R"({"jsonrpc":"2.0","id":4,"method":"fail"})",
@@ -84,18 +77,14 @@ TEST(Server, GoesOnAfterACallThatFailsAndABlankLine) {
   EXPECT_EQ(client.ask(kEcho)["result"], Json({1}));
 }
 
-TEST(Server, ALateAnswerDoesNotHoldUpTheNext) {
-  RunningServer server;
-  RawClient client(server.port());
+TEST_F(ServedClient, ALateAnswerDoesNotHoldUpTheNext) {
   client.send(std::string(kKeep) + "\n");
   EXPECT_EQ(client.ask(kEcho)["id"], 1);
   server.answer_kept();
   EXPECT_EQ(client.json()["id"], 2);
 }
 
-TEST(Server, AnswersAfterTheClientsEndOfInput) {
-  RunningServer server;
-  RawClient client(server.port());
+TEST_F(ServedClient, AnswersAfterTheClientsEndOfInput) {
   client.send(std::string(kKeep) + "\n" + kEcho);  // the last line lacks its newline
   client.end_of_input();
   EXPECT_EQ(client.json()["id"], 1);
@@ -133,9 +122,7 @@ TEST(Server, OnlySubscribersGetNotifications) {
   EXPECT_EQ(other.ask(kEcho)["id"], 1);  // nothing came before it
 }
 
-TEST(Server, ClosingEndsAllConnections) {
-  RunningServer server;
-  RawClient client(server.port());
+TEST_F(ServedClient, ClosingEndsAllConnections) {
   EXPECT_EQ(client.ask(kEcho)["id"], 1);
   client.send(std::string(kKeep) + "\n");
   EXPECT_TRUE(server.wait_for_kept(1));
@@ -144,9 +131,7 @@ TEST(Server, ClosingEndsAllConnections) {
   server.answer_kept();  // its client has left
 }
 
-TEST(Server, AMethodMayCloseTheServer) {
-  RunningServer server;
-  RawClient client(server.port());
+TEST_F(ServedClient, AMethodMayCloseTheServer) {
   client.send("{\"jsonrpc\":\"2.0\",\"id\":1,\"method\":\"close\"}\n" + std::string(kEcho) + "\n");
   EXPECT_TRUE(client.closed_by_server());
 }
@@ -178,9 +163,7 @@ TEST(Server, ListensOnIpv6) {
 }
 
 // A child process must inherit none of them.
-TEST(Server, EverySocketIsClosedOnExec) {
-  RunningServer server;
-  RawClient client(server.port());
+TEST_F(ServedClient, EverySocketIsClosedOnExec) {
   EXPECT_EQ(client.ask(kEcho)["id"], 1);
   int sockets = 0;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {

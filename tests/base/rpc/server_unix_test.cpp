@@ -22,6 +22,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
+class UnixServer : public testing::Test {
+ protected:
+  Json echo_at_the_socket() const {
+    return Client("unix:" + path.string()).call("echo", {1}, kPatience);
+  }
+  mode_t mode() const {
+    struct stat status {};
+    ::stat(path.c_str(), &status);
+    return status.st_mode & 0777U;
+  }
+
+  const cas::test::TemporaryFolder folder;
+  fs::path path = folder.path() / "rpc";
+};
+
 void listen_unix(RunningServer& server, const fs::path& path) {
   server.run([&] { server.server().listen_unix(path); });
 }
@@ -36,33 +51,24 @@ void leave_stale_socket(const fs::path& path) {
   ::close(fd);
 }
 
-TEST(UnixServer, AnswersAndRemovesItsFile) {
-  const test::TemporaryFolder folder;
-  const fs::path path = folder.path() / "rpc";
+TEST_F(UnixServer, AnswersAndRemovesItsFile) {
   {
     RunningServer server;
     listen_unix(server, path);
-    Client client("unix:" + path.string());
-    EXPECT_EQ(client.call("echo", {1}, kPatience), Json({1}));
+    EXPECT_EQ(echo_at_the_socket(), Json({1}));
   }
   EXPECT_FALSE(fs::exists(path));
 }
 
-TEST(UnixServer, TheFileIsForItsOwnerAlone) {
-  const test::TemporaryFolder folder;
-  const fs::path path = folder.path() / "rpc";
+TEST_F(UnixServer, TheFileIsForItsOwnerAlone) {
   const mode_t before = ::umask(0);
   RunningServer server;
   listen_unix(server, path);
   ::umask(before);
-  struct stat status {};
-  ::stat(path.c_str(), &status);
-  EXPECT_EQ(status.st_mode & 0777U, 0600U);
+  EXPECT_EQ(mode(), 0600U);
 }
 
-TEST(UnixServer, AGroupMayBeLetIn) {
-  const test::TemporaryFolder folder;
-  const fs::path path = folder.path() / "rpc";
+TEST_F(UnixServer, AGroupMayBeLetIn) {
   const group* own = ::getgrgid(::getegid());
   ASSERT_NE(own, nullptr);
   const std::string name = own->gr_name;
@@ -76,18 +82,14 @@ TEST(UnixServer, AGroupMayBeLetIn) {
   EXPECT_EQ(status.st_gid, ::getegid());
 }
 
-TEST(UnixServer, AGroupThatIsNotThereIsRefused) {
-  const test::TemporaryFolder folder;
-  const fs::path path = folder.path() / "rpc";
+TEST_F(UnixServer, AGroupThatIsNotThereIsRefused) {
   RunningServer server;
   EXPECT_THROW(server.run([&] { server.server().listen_unix(path, "no-such-group"); }),
                ConfigError);
   EXPECT_FALSE(fs::exists(path));
 }
 
-TEST(UnixServer, ASocketOfAnotherUserIsNotReplaced) {
-  const test::TemporaryFolder folder;
-  const fs::path path = folder.path() / "rpc";
+TEST_F(UnixServer, ASocketOfAnotherUserIsNotReplaced) {
   leave_stale_socket(path);
   constexpr uid_t kNobody = 65534;
   if (::lchown(path.c_str(), kNobody, kNobody) != 0) GTEST_SKIP() << "takes root";
@@ -98,21 +100,17 @@ TEST(UnixServer, ASocketOfAnotherUserIsNotReplaced) {
 
 // A program that has bound its socket and does not listen yet would look stale. In /tmp any user
 // may lock the folder, so the wait is bounded.
-TEST(UnixServer, WaitsForAnotherProgramThatIsBindingInTheFolder) {
-  const test::TemporaryFolder folder;
-  const fs::path path = folder.path() / "rpc";
+TEST_F(UnixServer, WaitsForAnotherProgramThatIsBindingInTheFolder) {
   const Descriptor other(::open(folder.path().c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   ASSERT_EQ(::flock(other.get(), LOCK_EX), 0);
   RunningServer server;
   const RunTime start = steady_now();
   listen_unix(server, path);
   EXPECT_GE(steady_now() - start, std::chrono::milliseconds(1900)) << "it was not waited for";
-  EXPECT_EQ(Client("unix:" + path.string()).call("echo", {1}, kPatience), Json({1}));
+  EXPECT_EQ(echo_at_the_socket(), Json({1}));
 }
 
-TEST(UnixServer, LeavesAFileThatHasTakenTheSocketsPlace) {
-  const test::TemporaryFolder folder;
-  const fs::path path = folder.path() / "rpc";
+TEST_F(UnixServer, LeavesAFileThatHasTakenTheSocketsPlace) {
   {
     RunningServer server;
     listen_unix(server, path);
@@ -122,34 +120,29 @@ TEST(UnixServer, LeavesAFileThatHasTakenTheSocketsPlace) {
   EXPECT_TRUE(fs::exists(path));
 }
 
-TEST(UnixServer, AStaleFileIsReplaced) {
-  const test::TemporaryFolder folder;
-  const fs::path path = folder.path() / "rpc";
+TEST_F(UnixServer, AStaleFileIsReplaced) {
   leave_stale_socket(path);
   RunningServer server;
   listen_unix(server, path);
-  EXPECT_EQ(Client("unix:" + path.string()).call("echo", {1}, kPatience), Json({1}));
+  EXPECT_EQ(echo_at_the_socket(), Json({1}));
 }
 
-TEST(UnixServer, AFileInUseIsRefused) {
-  const test::TemporaryFolder folder;
-  const fs::path path = folder.path() / "rpc";
+TEST_F(UnixServer, AFileInUseIsRefused) {
   RunningServer first;
   listen_unix(first, path);
   RunningServer second;
   EXPECT_THROW(listen_unix(second, path), ConfigError);
-  EXPECT_EQ(Client("unix:" + path.string()).call("echo", {1}, kPatience), Json({1}));
+  EXPECT_EQ(echo_at_the_socket(), Json({1}));
 }
 
-TEST(UnixServer, AFileOfAnotherKindIsNeverRemoved) {
-  const test::TemporaryFolder folder;
-  const fs::path path = folder.write("precious", "data");
+TEST_F(UnixServer, AFileOfAnotherKindIsNeverRemoved) {
+  path = folder.write("precious", "data");
   RunningServer server;
   EXPECT_THROW(listen_unix(server, path), ConfigError);
   EXPECT_TRUE(fs::exists(path));
 }
 
-TEST(UnixServer, ImpossiblePathsAreRefused) {
+TEST_F(UnixServer, ImpossiblePathsAreRefused) {
   RunningServer server;
   EXPECT_THROW(listen_unix(server, ""), ConfigError);
   EXPECT_THROW(listen_unix(server, "/nowhere/rpc"), ConfigError);

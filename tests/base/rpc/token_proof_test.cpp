@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include <chrono>
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "base/rpc/client.hpp"

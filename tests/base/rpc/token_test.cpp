@@ -161,9 +161,7 @@ TEST(TokenServer, AWrongTokenEndsTheConnection) {
 
 TEST(TokenServer, AClientThatIsNotAuthorisedInTimeIsClosed) {
   const test::TemporaryFolder folder;
-  ServerLimits limits;
-  limits.first_request_time = std::chrono::seconds(1);
-  RunningServer server(limits);
+  RunningServer server(ServerLimits{.first_request_time = std::chrono::seconds(1)});
   const auto file = write_token(folder, kToken, 0600);
   server.run([&] { server.server().require_token(file); });
   RawClient stranger(server.port());

@@ -10,30 +10,24 @@ namespace {
 
 using namespace std::chrono_literals;
 
-struct RateCase {
-  const char* name;
-  double rate_hz;
-  Duration step;
-};
-
-class RateGateCount : public testing::TestWithParam<RateCase> {};
-
-TEST_P(RateGateCount, IsExactOverAMinute) {
-  const auto& [name, rate_hz, step] = GetParam();
-  RateGate gate(rate_hz);
-  int count = 0;
-  for (Duration t = step; t <= 60s; t += step) count += gate.due(t) ? 1 : 0;
-  EXPECT_EQ(count, static_cast<int>(60 * rate_hz));
+TEST(RateGateCount, IsExactOverAMinute) {
+  struct RateCase {
+    const char* name;
+    double rate_hz;
+    Duration step;
+  };
+  const RateCase rows[] = {
+      {"ImuOn1kHz", 500, 1ms},       {"ControlOn500Hz", 400, 2ms}, {"ControlOn1kHz", 400, 1ms},
+      {"Mag100On250Hz", 100, 4ms},   {"Baro50On1kHz", 50, 1ms},    {"GpsOn1kHz", 5, 1ms},
+      {"HalfHertzOn1kHz", 0.5, 1ms}, {"SameAsGrid", 1000, 1ms},    {"ThirdOfAGrid", 333, 1ms}};
+  for (const auto& [name, rate_hz, step] : rows) {
+    SCOPED_TRACE(name);
+    RateGate gate(rate_hz);
+    int count = 0;
+    for (Duration t = step; t <= 60s; t += step) count += gate.due(t) ? 1 : 0;
+    EXPECT_EQ(count, static_cast<int>(60 * rate_hz));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Grids, RateGateCount,
-    testing::Values(RateCase{"ImuOn1kHz", 500, 1ms}, RateCase{"ControlOn500Hz", 400, 2ms},
-                    RateCase{"ControlOn1kHz", 400, 1ms}, RateCase{"Mag100On250Hz", 100, 4ms},
-                    RateCase{"Baro50On1kHz", 50, 1ms}, RateCase{"GpsOn1kHz", 5, 1ms},
-                    RateCase{"HalfHertzOn1kHz", 0.5, 1ms}, RateCase{"SameAsGrid", 1000, 1ms},
-                    RateCase{"ThirdOfAGrid", 333, 1ms}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(RateGate, ControlsOn500HzComeFourTwoTwoTwoMillisecondsApart) {
   RateGate gate(400);

@@ -7,7 +7,6 @@
 #include <array>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <chrono>
-#include <cmath>
 #include <cstddef>
 #include <deque>
 #include <limits>
@@ -137,11 +136,10 @@ std::vector<FlightFigure> consistency_figures(const FlightBatch& batch) {
       all += mean / kMoments;
       if (mean >= least && mean <= most) ++inside;
     }
-    figures.push_back({fmt::format("{}, mean of {} flights", name, batch.flights), all,
-                       std::nullopt, "",
-                       fmt::format("expected {}; 95 % of means lie within {:.3f} to {:.3f}: {} of "
-                                   "{} moments do",
-                                   dimension, least, most, inside, kMoments)});
+    figures.push_back(
+        {fmt::format("{}, mean of {} flights", name, batch.flights), all, std::nullopt, "",
+         fmt::format("expected {}; 95 % of means lie within {:.3f} to {:.3f}: {} of {} moments do",
+                     dimension, least, most, inside, kMoments)});
   }
   return figures;
 }

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <string>
 
@@ -131,11 +130,7 @@ void DirectFlight::send(const Message& message) {
 bool DirectFlight::take_off(double height_m) {
   constexpr double kPatience_s = 30;
   const auto send_command = [this](MavCmd id, float param1, float param7) {
-    CommandLong m;
-    m.target_system = 1;
-    m.target_component = 1;
-    m.command = id;
-    m.param1 = param1;
+    CommandLong m{.target_system = 1, .target_component = 1, .command = id, .param1 = param1};
     m.param4 = m.param5 = m.param6 = kNotGiven;
     m.param7 = param7;
     send(m);
@@ -149,17 +144,16 @@ bool DirectFlight::take_off(double height_m) {
 
 void DirectFlight::go_to(double north_m, double east_m, double up_m, double yaw_rad) {
   const base::Geodetic place = base::LocalProjection(kHome).to_geodetic({north_m, east_m, -up_m});
-  CommandInt m;
-  m.target_system = 1;
-  m.target_component = 1;
-  m.command = MavCmd::kDoReposition;
-  m.frame = MavFrame::kGlobalInt;
-  m.param1 = -1;
-  m.param2 = 1;
-  m.param4 = static_cast<float>(yaw_rad);
-  m.x = base::deg_e7(place.lat_deg);
-  m.y = base::deg_e7(place.lon_deg);
-  m.z = static_cast<float>(place.alt_m);
+  CommandInt m{.target_system = 1,
+               .target_component = 1,
+               .frame = MavFrame::kGlobalInt,
+               .command = MavCmd::kDoReposition,
+               .param1 = -1,
+               .param2 = 1,
+               .param4 = static_cast<float>(yaw_rad),
+               .x = base::deg_e7(place.lat_deg),
+               .y = base::deg_e7(place.lon_deg),
+               .z = static_cast<float>(place.alt_m)};
   send(m);
 }
 

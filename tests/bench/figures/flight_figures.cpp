@@ -23,8 +23,6 @@ namespace cas::hils {
 
 namespace {
 
-using Eigen::Vector3d;
-
 constexpr std::array<const char*, 3> kAxes{"x", "y", "z"};
 constexpr double kHoverHeight_m = 2.5;
 constexpr double kLightTurbulence_m_s = 15 * 0.514444;  // W20 of MIL-F-8785C, 15 knots

@@ -11,7 +11,6 @@
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "tests/casd/port/command_port_fixture.hpp"
 #include "tests/support/ended_with.hpp"
@@ -144,10 +143,8 @@ TEST_F(CasctlTest, EndsWithFourWhereAVerbWaitedInVainForItsVehicle) {
 }
 
 TEST_F(CasctlTest, EndsWithFourWhereAStateDoesNotCome) {
-  mavlink::common::LocalPositionNed local;
-  local.z = -2.4F;
-  mavlink::common::ExtendedSysState in_air;
-  in_air.landed_state = mavlink::common::MavLandedState::kInAir;
+  mavlink::common::LocalPositionNed local{.z = -2.4F};
+  mavlink::common::ExtendedSysState in_air{.landed_state = mavlink::common::MavLandedState::kInAir};
   fixture_.vehicle().base_mode |= MavModeFlag::kSafetyArmed;
   fixture_.vehicle().say_heartbeat(base::steady_now());
   fixture_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
@@ -165,10 +162,10 @@ TEST_F(CasctlTest, EndsATakeoffWhoseVehicleDisarms) {
   fixture_.vehicle().say_heartbeat(now);
   fixture_.vehicle().say(mavlink::common::HomePosition{}, now);
   for (int i = 0; i < 100; ++i) {  // armed for 3 s from the command on, then not
-    mavlink::common::Heartbeat heartbeat;
-    heartbeat.autopilot = mavlink::common::MavAutopilot::kPx4;
-    heartbeat.type = mavlink::common::MavType::kQuadrotor;
-    heartbeat.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kHilEnabled;
+    mavlink::common::Heartbeat heartbeat{
+        .type = mavlink::common::MavType::kQuadrotor,
+        .autopilot = mavlink::common::MavAutopilot::kPx4,
+        .base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kHilEnabled};
     if (i < 15) heartbeat.base_mode |= MavModeFlag::kSafetyArmed;
     fixture_.vehicle().say(heartbeat, now + i * std::chrono::milliseconds(200));
   }
@@ -307,8 +304,7 @@ TEST_F(CasctlTest, EndsWithFourWhenTheStateIsNotReached) {
 }
 
 TEST_F(CasctlTest, WaitsUntilTheStateIsReached) {
-  mavlink::common::LocalPositionNed local;
-  local.z = -2.4F;
+  mavlink::common::LocalPositionNed local{.z = -2.4F};
   fixture_.vehicle().say_heartbeat(base::steady_now());
   fixture_.vehicle().say(mavlink::common::HomePosition{}, base::steady_now());
   for (int i = 0; i < 200; ++i) {

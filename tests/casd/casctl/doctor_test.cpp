@@ -95,31 +95,27 @@ TEST(Doctor, FindsNothingWrongWithArdupilotByExternalAhrsButItsLiveOutputs) {
   EXPECT_EQ(complaints(older), complaints(external_ahrs_setup()));
 }
 
-struct WrongParam {
-  std::string name;
-  double value;
-  std::string sentence;
-};
-
-class DoctorOfExternalAhrs : public testing::TestWithParam<WrongParam> {};
-
-TEST_P(DoctorOfExternalAhrs, NamesAWrongParameter) {
-  DoctorFacts facts = external_ahrs_setup();
-  facts.params[1][GetParam().name] = GetParam().value;
-  EXPECT_THAT(complaints(facts), HasSubstr("vehicle 1" + GetParam().sentence));
+TEST(DoctorOfExternalAhrs, NamesAWrongParameter) {
+  struct WrongParam {
+    std::string name;
+    double value;
+    std::string sentence;
+  };
+  const WrongParam rows[] = {{"EAHRS_TYPE", 0, ": EAHRS_TYPE is 0, not 1"},
+                             {"EAHRS_RATE", 0, ": EAHRS_RATE is 0, not 400"},
+                             {"EAHRS_SENSORS", 7, ": EAHRS_SENSORS is 7, not 15"},
+                             {"SERIAL2_PROTOCOL", 2, ": no SERIALn_PROTOCOL is 36"},
+                             {"SERIAL2_BAUD", 115, ": SERIAL2_BAUD is 115, not 921"},
+                             {"GPS1_TYPE", 1, ": GPS1_TYPE is 1, not 21"},
+                             {"AHRS_EKF_TYPE", 11, ": AHRS_EKF_TYPE is 11, not 3"},
+                             {"INS_ENABLE_MASK", 127, ": INS_ENABLE_MASK is 127, not 1"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    DoctorFacts facts = external_ahrs_setup();
+    facts.params[1][row.name] = row.value;
+    EXPECT_THAT(complaints(facts), HasSubstr("vehicle 1" + row.sentence));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Each, DoctorOfExternalAhrs,
-    testing::Values(WrongParam{"EAHRS_TYPE", 0, ": EAHRS_TYPE is 0, not 1"},
-                    WrongParam{"EAHRS_RATE", 0, ": EAHRS_RATE is 0, not 400"},
-                    WrongParam{"EAHRS_SENSORS", 7, ": EAHRS_SENSORS is 7, not 15"},
-                    WrongParam{"SERIAL2_PROTOCOL", 2, ": no SERIALn_PROTOCOL is 36"},
-                    WrongParam{"SERIAL2_BAUD", 115, ": SERIAL2_BAUD is 115, not 921"},
-                    WrongParam{"GPS1_TYPE", 1, ": GPS1_TYPE is 1, not 21"},
-                    WrongParam{"AHRS_EKF_TYPE", 11, ": AHRS_EKF_TYPE is 11, not 3"},
-                    WrongParam{"INS_ENABLE_MASK", 127, ": INS_ENABLE_MASK is 127, not 1"}),
-    [](const auto& tested) { return tested.param.name; });
 
 TEST(Doctor, TakesNoRouteToAGroundStationForOneToASimulator) {
   DoctorFacts facts = external_ahrs_setup();
@@ -360,176 +356,159 @@ struct BadCase {
   const char* complaint;
 };
 
-class DoctorFinds : public testing::TestWithParam<BadCase> {};
-
-TEST_P(DoctorFinds, TheFault) {
-  DoctorFacts facts = good_setup();
-  GetParam().spoil(facts);
-  EXPECT_THAT(complaints(facts), HasSubstr(GetParam().complaint));
+TEST(DoctorFinds, TheFault) {
+  const BadCase rows[] = {
+      {"LinkDown",
+       [](DoctorFacts& f) {
+         f.after["links"][1]["state"] = "down";
+         f.after["links"][1]["endpoint"] = "No such file or directory";
+       },
+       "link fcu is down: No such file"},
+      {"NoDevice", [](DoctorFacts& f) { f.devices[0].exists = false; }, "does not exist"},
+      {"NoRight", [](DoctorFacts& f) { f.devices[0].usable = false; }, "may not be opened"},
+      {"LatencyTimer", [](DoctorFacts& f) { f.devices[0].latency_timer = 16; },
+       "holds packets back for up to 16 ms"},
+      {"BaudTooSmall", [](DoctorFacts& f) { f.after["links"][1]["tx"]["bytes"] = 180'000; },
+       "line fcu carries 90.0 of 92.2 kB/s"},
+      {"OwnDrops", [](DoctorFacts& f) { f.after["links"][0]["tx"]["dropped"]["queue_full"] = 5; },
+       "link sim: casd dropped 5 packets (queue_full)"},
+      {"LateDrops", [](DoctorFacts& f) { f.after["links"][1]["tx"]["dropped"]["age"] = 7; },
+       "would come too late"},
+      {"NotInHil", [](DoctorFacts& f) { f.after["vehicles"][0]["hil"] = false; },
+       "does not say that it is in HIL mode"},
+      {"TwoAutopilots",
+       [](DoctorFacts& f) {
+         f.after["vehicles"][0]["rival"] = {{"component", 1}, {"link", "sitl"}};
+       },
+       "links fcu and sitl bring two autopilots"},
+      {"InTermination",
+       [](DoctorFacts& f) { f.after["vehicles"][0]["state"] = "flight_termination"; },
+       "vehicle 1 is in state flight_termination"},
+      {"ArmingChecksFail", [](DoctorFacts& f) { f.after["vehicles"][0]["arming_checks"] = "fail"; },
+       "vehicle 1 says that its arming checks fail"},
+      {"ArmingChecksUnknown",
+       [](DoctorFacts& f) { f.after["vehicles"][0]["arming_checks"] = "unknown"; },
+       "vehicle 1 has not told whether its arming checks pass"},
+      {"NoPositionYet",
+       [](DoctorFacts& f) {
+         f.after["vehicles"][0]["position_lacks"] = "the estimator has no velocity yet; no GPS";
+       },
+       "vehicle 1 cannot take off yet: the estimator has no velocity yet; no GPS"},
+      {"Complaint",
+       [](DoctorFacts& f) {
+         f.after["vehicles"][0]["complaints"] = json::array({"PreArm: Check ACC cal"});
+       },
+       "vehicle 1: PreArm: Check ACC cal"},
+      {"NoVehicle", [](DoctorFacts& f) { f.after["vehicles"] = json::array(); },
+       "no flight controller"},
+      {"SilentVehicle", [](DoctorFacts& f) { f.after["vehicles"][0]["heartbeat_age_s"] = 12; },
+       "vehicle 1 has been silent for 12 s"},
+      {"FewSensors", [](DoctorFacts& f) { f.messages[0]["hz"] = 120; },
+       "vehicle 1 gets only 120 HIL_SENSOR a second"},
+      {"OldSensors", [](DoctorFacts& f) { f.messages[0]["age_s"] = 4; },
+       "vehicle 1 gets no HIL_SENSOR"},
+      {"NoSensors", [](DoctorFacts& f) { f.messages.erase(0); }, "gets no HIL_SENSOR"},
+      {"NoControls", [](DoctorFacts& f) { f.messages.erase(1); }, "sends no actuator controls"},
+      {"TwoStations",
+       [](DoctorFacts& f) { f.messages.push_back(message("lan", "rx", "HEARTBEAT", 1, 250, 190)); },
+       "several ground stations are connected: 250/190, 255/190"},
+      {"TwoCasds",
+       [](DoctorFacts& f) { f.messages.push_back(message("gcs", "rx", "HEARTBEAT", 1, 254, 190)); },
+       "casd's own address"},
+      {"Damaged", [](DoctorFacts& f) { f.after["links"][1]["rx"]["crc_errors"] = 3; },
+       "packets arrive damaged"},
+      {"LostBeforeCasd", [](DoctorFacts& f) { f.after["links"][1]["rx"]["lost"] = 3; },
+       "packets are lost before they reach casd"},
+      {"SmallBuffer", [](DoctorFacts& f) { f.after["links"][0]["rx"]["kernel_drops"] = 3; },
+       "socket buffer overflows"},
+      {"SignedInTheFuture",
+       [](DoctorFacts& f) {
+         f.after["links"][0]["signing"] = {{"time_file", "/etc/cas/radio.key.time"},
+                                           {"time_ahead_s", 0.0},
+                                           {"future",
+                                            {{"system", 1},
+                                             {"component", 200},
+                                             {"link_id", 3},
+                                             {"ahead_s", 315'576'000.0},
+                                             {"refused", true}}}};
+         f.after["links"][0]["rx"]["signatures"] = {{"too_new", 2}};
+       },
+       "link sim: 1/200 (signing link 3) signs 10.0 years ahead of casd's clock"},
+      {"SigningTimeAhead",
+       [](DoctorFacts& f) {
+         f.after["links"][0]["signing"] = {{"time_file", "/etc/cas/radio.key.time"},
+                                           {"time_ahead_s", 86'400.0},
+                                           {"too_far_ahead", true},
+                                           {"future",
+                                            {{"system", 1},
+                                             {"component", 200},
+                                             {"link_id", 3},
+                                             {"ahead_s", 86'400.0},
+                                             {"refused", false}}}};
+       },
+       "signatures is 24.0 h ahead of the clock, moved there by 1/200 (signing link 3)"},
+      {"ReloadRefused",
+       [](DoctorFacts& f) {
+         f.after["reload"] = {{"accepted", false},
+                              {"age_s", 12.0},
+                              {"reason", "casd.yaml:3: threads: takes a restart"}};
+       },
+       "last reload, 12.0 s ago, was refused; the topology before it is in force: "
+       "casd.yaml:3: threads"},
+      {"RecordingPauses",
+       [](DoctorFacts& f) {
+         f.after["recording"]["left_out"] = 120;
+         f.after["recording"]["paused"] = "No space left on device";
+       },
+       "the recording pauses: No space left on device; 120 packets are missing"},
+      {"CannotRecord",
+       [](DoctorFacts& f) {
+         f.after["recording"] = {
+             {"active", false}, {"folder", "/logs"}, {"paused", "Permission denied"}};
+       },
+       "casd cannot record in /logs: Permission denied"},
+      {"GapsOfTheLastRecording",
+       [](DoctorFacts& f) {
+         f.after["recording"] = {{"active", false}, {"left_out", 9}};
+       },
+       "9 packets are missing in the last recording"},
+      {"RecordingWithGaps", [](DoctorFacts& f) { f.after["recording"]["left_out"] = 7; },
+       "the recording has gaps: 7 packets"},
+      {"LogsOfAutopilotsPause",
+       [](DoctorFacts& f) {
+         f.after["autopilot_logs"] = {{"folder", "/var/log/cas"},
+                                      {"paused", "No space left on device"},
+                                      {"vehicles", nlohmann::json::array()}};
+       },
+       "the logs of autopilots pause: No space left on device"},
+      {"AnAutopilotRefusesItsLog",
+       [](DoctorFacts& f) {
+         f.after["autopilot_logs"] = {
+             {"folder", "/var/log/cas"},
+             {"vehicles",
+              {{{"vehicle", 1},
+                {"wanted", true},
+                {"trouble", "does not send its log: it does not support this command"}}}}};
+       },
+       "vehicle 1 does not send its log: it does not support this command"},
+      {"AnArmedAutopilotIsSilentAboutItsLog",
+       [](DoctorFacts& f) {
+         f.after["vehicles"][0]["armed"] = true;
+         f.after["autopilot_logs"] = {{"folder", "/var/log/cas"},
+                                      {"vehicles", {{{"vehicle", 1}, {"wanted", true}}}}};
+         f.before = f.after;
+       },
+       "vehicle 1 is armed, was asked for its log and sends none"},
+      {"Powersave", [](DoctorFacts& f) { f.governors = {"powersave"}; }, "powersave"},
+      {"ClockStep", [](DoctorFacts& f) { f.clock_step_s = -0.2; }, "wall clock moved by -200.0 ms"},
+      {"BusyMachine", [](DoctorFacts& f) { f.wake_p99_us = 4000; }, "99 %: 4000 us"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    DoctorFacts facts = good_setup();
+    row.spoil(facts);
+    EXPECT_THAT(complaints(facts), HasSubstr(row.complaint));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Faults, DoctorFinds,
-    testing::Values(
-        BadCase{"LinkDown",
-                [](DoctorFacts& f) {
-                  f.after["links"][1]["state"] = "down";
-                  f.after["links"][1]["endpoint"] = "No such file or directory";
-                },
-                "link fcu is down: No such file"},
-        BadCase{"NoDevice", [](DoctorFacts& f) { f.devices[0].exists = false; }, "does not exist"},
-        BadCase{"NoRight", [](DoctorFacts& f) { f.devices[0].usable = false; },
-                "may not be opened"},
-        BadCase{"LatencyTimer", [](DoctorFacts& f) { f.devices[0].latency_timer = 16; },
-                "holds packets back for up to 16 ms"},
-        BadCase{"BaudTooSmall",
-                [](DoctorFacts& f) { f.after["links"][1]["tx"]["bytes"] = 180'000; },
-                "line fcu carries 90.0 of 92.2 kB/s"},
-        BadCase{"OwnDrops",
-                [](DoctorFacts& f) { f.after["links"][0]["tx"]["dropped"]["queue_full"] = 5; },
-                "link sim: casd dropped 5 packets (queue_full)"},
-        BadCase{"LateDrops",
-                [](DoctorFacts& f) { f.after["links"][1]["tx"]["dropped"]["age"] = 7; },
-                "would come too late"},
-        BadCase{"NotInHil", [](DoctorFacts& f) { f.after["vehicles"][0]["hil"] = false; },
-                "does not say that it is in HIL mode"},
-        BadCase{"TwoAutopilots",
-                [](DoctorFacts& f) {
-                  f.after["vehicles"][0]["rival"] = {{"component", 1}, {"link", "sitl"}};
-                },
-                "links fcu and sitl bring two autopilots"},
-        BadCase{"InTermination",
-                [](DoctorFacts& f) { f.after["vehicles"][0]["state"] = "flight_termination"; },
-                "vehicle 1 is in state flight_termination"},
-        BadCase{"ArmingChecksFail",
-                [](DoctorFacts& f) { f.after["vehicles"][0]["arming_checks"] = "fail"; },
-                "vehicle 1 says that its arming checks fail"},
-        BadCase{"ArmingChecksUnknown",
-                [](DoctorFacts& f) { f.after["vehicles"][0]["arming_checks"] = "unknown"; },
-                "vehicle 1 has not told whether its arming checks pass"},
-        BadCase{"NoPositionYet",
-                [](DoctorFacts& f) {
-                  f.after["vehicles"][0]["position_lacks"] =
-                      "the estimator has no velocity yet; no GPS";
-                },
-                "vehicle 1 cannot take off yet: the estimator has no velocity yet; no GPS"},
-        BadCase{"Complaint",
-                [](DoctorFacts& f) {
-                  f.after["vehicles"][0]["complaints"] = json::array({"PreArm: Check ACC cal"});
-                },
-                "vehicle 1: PreArm: Check ACC cal"},
-        BadCase{"NoVehicle", [](DoctorFacts& f) { f.after["vehicles"] = json::array(); },
-                "no flight controller"},
-        BadCase{"SilentVehicle",
-                [](DoctorFacts& f) { f.after["vehicles"][0]["heartbeat_age_s"] = 12; },
-                "vehicle 1 has been silent for 12 s"},
-        BadCase{"FewSensors", [](DoctorFacts& f) { f.messages[0]["hz"] = 120; },
-                "vehicle 1 gets only 120 HIL_SENSOR a second"},
-        BadCase{"OldSensors", [](DoctorFacts& f) { f.messages[0]["age_s"] = 4; },
-                "vehicle 1 gets no HIL_SENSOR"},
-        BadCase{"NoSensors", [](DoctorFacts& f) { f.messages.erase(0); }, "gets no HIL_SENSOR"},
-        BadCase{"NoControls", [](DoctorFacts& f) { f.messages.erase(1); },
-                "sends no actuator controls"},
-        BadCase{"TwoStations",
-                [](DoctorFacts& f) {
-                  f.messages.push_back(message("lan", "rx", "HEARTBEAT", 1, 250, 190));
-                },
-                "several ground stations are connected: 250/190, 255/190"},
-        BadCase{"TwoCasds",
-                [](DoctorFacts& f) {
-                  f.messages.push_back(message("gcs", "rx", "HEARTBEAT", 1, 254, 190));
-                },
-                "casd's own address"},
-        BadCase{"Damaged", [](DoctorFacts& f) { f.after["links"][1]["rx"]["crc_errors"] = 3; },
-                "packets arrive damaged"},
-        BadCase{"LostBeforeCasd", [](DoctorFacts& f) { f.after["links"][1]["rx"]["lost"] = 3; },
-                "packets are lost before they reach casd"},
-        BadCase{"SmallBuffer",
-                [](DoctorFacts& f) { f.after["links"][0]["rx"]["kernel_drops"] = 3; },
-                "socket buffer overflows"},
-        BadCase{"SignedInTheFuture",
-                [](DoctorFacts& f) {
-                  f.after["links"][0]["signing"] = {{"time_file", "/etc/cas/radio.key.time"},
-                                                    {"time_ahead_s", 0.0},
-                                                    {"future",
-                                                     {{"system", 1},
-                                                      {"component", 200},
-                                                      {"link_id", 3},
-                                                      {"ahead_s", 315'576'000.0},
-                                                      {"refused", true}}}};
-                  f.after["links"][0]["rx"]["signatures"] = {{"too_new", 2}};
-                },
-                "link sim: 1/200 (signing link 3) signs 10.0 years ahead of casd's clock"},
-        BadCase{"SigningTimeAhead",
-                [](DoctorFacts& f) {
-                  f.after["links"][0]["signing"] = {{"time_file", "/etc/cas/radio.key.time"},
-                                                    {"time_ahead_s", 86'400.0},
-                                                    {"too_far_ahead", true},
-                                                    {"future",
-                                                     {{"system", 1},
-                                                      {"component", 200},
-                                                      {"link_id", 3},
-                                                      {"ahead_s", 86'400.0},
-                                                      {"refused", false}}}};
-                },
-                "signatures is 24.0 h ahead of the clock, moved there by 1/200 (signing link 3)"},
-        BadCase{"ReloadRefused",
-                [](DoctorFacts& f) {
-                  f.after["reload"] = {{"accepted", false},
-                                       {"age_s", 12.0},
-                                       {"reason", "casd.yaml:3: threads: takes a restart"}};
-                },
-                "last reload, 12.0 s ago, was refused; the topology before it is in force: "
-                "casd.yaml:3: threads"},
-        BadCase{"RecordingPauses",
-                [](DoctorFacts& f) {
-                  f.after["recording"]["left_out"] = 120;
-                  f.after["recording"]["paused"] = "No space left on device";
-                },
-                "the recording pauses: No space left on device; 120 packets are missing"},
-        BadCase{"CannotRecord",
-                [](DoctorFacts& f) {
-                  f.after["recording"] = {
-                      {"active", false}, {"folder", "/logs"}, {"paused", "Permission denied"}};
-                },
-                "casd cannot record in /logs: Permission denied"},
-        BadCase{"GapsOfTheLastRecording",
-                [](DoctorFacts& f) {
-                  f.after["recording"] = {{"active", false}, {"left_out", 9}};
-                },
-                "9 packets are missing in the last recording"},
-        BadCase{"RecordingWithGaps", [](DoctorFacts& f) { f.after["recording"]["left_out"] = 7; },
-                "the recording has gaps: 7 packets"},
-        BadCase{"LogsOfAutopilotsPause",
-                [](DoctorFacts& f) {
-                  f.after["autopilot_logs"] = {{"folder", "/var/log/cas"},
-                                               {"paused", "No space left on device"},
-                                               {"vehicles", nlohmann::json::array()}};
-                },
-                "the logs of autopilots pause: No space left on device"},
-        BadCase{"AnAutopilotRefusesItsLog",
-                [](DoctorFacts& f) {
-                  f.after["autopilot_logs"] = {
-                      {"folder", "/var/log/cas"},
-                      {"vehicles",
-                       {{{"vehicle", 1},
-                         {"wanted", true},
-                         {"trouble", "does not send its log: it does not support this command"}}}}};
-                },
-                "vehicle 1 does not send its log: it does not support this command"},
-        BadCase{"AnArmedAutopilotIsSilentAboutItsLog",
-                [](DoctorFacts& f) {
-                  f.after["vehicles"][0]["armed"] = true;
-                  f.after["autopilot_logs"] = {{"folder", "/var/log/cas"},
-                                               {"vehicles", {{{"vehicle", 1}, {"wanted", true}}}}};
-                  f.before = f.after;
-                },
-                "vehicle 1 is armed, was asked for its log and sends none"},
-        BadCase{"Powersave", [](DoctorFacts& f) { f.governors = {"powersave"}; }, "powersave"},
-        BadCase{"ClockStep", [](DoctorFacts& f) { f.clock_step_s = -0.2; },
-                "wall clock moved by -200.0 ms"},
-        BadCase{"BusyMachine", [](DoctorFacts& f) { f.wake_p99_us = 4000; }, "99 %: 4000 us"}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(Doctor, GivesAnAutopilotArmedBetweenTheLooksTimeToSendItsLog) {
   DoctorFacts facts = good_setup();

@@ -8,8 +8,6 @@
 namespace cas::casctl {
 namespace {
 
-using nlohmann::json;
-
 TelemetrySample sample() {
   TelemetrySample sample;
   sample.time_s = 1.5;

@@ -27,9 +27,7 @@ class StreamTimeTest : public testing::Test {
     });
   }
   void sensor(std::uint64_t time_usec) {
-    HilSensor message;
-    message.time_usec = time_usec;
-    const mav::PacketBuffer buffer = test::packet(message, kSimulator);
+    const mav::PacketBuffer buffer = test::packet(HilSensor{.time_usec = time_usec}, kSimulator);
     time_.on_packet(test::view(buffer), [this] { events_.emplace_back("before"); });
   }
 
@@ -50,9 +48,7 @@ TEST_F(StreamTimeTest, GivesATurnEachFiftyMillisecondsOnAGrid) {
 }
 
 TEST_F(StreamTimeTest, OtherMessagesMoveNothing) {
-  HilGps message;
-  message.time_usec = 77'000;
-  const mav::PacketBuffer buffer = test::packet(message, kSimulator);
+  const mav::PacketBuffer buffer = test::packet(HilGps{.time_usec = 77'000}, kSimulator);
   time_.on_packet(test::view(buffer), [this] { events_.emplace_back("before"); });
   EXPECT_EQ(time_.now(), RunTime{});
   EXPECT_TRUE(events_.empty());
@@ -66,9 +62,7 @@ TEST_F(StreamTimeTest, GoesOnWhenTheSimulationStartsAnew) {
 
 TEST(StreamTime, IsOffUnlessEnabled) {
   StreamTime time;
-  HilSensor message;
-  message.time_usec = 5'000;
-  const mav::PacketBuffer buffer = test::packet(message, kSimulator);
+  const mav::PacketBuffer buffer = test::packet(HilSensor{.time_usec = 5'000}, kSimulator);
   time.on_packet(test::view(buffer), [] { FAIL(); });
   EXPECT_EQ(time.now(), RunTime{});
 }

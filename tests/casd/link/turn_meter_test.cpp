@@ -14,26 +14,22 @@ namespace {
 
 using std::chrono::milliseconds;
 
-struct ExcessCase {
-  const char* name;
-  TurnUse use;
-  bool exceeds;
-};
-
-class TurnExcess : public testing::TestWithParam<ExcessCase> {};
-
-TEST_P(TurnExcess, IsASentenceBeyondABound) {
-  EXPECT_EQ(excess(GetParam().use, 2).has_value(), GetParam().exceeds);
+TEST(TurnExcess, IsASentenceBeyondABound) {
+  struct ExcessCase {
+    const char* name;
+    TurnUse use;
+    bool exceeds;
+  };
+  const ExcessCase rows[] = {
+      {"Usual", {.processor = milliseconds(1), .read_bytes = 65536, .waits = 3}, false},
+      {"Processor", {.processor = milliseconds(211)}, true},
+      {"Bytes", {.read_bytes = 3 * 65536 + 1}, true},
+      {"Waits", {.waits = 145}, true}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    EXPECT_EQ(excess(row.use, 2).has_value(), row.exceeds);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Turns, TurnExcess,
-    testing::Values(
-        ExcessCase{"Usual", {.processor = milliseconds(1), .read_bytes = 65536, .waits = 3}, false},
-        ExcessCase{"Processor", {.processor = milliseconds(211)}, true},
-        ExcessCase{"Bytes", {.read_bytes = 3 * 65536 + 1}, true},
-        ExcessCase{"Waits", {.waits = 145}, true}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(TurnMeter, CountsBytesThatWereRead) {
   TurnMeter meter;

@@ -4,7 +4,6 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <future>
-#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "base/rpc/server.hpp"

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
@@ -28,9 +26,7 @@ mav::PacketBuffer packed(const M& message) {
 }
 
 TEST(MessageDecoder, GivesFieldsInTheOrderOfTheXmlWithUnits) {
-  mavlink::common::Attitude attitude;
-  attitude.roll = 0.25F;
-  const mav::PacketBuffer packet = packed(attitude);
+  const mav::PacketBuffer packet = packed(mavlink::common::Attitude{.roll = 0.25F});
   const json fields = MessageDecoder().fields(30, mav::view_packet(packet.view()).payload);
   EXPECT_EQ(fields.at(0), (json{{"name", "time_boot_ms"}, {"units", "ms"}, {"value", 0}}));
   EXPECT_EQ(fields.at(1), (json{{"name", "roll"}, {"units", "rad"}, {"value", 0.25}}));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "casd/port/vehicle_methods.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -20,6 +20,7 @@ using mavlink::common::MavModeFlag;
 using mavlink::common::MavResult;
 using nlohmann::json;
 using test::CommandPortFixture;
+using testing::HasSubstr;
 
 class VehicleMethodsTest : public testing::Test {
  protected:
@@ -74,7 +75,7 @@ TEST_F(VehicleMethodsTest, ReportsTheInterlock) {
   fixture_.vehicle().base_mode = MavModeFlag::kCustomModeEnabled;
   const CallError refused = error("vehicle.arm", {{"not_hil", true}});
   EXPECT_EQ(refused.code(), -32004);
-  EXPECT_NE(std::string(refused.what()).find("allow_not_hil"), std::string::npos);
+  EXPECT_THAT(std::string(refused.what()), HasSubstr("allow_not_hil"));
   fixture_.stop();
   EXPECT_TRUE(fixture_.vehicle().commands.empty());
 }
@@ -174,9 +175,9 @@ TEST_F(VehicleMethodsTest, RefusesAGainOrLoopThatIsNotThere) {
   EXPECT_EQ(error("gain.set", {{"loop", "roll"}, {"i", 1}}).code(), -32000);
   const CallError unknown = error("gain.set", {{"loop", "warp"}, {"p", 1}});
   EXPECT_EQ(unknown.code(), -32000);
-  EXPECT_NE(std::string(unknown.what()).find("rollrate"), std::string::npos);
+  EXPECT_THAT(std::string(unknown.what()), HasSubstr("rollrate"));
   const CallError misspelt = error("gain.set", {{"loop", "velocty"}, {"p", 1}});
-  EXPECT_NE(std::string(misspelt.what()).find("; did you mean 'velocity'?"), std::string::npos);
+  EXPECT_THAT(std::string(misspelt.what()), HasSubstr("; did you mean 'velocity'?"));
 }
 
 TEST_F(VehicleMethodsTest, ListsTheLoopsOfTheAutopilot) {
@@ -210,9 +211,7 @@ TEST_F(VehicleMethodsTest, TellsWhatIsInForceWhenAValueIsRefused) {
 TEST_F(VehicleMethodsTest, TellsTheVehiclesState) {
   auto& vehicle = fixture_.vehicle();
   vehicle.custom_mode = 4U << 16 | 3U << 24;
-  mavlink::common::LocalPositionNed local;
-  local.x = 1.5F;
-  local.z = -2.5F;
+  mavlink::common::LocalPositionNed local{.x = 1.5F, .z = -2.5F};
   vehicle.say_heartbeat(base::steady_now());
   vehicle.say(local, base::steady_now());
   vehicle.say_text("hello", base::steady_now());
@@ -230,8 +229,7 @@ TEST_F(VehicleMethodsTest, TellsTheVehiclesState) {
 
 TEST_F(VehicleMethodsTest, LeavesOutWhatTheVehicleDoesNotKnow) {
   auto& vehicle = fixture_.vehicle();
-  mavlink::common::LocalPositionNed local;
-  local.z = std::numeric_limits<float>::quiet_NaN();
+  mavlink::common::LocalPositionNed local{.z = std::numeric_limits<float>::quiet_NaN()};
   vehicle.say_heartbeat(base::steady_now());
   vehicle.say(local, base::steady_now());
   vehicle.say_text("hello", base::steady_now());
@@ -243,11 +241,8 @@ TEST_F(VehicleMethodsTest, LeavesOutWhatTheVehicleDoesNotKnow) {
 
 TEST_F(VehicleMethodsTest, TellsTelemetryWithNullForWhatIsNotKnown) {
   auto& vehicle = fixture_.vehicle();
-  mavlink::common::Attitude attitude;
-  attitude.roll = 0.1F;
-  attitude.yaw = std::numeric_limits<float>::quiet_NaN();
-  mavlink::common::SysStatus no_battery;
-  no_battery.voltage_battery = 0xFFFF;
+  mavlink::common::Attitude attitude{.roll = 0.1F, .yaw = std::numeric_limits<float>::quiet_NaN()};
+  mavlink::common::SysStatus no_battery{.voltage_battery = 0xFFFF};
   mavlink::common::BatteryStatus battery;
   battery.voltages.fill(0xFFFF);
   battery.voltages[0] = 4000;
@@ -257,11 +252,10 @@ TEST_F(VehicleMethodsTest, TellsTelemetryWithNullForWhatIsNotKnown) {
   mavlink::common::BatteryStatus second = battery;
   second.id = 1;
   second.voltages[0] = 1000;
-  mavlink::common::GpsRawInt gps;
-  gps.fix_type = mavlink::common::GpsFixType::kNoFix;
-  gps.lat = 473977420;
-  gps.eph = 0xFFFF;
-  gps.satellites_visible = 4;
+  mavlink::common::GpsRawInt gps{.fix_type = mavlink::common::GpsFixType::kNoFix,
+                                 .lat = 473977420,
+                                 .eph = 0xFFFF,
+                                 .satellites_visible = 4};
   const base::RunTime now = base::steady_now();
   vehicle.say_heartbeat(now);
   vehicle.say(attitude, now);
@@ -309,11 +303,9 @@ TEST_F(VehicleMethodsTest, AuditsWhoChangesAVehicleAndWhatCameOfIt) {
   fixture_.stop();
   ASSERT_EQ(fixture_.audit().size(), 2U);
   EXPECT_EQ(fixture_.audit()[0].rfind("127.0.0.1:", 0), 0U);
-  EXPECT_NE(fixture_.audit()[0].find(
-                R"( vehicle.takeoff {"altitude_m":2.5,"vehicle":1} vehicle 1: accepted)"),
-            std::string::npos)
-      << fixture_.audit()[0];
-  EXPECT_NE(fixture_.audit()[1].find("'WARP' is no mode of PX4"), std::string::npos);
+  EXPECT_THAT(fixture_.audit()[0],
+              HasSubstr(R"( vehicle.takeoff {"altitude_m":2.5,"vehicle":1} vehicle 1: accepted)"));
+  EXPECT_THAT(fixture_.audit()[1], HasSubstr("'WARP' is no mode of PX4"));
 }
 
 TEST_F(VehicleMethodsTest, KeepsTheAuditedCallsInItsJournal) {
@@ -332,7 +324,7 @@ TEST_F(VehicleMethodsTest, KeepsTheAuditedCallsInItsJournal) {
   EXPECT_FALSE(calls[0].contains("refusal"));
   EXPECT_FALSE(calls[0].contains("times"));
   EXPECT_EQ(calls[1].at("times"), 2);
-  EXPECT_NE(calls[1].at("refusal").get<std::string>().find("WARP"), std::string::npos);
+  EXPECT_THAT(calls[1].at("refusal").get<std::string>(), HasSubstr("WARP"));
   EXPECT_EQ(error("casd.journal", {{"since", 1}}).code(), -32602);
 }
 
@@ -363,9 +355,9 @@ TEST_F(VehicleMethodsTest, AuditsARefusalThatRepeatsItselfOnce) {
   error("vehicle.mode", {{"mode", "WOOF"}});
   fixture_.stop();
   ASSERT_EQ(fixture_.audit().size(), 3U);
-  EXPECT_NE(fixture_.audit()[0].find("WARP"), std::string::npos);
+  EXPECT_THAT(fixture_.audit()[0], HasSubstr("WARP"));
   EXPECT_EQ(fixture_.audit()[1], "(the same again 9 times)");
-  EXPECT_NE(fixture_.audit()[2].find("WOOF"), std::string::npos);
+  EXPECT_THAT(fixture_.audit()[2], HasSubstr("WOOF"));
 }
 
 }  // namespace

@@ -100,9 +100,7 @@ TEST_F(NewestSetpointsTest, FloodOfInventedSendersCostsItsOwnWay) {
 /// RC_CHANNELS_OVERRIDE that leaves all channels but the first two, unless it names them.
 mav::PacketBuffer override_of(std::uint16_t first, std::uint16_t second) {
   constexpr std::uint16_t kLeave = std::numeric_limits<std::uint16_t>::max();
-  RcChannelsOverride rc;
-  rc.chan1_raw = first;
-  rc.chan2_raw = second;
+  RcChannelsOverride rc{.chan1_raw = first, .chan2_raw = second};
   rc.chan3_raw = rc.chan4_raw = rc.chan5_raw = rc.chan6_raw = rc.chan7_raw = rc.chan8_raw = kLeave;
   return packet(rc, {255, 190});
 }
@@ -137,8 +135,7 @@ TEST(SetpointStream, TargetInAnotherFrameIsAnother) {
 }
 
 TEST(SetpointStream, TapOfAButtonIsNotLost) {
-  mavlink::common::ManualControl pressed;
-  pressed.buttons = 4;
+  mavlink::common::ManualControl pressed{.buttons = 4};
   const mavlink::common::ManualControl released;
   EXPECT_TRUE(takes_place(released, released));
   EXPECT_FALSE(takes_place(released, pressed));

@@ -16,8 +16,7 @@ constexpr LinkId kOther = 1;
 
 /// The n-th packet of a sender: its content counts on when the sequence number wraps.
 mav::PacketBuffer nth(unsigned n, mav::Source source = {1, 1}) {
-  mavlink::common::HilSensor sensor;
-  sensor.time_usec = n;
+  mavlink::common::HilSensor sensor{.time_usec = n};
   return packet(sensor, source, static_cast<std::uint8_t>(n));
 }
 
@@ -50,9 +49,9 @@ TEST(DuplicateFilter, DropsNoPacketThatDiffers) {
   DuplicateFilter filter;
   std::mt19937 random(5);
   for (unsigned i = 0; i < 100'000; ++i) {
-    mavlink::common::HilSensor sensor;
-    sensor.time_usec = i;
-    sensor.fields_updated = static_cast<mavlink::common::HilSensorUpdatedFlags>(random() & 0x1FFFU);
+    mavlink::common::HilSensor sensor{
+        .time_usec = i,
+        .fields_updated = static_cast<mavlink::common::HilSensorUpdatedFlags>(random() & 0x1FFFU)};
     // Few sequence numbers and two links: nearly the same bytes all the time.
     const auto sent = packet(sensor, {1, 1}, static_cast<std::uint8_t>(random() % 3));
     const auto link = static_cast<LinkId>(random() % 2);

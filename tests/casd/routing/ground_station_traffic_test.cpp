@@ -28,10 +28,7 @@ bool accepts(const AcceptRule& rule, const Message& message, mav::Source source 
 }
 
 Heartbeat heartbeat(MavType type, MavAutopilot autopilot) {
-  Heartbeat message;
-  message.type = type;
-  message.autopilot = autopilot;
-  return message;
+  return {.type = type, .autopilot = autopilot};
 }
 
 TEST(StationTraffic, HoldsNoStreamOfTheHilLoopAndNoMeasurement) {
@@ -73,37 +70,31 @@ TEST(StationTraffic, IsWhatTheReferenceSays) {
   EXPECT_EQ(described, known);
 }
 
-struct HeartbeatCase {
-  const char* name;
-  MavType type;
-  MavAutopilot autopilot;
-  mav::Source source;
-  bool station;
-};
-
-class StationHeartbeat : public testing::TestWithParam<HeartbeatCase> {};
-
-TEST_P(StationHeartbeat, OfAVehicleIsNoStations) {
-  const HeartbeatCase& test = GetParam();
-  EXPECT_EQ(accepts({.ground_station = true}, heartbeat(test.type, test.autopilot), test.source),
-            test.station);
+TEST(StationHeartbeat, OfAVehicleIsNoStations) {
+  struct HeartbeatCase {
+    const char* name;
+    MavType type;
+    MavAutopilot autopilot;
+    mav::Source source;
+    bool station;
+  };
+  const HeartbeatCase rows[] = {
+      {"QGroundControl", MavType::kGcs, MavAutopilot::kInvalid, kStation, true},
+      {"Companion", MavType::kOnboardController, MavAutopilot::kInvalid, {42, 191}, true},
+      {"ScriptThatSaysGeneric",
+       MavType::kOnboardController,
+       MavAutopilot::kGeneric,
+       {42, 191},
+       true},
+      {"Px4", MavType::kQuadrotor, MavAutopilot::kPx4, {1, 1}, false},
+      {"Px4OfAnyId", MavType::kQuadrotor, MavAutopilot::kPx4, {77, 190}, false},
+      {"Generic", MavType::kQuadrotor, MavAutopilot::kGeneric, {77, 1}, false}};
+  for (const auto& test : rows) {
+    SCOPED_TRACE(test.name);
+    EXPECT_EQ(accepts({.ground_station = true}, heartbeat(test.type, test.autopilot), test.source),
+              test.station);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Says, StationHeartbeat,
-    testing::Values(
-        HeartbeatCase{"QGroundControl", MavType::kGcs, MavAutopilot::kInvalid, kStation, true},
-        HeartbeatCase{
-            "Companion", MavType::kOnboardController, MavAutopilot::kInvalid, {42, 191}, true},
-        HeartbeatCase{"ScriptThatSaysGeneric",
-                      MavType::kOnboardController,
-                      MavAutopilot::kGeneric,
-                      {42, 191},
-                      true},
-        HeartbeatCase{"Px4", MavType::kQuadrotor, MavAutopilot::kPx4, {1, 1}, false},
-        HeartbeatCase{"Px4OfAnyId", MavType::kQuadrotor, MavAutopilot::kPx4, {77, 190}, false},
-        HeartbeatCase{"Generic", MavType::kQuadrotor, MavAutopilot::kGeneric, {77, 1}, false}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(AcceptRule, StationTrafficIsWidenedByNamedMessages) {
   const AcceptRule station{.ground_station = true};

@@ -20,8 +20,7 @@ constexpr int kProof = 1 + static_cast<int>(LoopGuard::kEnough);
 class LoopGuardTest : public testing::Test {
  protected:
   Verdict comes(LinkId from, unsigned n, base::Duration when) {
-    mavlink::common::HilSensor sensor;
-    sensor.time_usec = n;
+    mavlink::common::HilSensor sensor{.time_usec = n};
     const auto sent = packet(sensor, {1, 1}, static_cast<std::uint8_t>(n));
     return guard_->on_packet(from, view(sent), at(when));
   }

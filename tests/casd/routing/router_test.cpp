@@ -83,9 +83,9 @@ std::shared_ptr<RoutingPlan> guarded(LinkId links) {
 
 Heartbeat heartbeat_of(bool in_hil) {
   using mavlink::common::MavModeFlag;
-  Heartbeat message;
-  message.autopilot = mavlink::common::MavAutopilot::kPx4;
-  message.base_mode = in_hil ? MavModeFlag::kHilEnabled : MavModeFlag::kCustomModeEnabled;
+  Heartbeat message{
+      .autopilot = mavlink::common::MavAutopilot::kPx4,
+      .base_mode = in_hil ? MavModeFlag::kHilEnabled : MavModeFlag::kCustomModeEnabled};
   return message;
 }
 
@@ -196,9 +196,7 @@ TEST(RouterInterlock, StopsTelemetryAndOtherLinksPass) {
 TEST(Router, AnswerFindsTheWayBack) {
   Router router = make_router(3);
   router.on_packet(0, view(packet(Heartbeat{}, {255, 190})), at({}));
-  mavlink::common::CommandAck ack;
-  ack.target_system = 255;
-  ack.target_component = 190;
+  mavlink::common::CommandAck ack{.target_system = 255, .target_component = 190};
   EXPECT_EQ(router.on_packet(2, view(packet(ack, {1, 1})), at({})).to, bit(0));
 }
 
@@ -462,8 +460,7 @@ TEST(Router, AgreesWithThePlainRulesOnRandomTopologies) {
                                static_cast<std::uint8_t>(any.below(5))};
       auto command = command_to(target.system, target.component);
       command.param1 = static_cast<float>(i);  // no two packets are the same
-      Heartbeat heartbeat;
-      heartbeat.custom_mode = i;
+      Heartbeat heartbeat{.custom_mode = i};
       const auto sequence = static_cast<std::uint8_t>(i);
       const auto sent =
           addressed ? packet(command, source, sequence) : packet(heartbeat, source, sequence);

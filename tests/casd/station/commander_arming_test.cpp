@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+
 #include "tests/casd/station/commander_fixture.hpp"
 
 namespace cas::casd {
@@ -10,6 +12,7 @@ using base::RunTime;
 using test::FakeVehicle;
 using test::kLink;
 using test::VehicleCommanderTest;
+using testing::HasSubstr;
 
 TEST_F(VehicleCommanderTest, ArmsWhenTheVehicleAccepts) {
   meet();
@@ -35,8 +38,7 @@ TEST_F(VehicleCommanderTest, ReportsARefusalWithItsStatusText) {
   EXPECT_EQ(outcome.kind, OutcomeKind::kRefused);
   EXPECT_EQ(outcome.result, MavResult::kTemporarilyRejected);
   EXPECT_EQ(outcome.status_texts, std::vector<std::string>{vehicle_.script.text});
-  EXPECT_NE(outcome.message.find("temporarily rejected: Arming denied"), std::string::npos)
-      << outcome.message;
+  EXPECT_THAT(outcome.message, HasSubstr("temporarily rejected: Arming denied"));
 }
 
 TEST(VehicleCommanderInLockstep, AnswersARefusalWhileTimeStands) {
@@ -138,8 +140,7 @@ TEST_F(VehicleCommanderTest, ADisarmIsNotOvertakenByAnArmThatWaitsForHold) {
   run_for(3s);
   ASSERT_TRUE(armed.has_value());
   EXPECT_EQ(armed->kind, OutcomeKind::kRefused);
-  EXPECT_NE(armed->message.find("was replaced by a newer request"), std::string::npos)
-      << armed->message;
+  EXPECT_THAT(armed->message, HasSubstr("was replaced by a newer request"));
   for (std::size_t i = 1; i < vehicle_.commands.size(); ++i) {
     const bool arms = vehicle_.commands[i].command == MavCmd::kComponentArmDisarm &&
                       vehicle_.commands[i].param1 == 1.0F;
@@ -316,10 +317,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_F(ConsentingCommanderTest, SendsNoArmedVehicleThatIsNotInHilToAPlaceWithoutConsent) {
   vehicle_.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kSafetyArmed;
   meet();
-  mavlink::common::HomePosition home;
-  home.latitude = 473977420;
-  home.longitude = 85455940;
-  say(home);
+  say(mavlink::common::HomePosition{.latitude = 473977420, .longitude = 85455940});
   commander_.go_to(1, {.north_m = 1, .yaw_deg = {}}, now_, done());
   EXPECT_EQ(finish().kind, OutcomeKind::kInterlock);
   EXPECT_TRUE(vehicle_.int_commands.empty());

@@ -12,9 +12,7 @@ using test::VehicleCommanderTest;
 
 TEST_F(VehicleCommanderTest, Px4TakesOffToAnAltitudeAboveSeaLevel) {
   meet();
-  HomePosition home;
-  home.altitude = 488'000;
-  say(home);
+  say(HomePosition{.altitude = 488'000});
   EXPECT_TRUE(ask(&VehicleCommander::takeoff, 2.5).ok());
   ASSERT_EQ(vehicle_.commands.size(), 1U);
   EXPECT_EQ(vehicle_.commands[0].command, MavCmd::kNavTakeoff);
@@ -31,9 +29,7 @@ class TakeoffByParameter : public VehicleCommanderTest {
   }
   double height() { return vehicle_.params["MIS_TAKEOFF_ALT"].value; }
   void be(MavLandedState landed) {
-    ExtendedSysState state;
-    state.landed_state = landed;
-    say(state);
+    say(ExtendedSysState{.landed_state = landed});
     run_for(1s);
   }
 };
@@ -123,10 +119,7 @@ class ArduPlane : public VehicleCommanderTest {
     meet();
   }
   void fly_as(MavVtolState state) {
-    ExtendedSysState said;
-    said.vtol_state = state;
-    said.landed_state = MavLandedState::kInAir;
-    say(said);
+    say(ExtendedSysState{.vtol_state = state, .landed_state = MavLandedState::kInAir});
   }
 };
 
@@ -172,9 +165,7 @@ TEST_P(Hold, StaysInTheModeOfItsVehicle) {
   vehicle_.autopilot = MavAutopilot::kArdupilotmega;
   vehicle_.type = GetParam().type;
   meet();
-  ExtendedSysState said;
-  said.vtol_state = GetParam().vtol;
-  say(said);
+  say(ExtendedSysState{.vtol_state = GetParam().vtol});
   EXPECT_TRUE(ask(&VehicleCommander::hold).ok());
   EXPECT_EQ(asked_mode(vehicle_), GetParam().mode);
   EXPECT_EQ(commander_.vehicles().front()->mode(), GetParam().word);
@@ -203,10 +194,7 @@ TEST_F(VehicleCommanderTest, AVehicleOfUnknownModesTakesNone) {
 
 TEST_F(VehicleCommanderTest, GoesToALocalPlaceByLatitudeAndLongitude) {
   meet();
-  HomePosition home;
-  home.latitude = 473977420;
-  home.longitude = 85455940;
-  home.altitude = 488'000;
+  HomePosition home{.latitude = 473977420, .longitude = 85455940, .altitude = 488'000};
   home.z = -0.5F;  // home lies 0.5 m above the origin of the local frame
   say(home);
   commander_.go_to(1, {.north_m = 111.19, .east_m = 0, .down_m = -3, .yaw_deg = 90}, now_, done());
@@ -224,9 +212,7 @@ TEST_F(VehicleCommanderTest, GoesToALocalPlaceByLatitudeAndLongitude) {
 TEST_F(VehicleCommanderTest, TellsHowAVtolFlies) {
   meet();
   const auto word = [&](MavVtolState state) {
-    ExtendedSysState said;
-    said.vtol_state = state;
-    say(said);
+    say(ExtendedSysState{.vtol_state = state});
     return commander_.vehicles().front()->vtol_word();
   };
   EXPECT_EQ(word(MavVtolState::kMc), "multicopter");
@@ -248,11 +234,7 @@ class Circle : public VehicleCommanderTest, public testing::WithParamInterface<C
 TEST_P(Circle, GoesWithItsRadiusToThePlace) {
   vehicle_.autopilot = GetParam().autopilot;
   meet();
-  HomePosition home;
-  home.latitude = 473977420;
-  home.longitude = 85455940;
-  home.altitude = 488'000;
-  say(home);
+  say(HomePosition{.latitude = 473977420, .longitude = 85455940, .altitude = 488'000});
   commander_.go_to(1, {.north_m = 0, .east_m = 0, .down_m = -40, .yaw_deg = {}, .radius_m = -80},
                    now_, done());
   EXPECT_TRUE(finish().ok());
@@ -273,10 +255,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(VehicleCommanderTest, RefusesPlacesNoVehicleReaches) {
   meet();
-  HomePosition home;
-  home.latitude = 473977420;
-  home.longitude = 85455940;
-  say(home);
+  say(HomePosition{.latitude = 473977420, .longitude = 85455940});
   commander_.go_to(1, {.north_m = 1e300, .yaw_deg = {}}, now_, done());
   EXPECT_EQ(finish().kind, OutcomeKind::kInvalid);
   EXPECT_EQ(ask(&VehicleCommander::takeoff, 1e300).kind, OutcomeKind::kInvalid);

@@ -76,10 +76,8 @@ class FailureInjection : public testing::Test {
     return injector_.on_packet(from, view, now_);
   }
   void beat(MavModeFlag mode = kHil) {
-    Heartbeat heartbeat;
-    heartbeat.type = MavType::kQuadrotor;
-    heartbeat.autopilot = MavAutopilot::kPx4;
-    heartbeat.base_mode = mode;
+    Heartbeat heartbeat{
+        .type = MavType::kQuadrotor, .autopilot = MavAutopilot::kPx4, .base_mode = mode};
     hear(kVehicleLink, {1, 1}, heartbeat);
   }
   Verdict ask(const Origin& from, const FailureOrder& order = kGpsOff, mav::Source to = {1, 1}) {
@@ -88,10 +86,7 @@ class FailureInjection : public testing::Test {
   /// The simulator's answer to the newest command that it got.
   void simulator_says(MavResult result, const Origin& from = kSimulatorLink,
                       std::uint8_t reason = 0) {
-    CommandAck ack;
-    ack.progress = reason;
-    ack.command = MavCmd::kInjectFailure;
-    ack.result = result;
+    CommandAck ack{.command = MavCmd::kInjectFailure, .result = result, .progress = reason};
     for (const Sent& sent : sent_) {
       if (sent.command) ack.result_param2 = static_cast<std::int32_t>(sent.command->param7);
     }
@@ -155,12 +150,11 @@ TEST_F(FailureInjection, HasAFailureStrikeInTheSimulatorAndAnswersForTheVehicle)
 
 TEST_F(FailureInjection, TakesThePlacedCommandToo) {
   beat();
-  CommandInt command;
-  command.target_system = 1;
-  command.command = MavCmd::kInjectFailure;
-  command.param1 = 101;
-  command.param2 = 1;
-  command.param3 = 2;
+  CommandInt command{.target_system = 1,
+                     .command = MavCmd::kInjectFailure,
+                     .param1 = 101,
+                     .param2 = 1,
+                     .param3 = 2};
   EXPECT_EQ(hear(kPermitted, kAsker, command), Verdict::kTaken);
   ASSERT_EQ(commands().size(), 1U);
   EXPECT_EQ(commands()[0].param1, 101);

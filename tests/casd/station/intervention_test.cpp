@@ -23,11 +23,8 @@ CommandLong command_to_vehicle(MavCmd id, float param1 = 0, float param2 = 0) {
 }
 
 CommandAck ack_to(mav::Source station, MavCmd command) {
-  CommandAck ack;
-  ack.command = command;
-  ack.target_system = station.system;
-  ack.target_component = station.component;
-  return ack;
+  return {
+      .command = command, .target_system = station.system, .target_component = station.component};
 }
 
 class Overheard : public test::VehicleCommanderTest {
@@ -81,11 +78,8 @@ TEST_F(Overheard, SwitchesGivenAsCommandsDisarmToo) {
 
 TEST_F(Overheard, SticksAndModesCountWithTheirAddressee) {
   meet();
-  SetMode mode;
-  mode.target_system = 1;
-  hear(mode);
-  ManualControl sticks;
-  sticks.target = 1;
+  hear(SetMode{.target_system = 1});
+  ManualControl sticks{.target = 1};
   hear(sticks);
   hear(sticks);
   sticks.target = 2;
@@ -166,9 +160,7 @@ TEST_F(Overheard, ADisarmEndsAllThatMaySpinMotors) {
 // A vehicle that waits in its takeoff mode takes off as soon as it is armed.
 TEST_F(Overheard, ADisarmEndsATakeoffThatIsUnderWay) {
   meet();
-  HomePosition home;
-  home.altitude = 488'000;
-  vehicle_.say(home, now_);
+  vehicle_.say(HomePosition{.altitude = 488'000}, now_);
   run_for(50ms);
   vehicle_.script.answers = 0;
   commander_.takeoff(1, 2.5, now_, done());

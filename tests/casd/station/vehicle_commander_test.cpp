@@ -84,8 +84,7 @@ TEST_F(VehicleCommanderTest, RemembersTheNewestTenStatusTexts) {
 
 TEST_F(VehicleCommanderTest, JoinsAStatusTextInChunks) {
   meet();
-  Statustext chunk;
-  chunk.id = 7;
+  Statustext chunk{.id = 7};
   std::string text(50, 'a');
   mav::set_text(chunk.text, text);
   vehicle_.say(chunk, now_);
@@ -137,11 +136,7 @@ class RequestedRates : public VehicleCommanderTest {
         }}) {
     commander_.on_notice([this](const std::string& notice) { notices_.push_back(notice); });
   }
-  void tell_time(std::uint32_t ms) {
-    mavlink::common::Attitude attitude;
-    attitude.time_boot_ms = ms;
-    say(attitude);
-  }
+  void tell_time(std::uint32_t ms) { say(mavlink::common::Attitude{.time_boot_ms = ms}); }
   /// The messages whose rates were asked for, in that order, each once.
   std::vector<std::uint32_t> asked() const {
     std::vector<std::uint32_t> ids;

@@ -3,7 +3,6 @@
 // id.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -54,16 +53,11 @@ class Identity : public testing::Test {
   }
   void beat(const Origin& from, MavModeFlag mode, mav::Source source = {1, 1},
             MavAutopilot autopilot = MavAutopilot::kPx4) {
-    Heartbeat heartbeat;
-    heartbeat.type = MavType::kQuadrotor;
-    heartbeat.autopilot = autopilot;
-    heartbeat.base_mode = mode;
+    Heartbeat heartbeat{.type = MavType::kQuadrotor, .autopilot = autopilot, .base_mode = mode};
     hear(from, source, heartbeat);
   }
   void acknowledge(const Origin& from, mav::Source source = {1, 1}) {
-    CommandAck ack;
-    ack.command = MavCmd::kComponentArmDisarm;
-    ack.result = MavResult::kAccepted;
+    CommandAck ack{.command = MavCmd::kComponentArmDisarm, .result = MavResult::kAccepted};
     hear(from, source, ack);
   }
   void pass(base::Duration time) {
@@ -145,9 +139,7 @@ TEST_F(Identity, ConsentDoesNotTellWhichOfTwoIsMeant) {
   CommanderOptions options{.allow_not_hil = true, .ask_on_sight = false};
   VehicleCommander consenting(options, [](auto, auto) { FAIL(); });
   mav::PacketBuffer packet;
-  Heartbeat heartbeat;
-  heartbeat.autopilot = MavAutopilot::kPx4;
-  packet.size = mav::encode(heartbeat, {1, 1}, 0, packet.bytes);
+  packet.size = mav::encode(Heartbeat{.autopilot = MavAutopilot::kPx4}, {1, 1}, 0, packet.bytes);
   for (const Origin& from : {kLine, kNet}) {
     consenting.on_packet(from, mav::view_packet(packet.view()), now_);
   }

@@ -42,10 +42,9 @@ class Stock : public testing::Test {
   }
   void say_health(MavSysStatusSensor present, MavSysStatusSensor enabled,
                   MavSysStatusSensor health) {
-    SysStatus status;
-    status.onboard_control_sensors_present = present;
-    status.onboard_control_sensors_enabled = enabled;
-    status.onboard_control_sensors_health = health;
+    SysStatus status{.onboard_control_sensors_present = present,
+                     .onboard_control_sensors_enabled = enabled,
+                     .onboard_control_sensors_health = health};
     say(status);
   }
   std::vector<std::string> complaints_now() { return complaints(*commander_.find(1), now_); }
@@ -125,10 +124,9 @@ TEST_F(Stock, ItsReasonsAreOverOnceItHasFlown) {
 // PX4 v1.12.0.
 TEST_F(Stock, ASensorThatIsHealthyIsThereWithoutTheBitThatSaysSo) {
   beat();
-  SysStatus status;
-  status.onboard_control_sensors_present = S::k3dMag | S::kAbsolutePressure | S::kGps;
-  status.onboard_control_sensors_enabled = kAll;
-  status.onboard_control_sensors_health = kAll;
+  SysStatus status{.onboard_control_sensors_present = S::k3dMag | S::kAbsolutePressure | S::kGps,
+                   .onboard_control_sensors_enabled = kAll,
+                   .onboard_control_sensors_health = kAll};
   say(status);
   EXPECT_TRUE(complaints_now().empty()) << testing::PrintToString(complaints_now());
 }
@@ -136,17 +134,14 @@ TEST_F(Stock, ASensorThatIsHealthyIsThereWithoutTheBitThatSaysSo) {
 // PX4 v1.16.1 without GPS, as recorded.
 TEST_F(Stock, ASensorThatIsNeitherPresentNorEnabledIsMissing) {
   beat();
-  SysStatus status;
-  status.onboard_control_sensors_health = kAll;
+  SysStatus status{.onboard_control_sensors_health = kAll};
   say(status);
   EXPECT_TRUE(complaints_now().empty()) << "in its first second it tells of none";
   status.onboard_control_sensors_present = kAll & ~S::kGps;
   status.onboard_control_sensors_enabled = kAll & ~S::kGps;
   say(status);
   EXPECT_EQ(complaints_now(), std::vector<std::string>{"no GPS"});
-  GpsRawInt gps;
-  gps.fix_type = GpsFixType::k3dFix;
-  say(gps);
+  say(GpsRawInt{.fix_type = GpsFixType::k3dFix});
   EXPECT_TRUE(complaints_now().empty()) << "it is there, and the estimator does not use it";
 }
 
@@ -161,17 +156,9 @@ TEST_F(Stock, TextsComeWithoutTabs) {
 class StockPosition : public Stock {
  protected:
   std::string lack() { return position_lack(*commander_.find(1), now_); }
-  void say_estimator(EstimatorStatusFlags flags) {
-    EstimatorStatus status;
-    status.flags = flags;
-    say(status);
-  }
+  void say_estimator(EstimatorStatusFlags flags) { say(EstimatorStatus{.flags = flags}); }
   void say_home() { say(HomePosition{}); }
-  void say_fix(GpsFixType fix) {
-    GpsRawInt gps;
-    gps.fix_type = fix;
-    say(gps);
-  }
+  void say_fix(GpsFixType fix) { say(GpsRawInt{.fix_type = fix}); }
   using E = EstimatorStatusFlags;
   static constexpr E kFlies =
       E::kAttitude | E::kVelocityHoriz | E::kVelocityVert | E::kPosHorizAbs | E::kPosVertAbs;
@@ -221,9 +208,7 @@ TEST_F(StockPosition, OfPx4NeedsTheChecksThatItReportsAsHealthAlone) {
   EXPECT_EQ(arming_checks(*commander_.find(1), now_), ArmingChecks::kUnknown)
       << "a PX4 of an unknown version, perhaps v1.12, which has no such bit";
   EXPECT_EQ(lack(), "");
-  AutopilotVersion version;
-  version.flight_sw_version = 1U << 24 | 16U << 16 | 1U << 8;
-  say(version);
+  say(AutopilotVersion{.flight_sw_version = 1U << 24 | 16U << 16 | 1U << 8});
   EXPECT_EQ(arming_checks(*commander_.find(1), now_), ArmingChecks::kFail);
   EXPECT_EQ(lack(), "its arming checks fail");
   say_health(kAll, kAll, kAll | S::kPrearmCheck);
@@ -462,9 +447,9 @@ TEST(StockArduPilot, IsAskedForTheRatesOfItsLinkAloneWhereCasdAsksForNothing) {
   FakeVehicle vehicle;
   vehicle.autopilot = MavAutopilot::kArdupilotmega;
   const base::RunTime now{seconds(10)};
-  CommanderOptions options;
-  options.ask_on_sight = false;
-  options.request_rates = [](LinkId) { return std::vector<MessageRate>{{Attitude::kId, 4}}; };
+  CommanderOptions options{.ask_on_sight = false, .request_rates = [](LinkId) {
+                             return std::vector<MessageRate>{{Attitude::kId, 4}};
+                           }};
   VehicleCommander commander(options,
                              [&](std::span<const std::uint8_t> packet, std::span<const Path>) {
                                vehicle.handle(mav::view_packet(packet), now);

@@ -22,42 +22,34 @@ using cas::test::TemporaryFolder;
 constexpr std::uint64_t kMib = 1024 * 1024;
 constexpr std::uint64_t kGib = 1024 * kMib;
 
-struct RoomCase {
-  const char* name;
-  LogLimits limits;
-  LogSpace space;
-  std::uint64_t more;
-  std::optional<std::string> why;
-};
-
-class LackOfRoom : public testing::TestWithParam<RoomCase> {};
-
-TEST_P(LackOfRoom, IsWhatTheLimitsSay) {
-  const RoomCase& test = GetParam();
-  EXPECT_EQ(lack_of_room(test.limits, test.space, test.more), test.why);
+TEST(LackOfRoom, IsWhatTheLimitsSay) {
+  struct RoomCase {
+    const char* name;
+    LogLimits limits;
+    LogSpace space;
+    std::uint64_t more;
+    std::optional<std::string> why;
+  };
+  const RoomCase rows[] = {
+      {"NoLimits", {}, {0, kGib}, kGib, {}},
+      {"JustEnoughFree", {64 * kMib, 0}, {65 * kMib, 0}, kMib, {}},
+      {"TooLittleFree",
+       {64 * kMib, 0},
+       {65 * kMib - 1, 0},
+       kMib,
+       "less than 64 MiB would stay free"},
+      {"NobodyKnows", {64 * kMib, 0}, {std::numeric_limits<std::uint64_t>::max(), 0}, kMib, {}},
+      {"JustBelowTheMost", {0, 10 * kMib}, {kGib, 9 * kMib}, kMib, {}},
+      {"BeyondTheMost",
+       {0, 10 * kMib},
+       {kGib, 9 * kMib + 1},
+       kMib,
+       "the recordings have the 10 MiB that they may take"}};
+  for (const auto& test : rows) {
+    SCOPED_TRACE(test.name);
+    EXPECT_EQ(lack_of_room(test.limits, test.space, test.more), test.why);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Cases, LackOfRoom,
-    testing::Values(RoomCase{"NoLimits", {}, {0, kGib}, kGib, {}},
-                    RoomCase{"JustEnoughFree", {64 * kMib, 0}, {65 * kMib, 0}, kMib, {}},
-                    RoomCase{"TooLittleFree",
-                             {64 * kMib, 0},
-                             {65 * kMib - 1, 0},
-                             kMib,
-                             "less than 64 MiB would stay free"},
-                    RoomCase{"NobodyKnows",
-                             {64 * kMib, 0},
-                             {std::numeric_limits<std::uint64_t>::max(), 0},
-                             kMib,
-                             {}},
-                    RoomCase{"JustBelowTheMost", {0, 10 * kMib}, {kGib, 9 * kMib}, kMib, {}},
-                    RoomCase{"BeyondTheMost",
-                             {0, 10 * kMib},
-                             {kGib, 9 * kMib + 1},
-                             kMib,
-                             "the recordings have the 10 MiB that they may take"}),
-    [](const auto& test) { return test.param.name; });
 
 /// So many records of one packet each.
 std::vector<std::uint8_t> records(std::size_t count) {

@@ -11,83 +11,72 @@
 namespace cas::casd {
 namespace {
 
-struct Notation {
-  std::string text;
-  EndpointUse use;
-  std::string entry;  ///< of a link named l
-};
-
-class Notations : public testing::TestWithParam<Notation> {};
-
-TEST_P(Notations, AreReadAsTheirProgramsMeanThem) {
-  LinkConfig link = parse_endpoint(GetParam().text, GetParam().use);
-  link.name = "l";
-  EXPECT_EQ(link_entry(link), "- {name: \"l\", type: " + GetParam().entry + "}");
-}
-
 constexpr auto kPlain = EndpointUse::kPlain;
 constexpr auto kMaster = EndpointUse::kMaster;
 constexpr auto kOut = EndpointUse::kOut;
 
-INSTANTIATE_TEST_SUITE_P(
-    Cases, Notations,
-    testing::Values(
-        // mavp2p
-        Notation{"serial:/dev/ttyAMA0:57600", kPlain,
-                 "serial, device: \"/dev/ttyAMA0\", unknown_messages: pass, baud: 57600"},
-        Notation{"udps:0.0.0.0:5600", kPlain, "udp_server, local: \"0.0.0.0:5600\""},
-        Notation{"udpc:127.0.0.1:5601", kPlain, "udp, remote: \"127.0.0.1:5601\""},
-        Notation{"tcps:0.0.0.0:5600", kPlain, "tcp_server, local: \"0.0.0.0:5600\""},
-        Notation{"tcpc:host:5601", kPlain, "tcp, remote: \"host:5601\""},
-        // MAVProxy
-        Notation{"/dev/ttyACM0,115200", kMaster,
-                 "serial, device: \"/dev/ttyACM0\", unknown_messages: pass, baud: 115200"},
-        Notation{"udpin:0.0.0.0:14550", kMaster, "udp_server, local: \"0.0.0.0:14550\""},
-        Notation{"udp:127.0.0.1:14550", kMaster, "udp_server, local: \"127.0.0.1:14550\""},
-        Notation{"127.0.0.1:14550", kMaster, "udp_server, local: \"127.0.0.1:14550\""},
-        Notation{"127.0.0.1:14551", kOut, "udp, remote: \"127.0.0.1:14551\""},
-        Notation{"udpbcast:192.168.1.255:14550", kOut, "udp, remote: \"192.168.1.255:14550\""},
-        Notation{"tcpin:0.0.0.0:5762", kOut, "tcp_server, local: \"0.0.0.0:5762\""},
-        Notation{"tcp:127.0.0.1:5760", kMaster, "tcp, remote: \"127.0.0.1:5760\""},
-        Notation{"udpcast:192.168.1.255:14550", kOut, "udp, remote: \"192.168.1.255:14550\""},
-        Notation{"mcast:", kMaster,
-                 "udp, local: \"0.0.0.0:14550\", remote: \"239.255.145.50:14550\""},
-        Notation{"mcast::14560", kPlain,
-                 "udp, local: \"0.0.0.0:14560\", remote: \"239.255.145.50:14560\""},
-        Notation{"mcast:239.1.2.3", kPlain,
-                 "udp, local: \"0.0.0.0:14550\", remote: \"239.1.2.3:14550\""},
-        Notation{"mcast:[ff02::7]:14560", kOut,
-                 "udp, local: \"[::]:14560\", remote: \"[ff02::7]:14560\""},
-        // mavlink-router
-        Notation{"192.168.1.2", kOut, "udp, remote: \"192.168.1.2:14550\""},
-        Notation{"[::1]", kOut, "udp, remote: \"[::1]:14550\""},
-        Notation{"/dev/ttyS1:1500000", kPlain,
-                 "serial, device: \"/dev/ttyS1\", unknown_messages: pass, baud: 1500000"},
-        Notation{"/dev/ttyS1:57600,115200", kPlain,
-                 "serial, device: \"/dev/ttyS1\", unknown_messages: pass, baud: [57600, 115200]"},
-        Notation{"serial:/dev/ttyS1,57600,115200,921600", kMaster,
-                 "serial, device: \"/dev/ttyS1\", unknown_messages: pass, "
-                 "baud: [57600, 115200, 921600]"},
-        Notation{"0.0.0.0:24550", kPlain, "udp_server, local: \"0.0.0.0:24550\""},
-        // MAVSDK
-        Notation{"udp://:14540", kPlain, "udp_server, local: \"127.0.0.1:14540\""},
-        Notation{"serial:///dev/ttyUSB0:57600", kPlain,
-                 "serial, device: \"/dev/ttyUSB0\", unknown_messages: pass, baud: 57600"},
-        Notation{"serial_flowcontrol:///dev/ttyUSB0:57600", kPlain,
-                 "serial, device: \"/dev/ttyUSB0\", unknown_messages: pass, baud: 57600, "
-                 "flow_control: true"},
-        // short
-        Notation{"udp:14550", kPlain, "udp_server, local: \"127.0.0.1:14550\""},
-        Notation{"tcp:5760", kPlain, "tcp_server, local: \"127.0.0.1:5760\""},
-        Notation{"udp:[::1]:14550", kPlain, "udp, remote: \"[::1]:14550\""},
-        Notation{"udp:[::]:14550", kPlain, "udp_server, local: \"[::]:14550\""},
-        Notation{"serial:/dev/ttyACM0:0", kPlain,
-                 "serial, device: \"/dev/ttyACM0\", unknown_messages: pass"},
-        Notation{"/dev/ttyACM0", kPlain,
-                 "serial, device: \"/dev/ttyACM0\", unknown_messages: pass"},
-        Notation{"serial:/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0", kPlain,
-                 "serial, device: \"/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0\", "
-                 "unknown_messages: pass"}));
+TEST(Notations, AreReadAsTheirProgramsMeanThem) {
+  struct Notation {
+    std::string text;
+    EndpointUse use;
+    std::string entry;  ///< of a link named l
+  };
+  const Notation rows[] = {
+      // mavp2p
+      {"serial:/dev/ttyAMA0:57600", kPlain,
+       "serial, device: \"/dev/ttyAMA0\", unknown_messages: pass, baud: 57600"},
+      {"udps:0.0.0.0:5600", kPlain, "udp_server, local: \"0.0.0.0:5600\""},
+      {"udpc:127.0.0.1:5601", kPlain, "udp, remote: \"127.0.0.1:5601\""},
+      {"tcps:0.0.0.0:5600", kPlain, "tcp_server, local: \"0.0.0.0:5600\""},
+      {"tcpc:host:5601", kPlain, "tcp, remote: \"host:5601\""},
+      // MAVProxy
+      {"/dev/ttyACM0,115200", kMaster,
+       "serial, device: \"/dev/ttyACM0\", unknown_messages: pass, baud: 115200"},
+      {"udpin:0.0.0.0:14550", kMaster, "udp_server, local: \"0.0.0.0:14550\""},
+      {"udp:127.0.0.1:14550", kMaster, "udp_server, local: \"127.0.0.1:14550\""},
+      {"127.0.0.1:14550", kMaster, "udp_server, local: \"127.0.0.1:14550\""},
+      {"127.0.0.1:14551", kOut, "udp, remote: \"127.0.0.1:14551\""},
+      {"udpbcast:192.168.1.255:14550", kOut, "udp, remote: \"192.168.1.255:14550\""},
+      {"tcpin:0.0.0.0:5762", kOut, "tcp_server, local: \"0.0.0.0:5762\""},
+      {"tcp:127.0.0.1:5760", kMaster, "tcp, remote: \"127.0.0.1:5760\""},
+      {"udpcast:192.168.1.255:14550", kOut, "udp, remote: \"192.168.1.255:14550\""},
+      {"mcast:", kMaster, "udp, local: \"0.0.0.0:14550\", remote: \"239.255.145.50:14550\""},
+      {"mcast::14560", kPlain, "udp, local: \"0.0.0.0:14560\", remote: \"239.255.145.50:14560\""},
+      {"mcast:239.1.2.3", kPlain, "udp, local: \"0.0.0.0:14550\", remote: \"239.1.2.3:14550\""},
+      {"mcast:[ff02::7]:14560", kOut, "udp, local: \"[::]:14560\", remote: \"[ff02::7]:14560\""},
+      // mavlink-router
+      {"192.168.1.2", kOut, "udp, remote: \"192.168.1.2:14550\""},
+      {"[::1]", kOut, "udp, remote: \"[::1]:14550\""},
+      {"/dev/ttyS1:1500000", kPlain,
+       "serial, device: \"/dev/ttyS1\", unknown_messages: pass, baud: 1500000"},
+      {"/dev/ttyS1:57600,115200", kPlain,
+       "serial, device: \"/dev/ttyS1\", unknown_messages: pass, baud: [57600, 115200]"},
+      {"serial:/dev/ttyS1,57600,115200,921600", kMaster,
+       "serial, device: \"/dev/ttyS1\", unknown_messages: pass, baud: [57600, 115200, 921600]"},
+      {"0.0.0.0:24550", kPlain, "udp_server, local: \"0.0.0.0:24550\""},
+      // MAVSDK
+      {"udp://:14540", kPlain, "udp_server, local: \"127.0.0.1:14540\""},
+      {"serial:///dev/ttyUSB0:57600", kPlain,
+       "serial, device: \"/dev/ttyUSB0\", unknown_messages: pass, baud: 57600"},
+      {"serial_flowcontrol:///dev/ttyUSB0:57600", kPlain,
+       "serial, device: \"/dev/ttyUSB0\", unknown_messages: pass, baud: 57600, flow_control: true"},
+      // short
+      {"udp:14550", kPlain, "udp_server, local: \"127.0.0.1:14550\""},
+      {"tcp:5760", kPlain, "tcp_server, local: \"127.0.0.1:5760\""},
+      {"udp:[::1]:14550", kPlain, "udp, remote: \"[::1]:14550\""},
+      {"udp:[::]:14550", kPlain, "udp_server, local: \"[::]:14550\""},
+      {"serial:/dev/ttyACM0:0", kPlain, "serial, device: \"/dev/ttyACM0\", unknown_messages: pass"},
+      {"/dev/ttyACM0", kPlain, "serial, device: \"/dev/ttyACM0\", unknown_messages: pass"},
+      {"serial:/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0", kPlain,
+       "serial, device: \"/dev/serial/by-path/pci-0000:00:14.0-usb-0:1:1.0\", "
+       "unknown_messages: pass"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.text);
+    LinkConfig link = parse_endpoint(row.text, row.use);
+    link.name = "l";
+    EXPECT_EQ(link_entry(link), "- {name: \"l\", type: " + row.entry + "}");
+  }
+}
 
 TEST(EndpointNotation, RefusesWhatIsNoPlace) {
   for (const char* text : {"udp:host",

@@ -40,29 +40,25 @@ TEST(Injection, AControllerOnASocketIsKnownByTheSimulatorsRoute) {
   ASSERT_EQ(told.size(), 1U);
 }
 
-struct QuietCase {
-  const char* name;
-  const char* gcs;
-  const char* route;
-};
-
-class NoInjection : public testing::TestWithParam<QuietCase> {};
-
-TEST_P(NoInjection, WhereHilSensorIsKeptOut) {
-  const auto told = warnings(GetParam().gcs, kSimRoute + GetParam().route);
-  EXPECT_TRUE(told.empty()) << told.front();
+TEST(NoInjection, WhereHilSensorIsKeptOut) {
+  struct QuietCase {
+    const char* name;
+    const char* gcs;
+    const char* route;
+  };
+  const QuietCase rows[] = {
+      {"Traffic", ", accept: {traffic: ground_station}", "  - {from: gcs, to: fcu}\n"},
+      {"Messages", ", accept: {messages: [COMMAND_LONG]}", "  - {from: gcs, to: fcu}\n"},
+      {"ReadOnly", ", accept: nothing", "  - {from: gcs, to: fcu}\n"},
+      {"Block", "", "  - {from: gcs, to: fcu, block: [HIL_SENSOR]}\n"},
+      {"Allow", "", "  - {from: gcs, to: fcu, allow: [COMMAND_LONG]}\n"},
+      {"NoRoute", "", "  - {from: fcu, to: gcs}\n"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    const auto told = warnings(row.gcs, kSimRoute + row.route);
+    EXPECT_TRUE(told.empty()) << told.front();
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    By, NoInjection,
-    testing::Values(
-        QuietCase{"Traffic", ", accept: {traffic: ground_station}", "  - {from: gcs, to: fcu}\n"},
-        QuietCase{"Messages", ", accept: {messages: [COMMAND_LONG]}", "  - {from: gcs, to: fcu}\n"},
-        QuietCase{"ReadOnly", ", accept: nothing", "  - {from: gcs, to: fcu}\n"},
-        QuietCase{"Block", "", "  - {from: gcs, to: fcu, block: [HIL_SENSOR]}\n"},
-        QuietCase{"Allow", "", "  - {from: gcs, to: fcu, allow: [COMMAND_LONG]}\n"},
-        QuietCase{"NoRoute", "", "  - {from: fcu, to: gcs}\n"}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(Injection, NamedMessagesOpenStationTrafficAgain) {
   EXPECT_EQ(warnings(", accept: {traffic: ground_station, messages: [HIL_SENSOR]}",
@@ -77,44 +73,37 @@ Topology station_at(const std::string& local, const std::string& more) {
                               local + "', inject_failures: true" + more + "}\n"));
 }
 
-struct StationCase {
-  const char* name;
-  const char* local;
-  const char* more;
-  bool may;   ///< inject failures
-  bool told;  ///< warns that any station may
-};
-
-class InjectingStation : public testing::TestWithParam<StationCase> {};
-
-TEST_P(InjectingStation, IsToldOfWhereAnyHostMayBeIt) {
-  const Topology topology = station_at(GetParam().local, GetParam().more);
-  EXPECT_EQ(may_inject_failures(topology.links.at(0)), GetParam().may);
-  const auto told = injection_warnings(topology);
-  ASSERT_EQ(told.size(), GetParam().told ? 1U : 0U);
-  if (GetParam().told) {
-    EXPECT_EQ(told[0].rfind("any host that reaches link gcs may have failures strike", 0), 0U);
+TEST(InjectingStation, IsToldOfWhereAnyHostMayBeIt) {
+  struct StationCase {
+    const char* name;
+    const char* local;
+    const char* more;
+    bool may;   ///< inject failures
+    bool told;  ///< warns that any station may
+  };
+  const StationCase rows[] = {
+      {"Everywhere", "0.0.0.0:14550", "", true, true},
+      {"OneNetwork", "192.168.4.1:14550", "", true, true},
+      {"EverywhereV6", "[::]:14550", "", true, true},
+      {"StationTraffic", "0.0.0.0:14550", ", accept: {traffic: ground_station}", true, true},
+      {"CommandInt", "0.0.0.0:14550", ", accept: {messages: [COMMAND_INT]}", true, true},
+      {"SignsAlone", "0.0.0.0:14550", ", signing: {key_file: k, verify: false}", true, true},
+      {"Signed", "0.0.0.0:14550", ", signing: {key_file: k}", true, false},
+      {"ThisMachine", "127.0.0.1:14550", "", true, false},
+      {"ThisMachineV6", "[::1]:14550", "", true, false},
+      {"NoCommand", "0.0.0.0:14550", ", accept: {messages: [HEARTBEAT]}", false, false},
+      {"ReadOnly", "0.0.0.0:14550", ", accept: nothing", false, false}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    const Topology topology = station_at(row.local, row.more);
+    EXPECT_EQ(may_inject_failures(topology.links.at(0)), row.may);
+    const auto told = injection_warnings(topology);
+    ASSERT_EQ(told.size(), row.told ? 1U : 0U);
+    if (row.told) {
+      EXPECT_EQ(told[0].rfind("any host that reaches link gcs may have failures strike", 0), 0U);
+    }
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Table, InjectingStation,
-    testing::Values(StationCase{"Everywhere", "0.0.0.0:14550", "", true, true},
-                    StationCase{"OneNetwork", "192.168.4.1:14550", "", true, true},
-                    StationCase{"EverywhereV6", "[::]:14550", "", true, true},
-                    StationCase{"StationTraffic", "0.0.0.0:14550",
-                                ", accept: {traffic: ground_station}", true, true},
-                    StationCase{"CommandInt", "0.0.0.0:14550",
-                                ", accept: {messages: [COMMAND_INT]}", true, true},
-                    StationCase{"SignsAlone", "0.0.0.0:14550",
-                                ", signing: {key_file: k, verify: false}", true, true},
-                    StationCase{"Signed", "0.0.0.0:14550", ", signing: {key_file: k}", true, false},
-                    StationCase{"ThisMachine", "127.0.0.1:14550", "", true, false},
-                    StationCase{"ThisMachineV6", "[::1]:14550", "", true, false},
-                    StationCase{"NoCommand", "0.0.0.0:14550", ", accept: {messages: [HEARTBEAT]}",
-                                false, false},
-                    StationCase{"ReadOnly", "0.0.0.0:14550", ", accept: nothing", false, false}),
-    [](const auto& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace cas::casd

@@ -381,45 +381,40 @@ TEST(RouterImport, TheEndpointOfTheSnifferAloneIsALinkThatSniffs) {
       << unknown.notes[0];
 }
 
-struct Broken {
-  std::string text;
-  std::string sentence;
-};
-
-class BrokenConf : public testing::TestWithParam<Broken> {};
-
-TEST_P(BrokenConf, IsRefusedAtItsLine) {
-  EXPECT_EQ(cas::test::refusal([] { import_text(GetParam().text, "main.conf"); }),
-            "main.conf:" + GetParam().sentence);
+TEST(BrokenConf, IsRefusedAtItsLine) {
+  struct Broken {
+    std::string text;
+    std::string sentence;
+  };
+  const Broken rows[] = {
+      {"Device=/dev/a\n", "1: a key stands before the first section"},
+      {"[General\n", "1: a section ends with ]"},
+      {"[General]\nnonsense\n", "2: is neither [section] nor key = value"},
+      {"\n[UartEndpoint a]\nBaud=9600\n", "2: endpoint 'a' has no Device"},
+      {"[UartEndpoint a]\nDevice=/dev/a\nBaud=fast\n", "3: Baud: 'fast' is not a number"},
+      {"[UdpEndpoint a]\nAddress=h\nMode=server\n", "1: endpoint 'a' has no Port"},
+      {"[UartEndpoint a]\nDevice=/dev/a\nFlowControl=ture\n", "3: FlowControl: is true or false"},
+      {"[TcpEndpoint a]\nAddress=h\nPort=99999\n", "3: Port: is more than 65535"},
+      {"[UartEndpoint a]\nDevice=/dev/a\nAllowSrcSysIn=300\n",
+       "3: AllowSrcSysIn: is more than 255"},
+      {"[UdpEndpoint a]\nAddress=h\nMode=odd\n",
+       "3: Mode: is normal, client, server or eavesdropping"},
+      {"[UdpEndpoint a]\nMode=normal\nAddress=1.2.3.4 # the radio\nPort=1\n",
+       "3: Address: '1.2.3.4 # the radio' is not a host"},
+      {"[UdpEndpoint a]\nMode=normal\nAddress=h\nPort=0\n", "4: Port: of a peer is 1 to 65535"},
+      {"[TcpEndpoint a]\nAddress=h\nPort=0\n", "3: Port: of a peer is 1 to 65535"},
+      {"[TcpEndpoint a]\nAddress=127.0.0.1\nPort=5760\n",
+       "1: endpoint 'a' meets 0.0.0.0:5760, where TCP clients are served "
+       "(TcpServerPort=0: none are)"},
+      {"[UartEndpoint a]\nDevice=/dev/a\n[UartEndpoint b]\nDevice=/dev/a\n",
+       "3: endpoint 'b': link 'a' has the device /dev/a already"},
+      {"[General]\nTcpServerPort=0\n", "1: has no endpoint"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.text);
+    EXPECT_EQ(cas::test::refusal([&] { import_text(row.text, "main.conf"); }),
+              "main.conf:" + row.sentence);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Cases, BrokenConf,
-    testing::Values(
-        Broken{"Device=/dev/a\n", "1: a key stands before the first section"},
-        Broken{"[General\n", "1: a section ends with ]"},
-        Broken{"[General]\nnonsense\n", "2: is neither [section] nor key = value"},
-        Broken{"\n[UartEndpoint a]\nBaud=9600\n", "2: endpoint 'a' has no Device"},
-        Broken{"[UartEndpoint a]\nDevice=/dev/a\nBaud=fast\n", "3: Baud: 'fast' is not a number"},
-        Broken{"[UdpEndpoint a]\nAddress=h\nMode=server\n", "1: endpoint 'a' has no Port"},
-        Broken{"[UartEndpoint a]\nDevice=/dev/a\nFlowControl=ture\n",
-               "3: FlowControl: is true or false"},
-        Broken{"[TcpEndpoint a]\nAddress=h\nPort=99999\n", "3: Port: is more than 65535"},
-        Broken{"[UartEndpoint a]\nDevice=/dev/a\nAllowSrcSysIn=300\n",
-               "3: AllowSrcSysIn: is more than 255"},
-        Broken{"[UdpEndpoint a]\nAddress=h\nMode=odd\n",
-               "3: Mode: is normal, client, server or eavesdropping"},
-        Broken{"[UdpEndpoint a]\nMode=normal\nAddress=1.2.3.4 # the radio\nPort=1\n",
-               "3: Address: '1.2.3.4 # the radio' is not a host"},
-        Broken{"[UdpEndpoint a]\nMode=normal\nAddress=h\nPort=0\n",
-               "4: Port: of a peer is 1 to 65535"},
-        Broken{"[TcpEndpoint a]\nAddress=h\nPort=0\n", "3: Port: of a peer is 1 to 65535"},
-        Broken{"[TcpEndpoint a]\nAddress=127.0.0.1\nPort=5760\n",
-               "1: endpoint 'a' meets 0.0.0.0:5760, where TCP clients are served "
-               "(TcpServerPort=0: none are)"},
-        Broken{"[UartEndpoint a]\nDevice=/dev/a\n[UartEndpoint b]\nDevice=/dev/a\n",
-               "3: endpoint 'b': link 'a' has the device /dev/a already"},
-        Broken{"[General]\nTcpServerPort=0\n", "1: has no endpoint"}));
 
 TEST(RouterImport, SaysThatTwoEndpointsLeadToOnePlace) {
   const ImportedTopology twice = import_text(

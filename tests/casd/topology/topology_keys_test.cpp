@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
-#include <set>
-
 #include "base/error.hpp"
 #include "casd/topology/topology.hpp"
 #include "tests/casd/key_changes.hpp"

@@ -5,7 +5,6 @@
 #include <poll.h>
 
 #include <array>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -47,9 +46,8 @@ class LocalEndpointTest : public testing::Test {
   }
   void deliver_telemetry() { deliver(mavlink::common::Heartbeat{}); }
   void deliver_answer() {
-    mavlink::common::CommandAck answer;
-    answer.target_system = kSelf.system;
-    answer.target_component = kSelf.component;
+    mavlink::common::CommandAck answer{.target_system = kSelf.system,
+                                       .target_component = kSelf.component};
     deliver(answer);
   }
   bool wakes() const {

@@ -2,7 +2,7 @@
 #include "casd/transport/pty_admission.hpp"
 
 #include <fcntl.h>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
 #include <unistd.h>
@@ -16,6 +16,7 @@ namespace {
 
 using cas::test::PtyPair;
 using cas::test::TemporaryFolder;
+using testing::HasSubstr;
 
 /// Substitute for /proc.
 class PtyAdmission : public testing::Test {
@@ -74,7 +75,7 @@ TEST_F(PtyAdmission, WhatNobodyOffersIsRefusedUnlessSaidSo) {
   EXPECT_EQ(why.rfind("/x/fcu0: pseudo-terminal " + pair.slave() + " is offered by no running", 0),
             0U)
       << why;
-  EXPECT_NE(why.find("unlocked_pty: true"), std::string::npos) << why;
+  EXPECT_THAT(why, HasSubstr("unlocked_pty: true"));
   EXPECT_EQ(refusal(pair, "/x/fcu0", true), "");
 }
 
@@ -82,8 +83,7 @@ TEST_F(PtyAdmission, ASessionsTerminalIsNeverTaken) {
   process(1, "init", 0);
   const PtyPair pair;
   process(4711, "bash", number_of(pair));
-  const std::string why = refusal(pair, "/x/fcu0", true);
-  EXPECT_NE(why.find("is the terminal of bash, process 4711"), std::string::npos) << why;
+  EXPECT_THAT(refusal(pair, "/x/fcu0", true), HasSubstr("is the terminal of bash, process 4711"));
 }
 
 TEST_F(PtyAdmission, AnotherTerminalThanTheOfferedOneIsRefusedWhateverIsSaid) {
@@ -92,15 +92,13 @@ TEST_F(PtyAdmission, AnotherTerminalThanTheOfferedOneIsRefusedWhateverIsSaid) {
   const PtyPair offered(device);
   const PtyPair stranger;
   for (const bool unlocked : {false, true}) {
-    const std::string why = refusal(stranger, device, unlocked);
-    EXPECT_NE(why.find("is not the one"), std::string::npos) << why;
+    EXPECT_THAT(refusal(stranger, device, unlocked), HasSubstr("is not the one"));
   }
 }
 
 TEST_F(PtyAdmission, WhereProcessesAreHiddenOnlyALockCounts) {
   const PtyPair pair;
-  const std::string why = refusal(pair, "/x/fcu0", true);
-  EXPECT_NE(why.find("/proc hides"), std::string::npos) << why;
+  EXPECT_THAT(refusal(pair, "/x/fcu0", true), HasSubstr("/proc hides"));
   const std::string device = folder_ / "fcu0";
   const PtyPair offered(device);
   EXPECT_EQ(refusal(offered, device, false), "");

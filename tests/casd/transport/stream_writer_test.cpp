@@ -4,10 +4,6 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <string>
-#include <vector>
-
 #include "tests/casd/packets.hpp"
 #include "tests/support/pty_pair.hpp"
 #include "tests/support/wait_until.hpp"

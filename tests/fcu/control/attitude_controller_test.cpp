@@ -18,14 +18,12 @@ AttitudeController controller() {
 }
 
 TEST(AttitudeController, AsksForNothingWhenItIsThere) {
-  AttitudeSetpoint setpoint;
-  setpoint.q_ND = base::quaternion_rpy(0.2, -0.1, 1.0);
+  AttitudeSetpoint setpoint{.q_ND = base::quaternion_rpy(0.2, -0.1, 1.0)};
   EXPECT_LT(controller().update(setpoint, setpoint.q_ND).norm(), 1e-12);
 }
 
 TEST(AttitudeController, TurnsTowardsSmallErrorsInProportion) {
-  AttitudeSetpoint setpoint;
-  setpoint.q_ND = base::quaternion_rpy(0.01, -0.02, 0);
+  AttitudeSetpoint setpoint{.q_ND = base::quaternion_rpy(0.01, -0.02, 0)};
   const Vector3d tilt = controller().update(setpoint, Quaterniond::Identity());
   EXPECT_NEAR(tilt.x(), ControlParams{}.roll_p * 0.01, 1e-3);
   EXPECT_NEAR(tilt.y(), ControlParams{}.pitch_p * -0.02, 1e-3);
@@ -34,8 +32,7 @@ TEST(AttitudeController, TurnsTowardsSmallErrorsInProportion) {
 }
 
 TEST(AttitudeController, TakesTheShortWayRound) {
-  AttitudeSetpoint setpoint;
-  setpoint.q_ND = base::quaternion_rpy(0, 0, -3.0);
+  AttitudeSetpoint setpoint{.q_ND = base::quaternion_rpy(0, 0, -3.0)};
   const Quaterniond q = base::quaternion_rpy(0, 0, 3.0);
   EXPECT_GT(controller().update(setpoint, q).z(), 0);
   Quaterniond negated = setpoint.q_ND;
@@ -46,8 +43,7 @@ TEST(AttitudeController, TakesTheShortWayRound) {
 }
 
 TEST(AttitudeController, RightsTheVehicleBeforeItTurns) {
-  AttitudeSetpoint setpoint;
-  setpoint.q_ND = base::quaternion_rpy(0.5, 0, 1.5);
+  AttitudeSetpoint setpoint{.q_ND = base::quaternion_rpy(0.5, 0, 1.5)};
   const Vector3d w = controller().update(setpoint, Quaterniond::Identity());
   // The tilt asked for lies along the axis of the turned roll: forward is now to the right.
   const Vector3d tilt_axis(std::cos(1.5), std::sin(1.5), 0);
@@ -56,8 +52,7 @@ TEST(AttitudeController, RightsTheVehicleBeforeItTurns) {
 
 /// The tilt alone, as if the vehicle headed where it shall.
 TEST(AttitudeController, RightsTheVehicleAtAnyHeadingWhereNoneIsHeld) {
-  AttitudeSetpoint level;
-  level.yaw_rate_rad_s = 0.3;
+  AttitudeSetpoint level{.yaw_rate_rad_s = 0.3};
   for (const double yaw_rad : {0.0, 1.0, 3.0}) {
     const Quaterniond q = base::quaternion_rpy(0, 0, yaw_rad) * base::quaternion_rpy(0.1, -0.05, 0);
     const Vector3d w = controller().update(level, q, 0);
@@ -68,12 +63,10 @@ TEST(AttitudeController, RightsTheVehicleAtAnyHeadingWhereNoneIsHeld) {
 }
 
 TEST(AttitudeController, KeepsWithinTheRateLimits) {
-  ControlParams params;
-  params.rate_limit_rad_s = {1, 2, 0.5};
+  ControlParams params{.rate_limit_rad_s = {1, 2, 0.5}};
   AttitudeController c;
   c.set_params(params);
-  AttitudeSetpoint setpoint;
-  setpoint.q_ND = base::quaternion_rpy(3, 1, 2);
+  AttitudeSetpoint setpoint{.q_ND = base::quaternion_rpy(3, 1, 2)};
   const Vector3d w = c.update(setpoint, Quaterniond::Identity());
   EXPECT_TRUE((w.cwiseAbs().array() <= params.rate_limit_rad_s.array() + 1e-12).all());
 }

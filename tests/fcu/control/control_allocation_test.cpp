@@ -14,7 +14,6 @@
 namespace cas::fcu {
 namespace {
 
-using base::RotorVector;
 using Eigen::Index;
 using Eigen::Vector2d;
 using Eigen::Vector4d;
@@ -47,32 +46,30 @@ struct Ring {
   std::function<base::Vehicle()> vehicle;
 };
 
-class RegularRing : public testing::TestWithParam<Ring> {};
-
 /// Rotors on a circle whose spins alternate: the axes do not mix, and each is shared in proportion
 /// to its lever arms.
-TEST_P(RegularRing, SharesEachAxisByItsLeverArms) {
-  const base::Vehicle vehicle = GetParam().vehicle();
-  const double n = vehicle.rotor_count();
-  const double k_f = vehicle.rotors[0].params.thrust_coefficient;
-  const double k_m = vehicle.rotors[0].params.torque_coefficient;
-  const double arm_sq = vehicle.rotors[0].position_B_m.head<2>().squaredNorm();
-  const Vector4d u(hover_n(vehicle), 0.4, -0.3, 0.05);
-  const MixerResult result = ControlAllocation(AllocationSetup::of(vehicle)).allocate({u, {}});
-  for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
-    const base::Rotor& rotor = vehicle.rotors[i];
-    const double expected =
-        u[0] / (n * k_f) +
-        2 * (u[1] * rotor.position_B_m.y() + u[2] * rotor.position_B_m.x()) / (n * arm_sq * k_f) +
-        u[3] * rotor.spin / (n * k_m);
-    EXPECT_NEAR(result.omega_sq[static_cast<Index>(i)] / expected, 1, kTolerance) << i;
+TEST(RegularRing, SharesEachAxisByItsLeverArms) {
+  const Ring rows[] = {{"Hexa", test::hexa_x}, {"Octo", test::octo_x}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    const base::Vehicle vehicle = row.vehicle();
+    const double n = vehicle.rotor_count();
+    const double k_f = vehicle.rotors[0].params.thrust_coefficient;
+    const double k_m = vehicle.rotors[0].params.torque_coefficient;
+    const double arm_sq = vehicle.rotors[0].position_B_m.head<2>().squaredNorm();
+    const Vector4d u(hover_n(vehicle), 0.4, -0.3, 0.05);
+    const MixerResult result = ControlAllocation(AllocationSetup::of(vehicle)).allocate({u, {}});
+    for (std::size_t i = 0; i < vehicle.rotors.size(); ++i) {
+      const base::Rotor& rotor = vehicle.rotors[i];
+      const double expected =
+          u[0] / (n * k_f) +
+          2 * (u[1] * rotor.position_B_m.y() + u[2] * rotor.position_B_m.x()) / (n * arm_sq * k_f) +
+          u[3] * rotor.spin / (n * k_m);
+      EXPECT_NEAR(result.omega_sq[static_cast<Index>(i)] / expected, 1, kTolerance) << i;
+    }
+    EXPECT_TRUE(result.u.isApprox(u, kTolerance));
   }
-  EXPECT_TRUE(result.u.isApprox(u, kTolerance));
 }
-
-INSTANTIATE_TEST_SUITE_P(Closed, RegularRing,
-                         testing::Values(Ring{"Hexa", test::hexa_x}, Ring{"Octo", test::octo_x}),
-                         [](const auto& test) { return test.param.name; });
 
 TEST(ControlAllocation, IsTheInverseOfEq3ForFourEqualRotors) {
   const base::Vehicle vehicle = iris();

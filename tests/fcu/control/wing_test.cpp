@@ -54,43 +54,38 @@ TEST(WingFigures, CarryTheWeightAtTheTrimsAngleOfAttack) {
               -2.888 * M_PI / 180, 0.006);
 }
 
-struct OutputCase {
-  const char* name;
-  const char* vehicle;
-  Vector3d demand;                           // about Dx, Dy, Dz
-  std::vector<std::pair<int, int>> outputs;  // of the file (1..), sign
-};
-
-class Surfaces : public testing::TestWithParam<OutputCase> {};
-
-TEST_P(Surfaces, MoveAsTheVehicleFileSays) {
-  const OutputCase& test = GetParam();
-  const base::Vehicle vehicle = shipped(test.vehicle);
-  const SurfaceAllocation surfaces(*vehicle.aero, WingFigures::of(*vehicle.aero));
-  std::array<double, base::kMaxOutputs> outputs{};
-  surfaces.put(test.demand, outputs);
-  for (int i = 1; i <= base::kMaxOutputs; ++i) {
-    int sign = 0;
-    for (const auto& [output, wanted] : test.outputs) sign = output == i ? wanted : sign;
-    const double value = outputs[static_cast<std::size_t>(i - 1)];
-    if (sign == 0) {
-      EXPECT_LT(std::abs(value), 0.12) << "output " << i;
-    } else {
-      EXPECT_GT(sign * value, 0.3) << "output " << i;
+// To the right the left wing lifts: its aileron's lift per rad is below 0, so it goes to -1.
+TEST(Surfaces, MoveAsTheVehicleFileSays) {
+  struct OutputCase {
+    const char* name;
+    const char* vehicle;
+    Vector3d demand;                           // about Dx, Dy, Dz
+    std::vector<std::pair<int, int>> outputs;  // of the file (1..), sign
+  };
+  const OutputCase rows[] = {{"PlaneRolls", "plane", {0.5, 0, 0}, {{6, -1}, {7, 1}}},
+                             {"PlanePitches", "plane", {0, 0.5, 0}, {{8, 1}}},
+                             {"PlaneYaws", "plane", {0, 0, 0.5}, {{3, 1}}},
+                             {"VtolRolls", "standard_vtol", {0.5, 0, 0}, {{6, -1}, {7, 1}}},
+                             {"VtolPitches", "standard_vtol", {0, 0.5, 0}, {{8, 1}}},
+                             {"VtolHasNoRudder", "standard_vtol", {0, 0, 0.5}, {}}};
+  for (const auto& test : rows) {
+    SCOPED_TRACE(test.name);
+    const base::Vehicle vehicle = shipped(test.vehicle);
+    const SurfaceAllocation surfaces(*vehicle.aero, WingFigures::of(*vehicle.aero));
+    std::array<double, base::kMaxOutputs> outputs{};
+    surfaces.put(test.demand, outputs);
+    for (int i = 1; i <= base::kMaxOutputs; ++i) {
+      int sign = 0;
+      for (const auto& [output, wanted] : test.outputs) sign = output == i ? wanted : sign;
+      const double value = outputs[static_cast<std::size_t>(i - 1)];
+      if (sign == 0) {
+        EXPECT_LT(std::abs(value), 0.12) << "output " << i;
+      } else {
+        EXPECT_GT(sign * value, 0.3) << "output " << i;
+      }
     }
   }
 }
-
-// To the right the left wing lifts: its aileron's lift per rad is below 0, so it goes to -1.
-INSTANTIATE_TEST_SUITE_P(
-    Shipped, Surfaces,
-    testing::Values(OutputCase{"PlaneRolls", "plane", {0.5, 0, 0}, {{6, -1}, {7, 1}}},
-                    OutputCase{"PlanePitches", "plane", {0, 0.5, 0}, {{8, 1}}},
-                    OutputCase{"PlaneYaws", "plane", {0, 0, 0.5}, {{3, 1}}},
-                    OutputCase{"VtolRolls", "standard_vtol", {0.5, 0, 0}, {{6, -1}, {7, 1}}},
-                    OutputCase{"VtolPitches", "standard_vtol", {0, 0.5, 0}, {{8, 1}}},
-                    OutputCase{"VtolHasNoRudder", "standard_vtol", {0, 0, 0.5}, {}}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(Turn, GoesRoundByGravityTimesTangentOverSpeed) {
   constexpr double kRoll_rad = 0.5;
@@ -104,8 +99,7 @@ TEST(Turn, GoesRoundByGravityTimesTangentOverSpeed) {
 }
 
 TEST(WingAttitude, DeflectsByTheInverseOfTheDynamicPressure) {
-  WingParams params;
-  params.roll_rate = {.p = 0.1};
+  WingParams params{.roll_rate = {.p = 0.1}};
   params.airspeed_trim_m_s = 15;
   const auto roll_at = [&params](double airspeed_m_s) {
     WingAttitude attitude;

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "base/earth/frames.hpp"
 #include "base/earth/gravity.hpp"
 

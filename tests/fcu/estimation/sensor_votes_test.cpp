@@ -56,60 +56,55 @@ Outcome vote(int imus, const Break& breaks) {
   return outcome;
 }
 
-struct BreakCase {
-  const char* name;
-  Break breaks;
-  VoteCause cause;
-};
-
-class BrokenImu : public testing::TestWithParam<BreakCase> {};
-
-TEST_P(BrokenImu, IsLeftWithinASecond) {
-  const Outcome outcome = vote(3, GetParam().breaks);
-  ASSERT_TRUE(outcome.change);
-  EXPECT_EQ(outcome.change->from, 0);
-  EXPECT_EQ(outcome.change->to, 1);
-  EXPECT_EQ(outcome.change->cause, GetParam().cause);
-  EXPECT_GE(outcome.after_s, 0);
-  EXPECT_LT(outcome.after_s, 1);
-  EXPECT_EQ(outcome.used, 1);
-}
-
 bool stuck(ImuInput& imu) {
   imu.gyro_D = Vector3d(0.1, 0.2, 0.3);
   imu.accel_D = Vector3d(0, 0, -9);
   return true;
 }
 
-INSTANTIATE_TEST_SUITE_P(Causes, BrokenImu,
-                         testing::Values(BreakCase{"Silent", [](ImuInput&) { return false; },
-                                                   VoteCause::kSilent},
-                                         BreakCase{"GyroOff",
-                                                   [](ImuInput& imu) {
-                                                     imu.gyro_D.x() += 10 * base::kRadPerDeg;
-                                                     return true;
-                                                   },
-                                                   VoteCause::kDisagrees},
-                                         BreakCase{"AccelOff",
-                                                   [](ImuInput& imu) {
-                                                     imu.accel_D.x() += 2;
-                                                     return true;
-                                                   },
-                                                   VoteCause::kDisagrees},
-                                         BreakCase{"NoNumbers",
-                                                   [](ImuInput& imu) {
-                                                     imu.gyro_D.x() =
-                                                         std::numeric_limits<double>::quiet_NaN();
-                                                     return true;
-                                                   },
-                                                   VoteCause::kDisagrees},
-                                         BreakCase{"GyroStuck",
-                                                   [](ImuInput& imu) {
-                                                     imu.gyro_D = Vector3d(0.02, 0, 0);
-                                                     return true;
-                                                   },
-                                                   VoteCause::kStuck}),
-                         [](const auto& test) { return test.param.name; });
+TEST(BrokenImu, IsLeftWithinASecond) {
+  struct BreakCase {
+    const char* name;
+    Break breaks;
+    VoteCause cause;
+  };
+  const BreakCase rows[] = {{"Silent", [](ImuInput&) { return false; }, VoteCause::kSilent},
+                            {"GyroOff",
+                             [](ImuInput& imu) {
+                               imu.gyro_D.x() += 10 * base::kRadPerDeg;
+                               return true;
+                             },
+                             VoteCause::kDisagrees},
+                            {"AccelOff",
+                             [](ImuInput& imu) {
+                               imu.accel_D.x() += 2;
+                               return true;
+                             },
+                             VoteCause::kDisagrees},
+                            {"NoNumbers",
+                             [](ImuInput& imu) {
+                               imu.gyro_D.x() = std::numeric_limits<double>::quiet_NaN();
+                               return true;
+                             },
+                             VoteCause::kDisagrees},
+                            {"GyroStuck",
+                             [](ImuInput& imu) {
+                               imu.gyro_D = Vector3d(0.02, 0, 0);
+                               return true;
+                             },
+                             VoteCause::kStuck}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    const Outcome outcome = vote(3, row.breaks);
+    ASSERT_TRUE(outcome.change);
+    EXPECT_EQ(outcome.change->from, 0);
+    EXPECT_EQ(outcome.change->to, 1);
+    EXPECT_EQ(outcome.change->cause, row.cause);
+    EXPECT_GE(outcome.after_s, 0);
+    EXPECT_LT(outcome.after_s, 1);
+    EXPECT_EQ(outcome.used, 1);
+  }
+}
 
 TEST(ImuVote, KeepsTheFirstWhileNothingIsWrong) {
   EXPECT_FALSE(vote(3, [](ImuInput&) { return true; }).change);

@@ -3,8 +3,6 @@
 // stamped by their arrival.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "mavlink/common/hil_rc_inputs_raw.hpp"
 #include "mavlink/common/param_set.hpp"
 #include "mavlink_gen/runtime/message.hpp"
@@ -92,9 +90,7 @@ TEST_F(InFlight, TheBuiltInCircleBeginsAndEndsByParameter) {
 TEST_F(InFlight, GainsChangeWithoutABump) {
   hover();
   const auto set = [&](const char* name, float value) {
-    ParamSet m;
-    m.target_system = 1;
-    m.target_component = 1;
+    ParamSet m{.target_system = 1, .target_component = 1};
     mav::set_text(m.param_id, name);
     m.param_value = value;
     m.param_type = MavParamType::kReal32;

@@ -52,9 +52,7 @@ class Modes : public testing::Test {
 
 SetPositionTargetLocalNed position(float x, float y, float z, float yaw) {
   using M = PositionTargetTypemask;
-  SetPositionTargetLocalNed m;
-  m.target_system = 1;
-  m.coordinate_frame = MavFrame::kLocalNed;
+  SetPositionTargetLocalNed m{.target_system = 1, .coordinate_frame = MavFrame::kLocalNed};
   m.type_mask = M::kVxIgnore | M::kVyIgnore | M::kVzIgnore | M::kAxIgnore | M::kAyIgnore |
                 M::kAzIgnore | M::kYawRateIgnore;
   m.x = x;
@@ -109,10 +107,10 @@ TEST_F(Modes, OffboardTakesOffAndFollowsVelocity) {
 
 TEST_F(Modes, OffboardFollowsAttitude) {
   hover();
-  SetAttitudeTarget target;
-  target.target_system = 1;
-  target.q = {static_cast<float>(std::cos(0.05)), static_cast<float>(std::sin(0.05)), 0, 0};
-  target.thrust = 0.54F;
+  SetAttitudeTarget target{
+      .target_system = 1,
+      .q = {static_cast<float>(std::cos(0.05)), static_cast<float>(std::sin(0.05)), 0, 0},
+      .thrust = 0.54F};
   loop_.send(target);
   ASSERT_EQ(loop_.command(MavCmd::kDoSetMode, {1, 6, 0}), MavResult::kAccepted);
   stream(target, 1);
@@ -121,10 +119,8 @@ TEST_F(Modes, OffboardFollowsAttitude) {
 
 TEST_F(Modes, OffboardLeavesOutWhatIsNoNumber) {
   hover();
-  SetAttitudeTarget target;
-  target.target_system = 1;
-  target.thrust = 0.54F;
-  target.q = {std::numeric_limits<float>::infinity(), 0, 0, 0};
+  SetAttitudeTarget target{
+      .target_system = 1, .q = {std::numeric_limits<float>::infinity(), 0, 0, 0}, .thrust = 0.54F};
   loop_.send(target);
   EXPECT_EQ(loop_.command(MavCmd::kDoSetMode, {1, 6, 0}), MavResult::kTemporarilyRejected);
   target.q = {1, 0, 0, 0};
@@ -141,9 +137,7 @@ TEST_F(Modes, OffboardLeavesOutWhatIsNoNumber) {
 
 TEST_F(Modes, PositionModeFliesBySticksAndHoldsWhenTheyAreCentred) {
   hover();
-  ManualControl sticks;
-  sticks.target = 1;
-  sticks.z = 500;
+  ManualControl sticks{.target = 1, .z = 500};
   loop_.send(sticks);
   ASSERT_EQ(loop_.command(MavCmd::kDoSetMode, {1, 3, 0}), MavResult::kAccepted);
   sticks.x = 500;
@@ -161,9 +155,7 @@ TEST_F(Modes, PositionModeFliesBySticksAndHoldsWhenTheyAreCentred) {
 TEST_F(Modes, AltitudeAndStabilizedModesTiltBySticks) {
   hover();
   for (const float main_mode : {2.0F, 7.0F}) {
-    ManualControl sticks;
-    sticks.target = 1;
-    sticks.z = 500;
+    ManualControl sticks{.target = 1, .z = 500};
     loop_.send(sticks);
     ASSERT_EQ(loop_.command(MavCmd::kDoSetMode, {1, main_mode, 0}), MavResult::kAccepted);
     sticks.y = 300;
@@ -197,16 +189,15 @@ TEST_F(Modes, TerminationStopsTheRotorsForGood) {
 MissionItemInt item(std::uint16_t seq, MavCmd command, double north, double east, float up,
                     const base::Geodetic& home) {
   const base::Geodetic place = base::LocalProjection(home).to_geodetic({north, east, 0});
-  MissionItemInt m;
-  m.target_system = 1;
-  m.target_component = 1;
-  m.seq = seq;
-  m.command = command;
-  m.frame = MavFrame::kGlobalRelativeAltInt;
-  m.autocontinue = 1;
-  m.x = static_cast<std::int32_t>(std::llround(place.lat_deg * 1e7));
-  m.y = static_cast<std::int32_t>(std::llround(place.lon_deg * 1e7));
-  m.z = up;
+  MissionItemInt m{.target_system = 1,
+                   .target_component = 1,
+                   .seq = seq,
+                   .frame = MavFrame::kGlobalRelativeAltInt,
+                   .command = command,
+                   .autocontinue = 1,
+                   .x = static_cast<std::int32_t>(std::llround(place.lat_deg * 1e7)),
+                   .y = static_cast<std::int32_t>(std::llround(place.lon_deg * 1e7)),
+                   .z = up};
   return m;
 }
 
@@ -216,11 +207,7 @@ TEST_F(Modes, MissionIsUploadedFlownAndLanded) {
                                   item(1, MavCmd::kNavWaypoint, 8, 0, 3, loop_.home()),
                                   item(2, MavCmd::kNavWaypoint, 8, 6, 4, loop_.home()),
                                   item(3, MavCmd::kNavLand, 0, 6, 0, loop_.home())};
-  MissionCount count;
-  count.target_system = 1;
-  count.target_component = 1;
-  count.count = 4;
-  loop_.send(count);
+  loop_.send(MissionCount{.target_system = 1, .target_component = 1, .count = 4});
   for (const MissionItemInt& m : items) {
     ASSERT_FALSE(loop_.received<MissionRequestInt>().empty());
     EXPECT_EQ(loop_.received<MissionRequestInt>().back().seq, m.seq);
@@ -238,10 +225,7 @@ TEST_F(Modes, MissionIsUploadedFlownAndLanded) {
 
 TEST_F(Modes, MissionRequestIsRepeatedUntilTheItemComes) {
   loop_.run(1);
-  MissionCount count;
-  count.target_system = 1;
-  count.count = 1;
-  loop_.send(count);
+  loop_.send(MissionCount{.target_system = 1, .count = 1});
   loop_.run(1);
   EXPECT_GE(loop_.received<MissionRequestInt>().size(), 3U);
   loop_.run(4);

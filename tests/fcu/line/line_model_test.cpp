@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <optional>
 #include <vector>
@@ -72,8 +71,7 @@ TEST(LineModel, BytesArriveOneByOne) {
 }
 
 TEST(LineModel, WritesFollowEachOtherOnABusyLine) {
-  LineConfig config;
-  config.baud = 10'000;
+  LineConfig config{.baud = 10'000};
   LineModel line(config, 1);
   line.write(bytes(5), kStart);
   EXPECT_NEAR(base::to_seconds(crossing_time(line, 5, kStart + 1ms)), 9e-3, 1e-6);
@@ -102,9 +100,7 @@ TEST(LineModel, ReceiverAtTwiceTheRateReadsTheFirstBitsTwice) {
 }
 
 TEST(LineModel, AnotherRateLosesAndChangesBytes) {
-  LineConfig config;
-  config.baud = 921600;
-  config.receiver_baud = 460800;
+  LineConfig config{.baud = 921600, .receiver_baud = 460800};
   LineModel line(config, 1);
   line.write(bytes(200), kStart);
   std::vector<std::uint8_t> out(400);
@@ -114,8 +110,7 @@ TEST(LineModel, AnotherRateLosesAndChangesBytes) {
 }
 
 TEST(LineModel, DuplicatesAndReordersWholeWrites) {
-  LineConfig config;
-  config.packet_duplicate = 1;
+  LineConfig config{.packet_duplicate = 1};
   LineModel twice(config, 1);
   twice.write(bytes(3), kStart);
   std::vector<std::uint8_t> out(100);
@@ -138,8 +133,7 @@ TEST(LineModel, DuplicatesAndReordersWholeWrites) {
 }
 
 TEST(LineModel, AWriteThatNoneFollowsComesAfterABoundedTime) {
-  LineConfig config;
-  config.packet_reorder = 1;
+  LineConfig config{.packet_reorder = 1};
   LineModel line(config, 1);
   EXPECT_EQ(crossing_time(line, 3, kStart), 50ms);
   EXPECT_EQ(line.stats().delivered, 3U);
@@ -148,11 +142,8 @@ TEST(LineModel, AWriteThatNoneFollowsComesAfterABoundedTime) {
 
 TEST(LineModel, ReordersAndDuplicatesTheShareOfWritesThatIsAskedFor) {
   constexpr int kWrites = 10'000;
-  LineConfig config;
-  config.packet_reorder = 0.3;
-  config.packet_duplicate = 0.2;
-  config.burst_begin = 0.01;
-  config.burst_end = 0.5;
+  LineConfig config{
+      .burst_begin = 0.01, .burst_end = 0.5, .packet_duplicate = 0.2, .packet_reorder = 0.3};
   LineModel line(config, 3);
   std::vector<std::uint8_t> out(4 * kWrites);
   for (int i = 0; i < kWrites; ++i) line.write(bytes(1), kStart);
@@ -184,17 +175,13 @@ TEST(LineModel, ARateThatIsNoneReadsAnIdleLine) {
 }
 
 TEST(LineModel, ASlowClockStretchesTheBytes) {
-  LineConfig config;
-  config.baud = 100'000;
-  config.clock_drift_ppm = 10'000;
+  LineConfig config{.baud = 100'000, .clock_drift_ppm = 10'000};
   LineModel line(config, 1);
   EXPECT_NEAR(base::to_seconds(crossing_time(line, 100, kStart)), 10.1e-3, 1e-6);
 }
 
 TEST(LineModel, HoldsTheWriterBackWhenItsBufferIsFull) {
-  LineConfig config;
-  config.baud = 10'000;
-  config.send_buffer_bytes = 8;
+  LineConfig config{.baud = 10'000, .send_buffer_bytes = 8};
   LineModel line(config, 1);
   EXPECT_EQ(line.write(bytes(20), kStart), 8U);
   EXPECT_EQ(line.room(kStart), 0U);
@@ -206,9 +193,7 @@ TEST(LineModel, HoldsTheWriterBackWhenItsBufferIsFull) {
 }
 
 TEST(LineModel, LosesWhatOverrunsTheReceiver) {
-  LineConfig config;
-  config.baud = 10'000;
-  config.receive_fifo_bytes = 4;
+  LineConfig config{.baud = 10'000, .receive_fifo_bytes = 4};
   LineModel line(config, 1);
   line.write(bytes(10), kStart);
   std::vector<std::uint8_t> out(100);
@@ -226,9 +211,7 @@ TEST(LineModel, UsbDeliversOnMillisecondFrames) {
 }
 
 TEST(LineModel, DelaysAndJittersWithinBoundsAndInOrder) {
-  LineConfig config;
-  config.extra_delay = 10ms;
-  config.jitter = 5ms;
+  LineConfig config{.extra_delay = 10ms, .jitter = 5ms};
   LineModel line(config, 3);
   RunTime before{};
   Duration least = 1s, most{};
@@ -249,8 +232,7 @@ TEST(LineModel, DelaysAndJittersWithinBoundsAndInOrder) {
 }
 
 TEST(LineModel, FlipsBitsAtTheGivenRate) {
-  LineConfig config;
-  config.bit_error_rate = 1e-3;
+  LineConfig config{.bit_error_rate = 1e-3};
   LineModel line(config, 5);
   const std::vector<std::uint8_t> zeros(1000, 0);
   std::vector<std::uint8_t> out(1000);
@@ -266,8 +248,7 @@ TEST(LineModel, FlipsBitsAtTheGivenRate) {
 }
 
 TEST(LineModel, LosesBytesInBursts) {
-  LineConfig config;
-  config.burst_begin = 0.001;
+  LineConfig config{.burst_begin = 0.001};
   config.burst_end = 0.05;  // 20 bytes on average
   LineModel line(config, 9);
   std::vector<std::uint8_t> out(1 << 20);
@@ -282,9 +263,7 @@ TEST(LineModel, LosesBytesInBursts) {
 }
 
 TEST(LineModel, StallsAndCatchesUp) {
-  LineConfig config;
-  config.stall_every = 100ms;
-  config.stall_length = 20ms;
+  LineConfig config{.stall_every = 100ms, .stall_length = 20ms};
   LineModel line(config, 11);
   int late = 0;
   for (int i = 0; i < 5000; ++i) {

@@ -84,9 +84,8 @@ class FileService {
 
 TEST(FileService, TellsOfItselfAndServesTheParameters) {
   FileService service("ideal");
-  mavlink::common::CommandLong request;
-  request.command = mavlink::common::MavCmd::kRequestMessage;
-  request.param1 = mavlink::common::AutopilotVersion::kId;
+  mavlink::common::CommandLong request{.command = mavlink::common::MavCmd::kRequestMessage,
+                                       .param1 = mavlink::common::AutopilotVersion::kId};
   service.send(request);
   EXPECT_TRUE(has(service.capabilities, mavlink::common::MavProtocolCapability::kFtp));
 

@@ -221,37 +221,33 @@ TEST_F(Telemetry, OutputsAndPressureAreInTheirUnits) {
   EXPECT_NEAR(last<ScaledPressure>().press_abs, 955.5, 0.5);  // hPa at 493 m
 }
 
-struct SilentSensor {
-  const char* name;
-  bool ClosedLoop::*sensor;
-  MavSysStatusSensor bit;
-};
-
-class Health : public testing::TestWithParam<SilentSensor> {};
-
-TEST_P(Health, FallsWithASensorThatFallsSilent) {
-  using S = MavSysStatusSensor;
-  ClosedLoop loop{LoopOptions{}};
-  loop.run(12);
-  const auto before = loop.received<SysStatus>();
-  ASSERT_FALSE(before.empty());
-  EXPECT_TRUE(has(before.back().onboard_control_sensors_health, GetParam().bit));
-  EXPECT_TRUE(has(before.back().onboard_control_sensors_health, S::kPrearmCheck));
-  loop.*GetParam().sensor = false;
-  loop.run(4);
-  const auto health = loop.received<SysStatus>().back().onboard_control_sensors_health;
-  EXPECT_FALSE(has(health, GetParam().bit));
-  EXPECT_FALSE(has(health, S::kPrearmCheck));
+TEST(Health, FallsWithASensorThatFallsSilent) {
+  struct SilentSensor {
+    const char* name;
+    bool ClosedLoop::*sensor;
+    MavSysStatusSensor bit;
+  };
+  const SilentSensor rows[] = {
+      {"Imu", &ClosedLoop::imu_on, MavSysStatusSensor::k3dGyro},
+      {"Mag", &ClosedLoop::mag_on, MavSysStatusSensor::k3dMag},
+      {"Baro", &ClosedLoop::baro_on, MavSysStatusSensor::kAbsolutePressure},
+      {"Gps", &ClosedLoop::gps_on, MavSysStatusSensor::kGps}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    using S = MavSysStatusSensor;
+    ClosedLoop loop{LoopOptions{}};
+    loop.run(12);
+    const auto before = loop.received<SysStatus>();
+    ASSERT_FALSE(before.empty());
+    EXPECT_TRUE(has(before.back().onboard_control_sensors_health, row.bit));
+    EXPECT_TRUE(has(before.back().onboard_control_sensors_health, S::kPrearmCheck));
+    loop.*row.sensor = false;
+    loop.run(4);
+    const auto health = loop.received<SysStatus>().back().onboard_control_sensors_health;
+    EXPECT_FALSE(has(health, row.bit));
+    EXPECT_FALSE(has(health, S::kPrearmCheck));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Sensors, Health,
-    testing::Values(SilentSensor{"Imu", &ClosedLoop::imu_on, MavSysStatusSensor::k3dGyro},
-                    SilentSensor{"Mag", &ClosedLoop::mag_on, MavSysStatusSensor::k3dMag},
-                    SilentSensor{"Baro", &ClosedLoop::baro_on,
-                                 MavSysStatusSensor::kAbsolutePressure},
-                    SilentSensor{"Gps", &ClosedLoop::gps_on, MavSysStatusSensor::kGps}),
-    [](const auto& test) { return test.param.name; });
 
 /// Ten seconds at rest behind a line of this rate.
 class TelemetryOnALine : public testing::Test {

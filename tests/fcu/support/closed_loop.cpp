@@ -149,8 +149,7 @@ void ClosedLoop::sense() {
   };
   const Eigen::Quaterniond q_DN = truth.q_ND.inverse();
   if (steps_ % 2 == 0) {
-    HilSensor m;
-    m.time_usec = base::to_time_usec(time_);
+    HilSensor m{.time_usec = base::to_time_usec(time_)};
     using F = HilSensorUpdatedFlags;
     if (imu_on) {
       // The mean over the sample's period, as an integrating sensor gives it.
@@ -193,15 +192,14 @@ void ClosedLoop::sense() {
     const Vector3d v = noisy(truth.v_N + noise.gps_velocity_offset_m_s,
                              Vector3d::Constant(noise.gps_velocity_m_s), gps_random_);
     const base::Geodetic place = projection_.to_geodetic(p);
-    HilGps g;
-    g.time_usec = base::to_time_usec(time_);
-    g.fix_type = 3;
-    g.lat = static_cast<std::int32_t>(std::llround(place.lat_deg * 1e7));
-    g.lon = static_cast<std::int32_t>(std::llround(place.lon_deg * 1e7));
-    g.alt = static_cast<std::int32_t>(std::llround(place.alt_m * 1e3));
-    g.vn = static_cast<std::int16_t>(std::lround(v.x() * 100));
-    g.ve = static_cast<std::int16_t>(std::lround(v.y() * 100));
-    g.vd = static_cast<std::int16_t>(std::lround(v.z() * 100));
+    HilGps g{.time_usec = base::to_time_usec(time_),
+             .fix_type = 3,
+             .lat = static_cast<std::int32_t>(std::llround(place.lat_deg * 1e7)),
+             .lon = static_cast<std::int32_t>(std::llround(place.lon_deg * 1e7)),
+             .alt = static_cast<std::int32_t>(std::llround(place.alt_m * 1e3)),
+             .vn = static_cast<std::int16_t>(std::lround(v.x() * 100)),
+             .ve = static_cast<std::int16_t>(std::lround(v.y() * 100)),
+             .vd = static_cast<std::int16_t>(std::lround(v.z() * 100))};
     g.eph = g.epv = 100;
     g.satellites_visible = 12;
     if (gps_frozen) {
@@ -249,17 +247,16 @@ bool ClosedLoop::run_until(const std::function<bool()>& condition, double at_mos
 }
 
 MavResult ClosedLoop::command(MavCmd id, std::array<float, 7> params) {
-  CommandLong m;
-  m.target_system = 1;
-  m.target_component = 1;
-  m.command = id;
-  m.param1 = params[0];
-  m.param2 = params[1];
-  m.param3 = params[2];
-  m.param4 = params[3];
-  m.param5 = params[4];
-  m.param6 = params[5];
-  m.param7 = params[6];
+  CommandLong m{.target_system = 1,
+                .target_component = 1,
+                .command = id,
+                .param1 = params[0],
+                .param2 = params[1],
+                .param3 = params[2],
+                .param4 = params[3],
+                .param5 = params[4],
+                .param6 = params[5],
+                .param7 = params[6]};
   const std::size_t before = received<CommandAck>().size();
   send(m);
   const auto acks = received<CommandAck>();
@@ -282,17 +279,16 @@ bool ClosedLoop::fly_to_hover(double height_m) {
 
 void ClosedLoop::go_to(double north_m, double east_m, double up_m, float yaw_rad) {
   const base::Geodetic place = projection_.to_geodetic({north_m, east_m, -up_m});
-  CommandInt m;
-  m.target_system = 1;
-  m.target_component = 1;
-  m.command = MavCmd::kDoReposition;
-  m.frame = MavFrame::kGlobalInt;
-  m.param1 = -1;
-  m.param2 = 1;
-  m.param4 = yaw_rad;
-  m.x = static_cast<std::int32_t>(std::llround(place.lat_deg * 1e7));
-  m.y = static_cast<std::int32_t>(std::llround(place.lon_deg * 1e7));
-  m.z = static_cast<float>(place.alt_m);
+  CommandInt m{.target_system = 1,
+               .target_component = 1,
+               .frame = MavFrame::kGlobalInt,
+               .command = MavCmd::kDoReposition,
+               .param1 = -1,
+               .param2 = 1,
+               .param4 = yaw_rad,
+               .x = static_cast<std::int32_t>(std::llround(place.lat_deg * 1e7)),
+               .y = static_cast<std::int32_t>(std::llround(place.lon_deg * 1e7)),
+               .z = static_cast<float>(place.alt_m)};
   send(m);
 }
 

@@ -10,33 +10,28 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct LinkCase {
-  const char* name;
-  const char* link;
-  const char* serial;
-  unsigned interface;
-  bool expected;
-};
-
-class UdevLink : public testing::TestWithParam<LinkCase> {};
-
-TEST_P(UdevLink, BelongsToABoardByItsSerialNumber) {
-  const auto& [name, link, serial, interface, expected] = GetParam();
-  EXPECT_EQ(is_link_of(link, serial, interface), expected);
+TEST(UdevLink, BelongsToABoardByItsSerialNumber) {
+  struct LinkCase {
+    const char* name;
+    const char* link;
+    const char* serial;
+    unsigned interface;
+    bool expected;
+  };
+  const LinkCase rows[] = {
+      {"Board", "usb-Auterion_PX4_FMU_v6X.x_0-if00", "0", 0, true},
+      {"SecondInterface", "usb-Hex_CubeOrange_3A0027-if02", "3A0027", 2, true},
+      {"OtherInterface", "usb-Hex_CubeOrange_3A0027-if02", "3A0027", 0, false},
+      {"Adapter", "usb-FTDI_FT232R_USB_UART_A50285BI-if00-port0", "A50285BI", 0, true},
+      {"EndOfALongerNumber", "usb-Hex_CubeOrange_3A0027-if00", "0027", 0, false},
+      {"WhatUdevReplaces", "usb-Some_Maker_A_7-if00", "A/7", 0, true},
+      {"LockBesideIt", "usb-CAS_Stand-in_1-if00.lock", "1", 0, false},
+      {"NoUsb", "pci-Board_1-if00", "1", 0, false}};
+  for (const auto& [name, link, serial, interface, expected] : rows) {
+    SCOPED_TRACE(name);
+    EXPECT_EQ(is_link_of(link, serial, interface), expected);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    ById, UdevLink,
-    testing::Values(
-        LinkCase{"Board", "usb-Auterion_PX4_FMU_v6X.x_0-if00", "0", 0, true},
-        LinkCase{"SecondInterface", "usb-Hex_CubeOrange_3A0027-if02", "3A0027", 2, true},
-        LinkCase{"OtherInterface", "usb-Hex_CubeOrange_3A0027-if02", "3A0027", 0, false},
-        LinkCase{"Adapter", "usb-FTDI_FT232R_USB_UART_A50285BI-if00-port0", "A50285BI", 0, true},
-        LinkCase{"EndOfALongerNumber", "usb-Hex_CubeOrange_3A0027-if00", "0027", 0, false},
-        LinkCase{"WhatUdevReplaces", "usb-Some_Maker_A_7-if00", "A/7", 0, true},
-        LinkCase{"LockBesideIt", "usb-CAS_Stand-in_1-if00.lock", "1", 0, false},
-        LinkCase{"NoUsb", "pci-Board_1-if00", "1", 0, false}),
-    [](const auto& test) { return test.param.name; });
 
 class FindDevice : public testing::Test {
  protected:

@@ -60,35 +60,28 @@ TEST(BoardList, TheShippedExampleIsOne) {
   EXPECT_TRUE(list.boards.front().hooks.contains(HookKind::kFlash));
 }
 
-struct BadList {
-  const char* name;
-  const char* boards;
-  const char* sentence;
-};
-
-class BadBoardList : public testing::TestWithParam<BadList> {};
-
-TEST_P(BadBoardList, IsRefusedWithTheLineAndTheReason) {
-  const std::string text = test::refusal([] { parse(GetParam().boards); });
-  EXPECT_EQ(text.find("/shelf/boards.yaml:"), 0U) << text;
-  EXPECT_NE(text.find(GetParam().sentence), std::string::npos) << text;
+TEST(BadBoardList, IsRefusedWithTheLineAndTheReason) {
+  struct BadList {
+    const char* boards;
+    const char* sentence;
+  };
+  const BadList rows[] = {
+      {"  a: {kind: x}\n", ":3: boards.a: has a `serial`"},
+      {"  a: {serial: 1, device: /dev/x}\n", "one of them"},
+      {"  a: {serial: 1}\n  b: {serial: 1}\n", "is the same board as 'a'"},
+      {"  a/b: {serial: 1}\n", "a board's name is made of"},
+      {"  a: {serial: 1, hooks: {flash: make flash}}\n", "boards.a.hooks.flash: is a list"},
+      {"  a: {serial: 1, hooks: {flash: []}}\n", "names no program"},
+      {"  a: {serial: 1, calibration: some}\n", "'some' is none of unknown, done, missing"},
+      {"  a: {serial: 1, commit: xyz}\n", "is hexadecimal"},
+      {"  a: {serial: 1, hooks: {flsh: [a]}}\n", "did you mean 'flash'"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.boards);
+    const std::string text = test::refusal([&] { parse(row.boards); });
+    EXPECT_EQ(text.find("/shelf/boards.yaml:"), 0U) << text;
+    EXPECT_NE(text.find(row.sentence), std::string::npos) << text;
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    All, BadBoardList,
-    testing::Values(
-        BadList{"NoPlace", "  a: {kind: x}\n", ":3: boards.a: has a `serial`"},
-        BadList{"TwoPlaces", "  a: {serial: 1, device: /dev/x}\n", "one of them"},
-        BadList{"Twice", "  a: {serial: 1}\n  b: {serial: 1}\n", "is the same board as 'a'"},
-        BadList{"Name", "  a/b: {serial: 1}\n", "a board's name is made of"},
-        BadList{"ShellString", "  a: {serial: 1, hooks: {flash: make flash}}\n",
-                "boards.a.hooks.flash: is a list"},
-        BadList{"NoProgram", "  a: {serial: 1, hooks: {flash: []}}\n", "names no program"},
-        BadList{"Calibration", "  a: {serial: 1, calibration: some}\n",
-                "'some' is none of unknown, done, missing"},
-        BadList{"Commit", "  a: {serial: 1, commit: xyz}\n", "is hexadecimal"},
-        BadList{"Hook", "  a: {serial: 1, hooks: {flsh: [a]}}\n", "did you mean 'flash'"}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(BoardList, SaysWhichBoardMayHaveBeenMeant) {
   const BoardList list = parse("  bench1: {serial: 1}\n");

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A campaign as a user starts it: three failures in two phases, one cell red on purpose.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <chrono>
 #include <filesystem>
@@ -11,6 +11,7 @@
 
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/scenario_text.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::test {
@@ -18,26 +19,14 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using testing::HasSubstr;
 
 /// For a few flights, which take as long as the machine lets them.
 constexpr base::Duration kCampaignPatience = std::chrono::minutes(8);
 
-constexpr const char* kScenario = R"(
-schema: 1
-name: hop
-vehicle: ../vehicles/iris_paper.yaml
-home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
-decimal_year: 2026.5
-seed: 1
-rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
-line: {preset: baud_921600}
-steps:
-  - arm
-  - takeoff: {altitude_m: 1.5}
-  - hold: {name: hover, duration_s: 4, measure: true}
-  - land
-  - disarm
-)";
+const std::string kScenario = scenario_text(paper_quadrotor(),
+                                            "[arm, takeoff: {altitude_m: 1.5}, hold: {name: hover, "
+                                            "duration_s: 4, measure: true}, land, disarm]");
 
 /// A quadrotor with a stopped rotor cannot be flown: that cell is red on purpose.
 constexpr const char* kCampaign = R"(
@@ -74,8 +63,7 @@ class CampaignProgram : public testing::Test {
 TEST_F(CampaignProgram, FliesJudgesAndReportsEachCell) {
   const fs::path out = folder_ / "out";
   const std::string said = hils({file_.string(), "--out", out.string(), "--jobs", "2"}, 1);
-  EXPECT_NE(said.find("5 of 6 cells as expected, 1 missed, 0 without a verdict"), std::string::npos)
-      << said;
+  EXPECT_THAT(said, HasSubstr("5 of 6 cells as expected, 1 missed, 0 without a verdict"));
   EXPECT_TRUE(
       std::regex_search(said, std::regex("rotor_stopped +hover +missed .*  seed 1: stays up: ")))
       << said;
@@ -93,12 +81,11 @@ TEST_F(CampaignProgram, FliesJudgesAndReportsEachCell) {
   EXPECT_TRUE(results["cells"][5]["flights"][0]["crashed"].get<bool>()) << results["cells"][5];
 
   const std::string junit = read(out / "junit.xml");
-  EXPECT_NE(junit.find("tests=\"6\" failures=\"1\" errors=\"0\""), std::string::npos) << junit;
-  EXPECT_NE(junit.find("<testcase classname=\"hils.campaign.hops.rotor_stopped\" name=\"hover\" "
-                       "time=\"0\"><failure"),
-            std::string::npos)
-      << junit;
-  EXPECT_NE(read(out / "campaign.html").find("again/row_6/"), std::string::npos);
+  EXPECT_THAT(junit, HasSubstr("tests=\"6\" failures=\"1\" errors=\"0\""));
+  EXPECT_THAT(junit,
+              HasSubstr("<testcase classname=\"hils.campaign.hops.rotor_stopped\" name=\"hover\" "
+                        "time=\"0\"><failure"));
+  EXPECT_THAT(read(out / "campaign.html"), HasSubstr("again/row_6/"));
   EXPECT_TRUE(fs::exists(out / "again/row_6/report.html"));
   EXPECT_TRUE(fs::exists(out / "results.csv"));
 
@@ -106,19 +93,18 @@ TEST_F(CampaignProgram, FliesJudgesAndReportsEachCell) {
   folder_.write("hops.yaml", std::string(kCampaign).replace(
                                  std::string(kCampaign).rfind("[stays_up]"), 10, "[crashes]"));
   const std::string again = hils({file_.string(), "--out", out.string(), "--replays", "0"}, 0);
-  EXPECT_NE(again.find("6 of 6 cells as expected"), std::string::npos) << again;
+  EXPECT_THAT(again, HasSubstr("6 of 6 cells as expected"));
 
   // A replay of another flight than the one that was judged is no proof.
   folder_.write("out/again/row_6/truth.csv", "another one");
-  const std::string other = hils({file_.string(), "--out", out.string()}, 3);
-  EXPECT_NE(other.find("row 6: another flight when it was flown again"), std::string::npos)
-      << other;
+  EXPECT_THAT(hils({file_.string(), "--out", out.string()}, 3),
+              HasSubstr("row 6: another flight when it was flown again"));
 
   // Other failures are another campaign.
   folder_.write("hops.yaml",
                 std::string(kCampaign) + "  - {failure: gps_lost, expect: [stays_up]}\n");
-  const std::string refused = hils({file_.string(), "--out", out.string()}, 2);
-  EXPECT_NE(refused.find("holds another campaign"), std::string::npos) << refused;
+  EXPECT_THAT(hils({file_.string(), "--out", out.string()}, 2),
+              HasSubstr("holds another campaign"));
 }
 
 TEST_F(CampaignProgram, WhatNeverActsIsNoPass) {
@@ -137,15 +123,14 @@ TEST_F(CampaignProgram, WhatNeverActsIsNoPass) {
                            "gps_lost +down +no verdict .* seed 1: never acted: it struck after"}) {
     EXPECT_TRUE(std::regex_search(said, std::regex(cell))) << said;
   }
-  EXPECT_NE(said.find("1 of 4 cells as expected, 0 missed, 3 without a verdict"), std::string::npos)
-      << said;
+  EXPECT_THAT(said, HasSubstr("1 of 4 cells as expected, 0 missed, 3 without a verdict"));
 }
 
 /// Flown by sticks, the vehicle returns by NAV_RCL_ACT once they are gone for COM_RC_LOSS_T.
 TEST_F(CampaignProgram, TheLossOfTheRadioBringsTheVehicleHome) {
   std::string scenario = kScenario;
-  scenario.replace(scenario.find("  - land"), 0,
-                   "  - sticks: {pitch: 0.2, duration_s: 4}\n  - hold: {duration_s: 1}\n");
+  scenario.replace(scenario.find("land"), 0,
+                   "sticks: {pitch: 0.2, duration_s: 4}, hold: {duration_s: 1}, ");
   folder_.write("hop.yaml", scenario + "ground_station: true\n");
   folder_.write("hops.yaml",
                 "schema: 1\nname: hops\nscenario: hop.yaml\n"
@@ -154,25 +139,22 @@ TEST_F(CampaignProgram, TheLossOfTheRadioBringsTheVehicleHome) {
                 "  - {failure: imu_2_stuck, expect: [stays_up]}\n");
   const std::string said =
       hils({file_.string(), "--out", (folder_ / "out").string(), "--replays", "0"}, 0);
-  EXPECT_NE(said.find("1 of 1 cells as expected"), std::string::npos) << said;
-  EXPECT_NE(said.find("needs imu_2, which this vehicle does not have"), std::string::npos) << said;
+  EXPECT_THAT(said, HasSubstr("1 of 1 cells as expected"));
+  EXPECT_THAT(said, HasSubstr("needs imu_2, which this vehicle does not have"));
 }
 
 TEST_F(CampaignProgram, ListsTheCatalogueAndRefusesHalfACommand) {
-  const std::string list = hils({"--list"}, 0);
-  EXPECT_NE(list.find("gps_spoofed (GPS): A spoofer leads the position away slowly"),
-            std::string::npos)
-      << list;
-  EXPECT_NE(hils({file_.string()}, 2).find("--out DIR"), std::string::npos);
+  EXPECT_THAT(hils({"--list"}, 0),
+              HasSubstr("gps_spoofed (GPS): A spoofer leads the position away slowly"));
+  EXPECT_THAT(hils({file_.string()}, 2), HasSubstr("--out DIR"));
   const std::string planned =
       hils({file_.string(), "--out", (folder_ / "plan").string(), "--plan"}, 0);
-  EXPECT_NE(planned.find("3 failures, 7 flights (1 of them without a failure)"), std::string::npos)
-      << planned;
+  EXPECT_THAT(planned, HasSubstr("3 failures, 7 flights (1 of them without a failure)"));
   EXPECT_TRUE(fs::exists(folder_ / "plan/table.csv"));
   folder_.write("hops.yaml", std::string(kCampaign).replace(std::string(kCampaign).find("hover:"),
                                                             6, "\"\\e[31m\":"));
   const std::string refused = hils({file_.string(), "--out", (folder_ / "p").string()}, 2);
-  EXPECT_NE(refused.find("phases.?[31m: its name"), std::string::npos) << refused;
+  EXPECT_THAT(refused, HasSubstr("phases.?[31m: its name"));
   EXPECT_EQ(refused.find('\x1b'), std::string::npos);
 }
 

@@ -2,7 +2,6 @@
 #include "hils/campaign/catalogue.hpp"
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include <fstream>
 #include <sstream>
@@ -137,7 +136,7 @@ TEST(Catalogue, IsTheTableOfTheDocumentation) {
   page << stream.rdbuf();
   std::istringstream table(shipped().markdown());
   for (std::string line; std::getline(table, line);) {
-    EXPECT_NE(page.str().find(line), std::string::npos)
+    EXPECT_THAT(page.str(), HasSubstr(line))
         << "docs/reference/failures.md lacks what 'hils campaign --list --markdown' prints:\n"
         << line;
   }

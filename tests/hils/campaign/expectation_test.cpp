@@ -35,37 +35,36 @@ StrikeResponse landed() {
           .peak_tilt_deg = 20};
 }
 
-struct Case {
-  const char* name;
-  const char* expectation;
-  bool kept;
-};
-
-class OfALanding : public testing::TestWithParam<Case> {};
-
-TEST_P(OfALanding, IsKeptOrNot) {
-  const auto miss = miss_of(expectation(GetParam().expectation), landed());
-  EXPECT_EQ(!miss, GetParam().kept) << miss.value_or("kept");
+TEST(OfALanding, IsKeptOrNot) {
+  struct Case {
+    const char* expectation;
+    bool kept;
+  };
+  const Case rows[] = {{"stays_up", false},
+                       {"no_crash", true},
+                       {"crashes", false},
+                       {"no_arming", false},
+                       {"terminates", false},
+                       {"detected", true},
+                       {"detected_within_s: 1.5", true},
+                       {"detected_within_s: 1.4", false},
+                       {"lands", true},
+                       {"lands_within_m: 4", true},
+                       {"lands_within_m: 3.9", false},
+                       {"failsafe: LAND", true},
+                       {"{failsafe: RTL/LAND, within_s: 3}", true},
+                       {"failsafe: RTL", false},
+                       {"{failsafe: LAND, within_s: 2}", false},
+                       {"no_farther_than_m: 5", true},
+                       {"no_farther_than_m: 4.9", false},
+                       {"tilts_less_than_deg: 20", true},
+                       {"tilts_less_than_deg: 19", false}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.expectation);
+    const auto miss = miss_of(expectation(row.expectation), landed());
+    EXPECT_EQ(!miss, row.kept) << miss.value_or("kept");
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Cases, OfALanding,
-    testing::Values(Case{"StaysUp", "stays_up", false}, Case{"NoCrash", "no_crash", true},
-                    Case{"Crashes", "crashes", false}, Case{"NoArming", "no_arming", false},
-                    Case{"Terminates", "terminates", false}, Case{"Detected", "detected", true},
-                    Case{"InTime", "detected_within_s: 1.5", true},
-                    Case{"TooLate", "detected_within_s: 1.4", false}, Case{"Lands", "lands", true},
-                    Case{"LandsNear", "lands_within_m: 4", true},
-                    Case{"LandsFar", "lands_within_m: 3.9", false},
-                    Case{"Failsafe", "failsafe: LAND", true},
-                    Case{"EitherFailsafe", "{failsafe: RTL/LAND, within_s: 3}", true},
-                    Case{"OtherFailsafe", "failsafe: RTL", false},
-                    Case{"SlowFailsafe", "{failsafe: LAND, within_s: 2}", false},
-                    Case{"Near", "no_farther_than_m: 5", true},
-                    Case{"Far", "no_farther_than_m: 4.9", false},
-                    Case{"Upright", "tilts_less_than_deg: 20", true},
-                    Case{"Tilted", "tilts_less_than_deg: 19", false}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(Expectation, OfWhatFellIsACrashAndNoLanding) {
   StrikeResponse fallen = landed();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/campaign/matrix.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -14,6 +14,9 @@
 
 namespace cas::hils {
 namespace {
+
+using testing::HasSubstr;
+using testing::Not;
 
 /// gps_lost and baro_door in two phases, two seeds each; both must stay up.
 Campaign campaign() {
@@ -34,10 +37,9 @@ Campaign campaign() {
 }
 
 RowResult row(std::size_t number, bool up, std::optional<double> detected_s = 0.5) {
-  RowResult result;
-  result.row = number;
-  result.outcome = up ? RowOutcome::kPassed : RowOutcome::kFailed;
-  result.run_sha256 = "run " + std::to_string(number);
+  RowResult result{.row = number,
+                   .outcome = up ? RowOutcome::kPassed : RowOutcome::kFailed,
+                   .run_sha256 = "run " + std::to_string(number)};
   result.strike = StrikeResponse{.strike_s = 20,
                                  .detected_s = detected_s,
                                  .detected_by = "'<b>'",
@@ -67,7 +69,7 @@ TEST(CampaignMatrix, AllAsExpectedEndsWithZero) {
   EXPECT_EQ(matrix.exit_code(), 0);
   EXPECT_EQ(matrix.count(CellState::kAsExpected), 4U);
   EXPECT_EQ(matrix.find(2, 0), nullptr) << "casd_reloaded is not flown";
-  EXPECT_NE(text_of(matrix).find("casd_reloaded: not flown"), std::string::npos);
+  EXPECT_THAT(text_of(matrix), HasSubstr("casd_reloaded: not flown"));
 }
 
 TEST(CampaignMatrix, OneFlightOfManyTurnsItsCellAndTheExitCodeRed) {
@@ -84,14 +86,13 @@ TEST(CampaignMatrix, OneFlightOfManyTurnsItsCellAndTheExitCodeRed) {
   EXPECT_EQ(matrix.find(0, 0)->state(), CellState::kAsExpected);
   EXPECT_EQ(matrix.find(0, 0)->detected_s(), 0.5);
   const std::string text = text_of(matrix);
-  EXPECT_NE(text.find("MISSED 1/2"), std::string::npos) << text;
+  EXPECT_THAT(text, HasSubstr("MISSED 1/2"));
   EXPECT_TRUE(std::regex_search(
       text, std::regex("gps_lost +cruise +missed .*  seed 2: stays up: incident: crash")))
       << text;
   const std::string junit = campaign_junit(matrix);
-  EXPECT_NE(junit.find("tests=\"5\" failures=\"1\" errors=\"0\" skipped=\"1\""), std::string::npos)
-      << junit;
-  EXPECT_NE(junit.find("hils.campaign.c&amp;d.gps_lost\" name=\"cruise\""), std::string::npos);
+  EXPECT_THAT(junit, HasSubstr("tests=\"5\" failures=\"1\" errors=\"0\" skipped=\"1\""));
+  EXPECT_THAT(junit, HasSubstr("hils.campaign.c&amp;d.gps_lost\" name=\"cruise\""));
 }
 
 TEST(CampaignMatrix, WithoutAVerdictItEndsWithThreeUnlessACellMissed) {
@@ -103,9 +104,9 @@ TEST(CampaignMatrix, WithoutAVerdictItEndsWithThreeUnlessACellMissed) {
   CampaignMatrix matrix = CampaignMatrix::of(campaign(), rows);
   EXPECT_EQ(matrix.exit_code(), 3);
   EXPECT_EQ(matrix.count(CellState::kNoVerdict), 3U);
-  EXPECT_NE(matrix.find(0, 0)->shown().no_verdict.find("no result after 9 s"), std::string::npos);
-  EXPECT_NE(matrix.find(1, 0)->shown().no_verdict.find("never acted"), std::string::npos);
-  EXPECT_NE(matrix.find(1, 1)->shown().no_verdict.find("not been flown"), std::string::npos);
+  EXPECT_THAT(matrix.find(0, 0)->shown().no_verdict, HasSubstr("no result after 9 s"));
+  EXPECT_THAT(matrix.find(1, 0)->shown().no_verdict, HasSubstr("never acted"));
+  EXPECT_THAT(matrix.find(1, 1)->shown().no_verdict, HasSubstr("not been flown"));
   rows[2] = row(3, false);
   matrix = CampaignMatrix::of(campaign(), rows);
   EXPECT_EQ(matrix.exit_code(), 1);
@@ -124,9 +125,8 @@ TEST(CampaignMatrix, AStrikeAfterTheFlightHasNoVerdictAndNoFigures) {
   EXPECT_TRUE(json["cells"][0]["farthest_m"].is_null());
   EXPECT_EQ(json["cells"][1]["farthest_m"], 4);
   const std::string text = text_of(matrix);
-  EXPECT_NE(text.find("MISSED 1/2"), std::string::npos)
-      << "one missed, one has no verdict: " << text;
-  EXPECT_NE(text.find("; not flown: 1"), std::string::npos) << text;
+  EXPECT_THAT(text, HasSubstr("MISSED 1/2")) << "one missed, one has no verdict: " << text;
+  EXPECT_THAT(text, HasSubstr("; not flown: 1"));
 }
 
 TEST(CampaignMatrix, AFlightLikeThatWithoutAFailureHasNoVerdict) {
@@ -152,8 +152,8 @@ TEST(CampaignMatrix, InRealTimeNoFlightIsLikeAnother) {
   EXPECT_EQ(matrix.exit_code(), 0);
   matrix.stopped = "board 'a' is not there";
   EXPECT_EQ(matrix.exit_code(), 3);
-  EXPECT_NE(text_of(matrix).find("ended early: board 'a' is not there"), std::string::npos);
-  EXPECT_NE(campaign_junit(matrix).find("name=\"board\" time=\"0\"><error"), std::string::npos);
+  EXPECT_THAT(text_of(matrix), HasSubstr("ended early: board 'a' is not there"));
+  EXPECT_THAT(campaign_junit(matrix), HasSubstr("name=\"board\" time=\"0\"><error"));
 }
 
 TEST(CampaignMatrix, WithoutAFlightToCompareWithThereIsNoVerdict) {
@@ -164,8 +164,8 @@ TEST(CampaignMatrix, WithoutAFlightToCompareWithThereIsNoVerdict) {
   EXPECT_EQ(matrix.exit_code(), 3);
   EXPECT_EQ(matrix.count(CellState::kNoVerdict), 4U);
   EXPECT_EQ(matrix.find(0, 0)->as_expected(), 1U) << "seed 1 can be compared";
-  EXPECT_NE(matrix.find(0, 0)->shown().no_verdict.find("is not known"), std::string::npos);
-  EXPECT_NE(text_of(matrix).find("without a failure, seed 2: died"), std::string::npos);
+  EXPECT_THAT(matrix.find(0, 0)->shown().no_verdict, HasSubstr("is not known"));
+  EXPECT_THAT(text_of(matrix), HasSubstr("without a failure, seed 2: died"));
 
   Campaign unrecorded = campaign();
   for (CampaignFailure& each : unrecorded.failures) {
@@ -182,7 +182,7 @@ TEST(CampaignMatrix, AFlightThatFailsByItselfIsNoPass) {
   const CampaignMatrix matrix = CampaignMatrix::of(campaign(), rows);
   EXPECT_EQ(matrix.count(CellState::kAsExpected), 4U);
   EXPECT_EQ(matrix.exit_code(), 3);
-  EXPECT_NE(text_of(matrix).find("without a failure, seed 2: failed"), std::string::npos);
+  EXPECT_THAT(text_of(matrix), HasSubstr("without a failure, seed 2: failed"));
 }
 
 TEST(CampaignMatrix, AFlightWithoutAFailureThatWasNotFlownIsSaid) {
@@ -191,8 +191,7 @@ TEST(CampaignMatrix, AFlightWithoutAFailureThatWasNotFlownIsSaid) {
   const CampaignMatrix matrix = CampaignMatrix::of(campaign(), rows);
   EXPECT_EQ(matrix.count(CellState::kNoVerdict), 4U);
   EXPECT_EQ(matrix.exit_code(), 3);
-  EXPECT_NE(text_of(matrix).find("without a failure, seed 2: it has not been flown"),
-            std::string::npos);
+  EXPECT_THAT(text_of(matrix), HasSubstr("without a failure, seed 2: it has not been flown"));
 }
 
 TEST(CampaignMatrix, AnotherFlightWhenFlownAgainIsSaid) {
@@ -200,8 +199,7 @@ TEST(CampaignMatrix, AnotherFlightWhenFlownAgainIsSaid) {
   EXPECT_EQ(matrix.exit_code(), 0);
   matrix.flown_otherwise = {3};
   EXPECT_EQ(matrix.exit_code(), 3);
-  EXPECT_NE(text_of(matrix).find("row 3: another flight when it was flown again"),
-            std::string::npos);
+  EXPECT_THAT(text_of(matrix), HasSubstr("row 3: another flight when it was flown again"));
 }
 
 TEST(CampaignReport, LinksTheReplaysThatAreThereAndEscapesWhatVehiclesSay) {
@@ -210,10 +208,10 @@ TEST(CampaignReport, LinksTheReplaysThatAreThereAndEscapesWhatVehiclesSay) {
   folder.write("again/row_3/report.html", "");
   const std::string page =
       write_html(campaign_report(CampaignMatrix::of(campaign(), all_up()), folder / "again"));
-  EXPECT_NE(page.find("href=\"again/row_1/replay.html\""), std::string::npos);
-  EXPECT_NE(page.find("href=\"again/row_3/report.html\""), std::string::npos);
-  EXPECT_EQ(page.find("again/row_5"), std::string::npos);
-  EXPECT_EQ(page.find("<b>"), std::string::npos);
+  EXPECT_THAT(page, HasSubstr("href=\"again/row_1/replay.html\""));
+  EXPECT_THAT(page, HasSubstr("href=\"again/row_3/report.html\""));
+  EXPECT_THAT(page, Not(HasSubstr("again/row_5")));
+  EXPECT_THAT(page, Not(HasSubstr("<b>")));
   EXPECT_EQ(escape_xml("a\x1b[31m<"), "a?[31m&lt;") << "XML has no control characters";
 }
 
@@ -222,35 +220,31 @@ TEST(CampaignReport, HasTheWarningsOfAllFlights) {
   rows[0].warnings = rows[9].warnings = {"a mass of 1 g"};
   const CampaignMatrix matrix = CampaignMatrix::of(campaign(), rows);
   const std::string sentence = "warning in 2 of 10 flights: a mass of 1 g";
-  EXPECT_NE(text_of(matrix).find(sentence), std::string::npos) << text_of(matrix);
-  EXPECT_NE(campaign_junit(matrix).find(sentence), std::string::npos);
+  EXPECT_THAT(text_of(matrix), HasSubstr(sentence));
+  EXPECT_THAT(campaign_junit(matrix), HasSubstr(sentence));
   EXPECT_EQ(nlohmann::json::parse(campaign_json(matrix))["warnings"],
             nlohmann::json::parse(R"([{"warning": "a mass of 1 g", "flights": 2}])"));
 }
 
 TEST(CampaignReport, CountsTheFlightsWithoutAFailure) {
   std::vector<RowResult> rows = all_up();
-  EXPECT_NE(text_of(CampaignMatrix::of(campaign(), rows))
-                .find("; 8 flights with a failure and 2 without"),
-            std::string::npos);
+  EXPECT_THAT(text_of(CampaignMatrix::of(campaign(), rows)),
+              HasSubstr("; 8 flights with a failure and 2 without"));
   rows.pop_back();
-  EXPECT_NE(text_of(CampaignMatrix::of(campaign(), rows))
-                .find("; 8 flights with a failure and 1 without"),
-            std::string::npos);
+  EXPECT_THAT(text_of(CampaignMatrix::of(campaign(), rows)),
+              HasSubstr("; 8 flights with a failure and 1 without"));
 }
 
 TEST(CampaignReport, NamesTheFailuresThatWereLeftOut) {
   Campaign chosen = campaign();
   chosen.left_out = {"heavy", "l&m"};
   const CampaignMatrix matrix = CampaignMatrix::of(chosen, all_up());
-  EXPECT_NE(text_of(matrix).find("left out by --only: heavy, l&m\n"), std::string::npos);
+  EXPECT_THAT(text_of(matrix), HasSubstr("left out by --only: heavy, l&m\n"));
   EXPECT_EQ(nlohmann::json::parse(campaign_json(matrix))["left_out"].size(), 2U);
   const std::string junit = campaign_junit(matrix);
-  EXPECT_NE(junit.find("tests=\"7\" failures=\"0\" errors=\"0\" skipped=\"3\""), std::string::npos)
-      << junit;
-  EXPECT_NE(junit.find(".l&amp;m\" name=\"all phases\" time=\"0\"><skipped message=\"left out by"),
-            std::string::npos)
-      << junit;
+  EXPECT_THAT(junit, HasSubstr("tests=\"7\" failures=\"0\" errors=\"0\" skipped=\"3\""));
+  EXPECT_THAT(
+      junit, HasSubstr(".l&amp;m\" name=\"all phases\" time=\"0\"><skipped message=\"left out by"));
 }
 
 TEST(CampaignReport, HasEachFlightInTheTables) {
@@ -265,7 +259,7 @@ TEST(CampaignReport, HasEachFlightInTheTables) {
   EXPECT_TRUE(json["cells"][1]["flights"][1]["detected_s"].is_null());
   const std::string csv = campaign_csv(matrix);
   EXPECT_EQ(std::ranges::count(csv, '\n'), 9);
-  EXPECT_NE(csv.find("4,gps_lost,cruise,2,missed,20,,"), std::string::npos) << csv;
+  EXPECT_THAT(csv, HasSubstr("4,gps_lost,cruise,2,missed,20,,"));
 }
 
 }  // namespace

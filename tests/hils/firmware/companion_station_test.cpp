@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -52,11 +51,7 @@ class Companion : public testing::Test {
 
 TEST_F(Companion, TellsTheOriginUntilTheVehicleKnowsAPlaceOnTheEarth) {
   using F = mv::EstimatorStatusFlags;
-  const auto report = [this](F flags) {
-    mv::EstimatorStatus status;
-    status.flags = flags;
-    hear(status);
-  };
+  const auto report = [this](F flags) { hear(mv::EstimatorStatus{.flags = flags}); };
   report(F::kPosHorizRel);
   EXPECT_TRUE(sent<mv::SetGpsGlobalOrigin>().empty()) << "nobody asked for it";
   station_.set_origin({.lat_deg = 47.397742, .lon_deg = -8.5, .alt_m = 488});

@@ -103,9 +103,7 @@ TEST_F(PtyCableTest, UnpluggedAtItsFirstEndComesBackUnderTheSameName) {
 }
 
 TEST_F(PtyCableTest, DoesToBothDirectionsWhatItsLineDoes) {
-  fcu::LineConfig twice;
-  twice.packet_duplicate = 1;
-  relay_.set_line(twice);
+  relay_.set_line(fcu::LineConfig{.packet_duplicate = 1});
   for (const auto& [from, to] : {std::pair(&first_, &second_), std::pair(&second_, &first_)}) {
     std::string got;
     EXPECT_TRUE(

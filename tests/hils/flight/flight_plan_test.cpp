@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/flight/flight_plan.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 namespace cas::hils {
 namespace {
 
 using std::chrono::milliseconds;
 using std::chrono::seconds;
+using testing::HasSubstr;
 
 base::SimTime at(base::Duration since_start) { return base::SimTime(since_start); }
 
@@ -21,10 +22,21 @@ std::vector<FlightStep> hover() {
 
 VehicleReport on_ground() { return {.heard = true, .on_ground = true, .has_position = true}; }
 
+VehicleReport armed_on_ground() {
+  return {.heard = true, .armed = true, .on_ground = true, .has_position = true};
+}
+
 VehicleReport hovering() {
   VehicleReport report{.heard = true, .armed = true, .in_air = true, .has_position = true};
   report.p_N = {0, 0, -2.5};
   return report;
+}
+
+/// What the plan commands now; the vehicle accepts it at once.
+auto accept(FlightPlan& plan, base::SimTime now, const VehicleReport& vehicle) {
+  const auto command = plan.update(now, vehicle);
+  plan.on_outcome(now);
+  return command;
 }
 
 TEST(FlightPlan, WaitsForTheVehicleToBeHeard) {
@@ -53,18 +65,15 @@ TEST(FlightPlan, WantsToBeLookedAtWhenTimeAloneTakesItFurther) {
   plan.on_outcome(at({}), Refusal{"estimator not ready"});
   EXPECT_EQ(plan.next_look(at({})), at(milliseconds(500)));
   EXPECT_EQ(plan.next_look(at(milliseconds(600))), at(seconds(1))) << "the arming again";
-  ASSERT_TRUE(plan.update(at(seconds(1)), on_ground()));
-  plan.on_outcome(at(seconds(1)));
+  ASSERT_TRUE(accept(plan, at(seconds(1)), on_ground()));
   EXPECT_EQ(plan.next_look(at(seconds(1))), at(milliseconds(1050))) << "until it is armed";
 
   EXPECT_FALSE(plan.update(at(seconds(2)), hovering()));
   EXPECT_EQ(plan.next_look(at(seconds(2))), at(milliseconds(2500)));
   EXPECT_EQ(plan.next_look(at(seconds(3))), at(milliseconds(3200))) << "the end of the hold";
-  ASSERT_EQ(plan.update(at(milliseconds(3202)), hovering())->kind, StepKind::kTrajectory);
-  plan.on_outcome(at(milliseconds(3202)));
+  ASSERT_EQ(accept(plan, at(milliseconds(3202)), hovering())->kind, StepKind::kTrajectory);
   EXPECT_EQ(plan.next_look(at(milliseconds(3702))), at(milliseconds(3902)));
-  ASSERT_EQ(plan.update(at(milliseconds(3902)), hovering())->kind, StepKind::kLand);
-  plan.on_outcome(at(milliseconds(3902)));
+  ASSERT_EQ(accept(plan, at(milliseconds(3902)), hovering())->kind, StepKind::kLand);
   EXPECT_EQ(plan.next_look(at(milliseconds(3902))), at(milliseconds(3952)));
 }
 
@@ -78,21 +87,15 @@ TEST(FlightPlan, FailsWithTheLastRefusalWhenTheTimeIsOver) {
 
 TEST(FlightPlan, TakesTheVehicleThroughAllSteps) {
   FlightPlan plan(hover());
-  ASSERT_EQ(plan.update(at(seconds(0)), on_ground())->kind, StepKind::kArm);
-  plan.on_outcome(at(seconds(0)));
-  VehicleReport vehicle = on_ground();
-  vehicle.armed = true;
-  ASSERT_EQ(plan.update(at(seconds(1)), vehicle)->kind, StepKind::kTakeoff);
-  plan.on_outcome(at(seconds(1)));
+  ASSERT_EQ(accept(plan, at(seconds(0)), on_ground())->kind, StepKind::kArm);
+  VehicleReport vehicle = armed_on_ground();
+  ASSERT_EQ(accept(plan, at(seconds(1)), vehicle)->kind, StepKind::kTakeoff);
   EXPECT_FALSE(plan.update(at(seconds(3)), hovering()));  // still for no time yet
   EXPECT_FALSE(plan.update(at(seconds(4)), hovering()));  // hold begins
   EXPECT_FALSE(plan.update(at(seconds(8)), hovering()));
-  ASSERT_EQ(plan.update(at(seconds(9)), hovering())->kind, StepKind::kLand);
-  plan.on_outcome(at(seconds(9)));
-  vehicle = on_ground();
-  vehicle.armed = true;
-  ASSERT_EQ(plan.update(at(seconds(12)), vehicle)->kind, StepKind::kDisarm);
-  plan.on_outcome(at(seconds(12)));
+  ASSERT_EQ(accept(plan, at(seconds(9)), hovering())->kind, StepKind::kLand);
+  vehicle = armed_on_ground();
+  ASSERT_EQ(accept(plan, at(seconds(12)), vehicle)->kind, StepKind::kDisarm);
   EXPECT_FALSE(plan.update(at(seconds(13)), on_ground()));
   EXPECT_TRUE(plan.done());
   const auto hold = plan.measured();
@@ -117,9 +120,7 @@ TEST(FlightPlan, CountsHeightAndPlaceFromWhereTheVehicleWasArmed) {
   };
   ASSERT_TRUE(look(at(seconds(0)), on_ground()));
   plan.on_outcome(at(seconds(0)));
-  VehicleReport armed = on_ground();
-  armed.armed = true;
-  ASSERT_EQ(look(at(seconds(1)), armed)->kind, StepKind::kTakeoff);
+  ASSERT_EQ(look(at(seconds(1)), armed_on_ground())->kind, StepKind::kTakeoff);
   plan.on_outcome(at(seconds(1)));
   EXPECT_FALSE(look(at(seconds(3)), hovering()));
   const auto place = look(at(seconds(4)), hovering());
@@ -131,8 +132,7 @@ TEST(FlightPlan, CountsHeightAndPlaceFromWhereTheVehicleWasArmed) {
 
 TEST(FlightPlan, StartsTheStillnessAnewWhenTheVehicleMoves) {
   FlightPlan plan({{.kind = StepKind::kTakeoff, .timeout = seconds(10), .altitude_m = 2.5}});
-  plan.update(at(seconds(0)), hovering());
-  plan.on_outcome(at(seconds(0)));
+  accept(plan, at(seconds(0)), hovering());
   plan.update(at(seconds(1)), hovering());
   VehicleReport moving = hovering();
   moving.v_N = {1, 0, 0};
@@ -147,8 +147,7 @@ TEST(FlightPlan, FailsWhenTheVehicleDisarmsInTheAir) {
   FlightPlan plan({{.kind = StepKind::kTakeoff, .timeout = seconds(10), .altitude_m = 2.5},
                    {.kind = StepKind::kHold, .duration = seconds(5)},
                    {.kind = StepKind::kLand}});
-  plan.update(at(seconds(0)), hovering());
-  plan.on_outcome(at(seconds(0)));
+  accept(plan, at(seconds(0)), hovering());
   plan.update(at(seconds(1)), hovering());
   plan.update(at(seconds(2)), hovering());
   plan.update(at(seconds(3)), on_ground());
@@ -209,10 +208,8 @@ TEST(FlightPlan, NamesTheStepThatFailedAsTheScenarioCountsIt) {
   FlightPlan plan({{.kind = StepKind::kEndTrajectory},
                    {.kind = StepKind::kHold},
                    {.kind = StepKind::kGoto, .name = "corner3", .timeout = seconds(1)}});
-  plan.update(at(seconds(0)), hovering());
-  plan.on_outcome(at(seconds(0)));
-  plan.update(at(seconds(0)), hovering());
-  plan.on_outcome(at(seconds(0)));
+  accept(plan, at(seconds(0)), hovering());
+  accept(plan, at(seconds(0)), hovering());
   plan.update(at(seconds(2)), hovering());
   EXPECT_EQ(
       plan.failure(),
@@ -275,8 +272,7 @@ TEST(FlightPlan, SaysWhatStockFirmwareLackedForItsPosition) {
 TEST(FlightPlan, EndsWhereStockFirmwareRefusedTheTakeoffAndDisarmedItself) {
   FlightPlan plan(hover(), 0, kStock);
   VehicleReport vehicle = on_ground();
-  ASSERT_EQ(plan.update(at(seconds(0)), vehicle)->kind, StepKind::kArm);
-  plan.on_outcome(at(seconds(0)));
+  ASSERT_EQ(accept(plan, at(seconds(0)), vehicle)->kind, StepKind::kArm);
   vehicle.armed = true;
   ASSERT_EQ(plan.update(at(seconds(1)), vehicle)->kind, StepKind::kTakeoff);
   plan.on_outcome(at(seconds(1)), Refusal{"temporarily rejected"});
@@ -289,8 +285,7 @@ TEST(FlightPlan, EndsWhereStockFirmwareRefusedTheTakeoffAndDisarmedItself) {
 
 TEST(FlightPlan, EndsWhereStockFirmwareAcceptedArmingAndIsNotHeardArmed) {
   FlightPlan plan(hover(), 0, kStock);
-  ASSERT_TRUE(plan.update(at(seconds(0)), on_ground()));
-  plan.on_outcome(at(seconds(0)));
+  ASSERT_TRUE(accept(plan, at(seconds(0)), on_ground()));
   EXPECT_FALSE(plan.update(at(seconds(2)), on_ground()));
   EXPECT_FALSE(plan.failure()) << "its HEARTBEAT may be late";
   EXPECT_FALSE(plan.update(at(seconds(4)), on_ground()));
@@ -302,11 +297,9 @@ TEST(FlightPlan, EndsWhereStockFirmwareAcceptedArmingAndIsNotHeardArmed) {
 FlightPlan accepted_takeoff() {
   FlightPlan plan(hover(), 0, kStock);
   VehicleReport vehicle = on_ground();
-  plan.update(at(seconds(0)), vehicle);
-  plan.on_outcome(at(seconds(0)));
+  accept(plan, at(seconds(0)), vehicle);
   vehicle.armed = true;
-  plan.update(at(seconds(1)), vehicle);
-  plan.on_outcome(at(seconds(1)));
+  accept(plan, at(seconds(1)), vehicle);
   return plan;
 }
 
@@ -341,8 +334,7 @@ TEST(FlightPlan, EndsWhereATakeoffHadBegunAndTheVehicleIsDisarmed) {
 
 TEST(FlightPlan, LeavesStockFirmwareTheTimeToDisarmItself) {
   FlightPlan plan({{.kind = StepKind::kDisarm, .timeout = seconds(20)}}, 0, kStock);
-  VehicleReport landed = on_ground();
-  landed.armed = true;
+  const VehicleReport landed = armed_on_ground();
   EXPECT_FALSE(plan.update(at(seconds(0)), landed));
   EXPECT_FALSE(plan.update(at(seconds(2)), on_ground()));
   EXPECT_TRUE(plan.done()) << "it did so itself";
@@ -367,8 +359,7 @@ FlightPlan flying(FlightStep step) {
   FlightPlan plan({std::move(step)}, 0, kSetpoints);
   VehicleReport vehicle = hovering();
   vehicle.autopilot = "PX4";
-  EXPECT_TRUE(plan.update(at(seconds(0)), vehicle));
-  plan.on_outcome(at(seconds(0)));
+  EXPECT_TRUE(accept(plan, at(seconds(0)), vehicle));
   return plan;
 }
 
@@ -427,8 +418,7 @@ TEST(FlightPlan, DoesNotTakeAReturnForTheMissionsOwn) {
   plan.aim({.last = std::uint16_t{0}});
   plan.update(at(seconds(1)), in_mode("MISSION"));
   plan.update(at(seconds(2)), in_mode("RTL"));
-  EXPECT_NE(plan.failure().value_or("").find("the vehicle left MISSION for RTL"), std::string::npos)
-      << plan.failure().value_or("");
+  EXPECT_THAT(plan.failure().value_or(""), HasSubstr("the vehicle left MISSION for RTL"));
 }
 
 TEST(FlightPlan, HoldsTheSticksForTheirTimeAndTakesThePlaceThatTheyLedTo) {
@@ -452,27 +442,21 @@ TEST(FlightPlan, HoldsTheSticksForTheirTimeAndTakesThePlaceThatTheyLedTo) {
 }
 
 TEST(FlightPlan, FailsWhereTheVehicleLeavesTheSticks) {
-  FlightStep sticks{.kind = StepKind::kSticks};
-  sticks.duration = seconds(5);
-  FlightPlan plan = flying(sticks);
+  FlightPlan plan = flying({.kind = StepKind::kSticks, .duration = seconds(5)});
   plan.update(at(seconds(1)), in_mode("POSCTL"));
   plan.update(at(seconds(2)), in_mode("HOLD"));
-  EXPECT_NE(plan.failure().value_or("").find("the vehicle left POSCTL for HOLD"), std::string::npos)
-      << plan.failure().value_or("");
+  EXPECT_THAT(plan.failure().value_or(""), HasSubstr("the vehicle left POSCTL for HOLD"));
 }
 
 TEST(FlightPlan, ArduPilotFollowsTheSticksInLoiter) {
-  FlightStep sticks{.kind = StepKind::kSticks};
-  sticks.duration = seconds(5);
-  FlightPlan plan = flying(sticks);
+  FlightPlan plan = flying({.kind = StepKind::kSticks, .duration = seconds(5)});
   VehicleReport vehicle = in_mode("LOITER");
   vehicle.autopilot = "ArduPilot";
   plan.update(at(seconds(1)), vehicle);
   EXPECT_EQ(plan.failure(), std::nullopt);
   vehicle.mode = "LAND";
   plan.update(at(seconds(2)), vehicle);
-  EXPECT_NE(plan.failure().value_or("").find("the vehicle left LOITER for LAND"), std::string::npos)
-      << plan.failure().value_or("");
+  EXPECT_THAT(plan.failure().value_or(""), HasSubstr("the vehicle left LOITER for LAND"));
 }
 
 TEST(FlightPlan, IsAtTheFenceWhenTheAutopilotTakesTheVehicleOver) {
@@ -498,9 +482,7 @@ TEST(FlightPlan, FailsWhereAnotherModeThanTheFencesComes) {
   FlightPlan plan = flying({.kind = StepKind::kBreach, .fence = FenceAction::kHold});
   plan.update(at(seconds(1)), in_mode("OFFBOARD"));
   plan.update(at(seconds(2)), in_mode("POSCTL"));
-  EXPECT_NE(plan.failure().value_or("").find("the vehicle left OFFBOARD for POSCTL"),
-            std::string::npos)
-      << plan.failure().value_or("");
+  EXPECT_THAT(plan.failure().value_or(""), HasSubstr("the vehicle left OFFBOARD for POSCTL"));
 }
 
 TEST(FlightPlan, HasReturnedWhenTheVehicleStandsAtHome) {
@@ -538,8 +520,7 @@ VehicleReport plane_at(double north_m, double east_m, double up_m) {
 FlightPlan after_arming(std::vector<FlightStep> steps) {
   steps.insert(steps.begin(), {.kind = StepKind::kArm, .timeout = seconds(10)});
   FlightPlan plan(std::move(steps));
-  plan.update(at(seconds(0)), on_ground());
-  plan.on_outcome(at(seconds(0)));
+  accept(plan, at(seconds(0)), on_ground());
   return plan;
 }
 
@@ -547,8 +528,7 @@ TEST(FlightPlan, APlaneHasTakenOffWhenItHasClimbed) {
   FlightPlan plan =
       after_arming({{.kind = StepKind::kTakeoff, .timeout = seconds(60), .altitude_m = 40},
                     {.kind = StepKind::kHold, .duration = seconds(5)}});
-  ASSERT_EQ(plan.update(at(seconds(1)), plane_at(0, 0, 0))->kind, StepKind::kTakeoff);
-  plan.on_outcome(at(seconds(1)));
+  ASSERT_EQ(accept(plan, at(seconds(1)), plane_at(0, 0, 0))->kind, StepKind::kTakeoff);
   plan.update(at(seconds(8)), plane_at(100, 0, 37));
   EXPECT_EQ(plan.current()->kind, StepKind::kTakeoff);
   plan.update(at(seconds(9)), plane_at(115, 0, 38.5));
@@ -577,10 +557,8 @@ TEST(FlightPlan, AHoldAfterALoiterHasItsCircleUntilTheNextFlight) {
                      .radius_m = -80},
                     {.kind = StepKind::kHold, .duration = seconds(5), .measure = true},
                     {.kind = StepKind::kLand}});
-  plan.update(at(seconds(1)), plane_at(0, 0, 0));
-  plan.on_outcome(at(seconds(1)));
-  ASSERT_EQ(plan.update(at(seconds(9)), plane_at(100, 0, 40))->kind, StepKind::kLoiter);
-  plan.on_outcome(at(seconds(9)));
+  accept(plan, at(seconds(1)), plane_at(0, 0, 0));
+  ASSERT_EQ(accept(plan, at(seconds(9)), plane_at(100, 0, 40))->kind, StepKind::kLoiter);
   plan.update(at(seconds(10)), plane_at(92, 0, 40));
   plan.update(at(seconds(15)), plane_at(110, 0, 40));  // 100 m from the middle: off the circle
   plan.update(at(seconds(16)), plane_at(90, 0, 40));
@@ -601,13 +579,11 @@ TEST(FlightPlan, ATransitionIsDoneByTheVehiclesWordAndIsGivenAgainWhenRefused) {
                                   {.kind = StepKind::kHold, .duration = seconds(5)}});
   VehicleReport vtol = hovering();
   vtol.vtol = "multicopter";
-  plan.update(at(seconds(1)), vtol);
-  plan.on_outcome(at(seconds(1)));
+  accept(plan, at(seconds(1)), vtol);
   plan.update(at(seconds(2)), vtol);
   ASSERT_EQ(plan.update(at(seconds(3)), vtol)->kind, StepKind::kTransition);
   plan.on_outcome(at(seconds(3)), Refusal{"temporarily rejected"});
-  ASSERT_EQ(plan.update(at(seconds(4)), vtol)->kind, StepKind::kTransition);
-  plan.on_outcome(at(seconds(4)));
+  ASSERT_EQ(accept(plan, at(seconds(4)), vtol)->kind, StepKind::kTransition);
   vtol.vtol = "to_plane";
   plan.update(at(seconds(6)), vtol);
   EXPECT_EQ(plan.current()->kind, StepKind::kTransition);

@@ -128,35 +128,28 @@ TEST(MissionPlan, IsReadFromAPlanOfQGroundControl) {
   EXPECT_EQ(mission.last, 3U) << "a camera flies nowhere";
 }
 
-struct Refusal {
-  const char* name;
-  const char* text;
-  const char* words;
-};
-
-class MissionPlanRefuses : public testing::TestWithParam<Refusal> {};
-
-TEST_P(MissionPlanRefuses, WithOneSentence) {
-  EXPECT_NE(error_of(GetParam().text).find(GetParam().words), std::string::npos)
-      << error_of(GetParam().text);
+TEST(MissionPlanRefuses, WithOneSentence) {
+  struct Refusal {
+    const char* name;
+    const char* text;
+    const char* words;
+  };
+  const Refusal rows[] = {
+      {"Nothing", "{}", "either a file, of QGroundControl, or items"},
+      {"NoItems", "items: []", "the mission has no item that flies"},
+      {"AnUnknownItem", "items: [orbit: {}]", "items[0]: there is no item 'orbit'"},
+      {"APlaceInPart", "items: [waypoint: {north_m: 1, up_m: 3}]", "east_m"},
+      {"AnUnknownHeight", "items: [waypoint: {north_m: 1, east_m: 1, up_m: 3, above: sea}]",
+       "items[0].waypoint.above: must be home or terrain"},
+      {"AnEndAboveTerrain", "items: [waypoint: {north_m: 1, east_m: 1, up_m: 3, above: terrain}]",
+       "the mission ends above terrain"},
+      {"ALandingOnTheWay", "items: [land, waypoint: {north_m: 1, east_m: 1, up_m: 3}]",
+       "the mission lands before its end"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    EXPECT_NE(error_of(row.text).find(row.words), std::string::npos) << error_of(row.text);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Words, MissionPlanRefuses,
-    testing::Values(
-        Refusal{"Nothing", "{}", "either a file, of QGroundControl, or items"},
-        Refusal{"NoItems", "items: []", "the mission has no item that flies"},
-        Refusal{"AnUnknownItem", "items: [orbit: {}]", "items[0]: there is no item 'orbit'"},
-        Refusal{"APlaceInPart", "items: [waypoint: {north_m: 1, up_m: 3}]", "east_m"},
-        Refusal{"AnUnknownHeight",
-                "items: [waypoint: {north_m: 1, east_m: 1, up_m: 3, above: sea}]",
-                "items[0].waypoint.above: must be home or terrain"},
-        Refusal{"AnEndAboveTerrain",
-                "items: [waypoint: {north_m: 1, east_m: 1, up_m: 3, above: terrain}]",
-                "the mission ends above terrain"},
-        Refusal{"ALandingOnTheWay", "items: [land, waypoint: {north_m: 1, east_m: 1, up_m: 3}]",
-                "the mission lands before its end"}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(MissionPlan, NamesTheLineOfAPlanThatIsWrong) {
   const cas::test::TemporaryFolder folder;

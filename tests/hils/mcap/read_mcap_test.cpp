@@ -13,6 +13,7 @@
 
 #include "base/error.hpp"
 #include "tests/hils/mcap/mcap_bytes.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::hils {
 namespace {
@@ -87,12 +88,7 @@ struct BrokenCase {
 class BrokenMcap : public testing::TestWithParam<BrokenCase> {};
 
 TEST_P(BrokenMcap, IsRefusedWithItsPlace) {
-  try {
-    const McapLines read(GetParam().bytes);
-    FAIL() << "read";
-  } catch (const base::ConfigError& error) {
-    EXPECT_EQ(std::string(error.what()), GetParam().sentence);
-  }
+  EXPECT_EQ(test::refusal([] { const McapLines read(GetParam().bytes); }), GetParam().sentence);
 }
 
 std::vector<BrokenCase> broken_cases() {

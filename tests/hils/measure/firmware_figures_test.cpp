@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -377,9 +376,8 @@ TEST_F(FirmwareFlightFigures, WithAGapAtThePortGiveNoVerdictOnACrash) {
       << "not in the measured step";
   const Verdict verdict = judged(streamed(failed(flown(), "it was disarmed"), with_gap));
   EXPECT_EQ(verdict.exit_code(), kExitInvalid);
-  EXPECT_TRUE(says(verdict,
-                   "the machine was too busy: no HIL_SENSOR came to the controller's port "
-                   "for 108 ms"))
+  EXPECT_TRUE(says(
+      verdict, "the machine was too busy: no HIL_SENSOR came to the controller's port for 108 ms"))
       << testing::PrintToString(verdict.failures);
 }
 

@@ -5,7 +5,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -33,6 +32,30 @@ std::string text_of(const FlightChanges& changes) {
   Document report;
   add_changes(changes, "", report);
   return write_text(report);
+}
+
+/// To vehicle 1.
+CommandLong command_of(MavCmd command) { return {.target_system = 1, .command = command}; }
+
+CommandLong gps_off() {
+  CommandLong message = command_of(MavCmd::kInjectFailure);
+  message.param1 = 4;
+  message.param2 = 1;
+  return message;
+}
+
+ParamSet wish_of(const char* name) {
+  ParamSet message{.target_system = 1};
+  mav::set_text(message.param_id, name);
+  return message;
+}
+
+/// Sets P of the loop for the position to 0.6.
+FlightStep softer(const std::string& name = {}) {
+  FlightStep step{.kind = StepKind::kSetGain, .name = name};
+  step.loop = "position";
+  step.p = 0.6;
+  return step;
 }
 
 /// A flight log that the test writes, of a vehicle whose flight goes from 10 s to 60 s.
@@ -120,10 +143,7 @@ TEST_F(FlightChangesTest, NamesLoopOldAndNewAndWhoHadCasdSetAGain) {
 }
 
 TEST_F(FlightChangesTest, AStepOfTheScenarioIsNobodyFromOutside) {
-  FlightStep step{.kind = StepKind::kSetGain, .name = "softer"};
-  step.loop = "position";
-  step.p = 0.6;
-  add_stage(step, 30, 31);
+  add_stage(softer("softer"), 30, 31);
   tell(12, "MPC_XY_P", 0.95F);
   tell(30.5, "MPC_XY_P", 0.6F);
   const FlightChanges changes = read();
@@ -133,19 +153,14 @@ TEST_F(FlightChangesTest, AStepOfTheScenarioIsNobodyFromOutside) {
 }
 
 TEST_F(FlightChangesTest, AnotherValueThanTheStepsIsNotTheSteps) {
-  FlightStep step{.kind = StepKind::kSetGain};
-  step.loop = "position";
-  step.p = 0.6;
-  add_stage(step, 30, 31);
+  add_stage(softer(), 30, 31);
   tell(12, "MPC_XY_P", 0.95F);
   tell(30.5, "MPC_XY_P", 0.7F);
   EXPECT_EQ(read().parameters.at(0).by, "the vehicle itself");
 }
 
 TEST_F(FlightChangesTest, AGroundStationThatSetsAParameterIsNamed) {
-  ParamSet wish;
-  wish.target_system = 1;
-  mav::set_text(wish.param_id, "MC_ROLL_P");
+  const ParamSet wish = wish_of("MC_ROLL_P");
   say(20, ground_, wish);
   tell(20.1, "MC_ROLL_P", 6.0F);  // first report: the old value is unknown
   tell(25, "MC_ROLL_P", 7.0F);
@@ -167,12 +182,7 @@ TEST_F(FlightChangesTest, ATrajectorysOwnParametersAreLeftOut) {
 }
 
 TEST_F(FlightChangesTest, AFailureThatAStationInjectsIsAnAct) {
-  CommandLong gps_off;
-  gps_off.target_system = 1;
-  gps_off.command = MavCmd::kInjectFailure;
-  gps_off.param1 = 4;
-  gps_off.param2 = 1;
-  say(30, ground_, gps_off);
+  say(30, ground_, gps_off());
   const FlightChanges changes = read();
   ASSERT_EQ(changes.acts.size(), 1U);
   EXPECT_EQ(changes.acts[0].what, "command 420 (failure gps off)");
@@ -180,12 +190,7 @@ TEST_F(FlightChangesTest, AFailureThatAStationInjectsIsAnAct) {
 }
 
 TEST_F(FlightChangesTest, AFailureCountsAlsoBeforeTheFlight) {
-  CommandLong gps_off;
-  gps_off.target_system = 1;
-  gps_off.command = MavCmd::kInjectFailure;
-  gps_off.param1 = 4;
-  gps_off.param2 = 1;
-  say(5, ground_, gps_off);
+  say(5, ground_, gps_off());
   ask(6, "vehicle.command", {{"command", 420}, {"params", {4, 1, 0}}});
   const FlightChanges changes = read();
   ASSERT_EQ(changes.acts.size(), 2U);
@@ -194,9 +199,7 @@ TEST_F(FlightChangesTest, AFailureCountsAlsoBeforeTheFlight) {
 }
 
 TEST_F(FlightChangesTest, CommandsOfOthersDuringTheFlightAreActs) {
-  CommandLong land;
-  land.target_system = 1;
-  land.command = MavCmd::kNavLand;
+  const CommandLong land = command_of(MavCmd::kNavLand);
   CommandLong question = land;
   question.command = MavCmd::kRequestMessage;
   CommandLong of_another = land;
@@ -220,10 +223,7 @@ TEST_F(FlightChangesTest, CommandsOfOthersDuringTheFlightAreActs) {
 }
 
 TEST_F(FlightChangesTest, WhatEndedAFlightIsAnAct) {
-  CommandLong land;
-  land.target_system = 1;
-  land.command = MavCmd::kNavLand;
-  say(61, ground_, land);
+  say(61, ground_, command_of(MavCmd::kNavLand));
   EXPECT_TRUE(read().acts.empty()) << "the flight was over";
   record_.flight_failure = "the vehicle was disarmed during hold";
   EXPECT_EQ(read().acts.size(), 1U);
@@ -233,10 +233,7 @@ TEST_F(FlightChangesTest, WhatEndedAFlightInItsFirstStepIsAnAct) {
   record_.under_way = record_.stages.front();
   record_.stages.clear();
   record_.flight_failure = "the vehicle was disarmed before it took off, during step 1 (arm)";
-  CommandLong command;
-  command.target_system = 1;
-  command.command = MavCmd::kComponentArmDisarm;
-  say(10.5, ground_, command);
+  say(10.5, ground_, command_of(MavCmd::kComponentArmDisarm));
   ASSERT_EQ(read().acts.size(), 1U);
 }
 
@@ -249,9 +246,7 @@ TEST_F(FlightChangesTest, ANameFromTheWireIsFitForATerminalAndForJson) {
 }
 
 TEST_F(FlightChangesTest, AWishThatNobodyAnsweredIsForgotten) {
-  ParamSet wish;
-  wish.target_system = 1;
-  mav::set_text(wish.param_id, "MPC_XY_P");
+  const ParamSet wish = wish_of("MPC_XY_P");
   tell(12, "MPC_XY_P", 0.95F);
   say(13, ground_, wish);
   tell(40, "MPC_XY_P", 0.6F);
@@ -262,16 +257,9 @@ TEST_F(FlightChangesTest, AWishThatNobodyAnsweredIsForgotten) {
 
 TEST_F(FlightChangesTest, WhatCasdsOwnStationSaysIsKnownFromItsCalls) {
   mav::Encoder casd(casd::kOwnStation);
-  CommandLong land;
-  land.target_system = 1;
-  land.command = MavCmd::kNavLand;
-  ParamSet wish;
-  wish.target_system = 1;
-  mav::set_text(wish.param_id, "MPC_XY_P");
-  FlightStep step{.kind = StepKind::kSetGain};
-  step.loop = "position";
-  step.p = 0.6;
-  add_stage(step, 30, 31);
+  const CommandLong land = command_of(MavCmd::kNavLand);
+  const ParamSet wish = wish_of("MPC_XY_P");
+  add_stage(softer(), 30, 31);
   tell(12, "MPC_XY_P", 0.95F);
   say(30, casd, wish);
   tell(30.1, "MPC_XY_P", 0.6F);
@@ -284,9 +272,7 @@ TEST_F(FlightChangesTest, WhatCasdsOwnStationSaysIsKnownFromItsCalls) {
 }
 
 TEST_F(FlightChangesTest, CentredSticksOfTheScenariosOwnStationAreNoAct) {
-  ManualControl sticks;
-  sticks.target = 1;
-  say(30, ground_, sticks);
+  say(30, ground_, ManualControl{.target = 1});
   EXPECT_TRUE(read(true).acts.empty());
   EXPECT_EQ(read(false).acts.size(), 1U);
 }

@@ -43,8 +43,7 @@ using Path = std::function<void(double t, PoseSample& sample)>;
 std::vector<Incident> incidents_of(const Path& path, const std::vector<Stage>& stages = flight()) {
   std::vector<PoseSample> truth;
   for (int i = 0; i <= 2500; ++i) {
-    PoseSample sample;
-    sample.time_us = i * 10'000;
+    PoseSample sample{.time_us = i * 10'000};
     path(0.01 * i, sample);
     sample.pose.z_m += 0.1;
     if (!truth.empty()) {

@@ -52,38 +52,33 @@ struct MissCase {
   const char* sentence;
 };
 
-class MissedLimit : public testing::TestWithParam<MissCase> {};
-
-TEST_P(MissedLimit, IsOneSentenceAndExitCodeOne) {
-  Measurement figures = good();
-  GetParam().spoil(figures);
-  const Verdict verdict = judge(figures, hover_limits());
-  EXPECT_TRUE(verdict.valid);
-  EXPECT_EQ(verdict.exit_code(), kExitLimitsMissed);
-  ASSERT_EQ(verdict.failures.size(), 1U);
-  EXPECT_EQ(verdict.failures.front(), GetParam().sentence);
+TEST(MissedLimit, IsOneSentenceAndExitCodeOne) {
+  const MissCase rows[] = {
+      {"Loss", [](Measurement& m) { m.rates.gps.lost = 2; },
+       "2 of 151 HIL_GPS were lost; the limit is 0"},
+      {"Rate",
+       [](Measurement& m) {
+         m.rates.controls.received_hz = 390;
+         m.rates.controls.error_pct = 2.5;
+       },
+       "HIL_CONTROLS arrived at 390.00 Hz instead of 400 Hz; the limit is 0.5 %"},
+      {"Height", [](Measurement& m) { m.rms->z_m = 0.2; },
+       "RMS error of the true position, z_m: 0.2000 m; the limit is 0.15 m"},
+      {"NotANumber", [](Measurement& m) { m.rms->x_m = std::numeric_limits<double>::quiet_NaN(); },
+       "RMS error of the true position, x_m: not measured; the limit is 0.25 m"},
+      {"Flight", [](Measurement& m) { m.flight_failure = "arm was not done within 10 s"; },
+       "the flight was not completed: arm was not done within 10 s"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    Measurement figures = good();
+    row.spoil(figures);
+    const Verdict verdict = judge(figures, hover_limits());
+    EXPECT_TRUE(verdict.valid);
+    EXPECT_EQ(verdict.exit_code(), kExitLimitsMissed);
+    ASSERT_EQ(verdict.failures.size(), 1U);
+    EXPECT_EQ(verdict.failures.front(), row.sentence);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    All, MissedLimit,
-    testing::Values(
-        MissCase{"Loss", [](Measurement& m) { m.rates.gps.lost = 2; },
-                 "2 of 151 HIL_GPS were lost; the limit is 0"},
-        MissCase{"Rate",
-                 [](Measurement& m) {
-                   m.rates.controls.received_hz = 390;
-                   m.rates.controls.error_pct = 2.5;
-                 },
-                 "HIL_CONTROLS arrived at 390.00 Hz instead of 400 Hz; the limit is 0.5 %"},
-        MissCase{"Height", [](Measurement& m) { m.rms->z_m = 0.2; },
-                 "RMS error of the true position, z_m: 0.2000 m; the limit is 0.15 m"},
-        MissCase{"NotANumber",
-                 [](Measurement& m) { m.rms->x_m = std::numeric_limits<double>::quiet_NaN(); },
-                 "RMS error of the true position, x_m: not measured; the limit is 0.25 m"},
-        MissCase{"Flight",
-                 [](Measurement& m) { m.flight_failure = "arm was not done within 10 s"; },
-                 "the flight was not completed: arm was not done within 10 s"}),
-    [](const auto& test) { return test.param.name; });
 
 const LimitCheck* find(const Verdict& verdict, const std::string& what) {
   const auto found = std::ranges::find(verdict.checks, what, &LimitCheck::what);

@@ -2,7 +2,7 @@
 // Several vehicles of one run: one verdict, and each under its name.
 #include "hils/measure/run_result.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -16,6 +16,9 @@
 
 namespace cas::hils {
 namespace {
+
+using testing::HasSubstr;
+using testing::Not;
 
 VehicleResult flown(const std::string& name, Verdict verdict) {
   VehicleResult vehicle;
@@ -63,8 +66,8 @@ TEST(SeveralResults, ShowEachVehicleUnderItsName) {
   const auto& alone = run.vehicles[1];
   EXPECT_EQ(summary.at("vehicles")[1], test::vehicle_summary(alone.figures, alone.verdict));
   const std::string text = write_text(run_lines(run));
-  EXPECT_NE(text.find("== left: Flight =="), std::string::npos) << text;
-  EXPECT_NE(text.find("== right: Flight =="), std::string::npos) << text;
+  EXPECT_THAT(text, HasSubstr("== left: Flight =="));
+  EXPECT_THAT(text, HasSubstr("== right: Flight =="));
 }
 
 TEST(SeveralResults, ShowADashForAnRmsThatWasNotMeasured) {
@@ -78,26 +81,20 @@ TEST(SeveralResults, ShowADashForAnRmsThatWasNotMeasured) {
 
 TEST(SeveralResults, AreASuiteEachForContinuousIntegration) {
   const std::string xml = junit_report(together(kPassed, kMissed));
-  EXPECT_NE(xml.find("<testsuite name=\"hils.pair.tcas.left\" tests=\"1\" failures=\"0\""),
-            std::string::npos)
-      << xml;
-  EXPECT_NE(xml.find("<testsuite name=\"hils.pair.tcas.right\" tests=\"1\" failures=\"1\""),
-            std::string::npos)
-      << xml;
+  EXPECT_THAT(xml, HasSubstr("<testsuite name=\"hils.pair.tcas.left\" tests=\"1\" failures=\"0\""));
+  EXPECT_THAT(xml,
+              HasSubstr("<testsuite name=\"hils.pair.tcas.right\" tests=\"1\" failures=\"1\""));
 }
 
 TEST(OneResult, NamesItsWarningsInEachReport) {
   Verdict verdict = kPassed;
   verdict.warnings = {"v.urdf:3: link 'a': no body has this <inertia>; taken as a point mass"};
-  RunResult run;
-  run.vehicles = {flown("iris0", verdict)};
-  run.verdict = verdict;
+  RunResult run{.vehicles = {flown("iris0", verdict)}, .verdict = verdict};
   EXPECT_EQ(nlohmann::json::parse(summary_json(run)).at("warnings"),
             nlohmann::json(verdict.warnings));
-  EXPECT_NE(write_text(run_lines(run)).find("\n  - warning: v.urdf:3: link 'a'"),
-            std::string::npos);
-  EXPECT_NE(junit_report(run).find("<system-out>warning: v.urdf:3: link "), std::string::npos);
-  EXPECT_EQ(junit_report(run).find("this <inertia>"), std::string::npos) << "escaped";
+  EXPECT_THAT(write_text(run_lines(run)), HasSubstr("\n  - warning: v.urdf:3: link 'a'"));
+  EXPECT_THAT(junit_report(run), HasSubstr("<system-out>warning: v.urdf:3: link "));
+  EXPECT_THAT(junit_report(run), Not(HasSubstr("this <inertia>"))) << "escaped";
 }
 
 TEST(SeveralResults, HaveEachWarningOnce) {
@@ -121,13 +118,11 @@ TEST(SimulatorWarnings, AreTheWorldsTheVehiclesOwnAndItsPlugins) {
 }
 
 TEST(OneResult, ThatDoesNotCountIsAnErrorForContinuousIntegration) {
-  RunResult run;
-  run.vehicles = {flown("iris0", kOpen)};
-  run.verdict = kOpen;
+  RunResult run{.vehicles = {flown("iris0", kOpen)}, .verdict = kOpen};
   const std::string xml = junit_report(run);
-  EXPECT_NE(xml.find("tests=\"1\" failures=\"0\" errors=\"1\""), std::string::npos) << xml;
-  EXPECT_NE(xml.find("<error message=\"the account does not close\"/>"), std::string::npos) << xml;
-  EXPECT_NE(xml.find("name=\"verdict\" time"), std::string::npos) << xml;
+  EXPECT_THAT(xml, HasSubstr("tests=\"1\" failures=\"0\" errors=\"1\""));
+  EXPECT_THAT(xml, HasSubstr("<error message=\"the account does not close\"/>"));
+  EXPECT_THAT(xml, HasSubstr("name=\"verdict\" time"));
   EXPECT_TRUE(write_text(run_report(run)).starts_with("INVALID: "));
   EXPECT_FALSE(nlohmann::json::parse(summary_json(run)).at("valid"));
 }
@@ -139,29 +134,23 @@ TEST(OneResult, HasTheSameCasesHoweverItEnds) {
     verdict.checks = {{.what = "loss", .kept = true},
                       {.what = "RMS z_m", .kept = kept, .sentence = kept ? "" : "z_m is 0.2"},
                       {.what = "settling", .judged = false}};
-    RunResult run;
-    run.vehicles = {flown("iris0", verdict)};
-    run.verdict = verdict;
+    RunResult run{.vehicles = {flown("iris0", verdict)}, .verdict = verdict};
     return junit_report(run);
   };
   for (const char* name : {"verdict", "loss", "RMS z_m", "settling"}) {
     const std::string attribute = "name=\"" + std::string(name) + "\"";
-    EXPECT_NE(cases(true).find(attribute), std::string::npos) << cases(true);
-    EXPECT_NE(cases(false).find(attribute), std::string::npos) << cases(false);
+    EXPECT_THAT(cases(true), HasSubstr(attribute));
+    EXPECT_THAT(cases(false), HasSubstr(attribute));
   }
-  EXPECT_NE(cases(true).find("tests=\"4\" failures=\"0\" errors=\"0\" skipped=\"1\""),
-            std::string::npos)
-      << cases(true);
-  EXPECT_NE(cases(false).find("failures=\"2\""), std::string::npos) << cases(false);
-  EXPECT_NE(cases(false).find("<failure message=\"z_m is 0.2\"/>"), std::string::npos);
+  EXPECT_THAT(cases(true), HasSubstr("tests=\"4\" failures=\"0\" errors=\"0\" skipped=\"1\""));
+  EXPECT_THAT(cases(false), HasSubstr("failures=\"2\""));
+  EXPECT_THAT(cases(false), HasSubstr("<failure message=\"z_m is 0.2\"/>"));
 }
 
 TEST(OneResult, IsReportedWithoutAName) {
-  RunResult run;
-  run.vehicles = {flown("iris0", kPassed)};
-  run.verdict = kPassed;
-  EXPECT_EQ(write_text(run_report(run)).find("iris0"), std::string::npos);
-  EXPECT_EQ(junit_report(run).find("iris0"), std::string::npos);
+  RunResult run{.vehicles = {flown("iris0", kPassed)}, .verdict = kPassed};
+  EXPECT_THAT(write_text(run_report(run)), Not(HasSubstr("iris0")));
+  EXPECT_THAT(junit_report(run), Not(HasSubstr("iris0")));
 }
 
 }  // namespace

@@ -372,24 +372,19 @@ class VehicleMessagesTest : public testing::Test {
                              std::span(buffer).first(size), log_);
   }
   void beat(double time_s, bool armed, MavState state, std::uint32_t mode) {
-    Heartbeat m;
-    m.autopilot = MavAutopilot::kPx4;
-    m.base_mode = MavModeFlag::kCustomModeEnabled;
+    Heartbeat m{.autopilot = MavAutopilot::kPx4, .base_mode = MavModeFlag::kCustomModeEnabled};
     if (armed) m.base_mode |= MavModeFlag::kSafetyArmed;
     m.custom_mode = mode;
     m.system_status = state;
     say(time_s, m);
   }
   void text(double time_s, MavSeverity severity, std::string_view words) {
-    Statustext m;
-    m.severity = severity;
+    Statustext m{.severity = severity};
     std::copy_n(words.begin(), words.size(), m.text.begin());
     say(time_s, m);
   }
   void health(double time_s, MavSysStatusSensor healthy) {
-    SysStatus m;
-    m.onboard_control_sensors_health = healthy;
-    say(time_s, m);
+    say(time_s, SysStatus{.onboard_control_sensors_health = healthy});
   }
   VehicleMessages read() {
     RunRecord record;
@@ -435,8 +430,7 @@ TEST_F(VehicleMessagesTest, HasWarningsFallenFlagsAndTheModesOfAFailsafe) {
 }
 
 TEST_F(VehicleMessagesTest, IsOfTheVehicleAlone) {
-  Statustext other;
-  other.severity = MavSeverity::kCritical;
+  Statustext other{.severity = MavSeverity::kCritical};
   say(1, other, {2, 1});
   say(1, other, {1, 50});
   EXPECT_TRUE(read().signs.empty());

@@ -78,12 +78,8 @@ void append(std::ofstream& log, std::uint64_t stamp_us, std::span<const std::uin
 TEST_F(TrajectoryFile, ReadsTheEstimateOfOneSystemFromAFlightLog) {
   mav::Encoder vehicle(mav::Source{1, 1});
   mav::Encoder other(mav::Source{2, 1});
-  mavlink::common::Attitude attitude;
-  attitude.yaw = 0.5F;
-  mavlink::common::LocalPositionNed position;
-  position.x = 1;
-  position.y = -2;
-  position.z = -2.5F;
+  mavlink::common::Attitude attitude{.yaw = 0.5F};
+  mavlink::common::LocalPositionNed position{.x = 1, .y = -2, .z = -2.5F};
   {
     std::ofstream log(file_, std::ios::binary);
     append(log, 900, vehicle(position));  // no attitude known yet

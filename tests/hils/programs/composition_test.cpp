@@ -84,9 +84,9 @@ TEST(CompositionOfARecorder, WritesNoSensorFileWhereNobodyKeepsIt) {
 TEST(CompositionOfAStation, LetsItInjectFailuresOnlyWhereItIsSaid) {
   const cas::test::TemporaryFolder folder;
   for (const bool may : {false, true}) {
-    RunRequest request;
-    request.scenario = Scenario::load(cas::test::source_dir() + "/config/scenarios/hover.yaml");
-    request.station = StationEndpoint::parse("udp_server:14550");
+    RunRequest request{
+        .scenario = Scenario::load(cas::test::source_dir() + "/config/scenarios/hover.yaml"),
+        .station = StationEndpoint::parse("udp_server:14550")};
     request.station->inject_failures = may;
     const RunPaths paths = RunPaths::of(request.scenario, folder.path(), folder.path());
     const auto topology =
@@ -120,8 +120,7 @@ TEST(CompositionOfAWorld, HandsTheSdfFileOnWithFullPaths) {
           "plugins: [{plugin: wind, grid: grid.csv}, {plugin: of_mine, grid: 10}]\n"
           "steps:\n  - arm\n  - takeoff: {altitude_m: 2}\n"
           "  - hold: {duration_s: 1, measure: true}\n  - land\n");
-  RunRequest request;
-  request.scenario = Scenario::load(file);
+  RunRequest request{.scenario = Scenario::load(file)};
   const RunPaths paths = RunPaths::of(request.scenario, folder.path(), folder.path());
   const base::ConfigNode config =
       base::ConfigNode::parse(simulator_config(request, Transport::kUdp, paths), "hilsim.yaml");
@@ -164,8 +163,7 @@ class ErrorsOfGeneratedFiles : public testing::Test {
                                     "steps: [arm, {takeoff: {altitude_m: 2}}, {hold: {duration_s: "
                                     "1, measure: true}}, land]\n" +
                                         more);
-    RunRequest request;
-    request.scenario = Scenario::load(file);
+    RunRequest request{.scenario = Scenario::load(file)};
     return request;
   }
   base::ConfigNode simulator(const RunRequest& request) {

@@ -81,79 +81,71 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"ArduPilot", [](FcuFacts& f) { f.autopilot = "ardupilot"; }, true, "ArduPilot"}),
     [](const auto& test) { return test.param.name; });
 
-struct RateCase {
-  const char* name;
-  double board_hz;
-  double scenario_hz;
-  const char* autopilot;
-  const char* what;    ///< in the finding; empty: the rates agree
-  const char* remedy;  ///< in the remedy
-};
-
-class FcuCheckControlsRate : public testing::TestWithParam<RateCase> {};
-
-TEST_P(FcuCheckControlsRate, IsComparedWithTheScenarios) {
-  FcuFacts facts = ready();
-  facts.autopilot = GetParam().autopilot;
-  facts.controls_hz = GetParam().board_hz;
-  Rates nominal;
-  nominal.controls_hz = GetParam().scenario_hz;
-  const auto findings = check_fcu(facts, nominal, vehicle("iris_px4"));
-  const std::string text = findings_text(findings);
-  EXPECT_TRUE(may_fly(findings)) << text;
-  const auto bad = std::ranges::count_if(findings, [](const auto& f) { return !f.good; });
-  EXPECT_EQ(bad, *GetParam().what == 0 ? 0 : 1) << text;
-  EXPECT_NE(text.find(GetParam().what), std::string::npos) << text;
-  EXPECT_NE(text.find(GetParam().remedy), std::string::npos) << text;
+TEST(FcuCheckControlsRate, IsComparedWithTheScenarios) {
+  struct RateCase {
+    const char* name;
+    double board_hz;
+    double scenario_hz;
+    const char* autopilot;
+    const char* what;    ///< in the finding; empty: the rates agree
+    const char* remedy;  ///< in the remedy
+  };
+  const RateCase rows[] = {
+      {"Same", 200, 200, "px4", "", ""},
+      {"NearlySame", 391, 400, "generic", "", ""},
+      {"StockPx4InThePapersScenario", 200, 400, "px4",
+       "200 controls a second; the scenario counts on 400: the report would call 200 a "
+       "second missing",
+       "200 for PX4 (step 5)"},
+      {"OurControllerInPx4sScenario", 400, 200, "generic",
+       "400 controls a second; the scenario counts on 200: the report would call 200 a "
+       "second too many",
+       "about 400"},
+      {"AnyBoard", 250, 400, "generic", "150 a second missing", "about 250"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    FcuFacts facts = ready();
+    facts.autopilot = row.autopilot;
+    facts.controls_hz = row.board_hz;
+    Rates nominal;
+    nominal.controls_hz = row.scenario_hz;
+    const auto findings = check_fcu(facts, nominal, vehicle("iris_px4"));
+    const std::string text = findings_text(findings);
+    EXPECT_TRUE(may_fly(findings)) << text;
+    const auto bad = std::ranges::count_if(findings, [](const auto& f) { return !f.good; });
+    EXPECT_EQ(bad, *row.what == 0 ? 0 : 1) << text;
+    EXPECT_NE(text.find(row.what), std::string::npos) << text;
+    EXPECT_NE(text.find(row.remedy), std::string::npos) << text;
+  }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    All, FcuCheckControlsRate,
-    testing::Values(
-        RateCase{"Same", 200, 200, "px4", "", ""},
-        RateCase{"NearlySame", 391, 400, "generic", "", ""},
-        RateCase{"StockPx4InThePapersScenario", 200, 400, "px4",
-                 "200 controls a second; the scenario counts on 400: the report would call 200 a "
-                 "second missing",
-                 "200 for PX4 (step 5)"},
-        RateCase{"OurControllerInPx4sScenario", 400, 200, "generic",
-                 "400 controls a second; the scenario counts on 200: the report would call 200 a "
-                 "second too many",
-                 "about 400"},
-        RateCase{"AnyBoard", 250, 400, "generic", "150 a second missing", "about 250"}),
-    [](const auto& test) { return test.param.name; });
-
-struct RotorCase {
-  const char* name;
-  const char* vehicle;
-  const char* autopilot;
-  bool by_rotor;
-  bool may_fly;
-};
-
-class FcuCheckRotors : public testing::TestWithParam<RotorCase> {};
-
-TEST_P(FcuCheckRotors, AreThoseOfTheFirmware) {
-  FcuFacts facts = ready();
-  facts.autopilot = GetParam().autopilot;
-  facts.by_rotor = GetParam().by_rotor;
-  const auto findings = check_fcu(facts, {}, vehicle(GetParam().vehicle));
-  const std::string text = findings_text(findings);
-  EXPECT_EQ(may_fly(findings), GetParam().may_fly) << text;
-  EXPECT_EQ(text.find("it would flip") == std::string::npos, GetParam().may_fly) << text;
+TEST(FcuCheckRotors, AreThoseOfTheFirmware) {
+  struct RotorCase {
+    const char* name;
+    const char* vehicle;
+    const char* autopilot;
+    bool by_rotor;
+    bool may_fly;
+  };
+  const RotorCase rows[] = {{"Iris", "iris_px4", "px4", true, true},
+                            {"X500", "x500", "px4", true, true},
+                            {"QuadX", "quad_x", "px4", true, true},
+                            {"HexaX", "hexa_x", "px4", true, true},
+                            {"Y6", "y6", "px4", true, true},
+                            {"ThePapersOrder", "iris_paper", "px4", true, false},
+                            {"ThePapersOrderByAxes", "iris_paper", "px4", false, true},
+                            {"ThePapersOrderElsewhere", "iris_paper", "generic", true, true}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    FcuFacts facts = ready();
+    facts.autopilot = row.autopilot;
+    facts.by_rotor = row.by_rotor;
+    const auto findings = check_fcu(facts, {}, vehicle(row.vehicle));
+    const std::string text = findings_text(findings);
+    EXPECT_EQ(may_fly(findings), row.may_fly) << text;
+    EXPECT_EQ(text.find("it would flip") == std::string::npos, row.may_fly) << text;
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    All, FcuCheckRotors,
-    testing::Values(RotorCase{"Iris", "iris_px4", "px4", true, true},
-                    RotorCase{"X500", "x500", "px4", true, true},
-                    RotorCase{"QuadX", "quad_x", "px4", true, true},
-                    RotorCase{"HexaX", "hexa_x", "px4", true, true},
-                    RotorCase{"Y6", "y6", "px4", true, true},
-                    RotorCase{"ThePapersOrder", "iris_paper", "px4", true, false},
-                    RotorCase{"ThePapersOrderByAxes", "iris_paper", "px4", false, true},
-                    RotorCase{"ThePapersOrderElsewhere", "iris_paper", "generic", true, true}),
-    [](const auto& test) { return test.param.name; });
 
 }  // namespace
 }  // namespace cas::hils

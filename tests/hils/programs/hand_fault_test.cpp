@@ -5,7 +5,6 @@
 
 #include <array>
 #include <nlohmann/json.hpp>
-#include <string>
 
 #include "base/rpc/message.hpp"
 

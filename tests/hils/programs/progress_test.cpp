@@ -23,17 +23,11 @@ std::string line_of(const FlightStep& step, const VehicleReport& vehicle,
 }
 
 FlightStep measured_hold() {
-  FlightStep step;
-  step.kind = StepKind::kHold;
-  step.duration = seconds(30);
-  step.measure = true;
-  return step;
+  return {.kind = StepKind::kHold, .duration = seconds(30), .measure = true};
 }
 
 TEST(ProgressLine, TellsTheStepAndThatThePositionIsAnEstimate) {
-  VehicleReport vehicle;
-  vehicle.p_N = {0.5, -12.25, -2.5};
-  const std::string line = line_of(measured_hold(), vehicle);
+  const std::string line = line_of(measured_hold(), VehicleReport{.p_N = {0.5, -12.25, -2.5}});
   EXPECT_NE(line.find("measured 12.3 of 30.0 s"), std::string::npos) << line;
   EXPECT_NE(line.find(" 1.00x  estimate x +0.50 y -12.25 z 2.50 m"), std::string::npos) << line;
 }
@@ -70,8 +64,7 @@ TEST(ProgressLine, NeverReachesTheLastColumn) {
   FlightStep step = measured_hold();
   step.kind = StepKind::kTrajectory;
   step.name = std::string(100, 'n');
-  VehicleReport vehicle;
-  vehicle.p_N = {-12'345.67, 12'345.67, -12'345.67};
+  VehicleReport vehicle{.p_N = {-12'345.67, 12'345.67, -12'345.67}};
   EXPECT_EQ(line_of(step, vehicle).size(), kColumns);
   EXPECT_LE(line_of(measured_hold(), vehicle, "words").size(), kColumns);
 }

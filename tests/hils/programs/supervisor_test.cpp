@@ -7,14 +7,13 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include "base/error.hpp"
 #include "hils/run/run_paths.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/refusal.hpp"
 
 namespace cas::hils {
 namespace {
@@ -69,15 +68,13 @@ TEST_F(SupervisorTest, EndsSeveralAtOnceAndNamesTheOneThatDoesNot) {
 }
 
 TEST_F(SupervisorTest, ReportsAnEarlyDeathWithTheLastLines) {
-  try {
-    supervisor_.start(script("casd", "echo no such device >&2; exit 78"), seconds(20));
-    FAIL() << "no error";
-  } catch (const RunStopped& stopped) {
-    const std::string text = stopped.what();
-    EXPECT_NE(text.find("casd ended with exit code 78"), std::string::npos) << text;
-    EXPECT_NE(text.find("no such device"), std::string::npos) << text;
-    EXPECT_FALSE(stopped.interrupted());
-  }
+  const auto stopped = test::thrown<RunStopped>(
+      [&] { supervisor_.start(script("casd", "echo no such device >&2; exit 78"), seconds(20)); });
+  ASSERT_TRUE(stopped);
+  const std::string text = stopped->what();
+  EXPECT_NE(text.find("casd ended with exit code 78"), std::string::npos) << text;
+  EXPECT_NE(text.find("no such device"), std::string::npos) << text;
+  EXPECT_FALSE(stopped->interrupted());
 }
 
 TEST_F(SupervisorTest, ReportsAProgramThatIsNotThere) {
@@ -85,12 +82,9 @@ TEST_F(SupervisorTest, ReportsAProgramThatIsNotThere) {
 }
 
 TEST_F(SupervisorTest, ReportsAProgramThatNeverGetsReady) {
-  try {
-    supervisor_.start(script("slow", "exec sleep 60"), std::chrono::milliseconds(200));
-    FAIL() << "no error";
-  } catch (const RunStopped& stopped) {
-    EXPECT_NE(std::string(stopped.what()).find("was not ready"), std::string::npos);
-  }
+  const std::string text = test::refusal<RunStopped>(
+      [&] { supervisor_.start(script("slow", "exec sleep 60"), std::chrono::milliseconds(200)); });
+  EXPECT_NE(text.find("was not ready"), std::string::npos) << text;
 }
 
 TEST_F(SupervisorTest, ADeathDuringTheRunStopsTheWaiting) {
@@ -106,12 +100,8 @@ TEST_F(SupervisorTest, ADeathDuringTheRunStopsTheWaiting) {
 TEST_F(SupervisorTest, AnInterruptEndsEverything) {
   ChildProcess& casd = supervisor_.start(child("casd", "wait"), seconds(20));
   ::kill(::getpid(), SIGINT);
-  try {
-    supervisor_.wait(seconds(20));
-    FAIL() << "no error";
-  } catch (const RunStopped& stopped) {
-    EXPECT_TRUE(stopped.interrupted());
-  }
+  EXPECT_TRUE(
+      test::thrown<RunStopped>([&] { supervisor_.wait(seconds(20)); }).value().interrupted());
   supervisor_.stop(casd, seconds(20));  // returns once it is gone
   SUCCEED();
 }

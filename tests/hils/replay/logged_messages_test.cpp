@@ -78,11 +78,10 @@ TEST(ReplayLog, TheModeIsTheAutopilotsAlone) {
   Log log;
   std::uint64_t stamp = 1'790'000'000'000'000;
   const auto add = [&](std::uint8_t component, MavAutopilot autopilot, std::uint32_t mode) {
-    Heartbeat heartbeat;
-    heartbeat.autopilot = autopilot;
-    heartbeat.type = mavlink::common::MavType::kFixedWing;
-    heartbeat.base_mode = mavlink::common::MavModeFlag::kCustomModeEnabled;
-    heartbeat.custom_mode = mode;
+    Heartbeat heartbeat{.type = mavlink::common::MavType::kFixedWing,
+                        .autopilot = autopilot,
+                        .base_mode = mavlink::common::MavModeFlag::kCustomModeEnabled,
+                        .custom_mode = mode};
     log.add(stamp += 500'000, heartbeat, component);
   };
   for (int i = 0; i < 3; ++i) {
@@ -116,8 +115,7 @@ TEST(ReplayLog, AMessageOfAnotherDialectThatHoldsAStartByteIsNoDamage) {
 
 TEST(ReplayLog, ALongTextIsOne) {
   Log log;
-  mavlink::common::Statustext chunk;
-  chunk.id = 7;
+  mavlink::common::Statustext chunk{.id = 7};
   const std::string full(chunk.text.size(), 'a');
   mav::set_text(chunk.text, full);
   log.add(1'790'000'000'000'000, chunk);

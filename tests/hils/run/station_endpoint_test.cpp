@@ -13,32 +13,27 @@
 namespace cas::hils {
 namespace {
 
-struct EndpointCase {
-  const char* name;
-  const char* text;
-  const char* type;
-  const char* address;
-};
-
-class Endpoints : public testing::TestWithParam<EndpointCase> {};
-
-TEST_P(Endpoints, AreTakenApart) {
-  const EndpointCase& test = GetParam();
-  const StationEndpoint station = StationEndpoint::parse(test.text);
-  EXPECT_EQ(station.type, test.type);
-  EXPECT_EQ(station.address, test.address);
+TEST(Endpoints, AreTakenApart) {
+  struct EndpointCase {
+    const char* name;
+    const char* text;
+    const char* type;
+    const char* address;
+  };
+  const EndpointCase rows[] = {
+      {"Port", "udp:14550", "udp", "127.0.0.1:14550"},
+      {"Host", "udp:lab-pc:14550", "udp", "lab-pc:14550"},
+      {"IPv6", "udp:[::1]:14550", "udp", "[::1]:14550"},
+      {"UdpServer", "udp_server:1", "udp_server", "127.0.0.1:1"},
+      {"AnyAddress", "udp_server:0.0.0.0:65535", "udp_server", "0.0.0.0:65535"},
+      {"TcpServer", "tcp_server:5761", "tcp_server", "127.0.0.1:5761"}};
+  for (const auto& test : rows) {
+    SCOPED_TRACE(test.name);
+    const StationEndpoint station = StationEndpoint::parse(test.text);
+    EXPECT_EQ(station.type, test.type);
+    EXPECT_EQ(station.address, test.address);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Of, Endpoints,
-    testing::Values(EndpointCase{"Port", "udp:14550", "udp", "127.0.0.1:14550"},
-                    EndpointCase{"Host", "udp:lab-pc:14550", "udp", "lab-pc:14550"},
-                    EndpointCase{"IPv6", "udp:[::1]:14550", "udp", "[::1]:14550"},
-                    EndpointCase{"UdpServer", "udp_server:1", "udp_server", "127.0.0.1:1"},
-                    EndpointCase{"AnyAddress", "udp_server:0.0.0.0:65535", "udp_server",
-                                 "0.0.0.0:65535"},
-                    EndpointCase{"TcpServer", "tcp_server:5761", "tcp_server", "127.0.0.1:5761"}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(StationEndpoint, RefusesWhatNoStationCanUse) {
   for (const char* text :

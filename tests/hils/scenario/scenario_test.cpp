@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "hils/scenario/scenario.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -13,6 +13,8 @@
 
 namespace cas::hils {
 namespace {
+
+using testing::HasSubstr;
 
 const std::string kHead = R"(schema: 1
 vehicle: )" + cas::test::source_dir() +
@@ -47,18 +49,18 @@ class ScenarioFile : public testing::Test {
 
 TEST_F(ScenarioFile, ABlockOfTheSensorsMakesASecondOne) {
   const std::string fault = "faults:\n  - {at_s: 1, drop: imu_2}\n";
-  EXPECT_NE(error_of(kHead + kFlight + fault).find("needs 'plugin: imu_2'"), std::string::npos);
+  EXPECT_THAT(error_of(kHead + kFlight + fault), HasSubstr("needs 'plugin: imu_2'"));
   EXPECT_EQ(error_of(kHead + "sensors: {imu_2: {gyro_bias_deg_s: 1}}\n" + kFlight + fault), "");
   const std::string error = error_of(kHead + "sensors: {imu_2: {gyro_bais_deg_s: 1}}\n" + kFlight);
-  EXPECT_NE(error.find("gyro_bais_deg_s"), std::string::npos) << error;
+  EXPECT_THAT(error, HasSubstr("gyro_bais_deg_s"));
 }
 
 TEST_F(ScenarioFile, RefusesMoreSensorsThanItsLineCarries) {
   const std::string line = "line: {preset: baud_921600}\n";
   EXPECT_EQ(error_of(kHead + line + "sensors: {imu_2: {}}\n" + kFlight), "");
   const std::string error = error_of(kHead + line + "sensors: {imu_2: {}, imu_3: {}}\n" + kFlight);
-  EXPECT_NE(error.find("with the further sensors the line carries"), std::string::npos) << error;
-  EXPECT_NE(error.find("HIL_SENSOR 1500"), std::string::npos) << error;
+  EXPECT_THAT(error, HasSubstr("with the further sensors the line carries"));
+  EXPECT_THAT(error, HasSubstr("HIL_SENSOR 1500"));
 }
 
 TEST_F(ScenarioFile, OdometryCountsOnItsLineByItsRateAndMessage) {
@@ -68,21 +70,21 @@ TEST_F(ScenarioFile, OdometryCountsOnItsLineByItsRateAndMessage) {
   };
   // Two IMUs take 77 of 88 kB/s; 40 ODOMETRY a second are 9.8, 60 are 14.7, 60 of the other 7.7.
   EXPECT_EQ(error_of(kHead + line + odometry("rate_hz: 40") + kFlight), "");
-  const std::string error = error_of(kHead + line + odometry("rate_hz: 60") + kFlight);
-  EXPECT_NE(error.find("HIL_GPS 5 a second, odometry 60"), std::string::npos) << error;
+  EXPECT_THAT(error_of(kHead + line + odometry("rate_hz: 60") + kFlight),
+              HasSubstr("HIL_GPS 5 a second, odometry 60"));
   EXPECT_EQ(
       error_of(kHead + line + odometry("rate_hz: 60, message: VISION_POSITION_ESTIMATE") + kFlight),
       "");
   const std::string one =
       error_of(kHead + "line: {preset: baud_921600}\n" + odometry("rate_hz: 250") + kFlight);
-  EXPECT_NE(one.find("plugins[0].plugin: with the further sensors"), std::string::npos) << one;
+  EXPECT_THAT(one, HasSubstr("plugins[0].plugin: with the further sensors"));
 }
 
 TEST_F(ScenarioFile, RefusesFaultsOfAFlightOfStockFirmware) {
   for (const char* const effect : {"pause: hilsim", "cut: fcu"}) {
     const std::string error =
         error_of(kHead + kFlight + "faults:\n  - {at_s: 1, for_s: 1, " + effect + "}\n");
-    EXPECT_NE(error.find("is a fault of a flight of stock firmware"), std::string::npos) << error;
+    EXPECT_THAT(error, HasSubstr("is a fault of a flight of stock firmware"));
   }
 }
 
@@ -90,10 +92,9 @@ TEST_F(ScenarioFile, RefusesAFaultThatAsksForAnUnknownStep) {
   for (const char* const effect : {"for_s: 1, drop: gps", "for_s: 1, unplug: fcu"}) {
     const std::string error =
         error_of(kHead + kFlight + "faults:\n  - {name: x, when: phase == hodl, " + effect + "}\n");
-    EXPECT_NE(error.find(".yaml:11"), std::string::npos) << error;
-    EXPECT_NE(error.find("faults[0].when: the scenario has no step 'hodl'; did you mean 'hold'?"),
-              std::string::npos)
-        << error;
+    EXPECT_THAT(error, HasSubstr(".yaml:11"));
+    EXPECT_THAT(error,
+                HasSubstr("faults[0].when: the scenario has no step 'hodl'; did you mean 'hold'?"));
   }
 }
 
@@ -102,34 +103,29 @@ TEST_F(ScenarioFile, RefusesAMissionOfOurController) {
   - arm
   - mission: {items: [takeoff: {up_m: 3}, rtl]}
 )");
-  EXPECT_NE(error.find("no hold is measured"), std::string::npos) << error;
+  EXPECT_THAT(error, HasSubstr("no hold is measured"));
   const std::string whole = error_of(kHead + R"(steps:
   - arm
   - mission: {items: [takeoff: {up_m: 3}]}
   - hold: {duration_s: 5, measure: true}
   - rtl
 )");
-  EXPECT_NE(whole.find(".yaml:7: steps[1].mission: only a scenario of stock firmware"),
-            std::string::npos)
-      << whole;
+  EXPECT_THAT(whole, HasSubstr(".yaml:7: steps[1].mission: only a scenario of stock firmware"));
 }
 
 TEST_F(ScenarioFile, SticksAndTheirLossNeedSomethingThatSendsThem) {
   std::string steps = kFlight;
   steps.insert(steps.find("  - land"), "  - sticks: {pitch: 0.5, duration_s: 2}\n");
-  EXPECT_NE(error_of(kHead + steps).find("sticks: needs `ground_station: true`"), std::string::npos)
-      << error_of(kHead + steps);
+  EXPECT_THAT(error_of(kHead + steps), HasSubstr("sticks: needs `ground_station: true`"));
   const std::string lost =
       kHead + std::string(kFlight) + "faults: [{at_s: 5, for_s: 1, silence: sticks}]\n";
-  EXPECT_NE(error_of(lost).find("faults[0].silence: no sticks can be lost"), std::string::npos)
-      << error_of(lost);
+  EXPECT_THAT(error_of(lost), HasSubstr("faults[0].silence: no sticks can be lost"));
 }
 
 TEST_F(ScenarioFile, RefusesARebootOfOurController) {
   const std::string error = error_of(kHead + std::string(kFlight) + "  - disarm\n  - reboot\n");
-  EXPECT_NE(error.find(": only a scenario of stock firmware (key firmware) has a step reboot"),
-            std::string::npos)
-      << error;
+  EXPECT_THAT(error,
+              HasSubstr(": only a scenario of stock firmware (key firmware) has a step reboot"));
 }
 
 TEST_F(ScenarioFile, RefusesACircleOfOurController) {
@@ -140,8 +136,7 @@ TEST_F(ScenarioFile, RefusesACircleOfOurController) {
   - hold: {duration_s: 5, measure: true}
   - land
 )");
-  EXPECT_NE(error.find("steps[2].loiter: only a scenario of stock firmware"), std::string::npos)
-      << error;
+  EXPECT_THAT(error, HasSubstr("steps[2].loiter: only a scenario of stock firmware"));
 }
 
 TEST_F(ScenarioFile, ReadsStepsInOrder) {
@@ -156,16 +151,13 @@ TEST_F(ScenarioFile, ReadsStepsInOrder) {
 TEST_F(ScenarioFile, RefusesMoreControlsThanSensorsAndStepsWithoutTheirValues) {
   std::string head = kHead;
   head.replace(head.find("sensor_hz: 500"), 14, "sensor_hz: 333");
-  EXPECT_NE(error_of(head + kFlight).find(": rates.controls_hz: controls answer HIL_SENSOR"),
-            std::string::npos)
-      << error_of(head + kFlight);
+  EXPECT_THAT(error_of(head + kFlight),
+              HasSubstr(": rates.controls_hz: controls answer HIL_SENSOR"));
   std::string flight = kFlight;
   flight.replace(flight.find("takeoff: {altitude_m: 2.5}"), 26, "takeoff");
-  const std::string text = error_of(kHead + flight);
-  EXPECT_NE(text.find("steps[1]: needs a map of its values: the step alone: key 'altitude_m' is "
-                      "missing"),
-            std::string::npos)
-      << text;
+  EXPECT_THAT(error_of(kHead + flight),
+              HasSubstr("steps[1]: needs a map of its values: the step alone: key 'altitude_m' is "
+                        "missing"));
 }
 
 TEST_F(ScenarioFile, RefusesKeysOfSimulatorAndControllerWithItsOwnLine) {
@@ -242,12 +234,10 @@ TEST_F(ScenarioFile, TakesALimitOnEachFigureThatIsBetterUpOrDown) {
   const auto error = [&](const std::string& limits) {
     return error_of(flight + "limits: {" + limits + "}\n");
   };
-  EXPECT_NE(error("wall_s: 3").find("limits.wall_s: this figure is not better up or down"),
-            std::string::npos)
-      << error("wall_s: 3");
-  EXPECT_NE(error("gps_lost: -1").find("limits.gps_lost"), std::string::npos);
-  EXPECT_NE(error("rms: {w_m: 1}").find("w_m"), std::string::npos);
-  EXPECT_NE(error("rms_w_m: 1").find("rms_w_m"), std::string::npos);
+  EXPECT_THAT(error("wall_s: 3"), HasSubstr("limits.wall_s: this figure is not better up or down"));
+  EXPECT_THAT(error("gps_lost: -1"), HasSubstr("limits.gps_lost"));
+  EXPECT_THAT(error("rms: {w_m: 1}"), HasSubstr("w_m"));
+  EXPECT_THAT(error("rms_w_m: 1"), HasSubstr("rms_w_m"));
 }
 
 constexpr const char* kHeadWithoutVehicle = R"(schema: 1
@@ -269,7 +259,7 @@ TEST_F(ScenarioFile, SaysWhereAVehicleWasSearched) {
   const std::string error =
       error_of(std::string(kHeadWithoutVehicle) + "vehicle: vehicles/no_iris.yaml\n" + kFlight);
   EXPECT_EQ(error.rfind(file_.string() + ":4: vehicle: there is no file", 0), 0U) << error;
-  EXPECT_NE(error.find("looked in"), std::string::npos) << error;
+  EXPECT_THAT(error, HasSubstr("looked in"));
 }
 
 struct BadScenario {
@@ -288,8 +278,8 @@ class BadScenarioFile : public ScenarioFile, public testing::WithParamInterface<
 
 TEST_P(BadScenarioFile, IsRefusedWithFileLineAndReason) {
   const std::string error = error_of(std::string(kHead) + GetParam().rest);
-  EXPECT_NE(error.find(GetParam().sentence), std::string::npos) << error;
-  EXPECT_NE(error.find(file_.string() + ":"), std::string::npos) << error;
+  EXPECT_THAT(error, HasSubstr(GetParam().sentence));
+  EXPECT_THAT(error, HasSubstr(file_.string() + ":"));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -415,7 +405,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_F(ScenarioFile, RefusesUnknownKeys) {
   const std::string error = error_of(std::string(kHead) + kFlight + "limit: {lost: 0}\n");
-  EXPECT_NE(error.find("limit"), std::string::npos) << error;
+  EXPECT_THAT(error, HasSubstr("limit"));
 }
 
 class ShippedScenario : public testing::TestWithParam<std::filesystem::path> {};

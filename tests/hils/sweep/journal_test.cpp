@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <string>
 
 #include "base/error.hpp"
@@ -14,16 +13,14 @@ namespace cas::hils {
 namespace {
 
 RowResult result_of(std::size_t row) {
-  RowResult result;
-  result.row = row;
-  result.outcome = RowOutcome::kFailed;
-  result.cause = "crash: \"hit\", 3 m/s";
-  result.incident = "crash";
-  result.unfinished = "takeoff";
-  result.version = "0.1.0";
-  result.figures = {0, std::nan(""), 0.1 + 0.2};
-  result.machine = {.wall_s = 0.5, .cpu_s = 0.4, .max_rss_mib = 20, .host = "lab"};
-  return result;
+  return {.row = row,
+          .outcome = RowOutcome::kFailed,
+          .cause = "crash: \"hit\", 3 m/s",
+          .incident = "crash",
+          .unfinished = "takeoff",
+          .version = "0.1.0",
+          .figures = {0, std::nan(""), 0.1 + 0.2},
+          .machine = {.wall_s = 0.5, .cpu_s = 0.4, .max_rss_mib = 20, .host = "lab"}};
 }
 
 TEST(Journal, ALineComesBackToTheBit) {

@@ -10,11 +10,7 @@ namespace cas::hils {
 namespace {
 
 RowResult row(std::size_t number, RowOutcome outcome, double up) {
-  RowResult result;
-  result.row = number;
-  result.outcome = outcome;
-  result.figures = {up};
-  return result;
+  return {.row = number, .outcome = outcome, .figures = {up}};
 }
 
 TEST(ShareLimits, CountRunsWithoutAVerdictAgainstTheVehicle) {

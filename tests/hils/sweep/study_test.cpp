@@ -16,53 +16,43 @@
 namespace cas::hils {
 namespace {
 
-struct RefusalCase {
-  const char* name;
-  const char* text;
-  const char* sentence;
-};
-
-class StudyRefusal : public testing::TestWithParam<RefusalCase> {};
-
-TEST_P(StudyRefusal, NamesTheKeyAndWhatIsWrong) {
-  const test::TemporaryFolder folder;
-  const std::filesystem::path file =
-      folder.write("study.yaml", std::string("schema: 1\nscenario: s.yaml\n") + GetParam().text);
-  const std::string said = test::refusal([&] { Study::load(file); });
-  EXPECT_NE(said.find(GetParam().sentence), std::string::npos) << said;
+TEST(StudyRefusal, NamesTheKeyAndWhatIsWrong) {
+  struct RefusalCase {
+    const char* text;
+    const char* sentence;
+  };
+  const RefusalCase rows[] = {
+      {"vary: [{key: a, uniform: [0, 1]}]", "'sampling' says how"},
+      {"sampling: sobol\nvary: [{key: a, uniform: [0, 1]}]", "'points'"},
+      {"sampling: sobol\nvary: [{key: a, values: [1]}]", "there is none"},
+      {"vary: [{key: a, values: [1], uniform: [0, 1]}]", "one of values"},
+      {"vary: [{key: a, uniform: [2, 1]}]", "LEAST < MOST"},
+      {"vary: [{key: a, log: [0, 1]}]", "above 0"},
+      {"vary: [{key: a, values: [1, 1]}]", "twice"},
+      {"vary: [{key: a, values: [1]}, {key: b, name: A, values: [1]}]", "is taken"},
+      {"vary: [{key: 'a..b', values: [1]}]", "no path of keys"},
+      {"vary: [{key: a, values: [1], step: 2}]", "unknown key"},
+      {"vary: [{key: a, values: [1]}]\nlimits: [{share: high}]", "is up, passed or judged"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.text);
+    const test::TemporaryFolder folder;
+    const std::filesystem::path file =
+        folder.write("study.yaml", std::string("schema: 1\nscenario: s.yaml\n") + row.text);
+    const std::string said = test::refusal([&] { Study::load(file); });
+    EXPECT_NE(said.find(row.sentence), std::string::npos) << said;
+  }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Each, StudyRefusal,
-    testing::Values(
-        RefusalCase{"NoSampling", "vary: [{key: a, uniform: [0, 1]}]", "'sampling' says how"},
-        RefusalCase{"NoPoints", "sampling: sobol\nvary: [{key: a, uniform: [0, 1]}]", "'points'"},
-        RefusalCase{"SamplingOfNothing", "sampling: sobol\nvary: [{key: a, values: [1]}]",
-                    "there is none"},
-        RefusalCase{"TwoKinds", "vary: [{key: a, values: [1], uniform: [0, 1]}]", "one of values"},
-        RefusalCase{"EndsInTheWrongOrder", "vary: [{key: a, uniform: [2, 1]}]", "LEAST < MOST"},
-        RefusalCase{"LogOfZero", "vary: [{key: a, log: [0, 1]}]", "above 0"},
-        RefusalCase{"ValueTwice", "vary: [{key: a, values: [1, 1]}]", "twice"},
-        RefusalCase{"NameTwice", "vary: [{key: a, values: [1]}, {key: b, name: A, values: [1]}]",
-                    "is taken"},
-        RefusalCase{"NoPath", "vary: [{key: 'a..b', values: [1]}]", "no path of keys"},
-        RefusalCase{"UnknownKey", "vary: [{key: a, values: [1], step: 2}]", "unknown key"},
-        RefusalCase{"UnknownShare", "vary: [{key: a, values: [1]}]\nlimits: [{share: high}]",
-                    "is up, passed or judged"}),
-    [](const auto& test) { return test.param.name; });
-
-class ShippedStudy : public testing::TestWithParam<const char*> {};
-
-TEST_P(ShippedStudy, CanBePlanned) {
-  const test::TemporaryFolder folder;
-  const std::filesystem::path file = test::source_dir() + "/config/studies/" + GetParam() + ".yaml";
-  const SweepFolder sweep = SweepFolder::plan(file, folder / "sweep");
-  EXPECT_GT(sweep.table.rows.size(), 1U);
-  EXPECT_EQ(SweepFolder::plan(file, folder / "sweep").table.csv(), sweep.table.csv());
+TEST(ShippedStudy, CanBePlanned) {
+  for (const char* text : {"hover_envelope", "gain_grid"}) {
+    SCOPED_TRACE(text);
+    const test::TemporaryFolder folder;
+    const std::filesystem::path file = test::source_dir() + "/config/studies/" + text + ".yaml";
+    const SweepFolder sweep = SweepFolder::plan(file, folder / "sweep");
+    EXPECT_GT(sweep.table.rows.size(), 1U);
+    EXPECT_EQ(SweepFolder::plan(file, folder / "sweep").table.csv(), sweep.table.csv());
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(All, ShippedStudy, testing::Values("hover_envelope", "gain_grid"),
-                         [](const auto& test) { return std::string(test.param); });
 
 TEST(Study, AFolderKeepsTheStudyItWasPlannedWith) {
   const test::TemporaryFolder folder;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Sweeps as a user flies them: whole, killed, in chunks, under a job array.
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 #include <signal.h>
 #include <sqlite3.h>
 
@@ -8,7 +8,6 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <map>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -17,34 +16,24 @@
 #include "hils/sweep/run_table.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/scenario_text.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/wait_until.hpp"
 
 namespace cas::test {
 namespace {
 
+using testing::HasSubstr;
+using testing::Not;
+
 namespace fs = std::filesystem;
 
 /// For many flights, which take as long as the machine lets them.
 constexpr base::Duration kSweepPatience = std::chrono::minutes(5);
 
-constexpr const char* kScenario = R"(
-schema: 1
-name: hop
-description: A short flight
-vehicle: ../vehicles/iris_paper.yaml
-home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
-decimal_year: 2026.5
-seed: 1
-rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
-line: {preset: baud_921600}
-steps:
-  - arm
-  - takeoff: {altitude_m: 1}
-  - hold: {duration_s: 1, measure: true}
-  - land
-  - disarm
-)";
+const std::string kScenario = scenario_text(
+    paper_quadrotor(),
+    "[arm, takeoff: {altitude_m: 1}, hold: {duration_s: 1, measure: true}, land, disarm]");
 
 constexpr const char* kStudy = R"(
 schema: 1
@@ -82,18 +71,6 @@ class Sweep : public testing::Test {
   fs::path plan(const std::string& name, const fs::path& study) const {
     sweep({"plan", study.string(), "--out", folder_ / name});
     return folder_ / name;
-  }
-  /// The table of the study, flown whole; once for all tests.
-  static const std::string& whole() {
-    static const std::string table = [] {
-      const TemporaryFolder folder;
-      folder.write("hop.yaml", kScenario);
-      const fs::path study = folder.write("hops.yaml", kStudy);
-      sweep({"plan", study.string(), "--out", folder / "whole"});
-      sweep({"run", folder / "whole", "--jobs", "2"});
-      return TemporaryFolder::read(folder / "whole/chunks/chunk_1_of_1.csv");
-    }();
-    return table;
   }
   static std::vector<std::string> lines_of(const std::string& text) {
     std::vector<std::string> lines;
@@ -137,7 +114,24 @@ class Sweep : public testing::Test {
   fs::path study_;
 };
 
-TEST_F(Sweep, GivesARowForEachRun) {
+/// Compared with the study, flown whole.
+class WholeSweep : public Sweep {
+ protected:
+  /// The table of the study, flown whole; once for all tests.
+  static const std::string& whole() {
+    static const std::string table = [] {
+      const TemporaryFolder folder;
+      folder.write("hop.yaml", kScenario);
+      const fs::path study = folder.write("hops.yaml", kStudy);
+      sweep({"plan", study.string(), "--out", folder / "whole"});
+      sweep({"run", folder / "whole", "--jobs", "2"});
+      return TemporaryFolder::read(folder / "whole/chunks/chunk_1_of_1.csv");
+    }();
+    return table;
+  }
+};
+
+TEST_F(WholeSweep, GivesARowForEachRun) {
   EXPECT_EQ(lines_of(whole()).size(), kRows + 1);
   for (const std::string& up : column(whole(), "up")) EXPECT_EQ(up, "1");
   for (const std::string& cell : column(whole(), "outcome")) EXPECT_EQ(cell, "passed");
@@ -145,7 +139,7 @@ TEST_F(Sweep, GivesARowForEachRun) {
 
 /// kill -9 in the middle of runs, five times: no run is flown twice, and the table is the same to
 /// the byte.
-TEST_F(Sweep, KilledFiveTimesEndsWithTheSameTable) {
+TEST_F(WholeSweep, KilledFiveTimesEndsWithTheSameTable) {
   const fs::path killed = plan("killed", study_);
   for (int kill = 0; kill < 5; ++kill) {
     const std::size_t before = journal_lines(killed);
@@ -168,22 +162,18 @@ TEST_F(Sweep, InterruptedSaysHowFarItIsAndGoesOn) {
   ASSERT_TRUE(wait_until([&] { return journal_lines(stopped) > 0; }, kSweepPatience));
   program.signal(SIGINT);
   EXPECT_EQ(program.wait_exit(), 130);
-  EXPECT_NE(program.output().find("'hils sweep run' goes on"), std::string::npos)
-      << program.output();
-  EXPECT_NE(sweep({"status", stopped.string()}).find("of 24 runs flown"), std::string::npos);
+  EXPECT_THAT(program.output(), HasSubstr("'hils sweep run' goes on"));
+  EXPECT_THAT(sweep({"status", stopped.string()}), HasSubstr("of 24 runs flown"));
   sweep({"collect", stopped.string(), "--again", "0"}, 3);  // runs are missing
 }
 
 TEST_F(Sweep, CollectedBeforeAnyRunSaysThatNothingWasFlown) {
   const fs::path planned = plan("planned", study_);
   const std::string said = sweep({"collect", planned.string()}, 3);
-  EXPECT_NE(said.find("Nothing was flown: hops, 24 runs; 'hils sweep run " + planned.string() +
-                      "' flies them"),
-            std::string::npos)
-      << said;
-  EXPECT_EQ(said.find("MISSED"), std::string::npos) << said;
-  EXPECT_NE(TemporaryFolder::read(planned / "sweep.html").find("Nothing was flown"),
-            std::string::npos);
+  EXPECT_THAT(said, HasSubstr("Nothing was flown: hops, 24 runs; 'hils sweep run " +
+                              planned.string() + "' flies them"));
+  EXPECT_THAT(said, Not(HasSubstr("MISSED")));
+  EXPECT_THAT(TemporaryFolder::read(planned / "sweep.html"), HasSubstr("Nothing was flown"));
 }
 
 TEST_F(Sweep, AFlightThatDoesNotReachItsMeasuredStepHasNoMargin) {
@@ -207,7 +197,7 @@ TEST_F(Sweep, WarningsOfItsFlightsAreInItsResults) {
       "<sdf version='1.6'>\n<world name='w'>\n<model name='m'><static>1</static>\n"
       "<link name='l'><colision name='c'/><collision name='d'><geometry><plane/></geometry>"
       "</collision></link></model>\n</world></sdf>");
-  folder_.write("there.yaml", std::string(kScenario) + "world: w.sdf\n");
+  folder_.write("there.yaml", kScenario + "world: w.sdf\n");
   const fs::path study =
       folder_.write("there_study.yaml",
                     "schema: 1\nname: there\nscenario: there.yaml\nvary:\n"
@@ -215,14 +205,13 @@ TEST_F(Sweep, WarningsOfItsFlightsAreInItsResults) {
   const std::string warning = "warning in 2 of 2 flights: " + (folder_ / "w.sdf").string() + ":4: ";
   const std::string said =
       sweep({study.string(), "--out", folder_ / "there", "--again", "0", "--jobs", "2"});
-  EXPECT_NE(said.find(warning), std::string::npos) << said;
+  EXPECT_THAT(said, HasSubstr(warning));
   for (const char* file : {"sweep.html", "junit.xml"}) {
-    EXPECT_NE(TemporaryFolder::read(folder_ / "there" / file).find(warning), std::string::npos)
-        << file;
+    EXPECT_THAT(TemporaryFolder::read(folder_ / "there" / file), HasSubstr(warning)) << file;
   }
 }
 
-TEST_F(Sweep, ThreeChunksAreTheWholeToTheByte) {
+TEST_F(WholeSweep, ThreeChunksAreTheWholeToTheByte) {
   const fs::path cut = plan("cut", study_);
   std::string together;
   for (const std::string k : {"3", "1", "2"}) {
@@ -237,7 +226,7 @@ TEST_F(Sweep, ThreeChunksAreTheWholeToTheByte) {
 }
 
 /// The process of a run is killed under the runner: its row says so, and can be flown once more.
-TEST_F(Sweep, ARunThatDiesCostsItsOwnRow) {
+TEST_F(WholeSweep, ARunThatDiesCostsItsOwnRow) {
   const fs::path hurt = plan("hurt", study_);
   ChildProcess program(hils({"run", hurt.string(), "--jobs", "1"}));
   pid_t child = 0;
@@ -254,7 +243,7 @@ TEST_F(Sweep, ARunThatDiesCostsItsOwnRow) {
   const std::vector<std::string> outcomes = column(table, "outcome");
   EXPECT_EQ(std::ranges::count(outcomes, "died"), 1) << table;
   EXPECT_EQ(std::ranges::count(outcomes, "passed"), static_cast<long>(kRows) - 1);
-  EXPECT_NE(table.find("was ended by signal 9 (Killed)"), std::string::npos);
+  EXPECT_THAT(table, HasSubstr("was ended by signal 9 (Killed)"));
   sweep({"run", hurt.string(), "--retry"});
   EXPECT_EQ(TemporaryFolder::read(hurt / "chunks/chunk_1_of_1.csv"), whole());
 
@@ -266,7 +255,7 @@ TEST_F(Sweep, ARunThatDiesCostsItsOwnRow) {
   }
   later.close();
   EXPECT_GT(fs::file_size(hurt / "journal/chunk_2_of_2.jsonl"), 0U);
-  EXPECT_EQ(sweep({"status", hurt.string()}).find("died"), std::string::npos);
+  EXPECT_THAT(sweep({"status", hurt.string()}), Not(HasSubstr("died")));
 }
 
 TEST_F(Sweep, ARunThatHangsCostsItsOwnRow) {
@@ -276,8 +265,7 @@ TEST_F(Sweep, ARunThatHangsCostsItsOwnRow) {
                                        "  - {name: hold_s, key: 'steps[hold].duration_s', values: "
                                        "[1, 86400, 2]}\n");
   const fs::path slow = plan("slow", study);
-  EXPECT_NE(sweep({"run", slow.string(), "--jobs", "1"}).find("no result after 10 s"),
-            std::string::npos);
+  EXPECT_THAT(sweep({"run", slow.string(), "--jobs", "1"}), HasSubstr("no result after 10 s"));
   EXPECT_EQ(column(TemporaryFolder::read(slow / "chunks/chunk_1_of_1.csv"), "outcome"),
             (std::vector<std::string>{"passed", "hung", "passed"}));
 }
@@ -286,17 +274,16 @@ TEST_F(Sweep, WhatNoRunTakesEndsWithTwoAndTheKey) {
   const fs::path study = folder_.write("wrong.yaml",
                                        "schema: 1\nname: wrong\nscenario: hop.yaml\nvary:\n"
                                        "  - {key: line.packet_los, values: [0.1, 0.2]}\n");
-  EXPECT_NE(
-      sweep({"plan", study.string(), "--out", folder_ / "wrong"}, 2).find("row 1: scenario.yaml:"),
-      std::string::npos);
+  EXPECT_THAT(sweep({"plan", study.string(), "--out", folder_ / "wrong"}, 2),
+              HasSubstr("row 1: scenario.yaml:"));
   // Keys of a further plugin are read in flight.
   const fs::path later =
       folder_.write("later.yaml",
                     "schema: 1\nname: later\nscenario: hop.yaml\nvary:\n"
                     "  - {key: plugins, values: ['[{plugin: wind, gost: 1}]']}\n");
   const std::string said = sweep({"run", plan("later", later).string()}, 2);
-  EXPECT_NE(said.find("scenario.yaml:"), std::string::npos) << said;
-  EXPECT_NE(said.find("plugins[0].gost: unknown key"), std::string::npos) << said;
+  EXPECT_THAT(said, HasSubstr("scenario.yaml:"));
+  EXPECT_THAT(said, HasSubstr("plugins[0].gost: unknown key"));
 }
 
 TEST_F(Sweep, ARowWithOtherFiguresThanItsTableIsRefused) {
@@ -310,11 +297,10 @@ TEST_F(Sweep, ARowWithOtherFiguresThanItsTableIsRefused) {
   sweep({"run", named.string(), "--jobs", "2"});
   const std::string table = TemporaryFolder::read(named / "chunks/chunk_1_of_1.csv");
   EXPECT_EQ(column(table, "outcome")[1], "refused") << table;
-  EXPECT_NE(table.find("the run has other figures than the columns of its table"),
-            std::string::npos);
+  EXPECT_THAT(table, HasSubstr("the run has other figures than the columns of its table"));
 }
 
-TEST_F(Sweep, ShowPrintsACommandThatGivesTheSameBytes) {
+TEST_F(WholeSweep, ShowPrintsACommandThatGivesTheSameBytes) {
   const fs::path one = plan("one", study_);
   sweep({"run", one.string(), "--chunk", "5/24"});
   const std::vector<std::string> shown = lines_of(sweep({"show", one.string(), "5"}));
@@ -333,7 +319,7 @@ TEST_F(Sweep, ShowPrintsACommandThatGivesTheSameBytes) {
   EXPECT_EQ(digest.wait_exit(), 0);
   const std::string expected = column(whole(), "truth_sha256")[4];
   EXPECT_EQ(digest.output().substr(0, 64), expected);
-  EXPECT_NE(after("The same bytes").find(expected), std::string::npos);
+  EXPECT_THAT(after("The same bytes"), HasSubstr(expected));
 }
 
 /// Counts of a query of one number.
@@ -353,7 +339,7 @@ int number_in(const fs::path& database, const std::string& sql) {
 
 /// A job array whose sbatch keeps the script; its tasks are then flown on this machine. Submitted
 /// again with another length of a chunk, it is cut as before.
-TEST_F(Sweep, AJobArrayGivesTheSameTable) {
+TEST_F(WholeSweep, AJobArrayGivesTheSameTable) {
   const fs::path array = plan("array", study_);
   sweep({"run", array.string(), "--chunk", "2/3"});  // is not submitted again
   const fs::path sbatch = folder_.write("bin/sbatch",
@@ -376,20 +362,19 @@ TEST_F(Sweep, AJobArrayGivesTheSameTable) {
   fs::permissions(refusing, fs::perms::owner_all);
   ChildProcess refused(submit((folder_ / "refusing").string() + ":/usr/bin:/bin", "--chunks", "5"));
   EXPECT_EQ(refused.wait_exit(kSweepPatience), 3);
-  EXPECT_NE(refused.output().find("No account"), std::string::npos) << refused.output();
+  EXPECT_THAT(refused.output(), HasSubstr("No account"));
   ChildProcess nowhere(submit(folder_ / "nothing", "--chunks", "3"));
   EXPECT_EQ(nowhere.wait_exit(kSweepPatience), 3);
-  EXPECT_NE(nowhere.output().find("there is no sbatch on this machine; sweep.sbatch was written "
-                                  "for 3 chunks"),
-            std::string::npos)
-      << nowhere.output();
+  EXPECT_THAT(nowhere.output(),
+              HasSubstr("there is no sbatch on this machine; sweep.sbatch was written "
+                        "for 3 chunks"));
   const std::string path = (folder_ / "bin").string() + ":/usr/bin:/bin";
   ChildProcess other(submit(path, "--chunks", "4"));
   EXPECT_EQ(other.wait_exit(kSweepPatience), 2);
-  EXPECT_NE(other.output().find("was written for 3 chunks"), std::string::npos) << other.output();
+  EXPECT_THAT(other.output(), HasSubstr("was written for 3 chunks"));
   ChildProcess program(submit(path, "--chunk-minutes", "1000"));
   EXPECT_EQ(program.wait_exit(kSweepPatience), 0) << program.output();
-  EXPECT_NE(program.output().find("Submitted batch job 42"), std::string::npos);
+  EXPECT_THAT(program.output(), HasSubstr("Submitted batch job 42"));
   for (const std::string task : {"1", "3"}) {
     ChildProcess job({"/usr/bin/env", "SLURM_ARRAY_TASK_ID=" + task,
                       "TMPDIR=" + (folder_ / "tmp").string(), "/bin/sh",
@@ -398,8 +383,8 @@ TEST_F(Sweep, AJobArrayGivesTheSameTable) {
   }
   EXPECT_TRUE(fs::is_empty(folder_ / "tmp"));
 
-  const std::string said = sweep({"collect", array.string(), "--again", "1"});
-  EXPECT_NE(said.find("24 of 24 runs flown, 24 with a verdict"), std::string::npos) << said;
+  EXPECT_THAT(sweep({"collect", array.string(), "--again", "1"}),
+              HasSubstr("24 of 24 runs flown, 24 with a verdict"));
   EXPECT_EQ(TemporaryFolder::read(array / "results.csv"), whole());
   EXPECT_EQ(lines_of(TemporaryFolder::read(array / "machine.csv")).size(), kRows + 1);
   EXPECT_EQ(number_in(array / "sweep.sqlite", "SELECT count(*) FROM runs WHERE up = 1"), 24);
@@ -408,10 +393,10 @@ TEST_F(Sweep, AJobArrayGivesTheSameTable) {
             24);
   const std::string page = TemporaryFolder::read(array / "sweep.html");
   for (const char* part : {"Success maps", "Sensitivity", "Worst runs", "/report.html\""}) {
-    EXPECT_NE(page.find(part), std::string::npos) << part;
+    EXPECT_THAT(page, HasSubstr(part)) << part;
   }
-  const std::string junit = TemporaryFolder::read(array / "junit.xml");
-  EXPECT_NE(junit.find("tests=\"2\" failures=\"0\" errors=\"0\""), std::string::npos) << junit;
+  EXPECT_THAT(TemporaryFolder::read(array / "junit.xml"),
+              HasSubstr("tests=\"2\" failures=\"0\" errors=\"0\""));
 }
 
 TEST_F(Sweep, AgainstAnotherOneSaysWhatBecameWorse) {
@@ -434,9 +419,8 @@ TEST_F(Sweep, AgainstAnotherOneSaysWhatBecameWorse) {
   EXPECT_TRUE(std::regex_search(
       said, std::regex("all: stays up +6 of 6, 100.00 % .* 0 of 6, 0.00 % .* 0.0022 +WORSE\n")))
       << said;
-  EXPECT_NE(TemporaryFolder::read(bad / "sweep.html")
-                .find("6 rows stayed up before and do not now: 1, 2, 3, 4, 5, 6"),
-            std::string::npos);
+  EXPECT_THAT(TemporaryFolder::read(bad / "sweep.html"),
+              HasSubstr("6 rows stayed up before and do not now: 1, 2, 3, 4, 5, 6"));
 }
 
 }  // namespace

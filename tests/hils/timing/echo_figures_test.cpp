@@ -54,30 +54,25 @@ std::vector<base::RunTime> arrivals(base::Duration frame, base::Duration jitter,
   return all;
 }
 
-struct FrameCase {
-  const char* name;
-  base::Duration frame;
-  base::Duration jitter;  // of the program that reads
-  double drift;
-  std::optional<base::Duration> seen;
-};
-
-class ArrivalFrame : public testing::TestWithParam<FrameCase> {};
-
-TEST_P(ArrivalFrame, IsSeenUnlessItIsBlurred) {
-  const FrameCase& test = GetParam();
-  EXPECT_EQ(arrival_frame(arrivals(test.frame, test.jitter, test.drift)), test.seen);
+TEST(ArrivalFrame, IsSeenUnlessItIsBlurred) {
+  struct FrameCase {
+    const char* name;
+    base::Duration frame;
+    base::Duration jitter;  // of the program that reads
+    double drift;
+    std::optional<base::Duration> seen;
+  };
+  const FrameCase rows[] = {{"Uart", 0ns, 50us, 0, std::nullopt},
+                            {"FullSpeedUsb", 1ms, 100us, 0, 1ms},
+                            {"FullSpeedUsbWithAClockThatIs500PpmOff", 1ms, 100us, 5e-4, 1ms},
+                            {"HighSpeedUsb", 125us, 20us, 0, 125us},
+                            {"HighSpeedUsbBlurredByTheReader", 125us, 125us, 0, std::nullopt},
+                            {"LatencyTimerOfAnAdapter", 16ms, 500us, 0, 16ms}};
+  for (const auto& test : rows) {
+    SCOPED_TRACE(test.name);
+    EXPECT_EQ(arrival_frame(arrivals(test.frame, test.jitter, test.drift)), test.seen);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Lines, ArrivalFrame,
-    testing::Values(FrameCase{"Uart", 0ns, 50us, 0, std::nullopt},
-                    FrameCase{"FullSpeedUsb", 1ms, 100us, 0, 1ms},
-                    FrameCase{"FullSpeedUsbWithAClockThatIs500PpmOff", 1ms, 100us, 5e-4, 1ms},
-                    FrameCase{"HighSpeedUsb", 125us, 20us, 0, 125us},
-                    FrameCase{"HighSpeedUsbBlurredByTheReader", 125us, 125us, 0, std::nullopt},
-                    FrameCase{"LatencyTimerOfAnAdapter", 16ms, 500us, 0, 16ms}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(ArrivalFrameOfFew, IsNotTold) {
   const auto all = arrivals(1ms, 0ns, 0);
@@ -96,41 +91,38 @@ TEST(ByteRate, IsThatOfTheMedianPiece) {
   EXPECT_NEAR(rate.bytes_s(), 10'000, 1);
 }
 
-// 5760 bytes/s in parts of 256, for 1.5 s. This machine sleeps at the beginning of each cycle, then
-// reads the waiting parts, one each 20 us.
-struct Pauses {
-  const char* name;
-  base::Duration cycle;
-  base::Duration asleep;
-};
-
-class ByteRateWithPauses : public testing::TestWithParam<Pauses> {};
-
-TEST_P(ByteRateWithPauses, IsNeverAboveTheLines) {
-  const auto& [name, cycle, asleep] = GetParam();
-  constexpr double kBytes_s = 5760;
-  constexpr std::size_t kPart = 256;
-  ByteRate rate;
-  base::RunTime now{};
-  rate.add(0, now);
-  for (std::size_t total = kPart; static_cast<double>(total) < 1.5 * kBytes_s; total += kPart) {
-    const base::Duration through = base::from_seconds(static_cast<double>(total) / kBytes_s);
-    const base::Duration in_cycle = through % cycle;
-    const base::Duration awake = in_cycle < asleep ? through - in_cycle + asleep : through;
-    now = std::max(now + 20us, base::RunTime(awake));
-    rate.add(total, now);
+TEST(ByteRateWithPauses, IsNeverAboveTheLines) {
+  // 5760 bytes/s in parts of 256, for 1.5 s. This machine sleeps at the beginning of each cycle,
+  // then reads the waiting parts, one each 20 us.
+  struct Pauses {
+    const char* name;
+    base::Duration cycle;
+    base::Duration asleep;
+  };
+  const Pauses rows[] = {{"None", 1s, 0ns},
+                         {"Short", 110ms, 60ms},
+                         {"Long", 400ms, 350ms},
+                         {"Longer", 700ms, 600ms},
+                         {"NearlyAll", 1600ms, 1450ms}};
+  for (const auto& [name, cycle, asleep] : rows) {
+    SCOPED_TRACE(name);
+    constexpr double kBytes_s = 5760;
+    constexpr std::size_t kPart = 256;
+    ByteRate rate;
+    base::RunTime now{};
+    rate.add(0, now);
+    for (std::size_t total = kPart; static_cast<double>(total) < 1.5 * kBytes_s; total += kPart) {
+      const base::Duration through = base::from_seconds(static_cast<double>(total) / kBytes_s);
+      const base::Duration in_cycle = through % cycle;
+      const base::Duration awake = in_cycle < asleep ? through - in_cycle + asleep : through;
+      now = std::max(now + 20us, base::RunTime(awake));
+      rate.add(total, now);
+    }
+    // A pause begins and ends up to a part from the byte clock's.
+    EXPECT_LT(rate.bytes_s(), 1.2 * kBytes_s);
+    EXPECT_GT(rate.bytes_s(), 0.8 * kBytes_s);
   }
-  // A pause begins and ends up to a part from the byte clock's.
-  EXPECT_LT(rate.bytes_s(), 1.2 * kBytes_s);
-  EXPECT_GT(rate.bytes_s(), 0.8 * kBytes_s);
 }
-
-INSTANTIATE_TEST_SUITE_P(Of, ByteRateWithPauses,
-                         testing::Values(Pauses{"None", 1s, 0ns}, Pauses{"Short", 110ms, 60ms},
-                                         Pauses{"Long", 400ms, 350ms},
-                                         Pauses{"Longer", 700ms, 600ms},
-                                         Pauses{"NearlyAll", 1600ms, 1450ms}),
-                         [](const auto& test) { return test.param.name; });
 
 TEST(ByteRate, OfTooFewMarksIsNotTold) {
   ByteRate rate;

@@ -43,38 +43,33 @@ TEST(EvalRequest, AnIdHasNoPartsAndEnds) {
   }
 }
 
-struct WrongLine {
-  const char* name;
-  const char* line;
-  const char* sentence;
-};
-class WrongLines : public testing::TestWithParam<WrongLine> {};
-
-TEST_P(WrongLines, AreToldInASentence) {
-  const EvalRequest request = EvalRequest::parse(GetParam().line, parameters(), 1);
-  EXPECT_EQ(request.error, GetParam().sentence);
-  const auto answer = nlohmann::json::parse(eval_error(request, request.error.value_or("")));
-  EXPECT_EQ(answer.at("error"), GetParam().sentence);
+TEST(WrongLines, AreToldInASentence) {
+  struct WrongLine {
+    const char* line;
+    const char* sentence;
+  };
+  const WrongLine rows[] = {
+      {"position_p=1", "the line is no JSON map"},
+      {"[1]", "the line is no JSON map"},
+      {R"({"id": 1, "parameters": {)", "the line is no JSON map"},
+      {"{\"id\": \"\xff\"}", "the line is no JSON map"},
+      {R"({"params": {}})", "there is no key 'params'; there are id, parameters and seed"},
+      {R"({"parameters": {"positon_p": 1}})",
+       "the study has no parameter 'positon_p'; did you mean 'position_p'?"},
+      {R"({"parameters": {"position_p": {"x": 1}}})",
+       "'position_p' takes a number, a word, true or false"},
+      {R"({"parameters": {"position_p": null}})",
+       "'position_p' takes a number, a word, true or false"},
+      {R"({"parameters": [1]})", "'parameters' is a map of names and values"},
+      {R"({"seed": -1})", "'seed' is a whole number from 0"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.line);
+    const EvalRequest request = EvalRequest::parse(row.line, parameters(), 1);
+    EXPECT_EQ(request.error, row.sentence);
+    const auto answer = nlohmann::json::parse(eval_error(request, request.error.value_or("")));
+    EXPECT_EQ(answer.at("error"), row.sentence);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Eval, WrongLines,
-    testing::Values(WrongLine{"NoJson", "position_p=1", "the line is no JSON map"},
-                    WrongLine{"List", "[1]", "the line is no JSON map"},
-                    WrongLine{"Torn", R"({"id": 1, "parameters": {)", "the line is no JSON map"},
-                    WrongLine{"NotUtf8", "{\"id\": \"\xff\"}", "the line is no JSON map"},
-                    WrongLine{"Key", R"({"params": {}})",
-                              "there is no key 'params'; there are id, parameters and seed"},
-                    WrongLine{"Parameter", R"({"parameters": {"positon_p": 1}})",
-                              "the study has no parameter 'positon_p'; did you mean 'position_p'?"},
-                    WrongLine{"Map", R"({"parameters": {"position_p": {"x": 1}}})",
-                              "'position_p' takes a number, a word, true or false"},
-                    WrongLine{"Null", R"({"parameters": {"position_p": null}})",
-                              "'position_p' takes a number, a word, true or false"},
-                    WrongLine{"NoMap", R"({"parameters": [1]})",
-                              "'parameters' is a map of names and values"},
-                    WrongLine{"Seed", R"({"seed": -1})", "'seed' is a whole number from 0"}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(EvalAnswer, IsOneLineOfFiguresByName) {
   const EvalRequest request = EvalRequest::parse(R"({"id": "a", "seed": 4})", parameters(), 1);

@@ -8,11 +8,11 @@
 #include <regex>
 #include <sstream>
 #include <string>
-#include <vector>
 
 #include "hils/tune/tune_search.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/paths.hpp"
+#include "tests/support/scenario_text.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace cas::test {
@@ -23,23 +23,10 @@ namespace fs = std::filesystem;
 /// For many flights, which take as long as the machine lets them.
 constexpr base::Duration kTunePatience = std::chrono::minutes(8);
 
-constexpr const char* kScenario = R"(
-schema: 1
-name: hop
-description: A short flight
-vehicle: ../vehicles/iris_paper.yaml
-home: {lat_deg: 47.397742, lon_deg: 8.545594, alt_m: 488.0}
-decimal_year: 2026.5
-seed: 1
-rates: {sensor_hz: 500, gps_hz: 5, controls_hz: 400}
-line: {preset: baud_921600}
-steps:
-  - arm
-  - takeoff: {altitude_m: 0.6}
-  - trajectory: {name: jump, shape: step, size_m: 1, duration_s: 4, measure: true}
-  - land
-  - disarm
-)";
+const std::string kScenario = scenario_text(
+    paper_quadrotor(),
+    "[arm, takeoff: {altitude_m: 0.6}, trajectory: {name: jump, shape: step, size_m: 1, "
+    "duration_s: 4, measure: true}, land, disarm]");
 
 /// The position loop begins far too slow.
 constexpr const char* kStudy = R"(

@@ -90,141 +90,127 @@ std::string text_stl(const std::string& corner = "0 1 0") {
          corner + "\nendloop\nendfacet\nendsolid a part\n";
 }
 
-struct Form {
-  const char* name;
-  const char* file;
-  std::string bytes;
-  std::size_t triangles;
-  const char* warning = nullptr;  ///< part of the only one
-};
-
-class ForeignForms : public testing::TestWithParam<Form> {};
-
-TEST_P(ForeignForms, AreRead) {
-  const Form& form = GetParam();
-  std::vector<std::string> warnings;
-  const TriangleMesh mesh = parse_mesh(form.bytes, form.file, {.warnings = &warnings});
-  EXPECT_EQ(mesh.triangles.size(), form.triangles);
-  if (form.warning == nullptr) {
-    EXPECT_THAT(warnings, IsEmpty());
-  } else {
-    EXPECT_THAT(warnings, ElementsAre(HasSubstr(form.warning)));
-  }
-}
-
 const std::string kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 const std::string kCorner = "v 0 0 0\nv 1 0 0\nv 1 1 0\n";
 
-INSTANTIATE_TEST_SUITE_P(
-    Mesh, ForeignForms,
-    testing::Values(
-        Form{"BinaryStlOfASolid", "a.stl", binary_stl(2, "solid base"), 2},
-        Form{"BinaryStlWithBytesBehind", "a.stl", binary_stl(2) + std::string(7, '\0'), 2,
-             "a.stl: its header promises 2 triangles, 184 bytes; it has 191 bytes: those behind"},
-        Form{"BinaryStlOfASolidWithBytesBehind", "a.stl",
-             binary_stl(2, "solid base") + "COLOR=abcd", 2, "those behind the triangles are left"},
-        Form{"BinaryStlThatPromisesLess", "a.stl", binary_stl(1), 1, "it has 184 bytes"},
-        Form{"TextStlInCapitals", "a.STL", base::upper(text_stl()), 1},
-        Form{"TextStlWithMark", "a.stl", "\xef\xbb\xbf" + text_stl(), 1},
-        Form{"TextStlWithoutSolid", "a.stl", text_stl().substr(13), 1},
-        Form{"TextStlOfTwoSolids", "a.stl", text_stl() + text_stl(), 2},
-        Form{"TextStlWithoutItsEnd", "a.stl", text_stl().substr(0, text_stl().find("endsolid")), 1,
-             "a.stl:9: has no 'endsolid': the STL file may be cut here"},
-        Form{"TextStlOfFourNumbers", "a.stl", text_stl("0 1 0 5"), 1,
-             "a.stl:6: '5' is left out: of a facet three vertices of three numbers are read"},
-        Form{"TextStlOfTwoNumbersANormal", "a.stl",
-             "solid\nfacet normal 0 nan\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
-             "endloop\nendfacet\nendsolid\nCOLOR 1 1 1\n",
-             1},
-        Form{"ObjWithMark", "a.obj", "\xef\xbb\xbf" + kSquare + "f 1 2 3 4\n", 2},
-        Form{"ObjContinuedLine", "a.obj", kSquare + "f 1 2 \\\n 3 \\\r\n4\n", 2},
-        Form{"ObjCarriageReturns", "a.obj",
-             "v 0 0 0\rv 1 0 0\rv 1 1 0\r# a\rf 1 2 \\\r3\r\rf 1 2 3\r", 2},
-        Form{"ObjBlanksBehindABackslash", "a.obj", kSquare + "f 1 2 \\ \t\n3 4\n", 2},
-        Form{"ObjMissingNormals", "a.obj", kCorner + "f 1// 2/ 3/7\n", 1},
-        Form{"ObjComments", "a.obj", "# v 0,5\n" + kSquare + "f 1 2 3 # below \\\nf 1 3 4#\n", 2},
-        Form{"ObjVertexLater", "a.obj", "f 1 2 3\n" + kCorner, 1},
-        Form{"ObjColoursAndWeights", "a.obj",
-             "v 0 0 0 1 0.5 0\nv 1 0 0 1\nv 1 1 0 nan nan nan\nvt 0 0\nvn 0 0 1\nusemtl a,b\nf "
-             "1/1/1 2/1 "
-             "3//1\n",
-             1},
-        Form{"ObjLines", "a.obj", kSquare + "l 1 2\nf -4 -3 -2\n", 1},
-        Form{"ObjThinFaces", "a.obj", kCorner + "f 1 2\nf 3\nf 1 2 3\n", 1,
-             "a.obj:4: faces of fewer than three corners are left out"},
-        Form{"ObjSurface", "a.obj", kSquare + "surf 0 1 0 1 1 2\nsurf 0 1\nf 1 2 3\n", 1,
-             "a.obj:5: 'surf' is left out"},
-        Form{"ObjCutWithinAFace", "a.obj", kSquare + "f 1 2 3 4\nf 4 3", 2,
-             "a.obj:6: faces of fewer than three corners are left out; the file ends within this "
-             "line: is it cut?"},
-        Form{"ObjCutBehindAFace", "a.obj", kSquare + "v 0 0 1\nv 0 0 2\nf 1 2 3 4\n", 2,
-             "a.obj:7: vertices of no face are left out: 2 (the first is vertex 5); is the file "
-             "cut"}),
-    [](const auto& test) { return test.param.name; });
-
-struct Damage {
-  const char* name;
-  const char* file;
-  std::string bytes;
-  const char* sentence;
-};
-
-class DamagedMesh : public testing::TestWithParam<Damage> {};
-
-TEST_P(DamagedMesh, IsRefusedWithItsPlace) {
-  const Damage& damage = GetParam();
-  EXPECT_THAT(test::refusal([&] { parse_mesh(damage.bytes, damage.file, {}); }),
-              HasSubstr(damage.sentence));
+TEST(ForeignForms, AreRead) {
+  struct Form {
+    const char* name;
+    const char* file;
+    std::string bytes;
+    std::size_t triangles;
+    const char* warning = nullptr;  ///< part of the only one
+  };
+  const Form rows[] = {
+      {"BinaryStlOfASolid", "a.stl", binary_stl(2, "solid base"), 2},
+      {"BinaryStlWithBytesBehind", "a.stl", binary_stl(2) + std::string(7, '\0'), 2,
+       "a.stl: its header promises 2 triangles, 184 bytes; it has 191 bytes: those behind"},
+      {"BinaryStlOfASolidWithBytesBehind", "a.stl", binary_stl(2, "solid base") + "COLOR=abcd", 2,
+       "those behind the triangles are left"},
+      {"BinaryStlThatPromisesLess", "a.stl", binary_stl(1), 1, "it has 184 bytes"},
+      {"TextStlInCapitals", "a.STL", base::upper(text_stl()), 1},
+      {"TextStlWithMark", "a.stl", "\xef\xbb\xbf" + text_stl(), 1},
+      {"TextStlWithoutSolid", "a.stl", text_stl().substr(13), 1},
+      {"TextStlOfTwoSolids", "a.stl", text_stl() + text_stl(), 2},
+      {"TextStlWithoutItsEnd", "a.stl", text_stl().substr(0, text_stl().find("endsolid")), 1,
+       "a.stl:9: has no 'endsolid': the STL file may be cut here"},
+      {"TextStlOfFourNumbers", "a.stl", text_stl("0 1 0 5"), 1,
+       "a.stl:6: '5' is left out: of a facet three vertices of three numbers are read"},
+      {"TextStlOfTwoNumbersANormal", "a.stl",
+       "solid\nfacet normal 0 nan\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+       "endloop\nendfacet\nendsolid\nCOLOR 1 1 1\n",
+       1},
+      {"ObjWithMark", "a.obj", "\xef\xbb\xbf" + kSquare + "f 1 2 3 4\n", 2},
+      {"ObjContinuedLine", "a.obj", kSquare + "f 1 2 \\\n 3 \\\r\n4\n", 2},
+      {"ObjCarriageReturns", "a.obj", "v 0 0 0\rv 1 0 0\rv 1 1 0\r# a\rf 1 2 \\\r3\r\rf 1 2 3\r",
+       2},
+      {"ObjBlanksBehindABackslash", "a.obj", kSquare + "f 1 2 \\ \t\n3 4\n", 2},
+      {"ObjMissingNormals", "a.obj", kCorner + "f 1// 2/ 3/7\n", 1},
+      {"ObjComments", "a.obj", "# v 0,5\n" + kSquare + "f 1 2 3 # below \\\nf 1 3 4#\n", 2},
+      {"ObjVertexLater", "a.obj", "f 1 2 3\n" + kCorner, 1},
+      {"ObjColoursAndWeights", "a.obj",
+       "v 0 0 0 1 0.5 0\nv 1 0 0 1\nv 1 1 0 nan nan nan\nvt 0 0\nvn 0 0 1\nusemtl a,b\nf "
+       "1/1/1 2/1 "
+       "3//1\n",
+       1},
+      {"ObjLines", "a.obj", kSquare + "l 1 2\nf -4 -3 -2\n", 1},
+      {"ObjThinFaces", "a.obj", kCorner + "f 1 2\nf 3\nf 1 2 3\n", 1,
+       "a.obj:4: faces of fewer than three corners are left out"},
+      {"ObjSurface", "a.obj", kSquare + "surf 0 1 0 1 1 2\nsurf 0 1\nf 1 2 3\n", 1,
+       "a.obj:5: 'surf' is left out"},
+      {"ObjCutWithinAFace", "a.obj", kSquare + "f 1 2 3 4\nf 4 3", 2,
+       "a.obj:6: faces of fewer than three corners are left out; the file ends within this "
+       "line: is it cut?"},
+      {"ObjCutBehindAFace", "a.obj", kSquare + "v 0 0 1\nv 0 0 2\nf 1 2 3 4\n", 2,
+       "a.obj:7: vertices of no face are left out: 2 (the first is vertex 5); is the file cut"}};
+  for (const auto& form : rows) {
+    SCOPED_TRACE(form.name);
+    std::vector<std::string> warnings;
+    const TriangleMesh mesh = parse_mesh(form.bytes, form.file, {.warnings = &warnings});
+    EXPECT_EQ(mesh.triangles.size(), form.triangles);
+    if (form.warning == nullptr) {
+      EXPECT_THAT(warnings, IsEmpty());
+    } else {
+      EXPECT_THAT(warnings, ElementsAre(HasSubstr(form.warning)));
+    }
+  }
 }
 
 const float kNotFinite = std::numeric_limits<float>::quiet_NaN();
 
-INSTANTIATE_TEST_SUITE_P(
-    Mesh, DamagedMesh,
-    testing::Values(
-        Damage{"BinaryStlOfNoTriangles", "a.stl", binary_stl(0),
-               "a.stl: no triangle is read of the STL file: its header promises 0 triangles, 84 "
-               "bytes; it has 184"},
-        Damage{"CutBinaryStl", "a.stl", binary_stl(2).substr(0, 150),
-               "a.stl: the STL file is cut: its header promises 2 triangles, 184 bytes; it has 150 "
-               "bytes and ends within triangle 2"},
-        Damage{"BinaryStlOfTooFewTriangles", "a.stl", binary_stl(500), "promises 500 triangles"},
-        Damage{"BinaryStlHeaderAlone", "a.stl", "solid" + std::string(75, ' '),
-               "the STL file is cut"},
-        Damage{"ShortBinaryStl", "a.stl", std::string(20, '\0'), "it has 20 bytes: is it cut?"},
-        Damage{"EmptyStl", "a.stl", "", "it has 0 bytes"},
-        Damage{"BinaryStlNotFinite", "a.stl",
-               binary_stl(2).replace(84 + 12, 4, reinterpret_cast<const char*>(&kNotFinite), 4),
-               "a.stl: triangle 1 has a corner that is not finite"},
-        Damage{"CutTextStl", "a.stl", text_stl().substr(0, 60),
-               "a.stl:5: the STL file is cut: it ends within a facet"},
-        Damage{"CommaInTextStl", "a.stl", text_stl("0 0,5 0"), "a.stl:6: '0,5' is no number"},
-        Damage{"RestInTextStl", "a.stl", text_stl("0 1m 0"), "a.stl:6: '1m' is no number"},
-        Damage{"NanInTextStl", "a.stl", text_stl("0 nan 0"), "a.stl:6: 'nan' is no number"},
-        Damage{"TwoVerticesInTextStl", "a.stl",
-               "solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nendfacet\nendsolid",
-               "a.stl:5: a facet has three vertices, this one 2"},
-        Damage{"FourVerticesInTextStl", "a.stl", text_stl("0 1 0\nvertex 0 0 0"),
-               "a.stl:7: a facet has three vertices, this one more"},
-        Damage{"Utf16", "a.obj", std::string("\xff\xfev\0 \0", 6),
-               "a.obj: is text in UTF-16; save it as UTF-8"},
-        Damage{"PointerOfGitLfs", "a.stl",
-               "version https://git-lfs.github.com/spec/v1\noid sha256:0",
-               "a.stl: is a pointer of Git LFS, not the mesh"},
-        Damage{"CommaInObj", "a.obj", "v 0 0,5 0\nf 1 1 1\n",
-               "a.obj:1: '0,5' is no number (decimals follow a point, not a comma)"},
-        Damage{"TwoNumbersInObj", "a.obj", "\nv 0 0\n",
-               "a.obj:2: a vertex has three numbers, this one 2"},
-        Damage{"ObjCutWithinAVertex", "a.obj", "v 0 0 0\nv 1 0",
-               "a.obj:2: a vertex has three numbers, this one 2; the file ends within this line: "
-               "is it cut?"},
-        Damage{"ObjCutBehindAVertex", "a.obj", kSquare,
-               "a.obj:4: the file ends without a face: is it cut?"},
-        Damage{"FaceOfWords", "a.obj", "v 0 0 0\nf 1 1x 1\n", "a.obj:2: face names no vertex: 1x"},
-        Damage{"FaceOfZero", "a.obj", "v 0 0 0\nf 1 0 1\n", "a.obj:2: face names no vertex: 0"},
-        Damage{"FaceBeforeTheFirst", "a.obj", "v 0 0 0\nf 1 -2 1\n", "face names no vertex: -2"},
-        Damage{"FaceWithADamagedNormal", "a.obj", "v 0 0 0\nf 1 1//x 1\n", "vertex: 1//x"}),
-    [](const auto& test) { return test.param.name; });
+TEST(DamagedMesh, IsRefusedWithItsPlace) {
+  struct Damage {
+    const char* name;
+    const char* file;
+    std::string bytes;
+    const char* sentence;
+  };
+  const Damage rows[] = {
+      {"BinaryStlOfNoTriangles", "a.stl", binary_stl(0),
+       "a.stl: no triangle is read of the STL file: its header promises 0 triangles, 84 "
+       "bytes; it has 184"},
+      {"CutBinaryStl", "a.stl", binary_stl(2).substr(0, 150),
+       "a.stl: the STL file is cut: its header promises 2 triangles, 184 bytes; it has 150 "
+       "bytes and ends within triangle 2"},
+      {"BinaryStlOfTooFewTriangles", "a.stl", binary_stl(500), "promises 500 triangles"},
+      {"BinaryStlHeaderAlone", "a.stl", "solid" + std::string(75, ' '), "the STL file is cut"},
+      {"ShortBinaryStl", "a.stl", std::string(20, '\0'), "it has 20 bytes: is it cut?"},
+      {"EmptyStl", "a.stl", "", "it has 0 bytes"},
+      {"BinaryStlNotFinite", "a.stl",
+       binary_stl(2).replace(84 + 12, 4, reinterpret_cast<const char*>(&kNotFinite), 4),
+       "a.stl: triangle 1 has a corner that is not finite"},
+      {"CutTextStl", "a.stl", text_stl().substr(0, 60),
+       "a.stl:5: the STL file is cut: it ends within a facet"},
+      {"CommaInTextStl", "a.stl", text_stl("0 0,5 0"), "a.stl:6: '0,5' is no number"},
+      {"RestInTextStl", "a.stl", text_stl("0 1m 0"), "a.stl:6: '1m' is no number"},
+      {"NanInTextStl", "a.stl", text_stl("0 nan 0"), "a.stl:6: 'nan' is no number"},
+      {"TwoVerticesInTextStl", "a.stl",
+       "solid\nfacet\nvertex 0 0 0\nvertex 1 0 0\nendfacet\nendsolid",
+       "a.stl:5: a facet has three vertices, this one 2"},
+      {"FourVerticesInTextStl", "a.stl", text_stl("0 1 0\nvertex 0 0 0"),
+       "a.stl:7: a facet has three vertices, this one more"},
+      {"Utf16", "a.obj", std::string("\xff\xfev\0 \0", 6),
+       "a.obj: is text in UTF-16; save it as UTF-8"},
+      {"PointerOfGitLfs", "a.stl", "version https://git-lfs.github.com/spec/v1\noid sha256:0",
+       "a.stl: is a pointer of Git LFS, not the mesh"},
+      {"CommaInObj", "a.obj", "v 0 0,5 0\nf 1 1 1\n",
+       "a.obj:1: '0,5' is no number (decimals follow a point, not a comma)"},
+      {"TwoNumbersInObj", "a.obj", "\nv 0 0\n", "a.obj:2: a vertex has three numbers, this one 2"},
+      {"ObjCutWithinAVertex", "a.obj", "v 0 0 0\nv 1 0",
+       "a.obj:2: a vertex has three numbers, this one 2; the file ends within this line: "
+       "is it cut?"},
+      {"ObjCutBehindAVertex", "a.obj", kSquare,
+       "a.obj:4: the file ends without a face: is it cut?"},
+      {"FaceOfWords", "a.obj", "v 0 0 0\nf 1 1x 1\n", "a.obj:2: face names no vertex: 1x"},
+      {"FaceOfZero", "a.obj", "v 0 0 0\nf 1 0 1\n", "a.obj:2: face names no vertex: 0"},
+      {"FaceBeforeTheFirst", "a.obj", "v 0 0 0\nf 1 -2 1\n", "face names no vertex: -2"},
+      {"FaceWithADamagedNormal", "a.obj", "v 0 0 0\nf 1 1//x 1\n", "vertex: 1//x"}};
+  for (const auto& damage : rows) {
+    SCOPED_TRACE(damage.name);
+    EXPECT_THAT(test::refusal([&] { parse_mesh(damage.bytes, damage.file, {}); }),
+                HasSubstr(damage.sentence));
+  }
+}
 
 TEST_F(MeshFile, TheBoxIsThatOfTheTriangles) {
   const auto file = folder_.write("a.obj", "v 9 9 9\nl 1 2\n" + kSquare + "f 2 3 4 5\n");

@@ -80,78 +80,65 @@ struct UnitCase {
   const char* sentence;
 };
 
-/// A mistake in one figure of quad_x, most of them of its unit.
-class WrongUnit : public testing::TestWithParam<UnitCase> {};
-
-TEST_P(WrongUnit, IsNamedOnceWithTheLikelyOne) {
-  Flown flown = load(test::kSourceDir / "config/vehicles/quad_x.yaml");
-  GetParam().change(flown);
-  EXPECT_THAT(implausible(flown.vehicle, flown.model), ElementsAre(HasSubstr(GetParam().sentence)));
+// A mistake in one figure of quad_x, most of them of its unit.
+TEST(WrongUnit, IsNamedOnceWithTheLikelyOne) {
+  const UnitCase rows[] = {
+      {"MeshInMillimetres", [](Flown& f) { scale_shapes(f, 1000); },
+       "m across, of a vehicle of 1.5 kg: lengths may be in mm instead of m"},
+      {"MeshInCentimetres", [](Flown& f) { scale_shapes(f, 100); }, "may be in cm"},
+      {"MeshScaledTwice", [](Flown& f) { scale_shapes(f, 1e-3); }, "a mesh may be scaled twice"},
+      {"ArmsInMillimetres",
+       [](Flown& f) { each_rotor(f, [](auto& r) { r.position_B_m *= 1000; }); },
+       "m apart, of a vehicle of 1.5 kg: lengths may be in mm instead of m"},
+      {"MassInGrams",
+       [](Flown& f) {
+         set_mass(f, 1500, 1000);
+         each_rotor(f, [](auto& r) { r.params.thrust_coefficient *= 1000; });
+       },
+       "its mass may be in g instead of kg"},
+      {"InertiaInGramSquareMillimetres", [](Flown& f) { set_mass(f, 1.5, 1e9); },
+       "may be in g mm^2 instead of kg m^2"},
+      {"InertiaOfPoints", [](Flown& f) { set_mass(f, 1.5, 1e-3); }, "is too small"},
+      {"CoefficientPerRpm",
+       [](Flown& f) { each_rotor(f, [](auto& r) { r.params.thrust_coefficient /= 91.2; }); },
+       "thrust_coefficient may be in N over (rev/min)^2"},
+      {"SpeedInRevolutionsASecond",
+       [](Flown& f) { each_rotor(f, [](auto& r) { r.params.omega_max_rad_s /= 2 * M_PI; }); },
+       "omega_max_rad_s may be in rev/s"},
+      {"CoefficientOfAForceInKilograms",
+       [](Flown& f) { each_rotor(f, [](auto& r) { r.params.thrust_coefficient /= 9.80665; }); },
+       "thrust_coefficient may be of a force in kg"},
+      {"TorqueCoefficientTooLarge",
+       [](Flown& f) { each_rotor(f, [](auto& r) { r.params.torque_coefficient *= 1000; }); },
+       "N m for each N of thrust: torque_coefficient may be of another unit"},
+      {"TorqueCoefficientPerRpm",
+       [](Flown& f) { each_rotor(f, [](auto& r) { r.params.torque_coefficient /= 91.2; }); },
+       "and without any loss it would be"},
+      {"RotorInertiaInKilogramSquareMillimetres",
+       [](Flown& f) { each_rotor(f, [](auto& r) { r.params.inertia_kg_m2 *= 1e6; }); },
+       "the rotor's may be in kg mm^2 instead of kg m^2"},
+      {"AirInGramsACubicMetre",
+       [](Flown& f) { each_rotor(f, [](auto& r) { r.params.reference_density_kg_m3 = 1225; }); },
+       "reference_density_kg_m3 of its rotors is 1.22e+03, and air has about 1.2"},
+      {"SpinOfOneRotor", [](Flown& f) { f.vehicle.rotors[1].spin *= -1; },
+       "a spin or a place may be wrong"},
+      {"AllSpinsTheSame", [](Flown& f) { each_rotor(f, [](auto& r) { r.spin = 1; }); },
+       "a spin or a place may be wrong"},
+      {"LagInMilliseconds", [](Flown& f) { f.vehicle.rotors[2].params.time_constant_up_s = 20; },
+       "time constant of 20 s: it may be in ms"},
+      {"RadiusInMillimetres",
+       [](Flown& f) { each_rotor(f, [](auto& r) { r.params.radius_m *= 1000; }); },
+       "radius_m may be in mm instead of m"},
+      {"PropellersThatOverlap",
+       [](Flown& f) { each_rotor(f, [](auto& r) { r.params.radius_m *= 2; }); },
+       "the propellers of rotors 1 and "}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    Flown flown = load(test::kSourceDir / "config/vehicles/quad_x.yaml");
+    row.change(flown);
+    EXPECT_THAT(implausible(flown.vehicle, flown.model), ElementsAre(HasSubstr(row.sentence)));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    All, WrongUnit,
-    testing::Values(
-        UnitCase{"MeshInMillimetres", [](Flown& f) { scale_shapes(f, 1000); },
-                 "m across, of a vehicle of 1.5 kg: lengths may be in mm instead of m"},
-        UnitCase{"MeshInCentimetres", [](Flown& f) { scale_shapes(f, 100); }, "may be in cm"},
-        UnitCase{"MeshScaledTwice", [](Flown& f) { scale_shapes(f, 1e-3); },
-                 "a mesh may be scaled twice"},
-        UnitCase{"ArmsInMillimetres",
-                 [](Flown& f) { each_rotor(f, [](auto& r) { r.position_B_m *= 1000; }); },
-                 "m apart, of a vehicle of 1.5 kg: lengths may be in mm instead of m"},
-        UnitCase{"MassInGrams",
-                 [](Flown& f) {
-                   set_mass(f, 1500, 1000);
-                   each_rotor(f, [](auto& r) { r.params.thrust_coefficient *= 1000; });
-                 },
-                 "its mass may be in g instead of kg"},
-        UnitCase{"InertiaInGramSquareMillimetres", [](Flown& f) { set_mass(f, 1.5, 1e9); },
-                 "may be in g mm^2 instead of kg m^2"},
-        UnitCase{"InertiaOfPoints", [](Flown& f) { set_mass(f, 1.5, 1e-3); }, "is too small"},
-        UnitCase{
-            "CoefficientPerRpm",
-            [](Flown& f) { each_rotor(f, [](auto& r) { r.params.thrust_coefficient /= 91.2; }); },
-            "thrust_coefficient may be in N over (rev/min)^2"},
-        UnitCase{
-            "SpeedInRevolutionsASecond",
-            [](Flown& f) { each_rotor(f, [](auto& r) { r.params.omega_max_rad_s /= 2 * M_PI; }); },
-            "omega_max_rad_s may be in rev/s"},
-        UnitCase{"CoefficientOfAForceInKilograms",
-                 [](Flown& f) {
-                   each_rotor(f, [](auto& r) { r.params.thrust_coefficient /= 9.80665; });
-                 },
-                 "thrust_coefficient may be of a force in kg"},
-        UnitCase{
-            "TorqueCoefficientTooLarge",
-            [](Flown& f) { each_rotor(f, [](auto& r) { r.params.torque_coefficient *= 1000; }); },
-            "N m for each N of thrust: torque_coefficient may be of another unit"},
-        UnitCase{
-            "TorqueCoefficientPerRpm",
-            [](Flown& f) { each_rotor(f, [](auto& r) { r.params.torque_coefficient /= 91.2; }); },
-            "and without any loss it would be"},
-        UnitCase{"RotorInertiaInKilogramSquareMillimetres",
-                 [](Flown& f) { each_rotor(f, [](auto& r) { r.params.inertia_kg_m2 *= 1e6; }); },
-                 "the rotor's may be in kg mm^2 instead of kg m^2"},
-        UnitCase{"AirInGramsACubicMetre",
-                 [](Flown& f) {
-                   each_rotor(f, [](auto& r) { r.params.reference_density_kg_m3 = 1225; });
-                 },
-                 "reference_density_kg_m3 of its rotors is 1.22e+03, and air has about 1.2"},
-        UnitCase{"SpinOfOneRotor", [](Flown& f) { f.vehicle.rotors[1].spin *= -1; },
-                 "a spin or a place may be wrong"},
-        UnitCase{"AllSpinsTheSame", [](Flown& f) { each_rotor(f, [](auto& r) { r.spin = 1; }); },
-                 "a spin or a place may be wrong"},
-        UnitCase{"LagInMilliseconds",
-                 [](Flown& f) { f.vehicle.rotors[2].params.time_constant_up_s = 20; },
-                 "time constant of 20 s: it may be in ms"},
-        UnitCase{"RadiusInMillimetres",
-                 [](Flown& f) { each_rotor(f, [](auto& r) { r.params.radius_m *= 1000; }); },
-                 "radius_m may be in mm instead of m"},
-        UnitCase{"PropellersThatOverlap",
-                 [](Flown& f) { each_rotor(f, [](auto& r) { r.params.radius_m *= 2; }); },
-                 "the propellers of rotors 1 and "}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(Plausibility, SpeedsInRevolutionsAMinuteShowInThrustAndTips) {
   Flown flown = load(test::kSourceDir / "config/vehicles/quad_x.yaml");

@@ -15,7 +15,6 @@ using test::world_of;
 using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
-using testing::IsEmpty;
 
 std::string link_of(const std::string& name, const std::string& geometry, const char* pose = "") {
   return "<link name='" + name + "'>" + pose + "<collision name='c'><geometry>" + geometry +

@@ -81,60 +81,52 @@ TEST(SimConfig, OwnKeysGoBeforeTheVehiclesPresets) {
   EXPECT_EQ(params.require<Eigen::Vector3d>("gyro_stddev_deg_s").x(), 0.67);
 }
 
-struct ErrorCase {
-  const char* name;
-  std::string text;
-  const char* message;
-};
-class SimConfigError : public testing::TestWithParam<ErrorCase> {};
-
-TEST_P(SimConfigError, NamesFileLineAndKey) {
-  EXPECT_THAT(test::refusal([&] { parse(GetParam().text); }), HasSubstr(GetParam().message));
-}
-
 const std::string kNoVehicles = test::kHead + test::kFlat;
 const std::string kGood = kNoVehicles + "vehicles:\n" + test::vehicle("a");
 
-INSTANTIATE_TEST_SUITE_P(
-    Files, SimConfigError,
-    testing::Values(
-        ErrorCase{"NoVehicles", kNoVehicles, "sim.yaml:1: key 'vehicles' is missing"},
-        ErrorCase{"EmptyVehicles", kNoVehicles + "vehicles: []\n", "names no vehicle"},
-        ErrorCase{"UnknownKey", kGood + "sped: 2\n", "sped: unknown key; did you mean 'speed'?"},
-        ErrorCase{"UnknownPace", kGood + "pacing: {}\nintegrator: euler\n",
-                  "integrator: 'euler' is none of: rk4, ode"},
-        ErrorCase{"StepOutOfRange", kGood + "step_us: 50\n", "step_us: 50 must lie in"},
-        ErrorCase{"YearBeyondTheFieldModel",
-                  std::regex_replace(kGood, std::regex("2026.5"), "2015"),
-                  "sim.yaml:3: decimal_year: 2015 must lie in [2025, 2030]"},
-        ErrorCase{"TooCold", kGood + "weather:\n  temperature_degc: -200\n",
-                  ": weather.temperature_degc: -200 must lie in [-90, 60]"},
-        ErrorCase{"TwoTemperatures",
-                  kGood + "weather: {temperature_degc: 20, temperature_offset_degc: 5}\n",
-                  "weather.temperature_offset_degc: the temperature is given by "
-                  "'temperature_degc' already"},
-        ErrorCase{"PressureInPascal", kGood + "weather: {qnh_hpa: 101325}\n",
-                  "weather.qnh_hpa: 101325 must lie in [850, 1100]"},
-        ErrorCase{"HumidityInPerCent", kGood + "weather: {humidity: 60}\n",
-                  "weather.humidity: 60 must lie in [0, 1]"},
-        ErrorCase{"UpAxis", kGood + "collada_up_axis: apply\n",
-                  "'apply' is none of: ignored, applied"},
-        ErrorCase{"TwinNames", kGood + test::vehicle("a"), "two vehicles have the name 'a'"},
-        ErrorCase{"TwinBeacons", kGood + "beacons: [{name: a}, {name: a}]\n",
-                  "beacons[1].name: two beacons have the name 'a'"},
-        ErrorCase{"SlashInABeaconsName", kGood + "beacons: [{name: a/b}]\n",
-                  "a beacon's name is not empty and has no '/'"},
-        ErrorCase{"BeaconOnAnObstacleWithoutAHeight", kGood + "beacons: [{name: a, on: car}]\n",
-                  "beacons[0]: needs z_m, in the axes of the obstacle"},
-        ErrorCase{"UnknownKeyOfABeacon", kGood + "beacons: [{name: a, x: 1}]\n",
-                  "beacons[0].x: unknown key; did you mean 'x_m'?"},
-        ErrorCase{"SlashInName", kNoVehicles + "vehicles:\n" + test::vehicle("a/b"), "no '/'"},
-        ErrorCase{"NoVehicleFile", kNoVehicles + "vehicles:\n  - {name: a, vehicle: none.yaml}\n",
-                  "none.yaml"},
-        ErrorCase{"OtherSchema", "schema: 2\n", "this program reads schema 1"},
-        ErrorCase{"NoHome", "schema: 1\ndecimal_year: 2026\n" + test::kFlat,
-                  "key 'home' is missing"}),
-    [](const auto& test) { return test.param.name; });
+TEST(SimConfigError, NamesFileLineAndKey) {
+  struct ErrorCase {
+    const char* name;
+    std::string text;
+    const char* message;
+  };
+  const ErrorCase rows[] = {
+      {"NoVehicles", kNoVehicles, "sim.yaml:1: key 'vehicles' is missing"},
+      {"EmptyVehicles", kNoVehicles + "vehicles: []\n", "names no vehicle"},
+      {"UnknownKey", kGood + "sped: 2\n", "sped: unknown key; did you mean 'speed'?"},
+      {"UnknownPace", kGood + "pacing: {}\nintegrator: euler\n",
+       "integrator: 'euler' is none of: rk4, ode"},
+      {"StepOutOfRange", kGood + "step_us: 50\n", "step_us: 50 must lie in"},
+      {"YearBeyondTheFieldModel", std::regex_replace(kGood, std::regex("2026.5"), "2015"),
+       "sim.yaml:3: decimal_year: 2015 must lie in [2025, 2030]"},
+      {"TooCold", kGood + "weather:\n  temperature_degc: -200\n",
+       ": weather.temperature_degc: -200 must lie in [-90, 60]"},
+      {"TwoTemperatures", kGood + "weather: {temperature_degc: 20, temperature_offset_degc: 5}\n",
+       "weather.temperature_offset_degc: the temperature is given by 'temperature_degc' already"},
+      {"PressureInPascal", kGood + "weather: {qnh_hpa: 101325}\n",
+       "weather.qnh_hpa: 101325 must lie in [850, 1100]"},
+      {"HumidityInPerCent", kGood + "weather: {humidity: 60}\n",
+       "weather.humidity: 60 must lie in [0, 1]"},
+      {"UpAxis", kGood + "collada_up_axis: apply\n", "'apply' is none of: ignored, applied"},
+      {"TwinNames", kGood + test::vehicle("a"), "two vehicles have the name 'a'"},
+      {"TwinBeacons", kGood + "beacons: [{name: a}, {name: a}]\n",
+       "beacons[1].name: two beacons have the name 'a'"},
+      {"SlashInABeaconsName", kGood + "beacons: [{name: a/b}]\n",
+       "a beacon's name is not empty and has no '/'"},
+      {"BeaconOnAnObstacleWithoutAHeight", kGood + "beacons: [{name: a, on: car}]\n",
+       "beacons[0]: needs z_m, in the axes of the obstacle"},
+      {"UnknownKeyOfABeacon", kGood + "beacons: [{name: a, x: 1}]\n",
+       "beacons[0].x: unknown key; did you mean 'x_m'?"},
+      {"SlashInName", kNoVehicles + "vehicles:\n" + test::vehicle("a/b"), "no '/'"},
+      {"NoVehicleFile", kNoVehicles + "vehicles:\n  - {name: a, vehicle: none.yaml}\n",
+       "none.yaml"},
+      {"OtherSchema", "schema: 2\n", "this program reads schema 1"},
+      {"NoHome", "schema: 1\ndecimal_year: 2026\n" + test::kFlat, "key 'home' is missing"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    EXPECT_THAT(test::refusal([&] { parse(row.text); }), HasSubstr(row.message));
+  }
+}
 
 }  // namespace
 }  // namespace cas::sim

@@ -181,13 +181,11 @@ TEST(SdfWorld, AModelInAFolderAboveIsFound) {
   folder.write("models/box/meshes/box.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   for (const char* uri : {"model://box/meshes/box.obj", "package://box/meshes/box.obj",
                           "package://lost/meshes/box.obj"}) {
-    const auto file =
-        folder.write("models/box/worlds/w.sdf",
-                     world_of("<model name='m'><static>1</static><link name='l'><collision "
-                              "name='c'><geometry><mesh><uri>" +
-                              std::string(uri) +
-                              "</uri></mesh></geometry></collision></link>"
-                              "</model>"));
+    const auto file = folder.write(
+        "models/box/worlds/w.sdf",
+        world_of("<model name='m'><static>1</static><link name='l'><collision "
+                 "name='c'><geometry><mesh><uri>" +
+                 std::string(uri) + "</uri></mesh></geometry></collision></link></model>"));
     EXPECT_EQ(load_sdf_world(file, {}).statics.size(), 1u) << uri;
   }
 }
@@ -294,9 +292,10 @@ TEST(SdfWorld, NamesThreeOfAKindAndCountsTheOthers) {
 TEST(SdfWorld, WhatTouchesNothingIsNoObstacle) {
   EXPECT_TRUE(load_elements(obstacle("<contact><collide_bitmask>0</collide_bitmask></contact>"))
                   .statics.empty());
-  EXPECT_TRUE(load_elements(obstacle("<contact><collide_without_contact>1"
-                                     "</collide_without_contact></contact>"))
-                  .statics.empty());
+  EXPECT_TRUE(
+      load_elements(
+          obstacle("<contact><collide_without_contact>1</collide_without_contact></contact>"))
+          .statics.empty());
   EXPECT_FALSE(load_elements(obstacle("<contact><collide_bitmask>2</collide_bitmask></contact>"))
                    .statics.empty());
 }

@@ -23,6 +23,7 @@ using test::kCrateSize;
 using test::kGravity;
 using test::make_world;
 using test::standing;
+using test::started;
 using test::tilt;
 
 constexpr VehicleId kFirst{0};
@@ -36,9 +37,8 @@ void run(SimWorld& world, double seconds, double step = kStep) {
 }
 
 TEST(Contact, StandsAtTheHeightItWasGiven) {
-  const auto world = make_world(flat_world());
-  world->add_vehicle(crate(), {.x_m = 1, .y_m = 2, .z_m = 0, .yaw_deg = 30});
-  world->start();
+  const auto world =
+      started(make_world(flat_world()), crate(), {.x_m = 1, .y_m = 2, .z_m = 0, .yaw_deg = 30});
   const BodyState& state = world->state(kFirst);
   EXPECT_NEAR(state.p_WB.z(), kCrateSize.z() / 2, kSink);
   EXPECT_NEAR(state.p_WB.x(), 1.0, 1e-9);
@@ -47,37 +47,30 @@ TEST(Contact, StandsAtTheHeightItWasGiven) {
   EXPECT_LT(state.a_WB.norm(), 1e-3) << "an accelerometer reads +1 g from the first sample on";
 }
 
-struct RestCase {
-  const char* name;
-  int step_us;
-};
-class Rest : public testing::TestWithParam<RestCase> {};
-
-TEST_P(Rest, DoesNotCreepUnderASteadySideForce) {
-  const auto world = make_world(flat_world());
-  world->add_vehicle(crate(), {});
-  world->start();
-  const Eigen::Vector3d start = world->state(kFirst).p_WB;
-  const double dt = 1e-6 * GetParam().step_us;
-  for (int i = 0; i < static_cast<int>(60.0 / dt); ++i) {
-    // A side force below friction that never holds quite still keeps the solver at work.
-    const double f = 2.0 + 0.5 * std::sin(0.01 * i);
-    world->add_wrench(kFirst, {{f, 0, 0}, Eigen::Vector3d::Zero()});
-    world->advance(dt);
+TEST(Rest, DoesNotCreepUnderASteadySideForce) {
+  struct RestCase {
+    const char* name;
+    int step_us;
+  };
+  const RestCase rows[] = {{"Step250us", 250}, {"Step1ms", 1000}, {"Step4ms", 4000}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    const auto world = started(make_world(flat_world()), crate(), {});
+    const Eigen::Vector3d start = world->state(kFirst).p_WB;
+    const double dt = 1e-6 * row.step_us;
+    for (int i = 0; i < static_cast<int>(60.0 / dt); ++i) {
+      // A side force below friction that never holds quite still keeps the solver at work.
+      const double f = 2.0 + 0.5 * std::sin(0.01 * i);
+      world->add_wrench(kFirst, {{f, 0, 0}, Eigen::Vector3d::Zero()});
+      world->advance(dt);
+    }
+    EXPECT_LT((world->state(kFirst).p_WB - start).head<2>().norm(), 1e-5);
+    EXPECT_LT(tilt(world->state(kFirst)), 1e-2);
   }
-  EXPECT_LT((world->state(kFirst).p_WB - start).head<2>().norm(), 1e-5);
-  EXPECT_LT(tilt(world->state(kFirst)), 1e-2);
 }
 
-INSTANTIATE_TEST_SUITE_P(Steps, Rest,
-                         testing::Values(RestCase{"Step250us", 250}, RestCase{"Step1ms", 1000},
-                                         RestCase{"Step4ms", 4000}),
-                         [](const auto& test) { return test.param.name; });
-
 TEST(Contact, AtRestItStandsStillToTheBit) {
-  const auto world = make_world(flat_world());
-  world->add_vehicle(crate(), {});
-  world->start();
+  const auto world = started(make_world(flat_world()), crate(), {});
   run(*world, 1.0);
   const BodyState before = world->state(kFirst);
   run(*world, 10.0);
@@ -90,9 +83,8 @@ TEST(Contact, ABoxRestsHalfOverTheEdgeOfABox) {
   model.gravity_W = {0, 0, -kGravity};
   model.statics.push_back(standing("table", Box{{4, 4, 1}}, {2, 0, -0.5}));
   for (const double beyond_m : {0.02, 0.05, 0.09}) {
-    const auto world = make_world(model);
-    world->add_vehicle(crate({0.24, 0.24, 0.12}), {.x_m = beyond_m, .z_m = 0, .yaw_deg = 30});
-    world->start();
+    const auto world = started(make_world(model), crate({0.24, 0.24, 0.12}),
+                               {.x_m = beyond_m, .z_m = 0, .yaw_deg = 30});
     run(*world, 3.0);
     double fastest = 0;
     for (int i = 0; i < 200; ++i) {
@@ -120,9 +112,7 @@ TEST(Contact, ASolverThatGivesUpIsARefusalAndNotTheEndOfTheProgram) {
 TEST(Contact, SlidesByCoulombFriction) {
   constexpr double kFriction = 0.4;
   for (const double heading : {0.0, 0.6, M_PI / 4}) {
-    const auto world = make_world(flat_world(kFriction));
-    world->add_vehicle(crate(), {});
-    world->start();
+    const auto world = started(make_world(flat_world(kFriction)), crate(), {});
     run(*world, 0.5);
     const Eigen::Vector3d direction(std::cos(heading), std::sin(heading), 0);
     // Pushed to 2 m/s within one step, then left alone.
@@ -147,9 +137,7 @@ TEST(Contact, HoldsOnASlopeBelowTheFrictionAngleAndSlidesAbove) {
     const Eigen::AngleAxisd turn(degrees * M_PI / 180, Eigen::Vector3d::UnitY());
     slope.pose.linear() = turn.toRotationMatrix();
     model.statics.push_back(slope);
-    const auto world = make_world(model);
-    world->add_vehicle(crate(), {.z_m = 0.25});
-    world->start();
+    const auto world = started(make_world(model), crate(), {.z_m = 0.25});
     run(*world, 3.0);  // lands flat
     const Eigen::Vector3d early = world->state(kFirst).p_WB;
     run(*world, 1.0);
@@ -167,9 +155,7 @@ TEST(Contact, TipsOverWhenPushedAboveItsCentre) {
   const Eigen::Vector3d tall(0.2, 0.2, 1.0);
   const double needed = kWeight * 0.1 / 0.9;  // at 0.9 m height
   for (const double part : {0.8, 1.3}) {
-    const auto world = make_world(flat_world());
-    world->add_vehicle(crate(tall), {});
-    world->start();
+    const auto world = started(make_world(flat_world()), crate(tall), {});
     for (int i = 0; i < 1500; ++i) {
       const Eigen::Vector3d push(part * needed, 0, 0);
       world->add_wrench(kFirst, {push, Eigen::Vector3d(0, 0.4 * part * needed, 0)});
@@ -184,9 +170,7 @@ TEST(Contact, TipsOverWhenPushedAboveItsCentre) {
 }
 
 TEST(Contact, LandsWithoutBouncingAndRests) {
-  const auto world = make_world(flat_world());
-  world->add_vehicle(crate(), {.z_m = 0.05});
-  world->start();
+  const auto world = started(make_world(flat_world()), crate(), {.z_m = 0.05});
   double highest_after = 0;
   bool landed = false;
   for (int i = 0; i < 3000; ++i) {
@@ -311,9 +295,7 @@ TEST(Contact, MeshesCollide) {
   WorldModel model;
   model.gravity_W = {0, 0, -kGravity};
   model.statics.push_back(standing("pyramid", Mesh{pyramid}));
-  const auto world = make_world(model);
-  world->add_vehicle(crate(), {.x_m = 2, .z_m = 1});
-  world->start();
+  const auto world = started(make_world(model), crate(), {.x_m = 2, .z_m = 1});
   run(*world, 3.0);
   const double surface = 0.5 * (1 - world->state(kFirst).p_WB.x() / 5);
   EXPECT_NEAR(world->state(kFirst).p_WB.z(), surface + kCrateSize.z() / 2, 0.01);
@@ -321,9 +303,7 @@ TEST(Contact, MeshesCollide) {
 }
 
 TEST(OdeIntegrator, FallsAsFirstOrderDoes) {
-  const auto world = make_world(flat_world(), Integrator::kOde);
-  world->add_vehicle(crate(), {.z_m = 10});
-  world->start();
+  const auto world = started(make_world(flat_world(), Integrator::kOde), crate(), {.z_m = 10});
   const double start = world->state(kFirst).p_WB.z();
   run(*world, 1.0);
   const double error = world->state(kFirst).p_WB.z() - (start - 0.5 * kGravity);
@@ -350,9 +330,7 @@ TEST(World, ResetRepeatsTheSameRunBitForBit) {
 }
 
 TEST(World, ScaledMassFallsAlikeAndIsUndoneByOne) {
-  const auto world = make_world(flat_world());
-  world->add_vehicle(crate(), {.z_m = 3});
-  world->start();
+  const auto world = started(make_world(flat_world()), crate(), {.z_m = 3});
   world->scale_mass(kFirst, 0.5);
   EXPECT_DOUBLE_EQ(world->mass_kg(kFirst), 0.5 * kCrateMass);
   world->add_wrench(kFirst, {{kCrateMass, 0, 0}, Eigen::Vector3d::Zero()});

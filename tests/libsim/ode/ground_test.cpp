@@ -23,14 +23,14 @@ using test::kStep_s;
 using test::kVehicle;
 using test::make_world;
 using test::standing;
+using test::started;
 
 class Triangles : public testing::TestWithParam<int> {};
 
 TEST_P(Triangles, CarryABoxThatStandsStill) {
   for (const double yaw_deg : {0.0, 17.0, 45.0}) {
-    const auto world = make_world(ground_of_triangles(0.01 * GetParam()));
-    world->add_vehicle(crate(), {.z_m = 0.01, .yaw_deg = yaw_deg});
-    world->start();
+    const auto world = started(make_world(ground_of_triangles(0.01 * GetParam())), crate(),
+                               {.z_m = 0.01, .yaw_deg = yaw_deg});
     double squares = 0;
     int samples = 0;
     for (int i = 0; i < 4000; ++i) {
@@ -114,9 +114,8 @@ TEST_P(UnevenGround, CarriesABoxThatStandsStill) {
 
 /// Nothing of the flight before is left in the contacts.
 TEST_P(UnevenGround, IsTheSameToTheBitAfterAReset) {
-  const auto world = make_world(ground_of_triangles(0.25, 1.0, hilly_m));
-  world->add_vehicle(standing_on_hills(GetParam().has_feet), {.z_m = hilly_m(0, 0) + 0.2});
-  world->start();
+  const auto world = started(make_world(ground_of_triangles(0.25, 1.0, hilly_m)),
+                             standing_on_hills(GetParam().has_feet), {.z_m = hilly_m(0, 0) + 0.2});
   const auto settled = [&] {
     for (int i = 0; i < 1500; ++i) world->advance(kStep_s);
     return world->state(kVehicle).p_WB;
@@ -140,52 +139,47 @@ WorldModel slope(double slope_rad, double heading_rad, double friction, double c
   return model;
 }
 
-struct FrictionCase {
-  const char* name;
-  double friction;
-  double slope_deg;
-  double cell_m;  // of triangles; 0: a plane
-};
-class Friction : public testing::TestWithParam<FrictionCase> {};
-
-TEST_P(Friction, IsCoulombsInEveryDirection) {
-  const auto& [name, friction, slope_deg, cell_m] = GetParam();
-  const double a = slope_deg * M_PI / 180;
-  const double expected = kGravity * (std::sin(a) - friction * std::cos(a));
-  double largest_error = 0;
-  for (double heading_deg = 0; heading_deg <= 90; heading_deg += 7.5) {
-    const double heading = heading_deg * M_PI / 180;
-    const auto world = make_world(slope(a, heading, friction, cell_m));
-    world->add_vehicle(crate(), {});
-    world->start();
-    for (int i = 0; i < 300; ++i) world->advance(kStep_s);
-    const Eigen::Vector3d before = world->state(kVehicle).v_WB;
-    for (int i = 0; i < 700; ++i) world->advance(kStep_s);
-    const Eigen::Vector3d gained = (world->state(kVehicle).v_WB - before) / 0.7;
-    const Eigen::Vector3d down(std::cos(heading), std::sin(heading), 0);
-    EXPECT_NEAR(gained.dot(down), expected, 0.005 * expected) << "heading " << heading_deg;
-    EXPECT_LT((gained - gained.dot(down) * down).norm(), 0.005 * expected)
-        << "heading " << heading_deg;
-    largest_error = std::max(largest_error, (gained - expected * down).norm() / expected);
+TEST(Friction, IsCoulombsInEveryDirection) {
+  struct FrictionCase {
+    const char* name;
+    double friction;
+    double slope_deg;
+    double cell_m;  // of triangles; 0: a plane
+  };
+  const FrictionCase rows[] = {{"JustAboveTheAngle", 0.3, 17.5, 0},  // atan 0.3 = 16.7
+                               {"Steep", 0.3, 25, 0},
+                               {"Rough", 0.8, 42, 0},
+                               {"Smooth", 0.05, 10, 0},
+                               {"Triangles", 0.3, 22, 0.5},
+                               {"SmallTriangles", 0.3, 17.5, 0.1}};
+  for (const auto& [name, friction, slope_deg, cell_m] : rows) {
+    SCOPED_TRACE(name);
+    const double a = slope_deg * M_PI / 180;
+    const double expected = kGravity * (std::sin(a) - friction * std::cos(a));
+    double largest_error = 0;
+    for (double heading_deg = 0; heading_deg <= 90; heading_deg += 7.5) {
+      const double heading = heading_deg * M_PI / 180;
+      const auto world = started(make_world(slope(a, heading, friction, cell_m)), crate(), {});
+      for (int i = 0; i < 300; ++i) world->advance(kStep_s);
+      const Eigen::Vector3d before = world->state(kVehicle).v_WB;
+      for (int i = 0; i < 700; ++i) world->advance(kStep_s);
+      const Eigen::Vector3d gained = (world->state(kVehicle).v_WB - before) / 0.7;
+      const Eigen::Vector3d down(std::cos(heading), std::sin(heading), 0);
+      EXPECT_NEAR(gained.dot(down), expected, 0.005 * expected) << "heading " << heading_deg;
+      EXPECT_LT((gained - gained.dot(down) * down).norm(), 0.005 * expected)
+          << "heading " << heading_deg;
+      largest_error = std::max(largest_error, (gained - expected * down).norm() / expected);
+    }
+    RecordProperty("largest_error", std::to_string(largest_error));
   }
-  RecordProperty("largest_error", std::to_string(largest_error));
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Slopes, Friction,
-    testing::Values(FrictionCase{"JustAboveTheAngle", 0.3, 17.5, 0},  // atan 0.3 = 16.7
-                    FrictionCase{"Steep", 0.3, 25, 0}, FrictionCase{"Rough", 0.8, 42, 0},
-                    FrictionCase{"Smooth", 0.05, 10, 0}, FrictionCase{"Triangles", 0.3, 22, 0.5},
-                    FrictionCase{"SmallTriangles", 0.3, 17.5, 0.1}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(Ground, HoldsBelowTheFrictionAngleInEveryDirection) {
   constexpr double kFriction = 0.3;
   const double a = 0.97 * std::atan(kFriction);
   for (double heading_deg = 0; heading_deg <= 90; heading_deg += 7.5) {
-    const auto world = make_world(slope(a, heading_deg * M_PI / 180, kFriction, 0));
-    world->add_vehicle(crate(), {});
-    world->start();
+    const auto world =
+        started(make_world(slope(a, heading_deg * M_PI / 180, kFriction, 0)), crate(), {});
     for (int i = 0; i < 300; ++i) world->advance(kStep_s);
     const Eigen::Vector3d before = world->state(kVehicle).p_WB;
     for (int i = 0; i < 2000; ++i) world->advance(kStep_s);
@@ -196,9 +190,7 @@ TEST(Ground, HoldsBelowTheFrictionAngleInEveryDirection) {
 TEST(Ground, WhatSlidesAcrossASlopeTurnsDownhill) {
   constexpr double kFriction = 0.3;
   constexpr double kSlope = 25 * M_PI / 180;
-  const auto world = make_world(slope(kSlope, 0, kFriction, 0));
-  world->add_vehicle(crate(), {});
-  world->start();
+  const auto world = started(make_world(slope(kSlope, 0, kFriction, 0)), crate(), {});
   world->add_wrench(kVehicle, {{0, kCrateMass * 1.0 / kStep_s, 0}, Eigen::Vector3d::Zero()});
   world->advance(kStep_s);
   // A point mass under the same friction.
@@ -217,9 +209,7 @@ TEST(Ground, WhatSlidesAcrossASlopeTurnsDownhill) {
 
 /// Slides a crate from the middle of the ground at 1 m/s. @return the world after `seconds`
 std::unique_ptr<SimWorld> slide(const WorldModel& model, double seconds) {
-  auto world = make_world(model);
-  world->add_vehicle(crate(), {.yaw_deg = 20});
-  world->start();
+  auto world = started(make_world(model), crate(), {.yaw_deg = 20});
   const Eigen::Vector3d push_W(kCrateMass * 1.0 / kStep_s, 0, 0);
   world->add_wrench(kVehicle,
                     {world->state(kVehicle).q_WB.conjugate() * push_W, Eigen::Vector3d::Zero()});
@@ -251,82 +241,77 @@ TEST(Ground, WhatSlidesOnAMeshFallsOverItsEdgeAndStopsAtAWall) {
   EXPECT_GT(reach, 0.15) << "it comes as far as the wall";
 }
 
-struct LandingCase {
-  const char* name;
-  double tilt_deg;
-  double axis_deg;  // about which it is tilted, from ahead: 0 an edge comes first, 45 a corner
-  double mass_kg;
-  int step_us;
-};
-class Landing : public testing::TestWithParam<LandingCase> {};
-
-TEST_P(Landing, AtOneMetrePerSecondIsFeltBelow15G) {
-  const auto& [name, tilt_deg, axis_deg, mass_kg, step_us] = GetParam();
-  const double dt = 1e-6 * step_us;
-  VehicleModel model = crate(kCrateSize, mass_kg);
-  const auto world = make_world(flat_world());
-  const double fall = 1.0 / (2 * kGravity);  // to 1 m/s
-  world->add_vehicle(model, {.z_m = fall + (tilt_deg > 0 ? 0.15 : 0)});
-  test::SteadyThrust hover(mass_kg * kGravity);
-  if (tilt_deg > 0) world->add_force_model(kVehicle, hover);
-  world->start();
-  if (tilt_deg > 0) {
-    // Tilted within 0.1 s, then set sinking; thrust alone acts.
-    const double axis = axis_deg * M_PI / 180;
-    const Eigen::Vector3d turn =  // rad/s
-        tilt_deg * M_PI / 180 / 0.1 * Eigen::Vector3d(std::cos(axis), std::sin(axis), 0);
-    const double i_xx = model.mass.inertia_B()(0, 0);  // and i_yy
-    world->add_wrench(kVehicle, {Eigen::Vector3d::Zero(), i_xx / dt * turn});
-    for (int i = 0; i < static_cast<int>(std::lround(0.1 / dt)); ++i) world->advance(dt);
-    const Eigen::Vector3d down_B =
-        world->state(kVehicle).q_WB.conjugate() * Eigen::Vector3d(0, 0, -mass_kg / dt);
-    world->add_wrench(kVehicle, {down_B, -i_xx / dt * turn});
-  }
-  double largest = 0;
-  double rebound = 0;
-  bool landed = false;
-  for (int i = 0; i < static_cast<int>(1.0 / dt); ++i) {
-    world->advance(dt);
-    if (i == 0) continue;
-    landed = landed || world->in_contact(kVehicle);
-    const Eigen::Vector3d felt = world->state(kVehicle).a_WB + Eigen::Vector3d(0, 0, kGravity);
-    largest = std::max(largest, felt.norm());
-    if (landed) rebound = std::max(rebound, world->state(kVehicle).v_WB.z());
-  }
-  RecordProperty("largest_g", std::to_string(largest / kGravity));
-  EXPECT_TRUE(landed);
-  EXPECT_LT(largest, 15 * kGravity);
-  EXPECT_GT(largest, 2 * kGravity);
-  if (tilt_deg == 0) {
-    EXPECT_LT(rebound, 0.2);
+TEST(Landing, AtOneMetrePerSecondIsFeltBelow15G) {
+  struct LandingCase {
+    const char* name;
+    double tilt_deg;
+    double axis_deg;  // about which it is tilted, from ahead: 0 an edge comes first, 45 a corner
+    double mass_kg;
+    int step_us;
+  };
+  const LandingCase rows[] = {{"Flat", 0, 0, 1.5, 1000},
+                              {"FlatShortSteps", 0, 0, 1.5, 250},
+                              {"FlatLongSteps", 0, 0, 1.5, 4000},
+                              {"Small", 0, 0, 0.03, 1000},
+                              {"Large", 0, 0, 25, 1000},
+                              {"Tilted1", 1, 0, 1.5, 1000},
+                              {"Tilted3", 3, 0, 1.5, 1000},
+                              {"Tilted10", 10, 0, 1.5, 1000},
+                              {"Tilted10ShortSteps", 10, 0, 1.5, 250},
+                              {"Tilted10LongSteps", 10, 0, 1.5, 4000},
+                              {"Tilted25", 25, 0, 1.5, 1000},
+                              {"OnACorner3", 3, 45, 1.5, 1000},
+                              {"OnACorner10", 10, 45, 1.5, 1000},
+                              {"OnACorner25", 25, 45, 1.5, 1000}};
+  for (const auto& [name, tilt_deg, axis_deg, mass_kg, step_us] : rows) {
+    SCOPED_TRACE(name);
+    const double dt = 1e-6 * step_us;
+    VehicleModel model = crate(kCrateSize, mass_kg);
+    const auto world = make_world(flat_world());
+    const double fall = 1.0 / (2 * kGravity);  // to 1 m/s
+    world->add_vehicle(model, {.z_m = fall + (tilt_deg > 0 ? 0.15 : 0)});
+    test::SteadyThrust hover(mass_kg * kGravity);
+    if (tilt_deg > 0) world->add_force_model(kVehicle, hover);
+    world->start();
+    if (tilt_deg > 0) {
+      // Tilted within 0.1 s, then set sinking; thrust alone acts.
+      const double axis = axis_deg * M_PI / 180;
+      const Eigen::Vector3d turn =  // rad/s
+          tilt_deg * M_PI / 180 / 0.1 * Eigen::Vector3d(std::cos(axis), std::sin(axis), 0);
+      const double i_xx = model.mass.inertia_B()(0, 0);  // and i_yy
+      world->add_wrench(kVehicle, {Eigen::Vector3d::Zero(), i_xx / dt * turn});
+      for (int i = 0; i < static_cast<int>(std::lround(0.1 / dt)); ++i) world->advance(dt);
+      const Eigen::Vector3d down_B =
+          world->state(kVehicle).q_WB.conjugate() * Eigen::Vector3d(0, 0, -mass_kg / dt);
+      world->add_wrench(kVehicle, {down_B, -i_xx / dt * turn});
+    }
+    double largest = 0;
+    double rebound = 0;
+    bool landed = false;
+    for (int i = 0; i < static_cast<int>(1.0 / dt); ++i) {
+      world->advance(dt);
+      if (i == 0) continue;
+      landed = landed || world->in_contact(kVehicle);
+      const Eigen::Vector3d felt = world->state(kVehicle).a_WB + Eigen::Vector3d(0, 0, kGravity);
+      largest = std::max(largest, felt.norm());
+      if (landed) rebound = std::max(rebound, world->state(kVehicle).v_WB.z());
+    }
+    RecordProperty("largest_g", std::to_string(largest / kGravity));
+    EXPECT_TRUE(landed);
+    EXPECT_LT(largest, 15 * kGravity);
+    EXPECT_GT(largest, 2 * kGravity);
+    if (tilt_deg == 0) {
+      EXPECT_LT(rebound, 0.2);
+    }
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(Ways, Landing,
-                         testing::Values(LandingCase{"Flat", 0, 0, 1.5, 1000},
-                                         LandingCase{"FlatShortSteps", 0, 0, 1.5, 250},
-                                         LandingCase{"FlatLongSteps", 0, 0, 1.5, 4000},
-                                         LandingCase{"Small", 0, 0, 0.03, 1000},
-                                         LandingCase{"Large", 0, 0, 25, 1000},
-                                         LandingCase{"Tilted1", 1, 0, 1.5, 1000},
-                                         LandingCase{"Tilted3", 3, 0, 1.5, 1000},
-                                         LandingCase{"Tilted10", 10, 0, 1.5, 1000},
-                                         LandingCase{"Tilted10ShortSteps", 10, 0, 1.5, 250},
-                                         LandingCase{"Tilted10LongSteps", 10, 0, 1.5, 4000},
-                                         LandingCase{"Tilted25", 25, 0, 1.5, 1000},
-                                         LandingCase{"OnACorner3", 3, 45, 1.5, 1000},
-                                         LandingCase{"OnACorner10", 10, 45, 1.5, 1000},
-                                         LandingCase{"OnACorner25", 25, 45, 1.5, 1000}),
-                         [](const auto& test) { return test.param.name; });
 
 TEST(Ground, StiffnessOfTheFileSaysHowDeepItGives) {
   constexpr double kStiffness = 2e3;  // N/m
   WorldModel model = flat_world();
   model.statics.front().surface.stiffness_n_m = kStiffness;
   model.statics.front().surface.damping_n_s_m = 100;
-  const auto world = make_world(model);
-  world->add_vehicle(crate(), {});
-  world->start();
+  const auto world = started(make_world(model), crate(), {});
   for (int i = 0; i < 2000; ++i) world->advance(kStep_s);
   const double sunk = kCrateSize.z() / 2 - world->state(kVehicle).p_WB.z();
   EXPECT_NEAR(sunk, kCrateMass * kGravity / (4 * kStiffness), 2e-5) << "a spring at each corner";
@@ -337,9 +322,7 @@ TEST(Ground, OdeDoesNotComplainOfTrianglesAndCorners) {
   testing::internal::CaptureStderr();
   WorldModel model = ground_of_triangles(0.1);
   model.statics.push_back(standing("wall", Box{{0.2, 4, 2}}, {0.4, 0, 1}));
-  const auto world = make_world(model);
-  world->add_vehicle(crate(), {.z_m = 0.2, .yaw_deg = 10});
-  world->start();
+  const auto world = started(make_world(model), crate(), {.z_m = 0.2, .yaw_deg = 10});
   for (int i = 0; i < 4000; ++i) {
     const double side = 12 * std::sin(0.004 * i);
     world->add_wrench(kVehicle, {{side, 3, 0}, {0.1, 0.2 * std::sin(0.02 * i), 0}});
@@ -348,13 +331,6 @@ TEST(Ground, OdeDoesNotComplainOfTrianglesAndCorners) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   EXPECT_EQ(ContactSolver::complaints(), before);
 }
-
-struct DiscCase {
-  const char* name;
-  Shape obstacle;
-  double reach_m;  // of the obstacle along -x from its middle
-};
-class DiscTouches : public testing::TestWithParam<DiscCase> {};
 
 Shape upright(const Geometry& geometry) { return standing("pole", geometry); }
 
@@ -366,31 +342,35 @@ Shape screen() {
   return standing("screen", Mesh{mesh});
 }
 
-TEST_P(DiscTouches, WhatStandsInItsWay) {
-  const auto& [name, obstacle, reach_m] = GetParam();
-  constexpr double kRadius = 0.128;
-  constexpr double kArm = 0.2;
-  WorldModel model;
-  model.gravity_W = {0, 0, -kGravity};
-  model.statics.push_back(obstacle);
-  for (const double gap : {-0.01, 0.01}) {
-    const auto world = make_world(model);
-    const double x = -(reach_m + kArm + kRadius + gap);
-    world->add_vehicle(crate({0.1, 0.1, 0.1}), {.x_m = x, .z_m = -0.05});
-    world->start();
-    EXPECT_EQ(world->disc_touches(kVehicle, {kArm, 0, 0}, Eigen::Vector3d::UnitZ(), kRadius),
-              gap < 0)
-        << gap;
-    EXPECT_FALSE(world->disc_touches(kVehicle, {-kArm, 0, 0}, Eigen::Vector3d::UnitZ(), kRadius));
+TEST(DiscTouches, WhatStandsInItsWay) {
+  struct DiscCase {
+    const char* name;
+    Shape obstacle;
+    double reach_m;  // of the obstacle along -x from its middle
+  };
+  const DiscCase rows[] = {{"Pole", upright(Cylinder{0.02, 4.0}), 0.02},
+                           {"Wall", upright(Box{{0.2, 3, 3}}), 0.1},
+                           {"Ball", upright(Sphere{0.3}), 0.3},
+                           {"Triangles", screen(), 0}};
+  for (const auto& [name, obstacle, reach_m] : rows) {
+    SCOPED_TRACE(name);
+    constexpr double kRadius = 0.128;
+    constexpr double kArm = 0.2;
+    WorldModel model;
+    model.gravity_W = {0, 0, -kGravity};
+    model.statics.push_back(obstacle);
+    for (const double gap : {-0.01, 0.01}) {
+      const auto world = make_world(model);
+      const double x = -(reach_m + kArm + kRadius + gap);
+      world->add_vehicle(crate({0.1, 0.1, 0.1}), {.x_m = x, .z_m = -0.05});
+      world->start();
+      EXPECT_EQ(world->disc_touches(kVehicle, {kArm, 0, 0}, Eigen::Vector3d::UnitZ(), kRadius),
+                gap < 0)
+          << gap;
+      EXPECT_FALSE(world->disc_touches(kVehicle, {-kArm, 0, 0}, Eigen::Vector3d::UnitZ(), kRadius));
+    }
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(Obstacles, DiscTouches,
-                         testing::Values(DiscCase{"Pole", upright(Cylinder{0.02, 4.0}), 0.02},
-                                         DiscCase{"Wall", upright(Box{{0.2, 3, 3}}), 0.1},
-                                         DiscCase{"Ball", upright(Sphere{0.3}), 0.3},
-                                         DiscCase{"Triangles", screen(), 0}),
-                         [](const auto& test) { return test.param.name; });
 
 TEST(Disc, TouchesTheGroundWhenTiltedAndOtherVehicles) {
   const auto world = make_world(flat_world());
@@ -408,9 +388,7 @@ TEST(Disc, TouchesTheGroundWhenTiltedAndOtherVehicles) {
 
 /// A disc whose axis leans by an angle a reaches R sin(a) below its centre, on one side.
 TEST(Disc, LeansWithItsAxis) {
-  const auto world = make_world(flat_world());
-  world->add_vehicle(crate(), {});
-  world->start();
+  const auto world = started(make_world(flat_world()), crate(), {});
   constexpr double kRadius = 0.2;
   constexpr double kLean = 0.5;
   constexpr double kGap = 1e-3;  // m: the disc has a small thickness

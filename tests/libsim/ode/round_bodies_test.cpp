@@ -24,6 +24,7 @@ using test::kStep_s;
 using test::kVehicle;
 using test::make_world;
 using test::standing;
+using test::started;
 
 /// Four thrusts that differ by some per cent of each.
 class UnequalThrusts final : public ForceModel {
@@ -56,52 +57,48 @@ VehicleModel can(double radius, double length, double mass) {
   return model;
 }
 
-struct GroundCase {
-  const char* name;
-  WorldModel world;
-};
-
 WorldModel plate() {
   WorldModel model = flat_world();
   model.statics = {standing("plate", Box{{20, 20, 1}}, {0, 0, -0.5})};
   return model;
 }
 
-class StandingCylinder : public testing::TestWithParam<GroundCase> {};
-
-TEST_P(StandingCylinder, RestsUnderUnequalThrustsBelowItsWeight) {
-  struct Size {
+TEST(StandingCylinder, RestsUnderUnequalThrustsBelowItsWeight) {
+  struct GroundCase {
     const char* name;
-    VehicleModel model;
-    double arm_m;
+    WorldModel world;
   };
-  for (const auto& [name, model, arm_m] :
-       {Size{"flat", can(0.06, 0.025, 0.027), 0.03}, Size{"tall", can(0.1, 0.4, 1.5), 0.15}}) {
-    for (const double share : {0.3, 0.5, 0.7}) {
-      const auto world = make_world(GetParam().world);
-      world->add_vehicle(model, {.yaw_deg = 17});
-      UnequalThrusts thrusts(share * model.mass.mass_kg() * kGravity, arm_m);
-      world->add_force_model(kVehicle, thrusts);
-      world->start();
-      double largest = 0;
-      Vector3d before = Vector3d::Zero();
-      for (int i = 0; i < 6000; ++i) {
-        world->advance(kStep_s);
-        if (i < 3000) continue;
-        if (i == 3000) before = world->state(kVehicle).p_WB;
-        largest = std::max(largest, world->state(kVehicle).a_WB.norm());
+  const GroundCase rows[] = {
+      {"APlane", flat_world()}, {"ABox", plate()}, {"Triangles", ground_of_triangles(0.25)}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    struct Size {
+      const char* name;
+      VehicleModel model;
+      double arm_m;
+    };
+    for (const auto& [name, model, arm_m] :
+         {Size{"flat", can(0.06, 0.025, 0.027), 0.03}, Size{"tall", can(0.1, 0.4, 1.5), 0.15}}) {
+      for (const double share : {0.3, 0.5, 0.7}) {
+        const auto world = make_world(row.world);
+        world->add_vehicle(model, {.yaw_deg = 17});
+        UnequalThrusts thrusts(share * model.mass.mass_kg() * kGravity, arm_m);
+        world->add_force_model(kVehicle, thrusts);
+        world->start();
+        double largest = 0;
+        Vector3d before = Vector3d::Zero();
+        for (int i = 0; i < 6000; ++i) {
+          world->advance(kStep_s);
+          if (i < 3000) continue;
+          if (i == 3000) before = world->state(kVehicle).p_WB;
+          largest = std::max(largest, world->state(kVehicle).a_WB.norm());
+        }
+        EXPECT_EQ(largest, 0) << name << ", thrust " << share << " of the weight: it is held";
+        EXPECT_EQ(world->state(kVehicle).p_WB, before) << name;
       }
-      EXPECT_EQ(largest, 0) << name << ", thrust " << share << " of the weight: it is held";
-      EXPECT_EQ(world->state(kVehicle).p_WB, before) << name;
     }
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(On, StandingCylinder,
-                         testing::Values(GroundCase{"APlane", flat_world()},
-                                         GroundCase{"ABox", plate()},
-                                         GroundCase{"Triangles", ground_of_triangles(0.25)}),
-                         [](const auto& test) { return std::string(test.param.name); });
 
 TEST(BasePoints, OfAStandingCylinderAreInPlaceOnIt) {
   const PlacedCylinder cylinder{{0, 0, 0.099}, Eigen::Matrix3d::Identity(), 0.05, 0.2};
@@ -171,43 +168,39 @@ TEST(SidesOfFaces, CountOnlyWhereTheyStandOutOfTheFace) {
   EXPECT_EQ(ridge.size(), 2u) << "without a face, sides carry";
 }
 
-struct RollCase {
-  const char* name;
-  double cell_m;  // of triangles; 0: a plane
-};
-class Ball : public testing::TestWithParam<RollCase> {};
-
 /// A solid ball that does not slip rolls down at 5/7 of g sin a.
-TEST_P(Ball, RollsDownASlopeAsTheClosedFormSays) {
-  // Friction follows the slip at the begin of a step, and the spring takes a while to settle.
-  constexpr double kOfSteps = 0.005;
-  constexpr double kSlope = 5 * M_PI / 180;
-  constexpr double kRadius = 0.05;
-  constexpr double kMass = 0.5;
-  WorldModel model = GetParam().cell_m > 0 ? ground_of_triangles(GetParam().cell_m) : flat_world();
-  model.gravity_W = kGravity * Vector3d(std::sin(kSlope), 0, -std::cos(kSlope));
-  VehicleModel ball = crate();
-  ball.shapes.front().geometry = Sphere{kRadius};
-  ball.mass = MassProperties(kMass, 0.4 * kMass * kRadius * kRadius * Eigen::Matrix3d::Identity());
-  const auto world = make_world(model);
-  world->add_vehicle(ball, {.x_m = -1.5});
-  world->start();
-  for (int i = 0; i < 300; ++i) world->advance(kStep_s);
-  const Vector3d before = world->state(kVehicle).v_WB;
-  constexpr double kTime_s = 1.5;
-  for (int i = 0; i < static_cast<int>(kTime_s / kStep_s); ++i) world->advance(kStep_s);
-  const Vector3d gained = (world->state(kVehicle).v_WB - before) / kTime_s;
-  const double expected = 5.0 / 7.0 * kGravity * std::sin(kSlope);
-  EXPECT_NEAR(gained.x(), expected, kOfSteps * expected);
-  EXPECT_LT(std::abs(gained.y()), kOfSteps * expected);
-  RecordProperty("share", std::to_string(gained.x() / expected));
+TEST(Ball, RollsDownASlopeAsTheClosedFormSays) {
+  struct RollCase {
+    const char* name;
+    double cell_m;  // of triangles; 0: a plane
+  };
+  const RollCase rows[] = {
+      {"APlane", 0}, {"Triangles25cm", 0.25}, {"Triangles5cm", 0.05}, {"Triangles2cm", 0.02}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    // Friction follows the slip at the begin of a step, and the spring takes a while to settle.
+    constexpr double kOfSteps = 0.005;
+    constexpr double kSlope = 5 * M_PI / 180;
+    constexpr double kRadius = 0.05;
+    constexpr double kMass = 0.5;
+    WorldModel model = row.cell_m > 0 ? ground_of_triangles(row.cell_m) : flat_world();
+    model.gravity_W = kGravity * Vector3d(std::sin(kSlope), 0, -std::cos(kSlope));
+    VehicleModel ball = crate();
+    ball.shapes.front().geometry = Sphere{kRadius};
+    ball.mass =
+        MassProperties(kMass, 0.4 * kMass * kRadius * kRadius * Eigen::Matrix3d::Identity());
+    const auto world = started(make_world(model), ball, {.x_m = -1.5});
+    for (int i = 0; i < 300; ++i) world->advance(kStep_s);
+    const Vector3d before = world->state(kVehicle).v_WB;
+    constexpr double kTime_s = 1.5;
+    for (int i = 0; i < static_cast<int>(kTime_s / kStep_s); ++i) world->advance(kStep_s);
+    const Vector3d gained = (world->state(kVehicle).v_WB - before) / kTime_s;
+    const double expected = 5.0 / 7.0 * kGravity * std::sin(kSlope);
+    EXPECT_NEAR(gained.x(), expected, kOfSteps * expected);
+    EXPECT_LT(std::abs(gained.y()), kOfSteps * expected);
+    RecordProperty("share", std::to_string(gained.x() / expected));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(On, Ball,
-                         testing::Values(RollCase{"APlane", 0}, RollCase{"Triangles25cm", 0.25},
-                                         RollCase{"Triangles5cm", 0.05},
-                                         RollCase{"Triangles2cm", 0.02}),
-                         [](const auto& test) { return std::string(test.param.name); });
 
 TEST(BallFeet, RestOnSmallTriangles) {
   VehicleModel model = crate();
@@ -217,9 +210,7 @@ TEST(BallFeet, RestOnSmallTriangles) {
       model.shapes.push_back(standing("foot", Sphere{0.03}, {x, y, -0.1}));
     }
   }
-  const auto world = make_world(ground_of_triangles(0.05));
-  world->add_vehicle(model, {.yaw_deg = 17});
-  world->start();
+  const auto world = started(make_world(ground_of_triangles(0.05)), model, {.yaw_deg = 17});
   double squares = 0;
   constexpr int kSamples = 2000;
   for (int i = 0; i < 1000 + kSamples; ++i) {

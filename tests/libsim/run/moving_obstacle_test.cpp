@@ -112,8 +112,7 @@ TEST(Beacon, RefusesAnObstacleThatIsNotThere) {
   const auto world = test::make_world(model);
   EXPECT_THAT(
       cas::test::refusal([&] { beacon_source(pad_with("on: slap, z_m: 0"), model, *world); }),
-      HasSubstr("world.yaml:1: on: the world has no moving obstacle 'slap'; did you mean "
-                "'slab'?"));
+      HasSubstr("world.yaml:1: on: the world has no moving obstacle 'slap'; did you mean 'slab'?"));
   const auto nothing = test::make_world(WorldModel{});
   EXPECT_THAT(cas::test::refusal([&] { beacon_source(pad_with(""), WorldModel{}, *nothing); }),
               HasSubstr("needs z_m"));

@@ -36,32 +36,29 @@ TEST(PluginLoader, ReadsWhatAPluginDeclaresToSend) {
   EXPECT_THAT(test::refusal([&] { loader.sends("fake_absent"); }), HasSubstr("fake_absent"));
 }
 
-struct RefusalCase {
-  const char* plugin;
-  const char* because;
-};
-class Refusal : public testing::TestWithParam<RefusalCase> {};
-
-TEST_P(Refusal, SaysWhatIsWrongWithWhichFile) {
-  PluginLoader loader({test::kFakePluginDir});
-  const std::string message = test::refusal([&] { loader.create(GetParam().plugin); });
-  EXPECT_THAT(message, AllOf(HasSubstr(GetParam().plugin), HasSubstr(GetParam().because)));
+TEST(Refusal, SaysWhatIsWrongWithWhichFile) {
+  struct RefusalCase {
+    const char* plugin;
+    const char* because;
+  };
+  const RefusalCase rows[] = {{"fake_wrong_abi", "was built for 'gcc4;cas=0.0', this program for"},
+                              {"fake_wrong_size", "built against another version of CAS"},
+                              {"fake_other_name", "calls itself 'somebody_else'"},
+                              {"fake_no_create", "lacks create or destroy"},
+                              {"fake_no_entry", "has no symbol cas_plugin_v1"},
+                              {"fake_no_descriptor", "returns no descriptor"},
+                              {"fake_not_elf", "cannot be opened"},
+                              {"fake_throws_in_create", "no memory of its own"},
+                              {"fake_creates_nothing", "create made nothing"},
+                              {"fake_absent", "no libfake_absent.so in "},
+                              {"fake_wrong_siez", "; did you mean 'fake_wrong_size'?"}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.plugin);
+    PluginLoader loader({test::kFakePluginDir});
+    const std::string message = test::refusal([&] { loader.create(row.plugin); });
+    EXPECT_THAT(message, AllOf(HasSubstr(row.plugin), HasSubstr(row.because)));
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Plugins, Refusal,
-    testing::Values(RefusalCase{"fake_wrong_abi", "was built for 'gcc4;cas=0.0', this program for"},
-                    RefusalCase{"fake_wrong_size", "built against another version of CAS"},
-                    RefusalCase{"fake_other_name", "calls itself 'somebody_else'"},
-                    RefusalCase{"fake_no_create", "lacks create or destroy"},
-                    RefusalCase{"fake_no_entry", "has no symbol cas_plugin_v1"},
-                    RefusalCase{"fake_no_descriptor", "returns no descriptor"},
-                    RefusalCase{"fake_not_elf", "cannot be opened"},
-                    RefusalCase{"fake_throws_in_create", "no memory of its own"},
-                    RefusalCase{"fake_creates_nothing", "create made nothing"},
-                    RefusalCase{"fake_absent", "no libfake_absent.so in "},
-                    RefusalCase{"fake_wrong_siez", "; did you mean 'fake_wrong_size'?"}),
-    [](const auto& test) { return std::string(test.param.plugin); });
 
 TEST(PluginLoader, TakesNamesNotPaths) {
   PluginLoader loader({test::kFakePluginDir});

@@ -56,6 +56,14 @@ inline std::unique_ptr<SimWorld> make_world(const WorldModel& model,
       integrator);
 }
 
+/// The world with one vehicle in it, begun.
+inline std::unique_ptr<SimWorld> started(std::unique_ptr<SimWorld> world, const VehicleModel& model,
+                                         const StartPose& pose) {
+  world->add_vehicle(model, pose);
+  world->start();
+  return world;
+}
+
 /// Total of tilt away from level, rad.
 inline double tilt(const BodyState& state) {
   return std::acos(std::clamp((state.q_WB * Eigen::Vector3d::UnitZ()).z(), -1.0, 1.0));

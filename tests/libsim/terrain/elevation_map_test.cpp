@@ -2,10 +2,9 @@
 // Elevation files against the surfaces that they were written from.
 #include "libsim/core/terrain/elevation_map.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <cmath>
-#include <functional>
 #include <vector>
 
 #include "tests/libsim/support/elevation_files.hpp"
@@ -22,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using cas::test::refusal;
 using test::write_hgt;
+using testing::HasSubstr;
 
 /// Even along both axes, so that bilinear interpolation is exact; whole metres on a grid of 100.
 double slope_m(double lat_deg, double lon_deg) { return 100 * lat_deg + 300 * lon_deg; }
@@ -64,12 +64,11 @@ TEST(ElevationMap, CrossesTheAntimeridianFromFileToFile) {
 TEST(ElevationMap, RefusesWhatIsNoElevationFile) {
   const cas::test::TemporaryFolder folder;
   const auto says = [&](const fs::path& path) { return refusal([&] { map_of(path); }); };
-  EXPECT_NE(says(folder.path()).find("holds no elevation file"), std::string::npos);
+  EXPECT_THAT(says(folder.path()), HasSubstr("holds no elevation file"));
   std::ofstream(folder.path() / "N47E008.hgt") << "abc";
-  EXPECT_NE(says(folder.path() / "N47E008.hgt").find("no square of 2-byte samples"),
-            std::string::npos);
+  EXPECT_THAT(says(folder.path() / "N47E008.hgt"), HasSubstr("no square of 2-byte samples"));
   std::ofstream(folder.path() / "hill.hgt") << "abcdefgh";
-  EXPECT_NE(says(folder.path() / "hill.hgt").find("south-west corner"), std::string::npos);
+  EXPECT_THAT(says(folder.path() / "hill.hgt"), HasSubstr("south-west corner"));
 }
 
 TEST(ElevationMap, NamesAFileThatWasCutAfterItWasOpened) {
@@ -78,7 +77,7 @@ TEST(ElevationMap, NamesAFileThatWasCutAfterItWasOpened) {
   write_hgt(file, 101, 47, 8, slope_m);
   const ElevationMap map = map_of(file);
   fs::resize_file(file, 1000);
-  EXPECT_NE(refusal([&] { map.height_m(47.1, 8.5); }).find("is cut"), std::string::npos);
+  EXPECT_THAT(refusal([&] { map.height_m(47.1, 8.5); }), HasSubstr("is cut"));
 }
 
 #if CAS_HAS_TIFF
@@ -155,30 +154,28 @@ void write_geotiff(const fs::path& file, const TiffForm& form, double west = 8) 
   TIFFClose(tiff);
 }
 
-class Geotiff : public testing::TestWithParam<TiffForm> {};
-
-TEST_P(Geotiff, GivesTheHeightsBetweenItsSamples) {
-  const cas::test::TemporaryFolder folder;
-  const fs::path file = folder.path() / "hill.tif";
-  write_geotiff(file, GetParam());
-  const ElevationMap map = map_of(file);
-  const double middle = GetParam().is_point ? 0 : 0.005;
-  const double rounding = GetParam().is_point ? 1e-3 : 0.51;  // of heights to whole metres
-  for (const auto& [lat, lon] : {std::pair{47.9, 8.1}, {47.915, 8.333}, {47.65, 8.45}}) {
-    EXPECT_NEAR(map.height_m(lat - middle, lon + middle).value(),
-                slope_m(lat - middle, lon + middle), rounding);
+TEST(Geotiff, GivesTheHeightsBetweenItsSamples) {
+  const TiffForm rows[] = {{"TiledFloat", true, true, false},
+                           {"StripsOfInt16", false, false, false},
+                           {"PixelIsPoint", false, true, true}};
+  for (const auto& row : rows) {
+    SCOPED_TRACE(row.name);
+    const cas::test::TemporaryFolder folder;
+    const fs::path file = folder.path() / "hill.tif";
+    write_geotiff(file, row);
+    const ElevationMap map = map_of(file);
+    const double middle = row.is_point ? 0 : 0.005;
+    const double rounding = row.is_point ? 1e-3 : 0.51;  // of heights to whole metres
+    for (const auto& [lat, lon] : {std::pair{47.9, 8.1}, {47.915, 8.333}, {47.65, 8.45}}) {
+      EXPECT_NEAR(map.height_m(lat - middle, lon + middle).value(),
+                  slope_m(lat - middle, lon + middle), rounding);
+    }
+    EXPECT_FALSE(map.height_m(47.9, 8.6).has_value());
+    // The sample without data is the mean of three corners of each of its cells.
+    EXPECT_NEAR(map.height_m(47.7 - middle, 8.3 + middle).value(),
+                slope_m(47.7 - middle, 8.3 + middle), 3);
   }
-  EXPECT_FALSE(map.height_m(47.9, 8.6).has_value());
-  // The sample without data is the mean of three corners of each of its cells.
-  EXPECT_NEAR(map.height_m(47.7 - middle, 8.3 + middle).value(),
-              slope_m(47.7 - middle, 8.3 + middle), 3);
 }
-
-INSTANTIATE_TEST_SUITE_P(Forms, Geotiff,
-                         testing::Values(TiffForm{"TiledFloat", true, true, false},
-                                         TiffForm{"StripsOfInt16", false, false, false},
-                                         TiffForm{"PixelIsPoint", false, true, true}),
-                         [](const auto& test) { return test.param.name; });
 
 TEST(Geotiff, NeighboursMeetWithoutAStep) {
   const cas::test::TemporaryFolder folder;
@@ -194,7 +191,7 @@ TEST(Geotiff, OfAnotherProjectionNamesTheRemedy) {
   const cas::test::TemporaryFolder folder;
   const fs::path file = folder.path() / "utm.tif";
   write_geotiff(file, {"", true, true, false, kProjected, 0});
-  EXPECT_NE(refusal([&] { map_of(file); }).find("gdalwarp -t_srs EPSG:4326"), std::string::npos);
+  EXPECT_THAT(refusal([&] { map_of(file); }), HasSubstr("gdalwarp -t_srs EPSG:4326"));
 }
 
 TEST(Geotiff, ThatLiesNowhereOnEarthIsRefused) {
@@ -207,8 +204,7 @@ TEST(Geotiff, ThatLiesNowhereOnEarthIsRefused) {
                          .is_point = true,
                          .model = kGeographic,
                          .tie_column = tie_column});
-    EXPECT_NE(refusal([&] { map_of(file); }).find("its place on Earth is not in degrees"),
-              std::string::npos)
+    EXPECT_THAT(refusal([&] { map_of(file); }), HasSubstr("its place on Earth is not in degrees"))
         << tie_column;
   }
 }
@@ -222,8 +218,7 @@ TEST(Geotiff, ThatIsCutIsNamed) {
   std::fstream(file, std::ios::in | std::ios::out | std::ios::binary)
       .seekp(8)
       .write(bytes.data(), 64);
-  EXPECT_NE(refusal([&] { map.height_m(47.995, 8.005); }).find("hill.tif: cannot be read"),
-            std::string::npos);
+  EXPECT_THAT(refusal([&] { map.height_m(47.995, 8.005); }), HasSubstr("hill.tif: cannot be read"));
 }
 
 #endif

@@ -183,43 +183,37 @@ TEST(Terrain, FlightOf45KilometresHasNoJump) {
   EXPECT_NEAR((state.p_WB - start_W).norm(), 45'000, 1e-3);
 }
 
-struct Place {
-  const char* name;
-  base::Geodetic home;
-  double elevation_m;
-};
-
-class FarPlaces : public testing::TestWithParam<Place> {};
-
 /// The crate stands 10 km north-east of home; its place on the sphere by the spherical law.
-TEST_P(FarPlaces, StartsAtItsPlaceAndHeight) {
-  const auto& [name, home, elevation_m] = GetParam();
-  const Country country(home, 121, [&](double, double) { return GetParam().elevation_m; });
-  auto world = country.make();
-  const VehicleModel crate = test::crate();
-  StartPose pose{.x_m = 10'000 * std::sqrt(0.5), .y_m = 10'000 * std::sqrt(0.5)};
-  pose.z_m = standing_height(*world, crate, pose);
-  world->add_vehicle(crate, pose);
-  const auto place =
-      country.projection().to_geodetic(base::swap_WN(world->state(test::kVehicle).p_WB));
-  const double c = 10'000 / 6'371'000.0;
-  const double lat_0 = home.lat_deg * M_PI / 180;
-  const double lat =
-      std::asin(std::sin(lat_0) * std::cos(c) + std::cos(lat_0) * std::sin(c) * std::sqrt(0.5));
-  const double d_lon = std::asin(std::sin(c) * std::sqrt(0.5) / std::cos(lat));
-  EXPECT_NEAR(place.lat_deg, lat * 180 / M_PI, 1e-9);
-  EXPECT_NEAR(std::remainder(place.lon_deg - home.lon_deg, 360), d_lon * 180 / M_PI, 1e-9);
-  EXPECT_LE(std::abs(place.lon_deg), 180);
-  EXPECT_NEAR(place.alt_m, elevation_m + test::kCrateSize.z() / 2, 1e-6);
+TEST(FarPlaces, StartsAtItsPlaceAndHeight) {
+  struct Place {
+    const char* name;
+    base::Geodetic home;
+    double elevation_m;
+  };
+  const Place rows[] = {{"Antimeridian", {.lat_deg = -17.3, .lon_deg = 179.97, .alt_m = 10}, 37},
+                        {"80Degrees", {.lat_deg = 80.1, .lon_deg = 16.5, .alt_m = 0}, 255},
+                        {"BelowSeaLevel", {.lat_deg = 31.5, .lon_deg = 35.5, .alt_m = -400}, -428}};
+  for (const auto& [name, home, elevation_m] : rows) {
+    SCOPED_TRACE(name);
+    const Country country(home, 121, [&](double, double) { return elevation_m; });
+    auto world = country.make();
+    const VehicleModel crate = test::crate();
+    StartPose pose{.x_m = 10'000 * std::sqrt(0.5), .y_m = 10'000 * std::sqrt(0.5)};
+    pose.z_m = standing_height(*world, crate, pose);
+    world->add_vehicle(crate, pose);
+    const auto place =
+        country.projection().to_geodetic(base::swap_WN(world->state(test::kVehicle).p_WB));
+    const double c = 10'000 / 6'371'000.0;
+    const double lat_0 = home.lat_deg * M_PI / 180;
+    const double lat =
+        std::asin(std::sin(lat_0) * std::cos(c) + std::cos(lat_0) * std::sin(c) * std::sqrt(0.5));
+    const double d_lon = std::asin(std::sin(c) * std::sqrt(0.5) / std::cos(lat));
+    EXPECT_NEAR(place.lat_deg, lat * 180 / M_PI, 1e-9);
+    EXPECT_NEAR(std::remainder(place.lon_deg - home.lon_deg, 360), d_lon * 180 / M_PI, 1e-9);
+    EXPECT_LE(std::abs(place.lon_deg), 180);
+    EXPECT_NEAR(place.alt_m, elevation_m + test::kCrateSize.z() / 2, 1e-6);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Places, FarPlaces,
-    testing::Values(Place{"Antimeridian", {.lat_deg = -17.3, .lon_deg = 179.97, .alt_m = 10}, 37},
-                    Place{"80Degrees", {.lat_deg = 80.1, .lon_deg = 16.5, .alt_m = 0}, 255},
-                    Place{
-                        "BelowSeaLevel", {.lat_deg = 31.5, .lon_deg = 35.5, .alt_m = -400}, -428}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(Terrain, IsGroundOfASimulationFile) {
   const Country country(kHome, 121, [](double, double) { return 600.0; });

@@ -25,10 +25,7 @@ class Command : public testing::Test {
                     [this](const Outcome& outcome) { outcomes_.push_back(outcome); });
   }
   void acknowledge(MavCmd id, MavResult result) {
-    CommandAck ack;
-    ack.command = id;
-    ack.result = result;
-    exchange_.on_ack(ack, now_);
+    exchange_.on_ack(CommandAck{.command = id, .result = result}, now_);
   }
   void pass(Duration time) {
     now_ += time;

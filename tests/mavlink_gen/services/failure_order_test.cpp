@@ -3,9 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
-#include <optional>
 
 #include "mavlink/common/all.hpp"
 #include "mavlink_gen/runtime/codec.hpp"
@@ -28,10 +26,7 @@ TEST(FailureOrder, ComesBackFromTheWireAsItWasSent) {
 }
 
 TEST(FailureOrder, IsReadFromThePlacedCommandToo) {
-  CommandInt placed;
-  placed.command = MavCmd::kInjectFailure;
-  placed.param1 = 4;
-  placed.param2 = 1;
+  CommandInt placed{.command = MavCmd::kInjectFailure, .param1 = 4, .param2 = 1};
   Encoder encoder({255, 190});
   const auto command = failure_command(view_packet(encoder(placed)));
   ASSERT_TRUE(command);
@@ -39,8 +34,7 @@ TEST(FailureOrder, IsReadFromThePlacedCommandToo) {
 }
 
 TEST(FailureOrder, IsNoOtherCommand) {
-  CommandLong arm;
-  arm.command = MavCmd::kComponentArmDisarm;
+  CommandLong arm{.command = MavCmd::kComponentArmDisarm};
   Encoder encoder({255, 190});
   EXPECT_FALSE(failure_command(view_packet(encoder(arm))));
   EXPECT_FALSE(failure_command(view_packet(encoder(Heartbeat{}))));

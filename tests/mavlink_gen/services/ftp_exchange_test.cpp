@@ -67,6 +67,11 @@ class Ftp : public testing::Test {
     reply.set_number(number);
     deliver(reply);
   }
+  /// A download of "a", a file of so many bytes.
+  void begin(std::uint32_t bytes) {
+    exchange_.download("a", now_, done());
+    acknowledge(bytes);
+  }
   void refuse(MavFtpErr code, std::uint8_t error_number = 0) {
     FtpPayload reply = answer(Opcode::kNak);
     reply.set_bytes(std::array{static_cast<std::uint8_t>(code), error_number});
@@ -130,8 +135,7 @@ TEST_F(Ftp, AsksOnlyForTheGapsOfABurst) {
 }
 
 TEST_F(Ftp, BurstThatStopsIsAskedForFromWhereItStopped) {
-  exchange_.download("a", now_, done());
-  acknowledge(1000);
+  begin(1000);
   deliver(piece(0, 0));
   deliver(piece(1, 239));
   EXPECT_EQ(exchange_.deadline(), now_ + 300ms);
@@ -142,8 +146,7 @@ TEST_F(Ftp, BurstThatStopsIsAskedForFromWhereItStopped) {
 
 TEST_F(Ftp, BurstLongerThanHalfOfTheNumbersIsTakenWhole) {
   file_ = some_bytes(40'000);
-  exchange_.download("a", now_, done());
-  acknowledge(40'000);
+  begin(40'000);
   const FtpPayload first = piece(0, 0, 1);
   for (std::uint16_t i = 0; i < 40'000; ++i) {
     FtpPayload next = first;
@@ -169,8 +172,7 @@ TEST_F(Ftp, FirstNumberIsTheCallers) {
 }
 
 TEST_F(Ftp, ServerHasLongerForAChecksum) {
-  exchange_.download("a", now_, done());
-  acknowledge(100);
+  begin(100);
   deliver(piece(0, 0, 100));
   acknowledge();
   ASSERT_EQ(asked(), Opcode::kCalcfilecrc);
@@ -178,8 +180,7 @@ TEST_F(Ftp, ServerHasLongerForAChecksum) {
 }
 
 TEST_F(Ftp, PiecesOfAnEarlierTransferAreNotTaken) {
-  exchange_.download("a", now_, done());
-  acknowledge(1000);
+  begin(1000);
   const FtpPayload late = piece(40, 0);
   deliver(piece(0, 0));
   exchange_.give_up(failure(OutcomeKind::kTimeout, "stopped"));
@@ -193,8 +194,7 @@ TEST_F(Ftp, PiecesOfAnEarlierTransferAreNotTaken) {
 }
 
 TEST_F(Ftp, ServerWithoutBurstsAndChecksumsIsReadPieceByPiece) {
-  exchange_.download("a", now_, done());
-  acknowledge(300);
+  begin(300);
   refuse(MavFtpErr::kUnknowncommand);
   EXPECT_EQ(asked(), Opcode::kReadfile);
   deliver(piece(0, 0));
@@ -209,8 +209,7 @@ TEST_F(Ftp, ServerWithoutBurstsAndChecksumsIsReadPieceByPiece) {
 }
 
 TEST_F(Ftp, FileIsOpenedAgainWhenTheServerHasRestarted) {
-  exchange_.download("a", now_, done());
-  acknowledge(1000);
+  begin(1000);
   deliver(piece(0, 0));
   pass(300ms);
   refuse(MavFtpErr::kInvalidsession);
@@ -238,8 +237,7 @@ TEST_F(Ftp, ServerThatRestartsForEverIsGivenUp) {
 }
 
 TEST_F(Ftp, FileThatChangedMeanwhileIsSaid) {
-  exchange_.download("a", now_, done());
-  acknowledge(100);
+  begin(100);
   deliver(piece(0, 0, 100));
   acknowledge();
   acknowledge(ftp_crc32(file_));
@@ -261,8 +259,7 @@ TEST_F(Ftp, RequestsComeAgainWithTheirNumberThenEnd) {
 }
 
 TEST_F(Ftp, BurstThatGetsNoAnswerComesAgainAsANewOne) {
-  exchange_.download("a", now_, done());
-  acknowledge(1000);
+  begin(1000);
   const std::uint16_t first = asked_.back().seq;
   pass(300ms);
   EXPECT_EQ(asked(), Opcode::kBurstreadfile);
@@ -273,8 +270,7 @@ TEST_F(Ftp, BurstThatGetsNoAnswerComesAgainAsANewOne) {
 }
 
 TEST_F(Ftp, RequestBehindABurstHasANumberThatNoLostPacketTook) {
-  exchange_.download("a", now_, done());
-  acknowledge(1000);
+  begin(1000);
   const std::uint16_t burst = asked_.back().seq;
   deliver(piece(0, 0));  // the other packets are lost
   pass(300ms);
@@ -289,8 +285,7 @@ TEST_F(Ftp, RequestBehindABurstHasANumberThatNoLostPacketTook) {
 
 TEST_F(Ftp, ServerThatHasAnsweredOnceIsGivenTenSeconds) {
   file_ = some_bytes(1000);
-  exchange_.download("a", now_, done());
-  acknowledge(1000);
+  begin(1000);
   FtpPayload last = piece(4, 956, 44);
   last.burst_complete = true;
   deliver(piece(0, 0));
@@ -307,8 +302,7 @@ TEST_F(Ftp, ServerThatHasAnsweredOnceIsGivenTenSeconds) {
 }
 
 TEST_F(Ftp, TransferThatTricklesIsGivenUp) {
-  exchange_.download("a", now_, done());
-  acknowledge(200'000);
+  begin(200'000);
   for (std::uint16_t i = 0; i < 20'000 && !outcome_; ++i) {
     FtpPayload reply = answer();
     reply.seq = static_cast<std::uint16_t>(reply.seq + i);
@@ -382,8 +376,7 @@ TEST_F(Ftp, HostileAnswersAreCountedAndCostNothing) {
 }
 
 TEST_F(Ftp, BurstsWithoutBytesEndInAReadThatSaysWhy) {
-  exchange_.download("a", now_, done());
-  acknowledge(1000);
+  begin(1000);
   refuse(MavFtpErr::kEof);
   EXPECT_EQ(asked(), Opcode::kReadfile);
   refuse(MavFtpErr::kEof);
@@ -392,8 +385,7 @@ TEST_F(Ftp, BurstsWithoutBytesEndInAReadThatSaysWhy) {
 }
 
 TEST_F(Ftp, FilesAndMemoryAreBounded) {
-  exchange_.download("a", now_, done());
-  acknowledge(0xFFFFFFFF);
+  begin(0xFFFFFFFF);
   EXPECT_EQ(outcome_->message, "reading 'a': the file has 4294967295 bytes, more than may be read");
   EXPECT_EQ(asked(), Opcode::kTerminatesession);
   exchange_.download("a", now_, done());

@@ -36,27 +36,10 @@ class Mission : public testing::Test {
     message.target_component = to.component;
     exchange_.on_packet(view_packet(encode_packet_(message)), kThisStation, now_);
   }
-  void request(std::uint16_t seq) {
-    MissionRequestInt message;
-    message.seq = seq;
-    say(message);
-  }
-  void count(std::uint16_t number) {
-    MissionCount message;
-    message.count = number;
-    say(message);
-  }
-  void item(std::uint16_t seq) {
-    MissionItemInt message;
-    message.seq = seq;
-    message.x = 1000 + seq;
-    say(message);
-  }
-  void acknowledge(MavMissionResult result) {
-    MissionAck message;
-    message.type = result;
-    say(message);
-  }
+  void request(std::uint16_t seq) { say(MissionRequestInt{.seq = seq}); }
+  void count(std::uint16_t number) { say(MissionCount{.count = number}); }
+  void item(std::uint16_t seq) { say(MissionItemInt{.seq = seq, .x = 1000 + seq}); }
+  void acknowledge(MavMissionResult result) { say(MissionAck{.type = result}); }
   void pass(Duration time) {
     now_ += time;
     exchange_.tick(now_);
@@ -79,9 +62,7 @@ TEST_F(Mission, GoesUpItemByItemAsTheVehicleAsks) {
   EXPECT_EQ(last<MissionCount>().count, 2);
   request(0);
   EXPECT_EQ(last<MissionItemInt>().seq, 0);
-  MissionRequest old_form;
-  old_form.seq = 1;
-  say(old_form);
+  say(MissionRequest{.seq = 1});
   EXPECT_EQ(last<MissionItemInt>().seq, 1);
   EXPECT_EQ(last<MissionItemInt>().x, 1001);
   EXPECT_FALSE(outcome_);
@@ -161,10 +142,7 @@ TEST_F(Mission, HearsNothingThatIsForAnotherStation) {
 
 TEST_F(Mission, TakesNoFenceForItself) {
   exchange_.download(now_, done());
-  MissionCount fence;
-  fence.count = 3;
-  fence.mission_type = MavMissionType::kFence;
-  say(fence);
+  say(MissionCount{.count = 3, .mission_type = MavMissionType::kFence});
   EXPECT_EQ(sent_.size(), 1U);
 }
 

@@ -5,8 +5,6 @@
 
 #include <array>
 #include <limits>
-#include <optional>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -34,90 +32,89 @@ constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr float kCustom = 1;
 constexpr float kCustomArmed = 129;
 
-struct CommandCase {
-  const char* name;
-  unsigned command;
-  std::array<float, 7> params;
-  Motion expected;
-  Addressee to = kUnknown;
-};
-
-class CommandMotion : public testing::TestWithParam<CommandCase> {};
-
-TEST_P(CommandMotion, IsTheMostThatTheCommandMayDo) {
-  const CommandCase& test = GetParam();
-  EXPECT_EQ(
-      motion_of(VehicleCommand{.id = static_cast<MavCmd>(test.command), .params = test.params},
-                test.to),
-      test.expected);
+TEST(CommandMotion, IsTheMostThatTheCommandMayDo) {
+  struct CommandCase {
+    const char* name;
+    unsigned command;
+    std::array<float, 7> params;
+    Motion expected;
+    Addressee to = kUnknown;
+  };
+  const CommandCase rows[] = {
+      {"Arm", 400, {1}, kSpins},
+      {"ArmByANumber", 400, {0.3F}, kSpins},
+      {"ArmByNan", 400, {kNaN}, kSpins},
+      {"Disarm", 400, {0}, kCuts},
+      {"Takeoff", 22, {}, kSpins},
+      {"LocalTakeoff", 24, {}, kSpins},
+      {"VtolTakeoff", 84, {}, kSpins},
+      {"MissionStart", 300, {}, kSpins},
+      {"MotorTest", 209, {1, 0, 5}, kSpins},
+      {"ActuatorTest", 310, {}, kSpins},
+      {"Servo", 183, {1, 1900}, kSpins},
+      {"RepeatedServo", 184, {}, kSpins},
+      {"Actuator", 187, {1}, kSpins},
+      {"EscCalibration", 241, {0, 0, 0, 0, 0, 0, 1}, kSpins},
+      {"GyroCalibration", 241, {1}, kNone},
+      {"AuxArm", 218, {153, 2}, kSpins},
+      {"AuxDisarm", 218, {153, 0}, kCuts},
+      {"AuxStopReleased", 218, {31, 0}, kSpins},
+      {"AuxOff", 218, {9, 0}, kMoves},
+      {"EngineStart", 223, {1}, kSpins},
+      {"Termination", 185, {1}, kCuts},
+      {"TerminationTakenBack", 185, {0}, kSpins},
+      {"TerminationTakenBackByAFraction", 185, {0.3F}, kSpins},
+      {"RebootInFlight", 246, {1}, kMoves, kPx4Armed},
+      {"RebootAtRest", 246, {1}, kNone, kPx4},
+      {"RebootOfAnUnknownOne", 246, {1}, kMoves},
+      {"NoReboot", 246, {0, 1}, kNone, kPx4Armed},
+      {"Reposition", 192, {}, kMoves},
+      {"Orbit", 34, {}, kMoves},
+      {"Waypoint", 16, {}, kMoves},
+      {"Speed", 178, {}, kMoves},
+      {"Pause", 193, {0}, kStops},
+      {"Continue", 193, {1}, kMoves},
+      {"GotoHoldHere", 252, {0, 2}, kStops},
+      {"GotoHoldThere", 252, {0, 3}, kMoves},
+      {"Land", 21, {}, kStops},
+      {"Return", 20, {}, kStops},
+      {"Loiter", 17, {}, kStops},
+      {"StandardLand", 262, {7}, kStops},
+      {"StandardMission", 262, {6}, kMoves},
+      {"ParametersReset", 245, {2}, kMoves},
+      {"ParametersStored", 245, {1}, kNone},
+      {"RequestMessage", 512, {242}, kNone},
+      {"SafetyOff", 5300, {1}, kSpins},
+      {"SafetyOn", 5300, {0}, kCuts},
+      {"SoloPauses", 42003, {}, kStops},
+      {"SoloPowersOff", 42000, {}, kMoves},
+      {"UnknownOne", 31010, {}, kMoves},
+      {"Px4Hold", 176, {kCustom, 4, 3}, kStops, kPx4},
+      {"Px4Termination", 176, {kCustom, 10}, kCuts, kPx4Armed},
+      {"Px4HoldThatKeepsArmed", 176, {kCustomArmed, 4, 3}, kStops, kPx4Armed},
+      {"Px4HoldThatArms", 176, {kCustomArmed, 4, 3}, kSpins, kPx4},
+      {"Px4Mission", 176, {kCustom, 4, 4}, kMoves, kPx4Armed},
+      {"CopterBrake", 176, {kCustom, 17}, kStops, kCopterArmed},
+      {"CopterGuided", 176, {kCustom, 4, 3}, kMoves, kCopterArmed},
+      {"PlaneReturns", 176, {kCustom, 11}, kStops, kPlaneArmed},
+      {"PlaneFliesByWire", 176, {kCustom, 5}, kMoves, kPlaneArmed},
+      {"OfAnUnknownOne", 176, {kCustom, 4, 3}, kMoves},
+      {"OfAnUnknownOneWithTheArmedFlag", 176, {kCustomArmed, 4, 3}, kSpins},
+      {"WithoutItsFlag", 176, {0, 4, 3}, kMoves, kPx4Armed},
+      {"NoSetOfFlags", 176, {1e9F, 4, 3}, kSpins, kPx4Armed},
+      {"NoNumber", 176, {kCustom, kNaN, 3}, kMoves, kPx4Armed}};
+  for (const auto& test : rows) {
+    SCOPED_TRACE(test.name);
+    EXPECT_EQ(
+        motion_of(VehicleCommand{.id = static_cast<MavCmd>(test.command), .params = test.params},
+                  test.to),
+        test.expected);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Commands, CommandMotion,
-    testing::Values(
-        CommandCase{"Arm", 400, {1}, kSpins}, CommandCase{"ArmByANumber", 400, {0.3F}, kSpins},
-        CommandCase{"ArmByNan", 400, {kNaN}, kSpins}, CommandCase{"Disarm", 400, {0}, kCuts},
-        CommandCase{"Takeoff", 22, {}, kSpins}, CommandCase{"LocalTakeoff", 24, {}, kSpins},
-        CommandCase{"VtolTakeoff", 84, {}, kSpins}, CommandCase{"MissionStart", 300, {}, kSpins},
-        CommandCase{"MotorTest", 209, {1, 0, 5}, kSpins},
-        CommandCase{"ActuatorTest", 310, {}, kSpins}, CommandCase{"Servo", 183, {1, 1900}, kSpins},
-        CommandCase{"RepeatedServo", 184, {}, kSpins}, CommandCase{"Actuator", 187, {1}, kSpins},
-        CommandCase{"EscCalibration", 241, {0, 0, 0, 0, 0, 0, 1}, kSpins},
-        CommandCase{"GyroCalibration", 241, {1}, kNone},
-        CommandCase{"AuxArm", 218, {153, 2}, kSpins},
-        CommandCase{"AuxDisarm", 218, {153, 0}, kCuts},
-        CommandCase{"AuxStopReleased", 218, {31, 0}, kSpins},
-        CommandCase{"AuxOff", 218, {9, 0}, kMoves}, CommandCase{"EngineStart", 223, {1}, kSpins},
-        CommandCase{"Termination", 185, {1}, kCuts},
-        CommandCase{"TerminationTakenBack", 185, {0}, kSpins},
-        CommandCase{"TerminationTakenBackByAFraction", 185, {0.3F}, kSpins},
-        CommandCase{"RebootInFlight", 246, {1}, kMoves, kPx4Armed},
-        CommandCase{"RebootAtRest", 246, {1}, kNone, kPx4},
-        CommandCase{"RebootOfAnUnknownOne", 246, {1}, kMoves},
-        CommandCase{"NoReboot", 246, {0, 1}, kNone, kPx4Armed},
-        CommandCase{"Reposition", 192, {}, kMoves}, CommandCase{"Orbit", 34, {}, kMoves},
-        CommandCase{"Waypoint", 16, {}, kMoves}, CommandCase{"Speed", 178, {}, kMoves},
-        CommandCase{"Pause", 193, {0}, kStops}, CommandCase{"Continue", 193, {1}, kMoves},
-        CommandCase{"GotoHoldHere", 252, {0, 2}, kStops},
-        CommandCase{"GotoHoldThere", 252, {0, 3}, kMoves}, CommandCase{"Land", 21, {}, kStops},
-        CommandCase{"Return", 20, {}, kStops}, CommandCase{"Loiter", 17, {}, kStops},
-        CommandCase{"StandardLand", 262, {7}, kStops},
-        CommandCase{"StandardMission", 262, {6}, kMoves},
-        CommandCase{"ParametersReset", 245, {2}, kMoves},
-        CommandCase{"ParametersStored", 245, {1}, kNone},
-        CommandCase{"RequestMessage", 512, {242}, kNone},
-        CommandCase{"SafetyOff", 5300, {1}, kSpins}, CommandCase{"SafetyOn", 5300, {0}, kCuts},
-        CommandCase{"SoloPauses", 42003, {}, kStops},
-        CommandCase{"SoloPowersOff", 42000, {}, kMoves},
-        CommandCase{"UnknownOne", 31010, {}, kMoves}),
-    [](const auto& test) { return test.param.name; });
-
-INSTANTIATE_TEST_SUITE_P(
-    Modes, CommandMotion,
-    testing::Values(
-        CommandCase{"Px4Hold", 176, {kCustom, 4, 3}, kStops, kPx4},
-        CommandCase{"Px4Termination", 176, {kCustom, 10}, kCuts, kPx4Armed},
-        CommandCase{"Px4HoldThatKeepsArmed", 176, {kCustomArmed, 4, 3}, kStops, kPx4Armed},
-        CommandCase{"Px4HoldThatArms", 176, {kCustomArmed, 4, 3}, kSpins, kPx4},
-        CommandCase{"Px4Mission", 176, {kCustom, 4, 4}, kMoves, kPx4Armed},
-        CommandCase{"CopterBrake", 176, {kCustom, 17}, kStops, kCopterArmed},
-        CommandCase{"CopterGuided", 176, {kCustom, 4, 3}, kMoves, kCopterArmed},
-        CommandCase{"PlaneReturns", 176, {kCustom, 11}, kStops, kPlaneArmed},
-        CommandCase{"PlaneFliesByWire", 176, {kCustom, 5}, kMoves, kPlaneArmed},
-        CommandCase{"OfAnUnknownOne", 176, {kCustom, 4, 3}, kMoves},
-        CommandCase{"OfAnUnknownOneWithTheArmedFlag", 176, {kCustomArmed, 4, 3}, kSpins},
-        CommandCase{"WithoutItsFlag", 176, {0, 4, 3}, kMoves, kPx4Armed},
-        CommandCase{"NoSetOfFlags", 176, {1e9F, 4, 3}, kSpins, kPx4Armed},
-        CommandCase{"NoNumber", 176, {kCustom, kNaN, 3}, kMoves, kPx4Armed}),
-    [](const auto& test) { return test.param.name; });
 
 /// A packet with nothing but its message and payload.
 PacketView bare(std::uint32_t message_id, std::span<const std::uint8_t> payload) {
-  PacketView packet;
-  packet.message_id = message_id;
-  packet.source = {255, 190};
-  packet.payload = payload;
-  return packet;
+  return {.source = {255, 190}, .message_id = message_id, .payload = payload};
 }
 
 template <class Message>
@@ -128,21 +125,18 @@ Motion motion_of_message(const Message& message, const Addressee& to = kUnknown)
 }
 
 TEST(Motion, OfACommandIsTheSameInBothForms) {
-  mavlink::common::CommandLong in_long;
-  in_long.command = MavCmd::kComponentArmDisarm;
-  in_long.param1 = 1;
+  mavlink::common::CommandLong in_long{.command = MavCmd::kComponentArmDisarm, .param1 = 1};
   EXPECT_EQ(motion_of_message(in_long), kSpins);
-  mavlink::common::CommandInt in_int;
-  in_int.command = MavCmd::kComponentArmDisarm;
+  mavlink::common::CommandInt in_int{.command = MavCmd::kComponentArmDisarm};
   EXPECT_EQ(motion_of_message(in_int), kCuts);
   in_int.param1 = 1;
   EXPECT_EQ(motion_of_message(in_int), kSpins);
 }
 
 TEST(Motion, OfSetModeDependsOnItsArmedFlag) {
-  mavlink::common::SetMode set;
-  set.base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kSafetyArmed;
-  set.custom_mode = 3U << 24U | 4U << 16U;
+  mavlink::common::SetMode set{
+      .base_mode = MavModeFlag::kCustomModeEnabled | MavModeFlag::kSafetyArmed,
+      .custom_mode = 3U << 24U | 4U << 16U};
   EXPECT_EQ(motion_of_message(set, kPx4), kSpins);
   EXPECT_EQ(motion_of_message(set, kPx4Armed), kStops);
   set.custom_mode = 4U << 16U;

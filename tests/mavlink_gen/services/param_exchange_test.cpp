@@ -140,32 +140,27 @@ TEST_F(ParamList, AParameterThatDoesNotAnswerMayBeOneThatIsKnown) {
       << outcome_->message;
 }
 
-struct RoundTripCase {
-  const char* name;
-  ParamEncoding encoding;
-  MavParamType type;
-  double value;
-};
-
-class ParamRoundTrip : public testing::TestWithParam<RoundTripCase> {};
-
-TEST_P(ParamRoundTrip, GivesTheNumberBack) {
-  const RoundTripCase& test = GetParam();
-  const auto wire = to_wire(test.encoding, test.type, test.value);
-  ASSERT_TRUE(wire.has_value());
-  EXPECT_EQ(from_wire(test.encoding, test.type, *wire), test.value);
+TEST(ParamRoundTrip, GivesTheNumberBack) {
+  struct RoundTripCase {
+    const char* name;
+    ParamEncoding encoding;
+    MavParamType type;
+    double value;
+  };
+  const RoundTripCase rows[] = {
+      {"Px4Int32", ParamEncoding::kBytewise, MavParamType::kInt32, -2147483648.0},
+      {"Px4Uint32", ParamEncoding::kBytewise, MavParamType::kUint32, 4294967295.0},
+      {"Px4Int8", ParamEncoding::kBytewise, MavParamType::kInt8, -1},
+      {"Px4Real", ParamEncoding::kBytewise, MavParamType::kReal32, 0.5},
+      {"ArduPilotInt16", ParamEncoding::kCast, MavParamType::kInt16, -32768},
+      {"ArduPilotInt32", ParamEncoding::kCast, MavParamType::kInt32, 65536}};
+  for (const auto& test : rows) {
+    SCOPED_TRACE(test.name);
+    const auto wire = to_wire(test.encoding, test.type, test.value);
+    ASSERT_TRUE(wire.has_value());
+    EXPECT_EQ(from_wire(test.encoding, test.type, *wire), test.value);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(
-    Types, ParamRoundTrip,
-    testing::Values(
-        RoundTripCase{"Px4Int32", ParamEncoding::kBytewise, MavParamType::kInt32, -2147483648.0},
-        RoundTripCase{"Px4Uint32", ParamEncoding::kBytewise, MavParamType::kUint32, 4294967295.0},
-        RoundTripCase{"Px4Int8", ParamEncoding::kBytewise, MavParamType::kInt8, -1},
-        RoundTripCase{"Px4Real", ParamEncoding::kBytewise, MavParamType::kReal32, 0.5},
-        RoundTripCase{"ArduPilotInt16", ParamEncoding::kCast, MavParamType::kInt16, -32768},
-        RoundTripCase{"ArduPilotInt32", ParamEncoding::kCast, MavParamType::kInt32, 65536}),
-    [](const auto& test) { return test.param.name; });
 
 TEST(ParamValue, IntegersTravelAsTheirBytes) {
   EXPECT_EQ(std::bit_cast<std::uint32_t>(

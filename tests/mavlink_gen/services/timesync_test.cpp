@@ -16,9 +16,7 @@ using mavlink::common::Timesync;
 constexpr Source kStation{255, 190};
 
 TEST(Timesync, AnAnswerCarriesTheQuestionsTimeAndIsNotAnsweredAgain) {
-  Timesync question;
-  question.ts1 = 42;
-  const auto reply = answer(question, kStation, 5s);
+  const auto reply = answer(Timesync{.ts1 = 42}, kStation, 5s);
   ASSERT_TRUE(reply);
   EXPECT_EQ(reply->ts1, 42);
   EXPECT_EQ(reply->tc1, 5'000'000'000);
@@ -61,8 +59,7 @@ TEST(ClockEstimate, ForgetsAnAnswerAfterEightMore) {
 TEST(ClockEstimate, LeavesOutQuestionsAndAnswersToOthers) {
   ClockEstimate estimate;
   EXPECT_FALSE(estimate.on_timesync(estimate.ask(Time(1s)), Time(1s)));
-  Timesync to_another;
-  to_another.tc1 = 1;
+  Timesync to_another{.tc1 = 1};
   to_another.ts1 = 99'000'000'000;  // from the future
   EXPECT_FALSE(estimate.on_timesync(to_another, Time(1s)));
   EXPECT_FALSE(estimate.offset());

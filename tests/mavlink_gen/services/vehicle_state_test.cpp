@@ -22,10 +22,9 @@ class State : public testing::Test {
     state_.on_packet(view_packet(encode_packet_(message)), now_);
   }
   void beat(std::uint32_t mode, MavModeFlag flags = {}) {
-    Heartbeat heartbeat;
-    heartbeat.autopilot = MavAutopilot::kPx4;
-    heartbeat.base_mode = MavModeFlag::kCustomModeEnabled | flags;
-    heartbeat.custom_mode = mode;
+    Heartbeat heartbeat{.autopilot = MavAutopilot::kPx4,
+                        .base_mode = MavModeFlag::kCustomModeEnabled | flags,
+                        .custom_mode = mode};
     hear(heartbeat);
   }
 
@@ -53,8 +52,7 @@ TEST_F(State, AModesCommandKeepsTheVehicleArmed) {
 
 TEST_F(State, JoinsAStatusTextInChunks) {
   const std::string full(Statustext{}.text.size(), 'a');
-  Statustext chunk;
-  chunk.id = 3;
+  Statustext chunk{.id = 3};
   set_text(chunk.text, full);
   hear(chunk);
   EXPECT_TRUE(state_.status_texts().empty());
@@ -78,8 +76,7 @@ TEST_F(State, BeginsAnewAfterSilenceAndWhenItsClockGoesBack) {
 }
 
 TEST(Vehicle, IsWhoSendsAHeartbeatAsAnAutopilot) {
-  Heartbeat heartbeat;
-  heartbeat.autopilot = MavAutopilot::kPx4;
+  Heartbeat heartbeat{.autopilot = MavAutopilot::kPx4};
   EXPECT_TRUE(is_vehicle(kVehicle, heartbeat));
   heartbeat.type = MavType::kGcs;
   EXPECT_FALSE(is_vehicle(kVehicle, heartbeat));
