@@ -33,7 +33,7 @@ constexpr int kFixedMagCalYaw = 42006;  // MAV_CMD_FIXED_MAG_CAL_YAW: our dialec
 class AhrsPreparation {
  public:
   AhrsPreparation(FlightDeck& deck, AskedVehicle vehicle, const std::string& name)
-      : deck_(deck), vehicle_(vehicle), name_(name), plugin_("external_ahrs@" + name) {}
+      : deck_(deck), vehicle_(vehicle), name_(name) {}
 
   std::optional<std::string> run() {
     if (deck_.bench.is_board()) {
@@ -61,10 +61,7 @@ class AhrsPreparation {
   std::optional<std::string> wait_for_driver() {
     const base::RunTime deadline = base::steady_now() + kAskPatience;
     for (;;) {
-      const Json unit = deck_.simulator.client()
-                            .call("sim.stats", Json::object())
-                            .value("plugins", Json::object())
-                            .value(plugin_, Json::object());
+      const Json unit = external_ahrs_unit(deck_, name_);
       if (unit.value("running", false)) return std::nullopt;
       if (base::steady_now() > deadline) return why_silent(unit);
       deck_.supervisor.wait(FlightPlan::kLookPeriod);
@@ -190,10 +187,16 @@ class AhrsPreparation {
   FlightDeck& deck_;
   AskedVehicle vehicle_;
   std::string name_;
-  std::string plugin_;
 };
 
 }  // namespace
+
+Json external_ahrs_unit(FlightDeck& deck, const std::string& name) {
+  return deck.simulator.client()
+      .call("sim.stats", Json::object())
+      .value("plugins", Json::object())
+      .value("external_ahrs@" + name, Json::object());
+}
 
 std::optional<std::string> prepare_external_ahrs(FlightDeck& deck, AskedVehicle vehicle,
                                                  const std::string& name) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,6 +24,9 @@ inline constexpr std::string_view kIdentification = "identification";
 /// @return why it cannot be flown; nullopt: it can
 std::optional<std::string> prepare_external_ahrs(FlightDeck& deck, AskedVehicle vehicle,
                                                  const std::string& name);
+
+/// Figures of a vehicle's plugin external_ahrs now. @throws base::rpc::ConnectionError
+nlohmann::json external_ahrs_unit(FlightDeck& deck, const std::string& name);
 
 /// Says on standard error, in red on a terminal, that the outputs are live.
 void warn_of_live_outputs();

@@ -112,30 +112,30 @@ bool is_for_a_station(const YAML::Node& link) {
   return accept && accept["traffic"] && accept["traffic"].as<std::string>() == "ground_station";
 }
 
-/// Adds the link of --gcs, with the routes of the topology's own link for a ground station.
-void add_station(const RunRequest& request, YAML::Node topology) {
+/// Gives a link that hils adds the routes of the topology's own link for a ground station; a
+/// topology without routes connects all links. @param who  needs the link, for the error
+void route_as_station(const RunRequest& request, YAML::Node topology, const std::string& link,
+                      const char* who) {
+  if (!topology["routes"]) return;
   const YAML::Node links = topology["links"];
   const auto own = std::find_if(links.begin(), links.end(), is_for_a_station);
-  if (topology["routes"] && own == links.end()) {
-    throw base::ConfigError(request.scenario.firmware->topology.file().string() +
-                            ": --gcs: it has routes, and no link of a ground station to copy");
+  if (own == links.end()) {
+    throw base::ConfigError(request.scenario.firmware->topology.file().string() + ": " + who +
+                            ": it has routes, and no link of a ground station to copy");
   }
-  if (topology["routes"]) {
-    const auto name = (*own)["name"].as<std::string>();
-    std::vector<YAML::Node> copies;
-    for (const YAML::Node& route : topology["routes"]) {
-      YAML::Node copy = YAML::Clone(route);
-      bool names_it = false;
-      for (const char* end : {"from", "to"}) {
-        if (route[end].as<std::string>() != name) continue;
-        copy[end] = kStationLink;
-        names_it = true;
-      }
-      if (names_it) copies.push_back(copy);
+  const auto name = (*own)["name"].as<std::string>();
+  std::vector<YAML::Node> copies;
+  for (const YAML::Node& route : topology["routes"]) {
+    YAML::Node copy = YAML::Clone(route);
+    bool names_it = false;
+    for (const char* end : {"from", "to"}) {
+      if (route[end].as<std::string>() != name) continue;
+      copy[end] = link;
+      names_it = true;
     }
-    for (const YAML::Node& copy : copies) topology["routes"].push_back(copy);
+    if (names_it) copies.push_back(copy);
   }
-  topology["links"].push_back(ground_link(request, kStationLink, *request.station));
+  for (const YAML::Node& copy : copies) topology["routes"].push_back(copy);
 }
 
 std::string topology_text(const RunRequest& request, const RunPaths& paths) {
@@ -158,13 +158,17 @@ std::string topology_text(const RunRequest& request, const RunPaths& paths) {
       offer_serial_line(request, paths, link);
     }
   }
-  if (request.station) add_station(request, topology);
+  if (request.station) {
+    route_as_station(request, topology, kStationLink, "--gcs");
+    topology["links"].push_back(ground_link(request, kStationLink, *request.station));
+  }
   for (std::size_t i = 0; i < paths.companions.size(); ++i) {
     YAML::Node link;
     link["name"] = companion_link_name(i);
     link["type"] = "udp";
     link["local"] = "127.0.0.1:0";
     link["remote"] = fmt::format("127.0.0.1:{}", paths.companions[i]);
+    route_as_station(request, topology, companion_link_name(i), "its steps need a link of hils");
     topology["links"].push_back(link);
   }
   return to_text(topology) + base::origin_notes("", source);

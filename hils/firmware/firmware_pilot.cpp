@@ -20,6 +20,7 @@
 #include "hils/firmware/firmware_meeting.hpp"
 #include "hils/firmware/firmware_reboot.hpp"
 #include "hils/firmware/flight_deck.hpp"
+#include "hils/firmware/line_disarm.hpp"
 #include "hils/flight/flight_loop.hpp"
 #include "hils/measure/incident.hpp"
 #include "hils/programs/page_watch.hpp"
@@ -33,6 +34,9 @@ using base::rpc::Json;
 
 constexpr base::Duration kCompanionPatience = std::chrono::seconds(20);
 constexpr base::Duration kSilencePatience = std::chrono::seconds(30);
+constexpr base::Duration kBetweenLineLooks = std::chrono::seconds(1);
+/// What an older one says may be over.
+constexpr base::Duration kFreshHeartbeat = std::chrono::seconds(3);
 /// For the last calls to the vehicles of a run that is stopped.
 constexpr base::Duration kLastCallPatience = std::chrono::seconds(10);
 /// Higher than a landing gear springs, lower than any takeoff of a scenario.
@@ -175,17 +179,40 @@ class FirmwareVehicle {
     }
   }
 
-  /// The simulation has ended, and the outputs of this vehicle are live.
-  void disarm() {
+  /// A board without its sensors flies on with live outputs: its flight is over.
+  void check_sensors_line() {
+    if (!deck_.scenario.firmware->external_ahrs || plan_.failure()) return;
+    const base::RunTime now = base::steady_now();
+    if (now < next_line_look_) return;
+    next_line_look_ = now + kBetweenLineLooks;
+    const Json unit = external_ahrs_unit(deck_, deck_.scenario.vehicles[vehicle_].name);
+    if (unit.value("up", true)) return;
+    plan_.fail("the sensors' line is gone: " + unit.value("endpoint", ""));
+  }
+
+  /// The outputs of this vehicle are live: it is not left armed, however its flight has ended.
+  void leave_disarmed() {
+    if (has_ended_) return;
+    std::optional<std::string> fault;
     try {
+      const VehicleReport now = vehicle_report(deck_.casd, asked_);
+      const bool is_fresh = now.heard && now.heartbeat_age_s <= base::to_seconds(kFreshHeartbeat);
+      if (is_fresh && !now.armed) return;
       deck_.casd.call("vehicle.disarm", about(asked_, {{"force", true}}), kCompanionPatience);
-      fmt::print(stderr, "hils: the run was stopped, and the board disarmed\n");
+    } catch (const base::rpc::ConnectionError&) {
+      deck_.bench.kill_casd();  // where it does not answer, it has the line
+      fault = disarm_by_line(deck_.vehicle_line, {.system = record_.system, .component = 1});
     } catch (const std::exception& error) {
-      fmt::print(stderr,
-                 "hils: THE BOARD COULD NOT BE DISARMED ({}): do it by its transmitter, its "
-                 "ground station or its power\n",
-                 error.what());
+      fault = error.what();
     }
+    if (!fault) {
+      fmt::print(stderr, "hils: the flight has ended early, and the board was disarmed\n");
+      return;
+    }
+    fmt::print(stderr,
+               "hils: THE BOARD COULD NOT BE DISARMED ({}): do it by its transmitter, its ground "
+               "station or its power\n",
+               *fault);
   }
 
   /// casd's counters restart: no rates for this hold.
@@ -304,6 +331,7 @@ class FirmwareVehicle {
   std::optional<FenceKeeper> fence_;
   std::optional<base::RunTime> breach_began_;  ///< the first step of this kind
   bool has_ended_ = false;                     ///< its program, by itself
+  base::RunTime next_line_look_{};             ///< at the sensors' line
   double armed_at_m_ = 0;                      ///< true height at the newest arming
   double highest_m_ = 0;                       ///< true height since then, above that place
   bool measuring_ = false;
@@ -338,6 +366,8 @@ class FirmwareFlight final : public FlightBench {
               *this) {
     const Scenario& scenario = request.scenario;
     deck_.look = [this] { return look(); };
+    const FcuDevice* board = request.fcu_device(0);
+    deck_.vehicle_line = board != nullptr ? *board : FcuDevice{.path = paths.casd_tty().string()};
     for (std::size_t i = 0; i < scenario.vehicles.size(); ++i) {
       vehicles_.push_back(
           std::make_unique<FirmwareVehicle>(deck_, loop_.flight().plan.plan(i), i,
@@ -350,12 +380,11 @@ class FirmwareFlight final : public FlightBench {
     try {
       fly_steps();
       faults_.end_restart();
+      leave_disarmed();
       restore_fences();
       finish();
     } catch (...) {
-      if (deck_.scenario.firmware->external_ahrs) {
-        for (const auto& vehicle : vehicles_) vehicle->disarm();
-      }
+      leave_disarmed();
       if (deck_.scenario.fence) go_on_for_a_moment();
       restore_fences();
       throw;
@@ -382,7 +411,10 @@ class FirmwareFlight final : public FlightBench {
 
   void before_steps(Flight& flight, base::SimTime) override {
     watch_.before_steps();
-    for (const auto& vehicle : vehicles_) vehicle->check_own_end();
+    for (const auto& vehicle : vehicles_) {
+      vehicle->check_own_end();
+      vehicle->check_sensors_line();
+    }
     const bool is_paused = deck_.simulator.status().paused;  // in lockstep the firmware stops, too
     if (is_paused || faults_.excuses_silence(base::steady_now())) return;
     for (std::size_t i = 0; i < vehicles_.size(); ++i) {
@@ -419,6 +451,12 @@ class FirmwareFlight final : public FlightBench {
     loop_.fly([this](bool commanded) {
       if (!commanded) deck_.supervisor.wait(FlightPlan::kLookPeriod);
     });
+  }
+
+  /// Those with live outputs.
+  void leave_disarmed() {
+    if (!deck_.scenario.firmware->external_ahrs) return;
+    for (const auto& vehicle : vehicles_) vehicle->leave_disarmed();
   }
 
   void restore_fences() {

@@ -11,6 +11,7 @@
 #include "hils/programs/flown_simulator.hpp"
 #include "hils/programs/pilot_calls.hpp"
 #include "hils/programs/supervisor.hpp"
+#include "hils/run/run_request.hpp"
 #include "hils/scenario/scenario.hpp"
 
 namespace cas::hils {
@@ -32,6 +33,7 @@ struct FlightDeck {
   std::filesystem::path run;
   std::string casd_address;
   FlownSimulator simulator;
+  FcuDevice vehicle_line{};             ///< casd's end of the line to the firmware
   base::rpc::Client casd;               ///< replaced when casd is started again
   std::function<base::SimTime()> look;  ///< at the simulation, for all vehicles
 };

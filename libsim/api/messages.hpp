@@ -188,6 +188,14 @@ struct PropulsionHealth {
   }();
 };
 
+/// Whether the line of a sensor unit with one of its own (plugin external_ahrs) is cut: no byte
+/// passes, either way.
+struct LineCut {
+  static constexpr std::string_view kTypeName = "cas.LineCut";
+  static constexpr unsigned kTypeVersion = 1;
+  bool cut = false;
+};
+
 /// Name of the part of the flight that the run is in ("takeoff", "hold"), published by its pilot
 /// program.
 struct FlightPhase {

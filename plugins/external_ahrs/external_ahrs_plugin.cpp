@@ -71,7 +71,7 @@ class ExternalAhrsPlugin final : public Plugin {
   void pre_step(const StepInfo& step, World&) override {
     for (auto bytes = wire_->read(base::steady_now()); !bytes.empty();
          bytes = wire_->read(base::steady_now())) {
-      unit_->receive(bytes);
+      if (!is_cut_) unit_->receive(bytes);
       if (bytes.size() < kReaderBytes) break;  // a sender that never pauses is not waited for
     }
     tell_changes();
@@ -89,6 +89,10 @@ class ExternalAhrsPlugin final : public Plugin {
       take_readings(step.time, world);
       const auto packet = unit_->next(step.time, readings_, fresh_);
       if (packet.empty()) return;
+      if (is_cut_) {
+        ++cut_off_;
+        continue;
+      }
       wire_->write(packet);
       note_gap();
     }
@@ -102,6 +106,7 @@ class ExternalAhrsPlugin final : public Plugin {
     last_inertial_.reset();
     fresh_ = {};
     has_ = {};
+    is_cut_ = false;
   }
 
   std::string stats_json() const override {
@@ -121,6 +126,7 @@ class ExternalAhrsPlugin final : public Plugin {
                                   {"late", packets.late},
                                   {"without_sample", packets.without_sample},
                                   {"reader_full", reader_full_},
+                                  {"cut_off", cut_off_},
                                   {"longest_wait_us", packets.longest_wait.count() / 1000},
                                   {"longest_gap_ms", 1e3 * base::to_seconds(longest_gap_)},
                                   {"lines", lines.lines},
@@ -160,6 +166,15 @@ class ExternalAhrsPlugin final : public Plugin {
         });
     gps_ = context.bus().subscribe<GpsSample>(context.topic("gps"),
                                               [this](const GpsSample& sample) { on_fix(sample); });
+    line_cut_ = context.bus().subscribe<LineCut>(
+        context.topic("line_cut"), [this](const LineCut& line) { on_cut(line.cut); },
+        Need::kOptional);
+  }
+
+  /// A gap by a fault is none of the machine's.
+  void on_cut(bool cut) {
+    is_cut_ = cut;
+    last_sent_.reset();
   }
 
   /// The packet of an inertial sample carries field and air as well: without them it waits.
@@ -274,6 +289,8 @@ class ExternalAhrsPlugin final : public Plugin {
   bool was_running_ = false;
   std::string told_refusal_;
   std::uint64_t reader_full_ = 0;
+  bool is_cut_ = false;        // by a fault
+  std::uint64_t cut_off_ = 0;  // packets that left while it was
   std::array<std::uint64_t, UnitRegisters::kOutputs> sent_before_{};
   std::optional<base::RunTime> last_sent_;
   base::Duration longest_gap_{};  // between two packets, by the wall clock
@@ -281,6 +298,7 @@ class ExternalAhrsPlugin final : public Plugin {
   Subscription gps_;
   Subscription magnetometer_;
   Subscription barometer_;
+  Subscription line_cut_;
 };
 
 }  // namespace

@@ -153,7 +153,7 @@ class FaultPlugin final : public Plugin {
         if (context.bus().is_advertised(context.topic(name))) further_.push_back(name);
       }
     }
-    breaks_propulsion_ = changes_mass_ = blows_ = by_hand_;
+    breaks_propulsion_ = changes_mass_ = blows_ = cuts_line_ = by_hand_;
     breaks_surfaces_ = by_hand_ && context.vehicle().aero.has_value();
     for (const FaultSpec& fault : schedule_.faults()) {
       check_part(fault);
@@ -162,6 +162,7 @@ class FaultPlugin final : public Plugin {
       breaks_surfaces_ |= std::holds_alternative<SurfaceFault>(fault.kind);
       changes_mass_ |= std::holds_alternative<MassFault>(fault.kind);
       blows_ |= std::holds_alternative<GustCommand>(fault.kind);
+      cuts_line_ |= std::holds_alternative<LineCutFault>(fault.kind);
     }
     TopicBus& bus = context.bus();
     if (breaks_propulsion_) {
@@ -171,6 +172,7 @@ class FaultPlugin final : public Plugin {
       surface_health_ = bus.advertise<SurfaceHealth>(context.topic(std::string(kSurfaceHealth)));
     }
     if (blows_) gust_ = bus.advertise<GustCommand>(context.topic("gust"));
+    if (cuts_line_) line_cut_ = bus.advertise<LineCut>(context.topic("line_cut"));
     if (by_hand_) {
       const auto take = [this](const FaultOrder& order) { take_order(order); };
       orders_ = bus.subscribe<FaultOrder>(context.topic(std::string(kFaultOrders)), take,
@@ -284,6 +286,8 @@ class FaultPlugin final : public Plugin {
       switch_sensor(*sensor, event.begins);
     } else if (const auto* gust = std::get_if<GustCommand>(&fault.kind)) {
       if (event.begins) gust_.publish(*gust);
+    } else if (std::holds_alternative<LineCutFault>(fault.kind)) {
+      line_cut_.publish({.cut = is_line_cut()});
     } else if (std::holds_alternative<MassFault>(fault.kind)) {
       world.scale_mass(vehicle_, mass_factor());
     } else if (std::holds_alternative<SurfaceFault>(fault.kind)) {
@@ -327,6 +331,13 @@ class FaultPlugin final : public Plugin {
       const auto* kind = std::get_if<Kind>(&schedule_.faults()[i].kind);
       if (kind != nullptr && schedule_.is_active(i)) action(*kind);
     }
+  }
+
+  /// Of several faults at once each holds it cut.
+  bool is_line_cut() const {
+    bool cut = false;
+    for_active<LineCutFault>([&](const LineCutFault&) { cut = true; });
+    return cut;
   }
 
   double mass_factor() const {
@@ -404,6 +415,7 @@ class FaultPlugin final : public Plugin {
   bool changes_mass_ = false;
   bool blows_ = false;
   bool blows_at_nothing_ = false;
+  bool cuts_line_ = false;
   bool armed_ = false;
   FlightPhase phase_;
   std::vector<double> torque_coefficients_;
@@ -419,6 +431,7 @@ class FaultPlugin final : public Plugin {
   Publisher<PropulsionHealth> health_;
   Publisher<SurfaceHealth> surface_health_;
   Publisher<GustCommand> gust_;
+  Publisher<LineCut> line_cut_;
   Subscription command_;
   Subscription rotor_speeds_;
   Subscription phase_topic_;

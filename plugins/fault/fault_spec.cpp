@@ -27,6 +27,7 @@ using base::ConfigNode;
 namespace {
 
 constexpr double kLongestRun = 1e6;  // s
+constexpr std::string_view kExternalAhrs = "external_ahrs";
 
 struct FieldName {
   SensorTopic topic;
@@ -346,6 +347,12 @@ GustCommand parse_gust(const ConfigNode& node) {
   return gust;
 }
 
+/// `disconnect: external_ahrs`, the one unit with a line that can be cut.
+LineCutFault parse_disconnect(const ConfigNode& node) {
+  if (node.as<std::string>() != kExternalAhrs) node.fail("must be external_ahrs");
+  return {};
+}
+
 /// What a fault can do, by its key.
 struct Effect {
   std::string_view key;
@@ -367,7 +374,7 @@ FaultKind value_of(const ConfigNode& node) {
   return Fault{node.as<Value>()};
 }
 
-constexpr std::array<Effect, 26> kEffects{
+constexpr std::array<Effect, 27> kEffects{
     {{"freeze", kind_of<parse_freeze>},
      {"drop", kind_of<parse_drop>},
      {"delay", kind_of<parse_delay>},
@@ -393,7 +400,8 @@ constexpr std::array<Effect, 26> kEffects{
      {"surface", kind_of<parse_surface>},
      {"mass_factor", value_of<MassFault, double>},
      {"cg_shift_B_m", value_of<CgFault, Eigen::Vector3d>},
-     {"gust", kind_of<parse_gust>}}};
+     {"gust", kind_of<parse_gust>},
+     {"disconnect", kind_of<parse_disconnect>}}};
 
 /// The one thing that the fault does; the key says which.
 FaultKind parse_kind(const ConfigNode& node) {
@@ -470,6 +478,7 @@ std::string_view sensor_word(SensorTopic topic) {
 
 std::string needed_plugin(const FaultKind& kind) {
   if (std::holds_alternative<GustCommand>(kind)) return "wind";
+  if (std::holds_alternative<LineCutFault>(kind)) return std::string(kExternalAhrs);
   if (const auto* sensor = std::get_if<SensorFault>(&kind)) {
     return base::sensor_name(sensor_word(sensor->topic), sensor->number);
   }

@@ -144,14 +144,17 @@ struct CgFault {
   Eigen::Vector3d shift_B_m = Eigen::Vector3d::Zero();
 };
 
+/// The line of plugin external_ahrs is cut.
+struct LineCutFault {};
+
 using FaultKind = std::variant<SensorFault, RotorFault, SwapFault, VoltageFault, SurfaceFault,
-                               MassFault, CgFault, GustCommand>;
+                               MassFault, CgFault, GustCommand, LineCutFault>;
 
 /// Name of the plugin of a sensor, which is that of the topic of its first: "imu".
 std::string_view sensor_word(SensorTopic topic);
 
 /// Name of the plugin without which a fault does nothing: the sensor's ("imu", "imu_2"), wind for a
-/// gust, motor for rotors, aero for surfaces; empty: none.
+/// gust, motor for rotors, aero for surfaces, external_ahrs for its line; empty: none.
 std::string needed_plugin(const FaultKind& kind);
 
 /// Whether it takes thrust or speed of rotors.

@@ -2,12 +2,15 @@
 // Cost of one sample of each sensor, of the rotors' derivatives and of one HIL_SENSOR.
 #include <benchmark/benchmark.h>
 
+#include <chrono>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
 #include "base/config/vehicle.hpp"
 #include "plugins/barometer/barometer_model.hpp"
 #include "plugins/common/noise_params.hpp"
+#include "plugins/external_ahrs/vector_nav.hpp"
 #include "plugins/gps/gps_model.hpp"
 #include "plugins/imu/imu_model.hpp"
 #include "plugins/magnetometer/magnetometer_model.hpp"
@@ -16,6 +19,7 @@
 #include "plugins/motor/rotor_model.hpp"
 #include "plugins/rangefinder/rangefinder_model.hpp"
 #include "plugins/wind/wind_model.hpp"
+#include "tests/plugins/vector_nav_driver.hpp"
 #include "tests/support/paths.hpp"
 
 namespace cas::sim {
@@ -169,6 +173,30 @@ void PackHilSensor(benchmark::State& bench) {
   }
 }
 BENCHMARK(PackHilSensor);
+
+/// A packet of the unit that ArduCopter 4.6.2 asks for, with the steps between two.
+void ExternalAhrsPacket(benchmark::State& bench) {
+  VectorNav unit(UnitModel::kVn200, 921'600);
+  for (const char* line : {"VNWRG,75,3,2,01,0721", "VNWRG,76,3,16,31,0001,0106,0613",
+                           "VNWRG,77,3,160,49,0003,26B8,0018", "VNASY,1"}) {
+    const std::string text = test::nmea_line(line);
+    unit.receive({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+  }
+  unit.take_answers({});
+  const UnitReadings readings;
+  base::SimTime now{};
+  std::int64_t packets = 0;
+  for (auto _ : bench) {
+    for (bool sent = false; !sent;) {
+      now += std::chrono::microseconds(1250);
+      unit.advance(now);
+      FreshSamples fresh{.inertial = true, .fix = true};
+      for (; !unit.next(now, readings, fresh).empty(); ++packets) sent = true;
+    }
+  }
+  bench.SetItemsProcessed(packets);
+}
+BENCHMARK(ExternalAhrsPacket);
 
 }  // namespace
 }  // namespace cas::sim

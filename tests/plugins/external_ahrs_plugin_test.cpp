@@ -25,32 +25,13 @@ namespace {
 
 using std::chrono::microseconds;
 using std::chrono::seconds;
+using test::arducopter_457;
+using test::arducopter_462;
+using test::value_at;
 using test::VectorNavDriver;
 using testing::HasSubstr;
 
 constexpr base::Duration kStep = microseconds(1250);
-
-VectorNavDriver arducopter_462() {
-  return {{"VNASY,0", "VNWRG,06,0,1", "VNWRG,06,0,2", "VNRRG,01", "VNWRG,75,3,2,01,0721",
-           "VNWRG,76,3,16,31,0001,0106,0613", "VNWRG,77,3,160,49,0003,26B8,0018", "VNASY,1"},
-          {{{0x01, 0x21, 0x07}, 82},
-           {{0x31, 0x01, 0x00, 0x06, 0x01, 0x13, 0x06}, 104},
-           {{0x49, 0x03, 0x00, 0xB8, 0x26, 0x18, 0x00}, 110}}};
-}
-
-VectorNavDriver arducopter_457() {
-  return {{"VNASY,0", "VNRRG,01", "VNWRG,75,3,1,34,072E,0106,0612",
-           "VNWRG,76,3,80,4E,0002,0010,20B8,0018", "VNASY,1"},
-          {{{0x34, 0x2E, 0x07, 0x06, 0x01, 0x12, 0x06}, 170},
-           {{0x4E, 0x02, 0x00, 0x10, 0x00, 0xB8, 0x20, 0x18, 0x00}, 92}}};
-}
-
-template <class T>
-T value_at(const std::vector<std::uint8_t>& packet, std::size_t at) {
-  T value;
-  std::memcpy(&value, packet.data() + at, sizeof value);
-  return value;
-}
 
 /// A vehicle with sensors whose autopilot's driver reads the unit's line in each step.
 class ExternalAhrs : public testing::Test {
@@ -182,6 +163,23 @@ TEST_F(ExternalAhrs, WritesNothingOldToADriverThatDoesNotRead) {
   run(std::chrono::milliseconds(50), driver);
   EXPECT_EQ(driver.bad, 0U) << "no packet was torn";
   EXPECT_GE(driver.received[82].size(), 18U);
+}
+
+TEST_F(ExternalAhrs, ACutLinePassesNothingAndThenGoesOn) {
+  harness_.add("fault", "{faults: [{at_s: 0.2, for_s: 0.1, disconnect: external_ahrs}]}");
+  start();
+  VectorNavDriver driver = arducopter_462();
+  run(std::chrono::milliseconds(202), driver);
+  driver.received.clear();
+  send(test::nmea_line("VNASY,0"));
+  run(std::chrono::milliseconds(98), driver);
+  EXPECT_LE(driver.received[82].size(), 1U);
+  EXPECT_EQ(figures()["running"], true) << "a line of the driver into the cut is lost";
+  EXPECT_NEAR(figures()["cut_off"].get<int>(), 45, 2) << "40 inertial samples, 5 solutions";
+  driver.received.clear();
+  run(std::chrono::milliseconds(100), driver);
+  EXPECT_NEAR(static_cast<double>(driver.received[82].size()), 40, 1);
+  EXPECT_EQ(driver.bad, 0U) << "no packet was torn";
 }
 
 TEST_F(ExternalAhrs, ARunFromZeroDoesNotTurnTheUnitsTimeBack) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <cstring>
 #include <map>
 #include <span>
 #include <string>
@@ -91,5 +92,30 @@ class VectorNavDriver {
   bool waiting_ = false;
   std::vector<std::uint8_t> bytes_;
 };
+
+/// Of ArduCopter 4.6.2, for a VN-200: packets of 82 (inertial), 104 (solution) and 110 (fix) bytes.
+inline VectorNavDriver arducopter_462() {
+  return {{"VNASY,0", "VNWRG,06,0,1", "VNWRG,06,0,2", "VNRRG,01", "VNWRG,75,3,2,01,0721",
+           "VNWRG,76,3,16,31,0001,0106,0613", "VNWRG,77,3,160,49,0003,26B8,0018", "VNASY,1"},
+          {{{0x01, 0x21, 0x07}, 82},
+           {{0x31, 0x01, 0x00, 0x06, 0x01, 0x13, 0x06}, 104},
+           {{0x49, 0x03, 0x00, 0xB8, 0x26, 0x18, 0x00}, 110}}};
+}
+
+/// Of ArduCopter 4.5.7, for a VN-300.
+inline VectorNavDriver arducopter_457() {
+  return {{"VNASY,0", "VNRRG,01", "VNWRG,75,3,1,34,072E,0106,0612",
+           "VNWRG,76,3,80,4E,0002,0010,20B8,0018", "VNASY,1"},
+          {{{0x34, 0x2E, 0x07, 0x06, 0x01, 0x12, 0x06}, 170},
+           {{0x4E, 0x02, 0x00, 0x10, 0x00, 0xB8, 0x20, 0x18, 0x00}, 92}}};
+}
+
+/// A number of a packet, little-endian.
+template <class T>
+T value_at(const std::vector<std::uint8_t>& packet, std::size_t at) {
+  T value;
+  std::memcpy(&value, packet.data() + at, sizeof value);
+  return value;
+}
 
 }  // namespace cas::test

@@ -84,6 +84,7 @@ TEST(FirmwareScenario, OfLiveOutputsNeedsTheUsersWord) {
   EXPECT_TRUE(firmware.external_ahrs);
   EXPECT_TRUE(firmware.not_hil) << "consent follows from the word";
   EXPECT_EQ(firmware.autopilot, "ArduPilot");
+  EXPECT_TRUE(Scenario::load(kScenarios / "ardupilot_hil_plane.yaml").firmware->external_ahrs);
 }
 
 TEST(FirmwareScenario, OnABoardTakesItsPorts) {
@@ -170,6 +171,22 @@ TEST(FirmwareScenario, GivesTrajectoriesAndMissionsALinkOfCasd) {
   EXPECT_EQ(links.back().require<std::string>("remote"), "127.0.0.1:4321");
 }
 
+/// A link without routes would hear nothing of the mission's items.
+TEST(FirmwareScenario, RoutesItsOwnLinkAsThatOfAStation) {
+  const test::TemporaryFolder folder;
+  const Scenario scenario = Scenario::load(kScenarios / "ardupilot_hil.yaml");
+  RunPaths paths = RunPaths::of(scenario, folder.path(), folder.path());
+  ASSERT_TRUE(needs_companion(scenario)) << "it flies a mission";
+  paths.companions = {4321};
+  write_firmware_configs({.scenario = scenario}, paths);
+  std::string routes;
+  const auto topology = base::ConfigNode::load(paths.casd_config());
+  for (const auto& route : topology.at("routes").items()) {
+    routes += route.require<std::string>("from") + ">" + route.require<std::string>("to") + " ";
+  }
+  EXPECT_NE(routes.find("fcu>hils_companion hils_companion>fcu"), std::string::npos) << routes;
+}
+
 TEST(FirmwareScenario, RefusesAVersionThatIsNone) {
   const test::TemporaryFolder folder;
   const auto file = changed(folder, "least_version: \"1.12\"", "least_version: \"v1.12\"");
@@ -249,9 +266,9 @@ TEST(FirmwareScenario, RefusesFaultsOfSensorsThatItsWorldDoesNotHave) {
   const test::TemporaryFolder folder;
   std::ifstream in(kScenarios / "ardupilot.yaml");
   const std::string text{std::istreambuf_iterator<char>(in), {}};
-  for (const char* effect :
-       {"drop: gps", "freeze: imu", "scale: {sensor: barometer, pressure: 100}",
-        "turn: {sensor: magnetometer, rpy_deg: [0, 0, 90]}"}) {
+  for (const char* effect : {"drop: gps", "freeze: imu", "disconnect: external_ahrs",
+                             "scale: {sensor: barometer, pressure: 100}",
+                             "turn: {sensor: magnetometer, rpy_deg: [0, 0, 90]}"}) {
     const auto file = folder.write("changed.yaml", text + "faults: [{at_s: 5, " + effect + "}]\n");
     const std::string said = test::refusal([&] { Scenario::load(file); });
     EXPECT_THAT(said, HasSubstr("faults[0]: needs 'plugin: ")) << effect << ": " << said;
