@@ -104,7 +104,7 @@ TEST_F(FlightMcap, OfAFileWithAFlippedByteIsRefusedWithItsPlace) {
   std::string bytes = test::content(file());
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 0x10);
   const auto broken = folder_->write("broken.mcap", bytes);
-  const std::string sentence = test::refusal([&] { mcap_record(broken); });
+  const std::string sentence = cas::test::refusal([&] { mcap_record(broken); });
   EXPECT_TRUE(sentence.starts_with(broken.string() + ": byte ")) << sentence;
   EXPECT_NE(sentence.find("the chunk"), std::string::npos) << sentence;
 }

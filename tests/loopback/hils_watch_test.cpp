@@ -182,13 +182,13 @@ TEST_F(HilsWatch, CasctlFindsARunAndAGroundStationJoinsIt) {
 
   const Ended status = casctl({"--json", "status"});
   EXPECT_EQ(status.code, 0) << status.output;
-  EXPECT_EQ(nlohmann::json::parse(status.output)["name"], "long look");
+  EXPECT_EQ(nlohmann::json::parse(status.output)["name"], "hop");
 
   const auto other = casd();
   ASSERT_TRUE(other->wait_ready().has_value()) << other->output();
   const Ended listed = casctl({"status"});
   EXPECT_THAT(listed, EndedWith(kExitUsage, "2 casds run"));
-  EXPECT_TRUE(std::regex_search(listed.output, std::regex("long look +1 +20"))) << listed.output;
+  EXPECT_TRUE(std::regex_search(listed.output, std::regex("hop +1 +20"))) << listed.output;
   end(*run);
   EXPECT_EQ(casctl({"status"}).code, 0) << "the run's casd is gone";
 }
@@ -206,7 +206,7 @@ TEST_F(HilsWatch, ARunBesideAnotherCasdNamesItsAddress) {
   const std::string address = line.substr(begin.size(), line.size() - begin.size() - rest.size());
   const Ended status = casctl({"--address", address, "--json", "status"});
   EXPECT_EQ(status.code, 0) << status.output;
-  EXPECT_EQ(nlohmann::json::parse(status.output)["name"], "long look");
+  EXPECT_EQ(nlohmann::json::parse(status.output)["name"], "hop");
 
   EXPECT_NE(casctl({"status"}).output.find(address + " "), std::string::npos) << "as listed";
 

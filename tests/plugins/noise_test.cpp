@@ -209,9 +209,11 @@ TEST(Preset, IsReadByEverySensor) {
     constexpr double kStep = 1e-3;
     EXPECT_GT(parse_imu_params(preset.at("imu"), kStep).rate_hz, 0);
     EXPECT_GT(read_at_rate<base::read_gps_sheet>(preset.at("gps"), kStep).rate_hz, 0);
-    EXPECT_GT(read_at_rate<base::read_magnetometer_sheet>(preset.at("magnetometer"), kStep).rate_hz, 0);
+    EXPECT_GT(read_at_rate<base::read_magnetometer_sheet>(preset.at("magnetometer"), kStep).rate_hz,
+              0);
     EXPECT_GT(read_at_rate<base::read_barometer_sheet>(preset.at("barometer"), kStep).rate_hz, 0);
-    EXPECT_GT(read_at_rate<base::read_rangefinder_sheet>(preset.at("rangefinder"), kStep).rate_hz, 0);
+    EXPECT_GT(read_at_rate<base::read_rangefinder_sheet>(preset.at("rangefinder"), kStep).rate_hz,
+              0);
     for (const char* sensor : {"imu", "gps", "magnetometer", "barometer", "rangefinder"}) {
       preset.at(sensor).reject_unused();
     }
