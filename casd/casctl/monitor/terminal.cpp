@@ -14,23 +14,27 @@ namespace {
 
 enum Pair : short { kGoodPair = 1, kBadPair, kTitlePair, kAlarmPair };
 
+/// A pair of colours with further attributes; on a terminal without colours another look.
+attr_t coloured(Pair pair, attr_t further, attr_t without_colours) {
+  return has_colors() ? static_cast<attr_t>(COLOR_PAIR(pair)) | further : without_colours;
+}
+
 attr_t attributes(Style style) {
-  const bool colours = has_colors();
   switch (style) {
     case Style::kPlain:
       return A_NORMAL;
     case Style::kTitle:
-      return colours ? COLOR_PAIR(kTitlePair) | A_BOLD : A_REVERSE;
+      return coloured(kTitlePair, A_BOLD, A_REVERSE);
     case Style::kAlarm:
-      return colours ? COLOR_PAIR(kAlarmPair) | A_BOLD : A_BOLD;
+      return coloured(kAlarmPair, A_BOLD, A_BOLD);
     case Style::kHeader:
       return A_BOLD | A_UNDERLINE;
     case Style::kSelected:
       return A_REVERSE;
     case Style::kGood:
-      return colours ? COLOR_PAIR(kGoodPair) : A_NORMAL;
+      return coloured(kGoodPair, A_NORMAL, A_NORMAL);
     case Style::kBad:
-      return colours ? COLOR_PAIR(kBadPair) | A_BOLD : A_BOLD;
+      return coloured(kBadPair, A_BOLD, A_BOLD);
     case Style::kDim:
       return A_DIM;
   }

@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <variant>
 #include <vector>
@@ -17,7 +16,6 @@ namespace cas::sim {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Embree computes in single precision: its bounds and ranges are wider by this share.
 constexpr double kSingle = 1e-6;
 
