@@ -13,6 +13,7 @@
 #include "base/angles.hpp"
 #include "base/enum_words.hpp"
 #include "base/suggestion.hpp"
+#include "base/text.hpp"
 #include "hils/flight/phase_check.hpp"
 
 namespace cas::hils {
@@ -263,7 +264,10 @@ FlightStep parse_step(const base::ConfigNode& node, const casd::GainMap& gains,
   }
   if (!node.is_map()) node.fail("a step is a word or a map with one key, such as 'hold: {...}'");
   const auto entries = node.entries();
-  if (entries.size() != 1) node.fail("a step is a map with exactly one key");
+  if (entries.size() != 1) {
+    node.fail("a step is a map with exactly one key, and this has: " +
+              base::joined(entries, ", ", [](const auto& entry) { return entry.first; }));
+  }
   step.kind = parse_kind(node, entries.front().first);
   const base::ConfigNode& body = entries.front().second;
   if (!body.is_map()) body.fail("the step takes a map");

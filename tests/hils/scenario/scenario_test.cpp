@@ -303,7 +303,8 @@ INSTANTIATE_TEST_SUITE_P(
                     "no hold is measured"},
         BadScenario{"DisarmInTheAir", "steps: [arm, {takeoff: {altitude_m: 2}}, disarm]\n",
                     "would drop the vehicle"},
-        BadScenario{"TwoKeysInAStep", "steps: [{arm: {}, land: {}}]\n", "exactly one key"},
+        BadScenario{"TwoKeysInAStep", "steps: [{arm: {}, land: {}}]\n",
+                    "exactly one key, and this has: arm, land"},
         BadScenario{"UnknownArchitecture",
                     "architecture: serial\nsteps: [arm, {takeoff: {altitude_m: 2}}, {hold: "
                     "{duration_s: 1, measure: true}}, land]\n",
