@@ -37,7 +37,7 @@ class CAS_THREAD_SAFETY(scoped_lockable) MutexLock {
   explicit MutexLock(Mutex& mutex) CAS_THREAD_SAFETY(acquire_capability(mutex)) : mutex_(mutex) {
     mutex_.lock();
   }
-  /// Of a mutex that try_lock() has locked.
+  /// Takes over a mutex that try_lock() has locked.
   MutexLock(Mutex& mutex, std::adopt_lock_t /*locked*/) CAS_REQUIRES(mutex) : mutex_(mutex) {}
   ~MutexLock() CAS_THREAD_SAFETY(release_capability()) { mutex_.unlock(); }
   MutexLock(const MutexLock&) = delete;
