@@ -53,9 +53,9 @@ class PluginContext {
   virtual std::string topic(const std::string& name) const = 0;
   /// The vehicle that the plugin belongs to, as World knows it.
   virtual VehicleId vehicle_id() const = 0;
-  /// Its vehicle file.
+  /// The vehicle file of that vehicle.
   virtual const base::Vehicle& vehicle() const = 0;
-  /// Its name in the simulation: "iris0".
+  /// Name of that vehicle in the simulation: "iris0".
   virtual std::string vehicle_name() const = 0;
   /// Derived from the world's seed, the vehicle's name and the plugin's name.
   virtual std::uint64_t seed() const = 0;
