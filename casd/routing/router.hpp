@@ -70,7 +70,7 @@ inline constexpr int kRouterRefusals = kDecisions - 2;
 constexpr bool is_refusal(Route::Decision decision) {
   return decision != Route::Decision::kForward && decision != Route::Decision::kCasdOnly;
 }
-/// Of every refusal.
+/// The cause under which a refused packet counts as dropped.
 constexpr DropCause cause_of(Route::Decision decision) {
   return static_cast<DropCause>(static_cast<int>(DropCause::kDuplicate) +
                                 static_cast<int>(decision) - 1);

@@ -86,11 +86,12 @@ struct Topology {
   std::filesystem::path dialect;  ///< MAVLink XML beside the generated dialect; empty: none
   std::filesystem::path gains;    ///< empty: none; loop name -> parameter names per autopilot
 
-  /// Of a file with what overlays it, or of a folder: load_topology_files().
+  /// Reads a file with what overlays it, or a folder: load_topology_files().
   /// @throws ConfigError "FILE:LINE: key: sentence"
   static Topology load(const std::filesystem::path& place);
   static Topology parse(const base::ConfigNode& root);
-  /// Of files that overlay each other, see overlaid(): links by their names, routes by their ends.
+  /// Reads files that overlay each other, see overlaid(): links by their names, routes by their
+  /// ends.
   static Topology parse(const std::vector<base::ConfigNode>& files);
 
   /// Puts `pace` to lockstep. Its lines are not paced and nothing in a queue grows old: simulated
