@@ -93,10 +93,12 @@ class PluginContext {
   virtual void expect_rays() {}
 };
 
-/// A part of the simulation that lives in a shared library.
+/// A part of the simulation that lives in a shared library: a sensor, a force, an interface to a
+/// controller. SimRunner makes one for each plugin that a vehicle of the simulation file lists.
 ///
 /// create -> configure -> bus frozen -> (pre_step -> physics -> post_step)* -> finish -> destroy.
-/// All on one thread.
+/// All on one thread. For example plugin `imu` advertises topic `iris0/imu` in configure(), and
+/// publishes a sample in each post_step() in which one is due.
 class Plugin {
  public:
   virtual ~Plugin() = default;

@@ -69,12 +69,14 @@ struct StartPose {
   double yaw_deg = 0;           ///< of the nose, counter-clockwise from east
 };
 
+/// A plugin in a vehicle's list, with its parameters.
 struct PluginConfig {
   std::string plugin;  ///< bare library name
   base::ConfigNode params =
       base::ConfigNode::empty();  ///< merged over sensors.<plugin> of the vehicle file
 };
 
+/// A vehicle of a simulation file, with its plugins.
 struct VehicleConfig {
   std::string name;
   base::Vehicle vehicle;

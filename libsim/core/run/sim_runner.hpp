@@ -32,7 +32,8 @@ struct SimWarning {
   std::string sentence;
 };
 
-/// One world with its vehicles and plugins, stepped by its caller. Reads no clock.
+/// One world with its vehicles and plugins, stepped by its caller. Reads no clock. hilsim steps it
+/// by its pace, the virtual bench and the environment of hils by their own time.
 ///
 ///   construct --> bus() wiring by the host --> start() --> step() ... step() --> finish()
 ///                                                 ^ reset() ^
