@@ -84,7 +84,13 @@ static_assert(cause_of(Route::Decision::kDuplicate) == DropCause::kDuplicate &&
 std::string_view to_string(Route::Decision decision);
 
 /// Decides by the MAVLink routing guide and the rules of the topology where each packet goes. It
-/// moves no bytes and reads no clock.
+/// moves no bytes and reads no clock. Each link's Ingress asks it about every packet that comes in,
+/// and hands the packet to the links of the answer.
+///
+///   Route route = router.on_packet(link, packet, now);  // route.to: links that get it
+///   router.tick(link, now);                             // once a second
+///   router.replace(plan);                               // after a reload of the topology
+///   router.forget(link);                                // the link is gone
 ///
 /// `on_packet`, `tick` and `forget` for one link belong to one thread at a time; different links
 /// may run on different threads. `replace` may come from any thread.

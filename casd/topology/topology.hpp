@@ -39,6 +39,7 @@ enum class Pace : std::uint8_t {
   kLockstep,  ///< the time stamps of the HIL_SENSOR stream
 };
 
+/// Addresses of the command port, and who may use it.
 struct CommandPortConfig {
   std::string address = "127.0.0.1";
   std::uint16_t port = base::rpc::kCommandPort;
@@ -59,6 +60,7 @@ struct MetricsConfig {
   friend bool operator==(const MetricsConfig&, const MetricsConfig&) = default;
 };
 
+/// What casd's own station sends by itself, and what it may command.
 struct CommandingConfig {
   double heartbeat_hz = 1;
   bool allow_not_hil = false;  ///< consent to arm a vehicle that is not in HIL
