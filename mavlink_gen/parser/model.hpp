@@ -34,6 +34,7 @@ struct Lifecycle {
   std::string text;
 };
 
+/// One parameter of a MAV_CMD entry.
 struct Param {
   int index{};  ///< 1..7
   std::string label, units, enum_name, min_value, max_value, increment, default_value;
@@ -41,6 +42,7 @@ struct Param {
   std::string text;
 };
 
+/// One value of an enum; of MAV_CMD: a command.
 struct Entry {
   std::string name;
   EnumValue value;
@@ -83,6 +85,7 @@ bool is_integer(BaseType type);             ///< a number without fraction; `cha
 bool is_signed(BaseType type);
 bool holds(BaseType type, const EnumValue& value);  ///< an integer type
 
+/// One field of a message, as the XML describes it and with its place in the payload.
 struct Field {
   std::string name;
   BaseType type{};

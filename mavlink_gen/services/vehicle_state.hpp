@@ -72,6 +72,10 @@ inline constexpr std::uint32_t kEkfStatusReport = 193;
 /// On a high latency link HIGH_LATENCY2 takes the place of the HEARTBEAT once none of those has
 /// come for kVehicleTimeout. It never says that the vehicle is in HIL, and PX4's does not say
 /// whether it is armed: the last known state stays.
+///
+///   VehicleState vehicle(heartbeat_source, now);  // casd's station: at the first HEARTBEAT
+///   vehicle.on_packet(packet, now);               // each packet of its autopilot
+///   if (vehicle.armed() && vehicle.heartbeat_age(now) < vehicle.silent_after()) ...
 class VehicleState {
  public:
   VehicleState(Source source, Time now) : source_(source), heard_at_(now) {}
