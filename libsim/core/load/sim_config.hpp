@@ -32,6 +32,7 @@ enum class Integrator {
   kOde,  ///< ODE's first-order stepper throughout, for comparison
 };
 
+/// How fast simulated time runs against the wall clock, and how late steps are made up for.
 struct PaceConfig {
   PaceMode mode = PaceMode::kRealtime;
   bool speed_given = false;  ///< else an SDF world's real-time factor holds
