@@ -25,6 +25,7 @@ inline constexpr double kTurning_rad_s = 50.0;
 /// Angle between the vehicle's axis and the vertical.
 double tilt_deg(const Pose& pose);
 
+/// Something that went wrong with the vehicle in a flight, by the true motion.
 struct Incident {
   IncidentKind kind{};
   double time_s = 0;  ///< simulated
