@@ -53,6 +53,7 @@ struct Entry {
   Position position;
 };
 
+/// One enum of a dialect: its entries, and the integer type that holds their values.
 struct Enum {
   std::string name;
   bool bitmask{};
@@ -109,6 +110,7 @@ struct Field {
   }
 };
 
+/// One message of a dialect, with its layout on the wire.
 struct Message {
   std::uint32_t id{};
   std::string name;
