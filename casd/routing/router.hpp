@@ -84,8 +84,8 @@ static_assert(cause_of(Route::Decision::kDuplicate) == DropCause::kDuplicate &&
 std::string_view to_string(Route::Decision decision);
 
 /// Decides by the MAVLink routing guide and the rules of the topology where each packet goes. It
-/// moves no bytes and reads no clock. Each link's Ingress asks it about every packet that comes in,
-/// and hands the packet to the links of the answer.
+/// moves no bytes and reads no clock. Each link's Ingress asks it about every packet that it
+/// admits, and hands the packet to the links of the answer.
 ///
 ///   Route route = router.on_packet(link, packet, now);  // route.to: links that get it
 ///   router.tick(link, now);                             // once a second
